@@ -8,7 +8,7 @@ from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, wo
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM, corner_gap, web_between
 from mbcdm_cad.layouts.sector import HeadLayout
-from mbcdm_cad.parts.boss.dims import EAR_WALL_MM
+from mbcdm_cad.parts.boss import EAR_WALL_MM
 from mbcdm_cad.parts.collar import collar_sweep_mm
 
 # Numbers of holes in the parts: for the encoders' screws, one on each side, and for those of motor or gearhead.

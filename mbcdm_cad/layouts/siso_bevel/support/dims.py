@@ -23,7 +23,7 @@ from math import sqrt
 from mbcdm_cad.design.bought import InsertSpec
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
 from mbcdm_cad.layouts.siso_bevel.stack import DirectStack, pocket_corner_radius_mm
-from mbcdm_cad.parts.boss.dims import BossDims, boss
+from mbcdm_cad.parts.boss import BossDims, boss
 from mbcdm_cad.parts.drum_shaft import DrumShaftDims
 from mbcdm_cad.parts.motor_head.dims import DOWEL_MM, Flange, dowel_length_mm
 from mbcdm_cad.parts.motor_head.dims import flange_screw as screw_of_flange

@@ -7,7 +7,7 @@ from math import pi, sqrt
 from typing import TYPE_CHECKING
 
 from mbcdm_cad.layouts.siso_bevel.support.dims import ColumnDims
-from mbcdm_cad.parts.boss.draw import boss_bodies, boss_tools
+from mbcdm_cad.parts.boss import boss_bodies, boss_tools
 from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.part import MadePart
 from mbcdm_cad.parts.shapes import block, cut, cylinder_y, cylinder_z, fuse, pocket_y

@@ -22,7 +22,7 @@ from mbcdm_cad.checks.geometry import HOLE_WEB_MM
 from mbcdm_cad.design.bought import InsertSpec, Screw
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, groove_depth_mm
 from mbcdm_cad.layouts.siso_spur.stack import SpurStack, least_wall_z_mm
-from mbcdm_cad.parts.boss.dims import BossDims, boss
+from mbcdm_cad.parts.boss import BossDims, boss
 from mbcdm_cad.parts.drum_sector.sizes import SLOT_WALLS, STOP_SLOT_PLAY_MM
 from mbcdm_cad.parts.drum_shaft import DrumShaftDims
 from mbcdm_cad.parts.motor_head.dims import (

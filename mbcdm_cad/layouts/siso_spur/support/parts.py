@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from mbcdm_cad.design.bought import InsertSpec
 from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims
-from mbcdm_cad.parts.boss.draw import boss_bodies, boss_tools
+from mbcdm_cad.parts.boss import boss_bodies, boss_tools
 from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.motor_head.dims import Places
 from mbcdm_cad.parts.part import MadePart

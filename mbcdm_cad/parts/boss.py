@@ -1,12 +1,18 @@
-"""Dimensions of a frame's boss: seats of the drum's two bearings, and the pocket of its ring encoder behind them."""
+"""A frame's boss: seats of the drum's two bearings, and the pocket of its ring encoder behind them."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from mbcdm_cad.parts.drum_sector.design import SectorDrive
 from mbcdm_cad.parts.drum_sector.sizes import SPRING_HEIGHT_MM
 from mbcdm_cad.parts.drum_shaft import DrumShaftDims
+from mbcdm_cad.parts.shapes import block, cylinder_y
+
+if TYPE_CHECKING:
+    import cadquery as cq
+
 
 BEARING_WALL_MM = 3.0
 EAR_WALL_MM = 1.2
@@ -56,3 +62,28 @@ def boss(drive: SectorDrive, shaft: DrumShaftDims, back_y: float, front_y: float
         ear_half_height=screw.thread_mm / 2 + 2 * EAR_WALL_MM,
         ear_front_y=back_y + encoder.length_mm + screw.length_mm - ENCODER_GRIP_MM + 1.0,
     )
+
+
+def boss_bodies(d: BossDims) -> list[cq.Solid]:
+    """Cylinder in front of the encoder's pocket, and the ears beside it."""
+    ears = block(
+        (-d.ear_reach, d.ear_reach),
+        (d.encoder_pocket_floor_y, d.ear_front_y),
+        (-d.ear_half_height, d.ear_half_height),
+    )
+    return [cylinder_y(d.radius, 0.0, 0.0, d.encoder_pocket_floor_y, d.front_y), ears]
+
+
+def boss_tools(d: BossDims) -> list[cq.Shape]:
+    """Encoder's pocket from behind, seats and shoulder of the bearings, threads for the encoder's screws."""
+    back, floor = d.back_y - 1.0, d.encoder_pocket_floor_y
+    tools: list[cq.Shape] = [
+        cylinder_y(d.encoder_pocket_radius, 0, 0, back, floor),
+        cylinder_y(d.seat_radius, 0, 0, back, d.rear_seat_end_y),
+        cylinder_y(d.shoulder_radius, 0, 0, d.rear_seat_end_y - 1.0, d.front_seat_start_y + 1.0),
+        cylinder_y(d.seat_radius, 0, 0, d.front_seat_start_y, d.front_y + 1.0),
+    ]
+    for sign in (-1, 1):
+        x = sign * d.screw_circle
+        tools.append(cylinder_y(d.screw_radius, x, 0, floor - 1.0, floor + d.screw_depth))
+    return tools
