@@ -1,4 +1,4 @@
-"""The bill of the assembly: every part with the function that draws it, every instance with its place."""
+"""The bill of the assembly: every part, every instance with its place."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Bill of the assembly: every part with the function that draws it, every instance with its placement."""
+"""Bill of the assembly: every part, every instance with its placement."""
 
 from __future__ import annotations
 
