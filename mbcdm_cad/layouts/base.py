@@ -25,6 +25,7 @@ from mbcdm_cad.design.drive import Drive
 if TYPE_CHECKING:
     from mbcdm_cad.checks.design_variables import DesignVariable
     from mbcdm_cad.design.design_file import DesignFile
+    from mbcdm_cad.layouts.structure import Structure
     from mbcdm_cad.model.cable_tensions import CableTensions
     from mbcdm_cad.model.stack_up import StackUp
     from mbcdm_cad.model.tensioning_plan import TensioningPlan
@@ -235,6 +236,17 @@ class Layout(ABC):
         """Study of the drum's rotation by the frame's deflection; None if the frame is assumed to be rigid."""
         found: FrameStudy | None = self._module("support.stiffness").frame_study(self)
         return found
+
+    @cached_property
+    def frame_compliance(self) -> FrameCompliance | None:
+        """Rotation of the drum by the frame's deflection; None if the frame is assumed to be rigid."""
+        study = self.frame_study
+        return None if study is None else study.compliance()
+
+    @cached_property
+    def structure(self) -> Structure | None:
+        """Compliance of all parts besides the cables, by cause, and the drum's stress; None if all count as rigid."""
+        return None
 
     @cached_property
     def path_figures(self) -> PathFigures:

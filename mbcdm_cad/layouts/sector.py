@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import cached_property
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
-from mbcdm_cad.layouts.base import Layout, dimensions
+from mbcdm_cad.layouts.base import Layout, NoFigureError, dimensions
 from mbcdm_cad.parts.collar import CollarDims
 from mbcdm_cad.parts.drum_sector.design import SectorDrive, SectorLevels, SectorRun
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
@@ -16,7 +16,11 @@ from mbcdm_cad.parts.drum_shaft import DrumShaftDims, PreloadSpringDims
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 from mbcdm_cad.parts.motor_head.dims import HeadDims, HeadedDrive
 from mbcdm_cad.parts.terminal.part import Tensioner
+from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.cable_path import CablePath
+
+if TYPE_CHECKING:
+    from mbcdm_cad.layouts.structure import Cause, Structure
 
 
 class InputLevels(SectorLevels, Protocol):
@@ -146,6 +150,21 @@ class SectorLayout(Layout):
     def smallest_wrap_rad(self, cable: SectorRun) -> float:
         """Wrap on the drum, rad, at the end of travel at which most of it is unwound."""
         return self.anchor_rad(cable) - self.half_travel_rad
+
+    @cached_property
+    def structure(self) -> Structure:
+        """See the base class."""
+        from mbcdm_cad.layouts.structure import structure_of
+
+        self.require_geometry()
+        try:
+            return structure_of(self)
+        except ValueError as error:
+            raise NoFigureError(f"the structure has no figures: {error}") from None
+
+    def passed_structure(self, unit_tension_N: Floats) -> Iterable[Cause]:
+        """Causes of the structure's turn on the bodies that cables pass, for the tensions of 1 N m on the drum."""
+        return ()
 
     @cached_property
     def extreme_paths(self) -> tuple[tuple[float, tuple[CablePath, ...]], ...]:

@@ -29,6 +29,12 @@ class CableTensions:
         return self._loads == drive.loads and self.si.is_same(si)
 
     @property
+    def test_urad_Nm(self) -> float:
+        """Turn of the drum by its cables at the test torque, over that torque, urad per N m."""
+        idle, test = self.equilibrium.drum_angle_rad[[0, 3]]
+        return abs(float(test - idle)) / self._loads.test_torque_Nm * 1e6
+
+    @property
     def states(self) -> tuple[tuple[str, NDArray[np.float64]], ...]:
         """Unloaded and at peak torque both ways."""
         return (("no load", self.idle), ("+peak torque", self.peak_forward), ("-peak torque", self.peak_back))

@@ -9,13 +9,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
-from mbcdm_cad.errors import MbcdmError
-from mbcdm_cad.layouts.base import NoFigureError
-from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.model import Analysis, analyse
 from mbcdm_cad.model.figures import ShaftTurns
 from mbcdm_cad.report.paths import path_data_or_reason, path_lines
-from mbcdm_cad.report.structure import DrumStructure, drum_structure
+from mbcdm_cad.report.structure import StructureReport, structure_report
 from mbcdm_cad.report.table import ReportTable, filled
 
 if TYPE_CHECKING:
@@ -43,13 +40,14 @@ _LIMITS = {
 class AnalysisReport:
     """``figures`` of the analytic model; ``paths`` of the cables as plain data, None where ``no_paths`` says why.
 
-    ``structure``: the drum's own turn and stress; None for a drum that is no sector, or one without a geometry.
+    ``structure``: what turns the payload besides the cables; None where ``no_structure`` says why.
     """
 
     figures: Analysis
     paths: dict[str, Any] | None
     no_paths: str
-    structure: DrumStructure | None
+    structure: StructureReport | None
+    no_structure: str
     layout: Layout = field(repr=False)
 
     def to_dict(self) -> dict[str, Any]:
@@ -158,9 +156,14 @@ class AnalysisReport:
             *self._shares().text(width, "  "),
             f"  swing at a reversal {a.reversal_swing_mrad:.4f} mrad",
         ]
-        if self.structure is not None:
-            first, *rest = self.structure.lines(a.test[0].load_Nm)
-            yield [*filled(first, width), *(line for text in rest for line in filled(f"  {text}", width))]
+        if self.structure is None:
+            yield filled(f"No figures of the structure: {self.no_structure}", width)
+        else:
+            yield [
+                "Turn of the payload by cause, for a torque on it:",
+                *self.structure.table().text(width, "  "),
+                *(line for text in self.structure.lines() for line in filled(f"  {text}", width)),
+            ]
         yield [
             "Torque at the drum at which a limit is reached first:",
             *self._limits().text(width, "  "),
@@ -207,16 +210,7 @@ def analyse_design(drive: Drive) -> AnalysisReport:
     """Every figure of the model, and the cables' paths. ``ModelError`` where the geometry leaves no free span."""
     paths, reason = path_data_or_reason(drive)
     figures = analyse(drive)
-    return AnalysisReport(figures, paths, reason, _structure(drive.layout, figures), drive.layout)
-
-
-def _structure(layout: Layout, figures: Analysis) -> DrumStructure | None:
-    if not isinstance(layout, SectorLayout):
-        return None
-    try:
-        return drum_structure(layout, figures)
-    except (NoFigureError, MbcdmError):
-        return None
+    return AnalysisReport(figures, paths, reason, *structure_report(drive.layout, figures), drive.layout)
 
 
 def _model_notes(a: Analysis) -> Iterator[str]:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from math import pi, tau
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +25,11 @@ from mbcdm_cad.parts.collar import CollarDims, collar
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
 from mbcdm_cad.parts.idler_pulley import IdlerDims
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
+from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.cable_path import CablePath
+
+if TYPE_CHECKING:
+    from mbcdm_cad.layouts.structure import Cause
 
 
 def _input_ratio(drive: BevelDrive, value: float) -> BevelDrive:
@@ -145,6 +150,22 @@ class BevelLayout(SectorLayout):
     def guide(self) -> IdlerDims:
         """Guide pulley."""
         return guide(self.drive, self.levels)
+
+    def passed_structure(self, unit_tension_N: Floats) -> Iterable[Cause]:
+        """The guide's axle between shelf and top plate, and its bearings."""
+        from mbcdm_cad.layouts.miso_bevel.routes import GUIDE
+        from mbcdm_cad.layouts.structure import axle_causes, elastic
+        from mbcdm_cad.model.structure.shafts import Section
+
+        axle, levels, bearing = self.axle, self.levels, self.drive.bearings.guide
+        supports = (
+            (levels.bearing_shelf_bottom_z + levels.bearing_shelf_top_z) / 2.0,
+            (levels.top_plate_bottom_z + levels.top_plate_top_z) / 2.0,
+        )
+        middles = (levels.guide_bottom_z + bearing.width_mm / 2.0, levels.guide_top_z - bearing.width_mm / 2.0)
+        section = Section(*supports, axle.radius)
+        modulus = elastic(self.drive.guide.axle_material).modulus_MPa
+        return axle_causes(self, GUIDE, unit_tension_N, supports, (bearing, middles), section, modulus)
 
     @dimensions
     def axle(self) -> AxleDims:

@@ -97,8 +97,11 @@ class SectorMesh:
 def sector_mesh(shape: SectorShape, cell_mm: float) -> SectorMesh:
     """The mesh. Its cells are at most ``cell_mm`` long at the rim, and shorter inwards, where spokes are narrow.
 
-    Raises ``ValueError`` if no web is left at the held edge.
+    Raises ``ValueError`` if no web is left at the held edge, or the radii of hub, rim and lands descend.
     """
+    steps = [shape.held_mm, *(ring.outer_mm for ring in shape.rings)]
+    if steps[1] <= steps[0] or any(outer < inner for inner, outer in pairwise(steps)):
+        raise ValueError(f"drum: hub, rim and lands must ascend: radii {', '.join(f'{r:.4g}' for r in steps)} mm")
     radii, angles = _grid(shape, cell_mm)
     count = len(radii)
     r = np.tile(radii, len(angles))

@@ -1,0 +1,79 @@
+"""Compliance by cause of the four references: what it consists of, and what follows from what."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from mbcdm_cad.api.design import DriveDesign
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.sector import SectorLayout
+
+PARAMS = Path(__file__).parents[3] / "params"
+REFERENCES = ("mbcdm", "siso_spur", "miso_spur", "siso_bevel")
+
+
+def layout_of(name: str) -> SectorLayout:
+    layout = load_design(PARAMS / f"{name}.yaml").drive.layout
+    assert isinstance(layout, SectorLayout)
+    return layout
+
+
+@pytest.mark.parametrize("name", REFERENCES)
+def test_every_cause_gives_and_the_sums_are_those_of_their_causes(name: str) -> None:
+    s = layout_of(name).structure
+    assert all(c.urad_Nm > 0.0 for c in s.causes), [(c.name, c.urad_Nm) for c in s.causes]
+    face = next(c.urad_Nm for c in s.causes if not c.at_encoder)
+    assert s.payload_urad_Nm - s.encoder_urad_Nm == pytest.approx(face)
+    before = sum(c.urad_Nm for c in s.causes if c.before_input)
+    assert s.motor_urad_Nm - s.payload_urad_Nm == pytest.approx(before)
+    assert s.stiffness_Nm_rad == pytest.approx(1e6 / (s.cables_urad_Nm + s.payload_urad_Nm))
+
+
+def test_the_frame_is_the_frame_study_and_the_cables_are_those_of_the_analysis() -> None:
+    layout = layout_of("mbcdm")
+    assert layout.frame_study is not None
+    frame = next(c.urad_Nm for c in layout.structure.causes if c.name == "frame")
+    assert frame == pytest.approx(layout.frame_study.compliance().windup_urad_Nm)
+    report = load_design(PARAMS / "mbcdm.yaml").drive
+    case = analysis(report).figures.test[0]
+    assert layout.structure.cables_urad_Nm == pytest.approx(abs(case.turn_mrad) / case.load_Nm * 1e3, rel=1e-6)
+
+
+def analysis(drive: Drive):  # type: ignore[no-untyped-def]
+    from mbcdm_cad.report.analysis_report import analyse_design
+
+    return analyse_design(drive)
+
+
+def test_two_equal_sectors_share_the_torque() -> None:
+    # miso_spur's reference has two sectors like that of siso_spur: each carries half, so that each turns half as far.
+    one, two = (
+        next(c.urad_Nm for c in layout_of(name).structure.causes if c.name == "drum: web and rim")
+        for name in ("siso_spur", "miso_spur")
+    )
+    assert two == pytest.approx(one / 2.0, rel=0.02)
+
+
+def test_a_drive_without_a_gearhead_has_no_give_of_one() -> None:
+    names = [c.name for c in layout_of("gallery/capstan").structure.causes]
+    assert not [name for name in names if "gearhead" in name], names
+
+
+def test_json_and_text_carry_the_same_figures() -> None:
+    import mbcdm_cad
+
+    design: DriveDesign = mbcdm_cad.load(PARAMS / "siso_spur.yaml")
+    report = design.analyse()
+    assert report.structure is not None
+    block = report.to_dict()["structure"]
+    text = report.text()
+    for cause in block["causes"]:
+        line = next(line for line in text.splitlines() if line.strip().startswith(cause["name"] + "  "))
+        assert f"{cause['urad_Nm']:.1f}" in line
+    assert f"{block['payload_turn_mrad']:.3f} mrad" in text
+    own = report.figures.reversal_swing_mrad
+    added = 2.0 * block["structure_at_payload_urad_Nm"] * report.figures.test[0].load_Nm * 1e-3
+    assert block["payload_swing_mrad"] == pytest.approx(own + added)
