@@ -49,7 +49,7 @@ class StructureReport:
             (name, f"{turn:.1f}", f"{turn / whole:.1%}", "no" if before else "yes", "yes" if seen else "no")
             for name, turn, seen, before in rows
         )
-        heads = ("cause", "urad/N m", "share", "with the inputs held", "seen by the drum's encoder")
+        heads = ("cause", "urad/N m", "share", "inputs held", "drum encoder")
         return ReportTable(heads, shown)
 
     def lines(self) -> Iterator[str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import json
+import re
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -166,7 +167,9 @@ def test_what_is_drawn_is_the_same_file_by_file(folder: Path, said: Callable[...
     for (command, *options), call in pairs:
         printed = said(command, "drive.yaml", *options, "--out", "command")
         result = call("function")
-        assert printed.replace("command", "function").startswith(f"{result}\n"), command
+        # The first of both draws the parts, the second takes them from the cache.
+        first, second = (re.sub(r"\d+ made", "made", text) for text in (printed, f"{result}\n"))
+        assert first.replace("command", "function").startswith(second), command
     files = {
         path.relative_to(out): path.read_bytes()
         for out in ("command", "function")
