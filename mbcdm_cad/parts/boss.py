@@ -9,6 +9,7 @@ from mbcdm_cad.parts.drum_sector.design import SectorDrive
 from mbcdm_cad.parts.drum_sector.sizes import SPRING_HEIGHT_MM
 from mbcdm_cad.parts.drum_shaft import DrumShaftDims
 from mbcdm_cad.parts.shapes import block, cylinder_y
+from mbcdm_cad.parts.volume import ring_mm3
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -87,3 +88,13 @@ def boss_tools(d: BossDims) -> list[cq.Shape]:
         x = sign * d.screw_circle
         tools.append(cylinder_y(d.screw_radius, x, 0, floor - 1.0, floor + d.screw_depth))
     return tools
+
+
+def boss_bores_mm3(d: BossDims) -> float:
+    """Volume of the bearings' seats, the shoulder between them and the encoder's threads."""
+    seats = d.rear_seat_end_y - d.encoder_pocket_floor_y + d.front_y - d.front_seat_start_y
+    return (
+        ring_mm3(d.seat_radius, 0.0, seats)
+        + ring_mm3(d.shoulder_radius, 0.0, d.front_seat_start_y - d.rear_seat_end_y)
+        + 2 * ring_mm3(d.screw_radius, 0.0, d.screw_depth)
+    )

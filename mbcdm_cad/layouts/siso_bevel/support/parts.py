@@ -7,7 +7,7 @@ from math import pi, sqrt
 from typing import TYPE_CHECKING
 
 from mbcdm_cad.layouts.siso_bevel.support.dims import ColumnDims
-from mbcdm_cad.parts.boss import boss_bodies, boss_tools
+from mbcdm_cad.parts.boss import boss_bodies, boss_bores_mm3, boss_tools
 from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.part import MadePart
 from mbcdm_cad.parts.shapes import block, cut, cylinder_y, cylinder_z, fuse, pocket_y
@@ -63,13 +63,7 @@ def _boss_bores_mm3(d: ColumnDims) -> float:
     boss = d.boss
     behind = boss.encoder_pocket_floor_y - boss.back_y
     open_below = 2 * boss.radius * d.column_start_z + segment_mm2(boss.encoder_pocket_radius, d.column_start_z)
-    seats = boss.rear_seat_end_y - boss.encoder_pocket_floor_y + boss.front_y - boss.front_seat_start_y
-    return (
-        open_below * behind
-        + ring_mm3(boss.seat_radius, 0.0, seats)
-        + ring_mm3(boss.shoulder_radius, 0.0, boss.front_seat_start_y - boss.rear_seat_end_y)
-        + ring_mm3(boss.screw_radius, 0.0, 2 * boss.screw_depth)
-    )
+    return open_below * behind + boss_bores_mm3(boss)
 
 
 def _holes_mm3(d: ColumnDims) -> float:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from mbcdm_cad.design.bought import InsertSpec
 from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims
-from mbcdm_cad.parts.boss import boss_bodies, boss_tools
+from mbcdm_cad.parts.boss import boss_bodies, boss_bores_mm3, boss_tools
 from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.motor_head.dims import Places
 from mbcdm_cad.parts.part import MadePart
@@ -56,14 +56,11 @@ def boss_mm3(d: YokeDims) -> float:
     v, b = d.levels, d.boss
     disc = pi * b.radius**2
     behind, before = v.plate_back_y - b.encoder_pocket_floor_y, b.front_y - v.front_y
-    seats = b.rear_seat_end_y - b.encoder_pocket_floor_y + b.front_y - b.front_seat_start_y
     ears = 4 * max(b.ear_reach - b.radius, 0.0) * b.ear_half_height
     return (
         disc * (behind + before)
         + ears * max(min(b.ear_front_y, v.plate_back_y) - b.encoder_pocket_floor_y, 0.0)
-        - ring_mm3(b.seat_radius, 0.0, seats)
-        - ring_mm3(b.shoulder_radius, 0.0, b.front_seat_start_y - b.rear_seat_end_y)
-        - 2 * ring_mm3(b.screw_radius, 0.0, b.screw_depth)
+        - boss_bores_mm3(b)
         - ring_mm3(d.stop_pin_radius, 0.0, v.front_y - v.plate_back_y)
     )
 
