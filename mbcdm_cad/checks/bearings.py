@@ -34,13 +34,12 @@ def safety(bearing: Bearing, name: str, load_N: float, limit: float) -> Comparis
 
 def input_reactions(s: SectorLayout) -> list[tuple[str, float, float]]:
     """(input, lower, upper) largest radial loads in N, at no load and at peak torque both ways."""
-    bearings, found = s.drive.bearings, []
+    found = []
     for i, name in enumerate(s.drive.input_names):
-        v, most = s.levels_of(i), np.zeros(2)
+        most = np.zeros(2)
         axis = s.loads.si.routes.inputs[i].axis
         along = 1e-3 * s.levels_sense
-        lower = (v.bearing_shelf_top_z - bearings.input_lower.width_mm / 2) * along
-        upper = (v.top_plate_bottom_z + bearings.input_upper.width_mm / 2) * along
+        lower, upper = (z * along for z in s.input_bearings_mm(i))
         for loads in s.loads.on_bodies:
             load = loads.inputs[i]
             pair = two_bearing_reactions_N(load.force_N, load.moment_Nm, load.height_m, lower, upper, axis)
@@ -51,8 +50,7 @@ def input_reactions(s: SectorLayout) -> list[tuple[str, float, float]]:
 
 def drum_reactions_N(s: SectorLayout) -> tuple[float, float]:
     """Largest radial loads of the drum's (rear, front) bearings."""
-    shaft, width = s.drum_shaft, s.drive.bearings.drum.width_mm
-    rear, front = ((y + width / 2) * 1e-3 for y in (shaft.rear_bearing_y, shaft.front_bearing_y))
+    rear, front = (y * 1e-3 for y in s.drum_bearings_mm)
     most = [0.0, 0.0]
     for on_bodies in s.loads.on_bodies:
         force, moment = on_bodies.drum.force_N, on_bodies.drum.moment_Nm
@@ -105,9 +103,7 @@ def coupling_runout(s: SectorLayout) -> Comparison:
     """Sideways movement of the pulley at the coupling from the cables; beyond its play it loads the gearhead."""
     drive, found = s.drive, []
     for i, p in enumerate(s.inputs):
-        v = s.levels_of(i)
-        lower = v.bearing_shelf_top_z - drive.bearings.input_lower.width_mm / 2
-        upper = v.top_plate_bottom_z + drive.bearings.input_upper.width_mm / 2
+        lower, upper = s.input_bearings_mm(i)
         span, overhang = upper - lower, lower - (s.collar.bottom_z + s.collar.top_z) / 2
         # The smallest neck diameter along the whole span, which is conservative.
         second_moment = pi * min(p.lower_neck_radius, p.upper_neck_radius, p.lower_surface_radius) ** 4 / 4

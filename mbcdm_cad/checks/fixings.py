@@ -97,9 +97,7 @@ def pulley_stress(s: SectorLayout) -> Comparison:
     torque = s.loads.highest_input_Nm * 1e3
     found = []
     for i, (p, (name, low, high)) in enumerate(zip(s.inputs, s.once("input_reactions", input_reactions), strict=True)):
-        v = s.levels_of(i)
-        lower = v.bearing_shelf_top_z - s.drive.bearings.input_lower.width_mm / 2
-        upper = v.top_plate_bottom_z + s.drive.bearings.input_upper.width_mm / 2
+        lower, upper = s.input_bearings_mm(i)
         ends = (
             ("lower", p.lower_neck_radius, low * (p.land_bottom_z - lower), torque),
             ("upper", p.upper_neck_radius, high * (upper - p.land_top_z), 0.0),

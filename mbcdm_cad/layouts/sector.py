@@ -135,6 +135,20 @@ class SectorLayout(Layout):
         """Heights along the axis of the input with this index; here all inputs have the same."""
         return self.levels
 
+    def input_bearings_mm(self, index: int) -> tuple[float, float]:
+        """Middles of the bearings next to the gearhead and to the encoder of an input, in its levels."""
+        levels, bearings = self.levels_of(index), self.drive.bearings
+        return (
+            levels.bearing_shelf_top_z - bearings.input_lower.width_mm / 2,
+            levels.top_plate_bottom_z + bearings.input_upper.width_mm / 2,
+        )
+
+    @property
+    def drum_bearings_mm(self) -> tuple[float, float]:
+        """Middles of the drum's rear and front bearings along its axis."""
+        shaft, half = self.drum_shaft, self.drive.bearings.drum.width_mm / 2
+        return shaft.rear_bearing_y + half, shaft.front_bearing_y + half
+
     def anchor_rad(self, cable: SectorRun) -> float:
         """Drum angle in rad at which the cable leaves its land, drum centred."""
         return float(self.terminal_of(cable).anchor_rad)

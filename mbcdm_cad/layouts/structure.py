@@ -8,14 +8,14 @@ what.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from mbcdm_cad.layouts.base import NoFigureError
-from mbcdm_cad.model.equilibrium import two_bearing_reactions_N
+from mbcdm_cad.model.equilibrium import sum_per_input, two_bearing_reactions_N
 from mbcdm_cad.model.stiffness import unit_tensions_N
 from mbcdm_cad.model.structure.drum_sector import Isotropic, sector_study
 from mbcdm_cad.model.structure.shafts import (
@@ -33,6 +33,7 @@ from mbcdm_cad.routes.loads import BodyLoad, body_load
 if TYPE_CHECKING:
     from mbcdm_cad.design.bought import Bearing, Material
     from mbcdm_cad.layouts.sector import SectorLayout
+    from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 
 _Y = np.array([0.0, 1.0, 0.0])
 # Torsional stiffness of small planetary gearheads at their output, N m/rad at 40 mm diameter; it grows with the cube of
@@ -58,21 +59,15 @@ class Cause:
 class Structure:
     """Compliance of a drive by cause, and the stress of its drum.
 
-    ``cables_urad_Nm``: turn by the cables at the test torque, over that torque. ``stress_MPa`` gives the largest
-    equivalent stress of the drum's web and rim under a torque of either sense, N m, with the preload; ``yield_MPa``:
-    the yield stress of its material.
+    ``cables_urad_Nm``: turn by the cables at the test torque, over that torque. ``peak_stress_MPa``: largest equivalent
+    stress of the drum's web and rim at the peak torque of either sense, with the preload; ``yield_MPa``: that of its
+    material.
     """
 
     causes: tuple[Cause, ...]
     cables_urad_Nm: float
-    stress_MPa: Callable[[float], float] = field(repr=False, compare=False)
-    peak_torque_Nm: float
+    peak_stress_MPa: float
     yield_MPa: float
-
-    @property
-    def peak_stress_MPa(self) -> float:
-        """Largest stress of the drum's web and rim at the peak torque."""
-        return self.stress_MPa(self.peak_torque_Nm)
 
     @property
     def payload_urad_Nm(self) -> float:
@@ -129,20 +124,22 @@ def structure_of(layout: SectorLayout) -> Structure:
     """
     d = layout.loads.si
     unit = unit_tensions_N(d)
-    own, stress = _drum(layout, unit)
+    torques = sum_per_input(d, unit, d.input_radius_m)
+    drum, peak_stress_MPa = _drum(layout, unit)
+    causes = [
+        *_gearheads(layout, torques),
+        *_inputs(layout, unit, torques),
+        *layout.passed_structure(unit),
+        *drum,
+        *_drum_shaft(layout, unit),
+    ]
     frame = layout.frame_compliance
-    causes = [*_gearheads(layout, unit), *_inputs(layout, unit), *layout.passed_structure(unit), *own]
-    causes += _drum_shaft(layout, unit)
     if frame is not None:
         if not np.isfinite(frame.windup_urad_Nm):
             raise NoFigureError("the frame has no metal that carries the load")
         causes.append(Cause("frame", frame.windup_urad_Nm))
     return Structure(
-        tuple(causes),
-        layout.loads.test_urad_Nm,
-        stress,
-        layout.drive.loads.peak_torque_Nm,
-        float(layout.drive.drum.material.yield_MPa),
+        tuple(causes), layout.loads.test_urad_Nm, peak_stress_MPa, float(layout.drive.drum.material.yield_MPa)
     )
 
 
@@ -151,145 +148,126 @@ def elastic(material: Material) -> Isotropic:
     return Isotropic(material.youngs_modulus_GPa * 1e3, material.poisson_ratio)
 
 
-def idle_load_N(layout: SectorLayout, body: str) -> BodyLoad:
-    """Load of the cables on a body at no load."""
-    si = layout.loads.si
-    return body_load(si.routes, body, layout.loads.idle)
+def _acting(load: BodyLoad, sense: int = 1) -> Acting:
+    """A load on a body at its height, which counts along the levels where ``sense`` is that of the levels."""
+    return Acting(load.height_m * 1e3 * sense, load.force_N, load.moment_Nm * 1e3)
 
 
-def _bearing_urad_Nm(spec: Bearing, change_N: Floats, at_rest_N: Floats, axial_N: float = 0.0) -> float:
-    """Turn by one bearing's give, urad per N m."""
-    radial = float(np.linalg.norm(at_rest_N))
-    stiffness = ball_bearing_N_mm(spec.bore_mm, spec.outer_diameter_mm, radial, axial_N)
-    return bearing_urad_Nm(float(np.linalg.norm(change_N)), stiffness)
+def _supported(loads: Sequence[Acting], supports_mm: tuple[float, float], axis: Floats) -> list[Acting]:
+    """The reactions of two supports to all the loads on a shaft."""
+    along = (float(axis[0]), float(axis[1]), float(axis[2]))
+    pair = sum(two_bearing_reactions_N(a.force_N, a.couple_Nmm, a.at_mm, *supports_mm, along) for a in loads)
+    return [Acting(at, force, np.zeros(3)) for at, force in zip(supports_mm, np.asarray(pair), strict=True)]
 
 
-def _drum(layout: SectorLayout, unit: Floats) -> tuple[list[Cause], Callable[[float], float]]:
-    """Web with rim, hub to the set screws and hub to the face; and the largest stress of the web under a torque."""
-    drive, dims = layout.drive, layout.drum
-    moments = {c.name: abs(tension) * c.drum_radius_mm * 1e-3 for c, tension in zip(drive.cables, unit, strict=True)}
-    whole = sum(moments.values())
+def _bearings_urad_Nm(
+    specs: Sequence[Bearing], changed: Sequence[Acting], rest: Sequence[Acting], axial_N: float = 0.0
+) -> float:
+    """Turn by the give of bearings, from the changes of their loads for 1 N m and their loads at rest."""
+    return sum(
+        bearing_urad_Nm(
+            float(np.linalg.norm(change.force_N)),
+            ball_bearing_N_mm(spec.bore_mm, spec.outer_diameter_mm, float(np.linalg.norm(carried.force_N)), axial_N),
+        )
+        for spec, change, carried in zip(specs, changed, rest, strict=True)
+    )
+
+
+def _drum(layout: SectorLayout, unit: Floats) -> tuple[list[Cause], float]:
+    """Web with rim, hub to the set screws and hub to the face; and the largest stress of the web at the peak torque."""
+    drive, dims, d = layout.drive, layout.drum, layout.loads.si
     names = {terminal.cable_name for terminal in dims.tensioners}
-    # Sectors side by side on one shaft are equal, and each carries its own cables' share of the torque.
-    own = sum(moment / whole for name, moment in moments.items() if name in names)
-    shares = {name: moments[name] / whole / own for name in names}
-    pulls = land_pulls(dims, shares, {c.name: c.preload_N for c in drive.cables})
+    # Of 1 N m. Sectors side by side on one shaft are equal, and each carries its own cables' share.
+    shares = {
+        name: float(share)
+        for name, share in zip(d.cable_names, np.abs(unit) * d.drum_radius_m, strict=True)
+        if name in names
+    }
+    own = sum(shares.values())
+    pulls = land_pulls(
+        dims, {name: share / own for name, share in shares.items()}, {c.name: c.preload_N for c in drive.cables}
+    )
     thread = drive.screw(dims.set_screw).thread_mm
     study = sector_study(sector_shape(dims), hub(dims, thread), pulls, elastic(drive.drum.material))
-
-    def stress_MPa(torque_Nm: float) -> float:
-        return max(float(study.von_mises_MPa(way * torque_Nm * own).max()) for way in (1.0, -1.0))
-
+    torque = drive.loads.peak_torque_Nm * own
     return [
         Cause("drum: web and rim", study.web_urad_Nm * own),
         Cause("drum: hub to the set screws", study.hub_to_screws_urad_Nm * own),
         Cause("drum: hub to the payload", study.hub_to_face_urad_Nm * own, at_encoder=False),
-    ], stress_MPa
+    ], max(float(study.von_mises_MPa(way * torque).max()) for way in (1.0, -1.0))
 
 
 def _drum_shaft(layout: SectorLayout, unit: Floats) -> Iterator[Cause]:
     """Bending of the shaft from its bearings to the hub, and its bearings."""
-    drive, shaft, name = layout.drive, layout.drum_shaft, layout.loads.si.routes.drum.name
-    spec = drive.bearings.drum
-    rear, front = (y + spec.width_mm / 2.0 for y in (shaft.rear_bearing_y, shaft.front_bearing_y))
-    at = max(layout.drum.hub_start_y, front)
-
-    def acting(load: BodyLoad) -> list[Acting]:
-        """Load on the hub, with the reactions of the bearings."""
-        couple = load.moment_Nm * 1e3 - np.cross(at * _Y, load.force_N)
-        across = couple - couple[1] * _Y
-        pair = two_bearing_reactions_N(load.force_N, load.moment_Nm, 0.0, rear * 1e-3, front * 1e-3, (0.0, 1.0, 0.0))
-        return [
-            Acting(at, load.force_N, across),
-            Acting(rear, pair[0], np.zeros(3)),
-            Acting(front, pair[1], np.zeros(3)),
-        ]
-
-    changed = acting(body_load(layout.loads.si.routes, name, unit))
-    rest = acting(idle_load_N(layout, name))
+    drive, shaft, loads = layout.drive, layout.drum_shaft, layout.loads
+    routes, supports = loads.si.routes, layout.drum_bearings_mm
+    changed, rest = (_acting(body_load(routes, routes.drum.name, tension)) for tension in (unit, loads.idle))
+    # The hub is stiff, so that the load bends the shaft up to where it begins.
+    at = max(layout.drum.hub_start_y, supports[1])
+    couple = changed.couple_Nmm + np.cross((changed.at_mm - at) * _Y, changed.force_N)
+    on_hub = Acting(at, changed.force_N, couple - couple[1] * _Y)
+    held = _supported([changed], supports, _Y)
+    section = Section(supports[0], at, shaft.radius, shaft.bore_radius)
     modulus = elastic(drive.drum.shaft_material).modulus_MPa
-    section = Section(rear, at, shaft.radius, shaft.bore_radius)
-    yield Cause("drum's shaft", bending_urad_Nm(_Y, changed, [section], modulus))
-    spring = layout.preload_spring.force_N
-    give = sum(_bearing_urad_Nm(spec, a.force_N, b.force_N, spring) for a, b in zip(changed[1:], rest[1:], strict=True))
-    yield Cause("drum's bearings", give)
+    yield Cause("drum's shaft", bending_urad_Nm(_Y, [on_hub, *held], [section], modulus))
+    spec, spring = drive.bearings.drum, layout.preload_spring.force_N
+    yield Cause("drum's bearings", _bearings_urad_Nm((spec, spec), held, _supported([rest], supports, _Y), spring))
 
 
-def input_torques_Nm(layout: SectorLayout, unit: Floats) -> Floats:
-    """Torque (n_inputs,) on each input for 1 N m on the drum."""
-    d = layout.loads.si
-    pull = d.sigma * unit * d.input_radius_m
-    return np.array([pull[[j for j, k in enumerate(d.input_of) if k == i]].sum() for i in range(d.n_inputs)])
-
-
-def _gearheads(layout: SectorLayout, unit: Floats) -> Iterator[Cause]:
+def _gearheads(layout: SectorLayout, torques_Nm: Floats) -> Iterator[Cause]:
     gear = layout.drive.gearhead
     if gear.absent:
         return
     stiffness = GEARHEAD_NM_RAD_40 * (gear.diameter_mm / 40.0) ** 3
-    give = float((input_torques_Nm(layout, unit) ** 2).sum() / stiffness)
-    yield Cause("gearheads (estimate)", give * 1e6, before_input=True)
+    yield Cause("gearheads (estimate)", float((torques_Nm**2).sum() / stiffness) * 1e6, before_input=True)
 
 
-def _inputs(layout: SectorLayout, unit: Floats) -> Iterator[Cause]:
+def _inputs(layout: SectorLayout, unit: Floats, torques_Nm: Floats) -> Iterator[Cause]:
     """Torsion of the input pulleys from the coupling to their cables, their bending, and their bearings."""
-    d, drive, sense = layout.loads.si, layout.drive, layout.levels_sense
-    lower_bearing, upper_bearing = drive.bearings.input_lower, drive.bearings.input_upper
-    material = elastic(drive.input_pulleys.material)
+    d, bearings, sense = layout.loads.si, layout.drive.bearings, layout.levels_sense
+    material = elastic(layout.drive.input_pulleys.material)
     twist = bend = give = 0.0
-    for i, (pulley, torque) in enumerate(zip(layout.inputs, input_torques_Nm(layout, unit), strict=True)):
-        levels, route = layout.levels_of(i), d.routes.inputs[i]
+    for i, (pulley, torque) in enumerate(zip(layout.inputs, torques_Nm, strict=True)):
+        route, supports = d.routes.inputs[i], layout.input_bearings_mm(i)
         axis = sense * np.array(route.axis)
-        lower = levels.bearing_shelf_top_z - lower_bearing.width_mm / 2.0
-        upper = levels.top_plate_bottom_z + upper_bearing.width_mm / 2.0
+        sections = _sections(pulley)
         start, middle = layout.collar.top_z, (pulley.land_bottom_z + pulley.land_top_z) / 2.0
-        # Each length of the pulley with its radius, the grooves counted as cut away all round.
-        lengths = (
-            (pulley.journal_bottom_z, pulley.lower_neck_bottom_z, pulley.lower_journal_radius),
-            (pulley.lower_neck_bottom_z, pulley.land_bottom_z, pulley.lower_neck_radius),
-            (pulley.land_bottom_z, pulley.wall_z, pulley.lower_surface_radius),
-            (pulley.wall_z, pulley.land_top_z, pulley.upper_surface_radius),
-            (pulley.land_top_z, pulley.upper_neck_top_z, pulley.upper_neck_radius),
-            (pulley.upper_neck_top_z, pulley.journal_top_z, pulley.upper_journal_radius),
-        )
-        sections = [s for length in lengths for s in _bored(Section(*length), pulley.bore_radius, pulley.bore_top_z)]
-        twisted = [Section(max(s.start_mm, start), min(s.end_mm, middle), s.radius_mm, s.bore_mm) for s in sections]
+        twisted = [replace(s, start_mm=max(s.start_mm, start), end_mm=min(s.end_mm, middle)) for s in sections]
         twist += torsion_urad_Nm(float(torque) * 1e3, [s for s in twisted if s.end_mm > s.start_mm], material.shear_MPa)
-        loads = []
-        for j in range(d.n_cables):
-            if d.input_of[j] == i:
-                one = body_load(d.routes, route.name, np.where(np.arange(d.n_cables) == j, unit, 0.0))
-                across = one.moment_Nm * 1e3
-                loads.append(Acting(one.height_m * 1e3 * sense, one.force_N, across - (across @ axis) * axis))
-        pair = _reactions_N(loads, lower, upper, axis)
-        held = [Acting(lower, pair[0], np.zeros(3)), Acting(upper, pair[1], np.zeros(3))]
+        loads = [
+            _acting(body_load(d.routes, route.name, unit * (np.arange(d.n_cables) == j)), sense)
+            for j in range(d.n_cables)
+            if d.input_of[j] == i
+        ]
+        held = _supported(loads, supports, axis)
         bend += bending_urad_Nm(axis, [*loads, *held], sections, material.modulus_MPa)
-        rest = idle_load_N(layout, route.name)
-        idle = _reactions_N(
-            [Acting(rest.height_m * 1e3 * sense, rest.force_N, rest.moment_Nm * 1e3)], lower, upper, axis
-        )
-        give += _bearing_urad_Nm(lower_bearing, pair[0], idle[0])
-        give += _bearing_urad_Nm(upper_bearing, pair[1], idle[1])
+        rest = _supported([_acting(body_load(d.routes, route.name, layout.loads.idle), sense)], supports, axis)
+        give += _bearings_urad_Nm((bearings.input_lower, bearings.input_upper), held, rest)
     yield Cause("input pulleys, torsion", twist, before_input=True)
     yield Cause("input pulleys, bending", bend)
     yield Cause("input pulleys' bearings", give)
+
+
+def _sections(pulley: InputPulleyDims) -> list[Section]:
+    """Each length of a pulley with its radius and bore, the grooves counted as cut away all round."""
+    lengths = (
+        Section(pulley.journal_bottom_z, pulley.lower_neck_bottom_z, pulley.lower_journal_radius),
+        Section(pulley.lower_neck_bottom_z, pulley.land_bottom_z, pulley.lower_neck_radius),
+        Section(pulley.land_bottom_z, pulley.wall_z, pulley.lower_surface_radius),
+        Section(pulley.wall_z, pulley.land_top_z, pulley.upper_surface_radius),
+        Section(pulley.land_top_z, pulley.upper_neck_top_z, pulley.upper_neck_radius),
+        Section(pulley.upper_neck_top_z, pulley.journal_top_z, pulley.upper_journal_radius),
+    )
+    return [s for length in lengths for s in _bored(length, pulley.bore_radius, pulley.bore_top_z)]
 
 
 def _bored(section: Section, bore_mm: float, to_mm: float) -> Iterator[Section]:
     """A section with the bore that it has up to a height."""
     cut = min(max(to_mm, section.start_mm), section.end_mm)
     if cut > section.start_mm:
-        yield Section(section.start_mm, cut, section.radius_mm, bore_mm)
+        yield replace(section, end_mm=cut, bore_mm=bore_mm)
     if section.end_mm > cut:
-        yield Section(cut, section.end_mm, section.radius_mm)
-
-
-def _reactions_N(loads: list[Acting], lower_mm: float, upper_mm: float, axis: Floats) -> Floats:
-    """Reactions (2, 3) of two bearings to all the loads."""
-    along = (float(axis[0]), float(axis[1]), float(axis[2]))
-    return np.asarray(
-        sum(two_bearing_reactions_N(a.force_N, a.couple_Nmm, a.at_mm, lower_mm, upper_mm, along) for a in loads)
-    )
+        yield replace(section, start_mm=cut)
 
 
 def axle_causes(
@@ -305,18 +283,13 @@ def axle_causes(
 
     ``bearings``: their entry, and the middles of both along the axis.
     """
-    spec, (low, high) = bearings
+    spec, middles = bearings
     routes = layout.loads.si.routes
     axis = np.array(routes.body(body).axis)
-
-    def on_axle(load: BodyLoad) -> list[Acting]:
-        whole = Acting(load.height_m * 1e3, load.force_N, load.moment_Nm * 1e3)
-        pair = -_reactions_N([whole], low, high, axis)
-        return [Acting(low, pair[0], np.zeros(3)), Acting(high, pair[1], np.zeros(3))]
-
-    changed, rest = on_axle(body_load(routes, body, unit)), on_axle(idle_load_N(layout, body))
-    held = _reactions_N(changed, *supports_mm, axis)
-    ends = [Acting(at, force, np.zeros(3)) for at, force in zip(supports_mm, held, strict=True)]
+    changed, rest = (
+        [replace(a, force_N=-a.force_N) for a in _supported([_acting(body_load(routes, body, tension))], middles, axis)]
+        for tension in (unit, layout.loads.idle)
+    )
+    ends = _supported(changed, supports_mm, axis)
     yield Cause(f"{body}'s axle", bending_urad_Nm(axis, [*changed, *ends], [axle], modulus_MPa))
-    give = sum(_bearing_urad_Nm(spec, a.force_N, b.force_N) for a, b in zip(changed, rest, strict=True))
-    yield Cause(f"{body}'s bearings", give)
+    yield Cause(f"{body}'s bearings", _bearings_urad_Nm((spec, spec), changed, rest))

@@ -177,11 +177,11 @@ class Equilibrium:
 
     def input_torque_Nm(self, d: DriveSI) -> Floats:
         """Torque that holds each input, sum_j sigma_j T_j r_ij over its cables, shape (n_inputs, ...)."""
-        return _sum_per_input(d, self.tension_N, d.lifted(self.drum_angle_rad.shape).input_radius_m)
+        return sum_per_input(d, self.tension_N, d.lifted(self.drum_angle_rad.shape).input_radius_m)
 
     def drum_torque_by_input_Nm(self, d: DriveSI) -> Floats:
         """Torque of the cables of each input on the drum, sum_j sigma_j T_j r_oj, N m, shape (n_inputs, ...)."""
-        return _sum_per_input(d, self.tension_N, d.lifted(self.drum_angle_rad.shape).drum_radius_m)
+        return sum_per_input(d, self.tension_N, d.lifted(self.drum_angle_rad.shape).drum_radius_m)
 
     def load_share(self, d: DriveSI, load_Nm: Any) -> Floats:
         """Share of the load that each input takes: the change of its drum torque from no load, over the load."""
@@ -197,7 +197,8 @@ class Equilibrium:
         return self.tension_N <= 0.0
 
 
-def _sum_per_input(d: DriveSI, tension: Floats, radius: Floats) -> Floats:
+def sum_per_input(d: DriveSI, tension: Floats, radius: Floats) -> Floats:
+    """Torque of the cables of each input, sum_j sigma_j T_j r_j, shape (n_inputs, ...)."""
     pull = d.column(d.sigma, tension.ndim) * tension * radius
     return np.stack([pull[[j for j, k in enumerate(d.input_of) if k == i]].sum(axis=0) for i in range(d.n_inputs)])
 

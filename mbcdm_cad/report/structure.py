@@ -21,8 +21,12 @@ class StructureReport:
 
     structure: Structure
     test_torque_Nm: float
-    cables_turn_mrad: float
     cables_swing_mrad: float
+
+    @property
+    def cables_turn_mrad(self) -> float:
+        """Turn of the payload by the cables at the test torque."""
+        return self.structure.cables_urad_Nm * self.test_torque_Nm * 1e-3
 
     @property
     def payload_turn_mrad(self) -> float:
@@ -80,5 +84,4 @@ def structure_report(layout: Layout, figures: Analysis) -> tuple[StructureReport
         return None, str(missing)
     if structure is None:
         return None, f"{layout.name} has no figures of its structure"
-    case = figures.test[0]
-    return StructureReport(structure, case.load_Nm, abs(case.turn_mrad), figures.reversal_swing_mrad), ""
+    return StructureReport(structure, figures.test[0].load_Nm, figures.reversal_swing_mrad), ""

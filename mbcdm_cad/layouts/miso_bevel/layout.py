@@ -151,6 +151,12 @@ class BevelLayout(SectorLayout):
         """Guide pulley."""
         return guide(self.drive, self.levels)
 
+    @property
+    def axle_supports_mm(self) -> tuple[float, float]:
+        """Heights of the middles of bearing shelf and top plate, which hold the guide's axle."""
+        v = self.levels
+        return (v.bearing_shelf_bottom_z + v.bearing_shelf_top_z) / 2, (v.top_plate_bottom_z + v.top_plate_top_z) / 2
+
     def passed_structure(self, unit_tension_N: Floats) -> Iterable[Cause]:
         """The guide's axle between shelf and top plate, and its bearings."""
         from mbcdm_cad.layouts.miso_bevel.routes import GUIDE
@@ -158,14 +164,10 @@ class BevelLayout(SectorLayout):
         from mbcdm_cad.model.structure.shafts import Section
 
         axle, levels, bearing = self.axle, self.levels, self.drive.bearings.guide
-        supports = (
-            (levels.bearing_shelf_bottom_z + levels.bearing_shelf_top_z) / 2.0,
-            (levels.top_plate_bottom_z + levels.top_plate_top_z) / 2.0,
-        )
         middles = (levels.guide_bottom_z + bearing.width_mm / 2.0, levels.guide_top_z - bearing.width_mm / 2.0)
-        section = Section(*supports, axle.radius)
+        section = Section(*self.axle_supports_mm, axle.radius)
         modulus = elastic(self.drive.guide.axle_material).modulus_MPa
-        return axle_causes(self, GUIDE, unit_tension_N, supports, (bearing, middles), section, modulus)
+        return axle_causes(self, GUIDE, unit_tension_N, self.axle_supports_mm, (bearing, middles), section, modulus)
 
     @dimensions
     def axle(self) -> AxleDims:

@@ -13,7 +13,7 @@ import numpy as np
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.routes import GUIDE
 from mbcdm_cad.model.equilibrium import bearing_loads, two_bearing_reactions_N
-from mbcdm_cad.model.si import MM, DriveSI, to_si
+from mbcdm_cad.model.si import MM, to_si
 from mbcdm_cad.routes import Floats
 
 
@@ -32,24 +32,16 @@ class SeatLoads:
         return np.asarray(self.force_N[self.names.index(name)])
 
 
-def unit_tensions_N(d: DriveSI) -> Floats:
-    """Change of the tensions (n_cables,) per N m of load on the drum while every wrap sticks.
-
-    The drum turns by 1 / sum(k r^2) per N m, k = EA / L_free, and each cable changes by sigma k r of it.
-    """
-    stiffness = d.axial_stiffness_N / d.free_span_m
-    return np.asarray(d.sigma * stiffness * d.drum_radius_m / (stiffness * d.drum_radius_m**2).sum())
-
-
 def seat_points_mm(layout: BevelLayout) -> dict[str, tuple[float, float, float]]:
     """Where drum bearings, guide axle and input bearings press on frame and top plate: the middles of the seats."""
-    v, frame, plate, shaft = layout.levels, layout.frame, layout.top_plate, layout.drum_shaft
-    half = layout.drive.bearings.drum.width_mm / 2
+    v, frame, plate = layout.levels, layout.frame, layout.top_plate
+    rear, front = layout.drum_bearings_mm
+    lower, upper = layout.axle_supports_mm
     points = {
-        "drum_rear": (0.0, shaft.rear_bearing_y + half, 0.0),
-        "drum_front": (0.0, shaft.front_bearing_y + half, 0.0),
-        "axle_lower": (0.0, 0.0, (v.bearing_shelf_bottom_z + v.bearing_shelf_top_z) / 2),
-        "axle_upper": (0.0, 0.0, (v.top_plate_bottom_z + v.top_plate_top_z) / 2),
+        "drum_rear": (0.0, rear, 0.0),
+        "drum_front": (0.0, front, 0.0),
+        "axle_lower": (0.0, 0.0, lower),
+        "axle_upper": (0.0, 0.0, upper),
     }
     for pulley in layout.inputs:
         points[f"{pulley.name}_lower"] = (pulley.x, pulley.y, v.bearing_shelf_top_z - frame.seat_depth / 2)

@@ -85,14 +85,13 @@ def mounts(layout: DirectLayout) -> Mounts:
 
 def seat_forces(layout: DirectLayout, tension_N: Floats) -> list[tuple[str, tuple[float, float, float], float, float]]:
     """(panel, point in mm, force along x in N, couple about z in N mm) on the frame's seats by the tensions."""
-    d, v, h, shaft = to_si(layout.drive), layout.levels, layout.head, layout.drum_shaft
+    d, h = to_si(layout.drive), layout.head
     loads = bearing_loads(d, tension_N)
-    bearings, pulley = layout.drive.bearings, loads.inputs[0]
-    lower = v.bearing_shelf_top_z - bearings.input_lower.width_mm / 2
-    upper = v.top_plate_bottom_z + bearings.input_upper.width_mm / 2
+    pulley = loads.inputs[0]
+    lower, upper = layout.input_bearings_mm(0)
     axis = d.routes.inputs[0].axis
     pair = two_bearing_reactions_N(pulley.force_N, pulley.moment_Nm, pulley.height_m, lower * MM, upper * MM, axis)
-    rear, front = (y + bearings.drum.width_mm / 2 for y in (shaft.rear_bearing_y, shaft.front_bearing_y))
+    rear, front = layout.drum_bearings_mm
     # Except for the moment about the drum's axis, its bearings carry force and couple along x by their distances.
     on_drum = float(loads.drum.force_N[0])
     on_front = (-float(loads.drum.moment_Nm[2]) - rear * MM * on_drum) / ((front - rear) * MM)

@@ -72,15 +72,14 @@ def _yoke(arm: Arm, y_plate: float, z_bridge: float) -> Iterator[Wall]:
 
 def seat_forces(layout: SpurLayout, tension_N: Floats) -> list[tuple[str, tuple[float, float, float], float, float]]:
     """(panel, point in mm, force along x in N, couple about y in N mm) on the frame's seats due to the tensions."""
-    d, v, shaft, z = to_si(layout.drive), layout.levels, layout.drum_shaft, layout.frame.axis_z
+    d, z = to_si(layout.drive), layout.frame.axis_z
     loads = bearing_loads(d, tension_N)
-    bearings, pulley = layout.drive.bearings, loads.inputs[0]
-    lower = v.bearing_shelf_top_z - bearings.input_lower.width_mm / 2
-    upper = v.top_plate_bottom_z + bearings.input_upper.width_mm / 2
+    pulley = loads.inputs[0]
+    lower, upper = layout.input_bearings_mm(0)
     # Heights of the routes count along the axis of the input, which points to the back.
     axis = d.routes.inputs[0].axis
     pair = two_bearing_reactions_N(pulley.force_N, pulley.moment_Nm, pulley.height_m, -lower * MM, -upper * MM, axis)
-    rear, front = (y + bearings.drum.width_mm / 2 for y in (shaft.rear_bearing_y, shaft.front_bearing_y))
+    rear, front = layout.drum_bearings_mm
     # The drum's bearings share force and couple along x by their distances; the moment about its axis is not theirs.
     on_drum = float(loads.drum.force_N[0])
     on_front = (-float(loads.drum.moment_Nm[2]) - rear * MM * on_drum) / ((front - rear) * MM)
