@@ -49,7 +49,14 @@ ROOMS = (
     "cli",
 )
 # What all rooms may know of the layouts: that there are some, and what each supplies.
-FACE = ("layouts", "layouts.base", "layouts.sector", "layouts.structure", "layouts.registry")
+FACE = (
+    "layouts",
+    "layouts.base",
+    "layouts.losses",
+    "layouts.sector",
+    "layouts.structure",
+    "layouts.registry",
+)
 # Ends of the names of classes that describe a whole design of one layout.
 ROLES = ("Design", "Drive", "Layout", "UnderTest", "Known", "Geometry", "Figures")
 # Two classes hold the same fields from this number of common names on.

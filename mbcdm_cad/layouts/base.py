@@ -8,7 +8,7 @@ so that a program that only simulates does not load the code of the parts.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, wraps
 from importlib import import_module
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from mbcdm_cad.design.design_file import DesignFile
     from mbcdm_cad.layouts.structure import Structure
     from mbcdm_cad.model.cable_tensions import CableTensions
+    from mbcdm_cad.model.losses.train import BearingPair, Train
     from mbcdm_cad.model.stack_up import StackUp
     from mbcdm_cad.model.tensioning_plan import TensioningPlan
     from mbcdm_cad.parts.bill import AssemblyStep, Bill, MovingBody
@@ -247,6 +248,17 @@ class Layout(ABC):
     def structure(self) -> Structure | None:
         """Compliance of all parts besides the cables, by cause, and the drum's stress; None if all count as rigid."""
         return None
+
+    @cached_property
+    def losses(self) -> Train:
+        """Friction between motors and payload: cables, bearings, gearheads, motors."""
+        from mbcdm_cad.layouts.losses import train_of
+
+        return train_of(self)
+
+    def bearing_friction(self) -> Iterable[BearingPair]:
+        """The bearings of all bodies, whose friction counts; none where the layout does not say."""
+        return ()
 
     @cached_property
     def path_figures(self) -> PathFigures:

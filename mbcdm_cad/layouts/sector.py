@@ -21,6 +21,7 @@ from mbcdm_cad.routes.cable_path import CablePath
 
 if TYPE_CHECKING:
     from mbcdm_cad.layouts.structure import Cause, Structure
+    from mbcdm_cad.model.losses.train import BearingPair
 
 
 class InputLevels(SectorLevels, Protocol):
@@ -178,6 +179,17 @@ class SectorLayout(Layout):
 
     def passed_structure(self, unit_tension_N: Floats) -> Iterable[Cause]:
         """Causes of the structure's turn on the bodies that cables pass, for the tensions of 1 N m on the drum."""
+        return ()
+
+    def bearing_friction(self) -> Iterable[BearingPair]:
+        """See the base class."""
+        from mbcdm_cad.layouts.losses import sector_bearings
+
+        self.require_geometry()
+        return (*sector_bearings(self), *self.passed_bearings())
+
+    def passed_bearings(self) -> Iterable[BearingPair]:
+        """Bearings of the bodies that cables pass."""
         return ()
 
     @cached_property

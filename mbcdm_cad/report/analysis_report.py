@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from mbcdm_cad.model import Analysis, analyse
 from mbcdm_cad.model.figures import ShaftTurns
+from mbcdm_cad.report.losses import LossesReport, losses_report
 from mbcdm_cad.report.paths import path_data_or_reason, path_lines
 from mbcdm_cad.report.structure import StructureReport, structure_report
 from mbcdm_cad.report.table import ReportTable, filled
@@ -41,6 +42,7 @@ class AnalysisReport:
     """``figures`` of the analytic model; ``paths`` of the cables as plain data, None where ``no_paths`` says why.
 
     ``structure``: what turns the payload besides the cables; None where ``no_structure`` says why.
+    ``losses``: friction between motors and payload; None where ``no_losses`` says why.
     """
 
     figures: Analysis
@@ -48,12 +50,14 @@ class AnalysisReport:
     no_paths: str
     structure: StructureReport | None
     no_structure: str
+    losses: LossesReport | None
+    no_losses: str
     layout: Layout = field(repr=False)
 
     def to_dict(self) -> dict[str, Any]:
         """Everything, ready for JSON; this is what ``mbcdm analyse --json`` prints."""
-        structure = None if self.structure is None else self.structure.to_dict()
-        return self.figures.to_dict() | {"paths": self.paths, "structure": structure}
+        structure, losses = (None if x is None else x.to_dict() for x in (self.structure, self.losses))
+        return self.figures.to_dict() | {"paths": self.paths, "structure": structure, "losses": losses}
 
     def to_pandas(self) -> pandas.DataFrame:
         """The figures of each cable at the test torque, one row a cable. ``MbcdmError`` without pandas."""
@@ -164,6 +168,15 @@ class AnalysisReport:
                 *self.structure.table().text(width, "  "),
                 *(line for text in self.structure.lines() for line in filled(f"  {text}", width)),
             ]
+        if self.losses is None:
+            yield filled(f"No figures of the losses: {self.no_losses}", width)
+        else:
+            yield [
+                "Losses while the drum moves, N m at the drum, by cause, under a load +:",
+                *self.losses.causes().text(width, "  "),
+                *self.losses.efficiencies().text(width, "  "),
+                *(line for text in self.losses.lines() for line in filled(f"  {text}", width)),
+            ]
         yield [
             "Torque at the drum at which a limit is reached first:",
             *self._limits().text(width, "  "),
@@ -210,7 +223,9 @@ def analyse_design(drive: Drive) -> AnalysisReport:
     """Every figure of the model, and the cables' paths. ``ModelError`` where the geometry leaves no free span."""
     paths, reason = path_data_or_reason(drive)
     figures = analyse(drive)
-    return AnalysisReport(figures, paths, reason, *structure_report(drive.layout, figures), drive.layout)
+    return AnalysisReport(
+        figures, paths, reason, *structure_report(drive.layout, figures), *losses_report(drive.layout), drive.layout
+    )
 
 
 def _model_notes(a: Analysis) -> Iterator[str]:

@@ -19,12 +19,12 @@ LIMITS = {
     "files of siso_bevel": 35,
     "files of siso_spur": 35,
     "files of miso_spur": 25,
-    "files": 592,
+    "files": 597,
     "imports, share of lines in %": 8.1,
     "circles": 1,
     "arrows back": 0,
     "repeating pairs": 191,
-    "lines": 70350,
+    "lines": 71000,
 }
 
 

@@ -30,6 +30,7 @@ from mbcdm_cad.routes.cable_path import CablePath
 
 if TYPE_CHECKING:
     from mbcdm_cad.layouts.structure import Cause
+    from mbcdm_cad.model.losses.train import BearingPair
 
 
 def _input_ratio(drive: BevelDrive, value: float) -> BevelDrive:
@@ -163,11 +164,24 @@ class BevelLayout(SectorLayout):
         from mbcdm_cad.layouts.structure import axle_causes, elastic
         from mbcdm_cad.model.structure.shafts import Section
 
-        axle, levels, bearing = self.axle, self.levels, self.drive.bearings.guide
-        middles = (levels.guide_bottom_z + bearing.width_mm / 2.0, levels.guide_top_z - bearing.width_mm / 2.0)
-        section = Section(*self.axle_supports_mm, axle.radius)
+        bearings = (self.drive.bearings.guide, self.guide_bearings_mm)
+        section = Section(*self.axle_supports_mm, self.axle.radius)
         modulus = elastic(self.drive.guide.axle_material).modulus_MPa
-        return axle_causes(self, GUIDE, unit_tension_N, self.axle_supports_mm, (bearing, middles), section, modulus)
+        return axle_causes(self, GUIDE, unit_tension_N, self.axle_supports_mm, bearings, section, modulus)
+
+    @property
+    def guide_bearings_mm(self) -> tuple[float, float]:
+        """Heights of the middles of the guide's bearings."""
+        levels, half = self.levels, self.drive.bearings.guide.width_mm / 2.0
+        return levels.guide_bottom_z + half, levels.guide_top_z - half
+
+    def passed_bearings(self) -> Iterable[BearingPair]:
+        """Those in the guide."""
+        from mbcdm_cad.layouts.losses import body_bearings
+        from mbcdm_cad.layouts.miso_bevel.routes import GUIDE
+
+        guide, spec = self.loads.si.routes.body(GUIDE), self.drive.bearings.guide
+        yield body_bearings(self, guide, "guide's bearings", (spec, spec), self.guide_bearings_mm)
 
     @dimensions
     def axle(self) -> AxleDims:

@@ -1,0 +1,82 @@
+"""The friction of a design's drive, from its routes, its bearings and the catalogue entries of gearhead and motor."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mbcdm_cad.model.equilibrium import two_bearing_reactions_N
+from mbcdm_cad.model.losses import friction
+from mbcdm_cad.model.losses.train import BearingPair, RopeBend, Train
+from mbcdm_cad.model.si import MM
+from mbcdm_cad.routes.loads import body_load
+
+if TYPE_CHECKING:
+    from mbcdm_cad.design.bought import Bearing
+    from mbcdm_cad.layouts.base import Layout
+    from mbcdm_cad.layouts.sector import SectorLayout
+    from mbcdm_cad.routes.route import Body, DriveRoutes
+
+
+def train_of(layout: Layout) -> Train:
+    """The friction of one design. Raises ``NoFigureError`` where the design has no geometry or no tensions."""
+    drive, d = layout.drive, layout.loads.si
+    gear, motor = drive.gearhead, drive.motor
+    return Train(
+        d=d,
+        rope=tuple(_rope_bends(d.routes, drive.cable.diameter_mm * MM)),
+        bearings=tuple(layout.bearing_friction()),
+        fibre=drive.cable.construction == "braid",
+        gear_ratio=gear.ratio,
+        gear_share=friction.gearhead_share(gear.efficiency),
+        gear_idle_Nm=0.0 if gear.absent else friction.GEARHEAD_IDLE_SHARE * gear.rated_torque_mNm * 1e-3,
+        motor_idle_Nm=friction.MOTOR_IDLE_SHARE * motor.rated_torque_mNm * 1e-3,
+    )
+
+
+def _rope_bends(routes: DriveRoutes, rope_m: float) -> Iterator[RopeBend]:
+    """Inputs, each passed body, drum: half a sheave's loss for each tangent point of a cable."""
+    groups = [("inputs", routes.inputs), *((body.name, (body,)) for body in routes.passed), ("drum", (routes.drum,))]
+    for name, bodies in groups:
+        names = {body.name for body in bodies}
+        share = np.zeros(len(routes.cables))
+        for j, route in enumerate(routes.cables):
+            for at in route.contacts():
+                if at.wrap.body in names:
+                    points = (at.arriving is not None) + (at.leaving is not None)
+                    share[j] += points * float(friction.tangent_share(rope_m, 2.0 * at.wrap.radius_m))
+        yield RopeBend(f"cables on the {name}", share)
+
+
+def body_bearings(
+    layout: SectorLayout,
+    body: Body,
+    name: str,
+    specs: tuple[Bearing, Bearing],
+    at_mm: tuple[float, float],
+    axial_N: float = 0.0,
+    input_index: int | None = None,
+) -> BearingPair:
+    """The two bearings of a body, with their middles along its axis."""
+    d = layout.loads.si
+    lower, upper = (z * MM for z in at_mm)
+    columns = []
+    for one in np.eye(d.n_cables):
+        load = body_load(d.routes, body.name, one)
+        columns.append(two_bearing_reactions_N(load.force_N, load.moment_Nm, load.height_m, lower, upper, body.axis))
+    bores = (specs[0].bore_mm * MM, specs[1].bore_mm * MM)
+    return BearingPair(name, body.turns_per_drum, bores, np.stack(columns, axis=2), axial_N, input_index)
+
+
+def sector_bearings(layout: SectorLayout) -> Iterator[BearingPair]:
+    """Bearings of the inputs and of the drum's shaft."""
+    routes, bearings = layout.loads.si.routes, layout.drive.bearings
+    ends = (bearings.input_lower, bearings.input_upper)
+    for i, body in enumerate(routes.inputs):
+        lower, upper = (z * layout.levels_sense for z in layout.input_bearings_mm(i))
+        yield body_bearings(layout, body, "input pulleys' bearings", ends, (lower, upper), input_index=i)
+    both = (bearings.drum, bearings.drum)
+    spring = layout.preload_spring.force_N
+    yield body_bearings(layout, routes.drum, "drum's bearings", both, layout.drum_bearings_mm, spring)

@@ -1,0 +1,256 @@
+"""The train of a drive with its friction: motors, gearheads, inputs, cables, drum.
+
+Tensions are those of the lossless equilibrium; friction is added to first order. A cable that loses the share s of its
+tension T over its tangent points loads its input, of radius r, with s T r more in the direction of motion, tight or
+slack. So the preload loses too, and the loss of the cables hardly depends on the load. Torques at an input are
+
+    x = w M_i + cables + bearings,    motor's side of the gearhead, at its output: x + (1/eta - 1) |x| + M_0,
+
+with w = +1 where the motors move the drum against its load, -1 where the load moves the motors. The friction of drum
+and passed bodies is shared by the inputs evenly.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from mbcdm_cad.model.equilibrium import solve_equilibrium, solve_weighted, sum_per_input
+from mbcdm_cad.model.losses import friction
+from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.routes import Floats
+
+# Kinds of friction; the causes of one kind are known or wrong together.
+ROPE, BEARINGS, GEARHEAD, GEARHEAD_IDLE, MOTOR = "rope", "bearings", "gearhead", "gearhead without load", "motor"
+
+
+@dataclass(frozen=True, eq=False)
+class RopeBend:
+    """Tangent points of the cables on the bodies of one kind: share of its tension that each loses, (n_cables,)."""
+
+    name: str
+    share: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class BearingPair:
+    """The two bearings of a body, which turns ``turns`` times for a turn of the drum.
+
+    ``per_tension``: their radial loads for 1 N in each cable, shape (2, 3, n_cables). ``bores_m`` of both; ``axial_N``
+    on each. ``input_index``: the input whose body it is, None for drum and passed bodies.
+    """
+
+    name: str
+    turns: float
+    bores_m: tuple[float, float]
+    per_tension: Floats
+    axial_N: float = 0.0
+    input_index: int | None = None
+
+    def torque_Nm(self, tension_N: Floats) -> Floats:
+        """Friction of both while they run, about the body's axis, for tensions (n_cables, ...)."""
+        radial = np.linalg.norm(np.tensordot(self.per_tension, tension_N, axes=1), axis=1)
+        return np.asarray(
+            sum(friction.bearing_torque_Nm(r, self.axial_N, d) for r, d in zip(radial, self.bores_m, strict=True))
+        )
+
+
+@dataclass(frozen=True)
+class Loss:
+    """One cause: torque at the drum in N m at each load, of a kind with its sigma (of the logarithm)."""
+
+    name: str
+    kind: str
+    sigma: float
+    torque_Nm: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class MovingLosses:
+    """Losses while the drum moves under loads: ``way`` +1 against the load, -1 with it. Arrays over the loads.
+
+    ``motor_Nm``: torque of each motor in the direction of motion, its own friction included, (n_inputs, n); below zero
+    the motor brakes.
+    """
+
+    way: int
+    load_Nm: Floats
+    losses: tuple[Loss, ...]
+    motor_Nm: Floats
+
+    @cached_property
+    def lost_Nm(self) -> Floats:
+        """All losses together, at the drum."""
+        return np.asarray(sum(loss.torque_Nm for loss in self.losses))
+
+    @cached_property
+    def sigma_Nm(self) -> Floats:
+        """Standard deviation of :attr:`lost_Nm`: causes of one kind add, kinds are independent."""
+        kinds = dict.fromkeys(loss.kind for loss in self.losses)
+        each = [sum(x.torque_Nm * x.sigma for x in self.losses if x.kind == kind) for kind in kinds]
+        return np.asarray(np.sqrt(sum(np.square(size) for size in each)))
+
+    @cached_property
+    def efficiency(self) -> Floats:
+        """Power given over power taken: payload over motors, or motors over payload; 0 where nothing comes through."""
+        load = np.abs(self.load_Nm)
+        if self.way > 0:
+            return np.asarray(load / (load + self.lost_Nm))
+        return np.asarray(np.maximum(load - self.lost_Nm, 0.0) / load)
+
+    @cached_property
+    def efficiency_sigma(self) -> Floats:
+        """Standard deviation of the efficiency, to first order."""
+        load = np.abs(self.load_Nm)
+        slope = load / (load + self.lost_Nm) ** 2 if self.way > 0 else 1.0 / load
+        return np.asarray(np.where(self.efficiency > 0.0, slope, 0.0) * self.sigma_Nm)
+
+
+@dataclass(frozen=True, eq=False)
+class Backdrive:
+    """Torque at the drum that turns it with the motors without current, N m, by cause."""
+
+    losses: tuple[Loss, ...]
+
+    @property
+    def running_Nm(self) -> float:
+        """While it turns."""
+        return float(sum(loss.torque_Nm for loss in self.losses))
+
+    @property
+    def start_Nm(self) -> float:
+        """To start it: the bearings have up to twice their running friction."""
+        return float(sum(x.torque_Nm * (friction.BEARING_START if x.kind == BEARINGS else 1.0) for x in self.losses))
+
+    @property
+    def sigma_Nm(self) -> float:
+        """Standard deviation of :attr:`running_Nm`."""
+        return float(MovingLosses(1, np.zeros(()), self.losses, np.zeros(())).sigma_Nm)
+
+
+@dataclass(frozen=True, eq=False)
+class Train:
+    """Friction of a whole drive; torques in N m.
+
+    ``gear_share``: loss of a gearhead over its output torque; ``gear_idle_Nm``: torque at its output that turns it
+    unloaded; ``motor_idle_Nm``: friction of a motor.
+    """
+
+    d: DriveSI
+    rope: tuple[RopeBend, ...]
+    bearings: tuple[BearingPair, ...]
+    fibre: bool
+    gear_ratio: float
+    gear_share: float
+    gear_idle_Nm: float
+    motor_idle_Nm: float
+
+    @property
+    def rope_share(self) -> Floats:
+        """Share of its tension that each cable loses over all its tangent points, (n_cables,)."""
+        return np.asarray(sum(bend.share for bend in self.rope))
+
+    def moving(self, load_Nm: Floats | float, way: int) -> MovingLosses:
+        """Losses while the drum moves against its loads (``way`` +1) or with them (-1).
+
+        Loads above zero oppose positive rotation, and so the drum moves positively with ``way`` +1. Without a load it
+        does so with +1, negatively with -1.
+        """
+        load = np.atleast_1d(np.asarray(load_Nm, float))
+        sense = way * np.where(load < 0.0, -1.0, 1.0)
+        at = solve_equilibrium(self.d, load)
+        rope, bearings = self._rope_losses(at.tension_N), self._bearing_losses(at.tension_N)
+        turns = self.d.input_turns[:, None]
+        at_inputs = sum(sum_per_input_size(self.d, bend.share, at.tension_N) for bend in self.rope)
+        at_input = sense * at.input_torque_Nm(self.d) + at_inputs + self._bearings_at_inputs(at.tension_N)
+        lost = self.gear_share * np.abs(at_input)
+        motor = (at_input + lost + self.gear_idle_Nm) / self.gear_ratio + self.motor_idle_Nm
+        gear = Loss("gearheads, with the load", GEARHEAD, friction.GEARHEAD_SIGMA, (turns * lost).sum(axis=0))
+        idle = tuple(_spread(loss, load) for loss in self._idle)
+        causes = tuple(x for x in (*rope, *bearings, gear, *idle) if np.any(x.torque_Nm > 0.0))
+        return MovingLosses(way, load, causes, motor)
+
+    def backdrive(self, tension_N: Floats) -> Backdrive | None:
+        """What turns the drum from its side with cables at ``tension_N`` (n_cables,); None where gearheads lock.
+
+        The inputs give way until each carries only what turns its motor, so that no preload loads the gearheads.
+        """
+        back = 1.0 - self.gear_share
+        if back <= 0.0:
+            return None
+        behind = [Loss(x.name, x.kind, x.sigma, x.torque_Nm / back) for x in self._idle]
+        causes = [*self._rope_losses(tension_N), *self._bearing_losses(tension_N), *behind]
+        return Backdrive(tuple(x for x in causes if np.any(x.torque_Nm > 0.0)))
+
+    def raised_Nm(self, motor_Nm: float, tension_N: Floats, direction: int) -> Floats:
+        """Load (>= 0, (n_inputs,)) against which each motor still moves the drum at ``motor_Nm`` on its shaft.
+
+        ``direction`` is the sign of the load. Friction of the bearings is that at ``tension_N`` (n_cables,). Zero where
+        the preload alone takes all of the torque.
+        """
+        d = self.d
+        output = motor_Nm * self.gear_ratio - self.gear_idle_Nm
+        limit = output / (1.0 + self.gear_share) - self._bearings_at_inputs(tension_N)
+        idle = solve_equilibrium(d, 0.0)
+        bias = direction * idle.input_torque_Nm(d) + sum_per_input_size(d, self.rope_share, idle.tension_N)
+        found = []
+        for i in range(d.n_inputs):
+            weight = (d.sigma + direction * self.rope_share) * d.input_radius_m * d.of_input(i)
+            at = solve_weighted(d, weight, direction * limit[i])
+            load = direction * float((d.sigma * d.drum_radius_m * at.tension_N).sum())
+            found.append(0.0 if bias[i] >= limit[i] else load)
+        return np.array(found)
+
+    @property
+    def _idle(self) -> tuple[Loss, Loss]:
+        """What gearheads and motors lose without load, at the drum."""
+        turns = float(np.sum(self.d.input_turns))
+        motors = turns * self.gear_ratio * self.motor_idle_Nm
+        return (
+            Loss(
+                "gearheads, without load",
+                GEARHEAD_IDLE,
+                friction.GEARHEAD_IDLE_SIGMA,
+                np.asarray(turns * self.gear_idle_Nm),
+            ),
+            Loss("motors", MOTOR, friction.MOTOR_IDLE_SIGMA, np.asarray(motors)),
+        )
+
+    def _rope_losses(self, tension_N: Floats) -> list[Loss]:
+        sigma = friction.FIBRE_SIGMA if self.fibre else friction.ROPE_SIGMA
+        lever = self.d.column(self.d.drum_radius_m, tension_N.ndim)
+        return [
+            Loss(bend.name, ROPE, sigma, (self.d.column(bend.share, tension_N.ndim) * tension_N * lever).sum(axis=0))
+            for bend in self.rope
+        ]
+
+    def _bearing_losses(self, tension_N: Floats) -> list[Loss]:
+        """By name; the bearings of all inputs are one cause."""
+        found: dict[str, Floats] = {}
+        for b in self.bearings:
+            found[b.name] = found.get(b.name, 0.0) + abs(b.turns) * b.torque_Nm(tension_N)
+        return [Loss(name, BEARINGS, friction.BEARING_SIGMA, torque) for name, torque in found.items()]
+
+    def _bearings_at_inputs(self, tension_N: Floats) -> Floats:
+        """Friction of all bearings at the inputs, (n_inputs, ...)."""
+        found = np.zeros((self.d.n_inputs, *tension_N.shape[1:]))
+        turns = self.d.column(self.d.input_turns, found.ndim)
+        for b in self.bearings:
+            torque = b.torque_Nm(tension_N)
+            if b.input_index is None:
+                found += abs(b.turns) * torque / self.d.n_inputs / turns
+            else:
+                found[b.input_index] += torque
+        return found
+
+
+def sum_per_input_size(d: DriveSI, share: Floats, tension_N: Floats) -> Floats:
+    """sum_j share_j T_j r_ij over the cables of each input, whichever way they pull, (n_inputs, ...)."""
+    ndim = tension_N.ndim
+    return sum_per_input(d, tension_N, d.column(d.sigma * share * d.input_radius_m, ndim))
+
+
+def _spread(loss: Loss, load_Nm: Floats) -> Loss:
+    return Loss(loss.name, loss.kind, loss.sigma, np.broadcast_to(loss.torque_Nm, load_Nm.shape))

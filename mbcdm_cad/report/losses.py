@@ -1,0 +1,159 @@
+"""What a drive loses between motors and payload, as text for a terminal and as plain data for JSON and the page."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from mbcdm_cad.layouts.base import NoFigureError
+from mbcdm_cad.model.losses.train import Backdrive, MovingLosses, Train
+from mbcdm_cad.report.table import ReportTable
+
+if TYPE_CHECKING:
+    from mbcdm_cad.design.bought import Motor
+    from mbcdm_cad.layouts.base import Layout
+    from mbcdm_cad.routes import Floats
+
+# Loads over the peak torque, and which of them the table of efficiencies shows.
+LOAD_SHARES = np.linspace(0.05, 1.0, 20)
+_SHOWN = (1, 4, 9, 14, 19)
+SPEED_SHARES = (0.05, 0.1, 0.2, 0.4, 0.6, 0.8)
+_WAYS = {1: "against the load", -1: "with the load"}
+
+
+@dataclass(frozen=True)
+class LossesReport:
+    """Losses of one design; ``idle_N`` are the cables' tensions without load, (n_cables,)."""
+
+    train: Train
+    idle_N: Floats
+    peak_Nm: float
+    motor: Motor
+    bus_voltage_V: float | None
+
+    @cached_property
+    def unloaded(self) -> MovingLosses:
+        """While the drum moves without a load."""
+        return self.train.moving(0.0, 1)
+
+    @cached_property
+    def motions(self) -> tuple[MovingLosses, ...]:
+        """Both ways under loads of both signs, at shares of the peak torque."""
+        loads = self.peak_Nm * LOAD_SHARES
+        return tuple(self.train.moving(sign * loads, way) for way in (1, -1) for sign in (1.0, -1.0))
+
+    @cached_property
+    def backdrive(self) -> Backdrive | None:
+        """Torque that turns the drum from its side; None where the gearheads lock."""
+        return self.train.backdrive(self.idle_N)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything, ready for JSON; torques of losses are at the drum."""
+        back = self.backdrive
+        return {
+            "unloaded": self._motion(self.unloaded),
+            "motions": [self._motion(motion) for motion in self.motions],
+            "backdrive": None if back is None else _backdrive(back),
+            "sigma_ln": {x.kind: x.sigma for x in self.unloaded.losses},
+            "electrical": self._electrical(),
+        }
+
+    def _motion(self, m: MovingLosses) -> dict[str, Any]:
+        names = self.train.d.input_names
+        return {
+            "way": _WAYS[m.way],
+            "load_Nm": m.load_Nm.tolist(),
+            "efficiency": m.efficiency.tolist() if m.load_Nm.any() else None,
+            "efficiency_sigma": m.efficiency_sigma.tolist() if m.load_Nm.any() else None,
+            "lost_Nm": m.lost_Nm.tolist(),
+            "lost_sigma_Nm": m.sigma_Nm.tolist(),
+            "by_cause_Nm": {x.name: x.torque_Nm.tolist() for x in m.losses},
+            "motor_mNm": {name: (1e3 * row).tolist() for name, row in zip(names, m.motor_Nm, strict=True)},
+        }
+
+    def _electrical(self) -> dict[str, Any] | None:
+        """Efficiency against the load with what the copper loses, over speed and load; None without motor's values."""
+        constant_mNm_A, ohms, volts = self.motor.torque_constant_mNm_A, self.motor.resistance_ohm, self.bus_voltage_V
+        if constant_mNm_A is None or ohms is None or volts is None:
+            return None
+        constant, forward = constant_mNm_A * 1e-3, self.motions[0]
+        to_motor = float(np.max(self.train.d.input_turns)) * self.train.gear_ratio
+        speeds = volts / constant / to_motor * np.array(SPEED_SHARES)
+        current = forward.motor_Nm / constant
+        copper = ohms * np.square(current).sum(axis=0)
+        given = np.multiply.outer(speeds, forward.load_Nm)
+        found = given / (given + np.multiply.outer(speeds, forward.lost_Nm) + copper)
+        # What the voltage leaves for the current that a load asks; beyond it the motors do not reach the speed.
+        reached = ohms * current.max(axis=0) + constant * to_motor * speeds[:, None] <= volts
+        return {
+            "drum_speed_deg_s": np.degrees(speeds).tolist(),
+            "load_Nm": forward.load_Nm.tolist(),
+            "copper_loss_W": copper.tolist(),
+            "efficiency": [
+                [float(e) if ok else None for e, ok in zip(row, at, strict=True)]
+                for row, at in zip(found, reached, strict=True)
+            ],
+        }
+
+    def causes(self) -> ReportTable:
+        """Losses by cause: without load, and under the peak torque both ways."""
+        shown = (self.unloaded, self.motions[0], self.motions[2])
+        rows: list[tuple[str, ...]] = []
+        for x in self.motions[0].losses:
+            each = [next((own.torque_Nm[-1] for own in m.losses if own.name == x.name), 0.0) for m in shown]
+            rows.append((x.name, *(f"{torque:.4f}" for torque in each), f"{np.exp(x.sigma):.1f}"))
+        rows.append(("all", *(f"{m.lost_Nm[-1]:.4f}" for m in shown), f"+- {shown[1].sigma_Nm[-1]:.2g} N m"))
+        heads = ("cause", "no load", f"against {self.peak_Nm:.4g}", f"with {self.peak_Nm:.4g}", "factor")
+        return ReportTable(heads, tuple(rows))
+
+    def efficiencies(self) -> ReportTable:
+        """Efficiency over the load, both ways."""
+        against, along = self.motions[0], self.motions[2]
+        rows = tuple((f"{against.load_Nm[k]:.3g}", _share(against, k), _share(along, k)) for k in _SHOWN)
+        return ReportTable(("load N m", "motors move the load", "load moves the motors"), rows)
+
+    def lines(self) -> Iterator[str]:
+        """Sentences below the tables."""
+        yield (
+            "factor: one standard deviation of each figure; dry friction, none of it depends on speed; slip on the "
+            "wraps is in the swing, not here"
+        )
+        back, motors = self.backdrive, ", ".join(f"{x * 1e3:.3g}" for x in self.unloaded.motor_Nm[:, 0])
+        moved = f"the motors move the unloaded drum with {motors} mN m"
+        if back is None:
+            yield f"back-driving: the gearheads lock, their efficiency is 0.5 or below; {moved}"
+            return
+        yield (
+            f"back-driving, motors without current: {back.running_Nm:.3g} +- {back.sigma_Nm:.2g} N m at the drum, "
+            f"{back.running_Nm / self.peak_Nm:.0%} of the peak torque, up to {back.start_Nm:.3g} N m to start it; "
+            f"{moved}"
+        )
+
+
+def _share(m: MovingLosses, index: int) -> str:
+    """Efficiency at one load as text."""
+    if m.efficiency[index] == 0.0:
+        return "does not move them"
+    return f"{m.efficiency[index]:.1%} +- {m.efficiency_sigma[index]:.1%}"
+
+
+def _backdrive(back: Backdrive) -> dict[str, Any]:
+    return {
+        "running_Nm": back.running_Nm,
+        "start_Nm": back.start_Nm,
+        "sigma_Nm": back.sigma_Nm,
+        "by_cause_Nm": {x.name: float(x.torque_Nm) for x in back.losses},
+    }
+
+
+def losses_report(layout: Layout) -> tuple[LossesReport | None, str]:
+    """The figures of the losses; None, with the reason, where there are none."""
+    try:
+        train, drive = layout.losses, layout.drive
+    except NoFigureError as missing:
+        return None, str(missing)
+    return LossesReport(train, layout.loads.idle, drive.loads.peak_torque_Nm, drive.motor, drive.bus_voltage_V), ""

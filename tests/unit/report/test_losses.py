@@ -1,0 +1,48 @@
+"""The losses in `analyse`: text and JSON carry the same figures, within 80 columns, for every kind of layout."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import mbcdm_cad
+from mbcdm_cad.api.design import DriveDesign
+
+PARAMS = Path(__file__).parents[3] / "params"
+
+
+def report_of(name: str):  # type: ignore[no-untyped-def]
+    design: DriveDesign = mbcdm_cad.load(PARAMS / f"{name}.yaml")
+    return design.analyse()
+
+
+@pytest.mark.parametrize("name", ["mbcdm", "siso_spur", "gallery/capstan"])
+def test_json_and_text_carry_the_same_figures(name: str) -> None:
+    report = report_of(name)
+    block, lines = report.to_dict()["losses"], report.text(80).splitlines()
+    against, along = block["motions"][0], block["motions"][2]
+    assert (against["way"], along["way"]) == ("against the load", "with the load")
+    start = next(k for k, line in enumerate(lines) if line.startswith("Losses while"))
+    own = lines[start : lines.index("", start)]
+    for cause, torque in against["by_cause_Nm"].items():
+        line = next(line for line in own if line.strip().startswith(cause + "  "))
+        assert f"{torque[-1]:.4f}" in line
+    line = next(line for line in own if line.split()[:1] == [f"{against['load_Nm'][-1]:.3g}"] and "%" in line)
+    assert f"{against['efficiency'][-1]:.1%}" in line
+    assert f"{along['efficiency'][-1]:.1%}" in line
+    assert max(len(line) for line in own) <= 80
+    assert f"{block['backdrive']['running_Nm']:.3g} +-" in " ".join(own)
+
+
+def test_the_copper_lowers_the_efficiency_most_at_low_speed() -> None:
+    report = report_of("gallery/capstan")
+    block = report.to_dict()["losses"]
+    rows = block["electrical"]["efficiency"]
+    at_peak = [row[-1] for row in rows]
+    assert at_peak == sorted(at_peak)
+    assert all(value < block["motions"][0]["efficiency"][-1] for value in at_peak)
+
+
+def test_a_motor_without_electrical_values_has_no_electrical_efficiency() -> None:
+    assert report_of("mbcdm").to_dict()["losses"]["electrical"] is None
