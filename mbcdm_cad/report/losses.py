@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -157,3 +157,34 @@ def losses_report(layout: Layout) -> tuple[LossesReport | None, str]:
     except NoFigureError as missing:
         return None, str(missing)
     return LossesReport(train, layout.loads.idle, drive.loads.peak_torque_Nm, drive.motor, drive.bus_voltage_V), ""
+
+
+def losses_shown(found: Mapping[str, Any] | None) -> dict[str, Any] | None:
+    """What page and report show of the block ``losses``: causes, largest first, and efficiency over a load +."""
+    if found is None:
+        return None
+    against, along = found["motions"][0], found["motions"][2]
+    ways = (("motors move the load", against), ("load moves the motors", along))
+    lines = [{"label": label, "x": m["load_Nm"], "y": [100.0 * e for e in m["efficiency"]]} for label, m in ways]
+    rows = [
+        {
+            "cause": cause,
+            "unloaded": found["unloaded"]["by_cause_Nm"].get(cause, [0.0])[0],
+            "against": torque[-1],
+            "along": along["by_cause_Nm"].get(cause, [0.0])[-1],
+        }
+        for cause, torque in against["by_cause_Nm"].items()
+    ]
+    return {
+        "peak_Nm": against["load_Nm"][-1],
+        "rows": sorted(rows, key=lambda row: -row["against"]),
+        "all": [found["unloaded"]["lost_Nm"][0], against["lost_Nm"][-1], along["lost_Nm"][-1]],
+        "sigma_Nm": against["lost_sigma_Nm"][-1],
+        "backdrive": found["backdrive"],
+        "chart": {
+            "title": "Efficiency from motors to drum, and back",
+            "x": {"label": "load on the drum", "unit": "N m"},
+            "y": {"label": "efficiency", "unit": "%"},
+            "lines": lines,
+        },
+    }

@@ -8,6 +8,7 @@ import jinja2
 
 from mbcdm_cad.design.describe import flow
 from mbcdm_cad.report.analysis_report import motor_lines
+from mbcdm_cad.report.losses import losses_shown
 
 _AT_DRUM = "_at_drum"
 
@@ -40,5 +41,10 @@ def report_markdown(data: dict[str, Any], paths_template: str) -> str:
     }
     motor = data["analysis"]["motor"]
     return environment.get_template("report.md.j2").render(
-        r=data, a=data["analysis"], paths=paths, passed=passed, motor_lines=motor_lines(motor) if motor else ()
+        r=data,
+        a=data["analysis"],
+        paths=paths,
+        passed=passed,
+        losses=losses_shown(data["losses"]),
+        motor_lines=motor_lines(motor) if motor else (),
     )

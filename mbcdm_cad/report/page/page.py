@@ -9,6 +9,7 @@ from typing import Any
 import markupsafe
 
 from mbcdm_cad.report.dependencies import dependency_graph, dependency_svg
+from mbcdm_cad.report.losses import losses_shown
 from mbcdm_cad.report.page import content
 from mbcdm_cad.report.page.scene import Scene
 from mbcdm_cad.report.page.template import page_environment
@@ -46,6 +47,7 @@ def report_page(report: Mapping[str, Any], view: Scene, figures: Mapping[str, An
             tightest=content.tightest(report["checks"]),
             capability=content.capability(report),
             speed_chart=content.speed_chart(report),
+            losses=losses_shown(report["losses"]),
             derived=content.derived(report, view.data["bodies"]),
             cables=content.cable_rows(report),
             limits=content.travel_limits(report),

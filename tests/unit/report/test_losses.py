@@ -8,6 +8,7 @@ import pytest
 
 import mbcdm_cad
 from mbcdm_cad.api.design import DriveDesign
+from mbcdm_cad.report.losses import losses_shown
 
 PARAMS = Path(__file__).parents[3] / "params"
 
@@ -46,3 +47,15 @@ def test_the_copper_lowers_the_efficiency_most_at_low_speed() -> None:
 
 def test_a_motor_without_electrical_values_has_no_electrical_efficiency() -> None:
     assert report_of("mbcdm").to_dict()["losses"]["electrical"] is None
+
+
+def test_page_and_report_show_every_cause_and_their_sum() -> None:
+    block = report_of("mbcdm").to_dict()["losses"]
+    shown = losses_shown(block)
+    assert shown is not None
+    for column, key in enumerate(("unloaded", "against", "along")):
+        assert sum(row[key] for row in shown["rows"]) == pytest.approx(shown["all"][column])
+    assert shown["peak_Nm"] == pytest.approx(3.15)
+    forward, back = (line["y"] for line in shown["chart"]["lines"])
+    assert all(f > b for f, b in zip(forward, back, strict=True))
+    assert losses_shown(None) is None
