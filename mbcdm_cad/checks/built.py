@@ -11,7 +11,7 @@ from mbcdm_cad.checks.run import judged
 from mbcdm_cad.design.drive import Drive
 
 # Checks that need the drawn solids, or seconds; the build adds them to those of the configuration.
-BUILD_IDS = ("mass", "envelope", "interference", "frame_windup", "printed_walls", "overhang")
+BUILD_IDS = ("mass", "envelope", "interference", "printed_walls", "overhang")
 _AXES = ("X", "Z", "Y")
 
 
@@ -53,23 +53,6 @@ def mass_check(drive: Drive, mass_g: float, sigma_g: float) -> CheckResult:
         "g",
         "" if target.prototype_mass_g is None else f"the prototype was measured at {target.prototype_mass_g:g} g",
     )
-
-
-def frame_windup_check(drive: Drive, windup_mrad: float, advice: str, *, asked: bool = True) -> CheckResult:
-    """Rotation of the drum by the frame's deflection at the test torque, against the design's limit.
-
-    A limit that the design file does not state (``asked``) comes from a sizing rule: beyond it the check only warns.
-    """
-    check = Check(
-        "frame_windup",
-        "Frame stiff against the test torque",
-        "limits.frame_windup_max_mrad; derived",
-        _measured_by_the_build,
-        advice=advice,
-        severity="fail" if asked else "warn",
-    )
-    what = f"the frame's deflection turns the drum at {drive.loads.test_torque_Nm:g} N m by"
-    return _result(check, drive, what, windup_mrad, drive.limits.frame_windup_max_mrad, "mrad")
 
 
 def envelope_check(drive: Drive, box_mm: Sequence[float]) -> CheckResult:

@@ -12,10 +12,9 @@ from mbcdm_cad.design.bought import Screw
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.parts.collar import CollarDims
+from mbcdm_cad.parts.threads import clamp_force_N
 
-# Screws of property class 8.8, tightened to seven tenths of their yield; steel on steel, dry (usual values).
-SCREW_YIELD_MPA = 640.0
-TIGHTENED_SHARE = 0.7
+# Steel on steel, dry (usual value).
 FRICTION = 0.15
 # Set screws have no head: with their small socket they reach about half of that (estimate).
 SET_SCREW_SHARE = 0.5
@@ -27,17 +26,10 @@ STRESS_SAFETY = 1.5
 BEARING_FRICTION = 0.0015
 
 
-def clamp_force_N(screw: Screw) -> float:
-    """Tightening force: seven tenths of yield over the stress area pi/4 (d - 0.938 p)^2, p from the tapping drill."""
-    pitch = screw.thread_mm - screw.tap_drill_mm
-    area = pi / 4 * (screw.thread_mm - 0.938 * pitch) ** 2
-    return TIGHTENED_SHARE * SCREW_YIELD_MPA * area
-
-
 def grip_Nmm(collar: CollarDims, screw: Screw, shaft_mm: float) -> float:
     """Torque that a clamp collar holds on a shaft: F (1 + a/h) pressed on, mu N d; see :func:`collar_grip`."""
     hinge = (collar.bore_radius + collar.radius) / 2
-    return FRICTION * clamp_force_N(screw) * (1 + collar.screw_offset / hinge) * shaft_mm
+    return FRICTION * clamp_force_N(screw.thread_mm) * (1 + collar.screw_offset / hinge) * shaft_mm
 
 
 def collar_grip(s: SectorLayout) -> Comparison:
@@ -61,7 +53,7 @@ def collar_grip(s: SectorLayout) -> Comparison:
 def hub_set_screws(s: SectorLayout) -> Comparison:
     """The set screws turn the drum's shaft against bearing friction only; the load does not pass through the shaft."""
     radius = s.drum_shaft.radius
-    holds = 2 * FRICTION * SET_SCREW_SHARE * clamp_force_N(s.drive.screw(s.drum.set_screw)) * radius
+    holds = 2 * FRICTION * SET_SCREW_SHARE * clamp_force_N(s.drive.screw(s.drum.set_screw).thread_mm) * radius
     needed = (
         BEARING_FRICTION * sum(s.once("drum_reactions", drum_reactions_N)) * s.drive.bearings.drum.outer_diameter_mm / 2
     )
@@ -74,12 +66,15 @@ def hub_set_screws(s: SectorLayout) -> Comparison:
     )
 
 
+def stalled_Nm(s: SectorLayout) -> float:
+    """Torque on the drum at its stop with all motors stalled at their rated torque, not less than the peak torque."""
+    ratio = sum(o.drum_radius_mm / o.input_radius_mm for o in s.steps) / len(s.steps)
+    return max(s.drive.loads.peak_torque_Nm, rated_input_Nm(s) * ratio * len(s.inputs))
+
+
 def stop_pin(s: SectorLayout) -> Comparison:
     """Bending of the pin between the frame's front and the web, with both motors stalled against it."""
-    stall = max(
-        s.drive.loads.peak_torque_Nm,
-        rated_input_Nm(s) * sum(o.drum_radius_mm / o.input_radius_mm for o in s.steps) / len(s.steps) * len(s.inputs),
-    )
+    stall = stalled_Nm(s)
     lever = (s.drum.web_start_y + s.drum.web_end_y) / 2 - s.levels.front_y
     stress = stall * 1e3 / s.drum.stop_radius * lever / (pi * s.frame.stop_pin_radius**3 / 4)
     strength = s.drive.material("steel").yield_MPa

@@ -140,6 +140,14 @@ class Loads(Block):
     peak_torque_Nm: Number = quantity(
         "torque that the design must hold in both directions", unit="N m", gt=0.0, le=1000.0
     )
+    stiffness_Nm_rad: Number | None = quantity(
+        "least stiffness at the payload at the test torque, the inputs held: cables and all parts; not checked if left "
+        "out",
+        unit="N m/rad",
+        default=None,
+        gt=0.0,
+        le=1e7,
+    )
 
 
 class Limits(Block):

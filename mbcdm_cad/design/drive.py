@@ -44,6 +44,7 @@ class Loads:
 
     test_torque_Nm: float
     peak_torque_Nm: float
+    stiffness_Nm_rad: float | None = None
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,6 @@ from mbcdm_cad.build.scene import travel_poses
 from mbcdm_cad.build.store import Progress, Store, StoredPart
 from mbcdm_cad.checks.built import (
     envelope_check,
-    frame_windup_check,
     interference_check,
     mass_check,
     overhang_check,
@@ -27,7 +26,6 @@ from mbcdm_cad.checks.result import CheckResult, failed
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import GeometryError
-from mbcdm_cad.layouts.base import FrameCompliance, FrameStudy
 from mbcdm_cad.layouts.check_design import run_checks
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.report.build_report import BuildReport
@@ -104,7 +102,6 @@ def build(
         mass_check(drive, data["mass"]["mass_g"], data["mass"]["sigma_g"]),
         envelope_check(drive, data["envelope"]["size_mm"]),
         interference_check(drive, clashes),
-        *_frame_checks(drive, layout.frame_study, frame, asked),
         *_printing_checks(drive, centred.items, parts),
     )
     failing = failed(checks)
@@ -115,14 +112,6 @@ def build(
     files = exported_parts(store, posed, parts, drive, processes)
     _write(target, loaded, manifest, posed.items, parts, files, store, data)
     return replace(_outcome(loaded, target, checks, data, store.made), cache_problem=cache.problem)
-
-
-def _frame_checks(
-    drive: Drive, study: FrameStudy | None, found: FrameCompliance | None, asked: bool
-) -> list[CheckResult]:
-    if study is None or found is None:
-        return []
-    return [frame_windup_check(drive, found.windup_mrad(drive.loads.test_torque_Nm), study.advice, asked=asked)]
 
 
 def _printing_checks(drive: Drive, items: Sequence[Item], parts: dict[str, StoredPart]) -> list[CheckResult]:

@@ -63,15 +63,17 @@ def _shaft_bore(given: TrialKnown) -> Found:
     return given.moved("drum.shaft_bore_mm", SHAFT_BORE_SHARE * bore, -0.5, ("shaft_wall", "shaft_twist"))
 
 
-def _web(given: TrialKnown) -> float:
-    """Web of the drum."""
-    return either(given, "drum", WEB_MM)
+def _web(given: TrialKnown) -> Found | float:
+    """Web of the drum; one of plastic is as thick as its stress asks, which is far from the limit in metal."""
+    usual = either(given, "drum", WEB_MM)
+    return given.moved("drum.web_thickness_mm", usual, 0.5, ("drum_stress",)) if given.printed("drum") else usual
 
 
 def _hub(given: TrialKnown) -> Found:
     """Diameter of the drum's hub."""
     start = given.entry("bearings", "drum.bearing")["bore_mm"] + 4.0
-    return given.moved("drum.hub_diameter_mm", start, 0.5, ("hub_walls", "hub_spigot", "hub_set_screws", "engagement"))
+    checks = ("hub_walls", "hub_spigot", "hub_set_screws", "engagement", "payload_screws")
+    return given.moved("drum.hub_diameter_mm", start, 0.5, checks)
 
 
 def _rim(given: TrialKnown) -> Found:
@@ -121,13 +123,15 @@ COUPLING_SPACE = Rule(
     "coupling_height",
     _coupling_space,
 )
-WEB = Rule("drum.web_thickness_mm", "usual thickness for its material", "web_in_rim", _web)
+WEB = Rule(
+    "drum.web_thickness_mm", "usual thickness for its material, more where plastic is stressed", "web_in_rim", _web
+)
 SHAFT_BORE = Rule(
     "drum.shaft_bore_mm", "half the bearings' bore, or less for the wall of the shaft", "shaft_wall", _shaft_bore
 )
 HUB = Rule(
     "drum.hub_diameter_mm",
-    "least diameter for the walls round shaft, set screws and payload threads",
+    "least diameter for the walls round shaft and set screws, and for the payload's screws",
     "hub_walls",
     _hub,
 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Iterable, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 from mbcdm_cad.layouts.base import Layout, NoFigureError, dimensions
 from mbcdm_cad.parts.collar import CollarDims
@@ -56,6 +56,8 @@ class SectorLayout(Layout):
     """A design with a drum sector, its terminals, and an input pulley in two bearings for each input."""
 
     drive: SectorDrive
+    # Screws that hold the frame on what it is mounted on.
+    mount_screw: ClassVar[str] = "M3x8"
 
     def __init__(self, drive: SectorDrive, **given: Any) -> None:
         super().__init__(drive, **given)

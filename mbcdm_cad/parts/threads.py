@@ -25,6 +25,9 @@ _COARSE_MM = {
 }
 # Height of the fundamental triangle over the pitch.
 _TRIANGLE = sqrt(3.0) / 2.0
+# Screws of property class 8.8, tightened to seven tenths of their yield (usual values).
+SCREW_YIELD_MPA = 640.0
+TIGHTENED_SHARE = 0.7
 # A bottoming tap cuts no full thread on its last turns.
 TAP_LEAD_PITCHES = 2.0
 
@@ -74,3 +77,8 @@ def thread(nominal_mm: float) -> Thread:
         sizes = ", ".join(f"{d:g}" for d in _COARSE_MM)
         raise ValueError(f"thread M{nominal_mm:g}: not a coarse thread of the table; choose one of {sizes} mm")
     return Thread(found[0], *found[1])
+
+
+def clamp_force_N(nominal_mm: float) -> float:
+    """Force of a tightened screw: seven tenths of yield over its stress area."""
+    return TIGHTENED_SHARE * SCREW_YIELD_MPA * thread(nominal_mm).stress_area_mm2

@@ -12,13 +12,12 @@ from math import asin, atan2, degrees, hypot, radians, sin, sqrt, tan
 
 from mbcdm_cad.parts.drum_sector.design import SectorDrive, SectorLevels, SectorRun
 from mbcdm_cad.parts.drum_sector.dims import POCKET_LEAD_MM, SET_SCREW_ANGLES_DEG, DrumDims, Land, Window
+from mbcdm_cad.parts.drum_sector.payload import payload_joint
 from mbcdm_cad.parts.drum_shaft import FLAT_DEPTH_MM, DrumShaftDims, PreloadSpringDims
 from mbcdm_cad.parts.terminal.part import Tensioner
 
 # Clamps the hub on the shaft, twice.
 HUB_SCREW = "M3x5-set"
-# Threads in the hub's face that hold the payload.
-PAYLOAD_THREAD_MM, PAYLOAD_DEPTH_MM = 2.5, 6.0
 # Wave spring under the rear bearing's outer ring: height at its nominal force, play in the seat's bore, and force per
 # mm of the bearing's bore (SKF: 5 to 10 N per mm keeps small bearings free of play and quiet).
 SPRING_HEIGHT_MM = 0.6
@@ -228,26 +227,20 @@ def _pocket_radius(drive: SectorDrive, placed: tuple[Tensioner, ...], flat_wall:
 
 
 def _windows(drive: SectorDrive, stop_radius: float, slot_end_deg: float) -> tuple[Window, ...]:
-    d, pin = drive.drum, drive.drum.stop_pin_mm
-    inner = d.hub_diameter_mm / 2 + 3.0
-    outer = d.rim_inner_radius_mm - 2.5
-    below = stop_radius - pin / 2 - 2.4
-    above = stop_radius + pin / 2 + 2.4
-    spoke = degrees(asin(min(0.9, 1.5 / inner)))
-    side_start = slot_end_deg + degrees(asin(min(0.9, (pin / 2 + 2.6) / stop_radius)))
-    side_end = d.sector_half_angle_deg - degrees(3.5 / inner)
-    candidates = [
-        Window(inner, below, spoke, min(slot_end_deg + spoke, side_start - 2 * spoke)),
-        Window(above, outer, spoke, slot_end_deg - spoke),
-        Window(inner, outer, side_start, side_end),
-    ]
+    """Windows outside the stop's slot only: there the web carries little.
+
+    The shear of a web falls with the square of its radius. Windows between hub and slot saved 6 g of the reference of
+    miso_bevel and made its web nine times as soft, because the spokes that they leave bend (docs/structure.md).
+    """
+    outer = drive.drum.rim_inner_radius_mm - 2.5
+    above = stop_radius + drive.drum.stop_pin_mm / 2 + 2.4
+    spoke = degrees(asin(min(0.9, 1.5 / (drive.drum.hub_diameter_mm / 2 + 3.0))))
+    window = Window(above, outer, spoke, slot_end_deg - spoke)
     radius = 2 * drive.drum.material.min_internal_radius_mm
-    kept = [
-        w
-        for w in candidates
-        if w.r_outer - w.r_inner > 2 * radius + 1.0 and radians(w.end_deg - w.start_deg) * w.r_inner > 2 * radius + 1.0
-    ]
-    return tuple(kept) + tuple(Window(w.r_inner, w.r_outer, -w.end_deg, -w.start_deg) for w in kept)
+    wide = radians(window.end_deg - window.start_deg) * window.r_inner
+    if min(outer - above, wide) <= 2 * radius + 1.0:
+        return ()
+    return window, Window(above, outer, -window.end_deg, -window.start_deg)
 
 
 def drum(drive: SectorDrive, levels: SectorLevels, stop_radius: float, way: TerminalWay) -> DrumDims:
@@ -262,7 +255,14 @@ def drum(drive: SectorDrive, levels: SectorLevels, stop_radius: float, way: Term
     hub_radius = d.hub_diameter_mm / 2
     web_start = _web_start_y(drive, levels)
     placed = tensioners(drive, way)
-    payload_insert = drive.insert(d.material, PAYLOAD_THREAD_MM)
+    joint = payload_joint(
+        d.material,
+        lambda thread_mm: drive.insert(d.material, thread_mm),
+        drive.loads.peak_torque_Nm,
+        hub_radius,
+        shaft_radius,
+        d.material.min_wall_mm,
+    )
     flat_wall = drive.tensioner.swage_flats_mm / 2 + FLAT_PLAY_MM
     return DrumDims(
         half_angle_deg=d.sector_half_angle_deg,
@@ -290,10 +290,10 @@ def drum(drive: SectorDrive, levels: SectorLevels, stop_radius: float, way: Term
         set_screw=screw.name,
         set_screw_y=_set_screw_y(drive, levels),
         set_screw_radius=shaft_radius - FLAT_DEPTH_MM,
-        payload_screw_thread=PAYLOAD_THREAD_MM,
+        payload_screw_thread=joint.thread_mm,
         payload_circle_radius=(hub_radius + shaft_radius) / 2,
-        payload_depth=max(PAYLOAD_DEPTH_MM, payload_insert.depth_mm if payload_insert else 0.0),
-        payload_insert=payload_insert,
+        payload_depth=joint.depth_mm,
+        payload_insert=joint.insert,
         corner_radius=2 * d.material.min_internal_radius_mm,
     )
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from types import ModuleType
 
-from mbcdm_cad.checks import creep, drum_sector, fixings, motors, strength, take_up, terminals
+from mbcdm_cad.checks import creep, drum_sector, fixings, motors, strength, structure, take_up, terminals
 from mbcdm_cad.checks.comparison import Check
 from mbcdm_cad.layouts.miso_bevel.checks import (
     bearings,
@@ -40,6 +40,7 @@ FAMILIES: tuple[ModuleType, ...] = (
     pulley_fits,
     guide_fits,
     drum_sector,
+    structure,
     terminals,
     take_up,
     support_walls,

@@ -14,6 +14,7 @@ from mbcdm_cad.checks.drum_sector import (
 from mbcdm_cad.checks.drum_wraps import LEAST_WRAP_DEG, wrap_left
 from mbcdm_cad.checks.terminals import LUG_SAFETY, terminal_angles
 from mbcdm_cad.checks.transfer import EDGE_BREAK_MM
+from mbcdm_cad.design.bought import Material
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.miso_bevel.checks.wraps import terminal_clears_guide
 from mbcdm_cad.layouts.miso_bevel.drum import STOP_PIN_WALL_MM
@@ -21,12 +22,11 @@ from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.sizing.known import LATER, BevelKnown
 from mbcdm_cad.layouts.miso_bevel.sizing.radii import take_up_mm
 from mbcdm_cad.parts.drum_sector.dims import lug_root_mm
+from mbcdm_cad.parts.drum_sector.payload import InsertOf, PayloadJoint, joints, payload_joint
 from mbcdm_cad.parts.drum_sector.sizes import (
     FLAT_PLAY_MM,
     HUB_SCREW,
     MIN_FLOOR_MM,
-    PAYLOAD_DEPTH_MM,
-    PAYLOAD_THREAD_MM,
     SECTOR_MARGIN_DEG,
     SLOT_WALLS,
     STOP_SLOT_PLAY_MM,
@@ -109,13 +109,35 @@ def _shaft_radius(given: BevelKnown) -> float:
     return float(given.entry("bearings", "drum.bearing")["bore_mm"] / 2)
 
 
+def _insert_of(given: BevelKnown) -> InsertOf:
+    return lambda thread_mm: given.insert("drum", thread_mm)
+
+
+def _material(given: BevelKnown) -> Material:
+    return Material(name=given["drum.material"], **given.entry("materials", "drum.material"))
+
+
+def _joints(given: BevelKnown) -> tuple[PayloadJoint, ...]:
+    return joints(_material(given), _insert_of(given))
+
+
+def _joint(given: BevelKnown) -> PayloadJoint:
+    return payload_joint(
+        _material(given),
+        _insert_of(given),
+        given["loads.peak_torque_Nm"],
+        given["drum.hub_diameter_mm"] / 2,
+        _shaft_radius(given),
+        given.wall_mm("drum"),
+    )
+
+
 def _hub_diameter(given: BevelKnown) -> Found:
-    shaft, insert = _shaft_radius(given), given.insert("drum", PAYLOAD_THREAD_MM)
-    hole, wall = (insert.hole_mm, insert.wall_mm) if insert is not None else (PAYLOAD_THREAD_MM, given.wall_mm("drum"))
+    shaft, wall, peak = _shaft_radius(given), given.wall_mm("drum"), given["loads.peak_torque_Nm"]
     spigot = given.entry("bearings", "drum.bearing")["inner_shoulder_mm"] / 2
     needs = {
         "hub_walls": 2 * (shaft + given.screw(HUB_SCREW).length_mm + SCREW_LIP_MM),
-        "payload's threads": 2 * (shaft + hole) + 4 * wall,
+        "payload_screws": 2 * min(joint.least_hub_mm(peak, shaft, wall) for joint in _joints(given)),
         "hub_spigot": 2 * (spigot + SPIGOT_MM),
     }
     return largest(needs, 0.5)
@@ -127,7 +149,7 @@ def _hub_face(given: BevelKnown) -> Found:
     end = _web_end(given)
     needs = {
         "hub_length": start + HUB_DIAMETERS * 2 * _shaft_radius(given),
-        "payload's threads": end + PAYLOAD_DEPTH_MM,
+        "payload's threads": end + _joint(given).depth_mm,
         "set screws": end + screw + 2 * given.wall_mm("drum"),
         "outer_face": given["drum.outer_face_y_mm"],
     }
@@ -226,7 +248,7 @@ DRUM = (
     Rule("drum.rim_inner_radius_mm", "least height of the rim under the deepest pocket", "rim_height", _rim_inner),
     Rule(
         "drum.hub_diameter_mm",
-        "least diameter for the shaft, its set screws and the payload's threads",
+        "least diameter for the shaft, its set screws and the payload's screws, which hold the peak torque by friction",
         "hub_walls",
         _hub_diameter,
     ),

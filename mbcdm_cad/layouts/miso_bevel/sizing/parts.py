@@ -6,7 +6,7 @@ from collections.abc import Callable
 from functools import partial
 from math import sqrt
 
-from mbcdm_cad.checks.fixings import CLAMP_SAFETY, FRICTION, clamp_force_N, grip_Nmm
+from mbcdm_cad.checks.fixings import CLAMP_SAFETY, FRICTION, grip_Nmm
 from mbcdm_cad.checks.input_pulley import FIT_MM, SHOULDER_MM
 from mbcdm_cad.checks.take_up import THREAD_OUT_PITCHES
 from mbcdm_cad.checks.terminals import STUD_SAFETY
@@ -30,6 +30,7 @@ from mbcdm_cad.layouts.miso_bevel.support.dims import AXLE_SCREW, DOWEL_LENGTHS_
 from mbcdm_cad.parts.collar import collar
 from mbcdm_cad.parts.drum_sector.sizes import SWAGE_FLOOR_MM
 from mbcdm_cad.parts.input_pulley.stop import neck_mm
+from mbcdm_cad.parts.threads import clamp_force_N
 from mbcdm_cad.sizing.arithmetic import greatest, least, number
 from mbcdm_cad.sizing.rule import Found, Rule, rounded_up
 
@@ -95,7 +96,7 @@ def _most_grip_Nmm(given: BevelKnown, shaft_mm: float) -> float:
     journal = shaft_mm + 2 * given.wall_mm("input_pulleys")
     screw = given.screw(COLLAR_SCREWS[-1])
     hinge = journal / 2
-    return FRICTION * clamp_force_N(screw) * (1 + (hinge + wall + screw.clearance_mm / 2) / hinge) * shaft_mm
+    return FRICTION * clamp_force_N(screw.thread_mm) * (1 + (hinge + wall + screw.clearance_mm / 2) / hinge) * shaft_mm
 
 
 def _motor(given: BevelKnown) -> Found:

@@ -4,7 +4,18 @@ from __future__ import annotations
 
 from types import ModuleType
 
-from mbcdm_cad.checks import bearings, creep, drum_sector, fixings, motor_head, motors, strength, take_up, terminals
+from mbcdm_cad.checks import (
+    bearings,
+    creep,
+    drum_sector,
+    fixings,
+    motor_head,
+    motors,
+    strength,
+    structure,
+    take_up,
+    terminals,
+)
 from mbcdm_cad.layouts.siso_spur.checks import (
     pulley_fits,
     ratios,
@@ -28,6 +39,7 @@ FAMILIES: tuple[ModuleType, ...] = (
     fixings,
     pulley_fits,
     drum_sector,
+    structure,
     terminals,
     take_up,
     support,

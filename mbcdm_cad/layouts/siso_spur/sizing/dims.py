@@ -25,11 +25,12 @@ PLATE_MM, BRIDGE_MM = (5.0, 8.0), (4.0, 7.0)
 
 
 def _plate(given: SpurKnown) -> Found:
-    return given.moved("support.plate_mm", either(given, "support", PLATE_MM), 0.1, ("flange",))
+    return given.moved("support.plate_mm", either(given, "support", PLATE_MM), 0.1, ("flange", "frame_windup"))
 
 
-def _bridge(given: SpurKnown) -> float:
-    return max(either(given, "support", BRIDGE_MM), given.wall_mm("support"))
+def _bridge(given: SpurKnown) -> Found:
+    start = max(either(given, "support", BRIDGE_MM), given.wall_mm("support"))
+    return given.moved("support.bridge_mm", start, 0.5, ("frame_windup",))
 
 
 def _centre_distance(given: SpurKnown) -> Found:
@@ -64,11 +65,21 @@ FRAME = (
         "walls",
         side_wall,
     ),
-    Rule("support.bridge_mm", "usual thickness for the stiffness and for making it in its material", "walls", _bridge),
+    Rule(
+        "support.bridge_mm",
+        "usual thickness for making it in its material, more where the frame winds up",
+        "frame_windup",
+        _bridge,
+    ),
     BEARING_SHELF,
     ENCODER_SHELF,
     COUPLING_SPACE,
-    Rule("support.plate_mm", "usual thickness, or more for the motor head's screws", "flange", _plate),
+    Rule(
+        "support.plate_mm",
+        "usual thickness, or more for the motor head's screws and where the frame winds up",
+        "flange",
+        _plate,
+    ),
 )
 DISTANCE = (
     Rule(

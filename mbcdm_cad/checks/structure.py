@@ -1,0 +1,157 @@
+"""Stiffness and strength of what carries the cables' forces: drum, payload's joint, mounting, frame."""
+
+from __future__ import annotations
+
+from math import hypot, pi
+
+from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, noted, worst
+from mbcdm_cad.checks.design_variables import Adjustment, down, up
+from mbcdm_cad.checks.fixings import FRICTION, STRESS_SAFETY, stalled_Nm
+from mbcdm_cad.design.bought import Material
+from mbcdm_cad.layouts.sector import SectorLayout
+from mbcdm_cad.parts.drum_sector.payload import PLASTIC_SHARE, SHEAR_SHARE, SLIP_SAFETY, PayloadJoint
+from mbcdm_cad.parts.threads import clamp_force_N
+
+
+def lasting_MPa(material: Material) -> float:
+    """Stress that a part bears for years: yield, of plastics the share that creep leaves."""
+    return material.yield_MPa * (PLASTIC_SHARE if material.printed else 1.0)
+
+
+def _stress(what: str, strength_MPa: float, stress_MPa: float, load_Nm: float) -> Comparison:
+    subject = f"{strength_MPa:.4g} MPa over {stress_MPa:.4g} MPa in {what} at {load_Nm:.4g} N m:"
+    return at_least(subject, strength_MPa / max(stress_MPa, 1e-9), STRESS_SAFETY, "times")
+
+
+def drum_stress(s: SectorLayout) -> Comparison:
+    """Stress of web and rim, of the hub in torsion, and of the web at the stop pin, against the yield stress.
+
+    Web and rim by plane elements at the larger of peak torque and stalled motors, corners as drawn. Printed parts
+    count with the strength that creep leaves.
+    """
+    d, drive, structure = s.drum, s.drive, s.structure
+    material = drive.drum.material
+    strength, load = lasting_MPa(material), max(drive.loads.peak_torque_Nm, stalled_Nm(s))
+    torsion = 2.0 * load * 1e3 * d.hub_radius / (pi * (d.hub_radius**4 - d.bore_radius**4))
+    pressed = load * 1e3 / d.stop_radius / (2.0 * s.frame.stop_pin_radius * (d.web_end_y - d.web_start_y))
+    return worst(
+        (
+            _stress("web and rim", strength, structure.stress_MPa(load), load),
+            _stress("the hub", strength * SHEAR_SHARE, torsion, load),
+            _stress("the web under the stop pin", strength, pressed, load),
+        )
+    )
+
+
+def payload_screws(s: SectorLayout) -> Comparison:
+    """Torque at which the payload slips on the hub's face, over the peak torque."""
+    joint, circle = (
+        PayloadJoint(s.drum.payload_screw_thread, s.drive.drum.material, s.drum.payload_insert),
+        s.drum.payload_circle_radius,
+    )
+    slips, peak = joint.slips_Nm(circle), s.drive.loads.peak_torque_Nm
+    return at_least(
+        f"4 x M{joint.thread_mm:g} at {joint.clamp_N:.4g} N on a circle of {2 * circle:.4g} mm hold {slips:.4g} N m by "
+        f"friction, over the peak torque of {peak:g} N m",
+        slips / peak,
+        SLIP_SAFETY,
+        "times",
+    )
+
+
+def mounting_screws(s: SectorLayout) -> Comparison:
+    """Torque at which the frame slips on what it is mounted on, over the peak torque."""
+    material, screw = s.drive.support.material, s.drive.screw(s.mount_screw)
+    # The ring under a head presses the frame; a printed one yields to it in time.
+    head = pi / 4.0 * (screw.head_diameter_mm**2 - (2.0 * s.frame.mount_radius) ** 2)
+    clamp = min(clamp_force_N(screw.thread_mm), lasting_MPa(material) * head)
+    places = s.frame.mounts
+    middle = [sum(place[k] for place in places) / len(places) for k in (0, 1)]
+    arms = sum(hypot(x - middle[0], z - middle[1]) for x, z in places)
+    slips, peak = FRICTION * clamp * arms * 1e-3, s.drive.loads.peak_torque_Nm
+    return at_least(
+        f"{len(places)} x M{screw.thread_mm:g} at {clamp:.4g} N hold the frame against {slips:.4g} N m by friction, over the "
+        f"peak torque of {peak:g} N m",
+        slips / peak,
+        SLIP_SAFETY,
+        "times",
+    )
+
+
+def frame_windup(s: SectorLayout) -> Comparison:
+    """Turn of the drum by the frame's deflection at the test torque."""
+    torque = s.drive.loads.test_torque_Nm
+    found = s.frame_compliance
+    if found is None:
+        return noted("the frame counts as rigid: turn of the drum by it", 0.0, "mrad")
+    what = f"the frame's deflection turns the drum at {torque:g} N m by"
+    return at_most(what, found.windup_mrad(torque), s.drive.limits.frame_windup_max_mrad, "mrad")
+
+
+def _stiffer_frame(s: SectorLayout) -> str:
+    study = s.frame_study
+    return study.advice if study is not None else ""
+
+
+def stiffness(s: SectorLayout) -> Comparison:
+    """Stiffness at the payload at the test torque: cables, drum, shafts, bearings and frame, the inputs held."""
+    structure, torque = s.structure, s.drive.loads.test_torque_Nm
+    most = max((c for c in structure.causes if not c.before_input), key=lambda c: c.urad_Nm)
+    note = (
+        f"cables {structure.cables_urad_Nm:.4g} urad/N m, all else {structure.payload_urad_Nm:.4g}, of it most by "
+        f"{most.name}, {most.urad_Nm:.4g}"
+    )
+    what, found = f"stiffness at the payload at {torque:g} N m", structure.stiffness_Nm_rad
+    wanted = s.drive.loads.stiffness_Nm_rad
+    if wanted is None:
+        return noted(what, found, "N m/rad", f"{note}; the design file asks for none")
+    return at_least(what, found, wanted, "N m/rad", note)
+
+
+_LESS: tuple[Adjustment, ...] = (down("loads.peak_torque_Nm"),)
+CHECKS = (
+    Check(
+        "drum_stress",
+        "Stress in the drum",
+        "plane elements, torsion of a tube; 1.5 on yield, 0.4 of it for plastics: usual rule, estimate",
+        drum_stress,
+        adjust=(up("drum.web_thickness_mm"), up("drum.hub_diameter_mm"), *_LESS),
+        advice="choose a stronger drum.material",
+    ),
+    Check(
+        "payload_screws",
+        "Payload's screws hold the peak torque",
+        "mu F r; class 8.8 at 0.7 of yield, mu 0.15, 1.5 on slip: usual values",
+        payload_screws,
+        adjust=(up("drum.hub_diameter_mm"), *_LESS),
+        advice="choose a stronger drum.material",
+    ),
+    Check(
+        "mounting_screws",
+        "Mounting screws hold the peak torque",
+        "mu F r; class 8.8 at 0.7 of yield, mu 0.15, 1.5 on slip: usual values",
+        mounting_screws,
+        adjust=_LESS,
+        advice="let dowels or a shoulder of what the frame stands on carry the torque, and waive this check",
+    ),
+    Check(
+        "frame_windup",
+        "Frame stiff against the test torque",
+        "limits.frame_windup_max_mrad; folded plates on the mounting screws",
+        frame_windup,
+        advice=_stiffer_frame,
+    ),
+    Check(
+        "stiffness",
+        "Stiffness at the payload",
+        "loads.stiffness_Nm_rad; compliance by cause",
+        stiffness,
+        adjust=(
+            up("drum.web_thickness_mm"),
+            up("drum.hub_diameter_mm"),
+            up("all radii of transmission"),
+            up("rope.preload_N"),
+        ),
+        advice="choose a stiffer rope, or stiffer materials of drum and frame",
+    ),
+)
