@@ -70,8 +70,8 @@ def mounting_screws(s: SectorLayout) -> Comparison:
     arms = sum(hypot(x - middle[0], z - middle[1]) for x, z in places)
     slips, peak = FRICTION * clamp * arms * 1e-3, s.drive.loads.peak_torque_Nm
     return at_least(
-        f"{len(places)} x M{screw.thread_mm:g} at {clamp:.4g} N hold the frame against {slips:.4g} N m by friction, over the "
-        f"peak torque of {peak:g} N m",
+        f"{len(places)} x M{screw.thread_mm:g} at {clamp:.4g} N hold the frame against {slips:.4g} N m by friction, "
+        f"over the peak torque of {peak:g} N m",
         slips / peak,
         SLIP_SAFETY,
         "times",
@@ -85,7 +85,7 @@ def frame_windup(s: SectorLayout) -> Comparison:
     if found is None:
         return noted("the frame counts as rigid: turn of the drum by it", 0.0, "mrad")
     what = f"the frame's deflection turns the drum at {torque:g} N m by"
-    return at_most(what, found.windup_mrad(torque), s.drive.limits.frame_windup_max_mrad, "mrad")
+    return at_most(what, found.windup_mrad(torque), s.windup_limit_mrad, "mrad")
 
 
 def _stiffer_frame(s: SectorLayout) -> str:

@@ -158,8 +158,13 @@ class Limits(Block):
     )
     tension_safety_factor: Number = quantity("breaking load over largest tension", unit="-", ge=1.0, le=100.0)
     preload_share_max: Number = quantity("preload over breaking load", unit="-", gt=0.0, le=1.0)
-    frame_windup_max_mrad: Number = quantity(
-        "turn of the drum from the frame's deflection at the test torque", unit="mrad", gt=0.0, le=100.0
+    frame_windup_max_mrad: Number | None = quantity(
+        "turn of the drum from the frame's deflection at the test torque; left out, the turn of the cables there, or "
+        "six times that for a printed frame",
+        unit="mrad",
+        default=None,
+        gt=0.0,
+        le=100.0,
     )
 
 

@@ -54,7 +54,7 @@ class Limits:
     bend_ratio_min: float
     tension_safety_factor: float
     preload_share_max: float
-    frame_windup_max_mrad: float
+    frame_windup_max_mrad: float | None
 
 
 @dataclass(frozen=True)

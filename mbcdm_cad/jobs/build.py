@@ -38,7 +38,6 @@ from mbcdm_cad.storage.manifest import Manifest, altered_files, read_manifest, v
 from mbcdm_cad.storage.origin import refuse_other_origin
 
 POSES = 9
-WINDUP_LIMIT = "limits.frame_windup_max_mrad"
 
 
 def build(
@@ -60,8 +59,7 @@ def build(
     drive = loaded.drive
     refuse_angle(drive, angle_deg)
     target = out / drive.name
-    asked = all(value.field != WINDUP_LIMIT for value in loaded.sized)
-    inputs = content_key("build", (loaded.sha256, angle_deg, force, asked), package_hash(), versions())
+    inputs = content_key("build", (loaded.sha256, angle_deg, force), package_hash(), versions())
     unchanged = _unchanged(loaded, target, inputs)
     if unchanged is not None:
         return unchanged

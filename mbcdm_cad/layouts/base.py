@@ -37,6 +37,9 @@ if TYPE_CHECKING:
 _T = TypeVar("_T")
 # The model is not evaluated above this multiple of sum(T_pre r_o), at which cables without friction go slack.
 OVERLOAD = 4.0
+# A printed frame may turn the drum by this multiple of the cables' turn: plastic is some forty times as soft as
+# aluminium, and thicker walls make up for only a part of that (a choice).
+PRINTED_WINDUP = 6.0
 
 
 class NoFigureError(Exception):
@@ -243,6 +246,23 @@ class Layout(ABC):
         """Rotation of the drum by the frame's deflection; None if the frame is assumed to be rigid."""
         study = self.frame_study
         return None if study is None else study.compliance()
+
+    @property
+    def printed_frame(self) -> bool:
+        """Whether the frame is printed, of plastic."""
+        return False
+
+    @property
+    def windup_limit_mrad(self) -> float:
+        """Limit of the drum's turn by the frame's deflection at the test torque.
+
+        The design's own; left out, the turn of the cables there, or ``PRINTED_WINDUP`` times that for a printed frame.
+        """
+        stated = self.drive.limits.frame_windup_max_mrad
+        if stated is not None:
+            return stated
+        cables = self.loads.test_urad_Nm * 1e-3 * self.drive.loads.test_torque_Nm
+        return cables * (PRINTED_WINDUP if self.printed_frame else 1.0)
 
     @cached_property
     def structure(self) -> Structure | None:

@@ -65,6 +65,11 @@ class SectorLayout(Layout):
         self.steps: tuple[SectorRun, ...] = tuple(sorted(drive.cables, key=lambda cable: cable.step))
 
     @property
+    def printed_frame(self) -> bool:
+        """See the base class."""
+        return self.drive.support.material.printed
+
+    @property
     @abstractmethod
     def levels(self) -> InputLevels:
         """Heights and depths."""

@@ -8,8 +8,8 @@ what.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -59,15 +59,21 @@ class Cause:
 class Structure:
     """Compliance of a drive by cause, and the stress of its drum.
 
-    ``cables_urad_Nm``: turn by the cables at the test torque, over that torque. ``peak_stress_MPa``: largest equivalent
-    stress of the drum's web and rim at the peak torque of either sense, with the preload; ``yield_MPa``: that of its
-    material.
+    ``cables_urad_Nm``: turn by the cables at the test torque, over that torque. ``stress_MPa`` gives the largest
+    equivalent stress of the drum's web and rim under a torque of either sense, N m, with the preload; ``yield_MPa``:
+    the yield stress of its material.
     """
 
     causes: tuple[Cause, ...]
     cables_urad_Nm: float
-    peak_stress_MPa: float
+    stress_MPa: Callable[[float], float] = field(repr=False, compare=False)
+    peak_torque_Nm: float
     yield_MPa: float
+
+    @property
+    def peak_stress_MPa(self) -> float:
+        """Largest stress of the drum's web and rim at the peak torque."""
+        return self.stress_MPa(self.peak_torque_Nm)
 
     @property
     def payload_urad_Nm(self) -> float:
@@ -125,7 +131,7 @@ def structure_of(layout: SectorLayout) -> Structure:
     d = layout.loads.si
     unit = unit_tensions_N(d)
     torques = sum_per_input(d, unit, d.input_radius_m)
-    drum, peak_stress_MPa = _drum(layout, unit)
+    drum, stress_MPa = _drum(layout, unit)
     causes = [
         *_gearheads(layout, torques),
         *_inputs(layout, unit, torques),
@@ -139,8 +145,17 @@ def structure_of(layout: SectorLayout) -> Structure:
             raise NoFigureError("the frame has no metal that carries the load")
         causes.append(Cause("frame", frame.windup_urad_Nm))
     return Structure(
-        tuple(causes), layout.loads.test_urad_Nm, peak_stress_MPa, float(layout.drive.drum.material.yield_MPa)
+        tuple(causes),
+        layout.loads.test_urad_Nm,
+        stress_MPa,
+        layout.drive.loads.peak_torque_Nm,
+        float(layout.drive.drum.material.yield_MPa),
     )
+
+
+def drum_stress_MPa(layout: SectorLayout, torque_Nm: float) -> float:
+    """Largest stress of the drum's web and rim alone, for a layout whose frame is not known yet."""
+    return _drum(layout, unit_tensions_N(layout.loads.si))[1](torque_Nm)
 
 
 def elastic(material: Material) -> Isotropic:
@@ -173,8 +188,8 @@ def _bearings_urad_Nm(
     )
 
 
-def _drum(layout: SectorLayout, unit: Floats) -> tuple[list[Cause], float]:
-    """Web with rim, hub to the set screws and hub to the face; and the largest stress of the web at the peak torque."""
+def _drum(layout: SectorLayout, unit: Floats) -> tuple[list[Cause], Callable[[float], float]]:
+    """Web with rim, hub to the set screws and hub to the face; and the largest stress of the web under a torque."""
     drive, dims, d = layout.drive, layout.drum, layout.loads.si
     names = {terminal.cable_name for terminal in dims.tensioners}
     # Of 1 N m. Sectors side by side on one shaft are equal, and each carries its own cables' share.
@@ -189,12 +204,15 @@ def _drum(layout: SectorLayout, unit: Floats) -> tuple[list[Cause], float]:
     )
     thread = drive.screw(dims.set_screw).thread_mm
     study = sector_study(sector_shape(dims), hub(dims, thread), pulls, elastic(drive.drum.material))
-    torque = drive.loads.peak_torque_Nm * own
+
+    def stress_MPa(torque_Nm: float) -> float:
+        return max(float(study.von_mises_MPa(way * torque_Nm * own).max()) for way in (1.0, -1.0))
+
     return [
         Cause("drum: web and rim", study.web_urad_Nm * own),
         Cause("drum: hub to the set screws", study.hub_to_screws_urad_Nm * own),
         Cause("drum: hub to the payload", study.hub_to_face_urad_Nm * own, at_encoder=False),
-    ], max(float(study.von_mises_MPa(way * torque).max()) for way in (1.0, -1.0))
+    ], stress_MPa
 
 
 def _drum_shaft(layout: SectorLayout, unit: Floats) -> Iterator[Cause]:

@@ -52,7 +52,6 @@ MIDDLE_SIZE: Mapping[str, Any] = {
     "support.encoder_shelf_mm": 6.0,
     "support.coupling_space_mm": 15.0,
     "support.back_y_mm": -60.0,
-    "limits.frame_windup_max_mrad": 1.0,
 }
 
 

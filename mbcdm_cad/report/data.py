@@ -12,7 +12,6 @@ from mbcdm_cad.build.clash import Clash
 from mbcdm_cad.build.mass import MassProperties, combined
 from mbcdm_cad.build.store import StoredPart
 from mbcdm_cad.checks.result import CheckResult
-from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.base import Conventions, FrameCompliance, Layout
 from mbcdm_cad.model import Analysis, analyse, measured
 from mbcdm_cad.model.bulk import preload_table
@@ -61,11 +60,12 @@ def _rounded(value: Any, digits: int = 9) -> Any:
     return value
 
 
-def _frame(frame: FrameCompliance, drive: Drive) -> dict[str, Any]:
+def _frame(frame: FrameCompliance, layout: Layout) -> dict[str, Any]:
+    drive = layout.drive
     return {
         "windup_urad_Nm": frame.windup_urad_Nm,
         "windup_at_test_torque_mrad": frame.windup_mrad(drive.loads.test_torque_Nm),
-        "limit_mrad": drive.limits.frame_windup_max_mrad,
+        "limit_mrad": layout.windup_limit_mrad,
         "shares_urad_Nm": frame.shares_urad_Nm,
     }
 
@@ -190,7 +190,7 @@ def report_data(
             "poses_deg": list(tested.poses_deg),
             "clashes": [asdict(c) for c in tested.clashes],
         },
-        "frame": _frame(tested.frame, drive) if tested.frame else None,
+        "frame": _frame(tested.frame, layout) if tested.frame else None,
         "torque": {
             "peak_positive_Nm": figures.analysis.peak_torque_Nm[0],
             "peak_negative_Nm": figures.analysis.peak_torque_Nm[1],

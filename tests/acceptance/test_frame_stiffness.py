@@ -111,7 +111,7 @@ def test_displacements_are_reciprocal() -> None:
 def test_reference_keeps_its_limit_by_finite_elements() -> None:
     drive = load_design(REFERENCE).drive
     found = reference_by_elements(FINE_MM) * drive.loads.test_torque_Nm * 1e-3
-    limit = drive.limits.frame_windup_max_mrad
+    limit = drive.layout.windup_limit_mrad
     assert found < limit, f"{found:.4f} mrad at {drive.loads.test_torque_Nm} N m, limit {limit} mrad"
 
 

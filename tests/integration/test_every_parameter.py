@@ -283,12 +283,10 @@ def test_mass_targets_are_held_against_the_mass() -> None:
 
 
 def test_windup_limit_is_held_against_the_windup() -> None:
-    from mbcdm_cad.checks.built import frame_windup_check
-
     status = []
     for limit in (0.01, 0.03):
-        drive = load_text(edited({("limits", "frame_windup_max_mrad"): limit})).drive
-        status.append(frame_windup_check(drive, 0.02, "thicken it").status)
+        loaded = load_text(edited({("limits", "frame_windup_max_mrad"): limit}))
+        status.append(next(c.status for c in run_checks(loaded) if c.id == "frame_windup"))
     assert status == ["fail", "pass"]
 
 

@@ -14,17 +14,17 @@ LIMITS = {
     "class families a layout": 6,
     "registry calls": 2,
     "maker strings": 0,
-    "fields declared twice": 185,
+    "fields declared twice": 189,
     "files of miso_bevel": 57,
     "files of siso_bevel": 35,
     "files of siso_spur": 35,
     "files of miso_spur": 25,
-    "files": 597,
-    "imports, share of lines in %": 8.1,
+    "files": 599,
+    "imports, share of lines in %": 8.15,
     "circles": 1,
     "arrows back": 0,
-    "repeating pairs": 191,
-    "lines": 71000,
+    "repeating pairs": 188,
+    "lines": 71400,
 }
 
 

@@ -98,6 +98,14 @@ class SectorBearings(Protocol):
         """All roles; types may repeat."""
 
 
+class FrameSpec(Protocol):
+    """The frame's part of the design file."""
+
+    @property
+    def material(self) -> Material:
+        """Material of the frame."""
+
+
 @dataclass(frozen=True)
 class SectorDrive(Drive):
     """A drive whose cables end on a drum sector."""
@@ -108,6 +116,7 @@ class SectorDrive(Drive):
     tensioner: TensionerSpec
     drum: DrumSpec
     input_pulleys: InputPulleySpec
+    support: FrameSpec
 
 
 class SectorLevels(Protocol):

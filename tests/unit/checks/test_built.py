@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from mbcdm_cad.checks.built import envelope_check, frame_windup_check, interference_check, mass_check
+from mbcdm_cad.checks.built import envelope_check, interference_check, mass_check
 from mbcdm_cad.design.drive import Drive, Waiver
 
 
@@ -29,13 +29,6 @@ def test_interference(drive: Drive) -> None:
     assert found.status == "fail" and found.actual == 2.0 and "a and b overlap; c and d overlap" in found.message, found
     many = interference_check(drive, ["x"] * 9)
     assert many.message.count("x;") == 3, many.message
-
-
-def test_frame_windup(drive: Drive) -> None:
-    limit = drive.limits.frame_windup_max_mrad
-    assert frame_windup_check(drive, limit * 0.999, "thicken it").status == "pass"
-    assert frame_windup_check(drive, limit * 1.001, "thicken it").status == "fail"
-    assert frame_windup_check(drive, limit * 1.001, "thicken it", asked=False).status == "warn"
 
 
 def test_waiver_reaches_them(drive: Drive) -> None:

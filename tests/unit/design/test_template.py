@@ -115,6 +115,7 @@ UNITS = {
     "_deg": "deg",
     "_N": "N",
     "_Nm": "N m",
+    "_Nm_rad": "N m/rad",
     "_mNm": "mN m",
     "_GPa": "GPa",
     "_MPa": "MPa",

@@ -61,18 +61,20 @@ def test_each_input_is_sized_for_its_share_of_the_torque() -> None:
         # Two inputs and +-62 degrees: the terminals of one sector come round to the other input's encoder and shelf.
         {"half": 61.9, "radius": 42.7, "ratio": 11.96, "peak": 0.52, "inputs": 2},
         # Four printed hubs of 98 mm for their dowels: the stop's slot lies outside them.
-        {"half": 35.0, "radius": 89.5, "ratio": 4.95, "peak": 8.0, "inputs": 4, "rope": "7x7-0.61", "material": "pla"},
+        {"half": 35.0, "radius": 89.5, "ratio": 4.95, "peak": 8.0, "inputs": 4, "rope": "7x7-0.61", "material": "pla"}
+        # The heads of four M3 press the plastic base with a third of their force.
+        | {"fails": {"mounting_screws"}},
     ],
     ids=("wide travel", "wide hub"),
 )
-def test_far_corners_of_the_space_pass_every_check(asked: dict[str, Any]) -> None:
+def test_far_corners_of_the_space_pass_every_check_but_those_named(asked: dict[str, Any]) -> None:
     data = short(asked["peak"], asked["inputs"])
     data["travel"]["half_angle_deg"] = asked["half"]
     data["transmission"] = {"input_to_drum": asked["ratio"], "drum_radius_mm": asked["radius"]}
     if "rope" in asked:
         data |= {"rope": {"type": asked["rope"]}, **{part: {"material": asked["material"]} for part in PRINTED}}
     drive = load_text(yaml.safe_dump(data)).drive
-    assert not failed(drive), failed(drive)
+    assert set(failed(drive)) == asked.get("fails", set()), failed(drive)
 
 
 def test_motors_alone_give_the_smallest_drum_that_rope_and_shaft_allow() -> None:

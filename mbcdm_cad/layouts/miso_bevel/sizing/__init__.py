@@ -7,7 +7,7 @@ from typing import Any
 from mbcdm_cad.design.sized import Moved, Sizing, SizingError
 from mbcdm_cad.layouts.common_rules import FRICTION, needed
 from mbcdm_cad.layouts.miso_bevel.sizing.basis import CLEARANCES, LIMITS, METALS, NAMES
-from mbcdm_cad.layouts.miso_bevel.sizing.drum import DRUM, HUB_FACE, WEB
+from mbcdm_cad.layouts.miso_bevel.sizing.drum import DRUM, HUB, HUB_FACE, WEB
 from mbcdm_cad.layouts.miso_bevel.sizing.frame import BACK, FRAME, STOP_PIN
 from mbcdm_cad.layouts.miso_bevel.sizing.known import BevelKnown
 from mbcdm_cad.layouts.miso_bevel.sizing.parts import DRIVES, PARTS, TENSIONER
@@ -41,6 +41,7 @@ BEFORE_FRAME: tuple[Rule, ...] = (
 RULES: tuple[Rule, ...] = (
     *BEFORE_FRAME,
     *FRAME,
+    *HUB,
     *WEB,
     *STOP_PIN,
     *DRUM,
@@ -53,7 +54,7 @@ RULES: tuple[Rule, ...] = (
 # Derived dimensions: fields that are neither a requirement nor a choice of part, material or arrangement.
 DERIVED = tuple(
     rule.field
-    for rule in (*LEAD, *CLEARANCES, *FRAME, *WEB, *STOP_PIN, *DRUM, *SETBACK, *BACK, *HUB_FACE)
+    for rule in (*LEAD, *CLEARANCES, *FRAME, *HUB, *WEB, *STOP_PIN, *DRUM, *SETBACK, *BACK, *HUB_FACE)
     if not rule.field.startswith("limits.")
 )
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import asin, atan2, degrees, hypot
+from contextlib import suppress
+from math import asin, atan2, degrees, hypot, pi, sqrt
 
 from mbcdm_cad.checks.comparison import Comparison
 from mbcdm_cad.checks.drum_sector import (
@@ -12,6 +13,8 @@ from mbcdm_cad.checks.drum_sector import (
     SPIGOT_MM,
 )
 from mbcdm_cad.checks.drum_wraps import LEAST_WRAP_DEG, wrap_left
+from mbcdm_cad.checks.fixings import STRESS_SAFETY
+from mbcdm_cad.checks.structure import lasting_MPa
 from mbcdm_cad.checks.terminals import LUG_SAFETY, terminal_angles
 from mbcdm_cad.checks.transfer import EDGE_BREAK_MM
 from mbcdm_cad.design.bought import Material
@@ -21,6 +24,7 @@ from mbcdm_cad.layouts.miso_bevel.drum import STOP_PIN_WALL_MM
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.sizing.known import LATER, BevelKnown
 from mbcdm_cad.layouts.miso_bevel.sizing.radii import take_up_mm
+from mbcdm_cad.layouts.structure import drum_stress_MPa
 from mbcdm_cad.parts.drum_sector.dims import lug_root_mm
 from mbcdm_cad.parts.drum_sector.payload import InsertOf, PayloadJoint, joints, payload_joint
 from mbcdm_cad.parts.drum_sector.sizes import (
@@ -38,6 +42,10 @@ from mbcdm_cad.sizing.rule import Found, Rule, largest, rounded_down, rounded_up
 SCREW_LIP_MM = 1.0
 # Web in multiples of the thinnest wall, and as a share of the outermost radius, to be stiff enough (estimate).
 WEB_WALLS, WEB_SHARE = 2.5, 1.0 / 33.0
+# Stress of the web beside the hub over that of even shear over half a turn there (estimate; a check computes it).
+WEB_STRESS = 1.6
+# Web of plastic over what a trial with this stop pin asks, whose own thickness is found later.
+WEB_SPARE, PLASTIC_STOP_PIN_MM = 1.05, 4.0
 # Rim under the deepest pocket as a share of the radius of step 1 (estimate; the limit of the check is lower).
 RIM_SHARE = 0.08
 # Wrap left at the end of travel over the limit of its check: reserve for the slip zone at small loads (estimate).
@@ -51,13 +59,40 @@ LUG_SPARE = 1.1
 
 
 def _web(given: BevelKnown) -> Found:
-    needs = {"web_in_rim": WEB_WALLS * given.wall_mm("drum"), "stiffness": WEB_SHARE * max(given.drum_mm)}
-    return largest(needs, 0.1)
+    bears_MPa = lasting_MPa(_material(given)) / STRESS_SAFETY
+    motor, inputs = given.entry("motors", "drive.motor"), 2
+    stalled = motor["rated_torque_mNm"] * 1e-3 * given.gearhead.ratio * given.total_ratio * inputs
+    load_Nmm = 1e3 * max(given["loads.peak_torque_Nm"], stalled)
+    stop = given.shelf_bottom_mm + STOP_PIN_WALL_MM
+    needs = {
+        "web_in_rim": WEB_WALLS * given.wall_mm("drum"),
+        "stiffness": WEB_SHARE * max(given.drum_mm),
+        "drum_stress": WEB_STRESS * sqrt(3.0) * load_Nmm / (pi * (given["drum.hub_diameter_mm"] / 2) ** 2 * bears_MPa),
+        "stop pin": load_Nmm / (stop * THINNEST_STOP_PIN_MM * bears_MPa),
+    }
+    found = largest(needs, 0.1)
+    return _stressed_web(given, found, load_Nmm * 1e-3, bears_MPa) if _material(given).printed else found
 
 
-def _web_end(given: BevelKnown) -> float:
-    start = given.drum_inner_mm + 3 * given["clearances.running_mm"]
-    return float(start + given["drum.web_thickness_mm"])
+def _stressed_web(given: BevelKnown, usual: Found, load_Nm: float, bears_MPa: float) -> Found:
+    """The web, thicker where the stress beside the stop's slot asks for it; stress falls as the thickness grows."""
+    with suppress(NoFigureError, ValueError):
+        places = {
+            "drum__rim_inner_radius_mm": _rim_inner(given).value,
+            "drum__sector_half_angle_deg": _sector(given).value,
+            "drum__outer_face_y_mm": _face_over_web(given, usual.value).value,
+            "drum__web_thickness_mm": usual.value,
+            "drum__stop_pin_mm": PLASTIC_STOP_PIN_MM,
+        }
+        stress = drum_stress_MPa(BevelLayout(given.trial(**{**LATER, **places})), load_Nm)
+        needed = rounded_up(WEB_SPARE * usual.value * stress / bears_MPa, 0.1)
+        if needed > usual.value:
+            return Found(needed, "drum_stress", "up to 0.1")
+    return usual
+
+
+def _web_start(given: BevelKnown) -> float:
+    return float(given.drum_inner_mm + 3 * given["clearances.running_mm"])
 
 
 def _floor_under_pockets(given: BevelKnown) -> float:
@@ -72,6 +107,10 @@ def _floor_under_pockets(given: BevelKnown) -> float:
 
 
 def _outer_face(given: BevelKnown) -> Found:
+    return _face_over_web(given, given["drum.web_thickness_mm"])
+
+
+def _face_over_web(given: BevelKnown, web_mm: float) -> Found:
     spec = given.entry("tensioners", "drum.tensioner")
     strength = given.entry("materials", "drum.material")["yield_MPa"]
     last = max(given.guide_mm)
@@ -83,7 +122,7 @@ def _outer_face(given: BevelKnown) -> Found:
     needs = {
         "outermost_land": last + given.d_mm / 2 + EDGE_BREAK_MM,
         "outer_face": last + max(given.nut_mm, hole + given.wall_mm("drum")),
-        "web_in_rim": _web_end(given),
+        "web_in_rim": _web_start(given) + web_mm,
         "lug_stress": last + hole + lug,
         "lands_intact": _floor_under_pockets(given),
     }
@@ -146,7 +185,7 @@ def _hub_diameter(given: BevelKnown) -> Found:
 def _hub_face(given: BevelKnown) -> Found:
     start = given.drum_inner_mm - 3 * given["clearances.running_mm"] + 0.5
     screw = given.screw(HUB_SCREW).thread_mm
-    end = _web_end(given)
+    end = _web_start(given) + given["drum.web_thickness_mm"]
     needs = {
         "hub_length": start + HUB_DIAMETERS * 2 * _shaft_radius(given),
         "payload's threads": end + _joint(given).depth_mm,
@@ -229,10 +268,18 @@ def _holds(given: BevelKnown, angle_deg: float, *checks: Callable[[BevelLayout],
         return True
 
 
+HUB = (
+    Rule(
+        "drum.hub_diameter_mm",
+        "least diameter for the shaft, its set screws and the payload's screws, which hold the peak torque by friction",
+        "hub_walls",
+        _hub_diameter,
+    ),
+)
 WEB = (
     Rule(
         "drum.web_thickness_mm",
-        "a multiple of the least wall of the material, larger for a larger drum",
+        "a multiple of the least wall of the material, larger for a larger drum and for a larger torque",
         "web_in_rim",
         _web,
     ),
@@ -246,12 +293,6 @@ WEB = (
 # The stop pin of the drum is in a slot between hub and rim.
 DRUM = (
     Rule("drum.rim_inner_radius_mm", "least height of the rim under the deepest pocket", "rim_height", _rim_inner),
-    Rule(
-        "drum.hub_diameter_mm",
-        "least diameter for the shaft, its set screws and the payload's screws, which hold the peak torque by friction",
-        "hub_walls",
-        _hub_diameter,
-    ),
     Rule(
         "drum.shaft_bore_mm",
         "half of the shaft's diameter: lighter, and nearly as stiff as a solid shaft",

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from math import sqrt
 
 from mbcdm_cad.checks.fixings import stop_pin
 from mbcdm_cad.checks.input_pulley import GRIP_DIAMETERS, PASSAGE_MM
@@ -29,7 +28,7 @@ from mbcdm_cad.parts.collar import collar_sweep_mm, collar_width_mm
 from mbcdm_cad.parts.drum_sector.sizes import SPRING_HEIGHT_MM
 from mbcdm_cad.sizing.rule import Found, Rule, largest, rounded_down, smallest
 
-# Walls of the frame as shares of the outermost drum radius (estimate; the frame's own stiffness is checked when built).
+# Walls of the frame as shares of the outermost drum radius (estimate; a check of its own holds the frame's stiffness).
 BACK_SHARE, RIB_SHARE = 1.0 / 13.0, 1.0 / 9.2
 # Shoulders a little stronger than the thinnest wall: they carry bearings.
 SHELF_SPARE_MM = 0.2
@@ -169,16 +168,6 @@ def _back(given: BevelKnown) -> Found:
     return Found(-found.value, found.driver, found.rounding)
 
 
-def _windup(given: BevelKnown) -> float:
-    """Limit of the windup, mrad: the drum's rotation by the stretch of the free spans at the test torque."""
-    stiffness = 0.0
-    for drum, guide, pulley in zip(given.drum_mm, given.guide_mm, given.input_mm, strict=True):
-        span = sqrt(max(given["transmission.centre_distance_mm"] ** 2 - (guide + pulley) ** 2, 1.0))
-        stiffness += given.modulus_GPa * 1e3 * given.area_mm2 / span * drum**2
-    turn = given["loads.test_torque_Nm"] * 1e3 / stiffness * 1e3
-    return float(f"{max(turn, 1e-4):.3g}")
-
-
 FRAME = (
     Rule(
         "support.motor_shelf_mm",
@@ -216,11 +205,5 @@ BACK = (
         "nearest plane behind drum bearings, encoder, pulleys, collars and stop pin",
         "collar_space",
         _back,
-    ),
-    Rule(
-        "limits.frame_windup_max_mrad",
-        "windup of the cables' free spans at the test torque",
-        "frame_windup",
-        _windup,
     ),
 )

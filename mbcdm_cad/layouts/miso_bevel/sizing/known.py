@@ -42,7 +42,6 @@ LATER = {
     "drum__sector_half_angle_deg": 90.0,
     "support__rib_mm": 1.0,
     "support__back_y_mm": -100.0,
-    "limits__frame_windup_max_mrad": 1.0,
 }
 # Fields on which the height of the frame's lowest shelf depends.
 _SHELF_RESTS_ON = (

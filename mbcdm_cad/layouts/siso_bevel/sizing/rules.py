@@ -100,12 +100,6 @@ def _outer_face(given: DirectKnown) -> Found:
     return given.moved("drum.outer_face_y_mm", given.drum_mm / given.ratio, 0.1, checks)
 
 
-def _windup(given: DirectKnown) -> float:
-    """A value scaled from the reference design by load and drum, because both cables stretch only over their wraps."""
-    turn = 0.1 * given["loads.test_torque_Nm"] * (60.0 / given.drum_mm) ** 2
-    return float(f"{turn * (20.0 if given.printed('support') else 1.0):.3g}")
-
-
 NAMES = (
     SCHEMA_VERSION,
     constant("inputs", INPUTS, "one", "the configuration"),
@@ -177,11 +171,5 @@ BACK = (
         "nearest plane with space for the pulley and between the drum's bearings",
         "drum_bearing_spacing",
         _back,
-    ),
-    Rule(
-        "limits.frame_windup_max_mrad",
-        "about ten times the drum's rotation due to its cables at test torque; twenty times that if printed",
-        "frame_windup",
-        _windup,
     ),
 )

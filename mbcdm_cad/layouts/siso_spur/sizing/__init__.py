@@ -22,7 +22,6 @@ from mbcdm_cad.layouts.siso_spur.sizing.basis import (
     RATIO,
     ROPE,
     WINDING,
-    WINDUP,
 )
 from mbcdm_cad.layouts.siso_spur.sizing.dims import BACK, DISTANCE, DRUM, FRAME
 from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
@@ -52,7 +51,6 @@ RULES: tuple[Rule, ...] = (
     *DISTANCE,
     *DRUM,
     *BACK,
-    *WINDUP,
 )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import degrees, inf, log, sqrt
+from math import degrees, inf, log
 
 from mbcdm_cad.checks.bending import ANCHOR_RATIO
 from mbcdm_cad.checks.input_pulley import SHOULDER_MM
@@ -21,22 +21,10 @@ SLIP_MARGIN = 2.0
 PRELOAD_SHARES = (1.0, 0.95, 0.9, 0.85, 0.8)
 # Least radius of an input pulley beyond the radius of the motor's shaft, for the walls of bore and neck (estimate).
 NECK_MM = 2.5
-# Windup of a printed frame over the windup of the cable's spans (estimate).
-PLASTIC_WINDUP = 20.0
 # Angle of both landings, before the centre distance is known, and wrap that should stick in addition.
 LANDINGS_DEG, STICKING_DEG = 50.0, 20.0
 # Step of the search for the smallest input that takes the stops of anchored cables, mm.
 _RADIUS_STEP_MM = 0.05
-
-
-def _windup(given: SpurKnown) -> Found:
-    """Windup of the cable's spans at the test torque; for a printed frame ``PLASTIC_WINDUP`` times as much."""
-    reach = given["transmission.drum_radius_mm"] + given.input_mm
-    span = sqrt(max(given["transmission.centre_distance_mm"] ** 2 - reach**2, 1.0))
-    stiffness = len(given["cables"]) * given.axial_stiffness_N / span * given["transmission.drum_radius_mm"] ** 2
-    turn = given["loads.test_torque_Nm"] * 1e3 / stiffness * 1e3
-    share, driver = (PLASTIC_WINDUP, "printed") if given.printed("support") else (1.0, "spans")
-    return Found(float(f"{max(share * turn, 1e-4):.3g}"), driver, "three digits")
 
 
 def _input_needs_mm(given: SpurKnown, d_mm: float, bend_ratio: float) -> dict[str, float]:
@@ -176,13 +164,5 @@ WINDING = (
         "least number for the travel, the creep at both ends and the slip margin; anchored: for travel and stop",
         "input_slip",
         _turns,
-    ),
-)
-WINDUP = (
-    Rule(
-        "limits.frame_windup_max_mrad",
-        "windup of the cable's spans at the test torque; twenty times that for a printed frame",
-        "frame_windup",
-        _windup,
     ),
 )

@@ -70,7 +70,7 @@ def test_unit_tensions_carry_1_Nm(drive: BevelDrive) -> None:
 
 def test_reference_keeps_its_limit_and_shares_add_up(dims: BevelLayout) -> None:
     found = frame_compliance(dims)
-    limit, torque = dims.drive.limits.frame_windup_max_mrad, dims.drive.loads.test_torque_Nm
+    limit, torque = dims.windup_limit_mrad, dims.drive.loads.test_torque_Nm
     assert found.windup_mrad(torque) <= limit, f"{found.windup_mrad(torque):.4f} mrad, limit {limit} mrad"
     assert sum(found.shares_urad_Nm.values()) == pytest.approx(found.windup_urad_Nm)
     assert min(found.shares_urad_Nm.values()) > 0.0, f"{found.shares_urad_Nm}"

@@ -57,6 +57,7 @@ def with_inputs(drive: RoundDrumDrive) -> Callable[[int], RoundDrumDrive]:
             cables=cables,
             sigmas=sigmas,
             loads=loads,
+            limits=replace(drive.limits, frame_windup_max_mrad=None),
             centre_distance_mm=70.0 if count < 3 else 74.0,
             drum=replace(drive.drum, stop_pin_mm=4.0, hub_diameter_mm=24.0),
             targets=replace(drive.targets, mass_g=None, envelope_mm=None),

@@ -1,0 +1,113 @@
+"""Joints by friction, the drum's stress and the frame's limit against closed forms written here."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import hypot, pi, sqrt
+from pathlib import Path
+
+import pytest
+from designs import put, reference
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mbcdm_cad.checks.structure import drum_stress, frame_windup, mounting_screws, payload_screws, stiffness
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.loader import load_design, load_text
+from mbcdm_cad.layouts.sector import SectorLayout
+from mbcdm_cad.parts.drum_sector.payload import SLIP_SAFETY, PayloadJoint, payload_joint
+
+PARAMS = Path(__file__).parents[3] / "params"
+REFERENCES = ("mbcdm", "siso_spur", "miso_spur", "siso_bevel")
+# Force of a tightened screw of class 8.8, N: 0.7 x 640 N/mm2 over the stress area of ISO 898, mm2.
+M25_N, M3_N = 0.7 * 640.0 * 3.39, 0.7 * 640.0 * 5.03
+SHORT = """name: leg
+configuration: siso_spur
+travel: {{half_angle_deg: 50.0}}
+transmission: {{input_to_drum: 8.0, drum_radius_mm: 60.0}}
+loads: {{peak_torque_Nm: {peak}}}
+"""
+
+
+def sector(drive: Drive) -> SectorLayout:
+    assert isinstance(drive.layout, SectorLayout)
+    return drive.layout
+
+
+def test_payload_slips_at_four_times_mu_f_r() -> None:
+    s = sector(reference())
+    slips = 4 * 0.15 * M25_N * s.drum.payload_circle_radius * 1e-3
+    found = payload_screws(s)
+    assert s.drum.payload_screw_thread == 2.5
+    assert found.actual == pytest.approx(slips / s.drive.loads.peak_torque_Nm, rel=2e-3), found
+
+
+def test_frame_slips_at_mu_f_times_the_arms_of_its_screws() -> None:
+    s = sector(reference())
+    places = s.frame.mounts
+    x, z = (sum(p[k] for p in places) / len(places) for k in (0, 1))
+    slips = 0.15 * M3_N * sum(hypot(p[0] - x, p[1] - z) for p in places) * 1e-3
+    assert mounting_screws(s).actual == pytest.approx(slips / s.drive.loads.peak_torque_Nm, rel=2e-3)
+
+
+def test_a_soft_frame_is_clamped_by_what_the_ring_under_a_head_bears() -> None:
+    s = sector(reference())
+    soft = replace(s.drive.support.material, yield_MPa=20.0, process="printed")
+    found = mounting_screws(sector(put(s.drive, "support.material", soft)))
+    head = pi / 4 * (s.drive.screw("M3x8").head_diameter_mm ** 2 - (2 * s.frame.mount_radius) ** 2)
+    share = 0.4 * 20.0 * head / M3_N
+    assert share < 1.0 and found.actual == pytest.approx(mounting_screws(s).actual * share, rel=2e-3), found
+
+
+def test_a_thin_hub_is_judged_by_torsion() -> None:
+    s = sector(reference())
+    weak = replace(s.drive.drum.material, yield_MPa=20.0)
+    thin = put(put(s.drive, "drum.material", weak), "drum.hub_diameter_mm", 2.0 * s.drum.bore_radius + 0.3)
+    found = drum_stress(sector(thin))
+    outer, bore = 2.0 * sector(thin).drum.hub_radius, 2.0 * s.drum.bore_radius
+    torque = float(found.subject.split(" at ")[-1].split(" N m")[0])
+    shear = 16 * torque * 1e3 * outer / (pi * (outer**4 - bore**4))
+    assert "in the hub" in found.subject, found
+    assert found.actual == pytest.approx(20.0 / sqrt(3.0) / shear, rel=2e-3), found
+
+
+@pytest.mark.parametrize("name", REFERENCES)
+def test_the_references_hold_with_their_stated_margin(name: str) -> None:
+    s = sector(load_design(PARAMS / f"{name}.yaml").drive)
+    for check in (drum_stress, payload_screws, mounting_screws, frame_windup):
+        assert check(s).holds, check(s)
+
+
+def test_a_limit_that_is_left_out_is_the_turn_of_the_cables() -> None:
+    s = sector(load_text(SHORT.format(peak=3.0)).drive)
+    assert s.drive.limits.frame_windup_max_mrad is None
+    cables = s.structure.cables_urad_Nm * s.drive.loads.test_torque_Nm * 1e-3
+    assert frame_windup(s).limit == pytest.approx(cables), f"{frame_windup(s)}, cables {cables} mrad"
+
+
+def test_stiffness_is_a_figure_unless_it_is_asked_for() -> None:
+    s = sector(reference())
+    free = stiffness(s)
+    assert free.sense == 0 and free.actual == pytest.approx(s.structure.stiffness_Nm_rad)
+    assert not stiffness(sector(put(s.drive, "loads.stiffness_Nm_rad", free.actual * 1.01))).holds
+    assert stiffness(sector(put(s.drive, "loads.stiffness_Nm_rad", free.actual * 0.99))).holds
+
+
+@given(st.floats(0.1, 200.0), st.floats(8.0, 60.0), st.floats(2.0, 6.0))
+def test_a_joint_holds_or_no_thread_with_walls_does(peak: float, hub: float, bore: float) -> None:
+    material = reference().drum.material
+    found = payload_joint(material, lambda _: None, peak, hub, bore, material.min_wall_mm)
+    holds = found.slips_Nm((hub + bore) / 2) >= SLIP_SAFETY * peak
+    stronger = [
+        thread
+        for thread in (3.0, 4.0, 5.0, 6.0)
+        if thread + 2 * material.min_wall_mm + bore <= hub
+        and PayloadJoint(thread, material, None).slips_Nm((hub + bore) / 2) >= SLIP_SAFETY * peak
+    ]
+    assert holds or not stronger, f"M{found.thread_mm:g} does not hold {peak} N m, {stronger} would"
+
+
+@pytest.mark.parametrize("peak", [1.0, 10.0, 40.0])
+def test_the_hub_grows_until_the_payload_holds(peak: float) -> None:
+    s = sector(load_text(SHORT.format(peak=peak)).drive)
+    assert payload_screws(s).holds, payload_screws(s)
