@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from mbcdm_cad.layouts.structure import Structure
     from mbcdm_cad.model.cable_tensions import CableTensions
     from mbcdm_cad.model.losses.train import BearingPair, Train
+    from mbcdm_cad.model.si import DriveSI
     from mbcdm_cad.model.stack_up import StackUp
     from mbcdm_cad.model.tensioning_plan import TensioningPlan
     from mbcdm_cad.parts.bill import AssemblyStep, Bill, MovingBody
@@ -276,7 +277,7 @@ class Layout(ABC):
 
         return train_of(self)
 
-    def bearing_friction(self) -> Iterable[BearingPair]:
+    def bearing_friction(self, d: DriveSI) -> Iterable[BearingPair]:
         """The bearings of all bodies, whose friction counts; none where the layout does not say."""
         return ()
 

@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.model.equilibrium import two_bearing_reactions_N
 from mbcdm_cad.model.losses import friction
 from mbcdm_cad.model.losses.train import BearingPair, RopeBend, Train
-from mbcdm_cad.model.si import MM
+from mbcdm_cad.model.si import MM, DriveSI, to_si
 from mbcdm_cad.routes.loads import body_load
 
 if TYPE_CHECKING:
@@ -21,13 +22,20 @@ if TYPE_CHECKING:
 
 
 def train_of(layout: Layout) -> Train:
-    """The friction of one design. Raises ``NoFigureError`` where the design has no geometry or no tensions."""
-    drive, d = layout.drive, layout.loads.si
-    gear, motor = drive.gearhead, drive.motor
+    """The friction of one design. Bearings that have no place, because parts have no geometry, do not count.
+
+    Raises ``ModelError`` where the routes have no free span.
+    """
+    drive = layout.drive
+    d, gear, motor = to_si(drive), drive.gearhead, drive.motor
+    try:
+        bearings = tuple(layout.bearing_friction(d))
+    except NoFigureError:
+        bearings = ()
     return Train(
         d=d,
         rope=tuple(_rope_bends(d.routes, drive.cable.diameter_mm * MM)),
-        bearings=tuple(layout.bearing_friction()),
+        bearings=bearings,
         fibre=drive.cable.construction == "braid",
         gear_ratio=gear.ratio,
         gear_share=friction.gearhead_share(gear.efficiency),
@@ -51,7 +59,7 @@ def _rope_bends(routes: DriveRoutes, rope_m: float) -> Iterator[RopeBend]:
 
 
 def body_bearings(
-    layout: SectorLayout,
+    d: DriveSI,
     body: Body,
     name: str,
     specs: tuple[Bearing, Bearing],
@@ -60,7 +68,6 @@ def body_bearings(
     input_index: int | None = None,
 ) -> BearingPair:
     """The two bearings of a body, with their middles along its axis."""
-    d = layout.loads.si
     lower, upper = (z * MM for z in at_mm)
     columns = []
     for one in np.eye(d.n_cables):
@@ -70,13 +77,13 @@ def body_bearings(
     return BearingPair(name, body.turns_per_drum, bores, np.stack(columns, axis=2), axial_N, input_index)
 
 
-def sector_bearings(layout: SectorLayout) -> Iterator[BearingPair]:
+def sector_bearings(layout: SectorLayout, d: DriveSI) -> Iterator[BearingPair]:
     """Bearings of the inputs and of the drum's shaft."""
-    routes, bearings = layout.loads.si.routes, layout.drive.bearings
+    routes, bearings = d.routes, layout.drive.bearings
     ends = (bearings.input_lower, bearings.input_upper)
     for i, body in enumerate(routes.inputs):
         lower, upper = (z * layout.levels_sense for z in layout.input_bearings_mm(i))
-        yield body_bearings(layout, body, "input pulleys' bearings", ends, (lower, upper), input_index=i)
+        yield body_bearings(d, body, "input pulleys' bearings", ends, (lower, upper), input_index=i)
     both = (bearings.drum, bearings.drum)
     spring = layout.preload_spring.force_N
-    yield body_bearings(layout, routes.drum, "drum's bearings", both, layout.drum_bearings_mm, spring)
+    yield body_bearings(d, routes.drum, "drum's bearings", both, layout.drum_bearings_mm, spring)

@@ -22,6 +22,7 @@ from mbcdm_cad.routes.cable_path import CablePath
 if TYPE_CHECKING:
     from mbcdm_cad.layouts.structure import Cause, Structure
     from mbcdm_cad.model.losses.train import BearingPair
+    from mbcdm_cad.model.si import DriveSI
 
 
 class InputLevels(SectorLevels, Protocol):
@@ -188,14 +189,14 @@ class SectorLayout(Layout):
         """Causes of the structure's turn on the bodies that cables pass, for the tensions of 1 N m on the drum."""
         return ()
 
-    def bearing_friction(self) -> Iterable[BearingPair]:
+    def bearing_friction(self, d: DriveSI) -> Iterable[BearingPair]:
         """See the base class."""
         from mbcdm_cad.layouts.losses import sector_bearings
 
         self.require_geometry()
-        return (*sector_bearings(self), *self.passed_bearings())
+        return (*sector_bearings(self, d), *self.passed_bearings(d))
 
-    def passed_bearings(self) -> Iterable[BearingPair]:
+    def passed_bearings(self, d: DriveSI) -> Iterable[BearingPair]:
         """Bearings of the bodies that cables pass."""
         return ()
 

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from mbcdm_cad.model.backlash import cable_backlash, drum_backlash, implied_modulus_Pa
 from mbcdm_cad.model.capability import (
+    MOTOR_LOSSY,
     SLIP,
     TorqueLimit,
     balanced_preload_N,
     input_bias_Nm,
     input_ratings_Nm,
-    motor_ratings,
+    motor_rating,
     requirements,
     sigmas_si,
     tension_limit_N,
@@ -58,10 +60,13 @@ def analyse(drive: Drive, wraps_rad: tuple[Any, Any] | None = None) -> Analysis:
     endless = d.with_(input_wrap_rad=np.full(d.n_cables, np.inf), drum_wrap_rad=np.full(d.n_cables, np.inf))
     ratings = input_ratings_Nm(drive)
     strength = tension_limit_N(drive)
-    limits = torque_limits(d, ratings, strength)
+    train = drive.layout.losses.with_drive(d)
+    limits = torque_limits(
+        d, ratings, strength, partial(train.raised_Nm, train.output_Nm(drive.motor.rated_torque_mNm * 1e-3))
+    )
     balanced = balanced_preload_N(d)
     balanced_limits = torque_limits(d.with_(preload_N=balanced), ratings, strength)
-    rated, lossy = motor_ratings(drive)
+    rated = motor_rating(drive)
     lossless = lowest_each_way(limits, rated)
     peaks = (load_case(d, peak), load_case(d, -peak))
     mismatch_mm, mismatch_N = pair_mismatch(d, np.radians(drive.half_travel_deg))
@@ -85,7 +90,7 @@ def analyse(drive: Drive, wraps_rad: tuple[Any, Any] | None = None) -> Analysis:
         input_bias_mNm=_floats(input_bias_Nm(d) * 1e3),
         limits=limits,
         peak_torque_Nm=lossless,
-        peak_torque_with_efficiency_Nm=lowest_each_way(limits, lossy),
+        peak_torque_with_losses_Nm=lowest_each_way(limits, MOTOR_LOSSY),
         balanced_preload_N=_floats(balanced),
         balanced_peak_torque_Nm=lowest_each_way(balanced_limits, rated),
         torque_to_weight_Nm_kg=(
@@ -237,7 +242,7 @@ def _train(drive: Drive) -> tuple[str, ...]:
     if gear.absent:
         return motor, "There is no gearhead: the motor's shaft turns the input."
     return (
-        "Peak torque counts the gearhead as lossless, as the paper does; the value with its efficiency is printed too.",
+        "Peak torque counts the drive as lossless, as the paper does; the value with all losses is printed too.",
         motor,
         f"Gearhead {gear.name}: {gear.ratio:g}:1, efficiency {gear.efficiency:g}, {gear.rated_torque_mNm:g} mN m "
         f"continuous, {gear.max_torque_mNm:g} at most [{gear.source}].",
@@ -250,8 +255,8 @@ def _losses(passed: list[str]) -> str:
         return "The rope's bending stiffness is left out."
     names = " and the ".join(passed)
     return (
-        f"Friction at the {names} and the rope's bending stiffness are left out; slip on the {names}'s wraps would add "
-        "about 8 % to the backlash."
+        f"Turns and tensions leave out friction at the {names} and the rope's bending stiffness; slip on the {names}'s "
+        "wraps would add about 8 % to the backlash."
     )
 
 

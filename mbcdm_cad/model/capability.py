@@ -6,6 +6,7 @@ limit differs by direction; preloads with T ~ 1/r within a pair remove the bias.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from mbcdm_cad.design.drive import Drive
 
 # Names of the ratings in `Analysis.limits`.
-MOTOR, MOTOR_LOSSY, GEARHEAD, GEARHEAD_PEAK = "motor", "motor_with_efficiency", "gearhead_rated", "gearhead_maximum"
+MOTOR, MOTOR_LOSSY, GEARHEAD, GEARHEAD_PEAK = "motor", "motor_with_losses", "gearhead_rated", "gearhead_maximum"
 MOTOR_ALONE, MOTOR_ALONE_PEAK = "motor_alone", "motor_alone_peak"
 
 
@@ -38,7 +39,7 @@ class Requirements:
 
 
 def input_ratings_Nm(drive: Drive) -> dict[str, float]:
-    """Torque limits of one input, N m: motor through the gearhead, without and with losses; the gearhead's own.
+    """Torque limits of one input without losses, N m: motor through the gearhead; the gearhead's own.
 
     Without a gearhead: the motor's continuous torque, and that at its peak current.
     """
@@ -47,18 +48,16 @@ def input_ratings_Nm(drive: Drive) -> dict[str, float]:
             MOTOR_ALONE: drive.motor.rated_torque_mNm * 1e-3,
             MOTOR_ALONE_PEAK: drive.motor.peak_torque_mNm * 1e-3,
         }
-    lossless = drive.motor.rated_torque_mNm * 1e-3 * drive.gearhead.ratio
     return {
-        MOTOR: lossless,
-        MOTOR_LOSSY: lossless * drive.gearhead.efficiency,
+        MOTOR: drive.motor.rated_torque_mNm * 1e-3 * drive.gearhead.ratio,
         GEARHEAD: drive.gearhead.rated_torque_mNm * 1e-3,
         GEARHEAD_PEAK: drive.gearhead.max_torque_mNm * 1e-3,
     }
 
 
-def motor_ratings(drive: Drive) -> tuple[str, str]:
-    """Names of the motor's own rating, with a lossless gearhead and with its losses; the same without a gearhead."""
-    return (MOTOR_ALONE, MOTOR_ALONE) if drive.gearhead.absent else (MOTOR, MOTOR_LOSSY)
+def motor_rating(drive: Drive) -> str:
+    """Name of the motor's continuous rating without losses."""
+    return MOTOR_ALONE if drive.gearhead.absent else MOTOR
 
 
 def tension_limit_N(drive: Drive) -> float:
@@ -71,7 +70,7 @@ def requirements(drive: Drive) -> Requirements:
     return Requirements(
         load_Nm=drive.loads.test_torque_Nm,
         half_travel_rad=np.radians(drive.half_travel_deg),
-        input_rating_Nm=input_ratings_Nm(drive)[motor_ratings(drive)[0]],
+        input_rating_Nm=input_ratings_Nm(drive)[motor_rating(drive)],
         rope_diameter_m=drive.cable.diameter_mm * MM,
         tension_limit_N=tension_limit_N(drive),
         helix_lead_m=drive.helix_lead_mm * MM,
@@ -198,6 +197,10 @@ def torque_at_slip_Nm(d: DriveSI, direction: int) -> Floats:
     return np.stack([torque_at_slip_of_Nm(d, i, direction) for i in range(d.n_inputs)])
 
 
+# Loads (n_inputs,) that the inputs move in a direction.
+Raised = Callable[[int], Floats]
+
+
 @dataclass(frozen=True)
 class TorqueLimit:
     """One limit of the drum's torque in one direction: which part reaches it first, and at which load."""
@@ -208,15 +211,20 @@ class TorqueLimit:
     torque_Nm: float
 
 
-def torque_limits(d: DriveSI, input_ratings_Nm: dict[str, float], tension_limit_N: float) -> tuple[TorqueLimit, ...]:
+def torque_limits(
+    d: DriveSI, input_ratings_Nm: dict[str, float], tension_limit_N: float, raised: Raised | None = None
+) -> tuple[TorqueLimit, ...]:
     """Every limit both ways for one design, +1 first: one per rating (by its name), ``strength`` and ``slack``.
 
-    ``slip`` too, where friction alone holds a cable on an input.
+    ``slip`` too, where friction alone holds a cable on an input. ``raised`` gives for a direction the loads that each
+    input moves at the motor's rating, all losses counted: ``motor_with_losses``.
     """
     found = []
     for direction in (1, -1):
-        for cause, rating in input_ratings_Nm.items():
-            loads = torque_at_input_limit_Nm(d, rating, direction)
+        at_inputs = {cause: torque_at_input_limit_Nm(d, r, direction) for cause, r in input_ratings_Nm.items()}
+        if raised is not None:
+            at_inputs[MOTOR_LOSSY] = raised(direction)
+        for cause, loads in at_inputs.items():
             first = int(np.argmin(loads))
             found.append(TorqueLimit(cause, d.input_names[first], direction, float(loads[first])))
         for cause, loads in (

@@ -121,8 +121,8 @@ class UncertainFigure:
 class Analysis:
     """All figures of the model for one design, for the report and for ``mbcdm analyse``.
 
-    ``peak_torque_Nm`` and ``peak_torque_with_efficiency_Nm`` are (for +, for -): the lowest limit in each direction
-    with a lossless gearhead, as in the paper, and with the gearhead's efficiency. ``balanced_*`` repeat it with
+    ``peak_torque_Nm`` and ``peak_torque_with_losses_Nm`` are (for +, for -): the lowest limit in each direction
+    without losses, as in the paper, and with all of them. ``balanced_*`` repeat it with
     preloads T ~ 1/r. ``lengths`` are those of the whole design by their names in its file. ``intervals`` is empty where
     no value of the design file carries a sigma.
     """
@@ -146,7 +146,7 @@ class Analysis:
     input_bias_mNm: tuple[float, ...]
     limits: tuple[TorqueLimit, ...]
     peak_torque_Nm: tuple[float, float]
-    peak_torque_with_efficiency_Nm: tuple[float, float]
+    peak_torque_with_losses_Nm: tuple[float, float]
     balanced_preload_N: tuple[float, ...]
     balanced_peak_torque_Nm: tuple[float, float]
     torque_to_weight_Nm_kg: float | None  # at the mass that the design requires; None if it requires none

@@ -17,7 +17,6 @@ from mbcdm_cad.measurement.units import Unit, unit_of
 from mbcdm_cad.model.backlash import drum_backlash
 from mbcdm_cad.model.capability import (
     MOTOR,
-    MOTOR_LOSSY,
     balanced_preload_N,
     input_ratings_Nm,
     torque_at_input_limit_Nm,
@@ -75,7 +74,8 @@ Judge = Callable[[Drive, DriveSI, Published, float], Judged]
 
 def _peak_torque(drive: Drive, d: DriveSI, item: Published, measured: float) -> Judged:
     """Load torque at which the first input reaches its motor's limit, in the weaker direction."""
-    lossless, lossy = (input_ratings_Nm(drive)[name] for name in (MOTOR, MOTOR_LOSSY))
+    lossless = input_ratings_Nm(drive)[MOTOR]
+    lossy = lossless * drive.gearhead.efficiency
 
     def limit(d: DriveSI, rating: float) -> float:
         return float(min(torque_at_input_limit_Nm(d, rating, way).min() for way in (1, -1)))

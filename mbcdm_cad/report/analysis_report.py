@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 
 # Names of the limits of the drum's torque, by cause.
 _LIMITS = {
-    "motor": "motor, gearhead without losses",
-    "motor_with_efficiency": "motor, gearhead with its losses",
+    "motor": "motor, without losses",
+    "motor_with_losses": "motor, all losses counted",
     "gearhead_rated": "gearhead, continuous",
     "gearhead_maximum": "gearhead, intermittent",
     "motor_alone": "motor, continuous",
@@ -42,7 +42,7 @@ class AnalysisReport:
     """``figures`` of the analytic model; ``paths`` of the cables as plain data, None where ``no_paths`` says why.
 
     ``structure``: what turns the payload besides the cables; None where ``no_structure`` says why.
-    ``losses``: friction between motors and payload; None where ``no_losses`` says why.
+    ``losses``: friction between motors and payload.
     """
 
     figures: Analysis
@@ -50,14 +50,14 @@ class AnalysisReport:
     no_paths: str
     structure: StructureReport | None
     no_structure: str
-    losses: LossesReport | None
-    no_losses: str
+    losses: LossesReport
     layout: Layout = field(repr=False)
 
     def to_dict(self) -> dict[str, Any]:
         """Everything, ready for JSON; this is what ``mbcdm analyse --json`` prints."""
-        structure, losses = (None if x is None else x.to_dict() for x in (self.structure, self.losses))
-        return self.figures.to_dict() | {"paths": self.paths, "structure": structure, "losses": losses}
+        structure = None if self.structure is None else self.structure.to_dict()
+        blocks = {"paths": self.paths, "structure": structure, "losses": self.losses.to_dict()}
+        return self.figures.to_dict() | blocks
 
     def to_pandas(self) -> pandas.DataFrame:
         """The figures of each cable at the test torque, one row a cable. ``MbcdmError`` without pandas."""
@@ -168,15 +168,12 @@ class AnalysisReport:
                 *self.structure.table().text(width, "  "),
                 *(line for text in self.structure.lines() for line in filled(f"  {text}", width)),
             ]
-        if self.losses is None:
-            yield filled(f"No figures of the losses: {self.no_losses}", width)
-        else:
-            yield [
-                "Losses while the drum moves, N m at the drum, by cause, under a load +:",
-                *self.losses.causes().text(width, "  "),
-                *self.losses.efficiencies().text(width, "  "),
-                *(line for text in self.losses.lines() for line in filled(f"  {text}", width)),
-            ]
+        yield [
+            "Losses while the drum moves, N m at the drum, by cause, under a load +:",
+            *self.losses.causes().text(width, "  "),
+            *self.losses.efficiencies().text(width, "  "),
+            *(line for text in self.losses.lines() for line in filled(f"  {text}", width)),
+        ]
         yield [
             "Torque at the drum at which a limit is reached first:",
             *self._limits().text(width, "  "),
@@ -224,7 +221,7 @@ def analyse_design(drive: Drive) -> AnalysisReport:
     paths, reason = path_data_or_reason(drive)
     figures = analyse(drive)
     return AnalysisReport(
-        figures, paths, reason, *structure_report(drive.layout, figures), *losses_report(drive.layout), drive.layout
+        figures, paths, reason, *structure_report(drive.layout, figures), losses_report(drive.layout), drive.layout
     )
 
 
@@ -239,13 +236,10 @@ def _model_notes(a: Analysis) -> Iterator[str]:
 
 
 def _torque_notes(a: Analysis) -> Iterator[str]:
-    if any(limit.cause == "motor_alone" for limit in a.limits):
-        yield f"  peak torque + / -: {_list(a.peak_torque_Nm, 3)} N m, the motor's continuous torque, no gearhead"
-    else:
-        yield (
-            f"  peak torque + / -: {_list(a.peak_torque_Nm, 3)} N m (gearhead without losses, as in the paper), "
-            f"{_list(a.peak_torque_with_efficiency_Nm, 3)} N m with its losses"
-        )
+    yield (
+        f"  peak torque + / -: {_list(a.peak_torque_Nm, 3)} N m (without losses, as in the paper), "
+        f"{_list(a.peak_torque_with_losses_Nm, 3)} N m with all losses"
+    )
     yield (
         f"  with preloads T ~ 1/r ({_list(a.balanced_preload_N)} N): {_list(a.balanced_peak_torque_Nm, 3)} N m; the "
         f"preload alone loads the inputs by {_list(a.input_bias_mNm, 1)} mN m"

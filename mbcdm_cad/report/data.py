@@ -118,13 +118,12 @@ def design_figures(layout: Layout, centred: Bill) -> DesignFigures:
     """Model, tolerances, tensioning and order of assembly of a design; ``centred`` is its bill, the drum centred."""
     drive = layout.drive
     analysis, order = analyse(drive), layout.assembly_order
-    losses, _ = losses_report(layout)
     half = drive.half_travel_deg
     angles = (0.0, *(float(angle) for angle in np.linspace(-half, half, _SWEPT_POSES)))
     data = {
         "analysis": analysis.to_dict(),
         "paths": path_data(layout),
-        "losses": None if losses is None else losses.to_dict(),
+        "losses": losses_report(layout).to_dict(),
         "tolerance_stacks": [stack_data(stack) for stack in layout.tolerance_stacks],
         "holes": centred.holes(),
         "asked_torque_Nm": drive.loads.peak_torque_Nm,

@@ -9,14 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.model.losses.train import Backdrive, MovingLosses, Train
 from mbcdm_cad.report.table import ReportTable
 
 if TYPE_CHECKING:
     from mbcdm_cad.design.bought import Motor
     from mbcdm_cad.layouts.base import Layout
-    from mbcdm_cad.routes import Floats
 
 # Loads over the peak torque, and which of them the table of efficiencies shows.
 LOAD_SHARES = np.linspace(0.05, 1.0, 20)
@@ -27,10 +25,9 @@ _WAYS = {1: "against the load", -1: "with the load"}
 
 @dataclass(frozen=True)
 class LossesReport:
-    """Losses of one design; ``idle_N`` are the cables' tensions without load, (n_cables,)."""
+    """Losses of one design."""
 
     train: Train
-    idle_N: Floats
     peak_Nm: float
     motor: Motor
     bus_voltage_V: float | None
@@ -46,14 +43,9 @@ class LossesReport:
         loads = self.peak_Nm * LOAD_SHARES
         return tuple(self.train.moving(sign * loads, way) for way in (1, -1) for sign in (1.0, -1.0))
 
-    @cached_property
-    def backdrive(self) -> Backdrive | None:
-        """Torque that turns the drum from its side; None where the gearheads lock."""
-        return self.train.backdrive(self.idle_N)
-
     def to_dict(self) -> dict[str, Any]:
         """Everything, ready for JSON; torques of losses are at the drum."""
-        back = self.backdrive
+        back = self.train.backdrive
         return {
             "unloaded": self._motion(self.unloaded),
             "motions": [self._motion(motion) for motion in self.motions],
@@ -122,7 +114,7 @@ class LossesReport:
             "factor: one standard deviation of each figure; dry friction, none of it depends on speed; slip on the "
             "wraps is in the swing, not here"
         )
-        back, motors = self.backdrive, ", ".join(f"{x * 1e3:.3g}" for x in self.unloaded.motor_Nm[:, 0])
+        back, motors = self.train.backdrive, ", ".join(f"{x * 1e3:.3g}" for x in self.unloaded.motor_Nm[:, 0])
         moved = f"the motors move the unloaded drum with {motors} mN m"
         if back is None:
             yield f"back-driving: the gearheads lock, their efficiency is 0.5 or below; {moved}"
@@ -150,19 +142,14 @@ def _backdrive(back: Backdrive) -> dict[str, Any]:
     }
 
 
-def losses_report(layout: Layout) -> tuple[LossesReport | None, str]:
-    """The figures of the losses; None, with the reason, where there are none."""
-    try:
-        train, drive = layout.losses, layout.drive
-    except NoFigureError as missing:
-        return None, str(missing)
-    return LossesReport(train, layout.loads.idle, drive.loads.peak_torque_Nm, drive.motor, drive.bus_voltage_V), ""
+def losses_report(layout: Layout) -> LossesReport:
+    """The figures of the losses. Raises ``ModelError`` where the routes have no free span."""
+    drive = layout.drive
+    return LossesReport(layout.losses, drive.loads.peak_torque_Nm, drive.motor, drive.bus_voltage_V)
 
 
-def losses_shown(found: Mapping[str, Any] | None) -> dict[str, Any] | None:
+def losses_shown(found: Mapping[str, Any]) -> dict[str, Any]:
     """What page and report show of the block ``losses``: causes, largest first, and efficiency over a load +."""
-    if found is None:
-        return None
     against, along = found["motions"][0], found["motions"][2]
     ways = (("motors move the load", against), ("load moves the motors", along))
     lines = [{"label": label, "x": m["load_Nm"], "y": [100.0 * e for e in m["efficiency"]]} for label, m in ways]

@@ -31,6 +31,7 @@ from mbcdm_cad.routes.cable_path import CablePath
 if TYPE_CHECKING:
     from mbcdm_cad.layouts.structure import Cause
     from mbcdm_cad.model.losses.train import BearingPair
+    from mbcdm_cad.model.si import DriveSI
 
 
 def _input_ratio(drive: BevelDrive, value: float) -> BevelDrive:
@@ -175,13 +176,13 @@ class BevelLayout(SectorLayout):
         levels, half = self.levels, self.drive.bearings.guide.width_mm / 2.0
         return levels.guide_bottom_z + half, levels.guide_top_z - half
 
-    def passed_bearings(self) -> Iterable[BearingPair]:
+    def passed_bearings(self, d: DriveSI) -> Iterable[BearingPair]:
         """Those in the guide."""
         from mbcdm_cad.layouts.losses import body_bearings
         from mbcdm_cad.layouts.miso_bevel.routes import GUIDE
 
-        guide, spec = self.loads.si.routes.body(GUIDE), self.drive.bearings.guide
-        yield body_bearings(self, guide, "guide's bearings", (spec, spec), self.guide_bearings_mm)
+        guide, spec = d.routes.body(GUIDE), self.drive.bearings.guide
+        yield body_bearings(d, guide, "guide's bearings", (spec, spec), self.guide_bearings_mm)
 
     @dimensions
     def axle(self) -> AxleDims:

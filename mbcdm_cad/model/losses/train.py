@@ -12,12 +12,12 @@ and passed bodies is shared by the inputs evenly.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from mbcdm_cad.model.equilibrium import solve_equilibrium, solve_weighted, sum_per_input
+from mbcdm_cad.model.equilibrium import Equilibrium, solve_equilibrium, solve_weighted, sum_per_input
 from mbcdm_cad.model.losses import friction
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
@@ -172,36 +172,56 @@ class Train:
         causes = tuple(x for x in (*rope, *bearings, gear, *idle) if np.any(x.torque_Nm > 0.0))
         return MovingLosses(way, load, causes, motor)
 
-    def backdrive(self, tension_N: Floats) -> Backdrive | None:
-        """What turns the drum from its side with cables at ``tension_N`` (n_cables,); None where gearheads lock.
+    @cached_property
+    def backdrive(self) -> Backdrive | None:
+        """What turns the drum from its side with motors without current; None where the gearheads lock.
 
         The inputs give way until each carries only what turns its motor, so that no preload loads the gearheads.
         """
         back = 1.0 - self.gear_share
         if back <= 0.0:
             return None
+        tension = self._unloaded.tension_N
         behind = [Loss(x.name, x.kind, x.sigma, x.torque_Nm / back) for x in self._idle]
-        causes = [*self._rope_losses(tension_N), *self._bearing_losses(tension_N), *behind]
+        causes = [*self._rope_losses(tension), *self._bearing_losses(tension), *behind]
         return Backdrive(tuple(x for x in causes if np.any(x.torque_Nm > 0.0)))
 
-    def raised_Nm(self, motor_Nm: float, tension_N: Floats, direction: int) -> Floats:
-        """Load (>= 0, (n_inputs,)) against which each motor still moves the drum at ``motor_Nm`` on its shaft.
+    def output_Nm(self, motor_Nm: Floats | float) -> Floats:
+        """Torque at its output that a gearhead gives forward for ``motor_Nm`` on the motor's shaft."""
+        return np.asarray((np.asarray(motor_Nm) * self.gear_ratio - self.gear_idle_Nm) / (1.0 + self.gear_share))
 
-        ``direction`` is the sign of the load. Friction of the bearings is that at ``tension_N`` (n_cables,). Zero where
-        the preload alone takes all of the torque.
+    def with_drive(self, d: DriveSI) -> Train:
+        """The same train with other preloads or wraps."""
+        return self if d is self.d else replace(self, d=d)
+
+    def raised_Nm(self, output_Nm: Floats | float, direction: int) -> Floats:
+        """Load (>= 0) against which each input still moves the drum with ``output_Nm`` at its gearhead's output.
+
+        Shape (n_inputs, ...) for any shape of ``output_Nm``; ``direction`` is the sign of the load. Zero where preload
+        and friction alone take all of the torque.
         """
-        d = self.d
-        output = motor_Nm * self.gear_ratio - self.gear_idle_Nm
-        limit = output / (1.0 + self.gear_share) - self._bearings_at_inputs(tension_N)
-        idle = solve_equilibrium(d, 0.0)
-        bias = direction * idle.input_torque_Nm(d) + sum_per_input_size(d, self.rope_share, idle.tension_N)
-        found = []
+        given = np.asarray(output_Nm, float)
+        output = given.reshape(-1)
+        d, idle = self.d, self._unloaded.tension_N[:, None]
+        wide, lever = d.lifted(output.shape), d.column(d.sigma * d.drum_radius_m, 2)
+        spent = direction * sum_per_input(d, idle, d.column(d.input_radius_m, 2))
+        spent = spent + sum_per_input_size(d, self.rope_share, idle)
+        loads = []
         for i in range(d.n_inputs):
-            weight = (d.sigma + direction * self.rope_share) * d.input_radius_m * d.of_input(i)
-            at = solve_weighted(d, weight, direction * limit[i])
-            load = direction * float((d.sigma * d.drum_radius_m * at.tension_N).sum())
-            found.append(0.0 if bias[i] >= limit[i] else load)
-        return np.array(found)
+            weight = d.column((d.sigma + direction * self.rope_share) * d.input_radius_m * d.of_input(i), 2)
+            tension = idle
+            # The friction of the bearings follows the tensions, which it hardly changes: two steps are enough.
+            for _ in range(2):
+                limit = output - self._bearings_at_inputs(tension)[i]
+                moves = limit > spent[i]
+                tension = solve_weighted(wide, weight, direction * np.where(moves, limit, spent[i])).tension_N
+            load = direction * (lever * tension).sum(axis=0)
+            loads.append(np.where(moves, load, 0.0).reshape(given.shape))
+        return np.array(loads)
+
+    @cached_property
+    def _unloaded(self) -> Equilibrium:
+        return solve_equilibrium(self.d, 0.0)
 
     @property
     def _idle(self) -> tuple[Loss, Loss]:

@@ -9,8 +9,8 @@ _RANK = {"fail": 0, "warn": 1, "pass": 2}
 # Tolerance for rounding: a wall exactly at its limit may be computed as 1e-15 below it.
 _ROUNDING = 1e-9
 CAUSES = {
-    "motor": "motor's rated torque, gearhead lossless",
-    "motor_with_efficiency": "motor's rated torque, gearhead's efficiency counted",
+    "motor": "motor's rated torque, without losses",
+    "motor_with_losses": "motor's rated torque, all losses counted",
     "gearhead_rated": "gearhead's continuous rating",
     "gearhead_maximum": "gearhead's intermittent rating",
     "motor_alone": "motor's continuous torque",

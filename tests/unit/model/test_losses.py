@@ -149,8 +149,7 @@ def test_work_over_a_cycle_is_the_loop_of_the_wraps_and_the_losses(name: str) ->
 def test_the_torque_that_motors_raise_is_that_at_which_they_give_their_torque(name: str, direction: int) -> None:
     layout = layout_of(name)
     train, rated = layout.losses, layout.drive.motor.rated_torque_mNm * 1e-3
-    tension = layout.loads.peak_forward if direction > 0 else layout.loads.peak_back
-    raised = train.raised_Nm(rated, tension, direction)
+    raised = train.raised_Nm(train.output_Nm(rated), direction)
     for i, load in enumerate(raised):
         asked = float(train.moving(direction * load, 1).motor_Nm[i, 0]) - train.motor_idle_Nm
         assert asked == pytest.approx(rated, rel=0.003), (name, direction, i, load, asked)
@@ -181,7 +180,7 @@ def test_more_preload_loses_more_and_load_hardly_counts_for_the_cables() -> None
 
 def test_back_driving_starts_harder_than_it_runs_by_the_bearings_alone() -> None:
     layout = layout_of("mbcdm")
-    back = layout.losses.backdrive(layout.loads.idle)
+    back = layout.losses.backdrive
     assert back is not None
     bearings = sum(float(x.torque_Nm) for x in back.losses if x.kind == BEARINGS)
     assert back.start_Nm - back.running_Nm == pytest.approx(bearings)
@@ -193,5 +192,5 @@ def test_back_driving_starts_harder_than_it_runs_by_the_bearings_alone() -> None
 def test_a_gearhead_that_locks_gives_no_back_driving() -> None:
     layout = layout_of("mbcdm")
     locked = replace(layout.losses, gear_share=gearhead_share(0.5))
-    assert locked.backdrive(layout.loads.idle) is None
+    assert locked.backdrive is None
     assert float(locked.moving(3.15, -1).efficiency[0]) == 0.0
