@@ -9,12 +9,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
+from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, noted, worst
 from mbcdm_cad.checks.design_variables import down
 from mbcdm_cad.checks.remedies import floored
 from mbcdm_cad.checks.strength import balanced_preloads, rated_input_Nm
-from mbcdm_cad.layouts.base import Layout
+from mbcdm_cad.layouts.base import Layout, NoFigureError
 from mbcdm_cad.model.capability import torque_at_input_limit_Nm
+from mbcdm_cad.model.losses.train import BEARINGS, ROPE
 
 # Ratings above this multiple of T_pre r_m are not evaluated: cables are slack long before.
 _RATING_CAP = 60.0
@@ -76,6 +77,37 @@ def _moved(s: Layout, direction: int) -> Comparison:
     )
 
 
+def backdrive(s: Layout) -> Comparison:
+    """Torque at the drum that starts to turn it from its side, motors without current."""
+    si, wanted = s.loads.si, s.drive.loads.backdrive_Nm
+    found, what = s.losses.with_drive(si).backdrive, "torque at the drum that turns it, motors without current"
+    if found is None:
+        if wanted is None:
+            return noted(f"the gearheads lock; {what}: there is none, and the design file asks for none:", 0.0, "N m")
+        raise NoFigureError(
+            f"no torque at the drum turns the gearheads: their efficiency of {s.drive.gearhead.efficiency:g} is 0.5 or "
+            f"below, and loads.backdrive_Nm asks for {wanted:g} N m; choose a gearhead of higher efficiency"
+        )
+    most = max(found.losses, key=lambda x: float(x.torque_Nm))
+    note = f"{most.name} take {float(most.torque_Nm):.3g} N m of it; one sigma of it all is {found.sigma_Nm:.2g} N m"
+    if wanted is None:
+        return noted(what, found.start_Nm, "N m", f"{note}; the design file asks for none")
+    return at_most(what, found.start_Nm, wanted, "N m", note)
+
+
+def _easier_to_turn(s: Layout) -> str:
+    """What turns more easily, by the largest cause."""
+    found = s.losses.backdrive
+    if found is None:
+        return ""
+    most = max(found.losses, key=lambda x: float(x.torque_Nm)).kind
+    if most in (ROPE, BEARINGS):
+        return "choose a thinner rope"
+    if s.drive.gearhead.absent:
+        return "choose a motor of lower rated torque, which has less friction"
+    return "choose a gearhead of lower ratio or higher efficiency, or a motor with a shaft of its own and no gearhead"
+
+
 def gearhead_maximum(s: Layout) -> Comparison:
     """Drum torque at the intermittent rating of the gearhead (of the motor if there is none), worse direction."""
     limit = s.drive.gearhead.max_torque_mNm * 1e-3
@@ -95,6 +127,7 @@ def _less_torque(measure: Callable[[Layout], Comparison], otherwise: str, s: Lay
 
 
 _LESS = (down("loads.peak_torque_Nm"),)
+_EASIER = (down("rope.preload_N"), down("transmission.input_to_drum"))
 _forward: Callable[[Layout], Comparison] = partial(motor_torque, 1)
 _back: Callable[[Layout], Comparison] = partial(motor_torque, -1)
 CHECKS = (
@@ -137,5 +170,13 @@ CHECKS = (
         gearhead_continuous,
         "warn",
         advice=partial(_less_torque, gearhead_continuous, "choose a stronger gearhead"),
+    ),
+    Check(
+        "backdrive",
+        "Drum turned from its side",
+        "loads.backdrive_Nm; friction by cause: docs/losses.md",
+        backdrive,
+        adjust=_EASIER,
+        advice=_easier_to_turn,
     ),
 )

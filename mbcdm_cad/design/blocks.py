@@ -148,6 +148,13 @@ class Loads(Block):
         gt=0.0,
         le=1e7,
     )
+    backdrive_Nm: Number | None = quantity(
+        "largest torque at the drum that may be needed to turn it, motors without current; not checked if left out",
+        unit="N m",
+        default=None,
+        gt=0.0,
+        le=1000.0,
+    )
 
 
 class Limits(Block):

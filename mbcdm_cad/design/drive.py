@@ -45,6 +45,7 @@ class Loads:
     test_torque_Nm: float
     peak_torque_Nm: float
     stiffness_Nm_rad: float | None = None
+    backdrive_Nm: float | None = None
 
 
 @dataclass(frozen=True)

@@ -89,6 +89,7 @@ WAYS: dict[str, Way] = {
     "gearhead_maximum": Way(to(PEAK), 3.15, 6.0),
     "retension": Way(to("cable.creep_per_decade"), 1e-4, 0.1),
     "motor_losses": Way(to(PEAK), 1.0, 3.15),
+    "backdrive": Way(to("loads.backdrive_Nm"), 2.0, 0.3),
     "gearhead_continuous": Way(to(PEAK), 0.5, 3.15),
     "input_bearings": Way(to("bearings.input_lower.static_rating_N"), 255.0, 10.0),
     "guide_bearings": Way(to("bearings.guide.static_rating_N"), 180.0, 10.0),
