@@ -1,21 +1,22 @@
 """Motor and gearhead at peak torque in both directions: the bias torque of the preload helps one and hinders the other.
 
-Positive is a load that opposes positive rotation of the drum. As in the paper, the checks that can fail assume a
-lossless gearhead; losses and its continuous rating only give warnings.
+Positive is a load that opposes positive rotation of the drum. Where ``limits.losses`` is ``counted``, all checks count
+the losses of gearheads, cables and bearings; where it is ``paper``, losses only give the warning ``motor_losses``.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
+from math import ceil
 
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, noted, worst
 from mbcdm_cad.checks.design_variables import down
-from mbcdm_cad.checks.remedies import floored
+from mbcdm_cad.checks.remedies import floored, rounded
 from mbcdm_cad.checks.strength import balanced_preloads, rated_input_Nm
 from mbcdm_cad.layouts.base import Layout, NoFigureError
 from mbcdm_cad.model.capability import torque_at_input_limit_Nm
-from mbcdm_cad.model.losses.train import BEARINGS, ROPE
+from mbcdm_cad.model.losses.train import BEARINGS, ROPE, Train
 
 # Ratings above this multiple of T_pre r_m are not evaluated: cables are slack long before.
 _RATING_CAP = 60.0
@@ -45,20 +46,13 @@ def _against_peak(s: Layout, what: str, limit_Nm: float, direction: int, note: s
 
 
 def motor_torque(direction: int, s: Layout) -> Comparison:
-    """The motors hold peak torque in this direction at their rated torque, with lossless gearheads."""
+    """The motors hold peak torque in this direction at their rated torque, with losses as ``limits.losses`` says."""
+    if s.drive.limits.counts_losses:
+        return _moved(s, direction)
     bias = s.loads.input_torque_Nm[0] * 1e3
     listed = ", ".join(f"{name} {value:+.4g}" for name, value in zip(s.drive.input_names, bias, strict=True))
-    note = f"preload bias {listed} mN m included"
+    note = f"no losses counted (limits.losses: paper), preload bias {listed} mN m included"
     return _against_peak(s, "motor's rated torque", rated_input_Nm(s), direction, note)
-
-
-def raised_Nm(s: Layout, direction: int) -> tuple[float, str]:
-    """Drum torque (N m) that the motors still move at their rated torque, all losses counted; the first input."""
-    si = s.loads.si
-    train = s.losses.with_drive(si)
-    loads = train.raised_Nm(train.output_Nm(s.drive.motor.rated_torque_mNm * 1e-3), direction)
-    first = int(loads.argmin())
-    return float(loads[first]), si.input_names[first]
 
 
 def motor_losses(s: Layout) -> Comparison:
@@ -66,21 +60,31 @@ def motor_losses(s: Layout) -> Comparison:
     return worst(_moved(s, direction) for direction in (1, -1))
 
 
+def _train(s: Layout) -> Train:
+    """Friction between motors and payload; raises ``NoFigureError`` where the cables have no tensions."""
+    si = s.loads.si
+    return s.losses.with_drive(si)
+
+
 def _moved(s: Layout, direction: int) -> Comparison:
-    reached, name = raised_Nm(s, direction)
-    return at_least(
-        f"drum torque {_WORDS[direction]} that the {name} input moves at its motor's rated torque, all losses counted",
-        reached,
-        s.drive.loads.peak_torque_Nm,
-        "N m",
-        "losses of gearheads, cables and bearings: docs/losses.md",
-    )
+    output = float(_train(s).output_Nm(s.drive.motor.rated_torque_mNm * 1e-3))
+    note = "all losses counted: gearheads, cables, bearings"
+    return _raised(s, f"motor's rated torque of {s.drive.motor.rated_torque_mNm:.4g} mN m", output, direction, note)
+
+
+def _raised(s: Layout, what: str, output_Nm: float, direction: int, note: str) -> Comparison:
+    """Drum torque that the inputs still move with ``output_Nm`` at the gearheads, against the peak torque."""
+    train = _train(s)
+    loads = train.raised_Nm(output_Nm, direction)
+    first = int(loads.argmin())
+    subject = f"drum torque {_WORDS[direction]} that the {train.d.input_names[first]} input moves at its {what}"
+    return at_least(subject, float(loads[first]), s.drive.loads.peak_torque_Nm, "N m", note)
 
 
 def backdrive(s: Layout) -> Comparison:
     """Torque at the drum that starts to turn it from its side, motors without current."""
-    si, wanted = s.loads.si, s.drive.loads.backdrive_Nm
-    found, what = s.losses.with_drive(si).backdrive, "torque at the drum that turns it, motors without current"
+    found, wanted = _train(s).backdrive, s.drive.loads.backdrive_Nm
+    what = "torque at the drum that turns it, motors without current"
     if found is None:
         if wanted is None:
             return noted(f"the gearheads lock; {what}: there is none, and the design file asks for none:", 0.0, "N m")
@@ -110,20 +114,37 @@ def _easier_to_turn(s: Layout) -> str:
 
 def gearhead_maximum(s: Layout) -> Comparison:
     """Drum torque at the intermittent rating of the gearhead (of the motor if there is none), worse direction."""
-    limit = s.drive.gearhead.max_torque_mNm * 1e-3
-    return worst(_against_peak(s, f"{s.drive.mounted}'s intermittent rating", limit, sign) for sign in (1, -1))
+    return _mounted(s, "intermittent rating", s.drive.gearhead.max_torque_mNm * 1e-3)
 
 
 def gearhead_continuous(s: Layout) -> Comparison:
     """Drum torque at the continuous rating of the gearhead (of the motor if there is none), worse direction."""
     limit = s.drive.gearhead.rated_torque_mNm * 1e-3
-    note = "hold more than this only for a short time"
-    return worst(_against_peak(s, f"{s.drive.mounted}'s continuous rating", limit, sign, note) for sign in (1, -1))
+    return _mounted(s, "continuous rating", limit, "hold more than this only for a short time")
+
+
+def _mounted(s: Layout, rating: str, limit_Nm: float, note: str = "") -> Comparison:
+    """Drum torque at a rating at the inputs, in the worse direction."""
+    what = f"{s.drive.mounted}'s {rating}"
+    if not s.drive.limits.counts_losses:
+        return worst(_against_peak(s, what, limit_Nm, sign, note) for sign in (1, -1))
+    return worst(_raised(s, what, limit_Nm, sign, note) for sign in (1, -1))
 
 
 def _less_torque(measure: Callable[[Layout], Comparison], otherwise: str, s: Layout) -> str:
     reached = measure(s).actual
     return f"{otherwise} or lower loads.peak_torque_Nm to at most {floored(reached)}" if reached > 0.0 else otherwise
+
+
+def _stronger(measure: Callable[[Layout], Comparison], s: Layout) -> str:
+    """Preloads without bias; where losses count, the rated torque that a motor needs at least."""
+    if not s.drive.limits.counts_losses:
+        return balanced_preloads(s)
+    reached = measure(s).actual
+    if reached <= 0.0:
+        return "choose a motor of higher rated torque or a gearhead of higher ratio"
+    needed = rounded(s.drive.motor.rated_torque_mNm * s.drive.loads.peak_torque_Nm / reached, ceil)
+    return f"choose a motor of about {needed} mN m or more, or a gearhead of higher ratio or efficiency"
 
 
 _LESS = (down("loads.peak_torque_Nm"),)
@@ -134,18 +155,18 @@ CHECKS = (
     Check(
         "motor_torque_forward",
         "Motors hold peak torque, load +",
-        "model, paper section 5.1",
+        "model, paper section 5.1; limits.losses",
         _forward,
         adjust=_LESS,
-        advice=balanced_preloads,
+        advice=partial(_stronger, _forward),
     ),
     Check(
         "motor_torque_back",
         "Motors hold peak torque, load -",
-        "model, paper section 5.1",
+        "model, paper section 5.1; limits.losses",
         _back,
         adjust=_LESS,
-        advice=balanced_preloads,
+        advice=partial(_stronger, _back),
     ),
     Check(
         "gearhead_maximum",
@@ -161,6 +182,7 @@ CHECKS = (
         "gearhead catalogue: efficiency; cables, bearings: docs/losses.md",
         motor_losses,
         "warn",
+        applies=lambda drive: not drive.limits.counts_losses,
         advice=partial(_less_torque, motor_losses, "choose a motor of higher rated torque"),
     ),
     Check(

@@ -173,6 +173,10 @@ class Limits(Block):
         gt=0.0,
         le=100.0,
     )
+    losses: Literal["counted", "paper"] = choice(
+        "torque that motors and gearheads must move: with all losses counted, or without any, as the paper reckons",
+        default="paper",
+    )
 
 
 class Making(Block):

@@ -56,6 +56,12 @@ class Limits:
     tension_safety_factor: float
     preload_share_max: float
     frame_windup_max_mrad: float | None
+    losses: str  # "counted" or "paper"
+
+    @property
+    def counts_losses(self) -> bool:
+        """Whether motors and gearheads must move the torque with all losses."""
+        return self.losses == "counted"
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from mbcdm_cad.design.bought import NO_GEARHEAD
@@ -10,6 +10,7 @@ from mbcdm_cad.layouts.common_rules import (
     BEND_RATIO,
     DRUM_MATERIAL,
     FRICTION,
+    LEAST_WIRE_RATIO,
     MESH_TOLERANCE,
     PRELOAD_SHARE,
     RUNNING,
@@ -20,6 +21,8 @@ from mbcdm_cad.layouts.common_rules import (
     TEST_TORQUE,
 )
 from mbcdm_cad.layouts.trial_sizing import TrialKnown
+from mbcdm_cad.model.losses.friction import GEARHEAD_IDLE_SHARE, tangent_share
+from mbcdm_cad.sizing.known import KnownFields
 from mbcdm_cad.sizing.rule import Found, Rule, constant, rounded_up
 
 # Assumed strength of a rope's end over that of the rope, before rope and ends are chosen.
@@ -29,6 +32,10 @@ CONSTRUCTION = "7x7"
 PRELOAD_FACTOR = 2.0
 # Required rated torque of the motor over its torque at the peak torque.
 TORQUE_SPARE = 1.02
+COUNTED = "counted"
+# Tensions of the two cables of an input over the pull of the peak torque on the drum: the usual preload where friction
+# holds the cable. What they lose on the drum and in the bearings besides the input (estimate).
+PRELOADS, LOST_SPARE = 2.7, 1.2
 
 
 def thinnest_rope(given: TrialKnown, tension_N: float) -> Found:
@@ -77,10 +84,32 @@ def rope(value: Callable[[Any], Found]) -> Rule:
 
 def needed_ratio(given: TrialKnown) -> float:
     """Least ratio of drum to input with which the motor, through its gearhead, holds the peak torque continuously."""
-    motor = given.entry("motors", "drive.motor")
-    gear = given.gearhead.ratio
-    needed = TORQUE_SPARE * given.input_peak_Nm * 1e3 / (motor["rated_torque_mNm"] * gear)
+    motor, gear = given.entry("motors", "drive.motor"), given.gearhead
+    entry = {"ratio": gear.ratio, "efficiency": gear.efficiency, "rated_torque_mNm": gear.rated_torque_mNm}
+    needed = _needed_mNm(given) / output_mNm(given, motor, None if gear.absent else entry)
     return rounded_up(max(needed, 1.0), 0.05)
+
+
+def output_mNm(given: KnownFields, motor: Mapping[str, Any], head: Mapping[str, Any] | None) -> float:
+    """Continuous torque of a motor at its gearhead's output, or on its own shaft; with losses where these count."""
+    if head is None:
+        return float(motor["rated_torque_mNm"])
+    lossless = float(motor["rated_torque_mNm"] * head["ratio"])
+    if given.get("limits.losses") != COUNTED:
+        return lossless
+    return (lossless - GEARHEAD_IDLE_SHARE * float(head["rated_torque_mNm"])) * float(head["efficiency"])
+
+
+def _needed_mNm(given: TrialKnown) -> float:
+    """Torque at the inputs together over their ratio; where losses count, with those of cables and bearings.
+
+    The cables' tensions add up to the usual preloads, and lose at the inputs most of all.
+    """
+    needed = TORQUE_SPARE * given.input_peak_Nm * 1e3
+    if given.get("limits.losses") != COUNTED:
+        return needed
+    lost = float(tangent_share(1.0, max(given.get("limits.bend_ratio_min", LEAST_WIRE_RATIO), 1.0)))
+    return needed * (1.0 + LOST_SPARE * PRELOADS * lost)
 
 
 def _has_face(given: TrialKnown) -> bool:
@@ -92,15 +121,15 @@ def _gearhead(given: TrialKnown) -> Found:
         given["drive.motor"]
         return Found(NO_GEARHEAD, "the motor's own shaft")
     # If the ratio follows from motor and gearhead, any of them holds the torque.
-    needed = TORQUE_SPARE * given.input_peak_Nm * 1e3 / given.ratio if given.has_ratio else 0.0
+    needed = _needed_mNm(given) / given.ratio if given.has_ratio else 0.0
     motors = given.entries("motors") if not given.has("drive.motor") else {"": given.entry("motors", "drive.motor")}
     pairs = [
         (motor["mass_g"] + head["mass_g"], name)
         for motor in motors.values()
         for name, head in given.entries("gearheads").items()
         if "shaft_diameter_mm" not in motor
-        and motor["rated_torque_mNm"] * head["ratio"] >= needed
-        and head["max_torque_mNm"] >= (needed or motor["rated_torque_mNm"] * head["ratio"])
+        and output_mNm(given, motor, head) >= needed
+        and head["max_torque_mNm"] >= (needed or output_mNm(given, motor, head))
         and motor["diameter_mm"] <= head["diameter_mm"] + 1.0
     ]
     if pairs:
@@ -109,17 +138,17 @@ def _gearhead(given: TrialKnown) -> Found:
 
 
 def _motor(given: TrialKnown) -> Found:
-    needed = TORQUE_SPARE * given.input_peak_Nm * 1e3 / given.ratio
+    needed = _needed_mNm(given) / given.ratio
     head = given["drive.gearhead"]
     if head == NO_GEARHEAD:
         rated = {name: motor for name, (motor, _) in given.motors_with_faces().items()}
-        ratio, wide = 1.0, float("inf")
+        entry, wide = None, float("inf")
     else:
         entry = given.entry("gearheads", "drive.gearhead")
         rated = {name: m for name, m in given.entries("motors").items() if "shaft_diameter_mm" not in m}
-        ratio, wide = entry["ratio"], entry["diameter_mm"] + 1.0
+        wide = entry["diameter_mm"] + 1.0
     fitting = {
-        name: m for name, m in rated.items() if m["rated_torque_mNm"] * ratio >= needed and m["diameter_mm"] <= wide
+        name: m for name, m in rated.items() if output_mNm(given, m, entry) >= needed and m["diameter_mm"] <= wide
     }
     if not fitting:
         strongest = max(rated, key=lambda name: rated[name]["rated_torque_mNm"])

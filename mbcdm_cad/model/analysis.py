@@ -9,6 +9,8 @@ import numpy as np
 
 from mbcdm_cad.model.backlash import cable_backlash, drum_backlash, implied_modulus_Pa
 from mbcdm_cad.model.capability import (
+    GEARHEAD,
+    GEARHEAD_PEAK,
     MOTOR_LOSSY,
     SLIP,
     TorqueLimit,
@@ -47,6 +49,10 @@ if TYPE_CHECKING:
     from mbcdm_cad.design.drive import Drive
 
 
+# Ratings of what stands between the motor and the input.
+_PASSED_ON = (GEARHEAD, GEARHEAD_PEAK)
+
+
 def analyse(drive: Drive, wraps_rad: tuple[Any, Any] | None = None) -> Analysis:
     """Every figure of the model for one design.
 
@@ -58,16 +64,12 @@ def analyse(drive: Drive, wraps_rad: tuple[Any, Any] | None = None) -> Analysis:
         d = d.with_(input_wrap_rad=wraps_rad[0], drum_wrap_rad=wraps_rad[1])
     test, peak = drive.loads.test_torque_Nm, drive.loads.peak_torque_Nm
     endless = d.with_(input_wrap_rad=np.full(d.n_cables, np.inf), drum_wrap_rad=np.full(d.n_cables, np.inf))
-    ratings = input_ratings_Nm(drive)
-    strength = tension_limit_N(drive)
-    train = drive.layout.losses.with_drive(d)
-    limits = torque_limits(
-        d, ratings, strength, partial(train.raised_Nm, train.output_Nm(drive.motor.rated_torque_mNm * 1e-3))
-    )
-    balanced = balanced_preload_N(d)
-    balanced_limits = torque_limits(d.with_(preload_N=balanced), ratings, strength)
-    rated = motor_rating(drive)
-    lossless = lowest_each_way(limits, rated)
+    strength, balanced = tension_limit_N(drive), balanced_preload_N(d)
+    limits = _limits(drive, d, strength)
+    balanced_limits = _limits(drive, d.with_(preload_N=balanced), strength)
+    lossless = motor_rating(drive)
+    in_force = MOTOR_LOSSY if drive.limits.counts_losses else lossless
+    reached = lowest_each_way(limits, in_force)
     peaks = (load_case(d, peak), load_case(d, -peak))
     mismatch_mm, mismatch_N = pair_mismatch(d, np.radians(drive.half_travel_deg))
     return Analysis(
@@ -89,12 +91,14 @@ def analyse(drive: Drive, wraps_rad: tuple[Any, Any] | None = None) -> Analysis:
         sticking_stiffness_Nm_rad=float(sticking_stiffness_Nm_rad(d)),
         input_bias_mNm=_floats(input_bias_Nm(d) * 1e3),
         limits=limits,
-        peak_torque_Nm=lossless,
+        losses_counted=drive.limits.counts_losses,
+        peak_torque_Nm=reached,
+        peak_torque_lossless_Nm=lowest_each_way(limits, lossless),
         peak_torque_with_losses_Nm=lowest_each_way(limits, MOTOR_LOSSY),
         balanced_preload_N=_floats(balanced),
-        balanced_peak_torque_Nm=lowest_each_way(balanced_limits, rated),
+        balanced_peak_torque_Nm=lowest_each_way(balanced_limits, in_force),
         torque_to_weight_Nm_kg=(
-            None if drive.targets.mass_g is None else torque_to_weight_Nm_kg(min(lossless), drive.targets.mass_g)
+            None if drive.targets.mass_g is None else torque_to_weight_Nm_kg(min(reached), drive.targets.mass_g)
         ),
         bearings=tuple(bearing_figures(d, load) for load in (0.0, peak, -peak)),
         creep=preload_left(drive.cable, max(c.preload_N for c in drive.cables)),
@@ -104,6 +108,15 @@ def analyse(drive: Drive, wraps_rad: tuple[Any, Any] | None = None) -> Analysis:
         intervals=uncertain_figures(endless, drive),
         notes=notes(drive, d),
     )
+
+
+def _limits(drive: Drive, d: DriveSI, strength_N: float) -> tuple[TorqueLimit, ...]:
+    """Limits of the torque; those of the gearhead without losses only where these do not count."""
+    ratings, train = input_ratings_Nm(drive), drive.layout.losses.with_drive(d)
+    raised = {MOTOR_LOSSY: partial(train.raised_Nm, train.output_Nm(drive.motor.rated_torque_mNm * 1e-3))}
+    if drive.limits.counts_losses:
+        raised |= {cause: partial(train.raised_Nm, ratings.pop(cause)) for cause in _PASSED_ON if cause in ratings}
+    return torque_limits(d, ratings, strength_N, raised)
 
 
 def _most_of_an_input_Nm(cases: tuple[LoadCase, ...]) -> float:
@@ -242,7 +255,9 @@ def _train(drive: Drive) -> tuple[str, ...]:
     if gear.absent:
         return motor, "There is no gearhead: the motor's shaft turns the input."
     return (
-        "Peak torque counts the drive as lossless, as the paper does; the value with all losses is printed too.",
+        "Peak torque counts all losses (limits.losses: counted)."
+        if drive.limits.counts_losses
+        else "Peak torque counts no losses, as the paper does (limits.losses: paper); with them it is printed too.",
         motor,
         f"Gearhead {gear.name}: {gear.ratio:g}:1, efficiency {gear.efficiency:g}, {gear.rated_torque_mNm:g} mN m "
         f"continuous, {gear.max_torque_mNm:g} at most [{gear.source}].",

@@ -6,7 +6,7 @@ limit differs by direction; preloads with T ~ 1/r within a pair remove the bias.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -60,17 +60,25 @@ def motor_rating(drive: Drive) -> str:
     return MOTOR_ALONE if drive.gearhead.absent else MOTOR
 
 
+def motor_input_Nm(drive: Drive) -> float:
+    """Torque at an input by the motor's continuous rating, with the losses that ``limits.losses`` counts."""
+    if drive.limits.counts_losses:
+        losses = drive.layout.losses
+        return losses.rating_Nm(losses.output_Nm(drive.motor.rated_torque_mNm * 1e-3))
+    return input_ratings_Nm(drive)[motor_rating(drive)]
+
+
 def tension_limit_N(drive: Drive) -> float:
     """Largest tension allowed: breaking load over the safety factor."""
     return drive.cable.breaking_load_N / drive.limits.tension_safety_factor
 
 
 def requirements(drive: Drive) -> Requirements:
-    """Requirements of the design in SI: test torque, travel, lossless rating of an input, rope."""
+    """Requirements of the design in SI: test torque, travel, rating of an input, rope."""
     return Requirements(
         load_Nm=drive.loads.test_torque_Nm,
         half_travel_rad=np.radians(drive.half_travel_deg),
-        input_rating_Nm=input_ratings_Nm(drive)[motor_rating(drive)],
+        input_rating_Nm=motor_input_Nm(drive),
         rope_diameter_m=drive.cable.diameter_mm * MM,
         tension_limit_N=tension_limit_N(drive),
         helix_lead_m=drive.helix_lead_mm * MM,
@@ -93,7 +101,7 @@ def sigmas_si(drive: Drive) -> dict[str, Any]:
         "modulus_Pa": s.modulus_GPa * GPA,
         "area_m2": s.area_mm2 * MM2,
         "load_Nm": s.test_torque_Nm,
-        "input_rating_Nm": s.motor_torque_mNm * 1e-3 * drive.gearhead.ratio,
+        "input_rating_Nm": s.motor_torque_mNm / drive.motor.rated_torque_mNm * motor_input_Nm(drive),
     }
     return {name: size for name, size in given.items() if np.any(np.asarray(size))}
 
@@ -212,18 +220,17 @@ class TorqueLimit:
 
 
 def torque_limits(
-    d: DriveSI, input_ratings_Nm: dict[str, float], tension_limit_N: float, raised: Raised | None = None
+    d: DriveSI, input_ratings_Nm: dict[str, float], tension_limit_N: float, raised: Mapping[str, Raised] | None = None
 ) -> tuple[TorqueLimit, ...]:
     """Every limit both ways for one design, +1 first: one per rating (by its name), ``strength`` and ``slack``.
 
-    ``slip`` too, where friction alone holds a cable on an input. ``raised`` gives for a direction the loads that each
-    input moves at the motor's rating, all losses counted: ``motor_with_losses``.
+    ``slip`` too, where friction alone holds a cable on an input. ``raised`` adds limits with all losses counted, by
+    name: functions that give for a direction the loads that each input moves.
     """
     found = []
     for direction in (1, -1):
         at_inputs = {cause: torque_at_input_limit_Nm(d, r, direction) for cause, r in input_ratings_Nm.items()}
-        if raised is not None:
-            at_inputs[MOTOR_LOSSY] = raised(direction)
+        at_inputs |= {cause: loads(direction) for cause, loads in (raised or {}).items()}
         for cause, loads in at_inputs.items():
             first = int(np.argmin(loads))
             found.append(TorqueLimit(cause, d.input_names[first], direction, float(loads[first])))

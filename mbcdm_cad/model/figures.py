@@ -121,10 +121,11 @@ class UncertainFigure:
 class Analysis:
     """All figures of the model for one design, for the report and for ``mbcdm analyse``.
 
-    ``peak_torque_Nm`` and ``peak_torque_with_losses_Nm`` are (for +, for -): the lowest limit in each direction
-    without losses, as in the paper, and with all of them. ``balanced_*`` repeat it with
-    preloads T ~ 1/r. ``lengths`` are those of the whole design by their names in its file. ``intervals`` is empty where
-    no value of the design file carries a sigma.
+    ``peak_torque_lossless_Nm`` and ``peak_torque_with_losses_Nm`` are (for +, for -): the lowest limit in each
+    direction without losses, as in the paper, and with all of them; ``peak_torque_Nm`` is that which
+    ``limits.losses`` puts in force (``losses_counted``). ``balanced_*`` repeat it with preloads T ~ 1/r. ``lengths``
+    are those of the whole design by their names in its file. ``intervals`` is empty where no value of the design file
+    carries a sigma.
     """
 
     name: str
@@ -145,7 +146,9 @@ class Analysis:
     sticking_stiffness_Nm_rad: float
     input_bias_mNm: tuple[float, ...]
     limits: tuple[TorqueLimit, ...]
+    losses_counted: bool
     peak_torque_Nm: tuple[float, float]
+    peak_torque_lossless_Nm: tuple[float, float]
     peak_torque_with_losses_Nm: tuple[float, float]
     balanced_preload_N: tuple[float, ...]
     balanced_peak_torque_Nm: tuple[float, float]

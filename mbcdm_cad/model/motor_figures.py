@@ -76,6 +76,7 @@ def motor_figures(drive: Drive, d: DriveSI, peak_input_Nm: float, cap_Nm: float)
         return None
     constant = constant_mNm_A * 1e-3
     turns = float(np.abs(d.input_turns).max()) * gear.ratio  # of the motor, per turn of the drum
+    train = drive.layout.losses.with_drive(d)
     rated, peak = motor.rated_torque_mNm * 1e-3, motor.peak_torque_mNm * 1e-3
 
     def loss_W(torque_Nm: float) -> float:
@@ -87,12 +88,19 @@ def motor_figures(drive: Drive, d: DriveSI, peak_input_Nm: float, cap_Nm: float)
     def held_Nm(speeds_rad_s: Floats, most_Nm: float) -> list[float]:
         """Torque at the drum, weaker direction and input, with ``most_Nm`` limited by the voltage at each speed."""
         left = np.maximum(volts - constant * speeds_rad_s, 0.0) * constant / ohms
-        limit = np.minimum(np.minimum(left, most_Nm) * gear.ratio, gear.max_torque_mNm * 1e-3)
-        many = d.spread(len(speeds_rad_s))
-        ways = [torque_at_input_limit_Nm(many, limit, way).min(axis=0) for way in (1, -1)]
+        given, most = np.minimum(left, most_Nm), gear.max_torque_mNm * 1e-3
+        if drive.limits.counts_losses:
+            limit = np.minimum(train.output_Nm(given), most)
+            ways = [train.raised_Nm(limit, way).min(axis=0) for way in (1, -1)]
+        else:
+            limit, many = np.minimum(given * gear.ratio, most), d.spread(len(speeds_rad_s))
+            ways = [torque_at_input_limit_Nm(many, limit, way).min(axis=0) for way in (1, -1)]
         return [min(float(torque), cap_Nm) for torque in np.minimum(*ways)]
 
     no_load, asked = volts / constant, peak_input_Nm / gear.ratio
+    if drive.limits.counts_losses:
+        peak_load = drive.loads.peak_torque_Nm
+        asked = float(train.moving(np.array([peak_load, -peak_load]), 1).motor_Nm.max())
     rotor = motor.rotor_inertia_g_cm2 * _G_CM2
     held, free = _modes_Hz(drive, d, rotor * gear.ratio**2)
     to_drum = float(np.degrees(1.0 / turns))

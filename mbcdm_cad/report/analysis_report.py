@@ -237,8 +237,9 @@ def _model_notes(a: Analysis) -> Iterator[str]:
 
 def _torque_notes(a: Analysis) -> Iterator[str]:
     yield (
-        f"  peak torque + / -: {_list(a.peak_torque_Nm, 3)} N m (without losses, as in the paper), "
-        f"{_list(a.peak_torque_with_losses_Nm, 3)} N m with all losses"
+        f"  peak torque + / -: {_list(a.peak_torque_lossless_Nm, 3)} N m without losses, as in the paper, "
+        f"{_list(a.peak_torque_with_losses_Nm, 3)} N m with all losses; limits.losses puts the "
+        f"{'second' if a.losses_counted else 'first'} in force"
     )
     yield (
         f"  with preloads T ~ 1/r ({_list(a.balanced_preload_N)} N): {_list(a.balanced_peak_torque_Nm, 3)} N m; the "

@@ -14,7 +14,7 @@ LIMITS = {
     "class families a layout": 6,
     "registry calls": 2,
     "maker strings": 0,
-    "fields declared twice": 190,
+    "fields declared twice": 191,
     "files of miso_bevel": 57,
     "files of siso_bevel": 35,
     "files of siso_spur": 35,
@@ -23,8 +23,8 @@ LIMITS = {
     "imports, share of lines in %": 8.15,
     "circles": 1,
     "arrows back": 0,
-    "repeating pairs": 188,
-    "lines": 71550,
+    "repeating pairs": 190,
+    "lines": 71700,
 }
 
 

@@ -219,6 +219,17 @@ class Train:
             loads.append(np.where(moves, load, 0.0).reshape(given.shape))
         return np.array(loads)
 
+    def rating_Nm(self, output_Nm: Floats | float) -> float:
+        """Torque at an input that a drive without losses would need for the load that this one moves in its worse way.
+
+        For formulas that reckon without losses: with this rating they give that load.
+        """
+        each = [(way, self.raised_Nm(output_Nm, way)) for way in (1, -1)]
+        way, loads = min(each, key=lambda item: float(item[1].min()))
+        first = int(loads.argmin())
+        at = solve_equilibrium(self.d, way * float(loads[first]))
+        return way * float(at.input_torque_Nm(self.d)[first])
+
     @cached_property
     def _unloaded(self) -> Equilibrium:
         return solve_equilibrium(self.d, 0.0)

@@ -132,6 +132,8 @@ def changed(path: tuple[str | int, ...]) -> Any:
         value = value[part]
     if path[-1] == "modulus_area":
         return "nominal"
+    if path[-1] == "losses":
+        return "counted"
     if path[-1] == "threads":
         return "tap_drill" if path[0] == "export" else "inserts"
     if isinstance(value, str):

@@ -67,6 +67,7 @@ SHARED = {
     "limits.tension_safety_factor": Given(5.0, "rope makers: 5 to 10"),
     "limits.preload_share_max": Given(0.5, "rope makers: under half"),
     "limits.frame_windup_max_mrad": Given(0.0232, "a choice: a seventh of the cables' own turn there, 0.162 mrad"),
+    "limits.losses": Given("paper", "the paper counts none"),
     "making.rope_diameter_share": Given(0.03, "estimate: makers of small ropes give a few per cent"),
     "making.run_out_mm": Given(0.02, "estimate: turned between centres or in one chucking"),
     "making.bearing_play_mm": Given(0.008, "ISO 5753-1, normal play of bores to 10 mm: 2 to 13 um"),

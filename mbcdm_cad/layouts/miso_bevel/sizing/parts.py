@@ -12,6 +12,7 @@ from mbcdm_cad.checks.take_up import THREAD_OUT_PITCHES
 from mbcdm_cad.checks.terminals import STUD_SAFETY
 from mbcdm_cad.design.bought import NO_GEARHEAD
 from mbcdm_cad.layouts.common_rules import COLLAR_SCREWS
+from mbcdm_cad.layouts.head_basis import COUNTED, output_mNm
 from mbcdm_cad.layouts.miso_bevel.checks.guide_fits import STRESS_SAFETY
 from mbcdm_cad.layouts.miso_bevel.checks.support_walls import HOLE_WEB_MM
 from mbcdm_cad.layouts.miso_bevel.sizing.known import BevelKnown
@@ -27,6 +28,7 @@ from mbcdm_cad.layouts.miso_bevel.sizing.picking import (
 )
 from mbcdm_cad.layouts.miso_bevel.sizing.radii import least_step_mm, take_up_mm, take_up_with_mm
 from mbcdm_cad.layouts.miso_bevel.support.dims import AXLE_SCREW, DOWEL_LENGTHS_MM, DOWEL_MM
+from mbcdm_cad.model.losses.friction import ROPE_EXPONENT, ROPE_FACTOR
 from mbcdm_cad.parts.collar import collar
 from mbcdm_cad.parts.drum_sector.sizes import SWAGE_FLOOR_MM
 from mbcdm_cad.parts.input_pulley.stop import neck_mm
@@ -39,6 +41,9 @@ TORQUE_SPARE = 1.095
 # Torque of the preload on an input, as a share of preload times its radius: the difference of neighbouring steps, at
 # least this step of the drum's radii.
 BIAS_SHARE, LEAST_STEP_MM = 0.067, 3.6
+# Losses of an input's cables over that of one on the input: there, at both ends of the guide's wrap, on drum and in the
+# bearings.
+INPUT_LOSSES = 2.7
 # Radial load of one bearing of an input pulley, in preloads: both cables pull, and one end carries most of it. The
 # largest and the usual value: if no part of the catalogue carries the first, the second is used.
 INPUT_PRELOADS = (1.65, 1.41)
@@ -75,14 +80,20 @@ def _input_torque_Nm(given: BevelKnown) -> float:
     step = greatest(LEAST_STEP_MM, least_step_mm(given))
     share = greatest(BIAS_SHARE, step / given.first_drum_mm)
     bias = share * given["rope.preload_N"] * radius * 1e-3
-    return number(TORQUE_SPARE * given["loads.peak_torque_Nm"] / (2 * given.total_ratio) + bias)
+    needed = TORQUE_SPARE * given["loads.peak_torque_Nm"] / (2 * given.total_ratio) + bias
+    if given.get("limits.losses") == COUNTED:
+        # On input, guide and drum, two cables at their preload: no point loses more than one on the input.
+        at_input = 0.5 * ROPE_FACTOR * (given.d_mm / (2.0 * radius)) ** ROPE_EXPONENT
+        needed = needed + INPUT_LOSSES * at_input * 2.0 * given["rope.preload_N"] * radius * 1e-3
+    return number(needed)
 
 
 def _motor_margins(given: BevelKnown, motor: Entry, gearhead: Entry) -> Margins:
     needed = _input_torque_Nm(given) * 1e3
     shaft = gearhead["shaft_diameter_mm"]
+    head = None if given.get("drive.gearhead") == NO_GEARHEAD else gearhead
     return {
-        "motor_torque_back": motor["rated_torque_mNm"] * gearhead["ratio"] / needed - 1.0,
+        "motor_torque_back": output_mNm(given, motor, head) / needed - 1.0,
         "collar_grip": _most_grip_Nmm(given, shaft) / (GRIP_SPARE * CLAMP_SAFETY * needed) - 1.0,
         "gearhead_maximum": gearhead["max_torque_mNm"] / needed - 1.0,
         # A motor wider than its gearhead has no room behind the shelf.

@@ -55,6 +55,7 @@ SHARED = {
     "limits.tension_safety_factor": Given(5.0, "rope makers: 5 to 10"),
     "limits.preload_share_max": Given(0.5, "rope makers: under half"),
     "limits.frame_windup_max_mrad": Given(0.0095, "a choice: below the windup of the cables, 0.012 to 0.045 mrad"),
+    "limits.losses": Given("paper", "the paper counts none"),
     "making.rope_diameter_share": Given(0.03, LIKE_D),
     "making.run_out_mm": Given(0.02, LIKE_D),
     "making.bearing_play_mm": Given(0.008, LIKE_D),
