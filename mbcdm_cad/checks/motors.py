@@ -20,6 +20,10 @@ from mbcdm_cad.model.losses.train import BEARINGS, ROPE, Train
 
 # Ratings above this multiple of T_pre r_m are not evaluated: cables are slack long before.
 _RATING_CAP = 60.0
+COUNT_THEM = (
+    "set limits.losses to counted, so that the rules choose motor, gearhead and ratio for it where the file leaves "
+    "them open, or choose a motor of higher rated torque"
+)
 _WORDS = {1: "+", -1: "-"}
 
 
@@ -183,7 +187,7 @@ CHECKS = (
         motor_losses,
         "warn",
         applies=lambda drive: not drive.limits.counts_losses,
-        advice=partial(_less_torque, motor_losses, "choose a motor of higher rated torque"),
+        advice=partial(_less_torque, motor_losses, COUNT_THEM),
     ),
     Check(
         "gearhead_continuous",

@@ -251,13 +251,16 @@ def notes(drive: Drive, d: DriveSI) -> tuple[str, ...]:
 def _train(drive: Drive) -> tuple[str, ...]:
     """Motor and gearhead with their sources."""
     gear = drive.gearhead
-    motor = f"Motor {drive.motor.name}: {drive.motor.rated_torque_mNm:g} mN m [{drive.motor.source}]."
-    if gear.absent:
-        return motor, "There is no gearhead: the motor's shaft turns the input."
-    return (
+    in_force = (
         "Peak torque counts all losses (limits.losses: counted)."
         if drive.limits.counts_losses
-        else "Peak torque counts no losses, as the paper does (limits.losses: paper); with them it is printed too.",
+        else "Peak torque counts no losses, as the paper does (limits.losses: paper); with them it is printed too."
+    )
+    motor = f"Motor {drive.motor.name}: {drive.motor.rated_torque_mNm:g} mN m [{drive.motor.source}]."
+    if gear.absent:
+        return in_force, motor, "There is no gearhead: the motor's shaft turns the input."
+    return (
+        in_force,
         motor,
         f"Gearhead {gear.name}: {gear.ratio:g}:1, efficiency {gear.efficiency:g}, {gear.rated_torque_mNm:g} mN m "
         f"continuous, {gear.max_torque_mNm:g} at most [{gear.source}].",
