@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from mbcdm_cad.layouts.check_design import run_checks
-from mbcdm_cad.layouts.loader import load_design, load_text
+from mbcdm_cad.layouts.loader import design_file, load_design, load_text
 from mbcdm_cad.model import analyse
 from mbcdm_cad.model.bulk import preload_table
 
@@ -96,3 +96,10 @@ def test_a_motor_that_is_too_weak_learns_how_strong_one_must_be() -> None:
     text = (PARAMS / "siso_spur.yaml").read_text("utf-8").replace("losses: paper", "losses: counted")
     found = next(c for c in run_checks(load_text(text)) if c.id == "motor_torque_forward")
     assert found.status == "fail" and "choose a motor of about 4.5" in found.remedy, found
+
+
+@pytest.mark.parametrize(("layout", "asked"), [("miso_bevel", 3.15), ("siso_spur", 2.0), ("siso_bevel", 0.9)])
+def test_the_file_that_init_writes_gets_a_drive_that_moves_its_torque(layout: str, asked: float) -> None:
+    text = str(design_file(layout).starting).format(name="started")
+    assert load_text(text).drive.loads.peak_torque_Nm == asked
+    assert moved_Nm(text.replace("losses: counted", "losses: paper")) < asked <= moved_Nm(text)
