@@ -23,7 +23,8 @@ def short(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Path:
 
 def test_a_short_file_is_a_whole_design(short: Path) -> None:
     lines = [line for line in short.read_text().splitlines() if line.strip() and not line.strip().startswith("#")]
-    assert len(lines) <= 10, lines
+    # Five requirements, and that losses count.
+    assert len(lines) <= 11, lines
     assert len(load_design(short).sized) > 45
 
 

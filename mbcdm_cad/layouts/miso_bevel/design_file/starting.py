@@ -15,7 +15,8 @@ transmission:
   # centre_distance_mm: 34.6  # mm: input pulley axis to guide axis; left out: as short as the fleet angle allows
 loads:
   peak_torque_Nm: 3.15      # N m: torque to hold both ways
-limits: {{losses: counted}}   # the torque counts what gearheads, cables and bearings lose; paper: no losses
+limits:
+  losses: counted           # the torque counts what gearheads, cables and bearings lose; paper: no losses
 # rope: {{type: FF-081}}      # left out: the thinnest 7x7 wire rope that holds
 # drum: {{material: pa12}}    # left out: aluminium; so for guide and support
 """

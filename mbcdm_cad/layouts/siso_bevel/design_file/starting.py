@@ -14,7 +14,8 @@ transmission:
   # input_to_drum: 4.5      # left out: the most that the travel leaves on one turn of the input
 loads:
   peak_torque_Nm: 0.9       # N m: torque to hold both ways
-limits: {{losses: counted}}   # the torque counts what gearheads, cables and bearings lose; paper: no losses
+limits:
+  losses: counted           # the torque counts what gearheads, cables and bearings lose; paper: no losses
 # rope: {{type: FF-081}}      # left out: the thinnest 7x7 wire rope that holds
 # drum: {{material: pa12}}    # left out: aluminium; so for support
 """

@@ -18,7 +18,8 @@ transmission:
   # cables: two_anchored    # two cables with a stop each in the input; left out: one, held there by friction
 loads:
   peak_torque_Nm: TORQUE       # N m: torque to hold both ways
-limits: {{losses: counted}}   # the torque counts what gearheads, cables and bearings lose; paper: no losses
+limits:
+  losses: counted           # the torque counts what gearheads, cables and bearings lose; paper: no losses
 # drive: {{motor: tmotor-u8-100kv}}  # a motor with a shaft of its own needs no gearhead
 # rope: {{type: FF-081}}      # left out: the thinnest 7x7 wire rope that holds
 # drum: {{material: pla}}     # left out: aluminium; so for support
