@@ -309,6 +309,14 @@ class Layout(ABC):
     def wraps_rad(self, drum_angle_rad: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """(input, drum) wraps of each cable at a drum angle, never below zero, shape (n_cables,)."""
 
+    @cached_property
+    def drum_wraps_at_ends_rad(self) -> tuple[NDArray[np.float64], ...]:
+        """Wraps of each cable on the drum at both ends of the travel; none where the terminals have no place."""
+        try:
+            return tuple(self.wraps_rad(angle)[1] for angle in (self.half_travel_rad, -self.half_travel_rad))
+        except NoFigureError:
+            return ()
+
     @abstractmethod
     def bends_mm(self) -> Sequence[tuple[str, str, float]]:
         """(cable, pulley, pitch radius in mm) of every pulley that a cable is bent on."""

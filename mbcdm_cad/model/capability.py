@@ -6,7 +6,7 @@ limit differs by direction; preloads with T ~ 1/r within a pair remove the bias.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -200,9 +200,16 @@ def torque_at_slip_of_Nm(d: DriveSI, index: int, direction: int | NDArray[np.int
     return np.maximum(direction * _load_of(d, at), 0.0)
 
 
-def torque_at_slip_Nm(d: DriveSI, direction: int) -> Floats:
-    """Load (N m, shape (n_inputs, *batch)) at which the cable begins to slip on each input."""
-    return np.stack([torque_at_slip_of_Nm(d, i, direction) for i in range(d.n_inputs)])
+def torque_at_slip_Nm(d: DriveSI, direction: int, drum_wraps_rad: Sequence[Floats] = ()) -> Floats:
+    """Load (N m, shape (n_inputs, *batch)) at which the cable begins to slip on each input.
+
+    ``drum_wraps_rad``: wraps on the drum at the poses that count, usually both ends of the travel; the lowest load of
+    them is taken. A short wrap stretches less, so that the slackened side loses more tension. Without them wraps have
+    no end.
+    """
+    poses = [d.with_(drum_wrap_rad=wrap) for wrap in drum_wraps_rad] or [d]
+    found = [[torque_at_slip_of_Nm(pose, i, direction) for i in range(d.n_inputs)] for pose in poses]
+    return np.asarray(np.min(found, axis=0))
 
 
 # Loads (n_inputs,) that the inputs move in a direction.
@@ -220,12 +227,17 @@ class TorqueLimit:
 
 
 def torque_limits(
-    d: DriveSI, input_ratings_Nm: dict[str, float], tension_limit_N: float, raised: Mapping[str, Raised] | None = None
+    d: DriveSI,
+    input_ratings_Nm: dict[str, float],
+    tension_limit_N: float,
+    raised: Mapping[str, Raised] | None = None,
+    drum_wraps_rad: Sequence[Floats] = (),
 ) -> tuple[TorqueLimit, ...]:
     """Every limit both ways for one design, +1 first: one per rating (by its name), ``strength`` and ``slack``.
 
-    ``slip`` too, where friction alone holds a cable on an input. ``raised`` adds limits with all losses counted, by
-    name: functions that give for a direction the loads that each input moves.
+    ``slip`` too, where friction alone holds a cable on an input; ``drum_wraps_rad``: see :func:`torque_at_slip_Nm`.
+    ``raised`` adds limits with all losses counted, by name: functions that give for a direction the loads that each
+    input moves.
     """
     found = []
     for direction in (1, -1):
@@ -242,7 +254,7 @@ def torque_limits(
             name = d.cable_names[first] if np.isfinite(loads[first]) else "none"
             found.append(TorqueLimit(cause, name, direction, float(loads[first])))
         if d.through_wrap_rad is not None:
-            loads = torque_at_slip_Nm(d, direction)
+            loads = torque_at_slip_Nm(d, direction, drum_wraps_rad)
             first = int(np.argmin(loads))
             found.append(TorqueLimit(SLIP, d.input_names[first], direction, float(loads[first])))
     return tuple(found)

@@ -65,9 +65,11 @@ class Hub:
 
         Holes count by what a single hole loses in a field of shear: an axial one twice the torsion of its own area, a
         radial one as much as 4 / (1 + nu) times its share of the wall's surface (Peterson, Stress Concentration
-        Factors; energy of a round hole in pure shear).
+        Factors; energy of a round hole in pure shear). Raises ``ValueError`` for a hub without a wall.
         """
         whole = pi / 2.0 * (self.radius_mm**4 - self.bore_mm**4)
+        if whole <= 0.0:
+            raise ValueError(f"the hub of radius {self.radius_mm:g} mm has a bore of {self.bore_mm:g} mm")
         lost = self.face_holes * 2.0 * pi * self.face_hole_mm**2 * self.face_circle_mm**2
         drilled = max(whole - lost, 0.25 * whole)
         low = max(start_mm, min(end_mm, self.face_mm - self.face_depth_mm))

@@ -37,8 +37,6 @@ def test_reference_design_fails_nothing() -> None:
     expected = {
         "bend_ratio_minimum",
         "bend_ratio_desired",
-        "wrap_slip_test",
-        "wrap_slip_peak",
         "preload_bias",
         "motor_losses",
         "gearhead_continuous",

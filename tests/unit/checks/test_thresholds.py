@@ -75,8 +75,6 @@ WAYS: dict[str, Way] = {
     "wrap_left": Way(to("half_travel_deg"), 35.0, 65.0),
     "wrap_under_turn": Way(to("half_travel_deg"), 35.0, 300.0),
     "terminal_clears_guide": Way(to("half_travel_deg"), 35.0, 65.0),
-    "wrap_slip_test": Way(to(TEST), 0.5, 2.0),
-    "wrap_slip_peak": Way(to(PEAK), 0.5, 3.15),
     "no_slack": Way(to(PEAK), 3.15, 60.0),
     "tension": Way(to(PEAK), 3.15, 20.0),
     "preload_share": Way(to("limits.preload_share_max"), 0.5, 0.05),
@@ -164,7 +162,10 @@ WAYS: dict[str, Way] = {
     "mass_estimate": Way(to("targets.mass_tolerance_g"), 10.0, 0.1),
 }
 # Told without a limit, or tried in a test of their own.
-OTHERS = {"path_length", "transmission_error", "shaft_twist", "cut_at_pitch", "screw_counts"}
+OTHERS = {"path_length", "transmission_error", "shaft_twist", "cut_at_pitch", "screw_counts"} | {
+    "wrap_slip_test",
+    "wrap_slip_peak",
+}
 
 
 def test_every_check_has_its_border_tried() -> None:

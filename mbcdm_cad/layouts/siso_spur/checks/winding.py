@@ -20,7 +20,7 @@ from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.siso_spur.cable_path import ON_INPUT
 from mbcdm_cad.layouts.siso_spur.drive import is_anchored, is_continuous
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
-from mbcdm_cad.model.capability import torque_at_slip_of_Nm
+from mbcdm_cad.model.capability import torque_at_slip_Nm
 from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.parts.input_pulley.dims import GROOVE_LEAD, GROOVE_RADIUS
 
@@ -30,8 +30,6 @@ SMOOTH_FLEET_DEG = 1.5
 GROOVE_CREST = 0.05
 # Least land beyond the cable's flank at the ends of its walk (estimate).
 LAND_EDGE_MM = 0.3
-# Directions of the load at both ends of the travel.
-_BOTH_WAYS = np.array([1, 1, -1, -1])
 
 
 def free_span(s: SpurLayout) -> Comparison:
@@ -48,10 +46,9 @@ def slip(s: SpurLayout) -> Comparison:
     tension.
     """
     drive, si = s.drive, s.loads.si
-    # Four cases at once: both ends of the travel in both directions.
-    on_drum = np.stack([s.wraps_rad(angle)[1] for angle in 2 * (s.half_travel_rad, -s.half_travel_rad)], axis=1)
+    ends = s.drum_wraps_at_ends_rad
     try:
-        holds = float(torque_at_slip_of_Nm(si.spread(4).with_(drum_wrap_rad=on_drum), 0, _BOTH_WAYS).min())
+        holds = min(float(torque_at_slip_Nm(si, way, ends).min()) for way in (1, -1))
     except ModelError as error:
         raise NoFigureError(f"the model has no answer: {error}") from None
     peak = drive.loads.peak_torque_Nm
