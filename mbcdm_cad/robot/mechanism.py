@@ -14,17 +14,15 @@ from mbcdm_cad.build.mass import MassProperties, combined, item_mass
 from mbcdm_cad.build.partfiles import PartFiles
 from mbcdm_cad.build.trianglemesh import TriangleMesh
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.parts.placement import Vector
+from mbcdm_cad.robot.coarse import within_faces
 
 MM = 1e-3
 G = 1e-3
 G_MM2 = 1e-9
 G_CM2 = 1e-7
-# A mesh with this many faces or more is refused, as MuJoCo does.
-LARGEST_FACES = 200_000
 
 
 @dataclass(frozen=True)
@@ -84,7 +82,7 @@ class Mechanism:
 
 
 def mechanism(drive: Drive, parts: Mapping[str, PartFiles]) -> Mechanism:
-    """The drive as links and joints; ``parts`` by name. Raises ``MbcdmError`` if the mesh of a body is too fine."""
+    """The drive as links and joints; ``parts`` by name, meshed again where a body has too many faces for simulators."""
     layout = drive.layout
     centred = layout.bill()
     items = {item.name: item for item in centred.items}
@@ -111,12 +109,7 @@ def _link(
     whole = combined(item_mass(item, parts[item.part].shape) for item in [*shown, *extra])
     origin = np.array(body.point_mm)
     heaviest = max(shown, key=lambda item: item_mass(item, parts[item.part].shape).mass_g)
-    faces = sum(len(parts[item.part].mesh.triangles) for item in shown)
-    if faces >= LARGEST_FACES:
-        raise MbcdmError(
-            f"export.mesh_tolerance_mm: the mesh of {body.name} has too many faces for simulators (value {faces}, "
-            f"limit {LARGEST_FACES}, at {drive.export.mesh_tolerance_mm:g} mm); raise the tolerance"
-        )
+    meshes = within_faces(body.name, [item.part for item in shown], parts, drive.export.mesh_tolerance_mm)
     return Link(
         name=body.name,
         origin=_metres(origin),
@@ -124,7 +117,7 @@ def _link(
         cog=_metres(np.array(whole.cog_mm) - origin),
         inertia=_inertia(whole),
         colour=heaviest.material.colour,
-        mesh=_joined([(item, parts[item.part].mesh) for item in shown]),
+        mesh=_joined([(item, meshes[item.part]) for item in shown]),
     )
 
 

@@ -19,12 +19,12 @@ LIMITS = {
     "files of siso_bevel": 35,
     "files of siso_spur": 35,
     "files of miso_spur": 25,
-    "files": 599,
+    "files": 600,
     "imports, share of lines in %": 8.15,
     "circles": 1,
     "arrows back": 0,
     "repeating pairs": 190,
-    "lines": 71700,
+    "lines": 71750,
 }
 
 

@@ -13,9 +13,10 @@ from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.model import analyse
 from mbcdm_cad.report.masses import inertias, masses_by_item
-from mbcdm_cad.robot import mechanism as mechanism_module
+from mbcdm_cad.robot import coarse
+from mbcdm_cad.robot.coarse import LARGEST_FACES, within_faces
 from mbcdm_cad.robot.formats import robot_files
-from mbcdm_cad.robot.mechanism import LARGEST_FACES, Mechanism, mechanism
+from mbcdm_cad.robot.mechanism import Mechanism, mechanism
 from mbcdm_cad.storage.cache import Cache, cache_folder
 
 REFERENCE = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
@@ -100,10 +101,23 @@ def test_meshes_are_in_metres_and_small_enough(robot: Mechanism, folder: Path) -
         assert 0.001 < mesh.extents.max() < 0.5, (link.name, mesh.extents)
 
 
-def test_a_mesh_too_fine_for_simulators_is_refused(loaded: Any, parts: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(mechanism_module, "LARGEST_FACES", 100)
-    with pytest.raises(MbcdmError, match=r"export\.mesh_tolerance_mm.*raise the tolerance"):
-        mechanism(loaded.drive, {name: part.files for name, part in parts.items()})
+def test_a_mesh_too_fine_for_simulators_is_coarsened(parts: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    files = {name: part.files for name, part in parts.items()}
+    shown = ["drum", "nut", "nut"]
+    fine = {name: len(files[name].mesh.triangles) for name in shown}
+    limit = fine["drum"] * 2 // 3
+    monkeypatch.setattr(coarse, "LARGEST_FACES", limit)
+    found = within_faces("drum", shown, files, 0.01)
+    assert sum(len(found[name].triangles) for name in shown) < limit, (fine, limit)
+    assert found["nut"] is files["nut"].mesh, "a part of few faces is left as it is"
+    assert len(found["drum"].open_edges_mm()) == 0 and 0.01 < found["drum"].deviation_mm <= 0.04 * 4
+    assert abs(found["drum"].volume_mm3 / files["drum"].shape.volume_mm3 - 1.0) < 0.01
+
+
+def test_a_body_that_no_mesh_makes_small_enough_is_refused(parts: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(coarse, "LARGEST_FACES", 10)
+    with pytest.raises(MbcdmError, match=r"mesh of drum has too many faces for simulators .*limit 9"):
+        within_faces("drum", ["nut"], {"nut": parts["nut"].files}, 0.01)
 
 
 class TestUrdf:
