@@ -186,11 +186,23 @@ class DriveDesign:
             self.loaded, Path(out), cache_of(cache), part=part, jobs=jobs, progress=progress or silent
         )
 
-    def prints(self, out: str | Path = "out", *, cache: bool = True, progress: Progress | None = None) -> Written:
-        """Write the made parts as 3MF files (mm) into ``out/NAME-prints``, as ``mbcdm prints``."""
+    def prints(
+        self,
+        out: str | Path = "out",
+        *,
+        every_made_part: bool = False,
+        cache: bool = True,
+        progress: Progress | None = None,
+    ) -> Written:
+        """Write the parts of printed materials as 3MF files (mm) into ``out/NAME-prints``, as ``mbcdm prints``.
+
+        ``every_made_part``: those that are milled or turned too. Raises ``MbcdmError`` if no part is printed.
+        """
         from mbcdm_cad.jobs.outputs import write_prints
 
-        return write_prints(self.loaded, Path(out), cache_of(cache), progress or silent)
+        return write_prints(
+            self.loaded, Path(out), cache_of(cache), every_made_part=every_made_part, progress=progress or silent
+        )
 
     def pictures(self, out: str | Path = "out", *, cache: bool = True, progress: Progress | None = None) -> Written:
         """Write a picture of each assembly step and others into ``out/NAME-pictures``, as ``mbcdm pictures``."""

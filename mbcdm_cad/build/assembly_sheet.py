@@ -25,9 +25,13 @@ def _vector(values: Sequence[float]) -> Vector:
     return x, y, z
 
 
-def assembly_sheet(name: str, items: Sequence[Item], boxes: Mapping[str, Box], envelope: Box) -> Sheet:
+def assembly_sheet(
+    name: str, items: Sequence[Item], boxes: Mapping[str, Box], envelope: Box, names: Mapping[str, str]
+) -> Sheet:
     """Views from the front, the left and above. ``boxes``: each part's box in its own frame; ``envelope``: that of the
-    whole. Parts are numbered in the order of the bill; a number points to the part's first instance."""
+    whole; ``names``: what to order, by part, where a standard says it.
+
+    Parts are numbered in the order of the bill; a number points to the part's first instance."""
     parts: dict[str, list[Item]] = {}
     for item in items:
         parts.setdefault(item.part, []).append(item)
@@ -35,7 +39,7 @@ def assembly_sheet(name: str, items: Sequence[Item], boxes: Mapping[str, Box], e
     rows, labels = [], []
     for number, (part, instances) in enumerate(parts.items(), 1):
         first = instances[0]
-        kind = first.material.name if first.kind == "made" else "bought"
+        kind = first.material.name if first.kind == "made" else names.get(part, "bought")
         rows.append((str(number), part, str(len(instances)), kind))
         a, b = _placed_box(first, boxes[part])
         middle = _vector([(p + q) / 2 for p, q in zip(a, b, strict=True)])
@@ -56,7 +60,7 @@ def assembly_sheet(name: str, items: Sequence[Item], boxes: Mapping[str, Box], e
             Linear("left", (middle_x, back, low), (middle_x, front, low), front - back, "below"),
         ),
         labels=tuple(labels),
-        tables=(Table("Parts", ("No.", "Part", "Pieces", "Material"), tuple(rows)),),
+        tables=(Table("Parts", ("No.", "Part", "Pieces", "Material or standard"), tuple(rows)),),
         notes=(
             "Drum centred. Cables are not drawn; their lengths stand in the report.",
             "Order of assembly: see the report.",

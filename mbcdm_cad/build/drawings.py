@@ -22,7 +22,7 @@ from mbcdm_cad.errors import MbcdmError, did_you_mean
 from mbcdm_cad.parts.bill import Bill
 from mbcdm_cad.parts.cable import CableRod
 from mbcdm_cad.parts.item import Item
-from mbcdm_cad.parts.part import MadePart, Part
+from mbcdm_cad.parts.part import MadePart, Part, StandardPart
 from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.storage.keys import content_key, source_hash
 from mbcdm_cad.storage.manifest import versions
@@ -135,9 +135,13 @@ class _Assembly:
         )
         box = whole.BoundingBox()
         envelope = ((box.xmin, box.ymin, box.zmin), (box.xmax, box.ymax, box.zmax))
-        sheet = assembly_sheet(ASSEMBLY, self.items, boxes, envelope)
+        sheet = assembly_sheet(ASSEMBLY, self.items, boxes, envelope, _designations(self.posed))
         mass = assembly_mass(self.posed.items, shapes).mass_g
         return draw_sheet(sheet, whole, _facts(self.drive, "see list of parts", mass))
+
+
+def _designations(bill: Bill) -> dict[str, str]:
+    return {name: spec.part.designation for name, spec in bill.parts.items() if isinstance(spec.part, StandardPart)}
 
 
 def _centred(drive: Drive) -> Bill:

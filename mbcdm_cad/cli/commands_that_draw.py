@@ -203,16 +203,17 @@ def pictures(design: Path, out: Path, no_cache: bool) -> int:
 
 @mbcdm.command(epilog=examples("mbcdm prints my_drive.yaml"))
 @DESIGN
+@click.option("--all", "every_made_part", is_flag=True, help="Write the milled and turned parts too.")
 @out_folder("Folder that the folder of 3MF files, NAME-prints, is written into.")
 @NO_CACHE
-def prints(design: Path, out: Path, no_cache: bool) -> int:
-    """Write 3MF files of the made parts for a 3D printer.
+def prints(design: Path, every_made_part: bool, out: Path, no_cache: bool) -> int:
+    """Write 3MF files of the printed parts for a 3D printer.
 
     One file for each part, in millimetres, with its name, lying on its largest flat face.
     """
     loaded = api.load(design)
     with progress() as note:
-        click.echo(loaded.prints(out, cache=not no_cache, progress=note))
+        click.echo(loaded.prints(out, every_made_part=every_made_part, cache=not no_cache, progress=note))
     return 0
 
 

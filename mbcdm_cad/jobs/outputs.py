@@ -61,13 +61,18 @@ def write_drawings(
     return _written(loaded, folder, files, f"{len(files)} files, {len(files) // 3} sheets as DXF, PDF and SVG")
 
 
-def write_prints(loaded: LoadedDesign, out: Path, cache: Cache, progress: Progress) -> Written:
-    """Write the made parts for a 3D printer, one 3MF file a part."""
+def write_prints(
+    loaded: LoadedDesign, out: Path, cache: Cache, *, every_made_part: bool, progress: Progress
+) -> Written:
+    """Write the parts of printed materials, or all made parts, for a 3D printer: one 3MF file a part.
+
+    Raises ``MbcdmError`` if no part is printed.
+    """
     from mbcdm_cad.build.prints import prints_of
 
     folder = out / f"{loaded.drive.name}-prints"
     refuse_other_origin(folder, loaded.path)
-    files = prints_of(loaded.drive, cache, progress)
+    files = prints_of(loaded.drive, cache, progress, every_made_part=every_made_part)
     wider = loaded.drive.printing.hole_allowance_mm
     holes = f", round holes of printed materials {wider:g} mm wider than drawn" if wider else ""
     return _written(loaded, folder, files, f"{len(files)} parts as 3MF, each on its largest flat face{holes}")

@@ -12,7 +12,7 @@ from typing import Any, Literal
 from mbcdm_cad.design.bought import Bearing, InsertSpec, Material, Screw
 from mbcdm_cad.parts.bought.bodies import BearingBody, InsertBody, ScrewBody
 from mbcdm_cad.parts.item import Item
-from mbcdm_cad.parts.part import MadePart, Part
+from mbcdm_cad.parts.part import MadePart, Part, StandardPart
 from mbcdm_cad.parts.placement import Placement, Vector
 
 CABLE = "cable_"
@@ -123,6 +123,13 @@ class BillBuilder:
         self.parts.setdefault(stem, PartSpec(stem, what, drilled))
         location = self.motions[group] @ (place or Placement.identity())
         self.items.append(Item(name, stem, material, "made" if mass_g is None else "bought", location, group, mass_g))
+
+    def standard(
+        self, name: str, what: StandardPart, *, part: str, material: Material, place: Placement, group: str = FIXED
+    ) -> None:
+        """A part of a standard, with the mass of its volume."""
+        mass_g = what.volume_mm3() * material.density_g_cm3 * 1e-3
+        self.add(name, what, part=part, material=material, group=group, place=place, mass_g=mass_g)
 
     def screw(self, name: str, screw: Screw, material: Material, place: Placement, group: str = FIXED) -> None:
         """A screw of the catalogue."""

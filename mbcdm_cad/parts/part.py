@@ -36,6 +36,19 @@ class BoughtPart(Part):
     entry: HasSource
 
 
+class StandardPart(Part):
+    """A part that is bought by the name of its standard, which says all of it; its mass is that of its volume."""
+
+    @property
+    @abstractmethod
+    def designation(self) -> str:
+        """What to order, such as ``ISO 2338 - 2 m6 x 6``."""
+
+    @abstractmethod
+    def volume_mm3(self) -> float:
+        """Volume in closed form from the same dimensions, within 1 % of the solid's."""
+
+
 class MadePart(Part):
     """A part that is made, not bought."""
 

@@ -7,16 +7,17 @@ from math import pi, sqrt
 from typing import TYPE_CHECKING
 
 from mbcdm_cad.parts.fits import FITS
-from mbcdm_cad.parts.part import MadePart
+from mbcdm_cad.parts.part import MadePart, Part, StandardPart
 from mbcdm_cad.parts.shapes import cut, cylinder_z, hexagon_z, turned
-from mbcdm_cad.parts.sheets.description import FitLine, Linear, Sheet, View, X, Y, Z, minus
+from mbcdm_cad.parts.sheets.description import FitLine, Sheet
 from mbcdm_cad.parts.sheets.turned import ALONG_Z
-from mbcdm_cad.parts.sheets.words import mm
 from mbcdm_cad.parts.threads import thread
 from mbcdm_cad.parts.volume import ring_mm3
 
 if TYPE_CHECKING:
     import cadquery as cq
+
+_SMALLEST_ISO_NUT_MM = 1.6
 
 
 @dataclass(frozen=True)
@@ -54,7 +55,7 @@ class Sleeve(MadePart):
 
 
 @dataclass(frozen=True)
-class Nut(MadePart):
+class Nut(StandardPart):
     """Hexagon nut; sizes in mm, the thread a plain bore at its diameter."""
 
     across_flats: float
@@ -71,44 +72,16 @@ class Nut(MadePart):
         across_flats, height, thread = self.across_flats, self.height, self.thread
         return sqrt(3) / 2 * across_flats**2 * height - ring_mm3(thread / 2, 0.0, height)
 
-    def sheet(self, part: str) -> Sheet:
-        """Hexagon nut from the side and along its axis."""
-        across_flats, height, thread_mm = self.across_flats, self.height, self.thread
-        corner = across_flats / 3**0.5
-        screw = thread(thread_mm)
-        r = thread_mm / 2
-        side = View("main", right=Z, up=Y, cut=(0.0, 0.0, 0.0), axes=(((0.0, 0.0, 0.0), (0.0, 0.0, height)),))
-        end = View(
-            "end",
-            right=minus(X),
-            up=Y,
-            column=1,
-            axes=(
-                ((-corner, 0.0, 0.0), (corner, 0.0, 0.0)),
-                ((0.0, -across_flats / 2, 0.0), (0.0, across_flats / 2, 0.0)),
-            ),
-        )
-        return Sheet(
-            part=part,
-            title="Hexagon nut",
-            views=(side, end),
-            dimensions=(
-                Linear("main", (0.0, -across_flats / 2, 0.0), (0.0, -across_flats / 2, height), height, "below"),
-                Linear(
-                    "end", (0.0, -across_flats / 2, 0.0), (0.0, across_flats / 2, 0.0), across_flats, "right", "AF "
-                ),
-                Linear("main", (0.0, -r, 0.0), (0.0, r, 0.0), thread_mm, "left", "M", "-6H"),
-            ),
-            notes=(
-                f"{screw.name}: pitch {mm(screw.pitch_mm)}, drilled %%c{mm(screw.tap_drill_mm)}.",
-                "A nut of ISO 4032 or ISO 4035 in this size may take its place.",
-            ),
-        )
+    @property
+    def designation(self) -> str:
+        """The standard's name: ISO 4032 from M1.6 on; smaller nuts are those of DIN 934."""
+        standard = "ISO 4032" if self.thread >= _SMALLEST_ISO_NUT_MM else "DIN 934"
+        return f"{standard} - {thread(self.thread).name}"
 
 
 @dataclass(frozen=True)
-class Pin(MadePart):
-    """Dowel pin with chamfered ends; sizes in mm."""
+class PlainPin(Part):
+    """Pin with chamfered ends; sizes in mm."""
 
     radius: float
     length: float
@@ -128,6 +101,19 @@ class Pin(MadePart):
         c = min(0.3, radius / 3)
         return ring_mm3(radius, 0.0, length) - 2 * pi * c**2 * (radius - c / 3)
 
+
+class Dowel(PlainPin, StandardPart):
+    """Dowel of a length that the standard has."""
+
+    @property
+    def designation(self) -> str:
+        """The standard's name."""
+        return f"ISO 2338 - {2 * self.radius:g} {FITS['pin'].code} x {self.length:g}"
+
+
+class Pin(PlainPin, MadePart):
+    """Pin of a length of its own, cut from a ground rod or a longer dowel."""
+
     def sheet(self, part: str) -> Sheet:
         """Parallel pin."""
         radius, length = self.radius, self.length
@@ -143,5 +129,5 @@ class Pin(MadePart):
                 ALONG_Z.chamfer(chamfer, radius, length, -1.0, "above", count=2),
             ),
             fits=(FitLine(2 * radius, fit, "pin"),),
-            notes=("A parallel pin of ISO 2338 or ISO 8734 in this size may take its place.",),
+            notes=("May be cut from a longer parallel pin of ISO 2338 or ISO 8734.",),
         )

@@ -17,7 +17,7 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.base import Layout
 from mbcdm_cad.parts.bill import CABLE, Bill
 from mbcdm_cad.parts.item import Item
-from mbcdm_cad.parts.part import BoughtPart
+from mbcdm_cad.parts.part import BoughtPart, StandardPart
 
 # One sigma of a mass that the catalogue calls an estimate, of one with a maker's figure, and of a machined part
 # (density of the alloy and machining tolerances). Parts of one kind have the same error, different kinds independent
@@ -71,6 +71,8 @@ def _source(item: Item, parts_list: Bill, drive: Drive) -> str:
     if item.name.startswith(CABLE):
         return drive.cable.source
     body = parts_list.parts[item.part].part
+    if isinstance(body, StandardPart):
+        return f"{body.designation}; volume x {item.material.density_g_cm3:g} g/cm^3 ({item.material.source})"
     return body.entry.source if isinstance(body, BoughtPart) else ""
 
 

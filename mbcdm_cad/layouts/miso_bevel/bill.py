@@ -23,7 +23,7 @@ from mbcdm_cad.parts.idler_pulley import IdlerPulley
 from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM
 from mbcdm_cad.parts.input_pulley.items import UPRIGHT, add_input_pulley
 from mbcdm_cad.parts.placement import Placement
-from mbcdm_cad.parts.ring import Pin
+from mbcdm_cad.parts.ring import Dowel, Pin
 
 _X: tuple[float, float, float] = (1.0, 0.0, 0.0)
 _Y: tuple[float, float, float] = (0.0, 1.0, 0.0)
@@ -109,9 +109,9 @@ def _support(b: _Builder) -> None:
         place=_at(0.0, lay.frame.stop_pin_start_y, lay.frame.stop_pin_z) @ _ALONG_Y,
     )
     for n, (x, y) in enumerate(lay.frame.dowels, 1):
-        b.add(
+        b.standard(
             f"dowel_{n}",
-            Pin(lay.frame.dowel_radius, dowel_length_mm(drive)),
+            Dowel(lay.frame.dowel_radius, dowel_length_mm(drive)),
             part="dowel",
             material=drive.material("steel"),
             place=_at(x, y, v.top_plate_top_z - dowel_length_mm(drive)),

@@ -14,7 +14,7 @@ from mbcdm_cad.parts.drum_sector.items import add_cables, add_drum_encoder, add_
 from mbcdm_cad.parts.drum_sector.part import DrumSector
 from mbcdm_cad.parts.input_pulley.items import add_input_pulley
 from mbcdm_cad.parts.placement import Placement
-from mbcdm_cad.parts.ring import Pin
+from mbcdm_cad.parts.ring import Dowel
 
 _Y, _BACK = (0.0, 1.0, 0.0), (0.0, -1.0, 0.0)
 
@@ -49,9 +49,9 @@ def _sectors(b: BillBuilder, lay: RoundDrumLayout, drive: RoundDrumDrive, turns:
     pins = lay.dowels
     for stand, name in zip(stands[:-1], drive.input_names[:-1], strict=True):
         for n, (x, z) in enumerate(pins.places(pins.face_angles_deg), 1):
-            b.add(
+            b.standard(
                 f"hub_dowel_{name}_{n}",
-                Pin(pins.radius, pins.length),
+                Dowel(pins.radius, pins.length),
                 part="hub_dowel",
                 material=steel,
                 group="drum",

@@ -61,8 +61,8 @@ SIGNATURES = {
     " progress: 'Progress | None' = None) -> 'PageReport'",
     "DriveDesign.drawings": "(self, out: 'str | Path' = 'out', *, part: 'str | None' = None, jobs: 'int | None'"
     " = None, cache: 'bool' = True, progress: 'Progress | None' = None) -> 'Written'",
-    "DriveDesign.prints": "(self, out: 'str | Path' = 'out', *, cache: 'bool' = True, progress: 'Progress |"
-    " None' = None) -> 'Written'",
+    "DriveDesign.prints": "(self, out: 'str | Path' = 'out', *, every_made_part: 'bool' = False,"
+    " cache: 'bool' = True, progress: 'Progress | None' = None) -> 'Written'",
     "DriveDesign.pictures": "(self, out: 'str | Path' = 'out', *, cache: 'bool' = True, progress: 'Progress |"
     " None' = None) -> 'Written'",
     "DriveDesign.picture": "(self, png: 'str | Path', *, angle_deg: 'float' = 0.0, view: 'str' = 'output',"

@@ -159,7 +159,7 @@ def test_what_is_drawn_is_the_same_file_by_file(folder: Path, said: Callable[...
         (["build"], lambda out: design.build(out)),
         (["page"], lambda out: design.page(out)),
         (["drawings", "--part", "drum"], lambda out: design.drawings(out, part="drum")),
-        (["prints"], lambda out: design.prints(out)),
+        (["prints", "--all"], lambda out: design.prints(out, every_made_part=True)),
         (["pictures"], lambda out: design.pictures(out)),
         (["export", "--format", "mjcf", "--elastic"], lambda out: design.export("mjcf", out, elastic=True)),
         (["sensitivity"], lambda out: design.sensitivity(out)),
