@@ -178,7 +178,7 @@ def maker_strings(house: House) -> int:
 def twice_declared(house: House) -> list[tuple[str, str, int]]:
     """Pairs of a class that is read and one that is used, with the number of fields that both declare.
 
-    The first is validated (its bases lead to pydantic's ``BaseModel``), the second is not. Each class that is used is
+    The first is validated: its bases lead to pydantic's ``BaseModel`` or to ``PlainBlock``. Each class that is used is
     counted with the one that shares most field names: at least three and half of its own.
     """
     fields: dict[str, set[str]] = {}
@@ -194,7 +194,7 @@ def twice_declared(house: House) -> list[tuple[str, str, int]]:
                         for line in node.body
                         if isinstance(line, ast.AnnAssign) and isinstance(line.target, ast.Name)
                     }
-    read = {name for name in bases if "BaseModel" in bases[name]}
+    read = {name for name in bases if {"BaseModel", "PlainBlock"} & {*bases[name], name.rpartition(".")[2]}}
     while more := {n for n in bases if n not in read and set(bases[n]) & {r.rpartition(".")[2] for r in read}}:
         read |= more
     found = []

@@ -11,8 +11,9 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import ConfigDict, Field
 
+from mbcdm_cad.design.bought import CableSpec
 from mbcdm_cad.design.catalogue import package_entries
-from mbcdm_cad.design.entries import OwnEntries, RopeEntry
+from mbcdm_cad.design.entries import OwnEntries
 from mbcdm_cad.design.fields import Block, CheckId, EntryName, Integer, Number, Slug, Text, choice, quantity
 
 Length = Annotated[Number, Field(ge=0.5, le=500.0)]
@@ -52,7 +53,7 @@ class Rope(Block):
     """The rope of all cables: a catalogue type, or all values inline."""
 
     type: EntryName | None = choice("catalogue rope; leave out when inline is given", default=None)
-    inline: RopeEntry | None = choice(
+    inline: CableSpec | None = choice(
         "a rope written out in place of type, with all fields of a catalogue rope",
         example={**package_entries("ropes")["FF-081"], "source": "where these figures come from"},
         default=None,

@@ -1,67 +1,72 @@
-"""Entries of the catalogue as the other rooms read them: materials, ropes, bearings, motors and others.
+"""Entries of the catalogue, one class per kind: what a file states is the bought part that all rooms read.
 
-The entries of catalogue files are validated by :mod:`mbcdm_cad.design.entries`, with the same field names. Units are
-those of the files: mm, N, grams, GPa.
+Fields are declared with unit, bounds and meaning; pydantic validates those of a design's own entries by them. An
+object made in Python is not validated. Units are those of the files: mm, N, grams, GPa.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field
+from pydantic.json_schema import SkipJsonSchema
+from pydantic_core import PydanticCustomError
+
+from mbcdm_cad.design.fields import EntryName, Integer, Number, PlainBlock, Text, entry_field
 
 
-@dataclass(frozen=True)
-class Material:
-    """A material of the catalogue. ``colour`` is linear RGB in 0..1."""
-
-    name: str
-    density_g_cm3: float
-    youngs_modulus_GPa: float
-    poisson_ratio: float
-    yield_MPa: float
-    process: str  # "milled", "turned", "printed" (filament), "sintered" (powder) or "bought"
-    min_wall_mm: float
-    min_internal_radius_mm: float
-    colour: tuple[float, float, float]
-    source: str
-
-    @property
-    def printed(self) -> bool:
-        """Whether parts of it are 3D printed, from filament or from powder."""
-        return self.process in ("printed", "sintered")
+def _no_field_of_files(value: Any) -> Any:
+    raise PydanticCustomError("extra_forbidden", "Extra inputs are not permitted")
 
 
-# A wall of filament needs at least two lines to be closed.
-WALL_LINES = 2
+@dataclass(frozen=True, kw_only=True)
+class Entry(PlainBlock):
+    """Anything in the catalogue."""
+
+    # In files the key above the entry.
+    name: SkipJsonSchema[Annotated[str, BeforeValidator(_no_field_of_files)]] = field(
+        default="", metadata={"exclude": True}
+    )
+    source: Text = entry_field("source of the values; says 'estimate' for a value that is estimated", "-")
 
 
-def least_wall_mm(process: str, min_wall_mm: float, nozzle_mm: float) -> float:
-    """Thinnest wall of a material: its own limit, and of filament two lines of the nozzle."""
-    return max(min_wall_mm, WALL_LINES * nozzle_mm) if process == "printed" else min_wall_mm
+@dataclass(frozen=True, kw_only=True)
+class CableSpec(Entry):
+    """A rope. Its modulus always comes with the area to which it refers."""
 
-
-@dataclass(frozen=True)
-class CableSpec:
-    """The rope. E is never given without the area it refers to (``area_mm2``)."""
-
-    name: str
-    construction: str
-    diameter_mm: float
-    metallic_area_mm2: float
-    modulus_GPa: float
-    modulus_area: str  # "metallic" or "nominal"
-    breaking_load_N: float
-    mass_g_m: float
-    bedding_in_share: float  # lasting stretch in the first runs under load, over the length
-    bend_ratio_minimum: float
-    bend_ratio_desired: float
-    material: str
-    source: str
-    creep_per_decade: float = 0.0  # strain, extrapolated to the breaking load
-    creep_per_year: float = 0.0  # steady strain at 0.3 of the breaking load and 20 degrees C
-    creep_load_exponent: float = 1.0
-    creep_activation_kJ_mol: float = 0.0
+    construction: Literal["7x7", "7x19", "1x19", "braid"] = entry_field("strands x wires, or braid for fibre", "-")
+    diameter_mm: Number = entry_field("nominal diameter", "mm", uncertain=True, ge=0.2, le=5.0)
+    metallic_area_mm2: Number = entry_field(
+        "cross-section of all wires or fibres", "mm2", uncertain=True, gt=0.0, le=20.0
+    )
+    modulus_GPa: Number = entry_field("effective tensile modulus of the rope", "GPa", uncertain=True, ge=1.0, le=250.0)
+    modulus_area: Literal["metallic", "nominal"] = entry_field("area the modulus refers to: wires, or pi d^2 / 4", "-")
+    breaking_load_N: Number = entry_field("minimum breaking load", "N", ge=10.0, le=50000.0)
+    mass_g_m: Number = entry_field("mass per length", "g/m", gt=0.0, le=200.0)
+    bedding_in_share: Number = entry_field(
+        "permanent stretch in the first runs under load, over the length (constructional stretch)",
+        "-",
+        default=0.003,
+        ge=0.0,
+        le=0.05,
+    )
+    creep_per_decade: Number = entry_field(
+        "strain a decade of time, extrapolated to the breaking load; none for wire", "-", default=0.0, ge=0.0, le=0.1
+    )
+    creep_per_year: Number = entry_field(
+        "steady strain a year at 0.3 of the breaking load and 20 degrees C", "-", default=0.0, ge=0.0, le=1.0
+    )
+    creep_load_exponent: Number = entry_field(
+        "power of the load in the steady creep", "-", default=1.0, ge=1.0, le=20.0
+    )
+    creep_activation_kJ_mol: Number = entry_field(
+        "activation energy of the steady creep", "kJ/mol", default=0.0, ge=0.0, le=500.0
+    )
+    bend_ratio_minimum: Number = entry_field("smallest D/d that the maker allows", "-", ge=1.0, le=200.0)
+    bend_ratio_desired: Number = entry_field("D/d that the maker recommends", "-", ge=1.0, le=200.0)
+    material: EntryName = entry_field("material of the wires", "-")
 
     @property
     def area_mm2(self) -> float:
@@ -76,70 +81,66 @@ class CableSpec:
         return self.modulus_GPa * self.area_mm2 * 1e3
 
 
-@dataclass(frozen=True)
-class TerminationSpec:
-    """A way of ending a rope; ratios are over the rope's diameter."""
+@dataclass(frozen=True, kw_only=True)
+class TerminationSpec(Entry):
+    """A way to make the ends of a rope: a terminal's sleeve at one end, a stop at the other."""
 
-    name: str
-    constructions: tuple[str, ...]
-    smallest_mm: float
-    largest_mm: float
-    strength_share: float  # of the rope's breaking load
-    sleeve_ratio: float
-    grip_ratio: float
-    stop_radius_ratio: float
-    stop_length_ratio: float
-    source: str
+    constructions: tuple[Literal["7x7", "7x19", "1x19", "braid"], ...] = entry_field(
+        "constructions of rope for which it is made", "-", min_length=1, max_length=4
+    )
+    smallest_mm: Number = entry_field("thinnest rope for which it is made", "mm", ge=0.1, le=20.0)
+    largest_mm: Number = entry_field("thickest rope for which it is made", "mm", ge=0.1, le=20.0)
+    strength_share: Number = entry_field("strength of the end divided by the rope's breaking load", "-", gt=0.0, le=1.0)
+    sleeve_ratio: Number = entry_field(
+        "smallest diameter of the terminal's sleeve divided by the rope's", "-", ge=1.1, le=10.0
+    )
+    grip_ratio: Number = entry_field(
+        "smallest length of rope in the sleeve divided by the rope's diameter", "-", ge=0.5, le=30.0
+    )
+    stop_radius_ratio: Number = entry_field("radius of the stop over the rope's diameter", "-", ge=0.6, le=5.0)
+    stop_length_ratio: Number = entry_field("length of the stop over the rope's diameter", "-", ge=0.5, le=20.0)
 
     def fits(self, rope: CableSpec) -> bool:
         """Whether it is made on ropes of this construction and diameter."""
         return rope.construction in self.constructions and self.smallest_mm <= rope.diameter_mm <= self.largest_mm
 
 
-@dataclass(frozen=True)
-class Bearing:
-    """Deep-groove bearing: bore d, outside D, width B; shoulder limits d_a (inner ring) and D_a (outer ring)."""
+@dataclass(frozen=True, kw_only=True)
+class Motor(Entry):
+    """A motor. A motor with a shaft and a mounting face can be used without a gearhead.
 
-    name: str
-    bore_mm: float
-    outer_diameter_mm: float
-    width_mm: float
-    inner_shoulder_mm: float
-    outer_shoulder_mm: float
-    static_rating_N: float
-    mass_g: float
-    source: str
-
-
-@dataclass(frozen=True)
-class Motor:
-    """A motor. Electrical values and face are None where the catalogue holds none.
-
-    Torque constant and resistance are those of a DC machine between two terminals: torque = constant x current, copper
-    loss = resistance x current^2. A sinusoidal drive of the same torque loses as much.
+    Torque constant and resistance are those between two terminals (60 / (2 pi Kv), phase to phase).
     """
 
-    name: str
-    diameter_mm: float
-    length_mm: float
-    rated_torque_mNm: float
-    rotor_inertia_g_cm2: float
-    mass_g: float
-    source: str
-    torque_constant_mNm_A: float | None = None
-    resistance_ohm: float | None = None
-    continuous_current_A: float | None = None
-    peak_current_A: float | None = None
-    voltage_V: float | None = None
-    pole_pairs: int | None = None
-    radial_load_N: float | None = None
-    shaft_diameter_mm: float | None = None
-    shaft_length_mm: float | None = None
-    pilot_diameter_mm: float | None = None
-    pilot_height_mm: float | None = None
-    bolt_circle_mm: float | None = None
-    screw: str | None = None
-    screw_count: int | None = None
+    diameter_mm: Number = entry_field("body diameter", "mm", ge=3.0, le=400.0)
+    length_mm: Number = entry_field("body length", "mm", ge=3.0, le=300.0)
+    rated_torque_mNm: Number = entry_field("continuous torque", "mN m", uncertain=True, gt=0.0, le=100000.0)
+    rotor_inertia_g_cm2: Number = entry_field("rotor inertia", "g cm2", gt=0.0, le=1e6)
+    mass_g: Number = entry_field("mass", "g", gt=0.0, le=50000.0)
+    torque_constant_mNm_A: Number | None = entry_field(
+        "torque over current, 60 / (2 pi Kv)", "mN m/A", default=None, gt=0.0, le=1e5
+    )
+    resistance_ohm: Number | None = entry_field(
+        "resistance between two terminals", "ohm", default=None, gt=0.0, le=1000.0
+    )
+    continuous_current_A: Number | None = entry_field("continuous current", "A", default=None, gt=0.0, le=1000.0)
+    peak_current_A: Number | None = entry_field(
+        "largest current for a short time", "A", default=None, gt=0.0, le=5000.0
+    )
+    voltage_V: Number | None = entry_field("voltage that the motor is made for", "V", default=None, gt=0.0, le=1000.0)
+    pole_pairs: Integer | None = entry_field("pairs of magnet poles", "-", default=None, ge=1, le=100)
+    radial_load_N: Number | None = entry_field(
+        "radial load that the shaft can take", "N", default=None, gt=0.0, le=10000.0
+    )
+    shaft_diameter_mm: Number | None = entry_field("shaft diameter", "mm", default=None, ge=1.0, le=40.0)
+    shaft_length_mm: Number | None = entry_field("shaft length from the face", "mm", default=None, ge=1.0, le=80.0)
+    pilot_diameter_mm: Number | None = entry_field("centring boss diameter", "mm", default=None, ge=1.0, le=200.0)
+    pilot_height_mm: Number | None = entry_field("centring boss height", "mm", default=None, ge=0.1, le=10.0)
+    bolt_circle_mm: Number | None = entry_field(
+        "diameter of the screws' circle on the face", "mm", default=None, ge=2.0, le=300.0
+    )
+    screw: EntryName | None = entry_field("screw that holds it at the face", "-", default=None)
+    screw_count: Integer | None = entry_field("number of those screws", "-", default=None, ge=2, le=12)
 
     @property
     def peak_torque_mNm(self) -> float:
@@ -162,27 +163,25 @@ FACE_FIELDS = (
 )
 
 
-@dataclass(frozen=True)
-class Gearhead:
-    """Gearhead on the motor: body, output shaft, face pattern."""
+@dataclass(frozen=True, kw_only=True)
+class Gearhead(Entry):
+    """A gearhead: body, output shaft and face pattern."""
 
-    name: str
-    ratio: float
-    efficiency: float
-    rated_torque_mNm: float
-    diameter_mm: float
-    length_mm: float
-    shaft_diameter_mm: float
-    shaft_length_mm: float
-    pilot_diameter_mm: float
-    pilot_height_mm: float
-    bolt_circle_mm: float
-    screw: str
-    screw_count: int
-    max_torque_mNm: float
-    radial_load_N: float
-    mass_g: float
-    source: str
+    ratio: Number = entry_field("reduction", "-", ge=1.0, le=10000.0)
+    efficiency: Number = entry_field("efficiency at rated torque", "-", gt=0.0, le=1.0)
+    rated_torque_mNm: Number = entry_field("continuous output torque", "mN m", gt=0.0, le=1e6)
+    max_torque_mNm: Number = entry_field("intermittent output torque", "mN m", gt=0.0, le=1e6)
+    radial_load_N: Number = entry_field("radial load that the output shaft can take", "N", gt=0.0, le=10000.0)
+    diameter_mm: Number = entry_field("body diameter", "mm", ge=3.0, le=100.0)
+    length_mm: Number = entry_field("body length", "mm", ge=3.0, le=200.0)
+    shaft_diameter_mm: Number = entry_field("output shaft diameter", "mm", ge=1.0, le=20.0)
+    shaft_length_mm: Number = entry_field("output shaft length from the face", "mm", ge=1.0, le=60.0)
+    pilot_diameter_mm: Number = entry_field("centring boss diameter", "mm", ge=1.0, le=60.0)
+    pilot_height_mm: Number = entry_field("centring boss height", "mm", ge=0.1, le=10.0)
+    bolt_circle_mm: Number = entry_field("diameter of the screws' circle on the face", "mm", ge=2.0, le=90.0)
+    screw: EntryName = entry_field("screw that holds it at the face", "-")
+    screw_count: Integer = entry_field("number of those screws", "-", ge=1, le=12)
+    mass_g: Number = entry_field("mass", "g", gt=0.0, le=5000.0)
 
     @property
     def absent(self) -> bool:
@@ -222,50 +221,57 @@ def without_gearhead(motor: Motor) -> Gearhead:
     )
 
 
-@dataclass(frozen=True)
-class Encoder:
-    """Encoder housing on a shaft, fixed by axial screws on a bolt circle."""
+@dataclass(frozen=True, kw_only=True)
+class Encoder(Entry):
+    """An encoder housing on a shaft."""
 
-    name: str
-    resolution_urad: float
-    diameter_mm: float
-    length_mm: float
-    bore_mm: float
-    bolt_circle_mm: float
-    screw: str
-    screw_count: int
-    mass_g: float
-    source: str
+    resolution_urad: Number = entry_field("resolution", "urad", gt=0.0, le=100000.0)
+    diameter_mm: Number = entry_field("housing diameter", "mm", ge=3.0, le=100.0)
+    length_mm: Number = entry_field("housing length", "mm", ge=1.0, le=100.0)
+    bore_mm: Number = entry_field("bore of the hub", "mm", ge=0.5, le=60.0)
+    bolt_circle_mm: Number = entry_field("diameter of the screws' circle", "mm", ge=2.0, le=90.0)
+    screw: EntryName = entry_field("screw that holds the housing", "-")
+    screw_count: Integer = entry_field("number of those screws", "-", ge=1, le=12)
+    mass_g: Number = entry_field("mass", "g", gt=0.0, le=1000.0)
 
 
-@dataclass(frozen=True)
-class Screw:
-    """Socket-head cap screw or set screw (``head_diameter_mm`` 0). ``key_mm`` is across flats of the socket."""
+@dataclass(frozen=True, kw_only=True)
+class Bearing(Entry):
+    """A deep-groove ball bearing."""
 
-    name: str
-    thread_mm: float
-    tap_drill_mm: float
-    clearance_mm: float
-    length_mm: float
-    head_diameter_mm: float
-    head_height_mm: float
-    key_mm: float
-    mass_g: float
-    source: str
+    bore_mm: Number = entry_field("bore d", "mm", ge=1.0, le=60.0)
+    outer_diameter_mm: Number = entry_field("outside diameter D", "mm", ge=2.0, le=100.0)
+    width_mm: Number = entry_field("width B", "mm", ge=0.5, le=30.0)
+    inner_shoulder_mm: Number = entry_field("shoulder diameter d_a at the inner ring", "mm", ge=1.0, le=100.0)
+    outer_shoulder_mm: Number = entry_field("shoulder diameter D_a at the outer ring", "mm", ge=1.0, le=100.0)
+    static_rating_N: Number = entry_field("static load rating C0", "N", gt=0.0, le=100000.0)
+    mass_g: Number = entry_field("mass", "g", gt=0.0, le=2000.0)
 
 
-@dataclass(frozen=True)
-class InsertSpec:
-    """Knurled brass bush with an inside thread, set with heat into a hole of a printed part."""
+@dataclass(frozen=True, kw_only=True)
+class Screw(Entry):
+    """A socket-head cap screw, or a set screw (head sizes 0)."""
 
-    name: str
-    thread_mm: float
-    hole_mm: float
-    outside_mm: float
-    length_mm: float
-    wall_mm: float  # of plastic round the hole
-    mass_g: float
-    source: str
+    thread_mm: Number = entry_field("nominal thread diameter", "mm", ge=0.5, le=12.0)
+    tap_drill_mm: Number = entry_field("tapping drill", "mm", ge=0.3, le=12.0)
+    clearance_mm: Number = entry_field("clearance hole", "mm", ge=0.5, le=15.0)
+    length_mm: Number = entry_field("length below the head", "mm", ge=1.0, le=100.0)
+    head_diameter_mm: Number = entry_field("head diameter", "mm", ge=0.0, le=25.0)
+    head_height_mm: Number = entry_field("head height", "mm", ge=0.0, le=15.0)
+    key_mm: Number = entry_field("hexagon socket across flats", "mm", ge=0.3, le=12.0)
+    mass_g: Number = entry_field("mass", "g", gt=0.0, le=200.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class InsertSpec(Entry):
+    """A knurled brass bush with an inside thread, set with heat into a hole of a printed part."""
+
+    thread_mm: Number = entry_field("nominal thread diameter", "mm", ge=1.0, le=12.0)
+    hole_mm: Number = entry_field("diameter of the hole that it is set into", "mm", ge=1.0, le=20.0)
+    outside_mm: Number = entry_field("diameter over the knurls", "mm", ge=1.0, le=20.0)
+    length_mm: Number = entry_field("length", "mm", ge=1.0, le=40.0)
+    wall_mm: Number = entry_field("least wall of plastic round the hole", "mm", ge=0.2, le=20.0)
+    mass_g: Number = entry_field("mass", "g", gt=0.0, le=100.0)
 
     @property
     def depth_mm(self) -> float:
@@ -279,21 +285,56 @@ def shortest_insert(inserts: Iterable[InsertSpec], thread_mm: float) -> InsertSp
     return min(fitting, key=lambda insert: insert.length_mm, default=None)
 
 
-@dataclass(frozen=True)
-class TensionerSpec:
-    """Threaded terminal swaged on the cable, nut and lock nut against a lug of the drum."""
+@dataclass(frozen=True, kw_only=True)
+class TensionerSpec(Entry):
+    """A threaded terminal swaged on the cable, with nut and lock nut."""
 
-    name: str
-    thread_mm: float
-    clearance_mm: float
-    stress_area_mm2: float
-    pitch_mm: float
-    nut_across_flats_mm: float
-    nut_height_mm: float
-    swage_diameter_mm: float
-    swage_flats_mm: float  # across the two flats that keep the terminal from turning
-    swage_length_mm: float
-    lug_thickness_mm: float
-    stud_length_mm: float
-    material: str
-    source: str
+    thread_mm: Number = entry_field("nominal thread diameter", "mm", ge=0.5, le=12.0)
+    clearance_mm: Number = entry_field("clearance hole in the lug", "mm", ge=0.5, le=15.0)
+    stress_area_mm2: Number = entry_field("tensile stress area of the thread", "mm2", gt=0.0, le=100.0)
+    pitch_mm: Number = entry_field("pitch of the thread", "mm", gt=0.0, le=3.0)
+    nut_across_flats_mm: Number = entry_field("nut across flats", "mm", ge=1.0, le=25.0)
+    nut_height_mm: Number = entry_field("nut height", "mm", ge=0.3, le=15.0)
+    swage_diameter_mm: Number = entry_field("diameter of the swaged sleeve", "mm", ge=0.5, le=20.0)
+    swage_flats_mm: Number = entry_field(
+        "across the two flats of the sleeve, which keep it from turning", "mm", ge=0.4, le=20.0
+    )
+    swage_length_mm: Number = entry_field("length of the swaged sleeve", "mm", ge=0.5, le=50.0)
+    lug_thickness_mm: Number = entry_field("thickness of the drum's lug along the stud", "mm", ge=0.5, le=20.0)
+    stud_length_mm: Number = entry_field(
+        "length from the front of the sleeve to the end of the stud", "mm", ge=2.0, le=100.0
+    )
+    material: EntryName = entry_field("material of stud, sleeve and nuts", "-")
+
+
+Fraction = Annotated[Number, Field(ge=0.0, le=1.0)]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Material(Entry):
+    """A material and the limits of its process."""
+
+    density_g_cm3: Number = entry_field("density", "g/cm3", ge=0.1, le=25.0)
+    youngs_modulus_GPa: Number = entry_field("Young's modulus", "GPa", ge=0.01, le=1000.0)
+    poisson_ratio: Number = entry_field("Poisson's ratio", "-", ge=0.0, lt=0.5)
+    yield_MPa: Number = entry_field("yield strength", "MPa", ge=1.0, le=5000.0)
+    process: Literal["milled", "turned", "printed", "sintered", "bought"] = entry_field(
+        "process by which parts are made; printed: from filament, sintered: from powder", "-"
+    )
+    min_wall_mm: Number = entry_field("thinnest wall that can be made", "mm", ge=0.0, le=10.0)
+    min_internal_radius_mm: Number = entry_field("smallest internal corner radius", "mm", ge=0.0, le=10.0)
+    colour: tuple[Fraction, Fraction, Fraction] = entry_field("linear red, green, blue", "-")
+
+    @property
+    def printed(self) -> bool:
+        """Whether parts of it are 3D printed, from filament or from powder."""
+        return self.process in ("printed", "sintered")
+
+
+# A wall of filament needs at least two lines to be closed.
+WALL_LINES = 2
+
+
+def least_wall_mm(process: str, min_wall_mm: float, nozzle_mm: float) -> float:
+    """Thinnest wall of a material: its own limit, and of filament two lines of the nozzle."""
+    return max(min_wall_mm, WALL_LINES * nozzle_mm) if process == "printed" else min_wall_mm

@@ -28,7 +28,13 @@ class _InOrder(GenerateJsonSchema):
         return value
 
     def model_schema(self, schema: Any) -> Any:
-        node = super().model_schema(schema)
+        return self._ordered(super().model_schema(schema), schema)
+
+    def dataclass_schema(self, schema: Any) -> Any:
+        return self._ordered(super().dataclass_schema(schema), schema)
+
+    @staticmethod
+    def _ordered(node: Any, schema: Any) -> Any:
         first = getattr(schema["cls"], "ORDER", ())
         if first:
             order = dict.fromkeys([*(name for name in first if name in node["properties"]), *node["properties"]])

@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import pairwise
 
-from mbcdm_cad.design.entries import (
-    BearingEntry,
-    EncoderEntry,
+from mbcdm_cad.design.bought import (
+    Bearing,
+    CableSpec,
+    Encoder,
     Entry,
-    GearheadEntry,
-    InsertEntry,
-    MotorEntry,
-    RopeEntry,
-    ScrewEntry,
-    TensionerEntry,
-    TerminationEntry,
+    Gearhead,
+    InsertSpec,
+    Motor,
+    Screw,
+    TensionerSpec,
+    TerminationSpec,
 )
 
 ELECTRICAL_FIELDS = (
@@ -30,21 +30,21 @@ ELECTRICAL_FIELDS = (
 TORQUE_AGREEMENT = 0.25
 
 _ORDERS: dict[type[Entry], tuple[tuple[str, ...], ...]] = {
-    RopeEntry: (("bend_ratio_minimum", "bend_ratio_desired"),),
-    TerminationEntry: (("smallest_mm", "largest_mm"),),
-    GearheadEntry: (
+    CableSpec: (("bend_ratio_minimum", "bend_ratio_desired"),),
+    TerminationSpec: (("smallest_mm", "largest_mm"),),
+    Gearhead: (
         ("rated_torque_mNm", "max_torque_mNm"),
         ("shaft_diameter_mm", "pilot_diameter_mm", "bolt_circle_mm", "diameter_mm"),
     ),
-    MotorEntry: (
+    Motor: (
         ("continuous_current_A", "peak_current_A"),
         ("shaft_diameter_mm", "pilot_diameter_mm", "bolt_circle_mm", "diameter_mm"),
     ),
-    EncoderEntry: (("bore_mm", "bolt_circle_mm", "diameter_mm"),),
-    BearingEntry: (("bore_mm", "inner_shoulder_mm", "outer_shoulder_mm", "outer_diameter_mm"),),
-    ScrewEntry: (("tap_drill_mm", "thread_mm", "clearance_mm"),),
-    InsertEntry: (("thread_mm", "hole_mm", "outside_mm"),),
-    TensionerEntry: (("thread_mm", "clearance_mm", "nut_across_flats_mm"),),
+    Encoder: (("bore_mm", "bolt_circle_mm", "diameter_mm"),),
+    Bearing: (("bore_mm", "inner_shoulder_mm", "outer_shoulder_mm", "outer_diameter_mm"),),
+    Screw: (("tap_drill_mm", "thread_mm", "clearance_mm"),),
+    InsertSpec: (("thread_mm", "hole_mm", "outside_mm"),),
+    TensionerSpec: (("thread_mm", "clearance_mm", "nut_across_flats_mm"),),
 }
 
 
@@ -55,9 +55,9 @@ def entry_faults(entry: Entry) -> Iterator[tuple[str, str, str, str, str]]:
             low, high = getattr(entry, small), getattr(entry, large)
             if low is not None and high is not None and low > high:
                 yield small, f"larger than {large}", f"{low:g}", f"up to {high:g}", f"check {small} and {large}"
-    if isinstance(entry, MotorEntry):
+    if isinstance(entry, Motor):
         yield from _motor_faults(entry)
-    if isinstance(entry, RopeEntry):
+    if isinstance(entry, CableSpec):
         nominal = 0.7854 * entry.diameter_mm**2
         if entry.metallic_area_mm2 > nominal:
             yield (
@@ -69,7 +69,7 @@ def entry_faults(entry: Entry) -> Iterator[tuple[str, str, str, str, str]]:
             )
 
 
-def _motor_faults(entry: MotorEntry) -> Iterator[tuple[str, str, str, str, str]]:
+def _motor_faults(entry: Motor) -> Iterator[tuple[str, str, str, str, str]]:
     """Problems if electrical values are incomplete, or if continuous torque and current contradict each other."""
     values = {name: getattr(entry, name) for name in ELECTRICAL_FIELDS}
     missing = [name for name, value in values.items() if value is None]

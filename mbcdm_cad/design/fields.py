@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar
+from collections.abc import Mapping
+from dataclasses import MISSING, dataclass, field
+from typing import Annotated, Any, ClassVar, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field, Strict, StringConstraints
+from pydantic import BaseModel, ConfigDict, Field, Strict, StringConstraints, TypeAdapter
 
 Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
 Integer = Annotated[int, Strict()]
@@ -23,12 +25,52 @@ Text = Annotated[str, StringConstraints(min_length=1, max_length=400, strip_whit
 
 
 class Block(BaseModel):
-    """A block of the design file: unknown keys refused, values fixed once read."""
+    """A block of a file from which other values follow: unknown keys refused, values fixed once read."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
     # The first fields in files and on pages, with those that a block which extends this one may put between them.
     ORDER: ClassVar[tuple[str, ...]] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlainBlock:
+    """A block of a file that all rooms read as it is: a frozen dataclass with its fields declared as in :class:`Block`.
+
+    pydantic validates it when it is read from a file; an object made in Python is not validated.
+    """
+
+    __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(extra="forbid")
+    ORDER: ClassVar[tuple[str, ...]] = ()
+
+
+_Read = TypeVar("_Read", bound=Block | PlainBlock)
+
+
+def is_block(annotation: Any) -> bool:
+    """Whether a field of this type is a block of the file."""
+    return isinstance(annotation, type) and issubclass(annotation, Block | PlainBlock)
+
+
+def validated(kind: type[_Read], data: Any) -> _Read:
+    """A block made from plain data. Raises pydantic's ``ValidationError``."""
+    found: _Read = adapter(kind).validate_python(data)
+    return found
+
+
+_ADAPTERS: dict[type, TypeAdapter[Any]] = {}
+
+
+def adapter(kind: type[Any]) -> TypeAdapter[Any]:
+    """What validates a block of this class and writes its schema."""
+    if kind not in _ADAPTERS:
+        _ADAPTERS[kind] = TypeAdapter(kind)
+    return _ADAPTERS[kind]
+
+
+def declared(meaning: str, extra: dict[str, Any], default: Any, bounds: Mapping[str, Any]) -> Any:
+    """A field of a dataclass or a model that pydantic validates; ``extra`` goes to the JSON Schema."""
+    return field(default=default, metadata={"description": meaning, "json_schema_extra": extra, **bounds})
 
 
 def quantity(
@@ -57,9 +99,14 @@ def quantity(
         extra |= {"examples": [example]}
     if uncertain:
         extra["uncertain"] = True
-    return Field(**{"default": ..., **bounds}, description=meaning, json_schema_extra=extra)
+    return declared(meaning, extra, bounds.pop("default", MISSING), bounds)
 
 
 def choice(meaning: str, *, source: str = "-", reference: Any = None, example: Any = None, **bounds: Any) -> Any:
     """A field without a unit: a name, a word of a fixed set, a list of names."""
     return quantity(meaning, unit="-", source=source, reference=reference, example=example, **bounds)
+
+
+def entry_field(meaning: str, unit: str, default: Any = MISSING, uncertain: bool = False, **bounds: Any) -> Any:
+    """As :func:`quantity`, of an entry of the catalogue, whose source is that of the whole entry."""
+    return declared(meaning, {"unit": unit} | ({"uncertain": True} if uncertain else {}), default, bounds)

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 from mbcdm_cad.design.blocks import Design
 from mbcdm_cad.design.drive import Drive
@@ -19,7 +20,8 @@ from mbcdm_cad.design.sized import SizedValue
 class LoadedDesign:
     """A design file that passed schema and rules.
 
-    ``design`` is the file as its schema's model, ``sized`` the fields that the file leaves out and sizing filled.
+    ``design`` is the file as its schema's model, ``data`` the plain values of the fields that the file gives or sizing
+    filled, ``sized`` those that sizing filled.
     """
 
     drive: Drive
@@ -27,6 +29,7 @@ class LoadedDesign:
     design: Design = field(repr=False)
     text: str = field(repr=False)
     lines: Mapping[FieldPath, int] = field(repr=False)
+    data: Mapping[str, Any] = field(repr=False)
     sized: tuple[SizedValue, ...] = field(default=(), repr=False)
 
     @cached_property
@@ -35,6 +38,21 @@ class LoadedDesign:
         content = {"design": self.design.model_dump(mode="json"), "drive": asdict(self.drive)}
         return hashlib.sha256(json.dumps(content, sort_keys=True, separators=(",", ":")).encode()).hexdigest()
 
+    @cached_property
+    def given(self) -> dict[str, Any]:
+        """The validated values of the fields in ``data``, without the defaults of the others, as JSON has them."""
+        found: dict[str, Any] = _of_keys(self.design.model_dump(mode="json"), self.data)
+        return found
+
     def line_of(self, *field_path: str | int) -> int:
         """Line of a field, as in ``line_of("cables", 0, "step")``; of the block above it where it is not given."""
         return nearest_line(self.lines, field_path)
+
+
+def _of_keys(value: Any, like: Any) -> Any:
+    """``value`` with those keys of its blocks that ``like`` has too."""
+    if isinstance(value, dict) and isinstance(like, Mapping):
+        return {key: _of_keys(item, like[key]) for key, item in value.items() if key in like}
+    if isinstance(value, list) and isinstance(like, list):
+        return [_of_keys(item, other) for item, other in zip(value, like, strict=True)]
+    return value

@@ -20,7 +20,7 @@ from mbcdm_cad.design.derived_bounds import blame_requirements
 from mbcdm_cad.design.design_file import DesignFile
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.fieldpath import FieldPath, dotted
-from mbcdm_cad.design.fields import Block
+from mbcdm_cad.design.fields import is_block
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.design.lookup import Catalogue
 from mbcdm_cad.design.problems import schema_problems
@@ -37,14 +37,15 @@ from mbcdm_cad.errors import InputError, Problem
 def loaded(tree: Tree, text: str, path: Path, file: DesignFile) -> LoadedDesign:
     """The design in ``tree``, which was parsed from ``text`` or has the same values. Raises as :func:`resolved`."""
     found = resolved(tree, path, file)
-    return LoadedDesign(found.drive, path, found.design, text, tree.lines, found.sized)
+    return LoadedDesign(found.drive, path, found.design, text, tree.lines, found.data, found.sized)
 
 
 class Resolved(NamedTuple):
-    """A valid design, its drive, and its sizing; None where the file gives every field."""
+    """A valid design, its drive, its plain data, and its sizing; None where the file gives every field."""
 
     design: Design
     drive: Drive
+    data: dict[str, Any]
     sizing: Sizing | None
 
     @property
@@ -69,7 +70,7 @@ def resolved(
     catalogue = Catalogue(design)
     broken = every_broken_rule(design, catalogue, file.rules(design), file.named(design))
     _refuse_broken_rules(broken, tree, str(path))
-    return Resolved(design, with_as_built(file.drive(design, catalogue, sigmas), as_built(design)), sizing)
+    return Resolved(design, with_as_built(file.drive(design, catalogue, sigmas), as_built(design)), tree.data, sizing)
 
 
 def blamed(error: InputError, tree: Tree, path: Path, file: DesignFile) -> InputError:
@@ -116,7 +117,7 @@ def _with_blocks(tree: Tree, path: str, file: DesignFile) -> dict[str, Any]:
     """A copy of the data with the blocks that rules will fill."""
     data: dict[str, Any] = copy.deepcopy(tree.data)
     for name, field in file.schema.model_fields.items():
-        if field.is_required() and _is_block(field.annotation) and data.get(name) is None:
+        if field.is_required() and is_block(field.annotation) and data.get(name) is None:
             data[name] = {}
     data.setdefault("name", slug(Path(path).stem))
     return data
@@ -130,10 +131,6 @@ def open_data(tree: Tree, path: Path, file: DesignFile) -> dict[str, Any]:
     tree, _ = _split(tree, str(path), file)
     _has_gaps(tree, str(path), file)
     return _with_blocks(tree, str(path), file)
-
-
-def _is_block(annotation: Any) -> bool:
-    return isinstance(annotation, type) and issubclass(annotation, Block)
 
 
 def _has_gaps(tree: Tree, path: str, file: DesignFile) -> bool:
@@ -151,7 +148,7 @@ def _has_gaps(tree: Tree, path: str, file: DesignFile) -> bool:
 
 def _may_be_left_out(name: str, file: DesignFile) -> bool:
     field = file.schema.model_fields.get(name)
-    return field is not None and _is_block(field.annotation)
+    return field is not None and is_block(field.annotation)
 
 
 def _is_wrong(item: Any) -> bool:

@@ -9,36 +9,11 @@ from typing import Any, TypeVar
 from pydantic import BaseModel
 
 from mbcdm_cad.design.blocks import Design
-from mbcdm_cad.design.bought import (
-    Bearing,
-    CableSpec,
-    Encoder,
-    Gearhead,
-    InsertSpec,
-    Material,
-    Motor,
-    Screw,
-    TensionerSpec,
-    TerminationSpec,
-    least_wall_mm,
-)
+from mbcdm_cad.design.bought import Bearing, Entry, Material, least_wall_mm
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.entries import KINDS
 
 T = TypeVar("T")
-# Dataclass of each kind of entry.
-BOUGHT: dict[str, type[Any]] = {
-    "ropes": CableSpec,
-    "terminations": TerminationSpec,
-    "motors": Motor,
-    "gearheads": Gearhead,
-    "encoders": Encoder,
-    "bearings": Bearing,
-    "screws": Screw,
-    "inserts": InsertSpec,
-    "tensioners": TensionerSpec,
-    "materials": Material,
-}
 
 
 class Catalogue:
@@ -46,7 +21,7 @@ class Catalogue:
 
     def __init__(self, design: Design) -> None:
         self._nozzle_mm = design.printing.nozzle_mm
-        self._own: dict[str, dict[str, BaseModel]] = {kind: getattr(design.catalogue, kind) for kind in KINDS}
+        self._own: dict[str, dict[str, Entry]] = {kind: getattr(design.catalogue, kind) for kind in KINDS}
 
     def names(self, kind: str) -> list[str]:
         """All names of a kind, the package's first, in the files' order."""
@@ -57,14 +32,14 @@ class Catalogue:
         return name in self._own[kind] or name in package_entries(kind)
 
     def get(self, kind: str, name: str, **changed: Any) -> Any:
-        """The entry as its dataclass of :mod:`mbcdm_cad.design.bought`, with the values in ``changed`` replaced.
+        """The entry, an object of its class in ``KINDS``, with the values in ``changed`` replaced.
 
         The package's entries are not validated at every start, which would take a tenth of its time; a test validates
         them. KeyError if neither the design nor the package has the name.
         """
         own = self._own[kind].get(name)
         if own is not None:
-            return copied(BOUGHT[kind], own, name=name, **changed)
+            return replace(own, name=name, **changed)
         found = _bought(kind, name)
         return replace(found, **changed) if changed else found
 
@@ -92,11 +67,11 @@ class Catalogue:
 
 @cache
 def _bought(kind: str, name: str) -> Any:
-    """One of the package's entries as its frozen dataclass; cached, since a search needs the same ones again."""
-    values = {
+    """One of the package's entries; cached, since a search needs the same ones again."""
+    values: dict[str, Any] = {
         key: tuple(value) if isinstance(value, list) else value for key, value in package_entries(kind)[name].items()
     }
-    return BOUGHT[kind](name=name, **values)
+    return KINDS[kind](name=name, **values)
 
 
 @cache

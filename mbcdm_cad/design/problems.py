@@ -20,6 +20,8 @@ _WANTED = {"number": "a number", "integer": "a whole number", "string": "text", 
 
 # Parts of pydantic's paths that are not fields: keys, and the branches of "a name or a number".
 _NO_FIELDS = ("[key]", "constrained-str", "int")
+# What pydantic calls a key that a model, or a dataclass, does not have.
+_UNKNOWN_FIELD = ("extra_forbidden", "unexpected_keyword_argument")
 
 NodeAt = Callable[[FieldPath], Node | None]
 
@@ -66,11 +68,11 @@ def _problem(item: Any, tree: Tree, file: str, node_at: NodeAt) -> Problem:
     if kind == "missing":
         shown = f"add it, for example {path[-1]}: {flow(example)}" if _simple(example) else "add it"
         return Problem(file, line, where, "missing", "", limit, f"{shown}{_meaning(node)}", missing=True)
-    if kind == "extra_forbidden" and value is None and str(path[-1]).isdigit():
+    if kind in _UNKNOWN_FIELD and value is None and str(path[-1]).isdigit():
         number, block = _before_comma(tree, path), dotted(path[:-1])
         remedy = f"the decimal sign is a point: write {number}" if number else "the decimal sign is a point"
         return Problem(file, line, block, "a decimal comma, which ends the value", str(path[-1]), remedy=remedy)
-    if kind == "extra_forbidden":
+    if kind in _UNKNOWN_FIELD:
         return Problem(file, line, where, "unknown field", remedy=_unknown_remedy(path, node_at))
     if kind == "string_pattern_mismatch":
         signs = PATTERN_WORDS[item["ctx"]["pattern"]]

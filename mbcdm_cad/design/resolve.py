@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any, Protocol
 
 from mbcdm_cad.design import drive as d
@@ -117,7 +118,7 @@ def termination(name: str | None, known: Sequence[TerminationSpec], rope: CableS
 
 def _rope(rope: Rope, catalogue: Catalogue) -> CableSpec:
     if rope.inline is not None:
-        return copied(CableSpec, rope.inline, name="inline")
+        return replace(rope.inline, name="inline")
     changed = {} if rope.modulus_GPa is None else {"modulus_GPa": rope.modulus_GPa, "modulus_area": rope.modulus_area}
     spec: CableSpec = catalogue.get("ropes", rope.type or "", **changed)
     return spec

@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 from mbcdm_cad.design.as_built import CHANGE_VALUES
 from mbcdm_cad.design.blocks import Design
-from mbcdm_cad.design.bought import NO_GEARHEAD, Motor, missing_face_fields
-from mbcdm_cad.design.entries import KINDS, Entry
+from mbcdm_cad.design.bought import NO_GEARHEAD, Entry, Motor, missing_face_fields
+from mbcdm_cad.design.entries import KINDS
 from mbcdm_cad.design.entry_rules import entry_faults
 from mbcdm_cad.design.fieldpath import FieldPath
 from mbcdm_cad.design.lookup import Catalogue

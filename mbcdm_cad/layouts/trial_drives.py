@@ -15,7 +15,7 @@ from pydantic import ValidationError
 
 from mbcdm_cad.checks.comparison import Check
 from mbcdm_cad.design.blocks import Design
-from mbcdm_cad.design.fields import Block
+from mbcdm_cad.design.fields import Block, PlainBlock, is_block, validated
 from mbcdm_cad.layouts.base import Layout, NoFigureError
 
 # A margin and its unit.
@@ -117,17 +117,17 @@ class TrialDrives:
         self._last = data, design
         return design
 
-    def _changed(self, before: Mapping[str, Any], now: Mapping[str, Any]) -> dict[str, Block] | None:
+    def _changed(self, before: Mapping[str, Any], now: Mapping[str, Any]) -> dict[str, Block | PlainBlock] | None:
         """The blocks that differ, validated; None if other content differs too."""
         if before.keys() != now.keys():
             return None
-        found = {}
+        found: dict[str, Block | PlainBlock] = {}
         for name, value in now.items():
             if value != before[name]:
-                kind = self._schema.model_fields[name].annotation
-                if not (isinstance(kind, type) and issubclass(kind, Block)):
+                kind: Any = self._schema.model_fields[name].annotation
+                if not is_block(kind):
                     return None
-                found[name] = kind.model_validate(value)
+                found[name] = validated(kind, value)
         return found
 
 

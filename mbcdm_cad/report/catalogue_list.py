@@ -11,6 +11,7 @@ from typing import Any
 
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.entries import KINDS
+from mbcdm_cad.design.fields import adapter
 from mbcdm_cad.errors import MbcdmError, did_you_mean
 from mbcdm_cad.report.table import ReportTable
 
@@ -95,7 +96,7 @@ def _about(kind: str) -> str:
 
 def _fields(kind: str) -> tuple[tuple[str, str, str], ...]:
     """(name, unit, meaning) of every field except the source."""
-    schema = KINDS[kind].model_json_schema()["properties"]
+    schema = adapter(KINDS[kind]).json_schema()["properties"]
     return tuple((name, node["unit"], node["description"]) for name, node in schema.items() if name != "source")
 
 

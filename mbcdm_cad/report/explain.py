@@ -89,7 +89,7 @@ def explain_all(loaded: LoadedDesign) -> tuple[Explained, ...]:
 
 def _stated(loaded: LoadedDesign) -> Iterator[Explained]:
     """The fields that the file states although a rule would fill them, in the order of the file."""
-    data = loaded.design.model_dump(mode="json", exclude_unset=True)
+    data = loaded.given
     whole = _filled(loaded, data)
     sized = {value.field for value in loaded.sized}
     for field, _ in leaves({name: block for name, block in data.items() if name not in _WITHOUT_RULES}):
@@ -141,7 +141,7 @@ def explain_field(loaded: LoadedDesign, field: str) -> Explained:
             *(name for name, _ in leaves(loaded.design.model_dump(mode="json"))),
         ]
         raise MbcdmError(f"{loaded.path}: {field}: no such field; {did_you_mean(field, known)}")
-    data = loaded.design.model_dump(mode="json", exclude_unset=True)
+    data = loaded.given
     given = field.partition(".")[0] not in _WITHOUT_RULES and value_at(data, field) is not None
     return Explained(field, value, True, _without(loaded, data, field) if given else None)
 

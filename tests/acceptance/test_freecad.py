@@ -20,7 +20,18 @@ from freecad import differences, freecad_findings, freecad_program, read_parts
 needs_freecad = pytest.mark.skipif(
     freecad_program() is None, reason="FreeCAD is not installed (Debian: apt-get install freecad-python3)"
 )
-STEEL = Material("steel", 7.85, 200.0, 0.3, 500.0, "turned", 1.0, 1.0, (0.3, 0.3, 0.3), "test")
+STEEL = Material(
+    name="steel",
+    density_g_cm3=7.85,
+    youngs_modulus_GPa=200.0,
+    poisson_ratio=0.3,
+    yield_MPa=500.0,
+    process="turned",
+    min_wall_mm=1.0,
+    min_internal_radius_mm=1.0,
+    colour=(0.3, 0.3, 0.3),
+    source="test",
+)
 
 
 @pytest.fixture(scope="module")

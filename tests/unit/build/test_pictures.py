@@ -19,7 +19,18 @@ from mbcdm_cad.parts.item import Item
 from mbcdm_cad.parts.placement import Placement, Vector
 
 DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
-METAL = Material("metal", 1.0, 70.0, 0.3, 100.0, "milled", 0.5, 0.5, (0.5, 0.5, 0.5), "test")
+METAL = Material(
+    name="metal",
+    density_g_cm3=1.0,
+    youngs_modulus_GPa=70.0,
+    poisson_ratio=0.3,
+    yield_MPa=100.0,
+    process="milled",
+    min_wall_mm=0.5,
+    min_internal_radius_mm=0.5,
+    colour=(0.5, 0.5, 0.5),
+    source="test",
+)
 
 
 def test_the_section_shows_the_plane_through_the_drum_s_axis_and_the_transfer_points() -> None:

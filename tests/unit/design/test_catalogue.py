@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from itertools import pairwise
 from typing import Any
 
 import pytest
 
+from mbcdm_cad.design.bought import Entry
 from mbcdm_cad.design.catalogue import package_entries
-from mbcdm_cad.design.entries import KINDS, Entry
+from mbcdm_cad.design.entries import KINDS
 from mbcdm_cad.design.entry_rules import entry_orders
-from mbcdm_cad.design.lookup import BOUGHT, Catalogue
+from mbcdm_cad.design.fields import validated
+from mbcdm_cad.design.lookup import Catalogue
+from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.loader import load_text, new_design_text
 
 ALL = [(kind, name) for kind in KINDS for name in package_entries(kind)]
@@ -21,7 +23,7 @@ WIRES = {"7x7": (49, 9), "7x19": (133, 15), "1x19": (19, 5)}  # count, and rope 
 
 @pytest.mark.parametrize(("kind", "name"), ALL)
 def test_entry_is_valid_ordered_and_has_a_source(kind: str, name: str) -> None:
-    entry: Entry = KINDS[kind].model_validate(package_entries(kind)[name])
+    entry: Entry = validated(KINDS[kind], package_entries(kind)[name])
     for names in entry_orders(entry):
         values = [value for field in names if (value := getattr(entry, field)) is not None]
         assert values == sorted(values), f"{kind} {name}: {names} are {values}"
@@ -29,12 +31,6 @@ def test_entry_is_valid_ordered_and_has_a_source(kind: str, name: str) -> None:
     for field, target in (("material", "materials"), ("screw", "screws")):
         if getattr(entry, field, None) is not None:
             assert getattr(entry, field) in package_entries(target)
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_schema_and_dataclass_have_the_same_fields(kind: str) -> None:
-    dataclass_fields = {field.name for field in dataclasses.fields(BOUGHT[kind])} - {"name"}
-    assert dataclass_fields == set(KINDS[kind].model_fields)
 
 
 @pytest.mark.parametrize("name", package_entries("ropes"))
@@ -137,5 +133,12 @@ def test_own_entry_overrides_the_package_and_is_used() -> None:
     mine = {**package_entries("bearings")["618/8"], "mass_g": 3.5}
     text = new_design_text("trial").replace("catalogue: {}", "catalogue:\n  bearings:\n    618/8: " + str(mine))
     loaded = load_text(text)
-    assert loaded.drive.bearings.drum.mass_g == 3.5
+    assert (loaded.drive.bearings.drum.name, loaded.drive.bearings.drum.mass_g) == ("618/8", 3.5)
     assert Catalogue(loaded.design).names("bearings").count("618/8") == 1
+
+
+def test_an_entry_has_its_name_from_its_key_alone() -> None:
+    named = {**package_entries("bearings")["618/8"], "name": "mine"}
+    text = new_design_text("trial").replace("catalogue: {}", "catalogue:\n  bearings:\n    own: " + str(named))
+    with pytest.raises(InputError, match=r"catalogue\.bearings\.own\.name: unknown field"):
+        load_text(text)

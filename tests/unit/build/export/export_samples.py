@@ -12,7 +12,18 @@ from mbcdm_cad.parts.placement import Placement
 
 
 def material(name: str, density_g_cm3: float, colour: tuple[float, float, float]) -> Material:
-    return Material(name, density_g_cm3, 70.0, 0.33, 300.0, "milled", 1.0, 1.0, colour, "test")
+    return Material(
+        name=name,
+        density_g_cm3=density_g_cm3,
+        youngs_modulus_GPa=70.0,
+        poisson_ratio=0.33,
+        yield_MPa=300.0,
+        process="milled",
+        min_wall_mm=1.0,
+        min_internal_radius_mm=1.0,
+        colour=colour,
+        source="test",
+    )
 
 
 ALUMINIUM = material("aluminium", 2.81, (0.6, 0.62, 0.65))
