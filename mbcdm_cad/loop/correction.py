@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mbcdm_cad.loop.search.account import held_out
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.storage.compiled import compiled
@@ -135,7 +136,7 @@ def correction_of(fitter: Fitter, fit: Fit, noise_rad: float) -> Correction:
         0.0,
         0.0,
         noise_rad,
-        "; ".join(p.held_words for p in fitter.runs),
+        held_out(fitter.runs),
     )
     sense = np.concatenate([directions(one, reversal) for one in angle])
     told = found.at(angles, sense, loads)[0]

@@ -21,6 +21,15 @@ Starts = Callable[[Setup, Floats], list[list[float]]]
 
 
 @dataclass(frozen=True)
+class Words:
+    """What an effect is, where to look for it, and the sentence for a person; as the fields of :class:`Effect`."""
+
+    physics: str
+    where_to_look: str
+    plain: str
+
+
+@dataclass(frozen=True)
 class Parameter:
     """One figure that the fit varies: its name with unit, a typical small size, and bounds.
 
@@ -69,7 +78,7 @@ class Effect:
     one changes nothing, so that the data may only give a lower bound. ``unmeasured``: the influence of a quantity that
     this run did not measure; it is fitted and never named. ``plain`` describes the effect in a sentence for a person
     who does not know these names: figures in braces, ``{way_...}`` for "higher" or "lower", ``{stage}`` and
-    ``{cables}``.
+    ``{cables}``. ``reversed_words`` describe it where its first figure is negative, if that is something else.
     """
 
     name: str
@@ -95,6 +104,16 @@ class Effect:
     saturates: bool = False
     unmeasured: bool = False
     plain: str = ""
+    reversed_words: Words | None = None
+
+    @property
+    def words(self) -> Words:
+        """What it is called where its first figure is not negative."""
+        return Words(self.physics, self.where_to_look, self.plain)
+
+    def words_of(self, values: Floats) -> Words:
+        """What it is called with these values."""
+        return self.reversed_words if self.reversed_words and values[0] < 0.0 else self.words
 
     @property
     def key(self) -> tuple[str, str | None, tuple[str, ...]]:

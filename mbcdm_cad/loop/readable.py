@@ -10,6 +10,7 @@ _SIZES: tuple[tuple[str, tuple[tuple[float, str], ...]], ...] = (
     ("_rad_Nm", ((1.0, "rad/(N m)"), (1e-3, "mrad/(N m)"), (1e-6, "urad/(N m)"))),
     ("_rad_rad2", ((1e-3, "mrad/rad^2"), (1e-6, "urad/rad^2"))),
     ("_rad_rad3", ((1e-3, "mrad/rad^3"), (1e-6, "urad/rad^3"))),
+    ("_rad_s", ((1.0, "rad/s"), (1e-3, "mrad/s"), (1e-6, "urad/s"))),
     ("_rad_K", ((1e-3, "mrad/K"), (1e-6, "urad/K"))),
     ("_Nm_s", ((1.0, "N m s"), (1e-3, "mN m s"))),
     ("_rad", ((1.0, "rad"), (1e-3, "mrad"), (1e-6, "urad"))),

@@ -16,6 +16,11 @@ if TYPE_CHECKING:
     from mbcdm_cad.loop.prepare.prepared import Windows
     from mbcdm_cad.loop.search.unknown import Unknown
 
+# A run is explained if its held-out error is at most this many times the noise floor.
+NEAR_FLOOR = 1.25
+# Odds below which an effect is not said to lower the error of unseen half sweeps.
+LEAST_ODDS = 20.0
+
 VERDICTS = ("none", "explained", "partly_explained", "unknown", "not_testable")
 
 
@@ -94,6 +99,13 @@ class Helpful:
     named: Named
     odds: float
 
+    @property
+    def words(self) -> str:
+        """How sure it is."""
+        if self.odds < LEAST_ODDS:
+            return "odds not known"
+        return f"odds {min(self.odds, 9999.0):.0f} to 1"
+
     def to_json(self) -> dict[str, Any]:
         """As the result file has it."""
         return {**self.named.to_json(), "odds": self.odds}
@@ -120,6 +132,16 @@ class Errors:
     floor_rad: float
     explained_share: float
     held_out: str
+
+    @property
+    def near_floor(self) -> bool:
+        """Whether no more than the noise is left: the error is at most NEAR_FLOOR times the floor."""
+        return self.after.value <= NEAR_FLOOR * self.floor_rad
+
+    @property
+    def begins_near_floor(self) -> bool:
+        """Whether that holds of the declared model alone."""
+        return self.before.value <= NEAR_FLOOR * self.floor_rad
 
     def to_json(self) -> dict[str, Any]:
         """As the result file has it."""
@@ -227,7 +249,7 @@ class LoopResult:
 
     def _helps(self) -> str:
         """A clause on what lowers the error and is not named."""
-        parts = [f"{one.named.words} (odds {min(one.odds, 9999.0):.0f} to 1)" for one in self.helpful]
+        parts = [f"{one.named.words} ({one.words})" for one in self.helpful]
         return f"The error falls with {' and '.join(parts)}, which may only resemble the cause"
 
     def _described(self, named: Named) -> str:
@@ -252,12 +274,12 @@ def result_text(result: LoopResult, doubts: Sequence[str] = ()) -> str:
         _error_line("declared model", size, e.before.value, e.before.low, e.before.high, e.peak_before_rad),
         _error_line("with what was found", size, e.after.value, e.after.low, e.after.high, e.peak_after_rad),
         f"{'noise floor':<24}{e.floor_rad / size:>10.3g}" + (f"  ({result.noise.source})" if result.noise else ""),
-        f"explained: {share_text(e.explained_share)} of what lies above the floor; held out: {e.held_out}",
+        f"{_explained(e)}; held out: {e.held_out}",
     ]
     for named in result.effects:
         lines += ["", *named_lines(named)]
     for one in result.helpful:
-        words = f"helps on unseen half sweeps, odds {min(one.odds, 9999.0):.0f} to 1, and may only resemble the cause:"
+        words = f"helps on unseen half sweeps, {one.words}, and may only resemble the cause:"
         lines += ["", words, *("  " + line for line in named_lines(one.named))]
     for group in result.one_of:
         lines += ["", "one of these; the data cannot show which:"]
@@ -277,6 +299,13 @@ def result_text(result: LoopResult, doubts: Sequence[str] = ()) -> str:
     lines += [f"not testable: {words}" for words in result.not_testable]
     lines += [f"next: {words}" for words in result.next_steps]
     return "\n".join(lines)
+
+
+def _explained(e: Errors) -> str:
+    """What was found takes off of what lies above the floor, in words."""
+    if e.before.value <= e.floor_rad:
+        return "explained: nothing lies above the floor"
+    return f"explained: {share_text(e.explained_share)} of what lies above the floor"
 
 
 def named_lines(named: Named) -> list[str]:

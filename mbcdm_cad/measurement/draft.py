@@ -18,7 +18,7 @@ from mbcdm_cad.errors import InputError, Problem
 from mbcdm_cad.measurement.datafile import ONE_CHANNEL_A_ROW, clock_s, read_table
 from mbcdm_cad.measurement.logformat import Format, find_format, split, title_lines
 from mbcdm_cad.measurement.reading import FULL_SENSE
-from mbcdm_cad.measurement.roles import COUNTS_SOLD, MET, Expected, Guess, assign, stated_unit, ways
+from mbcdm_cad.measurement.roles import COUNTS_SOLD, MET, TIME_WORDS, Expected, Guess, assign, stated_unit, ways
 from mbcdm_cad.measurement.units import ANGLE, COUNTS, FORCE, ISO_CLOCK, TEMPERATURE, TIME, TORQUE, Unit
 from mbcdm_cad.measurement.vet_columns import robust_slope
 from mbcdm_cad.routes import Floats
@@ -29,6 +29,8 @@ TRIED_ROWS, LEAST_FIGURES = 300, 0.9
 LEAST_EMPTY = 0.2
 # A column that turns by less than this share of the design's travel is hardly the drum.
 LEAST_TRAVEL = 0.02
+# Figures of one second in ms, us and ns.
+SECONDS = (1e3, 1e6, 1e9)
 # A word of names of columns whose figures are turns: pos_estimate.
 TURN_WORD = "estimate"
 
@@ -47,6 +49,7 @@ def draft_text(data: Path, expected: Expected) -> str:
     """The measurement file's text for ``data``. Raises InputError if the data are not a table or nothing turned."""
     table, columns = _columns(data)
     for column in columns:
+        _time_begun_again(column)
         _wrapped(column)
     assign(columns, expected, lambda column: _output_unit(column, expected)[1])
     by_role = {column.role: column for column in columns if column.role}
@@ -137,6 +140,10 @@ def _is_read(row: list[str], k: int, layout: Format, reads: Callable[[str], floa
 def _time(column: Guess) -> None:
     unit, reason = stated_unit(column, TIME)
     column.reasons += [reason] if unit else []
+    begins_again = column.fields.get("wraps_at")
+    if isinstance(begins_again, float) and not unit:
+        unit = ("ms", "us", "ns")[SECONDS.index(begins_again)]
+        column.reasons.append(f"{begins_again:g} of them are a second: {unit}?")
     if not unit:
         step = float(np.median(np.diff(column.values)))
         unit = "s" if step < 0.5 else "ms" if step < 100.0 else "us"
@@ -213,6 +220,19 @@ def _wrapped(column: Guess) -> None:
     column.reasons.append(f"begins again {jumps} time(s), after {begins_again:g}")
 
 
+def _time_begun_again(column: Guess) -> None:
+    """Draft ``wraps_at`` for a time that begins again every second, as the microseconds beside whole seconds."""
+    back = np.diff(column.values) < 0.0
+    if not (column.unit in TIME or column.says(TIME_WORDS)) or not back.any():
+        return
+    begins_again = next((r for r in SECONDS if r > float(column.values.max())), 0.0)
+    counted = np.unwrap(column.values, period=begins_again) if begins_again else column.values
+    if begins_again and float(column.values.min()) >= 0.0 and bool(np.all(np.diff(counted) > 0.0)):
+        column.values = counted
+        column.fields["wraps_at"] = begins_again
+        column.reasons.append(f"begins again {int(back.sum())} time(s), after {begins_again:g}")
+
+
 def _plain(column: Guess, units: Mapping[str, Unit], otherwise: str) -> None:
     unit, reason = stated_unit(column, units)
     column.fields["unit"] = unit or otherwise
@@ -237,7 +257,7 @@ def _written(data: Path, table: _Table, columns: list[Guess], expected: Expected
     for column in known:
         name = column.name if isinstance(column.name, int) else f'"{column.name}"'
         fields = {"column": name, **{k: v for k, v in column.fields.items() if not k.startswith("_")}}
-        body = ", ".join(f"{k}: {v:g}" if isinstance(v, float) else f"{k}: {v}" for k, v in fields.items())
+        body = ", ".join(f"{k}: {v:.12g}" if isinstance(v, float) else f"{k}: {v}" for k, v in fields.items())
         lines.append(f"  {column.role}: {{{body}}}    # guessed: {'; '.join(column.reasons)}")
     wanted, inputs = len(expected.input_names), sum(c.role.startswith("input") for c in columns)
     if inputs < wanted:

@@ -108,6 +108,9 @@ def _broken_rules(file: MeasurementFile) -> list[Problem]:
     if content.columns is None:
         return problems
     asked = file.asked
+    if content.load is not None and LOAD in asked:
+        remedy = "keep one of the two: the measured torque, or what is known of the load"
+        problems.append(file.problem(("load",), f"given beside columns.{LOAD}", str(content.load), remedy=remedy))
     named = [key for key in asked if key.startswith("input_")]
     remedy = "give input for a drive that has one, else input_<name> for each input of the design, or left and right"
     if "input" in asked and named:
@@ -122,8 +125,8 @@ def _broken_rules(file: MeasurementFile) -> list[Problem]:
         elif column.side == "motor" and content.ratio is not None:
             remedy = "leave side out, and give the ratio from the encoder to the output"
             problems.append(file.problem((*where, "side"), "given beside ratio", "motor", "drive", remedy=remedy))
-        if column.wraps_at is not None and kind_of(quantity) not in ENCODERS:
-            remedy = "leave wraps_at out: only an angle begins again after a turn"
+        if column.wraps_at is not None and kind_of(quantity) not in (*ENCODERS, "time"):
+            remedy = "leave wraps_at out: only an angle or a time begins again"
             value = f"{column.wraps_at:g}"
             problems.append(file.problem((*where, "wraps_at"), f"given for {quantity}", value, remedy=remedy))
         problems += _broken_force(file, quantity, column)

@@ -309,7 +309,8 @@ def _count_turns(file: MeasurementFile, quantity: str, column: Column, row: Floa
         field: FieldPath = ("columns", quantity, "wraps_at")
         raise InputError([file.problem(field, what, f"{column.wraps_at:g}", limit, remedy=remedy)])
     passes = int(np.count_nonzero(np.abs(np.diff(row) - np.diff(before)) > 0.5 * column.wraps_at))
-    return f"{quantity} begins again {passes} time(s), after every {column.wraps_at:g}: whole turns are counted"
+    counted = "whole ranges" if quantity == "time" else "whole turns"
+    return f"{quantity} begins again {passes} time(s), after every {column.wraps_at:g}: {counted} are counted"
 
 
 def _in_si(file: MeasurementFile, asked: dict[str, Column], table: DataTable, source: str, sha256: str) -> Run:
@@ -335,7 +336,7 @@ def _in_si(file: MeasurementFile, asked: dict[str, Column], table: DataTable, so
         rows["time"],
         inputs,
         rows["output"],
-        rows.get("load_torque"),
+        rows.get("load_torque") if file.content.load is None else np.zeros_like(rows["output"]),
         rows.get("temperature"),
         sensors,
         names,

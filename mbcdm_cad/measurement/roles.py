@@ -36,7 +36,7 @@ def _words(text: str) -> frozenset[str]:
 
 
 # Words of a name, whole: a name is divided at signs, at capitals and between letters and digits.
-_TIME = _words("t time timestamp stamp sec secs seconds clock zeit tick ticks ms us")
+TIME_WORDS = _words("t time timestamp stamp sec secs seconds clock zeit tick ticks ms us")
 _TEMPERATURE = _words("temp temperature temperatur degc °c")
 _LOAD = _words("tau torque torq moment drehmoment load cell loadcell force kraft f trq")
 _ANGLE = _words(
@@ -153,7 +153,7 @@ def sold(counts: float) -> float:
 
 def assign(columns: Sequence[Guess], expected: Expected, output_rad: Callable[[Guess], float]) -> None:
     """Give each column its role. ``output_rad``: rad per figure of a column, if it is the output."""
-    _assign(columns, "time", lambda c: (c.unit in TIME or c.says(_TIME)) and _rises(c))
+    _assign(columns, "time", lambda c: (c.unit in TIME or c.says(TIME_WORDS)) and _rises(c))
     if all(c.role != "time" for c in columns):
         _assign(columns, "time", _rises, "it rises in every row")
     _assign(columns, "temperature", lambda c: c.unit in TEMPERATURE or c.says(_TEMPERATURE))
@@ -175,7 +175,7 @@ def _assign(columns: Sequence[Guess], role: str, fits: Callable[[Guess], bool], 
     for column in columns:
         if not column.role and fits(column):
             column.role = role
-            named = column.says(_TIME | _TEMPERATURE | _LOAD)
+            named = column.says(TIME_WORDS | _TEMPERATURE | _LOAD)
             column.reasons.append(reason or ("by its name" if named else "by the unit in its header"))
             return
 

@@ -42,7 +42,8 @@ class Column(Block):
     )
     wraps_at: Number | None = figure(
         "figure at which an angle begins again at zero, as the sensor shows it: 360 for degrees, counts_per_turn "
-        "of an absolute encoder, 65536 for a counter of 16 bits; whole turns are then counted",
+        "of an absolute encoder, 65536 for a counter of 16 bits; whole turns are then counted. For a time that begins "
+        "again every second, as the microseconds beside a column of seconds: 1000000",
         unit="-",
         source=SENSORS,
         example=16384.0,
@@ -208,6 +209,12 @@ class Measurement(Block):
     )
     columns: Columns | None = choice("what each column contains", source=LOGGER, default=None)
     sensors: SensorFigures = choice("what the sensors resolve", source=SENSORS, default=SensorFigures())
+    load: Literal["none"] | None = choice(
+        "none: nothing loads the output of this run but its own bearings; leave it out where the load is not known",
+        source="bench",
+        example="none",
+        default=None,
+    )
     ratio: Number | None = figure(
         "total ratio, for a drive of which nothing else is known; the design file is then not used",
         unit="-",

@@ -16,9 +16,18 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.measurement.file import MeasurementFile
 from mbcdm_cad.measurement.reading import read_run
-from mbcdm_cad.measurement.run import Run, VettingNote, ZerosFound, column_of, doubts
+from mbcdm_cad.measurement.run import (
+    SPEED_WINDOW_S,
+    Run,
+    VettingNote,
+    ZerosFound,
+    column_of,
+    doubts,
+    half_sweeps,
+    smoothed,
+)
 from mbcdm_cad.measurement.vet_columns import column_findings, robust_slope
-from mbcdm_cad.measurement.vet_signals import reach_findings, signal_findings
+from mbcdm_cad.measurement.vet_signals import FEWEST_HALF_SWEEPS, reach_findings, signal_findings
 from mbcdm_cad.model.si import DriveSI, to_si
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.route import input_body
@@ -247,7 +256,19 @@ def vetted_runs(files: Sequence[MeasurementFile], drive: Drive | None) -> list[V
         vetted.append(Vetted(file, run, reading.notes, tuple(findings)))
     if problems:
         raise InputError(problems)
-    return vetted
+    return repeated(vetted)
+
+
+def repeated(vetted: list[Vetted]) -> list[Vetted]:
+    """The runs without the doubt of too few half sweeps, where several short runs repeat each other."""
+    counts = [_half_sweeps(one.run) for one in vetted]
+    if len(vetted) < 2 or sum(counts) - len(counts) < FEWEST_HALF_SWEEPS or min(counts) < 2:
+        return vetted
+    return [replace(one, findings=tuple(f for f in one.findings if f.kind != "one_sweep")) for one in vetted]
+
+
+def _half_sweeps(run: Run) -> int:
+    return int(half_sweeps(smoothed(run.output_rad, SPEED_WINDOW_S, run.step_s)).max()) + 1
 
 
 def vetting_lines(one: Vetted) -> list[str]:

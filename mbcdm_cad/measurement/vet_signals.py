@@ -212,7 +212,11 @@ def _loads(run: Run, speed: Floats, d: DriveSI | None) -> list[VettingNote]:
         text = (
             "no load_torque: kinematics only, load-driven effects (stiffness, preload, friction of cables) not testable"
         )
-        return [VettingNote("no_load", "fact", text, "log the torque at the output")]
+        remedy = "log the torque at the output; if there was no load, say load: none"
+        return [VettingNote("no_load", "fact", text, remedy)]
+    if not run.load_Nm.any():
+        text = "no load: stiffness, preload and friction of the cables are not testable"
+        return [VettingNote("unloaded", "fact", text, "run under a load too")]
     low, high = np.percentile(run.load_Nm, (2.0, 98.0))
     span, size = float(high - low), float(np.abs(run.load_Nm).max())
     noise = 5.0 * (run.sensors.torque_noise_Nm or 0.0)
@@ -259,7 +263,7 @@ def _no_temperature(run: Run) -> list[VettingNote]:
 def _sensors(run: Run) -> list[VettingNote]:
     s = run.sensors
     missing = [name for name in ("input_resolution_rad", "output_resolution_rad") if getattr(s, name) is None]
-    if run.load_Nm is not None and s.torque_noise_Nm is None:
+    if run.load_Nm is not None and run.load_Nm.any() and s.torque_noise_Nm is None:
         missing.append("torque_noise_Nm")
     if not missing:
         return []

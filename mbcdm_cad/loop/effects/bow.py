@@ -21,10 +21,20 @@ def _shapes(angle_rad: Floats, low_rad: float, high_rad: float) -> tuple[Floats,
     return x**2 - half**2 / 3.0, x**3 - 0.6 * half**2 * x
 
 
-def _apply(setup: Setup, values: Floats, _: Simulator) -> Setup:
-    drum = setup.drum_rad
-    square, cube = _shapes(drum, float(drum.min()), float(drum.max()))
+def _bent(setup: Setup, values: Floats, angle: Floats) -> Setup:
+    square, cube = _shapes(angle, float(angle.min()), float(angle.max()))
     return setup.with_added(values[0] * square + values[1] * cube)
+
+
+def _over_inputs(setup: Setup, values: Floats, _: Simulator) -> Setup:
+    return _bent(setup, values, setup.drum_rad)
+
+
+def _over_output(setup: Setup, values: Floats, _: Simulator) -> Setup:
+    return _bent(setup, values, setup.p.output_rad)
+
+
+FORMS = (("smooth curve in angle", _over_inputs), ("smooth curve in the output's angle", _over_output))
 
 
 def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
@@ -36,17 +46,22 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
     def height(values: Floats) -> float:
         return 0.5 * float(np.ptp(values[0] * square + values[1] * cube))
 
+    # A bow of a tenth of a radian is another curve over the angle that it bends.
     return [
         Effect(
             "bow",
-            "smooth curve in angle",
+            form,
             "the error bends over the travel, the same at every pass: no ratio, and no wave of a known shaft",
             "runout of pulleys and encoder discs together, a pulley that is not round, linearity of the output sensor",
             "a longer travel: a wave of the drum comes back after a turn, a bow goes on",
             (Parameter("parabola_rad_rad2", 1e-6 / half**2), Parameter("cubic_rad_rad3", 1e-6 / half**3)),
-            _apply,
+            apply,
             last=True,
             plain="the output reading bends smoothly over the travel, by {height_rad}",
             figures=(Figure("height_rad", height),),
+        )
+        for form, apply in (
+            ("smooth curve in angle", _over_inputs),
+            ("smooth curve in the output's angle", _over_output),
         )
     ]

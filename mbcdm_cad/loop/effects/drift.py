@@ -22,6 +22,10 @@ def _by_time(setup: Setup, values: Floats, _: Simulator) -> Setup:
     return setup.with_added(values[0] * (1.0 - np.exp(-elapsed_s(setup) / values[1])))
 
 
+def _evenly(setup: Setup, values: Floats, _: Simulator) -> Setup:
+    return setup.with_added(values[0] * elapsed_s(setup))
+
+
 def _settling(setup: Setup, values: Floats, _: Simulator) -> Setup:
     return setup.with_added(values[0] * np.log1p(elapsed_s(setup) / values[1]))
 
@@ -64,6 +68,19 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
                 plain="the output reading drifts as something warms, by {turn_rad} in the end",
             )
         )
+    found.append(
+        Effect(
+            warming[0],
+            "evenly with time",
+            "the reading drifts at one rate, also while the drive rests: a slow warming, or a sensor that drifts",
+            "temperature and supply of the output encoder, warm motors",
+            "let the drive rest in mid-run: a drift in time goes on, a walk with the path stands still",
+            (Parameter("rate_rad_s", 1e-5 / duration),),
+            _evenly,
+            hangs_on="time",
+            plain="the output reading drifts by {rate_rad_s}",
+        )
+    )
     found.append(
         Effect(
             "creep",

@@ -7,11 +7,10 @@ from functools import partial
 import numpy as np
 
 from mbcdm_cad.loop.effect import Effect, Figure, Parameter
-from mbcdm_cad.loop.prepare.prepared import Prepared
+from mbcdm_cad.loop.prepare.prepared import Prepared, played
 from mbcdm_cad.loop.prepare.setup import Setup, Simulator
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
-from mbcdm_cad.storage.compiled import compiled
 
 SEPARATE = "a constant bias torque keeps one side in contact: lash vanishes, friction does not"
 # Range of torque at the drum in which the contact changes sides: a few times the sensor's noise.
@@ -32,19 +31,9 @@ def _input(index: int, setup: Setup, values: Floats, _: Simulator) -> Setup:
     return setup.with_play(index, float(values[0])).with_shift(index, rest)
 
 
-@compiled
-def _play(drive: Floats, half: float, out: Floats) -> None:
-    at = drive[0]
-    for k in range(drive.size):
-        at = min(max(at, drive[k] - half), drive[k] + half)
-        out[k] = at
-
-
 def _operator(setup: Setup, values: Floats, _: Simulator) -> Setup:
-    drum = np.ascontiguousarray(setup.drum_rad)
-    out = np.empty_like(drum)
-    _play(drum, 0.5 * abs(float(values[0])), out)
-    return setup.with_added(out - drum)
+    drum = setup.drum_rad
+    return setup.with_added(played(drum, 0.5 * abs(float(values[0]))) - drum)
 
 
 def _width(setup: Setup, residual: Floats) -> list[list[float]]:
@@ -60,10 +49,11 @@ def _at_input(d: DriveSI, index: int, setup: Setup, residual: Floats) -> list[li
 
 
 def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
-    """By torque where it was measured; by motion for a drive of which only the ratio is known."""
+    """By torque where it was measured; by motion for a drive of which only the ratio is known, or without a load."""
     found = []
     play = (Parameter("play_rad", 1e-5, 0.0),)
-    if p.load_Nm is not None:
+    idle = p.load_Nm is not None and not p.load_Nm.any()
+    if p.load_Nm is not None and not idle:
         found.append(
             Effect(
                 "lash",
@@ -96,7 +86,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
             )
             for index, name in enumerate(d.input_names)
         ]
-    if d is None:
+    if d is None or idle:
         found.append(
             Effect(
                 "lash",

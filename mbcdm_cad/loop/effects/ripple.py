@@ -16,10 +16,7 @@ from mbcdm_cad.routes import Floats
 
 
 def _apply(setup: Setup, values: Floats, _: Simulator) -> Setup:
-    # The angle of the output encoder gives the exact phase; a smoothed angle would blur a fast order.
-    reading = setup.p.output_rad
-    angle = values[2] * (reading - np.mean(reading - setup.drum_rad))
-    return setup.with_added(values[0] * np.cos(angle) - values[1] * np.sin(angle))
+    return setup.with_line((float(values[0]), float(values[1]), float(values[2])))
 
 
 def _inside(values: Floats, setup: Setup) -> Floats:

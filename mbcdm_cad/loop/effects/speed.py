@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
-from mbcdm_cad.loop.effect import Effect, Parameter
+from mbcdm_cad.loop.effect import Effect, Parameter, Words
 from mbcdm_cad.loop.prepare.prepared import Prepared
 from mbcdm_cad.loop.prepare.setup import Setup, Simulator
 from mbcdm_cad.model.si import DriveSI
@@ -45,14 +45,19 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
     late = Effect(
         "delay",
         "late sensor",
-        "the output is read later than the input (earlier, if negative): an error in proportion to speed",
-        "filters and time stamps of the logger",
+        "the output is read later than the input: an error in proportion to speed",
+        "filter of the output encoder, time stamps of the logger",
         "an output sensor of known latency, or none of its filters",
         (Parameter("delay_s", 1e-5),),
         _late,
         hangs_on="speed",
         generic=True,
         plain="the output is read {delay_s} later than the input",
+        reversed_words=Words(
+            "the input is read later than the output: an error in proportion to speed",
+            "filter of the input encoders, polling of the motor's drive, time stamps of the logger",
+            "the input is read {delay_s} later than the output",
+        ),
     )
     bias = "a constant bias torque: friction keeps to the speed, lash and the cables to the torque"
     if d is not None and p.load_Nm is None:

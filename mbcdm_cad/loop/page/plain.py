@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 
 from mbcdm_cad.loop.readable import size_of
-from mbcdm_cad.loop.result import LoopResult, Named, Value, ways_apart
+from mbcdm_cad.loop.result import LEAST_ODDS, LoopResult, Named, Value, ways_apart
 
 
 def finding(result: LoopResult) -> str:
@@ -38,7 +38,7 @@ def certainty(result: LoopResult) -> str:
     if result.verdict in ("none", "not_testable"):
         return ""
     if result.verdict == "unknown" or not (result.effects or result.one_of):
-        odds = [f"{min(one.odds, 9999.0):.0f} to 1" for one in result.helpful]
+        odds = [one.words.removeprefix("odds ") for one in result.helpful if one.odds >= LEAST_ODDS]
         sure = f" It lowers the error with odds of {', '.join(odds)}." if odds else ""
         return f"The error is {_angle(e.before.value)} RMS and {floor}: none of the known causes explains it.{sure}"
     words = [f"{fell}; {floor}."]

@@ -9,7 +9,8 @@ coloured. The declared steps of the sensors are its lower bound; a data sheet se
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,7 +77,10 @@ class Noise:
 
 def noise_of(setups: Sequence[Setup], residuals: Sequence[Floats]) -> Noise:
     """The noise of several runs together; each residual (n,) covers all samples of its run."""
-    each = [_of_run(setup, residual) for setup, residual in zip(setups, residuals, strict=True)]
+    pairs = list(zip(setups, residuals, strict=True))
+    if len(pairs) > 1 and any(not s.p.few and np.unique(s.p.sweep[s.p.train]).size < FEWEST_SWEEPS for s in setups):
+        return _of_runs(pairs)
+    each = [_of_runs([pair]) for pair in pairs]
 
     def together(values: Sequence[float]) -> float:
         return float(np.sqrt(np.mean(np.square(values))))
@@ -92,26 +96,34 @@ def noise_of(setups: Sequence[Setup], residuals: Sequence[Floats]) -> Noise:
     )
 
 
-def _of_run(setup: Setup, residual: Floats) -> Noise:
-    p = setup.p
-    at = np.flatnonzero(p.train)
-    at = at[:: max(1, at.size // MOST_SAMPLES)]
-    sweep = p.sweep[at]
+def _of_runs(pairs: Sequence[tuple[Setup, Floats]]) -> Noise:
+    """The noise of one run, or of several that repeat each other and have too few half sweeps each."""
+    sweeps, each, last = [], [], -1
+    for setup, residual in pairs:
+        p = setup.p
+        at = np.flatnonzero(p.train)
+        at = at[:: max(1, at.size * len(pairs) // MOST_SAMPLES)]
+        each.append(_Samples.of(setup, residual, at))
+        sweeps.append(p.sweep[at] + last + 1)
+        last = int(sweeps[-1].max(initial=last))
+    sweep = np.concatenate(sweeps)
+    p, residual = pairs[0][0].p, pairs[0][1]
     if p.few or np.unique(sweep).size < FEWEST_SWEEPS:
         slow = smoothed(residual, FAST_S, p.step_s)
         fast = float(np.std((residual - slow)[p.train])) * _rest_of_white(FAST_S, p.step_s)
         total = max(fast, p.floor_rad) or 1e-12
         return Noise(total, total, 0.0, 0.0, p.floor_rad, f"what is faster than {FAST_S:g} s, since nothing repeats")
-    columns, prior = curves(setup, residual, at)
-    y = residual[at] - residual[at].mean()
-    left, square = _left_out(columns, prior, y, sweep)
-    total = max(float(np.sqrt(square)), p.floor_rad, 1e-12)
-    white, memory = _colour(left, sweep, np.diff(p.time_s[at], prepend=p.time_s[at[0]]))
+    samples = _Samples.together(each)
+    columns, prior = _curves(samples)
+    declared = max(setup.p.floor_rad for setup, _ in pairs)
+    left, square = _left_out(columns, prior, samples.residual - samples.residual.mean(), sweep)
+    total = max(float(np.sqrt(square)), declared, 1e-12)
+    white, memory = _colour(left, sweep, np.diff(samples.elapsed_s, prepend=samples.elapsed_s[0]))
     white = min(white, total)
     source = "scatter between half sweeps at the same angle, direction, load and speed"
-    if total == p.floor_rad:
+    if total == declared:
         source, white = "steps of the encoders as declared; the scatter between half sweeps is not above them", total
-    return Noise(total, white, float(np.sqrt(total**2 - white**2)), memory, p.floor_rad, source)
+    return Noise(total, white, float(np.sqrt(total**2 - white**2)), memory, declared, source)
 
 
 def _rest_of_white(window_s: float, step_s: float) -> float:
@@ -120,32 +132,84 @@ def _rest_of_white(window_s: float, step_s: float) -> float:
     return float(1.0 / np.sqrt(max(1.0 - 2.0 / width + 2.0 / (3.0 * width), 0.2))) if width > 1 else 1.0
 
 
+@dataclass(frozen=True, eq=False)
+class _Samples:
+    """Samples of one run or of several, (n,) each: what an error may repeat with; ``orders`` of its strongest lines."""
+
+    angle_rad: Floats
+    speed_rad_s: Floats
+    elapsed_s: Floats
+    path_rad: Floats
+    load_Nm: Floats | None
+    temperature_C: Floats | None
+    residual: Floats
+    run: NDArray[np.int64]
+    orders: tuple[float, ...]
+    duration_s: float
+    step_s: float
+
+    @classmethod
+    def of(cls, setup: Setup, residual: Floats, at: NDArray[np.int64]) -> _Samples:
+        """The samples ``at`` of a run."""
+        p = setup.p
+        return cls(
+            p.output_rad[at],
+            p.speed_rad_s[at],
+            p.time_s[at] - p.time_s[0],
+            p.path_rad[at],
+            None if p.load_Nm is None else p.load_Nm[at],
+            None if p.temperature_C is None else p.temperature_C[at],
+            residual[at],
+            np.zeros(at.size, dtype=np.int64),
+            tuple(strongest_orders(setup, residual, MOST_LINES)),
+            float(p.time_s[-1] - p.time_s[0]),
+            p.step_s,
+        )
+
+    @classmethod
+    def together(cls, each: Sequence[_Samples]) -> _Samples:
+        """The samples of all runs, with the lines of the first."""
+
+        def joined(name: str) -> Any:
+            rows = [getattr(one, name) for one in each]
+            return None if any(row is None for row in rows) else np.concatenate(rows)
+
+        names = ("angle_rad", "speed_rad_s", "elapsed_s", "path_rad", "load_Nm", "temperature_C", "residual")
+        run = np.concatenate([np.full(one.residual.size, k) for k, one in enumerate(each)])
+        rows = {name: joined(name) for name in names}
+        return replace(each[0], **rows, run=run, duration_s=max(one.duration_s for one in each))
+
+
 def curves(setup: Setup, residual: Floats, at: NDArray[np.int64]) -> tuple[Floats, Floats]:
     """Columns (n, k) on which a residual is regressed, and the weight that draws each to zero, in samples (k,)."""
-    p = setup.p
-    angle, speed, t = p.output_rad[at], p.speed_rad_s[at], p.time_s[at] - p.time_s[0]
+    return _curves(_Samples.of(setup, residual, at))
+
+
+def _curves(s: _Samples) -> tuple[Floats, Floats]:
+    angle, speed, t = s.angle_rad, s.speed_rad_s, s.elapsed_s
     forward = speed >= 0.0
     senses = [forward, ~forward] if 0.02 < float(forward.mean()) < 0.98 else [np.ones_like(forward)]
-    free: list[Floats] = [np.ones_like(angle), _unit(angle)]
+    free: list[Floats] = [np.asarray(s.run == k, dtype=float) for k in np.unique(s.run)]
+    free.append(_unit(angle))
     drawn: list[Floats] = []
     for sense in senses:
         drawn += [hat * sense for hat in _hats(angle, ANGLE_KNOTS)]
     drawn += _hats(speed, SPEED_KNOTS)
-    if p.load_Nm is not None and np.ptp(p.load_Nm[at]) > 0.0:
-        load = p.load_Nm[at]
+    if s.load_Nm is not None and np.ptp(s.load_Nm) > 0.0:
+        load = s.load_Nm
         free += [_unit(load), _unit(load) * _unit(angle)]
         for sense in senses:
             drawn += [hat * sense for hat in _hats(load, LOAD_KNOTS)]
             drawn += [_unit(load) * _unit(angle) * sense]
-    duration = float(p.time_s[-1] - p.time_s[0])
-    drawn += [1.0 - np.exp(-t / (share * duration)) for share in (0.02, 0.1, 0.4)]
-    drawn += [np.log1p(t / (share * duration)) for share in (0.005, 0.05)]
-    if p.temperature_C is not None and np.ptp(p.temperature_C[at]) > 0.0:
-        drawn.append(_unit(p.temperature_C[at]))
-    drawn.append(_step(residual[at]))
-    for order in strongest_orders(setup, residual, MOST_LINES):
+    drawn += [1.0 - np.exp(-t / (share * s.duration_s)) for share in (0.02, 0.1, 0.4)]
+    drawn += [np.log1p(t / (share * s.duration_s)) for share in (0.005, 0.05)]
+    drawn += [_unit(t), _unit(s.path_rad)]
+    if s.temperature_C is not None and np.ptp(s.temperature_C) > 0.0:
+        drawn.append(_unit(s.temperature_C))
+    drawn.append(_step(s.residual))
+    for order in s.orders:
         drawn += [np.cos(order * angle), np.sin(order * angle)]
-    prior = np.concatenate([np.full(len(free), 1e-6), np.full(len(drawn), max(1.0, PRIOR_S / p.step_s))])
+    prior = np.concatenate([np.full(len(free), 1e-6), np.full(len(drawn), max(1.0, PRIOR_S / s.step_s))])
     return np.stack([*free, *drawn], axis=1), prior
 
 

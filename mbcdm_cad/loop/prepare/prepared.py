@@ -10,6 +10,7 @@ A long run is prepared twice: the search works on stretches of it; the figures a
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -26,6 +27,7 @@ from mbcdm_cad.loop.prepare.quiet import (
 from mbcdm_cad.loop.prepare.samples import Cut, held_sweeps, held_words, search_cut, whole_cut
 from mbcdm_cad.measurement.run import SPEED_WINDOW_S, Run, half_sweeps, smoothed, smoothed_at
 from mbcdm_cad.routes import Floats
+from mbcdm_cad.storage.compiled import compiled
 
 COMMON_WINDOW_S = 0.05
 TEMPERATURE_WINDOW_S = 5.0
@@ -51,6 +53,23 @@ BENT_NOISE = 0.05
 # A play or a friction changes sides within a jump of the load or a reversal: the load and the sense of motion change by
 # at most this share of their range between simulated samples.
 JUMP_SHARE = 0.1
+# A motion of the inputs within this share of their travel is no path: it may be noise.
+PATH_SHARE = 1e-3
+
+
+@compiled
+def _play(drive: Floats, half: float, out: Floats) -> None:
+    at = drive[0]
+    for k in range(drive.size):
+        at = min(max(at, drive[k] - half), drive[k] + half)
+        out[k] = at
+
+
+def played(drive: Floats, half: float) -> Floats:
+    """What follows ``drive`` (n,) with a play of ``half`` to either side: the play operator."""
+    out = np.empty_like(drive)
+    _play(np.ascontiguousarray(drive), half, out)
+    return out
 
 
 @dataclass(frozen=True)
@@ -122,6 +141,17 @@ class Prepared:
     def common_rad(self) -> Floats:
         """Mean of the inputs without the encoders' steps, (n,)."""
         return np.asarray(self.shaft_rad.mean(axis=0))
+
+    @cached_property
+    def path_rad(self) -> Floats:
+        """Path that the mean of the inputs has travelled since the run began, rad (n,).
+
+        From the whole run, with what lies between stretches. Noise travels too, so the angle must leave a band first.
+        """
+        run = self.run
+        mean = smoothed_at(run.input_rad, run.time_s, COMMON_WINDOW_S, run.step_s).mean(axis=0)
+        followed = played(mean, PATH_SHARE * float(np.ptp(mean)))
+        return np.asarray(np.cumsum(np.abs(np.diff(followed, prepend=followed[0])))[self.cut.index])
 
     @cached_property
     def coarse(self) -> NDArray[np.int64]:
@@ -208,11 +238,20 @@ def _until_straight(at: NDArray[np.int64], values: Floats, most: float) -> NDArr
         at = np.union1d(at, (at[first] + at[first + 1]) // 2)
 
 
-def prepare(run: Run, ratio: float) -> tuple[Prepared, Prepared]:
+def prepare_all(runs: Sequence[Run], ratio: float) -> list[tuple[Prepared, Prepared]]:
+    """Every run, as :func:`prepare` makes it. Short runs repeat each other: together they may have enough half
+    sweeps."""
+    counts = [int(half_sweeps(smoothed(run.output_rad, SPEED_WINDOW_S, run.step_s)).max()) for run in runs]
+    together = sum(counts) > FEWEST_SWEEPS and min(counts) > 1
+    return [prepare(run, ratio, number if together else None) for number, run in enumerate(runs)]
+
+
+def prepare(run: Run, ratio: float, one_of_several: int | None = None) -> tuple[Prepared, Prepared]:
     """The part of a run that the search uses, and the whole run; the same object for a short run.
 
     The first half sweep of the run and of every stretch is discarded. Some half sweeps are held back before any
-    residual is computed (see ``samples``): the same ones in both.
+    residual is computed (see ``samples``): the same ones in both. ``one_of_several`` is the number of a run that others
+    repeat: of such runs, where one alone has too few half sweeps, every other holds one back.
     """
     step, time, output = run.step_s, run.time_s, run.output_rad
     shaft = smoothed_at(run.input_rad, time, COMMON_WINDOW_S, step)
@@ -224,7 +263,8 @@ def prepare(run: Run, ratio: float) -> tuple[Prepared, Prepared]:
     windows = Windows(apart_s, load_s, speed_s)
     temperature = None if run.temperature_C is None else smoothed(run.temperature_C, TEMPERATURE_WINDOW_S, step)
     sweep = half_sweeps(smoothed(output, SPEED_WINDOW_S, step)) - 1
-    few = bool(sweep.max() < FEWEST_SWEEPS)
+    short = bool(sweep.max() < FEWEST_SWEEPS)
+    few = short and one_of_several is None
     if few:
         # Too few reversals to leave one half sweep out: each quarter of the time counts as a sweep.
         sweep = np.minimum((time - time[0]) / (time[-1] - time[0]) * 8.0, 7.0).astype(np.int64)
@@ -232,7 +272,9 @@ def prepare(run: Run, ratio: float) -> tuple[Prepared, Prepared]:
     sector = np.minimum((output - low) / span * SECTORS, SECTORS - 1).astype(np.int64)
     searched = search_cut(sweep, load)
     held = _held(sweep, output, load, searched)
-    words = held_words(held, sweep, load)
+    if short and one_of_several is not None:
+        held = np.array([one_of_several // 2 % (int(sweep.max()) + 1)] if one_of_several % 2 == 0 else [], dtype=int)
+    words = held_words(held, sweep, load, few)
     floor, input_step = sensor_floor_rad(run, ratio), input_step_rad(run)
     blind = np.zeros(time.size, dtype=np.bool_)
     if load is None and run.ratio is None:

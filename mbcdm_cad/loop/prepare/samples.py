@@ -101,11 +101,16 @@ def _means(numbers: NDArray[np.int64], sweep: NDArray[np.int64], values: Floats)
     return np.asarray((sums[last] - sums[first]) / (last - first))
 
 
-def held_words(held: NDArray[np.int64], sweep: NDArray[np.int64], load_Nm: Floats | None) -> str:
-    """Text for results: numbers, counted from the first half sweep that is used, and their mean loads."""
-    numbers = ", ".join(str(one + 1) for one in held[:8]) + (", ..." if held.size > 8 else "")
-    words = f"half sweeps {numbers}"
-    if load_Nm is not None and held.size:
+def held_words(held: NDArray[np.int64], sweep: NDArray[np.int64], load_Nm: Floats | None, few: bool) -> str:
+    """Text for results: numbers of the half sweeps in the run, from 1, and their mean loads.
+
+    ``sweep`` counts from the second half sweep of the run; with too ``few`` it counts eighths of the time.
+    """
+    if not held.size:
+        return "none"
+    numbers = ", ".join(str(one + (1 if few else 2)) for one in held[:8]) + (", ..." if held.size > 8 else "")
+    words = f"eighths {numbers} of the time" if few else f"half sweep{'s' * (held.size > 1)} {numbers}"
+    if load_Nm is not None and load_Nm.any():
         means = _means(held, sweep, load_Nm)
         words += f" (mean loads {min(means):.2g} to {max(means):.2g} N m)"
     return words

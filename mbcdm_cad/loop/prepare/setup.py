@@ -26,7 +26,8 @@ class Setup:
     ``path_m`` (n_cables, n) lengthens the cables' paths; ``shift_rad`` (n_inputs, n) is how far each input pulley
     stands from where its encoder says; ``added_rad`` (n,) adds to the reading; ``winding`` is how much of the winding
     history is applied, 0 to 1; ``play_rad`` is the play between encoder and pulley of each input, empty for none;
-    ``creep`` is the share, 0 to 1, of the creep over the inputs that a wrap of ``through_rad`` allows.
+    ``creep`` is the share, 0 to 1, of the creep over the inputs that a wrap of ``through_rad`` allows; ``lines`` are
+    lines in angle on the reading: cosine and sine in rad, cycles a turn of the output.
     """
 
     d: DriveSI | None
@@ -40,6 +41,7 @@ class Setup:
     play_rad: tuple[float, ...] = ()
     creep: float = 0.0
     through_rad: float = 0.0
+    lines: tuple[tuple[float, float, float], ...] = ()
 
     @property
     def drive(self) -> DriveSI:
@@ -80,6 +82,10 @@ class Setup:
     def with_added(self, added_rad: Floats) -> Setup:
         """Add to the reading."""
         return replace(self, added_rad=self.added_rad + added_rad)
+
+    def with_line(self, line: tuple[float, float, float]) -> Setup:
+        """Add a line in angle to the reading."""
+        return replace(self, lines=(*self.lines, line))
 
     def input_shaft_rad(self, index: int) -> Floats:
         """Angle of one input pulley without the encoder's steps, rad (n,)."""
@@ -168,6 +174,35 @@ def input_torque_Nm(s: Setup, index: int) -> Floats:
     return _between(s.p, _simulated(taken_up(s), False).input_torque_Nm(s.drive)[index])
 
 
+# Steps of Newton's method after which the error of all lines is known to this, rad.
+LINE_STEPS, LINE_RAD = 12, 1e-9
+# The method stays within this slope of the error over the angle; beyond 1 the reading would turn back.
+STEEPEST = 0.9
+
+
+def lines_rad(s: Setup) -> Floats:
+    """Error of the reading by all lines together, rad (n,).
+
+    A line is a function of the shaft's true angle e = f(reading - e): with the wrong reading in its place a line would
+    have overtones of amplitude times order. The reading, and not a smoothed angle, gives the phase of a fast order.
+    """
+    reading = s.p.output_rad
+    at = reading - np.mean(reading - s.drum_rad)
+    error = np.zeros_like(at)
+    for _ in range(LINE_STEPS):
+        true = at - (error - error.mean())
+        value, slope = np.zeros_like(at), np.zeros_like(at)
+        for cosine, sine, order in s.lines:
+            c, w = np.cos(order * true), np.sin(order * true)
+            value += cosine * c - sine * w
+            slope += order * (-cosine * w - sine * c)
+        step = (value - error) / (1.0 + np.clip(slope, -STEEPEST, STEEPEST))
+        error = error + step
+        if np.abs(step).max() < LINE_RAD:
+            break
+    return error
+
+
 class Simulator:
     """Predicts the reading for setups and caches the last simulations."""
 
@@ -181,7 +216,8 @@ class Simulator:
             drum = drum + s.winding * (self._drum(s, True) - drum)
         if s.creep != 0.0:
             drum = drum + s.creep * (self._drum(s, True, through=True) - self._drum(s, True))
-        return drum + s.added_rad
+        drum = drum + s.added_rad
+        return drum + lines_rad(s) if s.lines else drum
 
     def _drum(self, s: Setup, winding: bool, through: bool = False) -> Floats:
         asked = (winding, s.through_rad if through else 0.0)

@@ -34,8 +34,15 @@ def errors(fitter: Fitter, bare: Fit, fit: Fit, floor_rad: float) -> Errors:
         float(np.abs(fit.residual[test]).max()),
         floor_rad,
         share,
-        "; ".join(p.held_words for p in fitter.runs),
+        held_out(fitter.runs),
     )
+
+
+def held_out(runs: Sequence[Prepared]) -> str:
+    """Which half sweeps were held back, of each run by its name where there are several."""
+    if len(runs) == 1:
+        return runs[0].held_words
+    return "; ".join(f"{p.run.source or f'run {k}'}: {p.held_words}" for k, p in enumerate(runs, 1) if p.held.any())
 
 
 def _rms_interval(fitter: Fitter, fit: Fit) -> Value:
@@ -64,6 +71,8 @@ def interval(figure: Figure, values: Floats, covariance: Floats, effect: Effect)
 def not_testable(d: DriveSI | None, runs: Sequence[Prepared]) -> tuple[str, ...]:
     """What these runs cannot show."""
     words = []
+    if all(p.load_Nm is not None and not p.load_Nm.any() for p in runs):
+        words.append("no load: stiffness, preload, friction of the cables and winding history")
     if any(p.load_Nm is None for p in runs):
         words.append("no torque column: stiffness, preload, friction of the cables, lash and winding history")
     if d is None:

@@ -14,7 +14,7 @@ from mbcdm_cad.loop.correction import correction_of
 from mbcdm_cad.loop.effect import Effect
 from mbcdm_cad.loop.effects import library
 from mbcdm_cad.loop.prepare.noise import doubt_of, runs_of
-from mbcdm_cad.loop.prepare.prepared import Prepared, prepare
+from mbcdm_cad.loop.prepare.prepared import Prepared, prepare_all
 from mbcdm_cad.loop.result import Evidence, Helpful, LoopResult, Named
 from mbcdm_cad.loop.search.account import INTERVAL, chain_orders, errors, interval, next_steps, not_testable, traces
 from mbcdm_cad.loop.search.exchange import Group
@@ -47,7 +47,7 @@ def close_loop(drive: Drive | None, runs: Sequence[Run]) -> LoopResult:
     ratio = float(runs[0].ratio or 1.0) if d is None else float(np.mean(d.total_ratio))
     with threadpool_limits(1, "blas"):
         ready = runs if drive is None else [arranged(run, drive) for run in runs]
-        prepared = [prepare(run, ratio) for run in ready]
+        prepared = prepare_all(ready, ratio)
         return _Loop(d, ratio, prepared, () if drive is None else drive.as_built).result()
 
 
@@ -85,12 +85,20 @@ class _Loop:
         named, sets = [], []
         windows = self.judge.shift_by_window(fit) if groups else []
         for group in groups:
-            first = self._named(group.effect, fit, whole, windows)
+            first = replace(self._named(group.effect, fit, whole, windows), equivalent=group.forms)
             others = tuple(self._other(one) for one in group.alike)
             if others:
                 sets.append((first, *others))
             else:
                 named.append(first)
+        found = errors(self.whole, bare, judged, self.search.floor_rad)
+        if unknown is None and not all(p.few for p in self.prepared):
+            # Neither "explained" nor "none" may stand beside an error that is not near the floor.
+            if not found.near_floor:
+                unknown = self.judge.largest(judged, self.whole)
+            elif not groups and not self.judge.unmeasured and not found.begins_near_floor:
+                judged, unknown = bare, self.judge.largest(bare, self.whole)
+                found = errors(self.whole, bare, bare, self.search.floor_rad)
         if unknown is not None:
             verdict = "partly_explained" if groups or fit.effects else "unknown"
         else:
@@ -101,7 +109,7 @@ class _Loop:
             tuple(named),
             tuple(sets),
             unknown,
-            errors(self.whole, bare, judged, self.search.floor_rad),
+            found,
             self._evidence(groups, fit),
             self._small(fit),
             not_testable(self.d, self.prepared),
@@ -161,7 +169,7 @@ class _Loop:
 
     def _as_named(self, effect: Effect, values: Floats, block: Floats, fall: float) -> Named:
         figures = {figure.name: interval(figure, values, block, effect) for figure in effect.reported()}
-        others = [e.form for e in self.library if e.key == effect.key and e.form != effect.form and not e.inside]
+        words = effect.words_of(values)
         return Named(
             effect.name,
             effect.form,
@@ -169,14 +177,14 @@ class _Loop:
             effect.cables,
             figures,
             {figure.name: figure.of(values) for figure in effect.physical},
-            tuple(others),
-            effect.where_to_look,
+            (),
+            words.where_to_look,
             effect.separate_by,
-            effect.physics,
+            words.physics,
             fall,
             {p.name: float(v) for p, v in zip(effect.parameters, values, strict=True)},
             {figure.name: figure.meaning for figure in effect.reported() if figure.meaning},
-            effect.plain,
+            words.plain,
         )
 
     def _doubts(self) -> tuple[str, ...]:
@@ -186,7 +194,7 @@ class _Loop:
         if self.judge.unmeasured:
             found.append(
                 f"no torque was measured: {' or '.join(self.judge.unmeasured)} would explain the error as well as the "
-                "load itself; log the load's torque, or run without a load"
+                "load itself; log the load's torque, or run without a load and say load: none"
             )
         return (*found, *self.search.doubts.values())
 

@@ -43,14 +43,20 @@ MOST_PAIRS, MOST_FINISHED = 6, 2
 
 @dataclass(frozen=True, eq=False)
 class Group:
-    """One effect of the final fit and the fits that explain the run as well without it."""
+    """One effect of the final fit, the fits that explain the run as well without it, and other forms of it that do."""
 
     effect: Effect
     alike: tuple[Fit, ...]
+    forms: tuple[str, ...] = ()
 
 
 def _square(fit: Fit) -> float:
     return fit.square
+
+
+def _forms(fits: Sequence[Fit]) -> list[str]:
+    """Forms of the last effects, each once, without those inside the drive."""
+    return list(dict.fromkeys(one.effects[-1].form for one in fits if not one.effects[-1].inside))
 
 
 class Exchanges:
@@ -81,7 +87,9 @@ class Exchanges:
                 if better is not None:
                     break
                 alike = [o for o in alike if not self._coincidence(fit, effect, o, o.effects[-1])]
-                groups.append(Group(effect, self._by_name(alike, effect)))
+                same = [o for o in every if o.effects[-1].key == effect.key and self.alike(o, fit)]
+                possible = [o for o in same if not self.search.impossible(o.effects[-1], o.values[-1])]
+                groups.append(Group(effect, self._by_name(alike, effect), tuple(_forms(possible))))
             if better is None:
                 better = self._other_pair(fit)
             if better is None:

@@ -12,7 +12,7 @@ if they may only resemble an unknown error, or if one plain curve of load or spe
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.stats import chi2
@@ -20,6 +20,7 @@ from scipy.stats import t as t_distribution
 
 from mbcdm_cad.loop.effect import Effect, Parameter
 from mbcdm_cad.loop.prepare.setup import Setup, Simulator
+from mbcdm_cad.loop.result import LEAST_ODDS
 from mbcdm_cad.loop.search.account import INTERVAL
 from mbcdm_cad.loop.search.evidence import chance_without_slope
 from mbcdm_cad.loop.search.exchange import Exchanges, Group
@@ -60,10 +61,13 @@ BLAME_SHARE = 0.25
 # The intervals include smoothing windows found with the noise assumed so many times as large.
 WINDOWS = (0.5, 2.0)
 SLOW_S = 0.3
-# An effect that is not named is reported as helpful from these odds on. It stays in the fit if it explains this share
+# An effect that is not named is reported as helpful from LEAST_ODDS on. It stays in the fit if it explains this share
 # of the error above the floor.
-LEAST_ODDS = 20.0
 MOST_OF = 0.75
+# Two effects cancel each other if one does so many times what all effects together do.
+CANCELS = 3.0
+# The time of an event is open if another time, this share of the run away or farther, explains the run as well.
+AWAY, TIMES = 0.1, 24
 # A size counts as possibly zero if it is zero with this probability.
 ZERO_CHANCE = 0.05
 
@@ -93,6 +97,7 @@ class Judge(Exchanges):
         """The final fit, its effects with their alternatives, and the unexplained part."""
         fit, groups = self.settled()
         fit, groups = self._certain(fit, groups)
+        fit, groups = self._bounded(fit, groups)
         unknown = self.left(fit)
         if unknown is not None:
             fit, groups, unknown = self._unblamed(fit, groups, unknown)
@@ -135,6 +140,14 @@ class Judge(Exchanges):
                 if repeats and (worst is None or found.rms_rad > worst.rms_rad):
                     worst = found
         return worst
+
+    def largest(self, fit: Fit, fitter: Fitter) -> Unknown:
+        """The unexplained part of the run in which it is largest, whether or not it repeats."""
+        each = [
+            describe_unknown(p, fit.residual[part], self.search.floor_rad)
+            for part, p in zip(fitter.parts, fitter.runs, strict=True)
+        ]
+        return max(each, key=lambda one: one.rms_rad)
 
     def _unexplained(self, fit: Fit, unknown: Unknown) -> float:
         """Size of the unexplained part, rad RMS: the held-out error above the floor, or the part that certainly
@@ -211,6 +224,49 @@ class Judge(Exchanges):
             fit = self.search.without(fit, groups[worst].effect)
             groups = (*groups[:worst], *groups[worst + 1 :])
         return fit, groups
+
+    def _bounded(self, fit: Fit, groups: tuple[Group, ...]) -> tuple[Fit, tuple[Group, ...]]:
+        """Withdraw names that another of the effects cancels, and events whose time the data do not tell."""
+        while groups:
+            cancelled = [self._cancelled(fit, g.effect) for g in groups]
+            worst = groups[int(np.argmax(cancelled))]
+            why = "cancelled by another effect"
+            if max(cancelled) <= CANCELS:
+                open_times = [g for g in groups if g.effect.once and self._time_is_open(fit, g.effect)]
+                if not open_times:
+                    break
+                worst, why = open_times[0], "its time is open"
+            self.search.give_back(why, worst.effect, fit)
+            fit = self.search.without(fit, worst.effect)
+            groups = tuple(group for group in groups if group is not worst)
+        return fit, groups
+
+    def _cancelled(self, fit: Fit, effect: Effect) -> float:
+        """What one effect changes, over what all effects together change."""
+        if len(fit.effects) == 1:
+            return 1.0
+        f = self.fitter
+        rest = [(e, v) for e, v in zip(fit.effects, fit.values, strict=True) if e is not effect]
+        without = f.predict([e for e, _ in rest], [v for _, v in rest], fit.offsets)
+        own = (f.output - fit.residual) - without
+        whole = self.search.bare.residual - fit.residual
+        return float(np.std(f.centred_on(f.used, own))) / max(float(np.std(f.centred_on(f.used, whole))), 1e-30)
+
+    def _time_is_open(self, fit: Fit, effect: Effect) -> bool:
+        """Whether the event explains the run as well at a time far from the fitted one."""
+        f, k = self.fitter, fit.effects.index(effect)
+        at = next(i for i, p in enumerate(effect.parameters) if p.role == "place")
+        low, high = effect.parameters[at].low, effect.parameters[at].high
+        for time in np.linspace(low, high, TIMES):
+            if abs(time - fit.values[k][at]) < AWAY * (high - low):
+                continue
+            values = [v.copy() for v in fit.values]
+            values[k][at] = time
+            residual = f.centred(f.output - f.predict(fit.effects, values, fit.offsets), f.train)
+            moved = replace(fit, values=tuple(values), residual=residual, square=float(np.mean(residual[f.train] ** 2)))
+            if self.alike(moved, fit):
+                return True
+        return False
 
     def _not_generic(
         self, fit: Fit, groups: tuple[Group, ...], unknown: Unknown | None
