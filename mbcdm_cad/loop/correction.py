@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.loop.search.account import held_out
+from mbcdm_cad.loop.prepare.prepared import held_out
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.storage.compiled import compiled

@@ -5,13 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+
+def _angle_over(unit: str) -> tuple[tuple[float, str], ...]:
+    return tuple((size, f"{word}/{unit}") for size, word in ((1.0, "rad"), (1e-3, "mrad"), (1e-6, "urad")))
+
+
 # Units by the ending of the name, longest ending first; for each the units to choose from, largest first.
 _SIZES: tuple[tuple[str, tuple[tuple[float, str], ...]], ...] = (
-    ("_rad_Nm", ((1.0, "rad/(N m)"), (1e-3, "mrad/(N m)"), (1e-6, "urad/(N m)"))),
-    ("_rad_rad2", ((1e-3, "mrad/rad^2"), (1e-6, "urad/rad^2"))),
-    ("_rad_rad3", ((1e-3, "mrad/rad^3"), (1e-6, "urad/rad^3"))),
-    ("_rad_s", ((1.0, "rad/s"), (1e-3, "mrad/s"), (1e-6, "urad/s"))),
-    ("_rad_K", ((1e-3, "mrad/K"), (1e-6, "urad/K"))),
+    ("_rad_Nm", _angle_over("(N m)")),
+    ("_rad_rad2", _angle_over("rad^2")),
+    ("_rad_rad3", _angle_over("rad^3")),
+    ("_rad_s", _angle_over("s")),
+    ("_rad_K", _angle_over("K")),
     ("_Nm_s", ((1.0, "N m s"), (1e-3, "mN m s"))),
     ("_rad", ((1.0, "rad"), (1e-3, "mrad"), (1e-6, "urad"))),
     ("_Nm", ((1.0, "N m"), (1e-3, "mN m"))),

@@ -315,6 +315,13 @@ def prepare(run: Run, ratio: float, one_of_several: int | None = None) -> tuple[
     return (whole if searched is None else taken(searched)), whole
 
 
+def held_out(runs: Sequence[Prepared]) -> str:
+    """Which half sweeps were held back, of each run by its name where there are several."""
+    if len(runs) == 1:
+        return runs[0].held_words
+    return "; ".join(f"{p.run.source or f'run {k}'}: {p.held_words}" for k, p in enumerate(runs, 1) if p.held.any())
+
+
 def _held(
     sweep: NDArray[np.int64], output_rad: Floats, load_Nm: Floats | None, searched: Cut | None
 ) -> NDArray[np.int64]:

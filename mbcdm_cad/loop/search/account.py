@@ -8,7 +8,7 @@ import numpy as np
 
 from mbcdm_cad.loop.effect import Effect, Figure
 from mbcdm_cad.loop.prepare.lines import order_spectrum
-from mbcdm_cad.loop.prepare.prepared import Prepared
+from mbcdm_cad.loop.prepare.prepared import Prepared, held_out
 from mbcdm_cad.loop.result import Errors, Named, Traces, Value, ways_apart
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.loop.search.unknown import Unknown
@@ -36,13 +36,6 @@ def errors(fitter: Fitter, bare: Fit, fit: Fit, floor_rad: float) -> Errors:
         share,
         held_out(fitter.runs),
     )
-
-
-def held_out(runs: Sequence[Prepared]) -> str:
-    """Which half sweeps were held back, of each run by its name where there are several."""
-    if len(runs) == 1:
-        return runs[0].held_words
-    return "; ".join(f"{p.run.source or f'run {k}'}: {p.held_words}" for k, p in enumerate(runs, 1) if p.held.any())
 
 
 def _rms_interval(fitter: Fitter, fit: Fit) -> Value:
