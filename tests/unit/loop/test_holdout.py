@@ -52,6 +52,9 @@ def test_few_or_unused_sweeps() -> None:
     assert held_sweeps(sweep, output, None).size == 1
 
 
-def test_words_name_numbers_from_one_and_loads() -> None:
+def test_words_name_numbers_of_the_run_and_loads() -> None:
+    """The first half sweep of a run is not used, so the first that is has the number 2."""
     sweep, _, load = sweeps([0.9, -0.9], 8)
-    assert held_words(np.array([1, 4]), sweep, load) == "half sweeps 2, 5 (mean loads -0.9 to 0.9 N m)"
+    assert held_words(np.array([1, 4]), sweep, load, False) == "half sweeps 3, 6 (mean loads -0.9 to 0.9 N m)"
+    assert held_words(np.array([2, 6]), sweep, None, True) == "eighths 3, 7 of the time"
+    assert held_words(np.array([], dtype=int), sweep, load, False) == "none"
