@@ -244,19 +244,33 @@ class DriveDesign:
         out: str | Path = "out",
         *,
         elastic: bool = False,
+        package: str | None = None,
+        xacro: bool = False,
+        ros2_control: bool = False,
         cache: bool = True,
         progress: Progress | None = None,
     ) -> Written:
         """Write the drive for robot simulators into ``out/NAME-FORM`` (SI units), as ``mbcdm export``.
 
-        ``elastic``: cables as springs, in MJCF only; ``MbcdmError`` for URDF, which has no springs between joints.
+        ``elastic``: cables as springs, in MJCF only. In URDF only: ``package``, the ROS package that the meshes are
+        in; ``xacro``, a macro with a prefix for all names; ``ros2_control``, a block for its controllers. Raises
+        ``MbcdmError`` for what the format has not, or a name that no package has.
         """
         from mbcdm_cad.jobs.outputs import write_robot
+        from mbcdm_cad.robot.urdf import UrdfOptions
 
         if elastic and form != "mjcf":
             raise MbcdmError("elastic: URDF has no springs between joints; export mjcf")
+        if form != "urdf" and (package is not None or xacro or ros2_control):
+            raise MbcdmError("package, xacro, ros2_control: they belong to ROS, which reads URDF; export urdf")
         return write_robot(
-            self.loaded, Path(out), cache_of(cache), form=form, elastic=elastic, progress=progress or silent
+            self.loaded,
+            Path(out),
+            cache_of(cache),
+            form=form,
+            elastic=elastic,
+            options=UrdfOptions(package, xacro, ros2_control) if form == "urdf" else None,
+            progress=progress or silent,
         )
 
     def simulate(self, experiment: str | Path, out: str | Path = "out") -> Written:

@@ -171,18 +171,42 @@ def watch(design: Path, port: int, out: Path, no_cache: bool) -> int:
 @DESIGN
 @click.option("--format", "form", type=click.Choice(("urdf", "mjcf")), required=True, help="Format of the file.")
 @click.option("--elastic", is_flag=True, help="Cables as springs instead of a rigid ratio (MJCF only).")
+@click.option("--package", metavar="NAME", help="Meshes by package://NAME/meshes, as RViz and Gazebo ask (URDF only).")
+@click.option("--xacro", is_flag=True, help="A macro with a prefix for all names instead of a robot (URDF only).")
+@click.option("--ros2-control", is_flag=True, help="Add the block that ros2_control reads (URDF only).")
 @out_folder("Folder that the description's folder, NAME-FORMAT, is written into.")
 @NO_CACHE
-def export(design: Path, form: Literal["urdf", "mjcf"], elastic: bool, out: Path, no_cache: bool) -> int:
+def export(
+    design: Path,
+    form: Literal["urdf", "mjcf"],
+    elastic: bool,
+    package: str | None,
+    xacro: bool,
+    ros2_control: bool,
+    out: Path,
+    no_cache: bool,
+) -> int:
     """Write a design for robot simulators.
 
     Links with mass and inertia, joints with the drive's ratios, meshes in metres; see docs/robot-formats.md.
     """
     if elastic and form != "mjcf":
         raise click.UsageError("--elastic: URDF has no springs between joints; give --format mjcf")
+    if form != "urdf" and (package is not None or xacro or ros2_control):
+        raise click.UsageError("--package, --xacro, --ros2-control: they belong to ROS; give --format urdf")
     loaded = api.load(design)
     with progress() as note:
-        click.echo(loaded.export(form, out, elastic=elastic, cache=not no_cache, progress=note))
+        written = loaded.export(
+            form,
+            out,
+            elastic=elastic,
+            package=package,
+            xacro=xacro,
+            ros2_control=ros2_control,
+            cache=not no_cache,
+            progress=note,
+        )
+    click.echo(written)
     return 0
 
 

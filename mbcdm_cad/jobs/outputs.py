@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mbcdm_cad.build.bodies import bodies, is_cable
 from mbcdm_cad.build.drawings import drawings_folder, drawings_of
@@ -24,6 +24,9 @@ from mbcdm_cad.storage.folders import output_folder
 from mbcdm_cad.storage.keys import content_key, package_hash
 from mbcdm_cad.storage.manifest import Manifest, versions
 from mbcdm_cad.storage.origin import refuse_other_origin, write_from
+
+if TYPE_CHECKING:
+    from mbcdm_cad.robot.urdf import UrdfOptions
 
 
 @dataclass(frozen=True)
@@ -141,17 +144,27 @@ def _refuse_other_view(view: str) -> None:
 
 
 def write_robot(
-    loaded: LoadedDesign, out: Path, cache: Cache, *, form: str, elastic: bool, progress: Progress
+    loaded: LoadedDesign,
+    out: Path,
+    cache: Cache,
+    *,
+    form: str,
+    elastic: bool,
+    options: UrdfOptions | None,
+    progress: Progress,
 ) -> Written:
-    """Write ``out/<name>-<form>``: the description for robot simulators (``urdf`` or ``mjcf``) and its meshes."""
+    """Write ``out/<name>-<form>``: the description for robot simulators (``urdf`` or ``mjcf``) and its meshes.
+
+    ``elastic`` in MJCF and ``options`` in URDF only.
+    """
     from mbcdm_cad.robot.formats import robot_files
     from mbcdm_cad.robot.mechanism import mechanism
 
     _, parts = drawn(loaded.drive, 0.0, cache, progress)
     robot = mechanism(loaded.drive, {name: part.files for name, part in parts.items()})
-    files = robot_files(robot, form, elastic)
+    files = robot_files(robot, form, elastic=elastic, options=options)
     target = out / f"{loaded.drive.name}-{form}"
-    inputs = content_key("export", (loaded.sha256, form, elastic), package_hash(), versions())
+    inputs = content_key("export", (loaded.sha256, form, elastic, options), package_hash(), versions())
     with output_folder(target, Manifest(loaded.sha256, inputs), design=loaded.path) as folder:
         for name, content in files.items():
             folder.write(name, content)

@@ -14,6 +14,7 @@ from mbcdm_cad.build.mass import MassProperties, combined, item_mass
 from mbcdm_cad.build.partfiles import PartFiles
 from mbcdm_cad.build.trianglemesh import TriangleMesh
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.model.analysis import analyse
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.parts.placement import Vector
@@ -23,6 +24,10 @@ MM = 1e-3
 G = 1e-3
 G_MM2 = 1e-9
 G_CM2 = 1e-7
+# Speed of the drum where nothing of the catalogue says one: a round value above the usual ones.
+SPEED_WITHOUT_FIGURES_RAD_S = 10.0
+# A torque that has fallen by less than this share is still the whole one.
+_STILL_WHOLE = 1.0 - 1e-6
 
 
 @dataclass(frozen=True)
@@ -43,13 +48,18 @@ class Link:
 
 @dataclass(frozen=True)
 class Joint:
-    """Joint of a link on the base: turns about ``axis`` by ``ratio`` times the drum; ``armature``: rotor inertia."""
+    """Joint of a link on the base: turns about ``axis`` by ``ratio`` times the drum; ``armature``: rotor inertia.
+
+    ``effort_Nm`` and ``speed_rad_s``: the largest torque that it holds continuously, and speed that goes with it.
+    """
 
     link: str
     axis: Vector
     ratio: float
     limit_rad: float
     armature: float  # kg m^2
+    effort_Nm: float
+    speed_rad_s: float
 
 
 @dataclass(frozen=True)
@@ -74,7 +84,6 @@ class Mechanism:
     joints: tuple[Joint, ...]
     drum: str
     cables: tuple[CableSpring, ...]
-    peak_torque_Nm: float
 
     def link(self, name: str) -> Link:
         """The moving link with this name."""
@@ -88,6 +97,7 @@ def mechanism(drive: Drive, parts: Mapping[str, PartFiles]) -> Mechanism:
     items = {item.name: item for item in centred.items}
     still, *turning = bodies(layout.moving_bodies, centred)
     drum = next(body for body in turning if body.kind == "drum")
+    drum_effort, drum_speed = _limits(drive)
     links = tuple(_link(body, [items[name] for name in body.items], parts, drive) for body in turning)
     fixed = [items[name] for name in still.items]
     base = _link(still, fixed, parts, drive, extra=[item for item in centred.items if is_cable(item)])
@@ -95,10 +105,9 @@ def mechanism(drive: Drive, parts: Mapping[str, PartFiles]) -> Mechanism:
         name=drive.name,
         base=base,
         links=links,
-        joints=tuple(_joint(body, drive) for body in turning),
+        joints=tuple(_joint(body, drive, drum_effort, drum_speed) for body in turning),
         drum=drum.name,
         cables=_cables(drive, [body for body in turning if body.kind == "input"]),
-        peak_torque_Nm=drive.loads.peak_torque_Nm,
     )
 
 
@@ -121,10 +130,38 @@ def _link(
     )
 
 
-def _joint(body: MovingGroup, drive: Drive) -> Joint:
+def _limits(drive: Drive) -> tuple[float, float]:
+    """Torque (N m) and speed (rad/s) of the drum, those of ``analyse``.
+
+    The torque that the motors hold continuously in the weaker direction, with all losses; the highest speed at which
+    the bus voltage still gives it, or a round one where the catalogue has no electrical values of the motor.
+    """
+    found = analyse(drive)
+    effort = min(found.peak_torque_with_losses_Nm)
+    if found.motor is None:
+        return effort, SPEED_WITHOUT_FIGURES_RAD_S
+    still = found.motor.curve[0].continuous_Nm
+    whole = [point.drum_speed_deg_s for point in found.motor.curve if point.continuous_Nm >= _STILL_WHOLE * still]
+    return effort, radians(max(whole))
+
+
+def _joint(body: MovingGroup, drive: Drive, drum_effort_Nm: float, drum_speed_rad_s: float) -> Joint:
     rotor = drive.motor.rotor_inertia_g_cm2 * G_CM2 * drive.gearhead.ratio**2
     limit = radians(abs(body.ratio) * (drive.half_travel_deg + drive.stop_clearance_deg))
-    return Joint(body.name, body.axis, body.ratio, limit, rotor if body.kind == "input" else 0.0)
+    turns = abs(body.ratio)
+    effort = drum_effort_Nm / turns
+    if body.kind == "input":
+        motor_Nm = drive.motor.rated_torque_mNm * 1e-3
+        effort = min(float(drive.layout.losses.output_Nm(motor_Nm)), drive.gearhead.max_torque_mNm * 1e-3)
+    return Joint(
+        body.name,
+        body.axis,
+        body.ratio,
+        limit,
+        armature=rotor if body.kind == "input" else 0.0,
+        effort_Nm=effort,
+        speed_rad_s=drum_speed_rad_s * turns,
+    )
 
 
 def _cables(drive: Drive, inputs: Sequence[MovingGroup]) -> tuple[CableSpring, ...]:

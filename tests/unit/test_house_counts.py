@@ -19,12 +19,12 @@ LIMITS = {
     "files of siso_bevel": 35,
     "files of siso_spur": 35,
     "files of miso_spur": 25,
-    "files": 601,
+    "files": 603,
     "imports, share of lines in %": 8.15,
     "circles": 1,
     "arrows back": 0,
     "repeating pairs": 190,
-    "lines": 72060,
+    "lines": 72260,
 }
 
 

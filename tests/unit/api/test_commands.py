@@ -189,6 +189,8 @@ def test_what_is_drawn_is_the_same_file_by_file(folder: Path, said: Callable[...
         design.picture("side.png", view="side")
     with pytest.raises(mc.MbcdmError, match="URDF has no springs"):
         design.export("urdf", elastic=True)
+    with pytest.raises(mc.MbcdmError, match="they belong to ROS"):
+        design.export("mjcf", xacro=True)
 
 
 @pytest.mark.slow
