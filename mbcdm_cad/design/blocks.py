@@ -176,7 +176,7 @@ class Limits(Block):
     )
     losses: Literal["counted", "paper"] = choice(
         "torque that motors and gearheads must move: with all losses counted, or without any, as the paper reckons",
-        default="paper",
+        default="counted",
     )
 
 

@@ -32,7 +32,6 @@ CONSTRUCTION = "7x7"
 PRELOAD_FACTOR = 2.0
 # Required rated torque of the motor over its torque at the peak torque.
 TORQUE_SPARE = 1.02
-COUNTED = "counted"
 # Tensions of the two cables of an input over the pull of the peak torque on the drum: the usual preload where friction
 # holds the cable. What they lose on the drum and in the bearings besides the input (estimate).
 PRELOADS, LOST_SPARE = 2.7, 1.2
@@ -82,6 +81,11 @@ def rope(value: Callable[[Any], Found]) -> Rule:
     )
 
 
+def counts_losses(given: KnownFields) -> bool:
+    """Whether losses count; they do where the file does not say."""
+    return bool(given.get("limits.losses", "counted") == "counted")
+
+
 def needed_ratio(given: TrialKnown) -> float:
     """Least ratio of drum to input with which the motor, through its gearhead, holds the peak torque continuously."""
     motor, gear = given.entry("motors", "drive.motor"), given.gearhead
@@ -95,7 +99,7 @@ def output_mNm(given: KnownFields, motor: Mapping[str, Any], head: Mapping[str, 
     if head is None:
         return float(motor["rated_torque_mNm"])
     lossless = float(motor["rated_torque_mNm"] * head["ratio"])
-    if given.get("limits.losses") != COUNTED:
+    if not counts_losses(given):
         return lossless
     return (lossless - GEARHEAD_IDLE_SHARE * float(head["rated_torque_mNm"])) * float(head["efficiency"])
 
@@ -106,7 +110,7 @@ def _needed_mNm(given: TrialKnown) -> float:
     The cables' tensions add up to the usual preloads, and lose at the inputs most of all.
     """
     needed = TORQUE_SPARE * given.input_peak_Nm * 1e3
-    if given.get("limits.losses") != COUNTED:
+    if not counts_losses(given):
         return needed
     lost = float(tangent_share(1.0, max(given.get("limits.bend_ratio_min", LEAST_WIRE_RATIO), 1.0)))
     return needed * (1.0 + LOST_SPARE * PRELOADS * lost)

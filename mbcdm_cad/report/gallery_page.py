@@ -44,7 +44,7 @@ compute all others (`mbcdm explain`). All drives pass every check. `make gallery
 page; `mbcdm page params/gallery/wrist.yaml` writes the page with the wrist in 3D. A study shows
 [which short files give a drive](reach.md).
 
-Torque: in the weaker direction, with a lossless gearhead. Swing: at a reversal of the test torque. Lowest mode: with
+Torque: in the weaker direction, with all losses counted. Swing: at a reversal of the test torque. Lowest mode: with
 the inputs held.
 """
 # The end of a file's first line that is the same in all files.

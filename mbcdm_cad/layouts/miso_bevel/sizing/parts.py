@@ -12,7 +12,7 @@ from mbcdm_cad.checks.take_up import THREAD_OUT_PITCHES
 from mbcdm_cad.checks.terminals import STUD_SAFETY
 from mbcdm_cad.design.bought import NO_GEARHEAD
 from mbcdm_cad.layouts.common_rules import COLLAR_SCREWS
-from mbcdm_cad.layouts.head_basis import COUNTED, output_mNm
+from mbcdm_cad.layouts.head_basis import counts_losses, output_mNm
 from mbcdm_cad.layouts.miso_bevel.checks.guide_fits import STRESS_SAFETY
 from mbcdm_cad.layouts.miso_bevel.checks.support_walls import HOLE_WEB_MM
 from mbcdm_cad.layouts.miso_bevel.sizing.known import BevelKnown
@@ -81,7 +81,7 @@ def _input_torque_Nm(given: BevelKnown) -> float:
     share = greatest(BIAS_SHARE, step / given.first_drum_mm)
     bias = share * given["rope.preload_N"] * radius * 1e-3
     needed = TORQUE_SPARE * given["loads.peak_torque_Nm"] / (2 * given.total_ratio) + bias
-    if given.get("limits.losses") == COUNTED:
+    if counts_losses(given):
         # On input, guide and drum, two cables at their preload: no point loses more than one on the input.
         at_input = 0.5 * ROPE_FACTOR * (given.d_mm / (2.0 * radius)) ** ROPE_EXPONENT
         needed = needed + INPUT_LOSSES * at_input * 2.0 * given["rope.preload_N"] * radius * 1e-3

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import degrees, inf, log
 
 from mbcdm_cad.checks.bending import ANCHOR_RATIO
 from mbcdm_cad.checks.input_pulley import SHOULDER_MM
 from mbcdm_cad.layouts.common_rules import LEAST_WIRE_RATIO
-from mbcdm_cad.layouts.head_basis import PRELOAD_FACTOR, needed_ratio, preload, rope, thinnest_rope_by
+from mbcdm_cad.layouts.head_basis import PRELOAD_FACTOR, counts_losses, needed_ratio, preload, rope, thinnest_rope_by
 from mbcdm_cad.layouts.siso_spur.design_file.reference import CABLES, INPUTS
 from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
 from mbcdm_cad.layouts.trial_sizing import whole_turns
@@ -18,7 +19,7 @@ from mbcdm_cad.sizing.rule import Found, Rule, constant, rounded_up
 PRELOAD_SPARE = 1.35
 SLIP_MARGIN = 2.0
 # Preloads that are tried, over the usual one: below the last one no number of turns gives the slip margin.
-PRELOAD_SHARES = (1.0, 0.95, 0.9, 0.85, 0.8)
+PRELOAD_SHARES = (1.0, 0.95, 0.9, 0.85, 0.8, 0.75)
 # Least radius of an input pulley beyond the radius of the motor's shaft, for the walls of bore and neck (estimate).
 NECK_MM = 2.5
 # Angle of both landings, before the centre distance is known, and wrap that should stick in addition.
@@ -92,14 +93,19 @@ def _rope(given: SpurKnown) -> Found:
 
 
 def _preload(given: SpurKnown) -> Found:
-    """The usual preload, or less if the ends of a stated rope cannot carry it and friction still holds the cable."""
+    """The usual preload, or less, as long as friction still holds the cable.
+
+    Less if the ends of a stated rope cannot carry it, or if losses count and bending so tight a rope takes too much of
+    the motor's torque.
+    """
     driver = "no_slack" if given.anchored else "input_slip"
     usual = preload(given, _wanted_preload_N(given, given.half_torque_N), driver)
     if given.anchored:
         return usual
     tried = [float(f"{share * usual.value:.2g}") for share in PRELOAD_SHARES]
-    found = given.first("rope.preload_N", tried, ("cable_ends",)).value
-    return usual if found == usual.value else Found(found, "cable_ends", "two digits")
+    counted = ("motor_torque_forward", "motor_torque_back") if counts_losses(given) else ()
+    found = given.first("rope.preload_N", tried, ("cable_ends", *counted))
+    return usual if found.value == usual.value else replace(found, rounding="two digits")
 
 
 def _turns(given: SpurKnown) -> Found:
