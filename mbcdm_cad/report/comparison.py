@@ -1,8 +1,8 @@
 """Comparison of designs from the files of their builds: torque, mass, box, backlash, stiffness, modes, parts, margins.
 
-Torque counts losses where ``limits.losses`` of a design does. Backlash is computed at one load for all designs, the smallest of
-their test torques, because it does not grow in proportion to the load. The stiffness of the frame, if known, acts in
-series with that of the cables, all wraps sticking.
+Torque counts losses where ``limits.losses`` of a design does. Backlash is computed at one load for all designs, the
+smallest of their test torques, because it does not grow in proportion to the load. The stiffness of the frame, if
+known, acts in series with that of the cables, all wraps sticking.
 """
 
 from __future__ import annotations
