@@ -100,7 +100,8 @@ def motor_figures(drive: Drive, d: DriveSI, peak_input_Nm: float, cap_Nm: float)
     no_load, asked = volts / constant, peak_input_Nm / gear.ratio
     if drive.limits.counts_losses:
         peak_load = drive.loads.peak_torque_Nm
-        asked = float(train.moving(np.array([peak_load, -peak_load]), 1).motor_Nm.max())
+        # At the shaft, as the catalogue's torques are: the motor's own friction is in none of them.
+        asked = float(train.moving(np.array([peak_load, -peak_load]), 1).motor_Nm.max()) - train.motor_idle_Nm
     rotor = motor.rotor_inertia_g_cm2 * _G_CM2
     held, free = _modes_Hz(drive, d, rotor * gear.ratio**2)
     to_drum = float(np.degrees(1.0 / turns))
