@@ -60,8 +60,10 @@ def test_each_input_is_sized_for_its_share_of_the_torque() -> None:
     [
         # Two inputs and +-62 degrees: the terminals of one sector come round to the other input's encoder and shelf.
         {"half": 61.9, "radius": 42.7, "ratio": 11.96, "peak": 0.52, "inputs": 2},
-        # Four printed hubs of 98 mm for their dowels: the stop's slot lies outside them.
+        # Four printed hubs of 98 mm for their dowels: the stop's slot lies outside them. With losses counted the motors
+        # are stronger, and their stop pin leaves the slot no web.
         {"half": 35.0, "radius": 89.5, "ratio": 4.95, "peak": 8.0, "inputs": 4, "rope": "7x7-0.61", "material": "pla"}
+        | {"losses": "paper"}
         # The heads of four M3 press the plastic base with a third of their force.
         | {"fails": {"mounting_screws"}},
     ],
@@ -70,6 +72,7 @@ def test_each_input_is_sized_for_its_share_of_the_torque() -> None:
 def test_far_corners_of_the_space_pass_every_check_but_those_named(asked: dict[str, Any]) -> None:
     data = short(asked["peak"], asked["inputs"])
     data["travel"]["half_angle_deg"] = asked["half"]
+    data["limits"] = {"losses": asked.get("losses", "counted")}
     data["transmission"] = {"input_to_drum": asked["ratio"], "drum_radius_mm": asked["radius"]}
     if "rope" in asked:
         data |= {"rope": {"type": asked["rope"]}, **{part: {"material": asked["material"]} for part in PRINTED}}
@@ -78,13 +81,13 @@ def test_far_corners_of_the_space_pass_every_check_but_those_named(asked: dict[s
 
 
 def test_motors_alone_give_the_smallest_drum_that_rope_and_shaft_allow() -> None:
-    """6 N m from two of 0.7 N m at 4.4 to 1: the stop pin stands where hub and rim leave its slot a web."""
+    """6 N m from two of 0.7 N m at 4.65 to 1: the stop pin stands where hub and rim leave its slot a web."""
     plastic = {"drum": {"material": "pla"}, "support": {"material": "pla"}}
     data = short(6.0, rope={"type": "uhmwpe-2"}, drive={"motor": "tmotor-u8-100kv"}, transmission={}, **plastic)
     drive = load_text(yaml.safe_dump(data | {"travel": {"half_angle_deg": 60.0}})).drive
     assert not failed(drive), failed(drive)
     radius = drive.cables[0].drum_radius_mm
-    assert radius == 35.5, f"{radius} mm"
+    assert radius == 37.5, f"{radius} mm"
 
 
 def test_what_is_given_stays_and_the_starting_file_passes() -> None:

@@ -72,14 +72,14 @@ def test_one_line_more_gives_two_anchored_cables_that_pass(
 
 
 def test_motor_alone_gives_ratio_and_radius() -> None:
-    """6 N m from 0.74 N m: 8.3 to 1, on the smallest input that a 2 mm rope and the shaft allow."""
+    """6 N m with losses from 0.74 N m: 8.75 to 1, on the smallest input that a 2 mm rope and the shaft allow."""
     data = yaml.safe_load(short(60.0, 1.0, 1.0, 6.0)) | {
         "transmission": {},
         "rope": {"type": "uhmwpe-2"},
         "drive": {"motor": "eaglepower-8308-90kv"},
     }
     drive: Any = load_text(yaml.safe_dump(data)).drive
-    assert drive.gearhead.absent and drive.total_ratio == pytest.approx(6.0 / 0.74, rel=0.03)
+    assert drive.gearhead.absent and drive.total_ratio == pytest.approx(1.08 * 6.0 / 0.74, rel=0.03)
     assert 2 * drive.input_radius_mm / drive.cable.diameter_mm >= drive.limits.bend_ratio_min
     assert drive.drum_radius_mm < 75.0
     assert not failed(drive), failed(drive)

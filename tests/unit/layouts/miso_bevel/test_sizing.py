@@ -20,7 +20,8 @@ STATED = [
     *("name", "configuration", "travel.half_angle_deg"),
     *("transmission.centre_distance_mm", "transmission.drum_radii_mm", "transmission.ratios"),
     *("rope.type", "rope.modulus_GPa", "rope.modulus_area", "rope.friction_coefficient", "rope.preload_N"),
-    *("drive", "loads", "limits.bend_ratio_min", "limits.frame_windup_max_mrad", "targets", "support.back_y_mm"),
+    *("drive", "loads", "limits.bend_ratio_min", "limits.frame_windup_max_mrad", "limits.losses"),
+    *("targets", "support.back_y_mm"),
 ]
 
 
