@@ -7,7 +7,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from mbcdm_cad.design.drive import AsBuilt, AsBuiltValue, Drive
+from mbcdm_cad.design.blocks import AsBuilt, AsBuiltValue
+from mbcdm_cad.design.drive import Drive
 
 # Forms, by name of the effect, whose figure "share" is the relative change of a value that the design declares.
 CHANGE_VALUES = {

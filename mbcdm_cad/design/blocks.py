@@ -1,5 +1,7 @@
 """Blocks of the design file that all configurations share: each field with type, bounds, unit and a line of meaning.
 
+Those that the drive has as they are read are a ``PlainBlock``; from the others ``Drive`` is computed.
+
 Fields keep the units in their names (mm, degrees, N, N m, g). A configuration adds blocks of its own to :class:`Design`
 and gives the reference values with their sources (:mod:`mbcdm_cad.design.design_file`). Conditions that concern several
 fields are in :mod:`mbcdm_cad.design.rules` and in the configuration's rules.
@@ -7,6 +9,7 @@ fields are in :mod:`mbcdm_cad.design.rules` and in the configuration's rules.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Annotated, ClassVar, Literal
 
 from pydantic import ConfigDict, Field
@@ -14,7 +17,7 @@ from pydantic import ConfigDict, Field
 from mbcdm_cad.design.bought import CableSpec
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.entries import OwnEntries
-from mbcdm_cad.design.fields import Block, CheckId, EntryName, Integer, Number, Slug, Text, choice, quantity
+from mbcdm_cad.design.fields import Block, CheckId, EntryName, Integer, Number, PlainBlock, Slug, Text, choice, quantity
 
 Length = Annotated[Number, Field(ge=0.5, le=500.0)]
 
@@ -134,7 +137,8 @@ class DriveTrain(Block):
     drum_encoder: EntryName = choice("encoder on the drum shaft")
 
 
-class Loads(Block):
+@dataclass(frozen=True, kw_only=True)
+class Loads(PlainBlock):
     """External torques on the drum at which the design is checked."""
 
     test_torque_Nm: Number = quantity("torque of the backlash test", unit="N m", uncertain=True, gt=0.0, le=1000.0)
@@ -158,7 +162,8 @@ class Loads(Block):
     )
 
 
-class Limits(Block):
+@dataclass(frozen=True, kw_only=True)
+class Limits(PlainBlock):
     """Limits of this design, which the checks use."""
 
     bend_ratio_min: Number = quantity(
@@ -179,8 +184,14 @@ class Limits(Block):
         default="counted",
     )
 
+    @property
+    def counts_losses(self) -> bool:
+        """Whether motors and gearheads must move the torque with all losses."""
+        return self.losses == "counted"
 
-class Making(Block):
+
+@dataclass(frozen=True, kw_only=True)
+class Making(PlainBlock):
     """Tolerances of the parts, each half of its band; a gap smaller than their sum gives a warning."""
 
     rope_diameter_share: Number = quantity(
@@ -205,7 +216,8 @@ class Making(Block):
     )
 
 
-class Printing(Block):
+@dataclass(frozen=True, kw_only=True)
+class Printing(PlainBlock):
     """Settings for parts of printed materials; other parts do not use them."""
 
     hole_allowance_mm: Number = quantity(
@@ -225,6 +237,7 @@ class Printing(Block):
     )
 
 
+@dataclass(frozen=True, kw_only=True)
 class SpanLimits(Limits):
     """Limits of this design, which the checks use."""
 
@@ -247,7 +260,8 @@ class SpanLimits(Limits):
     )
 
 
-class Targets(Block):
+@dataclass(frozen=True, kw_only=True)
+class Targets(PlainBlock):
     """Mass and box to reach; a target that is left out is not checked."""
 
     mass_g: Number | None = quantity("mass of the whole", unit="g", default=None, gt=0.0, le=1e6)
@@ -261,7 +275,8 @@ class Targets(Block):
     envelope_tolerance_mm: Number = quantity("how far each side may differ", unit="mm", default=0.5, gt=0.0, le=100.0)
 
 
-class Export(Block):
+@dataclass(frozen=True, kw_only=True)
+class Export(PlainBlock):
     """Settings of the files written."""
 
     mesh_tolerance_mm: Number = quantity("largest distance of a mesh from its surface", unit="mm", ge=0.001, le=1.0)
@@ -271,14 +286,16 @@ class Export(Block):
     )
 
 
-class Waiver(Block):
+@dataclass(frozen=True, kw_only=True)
+class Waiver(PlainBlock):
     """A check that may fail, with the reason, which the report prints."""
 
     check: CheckId = choice("id of the check")
     reason: Text = choice("reason why the failure is accepted")
 
 
-class AsBuiltValue(Block):
+@dataclass(frozen=True, kw_only=True)
+class AsBuiltValue(PlainBlock):
     """One figure of an effect that was found on the built drive, in the SI unit that its name ends in."""
 
     name: EntryName = choice("name of the figure")
@@ -287,7 +304,8 @@ class AsBuiltValue(Block):
     high: Number | None = choice("upper end of its 95 % interval", default=None, ge=-1e6, le=1e6)
 
 
-class AsBuilt(Block):
+@dataclass(frozen=True, kw_only=True)
+class AsBuilt(PlainBlock):
     """An effect that the built drive was found to have, written by 'mbcdm loop --apply'."""
 
     name: Slug = choice("name of the effect, as in docs/loop.md")
@@ -338,8 +356,8 @@ class Design(Block):
     drive: DriveTrain
     loads: Loads
     limits: Limits
-    making: Making = Field(default_factory=Making.model_construct)
-    printing: Printing = Field(default_factory=Printing.model_construct)
+    making: Making = Field(default_factory=Making)
+    printing: Printing = Field(default_factory=Printing)
     targets: Targets
     export: Export
     waivers: tuple[Waiver, ...] = choice(

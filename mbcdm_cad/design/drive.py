@@ -11,6 +11,7 @@ from functools import cached_property
 from importlib import import_module
 from typing import TYPE_CHECKING, Protocol, TypeVar
 
+from mbcdm_cad.design.blocks import AsBuilt, Export, Limits, Loads, Making, Printing, Targets, Waiver
 from mbcdm_cad.design.bought import (
     CableSpec,
     Encoder,
@@ -38,70 +39,6 @@ class CableRun:
     preload_N: float
 
 
-@dataclass(frozen=True)
-class Loads:
-    """External torques on the drum at which the design is checked."""
-
-    test_torque_Nm: float
-    peak_torque_Nm: float
-    stiffness_Nm_rad: float | None = None
-    backdrive_Nm: float | None = None
-
-
-@dataclass(frozen=True)
-class Limits:
-    """Limits of this design, which the checks use."""
-
-    bend_ratio_min: float
-    tension_safety_factor: float
-    preload_share_max: float
-    frame_windup_max_mrad: float | None
-    losses: str  # "counted" or "paper"
-
-    @property
-    def counts_losses(self) -> bool:
-        """Whether motors and gearheads must move the torque with all losses."""
-        return self.losses == "counted"
-
-
-@dataclass(frozen=True)
-class Making:
-    """Tolerances of the parts. Plus or minus, except run-out (full reading) and bearing play (side to side)."""
-
-    rope_diameter_share: float
-    run_out_mm: float
-    bearing_play_mm: float
-    position_mm: float
-
-
-@dataclass(frozen=True)
-class Printing:
-    """Settings of the parts of printed materials."""
-
-    hole_allowance_mm: float  # on the diameter, in the files for the printer
-    nozzle_mm: float
-    threads: str  # "cut" or "inserts"
-
-
-@dataclass(frozen=True)
-class Targets:
-    """Targets of mass and box with their tolerances; None: no target. The box is (X, Z, Y)."""
-
-    mass_g: float | None
-    mass_tolerance_g: float
-    prototype_mass_g: float | None
-    envelope_mm: tuple[float, float, float] | None
-    envelope_tolerance_mm: float
-
-
-@dataclass(frozen=True)
-class ExportSettings:
-    """Settings of the files written."""
-
-    mesh_tolerance_mm: float
-    threads: str  # "major" or "tap_drill"
-
-
 @dataclass(frozen=True, kw_only=True)
 class Sigmas:
     """Standard deviations of the values that were given with one, 0 for the others; tuples are by cable.
@@ -115,36 +52,6 @@ class Sigmas:
     area_mm2: float  # of the area that the modulus refers to
     test_torque_Nm: float
     motor_torque_mNm: float
-
-
-@dataclass(frozen=True)
-class Waiver:
-    """A check that may fail, and why."""
-
-    check: str
-    reason: str
-
-
-@dataclass(frozen=True)
-class AsBuiltValue:
-    """One figure of an effect, SI; ``low`` and ``high``: its 95 % interval where it is known."""
-
-    name: str
-    value: float
-    low: float | None
-    high: float | None
-
-
-@dataclass(frozen=True)
-class AsBuilt:
-    """An effect that the built drive was found to have; no cables: all."""
-
-    name: str
-    form: str
-    stage: str | None
-    cables: tuple[str, ...]
-    values: tuple[AsBuiltValue, ...]
-    source: str | None
 
 
 @dataclass(frozen=True)
@@ -182,7 +89,7 @@ class Drive:
     making: Making
     printing: Printing
     targets: Targets
-    export: ExportSettings
+    export: Export
     waivers: tuple[Waiver, ...]
     screws: tuple[Screw, ...]
     materials: tuple[Material, ...]

@@ -25,7 +25,6 @@ from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.design.lookup import Catalogue
 from mbcdm_cad.design.problems import schema_problems
 from mbcdm_cad.design.ranges import refuse_ranges
-from mbcdm_cad.design.resolve import as_built
 from mbcdm_cad.design.rules import Broken, every_broken_rule
 from mbcdm_cad.design.sigmas import split_sigmas
 from mbcdm_cad.design.sized import Moved, SizedValue, Sizing, SizingError
@@ -70,7 +69,7 @@ def resolved(
     catalogue = Catalogue(design)
     broken = every_broken_rule(design, catalogue, file.rules(design), file.named(design))
     _refuse_broken_rules(broken, tree, str(path))
-    return Resolved(design, with_as_built(file.drive(design, catalogue, sigmas), as_built(design)), tree.data, sizing)
+    return Resolved(design, with_as_built(file.drive(design, catalogue, sigmas), design.as_built), tree.data, sizing)
 
 
 def blamed(error: InputError, tree: Tree, path: Path, file: DesignFile) -> InputError:

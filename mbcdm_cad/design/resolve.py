@@ -6,11 +6,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Protocol
 
-from mbcdm_cad.design import drive as d
 from mbcdm_cad.design.blocks import Cable, Design, Rope
 from mbcdm_cad.design.bought import NO_GEARHEAD, CableSpec, Motor, TerminationSpec, without_gearhead
 from mbcdm_cad.design.fieldpath import FieldPath
-from mbcdm_cad.design.lookup import Catalogue, copied
+from mbcdm_cad.design.lookup import Catalogue
 
 
 class SteppedCable(Protocol):
@@ -47,13 +46,13 @@ def shared_values(design: Design, catalogue: Catalogue) -> dict[str, Any]:
         "bus_voltage_V": motor.voltage_V if train.bus_voltage_V is None else train.bus_voltage_V,
         "encoder": catalogue.get("encoders", train.encoder),
         "drum_encoder": catalogue.get("encoders", train.drum_encoder),
-        "loads": copied(d.Loads, design.loads),
-        "limits": copied(d.Limits, design.limits),
-        "making": copied(d.Making, design.making),
-        "printing": copied(d.Printing, design.printing),
-        "targets": copied(d.Targets, design.targets),
-        "export": copied(d.ExportSettings, design.export),
-        "waivers": tuple(copied(d.Waiver, waiver) for waiver in design.waivers),
+        "loads": design.loads,
+        "limits": design.limits,
+        "making": design.making,
+        "printing": design.printing,
+        "targets": design.targets,
+        "export": design.export,
+        "waivers": design.waivers,
         "screws": catalogue.all("screws"),
         "inserts": catalogue.all("inserts"),
         "materials": catalogue.materials(),
@@ -99,14 +98,6 @@ def shared_sigmas(
         "test_torque_Nm": of("loads", "test_torque_Nm"),
         "motor_torque_mNm": of("catalogue", "motors", design.drive.motor, "rated_torque_mNm"),
     }
-
-
-def as_built(design: Design) -> tuple[d.AsBuilt, ...]:
-    """The effects that the file says were found on the built drive."""
-    return tuple(
-        copied(d.AsBuilt, entry, values=tuple(copied(d.AsBuiltValue, value) for value in entry.values))
-        for entry in design.as_built
-    )
 
 
 def termination(name: str | None, known: Sequence[TerminationSpec], rope: CableSpec) -> TerminationSpec:

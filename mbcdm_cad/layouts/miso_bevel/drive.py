@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import asin, cos
 
+from mbcdm_cad.design.blocks import SpanLimits
 from mbcdm_cad.design.bought import Bearing, Material
-from mbcdm_cad.design.drive import Drive, Limits, Sigmas
+from mbcdm_cad.design.drive import Drive, Sigmas
 from mbcdm_cad.parts.drum_sector.design import SectorDrive, SectorRun, TransferClearances, WoundPulleySpec
 
 
@@ -60,14 +61,6 @@ class SupportSpec:
     rib_mm: float
 
 
-@dataclass(frozen=True)
-class SpanLimitValues(Limits):
-    """Limits of the free spans too."""
-
-    fleet_angle_max_deg: float
-    fleet_angle_grooved_max_deg: float
-
-
 @dataclass(frozen=True, kw_only=True)
 class BevelSigmas(Sigmas):
     """Standard deviations of this configuration's own lengths too."""
@@ -84,7 +77,7 @@ class BevelDrive(SectorDrive):
 
     cables: tuple[BevelRun, ...]
     sigmas: BevelSigmas
-    limits: SpanLimitValues
+    limits: SpanLimits
     input_sides: tuple[int, ...]
     centre_distance_mm: float
     input_setback_mm: float  # input axes at y = -this, behind the guide's axis

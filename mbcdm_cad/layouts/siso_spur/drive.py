@@ -5,10 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import acos, hypot, pi, radians, sqrt, tan, tau
-from typing import TypeVar
+from typing import ClassVar, TypeVar
 
+from mbcdm_cad.design.blocks import Limits
 from mbcdm_cad.design.bought import Bearing, Material
-from mbcdm_cad.design.drive import Drive, Limits, Sigmas
+from mbcdm_cad.design.drive import Drive, Sigmas
+from mbcdm_cad.design.fields import Number, quantity
 from mbcdm_cad.parts.drum_sector.design import SectorRun, WoundPulleySpec
 from mbcdm_cad.parts.input_pulley.dims import GROOVE_DEPTH, GROOVE_RADIUS
 from mbcdm_cad.parts.motor_head.dims import HeadedDrive
@@ -69,11 +71,27 @@ class YokeSpec:
     encoder_shelf_mm: float
 
 
-@dataclass(frozen=True)
-class SpurLimitValues(Limits):
-    """Adds the margin of slip: torque that friction on the input must hold, over the peak torque."""
+@dataclass(frozen=True, kw_only=True)
+class SpurLimits(Limits):
+    """Limits of this design, which the checks use."""
 
-    slip_margin_min: float
+    ORDER: ClassVar[tuple[str, ...]] = (
+        "bend_ratio_min",
+        "slip_margin_min",
+        "tension_safety_factor",
+        "preload_share_max",
+        "frame_windup_max_mrad",
+    )
+
+    slip_margin_min: Number = quantity(
+        "torque at which a continuous cable slips on the input over the peak torque",
+        unit="-",
+        source="estimate: friction is known to a factor of two",
+        reference=2.0,
+        default=2.0,
+        ge=1.0,
+        le=20.0,
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -100,7 +118,7 @@ class SpurDrive(HeadedDrive):
     centre_distance_mm: float
     turns: int
     anchored: bool
-    limits: SpurLimitValues
+    limits: SpurLimits
     radii_explicit: bool
     input_pulleys: WoundPulleySpec
     bearings: SpurBearings

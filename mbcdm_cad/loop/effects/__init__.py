@@ -9,7 +9,7 @@ from importlib import import_module
 
 import numpy as np
 
-from mbcdm_cad.design.drive import AsBuilt
+from mbcdm_cad.design.blocks import AsBuilt
 from mbcdm_cad.loop.effect import Effect, Offer
 from mbcdm_cad.loop.prepare.prepared import Prepared
 from mbcdm_cad.model.si import DriveSI, ModelError

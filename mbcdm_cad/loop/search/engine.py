@@ -28,7 +28,8 @@ from mbcdm_cad.model.si import DriveSI, to_si
 from mbcdm_cad.routes import Floats
 
 if TYPE_CHECKING:
-    from mbcdm_cad.design.drive import AsBuilt, Drive
+    from mbcdm_cad.design.blocks import AsBuilt
+    from mbcdm_cad.design.drive import Drive
 
 # If an effect so many times as large changes the prediction by no more than this share of the floor (RMS), the data
 # give only a lower bound of its size.

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.design.drive import AsBuilt
+from mbcdm_cad.design.blocks import AsBuilt
 from mbcdm_cad.loop.effect import Effect
 from mbcdm_cad.loop.effects import known_effects
 from mbcdm_cad.loop.prepare.prepared import Prepared

@@ -7,7 +7,8 @@ from dataclasses import replace
 import pytest
 
 from mbcdm_cad.checks.built import envelope_check, interference_check, mass_check
-from mbcdm_cad.design.drive import Drive, Waiver
+from mbcdm_cad.design.blocks import Waiver
+from mbcdm_cad.design.drive import Drive
 
 
 @pytest.mark.parametrize(("mass", "status"), [(340.0, "pass"), (360.0, "pass"), (339.9, "fail"), (360.1, "fail")])
@@ -32,6 +33,6 @@ def test_interference(drive: Drive) -> None:
 
 
 def test_waiver_reaches_them(drive: Drive) -> None:
-    waived = replace(drive, waivers=(Waiver("mass", "a steel drum on purpose"),))
+    waived = replace(drive, waivers=(Waiver(check="mass", reason="a steel drum on purpose"),))
     found = mass_check(waived, 400.0, 4.0)
     assert found.status == "pass" and found.waived_reason == "a steel drum on purpose", found

@@ -13,7 +13,8 @@ from designs import put, reference, with_cable
 
 from mbcdm_cad.checks.built import BUILD_IDS
 from mbcdm_cad.checks.result import CheckResult, failed
-from mbcdm_cad.design.drive import Drive, Waiver
+from mbcdm_cad.design.blocks import Waiver
+from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.check_design import known_ids, run_checks
 from mbcdm_cad.layouts.loader import load_design, load_text, reference_data
@@ -109,7 +110,7 @@ class TestWaivers:
     def test_a_failure_with_a_reason_passes_and_says_so(self, drive: Drive) -> None:
         heavy = put(drive, "loads.peak_torque_Nm", 3.3)
         assert [r.id for r in failed(run_checks(heavy))] == ["motor_torque_back"]
-        waived = replace(heavy, waivers=(Waiver("motor_torque_back", "one direction is enough here"),))
+        waived = replace(heavy, waivers=(Waiver(check="motor_torque_back", reason="one direction is enough here"),))
         results = run_checks(waived)
         assert failed(results) == ()
         found = by_id(results)["motor_torque_back"]
@@ -117,13 +118,16 @@ class TestWaivers:
         assert found.margin is not None and found.margin < 0.0 and found.remedy, found
 
     def test_what_passes_or_warns_is_not_called_waived(self, drive: Drive) -> None:
-        waivers = (Waiver("bend_ratio", "never needed"), Waiver("quiet_running", "noise does not matter"))
+        waivers = (
+            Waiver(check="bend_ratio", reason="never needed"),
+            Waiver(check="quiet_running", reason="noise does not matter"),
+        )
         results = by_id(run_checks(replace(drive, waivers=waivers)))
         assert results["bend_ratio"].waived_reason is None and results["quiet_running"].status == "warn"
 
     def test_nothing_to_measure_cannot_be_waived(self, drive: Drive) -> None:
         overlapping = put(drive, "centre_distance_mm", 17.0)
-        waived = replace(overlapping, waivers=(Waiver("rim_height", "whatever"),))
+        waived = replace(overlapping, waivers=(Waiver(check="rim_height", reason="whatever"),))
         assert by_id(run_checks(waived))["rim_height"].status == "fail"
 
     def test_unknown_check_is_bad_input_with_line_and_suggestion(self) -> None:
@@ -137,7 +141,7 @@ class TestWaivers:
         assert "did you mean bend_ratio?" in text, text
 
     def test_checks_of_the_build_may_be_waived_beforehand(self, drive: Drive) -> None:
-        waivers = tuple(Waiver(name, "heavier on purpose") for name in BUILD_IDS)
+        waivers = tuple(Waiver(check=name, reason="heavier on purpose") for name in BUILD_IDS)
         assert failed(run_checks(replace(drive, waivers=waivers))) == ()
 
 

@@ -23,7 +23,6 @@ def drive(design: BevelDesign, catalogue: Catalogue, sigmas: Mapping[FieldPath, 
         | sector_values(design, catalogue)
         | {
             "clearances": copied(TransferClearances, design.clearances),
-            "limits": copied(d.SpanLimitValues, design.limits),
             "input_pulleys": WoundPulleySpec(
                 catalogue.material(pulleys.material), collar_screw=pulleys.collar_screw, surface=pulleys.surface
             ),

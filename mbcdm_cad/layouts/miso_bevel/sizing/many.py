@@ -6,8 +6,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+from mbcdm_cad.design.blocks import Loads
 from mbcdm_cad.design.bought import CableSpec, Motor
-from mbcdm_cad.design.drive import Drive, Loads
+from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, bevel
 from mbcdm_cad.layouts.miso_bevel.sizing import BEFORE_FRAME
 from mbcdm_cad.layouts.miso_bevel.sizing.known import BevelKnown
@@ -55,6 +56,6 @@ def drive_of_many(alike: Alike, like: Drive) -> BevelDrive:
         cable=CableSpec(**rope),
         motor=Motor(name=known["drive.motor"], **known.entry("motors", "drive.motor")),
         gearhead=known.gearhead,
-        loads=Loads(known["loads.test_torque_Nm"], known["loads.peak_torque_Nm"]),
+        loads=Loads(test_torque_Nm=known["loads.test_torque_Nm"], peak_torque_Nm=known["loads.peak_torque_Nm"]),
         limits=replace(like.limits, tension_safety_factor=known["limits.tension_safety_factor"]),
     )

@@ -45,7 +45,6 @@ def spur_values(design: SpurBlocks, catalogue: Catalogue, sigmas: Mapping[FieldP
         | sector_values(design, catalogue)
         | {
             "clearances": copied(Clearances, design.clearances),
-            "limits": copied(d.SpurLimitValues, design.limits),
             "input_pulleys": WoundPulleySpec(
                 catalogue.material(pulleys.material), collar_screw=pulleys.collar_screw, surface=pulleys.surface
             ),

@@ -7,10 +7,11 @@ from __future__ import annotations
 
 from typing import ClassVar, Literal
 
-from mbcdm_cad.design.blocks import Design, Input, Length, Limits, Rope
+from mbcdm_cad.design.blocks import Design, Input, Length, Rope
 from mbcdm_cad.design.fields import Block, EntryName, Integer, Number, choice, quantity
 from mbcdm_cad.design.sector_blocks import SectorCable, SectorDrum, SteppedPulleys
 from mbcdm_cad.layouts.siso_spur.design_file.reference import CABLES, ESTIMATE, INPUTS
+from mbcdm_cad.layouts.siso_spur.drive import SpurLimits
 
 
 class SpurTransmission(Block):
@@ -165,28 +166,6 @@ class YokeSupport(Block):
     )
     encoder_shelf_mm: Number = quantity(
         "shelf of the bearing next to the encoder", unit="mm", source=ESTIMATE, reference=4.0, ge=0.5, le=50.0
-    )
-
-
-class SpurLimits(Limits):
-    """Limits of this design, which the checks use."""
-
-    ORDER: ClassVar[tuple[str, ...]] = (
-        "bend_ratio_min",
-        "slip_margin_min",
-        "tension_safety_factor",
-        "preload_share_max",
-        "frame_windup_max_mrad",
-    )
-
-    slip_margin_min: Number = quantity(
-        "torque at which a continuous cable slips on the input over the peak torque",
-        unit="-",
-        source="estimate: friction is known to a factor of two",
-        reference=2.0,
-        default=2.0,
-        ge=1.0,
-        le=20.0,
     )
 
 
