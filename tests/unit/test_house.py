@@ -14,15 +14,7 @@ _BLOCK = "the block of the design file, and the plain value that is read from it
 _FACE = "what the face of configurations asks for, and the class of a configuration that answers it"
 # Classes that share a name with another one, and why.
 SHARED_NAMES: dict[str, str] = {
-    "AsBuilt": _BLOCK,
-    "AsBuiltValue": _BLOCK,
     "Clearances": _BLOCK,
-    "Limits": _BLOCK,
-    "Loads": _BLOCK,
-    "Making": _BLOCK,
-    "Printing": _BLOCK,
-    "Targets": _BLOCK,
-    "Waiver": _BLOCK,
     "PathFigures": _FACE,
 }
 MOST_ARGUMENTS = 8
