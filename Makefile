@@ -10,6 +10,9 @@ build: setup
 	$(BIN)/mbcdm build $(DESIGN)
 	$(BIN)/mbcdm page $(DESIGN)
 
+# Each worker computes on its own core: threads of the matrix library under them only wait for each other.
+test test-slow: export OPENBLAS_NUM_THREADS = 1
+
 test: setup
 	$(BIN)/pytest -q -n auto --dist loadfile -m "not slow"
 

@@ -61,17 +61,17 @@ def payload_screws(s: SectorLayout) -> Comparison:
 
 def mounting_screws(s: SectorLayout) -> Comparison:
     """Torque at which the frame slips on what it is mounted on, over the peak torque."""
-    material, screw = s.drive.support.material, s.drive.screw(s.mount_screw)
-    # The ring under a head presses the frame; a printed one yields to it in time.
-    head = pi / 4.0 * (screw.head_diameter_mm**2 - (2.0 * s.frame.mount_radius) ** 2)
-    clamp = min(clamp_force_N(screw.thread_mm), lasting_MPa(material) * head)
+    material, screw = s.drive.support.material, s.mounting
+    # The ring under a head or a washer presses the frame; a printed one yields to it in time.
+    ring = pi / 4.0 * (screw.seat_mm(s.mount_washers) ** 2 - (2.0 * s.frame.mount_radius) ** 2)
+    clamp = min(clamp_force_N(screw.thread_mm), lasting_MPa(material) * ring)
     places = s.frame.mounts
     middle = [sum(place[k] for place in places) / len(places) for k in (0, 1)]
     arms = sum(hypot(x - middle[0], z - middle[1]) for x, z in places)
     slips, peak = FRICTION * clamp * arms * 1e-3, s.drive.loads.peak_torque_Nm
     return at_least(
-        f"{len(places)} x M{screw.thread_mm:g} at {clamp:.4g} N hold the frame against {slips:.4g} N m by friction, "
-        f"over the peak torque of {peak:g} N m",
+        f"{len(places)} x {screw.words(s.mount_washers)} at {clamp:.4g} N hold the frame against {slips:.4g} N m by "
+        f"friction, over the peak torque of {peak:g} N m",
         slips / peak,
         SLIP_SAFETY,
         "times",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Iterable, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from mbcdm_cad.layouts.base import Layout, NoFigureError, dimensions
 from mbcdm_cad.parts.collar import CollarDims
@@ -15,6 +15,7 @@ from mbcdm_cad.parts.drum_sector.sizes import drum_shaft, preload_spring
 from mbcdm_cad.parts.drum_shaft import DrumShaftDims, PreloadSpringDims
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 from mbcdm_cad.parts.motor_head.dims import HeadDims, HeadedDrive
+from mbcdm_cad.parts.mounting import MOUNT_SCREWS, MountScrew
 from mbcdm_cad.parts.terminal.part import Tensioner
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.cable_path import CablePath
@@ -57,13 +58,21 @@ class SectorLayout(Layout):
     """A design with a drum sector, its terminals, and an input pulley in two bearings for each input."""
 
     drive: SectorDrive
-    # Screws that hold the frame on what it is mounted on.
-    mount_screw: ClassVar[str] = "M3x8"
 
     def __init__(self, drive: SectorDrive, **given: Any) -> None:
         super().__init__(drive, **given)
         # The cables in the order of their steps.
         self.steps: tuple[SectorRun, ...] = tuple(sorted(drive.cables, key=lambda cable: cable.step))
+
+    @property
+    def mounting(self) -> MountScrew:
+        """The screw that holds the frame on what it is mounted on."""
+        return MOUNT_SCREWS["M3"]
+
+    @property
+    def mount_washers(self) -> bool:
+        """Whether washers are under the heads of these screws."""
+        return False
 
     @property
     def printed_frame(self) -> bool:

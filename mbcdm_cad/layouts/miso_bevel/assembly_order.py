@@ -8,7 +8,7 @@ from math import pi
 from mbcdm_cad.layouts.miso_bevel.cable_path import winding
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.plate_screws import plate_screw_of
-from mbcdm_cad.layouts.miso_bevel.support.dims import AXLE_SCREW, MOUNT_SCREW, MOUNT_SCREW_KEY_MM
+from mbcdm_cad.layouts.miso_bevel.support.dims import AXLE_SCREW
 from mbcdm_cad.layouts.miso_bevel.tensioning import plan
 from mbcdm_cad.parts.bill import AssemblyStep, cable_item
 from mbcdm_cad.parts.inserts import insert_items, insert_words
@@ -45,6 +45,7 @@ def _behind_the_guide(layout: BevelLayout) -> tuple[str, ...]:
 def _bench(layout: BevelLayout) -> tuple[AssemblyStep, ...]:
     drive = layout.drive
     rope, ring, spring = drive.cable, drive.drum_encoder, layout.preload_spring
+    screw, printed = drive.support.mount, drive.support.material.printed
     insert = layout.frame.plate_insert
     return (
         AssemblyStep(
@@ -73,8 +74,8 @@ def _bench(layout: BevelLayout) -> tuple[AssemblyStep, ...]:
             ),
         ),
         AssemblyStep(
-            f"Bolt the frame to its base with {len(layout.frame.mounts)} {MOUNT_SCREW} through the back plate, "
-            f"from the front ({MOUNT_SCREW_KEY_MM:g} mm key): collars and drum will stand before their heads."
+            f"Bolt the frame to its base with {len(layout.frame.mounts)} {screw.words(printed)} through the back "
+            f"plate, from the front ({screw.key_mm:g} mm key): collars and drum will stand before their heads."
         ),
     )
 

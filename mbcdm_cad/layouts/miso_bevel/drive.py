@@ -9,6 +9,7 @@ from mbcdm_cad.design.blocks import SpanLimits
 from mbcdm_cad.design.bought import Bearing, Material
 from mbcdm_cad.design.drive import Drive, Sigmas
 from mbcdm_cad.parts.drum_sector.design import SectorDrive, SectorRun, TransferClearances, WoundPulleySpec
+from mbcdm_cad.parts.mounting import MOUNT_SCREWS, MountScrew
 
 
 @dataclass(frozen=True)
@@ -59,6 +60,12 @@ class SupportSpec:
     bearing_shelf_mm: float
     top_plate_mm: float
     rib_mm: float
+    mount_screw: str
+
+    @property
+    def mount(self) -> MountScrew:
+        """The screw that holds the frame on its base."""
+        return MOUNT_SCREWS[self.mount_screw]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -25,6 +25,7 @@ from mbcdm_cad.parts.collar import CollarDims, collar
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
 from mbcdm_cad.parts.idler_pulley import IdlerDims
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
+from mbcdm_cad.parts.mounting import MountScrew
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.cable_path import CablePath
 
@@ -124,6 +125,16 @@ class BevelLayout(SectorLayout):
                 f"the {shelf} shelf comes to z = {levels.shelf_bottom_z:.4g} mm, below the drum's axis (limit 0): "
                 f"pulleys, {between} and shelves are higher than the drum's radius"
             )
+
+    @property
+    def mounting(self) -> MountScrew:
+        """See the base class."""
+        return self.drive.support.mount
+
+    @property
+    def mount_washers(self) -> bool:
+        """See the base class."""
+        return self.printed_frame
 
     @cached_property
     def levels(self) -> Stack:

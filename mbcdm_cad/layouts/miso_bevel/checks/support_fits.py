@@ -24,8 +24,6 @@ HEAD_EDGE_MM = 0.02
 # Gearheads are held by two to four screws; encoders by two, one on each side.
 GEARHEAD_SCREWS = (2, 3, 4)
 SCREWS_DRAWN = 2
-# Height of a mounting screw's head (M3, ISO 4762).
-MOUNT_SCREW_HEAD_HEIGHT_MM = 3.0
 
 
 def engagement(s: BevelLayout) -> Comparison:
@@ -227,7 +225,7 @@ def in_pocket(s: BevelLayout, name: str, reach: float) -> tuple[Comparison, ...]
         at_least(f"{name} from the side wall", v.side_inner_x - x - reach, running, "mm"),
         at_least(
             f"{name} from back plate and mounting screws' heads",
-            -max(v.pocket_floor_y, f.mount_seat_y + MOUNT_SCREW_HEAD_HEIGHT_MM) + s.drive.input_y_mm - reach,
+            -max(v.pocket_floor_y, f.mount_seat_y + f.mount_head_height) + s.drive.input_y_mm - reach,
             running,
             "mm",
         ),

@@ -192,6 +192,9 @@ class Support(Block):
     rib_mm: Number = quantity(
         "rib thickness", unit="mm", source="held by limits.frame_windup_max_mrad", reference=7.0, ge=0.3, le=50.0
     )
+    mount_screw: Literal["M3", "M4", "M5", "M6"] = choice(
+        "screws that hold the frame on its base, on washers if the frame is printed", source=ESTIMATE, reference="M3"
+    )
 
 
 class BevelInput(Input):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from typing import Any
 
 from mbcdm_cad.design.sized import Moved, Sizing, SizingError
@@ -9,7 +10,8 @@ from mbcdm_cad.layouts.common_rules import FRICTION, needed
 from mbcdm_cad.layouts.miso_bevel.sizing.basis import CLEARANCES, LIMITS, METALS, NAMES
 from mbcdm_cad.layouts.miso_bevel.sizing.drum import DRUM, HUB, HUB_FACE, WEB
 from mbcdm_cad.layouts.miso_bevel.sizing.frame import BACK, FRAME, STOP_PIN
-from mbcdm_cad.layouts.miso_bevel.sizing.known import BevelKnown
+from mbcdm_cad.layouts.miso_bevel.sizing.frame_start import with_strong_frame
+from mbcdm_cad.layouts.miso_bevel.sizing.known import BevelKnown, FrameStart
 from mbcdm_cad.layouts.miso_bevel.sizing.parts import DRIVES, PARTS, TENSIONER
 from mbcdm_cad.layouts.miso_bevel.sizing.radii import DISTANCE, MOTOR_SIDE, RADII, RATIOS, SETBACK, SURFACE
 from mbcdm_cad.layouts.miso_bevel.sizing.rope import LEAD, PRELOAD, ROPE
@@ -64,11 +66,15 @@ def size(data: dict[str, Any], moved: Moved | None = None) -> Sizing:
 
     Raises ``SizingError`` where a requirement is missing.
     """
-    given = BevelKnown(data)
-    missing = list(_missing(given))
+    missing = list(_missing(BevelKnown(data)))
     if missing:
         raise SizingError(*missing)
-    return fill(given, RULES, moved)
+
+    def filled_from(start: FrameStart) -> tuple[BevelKnown, Sizing]:
+        given = BevelKnown(copy.deepcopy(data), start)
+        return given, fill(given, RULES, moved)
+
+    return with_strong_frame(filled_from)
 
 
 def _missing(given: BevelKnown) -> Any:

@@ -7,7 +7,6 @@ from contextlib import suppress
 from mbcdm_cad.checks.fixings import stop_pin
 from mbcdm_cad.checks.input_pulley import GRIP_DIAMETERS, PASSAGE_MM
 from mbcdm_cad.layouts.base import NoFigureError
-from mbcdm_cad.layouts.miso_bevel.checks.support_fits import MOUNT_SCREW_HEAD_HEIGHT_MM
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.plate_screws import PLATE_SCREWS
 from mbcdm_cad.layouts.miso_bevel.sizing.boxes import box_mm, side_wall
@@ -19,9 +18,7 @@ from mbcdm_cad.layouts.miso_bevel.support.dims import (
     ENCODER_HEAD_SUNK_MM,
     HEAD_ROOM_MM,
     MOUNT_GRIP_MM,
-    MOUNT_HEAD_RADIUS_MM,
     MOUNT_ROOM_MM,
-    MOUNT_SCREW_HEAD_MM,
     STOP_PIN_DEPTH_MM,
 )
 from mbcdm_cad.parts.collar import collar_sweep_mm, collar_width_mm
@@ -97,7 +94,7 @@ def _coupling_space(given: BevelKnown) -> Found:
         "collar on its way in": shaft + collar + PASSAGE_MM,
     }
     if not above_plate:
-        needs["mounts"] = MOUNT_SCREW_HEAD_MM + 0.4 + 2 * HEAD_ROOM_MM
+        needs["mounts"] = 2 * (given.mount_head_mm + HEAD_ROOM_MM)
     needs = {name: need + SPACE_SPARE_MM for name, need in needs.items()}
     return largest(needs, 0.1)
 
@@ -119,21 +116,21 @@ def _stop_pin(given: BevelKnown) -> Found:
 
 
 def _back_plate(given: BevelKnown) -> Found:
-    needs = {"frame_windup": BACK_SHARE * max(given.drum_mm), "walls": 2 * given.wall_mm("support")}
-    return largest(needs, 0.1)
+    stiff = BACK_SHARE * given.frame.stiffer * max(given.drum_mm)
+    return largest({"frame_windup": stiff, "walls": 2 * given.wall_mm("support")}, 0.1)
 
 
 def _rib(given: BevelKnown) -> Found:
     bearing = given.entry("bearings", "drum.bearing")["outer_diameter_mm"] / 2
     ring = given.entry("encoders", "drive.drum_encoder")["diameter_mm"]
-    head, least = MOUNT_HEAD_RADIUS_MM, given.wall_mm("support")
+    head, least = given.mount_head_mm, given.wall_mm("support")
     # The column's pocket should have room for a mounting screw's head in width and height. If the motors are so low
     # that even the thinnest rib leaves too little height, the column has no pocket.
     boss = max(bearing + 3.0, ring / 2 + given["clearances.running_mm"])
     along = given.shelf_bottom_mm - boss - 2 * head - HEAD_ROOM_MM - MOUNT_ROOM_MM + 0.2
     across = bearing + 3.0 - head - HEAD_ROOM_MM
     most = min(across, along) if along >= least else across
-    wanted = max(RIB_SHARE * max(given.drum_mm), least)
+    wanted = max(RIB_SHARE * given.frame.stiffer * max(given.drum_mm), least)
     driver = "frame_windup" if wanted <= most else "mounts"
     return Found(max(rounded_down(min(wanted, most), 0.1), least), driver, "down to 0.1")
 
@@ -158,7 +155,7 @@ def _back(given: BevelKnown) -> Found:
         "drives_apart": drive_radius_mm(given) + setback + running,
         "pocket_depth": pulley + running + plate,
         in_pocket: part + running + plate,
-        "mounting screws": part + running + MOUNT_GRIP_MM + MOUNT_SCREW_HEAD_HEIGHT_MM,
+        "mounting screws": part + running + MOUNT_GRIP_MM + given.mount.height_mm(given.printed_frame),
         "boss": STOP_PIN_DEPTH_MM + wall - front,
         "corner_radii": plate + 6.0 - front,
     }
@@ -168,7 +165,17 @@ def _back(given: BevelKnown) -> Found:
     return Found(-found.value, found.driver, found.rounding)
 
 
+def _mount_screw(given: BevelKnown) -> Found:
+    return Found(given.frame.mount_screw, "mounting_screws", "the thinnest of M3 to M6 that holds")
+
+
 FRAME = (
+    Rule(
+        "support.mount_screw",
+        "the thinnest that holds the peak torque by friction",
+        "mounting_screws",
+        _mount_screw,
+    ),
     Rule(
         "support.motor_shelf_mm",
         "thickness that leaves enough engagement for the gearhead's screws and shaft",

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import partial
 from math import pi, sqrt
+from typing import Any
 
 from pydantic import ValidationError
 
@@ -24,7 +26,9 @@ from mbcdm_cad.layouts.miso_bevel.design_file.rules import broken_rules, named_e
 from mbcdm_cad.layouts.miso_bevel.design_file.schema import BevelDesign
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive
 from mbcdm_cad.layouts.miso_bevel.stack import stack
+from mbcdm_cad.layouts.miso_bevel.support.dims import MOUNT_HEAD_PLAY_MM
 from mbcdm_cad.parts.input_pulley.dims import GROOVE_LEAD, GROOVE_RADIUS
+from mbcdm_cad.parts.mounting import MOUNT_SCREWS, MountScrew
 from mbcdm_cad.sizing.arithmetic import atan, greatest, hypot, number, radians, tan
 from mbcdm_cad.sizing.known import RopeKnown
 
@@ -65,11 +69,42 @@ LEAD_SPARE = 0.008
 LEAD_STEP_MM = 0.01
 
 
+@dataclass(frozen=True)
+class FrameStart:
+    """What the rules of the frame begin with: the screws of its base, and the factor on walls sized by stiffness.
+
+    Both checks need the whole frame, so that :func:`mbcdm_cad.layouts.miso_bevel.sizing.size` raises the values where
+    the frame that follows from them misses a check.
+    """
+
+    mount_screw: str = "M3"
+    stiffer: float = 1.0
+
+
 class BevelKnown(RopeKnown):
     """Adds figures that follow from a few fields each; reading a figure records these fields."""
 
+    def __init__(self, data: dict[str, Any], frame: FrameStart | None = None) -> None:
+        super().__init__(data)
+        self.frame = frame or FrameStart()
+
     # The values on which the height of the lowest shelf depends, as text, and that height; two rules read it.
     _shelf_bottom: tuple[str, float] | None = None
+
+    @property
+    def printed_frame(self) -> bool:
+        """Whether the frame is 3D printed."""
+        return self.entry("materials", "support.material")["process"] in ("printed", "sintered")
+
+    @property
+    def mount(self) -> MountScrew:
+        """The screw that holds the frame on its base."""
+        return MOUNT_SCREWS[self["support.mount_screw"]]
+
+    @property
+    def mount_head_mm(self) -> float:
+        """Radius of the bore for its head or washer."""
+        return self.mount.seat_mm(self.printed_frame) / 2 + MOUNT_HEAD_PLAY_MM
 
     @property
     def modulus_GPa(self) -> float:

@@ -39,15 +39,12 @@ BEARING_WALL_MM = 3.0
 EAR_WALL_MM = 1.2
 STOP_WEB_MM = 7.0
 AXLE_SCREW = "M2x3-set"
-# Screws that hold the frame on its base (ISO 4762).
-MOUNT_SCREW = "M3"
-MOUNT_SCREW_KEY_MM = 2.5
-MOUNT_SCREW_CLEARANCE_MM = 3.4
-MOUNT_SCREW_HEAD_MM = 5.5
-# Diameter of the bore for a sunk head.
-MOUNT_HEAD_RADIUS_MM = MOUNT_SCREW_HEAD_MM / 2 + 0.2
+# Play of a mounting screw's head in its bore, on the radius.
+MOUNT_HEAD_PLAY_MM = 0.2
 # Distance from a mounting screw's head to the wall beside it, and its least value for the bearing face (estimates).
 MOUNT_ROOM_MM, HEAD_ROOM_MM = 1.0, 0.5
+# From the bore of a head to the walls of its pocket, in front of which the pocket's corners are (estimate).
+MOUNT_WALL_MM = 1.3
 MOUNT_GRIP_MM = 2.6
 COLUMN_WALL_MM = 1.2
 STOP_PIN_DEPTH_MM = 12.0
@@ -120,6 +117,7 @@ class FrameDims:
     mounts: tuple[tuple[float, float], ...]  # (x, z)
     mount_radius: float
     mount_head_radius: float
+    mount_head_height: float
     mount_seat_y: float  # heads are sunk in a thick back plate, out of the collars' way
     encoder_holes: EncoderHoles | None = None  # in the bearing shelf, with motors above
     gear_turn_deg: float = 0.0  # of the gearheads at +x about their axes; those at -x mirror them
@@ -222,7 +220,9 @@ def frame(drive: BevelDrive, levels: Stack) -> FrameDims:
     boss = drum_bearing.outer_diameter_mm / 2 + BEARING_WALL_MM
     encoder_pocket = encoder.diameter_mm / 2 + drive.clearances.running_mm
     pocket_z = (levels.shelf_top_z + levels.bearing_shelf_bottom_z) / 2
-    mounts, pocket_bottom_z = _mounts(levels, pocket_z, max(boss, encoder_pocket) + drive.support.rib_mm)
+    screw, printed = drive.support.mount, drive.support.material.printed
+    head = screw.seat_mm(printed) / 2 + MOUNT_HEAD_PLAY_MM
+    mounts, pocket_bottom_z = _mounts(levels, pocket_z, max(boss, encoder_pocket) + drive.support.rib_mm, head)
     grip = 2.0
     return FrameDims(
         levels=levels,
@@ -275,8 +275,9 @@ def frame(drive: BevelDrive, levels: Stack) -> FrameDims:
         dowel_radius=DOWEL_MM / 2,
         dowel_depth=dowel_length_mm(drive) - drive.support.top_plate_mm + 0.5,
         mounts=mounts,
-        mount_radius=MOUNT_SCREW_CLEARANCE_MM / 2,
-        mount_head_radius=MOUNT_HEAD_RADIUS_MM,
+        mount_radius=screw.clearance_mm / 2,
+        mount_head_radius=head,
+        mount_head_height=screw.height_mm(printed),
         mount_seat_y=min(levels.pocket_floor_y, levels.back_y + MOUNT_GRIP_MM),
         encoder_holes=encoder_holes(drive) if drive.motors_above else None,
         gear_turn_deg=drive.gearhead_angle_deg,
@@ -294,18 +295,21 @@ def encoder_holes(drive: BevelDrive) -> EncoderHoles:
     )
 
 
-def _mounts(levels: Stack, pocket_z: float, pocket_bottom_z: float) -> tuple[tuple[tuple[float, float], ...], float]:
+def _mounts(
+    levels: Stack, pocket_z: float, pocket_bottom_z: float, head_mm: float
+) -> tuple[tuple[tuple[float, float], ...], float]:
     """(x, z) of the mounting screws, and the lower end of the column's pocket.
 
     Four screws are in the pockets beside the web, one in the column. If the lowest shelf is so near to the bearings of
     a small drum that the column has no room for a screw's head, the column is solid, its pocket ends at the shelf.
+    ``head_mm``: radius of a head's bore.
     """
-    outer_x = levels.side_inner_x - MOUNT_SCREW_HEAD_MM / 2 - 1.5
-    inner_x = STOP_WEB_MM / 2 + MOUNT_SCREW_HEAD_MM / 2 + 1.5
+    wall = head_mm + MOUNT_WALL_MM
+    outer_x, inner_x = levels.side_inner_x - wall, STOP_WEB_MM / 2 + wall
     beside = ((-outer_x, pocket_z), (outer_x, pocket_z), (-inner_x, pocket_z), (inner_x, pocket_z))
     # As low in the column's pocket as its head has room: nearer to the drum's bearings the frame is stiffer.
-    column_z = pocket_bottom_z + MOUNT_SCREW_HEAD_MM / 2 + MOUNT_ROOM_MM
-    if levels.shelf_bottom_z - column_z - MOUNT_HEAD_RADIUS_MM < HEAD_ROOM_MM:
+    column_z = pocket_bottom_z + head_mm - MOUNT_HEAD_PLAY_MM + MOUNT_ROOM_MM
+    if levels.shelf_bottom_z - column_z - head_mm < HEAD_ROOM_MM:
         return beside, levels.shelf_bottom_z
     return (*beside, (0.0, column_z)), pocket_bottom_z
 

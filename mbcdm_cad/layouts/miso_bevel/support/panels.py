@@ -5,7 +5,6 @@ from __future__ import annotations
 from math import pi
 
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-from mbcdm_cad.layouts.miso_bevel.support.dims import MOUNT_SCREW_HEAD_MM
 from mbcdm_cad.model.plate_mesh import Hole, Mounts, PlateMesh, Wall, X, Y, Z, plate_mesh
 
 
@@ -57,8 +56,9 @@ def panels(layout: BevelLayout) -> list[Wall]:
 
 def mounts(layout: BevelLayout) -> Mounts:
     """The mounting screws."""
-    f, v = layout.frame, layout.levels
-    return Mounts(f.mounts, MOUNT_SCREW_HEAD_MM / 2, f.mount_radius, v.pocket_floor_y - v.back_y)
+    f, v, support = layout.frame, layout.levels, layout.drive.support
+    seat = support.mount.seat_mm(support.material.printed)
+    return Mounts(f.mounts, seat / 2, f.mount_radius, v.pocket_floor_y - v.back_y)
 
 
 def support_mesh(layout: BevelLayout) -> PlateMesh:

@@ -1,0 +1,71 @@
+"""What the rules of the frame begin with, raised as long as the sized frame misses the checks of its mounting."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from math import inf
+
+from mbcdm_cad.checks.structure import frame_windup, mounting_screws
+from mbcdm_cad.design.sized import Sizing, SizingError
+from mbcdm_cad.layouts.base import NoFigureError
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
+from mbcdm_cad.layouts.miso_bevel.sizing.known import BevelKnown, FrameStart
+from mbcdm_cad.parts.mounting import MOUNT_SCREWS
+
+SCREW, WALLS = "support.mount_screw", ("support.back_plate_mm", "support.rib_mm")
+# Part of the frame's strain is no bending of these walls: the factor on them grows by the square root of what is
+# missing, and a little more so that the search ends.
+ROOT, SPARE = 0.5, 1.02
+# Walls thicker than this times the usual share fill the frame; the check then asks for another material or rope.
+MOST = 3.0
+
+Filled = tuple[BevelKnown, Sizing]
+
+
+def with_strong_frame(filled_from: Callable[[FrameStart], Filled]) -> Sizing:
+    """The sizing from the least start with which screws and walls hold, else from the one whose walls bend least."""
+    start = FrameStart()
+    while True:
+        given, sizing = filled_from(start)
+        screw = _thicker_screw(given, sizing)
+        if screw is None:
+            break
+        start = replace(start, mount_screw=screw)
+    over, best = _over_limit(given, sizing), sizing
+    least = over
+    while 1.0 < over < inf and start.stiffer < MOST:
+        start = replace(start, stiffer=start.stiffer * SPARE * over**ROOT)
+        given, sizing = filled_from(start)
+        over = _over_limit(given, sizing)
+        if over >= least:  # what misses now is not these walls
+            break
+        least, best = over, sizing
+    return best
+
+
+def _thicker_screw(given: BevelKnown, sizing: Sizing) -> str | None:
+    """The next screw, where the rules chose one that does not hold."""
+    names = list(MOUNT_SCREWS)
+    thicker = names[names.index(given.frame.mount_screw) + 1 :]
+    if not thicker or not _chosen(sizing, (SCREW,)):
+        return None
+    try:
+        return None if mounting_screws(BevelLayout(given.trial())).holds else thicker[0]
+    except (NoFigureError, SizingError):
+        return None  # what is wrong with the drive is said by the rules of the file and by the checks
+
+
+def _over_limit(given: BevelKnown, sizing: Sizing) -> float:
+    """The frame's windup over its limit; 0 where the rules chose no wall, infinite where the frame has no figure."""
+    if not _chosen(sizing, WALLS):
+        return 0.0
+    try:
+        found = frame_windup(BevelLayout(given.trial()))
+    except (NoFigureError, SizingError):
+        return inf
+    return found.actual / found.limit
+
+
+def _chosen(sizing: Sizing, fields: tuple[str, ...]) -> bool:
+    return any(value.field in fields for value in sizing.values)

@@ -1,0 +1,67 @@
+"""Screws and walls of the frame follow from torque and stiffness where the file leaves them open."""
+
+from __future__ import annotations
+
+import pytest
+
+from mbcdm_cad.checks.comparison import Comparison
+from mbcdm_cad.checks.structure import frame_windup, mounting_screws
+from mbcdm_cad.layouts.loader import load_text
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
+
+# A rope that is stiff beside a printed frame, and a torque at which M3 slip on it.
+STIFF_ROPE = """name: soft-frame
+configuration: miso_bevel
+travel: {half_angle_deg: 18.6}
+transmission: {ratio: 4.48, drum_radius_mm: 72.4}
+loads: {peak_torque_Nm: 0.572}
+rope: {type: 7x19-0.81}
+drum: {material: pa12}
+guide: {material: pa12}
+"""
+HIGH_TORQUE = """name: strong
+configuration: miso_bevel
+travel: {half_angle_deg: 41.1}
+transmission: {ratio: 12.3, drum_radius_mm: 130.0}
+loads: {peak_torque_Nm: 37.2}
+drum: {material: pa12}
+guide: {material: pa12}
+"""
+PRINTED = "support: {material: pa12%s}\n"
+
+
+def _sized(text: str) -> BevelLayout:
+    layout = load_text(text, "a.yaml").drive.layout
+    assert isinstance(layout, BevelLayout)
+    return layout
+
+
+def _holds(found: Comparison) -> bool:
+    return found.holds
+
+
+@pytest.mark.parametrize(
+    ("text", "walls"), [(STIFF_ROPE, ", back_plate_mm: 5.6, rib_mm: 7.8"), (HIGH_TORQUE, ", back_plate_mm: 10.0")]
+)
+def test_walls_of_a_printed_frame_follow_from_its_windup(text: str, walls: str) -> None:
+    by_rule, by_share = _sized(text + PRINTED % ""), _sized(text + PRINTED % walls)
+    assert _holds(frame_windup(by_rule)), frame_windup(by_rule)
+    assert not _holds(frame_windup(by_share)), "walls by the drum's radius alone hold: this design shows nothing"
+
+
+def test_mounting_screws_follow_from_the_torque() -> None:
+    by_rule, smallest = _sized(HIGH_TORQUE + PRINTED % ""), _sized(HIGH_TORQUE + PRINTED % ", mount_screw: M3")
+    found = mounting_screws(by_rule)
+    assert found.holds and by_rule.mounting.name in found.subject, found
+    assert by_rule.mounting.thread_mm > 3.0 and not mounting_screws(smallest).holds, mounting_screws(smallest)
+    # The rules choose the thinnest that holds.
+    thinner = {"M6": "M5", "M5": "M4", "M4": "M3"}[by_rule.mounting.name]
+    less = _sized(HIGH_TORQUE + PRINTED % f", mount_screw: {thinner}")
+    assert not mounting_screws(less).holds, mounting_screws(less)
+
+
+def test_heads_on_washers_have_room() -> None:
+    layout = _sized(HIGH_TORQUE + PRINTED % "")
+    assert layout.mount_washers and layout.frame.mount_head_radius > layout.mounting.washer_mm / 2
+    milled = _sized(HIGH_TORQUE + "support: {material: aluminium-7075}\n")
+    assert not milled.mount_washers and milled.mounting.name == "M3", milled.mounting
