@@ -14,7 +14,7 @@ class MountScrew:
     """A screw with its washer. Lengths in mm."""
 
     thread_mm: float
-    clearance_mm: float
+    hole_mm: float
     head_mm: float
     head_height_mm: float
     key_mm: float

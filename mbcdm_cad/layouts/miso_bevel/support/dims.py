@@ -275,7 +275,7 @@ def frame(drive: BevelDrive, levels: Stack) -> FrameDims:
         dowel_radius=DOWEL_MM / 2,
         dowel_depth=dowel_length_mm(drive) - drive.support.top_plate_mm + 0.5,
         mounts=mounts,
-        mount_radius=screw.clearance_mm / 2,
+        mount_radius=screw.hole_mm / 2,
         mount_head_radius=head,
         mount_head_height=screw.height_mm(printed),
         mount_seat_y=min(levels.pocket_floor_y, levels.back_y + MOUNT_GRIP_MM),
