@@ -15,16 +15,16 @@ LIMITS = {
     "registry calls": 2,
     "maker strings": 0,
     "fields declared twice": 54,
-    "files of miso_bevel": 57,
+    "files of miso_bevel": 58,
     "files of siso_bevel": 35,
     "files of siso_spur": 35,
     "files of miso_spur": 25,
-    "files": 603,
+    "files": 640,
     "imports, share of lines in %": 8.15,
     "circles": 1,
     "arrows back": 0,
     "repeating pairs": 190,
-    "lines": 72260,
+    "lines": 76000,
 }
 
 
