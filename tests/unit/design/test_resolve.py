@@ -134,6 +134,8 @@ def changed(path: tuple[str | int, ...]) -> Any:
         return "nominal"
     if path[-1] == "losses":
         return "counted"
+    if path[-1] == "mount_screw":
+        return "M4"
     if path[-1] == "threads":
         return "tap_drill" if path[0] == "export" else "inserts"
     if isinstance(value, str):

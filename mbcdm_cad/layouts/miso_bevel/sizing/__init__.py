@@ -10,7 +10,7 @@ from mbcdm_cad.layouts.common_rules import FRICTION, needed
 from mbcdm_cad.layouts.miso_bevel.sizing.basis import CLEARANCES, LIMITS, METALS, NAMES
 from mbcdm_cad.layouts.miso_bevel.sizing.drum import DRUM, HUB, HUB_FACE, WEB
 from mbcdm_cad.layouts.miso_bevel.sizing.frame import BACK, FRAME, STOP_PIN
-from mbcdm_cad.layouts.miso_bevel.sizing.frame_start import with_strong_frame
+from mbcdm_cad.layouts.miso_bevel.sizing.frame_start import MOUNT_SCREW, with_strong_frame
 from mbcdm_cad.layouts.miso_bevel.sizing.known import BevelKnown, FrameStart
 from mbcdm_cad.layouts.miso_bevel.sizing.parts import DRIVES, PARTS, TENSIONER
 from mbcdm_cad.layouts.miso_bevel.sizing.radii import DISTANCE, MOTOR_SIDE, RADII, RATIOS, SETBACK, SURFACE
@@ -53,11 +53,11 @@ RULES: tuple[Rule, ...] = (
     *HUB_FACE,
 )
 
-# Derived dimensions: fields that are neither a requirement nor a choice of part, material or arrangement.
+# Derived dimensions: fields that are neither a requirement nor a choice of part, screw, material or arrangement.
 DERIVED = tuple(
     rule.field
     for rule in (*LEAD, *CLEARANCES, *FRAME, *HUB, *WEB, *STOP_PIN, *DRUM, *SETBACK, *BACK, *HUB_FACE)
-    if not rule.field.startswith("limits.")
+    if not rule.field.startswith("limits.") and rule.field != MOUNT_SCREW
 )
 
 

@@ -13,7 +13,7 @@ from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.sizing.known import BevelKnown, FrameStart
 from mbcdm_cad.parts.mounting import MOUNT_SCREWS
 
-SCREW, WALLS = "support.mount_screw", ("support.back_plate_mm", "support.rib_mm")
+MOUNT_SCREW, WALLS = "support.mount_screw", ("support.back_plate_mm", "support.rib_mm")
 # Part of the frame's strain is no bending of these walls: the factor on them grows by the square root of what is
 # missing, and a little more so that the search ends.
 ROOT, SPARE = 0.5, 1.02
@@ -48,7 +48,7 @@ def _thicker_screw(given: BevelKnown, sizing: Sizing) -> str | None:
     """The next screw, where the rules chose one that does not hold."""
     names = list(MOUNT_SCREWS)
     thicker = names[names.index(given.frame.mount_screw) + 1 :]
-    if not thicker or not _chosen(sizing, (SCREW,)):
+    if not thicker or not _chosen(sizing, (MOUNT_SCREW,)):
         return None
     try:
         return None if mounting_screws(BevelLayout(given.trial())).holds else thicker[0]
