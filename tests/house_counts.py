@@ -52,6 +52,7 @@ ROOMS = (
 FACE = (
     "layouts",
     "layouts.base",
+    "layouts.life",
     "layouts.losses",
     "layouts.sector",
     "layouts.structure",

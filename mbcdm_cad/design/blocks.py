@@ -273,6 +273,9 @@ class Targets(PlainBlock):
         "box with the drum centred, X, Z, Y", unit="mm", default=None
     )
     envelope_tolerance_mm: Number = quantity("how far each side may differ", unit="mm", default=0.5, gt=0.0, le=100.0)
+    life_cycles: Number | None = quantity(
+        "cycles of the output, to and fro, that the cables must last", unit="-", default=None, gt=0.0, le=1e9
+    )
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -33,6 +33,25 @@ class Entry(PlainBlock):
 
 
 @dataclass(frozen=True, kw_only=True)
+class LifeAnchor(PlainBlock):
+    """A bending test of one's own on a rope; it replaces the generic figures of its life."""
+
+    bendings: Number = entry_field(
+        "bendings on and off a pulley at which half of the ropes had broken", "-", gt=0.0, le=1e9
+    )
+    bend_ratio: Number = entry_field(
+        "diameter of the test's pulley at the rope's centre line over the rope's", "-", gt=1.0, le=1000.0
+    )
+    load_share: Number = entry_field("tension in the test over the breaking load", "-", gt=0.0, le=1.0)
+    groove: Number | None = entry_field(
+        "radius of its groove over the rope's diameter; smooth if left out", "-", default=None, ge=0.5, le=5.0
+    )
+    lubrication: Literal["oiled", "dry"] = entry_field("how the rope was run", "-")
+    count: Integer = entry_field("number of ropes tested", "-", ge=1, le=1000)
+    source: Text = entry_field("who tested, when and how", "-")
+
+
+@dataclass(frozen=True, kw_only=True)
 class CableSpec(Entry):
     """A rope. Its modulus always comes with the area to which it refers."""
 
@@ -67,6 +86,9 @@ class CableSpec(Entry):
     bend_ratio_minimum: Number = entry_field("smallest D/d that the maker allows", "-", ge=1.0, le=200.0)
     bend_ratio_desired: Number = entry_field("D/d that the maker recommends", "-", ge=1.0, le=200.0)
     material: EntryName = entry_field("material of the wires", "-")
+    life_anchor: LifeAnchor | None = entry_field(
+        "a bending test of one's own, from which the life of the cables is scaled", "-", default=None
+    )
 
     @property
     def area_mm2(self) -> float:

@@ -25,6 +25,7 @@ from mbcdm_cad.design.drive import Drive
 if TYPE_CHECKING:
     from mbcdm_cad.checks.design_variables import DesignVariable
     from mbcdm_cad.design.design_file import DesignFile
+    from mbcdm_cad.layouts.life import Life
     from mbcdm_cad.layouts.structure import Structure
     from mbcdm_cad.model.cable_tensions import CableTensions
     from mbcdm_cad.model.losses.train import BearingPair, Train
@@ -280,6 +281,22 @@ class Layout(ABC):
     def bearing_friction(self, d: DriveSI) -> Iterable[BearingPair]:
         """The bearings of all bodies, whose friction counts; none where the layout does not say."""
         return ()
+
+    @cached_property
+    def life(self) -> Life:
+        """Cycles of the output until the cables break."""
+        from mbcdm_cad.layouts.life import life_of
+
+        return life_of(self)
+
+    @property
+    def smallest_bend_ratio(self) -> float:
+        """Smallest D/d of any cable on any pulley."""
+        return min(2.0 * radius for *_, radius in self.bends_mm()) / self.drive.cable.diameter_mm
+
+    def groove_ratio(self, body: str) -> float | None:
+        """Radius of the groove in which cables lie on a body, over the cable's diameter; None where it is smooth."""
+        return None
 
     @cached_property
     def path_figures(self) -> PathFigures:

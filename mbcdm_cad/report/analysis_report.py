@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from mbcdm_cad.model import Analysis, analyse
 from mbcdm_cad.model.figures import ShaftTurns
+from mbcdm_cad.report.life import LifeReport, life_report
 from mbcdm_cad.report.losses import LossesReport, losses_report
 from mbcdm_cad.report.paths import path_data_or_reason, path_lines
 from mbcdm_cad.report.structure import StructureReport, structure_report
@@ -42,7 +43,7 @@ class AnalysisReport:
     """``figures`` of the analytic model; ``paths`` of the cables as plain data, None where ``no_paths`` says why.
 
     ``structure``: what turns the payload besides the cables; None where ``no_structure`` says why.
-    ``losses``: friction between motors and payload.
+    ``losses``: friction between motors and payload. ``life``: of the cables; None where ``no_life`` says why.
     """
 
     figures: Analysis
@@ -51,12 +52,15 @@ class AnalysisReport:
     structure: StructureReport | None
     no_structure: str
     losses: LossesReport
+    life: LifeReport | None
+    no_life: str
     layout: Layout = field(repr=False)
 
     def to_dict(self) -> dict[str, Any]:
         """Everything, ready for JSON; this is what ``mbcdm analyse --json`` prints."""
         structure = None if self.structure is None else self.structure.to_dict()
-        blocks = {"paths": self.paths, "structure": structure, "losses": self.losses.to_dict()}
+        life = None if self.life is None else self.life.to_dict()
+        blocks = {"paths": self.paths, "structure": structure, "losses": self.losses.to_dict(), "life": life}
         return self.figures.to_dict() | blocks
 
     def to_pandas(self) -> pandas.DataFrame:
@@ -174,6 +178,14 @@ class AnalysisReport:
             *self.losses.efficiencies().text(width, "  "),
             *(line for text in self.losses.lines() for line in filled(f"  {text}", width)),
         ]
+        if self.life is None:
+            yield filled(f"No life of the cables: {self.no_life}", width)
+        else:
+            yield [
+                "Bendings at the weakest point of each cable in one cycle of the output, and cycles until it breaks:",
+                *self.life.table().text(width, "  "),
+                *(line for text in self.life.lines() for line in filled(f"  {text}", width)),
+            ]
         yield [
             "Torque at the drum at which a limit is reached first:",
             *self._limits().text(width, "  "),
@@ -221,7 +233,13 @@ def analyse_design(drive: Drive) -> AnalysisReport:
     paths, reason = path_data_or_reason(drive)
     figures = analyse(drive)
     return AnalysisReport(
-        figures, paths, reason, *structure_report(drive.layout, figures), losses_report(drive.layout), drive.layout
+        figures,
+        paths,
+        reason,
+        *structure_report(drive.layout, figures),
+        losses_report(drive.layout),
+        *life_report(drive.layout),
+        drive.layout,
     )
 
 

@@ -18,6 +18,7 @@ from mbcdm_cad.model.bulk import preload_table
 from mbcdm_cad.model.stack_up import stack_data
 from mbcdm_cad.model.tensioning_plan import TensioningPlan
 from mbcdm_cad.parts.bill import Bill
+from mbcdm_cad.report.life import life_report
 from mbcdm_cad.report.losses import losses_report
 from mbcdm_cad.report.masses import (
     Box,
@@ -118,12 +119,14 @@ def design_figures(layout: Layout, centred: Bill) -> DesignFigures:
     """Model, tolerances, tensioning and order of assembly of a design; ``centred`` is its bill, the drum centred."""
     drive = layout.drive
     analysis, order = analyse(drive), layout.assembly_order
+    life, _ = life_report(layout)
     half = drive.half_travel_deg
     angles = (0.0, *(float(angle) for angle in np.linspace(-half, half, _SWEPT_POSES)))
     data = {
         "analysis": analysis.to_dict(),
         "paths": path_data(layout),
         "losses": losses_report(layout).to_dict(),
+        "life": None if life is None else life.to_dict(),
         "tolerance_stacks": [stack_data(stack) for stack in layout.tolerance_stacks],
         "holes": centred.holes(),
         "asked_torque_Nm": drive.loads.peak_torque_Nm,

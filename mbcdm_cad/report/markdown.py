@@ -8,6 +8,7 @@ import jinja2
 
 from mbcdm_cad.design.describe import flow
 from mbcdm_cad.report.analysis_report import motor_lines
+from mbcdm_cad.report.life import life_shown
 from mbcdm_cad.report.losses import losses_shown
 
 _AT_DRUM = "_at_drum"
@@ -46,5 +47,6 @@ def report_markdown(data: dict[str, Any], paths_template: str) -> str:
         paths=paths,
         passed=passed,
         losses=losses_shown(data["losses"]),
+        life=life_shown(data["life"]),
         motor_lines=motor_lines(motor) if motor else (),
     )

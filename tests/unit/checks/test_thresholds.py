@@ -76,6 +76,8 @@ WAYS: dict[str, Way] = {
     "wrap_under_turn": Way(to("half_travel_deg"), 35.0, 300.0),
     "terminal_clears_guide": Way(to("half_travel_deg"), 35.0, 65.0),
     "no_slack": Way(to(PEAK), 3.15, 60.0),
+    "life": Way(to("targets.life_cycles"), 2000.0, 20000.0),
+    "life_shown": Way(to("targets.life_cycles"), 100.0, 1000.0),
     "tension": Way(to(PEAK), 3.15, 20.0),
     "preload_share": Way(to("limits.preload_share_max"), 0.5, 0.05),
     "cable_ends": Way(to(PEAK), 3.15, 20.0),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from types import ModuleType
 
-from mbcdm_cad.checks import creep, drum_sector, fixings, motors, strength, structure, take_up, terminals
+from mbcdm_cad.checks import creep, drum_sector, fixings, life, motors, strength, structure, take_up, terminals
 from mbcdm_cad.checks.comparison import Check
 from mbcdm_cad.layouts.miso_bevel.checks import (
     bearings,
@@ -34,6 +34,7 @@ FAMILIES: tuple[ModuleType, ...] = (
     wraps,
     strength,
     creep,
+    life,
     motors,
     bearings,
     fixings,
