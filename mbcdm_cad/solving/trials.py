@@ -149,7 +149,7 @@ def outcome(question: Question, point: Point, similar: Sizing | None = None) -> 
         except InputError as error:
             return TrialResult((), str(error.problems[0].what))
         subject = drive.layout
-        asked = [check for check in checks_of(drive) if _must_hold(check) and drive.waiver(check.id) is None]
+        asked = [check for check in checks_of(drive) if must_hold(check) and drive.waiver(check.id) is None]
         found = [(check.id, missed(check, subject)) for check in asked if check.id not in LAST]
         if not any(miss for _, miss in found):
             found = [(check.id, missed(check, subject)) for check in asked if check.id in LAST]
@@ -180,13 +180,14 @@ def messages(question: Question, point: Point) -> list[tuple[str, str]]:
     with np.errstate(all="ignore"), warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
         results = [run_check(check, subject, Budget(0)) for check in checks_of(drive)]
-    must = {check.id for check in checks_of(drive) if _must_hold(check)}
+    must = {check.id for check in checks_of(drive) if must_hold(check)}
     return [
         (result.id, result.message) for result in results if result.id in must and result.status in ("fail", "warn")
     ]
 
 
-def _must_hold(check: Check) -> bool:
+def must_hold(check: Check) -> bool:
+    """Whether a solution must keep the check: those that fail, and that of the mass."""
     return check.severity == "fail" or check.id == MASS
 
 

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from mbcdm_cad.errors import MbcdmError
+
+if TYPE_CHECKING:
+    from concurrent.futures import Future, ProcessPoolExecutor
 
 Argument = TypeVar("Argument")
 Result = TypeVar("Result")
@@ -93,3 +98,87 @@ def _call(index: int) -> Any:
     assert _work is not None
     function, arguments = _work
     return function(arguments[index])
+
+
+class Workers:
+    """Processes that keep calling one function, and are replaced if they are killed; for work of hours.
+
+    As for :func:`fork_map`, they share the memory of this process as it is at their start, and one process, or one
+    that has not called :func:`allow_processes`, does the work itself. Results come in the order of the arguments.
+    """
+
+    def __init__(self, function: Callable[[Argument], Result], jobs: int) -> None:
+        self._function = function
+        self._jobs = jobs if _allowed and _can_fork() else 1
+        self._pool: ProcessPoolExecutor | None = None
+
+    def results(self, arguments: Sequence[Any]) -> Generator[Any, None, None]:
+        """``function(a)`` for each argument, in order. Raises ``MbcdmError`` if one kills its worker again and again.
+
+        An exception of ``function`` is raised here.
+        """
+        if self._jobs <= 1:
+            yield from map(self._function, arguments)
+            return
+        from concurrent.futures.process import BrokenProcessPool
+
+        waiting: dict[int, Future[Any]] = {}
+        for k in range(len(arguments)):
+            for attempt in range(_ATTEMPTS):
+                try:
+                    for later in range(k, len(arguments)):
+                        if later not in waiting:
+                            waiting[later] = self._started().submit(_worker_call, arguments[later])
+                    found = waiting.pop(k).result()
+                    break
+                except BrokenProcessPool:
+                    self.close()
+                    waiting.clear()
+                    if attempt + 1 == _ATTEMPTS:
+                        raise MbcdmError(
+                            f"a worker process was killed {_ATTEMPTS} times at the same work, perhaps for want of "
+                            "memory; take fewer workers"
+                        ) from None
+            yield found
+
+    def _started(self) -> ProcessPoolExecutor:
+        global _worker_function
+        if self._pool is None:
+            import multiprocessing
+            from concurrent.futures import ProcessPoolExecutor
+
+            _worker_function = self._function
+            fork = multiprocessing.get_context("fork")
+            self._pool = ProcessPoolExecutor(self._jobs, fork, _leave_interrupts)
+        return self._pool
+
+    def close(self) -> None:
+        """End the processes; work that has not begun is dropped."""
+        if self._pool is not None:
+            self._pool.shutdown(wait=True, cancel_futures=True)
+            self._pool = None
+
+    def __enter__(self) -> Workers:
+        """The workers themselves; they start with the first work."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """End the processes."""
+        self.close()
+
+
+# Work that killed its process is given to another this often in all.
+_ATTEMPTS = 3
+_worker_function: Callable[[Any], Any] | None = None
+
+
+def _leave_interrupts() -> None:
+    """An interrupt from the keyboard reaches all processes; only the main one answers."""
+    import signal
+
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def _worker_call(argument: Any) -> Any:
+    assert _worker_function is not None
+    return _worker_function(argument)

@@ -1,0 +1,79 @@
+"""The engine that proposes points: NSGA-II of pymoo for numbers and choices together, by ask and tell.
+
+A proposal depends on the seed and on what the engine was told, and on nothing else.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from mbcdm_cad.optimise.variables import Values, Variable, first_values
+from mbcdm_cad.routes import Floats
+
+POPULATION = 40
+# Fields that a mutation changes on average, and the index of its distribution for numbers: the smaller, the wider.
+CHANGED, WIDTH = 1.5, 6.0
+
+
+class Engine:
+    """One search over ``variables`` for ``aims`` figures, of which less is better."""
+
+    def __init__(self, variables: Sequence[Variable], aims: int, seed: int, population: int = POPULATION) -> None:
+        # Imported here: it takes as long as a hundred checks.
+        from pymoo.algorithms.moo.nsga2 import NSGA2, binary_tournament
+        from pymoo.core.mixed import MixedVariableDuplicateElimination, MixedVariableMating
+        from pymoo.core.population import Population
+        from pymoo.core.problem import Problem
+        from pymoo.core.termination import NoTermination
+        from pymoo.core.variable import Choice, Real
+        from pymoo.operators.mutation.pm import PM
+        from pymoo.operators.mutation.rm import ChoiceRandomMutation
+        from pymoo.operators.selection.tournament import TournamentSelection
+
+        space = {
+            v.field: Choice(options=list(v.options)) if v.options else Real(bounds=(-1.0 if v.ruled else 0.0, 1.0))
+            for v in variables
+        }
+        # The engine takes each choice alone, and would change half of them at once.
+        share = min(0.5, CHANGED / len(space))
+        first = np.empty(population, dtype=object)
+        first[:] = first_values(variables, population, np.random.default_rng([seed, len(variables)]))
+        self._problem = Problem(vars=space, n_obj=aims, n_ieq_constr=1)
+        unlike = MixedVariableDuplicateElimination()
+        self._algorithm = NSGA2(
+            pop_size=population,
+            sampling=Population.new("X", first),
+            mating=MixedVariableMating(
+                selection=TournamentSelection(func_comp=binary_tournament),
+                mutation={Real: PM(prob=1.0, prob_var=share, eta=WIDTH), Choice: ChoiceRandomMutation(1.0, share)},
+                eliminate_duplicates=unlike,
+            ),
+            eliminate_duplicates=unlike,
+        )
+        self._algorithm.setup(self._problem, termination=NoTermination(), seed=seed, verbose=False)
+        self._asked: Any = None
+
+    def ask(self) -> list[Values]:
+        """The points of the next generation; empty if the engine finds none that it has not proposed before."""
+        self._asked = self._algorithm.ask()
+        return [] if self._asked is None else [_plain(one.X) for one in self._asked]
+
+    def tell(self, aims: Floats, violation: Floats) -> None:
+        """Results of all points of the last :meth:`ask`: aims (n, k), of which less is better; violation (n,).
+
+        Where the violation is above zero, the aims do not count.
+        """
+        from pymoo.core.evaluator import Evaluator
+        from pymoo.problems.static import StaticProblem
+
+        static = StaticProblem(self._problem, F=aims, G=violation[:, None])
+        Evaluator().eval(static, self._asked)
+        self._algorithm.tell(infills=self._asked)
+
+
+def _plain(values: Values) -> Values:
+    """The same values as Python's own types, as a file gives them back."""
+    return {field: value.item() if isinstance(value, np.generic) else value for field, value in values.items()}

@@ -1,0 +1,176 @@
+"""The figures of a design that can be an aim or be kept, by name: each as ``check`` or ``analyse`` gives it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from math import isfinite
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from mbcdm_cad.checks.comparison import Check
+from mbcdm_cad.checks.estimated_mass import estimated_mass_g
+from mbcdm_cad.design.dotted import value_at
+from mbcdm_cad.errors import MbcdmError, did_you_mean
+from mbcdm_cad.layouts.base import NoFigureError
+from mbcdm_cad.model import analyse
+from mbcdm_cad.model.capability import torque_to_weight_Nm_kg
+from mbcdm_cad.report.structure import StructureReport
+
+if TYPE_CHECKING:
+    from mbcdm_cad.design.drive import Drive
+    from mbcdm_cad.model import Analysis
+
+# Figures are kept to this many significant digits: a linear algebra library with another number of threads changes the
+# last ones, and a search that goes on elsewhere shall end with the same bytes.
+DIGITS = 10
+
+
+class Facts:
+    """What the figures of one design follow from, each computed on first use. ``checks``: those of its layout."""
+
+    def __init__(self, drive: Drive, checks: Mapping[str, Check], data: Mapping[str, Any]) -> None:
+        self.drive = drive
+        self.layout = drive.layout
+        self.checks = checks
+        self.data = data
+
+    @cached_property
+    def analysis(self) -> Analysis:
+        """The figures of the model."""
+        return analyse(self.drive)
+
+    @cached_property
+    def mass_g(self) -> float:
+        """The estimated mass, from closed forms."""
+        return estimated_mass_g(self.layout.bill())
+
+    @cached_property
+    def structure(self) -> StructureReport:
+        """What turns the payload besides the cables."""
+        found = self.layout.structure
+        if found is None:
+            raise NoFigureError("all parts of this layout count as rigid")
+        return StructureReport(found, self.drive.loads.test_torque_Nm, self.analysis.reversal_swing_mrad)
+
+    @cached_property
+    def box_mm(self) -> tuple[float, float, float]:
+        """The box (X, Z, Y) of all parts with the drum centred."""
+        # The check of the box has worked it out; it is kept with the design.
+        self.checks["envelope_x"].measure(self.layout)
+        return self.layout.once("box_mm", _no_box)
+
+    @property
+    def efficiency(self) -> float:
+        """Share of the motors' work that reaches the payload at the peak torque, all losses counted."""
+        peak = np.array([self.drive.loads.peak_torque_Nm])
+        return float(self.layout.losses.moving(peak, 1).efficiency[0])
+
+
+def _no_box(_: Any) -> tuple[float, float, float]:
+    raise NoFigureError("the layout states no box")
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A figure by its meaning and unit."""
+
+    text: str
+    unit: str
+    of: Callable[[Facts], float]
+
+
+def _bend_ratio(f: Facts) -> float:
+    return 2.0 * min(radius for *_, radius in f.layout.bends_mm()) / f.drive.cable.diameter_mm
+
+
+def _least(f: Facts, name: str) -> float:
+    return float(min(getattr(f.analysis, name)))
+
+
+FIGURES: dict[str, Figure] = {
+    "mass_g": Figure("estimated mass of all parts", "g", lambda f: f.mass_g),
+    "swing_mrad": Figure(
+        "swing of the payload at a reversal of the test torque, cables and structure",
+        "mrad",
+        lambda f: f.structure.payload_swing_mrad,
+    ),
+    "cable_swing_mrad": Figure(
+        "swing of the drum at a reversal of the test torque, cables alone, as in the paper",
+        "mrad",
+        lambda f: f.analysis.reversal_swing_mrad,
+    ),
+    "stiffness_Nm_rad": Figure("stiffness at the payload", "N m/rad", lambda f: f.structure.structure.stiffness_Nm_rad),
+    "structure_over_cables": Figure(
+        "turn of the structure over that of the cables", "-", lambda f: f.structure.structure.over_cables
+    ),
+    "torque_Nm": Figure(
+        "peak torque in the weaker direction, losses as limits.losses says",
+        "N m",
+        lambda f: _least(f, "peak_torque_Nm"),
+    ),
+    "torque_lossless_Nm": Figure(
+        "peak torque in the weaker direction without losses", "N m", lambda f: _least(f, "peak_torque_lossless_Nm")
+    ),
+    "torque_with_losses_Nm": Figure(
+        "peak torque in the weaker direction with all losses", "N m", lambda f: _least(f, "peak_torque_with_losses_Nm")
+    ),
+    "torque_to_weight_Nm_kg": Figure(
+        "torque_Nm over the mass", "N m/kg", lambda f: torque_to_weight_Nm_kg(_least(f, "peak_torque_Nm"), f.mass_g)
+    ),
+    "torque_to_weight_lossless_Nm_kg": Figure(
+        "torque_lossless_Nm over the mass",
+        "N m/kg",
+        lambda f: torque_to_weight_Nm_kg(_least(f, "peak_torque_lossless_Nm"), f.mass_g),
+    ),
+    "torque_to_weight_with_losses_Nm_kg": Figure(
+        "torque_with_losses_Nm over the mass",
+        "N m/kg",
+        lambda f: torque_to_weight_Nm_kg(_least(f, "peak_torque_with_losses_Nm"), f.mass_g),
+    ),
+    "efficiency": Figure("at the peak torque, motors moving the load", "-", lambda f: f.efficiency),
+    "bend_ratio": Figure(
+        "least D/d of all bends",
+        "-",
+        _bend_ratio,
+    ),
+    "box_x_mm": Figure("box along X, drum centred", "mm", lambda f: f.box_mm[0]),
+    "box_z_mm": Figure("box along Z, drum centred", "mm", lambda f: f.box_mm[1]),
+    "box_y_mm": Figure("box along Y, drum centred", "mm", lambda f: f.box_mm[2]),
+    "box_cm3": Figure("volume of the box", "cm^3", lambda f: float(np.prod(f.box_mm)) * 1e-3),
+}
+
+
+def figure(facts: Facts, name: str) -> float:
+    """A figure by its name, the id of a check or the dotted name of a field; NaN where the design has none."""
+    try:
+        if name in FIGURES:
+            value = FIGURES[name].of(facts)
+        elif name in facts.checks:
+            value = facts.checks[name].measure(facts.layout).actual
+        else:
+            given = value_at(facts.data, name)
+            value = float("nan") if isinstance(given, bool) or not isinstance(given, int | float) else float(given)
+    except NoFigureError:
+        return float("nan")
+    return float(f"{value:.{DIGITS}g}") if isfinite(value) else float("nan")
+
+
+def unit_of(name: str) -> str:
+    """The unit of a figure; empty where its name tells it."""
+    return FIGURES[name].unit if name in FIGURES else ""
+
+
+def refuse_unknown(names: tuple[str, ...], facts: Facts) -> None:
+    """Raise ``MbcdmError`` for a name that is no figure of this design, check or field with a number."""
+    for name in names:
+        if name in FIGURES or name in facts.checks:
+            continue
+        value = value_at(facts.data, name)
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            known = [*FIGURES, *facts.checks]
+            near = did_you_mean(name, known)
+            listed = near if near.startswith("did you") else "one of " + ", ".join(FIGURES)
+            raise MbcdmError(f"{name}: no such figure; {listed}, the id of a check, or a field with a number")

@@ -1,0 +1,266 @@
+"""The search: generation after generation of every layout, until the front no longer grows or a limit is reached.
+
+Which points are evaluated, and in which order, follows from the request alone; the journal has their results in this
+order. A search that goes on asks the engine again from the start and takes from the journal what it has.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from math import inf
+from typing import Any
+
+import numpy as np
+
+from mbcdm_cad.errors import MbcdmError, OutputError
+from mbcdm_cad.optimise.engine import Engine
+from mbcdm_cad.optimise.evaluate import FAULT, Evaluated, evaluate
+from mbcdm_cad.optimise.front import front_of, hypervolume, reference_of
+from mbcdm_cad.optimise.journal import Journal, Record
+from mbcdm_cad.optimise.variables import Values, Variable, point_of
+from mbcdm_cad.optimise.wishes import Wishes
+from mbcdm_cad.routes import Floats
+from mbcdm_cad.solving.question import Question
+from mbcdm_cad.storage.parallel import Workers
+
+SEED = 36
+# The search ends if the front's hypervolume grew by less than this share in the last rounds; a round is a generation
+# of every layout.
+GROWTH, ROUNDS = 0.005, 12
+
+# Is called with a sentence on the best so far and the number of evaluated points.
+Told = Callable[[str, int], None]
+
+
+@dataclass(frozen=True)
+class Tried:
+    """One evaluated point: of which question, the values of its variables, its result."""
+
+    question: int
+    values: Values
+    result: Evaluated
+
+
+@dataclass(frozen=True)
+class Limits:
+    """When a search ends at the latest: number of points, time."""
+
+    evaluations: int | None = None
+    time_s: float | None = None
+
+
+@dataclass(frozen=True)
+class Searched:
+    """All points in order, the rows of the front, and why the search ended.
+
+    ``curve``: (points evaluated, hypervolume of the front) after each round, against one reference point.
+    """
+
+    wishes: Wishes
+    tried: tuple[Tried, ...]
+    front: tuple[int, ...]
+    curve: tuple[tuple[int, float], ...]
+    stopped: str
+    finished: bool
+    failing: Mapping[str, int] = field(default_factory=dict)
+    faults: tuple[str, ...] = ()
+
+    @property
+    def passing(self) -> int:
+        """Number of points that pass every check and keep every figure."""
+        return sum(one.result.passes for one in self.tried)
+
+    def aims(self, row: int) -> Floats:
+        """The aims of one passing point, less is better."""
+        return _aims(self.wishes, self.tried[row].result)
+
+
+def _aims(wishes: Wishes, result: Evaluated) -> Floats:
+    return np.array([aim.less(result.figures[aim.figure]) if result.passes else 0.0 for aim in wishes.aims])
+
+
+class Search:
+    """A search over ``questions`` with their ``variables``."""
+
+    def __init__(
+        self,
+        questions: Sequence[Question],
+        variables: Sequence[Sequence[Variable]],
+        wishes: Wishes,
+        journal: Journal,
+        told: Told,
+    ) -> None:
+        self.questions, self.variables, self.wishes, self.journal, self.told = (
+            questions,
+            variables,
+            wishes,
+            journal,
+            told,
+        )
+        self.tried: list[Tried] = []
+        self._known: dict[tuple[int, Any], int] = {}
+        self._fronts: list[tuple[int, list[int]]] = []
+
+    def run(self, limits: Limits, workers: int) -> Searched:
+        """Search until the front no longer grows, a limit is reached, or the keyboard interrupts."""
+        end = inf if limits.time_s is None else time.monotonic() + limits.time_s
+        most = limits.evaluations
+        names = [aim.figure for aim in self.wishes.aims]
+        engines = [Engine(v, len(names), SEED + k) for k, v in enumerate(self.variables)]
+
+        def work(asked: tuple[int, Values]) -> Evaluated:
+            point = point_of(self.variables[asked[0]], asked[1])
+            return evaluate(self.questions[asked[0]], point, self.wishes.keeps, names)
+
+        stopped = ""
+        try:
+            with Workers(work, workers) as crew:
+                while not stopped:
+                    stopped = self._round(engines, crew, end, most)
+        except KeyboardInterrupt:
+            stopped = INTERRUPTED
+        self.journal.keep()
+        return self._searched(stopped)
+
+    def _round(self, engines: Sequence[Engine], crew: Workers, end: float, most: int | None) -> str:
+        """One generation of every question; why the search ends here, empty if it goes on."""
+        proposed = 0
+        for k, engine in enumerate(engines):
+            asked = engine.ask()
+            proposed += len(asked)
+            room = len(asked) if most is None else min(most - len(self.tried), len(asked))
+            results = self._results(k, asked[:room], crew, end)
+            if len(results) < len(asked):
+                return TIME if len(results) < room else EVALUATIONS
+            if asked:
+                engine.tell(
+                    np.array([_aims(self.wishes, result) for result in results]),
+                    np.array([result.violation for result in results]),
+                )
+        self._fronts.append((len(self.tried), self._front()))
+        if not proposed:
+            return "every combination of the free values has been tried"
+        return self._grows_no_more()
+
+    def _results(self, k: int, asked: Sequence[Values], crew: Workers, end: float) -> list[Evaluated]:
+        """The results of points of question ``k`` in order; fewer of them once the time is over."""
+        first = len(self.tried)
+        todo: dict[int, Any] = {}
+        for n, values in enumerate(asked, start=first):
+            key = (k, frozenset(point_of(self.variables[k], values).items()))
+            if n < len(self.journal.records):
+                self._take(n, k, values)
+            elif key not in self._known and key not in todo.values():
+                todo[n] = key
+            if n < len(self.journal.records):
+                self._known.setdefault(key, n)
+        fresh = crew.results([(k, asked[n - first]) for n in todo])
+        for n in range(len(self.tried), first + len(asked)):
+            if time.monotonic() >= end:
+                break
+            values = asked[n - first]
+            key = (k, frozenset(point_of(self.variables[k], values).items()))
+            if n in todo:
+                result, same = next(fresh), None
+                self._known[key] = n
+            else:
+                same = self._known[key]
+                result = self.tried[same].result
+            self.journal.add(_record(k, values, result, same))
+            self.tried.append(Tried(k, values, result))
+            self.told(self._words(), len(self.tried))
+        fresh.close()
+        return [one.result for one in self.tried[first:]]
+
+    def _take(self, n: int, k: int, values: Values) -> None:
+        """Point ``n`` from the journal, which must be the one that the engine proposes."""
+        record = self.journal.records[n]
+        if record["question"] != k or record["values"] != dict(values):
+            raise OutputError(
+                f"{self.journal.path}: point {n + 1} is not the one that this search proposes; remove the file and "
+                "begin anew"
+            )
+        same = record.get("same")
+        result = self.tried[same].result if same is not None else _result(record)
+        self.tried.append(Tried(k, values, result))
+
+    def _front(self) -> list[int]:
+        rows = [n for n, one in enumerate(self.tried) if one.result.passes]
+        if not rows:
+            return []
+        points = np.array([_aims(self.wishes, self.tried[n].result) for n in rows])
+        return [rows[k] for k in front_of(points)]
+
+    def _grows_no_more(self) -> str:
+        if len(self._fronts) <= ROUNDS or not self._fronts[-1 - ROUNDS][1]:
+            return ""
+        before, now = (volume for _, volume in self._curve((self._fronts[-1 - ROUNDS], self._fronts[-1])))
+        if now - before >= GROWTH * now:
+            return ""
+        return f"the front's hypervolume grew by less than {GROWTH:.1%} in the last {ROUNDS} generations"
+
+    def _curve(self, fronts: Sequence[tuple[int, list[int]]]) -> list[tuple[int, float]]:
+        """Hypervolumes against the reference of all points on these fronts."""
+        rows = sorted({row for _, front in fronts for row in front})
+        if not rows:
+            return [(count, 0.0) for count, _ in fronts]
+        found = {row: _aims(self.wishes, self.tried[row].result) for row in rows}
+        reference, scale = reference_of(np.array(list(found.values())))
+        return [
+            (count, hypervolume(np.array([found[row] for row in front]), reference, scale)) for count, front in fronts
+        ]
+
+    def _words(self) -> str:
+        """The best of each aim so far, for the progress."""
+        good = [one.result.figures for one in self.tried if one.result.passes]
+        if not good:
+            return "no design passes yet"
+        best = [f"{aim.figure} {min((f[aim.figure] for f in good), key=aim.less):.4g}" for aim in self.wishes.aims]
+        return f"{len(good)} pass, best {', '.join(best)}"
+
+    def _searched(self, stopped: str) -> Searched:
+        front = self._front()
+        rounds = [*self._fronts]
+        if not rounds or rounds[-1][0] < len(self.tried):
+            rounds.append((len(self.tried), front))
+        failing = Counter(name for one in self.tried for name, _ in one.result.failing)
+        faults = dict.fromkeys(one.result.refused for one in self.tried if one.result.refused.startswith(FAULT))
+        return Searched(
+            self.wishes,
+            tuple(self.tried),
+            tuple(front),
+            tuple(self._curve(rounds)),
+            stopped,
+            stopped not in (INTERRUPTED, TIME),
+            dict(failing.most_common()),
+            tuple(faults),
+        )
+
+
+INTERRUPTED = "interrupted"
+TIME = "the time is over"
+EVALUATIONS = "the number of evaluations is reached"
+
+
+def _record(k: int, values: Values, result: Evaluated, same: int | None) -> Record:
+    """A line of the journal; ``same``: the earlier point with the same settings."""
+    head = {"question": k, "values": dict(values)}
+    if same is not None:
+        return head | {"same": same}
+    return head | {name: value for name, value in asdict(result).items() if value}
+
+
+def _result(record: Record) -> Evaluated:
+    failing = tuple((name, miss) for name, miss in record.get("failing", ()))
+    return Evaluated(failing, record.get("refused", ""), record.get("figures", {}), record.get("fields", {}))
+
+
+def refuse_limits(limits: Limits) -> None:
+    """Raise ``MbcdmError`` for a limit that is none."""
+    if limits.evaluations is not None and limits.evaluations < 1:
+        raise MbcdmError(f"--evaluations: not a number of designs (value {limits.evaluations}, limit at least 1)")
+    if limits.time_s is not None and not limits.time_s > 0.0:
+        raise MbcdmError(f"--time: not a time (value {limits.time_s:g} s, limit above 0)")

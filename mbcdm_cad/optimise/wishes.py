@@ -1,0 +1,127 @@
+"""What a search for the best design shall reach: aims, figures to keep, fields that it may set."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import yaml
+
+from mbcdm_cad.errors import MbcdmError
+
+SENSES = ("min", "max")
+MOST_AIMS = 4
+
+
+@dataclass(frozen=True)
+class Aim:
+    """One figure to make as small (``min``) or as large (``max``) as possible."""
+
+    figure: str
+    sense: str
+
+    def less(self, value: float) -> float:
+        """The figure such that less is better."""
+        return value if self.sense == "min" else -value
+
+    def __str__(self) -> str:
+        """As the command line takes it."""
+        return f"{self.figure}:{self.sense}"
+
+
+@dataclass(frozen=True)
+class Keep:
+    """One figure that must be at least (``sense`` +1) or at most (-1) a limit."""
+
+    figure: str
+    sense: int
+    limit: float
+
+    def margin(self, value: float) -> float:
+        """Distance from the limit in the figure's unit, positive inside."""
+        return self.sense * (value - self.limit)
+
+    def __str__(self) -> str:
+        """As the command line takes it."""
+        return f"{self.figure}:{'>=' if self.sense > 0 else '<='}{self.limit:g}"
+
+
+@dataclass(frozen=True)
+class Freed:
+    """A field that a search may set: to one of ``values``, or to a number from ``low`` to ``high``."""
+
+    field: str
+    values: tuple[Any, ...] = ()
+    low: float = 0.0
+    high: float = 0.0
+
+
+@dataclass(frozen=True)
+class Wishes:
+    """All of a search: 1 to 4 ``aims``, ``keeps``, and ``free`` fields.
+
+    ``only_free``: fields that the file leaves to their rules follow these rules and are not free.
+    """
+
+    aims: tuple[Aim, ...]
+    keeps: tuple[Keep, ...] = ()
+    free: tuple[Freed, ...] = ()
+    only_free: bool = False
+
+
+def wishes_of(
+    aims: Sequence[str], keeps: Sequence[str] = (), free: Sequence[str] = (), *, only_free: bool = False
+) -> Wishes:
+    """Wishes from their texts.
+
+    Such as ``mass_g:min``, ``torque_Nm:>=3``, ``drum.material=pa12,pla`` or ``rope.preload_N=30..90``. Raises
+    ``MbcdmError`` for a text that is none, for no aim, more than four, or one figure twice.
+    """
+    found = tuple(_aim(text) for text in aims)
+    if not 1 <= len(found) <= MOST_AIMS:
+        raise MbcdmError(f"--aim: {len(found)} given (limit 1 to {MOST_AIMS}); for example --aim mass_g:min")
+    names = [aim.figure for aim in found]
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        raise MbcdmError(f"--aim: {twice} is given twice; give each figure one aim")
+    return Wishes(found, tuple(_keep(text) for text in keeps), tuple(_freed(text) for text in free), only_free)
+
+
+def _aim(text: str) -> Aim:
+    figure, _, sense = text.partition(":")
+    if sense not in SENSES or not figure:
+        raise MbcdmError(f"--aim: not an aim (value {text}, limit FIGURE:min or FIGURE:max); write mass_g:min, say")
+    return Aim(figure, sense)
+
+
+def _keep(text: str) -> Keep:
+    found = re.fullmatch(r"([^:]+):(>=|<=)(.+)", text.replace(" ", ""))
+    try:
+        if found is not None:
+            return Keep(found[1], 1 if found[2] == ">=" else -1, float(found[3]))
+    except ValueError:
+        pass
+    raise MbcdmError(
+        f"--keep: not a figure with a limit (value {text}, limit FIGURE:>=NUMBER or FIGURE:<=NUMBER); write "
+        "torque_to_weight_Nm_kg:>=9, say"
+    )
+
+
+def _freed(text: str) -> Freed:
+    field, _, given = text.partition("=")
+    span = re.fullmatch(r"(\S+)\.\.(\S+)", given)
+    if span is not None:
+        try:
+            low, high = float(span[1]), float(span[2])
+        except ValueError:
+            low = high = 0.0
+        if low < high:
+            return Freed(field, (), low, high)
+    elif field and given:
+        return Freed(field, tuple(yaml.safe_load(value) for value in given.split(",")))
+    raise MbcdmError(
+        f"--free: not a field with values (value {text}, limit FIELD=A,B,... or FIELD=LOW..HIGH); write "
+        "drum.material=aluminium-7075,pa12, say"
+    )
