@@ -37,6 +37,7 @@ ROOMS = (
     "drawings",
     "build",
     "report",
+    "optimise",
     "robot",
     "measurement",
     "loop",

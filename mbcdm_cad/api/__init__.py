@@ -27,6 +27,7 @@ from mbcdm_cad.api.designs import (
     load,
     new_design,
     new_design_text,
+    optimise,
     reference_design,
     reproduce,
     schema,
@@ -36,6 +37,7 @@ from mbcdm_cad.api.designs import (
 )
 from mbcdm_cad.api.runs import MeasuredRun, close_loop, draft_measurement, judge_published, load_run, next_run
 from mbcdm_cad.errors import InputError, MbcdmError
+from mbcdm_cad.optimise.effort import Effort
 
 __all__ = [
     "load",
@@ -44,6 +46,8 @@ __all__ = [
     "new_design_text",
     "DriveDesign",
     "solve",
+    "optimise",
+    "Effort",
     "compare",
     "analyse_many",
     "size_many",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -10,12 +10,15 @@ from mbcdm_cad.api.design import DriveDesign, Progress, cache_of, silent
 
 if TYPE_CHECKING:
     from mbcdm_cad.jobs.compare import ComparisonReport
+    from mbcdm_cad.optimise.effort import Effort
+    from mbcdm_cad.optimise.result import Optimum
     from mbcdm_cad.paper.reproduce import PaperTable
     from mbcdm_cad.report.catalogue_list import CatalogueList
     from mbcdm_cad.report.machine import Machine
     from mbcdm_cad.report.sized_designs import SizedDesigns
     from mbcdm_cad.report.solve_report import SolveReport
     from mbcdm_cad.report.sweep import Sweep
+    from mbcdm_cad.solving.question import Question
 
 # Content of a new design file.
 Form = Literal["short", "full", "reference"]
@@ -67,13 +70,46 @@ def solve(
     correct, ``MbcdmError`` for a layout without sizing rules.
     """
     from mbcdm_cad.report.solve_report import solve_design
+
+    return solve_design(_question(design), progress, jobs)
+
+
+def optimise(
+    designs: DriveDesign | str | Path | Iterable[DriveDesign | str | Path],
+    aims: Sequence[str],
+    out: str | Path = "out",
+    *,
+    keeps: Sequence[str] = (),
+    free: Sequence[str] = (),
+    only_free: bool = False,
+    effort: Effort | None = None,
+    progress: Callable[[str, int], None] | None = None,
+) -> Optimum:
+    """The best designs that pass every check, as ``mbcdm optimise``; writes ``out/NAME-optimum``.
+
+    ``designs``: files of requirements, with ranges if wanted, one for each layout that shall compete. ``aims``: 1 to 4
+    such as ``"mass_g:min"``; ``keeps`` such as ``"torque_Nm:>=3"``; ``free`` fields besides those that ``solve`` may
+    change, such as ``"drum.material=aluminium,pa12"`` or ``"rope.preload_N=30..90"``; ``only_free``: no others. The
+    search ends when the front no longer grows, or when its :class:`Effort` is spent. ``progress`` is called with the
+    best so far and the number of designs. Raises ``InputError`` for mistakes in a file, ``MbcdmError`` for wishes that
+    the layouts cannot answer.
+    """
+    from mbcdm_cad.jobs.optimise import optimise
+    from mbcdm_cad.optimise.effort import Effort
+    from mbcdm_cad.optimise.wishes import wishes_of
+
+    listed = [designs] if isinstance(designs, DriveDesign | str | Path) else list(designs)
+    wishes = wishes_of(aims, keeps, free, only_free=only_free)
+    told = progress or (lambda words, count: None)
+    return optimise([_question(one) for one in listed], wishes, Path(out), effort or Effort(), told)
+
+
+def _question(design: DriveDesign | str | Path) -> Question:
     from mbcdm_cad.solving.question import question_of, read_question
 
     if isinstance(design, DriveDesign):
-        question = question_of(design.loaded.text, design.loaded.path)
-    else:
-        question = read_question(design)
-    return solve_design(question, progress, jobs)
+        return question_of(design.loaded.text, design.loaded.path)
+    return read_question(design)
 
 
 def compare(

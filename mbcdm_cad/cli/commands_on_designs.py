@@ -15,8 +15,8 @@ from typing import Any, Literal
 import click
 
 from mbcdm_cad import api
-from mbcdm_cad.cli.group import DESIGN, FILE, examples, mbcdm
-from mbcdm_cad.cli.screen import coloured, progress_of_trials, screen_width
+from mbcdm_cad.cli.group import DESIGN, FILE, TIME, examples, mbcdm, out_folder
+from mbcdm_cad.cli.screen import coloured, progress_of_search, progress_of_trials, screen_width
 from mbcdm_cad.design.template import slug
 from mbcdm_cad.errors import InputError, MbcdmError, Problem
 from mbcdm_cad.storage.files import refuse_missing_folder
@@ -34,6 +34,9 @@ CATALOGUE_KINDS = (
     "tensioners",
     "materials",
 )
+
+# Exit code of a command that the keyboard interrupted, as shells have it.
+INTERRUPTED = 130
 
 _CONFIGURATION = click.option(
     "--configuration", metavar="NAME", help="Layout of the drive; by default that of the reference design."
@@ -155,6 +158,49 @@ def solve(design: Path, apply: Path | None, as_json: bool) -> int:
         found.save(apply)
         click.echo(f"{apply} written", err=as_json)
     return int(not found.passed)
+
+
+@mbcdm.command(
+    epilog=examples(
+        "mbcdm optimise my_drive.yaml --aim mass_g:min --aim swing_mrad:min --time 60s",
+        "mbcdm optimise my_drive.yaml --aim mass_g:min --aim swing_mrad:min --resume",
+    )
+)
+@click.argument("requirements", metavar="REQUIREMENTS...", type=FILE, nargs=-1, required=True)
+@click.option("--aim", "aims", multiple=True, metavar="FIGURE:min|max", help="A figure to improve; one to four.")
+@click.option("--keep", "keeps", multiple=True, metavar="FIGURE:>=VALUE", help="A limit (>= or <=) of a figure.")
+@click.option(
+    "--free",
+    multiple=True,
+    metavar="FIELD=VALUES",
+    help="One more field to choose, of A,B,... or LOW..HIGH; without it those that solve may change.",
+)
+@click.option("--only-free", is_flag=True, help="Choose only fields of --free and ranges of the file.")
+@TIME
+@click.option("--evaluations", type=int, metavar="N", default=None, help="Stop after this number of designs.")
+@click.option("--workers", type=click.IntRange(1, 64), metavar="N", default=None, help="Processes; all cores.")
+@click.option("--resume", is_flag=True, help="Go on with a search that was stopped.")
+@out_folder("Folder for NAME-optimum and the evaluated points.")
+@click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
+def optimise(requirements: Sequence[Path], out: Path, as_json: bool, **asked: Any) -> int:
+    """Find the best designs that pass every check.
+
+    Figures are those of check and analyse, such as mass_g, swing_mrad or torque_to_weight_Nm_kg; free are all fields
+    that solve may change, and ranges such as {min: 30, max: 60}. Several files, one a layout, compete. Writes each
+    design of the front as a short file. The search can be stopped at any moment and goes on with --resume. Exit code 1
+    if no design passes.
+    """
+    effort = api.Effort(*(asked[name] for name in ("evaluations", "time_s", "workers", "resume")))
+    wishes = {name: asked[name] for name in ("keeps", "free", "only_free")}
+    with progress_of_search() as told:
+        found = api.optimise(requirements, asked["aims"], out, **wishes, effort=effort, progress=told)
+    if as_json:
+        print_json(found.to_dict())
+    else:
+        click.echo(found.text(screen_width()))
+        if not found.finished:
+            click.echo("it goes on with --resume", err=True)
+    return INTERRUPTED if found.interrupted else int(not found.points)
 
 
 def _refuse_other_file(design: Path, apply: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,21 @@ from mbcdm_cad import __version__
 
 FILE = click.Path(path_type=Path)
 DESIGN = click.argument("design", type=FILE)
+
+
+def _seconds(_context: click.Context, _parameter: click.Parameter, value: str | None) -> float | None:
+    """The seconds of ``300s``, ``5min`` or ``2h``; a number without unit is in seconds."""
+    if value is None:
+        return None
+    found = re.fullmatch(r"(\d+\.?\d*) *(s|min|h)?", value)
+    if found is None:
+        raise click.BadParameter(f"{value} is not a time; write 300s, 5min or 2h, say")
+    return float(found[1]) * {"min": 60.0, "h": 3600.0}.get(found[2], 1.0)
+
+
+TIME = click.option(
+    "--time", "time_s", metavar="TIME", default=None, callback=_seconds, help="Stop after this time: 300s, 5min, 2h."
+)
 
 
 def examples(*lines: str) -> str:

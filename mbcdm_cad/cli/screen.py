@@ -54,3 +54,25 @@ def progress_of_trials() -> Iterator[Callable[[str, int], None] | None]:
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("searching", total=MOST_TRIALS)
         yield lambda stage, count: bar.update(task, description=stage, completed=count)
+
+
+@contextmanager
+def progress_of_search() -> Iterator[Callable[[str, int], None]]:
+    """A function that is told the best so far and the number of designs: a line on a terminal, some lines if piped."""
+    if not sys.stderr.isatty():
+
+        def told(words: str, count: int) -> None:
+            if count % _EVERY == 0:
+                print(f"{count} designs: {words}", file=sys.stderr, flush=True)
+
+        yield told
+        return
+    from rich.console import Console  # only where a terminal shows it
+
+    console = Console(stderr=True)
+    with console.status("searching") as status:
+        yield lambda words, count: status.update(f"{count} designs: {words}")
+
+
+# Designs between two lines of progress, where it is piped.
+_EVERY = 100

@@ -39,8 +39,9 @@ class Engine:
         }
         # The engine takes each choice alone, and would change half of them at once.
         share = min(0.5, CHANGED / len(space))
-        first = np.empty(population, dtype=object)
-        first[:] = first_values(variables, population, np.random.default_rng([seed, len(variables)]))
+        drawn = first_values(variables, population, np.random.default_rng([seed, len(variables)]))
+        first = np.empty(len(drawn), dtype=object)
+        first[:] = drawn
         self._problem = Problem(vars=space, n_obj=aims, n_ieq_constr=1)
         unlike = MixedVariableDuplicateElimination()
         self._algorithm = NSGA2(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from math import isfinite
@@ -15,6 +15,7 @@ from mbcdm_cad.checks.estimated_mass import estimated_mass_g
 from mbcdm_cad.design.dotted import value_at
 from mbcdm_cad.errors import MbcdmError, did_you_mean
 from mbcdm_cad.layouts.base import NoFigureError
+from mbcdm_cad.layouts.registry import layout_named
 from mbcdm_cad.model import analyse
 from mbcdm_cad.model.capability import torque_to_weight_Nm_kg
 from mbcdm_cad.report.structure import StructureReport
@@ -22,6 +23,7 @@ from mbcdm_cad.report.structure import StructureReport
 if TYPE_CHECKING:
     from mbcdm_cad.design.drive import Drive
     from mbcdm_cad.model import Analysis
+    from mbcdm_cad.solving.question import Question
 
 # Figures are kept to this many significant digits: a linear algebra library with another number of threads changes the
 # last ones, and a search that goes on elsewhere shall end with the same bytes.
@@ -163,14 +165,15 @@ def unit_of(name: str) -> str:
     return FIGURES[name].unit if name in FIGURES else ""
 
 
-def refuse_unknown(names: tuple[str, ...], facts: Facts) -> None:
-    """Raise ``MbcdmError`` for a name that is no figure of this design, check or field with a number."""
-    for name in names:
-        if name in FIGURES or name in facts.checks:
-            continue
-        value = value_at(facts.data, name)
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            known = [*FIGURES, *facts.checks]
-            near = did_you_mean(name, known)
+def refuse_unknown(names: Iterable[str], questions: Iterable[Question]) -> None:
+    """Raise ``MbcdmError`` for a name that is no figure, and no check or field with a number of every layout."""
+    for question in questions:
+        layout = layout_named(question.data["configuration"])
+        checks = {check.id for family in layout.check_families() for check in family.CHECKS}
+        for name in names:
+            node = question.file.node_at(tuple(name.split("."))) or {}
+            if name in FIGURES or name in checks or node.get("type") in ("number", "integer"):
+                continue
+            near = did_you_mean(name, [*FIGURES, *checks])
             listed = near if near.startswith("did you") else "one of " + ", ".join(FIGURES)
             raise MbcdmError(f"{name}: no such figure; {listed}, the id of a check, or a field with a number")

@@ -15,7 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from mbcdm_cad.errors import MbcdmError, OutputError
+from mbcdm_cad.errors import OutputError
+from mbcdm_cad.optimise.effort import Effort
 from mbcdm_cad.optimise.engine import Engine
 from mbcdm_cad.optimise.evaluate import FAULT, Evaluated, evaluate
 from mbcdm_cad.optimise.front import front_of, hypervolume, reference_of
@@ -42,14 +43,6 @@ class Tried:
     question: int
     values: Values
     result: Evaluated
-
-
-@dataclass(frozen=True)
-class Limits:
-    """When a search ends at the latest: number of points, time."""
-
-    evaluations: int | None = None
-    time_s: float | None = None
 
 
 @dataclass(frozen=True)
@@ -104,10 +97,10 @@ class Search:
         self._known: dict[tuple[int, Any], int] = {}
         self._fronts: list[tuple[int, list[int]]] = []
 
-    def run(self, limits: Limits, workers: int) -> Searched:
+    def run(self, effort: Effort) -> Searched:
         """Search until the front no longer grows, a limit is reached, or the keyboard interrupts."""
-        end = inf if limits.time_s is None else time.monotonic() + limits.time_s
-        most = limits.evaluations
+        end = inf if effort.time_s is None else time.monotonic() + effort.time_s
+        most = effort.evaluations
         names = [aim.figure for aim in self.wishes.aims]
         engines = [Engine(v, len(names), SEED + k) for k, v in enumerate(self.variables)]
 
@@ -117,7 +110,7 @@ class Search:
 
         stopped = ""
         try:
-            with Workers(work, workers) as crew:
+            with Workers(work, effort.processes) as crew:
                 while not stopped:
                     stopped = self._round(engines, crew, end, most)
         except KeyboardInterrupt:
@@ -256,11 +249,3 @@ def _record(k: int, values: Values, result: Evaluated, same: int | None) -> Reco
 def _result(record: Record) -> Evaluated:
     failing = tuple((name, miss) for name, miss in record.get("failing", ()))
     return Evaluated(failing, record.get("refused", ""), record.get("figures", {}), record.get("fields", {}))
-
-
-def refuse_limits(limits: Limits) -> None:
-    """Raise ``MbcdmError`` for a limit that is none."""
-    if limits.evaluations is not None and limits.evaluations < 1:
-        raise MbcdmError(f"--evaluations: not a number of designs (value {limits.evaluations}, limit at least 1)")
-    if limits.time_s is not None and not limits.time_s > 0.0:
-        raise MbcdmError(f"--time: not a time (value {limits.time_s:g} s, limit above 0)")

@@ -24,6 +24,8 @@ STILL = 0.2
 MOVED_AT_FIRST = 2.5
 # A range is followed by its logarithm if its ends are this far apart.
 WIDE = 4.0
+# Draws for each point of the first generation; where few values are free, some of them are equal.
+_DRAWS = 4
 # A choice that leaves the field to its rule.
 RULE = ""
 
@@ -124,13 +126,16 @@ def point_of(variables: Sequence[Variable], values: Values) -> Point:
 
 
 def first_values(variables: Sequence[Variable], count: int, rng: np.random.Generator) -> list[dict[str, Any]]:
-    """The first generation: the start, then points that differ from it in a few ruled fields and all others."""
+    """The first generation: the start, then other points that differ from it in a few ruled fields and all others."""
     ruled = [v for v in variables if v.ruled and v.start in (0.0, RULE)]
     share = min(0.5, MOVED_AT_FIRST / max(len(ruled), 1))
-    found = [{v.field: v.start for v in variables}]
-    while len(found) < count:
-        found.append({v.field: v.drawn(rng) if v not in ruled or rng.random() < share else v.start for v in variables})
-    return found
+    start = {v.field: v.start for v in variables}
+    found = {tuple(start.values()): start}
+    for _ in range(_DRAWS * count):
+        if len(found) < count:
+            drawn = {v.field: v.drawn(rng) if v not in ruled or rng.random() < share else v.start for v in variables}
+            found.setdefault(tuple(drawn.values()), drawn)
+    return list(found.values())
 
 
 def freedom_text(question: Question, variable: Variable) -> str:

@@ -28,6 +28,9 @@ SIGNATURES = {
     "new_design_text": "(name: 'str', configuration: 'str | None' = None, *, form: 'Form' = 'short') -> 'str'",
     "solve": "(design: 'DriveDesign | str | Path', *, jobs: 'int | None' = None, progress: 'Callable[[str, int],"
     " None] | None' = None) -> 'SolveReport'",
+    "optimise": "(designs: 'DriveDesign | str | Path | Iterable[DriveDesign | str | Path]', aims: 'Sequence[str]',"
+    " out: 'str | Path' = 'out', *, keeps: 'Sequence[str]' = (), free: 'Sequence[str]' = (), only_free: 'bool' ="
+    " False, effort: 'Effort | None' = None, progress: 'Callable[[str, int], None] | None' = None) -> 'Optimum'",
     "compare": "(designs: 'Iterable[DriveDesign | str | Path]', out: 'str | Path' = 'out', *, page: 'str | Path"
     " | None' = None, jobs: 'int | None' = None, cache: 'bool' = True, progress: 'Progress | None' = None) ->"
     " 'ComparisonReport'",
@@ -87,6 +90,8 @@ NAMES = [
     "new_design_text",
     "DriveDesign",
     "solve",
+    "optimise",
+    "Effort",
     "compare",
     "analyse_many",
     "size_many",

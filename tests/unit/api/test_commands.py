@@ -41,6 +41,7 @@ FUNCTIONS = {
     "init": ["new_design_text", "new_design"],
     "loop": ["close_loop", "next_run", "judge_published"],
     "measurement-init": ["draft_measurement"],
+    "optimise": ["optimise"],
     "page": ["DriveDesign.page"],
     "picture": ["DriveDesign.picture", "DriveDesign.moving_picture"],
     "pictures": ["DriveDesign.pictures"],

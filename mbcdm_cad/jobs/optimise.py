@@ -1,0 +1,87 @@
+"""Search for the best designs and write them: the front's design files, their figures, the points evaluated."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Sequence
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+from threadpoolctl import threadpool_limits
+
+from mbcdm_cad.design.template import slug
+from mbcdm_cad.optimise.effort import Effort
+from mbcdm_cad.optimise.engine import POPULATION
+from mbcdm_cad.optimise.figures import refuse_unknown
+from mbcdm_cad.optimise.journal import Journal, sole_search
+from mbcdm_cad.optimise.result import Optimum, optimum_of
+from mbcdm_cad.optimise.search import SEED, Search, Told
+from mbcdm_cad.optimise.variables import variables_of
+from mbcdm_cad.optimise.wishes import Wishes
+from mbcdm_cad.solving.question import Question
+from mbcdm_cad.storage.folders import output_folder
+from mbcdm_cad.storage.keys import content_key, package_hash
+from mbcdm_cad.storage.manifest import Manifest, versions
+
+
+def optimise(
+    questions: Sequence[Question],
+    wishes: Wishes,
+    out: Path,
+    effort: Effort,
+    told: Told,
+) -> Optimum:
+    """Search and write ``out/NAME-optimum``; evaluated points go into ``out/NAME-optimum.jsonl`` on the way.
+
+    An interrupted search writes what it has. Raises ``MbcdmError`` for wishes that the layouts cannot answer, and
+    ``OutputError`` if files cannot be written or a search before is there and ``effort`` does not resume it.
+    """
+    refuse_unknown([*(aim.figure for aim in wishes.aims), *(keep.figure for keep in wishes.keeps)], questions)
+    variables = [variables_of(question, wishes) for question in questions]
+    name = slug(str(questions[0].data.get("name") or questions[0].path.stem))
+    folder = out / f"{name}-optimum"
+    journal_path = out / f"{name}-optimum.jsonl"
+    request = _request(questions, wishes)
+    # Small systems of equations: threads of the linear algebra would only wait for each other.
+    with threadpool_limits(1), sole_search(journal_path):
+        with Journal(journal_path, request, resume=effort.resume) as journal:
+            search = Search(questions, variables, wishes, journal, told)
+            searched = search.run(effort)
+        found = optimum_of(questions, searched, folder, name)
+        _write(found, questions, request)
+    return found
+
+
+def _request(questions: Sequence[Question], wishes: Wishes) -> dict[str, Any]:
+    """All that the results depend on; a search goes on only with an equal one."""
+    return {
+        "files": [[question.path.name, question.text] for question in questions],
+        "aims": [str(aim) for aim in wishes.aims],
+        "keeps": [str(keep) for keep in wishes.keeps],
+        "free": [[freed.field, list(freed.values), freed.low, freed.high] for freed in wishes.free],
+        "only_free": wishes.only_free,
+        "seed": SEED,
+        "population": POPULATION,
+        "package": package_hash(),
+        "versions": versions() | {"pymoo": metadata.version("pymoo")},
+    }
+
+
+def _write(found: Optimum, questions: Sequence[Question], request: dict[str, Any]) -> None:
+    key = content_key("optimum", request, package_hash(), versions())
+    with output_folder(found.folder, Manifest(key, key), design=questions[0].path) as folder:
+        folder.write("optimum.json", json.dumps(found.to_dict(), indent=1, allow_nan=False) + "\n")
+        folder.write("front.csv", _csv(found))
+        for point in found.points:
+            folder.write(f"front/{point.name}.yaml", point.text)
+
+
+def _csv(found: Optimum) -> str:
+    table, text = found.all_figures(), io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(table.columns)
+    writer.writerows(table.rows)
+    return text.getvalue()

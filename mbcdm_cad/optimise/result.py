@@ -1,0 +1,229 @@
+"""The result of a search: the front with a short design file for each of its points, as text, table and plain data."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from mbcdm_cad.checks.remedies import Budget
+from mbcdm_cad.checks.result import CheckResult
+from mbcdm_cad.checks.run import run_all
+from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.layouts.check_design import checks_of
+from mbcdm_cad.layouts.loader import load_text
+from mbcdm_cad.optimise.search import INTERRUPTED, Searched, Tried
+from mbcdm_cad.optimise.wishes import Wishes
+from mbcdm_cad.report.table import ReportTable, filled
+from mbcdm_cad.solving.patch import difference, patched
+from mbcdm_cad.solving.question import Question
+
+if TYPE_CHECKING:
+    import pandas
+
+# A check binds where its margin is below this share of its limit.
+BINDS = 0.02
+
+
+@dataclass(frozen=True)
+class FrontPoint:
+    """One design of the front: its ``name``, file content ``text``, ``figures``, ``patch`` from the file given.
+
+    ``checks``: all of its checks, without advice.
+    """
+
+    name: str
+    layout: str
+    text: str
+    patch: str
+    figures: Mapping[str, float]
+    checks: tuple[CheckResult, ...]
+
+    @property
+    def binding(self) -> tuple[str, ...]:
+        """The checks with a limit that are within :data:`BINDS` of it, the nearest first."""
+        shares = [
+            (check.margin / (abs(check.limit) or 1.0), check.id)
+            for check in self.checks
+            if check.margin is not None and check.limit is not None and check.status == "pass"
+        ]
+        return tuple(name for share, name in sorted(shares) if 0.0 <= round(share, 9) < BINDS)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data."""
+        return {
+            "name": self.name,
+            "layout": self.layout,
+            "figures": dict(self.figures),
+            "binding": list(self.binding),
+            "patch": self.patch,
+        }
+
+
+@dataclass(frozen=True)
+class Optimum:
+    """The front of a search, best first in its first aim; ``starts``: the files as given, those that pass.
+
+    ``folder`` has the files of :func:`mbcdm_cad.jobs.optimise.optimise`; ``finished`` is False for a search that was
+    interrupted or ran out of time, and that can go on.
+    """
+
+    wishes: Wishes
+    folder: Path
+    points: tuple[FrontPoint, ...]
+    starts: tuple[Tried, ...]
+    searched: Searched
+
+    @property
+    def finished(self) -> bool:
+        """Whether the search came to its end."""
+        return self.searched.finished
+
+    @property
+    def interrupted(self) -> bool:
+        """Whether the keyboard interrupted it."""
+        return self.searched.stopped == INTERRUPTED
+
+    def __len__(self) -> int:
+        """Number of designs on the front."""
+        return len(self.points)
+
+    def __getitem__(self, k: int) -> FrontPoint:
+        """A design of the front, from 0."""
+        return self.points[k]
+
+    @property
+    def shown(self) -> tuple[str, ...]:
+        """The figures of the tables: aims, keeps, then mass and torque."""
+        names = [aim.figure for aim in self.wishes.aims] + [keep.figure for keep in self.wishes.keeps]
+        return tuple(dict.fromkeys([*names, "mass_g", "torque_Nm"]))
+
+    @cached_property
+    def table(self) -> ReportTable:
+        """One row a design, figures of :attr:`shown`."""
+        layouts = len({p.layout for p in self.points}) > 1
+        heads = ("design", *(("layout",) if layouts else ()), *self.shown)
+        rows = tuple(
+            (p.name, *((p.layout,) if layouts else ()), *(p.figures.get(name) for name in self.shown))
+            for p in self.points
+        )
+        return ReportTable(heads, rows)
+
+    def binding(self) -> dict[str, list[str]]:
+        """The checks that bind on the front, with the names of the designs where they do, the most first."""
+        found: dict[str, list[str]] = {}
+        for point in self.points:
+            for name in point.binding:
+                found.setdefault(name, []).append(point.name)
+        return dict(sorted(found.items(), key=lambda item: (-len(item[1]), item[0])))
+
+    def text(self, width: int | None = None) -> str:
+        """What ``mbcdm optimise`` prints."""
+        return "\n".join(self._lines(width))
+
+    def __str__(self) -> str:
+        """As :meth:`text`."""
+        return self.text()
+
+    def _lines(self, width: int | None) -> Iterator[str]:
+        s = self.searched
+        yield from filled(
+            f"{len(s.tried)} designs evaluated, {s.passing} pass every check"
+            + (" and keep what was asked" if self.wishes.keeps else "")
+            + f"; ended: {s.stopped}",
+            width,
+        )
+        if not self.points:
+            yield from filled(
+                "no design passes; checks that failed most: "
+                + (", ".join(f"{name} ({count})" for name, count in list(s.failing.items())[:8]) or "none"),
+                width,
+            )
+        else:
+            aims = ", ".join(map(str, self.wishes.aims))
+            yield f"Front of {aims}: {len(self.points)} designs in {self.folder}/front"
+            yield from self.table.text(width, "  ")
+            yield from self._binding_lines(width)
+        if s.faults:
+            yield from filled(f"{len(s.faults)} points ended in a fault, the first: {s.faults[0]}", width)
+
+    def _binding_lines(self, width: int | None) -> Iterator[str]:
+        found, count = self.binding(), len(self.points)
+        everywhere = [name for name, where in found.items() if len(where) == count]
+        some = [f"{name} ({_listed(where)})" for name, where in found.items() if len(where) < count]
+        near = f"within {BINDS:.0%} of their limits"
+        if everywhere:
+            yield from filled(f"  {near} at every design: {', '.join(everywhere)}", width)
+        if some:
+            yield from filled(f"  {near} at some: {', '.join(some[:12])}" + (", ..." if len(some) > 12 else ""), width)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything, ready for JSON; this is ``optimum.json``."""
+        s = self.searched
+        return {
+            "aims": [str(aim) for aim in self.wishes.aims],
+            "keeps": [str(keep) for keep in self.wishes.keeps],
+            "evaluated": len(s.tried),
+            "passing": s.passing,
+            "stopped": s.stopped,
+            "finished": s.finished,
+            "front": [point.to_dict() for point in self.points],
+            "starts": [dict(start.result.figures) for start in self.starts],
+            "binding": self.binding(),
+            "failing": dict(s.failing),
+            "hypervolume": [{"evaluated": count, "volume": float(f"{volume:.9g}")} for count, volume in s.curve],
+            "faults": list(s.faults),
+        }
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """One row a design, all figures. Raises ``MbcdmError`` without pandas."""
+        return self.all_figures().pandas()
+
+    def all_figures(self) -> ReportTable:
+        """One row a design, every figure that it has."""
+        names = tuple(dict.fromkeys(name for point in self.points for name in point.figures))
+        rows = tuple((p.name, p.layout, *(p.figures.get(name) for name in names)) for p in self.points)
+        return ReportTable(("design", "layout", *names), rows)
+
+
+def _listed(names: Sequence[str]) -> str:
+    return ", ".join(names[:4]) + (f" and {len(names) - 4} more" if len(names) > 4 else "")
+
+
+def optimum_of(questions: Sequence[Question], searched: Searched, folder: Path, stem: str) -> Optimum:
+    """The front of a search with its design files, named ``stem`` and a number, read and checked from their texts."""
+    rows = sorted(searched.front, key=lambda row: (*np.asarray(searched.aims(row)).tolist(), row))
+    digits = max(2, len(str(len(rows))))
+    points = []
+    for number, row in enumerate(rows, start=1):
+        one = searched.tried[row]
+        name = f"{stem[: 60 - digits]}-{number:0{digits}d}"
+        points.append(_front_point(questions[one.question], one, name))
+    # The first point of each file has all its fields by their rules, and its ranges at their middles.
+    firsts = {one.question: one for one in reversed(searched.tried)}
+    starts = tuple(firsts[k] for k in sorted(firsts) if firsts[k].result.passes)
+    return Optimum(searched.wishes, folder, tuple(points), starts, searched)
+
+
+def _front_point(question: Question, one: Tried, name: str) -> FrontPoint:
+    wanted = {**one.result.fields, "name": name}
+    path = f"{name}.yaml"
+    text = patched(question.text, str(question.path), wanted)
+    loaded = load_text(text, path)
+    return FrontPoint(
+        name,
+        loaded.drive.configuration,
+        text,
+        difference(question.text, text, question.path.name),
+        one.result.figures,
+        checked(loaded),
+    )
+
+
+def checked(loaded: LoadedDesign) -> tuple[CheckResult, ...]:
+    """All checks of a design without trying remedies."""
+    return run_all(checks_of(loaded.drive), loaded.drive.layout, Budget(0))

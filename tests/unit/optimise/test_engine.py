@@ -1,0 +1,98 @@
+"""The engine on functions whose front is known, through the same wrapper as designs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from mbcdm_cad.optimise.engine import Engine
+from mbcdm_cad.optimise.front import front_of, hypervolume
+from mbcdm_cad.optimise.variables import RULE, Variable, point_of
+from mbcdm_cad.routes import Floats
+from mbcdm_cad.solving.question import Fixed, Times
+
+
+def run(
+    variables: list[Variable], of: Callable[[dict[str, float]], tuple[Floats, float]], generations: int
+) -> tuple[Floats, list[dict[str, object]]]:
+    """All feasible aims that a search finds, and all points that it asks for."""
+    engine, good, asked = Engine(variables, 2, seed=7), [], []
+    for _ in range(generations):
+        values = [dict(one) for one in engine.ask()]
+        asked += values
+        found = [of(one) for one in values]
+        engine.tell(np.array([aims for aims, _ in found]), np.array([miss for _, miss in found]))
+        good += [aims for aims, miss in found if miss <= 0.0]
+    points = np.array(good)
+    return points[front_of(points)], asked
+
+
+def c2_dtlz2(x: dict[str, float]) -> tuple[Floats, float]:
+    """C2-DTLZ2 of two aims (Jain and Deb 2014): of the unit circle only the parts near its ends and its middle."""
+    u = np.array(list(x.values()))
+    beyond = ((u[1:] - 0.5) ** 2).sum()
+    f = (1.0 + beyond) * np.array([np.cos(u[0] * np.pi / 2), np.sin(u[0] * np.pi / 2)])
+    r, middle = 0.2, ((f - 1.0 / np.sqrt(2.0)) ** 2).sum()
+    ends = min((f[0] - 1.0) ** 2 + f[1] ** 2, (f[1] - 1.0) ** 2 + f[0] ** 2)
+    return f, max(float(min(ends, middle) - r**2), 0.0)
+
+
+def test_c2_dtlz2_is_found_in_all_its_parts() -> None:
+    front, _ = run([Variable(f"x{k}", ruled=False) for k in range(6)], c2_dtlz2, 80)
+    angle = np.linspace(0.0, np.pi / 2, 2001)
+    true = np.array([np.cos(angle), np.sin(angle)]).T
+    allowed = np.array([c2_dtlz2({"a": a / (np.pi / 2), "b": 0.5})[1] <= 0.0 for a in angle])
+    reference, scale = np.array([1.1, 1.1]), np.ones(2)
+    share = hypervolume(front, reference, scale) / hypervolume(true[allowed], reference, scale)
+    assert share > 0.98, share
+    found = np.degrees(np.arctan2(front[:, 1], front[:, 0]))
+    assert found.min() < 2.0 and found.max() > 88.0 and ((found > 40.0) & (found < 50.0)).any(), np.sort(found)
+
+
+def mixed(x: dict[str, float]) -> tuple[Floats, float]:
+    """A number, a whole number and a name: f1 = x + n, f2 = (2 - x) / n + cost; the name "rough" is forbidden."""
+    cost = {"fine": 0.0, "rough": -5.0, "poor": 0.4}[x["name"]]  # type: ignore[index]
+    return np.array([x["x"] + x["n"], (2.0 - x["x"]) / x["n"] + cost]), 1.0 if cost < 0.0 else 0.0
+
+
+def test_numbers_whole_numbers_and_names_together() -> None:
+    variables = [
+        Variable("x", ruled=False),
+        Variable("n", tuple(range(1, 7))),
+        Variable("name", ("rough", "poor", "fine")),
+    ]
+    front, asked = run(variables, mixed, 30)
+    every = np.array(
+        [mixed({"x": x, "n": n, "name": "fine"})[0] for x in np.linspace(0.0, 1.0, 401) for n in range(1, 7)]  # type: ignore[dict-item]
+    )
+    reference, scale = np.array([7.5, 2.5]), np.ones(2)
+    share = hypervolume(front, reference, scale) / hypervolume(every[front_of(every)], reference, scale)
+    assert share > 0.98, share
+    assert {type(one["n"]) for one in asked} == {int} and {type(one["x"]) for one in asked} == {float}
+
+
+def test_what_it_proposes_follows_from_seed_and_results_alone() -> None:
+    variables = [Variable("x", ruled=False), Variable("n", ("a", "b", "c"))]
+    first, second = (run(variables, lambda x: (np.array([x["x"], -x["x"]]), 0.0), 6)[1] for _ in range(2))
+    assert first == second
+
+
+def test_the_middle_of_a_variable_is_the_rule_and_its_ends_are_the_limits() -> None:
+    factor, span = Variable("a", (), 0.5, 3.0), Variable("b", (), 10.0, 90.0, ruled=False, logarithmic=True)
+    name = Variable("c", (RULE, "M2", "M3"))
+    assert [factor.setting(u) for u in (-1.0, -0.2, 0.0, 0.2, 1.0)] == [Times(0.5), None, None, None, Times(3.0)]
+    assert [span.setting(u) for u in (0.0, 0.5, 1.0)] == [Fixed(10.0), Fixed(30.0), Fixed(90.0)]
+    assert [name.setting(value) for value in name.options] == [None, Fixed("M2"), Fixed("M3")]
+    assert point_of([factor, span, name], {"a": 0.1, "b": 1.0, "c": RULE}) == {"b": Fixed(90.0)}
+
+
+@pytest.mark.parametrize("count", [1, 12])
+def test_the_first_point_has_all_fields_by_their_rules(count: int) -> None:
+    variables = [Variable(f"f{k}", (), 0.5, 2.0) for k in range(count)]
+    engine = Engine(variables, 1, seed=1)
+    first = engine.ask()
+    assert point_of(variables, first[0]) == {} and 35 <= len(first) <= 40
+    moved = [len(point_of(variables, values)) for values in first[1:]]
+    assert np.mean(moved) < 4.0 and max(moved) > 0, moved

@@ -1,0 +1,146 @@
+"""A search that is cut off anywhere goes on and ends with the same bytes, on any number of workers."""
+
+from __future__ import annotations
+
+import errno
+import os
+import signal
+from collections.abc import Sequence
+from itertools import pairwise
+from pathlib import Path
+from typing import BinaryIO
+
+import numpy as np
+import pytest
+
+from mbcdm_cad.errors import OutputError
+from mbcdm_cad.optimise import search as searching
+from mbcdm_cad.optimise.effort import Effort
+from mbcdm_cad.optimise.evaluate import Evaluated
+from mbcdm_cad.optimise.journal import Journal
+from mbcdm_cad.optimise.search import Search, Searched
+from mbcdm_cad.optimise.variables import Variable
+from mbcdm_cad.optimise.wishes import Keep, wishes_of
+from mbcdm_cad.solving.question import Fixed, Point, Question
+from mbcdm_cad.storage import parallel
+
+VARIABLES = [Variable("a", ruled=False), Variable("b", ruled=False), Variable("kind", ("x", "y"))]
+WISHES = wishes_of(["mass:min", "swing:min"])
+
+
+def stand_in(question: Question, point: Point, keeps: Sequence[Keep], names: Sequence[str]) -> Evaluated:
+    """A drive of three fields in place of a sized one; designs with a large ``b`` fail a check."""
+    a, b, kind = (point[name].value for name in ("a", "b", "kind"))  # type: ignore[union-attr]
+    if b > 0.7:
+        return Evaluated((("too_large", b),))
+    figures = {"mass": 100.0 * (a + 0.3 * b) + (5.0 if kind == "y" else 0.0), "swing": 1.0 / (0.2 + a + b)}
+    return Evaluated((), "", figures, {"a": a, "b": b, "kind": kind})
+
+
+@pytest.fixture(autouse=True)
+def _without_designs(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(searching, "evaluate", stand_in)
+    monkeypatch.setattr(parallel, "_allowed", True)
+
+
+def searched(path: Path, most: int | None = 180, *, resume: bool = False, workers: int = 1) -> Searched:
+    with Journal(path, {"request": 1}, resume=resume) as journal:
+        found = Search([None], [VARIABLES], WISHES, journal, lambda words, count: None)  # type: ignore[list-item]
+        return found.run(Effort(most, None, workers))
+
+
+def test_cut_off_at_any_byte_it_goes_on_to_the_same_bytes(tmp_path: Path) -> None:
+    whole = searched(tmp_path / "whole.jsonl")
+    content = (tmp_path / "whole.jsonl").read_bytes()
+    rng = np.random.default_rng(3)
+    for size in [0, 5, content.index(b"\n") + 1, *rng.integers(30, len(content), 6).tolist(), len(content)]:
+        cut = tmp_path / "cut.jsonl"
+        cut.write_bytes(content[:size])
+        again = searched(cut, resume=True)
+        assert cut.read_bytes() == content, f"cut at byte {size} of {len(content)}"
+        assert (again.front, again.curve, again.stopped) == (whole.front, whole.curve, whole.stopped), size
+
+
+def test_two_workers_and_a_worker_that_is_killed_give_the_same_bytes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    searched(tmp_path / "one.jsonl", 120)
+    searched(tmp_path / "two.jsonl", 120, workers=2)
+    mark = tmp_path / "killed"
+
+    def dies_once(question: Question, point: Point, *rest: object) -> Evaluated:
+        if point.get("kind") == Fixed("y") and not mark.exists():
+            mark.touch()
+            os.kill(os.getpid(), signal.SIGKILL)
+        return stand_in(question, point, (), ())
+
+    monkeypatch.setattr(searching, "evaluate", dies_once)
+    searched(tmp_path / "three.jsonl", 120, workers=2)
+    assert mark.exists(), "no worker was killed"
+    one, *others = ((tmp_path / f"{name}.jsonl").read_bytes() for name in ("one", "two", "three"))
+    assert others == [one, one]
+
+
+def test_more_evaluations_go_on_from_those_before(tmp_path: Path) -> None:
+    searched(tmp_path / "a.jsonl", 90)
+    before = (tmp_path / "a.jsonl").read_bytes()
+    longer = searched(tmp_path / "a.jsonl", 150, resume=True)
+    assert len(longer.tried) == 150 and (tmp_path / "a.jsonl").read_bytes().startswith(before)
+
+
+def test_it_ends_when_the_front_no_longer_grows(tmp_path: Path) -> None:
+    found = searched(tmp_path / "a.jsonl", None)
+    assert "grew by less than" in found.stopped and found.finished, found.stopped
+    volumes = [volume for _, volume in found.curve]
+    assert all(after >= before - 1e-12 for before, after in pairwise(volumes)), volumes
+    assert set(found.failing) == {"too_large"} and found.failing["too_large"] > 0
+
+
+def test_a_journal_is_neither_lost_nor_mixed_up(tmp_path: Path) -> None:
+    searched(tmp_path / "a.jsonl", 50)
+    with pytest.raises(OutputError, match=r"50 evaluated points of a search before; add --resume"):
+        Journal(tmp_path / "a.jsonl", {"request": 1}, resume=False)
+    with pytest.raises(OutputError, match="another request;"):
+        Journal(tmp_path / "a.jsonl", {"request": 2}, resume=True)
+    (tmp_path / "a.jsonl").write_bytes(b"not json\n")
+    with pytest.raises(OutputError, match="damaged"):
+        Journal(tmp_path / "a.jsonl", {"request": 1}, resume=True)
+
+
+def test_a_full_disk_is_told_with_the_remedy_and_the_search_goes_on(tmp_path: Path) -> None:
+    searched(tmp_path / "whole.jsonl", 50)
+
+    class Full:
+        """A disk with room for 300 bytes more."""
+
+        def __init__(self, file: BinaryIO) -> None:
+            self.file, self.room = file, 300
+
+        def write(self, line: bytes) -> int:
+            if not self.room:
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+            written = self.file.write(line[: self.room])
+            self.room -= written
+            return written
+
+        def close(self) -> None:
+            self.file.close()
+
+    with Journal(tmp_path / "a.jsonl", {"request": 1}, resume=False) as journal:
+        journal._file = Full(journal._file)  # type: ignore[assignment, arg-type]
+        with pytest.raises(
+            OutputError, match=r"No space left on device; make room or rights, then go on with --resume"
+        ):
+            Search([None], [VARIABLES], WISHES, journal, lambda words, count: None).run(Effort(50))  # type: ignore[list-item]
+    assert len((tmp_path / "a.jsonl").read_bytes()) > 300, "the last line should be cut off"
+    searched(tmp_path / "a.jsonl", 50, resume=True)
+    assert (tmp_path / "a.jsonl").read_bytes() == (tmp_path / "whole.jsonl").read_bytes()
+
+
+def test_the_time_ends_it_where_it_can_go_on(tmp_path: Path) -> None:
+    with Journal(tmp_path / "a.jsonl", {"request": 1}, resume=False) as journal:
+        found = Search([None], [VARIABLES], WISHES, journal, lambda words, count: None).run(Effort(None, 1e-6, 1))  # type: ignore[list-item]
+    assert found.stopped == "the time is over" and not found.finished and len(found.tried) < 40
+    whole = searched(tmp_path / "b.jsonl")
+    assert searched(tmp_path / "a.jsonl", resume=True).front == whole.front
+    assert (tmp_path / "a.jsonl").read_bytes() == (tmp_path / "b.jsonl").read_bytes()
