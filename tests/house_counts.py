@@ -37,7 +37,7 @@ ROOMS = (
     "drawings",
     "build",
     "report",
-    "optimise",
+    "optimising",
     "robot",
     "measurement",
     "loop",

@@ -37,7 +37,7 @@ from mbcdm_cad.api.designs import (
 )
 from mbcdm_cad.api.runs import MeasuredRun, close_loop, draft_measurement, judge_published, load_run, next_run
 from mbcdm_cad.errors import InputError, MbcdmError
-from mbcdm_cad.optimise.effort import Effort
+from mbcdm_cad.optimising.wishes import Effort
 
 __all__ = [
     "load",

@@ -10,8 +10,8 @@ from mbcdm_cad.api.design import DriveDesign, Progress, cache_of, silent
 
 if TYPE_CHECKING:
     from mbcdm_cad.jobs.compare import ComparisonReport
-    from mbcdm_cad.optimise.effort import Effort
-    from mbcdm_cad.optimise.result import Optimum
+    from mbcdm_cad.optimising.result import Optimum
+    from mbcdm_cad.optimising.wishes import Effort
     from mbcdm_cad.paper.reproduce import PaperTable
     from mbcdm_cad.report.catalogue_list import CatalogueList
     from mbcdm_cad.report.machine import Machine
@@ -95,8 +95,7 @@ def optimise(
     the layouts cannot answer.
     """
     from mbcdm_cad.jobs.optimise import optimise
-    from mbcdm_cad.optimise.effort import Effort
-    from mbcdm_cad.optimise.wishes import wishes_of
+    from mbcdm_cad.optimising.wishes import Effort, wishes_of
 
     listed = [designs] if isinstance(designs, DriveDesign | str | Path) else list(designs)
     wishes = wishes_of(aims, keeps, free, only_free=only_free)

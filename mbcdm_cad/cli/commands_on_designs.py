@@ -162,8 +162,8 @@ def solve(design: Path, apply: Path | None, as_json: bool) -> int:
 
 @mbcdm.command(
     epilog=examples(
-        "mbcdm optimise my_drive.yaml --aim mass_g:min --aim swing_mrad:min --time 60s",
-        "mbcdm optimise my_drive.yaml --aim mass_g:min --aim swing_mrad:min --resume",
+        "mbcdm optimise my_drive.yaml --aim mass_g:min --aim swing_mrad:min",
+        "mbcdm optimise a.yaml b.yaml --aim mass_g:min --time 60s",
     )
 )
 @click.argument("requirements", metavar="REQUIREMENTS...", type=FILE, nargs=-1, required=True)

@@ -1,4 +1,4 @@
-"""Search for the best designs and write them: the front's design files, their figures, the points evaluated."""
+"""FrontSearch for the best designs and write them: the front's design files, their figures, the points evaluated."""
 
 from __future__ import annotations
 
@@ -13,14 +13,12 @@ from typing import Any
 from threadpoolctl import threadpool_limits
 
 from mbcdm_cad.design.template import slug
-from mbcdm_cad.optimise.effort import Effort
-from mbcdm_cad.optimise.engine import POPULATION
-from mbcdm_cad.optimise.figures import refuse_unknown
-from mbcdm_cad.optimise.journal import Journal, sole_search
-from mbcdm_cad.optimise.result import Optimum, optimum_of
-from mbcdm_cad.optimise.search import SEED, Search, Told
-from mbcdm_cad.optimise.variables import variables_of
-from mbcdm_cad.optimise.wishes import Wishes
+from mbcdm_cad.optimising.figures import refuse_unknown
+from mbcdm_cad.optimising.journal import Journal, sole_search
+from mbcdm_cad.optimising.result import Optimum, optimum_of
+from mbcdm_cad.optimising.search import FrontSearch, Told
+from mbcdm_cad.optimising.variables import variables_of
+from mbcdm_cad.optimising.wishes import Effort, Wishes
 from mbcdm_cad.solving.question import Question
 from mbcdm_cad.storage.folders import output_folder
 from mbcdm_cad.storage.keys import content_key, package_hash
@@ -34,7 +32,7 @@ def optimise(
     effort: Effort,
     told: Told,
 ) -> Optimum:
-    """Search and write ``out/NAME-optimum``; evaluated points go into ``out/NAME-optimum.jsonl`` on the way.
+    """FrontSearch and write ``out/NAME-optimum``; evaluated points go into ``out/NAME-optimum.jsonl`` on the way.
 
     An interrupted search writes what it has. Raises ``MbcdmError`` for wishes that the layouts cannot answer, and
     ``OutputError`` if files cannot be written or a search before is there and ``effort`` does not resume it.
@@ -48,7 +46,7 @@ def optimise(
     # Small systems of equations: threads of the linear algebra would only wait for each other.
     with threadpool_limits(1), sole_search(journal_path):
         with Journal(journal_path, request, resume=effort.resume) as journal:
-            search = Search(questions, variables, wishes, journal, told)
+            search = FrontSearch(questions, variables, wishes, journal, told)
             searched = search.run(effort)
         found = optimum_of(questions, searched, folder, name)
         _write(found, questions, request)
@@ -63,8 +61,6 @@ def _request(questions: Sequence[Question], wishes: Wishes) -> dict[str, Any]:
         "keeps": [str(keep) for keep in wishes.keeps],
         "free": [[freed.field, list(freed.values), freed.low, freed.high] for freed in wishes.free],
         "only_free": wishes.only_free,
-        "seed": SEED,
-        "population": POPULATION,
         "package": package_hash(),
         "versions": versions() | {"pymoo": metadata.version("pymoo")},
     }

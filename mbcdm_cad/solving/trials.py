@@ -83,8 +83,7 @@ class Trials:
     @cached_property
     def checks(self) -> dict[str, Check]:
         """The checks of this configuration by their ids."""
-        families = layout_named(self.question.data["configuration"]).check_families()
-        return {check.id: check for family in families for check in family.CHECKS}
+        return checks_by_id(self.question)
 
     def begin_at(self, point: Point) -> Resolved | None:
         """Begin the sizing of later trials at the design of ``point``. Returns this design, None if there is none."""
@@ -138,6 +137,12 @@ class Trials:
             for k, (p, o) in enumerate(zip(listed, outcomes, strict=True))
         ]
         return listed[min(order)[2]]
+
+
+def checks_by_id(question: Question) -> dict[str, Check]:
+    """The checks of the question's configuration by their ids."""
+    families = layout_named(question.data["configuration"]).check_families()
+    return {check.id: check for family in families for check in family.CHECKS}
 
 
 def outcome(question: Question, point: Point, similar: Sizing | None = None) -> TrialResult:

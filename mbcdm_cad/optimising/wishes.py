@@ -1,13 +1,12 @@
-"""What a search for the best design shall reach: aims, figures to keep, fields that it may set."""
+"""What a search for the best design shall reach, the fields that it may set, and how long it may take."""
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
-
-import yaml
 
 from mbcdm_cad.errors import MbcdmError
 
@@ -71,6 +70,33 @@ class Wishes:
     only_free: bool = False
 
 
+@dataclass(frozen=True)
+class Effort:
+    """When a search ends at the latest (number of points, time), on how many processes (None: all cores).
+
+    ``resume``: go on with a search that was stopped.
+    """
+
+    evaluations: int | None = None
+    time_s: float | None = None
+    workers: int | None = None
+    resume: bool = False
+
+    def __post_init__(self) -> None:
+        """Raise ``MbcdmError`` for a limit that is none."""
+        for name in ("evaluations", "workers"):
+            value = getattr(self, name)
+            if value is not None and value < 1:
+                raise MbcdmError(f"--{name}: not a number (value {value}, limit at least 1)")
+        if self.time_s is not None and not self.time_s > 0.0:
+            raise MbcdmError(f"--time: not a time (value {self.time_s:g} s, limit above 0)")
+
+    @property
+    def processes(self) -> int:
+        """Number of processes."""
+        return self.workers or len(os.sched_getaffinity(0))
+
+
 def wishes_of(
     aims: Sequence[str], keeps: Sequence[str] = (), free: Sequence[str] = (), *, only_free: bool = False
 ) -> Wishes:
@@ -120,6 +146,8 @@ def _freed(text: str) -> Freed:
         if low < high:
             return Freed(field, (), low, high)
     elif field and given:
+        import yaml  # the package's own import brings this file, and should be fast
+
         return Freed(field, tuple(yaml.safe_load(value) for value in given.split(",")))
     raise MbcdmError(
         f"--free: not a field with values (value {text}, limit FIELD=A,B,... or FIELD=LOW..HIGH); write "

@@ -16,8 +16,8 @@ from mbcdm_cad.design.loader import Resolved
 from mbcdm_cad.errors import InputError, MbcdmError
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.check_design import checks_of
-from mbcdm_cad.optimise.figures import FIGURES, Facts, figure
-from mbcdm_cad.optimise.wishes import Keep
+from mbcdm_cad.optimising.figures import FIGURES, Facts, figure
+from mbcdm_cad.optimising.wishes import Keep
 from mbcdm_cad.solving.question import Point, Question
 from mbcdm_cad.solving.trials import LAST, missed, must_hold
 

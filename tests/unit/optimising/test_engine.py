@@ -7,9 +7,9 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from mbcdm_cad.optimise.engine import Engine
-from mbcdm_cad.optimise.front import front_of, hypervolume
-from mbcdm_cad.optimise.variables import RULE, Variable, point_of
+from mbcdm_cad.optimising.engine import Engine
+from mbcdm_cad.optimising.front import front_of, hypervolume
+from mbcdm_cad.optimising.variables import RULE, Variable, point_of
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.solving.question import Fixed, Times
 

@@ -16,8 +16,8 @@ from mbcdm_cad.checks.run import run_all
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.loader import load_text
-from mbcdm_cad.optimise.search import INTERRUPTED, Searched, Tried
-from mbcdm_cad.optimise.wishes import Wishes
+from mbcdm_cad.optimising.search import INTERRUPTED, Searched, TriedPoint
+from mbcdm_cad.optimising.wishes import Wishes
 from mbcdm_cad.report.table import ReportTable, filled
 from mbcdm_cad.solving.patch import difference, patched
 from mbcdm_cad.solving.question import Question
@@ -75,7 +75,7 @@ class Optimum:
     wishes: Wishes
     folder: Path
     points: tuple[FrontPoint, ...]
-    starts: tuple[Tried, ...]
+    starts: tuple[TriedPoint, ...]
     searched: Searched
 
     @property
@@ -209,7 +209,7 @@ def optimum_of(questions: Sequence[Question], searched: Searched, folder: Path, 
     return Optimum(searched.wishes, folder, tuple(points), starts, searched)
 
 
-def _front_point(question: Question, one: Tried, name: str) -> FrontPoint:
+def _front_point(question: Question, one: TriedPoint, name: str) -> FrontPoint:
     wanted = {**one.result.fields, "name": name}
     path = f"{name}.yaml"
     text = patched(question.text, str(question.path), wanted)

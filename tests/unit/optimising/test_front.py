@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mbcdm_cad.optimise.front import front_of, hypervolume, reference_of
+from mbcdm_cad.optimising.front import front_of, hypervolume, reference_of
 
 POINTS = st.lists(st.tuples(*[st.integers(0, 6).map(float)] * 3), min_size=1, max_size=40)
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from mbcdm_cad.errors import MbcdmError
-from mbcdm_cad.optimise.wishes import Freed, Wishes
+from mbcdm_cad.optimising.wishes import Freed, Wishes
 from mbcdm_cad.solving.question import Fixed, Point, Question, Setting, Times
 from mbcdm_cad.solving.trials import choices, setting_of
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from mbcdm_cad.errors import MbcdmError
-from mbcdm_cad.optimise.wishes import Aim, Freed, Keep, wishes_of
+from mbcdm_cad.optimising.wishes import Aim, Freed, Keep, wishes_of
 
 
 def test_wishes_are_read_from_their_texts() -> None:

@@ -15,10 +15,10 @@ from mbcdm_cad.checks.estimated_mass import estimated_mass_g
 from mbcdm_cad.design.dotted import value_at
 from mbcdm_cad.errors import MbcdmError, did_you_mean
 from mbcdm_cad.layouts.base import NoFigureError
-from mbcdm_cad.layouts.registry import layout_named
 from mbcdm_cad.model import analyse
 from mbcdm_cad.model.capability import torque_to_weight_Nm_kg
 from mbcdm_cad.report.structure import StructureReport
+from mbcdm_cad.solving.trials import checks_by_id
 
 if TYPE_CHECKING:
     from mbcdm_cad.design.drive import Drive
@@ -76,7 +76,7 @@ def _no_box(_: Any) -> tuple[float, float, float]:
 
 
 @dataclass(frozen=True)
-class Figure:
+class DesignFigure:
     """A figure by its meaning and unit."""
 
     text: str
@@ -92,56 +92,58 @@ def _least(f: Facts, name: str) -> float:
     return float(min(getattr(f.analysis, name)))
 
 
-FIGURES: dict[str, Figure] = {
-    "mass_g": Figure("estimated mass of all parts", "g", lambda f: f.mass_g),
-    "swing_mrad": Figure(
+FIGURES: dict[str, DesignFigure] = {
+    "mass_g": DesignFigure("estimated mass of all parts", "g", lambda f: f.mass_g),
+    "swing_mrad": DesignFigure(
         "swing of the payload at a reversal of the test torque, cables and structure",
         "mrad",
         lambda f: f.structure.payload_swing_mrad,
     ),
-    "cable_swing_mrad": Figure(
+    "cable_swing_mrad": DesignFigure(
         "swing of the drum at a reversal of the test torque, cables alone, as in the paper",
         "mrad",
         lambda f: f.analysis.reversal_swing_mrad,
     ),
-    "stiffness_Nm_rad": Figure("stiffness at the payload", "N m/rad", lambda f: f.structure.structure.stiffness_Nm_rad),
-    "structure_over_cables": Figure(
+    "stiffness_Nm_rad": DesignFigure(
+        "stiffness at the payload", "N m/rad", lambda f: f.structure.structure.stiffness_Nm_rad
+    ),
+    "structure_over_cables": DesignFigure(
         "turn of the structure over that of the cables", "-", lambda f: f.structure.structure.over_cables
     ),
-    "torque_Nm": Figure(
+    "torque_Nm": DesignFigure(
         "peak torque in the weaker direction, losses as limits.losses says",
         "N m",
         lambda f: _least(f, "peak_torque_Nm"),
     ),
-    "torque_lossless_Nm": Figure(
+    "torque_lossless_Nm": DesignFigure(
         "peak torque in the weaker direction without losses", "N m", lambda f: _least(f, "peak_torque_lossless_Nm")
     ),
-    "torque_with_losses_Nm": Figure(
+    "torque_with_losses_Nm": DesignFigure(
         "peak torque in the weaker direction with all losses", "N m", lambda f: _least(f, "peak_torque_with_losses_Nm")
     ),
-    "torque_to_weight_Nm_kg": Figure(
+    "torque_to_weight_Nm_kg": DesignFigure(
         "torque_Nm over the mass", "N m/kg", lambda f: torque_to_weight_Nm_kg(_least(f, "peak_torque_Nm"), f.mass_g)
     ),
-    "torque_to_weight_lossless_Nm_kg": Figure(
+    "torque_to_weight_lossless_Nm_kg": DesignFigure(
         "torque_lossless_Nm over the mass",
         "N m/kg",
         lambda f: torque_to_weight_Nm_kg(_least(f, "peak_torque_lossless_Nm"), f.mass_g),
     ),
-    "torque_to_weight_with_losses_Nm_kg": Figure(
+    "torque_to_weight_with_losses_Nm_kg": DesignFigure(
         "torque_with_losses_Nm over the mass",
         "N m/kg",
         lambda f: torque_to_weight_Nm_kg(_least(f, "peak_torque_with_losses_Nm"), f.mass_g),
     ),
-    "efficiency": Figure("at the peak torque, motors moving the load", "-", lambda f: f.efficiency),
-    "bend_ratio": Figure(
+    "efficiency": DesignFigure("at the peak torque, motors moving the load", "-", lambda f: f.efficiency),
+    "bend_ratio": DesignFigure(
         "least D/d of all bends",
         "-",
         _bend_ratio,
     ),
-    "box_x_mm": Figure("box along X, drum centred", "mm", lambda f: f.box_mm[0]),
-    "box_z_mm": Figure("box along Z, drum centred", "mm", lambda f: f.box_mm[1]),
-    "box_y_mm": Figure("box along Y, drum centred", "mm", lambda f: f.box_mm[2]),
-    "box_cm3": Figure("volume of the box", "cm^3", lambda f: float(np.prod(f.box_mm)) * 1e-3),
+    "box_x_mm": DesignFigure("box along X, drum centred", "mm", lambda f: f.box_mm[0]),
+    "box_z_mm": DesignFigure("box along Z, drum centred", "mm", lambda f: f.box_mm[1]),
+    "box_y_mm": DesignFigure("box along Y, drum centred", "mm", lambda f: f.box_mm[2]),
+    "box_cm3": DesignFigure("volume of the box", "cm^3", lambda f: float(np.prod(f.box_mm)) * 1e-3),
 }
 
 
@@ -168,8 +170,7 @@ def unit_of(name: str) -> str:
 def refuse_unknown(names: Iterable[str], questions: Iterable[Question]) -> None:
     """Raise ``MbcdmError`` for a name that is no figure, and no check or field with a number of every layout."""
     for question in questions:
-        layout = layout_named(question.data["configuration"])
-        checks = {check.id for family in layout.check_families() for check in family.CHECKS}
+        checks = checks_by_id(question)
         for name in names:
             node = question.file.node_at(tuple(name.split("."))) or {}
             if name in FIGURES or name in checks or node.get("type") in ("number", "integer"):

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from mbcdm_cad.optimise.variables import Values, Variable, first_values
+from mbcdm_cad.optimising.variables import Values, Variable, first_values
 from mbcdm_cad.routes import Floats
 
 POPULATION = 40

@@ -14,13 +14,12 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.errors import OutputError
-from mbcdm_cad.optimise import search as searching
-from mbcdm_cad.optimise.effort import Effort
-from mbcdm_cad.optimise.evaluate import Evaluated
-from mbcdm_cad.optimise.journal import Journal
-from mbcdm_cad.optimise.search import Search, Searched
-from mbcdm_cad.optimise.variables import Variable
-from mbcdm_cad.optimise.wishes import Keep, wishes_of
+from mbcdm_cad.optimising import search as searching
+from mbcdm_cad.optimising.evaluate import Evaluated
+from mbcdm_cad.optimising.journal import Journal
+from mbcdm_cad.optimising.search import FrontSearch, Searched
+from mbcdm_cad.optimising.variables import Variable
+from mbcdm_cad.optimising.wishes import Effort, Keep, wishes_of
 from mbcdm_cad.solving.question import Fixed, Point, Question
 from mbcdm_cad.storage import parallel
 
@@ -45,7 +44,7 @@ def _without_designs(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def searched(path: Path, most: int | None = 180, *, resume: bool = False, workers: int = 1) -> Searched:
     with Journal(path, {"request": 1}, resume=resume) as journal:
-        found = Search([None], [VARIABLES], WISHES, journal, lambda words, count: None)  # type: ignore[list-item]
+        found = FrontSearch([None], [VARIABLES], WISHES, journal, lambda words, count: None)  # type: ignore[list-item]
         return found.run(Effort(most, None, workers))
 
 
@@ -131,7 +130,7 @@ def test_a_full_disk_is_told_with_the_remedy_and_the_search_goes_on(tmp_path: Pa
         with pytest.raises(
             OutputError, match=r"No space left on device; make room or rights, then go on with --resume"
         ):
-            Search([None], [VARIABLES], WISHES, journal, lambda words, count: None).run(Effort(50))  # type: ignore[list-item]
+            FrontSearch([None], [VARIABLES], WISHES, journal, lambda words, count: None).run(Effort(50))  # type: ignore[list-item]
     assert len((tmp_path / "a.jsonl").read_bytes()) > 300, "the last line should be cut off"
     searched(tmp_path / "a.jsonl", 50, resume=True)
     assert (tmp_path / "a.jsonl").read_bytes() == (tmp_path / "whole.jsonl").read_bytes()
@@ -139,7 +138,7 @@ def test_a_full_disk_is_told_with_the_remedy_and_the_search_goes_on(tmp_path: Pa
 
 def test_the_time_ends_it_where_it_can_go_on(tmp_path: Path) -> None:
     with Journal(tmp_path / "a.jsonl", {"request": 1}, resume=False) as journal:
-        found = Search([None], [VARIABLES], WISHES, journal, lambda words, count: None).run(Effort(None, 1e-6, 1))  # type: ignore[list-item]
+        found = FrontSearch([None], [VARIABLES], WISHES, journal, lambda words, count: None).run(Effort(None, 1e-6, 1))  # type: ignore[list-item]
     assert found.stopped == "the time is over" and not found.finished and len(found.tried) < 40
     whole = searched(tmp_path / "b.jsonl")
     assert searched(tmp_path / "a.jsonl", resume=True).front == whole.front

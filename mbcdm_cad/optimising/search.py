@@ -16,13 +16,12 @@ from typing import Any
 import numpy as np
 
 from mbcdm_cad.errors import OutputError
-from mbcdm_cad.optimise.effort import Effort
-from mbcdm_cad.optimise.engine import Engine
-from mbcdm_cad.optimise.evaluate import FAULT, Evaluated, evaluate
-from mbcdm_cad.optimise.front import front_of, hypervolume, reference_of
-from mbcdm_cad.optimise.journal import Journal, Record
-from mbcdm_cad.optimise.variables import Values, Variable, point_of
-from mbcdm_cad.optimise.wishes import Wishes
+from mbcdm_cad.optimising.engine import Engine
+from mbcdm_cad.optimising.evaluate import FAULT, Evaluated, evaluate
+from mbcdm_cad.optimising.front import front_of, hypervolume, reference_of
+from mbcdm_cad.optimising.journal import Journal, Record
+from mbcdm_cad.optimising.variables import Values, Variable, point_of
+from mbcdm_cad.optimising.wishes import Effort, Wishes
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.solving.question import Question
 from mbcdm_cad.storage.parallel import Workers
@@ -37,7 +36,7 @@ Told = Callable[[str, int], None]
 
 
 @dataclass(frozen=True)
-class Tried:
+class TriedPoint:
     """One evaluated point: of which question, the values of its variables, its result."""
 
     question: int
@@ -53,7 +52,7 @@ class Searched:
     """
 
     wishes: Wishes
-    tried: tuple[Tried, ...]
+    tried: tuple[TriedPoint, ...]
     front: tuple[int, ...]
     curve: tuple[tuple[int, float], ...]
     stopped: str
@@ -75,7 +74,7 @@ def _aims(wishes: Wishes, result: Evaluated) -> Floats:
     return np.array([aim.less(result.figures[aim.figure]) if result.passes else 0.0 for aim in wishes.aims])
 
 
-class Search:
+class FrontSearch:
     """A search over ``questions`` with their ``variables``."""
 
     def __init__(
@@ -93,12 +92,12 @@ class Search:
             journal,
             told,
         )
-        self.tried: list[Tried] = []
+        self.tried: list[TriedPoint] = []
         self._known: dict[tuple[int, Any], int] = {}
         self._fronts: list[tuple[int, list[int]]] = []
 
     def run(self, effort: Effort) -> Searched:
-        """Search until the front no longer grows, a limit is reached, or the keyboard interrupts."""
+        """FrontSearch until the front no longer grows, a limit is reached, or the keyboard interrupts."""
         end = inf if effort.time_s is None else time.monotonic() + effort.time_s
         most = effort.evaluations
         names = [aim.figure for aim in self.wishes.aims]
@@ -163,7 +162,7 @@ class Search:
                 same = self._known[key]
                 result = self.tried[same].result
             self.journal.add(_record(k, values, result, same))
-            self.tried.append(Tried(k, values, result))
+            self.tried.append(TriedPoint(k, values, result))
             self.told(self._words(), len(self.tried))
         fresh.close()
         return [one.result for one in self.tried[first:]]
@@ -178,7 +177,7 @@ class Search:
             )
         same = record.get("same")
         result = self.tried[same].result if same is not None else _result(record)
-        self.tried.append(Tried(k, values, result))
+        self.tried.append(TriedPoint(k, values, result))
 
     def _front(self) -> list[int]:
         rows = [n for n, one in enumerate(self.tried) if one.result.passes]
