@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 from collections.abc import Sequence
 from importlib import metadata
@@ -76,8 +74,7 @@ def _write(found: Optimum, questions: Sequence[Question], request: dict[str, Any
 
 
 def _csv(found: Optimum) -> str:
-    table, text = found.all_figures(), io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(table.columns)
-    writer.writerows(table.rows)
-    return text.getvalue()
+    """All figures of the front; neither names nor numbers contain a comma."""
+    table = found.all_figures()
+    lines = [",".join("" if cell is None else str(cell) for cell in row) for row in (table.columns, *table.rows)]
+    return "\n".join(lines) + "\n"

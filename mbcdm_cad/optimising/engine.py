@@ -42,7 +42,7 @@ class Engine:
         drawn = first_values(variables, population, np.random.default_rng([seed, len(variables)]))
         first = np.empty(len(drawn), dtype=object)
         first[:] = drawn
-        self._problem = Problem(vars=space, n_obj=aims, n_ieq_constr=1)
+        problem = Problem(vars=space, n_obj=aims, n_ieq_constr=1)
         unlike = MixedVariableDuplicateElimination()
         self._algorithm = NSGA2(
             pop_size=population,
@@ -54,7 +54,7 @@ class Engine:
             ),
             eliminate_duplicates=unlike,
         )
-        self._algorithm.setup(self._problem, termination=NoTermination(), seed=seed, verbose=False)
+        self._algorithm.setup(problem, termination=NoTermination(), seed=seed, verbose=False)
         self._asked: Any = None
 
     def ask(self) -> list[Values]:
@@ -67,11 +67,7 @@ class Engine:
 
         Where the violation is above zero, the aims do not count.
         """
-        from pymoo.core.evaluator import Evaluator
-        from pymoo.problems.static import StaticProblem
-
-        static = StaticProblem(self._problem, F=aims, G=violation[:, None])
-        Evaluator().eval(static, self._asked)
+        self._asked.set("F", aims, "G", violation[:, None], "H", np.zeros((len(aims), 0)))
         self._algorithm.tell(infills=self._asked)
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -114,11 +113,11 @@ def _kept(found: Resolved, data: Mapping[str, Any], keeps: Sequence[Keep], names
     short = []
     for keep in keeps:
         value = figures[keep.figure]
-        margin = keep.margin(value) if isfinite(value) else float("-inf")
+        margin = keep.margin(value) if np.isfinite(value) else float("-inf")
         if margin < 0.0:
             share = -margin / (abs(keep.limit) or 1.0)
-            short.append((str(keep), float(f"{share / (1.0 + share) if isfinite(share) else 1.0:.9g}")))
-    known = {name: value for name, value in figures.items() if isfinite(value)}
+            short.append((str(keep), float(f"{share / (1.0 + share) if np.isfinite(share) else 1.0:.9g}")))
+    known = {name: value for name, value in figures.items() if np.isfinite(value)}
     missing = [name for name in names if name not in known]
     if missing and not short:
         return Evaluated(refused=f"{missing[0]}: this design has no such figure")

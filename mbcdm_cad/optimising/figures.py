@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -159,7 +158,7 @@ def figure(facts: Facts, name: str) -> float:
             value = float("nan") if isinstance(given, bool) or not isinstance(given, int | float) else float(given)
     except NoFigureError:
         return float("nan")
-    return float(f"{value:.{DIGITS}g}") if isfinite(value) else float("nan")
+    return float(f"{value:.{DIGITS}g}") if np.isfinite(value) else float("nan")
 
 
 def unit_of(name: str) -> str:

@@ -8,8 +8,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from mbcdm_cad.checks.remedies import Budget
 from mbcdm_cad.checks.result import CheckResult
 from mbcdm_cad.checks.run import run_all
@@ -196,7 +194,7 @@ def _listed(names: Sequence[str]) -> str:
 
 def optimum_of(questions: Sequence[Question], searched: Searched, folder: Path, stem: str) -> Optimum:
     """The front of a search with its design files, named ``stem`` and a number, read and checked from their texts."""
-    rows = sorted(searched.front, key=lambda row: (*np.asarray(searched.aims(row)).tolist(), row))
+    rows = sorted(searched.front, key=lambda row: (*searched.aims(row).tolist(), row))
     digits = max(2, len(str(len(rows))))
     points = []
     for number, row in enumerate(rows, start=1):

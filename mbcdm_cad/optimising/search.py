@@ -7,10 +7,8 @@ order. A search that goes on asks the engine again from the start and takes from
 from __future__ import annotations
 
 import time
-from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
-from math import inf
 from typing import Any
 
 import numpy as np
@@ -98,7 +96,7 @@ class FrontSearch:
 
     def run(self, effort: Effort) -> Searched:
         """FrontSearch until the front no longer grows, a limit is reached, or the keyboard interrupts."""
-        end = inf if effort.time_s is None else time.monotonic() + effort.time_s
+        end = np.inf if effort.time_s is None else time.monotonic() + effort.time_s
         most = effort.evaluations
         names = [aim.figure for aim in self.wishes.aims]
         engines = [Engine(v, len(names), SEED + k) for k, v in enumerate(self.variables)]
@@ -218,7 +216,10 @@ class FrontSearch:
         rounds = [*self._fronts]
         if not rounds or rounds[-1][0] < len(self.tried):
             rounds.append((len(self.tried), front))
-        failing = Counter(name for one in self.tried for name, _ in one.result.failing)
+        missed = [name for one in self.tried for name, _ in one.result.failing]
+        failing = {
+            name: missed.count(name) for name in sorted(set(missed), key=lambda name: (-missed.count(name), name))
+        }
         faults = dict.fromkeys(one.result.refused for one in self.tried if one.result.refused.startswith(FAULT))
         return Searched(
             self.wishes,
@@ -227,7 +228,7 @@ class FrontSearch:
             tuple(self._curve(rounds)),
             stopped,
             stopped not in (INTERRUPTED, TIME),
-            dict(failing.most_common()),
+            failing,
             tuple(faults),
         )
 

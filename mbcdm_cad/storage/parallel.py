@@ -4,12 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 from mbcdm_cad.errors import MbcdmError
-
-if TYPE_CHECKING:
-    from concurrent.futures import Future, ProcessPoolExecutor
 
 Argument = TypeVar("Argument")
 Result = TypeVar("Result")
@@ -110,7 +107,7 @@ class Workers:
     def __init__(self, function: Callable[[Argument], Result], jobs: int) -> None:
         self._function = function
         self._jobs = jobs if _allowed and _can_fork() else 1
-        self._pool: ProcessPoolExecutor | None = None
+        self._pool: Any = None
 
     def results(self, arguments: Sequence[Any]) -> Generator[Any, None, None]:
         """``function(a)`` for each argument, in order. Raises ``MbcdmError`` if one kills its worker again and again.
@@ -122,7 +119,7 @@ class Workers:
             return
         from concurrent.futures.process import BrokenProcessPool
 
-        waiting: dict[int, Future[Any]] = {}
+        waiting: dict[int, Any] = {}
         for k in range(len(arguments)):
             for attempt in range(_ATTEMPTS):
                 try:
@@ -141,7 +138,8 @@ class Workers:
                         ) from None
             yield found
 
-    def _started(self) -> ProcessPoolExecutor:
+    def _started(self) -> Any:
+        """The pool of processes, begun if there is none."""
         global _worker_function
         if self._pool is None:
             import multiprocessing
