@@ -41,9 +41,10 @@ def scale_text(scale: float) -> str:
 
 
 def dimension_text(d: Linear) -> str:
-    """The text of a linear dimension with ``<>`` for the measured value."""
+    """The whole text of a linear dimension: written out, because readers reckon what they measure in different ways."""
     fit = f" {d.fit}" if d.fit else ""
-    return f"{d.prefix}<>{fit}{d.suffix}"
+    limits = "" if d.deviations is None else f" {d.deviations[0]:+.3f}/{d.deviations[1]:+.3f}"
+    return f"{d.prefix}{value_text(d.value, d.decimals)}{fit}{limits}{d.suffix}"
 
 
 def value_text(value: float, decimals: int) -> str:
@@ -155,7 +156,7 @@ def _packed(sheet: Sheet, view: View, around: Box, scale: float) -> tuple[list[P
             ends.append(pair)
             along = sorted(p[0 if across else 1] for p in pair)
             _agree(sheet, d, (along[1] - along[0]) / scale)
-            spans.append(DimensionSpan(along[0], along[1], text_width_mm(_shown_text(d))))
+            spans.append(DimensionSpan(along[0], along[1], text_width_mm(dimension_text(d))))
         first, last = ("left", "right") if across else ("below", "above")
         places = placed(spans, (edge[first] * scale, edge[last] * scale))
         sign = 1.0 if side in ("above", "right") else -1.0
@@ -179,11 +180,6 @@ def _packed(sheet: Sheet, view: View, around: Box, scale: float) -> tuple[list[P
             room["right"] = max(room["right"], at + width - edge["right"] * scale)
     margins = _Margins(**room)
     return shown, replace(margins, above=margins.above + LABEL_MM + 4.0) if view.title else margins
-
-
-def _shown_text(d: Linear) -> str:
-    text = dimension_text(d).replace("<>", value_text(d.value, d.decimals))
-    return text + (" +0.000/-0.000"[: 8 + 6] if d.deviations else "")
 
 
 def _agree(sheet: Sheet, d: Linear, drawn: float) -> None:

@@ -42,8 +42,8 @@ def fixed_meta_data() -> Iterator[None]:
         options.write_fixed_meta_data_for_testing = before
 
 
-def new_document(scale: float) -> Drawing:
-    """An empty drawing in paper millimetres whose dimensions measure the part at ``scale``."""
+def new_document() -> Drawing:
+    """An empty drawing in millimetres whose dimensions state what they measure."""
     use_own_font()
     doc = new("R2010")
     doc.header["$INSUNITS"] = _MILLIMETRES
@@ -72,7 +72,7 @@ def new_document(scale: float) -> Drawing:
         "dimadec": 2,
         "dimazin": 2,
         "dimdsep": ord("."),
-        "dimlfac": 1.0 / scale,
+        "dimlfac": 1.0,
         "dimscale": 1.0,
         "dimblk": "",
         "dimlwd": 18,

@@ -26,6 +26,7 @@ from mbcdm_cad.drawings.strokes import ArcStroke, LineStroke, Point, PolyStroke,
 from mbcdm_cad.drawings.style import (
     ARROW_MM,
     AXIS_OVERHANG_MM,
+    EXTENSION_OFFSET_MM,
     GAP_MM,
     LABEL_MM,
     TEXT_MM,
@@ -35,6 +36,8 @@ from mbcdm_cad.parts.sheets.description import Angle, CuttingLine, Label, Radius
 
 _HATCH_APART = 0.8
 _VIEW_LAYERS = ("VISIBLE", "HIDDEN")
+# Angles to here are between two lines; greater ones are by three points, which some readers leave out.
+_MOST_BY_LINES_DEG = 175.0
 
 
 def draw_views(doc: Drawing, sheet: Sheet, arrangement: Arrangement, pictures: dict[str, Picture], room: Room) -> None:
@@ -51,12 +54,12 @@ def draw_views(doc: Drawing, sheet: Sheet, arrangement: Arrangement, pictures: d
         _centre_lines(paper, placed, room)
         _title(paper, placed, arrangement, room)
         for dimension in placed.dimensions:
-            _linear(paper, placed, dimension, arrangement.scale, room)
+            _linear(paper, placed, dimension, room)
     for cutting in sheet.cutting_lines:
         _cutting_line(paper, _of(arrangement, cutting.view), cutting, room)
     for other in sheet.dimensions:
         if isinstance(other, Radius):
-            _radius(paper, _of(arrangement, other.view), other, arrangement.scale, room)
+            _radius(paper, _of(arrangement, other.view), other, room)
         elif isinstance(other, Angle):
             _angle(paper, _of(arrangement, other.view), other, room)
     for label in sheet.labels:
@@ -144,7 +147,12 @@ def _title(paper: Modelspace, placed: PlacedView, arrangement: Arrangement, room
     room.add_box(_box(middle, text_width_mm(text, LABEL_MM) + 1.0, LABEL_MM + 1.0))
 
 
-def _linear(paper: Modelspace, placed: PlacedView, shown: PlacedDimension, sheet_scale: float, room: Room) -> None:
+def _measures(placed: PlacedView) -> dict[str, float]:
+    """What a detail's dimensions are multiplied by, for readers that measure instead of reading the text."""
+    return {} if placed.view.magnify == 1.0 else {"dimlfac": 1.0 / placed.view.magnify}
+
+
+def _linear(paper: Modelspace, placed: PlacedView, shown: PlacedDimension, room: Room) -> None:
     d, (ox, oy) = shown.dimension, placed.origin
     across = d.side in ("above", "below")
     start, end = (shown.start[0] + ox, shown.start[1] + oy), (shown.end[0] + ox, shown.end[1] + oy)
@@ -153,22 +161,21 @@ def _linear(paper: Modelspace, placed: PlacedView, shown: PlacedDimension, sheet
     # The text is above its line in the direction of reading: to the left of a vertical line.
     lift = GAP_MM + TEXT_MM / 2
     middle = (text_at, line + lift) if across else (line - lift, text_at)
-    override = {"dimdec": d.decimals, "dimlfac": 1.0 / placed.scale}
-    if d.deviations is not None:
-        override |= {"dimtol": 1, "dimtp": d.deviations[0], "dimtm": -d.deviations[1], "dimtdec": 3, "dimtfac": 0.7}
+    first, last = _level(paper, start, end, line, across)
     made = paper.add_linear_dim(
         base=(ox, line) if across else (line, oy),
-        p1=start,
-        p2=end,
+        p1=first,
+        p2=last,
         angle=0.0 if across else 90.0,
         text=dimension_text(d),
         dimstyle=DIMENSION_STYLE,
-        override=override,
+        override=_measures(placed),
         dxfattribs={"layer": "DIMENSION"},
     )
     made.set_location(middle)
     made.render()
-    made.dimension.set_xdata(APPLICATION, [(1000, d.view)])
+    features = [(1040, value / placed.scale) for value in (*shown.start, *shown.end)]
+    made.dimension.set_xdata(APPLICATION, [*features, (1000, d.view)])
     block = made.dimension.get_geometry_block()
     assert block is not None
     low, high = sorted((start[0 if across else 1], end[0 if across else 1]))
@@ -176,8 +183,8 @@ def _linear(paper: Modelspace, placed: PlacedView, shown: PlacedDimension, sheet
     if not shown.place.inside:
         # The dimension line continues under its text.
         near, far = (high, text_at + shown.text_mm / 2) if text_at > high else (low, text_at - shown.text_mm / 2)
-        first, last = ((near, line), (far, line)) if across else ((line, near), (line, far))
-        block.add_line(first, last, dxfattribs={"layer": "DIMENSION"})
+        ends_at = ((near, line), (far, line)) if across else ((line, near), (line, far))
+        block.add_line(*ends_at, dxfattribs={"layer": "DIMENSION"})
         ends += [far]
     size = (shown.text_mm, TEXT_MM) if across else (TEXT_MM, shown.text_mm)
     room.add_box(_box(middle, size[0] + 0.6, size[1] + 0.6))
@@ -189,15 +196,34 @@ def _linear(paper: Modelspace, placed: PlacedView, shown: PlacedDimension, sheet
         room.add_line(np.array([point, foot]))
 
 
-def _radius(paper: Modelspace, placed: PlacedView, d: Radius, sheet_scale: float, room: Room) -> None:
+def _level(paper: Modelspace, start: Point, end: Point, line: float, across: bool) -> tuple[Point, Point]:
+    """The points that a dimension measures, both at the distance of the nearer one from its line.
+
+    Some readers take the distance of the two points for the size, whatever its direction. The extension line of the
+    farther point begins at the feature all the same.
+    """
+    k = 1 if across else 0
+    level = min(start[k], end[k], key=lambda value: abs(line - value))
+    away = 1.0 if line > level else -1.0
+    found: list[Point] = []
+    for point in (start, end):
+        at = (point[0], level) if across else (level, point[1])
+        if abs(point[k] - level) > EXTENSION_OFFSET_MM:
+            begins, ends = point[k] + away * EXTENSION_OFFSET_MM, level + away * EXTENSION_OFFSET_MM
+            pair = ((point[0], begins), (point[0], ends)) if across else ((begins, point[1]), (ends, point[1]))
+            paper.add_line(*pair, dxfattribs={"layer": "DIMENSION"})
+        found.append(at)
+    return found[0], found[1]
+
+
+def _radius(paper: Modelspace, placed: PlacedView, d: Radius, room: Room) -> None:
     centre, at = placed.paper(*placed.view.project(d.centre)), placed.paper(*placed.view.project(d.at))
     drawn = hypot(at[0] - centre[0], at[1] - centre[1]) / placed.scale
     if abs(drawn - d.value) > 1e-6:
         raise ValueError(f"radius {d.value:.6g} mm in view {d.view}: its points are {drawn:.6g} mm apart")
-    text = f"{d.prefix}<>{d.suffix}"
-    shown = text.replace("<>", f"R{value_text(d.value, 2)}")
+    text = f"{d.prefix}R{value_text(d.value, 2)}{d.suffix}"
     # The leader ends in a horizontal leg as long as an arrow; after it the library sets the text, slightly wider.
-    width = text_width_mm(shown) + 2 * ARROW_MM
+    width = text_width_mm(text) + 2 * ARROW_MM
     x, y = room.place(at, width, TEXT_MM, 3.0, beside=True)
     leg = (x + (width / 2 if x < at[0] else -width / 2), y)
     made = paper.add_radius_dim(
@@ -205,7 +231,7 @@ def _radius(paper: Modelspace, placed: PlacedView, d: Radius, sheet_scale: float
         mpoint=at,
         text=text,
         dimstyle=DIMENSION_STYLE,
-        override={"dimlfac": 1.0 / placed.scale, "dimtoh": 1, "dimtih": 1, "dimtad": 0, "dimtmove": 1},
+        override=_measures(placed) | {"dimtoh": 1, "dimtih": 1, "dimtad": 0, "dimtmove": 1},
         dxfattribs={"layer": "DIMENSION"},
     )
     # Set only now: if the text's position is known earlier, the library turns the arrow towards it.
@@ -223,15 +249,14 @@ def _angle(paper: Modelspace, placed: PlacedView, d: Angle, room: Room) -> None:
         raise ValueError(f"angle {d.value:.6g} deg in view {d.view}: its points are {drawn:.6g} deg apart")
     reach = d.reach * placed.scale
     middle = radians(first + drawn / 2)
-    made = paper.add_angular_dim_3p(
-        base=(vertex[0] + reach * cos(middle), vertex[1] + reach * sin(middle)),
-        center=vertex,
-        p1=start,
-        p2=end,
-        text=f"<>{d.suffix}",
-        dimstyle=DIMENSION_STYLE,
-        dxfattribs={"layer": "DIMENSION"},
-    )
+    base = (vertex[0] + reach * cos(middle), vertex[1] + reach * sin(middle))
+    text, style, layer = f"{value_text(d.value, 2)}%%d{d.suffix}", DIMENSION_STYLE, {"layer": "DIMENSION"}
+    if d.value < _MOST_BY_LINES_DEG:
+        made = paper.add_angular_dim_2l(
+            base, (vertex, end), (vertex, start), text=text, dimstyle=style, dxfattribs=layer
+        )
+    else:
+        made = paper.add_angular_dim_3p(base, vertex, start, end, text=text, dimstyle=style, dxfattribs=layer)
     made.render()
     made.dimension.set_xdata(APPLICATION, [(1000, d.view)])
     width = text_width_mm(f"{d.value:.2f}°{d.suffix}")

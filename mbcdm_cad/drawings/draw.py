@@ -19,9 +19,11 @@ from mbcdm_cad.drawings.arrangement import (
 )
 from mbcdm_cad.drawings.document import document_bytes, fixed_meta_data, new_document
 from mbcdm_cad.drawings.drafting import draw_views
+from mbcdm_cad.drawings.full_size import to_full_size
 from mbcdm_cad.drawings.labels import Room
 from mbcdm_cad.drawings.projection import picture
 from mbcdm_cad.drawings.rendering import pdf_bytes, shapes_of, svg_bytes
+from mbcdm_cad.drawings.texts import texts_of
 from mbcdm_cad.drawings.titleblock import (
     TitleFields,
     draw_border,
@@ -65,7 +67,7 @@ def draw_sheet(sheet: Sheet, solid: Any, facts: PartFacts) -> dict[str, bytes]:
     lines = wrapped(sheet.notes, beside)
     arrangement = arranged(sheet, pictures, size, notes_height_mm(lines))
     with fixed_meta_data():
-        doc = new_document(arrangement.scale)
+        doc = new_document()
         width, height = arrangement.size_mm
         draw_border(doc, width, height)
         draw_title_block(doc, _fields(sheet, facts, arrangement), width)
@@ -78,12 +80,13 @@ def draw_sheet(sheet: Sheet, solid: Any, facts: PartFacts) -> dict[str, bytes]:
         if tables:
             room.add_box((right - size[0], top - size[1], right, top))
         draw_views(doc, sheet, arrangement, pictures, room)
-        shapes = shapes_of(doc)
+        shapes, texts = shapes_of(doc), texts_of(doc)
+        to_full_size(doc, arrangement.scale, arrangement.size_mm)
         dxf = document_bytes(doc)
     return {
         "dxf": dxf,
         "svg": svg_bytes(shapes, width, height),
-        "pdf": pdf_bytes(shapes, width, height, f"{facts.design} {sheet.part}"),
+        "pdf": pdf_bytes(shapes, texts, width, height, f"{facts.design} {sheet.part}"),
     }
 
 

@@ -1,6 +1,7 @@
 """A DXF drawing as SVG and PDF, both written from the paths that the DXF library's front end draws.
 
-Text is drawn as outlines, so that a sheet looks the same on every machine. Paths are in millimetres on paper.
+Text is drawn as outlines, so that a sheet looks the same on every machine; a PDF has it as an invisible layer too.
+Paths are in millimetres on paper.
 """
 
 from __future__ import annotations
@@ -18,8 +19,11 @@ from ezdxf.addons.drawing.properties import RenderContext
 from ezdxf.document import Drawing
 from ezdxf.path import Command
 
+from mbcdm_cad.drawings.texts import PlacedText, font_object, text_operators
+
 _POINTS_PER_MM = 72.0 / 25.4
 _LIGHTEST_MM = 0.09
+_FONT = "F1"
 
 Curve = tuple[str, tuple[float, ...]]
 
@@ -150,8 +154,8 @@ def svg_bytes(shapes: list[DrawnPath], width_mm: float, height_mm: float) -> byt
     return ("\n".join(lines) + "\n</g>\n</svg>\n").encode()
 
 
-def pdf_bytes(shapes: list[DrawnPath], width_mm: float, height_mm: float, title: str) -> bytes:
-    """The sheet as a PDF of one page in its true size, without times."""
+def pdf_bytes(shapes: list[DrawnPath], texts: list[PlacedText], width_mm: float, height_mm: float, title: str) -> bytes:
+    """The sheet as a PDF of one page in its true size, without times; ``texts`` are its invisible layer."""
     operators = {"M": "m", "L": "l", "C": "c", "Z": "h"}
     lines = [f"{_POINTS_PER_MM:.9f} 0 0 {_POINTS_PER_MM:.9f} 0 0 cm", "1 J 1 j 0 G 0 g"]
     for shape in shapes:
@@ -160,15 +164,17 @@ def pdf_bytes(shapes: list[DrawnPath], width_mm: float, height_mm: float, title:
         for kind, values in shape.curves:
             lines.append(" ".join([*(_number(v) for v in values), operators[kind]]))
         lines.append("S" if shape.weight_mm else "f*")
-    content = zlib.compress("\n".join(lines).encode(), 9)
+    content = zlib.compress(b"\n".join(["\n".join(lines).encode(), *text_operators(texts, _FONT)]), 9)
     box = f"[0 0 {width_mm * _POINTS_PER_MM:.3f} {height_mm * _POINTS_PER_MM:.3f}]"
     name = title.encode("ascii", "replace").decode().replace("\\", "").replace("(", "").replace(")", "")
     objects = [
         b"<< /Type /Catalog /Pages 2 0 R >>",
         b"<< /Type /Pages /Kids [3 0 R] /Count 1 >>",
-        f"<< /Type /Page /Parent 2 0 R /MediaBox {box} /Contents 4 0 R /Resources << >> >>".encode(),
+        f"<< /Type /Page /Parent 2 0 R /MediaBox {box} /Contents 4 0 R "
+        f"/Resources << /Font << /{_FONT} 6 0 R >> >> >>".encode(),
         f"<< /Length {len(content)} /Filter /FlateDecode >>\nstream\n".encode() + content + b"\nendstream",
         f"<< /Title ({name}) /Producer (mbcdm_cad) >>".encode(),
+        font_object(),
     ]
     out = bytearray(b"%PDF-1.4\n%\xe2\xe3\xcf\xd3\n")
     places = []

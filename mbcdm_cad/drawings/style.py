@@ -37,6 +37,7 @@ LAYERS = {
     "HATCH": ("Continuous", 13),
     "DIMENSION": ("Continuous", 18),
     "TEXT": ("Continuous", 18),
+    "VIEWPORTS": ("Continuous", 0),
 }
 # Dash lengths in mm on paper (ISO 128-2 in proportion to the line width).
 LINE_TYPES = {

@@ -71,6 +71,9 @@ def dimensions(doc: Drawing) -> list[ReadDimension]:
         linear = entity.dimtype == 0
         points = (entity.dxf.defpoint2, entity.dxf.defpoint3) if linear else (entity.dxf.defpoint, entity.dxf.defpoint4)
         (ax, ay), (bx, by) = ((p.x - ox, p.y - oy) for p in points)
+        if linear:
+            # Where the extension lines begin: the dimension's own points are both at the level of the nearer one.
+            ax, ay, bx, by = (tag.value for tag in entity.get_xdata("MBCDM_CAD") if tag.code == 1040)
         found.append(
             ReadDimension(
                 view,
@@ -125,7 +128,8 @@ def text_boxes(doc: Drawing) -> list[tuple[str, tuple[float, float, float, float
         boxes.append((text.dxf.text, (left, low, left + width, low + text.dxf.height)))
     for dimension in doc.modelspace().query("DIMENSION"):
         for text in doc.blocks.get(dimension.dxf.geometry).query("MTEXT"):
-            width, height = text_width_mm(text.plain_text()), text.dxf.char_height
+            height = text.dxf.char_height
+            width = text_width_mm(text.plain_text(), height)
             turned = abs(text.get_rotation() % 180.0 - 90.0) < 45.0
             half = (height / 2, width / 2) if turned else (width / 2, height / 2)
             x, y, _ = text.dxf.insert

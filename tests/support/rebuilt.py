@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import pi, sqrt
+from math import pi
 
 import cadquery as cq
 import numpy as np
@@ -49,11 +49,6 @@ def _shaft(doc: Drawing, dims: list[ReadDimension]) -> float:
     flat = over.value - radius
     segment = radius**2 * np.arccos(flat / radius) - flat * np.sqrt(radius**2 - flat**2)
     return turned(doc, dims) - 2 * float(segment) * lengths[1].value
-
-
-def _nut(doc: Drawing, dims: list[ReadDimension]) -> float:
-    flats, height, thread = one(dims, "end", "AF"), one(dims, "main", "", "across"), one(dims, "main", "M")
-    return (sqrt(3) / 2 * flats.value**2 - pi / 4 * thread.value**2) * height.value
 
 
 def _idler(doc: Drawing, dims: list[ReadDimension]) -> float:
@@ -119,10 +114,9 @@ def plate(doc: Drawing, dims: list[ReadDimension]) -> cq.Shape:
 
 # Small parts; the two below them take seconds each.
 SMALL: dict[str, Rebuild] = {
-    **dict.fromkeys(("guide_axle", "guide_spacer", "stop_pin", "dowel", "stop"), turned),
+    **dict.fromkeys(("guide_axle", "guide_spacer", "stop_pin", "stop"), turned),
     "drum_shaft": _shaft,
     "terminal": _terminal,
-    "nut": _nut,
     "guide": _idler,
     "input_pulley_left": _pulley,
     "input_pulley_right": _pulley,

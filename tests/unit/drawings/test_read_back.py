@@ -14,7 +14,7 @@ from tests.support.rebuilt import SMALL, turned
 
 pytestmark = pytest.mark.slow
 ROOT = Path(__file__).parents[3]
-# Lengths are printed to a hundredth or a thousandth of a millimetre; a nut of 1.3 mm feels that most.
+# Lengths are printed to a hundredth or a thousandth of a millimetre; a small part feels that most.
 _VOLUME_ERROR = 2e-3
 
 
