@@ -180,6 +180,7 @@ class LoopResult:
 
     ``noise`` describes the floor, ``windows`` the smoothing of each run. ``doubts`` are sentences about sensors or
     fitted values that the data make doubtful. ``helpful`` are effects that certainly lower the error and are not named.
+    ``within_class`` says by what the torque sensor is wrong within its class; empty if nothing of it is in the fit.
     ``correction`` computes a table for the controller when it is called.
     """
 
@@ -198,6 +199,7 @@ class LoopResult:
     windows: tuple[Windows, ...] = ()
     doubts: tuple[str, ...] = ()
     helpful: tuple[Helpful, ...] = ()
+    within_class: str = ""
     correction: Callable[[], Correction] | None = field(repr=False, default=None)
 
     def to_json(self) -> dict[str, Any]:
@@ -219,6 +221,7 @@ class LoopResult:
             "windows": [asdict(one) for one in self.windows],
             "doubts": list(self.doubts),
             "helpful": [one.to_json() for one in self.helpful],
+            "within_class": self.within_class,
         }
 
     @property
@@ -229,6 +232,8 @@ class LoopResult:
         sizes = f"held-out error {before} RMS before, {after} after"
         words = [self._described(named) for named in self.effects]
         words += ["one of " + " or ".join(named.words for named in group) for group in self.one_of]
+        if self.verdict == "none" and self.within_class:
+            return f"The declared model explains the run with {self.within_class}; {sizes}, noise floor {floor}."
         if self.verdict == "none":
             return f"The declared model explains the run: held-out error {before} RMS, noise floor {floor}."
         if self.verdict == "not_testable" and self.helpful:
@@ -244,7 +249,8 @@ class LoopResult:
         if not words:
             assert self.unknown is not None
             return f"{self._helps()}; {sizes}; something unknown is left: {self.unknown.sentence()}."
-        tail = f"; something unknown is left: {self.unknown.sentence()}" if self.unknown else ""
+        tail = f"; with {self.within_class}" if self.within_class else ""
+        tail += f"; something unknown is left: {self.unknown.sentence()}" if self.unknown else ""
         return f"The model lacks {' and '.join(words)}; {sizes}{tail}."
 
     def _helps(self) -> str:

@@ -15,8 +15,8 @@ from mbcdm_cad.errors import InputError, Problem, did_you_mean, shortened
 from mbcdm_cad.measurement.datafile import DECIMALS, DataTable, read_table
 from mbcdm_cad.measurement.file import MeasurementFile, load_file
 from mbcdm_cad.measurement.logformat import Format, find_format, line_with
-from mbcdm_cad.measurement.run import Run, Sensors
-from mbcdm_cad.measurement.schema import Column
+from mbcdm_cad.measurement.run import Run, Sensors, TorqueClass
+from mbcdm_cad.measurement.schema import Column, SensorFigures
 from mbcdm_cad.measurement.units import ISO_CLOCK, Unit, unit_of
 from mbcdm_cad.routes import Floats
 
@@ -331,6 +331,7 @@ def _in_si(file: MeasurementFile, asked: dict[str, Column], table: DataTable, so
         given.torque_noise_Nm,
         given.input_noise_rad,
         given.output_noise_rad,
+        _torque_class(given),
     )
     return Run(
         rows["time"],
@@ -344,6 +345,17 @@ def _in_si(file: MeasurementFile, asked: dict[str, Column], table: DataTable, so
         sha256,
         file.content.ratio,
         tuple(asked[name].side == "motor" for name in asked if name.startswith("input")),
+    )
+
+
+def _torque_class(given: SensorFigures) -> TorqueClass:
+    """The class of the torque sensor, with usual figures in place of those that are not stated."""
+    usual = TorqueClass()
+    share, lag = given.torque_class_share, given.torque_lag_s
+    return TorqueClass(
+        usual.share if share is None else share,
+        usual.lag_s if lag is None else lag,
+        share is not None or lag is not None,
     )
 
 

@@ -20,6 +20,24 @@ Level = Literal["refused", "doubt", "fact"]
 
 
 @dataclass(frozen=True)
+class TorqueClass:
+    """Largest errors of a torque sensor in its class: gain as a share, zero as the same share of the range, lag in s.
+
+    The defaults are those of usual sensors with a filter of 15 Hz or more; ``stated``: the measurement file gives them.
+    """
+
+    share: float = 0.01
+    lag_s: float = 0.011
+    stated: bool = False
+
+    @property
+    def words(self) -> str:
+        """The class in words."""
+        source = "as stated" if self.stated else "usual, none is stated"
+        return f"{self.share:.3g} of gain and range, lag {1e3 * self.lag_s:.3g} ms, {source}"
+
+
+@dataclass(frozen=True)
 class Sensors:
     """Resolution and noise of the sensors; None where the measurement file does not state them."""
 
@@ -28,6 +46,7 @@ class Sensors:
     torque_noise_Nm: float | None = None
     input_noise_rad: float | None = None
     output_noise_rad: float | None = None
+    torque_class: TorqueClass = TorqueClass()
 
 
 @dataclass(frozen=True)

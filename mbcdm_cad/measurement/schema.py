@@ -163,6 +163,25 @@ class SensorFigures(Block):
         ge=0.0,
         le=1e6,
     )
+    torque_class_share: Number | None = figure(
+        "class of the torque sensor: largest error of its gain, and of its zero as a share of the largest load; within "
+        "it an error is no effect of the drive; a usual class of 0.01 if left out",
+        unit="-",
+        source=SENSORS,
+        example=0.005,
+        default=None,
+        ge=0.0,
+        le=0.5,
+    )
+    torque_lag_s: Number | None = figure(
+        "largest lag of the torque sensor behind the encoders, by its filter; 0.011 s, a filter of 15 Hz, if left out",
+        unit="s",
+        source=SENSORS,
+        example=0.003,
+        default=None,
+        ge=0.0,
+        le=1.0,
+    )
 
 
 Quantity = Literal["peak_torque", "mass", "backlash", "ripple_amplitude", "ripple_order"]

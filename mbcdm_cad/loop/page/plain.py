@@ -14,6 +14,11 @@ from mbcdm_cad.loop.result import LEAST_ODDS, LoopResult, Named, Value, ways_apa
 def finding(result: LoopResult) -> str:
     """What is wrong with the drive, in one sentence."""
     after, floor = _angle(result.errors.after.value), _angle(result.errors.floor_rad)
+    if result.verdict == "none" and result.within_class:
+        return (
+            f"Nothing is missing of the drive: with {result.within_class} the design file predicts the output within "
+            f"{after}; the noise is {floor}."
+        )
     if result.verdict == "none":
         return f"Nothing is missing: the design file predicts the output within {after}, which is the noise ({floor})."
     if result.verdict == "not_testable" and result.helpful:

@@ -97,7 +97,7 @@ class _Loop:
             # Neither "explained" nor "none" may stand beside an error that is not near the floor.
             if not found.near_floor:
                 unknown = self.judge.largest(judged, self.whole)
-            elif not groups and not self.judge.unmeasured and not found.begins_near_floor:
+            elif not groups and not self.judge.unmeasured and not self.judge.within and not found.begins_near_floor:
                 judged, unknown = bare, self.judge.largest(bare, self.whole)
                 found = errors(self.whole, bare, bare, self.search.floor_rad)
         if unknown is not None:
@@ -124,7 +124,8 @@ class _Loop:
                 Helpful(self._as_named(one.effect, one.values, one.covariance, one.fall_rad), one.odds)
                 for one in self.judge.helpful
             ),
-            partial(correction_of, self.whole, judged, self.search.floor_rad),
+            within_class=self.judge.within.sentence if self.judge.within else "",
+            correction=partial(correction_of, self.whole, judged, self.search.floor_rad),
         )
 
     def _named(self, effect: Effect, fit: Fit, whole: Fit, windows: Sequence[Floats]) -> Named:

@@ -22,8 +22,9 @@ from mbcdm_cad.loop.effect import Effect, Parameter
 from mbcdm_cad.loop.prepare.setup import Setup, Simulator
 from mbcdm_cad.loop.result import LEAST_ODDS
 from mbcdm_cad.loop.search.account import INTERVAL
+from mbcdm_cad.loop.search.class_of_sensor import ClassOfSensor
 from mbcdm_cad.loop.search.evidence import chance_without_slope
-from mbcdm_cad.loop.search.exchange import Exchanges, Group
+from mbcdm_cad.loop.search.exchange import Group
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.loop.search.select import LEAST_FALL, Search
 from mbcdm_cad.loop.search.unknown import Unknown, describe_unknown
@@ -84,7 +85,7 @@ class TakenBack:
     odds: float
 
 
-class Judge(Exchanges):
+class Judge(ClassOfSensor):
     """Judges the fits of one search."""
 
     def __init__(self, search: Search) -> None:
@@ -98,6 +99,7 @@ class Judge(Exchanges):
         fit, groups = self.settled()
         fit, groups = self._certain(fit, groups)
         fit, groups = self._bounded(fit, groups)
+        fit, groups = self.beyond_class(fit, groups)
         unknown = self.left(fit)
         if unknown is not None:
             fit, groups, unknown = self._unblamed(fit, groups, unknown)

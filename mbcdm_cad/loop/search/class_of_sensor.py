@@ -1,0 +1,99 @@
+"""What the torque sensor may be wrong by is no effect of the drive: names that its class explains are withdrawn.
+
+A gain wrong by half a per cent looks like a stiffness wrong by half a per cent, a slow amplifier like a drag. So each
+named effect of the load is compared with gain, zero and lag of the sensor within its class, together: where they
+explain the run as well, the effect is not named, and the sensor's errors stay in the fit.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mbcdm_cad.loop.effect import Effect
+from mbcdm_cad.loop.effects.load_sensor import within_class
+from mbcdm_cad.loop.readable import readable
+from mbcdm_cad.loop.search.exchange import Exchanges, Group
+from mbcdm_cad.loop.search.fit import Fit
+from mbcdm_cad.measurement.run import TorqueClass
+
+# An effect that does more than this many times what the class can do is none of the sensor.
+REACH = 2.0
+SENSORS = ("load_gain", "load_zero", "load_lag")
+
+
+@dataclass(frozen=True)
+class WithinClass:
+    """Errors of the torque sensor in the fit: name and size of each, with the class that allows them."""
+
+    sizes: tuple[tuple[str, float], ...]
+    torque_class: TorqueClass
+
+    @property
+    def sentence(self) -> str:
+        """For people."""
+        parts = []
+        for name, size in self.sizes:
+            word, (shown,) = readable(name, [size])
+            parts.append(f"{word} {shown}")
+        return f"errors of the torque sensor within its class ({self.torque_class.words}): {', '.join(parts)}"
+
+
+class ClassOfSensor(Exchanges):
+    """The comparison of effects of the load with the class of the torque sensor."""
+
+    within: WithinClass | None = None
+
+    def beyond_class(self, fit: Fit, groups: tuple[Group, ...]) -> tuple[Fit, tuple[Group, ...]]:
+        """The fit and the effects that the torque sensor does not explain."""
+        own = within_class(self.fitter.runs)
+        if not own:
+            return fit, groups
+        groups = tuple(g for g in groups if not _is_within(g.effect, fit, own))
+        reach = self._reach(fit, own)
+        for group in sorted(groups, key=lambda g: self._fall(fit, g.effect)):
+            if not group.effect.generic or self._fall(fit, group.effect) > REACH * reach:
+                continue
+            rest = [e for e in fit.effects if e is not group.effect]
+            new = [e for e in own if all(e.name != other.name for other in rest)]
+            values = [*map(fit.values_of, rest), *([0.0] for _ in new)]
+            trial = self.fitter.tried((*rest, *new), values, fit.offsets)
+            if trial is None or not (trial.square <= fit.square or self.alike(trial, fit)):
+                continue
+            self.search.give_back("within the class of the torque sensor", group.effect, fit)
+            fit, groups = trial, tuple(g for g in groups if g is not group)
+        sizes = tuple(
+            (f"{e.name.removeprefix('load_')}_{_unit(e)}", float(fit.values_of(e)[0]))
+            for e in fit.effects
+            if e.name in SENSORS and all(e is not g.effect for g in groups)
+        )
+        if sizes:
+            self.within = WithinClass(sizes, self.fitter.runs[0].run.sensors.torque_class)
+        return fit, groups
+
+    def _fall(self, fit: Fit, effect: Effect) -> float:
+        """How much the held-out error falls with an effect, rad in quadrature."""
+        less = self.search.without(fit, effect)
+        return float(np.sqrt(max(0.0, self.search.held_rms(less) ** 2 - self.search.held_rms(fit) ** 2)))
+
+    def _reach(self, fit: Fit, own: list[Effect]) -> float:
+        """What the class can change, rad RMS."""
+        f = self.fitter
+        before = f.output - fit.residual
+        changes = []
+        for effect in own:
+            most = np.array([effect.parameters[0].high])
+            after = f.predict((*fit.effects, effect), (*fit.values, most), fit.offsets)
+            changes.append(float(np.std(f.centred_on(f.used, after - before))))
+        return float(np.sum(changes))
+
+
+def _unit(effect: Effect) -> str:
+    return effect.parameters[0].name.rsplit("_", 1)[-1]
+
+
+def _is_within(effect: Effect, fit: Fit, own: list[Effect]) -> bool:
+    """Whether an effect is an error of the torque sensor no larger than its class."""
+    bound = next((e.parameters[0].high for e in own if e.name == effect.name), 0.0)
+    return abs(float(fit.values_of(effect)[0])) <= bound
