@@ -23,7 +23,17 @@ INPUT_PLAY = (
 
 
 def _output(setup: Setup, values: Floats, _: Simulator) -> Setup:
-    return setup.with_added(-0.5 * values[0] * np.tanh(setup.load / DRUM_CHANGE_NM))
+    return setup.with_added(-0.5 * values[0] * np.tanh((setup.load - values[1]) / DRUM_CHANGE_NM))
+
+
+def _where_it_steps(setup: Setup, residual: Floats) -> list[list[float]]:
+    """Two starts: contact that changes sides without a load, and at the load where one step explains most."""
+    used = setup.p.used
+    order = np.argsort(setup.load[used])
+    load, r = setup.load[used][order], residual[used][order] - residual[used].mean()
+    k = np.arange(1, r.size)
+    gain = np.cumsum(r)[:-1] ** 2 * r.size / (k * (r.size - k))
+    return [[0.0, 0.0], [0.0, float(load[int(np.argmax(gain))])]]
 
 
 def _input(index: int, setup: Setup, values: Floats, _: Simulator) -> Setup:
@@ -51,18 +61,25 @@ def _at_input(d: DriveSI, index: int, setup: Setup, residual: Floats) -> list[li
 def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
     """By torque where it was measured; by motion for a drive of which only the ratio is known, or without a load."""
     found = []
-    play = (Parameter("play_rad", 1e-5, 0.0),)
+    play = Parameter("play_rad", 1e-5, 0.0)
     idle = p.load_Nm is not None and not p.load_Nm.any()
     if p.load_Nm is not None and not idle:
+        most = 0.5 * float(np.abs(p.load_Nm).max())
         found.append(
             Effect(
                 "lash",
                 "play at the output",
                 "a coupling or gearhead rests on one flank or the other, by the load's sign",
-                "coupling and key between drum and load",
+                "coupling and key between drum and load; where the contact changes sides off zero, zero of the torque "
+                "sensor, and friction that it does not see",
                 SEPARATE,
-                play,
+                (play, Parameter("zero_Nm", 0.002, -most, most, role="place", default=0.0)),
                 _output,
+                starts=_where_it_steps,
+                figures=(
+                    Figure("play_rad", lambda v: float(v[0])),
+                    Figure("zero_Nm", lambda v: float(v[1]), "torque of the sensor at which the contact changes sides"),
+                ),
                 generic=True,
                 plain="there is {play_rad} of play between drum and load",
             )
@@ -94,7 +111,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
                 "friction holds the output until the play is taken up",
                 "gears and couplings between input and output",
                 SEPARATE,
-                play,
+                (play,),
                 _operator,
                 starts=_width,
                 generic=True,

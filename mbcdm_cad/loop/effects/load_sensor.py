@@ -18,6 +18,7 @@ from mbcdm_cad.measurement.run import TorqueClass
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
 
+SENSOR = "an error of the torque sensor"
 LOOK = "torque sensor and amplifier: "
 # Bounds of the search: a zero of this share of the largest load, a lag in s.
 MOST_ZERO, MOST_LAG_S = 0.5, 0.5
@@ -54,6 +55,7 @@ def gain(most: float) -> Effect:
         "a known weight on an arm of known length",
         (Parameter("share", 0.005, -most, most),),
         _gain,
+        hangs_on=SENSOR,
         plain="the load is {share} {way_share} than the torque sensor shows",
     )
 
@@ -68,6 +70,7 @@ def zero(most_Nm: float) -> Effect:
         "a run without a load: its zero stays, a play then floats",
         (Parameter("zero_Nm", 0.01 * most_Nm, -most_Nm, most_Nm),),
         _zero,
+        hangs_on=SENSOR,
         generic=True,
         plain="the torque sensor shows {zero_Nm} without a load",
     )
@@ -83,6 +86,7 @@ def lag(most_s: float) -> tuple[Effect, Effect]:
         "load steps at rest: a late load shows as a spike of the angle at each flank",
         (Parameter("lag_s", 1e-3, 0.0, most_s),),
         _late,
+        hangs_on=SENSOR,
         generic=True,
         plain="the load is read {lag_s} later than the angles",
     )
@@ -121,6 +125,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
                 "push the output by hand and read the sign",
                 (Parameter("compliance_rad_Nm", 1e-6, 0.0),),
                 _reversed,
+                hangs_on=SENSOR,
                 generic=True,
                 plain="the sign of the load is reversed: the output moves against it by {compliance_rad_Nm}",
             )

@@ -17,6 +17,7 @@ from mbcdm_cad.loop.readable import readable
 from mbcdm_cad.loop.search.exchange import Exchanges, Group
 from mbcdm_cad.loop.search.fit import Fit
 from mbcdm_cad.measurement.run import TorqueClass
+from mbcdm_cad.routes import Floats
 
 # An effect that does more than this many times what the class can do is none of the sensor.
 REACH = 2.0
@@ -57,7 +58,7 @@ class ClassOfSensor(Exchanges):
                 continue
             rest = [e for e in fit.effects if e is not group.effect]
             new = [e for e in own if all(e.name != other.name for other in rest)]
-            values = [*map(fit.values_of, rest), *([0.0] for _ in new)]
+            values: list[Floats | list[float]] = [*map(fit.values_of, rest), *([0.0] for _ in new)]
             trial = self.fitter.tried((*rest, *new), values, fit.offsets)
             if trial is None or not (trial.square <= fit.square or self.alike(trial, fit)):
                 continue

@@ -19,6 +19,7 @@ from mbcdm_cad.loop.result import Evidence, Helpful, LoopResult, Named
 from mbcdm_cad.loop.search.account import INTERVAL, chain_orders, errors, interval, next_steps, not_testable, traces
 from mbcdm_cad.loop.search.exchange import Group
 from mbcdm_cad.loop.search.fit import Fit, Fitter
+from mbcdm_cad.loop.search.scatter import Scatter, hangs_on
 from mbcdm_cad.loop.search.select import Search
 from mbcdm_cad.loop.search.trial_fits import located
 from mbcdm_cad.loop.search.verdict import Judge
@@ -100,6 +101,7 @@ class _Loop:
             elif not groups and not self.judge.unmeasured and not self.judge.within and not found.begins_near_floor:
                 judged, unknown = bare, self.judge.largest(bare, self.whole)
                 found = errors(self.whole, bare, bare, self.search.floor_rad)
+        scatter = self._scatter(fit)
         if unknown is not None:
             verdict = "partly_explained" if groups or fit.effects else "unknown"
         else:
@@ -119,7 +121,7 @@ class _Loop:
             traces(self.whole, bare, judged),
             self.search.noise,
             tuple(p.windows for p in self.prepared),
-            self._doubts(),
+            self._doubts(scatter),
             tuple(
                 Helpful(self._as_named(one.effect, one.values, one.covariance, one.fall_rad), one.odds)
                 for one in self.judge.helpful
@@ -189,10 +191,19 @@ class _Loop:
             words.plain,
         )
 
-    def _doubts(self) -> tuple[str, ...]:
+    def _scatter(self, fit: Fit) -> Scatter | None:
+        """On what the noise hangs that the encoders are not declared to have."""
+        if not self.search.noise.far_above:
+            return None
+        each = (hangs_on(p, fit.residual[part]) for p, part in zip(self.fitter.runs, self.fitter.parts, strict=True))
+        return next((one for one in each if one is not None), None)
+
+    def _doubts(self, scatter: Scatter | None) -> tuple[str, ...]:
         """Doubts that the data raise about the sensors, and about fitted values that no part can have."""
         noise = self.search.noise
-        found = [doubt_of(noise, runs_of(self.prepared))] if noise.far_above else []
+        found = []
+        if noise.far_above:
+            found.append(scatter.words if scatter else doubt_of(noise, runs_of(self.prepared)))
         if self.judge.unmeasured:
             found.append(
                 f"no torque was measured: {' or '.join(self.judge.unmeasured)} would explain the error as well as the "

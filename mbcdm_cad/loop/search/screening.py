@@ -198,7 +198,8 @@ class Screening:
             moved = f.predict(effects, (*fit.values, trial), fit.offsets)
             columns.append((moved - at_start) / (DIFFERENCE * parameter.size))
         found = at_start - before, np.stack(columns, axis=1)
-        if f.kind(effect) < 2:
+        # Without cables an error of the load shows only beside an effect of the load.
+        if f.kind(effect) < 2 and f.d is not None:
             self._columns[key] = found
         return found
 

@@ -1,0 +1,111 @@
+"""The torque sensor: what lies within its class is no effect of the drive, what lies beyond is told from the drive."""
+
+from __future__ import annotations
+
+import re
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
+
+from bench_effects import Effect
+from bench_torque import TorqueSensor, torque_bench
+
+from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.loop.page.plain import finding
+from mbcdm_cad.loop.result import LoopResult
+from mbcdm_cad.loop.search.engine import close_loop
+from mbcdm_cad.measurement.run import Run, Sensors, TorqueClass
+
+DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
+
+
+def said(result: LoopResult) -> list[str]:
+    return [one.name for one in result.effects] + [one.name for group in result.one_of for one in group]
+
+
+@pytest.mark.parametrize(
+    ("sensor", "load"),
+    [
+        (TorqueSensor(gain=0.007), "steps"),
+        pytest.param(TorqueSensor(gain=0.006, zero_Nm=-0.005, lag_s=0.005), "bias", marks=pytest.mark.slow),
+        pytest.param(TorqueSensor(lag_s=0.008), "steps", marks=pytest.mark.slow),
+    ],
+)
+def test_within_its_class_the_sensor_is_no_effect_of_the_drive(sensor: TorqueSensor, load: str) -> None:
+    result = close_loop(DRIVE, [torque_bench(DRIVE, sensor, load=load)])
+    assert not said(result) and result.verdict == "none", result.sentence
+    assert "torque sensor within its class (0.01 of gain and range" in result.sentence, result.sentence
+    assert "Nothing is missing of the drive" in finding(result), finding(result)
+    if sensor.gain:
+        (found,) = (float(x) for x in re.findall(r"gain share ([-\d.]+) %", result.sentence))
+        assert found == pytest.approx(-100.0 * sensor.gain, abs=0.25), result.sentence
+
+
+@pytest.mark.slow
+def test_a_stiffness_beyond_the_class_is_named_beside_a_wrong_gain() -> None:
+    soft = Effect("stiffness_error", "modulus", {"share": -0.08})
+    result = close_loop(DRIVE, [torque_bench(DRIVE, TorqueSensor(gain=0.004), (soft,))])
+    assert said(result) == ["stiffness_error"], result.sentence
+    assert result.effects[0].parameters["share"].value == pytest.approx(-0.08, abs=0.012), result.sentence
+
+
+@pytest.mark.slow
+def test_a_stated_class_of_a_better_sensor_leaves_the_effect_to_the_drive() -> None:
+    run = torque_bench(DRIVE, TorqueSensor(gain=0.007))
+    fine = Sensors(
+        run.sensors.input_resolution_rad,
+        run.sensors.output_resolution_rad,
+        run.sensors.torque_noise_Nm,
+        run.sensors.input_noise_rad,
+        run.sensors.output_noise_rad,
+        TorqueClass(0.0005, 1e-4, True),
+    )
+    result = close_loop(DRIVE, [Run(run.time_s, run.input_rad, run.output_rad, run.load_Nm, sensors=fine)])
+    assert "stiffness_error" in said(result), result.sentence
+
+
+def gearbox(zero_Nm: float, sign: float, play: float, compliance: float) -> Run:
+    """A drive of which the ratio is known, under a load of its own frequency."""
+    rng = np.random.default_rng(2)
+    t = np.arange(0.0, 100.0, 0.04)
+    angle, load = 0.5 * np.sin(2.0 * np.pi * t / 17.0), 0.25 * np.sin(2.0 * np.pi * t / 5.3)
+    out = angle - 0.5 * play * np.sign(load) - compliance * load + 1e-4 * rng.standard_normal(t.size)
+    shown = sign * load + zero_Nm + 5e-4 * rng.standard_normal(t.size)
+    return Run(t, (5.0 * angle)[None], out, shown, input_names=("input",), ratio=5.0)
+
+
+def test_play_whose_sides_change_off_zero_is_play_and_tells_the_sensors_zero() -> None:
+    result = close_loop(None, [gearbox(0.03, 1.0, 0.02, 0.0)])
+    assert said(result) == ["lash"], result.sentence
+    figures = result.effects[0].parameters
+    assert figures["play_rad"].value == pytest.approx(0.02, rel=0.03), result.sentence
+    assert figures["zero_Nm"].value == pytest.approx(0.03, abs=0.004), result.sentence
+
+
+def test_a_reversed_load_is_told_where_only_the_ratio_is_known() -> None:
+    result = close_loop(None, [gearbox(0.0, -1.0, 0.0, 0.01)])
+    assert said(result) == ["load_sign"], result.sentence
+    assert "scale: -1" in result.effects[0].where_to_look
+    right = close_loop(None, [gearbox(0.0, 1.0, 0.0, 0.01)])
+    assert said(right) == ["stiffness_error"], right.sentence
+
+
+def test_a_late_load_is_named_where_its_flanks_show_it() -> None:
+    """A load in steps behind a soft shaft, read 80 ms late."""
+    rng = np.random.default_rng(3)
+    t = np.arange(0.0, 100.0, 0.02)
+    angle = 0.5 * np.sin(2.0 * np.pi * t / 17.0)
+
+    def load(at: np.ndarray) -> np.ndarray:
+        return np.asarray(0.3 * np.sin(2.0 * np.pi * at / 1.7) + 0.2 * np.sin(2.0 * np.pi * at / 0.9))
+
+    out = angle - 0.01 * load(t) + 3e-5 * rng.standard_normal(t.size)
+    run = Run(t, (5.0 * angle)[None], out, load(t - 0.08), input_names=("input",), ratio=5.0)
+    result = close_loop(None, [run])
+    assert sorted(said(result)) == ["load_lag", "stiffness_error"], result.sentence
+    (late,) = (one for one in result.effects if one.name == "load_lag")
+    assert late.parameters["lag_s"].value == pytest.approx(0.08, rel=0.1), result.sentence
