@@ -94,16 +94,17 @@ class _Loop:
             else:
                 named.append(first)
         found = errors(self.whole, bare, judged, self.search.floor_rad)
-        if unknown is None and not all(p.few for p in self.prepared):
-            # Neither "explained" nor "none" may stand beside an error that is not near the floor.
-            if not found.near_floor:
-                unknown = self.judge.largest(judged, self.whole)
-            elif not groups and not self.judge.unmeasured and not self.judge.within and not found.begins_near_floor:
-                judged, unknown = bare, self.judge.largest(bare, self.whole)
-                found = errors(self.whole, bare, bare, self.search.floor_rad)
+        # Neither "explained" nor "none" may stand beside an error that is not near the floor.
+        if unknown is None and not found.near_floor:
+            unknown = self.judge.largest(judged, self.whole)
+        nameless = not groups and not self.judge.unmeasured and not self.judge.within and not self.judge.helpful
+        if nameless and judged is not bare:
+            judged, found = bare, errors(self.whole, bare, bare, self.search.floor_rad)
+            if unknown is None and not found.near_floor:
+                unknown = self.judge.largest(bare, self.whole)
         scatter = self._scatter(fit)
         if unknown is not None:
-            verdict = "partly_explained" if groups or fit.effects else "unknown"
+            verdict = "partly_explained" if groups or judged.effects else "unknown"
         else:
             blind = all(p.few for p in self.prepared) or self.judge.unmeasured
             verdict = "explained" if groups else "not_testable" if blind else "none"

@@ -61,6 +61,8 @@ def hangs_on(p: Prepared, residual: Floats) -> Scatter | None:
     _, cell = np.unique(cell, return_inverse=True)
     count = np.bincount(cell)
     full = count >= FEWEST_SAMPLES
+    if full.sum() < FEWEST_SWEEPS:
+        return None
     square = np.bincount(cell, (residual[use] - residual[use].mean()) ** 2) / count
     of_sweep = np.zeros(count.size, dtype=np.int64)
     of_sweep[cell] = sweep
