@@ -88,8 +88,13 @@ def by_path(variables: Iterable[DesignVariable]) -> dict[str, DesignVariable]:
     return {variable.path: variable for variable in variables}
 
 
+def _upper_end(drive: Drive) -> float:
+    """Angle of the output at the upper end of the travel, the lower one held."""
+    return 2 * drive.half_travel_deg + (drive.travel_from_deg or 0.0)
+
+
 SHARED = (
-    field("travel.half_angle_deg", "half_travel_deg", asked=True),
+    field("travel.half_angle_deg", "half_travel_deg", asked=True)._replace(short=("travel.to_deg", _upper_end)),
     field("travel.stop_clearance_deg", "stop_clearance_deg"),
     DesignVariable("rope.preload_N", lambda drive: drive.cables[0].preload_N, _preload),
     field(ROPE_DIAMETER, "cable.diameter_mm", asked=True),

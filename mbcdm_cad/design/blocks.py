@@ -25,7 +25,24 @@ Length = Annotated[Number, Field(ge=0.5, le=500.0)]
 class Travel(Block):
     """How far the drum turns."""
 
+    ORDER: ClassVar[tuple[str, ...]] = ("half_angle_deg", "stop_clearance_deg")
+
     half_angle_deg: Number = quantity("travel from the centre to each side", unit="deg", ge=1.0, le=120.0)
+    from_deg: Number | None = quantity(
+        "angle of the output at the lower end of the travel, in place of half_angle_deg; all other angles of the drum "
+        "are counted from the middle of the travel",
+        unit="deg",
+        default=None,
+        ge=-720.0,
+        le=720.0,
+    )
+    to_deg: Number | None = quantity(
+        "angle of the output at the upper end of the travel; goes with from_deg",
+        unit="deg",
+        default=None,
+        ge=-720.0,
+        le=720.0,
+    )
     stop_clearance_deg: Number = quantity(
         "angle from the end of the travel to the hard stops", unit="deg", ge=0.0, le=5.0
     )

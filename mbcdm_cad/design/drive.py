@@ -70,6 +70,7 @@ class Drive:
     cables: tuple[CableRun, ...]
     input_names: tuple[str, ...]
     half_travel_deg: float
+    travel_from_deg: float | None  # angle of the output at the lower end; None: the output's zero is the middle
     stop_clearance_deg: float
     cable: CableSpec
     terminations: tuple[TerminationSpec, ...]
@@ -106,6 +107,18 @@ class Drive:
         package = type(self).__module__.rpartition(".")[0]
         found: Layout = import_module(f"{package}.layout").LAYOUT(self)
         return found
+
+    @property
+    def middle_deg(self) -> float:
+        """Angle of the output in the middle of the travel, from which all angles of the drum are counted."""
+        return 0.0 if self.travel_from_deg is None else self.travel_from_deg + self.half_travel_deg
+
+    @property
+    def travel_words(self) -> str:
+        """The travel as the file asks for it: both ways alike, or from an angle of the output to another."""
+        if self.travel_from_deg is None:
+            return f"+-{self.half_travel_deg:g}"
+        return f"{self.travel_from_deg:+g} to {self.travel_from_deg + 2 * self.half_travel_deg:+g}"
 
     @property
     def mounted(self) -> str:

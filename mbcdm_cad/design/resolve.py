@@ -34,6 +34,7 @@ def shared_values(design: Design, catalogue: Catalogue) -> dict[str, Any]:
         "configuration": design.configuration,
         "input_names": tuple(item.name for item in design.inputs),
         "half_travel_deg": design.travel.half_angle_deg,
+        "travel_from_deg": design.travel.from_deg,
         "stop_clearance_deg": design.travel.stop_clearance_deg,
         "cable": rope,
         "terminations": ends,

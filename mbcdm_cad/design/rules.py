@@ -17,6 +17,9 @@ from mbcdm_cad.design.fieldpath import FieldPath
 from mbcdm_cad.design.lookup import Catalogue
 from mbcdm_cad.errors import did_you_mean, shortened
 
+# Two statements of half the travel that differ by less are the same.
+SAME_DEG = 1e-6
+
 
 class Broken(NamedTuple):
     """A rule that does not hold: field path, what, value, limit, remedy; the others as in :class:`Problem`."""
@@ -51,7 +54,7 @@ def every_broken_rule(
 
 def broken_shared_rules(design: Design) -> Iterator[Broken]:
     """The rules for all configurations that the design breaks, without those on names of the catalogue."""
-    for rule in (_cables, _rope, _waivers, _as_built, _own_entries):
+    for rule in (_travel, _cables, _rope, _waivers, _as_built, _own_entries):
         yield from rule(design)
 
 
@@ -106,6 +109,36 @@ def _motor(design: Design, catalogue: Catalogue) -> Iterator[Broken]:
             f"{train.bus_voltage_V:g} V",
             "a motor with torque_constant_mNm_A",
             "leave it out, or choose a brushless motor of the catalogue",
+        )
+
+
+def _travel(design: Design) -> Iterator[Broken]:
+    travel = design.travel
+    yield from broken_ends(travel.from_deg, travel.to_deg)
+    if travel.from_deg is not None and travel.to_deg is not None:
+        half = (travel.to_deg - travel.from_deg) / 2
+        if abs(half - travel.half_angle_deg) > SAME_DEG:
+            yield Broken(
+                ("travel", "half_angle_deg"),
+                "not half of the way from from_deg to to_deg",
+                f"{travel.half_angle_deg:g} deg",
+                f"{half:g} deg",
+                "leave it out, or leave from_deg and to_deg out",
+            )
+
+
+def broken_ends(from_deg: float | None, to_deg: float | None) -> Iterator[Broken]:
+    """Both ends of a travel are given or none, and the upper one lies above the lower one."""
+    if (from_deg is None) != (to_deg is None):
+        there, missing = ("from_deg", "to_deg") if to_deg is None else ("to_deg", "from_deg")
+        yield Broken(("travel", missing), f"missing beside {there}", "", "both or none", f"add it, or remove {there}")
+    elif from_deg is not None and to_deg is not None and to_deg <= from_deg:
+        yield Broken(
+            ("travel", "to_deg"),
+            "not above from_deg",
+            f"{to_deg:g} deg",
+            f"over {from_deg:g} deg",
+            "swap the two, or give the angle of the output at the upper end",
         )
 
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from mbcdm_cad.checks.drum_sector import STOP_WINDOW_DEG
 from mbcdm_cad.checks.transfer import EDGE_BREAK_MM, RUN_OUT_MM
-from mbcdm_cad.design.rules import Broken
+from mbcdm_cad.design.rules import Broken, broken_ends
 from mbcdm_cad.sizing.arithmetic import greatest, significant
 from mbcdm_cad.sizing.known import KnownFields, RopeKnown
 from mbcdm_cad.sizing.rule import Found, Rule, constant, driver_of
@@ -49,6 +51,24 @@ def needed(field: str, remedy: str) -> Broken:
     return Broken(tuple(field.split(".")), what, "", "", remedy, missing=True)
 
 
+def missing_travel(given: KnownFields, meaning: str) -> Iterator[Broken]:
+    """What the file lacks, or contradicts, of the travel: half of it, or both ends."""
+    ends = given.peek("travel.from_deg"), given.peek("travel.to_deg")
+    yield from broken_ends(*ends)
+    if ends == (None, None) and not given.has("travel.half_angle_deg"):
+        yield needed("travel.half_angle_deg", f"add half_angle_deg: 35.0 ({meaning}, deg), or from_deg and to_deg")
+
+
+def _half_travel(given: KnownFields) -> float:
+    return float(given["travel.to_deg"] - given["travel.from_deg"]) / 2
+
+
+HALF_TRAVEL = Rule(
+    "travel.half_angle_deg",
+    "half of the way from from_deg to to_deg; the drum is centred in its middle",
+    "the file",
+    _half_travel,
+)
 SCHEMA_VERSION = constant("schema_version", 1, "the version of the file's layout", "the program")
 STOP_CLEARANCE = constant(
     "travel.stop_clearance_deg",

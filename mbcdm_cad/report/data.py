@@ -170,6 +170,7 @@ def report_data(
         "design_sha256": design_sha256,
         "configuration": drive.configuration,
         "drum_angle_deg": drum_angle_deg,
+        "travel_deg": [drive.middle_deg - drive.half_travel_deg, drive.middle_deg + drive.half_travel_deg],
         "mass": {
             **_mass(whole),
             "sigma_g": total_sigma_g(lines),

@@ -80,7 +80,7 @@ class GalleryDrive:
             drive.name,
             self.lines,
             cable.drum_radius_mm / cable.input_radius_mm,
-            f"+-{drive.half_travel_deg:g}",
+            drive.travel_words,
             torque,
             f"{drive.cable.diameter_mm:g} mm",
             cable.preload_N,

@@ -68,6 +68,10 @@ def path_lines(layout: Layout, paths: dict[str, Any]) -> Iterator[str]:
         "travel (the figures above are for endless wraps)"
     )
     low, high = paths["usable_deg"]
-    yield f"usable travel {low:.2f} to {high:+.2f} deg (design {ends[0]:+g} to {ends[1]:+g}); limits in order:"
+    drive = layout.drive
+    middle = f", counted from {drive.middle_deg:+g} deg of the output" if drive.middle_deg else ""
+    yield (
+        f"usable travel {low:.2f} to {high:+.2f} deg (design {ends[0]:+g} to {ends[1]:+g}{middle}); limits in order:"
+    )
     for name in ("limits_negative", "limits_positive"):
         yield "  " + "; ".join(f"{x['angle_deg']:+.2f} {x['cause']}" for x in paths[name][:4])

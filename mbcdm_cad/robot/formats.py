@@ -68,8 +68,9 @@ def _mjcf(m: Mechanism, elastic: bool) -> ET.Element:
             name=link.name,
             type="hinge",
             axis=numbers(joint.axis),
-            range=numbers((-joint.limit_rad, joint.limit_rad)),
+            range=numbers(joint.range_rad),
             armature=numbers([joint.armature]),
+            attrib={"ref": numbers([joint.drawn_rad])} if joint.drawn_rad else {},
         )
         _mjcf_body(body, link)
     springy = {cable.input_link for cable in m.cables} if elastic else set()

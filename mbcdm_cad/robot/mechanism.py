@@ -50,13 +50,15 @@ class Link:
 class Joint:
     """Joint of a link on the base: turns about ``axis`` by ``ratio`` times the drum; ``armature``: rotor inertia.
 
+    Its zero is that of the output; the links are drawn at ``drawn_rad``, where the drum is in the middle of its travel.
     ``effort_Nm`` and ``speed_rad_s``: the largest torque that it holds continuously, and speed that goes with it.
     """
 
     link: str
     axis: Vector
     ratio: float
-    limit_rad: float
+    range_rad: tuple[float, float]
+    drawn_rad: float
     armature: float  # kg m^2
     effort_Nm: float
     speed_rad_s: float
@@ -147,8 +149,8 @@ def _limits(drive: Drive) -> tuple[float, float]:
 
 def _joint(body: MovingGroup, drive: Drive, drum_effort_Nm: float, drum_speed_rad_s: float) -> Joint:
     rotor = drive.motor.rotor_inertia_g_cm2 * G_CM2 * drive.gearhead.ratio**2
-    limit = radians(abs(body.ratio) * (drive.half_travel_deg + drive.stop_clearance_deg))
-    turns = abs(body.ratio)
+    turns, drawn = abs(body.ratio), radians(body.ratio * drive.middle_deg)
+    half = radians(turns * (drive.half_travel_deg + drive.stop_clearance_deg))
     effort = drum_effort_Nm / turns
     if body.kind == "input":
         motor_Nm = drive.motor.rated_torque_mNm * 1e-3
@@ -157,7 +159,8 @@ def _joint(body: MovingGroup, drive: Drive, drum_effort_Nm: float, drum_speed_ra
         body.name,
         body.axis,
         body.ratio,
-        limit,
+        (drawn - half, drawn + half),
+        drawn,
         armature=rotor if body.kind == "input" else 0.0,
         effort_Nm=effort,
         speed_rad_s=drum_speed_rad_s * turns,

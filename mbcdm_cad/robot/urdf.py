@@ -115,13 +115,13 @@ def _joints(m: Mechanism, prefix: str) -> list[ET.Element]:
         node = ET.Element("joint", name=f"{prefix}{joint.link}", type="revolute")
         ET.SubElement(node, "parent", link=f"{prefix}{BASE_LINK}")
         ET.SubElement(node, "child", link=f"{prefix}{joint.link}")
-        ET.SubElement(node, "origin", xyz=numbers(m.link(joint.link).origin), rpy="0 0 0")
+        ET.SubElement(node, "origin", xyz=numbers(m.link(joint.link).origin), rpy=numbers(_turned_back(joint)))
         ET.SubElement(node, "axis", xyz=numbers(joint.axis))
         ET.SubElement(
             node,
             "limit",
-            lower=numbers([-joint.limit_rad]),
-            upper=numbers([joint.limit_rad]),
+            lower=numbers([joint.range_rad[0]]),
+            upper=numbers([joint.range_rad[1]]),
             effort=numbers([joint.effort_Nm]),
             velocity=numbers([joint.speed_rad_s]),
         )
@@ -132,6 +132,14 @@ def _joints(m: Mechanism, prefix: str) -> list[ET.Element]:
     return found
 
 
+def _turned_back(joint: Joint) -> tuple[float, float, float]:
+    """Roll, pitch and yaw of a link's frame at the zero of its joint: it is drawn at ``drawn_rad`` from there."""
+    x, y, z = (-joint.drawn_rad * part + 0.0 for part in joint.axis)
+    if sum(part != 0.0 for part in joint.axis) != 1:
+        raise ValueError(f"axis {joint.axis} of {joint.link} is along none of X, Y and Z")
+    return x, y, z
+
+
 def _ros2_control(m: Mechanism, prefix: str) -> ET.Element:
     """The drum takes positions and tells position and speed; the joints that follow it by ``mimic`` only tell."""
     block = ET.Element("ros2_control", name=f"{prefix}{m.name}", type="system")
@@ -140,7 +148,7 @@ def _ros2_control(m: Mechanism, prefix: str) -> ET.Element:
         node = ET.SubElement(block, "joint", name=f"{prefix}{joint.link}")
         if joint.link == m.drum:
             command = ET.SubElement(node, "command_interface", name="position")
-            for end, value in (("min", -joint.limit_rad), ("max", joint.limit_rad)):
+            for end, value in zip(("min", "max"), joint.range_rad, strict=True):
                 ET.SubElement(command, "param", name=end).text = numbers([value])
         for state in ("position", "velocity"):
             ET.SubElement(node, "state_interface", name=state)

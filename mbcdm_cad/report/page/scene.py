@@ -89,6 +89,7 @@ def scene(
     cables = {item.name: item for item in centred.items if is_cable(item)}
     data: dict[str, Any] = {
         "half_travel_deg": drive.half_travel_deg,
+        "middle_deg": drive.middle_deg,
         "bodies": [{"name": b.name, "axis": list(b.axis), "point": list(b.point_mm), "ratio": b.ratio} for b in moving],
         "parts": {name: _mesh(binary, parts[name].mesh) for name in sorted({item.part for item in rigid})},
         "items": [

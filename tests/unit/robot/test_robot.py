@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -209,3 +210,42 @@ class TestMujoco:
             worst = max(worst, abs(data.joint("input_left").qpos[0] / 9.0 - drum))
         assert np.isfinite(reached) and reached > 0.005, reached
         assert 1e-6 < worst < 2e-3, (worst, reached)
+
+
+class TestTravelFromTo:
+    """Joints count from the zero of the output; the links are drawn in the middle of the travel."""
+
+    @pytest.fixture(scope="class")
+    def shifted(self, loaded: Any, parts: Any) -> Mechanism:
+        drive = replace(loaded.drive, travel_from_deg=-50.0)
+        return mechanism(drive, {name: part.files for name, part in parts.items()})
+
+    def test_limits_are_the_ends_with_the_stops(self, shifted: Mechanism, loaded: Any) -> None:
+        drum = next(joint for joint in shifted.joints if joint.link == "drum")
+        clear = loaded.drive.stop_clearance_deg
+        assert np.allclose(np.degrees(drum.range_rad), (-50.0 - clear, 20.0 + clear)), drum.range_rad
+
+    def test_urdf_stands_as_drawn_in_the_middle(self, shifted: Mechanism, tmp_path: Path) -> None:
+        yourdfpy = pytest.importorskip("yourdfpy")
+        for path, content in robot_files(shifted, "urdf").items():
+            (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
+            (tmp_path / path).write_bytes(content)
+        urdf = yourdfpy.URDF.load(str(tmp_path / "mbcdm.urdf"), load_meshes=False, build_collision_scene_graph=False)
+        urdf.update_cfg([np.radians(-15.0)])
+        for link in shifted.links:
+            turned = urdf.get_transform(link.name)[:3, :3]
+            assert np.allclose(turned, np.eye(3), atol=1e-9), (link.name, turned)
+
+    def test_mujoco_begins_in_the_middle(self, shifted: Mechanism, mujoco: Any, tmp_path: Path) -> None:
+        for path, content in robot_files(shifted, "mjcf").items():
+            (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
+            (tmp_path / path).write_bytes(content)
+        model = mujoco.MjModel.from_xml_path(str(tmp_path / "mbcdm.xml"))
+        data = mujoco.MjData(model)
+        mujoco.mj_forward(model, data)
+        assert abs(np.degrees(data.joint("drum").qpos[0]) + 15.0) < 1e-9
+        for link in shifted.links:
+            assert np.allclose(data.body(link.name).xmat.reshape(3, 3), np.eye(3), atol=1e-9), link.name
+            joint = next(joint for joint in shifted.joints if joint.link == link.name)
+            held = data.joint(link.name).qpos[0] - joint.ratio * data.joint("drum").qpos[0]
+            assert abs(held) < 1e-9, (link.name, held)

@@ -6,7 +6,7 @@ import copy
 from typing import Any
 
 from mbcdm_cad.design.sized import Moved, Sizing, SizingError
-from mbcdm_cad.layouts.common_rules import FRICTION, needed
+from mbcdm_cad.layouts.common_rules import FRICTION, HALF_TRAVEL, missing_travel, needed
 from mbcdm_cad.layouts.miso_bevel.sizing.basis import CLEARANCES, LIMITS, METALS, NAMES
 from mbcdm_cad.layouts.miso_bevel.sizing.drum import DRUM, HUB, HUB_FACE, WEB
 from mbcdm_cad.layouts.miso_bevel.sizing.frame import BACK, FRAME, STOP_PIN
@@ -22,6 +22,7 @@ from mbcdm_cad.sizing.rule import Rule
 # Rope, parts by load, radii, places of the pulleys. None of these rules runs a check on a drive, so that they also work
 # on many designs at once.
 BEFORE_FRAME: tuple[Rule, ...] = (
+    HALF_TRAVEL,
     *NAMES,
     *LIMITS,
     *ROPE,
@@ -78,12 +79,9 @@ def size(data: dict[str, Any], moved: Moved | None = None) -> Sizing:
 
 
 def _missing(given: BevelKnown) -> Any:
-    for field, meaning, example in (
-        ("travel.half_angle_deg", "travel from the centre to each side, deg", "35.0"),
-        ("loads.peak_torque_Nm", "torque to hold both ways, N m", "3.15"),
-    ):
-        if not given.has(field):
-            yield needed(field, f"add {field.split('.')[1]}: {example} ({meaning})")
+    yield from missing_travel(given, "travel from the centre to each side")
+    if not given.has("loads.peak_torque_Nm"):
+        yield needed("loads.peak_torque_Nm", "add peak_torque_Nm: 3.15 (torque to hold both ways, N m)")
     radii = ("transmission.drum_radii_mm", "transmission.drum_radius_mm")
     if not any(given.has(field) for field in radii):
         yield needed("transmission.drum_radius_mm", "add drum_radius_mm: 54.0 (drum pitch radius of step 1)")

@@ -7,7 +7,7 @@ from typing import Any
 
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import Moved, Sizing, SizingError
-from mbcdm_cad.layouts.common_rules import needed
+from mbcdm_cad.layouts.common_rules import HALF_TRAVEL, missing_travel, needed
 from mbcdm_cad.layouts.head_basis import LIMITS, METALS, ROPE_LIMITS, TRAIN
 from mbcdm_cad.layouts.head_parts import PARTS
 from mbcdm_cad.layouts.siso_bevel.sizing.known import DirectKnown
@@ -27,6 +27,7 @@ from mbcdm_cad.layouts.trial_sizing import MIDDLE_SIZE, repeated
 from mbcdm_cad.sizing.rule import Rule
 
 RULES: tuple[Rule, ...] = (
+    HALF_TRAVEL,
     *NAMES,
     *LIMITS,
     *METALS,
@@ -83,12 +84,9 @@ def _first_guesses(radius_mm: float) -> dict[str, Any]:
 
 
 def _missing(given: DirectKnown) -> Iterator[Broken]:
-    for field, meaning, example in (
-        ("travel.half_angle_deg", "travel each way from the centred drum, deg", "35.0"),
-        ("loads.peak_torque_Nm", "torque to hold both ways, N m", "0.98"),
-    ):
-        if not given.has(field):
-            yield needed(field, f"add {field.split('.')[1]}: {example} ({meaning})")
+    yield from missing_travel(given, "travel each way from the centred drum")
+    if not given.has("loads.peak_torque_Nm"):
+        yield needed("loads.peak_torque_Nm", "add peak_torque_Nm: 0.98 (torque to hold both ways, N m)")
     if not any(given.has(f"transmission.{name}") for name in ("drum_radii_mm", "drum_radius_mm")):
         yield needed("transmission.drum_radius_mm", "add drum_radius_mm: 58.0 (drum pitch radius of step 1)")
     elif given.has("transmission.input_radii_mm") and not given.has("transmission.drum_radii_mm"):

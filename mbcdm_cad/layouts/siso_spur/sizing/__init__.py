@@ -11,7 +11,7 @@ from typing import Any
 
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import Moved, Sizing, SizingError
-from mbcdm_cad.layouts.common_rules import SCHEMA_VERSION, needed
+from mbcdm_cad.layouts.common_rules import HALF_TRAVEL, SCHEMA_VERSION, missing_travel, needed
 from mbcdm_cad.layouts.head_basis import LIMITS, METALS, ROPE_LIMITS, TRAIN
 from mbcdm_cad.layouts.head_parts import PARTS
 from mbcdm_cad.layouts.siso_spur.sizing.basis import (
@@ -74,7 +74,7 @@ def sized(
     missing = list(_missing(SpurKnown(data, {})))
     if missing:
         raise SizingError(*missing)
-    return repeated(data, known, (SCHEMA_VERSION, *names, *RULES), _first_guesses(data), moved, similar)
+    return repeated(data, known, (SCHEMA_VERSION, HALF_TRAVEL, *names, *RULES), _first_guesses(data), moved, similar)
 
 
 def _first_guesses(data: dict[str, Any]) -> dict[str, Any]:
@@ -98,12 +98,9 @@ def _first_guesses(data: dict[str, Any]) -> dict[str, Any]:
 
 
 def _missing(given: SpurKnown) -> Iterator[Broken]:
-    for field, meaning, example in (
-        ("travel.half_angle_deg", "travel from the centre to each side, deg", "35.0"),
-        ("loads.peak_torque_Nm", "torque to hold both ways, N m", "2.15"),
-    ):
-        if not given.has(field):
-            yield needed(field, f"add {field.split('.')[1]}: {example} ({meaning})")
+    yield from missing_travel(given, "travel from the centre to each side")
+    if not given.has("loads.peak_torque_Nm"):
+        yield needed("loads.peak_torque_Nm", "add peak_torque_Nm: 2.15 (torque to hold both ways, N m)")
     known = any(given.has(f"transmission.{name}") for name in ("input_to_drum", "input_radius_mm"))
     if not known and not given.has("drive.motor"):
         remedy = "add input_to_drum: 9.9 (drum radius over input radius), or name the motor under drive:"

@@ -37,8 +37,10 @@
     slider.addEventListener("input", () => viewer.pose(Number(slider.value)));
     viewer.on("posed", (angle) => {
       slider.value = angle;
-      shown.textContent = `${MINUS(angle.toFixed(1))}°`;
-      slider.setAttribute("aria-valuetext", `${angle.toFixed(1)} degrees`);
+      // The slider counts from the middle of the travel, the output from its own zero.
+      const output = (angle + data.middle_deg).toFixed(1);
+      shown.textContent = `${MINUS(output)}°`;
+      slider.setAttribute("aria-valuetext", `${output} degrees`);
       for (const body of data.bodies) {
         const cell = cells.get(body.name);
         if (cell) cell.textContent = `${MINUS((body.ratio * angle).toFixed(1))}°`;
