@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
+from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, noted, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.parts.collar import collar_width_mm
@@ -100,10 +100,15 @@ def encoder_fit(s: SectorLayout) -> Comparison:
     """The bore of each encoder equals the diameter of the shaft that it sits on."""
     drive = s.drive
     pairs = (
-        ("input encoder's bore from the upper journal", drive.encoder.bore_mm - drive.bearings.input_upper.bore_mm),
-        ("drum encoder's bore from the drum's shaft", drive.drum_encoder.bore_mm - drive.bearings.drum.bore_mm),
+        ("input encoder's bore from the upper journal", drive.encoder, drive.bearings.input_upper),
+        ("drum encoder's bore from the drum's shaft", drive.drum_encoder, drive.bearings.drum),
     )
-    return worst(at_most(name, abs(off), FIT_MM, "mm") for name, off in pairs)
+    found = [
+        at_most(name, abs(encoder.bore_mm - bearing.bore_mm), FIT_MM, "mm")
+        for name, encoder, bearing in pairs
+        if not encoder.absent
+    ]
+    return worst(found) if found else noted("no encoder: bore", 0.0, "mm")
 
 
 def bought_depth(s: SectorLayout) -> Comparison:
@@ -114,21 +119,17 @@ def bought_depth(s: SectorLayout) -> Comparison:
     in_gear = gear_screw.length_mm - s.motor_shelf_mm + 1.0
     in_encoder = encoder_screw.length_mm - (s.encoder_plate_mm - encoder_screw.head_height_mm - 0.2) + 0.5
     grip = ring_screw.length_mm - s.frame.encoder_screw_depth + 0.5
-    return worst(
-        (
-            at_least(f"{drive.mounted} behind its screws", drive.face_depth_mm - in_gear, FLOOR_MM, "mm"),
+    found = [at_least(f"{drive.mounted} behind its screws", drive.face_depth_mm - in_gear, FLOOR_MM, "mm")]
+    if not drive.encoder.absent:
+        above = drive.encoder.length_mm - ENCODER_INSERTION_MM - 0.5
+        found += [
             at_least("encoder above its screws", drive.encoder.length_mm - in_encoder, FLOOR_MM, "mm"),
-            at_least(
-                "encoder above its shaft", drive.encoder.length_mm - ENCODER_INSERTION_MM - 0.5, FLOOR_MM / 2, "mm"
-            ),
-            at_least(
-                "drum encoder over its screws' heads",
-                drive.drum_encoder.length_mm - grip - ring_screw.head_height_mm,
-                0.0,
-                "mm",
-            ),
-        )
-    )
+            at_least("encoder above its shaft", above, FLOOR_MM / 2, "mm"),
+        ]
+    if not drive.drum_encoder.absent:
+        over = drive.drum_encoder.length_mm - grip - ring_screw.head_height_mm
+        found.append(at_least("drum encoder over its screws' heads", over, 0.0, "mm"))
+    return worst(found)
 
 
 def shaft_grip(s: SectorLayout) -> Comparison:

@@ -23,8 +23,11 @@ def engagement(s: HeadLayout) -> Comparison:
     hub, collar, c = drive.screw(s.drum.set_screw), drive.screw(s.collar.screw), s.collar
     engaged = (
         (f"{drive.mounted} screw", gear, gear.length_mm - drive.support.motor_shelf_mm),
-        ("encoder screw", encoder, encoder.length_mm - (drive.support.encoder_shelf_mm - f.encoder_head_depth)),
-        ("drum encoder's screw", ring, f.encoder_screw_depth - 0.5),
+        *(
+            ("encoder screw", encoder, encoder.length_mm - (drive.support.encoder_shelf_mm - f.encoder_head_depth))
+            for _ in range(not drive.encoder.absent)
+        ),
+        *(("drum encoder's screw", ring, f.encoder_screw_depth - 0.5) for _ in range(not drive.drum_encoder.absent)),
         ("hub's set screw", hub, min(hub.length_mm, s.drum.hub_radius - s.drum.set_screw_radius)),
         ("collar's screw", collar, collar.length_mm - c.head_seat - c.slit_width / 2),
     )
@@ -45,6 +48,7 @@ def screw_counts(s: HeadLayout) -> Comparison:
                     f"screws of the {name}, off the two drilled", abs(item.screw_count - SCREWS_DRAWN), 0.0, "screws"
                 )
                 for name, item in items
+                if not item.absent
             ),
             at_least(f"screws of the {drive.mounted}", count, min(FACE_SCREWS), "screws"),
             at_most(f"screws of the {drive.mounted}", count, max(FACE_SCREWS), "screws"),
@@ -82,6 +86,9 @@ def collar_space(s: HeadLayout) -> Comparison:
 def encoder_shelf(s: HeadLayout) -> Comparison:
     """The encoder's screws have metal under their heads and enough thread in its housing."""
     f, drive = s.frame, s.drive
+    if drive.encoder.absent:
+        rest = drive.support.encoder_shelf_mm - f.seat_depth
+        return at_least("shelf behind the far bearing", rest, drive.support.material.min_wall_mm, "mm")
     screw, limit = drive.screw(drive.encoder.screw), drive.support.material.min_wall_mm
     shelf = drive.support.encoder_shelf_mm
     low, high = f.encoder_shelf_bottom_z, f.encoder_shelf_top_z
@@ -105,8 +112,10 @@ def boss_walls(s: HeadLayout) -> Iterator[Comparison]:
     """The boss has room for both drum bearings and a shoulder between them, its ears for the encoder's screws."""
     b, encoder = s.frame.boss, s.drive.drum_encoder
     limit = s.drive.support.material.min_wall_mm
+    yield at_least("shoulder between the drum's bearings", b.front_seat_start_y - b.rear_seat_end_y, 2 * limit, "mm")
+    if encoder.absent:
+        return
     for name, wall, least in (
-        ("shoulder between the drum's bearings", b.front_seat_start_y - b.rear_seat_end_y, 2 * limit),
         ("boss beyond the ears of the drum encoder's screws", b.front_y - b.ear_front_y, 0.0),
         (
             "drum encoder's threads from the bearing's seat",

@@ -150,8 +150,10 @@ class DriveTrain(Block):
         gt=0.0,
         le=1000.0,
     )
-    encoder: EntryName = choice("encoder on each input pulley, above the top plate")
-    drum_encoder: EntryName = choice("encoder on the drum shaft")
+    encoder: EntryName = choice(
+        "encoder on each input pulley, beyond its bearing; none where the motor's own tells the angle (spur layouts)"
+    )
+    drum_encoder: EntryName = choice("encoder on the drum shaft; none for a drum without one (spur layouts)")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from math import tau
 from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
@@ -243,6 +244,12 @@ def without_gearhead(motor: Motor) -> Gearhead:
     )
 
 
+# Name in place of an encoder in a design file of a drive without one.
+NO_ENCODER = "none"
+# Steps a turn of the encoder that a motor has in its own housing: 14 bit (usual of magnetic ones; estimate).
+MOTOR_ENCODER_STEPS = 2**14
+
+
 @dataclass(frozen=True, kw_only=True)
 class Encoder(Entry):
     """An encoder housing on a shaft."""
@@ -256,16 +263,37 @@ class Encoder(Entry):
     screw_count: Integer = entry_field("number of those screws", "-", ge=1, le=12)
     mass_g: Number = entry_field("mass", "g", gt=0.0, le=1000.0)
 
+    @property
+    def absent(self) -> bool:
+        """Whether there is no encoder: no size, the resolution of the motor's own, seen at its gearhead's output."""
+        return self.name == NO_ENCODER
+
+
+def without_encoder(gear_ratio: float) -> Encoder:
+    """No encoder: the motor's own, behind a gearhead of this ratio, tells where its input is."""
+    return Encoder(
+        name=NO_ENCODER,
+        resolution_urad=tau / MOTOR_ENCODER_STEPS / gear_ratio * 1e6,
+        diameter_mm=0.0,
+        length_mm=0.0,
+        bore_mm=0.0,
+        bolt_circle_mm=0.0,
+        screw="M1.6x4",
+        screw_count=0,
+        mass_g=0.0,
+        source="none; resolution of the motor's own: estimate, 14 bit",
+    )
+
 
 @dataclass(frozen=True, kw_only=True)
 class Bearing(Entry):
     """A deep-groove ball bearing."""
 
-    bore_mm: Number = entry_field("bore d", "mm", ge=1.0, le=60.0)
-    outer_diameter_mm: Number = entry_field("outside diameter D", "mm", ge=2.0, le=100.0)
+    bore_mm: Number = entry_field("bore d", "mm", ge=1.0, le=200.0)
+    outer_diameter_mm: Number = entry_field("outside diameter D", "mm", ge=2.0, le=250.0)
     width_mm: Number = entry_field("width B", "mm", ge=0.5, le=30.0)
-    inner_shoulder_mm: Number = entry_field("shoulder diameter d_a at the inner ring", "mm", ge=1.0, le=100.0)
-    outer_shoulder_mm: Number = entry_field("shoulder diameter D_a at the outer ring", "mm", ge=1.0, le=100.0)
+    inner_shoulder_mm: Number = entry_field("shoulder diameter d_a at the inner ring", "mm", ge=1.0, le=250.0)
+    outer_shoulder_mm: Number = entry_field("shoulder diameter D_a at the outer ring", "mm", ge=1.0, le=250.0)
     static_rating_N: Number = entry_field("static load rating C0", "N", gt=0.0, le=100000.0)
     mass_g: Number = entry_field("mass", "g", gt=0.0, le=2000.0)
 

@@ -7,7 +7,17 @@ from dataclasses import replace
 from typing import Any, Protocol
 
 from mbcdm_cad.design.blocks import Cable, Design, Rope
-from mbcdm_cad.design.bought import NO_GEARHEAD, CableSpec, Motor, TerminationSpec, without_gearhead
+from mbcdm_cad.design.bought import (
+    NO_ENCODER,
+    NO_GEARHEAD,
+    CableSpec,
+    Encoder,
+    Gearhead,
+    Motor,
+    TerminationSpec,
+    without_encoder,
+    without_gearhead,
+)
 from mbcdm_cad.design.fieldpath import FieldPath
 from mbcdm_cad.design.lookup import Catalogue
 
@@ -29,6 +39,12 @@ def shared_values(design: Design, catalogue: Catalogue) -> dict[str, Any]:
     train, rope, ends = design.drive, _rope(design.rope, catalogue), catalogue.all("terminations")
     motor: Motor = catalogue.get("motors", train.motor)
     absent = train.gearhead == NO_GEARHEAD
+    gearhead: Gearhead = without_gearhead(motor) if absent else catalogue.get("gearheads", train.gearhead)
+
+    def encoder(name: str) -> Encoder:
+        found: Encoder = without_encoder(gearhead.ratio) if name == NO_ENCODER else catalogue.get("encoders", name)
+        return found
+
     return {
         "name": design.name,
         "configuration": design.configuration,
@@ -42,11 +58,11 @@ def shared_values(design: Design, catalogue: Catalogue) -> dict[str, Any]:
         "friction_coefficient": design.rope.friction_coefficient,
         "cut_tolerance_mm": design.rope.cut_tolerance_mm,
         "motor": motor,
-        "gearhead": without_gearhead(motor) if absent else catalogue.get("gearheads", train.gearhead),
+        "gearhead": gearhead,
         "gearhead_angle_deg": train.gearhead_angle_deg,
         "bus_voltage_V": motor.voltage_V if train.bus_voltage_V is None else train.bus_voltage_V,
-        "encoder": catalogue.get("encoders", train.encoder),
-        "drum_encoder": catalogue.get("encoders", train.drum_encoder),
+        "encoder": encoder(train.encoder),
+        "drum_encoder": encoder(train.drum_encoder),
         "loads": design.loads,
         "limits": design.limits,
         "making": design.making,

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from mbcdm_cad.design.as_built import CHANGE_VALUES
 from mbcdm_cad.design.blocks import Design
-from mbcdm_cad.design.bought import NO_GEARHEAD, Entry, Motor, missing_face_fields
+from mbcdm_cad.design.bought import NO_ENCODER, NO_GEARHEAD, Entry, Motor, missing_face_fields
 from mbcdm_cad.design.entries import KINDS
 from mbcdm_cad.design.entry_rules import entry_faults
 from mbcdm_cad.design.fieldpath import FieldPath
@@ -79,8 +79,8 @@ def named_by_shared_blocks(design: Design) -> Iterator[NamedEntry]:
     yield NamedEntry(("rope", "termination"), "terminations", rope.termination)
     yield NamedEntry(("drive", "motor"), "motors", train.motor)
     yield NamedEntry(("drive", "gearhead"), "gearheads", None if train.gearhead == NO_GEARHEAD else train.gearhead)
-    yield NamedEntry(("drive", "encoder"), "encoders", train.encoder)
-    yield NamedEntry(("drive", "drum_encoder"), "encoders", train.drum_encoder)
+    for field, name in (("encoder", train.encoder), ("drum_encoder", train.drum_encoder)):
+        yield NamedEntry(("drive", field), "encoders", None if name == NO_ENCODER else name)
     for kind in KINDS:
         for name, entry in getattr(design.catalogue, kind).items():
             for field, target in (("material", "materials"), ("screw", "screws")):
@@ -140,6 +140,19 @@ def broken_ends(from_deg: float | None, to_deg: float | None) -> Iterator[Broken
             f"over {from_deg:g} deg",
             "swap the two, or give the angle of the output at the upper end",
         )
+
+
+def encoders_needed(design: Design) -> Iterator[Broken]:
+    """The encoders that a design leaves out, for a layout whose parts are drawn round both."""
+    for field, name in (("encoder", design.drive.encoder), ("drum_encoder", design.drive.drum_encoder)):
+        if name == NO_ENCODER:
+            yield Broken(
+                ("drive", field),
+                f"{design.configuration} is drawn with this encoder only",
+                name,
+                "an encoder of the catalogue",
+                "name one, leave the line out, or choose configuration: siso_spur or miso_spur",
+            )
 
 
 def _cables(design: Design) -> Iterator[Broken]:

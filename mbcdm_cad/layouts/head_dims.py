@@ -7,6 +7,8 @@ from mbcdm_cad.sizing.rule import Found, Rule, rounded_up
 
 # Walls of a milled part and of a printed one, mm (estimate: the modulus of filament is about twenty times smaller).
 SIDE_MM, WEB_MM = (4.0, 6.0), (2.0, 4.0)
+# Peak torque from which the stress of a metal web is computed: hubs for less leave far more than it needs (estimate).
+STRESSED_NM = 10.0
 # Engaged thread of a face's screws, in diameters.
 ENGAGED = 1.25
 # Bore of the drum's shaft over the bore of its bearings.
@@ -30,7 +32,12 @@ def _motor_shelf(given: TrialKnown) -> Found:
         "pilot_room": gear.pilot_height_mm + 0.5,
     }
     driver = max(needs, key=lambda name: needs[name])
-    return Found(rounded_up(min(needs[driver], screw.length_mm - screw.thread_mm), 0.1), driver, "up to 0.1")
+    usual = rounded_up(min(needs[driver], screw.length_mm - screw.thread_mm), 0.1)
+    if not gear.absent:
+        return Found(usual, driver, "up to 0.1")
+    # The shaft of a motor ends soon behind its face: a thinner shelf leaves the collar more of it.
+    found = given.moved("support.motor_shelf_mm", usual, -0.1, ("shaft_grip", "walls", "bought_depth"))
+    return Found(found.value, found.driver or driver, found.rounding)
 
 
 def _bearing_shelf(given: TrialKnown) -> Found:
@@ -64,9 +71,14 @@ def _shaft_bore(given: TrialKnown) -> Found:
 
 
 def _web(given: TrialKnown) -> Found | float:
-    """Web of the drum; one of plastic is as thick as its stress asks, which is far from the limit in metal."""
+    """Web of the drum; one of plastic, or one with much torque, is as thick as its stress asks.
+
+    The stress of most metal webs is far from the limit, and to compute it takes longer than all other rules of a drum.
+    """
     usual = either(given, "drum", WEB_MM)
-    return given.moved("drum.web_thickness_mm", usual, 0.5, ("drum_stress",)) if given.printed("drum") else usual
+    if not given.printed("drum") and given["loads.peak_torque_Nm"] < STRESSED_NM:
+        return usual
+    return given.moved("drum.web_thickness_mm", usual, 0.5, ("drum_stress",))
 
 
 def _hub(given: TrialKnown) -> Found:
@@ -101,7 +113,7 @@ def _sector(given: TrialKnown) -> Found:
 
 MOTOR_SHELF = Rule(
     "support.motor_shelf_mm",
-    "thickness that leaves enough engagement for the screws of motor or gearhead",
+    "thickness that leaves enough engagement for the screws of motor or gearhead, less where a motor's shaft is short",
     "engagement",
     _motor_shelf,
 )

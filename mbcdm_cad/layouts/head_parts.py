@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM
+from mbcdm_cad.design.bought import NO_ENCODER
 from mbcdm_cad.layouts.common_rules import COLLAR_SCREWS
 from mbcdm_cad.layouts.trial_sizing import TrialKnown
 from mbcdm_cad.sizing.rule import Found, Rule
@@ -36,9 +37,25 @@ def _rings(given: TrialKnown, bearing: dict[str, Any]) -> list[str]:
     return _by_mass(given, "encoders", fits)
 
 
+def _left_out(given: TrialKnown, field: str) -> bool:
+    """Whether the file asks for no encoder there."""
+    return bool(given.get(field) == NO_ENCODER)
+
+
 def _drum_bearing(given: TrialKnown) -> Found:
-    names = _by_mass(given, "bearings", lambda _, entry: bool(_rings(given, entry)))
-    return given.first("drum.bearing", names, ("drum_bearings", "shaft_twist"))
+    any_will_do = _left_out(given, "drive.drum_encoder")
+    names = _by_mass(given, "bearings", lambda _, entry: any_will_do or bool(_rings(given, entry)))
+    checks = ("drum_bearings", "shaft_twist")
+    if given.has("drum.shaft_bore_mm"):
+        # A hollow centre of a stated diameter.
+        checks = ("shaft_wall", *checks)
+    found = given.first("drum.bearing", names, checks)
+    if not names or given.margins("drum.bearing", found.value, ("drum_bearings",))["drum_bearings"][0] >= 0.0:
+        return found
+    # With small bearings the next pass would put them so near to each other that none carries the drum.
+    entries = given.entries("bearings")
+    strongest = max(names, key=lambda name: entries[name]["static_rating_N"])
+    return Found(strongest, "drum_bearings", "no candidate does yet: the strongest")
 
 
 def _lower(given: TrialKnown) -> Found:
@@ -48,8 +65,8 @@ def _lower(given: TrialKnown) -> Found:
 
 
 def _upper(given: TrialKnown) -> Found:
-    bores = _bores(given)
-    names = _by_mass(given, "bearings", lambda _, entry: entry["bore_mm"] in bores)
+    bores, any_will_do = _bores(given), _left_out(given, "drive.encoder")
+    names = _by_mass(given, "bearings", lambda _, entry: any_will_do or entry["bore_mm"] in bores)
     return given.first("input_pulleys.upper_bearing", names, ("input_bearings",))
 
 

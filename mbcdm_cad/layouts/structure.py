@@ -46,7 +46,8 @@ class Cause:
     """Turn of the payload per N m by one part's strain.
 
     ``at_encoder``: whether the drum's encoder sees it too. ``before_input``: whether it lies between the motor and the
-    input's encoder, so that a controller that holds the inputs by their encoders takes it away.
+    input's encoder, so that a controller that holds the inputs by their encoders takes it away. It does not where the
+    motor's own encoder is the only one.
     """
 
     name: str
@@ -144,6 +145,8 @@ def structure_of(layout: SectorLayout) -> Structure:
         if not np.isfinite(frame.windup_urad_Nm):
             raise NoFigureError("the frame has no metal that carries the load")
         causes.append(Cause("frame", frame.windup_urad_Nm))
+    if layout.drive.encoder.absent:
+        causes = [replace(cause, before_input=False) for cause in causes]
     return Structure(
         tuple(causes),
         layout.loads.test_urad_Nm,

@@ -1,4 +1,4 @@
-"""A frame's boss: seats of the drum's two bearings, and the pocket of its ring encoder behind them."""
+"""A frame's boss: seats of the drum's two bearings, and the pocket of its ring encoder, if any, behind them."""
 
 from __future__ import annotations
 
@@ -41,6 +41,11 @@ class BossDims:
     ear_half_height: float
     ear_front_y: float
 
+    @property
+    def has_encoder(self) -> bool:
+        """Whether an encoder is screwed on behind the boss, on its ears."""
+        return self.screw_circle > 0.0
+
 
 def boss(drive: SectorDrive, shaft: DrumShaftDims, back_y: float, front_y: float) -> BossDims:
     """Boss for the drum's bearings, shaft and encoder."""
@@ -67,26 +72,29 @@ def boss(drive: SectorDrive, shaft: DrumShaftDims, back_y: float, front_y: float
 
 def boss_bodies(d: BossDims) -> list[cq.Solid]:
     """Cylinder in front of the encoder's pocket, and the ears beside it."""
+    body = cylinder_y(d.radius, 0.0, 0.0, d.encoder_pocket_floor_y, d.front_y)
+    if not d.has_encoder:
+        return [body]
     ears = block(
         (-d.ear_reach, d.ear_reach),
         (d.encoder_pocket_floor_y, d.ear_front_y),
         (-d.ear_half_height, d.ear_half_height),
     )
-    return [cylinder_y(d.radius, 0.0, 0.0, d.encoder_pocket_floor_y, d.front_y), ears]
+    return [body, ears]
 
 
 def boss_tools(d: BossDims) -> list[cq.Shape]:
     """Encoder's pocket from behind, seats and shoulder of the bearings, threads for the encoder's screws."""
     back, floor = d.back_y - 1.0, d.encoder_pocket_floor_y
     tools: list[cq.Shape] = [
-        cylinder_y(d.encoder_pocket_radius, 0, 0, back, floor),
         cylinder_y(d.seat_radius, 0, 0, back, d.rear_seat_end_y),
         cylinder_y(d.shoulder_radius, 0, 0, d.rear_seat_end_y - 1.0, d.front_seat_start_y + 1.0),
         cylinder_y(d.seat_radius, 0, 0, d.front_seat_start_y, d.front_y + 1.0),
     ]
-    for sign in (-1, 1):
-        x = sign * d.screw_circle
-        tools.append(cylinder_y(d.screw_radius, x, 0, floor - 1.0, floor + d.screw_depth))
+    if d.has_encoder:
+        tools.append(cylinder_y(d.encoder_pocket_radius, 0, 0, back, floor))
+        for x in (-d.screw_circle, d.screw_circle):
+            tools.append(cylinder_y(d.screw_radius, x, 0, floor - 1.0, floor + d.screw_depth))
     return tools
 
 
@@ -96,5 +104,5 @@ def boss_bores_mm3(d: BossDims) -> float:
     return (
         ring_mm3(d.seat_radius, 0.0, seats)
         + ring_mm3(d.shoulder_radius, 0.0, d.front_seat_start_y - d.rear_seat_end_y)
-        + 2 * ring_mm3(d.screw_radius, 0.0, d.screw_depth)
+        + (2 * ring_mm3(d.screw_radius, 0.0, d.screw_depth) if d.has_encoder else 0.0)
     )

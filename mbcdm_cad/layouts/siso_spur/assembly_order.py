@@ -67,26 +67,39 @@ def boss_step(layout: SpurLayout, heads: int, inserts: tuple[str, ...]) -> Assem
     """Bearings, shaft and encoder of the drum in a frame with ``heads`` motor heads."""
     drive, spring, f = layout.drive, layout.preload_spring, layout.frame
     ring, flange, mount = drive.drum_encoder, f.flange_insert, f.mount_insert
+    seen = (
+        "."
+        if ring.absent
+        else (
+            f", and screw the ring encoder on behind it ({ring.screw_count} x {ring.screw}, {key(layout, ring.screw)})."
+        )
+    )
+    encoder = () if ring.absent else ("drum_encoder", *numbered("drum_encoder_screw", 2))
     for_heads = "the motor head" if heads == 1 else "the motor heads"
     return AssemblyStep(
         insert_words(flange, heads * len(f.flange_screws), f"the back of the plate, for {for_heads},")
         + insert_words(mount, heads * len(f.mounts), "the back of the plate, for its own screws,")
         + f"Press the front drum bearing ({drive.bearings.drum.name}) into the frame's boss from the front. From "
         f"behind, lay the wave spring ({spring.force_N:g} N at {spring.height:g} mm) on the shoulder, slide the "
-        "rear bearing in, push the drum shaft in until its flange rests on the rear bearing, and screw the "
-        f"ring encoder on behind it ({ring.screw_count} x {ring.screw}, {key(layout, ring.screw)}).",
+        f"rear bearing in, push the drum shaft in until its flange rests on the rear bearing{seen}",
         (
             *("frame", "drum_bearing_front", "drum_preload_spring"),
-            *("drum_bearing_rear", "drum_shaft", "drum_encoder"),
-            *numbered("drum_encoder_screw", 2),
+            *("drum_bearing_rear", "drum_shaft"),
+            *encoder,
             *inserts,
         ),
     )
 
 
 def encoder_step(layout: SpurLayout) -> AssemblyStep:
-    """Encoder and front bearing of the input on the encoder shelf."""
+    """Encoder, if any, and front bearing of the input on the encoder shelf."""
     drive, encoder, name = layout.drive, layout.drive.encoder, layout.drive.input_names[0]
+    if encoder.absent:
+        return AssemblyStep(
+            "From behind, through the opening of the plate, press the bearing "
+            f"({drive.bearings.input_upper.name}) into the shelf.",
+            (f"input_bearing_upper_{name}",),
+        )
     return AssemblyStep(
         f"Hold the encoder before its shelf and screw it on from behind, through the opening of the plate "
         f"({encoder.screw_count} x {encoder.screw}, {key(layout, encoder.screw)}); their heads are sunk below the "
@@ -130,9 +143,10 @@ def _pulley_step(drive: SpurDrive) -> AssemblyStep:
     hook = "Hook the stops of both cables into the slots in the end faces of the input pulley. " * drive.anchored
     led = ", their free ends before it," if drive.anchored else ""
     stops = tuple(f"stop_{c.name}" for c in drive.cables) if drive.anchored else ()
+    into = "into the bearing." if drive.encoder.absent else "through the bearing into the encoder, and tighten the "
+    into += "encoder's own clamp." * (not drive.encoder.absent)
     return AssemblyStep(
-        f"{hook}Push the input pulley{led} through the opening from behind, through the bearing into the encoder, and "
-        "tighten the encoder's own clamp.",
+        f"{hook}Push the input pulley{led} through the opening from behind, {into}",
         (f"input_pulley_{name}", *stops),
     )
 

@@ -96,7 +96,11 @@ def input_pulley(drive: SpurDrive, levels: SpurStack) -> InputPulleyDims:
         upper_neck_radius=neck(bearings.input_upper),
         upper_neck_top_z=levels.top_plate_bottom_z - END_PLAY_MM,
         upper_journal_radius=bearings.input_upper.bore_mm / 2,
-        journal_top_z=levels.top_plate_top_z + ENCODER_INSERTION_MM,
+        journal_top_z=(
+            levels.top_plate_bottom_z + bearings.input_upper.width_mm
+            if drive.encoder.absent
+            else levels.top_plate_top_z + ENCODER_INSERTION_MM
+        ),
         bore_radius=gear.shaft_diameter_mm / 2,
         bore_top_z=levels.motor_shelf_bottom_z + gear.shaft_length_mm + 0.5,
         slit_width=JOURNAL_SLIT_MM,

@@ -112,7 +112,7 @@ def add_terminals(b: BillBuilder, drive: SectorDrive, d: DrumDims, stand: Placem
             place=along(p.drawn_in) @ Placement.about(_Z, 90.0),
         )
         for n in range(2):
-            b.standard(
+            b.add(
                 f"nut_{p.cable_name}_{n + 1}",
                 Nut(t.nut_across_flats_mm, t.nut_height_mm, t.thread_mm),
                 part="nut",
@@ -137,8 +137,10 @@ def add_preload_spring(b: BillBuilder, drive: SectorDrive, spring: PreloadSpring
 
 
 def add_drum_encoder(b: BillBuilder, drive: SectorDrive, floor_y: float, screw_circle: float) -> None:
-    """Ring encoder on the shaft, behind the floor of its pocket, with its two screws at +-``screw_circle``."""
+    """Ring encoder on the shaft, behind the floor of its pocket, with its two screws at +-``screw_circle``; or none."""
     ring = drive.drum_encoder
+    if ring.absent:
+        return
     screw = drive.screw(ring.screw)
     b.add(
         "drum_encoder",

@@ -16,7 +16,7 @@ from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM
 from mbcdm_cad.parts.motor_head.dims import HeadDims, HeadedDrive, dowel_length_mm, flange_screw
 from mbcdm_cad.parts.motor_head.part import MotorHead
 from mbcdm_cad.parts.placement import Placement
-from mbcdm_cad.parts.ring import Dowel
+from mbcdm_cad.parts.ring import Pin
 
 _TURNED = Placement.about((1.0, 0.0, 0.0), 180.0)
 
@@ -55,9 +55,9 @@ def add_flange_fixings(
     """
     steel, top, pin = drive.material("steel"), head.flange_top_z, dowel_length_mm(drive)
     for n, (x, y) in enumerate(head.flange.dowels, 1):
-        b.standard(
+        b.add(
             f"dowel{mark}_{n}",
-            Dowel(head.dowel_radius, pin),
+            Pin(head.dowel_radius, pin),
             part="dowel",
             material=steel,
             place=_at(stand, x, y, top - pin),
@@ -69,7 +69,7 @@ def add_flange_fixings(
 
 
 def add_input_line(b: BillBuilder, drive: HeadedDrive, head: HeadDims, shelf: EncoderShelf, stand: Placement) -> None:
-    """Gearhead and motor on the head, encoder behind its shelf, with their screws; ``drive`` has one input."""
+    """Gearhead and motor on the head, encoder, if any, behind its shelf, with their screws; ``drive`` has one input."""
     body, steel = drive.material("stainless"), drive.material("steel")
     gear, encoder = drive.gearhead, drive.encoder
     gear_screw, encoder_screw = drive.screw(gear.screw), drive.screw(encoder.screw)
@@ -83,20 +83,24 @@ def add_input_line(b: BillBuilder, drive: HeadedDrive, head: HeadDims, shelf: En
         drive.gearhead_angle_deg,
     )
     sunk, thick = shelf.head_depth, shelf.top_z - shelf.bottom_z
-    b.add(
-        f"encoder_{name}",
-        EncoderBody(encoder, encoder_screw, ENCODER_INSERTION_MM + 0.5, encoder_screw.length_mm - (thick - sunk) + 0.5),
-        part="encoder",
-        material=replace(body, colour=ENCODER_COLOUR),
-        place=_at(stand, 0.0, 0.0, shelf.bottom_z) @ _TURNED,
-        mass_g=encoder.mass_g,
-    )
-    for n in range(max(2, len(head.gear_screws))):
+    encoder_screws = 0 if encoder.absent else 2
+    if not encoder.absent:
+        b.add(
+            f"encoder_{name}",
+            EncoderBody(
+                encoder, encoder_screw, ENCODER_INSERTION_MM + 0.5, encoder_screw.length_mm - (thick - sunk) + 0.5
+            ),
+            part="encoder",
+            material=replace(body, colour=ENCODER_COLOUR),
+            place=_at(stand, 0.0, 0.0, shelf.bottom_z) @ _TURNED,
+            mass_g=encoder.mass_g,
+        )
+    for n in range(max(encoder_screws, len(head.gear_screws))):
         if n < len(head.gear_screws):
             x, y = head.gear_screws[n]
             place = _at(stand, x, y, head.shelf_bottom_z) @ _TURNED
             b.screw(f"{drive.mounted}_screw_{name}_{n + 1}", gear_screw, steel, place)
-        if n < 2:
+        if n < encoder_screws:
             place = _at(stand, (-1, 1)[n] * shelf.screw_circle, 0.0, shelf.top_z - sunk)
             b.screw(f"encoder_screw_{name}_{n + 1}", encoder_screw, steel, place)
 

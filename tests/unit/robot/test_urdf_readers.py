@@ -76,7 +76,7 @@ def test_pybullet_finds_no_contact_over_the_travel_and_takes_the_inertias(path: 
         for share in POSES:
             for joint in robot.joints:
                 sign = np.sign(joint.ratio)
-                pb.resetJointState(body, at[joint.link], share * sign * joint.limit_rad)
+                pb.resetJointState(body, at[joint.link], share * sign * joint.range_rad[1])
             pb.performCollisionDetection()
             assert not pb.getContactPoints(body, body), share
         for k in at.values():
@@ -94,7 +94,7 @@ def test_mujoco_reads_the_urdf_without_contacts(path: Path, robot: Mechanism) ->
     data = mujoco.MjData(model)
     for share in POSES:
         for joint in robot.joints:
-            data.joint(joint.link).qpos = share * np.sign(joint.ratio) * joint.limit_rad
+            data.joint(joint.link).qpos = share * np.sign(joint.ratio) * joint.range_rad[1]
         mujoco.mj_forward(model, data)
         assert data.ncon == 0, (share, data.ncon)
 

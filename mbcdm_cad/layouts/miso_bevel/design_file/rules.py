@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import pairwise
 
-from mbcdm_cad.design.rules import Broken, NamedEntry, unique
+from mbcdm_cad.design.rules import Broken, NamedEntry, encoders_needed, unique
 from mbcdm_cad.layouts.miso_bevel.design_file.schema import BevelDesign, Transmission
 from mbcdm_cad.parts.drum_sector.resolve import sector_entries
 
@@ -18,6 +18,7 @@ SAME = 1e-6
 def broken_rules(design: BevelDesign) -> Iterator[Broken]:
     """The rules of this configuration that the design breaks, in the order of the file's blocks."""
     yield from _transmission(design)
+    yield from encoders_needed(design)
     yield from _inputs(design)
     yield from _cables(design)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from mbcdm_cad.design.rules import Broken, NamedEntry, unique
+from mbcdm_cad.design.rules import Broken, NamedEntry, encoders_needed, unique
 from mbcdm_cad.layouts.siso_bevel.design_file.schema import DirectDesign
 from mbcdm_cad.parts.drum_sector.resolve import sector_entries
 
@@ -12,6 +12,7 @@ from mbcdm_cad.parts.drum_sector.resolve import sector_entries
 def broken_rules(design: DirectDesign) -> Iterator[Broken]:
     """The rules of this configuration that the design breaks, in the order of the file's blocks."""
     yield from _transmission(design)
+    yield from encoders_needed(design)
     for block, found, wanted, remedy in (
         ("inputs", len(design.inputs), 1, "give exactly one input; miso_bevel has two"),
         ("cables", len(design.cables), 2, "give one cable for each sense of the drum"),

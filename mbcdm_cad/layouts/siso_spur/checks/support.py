@@ -120,7 +120,9 @@ def mounts(s: SpurLayout) -> Comparison:
 def boss(s: SpurLayout) -> Comparison:
     """Boss of the drum's bearings: the metal of the plate round it, its walls, its ears."""
     f, limit = s.frame, s.drive.support.material.min_wall_mm
-    around = at_least("plate round the boss", f.half_width - f.boss.seat_radius, limit, "mm")
+    # The boss of a wide bearing is wider than the plate, which it passes through.
+    round_seat = max(f.half_width, f.boss.radius) - f.boss.seat_radius
+    around = at_least("plate round the boss", round_seat, limit, "mm")
     behind = at_least(
         "plate before the end of the boss", s.levels.plate_back_y - f.boss.encoder_pocket_floor_y, 0.0, "mm"
     )

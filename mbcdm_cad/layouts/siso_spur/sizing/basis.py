@@ -18,8 +18,8 @@ from mbcdm_cad.sizing.rule import Found, Rule, constant, rounded_up
 # Preload over the preload that an infinite wrap would need for the slip margin.
 PRELOAD_SPARE = 1.35
 SLIP_MARGIN = 2.0
-# Preloads that are tried, over the usual one: below the last one no number of turns gives the slip margin.
-PRELOAD_SHARES = (1.0, 0.95, 0.9, 0.85, 0.8, 0.75)
+# Preloads that are tried, over the usual one: more turns give the slip margin with less of it, until a cable goes slack.
+PRELOAD_SHARES = (1.0, 0.95, 0.9, 0.85, 0.8, 0.75, 0.7, 0.6, 0.5, 0.4)
 # Least radius of an input pulley beyond the radius of the motor's shaft, for the walls of bore and neck (estimate).
 NECK_MM = 2.5
 # Angle of both landings, before the centre distance is known, and wrap that should stick in addition.
@@ -104,7 +104,7 @@ def _preload(given: SpurKnown) -> Found:
         return usual
     tried = [float(f"{share * usual.value:.2g}") for share in PRELOAD_SHARES]
     counted = ("motor_torque_forward", "motor_torque_back") if counts_losses(given) else ()
-    found = given.first("rope.preload_N", tried, ("cable_ends", *counted))
+    found = given.first("rope.preload_N", tried, ("cable_ends", "tension", *counted))
     return usual if found.value == usual.value else replace(found, rounding="two digits")
 
 

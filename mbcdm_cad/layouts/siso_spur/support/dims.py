@@ -39,6 +39,8 @@ from mbcdm_cad.parts.motor_head.dims import (
 ENCODER_GRIP = 1.25
 # Width of the shelf beyond the encoder, on each side.
 SHELF_MARGIN_MM = 0.5
+# Width of shelf and bridge beyond the plate's opening on each side, where no encoder stands on the shelf (estimate).
+BRIDGE_BESIDE_MM = 4.0
 # Space above the pulley for the fingers that lead the cable round it.
 WINDING_ROOM_MM = 3.0
 # Screws that fix the frame to its base, from behind (ISO 4762).
@@ -87,6 +89,11 @@ class YokeDims:
     mounts: tuple[tuple[float, float], ...]  # (x, z)
     mount_radius: float
     mount_insert: InsertSpec | None
+
+    @property
+    def has_encoder(self) -> bool:
+        """Whether an encoder is screwed on the shelf."""
+        return self.encoder_circle_radius > 0.0
 
     @property
     def encoder_screw_depth(self) -> float:
@@ -181,7 +188,13 @@ def yoke(drive: SpurDrive, levels: SpurStack, shaft: DrumShaftDims, head: Flange
         boss=round_boss,
         axis_z=z,
         half_width=head.half_x,
-        shelf_half_width=max(encoder.diameter_mm / 2 + SHELF_MARGIN_MM, circle + head_radius + s.material.min_wall_mm),
+        shelf_half_width=max(
+            encoder.diameter_mm / 2 + SHELF_MARGIN_MM,
+            circle + head_radius + s.material.min_wall_mm,
+            upper.outer_diameter_mm / 2 + s.material.min_wall_mm,
+            # No encoder says how wide the bridge must be to be stiff.
+            opening_radius_mm(drive) + BRIDGE_BESIDE_MM if encoder.absent else 0.0,
+        ),
         shelf_bottom_z=least_wall_z_mm(drive),
         bridge_bottom_z=bridge,
         top_z=bridge + s.bridge_mm,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import pi
+from math import asin, pi, sqrt
 from typing import TYPE_CHECKING, Any
 
 from mbcdm_cad.design.bought import InsertSpec
@@ -51,12 +51,18 @@ def _yoke_mm3(d: YokeDims) -> float:
     return bridge + shelf
 
 
+def round_end_mm2(d: YokeDims) -> float:
+    """Area of the plate's round end about the drum's axis outside the arm; a boss wider than the arm is part of it."""
+    w, r = d.half_width, max(d.half_width, d.boss.radius)
+    return pi * r**2 - w * sqrt(r**2 - w**2) - r**2 * asin(w / r)
+
+
 def boss_mm3(d: YokeDims) -> float:
     """Boss outside the plate, less the bores of both and the hole of the stop pin."""
     v, b = d.levels, d.boss
     disc = pi * b.radius**2
     behind, before = v.plate_back_y - b.encoder_pocket_floor_y, b.front_y - v.front_y
-    ears = 4 * max(b.ear_reach - b.radius, 0.0) * b.ear_half_height
+    ears = 4 * max(b.ear_reach - b.radius, 0.0) * b.ear_half_height if b.has_encoder else 0.0
     return (
         disc * (behind + before)
         + ears * max(min(b.ear_front_y, v.plate_back_y) - b.encoder_pocket_floor_y, 0.0)
@@ -68,8 +74,10 @@ def boss_mm3(d: YokeDims) -> float:
 def _holes_mm3(d: YokeDims) -> float:
     v, plate = d.levels, d.levels.front_y - d.levels.plate_back_y
     shelf = v.top_plate_top_z - v.top_plate_bottom_z
-    encoder = ring_mm3(d.encoder_screw_clearance, 0.0, shelf - d.encoder_head_depth)
-    encoder += ring_mm3(d.encoder_head_radius, 0.0, d.encoder_head_depth)
+    encoder = 0.0
+    if d.has_encoder:
+        encoder = ring_mm3(d.encoder_screw_clearance, 0.0, shelf - d.encoder_head_depth)
+        encoder += ring_mm3(d.encoder_head_radius, 0.0, d.encoder_head_depth)
     return (
         ring_mm3(d.opening_radius, 0.0, plate)
         + ring_mm3(d.seat_shoulder_radius, 0.0, shelf - d.seat_depth)
@@ -107,8 +115,7 @@ def _input_holes(d: YokeDims) -> list[cq.Shape]:
         cylinder_y(d.seat_shoulder_radius, 0, z, near, far + 1.0),
         cylinder_y(d.seat_radius, 0, z, near - 1.0, near + d.seat_depth),
     ]
-    for sign in (-1, 1):
-        x = sign * d.encoder_circle_radius
+    for x in (-d.encoder_circle_radius, d.encoder_circle_radius) if d.has_encoder else ():
         tools.append(cylinder_y(d.encoder_screw_clearance, x, z, near, far + 1.0))
         tools.append(cylinder_y(d.encoder_head_radius, x, z, near - 1.0, near + d.encoder_head_depth))
     return tools
@@ -160,8 +167,16 @@ def frame_holes(d: YokeDims) -> tuple[Holes, ...]:
         ),
         Holes("E", 2 * d.stop_pin_radius, THROUGH, pin, "plate", "stop pin", fit=pressed),
         Holes("F", 2 * d.seat_shoulder_radius, THROUGH, on(near, axis), "shelf", "bearing", counterbore=seat),
-        Holes("G", passing, THROUGH, on(near, beside), "shelf", "encoder screws", counterbore=sunk),
-        Holes("H", 2 * b.screw_radius, b.screw_depth, on(floor, encoder), "boss", "drum encoder", threaded=True),
+        *(
+            [Holes("G", passing, THROUGH, on(near, beside), "shelf", "encoder screws", counterbore=sunk)]
+            if d.has_encoder
+            else []
+        ),
+        *(
+            [Holes("H", 2 * b.screw_radius, b.screw_depth, on(floor, encoder), "boss", "drum encoder", threaded=True)]
+            if b.has_encoder
+            else []
+        ),
     )
 
 
@@ -175,7 +190,7 @@ def _from_behind(d: YokeDims) -> tuple[Linear, ...]:
     return (
         wide(x, d.top_z, "above"),
         wide(b.radius, 0.0, "below", " = %%c boss"),
-        wide(b.ear_reach, 0.0, "below", " ears"),
+        *([wide(b.ear_reach, 0.0, "below", " ears")] if b.has_encoder else []),
         Linear("rear", (0.0, y, 0.0), (x, y, d.top_z), d.top_z, "right", decimals=3),
         Linear("rear", (0.0, y, 0.0), (0.0, y, d.axis_z), d.axis_z, "left", decimals=3),
     )
@@ -211,7 +226,7 @@ def _in_section(d: YokeDims) -> tuple[Linear, ...]:
         deep(b.front_seat_start_y, -b.seat_radius),
         deep(v.front_y, -d.half_width),
         deep(b.front_y, -b.radius),
-        deep(b.ear_front_y, -b.ear_half_height, " ears"),
+        *([deep(b.ear_front_y, -b.ear_half_height, " ears")] if b.has_encoder else []),
         over(near, under),
         over(far, top),
         Linear("section", (0.0, near, under), (0.0, far, top), top - under, "right", decimals=3),
@@ -237,7 +252,7 @@ class Yoke(MadePart):
         """Plate, boss and yoke less bores and holes."""
         d = self.dims
         thick = d.levels.front_y - d.levels.plate_back_y
-        return arm_mm3(d) + pi * d.half_width**2 / 2 * thick + boss_mm3(d)
+        return arm_mm3(d) + round_end_mm2(d) * thick + boss_mm3(d)
 
     def sheet(self, part: str) -> Sheet:
         """Rear, middle section and front."""
@@ -282,6 +297,6 @@ class Yoke(MadePart):
                 "Milled from one block. X to the right in the rear view, Y to the front, Z up from the drum's axis.",
                 "F parallel to the drum's axis within 0.02; both drum seats on one axis within 0.005.",
                 f"Outer corners of plate and yoke R{mm(r)}; lower end of the plate rounded about the drum's axis.",
-                f"Ears {mm(2 * b.ear_half_height)} high. Seats Ra 0.8, elsewhere Ra 3.2.",
+                f"{f'Ears {mm(2 * b.ear_half_height)} high. ' if b.has_encoder else ''}Seats Ra 0.8, elsewhere Ra 3.2.",
             ),
         )
