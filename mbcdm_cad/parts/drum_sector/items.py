@@ -112,7 +112,7 @@ def add_terminals(b: BillBuilder, drive: SectorDrive, d: DrumDims, stand: Placem
             place=along(p.drawn_in) @ Placement.about(_Z, 90.0),
         )
         for n in range(2):
-            b.add(
+            b.standard(
                 f"nut_{p.cable_name}_{n + 1}",
                 Nut(t.nut_across_flats_mm, t.nut_height_mm, t.thread_mm),
                 part="nut",

@@ -16,7 +16,7 @@ from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM
 from mbcdm_cad.parts.motor_head.dims import HeadDims, HeadedDrive, dowel_length_mm, flange_screw
 from mbcdm_cad.parts.motor_head.part import MotorHead
 from mbcdm_cad.parts.placement import Placement
-from mbcdm_cad.parts.ring import Pin
+from mbcdm_cad.parts.ring import Dowel
 
 _TURNED = Placement.about((1.0, 0.0, 0.0), 180.0)
 
@@ -55,9 +55,9 @@ def add_flange_fixings(
     """
     steel, top, pin = drive.material("steel"), head.flange_top_z, dowel_length_mm(drive)
     for n, (x, y) in enumerate(head.flange.dowels, 1):
-        b.add(
+        b.standard(
             f"dowel{mark}_{n}",
-            Pin(head.dowel_radius, pin),
+            Dowel(head.dowel_radius, pin),
             part="dowel",
             material=steel,
             place=_at(stand, x, y, top - pin),

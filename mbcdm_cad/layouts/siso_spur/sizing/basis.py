@@ -18,7 +18,7 @@ from mbcdm_cad.sizing.rule import Found, Rule, constant, rounded_up
 # Preload over the preload that an infinite wrap would need for the slip margin.
 PRELOAD_SPARE = 1.35
 SLIP_MARGIN = 2.0
-# Preloads that are tried, over the usual one: more turns give the slip margin with less of it, until a cable goes slack.
+# Preloads that are tried, over the usual one: more turns give the slip margin with less, until a cable goes slack.
 PRELOAD_SHARES = (1.0, 0.95, 0.9, 0.85, 0.8, 0.75, 0.7, 0.6, 0.5, 0.4)
 # Least radius of an input pulley beyond the radius of the motor's shaft, for the walls of bore and neck (estimate).
 NECK_MM = 2.5
