@@ -11,8 +11,9 @@ from mbcdm_cad.parts.drum_sector.sizes import SLOT_WALLS
 
 # Rim under a pocket's floor, in multiples of the thinnest wall: it carries the root of the lug (estimate).
 RIM_WALLS = 1.5
-# Hub over the shaft's diameter (usual: 1 to 1.5).
-HUB_DIAMETERS = 1.0
+# Hub over the shaft's diameter (usual: 1 to 1.5). A wide ring is guided by its face, so that no hub must be longer than
+# HUB_MOST_MM (estimate).
+HUB_DIAMETERS, HUB_MOST_MM = 1.0, 20.0
 # Largest angle beyond the travel at which the stops may engage (the paper's stops are between 35.0 and 35.5 degrees).
 STOP_WINDOW_DEG = 0.5
 # Height of the spigot over the shaft, so that it rests on the bearing's inner ring.
@@ -76,11 +77,13 @@ def hub_length(s: SectorLayout) -> Comparison:
     d = s.drum
     screw = s.drive.screw(d.set_screw)
     beyond = d.hub_face_y - d.web_end_y
+    least = min(HUB_DIAMETERS * 2 * d.bore_radius, HUB_MOST_MM)
+    over = "the shaft's diameter" if least < HUB_MOST_MM else f"{HUB_MOST_MM:g} mm"
     return worst(
         (
             at_least(
-                "hub's length over the shaft's diameter",
-                d.hub_face_y - d.hub_start_y - HUB_DIAMETERS * 2 * d.bore_radius,
+                f"hub's length over {over}",
+                d.hub_face_y - d.hub_start_y - least,
                 0.0,
                 "mm",
             ),

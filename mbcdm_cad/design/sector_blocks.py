@@ -56,7 +56,12 @@ class SectorDrum(Block):
     hub_diameter_mm: Number = quantity("hub outside diameter", unit="mm", ge=2.0, le=200.0)
     hub_face_y_mm: Number = quantity("face of the hub, where the output is taken", unit="mm", ge=0.0, le=300.0)
     bearing: EntryName = choice("both bearings of the drum shaft")
-    shaft_bore_mm: Number = quantity("bore of the drum shaft, 0 for a solid one", unit="mm", ge=0.0, le=100.0)
+    shaft_bore_mm: Number = quantity(
+        "bore of the drum shaft, 0 for a solid one; stated: a hollow centre, for which spur layouts choose bearings",
+        unit="mm",
+        ge=0.0,
+        le=100.0,
+    )
     shaft_material: EntryName = choice("material of the drum shaft")
     tensioner: EntryName = choice("tensioner of each cable")
     stop_pin_mm: Number = quantity(

@@ -111,7 +111,7 @@ def test_a_missing_requirement_is_told_with_what_to_add() -> None:
     text, line = edited("  half_angle_deg", "  # half_angle_deg")
     assert refusal(text) == [
         f"f.yaml:{line - 1}: travel.half_angle_deg: missing; it is a requirement, so no sizing rule gives it; "
-        "add half_angle_deg: 35.0 (travel from the centre to each side, deg)"
+        "add half_angle_deg: 35.0 (travel from the centre to each side, deg), or from_deg and to_deg"
     ]
 
 
