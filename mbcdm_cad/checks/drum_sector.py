@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from math import asin, degrees, radians
+from collections.abc import Iterator
+from math import asin, cos, degrees, radians, sin
 
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.layouts.sector import SectorLayout
+from mbcdm_cad.parts.drum_sector.dims import SET_SCREW_ANGLES_DEG, DrumDims
+from mbcdm_cad.parts.drum_sector.payload import SCREWS
 from mbcdm_cad.parts.drum_sector.sizes import SLOT_WALLS
 
 # Rim under a pocket's floor, in multiples of the thinnest wall: it carries the root of the lug (estimate).
@@ -59,17 +62,27 @@ def hub_walls(s: SectorLayout) -> Comparison:
     d = s.drum
     screw = s.drive.screw(d.set_screw)
     insert = d.payload_insert
-    return worst(
-        (
-            at_least(
-                f"wall beside the payload's {'inserts' if insert else 'threads'}",
-                (d.hub_radius - d.bore_radius - d.payload_hole) / 2,
-                insert.wall_mm if insert else s.drive.drum.material.min_wall_mm,
-                "mm",
-            ),
-            at_least("hub outside the set screws", d.hub_radius - d.set_screw_radius - screw.length_mm, 0.0, "mm"),
-        )
-    )
+    what = "inserts" if insert else "threads"
+    least = insert.wall_mm if insert else s.drive.drum.material.min_wall_mm
+    beside = min(d.hub_radius - d.payload_circle_radius, d.payload_circle_radius - d.bore_radius) - d.payload_hole / 2
+    found = [
+        at_least(f"wall beside the payload's {what}", beside, least, "mm"),
+        at_least("hub outside the set screws", d.hub_radius - d.set_screw_radius - screw.length_mm, 0.0, "mm"),
+    ]
+    if len(d.payload_places) != SCREWS:
+        # Four screws stand midway between the set screws; others may come near them.
+        off = min(abs(d.payload_circle_radius * sin(radians(a - b))) for a, b in _hole_and_set_screw(d))
+        gap = off - (d.payload_hole + screw.thread_mm) / 2
+        found.append(at_least(f"wall between the payload's {what} and the set screws", gap, least, "mm"))
+    return worst(found)
+
+
+def _hole_and_set_screw(d: DrumDims) -> Iterator[tuple[float, float]]:
+    """Angles of the payload's holes and of the set screws on their side of the hub."""
+    for hole in d.payload_angles_deg:
+        for radial in SET_SCREW_ANGLES_DEG:
+            if cos(radians(hole - radial)) > 0.0:
+                yield hole, radial
 
 
 def hub_length(s: SectorLayout) -> Comparison:

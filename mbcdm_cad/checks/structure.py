@@ -46,13 +46,15 @@ def drum_stress(s: SectorLayout) -> Comparison:
 def payload_screws(s: SectorLayout) -> Comparison:
     """Torque at which the payload slips on the hub's face, over the peak torque."""
     joint, circle = (
-        PayloadJoint(s.drum.payload_screw_thread, s.drive.drum.material, s.drum.payload_insert),
+        PayloadJoint(
+            s.drum.payload_screw_thread, s.drive.drum.material, s.drum.payload_insert, len(s.drum.payload_places)
+        ),
         s.drum.payload_circle_radius,
     )
     slips, peak = joint.slips_Nm(circle), s.drive.loads.peak_torque_Nm
     return at_least(
-        f"4 x M{joint.thread_mm:g} at {joint.clamp_N:.4g} N on a circle of {2 * circle:.4g} mm hold {slips:.4g} N m by "
-        f"friction, over the peak torque of {peak:g} N m",
+        f"{joint.screws} x M{joint.thread_mm:g} at {joint.clamp_N:.4g} N on a circle of {2 * circle:.4g} mm hold "
+        f"{slips:.4g} N m by friction, over the peak torque of {peak:g} N m",
         slips / peak,
         SLIP_SAFETY,
         "times",

@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from mbcdm_cad.design.blocks import Cable
-from mbcdm_cad.design.fields import Block, EntryName, Number, choice, quantity
+from mbcdm_cad.design.fields import Block, EntryName, Integer, Number, choice, quantity
 
 
 class SectorClearances(Block):
@@ -55,6 +55,20 @@ class SectorDrum(Block):
     web_thickness_mm: Number = quantity("web between rim and hub", unit="mm", ge=0.3, le=50.0)
     hub_diameter_mm: Number = quantity("hub outside diameter", unit="mm", ge=2.0, le=200.0)
     hub_face_y_mm: Number = quantity("face of the hub, where the output is taken", unit="mm", ge=0.0, le=300.0)
+    output_circle_mm: Number | None = quantity(
+        "diameter of the circle of the payload's screws on the hub's face; left out: midway between shaft and edge",
+        unit="mm",
+        default=None,
+        ge=5.0,
+        le=300.0,
+    )
+    output_screws: Integer = quantity(
+        "number of the payload's screws, evenly on their circle; their thread follows from the peak torque",
+        unit="-",
+        default=4,
+        ge=3,
+        le=12,
+    )
     bearing: EntryName = choice("both bearings of the drum shaft")
     shaft_bore_mm: Number = quantity(
         "bore of the drum shaft, 0 for a solid one; stated: a hollow centre, for which spur layouts choose bearings",

@@ -54,6 +54,8 @@ class DrumSpec:
     web_thickness_mm: float
     hub_diameter_mm: float
     hub_face_y_mm: float
+    output_circle_mm: float | None  # None: midway between shaft and edge
+    output_screws: int
     shaft_bore_mm: float
     shaft_material: Material
     stop_pin_mm: float

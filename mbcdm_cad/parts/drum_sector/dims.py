@@ -91,6 +91,7 @@ class DrumDims:
     set_screw_radius: float  # inner end
     payload_screw_thread: float
     payload_circle_radius: float
+    payload_angles_deg: tuple[float, ...]  # from +Z towards +X
     payload_depth: float
     payload_insert: InsertSpec | None
     corner_radius: float
@@ -104,8 +105,8 @@ class DrumDims:
     @property
     def payload_places(self) -> tuple[tuple[float, float], ...]:
         """(x, z) of the payload's holes."""
-        quarters = [radians(90.0 * quarter) for quarter in range(4)]
-        return tuple((self.payload_circle_radius * sin(a), self.payload_circle_radius * cos(a)) for a in quarters)
+        angles = [radians(deg) for deg in self.payload_angles_deg]
+        return tuple((self.payload_circle_radius * sin(a), self.payload_circle_radius * cos(a)) for a in angles)
 
     def lug_root(self, t: Tensioner) -> float:
         """How far inside the terminal's axis its lug is rooted in the rim.

@@ -234,7 +234,7 @@ class DrumSector(MadePart):
             for w in d.windows
         )
         slot = 2 * radians(d.stop_slot_end_deg) * d.stop_radius * d.stop_slot_width + pi / 4 * d.stop_slot_width**2
-        holes = ring_mm3(d.payload_hole / 2, 0.0, 4 * d.payload_depth)
+        holes = ring_mm3(d.payload_hole / 2, 0.0, len(d.payload_places) * d.payload_depth)
         holes += ring_mm3(set_screw_thread / 2, 0.0, 2 * (d.hub_radius - d.bore_radius))
         if d.dowels is not None:
             deep = (

@@ -1,14 +1,15 @@
-"""The payload's joint on the hub's face: four screws press it on, so that friction carries the torque."""
+"""The payload's joint on the hub's face: screws press it on, so that friction carries the torque."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import pi
 
 from mbcdm_cad.design.bought import InsertSpec, Material
 from mbcdm_cad.parts.threads import clamp_force_N
 
+# Number of screws where the design does not say.
 SCREWS = 4
 # Threads of the screws, the smallest first, and the least depth of their holes.
 THREADS_MM = (2.5, 3.0, 4.0, 5.0, 6.0)
@@ -25,6 +26,9 @@ THREAD_SHARE = 0.75
 # (estimate for PA12 and PLA).
 METAL_SHARE, PLASTIC_SHARE = 0.7, 0.4
 
+# Walls that differ by less are equal.
+_ROUNDING_MM = 1e-9
+
 InsertOf = Callable[[float], InsertSpec | None]
 
 
@@ -35,6 +39,7 @@ class PayloadJoint:
     thread_mm: float
     material: Material
     insert: InsertSpec | None
+    screws: int = SCREWS
 
     @property
     def hole_mm(self) -> float:
@@ -57,25 +62,51 @@ class PayloadJoint:
 
     def slips_Nm(self, circle_mm: float) -> float:
         """Torque at which the payload slips with the screws on a circle of this radius: mu F r for each."""
-        return SCREWS * FACE_FRICTION * self.clamp_N * circle_mm * 1e-3
+        return self.screws * FACE_FRICTION * self.clamp_N * circle_mm * 1e-3
 
     def least_hub_mm(self, peak_Nm: float, bore_mm: float, wall_mm: float) -> float:
         """Least radius of a hub of bore radius ``bore_mm`` for walls beside the holes and for the torque."""
         circle = SLIP_SAFETY * peak_Nm / self.slips_Nm(1.0)
-        wall = self.insert.wall_mm if self.insert else wall_mm
-        return max(bore_mm + self.hole_mm + 2.0 * wall, 2.0 * circle - bore_mm)
+        return max(bore_mm + self.hole_mm + 2.0 * self._wall_mm(wall_mm), 2.0 * circle - bore_mm)
+
+    def beside_mm(self, circle_mm: float, hub_mm: float, bore_mm: float) -> float:
+        """The thinner of the walls beside the holes on a circle of this radius: towards the edge, towards the bore."""
+        return min(hub_mm - circle_mm, circle_mm - bore_mm) - self.hole_mm / 2.0
+
+    def has_walls(self, circle_mm: float, hub_mm: float, bore_mm: float, wall_mm: float) -> bool:
+        """Whether these walls are as thick as they must be."""
+        return self.beside_mm(circle_mm, hub_mm, bore_mm) >= self._wall_mm(wall_mm) - _ROUNDING_MM
+
+    def _wall_mm(self, wall_mm: float) -> float:
+        return self.insert.wall_mm if self.insert else wall_mm
 
 
-def joints(material: Material, insert_of: InsertOf) -> tuple[PayloadJoint, ...]:
+def joints(material: Material, insert_of: InsertOf, screws: int = SCREWS) -> tuple[PayloadJoint, ...]:
     """All joints for a hub of this material, the smallest thread first; ``insert_of``: the insert of a thread."""
-    return tuple(PayloadJoint(thread, material, insert_of(thread)) for thread in THREADS_MM)
+    return tuple(PayloadJoint(thread, material, insert_of(thread), screws) for thread in THREADS_MM)
+
+
+def circle_radius_mm(stated_mm: float | None, hub_mm: float, bore_mm: float) -> float:
+    """Radius of the screws' circle, of which a design may state the diameter; else midway between bore and edge."""
+    return (hub_mm + bore_mm) / 2.0 if stated_mm is None else stated_mm / 2.0
 
 
 def payload_joint(
-    material: Material, insert_of: InsertOf, peak_Nm: float, hub_mm: float, bore_mm: float, wall_mm: float
+    candidates: Sequence[PayloadJoint], peak_Nm: float, circle_mm: float, hub_mm: float, bore_mm: float, wall_mm: float
 ) -> PayloadJoint:
-    """The smallest thread that holds in a hub of these radii; else of those with walls the one that holds most."""
-    first, *more = joints(material, insert_of)
-    walled = [first, *(j for j in more if j.least_hub_mm(0.0, bore_mm, wall_mm) <= hub_mm)]
-    holding = [j for j in walled if j.slips_Nm((hub_mm + bore_mm) / 2.0) >= SLIP_SAFETY * peak_Nm]
+    """The smallest thread that holds on a circle of this radius; else of those with walls the one that holds most."""
+    first, *more = candidates
+    walled = [first, *(j for j in more if j.has_walls(circle_mm, hub_mm, bore_mm, wall_mm))]
+    holding = [j for j in walled if j.slips_Nm(circle_mm) >= SLIP_SAFETY * peak_Nm]
     return holding[0] if holding else max(walled, key=lambda j: j.clamp_N)
+
+
+def start_deg(screws: int, away_from_deg: Sequence[float]) -> float:
+    """Angle of the first screw with which the nearest of all is furthest from these directions."""
+
+    def nearest(start: float) -> float:
+        pitch = 360.0 / screws
+        return min(min((start - deg) % pitch, (deg - start) % pitch) for deg in away_from_deg)
+
+    # Halves of a degree, the first of equal ones: four screws begin at 0.
+    return max((0.5 * k for k in range(int(720.0 / screws))), key=lambda start: round(nearest(start), 6))

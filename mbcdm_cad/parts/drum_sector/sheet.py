@@ -110,7 +110,7 @@ def _shape(d: DrumDims) -> Table:
 
 
 def _holes(d: DrumDims, set_screw_thread: float) -> tuple[Holes, ...]:
-    payload = tuple(_polar(d.payload_circle_radius, 90.0 * k, d.hub_face_y) for k in range(4))
+    payload = tuple(_polar(d.payload_circle_radius, deg, d.hub_face_y) for deg in d.payload_angles_deg)
     radial = tuple(_polar(d.hub_radius, deg, d.set_screw_y) for deg in SET_SCREW_ANGLES_DEG)
     return (
         Holes(

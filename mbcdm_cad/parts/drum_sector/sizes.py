@@ -12,7 +12,7 @@ from math import asin, atan2, degrees, hypot, radians, sin, sqrt, tan
 
 from mbcdm_cad.parts.drum_sector.design import SectorDrive, SectorLevels, SectorRun
 from mbcdm_cad.parts.drum_sector.dims import POCKET_LEAD_MM, SET_SCREW_ANGLES_DEG, DrumDims, Land, Window
-from mbcdm_cad.parts.drum_sector.payload import payload_joint
+from mbcdm_cad.parts.drum_sector.payload import circle_radius_mm, joints, payload_joint, start_deg
 from mbcdm_cad.parts.drum_shaft import FLAT_DEPTH_MM, DrumShaftDims, PreloadSpringDims
 from mbcdm_cad.parts.terminal.part import Tensioner
 
@@ -255,13 +255,10 @@ def drum(drive: SectorDrive, levels: SectorLevels, stop_radius: float, way: Term
     hub_radius = d.hub_diameter_mm / 2
     web_start = _web_start_y(drive, levels)
     placed = tensioners(drive, way)
+    circle = circle_radius_mm(d.output_circle_mm, hub_radius, shaft_radius)
+    candidates = joints(d.material, lambda thread_mm: drive.insert(d.material, thread_mm), d.output_screws)
     joint = payload_joint(
-        d.material,
-        lambda thread_mm: drive.insert(d.material, thread_mm),
-        drive.loads.peak_torque_Nm,
-        hub_radius,
-        shaft_radius,
-        d.material.min_wall_mm,
+        candidates, drive.loads.peak_torque_Nm, circle, hub_radius, shaft_radius, d.material.min_wall_mm
     )
     flat_wall = drive.tensioner.swage_flats_mm / 2 + FLAT_PLAY_MM
     return DrumDims(
@@ -291,7 +288,11 @@ def drum(drive: SectorDrive, levels: SectorLevels, stop_radius: float, way: Term
         set_screw_y=_set_screw_y(drive, levels),
         set_screw_radius=shaft_radius - FLAT_DEPTH_MM,
         payload_screw_thread=joint.thread_mm,
-        payload_circle_radius=(hub_radius + shaft_radius) / 2,
+        payload_circle_radius=circle,
+        payload_angles_deg=tuple(
+            start_deg(d.output_screws, SET_SCREW_ANGLES_DEG) + 360.0 / d.output_screws * k
+            for k in range(d.output_screws)
+        ),
         payload_depth=joint.depth_mm,
         payload_insert=joint.insert,
         corner_radius=2 * d.material.min_internal_radius_mm,

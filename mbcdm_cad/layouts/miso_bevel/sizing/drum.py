@@ -26,7 +26,14 @@ from mbcdm_cad.layouts.miso_bevel.sizing.known import LATER, BevelKnown
 from mbcdm_cad.layouts.miso_bevel.sizing.radii import take_up_mm
 from mbcdm_cad.layouts.structure import drum_stress_MPa
 from mbcdm_cad.parts.drum_sector.dims import lug_root_mm
-from mbcdm_cad.parts.drum_sector.payload import InsertOf, PayloadJoint, joints, payload_joint
+from mbcdm_cad.parts.drum_sector.payload import (
+    SCREWS,
+    InsertOf,
+    PayloadJoint,
+    circle_radius_mm,
+    joints,
+    payload_joint,
+)
 from mbcdm_cad.parts.drum_sector.sizes import (
     FLAT_PLAY_MM,
     HUB_SCREW,
@@ -157,26 +164,25 @@ def _material(given: BevelKnown) -> Material:
 
 
 def _joints(given: BevelKnown) -> tuple[PayloadJoint, ...]:
-    return joints(_material(given), _insert_of(given))
+    return joints(_material(given), _insert_of(given), given.get("drum.output_screws", SCREWS))
 
 
 def _joint(given: BevelKnown) -> PayloadJoint:
-    return payload_joint(
-        _material(given),
-        _insert_of(given),
-        given["loads.peak_torque_Nm"],
-        given["drum.hub_diameter_mm"] / 2,
-        _shaft_radius(given),
-        given.wall_mm("drum"),
-    )
+    hub, shaft = given["drum.hub_diameter_mm"] / 2, _shaft_radius(given)
+    circle = circle_radius_mm(given.get("drum.output_circle_mm"), hub, shaft)
+    return payload_joint(_joints(given), given["loads.peak_torque_Nm"], circle, hub, shaft, given.wall_mm("drum"))
 
 
 def _hub_diameter(given: BevelKnown) -> Found:
     shaft, wall, peak = _shaft_radius(given), given.wall_mm("drum"), given["loads.peak_torque_Nm"]
     spigot = given.entry("bearings", "drum.bearing")["inner_shoulder_mm"] / 2
+    circle_mm = given.get("drum.output_circle_mm")
+    payload = 2 * min(joint.least_hub_mm(peak, shaft, wall) for joint in _joints(given))
+    if circle_mm is not None:
+        payload = circle_mm + min(joint.hole_mm for joint in _joints(given)) + 2 * wall
     needs = {
         "hub_walls": 2 * (shaft + given.screw(HUB_SCREW).length_mm + SCREW_LIP_MM),
-        "payload_screws": 2 * min(joint.least_hub_mm(peak, shaft, wall) for joint in _joints(given)),
+        "payload_screws": payload,
         "hub_spigot": 2 * (spigot + SPIGOT_MM),
     }
     return largest(needs, 0.5)

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.layouts.miso_spur.design_file.schema import RoundDrumDesign
 from mbcdm_cad.layouts.siso_spur.design_file.rules import broken_radius
+from mbcdm_cad.parts.drum_sector.payload import SCREWS
 
 FEWEST, MOST = 2, 4
 
@@ -14,6 +15,14 @@ FEWEST, MOST = 2, 4
 def broken_rules(design: RoundDrumDesign) -> Iterator[Broken]:
     """The rules of this configuration that the design breaks, in the order of the file's blocks."""
     yield from broken_radius(design.transmission)
+    if design.drum.output_screws != SCREWS:
+        yield Broken(
+            ("drum", "output_screws"),
+            "the dowels between the hubs stand between four screws",
+            str(design.drum.output_screws),
+            str(SCREWS),
+            "leave it out, or choose configuration: siso_spur",
+        )
     count = len(design.inputs)
     if not FEWEST <= count <= MOST:
         remedy = "take configuration siso_spur for one input" if count < FEWEST else "leave out some"
