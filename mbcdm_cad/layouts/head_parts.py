@@ -45,10 +45,9 @@ def _left_out(given: TrialKnown, field: str) -> bool:
 def _drum_bearing(given: TrialKnown) -> Found:
     any_will_do = _left_out(given, "drive.drum_encoder")
     names = _by_mass(given, "bearings", lambda _, entry: any_will_do or bool(_rings(given, entry)))
-    checks = ("drum_bearings", "shaft_twist")
-    if given.has("drum.shaft_bore_mm"):
-        # A hollow centre of a stated diameter.
-        checks = ("shaft_wall", *checks)
+    # A bore that the file states is a hollow centre, round which the shaft needs a wall.
+    hollow = ("shaft_wall",) if given.get("drum.shaft_bore_mm") is not None else ()
+    checks = (*hollow, "drum_bearings", "shaft_twist")
     found = given.first("drum.bearing", names, checks)
     if not names or given.margins("drum.bearing", found.value, ("drum_bearings",))["drum_bearings"][0] >= 0.0:
         return found
