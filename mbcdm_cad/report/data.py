@@ -30,6 +30,7 @@ from mbcdm_cad.report.masses import (
     total_sigma_g,
 )
 from mbcdm_cad.report.paths import path_data
+from mbcdm_cad.report.structure import structure_report
 from mbcdm_cad.report.torsion import torsion_data
 
 REPORT_FORMAT = 1
@@ -69,6 +70,11 @@ def _frame(frame: FrameCompliance, layout: Layout) -> dict[str, Any]:
         "limit_mrad": layout.windup_limit_mrad,
         "shares_urad_Nm": frame.shares_urad_Nm,
     }
+
+
+def _structure(layout: Layout, analysis: Analysis) -> dict[str, Any] | None:
+    found, _ = structure_report(layout, analysis)
+    return None if found is None else found.to_dict()
 
 
 def _mass(m: MassProperties) -> dict[str, Any]:
@@ -125,6 +131,7 @@ def design_figures(layout: Layout, centred: Bill) -> DesignFigures:
     data = {
         "analysis": analysis.to_dict(),
         "paths": path_data(layout),
+        "structure": _structure(layout, analysis),
         "losses": losses_report(layout).to_dict(),
         "life": None if life is None else life.to_dict(),
         "tolerance_stacks": [stack_data(stack) for stack in layout.tolerance_stacks],

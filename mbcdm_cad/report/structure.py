@@ -40,7 +40,13 @@ class StructureReport:
 
     def to_dict(self) -> dict[str, Any]:
         """Everything, ready for JSON."""
-        turned = {"payload_turn_mrad": self.payload_turn_mrad, "payload_swing_mrad": self.payload_swing_mrad}
+        turned = {
+            "cables_turn_mrad": self.cables_turn_mrad,
+            "cables_swing_mrad": self.cables_swing_mrad,
+            "payload_turn_mrad": self.payload_turn_mrad,
+            "payload_swing_mrad": self.payload_swing_mrad,
+            "test_torque_Nm": self.test_torque_Nm,
+        }
         return self.structure.to_dict() | turned
 
     def table(self) -> ReportTable:
