@@ -4,7 +4,7 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 DESIGN ?= params/mbcdm.yaml
 
-.PHONY: build test test-slow lint setup picture docs gallery docs-site benchmark lock clean
+.PHONY: build test test-slow solids lint setup picture docs gallery docs-site benchmark lock clean
 
 build: setup
 	$(BIN)/mbcdm build $(DESIGN)
@@ -23,6 +23,10 @@ lint: setup
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+
+# Solid finite elements, which only tests use: gmsh is under the GPL.
+solids: setup
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --require-hashes -r tests/requirements-solids.lock
 
 setup: $(VENV)/.ready
 
@@ -61,6 +65,9 @@ docs-site: setup
 lock:
 	$(PYTHON) -m piptools compile --quiet --generate-hashes --allow-unsafe --extra dev --strip-extras \
 	  --no-emit-index-url --no-emit-find-links --no-emit-trusted-host --no-emit-options --output-file requirements.lock pyproject.toml
+	$(PYTHON) -m piptools compile --quiet --generate-hashes --allow-unsafe --strip-extras --constraint requirements.lock \
+	  --no-emit-index-url --no-emit-find-links --no-emit-trusted-host --no-emit-options \
+	  --output-file tests/requirements-solids.lock tests/requirements-solids.in
 
 clean:
 	rm -rf $(VENV) out
