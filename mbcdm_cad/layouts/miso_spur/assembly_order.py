@@ -14,7 +14,6 @@ from mbcdm_cad.layouts.siso_spur.assembly_order import (
     key,
     numbered,
 )
-from mbcdm_cad.layouts.siso_spur.support.dims import MOUNT_SCREW
 from mbcdm_cad.parts.bill import AssemblyStep
 from mbcdm_cad.parts.inserts import insert_items, insert_words
 from mbcdm_cad.parts.terminal.instructions import setting_steps, terminal_items
@@ -39,8 +38,8 @@ def assembly_order(layout: RoundDrumLayout) -> tuple[AssemblyStep, ...]:
         *(encoder_step(unit) for unit in layout.units),
         *(step for unit in layout.units for step in input_steps(unit, f"_{unit.drive.input_names[0]}")),
         AssemblyStep(
-            f"Screw the frame to its base with {len(layout.frame.mounts) * drive.n_inputs} {MOUNT_SCREW} from behind, "
-            "into the plate's threads."
+            f"Screw the frame to its base with {len(layout.frame.mounts) * drive.n_inputs} {layout.mounting.name} from "
+            "behind, into the plate's threads."
         ),
         *_drum(layout),
         *setting_steps(drive, plan(layout)),

@@ -6,7 +6,6 @@ from math import tau
 
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
-from mbcdm_cad.layouts.siso_spur.support.dims import MOUNT_SCREW
 from mbcdm_cad.layouts.siso_spur.tensioning import plan
 from mbcdm_cad.parts.bill import AssemblyStep, cable_item
 from mbcdm_cad.parts.bought.train import train_items, train_words
@@ -170,7 +169,7 @@ def _winding_step(drive: SpurDrive) -> AssemblyStep:
 def _base(layout: SpurLayout) -> AssemblyStep:
     count = len(layout.frame.mounts)
     return AssemblyStep(
-        f"Screw the frame to its base with {count} {MOUNT_SCREW} from behind, into the plate's threads."
+        f"Screw the frame to its base with {count} {layout.mounting.name} from behind, into the plate's threads."
     )
 
 

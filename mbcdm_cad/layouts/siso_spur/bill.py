@@ -7,7 +7,7 @@ from math import radians
 
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
-from mbcdm_cad.layouts.siso_spur.support.dims import MOUNT_SCREW, YokeDims
+from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims
 from mbcdm_cad.layouts.siso_spur.support.parts import Yoke
 from mbcdm_cad.parts.bill import Bill, BillBuilder, MovingBody
 from mbcdm_cad.parts.drum_sector.items import add_cables, add_drum, add_drum_encoder, add_preload_spring
@@ -50,7 +50,9 @@ def tapped(drive: SpurDrive, frame: YokeDims) -> YokeDims:
         flange_screw_radius=(
             frame.flange_screw_radius if frame.flange_insert else flange_screw(drive).tap_drill_mm / 2
         ),
-        mount_radius=frame.mount_radius if frame.mount_insert else drive.screw(MOUNT_SCREW).tap_drill_mm / 2,
+        mount_radius=frame.mount_radius
+        if frame.mount_insert
+        else drive.screw(drive.support.mount_bolt).tap_drill_mm / 2,
         boss=replace(frame.boss, screw_radius=drive.screw(drive.drum_encoder.screw).tap_drill_mm / 2),
     )
 

@@ -15,6 +15,8 @@ from mbcdm_cad.parts.drum_sector.design import SectorRun, WoundPulleySpec
 from mbcdm_cad.parts.input_pulley.dims import GROOVE_DEPTH, GROOVE_RADIUS
 from mbcdm_cad.parts.motor_head.dims import HeadedDrive
 
+# Screws of the catalogue by their thread; their length depends on the base.
+MOUNT_BOLTS = {"M3": "M3x8", "M4": "M4x10", "M5": "M5x16", "M6": "M6x25"}
 _Spur = TypeVar("_Spur", bound="SpurDrive")
 # Angle of half the transition from the cable's helix to the plane of its terminal, which follows the last point that
 # ever leaves the drum.
@@ -69,6 +71,12 @@ class YokeSpec:
     coupling_space_mm: float
     bearing_shelf_mm: float
     encoder_shelf_mm: float
+    mount_screw: str
+
+    @property
+    def mount_bolt(self) -> str:
+        """The screw of the catalogue that gives the mounting threads their sizes."""
+        return MOUNT_BOLTS[self.mount_screw]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -24,6 +24,7 @@ from mbcdm_cad.parts.drum_sector.dims import DrumDims
 from mbcdm_cad.parts.drum_sector.sizes import TerminalWay, drum, furthest_anchor_rad
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 from mbcdm_cad.parts.motor_head.dims import Flange, HeadDims, head
+from mbcdm_cad.parts.mounting import MOUNT_SCREWS, MountScrew
 from mbcdm_cad.parts.terminal.take_up import terminal_travel_mm
 from mbcdm_cad.routes.cable_path import CablePath
 
@@ -150,6 +151,11 @@ class SpurLayout(HeadLayout):
     @cached_property
     def _flange(self) -> Flange:
         return flange(self.drive)
+
+    @property
+    def mounting(self) -> MountScrew:
+        """See the base class."""
+        return MOUNT_SCREWS[self.drive.support.mount_screw]
 
     @property
     def anchors(self) -> dict[str, tuple[float, float]]:

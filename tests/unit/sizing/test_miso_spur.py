@@ -61,15 +61,13 @@ def test_each_input_is_sized_for_its_share_of_the_torque() -> None:
         # Two inputs and +-62 degrees: the terminals of one sector come round to the other input's encoder and shelf.
         {"half": 61.9, "radius": 42.7, "ratio": 11.96, "peak": 0.52, "inputs": 2},
         # Four printed hubs of 98 mm for their dowels: the stop's slot lies outside them. With losses counted the motors
-        # are stronger, and their stop pin leaves the slot no web.
+        # are stronger, and their stop pin leaves the slot no web. Four M3 would not hold the plastic frame.
         {"half": 35.0, "radius": 89.5, "ratio": 4.95, "peak": 8.0, "inputs": 4, "rope": "7x7-0.61", "material": "pla"}
-        | {"losses": "paper"}
-        # The heads of four M3 press the plastic base with a third of their force.
-        | {"fails": {"mounting_screws"}},
+        | {"losses": "paper"},
     ],
     ids=("wide travel", "wide hub"),
 )
-def test_far_corners_of_the_space_pass_every_check_but_those_named(asked: dict[str, Any]) -> None:
+def test_far_corners_of_the_space_pass_every_check(asked: dict[str, Any]) -> None:
     data = short(asked["peak"], asked["inputs"])
     data["travel"]["half_angle_deg"] = asked["half"]
     data["limits"] = {"losses": asked.get("losses", "counted")}
@@ -77,7 +75,7 @@ def test_far_corners_of_the_space_pass_every_check_but_those_named(asked: dict[s
     if "rope" in asked:
         data |= {"rope": {"type": asked["rope"]}, **{part: {"material": asked["material"]} for part in PRINTED}}
     drive = load_text(yaml.safe_dump(data)).drive
-    assert set(failed(drive)) == asked.get("fails", set()), failed(drive)
+    assert not failed(drive), failed(drive)
 
 
 def test_motors_alone_give_the_smallest_drum_that_rope_and_shaft_allow() -> None:

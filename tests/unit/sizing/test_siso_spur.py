@@ -43,6 +43,8 @@ def failed(drive: Drive) -> dict[str, str]:
         (14.5, 3.76, 110.6, 5.0, {}),
         (20.0, 4.0, 100.0, 3.0, {"rope": {"type": "uhmwpe-1.5"}, "input_pulleys": {"surface": "smooth"}}),
         (60.0, 8.0, 70.0, 2.0, {"drum": {"material": "pla"}, "support": {"material": "pla"}}),
+        # An antenna: much torque on a stated rope, from a motor with a short shaft.
+        pytest.param(120.0, 8.0, 300.0, 150.0, {"rope": {"type": "7x19-2.0"}}, marks=pytest.mark.slow),
     ],
 )
 def test_a_short_file_passes_every_check(

@@ -167,6 +167,9 @@ class YokeSupport(Block):
     encoder_shelf_mm: Number = quantity(
         "shelf of the bearing next to the encoder", unit="mm", source=ESTIMATE, reference=4.0, ge=0.5, le=50.0
     )
+    mount_screw: Literal["M3", "M4", "M5", "M6"] = choice(
+        "screws that hold the frame on its base, in threads of the plate", source=ESTIMATE, reference="M3", default="M3"
+    )
 
 
 class SpurSide(SectorCable):

@@ -23,7 +23,7 @@ from mbcdm_cad.layouts.siso_spur.sizing.basis import (
     ROPE,
     WINDING,
 )
-from mbcdm_cad.layouts.siso_spur.sizing.dims import BACK, DISTANCE, DRUM, FRAME
+from mbcdm_cad.layouts.siso_spur.sizing.dims import BACK, DISTANCE, DRUM, FRAME, MOUNT
 from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
 from mbcdm_cad.layouts.trial_sizing import MIDDLE_SIZE, repeated
 from mbcdm_cad.sizing.rule import Rule
@@ -49,6 +49,7 @@ RULES: tuple[Rule, ...] = (
     *FRAME,
     *WINDING,
     *DISTANCE,
+    *MOUNT,
     *DRUM,
     *BACK,
 )
@@ -94,6 +95,7 @@ def _first_guesses(data: dict[str, Any]) -> dict[str, Any]:
         "support.side_wall_mm": 4.0,
         "support.bridge_mm": 4.0,
         "support.plate_mm": 8.0,
+        "support.mount_screw": "M3",
     }
 
 

@@ -17,6 +17,7 @@ from mbcdm_cad.layouts.head_dims import (
     either,
     side_wall,
 )
+from mbcdm_cad.layouts.siso_spur.drive import MOUNT_BOLTS
 from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
 from mbcdm_cad.sizing.rule import Found, Rule
 
@@ -46,6 +47,10 @@ def _centre_distance(given: SpurKnown) -> Found:
         "bodies_behind",
     )
     return given.moved("transmission.centre_distance_mm", start, 0.5, checks)
+
+
+def _mount_screw(given: SpurKnown) -> Found:
+    return given.first("support.mount_screw", MOUNT_BOLTS, ("mounting_screws", "mounts"))
 
 
 def _back(given: SpurKnown) -> Found:
@@ -87,6 +92,14 @@ DISTANCE = (
         "the shortest that span, bearings, screws and motor allow",
         "input_room",
         _centre_distance,
+    ),
+)
+MOUNT = (
+    Rule(
+        "support.mount_screw",
+        "the thinnest that holds the peak torque by friction",
+        "mounting_screws",
+        _mount_screw,
     ),
 )
 DRUM = (

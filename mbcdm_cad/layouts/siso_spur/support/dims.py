@@ -43,8 +43,6 @@ SHELF_MARGIN_MM = 0.5
 BRIDGE_BESIDE_MM = 4.0
 # Space above the pulley for the fingers that lead the cable round it.
 WINDING_ROOM_MM = 3.0
-# Screws that fix the frame to its base, from behind (ISO 4762).
-MOUNT_SCREW = "M3x8"
 # Wall beside a flange screw's thread, in its diameters.
 SCREW_WALL = 0.65
 # Metal between the opening of the plate and the nearest hole of the flange.
@@ -174,7 +172,7 @@ def yoke(drive: SpurDrive, levels: SpurStack, shaft: DrumShaftDims, head: Flange
     circle, head_radius = encoder.bolt_circle_mm / 2, encoder_screw.head_diameter_mm / 2 + 0.1
     bridge = z + drive.input_radius_mm + drive.cable.diameter_mm / 2 + WINDING_ROOM_MM
     bridge = max(bridge, z + head.front_y - s.bridge_mm, z + encoder.diameter_mm / 2 + SHELF_MARGIN_MM - s.bridge_mm)
-    mount = drive.screw(MOUNT_SCREW)
+    mount = drive.screw(s.mount_bolt)
     insert, mount_insert = (drive.insert(s.material, each.thread_mm) for each in (screw, mount))
     edge = _round_thread_mm(drive, mount, mount.thread_mm)
     beside = head.half_x - edge

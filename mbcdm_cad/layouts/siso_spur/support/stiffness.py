@@ -19,7 +19,6 @@ import numpy as np
 
 from mbcdm_cad.layouts.base import FrameCompliance, FrameStudy
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
-from mbcdm_cad.layouts.siso_spur.support.dims import MOUNT_SCREW
 from mbcdm_cad.model.equilibrium import bearing_loads, two_bearing_reactions_N
 from mbcdm_cad.model.plate_mesh import Hole, Mounts, Wall, Y, Z, centred_load, plate_mesh, shares_urad
 from mbcdm_cad.model.si import MM, to_si
@@ -104,7 +103,7 @@ def frame_compliance(layout: SpurLayout) -> FrameCompliance:
 def arms_compliance(arms: Sequence[Arm], share: float) -> FrameCompliance:
     """As :func:`frame_compliance`, for a frame with one arm or two, each with this share of the torque."""
     first = arms[0].layout
-    f, v, screw = first.frame, first.levels, first.drive.screw(MOUNT_SCREW)
+    f, v, screw = first.frame, first.levels, first.drive.screw(first.drive.support.mount_bolt)
     places = [(arm.way * x, arm.way * z) for arm in arms for x, z in f.mounts]
     held = Mounts(places, screw.head_diameter_mm / 2, f.mount_radius, v.front_y - v.plate_back_y)
     mesh = plate_mesh(walls(arms), held)
