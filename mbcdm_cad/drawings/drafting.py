@@ -20,6 +20,7 @@ from mbcdm_cad.drawings.arrangement import (
 )
 from mbcdm_cad.drawings.clipping import clipped
 from mbcdm_cad.drawings.document import APPLICATION, DIMENSION_STYLE, TEXT_STYLE
+from mbcdm_cad.drawings.frames import draw_axis_datum, draw_face_datum, draw_tolerance
 from mbcdm_cad.drawings.labels import Box, Room
 from mbcdm_cad.drawings.projection import Picture
 from mbcdm_cad.drawings.strokes import ArcStroke, LineStroke, Point, PolyStroke, Stroke
@@ -62,6 +63,14 @@ def draw_views(doc: Drawing, sheet: Sheet, arrangement: Arrangement, pictures: d
             _radius(paper, _of(arrangement, other.view), other, room)
         elif isinstance(other, Angle):
             _angle(paper, _of(arrangement, other.view), other, room)
+    for placed in arrangement.views:
+        for dimension in placed.dimensions:
+            if dimension.dimension.datum:
+                draw_axis_datum(paper, placed, dimension, room)
+    for datum in sheet.datums:
+        draw_face_datum(paper, _of(arrangement, datum.view), datum, room)
+    for tolerance in sheet.tolerances:
+        draw_tolerance(paper, _of(arrangement, tolerance.view), tolerance, room)
     for label in sheet.labels:
         _label(paper, _of(arrangement, label.view), label, room)
 

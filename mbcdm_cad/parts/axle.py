@@ -10,7 +10,8 @@ from mbcdm_cad.parts.part import MadePart
 from mbcdm_cad.parts.ring import Pin
 from mbcdm_cad.parts.shapes import turned
 from mbcdm_cad.parts.sheets.description import FitLine, Sheet
-from mbcdm_cad.parts.sheets.turned import ALONG_Z
+from mbcdm_cad.parts.sheets.tolerances import Datum, GeometricTolerance
+from mbcdm_cad.parts.sheets.turned import ALONG_Z, MAIN
 from mbcdm_cad.parts.volume import ring_mm3
 
 if TYPE_CHECKING:
@@ -76,7 +77,7 @@ class Axle(MadePart):
             title="Guide axle",
             views=(ALONG_Z.view(low, high, section=False),),
             dimensions=(
-                ALONG_Z.diameter(r, low + CHAMFER_MM, "left", fit=fit, count=2),
+                ALONG_Z.diameter(r, low + CHAMFER_MM, "left", fit=fit, count=2, datum="D"),
                 ALONG_Z.diameter(collar, dims.collar_top_z, "right"),
                 ALONG_Z.length(low, dims.collar_bottom_z, "below", (r - CHAMFER_MM, collar)),
                 ALONG_Z.length(dims.collar_bottom_z, dims.collar_top_z, "below", (collar, collar), decimals=3),
@@ -84,7 +85,8 @@ class Axle(MadePart):
                 ALONG_Z.chamfer(CHAMFER_MM, r, high, -1.0, "above", count=2),
             ),
             fits=(FitLine(2 * r, fit, "bearings, shelf, top plate"),),
-            notes=("Bearing journals Ra 0.8; shoulders square to the axis within 0.01.",),
+            tolerances=(ALONG_Z.square((r, collar), (dims.collar_top_z, dims.collar_bottom_z), 0.01, "D"),),
+            notes=("Bearing journals Ra 0.8.",),
         )
 
 
@@ -112,7 +114,7 @@ class Spacer(MadePart):
         """Section along the axis."""
         dims = self.dims
         low, high = dims.spacer_bottom_z, dims.spacer_top_z
-        fit = FITS["spacer_bore"].code
+        fit, middle = FITS["spacer_bore"].code, (dims.radius + dims.collar_radius) / 2
         return Sheet(
             part=part,
             title="Guide spacer",
@@ -123,7 +125,7 @@ class Spacer(MadePart):
                 ALONG_Z.length(low, high, "below", (dims.collar_radius, dims.collar_radius), decimals=3),
             ),
             fits=(FitLine(2 * dims.radius, fit, "bore"),),
-            notes=(
-                "End faces parallel within 0.01, ground to the length that leaves the guide's bearings free of play.",
-            ),
+            datums=(Datum(MAIN, ALONG_Z.point(middle, low), "E"),),
+            tolerances=(GeometricTolerance(MAIN, ALONG_Z.point(middle, high), "parallelism", 0.01, ("E",)),),
+            notes=("Ground to the length that leaves the guide's bearings free of play.",),
         )

@@ -146,7 +146,7 @@ class DrumShaft(MadePart):
             views=(ALONG_Y.view(low, high, section=True), _flat_view(dims)),
             dimensions=(
                 *bore,
-                ALONG_Y.diameter(r, low + CHAMFER_MM, "left", fit=fit, count=2),
+                ALONG_Y.diameter(r, low + CHAMFER_MM, "left", fit=fit, count=2, datum="D"),
                 ALONG_Y.diameter(dims.flange_radius, dims.flange_start_y, "left"),
                 ALONG_Y.length(low, dims.flange_start_y, "below", (r, dims.flange_radius)),
                 ALONG_Y.length(
@@ -156,9 +156,10 @@ class DrumShaft(MadePart):
                 ALONG_Y.chamfer(CHAMFER_MM, r, high, -1.0, "above", count=2),
                 *_flats(dims),
             ),
+            tolerances=(ALONG_Y.square((r, dims.flange_radius), (dims.flange_end_y, dims.flange_start_y), 0.01, "D"),),
             fits=(FitLine(2 * r, fit, "bearings, encoder, hub"),),
             notes=(
-                "Outside ground, Ra 0.4; flange square to the axis within 0.01.",
+                "Outside ground, Ra 0.4.",
                 "Flats for the hub's set screws at a right angle to each other.",
             ),
         )

@@ -11,7 +11,7 @@ from mbcdm_cad.parts.part import MadePart
 from mbcdm_cad.parts.shapes import Point2, turned
 from mbcdm_cad.parts.sheets.description import FitLine, Label, Sheet, Table
 from mbcdm_cad.parts.sheets.turned import ALONG_Z, MAIN
-from mbcdm_cad.parts.sheets.words import mm, mm3
+from mbcdm_cad.parts.sheets.words import mm3
 from mbcdm_cad.parts.volume import ring_mm3
 
 if TYPE_CHECKING:
@@ -70,7 +70,7 @@ class IdlerPulley(MadePart):
         seat, land = FITS["idler_seat"].code, FITS["land"].code
         largest = max(dims.surface_radii)
         dimensions = (
-            ALONG_Z.diameter(dims.seat_radius, low, "left", fit=seat, count=2),
+            ALONG_Z.diameter(dims.seat_radius, low, "left", fit=seat, count=2, datum="D"),
             ALONG_Z.diameter(dims.shoulder_radius, high - dims.seat_depth, "right"),
             ALONG_Z.length(low, low + dims.seat_depth, "below", (dims.surface_radii[0], dims.seat_radius), count=2),
             ALONG_Z.length(low, high, "below", (dims.surface_radii[0], dims.surface_radii[-1]), decimals=3),
@@ -94,9 +94,15 @@ class IdlerPulley(MadePart):
                 FitLine(2 * dims.seat_radius, seat, "bearing seats"),
                 *(FitLine(round(2 * r, 6), land, f"step {n}") for n, r in enumerate(dims.surface_radii, 1)),
             ),
-            notes=(
-                "Steps: Ra 0.8, no flanges; corner between two steps at most R0.05.",
-                "Run-out of the steps to the common axis of both bearing seats: 0.01.",
-                f"Shoulders of the seats {mm(dims.seat_depth)} deep, square to the axis within 0.01.",
+            tolerances=(
+                ALONG_Z.run_out(
+                    tuple((r, (a + b) / 2) for r, (a, b) in zip(dims.surface_radii, pairwise(levels), strict=True)),
+                    0.01,
+                    "D",
+                ),
+                ALONG_Z.square(
+                    (dims.shoulder_radius, dims.seat_radius), (low + dims.seat_depth, high - dims.seat_depth), 0.01, "D"
+                ),
             ),
+            notes=("Steps: Ra 0.8, no flanges; corner between two steps at most R0.05.",),
         )

@@ -24,6 +24,7 @@ from mbcdm_cad.parts.sheets.description import (
     minus,
 )
 from mbcdm_cad.parts.sheets.holes import hole_labels, hole_table, position_table
+from mbcdm_cad.parts.sheets.tolerances import GeometricTolerance
 from mbcdm_cad.parts.sheets.words import mm, mm3
 
 _REAR, _SECTION, _HUB = "rear", "section", "hub"
@@ -185,8 +186,9 @@ def _in_section(d: DrumDims) -> tuple[Linear, ...]:
         a, b = (0.0, start, z[0]), (0.0, end, z[1])
         return Linear(_SECTION, a, b, end - start, side, suffix=what, decimals=3)
 
-    def round_(radius: float, y: float, side: Side, fit: str = "") -> Linear:
-        return Linear(_SECTION, (0.0, y, -radius), (0.0, y, radius), 2 * radius, side, "%%c", fit=fit)
+    def round_(radius: float, y: float, side: Side, fit: str = "", datum: str = "") -> Linear:
+        a, b = (0.0, y, -radius), (0.0, y, radius)
+        return Linear(_SECTION, a, b, 2 * radius, side, "%%c", fit=fit, datum=datum)
 
     c = CHAMFER_MM
     return (
@@ -196,7 +198,7 @@ def _in_section(d: DrumDims) -> tuple[Linear, ...]:
         deep(d.hub_face_y - c, d.hub_face_y, (low, low + c), "below", " x 45%%d"),
         deep(face, d.web_start_y, (d.spigot_radius, d.hub_radius + 6.0), "above"),
         deep(d.web_start_y, d.web_end_y, (d.hub_radius + 6.0, d.hub_radius + 6.0), "above", " web"),
-        round_(d.bore_radius, d.hub_face_y, "left", FITS["drum_bore"].code),
+        round_(d.bore_radius, d.hub_face_y, "left", FITS["drum_bore"].code, "D"),
         round_(d.hub_radius, d.hub_face_y - c, "left"),
         round_(d.spigot_radius, face, "right"),
     )
@@ -207,6 +209,7 @@ def drum_sheet(part: str, d: DrumDims, set_screw_thread: float) -> Sheet:
     outer, face, half = d.lands[-1].surface_radius_mm, d.spigot_y, d.half_angle_deg
     holes = _holes(d, set_screw_thread)
     land, bore = FITS["land"].code, FITS["drum_bore"].code
+    lands = [(0.0, (x.y_start + x.y_end) / 2, x.surface_radius_mm) for x in d.lands]
     labels = [
         Label(_REAR, (*_at(t.at(t.lug_end)),), f"T{n}", clear_mm=2.0, leader=True)
         for n, t in enumerate(d.tensioners, 1)
@@ -240,6 +243,7 @@ def drum_sheet(part: str, d: DrumDims, set_screw_thread: float) -> Sheet:
                 "%%c",
             ),
         ),
+        tolerances=(GeometricTolerance(_SECTION, lands[0], "run-out", 0.02, ("D",), tuple(lands[1:])),),
         labels=(
             *labels,
             *hole_labels((*holes[:1], *holes[2:3]), _HUB),
@@ -261,7 +265,7 @@ def drum_sheet(part: str, d: DrumDims, set_screw_thread: float) -> Sheet:
             *(line for group in _dowel_holes(d) for line in group.fit_lines()),
         ),
         notes=(
-            "Lands Ra 0.8, run-out to the bore 0.02. Terminals: s along the tangent, n outward, both from the point of "
+            "Lands Ra 0.8. Terminals: s along the tangent, n outward, both from the point of "
             "the pitch circle at the given angle; pockets from behind (face A's side).",
             "Q: two set screws at 45 and 135 degrees from Z.",
         ),

@@ -7,6 +7,7 @@ from math import cos, degrees, sin, tau
 from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.input_pulley.dims import CHAMFER_MM, STOP_PLAY_MM, Groove, InputPulleyDims, StopSlot
 from mbcdm_cad.parts.sheets.description import FitLine, Label, Linear, Sheet, Table, Vector, View, X, Y, Z, minus
+from mbcdm_cad.parts.sheets.tolerances import GeometricTolerance
 from mbcdm_cad.parts.sheets.turned import ALONG_Z, MAIN
 from mbcdm_cad.parts.sheets.words import mm, mm3
 
@@ -55,12 +56,12 @@ def _diameters(d: InputPulleyDims) -> tuple[Linear, ...]:
     low, c = d.journal_bottom_z, CHAMFER_MM
     return (
         ALONG_Z.diameter(d.bore_radius, low, "left", fit=bore),
-        ALONG_Z.diameter(d.lower_journal_radius, low + c, "left", fit=journal),
+        ALONG_Z.diameter(d.lower_journal_radius, low + c, "left", fit=journal, datum="D"),
         ALONG_Z.diameter(d.lower_neck_radius, d.lower_neck_bottom_z, "left"),
         ALONG_Z.diameter(d.lower_land_radius, d.land_bottom_z, "left", fit=land, decimals=3),
         *([ALONG_Z.diameter(d.upper_land_radius, d.land_top_z, "right", fit=land, decimals=3)] if d.stepped else ()),
         ALONG_Z.diameter(d.upper_neck_radius, d.upper_neck_top_z, "right"),
-        ALONG_Z.diameter(d.upper_journal_radius, d.journal_top_z - c, "right", fit=journal),
+        ALONG_Z.diameter(d.upper_journal_radius, d.journal_top_z - c, "right", fit=journal, datum="E"),
     )
 
 
@@ -173,6 +174,17 @@ def _directions(slot: StopSlot, reach: float) -> tuple[tuple[float, float], tupl
     )
 
 
+def _tolerances(d: InputPulleyDims) -> tuple[GeometricTolerance, ...]:
+    """Lands run true to the common axis of the journals, and the steps for the bearings are square to it."""
+    middle = (d.land_bottom_z + d.land_top_z) / 2
+    lands = ((d.lower_land_radius, (d.land_bottom_z + middle) / 2), (d.upper_land_radius, (middle + d.land_top_z) / 2))
+    steps = (
+        ALONG_Z.square((d.lower_journal_radius, d.lower_neck_radius), (d.lower_neck_bottom_z,), 0.01, "D-E"),
+        ALONG_Z.square((d.upper_journal_radius, d.upper_neck_radius), (d.upper_neck_top_z,), 0.01, "D-E"),
+    )
+    return (ALONG_Z.run_out(lands if d.stepped else lands[:1], 0.01, "D-E"), *steps)
+
+
 def input_pulley_sheet(part: str, d: InputPulleyDims) -> Sheet:
     """Section along the axis, both ends with the slots of the cables' stops, slots and grooves as tables."""
     low, high = d.journal_bottom_z, d.journal_top_z
@@ -216,13 +228,14 @@ def input_pulley_sheet(part: str, d: InputPulleyDims) -> Sheet:
             ),
         ),
         labels=tuple(labels),
+        tolerances=_tolerances(d),
         tables=(*([_slot_table(d)] if d.slots else ()), *([_groove_table(d)] if d.grooves else ())),
         fits=tuple(FitLine(round(x.value, 6), x.fit, named[x.fit]) for x in diameters if x.fit),
         notes=(
             *((_GROOVES,) if d.grooves else ()),
-            "Lands Ra 0.8; run-out of the lands to the common axis of both journals: 0.01.",
+            "Lands Ra 0.8.",
             *((_SLOTS, _SLOTS_FROM) if d.slots else ()),
             "+Z points from the slit's end, the lower one, to the upper. Slit along X, sawn through both sides of it.",
-            "Steps square to the axis within 0.01, corners at most R0.1.",
+            "Corners of the steps at most R0.1.",
         ),
     )

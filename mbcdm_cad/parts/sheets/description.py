@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from mbcdm_cad.design.bought import InsertSpec
+from mbcdm_cad.parts.sheets.tolerances import Datum, GeometricTolerance
 from mbcdm_cad.parts.sheets.words import mm
 from mbcdm_cad.parts.threads import thread
 
@@ -74,6 +75,7 @@ class Linear:
 
     ``prefix`` is written before the value ("%%c" for a diameter, "M" for a thread), ``fit`` behind it as a tolerance
     class of ISO 286, ``suffix`` last. ``deviations`` are upper and lower deviation in mm where no class applies.
+    ``datum``: the letter of a diameter's axis as a datum.
     """
 
     view: str
@@ -86,6 +88,7 @@ class Linear:
     fit: str = ""
     deviations: tuple[float, float] | None = None
     decimals: int = 2
+    datum: str = ""
 
 
 @dataclass(frozen=True)
@@ -247,6 +250,8 @@ class Sheet:
     views: tuple[View, ...]
     dimensions: tuple[Linear | Radius | Angle, ...] = ()
     labels: tuple[Label, ...] = ()
+    datums: tuple[Datum, ...] = ()
+    tolerances: tuple[GeometricTolerance, ...] = ()
     cutting_lines: tuple[CuttingLine, ...] = ()
     tables: tuple[Table, ...] = ()
     holes: tuple[Holes, ...] = ()

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from mbcdm_cad.parts.sheets.description import FitLine, Linear, Radius, Side, Vector, View, X, Y, Z
+from mbcdm_cad.parts.sheets.tolerances import GeometricTolerance as Tolerance
 
 MAIN = "main"
 
@@ -42,6 +43,7 @@ class Axis:
         count: int = 1,
         suffix: str = "",
         decimals: int = 2,
+        datum: str = "",
     ) -> Linear:
         """Diameter of the cylinder whose generator passes ``at``, shown at the ``left`` or ``right``."""
         prefix = f"{count}x %%c" if count > 1 else "%%c"
@@ -55,6 +57,7 @@ class Axis:
             suffix,
             fit,
             decimals=decimals,
+            datum=datum,
         )
 
     def thread(self, radius: float, at: float, side: Side, tolerance: str) -> Linear:
@@ -85,6 +88,16 @@ class Axis:
             suffix,
             decimals=decimals,
         )
+
+    def square(self, radii: tuple[float, float], faces: tuple[float, ...], value_mm: float, datum: str) -> Tolerance:
+        """Faces across the axis, between two radii, are perpendicular to it."""
+        first, *others = (self.point(sum(radii) / 2, face) for face in faces)
+        return Tolerance(MAIN, first, "perpendicularity", value_mm, (datum,), tuple(others))
+
+    def run_out(self, lands: tuple[tuple[float, float], ...], value_mm: float, datum: str) -> Tolerance:
+        """Run-out of cylinders, each with its radius and a place along the axis, to the axis."""
+        first, *others = (self.point(radius, along) for radius, along in lands)
+        return Tolerance(MAIN, first, "run-out", value_mm, (datum,), tuple(others))
 
     def chamfer(self, size: float, radius: float, edge: float, sense: float, side: Side, count: int = 1) -> Linear:
         """A 45 degree chamfer at the end ``edge`` of a cylinder; ``sense`` +1 if the part lies towards +axis."""

@@ -85,6 +85,19 @@ def test_the_text_of_a_dimension_needs_no_scale(doc: Drawing) -> None:
     assert {text for text, factor in texts.items() if factor != 1.0} == {"Ø14"}, "the detail alone is not 1:1"
 
 
+def test_a_control_frame_names_value_and_datum_in_cells_beside_each_other(doc: Drawing) -> None:
+    """Run-out of the four lands, 0.02 to the axis D: 4x above a frame of sign, value and letter."""
+    texts = {t.dxf.text: t.dxf.align_point for t in doc.modelspace().query("TEXT") if t.dxf.halign != 0}
+    value, count = texts["0.02"], texts["4x"]
+    (right,) = [
+        t.dxf.align_point
+        for t in doc.modelspace().query("TEXT")
+        if t.dxf.text == "D" and abs(t.dxf.align_point.y - value.y) < 1e-6
+    ]
+    assert 0.0 < right.x - value.x < 8.0 and 0.0 < count.y - value.y < 4.0, (value, right, count)
+    assert sum(t.dxf.text == "D" for t in doc.modelspace().query("TEXT")) == 2, "the datum itself, and the frame"
+
+
 def _pdf_texts(data: bytes) -> list[str]:
     stream = re.search(rb"/FlateDecode >>\nstream\n(.*?)\nendstream", data, re.DOTALL)
     assert stream

@@ -13,6 +13,7 @@ from mbcdm_cad.layouts import registry
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.parts.bill import Bill
 from mbcdm_cad.parts.part import BoughtPart, MadePart
+from mbcdm_cad.parts.sheets.description import Linear
 
 PARAMS = Path(__file__).parents[3] / "params"
 FILES = {"miso_bevel": "mbcdm", "siso_bevel": "siso_bevel", "siso_spur": "siso_spur", "miso_spur": "miso_spur"}
@@ -58,6 +59,9 @@ def test_the_sheet_of_a_made_part_is_complete(layout: str, name: str) -> None:
     sheet = part.sheet(name)
     views = {view.name for view in sheet.views}
     assert sheet.part == name and sheet.title
+    letters = {x.datum for x in sheet.dimensions if isinstance(x, Linear)} | {x.letter for x in sheet.datums}
+    for tolerance in sheet.tolerances:
+        assert {letter for datum in tolerance.datums for letter in datum.split("-")} <= letters, tolerance
     assert len(views) == len(sheet.views) >= 1, views
     assert len(sheet.dimensions) >= 2, sheet.dimensions
     assert {d.view for d in sheet.dimensions} | {label.view for label in sheet.labels} <= views

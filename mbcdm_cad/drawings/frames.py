@@ -1,0 +1,134 @@
+"""Feature control frames (ISO 1101), datum indicators (ISO 5459); the signs are lines, so that no font needs them."""
+
+from __future__ import annotations
+
+from math import hypot
+
+import numpy as np
+from ezdxf.enums import TextEntityAlignment
+from ezdxf.layouts.layout import Modelspace
+
+from mbcdm_cad.drawings.arrangement import PlacedDimension, PlacedView, value_text
+from mbcdm_cad.drawings.document import TEXT_STYLE
+from mbcdm_cad.drawings.labels import Room
+from mbcdm_cad.drawings.strokes import Point
+from mbcdm_cad.drawings.style import ARROW_MM, TEXT_MM, text_width_mm
+from mbcdm_cad.parts.sheets.tolerances import Characteristic, Datum, GeometricTolerance
+
+_HIGH_MM = 2 * TEXT_MM
+_BESIDE_MM = 1.2
+_TRIANGLE_MM = 2.5
+_STEM_MM = 2.5
+_FARTHEST_MM = 40.0
+_THIN = {"layer": "DIMENSION"}
+# Signs of ISO 1101 in a square of 1: polylines.
+_SIGNS: dict[Characteristic, tuple[tuple[Point, ...], ...]] = {
+    "run-out": (((0.2, 0.15), (0.8, 0.85)),),
+    "perpendicularity": (((0.15, 0.2), (0.85, 0.2)), ((0.5, 0.2), (0.5, 0.85))),
+    "parallelism": (((0.2, 0.15), (0.5, 0.85)), ((0.5, 0.15), (0.8, 0.85))),
+}
+
+
+def draw_tolerance(paper: Modelspace, placed: PlacedView, tolerance: GeometricTolerance, room: Room) -> None:
+    """The frame where it finds room, with an arrow to its feature; the number of features above it, if several."""
+    cells = [value_text(tolerance.value_mm, 3), *tolerance.datums]
+    widths = [_HIGH_MM, *(text_width_mm(text) + 2 * _BESIDE_MM for text in cells)]
+    count = f"{len(tolerance.places)}x" if tolerance.others else ""
+    high = _HIGH_MM + (TEXT_MM + 1.0 if count else 0.0)
+    tip = placed.paper(*placed.view.project(tolerance.at))
+    x, y = room.place(tip, sum(widths), high, 6.0)
+    left, low = x - sum(widths) / 2, y - high / 2
+    _cells(paper, left, low, widths)
+    for sign in _SIGNS[tolerance.characteristic]:
+        points = [(left + _HIGH_MM * u, low + _HIGH_MM * v) for u, v in sign]
+        paper.add_lwpolyline(points, dxfattribs=_THIN | {"lineweight": 35})
+    if tolerance.characteristic == "run-out":
+        _arrow_head(paper, (left + 0.2 * _HIGH_MM, low + 0.15 * _HIGH_MM), points[-1], 1.6)
+    at = left + widths[0]
+    for text, width in zip(cells, widths[1:], strict=True):
+        _middle(paper, text, (at + width / 2, low + _HIGH_MM / 2))
+        at += width
+    if count:
+        _middle(paper, count, (left + text_width_mm(count) / 2, low + _HIGH_MM + 0.7 + TEXT_MM / 2))
+    right = left + sum(widths)
+    from_side = (left if tip[0] < x else right, low + _HIGH_MM / 2)
+    if left < tip[0] < right:
+        from_side = (tip[0], low if tip[1] < low else low + high)
+    paper.add_line(from_side, tip, dxfattribs=_THIN)
+    _arrow_head(paper, from_side, tip, ARROW_MM)
+    room.add_line(np.array([from_side, tip]))
+
+
+def draw_axis_datum(paper: Modelspace, placed: PlacedView, shown: PlacedDimension, room: Room) -> None:
+    """The datum of a diameter's axis: its triangle continues the dimension line, beyond one of the ends."""
+    across = shown.dimension.side in ("above", "below")
+    k = 0 if across else 1
+    line = shown.line_at + placed.origin[1 if across else 0]
+    ends = sorted(p[k] + placed.origin[k] for p in (shown.start, shown.end))
+    text_at = shown.place.text_at + placed.origin[k]
+    steps = np.arange(2 * ARROW_MM, _FARTHEST_MM, 1.5)
+    tried = [
+        (end, sign, away)
+        for away in steps
+        for end, sign in ((ends[0], -1.0), (ends[1], 1.0))
+        if shown.place.inside or (text_at - end) * sign < 0.0
+    ]
+    for end, sign, away in tried:
+        foot = end + sign * away
+        middle = foot + sign * (_TRIANGLE_MM + _STEM_MM + _HIGH_MM / 2)
+        at = (middle, line) if across else (line, middle)
+        half = _HIGH_MM / 2 + 0.4
+        wanted = (at[0] - half, at[1] - half, at[0] + half, at[1] + half)
+        if room.is_free(wanted):
+            direction = (sign, 0.0) if across else (0.0, sign)
+            begins = (end, line) if across else (line, end)
+            base = (foot, line) if across else (line, foot)
+            paper.add_line(begins, base, dxfattribs=_THIN)
+            _indicator(paper, base, direction, at, shown.dimension.datum)
+            room.add_box(wanted)
+            room.add_line(np.array([base, at]))
+            return
+    raise ValueError(f"datum {shown.dimension.datum} in view {placed.view.name}: no room beyond its dimension")
+
+
+def draw_face_datum(paper: Modelspace, placed: PlacedView, datum: Datum, room: Room) -> None:
+    """The datum of a plane face: its triangle stands on the face, the letter where it finds room."""
+    foot = placed.paper(*placed.view.project(datum.at))
+    at = room.place(foot, _HIGH_MM, _HIGH_MM, _TRIANGLE_MM + _STEM_MM)
+    length = hypot(at[0] - foot[0], at[1] - foot[1])
+    _indicator(paper, foot, ((at[0] - foot[0]) / length, (at[1] - foot[1]) / length), at, datum.letter)
+    room.add_line(np.array([foot, at]))
+
+
+def _indicator(paper: Modelspace, base: Point, direction: Point, at: Point, letter: str) -> None:
+    """A filled triangle on ``base``, a line along ``direction`` to a square about ``at`` with the letter."""
+    (dx, dy), half = direction, _TRIANGLE_MM / 2
+    tip = (base[0] + dx * _TRIANGLE_MM, base[1] + dy * _TRIANGLE_MM)
+    corners = [(base[0] - dy * half, base[1] + dx * half), (base[0] + dy * half, base[1] - dx * half), tip, tip]
+    paper.add_solid(corners, dxfattribs=_THIN)
+    reach = _HIGH_MM / 2 / max(abs(dx), abs(dy))
+    paper.add_line(tip, (at[0] - dx * reach, at[1] - dy * reach), dxfattribs=_THIN)
+    _cells(paper, at[0] - _HIGH_MM / 2, at[1] - _HIGH_MM / 2, [_HIGH_MM])
+    _middle(paper, letter, at)
+
+
+def _cells(paper: Modelspace, left: float, low: float, widths: list[float]) -> None:
+    right, top = left + sum(widths), low + _HIGH_MM
+    outline = [(left, low), (right, low), (right, top), (left, top)]
+    paper.add_lwpolyline(outline, close=True, dxfattribs=_THIN)
+    for width in np.cumsum(widths[:-1]):
+        paper.add_line((left + width, low), (left + width, top), dxfattribs=_THIN)
+
+
+def _arrow_head(paper: Modelspace, tail: Point, tip: Point, length: float) -> None:
+    along = np.array(tip) - np.array(tail)
+    along = along / np.hypot(*along)
+    across = np.array([-along[1], along[0]])
+    back = np.array(tip) - along * length
+    sides = (tuple(back + across * length / 6), tuple(back - across * length / 6))
+    paper.add_solid([tip, *sides, sides[1]], dxfattribs=_THIN)
+
+
+def _middle(paper: Modelspace, text: str, at: Point) -> None:
+    entity = paper.add_text(text, height=TEXT_MM, dxfattribs={"layer": "TEXT", "style": TEXT_STYLE})
+    entity.set_placement(at, align=TextEntityAlignment.MIDDLE_CENTER)
