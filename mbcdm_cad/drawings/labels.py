@@ -12,6 +12,8 @@ from mbcdm_cad.drawings.strokes import Point, Stroke, points_of
 
 _DIRECTIONS = (45, 135, 315, 225, 0, 90, 180, 270, 22, 67, 112, 157, 202, 247, 292, 337)
 _AROUND_MM = 0.5
+# The farthest place is some 70 mm away: a small part has many dimensions around it.
+_STEPS = 60
 Box = tuple[float, float, float, float]
 
 
@@ -63,7 +65,7 @@ class Room:
         ``beside``: the whole text is to the left or to the right of ``at``.
         """
         best: Point | None = None
-        for step in range(26):
+        for step in range(_STEPS):
             for deg in _DIRECTIONS:
                 away = clear + 0.6 + 1.2 * step
                 dx, dy = cos(radians(deg)), sin(radians(deg))

@@ -20,7 +20,7 @@ from mbcdm_cad.drawings.draw import PartFacts, draw_sheet
 from mbcdm_cad.drawings.full_size import LAYOUT
 from mbcdm_cad.drawings.style import plain
 from mbcdm_cad.layouts.loader import load_design
-from tests.support.drawing_reader import document
+from tests.support.drawing_reader import document, texts_on_texts, texts_outside
 
 ROOT = Path(__file__).parents[3]
 _FREECAD = """
@@ -96,6 +96,14 @@ def test_a_control_frame_names_value_and_datum_in_cells_beside_each_other(doc: D
     ]
     assert 0.0 < right.x - value.x < 8.0 and 0.0 < count.y - value.y < 4.0, (value, right, count)
     assert sum(t.dxf.text == "D" for t in doc.modelspace().query("TEXT")) == 2, "the datum itself, and the frame"
+
+
+def test_a_crowded_small_pulley_keeps_its_texts_apart() -> None:
+    """So many dimensions stand round this one that its control frames find room only far from it."""
+    part = load_design(ROOT / "params" / "gallery" / "telescope.yaml").drive.layout.bill().made["input_pulley_right"]
+    facts = PartFacts("telescope", "metal", 1.0, "0", 0.02)
+    crowded = document(draw_sheet(part.sheet("input_pulley_right"), part.in_views().solid(), facts)["dxf"])
+    assert not texts_on_texts(crowded) and not texts_outside(crowded)
 
 
 def _pdf_texts(data: bytes) -> list[str]:
