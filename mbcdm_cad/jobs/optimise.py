@@ -13,6 +13,7 @@ from threadpoolctl import threadpool_limits
 from mbcdm_cad.design.template import slug
 from mbcdm_cad.optimising.figures import refuse_unknown
 from mbcdm_cad.optimising.journal import Journal, sole_search
+from mbcdm_cad.optimising.page import optimum_page
 from mbcdm_cad.optimising.result import Optimum, optimum_of
 from mbcdm_cad.optimising.search import FrontSearch, Told
 from mbcdm_cad.optimising.variables import variables_of
@@ -69,6 +70,7 @@ def _write(found: Optimum, questions: Sequence[Question], request: dict[str, Any
     with output_folder(found.folder, Manifest(key, key), design=questions[0].path) as folder:
         folder.write("optimum.json", json.dumps(found.to_dict(), indent=1, allow_nan=False) + "\n")
         folder.write("front.csv", _csv(found))
+        folder.write("optimum.html", optimum_page(found))
         for point in found.points:
             folder.write(f"front/{point.name}.yaml", point.text)
 

@@ -13,7 +13,8 @@ import numpy as np
 from mbcdm_cad.optimising.variables import Values, Variable, first_values
 from mbcdm_cad.routes import Floats
 
-POPULATION = 40
+# Points of a generation: this many, fewer where few fields are free.
+MOST, LEAST, EACH = 40, 8, 4
 # Fields that a mutation changes on average, and the index of its distribution for numbers: the smaller, the wider.
 CHANGED, WIDTH = 1.5, 6.0
 
@@ -21,7 +22,7 @@ CHANGED, WIDTH = 1.5, 6.0
 class Engine:
     """One search over ``variables`` for ``aims`` figures, of which less is better."""
 
-    def __init__(self, variables: Sequence[Variable], aims: int, seed: int, population: int = POPULATION) -> None:
+    def __init__(self, variables: Sequence[Variable], aims: int, seed: int) -> None:
         # Imported here: it takes as long as a hundred checks.
         from pymoo.algorithms.moo.nsga2 import NSGA2, binary_tournament
         from pymoo.core.mixed import MixedVariableDuplicateElimination, MixedVariableMating
@@ -37,6 +38,7 @@ class Engine:
             v.field: Choice(options=list(v.options)) if v.options else Real(bounds=(-1.0 if v.ruled else 0.0, 1.0))
             for v in variables
         }
+        population = min(LEAST + EACH * len(variables), MOST)
         # The engine takes each choice alone, and would change half of them at once.
         share = min(0.5, CHANGED / len(space))
         drawn = first_values(variables, population, np.random.default_rng([seed, len(variables)]))

@@ -22,6 +22,8 @@ from mbcdm_cad.solving.trials import choices, setting_of
 STILL = 0.2
 # Fields that differ from their rules in a point of the first generation, on average.
 MOVED_AT_FIRST = 2.5
+# A number this near to an end of its range, as a share of the range, is that end: the best often lies there.
+SNAP = 0.03
 # A range is followed by its logarithm if its ends are this far apart.
 WIDE = 4.0
 # Draws for each point of the first generation; where few values are free, some of them are equal.
@@ -53,6 +55,7 @@ class Variable:
             moved = max(abs(u) - STILL, 0.0) / (1.0 - STILL)
             factor = float(f"{exp(moved * log(self.high if u > 0.0 else self.low)):.4g}")
             return None if factor == 1.0 else Times(factor)
+        u = 0.0 if u < SNAP else 1.0 if u > 1.0 - SNAP else u
         if self.logarithmic:
             found = exp(log(self.low) + u * (log(self.high) - log(self.low)))
         else:

@@ -1,4 +1,4 @@
-"""The page of the loop and of compared designs: no errors, self-contained, same style, charts that respond."""
+"""Pages of the loop, of compared and of the best designs: no errors, self-contained, same style, charts respond."""
 
 from __future__ import annotations
 
@@ -13,8 +13,10 @@ from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.loop.page.report import report_page
 from mbcdm_cad.loop.result import Errors, LoopResult, Traces, Value
 from mbcdm_cad.measurement.run import Run
+from mbcdm_cad.optimising.page import optimum_page
 from mbcdm_cad.report.comparison import compared
 from mbcdm_cad.report.page.compared import comparison_page
+from tests.support.optimum import optimum
 
 REFERENCE = Path(__file__).parents[2] / "params" / "mbcdm.yaml"
 TIME = np.linspace(0.0, 60.0, 600)
@@ -98,4 +100,30 @@ def test_page_of_compared_designs_is_silent_and_fits(shown: Any, artefacts: Path
     assert page.locator("#figures tbody tr").count() > 15
     assert page.evaluate("() => document.documentElement.scrollWidth") <= 390
     page.screenshot(path=artefacts / "compared-390.png", full_page=True)
+    assert problems == [] and foreign == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("width", "scheme"), [(1280, "light"), (390, "dark")])
+def test_page_of_the_best_designs_links_its_plots(shown: Any, artefacts: Path, width: int, scheme: str) -> None:
+    page, problems, foreign = shown(optimum_page(optimum()), width, scheme)
+    assert page.locator("#plot circle.design").count() == page.locator("#parallel polyline.design").count() == 3
+    assert page.locator("#plot rect.start").count() == 1
+    first = page.get_attribute("#chosen-line", "points")
+    page.locator("#plot circle.design").nth(2).click()
+    assert page.inner_text("#chosen-name") == "Design made-03"
+    assert page.get_attribute("#chosen-line", "points") != first
+    assert page.inner_text("#chosen-patch").endswith("made-03 <b>&")
+    rows = page.locator("#chosen-checks tbody tr")
+    assert [rows.nth(k).locator("td").first.inner_text() for k in range(2)] == ["warn", "pass"]
+    assert "at its limit" in rows.nth(1).inner_text()
+    page.locator("#parallel polyline.design").nth(0).dispatch_event("click")
+    assert page.inner_text("#chosen-name") == "Design made-01"
+    page.locator("#plot circle.design").nth(1).press("Enter")
+    assert page.inner_text("#chosen-name") == "Design made-02"
+    page.select_option("#y-axis", "box_x_mm")
+    assert "box_x_mm" in page.locator("#plot circle.design").first.get_attribute("aria-label")
+    assert "mass_g, g" in page.inner_text("#chosen-figures") and "350" in page.inner_text("#chosen-figures")
+    assert page.evaluate("() => document.documentElement.scrollWidth") <= width
+    page.screenshot(path=artefacts / f"optimum-{width}.png", full_page=True)
     assert problems == [] and foreign == []

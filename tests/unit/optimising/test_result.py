@@ -1,0 +1,37 @@
+"""What a search says of its front: the table, what binds where, the page's data."""
+
+from __future__ import annotations
+
+import json
+
+from mbcdm_cad.optimising.page import optimum_page
+from tests.support.optimum import FIGURES, optimum
+
+
+def test_what_binds_is_named_with_the_designs_where_it_does() -> None:
+    found = optimum()
+    assert found.binding() == {"a_gap": ["made-01", "made-02", "made-03"], "b_gap": ["made-01"]}
+    text = found.text(100)
+    assert "within 2% of their limits at every design: a_gap\n" in text and "b_gap (made-01)" in text
+    assert "10 designs evaluated, 1 pass every check; ended: made up" in text
+    rows = [line.split() for line in text.splitlines() if line.startswith("  made-")]
+    assert rows == [
+        [f"made-{k + 1:02d}", f"{f['mass_g']:.4g}", f"{f['swing_mrad']:.4g}", "3"] for k, f in enumerate(FIGURES)
+    ]
+
+
+def test_plain_data_holds_the_front_with_patches() -> None:
+    data = json.loads(json.dumps(optimum().to_dict(), allow_nan=False))
+    assert [point["figures"] for point in data["front"]] == FIGURES
+    assert data["starts"][0]["mass_g"] == 350.0 and data["hypervolume"][-1] == {"evaluated": 10, "volume": 0.7}
+
+
+def test_the_page_holds_every_design_and_leaves_out_what_is_the_same_for_all() -> None:
+    page = optimum_page(optimum()).decode()
+    data = json.loads(
+        next(line for line in page.splitlines() if "const data = {" in line).split("= ", 1)[1].rstrip(";")
+    )
+    assert [point["name"] for point in data["points"]] == ["made-01", "made-02", "made-03"]
+    assert data["names"] == ["mass_g", "swing_mrad", "torque_Nm", "box_x_mm"], "efficiency is the same for all"
+    assert data["points"][1]["patch"].endswith("<b>&") and "<b>&" not in page, "a patch is text, not HTML"
+    assert data["points"][0]["checks"][0] == ["a_gap", "a gap", "pass", "10 >= 10 mm"]
