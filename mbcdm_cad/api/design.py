@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from mbcdm_cad.report.build_report import BuildReport
     from mbcdm_cad.report.check_report import CheckReport
     from mbcdm_cad.report.explain import Explanation
+    from mbcdm_cad.report.preload import PreloadReport
     from mbcdm_cad.storage.cache import Cache
 
 # Is called with the name of each item while it is made.
@@ -83,6 +84,19 @@ class DriveDesign:
         from mbcdm_cad.report.analysis_report import analyse_design
 
         return analyse_design(self.loaded.drive)
+
+    def preload(self, out: str | Path | None = None, *, logs: Mapping[str, str | Path] | None = None) -> PreloadReport:
+        """Shares of the preload, and how the built drive measures its own, as ``mbcdm preload``.
+
+        With ``out`` expected curves, a ramp in C and its evaluation in Python are written into ``out/NAME-preload``.
+        ``logs``: for each input a CSV of its measured ramps (angle_rad, torque_Nm); the report then has the preloads
+        found and the turns of the nuts. Raises ``MbcdmError`` for a log that does not do.
+        """
+        from mbcdm_cad.jobs.outputs import write_preload
+        from mbcdm_cad.report.preload import preload_report
+
+        report = preload_report(self.drive.layout, [(name, Path(path)) for name, path in (logs or {}).items()])
+        return report if out is None else write_preload(self.loaded, report, Path(out))
 
     def explain(self, field: str | None = None) -> Explanation:
         """Why fields have their values, as ``mbcdm explain``: all that have a sizing rule, or one by its dotted name.

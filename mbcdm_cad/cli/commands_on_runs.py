@@ -31,6 +31,39 @@ def analyse(design: Path, as_json: bool) -> int:
     return 0
 
 
+@mbcdm.command(
+    epilog=examples(
+        "mbcdm preload my_drive.yaml", "mbcdm preload my_drive.yaml --log left=left.csv --log right=right.csv"
+    )
+)
+@DESIGN
+@click.option(
+    "--log", "logs", multiple=True, metavar="INPUT=FILE", help="Measured ramps of an input, CSV: angle_rad, torque_Nm."
+)
+@click.option("--json", "as_json", is_flag=True, help="Print the results as JSON.")
+@out_folder("Folder that the procedure's folder, NAME-preload, is written into.")
+def preload(design: Path, logs: tuple[str, ...], as_json: bool, out: Path) -> int:
+    """Show what the preload is made of and how to measure it.
+
+    Writes the expected curves of torque over angle of each input with the drum at its stop, a ramp in C and its
+    evaluation in Python. With --log: the preloads found, and which nut to turn by how much.
+    """
+    named = {}
+    for log in logs:
+        name, equals, path = log.partition("=")
+        if not (name and equals and path):
+            raise click.BadParameter(f"{log!r} is not INPUT=FILE, such as left=left.csv", param_hint="--log")
+        named[name] = path
+    report = api.load(design).preload(out, logs=named)
+    if as_json:
+        print_json(report.to_dict())
+    else:
+        click.echo(report.text(screen_width()))
+        if report.folder is not None:
+            click.echo(f"{report.folder}: expected curves, ramp in C, evaluation in Python")
+    return 0
+
+
 @mbcdm.command(epilog=examples("mbcdm sensitivity my_drive.yaml"))
 @DESIGN
 @out_folder("Folder that the study's folder, NAME-sensitivity, is written into.")

@@ -7,7 +7,7 @@ plots are imported inside, because they take long to load.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -26,6 +26,7 @@ from mbcdm_cad.storage.manifest import Manifest, versions
 from mbcdm_cad.storage.origin import refuse_other_origin, write_from
 
 if TYPE_CHECKING:
+    from mbcdm_cad.report.preload import PreloadReport
     from mbcdm_cad.robot.urdf import UrdfOptions
 
 
@@ -49,6 +50,16 @@ class Written:
 def _written(loaded: LoadedDesign, folder: Path, files: Mapping[str, bytes], words: str) -> Written:
     write_from(loaded.path, folder, files)
     return Written(folder, tuple(folder / name for name in files), f"{folder}: {words}")
+
+
+def write_preload(loaded: LoadedDesign, report: PreloadReport, out: Path) -> PreloadReport:
+    """Write the files of the procedure that measures the preloads; a report without ramps writes none."""
+    made = report.files()
+    if not made:
+        return report
+    folder = out / f"{loaded.drive.name}-preload"
+    refuse_other_origin(folder, loaded.path)
+    return replace(report, folder=_written(loaded, folder, made, "").folder)
 
 
 def write_drawings(

@@ -182,7 +182,7 @@ class AnalysisReport:
             yield filled(f"No life of the cables: {self.no_life}", width)
         else:
             yield [
-                "Bendings at the weakest point of each cable in one cycle of the output, and cycles until it breaks:",
+                "Bendings of each cable's weakest point in a cycle, and cycles until it breaks:",
                 *self.life.table().text(width, "  "),
                 *(line for text in self.life.lines() for line in filled(f"  {text}", width)),
             ]

@@ -52,6 +52,8 @@ SIGNATURES = {
     "DriveDesign.with_": "(self, changes: 'Mapping[str, Any] | None' = None, /, **fields: 'Any') -> 'DriveDesign'",
     "DriveDesign.check": "(self) -> 'CheckReport'",
     "DriveDesign.analyse": "(self) -> 'AnalysisReport'",
+    "DriveDesign.preload": "(self, out: 'str | Path | None' = None, *, logs: 'Mapping[str, str | Path] | None' = None)"
+    " -> 'PreloadReport'",
     "DriveDesign.explain": "(self, field: 'str | None' = None) -> 'Explanation'",
     "DriveDesign.explain_graph": "(self, svg: 'str | Path') -> 'Written'",
     "DriveDesign.sensitivity": "(self, out: 'str | Path' = 'out') -> 'SensitivityStudy'",

@@ -46,6 +46,7 @@ FUNCTIONS = {
     "picture": ["DriveDesign.picture", "DriveDesign.moving_picture"],
     "pictures": ["DriveDesign.pictures"],
     "plan": ["DriveDesign.plan", "DriveDesign.best_run"],
+    "preload": ["DriveDesign.preload"],
     "prints": ["DriveDesign.prints"],
     "reproduce": ["reproduce"],
     "schema": ["schema", "schema_page"],

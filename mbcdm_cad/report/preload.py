@@ -1,0 +1,247 @@
+"""The preload of a design and how the built drive measures it: text, plain data, and the files of the procedure."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass, field
+from importlib.resources import files
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from mbcdm_cad.errors import MbcdmError
+from mbcdm_cad.layouts import preload
+from mbcdm_cad.layouts.base import NoFigureError
+from mbcdm_cad.model.si import ModelError
+from mbcdm_cad.report.table import ReportTable, filled
+
+if TYPE_CHECKING:
+    from mbcdm_cad.layouts.base import Layout
+    from mbcdm_cad.layouts.preload import NutTurn, PreloadRule
+    from mbcdm_cad.model.preload_ramp import MeasuredPreloads, Ramp
+
+_HEAD = ("angle_rad", "torque_Nm")
+
+
+@dataclass(frozen=True)
+class PreloadReport:
+    """Shares of a preload, the expected ramps (none where ``no_ramps`` says why), and what logs of them gave.
+
+    ``files``: of the procedure, by name, for the output folder; ``folder``: where they were written.
+    """
+
+    rule: PreloadRule
+    ramps: tuple[Ramp, ...]
+    no_ramps: str
+    measured: tuple[MeasuredPreloads, ...]
+    turns: tuple[NutTurn, ...]
+    motor_Nm: float
+    layout: Layout = field(repr=False)
+    folder: Path | None = None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything, ready for JSON."""
+        names = self.layout.loads.si.cable_names
+        return {
+            "rule": asdict(self.rule),
+            "no_ramps": self.no_ramps,
+            "motor_reaches_Nm": self.motor_Nm,
+            "ramps": [
+                {
+                    "input": r.input_name,
+                    "cables": [names[j] for j in r.cables],
+                    "knee_rad": list(r.knee_rad),
+                    "knee_Nm": list(r.knee_Nm),
+                    "slack_first": list(r.slack_first),
+                    "sigma_N": r.sigma_N.tolist(),
+                }
+                for r in self.ramps
+            ],
+            "measured": [
+                {
+                    "cables": [names[j] for j in m.cables],
+                    "preload_N": m.preload_N.tolist(),
+                    "sigma_N": m.sigma_N.tolist(),
+                    "stiffness_over_design": m.stiffness,
+                    "friction_over_design": m.friction,
+                }
+                for m in self.measured
+            ],
+            "nut_turns": [asdict(turn) for turn in self.turns],
+            "folder": None if self.folder is None else str(self.folder),
+        }
+
+    def files(self) -> dict[str, bytes]:
+        """Files of the procedure: the expected curves, the ramp in C, the evaluation in Python. None without ramps."""
+        if not self.ramps:
+            return {}
+        found = {f"expected-{r.input_name}.csv": _curve(r) for r in self.ramps}
+        knee = min(float(np.abs(r.knee_Nm).min()) for r in self.ramps)
+        filled_in = {
+            "DESIGN": self.layout.drive.name,
+            "LARGEST_RAD": f"{max(float(np.abs(r.angle_rad).max()) for r in self.ramps):.5f}",
+            "LARGEST_NM": f"{max(float(np.abs(r.torque_Nm).max()) for r in self.ramps):.4g}",
+            "KNEE_NM": f"{knee:.4g}",
+            "INPUTS": ", ".join(repr(r.input_name) for r in self.ramps),
+        }
+        for name in ("preload_ramp.c", "preload_ramp.py"):
+            text = files("mbcdm_cad.report").joinpath(f"{name}.txt").read_text("utf-8")
+            for key, value in filled_in.items():
+                text = text.replace(f"@{key}@", value)
+            found[name] = text.encode("utf-8")
+        return found
+
+    def text(self, width: int | None = None) -> str:
+        """What ``mbcdm preload`` prints."""
+        return "\n".join(line for text in self._lines(width) for line in text)
+
+    def __str__(self) -> str:
+        """As :meth:`text`."""
+        return self.text()
+
+    def _lines(self, width: int | None) -> Iterator[list[str]]:
+        rule = self.rule
+        where = "above" if rule.preload_N > rule.knee_N else "below"
+        yield filled(
+            f"Preload {rule.preload_N:.4g} N: {rule.slack_N:.3g} N keep all cables taut at the peak torque, beyond the "
+            f"knee at {rule.knee_N:.3g} N more buys little backlash (it stands {where} it), "
+            f"limits.preload_share_max allows {rule.most_N:.4g} N",
+            width,
+        )
+        rows = tuple(
+            (
+                f"{row.preload_N:.3g}",
+                f"{row.lowest_share:.0%}",
+                f"{row.swing_mrad:.4f}",
+                "none" if row.life_factor is None else f"{row.life_factor:.2g}",
+                f"{row.rope_Nm:.4f}",
+                f"{row.bearings_Nm:.4f}",
+            )
+            for row in rule.table
+        )
+        heads = ("preload N", "lowest tension", "swing mrad", "life, times", "rope N m", "bearings N m")
+        yield ReportTable(heads, rows).text(width, "  ")
+        yield filled(
+            "  lowest tension: at the peak torque, over the preload; swing: at a reversal of the test torque; rope, "
+            "bearings: friction at the drum without a load",
+            width,
+        )
+        yield [""]
+        if not self.ramps:
+            yield filled(f"No ramps: {self.no_ramps}", width)
+            return
+        yield from self._procedure(width)
+        if self.measured:
+            yield from self._found(width)
+
+    def _procedure(self, width: int | None) -> Iterator[list[str]]:
+        yield ["Measuring the preloads on the built drive:"]
+        for step in (
+            "1. Unload the drum, hold it centred, and let each input hold its own angle: that is angle 0.",
+            "2. Turn the drum to its positive stop and hold one input's angle from there on as 0. Raise its angle "
+            "slowly until the torque's slope has fallen behind the knee, and back. Log angle and torque of the pulley.",
+            "3. The same at the negative stop with the angle falling. Then the other inputs, the first one free.",
+            "4. mbcdm preload DESIGN --log INPUT=LOG.csv, with the columns angle_rad and torque_Nm.",
+        ):
+            yield filled(f"  {step}", width)
+        names = self.layout.loads.si.cable_names
+        rows = []
+        for r in self.ramps:
+            for k in (1, 0):
+                j = names.index(r.slack_first[k])
+                sigma = float(r.sigma_N[r.cables.index(j)]) if j in r.cables else float("nan")
+                rows.append(
+                    (
+                        r.input_name,
+                        "rising" if k else "falling",
+                        f"{1e3 * r.knee_rad[k]:+.1f}",
+                        f"{r.knee_Nm[k]:+.3g}",
+                        r.slack_first[k],
+                        f"{sigma:.2g}",
+                    )
+                )
+        heads = ("input", "angle", "knee mrad", "torque N m", "goes slack", "sigma N")
+        yield ReportTable(heads, tuple(rows)).text(width, "  ")
+        least = min(float(np.abs(r.knee_Nm).min()) for r in self.ramps)
+        if self.motor_Nm < least:
+            yield filled(
+                f"  the motor's peak torque gives {self.motor_Nm:.3g} N m at the pulley, less than the knee: turn the "
+                "input's shaft with a lever and a balance",
+                width,
+            )
+
+    def _found(self, width: int | None) -> Iterator[list[str]]:
+        yield ["", "Found:"]
+        rows = tuple(
+            (t.cable, f"{t.measured_N:.4g}", f"{t.sigma_N:.2g}", f"{t.wanted_N:.4g}", f"{t.turns:+.2f}")
+            for t in self.turns
+        )
+        yield ReportTable(("cable", "preload N", "sigma N", "wanted N", "turns of its nut"), rows).text(width, "  ")
+        for m in self.measured:
+            yield filled(
+                f"  rope {m.stiffness:.3g} times as stiff as in the design, friction {m.friction:.3g} times", width
+            )
+
+
+def _curve(ramp: Ramp) -> bytes:
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow((*_HEAD, "sigma_Nm"))
+    for row in zip(ramp.angle_rad, ramp.torque_Nm, ramp.sigma_Nm, strict=True):
+        writer.writerow([f"{value:.6g}" for value in row])
+    return text.getvalue().encode("utf-8")
+
+
+def read_log(path: Path) -> tuple[np.ndarray, np.ndarray]:
+    """Angles and torques of a log, a CSV with the columns ``angle_rad`` and ``torque_Nm``. Raises ``MbcdmError``."""
+    try:
+        with open(path, encoding="utf-8", newline="") as file:
+            reader = csv.DictReader(file)
+            missing = [name for name in _HEAD if name not in (reader.fieldnames or ())]
+            if missing:
+                found = ", ".join(reader.fieldnames or ("none",))
+                raise MbcdmError(
+                    f"{path}:1: no column {missing[0]}; columns: {found}; name them angle_rad and torque_Nm"
+                )
+            rows = []
+            for row in reader:
+                try:
+                    rows.append([float(row[name]) for name in _HEAD])
+                except (TypeError, ValueError):
+                    raise MbcdmError(
+                        f"{path}:{reader.line_num}: not a number; write plain figures in rad and N m"
+                    ) from None
+    except OSError as error:
+        raise MbcdmError(f"{path}: cannot be read: {error.strerror}") from None
+    table = np.array(rows, dtype=float).reshape(-1, 2)
+    return table[:, 0], table[:, 1]
+
+
+def preload_report(layout: Layout, logs: Sequence[tuple[str, Path]] = ()) -> PreloadReport:
+    """The report; ``logs``: (input, file) of measured ramps. Raises ``MbcdmError`` for a log that does not do."""
+    try:
+        rule = preload.preload_rule(layout)
+    except NoFigureError as missing:
+        raise MbcdmError(f"no figures of the preload: {missing}") from None
+    drive = layout.drive
+    ramps: tuple[Ramp, ...] = ()
+    reason, turns = "", tuple[Any, ...]()
+    try:
+        ramps = preload.ramps(layout)
+    except NoFigureError as missing:
+        reason = str(missing)
+    found = []
+    for input_name, path in logs:
+        if reason:
+            raise MbcdmError(f"{path}: no ramps to compare with: {reason}")
+        try:
+            found.append(preload.measured(layout, input_name, *read_log(path)))
+        except ModelError as error:
+            raise MbcdmError(f"{path}: {error}") from None
+    if found:
+        turns = preload.nut_turns(layout, tuple(found))
+    motor = drive.motor.peak_torque_mNm * 1e-3 * drive.gearhead.ratio * drive.gearhead.efficiency
+    return PreloadReport(rule, ramps, reason, tuple(found), turns, motor, layout)
