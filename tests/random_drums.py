@@ -56,7 +56,7 @@ def by_both(loaded: LoadedDesign) -> DrumByBoth:
 
     drive, layout = loaded.drive, loaded.drive.layout
     assert isinstance(layout, SectorLayout)
-    dims, material = layout.drum, drive.drum.material
+    dims, material = layout.drum, drive.drum_material
     names = [t.cable_name for t in dims.tensioners]
     share = {name: 1.0 / len(names) for name in names}
     thread = drive.screw(dims.set_screw).thread_mm

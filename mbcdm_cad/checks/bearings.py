@@ -107,7 +107,7 @@ def coupling_runout(s: SectorLayout) -> Comparison:
         span, overhang = upper - lower, lower - (s.collar.bottom_z + s.collar.top_z) / 2
         # The smallest neck diameter along the whole span, which is conservative.
         second_moment = pi * min(p.lower_neck_radius, p.upper_neck_radius, p.lower_surface_radius) ** 4 / 4
-        stiffness = drive.input_pulleys.material.youngs_modulus_GPa * 1e3 * second_moment
+        stiffness = drive.pulley_material.youngs_modulus_GPa * 1e3 * second_moment
         pull = max(float(np.linalg.norm(loads.inputs[i].force_N)) for loads in s.loads.on_bodies)
         lowest = min((slot.chord_z for slot in p.slots), default=p.land_bottom_z)
         low = float(np.clip(lowest - lower, 0.0, span))

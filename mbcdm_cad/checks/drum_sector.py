@@ -29,7 +29,7 @@ def rim_height(s: SectorLayout) -> Comparison:
     floors = [(f"pocket of {t.cable_name}", t.radius_mm - d.nut_pocket) for t in d.tensioners]
     floors += [(f"lug of {t.cable_name}", t.radius_mm - d.lug_root(t)) for t in d.tensioners]
     floors.append(("land of step 1", d.lands[0].surface_radius_mm))
-    limit = RIM_WALLS * s.drive.drum.material.min_wall_mm
+    limit = RIM_WALLS * s.drive.drum_material.min_wall_mm
     return worst(at_least(f"rim under the {name}", floor - d.rim_inner_radius, limit, "mm") for name, floor in floors)
 
 
@@ -41,7 +41,7 @@ def web_inside_rim(s: SectorLayout) -> Comparison:
             at_least("rim's outer face beyond the web", s.drive.drum.outer_face_y_mm - d.web_end_y, 0.0, "mm"),
             at_least(
                 "web's thickness over the thinnest wall",
-                d.web_end_y - d.web_start_y - s.drive.drum.material.min_wall_mm,
+                d.web_end_y - d.web_start_y - s.drive.drum_material.min_wall_mm,
                 0.0,
                 "mm",
             ),
@@ -63,7 +63,7 @@ def hub_walls(s: SectorLayout) -> Comparison:
     screw = s.drive.screw(d.set_screw)
     insert = d.payload_insert
     what = "inserts" if insert else "threads"
-    least = insert.wall_mm if insert else s.drive.drum.material.min_wall_mm
+    least = insert.wall_mm if insert else s.drive.drum_material.min_wall_mm
     beside = min(d.hub_radius - d.payload_circle_radius, d.payload_circle_radius - d.bore_radius) - d.payload_hole / 2
     found = [
         at_least(f"wall beside the payload's {what}", beside, least, "mm"),
@@ -102,7 +102,7 @@ def hub_length(s: SectorLayout) -> Comparison:
             ),
             at_least(
                 "hub beyond the web, over set screws and walls",
-                beyond - screw.thread_mm - 2 * s.drive.drum.material.min_wall_mm,
+                beyond - screw.thread_mm - 2 * s.drive.drum_material.min_wall_mm,
                 0.0,
                 "mm",
             ),
@@ -126,14 +126,14 @@ def shaft_wall(s: SectorLayout) -> Comparison:
     """Wall thickness of the hollow drum shaft."""
     shaft = s.drum_shaft
     return at_least(
-        "wall of the drum shaft", shaft.radius - shaft.bore_radius, s.drive.drum.shaft_material.min_wall_mm, "mm"
+        "wall of the drum shaft", shaft.radius - shaft.bore_radius, s.drive.shaft_material.min_wall_mm, "mm"
     )
 
 
 def stop_slot(s: SectorLayout) -> Comparison:
     """The slot for the stop pin lies in the web between hub and rim, inside the ends of the sector."""
     d = s.drum
-    half, limit = d.stop_slot_width / 2, SLOT_WALLS * s.drive.drum.material.min_wall_mm
+    half, limit = d.stop_slot_width / 2, SLOT_WALLS * s.drive.drum_material.min_wall_mm
     end = d.stop_slot_end_deg + degrees(asin(min(1.0, half / d.stop_radius)))
     return worst(
         (

@@ -88,7 +88,7 @@ def stop_pin(s: SectorLayout) -> Comparison:
 
 def pulley_stress(s: SectorLayout) -> Comparison:
     """Stress in the input pulley's necks from bending and torsion, against the yield stress."""
-    strength = s.drive.input_pulleys.material.yield_MPa
+    strength = s.drive.pulley_material.yield_MPa
     torque = s.loads.highest_input_Nm * 1e3
     found = []
     for i, (p, (name, low, high)) in enumerate(zip(s.inputs, s.once("input_reactions", input_reactions), strict=True)):
@@ -109,7 +109,7 @@ def pulley_stress(s: SectorLayout) -> Comparison:
 
 def shaft_twist(s: SectorLayout) -> Comparison:
     """Twist of the drum's shaft for a load at its far end."""
-    shaft, metal = s.drum_shaft, s.drive.drum.shaft_material
+    shaft, metal = s.drum_shaft, s.drive.shaft_material
     length = shaft.y_end - shaft.y_start
     shear = metal.youngs_modulus_GPa * 1e3 / (2 * (1 + metal.poisson_ratio))
     polar = pi / 2 * (shaft.radius**4 - shaft.bore_radius**4)

@@ -39,7 +39,7 @@ def dead_turns_check(adjust: tuple[Adjustment, ...]) -> Check:
 
 def stop_pocket_wall(s: SectorLayout) -> Comparison:
     """Wall between the corner of a stop's pocket and the surface of the land."""
-    limit = s.drive.input_pulleys.material.min_wall_mm
+    limit = s.drive.pulley_material.min_wall_mm
     return worst(
         at_least(
             f"wall outside the stop of {slot.cable_name}",
@@ -53,7 +53,7 @@ def stop_pocket_wall(s: SectorLayout) -> Comparison:
 
 def stop_pocket_floor(s: SectorLayout) -> Comparison:
     """Wall between the pockets that are milled from both end faces of a pulley."""
-    limit = s.drive.input_pulleys.material.min_wall_mm
+    limit = s.drive.pulley_material.min_wall_mm
     found = []
     for p in s.inputs:
         low, high = sorted(p.slots, key=lambda slot: slot.face_z)
@@ -66,7 +66,7 @@ def stop_pocket_floor(s: SectorLayout) -> Comparison:
 
 def stop_pocket_bore(s: SectorLayout) -> Comparison:
     """Wall between a stop's pocket and the bore for the gearhead's shaft, or between the pockets and the bore's end."""
-    limit = s.drive.input_pulleys.material.min_wall_mm
+    limit = s.drive.pulley_material.min_wall_mm
     found = []
     for p, slot, _ in _slots(s):
         beside = slot.pocket_inner - p.bore_radius
@@ -78,7 +78,7 @@ def stop_pocket_bore(s: SectorLayout) -> Comparison:
 def bore_wall(s: SectorLayout) -> Comparison:
     """Wall of the slit journal round the gearhead's shaft."""
     p = s.inputs[0]
-    limit = s.drive.input_pulleys.material.min_wall_mm
+    limit = s.drive.pulley_material.min_wall_mm
     return at_least(
         f"journal's wall round the {s.drive.mounted}'s shaft", p.lower_journal_radius - p.bore_radius, limit, "mm"
     )
@@ -198,7 +198,7 @@ def coupling_height(s: SectorLayout) -> Comparison:
 
 def _of_thinner_walls(s: SectorLayout) -> str:
     """Advice to choose steel or brass, if the pulleys are of a material that needs thicker walls."""
-    own, steel = s.drive.input_pulleys.material, s.drive.material("steel")
+    own, steel = s.drive.pulley_material, s.drive.material("steel")
     return "choose steel or brass for input_pulleys.material" if own.min_wall_mm > steel.min_wall_mm else ""
 
 

@@ -88,8 +88,8 @@ def encoder_shelf(s: HeadLayout) -> Comparison:
     f, drive = s.frame, s.drive
     if drive.encoder.absent:
         rest = drive.support.encoder_shelf_mm - f.seat_depth
-        return at_least("shelf behind the far bearing", rest, drive.support.material.min_wall_mm, "mm")
-    screw, limit = drive.screw(drive.encoder.screw), drive.support.material.min_wall_mm
+        return at_least("shelf behind the far bearing", rest, drive.frame_material.min_wall_mm, "mm")
+    screw, limit = drive.screw(drive.encoder.screw), drive.frame_material.min_wall_mm
     shelf = drive.support.encoder_shelf_mm
     low, high = f.encoder_shelf_bottom_z, f.encoder_shelf_top_z
     holes: list[tuple[str, float, float, float, float, float]] = [
@@ -111,7 +111,7 @@ def encoder_shelf(s: HeadLayout) -> Comparison:
 def boss_walls(s: HeadLayout) -> Iterator[Comparison]:
     """The boss has room for both drum bearings and a shoulder between them, its ears for the encoder's screws."""
     b, encoder = s.frame.boss, s.drive.drum_encoder
-    limit = s.drive.support.material.min_wall_mm
+    limit = s.drive.frame_material.min_wall_mm
     yield at_least("shoulder between the drum's bearings", b.front_seat_start_y - b.rear_seat_end_y, 2 * limit, "mm")
     if encoder.absent:
         return

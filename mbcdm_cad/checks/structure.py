@@ -30,7 +30,7 @@ def drum_stress(s: SectorLayout) -> Comparison:
     count with the strength that creep leaves.
     """
     d, drive, structure = s.drum, s.drive, s.structure
-    material = drive.drum.material
+    material = drive.drum_material
     strength, load = lasting_MPa(material), max(drive.loads.peak_torque_Nm, stalled_Nm(s))
     torsion = 2.0 * load * 1e3 * d.hub_radius / (pi * (d.hub_radius**4 - d.bore_radius**4))
     pressed = load * 1e3 / d.stop_radius / (2.0 * s.frame.stop_pin_radius * (d.web_end_y - d.web_start_y))
@@ -47,7 +47,7 @@ def payload_screws(s: SectorLayout) -> Comparison:
     """Torque at which the payload slips on the hub's face, over the peak torque."""
     joint, circle = (
         PayloadJoint(
-            s.drum.payload_screw_thread, s.drive.drum.material, s.drum.payload_insert, len(s.drum.payload_places)
+            s.drum.payload_screw_thread, s.drive.drum_material, s.drum.payload_insert, len(s.drum.payload_places)
         ),
         s.drum.payload_circle_radius,
     )
@@ -63,7 +63,7 @@ def payload_screws(s: SectorLayout) -> Comparison:
 
 def mounting_screws(s: SectorLayout) -> Comparison:
     """Torque at which the frame slips on what it is mounted on, over the peak torque."""
-    material, screw = s.drive.support.material, s.mounting
+    material, screw = s.drive.frame_material, s.mounting
     # The ring under a head or a washer presses the frame; a printed one yields to it in time.
     ring = pi / 4.0 * (screw.seat_mm(s.mount_washers) ** 2 - (2.0 * s.frame.mount_radius) ** 2)
     clamp = min(clamp_force_N(screw.thread_mm), lasting_MPa(material) * ring)

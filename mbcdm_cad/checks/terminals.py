@@ -110,7 +110,7 @@ def terminals_apart(s: SectorLayout) -> Comparison:
 
 def lands_intact(s: SectorLayout) -> Comparison:
     """No pocket cuts into a land, into the root of a lug, or into the path of a neighbouring cable."""
-    d, half, wall = s.drum, s.flank_mm, s.drive.drum.material.min_wall_mm
+    d, half, wall = s.drum, s.flank_mm, s.drive.drum_material.min_wall_mm
     lands = {c.name: d.lands[k] for k, c in enumerate(s.steps)}
     found = []
     for a, b in _pairs(d):
@@ -165,7 +165,7 @@ def terminal_angles(s: SectorLayout) -> Comparison:
 def outer_face(s: SectorLayout) -> Comparison:
     """Distance from the rim's outer face to the outermost nut or lug."""
     d = s.drum
-    half = max(s.drive.tensioner.nut_across_flats_mm / 3**0.5, d.stud_hole_radius + s.drive.drum.material.min_wall_mm)
+    half = max(s.drive.tensioner.nut_across_flats_mm / 3**0.5, d.stud_hole_radius + s.drive.drum_material.min_wall_mm)
     return worst(
         at_least(f"rim beyond the terminal of {t.cable_name}", d.lands[-1].y_end - t.y_mm - half, 0.0, "mm")
         for t in d.tensioners
@@ -205,7 +205,7 @@ def stud_stress(s: SectorLayout) -> Comparison:
 def lug_stress(s: SectorLayout) -> Comparison:
     """Bending stress at the root of the lug; only the metal between the slot and the outer face counts."""
     d = s.drum
-    strength = s.drive.drum.material.yield_MPa
+    strength = s.drive.drum_material.yield_MPa
     found = []
     for t in d.tensioners:
         width = d.lands[-1].y_end - t.y_mm - d.stud_hole_radius

@@ -6,10 +6,11 @@ Units are those of the file: mm, degrees, N, grams, GPa. The model converts to S
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from importlib import import_module
-from typing import TYPE_CHECKING, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 from mbcdm_cad.design.blocks import AsBuilt, Export, Limits, Loads, Making, Printing, Targets, Waiver
 from mbcdm_cad.design.bought import (
@@ -41,10 +42,7 @@ class CableRun:
 
 @dataclass(frozen=True, kw_only=True)
 class Sigmas:
-    """Standard deviations of the values that were given with one, 0 for the others; tuples are by cable.
-
-    A configuration adds those of its own lengths, each under the length's name.
-    """
+    """Standard deviations of the values that were given with one, 0 for the others; tuples are by cable."""
 
     preload_N: tuple[float, ...]
     friction_coefficient: float
@@ -52,6 +50,17 @@ class Sigmas:
     area_mm2: float  # of the area that the modulus refers to
     test_torque_Nm: float
     motor_torque_mNm: float
+    # Of the layout's own lengths, by the length's name. A dict has no hash.
+    lengths_mm: Mapping[str, float | tuple[float, ...]] = field(default_factory=dict, hash=False)
+
+    def of_cables(self, places: Sequence[int]) -> Sigmas:
+        """The same with the cables at these places alone."""
+
+        def of(size: float | tuple[float, ...]) -> Any:
+            return tuple(size[k] for k in places) if isinstance(size, tuple) else size
+
+        lengths = {name: of(size) for name, size in self.lengths_mm.items()}
+        return replace(self, preload_N=of(self.preload_N), lengths_mm=lengths)
 
 
 @dataclass(frozen=True)

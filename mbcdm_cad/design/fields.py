@@ -10,6 +10,8 @@ from pydantic import BaseModel, ConfigDict, Field, Strict, StringConstraints, Ty
 
 Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
 Integer = Annotated[int, Strict()]
+# Source of a value that nothing but judgement gives.
+ESTIMATE = "estimate"
 SLUG = r"^[a-z0-9][a-z0-9_-]{0,63}$"
 ENTRY_NAME = r"^[A-Za-z0-9][A-Za-z0-9._/+-]{0,63}$"
 CHECK_ID = r"^[a-z][a-z0-9_]{0,63}$"

@@ -50,9 +50,9 @@ class LoadedDesign:
 
 
 def _of_keys(value: Any, like: Any) -> Any:
-    """``value`` with those keys of its blocks that ``like`` has too."""
+    """``value`` with those keys of its blocks that ``like`` has too, in the order of ``like``."""
     if isinstance(value, dict) and isinstance(like, Mapping):
-        return {key: _of_keys(item, like[key]) for key, item in value.items() if key in like}
+        return {key: _of_keys(value[key], item) for key, item in like.items() if key in value}
     if isinstance(value, list) and isinstance(like, list):
         return [_of_keys(item, other) for item, other in zip(value, like, strict=True)]
     return value

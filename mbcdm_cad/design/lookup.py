@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
+from dataclasses import replace
 from functools import cache
-from typing import Any, TypeVar
-
-from pydantic import BaseModel
+from typing import Any
 
 from mbcdm_cad.design.blocks import Design
 from mbcdm_cad.design.bought import Bearing, Entry, Material, least_wall_mm
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.entries import KINDS
-
-T = TypeVar("T")
 
 
 class Catalogue:
@@ -91,14 +87,3 @@ def _materials(nozzle_mm: float) -> tuple[Material, ...]:
 
 def _printed_with(found: Material, nozzle_mm: float) -> Material:
     return replace(found, min_wall_mm=least_wall_mm(found.process, found.min_wall_mm, nozzle_mm))
-
-
-@cache
-def _field_names(target: type[Any]) -> tuple[str, ...]:
-    return tuple(item.name for item in fields(target))
-
-
-def copied(target: type[T], block: BaseModel, **given: Any) -> T:
-    """``target`` with the fields of the same name in ``block``, those in ``given`` taking precedence."""
-    names = _field_names(target)  # type: ignore[arg-type]
-    return target(**{name: given[name] if name in given else getattr(block, name) for name in names})

@@ -5,24 +5,34 @@ As in :mod:`mbcdm_cad.design.blocks`, the reference values with their sources ar
 
 from __future__ import annotations
 
-from typing import ClassVar
+from dataclasses import dataclass
+from typing import ClassVar, Literal
 
 from mbcdm_cad.design.blocks import Cable
-from mbcdm_cad.design.fields import Block, EntryName, Integer, Number, choice, quantity
+from mbcdm_cad.design.fields import EntryName, Integer, Number, PlainBlock, choice, quantity
 
 
-class SectorClearances(Block):
+@dataclass(frozen=True, kw_only=True)
+class Clearances(PlainBlock):
     """Gaps between finished surfaces."""
+
+    land_edge_mm: Number = quantity("edge of a drum land to the next cable's contact line", unit="mm", ge=0.0, le=5.0)
+    running_mm: Number = quantity(
+        "gap between any moving part and any fixed part elsewhere", unit="mm", ge=0.01, le=5.0
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class TransferClearances(Clearances):
+    """Gaps between finished surfaces."""
+
+    ORDER: ClassVar[tuple[str, ...]] = ("transfer_gap_mm",)
 
     transfer_gap_mm: Number = quantity(
         "surface of step 1 at the transfer to the drum's inner face; under half a rope, so that none slips in",
         unit="mm",
         ge=0.01,
         le=5.0,
-    )
-    land_edge_mm: Number = quantity("edge of a drum land to the next cable's contact line", unit="mm", ge=0.0, le=5.0)
-    running_mm: Number = quantity(
-        "gap between any moving part and any fixed part elsewhere", unit="mm", ge=0.01, le=5.0
     )
 
 
@@ -41,7 +51,8 @@ class SectorCable(Cable):
     )
 
 
-class SectorDrum(Block):
+@dataclass(frozen=True, kw_only=True)
+class SectorDrum(PlainBlock):
     """Drum sector with web, hub and tensioners; y is along the drum axis from the axis of the pulley before it."""
 
     material: EntryName = choice("material of the sector")
@@ -83,7 +94,8 @@ class SectorDrum(Block):
     )
 
 
-class SteppedPulleys(Block):
+@dataclass(frozen=True, kw_only=True)
+class SteppedPulleys(PlainBlock):
     """Input pulleys, carried by a bearing at both ends."""
 
     ORDER: ClassVar[tuple[str, ...]] = ("material", "surface", "lower_bearing", "upper_bearing")
@@ -94,3 +106,15 @@ class SteppedPulleys(Block):
     collar_screw: EntryName = choice(
         "screw of the clamp collar that couples a pulley to its gearhead", default="M1.6x6"
     )
+
+
+@dataclass(frozen=True, kw_only=True)
+class WoundPulleys(SteppedPulleys):
+    """Input pulleys that cables wind on in a helix."""
+
+    surface: Literal["smooth", "grooved"] = choice("smooth lands, or a helical groove that leads each cable")
+
+    @property
+    def grooved(self) -> bool:
+        """Whether each cable winds into a helical groove."""
+        return self.surface == "grooved"

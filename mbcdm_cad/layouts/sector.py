@@ -77,7 +77,7 @@ class SectorLayout(Layout):
     @property
     def printed_frame(self) -> bool:
         """See the base class."""
-        return self.drive.support.material.printed
+        return self.drive.frame_material.printed
 
     @property
     @abstractmethod

@@ -152,7 +152,7 @@ def structure_of(layout: SectorLayout) -> Structure:
         layout.loads.test_urad_Nm,
         stress_MPa,
         layout.drive.loads.peak_torque_Nm,
-        float(layout.drive.drum.material.yield_MPa),
+        float(layout.drive.drum_material.yield_MPa),
     )
 
 
@@ -206,7 +206,7 @@ def _drum(layout: SectorLayout, unit: Floats) -> tuple[list[Cause], Callable[[fl
         dims, {name: share / own for name, share in shares.items()}, {c.name: c.preload_N for c in drive.cables}
     )
     thread = drive.screw(dims.set_screw).thread_mm
-    study = sector_study(sector_shape(dims), hub(dims, thread), pulls, elastic(drive.drum.material))
+    study = sector_study(sector_shape(dims), hub(dims, thread), pulls, elastic(drive.drum_material))
 
     def stress_MPa(torque_Nm: float) -> float:
         return max(float(study.von_mises_MPa(way * torque_Nm * own).max()) for way in (1.0, -1.0))
@@ -229,7 +229,7 @@ def _drum_shaft(layout: SectorLayout, unit: Floats) -> Iterator[Cause]:
     on_hub = Acting(at, changed.force_N, couple - couple[1] * _Y)
     held = _supported([changed], supports, _Y)
     section = Section(supports[0], at, shaft.radius, shaft.bore_radius)
-    modulus = elastic(drive.drum.shaft_material).modulus_MPa
+    modulus = elastic(drive.shaft_material).modulus_MPa
     yield Cause("drum's shaft", bending_urad_Nm(_Y, [on_hub, *held], [section], modulus))
     spec, spring = drive.bearings.drum, layout.preload_spring.force_N
     yield Cause("drum's bearings", _bearings_urad_Nm((spec, spec), held, _supported([rest], supports, _Y), spring))
@@ -246,7 +246,7 @@ def _gearheads(layout: SectorLayout, torques_Nm: Floats) -> Iterator[Cause]:
 def _inputs(layout: SectorLayout, unit: Floats, torques_Nm: Floats) -> Iterator[Cause]:
     """Torsion of the input pulleys from the coupling to their cables, their bending, and their bearings."""
     d, bearings, sense = layout.loads.si, layout.drive.bearings, layout.levels_sense
-    material = elastic(layout.drive.input_pulleys.material)
+    material = elastic(layout.drive.pulley_material)
     twist = bend = give = 0.0
     for i, (pulley, torque) in enumerate(zip(layout.inputs, torques_Nm, strict=True)):
         route, supports = d.routes.inputs[i], layout.input_bearings_mm(i)

@@ -95,7 +95,7 @@ def sigmas_si(drive: Drive) -> dict[str, Any]:
     geometry = routed(drive).geometry
     for name in (*geometry.per_cable, *(v.name for v in geometry.varied)):
         # A length without a sigma in the design file counts as exact.
-        given[name] = np.array(getattr(s, name.removesuffix("_m") + "_mm", 0.0)) * MM
+        given[name] = np.array(s.lengths_mm.get(name.removesuffix("_m") + "_mm", 0.0)) * MM
     given |= {
         "friction_coefficient": s.friction_coefficient,
         "modulus_Pa": s.modulus_GPa * GPA,

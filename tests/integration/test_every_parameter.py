@@ -299,7 +299,7 @@ def test_mesh_tolerance_changes_the_mesh() -> None:
     for tolerance in (0.01, 0.04):
         drive = load_text(edited({("export", "mesh_tolerance_mm"): tolerance})).drive
         spec = bill(BevelLayout(drive)).parts["guide"]
-        files = drawn_part(spec, drive.guide.material, drive.export.mesh_tolerance_mm)
+        files = drawn_part(spec, drive.guide_material, drive.export.mesh_tolerance_mm)
         assert files.mesh.deviation_mm <= tolerance
         counts.append(len(files.mesh.triangles))
     assert counts[0] > counts[1], f"{counts} triangles"

@@ -175,7 +175,7 @@ class SupportFE:
 
     def __init__(self, layout: BevelLayout, cell_mm: float = 1.6) -> None:
         self.layout = layout
-        material = layout.drive.support.material
+        material = layout.drive.frame_material
         x, y, z = grid(layout, cell_mm)
         share = metal_share(layout, x, y, z)
         cells = np.argwhere(share > EMPTY)

@@ -10,11 +10,9 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 PACKAGE = ROOT / "mbcdm_cad"
 MODULES = {path: ast.parse(path.read_text("utf-8")) for path in sorted(PACKAGE.rglob("*.py"))}
-_BLOCK = "the block of the design file, and the plain value that is read from it"
 _FACE = "what the face of configurations asks for, and the class of a configuration that answers it"
 # Classes that share a name with another one, and why.
 SHARED_NAMES: dict[str, str] = {
-    "Clearances": _BLOCK,
     "PathFigures": _FACE,
 }
 MOST_ARGUMENTS = 8

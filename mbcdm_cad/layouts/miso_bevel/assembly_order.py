@@ -45,7 +45,7 @@ def _behind_the_guide(layout: BevelLayout) -> tuple[str, ...]:
 def _bench(layout: BevelLayout) -> tuple[AssemblyStep, ...]:
     drive = layout.drive
     rope, ring, spring = drive.cable, drive.drum_encoder, layout.preload_spring
-    screw, printed = drive.support.mount, drive.support.material.printed
+    screw, printed = drive.support.mount, drive.frame_material.printed
     insert = layout.frame.plate_insert
     return (
         AssemblyStep(

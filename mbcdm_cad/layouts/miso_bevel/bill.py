@@ -83,7 +83,7 @@ def _at(x: float, y: float, z: float) -> Placement:
 
 def _support(b: _Builder) -> None:
     lay, drive, v = b.layout, b.drive, b.layout.levels
-    metal = drive.support.material
+    metal = drive.frame_material
     head = drive.screw(drive.encoder.screw)
     insert = lay.frame.plate_insert
     tapped = replace(
@@ -98,7 +98,7 @@ def _support(b: _Builder) -> None:
         TopPlate(lay.top_plate, head.head_diameter_mm / 2 + 0.1, head.head_height_mm + 0.2),
         material=metal,
     )
-    steel = drive.guide.axle_material
+    steel = drive.axle_material
     b.add("guide_axle", Axle(lay.axle), material=steel)
     b.add("guide_spacer", Spacer(lay.axle), material=steel)
     pin_length = lay.drum.web_end_y + 0.5 - lay.frame.stop_pin_start_y
@@ -193,11 +193,11 @@ def _pulleys(b: _Builder) -> None:
     b.add(
         "guide",
         IdlerPulley(lay.guide),
-        material=drive.guide.material,
+        material=drive.guide_material,
         group="guide",
     )
     for p in lay.inputs:
-        add_input_pulley(b, drive, p, lay.collar, drive.support.material, _stand(drive))
+        add_input_pulley(b, drive, p, lay.collar, drive.frame_material, _stand(drive))
 
 
 def bill(layout: BevelLayout, drum_angle_deg: float = 0.0) -> Bill:

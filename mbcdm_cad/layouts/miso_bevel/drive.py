@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import asin, cos
+from typing import Literal
 
 from mbcdm_cad.design.blocks import SpanLimits
 from mbcdm_cad.design.bought import Bearing, Material
-from mbcdm_cad.design.drive import Drive, Sigmas
-from mbcdm_cad.parts.drum_sector.design import SectorDrive, SectorRun, TransferClearances, WoundPulleySpec
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.design.fields import ESTIMATE, EntryName, Number, PlainBlock, choice, quantity
+from mbcdm_cad.design.sector_blocks import TransferClearances, WoundPulleys
+from mbcdm_cad.parts.drum_sector.design import SectorDrive, SectorRun
 from mbcdm_cad.parts.mounting import MOUNT_SCREWS, MountScrew
 
 
@@ -39,28 +42,56 @@ class Bearings:
         return (self.drum, self.guide, self.input_lower, self.input_upper)
 
 
-@dataclass(frozen=True)
-class GuideSpec:
-    """Guide pulley and its fixed axle."""
-
-    material: Material
-    axle_material: Material
-
-
-@dataclass(frozen=True)
-class SupportSpec:
+@dataclass(frozen=True, kw_only=True)
+class Support(PlainBlock):
     """Frame: back plate, side walls, shelves, ribs and the separate top plate."""
 
-    material: Material
-    back_y_mm: float
-    back_plate_mm: float
-    side_wall_mm: float
-    motor_shelf_mm: float
-    coupling_space_mm: float
-    bearing_shelf_mm: float
-    top_plate_mm: float
-    rib_mm: float
-    mount_screw: str
+    material: EntryName = choice("material of frame and top plate", source=ESTIMATE, reference="aluminium-7075")
+    back_y_mm: Number = quantity(
+        "outer face of the back plate",
+        unit="mm",
+        source="derived from the 34.8 mm box",
+        reference=-14.0,
+        ge=-200.0,
+        le=-1.0,
+    )
+    back_plate_mm: Number = quantity(
+        "back plate thickness", unit="mm", source="held by limits.frame_windup_max_mrad", reference=5.0, ge=0.3, le=50.0
+    )
+    side_wall_mm: Number = quantity(
+        "side wall thickness",
+        unit="mm",
+        source="heads of the top plate's screws, with walls",
+        reference=5.8,
+        ge=0.3,
+        le=50.0,
+    )
+    motor_shelf_mm: Number = quantity(
+        "shelf that carries the gearheads",
+        unit="mm",
+        source="gearhead screws engage one diameter; held by limits.frame_windup_max_mrad",
+        reference=4.0,
+        ge=0.5,
+        le=50.0,
+    )
+    coupling_space_mm: Number = quantity(
+        "height between the shelves: coupling collar, gearhead screws and the tools for both",
+        unit="mm",
+        source=ESTIMATE,
+        reference=9.6,
+        ge=2.0,
+        le=100.0,
+    )
+    bearing_shelf_mm: Number = quantity(
+        "shelf of the input pulleys' lower bearings", unit="mm", source=ESTIMATE, reference=4.0, ge=0.5, le=50.0
+    )
+    top_plate_mm: Number = quantity("top plate thickness", unit="mm", source=ESTIMATE, reference=3.6, ge=0.5, le=50.0)
+    rib_mm: Number = quantity(
+        "rib thickness", unit="mm", source="held by limits.frame_windup_max_mrad", reference=7.0, ge=0.3, le=50.0
+    )
+    mount_screw: Literal["M3", "M4", "M5", "M6"] = choice(
+        "screws that hold the frame on its base, on washers if the frame is printed", source=ESTIMATE, reference="M3"
+    )
 
     @property
     def mount(self) -> MountScrew:
@@ -68,22 +99,11 @@ class SupportSpec:
         return MOUNT_SCREWS[self.mount_screw]
 
 
-@dataclass(frozen=True, kw_only=True)
-class BevelSigmas(Sigmas):
-    """Standard deviations of this configuration's own lengths too."""
-
-    input_radius_mm: tuple[float, ...]
-    guide_radius_mm: tuple[float, ...]
-    drum_radius_mm: tuple[float, ...]
-    centre_distance_mm: float
-
-
 @dataclass(frozen=True)
 class BevelDrive(SectorDrive):
     """A drive with two inputs, a guide and a bevel transfer. ``input_sides``: -1 for an input at x = -L, +1 at +L."""
 
     cables: tuple[BevelRun, ...]
-    sigmas: BevelSigmas
     limits: SpanLimits
     input_sides: tuple[int, ...]
     centre_distance_mm: float
@@ -91,10 +111,11 @@ class BevelDrive(SectorDrive):
     motors_above: bool  # on the top plate, the encoders then under the bearing shelf
     radii_explicit: bool
     bearings: Bearings
-    guide: GuideSpec
+    guide_material: Material
+    axle_material: Material
     clearances: TransferClearances
-    input_pulleys: WoundPulleySpec
-    support: SupportSpec
+    input_pulleys: WoundPulleys
+    support: Support
 
     @property
     def input_turn_rad(self) -> float:
@@ -142,7 +163,7 @@ class BevelDrive(SectorDrive):
     @property
     def collar_seat(self) -> tuple[float, float, str]:
         """Bore of the clamp collar in mm, which the pulley's lower journal has, its thinnest wall in mm, its screw."""
-        return self.bearings.input_lower.bore_mm, self.support.material.min_wall_mm, self.input_pulleys.collar_screw
+        return self.bearings.input_lower.bore_mm, self.frame_material.min_wall_mm, self.input_pulleys.collar_screw
 
 
 def bevel(drive: Drive) -> BevelDrive:

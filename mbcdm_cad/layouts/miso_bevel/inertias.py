@@ -31,7 +31,7 @@ def _input_pulley(drive: BevelDrive, name: str) -> float:
     for cable in (c for c in drive.cables if c.input_name == name):
         live = 2.0 * drive.half_travel_deg / 360.0 * cable.drum_radius_mm / cable.input_radius_mm
         length = drive.helix_lead_mm * (drive.dead_turns + live) + drive.cable.diameter_mm
-        density = drive.input_pulleys.material.density_g_cm3
+        density = drive.pulley_material.density_g_cm3
         total += disc_kg_m2(density, length, _surface_mm(drive, cable.input_radius_mm))
     return total
 
@@ -42,5 +42,5 @@ def _guide(drive: BevelDrive) -> float:
     radii = [c.drum_radius_mm for c in cables]
     length = (radii[-1] - radii[0]) / (len(radii) - 1) if len(radii) > 1 else drive.cable.diameter_mm
     bore = drive.bearings.guide.outer_diameter_mm / 2.0
-    density = drive.guide.material.density_g_cm3
+    density = drive.guide_material.density_g_cm3
     return sum(disc_kg_m2(density, abs(length), _surface_mm(drive, c.guide_radius_mm), bore) for c in cables)

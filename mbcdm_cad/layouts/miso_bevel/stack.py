@@ -147,7 +147,7 @@ def outward_of(drive: BevelDrive, cable: BevelRun) -> int:
 
 def milled_corner_mm(drive: BevelDrive, depth_mm: float) -> float:
     """Corner radius of a pocket of the frame: an end mill no longer than four diameters reaches its floor."""
-    return max(drive.support.material.min_internal_radius_mm, depth_mm / TOOL_SLENDERNESS / 2)
+    return max(drive.frame_material.min_internal_radius_mm, depth_mm / TOOL_SLENDERNESS / 2)
 
 
 def _beside_corner_mm(corner_mm: float, above_mm: float, gap_mm: float) -> float:

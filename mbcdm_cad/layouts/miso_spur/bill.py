@@ -41,7 +41,7 @@ def _sectors(b: BillBuilder, lay: RoundDrumLayout, drive: RoundDrumDrive, turns:
             DrumSector(d, screw.thread_mm),
             part="drum",
             drilled=drilled_drum(d, screw),
-            material=drive.drum.material,
+            material=drive.drum_material,
             group="drum",
             place=stand,
         )
@@ -66,7 +66,7 @@ def bill(lay: RoundDrumLayout, drum_angle_deg: float = 0.0) -> Bill:
     b = BillBuilder(moving_bodies(lay), drum_angle_deg)
     turns = [Placement.about(_Y, degrees(angle)) for angle in drive.angles_rad]
     with_drills = replace(star, arms=tuple(tapped(drive, arm) for arm in star.arms))
-    b.add("frame", Star(star), drilled=Star(with_drills), material=drive.support.material)
+    b.add("frame", Star(star), drilled=Star(with_drills), material=drive.frame_material)
     add_stop_pin(b, lay.units[0])
     add_drum_bearings(b, lay.units[0])
     add_drum_encoder(b, drive, frame.boss.encoder_pocket_floor_y, frame.boss.screw_circle)
@@ -74,6 +74,6 @@ def bill(lay: RoundDrumLayout, drum_angle_deg: float = 0.0) -> Bill:
         add_own_input(b, unit, turn, f"_{unit.drive.input_names[0]}")
     _sectors(b, lay, drive, turns)
     for pulley, turn in zip(lay.inputs, turns, strict=True):
-        add_input_pulley(b, drive, pulley, lay.collar, drive.support.material, turn @ ALONG_Y)
+        add_input_pulley(b, drive, pulley, lay.collar, drive.frame_material, turn @ ALONG_Y)
     add_cables(b, drive, lay.cable_paths(radians(drum_angle_deg)))
     return b.bill()

@@ -55,16 +55,6 @@ class RoundDrumDrive(SpurDrive):
         own = {name: getattr(self, name) for name in _FIELDS}
         places = [j for j, cable in enumerate(self.cables) if cable.input_name == self.input_names[index]]
         cables = [self.cables[j] for j in places]
-
-        def of(values: tuple[float, ...]) -> tuple[float, ...]:
-            return tuple(values[j] for j in places)
-
-        sigmas = replace(
-            self.sigmas,
-            preload_N=of(self.sigmas.preload_N),
-            input_radius_mm=of(self.sigmas.input_radius_mm),
-            drum_radius_mm=of(self.sigmas.drum_radius_mm),
-        )
         level = index * self.pitch_mm
         return SpurDrive(
             **own
@@ -72,7 +62,7 @@ class RoundDrumDrive(SpurDrive):
                 "configuration": "siso_spur",
                 "input_names": (self.input_names[index],),
                 "cables": tuple(replace(c, terminal_y_mm=level + c.outward * self.terminal_mm) for c in cables),
-                "sigmas": sigmas,
+                "sigmas": self.sigmas.of_cables(places),
                 "level_mm": level,
                 "frame_angle_rad": tau / self.n_inputs,
             }

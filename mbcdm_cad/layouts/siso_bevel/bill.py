@@ -48,7 +48,7 @@ def _shelf(lay: DirectLayout) -> EncoderShelf:
 
 
 def _support(b: BillBuilder, lay: DirectLayout, drive: DirectDrive) -> None:
-    steel, metal, frame = drive.material("steel"), drive.support.material, lay.frame
+    steel, metal, frame = drive.material("steel"), drive.frame_material, lay.frame
     insert = frame.flange_insert
     tapped = replace(
         frame,
@@ -84,6 +84,6 @@ def bill(lay: DirectLayout, drum_angle_deg: float = 0.0) -> Bill:
     add_drum_encoder(b, drive, lay.frame.boss.encoder_pocket_floor_y, lay.frame.boss.screw_circle)
     add_drum(b, drive, lay.drum, lay.drum_shaft)
     for pulley in lay.inputs:
-        add_input_pulley(b, drive, pulley, lay.collar, drive.support.material, _UPSIDE_DOWN)
+        add_input_pulley(b, drive, pulley, lay.collar, drive.frame_material, _UPSIDE_DOWN)
     add_cables(b, drive, lay.cable_paths(radians(drum_angle_deg)))
     return b.bill()

@@ -4,10 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from mbcdm_cad.design.bought import Bearing, Material
-from mbcdm_cad.design.drive import Drive, Sigmas
-from mbcdm_cad.parts.drum_sector.design import SectorRun, TransferClearances
+from mbcdm_cad.design.bought import Bearing
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.design.fields import ESTIMATE, EntryName, Number, PlainBlock, choice, quantity
+from mbcdm_cad.design.sector_blocks import TransferClearances
+from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.motor_head.dims import HeadedDrive
+
+# Source of the walls that stiffen the frame.
+CHOSEN = "for limits.frame_windup_max_mrad"
 
 
 @dataclass(frozen=True)
@@ -33,27 +38,56 @@ class DirectBearings:
         return (self.drum, self.input_lower, self.input_upper)
 
 
-@dataclass(frozen=True)
-class ColumnSpec:
-    """Frame and motor head."""
-
-    material: Material
-    back_y_mm: float
-    back_plate_mm: float
-    side_wall_mm: float
-    motor_shelf_mm: float
-    coupling_space_mm: float
-    bearing_shelf_mm: float
-    encoder_shelf_mm: float
-    rib_mm: float
-
-
 @dataclass(frozen=True, kw_only=True)
-class DirectSigmas(Sigmas):
-    """Standard deviations of this configuration's own lengths too."""
+class ColumnSupport(PlainBlock):
+    """Frame with the drum's bearings and the pulley's box, and the motor head on top of it."""
 
-    input_radius_mm: tuple[float, ...]
-    drum_radius_mm: tuple[float, ...]
+    material: EntryName = choice("material of frame and motor head", source=ESTIMATE, reference="aluminium-7075")
+    back_y_mm: Number = quantity(
+        "outer face of the back plate",
+        unit="mm",
+        source="the pulley clears the back plate",
+        reference=-17.3,
+        ge=-300.0,
+        le=-1.0,
+    )
+    back_plate_mm: Number = quantity("back plate thickness", unit="mm", source=CHOSEN, reference=3.0, ge=0.3, le=50.0)
+    side_wall_mm: Number = quantity(
+        "side walls of the pulley's box, with the motor head's screws",
+        unit="mm",
+        source="walls beside an M2 thread",
+        reference=4.0,
+        ge=0.3,
+        le=50.0,
+    )
+    motor_shelf_mm: Number = quantity(
+        "shelf that carries the gearhead",
+        unit="mm",
+        source="gearhead screws engage one diameter",
+        reference=4.0,
+        ge=0.5,
+        le=50.0,
+    )
+    coupling_space_mm: Number = quantity(
+        "height between the shelves: coupling collar, gearhead screws and the tools for both",
+        unit="mm",
+        source=ESTIMATE,
+        reference=9.6,
+        ge=2.0,
+        le=100.0,
+    )
+    bearing_shelf_mm: Number = quantity(
+        "shelf of the bearing next to the gearhead, the motor head's flange",
+        unit="mm",
+        source=ESTIMATE,
+        reference=4.0,
+        ge=0.5,
+        le=50.0,
+    )
+    encoder_shelf_mm: Number = quantity(
+        "shelf of the bearing next to the encoder", unit="mm", source=ESTIMATE, reference=4.0, ge=0.5, le=50.0
+    )
+    rib_mm: Number = quantity("side walls of the column", unit="mm", source=CHOSEN, reference=5.0, ge=0.3, le=50.0)
 
 
 @dataclass(frozen=True)
@@ -64,12 +98,11 @@ class DirectDrive(HeadedDrive):
     """
 
     cables: tuple[DirectRun, ...]
-    sigmas: DirectSigmas
     clearances: TransferClearances
     reserve_deg: float
     radii_explicit: bool
     bearings: DirectBearings
-    support: ColumnSpec
+    support: ColumnSupport
 
     @property
     def total_ratio(self) -> float:

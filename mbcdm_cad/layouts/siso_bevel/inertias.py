@@ -16,7 +16,7 @@ from mbcdm_cad.routes.route import input_body
 
 def inertias_kg_m2(drive: DirectDrive) -> dict[str, float]:
     """Inertia of each body of the routes about its own axis, kg m2."""
-    v, flank, density = direct_stack(drive), drive.cable.diameter_mm / 2, drive.input_pulleys.material.density_g_cm3
+    v, flank, density = direct_stack(drive), drive.cable.diameter_mm / 2, drive.pulley_material.density_g_cm3
     # The wall between the steps stands in the middle of the land.
     width = (v.land_top_z - v.land_bottom_z) / 2
     pulley = sum(disc_kg_m2(density, width, c.input_radius_mm - flank) for c in drive.cables)

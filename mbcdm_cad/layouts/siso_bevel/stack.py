@@ -63,7 +63,7 @@ def pocket_corner_radius_mm(drive: DirectDrive, depth_mm: float) -> float:
 
     No cutter has to reach into a printed frame, whose corners are rounded only for strength.
     """
-    metal, cutter = drive.support.material, depth_mm / TOOL_SLENDERNESS / 2
+    metal, cutter = drive.frame_material, depth_mm / TOOL_SLENDERNESS / 2
     return max(metal.min_internal_radius_mm, min(cutter, PRINTED_CORNER_MM) if metal.printed else cutter)
 
 

@@ -101,13 +101,13 @@ def bill(lay: SpurLayout, drum_angle_deg: float = 0.0) -> Bill:
     """All parts and instances with the drum at ``drum_angle_deg``."""
     drive, f = lay.drive, lay.frame
     b = BillBuilder(moving_bodies(lay), drum_angle_deg)
-    b.add("frame", Yoke(f), drilled=Yoke(tapped(drive, f)), material=drive.support.material)
+    b.add("frame", Yoke(f), drilled=Yoke(tapped(drive, f)), material=drive.frame_material)
     add_stop_pin(b, lay)
     add_drum_bearings(b, lay)
     add_own_input(b, lay, Placement.identity())
     add_drum_encoder(b, drive, f.boss.encoder_pocket_floor_y, f.boss.screw_circle)
     add_drum(b, drive, lay.drum, lay.drum_shaft)
     for pulley in lay.inputs:
-        add_input_pulley(b, drive, pulley, lay.collar, drive.support.material, ALONG_Y)
+        add_input_pulley(b, drive, pulley, lay.collar, drive.frame_material, ALONG_Y)
     add_cables(b, drive, lay.cable_paths(radians(drum_angle_deg)))
     return b.bill()

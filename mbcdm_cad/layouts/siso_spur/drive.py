@@ -5,13 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import acos, hypot, pi, radians, sqrt, tan, tau
-from typing import ClassVar, TypeVar
+from typing import ClassVar, Literal, TypeVar
 
 from mbcdm_cad.design.blocks import Limits
-from mbcdm_cad.design.bought import Bearing, Material
-from mbcdm_cad.design.drive import Drive, Sigmas
-from mbcdm_cad.design.fields import Number, quantity
-from mbcdm_cad.parts.drum_sector.design import SectorRun, WoundPulleySpec
+from mbcdm_cad.design.bought import Bearing
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.design.fields import ESTIMATE, EntryName, Number, PlainBlock, choice, quantity
+from mbcdm_cad.design.sector_blocks import WoundPulleys
+from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.input_pulley.dims import GROOVE_DEPTH, GROOVE_RADIUS
 from mbcdm_cad.parts.motor_head.dims import HeadedDrive
 
@@ -58,20 +59,61 @@ class SpurBearings:
         return (self.drum, self.input_lower, self.input_upper)
 
 
-@dataclass(frozen=True)
-class YokeSpec:
-    """Frame and motor head."""
+@dataclass(frozen=True, kw_only=True)
+class YokeSupport(PlainBlock):
+    """Frame: a plate with the drum's boss and a yoke over the input, and the motor head behind it."""
 
-    material: Material
-    back_y_mm: float
-    plate_mm: float
-    bridge_mm: float
-    side_wall_mm: float
-    motor_shelf_mm: float
-    coupling_space_mm: float
-    bearing_shelf_mm: float
-    encoder_shelf_mm: float
-    mount_screw: str
+    material: EntryName = choice("material of frame and motor head", source=ESTIMATE, reference="aluminium-7075")
+    back_y_mm: Number = quantity(
+        "end of the drum's encoder behind the frame",
+        unit="mm",
+        source="distance between the drum's bearings",
+        reference=-25.5,
+        ge=-300.0,
+        le=-1.0,
+    )
+    plate_mm: Number = quantity("plate thickness", unit="mm", source=ESTIMATE, reference=5.0, ge=0.3, le=50.0)
+    bridge_mm: Number = quantity(
+        "bridge from the plate to the encoder shelf, over the input",
+        unit="mm",
+        source=ESTIMATE,
+        reference=4.0,
+        ge=0.3,
+        le=50.0,
+    )
+    side_wall_mm: Number = quantity(
+        "twice the wall of the motor head", unit="mm", source=ESTIMATE, reference=4.0, ge=0.3, le=50.0
+    )
+    motor_shelf_mm: Number = quantity(
+        "shelf that carries the gearhead",
+        unit="mm",
+        source="gearhead screws engage one diameter",
+        reference=4.0,
+        ge=0.5,
+        le=50.0,
+    )
+    coupling_space_mm: Number = quantity(
+        "length between the shelves: coupling collar, gearhead screws and the tools for both",
+        unit="mm",
+        source=ESTIMATE,
+        reference=9.6,
+        ge=2.0,
+        le=100.0,
+    )
+    bearing_shelf_mm: Number = quantity(
+        "shelf of the bearing next to the gearhead, the motor head's flange",
+        unit="mm",
+        source=ESTIMATE,
+        reference=4.0,
+        ge=0.5,
+        le=50.0,
+    )
+    encoder_shelf_mm: Number = quantity(
+        "shelf of the bearing next to the encoder", unit="mm", source=ESTIMATE, reference=4.0, ge=0.5, le=50.0
+    )
+    mount_screw: Literal["M3", "M4", "M5", "M6"] = choice(
+        "screws that hold the frame on its base, in threads of the plate", source=ESTIMATE, reference="M3", default="M3"
+    )
 
     @property
     def mount_bolt(self) -> str:
@@ -102,15 +144,6 @@ class SpurLimits(Limits):
     )
 
 
-@dataclass(frozen=True, kw_only=True)
-class SpurSigmas(Sigmas):
-    """Adds the standard deviations of the lengths of this configuration."""
-
-    input_radius_mm: tuple[float, ...]
-    drum_radius_mm: tuple[float, ...]
-    centre_distance_mm: float
-
-
 @dataclass(frozen=True)
 class SpurDrive(HeadedDrive):
     """A drive with an input beside the drum: one cable round the input, both ends on the drum, or two anchored cables.
@@ -122,15 +155,14 @@ class SpurDrive(HeadedDrive):
     """
 
     cables: tuple[SpurRun, ...]
-    sigmas: SpurSigmas
     centre_distance_mm: float
     turns: int
     anchored: bool
     limits: SpurLimits
     radii_explicit: bool
-    input_pulleys: WoundPulleySpec
+    input_pulleys: WoundPulleys
     bearings: SpurBearings
-    support: YokeSpec
+    support: YokeSupport
     level_mm: float = 0.0
     frame_angle_rad: float = tau
 

@@ -18,6 +18,6 @@ def inertias_kg_m2(drive: SpurDrive) -> dict[str, float]:
     """Inertia of each body of the routes about its own axis, kg m2."""
     v = spur_stack(drive)
     surface = drive.input_radius_mm - drive.cable.diameter_mm / 2
-    density = drive.input_pulleys.material.density_g_cm3
+    density = drive.pulley_material.density_g_cm3
     pulley = disc_kg_m2(density, v.land_top_z - v.land_bottom_z, surface)
     return {DRUM: drum_inertia_kg_m2(drive, v.drum_inner_y), input_body(drive.input_names[0]): pulley}

@@ -7,6 +7,7 @@ from typing import Protocol
 
 from mbcdm_cad.design.bought import Bearing, Material, TensionerSpec
 from mbcdm_cad.design.drive import CableRun, Drive
+from mbcdm_cad.design.sector_blocks import Clearances, SectorDrum, SteppedPulleys
 
 
 @dataclass(frozen=True)
@@ -28,59 +29,6 @@ class SectorRun(CableRun):
         return -self.drum_side
 
 
-@dataclass(frozen=True)
-class Clearances:
-    """Gaps the geometry must keep, all in mm between finished surfaces."""
-
-    land_edge_mm: float  # edge of a drum land to the next cable's contact line
-    running_mm: float  # any moving solid to any fixed one, elsewhere
-
-
-@dataclass(frozen=True)
-class TransferClearances(Clearances):
-    """Clearances of a drive whose cables change to the drum from a pulley with an axis at a right angle to it."""
-
-    transfer_gap_mm: float  # surface of the other pulley at step 1 to the drum's inner face
-
-
-@dataclass(frozen=True)
-class DrumSpec:
-    """Drum sector and its shaft; y is measured along the drum axis from the axis of the pulley at the transfer."""
-
-    material: Material
-    sector_half_angle_deg: float
-    rim_inner_radius_mm: float
-    outer_face_y_mm: float
-    web_thickness_mm: float
-    hub_diameter_mm: float
-    hub_face_y_mm: float
-    output_circle_mm: float | None  # None: midway between shaft and edge
-    output_screws: int
-    shaft_bore_mm: float
-    shaft_material: Material
-    stop_pin_mm: float
-
-
-@dataclass(frozen=True)
-class InputPulleySpec:
-    """Input pulleys, equal except for their radii. ``collar_screw``: screw of the clamp collar that couples each."""
-
-    material: Material
-    collar_screw: str
-
-
-@dataclass(frozen=True)
-class WoundPulleySpec(InputPulleySpec):
-    """Input pulleys that cables wind on in a helix. ``surface``: ``smooth`` or ``grooved``."""
-
-    surface: str
-
-    @property
-    def grooved(self) -> bool:
-        """Whether each cable winds into a helical groove."""
-        return self.surface == "grooved"
-
-
 class SectorBearings(Protocol):
     """The bearings that every drive with a drum sector has."""
 
@@ -100,25 +48,23 @@ class SectorBearings(Protocol):
         """All roles; types may repeat."""
 
 
-class FrameSpec(Protocol):
-    """The frame's part of the design file."""
-
-    @property
-    def material(self) -> Material:
-        """Material of the frame."""
-
-
 @dataclass(frozen=True)
 class SectorDrive(Drive):
-    """A drive whose cables end on a drum sector."""
+    """A drive whose cables end on a drum sector.
+
+    The blocks name their materials, bearings and tensioner; beside them the drive has these entries of the catalogue.
+    """
 
     cables: tuple[SectorRun, ...]
     clearances: Clearances
     bearings: SectorBearings
     tensioner: TensionerSpec
-    drum: DrumSpec
-    input_pulleys: InputPulleySpec
-    support: FrameSpec
+    drum: SectorDrum
+    drum_material: Material
+    shaft_material: Material
+    input_pulleys: SteppedPulleys
+    pulley_material: Material
+    frame_material: Material
 
 
 class SectorLevels(Protocol):

@@ -16,7 +16,7 @@ def drum_inertia_kg_m2(drive: SectorDrive, inner_y_mm: float) -> float:
     ``inner_y_mm``: inner face of the rim.
     """
     spec, cables = drive.drum, sorted(drive.cables, key=lambda c: c.step)
-    half, density = radians(spec.sector_half_angle_deg), spec.material.density_g_cm3
+    half, density = radians(spec.sector_half_angle_deg), drive.drum_material.density_g_cm3
     flank = drive.cable.diameter_mm / 2.0
     walls = [c.land_y_mm - drive.clearances.land_edge_mm for c in cables[1:]] + [spec.outer_face_y_mm]
     hub = spec.hub_diameter_mm / 2.0

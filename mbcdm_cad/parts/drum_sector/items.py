@@ -40,7 +40,7 @@ def add_drum(b: BillBuilder, drive: SectorDrive, d: DrumDims, shaft: DrumShaftDi
     b.add(
         "drum",
         DrumSector(d, set_screw.thread_mm),
-        material=drive.drum.material,
+        material=drive.drum_material,
         group="drum",
         drilled=drilled_drum(d, set_screw),
     )
@@ -69,7 +69,7 @@ def add_output(
     b.add(
         "drum_shaft",
         DrumShaft(shaft),
-        material=drive.drum.shaft_material,
+        material=drive.shaft_material,
         group="drum",
     )
     for n, deg in enumerate(SET_SCREW_ANGLES_DEG, 1):

@@ -6,14 +6,25 @@ from collections.abc import Iterator
 from math import radians
 from typing import Any, Protocol
 
-from mbcdm_cad.design.lookup import Catalogue, copied
+from mbcdm_cad.design.lookup import Catalogue
 from mbcdm_cad.design.rules import NamedEntry
-from mbcdm_cad.design.sector_blocks import SectorCable, SectorDrum, SteppedPulleys
-from mbcdm_cad.parts.drum_sector.design import DrumSpec, InputPulleySpec
+from mbcdm_cad.design.sector_blocks import Clearances, SectorCable, SectorDrum, SteppedPulleys
+
+
+class Framed(Protocol):
+    """The block of the frame."""
+
+    @property
+    def material(self) -> str:
+        """Name of the frame's material."""
 
 
 class SectorBlocks(Protocol):
     """The blocks."""
+
+    @property
+    def clearances(self) -> Clearances:
+        """Gaps between finished surfaces."""
 
     @property
     def drum(self) -> SectorDrum:
@@ -23,21 +34,24 @@ class SectorBlocks(Protocol):
     def input_pulleys(self) -> SteppedPulleys:
         """The pulleys."""
 
+    @property
+    def support(self) -> Framed:
+        """The frame."""
+
 
 def sector_values(design: SectorBlocks, catalogue: Catalogue) -> dict[str, Any]:
-    """The fields of :class:`~mbcdm_cad.parts.drum_sector.design.SectorDrive` but cables, bearings and clearances."""
-    drum = design.drum
+    """The fields of :class:`~mbcdm_cad.parts.drum_sector.design.SectorDrive` but cables and bearings, and the frame."""
+    drum, pulleys, support = design.drum, design.input_pulleys, design.support
     return {
+        "clearances": design.clearances,
         "tensioner": catalogue.get("tensioners", drum.tensioner),
-        "drum": copied(
-            DrumSpec,
-            drum,
-            material=catalogue.material(drum.material),
-            shaft_material=catalogue.material(drum.shaft_material),
-        ),
-        "input_pulleys": InputPulleySpec(
-            material=catalogue.material(design.input_pulleys.material), collar_screw=design.input_pulleys.collar_screw
-        ),
+        "drum": drum,
+        "drum_material": catalogue.material(drum.material),
+        "shaft_material": catalogue.material(drum.shaft_material),
+        "input_pulleys": pulleys,
+        "pulley_material": catalogue.material(pulleys.material),
+        "support": support,
+        "frame_material": catalogue.material(support.material),
     }
 
 

@@ -101,7 +101,7 @@ def _angle_within(width: float, out: float, along: float, otherwise: float) -> f
 
 def _end_gap_mm(drive: SectorDrive) -> float:
     """Gap from swage to lug, drawn in, mm: the pocket's rounded corner must not lift the swage's flat."""
-    radius = drive.drum.material.min_internal_radius_mm + drive.clearances.running_mm
+    radius = drive.drum_material.min_internal_radius_mm + drive.clearances.running_mm
     return radius - sqrt(radius**2 - max(radius - FLAT_PLAY_MM, 0.0) ** 2) + END_GAP_MM
 
 
@@ -113,7 +113,7 @@ def _pocket_end(drive: SectorDrive, cable: SectorRun, anchor_rad: float, tip: fl
 
 def nut_pocket_mm(drive: SectorDrive) -> float:
     """Half width of the nuts' pocket: the end mill's corner must not lift the nut off its seat."""
-    return nut_corner_radius_mm(drive) + drive.clearances.running_mm + drive.drum.material.min_internal_radius_mm
+    return nut_corner_radius_mm(drive) + drive.clearances.running_mm + drive.drum_material.min_internal_radius_mm
 
 
 def _pocket_top(drive: SectorDrive, cable: SectorRun, anchor_rad: float, pocket_end: float) -> float:
@@ -203,7 +203,7 @@ def _pocket_radius(drive: SectorDrive, placed: tuple[Tensioner, ...], flat_wall:
 
     If a corner ended very near a land's edge, a sliver would remain that neither the kernel nor a mill can make.
     """
-    least, nuts = drive.drum.material.min_internal_radius_mm, nut_pocket_mm(drive)
+    least, nuts = drive.drum_material.min_internal_radius_mm, nut_pocket_mm(drive)
     surfaces = [c.drum_radius_mm - drive.cable.diameter_mm / 2 for c in drive.cables]
 
     def nearest(radius: float) -> float:
@@ -236,7 +236,7 @@ def _windows(drive: SectorDrive, stop_radius: float, slot_end_deg: float) -> tup
     above = stop_radius + drive.drum.stop_pin_mm / 2 + 2.4
     spoke = degrees(asin(min(0.9, 1.5 / (drive.drum.hub_diameter_mm / 2 + 3.0))))
     window = Window(above, outer, spoke, slot_end_deg - spoke)
-    radius = 2 * drive.drum.material.min_internal_radius_mm
+    radius = 2 * drive.drum_material.min_internal_radius_mm
     wide = radians(window.end_deg - window.start_deg) * window.r_inner
     if min(outer - above, wide) <= 2 * radius + 1.0:
         return ()
@@ -256,9 +256,11 @@ def drum(drive: SectorDrive, levels: SectorLevels, stop_radius: float, way: Term
     web_start = _web_start_y(drive, levels)
     placed = tensioners(drive, way)
     circle = circle_radius_mm(d.output_circle_mm, hub_radius, shaft_radius)
-    candidates = joints(d.material, lambda thread_mm: drive.insert(d.material, thread_mm), d.output_screws)
+    candidates = joints(
+        drive.drum_material, lambda thread_mm: drive.insert(drive.drum_material, thread_mm), d.output_screws
+    )
     joint = payload_joint(
-        candidates, drive.loads.peak_torque_Nm, circle, hub_radius, shaft_radius, d.material.min_wall_mm
+        candidates, drive.loads.peak_torque_Nm, circle, hub_radius, shaft_radius, drive.drum_material.min_wall_mm
     )
     flat_wall = drive.tensioner.swage_flats_mm / 2 + FLAT_PLAY_MM
     return DrumDims(
@@ -295,7 +297,7 @@ def drum(drive: SectorDrive, levels: SectorLevels, stop_radius: float, way: Term
         ),
         payload_depth=joint.depth_mm,
         payload_insert=joint.insert,
-        corner_radius=2 * d.material.min_internal_radius_mm,
+        corner_radius=2 * drive.drum_material.min_internal_radius_mm,
     )
 
 

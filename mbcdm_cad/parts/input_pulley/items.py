@@ -44,7 +44,7 @@ def add_input_pulley(
     b.add(
         f"input_pulley_{pulley.name}",
         InputPulley(pulley),
-        material=drive.input_pulleys.material,
+        material=drive.pulley_material,
         group=group,
         place=stand,
     )

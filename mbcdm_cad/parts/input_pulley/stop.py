@@ -57,7 +57,7 @@ class StopGeometry:
 def stop_geometry(drive: SectorDrive, pitch_radius_mm: float, end_angle_rad: float, away: int) -> StopGeometry:
     """The bend is as wide as the pulley allows: its chord runs just inside the land, clear of neck and bearing."""
     d = drive.cable.diameter_mm
-    wall = drive.input_pulleys.material.min_wall_mm
+    wall = drive.pulley_material.min_wall_mm
     bend_radius = widest_bend_mm(d, drive.termination, wall, pitch_radius_mm)
     slope = atan2(drive.helix_lead_mm, tau * pitch_radius_mm)
     return StopGeometry(

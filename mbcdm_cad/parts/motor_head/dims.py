@@ -18,9 +18,10 @@ from math import sqrt
 from typing import Any, Protocol
 
 from mbcdm_cad.design.bought import Gearhead, Material, Motor, Screw
+from mbcdm_cad.design.sector_blocks import Clearances
 from mbcdm_cad.parts.bought.bodies import screw_places
 from mbcdm_cad.parts.collar import collar_over_shelf_mm, collar_sweep_mm
-from mbcdm_cad.parts.drum_sector.design import Clearances, SectorBearings, SectorDrive
+from mbcdm_cad.parts.drum_sector.design import SectorBearings, SectorDrive
 
 # Thread of the flange's screws, by the widest body that they carry (estimate).
 FLANGE_THREADS_MM = ((22.0, 2.0), (100.0, 3.0), (200.0, 4.0))
@@ -41,10 +42,6 @@ Places = tuple[tuple[float, float], ...]
 
 class BoxSpec(Protocol):
     """Fields of the design file for a coupling box."""
-
-    @property
-    def material(self) -> Material:
-        """Material of the part that has the box."""
 
     @property
     def side_wall_mm(self) -> float:
@@ -68,7 +65,11 @@ class Boxed(Protocol):
 
     @property
     def support(self) -> BoxSpec:
-        """Walls and material."""
+        """Walls."""
+
+    @property
+    def frame_material(self) -> Material:
+        """Material of the part that has the box."""
 
     @property
     def collar_seat(self) -> tuple[float, float, str]:
@@ -111,7 +112,7 @@ class HeadedDrive(SectorDrive):
     @property
     def collar_seat(self) -> tuple[float, float, str]:
         """Bore of the clamp collar in mm, that of the journal at the gearhead; its thinnest wall in mm, its screw."""
-        return self.bearings.input_lower.bore_mm, self.support.material.min_wall_mm, self.input_pulleys.collar_screw
+        return self.bearings.input_lower.bore_mm, self.frame_material.min_wall_mm, self.input_pulleys.collar_screw
 
 
 class HeadLevels(Protocol):
@@ -205,7 +206,7 @@ def inner_half_width_mm(drive: Boxed) -> float:
     running, reach = drive.clearances.running_mm, collar_sweep_mm(drive, *drive.collar_seat)
     # Heads of the gearhead's screws stand beside the round corner that the coupling pocket's cutter leaves.
     heads = (drive.gearhead.bolt_circle_mm + drive.screw(drive.gearhead.screw).head_diameter_mm) / 2 + running
-    corner = max(drive.support.material.min_internal_radius_mm, heads / (TOOL_SLENDERNESS - 1.0))
+    corner = max(drive.frame_material.min_internal_radius_mm, heads / (TOOL_SLENDERNESS - 1.0))
     inner = max(reach + running, heads + corner)
     # The collar stands lower over the shelf than the corner of a wide pocket reaches up, which grows with the width.
     corner_of, over = _corner_radius_mm(drive), collar_over_shelf_mm(drive)
@@ -228,7 +229,7 @@ def outer_half_width_mm(drive: Boxed) -> float:
 
 def _corner_radius_mm(drive: Boxed) -> Callable[[float], float]:
     """Corner radius of the coupling pocket, by the cutter that reaches its back, of half the pocket's width."""
-    face, least = face_reach_mm(drive), drive.support.material.min_internal_radius_mm
+    face, least = face_reach_mm(drive), drive.frame_material.min_internal_radius_mm
     return lambda inner_mm: max(least, (inner_mm + max(inner_mm, face)) / TOOL_SLENDERNESS / 2)
 
 

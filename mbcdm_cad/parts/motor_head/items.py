@@ -41,7 +41,7 @@ def add_motor_head(b: BillBuilder, drive: HeadedDrive, head: HeadDims, stand: Pl
         f"motor_head{mark}",
         MotorHead(head),
         part="motor_head",
-        material=drive.support.material,
+        material=drive.frame_material,
         place=stand,
     )
 

@@ -145,7 +145,7 @@ def test_threads_are_cut_in_metal_whatever_is_asked() -> None:
 def test_walls_of_filament_follow_the_nozzle() -> None:
     def least(material: str, nozzle: float) -> float:
         text = PRINTED.replace("pa12", material).replace("{threads: inserts}", f"{{nozzle_mm: {nozzle}}}")
-        return load_text(text, "nozzle.yaml").drive.drum.material.min_wall_mm
+        return load_text(text, "nozzle.yaml").drive.drum_material.min_wall_mm
 
     assert least("pla", 0.4) == 1.2
     assert least("pla", 0.8) == 1.6

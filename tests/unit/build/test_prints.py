@@ -36,7 +36,7 @@ def test_a_design_of_metal_prints_nothing_unless_asked(metal: Drive) -> None:
 
 
 def test_only_the_printed_parts_get_a_file(metal: Drive) -> None:
-    drive = replace(metal, drum=replace(metal.drum, material=metal.material("pla")))
+    drive = replace(metal, drum_material=metal.material("pla"))
     assert set(prints_of(drive, Cache(cache_folder()))) == {"drum.3mf"}
 
 

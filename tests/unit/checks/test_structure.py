@@ -57,8 +57,8 @@ def test_frame_slips_at_mu_f_times_the_arms_of_its_screws() -> None:
 
 def test_a_printed_frame_is_clamped_by_what_the_ring_under_a_washer_bears() -> None:
     s = sector(reference())
-    soft = replace(s.drive.support.material, yield_MPa=20.0, process="printed")
-    printed = sector(put(s.drive, "support.material", soft))
+    soft = replace(s.drive.frame_material, yield_MPa=20.0, process="printed")
+    printed = sector(put(s.drive, "frame_material", soft))
     found = mounting_screws(printed)
     # ISO 7089: 7 mm for M3; ISO 273: 3.4 mm.
     clamp = 0.4 * 20.0 * pi / 4 * (7.0**2 - 3.4**2)
@@ -68,8 +68,8 @@ def test_a_printed_frame_is_clamped_by_what_the_ring_under_a_washer_bears() -> N
 
 def test_a_thin_hub_is_judged_by_torsion() -> None:
     s = sector(reference())
-    weak = replace(s.drive.drum.material, yield_MPa=20.0)
-    thin = put(put(s.drive, "drum.material", weak), "drum.hub_diameter_mm", 2.0 * s.drum.bore_radius + 0.3)
+    weak = replace(s.drive.drum_material, yield_MPa=20.0)
+    thin = put(put(s.drive, "drum_material", weak), "drum.hub_diameter_mm", 2.0 * s.drum.bore_radius + 0.3)
     found = drum_stress(sector(thin))
     outer, bore = 2.0 * sector(thin).drum.hub_radius, 2.0 * s.drum.bore_radius
     torque = float(found.subject.split(" at ")[-1].split(" N m")[0])
@@ -102,7 +102,7 @@ def test_stiffness_is_a_figure_unless_it_is_asked_for() -> None:
 
 @given(st.floats(0.1, 200.0), st.floats(8.0, 60.0), st.floats(2.0, 6.0))
 def test_a_joint_holds_or_no_thread_with_walls_does(peak: float, hub: float, bore: float) -> None:
-    material = reference().drum.material
+    material = reference().drum_material
     candidates = joints(material, lambda _: None)
     found = payload_joint(candidates, peak, (hub + bore) / 2, hub, bore, material.min_wall_mm)
     holds = found.slips_Nm((hub + bore) / 2) >= SLIP_SAFETY * peak

@@ -24,8 +24,10 @@ def with_values(**changes: Any) -> str:
 
 def test_a_file_without_sigmas_has_none() -> None:
     sigmas = load_text(new_design_text("plain")).drive.sigmas
-    numbers = [x for value in vars(sigmas).values() for x in (value if isinstance(value, tuple) else (value,))]
-    assert numbers == [0.0] * len(numbers), sigmas
+    values = vars(sigmas) | sigmas.lengths_mm
+    del values["lengths_mm"]
+    numbers = [x for value in values.values() for x in (value if isinstance(value, tuple) else (value,))]
+    assert numbers == [0.0] * len(numbers) and len(numbers) > 20, sigmas
 
 
 def test_values_stay_what_they_were() -> None:
@@ -49,8 +51,8 @@ def test_a_cables_own_preload_has_its_own_sigma() -> None:
 def test_items_of_a_list_each_for_itself() -> None:
     radii = [54.0, {"value": 57.6, "sigma": 0.02}, 61.2, 64.8]
     drive = load_text(with_values(transmission__drum_radii_mm=radii)).drive
-    assert drive.sigmas.drum_radius_mm == (0.0, 0.02, 0.0, 0.0)
-    assert drive.sigmas.guide_radius_mm == (0.0,) * 4, "the ratio carries none"
+    assert drive.sigmas.lengths_mm["drum_radius_mm"] == (0.0, 0.02, 0.0, 0.0)
+    assert drive.sigmas.lengths_mm["guide_radius_mm"] == (0.0,) * 4, "the ratio carries none"
 
 
 def test_sigma_of_a_nominal_area_comes_from_the_diameter() -> None:

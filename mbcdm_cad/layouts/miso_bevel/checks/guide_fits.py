@@ -18,7 +18,7 @@ STRESS_SAFETY = 1.5
 def guide_wall(s: BevelLayout) -> Comparison:
     """Wall round the bearings in both ends of the guide."""
     g = s.guide
-    limit = s.drive.guide.material.min_wall_mm
+    limit = s.drive.guide_material.min_wall_mm
     starts, ends = [g.bottom_z, *g.walls_z], [*g.walls_z, g.top_z]
     seats = (("lower", g.bottom_z, g.bottom_z + g.seat_depth), ("upper", g.top_z - g.seat_depth, g.top_z))
     return worst(
@@ -35,7 +35,7 @@ def guide_length(s: BevelLayout) -> Comparison:
     return at_least(
         "shoulder between the guide's bearings",
         g.top_z - g.bottom_z - 2 * g.seat_depth,
-        2 * s.drive.guide.material.min_wall_mm,
+        2 * s.drive.guide_material.min_wall_mm,
         "mm",
     )
 
@@ -53,7 +53,7 @@ def axle_stress(s: BevelLayout) -> Comparison:
         moments = float(np.linalg.norm(on_shelf)) * below, float(np.linalg.norm(on_plate)) * above
         bending = max(bending, *moments)
     stress = bending / (pi * s.axle.radius**3 / 4)
-    strength = s.drive.guide.axle_material.yield_MPa
+    strength = s.drive.axle_material.yield_MPa
     return at_least(
         f"yield {strength:g} MPa over the axle's bending stress {stress:.4g} MPa",
         strength / max(stress, 1e-12),

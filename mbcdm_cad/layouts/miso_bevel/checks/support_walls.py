@@ -22,7 +22,7 @@ def walls(s: BevelLayout) -> Comparison:
     """The thinnest wall of frame and top plate, against the minimum of the material."""
     support = s.drive.support
     names = ("back_plate_mm", "side_wall_mm", "motor_shelf_mm", "bearing_shelf_mm", "top_plate_mm", "rib_mm")
-    limit = support.material.min_wall_mm
+    limit = s.drive.frame_material.min_wall_mm
     found = [at_least(f"support.{name}", getattr(support, name), limit, "mm") for name in names]
     frame = s.frame
     found.append(at_least("back plate behind the guide", frame.upper_floor_y - s.levels.back_y, limit, "mm"))
@@ -39,7 +39,7 @@ def walls(s: BevelLayout) -> Comparison:
 
 def bearing_shelf(s: BevelLayout) -> Comparison:
     """The shelf has room for its bearings, a shoulder below them, and the axle's set screw with its walls."""
-    drive, limit = s.drive, s.drive.support.material.min_wall_mm
+    drive, limit = s.drive, s.drive.frame_material.min_wall_mm
     holes, shelf = s.frame.encoder_holes, drive.support.bearing_shelf_mm
     under_heads = (
         ()
@@ -63,7 +63,7 @@ def bearing_shelf(s: BevelLayout) -> Comparison:
 
 def top_plate(s: BevelLayout) -> Comparison:
     """The plate has room for its bearings and encoder screws from below, and for its own screws from above."""
-    drive, limit = s.drive, s.drive.support.material.min_wall_mm
+    drive, limit = s.drive, s.drive.frame_material.min_wall_mm
     plate = drive.support.top_plate_mm
     sunk = drive.screw(drive.encoder.screw).head_height_mm + ENCODER_HEAD_SUNK_MM
     over_heads = (
@@ -92,7 +92,7 @@ def front_wall(s: BevelLayout) -> Comparison:
         else ([y for _, y in box.gear_screws], box, box.front_y)
     )
     forward = max(screws)
-    limit = drive.support.material.min_wall_mm
+    limit = drive.frame_material.min_wall_mm
     return worst(
         at_least(f"front wall beside the {name}", edge - radius, limit, "mm")
         for name, edge, radius in (
@@ -109,7 +109,7 @@ def front_wall(s: BevelLayout) -> Comparison:
 def side_wall(s: BevelLayout) -> Comparison:
     """Wall of the top plate on both sides of the counterbores for its screws, above the side walls."""
     sunk = 2 * s.top_plate.screw_head_radius
-    wall = s.drive.support.material.min_wall_mm
+    wall = s.drive.frame_material.min_wall_mm
     width = s.drive.support.side_wall_mm
     return at_least(
         f"side wall under the {plate_screw_of(s.drive).name} heads, sunk in {sunk:g} mm", width, sunk + 2 * wall, "mm"
@@ -196,7 +196,7 @@ def hole_webs(s: BevelLayout) -> Comparison:
 def wall_holes(s: BevelLayout) -> Comparison:
     """Wall round the threads and dowels in the side walls, and between them."""
     f, wall = s.frame, s.drive.support.side_wall_mm
-    limit = s.drive.support.material.min_wall_mm
+    limit = s.drive.frame_material.min_wall_mm
     (_, front), _, (_, back), _ = f.plate_screws
     dowel_y = f.dowels[0][1]
     gap = f.plate_screw_radius + f.dowel_radius
@@ -218,7 +218,7 @@ def wall_holes(s: BevelLayout) -> Comparison:
 def boss(s: BevelLayout) -> Comparison:
     """The boss has room for both drum bearings with a shoulder between them; ears and column lie behind its front."""
     v, f = s.levels, s.frame
-    limit = s.drive.support.material.min_wall_mm
+    limit = s.drive.frame_material.min_wall_mm
     lowest = "motor" if f.carries_drives else "lowest"
     return worst(
         (

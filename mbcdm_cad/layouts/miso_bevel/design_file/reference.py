@@ -6,8 +6,8 @@
 from __future__ import annotations
 
 from mbcdm_cad.design.design_file import Given
+from mbcdm_cad.design.fields import ESTIMATE
 
-ESTIMATE = "estimate"
 DERIVED = "derived from Tables 1 and 2"
 
 INPUTS = [{"name": "left", "side": "-x"}, {"name": "right", "side": "+x"}]

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from mbcdm_cad.design.drive import Sigmas
 from mbcdm_cad.design.fieldpath import FieldPath
-from mbcdm_cad.design.lookup import Catalogue, copied
+from mbcdm_cad.design.lookup import Catalogue
 from mbcdm_cad.design.resolve import by_step, preload_N, shared_sigmas, shared_values
 from mbcdm_cad.layouts.miso_bevel import drive as d
 from mbcdm_cad.layouts.miso_bevel.design_file.schema import BevelDesign, Transmission
-from mbcdm_cad.parts.drum_sector.design import TransferClearances, WoundPulleySpec
 from mbcdm_cad.parts.drum_sector.resolve import sector_values, terminal_angle_rad
 
 _SIGN = {"-x": -1, "+x": 1}
@@ -19,14 +19,7 @@ def drive(design: BevelDesign, catalogue: Catalogue, sigmas: Mapping[FieldPath, 
     """The drive of a valid design; its cables are in the order of their steps."""
     drum, guide, pulleys = design.drum, design.guide, design.input_pulleys
     return d.BevelDrive(
-        **shared_values(design, catalogue)
-        | sector_values(design, catalogue)
-        | {
-            "clearances": copied(TransferClearances, design.clearances),
-            "input_pulleys": WoundPulleySpec(
-                catalogue.material(pulleys.material), collar_screw=pulleys.collar_screw, surface=pulleys.surface
-            ),
-        },
+        **shared_values(design, catalogue) | sector_values(design, catalogue),
         helix_lead_mm=design.rope.helix_lead_mm,
         dead_turns=design.rope.dead_turns,
         cables=_cables(design),
@@ -41,10 +34,8 @@ def drive(design: BevelDesign, catalogue: Catalogue, sigmas: Mapping[FieldPath, 
             input_lower=catalogue.bearing(pulleys.lower_bearing),
             input_upper=catalogue.bearing(pulleys.upper_bearing),
         ),
-        guide=d.GuideSpec(
-            material=catalogue.material(guide.material), axle_material=catalogue.material(guide.axle_material)
-        ),
-        support=copied(d.SupportSpec, design.support, material=catalogue.material(design.support.material)),
+        guide_material=catalogue.material(guide.material),
+        axle_material=catalogue.material(guide.axle_material),
         sigmas=_sigmas(design, catalogue, sigmas),
     )
 
@@ -81,16 +72,16 @@ def _cables(design: BevelDesign) -> tuple[d.BevelRun, ...]:
     )
 
 
-def _sigmas(design: BevelDesign, catalogue: Catalogue, given: Mapping[FieldPath, float]) -> d.BevelSigmas:
+def _sigmas(design: BevelDesign, catalogue: Catalogue, given: Mapping[FieldPath, float]) -> Sigmas:
     places = by_step(design.cables)
 
     def radii(name: str) -> tuple[float, ...]:
         return tuple(given.get(("transmission", name, design.cables[k].step - 1), 0.0) for k in places)
 
-    return d.BevelSigmas(
-        **shared_sigmas(design, catalogue, given, places),
-        input_radius_mm=radii("input_radii_mm"),
-        guide_radius_mm=radii("guide_radii_mm"),
-        drum_radius_mm=radii("drum_radii_mm"),
-        centre_distance_mm=given.get(("transmission", "centre_distance_mm"), 0.0),
-    )
+    lengths: dict[str, float | tuple[float, ...]] = {
+        "input_radius_mm": radii("input_radii_mm"),
+        "guide_radius_mm": radii("guide_radii_mm"),
+        "drum_radius_mm": radii("drum_radii_mm"),
+        "centre_distance_mm": given.get(("transmission", "centre_distance_mm"), 0.0),
+    }
+    return Sigmas(**shared_sigmas(design, catalogue, given, places), lengths_mm=lengths)

@@ -6,12 +6,14 @@ blocks that all configurations share are in :mod:`mbcdm_cad.layouts.miso_bevel.d
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 from mbcdm_cad.design.blocks import Design, DriveTrain, Input, Length, SpanLimits, WoundRope
-from mbcdm_cad.design.fields import Block, EntryName, Integer, Number, choice, quantity
-from mbcdm_cad.design.sector_blocks import SectorCable, SectorClearances, SectorDrum, SteppedPulleys
-from mbcdm_cad.layouts.miso_bevel.design_file.reference import CABLES, ESTIMATE, INPUTS
+from mbcdm_cad.design.fields import ESTIMATE, Block, EntryName, Integer, Number, choice, quantity
+from mbcdm_cad.design.sector_blocks import SectorCable, SectorDrum, TransferClearances, WoundPulleys
+from mbcdm_cad.layouts.miso_bevel.design_file.reference import CABLES, INPUTS
+from mbcdm_cad.layouts.miso_bevel.drive import Support
 
 Side = Literal["-x", "+x"]
 
@@ -102,7 +104,8 @@ class Transmission(Block):
     )
 
 
-class Clearances(SectorClearances):
+@dataclass(frozen=True, kw_only=True)
+class BevelClearances(TransferClearances):
     """Gaps between finished surfaces."""
 
     transfer_gap_mm: Number = quantity(
@@ -113,6 +116,7 @@ class Clearances(SectorClearances):
     )
 
 
+@dataclass(frozen=True, kw_only=True)
 class Drum(SectorDrum):
     """Drum sector with web, hub and tensioners; y is along the drum axis from the guide's axis."""
 
@@ -135,7 +139,8 @@ class BevelDriveTrain(DriveTrain):
     )
 
 
-class InputPulleys(SteppedPulleys):
+@dataclass(frozen=True, kw_only=True)
+class InputPulleys(WoundPulleys):
     """Input pulleys, carried by a bearing at both ends."""
 
     material: EntryName = choice("material of both pulleys")
@@ -144,57 +149,6 @@ class InputPulleys(SteppedPulleys):
         default="smooth",
     )
     upper_bearing: EntryName = choice("bearing in the top plate")
-
-
-class Support(Block):
-    """Frame: back plate, side walls, shelves, ribs and the separate top plate."""
-
-    material: EntryName = choice("material of frame and top plate", source=ESTIMATE, reference="aluminium-7075")
-    back_y_mm: Number = quantity(
-        "outer face of the back plate",
-        unit="mm",
-        source="derived from the 34.8 mm box",
-        reference=-14.0,
-        ge=-200.0,
-        le=-1.0,
-    )
-    back_plate_mm: Number = quantity(
-        "back plate thickness", unit="mm", source="held by limits.frame_windup_max_mrad", reference=5.0, ge=0.3, le=50.0
-    )
-    side_wall_mm: Number = quantity(
-        "side wall thickness",
-        unit="mm",
-        source="heads of the top plate's screws, with walls",
-        reference=5.8,
-        ge=0.3,
-        le=50.0,
-    )
-    motor_shelf_mm: Number = quantity(
-        "shelf that carries the gearheads",
-        unit="mm",
-        source="gearhead screws engage one diameter; held by limits.frame_windup_max_mrad",
-        reference=4.0,
-        ge=0.5,
-        le=50.0,
-    )
-    coupling_space_mm: Number = quantity(
-        "height between the shelves: coupling collar, gearhead screws and the tools for both",
-        unit="mm",
-        source=ESTIMATE,
-        reference=9.6,
-        ge=2.0,
-        le=100.0,
-    )
-    bearing_shelf_mm: Number = quantity(
-        "shelf of the input pulleys' lower bearings", unit="mm", source=ESTIMATE, reference=4.0, ge=0.5, le=50.0
-    )
-    top_plate_mm: Number = quantity("top plate thickness", unit="mm", source=ESTIMATE, reference=3.6, ge=0.5, le=50.0)
-    rib_mm: Number = quantity(
-        "rib thickness", unit="mm", source="held by limits.frame_windup_max_mrad", reference=7.0, ge=0.3, le=50.0
-    )
-    mount_screw: Literal["M3", "M4", "M5", "M6"] = choice(
-        "screws that hold the frame on its base, on washers if the frame is printed", source=ESTIMATE, reference="M3"
-    )
 
 
 class BevelInput(Input):
@@ -234,7 +188,7 @@ class BevelDesign(Design):
         max_length=16,
     )
     rope: WoundRope
-    clearances: Clearances
+    clearances: BevelClearances
     drive: BevelDriveTrain
     drum: Drum
     guide: Guide

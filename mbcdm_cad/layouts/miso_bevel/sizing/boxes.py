@@ -5,16 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from mbcdm_cad.design.bought import Gearhead, Material, Motor, Screw
+from mbcdm_cad.design.sector_blocks import Clearances
 from mbcdm_cad.layouts.miso_bevel.plate_screws import HEAD_PLAY_MM, PLATE_SCREWS
 from mbcdm_cad.layouts.miso_bevel.sizing.known import BevelKnown
-from mbcdm_cad.parts.drum_sector.design import Clearances
 from mbcdm_cad.parts.motor_head.dims import outer_half_width_mm
 from mbcdm_cad.sizing.rule import Found, largest
 
 
 @dataclass(frozen=True)
 class _Walls:
-    material: Material
     side_wall_mm: float
 
 
@@ -26,6 +25,7 @@ class _Boxed:
     motor: Motor
     clearances: Clearances
     support: _Walls
+    frame_material: Material
     collar_seat: tuple[float, float, str]
     screws: dict[str, dict[str, object]]
 
@@ -52,8 +52,9 @@ def box_mm(given: BevelKnown) -> float:
         _Boxed(
             gearhead=given.gearhead,
             motor=Motor(name="", **given.entry("motors", "drive.motor")),
-            clearances=Clearances(0.0, given["clearances.running_mm"]),
-            support=_Walls(metal, side_wall(given).value if wall is None else wall),
+            clearances=Clearances(land_edge_mm=0.0, running_mm=given["clearances.running_mm"]),
+            support=_Walls(side_wall(given).value if wall is None else wall),
+            frame_material=metal,
             collar_seat=(journal, given.wall_mm("support"), given["input_pulleys.collar_screw"]),
             screws=given.entries("screws"),
         )

@@ -216,11 +216,11 @@ def frame(drive: BevelDrive, levels: Stack) -> FrameDims:
     gear, encoder = drive.gearhead, drive.drum_encoder
     gear_screw, encoder_screw = drive.screw(gear.screw), drive.screw(encoder.screw)
     plate_screw = plate_screw_of(drive)
-    plate_insert = drive.insert(drive.support.material, plate_screw.thread_mm)
+    plate_insert = drive.insert(drive.frame_material, plate_screw.thread_mm)
     boss = drum_bearing.outer_diameter_mm / 2 + BEARING_WALL_MM
     encoder_pocket = encoder.diameter_mm / 2 + drive.clearances.running_mm
     pocket_z = (levels.shelf_top_z + levels.bearing_shelf_bottom_z) / 2
-    screw, printed = drive.support.mount, drive.support.material.printed
+    screw, printed = drive.support.mount, drive.frame_material.printed
     head = screw.seat_mm(printed) / 2 + MOUNT_HEAD_PLAY_MM
     mounts, pocket_bottom_z = _mounts(levels, pocket_z, max(boss, encoder_pocket) + drive.support.rib_mm, head)
     grip = 2.0

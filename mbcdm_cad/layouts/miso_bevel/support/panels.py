@@ -56,8 +56,8 @@ def panels(layout: BevelLayout) -> list[Wall]:
 
 def mounts(layout: BevelLayout) -> Mounts:
     """The mounting screws."""
-    f, v, support = layout.frame, layout.levels, layout.drive.support
-    seat = support.mount.seat_mm(support.material.printed)
+    f, v, drive = layout.frame, layout.levels, layout.drive
+    seat = drive.support.mount.seat_mm(drive.frame_material.printed)
     return Mounts(f.mounts, seat / 2, f.mount_radius, v.pocket_floor_y - v.back_y)
 
 

@@ -123,7 +123,7 @@ def _ring_work(layout: BevelLayout, loads: SeatLoads) -> float:
 
     Slices of the ring cannot bend independently: the lower arc connects them and must shear if they move unequally.
     """
-    f, material = layout.frame, layout.drive.support.material
+    f, material = layout.frame, layout.drive.frame_material
     front, rear = layout.levels.boss_front_y, f.encoder_pocket_floor_y
     length, middle = front - rear, (front + rear) / 2
     at = np.array([loads.point_mm[loads.names.index(n)][1] - middle for n in ("drum_rear", "drum_front")])
@@ -140,7 +140,7 @@ def frame_compliance(layout: BevelLayout) -> FrameCompliance:
 
     Raises ``ValueError`` if the dimensions leave no frame to compute.
     """
-    material = layout.drive.support.material
+    material = layout.drive.frame_material
     loads = seat_loads(layout, unit_tensions_N(to_si(layout.drive)))
     mesh = support_mesh(layout)
     ground = mounts(layout).springs(mesh, material)

@@ -19,13 +19,13 @@ SHEAR_SHARE = 0.577
 
 
 class Zone(NamedTuple):
-    """Space of a part at an input: range along y, least distance from the drum's axis, width; mm."""
+    """Space of a part at an input: range along y, least distance from the drum's axis, half its width."""
 
     name: str
-    low: float
-    high: float
-    inner: float
-    half_width: float
+    from_y_mm: float
+    to_y_mm: float
+    inner_mm: float
+    half_width_mm: float
 
 
 def sectors_apart(s: RoundDrumLayout) -> Comparison:
@@ -88,9 +88,9 @@ def _gaps(s: RoundDrumLayout, zones: Callable[[RoundDrumLayout, int], Iterator[Z
             for sector in range(s.drive.n_inputs):
                 if sector == index:
                     continue
-                for name, low, high, outer in _passes(s, sector, index, zone.half_width):
-                    along = max(low - zone.high, zone.low - high)
-                    found.append(at_least(f"{name} from {zone.name}", max(along, zone.inner - outer), running, "mm"))
+                for name, low, high, outer in _passes(s, sector, index, zone.half_width_mm):
+                    along = max(low - zone.to_y_mm, zone.from_y_mm - high)
+                    found.append(at_least(f"{name} from {zone.name}", max(along, zone.inner_mm - outer), running, "mm"))
     return worst(found)
 
 
@@ -123,7 +123,7 @@ def heads_apart(s: RoundDrumLayout) -> Comparison:
 
 def hub_dowels(s: RoundDrumLayout) -> Comparison:
     """The dowels between the last two hubs transmit the torque of all other sectors, motors stalled."""
-    drive, pins, metal = s.drive, s.dowels, s.drive.drum.material
+    drive, pins, metal = s.drive, s.dowels, s.drive.drum_material
     share = (drive.n_inputs - 1) / drive.n_inputs
     torque = max(drive.loads.peak_torque_Nm, drive.n_inputs * rated_input_Nm(s) * drive.total_ratio) * share
     force = torque * 1e3 / pins.circle_radius / len(pins.face_angles_deg)

@@ -27,7 +27,7 @@ def walls(s: DirectLayout) -> Comparison:
         "encoder_shelf_mm",
         "rib_mm",
     )
-    limit = support.material.min_wall_mm
+    limit = s.drive.frame_material.min_wall_mm
     found = [at_least(f"support.{name}", getattr(support, name), limit, "mm") for name in names]
     pin = (f.stop_shelf_top_z - f.stop_shelf_bottom_z) / 2 - f.stop_pin_radius
     found.append(at_least("stop shelf over and under its pin", pin, limit, "mm"))
@@ -52,7 +52,7 @@ def pockets(s: DirectLayout) -> Comparison:
 
 def bearing_seats(s: DirectLayout) -> Comparison:
     """Shoulders of the shelves behind their bearings, and walls in front of the seats."""
-    drive, v, limit = s.drive, s.levels, s.drive.support.material.min_wall_mm
+    drive, v, limit = s.drive, s.levels, s.drive.frame_material.min_wall_mm
     return worst(
         (
             at_least(
@@ -118,7 +118,7 @@ def mounts(s: DirectLayout) -> Comparison:
 def flange(s: DirectLayout) -> Comparison:
     """Screws and dowels of the motor head are inside the side walls, engage by their diameter, and are apart."""
     f, drive = s.frame, s.drive
-    limit, wall = drive.support.material.min_wall_mm, drive.support.side_wall_mm
+    limit, wall = drive.frame_material.min_wall_mm, drive.support.side_wall_mm
     screw, shelf = flange_screw(drive), drive.support.bearing_shelf_mm
     (x, front), _, (_, back), _ = f.flange_screws
     dowel_y, gap = f.dowels[0][1], f.flange_screw_radius + f.dowel_radius
@@ -152,7 +152,7 @@ def flange(s: DirectLayout) -> Comparison:
 
 def boss(s: DirectLayout) -> Comparison:
     """Walls of the boss round both drum bearings and their shoulder, and of its ears round the encoder's screws."""
-    f, limit = s.frame, s.drive.support.material.min_wall_mm
+    f, limit = s.frame, s.drive.frame_material.min_wall_mm
     above = at_least("lower pocket above the boss", f.low_pocket_bottom_z - f.boss.radius, limit, "mm")
     return worst((above, *boss_walls(s)))
 

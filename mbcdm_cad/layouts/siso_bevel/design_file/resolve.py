@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from mbcdm_cad.design.drive import Sigmas
 from mbcdm_cad.design.fieldpath import FieldPath
-from mbcdm_cad.design.lookup import Catalogue, copied
+from mbcdm_cad.design.lookup import Catalogue
 from mbcdm_cad.design.resolve import by_step, preload_N, shared_sigmas, shared_values
 from mbcdm_cad.layouts.siso_bevel import drive as d
 from mbcdm_cad.layouts.siso_bevel.design_file.schema import DirectDesign, DirectTransmission
-from mbcdm_cad.parts.drum_sector.design import TransferClearances
 from mbcdm_cad.parts.drum_sector.resolve import sector_values, terminal_angle_rad
 
 _SIGN = {"-x": -1, "+x": 1}
@@ -26,7 +26,6 @@ def drive(design: DirectDesign, catalogue: Catalogue, sigmas: Mapping[FieldPath,
     return d.DirectDrive(
         **shared_values(design, catalogue),
         **sector_values(design, catalogue),
-        clearances=copied(TransferClearances, design.clearances),
         # The cable stays in its plane; the reserve is given as an angle.
         helix_lead_mm=0.0,
         dead_turns=design.transmission.reserve_deg / 360.0,
@@ -50,11 +49,9 @@ def drive(design: DirectDesign, catalogue: Catalogue, sigmas: Mapping[FieldPath,
             input_lower=catalogue.bearing(design.input_pulleys.lower_bearing),
             input_upper=catalogue.bearing(design.input_pulleys.upper_bearing),
         ),
-        support=copied(d.ColumnSpec, design.support, material=catalogue.material(design.support.material)),
-        sigmas=d.DirectSigmas(
+        sigmas=Sigmas(
             **shared_sigmas(design, catalogue, sigmas, places),
-            input_radius_mm=radii("input_radii_mm"),
-            drum_radius_mm=radii("drum_radii_mm"),
+            lengths_mm={"input_radius_mm": radii("input_radii_mm"), "drum_radius_mm": radii("drum_radii_mm")},
         ),
     )
 

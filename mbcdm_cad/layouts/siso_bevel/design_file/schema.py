@@ -8,9 +8,10 @@ from __future__ import annotations
 from typing import Literal
 
 from mbcdm_cad.design.blocks import Design, Input, Length
-from mbcdm_cad.design.fields import Block, EntryName, Integer, Number, choice, quantity
-from mbcdm_cad.design.sector_blocks import SectorCable, SectorClearances, SectorDrum, SteppedPulleys
-from mbcdm_cad.layouts.siso_bevel.design_file.reference import CABLES, CHOSEN, ESTIMATE, INPUTS
+from mbcdm_cad.design.fields import ESTIMATE, Block, Integer, Number, choice, quantity
+from mbcdm_cad.design.sector_blocks import SectorCable, SectorDrum, SteppedPulleys, TransferClearances
+from mbcdm_cad.layouts.siso_bevel.design_file.reference import CABLES, INPUTS
+from mbcdm_cad.layouts.siso_bevel.drive import ColumnSupport
 
 
 class DirectTransmission(Block):
@@ -61,57 +62,6 @@ class DirectTransmission(Block):
     )
 
 
-class ColumnSupport(Block):
-    """Frame with the drum's bearings and the pulley's box, and the motor head on top of it."""
-
-    material: EntryName = choice("material of frame and motor head", source=ESTIMATE, reference="aluminium-7075")
-    back_y_mm: Number = quantity(
-        "outer face of the back plate",
-        unit="mm",
-        source="the pulley clears the back plate",
-        reference=-17.3,
-        ge=-300.0,
-        le=-1.0,
-    )
-    back_plate_mm: Number = quantity("back plate thickness", unit="mm", source=CHOSEN, reference=3.0, ge=0.3, le=50.0)
-    side_wall_mm: Number = quantity(
-        "side walls of the pulley's box, with the motor head's screws",
-        unit="mm",
-        source="walls beside an M2 thread",
-        reference=4.0,
-        ge=0.3,
-        le=50.0,
-    )
-    motor_shelf_mm: Number = quantity(
-        "shelf that carries the gearhead",
-        unit="mm",
-        source="gearhead screws engage one diameter",
-        reference=4.0,
-        ge=0.5,
-        le=50.0,
-    )
-    coupling_space_mm: Number = quantity(
-        "height between the shelves: coupling collar, gearhead screws and the tools for both",
-        unit="mm",
-        source=ESTIMATE,
-        reference=9.6,
-        ge=2.0,
-        le=100.0,
-    )
-    bearing_shelf_mm: Number = quantity(
-        "shelf of the bearing next to the gearhead, the motor head's flange",
-        unit="mm",
-        source=ESTIMATE,
-        reference=4.0,
-        ge=0.5,
-        le=50.0,
-    )
-    encoder_shelf_mm: Number = quantity(
-        "shelf of the bearing next to the encoder", unit="mm", source=ESTIMATE, reference=4.0, ge=0.5, le=50.0
-    )
-    rib_mm: Number = quantity("side walls of the column", unit="mm", source=CHOSEN, reference=5.0, ge=0.3, le=50.0)
-
-
 class DirectCable(SectorCable):
     """A cable from the input pulley to the drum."""
 
@@ -136,7 +86,7 @@ class DirectDesign(Design):
         min_length=1,
         max_length=16,
     )
-    clearances: SectorClearances
+    clearances: TransferClearances
     drum: SectorDrum
     input_pulleys: SteppedPulleys
     support: ColumnSupport

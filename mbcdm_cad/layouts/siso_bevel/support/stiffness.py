@@ -113,7 +113,7 @@ def frame_compliance(layout: DirectLayout) -> FrameCompliance:
     """
     held = mounts(layout)
     mesh = plate_mesh(walls(layout), held)
-    material = layout.drive.support.material
+    material = layout.drive.frame_material
     reach = {
         "motor head's flange": _SPREAD * layout.head.seat_radius,
         "encoder shelf": _SPREAD * layout.frame.seat_radius,

@@ -19,7 +19,7 @@ MOUNT_DIAMETERS = 1.0
 def walls(s: SpurLayout) -> Comparison:
     """The thinnest wall of frame and motor head, against the minimum of the material."""
     support, f, head = s.drive.support, s.frame, s.head
-    limit = support.material.min_wall_mm
+    limit = s.drive.frame_material.min_wall_mm
     names = ("plate_mm", "bridge_mm", "side_wall_mm", "motor_shelf_mm", "bearing_shelf_mm", "encoder_shelf_mm")
     found = [at_least(f"support.{name}", getattr(support, name), limit, "mm") for name in names]
     found.append(at_least("wall of the motor head", head.outer_x - head.inner_x, limit, "mm"))
@@ -32,7 +32,7 @@ def walls(s: SpurLayout) -> Comparison:
 
 def bearing_seats(s: SpurLayout) -> Comparison:
     """Shoulders of the shelves behind their bearings."""
-    support, bearings, limit = s.drive.support, s.drive.bearings, s.drive.support.material.min_wall_mm
+    support, bearings, limit = s.drive.support, s.drive.bearings, s.drive.frame_material.min_wall_mm
     return worst(
         at_least(f"shoulder of the bearing next to the {end}", shelf - bearing.width_mm, limit, "mm")
         for end, shelf, bearing in (
@@ -119,7 +119,7 @@ def mounts(s: SpurLayout) -> Comparison:
 
 def boss(s: SpurLayout) -> Comparison:
     """Boss of the drum's bearings: the metal of the plate round it, its walls, its ears."""
-    f, limit = s.frame, s.drive.support.material.min_wall_mm
+    f, limit = s.frame, s.drive.frame_material.min_wall_mm
     # The boss of a wide bearing is wider than the plate, which it passes through.
     round_seat = max(f.half_width, f.boss.radius) - f.boss.seat_radius
     around = at_least("plate round the boss", round_seat, limit, "mm")

@@ -6,8 +6,8 @@
 from __future__ import annotations
 
 from mbcdm_cad.design.design_file import Given
+from mbcdm_cad.design.fields import ESTIMATE
 
-ESTIMATE = "estimate"
 LIKE_D = "as the reference of miso_bevel"
 
 INPUTS = [{"name": "main"}]

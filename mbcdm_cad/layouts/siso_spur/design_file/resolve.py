@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from mbcdm_cad.design.drive import Sigmas
 from mbcdm_cad.design.fieldpath import FieldPath
-from mbcdm_cad.design.lookup import Catalogue, copied
+from mbcdm_cad.design.lookup import Catalogue
 from mbcdm_cad.design.resolve import preload_N, shared_sigmas, shared_values
 from mbcdm_cad.layouts.siso_spur import drive as d
 from mbcdm_cad.layouts.siso_spur.design_file.schema import SpurBlocks, SpurDesign, SpurTransmission
-from mbcdm_cad.parts.drum_sector.design import Clearances, WoundPulleySpec
 from mbcdm_cad.parts.drum_sector.resolve import sector_values, terminal_angle_rad
 
 _SIGN = {"-x": -1, "+x": 1}
@@ -44,10 +44,6 @@ def spur_values(design: SpurBlocks, catalogue: Catalogue, sigmas: Mapping[FieldP
         shared_values(design, catalogue)
         | sector_values(design, catalogue)
         | {
-            "clearances": copied(Clearances, design.clearances),
-            "input_pulleys": WoundPulleySpec(
-                catalogue.material(pulleys.material), collar_screw=pulleys.collar_screw, surface=pulleys.surface
-            ),
             "helix_lead_mm": design.rope.helix_lead_mm,
             # ``laid`` sets it.
             "dead_turns": 0.0,
@@ -74,12 +70,13 @@ def spur_values(design: SpurBlocks, catalogue: Catalogue, sigmas: Mapping[FieldP
                 input_lower=catalogue.bearing(pulleys.lower_bearing),
                 input_upper=catalogue.bearing(pulleys.upper_bearing),
             ),
-            "support": copied(d.YokeSpec, design.support, material=catalogue.material(design.support.material)),
-            "sigmas": d.SpurSigmas(
+            "sigmas": Sigmas(
                 **shared_sigmas(design, catalogue, sigmas, places),
-                input_radius_mm=(of("input_radius_mm"),) * len(places),
-                drum_radius_mm=(of("drum_radius_mm"),) * len(places),
-                centre_distance_mm=of("centre_distance_mm"),
+                lengths_mm={
+                    "input_radius_mm": (of("input_radius_mm"),) * len(places),
+                    "drum_radius_mm": (of("drum_radius_mm"),) * len(places),
+                    "centre_distance_mm": of("centre_distance_mm"),
+                },
             ),
         }
     )

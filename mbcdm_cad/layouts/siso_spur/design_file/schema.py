@@ -5,13 +5,14 @@ Reference values of shared blocks are in :mod:`mbcdm_cad.layouts.siso_spur.desig
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 from mbcdm_cad.design.blocks import Design, Input, Length, Rope
-from mbcdm_cad.design.fields import Block, EntryName, Integer, Number, choice, quantity
-from mbcdm_cad.design.sector_blocks import SectorCable, SectorDrum, SteppedPulleys
-from mbcdm_cad.layouts.siso_spur.design_file.reference import CABLES, ESTIMATE, INPUTS
-from mbcdm_cad.layouts.siso_spur.drive import SpurLimits
+from mbcdm_cad.design.fields import Block, Integer, Number, choice, quantity
+from mbcdm_cad.design.sector_blocks import Clearances, SectorCable, SectorDrum, WoundPulleys
+from mbcdm_cad.layouts.siso_spur.design_file.reference import CABLES, INPUTS
+from mbcdm_cad.layouts.siso_spur.drive import SpurLimits, YokeSupport
 
 
 class SpurTransmission(Block):
@@ -90,13 +91,15 @@ class SpurRope(Rope):
     )
 
 
-class SpurClearances(Block):
+@dataclass(frozen=True, kw_only=True)
+class SpurClearances(Clearances):
     """Gaps between finished surfaces."""
 
     land_edge_mm: Number = quantity("flank of the cable to the inner face of the drum's rim", unit="mm", ge=0.0, le=5.0)
     running_mm: Number = quantity("any moving solid to any fixed one", unit="mm", ge=0.01, le=5.0)
 
 
+@dataclass(frozen=True, kw_only=True)
 class SpurDrum(SectorDrum):
     """Drum sector with web, hub and tensioners; y is along the drum axis from the middle of the cable."""
 
@@ -105,7 +108,8 @@ class SpurDrum(SectorDrum):
     )
 
 
-class SpurPulleys(SteppedPulleys):
+@dataclass(frozen=True, kw_only=True)
+class SpurPulleys(WoundPulleys):
     """The input pulley, carried by a bearing at both ends."""
 
     surface: Literal["smooth", "grooved"] = choice(
@@ -113,62 +117,6 @@ class SpurPulleys(SteppedPulleys):
         source="usual in built capstan drives",
         reference="grooved",
         default="grooved",
-    )
-
-
-class YokeSupport(Block):
-    """Frame: a plate with the drum's boss and a yoke over the input, and the motor head behind it."""
-
-    material: EntryName = choice("material of frame and motor head", source=ESTIMATE, reference="aluminium-7075")
-    back_y_mm: Number = quantity(
-        "end of the drum's encoder behind the frame",
-        unit="mm",
-        source="distance between the drum's bearings",
-        reference=-25.5,
-        ge=-300.0,
-        le=-1.0,
-    )
-    plate_mm: Number = quantity("plate thickness", unit="mm", source=ESTIMATE, reference=5.0, ge=0.3, le=50.0)
-    bridge_mm: Number = quantity(
-        "bridge from the plate to the encoder shelf, over the input",
-        unit="mm",
-        source=ESTIMATE,
-        reference=4.0,
-        ge=0.3,
-        le=50.0,
-    )
-    side_wall_mm: Number = quantity(
-        "twice the wall of the motor head", unit="mm", source=ESTIMATE, reference=4.0, ge=0.3, le=50.0
-    )
-    motor_shelf_mm: Number = quantity(
-        "shelf that carries the gearhead",
-        unit="mm",
-        source="gearhead screws engage one diameter",
-        reference=4.0,
-        ge=0.5,
-        le=50.0,
-    )
-    coupling_space_mm: Number = quantity(
-        "length between the shelves: coupling collar, gearhead screws and the tools for both",
-        unit="mm",
-        source=ESTIMATE,
-        reference=9.6,
-        ge=2.0,
-        le=100.0,
-    )
-    bearing_shelf_mm: Number = quantity(
-        "shelf of the bearing next to the gearhead, the motor head's flange",
-        unit="mm",
-        source=ESTIMATE,
-        reference=4.0,
-        ge=0.5,
-        le=50.0,
-    )
-    encoder_shelf_mm: Number = quantity(
-        "shelf of the bearing next to the encoder", unit="mm", source=ESTIMATE, reference=4.0, ge=0.5, le=50.0
-    )
-    mount_screw: Literal["M3", "M4", "M5", "M6"] = choice(
-        "screws that hold the frame on its base, in threads of the plate", source=ESTIMATE, reference="M3", default="M3"
     )
 
 

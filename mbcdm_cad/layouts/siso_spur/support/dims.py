@@ -116,7 +116,7 @@ class YokeDims:
 
 def _round_thread_mm(drive: SpurDrive, screw: Screw, cut_mm: float) -> float:
     """Distance from a screw's axis to the next edge: ``cut_mm``, or more if the wall of an insert needs it."""
-    insert = drive.insert(drive.support.material, screw.thread_mm)
+    insert = drive.insert(drive.frame_material, screw.thread_mm)
     return cut_mm if insert is None else max(cut_mm, insert.hole_mm / 2 + insert.wall_mm)
 
 
@@ -157,7 +157,7 @@ def _stop_pin_z_mm(drive: SpurDrive, boss_radius_mm: float) -> float:
     d, running = drive.drum, drive.clearances.running_mm
     slot = (d.stop_pin_mm + STOP_SLOT_PLAY_MM) / 2
     beside = max(
-        d.hub_diameter_mm / 2 + SLOT_WALLS * d.material.min_wall_mm + slot,
+        d.hub_diameter_mm / 2 + SLOT_WALLS * drive.drum_material.min_wall_mm + slot,
         boss_radius_mm + d.stop_pin_mm / 2 + running,
     )
     return max(STOP_SHARE * d.rim_inner_radius_mm, ceil(beside / STOP_STEP_MM) * STOP_STEP_MM)
@@ -173,7 +173,7 @@ def yoke(drive: SpurDrive, levels: SpurStack, shaft: DrumShaftDims, head: Flange
     bridge = z + drive.input_radius_mm + drive.cable.diameter_mm / 2 + WINDING_ROOM_MM
     bridge = max(bridge, z + head.front_y - s.bridge_mm, z + encoder.diameter_mm / 2 + SHELF_MARGIN_MM - s.bridge_mm)
     mount = drive.screw(s.mount_bolt)
-    insert, mount_insert = (drive.insert(s.material, each.thread_mm) for each in (screw, mount))
+    insert, mount_insert = (drive.insert(drive.frame_material, each.thread_mm) for each in (screw, mount))
     edge = _round_thread_mm(drive, mount, mount.thread_mm)
     beside = head.half_x - edge
     thread = (mount_insert.hole_mm if mount_insert else mount.thread_mm) / 2
@@ -188,8 +188,8 @@ def yoke(drive: SpurDrive, levels: SpurStack, shaft: DrumShaftDims, head: Flange
         half_width=head.half_x,
         shelf_half_width=max(
             encoder.diameter_mm / 2 + SHELF_MARGIN_MM,
-            circle + head_radius + s.material.min_wall_mm,
-            upper.outer_diameter_mm / 2 + s.material.min_wall_mm,
+            circle + head_radius + drive.frame_material.min_wall_mm,
+            upper.outer_diameter_mm / 2 + drive.frame_material.min_wall_mm,
             # No encoder says how wide the bridge must be to be stiff.
             opening_radius_mm(drive) + BRIDGE_BESIDE_MM if encoder.absent else 0.0,
         ),
@@ -197,7 +197,7 @@ def yoke(drive: SpurDrive, levels: SpurStack, shaft: DrumShaftDims, head: Flange
         bridge_bottom_z=bridge,
         top_z=bridge + s.bridge_mm,
         opening_radius=opening_radius_mm(drive),
-        corner_radius=max(CORNER_MM, s.material.min_internal_radius_mm),
+        corner_radius=max(CORNER_MM, drive.frame_material.min_internal_radius_mm),
         seat_radius=upper.outer_diameter_mm / 2,
         seat_depth=upper.width_mm,
         seat_shoulder_radius=upper.outer_shoulder_mm / 2,

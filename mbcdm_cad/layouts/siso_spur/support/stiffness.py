@@ -107,7 +107,7 @@ def arms_compliance(arms: Sequence[Arm], share: float) -> FrameCompliance:
     places = [(arm.way * x, arm.way * z) for arm in arms for x, z in f.mounts]
     held = Mounts(places, screw.head_diameter_mm / 2, f.mount_radius, v.front_y - v.plate_back_y)
     mesh = plate_mesh(walls(arms), held)
-    material = first.drive.support.material
+    material = first.drive.frame_material
     total = np.zeros((len(mesh.plates.node_mm), 6))
     for arm in arms:
         tension = share * unit_tensions_N(to_si(arm.layout.drive))

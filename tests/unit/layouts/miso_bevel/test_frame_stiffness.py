@@ -77,9 +77,9 @@ def test_reference_keeps_its_limit_and_shares_add_up(dims: BevelLayout) -> None:
 
 
 def test_windup_is_inverse_to_the_modulus(drive: BevelDrive, as_drawn_urad_Nm: float) -> None:
-    material = drive.support.material
+    material = drive.frame_material
     softer = replace(material, youngs_modulus_GPa=material.youngs_modulus_GPa / 3)
-    soft = frame_compliance(BevelLayout(replace(drive, support=replace(drive.support, material=softer)))).windup_urad_Nm
+    soft = frame_compliance(BevelLayout(replace(drive, frame_material=softer))).windup_urad_Nm
     ratio = soft / as_drawn_urad_Nm
     assert ratio == pytest.approx(3.0, rel=1e-6), f"{ratio}"
 

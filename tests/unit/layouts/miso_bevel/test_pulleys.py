@@ -65,7 +65,7 @@ def test_slots_open_to_the_end_face_by_their_own_step(dims: BevelLayout) -> None
 
 def test_collar_screw_passes_between_bore_and_rim(drive: BevelDrive, dims: BevelLayout) -> None:
     c, screw = dims.collar, drive.screw(dims.collar.screw)
-    wall = drive.support.material.min_wall_mm
+    wall = drive.frame_material.min_wall_mm
     assert c.screw_offset - screw.clearance_mm / 2 - c.bore_radius == pytest.approx(wall)
     tip = screw.length_mm - c.head_seat
     assert tip - c.slit_width / 2 >= screw.thread_mm, f"{tip - c.slit_width / 2:.2f} mm of thread engaged"
@@ -137,7 +137,7 @@ def test_top_plate_and_frame_share_their_screws_and_dowels(drive: BevelDrive, di
 def test_encoder_screws_leave_a_wall_to_the_bearing_seat(drive: BevelDrive, dims: BevelLayout) -> None:
     head = drive.screw(drive.encoder.screw).head_diameter_mm / 2 + 0.1
     wall = drive.encoder.bolt_circle_mm / 2 - head - dims.top_plate.seat_radius
-    assert wall >= drive.support.material.min_wall_mm, f"{wall:.3f} mm"
+    assert wall >= drive.frame_material.min_wall_mm, f"{wall:.3f} mm"
 
 
 def test_key_reaches_the_gearheads_screws_through_the_empty_seat(drive: BevelDrive, dims: BevelLayout) -> None:
@@ -152,7 +152,7 @@ def test_stop_pin_has_metal_round_it(drive: BevelDrive, dims: BevelLayout) -> No
     below = f.stop_pin_z - f.stop_pin_radius - v.motor_shelf_bottom_z
     above = v.bearing_shelf_bottom_z - f.stop_pin_z - f.stop_pin_radius
     beside = f.web_half_width - f.stop_pin_radius
-    assert min(below, above, beside) >= drive.support.material.min_wall_mm, f"{below:.2f}, {above:.2f}, {beside:.2f} mm"
+    assert min(below, above, beside) >= drive.frame_material.min_wall_mm, f"{below:.2f}, {above:.2f}, {beside:.2f} mm"
     assert v.front_y - f.stop_pin_start_y >= 3 * 2 * f.stop_pin_radius, "pressed in less than three diameters"
 
 

@@ -45,17 +45,11 @@ def with_inputs(drive: RoundDrumDrive) -> Callable[[int], RoundDrumDrive]:
             peak_torque_Nm=drive.loads.peak_torque_Nm * share,
             test_torque_Nm=drive.loads.test_torque_Nm * share,
         )
-        sigmas = replace(
-            drive.sigmas,
-            preload_N=(0.0,) * len(cables),
-            input_radius_mm=(0.0,) * len(cables),
-            drum_radius_mm=(0.0,) * len(cables),
-        )
         return replace(
             drive,
             input_names=names,
             cables=cables,
-            sigmas=sigmas,
+            sigmas=drive.sigmas.of_cables((0,) * len(cables)),
             loads=loads,
             limits=replace(drive.limits, frame_windup_max_mrad=None),
             centre_distance_mm=70.0 if count < 3 else 74.0,

@@ -119,10 +119,10 @@ def test_what_turns_passes_the_encoder_and_stays_below_the_motor(drive: DirectDr
 
 
 def test_corners_of_a_printed_frame_are_no_cutters(drive: DirectDrive) -> None:
-    printed = replace(drive.support.material, process="printed")
+    printed = replace(drive.frame_material, process="printed")
     deep = 80.0
     assert pocket_corner_radius_mm(drive, deep) == pytest.approx(deep / 8)
-    assert pocket_corner_radius_mm(replace(drive, support=replace(drive.support, material=printed)), deep) == 2.0
+    assert pocket_corner_radius_mm(replace(drive, frame_material=printed), deep) == 2.0
 
 
 def test_every_item_joins_once_in_the_order_of_assembly(dims: DirectLayout) -> None:

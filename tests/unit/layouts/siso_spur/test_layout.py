@@ -55,7 +55,7 @@ def test_the_stop_pin_stands_outside_hub_and_boss(drive: SpurDrive, hub_mm: floa
     pin, slot = dims.frame.stop_pin_radius, dims.drum.stop_slot_width / 2
     beside_hub = dims.frame.stop_pin_z - slot - hub_mm / 2
     beside_boss = dims.frame.stop_pin_z - pin - dims.frame.boss.radius
-    assert beside_hub >= 2 * drive.drum.material.min_wall_mm, f"{beside_hub} mm"
+    assert beside_hub >= 2 * drive.drum_material.min_wall_mm, f"{beside_hub} mm"
     assert beside_boss >= drive.clearances.running_mm, f"{beside_boss} mm"
     assert dims.drum.stop_radius == dims.frame.stop_pin_z
 
@@ -211,7 +211,7 @@ def test_thicker_walls_turn_less(drive: SpurDrive) -> None:
 def test_the_shelf_has_a_wall_beside_the_heads_of_the_encoder_screws(drive: SpurDrive) -> None:
     """Of a material with thick walls, such as PLA, the shelf is wider than the encoder."""
     for wall in (0.8, 1.2):
-        material = replace(drive.support.material, min_wall_mm=wall)
-        f = SpurLayout(replace(drive, support=replace(drive.support, material=material))).frame
+        material = replace(drive.frame_material, min_wall_mm=wall)
+        f = SpurLayout(replace(drive, frame_material=material)).frame
         beside = f.shelf_half_width - f.encoder_circle_radius - f.encoder_head_radius
         assert beside >= wall - 1e-9, f"{beside} mm of {wall}"

@@ -103,7 +103,7 @@ def test_a_hollow_centre_of_the_stated_diameter_passes(hollow: SpurLayout) -> No
     assert failing(hollow) == {}
     assert 2 * hollow.drum_shaft.bore_radius == BORE_MM
     bearing = hollow.drive.bearings.drum
-    assert bearing.bore_mm - BORE_MM >= 2 * hollow.drive.drum.shaft_material.min_wall_mm, bearing
+    assert bearing.bore_mm - BORE_MM >= 2 * hollow.drive.shaft_material.min_wall_mm, bearing
     # Nothing else stands in it: the shaft runs from the frame's back to the face of the hub.
     assert hollow.drum_shaft.y_start == hollow.levels.back_y
     assert hollow.drum_shaft.y_end == hollow.levels.hub_face_y
