@@ -19,6 +19,8 @@ RIM_WALLS = 1.5
 HUB_DIAMETERS, HUB_MOST_MM = 1.0, 20.0
 # Largest angle beyond the travel at which the stops may engage (the paper's stops are between 35.0 and 35.5 degrees).
 STOP_WINDOW_DEG = 0.5
+# Shafts of this diameter or more are thick enough for the set screws of any hub.
+THIN_SHAFT_MM = 5.0
 # Height of the spigot over the shaft, so that it rests on the bearing's inner ring.
 SPIGOT_MM = 0.3
 
@@ -109,6 +111,13 @@ def hub_length(s: SectorLayout) -> Comparison:
             at_least("hub beyond the web, over the payload's threads", beyond - d.payload_depth, 0.0, "mm"),
         )
     )
+
+
+def set_screw_tips(s: SectorLayout) -> Comparison:
+    """The two set screws, at right angles to each other, do not meet in a thin shaft."""
+    screw = s.drive.screw(s.drum.set_screw)
+    gap = s.drum.set_screw_radius - screw.thread_mm / 2
+    return at_least("end of a set screw from the side of the other", gap, 0.0, "mm")
 
 
 def hub_spigot(s: SectorLayout) -> Comparison:
@@ -204,6 +213,14 @@ CHECKS = (
         hub_spigot,
         adjust=(up("drum.hub_diameter_mm"),),
         advice="choose another drum.bearing",
+    ),
+    Check(
+        "set_screw_tips",
+        "Hub's set screws do not meet in the shaft",
+        "derived",
+        set_screw_tips,
+        advice="choose a larger drum.bearing",
+        applies=lambda drive: drive.bearings.drum.bore_mm < THIN_SHAFT_MM,
     ),
     Check("shaft_wall", "Wall of the drum shaft", _WALL, shaft_wall, adjust=(down("drum.shaft_bore_mm"),)),
     Check(

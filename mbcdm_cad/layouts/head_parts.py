@@ -47,7 +47,7 @@ def _drum_bearing(given: TrialKnown) -> Found:
     names = _by_mass(given, "bearings", lambda _, entry: any_will_do or bool(_rings(given, entry)))
     # A bore that the file states is a hollow centre, round which the shaft needs a wall.
     hollow = ("shaft_wall",) if given.get("drum.shaft_bore_mm") is not None else ()
-    checks = (*hollow, "drum_bearings", "shaft_twist")
+    checks = (*hollow, "drum_bearings", "shaft_twist", "set_screw_tips")
     found = given.first("drum.bearing", names, checks)
     if not names or given.margins("drum.bearing", found.value, ("drum_bearings",))["drum_bearings"][0] >= 0.0:
         return found

@@ -71,7 +71,7 @@ class StructureReport:
             f"{self.cables_turn_mrad:.3f} of them by the cables; swing at a reversal {self.payload_swing_mrad:.3f} mrad"
         )
         yield (
-            f"the drum's encoder sees {s.cables_urad_Nm + s.encoder_urad_Nm:.0f} urad/N m; with the motors' shafts "
+            f"an encoder on the drum's shaft sees {s.cables_urad_Nm + s.encoder_urad_Nm:.0f} urad/N m; with the motors "
             f"held in place of the inputs the payload turns by {s.cables_urad_Nm + s.motor_urad_Nm:.0f} urad/N m"
         )
         share = s.peak_stress_MPa / s.yield_MPa

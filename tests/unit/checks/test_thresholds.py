@@ -120,6 +120,7 @@ WAYS: dict[str, Way] = {
     "hub_walls": Way(to("drum.hub_diameter_mm"), 20.0, 10.0),
     "hub_length": Way(to("drum.hub_face_y_mm"), 20.8, 14.0),
     "hub_spigot": Way(to("bearings.drum.inner_shoulder_mm"), 9.5, 8.0),
+    "set_screw_tips": Way(to("bearings.drum.bore_mm"), 8.0, 2.5),
     "shaft_wall": Way(to("drum.shaft_bore_mm"), 4.0, 7.9),
     "stop_slot": Way(to("drum.sector_half_angle_deg"), 78.1, 36.0),
     "stop_after_travel": Way(to("stop_clearance_deg"), 0.25, -0.1),

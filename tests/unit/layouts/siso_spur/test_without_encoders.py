@@ -99,6 +99,17 @@ def test_other_layouts_refuse_with_what_to_do(layout: str, field: str) -> None:
         load_text(text.replace(line, f"  {field}: none"))
 
 
+def test_the_set_screws_do_not_meet_in_the_shaft_of_a_small_drive() -> None:
+    """No ring encoder asks for a shaft of 5 mm any more; two M3 at a right angle would meet in one of 3 mm."""
+    text = SHORT.format(layout="siso_spur", encoder="none", drum_encoder="none").replace(
+        "torque_Nm: 1.0", "torque_Nm: 0.2"
+    )
+    layout = load_text(text + "drum: {material: pla}\nsupport: {material: pla}\n").drive.layout
+    assert failing(layout) == {}
+    thin = load_text(text + "drum: {bearing: 618/3}\n").drive.layout
+    assert "set_screw_tips" in failing(thin)
+
+
 def test_a_hollow_centre_of_the_stated_diameter_passes(hollow: SpurLayout) -> None:
     assert failing(hollow) == {}
     assert 2 * hollow.drum_shaft.bore_radius == BORE_MM
