@@ -31,7 +31,8 @@ from mbcdm_cad.storage.parallel import fork_map
 if TYPE_CHECKING:
     from mbcdm_cad.drawings.draw import PartFacts
 
-FORMATS = ("dxf", "pdf", "svg")
+# The solid of a made part with the tolerances of its sheet.
+WITH_TOLERANCES = "ap242.step"
 # Libraries whose version changes the bytes of a drawing.
 _LIBRARIES = ("ezdxf", "matplotlib")
 # The name of the sheet of the whole drive.
@@ -74,7 +75,8 @@ class _Job:
     @property
     def key(self) -> str:
         """Names all that the sheet follows from."""
-        source = source_hash(type(self.part).__module__, "mbcdm_cad.drawings.draw")
+        code = ("mbcdm_cad.drawings.draw", "mbcdm_cad.build.export.step_pmi")
+        source = source_hash(type(self.part).__module__, *code)
         with_libraries = versions() | {name: metadata.version(name) for name in _LIBRARIES}
         return content_key(
             "drawing",
@@ -85,12 +87,14 @@ class _Job:
 
     def make(self) -> dict[str, bytes]:
         """The sheet's files by extension."""
+        from mbcdm_cad.build.export.step_pmi import part_step_ap242
         from mbcdm_cad.drawings.draw import draw_sheet
 
         mass = self.material.density_g_cm3 * self.made.files.shape.volume_mm3 / 1e3
         facts = _facts(self.drive, self.material.name, mass)
         sheet = self.part.sheet(self.name)
-        return draw_sheet(sheet, _shown(self.part, self.made), facts)
+        step = part_step_ap242(self.name, self.made.solid(), self.material, sheet)
+        return draw_sheet(sheet, _shown(self.part, self.made), facts) | {WITH_TOLERANCES: step}
 
 
 @dataclass(frozen=True)
@@ -163,6 +167,8 @@ def drawings_of(
 ) -> dict[str, bytes]:
     """Drawings of the assembly and all made parts, or of ``part``, by file name (``NAME.dxf``, ``.pdf``, ``.svg``).
 
+    A made part has its solid with tolerances too (``NAME.ap242.step``).
+
     ``part`` may be ``assembly``. Raises ``MbcdmError`` for a part that the design does not make.
     """
     names = (ASSEMBLY, *drawn_parts(drive))
@@ -188,4 +194,4 @@ def drawings_of(
         for name, files in zip(missing, made, strict=True):
             cache.put(wanted[name].key, files)
             sheets[name] = files
-    return {f"{name}.{kind}": found[kind] for name, found in sheets.items() if found is not None for kind in FORMATS}
+    return {f"{name}.{kind}": found[kind] for name, found in sheets.items() if found is not None for kind in found}

@@ -67,12 +67,17 @@ def write_drawings(
 ) -> Written:
     """Write a sheet of each made part and of the assembly, or of ``part`` alone, as DXF, PDF and SVG.
 
+    Each made part comes as STEP AP242 with its tolerances too.
+
     Raises ``MbcdmError`` for a part that the design does not make.
     """
     folder = drawings_folder(out, loaded.drive.name)
     refuse_other_origin(folder, loaded.path)
     files = drawings_of(loaded.drive, cache, part=part, jobs=jobs, progress=progress)
-    return _written(loaded, folder, files, f"{len(files)} files, {len(files) // 3} sheets as DXF, PDF and SVG")
+    sheets = sum(name.endswith(".pdf") for name in files)
+    return _written(
+        loaded, folder, files, f"{len(files)} files, {sheets} sheets as DXF, PDF and SVG, made parts as STEP AP242"
+    )
 
 
 def write_prints(

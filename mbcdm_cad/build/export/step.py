@@ -24,10 +24,13 @@ from mbcdm_cad.design.bought import Material
 from mbcdm_cad.errors import GeometryError
 from mbcdm_cad.parts.item import Item, sorted_items
 
+# The kernel's numbers of the schemas.
+_AP214, _AP242 = 4, 5
+
 
 def part_step(name: str, solid: Shape, material: Material, description: str = "") -> bytes:
     """The STEP file of one part: one product called ``name``, coloured, with its material and density (g/cm^3)."""
-    document = _Document()
+    document = StepDocument()
     document.add_part(name, solid, material)
     return document.step(name, description)
 
@@ -38,7 +41,7 @@ def assembly_step(name: str, items: Sequence[Item], solids: Mapping[str, Shape],
     ``solids`` maps each part to its solid in the part's own frame; a part is written once however often it occurs.
     The order of ``items`` does not matter. Raises ``ValueError`` as :func:`sorted_items` does.
     """
-    document = _Document()
+    document = StepDocument()
     root = document.add_assembly(name)
     parts: dict[str, TDF_Label] = {}
     groups: dict[str, TDF_Label] = {}
@@ -53,25 +56,27 @@ def assembly_step(name: str, items: Sequence[Item], solids: Mapping[str, Shape],
     return document.step(name, description)
 
 
-class _Document:
-    """The kernel's document of named, coloured shapes."""
+class StepDocument:
+    """The kernel's document of named, coloured shapes; ``main`` is the label that its tools hang on."""
 
     def __init__(self) -> None:
         self._document = TDocStd_Document(TCollection_ExtendedString("BinXCAF"))
         XCAFApp_Application.GetApplication_s().InitDocument(self._document)
-        main = self._document.Main()
-        self._shapes = XCAFDoc_DocumentTool.ShapeTool_s(main)
-        self._shapes.SetAutoNaming_s(False)
+        self.main = main = self._document.Main()
+        self.shapes = XCAFDoc_DocumentTool.ShapeTool_s(main)
+        self.shapes.SetAutoNaming_s(False)
         self._colours = XCAFDoc_DocumentTool.ColorTool_s(main)
         self._materials = XCAFDoc_DocumentTool.MaterialTool_s(main)
 
     def add_assembly(self, name: str) -> TDF_Label:
-        label = self._shapes.NewShape()
+        """An empty assembly."""
+        label = self.shapes.NewShape()
         _set_name(label, name)
         return label
 
     def add_part(self, name: str, solid: Shape, material: Material) -> TDF_Label:
-        label = self._shapes.AddShape(kernel_shape(solid), False)
+        """A part with its colour, material and density."""
+        label = self.shapes.AddShape(kernel_shape(solid), False)
         _set_name(label, name)
         colour = Quantity_Color(*material.colour, Quantity_TypeOfColor.Quantity_TOC_RGB)
         self._colours.SetColor(label, colour, XCAFDoc_ColorType.XCAFDoc_ColorGen)
@@ -86,10 +91,12 @@ class _Document:
         return label
 
     def add_component(self, parent: TDF_Label, child: TDF_Label, name: str, place: TopLoc_Location) -> None:
-        _set_name(self._shapes.AddComponent(parent, child, place), name)
+        """An instance of ``child`` in ``parent``."""
+        _set_name(self.shapes.AddComponent(parent, child, place), name)
 
-    def step(self, name: str, description: str) -> bytes:
-        self._shapes.UpdateAssemblies()
+    def step(self, name: str, description: str, ap242: bool = False) -> bytes:
+        """The document as AP214, or as AP242 with its dimensions and tolerances."""
+        self.shapes.UpdateAssemblies()
         writer = STEPCAFControl_Writer(XSControl_WorkSession(), False)
         # The kernel keeps these settings for the whole process, so all that affect the file are set each time.
         Interface_Static.SetIVal_s("write.surfacecurve.mode", 0)  # no curves in parameter space: a third smaller
@@ -99,6 +106,8 @@ class _Document:
         writer.SetNameMode(True)
         writer.SetColorMode(True)
         writer.SetMaterialMode(True)
+        Interface_Static.SetIVal_s("write.step.schema", _AP242 if ap242 else _AP214)
+        writer.SetDimTolMode(ap242)
         buffer = io.BytesIO()
         if not writer.Transfer(self._document, STEPControl_StepModelType.STEPControl_AsIs):
             raise GeometryError(f"the kernel could not translate {name!r} to STEP: is every solid valid?")
