@@ -110,7 +110,8 @@ def _broken_rules(file: MeasurementFile) -> list[Problem]:
     asked = file.asked
     if content.load is not None and LOAD in asked:
         remedy = "keep one of the two: the measured torque, or what is known of the load"
-        problems.append(file.problem(("load",), f"given beside columns.{LOAD}", str(content.load), remedy=remedy))
+        told = content.load if isinstance(content.load, str) else "pendulum"
+        problems.append(file.problem(("load",), f"given beside columns.{LOAD}", told, remedy=remedy))
     named = [key for key in asked if key.startswith("input_")]
     remedy = "give input for a drive that has one, else input_<name> for each input of the design, or left and right"
     if "input" in asked and named:

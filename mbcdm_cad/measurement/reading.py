@@ -14,6 +14,7 @@ from mbcdm_cad.design.fieldpath import FieldPath
 from mbcdm_cad.errors import InputError, Problem, did_you_mean, shortened
 from mbcdm_cad.measurement.datafile import DECIMALS, DataTable, read_table
 from mbcdm_cad.measurement.file import MeasurementFile, load_file
+from mbcdm_cad.measurement.known_load import pendulum_load_Nm
 from mbcdm_cad.measurement.logformat import Format, find_format, line_with
 from mbcdm_cad.measurement.run import Run, Sensors, TorqueClass
 from mbcdm_cad.measurement.schema import Column, SensorFigures
@@ -331,13 +332,13 @@ def _in_si(file: MeasurementFile, asked: dict[str, Column], table: DataTable, so
         given.torque_noise_Nm,
         given.input_noise_rad,
         given.output_noise_rad,
-        _torque_class(given),
+        _torque_class(given, file.content.load is not None),
     )
     return Run(
         rows["time"],
         inputs,
         rows["output"],
-        rows.get("load_torque") if file.content.load is None else np.zeros_like(rows["output"]),
+        _load_Nm(file, rows),
         rows.get("temperature"),
         sensors,
         names,
@@ -348,14 +349,25 @@ def _in_si(file: MeasurementFile, asked: dict[str, Column], table: DataTable, so
     )
 
 
-def _torque_class(given: SensorFigures) -> TorqueClass:
-    """The class of the torque sensor, with usual figures in place of those that are not stated."""
-    usual = TorqueClass()
+def _load_Nm(file: MeasurementFile, rows: dict[str, Floats]) -> Floats | None:
+    """The load: as measured, none, or that of a known weight."""
+    known = file.content.load
+    if known is None:
+        return rows.get("load_torque")
+    if known == "none":
+        return np.zeros_like(rows["output"])
+    return pendulum_load_Nm(known.pendulum, rows["output"], rows["time"])
+
+
+def _torque_class(given: SensorFigures, known: bool) -> TorqueClass:
+    """The class of the torque sensor, or of a known load, with usual figures in place of those that are not stated."""
+    usual = TorqueClass(lag_s=0.0, what="known load") if known else TorqueClass()
     share, lag = given.torque_class_share, given.torque_lag_s
     return TorqueClass(
         usual.share if share is None else share,
         usual.lag_s if lag is None else lag,
         share is not None or lag is not None,
+        usual.what,
     )
 
 

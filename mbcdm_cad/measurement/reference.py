@@ -102,6 +102,8 @@ def measurement_page() -> str:
         )
     ]
     lines += ["", "## sensors", "", *_table(schema["properties"]["sensors"]["properties"], {})]
+    load = schema["properties"]["load"]["properties"]["pendulum"]
+    lines += ["## load", "", "`load: none`, or `load: {pendulum: {...}}` with", "", *_table(load["properties"], load)]
     published = schema["properties"]["published"]["items"]
     lines += ["## published", "", f"{schema['properties']['published']['description'].capitalize()}: a list of", ""]
     plain = {key: node for key, node in published["properties"].items() if key != "conditions"}

@@ -23,18 +23,21 @@ Level = Literal["refused", "doubt", "fact"]
 class TorqueClass:
     """Largest errors of a torque sensor in its class: gain as a share, zero as the same share of the range, lag in s.
 
-    The defaults are those of usual sensors with a filter of 15 Hz or more; ``stated``: the measurement file gives them.
+    The defaults are those of usual sensors with a filter of 15 Hz or more; ``stated``: the measurement file gives them;
+    ``what`` the load comes from.
     """
 
     share: float = 0.01
     lag_s: float = 0.011
     stated: bool = False
+    what: str = "torque sensor"
 
     @property
     def words(self) -> str:
         """The class in words."""
         source = "as stated" if self.stated else "usual, none is stated"
-        return f"{self.share:.3g} of gain and range, lag {1e3 * self.lag_s:.3g} ms, {source}"
+        lag = f", lag {1e3 * self.lag_s:.3g} ms" if self.lag_s else ""
+        return f"{self.share:.3g} of gain and range{lag}, {source}"
 
 
 @dataclass(frozen=True)

@@ -184,6 +184,42 @@ class SensorFigures(Block):
     )
 
 
+BENCH = "bench"
+
+
+class Pendulum(Block):
+    """A weight on an arm at the output."""
+
+    mass_kg: Number = figure("mass of the weight", unit="kg", source=BENCH, example=2.0, gt=0.0, le=1e4)
+    arm_mm: Number = figure(
+        "distance of the weight's centre from the axis", unit="mm", source=BENCH, example=150.0, gt=0.0, le=1e5
+    )
+    inertia_kg_m2: Number = figure(
+        "moment of inertia of arm, drum and coupling about the axis, without the weight at its arm",
+        unit="kg m2",
+        source=BENCH,
+        example=0.002,
+        default=0.0,
+        ge=0.0,
+        le=1e4,
+    )
+    vertical_deg: Number = figure(
+        "angle of the output, as its column reads, at which the weight hangs straight down",
+        unit="deg",
+        source=BENCH,
+        example=0.0,
+        default=0.0,
+        ge=-1e4,
+        le=1e4,
+    )
+
+
+class KnownLoad(Block):
+    """A load that no sensor measured but that is known."""
+
+    pendulum: Pendulum = choice("a weight on an arm", source=BENCH)
+
+
 Quantity = Literal["peak_torque", "mass", "backlash", "ripple_amplitude", "ripple_order"]
 
 
@@ -228,9 +264,10 @@ class Measurement(Block):
     )
     columns: Columns | None = choice("what each column contains", source=LOGGER, default=None)
     sensors: SensorFigures = choice("what the sensors resolve", source=SENSORS, default=SensorFigures())
-    load: Literal["none"] | None = choice(
-        "none: nothing loads the output of this run but its own bearings; leave it out where the load is not known",
-        source="bench",
+    load: Literal["none"] | KnownLoad | None = choice(
+        "load that no sensor measured: none if nothing loads the output but its own bearings, or a pendulum; leave it "
+        "out where the load is not known",
+        source=BENCH,
         example="none",
         default=None,
     )
@@ -281,6 +318,8 @@ def json_schema() -> Node:
     schema: Node = Measurement.model_json_schema()
     definitions = schema.pop("$defs", {})
     written: Node = _written_out(schema, definitions)
+    # The load is a word or a block: both are written out as one node, of no type.
+    written["properties"]["load"] |= {"properties": {"pendulum": _written_out(definitions["Pendulum"], definitions)}}
     columns = written["properties"]["columns"]
     columns["patternProperties"] = {INPUT_COLUMN: columns["properties"]["time"]}
     columns["additionalProperties"] = False

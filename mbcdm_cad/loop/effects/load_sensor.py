@@ -106,7 +106,8 @@ def within_class(runs: tuple[Prepared, ...]) -> list[Effect]:
     if any(load is None for load in loads) or most == 0.0:
         return []
     allowed: TorqueClass = runs[0].run.sensors.torque_class
-    return [gain(allowed.share), zero(allowed.share * most), lag(allowed.lag_s)[1]]
+    found = [gain(allowed.share), zero(allowed.share * most)]
+    return [*found, lag(allowed.lag_s)[1]] if allowed.lag_s else found
 
 
 def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:

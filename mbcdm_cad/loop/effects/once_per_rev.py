@@ -1,12 +1,15 @@
-"""Eccentric pulleys and encoders.
+"""Eccentric pulleys and encoders, and encoders that are wrong twice a turn.
 
 An eccentric pulley moves its centre round its axis by e; the path of each of its cables changes by e . u_j for each
 span that touches the pulley (u_j: unit vector of the span), inside the stretch delta_j, so it works the friction. An
-eccentric encoder reads its own shaft wrongly by a wave of the shaft's angle.
+eccentric encoder reads its own shaft wrongly by a wave of the shaft's angle; twice a turn by a disc that is oval or
+tilted, a magnet whose field is not round, or two read heads that do not match.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -32,6 +35,8 @@ def path_change(d: DriveSI, stage: str, x: Floats, y: Floats) -> Floats:
 
 
 NAME = "once_per_rev"
+# Ratios nearer to 1 than this tell input and output encoder apart too slowly.
+LEAST_APART = 0.05
 TURN = "re-clock the encoder by 90 degrees on its shaft and run again: an encoder's phase turns with it, a pulley's not"
 
 
@@ -45,23 +50,24 @@ def _pulley(stage: str, setup: Setup, values: Floats, _: Simulator) -> Setup:
     return setup.with_path(path_change(d, stage, *wave(values, shaft)))
 
 
-def _output_encoder(setup: Setup, values: Floats, _: Simulator) -> Setup:
-    return setup.with_added(wave(values, setup.drum_rad)[0])
+def _output_encoder(waves: int, setup: Setup, values: Floats, _: Simulator) -> Setup:
+    return setup.with_added(wave(values, waves * setup.drum_rad)[0])
 
 
-def _input_encoder(index: int, setup: Setup, values: Floats, _: Simulator) -> Setup:
-    return setup.with_shift(index, -wave(values, setup.input_shaft_rad(index))[0])
+def _input_encoder(index: int, waves: int, setup: Setup, values: Floats, _: Simulator) -> Setup:
+    return setup.with_shift(index, -wave(values, waves * setup.input_shaft_rad(index))[0])
 
 
-def _encoder(stage: str, size: float, apply: object, seen: float) -> Effect:
-    return Effect(
+def _encoders(stage: str, size: float, apply: Callable[..., Setup], seen: float) -> list[Effect]:
+    """The errors of one encoder, once and twice a turn; ``seen``: the share of them that the drum shows."""
+    once = Effect(
         NAME,
         "eccentric encoder",
         "the disc of the encoder sits off centre on its shaft",
         f"runout of the encoder's disc on the shaft of the {stage}",
         TURN,
         pair(size, "rad"),
-        apply,  # type: ignore[arg-type]
+        partial(apply, 1),
         stage=stage,
         figures=(
             Figure("amplitude_rad", lambda v: seen * length(v)),
@@ -70,6 +76,16 @@ def _encoder(stage: str, size: float, apply: object, seen: float) -> Effect:
         physical=(Figure("encoder_error_rad", length),),
         plain="the encoder disc of the {stage} sits off centre: it is wrong by {amplitude_rad} at the drum once a turn",
     )
+    twice = replace(
+        once,
+        name="twice_per_rev",
+        form="encoder",
+        physics="the encoder is wrong twice a turn of its shaft: a disc that is oval or tilted, a magnet off its axis",
+        where_to_look=f"tilt and distance of the encoder's disc or magnet on the shaft of the {stage}",
+        apply=partial(apply, 2),
+        plain="the encoder of the {stage} is wrong by {amplitude_rad} at the drum, twice a turn",
+    )
+    return [once, twice]
 
 
 def _eccentric(stage: str, lever_m: float) -> Effect:
@@ -93,9 +109,13 @@ def _eccentric(stage: str, lever_m: float) -> Effect:
 
 
 def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
-    """Drum encoder always; pulleys and input encoders where the drive is known."""
-    found = [_encoder("drum", 1e-5, _output_encoder, 1.0)]
+    """Encoders always, pulleys where the drive is known."""
+    found = _encoders("drum", 1e-5, _output_encoder, 1.0)
     if d is None:
+        ratio = float(p.run.ratio or 1.0)
+        # At a ratio of 1 both encoders do the same.
+        if abs(ratio - 1.0) > LEAST_APART:
+            found += _encoders("input", 1e-5 * ratio, partial(_input_encoder, 0), 1.0 / ratio)
         return found
     ratio = float(np.mean(d.total_ratio))
     # Amplitude at the drum of one metre off centre, per pulley: its spans' mean lever.
@@ -106,5 +126,5 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
     for index, body in enumerate(d.routes.inputs):
         share = float(np.mean(d.of_input(index)))
         found.append(_eccentric(body.name, middle / share))
-        found.append(_encoder(body.name, 1e-4, partial(_input_encoder, index), share / ratio))
+        found += _encoders(body.name, 1e-4, partial(_input_encoder, index), share / ratio)
     return found

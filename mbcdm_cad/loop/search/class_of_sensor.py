@@ -38,7 +38,9 @@ class WithinClass:
         for name, size in self.sizes:
             word, (shown,) = readable(name, [size])
             parts.append(f"{word} {shown}")
-        return f"errors of the torque sensor within its class ({self.torque_class.words}): {', '.join(parts)}"
+        return (
+            f"errors of the {self.torque_class.what} within its class ({self.torque_class.words}): {', '.join(parts)}"
+        )
 
 
 class ClassOfSensor(Exchanges):
