@@ -18,6 +18,10 @@ def _bearing(setup: Setup, values: Floats, _: Simulator) -> Setup:
     return replace(setup, load_Nm=setup.load + values[0] * setup.p.sense)
 
 
+def _in_the_torque(setup: Setup, values: Floats, _: Simulator) -> Setup:
+    return replace(setup, load_Nm=setup.load - values[0] * setup.p.sense)
+
+
 def _not_measured(setup: Setup, values: Floats, _: Simulator) -> Setup:
     return replace(setup, load_Nm=values[0] * setup.p.sense)
 
@@ -98,6 +102,14 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
         generic=True,
         plain="the bearings hold back {torque_Nm} that the torque sensor does not see",
     )
+    inside = replace(
+        bearing,
+        form="friction in the measured torque",
+        physics="the torque was taken before a friction, as from the motor's current: the drum bears less than it says",
+        where_to_look="friction of motor, gearhead and seals before the drum: current of the motor without a load",
+        apply=_in_the_torque,
+        plain="the measured torque contains {torque_Nm} of friction that the drum does not bear",
+    )
     viscous = Effect(
         "delay",
         "viscous drag",
@@ -110,4 +122,4 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
         generic=True,
         plain="something drags in proportion to the speed, with {drag_Nm_s}",
     )
-    return [late, viscous, bearing]
+    return [late, viscous, bearing, inside]

@@ -65,8 +65,9 @@ SLOW_S = 0.3
 # An effect that is not named is reported as helpful from LEAST_ODDS on. It stays in the fit if it explains this share
 # of the error above the floor.
 MOST_OF = 0.75
-# Two effects cancel each other if one does so many times what all effects together do.
-CANCELS = 3.0
+# Two effects cancel each other if one does so many times what all effects together do, and its size, over its standard
+# error, is below the second figure: 95 % bands of a third of it. A ratio that undoes a runout may be known far better.
+CANCELS, SURE = 3.0, 6.0
 # The time of an event is open if another time, this share of the run away or farther, explains the run as well.
 AWAY, TIMES = 0.1, 24
 # A size counts as possibly zero if it is zero with this probability.
@@ -208,12 +209,9 @@ class Judge(ClassOfSensor):
             windows = self.shift_by_window(fit)
             chances = []
             for group in groups:
-                sizes = [k for k, p in enumerate(group.effect.parameters) if p.role == "size"]
                 shift = windows[fit.effects.index(group.effect)]
-                block = self.spread(fit, group.effect, self.fitter) + np.diag((shift / INTERVAL) ** 2)
-                values = fit.values_of(group.effect)[sizes]
-                strength = float(values @ np.linalg.pinv(block[np.ix_(sizes, sizes)], hermitian=True) @ values)
-                chance = float(chi2.sf(strength, len(sizes)))
+                strength = self._strength(fit, group, shift)
+                chance = float(chi2.sf(strength, sum(p.role == "size" for p in group.effect.parameters)))
                 # Scatter says nothing of a size without a slope, or beside an uncertain time of an event.
                 if group.effect.saturates or group.effect.once:
                     without = self.search.without(fit, group.effect)
@@ -230,7 +228,7 @@ class Judge(ClassOfSensor):
     def _bounded(self, fit: Fit, groups: tuple[Group, ...]) -> tuple[Fit, tuple[Group, ...]]:
         """Withdraw names that another of the effects cancels, and events whose time the data do not tell."""
         while groups:
-            cancelled = [self._cancelled(fit, g.effect) for g in groups]
+            cancelled = [self._cancelled(fit, g.effect) if self._strength(fit, g) < SURE**2 else 0.0 for g in groups]
             worst = groups[int(np.argmax(cancelled))]
             why = "cancelled by another effect"
             if max(cancelled) <= CANCELS:
@@ -242,6 +240,15 @@ class Judge(ClassOfSensor):
             fit = self.search.without(fit, worst.effect)
             groups = tuple(group for group in groups if group is not worst)
         return fit, groups
+
+    def _strength(self, fit: Fit, group: Group, shift: Floats | float = 0.0) -> float:
+        """Square of an effect's sizes over their standard errors, which ``shift`` (other windows) makes wider."""
+        sizes = [k for k, p in enumerate(group.effect.parameters) if p.role == "size"]
+        values = fit.values_of(group.effect)
+        wider = np.diag(np.broadcast_to((shift / INTERVAL) ** 2, values.shape))
+        block = self.spread(fit, group.effect, self.fitter) + wider
+        inverse = np.linalg.pinv(block[np.ix_(sizes, sizes)], hermitian=True)
+        return float(values[sizes] @ inverse @ values[sizes])
 
     def _cancelled(self, fit: Fit, effect: Effect) -> float:
         """What one effect changes, over what all effects together change."""

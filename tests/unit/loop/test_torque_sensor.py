@@ -109,3 +109,16 @@ def test_a_late_load_is_named_where_its_flanks_show_it() -> None:
     assert sorted(said(result)) == ["load_lag", "stiffness_error"], result.sentence
     (late,) = (one for one in result.effects if one.name == "load_lag")
     assert late.parameters["lag_s"].value == pytest.approx(0.08, rel=0.1), result.sentence
+
+
+@pytest.mark.slow
+def test_a_torque_from_the_motors_current_contains_its_friction() -> None:
+    """The current shows the load and the friction before the drum, which follows the sense of motion."""
+    run = torque_bench(DRIVE, TorqueSensor())
+    assert run.load_Nm is not None
+    speed = np.gradient(run.input_rad.mean(axis=0), run.time_s)
+    shown = run.load_Nm + 0.05 * np.tanh(speed / (0.01 * speed.std()))
+    result = close_loop(DRIVE, [Run(run.time_s, run.input_rad, run.output_rad, shown, sensors=run.sensors)])
+    (found,) = result.effects
+    assert (found.name, found.form) == ("friction", "friction in the measured torque"), result.sentence
+    assert found.parameters["torque_Nm"].value == pytest.approx(0.05, rel=0.1), result.sentence
