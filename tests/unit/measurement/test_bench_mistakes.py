@@ -101,7 +101,7 @@ def mapping(**changed: Any) -> dict[str, Any]:
             quantity: {"column": name, "unit": {"t": "s", "tau": "N*m"}.get(name, "rad")}
             for quantity, name in zip(QUANTITIES, NAMES, strict=True)
         },
-        "sensors": copy.copy(vars(SENSORS)),
+        "sensors": {name: value for name, value in vars(SENSORS).items() if isinstance(value, float)},
     }
     for key, value in changed.items():
         if key in QUANTITIES and value is not None:
