@@ -187,28 +187,30 @@ class SensorFigures(Block):
 BENCH = "bench"
 
 
+def _of_bench(meaning: str, unit: str, example: float, default: float | None = None, **bounds: Any) -> Any:
+    """A figure of the bench; one without a default is needed."""
+    given: dict[str, Any] = {} if default is None else {"default": default}
+    return figure(meaning, unit=unit, source=BENCH, example=example, **given, **bounds)
+
+
 class Pendulum(Block):
     """A weight on an arm at the output."""
 
-    mass_kg: Number = figure("mass of the weight", unit="kg", source=BENCH, example=2.0, gt=0.0, le=1e4)
-    arm_mm: Number = figure(
-        "distance of the weight's centre from the axis", unit="mm", source=BENCH, example=150.0, gt=0.0, le=1e5
-    )
-    inertia_kg_m2: Number = figure(
+    mass_kg: Number = _of_bench("mass of the weight", "kg", 2.0, gt=0.0, le=1e4)
+    arm_mm: Number = _of_bench("distance of the weight's centre from the axis", "mm", 150.0, gt=0.0, le=1e5)
+    inertia_kg_m2: Number = _of_bench(
         "moment of inertia of arm, drum and coupling about the axis, without the weight at its arm",
-        unit="kg m2",
-        source=BENCH,
-        example=0.002,
-        default=0.0,
+        "kg m2",
+        0.002,
+        0.0,
         ge=0.0,
         le=1e4,
     )
-    vertical_deg: Number = figure(
+    vertical_deg: Number = _of_bench(
         "angle of the output, as its column reads, at which the weight hangs straight down",
-        unit="deg",
-        source=BENCH,
-        example=0.0,
-        default=0.0,
+        "deg",
+        0.0,
+        0.0,
         ge=-1e4,
         le=1e4,
     )
