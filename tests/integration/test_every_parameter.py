@@ -141,6 +141,8 @@ def changed(path: Path) -> Any:
         return "counted"
     if path[-1] == "modulus_area":
         return "nominal"
+    if path[-1] == "mount_screw":
+        return "M4"
     if isinstance(value, str):
         kind = KIND_OF.get(str(path[-1]))
         return next(name for name in package_entries(kind) if name != value) if kind else value + "-2"
