@@ -55,6 +55,7 @@ FACE = (
     "layouts.base",
     "layouts.life",
     "layouts.losses",
+    "layouts.duty",
     "layouts.sector",
     "layouts.structure",
     "layouts.registry",

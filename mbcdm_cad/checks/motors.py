@@ -6,7 +6,7 @@ the losses of gearheads, cables and bearings; where it is ``paper``, losses only
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import partial
 from math import ceil
 
@@ -24,6 +24,7 @@ COUNT_THEM = (
     "set limits.losses to counted, so that the rules choose motor, gearhead and ratio for it where the file leaves "
     "them open, or choose a motor of higher rated torque"
 )
+STRONGER_GEARHEAD = "choose a stronger gearhead, state what the drive holds continuously as loads.continuous_torque_Nm,"
 _WORDS = {1: "+", -1: "-"}
 
 
@@ -127,6 +128,14 @@ def gearhead_continuous(s: Layout) -> Comparison:
     return _mounted(s, "continuous rating", limit, "hold more than this only for a short time")
 
 
+def continuous_limits(s: Layout) -> Iterator[Comparison]:
+    """Drum torque that motors and gearheads keep up, each in both directions, losses as ``limits.losses`` says."""
+    for direction in (1, -1):
+        yield motor_torque(direction, s)
+    if not s.drive.gearhead.absent:
+        yield gearhead_continuous(s)
+
+
 def _mounted(s: Layout, rating: str, limit_Nm: float, note: str = "") -> Comparison:
     """Drum torque at a rating at the inputs, in the worse direction."""
     what = f"{s.drive.mounted}'s {rating}"
@@ -195,7 +204,8 @@ CHECKS = (
         "gearhead catalogue",
         gearhead_continuous,
         "warn",
-        advice=partial(_less_torque, gearhead_continuous, "choose a stronger gearhead"),
+        applies=lambda drive: drive.loads.continuous_torque_Nm is None,
+        advice=partial(_less_torque, gearhead_continuous, STRONGER_GEARHEAD),
     ),
     Check(
         "backdrive",

@@ -157,12 +157,68 @@ class DriveTrain(Block):
 
 
 @dataclass(frozen=True, kw_only=True)
+class DutyRow(PlainBlock):
+    """A part of the duty's cycle: a load on the drum, at rest or while the drum moves back and forth."""
+
+    torque_Nm: Number = quantity(
+        "load on the drum, which opposes positive rotation where it is above zero", unit="N m", ge=-1000.0, le=1000.0
+    )
+    share: Number = quantity("share of the time; shares count relative to their sum", unit="-", gt=0.0, le=1.0)
+    speed_deg_s: Number | None = quantity(
+        "speed of the drum while it moves back and forth; 0, or neither speed nor range: it holds",
+        unit="deg/s",
+        default=None,
+        ge=0.0,
+        le=10000.0,
+    )
+    range_deg: Number | None = quantity(
+        "angle from end to end that it moves over, there and back; left out at a speed: the whole travel",
+        unit="deg",
+        default=None,
+        gt=0.0,
+        le=240.0,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class DutyBlock(PlainBlock):
+    """What the drive does all day: one cycle by its rows, that repeats."""
+
+    rows: tuple[DutyRow, ...] = choice(
+        "parts of one cycle, one after the other: {torque_Nm: M, share: S} and speed_deg_s, range_deg or both",
+        min_length=1,
+        max_length=64,
+    )
+    period_s: Number | None = quantity(
+        "time of one cycle of rows; 10 if left out", unit="s", default=None, gt=0.0, le=1e6
+    )
+    ambient_C: Number | None = quantity(
+        "temperature of the air round the motors; 25 if left out", unit="C", default=None, ge=-60.0, le=120.0
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
 class Loads(PlainBlock):
     """External torques on the drum at which the design is checked."""
 
     test_torque_Nm: Number = quantity("torque of the backlash test", unit="N m", uncertain=True, gt=0.0, le=1000.0)
     peak_torque_Nm: Number = quantity(
         "torque that the design must hold in both directions", unit="N m", gt=0.0, le=1000.0
+    )
+    continuous_torque_Nm: Number | None = quantity(
+        "torque that the design must hold continuously, gearheads included; not checked if left out",
+        unit="N m",
+        default=None,
+        gt=0.0,
+        le=1000.0,
+    )
+    speed_deg_s: Number | None = quantity(
+        "speed that the drum must reach against the continuous torque, or the peak torque where that is left out; not "
+        "checked if left out",
+        unit="deg/s",
+        default=None,
+        gt=0.0,
+        le=10000.0,
     )
     stiffness_Nm_rad: Number | None = quantity(
         "least stiffness at the payload at the test torque, the inputs held: cables and all parts; not checked if left "
@@ -178,6 +234,11 @@ class Loads(PlainBlock):
         default=None,
         gt=0.0,
         le=1000.0,
+    )
+    duty: DutyBlock | None = choice(
+        "what the drive does all day, from which the temperatures of its motors follow; an assumed one if left out",
+        default=None,
+        example={"rows": [{"torque_Nm": 1.0, "share": 0.3}, {"torque_Nm": 0.5, "share": 0.7, "range_deg": 60.0}]},
     )
 
 

@@ -152,6 +152,14 @@ class Motor(Entry):
     )
     voltage_V: Number | None = entry_field("voltage that the motor is made for", "V", default=None, gt=0.0, le=1000.0)
     pole_pairs: Integer | None = entry_field("pairs of magnet poles", "-", default=None, ge=1, le=100)
+    winding_limit_C: Number | None = entry_field(
+        "hottest winding; 125 if left out", "C", default=None, ge=40.0, le=300.0
+    )
+    # Thermal figures, each estimated from size or mass if left out.
+    winding_K_W: Number | None = entry_field(
+        "thermal resistance, winding to housing", "K/W", default=None, gt=0.0, le=1e3
+    )
+    housing_K_W: Number | None = entry_field("thermal resistance, housing to air", "K/W", default=None, gt=0.0, le=1e3)
     radial_load_N: Number | None = entry_field(
         "radial load that the shaft can take", "N", default=None, gt=0.0, le=10000.0
     )
@@ -164,6 +172,13 @@ class Motor(Entry):
     )
     screw: EntryName | None = entry_field("screw that holds it at the face", "-", default=None)
     screw_count: Integer | None = entry_field("number of those screws", "-", default=None, ge=2, le=12)
+    winding_time_s: Number | None = entry_field("thermal time constant, winding", "s", default=None, gt=0.0, le=1e5)
+    motor_time_s: Number | None = entry_field("thermal time constant, motor", "s", default=None, gt=0.0, le=1e6)
+
+    @property
+    def brushless(self) -> bool:
+        """Whether it has no brushes: the catalogue has its pairs of poles."""
+        return self.pole_pairs is not None
 
     @property
     def peak_torque_mNm(self) -> float:
@@ -374,6 +389,7 @@ class Material(Entry):
     min_wall_mm: Number = entry_field("thinnest wall that can be made", "mm", ge=0.0, le=10.0)
     min_internal_radius_mm: Number = entry_field("smallest internal corner radius", "mm", ge=0.0, le=10.0)
     colour: tuple[Fraction, Fraction, Fraction] = entry_field("linear red, green, blue", "-")
+    seat_limit_C: Number | None = entry_field("hottest seat that keeps its shape", "C", default=None, ge=0.0, le=1000.0)
 
     @property
     def printed(self) -> bool:

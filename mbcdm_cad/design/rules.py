@@ -54,7 +54,7 @@ def every_broken_rule(
 
 def broken_shared_rules(design: Design) -> Iterator[Broken]:
     """The rules for all configurations that the design breaks, without those on names of the catalogue."""
-    for rule in (_travel, _cables, _rope, _waivers, _as_built, _own_entries):
+    for rule in (_travel, _cables, _rope, _loads, _waivers, _as_built, _own_entries):
         yield from rule(design)
 
 
@@ -177,6 +177,24 @@ def _cables(design: Design) -> Iterator[Broken]:
                 "names are used once",
                 "rename one of them",
             )
+
+
+def _loads(design: Design) -> Iterator[Broken]:
+    """No load that lasts is larger than the peak torque, for which cables and parts are checked."""
+    loads = design.loads
+    limit, remedy = f"loads.peak_torque_Nm {loads.peak_torque_Nm:g}", "raise loads.peak_torque_Nm, or lower this"
+    if loads.continuous_torque_Nm is not None and loads.continuous_torque_Nm > loads.peak_torque_Nm:
+        at: FieldPath = ("loads", "continuous_torque_Nm")
+        yield Broken(at, "more than the peak torque", f"{loads.continuous_torque_Nm:g} N m", limit, remedy)
+    if loads.duty is None:
+        return
+    for k, row in enumerate(loads.duty.rows):
+        if abs(row.torque_Nm) > loads.peak_torque_Nm:
+            at = ("loads", "duty", "rows", k, "torque_Nm")
+            yield Broken(at, "more than the peak torque", f"{row.torque_Nm:g} N m", limit, remedy)
+        if row.range_deg is not None and row.range_deg > 2.0 * design.travel.half_angle_deg:
+            at, whole = ("loads", "duty", "rows", k, "range_deg"), f"{2.0 * design.travel.half_angle_deg:g} deg"
+            yield Broken(at, "more than the whole travel", f"{row.range_deg:g} deg", whole, "lower it")
 
 
 def _rope(design: Design) -> Iterator[Broken]:

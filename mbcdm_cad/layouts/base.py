@@ -24,10 +24,13 @@ from mbcdm_cad.design.drive import Drive
 
 if TYPE_CHECKING:
     from mbcdm_cad.checks.design_variables import DesignVariable
+    from mbcdm_cad.design.bought import Material
     from mbcdm_cad.design.design_file import DesignFile
     from mbcdm_cad.layouts.life import Life
     from mbcdm_cad.layouts.structure import Structure
     from mbcdm_cad.model.cable_tensions import CableTensions
+    from mbcdm_cad.model.duty.cycle import Duty
+    from mbcdm_cad.model.duty.motors import MotorDay
     from mbcdm_cad.model.losses.train import BearingPair, Train
     from mbcdm_cad.model.si import DriveSI
     from mbcdm_cad.model.stack_up import StackUp
@@ -255,6 +258,11 @@ class Layout(ABC):
         return False
 
     @property
+    def frame_material(self) -> Material:
+        """Material of the frame, which holds the motors. Raises ``NoFigureError`` where the layout states none."""
+        raise NoFigureError(f"{self.name} states no material of its frame")
+
+    @property
     def windup_limit_mrad(self) -> float:
         """Limit of the drum's turn by the frame's deflection at the test torque.
 
@@ -277,6 +285,20 @@ class Layout(ABC):
         from mbcdm_cad.layouts.losses import train_of
 
         return train_of(self)
+
+    @cached_property
+    def duty(self) -> Duty:
+        """What the drive does all day: that of the design file, or an assumed one."""
+        from mbcdm_cad.layouts.duty import duty_of
+
+        return duty_of(self)
+
+    @cached_property
+    def motor_days(self) -> tuple[MotorDay, ...]:
+        """Torque and temperatures of each motor over the duty."""
+        from mbcdm_cad.layouts.duty import motors_of
+
+        return motors_of(self)
 
     def bearing_friction(self, d: DriveSI) -> Iterable[BearingPair]:
         """The bearings of all bodies, whose friction counts; none where the layout does not say."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from math import inf, pi
 from typing import Any
 
 from mbcdm_cad.design.bought import NO_GEARHEAD
@@ -22,6 +23,7 @@ from mbcdm_cad.layouts.common_rules import (
 )
 from mbcdm_cad.layouts.trial_sizing import TrialKnown
 from mbcdm_cad.model.losses.friction import GEARHEAD_IDLE_SHARE, tangent_share
+from mbcdm_cad.sizing.arithmetic import greatest, number
 from mbcdm_cad.sizing.known import KnownFields
 from mbcdm_cad.sizing.rule import Found, Rule, constant, rounded_up
 
@@ -116,6 +118,39 @@ def _needed_mNm(given: TrialKnown) -> float:
     return needed * (1.0 + LOST_SPARE * PRELOADS * lost)
 
 
+def lasting_share(given: KnownFields) -> float:
+    """Continuous torque over the peak torque: 0 where the file asks for none."""
+    wanted = given.get("loads.continuous_torque_Nm")
+    return 0.0 if wanted is None else number(wanted / given["loads.peak_torque_Nm"])
+
+
+def speed_margin(
+    given: KnownFields, motor: Mapping[str, Any], gear_ratio: float, input_to_drum: float, torque_mNm: float
+) -> float:
+    """Speed of the drum that a motor reaches with a torque on its shaft over that asked for, less 1.
+
+    Infinite where none is asked for, -1 for a motor without electrical values.
+    """
+    wanted = given.get("loads.speed_deg_s")
+    if wanted is None:
+        return inf
+    constant, ohms = motor.get("torque_constant_mNm_A"), motor.get("resistance_ohm")
+    volts = given.get("drive.bus_voltage_V") or motor.get("voltage_V")
+    if constant is None or ohms is None or volts is None:
+        return -1.0
+    reached = greatest(volts - ohms * torque_mNm / constant, 0.0) / (constant * 1e-3) / (gear_ratio * input_to_drum)
+    return number(reached * 180.0 / pi / wanted - 1.0)
+
+
+def _is_fast(given: TrialKnown, motor: Mapping[str, Any], head: Mapping[str, Any] | None, needed_mNm: float) -> bool:
+    """Whether a motor turns the drum fast enough under the load that lasts; an open ratio is the least that holds."""
+    holds = output_mNm(given, motor, head)
+    ratio = given.ratio if given.has_ratio else max(_needed_mNm(given) / holds, 1.0)
+    load = (lasting_share(given) or 1.0) * (needed_mNm if given.has_ratio else holds)
+    torque = min(load / holds, 1.0) * motor["rated_torque_mNm"]
+    return speed_margin(given, motor, 1.0 if head is None else head["ratio"], ratio, torque) >= 0.0
+
+
 def _has_face(given: TrialKnown) -> bool:
     return given.has("drive.motor") and given.peek("drive.motor") in given.motors_with_faces()
 
@@ -134,6 +169,8 @@ def _gearhead(given: TrialKnown) -> Found:
         if "shaft_diameter_mm" not in motor
         and output_mNm(given, motor, head) >= needed
         and head["max_torque_mNm"] >= (needed or output_mNm(given, motor, head))
+        and head["rated_torque_mNm"] >= lasting_share(given) * (needed or output_mNm(given, motor, head))
+        and _is_fast(given, motor, head, needed)
         and motor["diameter_mm"] <= head["diameter_mm"] + 1.0
     ]
     if pairs:
@@ -152,7 +189,9 @@ def _motor(given: TrialKnown) -> Found:
         rated = {name: m for name, m in given.entries("motors").items() if "shaft_diameter_mm" not in m}
         wide = entry["diameter_mm"] + 1.0
     fitting = {
-        name: m for name, m in rated.items() if output_mNm(given, m, entry) >= needed and m["diameter_mm"] <= wide
+        name: m
+        for name, m in rated.items()
+        if output_mNm(given, m, entry) >= needed and m["diameter_mm"] <= wide and _is_fast(given, m, entry, needed)
     }
     if not fitting:
         strongest = max(rated, key=lambda name: rated[name]["rated_torque_mNm"])

@@ -21,6 +21,7 @@ from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.cable_path import CablePath
 
 if TYPE_CHECKING:
+    from mbcdm_cad.design.bought import Material
     from mbcdm_cad.layouts.structure import Cause, Structure
     from mbcdm_cad.model.losses.train import BearingPair
     from mbcdm_cad.model.si import DriveSI
@@ -77,7 +78,13 @@ class SectorLayout(Layout):
     @property
     def printed_frame(self) -> bool:
         """See the base class."""
-        return self.drive.frame_material.printed
+        return self.frame_material.printed
+
+    @property
+    def frame_material(self) -> Material:
+        """See the base class."""
+        found: Material = self.drive.frame_material
+        return found
 
     @property
     @abstractmethod

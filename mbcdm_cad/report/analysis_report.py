@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from mbcdm_cad.model import Analysis, analyse
 from mbcdm_cad.model.figures import ShaftTurns
+from mbcdm_cad.report.duty import DutyReport, duty_report
 from mbcdm_cad.report.life import LifeReport, life_report
 from mbcdm_cad.report.losses import LossesReport, losses_report
 from mbcdm_cad.report.paths import path_data_or_reason, path_lines
@@ -44,6 +45,7 @@ class AnalysisReport:
 
     ``structure``: what turns the payload besides the cables; None where ``no_structure`` says why.
     ``losses``: friction between motors and payload. ``life``: of the cables; None where ``no_life`` says why.
+    ``duty``: what the drive does all day, how warm its motors get.
     """
 
     figures: Analysis
@@ -54,13 +56,20 @@ class AnalysisReport:
     losses: LossesReport
     life: LifeReport | None
     no_life: str
+    duty: DutyReport
     layout: Layout = field(repr=False)
 
     def to_dict(self) -> dict[str, Any]:
         """Everything, ready for JSON; this is what ``mbcdm analyse --json`` prints."""
         structure = None if self.structure is None else self.structure.to_dict()
         life = None if self.life is None else self.life.to_dict()
-        blocks = {"paths": self.paths, "structure": structure, "losses": self.losses.to_dict(), "life": life}
+        blocks = {
+            "paths": self.paths,
+            "structure": structure,
+            "losses": self.losses.to_dict(),
+            "duty": self.duty.to_dict(),
+            "life": life,
+        }
         return self.figures.to_dict() | blocks
 
     def to_pandas(self) -> pandas.DataFrame:
@@ -191,6 +200,7 @@ class AnalysisReport:
             *self._limits().text(width, "  "),
             *(line for text in _torque_notes(a) for line in filled(text, width)),
         ]
+        yield self.duty.text(width)
         if a.creep:
             yield ["Share of the preload that is left between fixed ends:", *_creep_table(a).text(width, "  ")]
         if a.motor is not None:
@@ -232,14 +242,16 @@ def analyse_design(drive: Drive) -> AnalysisReport:
     """Every figure of the model, and the cables' paths. ``ModelError`` where the geometry leaves no free span."""
     paths, reason = path_data_or_reason(drive)
     figures = analyse(drive)
+    layout = drive.layout
     return AnalysisReport(
         figures,
         paths,
         reason,
-        *structure_report(drive.layout, figures),
-        losses_report(drive.layout),
-        *life_report(drive.layout),
-        drive.layout,
+        *structure_report(layout, figures),
+        losses_report(layout),
+        *life_report(layout),
+        duty_report(layout),
+        layout,
     )
 
 

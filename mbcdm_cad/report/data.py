@@ -18,6 +18,7 @@ from mbcdm_cad.model.bulk import preload_table
 from mbcdm_cad.model.stack_up import stack_data
 from mbcdm_cad.model.tensioning_plan import TensioningPlan
 from mbcdm_cad.parts.bill import Bill
+from mbcdm_cad.report.duty import duty_report
 from mbcdm_cad.report.life import life_report
 from mbcdm_cad.report.losses import losses_report
 from mbcdm_cad.report.masses import (
@@ -134,6 +135,7 @@ def design_figures(layout: Layout, centred: Bill) -> DesignFigures:
         "structure": _structure(layout, analysis),
         "losses": losses_report(layout).to_dict(),
         "life": None if life is None else life.to_dict(),
+        "duty": duty_report(layout).to_dict(),
         "tolerance_stacks": [stack_data(stack) for stack in layout.tolerance_stacks],
         "holes": centred.holes(),
         "asked_torque_Nm": drive.loads.peak_torque_Nm,

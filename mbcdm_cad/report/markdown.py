@@ -8,6 +8,7 @@ import jinja2
 
 from mbcdm_cad.design.describe import flow
 from mbcdm_cad.report.analysis_report import motor_lines
+from mbcdm_cad.report.duty import duty_shown
 from mbcdm_cad.report.life import life_shown
 from mbcdm_cad.report.losses import losses_shown
 
@@ -48,5 +49,6 @@ def report_markdown(data: dict[str, Any], paths_template: str) -> str:
         passed=passed,
         losses=losses_shown(data["losses"]),
         life=life_shown(data["life"]),
+        duty=duty_shown(data["duty"]),
         motor_lines=motor_lines(motor) if motor else (),
     )

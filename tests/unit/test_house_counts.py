@@ -19,12 +19,12 @@ LIMITS = {
     "files of siso_bevel": 35,
     "files of siso_spur": 35,
     "files of miso_spur": 25,
-    "files": 640,
+    "files": 650,
     "imports, share of lines in %": 8.3,
     "circles": 1,
     "arrows back": 0,
     "repeating pairs": 190,
-    "lines": 77300,
+    "lines": 79000,
 }
 
 

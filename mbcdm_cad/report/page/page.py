@@ -9,6 +9,7 @@ from typing import Any
 import markupsafe
 
 from mbcdm_cad.report.dependencies import dependency_graph, dependency_svg
+from mbcdm_cad.report.duty import duty_shown
 from mbcdm_cad.report.life import life_shown
 from mbcdm_cad.report.losses import losses_shown
 from mbcdm_cad.report.page import content
@@ -50,6 +51,7 @@ def report_page(report: Mapping[str, Any], view: Scene, figures: Mapping[str, An
             speed_chart=content.speed_chart(report),
             losses=losses_shown(report["losses"]),
             life=life_shown(report["life"]),
+            duty=duty_shown(report["duty"]),
             derived=content.derived(report, view.data["bodies"]),
             cables=content.cable_rows(report),
             limits=content.travel_limits(report),

@@ -90,6 +90,7 @@ WAYS: dict[str, Way] = {
     "retension": Way(to("cable.creep_per_decade"), 1e-4, 0.1),
     "motor_losses": Way(to(PEAK), 1.0, 3.15),
     "backdrive": Way(to("loads.backdrive_Nm"), 2.0, 0.3),
+    "continuous_torque": Way(to("loads.continuous_torque_Nm"), 0.5, 3.15),
     "gearhead_continuous": Way(to(PEAK), 0.5, 3.15),
     "input_bearings": Way(to("bearings.input_lower.static_rating_N"), 255.0, 10.0),
     "guide_bearings": Way(to("bearings.guide.static_rating_N"), 180.0, 10.0),
@@ -168,6 +169,7 @@ WAYS: dict[str, Way] = {
 OTHERS = {"path_length", "transmission_error", "shaft_twist", "cut_at_pitch", "screw_counts"} | {
     "wrap_slip_test",
     "wrap_slip_peak",
+    *("speed", "duty", "seat_temperature"),
 }
 
 

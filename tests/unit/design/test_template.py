@@ -113,6 +113,10 @@ def test_every_field_has_a_meaning_and_a_unit_and_every_number_its_bounds() -> N
 UNITS = {
     "_mm": "mm",
     "_deg": "deg",
+    "_deg_s": "deg/s",
+    "_s": "s",
+    "_C": "C",
+    "_K_W": "K/W",
     "_N": "N",
     "_Nm": "N m",
     "_Nm_rad": "N m/rad",

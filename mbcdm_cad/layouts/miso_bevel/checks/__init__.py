@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from types import ModuleType
 
-from mbcdm_cad.checks import creep, drum_sector, fixings, life, motors, strength, structure, take_up, terminals
+from mbcdm_cad.checks import creep, drum_sector, duty, fixings, life, motors, strength, structure, take_up, terminals
 from mbcdm_cad.checks.comparison import Check
 from mbcdm_cad.layouts.miso_bevel.checks import (
     bearings,
@@ -36,6 +36,7 @@ FAMILIES: tuple[ModuleType, ...] = (
     creep,
     life,
     motors,
+    duty,
     bearings,
     fixings,
     pulley_fits,

@@ -12,7 +12,7 @@ from mbcdm_cad.checks.take_up import THREAD_OUT_PITCHES
 from mbcdm_cad.checks.terminals import STUD_SAFETY
 from mbcdm_cad.design.bought import NO_GEARHEAD
 from mbcdm_cad.layouts.common_rules import COLLAR_SCREWS
-from mbcdm_cad.layouts.head_basis import counts_losses, output_mNm
+from mbcdm_cad.layouts.head_basis import counts_losses, lasting_share, output_mNm, speed_margin
 from mbcdm_cad.layouts.miso_bevel.checks.guide_fits import STRESS_SAFETY
 from mbcdm_cad.layouts.miso_bevel.checks.support_walls import HOLE_WEB_MM
 from mbcdm_cad.layouts.miso_bevel.sizing.known import BevelKnown
@@ -92,10 +92,13 @@ def _motor_margins(given: BevelKnown, motor: Entry, gearhead: Entry) -> Margins:
     needed = _input_torque_Nm(given) * 1e3
     shaft = gearhead["shaft_diameter_mm"]
     head = None if given.get("drive.gearhead") == NO_GEARHEAD else gearhead
+    lasting, asked = lasting_share(given), needed / output_mNm(given, motor, head) * motor["rated_torque_mNm"]
     return {
         "motor_torque_back": output_mNm(given, motor, head) / needed - 1.0,
         "collar_grip": _most_grip_Nmm(given, shaft) / (GRIP_SPARE * CLAMP_SAFETY * needed) - 1.0,
         "gearhead_maximum": gearhead["max_torque_mNm"] / needed - 1.0,
+        "continuous_torque": gearhead["rated_torque_mNm"] / needed - lasting,
+        "speed": speed_margin(given, motor, gearhead["ratio"], given.total_ratio, (lasting or 1.0) * asked),
         # A motor wider than its gearhead has no room behind the shelf.
         "drives_apart": 1.0 - motor["diameter_mm"] / (gearhead["diameter_mm"] + 1.0),
     }

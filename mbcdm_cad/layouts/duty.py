@@ -1,0 +1,36 @@
+"""What a design's drive does all day and how warm it gets: its duty from the file, its motors from the catalogue."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from mbcdm_cad.model.duty.cycle import DEFAULT_PERIOD_S, Duty, default_duty, of_rows
+from mbcdm_cad.model.duty.heat import RATED_AT_C, motor_heat
+from mbcdm_cad.model.duty.motors import MotorDay, motor_days
+
+if TYPE_CHECKING:
+    from mbcdm_cad.layouts.base import Layout
+
+
+def duty_of(layout: Layout) -> Duty:
+    """The duty that the design file states, or the assumed one."""
+    drive = layout.drive
+    stated, travel = drive.loads.duty, 2.0 * drive.half_travel_deg
+    if stated is None:
+        return default_duty(drive.loads.peak_torque_Nm, travel, RATED_AT_C)
+    assumed = []
+    period, ambient = stated.period_s, stated.ambient_C
+    if period is None:
+        period = DEFAULT_PERIOD_S
+        assumed.append(f"a cycle takes {period:g} s")
+    if ambient is None:
+        ambient = RATED_AT_C
+        assumed.append(f"ambient {ambient:g} C")
+    return of_rows(stated.rows, period, travel, ambient, assumed)
+
+
+def motors_of(layout: Layout) -> tuple[MotorDay, ...]:
+    """Each motor of a design over its duty. Raises ``ModelError`` where the routes have no free span."""
+    drive = layout.drive
+    peak = drive.loads.peak_torque_Nm
+    return motor_days(layout.losses, motor_heat(drive.motor), layout.duty, peak, drive.input_names)

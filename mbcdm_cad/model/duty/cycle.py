@@ -1,0 +1,161 @@
+"""The duty: one cycle of loads and movements of the drum that repeats for as long as the drive runs.
+
+A cycle is pieces of constant load and speed. A load above zero opposes positive rotation of the drum.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from math import ceil
+
+import numpy as np
+
+from mbcdm_cad.design.blocks import DutyRow
+from mbcdm_cad.routes import Floats
+
+# What a design file that states no duty is taken to do: over the whole travel and back in so many seconds, under a
+# share of the peak torque that is the usual test torque, and for a share of the time still under the peak torque.
+DEFAULT_PERIOD_S, DEFAULT_PEAK_SHARE, DEFAULT_TORQUE_SHARE = 10.0, 0.1, 0.3
+# Times there and back in one row that are told apart; more of them are as even for the winding as their mean.
+_MOST_STROKES = 50
+# Turns back by less than this share of the whole range are noise of a recorded angle.
+_NOISE_SHARE = 0.01
+_HOUR_S = 3600.0
+
+
+@dataclass(frozen=True)
+class Stroke:
+    """Movement of the drum over ``range_deg`` and back, at the largest load on it, and how often an hour."""
+
+    range_deg: float
+    torque_Nm: float
+    per_h: float
+
+
+@dataclass(frozen=True, eq=False)
+class Duty:
+    """One cycle by its pieces: duration, load on the drum, speed of the drum (zero: it holds), all of shape (n,).
+
+    ``strokes``: the movements there and back of one cycle. ``stated``: whether the design file states it.
+    ``assumed``: what the file leaves out, as words for a report.
+    """
+
+    time_s: Floats
+    torque_Nm: Floats
+    speed_deg_s: Floats
+    strokes: tuple[Stroke, ...]
+    ambient_C: float
+    stated: bool
+    assumed: tuple[str, ...] = ()
+
+    @property
+    def period_s(self) -> float:
+        """Duration of a cycle."""
+        return float(self.time_s.sum())
+
+    @property
+    def peak_torque_Nm(self) -> float:
+        """Largest load, either way."""
+        return float(np.abs(self.torque_Nm).max())
+
+    @property
+    def rms_torque_Nm(self) -> float:
+        """Root mean square of the load over the cycle."""
+        return float(np.sqrt((self.time_s * self.torque_Nm**2).sum() / self.period_s))
+
+    @property
+    def moving_share(self) -> float:
+        """Share of the time in which the drum moves."""
+        return float(self.time_s[self.speed_deg_s != 0.0].sum() / self.period_s)
+
+    @property
+    def largest_speed_deg_s(self) -> float:
+        """Largest speed of the drum."""
+        return float(np.abs(self.speed_deg_s).max())
+
+    @property
+    def cycles_per_h(self) -> float:
+        """Movements of the drum there and back, an hour."""
+        return sum(stroke.per_h for stroke in self.strokes)
+
+
+def of_rows(
+    rows: Sequence[DutyRow], period_s: float, travel_deg: float, ambient_C: float, assumed: Sequence[str] = ()
+) -> Duty:
+    """The duty that a file states by rows, one after the other; ``travel_deg``: from end to end.
+
+    Shares count relative to their sum. A row at a speed of zero, or with neither speed nor range, holds. Without a
+    range it moves over the whole travel; without a speed it moves once there and back in its time.
+    """
+    pieces: list[tuple[float, float, float]] = []
+    strokes = []
+    whole = sum(row.share for row in rows)
+    for row in rows:
+        time = period_s * row.share / whole
+        speed, span, many = _movement(row, time, travel_deg)
+        if many == 0.0:
+            pieces.append((time, row.torque_Nm, 0.0))
+            continue
+        pairs = min(ceil(many - 1e-9), _MOST_STROKES)
+        pieces += [(time / (2 * pairs), row.torque_Nm, way * speed) for way in (1.0, -1.0)] * pairs
+        strokes.append(Stroke(span, row.torque_Nm, many * _HOUR_S / period_s))
+    times, torques, speeds = np.array(pieces).T
+    return Duty(times, torques, speeds, tuple(strokes), ambient_C, True, tuple(assumed))
+
+
+def default_duty(peak_torque_Nm: float, travel_deg: float, ambient_C: float) -> Duty:
+    """The duty of a design file that states none."""
+    rows = (
+        DutyRow(torque_Nm=peak_torque_Nm, share=DEFAULT_PEAK_SHARE),
+        DutyRow(torque_Nm=DEFAULT_TORQUE_SHARE * peak_torque_Nm, share=1.0 - DEFAULT_PEAK_SHARE, range_deg=travel_deg),
+    )
+    found = of_rows(rows, DEFAULT_PERIOD_S, travel_deg, ambient_C)
+    words = (
+        f"the whole travel and back every {DEFAULT_PERIOD_S:g} s under {DEFAULT_TORQUE_SHARE:g} of the peak torque, "
+        f"which is held for {DEFAULT_PEAK_SHARE:.0%} of the time",
+        f"ambient {ambient_C:g} C",
+    )
+    return Duty(found.time_s, found.torque_Nm, found.speed_deg_s, found.strokes, ambient_C, False, words)
+
+
+def of_record(
+    time_s: Floats, angle_deg: Floats, torque_Nm: Floats, ambient_C: float, assumed: Sequence[str] = ()
+) -> Duty:
+    """The duty of a recorded cycle: angle and load over a time that grows; the last sample ends it.
+
+    Between two samples load and speed are constant, the load their mean.
+    """
+    steps = np.diff(time_s)
+    load = 0.5 * (torque_Nm[1:] + torque_Nm[:-1])
+    strokes = _strokes(angle_deg, torque_Nm, float(steps.sum()))
+    return Duty(steps, load, np.diff(angle_deg) / steps, strokes, ambient_C, True, tuple(assumed))
+
+
+def _movement(row: DutyRow, time_s: float, travel_deg: float) -> tuple[float, float, float]:
+    """Speed, range and number of times there and back of a row."""
+    if row.speed_deg_s == 0.0 or (row.speed_deg_s is None and row.range_deg is None):
+        return 0.0, 0.0, 0.0
+    span = travel_deg if row.range_deg is None else row.range_deg
+    speed = 2.0 * span / time_s if row.speed_deg_s is None else abs(row.speed_deg_s)
+    return speed, span, speed * time_s / (2.0 * span)
+
+
+def _strokes(angle_deg: Floats, torque_Nm: Floats, period_s: float) -> tuple[Stroke, ...]:
+    """Half movements from reversal to reversal; each counts half. The last one ends where the cycle begins anew."""
+    angle = np.append(angle_deg, angle_deg[0])
+    torque = np.abs(np.append(torque_Nm, torque_Nm[0]))
+    least = _NOISE_SHARE * float(np.ptp(angle))
+    turns, way = [0], 0.0
+    for k in range(1, len(angle)):
+        moved = float(angle[k] - angle[turns[-1]])
+        if way * moved > 0.0:
+            turns[-1] = k  # further the same way
+        elif abs(moved) > least:
+            way = float(np.sign(moved))
+            turns.append(k)
+    return tuple(
+        Stroke(float(abs(angle[b] - angle[a])), float(torque[a : b + 1].max()), 0.5 * _HOUR_S / period_s)
+        for a, b in pairwise(turns)
+    )

@@ -1,0 +1,144 @@
+"""Checks of what lasts: continuous torque, speed, windings and printed seats over the duty; sizing for them."""
+
+from __future__ import annotations
+
+import pytest
+
+from mbcdm_cad.checks.duty import CHECKS
+from mbcdm_cad.checks.result import CheckResult
+from mbcdm_cad.checks.run import run_check
+from mbcdm_cad.errors import InputError
+from mbcdm_cad.layouts.check_design import checks_of
+from mbcdm_cad.layouts.loader import load_text
+
+BY_ID = {check.id: check for check in CHECKS}
+# Motor without a gearhead, printed.
+LEG = """name: leg
+configuration: siso_spur
+travel: {half_angle_deg: 40}
+transmission: {input_to_drum: 9, drum_radius_mm: 72}
+loads: {peak_torque_Nm: 5.0MORE}
+rope: {type: uhmwpe-2}
+drive: {motor: eaglepower-8308-90kv}
+drum: {material: pla}
+support: {material: pla}
+"""
+WRIST = """name: wrist
+configuration: LAYOUT
+travel: {half_angle_deg: 35}
+transmission: {SIZES}
+loads: {peak_torque_Nm: 0.8MORE}
+"""
+SIZES = {
+    "siso_spur": "input_to_drum: 10, drum_radius_mm: 60",
+    "miso_spur": "input_to_drum: 10, drum_radius_mm: 60",
+    "siso_bevel": "drum_radius_mm: 58",
+    "miso_bevel": "ratio: 9, drum_radius_mm: 54",
+}
+
+
+def check(text: str, name: str) -> CheckResult:
+    return run_check(BY_ID[name], load_text(text).drive.layout)
+
+
+def leg(more: str) -> str:
+    return LEG.replace("MORE", more)
+
+
+def wrist(layout: str, more: str) -> str:
+    return WRIST.replace("LAYOUT", layout).replace("SIZES", SIZES[layout]).replace("MORE", more)
+
+
+@pytest.mark.parametrize("layout", SIZES)
+def test_sizing_chooses_a_gearhead_that_lasts_in_every_layout(layout: str) -> None:
+    """Continuously as much as at the peak: the check of the peak alone does not tell whether the gearhead lasts."""
+    peak = load_text(wrist(layout, "")).drive
+    lasting = load_text(wrist(layout, ", continuous_torque_Nm: 0.8")).drive
+    found = run_check(BY_ID["continuous_torque"], lasting.layout)
+    assert found.status == "pass", found
+    assert lasting.gearhead.rated_torque_mNm >= peak.gearhead.rated_torque_mNm, (lasting.gearhead, peak.gearhead)
+    asked = {c.id for c in checks_of(lasting)}
+    assert "continuous_torque" in asked and "gearhead_continuous" not in asked
+
+
+def test_a_gearhead_that_does_not_last_learns_what_one_needs() -> None:
+    text = (
+        wrist("siso_spur", ", continuous_torque_Nm: 0.8")
+        + "drive: {motor: motor-2.9mNm-15, gearhead: gearhead-76-16}\n"
+    )
+    found = check(text.replace("0.8", "1.9"), "continuous_torque")
+    assert found.status == "fail" and "gearhead of about" in found.remedy, found
+
+
+@pytest.mark.parametrize("asked", [300.0, 1300.0, 1600.0])
+def test_speed_is_that_of_the_curve(asked: float) -> None:
+    """By hand: (24 V - R I)/K over 9 to 1, at the motor's torque under the load with losses."""
+    found = check(leg(f", speed_deg_s: {asked}"), "speed")
+    drive = load_text(leg("")).drive
+    train = drive.layout.losses
+    torque = max(float(train.moving(load, 1).motor_Nm.max()) for load in (5.0, -5.0)) - train.motor_idle_Nm
+    expected = (24.0 - 0.17 * torque / 0.106) / 0.106 * 57.29578 / 9.0
+    assert found.actual == pytest.approx(expected, rel=1e-3)
+    assert (found.status == "pass") is (asked < expected), found
+
+
+def test_a_motor_without_electrical_values_cannot_show_a_speed() -> None:
+    text = wrist("siso_spur", ", speed_deg_s: 100") + "drive: {motor: motor-2.9mNm-15, gearhead: gearhead-76-16}\n"
+    found = check(text, "speed")
+    assert found.status == "fail" and "torque constant" in found.message, found
+
+
+def test_sizing_for_a_speed_takes_a_motor_that_reaches_it() -> None:
+    drive = load_text(wrist("siso_spur", ", speed_deg_s: 500")).drive
+    assert drive.motor.torque_constant_mNm_A is not None
+    assert run_check(BY_ID["speed"], drive.layout).status == "pass"
+
+
+def test_a_duty_at_its_border() -> None:
+    """The share of the time for which the peak load may be held at 60 C: just below it passes, just above it fails."""
+
+    def of(share: float) -> CheckResult:
+        rows = f"[{{torque_Nm: 5, share: {share}}}, {{torque_Nm: 0, share: {1 - share}}}]"
+        return check(leg(f", duty: {{ambient_C: 60, period_s: 20, rows: {rows}}}"), "duty")
+
+    low, high = 0.05, 0.95
+    assert of(low).status == "pass" and of(high).status == "fail", (of(low), of(high))
+    for _ in range(12):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if of(middle).status == "pass" else (low, middle)
+    good, bad = of(low), of(high)
+    assert good.margin is not None and bad.margin is not None and good.margin - bad.margin < 0.2
+    assert "mN m or more" in bad.remedy, bad.remedy
+    assert "% of what they are" in bad.remedy
+
+
+def test_a_duty_that_never_settles_is_told_in_torque() -> None:
+    found = check(
+        leg(", duty: {ambient_C: 120, rows: [{torque_Nm: 5, share: 1}]}").replace("5.0", "8.0").replace("5,", "8,"),
+        "duty",
+    )
+    assert found.status == "fail" and "would pass 400 C" in found.message and found.unit == "mN m", found
+
+
+def test_a_printed_seat_gets_warm_by_the_duty() -> None:
+    cool = check(leg(", duty: {rows: [{torque_Nm: 1, share: 1, range_deg: 60}]}"), "seat_temperature")
+    assert cool.status == "pass" and cool.limit == 45.0, cool
+    hot = check(leg(", duty: {ambient_C: 35, rows: [{torque_Nm: 3.5, share: 1}]}"), "seat_temperature")
+    assert hot.status == "fail" and hot.actual is not None and hot.actual > 45.0, hot
+    told = check(leg(""), "seat_temperature")
+    assert told.status == "pass" and told.limit is None and "assumed" in told.message, told
+
+
+@pytest.mark.parametrize(
+    ("more", "field"),
+    [
+        (", continuous_torque_Nm: 6", "loads.continuous_torque_Nm"),
+        (", duty: {rows: [{torque_Nm: 6, share: 1}]}", "loads.duty.rows"),
+        (", duty: {rows: [{torque_Nm: 1, share: 1, range_deg: 90}]}", "range_deg"),
+        (", duty: {ambient_C: 30}", "loads.duty"),
+    ],
+)
+def test_a_load_that_contradicts_the_file_is_refused(more: str, field: str) -> None:
+    with pytest.raises(InputError) as refused:
+        load_text(leg(more))
+    assert field in str(refused.value), refused.value
