@@ -131,6 +131,7 @@ def life_shown(found: Mapping[str, Any] | None) -> dict[str, Any] | None:
     return dict(found) | {
         "rows": rows,
         "too_small": found["bend_ratio"] < found["bend_ratio_minimum"],
+        "median": next((_cycles(rope["n50"]) for rope in ropes if rope["name"] == found["first"]), None),
         "early": None if found["replace_at_cycles"] is None else _cycles(found["replace_at_cycles"]),
         "charts": {
             name: {"title": title, "x": along, "y": {"label": label, "unit": unit}, "lines": lines}

@@ -13,6 +13,7 @@ from mbcdm_cad.layouts.base import Layout
 from mbcdm_cad.layouts.life import ropes_in_use
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.model.life.zones import Level, rope_life
+from mbcdm_cad.report.life import life_report, life_shown
 
 PARAMS = Path(__file__).parents[3] / "params"
 REFERENCES = ("mbcdm", "siso_spur", "miso_spur", "siso_bevel")
@@ -102,3 +103,13 @@ def test_helps_are_sorted_and_the_finer_rope_is_the_catalogues() -> None:
     finer = next(h for h in helps if h.change.startswith("7x19"))
     # Wires of d/15 in place of d/9, breaking load of 556 in place of 530 N.
     assert finer.factor == pytest.approx((15.0 / 9.0) ** 3.2 * (556.0 / 530.0) ** 1.8, rel=0.02)
+
+
+def test_the_page_shows_two_digits_and_what_is_below_the_makers_least() -> None:
+    for name, small in (("mbcdm", True), ("siso_bevel", False)):
+        report, _ = life_report(layout_of(name))
+        assert report is not None
+        shown = life_shown(report.to_dict())
+        assert shown is not None and shown["too_small"] is small
+        assert float(shown["median"]) == pytest.approx(layout_of(name).life.first.cycles, rel=0.06)  # type: ignore[union-attr]
+        assert len(shown["median"].rstrip("0")) <= 2, shown["median"]
