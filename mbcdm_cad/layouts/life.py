@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import degrees
+from math import degrees, radians
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -78,6 +78,12 @@ class Life:
         rough = "only its order of magnitude, " if first is not None and first.rough else ""
         return f"generic figure, {rough}oiled rope (run dry a fifth) without corrosion; {self.duty}"
 
+    @property
+    def cycles_per_h(self) -> float | None:
+        """Cycles an hour; None where the design file states no duty."""
+        duty = self.layout.duty
+        return duty.cycles_per_h if duty.stated and duty.cycles_per_h > 0.0 else None
+
     @cached_property
     def governs(self) -> tuple[str, ...]:
         """What ends the life of a fibre rope of which no figure is known; empty for all others."""
@@ -122,17 +128,27 @@ def life_with(layout: Layout, si: DriveSI) -> float | None:
 
 
 def _levels(layout: Layout, si: DriveSI) -> tuple[tuple[Level, ...], str]:
-    """The default duty, and in words: the test torque against the motion over the whole travel, to and fro."""
-    torque, half = layout.drive.loads.test_torque_Nm, layout.half_travel_rad
-    words = f"{torque:g} N m against the motion over the whole travel of +-{degrees(half):g} deg, to and fro"
-    return (_level(layout, si, -half, half, torque, -torque, 1.0),), words
+    """The loads of a cycle, and the duty in words.
+
+    A stated duty: its movements there and back about the centre, a cycle being one of them on average. Without one the
+    test torque against the motion over the whole travel, to and fro.
+    """
+    duty, half = layout.duty, layout.half_travel_rad
+    if not duty.stated:
+        torque = layout.drive.loads.test_torque_Nm
+        words = f"{torque:g} N m against the motion over the whole travel of +-{degrees(half):g} deg, to and fro"
+        return (_level(layout, si, half, torque, -torque, 1.0),), words
+    levels = tuple(
+        _level(layout, si, radians(0.5 * s.range_deg), s.torque_Nm, s.torque_Nm, s.per_h / duty.cycles_per_h)
+        for s in duty.strokes
+    )
+    return levels, f"loads.duty, {duty.cycles_per_h:.4g} movements there and back an hour"
 
 
-def _level(
-    layout: Layout, si: DriveSI, low_rad: float, high_rad: float, there_Nm: float, back_Nm: float, count: float
-) -> Level:
-    """Tensions over a move with the wraps that are left at each angle."""
-    angles = np.linspace(low_rad, high_rad, _ANGLES)
+def _level(layout: Layout, si: DriveSI, reach_rad: float, there_Nm: float, back_Nm: float, count: float) -> Level:
+    """Tensions over a move about the centre, with the wraps that are left at each angle."""
+    reach_rad = min(reach_rad, layout.half_travel_rad)
+    angles = np.linspace(-reach_rad, reach_rad, _ANGLES)
     try:
         wraps = [np.stack(side, axis=1) for side in zip(*(layout.wraps_rad(float(a)) for a in angles), strict=True)]
         wound = si.spread(len(angles)).with_(input_wrap_rad=wraps[0], drum_wrap_rad=wraps[1])

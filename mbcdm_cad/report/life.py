@@ -31,10 +31,14 @@ class LifeReport:
         life, first = self.life, self.life.first
         return {
             "duty": life.duty,
+            "cycles_per_h": life.cycles_per_h,
             "generic": life.generic,
             "first": None if first is None else first.name,
             "first_on": None if first is None else first.pulleys[0].body,
             "replace_at_cycles": None if first is None else first.reached(0.1),
+            "replace_at_h": None
+            if first is None or life.cycles_per_h is None
+            else first.reached(0.1) / life.cycles_per_h,
             "refused": life.refused,
             "governs_instead": list(life.governs),
             "bend_ratio": life.layout.smallest_bend_ratio,
@@ -69,9 +73,10 @@ class LifeReport:
         if first is None:
             return
         early = first.reached(0.1)
+        hours = "" if life.cycles_per_h is None else f" ({early / life.cycles_per_h:.2g} h)"
         yield (
             f"{first.name} breaks first, on the {first.pulleys[0].body}: {life.told}; inspect it from "
-            f"{_cycles(early / 2.0)} cycles on and replace it at {_cycles(early)}: its core breaks unseen"
+            f"{_cycles(early / 2.0)} cycles on and replace it at {_cycles(early)}{hours}: its core breaks unseen"
         )
         helps = [f"{h.change} x{h.factor:.2g}{f' ({h.note})' if h.note else ''}" for h in life.helps]
         if helps:

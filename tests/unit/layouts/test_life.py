@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from mbcdm_cad.design.blocks import DutyBlock, DutyRow
 from mbcdm_cad.layouts.base import Layout
 from mbcdm_cad.layouts.life import ropes_in_use
 from mbcdm_cad.layouts.loader import load_design
@@ -113,3 +114,19 @@ def test_the_page_shows_two_digits_and_what_is_below_the_makers_least() -> None:
         assert shown is not None and shown["too_small"] is small
         assert float(shown["median"]) == pytest.approx(layout_of(name).life.first.cycles, rel=0.06)  # type: ignore[union-attr]
         assert len(shown["median"].rstrip("0")) <= 2, shown["median"]
+
+
+def test_a_stated_duty_gives_cycles_and_hours() -> None:
+    """Two movements of one range: by Miner's rule the mean of their damage."""
+    drive = load_design(PARAMS / "siso_bevel.yaml").drive
+
+    def with_rows(*rows: DutyRow) -> Layout:
+        return replace(drive, loads=replace(drive.loads, duty=DutyBlock(rows=rows, period_s=10.0))).layout
+
+    light, heavy = (DutyRow(torque_Nm=t, share=0.5, range_deg=60.0) for t in (0.2, 0.8))
+    lives = [with_rows(*rows).life.ropes for rows in ((light,), (heavy,), (light, heavy))]
+    for one, other, both in zip(*lives, strict=True):
+        assert both.cycles == pytest.approx(2.0 / (1.0 / one.cycles + 1.0 / other.cycles), rel=0.02), one.name
+    life = with_rows(light, heavy).life
+    assert life.cycles_per_h == pytest.approx(720.0) and "loads.duty" in life.duty
+    assert drive.layout.life.cycles_per_h is None
