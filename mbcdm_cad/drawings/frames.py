@@ -73,22 +73,20 @@ def draw_axis_datum(paper: Modelspace, placed: PlacedView, shown: PlacedDimensio
         for end, sign in ((ends[0], -1.0), (ends[1], 1.0))
         if shown.place.inside or (text_at - end) * sign < 0.0
     ]
+    places = []
     for end, sign, away in tried:
         foot = end + sign * away
         middle = foot + sign * (_TRIANGLE_MM + _STEM_MM + _HIGH_MM / 2)
         at = (middle, line) if across else (line, middle)
         half = _HIGH_MM / 2 + 0.4
-        wanted = (at[0] - half, at[1] - half, at[0] + half, at[1] + half)
-        if room.is_free(wanted):
-            direction = (sign, 0.0) if across else (0.0, sign)
-            begins = (end, line) if across else (line, end)
-            base = (foot, line) if across else (line, foot)
-            paper.add_line(begins, base, dxfattribs=_THIN)
-            _indicator(paper, base, direction, at, shown.dimension.datum)
-            room.add_box(wanted)
-            room.add_line(np.array([base, at]))
-            return
-    raise ValueError(f"datum {shown.dimension.datum} in view {placed.view.name}: no room beyond its dimension")
+        places.append((end, foot, sign, at, (at[0] - half, at[1] - half, at[0] + half, at[1] + half)))
+    # Where none is free the nearest is taken, as for a label: a sheet with an overlap is better than none.
+    end, foot, sign, at, taken = next((place for place in places if room.is_free(place[-1])), places[0])
+    base = (foot, line) if across else (line, foot)
+    paper.add_line((end, line) if across else (line, end), base, dxfattribs=_THIN)
+    _indicator(paper, base, (sign, 0.0) if across else (0.0, sign), at, shown.dimension.datum)
+    room.add_box(taken)
+    room.add_line(np.array([base, at]))
 
 
 def draw_face_datum(paper: Modelspace, placed: PlacedView, datum: Datum, room: Room) -> None:
