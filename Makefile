@@ -4,7 +4,7 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 DESIGN ?= params/mbcdm.yaml
 
-.PHONY: build test test-slow solids lint setup picture docs gallery docs-site benchmark lock clean
+.PHONY: build test test-slow solids lint setup picture docs gallery built-by-others docs-site benchmark lock clean
 
 build: setup
 	$(BIN)/mbcdm build $(DESIGN)
@@ -56,6 +56,10 @@ benchmark: setup
 	for layout in mbcdm siso_spur miso_spur siso_bevel; do \
 	  $(BIN)/python benchmarks/speed.py params/$$layout.yaml && $(BIN)/python benchmarks/model.py params/$$layout.yaml \
 	    || exit 1; done
+
+# The drives of params/built-by-others beside what is published of them.
+built-by-others: setup
+	$(BIN)/python tests/built_by_others.py params/built-by-others docs
 
 # The docs as a site that needs no network; a dead link or a page that nothing leads to fails.
 docs-site: setup

@@ -1,0 +1,153 @@
+"""Drives that people built, from short files: the figures of each stand beside what is published.
+
+    python tests/built_by_others.py params/built-by-others docs
+
+writes ``docs/built-by-others.md`` and, below ``docs/pictures/built-by-others``, a picture of each drive that passes and
+is not too large. The comments of a file say what the drive is, what is published of it, and what differs here and why.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mbcdm_cad.build.made_parts import drawn
+from mbcdm_cad.build.mass import combined
+from mbcdm_cad.checks.estimated_mass import estimated_mass_g
+from mbcdm_cad.checks.remedies import Budget
+from mbcdm_cad.checks.result import CheckResult, failed
+from mbcdm_cad.checks.run import run_check
+from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.layouts.check_design import checks_of
+from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.model import analyse
+from mbcdm_cad.report.losses import losses_report
+from mbcdm_cad.report.masses import masses_by_item
+from mbcdm_cad.report.table import ReportTable
+from mbcdm_cad.storage.cache import Cache, cache_folder
+from mbcdm_cad.storage.files import write_whole
+
+_PICTURE_PX = (360, 280)
+# A drum of a larger radius is not drawn here: its parts take many minutes.
+LARGEST_MM = 100.0
+_COLUMNS = (
+    "drive",
+    "ratio",
+    "travel, deg",
+    "radii, mm",
+    "rope, preload",
+    "motor, gearhead",
+    "torque, N m",
+    "stiffness, N m/rad",
+    "backdrive, N m",
+    "mass, g",
+    "fail of checks",
+)
+_HEAD = """# Drives that people built
+
+Drives that other people built and published, written down from their published requirements in files of at most twelve
+lines in `params/built-by-others/`. The sizing rules compute all other values. `make built-by-others` checks each drive,
+draws those with a drum of at most 100 mm in radius, and writes this page; only `mbcdm build` tests a drive for
+interference.
+
+Torque: with the motor's continuous torque, in the weaker direction. Stiffness: at the payload at the test torque, the
+inputs held. Backdrive: torque at the drum that turns the motors without current. A mass after "about" is computed
+without drawing the parts.
+"""
+_LABEL = re.compile(r"(Published|Differs): ")
+
+
+@dataclass(frozen=True)
+class BuiltDrive:
+    """One drive: its file, its checks, its mass as drawn and its picture; None where it is not drawn."""
+
+    loaded: LoadedDesign
+    checks: tuple[CheckResult, ...]
+    mass_g: float | None = None
+    png: bytes | None = None
+
+    def row(self) -> tuple[Any, ...]:
+        """Its line of the table."""
+        drive, passes = self.loaded.drive, not failed(self.checks)
+        cable, layout = drive.cables[0], drive.layout
+        structure = layout.structure if passes else None
+        back = losses_report(layout).to_dict()["backdrive"] if passes else None
+        mass = f"about {estimated_mass_g(layout.bill()):.0f}" if passes else None
+        return (
+            drive.name,
+            cable.drum_radius_mm / cable.input_radius_mm,
+            drive.travel_words,
+            f"{cable.drum_radius_mm:.4g}, {cable.input_radius_mm:.3g}",
+            f"{drive.cable.name}, {cable.preload_N:g} N",
+            f"{drive.motor.name}, {drive.gearhead.name}",
+            min(analyse(drive).peak_torque_Nm) if passes else None,
+            f"{structure.stiffness_Nm_rad:.3g}" if structure else None,
+            f"{back['running_Nm']:.2g}" if back else None,
+            mass if self.mass_g is None else f"{self.mass_g:.0f}",
+            f"{len(failed(self.checks))} of {len(self.checks)}",
+        )
+
+
+def told(text: str) -> dict[str, str]:
+    """What a file's comments say: under "" what the drive is, under ``Published`` and ``Differs`` the rest."""
+    said, label = {"": ""}, ""
+    for line in text.splitlines():
+        if line.startswith("#"):
+            words = line.removeprefix("#").strip()
+            found = _LABEL.match(words)
+            if found:
+                label, words = found[1], words[found.end() :]
+            said[label] = f"{said.get(label, '')} {words}".strip()
+    return said
+
+
+def built_drive(path: Path, cache: Cache) -> BuiltDrive:
+    """One drive, drawn if it passes. Raises as ``load_design`` and ``drawn`` do."""
+    from mbcdm_cad.build.export.picture import picture_png  # loads the drawing library
+
+    loaded = load_design(path)
+    drive, layout = loaded.drive, loaded.drive.layout
+    with np.errstate(all="ignore"):
+        checks = tuple(run_check(check, layout, Budget(0)) for check in checks_of(drive))
+    if failed(checks) or drive.cables[0].drum_radius_mm > LARGEST_MM:
+        return BuiltDrive(loaded, checks)
+    items, parts = drawn(drive, 0.0, cache, lambda name: None)
+    mass_g = combined(masses_by_item(layout.bill(), parts).values()).mass_g
+    meshes = {name: part.files.mesh for name, part in parts.items()}
+    return BuiltDrive(loaded, checks, mass_g, picture_png(items, meshes, "output", _PICTURE_PX))
+
+
+def page(drives: Sequence[BuiltDrive], folder: str) -> Iterator[str]:
+    """Lines of the page; ``folder``: that of the pictures, relative to the page."""
+    yield _HEAD
+    yield from ReportTable(_COLUMNS, tuple(one.row() for one in drives)).markdown()
+    for one in drives:
+        name, said = one.loaded.drive.name, told(one.loaded.text)
+        yield f"\n## {name}\n"
+        yield f"`params/built-by-others/{one.loaded.path.name}`: {said['']}\n"
+        yield from (f"{label}: {said[label]}\n" for label in ("Published", "Differs") if label in said)
+        yield from (f"- `{check.id}` fails: {check.message}" for check in failed(one.checks))
+        if one.png is not None:
+            yield f"![{name}, drum centred, seen from its output side]({folder}/{name}.png)"
+
+
+def main(designs: Path, docs: Path) -> None:
+    """Write page and pictures."""
+    cache, drives = Cache(cache_folder()), []
+    for path in sorted(designs.glob("*.yaml")):
+        print(f"drawing {path.stem}", file=sys.stderr, flush=True)
+        drives.append(built_drive(path, cache))
+    folder = Path("pictures", "built-by-others")
+    files = {docs / folder / f"{one.loaded.drive.name}.png": one.png for one in drives if one.png is not None}
+    text = "\n".join(page(drives, folder.as_posix())) + "\n"
+    write_whole({docs / "built-by-others.md": text.encode(), **files})
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]), Path(sys.argv[2]))
