@@ -1,0 +1,26 @@
+"""The designs of docs/optimum.md pass, keep the paper's box and D/d, and beat its torque to weight."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from mbcdm_cad.model.measured import DESIGN_TORQUE_TO_WEIGHT_NM_KG
+from mbcdm_cad.optimising.evaluate import evaluate
+from mbcdm_cad.optimising.paper_page import DESIGNS
+from mbcdm_cad.solving.question import read_question
+
+FOLDER = Path(__file__).parents[3] / "params" / "optimum"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", DESIGNS)
+def test_a_design_of_the_page_passes_within_the_papers_box(name: str) -> None:
+    found = evaluate(read_question(FOLDER / f"{name}.yaml"), {}, (), ())
+    assert found.passes, found.refused or found.failing
+    f = found.figures
+    assert f["bend_ratio"] >= 14.8, f["bend_ratio"]
+    assert f["box_x_mm"] <= 126.0 and f["box_z_mm"] <= 97.0 and f["box_y_mm"] <= 34.8, f
+    if name.startswith("paper-box"):
+        assert f["torque_to_weight_lossless_Nm_kg"] > DESIGN_TORQUE_TO_WEIGHT_NM_KG, f
