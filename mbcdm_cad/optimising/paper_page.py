@@ -73,9 +73,9 @@ def _figures(path: Path) -> Evaluated:
 def _page(reference: Evaluated, found: dict[str, Evaluated]) -> Iterator[str]:
     yield "# The best drive in the paper's box"
     yield ""
-    yield "Written by `python -m mbcdm_cad.optimising.paper_page params docs` from the designs of `params/optimum`, checked"
-    yield "again. The paper's box, motors, gearheads and travel; D/d at least 14.8. Torques are those of the"
-    yield "weaker direction; the paper's design value is that of its stronger one."
+    yield "Written by `python -m mbcdm_cad.optimising.paper_page params docs` from the designs of"
+    yield "`params/optimum`, which it checks again. The paper's box, motors, gearheads and travel; D/d at least 14.8."
+    yield "Torques are those of the weaker direction; the paper's design value is that of its stronger one."
     yield ""
     rows = tuple(
         (title, paper, *(_shown(one.figures.get(name)) for one in (reference, *found.values())))
