@@ -10,6 +10,7 @@ from mbcdm_cad.api.design import DriveDesign, Progress, cache_of, silent
 
 if TYPE_CHECKING:
     from mbcdm_cad.jobs.compare import ComparisonReport
+    from mbcdm_cad.optimising.prices import Prices
     from mbcdm_cad.optimising.result import Optimum
     from mbcdm_cad.optimising.wishes import Effort
     from mbcdm_cad.paper.reproduce import PaperTable
@@ -101,6 +102,26 @@ def optimise(
     wishes = wishes_of(aims, keeps, free, only_free=only_free)
     told = progress or (lambda words, count: None)
     return optimise([_question(one) for one in listed], wishes, Path(out), effort or Effort(), told)
+
+
+def prices(
+    design: DriveDesign | str | Path,
+    figures: Sequence[str],
+    *,
+    jobs: int | None = None,
+    progress: Progress | None = None,
+) -> Prices:
+    """What each requirement of a design costs, as ``mbcdm prices``: the change of ``figures`` for one unit of it.
+
+    Each number of the file is moved by 5 % both ways, and the design is solved again. Figures are those of
+    :func:`optimise`. Raises ``MbcdmError`` for a design that fails a check.
+    """
+    from threadpoolctl import threadpool_limits
+
+    from mbcdm_cad.optimising.prices import prices_of
+
+    with threadpool_limits(1):
+        return prices_of(_question(design), figures, jobs, progress or silent)
 
 
 def _question(design: DriveDesign | str | Path) -> Question:

@@ -15,8 +15,8 @@ from typing import Any, Literal
 import click
 
 from mbcdm_cad import api
-from mbcdm_cad.cli.group import DESIGN, FILE, TIME, examples, mbcdm, out_folder
-from mbcdm_cad.cli.screen import coloured, progress_of_search, progress_of_trials, screen_width
+from mbcdm_cad.cli.group import DESIGN, FILE, JOBS, TIME, examples, mbcdm, out_folder
+from mbcdm_cad.cli.screen import coloured, progress, progress_of_search, progress_of_trials, screen_width
 from mbcdm_cad.design.template import slug
 from mbcdm_cad.errors import InputError, MbcdmError, Problem
 from mbcdm_cad.storage.files import refuse_missing_folder
@@ -201,6 +201,26 @@ def optimise(requirements: Sequence[Path], out: Path, as_json: bool, **asked: An
         if not found.finished:
             click.echo("it goes on with --resume", err=True)
     return INTERRUPTED if found.interrupted else int(not found.points)
+
+
+@mbcdm.command(epilog=examples("mbcdm prices my_drive.yaml --figure mass_g --figure swing_mrad"))
+@DESIGN
+@click.option("--figure", "figures", multiple=True, required=True, metavar="NAME", help="A figure, as for optimise.")
+@JOBS
+@click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
+def prices(design: Path, figures: Sequence[str], jobs: int | None, as_json: bool) -> int:
+    """Show what each requirement costs.
+
+    Each number of the file is moved by 5 % both ways, and the design is solved again: a table with the change of each
+    figure for one unit of the requirement.
+    """
+    with progress() as told:
+        found = api.prices(design, figures, jobs=jobs, progress=told)
+    if as_json:
+        print_json(found.to_dict())
+    else:
+        click.echo(found.text(screen_width()))
+    return 0
 
 
 def _refuse_other_file(design: Path, apply: Path) -> None:

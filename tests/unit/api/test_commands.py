@@ -47,6 +47,7 @@ FUNCTIONS = {
     "pictures": ["DriveDesign.pictures"],
     "plan": ["DriveDesign.plan", "DriveDesign.best_run"],
     "preload": ["DriveDesign.preload"],
+    "prices": ["prices"],
     "prints": ["DriveDesign.prints"],
     "reproduce": ["reproduce"],
     "schema": ["schema", "schema_page"],

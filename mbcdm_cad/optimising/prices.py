@@ -1,0 +1,109 @@
+"""What each requirement of a design costs: one at a time is moved a little, and the design is solved again."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from mbcdm_cad.design.dotted import leaves
+from mbcdm_cad.errors import MbcdmError
+from mbcdm_cad.optimising.evaluate import Evaluated, evaluate
+from mbcdm_cad.optimising.figures import refuse_unknown
+from mbcdm_cad.report.table import ReportTable
+from mbcdm_cad.solving.question import ASIDE, Fixed, Question
+from mbcdm_cad.solving.repair import repair
+from mbcdm_cad.solving.trials import Trials
+
+# A requirement is moved by this share both ways; trials to make the moved design pass.
+STEP, TRIALS = 0.05, 24
+
+
+@dataclass(frozen=True)
+class Price:
+    """One requirement moved from ``before`` to ``after``; ``figures`` then, empty if no passing design was found."""
+
+    field: str
+    before: float
+    after: float
+    figures: dict[str, float]
+
+
+@dataclass(frozen=True)
+class Prices:
+    """The figures of a design, and what they become when one requirement is moved."""
+
+    figures: dict[str, float]
+    prices: tuple[Price, ...]
+
+    def table(self) -> ReportTable:
+        """One row a requirement: the change of each figure for one unit of it, moved down and up."""
+        rows: list[tuple[Any, ...]] = []
+        for down, up in zip(self.prices[::2], self.prices[1::2], strict=True):
+            cells: list[str] = []
+            for name, value in self.figures.items():
+                for price in (down, up):
+                    moved = price.figures.get(name)
+                    step = price.after - price.before
+                    cells.append("none passes" if moved is None else _signed((moved - value) / step))
+            rows.append((down.field, down.before, *cells))
+        heads = [f"{name} per unit, {way}" for name in self.figures for way in (f"-{STEP:.0%}", f"+{STEP:.0%}")]
+        return ReportTable(("requirement", "value", *heads), tuple(rows))
+
+    def text(self, width: int | None = None) -> str:
+        """The table."""
+        return "\n".join(self.table().text(width))
+
+    def __str__(self) -> str:
+        """As :meth:`text`."""
+        return self.text()
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data."""
+        return {
+            "figures": self.figures,
+            "prices": [
+                {"field": p.field, "before": p.before, "after": p.after, "figures": p.figures} for p in self.prices
+            ],
+        }
+
+
+def _signed(value: float) -> str:
+    return f"{value:+.3g}" if abs(value) > 1e-9 else "0"
+
+
+def prices_of(question: Question, names: Sequence[str], jobs: int | None, told: Callable[[str], None]) -> Prices:
+    """The prices of all requirements of a design; ``names`` are the figures.
+
+    Raises ``MbcdmError`` for a design that does not pass, and for a name that is no figure.
+    """
+    refuse_unknown(names, [question])
+    now = evaluate(question, {}, (), names)
+    if not now.passes:
+        failing = now.refused or ", ".join(name for name, _ in now.failing)
+        raise MbcdmError(f"{question.path}: does not pass ({failing}), so that nothing has a price; see mbcdm check")
+    moved = []
+    for field, value in requirements(question):
+        told(field)
+        for share in (1.0 - STEP, 1.0 + STEP):
+            after = float(f"{value * share:.6g}")
+            found = _solved(question, field, after, names, jobs)
+            moved.append(Price(field, value, after, {name: found.figures[name] for name in names if found.passes}))
+    return Prices({name: now.figures[name] for name in names}, tuple(moved))
+
+
+def requirements(question: Question) -> Iterator[tuple[str, float]]:
+    """The numbers of the file that ask for something, with their values."""
+    for field, value in leaves(question.data):
+        if field.split(".")[0] in ASIDE or isinstance(value, bool) or not isinstance(value, int | float) or not value:
+            continue
+        yield field, float(value)
+
+
+def _solved(question: Question, field: str, value: float, names: Sequence[str], jobs: int | None) -> Evaluated:
+    """The design with one requirement moved: by its rules, or by few changes of what the file leaves open."""
+    asked = question.relaxed({field: Fixed(value)})
+    found = evaluate(asked, {}, (), names)
+    if found.passes or found.refused:
+        return found
+    return evaluate(asked, repair(Trials(asked, jobs), {}, TRIALS), (), names)
