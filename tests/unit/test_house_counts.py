@@ -24,7 +24,7 @@ LIMITS = {
     "circles": 1,
     "arrows back": 0,
     "repeating pairs": 190,
-    "lines": 79550,
+    "lines": 79600,
 }
 
 
