@@ -19,7 +19,7 @@ from tempfile import TemporaryDirectory
 sys.path.insert(0, str(Path(__file__).parents[1]))  # the tests and their support, however this file is run
 sys.path.insert(0, str(Path(__file__).parent))
 
-from random_generator import LAYOUTS, Passing, passing
+from random_generator import LAYOUTS, Passing, Space, passing
 
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.layouts.sector import SectorLayout
@@ -70,12 +70,14 @@ def by_both(loaded: LoadedDesign) -> DrumByBoth:
 
 def drums(first_seed: int = 1) -> Iterator[LoadedDesign]:
     """Designs that pass, one of each layout in turn."""
-    each = [
-        (p.loaded for p in (passing(seed, space) for seed in count(first_seed)) if isinstance(p, Passing))
-        for space in LAYOUTS.values()
-    ]
+    each = [_passing(space, first_seed) for space in LAYOUTS.values()]
     while True:
         yield from (next(designs) for designs in each)
+
+
+def _passing(space: Space, first_seed: int) -> Iterator[LoadedDesign]:
+    found = (passing(seed, space) for seed in count(first_seed))
+    return (p.loaded for p in found if isinstance(p, Passing))
 
 
 def main() -> int:
