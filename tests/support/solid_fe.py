@@ -158,7 +158,9 @@ def drum_load(solid: Solid, pulls: Sequence[Pull]) -> Floats:
         low, high = max(low, pull.cable_y_mm - 2.0) - 1e-6, min(high, pull.cable_y_mm + 2.0) + 1e-6
 
         def on_land(p: Floats, pull: Pull = pull, low: float = low, high: float = high) -> NDArray[np.bool_]:
-            return (np.abs(np.hypot(p[0], p[2]) - pull.surface_mm) < 0.03) & (p[1] > low) & (p[1] < high)
+            # The middle of a facet lies inside the land by its sagitta, which grows with the land.
+            near = 0.03 + 4e-4 * pull.surface_mm
+            return (np.abs(np.hypot(p[0], p[2]) - pull.surface_mm) < near) & (p[1] > low) & (p[1] < high)
 
         facets = solid.facets(on_land)
         if len(facets) < 10:
