@@ -158,22 +158,23 @@ def drum_load(solid: Solid, pulls: Sequence[Pull]) -> Floats:
         low, high = max(low, pull.cable_y_mm - 2.0) - 1e-6, min(high, pull.cable_y_mm + 2.0) + 1e-6
 
         def on_land(p: Floats, pull: Pull = pull, low: float = low, high: float = high) -> NDArray[np.bool_]:
-            # The middle of a facet lies inside the land by its sagitta, which grows with the land.
-            near = 0.03 + 4e-4 * pull.surface_mm
-            return (np.abs(np.hypot(p[0], p[2]) - pull.surface_mm) < near) & (p[1] > low) & (p[1] < high)
-
-        facets = solid.facets(on_land)
-        if len(facets) < 10:
-            # No row of facets lies between these heights: the whole land carries the cable.
-            low, high = pull.land_y_mm[0] - 1e-6, pull.land_y_mm[1] + 1e-6
-            facets = solid.facets(lambda p, f=on_land, a=low, b=high: f(p, low=a, high=b))
+            return (np.abs(np.hypot(p[0], p[2]) - pull.surface_mm) < 0.03) & (p[1] > low) & (p[1] < high)
 
         def angle(p: Floats, pull: Pull = pull) -> tuple[Floats, Floats]:
             at = pull.side * np.arctan2(p[0], p[2])
             return at, ((at >= 0.0) & (at < pull.wrap_rad)) * 1.0
 
+        def carrying_mm2(facets: Ints, f: Callable = angle) -> float:
+            return solid.area(facets, lambda p: f(p)[1]) if len(facets) else 0.0
+
+        facets = solid.facets(on_land)
+        if carrying_mm2(facets) < 0.5 * pull.wrap_rad * pull.surface_mm * (high - low):
+            # The rows of facets do not end between these heights: the whole land carries the cable.
+            low, high = pull.land_y_mm[0] - 1e-6, pull.land_y_mm[1] + 1e-6
+            facets = solid.facets(lambda p, f=on_land, a=low, b=high: f(p, low=a, high=b))
+
         change = pull.side * pull.share * 1e3 / pull.surface_mm
-        area = solid.area(facets, lambda p, f=angle: f(p)[1])
+        area = carrying_mm2(facets)
 
         def pressed(
             p: Floats, pull: Pull = pull, change: float = change, area: float = area, f: Callable = angle
