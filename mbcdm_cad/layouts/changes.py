@@ -55,7 +55,8 @@ class ManySized(NamedTuple):
 
 
 def sized_many(loaded: LoadedDesign, columns: Mapping[str, Any]) -> ManySized:
-    """The designs with the ``columns`` applied, sized; one by one if the configuration cannot size them together.
+    """The designs with the ``columns`` applied, sized; one by one if losses count, or if the configuration
+    cannot size them together.
 
     Columns hold numbers or names, one for each design. Raises ``InputError`` for a value that the file could not hold,
     ``MbcdmError`` for a field of another kind.
@@ -73,7 +74,9 @@ def sized_many(loaded: LoadedDesign, columns: Mapping[str, Any]) -> ManySized:
     for end in (np.min, np.max):
         row = {field: end(values) for field, values in columns.items() if values.dtype.kind != "U"}
         data = open_data(changed(row), loaded.path, file)
-    if file.size_many is not None:
+    # Losses are those of bearings and gearheads at their places in the frame, which only a whole design has.
+    together = "limits.losses" not in columns and not loaded.drive.limits.counts_losses
+    if file.size_many is not None and together:
         many = file.size_many()
         return ManySized(many.fields, list(many.size(data, columns)), many.drive)
     rows = (dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True))

@@ -75,7 +75,7 @@ class DutyReport:
 
     def table(self) -> ReportTable:
         """Torque and temperatures of each motor."""
-        heads = ("motor", "RMS mN m", "continuous mN m", "winding C", "limit C", "housing C", "peak cold", "peak warm")
+        heads = ("motor", "RMS mN m", "rated mN m", "winding C", "limit C", "case C", "peak cold", "peak warm")
         rows = tuple(
             (
                 m.name,

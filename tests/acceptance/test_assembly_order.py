@@ -21,7 +21,6 @@ from mbcdm_cad.layouts.miso_bevel.bill import bill
 from mbcdm_cad.layouts.miso_bevel.cable_path import FREE
 from mbcdm_cad.layouts.miso_bevel.drive import bevel
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-from mbcdm_cad.layouts.miso_bevel.support.dims import MOUNT_SCREW_HEAD_MM, MOUNT_SCREW_KEY_MM
 from mbcdm_cad.parts.bill import CABLE, AssemblyStep, cable_item
 from mbcdm_cad.parts.cable import CableRod
 from tests.support.motors_above import ABOVE
@@ -186,9 +185,10 @@ class Workshop:
             yield f"key of {name} meets {other}: {volume:.3f} mm^3"
 
     def mounting(self) -> Iterator[str]:
-        f = self.dims.frame
+        f, screw = self.dims.frame, self.dims.mounting
+        seat = screw.seat_mm(self.dims.mount_washers) / 2
         for x, z in f.mounts:
-            for radius, what in ((MOUNT_SCREW_HEAD_MM / 2, "head"), (MOUNT_SCREW_KEY_MM / sqrt(3), "key")):
+            for radius, what in ((seat, "head"), (screw.key_mm / sqrt(3), "key")):
                 rod = cq.Solid.makeCylinder(radius, KEY_LENGTH_MM, cq.Vector(x, f.mount_seat_y, z), cq.Vector(0, 1, 0))
                 for other, volume in self.hits(rod, self.placed):
                     yield f"{what} of the mounting screw at x {x:.2f}, z {z:.2f} meets {other}: {volume:.3f} mm^3"

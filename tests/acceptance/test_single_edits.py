@@ -45,7 +45,7 @@ def requirements() -> dict[str, Any]:
             "drum_encoder": "encoder-24-ring",
         },
         "loads": {"test_torque_Nm": 0.91, "peak_torque_Nm": 1.0},
-        "limits": {"bend_ratio_min": 10.0},
+        "limits": {"bend_ratio_min": 10.0, "losses": "paper"},
     }
 
 

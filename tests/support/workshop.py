@@ -138,7 +138,7 @@ def holes(name: str, sheet: Sheet, solid: cq.Solid) -> Failures:
 def workshop(dims: Any, bill: Bill, solids: dict[str, cq.Solid], undrawn: tuple[str, ...] = ()) -> Failures:
     """All of it, for each made part but the drawings of those ``undrawn``; ``solids`` by part."""
     drive = dims.drive
-    yield from take_up(dims, solids)
+    yield from take_up(dims, {**solids, "nut": bill.parts["nut"].part.solid()})
     for name, item in {item.part: item for item in bill.items if item.kind == "made"}.items():
         spec, solid = bill.parts[name], solids[name]
         if not isinstance(spec.part, MadePart):
