@@ -31,7 +31,9 @@ def pulls(d: DrumDims, share: dict[str, float]) -> list[Pull]:
     found = []
     for t in d.tensioners:
         land = min(d.lands, key=lambda k, t=t: (abs(k.surface_radius_mm - t.radius_mm), abs(k.y_start - t.y_mm)))
-        ends = (land.y_start, land.y_end)
+        # Lands of one radius side by side are one face, whose facets may reach across both.
+        face = [k for k in d.lands if abs(k.surface_radius_mm - land.surface_radius_mm) < 1e-6]
+        ends = (min(k.y_start for k in face), max(k.y_end for k in face))
         found.append(Pull(t.side, land.surface_radius_mm, ends, t.y_mm, t.anchor_rad, share[t.cable_name]))
     return found
 
