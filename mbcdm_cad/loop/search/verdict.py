@@ -180,17 +180,32 @@ class Judge(ClassOfSensor):
                 block = self.spread(fit, effect, self.fitter)
                 fall = float(np.sqrt(max(0.0, falls[least])))
                 self.helpful.append(TakenBack(effect, fit.values_of(effect), block, fall, odds))
-            fit = less
-            groups = (*groups[:least], *groups[least + 1 :])
+            fit, groups = self._in_best_form(less, (*groups[:least], *groups[least + 1 :]))
             left = self.left(fit)
             if left is None:
                 return fit, groups, unknown
             unknown = left
         above = self.search.held_rms(fit) ** 2 - self.search.floor_rad**2
         explained = self.search.held_rms(fit) ** 2 - self.search.held_rms(full) ** 2
-        if self.helpful and len(self.helpful) + len(groups) == len(full.effects) and explained > MOST_OF * above:
+        # A form chosen without the others has its size without them too.
+        same = all(group.effect in full.effects for group in groups)
+        together = self.helpful and same and len(self.helpful) + len(groups) == len(full.effects)
+        if together and explained > MOST_OF * above:
             return full, groups, self.left(full) or unknown
         return fit, groups, unknown
+
+    def _in_best_form(self, fit: Fit, groups: tuple[Group, ...]) -> tuple[Fit, tuple[Group, ...]]:
+        """The last effect that is left, in the form that fits best without those that were withdrawn.
+
+        Of forms that fit alike, that with the lowest held-out error.
+        """
+        if len(groups) != 1:
+            return fit, groups
+        effect = groups[0].effect
+        others = [o for o in self.search.alternatives(fit, effect) if o.effects[-1].key == effect.key]
+        forms = [o for o in others if self._in_better_form(o, fit, effect) or self.alike(o, fit)]
+        best = min((fit, *forms), key=self.search.held_rms)
+        return best, (replace(groups[0], effect=best.effects[-1]),)
 
     def _odds(self, less: Fit, fit: Fit) -> float:
         """Odds that ``fit`` has a lower error than ``less`` on half sweeps that neither was fitted to."""

@@ -60,5 +60,7 @@ def test_two_wrong_effects_give_place_to_others_that_leave_less() -> None:
     least: Floats = np.sqrt([one.square for one in found])
     names = {e.name for e in found[0].effects}
     assert least[0] < 0.2 * np.sqrt(begun.square), f"{1e6 * least} urad left by pairs, {1e6 * begun.square**0.5} before"
-    assert names == TRUE, [e.label for e in found[0].effects]
+    # Within 0.6 rad of travel a wave once or twice per turn, beside a ratio, leaves the same: both are at the noise.
+    assert names in (TRUE, {"ratio_error", "twice_per_rev"}), [e.label for e in found[0].effects]
+    assert least[0] < 7e-6, f"{1e6 * least[0]:.2f} urad left, 6 of noise"
     assert (np.diff(least) >= 0.0).all(), least
