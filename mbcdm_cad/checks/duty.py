@@ -65,7 +65,13 @@ def speed(s: Layout) -> Comparison:
 
 def hottest_winding(s: Layout) -> Comparison:
     """Hottest winding in the cycle that repeats, against the limit of its insulation."""
-    return worst(_winding(s, day) for day in s.motor_days)
+    return worst(_winding(s, day) for day in _days(s))
+
+
+def _days(s: Layout) -> tuple[MotorDay, ...]:
+    """Each motor over the duty; raises ``NoFigureError`` where the cables have no tensions."""
+    s.loads  # noqa: B018 - raises where there are none
+    return s.motor_days
 
 
 def _winding(s: Layout, day: MotorDay) -> Comparison:
@@ -110,7 +116,7 @@ def _cooler(s: Layout) -> str:
 def seat(s: Layout) -> Comparison:
     """Housing of the hottest motor against the temperature at which the printed frame that holds it creeps."""
     material = s.frame_material
-    day = max(s.motor_days, key=lambda d: d.housing_C)
+    day = max(_days(s), key=lambda d: d.housing_C)
     what = f"housing of the {day.name} motor in its seat of {material.name}"
     if not isfinite(day.housing_C):
         raise NoFigureError(f"the winding of the {day.name} motor would burn under the duty; see the check duty")

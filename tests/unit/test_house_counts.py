@@ -19,12 +19,12 @@ LIMITS = {
     "files of siso_bevel": 35,
     "files of siso_spur": 35,
     "files of miso_spur": 25,
-    "files": 650,
-    "imports, share of lines in %": 8.3,
+    "files": 644,
+    "imports, share of lines in %": 8.15,
     "circles": 1,
     "arrows back": 0,
-    "repeating pairs": 190,
-    "lines": 79600,
+    "repeating pairs": 189,
+    "lines": 78800,
 }
 
 
