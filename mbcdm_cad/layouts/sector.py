@@ -15,7 +15,7 @@ from mbcdm_cad.parts.drum_sector.sizes import drum_shaft, preload_spring
 from mbcdm_cad.parts.drum_shaft import DrumShaftDims, PreloadSpringDims
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 from mbcdm_cad.parts.motor_head.dims import HeadDims, HeadedDrive
-from mbcdm_cad.parts.mounting import MOUNT_SCREWS, MountScrew
+from mbcdm_cad.parts.mounting import MountScrew
 from mbcdm_cad.parts.terminal.part import Tensioner
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.cable_path import CablePath
@@ -66,9 +66,9 @@ class SectorLayout(Layout):
         self.steps: tuple[SectorRun, ...] = tuple(sorted(drive.cables, key=lambda cable: cable.step))
 
     @property
+    @abstractmethod
     def mounting(self) -> MountScrew:
         """The screw that holds the frame on what it is mounted on."""
-        return MOUNT_SCREWS["M3"]
 
     @property
     def mount_washers(self) -> bool:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
-from mbcdm_cad.layouts.siso_bevel.support.dims import MOUNT_SCREW, MOUNT_SCREW_KEY_MM
 from mbcdm_cad.layouts.siso_bevel.tensioning import plan
 from mbcdm_cad.parts.bill import AssemblyStep, cable_item
 from mbcdm_cad.parts.bought.train import train_items, train_words
@@ -49,9 +48,9 @@ def _frame(layout: DirectLayout) -> tuple[AssemblyStep, ...]:
             ),
         ),
         AssemblyStep(
-            f"Bolt the frame to its base with {len(layout.frame.mounts)} {MOUNT_SCREW} through the back plate, from "
-            f"the front through the column's open pockets ({MOUNT_SCREW_KEY_MM:g} mm key): the encoder later covers "
-            "two of them."
+            f"Bolt the frame to its base with {len(layout.frame.mounts)} {layout.mounting.name} through the back "
+            f"plate, from the front through the column's open pockets ({layout.mounting.key_mm:g} mm key): the encoder "
+            "later covers two of them."
         ),
         AssemblyStep(
             f"Hold the encoder under its shelf and screw it on from above, through the open top of the pulley's box "

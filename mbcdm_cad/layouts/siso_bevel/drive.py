@@ -10,6 +10,7 @@ from mbcdm_cad.design.fields import ESTIMATE, EntryName, Number, PlainBlock, cho
 from mbcdm_cad.design.sector_blocks import TransferClearances
 from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.motor_head.dims import HeadedDrive
+from mbcdm_cad.parts.mounting import MOUNT_SCREWS, MountScrew
 
 # Source of the walls that stiffen the frame.
 CHOSEN = "for limits.frame_windup_max_mrad"
@@ -88,6 +89,11 @@ class ColumnSupport(PlainBlock):
         "shelf of the bearing next to the encoder", unit="mm", source=ESTIMATE, reference=4.0, ge=0.5, le=50.0
     )
     rib_mm: Number = quantity("side walls of the column", unit="mm", source=CHOSEN, reference=5.0, ge=0.3, le=50.0)
+
+    @property
+    def mount(self) -> MountScrew:
+        """The screw that holds the frame on its base, the same for every torque."""
+        return MOUNT_SCREWS["M3"]
 
 
 @dataclass(frozen=True)

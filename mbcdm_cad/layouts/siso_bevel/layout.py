@@ -23,6 +23,7 @@ from mbcdm_cad.parts.drum_sector.dims import DrumDims
 from mbcdm_cad.parts.drum_sector.sizes import TerminalWay, drum, furthest_anchor_rad
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 from mbcdm_cad.parts.motor_head.dims import HeadDims, head
+from mbcdm_cad.parts.mounting import MountScrew
 from mbcdm_cad.parts.terminal.take_up import terminal_travel_mm
 from mbcdm_cad.routes.cable_path import CablePath
 
@@ -96,6 +97,11 @@ class DirectLayout(HeadLayout):
         """Take-up of the terminals. Raises ValueError for a pulley too small for a stop."""
         furthest = furthest_anchor_rad(self.drive)
         return terminal_travel_mm(self.drive, {c.name: longest_mm(self.drive, c, furthest) for c in self.drive.cables})
+
+    @property
+    def mounting(self) -> MountScrew:
+        """See the base class."""
+        return self.drive.support.mount
 
     @cached_property
     def levels(self) -> DirectStack:

@@ -9,11 +9,8 @@ from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.geometry import corner_gap
 from mbcdm_cad.checks.motor_head import ENCODER_SHELF, boss_walls
 from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
-from mbcdm_cad.layouts.siso_bevel.support.dims import MOUNT_HEAD_ROOM_MM, MOUNT_SCREW_HEAD_MM, POCKET_FLAT_MM
+from mbcdm_cad.layouts.siso_bevel.support.dims import MOUNT_HEAD_ROOM_MM, POCKET_FLAT_MM
 from mbcdm_cad.parts.motor_head.dims import dowel_length_mm, flange_screw
-
-# Height of a mounting screw's head (M3, ISO 4762).
-MOUNT_SCREW_HEAD_HEIGHT_MM = 3.0
 
 
 def walls(s: DirectLayout) -> Comparison:
@@ -91,7 +88,7 @@ def encoder_room(s: DirectLayout) -> Comparison:
     """Gap of the encoder to the corners of the column's pocket, the back plate and the heads of the mounting screws."""
     v, f, encoder = s.levels, s.frame, s.drive.encoder
     radius = encoder.diameter_mm / 2
-    heads = v.pocket_floor_y + MOUNT_SCREW_HEAD_HEIGHT_MM
+    heads = v.pocket_floor_y + s.mounting.head_height_mm
     return worst(
         at_least(f"encoder from the {name}", gap, s.drive.clearances.running_mm, "mm")
         for name, gap in (
@@ -104,7 +101,7 @@ def encoder_room(s: DirectLayout) -> Comparison:
 
 def mounts(s: DirectLayout) -> Comparison:
     """The heads of the mounting screws fit on the flat floor of both pockets of the column."""
-    f, head = s.frame, MOUNT_SCREW_HEAD_MM / 2
+    f, head = s.frame, s.mounting.head_mm / 2
     _, (x, high), _, (_, low) = f.mounts
     rooms = (
         ("side of the pocket", f.pocket_half_width - x - head),

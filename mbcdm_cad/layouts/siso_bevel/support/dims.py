@@ -37,11 +37,6 @@ ENCODER_ROOM_MM = 1.0
 POCKET_FLAT_MM = 0.1
 # Thread of the encoder's screws in its housing, in diameters.
 ENCODER_GRIP = 1.25
-# Screws that hold the frame on its base (ISO 4762).
-MOUNT_SCREW = "M3"
-MOUNT_SCREW_KEY_MM = 2.5
-MOUNT_SCREW_CLEARANCE_MM = 3.4
-MOUNT_SCREW_HEAD_MM = 5.5
 # Room beside a mounting screw's head for its washer face (estimate).
 MOUNT_HEAD_ROOM_MM = 0.5
 MOUNT_ROOM_MM = 0.6
@@ -114,19 +109,19 @@ def column(drive: DirectDrive, levels: DirectStack, shaft: DrumShaftDims) -> Col
     round_boss = boss(drive, shaft, levels.back_y, levels.boss_front_y)
     encoder, upper = drive.encoder, drive.bearings.input_upper
     encoder_screw, flange_screw = drive.screw(encoder.screw), screw_of_flange(drive)
-    insert = drive.insert(drive.frame_material, flange_screw.thread_mm)
+    insert, mount = drive.insert(drive.frame_material, flange_screw.thread_mm), drive.support.mount
     radius = corner_radius_mm(drive, levels)
     shelf_bottom = -levels.top_plate_top_z
     stop_top = min(-levels.encoder_top_z - ENCODER_ROOM_MM, shelf_bottom - 2 * radius - POCKET_FLAT_MM)
     low = max(round_boss.radius, round_boss.encoder_pocket_radius) + drive.support.rib_mm
-    lowest_pocket = max(2 * radius + POCKET_FLAT_MM, MOUNT_SCREW_HEAD_MM + 2 * MOUNT_HEAD_ROOM_MM)
+    lowest_pocket = max(2 * radius + POCKET_FLAT_MM, mount.head_mm + 2 * MOUNT_HEAD_ROOM_MM)
     least_shelf = drive.drum.stop_pin_mm + 2 * drive.frame_material.min_wall_mm
     stop_bottom = stop_top - max(least_shelf, min(STOP_SHELF_MM, stop_top - low - lowest_pocket))
     # The encoder's end must clear the rounded corner of the pocket.
     pocket = encoder.diameter_mm / 2 + drive.clearances.running_mm + radius
     head_flange = flange(levels)
     beside = round_boss.radius - 1.2
-    mount_x = pocket - MOUNT_SCREW_HEAD_MM / 2 - MOUNT_ROOM_MM
+    mount_x = pocket - mount.head_mm / 2 - MOUNT_ROOM_MM
     return ColumnDims(
         levels=levels,
         boss=round_boss,
@@ -166,5 +161,5 @@ def column(drive: DirectDrive, levels: DirectStack, shaft: DrumShaftDims) -> Col
             *((s * mount_x, (shelf_bottom + stop_top) / 2) for s in (-1, 1)),
             *((s * mount_x, (stop_bottom + low) / 2) for s in (-1, 1)),
         ),
-        mount_radius=MOUNT_SCREW_CLEARANCE_MM / 2,
+        mount_radius=mount.hole_mm / 2,
     )

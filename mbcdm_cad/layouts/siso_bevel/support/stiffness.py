@@ -15,7 +15,6 @@ import numpy as np
 
 from mbcdm_cad.layouts.base import FrameCompliance, FrameStudy
 from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
-from mbcdm_cad.layouts.siso_bevel.support.dims import MOUNT_SCREW_HEAD_MM
 from mbcdm_cad.model.equilibrium import bearing_loads, two_bearing_reactions_N
 from mbcdm_cad.model.plate_mesh import Hole, Mounts, Wall, X, Y, Z, centred_load, plate_mesh, shares_urad
 from mbcdm_cad.model.si import MM, to_si
@@ -80,7 +79,7 @@ def walls(layout: DirectLayout) -> list[Wall]:
 def mounts(layout: DirectLayout) -> Mounts:
     """The mounting screws."""
     f, v = layout.frame, layout.levels
-    return Mounts(f.mounts, MOUNT_SCREW_HEAD_MM / 2, f.mount_radius, v.pocket_floor_y - v.back_y)
+    return Mounts(f.mounts, layout.mounting.head_mm / 2, f.mount_radius, v.pocket_floor_y - v.back_y)
 
 
 def seat_forces(layout: DirectLayout, tension_N: Floats) -> list[tuple[str, tuple[float, float, float], float, float]]:
