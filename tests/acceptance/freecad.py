@@ -29,15 +29,22 @@ def freecad_program() -> str | None:
 
 def freecad_findings(path: Path) -> dict[str, Any]:
     """What FreeCAD finds in a STEP file (see freecad_check.py). Raises ``RuntimeError`` if it cannot say."""
+    return run_in_freecad(Path(__file__).with_name("freecad_check.py"), path)
+
+
+def run_in_freecad(script: Path, checked: Path) -> dict[str, Any]:
+    """The last JSON object that a script prints in FreeCAD; it finds the file to read in the variable CHECKED_FILE.
+
+    Raises ``RuntimeError`` if FreeCAD is missing or prints none.
+    """
     program = freecad_program()
     if program is None:
         raise RuntimeError("FreeCAD is not installed (Debian: apt-get install freecad-python3)")
-    script = Path(__file__).with_name("freecad_check.py")
     with tempfile.TemporaryDirectory() as home:
         # A virtual environment or a plain C locale makes FreeCAD 0.20 fail at its start; a home of its own keeps
         # settings of this machine out.
         environment = {key: value for key, value in os.environ.items() if key not in ("VIRTUAL_ENV", "PYTHONPATH")}
-        environment |= {"LC_ALL": "C.UTF-8", "FREECAD_USER_HOME": home, "CHECKED_STEP": str(path.resolve())}
+        environment |= {"LC_ALL": "C.UTF-8", "FREECAD_USER_HOME": home, "CHECKED_FILE": str(checked.resolve())}
         done = subprocess.run(
             [program, str(script)], env=environment, capture_output=True, text=True, timeout=_TIMEOUT_S, check=False
         )

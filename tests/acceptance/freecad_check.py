@@ -1,4 +1,4 @@
-"""Run inside FreeCAD (see freecad.py in this folder): open the STEP file named in CHECKED_STEP and print the findings.
+"""Run inside FreeCAD (see freecad.py in this folder): open the STEP file named in CHECKED_FILE and print the findings.
 
 The last line printed is JSON: number of solids, validity, volume and names, as FreeCAD has them after its import.
 """
@@ -41,7 +41,7 @@ def report(path):
 
 
 try:
-    print("\n" + json.dumps(report(os.environ["CHECKED_STEP"])))
+    print("\n" + json.dumps(report(os.environ["CHECKED_FILE"])))
 except Exception:
     traceback.print_exc()
 sys.stdout.flush()

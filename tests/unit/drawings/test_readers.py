@@ -20,19 +20,20 @@ from mbcdm_cad.drawings.draw import PartFacts, draw_sheet
 from mbcdm_cad.drawings.full_size import LAYOUT
 from mbcdm_cad.drawings.style import plain
 from mbcdm_cad.layouts.loader import load_design
+from tests.acceptance.freecad import freecad_program, run_in_freecad
 from tests.support.drawing_reader import document, texts_on_texts, texts_outside
 
 ROOT = Path(__file__).parents[3]
 _FREECAD = """
-import FreeCAD, json
+import FreeCAD, json, os
 settings = FreeCAD.ParamGet("User parameter:BaseApp/Preferences/Mod/Draft")
 settings.SetBool("dxfUseLegacyImporter", False)
 settings.SetBool("dxftext", True)
 import Import
 document = FreeCAD.newDocument("d")
-Import.readDXF(PATH, "d")
+Import.readDXF(os.environ["CHECKED_FILE"], "d")
 found = [round(o.Distance.Value, 4) for o in document.Objects if hasattr(o, "Distance")]
-print(chr(10) + "FOUND " + json.dumps(found))
+print(chr(10) + json.dumps({"lengths_mm": found}))
 """
 
 
@@ -164,24 +165,15 @@ def test_librecad_draws_the_written_numbers(sheet: tuple[cq.Solid, dict[str, byt
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(shutil.which("freecadcmd") is None, reason="FreeCAD is not installed (Debian: freecad-python3)")
+@pytest.mark.skipif(freecad_program() is None, reason="FreeCAD is not installed (Debian: freecad-python3)")
 def test_freecad_measures_the_lengths_that_are_written(
     sheet: tuple[cq.Solid, dict[str, bytes]], doc: Drawing, tmp_path: Path
 ) -> None:
     """Linear dimensions of the views at 1:1; radii, angles and details are more than its reader understands."""
-    (tmp_path / "drum.dxf").write_bytes(sheet[1]["dxf"])
-    (tmp_path / "read.py").write_text(_FREECAD.replace("PATH", repr(str(tmp_path / "drum.dxf"))))
-    kept = {key: value for key, value in os.environ.items() if key not in ("VIRTUAL_ENV", "PYTHONPATH")}
-    done = subprocess.run(
-        ["freecadcmd", str(tmp_path / "read.py")],
-        env=kept | {"LC_ALL": "C.UTF-8", "FREECAD_USER_HOME": str(tmp_path)},
-        capture_output=True,
-        text=True,
-        timeout=300,
-        check=False,
-    )
-    (line,) = [line for line in done.stdout.splitlines() if line.startswith("FOUND ")]
-    measured = [float(v) for v in line[7:-1].split(",")]
+    path, script = tmp_path / "drum.dxf", tmp_path / "read.py"
+    path.write_bytes(sheet[1]["dxf"])
+    script.write_text(_FREECAD)
+    measured = run_in_freecad(script, path)["lengths_mm"]
     linear = [d for d in doc.modelspace().query("DIMENSION") if d.dimtype == 0]
     plain_views = [d for d in linear if d.override().get("dimlfac", 1.0) == 1.0]
     assert len(plain_views) >= 9

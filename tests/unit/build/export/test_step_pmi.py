@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import os
-import shutil
-import subprocess
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +26,7 @@ from mbcdm_cad.build.export.step_pmi import part_step_ap242
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.parts.part import MadePart
+from tests.acceptance.freecad import freecad_program, run_in_freecad
 
 _DRIVE = load_design(Path(__file__).parents[4] / "params" / "mbcdm.yaml").drive
 _BILL = _DRIVE.layout.bill()
@@ -119,20 +116,14 @@ def test_the_plain_file_stays_ap214_after_it() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(shutil.which("freecadcmd") is None, reason="FreeCAD is not installed (Debian: freecad-python3)")
+@pytest.mark.skipif(freecad_program() is None, reason="FreeCAD is not installed (Debian: freecad-python3)")
 def test_freecad_opens_it_as_the_same_solid(tmp_path: Path) -> None:
-    (tmp_path / "guide.step").write_bytes(_step("guide"))
-    script = "import Part, json\ns = Part.read(PATH)\nprint(chr(10) + 'FOUND ' + json.dumps([len(s.Solids), s.Volume]))"
-    (tmp_path / "read.py").write_text(script.replace("PATH", repr(str(tmp_path / "guide.step"))))
-    kept = {key: value for key, value in os.environ.items() if key not in ("VIRTUAL_ENV", "PYTHONPATH")}
-    done = subprocess.run(
-        ["freecadcmd", str(tmp_path / "read.py")],
-        env=kept | {"LC_ALL": "C.UTF-8", "FREECAD_USER_HOME": str(tmp_path)},
-        capture_output=True,
-        text=True,
-        timeout=300,
-        check=False,
+    path, script = tmp_path / "guide.step", tmp_path / "read.py"
+    path.write_bytes(_step("guide"))
+    script.write_text(
+        "import Part, json, os\ns = Part.read(os.environ['CHECKED_FILE'])\n"
+        "print(chr(10) + json.dumps({'solids': len(s.Solids), 'volume_mm3': s.Volume}))"
     )
-    (line,) = [line for line in done.stdout.splitlines() if line.startswith("FOUND ")]
-    solids, volume = json.loads(line[6:])
-    assert solids == 1 and volume == pytest.approx(_made("guide")[0].solid().Volume(), rel=1e-6)
+    found = run_in_freecad(script, path)
+    assert found["solids"] == 1
+    assert found["volume_mm3"] == pytest.approx(_made("guide")[0].solid().Volume(), rel=1e-6)
