@@ -9,34 +9,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mbcdm_cad.build.made_parts import drawn
 from mbcdm_cad.errors import MbcdmError
-from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.model import analyse
 from mbcdm_cad.report.masses import inertias, masses_by_item
 from mbcdm_cad.robot import coarse
 from mbcdm_cad.robot.coarse import LARGEST_FACES, within_faces
 from mbcdm_cad.robot.formats import robot_files
 from mbcdm_cad.robot.mechanism import Mechanism, mechanism
-from mbcdm_cad.storage.cache import Cache, cache_folder
 
 REFERENCE = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 G_MM2 = 1e-9
-
-
-@pytest.fixture(scope="module")
-def loaded() -> Any:
-    return load_design(REFERENCE)
-
-
-@pytest.fixture(scope="module")
-def parts(loaded: Any) -> Any:
-    return drawn(loaded.drive, 0.0, Cache(cache_folder()), lambda name: None)[1]
-
-
-@pytest.fixture(scope="module")
-def robot(loaded: Any, parts: Any) -> Mechanism:
-    return mechanism(loaded.drive, {name: part.files for name, part in parts.items()})
 
 
 @pytest.fixture(scope="module")

@@ -10,34 +10,17 @@ from xml.etree import ElementTree as ET
 import numpy as np
 import pytest
 
-from mbcdm_cad.build.made_parts import drawn
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.model import analyse
 from mbcdm_cad.report.masses import inertias, masses_by_item
 from mbcdm_cad.robot.formats import robot_files
-from mbcdm_cad.robot.mechanism import SPEED_WITHOUT_FIGURES_RAD_S, Mechanism, mechanism
+from mbcdm_cad.robot.mechanism import SPEED_WITHOUT_FIGURES_RAD_S, Mechanism
 from mbcdm_cad.robot.urdf import UrdfOptions
-from mbcdm_cad.storage.cache import Cache, cache_folder
 
 PARAMS = Path(__file__).parents[3] / "params"
 POSES = np.linspace(-1.0, 1.0, 9)
 G_MM2 = 1e-9
-
-
-@pytest.fixture(scope="module")
-def loaded() -> Any:
-    return load_design(PARAMS / "mbcdm.yaml")
-
-
-@pytest.fixture(scope="module")
-def parts(loaded: Any) -> Any:
-    return drawn(loaded.drive, 0.0, Cache(cache_folder()), lambda name: None)[1]
-
-
-@pytest.fixture(scope="module")
-def robot(loaded: Any, parts: Any) -> Mechanism:
-    return mechanism(loaded.drive, {name: part.files for name, part in parts.items()})
 
 
 @pytest.fixture(scope="module")
