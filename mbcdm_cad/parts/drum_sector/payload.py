@@ -82,8 +82,12 @@ class PayloadJoint:
 
 
 def joints(material: Material, insert_of: InsertOf, screws: int = SCREWS) -> tuple[PayloadJoint, ...]:
-    """All joints for a hub of this material, the smallest thread first; ``insert_of``: the insert of a thread."""
-    return tuple(PayloadJoint(thread, material, insert_of(thread), screws) for thread in THREADS_MM)
+    """All joints for a hub of this material, the smallest thread first; ``insert_of``: the insert of a thread.
+
+    Where threads have inserts, one for which the catalogue has none is no joint: the file asks for inserts.
+    """
+    found = tuple(PayloadJoint(thread, material, insert_of(thread), screws) for thread in THREADS_MM)
+    return tuple(joint for joint in found if joint.insert) or found
 
 
 def circle_radius_mm(stated_mm: float | None, hub_mm: float, bore_mm: float) -> float:
