@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from importlib import import_module
+from pathlib import Path
 from typing import Any
 
 from mbcdm_cad.design.blocks import Design
@@ -17,6 +20,51 @@ from mbcdm_cad.design.rules import Broken, NamedEntry
 from mbcdm_cad.design.sized import Moved, Sizing
 
 __all__ = ["DesignFile", "Given"]
+
+
+@dataclass(frozen=True)
+class Reference:
+    """The reference design of a layout: its inputs and cables as in a file, values of shared blocks by their place."""
+
+    inputs: list[dict[str, Any]]
+    cables: list[dict[str, Any]]
+    values: dict[str, Given]
+
+
+def reference_of(folder: Path) -> Reference:
+    """The ``reference.json`` of a layout's ``design_file`` folder.
+
+    "Table", "section" and "Fig." in its sources are those of the paper that describes the mechanism. A layout may name
+    another one in ``like``, whose values then hold where the file gives none.
+    """
+    data = json.loads((folder / "reference.json").read_text("utf-8"))
+    values = {place: Given(**given) for place, given in data["values"].items()}
+    if "like" in data:
+        values = reference_of(folder.parents[1] / data["like"] / folder.name).values | values
+    return Reference(data["inputs"], data["cables"], values)
+
+
+class LazySizing:
+    """The sizing rules of a layout, a module that is imported when first used: only files with gaps need it."""
+
+    def __init__(self, module: str) -> None:
+        """``module``: its name; it has a function ``size`` and the constants ``DERIVED`` and ``FREEDOMS``."""
+        self.module = module
+
+    def size(self, data: dict[str, Any], moved: Moved, similar: Sizing | None) -> Sizing:
+        """See :class:`DesignFile`."""
+        sized: Sizing = import_module(self.module).size(data, moved, similar)
+        return sized
+
+    def derived(self) -> tuple[str, ...]:
+        """See :class:`DesignFile`."""
+        fields: tuple[str, ...] = import_module(self.module).DERIVED
+        return fields
+
+    def freedoms(self) -> tuple[Freedom, ...]:
+        """See :class:`DesignFile`."""
+        found: tuple[Freedom, ...] = import_module(self.module).FREEDOMS
+        return found
 
 
 @dataclass(frozen=True)

@@ -1,23 +1,30 @@
-"""The design file of miso_bevel: what the loader needs to read it."""
+"""The design file of miso_bevel: what the loader needs to read it, and a short file to start from."""
 
 from __future__ import annotations
 
-from typing import Any
-
-from mbcdm_cad.design.design_file import DesignFile, SizingOfMany
-from mbcdm_cad.design.freedom import Freedom
-from mbcdm_cad.design.sized import Moved, Sizing
-from mbcdm_cad.layouts.miso_bevel.design_file.reference import SHARED
+from mbcdm_cad.design.design_file import DesignFile, LazySizing, SizingOfMany
 from mbcdm_cad.layouts.miso_bevel.design_file.resolve import drive
 from mbcdm_cad.layouts.miso_bevel.design_file.rules import broken_rules, named_entries
-from mbcdm_cad.layouts.miso_bevel.design_file.schema import BevelDesign
-from mbcdm_cad.layouts.miso_bevel.design_file.starting import STARTING
+from mbcdm_cad.layouts.miso_bevel.design_file.schema import REFERENCE, BevelDesign
 
-
-def _size(data: dict[str, Any], moved: Moved, similar: Sizing | None) -> Sizing:
-    from mbcdm_cad.layouts.miso_bevel.sizing import size  # only files with gaps need the rules
-
-    return size(data, moved)  # closed form: needs no similar design
+STARTING = """\
+# Requirements of a cable drive; every other field follows from them by a rule ('mbcdm explain FILE' says how).
+# Lengths in mm, angles in degrees. Any field of docs/design-file.md may be given too: it then stays as it is.
+name: {name}
+configuration: miso_bevel
+travel:
+  half_angle_deg: 35.0      # deg: travel from the centre to each side
+transmission:
+  ratio: 9.0                # drum radius over input radius
+  drum_radius_mm: 54.0      # mm: drum pitch radius of step 1; three more steps follow
+  # centre_distance_mm: 34.6  # mm: input pulley axis to guide axis; left out: as short as the fleet angle allows
+loads:
+  peak_torque_Nm: 3.15      # N m: torque to hold both ways
+limits:
+  losses: counted           # the torque counts what gearheads, cables and bearings lose; paper: no losses
+# rope: {{type: FF-081}}      # left out: the thinnest 7x7 wire rope that holds
+# drum: {{material: pa12}}    # left out: aluminium; so for guide and support
+"""
 
 
 def _size_many() -> SizingOfMany:
@@ -26,18 +33,16 @@ def _size_many() -> SizingOfMany:
     return SizingOfMany(many.size_many, many.FIELDS, many.drive_of_many)
 
 
-def _derived() -> tuple[str, ...]:
-    from mbcdm_cad.layouts.miso_bevel.sizing import DERIVED
-
-    return DERIVED
-
-
-def _freedoms() -> tuple[Freedom, ...]:
-    from mbcdm_cad.layouts.miso_bevel.sizing.freedoms import FREEDOMS
-
-    return FREEDOMS
-
-
+_SIZING = LazySizing("mbcdm_cad.layouts.miso_bevel.sizing")
 DESIGN_FILE = DesignFile(
-    BevelDesign, SHARED, broken_rules, named_entries, drive, _size, _derived, _freedoms, STARTING, _size_many
+    BevelDesign,
+    REFERENCE.values,
+    broken_rules,
+    named_entries,
+    drive,
+    _SIZING.size,
+    _SIZING.derived,
+    _SIZING.freedoms,
+    STARTING,
+    _size_many,
 )

@@ -1,19 +1,22 @@
 """Schema of a miso_bevel design file: the blocks that are this configuration's own, each field with its source.
 
 ``source`` speaks of the reference value, the one that ``mbcdm init --reference`` writes. Reference values of the
-blocks that all configurations share are in :mod:`mbcdm_cad.layouts.miso_bevel.design_file.reference`.
+blocks that all configurations share are in ``reference.json``.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import ClassVar, Literal
 
 from mbcdm_cad.design.blocks import Design, DriveTrain, Input, Length, SpanLimits, WoundRope
+from mbcdm_cad.design.design_file import reference_of
 from mbcdm_cad.design.fields import ESTIMATE, Block, EntryName, Integer, Number, choice, quantity
 from mbcdm_cad.design.sector_blocks import SectorCable, SectorDrum, TransferClearances, WoundPulleys
-from mbcdm_cad.layouts.miso_bevel.design_file.reference import CABLES, INPUTS
 from mbcdm_cad.layouts.miso_bevel.drive import Support
+
+REFERENCE = reference_of(Path(__file__).parent)
 
 Side = Literal["-x", "+x"]
 
@@ -177,13 +180,13 @@ class BevelDesign(Design):
     )
     transmission: Transmission
     inputs: tuple[BevelInput, ...] = choice(
-        "input pulleys, one on each side", source="Fig. 2", reference=INPUTS, min_length=1, max_length=8
+        "input pulleys, one on each side", source="Fig. 2", reference=REFERENCE.inputs, min_length=1, max_length=8
     )
     cables: tuple[BevelCable, ...] = choice(
         "cables: which input each runs from and which way round the drum; each may have a preload_N and a "
         "terminal_angle_deg",
         source="Table 2 and Fig. 2",
-        reference=CABLES,
+        reference=REFERENCE.cables,
         min_length=1,
         max_length=16,
     )

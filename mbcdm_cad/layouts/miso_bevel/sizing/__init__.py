@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import copy
+from collections.abc import Mapping
 from typing import Any
 
+from mbcdm_cad.checks.design_variables import ALL_RADII
+from mbcdm_cad.design.freedom import Freedom
 from mbcdm_cad.design.sized import Moved, Sizing, SizingError
+from mbcdm_cad.layouts import common_freedoms
 from mbcdm_cad.layouts.common_rules import FRICTION, HALF_TRAVEL, missing_travel, needed
 from mbcdm_cad.layouts.miso_bevel.sizing.basis import CLEARANCES, LIMITS, METALS, NAMES
 from mbcdm_cad.layouts.miso_bevel.sizing.drum import DRUM, HUB, HUB_FACE, WEB
@@ -62,8 +66,53 @@ DERIVED = tuple(
 )
 
 
-def size(data: dict[str, Any], moved: Moved | None = None) -> Sizing:
+# A setback is changed by adding, since it is often zero: a factor of 2 means this many mm more.
+SETBACK_MM = 20.0
+
+
+def _steps(radii: Any, factor: float) -> Any:
+    """Radii of the drum with larger or smaller steps; the first radius, a requirement, does not change."""
+    first = radii[0]
+    return [round(first + factor * (radius - first), 3) for radius in radii]
+
+
+def _further_back(setback_mm: Any, factor: float) -> Any:
+    return round(setback_mm + SETBACK_MM * (factor - 1.0), 2)
+
+
+def _total_ratio(data: Mapping[str, Any]) -> dict[str, Any]:
+    ratios = data["transmission"].get("ratios") or {}
+    first, second = ratios.get("input_to_guide"), ratios.get("guide_to_drum")
+    return {"transmission.ratio": round(first * second, 9)} if first and second else {}
+
+
+# What ``mbcdm solve`` may change besides the derived dimensions.
+FREEDOMS: tuple[Freedom, ...] = (
+    *common_freedoms.DRIVE,
+    Freedom("guide.bearing", kind="bearings", order="outer_diameter_mm"),
+    *common_freedoms.INPUTS,
+    common_freedoms.SURFACE,
+    *common_freedoms.ENCODERS,
+    Freedom("transmission.centre_distance_mm", 0.7, 2.5),
+    Freedom(
+        "transmission.drum_radii_mm", 0.8, 2.5, _steps, mends=((ALL_RADII, 1),), instead=common_freedoms.first_radius
+    ),
+    Freedom(
+        "transmission.ratios.guide_to_drum",
+        0.4,
+        1.5,
+        mends=(("transmission.ratios.input_to_guide", -1), ("transmission.guide_radii_mm", -1)),
+    ),
+    Freedom("transmission.ratios", instead=_total_ratio),
+    Freedom("transmission.input_setback_mm", 1.0, 2.0, _further_back),
+    Freedom("drive.motor_side", words=("below", "above")),
+)
+
+
+def size(data: dict[str, Any], moved: Moved | None = None, similar: Sizing | None = None) -> Sizing:
     """The data with its open fields filled; ``moved`` changes the values of rules.
+
+    The rules are closed forms: they need no ``similar`` design.
 
     Raises ``SizingError`` where a requirement is missing.
     """

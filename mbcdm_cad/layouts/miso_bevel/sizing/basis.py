@@ -17,7 +17,7 @@ from mbcdm_cad.layouts.common_rules import (
     TEST_TORQUE,
     TRANSFER_GAP,
 )
-from mbcdm_cad.layouts.miso_bevel.design_file.reference import CABLES, INPUTS
+from mbcdm_cad.layouts.miso_bevel.design_file.schema import REFERENCE
 from mbcdm_cad.layouts.miso_bevel.sizing.known import BevelKnown
 from mbcdm_cad.sizing.arithmetic import greatest, least
 from mbcdm_cad.sizing.rule import Found, Rule, constant, driver_of, rounded_down
@@ -40,10 +40,10 @@ def _guide_is_known(given: BevelKnown) -> bool:
 
 NAMES = (
     SCHEMA_VERSION,
-    constant("inputs", INPUTS, "one on each side of the guide", "the configuration"),
+    constant("inputs", REFERENCE.inputs, "one on each side of the guide", "the configuration"),
     constant(
         "cables",
-        CABLES,
+        REFERENCE.cables,
         "two for each input, on neighbouring steps, one for each sense of the drum",
         "the configuration",
     ),

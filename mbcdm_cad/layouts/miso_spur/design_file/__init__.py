@@ -1,40 +1,24 @@
-"""The design file of miso_spur: what the loader needs to read it."""
+"""The design file of miso_spur: what the loader needs to read it, and a short file to start from."""
 
 from __future__ import annotations
 
-from typing import Any
-
-from mbcdm_cad.design.design_file import DesignFile
-from mbcdm_cad.design.freedom import Freedom
-from mbcdm_cad.design.sized import Moved, Sizing
-from mbcdm_cad.layouts.miso_spur.design_file.reference import SHARED
+from mbcdm_cad.design.design_file import DesignFile, LazySizing
 from mbcdm_cad.layouts.miso_spur.design_file.resolve import drive
 from mbcdm_cad.layouts.miso_spur.design_file.rules import broken_rules
-from mbcdm_cad.layouts.miso_spur.design_file.schema import RoundDrumDesign
+from mbcdm_cad.layouts.miso_spur.design_file.schema import REFERENCE, RoundDrumDesign
+from mbcdm_cad.layouts.siso_spur.design_file import starting
 from mbcdm_cad.layouts.siso_spur.design_file.rules import named_entries
-from mbcdm_cad.layouts.siso_spur.design_file.starting import starting
 
 STARTING = starting("miso_spur", 4.0, "# inputs: [{{name: a}}, {{name: b}}, {{name: c}}]  # left out: two inputs\n")
-
-
-def _size(data: dict[str, Any], moved: Moved, similar: Sizing | None) -> Sizing:
-    from mbcdm_cad.layouts.miso_spur.sizing import size  # only files with gaps need the rules
-
-    return size(data, moved, similar)
-
-
-def _derived() -> tuple[str, ...]:
-    from mbcdm_cad.layouts.miso_spur.sizing import DERIVED
-
-    return DERIVED
-
-
-def _freedoms() -> tuple[Freedom, ...]:
-    from mbcdm_cad.layouts.siso_spur.sizing.freedoms import FREEDOMS
-
-    return FREEDOMS
-
-
+_SIZING = LazySizing("mbcdm_cad.layouts.miso_spur.sizing")
 DESIGN_FILE = DesignFile(
-    RoundDrumDesign, SHARED, broken_rules, named_entries, drive, _size, _derived, _freedoms, STARTING
+    RoundDrumDesign,
+    REFERENCE.values,
+    broken_rules,
+    named_entries,
+    drive,
+    _SIZING.size,
+    _SIZING.derived,
+    _SIZING.freedoms,
+    STARTING,
 )

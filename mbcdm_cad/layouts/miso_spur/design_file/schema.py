@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Literal
 
 from mbcdm_cad.design.blocks import Input
+from mbcdm_cad.design.design_file import reference_of
 from mbcdm_cad.design.fields import choice
-from mbcdm_cad.layouts.miso_spur.design_file.reference import CABLES, INPUTS
 from mbcdm_cad.layouts.siso_spur.design_file.schema import SpurBlocks, SpurSide
+
+REFERENCE = reference_of(Path(__file__).parent)
 
 
 class RoundDrumSide(SpurSide):
@@ -25,7 +28,7 @@ class RoundDrumDesign(SpurBlocks):
     inputs: tuple[Input, ...] = choice(
         "two to four input pulleys, evenly round the drum from +Z towards +X, each further along the drum's axis",
         source="Fig. 1",
-        reference=INPUTS,
+        reference=REFERENCE.inputs,
         min_length=1,
         max_length=8,
     )
@@ -33,7 +36,7 @@ class RoundDrumDesign(SpurBlocks):
         "the two sides of each input's cable, or its two anchored cables; each may have a preload_N "
         "and a terminal_angle_deg",
         source="Fig. 1",
-        reference=CABLES,
+        reference=REFERENCE.cables,
         min_length=1,
         max_length=16,
     )

@@ -5,21 +5,26 @@ from __future__ import annotations
 from typing import Any
 
 from mbcdm_cad.design.sized import Moved, Sizing
-from mbcdm_cad.layouts.miso_spur.design_file.reference import INPUTS, sides
+from mbcdm_cad.layouts.miso_spur.design_file.schema import REFERENCE
 from mbcdm_cad.layouts.miso_spur.sizing.known import RoundDrumKnown
-from mbcdm_cad.layouts.siso_spur.sizing import DERIVED, sized
+from mbcdm_cad.layouts.siso_spur.sizing import DERIVED, FREEDOMS, sized
 from mbcdm_cad.sizing.rule import Rule, constant
 
-__all__ = ["DERIVED", "size"]
+__all__ = ["DERIVED", "FREEDOMS", "size"]
 
 
 def _cables(given: RoundDrumKnown) -> list[dict[str, str]]:
     """The two sides of one cable for each input."""
-    return sides(str(item["name"]) for item in given["inputs"])
+    names = (item["name"] for item in given["inputs"])
+    return [
+        {"name": f"{name}_{n}", "input": name, "drum_side": side}
+        for name in names
+        for n, side in enumerate(("+x", "-x"), 1)
+    ]
 
 
 NAMES = (
-    constant("inputs", INPUTS, "two, one above and one below the drum", "least number of the configuration"),
+    constant("inputs", REFERENCE.inputs, "two, one above and one below the drum", "least number of the configuration"),
     Rule("cables", "the two sides of one cable for each input", "the configuration", _cables),
 )
 

@@ -1,35 +1,38 @@
-"""The design file of siso_bevel: what the loader needs to read it."""
+"""The design file of siso_bevel: what the loader needs to read it, and a short file to start from."""
 
 from __future__ import annotations
 
-from typing import Any
-
-from mbcdm_cad.design.design_file import DesignFile
-from mbcdm_cad.design.freedom import Freedom
-from mbcdm_cad.design.sized import Moved, Sizing
-from mbcdm_cad.layouts.siso_bevel.design_file.reference import SHARED
+from mbcdm_cad.design.design_file import DesignFile, LazySizing
 from mbcdm_cad.layouts.siso_bevel.design_file.resolve import drive
 from mbcdm_cad.layouts.siso_bevel.design_file.rules import broken_rules, named_entries
-from mbcdm_cad.layouts.siso_bevel.design_file.schema import DirectDesign
-from mbcdm_cad.layouts.siso_bevel.design_file.starting import STARTING
+from mbcdm_cad.layouts.siso_bevel.design_file.schema import REFERENCE, DirectDesign
 
-
-def _size(data: dict[str, Any], moved: Moved, similar: Sizing | None) -> Sizing:
-    from mbcdm_cad.layouts.siso_bevel.sizing import size  # only files with gaps need the rules
-
-    return size(data, moved, similar)
-
-
-def _derived() -> tuple[str, ...]:
-    from mbcdm_cad.layouts.siso_bevel.sizing import DERIVED
-
-    return DERIVED
-
-
-def _freedoms() -> tuple[Freedom, ...]:
-    from mbcdm_cad.layouts.siso_bevel.sizing.freedoms import FREEDOMS
-
-    return FREEDOMS
-
-
-DESIGN_FILE = DesignFile(DirectDesign, SHARED, broken_rules, named_entries, drive, _size, _derived, _freedoms, STARTING)
+STARTING = """\
+# Requirements of a cable drive; every other field follows from them by a rule ('mbcdm explain FILE' says how).
+# Lengths in mm, angles in degrees. Any field of docs/design-file.md may be given too: it then stays as it is.
+name: {name}
+configuration: siso_bevel
+travel:
+  half_angle_deg: 35.0      # deg: travel each way from the centred drum
+transmission:
+  drum_radius_mm: 60.0      # mm: drum pitch radius of step 1; step 2 follows
+  # input_to_drum: 4.5      # left out: the most that the travel leaves on one turn of the input
+loads:
+  peak_torque_Nm: 0.9       # N m: torque to hold both ways
+limits:
+  losses: counted           # the torque counts what gearheads, cables and bearings lose; paper: no losses
+# rope: {{type: FF-081}}      # left out: the thinnest 7x7 wire rope that holds
+# drum: {{material: pa12}}    # left out: aluminium; so for support
+"""
+_SIZING = LazySizing("mbcdm_cad.layouts.siso_bevel.sizing")
+DESIGN_FILE = DesignFile(
+    DirectDesign,
+    REFERENCE.values,
+    broken_rules,
+    named_entries,
+    drive,
+    _SIZING.size,
+    _SIZING.derived,
+    _SIZING.freedoms,
+    STARTING,
+)

@@ -1,17 +1,20 @@
 """Schema of a siso_bevel design file: the blocks that are this configuration's own, each field with its source.
 
-Reference values of shared blocks are in :mod:`mbcdm_cad.layouts.siso_bevel.design_file.reference`.
+Reference values of shared blocks are in ``reference.json``.
 """
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Literal
 
 from mbcdm_cad.design.blocks import Design, Input, Length
+from mbcdm_cad.design.design_file import reference_of
 from mbcdm_cad.design.fields import ESTIMATE, Block, Integer, Number, choice, quantity
 from mbcdm_cad.design.sector_blocks import SectorCable, SectorDrum, SteppedPulleys, TransferClearances
-from mbcdm_cad.layouts.siso_bevel.design_file.reference import CABLES, INPUTS
 from mbcdm_cad.layouts.siso_bevel.drive import ColumnSupport
+
+REFERENCE = reference_of(Path(__file__).parent)
 
 
 class DirectTransmission(Block):
@@ -77,12 +80,12 @@ class DirectDesign(Design):
     )
     transmission: DirectTransmission
     inputs: tuple[Input, ...] = choice(
-        "the input pulley", source="Fig. 1", reference=INPUTS, min_length=1, max_length=8
+        "the input pulley", source="Fig. 1", reference=REFERENCE.inputs, min_length=1, max_length=8
     )
     cables: tuple[DirectCable, ...] = choice(
         "cables, each with its step and its side of the drum; each may have a preload_N and a terminal_angle_deg",
         source="Fig. 1",
-        reference=CABLES,
+        reference=REFERENCE.cables,
         min_length=1,
         max_length=16,
     )

@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+from mbcdm_cad.design.freedom import Freedom
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import Moved, Sizing, SizingError
+from mbcdm_cad.layouts import common_freedoms
 from mbcdm_cad.layouts.common_rules import HALF_TRAVEL, missing_travel, needed
 from mbcdm_cad.layouts.head_basis import LIMITS, METALS, ROPE_LIMITS, TRAIN
 from mbcdm_cad.layouts.head_parts import PARTS
@@ -44,6 +46,15 @@ RULES: tuple[Rule, ...] = (
     *BACK,
 )
 DERIVED = tuple(rule.field for rule in (*TRANSFER, *FRAME, *DRUM, *BACK) if not rule.field.startswith("limits."))
+
+
+# What ``mbcdm solve`` may change besides the derived dimensions.
+FREEDOMS: tuple[Freedom, ...] = (
+    *common_freedoms.PARTS,
+    Freedom("transmission.input_to_drum", 0.5, 1.0),
+    # Only the second radius changes: the first is a requirement.
+    Freedom("transmission.drum_radii_mm", 0.5, 3.0, instead=common_freedoms.first_radius),
+)
 
 
 def size(data: dict[str, Any], moved: Moved | None = None, similar: Sizing | None = None) -> Sizing:

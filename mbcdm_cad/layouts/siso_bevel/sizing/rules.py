@@ -25,7 +25,7 @@ from mbcdm_cad.layouts.head_dims import (
     side_wall,
 )
 from mbcdm_cad.layouts.siso_bevel.checks.input_turn import LEAST_RESERVE_DEG, highest_ratio
-from mbcdm_cad.layouts.siso_bevel.design_file.reference import CABLES, INPUTS
+from mbcdm_cad.layouts.siso_bevel.design_file.schema import REFERENCE
 from mbcdm_cad.layouts.siso_bevel.sizing.known import DirectKnown
 from mbcdm_cad.sizing.rule import Found, Rule, constant
 
@@ -102,8 +102,8 @@ def _outer_face(given: DirectKnown) -> Found:
 
 NAMES = (
     SCHEMA_VERSION,
-    constant("inputs", INPUTS, "one", "the configuration"),
-    constant("cables", CABLES, "one cable for each sense of the drum", "the configuration"),
+    constant("inputs", REFERENCE.inputs, "one", "the configuration"),
+    constant("cables", REFERENCE.cables, "one cable for each sense of the drum", "the configuration"),
 )
 RATIO = (
     Rule(

@@ -1,35 +1,49 @@
-"""The design file of siso_spur: what the loader needs to read it."""
+"""The design file of siso_spur: what the loader needs to read it, and a short file to start from."""
 
 from __future__ import annotations
 
-from typing import Any
-
-from mbcdm_cad.design.design_file import DesignFile
-from mbcdm_cad.design.freedom import Freedom
-from mbcdm_cad.design.sized import Moved, Sizing
-from mbcdm_cad.layouts.siso_spur.design_file.reference import SHARED
+from mbcdm_cad.design.design_file import DesignFile, LazySizing
 from mbcdm_cad.layouts.siso_spur.design_file.resolve import drive
 from mbcdm_cad.layouts.siso_spur.design_file.rules import broken_rules, named_entries
-from mbcdm_cad.layouts.siso_spur.design_file.schema import SpurDesign
-from mbcdm_cad.layouts.siso_spur.design_file.starting import STARTING
+from mbcdm_cad.layouts.siso_spur.design_file.schema import REFERENCE, SpurDesign
+
+# Places in capitals are filled in for each layout with inputs beside the drum.
+_TEXT = """\
+# Requirements of a cable drive; every other field follows from them by a rule ('mbcdm explain FILE' says how).
+# Lengths in mm, angles in degrees. Any field of docs/design-file.md may be given too: it then stays as it is.
+name: {name}
+configuration: CONFIGURATION
+travel:
+  half_angle_deg: 35.0      # deg: travel from the centre to each side
+transmission:
+  input_to_drum: 9.9        # drum radius over input radius; left out: what the motor needs
+  drum_radius_mm: 60.0      # mm: drum pitch radius; left out: as small as the rope allows
+  # cables: two_anchored    # two cables with a stop each in the input; left out: one, held there by friction
+loads:
+  peak_torque_Nm: TORQUE       # N m: torque to hold both ways
+limits:
+  losses: counted           # the torque counts what gearheads, cables and bearings lose; paper: no losses
+# drive: {{motor: tmotor-u8-100kv}}  # a motor with a shaft of its own needs no gearhead
+# rope: {{type: FF-081}}      # left out: the thinnest 7x7 wire rope that holds
+# drum: {{material: pla}}     # left out: aluminium; so for support
+"""
 
 
-def _size(data: dict[str, Any], moved: Moved, similar: Sizing | None) -> Sizing:
-    from mbcdm_cad.layouts.siso_spur.sizing import size  # only files with gaps need the rules
-
-    return size(data, moved, similar)
-
-
-def _derived() -> tuple[str, ...]:
-    from mbcdm_cad.layouts.siso_spur.sizing import DERIVED
-
-    return DERIVED
+def starting(configuration: str, torque_Nm: float, more: str = "") -> str:
+    """The text with a place for the design's ``name``, ``more`` lines behind it."""
+    return _TEXT.replace("CONFIGURATION", configuration).replace("TORQUE", f"{torque_Nm:.1f}") + more
 
 
-def _freedoms() -> tuple[Freedom, ...]:
-    from mbcdm_cad.layouts.siso_spur.sizing.freedoms import FREEDOMS
-
-    return FREEDOMS
-
-
-DESIGN_FILE = DesignFile(SpurDesign, SHARED, broken_rules, named_entries, drive, _size, _derived, _freedoms, STARTING)
+STARTING = starting("siso_spur", 2.0)
+_SIZING = LazySizing("mbcdm_cad.layouts.siso_spur.sizing")
+DESIGN_FILE = DesignFile(
+    SpurDesign,
+    REFERENCE.values,
+    broken_rules,
+    named_entries,
+    drive,
+    _SIZING.size,
+    _SIZING.derived,
+    _SIZING.freedoms,
+    STARTING,
+)

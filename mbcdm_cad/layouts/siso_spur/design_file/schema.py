@@ -1,18 +1,21 @@
 """Schema of a siso_spur design file: the blocks that are this configuration's own, each field with its source.
 
-Reference values of shared blocks are in :mod:`mbcdm_cad.layouts.siso_spur.design_file.reference`.
+Reference values of shared blocks are in ``reference.json``.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import ClassVar, Literal
 
 from mbcdm_cad.design.blocks import Design, Input, Length, Rope
+from mbcdm_cad.design.design_file import reference_of
 from mbcdm_cad.design.fields import Block, Integer, Number, choice, quantity
 from mbcdm_cad.design.sector_blocks import Clearances, SectorCable, SectorDrum, WoundPulleys
-from mbcdm_cad.layouts.siso_spur.design_file.reference import CABLES, INPUTS
 from mbcdm_cad.layouts.siso_spur.drive import SpurLimits, YokeSupport
+
+REFERENCE = reference_of(Path(__file__).parent)
 
 
 class SpurTransmission(Block):
@@ -146,13 +149,13 @@ class SpurDesign(SpurBlocks):
         "layout: siso_spur is (a) of Fig. 1, one input beside the drum", source="Fig. 1", reference="siso_spur"
     )
     inputs: tuple[Input, ...] = choice(
-        "the input pulley", source="Fig. 1", reference=INPUTS, min_length=1, max_length=8
+        "the input pulley", source="Fig. 1", reference=REFERENCE.inputs, min_length=1, max_length=8
     )
     cables: tuple[SpurSide, ...] = choice(
         "the two sides of the cable, or two anchored cables, and the side of the drum of each; each may have a "
         "preload_N and a terminal_angle_deg",
         source="Fig. 1",
-        reference=CABLES,
+        reference=REFERENCE.cables,
         min_length=1,
         max_length=16,
     )

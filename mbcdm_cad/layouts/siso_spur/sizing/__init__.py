@@ -9,11 +9,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any
 
+from mbcdm_cad.checks.design_variables import ALL_RADII
+from mbcdm_cad.design.freedom import Freedom
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import Moved, Sizing, SizingError
+from mbcdm_cad.layouts import common_freedoms
 from mbcdm_cad.layouts.common_rules import HALF_TRAVEL, SCHEMA_VERSION, missing_travel, needed
 from mbcdm_cad.layouts.head_basis import LIMITS, METALS, ROPE_LIMITS, TRAIN
 from mbcdm_cad.layouts.head_parts import PARTS
+from mbcdm_cad.layouts.siso_spur.drive import MOUNT_BOLTS
 from mbcdm_cad.layouts.siso_spur.sizing.basis import (
     LAND_EDGE,
     NAMES,
@@ -52,6 +56,21 @@ RULES: tuple[Rule, ...] = (
     *MOUNT,
     *DRUM,
     *BACK,
+)
+
+
+def _whole(turns: Any, factor: float) -> Any:
+    return max(1, round(turns * factor))
+
+
+# What ``mbcdm solve`` may change besides the derived dimensions.
+FREEDOMS: tuple[Freedom, ...] = (
+    *common_freedoms.PARTS,
+    common_freedoms.SURFACE,
+    Freedom("support.mount_screw", words=tuple(MOUNT_BOLTS)),
+    Freedom("transmission.turns", 0.7, 2.0, _whole),
+    Freedom("transmission.drum_radius_mm", 0.7, 2.0, mends=((ALL_RADII, 1),)),
+    Freedom("transmission.input_to_drum", 0.7, 1.5),
 )
 
 

@@ -9,7 +9,7 @@ from mbcdm_cad.checks.bending import ANCHOR_RATIO
 from mbcdm_cad.checks.input_pulley import SHOULDER_MM
 from mbcdm_cad.layouts.common_rules import LEAST_WIRE_RATIO
 from mbcdm_cad.layouts.head_basis import PRELOAD_FACTOR, counts_losses, needed_ratio, preload, rope, thinnest_rope_by
-from mbcdm_cad.layouts.siso_spur.design_file.reference import CABLES, INPUTS
+from mbcdm_cad.layouts.siso_spur.design_file.schema import REFERENCE
 from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
 from mbcdm_cad.layouts.trial_sizing import whole_turns
 from mbcdm_cad.parts.input_pulley.stop import neck_mm, widest_bend_mm
@@ -132,8 +132,8 @@ def _lead(given: SpurKnown) -> Found:
 
 LAND_EDGE = (constant("clearances.land_edge_mm", 0.3, "a broken edge and the run-out of the cutter", "rim_width"),)
 NAMES = (
-    constant("inputs", INPUTS, "one", "the configuration"),
-    constant("cables", CABLES, "two sides of one cable", "the configuration"),
+    constant("inputs", REFERENCE.inputs, "one", "the configuration"),
+    constant("cables", REFERENCE.cables, "two sides of one cable", "the configuration"),
 )
 RATIO = (
     Rule(
