@@ -15,7 +15,8 @@ _TEST_IT = "not shown: the generic figure shows no life; test the rope and state
 
 def life(s: Layout) -> Comparison:
     """Cycles after which nine of ten cables have broken, against the wanted number; without one, the median."""
-    found, wanted = s.life, s.drive.targets.life_cycles
+    found = s.life
+    wanted = found.wanted_cycles
     first = found.first
     if first is None:
         return noted(
@@ -31,7 +32,8 @@ def life(s: Layout) -> Comparison:
 
 def life_shown(s: Layout) -> Comparison:
     """Cycles after which one cable in ten has broken, against the wanted number: the time to replace them."""
-    found, wanted = s.life, s.drive.targets.life_cycles
+    found = s.life
+    wanted = found.wanted_cycles
     first = found.first
     if first is None and wanted is None:
         return noted("the cables' life has no figure, and the design file wants none: cycles", 0.0, "", found.refused)
@@ -56,7 +58,7 @@ CHECKS = (
     Check(
         "life",
         "Cycles until the cables break",
-        "targets.life_cycles; bendings by Feyrer's form, generic figure: estimate",
+        "targets.life_cycles or life_h; bendings by Feyrer's form, generic figure: estimate",
         life,
         adjust=_ADJUST,
         advice=_what_helps,
@@ -64,7 +66,7 @@ CHECKS = (
     Check(
         "life_shown",
         "Cycles at which to replace the cables",
-        "targets.life_cycles; one cable in ten, generic figure: estimate",
+        "targets.life_cycles or life_h; one cable in ten, generic figure: estimate",
         life_shown,
         "warn",
         adjust=_ADJUST,

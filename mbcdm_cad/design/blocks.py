@@ -182,12 +182,18 @@ class DutyRow(PlainBlock):
 
 @dataclass(frozen=True, kw_only=True)
 class DutyBlock(PlainBlock):
-    """What the drive does all day: one cycle by its rows, that repeats."""
+    """What the drive does all day: one cycle, by its rows or by a record, that repeats."""
 
     rows: tuple[DutyRow, ...] = choice(
         "parts of one cycle, one after the other: {torque_Nm: M, share: S} and speed_deg_s, range_deg or both",
-        min_length=1,
+        default=(),
         max_length=64,
+    )
+    record: Text | None = choice(
+        "CSV file of one cycle, in place of rows, relative to the design file; its header names columns and units: "
+        "time_s,angle_deg,torque_Nm",
+        default=None,
+        example="a-day.csv",
     )
     period_s: Number | None = quantity(
         "time of one cycle of rows; 10 if left out", unit="s", default=None, gt=0.0, le=1e6
@@ -355,6 +361,13 @@ class Targets(PlainBlock):
     envelope_tolerance_mm: Number = quantity("how far each side may differ", unit="mm", default=0.5, gt=0.0, le=100.0)
     life_cycles: Number | None = quantity(
         "cycles of the output, to and fro, that the cables must last", unit="-", default=None, gt=0.0, le=1e9
+    )
+    life_h: Number | None = quantity(
+        "hours of loads.duty that the cables must last, in place of life_cycles",
+        unit="h",
+        default=None,
+        gt=0.0,
+        le=1e6,
     )
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -19,6 +20,7 @@ from mbcdm_cad.design.blocks import Design
 from mbcdm_cad.design.derived_bounds import blame_requirements
 from mbcdm_cad.design.design_file import DesignFile
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.design.duty_record import by_rows, with_record
 from mbcdm_cad.design.fieldpath import FieldPath, dotted
 from mbcdm_cad.design.fields import is_block
 from mbcdm_cad.design.loaded import LoadedDesign
@@ -69,7 +71,9 @@ def resolved(
     catalogue = Catalogue(design)
     broken = every_broken_rule(design, catalogue, file.rules(design), file.named(design))
     _refuse_broken_rules(broken, tree, str(path))
-    return Resolved(design, with_as_built(file.drive(design, catalogue, sigmas), design.as_built), tree.data, sizing)
+    drive = with_as_built(file.drive(design, catalogue, sigmas), design.as_built)
+    drive = replace(drive, loads=with_record(drive.loads, path, 2.0 * drive.half_travel_deg))
+    return Resolved(design, drive, tree.data, sizing)
 
 
 def blamed(error: InputError, tree: Tree, path: Path, file: DesignFile) -> InputError:
@@ -105,11 +109,16 @@ def _sized(tree: Tree, path: str, file: DesignFile, moved: Moved, similar: Sizin
     """The data with its open fields filled, and their records. The fields of the file must already be valid."""
     if file.size is None or not isinstance(tree.data, dict) or not _has_gaps(tree, path, file):
         return None
+    data = _with_blocks(tree, path, file)
+    recorded = by_rows(data, Path(path))
     try:
-        return file.size(_with_blocks(tree, path, file), moved, similar)
+        sizing = file.size(data, moved, similar)
     except SizingError as error:
         _refuse_broken_rules(iter(error.broken), tree, path)
         raise
+    if recorded is not None:
+        sizing.data["loads"]["duty"] = recorded
+    return sizing
 
 
 def _with_blocks(tree: Tree, path: str, file: DesignFile) -> dict[str, Any]:
@@ -129,7 +138,9 @@ def open_data(tree: Tree, path: Path, file: DesignFile) -> dict[str, Any]:
     """
     tree, _ = _split(tree, str(path), file)
     _has_gaps(tree, str(path), file)
-    return _with_blocks(tree, str(path), file)
+    data = _with_blocks(tree, str(path), file)
+    by_rows(data, path)
+    return data
 
 
 def _has_gaps(tree: Tree, path: str, file: DesignFile) -> bool:

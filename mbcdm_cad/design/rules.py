@@ -54,7 +54,7 @@ def every_broken_rule(
 
 def broken_shared_rules(design: Design) -> Iterator[Broken]:
     """The rules for all configurations that the design breaks, without those on names of the catalogue."""
-    for rule in (_travel, _cables, _rope, _loads, _waivers, _as_built, _own_entries):
+    for rule in (_travel, _cables, _rope, _loads, _targets, _waivers, _as_built, _own_entries):
         yield from rule(design)
 
 
@@ -188,6 +188,12 @@ def _loads(design: Design) -> Iterator[Broken]:
         yield Broken(at, "more than the peak torque", f"{loads.continuous_torque_Nm:g} N m", limit, remedy)
     if loads.duty is None:
         return
+    if bool(loads.duty.rows) == (loads.duty.record is not None):
+        what = "both rows and record are given" if loads.duty.rows else "neither rows nor record is given"
+        yield Broken(("loads", "duty"), what, "", "one of the two", "give rows: [...], or record: FILE.csv")
+    elif loads.duty.record is not None and loads.duty.period_s is not None:
+        at = ("loads", "duty", "period_s")
+        yield Broken(at, "given beside record", f"{loads.duty.period_s:g} s", "the record's own time", "leave it out")
     for k, row in enumerate(loads.duty.rows):
         if abs(row.torque_Nm) > loads.peak_torque_Nm:
             at = ("loads", "duty", "rows", k, "torque_Nm")
@@ -195,6 +201,19 @@ def _loads(design: Design) -> Iterator[Broken]:
         if row.range_deg is not None and row.range_deg > 2.0 * design.travel.half_angle_deg:
             at, whole = ("loads", "duty", "rows", k, "range_deg"), f"{2.0 * design.travel.half_angle_deg:g} deg"
             yield Broken(at, "more than the whole travel", f"{row.range_deg:g} deg", whole, "lower it")
+
+
+def _targets(design: Design) -> Iterator[Broken]:
+    """Hours of life need a stated duty, which says how many cycles an hour has."""
+    targets = design.targets
+    if targets.life_h is None:
+        return
+    at: FieldPath = ("targets", "life_h")
+    if targets.life_cycles is not None:
+        yield Broken(at, "given beside life_cycles", f"{targets.life_h:g} h", "one of the two", "leave one out")
+    if design.loads.duty is None:
+        remedy = "add loads.duty with the movements of a cycle, or give life_cycles in its place"
+        yield Broken(at, "hours without a duty", f"{targets.life_h:g} h", "loads.duty, for cycles an hour", remedy)
 
 
 def _rope(design: Design) -> Iterator[Broken]:

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mbcdm_cad.model.duty.cycle import DEFAULT_PERIOD_S, Duty, default_duty, of_rows
+import numpy as np
+
+from mbcdm_cad.design.duty_record import RecordedDuty
+from mbcdm_cad.model.duty.cycle import DEFAULT_PERIOD_S, Duty, default_duty, of_record, of_rows
 from mbcdm_cad.model.duty.heat import RATED_AT_C, motor_heat
 from mbcdm_cad.model.duty.motors import MotorDay, motor_days
 
@@ -20,13 +23,18 @@ def duty_of(layout: Layout) -> Duty:
         return default_duty(drive.loads.peak_torque_Nm, travel, RATED_AT_C)
     assumed = []
     period, ambient = stated.period_s, stated.ambient_C
-    if period is None:
+    recorded = isinstance(stated, RecordedDuty)
+    if period is None and not recorded:
         period = DEFAULT_PERIOD_S
         assumed.append(f"a cycle takes {period:g} s")
     if ambient is None:
         ambient = RATED_AT_C
         assumed.append(f"ambient {ambient:g} C")
-    return of_rows(stated.rows, period, travel, ambient, assumed)
+    if isinstance(stated, RecordedDuty):
+        found = stated.samples
+        time, angle, torque = (np.array(values) for values in (found.time_s, found.angle_deg, found.torque_Nm))
+        return of_record(time, angle, torque, ambient, assumed)
+    return of_rows(stated.rows, period or DEFAULT_PERIOD_S, travel, ambient, assumed)
 
 
 def motors_of(layout: Layout) -> tuple[MotorDay, ...]:

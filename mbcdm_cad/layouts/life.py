@@ -84,6 +84,14 @@ class Life:
         duty = self.layout.duty
         return duty.cycles_per_h if duty.stated and duty.cycles_per_h > 0.0 else None
 
+    @property
+    def wanted_cycles(self) -> float | None:
+        """Cycles that the design file wants, by number or by hours of its duty; None where it wants none."""
+        targets, per_h = self.layout.drive.targets, self.cycles_per_h
+        if targets.life_h is None:
+            return targets.life_cycles
+        return 0.0 if per_h is None else targets.life_h * per_h
+
     @cached_property
     def governs(self) -> tuple[str, ...]:
         """What ends the life of a fibre rope of which no figure is known; empty for all others."""

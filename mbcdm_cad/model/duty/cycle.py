@@ -20,6 +20,8 @@ from mbcdm_cad.routes import Floats
 DEFAULT_PERIOD_S, DEFAULT_PEAK_SHARE, DEFAULT_TORQUE_SHARE = 10.0, 0.1, 0.3
 # Times there and back in one row that are told apart; more of them are as even for the winding as their mean.
 _MOST_STROKES = 50
+# Classes of range and load, from zero to the largest, into which more strokes of a record are sorted.
+_CLASSES = 6
 # Turns back by less than this share of the whole range are noise of a recorded angle.
 _NOISE_SHARE = 0.01
 _HOUR_S = 3600.0
@@ -27,7 +29,7 @@ _HOUR_S = 3600.0
 
 @dataclass(frozen=True)
 class Stroke:
-    """Movement of the drum over ``range_deg`` and back, at the largest load on it, and how often an hour."""
+    """Movement of the drum over ``range_deg`` and back, the load of the largest amount on it, and how often an hour."""
 
     range_deg: float
     torque_Nm: float
@@ -125,10 +127,12 @@ def of_record(
 ) -> Duty:
     """The duty of a recorded cycle: angle and load over a time that grows; the last sample ends it.
 
-    Between two samples load and speed are constant, the load their mean.
+    Between two samples speed and load are constant, the load their root mean square, with the sign of their mean.
     """
     steps = np.diff(time_s)
-    load = 0.5 * (torque_Nm[1:] + torque_Nm[:-1])
+    a, b = torque_Nm[1:], torque_Nm[:-1]
+    # Of a straight line between the samples.
+    load = np.sqrt((a * a + a * b + b * b) / 3.0) * np.where(a + b < 0.0, -1.0, 1.0)
     strokes = _strokes(angle_deg, torque_Nm, float(steps.sum()))
     return Duty(steps, load, np.diff(angle_deg) / steps, strokes, ambient_C, True, tuple(assumed))
 
@@ -145,7 +149,7 @@ def _movement(row: DutyRow, time_s: float, travel_deg: float) -> tuple[float, fl
 def _strokes(angle_deg: Floats, torque_Nm: Floats, period_s: float) -> tuple[Stroke, ...]:
     """Half movements from reversal to reversal; each counts half. The last one ends where the cycle begins anew."""
     angle = np.append(angle_deg, angle_deg[0])
-    torque = np.abs(np.append(torque_Nm, torque_Nm[0]))
+    torque = np.append(torque_Nm, torque_Nm[0])
     least = _NOISE_SHARE * float(np.ptp(angle))
     turns, way = [0], 0.0
     for k in range(1, len(angle)):
@@ -155,7 +159,25 @@ def _strokes(angle_deg: Floats, torque_Nm: Floats, period_s: float) -> tuple[Str
         elif abs(moved) > least:
             way = float(np.sign(moved))
             turns.append(k)
+    once = 0.5 * _HOUR_S / period_s
+    parts = ((float(abs(angle[b] - angle[a])), torque[a : b + 1]) for a, b in pairwise(turns))
+    return _classed([Stroke(span, float(load[np.abs(load).argmax()]), once) for span, load in parts])
+
+
+def _classed(strokes: Sequence[Stroke]) -> tuple[Stroke, ...]:
+    """Many strokes by classes of range and load; each class counts as the largest of both in it."""
+    if len(strokes) <= _MOST_STROKES:
+        return tuple(strokes)
+    span, load = max(s.range_deg for s in strokes), max(abs(s.torque_Nm) for s in strokes) or 1.0
+    classes: dict[tuple[int, int], list[Stroke]] = {}
+    for s in strokes:
+        key = ceil(s.range_deg / span * _CLASSES), ceil(s.torque_Nm / load * _CLASSES)
+        classes.setdefault(key, []).append(s)
     return tuple(
-        Stroke(float(abs(angle[b] - angle[a])), float(torque[a : b + 1].max()), 0.5 * _HOUR_S / period_s)
-        for a, b in pairwise(turns)
+        Stroke(
+            max(s.range_deg for s in each),
+            max((s.torque_Nm for s in each), key=abs),
+            sum(s.per_h for s in each),
+        )
+        for each in classes.values()
     )
