@@ -56,6 +56,8 @@ def rig_drum_rad(drive: Drive, inputs_rad: Any, load_Nm: Any, **options: Any) ->
         load,
         np.zeros((n_cables, 3, 0)),
         np.zeros((0, 2), dtype=np.int64),
+        np.zeros(n_cables),
+        np.zeros(n),
     )
     failed = equilibrium.run(state, course, pulleys, drum, tension)
     if failed >= 0:

@@ -55,7 +55,7 @@ def _rope_bends(routes: DriveRoutes, rope_m: float) -> Iterator[RopeBend]:
                 if at.wrap.body in names:
                     points = (at.arriving is not None) + (at.leaving is not None)
                     share[j] += points * float(friction.tangent_share(rope_m, 2.0 * at.wrap.radius_m))
-        yield RopeBend(f"cables on the {name}", share)
+        yield RopeBend(f"cables on the {name}", share, on_input=name == "inputs")
 
 
 def body_bearings(

@@ -9,7 +9,10 @@ from typing import Any
 import numpy as np
 
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.base import NoFigureError
+from mbcdm_cad.rig.block import PhysicsBlock
 from mbcdm_cad.rig.cables import RigCable, cables_of, routes_of
+from mbcdm_cad.rig.drive_parts import Compliance, PartsFriction, compliance_of, friction_of
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.route import Body, DriveRoutes
 
@@ -48,7 +51,29 @@ class Bench:
     output_delay_s: float = 0.0
     input_delay_s: float = 0.0
     temperature_C: Floats | None = None
+    compliance: Compliance = field(default_factory=Compliance)
+    friction: PartsFriction | None = None
     truth: list[dict[str, Any]] = field(default_factory=list)
+
+    def count_structure(self) -> None:
+        """Parts besides the cables give as the design states. Raises ValueError for a part without a figure."""
+        try:
+            self.compliance = compliance_of(self.drive)
+        except NoFigureError as error:
+            raise ValueError(str(error)) from None
+        if self.input_at == "motor":
+            before = 1.0 / self.compliance.before_inputs_Nm_rad
+            self.gear_stiffness_Nm_rad = [1.0 / (1.0 / k + before) for k in self.gear_stiffness_Nm_rad]
+            self.tell("structure", stage="inputs", parameters={"compliance_rad_Nm": before})
+        given = {"compliance_rad_Nm": self.compliance.land_to_encoder}
+        self.tell("stiffness_error", cause="structure", parameters=given)
+
+    def count_losses(self) -> None:
+        """Bends of the cables and bearings rub as the design states."""
+        self.friction = friction_of(self.drive)
+        share, bearings = self.friction.drum_share, self.friction.drum_bearings_Nm
+        torque = bearings + sum(s * c.preload_N * c.drum_radius_m for s, c in zip(share, self.cables, strict=True))
+        self.tell("friction", cause="losses", parameters={"torque_Nm": float(torque)})
 
     def change(self, which: list[int], **factors: float) -> None:
         """Multiply fields of these cables, as in ``change([0, 1], preload_N=0.9)``."""
@@ -122,12 +147,20 @@ def bench_of(
     drum_rad: Floats,
     strays_rad: Floats,
     rng: np.random.Generator,
+    physics: PhysicsBlock,
     input_at: str = "pulley",
 ) -> Bench:
-    """A bench without effects: gearheads stiff and without play, cables as designed."""
+    """A bench without effects: gearheads stiff and without play, cables as designed; of the parts what physics counts.
+
+    Raises ValueError where the design has no cables' spans, or a part that is counted has no figure.
+    """
     bench = Bench(drive, time_s, drum_rad, strays_rad, rng, cables_of(drive), routes_of(drive), input_at)
     n_inputs = len(drive.input_names)
     bench.command_rad = strays_rad + np.stack([drum_rad * bench.turns(i) for i in range(n_inputs)])
     bench.gear_stiffness_Nm_rad = [float("inf")] * n_inputs
     bench.gear_play_rad = [0.0] * n_inputs
+    if physics.structure:
+        bench.count_structure()
+    if physics.losses:
+        bench.count_losses()
     return bench

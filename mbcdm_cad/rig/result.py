@@ -18,11 +18,13 @@ class SimulatedRun:
     """Truth and readings of a run, SI, arrays over n samples.
 
     ``input_rad`` (n_inputs, n) are the pulleys, ``tension_N`` (n_cables, n); ``load_Nm`` is the torque at the sensor.
+    ``drum_rad`` is the drum's angle at its encoder, ``payload_rad`` that of the payload.
     """
 
     time_s: Floats
     input_rad: Floats
     drum_rad: Floats
+    payload_rad: Floats
     load_Nm: Floats
     tension_N: Floats
     measured_input_rad: Floats

@@ -15,7 +15,7 @@ HOUSE = House(Path(__file__).parents[2])
 NAMED: dict[str, str] = {
     "rig.dynamic.experiment": "experiment files of before say guide_mNm and guide_slip; these words stay valid",
     "rig.effects.bearing_friction": "experiment files of before say guide_mNm and guide_slip; these words stay valid",
-    "rig.quasistatic.experiment": "experiment files of before say guide_mNm and guide_slip; these words stay valid",
+    "rig.block": "experiment files of before say guide_mNm and guide_slip; these words stay valid",
 }
 
 

@@ -32,6 +32,7 @@ class RopeBend:
 
     name: str
     share: Floats
+    on_input: bool = False
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import AliasChoices, Field
 
-from mbcdm_cad.rig.block import ExperimentBlock
+from mbcdm_cad.rig.block import ExperimentBlock, PhysicsBlock
 from mbcdm_cad.rig.dynamic.motion import sine, standstill
 from mbcdm_cad.rig.effects.registry import AnyEffect
 from mbcdm_cad.rig.sensors import Delay, Noise, Resolution
@@ -80,12 +80,9 @@ class DynamicSensors(ExperimentBlock):
         return True
 
 
-class DynamicPhysics(ExperimentBlock):
+class DynamicPhysics(PhysicsBlock):
     """Choices of the physics."""
 
-    cable_transport: bool = True
-    passed_slip: Annotated[bool, Field(validation_alias=AliasChoices("passed_slip", "guide_slip"))] = False
-    piece_mrad: Annotated[float, Field(ge=0.5, le=100.0)] = 20.0
     step_us: Literal[20, 50, 100, 200, 500] = 100
 
 

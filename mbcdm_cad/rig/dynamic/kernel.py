@@ -13,7 +13,7 @@ from mbcdm_cad.rig.chain import Chains
 from mbcdm_cad.rig.dynamic import controller
 from mbcdm_cad.rig.dynamic import plant as columns
 from mbcdm_cad.rig.dynamic.controller import control
-from mbcdm_cad.rig.dynamic.plant import Plant, State, Torques, advance, stored
+from mbcdm_cad.rig.dynamic.plant import Plant, State, Torques, advance, drum_friction, payload_at, stored
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.storage.compiled import compiled
 
@@ -22,8 +22,8 @@ LOAD_INERTIA, STATIC_RATIO, STATIC_SPEED, UNBALANCE, UNBALANCE_ANGLE = range(5)
 # Columns of an input encoder's row.
 RESOLUTION, NOISE, DELAY = range(3)
 # Columns of the log before those of the inputs (pulley, encoder, motor's torque, rotor) and of the cables (tension).
-DRUM, TORQUE = range(2)
-LOG_FIRST = 2
+DRUM, PAYLOAD, TORQUE = range(3)
+LOG_FIRST = 3
 
 
 @compiled
@@ -100,9 +100,9 @@ def run(
     reference, torque, brake, load, paths = course.reference, course.torque, course.brake, course.load, course.paths
     log, account, log_every, h = record.log, record.account, clock.log_every, clock.h
     n_inputs, n_cables = inputs.shape[0], cables.shape[0]
-    last = 2 * n_inputs
-    q, v, before = np.zeros(last + 1), np.zeros(last + 1), np.zeros(last + 1)
-    motion = State(q, v, np.zeros(last + 1), np.zeros(last + 1))
+    last, out = 2 * n_inputs, payload_at(plant)
+    q, v, before = np.zeros(out + 1), np.zeros(out + 1), np.zeros(out + 1)
+    motion = State(q, v, np.zeros(out + 1), np.zeros(out + 1))
     push = motion.push
     tension, tension_before = chains.tension.copy(), np.empty(n_cables)
     motor, command, target = np.zeros(n_inputs), np.zeros(n_inputs), np.empty(3)
@@ -123,7 +123,7 @@ def run(
             command[i] = control(gains[i], state[i], target, measured)
         if k % log_every == 0:
             row = log[k // log_every]
-            row[DRUM], row[TORQUE] = q[last], felt
+            row[DRUM], row[PAYLOAD], row[TORQUE] = q[last], q[out], felt
             for i in range(n_inputs):
                 row[LOG_FIRST + i] = q[n_inputs + i]
                 row[LOG_FIRST + n_inputs + i] = seen[max(k - int(encoders[i, DELAY]), 0) % seen.shape[0], i]
@@ -139,9 +139,10 @@ def run(
                 motor[i] += current_share[i] * (command[i] - motor[i])
             before[:] = q
             tension_before[:] = tension
-            speed = v[last]
-            outer = torque[k] + load[UNBALANCE] * math.sin(q[last] + load[UNBALANCE_ANGLE])
+            speed = v[out]
+            outer = torque[k] + load[UNBALANCE] * math.sin(q[out] + load[UNBALANCE_ANGLE])
             capacity = brake_capacity(brake[k], speed, load)
+            own = 0.0 if out > last else drum_friction(bent, tension)
             advance(bent, motion, tension, Torques(motor, outer, capacity), h, account)
             for j in range(n_cables):
                 p = n_inputs + input_of[j]
@@ -156,8 +157,8 @@ def run(
                 stretch = cables[j, columns.SIGMA] * (inner - rest)
                 account[columns.CABLE_WORK] += 0.5 * (tension[j] + tension_before[j]) * stretch
             # The sensor sits between drum and load, so it does not measure the friction of the bearings.
-            share = capacity / max(capacity + drum[columns.DRUM_DRAG], 1e-300)
-            felt += (outer - push[last] * share / h + load[LOAD_INERTIA] * (v[last] - speed) / h) / clock.steps
+            share = capacity / max(capacity + own, 1e-300)
+            felt += (outer - push[out] * share / h + load[LOAD_INERTIA] * (v[out] - speed) / h) / clock.steps
         if abs(q[last] - reference[k, 0]) > clock.give_up_rad:
             return stored(plant, motion) - energy, k + 1
     return stored(plant, motion) - energy, reference.shape[0]

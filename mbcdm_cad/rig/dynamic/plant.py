@@ -1,16 +1,19 @@
 """Equations of motion of rotors, input pulleys and drum, and one step of them.
 
 Coordinates, all positive in the sense that drives the drum positive: for each input the rotor, reflected to the
-gearhead's output, and the pulley; last the drum, with the load's inertia and the bodies that the cables pass and turn.
+gearhead's output, and the pulley; the drum, with the bodies that the cables pass and turn; and the payload, which is on
+the drum itself where all parts are rigid.
 
     rotor    J_r phi'' = tau + cogging - s du/dphi - b phi' - friction
     pulley   J_p p''   = s - sum_j sigma_j r_ij T_j - friction
-    drum     J_o o''   = sum_j sigma_j r_oj T_j - M - b o' - friction
+    drum     J_o o''   = sum_j sigma_j r_oj T_j - k (o - w) - b o' - friction
+    payload  J_w w''   = k (o - w) - M - friction
 
-s is the gearhead's torque (:mod:`mbcdm_cad.rig.dynamic.gearhead`), T_j what the cables pull, M the torque motor's
-torque (> 0 opposes positive rotation). The step is linearly implicit (:mod:`mbcdm_cad.rig.dynamic.friction`): cables
-enter its matrix with the stiffness of their free span, their largest possible one, so that a step of any length is
-stable; a longer one only damps the fast modes more.
+k is the stiffness of the parts between the cables and the payload; the friction of pulleys and drum holds a share of
+the tension of each cable, which bends there. s is the gearhead's torque (:mod:`mbcdm_cad.rig.dynamic.gearhead`), T_j
+what the cables pull, M the torque motor's torque (> 0 opposes positive rotation). The step is linearly implicit
+(:mod:`mbcdm_cad.rig.dynamic.friction`): cables enter its matrix with the stiffness of their free span, their largest
+possible one, so that a step of any length is stable; a longer one only damps the fast modes more.
 """
 
 from __future__ import annotations
@@ -44,9 +47,9 @@ from mbcdm_cad.storage.compiled import compiled
 ) = range(13)
 INPUT_COLUMNS = 13
 # Columns of the table of cables.
-SIGMA, INPUT_RADIUS, DRUM_RADIUS, SPAN_STIFFNESS = range(4)
-# Entries of the drum's row.
-DRUM_INERTIA, DRUM_DRAG, DRUM_VISCOUS = range(3)
+SIGMA, INPUT_RADIUS, DRUM_RADIUS, SPAN_STIFFNESS, INPUT_SHARE, DRUM_SHARE = range(6)
+# Entries of the drum's row; a stiffness of 0: the parts are rigid, and the payload is on the drum.
+DRUM_INERTIA, DRUM_DRAG, DRUM_VISCOUS, PAYLOAD_INERTIA, PARTS_STIFFNESS = range(5)
 # Entries of the energy balance, J.
 (MOTOR_WORK, LOAD_WORK, ROTOR_LOSS, PULLEY_LOSS, DRUM_LOSS, VISCOUS_LOSS, CABLE_WORK) = range(7)
 ACCOUNTS = 7
@@ -88,14 +91,30 @@ class Torques(NamedTuple):
 
 
 @compiled
+def payload_at(plant: Plant) -> int:
+    """Number of the coordinate on which the payload acts."""
+    drum = 2 * plant.inputs.shape[0]
+    return int(drum + 1 if plant.drum[PARTS_STIFFNESS] > 0.0 else drum)
+
+
+@compiled
+def drum_friction(plant: Plant, tension: Floats) -> float:
+    """Largest friction on the drum besides that of the load, N m: bearings, and cables that bend."""
+    total = plant.drum[DRUM_DRAG]
+    for j in range(tension.size):
+        total += plant.cables[j, DRUM_SHARE] * plant.cables[j, DRUM_RADIUS] * tension[j]
+    return float(total)
+
+
+@compiled
 def advance(plant: Plant, state: State, tension: Floats, torques: Torques, h: float, account: Floats) -> None:
     """Advance ``state`` by one step ``h`` (s) and add its energies to ``account``."""
     inputs, cables, input_of, drum = plant.inputs, plant.cables, plant.input_of, plant.drum
     q, v, guess, push = state.q, state.v, state.guess, state.push
     motor, load, brake = torques.motor, torques.load, torques.brake
     n_inputs = inputs.shape[0]
-    n = 2 * n_inputs + 1
-    last = n - 1
+    last, out = 2 * n_inputs, payload_at(plant)
+    n = out + 1
     A = np.zeros((n, n))
     b = np.empty(n)
     limit = np.empty(n)
@@ -112,8 +131,20 @@ def advance(plant: Plant, state: State, tension: Floats, torques: Torques, h: fl
         limit[i] = h * (row[DRAG] + row[LOSS] * abs(carried))
         limit[p] = h * row[PULLEY_DRAG]
     A[last, last] = drum[DRUM_INERTIA] + h * drum[DRUM_VISCOUS]
-    b[last] = drum[DRUM_INERTIA] * v[last] - h * load
-    limit[last] = h * (drum[DRUM_DRAG] + brake)
+    b[last] = drum[DRUM_INERTIA] * v[last]
+    limit[last] = h * drum_friction(plant, tension)
+    if out > last:
+        limit[out] = b[out] = 0.0
+        twisted = h * drum[PARTS_STIFFNESS] * (q[last] - q[out])
+        b[last] -= twisted
+        b[out] += twisted
+        stiff = h * h * drum[PARTS_STIFFNESS]
+        A[last, last] += stiff
+        A[out, out] += stiff
+        A[last, out] = A[out, last] = -stiff
+    A[out, out] += drum[PAYLOAD_INERTIA]
+    b[out] += drum[PAYLOAD_INERTIA] * v[out] - h * load
+    limit[out] += h * brake
     for j in range(cables.shape[0]):
         p = n_inputs + input_of[j]
         inner, outer = cables[j, SIGMA] * cables[j, INPUT_RADIUS], cables[j, SIGMA] * cables[j, DRUM_RADIUS]
@@ -124,6 +155,7 @@ def advance(plant: Plant, state: State, tension: Floats, torques: Torques, h: fl
         A[last, p] -= stiff * inner * outer
         b[p] -= h * inner * tension[j]
         b[last] += h * outer * tension[j]
+        limit[p] += h * cables[j, INPUT_SHARE] * cables[j, INPUT_RADIUS] * tension[j]
     solve_friction(A, b, limit, guess, v, push)
     for i in range(n_inputs):
         p = n_inputs + i
@@ -131,8 +163,10 @@ def advance(plant: Plant, state: State, tension: Floats, torques: Torques, h: fl
         account[ROTOR_LOSS] -= push[i] * v[i]
         account[PULLEY_LOSS] -= push[p] * v[p]
         account[VISCOUS_LOSS] += h * inputs[i, VISCOUS] * v[i] * v[i]
-    account[LOAD_WORK] += h * load * v[last]
+    account[LOAD_WORK] += h * load * v[out]
     account[DRUM_LOSS] -= push[last] * v[last]
+    if out > last:
+        account[DRUM_LOSS] -= push[out] * v[out]
     account[VISCOUS_LOSS] += h * drum[DRUM_VISCOUS] * v[last] * v[last]
     for k in range(n):
         q[k] += h * v[k]
@@ -140,10 +174,12 @@ def advance(plant: Plant, state: State, tension: Floats, torques: Torques, h: fl
 
 @compiled
 def stored(plant: Plant, state: State) -> float:
-    """Kinetic energy and elastic energy of the gearheads' shafts, J."""
+    """Kinetic energy and elastic energy of the gearheads' shafts and of the parts at the drum, J."""
     inputs, drum, q, v = plant.inputs, plant.drum, state.q, state.v
     n_inputs = inputs.shape[0]
-    total = 0.5 * drum[DRUM_INERTIA] * v[2 * n_inputs] ** 2
+    last, out = 2 * n_inputs, payload_at(plant)
+    total = 0.5 * drum[DRUM_INERTIA] * v[last] ** 2 + 0.5 * drum[PAYLOAD_INERTIA] * v[out] ** 2
+    total += 0.5 * drum[PARTS_STIFFNESS] * (q[last] - q[out]) ** 2
     for i in range(n_inputs):
         p = n_inputs + i
         carried = gear(inputs[i], q[i], q[p])[0]

@@ -11,6 +11,7 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.rig.bench import PathOf
 from mbcdm_cad.rig.cables import RigCable, cables_of, routes_of
 from mbcdm_cad.rig.chain import PIECE_RAD
+from mbcdm_cad.rig.drive_parts import Compliance, PartsFriction
 from mbcdm_cad.rig.dynamic.controller import ControllerSpec
 from mbcdm_cad.rig.dynamic.gearhead import GearheadSpec, gearhead_of
 from mbcdm_cad.rig.dynamic.inertias import inertias
@@ -44,7 +45,8 @@ class DynamicRig:
 
     ``cables`` are as built, ``paths`` give their extra length as a function of the angles, as of an eccentric pulley;
     ``piece_rad``, ``transport`` and ``passed_slip`` as in :func:`mbcdm_cad.rig.chain.chains`. Drags are Coulomb
-    friction in bearings, each at its own shaft.
+    friction in bearings, each at its own shaft. ``compliance`` and ``friction`` are those of the parts besides the
+    cables; as they stand, all parts are rigid and only motors and gearheads lose.
     """
 
     drive: Drive
@@ -63,6 +65,8 @@ class DynamicRig:
     transport: bool = True
     passed_slip: bool = False
     paths: tuple[PathOf, ...] = ()
+    compliance: Compliance = field(default_factory=Compliance)
+    friction: PartsFriction | None = None
 
 
 def rig_of(

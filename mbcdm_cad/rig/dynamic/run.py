@@ -25,12 +25,14 @@ class DynamicRun:
     """A run at the log's samples: truth and readings of the sensors. Arrays (n,) or (n_inputs or n_cables, n).
 
     ``motor_Nm`` and ``rotor_rad`` are reflected to the gearhead's output; ``torque_Nm`` is the torque between drum and
-    load, averaged over a period of the loops; ``energy_J`` the energy balance of the whole run.
+    load, averaged over a period of the loops; ``energy_J`` the energy balance of the whole run. ``drum_rad`` is the
+    drum's angle at its encoder.
     """
 
     time_s: Floats
     reference_rad: Floats
     drum_rad: Floats
+    payload_rad: Floats
     input_rad: Floats
     torque_Nm: Floats
     motor_Nm: Floats
@@ -96,11 +98,17 @@ def run_dynamic(
     time = np.arange(rows) * log_every / rate
     ends = [kernel.LOG_FIRST + k * n_inputs for k in range(5)]
     _, pulley, counts, motor, rotor, tension = np.split(log.T, ends)
-    drum, torque = log[:, kernel.DRUM], log[:, kernel.TORQUE]
+    land, payload, torque = log[:, kernel.DRUM], log[:, kernel.PAYLOAD], log[:, kernel.TORQUE]
+    # The encoder sits between the cables on the drum and the payload.
+    give = rig.compliance
+    drum = (
+        land if give.land_to_payload == 0.0 else land - give.land_to_encoder / give.land_to_payload * (land - payload)
+    )
     return DynamicRun(
         time_s=time,
         reference_rad=reference[:done:log_every, 0],
         drum_rad=drum,
+        payload_rad=payload,
         input_rad=pulley,
         torque_Nm=torque,
         motor_Nm=motor,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -42,7 +43,7 @@ def _bench(drive: Drive, experiment: DynamicExperiment, drum: Any) -> Bench:
     time = np.arange(drum.size) / LOOP_RATE_HZ
     strays = np.zeros((len(drive.input_names), drum.size))
     try:
-        bench = bench_of(drive, time, drum, strays, np.random.default_rng(experiment.seed), "pulley")
+        bench = bench_of(drive, time, drum, strays, np.random.default_rng(experiment.seed), experiment.physics)
     except ValueError as error:
         raise RigError(f"{drive.name}: the rig cannot simulate this drive: {error}") from None
     for effect in experiment.effects:
@@ -77,19 +78,23 @@ def _rig(drive: Drive, experiment: DynamicExperiment, bench: Bench) -> DynamicRi
         bearing_drag_Nm=experiment.bearings.drum_Nm,
     )
     rig = rig_of(drive, spec, drives.lossless, drives.bandwidth_Hz)
+    rubs, before = bench.friction, bench.compliance.before_inputs_Nm_rad
     cogging = drives.cogging_share * rig.motors[0].torque_limit_Nm
     motors = tuple(
         # Different phases, since the rotors of two motors are mounted at arbitrary angles.
         replace(m, cogging_Nm=cogging, cogging_per_turn=drives.cogging_per_turn, cogging_phase_rad=2.0 * i)
         for i, m in enumerate(rig.motors)
     )
+    if rubs is not None:
+        motors = tuple(replace(m, coulomb_Nm=rubs.motor_Nm) for m in motors)
     if drives.lossless:
         motors = tuple(replace(m, coulomb_Nm=0.0, viscous_Nms=0.0) for m in motors)
     gearheads = tuple(
         replace(
             g,
             lash_rad=drives.lash_mrad * 1e-3 + bench.gear_play_rad[i],
-            stiffness_Nm_rad=min(g.stiffness_Nm_rad, bench.gear_stiffness_Nm_rad[i]),
+            drag_Nm=g.drag_Nm if rubs is None or drives.lossless else rubs.gear_idle_Nm,
+            stiffness_Nm_rad=min(before if isfinite(before) else g.stiffness_Nm_rad, bench.gear_stiffness_Nm_rad[i]),
             mesh_error_rad=drives.mesh_error_urad * 1e-6,
             mesh_per_motor_turn=drives.mesh_per_motor_turn,
         )
@@ -114,6 +119,8 @@ def _rig(drive: Drive, experiment: DynamicExperiment, bench: Bench) -> DynamicRi
         piece_rad=physics.piece_mrad * 1e-3,
         transport=physics.cable_transport,
         passed_slip=physics.passed_slip,
+        compliance=bench.compliance,
+        friction=rubs,
     )
 
 
@@ -148,6 +155,7 @@ def as_logged(run: DynamicRun, truth: list[dict[str, Any]]) -> SimulatedRun:
         time_s=run.time_s,
         input_rad=run.input_rad,
         drum_rad=run.drum_rad,
+        payload_rad=run.payload_rad,
         load_Nm=run.torque_Nm,
         tension_N=run.tension_N,
         measured_input_rad=run.measured_input_rad,

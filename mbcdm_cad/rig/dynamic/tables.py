@@ -74,23 +74,32 @@ def input_table(rig: DynamicRig) -> Floats:
         table[i, columns.COGGING_ORDER] = motor.cogging_per_turn * N
         table[i, columns.COGGING_PHASE] = motor.cogging_phase_rad
         table[i, columns.PULLEY_DRAG] = rig.input_drag_Nm
+        if rig.friction is not None:
+            table[i, columns.PULLEY_DRAG] += rig.friction.input_bearings_Nm[i]
         table[i, columns.PULLEY] = moved.inputs_kg_m2[i]
     return table
 
 
 def cable_table(rig: DynamicRig) -> Floats:
-    """Sense, radii in m and stiffness of the free span in N/m of each cable."""
-    rows = [[c.sigma, c.input_radius_m, c.drum_radius_m, c.stiffness_N / c.free_span_m] for c in rig.cables]
-    return np.array(rows)
+    """Sense, radii in m, stiffness of the free span in N/m and shares of friction of each cable."""
+    table = np.zeros((len(rig.cables), columns.DRUM_SHARE + 1))
+    for row, c in zip(table, rig.cables, strict=True):
+        row[: columns.INPUT_SHARE] = c.sigma, c.input_radius_m, c.drum_radius_m, c.stiffness_N / c.free_span_m
+    if rig.friction is not None:
+        table[:, columns.INPUT_SHARE], table[:, columns.DRUM_SHARE] = rig.friction.input_share, rig.friction.drum_share
+    return table
 
 
 def drum_row(rig: DynamicRig) -> Floats:
-    """Inertia, drag and viscous friction at the drum, passed bodies and load included."""
+    """Inertia, drag and viscous friction at drum and passed bodies; inertia of the load; stiffness of the parts."""
     moved = inertias(rig.drive)
-    inertia = moved.drum_and_passed_kg_m2 + rig.load.inertia_kg_m2
     turns = sum(abs(body.turns_per_drum) for body in moved.routes.passed)
     drag = rig.load.bearing_drag_Nm + rig.passed_drag_Nm * turns
-    return np.array([inertia, drag, rig.load.bearing_viscous_Nms])
+    drag += rig.friction.drum_bearings_Nm if rig.friction is not None else 0.0
+    give = rig.compliance.land_to_payload
+    stiffness = 1.0 / give if give > 0.0 else 0.0
+    drum = moved.drum_and_passed_kg_m2
+    return np.array([drum, drag, rig.load.bearing_viscous_Nms, rig.load.inertia_kg_m2, stiffness])
 
 
 def path_table(rig: DynamicRig, reference: Floats) -> Floats:

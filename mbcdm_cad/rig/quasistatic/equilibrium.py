@@ -2,8 +2,11 @@
 
 Unknown are the drum's angle and the angle of each input pulley that a gearhead with compliance or play drives:
 
-    drum    sum_j (sigma_j r_oj - lever_j) T_j = M          lever_j: what the path of cable j grows by per drum angle
+    drum    sum_j (sigma_j r_oj - lever_j - z s_j r_oj) T_j = M
     input   s(phi - theta) = sum_j sigma_j r_ij T_j         s: gearhead's shaft with play, phi the gearhead's angle
+
+lever_j is what the path of cable j grows by per drum angle, s_j the share of its tension that it loses where it bends
+on passed bodies and drum, against the motion: z is from -1 to 1.
 
 Newton steps with a line search; the tensions come from :mod:`mbcdm_cad.rig.chain` without a change of its state, which
 is updated when the balance is found. The drum wrap moves with the predicted drum angle (that of the inputs over the
@@ -45,7 +48,8 @@ class QuasistaticCourse(NamedTuple):
     and play in rad; ``motor`` (n_inputs, n) gearhead angles; ``path`` and ``lever`` (n_cables, n) extra path in m and
     its slope in m/rad about the ``predicted`` drum angle (n,); ``load`` (n,) N m; ``strains`` (n_cables, w, n)
     stress-free strain of rope over bed on each wrap, or n = 0; ``through`` (m, 2) the two sides of each cable that is
-    anchored nowhere on its input.
+    anchored nowhere on its input. ``rub`` (n_cables,): share of its tension that a cable loses by bending on passed
+    bodies and drum; ``slide`` (n,): sense of the motion that friction opposes, -1 to 1.
     """
 
     input_of: NDArray[np.int64]
@@ -57,6 +61,8 @@ class QuasistaticCourse(NamedTuple):
     load: Floats
     strains: Floats
     through: NDArray[np.int64]
+    rub: Floats
+    slide: Floats
 
 
 class _Leftover(NamedTuple):
@@ -79,12 +85,13 @@ def _misses(chains: Chains, course: QuasistaticCourse, k: int, x: Floats, left: 
         inner, outer = c[chain.SIGMA] * c[chain.INPUT_RADIUS], c[chain.SIGMA] * c[chain.DRUM_RADIUS] - lever
         delta = inner * x[i] - outer * x[n_inputs] + course.path[j, k] - lever * course.predicted[k]
         tension[j], rate = look(chains, j, delta)
-        miss[n_inputs] += outer * tension[j]
+        pull = outer - course.slide[k] * course.rub[j] * c[chain.DRUM_RADIUS]
+        miss[n_inputs] += pull * tension[j]
         miss[i] -= inner * tension[j]
-        slopes[n_inputs, n_inputs] -= outer * outer * rate
+        slopes[n_inputs, n_inputs] -= pull * outer * rate
         slopes[i, i] -= inner * inner * rate
         slopes[i, n_inputs] += inner * outer * rate
-        slopes[n_inputs, i] += inner * outer * rate
+        slopes[n_inputs, i] += inner * pull * rate
     miss[n_inputs] -= course.load[k]
     for i in range(n_inputs):
         if math.isinf(gears[i, 0]):

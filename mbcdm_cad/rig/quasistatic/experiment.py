@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import AliasChoices, Field
+from pydantic import Field
 
-from mbcdm_cad.rig.block import ExperimentBlock
+from mbcdm_cad.rig.block import ExperimentBlock, PhysicsBlock
 from mbcdm_cad.rig.effects.registry import AnyEffect
 from mbcdm_cad.rig.quasistatic.load import Load
 from mbcdm_cad.rig.quasistatic.motion import Motion
@@ -15,14 +15,9 @@ from mbcdm_cad.rig.sensors import BenchSensors
 MAX_SAMPLES = 2_000_000
 
 
-class Physics(ExperimentBlock):
+class Physics(PhysicsBlock):
     """Choices of the physics. Wraps are those of rope on pulley at the centre, from anchor to tangent point."""
 
-    # Rope that is wound on keeps its tension and brings it back; the analytic model assumes this to be off.
-    cable_transport: bool = True
-    # Rope also creeps on the bodies that it passes.
-    passed_slip: Annotated[bool, Field(validation_alias=AliasChoices("passed_slip", "guide_slip"))] = False
-    piece_mrad: Annotated[float, Field(ge=0.5, le=100.0)] = 20.0
     substeps: Annotated[int, Field(ge=1, le=100)] = 1
     input_wrap_rad: Annotated[float, Field(gt=0.0, le=200.0)] = 16.0
     drum_wrap_rad: Annotated[float, Field(gt=0.0, le=6.3)] = 3.0

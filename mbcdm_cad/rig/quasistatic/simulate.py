@@ -9,8 +9,10 @@ import numpy as np
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.rig import chain, through
 from mbcdm_cad.rig.bench import Bench, bench_of
+from mbcdm_cad.rig.drive_parts import PRESLIDING_RAD
 from mbcdm_cad.rig.quasistatic import equilibrium
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
+from mbcdm_cad.rig.quasistatic.load import brake
 from mbcdm_cad.rig.result import RigError, SimulatedRun
 from mbcdm_cad.rig.sensors import counted, late
 from mbcdm_cad.routes import Floats
@@ -23,7 +25,9 @@ def simulate(drive: Drive, experiment: Experiment) -> SimulatedRun:
     """Run ``experiment`` on the bench with ``drive``. The same seed gives the same run. Raises RigError."""
     bench = set_up(drive, experiment)
     load = experiment.load.torque_Nm(bench.time_s, bench.drum_rad, experiment.motion.period_s, bench.stick_slip)
-    pulleys, drum, tension = balance(bench, experiment, load)
+    pulleys, land, tension = balance(bench, experiment, load)
+    # What the parts give, the payload's torque alone turns: the encoder sits between the cables and the payload.
+    drum = land - bench.compliance.land_to_encoder * load
     every = slice(None, None, experiment.physics.substeps)
     return _read(bench, experiment, pulleys, drum, load, tension, every)
 
@@ -36,7 +40,7 @@ def set_up(drive: Drive, experiment: Experiment) -> Bench:
     drum = experiment.motion.drum_rad(time)
     strays = experiment.motion.strays_rad(time, len(drive.input_names), rng)
     try:
-        bench = bench_of(drive, time, drum, strays, rng, experiment.sensors.input_at)
+        bench = bench_of(drive, time, drum, strays, rng, experiment.physics, experiment.sensors.input_at)
     except ValueError as error:
         raise RigError(f"{drive.name}: the rig cannot simulate this drive: {error}") from None
     for effect in experiment.effects:
@@ -82,7 +86,13 @@ def balance(bench: Bench, experiment: Experiment, load_Nm: Floats) -> tuple[Floa
     total = load_Nm + sum(bench.hidden_Nm, np.zeros(n))
     strains = np.zeros((*chains.wraps.shape[:2], 0)) if bench.strains is None else bench.strains
     input_of, sides = np.array([c.input_index for c in bench.cables]), through.pairs_of(bench.cables)
-    course = equilibrium.QuasistaticCourse(input_of, gears, motor, path, lever, bench.drum_rad, total, strains, sides)
+    rub, slide = np.zeros(n_cables), np.zeros(n)
+    if bench.friction is not None:
+        rub, slide = bench.friction.drum_share, brake(bench.drum_rad, np.ones(n), PRESLIDING_RAD)
+        total = total + bench.friction.drum_bearings_Nm * slide
+    course = equilibrium.QuasistaticCourse(
+        input_of, gears, motor, path, lever, bench.drum_rad, total, strains, sides, rub, slide
+    )
     failed = equilibrium.run(chains, course, pulleys, drum, tension)
     if failed >= 0:
         raise RigError(
@@ -118,6 +128,7 @@ def _read(
         time_s=time[every],
         input_rad=pulleys[:, every],
         drum_rad=drum[every],
+        payload_rad=(drum - bench.compliance.encoder_to_payload * load)[every],
         load_Nm=load[every],
         tension_N=tension[:, every],
         measured_input_rad=np.stack(inputs),

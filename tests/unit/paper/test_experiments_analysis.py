@@ -24,6 +24,7 @@ def made_up(time: np.ndarray, **known: np.ndarray) -> DynamicRun:
     nothing = {
         "reference_rad": np.zeros(time.size),
         "drum_rad": np.zeros(time.size),
+        "payload_rad": np.zeros(time.size),
         "torque_Nm": np.zeros(time.size),
         "input_rad": np.zeros((2, time.size)),
         "motor_Nm": np.zeros((2, time.size)),

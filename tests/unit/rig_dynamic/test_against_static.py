@@ -75,7 +75,17 @@ def test_slow_run_is_the_quasi_static_rig(passed_slip: bool) -> None:
     of = np.array([c.input_index for c in cables])
     angle = np.ascontiguousarray(run.input_rad)
     course = equilibrium.QuasistaticCourse(
-        of, held, angle, none, none, run.drum_rad, run.torque_Nm, np.zeros((4, 3, 0)), np.zeros((0, 2), dtype=np.int64)
+        of,
+        held,
+        angle,
+        none,
+        none,
+        run.drum_rad,
+        run.torque_Nm,
+        np.zeros((4, 3, 0)),
+        np.zeros((0, 2), dtype=np.int64),
+        np.zeros(4),
+        np.zeros(run.drum_rad.size),
     )
     failed = equilibrium.run(state, course, pulleys, drum, tension)
     assert failed < 0

@@ -24,8 +24,8 @@ class Springs:
         self.inputs[0, [plant.ROTOR, plant.PULLEY, plant.STIFFNESS]] = ROTOR_INERTIA, PULLEY_INERTIA, 1e4
         for name, value in row.items():
             self.inputs[0, getattr(plant, name.upper())] = value
-        self.cables = np.array([[s, inner, outer, SPRING_N_M] for inner, outer, s in RADII])
-        self.drum = np.array([DRUM_INERTIA, drum_drag, 0.0])
+        self.cables = np.array([[s, inner, outer, SPRING_N_M, 0.0, 0.0] for inner, outer, s in RADII])
+        self.drum = np.array([DRUM_INERTIA, drum_drag, 0.0, 0.0, 0.0])
         self.plant = plant.Plant(self.inputs, self.cables, np.zeros(2, np.int64), self.drum)
         self.state = plant.State(np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3))
         self.q, self.v = self.state.q, self.state.v
