@@ -66,7 +66,7 @@ class Effect:
     default one at zero. ``figures`` are what is reported, ``physical`` what they mean as hardware; both default to the
     parameters themselves. ``cables`` are the names of the cables concerned.
 
-    ``several``: there may be more than one of it in a run. ``once``: it happened once, at a time that the search, which
+    ``run``: the number of the only run that has it, None for all runs. ``several``: there may be more than one in a run. ``once``: it happened once, at a time that the search, which
     may have seen only a part of the run, need not know. ``generic``: a single curve of load or speed without a name may
     look like it, so it is tried against such curves (:mod:`mbcdm_cad.loop.search.verdict`). ``after`` are names that
     are refitted, however little they promise, before this one is accepted; ``doubtful`` checks fitted values: where no
@@ -78,7 +78,8 @@ class Effect:
     one changes nothing, so that the data may only give a lower bound. ``unmeasured``: the influence of a quantity that
     this run did not measure; it is fitted and never named. ``plain`` describes the effect in a sentence for a person
     who does not know these names: figures in braces, ``{way_...}`` for "higher" or "lower", ``{stage}`` and
-    ``{cables}``. ``reversed_words`` describe it where its first figure is negative, if that is something else.
+    ``{cables}``. ``reversed_words`` describe it where its first figure is negative, if that is something else. ``base``
+    is the effect of which a change during the run is one.
     """
 
     name: str
@@ -90,6 +91,7 @@ class Effect:
     apply: Callable[[Setup, Floats, Simulator], Setup]
     stage: str | None = None
     cables: tuple[str, ...] = ()
+    run: int | None = None
     starts: Starts | None = None
     figures: tuple[Figure, ...] = ()
     physical: tuple[Figure, ...] = ()
@@ -105,6 +107,7 @@ class Effect:
     unmeasured: bool = False
     plain: str = ""
     reversed_words: Words | None = None
+    base: Effect | None = None
 
     @property
     def words(self) -> Words:
@@ -116,14 +119,15 @@ class Effect:
         return self.reversed_words if self.reversed_words and values[0] < 0.0 else self.words
 
     @property
-    def key(self) -> tuple[str, str | None, tuple[str, ...]]:
-        """Its name, stage and cables in a result; forms with the same key have the same name."""
-        return self.name, self.stage, self.cables
+    def key(self) -> tuple[str, str | None, tuple[str, ...], int | None]:
+        """Its name, stage, cables and run in a result; forms with the same key have the same name."""
+        return self.name, self.stage, self.cables, self.run
 
     @property
     def label(self) -> str:
         """Text for results: name, stage, cables, form."""
         words = [self.name, self.stage or "", *(self.cables if len(self.cables) == 1 else ())]
+        words += [] if self.run is None else [f"in run {self.run + 1}"]
         return " ".join(filter(None, words)) + f" ({self.form})"
 
     @property

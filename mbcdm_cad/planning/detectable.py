@@ -85,7 +85,7 @@ class PlannedEffects:
         if not signals.load_Nm:  # a pilot run without a torque sensor says nothing of the noise of one
             signals = replace(signals, load_Nm=signal_noise(p.run).load_Nm)
         self.draws: Draws = draws_of(noise, p, bare.jacobian[fitter.used], friction_errors(fitter, bare, signals))
-        self.offered = [effect for effect in library(fitter.d, p) if not effect.inside]
+        self.offered = [effect for effect in library(fitter.d, p) if not effect.inside and effect.base is None]
         self.tried = [found for effect in self.offered for found in self._tried(effect)]
 
     def sizes(self, one: Tried, power: float) -> tuple[float, float]:

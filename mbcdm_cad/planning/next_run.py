@@ -58,7 +58,7 @@ def wrong_choice(drive: Drive, run: Run, members: Sequence[Named], noise: Noise,
 def _effect_of(named: Named, offered: Sequence[Effect]) -> Effect | None:
     """The effect of the library that was named; None where the run does not allow it."""
     key = named.name, named.stage, named.cables
-    return next((effect for effect in offered if effect.key == key and effect.form == named.form), None)
+    return next((effect for effect in offered if effect.key[:3] == key and effect.form == named.form), None)
 
 
 def _changes(fitter: Fitter, bare: Fit, effect: Effect, named: Named, noise: Noise) -> tuple[Floats, Floats] | None:

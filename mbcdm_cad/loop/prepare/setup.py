@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -208,6 +209,7 @@ class Simulator:
 
     def __init__(self) -> None:
         self._known: list[tuple[Setup, tuple[bool, float], Floats]] = []
+        self._turned: list[tuple[Setup, object, Floats]] = []
 
     def __call__(self, s: Setup) -> Floats:
         """Reading of the output encoder, rad, shape (n,)."""
@@ -219,15 +221,31 @@ class Simulator:
         drum = drum + s.added_rad
         return drum + lines_rad(s) if s.lines else drum
 
+    def turned_by(self, key: object, s: Setup, change: Callable[[], Setup]) -> Floats:
+        """How far the reading turns when ``change`` is made to ``s``, rad (n,); ``key`` names the change in the cache."""
+        for known, name, turned in self._turned:
+            history = (known.winding, known.creep, known.through_rad) == (s.winding, s.creep, s.through_rad)
+            if name == key and history and _strained_alike(known, s):
+                return turned
+        # What only adds to the reading is the same before and after.
+        turned = self(change()) - self(s)
+        self._turned.append((s, key, turned))
+        del self._turned[:-REMEMBERED]
+        return turned
+
     def _drum(self, s: Setup, winding: bool, through: bool = False) -> Floats:
         asked = (winding, s.through_rad if through else 0.0)
         for known, flag, drum in self._known:
-            same = known.d is s.d and known.p is s.p and known.load_Nm is s.load_Nm
-            same = same and known.path_m is s.path_m and known.shift_rad is s.shift_rad
-            if same and known.play_rad == s.play_rad and flag == asked:
+            if flag == asked and _strained_alike(known, s):
                 return drum
         rigid = s.d is None or s.load_Nm is None
         drum = rigid_drum_rad(s) if rigid else respond(s, winding, through)
         self._known.append((s, asked, drum))
         del self._known[:-REMEMBERED]
         return drum
+
+
+def _strained_alike(one: Setup, other: Setup) -> bool:
+    """Whether the same objects strain the cables of both."""
+    same = one.d is other.d and one.p is other.p and one.load_Nm is other.load_Nm and one.path_m is other.path_m
+    return same and one.shift_rad is other.shift_rad and one.play_rad == other.play_rad

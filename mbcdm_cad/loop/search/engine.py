@@ -68,6 +68,10 @@ class _Loop:
         offered = [library(d, p) for p in self.prepared]
         labels = [{e.label for e in one} for one in offered]
         self.library = [e for e in offered[0] if all(e.label in one for one in labels)]
+        if len(offered) > 1:
+            # What happened once happened in one of the runs; what drifts in one drifts in all.
+            events = [replace(e, run=k) for k, one in enumerate(offered) for e in one if e.once]
+            self.library = [e for e in self.library if not e.once] + events
         self.bare = self.fitter.fit()
         self.search = Search(self.fitter, self.library, self.bare)
         self.judge = Judge(self.search)

@@ -1,7 +1,8 @@
 """Joint nonlinear least squares: effects, each run's own offsets, on the samples that are not held back.
 
 Several runs share the effects' parameters. Each run has its own zero of the output encoder and its own offsets between
-the input encoders (at most a step or two; one offset less than there are inputs).
+the input encoders (at most a step or two; one offset less than there are inputs). Where a run is declared to differ, it
+has own values of some effects too: they are fitted in every fit, as the offsets are, and follow them in the same row.
 """
 
 from __future__ import annotations
@@ -91,9 +92,16 @@ class Fitter:
     applied."""
 
     def __init__(
-        self, d: DriveSI | None, ratio: float, runs: Sequence[Prepared], known: Sequence[AsBuilt] = ()
+        self,
+        d: DriveSI | None,
+        ratio: float,
+        runs: Sequence[Prepared],
+        known: Sequence[AsBuilt] = (),
+        own: Sequence[Sequence[Effect]] = (),
     ) -> None:
+        """``own``: for each run the effects of which it has values for itself; empty if no run differs."""
         self.d, self.ratio, self.runs, self.known = d, ratio, tuple(runs), tuple(known)
+        self.own = tuple(map(tuple, own)) or ((),) * len(self.runs)
         self.simulate = [Simulator() for _ in self.runs]
         self.base = [declared(d, ratio, p) for p in self.runs]
         # Known effects of the built drive (as_built) are part of the declared model.
@@ -114,8 +122,20 @@ class Fitter:
         # The offset between two inputs matters only where it strains the cables.
         self.apart = max(1, self.runs[0].angle_rad.shape[0] - 1)
         strained = d is not None and d.n_inputs > 1
-        self.free = np.repeat([strained and p.load_Nm is not None for p in self.runs], self.apart)
-        self.limit = np.repeat([self._offset_limit_rad(p) for p in self.runs], self.apart)
+        blocks = [[p for effect in one for p in effect.parameters] for one in self.own]
+        ends = np.cumsum([0, *(self.apart + len(block) for block in blocks)])
+        # Offsets and own values of each run, and their bounds and typical sizes.
+        self.rows = [slice(int(a), int(b)) for a, b in pairwise(ends)]
+        self.free = np.ones(int(ends[-1]), dtype=np.bool_)
+        self.limit, self.size = np.full(self.free.size, np.inf), np.ones(self.free.size)
+        self.least = np.full(self.free.size, -np.inf)
+        for row, block, p in zip(self.rows, blocks, self.runs, strict=True):
+            apart, rest = slice(row.start, row.start + self.apart), slice(row.start + self.apart, row.stop)
+            self.free[apart] = strained and p.load_Nm is not None
+            self.limit[apart] = self.size[apart] = self._offset_limit_rad(p)
+            self.least[apart] = -self.limit[apart]
+            self.least[rest], self.limit[rest] = [q.low for q in block], [q.high for q in block]
+            self.size[rest] = [q.size for q in block]
         self._most = max(8, REMEMBERED_BYTES // (64 * self.output.size))
         self._changed: dict[tuple[Any, ...], Setup] = {}
         self._kinds: dict[Effect, int] = {}
@@ -137,26 +157,36 @@ class Fitter:
         """The same runs, smoothed as if their noise were ``factor`` times as large; computed once."""
         if factor not in self._rewindowed:
             runs = [p.rewindowed(factor) for p in self.runs]
-            self._rewindowed[factor] = Fitter(self.d, self.ratio, runs, self.known)
+            self._rewindowed[factor] = Fitter(self.d, self.ratio, runs, self.known, self.own)
         return self._rewindowed[factor]
 
     def kind(self, effect: Effect) -> int:
         """What an effect changes in a run: 0 the strain of the cables, 1 their winding, 2 only the reading."""
         if effect not in self._kinds:
-            before = self.base[0]
-            after = effect.apply(before, np.array([p.size for p in effect.parameters]), self.simulate[0])
+            run = 0 if effect.run is None else effect.run
+            before = self.base[run]
+            after = effect.apply(before, np.array([p.size for p in effect.parameters]), self.simulate[run])
             strain = any(getattr(before, n) is not getattr(after, n) for n in _STRAINS)
             history = after.winding != before.winding or after.creep != before.creep
             self._kinds[effect] = 0 if strain else 1 if history else 2
         return self._kinds[effect]
 
-    def setup(self, run: int, offsets_rad: Floats) -> Setup:
-        """The declared model of a run with offsets between neighbouring input encoders."""
+    def setup(self, run: int, row: Floats) -> Setup:
+        """The declared model of a run with offsets between neighbouring input encoders, rad, and its own values."""
         setup = self.base[run]
-        for index in np.flatnonzero(offsets_rad):
-            half = np.full(setup.p.time_s.size, 0.5 * offsets_rad[index])
+        for index in np.flatnonzero(row[: self.apart]):
+            half = np.full(setup.p.time_s.size, 0.5 * row[index])
             setup = setup.with_shift(int(index), half).with_shift(int(index) + 1, -half)
+        at = self.apart
+        for effect in self.own[run]:
+            values, at = row[at : at + len(effect.parameters)], at + len(effect.parameters)
+            setup = effect.apply(setup, values, self.simulate[run])
         return setup
+
+    def guesses(self, effect: Effect, residual: Floats) -> list[list[float]]:
+        """Values from which the fit of an effect starts; ``residual`` (rad) covers all samples of all runs."""
+        run = 0 if effect.run is None else effect.run
+        return effect.first_guesses(self.base[run], residual[self.parts[run]])
 
     def predict(self, effects: Sequence[Effect], values: Sequence[Floats], offsets: Floats) -> Floats:
         """Reading of the output encoder, all runs one after the other, without each run's zero.
@@ -165,19 +195,22 @@ class Fitter:
         simulation.
         """
         order = sorted(zip(effects, values, strict=True), key=lambda pair: self.kind(pair[0]))
-        out = []
-        for k, simulate in enumerate(self.simulate):
-            own = offsets[k * self.apart : (k + 1) * self.apart]
-            key: tuple[Any, ...] = (k, own.tobytes())
-            s = self._remembered(key, lambda k=k, own=own: self.setup(k, own))  # type: ignore[misc]
-            for effect, value in order:
-                if self.kind(effect) == 2:
-                    s = effect.apply(s, value, simulate)
-                    continue
-                key = (*key, effect, value.tobytes())
-                s = self._remembered(key, lambda s=s, e=effect, v=value, f=simulate: e.apply(s, v, f))  # type: ignore[misc]
-            out.append(simulate(s))
-        return np.concatenate(out)
+        return np.concatenate([self._of_run(k, order, offsets) for k in range(len(self.runs))])
+
+    def _of_run(self, k: int, order: Sequence[tuple[Effect, Floats]], offsets: Floats) -> Floats:
+        """The reading of one run; ``order``: effects and values, those that strain the cables first."""
+        simulate, own = self.simulate[k], offsets[self.rows[k]]
+        key: tuple[Any, ...] = (k, own.tobytes())
+        s = self._remembered(key, lambda: self.setup(k, own))
+        for effect, value in order:
+            if effect.run not in (None, k):
+                continue
+            if self.kind(effect) == 2:
+                s = effect.apply(s, value, simulate)
+                continue
+            key = (*key, effect, value.tobytes())
+            s = self._remembered(key, lambda s=s, e=effect, v=value: e.apply(s, v, simulate))  # type: ignore[misc]
+        return simulate(s)
 
     def _remembered(self, key: tuple[Any, ...], make: Callable[[], Setup]) -> Setup:
         if key not in self._changed:
@@ -321,7 +354,7 @@ class Fitter:
             at += value.size
         apart = offsets.copy()
         apart[self.free] += step[at:]
-        return out, np.clip(apart, -self.limit, self.limit)
+        return out, np.clip(apart, self.least, self.limit)
 
     def jacobian(self, effects: Sequence[Effect], at: _Point) -> Floats:
         """Derivatives of the prediction, one-sided differences; shape (n, parameters + free offsets)."""
@@ -334,8 +367,11 @@ class Fitter:
                 changed[i] += step if changed[i] + step <= parameter.high else -step
                 trial = [*values[:k], changed, *values[k + 1 :]]
                 columns.append((self.predict(effects, trial, offsets) - base) / (changed[i] - values[k][i]))
-        for run in np.flatnonzero(self.free):
-            changed = offsets.copy()
-            changed[run] += DIFFERENCE * self.limit[run]
-            columns.append((self.predict(effects, values, changed) - base) / (changed[run] - offsets[run]))
+        order = sorted(zip(effects, values, strict=True), key=lambda pair: self.kind(pair[0]))
+        for k in np.flatnonzero(self.free).tolist():
+            run = next(n for n, row in enumerate(self.rows) if k < row.stop)
+            changed, part = offsets.copy(), self.parts[run]
+            changed[k] += DIFFERENCE * self.size[k]
+            columns.append(np.zeros(base.size))
+            columns[-1][part] = (self._of_run(run, order, changed) - base[part]) / (changed[k] - offsets[k])
         return np.stack(columns, axis=1) if columns else np.zeros((base.size, 0))

@@ -89,7 +89,7 @@ class Screening:
         for effect in self.library:
             if effect.key in taken and not effect.several:
                 continue
-            for start in effect.first_guesses(f.base[0], fit.residual[f.parts[0]]):
+            for start in f.guesses(effect, fit.residual):
                 # An effect that may occur several times is screened as one effect for each start.
                 one = replace(effect) if effect.several else effect
                 promises.append(partial(self._promise, fit, one, np.array(start), basis))
@@ -115,7 +115,7 @@ class Screening:
             if f.kind(effect) < 2:
                 starts = [np.frombuffer(start) for start in known.get(effect, [])]
             else:
-                starts = [np.array(s) for s in effect.first_guesses(f.base[0], fit.residual[f.parts[0]])]
+                starts = [np.array(s) for s in f.guesses(effect, fit.residual)]
             for at in starts:
                 try:
                     change, columns = self._slopes(fit, effect, at, f)
@@ -138,7 +138,7 @@ class Screening:
         for effect in self.library:
             if effect.key in taken or effect.several or effect.once or effect.last:
                 continue
-            for guess in effect.first_guesses(f.base[0], fit.residual[f.parts[0]]):
+            for guess in f.guesses(effect, fit.residual):
                 start = np.array(guess)
                 try:
                     change, columns = self._slopes(fit, effect, start, f)

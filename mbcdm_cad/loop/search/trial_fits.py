@@ -25,7 +25,7 @@ def located(fitter: Fitter, fit: Fit) -> Fit | None:
             continue
         rest = [j for j in range(len(values)) if j != k]
         less = fitter.fit([fit.effects[j] for j in rest], [values[j] for j in rest], fit.offsets, fresh=False)
-        guess = np.array(effect.first_guesses(fitter.base[0], less.residual[fitter.parts[0]])[0])
+        guess = np.array(fitter.guesses(effect, less.residual)[0])
         values[k] = np.where(guess != 0.0, guess, values[k])
     return fitter.tried(fit.effects, values, fit.offsets)
 
@@ -57,9 +57,8 @@ def both_plays(trials: TrialFits, library: Sequence[Effect], bare: Fit) -> Fit |
 
 
 def _begun(pair: tuple[Effect, Effect], widths: tuple[float, float], bare: Fit, fitter: Fitter) -> Fit:
-    residual = bare.residual[fitter.parts[0]]
     starts = [
-        share * np.array(effect.first_guesses(fitter.base[0], residual)[-1])
+        share * np.array(fitter.guesses(effect, bare.residual)[-1])
         for effect, share in zip(pair, widths, strict=True)
     ]
     return fitter.fit(pair, starts, bare.offsets, settled=1e-4)
