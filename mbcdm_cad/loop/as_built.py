@@ -27,7 +27,7 @@ def as_built_text(loaded: LoadedDesign, result: LoopResult, source: str = "") ->
     lines = loaded.text.split("\n")
     start, end = _block(loaded.text, lines)
     before = yamltree.parse(loaded.text, str(loaded.path)).data.get(KEY) or []
-    entries = before + [_entry(named, source) for named in result.effects]
+    entries = before + [_entry(named, source) for named in _lasting(result.effects)]
     block = [f"{KEY}:" if entries or result.one_of else f"{KEY}: []"]
     for entry in entries:
         block += _written(entry)
@@ -38,6 +38,14 @@ def as_built_text(loaded: LoadedDesign, result: LoopResult, source: str = "") ->
             lines.pop()
         return "\n".join([*lines, "", _HEADING, *block, ""])
     return "\n".join([*lines[:start], *block, *lines[end:]])
+
+
+def _lasting(effects: Sequence[Named]) -> list[Named]:
+    """What the drive has after the runs: of a change what it left behind, which is in place of what was before."""
+    changed = [named.after for named in effects if named.after]
+    gone = {(one.name, one.form, one.stage, one.cables) for one in changed}
+    kept = [named for named in effects if not named.after]
+    return [named for named in kept if (named.name, named.form, named.stage, named.cables) not in gone] + changed
 
 
 def applied_words(result: LoopResult) -> str:

@@ -79,7 +79,7 @@ class Effect:
     this run did not measure; it is fitted and never named. ``plain`` describes the effect in a sentence for a person
     who does not know these names: figures in braces, ``{way_...}`` for "higher" or "lower", ``{stage}`` and
     ``{cables}``. ``reversed_words`` describe it where its first figure is negative, if that is something else. ``base``
-    is the effect of which a change during the run is one.
+    is the effect of which a change during the run is one; ``later`` applies it to the runs after its own.
     """
 
     name: str
@@ -108,6 +108,7 @@ class Effect:
     plain: str = ""
     reversed_words: Words | None = None
     base: Effect | None = None
+    later: Callable[[Setup, Floats, Simulator], Setup] | None = None
 
     @property
     def words(self) -> Words:

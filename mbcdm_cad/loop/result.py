@@ -42,7 +42,8 @@ class Named:
     """An effect that was named: figures by name (SI, the unit in the name), its meaning as hardware, equivalent forms.
 
     ``fitted`` are the fitted values of the effect's parameters, ``form`` the form that they belong to, ``meanings``
-    what figures mean on the bench where their names do not say it; ``plain`` as in :class:`Effect`.
+    what figures mean on the bench where their names do not say it; ``plain`` as in :class:`Effect`. ``run`` is the data
+    of the only run that has it, empty if all have it; ``after`` what a change left behind, as an effect of its own.
     """
 
     name: str
@@ -59,11 +60,19 @@ class Named:
     fitted: dict[str, float]
     meanings: dict[str, str] = field(default_factory=dict)
     plain: str = ""
+    run: str = ""
+    after: Named | None = None
+
+    @property
+    def is_share(self) -> bool:
+        """Whether its size is a share of what the drive has."""
+        return "share" in self.parameters
 
     @property
     def words(self) -> str:
-        """Name, stage and cables."""
-        return " ".join(filter(None, [self.name, self.stage or "", " ".join(self.cables)]))
+        """Name, stage, cables and run."""
+        run = f"in {self.run}" if self.run else ""
+        return " ".join(filter(None, [self.name, self.stage or "", " ".join(self.cables), run]))
 
     def to_json(self) -> dict[str, Any]:
         """As the result file has it."""
@@ -72,6 +81,8 @@ class Named:
             found["stage"] = self.stage
         if self.cables:
             found["cables"] = list(self.cables)
+        if self.run:
+            found["run"] = self.run
         found |= {
             "form": self.form,
             "parameters": {name: value.to_json() for name, value in self.parameters.items()},

@@ -15,6 +15,7 @@ import numpy as np
 from mbcdm_cad.loop.effect import Effect, Figure, Parameter, elapsed_s
 from mbcdm_cad.loop.effects import cable_state, lash, ratio_error, speed, stiffness_error
 from mbcdm_cad.loop.effects.slip_step import step
+from mbcdm_cad.loop.prepare.events import time_of_change
 from mbcdm_cad.loop.prepare.prepared import Prepared
 from mbcdm_cad.loop.prepare.setup import Setup, Simulator
 from mbcdm_cad.model.si import DriveSI, ModelError
@@ -22,26 +23,33 @@ from mbcdm_cad.routes import Floats
 
 NAME = "change"
 AT_ONCE, EVENLY = "at once", "evenly"
-# Forms that may change, each with the words for the place to look at.
+# Forms that may change, each with what it is a figure of, and the place to look at.
 CHANGEABLE = {
-    "modulus of the rope": "strands and terminals of the ropes: a strand may have broken",
-    "compliance in series": "screws of hub, coupling and output shaft",
-    "all cables": "tensioners and anchors: a rope may have slipped or settled",
-    "rope on pulley": "dirt, oil or wear on the wraps",
-    "bearing torque": "bearings and seals of the drum",
-    "shift with the sense of motion": "bearings and seals between input and output",
-    "pitch radius or encoder scale": "counters and couplings of the encoders: lost counts, a slipped clamp",
-    "play at the output": "coupling and key between drum and load",
-    "play taken up by motion": "gears and couplings between input and output",
+    "modulus of the rope": ("the rope's stiffness", "strands and terminals of the ropes: a strand may have broken"),
+    "compliance in series": ("the twist between drum and torque sensor", "screws of hub, coupling and output shaft"),
+    "all cables": ("the tension of all cables", "tensioners and anchors: a rope may have slipped or settled"),
+    "rope on pulley": ("the friction between rope and pulleys", "dirt, oil or wear on the wraps"),
+    "bearing torque": ("the friction of the bearings", "bearings and seals of the drum"),
+    "shift with the sense of motion": (
+        "the shift with the sense of motion",
+        "bearings and seals between input and output",
+    ),
+    "pitch radius or encoder scale": (
+        "the ratio of output to inputs",
+        "counters and couplings of the encoders: lost counts, a slipped clamp",
+    ),
+    "play at the output": ("the play between drum and load", "coupling and key between drum and load"),
+    "play taken up by motion": ("the play between input and output", "gears and couplings between input and output"),
 }
-# Times that are tried as the start of a step, first over the whole run, then around the best.
-COARSE_TIMES, FINE_TIMES, EDGE_SHARE = 60, 60, 0.04
-
 Weight = Callable[[Setup, Floats], Floats]
 
 
 def _at_once(setup: Setup, values: Floats) -> Floats:
     return step(setup, float(values[1]))
+
+
+def _throughout(setup: Setup, values: Floats) -> Floats:
+    return np.ones_like(setup.p.time_s)
 
 
 def _evenly(setup: Setup, values: Floats) -> Floats:
@@ -71,13 +79,9 @@ class _Times:
     def __call__(self, setup: Setup, residual: Floats) -> list[list[float]]:
         shape = self._shape(setup)
         used = np.flatnonzero(setup.p.used)
-        if shape is None or not np.ptp(shape[used]) or used.size < COARSE_TIMES:
+        if shape is None or not used.size or not np.ptp(shape[used]):
             return []
-        t, c, r = elapsed_s(setup)[used], shape[used], residual[used]
-        low, high = (float(np.quantile(t, q)) for q in (EDGE_SHARE, 1.0 - EDGE_SHARE))
-        apart = (high - low) / COARSE_TIMES
-        at = _best_step(t, c, r, np.linspace(low, high, COARSE_TIMES))
-        at = _best_step(t, c, r, np.linspace(max(low, at - apart), min(high, at + apart), FINE_TIMES))
+        at = time_of_change(elapsed_s(setup)[used], shape[used], residual[used])
         return [[0.0, at]]
 
     def _shape(self, setup: Setup) -> Floats | None:
@@ -96,36 +100,16 @@ class _Times:
         return found
 
 
-def _best_step(t: Floats, c: Floats, r: Floats, times: Floats) -> float:
-    """The time after which ``c`` explains the residual best, beside a constant and ``c`` throughout."""
-    sums = {k: np.concatenate([[0.0], np.cumsum(v)]) for k, v in {"c": c, "cc": c * c, "rc": r * c}.items()}
-    whole = {k: float(v[-1]) for k, v in sums.items()}
-    best, found = -np.inf, float(times[0])
-    for time in times:
-        k = int(np.searchsorted(t, time))
-        after = {name: whole[name] - float(v[k]) for name, v in sums.items()}
-        gram = np.array(
-            [
-                [t.size, whole["c"], after["c"]],
-                [whole["c"], whole["cc"], after["cc"]],
-                [after["c"], after["cc"], after["cc"]],
-            ]
-        )
-        side = np.array([r.sum(), whole["rc"], after["rc"]])
-        explained = float(side @ np.linalg.pinv(gram, rcond=1e-10, hermitian=True) @ side)
-        if explained > best:
-            best, found = explained, float(time)
-    return found
-
-
 def changed(base: Effect, duration_s: float) -> list[Effect]:
     """A step and an even drift of the first figure of an effect."""
     size = replace(base.parameters[0], low=-np.inf if base.parameters[0].low == 0.0 else base.parameters[0].low)
+    what, where_to_look = CHANGEABLE[base.form]
+    other = f"{{{size.name}}} {{way_{size.name}}}"
     common = Effect(
         NAME,
         AT_ONCE,
-        f"{base.physics}: from some time on",
-        CHANGEABLE[base.form],
+        f"{what} is another one from some time on",
+        where_to_look,
         "run again: a change that stays is then there from the start",
         (size, Parameter("at_s", 0.02, 0.0, duration_s, role="place")),
         partial(_applied, base, _at_once),
@@ -136,18 +120,19 @@ def changed(base: Effect, duration_s: float) -> list[Effect]:
         once=True,
         last=True,
         base=base,
-        plain=f"from {{at_s}} on, compared with before, {base.plain}",
+        later=partial(_applied, base, _throughout),
+        plain=f"from {{at_s}} on {what} is {other} than before",
     )
     drift = replace(
         common,
         form=EVENLY,
-        physics=f"{base.physics}: more and more during the run",
+        physics=f"{what} becomes another one in the course of the run",
         parameters=(size,),
         apply=partial(_applied, base, _evenly),
         starts=None,
         figures=(Figure(size.name, lambda v: float(v[0]), "from the beginning of the run to its end"),),
         once=False,
-        plain=f"at the end of the run, compared with its beginning, {base.plain}",
+        plain=f"at the end of the run {what} is {other} than at its beginning",
     )
     return [common, drift]
 

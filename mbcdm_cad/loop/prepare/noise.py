@@ -2,7 +2,7 @@
 
 An error of the drive repeats at the same angle, direction, load and speed. The residual is regressed on flexible curves
 of these quantities, on the strongest lines of its spectrum, and on what happens once or slowly (a step, warming,
-settling). The part of a half sweep that the curves fitted on all other half sweeps do not predict is noise, white or
+settling, a drive that changes). The part of a half sweep that the curves fitted on all other half sweeps do not predict is noise, white or
 coloured. The declared steps of the sensors are its lower bound; a data sheet seldom states more.
 """
 
@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mbcdm_cad.loop.prepare.events import time_of_change
 from mbcdm_cad.loop.prepare.lines import strongest_orders
 from mbcdm_cad.loop.prepare.prepared import Prepared
 from mbcdm_cad.loop.prepare.quiet import SignalNoise
@@ -207,6 +208,7 @@ def _curves(s: _Samples) -> tuple[Floats, Floats]:
     if s.temperature_C is not None and np.ptp(s.temperature_C) > 0.0:
         drawn.append(_unit(s.temperature_C))
     drawn.append(_step(s.residual))
+    drawn += _changed(s)
     for order in s.orders:
         drawn += [np.cos(order * angle), np.sin(order * angle)]
     prior = np.concatenate([np.full(len(free), 1e-6), np.full(len(drawn), max(1.0, PRIOR_S / s.step_s))])
@@ -235,6 +237,24 @@ def _step(residual: Floats) -> Floats:
     k = np.arange(1, n)
     gain = np.cumsum(r)[:-1] ** 2 * n / (k * (n - k))
     return np.asarray(np.arange(n) > int(np.argmax(gain)), dtype=float)
+
+
+def _changed(s: _Samples) -> list[Floats]:
+    """What a drive that changes during the run adds: load, sense of motion and angle, from a time on and more and more.
+
+    The angle counts about the middle of its range, the place of the drum at rest.
+    """
+    shapes = [np.sign(s.speed_rad_s), _unit(s.angle_rad)]
+    if s.load_Nm is not None and np.ptp(s.load_Nm) > 0.0:
+        shapes.append(_unit(s.load_Nm))
+    found = []
+    for shape in shapes:
+        for run in np.unique(s.run):
+            mine = s.run == run
+            after = mine & (s.elapsed_s > time_of_change(s.elapsed_s[mine], shape[mine], s.residual[mine]))
+            found.append(shape * after)
+        found.append(shape * s.elapsed_s / s.duration_s)
+    return found
 
 
 def _left_out(columns: Floats, prior: Floats, y: Floats, sweep: NDArray[np.int64]) -> tuple[Floats, float]:

@@ -30,6 +30,8 @@ LEVEL_SHARE = 0.1
 # Bins of the load in which held half sweeps are compared with all. They are exchanged while this share of their samples
 # is in bins in which it should not be, and if an exchange lowers the share by so much at least.
 LOAD_BINS = 8
+# Parts of a run of which the first and the last have a half sweep that is held back; a difference beyond any of levels.
+THIRDS, FAR = 3, 1e3
 UNLIKE, LEAST_GAIN = 0.2, 0.02
 
 
@@ -56,7 +58,27 @@ def held_sweeps(sweep: NDArray[np.int64], output_rad: Floats, load_Nm: Floats | 
     held[order[min(ONE_OF // 2, numbers.size - 1) :: ONE_OF]] = True
     if load_Nm is not None and np.ptp(load_Nm) > 0.0:
         held = _representative(held, _counts(numbers, sweep, load_Nm, direction > 0.0))
-    return numbers[held]
+    return numbers[_throughout(held, direction, level)]
+
+
+def _throughout(held: NDArray[np.bool_], direction: Floats, level: Floats) -> NDArray[np.bool_]:
+    """``held`` with one half sweep in the first and in the last third of the run, if there are two: a drive may change.
+
+    The one that is given up is of the same direction, and of the nearest level of the load.
+    """
+    third = held.size // THIRDS
+    held = held.copy()
+    for part in (slice(0, third), slice(held.size - third, held.size)):
+        if held[part].any() or held.sum() < 2 or third < 2:
+            continue
+        inside = np.flatnonzero(held)
+        others = np.arange(held.size)[part]
+        apart = np.abs(level[inside, None] - level[others]) + FAR * (direction[inside, None] != direction[others])
+        # Of equal ones, the held half sweep nearest in time gives way, so that the other end keeps its own.
+        apart = apart + np.abs(inside[:, None] - others) / held.size**2
+        i, j = np.unravel_index(int(np.argmin(apart)), apart.shape)
+        held[inside[i]], held[others[j]] = False, True
+    return held
 
 
 def _counts(numbers: NDArray[np.int64], sweep: NDArray[np.int64], load_Nm: Floats, up: NDArray[np.bool_]) -> Floats:

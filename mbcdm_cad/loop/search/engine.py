@@ -21,6 +21,7 @@ from mbcdm_cad.loop.search.exchange import Group
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.loop.search.scatter import Scatter, hangs_on
 from mbcdm_cad.loop.search.select import Search
+from mbcdm_cad.loop.search.timing import time_interval_s
 from mbcdm_cad.loop.search.trial_fits import located
 from mbcdm_cad.loop.search.verdict import Judge
 from mbcdm_cad.measurement.run import Run
@@ -35,6 +36,8 @@ if TYPE_CHECKING:
 # If an effect so many times as large changes the prediction by no more than this share of the floor (RMS), the data
 # give only a lower bound of its size.
 LARGER, UNCHANGED_SHARE = 1.5, 0.1
+# In more runs than these a change is not looked for within each: what differs from run to run is told by a study.
+MOST_EVENTFUL = 6
 # This bound is searched in steps by the first factor, down to the least share of the fitted size, then to within the
 # last factor.
 FIRST_STEP, LEAST_SHARE, LEAST_STEP = 16.0, 1e-12, 1.05
@@ -71,6 +74,8 @@ class _Loop:
         if len(offered) > 1:
             # What happened once happened in one of the runs; what drifts in one drifts in all.
             events = [replace(e, run=k) for k, one in enumerate(offered) for e in one if e.once]
+            if len(offered) > MOST_EVENTFUL:
+                events = [e for e in events if e.base is None]
             self.library = [e for e in self.library if not e.once] + events
         self.bare = self.fitter.fit()
         self.search = Search(self.fitter, self.library, self.bare)
@@ -143,10 +148,31 @@ class _Loop:
         fall = np.sqrt(max(0.0, self.search.held_rms(less) ** 2 - self.search.held_rms(fit) ** 2))
         share = self._least_share(whole, k)
         if share is None:
-            return self._as_named(effect, whole.values[k], block, float(fall))
+            named = self._as_named(effect, whole.values[k], block, float(fall))
+            return self._before_and_after(named, effect, whole) if effect.base else named
         named = self._as_named(effect, _scaled(effect, whole.values[k], share), block, float(fall))
         opened = {name: replace(value, low=value.value, high=np.inf) for name, value in named.parameters.items()}
         return replace(named, parameters=opened)
+
+    def _before_and_after(self, named: Named, effect: Effect, whole: Fit) -> Named:
+        """A change with the interval of its time, and its figure before and after."""
+        base, values = effect.base, whole.values_of(effect)
+        assert base is not None
+        parameters = dict(named.parameters)
+        if effect.once:
+            low, high = time_interval_s(self.whole, whole, effect)
+            parameters["at_s"] = replace(parameters["at_s"], low=low, high=high)
+        there = [whole.values_of(e) for e in whole.effects if (e.key, e.form) == (base.key, base.form)]
+        before = there[0] if there else np.array([p.default or 0.0 for p in base.parameters])
+        after = before.copy()
+        after[0] = (1.0 + before[0]) * (1.0 + values[0]) - 1.0 if named.is_share else before[0] + values[0]
+        figure = (base.physical or base.reported())[0]
+        physical = {f"before_{figure.name}": figure.of(before), f"after_{figure.name}": figure.of(after)}
+        last = self._as_named(base, after, np.zeros((after.size, after.size)), named.fall_rad)
+        size = base.parameters[0].name
+        half = 0.5 * (named.parameters[size].high - named.parameters[size].low)
+        known = {size: replace(last.parameters[size], low=after[0] - half, high=after[0] + half)}
+        return replace(named, parameters=parameters, physical=physical, after=replace(last, parameters=known))
 
     def _least_share(self, whole: Fit, k: int) -> float | None:
         """The least share of a fitted size with which an effect does the same, if a larger size changes nothing: a
@@ -179,6 +205,7 @@ class _Loop:
     def _as_named(self, effect: Effect, values: Floats, block: Floats, fall: float) -> Named:
         figures = {figure.name: interval(figure, values, block, effect) for figure in effect.reported()}
         words = effect.words_of(values)
+        run = "" if effect.run is None else self.prepared[effect.run].run.source or f"run {effect.run + 1}"
         return Named(
             effect.name,
             effect.form,
@@ -194,6 +221,7 @@ class _Loop:
             {p.name: float(v) for p, v in zip(effect.parameters, values, strict=True)},
             {figure.name: figure.meaning for figure in effect.reported() if figure.meaning},
             words.plain,
+            run,
         )
 
     def _scatter(self, fit: Fit) -> Scatter | None:

@@ -276,13 +276,14 @@ def chance(fitter: Fitter, fit: Fit) -> float:
     A Wald test of its sizes with all else fitted too, by leaving out sweeps and sectors; linearised at the fit.
     """
     mask = fitter.train
-    columns = fitter.centred_on(mask, fit.jacobian)
-    sizes = [value.size for value in fit.values]
-    start = sum(sizes[:-1])
+    kept = fit.has_slope
+    columns = fitter.centred_on(mask, fit.jacobian[:, kept])
     last = fit.effects[-1]
-    tested = [start + i for i, parameter in enumerate(last.parameters) if parameter.role == "size"]
+    start = sum(value.size for value in fit.values[:-1])
+    sizes = [start + i for i, parameter in enumerate(last.parameters) if parameter.role == "size"]
+    tested = np.searchsorted(np.flatnonzero(kept), sizes).tolist()
     theta = np.zeros(columns.shape[1])
-    theta[tested] = [fit.values[-1][i - start] for i in tested]
+    theta[tested] = [fit.values[-1][i - start] for i in sizes]
     y = fit.residual[mask] + columns @ theta
     if not (np.isfinite(columns).all() and np.isfinite(y).all()):
         # A fit at the edge of what can be simulated has slopes that are not finite, and nothing can support it.

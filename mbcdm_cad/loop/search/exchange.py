@@ -9,7 +9,7 @@ that are present.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial, reduce
 from itertools import combinations
 from math import log
@@ -199,8 +199,13 @@ class Exchanges:
         """
         if fit not in self._estimates:
             used = fitter.used
-            columns = fitter.centred_on(used, fit.jacobian)
+            kept = fit.has_slope
+            columns = fitter.centred_on(used, fit.jacobian[:, kept])
             found = cluster_estimate(columns, fit.residual[used], fitter.sweep[used], fitter.sector[used])
+            if not kept.all():
+                value, covariance = np.zeros(kept.size), np.zeros((kept.size, kept.size))
+                value[kept], covariance[np.ix_(kept, kept)] = found.value, found.covariance
+                found = replace(found, value=value, covariance=covariance)
             self._estimates[fit] = found
         estimate = self._estimates[fit]
         wider = (float(t_distribution.ppf(0.975, estimate.freedom)) / INTERVAL) ** 2

@@ -62,6 +62,13 @@ class Fit:
         start = sum(v.size for v in self.values[:k])
         return slice(start, start + self.values[k].size)
 
+    @property
+    def has_slope(self) -> NDArray[np.bool_]:
+        """Columns of the Jacobian that say how well a parameter is known: all but those by the time of a change, which
+        are the slopes of a few samples."""
+        own = [e.base is None or p.role == "size" for e in self.effects for p in e.parameters]
+        return np.array(own + [True] * (self.jacobian.shape[1] - len(own)), dtype=np.bool_)
+
     def with_last(self, effect: Effect) -> Fit:
         """The same fit with one of its effects put last."""
         order = [k for k, e in enumerate(self.effects) if e is not effect] + [self.effects.index(effect)]
@@ -203,7 +210,10 @@ class Fitter:
         key: tuple[Any, ...] = (k, own.tobytes())
         s = self._remembered(key, lambda: self.setup(k, own))
         for effect, value in order:
-            if effect.run not in (None, k):
+            if effect.run is not None and effect.run != k:
+                # What changed stays so in the runs that follow, which are given in the order of time.
+                if effect.later is not None and k > effect.run:
+                    s = effect.later(s, value, simulate)
                 continue
             if self.kind(effect) == 2:
                 s = effect.apply(s, value, simulate)
