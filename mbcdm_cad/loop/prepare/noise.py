@@ -27,6 +27,8 @@ from mbcdm_cad.routes import Floats
 ANGLE_KNOTS, LOAD_KNOTS, SPEED_KNOTS = 24, 9, 6
 # A knot with less than this much time near it is drawn to zero.
 PRIOR_S = 0.2
+# The same for what changes during the run, which lasts: it is drawn to zero more, so that it leaves all else alone.
+CHANGE_PRIOR_S = 4.0
 # Half sweeps that are needed to fit and to judge; with fewer, repetition cannot be tested.
 FEWEST_SWEEPS = 4
 # Samples that the regression works on.
@@ -208,11 +210,12 @@ def _curves(s: _Samples) -> tuple[Floats, Floats]:
     if s.temperature_C is not None and np.ptp(s.temperature_C) > 0.0:
         drawn.append(_unit(s.temperature_C))
     drawn.append(_step(s.residual))
-    drawn += _changed(s)
     for order in s.orders:
         drawn += [np.cos(order * angle), np.sin(order * angle)]
-    prior = np.concatenate([np.full(len(free), 1e-6), np.full(len(drawn), max(1.0, PRIOR_S / s.step_s))])
-    return np.stack([*free, *drawn], axis=1), prior
+    changed = _changed(s)
+    weights = (1e-6, max(1.0, PRIOR_S / s.step_s), max(1.0, CHANGE_PRIOR_S / s.step_s))
+    prior = np.repeat(weights, [len(free), len(drawn), len(changed)])
+    return np.stack([*free, *drawn, *changed], axis=1), prior
 
 
 def _unit(values: Floats) -> Floats:

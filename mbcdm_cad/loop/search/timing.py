@@ -49,4 +49,6 @@ def time_interval_s(fitter: Fitter, fit: Fit, effect: Effect) -> tuple[float, fl
             inside, outside = (middle, outside) if likely(middle) else (inside, middle)
         return float(outside)
 
-    return end(parameter.low), end(parameter.high)
+    # Between two samples nothing tells one time from another.
+    step = max(p.step_s for p in fitter.runs)
+    return max(parameter.low, end(parameter.low) - step), min(parameter.high, end(parameter.high) + step)

@@ -58,8 +58,7 @@ def both_plays(trials: TrialFits, library: Sequence[Effect], bare: Fit) -> Fit |
 
 def _begun(pair: tuple[Effect, Effect], widths: tuple[float, float], bare: Fit, fitter: Fitter) -> Fit:
     starts = [
-        share * np.array(fitter.guesses(effect, bare.residual)[-1])
-        for effect, share in zip(pair, widths, strict=True)
+        share * np.array(fitter.guesses(effect, bare.residual)[-1]) for effect, share in zip(pair, widths, strict=True)
     ]
     return fitter.fit(pair, starts, bare.offsets, settled=1e-4)
 
