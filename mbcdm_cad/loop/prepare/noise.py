@@ -2,8 +2,8 @@
 
 An error of the drive repeats at the same angle, direction, load and speed. The residual is regressed on flexible curves
 of these quantities, on the strongest lines of its spectrum, and on what happens once or slowly (a step, warming,
-settling, a drive that changes). The part of a half sweep that the curves fitted on all other half sweeps do not predict is noise, white or
-coloured. The declared steps of the sensors are its lower bound; a data sheet seldom states more.
+settling, a drive that changes). The part of a half sweep that the curves fitted on all other half sweeps do not predict
+is noise, white or coloured. The declared steps of the sensors are its lower bound; a data sheet seldom states more.
 """
 
 from __future__ import annotations

@@ -222,7 +222,7 @@ class Simulator:
         return drum + lines_rad(s) if s.lines else drum
 
     def turned_by(self, key: object, s: Setup, change: Callable[[], Setup]) -> Floats:
-        """How far the reading turns when ``change`` is made to ``s``, rad (n,); ``key`` names the change in the cache."""
+        """How far the reading turns when ``change`` is made to ``s``, rad (n,); ``key`` is its name in the cache."""
         for known, name, turned in self._turned:
             history = (known.winding, known.creep, known.through_rad) == (s.winding, s.creep, s.through_rad)
             if name == key and history and _strained_alike(known, s):
