@@ -40,7 +40,7 @@ from mbcdm_cad.build.makefiles import make_part_files
 from mbcdm_cad.build.scene import travel_poses
 from mbcdm_cad.checks.estimated_mass import estimated_mass_g
 from mbcdm_cad.errors import InputError
-from mbcdm_cad.layouts.miso_bevel.checks import envelope
+from mbcdm_cad.layouts.miso_bevel.checks import room as miso_bevel_room
 from mbcdm_cad.layouts.miso_spur.checks import room as round_room
 from mbcdm_cad.layouts.siso_bevel.checks import room as bevel_room
 from mbcdm_cad.layouts.siso_spur.checks import room
@@ -57,7 +57,7 @@ MESH_MM = 0.05
 SPACES = {**LAYOUTS, USUAL.configuration: USUAL}
 # What foresees box and volumes before anything is drawn.
 BOXES: dict[str, Any] = {
-    "miso_bevel": envelope.box_mm,
+    "miso_bevel": miso_bevel_room.box_mm,
     "siso_spur": room.box_mm,
     "miso_spur": round_room.box_mm,
     "siso_bevel": bevel_room.box_mm,

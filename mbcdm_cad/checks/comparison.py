@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from math import inf, isfinite
+from types import ModuleType
 from typing import Any, NamedTuple
 
 from mbcdm_cad.checks.design_variables import Adjustment
@@ -85,3 +86,18 @@ class Check(NamedTuple):
     def asked_of(self, drive: Any) -> bool:
         """Whether the check applies to this drive of its configuration."""
         return self.applies is None or self.applies(drive)
+
+
+class Family(NamedTuple):
+    """Checks that are run and shown together; ``text`` says what they compare."""
+
+    text: str
+    checks: tuple[Check, ...]
+
+
+def families(*found: Family | ModuleType) -> tuple[Family, ...]:
+    """Families in their order; a module is one by the first line of its docstring and its ``CHECKS``."""
+    return tuple(
+        one if isinstance(one, Family) else Family((one.__doc__ or "").strip().split("\n")[0], one.CHECKS)
+        for one in found
+    )

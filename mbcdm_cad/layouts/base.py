@@ -14,7 +14,6 @@ from functools import cached_property, wraps
 from importlib import import_module
 from importlib.resources import files
 from math import radians
-from types import ModuleType
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol, Self, TypeVar
 
 import numpy as np
@@ -23,6 +22,7 @@ from numpy.typing import NDArray
 from mbcdm_cad.design.drive import Drive
 
 if TYPE_CHECKING:
+    from mbcdm_cad.checks.comparison import Check, Family
     from mbcdm_cad.checks.design_variables import DesignVariable
     from mbcdm_cad.design.bought import Material
     from mbcdm_cad.design.design_file import DesignFile
@@ -130,9 +130,9 @@ class Layout(ABC):
     """One design of one kind of drive. A layout is a subclass in a package of its own, ``LAYOUT`` of its ``layout.py``.
 
     What is long has a module of its own beside that file, found by its name: ``design_file`` (``DESIGN_FILE``),
-    ``routes`` (``routed``), ``inertias``, ``bill`` (``bill``, ``moving_bodies``), ``assembly_order``, ``path_figures``
-    (``path_figures``, ``path_lines``), ``checks`` (``FAMILIES``), ``tensioning`` (``plan``), ``support.stiffness``
-    (``frame_study``), and ``paths.md.j2``. A small layout overrides the methods below instead.
+    ``routes`` (``routed``, ``inertias_kg_m2``), ``bill`` (``bill``, ``moving_bodies``), ``assembly_order``,
+    ``path_figures`` (``path_figures``, ``path_lines``, ``plan`` of the preloads), ``checks`` (``FAMILIES``),
+    ``support.stiffness`` (``frame_study``), and ``paths.md.j2``. A small layout overrides the methods below instead.
 
     Every figure raises :class:`NoFigureError` if it does not exist for this design.
     """
@@ -141,6 +141,7 @@ class Layout(ABC):
     name: ClassVar[str]
     title: ClassVar[str]
     conventions: ClassVar[Conventions]
+    _by_id: ClassVar[dict[str, Check]]
 
     def __init__(self, drive: Drive, **given: Any) -> None:
         """``given``: dimensions by their names, in place of those that follow from ``drive``."""
@@ -163,10 +164,17 @@ class Layout(ABC):
         return found
 
     @classmethod
-    def check_families(cls) -> tuple[ModuleType, ...]:
-        """Modules with a tuple ``CHECKS`` each, in the order in which they are run and shown."""
-        found: tuple[ModuleType, ...] = cls._module("checks").FAMILIES
+    def check_families(cls) -> tuple[Family, ...]:
+        """The checks of its designs, in the order in which they are run and shown."""
+        found: tuple[Family, ...] = cls._module("checks").FAMILIES
         return found
+
+    @classmethod
+    def checks_by_id(cls) -> Mapping[str, Check]:
+        """The checks of its designs by their ids."""
+        if "_by_id" not in cls.__dict__:
+            cls._by_id = {check.id: check for family in cls.check_families() for check in family.checks}
+        return cls._by_id
 
     @classmethod
     def path_lines(cls, cable: dict[str, Any]) -> Iterator[str]:
@@ -200,7 +208,7 @@ class Layout(ABC):
     @cached_property
     def inertias_kg_m2(self) -> Mapping[str, float]:
         """Moment of inertia of each body of the routes about its own axis, without CAD."""
-        found: dict[str, float] = self._module("inertias").inertias_kg_m2(self.drive)
+        found: dict[str, float] = self._module("routes").inertias_kg_m2(self.drive)
         return found
 
     # Its parts.
@@ -334,7 +342,7 @@ class Layout(ABC):
     @cached_property
     def tensioning(self) -> TensioningPlan | None:
         """Plan for setting the preloads: cut lengths, nut turns, pitch of the spans, order; None if there is none."""
-        found: TensioningPlan | None = self._module("tensioning").plan(self)
+        found: TensioningPlan | None = self._module("path_figures").plan(self)
         return found
 
     # What its checks read.

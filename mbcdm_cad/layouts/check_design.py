@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 def checks_of(drive: Drive) -> tuple[Check, ...]:
     """The checks of this drive, in the order in which they are run and shown."""
-    return tuple(check for family in drive.layout.check_families() for check in family.CHECKS if check.asked_of(drive))
+    return tuple(check for check in drive.layout.checks_by_id().values() if check.asked_of(drive))
 
 
 def known_ids(drive: Drive) -> tuple[str, ...]:

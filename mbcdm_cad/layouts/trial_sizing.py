@@ -8,16 +8,14 @@ from __future__ import annotations
 
 import copy
 from abc import abstractmethod
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from math import ceil, floor, inf, pi
 from typing import Any
 
-from mbcdm_cad.checks.comparison import Check
-from mbcdm_cad.design.blocks import Design
 from mbcdm_cad.design.bought import Gearhead, Screw, least_wall_mm
 from mbcdm_cad.design.lookup import Catalogue
-from mbcdm_cad.design.rules import Broken, NamedEntry, every_broken_rule
+from mbcdm_cad.design.rules import every_broken_rule
 from mbcdm_cad.design.sized import Moved, Sizing, SizingError
 from mbcdm_cad.layouts.base import Layout
 from mbcdm_cad.layouts.trial_drives import At, End, Margin, TrialDrives, Way
@@ -60,12 +58,12 @@ class TrialKnown(RopeKnown):
 
     ``guesses``: estimates for the fields that are still open.
 
-    ``schema``: that of the configuration's files. ``asked``: fields on which every check on a trial drive depends,
+    ``layout``: that of its drives. ``asked``: fields on which every check on a trial drive depends,
     besides the dimensions known so far. ``own_checks``: checks of this configuration that a field must also pass,
     besides those that its rule names.
     """
 
-    schema: type[Design]
+    layout: type[Layout]
     asked: tuple[str, ...] = ()
     own_checks: Mapping[str, tuple[str, ...]] = {}
 
@@ -73,7 +71,7 @@ class TrialKnown(RopeKnown):
         """``drives``: those of the pass before, which are not computed again."""
         super().__init__(data)
         self.guesses = guesses
-        self.drives = drives or TrialDrives(self.schema, self.of_design)
+        self.drives = drives or TrialDrives(self.layout.design_file().schema, self.of_design)
         whole = KnownFields({})
         for field, guess in guesses.items():
             whole.put(field, guess)
@@ -136,13 +134,13 @@ class TrialKnown(RopeKnown):
         """Tension that the peak torque adds to one cable of an input and takes from the other, N."""
         return self.input_peak_Nm * 1e3 / (2 * self.drum_mm)
 
-    @abstractmethod
-    def checks(self) -> Mapping[str, Check]:
-        """The checks of the configuration, by id."""
-
-    @abstractmethod
     def of_design(self, design: Any) -> Layout:
-        """A design of the configuration's schema, under test. Raises ``SizingError`` if it breaks a rule."""
+        """A design of the layout's schema, under test. Raises ``SizingError`` for the first rule that it breaks."""
+        file, catalogue = self.layout.design_file(), Catalogue(design)
+        first = next(every_broken_rule(design, catalogue, file.rules(design), file.named(design)), None)
+        if first is not None:
+            raise SizingError(first)
+        return self.layout(file.drive(design, catalogue, {}))
 
     def trial(self, field: str, value: Any) -> Layout:
         """The drive under test with ``field`` at ``value``, all known fields, and guesses for the open ones.
@@ -158,7 +156,7 @@ class TrialKnown(RopeKnown):
         """
         for name in self.asked:
             self.get(name)
-        return self.drives.margins(self._whole(field, value), checks, self.checks(), to_first_miss)
+        return self.drives.margins(self._whole(field, value), checks, self.layout.checks_by_id(), to_first_miss)
 
     def _whole(self, field: str, value: Any) -> dict[str, Any]:
         """The data of a trial. Trials share the blocks in which the field is not, so that no block may be changed."""
@@ -289,15 +287,6 @@ def _laid_over(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, 
         elif value is not None or key not in found:
             found[key] = value
     return found
-
-
-def sound(design: Design, broken: Iterator[Broken], named: Iterator[NamedEntry]) -> Catalogue:
-    """The catalogue of a design that breaks no rule. Raises ``SizingError`` for the first that it breaks."""
-    catalogue = Catalogue(design)
-    first = next(every_broken_rule(design, catalogue, broken, named), None)
-    if first is not None:
-        raise SizingError(first)
-    return catalogue
 
 
 def repeated(

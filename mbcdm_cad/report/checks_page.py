@@ -45,12 +45,12 @@ def checks_page(drive: Drive) -> str:
     for family in layout.check_families():
         lines += [
             "",
-            f"## {_first_line(family.__doc__)}",
+            f"## {_first_line(family.text)}",
             "",
             "| id | what | figure | source |",
             "| --- | --- | --- | --- |",
         ]
-        lines += [_row(check, layout) for check in family.CHECKS]
+        lines += [_row(check, layout) for check in family.checks]
     lines += ["", "## Checks of the build", "", "| id | what |", "| --- | --- |"]
     lines += [f"| `{name}` | {_BUILD[name]} |" for name in BUILD_IDS]
     return _HEAD + "\n".join(lines).lstrip("\n") + "\n"

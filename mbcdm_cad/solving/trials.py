@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import isfinite, log
@@ -81,7 +81,7 @@ class Trials:
         return len(self._known)
 
     @cached_property
-    def checks(self) -> dict[str, Check]:
+    def checks(self) -> Mapping[str, Check]:
         """The checks of this configuration by their ids."""
         return checks_by_id(self.question)
 
@@ -139,10 +139,9 @@ class Trials:
         return listed[min(order)[2]]
 
 
-def checks_by_id(question: Question) -> dict[str, Check]:
+def checks_by_id(question: Question) -> Mapping[str, Check]:
     """The checks of the question's configuration by their ids."""
-    families = layout_named(question.data["configuration"]).check_families()
-    return {check.id: check for family in families for check in family.CHECKS}
+    return layout_named(question.data["configuration"]).checks_by_id()
 
 
 def outcome(question: Question, point: Point, similar: Sizing | None = None) -> TrialResult:

@@ -11,7 +11,7 @@ from mbcdm_cad.build.validate import validate_faces, validate_solid
 from mbcdm_cad.checks.estimated_mass import estimated_mass_g
 from mbcdm_cad.layouts.loader import load_text, new_design_text
 from mbcdm_cad.layouts.miso_bevel.bill import bill
-from mbcdm_cad.layouts.miso_bevel.checks.envelope import box_mm
+from mbcdm_cad.layouts.miso_bevel.checks.room import box_mm
 from mbcdm_cad.layouts.miso_bevel.drive import bevel
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.parts.bill import CABLE

@@ -15,8 +15,7 @@ from mbcdm_cad.checks.design_variables import ALL_RADII, SHARED, DesignVariable,
 from mbcdm_cad.layouts.base import Conventions, NoFigureError, dimensions
 from mbcdm_cad.layouts.miso_bevel.cable_path import cable_path
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
-from mbcdm_cad.layouts.miso_bevel.drum import drum
-from mbcdm_cad.layouts.miso_bevel.pulleys import axle, guide, input_pulley
+from mbcdm_cad.layouts.miso_bevel.pulleys import axle, drum, guide, input_pulley
 from mbcdm_cad.layouts.miso_bevel.stack import Stack, stack
 from mbcdm_cad.layouts.miso_bevel.support.dims import FrameDims, TopPlateDims, frame, top_plate
 from mbcdm_cad.layouts.sector import SectorLayout

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
-from mbcdm_cad.layouts.miso_spur.tensioning import plan
+from mbcdm_cad.layouts.miso_spur.path_figures import plan
 from mbcdm_cad.layouts.siso_spur.assembly_order import (
     boss_step,
     encoder_step,

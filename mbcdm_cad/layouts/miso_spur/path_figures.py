@@ -1,10 +1,15 @@
-"""Figures of the cables' paths over the travel: those of each input, and the usable travel of all."""
+"""Figures of the cables' paths over the travel: those of each input, and the usable travel of all.
+
+And the plan by which the preloads are set.
+"""
 
 from __future__ import annotations
 
 from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
-from mbcdm_cad.layouts.siso_spur.path_figures import SpurFigures, path_lines
+from mbcdm_cad.layouts.siso_spur.path_figures import SpurFigures, path_lines, tensioned_sides
 from mbcdm_cad.layouts.siso_spur.path_figures import path_figures as of_one_input
+from mbcdm_cad.model.tensioning_plan import TensioningPlan, tensioning_plan
+from mbcdm_cad.parts.terminal.take_up import tensioned_rope
 from mbcdm_cad.routes.cable_path import EndOfTravel
 
 __all__ = ["path_figures", "path_lines"]
@@ -26,3 +31,10 @@ def path_figures(layout: RoundDrumLayout) -> SpurFigures:
         nearest([unit.limits_positive for unit in units]),
         nearest([unit.limits_negative for unit in units]),
     )
+
+
+def plan(layout: RoundDrumLayout) -> TensioningPlan:
+    """Plan to set the preloads of all sides, in the order of the drive."""
+    drive = layout.drive
+    cables = [cable for unit in layout.units for cable in tensioned_sides(unit)]
+    return tensioning_plan(cables, tensioned_rope(drive), drive.tensioner.pitch_mm * 1e-3)

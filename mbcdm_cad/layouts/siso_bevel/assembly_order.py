@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
-from mbcdm_cad.layouts.siso_bevel.tensioning import plan
+from mbcdm_cad.layouts.siso_bevel.path_figures import plan
 from mbcdm_cad.parts.bill import AssemblyStep, cable_item
 from mbcdm_cad.parts.bought.train import train_items, train_words
 from mbcdm_cad.parts.inserts import insert_items, insert_words

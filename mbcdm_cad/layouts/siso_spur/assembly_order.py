@@ -6,7 +6,7 @@ from math import tau
 
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
-from mbcdm_cad.layouts.siso_spur.tensioning import plan
+from mbcdm_cad.layouts.siso_spur.path_figures import plan
 from mbcdm_cad.parts.bill import AssemblyStep, cable_item
 from mbcdm_cad.parts.bought.train import train_items, train_words
 from mbcdm_cad.parts.inserts import insert_items, insert_words

@@ -16,6 +16,9 @@ from math import cos, sin
 import numpy as np
 
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
+from mbcdm_cad.layouts.siso_spur.stack import spur_stack
+from mbcdm_cad.model.inertia import disc_kg_m2
+from mbcdm_cad.parts.drum_sector.inertia import drum_inertia_kg_m2
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.geometry import DRUM_RADIUS, INPUT_RADIUS, RoutedDrive, Varied, tangent_length_m
 from mbcdm_cad.routes.route import Anchor, Body, CableRoute, DriveRoutes, Span, Terminal, Wrap, input_body
@@ -154,3 +157,12 @@ def routed_round(drive: SpurDrive, angle_rad: tuple[float, ...], level_mm: tuple
         DISTANCE: np.asarray(drive.centre_distance_mm * _MM),
     }
     return RoutedDrive(geometry, parameters, {"centre_distance_mm": drive.centre_distance_mm})
+
+
+def inertias_kg_m2(drive: SpurDrive) -> dict[str, float]:
+    """Inertia of each body of the routes about its own axis, kg m2."""
+    v = spur_stack(drive)
+    surface = drive.input_radius_mm - drive.cable.diameter_mm / 2
+    density = drive.pulley_material.density_g_cm3
+    pulley = disc_kg_m2(density, v.land_top_z - v.land_bottom_z, surface)
+    return {DRUM: drum_inertia_kg_m2(drive, v.drum_inner_y), input_body(drive.input_names[0]): pulley}

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from math import degrees, pi
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -14,7 +12,7 @@ from numpy.typing import NDArray
 
 from mbcdm_cad.checks import motors, strength
 from mbcdm_cad.checks.bending import bending_checks
-from mbcdm_cad.checks.comparison import Check, Comparison, at_most, worst
+from mbcdm_cad.checks.comparison import Check, Comparison, Family, at_most, worst
 from mbcdm_cad.checks.design_variables import SHARED, DesignVariable, by_path, down, field
 from mbcdm_cad.design.design_file import DesignFile
 from mbcdm_cad.layouts.base import Conventions, Layout
@@ -45,9 +43,9 @@ class ParallelLayout(Layout):
         return DESIGN_FILE
 
     @classmethod
-    def check_families(cls) -> tuple[ModuleType, ...]:
+    def check_families(cls) -> tuple[Family, ...]:
         """One family: the checks below."""
-        return (sys.modules[__name__],)
+        return (Family("Checks of the layout for tests", CHECKS),)
 
     @classmethod
     def path_lines(cls, cable: dict[str, Any]) -> Iterator[str]:

@@ -21,7 +21,7 @@ from mbcdm_cad.checks.surfaces import ratio_if_cut_as_surface
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.miso_bevel.cable_path import self_clearance_mm
 from mbcdm_cad.layouts.miso_bevel.checks import CHECKS
-from mbcdm_cad.layouts.miso_bevel.checks.bearings import guide_forces_N
+from mbcdm_cad.layouts.miso_bevel.checks.guide import guide_forces_N
 from mbcdm_cad.layouts.miso_bevel.checks.spans import straight_span_clearance_mm
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 

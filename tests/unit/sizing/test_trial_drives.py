@@ -11,8 +11,9 @@ import pytest
 from mbcdm_cad.design.loader import open_data
 from mbcdm_cad.design.yamltree import parse
 from mbcdm_cad.layouts.siso_spur.design_file import DESIGN_FILE
+from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.sizing import size
-from mbcdm_cad.layouts.siso_spur.sizing.known import CHECKS, SpurKnown
+from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
 from mbcdm_cad.layouts.trial_drives import TrialDrives
 
 SHORT = """\
@@ -47,8 +48,9 @@ def test_trials_give_the_same_in_a_row_as_each_alone(whole: dict[str, Any]) -> N
         trial(whole, "drum", outer_face_y_mm=-1e9),
         whole,
     ]
-    in_a_row = [given.drives.margins(data, asked, CHECKS) for data in trials]
-    alone = [TrialDrives(given.schema, given.of_design).margins(data, asked, CHECKS) for data in trials]
+    checks, schema = SpurLayout.checks_by_id(), SpurLayout.design_file().schema
+    in_a_row = [given.drives.margins(data, asked, checks) for data in trials]
+    alone = [TrialDrives(schema, given.of_design).margins(data, asked, checks) for data in trials]
     assert in_a_row == alone
     assert in_a_row[0] == in_a_row[-1] != in_a_row[3]
 
@@ -61,8 +63,8 @@ def test_what_is_known_already_is_not_worked_out_again(whole: dict[str, Any]) ->
         made.append(design)
         return given.of_design(design)
 
-    drives = TrialDrives(given.schema, of_design)
+    drives = TrialDrives(given.layout.design_file().schema, of_design)
     for data in (whole, trial(whole, "drum", web_thickness_mm=3.0), copy.deepcopy(whole)):
-        drives.margins(data, ("hub_walls",), CHECKS)
+        drives.margins(data, ("hub_walls",), SpurLayout.checks_by_id())
     first, second = made
     assert second.support is first.support and second.drum.web_thickness_mm == 3.0

@@ -1,34 +1,46 @@
-"""The checks of this configuration; the families in the order in which they run and are shown."""
+"""The checks of this layout; the families in the order in which they run and are shown."""
 
 from __future__ import annotations
 
-from types import ModuleType
-
-from mbcdm_cad.checks import creep, drum_sector, duty, fixings, life, motors, strength, structure, take_up, terminals
-from mbcdm_cad.checks.comparison import Check
-from mbcdm_cad.layouts.miso_bevel.checks import (
-    bearings,
-    bending,
-    envelope,
-    guide_fits,
-    pulley_fits,
-    ratios,
-    spans,
-    support_fits,
-    support_walls,
-    surfaces,
-    sweeps,
-    tolerances,
-    transfer,
-    wraps,
+from mbcdm_cad.checks import (
+    creep,
+    drum_sector,
+    duty,
+    fixings,
+    life,
+    motors,
+    strength,
+    structure,
+    take_up,
+    terminals,
 )
+from mbcdm_cad.checks.comparison import Check, Family, families
+from mbcdm_cad.checks.design_variables import down, up
+from mbcdm_cad.checks.input_pulley import pulley_checks
+from mbcdm_cad.checks.transfer import transfer_checks
+from mbcdm_cad.layouts.miso_bevel.checks import spans, support_fits, support_walls, tolerances, wraps
+from mbcdm_cad.layouts.miso_bevel.checks.guide import BEARINGS, GUIDE_FITS
+from mbcdm_cad.layouts.miso_bevel.checks.ratios import BENDING, RATIOS, SURFACES
+from mbcdm_cad.layouts.miso_bevel.checks.room import ENVELOPE, SWEEPS
 
+_WIDER = (
+    up("transmission.input_radii_mm"),
+    down("transmission.ratios.input_to_guide"),
+    up("all radii of transmission"),
+)
 # First the checks of the mechanism, then those of the parts.
-FAMILIES: tuple[ModuleType, ...] = (
-    ratios,
-    surfaces,
-    bending,
-    transfer,
+FAMILIES = families(
+    Family("Eq. (1) row by row, equal total ratio of both inputs, and the tension that a difference causes", RATIOS),
+    Family(
+        "Pitch radii and surface radii: the surface is cut at r - d/2, which must be a radius that can be machined",
+        SURFACES,
+    ),
+    Family("Bend ratio D/d of the cable: on the pulleys, and at the stop inside the input pulley", BENDING),
+    Family(
+        "The transfer point: four step planes on one pitch line, lands wide enough, "
+        "guide and drum close but not touching",
+        transfer_checks("guide", "keep r_o/r_g equal for all steps, as transmission.ratios does"),
+    ),
     spans,
     tolerances,
     wraps,
@@ -37,17 +49,26 @@ FAMILIES: tuple[ModuleType, ...] = (
     life,
     motors,
     duty,
-    bearings,
+    Family(
+        "Bearing loads against static ratings, and the deflection at the gearhead that the pulley's own bearings leave",
+        BEARINGS,
+    ),
     fixings,
-    pulley_fits,
-    guide_fits,
+    Family(
+        "Input pulley, its stops and its coupling: bores, walls, and room for the parts on and around it",
+        pulley_checks(_WIDER),
+    ),
+    Family("Guide pulley and its axle: bearings inside, walls round them, bending of the axle", GUIDE_FITS),
     drum_sector,
     structure,
     terminals,
     take_up,
     support_walls,
     support_fits,
-    sweeps,
-    envelope,
+    Family(
+        "Gaps between turning and fixed parts: the drum with its terminals and the drives, the collars and their space",
+        SWEEPS,
+    ),
+    Family("Box and mass against their targets: from the layout, before anything is drawn", ENVELOPE),
 )
-CHECKS: tuple[Check, ...] = tuple(check for family in FAMILIES for check in family.CHECKS)
+CHECKS: tuple[Check, ...] = tuple(check for family in FAMILIES for check in family.checks)

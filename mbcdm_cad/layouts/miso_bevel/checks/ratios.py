@@ -7,12 +7,19 @@ parts.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
-from mbcdm_cad.checks.comparison import Check, Comparison, at_most, noted
+from mbcdm_cad.checks.bending import anchor_check, bending_checks
+from mbcdm_cad.checks.comparison import Check, Comparison, at_most, noted, worst
+from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.ratios import RATIO_TOLERANCE, pair_mismatch, spread
+from mbcdm_cad.checks.surfaces import SURFACE_RADIUS, SURFACE_TOLERANCE_MM
+from mbcdm_cad.layouts.miso_bevel.cable_path import stop_of
 from mbcdm_cad.layouts.miso_bevel.drive import BevelRun
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
+from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 
 EQ1 = "paper Eq. (1)"
 
@@ -85,7 +92,7 @@ def path_length(s: BevelLayout) -> Comparison:
     )
 
 
-CHECKS = (
+RATIOS = (
     Check("eq1_guide_drum", "Eq. (1) row 1: guide to drum", EQ1, guide_to_drum, advice=_surface_hint),
     Check("eq1_first_input", "Eq. (1) row 2: first input to guide", EQ1, first_input, advice=_surface_hint),
     Check(
@@ -105,3 +112,67 @@ CHECKS = (
     ),
     Check("path_length", "Length added by helix and fleet angle", "derived", path_length),
 )
+
+
+def cut_at_pitch(s: BevelLayout) -> Comparison:
+    """The layout cuts every surface at the pitch radius less d/2, so that all cables keep one ratio."""
+    cut: list[tuple[str, float, float]] = []
+    for k, c in enumerate(s.steps):
+        cut.append((f"guide, {c.name}", s.guide.surface_radii[k], c.guide_radius_mm))
+        cut.append((f"drum, {c.name}", s.drum.lands[k].surface_radius_mm, c.drum_radius_mm))
+    for pulley in s.inputs:
+        own = [c for c in s.steps if c.input_name == pulley.name]
+        for c, surface in zip(own, _surfaces(s, pulley), strict=True):
+            cut.append((f"input pulley, {c.name}", surface, c.input_radius_mm))
+    ratios = ", ".join(
+        f"{(land.surface_radius_mm + s.flank_mm) / (surface + s.flank_mm):.6g}"
+        for land, surface in zip(s.drum.lands, _input_surfaces(s), strict=True)
+    )
+    return worst(
+        at_most(
+            f"surface of {name} from pitch radius less d/2",
+            abs(surface + s.flank_mm - pitch),
+            SURFACE_TOLERANCE_MM,
+            "mm",
+            f"total ratios at the cables' centre lines {ratios}",
+        )
+        for name, surface, pitch in cut
+    )
+
+
+def _input_surfaces(s: BevelLayout) -> list[float]:
+    by_name = {p.name: p for p in s.inputs}
+    found = []
+    for c in s.steps:
+        own = [o.step for o in s.steps if o.input_name == c.input_name]
+        pulley = by_name[c.input_name]
+        found.append(_surfaces(s, pulley)[c.step != min(own)])
+    return found
+
+
+def _surfaces(s: BevelLayout, pulley: InputPulleyDims) -> tuple[float, float]:
+    """Surface radii of the pulley's two steps by their place along Z, the lower first."""
+    radii = (pulley.lower_surface_radius, pulley.upper_surface_radius)
+    return (radii[1], radii[0]) if s.drive.motors_above else radii
+
+
+SURFACES = (
+    SURFACE_RADIUS,
+    Check(
+        "cut_at_pitch",
+        "Surfaces are cut half a cable inside the pitch radii",
+        "derived from paper Table 2, which gives pitch radii",
+        cut_at_pitch,
+        advice="the layout room cuts at r - d/2; this fails only if that is changed",
+    ),
+)
+
+
+def _stop_bends_mm(s: BevelLayout) -> Iterator[tuple[str, float]]:
+    s.levels  # noqa: B018 - without levels there is no winding, hence no stop
+    for c in s.steps:
+        yield c.name, stop_of(s.drive, c).bend_radius_mm
+
+
+_THINNER = (down("rope diameter_mm"), down("transmission.ratios.input_to_guide"), up("all radii of transmission"))
+BENDING = (*bending_checks(_THINNER), anchor_check(_stop_bends_mm, _THINNER))

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from mbcdm_cad.design.design_file import DesignFile, LazySizing, SizingOfMany
-from mbcdm_cad.layouts.miso_bevel.design_file.resolve import drive
-from mbcdm_cad.layouts.miso_bevel.design_file.rules import broken_rules, named_entries
+from mbcdm_cad.layouts.miso_bevel.design_file.resolve import broken_rules, drive, named_entries
 from mbcdm_cad.layouts.miso_bevel.design_file.schema import REFERENCE, BevelDesign
 
 STARTING = """\

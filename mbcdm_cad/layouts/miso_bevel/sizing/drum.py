@@ -20,8 +20,8 @@ from mbcdm_cad.checks.transfer import EDGE_BREAK_MM
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.miso_bevel.checks.wraps import terminal_clears_guide
-from mbcdm_cad.layouts.miso_bevel.drum import STOP_PIN_WALL_MM
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
+from mbcdm_cad.layouts.miso_bevel.pulleys import STOP_PIN_WALL_MM
 from mbcdm_cad.layouts.miso_bevel.sizing.known import LATER, BevelKnown
 from mbcdm_cad.layouts.miso_bevel.sizing.radii import take_up_mm
 from mbcdm_cad.layouts.structure import drum_stress_MPa

@@ -21,8 +21,7 @@ from mbcdm_cad.design.rules import every_broken_rule
 from mbcdm_cad.design.sized import SizingError
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.miso_bevel.checks.spans import straight_span_distance_mm
-from mbcdm_cad.layouts.miso_bevel.design_file.resolve import drive
-from mbcdm_cad.layouts.miso_bevel.design_file.rules import broken_rules, named_entries
+from mbcdm_cad.layouts.miso_bevel.design_file.resolve import broken_rules, drive, named_entries
 from mbcdm_cad.layouts.miso_bevel.design_file.schema import BevelDesign
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive
 from mbcdm_cad.layouts.miso_bevel.stack import stack

@@ -13,7 +13,7 @@ from mbcdm_cad.checks.terminals import STUD_SAFETY
 from mbcdm_cad.design.bought import NO_GEARHEAD
 from mbcdm_cad.layouts.common_rules import COLLAR_SCREWS
 from mbcdm_cad.layouts.head_basis import counts_losses, lasting_share, output_mNm, speed_margin
-from mbcdm_cad.layouts.miso_bevel.checks.guide_fits import STRESS_SAFETY
+from mbcdm_cad.layouts.miso_bevel.checks.guide import STRESS_SAFETY
 from mbcdm_cad.layouts.miso_bevel.checks.support_walls import HOLE_WEB_MM
 from mbcdm_cad.layouts.miso_bevel.sizing.known import BevelKnown
 from mbcdm_cad.layouts.miso_bevel.sizing.picking import (

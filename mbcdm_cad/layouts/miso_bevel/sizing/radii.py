@@ -14,9 +14,9 @@ from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import SizingError
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.miso_bevel.cable_path import BLEND_DIAMETERS
+from mbcdm_cad.layouts.miso_bevel.checks.room import MOVING_GAP_MM, drum_sweep
 from mbcdm_cad.layouts.miso_bevel.checks.support_walls import HOLE_WEB_MM
-from mbcdm_cad.layouts.miso_bevel.checks.sweeps import MOVING_GAP_MM, drum_sweep
-from mbcdm_cad.layouts.miso_bevel.design_file.rules import MOST_SETBACK
+from mbcdm_cad.layouts.miso_bevel.design_file.resolve import MOST_SETBACK
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.sizing.boxes import box_mm
 from mbcdm_cad.layouts.miso_bevel.sizing.known import (

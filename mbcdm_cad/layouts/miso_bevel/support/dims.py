@@ -28,8 +28,8 @@ from dataclasses import dataclass, replace
 
 from mbcdm_cad.design.bought import InsertSpec
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive
-from mbcdm_cad.layouts.miso_bevel.drum import stop_pin_z
 from mbcdm_cad.layouts.miso_bevel.plate_screws import Edges, counterbore_radius_mm, plate_screw_of
+from mbcdm_cad.layouts.miso_bevel.pulleys import stop_pin_z
 from mbcdm_cad.layouts.miso_bevel.stack import Stack, milled_corner_mm
 from mbcdm_cad.parts.bought.bodies import screw_places
 from mbcdm_cad.parts.drum_sector.sizes import SPRING_HEIGHT_MM, drum_shaft

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from mbcdm_cad.design.design_file import DesignFile, LazySizing
-from mbcdm_cad.layouts.miso_spur.design_file.resolve import drive
-from mbcdm_cad.layouts.miso_spur.design_file.rules import broken_rules
+from mbcdm_cad.layouts.miso_spur.design_file.resolve import broken_rules, drive
 from mbcdm_cad.layouts.miso_spur.design_file.schema import REFERENCE, RoundDrumDesign
 from mbcdm_cad.layouts.siso_spur.design_file import starting
-from mbcdm_cad.layouts.siso_spur.design_file.rules import named_entries
+from mbcdm_cad.layouts.siso_spur.design_file.resolve import named_entries
 
 STARTING = starting("miso_spur", 4.0, "# inputs: [{{name: a}}, {{name: b}}, {{name: c}}]  # left out: two inputs\n")
 _SIZING = LazySizing("mbcdm_cad.layouts.miso_spur.sizing")

@@ -1,17 +1,50 @@
-"""Make a drive from a validated miso_spur design."""
+"""Rules of a miso_spur design file, and the drive of a valid one, with catalogue entries in place of names."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 from mbcdm_cad.design.fieldpath import FieldPath
 from mbcdm_cad.design.lookup import Catalogue
+from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.layouts.miso_spur.design_file.schema import RoundDrumDesign
 from mbcdm_cad.layouts.miso_spur.drive import RoundDrumDrive
-from mbcdm_cad.layouts.siso_spur.design_file.resolve import spur_values
+from mbcdm_cad.layouts.siso_spur.design_file.resolve import broken_radius, spur_values
 from mbcdm_cad.layouts.siso_spur.drive import laid
+from mbcdm_cad.parts.drum_sector.payload import SCREWS
 
 
 def drive(design: RoundDrumDesign, catalogue: Catalogue, sigmas: Mapping[FieldPath, float]) -> RoundDrumDrive:
     """The drive of a valid design."""
     return laid(RoundDrumDrive(**spur_values(design, catalogue, sigmas)))
+
+
+FEWEST, MOST = 2, 4
+
+
+def broken_rules(design: RoundDrumDesign) -> Iterator[Broken]:
+    """The rules of this configuration that the design breaks, in the order of the file's blocks."""
+    yield from broken_radius(design.transmission)
+    if design.drum.output_screws != SCREWS:
+        yield Broken(
+            ("drum", "output_screws"),
+            "the dowels between the hubs stand between four screws",
+            str(design.drum.output_screws),
+            str(SCREWS),
+            "leave it out, or choose configuration: siso_spur",
+        )
+    count = len(design.inputs)
+    if not FEWEST <= count <= MOST:
+        remedy = "take configuration siso_spur for one input" if count < FEWEST else "leave out some"
+        what = f"wrong number of inputs for {design.configuration}"
+        yield Broken(("inputs",), what, str(count), f"{FEWEST} to {MOST}", remedy)
+    for item in design.inputs:
+        sides = sorted(cable.drum_side for cable in design.cables if cable.input == item.name)
+        if sides != ["+x", "-x"]:
+            yield Broken(
+                ("cables",),
+                f"the cable of input {item.name} has not two sides that run apart",
+                ", ".join(sides) or "none",
+                "one to -x and one to +x",
+                "give both sides of its cable, one for each sense of the drum",
+            )

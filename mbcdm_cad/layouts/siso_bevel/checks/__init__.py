@@ -1,8 +1,6 @@
-"""The checks of this configuration; the families in the order in which they run and are shown."""
+"""The checks of this layout; the families in the order in which they run and are shown."""
 
 from __future__ import annotations
-
-from types import ModuleType
 
 from mbcdm_cad.checks import (
     bearings,
@@ -18,22 +16,22 @@ from mbcdm_cad.checks import (
     take_up,
     terminals,
 )
-from mbcdm_cad.layouts.siso_bevel.checks import (
-    input_turn,
-    pulley_fits,
-    ratios,
-    room,
-    support,
-    tolerances,
-    transfer,
-    wraps,
-)
+from mbcdm_cad.checks.comparison import Family, families
+from mbcdm_cad.checks.design_variables import down, up
+from mbcdm_cad.checks.input_pulley import pulley_checks
+from mbcdm_cad.checks.transfer import transfer_checks
+from mbcdm_cad.layouts.siso_bevel.checks import input_turn, ratios, room, support, tolerances, wraps
 
+_WIDER = (up("transmission.input_radii_mm"), down("transmission.input_to_drum"), up("all radii of transmission"))
 # First the checks of the mechanism, then those of the parts.
-FAMILIES: tuple[ModuleType, ...] = (
+FAMILIES = families(
     ratios,
     input_turn,
-    transfer,
+    Family(
+        "The transfer point: both step planes on one pitch line, lands wide enough, "
+        "input and drum close but not touching",
+        transfer_checks("input pulley", "keep r_o/r_m equal for both steps, as transmission.input_to_drum does"),
+    ),
     tolerances,
     wraps,
     strength,
@@ -43,7 +41,10 @@ FAMILIES: tuple[ModuleType, ...] = (
     duty,
     bearings,
     fixings,
-    pulley_fits,
+    Family(
+        "Input pulley, its stops and its coupling: bores, walls, and room for the parts on and around it",
+        pulley_checks(_WIDER),
+    ),
     drum_sector,
     structure,
     terminals,

@@ -4,22 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from mbcdm_cad.checks.comparison import Check
-from mbcdm_cad.layouts.siso_bevel.checks import FAMILIES
-from mbcdm_cad.layouts.siso_bevel.design_file.resolve import drive
-from mbcdm_cad.layouts.siso_bevel.design_file.rules import broken_rules, named_entries
-from mbcdm_cad.layouts.siso_bevel.design_file.schema import DirectDesign
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
 from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
-from mbcdm_cad.layouts.trial_sizing import TrialKnown, sound
-
-CHECKS: Mapping[str, Check] = {check.id: check for family in FAMILIES for check in family.CHECKS}
+from mbcdm_cad.layouts.trial_sizing import TrialKnown
 
 
 class DirectKnown(TrialKnown):
     """Adds the values of an input at the drum."""
 
-    schema = DirectDesign
+    layout = DirectLayout
     asked = (
         "travel.half_angle_deg",
         "loads.peak_torque_Nm",
@@ -44,14 +37,6 @@ class DirectKnown(TrialKnown):
         if self.has("transmission.input_to_drum"):
             return float(self["transmission.input_to_drum"])
         return float(self["transmission.drum_radii_mm"][0] / self["transmission.input_radii_mm"][0])
-
-    def checks(self) -> Mapping[str, Check]:
-        """See the base class."""
-        return CHECKS
-
-    def of_design(self, design: DirectDesign) -> DirectLayout:
-        """See the base class."""
-        return DirectLayout(drive(design, sound(design, broken_rules(design), named_entries(design)), {}))
 
     def trial_drive(self, field: str, value: float) -> DirectDrive:
         """The drive of a trial. Raises as :meth:`trial` does."""

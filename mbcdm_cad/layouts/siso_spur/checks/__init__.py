@@ -1,8 +1,6 @@
-"""The checks of this configuration; the families in the order in which they run and are shown."""
+"""The checks of this layout; the families in the order in which they run and are shown."""
 
 from __future__ import annotations
-
-from types import ModuleType
 
 from mbcdm_cad.checks import (
     bearings,
@@ -18,18 +16,15 @@ from mbcdm_cad.checks import (
     take_up,
     terminals,
 )
-from mbcdm_cad.layouts.siso_spur.checks import (
-    pulley_fits,
-    ratios,
-    room,
-    support,
-    tolerances,
-    winding,
-    wraps,
-)
+from mbcdm_cad.checks.comparison import Family, families
+from mbcdm_cad.layouts.siso_spur.checks import ratios, room, support, tolerances, winding, wraps
 
+PULLEY = Family(
+    "Input pulley, the stops of two cables anchored on it, and its coupling: walls, bores and space round it",
+    ratios.PULLEY_FITS,
+)
 # First the checks of the mechanism, then those of the parts.
-FAMILIES: tuple[ModuleType, ...] = (
+FAMILIES = families(
     ratios,
     winding,
     tolerances,
@@ -41,7 +36,7 @@ FAMILIES: tuple[ModuleType, ...] = (
     duty,
     bearings,
     fixings,
-    pulley_fits,
+    PULLEY,
     drum_sector,
     structure,
     terminals,

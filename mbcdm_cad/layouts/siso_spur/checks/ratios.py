@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from mbcdm_cad.checks.bending import anchor_check, bending_checks
 from mbcdm_cad.checks.comparison import Check, Comparison, at_most, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
+from mbcdm_cad.checks.input_pulley import coupling_checks, dead_turns_check, stop_checks
 from mbcdm_cad.checks.surfaces import SURFACE_RADIUS, SURFACE_TOLERANCE_MM
 from mbcdm_cad.layouts.siso_spur.cable_path import stop_of
 from mbcdm_cad.layouts.siso_spur.drive import is_anchored
@@ -46,3 +47,8 @@ CHECKS = (
     *bending_checks(WIDER),
     anchor_check(_stop_bends_mm, WIDER)._replace(applies=is_anchored),
 )
+_STOPS = (
+    dead_turns_check((up("transmission.turns"), down("transmission.input_to_drum"), down("travel.half_angle_deg"))),
+    *stop_checks(WIDER),
+)
+PULLEY_FITS = (*(check._replace(applies=is_anchored) for check in _STOPS), *coupling_checks(WIDER))

@@ -3,24 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
-from mbcdm_cad.checks.comparison import Check
-from mbcdm_cad.design.blocks import Design
-from mbcdm_cad.layouts.siso_spur.checks import FAMILIES
-from mbcdm_cad.layouts.siso_spur.design_file.resolve import drive
-from mbcdm_cad.layouts.siso_spur.design_file.rules import broken_rules, named_entries
-from mbcdm_cad.layouts.siso_spur.design_file.schema import SpurDesign
+from mbcdm_cad.layouts.base import Layout
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
-from mbcdm_cad.layouts.trial_sizing import TrialKnown, sound
-
-CHECKS: Mapping[str, Check] = {check.id: check for family in FAMILIES for check in family.CHECKS}
+from mbcdm_cad.layouts.trial_sizing import TrialKnown
 
 
 class SpurKnown(TrialKnown):
     """Adds the values of an input beside the drum."""
 
-    schema: type[Design] = SpurDesign
+    layout: type[Layout] = SpurLayout
     asked: tuple[str, ...] = (
         "travel.half_angle_deg",
         "loads.peak_torque_Nm",
@@ -64,11 +56,3 @@ class SpurKnown(TrialKnown):
     def drum_mm(self) -> float:
         """Pitch radius of the drum."""
         return float(self["transmission.drum_radius_mm"])
-
-    def checks(self) -> Mapping[str, Check]:
-        """See the base class."""
-        return CHECKS
-
-    def of_design(self, design: Any) -> SpurLayout:
-        """See the base class."""
-        return SpurLayout(drive(design, sound(design, broken_rules(design), named_entries(design)), {}))

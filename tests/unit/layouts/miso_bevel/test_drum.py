@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive
-from mbcdm_cad.layouts.miso_bevel.drum import terminal_way
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
+from mbcdm_cad.layouts.miso_bevel.pulleys import terminal_way
 from mbcdm_cad.layouts.miso_bevel.stack import stack
 from mbcdm_cad.parts.drum_sector.sizes import half_width_mm, lands, tensioners
 from mbcdm_cad.parts.terminal.part import Tensioner

@@ -17,10 +17,9 @@ from mbcdm_cad.layouts.check_design import run_checks
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.layouts.miso_bevel.assembly_order import assembly_order
 from mbcdm_cad.layouts.miso_bevel.bill import bill
-from mbcdm_cad.layouts.miso_bevel.checks.envelope import box_mm
+from mbcdm_cad.layouts.miso_bevel.checks.room import box_mm, collar_space, drum_sweep
 from mbcdm_cad.layouts.miso_bevel.checks.support_fits import drives_apart, head_seats, key_access, screwdriver
 from mbcdm_cad.layouts.miso_bevel.checks.support_walls import bearing_shelf, front_wall, hole_webs, top_plate
-from mbcdm_cad.layouts.miso_bevel.checks.sweeps import collar_space, drum_sweep
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, bevel
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.support.loads import seat_loads

@@ -9,7 +9,7 @@ import pytest
 
 from mbcdm_cad.layouts.miso_bevel.assembly_order import assembly_order
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-from mbcdm_cad.layouts.miso_bevel.tensioning import plan
+from mbcdm_cad.layouts.miso_bevel.path_figures import plan
 from mbcdm_cad.model.tensioning import balanced_tension_N
 
 from .designs import reference

@@ -15,9 +15,9 @@ from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.layouts.miso_spur.checks.sharing import CHECKS as SHARING
 from mbcdm_cad.layouts.miso_spur.checks.sharing import load_shares
 from mbcdm_cad.layouts.miso_spur.drive import RoundDrumDrive
-from mbcdm_cad.layouts.miso_spur.inertias import inertias_kg_m2
 from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
-from mbcdm_cad.layouts.siso_spur.inertias import inertias_kg_m2 as inertias_of_one
+from mbcdm_cad.layouts.miso_spur.routes import inertias_kg_m2
+from mbcdm_cad.layouts.siso_spur.routes import inertias_kg_m2 as inertias_of_one
 from mbcdm_cad.model.backlash import drum_backlash
 from mbcdm_cad.model.capability import torque_at_slip_Nm
 from mbcdm_cad.model.equilibrium import bearing_loads, solve_equilibrium

@@ -17,7 +17,7 @@ from mbcdm_cad.layouts.siso_spur.bill import bill
 from mbcdm_cad.layouts.siso_spur.cable_path import cable_paths, input_wrap_rad
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, laid
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
-from mbcdm_cad.layouts.siso_spur.tensioning import plan
+from mbcdm_cad.layouts.siso_spur.path_figures import plan
 from mbcdm_cad.model.analysis import analyse
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.si import to_si
