@@ -58,6 +58,7 @@ FACE = (
     "layouts.duty",
     "layouts.sector",
     "layouts.structure",
+    "layouts.turns",
     "layouts.registry",
 )
 # Ends of the names of classes that describe a whole design of one layout.

@@ -98,7 +98,7 @@ def _stiffer_frame(s: SectorLayout) -> str:
 def stiffness(s: SectorLayout) -> Comparison:
     """Stiffness at the payload at the test torque: cables, drum, shafts, bearings and frame, the inputs held."""
     structure, torque = s.structure, s.drive.loads.test_torque_Nm
-    most = max((c for c in structure.causes if not c.before_input), key=lambda c: c.urad_Nm)
+    most = max(structure.at_payload, key=lambda c: c.urad_Nm)
     note = (
         f"cables {structure.cables_urad_Nm:.4g} urad/N m, all else {structure.payload_urad_Nm:.4g}, of it most by "
         f"{most.name}, {most.urad_Nm:.4g}"

@@ -135,6 +135,11 @@ class Drive:
         return "motor" if self.gearhead.absent else "gearhead"
 
     @property
+    def rotor_at_input_kg_m2(self) -> float:
+        """Inertia of one rotor, reflected through the gearhead to its input pulley."""
+        return self.motor.rotor_inertia_g_cm2 * 1e-7 * self.gearhead.ratio**2
+
+    @property
     def face_depth_mm(self) -> float:
         """Length of the body behind the face that is screwed on: the gearhead's, or the motor's without one."""
         return self.motor.length_mm if self.gearhead.absent else self.gearhead.length_mm

@@ -74,7 +74,7 @@ def compare(
 ) -> ComparisonReport:
     """Build what is not built yet in ``out`` and compare; with ``page`` also a page with pictures and plots.
 
-    Backlash is that at the smallest test torque of all. Designs that share a name are told apart by their files, and
+    Swings are those at the smallest test torque of all. Designs that share a name are told apart by their files, and
     built in folders of their own. Raises ``MbcdmError`` for no design, and for one that fails a check.
     """
     if not designs:

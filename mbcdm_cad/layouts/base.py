@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from mbcdm_cad.design.design_file import DesignFile
     from mbcdm_cad.layouts.life import Life
     from mbcdm_cad.layouts.structure import Structure
+    from mbcdm_cad.layouts.turns import DriveTurns
     from mbcdm_cad.model.cable_tensions import CableTensions
     from mbcdm_cad.model.duty.cycle import Duty
     from mbcdm_cad.model.duty.motors import MotorDay
@@ -286,6 +287,13 @@ class Layout(ABC):
     def structure(self) -> Structure | None:
         """Compliance of all parts besides the cables, by cause, and the drum's stress; None if all count as rigid."""
         return None
+
+    @cached_property
+    def turns(self) -> DriveTurns:
+        """Turn and swing at the test torque, of the cables alone, at the drum's encoder and at the payload."""
+        from mbcdm_cad.layouts.turns import turns_of
+
+        return turns_of(self, self.drive.loads.test_torque_Nm)
 
     @cached_property
     def losses(self) -> Train:

@@ -8,15 +8,16 @@ what.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from math import hypot, log
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.model.equilibrium import sum_per_input, two_bearing_reactions_N
-from mbcdm_cad.model.stiffness import unit_tensions_N
+from mbcdm_cad.model.stiffness import Chain, unit_tensions_N
 from mbcdm_cad.model.structure.drum_sector import Isotropic, sector_study
 from mbcdm_cad.model.structure.shafts import (
     Acting,
@@ -39,6 +40,10 @@ _Y = np.array([0.0, 1.0, 0.0])
 # Torsional stiffness of small planetary gearheads at their output, N m/rad at 40 mm diameter; it grows with the cube of
 # the diameter. An estimate from catalogues of larger ones, known to a factor of two.
 GEARHEAD_NM_RAD_40 = 3.4e3
+# One standard deviation, as a factor: of drums and shafts, compared with closed forms and solid elements, with the
+# tolerances of walls and moduli; of the frame, with its mount; of bearings, whose balls have a usual size; of
+# gearheads.
+BY_PARTS, BY_FRAME, BY_BEARINGS, BY_GEARHEADS = 1.1, 1.15, 1.3, 2.0
 
 
 @dataclass(frozen=True)
@@ -46,14 +51,16 @@ class Cause:
     """Turn of the payload per N m by one part's strain.
 
     ``at_encoder``: whether the drum's encoder sees it too. ``before_input``: whether it lies between the motor and the
-    input's encoder, so that a controller that holds the inputs by their encoders takes it away. It does not where the
-    motor's own encoder is the only one.
+    input pulley's encoder. ``in_drum``: whether it lies between the drum's land and the payload. ``factor``: one
+    standard deviation of its logarithm, as a factor.
     """
 
     name: str
     urad_Nm: float
     at_encoder: bool = True
     before_input: bool = False
+    in_drum: bool = False
+    factor: float = BY_PARTS
 
 
 @dataclass(frozen=True)
@@ -62,7 +69,8 @@ class Structure:
 
     ``cables_urad_Nm``: turn by the cables at the test torque, over that torque. ``stress_MPa`` gives the largest
     equivalent stress of the drum's web and rim under a torque of either sense, N m, with the preload; ``yield_MPa``:
-    the yield stress of its material.
+    the yield stress of its material. ``motor_encoders``: whether only the motors' own encoders hold the inputs, so that
+    the gearheads give then too.
     """
 
     causes: tuple[Cause, ...]
@@ -70,6 +78,7 @@ class Structure:
     stress_MPa: Callable[[float], float] = field(repr=False, compare=False)
     peak_torque_Nm: float
     yield_MPa: float
+    motor_encoders: bool = False
 
     @property
     def peak_stress_MPa(self) -> float:
@@ -77,19 +86,29 @@ class Structure:
         return self.stress_MPa(self.peak_torque_Nm)
 
     @property
+    def at_payload(self) -> tuple[Cause, ...]:
+        """Causes that the payload sees, the inputs held by their encoders."""
+        return tuple(c for c in self.causes if self.motor_encoders or not c.before_input)
+
+    @property
+    def at_encoder(self) -> tuple[Cause, ...]:
+        """As :attr:`at_payload`, those that the drum's encoder sees."""
+        return tuple(c for c in self.at_payload if c.at_encoder)
+
+    @property
     def payload_urad_Nm(self) -> float:
         """Turn of the payload besides that of the cables, the inputs held by their encoders."""
-        return sum(c.urad_Nm for c in self.causes if not c.before_input)
+        return urad_Nm(self.at_payload)
 
     @property
     def encoder_urad_Nm(self) -> float:
         """As :attr:`payload_urad_Nm`, as the drum's encoder sees it."""
-        return sum(c.urad_Nm for c in self.causes if c.at_encoder and not c.before_input)
+        return urad_Nm(self.at_encoder)
 
     @property
     def motor_urad_Nm(self) -> float:
         """As :attr:`payload_urad_Nm`, the motors' shafts held in place of the inputs."""
-        return sum(c.urad_Nm for c in self.causes)
+        return urad_Nm(self.causes)
 
     @property
     def over_cables(self) -> float:
@@ -101,6 +120,13 @@ class Structure:
         """Test torque over the payload's turn by cables and structure, the inputs held by their encoders."""
         return 1e6 / (self.cables_urad_Nm + self.payload_urad_Nm)
 
+    @property
+    def chain(self) -> Chain:
+        """Where the structure gives, for the torsional modes."""
+        before = urad_Nm(c for c in self.causes if c.before_input)
+        in_drum = urad_Nm(c for c in self.causes if c.in_drum)
+        return Chain(before * 1e-6, (self.motor_urad_Nm - before - in_drum) * 1e-6, in_drum * 1e-6)
+
     def to_dict(self) -> dict[str, Any]:
         """Everything, ready for JSON."""
         return {
@@ -108,8 +134,9 @@ class Structure:
                 {
                     "name": c.name,
                     "urad_Nm": c.urad_Nm,
+                    "factor": c.factor,
                     "seen_by_drum_encoder": c.at_encoder,
-                    "between_motor_and_input_encoder": c.before_input,
+                    "between_motor_and_input_encoder": c not in self.at_payload,
                 }
                 for c in self.causes
             ],
@@ -122,6 +149,19 @@ class Structure:
             "drum_peak_stress_MPa": self.peak_stress_MPa,
             "drum_yield_MPa": self.yield_MPa,
         }
+
+
+def urad_Nm(causes: Iterable[Cause]) -> float:
+    """Turn by several causes."""
+    return sum(c.urad_Nm for c in causes)
+
+
+def sigma_urad_Nm(causes: Iterable[Cause]) -> float:
+    """Standard deviation of the turn by several causes: those with one factor are wrong together."""
+    by_factor: dict[float, float] = {}
+    for c in causes:
+        by_factor[c.factor] = by_factor.get(c.factor, 0.0) + c.urad_Nm * log(c.factor)
+    return hypot(*by_factor.values())
 
 
 def structure_of(layout: SectorLayout) -> Structure:
@@ -144,15 +184,14 @@ def structure_of(layout: SectorLayout) -> Structure:
     if frame is not None:
         if not np.isfinite(frame.windup_urad_Nm):
             raise NoFigureError("the frame has no metal that carries the load")
-        causes.append(Cause("frame", frame.windup_urad_Nm))
-    if layout.drive.encoder.absent:
-        causes = [replace(cause, before_input=False) for cause in causes]
+        causes.append(Cause("frame", frame.windup_urad_Nm, factor=BY_FRAME))
     return Structure(
         tuple(causes),
         layout.loads.test_urad_Nm,
         stress_MPa,
         layout.drive.loads.peak_torque_Nm,
         float(layout.drive.drum_material.yield_MPa),
+        motor_encoders=layout.drive.encoder.absent,
     )
 
 
@@ -212,9 +251,9 @@ def _drum(layout: SectorLayout, unit: Floats) -> tuple[list[Cause], Callable[[fl
         return max(float(study.von_mises_MPa(way * torque_Nm * own).max()) for way in (1.0, -1.0))
 
     return [
-        Cause("drum: web and rim", study.web_urad_Nm * own),
-        Cause("drum: hub to the set screws", study.hub_to_screws_urad_Nm * own),
-        Cause("drum: hub to the payload", study.hub_to_face_urad_Nm * own, at_encoder=False),
+        Cause("drum: web and rim", study.web_urad_Nm * own, in_drum=True),
+        Cause("drum: hub to the set screws", study.hub_to_screws_urad_Nm * own, in_drum=True),
+        Cause("drum: hub to the payload", study.hub_to_face_urad_Nm * own, at_encoder=False, in_drum=True),
     ], stress_MPa
 
 
@@ -232,7 +271,8 @@ def _drum_shaft(layout: SectorLayout, unit: Floats) -> Iterator[Cause]:
     modulus = elastic(drive.shaft_material).modulus_MPa
     yield Cause("drum's shaft", bending_urad_Nm(_Y, [on_hub, *held], [section], modulus))
     spec, spring = drive.bearings.drum, layout.preload_spring.force_N
-    yield Cause("drum's bearings", _bearings_urad_Nm((spec, spec), held, _supported([rest], supports, _Y), spring))
+    give = _bearings_urad_Nm((spec, spec), held, _supported([rest], supports, _Y), spring)
+    yield Cause("drum's bearings", give, factor=BY_BEARINGS)
 
 
 def _gearheads(layout: SectorLayout, torques_Nm: Floats) -> Iterator[Cause]:
@@ -240,7 +280,8 @@ def _gearheads(layout: SectorLayout, torques_Nm: Floats) -> Iterator[Cause]:
     if gear.absent:
         return
     stiffness = GEARHEAD_NM_RAD_40 * (gear.diameter_mm / 40.0) ** 3
-    yield Cause("gearheads (estimate)", float((torques_Nm**2).sum() / stiffness) * 1e6, before_input=True)
+    give = float((torques_Nm**2).sum() / stiffness) * 1e6
+    yield Cause("gearheads (estimate)", give, before_input=True, factor=BY_GEARHEADS)
 
 
 def _inputs(layout: SectorLayout, unit: Floats, torques_Nm: Floats) -> Iterator[Cause]:
@@ -266,7 +307,7 @@ def _inputs(layout: SectorLayout, unit: Floats, torques_Nm: Floats) -> Iterator[
         give += _bearings_urad_Nm((bearings.input_lower, bearings.input_upper), held, rest)
     yield Cause("input pulleys, torsion", twist, before_input=True)
     yield Cause("input pulleys, bending", bend)
-    yield Cause("input pulleys' bearings", give)
+    yield Cause("input pulleys' bearings", give, factor=BY_BEARINGS)
 
 
 def _sections(pulley: InputPulleyDims) -> list[Section]:
@@ -313,4 +354,4 @@ def axle_causes(
     )
     ends = _supported(changed, supports_mm, axis)
     yield Cause(f"{body}'s axle", bending_urad_Nm(axis, [*changed, *ends], [axle], modulus_MPa))
-    yield Cause(f"{body}'s bearings", _bearings_urad_Nm((spec, spec), changed, rest))
+    yield Cause(f"{body}'s bearings", _bearings_urad_Nm((spec, spec), changed, rest), factor=BY_BEARINGS)

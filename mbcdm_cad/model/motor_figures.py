@@ -1,4 +1,4 @@
-"""Limits of the motor itself: torque from current, copper loss, speed at the bus voltage, inertia, lowest mode.
+"""Limits of the motor itself: torque from current, copper loss, speed at the bus voltage, inertia.
 
 A motor is a DC machine between two terminals (K torque constant, R resistance, V bus voltage, I current):
 
@@ -18,13 +18,11 @@ import numpy as np
 
 from mbcdm_cad.model.capability import torque_at_input_limit_Nm
 from mbcdm_cad.model.si import DriveSI
-from mbcdm_cad.model.stiffness import torsional_modes_Hz
 from mbcdm_cad.routes import Floats
 
 if TYPE_CHECKING:
     from mbcdm_cad.design.drive import Drive
 
-_G_CM2 = 1e-7  # kg m2
 # Largest number of points of torque over speed, including those at which the voltage begins to limit a torque.
 CURVE_POINTS = 9
 
@@ -43,8 +41,7 @@ class MotorFigures:
     """Figures of one motor of the drive, and of the drum that all inputs turn together.
 
     Losses are those of one motor. ``at_peak_load_*``: at the required peak torque of the design, the input that
-    carries most of it. ``reflected_inertia_kg_m2``: of all rotors, at the drum. Modes with every wrap sticking, moving
-    parts as plain bodies: inputs held, and the lowest with inputs free to turn against their rotors.
+    carries most of it. ``reflected_inertia_kg_m2``: of all rotors, at the drum.
     """
 
     bus_voltage_V: float
@@ -59,8 +56,6 @@ class MotorFigures:
     at_peak_load_loss_W: float
     at_peak_load_drum_speed_deg_s: float
     reflected_inertia_kg_m2: float
-    mode_inputs_held_Hz: float
-    mode_inputs_free_Hz: float
     curve: tuple[SpeedPoint, ...]
 
 
@@ -102,8 +97,6 @@ def motor_figures(drive: Drive, d: DriveSI, peak_input_Nm: float, cap_Nm: float)
         peak_load = drive.loads.peak_torque_Nm
         # At the shaft, as the catalogue's torques are: the motor's own friction is in none of them.
         asked = float(train.moving(np.array([peak_load, -peak_load]), 1).motor_Nm.max()) - train.motor_idle_Nm
-    rotor = motor.rotor_inertia_g_cm2 * _G_CM2
-    held, free = _modes_Hz(drive, d, rotor * gear.ratio**2)
     to_drum = float(np.degrees(1.0 / turns))
     corners = (speed_rad_s(rated), speed_rad_s(peak))
     speeds = np.unique([*np.linspace(0.0, no_load, CURVE_POINTS - len(corners)), *corners])
@@ -119,21 +112,9 @@ def motor_figures(drive: Drive, d: DriveSI, peak_input_Nm: float, cap_Nm: float)
         at_peak_load_current_A=asked / constant,
         at_peak_load_loss_W=loss_W(asked),
         at_peak_load_drum_speed_deg_s=speed_rad_s(asked) * to_drum,
-        reflected_inertia_kg_m2=float(rotor * gear.ratio**2 * (np.asarray(d.input_turns) ** 2).sum()),
-        mode_inputs_held_Hz=held,
-        mode_inputs_free_Hz=free,
+        reflected_inertia_kg_m2=float(drive.rotor_at_input_kg_m2 * (np.asarray(d.input_turns) ** 2).sum()),
         curve=tuple(
             SpeedPoint(float(speed) * to_drum, continuous, moment)
             for speed, continuous, moment in zip(speeds, held_Nm(speeds, rated), held_Nm(speeds, peak), strict=True)
         ),
     )
-
-
-def _modes_Hz(drive: Drive, d: DriveSI, rotor_at_input_kg_m2: float) -> tuple[float, float]:
-    """Lowest mode with the inputs held, and with them free, from the configuration's inertias without CAD."""
-    bodies = drive.layout.inertias_kg_m2
-    drum = bodies[d.routes.drum.name]
-    drum += sum(bodies[body.name] * body.turns_per_drum**2 for body in d.routes.passed)
-    inputs = np.array([bodies[body.name] + rotor_at_input_kg_m2 for body in d.routes.inputs])
-    free = torsional_modes_Hz(d, drum, inputs)
-    return float(torsional_modes_Hz(d, drum)[0]), float(min(f for f in free if f > 0.0))

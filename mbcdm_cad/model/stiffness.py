@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from mbcdm_cad.model.equilibrium import solve_equilibrium
+from mbcdm_cad.model.equilibrium import solve_equilibrium, sum_per_input
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.model.wrap import stretch_first_loading
 from mbcdm_cad.routes import Floats
@@ -47,24 +48,83 @@ def secant_stiffness_Nm_rad(d: DriveSI, load_Nm: Any) -> Floats:
     return np.asarray(np.where(moving, np.abs(load) / np.where(moving, turn, 1.0), sticking_stiffness_Nm_rad(d)))
 
 
-def torsional_modes_Hz(d: DriveSI, drum_inertia_kg_m2: float, input_inertia_kg_m2: Any = np.inf) -> Floats:
-    """Undamped frequencies in ascending order for small motion (every wrap sticks).
+@dataclass(frozen=True)
+class Chain:
+    """Compliance in series with the cables, rad per N m on the drum: where parts give that are not rigid.
 
-    ``input_inertia_kg_m2`` is that of each input with motor and gearhead reflected to it, one value or one each.
-    The default locks the inputs and leaves the drum's single mode. With free inputs the first is the rigid turn (0).
+    ``before_inputs``: between rotors and input pulleys (gearheads, torsion of the pulleys), of all inputs together;
+    ``before_drum``: between input pulleys and the drum's land (bearings, shafts, frame); ``in_drum``: between the
+    drum's land and the payload (web and hub).
     """
-    stiffness = d.axial_stiffness_N / d.free_span_m
-    inertia = np.broadcast_to(np.asarray(input_inertia_kg_m2, dtype=float), (d.n_inputs,))
-    size = 1 + d.n_inputs
-    matrix = np.zeros((size, size))
+
+    before_inputs: float = 0.0
+    before_drum: float = 0.0
+    in_drum: float = 0.0
+
+
+RIGID = Chain()
+
+
+@dataclass(frozen=True)
+class TurningInertias:
+    """What turns, kg m2: drum with all that turns with it; payload on its hub; each input pulley; each rotor, at it.
+
+    Infinite ones are held. Without ``rotors`` these are part of the pulleys.
+    """
+
+    drum: float
+    payload: float = 0.0
+    pulleys: Any = np.inf
+    rotors: Any = 0.0
+
+
+def torsional_modes_Hz(d: DriveSI, inertias: TurningInertias, chain: Chain = RIGID) -> Floats:
+    """Undamped frequencies in ascending order for small motion (every wrap sticks); a rigid turn of the whole is 0.
+
+    Rotors, input pulleys, drum and payload as rigid bodies with springs between them; those without inertia follow the
+    others.
+    """
+    n = d.n_inputs
+    pulleys, rotors = (np.broadcast_to(np.asarray(x, float), (n,)) for x in (inertias.pulleys, inertias.rotors))
+    # Where the cables would turn a drum on rigid parts; the drum's land; payload; pulleys; rotors.
+    inertia = np.concatenate([[0.0, inertias.drum, inertias.payload], pulleys, rotors])
+    # One compliance for each input, with which they store the energy of the chain's in their shares of the torque.
+    share = sum_per_input(d, unit_tensions_N(d), d.input_radius_m)
+    each = chain.before_inputs / float((share**2).sum())
+    joints = [(chain.before_drum, 0, 1), (chain.in_drum, 1, 2), *((each, 3 + i, 3 + n + i) for i in range(n))]
+    body = np.arange(inertia.size)
+    for give, a, b in joints:
+        if give == 0.0:
+            body[b] = body[a]
+    inertia = np.bincount(body, inertia, inertia.size).astype(float)
+    matrix = np.zeros((inertia.size, inertia.size))
+
+    def spring(stiffness: float, first: int, lever: float, second: int, other: float) -> None:
+        row = np.zeros(inertia.size)
+        row[body[first]] += lever
+        row[body[second]] -= other
+        matrix[...] += stiffness * np.outer(row, row)
+
+    for give, a, b in joints:
+        if give > 0.0:
+            spring(1.0 / give, a, 1.0, b, 1.0)
     for j, i in enumerate(d.input_of):
         # Stretch per unit angle of drum and input; the sign sigma cancels in the square.
-        row = np.zeros(size)
-        row[0], row[1 + i] = -d.drum_radius_m[j], d.input_radius_m[j]
-        matrix += stiffness[j] * np.outer(row, row)
-    free = [0] + [1 + i for i in range(d.n_inputs) if np.isfinite(inertia[i])]
-    root = np.sqrt(np.concatenate([[drum_inertia_kg_m2], inertia])[free])
-    values = np.linalg.eigvalsh(matrix[np.ix_(free, free)] / np.outer(root, root))
+        stiffness = float(d.axial_stiffness_N / d.free_span_m[j])
+        spring(stiffness, 0, float(d.drum_radius_m[j]), 3 + i, float(d.input_radius_m[j]))
+    return _frequencies_Hz(matrix, inertia, set(body.tolist()))
+
+
+def _frequencies_Hz(stiffness: Floats, inertia: Floats, bodies: set[int]) -> Floats:
+    """Of ``bodies`` on springs: infinite inertias are held, those without one follow the others."""
+    moves = [b for b in bodies if np.isfinite(inertia[b]) and inertia[b] > 0.0]
+    follows = [b for b in bodies if inertia[b] == 0.0]
+    coupled = stiffness[np.ix_(follows, moves)]
+    reduced = stiffness[np.ix_(moves, moves)] - coupled.T @ np.linalg.solve(
+        stiffness[np.ix_(follows, follows)], coupled
+    )
+    root = np.sqrt(inertia[moves])
+    values = np.linalg.eigvalsh(reduced / np.outer(root, root))
     noise = 1e-9 * values.max()
     return np.asarray(np.sqrt(np.where(values < noise, 0.0, values)) / (2.0 * np.pi))
 

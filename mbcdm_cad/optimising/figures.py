@@ -16,7 +16,7 @@ from mbcdm_cad.errors import MbcdmError, did_you_mean
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.model import analyse
 from mbcdm_cad.model.capability import torque_to_weight_Nm_kg
-from mbcdm_cad.report.structure import StructureReport
+from mbcdm_cad.report.structure import StructureReport, structure_report
 from mbcdm_cad.solving.trials import checks_by_id
 
 if TYPE_CHECKING:
@@ -51,10 +51,10 @@ class Facts:
     @cached_property
     def structure(self) -> StructureReport:
         """What turns the payload besides the cables."""
-        found = self.layout.structure
+        found, reason = structure_report(self.layout)
         if found is None:
-            raise NoFigureError("all parts of this layout count as rigid")
-        return StructureReport(found, self.drive.loads.test_torque_Nm, self.analysis.reversal_swing_mrad)
+            raise NoFigureError(reason)
+        return found
 
     @cached_property
     def box_mm(self) -> tuple[float, float, float]:
@@ -96,7 +96,7 @@ FIGURES: dict[str, DesignFigure] = {
     "swing_mrad": DesignFigure(
         "swing of the payload at a reversal of the test torque, cables and structure",
         "mrad",
-        lambda f: f.structure.payload_swing_mrad,
+        lambda f: f.structure.payload.swing_mrad,
     ),
     "cable_swing_mrad": DesignFigure(
         "swing of the drum at a reversal of the test torque, cables alone, as in the paper",

@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
+from mbcdm_cad.layouts.turns import plain_modes
 from mbcdm_cad.model import Analysis, analyse
 from mbcdm_cad.model.figures import ShaftTurns
 from mbcdm_cad.report.duty import DutyReport, duty_report
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 
     from mbcdm_cad.design.drive import Drive
     from mbcdm_cad.layouts.base import Layout
+    from mbcdm_cad.layouts.turns import Modes
     from mbcdm_cad.model.capability import TorqueLimit
 
 # Names of the limits of the drum's torque, by cause.
@@ -43,7 +45,8 @@ _LIMITS = {
 class AnalysisReport:
     """``figures`` of the analytic model; ``paths`` of the cables as plain data, None where ``no_paths`` says why.
 
-    ``structure``: what turns the payload besides the cables; None where ``no_structure`` says why.
+    ``structure``: what turns the payload besides the cables; None where ``no_structure`` says why. ``modes``: with the
+    inertias of plain bodies; a report of drawn parts has theirs.
     ``losses``: friction between motors and payload. ``life``: of the cables; None where ``no_life`` says why.
     ``duty``: what the drive does all day, how warm its motors get.
     """
@@ -53,6 +56,7 @@ class AnalysisReport:
     no_paths: str
     structure: StructureReport | None
     no_structure: str
+    modes: Modes
     losses: LossesReport
     life: LifeReport | None
     no_life: str
@@ -66,6 +70,7 @@ class AnalysisReport:
         blocks = {
             "paths": self.paths,
             "structure": structure,
+            "modes": asdict(self.modes),
             "losses": self.losses.to_dict(),
             "duty": self.duty.to_dict(),
             "life": life,
@@ -179,8 +184,10 @@ class AnalysisReport:
             yield [
                 "Turn of the payload by cause, for a torque on it:",
                 *self.structure.table().text(width, "  "),
+                *self.structure.places().text(width, "  "),
                 *(line for text in self.structure.lines() for line in filled(f"  {text}", width)),
             ]
+        yield filled(mode_words(self.modes), width)
         yield [
             "Losses while the drum moves, N m at the drum, by cause, under a load +:",
             *self.losses.causes().text(width, "  "),
@@ -247,7 +254,8 @@ def analyse_design(drive: Drive) -> AnalysisReport:
         figures,
         paths,
         reason,
-        *structure_report(layout, figures),
+        *structure_report(layout),
+        plain_modes(layout),
         losses_report(layout),
         *life_report(layout),
         duty_report(layout),
@@ -307,9 +315,17 @@ def motor_lines(m: Mapping[str, Any]) -> tuple[str, ...]:
         f"At the required peak torque: {m['at_peak_load_torque_mNm']:.4g} mN m, {m['at_peak_load_current_A']:.3g} A, "
         f"{m['at_peak_load_loss_W']:.3g} W for each motor; the drum at most "
         f"{m['at_peak_load_drum_speed_deg_s']:.4g} deg/s",
-        f"Rotors reflected to the drum {m['reflected_inertia_kg_m2'] * 1e3:.4g} g m^2; lowest mode "
-        f"{m['mode_inputs_held_Hz']:.4g} Hz with the inputs held, {m['mode_inputs_free_Hz']:.4g} Hz against the free "
-        "rotors",
+        f"Rotors reflected to the drum {m['reflected_inertia_kg_m2'] * 1e3:.4g} g m^2",
+    )
+
+
+def mode_words(m: Modes) -> str:
+    """The torsional modes, every wrap sticking."""
+    payload = f"a payload of {m.payload_kg_m2:.4g} kg m^2" if m.payload_kg_m2 else "no payload"
+    free = ", ".join(f"{f:.4g}" for f in m.inputs_free_Hz)
+    return (
+        f"Torsional modes with {payload}: lowest {m.lowest_inputs_held_Hz:.4g} Hz with the inputs held, by the cables "
+        f"alone {m.cables_alone_Hz:.4g}; {free} Hz against the free rotors; inertias of plain bodies"
     )
 
 

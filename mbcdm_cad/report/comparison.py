@@ -1,8 +1,8 @@
 """Comparison of designs from the files of their builds: torque, mass, box, backlash, stiffness, modes, parts, margins.
 
-Torque counts losses where ``limits.losses`` of a design does. Backlash is computed at one load for all designs, the
-smallest of their test torques, because it does not grow in proportion to the load. The stiffness of the frame, if
-known, acts in series with that of the cables, all wraps sticking.
+Torque counts losses where ``limits.losses`` of a design does. Swings are computed at one load for all designs, the
+smallest of their test torques, because those of cables do not grow in proportion to the load. Swing, stiffness and mode
+are those at the payload, cables and structure; the cables alone stand beside them.
 """
 
 from __future__ import annotations
@@ -11,13 +11,11 @@ import re
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from math import sqrt
 from pathlib import Path
 from typing import Any
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.model.backlash import drum_backlash
-from mbcdm_cad.model.si import to_si
+from mbcdm_cad.layouts.turns import turns_of
 from mbcdm_cad.report.table import ReportTable
 
 # Units for which the margin over the limit is a reserve of load.
@@ -40,10 +38,11 @@ class ComparedDesign:
     box_mm: tuple[float, float, float]
     box_cm3: float
     torque_per_volume_Nm_l: float
-    backlash_load_Nm: float
-    backlash_mrad: float
-    cable_stiffness_Nm_rad: float
+    swing_load_Nm: float
+    swing_mrad: float
+    cable_swing_mrad: float
     stiffness_Nm_rad: float
+    cable_stiffness_Nm_rad: float
     lowest_mode_Hz: float
     travel_deg: float
     total_ratio: float
@@ -71,13 +70,11 @@ def own_folder(label: str) -> str:
 
 
 def compared(drive: Drive, report: dict[str, Any], load_Nm: float) -> ComparedDesign:
-    """Figures of one built design from its report, with the backlash at ``load_Nm``."""
+    """Figures of one built design from its report, with the swings at ``load_Nm``."""
     torque = report["torque"]["peak_positive_Nm"], report["torque"]["peak_negative_Nm"]
     mass, box = report["mass"]["mass_g"], tuple(report["envelope"]["size_mm"])
     litres = box[0] * box[1] * box[2] * 1e-6
-    cables = report["torsion"]["stiffness_Nm_rad"]
-    frame = report["frame"]["windup_urad_Nm"] * 1e-6 if report["frame"] else 0.0
-    whole = 1.0 / (1.0 / cables + frame)
+    turns = turns_of(drive.layout, load_Nm)
     lines = report["bill_of_materials"]
     made = [line for line in lines if line["kind"] == "made"]
     name, share = _tightest(report["checks"])
@@ -92,11 +89,12 @@ def compared(drive: Drive, report: dict[str, Any], load_Nm: float) -> ComparedDe
         box_mm=(box[0], box[1], box[2]),
         box_cm3=litres * 1e3,
         torque_per_volume_Nm_l=min(torque) / litres,
-        backlash_load_Nm=load_Nm,
-        backlash_mrad=float(drum_backlash(to_si(drive), load_Nm).reversal_swing_rad) * 1e3,
-        cable_stiffness_Nm_rad=cables,
-        stiffness_Nm_rad=whole,
-        lowest_mode_Hz=report["torsion"]["lowest_inputs_held_Hz"] * sqrt(whole / cables),
+        swing_load_Nm=load_Nm,
+        swing_mrad=turns.felt.swing_mrad,
+        cable_swing_mrad=turns.cables.swing_mrad,
+        stiffness_Nm_rad=turns.felt.sticking_stiffness_Nm_rad,
+        cable_stiffness_Nm_rad=turns.cables.sticking_stiffness_Nm_rad,
+        lowest_mode_Hz=report["torsion"]["lowest_inputs_held_Hz"],
         travel_deg=2.0 * drive.half_travel_deg,
         total_ratio=drive.cables[0].drum_radius_mm / drive.cables[0].input_radius_mm,
         made_parts=sum(line["count"] for line in made),
@@ -146,10 +144,11 @@ def comparison_table(designs: Sequence[ComparedDesign]) -> ReportTable:
         ("box X x Z x Y, mm", lambda d: " x ".join(f"{side:.1f}" for side in d.box_mm)),
         ("box, cm3", lambda d: d.box_cm3),
         ("torque per volume of the box, N m/l", lambda d: d.torque_per_volume_Nm_l),
-        ("swing at a reversal, mrad", lambda d: d.backlash_mrad),
-        ("  at the load, N m", lambda d: d.backlash_load_Nm),
-        ("stiffness of the cables, N m/rad", lambda d: d.cable_stiffness_Nm_rad),
-        ("stiffness with the frame, N m/rad", lambda d: d.stiffness_Nm_rad),
+        ("swing of the payload at a reversal, mrad", lambda d: d.swing_mrad),
+        ("  by the cables alone", lambda d: d.cable_swing_mrad),
+        ("  at the load, N m", lambda d: d.swing_load_Nm),
+        ("stiffness at the payload, small motion, N m/rad", lambda d: d.stiffness_Nm_rad),
+        ("  of the cables alone", lambda d: d.cable_stiffness_Nm_rad),
         ("lowest mode, inputs held, Hz", lambda d: d.lowest_mode_Hz),
         ("made parts (kinds)", lambda d: f"{d.made_parts} ({d.made_kinds})"),
         ("bought parts", lambda d: d.bought_parts),

@@ -73,8 +73,8 @@ def _frame(frame: FrameCompliance, layout: Layout) -> dict[str, Any]:
     }
 
 
-def _structure(layout: Layout, analysis: Analysis) -> dict[str, Any] | None:
-    found, _ = structure_report(layout, analysis)
+def _structure(layout: Layout) -> dict[str, Any] | None:
+    found, _ = structure_report(layout)
     return None if found is None else found.to_dict()
 
 
@@ -132,7 +132,7 @@ def design_figures(layout: Layout, centred: Bill) -> DesignFigures:
     data = {
         "analysis": analysis.to_dict(),
         "paths": path_data(layout),
-        "structure": _structure(layout, analysis),
+        "structure": _structure(layout),
         "losses": losses_report(layout).to_dict(),
         "life": None if life is None else life.to_dict(),
         "duty": duty_report(layout).to_dict(),
@@ -188,7 +188,7 @@ def report_data(
             "prototype_measured_g": drive.targets.prototype_mass_g,
         },
         "inertia_moving_g_mm2": moving.to_dict(),
-        "torsion": torsion_data(drive, moving),
+        "torsion": torsion_data(layout, moving),
         "envelope": {
             "axes": ["X", "Z", "Y"],
             "size_mm": [float(size[0]), float(size[2]), float(size[1])],

@@ -34,7 +34,8 @@ _COLUMNS = (
     "preload, N",
     "mass, g",
     "box X x Z x Y, mm",
-    "swing, mrad at N m",
+    "swing of the payload, mrad",
+    "by the cables, at N m",
     "lowest mode, Hz",
 )
 _HEAD = """# Gallery
@@ -44,8 +45,8 @@ compute all others (`mbcdm explain`). All drives pass every check. `make gallery
 page; `mbcdm page params/gallery/wrist.yaml` writes the page with the wrist in 3D. A study shows
 [which short files give a drive](reach.md).
 
-Torque: in the weaker direction, with all losses counted. Swing: at a reversal of the test torque. Lowest mode: with
-the inputs held.
+Torque: in the weaker direction, with all losses counted. Swing: at a reversal of the test torque, of the
+payload by cables and structure, and by the cables alone. Lowest mode: with the inputs held, cables and structure.
 """
 # The end of a file's first line that is the same in all files.
 _HINT = re.compile(r"\.\s+(Everything else|mbcdm explain).*")
@@ -86,6 +87,7 @@ class GalleryDrive:
             cable.preload_N,
             f"{r['mass']['mass_g']:.0f}",
             " x ".join(f"{side:.0f}" for side in r["envelope"]["size_mm"]),
+            f"{drive.layout.turns.felt.swing_mrad:.3g}",
             f"{a['reversal_swing_mrad']:.3g} at {drive.loads.test_torque_Nm:g}",
             f"{r['torsion']['lowest_inputs_held_Hz']:.0f}",
         )

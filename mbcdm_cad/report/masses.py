@@ -46,8 +46,8 @@ class BillLine:
 class ReflectedInertias:
     """Moments of inertia of the moving parts, g mm^2: reflected to the drum's axis, and to one motor's shaft.
 
-    ``passed_at_drum`` are those of bodies that cables pass; ``input_shafts`` are each input's about its own axis, with
-    its rotor reflected to it.
+    ``passed_at_drum`` are those of bodies that cables pass; ``input_shafts`` are each input's about its own axis,
+    without its rotor.
     """
 
     drum_group: float
@@ -149,11 +149,11 @@ def inertias(layout: Layout, centred: Bill, by_item: Mapping[str, MassProperties
         elif body.kind == "passed":
             passed[body.name] = at_drum
         else:
-            # g cm^2 to g mm^2.
-            rotor = drive.motor.rotor_inertia_g_cm2 * 100.0 * drive.gearhead.ratio**2
+            # kg m^2 to g mm^2.
+            rotor = drive.rotor_at_input_kg_m2 * 1e9
             inputs += at_drum
             rotors += rotor * body.turns_per_drum**2
-            shafts.append(own + rotor)
+            shafts.append(own)
     first = drive.cables[0]
     motor_ratio = first.drum_radius_mm / first.input_radius_mm * drive.gearhead.ratio
     without = drum + sum(passed.values()) + inputs

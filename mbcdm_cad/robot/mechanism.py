@@ -23,7 +23,6 @@ from mbcdm_cad.robot.coarse import within_faces
 MM = 1e-3
 G = 1e-3
 G_MM2 = 1e-9
-G_CM2 = 1e-7
 # Speed of the drum where nothing of the catalogue says one: a round value above the usual ones.
 SPEED_WITHOUT_FIGURES_RAD_S = 10.0
 # A torque that has fallen by less than this share is still the whole one.
@@ -148,7 +147,6 @@ def _limits(drive: Drive) -> tuple[float, float]:
 
 
 def _joint(body: MovingGroup, drive: Drive, drum_effort_Nm: float, drum_speed_rad_s: float) -> Joint:
-    rotor = drive.motor.rotor_inertia_g_cm2 * G_CM2 * drive.gearhead.ratio**2
     turns, drawn = abs(body.ratio), radians(body.ratio * drive.middle_deg)
     half = radians(turns * (drive.half_travel_deg + drive.stop_clearance_deg))
     effort = drum_effort_Nm / turns
@@ -161,7 +159,7 @@ def _joint(body: MovingGroup, drive: Drive, drum_effort_Nm: float, drum_speed_ra
         body.ratio,
         (drawn - half, drawn + half),
         drawn,
-        armature=rotor if body.kind == "input" else 0.0,
+        armature=drive.rotor_at_input_kg_m2 if body.kind == "input" else 0.0,
         effort_Nm=effort,
         speed_rad_s=drum_speed_rad_s * turns,
     )

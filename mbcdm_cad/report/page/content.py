@@ -87,30 +87,16 @@ def derived(report: Mapping[str, Any], bodies: Sequence[Mapping[str, Any]]) -> l
             f"E = {a['modulus_GPa']:g} GPa on the {a['modulus_area']} area {a['area_mm2']:.4f} mm²",
         ),
         ("free spans", f"{min(spans):.4g} to {max(spans):.4g} mm", "centre distance and pitch radii"),
-        (
-            "turn at the test torque",
-            f"{abs(a['test'][0]['turn_mrad']):.4g} mrad",
-            f"{a['test'][0]['load_Nm']:g} N m, first loading, inputs locked",
-        ),
-        (
-            "swing at a reversal",
-            f"{a['reversal_swing_mrad']:.4g} mrad",
-            "full reversal of the test torque; friction, preload, EA",
-        ),
-        (
-            "stiffness, wraps sticking",
-            f"{a['sticking_stiffness_Nm_rad']:.4g} N m/rad",
-            "EA, radii, free spans and wraps",
-        ),
-        (
-            "stiffness at the test torque, secant",
-            f"{a['test'][0]['secant_stiffness_Nm_rad']:.4g} N m/rad",
-            "friction lets the wraps slip",
-        ),
+        *_turn_rows(report),
         (
             "lowest mode, inputs held",
             f"{torsion['lowest_inputs_held_Hz']:.4g} Hz",
-            "stiffness and the inertia of what turns",
+            "cables, structure, and the inertia of what turns",
+        ),
+        (
+            "lowest mode by the cables alone",
+            f"{torsion['cables_alone_Hz']:.4g} Hz",
+            "all else rigid, no payload",
         ),
         (
             "modes, inputs free",
@@ -154,6 +140,45 @@ def derived(report: Mapping[str, Any], bodies: Sequence[Mapping[str, Any]]) -> l
         windup = report["frame"]["windup_urad_Nm"]
         rows.append(("frame's windup", f"{windup:.4g} µrad per N m", "stiffness of the support's walls"))
     return [{"what": what, "value": value.replace("-", "−"), "from": source} for what, value, source in rows]
+
+
+def _turn_rows(report: Mapping[str, Any]) -> list[tuple[str, str, str]]:
+    """Turn, swing and stiffness at each place; of the drum on rigid parts where the structure has no figures."""
+    a, found = report["analysis"], report["structure"]
+    places = found["places"] if found else {}
+    torque = f"{a['test'][0]['load_Nm']:g} N m"
+    rows = []
+    for key, name in (("payload", "at the payload"), ("drum_encoder", "at the drum's encoder")):
+        if at := places.get(key):
+            rows += [
+                (f"turn {name}", f"{at['turn_mrad']:.4g} mrad", f"{torque}, first loading; cables and structure"),
+                (f"swing {name}", f"{at['swing_mrad']:.4g} mrad", f"full reversal of {torque}"),
+                (f"stiffness {name}, secant", f"{at['stiffness_Nm_rad']:.4g} N m/rad", torque),
+                (f"stiffness {name}, small motion", f"{at['sticking_stiffness_Nm_rad']:.4g} N m/rad", "wraps sticking"),
+            ]
+    return [
+        *rows,
+        (
+            "turn by the cables alone",
+            f"{abs(a['test'][0]['turn_mrad']):.4g} mrad",
+            f"{torque}, first loading, inputs locked",
+        ),
+        (
+            "swing by the cables alone",
+            f"{a['reversal_swing_mrad']:.4g} mrad",
+            "full reversal of the test torque; friction, preload, EA",
+        ),
+        (
+            "stiffness of the cables, wraps sticking",
+            f"{a['sticking_stiffness_Nm_rad']:.4g} N m/rad",
+            "EA, radii, free spans and wraps",
+        ),
+        (
+            "stiffness of the cables at the test torque, secant",
+            f"{a['test'][0]['secant_stiffness_Nm_rad']:.4g} N m/rad",
+            "friction lets the wraps slip",
+        ),
+    ]
 
 
 def _motor_rows(m: Mapping[str, Any]) -> list[tuple[str, str, str]]:

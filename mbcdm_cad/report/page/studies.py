@@ -52,20 +52,21 @@ def studies(drive: Drive) -> dict[str, Any]:
 
 
 def charts_under_load(drives: Sequence[tuple[str, Drive]]) -> dict[str, Any]:
-    """Turn at first loading and swing at a reversal over the load, a line a drive, each up to its own peak torque."""
+    """Turn and swing of the payload over the load, a line a drive, each up to its own peak torque."""
     loads, turns, swings = [], [], []
     for name, drive in drives:
         d, at = to_si(drive), np.linspace(0.0, drive.loads.peak_torque_Nm, _POINTS)
         idle = solve_equilibrium(d, 0.0).drum_angle_rad
         loaded = solve_equilibrium(d.spread(_POINTS), at)
         back = solve_equilibrium(d.spread(_POINTS), -at, turned_at_N=loaded.tension_N)
+        structure = drive.layout.turns.felt.structure_urad_Nm * at * 1e-3
         loads.append(at)
-        turns.append((name, np.abs(loaded.drum_angle_rad - idle) * 1e3))
-        swings.append((name, np.abs(back.drum_angle_rad - loaded.drum_angle_rad) * 1e3))
+        turns.append((name, np.abs(loaded.drum_angle_rad - idle) * 1e3 + structure))
+        swings.append((name, np.abs(back.drum_angle_rad - loaded.drum_angle_rad) * 1e3 + 2.0 * structure))
     x = ("load", "N m")
     return {
-        "turn": _chart("Turn of the drum, first loading", x, ("turn", "mrad"), loads, turns),
-        "swing": _chart("Swing of the drum at a reversal", x, ("swing", "mrad"), loads, swings),
+        "turn": _chart("Turn of the payload, first loading", x, ("turn", "mrad"), loads, turns),
+        "swing": _chart("Swing of the payload at a reversal", x, ("swing", "mrad"), loads, swings),
     }
 
 

@@ -73,7 +73,11 @@ def test_json_and_text_carry_the_same_figures() -> None:
     for cause in block["causes"]:
         line = next(line for line in text.splitlines() if line.strip().startswith(cause["name"] + "  "))
         assert f"{cause['urad_Nm']:.1f}" in line
-    assert f"{block['payload_turn_mrad']:.3f} mrad" in text
+    places = (("payload  ", "payload"), ("encoder on the drum's shaft", "drum_encoder"), ("cables alone", "cables"))
+    for name, key in places:
+        line = next(line for line in text.splitlines() if line.strip().startswith(name))
+        assert f"{block['places'][key]['turn_mrad']:.3f}" in line, line
+        assert f"{block['places'][key]['swing_mrad']:.3f}" in line, line
     own = report.figures.reversal_swing_mrad
     added = 2.0 * block["structure_at_payload_urad_Nm"] * report.figures.test[0].load_Nm * 1e-3
     assert block["payload_swing_mrad"] == pytest.approx(own + added)

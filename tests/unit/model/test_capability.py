@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from paper_case import paper_drive
 
+from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.model.capability import (
     balanced_preload_N,
     torque_at_input_limit_Nm,
@@ -17,13 +20,18 @@ from mbcdm_cad.model.capability import (
     torque_to_weight_Nm_kg,
 )
 from mbcdm_cad.model.equilibrium import bearing_loads, solve_equilibrium, two_bearing_reactions_N
+from mbcdm_cad.model.si import to_si
 from mbcdm_cad.model.stiffness import (
+    Chain,
+    TurningInertias,
     secant_stiffness_Nm_rad,
     sticking_response,
     sticking_stiffness_Nm_rad,
     tangent_stiffness_Nm_rad,
     torsional_modes_Hz,
 )
+
+PARAMS = Path(__file__).parents[3] / "params"
 
 WRAPS = {"input_wrap_rad": np.full(4, 9.0), "drum_wrap_rad": np.full(4, 0.43)}
 
@@ -107,13 +115,47 @@ def test_stiffness_falls_with_load_and_secant_lies_above_tangent() -> None:
 def test_torsional_modes() -> None:
     d = paper_drive()
     inertia = 1e-4
-    locked = torsional_modes_Hz(d, inertia)
+    locked = torsional_modes_Hz(d, TurningInertias(inertia))
     assert locked == pytest.approx([np.sqrt(float(sticking_stiffness_Nm_rad(d)) / inertia) / (2 * np.pi)])
-    free = torsional_modes_Hz(d, inertia, [2e-6, 2e-6])
+    free = torsional_modes_Hz(d, TurningInertias(inertia, pulleys=[2e-6, 2e-6]))
     assert free[0] == 0.0 and len(free) == 3
-    heavy = torsional_modes_Hz(d, inertia, 1e3)
+    heavy = torsional_modes_Hz(d, TurningInertias(inertia, pulleys=1e3))
     assert heavy[-1] == pytest.approx(locked[0], rel=1e-6), "very heavy inputs act as locked"
     assert free[-1] > locked[0], "free inputs raise the drum's own mode"
+
+
+def test_two_masses_on_two_springs_have_the_modes_of_the_textbook() -> None:
+    """Wall, spring, drum, spring, payload: 2 w^2 = a + b +- sqrt((a + b)^2 - 4 k1 k2 / (J1 J2))."""
+    d, drum, payload = paper_drive(), 1.2e-4, 7e-4
+    chain = Chain(before_drum=4e-5, in_drum=1e-4)
+    k1, k2 = 1.0 / (1.0 / float(sticking_stiffness_Nm_rad(d)) + chain.before_drum), 1.0 / chain.in_drum
+    middle = (k1 + k2) / drum + k2 / payload
+    root = np.sqrt(middle**2 - 4.0 * k1 * k2 / (drum * payload))
+    expected = np.sqrt(np.array([middle - root, middle + root]) / 2.0) / (2.0 * np.pi)
+    found = torsional_modes_Hz(d, TurningInertias(drum, payload), chain)
+    assert found == pytest.approx(expected, rel=1e-9), (found, expected)
+
+
+def test_rotor_pulley_and_drum_in_a_row_have_the_modes_of_three_masses() -> None:
+    """Of a drive with one input, all at the drum's speed: w^2 (w^4 - p w^2 + q) = 0."""
+    d = to_si(load_design(PARAMS / "siso_spur.yaml").drive)
+    i, pulley, rotor, drum = float(d.total_ratio[0]), 3e-7, 6e-5, 2e-4
+    chain = Chain(before_inputs=3e-5)
+    k, soft = float(sticking_stiffness_Nm_rad(d)), 1.0 / chain.before_inputs
+    a, b, c = rotor * i**2, pulley * i**2, drum
+    p = soft * (1 / a + 1 / b) + k * (1 / b + 1 / c)
+    q = soft * k * (a + b + c) / (a * b * c)
+    expected = np.sqrt((p + np.array([-1.0, 1.0]) * np.sqrt(p**2 - 4.0 * q)) / 2.0) / (2.0 * np.pi)
+    found = torsional_modes_Hz(d, TurningInertias(drum, pulleys=pulley, rotors=rotor), chain)
+    assert found == pytest.approx([0.0, *expected], rel=1e-9), (found, expected)
+
+
+def test_more_give_and_more_inertia_lower_every_mode() -> None:
+    d = paper_drive()
+    stiff, soft = Chain(1e-5, 1e-5, 1e-5), Chain(2e-5, 3e-5, 4e-5)
+    light, heavy = (TurningInertias(1e-4 * f, 5e-4 * f, 2e-7 * f, 4e-4 * f) for f in (1.0, 1.5))
+    first, second, third = (torsional_modes_Hz(d, *of) for of in ((light, stiff), (light, soft), (heavy, stiff)))
+    assert (second[1:] < first[1:]).all() and (third[1:] < first[1:]).all(), (first, second, third)
 
 
 def test_span_directions_are_tangent_to_both_pulleys() -> None:

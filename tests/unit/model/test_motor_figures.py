@@ -99,14 +99,10 @@ def test_a_lower_voltage_moves_the_knee_and_leaves_the_torque(spur: Drive) -> No
     assert low.drum_no_load_speed_deg_s == pytest.approx(high.drum_no_load_speed_deg_s / 2)
 
 
-def test_rotor_and_modes(spur: Drive) -> None:
-    """A rotor so heavy that it hardly moves leaves the mode of held inputs; at the drum it counts ratio squared."""
+def test_a_rotor_counts_the_ratio_squared(spur: Drive) -> None:
     drive = brushless(spur)
     f, ratio = _figures(drive), float(to_si(drive).total_ratio[0])
     assert f.reflected_inertia_kg_m2 == pytest.approx(1200e-7 * ratio**2)
-    assert f.mode_inputs_free_Hz > f.mode_inputs_held_Hz
-    heavy = replace(drive, motor=replace(drive.motor, rotor_inertia_g_cm2=1e9))
-    assert _figures(heavy).mode_inputs_free_Hz == pytest.approx(f.mode_inputs_held_Hz, rel=1e-4)
 
 
 def test_ratings_without_a_gearhead(spur: Drive) -> None:

@@ -1,0 +1,144 @@
+"""How far a load turns the drive, and its modes: by the cables alone, as the drum's encoder sees it, at the payload.
+
+The one place where cables and structure are put together. Cables as in
+:func:`mbcdm_cad.model.backlash.drum_backlash`, with memory of the friction; the structure
+(:mod:`mbcdm_cad.layouts.structure`) in series with them, linear.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from math import inf
+from typing import TYPE_CHECKING, Any
+
+from mbcdm_cad.layouts.base import NoFigureError
+from mbcdm_cad.layouts.structure import Cause, sigma_urad_Nm, urad_Nm
+from mbcdm_cad.model.backlash import drum_backlash
+from mbcdm_cad.model.si import to_si
+from mbcdm_cad.model.stiffness import RIGID, TurningInertias, sticking_stiffness_Nm_rad, torsional_modes_Hz
+
+if TYPE_CHECKING:
+    from mbcdm_cad.layouts.base import Layout
+
+
+@dataclass(frozen=True)
+class TurnAt:
+    """What one place turns by under the load, the inputs held by their encoders unless the place says otherwise.
+
+    ``structure_urad_Nm``: turn by all but the cables over the load. ``turn_mrad``: at first loading, from no load, with
+    the standard deviation that the structure's figures give it; ``swing_mrad``: at a full reversal.
+    ``stiffness_Nm_rad``: the load over ``turn_mrad``; ``sticking_stiffness_Nm_rad``: for small motion, every wrap
+    sticking.
+    """
+
+    structure_urad_Nm: float
+    turn_mrad: float
+    turn_sigma_mrad: float
+    swing_mrad: float
+    stiffness_Nm_rad: float
+    sticking_stiffness_Nm_rad: float
+
+
+@dataclass(frozen=True)
+class DriveTurns:
+    """DriveTurns at one load. Where ``no_structure`` gives a reason, only ``cables`` has figures.
+
+    ``cables``: the drum with all else rigid, as in the paper; ``drum_encoder``: as an encoder on the drum's shaft sees
+    it; ``payload``: at the hub's face; ``motors_held``: there, the motors' shafts held in place of the inputs.
+    """
+
+    load_Nm: float
+    cables: TurnAt
+    drum_encoder: TurnAt | None = None
+    payload: TurnAt | None = None
+    motors_held: TurnAt | None = None
+    no_structure: str = ""
+
+    @property
+    def felt(self) -> TurnAt:
+        """At the payload; where the structure has no figures, all of it counts as rigid."""
+        return self.payload or self.cables
+
+    def to_dict(self) -> dict[str, Any]:
+        """Every place with its figures, ready for JSON."""
+        places = asdict(self)
+        return {name: places[name] for name in ("cables", "drum_encoder", "payload", "motors_held")}
+
+
+def turns_of(layout: Layout, load_Nm: float) -> DriveTurns:
+    """The turns of a design at a load above 0. Raises ``ModelError`` where the geometry leaves no free span."""
+    d = to_si(layout.drive)
+    found = drum_backlash(d, load_Nm)
+    turn, swing = float(found.first_loading_rad), float(found.reversal_swing_rad)
+    sticking = float(sticking_stiffness_Nm_rad(d))
+
+    def place(causes: tuple[Cause, ...] = ()) -> TurnAt:
+        give = urad_Nm(causes) * 1e-6
+        turned = turn + give * load_Nm
+        return TurnAt(
+            urad_Nm(causes),
+            turned * 1e3,
+            sigma_urad_Nm(causes) * load_Nm * 1e-3,
+            (swing + 2.0 * give * load_Nm) * 1e3,
+            load_Nm / turned,
+            1.0 / (1.0 / sticking + give),
+        )
+
+    try:
+        structure = layout.structure
+    except NoFigureError as missing:
+        return DriveTurns(load_Nm, place(), no_structure=str(missing))
+    if structure is None:
+        return DriveTurns(load_Nm, place(), no_structure=f"{layout.name} has no figures of its structure")
+    return DriveTurns(
+        load_Nm,
+        cables=place(),
+        drum_encoder=place(structure.at_encoder),
+        payload=place(structure.at_payload),
+        motors_held=place(structure.causes),
+    )
+
+
+@dataclass(frozen=True)
+class Modes:
+    """Torsional modes, Hz, every wrap sticking: rotors, pulleys, drum and payload as rigid bodies.
+
+    ``lowest_inputs_held_Hz``: with the inputs held by their encoders; ``cables_alone_Hz``: that of the drum without a
+    payload where all but the cables is rigid, as in the paper. ``inputs_free_Hz``: all, with the rotors free.
+    """
+
+    lowest_inputs_held_Hz: float
+    cables_alone_Hz: float
+    inputs_free_Hz: tuple[float, ...]
+    payload_kg_m2: float
+
+
+def modes_of(layout: Layout, drum_kg_m2: float, pulleys_kg_m2: Sequence[float], payload_kg_m2: float = 0.0) -> Modes:
+    """Modes of a design whose structure counts, where it has figures.
+
+    ``drum_kg_m2``: of the drum with all bodies that turn with it; ``pulleys_kg_m2``: of each input about its own axis,
+    without its rotor; ``payload_kg_m2``: of what is screwed on the hub.
+    """
+    drive, d = layout.drive, to_si(layout.drive)
+    try:
+        structure = layout.structure
+    except NoFigureError:
+        structure = None
+    chain = RIGID if structure is None else structure.chain
+    free = TurningInertias(drum_kg_m2, payload_kg_m2, pulleys_kg_m2, drive.rotor_at_input_kg_m2)
+    by_motors = structure is not None and structure.motor_encoders
+    held = replace(free, rotors=inf) if by_motors else replace(free, pulleys=inf, rotors=0.0)
+    return Modes(
+        lowest_inputs_held_Hz=float(torsional_modes_Hz(d, held, chain)[0]),
+        cables_alone_Hz=float(torsional_modes_Hz(d, TurningInertias(drum_kg_m2))[0]),
+        inputs_free_Hz=tuple(float(f) for f in torsional_modes_Hz(d, free, chain) if f > 0.0),
+        payload_kg_m2=payload_kg_m2,
+    )
+
+
+def plain_modes(layout: Layout) -> Modes:
+    """The modes with the inertias of plain bodies, without CAD."""
+    bodies, routes = layout.inertias_kg_m2, layout.routed.routes
+    passed = sum(bodies[body.name] * body.turns_per_drum**2 for body in routes.passed)
+    return modes_of(layout, bodies[routes.drum.name] + passed, [bodies[body.name] for body in routes.inputs])
