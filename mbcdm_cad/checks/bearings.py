@@ -48,8 +48,17 @@ def input_reactions(s: SectorLayout) -> list[tuple[str, float, float]]:
     return found
 
 
+def payload_reactions_N(s: SectorLayout) -> tuple[float, float]:
+    """Largest radial loads of the drum's (rear, front) bearings by the payload, which is in front of both."""
+    rear, front = s.drum_bearings_mm
+    payload, face = s.drive.loads.carried, s.levels.hub_face_y
+    return tuple(  # type: ignore[return-value]
+        (payload.across_N * (face - other) + payload.tilt_Nm * 1e3) / (front - rear) for other in (front, rear)
+    )
+
+
 def drum_reactions_N(s: SectorLayout) -> tuple[float, float]:
-    """Largest radial loads of the drum's (rear, front) bearings."""
+    """Largest radial loads of the drum's (rear, front) bearings, the payload pulling the way the cables do."""
     rear, front = (y * 1e-3 for y in s.drum_bearings_mm)
     most = [0.0, 0.0]
     for on_bodies in s.loads.on_bodies:
@@ -60,7 +69,8 @@ def drum_reactions_N(s: SectorLayout) -> tuple[float, float]:
         on_rear = force - on_front
         loads = (float(np.hypot(on_rear[0], on_rear[2])), float(np.hypot(on_front[0], on_front[2])))
         most = [max(a, b) for a, b in zip(most, loads, strict=True)]
-    return most[0], most[1]
+    behind, before = payload_reactions_N(s)
+    return most[0] + behind, most[1] + before
 
 
 def input_safety(s: SectorLayout, limit: float) -> list[Comparison]:
@@ -130,7 +140,12 @@ INPUT_BEARINGS = Check(
     advice=LARGER,
 )
 DRUM_BEARINGS = Check(
-    "drum_bearings", "Drum's bearings carry the cables", RATING, drum_bearings, adjust=LESS, advice=LARGER
+    "drum_bearings",
+    "Drum's bearings carry cables and payload",
+    RATING,
+    drum_bearings,
+    adjust=(*LESS, down("support.back_y_mm")),
+    advice=LARGER,
 )
 BEARING_SPACING = Check(
     "drum_bearing_spacing",

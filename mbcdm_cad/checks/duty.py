@@ -19,7 +19,7 @@ from mbcdm_cad.model.equilibrium import solve_equilibrium
 
 def continuous_torque(s: Layout) -> Comparison:
     """Drum torque that motors and gearheads keep up without end, worse direction, against what the file asks."""
-    wanted = float(s.drive.loads.continuous_torque_Nm or 0.0)
+    wanted = float(s.drive.loads.lasting_Nm or 0.0)
     return worst(found._replace(limit=wanted) for found in continuous_limits(s))
 
 
@@ -147,7 +147,7 @@ CHECKS = (
         continuous_torque,
         adjust=(down("loads.continuous_torque_Nm"),),
         advice=_longer,
-        applies=partial(_asked, "continuous_torque_Nm"),
+        applies=lambda drive: drive.loads.lasting_Nm is not None,
     ),
     Check(
         "speed",

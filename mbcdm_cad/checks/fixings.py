@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from math import pi, sqrt
+from math import hypot, pi, sqrt
+
+import numpy as np
 
 from mbcdm_cad.checks.bearings import drum_reactions_N, input_reactions
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, noted, worst
@@ -107,6 +109,30 @@ def pulley_stress(s: SectorLayout) -> Comparison:
     return worst(found)
 
 
+def shaft_stress(s: SectorLayout) -> Comparison:
+    """Bending of the drum's shaft at its front bearing, by the cables and the payload, against the yield stress.
+
+    The shaft only carries forces across its axis: the torque passes from the lands to the hub's face.
+    """
+    shaft, front = s.drum_shaft, s.drum_bearings_mm[1]
+    payload, strength = s.drive.loads.carried, s.drive.shaft_material.yield_MPa
+    cables = 0.0
+    for loads in s.loads.on_bodies:
+        # Moment about the front bearing, whose middle is at (0, front, 0).
+        about = loads.drum.moment_Nm * 1e3 - np.cross([0.0, front, 0.0], loads.drum.force_N)
+        cables = max(cables, hypot(about[0], about[2]))
+    by_payload = payload.across_N * (s.levels.hub_face_y - front) + payload.tilt_Nm * 1e3
+    modulus = pi / 4 * (shaft.radius**4 - shaft.bore_radius**4) / shaft.radius
+    stress = (cables + by_payload) / max(modulus, 1e-9)
+    return at_least(
+        f"yield {strength:g} MPa over {stress:.4g} MPa in the drum's shaft at its front bearing, bent by "
+        f"{cables * 1e-3:.3g} N m of the cables and {by_payload * 1e-3:.3g} of the payload:",
+        strength / max(stress, 1e-9),
+        STRESS_SAFETY,
+        "times",
+    )
+
+
 def shaft_twist(s: SectorLayout) -> Comparison:
     """Twist of the drum's shaft for a load at its far end."""
     shaft, metal = s.drum_shaft, s.drive.shaft_material
@@ -153,6 +179,14 @@ CHECKS = (
         pulley_stress,
         adjust=(*_LESS, down("rope.preload_N")),
         advice="choose larger bearings",
+    ),
+    Check(
+        "shaft_stress",
+        "Stress in the drum's shaft",
+        "beam theory; 1.5 on yield: usual rule",
+        shaft_stress,
+        adjust=(down("drum.shaft_bore_mm"), *_LESS, down("rope.preload_N")),
+        advice="choose a larger drum.bearing, whose bore the shaft has",
     ),
     Check("shaft_twist", "Twist of the drum's shaft", "derived: torsion of a tube", shaft_twist),
 )

@@ -204,7 +204,7 @@ CHECKS = (
         "gearhead catalogue",
         gearhead_continuous,
         "warn",
-        applies=lambda drive: drive.loads.continuous_torque_Nm is None,
+        applies=lambda drive: drive.loads.lasting_Nm is None,
         advice=partial(_less_torque, gearhead_continuous, STRONGER_GEARHEAD),
     ),
     Check(

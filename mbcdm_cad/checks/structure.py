@@ -9,7 +9,7 @@ from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.fixings import FRICTION, STRESS_SAFETY, stalled_Nm
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.layouts.sector import SectorLayout
-from mbcdm_cad.parts.drum_sector.payload import PLASTIC_SHARE, SHEAR_SHARE, SLIP_SAFETY, PayloadJoint
+from mbcdm_cad.parts.drum_sector.payload import PLASTIC_SHARE, SHEAR_SHARE, SLIP_SAFETY, PayloadJoint, joint_load
 from mbcdm_cad.parts.threads import clamp_force_N
 
 
@@ -44,21 +44,27 @@ def drum_stress(s: SectorLayout) -> Comparison:
 
 
 def payload_screws(s: SectorLayout) -> Comparison:
-    """Torque at which the payload slips on the hub's face, over the peak torque."""
+    """The payload neither slips on the hub's face nor opens its joint, under the peak torque and its own load."""
     joint, circle = (
         PayloadJoint(
             s.drum.payload_screw_thread, s.drive.drum_material, s.drum.payload_insert, len(s.drum.payload_places)
         ),
         s.drum.payload_circle_radius,
     )
-    slips, peak = joint.slips_Nm(circle), s.drive.loads.peak_torque_Nm
-    return at_least(
-        f"{joint.screws} x M{joint.thread_mm:g} at {joint.clamp_N:.4g} N on a circle of {2 * circle:.4g} mm hold "
-        f"{slips:.4g} N m by friction, over the peak torque of {peak:g} N m",
-        slips / peak,
+    load = joint_load(s.drive.loads.peak_torque_Nm, s.drive.loads.carried)
+    screws = f"{joint.screws} x M{joint.thread_mm:g} at {joint.clamp_N:.4g} N on a circle of {2 * circle:.4g} mm"
+    across = f" and {load.across_N:.4g} N across" if load.across_N > 0.0 else ""
+    slips = at_least(
+        f"{screws} hold {joint.slips_Nm(circle):.4g} N m by friction, over the peak torque of "
+        f"{load.torque_Nm:g} N m{across}",
+        joint.slips_times(load, circle),
         SLIP_SAFETY,
         "times",
     )
+    if load.tilt_Nm == 0.0:
+        return slips
+    what = f"{screws} press the payload on the hub, over the pull on one of them by {load.tilt_Nm:.4g} N m of tilt"
+    return worst((slips, at_least(what, joint.opens_times(load, circle), SLIP_SAFETY, "times")))
 
 
 def mounting_screws(s: SectorLayout) -> Comparison:
@@ -122,7 +128,7 @@ CHECKS = (
     ),
     Check(
         "payload_screws",
-        "Payload's screws hold the peak torque",
+        "Payload's screws hold peak torque and payload",
         "mu F r; class 8.8 at 0.7 of yield, mu 0.15, 1.5 on slip: usual values",
         payload_screws,
         adjust=(up("drum.hub_diameter_mm"), *_LESS),

@@ -19,6 +19,8 @@ from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.entries import OwnEntries
 from mbcdm_cad.design.fields import Block, CheckId, EntryName, Integer, Number, PlainBlock, Slug, Text, choice, quantity
 
+# Standard acceleration of gravity (CGPM 1901).
+STANDARD_GRAVITY_M_S2 = 9.80665
 Length = Annotated[Number, Field(ge=0.5, le=500.0)]
 
 
@@ -204,6 +206,63 @@ class DutyBlock(PlainBlock):
 
 
 @dataclass(frozen=True, kw_only=True)
+class Payload(PlainBlock):
+    """What the hub's face carries, with the drum's axis level, so that its weight turns the drum."""
+
+    mass_kg: Number = quantity("mass", unit="kg", default=0.0, ge=0.0, le=1000.0)
+    distance_mm: Number = quantity(
+        "centre of mass from the drum's axis, where its weight turns the drum most", unit="mm", default=0.0, ge=0.0, le=1e4
+    )
+    ahead_mm: Number = quantity(
+        "centre of mass, and place of radial_N, in front of the hub's face", unit="mm", default=0.0, ge=0.0, le=1e4
+    )
+    inertia_kg_m2: Number | None = quantity(
+        "moment of inertia about the drum's axis; left out, that of the mass as a point at distance_mm",
+        unit="kg m2",
+        default=None,
+        ge=0.0,
+        le=1e6,
+    )
+    radial_N: Number = quantity(
+        "largest force across the drum's axis besides the weight, such as that of a foot or a hand",
+        unit="N",
+        default=0.0,
+        ge=0.0,
+        le=1e6,
+    )
+    moment_Nm: Number = quantity(
+        "largest moment that tilts the drum's axis, besides those of weight and radial_N",
+        unit="N m",
+        default=0.0,
+        ge=0.0,
+        le=1e4,
+    )
+
+    @property
+    def weight_torque_Nm(self) -> float:
+        """Torque of the weight on the drum with the centre of mass beside the axis."""
+        return self.mass_kg * STANDARD_GRAVITY_M_S2 * self.distance_mm * 1e-3
+
+    @property
+    def across_N(self) -> float:
+        """Largest force across the drum's axis: weight and ``radial_N`` in one direction."""
+        return self.mass_kg * STANDARD_GRAVITY_M_S2 + self.radial_N
+
+    @property
+    def tilt_Nm(self) -> float:
+        """Largest moment across the drum's axis about the middle of the hub's face."""
+        return self.across_N * self.ahead_mm * 1e-3 + self.moment_Nm
+
+    @property
+    def about_axis_kg_m2(self) -> float:
+        """Moment of inertia about the drum's axis."""
+        return self.mass_kg * (self.distance_mm * 1e-3) ** 2 if self.inertia_kg_m2 is None else self.inertia_kg_m2
+
+
+NO_PAYLOAD = Payload()
+
+
+@dataclass(frozen=True, kw_only=True)
 class Loads(PlainBlock):
     """External torques on the drum at which the design is checked."""
 
@@ -212,7 +271,8 @@ class Loads(PlainBlock):
         "torque that the design must hold in both directions", unit="N m", gt=0.0, le=1000.0
     )
     continuous_torque_Nm: Number | None = quantity(
-        "torque that the design must hold continuously, gearheads included; not checked if left out",
+        "torque that the design must hold continuously, gearheads included, besides that of the payload's weight; not "
+        "checked if left out",
         unit="N m",
         default=None,
         gt=0.0,
@@ -246,6 +306,22 @@ class Loads(PlainBlock):
         default=None,
         example={"rows": [{"torque_Nm": 1.0, "share": 0.3}, {"torque_Nm": 0.5, "share": 0.7, "range_deg": 60.0}]},
     )
+    payload: Payload | None = choice(
+        "what is screwed on the hub's face; left out, nothing but the torques above",
+        default=None,
+        example={"mass_kg": 0.2, "distance_mm": 50.0, "ahead_mm": 10.0},
+    )
+
+    @property
+    def carried(self) -> Payload:
+        """The payload; one without mass and load where the file states none."""
+        return self.payload or NO_PAYLOAD
+
+    @property
+    def lasting_Nm(self) -> float | None:
+        """Torque that the drive must hold without end: the stated one, not less than that of the payload's weight."""
+        weight = self.carried.weight_torque_Nm
+        return max(self.continuous_torque_Nm or 0.0, weight) or None
 
 
 @dataclass(frozen=True, kw_only=True)

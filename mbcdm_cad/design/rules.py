@@ -183,9 +183,13 @@ def _loads(design: Design) -> Iterator[Broken]:
     """No load that lasts is larger than the peak torque, for which cables and parts are checked."""
     loads = design.loads
     limit, remedy = f"loads.peak_torque_Nm {loads.peak_torque_Nm:g}", "raise loads.peak_torque_Nm, or lower this"
+    at: FieldPath = ("loads", "continuous_torque_Nm")
     if loads.continuous_torque_Nm is not None and loads.continuous_torque_Nm > loads.peak_torque_Nm:
-        at: FieldPath = ("loads", "continuous_torque_Nm")
         yield Broken(at, "more than the peak torque", f"{loads.continuous_torque_Nm:g} N m", limit, remedy)
+    weight = loads.carried.weight_torque_Nm
+    if weight > loads.peak_torque_Nm:
+        at = ("loads", "payload", "mass_kg")
+        yield Broken(at, "its weight turns the drum by more than the peak torque", f"{weight:.4g} N m", limit, remedy)
     if loads.duty is None:
         return
     if bool(loads.duty.rows) == (loads.duty.record is not None):

@@ -119,9 +119,11 @@ def _needed_mNm(given: TrialKnown) -> float:
 
 
 def lasting_share(given: KnownFields) -> float:
-    """Continuous torque over the peak torque: 0 where the file asks for none."""
-    wanted = given.get("loads.continuous_torque_Nm")
-    return 0.0 if wanted is None else number(wanted / given["loads.peak_torque_Nm"])
+    """Continuous torque, or that of the payload's weight, over the peak torque: 0 where the file asks for neither."""
+    stated, weight = given.get("loads.continuous_torque_Nm"), given.payload.weight_torque_Nm
+    if stated is None and weight == 0.0:
+        return 0.0
+    return number(greatest(stated or 0.0, weight) / given["loads.peak_torque_Nm"])
 
 
 def speed_margin(

@@ -67,7 +67,7 @@ def side_wall(given: TrialKnown) -> float:
 def _shaft_bore(given: TrialKnown) -> Found:
     """Bore of the drum's shaft."""
     bore = given.entry("bearings", "drum.bearing")["bore_mm"]
-    return given.moved("drum.shaft_bore_mm", SHAFT_BORE_SHARE * bore, -0.5, ("shaft_wall", "shaft_twist"))
+    return given.moved("drum.shaft_bore_mm", SHAFT_BORE_SHARE * bore, -0.5, ("shaft_wall", "shaft_stress", "shaft_twist"))
 
 
 def _web(given: TrialKnown) -> Found | float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import inf
 from typing import Any
 
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM
@@ -45,11 +46,23 @@ def _left_out(given: TrialKnown, field: str) -> bool:
 def _drum_bearing(given: TrialKnown) -> Found:
     any_will_do = _left_out(given, "drive.drum_encoder")
     names = _by_mass(given, "bearings", lambda _, entry: any_will_do or bool(_rings(given, entry)))
+    field, refused, before = "drum.bearing", given.drives.refused, given.guesses.get("drum.bearing")
+    # A lighter bearing is narrower and so nearer to the other one: tried at the distance of a wider pair it seems to
+    # carry the drum, and would be chosen and refused in turn.
+    if before in names and -inf < given.margins(field, before, ("drum_bearings",))["drum_bearings"][0] < 0.0:
+        entries = given.entries("bearings")
+        weak = entries[before]
+        refused |= {
+            name
+            for name, entry in entries.items()
+            if entry["static_rating_N"] <= weak["static_rating_N"] and entry["width_mm"] <= weak["width_mm"]
+        }
+    names = [name for name in names if name not in refused] or names
     # A bore that the file states is a hollow centre, round which the shaft needs a wall.
     hollow = ("shaft_wall",) if given.get("drum.shaft_bore_mm") is not None else ()
-    checks = (*hollow, "drum_bearings", "shaft_twist", "set_screw_tips")
-    found = given.first("drum.bearing", names, checks)
-    if not names or given.margins("drum.bearing", found.value, ("drum_bearings",))["drum_bearings"][0] >= 0.0:
+    checks = (*hollow, "drum_bearings", "shaft_stress", "shaft_twist", "set_screw_tips")
+    found = given.first(field, names, checks)
+    if not names or given.margins(field, found.value, ("drum_bearings",))["drum_bearings"][0] >= 0.0:
         return found
     # With small bearings the next pass would put them so near to each other that none carries the drum.
     entries = given.entries("bearings")

@@ -55,6 +55,8 @@ class TrialDrives:
     def __init__(self, schema: type[Design], of_design: Callable[[Any], Layout]) -> None:
         self._schema, self._of_design = schema, of_design
         self.ends: dict[Way, End] = {}
+        # Parts that did not carry their load in a pass, in the design that followed from them.
+        self.refused: set[str] = set()
         self._kept: dict[bytes, tuple[Layout | None, dict[str, Margin]]] = {}
         self._last: tuple[Mapping[str, Any], Design] | None = None
         self._loaded: Layout | None = None

@@ -9,7 +9,6 @@ from scipy.interpolate import CubicSpline
 from scipy.signal import savgol_filter
 
 from mbcdm_cad.measurement.schema import Pendulum
-from mbcdm_cad.measurement.units import STANDARD_GRAVITY_M_S2
 from mbcdm_cad.routes import Floats
 
 # The acceleration is that of a curve of fifth order over this share of the motion's period (2 pi times angle over

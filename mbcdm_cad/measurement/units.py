@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from mbcdm_cad.design.blocks import STANDARD_GRAVITY_M_S2
+
 COUNTS = "counts"
-STANDARD_GRAVITY_M_S2 = 9.80665
 
 
 @dataclass(frozen=True)

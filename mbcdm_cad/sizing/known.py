@@ -7,6 +7,7 @@ from dataclasses import asdict
 from functools import cache
 from typing import Any
 
+from mbcdm_cad.design.blocks import NO_PAYLOAD, Payload
 from mbcdm_cad.design.bought import (
     NO_GEARHEAD,
     CableSpec,
@@ -49,6 +50,12 @@ class KnownFields:
     def get(self, field: str, otherwise: Any = None) -> Any:
         """As ``known[field]``, but ``otherwise`` where the field is open."""
         return otherwise if self.peek(field) is None else self[field]
+
+    @property
+    def payload(self) -> Payload:
+        """The payload; one without mass and load where the file states none."""
+        stated = self.get("loads.payload")
+        return Payload(**stated) if stated else NO_PAYLOAD
 
     def has(self, field: str) -> bool:
         """Whether the field is known; not recorded as read."""

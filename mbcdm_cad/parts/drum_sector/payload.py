@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from math import pi
+from math import inf, pi
 
+from mbcdm_cad.design.blocks import Payload
 from mbcdm_cad.design.bought import InsertSpec, Material
 from mbcdm_cad.parts.threads import clamp_force_N
 
@@ -30,6 +31,20 @@ METAL_SHARE, PLASTIC_SHARE = 0.7, 0.4
 _ROUNDING_MM = 1e-9
 
 InsertOf = Callable[[float], InsertSpec | None]
+
+
+@dataclass(frozen=True)
+class JointLoad:
+    """What a joint on the hub's face carries at once: torque, force across the axis, moment that tilts it open."""
+
+    torque_Nm: float
+    across_N: float = 0.0
+    tilt_Nm: float = 0.0
+
+
+def joint_load(peak_Nm: float, payload: Payload) -> JointLoad:
+    """The largest load of the joint: the peak torque and all that the payload adds, in the worst directions."""
+    return JointLoad(peak_Nm, payload.across_N, payload.tilt_Nm)
 
 
 @dataclass(frozen=True)
@@ -64,9 +79,23 @@ class PayloadJoint:
         """Torque at which the payload slips with the screws on a circle of this radius: mu F r for each."""
         return self.screws * FACE_FRICTION * self.clamp_N * circle_mm * 1e-3
 
-    def least_hub_mm(self, peak_Nm: float, bore_mm: float, wall_mm: float) -> float:
-        """Least radius of a hub of bore radius ``bore_mm`` for walls beside the holes and for the torque."""
-        circle = SLIP_SAFETY * peak_Nm / self.slips_Nm(1.0)
+    def slips_times(self, load: JointLoad, circle_mm: float) -> float:
+        """Friction of all screws over the load: M / r for the torque, and the force across where both add up."""
+        return self.slips_Nm(circle_mm) / (load.torque_Nm + load.across_N * circle_mm * 1e-3)
+
+    def opens_times(self, load: JointLoad, circle_mm: float) -> float:
+        """Clamping force of a screw over what the tilting moment takes from the one that it pulls most, 2 M / (n r)."""
+        return self.screws * self.clamp_N * circle_mm * 1e-3 / (2.0 * load.tilt_Nm) if load.tilt_Nm > 0.0 else inf
+
+    def least_circle_mm(self, load: JointLoad) -> float:
+        """Least radius of the circle of the screws with which the joint neither slips nor opens; inf if none does."""
+        friction_N = self.screws * FACE_FRICTION * self.clamp_N / SLIP_SAFETY - load.across_N
+        opens = 2.0 * SLIP_SAFETY * load.tilt_Nm / (self.screws * self.clamp_N)
+        return max(load.torque_Nm / friction_N, opens) * 1e3 if friction_N > 0.0 else inf
+
+    def least_hub_mm(self, load: JointLoad, bore_mm: float, wall_mm: float) -> float:
+        """Least radius of a hub of bore radius ``bore_mm`` for walls beside the holes and for the load."""
+        circle = self.least_circle_mm(load)
         return max(bore_mm + self.hole_mm + 2.0 * self._wall_mm(wall_mm), 2.0 * circle - bore_mm)
 
     def beside_mm(self, circle_mm: float, hub_mm: float, bore_mm: float) -> float:
@@ -96,12 +125,12 @@ def circle_radius_mm(stated_mm: float | None, hub_mm: float, bore_mm: float) -> 
 
 
 def payload_joint(
-    candidates: Sequence[PayloadJoint], peak_Nm: float, circle_mm: float, hub_mm: float, bore_mm: float, wall_mm: float
+    candidates: Sequence[PayloadJoint], load: JointLoad, circle_mm: float, hub_mm: float, bore_mm: float, wall_mm: float
 ) -> PayloadJoint:
     """The smallest thread that holds on a circle of this radius; else of those with walls the one that holds most."""
     first, *more = candidates
     walled = [first, *(j for j in more if j.has_walls(circle_mm, hub_mm, bore_mm, wall_mm))]
-    holding = [j for j in walled if j.slips_Nm(circle_mm) >= SLIP_SAFETY * peak_Nm]
+    holding = [j for j in walled if j.least_circle_mm(load) <= circle_mm]
     return holding[0] if holding else max(walled, key=lambda j: j.clamp_N)
 
 

@@ -12,7 +12,13 @@ from math import asin, atan2, degrees, hypot, radians, sin, sqrt, tan
 
 from mbcdm_cad.parts.drum_sector.design import SectorDrive, SectorLevels, SectorRun
 from mbcdm_cad.parts.drum_sector.dims import POCKET_LEAD_MM, SET_SCREW_ANGLES_DEG, DrumDims, Land, Window
-from mbcdm_cad.parts.drum_sector.payload import circle_radius_mm, joints, payload_joint, start_deg
+from mbcdm_cad.parts.drum_sector.payload import (
+    circle_radius_mm,
+    joint_load,
+    joints,
+    payload_joint,
+    start_deg,
+)
 from mbcdm_cad.parts.drum_shaft import FLAT_DEPTH_MM, DrumShaftDims, PreloadSpringDims
 from mbcdm_cad.parts.terminal.part import Tensioner
 
@@ -259,9 +265,8 @@ def drum(drive: SectorDrive, levels: SectorLevels, stop_radius: float, way: Term
     candidates = joints(
         drive.drum_material, lambda thread_mm: drive.insert(drive.drum_material, thread_mm), d.output_screws
     )
-    joint = payload_joint(
-        candidates, drive.loads.peak_torque_Nm, circle, hub_radius, shaft_radius, drive.drum_material.min_wall_mm
-    )
+    load = joint_load(drive.loads.peak_torque_Nm, drive.loads.carried)
+    joint = payload_joint(candidates, load, circle, hub_radius, shaft_radius, drive.drum_material.min_wall_mm)
     flat_wall = drive.tensioner.swage_flats_mm / 2 + FLAT_PLAY_MM
     return DrumDims(
         half_angle_deg=d.sector_half_angle_deg,

@@ -15,7 +15,7 @@ from mbcdm_cad.checks.structure import drum_stress, frame_windup, mounting_screw
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.loader import load_design, load_text
 from mbcdm_cad.layouts.sector import SectorLayout
-from mbcdm_cad.parts.drum_sector.payload import SLIP_SAFETY, PayloadJoint, joints, payload_joint
+from mbcdm_cad.parts.drum_sector.payload import SLIP_SAFETY, JointLoad, PayloadJoint, joints, payload_joint
 
 PARAMS = Path(__file__).parents[3] / "params"
 REFERENCES = ("mbcdm", "siso_spur", "miso_spur", "siso_bevel")
@@ -104,7 +104,7 @@ def test_stiffness_is_a_figure_unless_it_is_asked_for() -> None:
 def test_a_joint_holds_or_no_thread_with_walls_does(peak: float, hub: float, bore: float) -> None:
     material = reference().drum_material
     candidates = joints(material, lambda _: None)
-    found = payload_joint(candidates, peak, (hub + bore) / 2, hub, bore, material.min_wall_mm)
+    found = payload_joint(candidates, JointLoad(peak), (hub + bore) / 2, hub, bore, material.min_wall_mm)
     holds = found.slips_Nm((hub + bore) / 2) >= SLIP_SAFETY * peak
     stronger = [
         thread

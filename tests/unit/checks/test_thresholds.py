@@ -38,6 +38,7 @@ WAYS: dict[str, Way] = {
     "eq1_second_input": Way(radius_of(3, "input_radius_mm"), 7.2, 7.3),
     "drum_stress": Way(to("drum_material.yield_MPa"), 503.0, 10.0),
     "payload_screws": Way(to(PEAK), 3.15, 60.0),
+    "shaft_stress": Way(to("shaft_material.yield_MPa"), 355.0, 5.0),
     "mounting_screws": Way(to(PEAK), 3.15, 60.0),
     "frame_windup": Way(to("limits.frame_windup_max_mrad"), 0.0232, 0.01),
     "stiffness": Way(to("loads.stiffness_Nm_rad"), 2500.0, 4000.0),

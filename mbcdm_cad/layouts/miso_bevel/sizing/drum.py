@@ -31,6 +31,7 @@ from mbcdm_cad.parts.drum_sector.payload import (
     InsertOf,
     PayloadJoint,
     circle_radius_mm,
+    joint_load,
     joints,
     payload_joint,
 )
@@ -170,14 +171,16 @@ def _joints(given: BevelKnown) -> tuple[PayloadJoint, ...]:
 def _joint(given: BevelKnown) -> PayloadJoint:
     hub, shaft = given["drum.hub_diameter_mm"] / 2, _shaft_radius(given)
     circle = circle_radius_mm(given.get("drum.output_circle_mm"), hub, shaft)
-    return payload_joint(_joints(given), given["loads.peak_torque_Nm"], circle, hub, shaft, given.wall_mm("drum"))
+    load = joint_load(given["loads.peak_torque_Nm"], given.payload)
+    return payload_joint(_joints(given), load, circle, hub, shaft, given.wall_mm("drum"))
 
 
 def _hub_diameter(given: BevelKnown) -> Found:
-    shaft, wall, peak = _shaft_radius(given), given.wall_mm("drum"), given["loads.peak_torque_Nm"]
+    shaft, wall = _shaft_radius(given), given.wall_mm("drum")
+    load = joint_load(given["loads.peak_torque_Nm"], given.payload)
     spigot = given.entry("bearings", "drum.bearing")["inner_shoulder_mm"] / 2
     circle_mm = given.get("drum.output_circle_mm")
-    payload = 2 * min(joint.least_hub_mm(peak, shaft, wall) for joint in _joints(given))
+    payload = 2 * min(joint.least_hub_mm(load, shaft, wall) for joint in _joints(given))
     if circle_mm is not None:
         payload = circle_mm + min(joint.hole_mm for joint in _joints(given)) + 2 * wall
     needs = {

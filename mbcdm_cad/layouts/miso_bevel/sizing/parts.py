@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from math import sqrt
+from math import pi, sqrt
 
 from mbcdm_cad.checks.fixings import CLAMP_SAFETY, FRICTION, grip_Nmm
 from mbcdm_cad.checks.input_pulley import FIT_MM, SHOULDER_MM
 from mbcdm_cad.checks.take_up import THREAD_OUT_PITCHES
 from mbcdm_cad.checks.terminals import STUD_SAFETY
+from mbcdm_cad.design.blocks import NO_PAYLOAD
 from mbcdm_cad.design.bought import NO_GEARHEAD
 from mbcdm_cad.layouts.common_rules import COLLAR_SCREWS
 from mbcdm_cad.layouts.head_basis import counts_losses, lasting_share, output_mNm, speed_margin
@@ -30,7 +31,7 @@ from mbcdm_cad.layouts.miso_bevel.sizing.radii import least_step_mm, take_up_mm,
 from mbcdm_cad.layouts.miso_bevel.support.dims import AXLE_SCREW, DOWEL_LENGTHS_MM, DOWEL_MM
 from mbcdm_cad.model.losses.friction import ROPE_EXPONENT, ROPE_FACTOR
 from mbcdm_cad.parts.collar import collar
-from mbcdm_cad.parts.drum_sector.sizes import SWAGE_FLOOR_MM
+from mbcdm_cad.parts.drum_sector.sizes import SPRING_HEIGHT_MM, SWAGE_FLOOR_MM
 from mbcdm_cad.parts.input_pulley.stop import neck_mm
 from mbcdm_cad.parts.threads import clamp_force_N
 from mbcdm_cad.sizing.arithmetic import greatest, least, number
@@ -54,6 +55,9 @@ DRUM_TENSIONS = (1.62, 1.23)
 # Radius of the drum's smallest land over the diameter of its shaft: the usual ratio, and that of a small drum with a
 # large force at its land, whose thick stop pin needs a part of the space of boss and hub.
 DRUM_SHAFTS, SMALL_DRUM_SHAFTS, SMALL_DRUM_MM, HARD_PULL_N = 8.0, 9.0, 36.0, 50.0
+# Distance of the hub's face from the front bearing over the bore (estimate), and bending of the shaft with the cables'
+# part over that by the payload alone.
+FACE_BORES, SHAFT_SPARE = 2.2, 1.3
 # Grip of a collar over the limit of its check: the input's torque is an estimate as long as the drum's steps are open.
 GRIP_SPARE = 1.03
 # Take-up over the need of the longest cable, whose length is an estimate until the drum's width is known.
@@ -240,6 +244,21 @@ def _collar_screw(given: BevelKnown) -> Found:
     return Found(COLLAR_SCREWS[-1], "collar_grip", "the largest screw")
 
 
+def _payload_margins(given: BevelKnown, bearing: Entry, load_N: float) -> Margins:
+    """Drum's bearing and shaft under the payload too, the bearings as near to each other as they may be."""
+    payload, bore = given.payload, bearing["bore_mm"]
+    apart, before = 2.0 * bearing["width_mm"] + SPRING_HEIGHT_MM, FACE_BORES * bore
+    bent_Nmm = payload.across_N * before + payload.tilt_Nm * 1e3
+    bears_MPa = given.entry("materials", "drum.shaft_material")["yield_MPa"] / STRESS_SAFETY
+    margins = {
+        "drum_bearings": bearing["static_rating_N"] / (load_N + payload.across_N + bent_Nmm / apart) - 1.0,
+    }
+    if payload != NO_PAYLOAD:
+        # With half its diameter as its bore.
+        margins["shaft_stress"] = bears_MPa * pi / 32.0 * bore**3 * (1.0 - 0.5**4) / (SHAFT_SPARE * bent_Nmm) - 1.0
+    return margins
+
+
 def _drum_margins(given: BevelKnown, load_factor: float) -> Callable[[Entry, Entry], Margins]:
     screws, load = given.entries("screws"), load_factor * _tension_N(given)
     shaft = given.first_drum_mm / (SMALL_DRUM_SHAFTS if _is_small(given) else DRUM_SHAFTS)
@@ -250,8 +269,8 @@ def _drum_margins(given: BevelKnown, load_factor: float) -> Callable[[Entry, Ent
         return {
             "encoder_fit": -abs(ring["bore_mm"] - bearing["bore_mm"]) + FIT_MM,
             "encoder_screws": (ring["bolt_circle_mm"] / 2 - thread - seat) / HOLE_WEB_MM - 1.0,
-            "drum_bearings": bearing["static_rating_N"] / load - 1.0,
             "drum_sweep": bearing["bore_mm"] / shaft - 1.0,
+            **_payload_margins(given, bearing, load),
         }
 
     return margins
