@@ -211,7 +211,11 @@ class Payload(PlainBlock):
 
     mass_kg: Number = quantity("mass", unit="kg", default=0.0, ge=0.0, le=1000.0)
     distance_mm: Number = quantity(
-        "centre of mass from the drum's axis, where its weight turns the drum most", unit="mm", default=0.0, ge=0.0, le=1e4
+        "centre of mass from the drum's axis, where its weight turns the drum most",
+        unit="mm",
+        default=0.0,
+        ge=0.0,
+        le=1e4,
     )
     ahead_mm: Number = quantity(
         "centre of mass, and place of radial_N, in front of the hub's face", unit="mm", default=0.0, ge=0.0, le=1e4

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+
+from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.trial_sizing import TrialKnown
 from mbcdm_cad.sizing.rule import Found, Rule, rounded_up
 
@@ -9,6 +12,9 @@ from mbcdm_cad.sizing.rule import Found, Rule, rounded_up
 SIDE_MM, WEB_MM = (4.0, 6.0), (2.0, 4.0)
 # Peak torque from which the stress of a metal web is computed: hubs for less leave far more than it needs (estimate).
 STRESSED_NM = 10.0
+# A wall takes this share of the frame's windup where it cannot meet the limit alone, and grows to this multiple of its
+# usual thickness for it (choices).
+WALL_SHARE, MOST_WALL, WINDUP = 0.4, 6.0, "frame_windup"
 # Engaged thread of a face's screws, in diameters.
 ENGAGED = 1.25
 # Bore of the drum's shaft over the bore of its bearings.
@@ -20,6 +26,35 @@ SECTOR_SPARE_DEG = 15.0
 def either(given: TrialKnown, part: str, values: tuple[float, float]) -> float:
     """The first value for a milled part, the second for a printed one."""
     return values[1] if given.printed(part) else values[0]
+
+
+def stiff_wall(
+    given: TrialKnown, field: str, start: float, step: float, panels: tuple[str, ...], checks: tuple[str, ...] = ()
+) -> Found:
+    """The thinnest wall with which its checks and ``frame_windup`` hold.
+
+    Where this wall alone cannot meet the windup, the thinnest whose own strain (that of ``panels``) takes its share of
+    the limit, so that the other walls can meet the rest.
+    """
+    found = given.moved(field, start, step, (*checks, WINDUP))
+    if given.margins(field, found.value, (WINDUP,))[WINDUP][0] >= 0.0:
+        return found
+    value, most = max(float(found.value), start), MOST_WALL * start
+    with suppress(NoFigureError, ValueError):
+        while value < most:
+            trial = given.trial(field, value)
+            compliance = trial.frame_compliance
+            if compliance is None:
+                break
+            own = sum(urad for panel, urad in compliance.shares_urad_Nm.items() if panel.startswith(panels))
+            over = own * trial.drive.loads.test_torque_Nm * 1e-3 / (WALL_SHARE * trial.windup_limit_mrad)
+            if over <= 1.0:
+                break
+            # Bending falls with the cube of the thickness, the rest with the thickness.
+            value = min(max(rounded_up(value * over ** (1.0 / 3.0), step), rounded_up(value + step, step)), most)
+    if any(margin < 0.0 for margin, _ in given.margins(field, value, checks).values()):
+        return found
+    return Found(value, WINDUP, f"up to {step:g}; its share of the windup") if value > found.value else found
 
 
 def _motor_shelf(given: TrialKnown) -> Found:
@@ -67,7 +102,9 @@ def side_wall(given: TrialKnown) -> float:
 def _shaft_bore(given: TrialKnown) -> Found:
     """Bore of the drum's shaft."""
     bore = given.entry("bearings", "drum.bearing")["bore_mm"]
-    return given.moved("drum.shaft_bore_mm", SHAFT_BORE_SHARE * bore, -0.5, ("shaft_wall", "shaft_stress", "shaft_twist"))
+    return given.moved(
+        "drum.shaft_bore_mm", SHAFT_BORE_SHARE * bore, -0.5, ("shaft_wall", "shaft_stress", "shaft_twist")
+    )
 
 
 def _web(given: TrialKnown) -> Found | float:

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.signal import savgol_filter
 
+from mbcdm_cad.design.blocks import STANDARD_GRAVITY_M_S2
 from mbcdm_cad.measurement.schema import Pendulum
 from mbcdm_cad.routes import Floats
 

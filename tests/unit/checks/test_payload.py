@@ -1,4 +1,4 @@
-"""A payload on the hub's face: its weight, what it does to bearings, shaft and screws, and what the rules make of it."""
+"""A payload on the hub's face: its weight, what it does to bearings, shaft and screws, and the rules that follow it."""
 
 from __future__ import annotations
 
@@ -87,13 +87,15 @@ def test_weight_must_be_held_without_end() -> None:
     arm = Payload(mass_kg=2.0, distance_mm=120.0)
     s = carrying(arm)
     assert continuous_torque(s).limit == pytest.approx(arm.weight_torque_Nm)
-    assert [r.id for r in run_checks(s) if r.id in ("continuous_torque", "gearhead_continuous")] == ["continuous_torque"]
+    assert [r.id for r in run_checks(s) if r.id in ("continuous_torque", "gearhead_continuous")] == [
+        "continuous_torque"
+    ]
     assert s.drive.loads.lasting_Nm == pytest.approx(arm.weight_torque_Nm)
     assert carrying(None).drive.loads.lasting_Nm is None
 
 
 def test_a_weight_above_the_peak_torque_is_refused() -> None:
-    with pytest.raises(InputError, match="payload.mass_kg: its weight turns the drum by more than the peak torque"):
+    with pytest.raises(InputError, match=r"payload\.mass_kg: its weight turns the drum by more than the peak torque"):
         leg("siso_spur", "peak_torque_Nm: 2.0, payload: {mass_kg: 2.0, distance_mm: 150.0}")
 
 

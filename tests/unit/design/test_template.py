@@ -125,6 +125,8 @@ UNITS = {
     "_GPa": "GPa",
     "_MPa": "MPa",
     "_g": "g",
+    "_kg": "kg",
+    "_kg_m2": "kg m2",
     "_mrad": "mrad",
     "_urad": "urad",
     "_mm2": "mm2",

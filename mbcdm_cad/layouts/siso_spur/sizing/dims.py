@@ -16,6 +16,7 @@ from mbcdm_cad.layouts.head_dims import (
     WEB,
     either,
     side_wall,
+    stiff_wall,
 )
 from mbcdm_cad.layouts.siso_spur.drive import MOUNT_BOLTS
 from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
@@ -26,12 +27,12 @@ PLATE_MM, BRIDGE_MM = (5.0, 8.0), (4.0, 7.0)
 
 
 def _plate(given: SpurKnown) -> Found:
-    return given.moved("support.plate_mm", either(given, "support", PLATE_MM), 0.1, ("flange", "frame_windup"))
+    return stiff_wall(given, "support.plate_mm", either(given, "support", PLATE_MM), 0.1, ("plate",), ("flange",))
 
 
 def _bridge(given: SpurKnown) -> Found:
     start = max(either(given, "support", BRIDGE_MM), given.wall_mm("support"))
-    return given.moved("support.bridge_mm", start, 0.5, ("frame_windup",))
+    return stiff_wall(given, "support.bridge_mm", start, 0.5, ("bridge",))
 
 
 def _centre_distance(given: SpurKnown) -> Found:
