@@ -59,7 +59,7 @@ def wrap_under_a_turn(s: SectorLayout) -> Comparison:
     )
 
 
-def _slip_beside_wrap(s: SectorLayout, states: tuple[np.ndarray, np.ndarray]) -> str:
+def _slip_beside_wrap(s: SectorLayout, states: tuple[np.ndarray, ...]) -> str:
     """The cable whose slip angle exceeds its smallest wrap most, in words."""
     friction, found = s.drive.friction_coefficient, []
     for k, c in enumerate(s.drive.cables):
@@ -69,35 +69,45 @@ def _slip_beside_wrap(s: SectorLayout, states: tuple[np.ndarray, np.ndarray]) ->
     return f"{name} slips over {slip:.3g} deg of drum and has {wrap:.3g} deg at an end of the travel"
 
 
-def _turn_with_real_wraps(s: SectorLayout, load_Nm: float, states: tuple[np.ndarray, np.ndarray]) -> Comparison:
-    """How much further the drum turns with wraps that end at anchors and stops than with endless ones.
+def _turns(s: SectorLayout) -> tuple[np.ndarray, np.ndarray]:
+    """Turn of the drum under the loads (4,) of ``s.loads`` beside none, with endless wraps (4,) and with real (4, 3).
 
-    The largest share over the travel and both ways. It is not above zero, since what is beyond an anchor does not
-    stretch: figures for endless wraps are on the safe side, so that nothing is judged here.
+    Real ones are those in the middle and at both ends of the travel.
     """
-    endless, angles = s.loads.si, (-s.half_travel_rad, 0.0, s.half_travel_rad)
+    loads, angles = s.loads, (-s.half_travel_rad, 0.0, s.half_travel_rad)
     try:
         wraps = [np.stack(side, axis=1) for side in zip(*(s.wraps_rad(angle) for angle in angles), strict=True)]
-        real = endless.spread(len(angles)).with_(input_wrap_rad=wraps[0], drum_wrap_rad=wraps[1])
-        idle, at_rest = (solve_equilibrium(d, 0.0).drum_angle_rad for d in (real, endless))
-        found = []
-        for load in (load_Nm, -load_Nm):
-            turn = solve_equilibrium(real, load).drum_angle_rad - idle
-            found.append((turn / (solve_equilibrium(endless, load).drum_angle_rad - at_rest) - 1.0).max())
+        real = loads.si.spread(len(angles)).with_(input_wrap_rad=wraps[0], drum_wrap_rad=wraps[1])
+        turned = solve_equilibrium(real, loads.torques_Nm[:, None]).drum_angle_rad
     except ModelError as error:
         raise NoFigureError(f"the model has no answer: {error}") from None
+    endless = loads.equilibrium.drum_angle_rad
+    return endless[1:] - endless[0], turned[1:] - turned[0]
+
+
+def _turn_with_real_wraps(s: SectorLayout, first: int, load_Nm: float, states: tuple[np.ndarray, ...]) -> Comparison:
+    """How much further the drum turns with wraps that end at anchors and stops than with endless ones.
+
+    The largest share over the travel and both ways, loads ``first`` and the next one of :func:`_turns`. It is not above
+    zero, since what is beyond an anchor does not stretch: figures for endless wraps are on the safe side, so that
+    nothing is judged here.
+    """
+    endless, real = (turn[first : first + 2] for turn in s.once("turns with real wraps", _turns))
+    further = float((real / endless[:, None] - 1.0).max())
     what = f"with the wraps that are there the drum turns at {load_Nm:g} N m further than with endless ones by"
-    return noted(what, 100.0 * float(max(found)), "%", _slip_beside_wrap(s, states))
+    return noted(what, 100.0 * further, "%", _slip_beside_wrap(s, states))
 
 
 def slip_at_test(s: SectorLayout) -> Comparison:
     """How far the turn at the test torque hangs on where the wraps end."""
-    return _turn_with_real_wraps(s, s.drive.loads.test_torque_Nm, (s.loads.test_forward, s.loads.test_back))
+    loads = s.loads
+    return _turn_with_real_wraps(s, 2, s.drive.loads.test_torque_Nm, (loads.test_forward, loads.test_back))
 
 
 def slip_at_peak(s: SectorLayout) -> Comparison:
     """How far the turn at the peak torque hangs on where the wraps end."""
-    return _turn_with_real_wraps(s, s.drive.loads.peak_torque_Nm, (s.loads.peak_forward, s.loads.peak_back))
+    loads = s.loads
+    return _turn_with_real_wraps(s, 0, s.drive.loads.peak_torque_Nm, (loads.peak_forward, loads.peak_back))
 
 
 MORE_WRAP: tuple[Adjustment, ...] = (down("travel.half_angle_deg"), up("drum.sector_half_angle_deg"))

@@ -22,10 +22,15 @@ def estimated_mass_g(bill: Bill) -> float:
     )
 
 
+def kept_mass_g(layout: Any, bill_of: BillOf) -> float:
+    """The same of a layout, worked out once."""
+    return float(layout.once("estimated mass", lambda s: estimated_mass_g(bill_of(s))))
+
+
 def _mass(bill_of: BillOf, s: Any) -> Comparison:
     """Mass of all parts from their dimensions, within 1 % of the mass of the solids, which the build computes."""
     try:
-        mass, targets = estimated_mass_g(bill_of(s)), s.drive.targets
+        mass, targets = kept_mass_g(s, bill_of), s.drive.targets
     except (ValueError, ZeroDivisionError) as error:
         raise NoFigureError(f"a part of this design has no volume: {error}") from None
     if targets.mass_g is None:

@@ -56,6 +56,11 @@ class LazySizing:
         sized: Sizing = import_module(self.module).size(data, moved, similar)
         return sized
 
+    def size_first(self, data: dict[str, Any], moved: Moved) -> Sizing:
+        """See :class:`DesignFile`; the module has a function of this name."""
+        sized: Sizing = import_module(self.module).size_first(data, moved)
+        return sized
+
     def derived(self) -> tuple[str, ...]:
         """See :class:`DesignFile`."""
         fields: tuple[str, ...] = import_module(self.module).DERIVED
@@ -109,6 +114,9 @@ class DesignFile:
     starting: str = ""
     # Sizing of many designs at once, if the configuration's rules support it; else they are sized one by one.
     size_many: Callable[[], SizingOfMany] | None = None
+    # As ``size`` without finite elements: the design with which rules begin that stiffen it where its frame bends too
+    # much, and with which they end where it does not. None where no rule does so.
+    size_first: Callable[[dict[str, Any], Moved], Sizing] | None = None
 
     @cached_property
     def nodes(self) -> SchemaNodes:

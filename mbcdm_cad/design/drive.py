@@ -6,6 +6,7 @@ Units are those of the file: mm, degrees, N, grams, GPa. The model converts to S
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -185,3 +186,20 @@ def _named(entries: tuple[_Entry, ...], name: str, kind: str) -> _Entry:
         if entry.name == name:
             return entry
     raise KeyError(f"no {kind} {name!r} in the catalogue; it holds {', '.join(entry.name for entry in entries)}")
+
+
+# The last designs that were met, whose layouts are worked out.
+_MET: deque[Drive] = deque(maxlen=4)
+AnyDrive = TypeVar("AnyDrive", bound=Drive)
+
+
+def met(drive: AnyDrive) -> AnyDrive:
+    """The equal drive that was met before, with what its layout has worked out; else the drive itself.
+
+    The sizing rules work out frame and loads of a design to test them, and the checks need the same again.
+    """
+    for known in _MET:
+        if type(known) is type(drive) and known == drive:
+            return known
+    _MET.append(drive)
+    return drive

@@ -19,7 +19,7 @@ from mbcdm_cad.design.as_built import with_as_built
 from mbcdm_cad.design.blocks import Design
 from mbcdm_cad.design.derived_bounds import blame_requirements
 from mbcdm_cad.design.design_file import DesignFile
-from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.design.drive import Drive, met
 from mbcdm_cad.design.duty_record import by_rows, with_record
 from mbcdm_cad.design.fieldpath import FieldPath, dotted
 from mbcdm_cad.design.fields import is_block
@@ -56,16 +56,22 @@ class Resolved(NamedTuple):
 
 
 def resolved(
-    tree: Tree, path: Path, file: DesignFile, moved: Moved | None = None, similar: Sizing | None = None
+    tree: Tree,
+    path: Path,
+    file: DesignFile,
+    moved: Moved | None = None,
+    similar: Sizing | None = None,
+    *,
+    first: bool = False,
 ) -> Resolved:
     """The design and its drive from a tree of the file's values. Raises InputError with all problems of one stage.
 
     The stages are: ranges, sigmas, schema, sizing of missing fields, schema of the whole, rules between fields.
     ``moved``: by field, the functions with which a search changes the values of rules; ``similar``: the sizing of a
-    design that differs little, from which the rules begin.
+    design that differs little, from which the rules begin; ``first``: by ``DesignFile.size_first``, if there is one.
     """
     tree, sigmas = _split(tree, str(path), file)
-    sizing = _sized(tree, str(path), file, moved or {}, similar)
+    sizing = _sized(tree, str(path), file, moved or {}, similar, first=first)
     tree = tree if sizing is None else Tree(sizing.data, tree.lines)
     design = _validated(tree, str(path), file)
     catalogue = Catalogue(design)
@@ -73,7 +79,7 @@ def resolved(
     _refuse_broken_rules(broken, tree, str(path))
     drive = with_as_built(file.drive(design, catalogue, sigmas), design.as_built)
     drive = replace(drive, loads=with_record(drive.loads, path, 2.0 * drive.half_travel_deg))
-    return Resolved(design, drive, tree.data, sizing)
+    return Resolved(design, met(drive), tree.data, sizing)
 
 
 def blamed(error: InputError, tree: Tree, path: Path, file: DesignFile) -> InputError:
@@ -105,14 +111,19 @@ def _split(tree: Tree, path: str, file: DesignFile) -> tuple[Tree, dict[FieldPat
     return split_sigmas(tree, path, lambda field: bool((file.node_at(field) or {}).get("uncertain")))
 
 
-def _sized(tree: Tree, path: str, file: DesignFile, moved: Moved, similar: Sizing | None) -> Sizing | None:
+def _sized(
+    tree: Tree, path: str, file: DesignFile, moved: Moved, similar: Sizing | None, *, first: bool = False
+) -> Sizing | None:
     """The data with its open fields filled, and their records. The fields of the file must already be valid."""
     if file.size is None or not isinstance(tree.data, dict) or not _has_gaps(tree, path, file):
         return None
     data = _with_blocks(tree, path, file)
     recorded = by_rows(data, Path(path))
     try:
-        sizing = file.size(data, moved, similar)
+        if first and file.size_first is not None:
+            sizing = file.size_first(data, moved)
+        else:
+            sizing = file.size(data, moved, similar)
     except SizingError as error:
         _refuse_broken_rules(iter(error.broken), tree, path)
         raise

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -63,13 +64,10 @@ def analyse(drive: Drive, wraps_rad: tuple[Any, Any] | None = None) -> Analysis:
     if wraps_rad is not None:
         d = d.with_(input_wrap_rad=wraps_rad[0], drum_wrap_rad=wraps_rad[1])
     test, peak = drive.loads.test_torque_Nm, drive.loads.peak_torque_Nm
-    endless = d.with_(input_wrap_rad=np.full(d.n_cables, np.inf), drum_wrap_rad=np.full(d.n_cables, np.inf))
+    endless = _endless(d)
     strength, balanced = tension_limit_N(drive), balanced_preload_N(d)
-    limits = _limits(drive, d, strength)
-    balanced_limits = _limits(drive, d.with_(preload_N=balanced), strength)
-    lossless = motor_rating(drive)
-    in_force = MOTOR_LOSSY if drive.limits.counts_losses else lossless
-    reached = lowest_each_way(limits, in_force)
+    torques = _peak_torques(drive, d, strength)
+    balanced_torques = _peak_torques(drive, d.with_(preload_N=balanced), strength)
     peaks = (load_case(d, peak), load_case(d, -peak))
     mismatch_mm, mismatch_N = pair_mismatch(d, np.radians(drive.half_travel_deg))
     return Analysis(
@@ -87,27 +85,67 @@ def analyse(drive: Drive, wraps_rad: tuple[Any, Any] | None = None) -> Analysis:
         cables=cable_figures(d, test),
         test=(load_case(d, test), load_case(d, -test)),
         peak=peaks,
-        reversal_swing_mrad=float(drum_backlash(endless, test).reversal_swing_rad) * 1e3,
+        reversal_swing_mrad=_swing_mrad(endless, test),
         sticking_stiffness_Nm_rad=float(sticking_stiffness_Nm_rad(d)),
         input_bias_mNm=_floats(input_bias_Nm(d) * 1e3),
-        limits=limits,
+        limits=torques.limits,
         losses_counted=drive.limits.counts_losses,
-        peak_torque_Nm=reached,
-        peak_torque_lossless_Nm=lowest_each_way(limits, lossless),
-        peak_torque_with_losses_Nm=lowest_each_way(limits, MOTOR_LOSSY),
+        peak_torque_Nm=torques.counted_Nm,
+        peak_torque_lossless_Nm=torques.lossless_Nm,
+        peak_torque_with_losses_Nm=torques.with_losses_Nm,
         balanced_preload_N=_floats(balanced),
-        balanced_peak_torque_Nm=lowest_each_way(balanced_limits, in_force),
+        balanced_peak_torque_Nm=balanced_torques.counted_Nm,
         torque_to_weight_Nm_kg=(
-            None if drive.targets.mass_g is None else torque_to_weight_Nm_kg(min(reached), drive.targets.mass_g)
+            None
+            if drive.targets.mass_g is None
+            else torque_to_weight_Nm_kg(min(torques.counted_Nm), drive.targets.mass_g)
         ),
         bearings=tuple(bearing_figures(d, load) for load in (0.0, peak, -peak)),
         creep=preload_left(drive.cable, max(c.preload_N for c in drive.cables)),
-        motor=motor_figures(drive, d, _most_of_an_input_Nm(peaks), _not_the_motor_Nm(limits)),
+        motor=motor_figures(drive, d, _most_of_an_input_Nm(peaks), _not_the_motor_Nm(torques.limits)),
         measured_backlash_mrad=BACKLASH_RAD * 1e3,
         implied_modulus=modulus_readings(endless),
         intervals=uncertain_figures(endless, drive),
         notes=notes(drive, d),
     )
+
+
+@dataclass(frozen=True)
+class PeakTorques:
+    """Limits of the torque, and (for +, for -) the lowest of them in N m.
+
+    ``counted_Nm``: losses as the design's ``limits.losses`` says.
+    """
+
+    limits: tuple[TorqueLimit, ...]
+    counted_Nm: tuple[float, float]
+    lossless_Nm: tuple[float, float]
+    with_losses_Nm: tuple[float, float]
+
+
+def peak_torques(drive: Drive) -> PeakTorques:
+    """The peak torques of :func:`analyse` alone. Raises ``ModelError`` as it does."""
+    return _peak_torques(drive, to_si(drive), tension_limit_N(drive))
+
+
+def reversal_swing_mrad(drive: Drive) -> float:
+    """The swing of :func:`analyse` alone. Raises ``ModelError`` as it does."""
+    return _swing_mrad(_endless(to_si(drive)), drive.loads.test_torque_Nm)
+
+
+def _endless(d: DriveSI) -> DriveSI:
+    return d.with_(input_wrap_rad=np.full(d.n_cables, np.inf), drum_wrap_rad=np.full(d.n_cables, np.inf))
+
+
+def _swing_mrad(endless: DriveSI, load_Nm: float) -> float:
+    return float(drum_backlash(endless, load_Nm).reversal_swing_rad) * 1e3
+
+
+def _peak_torques(drive: Drive, d: DriveSI, strength_N: float) -> PeakTorques:
+    limits, lossless = _limits(drive, d, strength_N), motor_rating(drive)
+    in_force = MOTOR_LOSSY if drive.limits.counts_losses else lossless
+    counted, free, lossy = (lowest_each_way(limits, cause) for cause in (in_force, lossless, MOTOR_LOSSY))
+    return PeakTorques(limits, counted, free, lossy)
 
 
 def _limits(drive: Drive, d: DriveSI, strength_N: float) -> tuple[TorqueLimit, ...]:

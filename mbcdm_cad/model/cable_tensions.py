@@ -18,8 +18,8 @@ class CableTensions:
     def __init__(self, drive: Drive, si: DriveSI) -> None:
         peak, test = drive.loads.peak_torque_Nm, drive.loads.test_torque_Nm
         self.si, self._loads = si, drive.loads
-        torques = np.array([0.0, peak, -peak, test, -test])
-        self.equilibrium = solve_equilibrium(si, torques)
+        self.torques_Nm = np.array([0.0, peak, -peak, test, -test])
+        self.equilibrium = solve_equilibrium(si, self.torques_Nm)
         tension = self.equilibrium.tension_N
         self.idle, self.peak_forward, self.peak_back, self.test_forward, self.test_back = tension.T
         self.input_torque_Nm = self.equilibrium.input_torque_Nm(si).T  # (state, input), states as above

@@ -1,4 +1,4 @@
-"""Folded plates: rectangular flat shell elements on a coarse grid, solved plane by plane along x. Numpy only.
+"""Folded plates: rectangular flat shell elements on a coarse grid, solved plane by plane. Numpy only.
 
 Each element is a four-node plate parallel to two axes: in its plane bilinear with two bending modes condensed out, out
 of it Reissner-Mindlin with assumed shear strains, so that neither thin nor stubby plates lock. Six freedoms a node,
@@ -12,9 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mbcdm_cad.model.block_rows import Ints, solve_by_rows
 from mbcdm_cad.routes import Floats
-
-Ints = NDArray[np.int64]
 
 # Corners of an element in its own (u, v), and the Gauss points.
 _CORNERS = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
@@ -28,7 +27,7 @@ _SHEAR_FACTOR = 5.0 / 6.0
 @dataclass(frozen=True, eq=False)
 class Plates:
     """Elements: corner nodes (n, 4) counted from the lower corner anticlockwise in (u, v), axis of the normal,
-    thickness and the panel each belongs to. ``node_mm`` (m, 3) must be sorted by x."""
+    thickness and the panel each belongs to. All panels share the planes of one grid."""
 
     node_mm: Floats
     corner: Ints
@@ -98,38 +97,31 @@ def sides(plates: Plates) -> Floats:
 def solve(plates: Plates, element: Floats, held: NDArray[np.bool_], ground: Floats, load: Floats) -> Floats:
     """Displacements (6 m,) under ``load`` (6 m,); ``held`` freedoms stay zero, ``ground`` are springs to the base.
 
-    Elements reach from one plane of nodes to the next at most, so the matrix is block tridiagonal along x.
-    Raises ``numpy.linalg.LinAlgError`` if the plates are not held.
+    Planes of nodes across an axis are the rows of a block tridiagonal matrix. Raises ``numpy.linalg.LinAlgError`` if
+    the plates are not held.
     """
-    x = plates.node_mm[:, 0]
-    plane = np.concatenate([[0], np.cumsum(np.diff(x) > 1e-9)])
-    last = int(plane[-1])
-    start = np.searchsorted(plane, np.arange(last + 2)) * 6
-    size = np.diff(start)
-    where = freedoms(plates)
-    first = plane[plates.corner].min(axis=1)
+    plane = np.repeat(_planes(plates), 6)
+    free = np.flatnonzero(~held)
+    free = free[np.argsort(plane[free], kind="stable")]
+    number = np.full(len(load), -1)
+    number[free] = np.arange(len(free))
     displacement = np.zeros(len(load))
-    force = np.where(held, 0.0, load)
-    steps: list[tuple[Floats, Floats]] = []
-    carried, carried_load = np.zeros((size[0], size[0])), np.zeros(size[0])
-    for i in range(last + 1):
-        own = size[i] + (size[i + 1] if i < last else 0)
-        block = np.zeros((own, own))
-        chosen = first == i
-        local = where[chosen] - start[i]
-        np.add.at(block, (local[:, :, None], local[:, None, :]), element[chosen])
-        free = ~held[start[i] : start[i] + own]
-        block *= free[:, None] & free[None, :]
-        n = size[i]
-        own_block = block[:n, :n] + carried + np.diag(ground[start[i] : start[i + 1]] + ~free[:n])
-        right = force[start[i] : start[i + 1]] + carried_load
-        answer = np.linalg.solve(own_block, np.column_stack([block[:n, n:], right]))
-        gain, rest = answer[:, :-1], answer[:, -1]
-        steps.append((gain, rest))
-        carried = block[n:, n:] - block[n:, :n] @ gain
-        carried_load = -block[n:, :n] @ rest
-    for i in range(last, -1, -1):
-        gain, rest = steps[i]
-        following = displacement[start[i + 1] : start[i + 1] + gain.shape[1]]
-        displacement[start[i] : start[i + 1]] = rest - gain @ following
+    moved = solve_by_rows(plane[free], number[freedoms(plates)], element, load[free, None], ground[free])
+    displacement[free] = moved[:, 0]
     return displacement
+
+
+def _planes(plates: Plates) -> Ints:
+    """The plane (m,) of each node across the axis whose planes are solved with the least work.
+
+    Elements reach from one plane to the next at most.
+    """
+    best, least = np.zeros(0, dtype=np.int64), np.inf
+    for at in plates.node_mm.T:
+        _, plane = np.unique(at.round(9), return_inverse=True)
+        reach = plane[plates.corner]
+        size = np.bincount(plane).astype(float)
+        work = float((size * (size + np.append(size[1:], 0.0)) ** 2).sum())
+        if work < least and (reach.max(axis=1) - reach.min(axis=1) <= 1).all():
+            best, least = plane, work
+    return best

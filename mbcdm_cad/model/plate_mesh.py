@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mbcdm_cad.design.bought import Material
-from mbcdm_cad.model.folded_plates import Ints, Plates, freedoms, sides, solve, stiffness
+from mbcdm_cad.model.block_rows import Ints
+from mbcdm_cad.model.folded_plates import Plates, freedoms, sides, solve, stiffness
 from mbcdm_cad.routes import Floats
 
 # Elements longer than this are split. Elements of 3 mm raise the reference frame's windup by 3 % and cost five times as

@@ -276,8 +276,15 @@ def routed(drive: Drive) -> RoutedDrive:
 
 
 def to_si(drive: Drive) -> DriveSI:
-    """Convert a design to SI. Raises ``ModelError`` if a cable names an input that the drive does not have."""
+    """A design in SI; the same object for the same drive, so that what follows from it is worked out once.
+
+    Raises ``ModelError`` if a cable names an input that the drive does not have.
+    """
     found = routed(drive)
+    return drive.layout.once("si", lambda _: _converted(drive, found))
+
+
+def _converted(drive: Drive, found: RoutedDrive) -> DriveSI:
     n = len(found.geometry.cable_names)
     unlimited = np.full(n, np.inf)
     return DriveSI(

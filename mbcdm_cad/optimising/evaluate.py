@@ -17,12 +17,15 @@ from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.optimising.figures import FIGURES, Facts, figure
 from mbcdm_cad.optimising.wishes import Keep
-from mbcdm_cad.solving.question import Point, Question
+from mbcdm_cad.solving.question import Point, Question, stated
 from mbcdm_cad.solving.trials import LAST, missed, must_hold
 
 # Checks that solve finite elements: they run only on a design that passes all others.
-ELEMENTS = frozenset({"drum_stress", "frame_windup", "stiffness"})
-LATE = LAST | ELEMENTS
+WINDUP = "frame_windup"
+ELEMENTS = frozenset({"drum_stress", WINDUP, "stiffness"})
+# Figures without a limit, which fail only where the model has no answer.
+NOTED = frozenset({"wrap_slip_test", "wrap_slip_peak"})
+LATE = LAST | ELEMENTS | NOTED
 # What a design that fails an early check adds, so that one that fails only late checks is always nearer to a pass.
 EARLY = 4.0 * len(LATE)
 # Violation of a point that gives no drive.
@@ -61,21 +64,26 @@ class Evaluated:
 def evaluate(question: Question, point: Point, keeps: Sequence[Keep], names: Sequence[str]) -> Evaluated:
     """Evaluate a point; ``names`` are the figures wanted beside those of :data:`FIGURES`.
 
-    The file that states the point decides: where a rule changes because a value is stated, that design counts.
+    The file that states the point decides: where a rule changes because a value is stated, that design counts. A design
+    that fails a check without finite elements is judged with the walls with which its rules begin.
     """
     with np.errstate(all="ignore"), warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
         try:
             data, moved = question.trial(point)
-            found = question.resolve(data, moved)
+            found = question.resolve(data, moved, first=True)
             failing = _failing(found, early=True)
+            if not failing and _bends_too_much(question, found):
+                found = question.resolve(data, moved)
+                failing = _failing(found, early=True)
             if failing:
                 return Evaluated(failing)
-            data = question.as_written(point) if moved else data
-            as_stated = question.resolve(data, {}) if moved else found
-            if as_stated.design != found.design:
+            if moved:
+                data = stated(data, moved, found)
+                as_stated = question.resolve(data, {})
+                if as_stated.design != found.design:
+                    failing = _failing(as_stated, early=True)
                 found = as_stated
-                failing = _failing(found, early=True)
             failing = failing or _failing(found, early=False)
             if failing:
                 return Evaluated(failing)
@@ -98,6 +106,14 @@ def _failing(found: Resolved, *, early: bool) -> tuple[tuple[str, float], ...]:
     ]
     misses = [(check.id, missed(check, drive.layout)) for check in asked]
     return tuple((name, float(f"{miss:.9g}")) for name, miss in misses if miss)
+
+
+def _bends_too_much(question: Question, found: Resolved) -> bool:
+    """Whether the sizing rules may stiffen a design that they have only begun."""
+    drive = found.drive
+    return question.file.size_first is not None and any(
+        missed(check, drive.layout) for check in checks_of(drive) if check.id == WINDUP
+    )
 
 
 def facts_of(found: Resolved) -> Facts:

@@ -10,18 +10,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mbcdm_cad.checks.comparison import Check
-from mbcdm_cad.checks.estimated_mass import estimated_mass_g
+from mbcdm_cad.checks.estimated_mass import kept_mass_g
 from mbcdm_cad.design.dotted import value_at
 from mbcdm_cad.errors import MbcdmError, did_you_mean
 from mbcdm_cad.layouts.base import NoFigureError
-from mbcdm_cad.model import analyse
+from mbcdm_cad.model.analysis import PeakTorques, peak_torques, reversal_swing_mrad
 from mbcdm_cad.model.capability import torque_to_weight_Nm_kg
 from mbcdm_cad.report.structure import StructureReport, structure_report
 from mbcdm_cad.solving.trials import checks_by_id
 
 if TYPE_CHECKING:
     from mbcdm_cad.design.drive import Drive
-    from mbcdm_cad.model import Analysis
     from mbcdm_cad.solving.question import Question
 
 # Figures are kept to this many significant digits: a linear algebra library with another number of threads changes the
@@ -39,14 +38,19 @@ class Facts:
         self.data = data
 
     @cached_property
-    def analysis(self) -> Analysis:
-        """The figures of the model."""
-        return analyse(self.drive)
+    def torques(self) -> PeakTorques:
+        """Peak torques both ways."""
+        return peak_torques(self.drive)
+
+    @cached_property
+    def cable_swing_mrad(self) -> float:
+        """Swing of the drum at a reversal of the test torque by the cables alone."""
+        return reversal_swing_mrad(self.drive)
 
     @cached_property
     def mass_g(self) -> float:
         """The estimated mass, from closed forms."""
-        return estimated_mass_g(self.layout.bill())
+        return kept_mass_g(self.layout, lambda s: s.bill())
 
     @cached_property
     def structure(self) -> StructureReport:
@@ -87,10 +91,6 @@ def _bend_ratio(f: Facts) -> float:
     return 2.0 * min(radius for *_, radius in f.layout.bends_mm()) / f.drive.cable.diameter_mm
 
 
-def _least(f: Facts, name: str) -> float:
-    return float(min(getattr(f.analysis, name)))
-
-
 FIGURES: dict[str, DesignFigure] = {
     "mass_g": DesignFigure("estimated mass of all parts", "g", lambda f: f.mass_g),
     "swing_mrad": DesignFigure(
@@ -101,7 +101,7 @@ FIGURES: dict[str, DesignFigure] = {
     "cable_swing_mrad": DesignFigure(
         "swing of the drum at a reversal of the test torque, cables alone, as in the paper",
         "mrad",
-        lambda f: f.analysis.reversal_swing_mrad,
+        lambda f: f.cable_swing_mrad,
     ),
     "stiffness_Nm_rad": DesignFigure(
         "stiffness at the payload", "N m/rad", lambda f: f.structure.structure.stiffness_Nm_rad
@@ -112,26 +112,26 @@ FIGURES: dict[str, DesignFigure] = {
     "torque_Nm": DesignFigure(
         "peak torque in the weaker direction, losses as limits.losses says",
         "N m",
-        lambda f: _least(f, "peak_torque_Nm"),
+        lambda f: min(f.torques.counted_Nm),
     ),
     "torque_lossless_Nm": DesignFigure(
-        "peak torque in the weaker direction without losses", "N m", lambda f: _least(f, "peak_torque_lossless_Nm")
+        "peak torque in the weaker direction without losses", "N m", lambda f: min(f.torques.lossless_Nm)
     ),
     "torque_with_losses_Nm": DesignFigure(
-        "peak torque in the weaker direction with all losses", "N m", lambda f: _least(f, "peak_torque_with_losses_Nm")
+        "peak torque in the weaker direction with all losses", "N m", lambda f: min(f.torques.with_losses_Nm)
     ),
     "torque_to_weight_Nm_kg": DesignFigure(
-        "torque_Nm over the mass", "N m/kg", lambda f: torque_to_weight_Nm_kg(_least(f, "peak_torque_Nm"), f.mass_g)
+        "torque_Nm over the mass", "N m/kg", lambda f: torque_to_weight_Nm_kg(min(f.torques.counted_Nm), f.mass_g)
     ),
     "torque_to_weight_lossless_Nm_kg": DesignFigure(
         "torque_lossless_Nm over the mass",
         "N m/kg",
-        lambda f: torque_to_weight_Nm_kg(_least(f, "peak_torque_lossless_Nm"), f.mass_g),
+        lambda f: torque_to_weight_Nm_kg(min(f.torques.lossless_Nm), f.mass_g),
     ),
     "torque_to_weight_with_losses_Nm_kg": DesignFigure(
         "torque_with_losses_Nm over the mass",
         "N m/kg",
-        lambda f: torque_to_weight_Nm_kg(_least(f, "peak_torque_with_losses_Nm"), f.mass_g),
+        lambda f: torque_to_weight_Nm_kg(min(f.torques.with_losses_Nm), f.mass_g),
     ),
     "efficiency": DesignFigure("at the peak torque, motors moving the load", "-", lambda f: f.efficiency),
     "bend_ratio": DesignFigure(

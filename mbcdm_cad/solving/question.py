@@ -142,23 +142,20 @@ class Question:
         found = self.freedoms[field].stretch(value, factor) if factor != 1.0 else value
         return self.ranges[field].within(found) if field in self.ranges else found
 
-    def resolve(self, data: dict[str, Any], moved: Mapping[str, Any], similar: Sizing | None = None) -> Resolved:
+    def resolve(
+        self, data: dict[str, Any], moved: Mapping[str, Any], similar: Sizing | None = None, *, first: bool = False
+    ) -> Resolved:
         """The drive of this data; ``similar``: a sizing whose values are the first guesses of the rules.
 
-        Raises InputError if the data describe none.
+        ``first``: without finite elements, as far as the rules can do without. Raises InputError if the data describe
+        no drive.
         """
-        return resolved(Tree(data, self.tree.lines), self.path, self.file, moved, similar)
+        return resolved(Tree(data, self.tree.lines), self.path, self.file, moved, similar, first=first)
 
     def as_written(self, point: Point) -> dict[str, Any]:
         """The data of a file that states every changed value. Raises InputError as :meth:`resolve`."""
         data, moved = self.trial(point)
-        if not moved:
-            return data
-        sized = {value.field: value.value for value in self.resolve(data, moved).sized}
-        for field in moved:
-            if field in sized:
-                put(data, field, sized[field])
-        return data
+        return stated(data, moved, self.resolve(data, moved)) if moved else data
 
     def relaxed(self, point: Point) -> Question:
         """The same question for the file with the values of ``point``."""
@@ -218,6 +215,16 @@ def _refuse_what_is_wrong(question: Question) -> None:
         if all(problem.may_move for problem in error.problems):
             return
         raise
+
+
+def stated(data: Mapping[str, Any], moved: Mapping[str, Any], found: Resolved) -> dict[str, Any]:
+    """A trial's data with the values that its design ``found`` has for the fields whose rules were changed."""
+    whole = copy.deepcopy(dict(data))
+    sized = {value.field: value.value for value in found.sized}
+    for field in moved:
+        if field in sized:
+            put(whole, field, sized[field])
+    return whole
 
 
 def _outer(field: str) -> Iterator[str]:

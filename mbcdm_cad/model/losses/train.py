@@ -202,23 +202,36 @@ class Train:
         and friction alone take all of the torque.
         """
         given = np.asarray(output_Nm, float)
+        if given.ndim:
+            return self._raised(given, direction)
+        key = float(given), direction
+        if key not in self._raised_before:
+            self._raised_before[key] = self._raised(given, direction)
+        return self._raised_before[key]
+
+    @cached_property
+    def _raised_before(self) -> dict[tuple[float, int], Floats]:
+        """Loads by (output, direction): several checks ask for the same."""
+        return {}
+
+    def _raised(self, given: Floats, direction: int) -> Floats:
         output = given.reshape(-1)
         d, idle = self.d, self._unloaded.tension_N[:, None]
-        wide, lever = d.lifted(output.shape), d.column(d.sigma * d.drum_radius_m, 2)
+        n = d.n_inputs
+        wide, lever = d.lifted((n, len(output))), d.column(d.sigma * d.drum_radius_m, 3)
         spent = direction * sum_per_input(d, idle, d.column(d.input_radius_m, 2))
         spent = spent + sum_per_input_size(d, self.rope_share, idle)
-        loads = []
-        for i in range(d.n_inputs):
-            weight = d.column((d.sigma + direction * self.rope_share) * d.input_radius_m * d.of_input(i), 2)
-            tension = idle
-            # The friction of the bearings follows the tensions, which it hardly changes: two steps are enough.
-            for _ in range(2):
-                limit = output - self._bearings_at_inputs(tension)[i]
-                moves = limit > spent[i]
-                tension = solve_weighted(wide, weight, direction * np.where(moves, limit, spent[i])).tension_N
-            load = direction * (lever * tension).sum(axis=0)
-            loads.append(np.where(moves, load, 0.0).reshape(given.shape))
-        return np.array(loads)
+        # One case for each input, which carries the load alone as far as its motor is concerned.
+        pulled = np.stack([d.of_input(i) for i in range(n)], axis=1)
+        weight = ((d.sigma + direction * self.rope_share) * d.input_radius_m)[:, None] * pulled
+        tension = np.broadcast_to(idle[:, None], (d.n_cables, n, len(output)))
+        # The friction of the bearings follows the tensions, which it hardly changes: two steps are enough.
+        for _ in range(2):
+            limit = output - np.stack([self._bearings_at_inputs(tension[:, i])[i] for i in range(n)])
+            moves = limit > spent
+            tension = solve_weighted(wide, weight[:, :, None], direction * np.where(moves, limit, spent)).tension_N
+        load = direction * (lever * tension).sum(axis=0)
+        return np.where(moves, load, 0.0).reshape(n, *given.shape)
 
     def rating_Nm(self, output_Nm: Floats | float) -> float:
         """Torque at an input that a drive without losses would need for the load that this one moves in its worse way.

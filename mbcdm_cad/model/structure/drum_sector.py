@@ -16,7 +16,8 @@ from math import log, pi
 
 import numpy as np
 
-from mbcdm_cad.model.structure.plane_stress import Ints, elements, solve, stresses_MPa, von_mises_MPa
+from mbcdm_cad.model.block_rows import Ints
+from mbcdm_cad.model.structure.plane_stress import elements, solve, stresses_MPa, von_mises_MPa
 from mbcdm_cad.model.structure.sector_mesh import SectorMesh, SectorShape, sector_mesh
 from mbcdm_cad.routes import Floats
 

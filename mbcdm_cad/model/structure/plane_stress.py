@@ -9,11 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mbcdm_cad.model.block_rows import Ints, solve_by_rows
 from mbcdm_cad.routes import Floats
-
-Ints = NDArray[np.int64]
 
 _CORNERS = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
 _GAUSS = _CORNERS / np.sqrt(3.0)
@@ -36,14 +34,14 @@ def elements(node_mm: Floats, corner: Ints, thickness_mm: Floats, modulus_MPa: f
     count = len(corner)
     triangle = corner[:, 2] == corner[:, 3]
     _, centre = _jacobian(xy, (0.0, 0.0))
-    centre_det = np.linalg.det(centre)
-    inverse_centre = np.linalg.inv(centre)
-    full = np.zeros((count, 12, 12))
+    inverse_centre, centre_det = _inverse(centre)
     strains = np.zeros((count, 4, 3, 12))
+    weight = np.empty((count, 4))
     for k, (p, q) in enumerate(_GAUSS):
         shape, jacobian = _jacobian(xy, (p, q))
-        det = np.linalg.det(jacobian)
-        gradient = np.linalg.solve(jacobian, np.broadcast_to(shape, (count, 2, 4)))
+        inverse, det = _inverse(jacobian)
+        weight[:, k] = det * thickness_mm
+        gradient = inverse @ shape
         b = strains[:, k]
         b[:, 0, 0:8:2], b[:, 1, 1:8:2] = gradient[:, 0], gradient[:, 1]
         b[:, 2, 0:8:2], b[:, 2, 1:8:2] = gradient[:, 1], gradient[:, 0]
@@ -53,11 +51,21 @@ def elements(node_mm: Floats, corner: Ints, thickness_mm: Floats, modulus_MPa: f
             at = 8 + 2 * mode
             b[:, 0, at], b[:, 1, at + 1] = bow[:, 0], bow[:, 1]
             b[:, 2, at], b[:, 2, at + 1] = bow[:, 1], bow[:, 0]
-        full += b.transpose(0, 2, 1) @ (law @ b * (det * thickness_mm)[:, None, None])
+    # All four points in one product: many small ones take longer.
+    stressed = (law @ strains * weight[:, :, None, None]).reshape(count, 12, 12)
+    full = strains.reshape(count, 12, 12).transpose(0, 2, 1) @ stressed
     inner = full[:, 8:, 8:] + np.where(triangle, 1.0, 0.0)[:, None, None] * np.eye(4)
     follow = -np.linalg.solve(inner, full[:, 8:, :8])
     stiffness = full[:, :8, :8] + full[:, :8, 8:] @ follow
-    return Elements(stiffness, strains[..., :8] + strains[..., 8:] @ follow[:, None], law)
+    strain = strains.reshape(count, 12, 12)
+    return Elements(stiffness, (strain[:, :, :8] + strain[:, :, 8:] @ follow).reshape(count, 4, 3, 8), law)
+
+
+def _inverse(jacobian: Floats) -> tuple[Floats, Floats]:
+    """Inverses (n, 2, 2) and determinants (n,)."""
+    (a, b), (c, d) = jacobian[:, 0].T, jacobian[:, 1].T
+    det = a * d - b * c
+    return np.stack([d, -b, -c, a], axis=1).reshape(-1, 2, 2) / det[:, None, None], det
 
 
 def _jacobian(xy: Floats, at: tuple[float, float]) -> tuple[Floats, Floats]:
@@ -70,47 +78,21 @@ def _jacobian(xy: Floats, at: tuple[float, float]) -> tuple[Floats, Floats]:
 def solve(corner: Ints, row: Ints, stiffness: Floats, load: Floats) -> Floats:
     """Displacements (2 m, k) under the loads (2 m, k). ``row`` (m,) of each node, ascending.
 
-    Elements reach from one row to the next at most, so the matrix is block tridiagonal.
-    Raises ``numpy.linalg.LinAlgError`` if the mesh is not held.
+    Elements reach from one row to the next at most. Raises ``numpy.linalg.LinAlgError`` if the mesh is not held.
     """
-    count = int(row[-1]) + 1
-    start = np.searchsorted(row, np.arange(count + 1)) * 2
-    size = np.diff(start)
-    where = (2 * corner[:, :, None] + np.arange(2)).reshape(len(corner), 8)
-    # One flat array holds, for each row, the block of its own freedoms beside that of the next row's.
-    width = size + np.append(size[1:], 0)
-    offset = np.concatenate([[0], np.cumsum(size * width)])
-    of_row = np.repeat(np.arange(count), size)
-    r, c = (np.broadcast_to(k, stiffness.shape).ravel() for k in (where[:, :, None], where[:, None, :]))
-    upper = of_row[r] <= of_row[c]
-    r, c, value = r[upper], c[upper], stiffness.ravel()[upper]
-    own = of_row[r]
-    flat = np.bincount(offset[own] + (r - start[own]) * width[own] + c - start[own], value, int(offset[-1]))
-    answer = np.zeros_like(load)
-    gains: list[Floats] = []
-    rests: list[Floats] = []
-    carried, carried_force = np.zeros((size[0], size[0])), np.zeros((size[0], load.shape[1]))
-    for i in range(count):
-        n = size[i]
-        block = flat[offset[i] : offset[i + 1]].reshape(n, width[i])
-        beside = block[:, n:]
-        right = np.column_stack([beside, load[start[i] : start[i + 1]] + carried_force])
-        solved = np.linalg.solve(block[:, :n] + carried, right)
-        gain, rest = solved[:, : width[i] - n], solved[:, width[i] - n :]
-        gains.append(gain)
-        rests.append(rest)
-        carried, carried_force = -beside.T @ gain, -beside.T @ rest
-    following = np.zeros((0, load.shape[1]))
-    for i in range(count - 1, -1, -1):
-        following = rests[i] - gains[i] @ following
-        answer[start[i] : start[i + 1]] = following
-    return answer
+    return solve_by_rows(np.repeat(row, 2), _freedoms(corner), stiffness, load)
+
+
+def _freedoms(corner: Ints) -> Ints:
+    """Freedoms (n, 8) of the corners."""
+    return (2 * corner[:, :, None] + np.arange(2)).reshape(len(corner), 8)
 
 
 def stresses_MPa(e: Elements, corner: Ints, displacement: Floats) -> Floats:
     """Stresses (n, 4, 3) as (x, y, shear) at the Gauss points under displacements (2 m,)."""
-    local = displacement[(2 * corner[:, :, None] + np.arange(2)).reshape(len(corner), 8)]
-    return np.asarray(np.einsum("ab,nkbc,nc->nka", e.law, e.strain, local))
+    local = displacement[_freedoms(corner)]
+    strain = e.strain.reshape(len(local), 12, 8) @ local[:, :, None]
+    return np.asarray(strain.reshape(len(local), 4, 3) @ e.law)
 
 
 def von_mises_MPa(stress_MPa: Floats) -> Floats:

@@ -16,7 +16,7 @@ from math import ceil, pi, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.model.structure.plane_stress import Ints
+from mbcdm_cad.model.block_rows import Ints
 from mbcdm_cad.routes import Floats
 
 Bools = NDArray[np.bool_]
@@ -197,12 +197,23 @@ def _floor(
     """Mean height (n,) at which the metal of each cell starts; ``lines`` and ``cells`` are (radial, angular)."""
     (radii, angles), (j, i), (start, end) = lines, cells, ends
     at = (np.arange(SAMPLES) + 0.5) / SAMPLES
-    r = radii[j][:, None, None] + np.diff(radii)[j][:, None, None] * at[None, :, None]
-    a = angles[i][:, None, None] + np.diff(angles)[i][:, None, None] * at[None, None, :]
-    floor = np.broadcast_to(start[:, None, None], np.broadcast_shapes(r.shape, a.shape)).copy()
+    below, wide = np.diff(radii)[j], np.diff(angles)[i]
+    floor = start.copy()
+    # Only cells that a pocket may reach: beyond its least radius, and within the angle of its furthest corner.
+    reached = np.zeros(len(j), dtype=bool)
+    for p in pockets:
+        corner = np.arctan2(np.array(p.along_mm), p.radius_mm + np.array(p.out_mm)[:, None]) + p.at_rad
+        turned = p.side * (angles[i] + wide / 2.0)
+        near = (turned > corner.min() - wide) & (turned < corner.max() + wide)
+        reached |= near & (radii[j] + below > p.radius_mm + p.out_mm[0])
+    near = np.flatnonzero(reached)
+    r = radii[j[near]][:, None, None] + below[near][:, None, None] * at[None, :, None]
+    a = angles[i[near]][:, None, None] + wide[near][:, None, None] * at[None, None, :]
+    sampled = np.broadcast_to(start[near][:, None, None], np.broadcast_shapes(r.shape, a.shape)).copy()
     for p in pockets:
         turn = p.side * a - p.at_rad
         out, along = r * np.cos(turn) - p.radius_mm, r * np.sin(turn)
         inside = (along > p.along_mm[0]) & (along < p.along_mm[1]) & (out > p.out_mm[0]) & (out < p.out_mm[1])
-        np.maximum(floor, p.floor_mm, out=floor, where=inside)
-    return np.asarray(np.minimum(floor, end[:, None, None]).mean(axis=(1, 2)))
+        np.maximum(sampled, p.floor_mm, out=sampled, where=inside)
+    floor[near] = np.minimum(sampled, end[near][:, None, None]).mean(axis=(1, 2))
+    return np.asarray(np.minimum(floor, end))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache
 from math import inf, pi
 
 from mbcdm_cad.design.blocks import Payload
@@ -134,7 +135,8 @@ def payload_joint(
     return holding[0] if holding else max(walled, key=lambda j: j.clamp_N)
 
 
-def start_deg(screws: int, away_from_deg: Sequence[float]) -> float:
+@cache
+def start_deg(screws: int, away_from_deg: tuple[float, ...]) -> float:
     """Angle of the first screw with which the nearest of all is furthest from these directions."""
 
     def nearest(start: float) -> float:

@@ -44,4 +44,5 @@ DESIGN_FILE = DesignFile(
     _SIZING.freedoms,
     STARTING,
     _size_many,
+    _SIZING.size_first,
 )

@@ -116,6 +116,15 @@ def size(data: dict[str, Any], moved: Moved | None = None, similar: Sizing | Non
 
     Raises ``SizingError`` where a requirement is missing.
     """
+    return _sized(data, moved, first=False)
+
+
+def size_first(data: dict[str, Any], moved: Moved | None = None) -> Sizing:
+    """The same with the walls with which the rules begin, even where the frame then bends too much."""
+    return _sized(data, moved, first=True)
+
+
+def _sized(data: dict[str, Any], moved: Moved | None, *, first: bool) -> Sizing:
     missing = list(_missing(BevelKnown(data)))
     if missing:
         raise SizingError(*missing)
@@ -124,7 +133,7 @@ def size(data: dict[str, Any], moved: Moved | None = None, similar: Sizing | Non
         given = BevelKnown(copy.deepcopy(data), start)
         return given, fill(given, RULES, moved)
 
-    return with_strong_frame(filled_from)
+    return with_strong_frame(filled_from, first=first)
 
 
 def _missing(given: BevelKnown) -> Any:

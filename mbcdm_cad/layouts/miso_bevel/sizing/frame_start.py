@@ -7,6 +7,7 @@ from dataclasses import replace
 from math import inf
 
 from mbcdm_cad.checks.structure import frame_windup, mounting_screws
+from mbcdm_cad.design.drive import met
 from mbcdm_cad.design.sized import Sizing, SizingError
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
@@ -23,8 +24,11 @@ MOST = 3.0
 Filled = tuple[BevelKnown, Sizing]
 
 
-def with_strong_frame(filled_from: Callable[[FrameStart], Filled]) -> Sizing:
-    """The sizing from the least start with which screws and walls hold, else from the one whose walls bend least."""
+def with_strong_frame(filled_from: Callable[[FrameStart], Filled], *, first: bool = False) -> Sizing:
+    """The sizing from the least start with which screws and walls hold, else from the one whose walls bend least.
+
+    ``first``: from the least start with which the screws hold.
+    """
     start = FrameStart()
     while True:
         given, sizing = filled_from(start)
@@ -32,6 +36,8 @@ def with_strong_frame(filled_from: Callable[[FrameStart], Filled]) -> Sizing:
         if screw is None:
             break
         start = replace(start, mount_screw=screw)
+    if first:
+        return sizing
     over, best = _over_limit(given, sizing), sizing
     least = over
     while 1.0 < over < inf and start.stiffer < MOST:
@@ -51,7 +57,7 @@ def _thicker_screw(given: BevelKnown, sizing: Sizing) -> str | None:
     if not thicker or not _chosen(sizing, (MOUNT_SCREW,)):
         return None
     try:
-        return None if mounting_screws(BevelLayout(given.trial())).holds else thicker[0]
+        return None if mounting_screws(_layout(given)).holds else thicker[0]
     except (NoFigureError, SizingError):
         return None  # what is wrong with the drive is said by the rules of the file and by the checks
 
@@ -61,7 +67,7 @@ def _over_limit(given: BevelKnown, sizing: Sizing) -> float:
     if not _chosen(sizing, WALLS):
         return 0.0
     try:
-        found = frame_windup(BevelLayout(given.trial()))
+        found = frame_windup(_layout(given))
     except (NoFigureError, SizingError):
         return inf
     return found.actual / found.limit
@@ -69,3 +75,9 @@ def _over_limit(given: BevelKnown, sizing: Sizing) -> float:
 
 def _chosen(sizing: Sizing, fields: tuple[str, ...]) -> bool:
     return any(value.field in fields for value in sizing.values)
+
+
+def _layout(given: BevelKnown) -> BevelLayout:
+    found = met(given.trial()).layout
+    assert isinstance(found, BevelLayout)
+    return found

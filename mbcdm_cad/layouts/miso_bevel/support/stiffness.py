@@ -28,7 +28,7 @@ from mbcdm_cad.layouts.base import FrameCompliance, FrameStudy
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.support.loads import SeatLoads, seat_loads
 from mbcdm_cad.layouts.miso_bevel.support.panels import mounts, support_mesh
-from mbcdm_cad.model.folded_plates import Ints
+from mbcdm_cad.model.block_rows import Ints
 from mbcdm_cad.model.plate_mesh import GPA_TO_MPA, URAD_PER_MRAD, PlateMesh, centred_load, shares_urad, statically
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.model.stiffness import unit_tensions_N

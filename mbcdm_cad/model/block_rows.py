@@ -1,0 +1,63 @@
+"""Direct solution of a mesh whose elements reach from one row of freedoms to the next at most: block tridiagonal.
+
+Rows are planes of nodes of a grid. Numpy only, because ``check`` must start fast.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mbcdm_cad.routes import Floats
+
+Ints = NDArray[np.int64]
+
+
+def solve_by_rows(row: Ints, where: Ints, stiffness: Floats, load: Floats, ground: Floats | None = None) -> Floats:
+    """Displacements (m, k) under the loads (m, k) of freedoms in the order of their ``row`` (m,).
+
+    ``where`` (n, f): the freedoms of each element, below zero for those that are held; ``stiffness`` (n, f, f);
+    ``ground`` (m,): springs to the base. Raises ``numpy.linalg.LinAlgError`` if the mesh is not held.
+    """
+    count = int(row[-1]) + 1
+    start = np.searchsorted(row, np.arange(count + 1))
+    size = np.diff(start)
+    # One flat array holds, for each row, the block of its own freedoms beside that of the next row's.
+    width = size + np.append(size[1:], 0)
+    offset = np.concatenate([[0], np.cumsum(size * width)])
+    flat = np.bincount(*_entries(row, where, stiffness, offset[row] - start[row] * (width[row] + 1), width[row]))
+    flat = np.append(flat, np.zeros(offset[-1] - len(flat)))
+    if ground is not None:
+        flat[offset[row] + (np.arange(len(row)) - start[row]) * (width[row] + 1)] += ground
+    gains: list[Floats] = []
+    rests: list[Floats] = []
+    carried, carried_force = np.zeros((size[0], size[0])), np.zeros((size[0], load.shape[1]))
+    for i in range(count):
+        n = size[i]
+        block = flat[offset[i] : offset[i + 1]].reshape(n, width[i])
+        beside = block[:, n:]
+        right = np.concatenate([beside, load[start[i] : start[i + 1]] + carried_force], axis=1)
+        solved = np.linalg.solve(block[:, :n] + carried, right)
+        gain, rest = solved[:, : width[i] - n], solved[:, width[i] - n :]
+        gains.append(gain)
+        rests.append(rest)
+        carried, carried_force = -beside.T @ gain, -beside.T @ rest
+    answer = np.zeros_like(load)
+    following = np.zeros((0, load.shape[1]))
+    for i in range(count - 1, -1, -1):
+        following = rests[i] - gains[i] @ following
+        answer[start[i] : start[i + 1]] = following
+    return answer
+
+
+def _entries(row: Ints, where: Ints, stiffness: Floats, shift: Ints, width: Ints) -> tuple[Ints, Floats]:
+    """Flat places of the entries in a row's own block and in that beside it, and the entries.
+
+    Entry (r, c) of a row lies at offset + (r - start) width + (c - start), that is ``shift`` + r ``width`` + c.
+    """
+    # Held freedoms are the last of all rows from the left, and the first from above: their entries fall away.
+    held = where < 0
+    of_row = row[where]
+    kept = (of_row[:, :, None] <= of_row[:, None, :]) & ~held[:, :, None] & ~held[:, None, :]
+    first = shift[where] + where * width[where]
+    return (first[:, :, None] + where[:, None, :])[kept], stiffness[kept]
