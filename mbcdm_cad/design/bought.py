@@ -210,6 +210,13 @@ class Gearhead(Entry):
     rated_torque_mNm: Number = entry_field("continuous output torque", "mN m", gt=0.0, le=1e6)
     max_torque_mNm: Number = entry_field("intermittent output torque", "mN m", gt=0.0, le=1e6)
     radial_load_N: Number = entry_field("radial load that the output shaft can take", "N", gt=0.0, le=10000.0)
+    stiffness_Nm_rad: Number | None = entry_field(
+        "torsional stiffness at the output; estimated from the diameter if left out",
+        "N m/rad",
+        default=None,
+        gt=0.0,
+        le=1e7,
+    )
     diameter_mm: Number = entry_field("body diameter", "mm", ge=3.0, le=100.0)
     length_mm: Number = entry_field("body length", "mm", ge=3.0, le=200.0)
     shaft_diameter_mm: Number = entry_field("output shaft diameter", "mm", ge=1.0, le=20.0)

@@ -279,9 +279,10 @@ def _gearheads(layout: SectorLayout, torques_Nm: Floats) -> Iterator[Cause]:
     gear = layout.drive.gearhead
     if gear.absent:
         return
-    stiffness = GEARHEAD_NM_RAD_40 * (gear.diameter_mm / 40.0) ** 3
-    give = float((torques_Nm**2).sum() / stiffness) * 1e6
-    yield Cause("gearheads (estimate)", give, before_input=True, factor=BY_GEARHEADS)
+    stated = gear.stiffness_Nm_rad
+    stiffness = GEARHEAD_NM_RAD_40 * (gear.diameter_mm / 40.0) ** 3 if stated is None else stated
+    name = "gearheads (estimate)" if stated is None else "gearheads"
+    yield Cause(name, float((torques_Nm**2).sum() / stiffness) * 1e6, before_input=True, factor=BY_GEARHEADS)
 
 
 def _inputs(layout: SectorLayout, unit: Floats, torques_Nm: Floats) -> Iterator[Cause]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,7 @@ from mbcdm_cad.api.design import DriveDesign
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.layouts.sector import SectorLayout
+from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 
 PARAMS = Path(__file__).parents[3] / "params"
 REFERENCES = ("mbcdm", "siso_spur", "miso_spur", "siso_bevel")
@@ -60,6 +62,16 @@ def test_two_equal_sectors_share_the_torque() -> None:
 def test_a_drive_without_a_gearhead_has_no_give_of_one() -> None:
     names = [c.name for c in layout_of("gallery/capstan").structure.causes]
     assert not [name for name in names if "gearhead" in name], names
+
+
+def test_a_stated_stiffness_of_the_gearhead_replaces_the_estimate() -> None:
+    # Closed form: a shaft of stiffness k behind the ratio i turns the drum by 1/(k i^2) per N m.
+    drive = load_design(PARAMS / "siso_spur.yaml").drive
+    stiff = replace(drive, gearhead=replace(drive.gearhead, stiffness_Nm_rad=100.0))
+    causes = {c.name: c.urad_Nm for c in SpurLayout(stiff).structure.causes}  # type: ignore[arg-type]
+    ratio = drive.cables[0].drum_radius_mm / drive.cables[0].input_radius_mm
+    assert causes["gearheads"] == pytest.approx(1e6 / (100.0 * ratio**2), rel=1e-6), causes
+    assert "gearheads (estimate)" not in causes
 
 
 def test_json_and_text_carry_the_same_figures() -> None:
