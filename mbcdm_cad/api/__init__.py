@@ -36,7 +36,7 @@ from mbcdm_cad.api.designs import (
     size_many,
     solve,
 )
-from mbcdm_cad.api.runs import MeasuredRun, close_loop, draft_measurement, judge_published, load_run, next_run
+from mbcdm_cad.api.runs import MeasuredRun, close_loop, draft_measurement, judge_published, load_run, next_run, trend
 from mbcdm_cad.errors import InputError, MbcdmError
 from mbcdm_cad.optimising.wishes import Effort
 
@@ -57,6 +57,7 @@ __all__ = [
     "MeasuredRun",
     "close_loop",
     "next_run",
+    "trend",
     "judge_published",
     "draft_measurement",
     "reproduce",

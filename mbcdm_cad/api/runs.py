@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     import pandas
 
     from mbcdm_cad.loop.judge import LoopReport
+    from mbcdm_cad.loop.trend import TrendReport
     from mbcdm_cad.measurement.file import MeasurementFile
     from mbcdm_cad.measurement.reading import Reading
     from mbcdm_cad.measurement.run import Run
@@ -74,14 +75,39 @@ def load_run(path: str | Path) -> MeasuredRun:
 def close_loop(design: DriveDesign, runs: MeasuredRun | str | Path | Iterable[MeasuredRun | str | Path]) -> LoopReport:
     """Find effects that the model of ``design`` lacks, from all measured runs together, as ``mbcdm loop``.
 
-    ``runs``: runs or paths of measurement files. Raises ``InputError`` with all mistakes in them.
+    ``runs``: runs or paths of measurement files, or the path of one study file, whose runs may have values of their
+    own. Raises ``InputError`` with all mistakes in them.
     """
     from mbcdm_cad.loop.judge import judge
+    from mbcdm_cad.loop.study import is_study, load_study
     from mbcdm_cad.measurement.file import load_file
 
     listed = [runs] if isinstance(runs, MeasuredRun | str | Path) else list(runs)
+    if len(listed) == 1 and not isinstance(listed[0], MeasuredRun) and is_study(Path(listed[0])):
+        study = load_study(listed[0])
+        return judge(design.loaded, study.files, study.differs)
     files = [one.file if isinstance(one, MeasuredRun) else load_file(one) for one in listed]
     return judge(design.loaded, files)
+
+
+def trend(study: str | Path, design: DriveDesign | None = None) -> TrendReport:
+    """How what differs from run to run changes from date to date, as ``mbcdm trend``: courses, odds, day at a limit.
+
+    ``study``: the study file with the dates of its runs; ``design``: in place of the one that it names. Raises
+    ``InputError`` with all mistakes in the files, ``MbcdmError`` where dates, runs or figures that differ are missing.
+    """
+    from mbcdm_cad.api.designs import load
+    from mbcdm_cad.loop.judge import judge
+    from mbcdm_cad.loop.study import load_study
+    from mbcdm_cad.loop.trend import refuse_no_trend, trends_of
+
+    found = load_study(study)
+    refuse_no_trend(found)
+    if design is None:
+        if found.content.design is None:
+            raise found.problem((), "no design", remedy="add design: my_drive.yaml, its path from the study file")
+        design = load(found.path.parent / found.content.design)
+    return trends_of(found, judge(design.loaded, found.files, found.differs))
 
 
 def next_run(report: LoopReport) -> NextRun | None:

@@ -137,11 +137,41 @@ def loop(
     """Find effects that the model lacks, from measured runs.
 
     Each MEASUREMENTS file (YAML) describes one run and names the columns of its CSV file. All runs are used together.
+    In place of them, one study file lists the runs and what differs from run to run.
     """
     loaded = api.load(design)  # before the other imports, so that bad input is reported at once
     from mbcdm_cad.cli.loop import Outputs, loop_command
 
     return loop_command(loaded, measurements, Outputs(json_path, as_built, report, correction, next_path))
+
+
+@mbcdm.command(epilog=examples("mbcdm trend study.yaml", "mbcdm trend study.yaml --picture trend.png"))
+@click.argument("study", type=FILE)
+@click.option("--picture", type=FILE, metavar="FILE.png", help="Draw values, courses and limits over the dates.")
+@click.option("--json", "json_path", type=FILE, metavar="FILE", help="Write the result as JSON.")
+def trend(study: Path, picture: Path | None, json_path: Path | None) -> int:
+    """Show how a drive changes from date to date.
+
+    STUDY (YAML) names the design, lists the runs with their dates, and says what differs from run to run. Prints each
+    figure with its course, the odds that it changed, and the day on which a limit of the design is reached.
+    """
+    for path in filter(None, (picture, json_path)):
+        refuse_missing_folder(path)
+        if path.exists():
+            raise InputError(
+                [Problem(str(path), 1, "", "is there already", remedy="choose another name, or remove it")]
+            )
+    report = api.trend(study)
+    click.echo(report.text())
+    outputs = {} if picture is None else {picture: report.picture()}
+    if json_path is not None:
+        from mbcdm_cad.loop.judge import json_bytes
+
+        outputs[json_path] = json_bytes(report.to_dict())
+    write_whole(outputs)
+    for path in outputs:
+        click.echo(f"{path} written")
+    return 0
 
 
 @mbcdm.command(

@@ -17,6 +17,7 @@ from mbcdm_cad.errors import InputError, Problem
 from mbcdm_cad.loop.as_built import applied_words
 from mbcdm_cad.loop.correction_files import correction_words
 from mbcdm_cad.loop.judge import drive_of, json_bytes
+from mbcdm_cad.loop.study import is_study, load_study
 from mbcdm_cad.measurement.file import MeasurementFile, load_file
 from mbcdm_cad.storage.files import write_whole
 
@@ -37,7 +38,8 @@ class Outputs:
 
 def loop_command(loaded: api.DriveDesign, measurements: Sequence[Path], wanted: Outputs) -> int:
     """Judge the runs together. 0 if they could be judged; raises InputError with all mistakes of bad input."""
-    files = [load_file(path) for path in measurements]
+    study = measurements[0] if len(measurements) == 1 and is_study(measurements[0]) else None
+    files = list(load_study(study).files) if study else [load_file(path) for path in measurements]
     _refuse_outputs(loaded, files, wanted)
     if any(file.content.published is not None for file in files):
         return _published(loaded, files, wanted)

@@ -119,8 +119,11 @@ class LoopReport:
         return data_frame({name: [row[name] for row in rows] for name in columns})
 
 
-def judge(loaded: LoadedDesign, files: Sequence[MeasurementFile]) -> LoopReport:
-    """Read, vet and judge the runs together. Raises ``InputError`` with all that is wrong with the files."""
+def judge(loaded: LoadedDesign, files: Sequence[MeasurementFile], differs: Sequence[Sequence[str]] = ()) -> LoopReport:
+    """Read, vet and judge the runs together. Raises ``InputError`` with all that is wrong with the files.
+
+    ``differs``: for each run the fields of the design, or the effects, of which it has values of its own.
+    """
     if not files:
         raise MbcdmError("no runs to judge; give at least one measurement file")
     published = [file for file in files if file.content.published is not None]
@@ -132,7 +135,7 @@ def judge(loaded: LoadedDesign, files: Sequence[MeasurementFile]) -> LoopReport:
     from mbcdm_cad.loop.search.engine import close_loop  # loads compiled code: only for valid input
 
     try:
-        result = close_loop(drive, [one.run for one in vetted])
+        result = close_loop(drive, [one.run for one in vetted], differs)
     except ModelError as error:
         names = ", ".join(str(file.path) for file in files)
         raise MbcdmError(f"{names}: the declared model cannot follow the run: {error}") from None

@@ -4,6 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Value:
+    """A figure with its 95 % interval."""
+
+    value: float
+    low: float
+    high: float
+
+    def to_json(self) -> dict[str, Any]:
+        """As the result file has it."""
+        return {"value": self.value, "ci95": [self.low, self.high]}
 
 
 def _angle_over(unit: str) -> tuple[tuple[float, str], ...]:

@@ -7,7 +7,8 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from mbcdm_cad.loop.readable import readable, share_text, size_of
+from mbcdm_cad.loop.own import Differing
+from mbcdm_cad.loop.readable import Value, readable, share_text, size_of
 from mbcdm_cad.routes import Floats
 
 if TYPE_CHECKING:
@@ -22,19 +23,6 @@ NEAR_FLOOR = 1.25
 LEAST_ODDS = 20.0
 
 VERDICTS = ("none", "explained", "partly_explained", "unknown", "not_testable")
-
-
-@dataclass(frozen=True)
-class Value:
-    """A figure with its 95 % interval."""
-
-    value: float
-    low: float
-    high: float
-
-    def to_json(self) -> dict[str, Any]:
-        """As the result file has it."""
-        return {"value": self.value, "ci95": [self.low, self.high]}
 
 
 @dataclass(frozen=True)
@@ -192,7 +180,8 @@ class LoopResult:
     ``noise`` describes the floor, ``windows`` the smoothing of each run. ``doubts`` are sentences about sensors or
     fitted values that the data make doubtful. ``helpful`` are effects that certainly lower the error and are not named.
     ``within_class`` says by what the torque sensor is wrong within its class; empty if nothing of it is in the fit.
-    ``correction`` computes a table for the controller when it is called.
+    ``correction`` computes a table for the controller when it is called. ``own``: what runs that differ have each for
+    itself; the declared model is then that with these values.
     """
 
     verdict: str
@@ -212,6 +201,7 @@ class LoopResult:
     helpful: tuple[Helpful, ...] = ()
     within_class: str = ""
     correction: Callable[[], Correction] | None = field(repr=False, default=None)
+    own: tuple[Differing, ...] = ()
 
     def to_json(self) -> dict[str, Any]:
         """The result file."""
@@ -233,6 +223,7 @@ class LoopResult:
             "doubts": list(self.doubts),
             "helpful": [one.to_json() for one in self.helpful],
             "within_class": self.within_class,
+            "own": [one.to_json() for one in self.own],
         }
 
     @property
@@ -293,6 +284,8 @@ def result_text(result: LoopResult, doubts: Sequence[str] = ()) -> str:
         f"{'noise floor':<24}{e.floor_rad / size:>10.3g}" + (f"  ({result.noise.source})" if result.noise else ""),
         f"{_explained(e)}; held out: {e.held_out}",
     ]
+    for differing in result.own:
+        lines += ["", *differing.lines()]
     for named in result.effects:
         lines += ["", *named_lines(named)]
     for one in result.helpful:

@@ -11,7 +11,8 @@ import pytest
 
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.loop.page.report import report_page
-from mbcdm_cad.loop.result import Errors, LoopResult, Traces, Value
+from mbcdm_cad.loop.readable import Value
+from mbcdm_cad.loop.result import Errors, LoopResult, Traces
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.optimising.page import optimum_page
 from mbcdm_cad.report.comparison import compared

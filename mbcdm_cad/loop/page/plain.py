@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import math
 
-from mbcdm_cad.loop.readable import size_of
-from mbcdm_cad.loop.result import LEAST_ODDS, LoopResult, Named, Value, ways_apart
+from mbcdm_cad.loop.readable import Value, size_of
+from mbcdm_cad.loop.result import LEAST_ODDS, LoopResult, Named, ways_apart
 
 
 def finding(result: LoopResult) -> str:

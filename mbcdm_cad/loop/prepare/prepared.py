@@ -243,15 +243,16 @@ def prepare_all(runs: Sequence[Run], ratio: float) -> list[tuple[Prepared, Prepa
     sweeps."""
     counts = [int(half_sweeps(smoothed(run.output_rad, SPEED_WINDOW_S, run.step_s)).max()) for run in runs]
     together = sum(counts) > FEWEST_SWEEPS and min(counts) > 1
-    return [prepare(run, ratio, number if together else None) for number, run in enumerate(runs)]
+    return [prepare(run, ratio, number if together else None, len(runs)) for number, run in enumerate(runs)]
 
 
-def prepare(run: Run, ratio: float, one_of_several: int | None = None) -> tuple[Prepared, Prepared]:
+def prepare(run: Run, ratio: float, one_of_several: int | None = None, runs: int = 1) -> tuple[Prepared, Prepared]:
     """The part of a run that the search uses, and the whole run; the same object for a short run.
 
     The first half sweep of the run and of every stretch is discarded. Some half sweeps are held back before any
     residual is computed (see ``samples``): the same ones in both. ``one_of_several`` is the number of a run that others
-    repeat: of such runs, where one alone has too few half sweeps, every other holds one back.
+    repeat: of such runs, where one alone has too few half sweeps, every other holds one back. ``runs``: how many there
+    are; of many runs fewer samples of each are enough.
     """
     step, time, output = run.step_s, run.time_s, run.output_rad
     shaft = smoothed_at(run.input_rad, time, COMMON_WINDOW_S, step)
@@ -270,7 +271,7 @@ def prepare(run: Run, ratio: float, one_of_several: int | None = None) -> tuple[
         sweep = np.minimum((time - time[0]) / (time[-1] - time[0]) * 8.0, 7.0).astype(np.int64)
     low, span = float(output.min()), float(np.ptp(output))
     sector = np.minimum((output - low) / span * SECTORS, SECTORS - 1).astype(np.int64)
-    searched = search_cut(sweep, load)
+    searched = search_cut(sweep, load, runs)
     held = _held(sweep, output, load, searched)
     if short and one_of_several is not None:
         held = np.array([one_of_several // 2 % (int(sweep.max()) + 1)] if one_of_several % 2 == 0 else [], dtype=int)

@@ -143,6 +143,8 @@ def held_words(held: NDArray[np.int64], sweep: NDArray[np.int64], load_Nm: Float
 SEARCH_SAMPLES = 20_000
 SEARCH_IN_SWEEP = 1250
 SEARCH_STRETCHES = 4
+# Runs up to which each has all these samples.
+FULL_RUNS = 3
 # The same for the figures and the errors; the friction must not change noticeably within this time.
 WHOLE_SAMPLES = 250_000
 WHOLE_IN_SWEEP = 200
@@ -175,11 +177,16 @@ class Cut:
     unknown: NDArray[np.bool_]
 
 
-def search_cut(sweep: NDArray[np.int64], load_Nm: Floats | None) -> Cut | None:
-    """The samples that the search uses; None if that is the whole run. ``sweep`` (n,): half sweeps, ascending."""
-    if sweep.size <= SEARCH_SAMPLES * 1.25:
+def search_cut(sweep: NDArray[np.int64], load_Nm: Floats | None, runs: int = 1) -> Cut | None:
+    """The samples that the search uses; None if that is the whole run. ``sweep`` (n,): half sweeps, ascending.
+
+    Of many ``runs``, each has its share of the samples of a few.
+    """
+    share = min(1.0, FULL_RUNS / runs)
+    most, in_sweep = int(share * SEARCH_SAMPLES), share * SEARCH_IN_SWEEP
+    if sweep.size <= most * 1.25:
         return None
-    return _cut(sweep, load_Nm, math.ceil(_in_sweep(sweep) / SEARCH_IN_SWEEP), SEARCH_SAMPLES, SEARCH_STRETCHES)
+    return _cut(sweep, load_Nm, math.ceil(_in_sweep(sweep) / in_sweep), most, SEARCH_STRETCHES)
 
 
 def whole_cut(sweep: NDArray[np.int64], load_Nm: Floats | None, step_s: float) -> Cut:

@@ -9,7 +9,8 @@ import numpy as np
 from mbcdm_cad.loop.effect import Effect, Figure
 from mbcdm_cad.loop.prepare.lines import order_spectrum
 from mbcdm_cad.loop.prepare.prepared import Prepared, held_out
-from mbcdm_cad.loop.result import Errors, Named, Traces, Value, ways_apart
+from mbcdm_cad.loop.readable import Value
+from mbcdm_cad.loop.result import Errors, Named, Traces, ways_apart
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.loop.search.unknown import Unknown
 from mbcdm_cad.model.si import DriveSI

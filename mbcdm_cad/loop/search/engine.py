@@ -13,12 +13,14 @@ from threadpoolctl import threadpool_limits
 from mbcdm_cad.loop.correction import correction_of
 from mbcdm_cad.loop.effect import Effect
 from mbcdm_cad.loop.effects import library
+from mbcdm_cad.loop.own import Differing
 from mbcdm_cad.loop.prepare.noise import doubt_of, runs_of
 from mbcdm_cad.loop.prepare.prepared import Prepared, prepare_all
 from mbcdm_cad.loop.result import Evidence, Helpful, LoopResult, Named
 from mbcdm_cad.loop.search.account import INTERVAL, chain_orders, errors, interval, next_steps, not_testable, traces
 from mbcdm_cad.loop.search.exchange import Group
 from mbcdm_cad.loop.search.fit import Fit, Fitter
+from mbcdm_cad.loop.search.own import begun, differing, own_effects
 from mbcdm_cad.loop.search.scatter import Scatter, hangs_on
 from mbcdm_cad.loop.search.select import Search
 from mbcdm_cad.loop.search.timing import time_interval_s
@@ -43,32 +45,42 @@ MOST_EVENTFUL = 6
 FIRST_STEP, LEAST_SHARE, LEAST_STEP = 16.0, 1e-12, 1.05
 
 
-def close_loop(drive: Drive | None, runs: Sequence[Run]) -> LoopResult:
+def close_loop(drive: Drive | None, runs: Sequence[Run], differs: Sequence[Sequence[str]] = ()) -> LoopResult:
     """Find what the declared model of ``drive`` lacks in ``runs`` (one or more of the same drive, sharing the effects).
 
-    ``drive`` None: only the ratio of the runs is known. Nothing of the drive or the runs is changed.
+    ``drive`` None: only the ratio of the runs is known. Nothing of the drive or the runs is changed. ``differs``: for
+    each run the fields of the design, or the effects, of which it has values of its own.
     """
     d = None if drive is None else to_si(drive)
     ratio = float(runs[0].ratio or 1.0) if d is None else float(np.mean(d.total_ratio))
     with threadpool_limits(1, "blas"):
         ready = runs if drive is None else [arranged(run, drive) for run in runs]
         prepared = prepare_all(ready, ratio)
-        return _Loop(d, ratio, prepared, () if drive is None else drive.as_built).result()
+        return _Loop(d, ratio, prepared, () if drive is None else drive.as_built, differs).result()
 
 
 class _Loop:
     """One pass of the loop: it searches on the shortened run that ``prepare`` returns, and judges on the whole run."""
 
     def __init__(
-        self, d: DriveSI | None, ratio: float, prepared: Sequence[tuple[Prepared, Prepared]], known: Sequence[AsBuilt]
+        self,
+        d: DriveSI | None,
+        ratio: float,
+        prepared: Sequence[tuple[Prepared, Prepared]],
+        known: Sequence[AsBuilt],
+        differs: Sequence[Sequence[str]] = (),
     ) -> None:
         self.d, self.ratio = d, ratio
         self.prepared = tuple(part for part, _ in prepared)
-        self.known = tuple(known)
-        self.fitter = Fitter(d, ratio, self.prepared, self.known)
-        cut = any(part is not whole for part, whole in prepared)
-        self.whole = Fitter(d, ratio, [whole for _, whole in prepared], self.known) if cut else self.fitter
+        self.known, self.differs = tuple(known), tuple(differs)
         offered = [library(d, p) for p in self.prepared]
+        own = [
+            own_effects(names, one, p.run.source)
+            for names, one, p in zip(self.differs or [()] * len(offered), offered, self.prepared, strict=True)
+        ]
+        self.fitter = Fitter(d, ratio, self.prepared, self.known, own)
+        cut = any(part is not whole for part, whole in prepared)
+        self.whole = Fitter(d, ratio, [whole for _, whole in prepared], self.known, own) if cut else self.fitter
         labels = [{e.label for e in one} for one in offered]
         self.library = [e for e in offered[0] if all(e.label in one for one in labels)]
         if len(offered) > 1:
@@ -77,7 +89,10 @@ class _Loop:
             if len(offered) > MOST_EVENTFUL:
                 events = [e for e in events if e.base is None]
             self.library = [e for e in self.library if not e.once] + events
-        self.bare = self.fitter.fit()
+        # What every run has for itself is not shared; and a change within a run is not looked for beside it.
+        everywhere = set.intersection(*({e.label for e in one} for one in own))
+        self.library = [e for e in self.library if e.label not in everywhere and not (any(own) and e.base)]
+        self.bare = self.fitter.fit(offsets=begun(self.fitter))
         self.search = Search(self.fitter, self.library, self.bare)
         self.judge = Judge(self.search)
 
@@ -138,7 +153,15 @@ class _Loop:
             ),
             within_class=self.judge.within.sentence if self.judge.within else "",
             correction=partial(correction_of, self.whole, judged, self.search.floor_rad),
+            own=self._own(fit, whole),
         )
+
+    def _own(self, fit: Fit, whole: Fit) -> tuple[Differing, ...]:
+        """What runs have for themselves."""
+        if not any(self.differs):
+            return ()
+        covariance = self.judge.covariance(whole, self.whole)
+        return differing(self.whole, whole, covariance, (self.fitter, fit), self.differs)
 
     def _named(self, effect: Effect, fit: Fit, whole: Fit, windows: Sequence[Floats]) -> Named:
         """An effect with its figures from all data and the fall of the held-out error that it causes."""

@@ -197,6 +197,12 @@ class Exchanges:
 
         Clustered by sweep and sector, on all samples in use.
         """
+        block = self.covariance(fit, fitter)[fit.columns_of(effect), fit.columns_of(effect)]
+        # A parameter without influence on the prediction has no interval by linear theory; use its own size instead.
+        return np.asarray(np.where(np.isfinite(block), block, np.max(np.abs(fit.values_of(effect))) ** 2))
+
+    def covariance(self, fit: Fit, fitter: Fitter) -> Floats:
+        """Covariance of all parameters and offsets of a fit, scaled as :meth:`spread`; columns as of the Jacobian."""
         if fit not in self._estimates:
             used = fitter.used
             kept = fit.has_slope
@@ -208,10 +214,8 @@ class Exchanges:
                 found = replace(found, value=value, covariance=covariance)
             self._estimates[fit] = found
         estimate = self._estimates[fit]
-        wider = (float(t_distribution.ppf(0.975, estimate.freedom)) / INTERVAL) ** 2
-        block = estimate.covariance[fit.columns_of(effect), fit.columns_of(effect)]
-        # A parameter without influence on the prediction has no interval by linear theory; use its own size instead.
-        return np.asarray(wider * np.where(np.isfinite(block), block, np.max(np.abs(fit.values_of(effect))) ** 2))
+        estimate = self._estimates[fit]
+        return np.asarray((float(t_distribution.ppf(0.975, estimate.freedom)) / INTERVAL) ** 2 * estimate.covariance)
 
 
 def other_pairs(search: Search, fit: Fit) -> list[Fit]:

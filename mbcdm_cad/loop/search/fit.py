@@ -210,6 +210,8 @@ class Fitter:
         key: tuple[Any, ...] = (k, own.tobytes())
         s = self._remembered(key, lambda: self.setup(k, own))
         for effect, value in order:
+            if any((one.key, one.form) == (effect.key, effect.form) for one in self.own[k]):
+                continue
             if effect.run is not None and effect.run != k:
                 # What changed stays so in the runs that follow, which are given in the order of time.
                 if effect.later is not None and k > effect.run:

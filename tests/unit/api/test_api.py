@@ -42,6 +42,7 @@ SIGNATURES = {
     "close_loop": "(design: 'DriveDesign', runs: 'MeasuredRun | str | Path | Iterable[MeasuredRun | str |"
     " Path]') -> 'LoopReport'",
     "next_run": "(report: 'LoopReport') -> 'NextRun | None'",
+    "trend": "(study: 'str | Path', design: 'DriveDesign | None' = None) -> 'TrendReport'",
     "judge_published": "(design: 'DriveDesign', path: 'str | Path') -> 'PublishedResult'",
     "draft_measurement": (
         "(data: 'str | Path', design: 'DriveDesign | None' = None, *, ratio: 'float | None' = None) -> 'str'"
@@ -104,6 +105,7 @@ NAMES = [
     "MeasuredRun",
     "close_loop",
     "next_run",
+    "trend",
     "judge_published",
     "draft_measurement",
     "reproduce",

@@ -54,6 +54,7 @@ FUNCTIONS = {
     "sensitivity": ["DriveDesign.sensitivity"],
     "simulate": ["DriveDesign.simulate"],
     "solve": ["solve"],
+    "trend": ["trend"],
 }
 # Commands without a function, and why.
 ONLY_COMMANDS = {"watch": "runs until it is interrupted, and gives nothing back"}

@@ -12,7 +12,8 @@ from mbcdm_cad.loop.as_built import applied_words, as_built_text
 from mbcdm_cad.loop.effects import known_effects
 from mbcdm_cad.loop.prepare.prepared import Prepared, prepare
 from mbcdm_cad.loop.prepare.setup import Simulator, declared
-from mbcdm_cad.loop.result import Errors, LoopResult, Named, Value
+from mbcdm_cad.loop.readable import Value
+from mbcdm_cad.loop.result import Errors, LoopResult, Named
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.model.si import ModelError, to_si
 

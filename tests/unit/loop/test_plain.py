@@ -13,7 +13,8 @@ from mbcdm_cad.loop.effect import Effect
 from mbcdm_cad.loop.effects import library
 from mbcdm_cad.loop.page.plain import certainty, described, finding, rounded, steps
 from mbcdm_cad.loop.prepare.prepared import prepare
-from mbcdm_cad.loop.result import Errors, LoopResult, Named, Value
+from mbcdm_cad.loop.readable import Value
+from mbcdm_cad.loop.result import Errors, LoopResult, Named
 from mbcdm_cad.loop.search.unknown import Unknown
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.model.si import to_si

@@ -15,8 +15,8 @@ import pytest
 
 from mbcdm_cad.loop.page.pictures import AFTER, BEFORE, orders_chart, scatter_png, time_charts
 from mbcdm_cad.loop.page.report import report_page
-from mbcdm_cad.loop.readable import readable, share_text
-from mbcdm_cad.loop.result import Errors, Evidence, LoopResult, Named, Traces, Value, result_text
+from mbcdm_cad.loop.readable import Value, readable, share_text
+from mbcdm_cad.loop.result import Errors, Evidence, LoopResult, Named, Traces, result_text
 from mbcdm_cad.measurement.run import Run, VettingNote, half_sweeps
 
 TIME = np.linspace(0.0, 60.0, 3000)

@@ -1,0 +1,127 @@
+"""Values that runs have for themselves: where their fits begin, their figures, and whether they changed, with odds."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from mbcdm_cad.errors import MbcdmError, did_you_mean
+from mbcdm_cad.loop.effect import Effect
+from mbcdm_cad.loop.own import Differing, OwnValue
+from mbcdm_cad.loop.search.account import INTERVAL, interval
+from mbcdm_cad.loop.search.fit import Fit, Fitter
+from mbcdm_cad.routes import Floats
+
+# Fields of the design that an effect changes, by the effect's name and form.
+FIELDS = {
+    "rope.preload_N": ("preload_error", "all cables"),
+    "rope.modulus_GPa": ("stiffness_error", "modulus of the rope"),
+    "rope.friction_coefficient": ("cable_friction", "rope on pulley"),
+}
+# Before the data, a change is normal with this many times the effect's typical small size: 10 % of a share.
+LIKELY_SIZES = 5.0
+# Windows with which the intervals of own values are compared, and the variance that stands for "any common value".
+WINDOWS, ANY = (0.5, 2.0), 1e8
+
+
+def own_effects(names: Sequence[str], offered: Sequence[Effect], run: str) -> list[Effect]:
+    """The effects that ``names`` mean: fields of the design, or effects with their stage. Raises MbcdmError."""
+    found = []
+    for name in names:
+        key = FIELDS.get(name)
+        same = [e for e in offered if ((e.name, e.form) == key if key else _called(e) == name)]
+        same = [e for e in same if all(p.role != "order" for p in e.parameters) and not e.once and e.base is None]
+        if not same:
+            known = [*(f for f, key in FIELDS.items() if any((e.name, e.form) == key for e in offered))]
+            known += sorted({_called(e) for e in offered if not e.once and e.base is None and e.order_index is None})
+            raise MbcdmError(f"{run}: nothing called {name!r} can differ in this run; {did_you_mean(name, known)}")
+        found.append(same[0])
+    return found
+
+
+def _called(effect: Effect) -> str:
+    return " ".join(filter(None, (effect.name, effect.stage)))
+
+
+def begun(fitter: Fitter) -> Floats:
+    """Offsets and own values from which the joint fit begins: the best of each run alone, from all of its starts."""
+    row = np.zeros(fitter.free.size)
+    for k, (run, own) in enumerate(zip(fitter.runs, fitter.own, strict=True)):
+        if not own:
+            continue
+        alone = Fitter(fitter.d, fitter.ratio, [run], fitter.known, [own])
+        best = alone.fit()
+        at = alone.apart
+        for effect in own:
+            for guess in alone.guesses(effect, alone.fit().residual if effect.starts else best.residual):
+                values = best.offsets.copy()
+                values[at : at + len(guess)] = guess
+                found = alone.tried((), (), values)
+                best = found if found is not None and found.square < best.square else best
+            at += len(effect.parameters)
+        row[fitter.rows[k]] = best.offsets
+    return row
+
+
+def differing(
+    fitter: Fitter, whole: Fit, covariance: Floats, search: tuple[Fitter, Fit], names: Sequence[Sequence[str]]
+) -> tuple[Differing, ...]:
+    """What each run has for itself, by name. ``whole`` is the fit with its ``covariance``; ``search`` the search's
+    fitter and fit, which is smoothed in other windows; ``names`` are those of the effects of each run."""
+    shift = _by_window(*search)
+    first = sum(v.size for v in whole.values)
+    column = np.cumsum(fitter.free) - 1 + first
+    found = []
+    for name in dict.fromkeys(name for one in names for name in one):
+        values, places = [], []
+        for k, one in enumerate(names):
+            if name not in one:
+                continue
+            effects = fitter.own[k]
+            at = fitter.rows[k].start + fitter.apart
+            at += sum(len(e.parameters) for e in effects[: one.index(name)])
+            effect = effects[one.index(name)]
+            part = slice(at, at + len(effect.parameters))
+            columns = column[part]
+            block = covariance[np.ix_(columns, columns)] + np.diag((shift[part] / INTERVAL) ** 2)
+            figures = {f.name: interval(f, whole.offsets[part], block, effect) for f in effect.reported()}
+            run = fitter.runs[k].run
+            values.append(OwnValue(k, run.source or f"run {k + 1}", whole.offsets[part], figures))
+            places.append(np.arange(part.start, part.stop))
+        rows = np.concatenate(places)
+        joint = covariance[np.ix_(column[rows], column[rows])] + np.diag((shift[rows] / INTERVAL) ** 2)
+        likely = np.concatenate([[LIKELY_SIZES * p.size for p in effect.parameters]] * len(values))
+        every = len(values) == len(names)
+        odds = log_odds_of_change(np.concatenate([v.values for v in values]), joint, likely, len(values), every)
+        found.append(Differing(name, effect.form, tuple(values), joint, odds, every))
+    return tuple(found)
+
+
+def log_odds_of_change(values: Floats, covariance: Floats, likely: Floats, runs: int, among_themselves: bool) -> float:
+    """Logarithm of the odds that the values of ``runs`` runs, (runs * k,), are not all the same; even before the data.
+
+    The same: all equal, at any value, or, unless ``among_themselves``, all zero, which is what the other runs have. Not
+    the same: each moved by a normal deviate of the standard deviation ``likely``.
+    """
+    wide = values.size // runs
+    common = np.kron(np.ones((runs, runs)), np.eye(wide)) * np.outer(likely, likely) * ANY if among_themselves else 0.0
+
+    def log_likelihood(spread: Floats) -> float:
+        scaled = spread / np.outer(likely, likely)
+        return -0.5 * float(
+            values / likely @ np.linalg.solve(scaled, values / likely) + np.linalg.slogdet(scaled).logabsdet
+        )
+
+    return log_likelihood(covariance + common + np.diag(likely**2)) - log_likelihood(covariance + common)
+
+
+def _by_window(fitter: Fitter, fit: Fit) -> Floats:
+    """Change of every offset and own value with the smoothing windows."""
+    most = np.zeros_like(fit.offsets)
+    for factor in WINDOWS:
+        other = fitter.rewindowed(factor)
+        again = other.tried(fit.effects, fit.values, fit.offsets, fresh=False)
+        if again is not None:
+            most = np.maximum(most, np.abs(again.offsets - fit.offsets))
+    return most
