@@ -15,7 +15,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import mbcdm_cad as mc
-from mbcdm_cad.storage.parallel import allow_processes
+from mbcdm_cad.parallel.forks import allow_processes
 
 AIMS = ["mass_g:min", "swing_mrad:min"]
 

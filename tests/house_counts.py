@@ -25,6 +25,7 @@ import networkx as nx
 ROOMS = (
     "errors",
     "storage",
+    "parallel",
     "design",
     "sizing",
     "routes",

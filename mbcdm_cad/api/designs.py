@@ -108,20 +108,24 @@ def prices(
     design: DriveDesign | str | Path,
     figures: Sequence[str],
     *,
-    jobs: int | None = None,
+    workers: int | None = None,
+    scheduler: str | None = None,
     progress: Progress | None = None,
 ) -> Prices:
     """What each requirement of a design costs, as ``mbcdm prices``: the change of ``figures`` for one unit of it.
 
     Each number of the file is moved by 5 % both ways, and the design is solved again. Figures are those of
-    :func:`optimise`. Raises ``MbcdmError`` for a design that fails a check.
+    :func:`optimise`; ``workers`` and ``scheduler`` are as in :class:`Effort`. Raises ``MbcdmError`` for a design that
+    fails a check.
     """
     from threadpoolctl import threadpool_limits
 
     from mbcdm_cad.optimising.prices import prices_of
+    from mbcdm_cad.optimising.wishes import Effort
 
     with threadpool_limits(1):
-        return prices_of(_question(design), figures, jobs, progress or silent)
+        effort = Effort(workers=workers, scheduler=scheduler)
+        return prices_of(_question(design), figures, effort, progress or silent)
 
 
 def _question(design: DriveDesign | str | Path) -> Question:

@@ -19,6 +19,7 @@ from mbcdm_cad.build.store import Progress, StoredPart
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError, did_you_mean
+from mbcdm_cad.parallel.forks import fork_map
 from mbcdm_cad.parts.bill import Bill
 from mbcdm_cad.parts.cable import CableRod
 from mbcdm_cad.parts.item import Item
@@ -26,7 +27,6 @@ from mbcdm_cad.parts.part import MadePart, Part, StandardPart
 from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.storage.keys import content_key, source_hash
 from mbcdm_cad.storage.manifest import versions
-from mbcdm_cad.storage.parallel import fork_map
 
 if TYPE_CHECKING:
     from mbcdm_cad.drawings.draw import PartFacts

@@ -17,11 +17,11 @@ import numpy as np
 from mbcdm_cad.build.clash import Clash
 from mbcdm_cad.build.pairs import Box, Cables, Faces, Found, Pair, PartShape, Rod, RodShape, Test, rounded
 from mbcdm_cad.build.scene import Pose, is_longest
+from mbcdm_cad.parallel.forks import fork_map
 from mbcdm_cad.parts.bill import cable_item
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.parts.placement import Placement
 from mbcdm_cad.routes.cable_path import CablePath, Stretch
-from mbcdm_cad.storage.parallel import fork_map
 
 
 @dataclass(frozen=True)

@@ -14,13 +14,13 @@ from mbcdm_cad.build.store import Progress, StoredPart
 from mbcdm_cad.build.trianglemesh import FloatArray, TriangleMesh
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.base import Layout
+from mbcdm_cad.parallel.forks import fork_map
 from mbcdm_cad.parts.bill import CABLE
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.parts.placement import Placement, Vector
 from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.storage.keys import content_key, source_hash
 from mbcdm_cad.storage.manifest import versions
-from mbcdm_cad.storage.parallel import fork_map
 
 # Factor on the distance of each part from the middle in the exploded view.
 EXPLODED = 1.1

@@ -21,12 +21,12 @@ from mbcdm_cad.build.partfiles import PartFiles
 from mbcdm_cad.build.scene import scenes
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.layouts.base import FrameCompliance, Layout
+from mbcdm_cad.parallel.forks import fork_map, forked
 from mbcdm_cad.parts.bill import CABLE, PartSpec
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.storage.keys import content_key, package_hash, source_hash
 from mbcdm_cad.storage.manifest import versions
-from mbcdm_cad.storage.parallel import fork_map, forked
 
 Progress = Callable[[str], None]
 # The progress message names at most this many parts; more are only counted.

@@ -15,7 +15,7 @@ import click
 from mbcdm_cad.cli import commands_on_designs, commands_on_runs, commands_that_draw  # noqa: F401  they join mbcdm
 from mbcdm_cad.cli.group import mbcdm
 from mbcdm_cad.errors import MbcdmError
-from mbcdm_cad.storage.parallel import allow_processes
+from mbcdm_cad.parallel.forks import allow_processes
 
 # Variable that the start file of a shell sets for completion; see docs/command-line.md.
 COMPLETE_VARIABLE = "_MBCDM_COMPLETE"

@@ -15,7 +15,7 @@ from typing import Any, Literal
 import click
 
 from mbcdm_cad import api
-from mbcdm_cad.cli.group import DESIGN, FILE, JOBS, TIME, examples, mbcdm, out_folder
+from mbcdm_cad.cli.group import DESIGN, FILE, SCHEDULER, TIME, WORKERS, examples, mbcdm, out_folder
 from mbcdm_cad.cli.screen import coloured, progress, progress_of_search, progress_of_trials, screen_width
 from mbcdm_cad.design.template import slug
 from mbcdm_cad.errors import InputError, MbcdmError, Problem
@@ -178,7 +178,8 @@ def solve(design: Path, apply: Path | None, as_json: bool) -> int:
 @click.option("--only-free", is_flag=True, help="Choose only fields of --free and ranges of the file.")
 @TIME
 @click.option("--evaluations", type=int, metavar="N", default=None, help="Stop after this number of designs.")
-@click.option("--workers", type=click.IntRange(1, 64), metavar="N", default=None, help="Processes; all cores.")
+@WORKERS
+@SCHEDULER
 @click.option("--resume", is_flag=True, help="Go on with a search that was stopped.")
 @out_folder("Folder for NAME-optimum and the evaluated points.")
 @click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
@@ -190,7 +191,7 @@ def optimise(requirements: Sequence[Path], out: Path, as_json: bool, **asked: An
     design of the front as a short file. The search can be stopped at any moment and goes on with --resume. Exit code 1
     if no design passes.
     """
-    effort = api.Effort(*(asked[name] for name in ("evaluations", "time_s", "workers", "resume")))
+    effort = api.Effort(*(asked[name] for name in ("evaluations", "time_s", "workers", "resume", "scheduler")))
     wishes = {name: asked[name] for name in ("keeps", "free", "only_free")}
     with progress_of_search() as told:
         found = api.optimise(requirements, asked["aims"], out, **wishes, effort=effort, progress=told)
@@ -206,16 +207,17 @@ def optimise(requirements: Sequence[Path], out: Path, as_json: bool, **asked: An
 @mbcdm.command(epilog=examples("mbcdm prices my_drive.yaml --figure mass_g --figure swing_mrad"))
 @DESIGN
 @click.option("--figure", "figures", multiple=True, required=True, metavar="NAME", help="A figure, as for optimise.")
-@JOBS
+@WORKERS
+@SCHEDULER
 @click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
-def prices(design: Path, figures: Sequence[str], jobs: int | None, as_json: bool) -> int:
+def prices(design: Path, figures: Sequence[str], workers: int | None, scheduler: str | None, as_json: bool) -> int:
     """Show what each requirement costs.
 
     Each number of the file is moved by 5 % both ways, and the design is solved again: a table with the change of each
     figure for one unit of the requirement.
     """
     with progress() as told:
-        found = api.prices(design, figures, jobs=jobs, progress=told)
+        found = api.prices(design, figures, workers=workers, scheduler=scheduler, progress=told)
     if as_json:
         print_json(found.to_dict())
     else:

@@ -55,6 +55,11 @@ JOBS = click.option(
     "--jobs", type=click.IntRange(1, 64), default=None, metavar="N", help="Number of processes; all cores by default."
 )
 
+WORKERS = click.option("--workers", type=click.IntRange(1, 64), metavar="N", help="Processes; all cores by default.")
+SCHEDULER = click.option(
+    "--scheduler", metavar="ADDRESS", help="Run on the workers of this dask scheduler, tcp://HOST:PORT, instead."
+)
+
 
 @click.group(
     context_settings={"help_option_names": ["-h", "--help"]},

@@ -17,6 +17,7 @@ from mbcdm_cad.checks.built import envelope_check, mass_check
 from mbcdm_cad.checks.result import CheckResult
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.parallel.forks import forked
 from mbcdm_cad.parts.bill import CABLE, PartSpec
 from mbcdm_cad.parts.cable import CableRod
 from mbcdm_cad.report.data import Tested, checks_data, design_figures, report_data
@@ -25,7 +26,6 @@ from mbcdm_cad.report.page import PAGE
 from mbcdm_cad.report.page.stage import PageFigures, page_figures, page_of
 from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.storage.files import write_whole
-from mbcdm_cad.storage.parallel import forked
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,8 @@ from pathlib import Path
 from mbcdm_cad.checks.result import CheckResult
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts.loader import load_text
+from mbcdm_cad.parallel.forks import allow_processes
 from mbcdm_cad.storage.cache import Cache, cache_folder
-from mbcdm_cad.storage.parallel import allow_processes
 
 # The browser loads the new page meanwhile, for which it needs a core.
 _CABLES_AFTER_S = 1.2

@@ -10,6 +10,8 @@ from mbcdm_cad.design.dotted import leaves
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.optimising.evaluate import Evaluated, evaluate
 from mbcdm_cad.optimising.figures import refuse_unknown
+from mbcdm_cad.optimising.wishes import Effort
+from mbcdm_cad.parallel.crew import crew
 from mbcdm_cad.report.table import ReportTable
 from mbcdm_cad.solving.question import ASIDE, Fixed, Question
 from mbcdm_cad.solving.repair import repair
@@ -72,7 +74,7 @@ def _signed(value: float) -> str:
     return f"{value:+.3g}" if abs(value) > 1e-9 else "0"
 
 
-def prices_of(question: Question, names: Sequence[str], jobs: int | None, told: Callable[[str], None]) -> Prices:
+def prices_of(question: Question, names: Sequence[str], effort: Effort, told: Callable[[str], None]) -> Prices:
     """The prices of all requirements of a design; ``names`` are the figures.
 
     Raises ``MbcdmError`` for a design that does not pass, and for a name that is no figure.
@@ -82,13 +84,17 @@ def prices_of(question: Question, names: Sequence[str], jobs: int | None, told: 
     if not now.passes:
         failing = now.refused or ", ".join(name for name, _ in now.failing)
         raise MbcdmError(f"{question.path}: does not pass ({failing}), so that nothing has a price; see mbcdm check")
+    asked = [
+        (field, value, float(f"{value * share:.6g}"))
+        for field, value in requirements(question)
+        for share in (1.0 - STEP, 1.0 + STEP)
+    ]
     moved = []
-    for field, value in requirements(question):
-        told(field)
-        for share in (1.0 - STEP, 1.0 + STEP):
-            after = float(f"{value * share:.6g}")
-            found = _solved(question, field, after, names, jobs)
-            moved.append(Price(field, value, after, {name: found.figures[name] for name in names if found.passes}))
+    with crew(_Move(question, tuple(names)), effort.workers, effort.scheduler) as workers:
+        results = workers.results([(field, after) for field, _, after in asked])
+        for (field, before, after), found in zip(asked, results, strict=True):
+            told(f"price of {field}")
+            moved.append(Price(field, before, after, {name: found.figures[name] for name in names if found.passes}))
     return Prices({name: now.figures[name] for name in names}, tuple(moved))
 
 
@@ -100,10 +106,20 @@ def requirements(question: Question) -> Iterator[tuple[str, float]]:
         yield field, float(value)
 
 
-def _solved(question: Question, field: str, value: float, names: Sequence[str], jobs: int | None) -> Evaluated:
-    """The design with one requirement moved: by its rules, or by few changes of what the file leaves open."""
-    asked = question.relaxed({field: Fixed(value)})
-    found = evaluate(asked, {}, (), names)
-    if found.passes or found.refused:
-        return found
-    return evaluate(asked, repair(Trials(asked, jobs), {}, TRIALS), (), names)
+@dataclass(frozen=True)
+class _Move:
+    """The design with one requirement moved: by its rules, or by few changes of what the file leaves open.
+
+    Plain data, so that it can be sent to another machine.
+    """
+
+    question: Question
+    names: tuple[str, ...]
+
+    def __call__(self, moved: tuple[str, float]) -> Evaluated:
+        field, value = moved
+        asked = self.question.relaxed({field: Fixed(value)})
+        found = evaluate(asked, {}, (), self.names)
+        if found.passes or found.refused:
+            return found
+        return evaluate(asked, repair(Trials(asked, 1), {}, TRIALS), (), self.names)

@@ -19,10 +19,10 @@ from mbcdm_cad.optimising.evaluate import FAULT, Evaluated, evaluate
 from mbcdm_cad.optimising.front import front_of, hypervolume, reference_of
 from mbcdm_cad.optimising.journal import Journal, Record
 from mbcdm_cad.optimising.variables import Values, Variable, point_of
-from mbcdm_cad.optimising.wishes import Effort, Wishes
+from mbcdm_cad.optimising.wishes import Effort, Keep, Wishes
+from mbcdm_cad.parallel.crew import Crew, crew
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.solving.question import Question
-from mbcdm_cad.storage.parallel import Workers
 
 SEED = 36
 # The search ends if the front's hypervolume grew by less than this share in the last rounds; a round is a generation
@@ -72,6 +72,20 @@ def _aims(wishes: Wishes, result: Evaluated) -> Floats:
     return np.array([aim.less(result.figures[aim.figure]) if result.passes else 0.0 for aim in wishes.aims])
 
 
+@dataclass(frozen=True)
+class _Evaluation:
+    """Evaluates (question, values of its variables). Plain data, so that it can be sent to another machine."""
+
+    questions: tuple[Question, ...]
+    variables: tuple[tuple[Variable, ...], ...]
+    keeps: tuple[Keep, ...]
+    names: tuple[str, ...]
+
+    def __call__(self, asked: tuple[int, Values]) -> Evaluated:
+        which, values = asked
+        return evaluate(self.questions[which], point_of(self.variables[which], values), self.keeps, self.names)
+
+
 class FrontSearch:
     """A search over ``questions`` with their ``variables``."""
 
@@ -101,28 +115,25 @@ class FrontSearch:
         names = [aim.figure for aim in self.wishes.aims]
         engines = [Engine(v, len(names), SEED + k) for k, v in enumerate(self.variables)]
 
-        def work(asked: tuple[int, Values]) -> Evaluated:
-            point = point_of(self.variables[asked[0]], asked[1])
-            return evaluate(self.questions[asked[0]], point, self.wishes.keeps, names)
-
+        work = _Evaluation(tuple(self.questions), tuple(map(tuple, self.variables)), self.wishes.keeps, tuple(names))
         stopped = ""
         try:
-            with Workers(work, effort.processes) as crew:
+            with crew(work, effort.workers, effort.scheduler) as workers:
                 while not stopped:
-                    stopped = self._round(engines, crew, end, most)
+                    stopped = self._round(engines, workers, end, most)
         except KeyboardInterrupt:
             stopped = INTERRUPTED
         self.journal.keep()
         return self._searched(stopped)
 
-    def _round(self, engines: Sequence[Engine], crew: Workers, end: float, most: int | None) -> str:
+    def _round(self, engines: Sequence[Engine], workers: Crew, end: float, most: int | None) -> str:
         """One generation of every question; why the search ends here, empty if it goes on."""
         proposed = 0
         for k, engine in enumerate(engines):
             asked = engine.ask()
             proposed += len(asked)
             room = len(asked) if most is None else min(most - len(self.tried), len(asked))
-            results = self._results(k, asked[:room], crew, end)
+            results = self._results(k, asked[:room], workers, end)
             if len(results) < len(asked):
                 return TIME if len(results) < room else EVALUATIONS
             if asked:
@@ -135,7 +146,7 @@ class FrontSearch:
             return "every combination of the free values has been tried"
         return self._grows_no_more()
 
-    def _results(self, k: int, asked: Sequence[Values], crew: Workers, end: float) -> list[Evaluated]:
+    def _results(self, k: int, asked: Sequence[Values], workers: Crew, end: float) -> list[Evaluated]:
         """The results of points of question ``k`` in order; fewer of them once the time is over."""
         first = len(self.tried)
         todo: dict[int, Any] = {}
@@ -147,7 +158,7 @@ class FrontSearch:
                 todo[n] = key
             if n < len(self.journal.records):
                 self._known.setdefault(key, n)
-        fresh = crew.results([(k, asked[n - first]) for n in todo])
+        fresh = workers.results([(k, asked[n - first]) for n in todo])
         for n in range(len(self.tried), first + len(asked)):
             if time.monotonic() >= end:
                 break

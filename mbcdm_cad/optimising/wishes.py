@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -74,13 +73,15 @@ class Wishes:
 class Effort:
     """When a search ends at the latest (number of points, time), on how many processes (None: all cores).
 
-    ``resume``: go on with a search that was stopped.
+    ``resume``: go on with a search that was stopped; ``scheduler``: the address of a dask scheduler whose workers
+    evaluate the points in place of processes of this machine.
     """
 
     evaluations: int | None = None
     time_s: float | None = None
     workers: int | None = None
     resume: bool = False
+    scheduler: str | None = None
 
     def __post_init__(self) -> None:
         """Raise ``MbcdmError`` for a limit that is none."""
@@ -88,13 +89,10 @@ class Effort:
             value = getattr(self, name)
             if value is not None and value < 1:
                 raise MbcdmError(f"--{name}: not a number (value {value}, limit at least 1)")
+        if self.workers is not None and self.scheduler is not None:
+            raise MbcdmError("--workers: processes of this machine, and --scheduler: those of others; give one of them")
         if self.time_s is not None and not self.time_s > 0.0:
             raise MbcdmError(f"--time: not a time (value {self.time_s:g} s, limit above 0)")
-
-    @property
-    def processes(self) -> int:
-        """Number of processes."""
-        return self.workers or len(os.sched_getaffinity(0))
 
 
 def wishes_of(

@@ -21,8 +21,8 @@ from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.registry import layout_named
+from mbcdm_cad.parallel.forks import fork_map
 from mbcdm_cad.solving.question import Fixed, Out, Point, Question, Times
-from mbcdm_cad.storage.parallel import fork_map
 
 # Checks that take as long as all others together: run only if all others pass.
 SLOW = frozenset({"cables_apart", "spans_clear", "terminals_apart", "no_slack"})

@@ -9,7 +9,7 @@ import pytest
 
 SCRIPT = """
 from mbcdm_cad.build import kernel  # as everything of this room that draws does
-from mbcdm_cad.storage.parallel import allow_processes, fork_map
+from mbcdm_cad.parallel.forks import allow_processes, fork_map
 import cadquery as cq
 
 def drawn(size):

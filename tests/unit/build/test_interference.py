@@ -19,13 +19,13 @@ from mbcdm_cad.build.pairs import CABLE_UNDERSIZE_MM, Found
 from mbcdm_cad.build.scene import travel_poses
 from mbcdm_cad.layouts.miso_bevel.bill import bill
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
+from mbcdm_cad.parallel import forks
 from mbcdm_cad.parts.bill import CABLE, Bill
 from mbcdm_cad.parts.bought.bodies import ScrewBody
 from mbcdm_cad.parts.idler_pulley import IdlerPulley
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.parts.placement import Placement
 from mbcdm_cad.parts.ring import Nut, Pin
-from mbcdm_cad.storage import parallel
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "support"))
 
@@ -227,7 +227,7 @@ def test_result_and_order_do_not_depend_on_jobs(
     dims: BevelLayout, solids: dict[str, Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The drum 0.3 mm too near, alone with the guide; on two processes the tests are really forked."""
-    monkeypatch.setattr(parallel, "_allowed", True)
+    monkeypatch.setattr(forks, "_allowed", True)
     few = {"guide": solids["guide"], "drum": solids["drum"].moved(cq.Location(cq.Vector(0, -0.3, 0)))}
     one, two = (interferences(dims, few, (5.0,), jobs) for jobs in (1, 2))
     assert len(one) > 3 and one == two, (one, two)

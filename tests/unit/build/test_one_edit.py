@@ -19,7 +19,7 @@ from mbcdm_cad.build.interference import answers
 from mbcdm_cad.build.known import KnownTests
 from mbcdm_cad.build.pairs import Faces, Pair, PartShape, Rod
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-from mbcdm_cad.storage import parallel
+from mbcdm_cad.parallel import forks
 from mbcdm_cad.storage.cache import Cache
 
 POSES = (-35.0, 4.0)
@@ -55,7 +55,7 @@ def test_edits_one_after_the_other_equal_runs_from_nothing(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """A harmless edit, one that makes clashes, one of another part, and the way back: each as if nothing was known."""
-    monkeypatch.setattr(parallel, "_allowed", True)
+    monkeypatch.setattr(forks, "_allowed", True)
     cache = Cache(tmp_path)
     steps = {
         "as drawn": bodies,

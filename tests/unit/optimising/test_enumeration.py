@@ -13,9 +13,9 @@ from mbcdm_cad.optimising.evaluate import evaluate
 from mbcdm_cad.optimising.front import front_of, hypervolume, reference_of
 from mbcdm_cad.optimising.variables import Variable, point_of, variables_of
 from mbcdm_cad.optimising.wishes import wishes_of
+from mbcdm_cad.parallel import forks
+from mbcdm_cad.parallel.forks import fork_map
 from mbcdm_cad.solving.question import question_of
-from mbcdm_cad.storage import parallel
-from mbcdm_cad.storage.parallel import fork_map
 
 AIMS = ["mass_g:min", "swing_mrad:min"]
 FREE = ["drum.web_thickness_mm=2.5..7", "drum.material=aluminium-7075,pa12"]
@@ -26,7 +26,7 @@ SEARCHED = 120
 @pytest.mark.slow
 @pytest.mark.parametrize("layout", ["miso_bevel"])
 def test_a_search_reaches_what_a_grid_reaches(layout: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(parallel, "_allowed", True)
+    monkeypatch.setattr(forks, "_allowed", True)
     text = mc.new_design_text("grid", layout)
     radius = next(line.split(":")[1].split()[0] for line in text.splitlines() if "  drum_radius_mm:" in line)
     low, high = 0.85 * float(radius), 1.2 * float(radius)

@@ -20,8 +20,8 @@ from mbcdm_cad.optimising.journal import Journal
 from mbcdm_cad.optimising.search import FrontSearch, Searched
 from mbcdm_cad.optimising.variables import Variable
 from mbcdm_cad.optimising.wishes import Effort, Keep, wishes_of
+from mbcdm_cad.parallel import forks
 from mbcdm_cad.solving.question import Fixed, Point, Question
-from mbcdm_cad.storage import parallel
 
 VARIABLES = [Variable("a", ruled=False), Variable("b", ruled=False), Variable("kind", ("x", "y"))]
 WISHES = wishes_of(["mass:min", "swing:min"])
@@ -39,7 +39,7 @@ def stand_in(question: Question, point: Point, keeps: Sequence[Keep], names: Seq
 @pytest.fixture(autouse=True)
 def _without_designs(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(searching, "evaluate", stand_in)
-    monkeypatch.setattr(parallel, "_allowed", True)
+    monkeypatch.setattr(forks, "_allowed", True)
 
 
 def searched(path: Path, most: int | None = 180, *, resume: bool = False, workers: int = 1) -> Searched:

@@ -9,14 +9,14 @@ from pathlib import Path
 import pytest
 
 from mbcdm_cad.errors import GeometryError
-from mbcdm_cad.storage import parallel
-from mbcdm_cad.storage.parallel import fork_map, forked
+from mbcdm_cad.parallel import forks
+from mbcdm_cad.parallel.forks import fork_map, forked
 
 
 @pytest.fixture(autouse=True)
 def allowed(monkeypatch: pytest.MonkeyPatch) -> None:
     """As in a program of our own."""
-    monkeypatch.setattr(parallel, "_allowed", True)
+    monkeypatch.setattr(forks, "_allowed", True)
 
 
 @pytest.mark.parametrize("jobs", [1, 2, 5])
@@ -37,7 +37,7 @@ def test_several_processes_do_the_work() -> None:
 
 def test_nothing_is_forked_where_nobody_allowed_it(monkeypatch: pytest.MonkeyPatch) -> None:
     """A notebook has threads of its own, and a fork of it may wait for ever."""
-    monkeypatch.setattr(parallel, "_allowed", False)
+    monkeypatch.setattr(forks, "_allowed", False)
     assert set(fork_map(lambda _: os.getpid(), range(6), 2)) == {os.getpid()}
 
 

@@ -1,0 +1,105 @@
+"""Workers of this machine and of a cluster (here threads of this process) give the same results and errors."""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+
+import pytest
+from distributed import LocalCluster
+
+from mbcdm_cad.errors import GeometryError, MbcdmError
+from mbcdm_cad.parallel import cluster, forks
+from mbcdm_cad.parallel.crew import crew
+from mbcdm_cad.parallel.worker import state
+
+PRELOAD = "mbcdm_cad.parallel.worker"
+
+
+def square(k: int) -> int:
+    """What the workers do; the first takes the longest, and 13 fails."""
+    if k == 13:
+        raise GeometryError("drum: no solid")
+    time.sleep(0.02 if k == 0 else 0.0)
+    return k * k
+
+
+@pytest.fixture
+def own(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As in a program of our own, on a machine where nobody waits long."""
+    monkeypatch.setattr(forks, "_allowed", True)
+    monkeypatch.setattr(cluster, "LOOK_S", 0.05)
+
+
+@contextmanager
+def cluster_of(count: int, **how: str) -> Iterator[LocalCluster]:
+    """A scheduler with so many workers, all threads of this process."""
+    local = {"processes": False, "threads_per_worker": 1, "dashboard_address": None, "silence_logs": logging.CRITICAL}
+    with LocalCluster(n_workers=count, **local, **how) as found:
+        yield found
+
+
+@pytest.mark.parametrize("workers", [1, 2, 5])
+def test_results_keep_the_order_of_the_arguments(own: None, workers: int) -> None:
+    with crew(square, workers) as found:
+        assert list(found.results(range(7))) == [k * k for k in range(7)]
+        assert list(found.results([])) == []
+        with pytest.raises(GeometryError, match="drum: no solid"):
+            list(found.results([1, 13, 2]))
+        assert list(found.results([4])) == [16]
+
+
+def test_a_cluster_gives_the_same(own: None) -> None:
+    with cluster_of(2, preload=PRELOAD) as many, crew(square, scheduler=many.scheduler_address) as found:
+        assert list(found.results(range(7))) == [k * k for k in range(7)]
+        assert list(found.results([])) == []
+        with pytest.raises(GeometryError, match="drum: no solid"):
+            list(found.results([1, 13, 2]))
+        half = found.results(range(7))
+        assert next(half) == 0
+        half.close()
+        assert list(found.results([4])) == [16]
+
+
+def test_a_worker_that_does_not_show_its_state_is_refused_and_a_late_one_does_the_work(
+    own: None, caplog: pytest.LogCaptureFixture
+) -> None:
+    with (
+        cluster_of(1) as many,
+        crew(square, scheduler=many.scheduler_address) as found,
+        ThreadPoolExecutor(1) as aside,
+    ):
+        waits = aside.submit(list, found.results(range(3)))
+        end = time.monotonic() + 20.0
+        while "waiting for one with" not in caplog.text and time.monotonic() < end:
+            time.sleep(0.01)
+        assert "gets no work: it was started without --preload mbcdm_cad.parallel.worker" in caplog.text
+        assert not waits.done()
+        many.new_spec["options"]["preload"] = PRELOAD
+        many.scale(2)
+        assert waits.result(20.0) == [0, 1, 4]
+    assert caplog.text.count("waiting for one with") == 1
+
+
+def test_a_scheduler_that_ends_is_told(own: None) -> None:
+    with ThreadPoolExecutor(1) as aside:
+        with cluster_of(0) as many:
+            found = crew(square, scheduler=many.scheduler_address)
+            waits = aside.submit(list, found.results(range(3)))
+            time.sleep(0.2)
+        with pytest.raises(MbcdmError, match="the connection was lost"):
+            waits.result(20.0)
+        found.__exit__(None, None, None)
+
+
+def test_no_scheduler_is_told_with_the_remedy(own: None, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cluster, "ANSWER_S", 0.2)
+    with pytest.raises(MbcdmError, match=r"--scheduler tcp://127.0.0.1:9: no dask scheduler answers within 0.2 s"):
+        crew(square, scheduler="tcp://127.0.0.1:9")
+
+
+def test_a_state_is_that_of_the_package() -> None:
+    assert state() == state() and state().startswith("mbcdm_cad 0.1.0 ") and len(state().split()[2]) == 12
