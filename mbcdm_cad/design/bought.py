@@ -31,6 +31,10 @@ class Entry(PlainBlock):
         default="", metadata={"exclude": True}
     )
     source: Text = entry_field("source of the values; says 'estimate' for a value that is estimated", "-")
+    price_EUR: Number | None = entry_field(
+        "price of a piece, of a metre of rope, of a kilogram of a material", "EUR", default=None, ge=0.0, le=1e6
+    )
+    price_source: Text | None = entry_field("source of the price; says 'estimate' for one", "-", default=None)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -136,5 +136,6 @@ def _kept(found: Resolved, data: Mapping[str, Any], keeps: Sequence[Keep], names
     known = {name: value for name, value in figures.items() if np.isfinite(value)}
     missing = [name for name in names if name not in known]
     if missing and not short:
-        return Evaluated(refused=f"{missing[0]}: this design has no such figure")
+        reason = facts.reasons.get(missing[0], "this design has no such figure")
+        return Evaluated(refused=f"{missing[0]}: {reason}")
     return Evaluated(tuple(short), "", known, dict(leaves(data)))

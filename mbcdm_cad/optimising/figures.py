@@ -16,11 +16,13 @@ from mbcdm_cad.errors import MbcdmError, did_you_mean
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.model.analysis import PeakTorques, peak_torques, reversal_swing_mrad
 from mbcdm_cad.model.capability import torque_to_weight_Nm_kg
+from mbcdm_cad.parts.cost import NoPriceError, bought_cost_EUR, material_cost_EUR
 from mbcdm_cad.report.structure import StructureReport, structure_report
 from mbcdm_cad.solving.trials import checks_by_id
 
 if TYPE_CHECKING:
     from mbcdm_cad.design.drive import Drive
+    from mbcdm_cad.parts.bill import Bill
     from mbcdm_cad.solving.question import Question
 
 # Figures are kept to this many significant digits: a linear algebra library with another number of threads changes the
@@ -36,6 +38,8 @@ class Facts:
         self.layout = drive.layout
         self.checks = checks
         self.data = data
+        # Why a figure that was asked for does not exist, by its name.
+        self.reasons: dict[str, str] = {}
 
     @cached_property
     def torques(self) -> PeakTorques:
@@ -48,9 +52,14 @@ class Facts:
         return reversal_swing_mrad(self.drive)
 
     @cached_property
+    def bill(self) -> Bill:
+        """All parts."""
+        return self.layout.bill()
+
+    @cached_property
     def mass_g(self) -> float:
         """The estimated mass, from closed forms."""
-        return kept_mass_g(self.layout, lambda s: s.bill())
+        return kept_mass_g(self.layout, lambda _: self.bill)
 
     @cached_property
     def structure(self) -> StructureReport:
@@ -68,10 +77,45 @@ class Facts:
         return self.layout.once("box_mm", _no_box)
 
     @property
+    def life_cycles(self) -> float:
+        """Cycles at which half of the first cable to break have broken; by the formula where it outlives the data."""
+        life = self.layout.life
+        unknown = [rope.refused for rope in life.ropes if rope.refused and not rope.longer]
+        if unknown:
+            raise NoFigureError(unknown[0])
+        return min(1.0 / float(rope.damage.max()) for rope in life.ropes)
+
+    @property
+    def backdrive_Nm(self) -> float:
+        """Torque at the drum that starts to turn it, motors without current."""
+        found = self.layout.losses.backdrive
+        if found is None:
+            raise NoFigureError("the gearheads lock: no torque at the drum turns them")
+        return found.start_Nm
+
+    @cached_property
+    def material_cost_EUR(self) -> float:
+        """Material of the made parts."""
+        return _priced(lambda: material_cost_EUR(self.bill))
+
+    @property
+    def cost_EUR(self) -> float:
+        """Material and bought parts."""
+        bought = _priced(lambda: bought_cost_EUR(self.bill, self.drive.cable))
+        return self.material_cost_EUR + bought
+
+    @property
     def efficiency(self) -> float:
         """Share of the motors' work that reaches the payload at the peak torque, all losses counted."""
         peak = np.array([self.drive.loads.peak_torque_Nm])
         return float(self.layout.losses.moving(peak, 1).efficiency[0])
+
+
+def _priced(cost: Callable[[], float]) -> float:
+    try:
+        return cost()
+    except NoPriceError as error:
+        raise NoFigureError(str(error)) from None
 
 
 def _no_box(_: Any) -> tuple[float, float, float]:
@@ -134,6 +178,16 @@ FIGURES: dict[str, DesignFigure] = {
         lambda f: torque_to_weight_Nm_kg(min(f.torques.with_losses_Nm), f.mass_g),
     ),
     "efficiency": DesignFigure("at the peak torque, motors moving the load", "-", lambda f: f.efficiency),
+    "backdrive_Nm": DesignFigure(
+        "torque at the drum that starts to turn it, motors without current", "N m", lambda f: f.backdrive_Nm
+    ),
+    "life_cycles": DesignFigure(
+        "cycles at which half of the cables that break first have broken", "-", lambda f: f.life_cycles
+    ),
+    "material_cost_EUR": DesignFigure(
+        "material in the made parts, no waste, no work", "EUR", lambda f: f.material_cost_EUR
+    ),
+    "cost_EUR": DesignFigure("material, and bought parts with an entry", "EUR", lambda f: f.cost_EUR),
     "bend_ratio": DesignFigure(
         "least D/d of all bends",
         "-",
@@ -156,7 +210,8 @@ def figure(facts: Facts, name: str) -> float:
         else:
             given = value_at(facts.data, name)
             value = float("nan") if isinstance(given, bool) or not isinstance(given, int | float) else float(given)
-    except NoFigureError:
+    except NoFigureError as error:
+        facts.reasons[name] = str(error)
         return float("nan")
     return float(f"{value:.{DIGITS}g}") if np.isfinite(value) else float("nan")
 

@@ -141,6 +141,8 @@ class Optimum:
                 + (", ".join(f"{name} ({count})" for name, count in list(s.failing.items())[:8]) or "none"),
                 width,
             )
+            for reason, count in list(s.refused.items())[:3]:
+                yield from filled(f"no drive, {count} times: {reason}", width)
         else:
             aims = ", ".join(map(str, self.wishes.aims))
             yield f"Front of {aims}: {len(self.points)} designs in {self.folder}/front"

@@ -7,7 +7,8 @@ order. A search that goes on asks the engine again from the start and takes from
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -56,6 +57,7 @@ class Searched:
     stopped: str
     finished: bool
     failing: Mapping[str, int] = field(default_factory=dict)
+    refused: Mapping[str, int] = field(default_factory=dict)
     faults: tuple[str, ...] = ()
 
     @property
@@ -227,10 +229,8 @@ class FrontSearch:
         rounds = [*self._fronts]
         if not rounds or rounds[-1][0] < len(self.tried):
             rounds.append((len(self.tried), front))
-        missed = [name for one in self.tried for name, _ in one.result.failing]
-        failing = {
-            name: missed.count(name) for name in sorted(set(missed), key=lambda name: (-missed.count(name), name))
-        }
+        failing = _counted(name for one in self.tried for name, _ in one.result.failing)
+        refused = _counted(one.result.refused for one in self.tried if one.result.refused)
         faults = dict.fromkeys(one.result.refused for one in self.tried if one.result.refused.startswith(FAULT))
         return Searched(
             self.wishes,
@@ -240,8 +240,15 @@ class FrontSearch:
             stopped,
             stopped not in (INTERRUPTED, TIME),
             failing,
+            refused,
             tuple(faults),
         )
+
+
+def _counted(names: Iterable[str]) -> dict[str, int]:
+    """How often each occurs, the most first."""
+    found = Counter(names)
+    return {name: found[name] for name in sorted(found, key=lambda name: (-found[name], name))}
 
 
 INTERRUPTED = "interrupted"

@@ -6,6 +6,7 @@ The command line prints it, the Python API returns it.
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,6 +16,8 @@ from mbcdm_cad.design.fields import adapter
 from mbcdm_cad.errors import MbcdmError, did_you_mean
 from mbcdm_cad.report.table import ReportTable
 
+# Fields that say where the others come from.
+_SOURCES = ("source", "price_source")
 _HEAD = """\
 # The catalogue
 
@@ -65,7 +68,7 @@ def catalogue_page(kinds: tuple[str, ...]) -> str:
         lines += [f"## {kind.capitalize()}", "", _about(kind), ""]
         lines += ReportTable(("field", "unit", "meaning"), _fields(kind)).markdown()
         lines += ["", *_values(kind).markdown(), "", "Sources:", ""]
-        lines += [f"- `{name}`: {entry['source']}" for name, entry in package_entries(kind).items()] + [""]
+        lines += [f"- `{name}`: {_sources(entry)}" for name, entry in package_entries(kind).items()] + [""]
     return "\n".join(lines)
 
 
@@ -75,7 +78,7 @@ def _kind_lines(kind: str, width: int | None) -> list[str]:
     names = list(entries)
     label_width = max(len(field) for field, _, _ in _fields(kind))
     columns = [
-        max(len(name), *(len(_exact(value)) for key, value in entries[name].items() if key != "source"))
+        max(len(name), *(len(_exact(value)) for key, value in entries[name].items() if key not in _SOURCES))
         for name in names
     ]
     lines = _filled(f"{kind}: {_about(kind)}", width)
@@ -84,10 +87,10 @@ def _kind_lines(kind: str, width: int | None) -> list[str]:
         while taken < len(names) and sum(columns[: taken + 1]) + 2 * (taken + 1) <= room:
             taken += 1
         here, names, columns = names[:taken], names[taken:], columns[taken:]
-        rows = tuple((field, *(_exact(entries[name].get(field)) for name in here)) for field, _, _ in _fields(kind))
+        rows = tuple((field, *(_exact(entries[name].get(field)) for name in here)) for field in _stated(kind))
         lines += ["", *ReportTable(("", *here), rows).text()]
     lines += ["", "Sources:"]
-    return lines + [line for name, entry in entries.items() for line in _filled(f"  {name}: {entry['source']}", width)]
+    return lines + [line for name, entry in entries.items() for line in _filled(f"  {name}: {_sources(entry)}", width)]
 
 
 def _about(kind: str) -> str:
@@ -100,8 +103,21 @@ def _fields(kind: str) -> tuple[tuple[str, str, str], ...]:
     return tuple((name, node["unit"], node["description"]) for name, node in schema.items() if name != "source")
 
 
+def _sources(entry: Mapping[str, Any]) -> str:
+    """Where the values of an entry come from, and its price if it has one."""
+    price = entry.get("price_source")
+    return f"{entry['source']}" + (f" Price: {price}." if price else "")
+
+
+def _stated(kind: str) -> list[str]:
+    """The fields that an entry states, without the sources."""
+    entries = package_entries(kind).values()
+    names = [name for name, _, _ in _fields(kind) if name not in _SOURCES]
+    return [name for name in names if any(entry.get(name) is not None for entry in entries)]
+
+
 def _values(kind: str) -> ReportTable:
-    names = [field[0] for field in _fields(kind)]
+    names = _stated(kind)
     rows = tuple(
         (entry, *(_exact(values.get(name)) for name in names)) for entry, values in package_entries(kind).items()
     )
