@@ -56,6 +56,7 @@ FACE = (
     "layouts.base",
     "layouts.life",
     "layouts.losses",
+    "layouts.lumped",
     "layouts.duty",
     "layouts.sector",
     "layouts.structure",

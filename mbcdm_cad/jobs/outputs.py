@@ -173,12 +173,13 @@ def write_robot(
 
     ``elastic`` in MJCF and ``options`` in URDF only.
     """
+    from mbcdm_cad.robot.elastic import elastic_drive
     from mbcdm_cad.robot.formats import robot_files
     from mbcdm_cad.robot.mechanism import mechanism
 
     _, parts = drawn(loaded.drive, 0.0, cache, progress)
     robot = mechanism(loaded.drive, {name: part.files for name, part in parts.items()})
-    files = robot_files(robot, form, elastic=elastic, options=options)
+    files = robot_files(robot, form, elastic=elastic_drive(loaded.drive) if elastic else None, options=options)
     target = out / f"{loaded.drive.name}-{form}"
     inputs = content_key("export", (loaded.sha256, form, elastic, options), package_hash(), versions())
     with output_folder(target, Manifest(loaded.sha256, inputs), design=loaded.path) as folder:

@@ -10,9 +10,9 @@ import numpy as np
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.base import NoFigureError
+from mbcdm_cad.layouts.lumped import Compliance, PartsFriction, compliance_of, friction_of
 from mbcdm_cad.rig.block import PhysicsBlock
 from mbcdm_cad.rig.cables import RigCable, cables_of, routes_of
-from mbcdm_cad.rig.drive_parts import Compliance, PartsFriction, compliance_of, friction_of
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.route import Body, DriveRoutes
 

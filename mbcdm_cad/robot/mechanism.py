@@ -14,8 +14,8 @@ from mbcdm_cad.build.mass import MassProperties, combined, item_mass
 from mbcdm_cad.build.partfiles import PartFiles
 from mbcdm_cad.build.trianglemesh import TriangleMesh
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.lumped import axis_friction
 from mbcdm_cad.model.analysis import analyse
-from mbcdm_cad.model.si import to_si
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.parts.placement import Vector
 from mbcdm_cad.robot.coarse import within_faces
@@ -51,6 +51,8 @@ class Joint:
 
     Its zero is that of the output; the links are drawn at ``drawn_rad``, where the drum is in the middle of its travel.
     ``effort_Nm`` and ``speed_rad_s``: the largest torque that it holds continuously, and speed that goes with it.
+    ``friction_Nm``: dry friction under the preload, at the drum that of the bodies that cables pass too, at an input
+    that of gearhead and motor; the part in proportion to a load is in ``effort_Nm``.
     """
 
     link: str
@@ -61,34 +63,30 @@ class Joint:
     armature: float  # kg m^2
     effort_Nm: float
     speed_rad_s: float
-
-
-@dataclass(frozen=True)
-class CableSpring:
-    """A cable as a spring between input and drum: stretch = drum_lever * drum + input_lever * input (m, rad)."""
-
-    name: str
-    input_link: str
-    drum_lever: float
-    input_lever: float
-    stiffness_N_m: float
-    preload_N: float
+    friction_Nm: float
 
 
 @dataclass(frozen=True)
 class Mechanism:
-    """The whole drive. ``base`` is fixed and includes the mass of the cables; ``drum`` is the joint that leads."""
+    """The whole drive. ``base`` is fixed and includes the mass of the cables; ``drum`` is the joint that leads.
+
+    ``inputs``: links of the inputs in the design's order.
+    """
 
     name: str
     base: Link
     links: tuple[Link, ...]
     joints: tuple[Joint, ...]
     drum: str
-    cables: tuple[CableSpring, ...]
+    inputs: tuple[str, ...]
 
     def link(self, name: str) -> Link:
         """The moving link with this name."""
         return next(link for link in self.links if link.name == name)
+
+    def joint(self, name: str) -> Joint:
+        """The joint of the link with this name."""
+        return next(joint for joint in self.joints if joint.link == name)
 
 
 def mechanism(drive: Drive, parts: Mapping[str, PartFiles]) -> Mechanism:
@@ -99,6 +97,11 @@ def mechanism(drive: Drive, parts: Mapping[str, PartFiles]) -> Mechanism:
     still, *turning = bodies(layout.moving_bodies, centred)
     drum = next(body for body in turning if body.kind == "drum")
     drum_effort, drum_speed = _limits(drive)
+    rubs = axis_friction(drive)
+    of_motor = drive.layout.losses.motor_idle_Nm * drive.gearhead.ratio
+    inputs = [body.name for body in turning if body.kind == "input"]
+    friction = {drum.name: rubs.drum_Nm}
+    friction |= {name: own + of_motor for name, own in zip(inputs, rubs.inputs_Nm, strict=True)}
     links = tuple(_link(body, [items[name] for name in body.items], parts, drive) for body in turning)
     fixed = [items[name] for name in still.items]
     base = _link(still, fixed, parts, drive, extra=[item for item in centred.items if is_cable(item)])
@@ -106,9 +109,9 @@ def mechanism(drive: Drive, parts: Mapping[str, PartFiles]) -> Mechanism:
         name=drive.name,
         base=base,
         links=links,
-        joints=tuple(_joint(body, drive, drum_effort, drum_speed) for body in turning),
+        joints=tuple(_joint(body, drive, (drum_effort, drum_speed), friction.get(body.name, 0.0)) for body in turning),
         drum=drum.name,
-        cables=_cables(drive, [body for body in turning if body.kind == "input"]),
+        inputs=tuple(inputs),
     )
 
 
@@ -146,7 +149,8 @@ def _limits(drive: Drive) -> tuple[float, float]:
     return effort, radians(max(whole))
 
 
-def _joint(body: MovingGroup, drive: Drive, drum_effort_Nm: float, drum_speed_rad_s: float) -> Joint:
+def _joint(body: MovingGroup, drive: Drive, drum_limits: tuple[float, float], friction_Nm: float) -> Joint:
+    drum_effort_Nm, drum_speed_rad_s = drum_limits
     turns, drawn = abs(body.ratio), radians(body.ratio * drive.middle_deg)
     half = radians(turns * (drive.half_travel_deg + drive.stop_clearance_deg))
     effort = drum_effort_Nm / turns
@@ -162,26 +166,8 @@ def _joint(body: MovingGroup, drive: Drive, drum_effort_Nm: float, drum_speed_ra
         armature=drive.rotor_at_input_kg_m2 if body.kind == "input" else 0.0,
         effort_Nm=effort,
         speed_rad_s=drum_speed_rad_s * turns,
+        friction_Nm=friction_Nm,
     )
-
-
-def _cables(drive: Drive, inputs: Sequence[MovingGroup]) -> tuple[CableSpring, ...]:
-    d = to_si(drive)
-    found = []
-    for j, name in enumerate(d.cable_names):
-        link = inputs[d.input_of[j]]
-        lever = float(d.sigma[j] * d.drum_radius_m[j])
-        found.append(
-            CableSpring(
-                name=name,
-                input_link=link.name,
-                drum_lever=-lever,
-                input_lever=lever / link.ratio,
-                stiffness_N_m=float(d.axial_stiffness_N / d.free_span_m[j]),
-                preload_N=float(d.preload_N[j]),
-            )
-        )
-    return tuple(found)
 
 
 def _joined(pieces: list[tuple[Item, TriangleMesh]]) -> TriangleMesh:

@@ -125,6 +125,7 @@ def _joints(m: Mechanism, prefix: str) -> list[ET.Element]:
             effort=numbers([joint.effort_Nm]),
             velocity=numbers([joint.speed_rad_s]),
         )
+        ET.SubElement(node, "dynamics", damping="0", friction=numbers([joint.friction_Nm]))
         if joint.link != m.drum:
             follows = {"joint": f"{prefix}{m.drum}", "multiplier": numbers([joint.ratio]), "offset": "0"}
             ET.SubElement(node, "mimic", attrib=follows)

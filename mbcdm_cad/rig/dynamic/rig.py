@@ -8,10 +8,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.lumped import Compliance, PartsFriction
 from mbcdm_cad.rig.bench import PathOf
 from mbcdm_cad.rig.cables import RigCable, cables_of, routes_of
 from mbcdm_cad.rig.chain import PIECE_RAD
-from mbcdm_cad.rig.drive_parts import Compliance, PartsFriction
 from mbcdm_cad.rig.dynamic.controller import ControllerSpec
 from mbcdm_cad.rig.dynamic.gearhead import GearheadSpec, gearhead_of
 from mbcdm_cad.rig.dynamic.inertias import inertias

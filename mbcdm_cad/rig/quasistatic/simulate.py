@@ -9,7 +9,6 @@ import numpy as np
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.rig import chain, through
 from mbcdm_cad.rig.bench import Bench, bench_of
-from mbcdm_cad.rig.drive_parts import PRESLIDING_RAD
 from mbcdm_cad.rig.quasistatic import equilibrium
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
 from mbcdm_cad.rig.quasistatic.load import brake
@@ -19,6 +18,8 @@ from mbcdm_cad.routes import Floats
 
 # Half the step of drum angle in the difference quotient for an extra path's slope, rad.
 _SLOPE_RAD = 1e-5
+# Drum angle over which friction at the drum changes its sign: a choice, as for the friction of bearings.
+_PRESLIDING_RAD = 1e-4
 
 
 def simulate(drive: Drive, experiment: Experiment) -> SimulatedRun:
@@ -88,7 +89,7 @@ def balance(bench: Bench, experiment: Experiment, load_Nm: Floats) -> tuple[Floa
     input_of, sides = np.array([c.input_index for c in bench.cables]), through.pairs_of(bench.cables)
     rub, slide = np.zeros(n_cables), np.zeros(n)
     if bench.friction is not None:
-        rub, slide = bench.friction.drum_share, brake(bench.drum_rad, np.ones(n), PRESLIDING_RAD)
+        rub, slide = bench.friction.drum_share, brake(bench.drum_rad, np.ones(n), _PRESLIDING_RAD)
         total = total + bench.friction.drum_bearings_Nm * slide
     course = equilibrium.QuasistaticCourse(
         input_of, gears, motor, path, lever, bench.drum_rad, total, strains, sides, rub, slide

@@ -1,7 +1,7 @@
-"""What gives and what rubs besides the cables, as the design states it: figures for both rigs, which do the mechanics.
+"""What gives and what rubs besides the cables, lumped at the axes: figures for rigs and robot files.
 
 The compliance of each part is that of ``Layout.structure``, the shares and torques of friction those of
-``Layout.losses``. Slip on the wraps is in the cables' chains and not here.
+``Layout.losses``. Slip on the wraps is not here.
 """
 
 from __future__ import annotations
@@ -14,8 +14,6 @@ import numpy as np
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.routes import Floats
 
-# Drum angle over which friction at the drum changes its sign in the quasi-static rig: a choice.
-PRESLIDING_RAD = 1e-4
 _URAD = 1e-6
 
 
@@ -48,6 +46,24 @@ class PartsFriction:
     input_bearings_Nm: tuple[float, ...]
     gear_idle_Nm: float
     motor_Nm: float
+
+
+@dataclass(frozen=True)
+class AxisFriction:
+    """Friction of cables and bearings under the preload, gearheads without load included, at each axis; N m."""
+
+    drum_Nm: float
+    inputs_Nm: tuple[float, ...]
+
+
+def axis_friction(drive: Drive) -> AxisFriction:
+    """Dry friction at the drum, with the bodies that cables pass, and at each input up to its gearhead's output."""
+    parts, names = friction_of(drive), drive.input_names
+    drum, inputs = parts.drum_bearings_Nm, [bearings + parts.gear_idle_Nm for bearings in parts.input_bearings_Nm]
+    for cable, at_input, at_drum in zip(drive.cables, parts.input_share, parts.drum_share, strict=True):
+        drum += float(at_drum) * cable.preload_N * cable.drum_radius_mm * 1e-3
+        inputs[names.index(cable.input_name)] += float(at_input) * cable.preload_N * cable.input_radius_mm * 1e-3
+    return AxisFriction(drum, tuple(inputs))
 
 
 def compliance_of(drive: Drive) -> Compliance:

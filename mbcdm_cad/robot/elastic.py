@@ -1,0 +1,106 @@
+"""A drive that gives and loses, for simulators: cables with their hysteresis, parts that give, motors, friction."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.errors import MbcdmError
+from mbcdm_cad.layouts.base import NoFigureError
+from mbcdm_cad.layouts.lumped import Compliance, axis_friction, compliance_of
+from mbcdm_cad.model.duty.heat import COPPER_PER_K, RATED_AT_C, motor_heat
+from mbcdm_cad.robot.stage import CableStage, cable_stages
+
+# Torque constant of a motor whose entry has none, N m/A: a scale of the current, without effect on torque and heat.
+_CONSTANT_NM_A = 0.01
+
+
+@dataclass(frozen=True)
+class RobotMotor:
+    """One motor at its own shaft, SI. ``voltage_V``: that of the bus; None where the motor's constants are not known.
+
+    ``heat_K_W`` and ``heat_J_K``: winding and housing as one body. ``friction_Nm`` is the motor's own.
+    """
+
+    inertia_kg_m2: float
+    constant_Nm_A: float
+    resistance_ohm: float
+    peak_Nm: float
+    friction_Nm: float
+    voltage_V: float | None
+    heat_K_W: float
+    heat_J_K: float
+    copper_per_K: float
+    rated_at_C: float
+    ambient_C: float
+
+
+@dataclass(frozen=True)
+class ElasticDrive:
+    """All that a simulator needs besides masses and joints.
+
+    ``turns``: of each input for one of the drum. ``drum_friction_Nm`` and ``input_friction_Nm`` at each axis, that of
+    the motors apart; ``gear_share``: loss of a gearhead over the torque at its output, besides.
+    """
+
+    stages: tuple[CableStage, ...]
+    turns: tuple[float, ...]
+    compliance: Compliance
+    motor: RobotMotor
+    gear_ratio: float
+    gear_share: float
+    drum_friction_Nm: float
+    input_friction_Nm: tuple[float, ...]
+
+    @property
+    def motors_held_rad_Nm(self) -> float:
+        """Turn of the payload by the parts for 1 N m, motors held."""
+        stiffness = self.compliance.before_inputs_Nm_rad
+        return self.compliance.land_to_payload + sum(share**2 / stiffness for share in self.input_shares)
+
+    @property
+    def input_shares(self) -> tuple[float, ...]:
+        """Torque of each input for 1 N m on the payload."""
+        return tuple(1.0 / (len(self.turns) * turns) for turns in self.turns)
+
+
+def elastic_drive(drive: Drive) -> ElasticDrive:
+    """The drive with effects that a design file as built holds: modulus, preload, friction of the rope.
+
+    Raises ``ModelError`` where the model has no answer, ``MbcdmError`` where a part has no metal that carries the load.
+    """
+    rubs, train = axis_friction(drive), drive.layout.losses
+    try:
+        compliance = compliance_of(drive)
+    except (NoFigureError, ValueError) as error:
+        raise MbcdmError(f"{drive.name}: no elastic drive: {error}; 'mbcdm check' names the part") from None
+    turns = tuple(body.turns_per_drum for body in drive.layout.routed.routes.inputs)
+    return ElasticDrive(
+        stages=cable_stages(drive),
+        turns=turns,
+        compliance=compliance,
+        motor=_motor(drive, train.motor_idle_Nm),
+        gear_ratio=drive.gearhead.ratio,
+        gear_share=train.gear_share,
+        drum_friction_Nm=rubs.drum_Nm,
+        input_friction_Nm=rubs.inputs_Nm,
+    )
+
+
+def _motor(drive: Drive, friction_Nm: float) -> RobotMotor:
+    motor, heat = drive.motor, motor_heat(drive.motor)
+    known = motor.torque_constant_mNm_A is not None and motor.resistance_ohm is not None
+    constant = _CONSTANT_NM_A if not known else float(motor.torque_constant_mNm_A or 0.0) * 1e-3
+    return RobotMotor(
+        inertia_kg_m2=motor.rotor_inertia_g_cm2 * 1e-7,
+        constant_Nm_A=constant,
+        resistance_ohm=float(motor.resistance_ohm or 0.0) if known else heat.loss_W_Nm2 * constant**2,
+        peak_Nm=motor.peak_torque_mNm * 1e-3,
+        friction_Nm=friction_Nm,
+        voltage_V=drive.bus_voltage_V if known else None,
+        heat_K_W=heat.winding_K_W + heat.housing_K_W * heat.mount,
+        heat_J_K=heat.winding_J_K + heat.housing_J_K,
+        copper_per_K=COPPER_PER_K,
+        rated_at_C=RATED_AT_C,
+        ambient_C=drive.layout.duty.ambient_C,
+    )

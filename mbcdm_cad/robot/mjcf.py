@@ -1,0 +1,218 @@
+"""MJCF of a mechanism: rigid by the ratios, or elastic with the drive's hysteresis, motors and friction.
+
+Elastic, all at the drum, g the drum's angle less that of an input over its ratio:
+
+    cables of an input   a tendon over g: spring and preload; for each elastic-slip element a joint on the input that slips
+                         at its ``frictionloss`` and a spring from it to the drum
+    parts                a joint between drum and payload, as soft as all parts with the motors held; encoders are tendons
+                         that take their share of its twist
+    motors               ``dcmotor`` through the gearhead's ratio, commanded by torque; ``frictionloss`` of the joints is
+                         the friction of bearings, cables and gearheads under the preload
+
+Springs have a damping of one time step times their stiffness, which makes them implicit: MuJoCo treats springs explicitly
+and damping implicitly, and the drum alone on its cables is faster than the step. Frames: docs/robot-formats.md.
+"""
+
+from __future__ import annotations
+
+from math import copysign
+from xml.etree import ElementTree as ET
+
+from mbcdm_cad.robot.elastic import ElasticDrive
+from mbcdm_cad.robot.mechanism import Joint, Link, Mechanism
+from mbcdm_cad.robot.stage import CableStage
+from mbcdm_cad.robot.urdf import BASE_LINK
+from mbcdm_cad.robot.xml import numbers, triangle
+
+# Settings that make the ratio a stiff constraint: at 20 mN m it drifts by 6 urad, with default settings by 58 mrad.
+_STIFF = {"solref": "0.001 1", "solimp": "0.9999 0.9999 0.001"}
+_TIMESTEP_S = 0.0005
+# Dry friction holds as firmly as MuJoCo's solver can.
+_FIRM = {"solreffriction": "0.001 1", "solimpfriction": "0.9999 0.9999 0.001"}
+_NOSLIP_ITERATIONS = 4
+# Inertia of a slip element over h^2 k: its own mode is then well below the step's.
+_SLIP_INERTIA = 10.0
+# A joint's body needs a mass; this one is that of nothing.
+_NOTHING_KG, _NOTHING_KG_M2 = 1e-9, 1e-12
+# A payload's joint without a payload must not be lighter than MuJoCo can accelerate; a tenth of a drum of the references.
+_PAYLOAD_KG_M2 = 1e-5
+# Motor's own friction: turn of its shaft, rad, over which it is elastic before it slides.
+_PRESLIDING_RAD = 0.01
+PAYLOAD = "payload"
+
+
+def mjcf(m: Mechanism, elastic: ElasticDrive | None) -> ET.Element:
+    """The whole file; ``elastic``: cables, parts and motors in place of the rigid ratio."""
+    root = ET.Element("mujoco", model=m.name)
+    ET.SubElement(root, "compiler", angle="radian", meshdir="meshes", inertiafromgeom="false", autolimits="true")
+    option = ET.SubElement(root, "option", timestep=numbers([_TIMESTEP_S]), integrator="implicitfast")
+    if elastic:
+        option.set("noslip_iterations", str(_NOSLIP_ITERATIONS))
+    assets = ET.SubElement(root, "asset")
+    for link in (m.base, *m.links):
+        ET.SubElement(assets, "mesh", name=link.name, file=f"{link.name}.stl")
+    world = ET.SubElement(root, "worldbody")
+    ET.SubElement(world, "light", pos="0.2 0.4 0.6", dir="-0.3 -0.6 -1")
+    base = ET.SubElement(world, "body", name=BASE_LINK, pos=numbers(m.base.origin))
+    _body(base, m.base)
+    bodies = {joint.link: _jointed(base, m, joint, elastic) for joint in m.joints}
+    equality = ET.SubElement(root, "equality")
+    for joint in m.joints:
+        if joint.link != m.drum and not (elastic and joint.link in m.inputs):
+            ET.SubElement(
+                equality,
+                "joint",
+                name=f"{joint.link}_ratio",
+                joint1=joint.link,
+                joint2=m.drum,
+                polycoef=f"0 {numbers([joint.ratio])} 0 0 0",
+                attrib=_STIFF,
+            )
+    if elastic:
+        _elastic(root, m, elastic, bodies)
+    return root
+
+
+def _jointed(base: ET.Element, m: Mechanism, joint: Joint, elastic: ElasticDrive | None) -> ET.Element:
+    link = m.link(joint.link)
+    body = ET.SubElement(base, "body", name=link.name, pos=numbers(link.origin))
+    friction = joint.friction_Nm
+    if elastic and joint.link in m.inputs:
+        i = m.inputs.index(joint.link)
+        friction = elastic.input_friction_Nm[i] + elastic.gear_share * abs(elastic.stages[i].preload_Nm / joint.ratio)
+    node = ET.SubElement(
+        body,
+        "joint",
+        name=link.name,
+        type="hinge",
+        axis=numbers(joint.axis),
+        range=numbers(joint.range_rad),
+        armature=numbers([joint.armature]),
+        frictionloss=numbers([friction]),
+        attrib={"ref": numbers([joint.drawn_rad])} if joint.drawn_rad else {},
+    )
+    if elastic:
+        node.attrib.update(_FIRM)
+    _body(body, link)
+    return body
+
+
+def _body(body: ET.Element, link: Link) -> None:
+    t = triangle(link.inertia)
+    full = (t["ixx"], t["iyy"], t["izz"], t["ixy"], t["ixz"], t["iyz"])
+    ET.SubElement(body, "inertial", pos=numbers(link.cog), mass=numbers([link.mass]), fullinertia=numbers(full))
+    # Only shown, without collisions: the parts of a drive touch each other as intended.
+    ET.SubElement(
+        body,
+        "geom",
+        name=link.name,
+        type="mesh",
+        mesh=link.name,
+        contype="0",
+        conaffinity="0",
+        group="2",
+        rgba=numbers((*link.colour, 1.0)),
+    )
+
+
+def _within(body: ET.Element, name: str, axis: tuple[float, float, float], **joint: str) -> None:
+    """A body of no mass in another, that turns in it about the same axis."""
+    inner = ET.SubElement(body, "body", name=name)
+    ET.SubElement(inner, "joint", name=name, type="hinge", axis=numbers(axis), attrib=joint)
+    none = numbers([_NOTHING_KG_M2] * 3)
+    ET.SubElement(inner, "inertial", pos="0 0 0", mass=numbers([_NOTHING_KG]), diaginertia=none)
+
+
+def _elastic(root: ET.Element, m: Mechanism, e: ElasticDrive, bodies: dict[str, ET.Element]) -> None:
+    tendons, actuators = ET.SubElement(root, "tendon"), ET.SubElement(root, "actuator")
+    drum = m.joint(m.drum)
+    give = e.motors_held_rad_Nm
+    if give > 0.0:
+        _within(bodies[m.drum], PAYLOAD, drum.axis, armature=numbers([_PAYLOAD_KG_M2]), **_spring(1.0 / give))
+    held = []
+    for stage, name in zip(e.stages, m.inputs, strict=True):
+        joint = m.joint(name)
+        _stage(tendons, m, stage, joint, bodies[name])
+        _motor(actuators, e, joint)
+        held.append(stage.preload_Nm / abs(joint.ratio) / e.gear_ratio)
+    _sensors(root, tendons, m, e)
+    keys = ET.SubElement(root, "keyframe")
+    ET.SubElement(keys, "key", name="held", ctrl=numbers(held), qpos=numbers(_rest(m, e)))
+
+
+def _spring(stiffness_Nm_rad: float) -> dict[str, str]:
+    return {"stiffness": numbers([stiffness_Nm_rad]), "damping": numbers([_TIMESTEP_S * stiffness_Nm_rad])}
+
+
+def _stage(tendons: ET.Element, m: Mechanism, stage: CableStage, joint: Joint, body: ET.Element) -> None:
+    """The cables of one input: their spring with the preload, and each elastic-slip element."""
+    # Without a spring its rest length would not carry the preload.
+    spring = stage.spring_Nm_rad
+    rest = {"springlength": numbers([stage.preload_Nm / spring])} if spring > 0.0 else {}
+    tendon = ET.SubElement(tendons, "fixed", name=f"{joint.link}_cables", attrib={**_spring(spring), **rest})
+    lever = numbers([-1.0 / joint.ratio])
+    ET.SubElement(tendon, "joint", joint=m.drum, coef="1")
+    ET.SubElement(tendon, "joint", joint=joint.link, coef=lever)
+    for k, slip in enumerate(stage.slips, 1):
+        name = f"{joint.link}_slip_{k}"
+        inertia = _SLIP_INERTIA * _TIMESTEP_S**2 * slip.stiffness_Nm_rad
+        _within(body, name, joint.axis, armature=numbers([inertia]), frictionloss=numbers([slip.limit_Nm]), **_FIRM)
+        tendon = ET.SubElement(
+            tendons, "fixed", name=name, attrib={**_spring(slip.stiffness_Nm_rad), "springlength": "0"}
+        )
+        ET.SubElement(tendon, "joint", joint=m.drum, coef="1")
+        ET.SubElement(tendon, "joint", joint=joint.link, coef=lever)
+        ET.SubElement(tendon, "joint", joint=name, coef="-1")
+
+
+def _motor(actuators: ET.Element, e: ElasticDrive, joint: Joint) -> None:
+    motor = e.motor
+    bristle = motor.friction_Nm / _PRESLIDING_RAD
+    damping = (bristle * motor.inertia_kg_m2) ** 0.5  # half of critical
+    ET.SubElement(
+        actuators,
+        "dcmotor",
+        name=f"{joint.link}_motor",
+        joint=joint.link,
+        gear=numbers([copysign(e.gear_ratio, joint.ratio)]),
+        input="ff",
+        motorconst=numbers([motor.constant_Nm_A, motor.constant_Nm_A]),
+        resistance=numbers([motor.resistance_ohm]),
+        saturation=numbers([motor.peak_Nm, 0.0, 0.0]),
+        controller=numbers([0.0] * 5 + [motor.voltage_V or 0.0]),
+        thermal=numbers([motor.heat_K_W, motor.heat_J_K, 0.0, motor.copper_per_K, motor.rated_at_C, motor.ambient_C]),
+        lugre=numbers([bristle, damping, motor.friction_Nm, motor.friction_Nm, 1.0]),
+    )
+
+
+def _sensors(root: ET.Element, tendons: ET.Element, m: Mechanism, e: ElasticDrive) -> None:
+    """What the encoders and the payload turn by, as sensors."""
+    sensors = ET.SubElement(root, "sensor")
+    give, at = e.motors_held_rad_Nm, e.compliance
+    before = give - at.land_to_payload
+
+    def sensor(name: str, joint: str, share: float) -> None:
+        tendon = ET.SubElement(tendons, "fixed", name=name)
+        ET.SubElement(tendon, "joint", joint=joint, coef="1")
+        if give > 0.0:
+            ET.SubElement(tendon, "joint", joint=PAYLOAD, coef=numbers([share]))
+        ET.SubElement(sensors, "tendonpos", name=name, tendon=name)
+
+    sensor("drum_encoder", m.drum, (before + at.land_to_encoder) / give if give else 0.0)
+    sensor("payload_angle", m.drum, 1.0)
+    for name, share in zip(m.inputs, e.input_shares, strict=True):
+        # 1 N m on the payload, which turns it back by the whole, holds the pulley back by the part before it.
+        back = copysign(share / at.before_inputs_Nm_rad / give, m.joint(name).ratio) if give else 0.0
+        sensor(f"{name}_encoder", name, back)
+
+
+def _rest(m: Mechanism, e: ElasticDrive) -> list[float]:
+    """Angles of all joints as drawn, in the file's order."""
+    found = []
+    for joint in m.joints:
+        found.append(joint.drawn_rad)
+        if joint.link == m.drum and e.motors_held_rad_Nm > 0.0:
+            found.append(0.0)
+        if joint.link in m.inputs:
+            found += [0.0] * len(e.stages[m.inputs.index(joint.link)].slips)
+    return found

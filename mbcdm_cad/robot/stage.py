@@ -1,0 +1,95 @@
+"""The cables of one input as a spring and elastic-slip elements in parallel: their hysteresis for other simulators.
+
+Between an input and the drum the cables carry a torque that depends on the course of g, the drum's angle less that of
+the input over its ratio. The model gives it (:mod:`mbcdm_cad.model.hysteresis`); a spring and elements that are springs
+up to a limit, where they slip, follow it in loops of any size, since loops of the cables are nearly twice their curve of
+first loading (Masing). The limits are chosen, the stiffnesses follow by least squares above zero.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.model.hysteresis import simulate
+from mbcdm_cad.model.si import DriveSI, to_si
+from mbcdm_cad.routes import Floats
+
+# Twist at which each element slips, over the turn under the test torque.
+SLIP_TURNS = (0.1, 0.22, 0.45, 0.9, 1.8)
+# Loads of the loops that are fitted, over the test torque; never above the peak torque.
+_LEVELS = (0.3, 1.0, 2.0)
+_SAMPLES = 300
+
+
+@dataclass(frozen=True)
+class SlipElement:
+    """A spring that slips at its limit, both at the drum."""
+
+    stiffness_Nm_rad: float
+    limit_Nm: float
+
+
+@dataclass(frozen=True)
+class CableStage:
+    """The cables of one input, at the drum: torque that turns the drum = preload - spring g - elements.
+
+    ``preload_Nm``: torque of the preload on the drum, which acts on the input too, through its ratio.
+    """
+
+    input_index: int
+    preload_Nm: float
+    spring_Nm_rad: float
+    slips: tuple[SlipElement, ...]
+
+    @property
+    def sticking_Nm_rad(self) -> float:
+        """Stiffness while nothing slips."""
+        return self.spring_Nm_rad + sum(slip.stiffness_Nm_rad for slip in self.slips)
+
+
+def cable_stages(drive: Drive) -> tuple[CableStage, ...]:
+    """A stage for each input, fitted to loops with the inputs held. Raises ``ModelError`` where the model has no loop."""
+    d = to_si(drive)
+    test = drive.loads.test_torque_Nm
+    levels = [min(level * test, max(test, drive.loads.peak_torque_Nm)) for level in _LEVELS]
+    loops = [_loop(d, level) for level in levels]
+    limits = np.array(SLIP_TURNS) * 0.5 * float(np.ptp(loops[1][0]))
+    return tuple(_stage(d, i, limits, list(zip(levels, loops, strict=True))) for i in range(d.n_inputs))
+
+
+def slipping(twist_rad: Floats, limit_rad: float) -> Floats:
+    """Deflection of an elastic-slip element over a course of twists that begins at rest, rad."""
+    found = np.zeros(twist_rad.size)
+    for k, (before, now) in enumerate(pairwise(twist_rad), 1):
+        found[k] = min(max(found[k - 1] + now - before, -limit_rad), limit_rad)
+    return found
+
+
+def _loop(d: DriveSI, load_Nm: float) -> tuple[Floats, Floats]:
+    """Drum angles (n,) and tensions (n_cables, n) from the preload on, up to the load, to its opposite and back."""
+    corners = [(0.0, load_Nm), (load_Nm, -load_Nm), (-load_Nm, load_Nm)]
+    load = np.concatenate([np.linspace(a, b, _SAMPLES) for a, b in corners])
+    run = simulate(d, np.zeros((d.n_inputs, load.size)), load)
+    return np.append(0.0, run.drum_angle_rad), np.column_stack([d.preload_N, run.tension_N])
+
+
+def _stage(d: DriveSI, i: int, limits_rad: Floats, loops: list[tuple[float, tuple[Floats, Floats]]]) -> CableStage:
+    from scipy.optimize import nnls
+
+    own = np.array(d.input_of) == i
+    lever = (d.sigma * d.drum_radius_m)[own]
+    rows, wanted = [], []
+    for level, (twist, tension) in loops:
+        rows.append(np.stack([twist, *(slipping(twist, limit) for limit in limits_rad)], axis=1) / level)
+        wanted.append(lever @ (d.preload_N[own, None] - tension[own]) / level)
+    scale = float(limits_rad[-1])  # so that the unknowns are torques
+    torques, _ = nnls(np.concatenate(rows) / scale, np.concatenate(wanted))
+    spring, *stiff = torques / scale
+    slips = tuple(
+        SlipElement(float(k), float(k * limit)) for k, limit in zip(stiff, limits_rad, strict=True) if k > 0.0
+    )
+    return CableStage(i, float(lever @ d.preload_N[own]), float(spring), slips)
