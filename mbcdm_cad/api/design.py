@@ -266,9 +266,9 @@ class DriveDesign:
     ) -> Written:
         """Write the drive for robot simulators into ``out/NAME-FORM`` (SI units), as ``mbcdm export``.
 
-        ``elastic``: cables as springs, in MJCF only. In URDF only: ``package``, the ROS package that the meshes are
-        in; ``xacro``, a macro with a prefix for all names; ``ros2_control``, a block for its controllers. Raises
-        ``MbcdmError`` for what the format has not, or a name that no package has.
+        ``elastic``: cables with their hysteresis, parts that give, motors, in MJCF only. In URDF only: ``package``, the
+        ROS package that the meshes are in; ``xacro``, a macro with a prefix for all names; ``ros2_control``, a block
+        for its controllers. Raises ``MbcdmError`` for what the format has not, or a name that no package has.
         """
         from mbcdm_cad.jobs.outputs import write_robot
         from mbcdm_cad.robot.urdf import UrdfOptions

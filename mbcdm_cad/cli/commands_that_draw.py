@@ -170,7 +170,11 @@ def watch(design: Path, port: int, out: Path, no_cache: bool) -> int:
 )
 @DESIGN
 @click.option("--format", "form", type=click.Choice(("urdf", "mjcf")), required=True, help="Format of the file.")
-@click.option("--elastic", is_flag=True, help="Cables as springs instead of a rigid ratio (MJCF only).")
+@click.option(
+    "--elastic",
+    is_flag=True,
+    help="Cables with hysteresis, parts that give, motors, friction instead of a rigid ratio (MJCF only).",
+)
 @click.option("--package", metavar="NAME", help="Meshes by package://NAME/meshes, as RViz and Gazebo ask (URDF only).")
 @click.option("--xacro", is_flag=True, help="A macro with a prefix for all names instead of a robot (URDF only).")
 @click.option("--ros2-control", is_flag=True, help="Add the block that ros2_control reads (URDF only).")

@@ -2,15 +2,16 @@
 
 Elastic, all at the drum, g the drum's angle less that of an input over its ratio:
 
-    cables of an input   a tendon over g: spring and preload; for each elastic-slip element a joint on the input that slips
-                         at its ``frictionloss`` and a spring from it to the drum
-    parts                a joint between drum and payload, as soft as all parts with the motors held; encoders are tendons
-                         that take their share of its twist
-    motors               ``dcmotor`` through the gearhead's ratio, commanded by torque; ``frictionloss`` of the joints is
-                         the friction of bearings, cables and gearheads under the preload
+- The cables of an input are a tendon over g, with spring and preload; each elastic-slip element is a joint on the
+  input, which slips at its ``frictionloss``, and a spring from it to the drum.
+- The parts are a joint between drum and payload, as soft as all parts with the motors held; encoders are tendons that
+  take their share of its twist.
+- Motors are ``dcmotor`` through the gearhead's ratio, commanded by torque; ``frictionloss`` of the joints is the
+  friction of bearings, cables and gearheads under the preload.
 
-Springs have a damping of one time step times their stiffness, which makes them implicit: MuJoCo treats springs explicitly
-and damping implicitly, and the drum alone on its cables is faster than the step. Frames: docs/robot-formats.md.
+Springs have a damping of one time step times their stiffness, which makes them implicit: MuJoCo treats springs
+explicitly and damping implicitly, and the drum alone on its cables is faster than a step. Frames: see
+docs/robot-formats.md.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ _NOSLIP_ITERATIONS = 4
 _SLIP_INERTIA = 10.0
 # A joint's body needs a mass; this one is that of nothing.
 _NOTHING_KG, _NOTHING_KG_M2 = 1e-9, 1e-12
-# A payload's joint without a payload must not be lighter than MuJoCo can accelerate; a tenth of a drum of the references.
+# A payload's joint without a payload must not be lighter than MuJoCo can accelerate: a tenth of the reference's drum.
 _PAYLOAD_KG_M2 = 1e-5
 # Motor's own friction: turn of its shaft, rad, over which it is elastic before it slides.
 _PRESLIDING_RAD = 0.01

@@ -2,8 +2,8 @@
 
 Between an input and the drum the cables carry a torque that depends on the course of g, the drum's angle less that of
 the input over its ratio. The model gives it (:mod:`mbcdm_cad.model.hysteresis`); a spring and elements that are springs
-up to a limit, where they slip, follow it in loops of any size, since loops of the cables are nearly twice their curve of
-first loading (Masing). The limits are chosen, the stiffnesses follow by least squares above zero.
+up to a limit, where they slip, follow it in loops of any size, since the loops are nearly twice the curve of first
+loading (Masing). The limits are chosen, the stiffnesses follow by least squares above zero.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ class CableStage:
 
 
 def cable_stages(drive: Drive) -> tuple[CableStage, ...]:
-    """A stage for each input, fitted to loops with the inputs held. Raises ``ModelError`` where the model has no loop."""
+    """A stage for each input, fitted to loops with the inputs held. Raises ``ModelError`` where there is no loop."""
     d = to_si(drive)
     test = drive.loads.test_torque_Nm
     levels = [min(level * test, max(test, drive.loads.peak_torque_Nm)) for level in _LEVELS]

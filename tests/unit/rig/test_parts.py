@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.lumped import compliance_of
 from mbcdm_cad.model import analyse, hysteresis
 from mbcdm_cad.model.si import to_si
-from mbcdm_cad.layouts.lumped import compliance_of
 from mbcdm_cad.rig.dynamic import plant, tables
 from mbcdm_cad.rig.dynamic.experiment import DynamicExperiment
 from mbcdm_cad.rig.dynamic.inertias import inertias

@@ -1,0 +1,209 @@
+"""The elastic MJCF in MuJoCo at its own step of 0.5 ms, compared with the rig and with closed forms."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from mbcdm_cad.design.as_built import with_as_built
+from mbcdm_cad.design.blocks import AsBuilt, AsBuiltValue
+from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.model import analyse
+from mbcdm_cad.rig.quasistatic.experiment import Experiment
+from mbcdm_cad.rig.quasistatic.simulate import simulate
+from mbcdm_cad.robot.elastic import ElasticDrive, elastic_drive
+from mbcdm_cad.robot.formats import robot_files
+from mbcdm_cad.robot.mechanism import Mechanism
+from mbcdm_cad.robot.stage import slipping
+
+PARAMS = Path(__file__).parents[3] / "params"
+mujoco = pytest.importorskip("mujoco", minversion="4.0")
+
+
+@pytest.fixture(scope="module")
+def soft(loaded: Any) -> ElasticDrive:
+    return elastic_drive(loaded.drive)
+
+
+@pytest.fixture(scope="module")
+def path(robot: Mechanism, soft: ElasticDrive, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("elastic")
+    for name, content in robot_files(robot, "mjcf", elastic=soft).items():
+        (out / name).parent.mkdir(parents=True, exist_ok=True)
+        (out / name).write_bytes(content)
+    return out / "mbcdm.xml"
+
+
+@pytest.fixture
+def model(path: Path) -> Any:
+    found = mujoco.MjModel.from_xml_path(str(path))
+    found.opt.gravity[:] = 0.0
+    assert found.opt.timestep == 0.0005
+    return found
+
+
+def started(model: Any) -> Any:
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    return data
+
+
+def hold_inputs(model: Any, at_drum_Nm: float = 0.0) -> None:
+    for name in ("input_left", "input_right"):
+        model.dof_frictionloss[model.joint(name).dofadr[0]] = 10.0
+    model.dof_frictionloss[model.joint("drum").dofadr[0]] = at_drum_Nm
+
+
+def turned(data: Any, weights: Any, at: str) -> float:
+    """Output less the inputs by their encoders, at the drum; the drive's inputs turn nine times as far."""
+    inputs = [data.sensor(f"{name}_encoder").data[0] / 9.0 for name in ("input_left", "input_right")]
+    return float(data.sensor(at).data[0] - np.dot(weights, inputs))
+
+
+def loop(model: Any, soft: ElasticDrive, torque_Nm: float, period_s: float = 2.0) -> tuple[Any, dict[str, Any]]:
+    """Load (n,) and turns by sensor (n,) over the last of 2.25 periods of a torque on the payload."""
+    stiff = np.array([stage.sticking_Nm_rad for stage in soft.stages])
+    data, drum, payload = started(model), model.joint("drum").dofadr[0], model.joint("payload").dofadr[0]
+    load = torque_Nm * np.sin(2.0 * np.pi * np.arange(round(2.25 * period_s / 0.0005)) * 0.0005 / period_s)
+    found: dict[str, Any] = {name: np.zeros(load.size) for name in ("payload_angle", "drum_encoder")}
+    for k, now in enumerate(load):
+        data.qfrc_applied[[drum, payload]] = -now
+        mujoco.mj_step(model, data)
+        for name, turns in found.items():
+            turns[k] = turned(data, stiff / stiff.sum(), name)
+    last = slice(round(1.25 * period_s / 0.0005), None)
+    return load[last], {name: turns[last] for name, turns in found.items()}
+
+
+def area_J(load: Any, turn: Any) -> float:
+    return abs(float(np.trapezoid(np.append(load, load[0]), np.append(turn, turn[0]))))
+
+
+def rig_loop(drive: Any, torque_Nm: float) -> Any:
+    exact = {"input_resolution_rad": 0.0, "output_resolution_rad": 0.0, "torque_noise_Nm": 0.0}
+    return simulate(
+        drive,
+        Experiment.model_validate(
+            {
+                "name": "loop",
+                "duration_s": 45.0,
+                "motion": {"shape": "hold", "amplitude_mrad": 1e-6, "period_s": 1.0, "stray_urad": 0.0},
+                "load": {"kind": "torque_motor", "wave": "sine", "wave_period_s": 20.0, "levels_Nm": [torque_Nm]},
+                "sensors": exact,
+                "physics": {"cable_transport": False, "structure": True},
+            }
+        ),
+    )
+
+
+@pytest.mark.parametrize("share", [0.3, 1.0, 2.0])
+def test_swing_and_loop_are_those_of_simulate(model: Any, soft: ElasticDrive, loaded: Any, share: float) -> None:
+    """The inputs held, without the friction of the drum, which both have besides the loop of the cables."""
+    hold_inputs(model)
+    torque = share * loaded.drive.loads.test_torque_Nm
+    rig, last = rig_loop(loaded.drive, torque), slice(2500, None)
+    load, turns = loop(model, soft, torque)
+    for at, angle in (("payload_angle", rig.payload_rad[last]), ("drum_encoder", rig.drum_rad[last])):
+        turn = turns[at]
+        assert np.ptp(turn) == pytest.approx(np.ptp(angle), rel=0.02), (at, np.ptp(turn), np.ptp(angle))
+        wanted = area_J(rig.load_Nm[last], angle)
+        assert area_J(load, turn) == pytest.approx(wanted, rel=0.1), (at, area_J(load, turn), wanted)
+
+
+def test_friction_at_the_drum_keeps_its_part_of_the_load_from_the_cables(
+    model: Any, soft: ElasticDrive, loaded: Any
+) -> None:
+    torque = loaded.drive.loads.test_torque_Nm
+    hold_inputs(model, soft.drum_friction_Nm)
+    turn = loop(model, soft, torque)[1]["drum_encoder"]
+    cables = rig_loop(loaded.drive, torque - soft.drum_friction_Nm)
+    parts = loaded.drive.layout.structure.encoder_urad_Nm * 1e-6
+    wanted = np.ptp(cables.drum_rad[2500:]) + 2.0 * parts * soft.drum_friction_Nm
+    assert np.ptp(turn) == pytest.approx(wanted, rel=0.05), (np.ptp(turn), wanted)
+    shares = sum(bend.share for bend in loaded.drive.layout.losses.rope if not bend.on_input)
+    rope = sum(s * c.preload_N * c.drum_radius_mm for s, c in zip(shares, loaded.drive.cables, strict=True))
+    assert soft.drum_friction_Nm == pytest.approx(rope * 1e-3, rel=0.05), "bearings take little of it"
+
+
+def test_a_payload_rings_at_the_mode_of_cables_and_parts(model: Any, soft: ElasticDrive, loaded: Any) -> None:
+    """A payload of 0.02 kg m2 against the rotors, wraps stuck, motors off; a short step with little damping."""
+    heavy = 0.02
+    model.dof_frictionloss[:] = [10.0 * ("slip" in model.joint(k).name) for k in range(model.njnt)]
+    model.opt.timestep = 2e-5
+    model.dof_damping[:] *= 0.04
+    model.tendon_damping[:] *= 0.04
+    model.tendon_lengthspring[:] = 0.0
+    model.actuator_gear[:] = 1e-9
+    model.body("payload").inertia[:] = heavy
+    mujoco.mj_setConst(model, mujoco.MjData(model))
+    data = started(model)
+    data.qvel[model.joint("payload").dofadr[0]] = 1e-2
+    seen = np.zeros(15000)
+    for k in range(seen.size):
+        mujoco.mj_step(model, data)
+        seen[k] = data.qpos[model.joint("payload").qposadr[0]]
+    spectrum = np.abs(np.fft.rfft((seen - seen.mean()) * np.hanning(seen.size), 1 << 19))
+    found = float(np.fft.rfftfreq(1 << 19, 2e-5)[spectrum.argmax()])
+    sticking = sum(stage.sticking_Nm_rad for stage in soft.stages)
+    give = 1.0 / sticking + loaded.drive.layout.structure.motor_urad_Nm * 1e-6
+    rotors = 81.0 * sum(model.dof_armature[model.joint(f"input_{side}").dofadr[0]] for side in ("left", "right"))
+    expected = np.sqrt((1.0 / heavy + 1.0 / rotors) / give) / 2.0 / np.pi
+    assert found == pytest.approx(expected, rel=0.03), (found, expected)
+
+
+def test_a_stalled_motor_warms_as_one_body_does(model: Any, soft: ElasticDrive) -> None:
+    motor = soft.motor
+    data = started(model)
+    at = model.actuator("input_left_motor").actadr[0]
+    states = model.actuator("input_left_motor").actnum[0]
+    assert states == 2, "temperature and bristle"
+    for name in ("input_left", "input_right"):
+        model.dof_frictionloss[model.joint(name).dofadr[0]] = 10.0
+    data.ctrl[:] = motor.peak_Nm
+    for _ in range(2000):
+        mujoco.mj_step(model, data)
+    power = motor.resistance_ohm * (motor.peak_Nm / motor.constant_Nm_A) ** 2
+    cold = 1.0 + motor.copper_per_K * (motor.ambient_C - motor.rated_at_C)
+    warmer = data.act[at : at + states].max()
+    assert warmer == pytest.approx(power * cold / motor.heat_J_K, rel=0.02), (warmer, power * cold / motor.heat_J_K)
+
+
+def test_the_fit_follows_loops_of_other_drives() -> None:
+    for name, worst in (("siso_spur", 0.03), ("miso_spur", 0.03), ("siso_bevel", 0.12)):
+        drive = load_design(PARAMS / f"{name}.yaml").drive
+        soft = elastic_drive(drive)
+        torque = drive.loads.test_torque_Nm
+        run = simulate(
+            drive,
+            Experiment.model_validate(
+                {
+                    "name": "loop",
+                    "duration_s": 45.0,
+                    "motion": {"shape": "hold", "amplitude_mrad": 1e-6, "period_s": 1.0, "stray_urad": 0.0},
+                    "load": {"kind": "torque_motor", "wave": "sine", "wave_period_s": 20.0, "levels_Nm": [torque]},
+                    "physics": {"cable_transport": False},
+                }
+            ),
+        )
+        carried = np.zeros(run.drum_rad.size)
+        for stage in soft.stages:
+            carried += stage.preload_Nm - stage.spring_Nm_rad * run.drum_rad
+            for slip in stage.slips:
+                limit = slip.limit_Nm / slip.stiffness_Nm_rad
+                carried -= slip.stiffness_Nm_rad * slipping(np.append(0.0, run.drum_rad), limit)[1:]
+        off = np.abs(carried - run.load_Nm)[1:].max() / torque
+        assert off < worst, (name, off)
+
+
+def test_a_drive_as_built_carries_its_effects(loaded: Any, soft: ElasticDrive) -> None:
+    """A softer rope, as the loop writes it into the file, changes the fit as it changes the model."""
+    share = AsBuiltValue(name="share", value=-0.2)
+    entry = AsBuilt(name="stiffness_error", form="modulus of the rope", values=(share,))
+    built = with_as_built(loaded.drive, (entry,))
+    ratio = analyse(built).reversal_swing_mrad / analyse(loaded.drive).reversal_swing_mrad
+    stiff = [sum(stage.sticking_Nm_rad for stage in of.stages) for of in (soft, elastic_drive(built))]
+    assert ratio > 1.1
+    assert stiff[0] / stiff[1] == pytest.approx(1.25, rel=0.02), stiff
