@@ -24,7 +24,7 @@ LIMITS = {
     "circles": 1,
     "arrows back": 0,
     "repeating pairs": 188,
-    "lines": 81100,
+    "lines": 81500,
 }
 
 
