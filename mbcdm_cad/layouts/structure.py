@@ -282,7 +282,12 @@ def _gearheads(layout: SectorLayout, torques_Nm: Floats) -> Iterator[Cause]:
     stated = gear.stiffness_Nm_rad
     stiffness = GEARHEAD_NM_RAD_40 * (gear.diameter_mm / 40.0) ** 3 if stated is None else stated
     name = "gearheads (estimate)" if stated is None else "gearheads"
-    yield Cause(name, float((torques_Nm**2).sum() / stiffness) * 1e6, before_input=True, factor=BY_GEARHEADS)
+    yield Cause(
+        name,
+        float((torques_Nm**2).sum() / stiffness) * 1e6,
+        before_input=True,
+        factor=BY_GEARHEADS if stated is None else BY_PARTS,
+    )
 
 
 def _inputs(layout: SectorLayout, unit: Floats, torques_Nm: Floats) -> Iterator[Cause]:
