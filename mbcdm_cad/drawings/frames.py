@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import hypot
+from math import cos, hypot, sin, tau
 
 import numpy as np
 from ezdxf.enums import TextEntityAlignment
@@ -21,19 +21,27 @@ _TRIANGLE_MM = 2.5
 _STEM_MM = 2.5
 _FARTHEST_MM = 40.0
 _THIN = {"layer": "DIMENSION"}
+
+
+def _ring(radius: float) -> tuple[Point, ...]:
+    """A circle about the middle of a square of 1."""
+    return tuple((0.5 + radius * cos(a), 0.5 + radius * sin(a)) for a in np.linspace(0.0, tau, 33).tolist())
+
+
 # Signs of ISO 1101 in a square of 1: polylines.
 _SIGNS: dict[Characteristic, tuple[tuple[Point, ...], ...]] = {
     "run-out": (((0.2, 0.15), (0.8, 0.85)),),
     "perpendicularity": (((0.15, 0.2), (0.85, 0.2)), ((0.5, 0.2), (0.5, 0.85))),
     "parallelism": (((0.2, 0.15), (0.5, 0.85)), ((0.5, 0.15), (0.8, 0.85))),
+    "coaxiality": (_ring(0.36), _ring(0.18)),
 }
 
 
 def draw_tolerance(paper: Modelspace, placed: PlacedView, tolerance: GeometricTolerance, room: Room) -> None:
-    """The frame where it finds room, with an arrow to its feature; the number of features above it, if several."""
-    cells = [value_text(tolerance.value_mm, 3), *tolerance.datums]
+    """The frame where it finds room, with an arrow to its feature; above it number and letter of several."""
+    cells = [("%%c" if tolerance.axis else "") + value_text(tolerance.value_mm, 3), *tolerance.datums]
     widths = [_HIGH_MM, *(text_width_mm(text) + 2 * _BESIDE_MM for text in cells)]
-    count = f"{len(tolerance.places)}x" if tolerance.others else ""
+    count = " ".join(filter(None, (f"{len(tolerance.places)}x" if tolerance.others else "", tolerance.of)))
     high = _HIGH_MM + (TEXT_MM + 1.0 if count else 0.0)
     tip = placed.paper(*placed.view.project(tolerance.at))
     x, y = room.place(tip, sum(widths), high, 6.0)

@@ -24,6 +24,7 @@ from OCP.XCAFDimTolObjects import (
     XCAFDimTolObjects_DimensionType,
     XCAFDimTolObjects_GeomToleranceObject,
     XCAFDimTolObjects_GeomToleranceType,
+    XCAFDimTolObjects_GeomToleranceTypeValue,
 )
 from OCP.XCAFDoc import XCAFDoc_Datum, XCAFDoc_Dimension, XCAFDoc_DocumentTool, XCAFDoc_GeomTolerance
 
@@ -37,6 +38,7 @@ from mbcdm_cad.parts.sheets.tolerances import Vector
 _KINDS = {
     "run-out": XCAFDimTolObjects_GeomToleranceType.XCAFDimTolObjects_GeomToleranceType_CircularRunout,
     "perpendicularity": XCAFDimTolObjects_GeomToleranceType.XCAFDimTolObjects_GeomToleranceType_Perpendicularity,
+    "coaxiality": XCAFDimTolObjects_GeomToleranceType.XCAFDimTolObjects_GeomToleranceType_Coaxiality,
     "parallelism": XCAFDimTolObjects_GeomToleranceType.XCAFDimTolObjects_GeomToleranceType_Parallelism,
 }
 _SAME_MM = 1e-4
@@ -102,6 +104,10 @@ class _Demands:
             demand.SetSemanticName(TCollection_HAsciiString(tolerance.characteristic))
             demand.SetType(_KINDS[tolerance.characteristic])
             demand.SetValue(tolerance.value_mm)
+            if tolerance.axis:
+                demand.SetTypeOfValue(
+                    XCAFDimTolObjects_GeomToleranceTypeValue.XCAFDimTolObjects_GeomToleranceTypeValue_Diameter
+                )
             label = self._tool.AddGeomTolerance()
             self._tool.SetGeomTolerance(self._sequence([self._face_at(at) for at in tolerance.places]), label)
             XCAFDoc_GeomTolerance.Set_s(label).SetObject(demand)

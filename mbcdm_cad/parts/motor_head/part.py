@@ -11,6 +11,7 @@ from mbcdm_cad.parts.part import MadePart
 from mbcdm_cad.parts.shapes import block, cut, cylinder_z, fuse, pocket_y
 from mbcdm_cad.parts.sheets.description import CuttingLine, Holes, Linear, Radius, Sheet, Side, View, X, Y, Z
 from mbcdm_cad.parts.sheets.holes import THROUGH, hole_labels, hole_table, outside_bore, position_table
+from mbcdm_cad.parts.sheets.tolerances import FACE_MM, REST, SHOULDER_MM, Datum, level, shoulder_place
 from mbcdm_cad.parts.sheets.words import mm
 from mbcdm_cad.parts.volume import CORNER, pocket_corner_mm, pocket_mm3, ring_mm3
 
@@ -195,13 +196,17 @@ class MotorHead(MadePart):
                 Radius("top", (r - x, f.front_y - r, low), (r - x - half, f.front_y - r + half, low), r, prefix="8x "),
             ),
             labels=hole_labels(seen, "top"),
+            datums=(Datum("section", ((x + d.seat_radius) / 2, 0.0, low), REST),),
+            tolerances=(
+                level("section", (*shoulder_place(d.seat_radius, d.shoulder_radius), low + d.seat_depth), SHOULDER_MM),
+                level("section", (0.5 * (d.inner_x + d.outer_x), 0.0, d.top_z), FACE_MM),
+            ),
             cutting_lines=(CuttingLine("top", (-x - 4.0, 0.0, low), (x + 4.0, 0.0, low), "A", Y),),
             tables=(hole_table(holes), position_table(holes, (0, 1), "Positions from the axis of A")),
             holes=holes,
             fits=tuple(line for group in holes for line in group.fit_lines()),
             notes=(
                 f"Pocket from the front, {mm(d.inner_x)} behind the axis of A; its corners R{mm(corner_in, 3)}.",
-                "Bearing seat Ra 0.8, its shoulder flat within 0.01 to the lower face; "
-                "motor shelf parallel to it in 0.02.",
+                "Bearing seat Ra 0.8.",
             ),
         )

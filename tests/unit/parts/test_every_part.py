@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import cache
 from pathlib import Path
 
+import cadquery as cq
 import pytest
 
 from mbcdm_cad.build.meshing import mesh_solid
@@ -51,6 +52,17 @@ def test_a_made_part_is_what_it_says_of_itself(layout: str, name: str) -> None:
     assert said == pytest.approx(drawn, rel=0.01), f"{name}: {said:.2f} mm^3, drawn {drawn:.2f}"
     mesh = mesh_solid(name, solid, 0.05)
     assert len(mesh.open_edges_mm()) == 0 and mesh.volume_mm3 == pytest.approx(drawn, rel=0.02), mesh.volume_mm3
+    # What a frame or a datum of the sheet points at is a face of the part, a cylinder where its axis is meant.
+    sheet = part.sheet(name)
+    places = [(at, tolerance.axis) for tolerance in sheet.tolerances for at in tolerance.places]
+    for at, axis in [*places, *((datum.at, False) for datum in sheet.datums)]:
+        near = min(solid.Faces(), key=lambda face: face.distance(cq.Vertex.makeVertex(*at)))
+        away = near.distance(cq.Vertex.makeVertex(*at))
+        # A tolerance of a land is at its crest, where the groove of a grooved one may run.
+        assert away < (0.5 if getattr(part, "dims", None) and getattr(part.dims, "grooves", ()) else 1e-6), (
+            f"{name}: {at} is {away:.4g} mm from the nearest face"
+        )
+        assert not axis or near.geomType() == "CYLINDER", f"{name}: {at} is on a {near.geomType()}"
 
 
 @pytest.mark.parametrize(("layout", "name"), EVERY)

@@ -21,6 +21,7 @@ from mbcdm_cad.parts.sheets.description import (
     minus,
 )
 from mbcdm_cad.parts.sheets.holes import THROUGH, hole_labels, hole_table, outside_bore, position_table
+from mbcdm_cad.parts.sheets.tolerances import DRUM_AXIS, GeometricTolerance, one_axis, square
 from mbcdm_cad.parts.sheets.words import mm
 from mbcdm_cad.parts.volume import pocket_corner_mm
 
@@ -262,8 +263,9 @@ def _in_section(d: FrameDims) -> tuple[Linear, ...]:
     def deep(y: float, z: float, side: Side, start: float, what: str = "") -> Linear:
         return Linear("section", (0.0, back, start), (0.0, y, z), y - back, side, suffix=what, decimals=3)
 
-    def bore(radius: float, y: float, side: Side, fit: str = "", count: str = "") -> Linear:
-        return Linear("section", (0.0, y, -radius), (0.0, y, radius), 2 * radius, side, f"{count}%%c", fit=fit)
+    def bore(radius: float, y: float, side: Side, fit: str = "", datum: str = "") -> Linear:
+        ends = ((0.0, y, -radius), (0.0, y, radius))
+        return Linear("section", *ends, 2 * radius, side, "%%c", fit=fit, datum=datum)
 
     column_back = d.column_start_z
     return (
@@ -276,8 +278,9 @@ def _in_section(d: FrameDims) -> tuple[Linear, ...]:
         deep(d.front_seat_start_y, -d.drum_seat_radius, "below", column_back),
         deep(v.boss_front_y, low, "below", column_back),
         deep(d.ear_front_y, -d.ear_half_height, "below", column_back, " ears"),
-        bore(d.drum_seat_radius, v.boss_front_y, "right", seat, "2x "),
+        bore(d.drum_seat_radius, v.boss_front_y, "right", seat),
         bore(d.drum_shoulder_radius, d.front_seat_start_y, "right"),
+        bore(d.drum_seat_radius, d.encoder_pocket_floor_y, "left", seat, datum=DRUM_AXIS),
     )
 
 
@@ -311,6 +314,18 @@ def _pockets(d: FrameDims) -> Table:
     return Table("Corners of the pockets", ("Pocket", "R"), rows)
 
 
+def _tolerances(d: FrameDims) -> tuple[GeometricTolerance, ...]:
+    """Seats of the drum on one axis; bores of guide and inputs square to it."""
+    v, depth = d.levels, d.seat_depth / 2
+    shelf = (v.bearing_shelf_bottom_z + v.bearing_shelf_top_z) / 2
+    first, *rest = ((x, d.input_y - d.seat_radius, v.bearing_shelf_top_z - depth) for x in d.input_x)
+    return (
+        one_axis("section", (0.0, (d.front_seat_start_y + v.boss_front_y) / 2, -d.drum_seat_radius), DRUM_AXIS),
+        square("section", (0.0, -d.axle_radius, shelf), DRUM_AXIS, "A"),
+        square("top", first, DRUM_AXIS, "B", tuple(rest)),
+    )
+
+
 def frame_sheet(part: str, d: FrameDims) -> Sheet:
     """Front, middle section, rear, top, and a section above the lowest shelf."""
     v, r = d.levels, d.corner_radius
@@ -334,6 +349,7 @@ def frame_sheet(part: str, d: FrameDims) -> Sheet:
             *hole_labels(tuple(g for g in above if g.letter not in "FG"), "top"),
             *hole_labels(tuple(g for g in above if g.letter in "FG"), "shelf"),
         ),
+        tolerances=_tolerances(d),
         cutting_lines=(
             CuttingLine("front", (0.0, y, -d.boss_radius - 2.0), (0.0, y, v.top_plate_bottom_z + 2.0), "A", minus(X)),
             CuttingLine("front", (x + 2.0, y, middle), (-x - 2.0, y, middle), "B", minus(Z)),
@@ -351,7 +367,6 @@ def frame_sheet(part: str, d: FrameDims) -> Sheet:
         ),
         notes=(
             "One piece. X to the right in the rear view, Y to the front, Z up; Y = 0 at the axis of A.",
-            "B and A square to the drum's axis within 0.02; both drum seats on one axis within 0.005.",
             "The radius in the rear view is that of the encoder's pocket.",
             "Seats Ra 0.8, elsewhere Ra 3.2.",
         ),

@@ -7,6 +7,15 @@ from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.motor_head.dims import CouplingBox
 from mbcdm_cad.parts.sheets.description import CuttingLine, Holes, Linear, Radius, Sheet, Side, View, X, Y, Z
 from mbcdm_cad.parts.sheets.holes import THROUGH, hole_labels, hole_table, outside_bore, position_table
+from mbcdm_cad.parts.sheets.tolerances import (
+    FACE_MM,
+    REST,
+    SHOULDER_MM,
+    Datum,
+    GeometricTolerance,
+    level,
+    shoulder_place,
+)
 from mbcdm_cad.parts.sheets.words import mm
 from mbcdm_cad.parts.volume import pocket_corner_mm
 
@@ -85,6 +94,14 @@ def _boxed_holes(d: TopPlateDims, box: CouplingBox) -> tuple[Holes, ...]:
     return tuple(group for group in groups if group.places)
 
 
+def _tolerances(d: TopPlateDims, seat: float, depth: float, shoulder: float) -> tuple[GeometricTolerance, ...]:
+    """Shoulders of the bearing seats parallel to the lower face."""
+    z = d.levels.top_plate_bottom_z + depth
+    dx, dy = shoulder_place(seat, shoulder)
+    first, *rest = ((x + dx, d.input_y + dy, z) for x in d.input_x)
+    return (level("section", first, SHOULDER_MM, tuple(rest)),)
+
+
 def boxed_plate_sheet(part: str, d: TopPlateDims, box: CouplingBox) -> Sheet:
     """From above, and a section through the inputs' axes with all heights from the lower face."""
     v, holes = d.levels, _boxed_holes(d, box)
@@ -155,6 +172,11 @@ def boxed_plate_sheet(part: str, d: TopPlateDims, box: CouplingBox) -> Sheet:
             ),
         ),
         labels=hole_labels(tuple(group for group in holes if group.letter != "C"), "top"),
+        datums=(Datum("section", (0.0, y, low), REST),),
+        tolerances=(
+            *_tolerances(d, box.seat_radius, box.seat_depth, box.shoulder_radius),
+            level("section", (at + 0.5 * (box.inner_x + box.outer_x), y, box.top_z), FACE_MM),
+        ),
         cutting_lines=(CuttingLine("top", (-x - 4.0, y, low), (x + 4.0, y, low), "A", Y),),
         tables=(hole_table(holes), position_table(holes, (0, 1), "Positions from the axis of hole A")),
         holes=holes,
@@ -162,8 +184,7 @@ def boxed_plate_sheet(part: str, d: TopPlateDims, box: CouplingBox) -> Sheet:
         notes=(
             "Plate and boxes in one piece; each box and its pocket symmetrical to the axis of B.",
             f"Pockets from the front, {mm(box.inner_x)} behind the axes of B; their corners R{mm(inner_corner, 3)}.",
-            "F on the axis of B within 0.02. Bearing seats Ra 0.8, their shoulders flat within 0.01 to the lower face.",
-            "Lower face and motor shelf Ra 1.6, parallel within 0.02.",
+            "F on the axis of B within 0.02. Bearing seats Ra 0.8, lower face and motor shelf Ra 1.6.",
         ),
     )
 
@@ -239,6 +260,11 @@ def top_plate_sheet(part: str, d: TopPlateDims, encoder_head_radius: float, enco
             ),
         ),
         labels=hole_labels(holes, "top"),
+        datums=(Datum("section", (0.5 * max(d.input_x), 0.0, low), REST),),
+        tolerances=(
+            *_tolerances(d, d.seat_radius, d.seat_depth, d.shoulder_radius),
+            level("section", (0.5 * max(d.input_x), 0.0, high), FACE_MM),
+        ),
         cutting_lines=(CuttingLine("top", (-x - 4.0, 0.0, high), (x + 4.0, 0.0, high), "A", Y),),
         tables=(
             hole_table(holes),
@@ -246,8 +272,5 @@ def top_plate_sheet(part: str, d: TopPlateDims, encoder_head_radius: float, enco
         ),
         holes=holes,
         fits=tuple(line for group in holes for line in group.fit_lines()),
-        notes=(
-            "Bearing seats Ra 0.8, their shoulders flat within 0.01 to the lower face.",
-            "Faces Ra 1.6, parallel within 0.02.",
-        ),
+        notes=("Bearing seats Ra 0.8, faces Ra 1.6.",),
     )

@@ -27,6 +27,7 @@ from mbcdm_cad.parts.sheets.description import (
     minus,
 )
 from mbcdm_cad.parts.sheets.holes import THROUGH, hole_labels, hole_table, position_table
+from mbcdm_cad.parts.sheets.tolerances import DRUM_AXIS, one_axis, square
 from mbcdm_cad.parts.sheets.words import mm
 from mbcdm_cad.parts.volume import CORNER, pocket_corner_mm, pocket_mm3, ring_mm3, segment_mm2
 
@@ -206,8 +207,9 @@ def _in_section(d: ColumnDims) -> tuple[Linear, ...]:
     def deep(y: float, z: float, side: Side, from_z: float, what: str = "") -> Linear:
         return Linear("section", (0.0, back, from_z), (0.0, y, z), y - back, side, suffix=what, decimals=3)
 
-    def bore(radius: float, y: float, fit: str = "", count: str = "") -> Linear:
-        return Linear("section", (0.0, y, -radius), (0.0, y, radius), 2 * radius, "right", f"{count}%%c", fit=fit)
+    def bore(radius: float, y: float, side: Side, fit: str = "", datum: str = "") -> Linear:
+        ends = ((0.0, y, -radius), (0.0, y, radius))
+        return Linear("section", *ends, 2 * radius, side, "%%c", fit=fit, datum=datum)
 
     return (
         deep(v.front_y, d.encoder_shelf_bottom_z, "above", d.top_z),
@@ -218,8 +220,9 @@ def _in_section(d: ColumnDims) -> tuple[Linear, ...]:
         deep(b.front_seat_start_y, -b.seat_radius, "below", start),
         deep(b.front_y, -b.radius, "below", start),
         deep(b.ear_front_y, -b.ear_half_height, "below", start, " ears"),
-        bore(b.seat_radius, b.front_y, FITS["drum_seat"].code, "2x "),
-        bore(b.shoulder_radius, b.front_seat_start_y),
+        bore(b.seat_radius, b.front_y, "right", FITS["drum_seat"].code),
+        bore(b.shoulder_radius, b.front_seat_start_y, "right"),
+        bore(b.seat_radius, b.encoder_pocket_floor_y, "left", FITS["drum_seat"].code, datum=DRUM_AXIS),
     )
 
 
@@ -273,6 +276,10 @@ class ColumnFrame(MadePart):
             ),
             dimensions=(*_in_front(d), *_in_section(d), corner),
             labels=(*hole_labels(front, "front"), *hole_labels(above, "top")),
+            tolerances=(
+                one_axis("section", (0.0, (b.front_seat_start_y + b.front_y) / 2, -b.seat_radius), DRUM_AXIS),
+                square("section", (0.0, d.seat_radius, d.encoder_shelf_top_z - d.seat_depth / 2), DRUM_AXIS, "A"),
+            ),
             cutting_lines=(CuttingLine("front", (0.0, y, -b.radius - 2.0), (0.0, y, d.top_z + 2.0), "A", minus(X)),),
             holes=(*above, *behind),
             tables=(
@@ -287,7 +294,6 @@ class ColumnFrame(MadePart):
             ),
             notes=(
                 "One piece. X to the right in the rear view, Y to the front, Z up; Y = 0 at the axis of A.",
-                "A square to the drum's axis within 0.02; both drum seats on one axis within 0.005.",
                 "Encoder's pocket from behind: "
                 f"R{mm(b.encoder_pocket_radius)} about the drum's axis, open below Z {mm(d.column_start_z)}.",
                 f"Ears {mm(2 * b.ear_half_height)} high. Seats Ra 0.8, elsewhere Ra 3.2.",

@@ -28,6 +28,7 @@ from mbcdm_cad.parts.sheets.description import (
     minus,
 )
 from mbcdm_cad.parts.sheets.holes import THROUGH, hole_labels, hole_table, position_table
+from mbcdm_cad.parts.sheets.tolerances import DRUM_AXIS, TO_AXIS_MM, GeometricTolerance, one_axis
 from mbcdm_cad.parts.sheets.words import mm
 from mbcdm_cad.parts.volume import CORNER, ring_mm3
 
@@ -217,8 +218,9 @@ def _in_section(d: YokeDims) -> tuple[Linear, ...]:
     def over(y: float, z: float) -> Linear:
         return Linear("section", (0.0, back, top), (0.0, y, z), y - back, "above", decimals=3)
 
-    def bore(radius: float, y: float, fit: str = "", count: str = "") -> Linear:
-        return Linear("section", (0.0, y, -radius), (0.0, y, radius), 2 * radius, "right", f"{count}%%c", fit=fit)
+    def bore(radius: float, y: float, side: Side, fit: str = "", datum: str = "") -> Linear:
+        ends = ((0.0, y, -radius), (0.0, y, radius))
+        return Linear("section", *ends, 2 * radius, side, "%%c", fit=fit, datum=datum)
 
     return (
         deep(b.rear_seat_end_y, -b.seat_radius),
@@ -230,8 +232,9 @@ def _in_section(d: YokeDims) -> tuple[Linear, ...]:
         over(near, under),
         over(far, top),
         Linear("section", (0.0, near, under), (0.0, far, top), top - under, "right", decimals=3),
-        bore(b.seat_radius, b.front_y, FITS["drum_seat"].code, "2x "),
-        bore(b.shoulder_radius, b.front_seat_start_y),
+        bore(b.seat_radius, b.front_y, "right", FITS["drum_seat"].code),
+        bore(b.shoulder_radius, b.front_seat_start_y, "right"),
+        bore(b.seat_radius, b.encoder_pocket_floor_y, "left", FITS["drum_seat"].code, datum=DRUM_AXIS),
     )
 
 
@@ -284,6 +287,18 @@ class Yoke(MadePart):
             dimensions=(*_from_behind(d), *_in_section(d), *_in_front(d), corner),
             labels=(*hole_labels(behind, "rear"),),
             cutting_lines=(CuttingLine("rear", (0.0, y, -d.half_width - 2.0), (0.0, y, d.top_z + 2.0), "A", minus(X)),),
+            tolerances=(
+                one_axis("section", (0.0, (b.front_seat_start_y + b.front_y) / 2, -b.seat_radius), DRUM_AXIS),
+                GeometricTolerance(
+                    "section",
+                    (0.0, v.top_plate_bottom_z + d.seat_depth / 2, d.axis_z + d.seat_radius),
+                    "parallelism",
+                    TO_AXIS_MM,
+                    (DRUM_AXIS,),
+                    axis=True,
+                    of="F",
+                ),
+            ),
             holes=holes,
             tables=(
                 hole_table(holes),
@@ -295,7 +310,6 @@ class Yoke(MadePart):
             ),
             notes=(
                 "Milled from one block. X to the right in the rear view, Y to the front, Z up from the drum's axis.",
-                "F parallel to the drum's axis within 0.02; both drum seats on one axis within 0.005.",
                 f"Outer corners of plate and yoke R{mm(r)}; lower end of the plate rounded about the drum's axis.",
                 f"{f'Ears {mm(2 * b.ear_half_height)} high. ' if b.has_encoder else ''}Seats Ra 0.8, elsewhere Ra 3.2.",
             ),
