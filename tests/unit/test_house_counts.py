@@ -19,12 +19,12 @@ LIMITS = {
     "files of siso_bevel": 35,
     "files of siso_spur": 35,
     "files of miso_spur": 25,
-    "files": 646,
+    "files": 660,
     "imports, share of lines in %": 8.15,
     "circles": 1,
     "arrows back": 0,
     "repeating pairs": 188,
-    "lines": 81500,
+    "lines": 86000,
 }
 
 
