@@ -12,9 +12,12 @@ from dataclasses import asdict, dataclass, replace
 from math import inf
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.structure import Cause, sigma_urad_Nm, urad_Nm
-from mbcdm_cad.model.backlash import drum_backlash
+from mbcdm_cad.model.backlash import Reading, drum_backlash, implied_modulus_Pa
+from mbcdm_cad.model.measured import BACKLASH_RAD, BACKLASH_TORQUE_NM
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.model.stiffness import RIGID, TurningInertias, sticking_stiffness_Nm_rad, torsional_modes_Hz
 
@@ -100,6 +103,22 @@ def turns_of(layout: Layout, load_Nm: float) -> DriveTurns:
     )
 
 
+def implied_moduli_GPa(layout: Layout, preload_N: float | None = None) -> dict[str, float]:
+    """E that the paper's backlash implies at the drum's encoder, cables and structure counted, by reading of it.
+
+    ``preload_N``: of all cables in place of the design's. Empty where the structure has no figures.
+    """
+    at = layout.turns.drum_encoder
+    if at is None:
+        return {}
+    d = to_si(layout.drive)
+    if preload_N is not None:
+        d = d.with_(preload_N=np.full(d.n_cables, preload_N))
+    measured, give = (BACKLASH_RAD, BACKLASH_TORQUE_NM), at.structure_urad_Nm * 1e-6
+    readings: tuple[Reading, ...] = ("reversal", "single")
+    return {reading: implied_modulus_Pa(d, *measured, reading, "all_cables", give) / 1e9 for reading in readings}
+
+
 @dataclass(frozen=True)
 class Modes:
     """Torsional modes, Hz, every wrap sticking: rotors, pulleys, drum and payload as rigid bodies.
@@ -114,13 +133,14 @@ class Modes:
     payload_kg_m2: float
 
 
-def modes_of(layout: Layout, drum_kg_m2: float, pulleys_kg_m2: Sequence[float], payload_kg_m2: float = 0.0) -> Modes:
-    """Modes of a design whose structure counts, where it has figures.
+def modes_of(layout: Layout, drum_kg_m2: float, pulleys_kg_m2: Sequence[float]) -> Modes:
+    """Modes of a design with its payload, whose structure counts where it has figures.
 
     ``drum_kg_m2``: of the drum with all bodies that turn with it; ``pulleys_kg_m2``: of each input about its own axis,
-    without its rotor; ``payload_kg_m2``: of what is screwed on the hub.
+    without its rotor.
     """
     drive, d = layout.drive, to_si(layout.drive)
+    payload_kg_m2 = drive.loads.carried.about_axis_kg_m2
     try:
         structure = layout.structure
     except NoFigureError:

@@ -346,6 +346,7 @@ def _in_si(file: MeasurementFile, asked: dict[str, Column], table: DataTable, so
         sha256,
         file.content.ratio,
         tuple(asked[name].side == "motor" for name in asked if name.startswith("input")),
+        counted=file.content.parts,
     )
 
 

@@ -103,6 +103,8 @@ def measurement_page() -> str:
     ]
     lines += ["", "## sensors", "", *_table(schema["properties"]["sensors"]["properties"], {})]
     load = schema["properties"]["load"]["properties"]["pendulum"]
+    parts = schema["properties"]["parts"]
+    lines += ["## parts", "", f"{parts['description'].capitalize()}.", "", *_table(parts["properties"], {})]
     lines += ["## load", "", "`load: none`, or `load: {pendulum: {...}}` with", "", *_table(load["properties"], load)]
     published = schema["properties"]["published"]["items"]
     lines += ["## published", "", f"{schema['properties']['published']['description'].capitalize()}: a list of", ""]

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
 from mbcdm_cad.design.fieldpath import FieldPath
+from mbcdm_cad.measurement.schema import CountedParts
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.storage.compiled import compiled
 
@@ -53,6 +54,20 @@ class Sensors:
 
 
 @dataclass(frozen=True)
+class PartsSeen:
+    """What the parts besides the cables do to a run, by the figures of the design.
+
+    ``give_rad_Nm``: how far the reading turns with the load, for 1 N m; ``friction_Nm``: what holds the drum back
+    against its motion; ``friction_factor``: one standard deviation of its logarithm, as a factor.
+    """
+
+    give_rad_Nm: float
+    give_sigma_rad_Nm: float
+    friction_Nm: float
+    friction_factor: float
+
+
+@dataclass(frozen=True)
 class ZerosFound:
     """Zeros of the inputs that were taken from the data, rad: largest difference between two inputs that was removed,
     how wrong that may be, and the angle of all inputs that was removed."""
@@ -70,7 +85,8 @@ class Run:
     None. ``load_Nm`` > 0 opposes positive rotation. ``ratio`` is the total ratio of a drive of which nothing else is
     known, else None. ``motor_side`` says of each input whether its encoder sits on the motor, before the gearhead:
     then its angle is the motor's until the run is compared with a design (:func:`mbcdm_cad.measurement.vet.arranged`).
-    ``zeros``: those of the inputs that the file does not give (:mod:`mbcdm_cad.measurement.vet`).
+    ``zeros``: those of the inputs that the file does not give (:mod:`mbcdm_cad.measurement.vet`). ``counted``: what the
+    file lets the prediction count besides the cables; ``parts``: its figures, once the run is compared with a design.
     """
 
     time_s: Floats
@@ -85,6 +101,8 @@ class Run:
     ratio: float | None = None
     motor_side: tuple[bool, ...] = ()
     zeros: ZerosFound | None = None
+    counted: CountedParts | None = None
+    parts: PartsSeen | None = None
 
     @cached_property
     def step_s(self) -> float:

@@ -222,6 +222,26 @@ class KnownLoad(Block):
     pendulum: Pendulum = choice("a weight on an arm", source=BENCH)
 
 
+class CountedParts(Block):
+    """What the prediction counts besides the cables, by the figures of the design."""
+
+    structure: bool = choice(
+        "drum, shafts, bearings and frame give with the load", source=BENCH, example=True, default=True
+    )
+    losses: bool = choice(
+        "cables that bend, and bearings, hold the drum back", source=BENCH, example=True, default=True
+    )
+    output_at: Literal["drum", "payload"] = choice(
+        "place of the output encoder: the drum's shaft, or the payload", source=BENCH, example="payload", default="drum"
+    )
+    inputs_at: Literal["pulleys", "motors"] | None = choice(
+        "place of the input encoders; left out, as the side of their columns says",
+        source=BENCH,
+        example="motors",
+        default=None,
+    )
+
+
 Quantity = Literal["peak_torque", "mass", "backlash", "ripple_amplitude", "ripple_order"]
 
 
@@ -271,6 +291,12 @@ class Measurement(Block):
         "out where the load is not known",
         source=BENCH,
         example="none",
+        default=None,
+    )
+    parts: CountedParts | None = choice(
+        "what else than the cables the prediction counts; left out, all else is rigid and without friction, as in "
+        "files from before this field",
+        source=BENCH,
         default=None,
     )
     ratio: Number | None = figure(

@@ -15,6 +15,7 @@ import numpy as np
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.measurement.file import MeasurementFile
+from mbcdm_cad.measurement.parts import parts_seen
 from mbcdm_cad.measurement.reading import read_run
 from mbcdm_cad.measurement.run import (
     SPEED_WINDOW_S,
@@ -94,10 +95,14 @@ def declared_of(run: Run, drive: Drive | None) -> Declared:
 
 
 def arranged(run: Run, drive: Drive) -> Run:
-    """The run with its inputs as in the design: angles after the gearhead, in the order of the design.
+    """The run with its inputs as in the design, angles after the gearhead, and with the figures of the parts.
 
     Inputs are identified by name, else left and right by their side.
     """
+    if run.counted is not None:
+        at = run.counted.inputs_at
+        motors = any(run.motor_side) if at is None else at == "motors"
+        run = replace(run, parts=parts_seen(drive, run.counted, motors))
     run = _after_gearhead(run, drive.gearhead.ratio)
     run = zeroed(run, to_si(drive), float(np.radians(drive.half_travel_deg)))
     names = run.input_names

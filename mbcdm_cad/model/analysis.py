@@ -280,7 +280,7 @@ def notes(drive: Drive, d: DriveSI) -> tuple[str, ...]:
     return (
         f"E = {drive.cable.modulus_GPa:g} GPa on the {drive.cable.modulus_area} area {drive.cable.area_mm2:.4f} mm^2 "
         f"is calibrated: the paper prints no modulus, and its backlash of {BACKLASH_RAD * 1e3:g} mrad implies a "
-        "different one under each reading.",
+        "different one under each reading, and another where the structure counts.",
         *_train(drive),
         _losses([body.name for body in d.routes.passed]),
     )

@@ -97,12 +97,18 @@ Route = Literal["mean_radii", "all_cables"]
 
 
 def implied_modulus_Pa(
-    d: DriveSI, theta_b_rad: float, load_Nm: float, reading: Reading = "reversal", route: Route = "mean_radii"
+    d: DriveSI,
+    theta_b_rad: float,
+    load_Nm: float,
+    reading: Reading = "reversal",
+    route: Route = "mean_radii",
+    give_rad_Nm: float = 0.0,
 ) -> float:
     """E (Pa, on the area of ``d``) for which the model gives ``theta_b_rad`` at ``load_Nm``.
 
     ``reading``: the measured figure is the swing at a load reversal, or the one-sided turn on first loading.
     ``route``: corrected Eq. (20) with the paper's simplified tensions at the mean radii, or all cables at once.
+    ``give_rad_Nm``: what all else turns for 1 N m; infinite E where that alone turns as far as was measured.
     """
     if not theta_b_rad > 0.0:
         raise ModelError(f"theta_b_rad: {theta_b_rad:.6g} is not a backlash; give a measured angle above 0 rad")
@@ -116,4 +122,5 @@ def implied_modulus_Pa(
         predicted = float(drum.reversal_swing_rad if reading == "reversal" else drum.first_loading_rad)
     else:
         raise ModelError(f"route {route!r} is unknown; use 'mean_radii' or 'all_cables'")
-    return float(d.modulus_Pa) * predicted / theta_b_rad
+    by_cables = theta_b_rad - (2.0 if reading == "reversal" else 1.0) * give_rad_Nm * load_Nm
+    return float(d.modulus_Pa) * predicted / by_cables if by_cables > 0.0 else np.inf

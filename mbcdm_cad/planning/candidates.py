@@ -11,9 +11,11 @@ import yaml
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.measurement.run import Run, Sensors
+from mbcdm_cad.measurement.schema import CountedParts
 from mbcdm_cad.rig.bench_limits import BenchLimits
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
 from mbcdm_cad.rig.quasistatic.simulate import simulate
+from mbcdm_cad.rig.writing import counted_parts
 
 # Planned runs are computed at this rate, Hz; the experiment file has the rate of the bench.
 PLANNING_HZ = 25.0
@@ -110,4 +112,5 @@ def run_of(drive: Drive, wanted: Experiment) -> Run:
         sensors,
         tuple(drive.input_names) if len(drive.input_names) > 1 else ("input",),
         wanted.name,
+        counted=CountedParts.model_validate(counted) if (counted := counted_parts(wanted)) else None,
     )

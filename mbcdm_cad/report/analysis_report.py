@@ -142,7 +142,7 @@ class AnalysisReport:
                 f"EA = {a.axial_stiffness_kN:.2f} kN, mu = {a.friction_coefficient:g}",
                 width,
             ),
-            *(line for text in _model_notes(a) for line in filled(text, width)),
+            *(line for text in _model_notes(a, self.structure) for line in filled(text, width)),
         ]
         drum, *shafts = dict.fromkeys(shaft for t in a.shaft_turns for shaft in t.turned_deg)
         turns = tuple((t.cable_name, *(_turned(t, shaft) for shaft in shafts)) for t in a.shaft_turns)
@@ -263,9 +263,11 @@ def analyse_design(drive: Drive) -> AnalysisReport:
     )
 
 
-def _model_notes(a: Analysis) -> Iterator[str]:
+def _model_notes(a: Analysis, structure: StructureReport | None) -> Iterator[str]:
     readings = ", ".join(f"{r.modulus_GPa:.1f} GPa ({r.reading}, {r.route})" for r in a.implied_modulus)
     yield f"  the paper's {a.measured_backlash_mrad:g} mrad at 70 N, 0.91 N m implies E = {readings}"
+    if structure is not None:
+        yield f"  {structure.modulus_words()}"
     inputs = ", ".join(dict.fromkeys(c.input_name for c in a.cables))
     yield (
         f"  largest deviation from Eq. (1) {a.eq1_worst_residual:.3g}; over the travel the cables of a pair differ by "

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from math import isfinite
 from typing import TYPE_CHECKING, Any
 
+from mbcdm_cad.layouts.turns import implied_moduli_GPa
+from mbcdm_cad.model.measured import BACKLASH_RAD
 from mbcdm_cad.report.table import ReportTable
 
 if TYPE_CHECKING:
@@ -21,6 +24,7 @@ class StructureReport:
     structure: Structure
     turns: DriveTurns
     payload: TurnAt
+    implied_moduli_GPa: dict[str, float]
 
     def to_dict(self) -> dict[str, Any]:
         """Everything, ready for JSON."""
@@ -32,6 +36,7 @@ class StructureReport:
             "payload_swing_mrad": payload.swing_mrad,
             "test_torque_Nm": self.turns.load_Nm,
             "places": self.turns.to_dict(),
+            "implied_moduli_GPa": {name: x if isfinite(x) else None for name, x in self.implied_moduli_GPa.items()},
         }
         return self.structure.to_dict() | turned
 
@@ -58,6 +63,14 @@ class StructureReport:
         heads = ("seen at", "turn mrad", "+-", "swing mrad", "N m/rad", "small motion N m/rad")
         return ReportTable(heads, shown)
 
+    def modulus_words(self) -> str:
+        """E that the paper's backlash implies with the structure counted, and what to think of it."""
+        found = [f"{_modulus(x)} ({reading})" for reading, x in self.implied_moduli_GPa.items()]
+        return (
+            f"with the structure counted, as the drum's encoder sees it, the same {BACKLASH_RAD * 1e3:g} mrad implies "
+            f"E = {', '.join(found)}; steel has 200 GPa, a 7x7 rope 60 to 110"
+        )
+
     def lines(self) -> Iterator[str]:
         """Sentences below the tables."""
         s = self.structure
@@ -71,6 +84,10 @@ class StructureReport:
             f"largest stress of the drum's web and rim at the peak torque {s.peak_stress_MPa:.0f} MPa, {said} of "
             f"{s.yield_MPa:g} MPa; corners as drawn, without a factor for notches or creep"
         )
+
+
+def _modulus(found_GPa: float) -> str:
+    return f"{found_GPa:.1f} GPa" if isfinite(found_GPa) else "none, the structure alone turns further"
 
 
 def _yes(said: bool) -> str:
@@ -94,4 +111,4 @@ def structure_report(layout: Layout) -> tuple[StructureReport | None, str]:
         return None, turns.no_structure
     structure = layout.structure
     assert structure is not None
-    return StructureReport(structure, turns, turns.payload), ""
+    return StructureReport(structure, turns, turns.payload, implied_moduli_GPa(layout)), ""

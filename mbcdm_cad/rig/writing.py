@@ -48,6 +48,8 @@ def run_files(
             if value > 0.0
         },
     }
+    if counted := counted_parts(experiment):
+        measurement["parts"] = counted
     if not measurement["sensors"]:
         del measurement["sensors"]
     truth = {"experiment": name, "effects": run.truth}
@@ -56,6 +58,16 @@ def run_files(
         f"{name}.yaml": _yaml(measurement),
         f"{name}.truth.yaml": _yaml(truth),
     }
+
+
+def counted_parts(experiment: Experiment | DynamicExperiment) -> dict[str, Any]:
+    """The block ``parts`` of a run's measurement file: what it has besides the cables; empty for nothing."""
+    physics = experiment.physics
+    if not (physics.structure or physics.losses):
+        return {}
+    found: dict[str, Any] = {"structure": physics.structure, "losses": physics.losses}
+    motors = isinstance(experiment, Experiment) and experiment.sensors.input_at == "motor"
+    return found | ({"inputs_at": "motors"} if motors else {})
 
 
 def _csv(header: list[str], columns: list[Any]) -> bytes:

@@ -7,6 +7,7 @@ another stiffness of the whole drive, so only zero, lag and sign are candidates 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -108,6 +109,38 @@ def within_class(runs: tuple[Prepared, ...]) -> list[Effect]:
     allowed: TorqueClass = runs[0].run.sensors.torque_class
     found = [gain(allowed.share), zero(allowed.share * most)]
     return [*found, lag(allowed.lag_s)[1]] if allowed.lag_s else found
+
+
+# Standard deviations of the design's figures within which a part is as the design says.
+PRIOR_SIGMAS = 2.0
+
+
+def within_prior(runs: tuple[Prepared, ...]) -> list[Effect]:
+    """Give and friction of the parts within what the design's figures are known to; empty where none is counted."""
+    parts = runs[0].run.parts
+    if parts is None or any(p.run.parts != parts for p in runs):
+        return []
+    found = []
+    if give := PRIOR_SIGMAS * parts.give_sigma_rad_Nm:
+        found.append(_of_parts("structure", (Parameter("compliance_rad_Nm", 1e-6, -give, give),), _given))
+    if parts.friction_Nm:
+        most = parts.friction_factor**PRIOR_SIGMAS
+        bounds = parts.friction_Nm * (1.0 / most - 1.0), parts.friction_Nm * (most - 1.0)
+        found.append(_of_parts("losses", (Parameter("torque_Nm", 0.01, *bounds),), _rubbed))
+    return found
+
+
+def _given(setup: Setup, values: Floats, _: Simulator) -> Setup:
+    return setup.with_added(-values[0] * setup.borne)
+
+
+def _rubbed(setup: Setup, values: Floats, _: Simulator) -> Setup:
+    return replace(setup, load_Nm=setup.load + values[0] * setup.p.sense)
+
+
+def _of_parts(name: str, parameters: tuple[Parameter, ...], apply: Callable[..., Setup]) -> Effect:
+    what = f"the {name} within the uncertainty of the design's figures"
+    return Effect(name, "figure of the design", what, "", "", parameters, apply, hangs_on="the design's figures")
 
 
 def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:

@@ -102,8 +102,23 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
         generic=True,
         plain="the bearings hold back {torque_Nm} that the torque sensor does not see",
     )
+    expected = p.run.parts.friction_Nm if p.run.parts is not None else 0.0
+    if expected:
+        bearing = replace(
+            bearing,
+            physics="a torque against the motion besides the losses that the design states",
+            parameters=(Parameter("torque_Nm", 0.01, -expected),),
+            plain="cables and bearings hold back {torque_Nm} more than the design's losses",
+            reversed_words=Words(
+                "cables and bearings rub less than the design's losses say",
+                "lubrication and run-in of cables and bearings",
+                "cables and bearings hold back less than the design's losses, by {torque_Nm}",
+            ),
+        )
     inside = replace(
         bearing,
+        parameters=(Parameter("torque_Nm", 0.01, 0.0),),
+        reversed_words=None,
         form="friction in the measured torque",
         physics="the torque was taken before a friction, as from the motor's current: the drum bears less than it says",
         where_to_look="friction of motor, gearhead and seals before the drum: current of the motor without a load",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from mbcdm_cad.loop.effect import Effect, Parameter
+from mbcdm_cad.loop.effect import Effect, Parameter, Words
 from mbcdm_cad.loop.prepare.prepared import Prepared
 from mbcdm_cad.loop.prepare.setup import Setup, Simulator
 from mbcdm_cad.model.si import DriveSI
@@ -26,7 +26,7 @@ def _modulus(setup: Setup, values: Floats, _: Simulator) -> Setup:
 
 
 def _series(setup: Setup, values: Floats, _: Simulator) -> Setup:
-    return setup.with_added(-values[0] * setup.load)
+    return setup.with_added(-values[0] * setup.borne)
 
 
 def _no_rope(values: Floats) -> str:
@@ -55,6 +55,19 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
         plain="something between drum and torque sensor twists by {compliance_rad_Nm}",
         after=AFTER,
     )
+    if p.run.parts is not None and p.run.parts.give_rad_Nm:
+        series = replace(
+            series,
+            physics="drum, shafts, bearings or frame give more than computed, or something behind them twists",
+            where_to_look="screws of hub and frame, bearings, output shaft, hub clamp and coupling",
+            parameters=(Parameter("compliance_rad_Nm", 1e-6, -p.run.parts.give_rad_Nm),),
+            plain="the structure of the drive, or something behind it, gives {compliance_rad_Nm} more than computed",
+            reversed_words=Words(
+                "drum, shafts, bearings and frame give less than computed",
+                "moduli and walls of the parts, against the design file",
+                "the structure of the drive gives less than computed, by {compliance_rad_Nm}",
+            ),
+        )
     if d is None:
         return [series]
     modulus = Effect(

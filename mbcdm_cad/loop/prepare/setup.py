@@ -56,6 +56,12 @@ class Setup:
         assert self.load_Nm is not None, "an effect of the load was offered for a run without torque"
         return self.load_Nm
 
+    @property
+    def borne(self) -> Floats:
+        """The load that structure and output shaft carry: that of the cables without the friction that loads them."""
+        parts = self.p.run.parts
+        return self.load if parts is None else self.load - parts.friction_Nm * self.p.sense
+
     def with_path(self, path_m: Floats) -> Setup:
         """Lengthen the paths of the cables."""
         return replace(self, path_m=path_m if self.path_m is None else self.path_m + path_m)
@@ -99,8 +105,14 @@ class Setup:
 
 
 def declared(d: DriveSI | None, ratio: float, p: Prepared) -> Setup:
-    """The declared model of a run."""
-    return Setup(d, ratio, p, p.load_Nm, None, None, np.zeros_like(p.time_s))
+    """The declared model of a run: cables, and of the other parts what its file counts.
+
+    Friction of cables and bearings loads the cables; the parts give with the load of the output alone.
+    """
+    parts, load, added = p.run.parts, p.load_Nm, np.zeros_like(p.time_s)
+    if parts is None or load is None or d is None:
+        return Setup(d, ratio, p, load, None, None, added)
+    return Setup(d, ratio, p, load + parts.friction_Nm * p.sense, None, None, added - parts.give_rad_Nm * load)
 
 
 def input_shares(d: DriveSI) -> Floats:

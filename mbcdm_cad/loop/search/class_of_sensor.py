@@ -1,18 +1,20 @@
-"""What the torque sensor may be wrong by is no effect of the drive: names that its class explains are withdrawn.
+"""What torque sensor and computed parts may be wrong by is no effect: names that this explains are withdrawn.
 
 A gain wrong by half a per cent looks like a stiffness wrong by half a per cent, a slow amplifier like a drag. So each
 named effect of the load is compared with gain, zero and lag of the sensor within its class, together: where they
-explain the run as well, the effect is not named, and the sensor's errors stay in the fit.
+explain the run as well, the effect is not named, and the sensor's errors stay in the fit. The give of the structure
+and the losses that the design states are treated alike, within their standard deviations.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from mbcdm_cad.loop.effect import Effect
-from mbcdm_cad.loop.effects.load_sensor import within_class
+from mbcdm_cad.loop.effects.load_sensor import within_class, within_prior
 from mbcdm_cad.loop.readable import readable
 from mbcdm_cad.loop.search.exchange import Exchanges, Group
 from mbcdm_cad.loop.search.fit import Fit
@@ -22,6 +24,7 @@ from mbcdm_cad.routes import Floats
 # An effect that does more than this many times what the class can do is none of the sensor.
 REACH = 2.0
 SENSORS = ("load_gain", "load_zero", "load_lag")
+PARTS = ("structure", "losses")
 
 
 @dataclass(frozen=True)
@@ -34,13 +37,23 @@ class WithinClass:
     @property
     def sentence(self) -> str:
         """For people."""
-        parts = []
-        for name, size in self.sizes:
-            word, (shown,) = readable(name, [size])
-            parts.append(f"{word} {shown}")
-        return (
-            f"errors of the {self.torque_class.what} within its class ({self.torque_class.words}): {', '.join(parts)}"
+        own, others = (
+            [" ".join((word, *shown)) for word, shown in (readable(*one) for one in group)] for group in self._groups()
         )
+        sentences = []
+        if others:
+            sentences.append(
+                f"errors of the {self.torque_class.what} within its class ({self.torque_class.words}): "
+                f"{', '.join(others)}"
+            )
+        if own:
+            sentences.append(f"figures of the design within their uncertainty: {', '.join(own)}")
+        return " and ".join(sentences)
+
+    def _groups(self) -> Iterator[list[tuple[str, list[float]]]]:
+        """Sizes of the parts' figures, and of the sensor's errors."""
+        for parts in (True, False):
+            yield [(name, [size]) for name, size in self.sizes if name.startswith(PARTS) is parts]
 
 
 class ClassOfSensor(Exchanges):
@@ -50,7 +63,7 @@ class ClassOfSensor(Exchanges):
 
     def beyond_class(self, fit: Fit, groups: tuple[Group, ...]) -> tuple[Fit, tuple[Group, ...]]:
         """The fit and the effects that the torque sensor does not explain."""
-        own = within_class(self.fitter.runs)
+        own = [*within_class(self.fitter.runs), *within_prior(self.fitter.runs)]
         if not own:
             return fit, groups
         groups = tuple(g for g in groups if not _is_within(g.effect, fit, own))
@@ -59,7 +72,7 @@ class ClassOfSensor(Exchanges):
             if not group.effect.generic or self._fall(fit, group.effect) > REACH * reach:
                 continue
             rest = [e for e in fit.effects if e is not group.effect]
-            new = [e for e in own if all(e.name != other.name for other in rest)]
+            new = [e for e in own if not any(_same(e, other) for other in rest)]
             values: list[Floats | list[float]] = [*map(fit.values_of, rest), *([0.0] for _ in new)]
             trial = self.fitter.tried((*rest, *new), values, fit.offsets)
             if trial is None or not (trial.square <= fit.square or self.alike(trial, fit)):
@@ -67,9 +80,9 @@ class ClassOfSensor(Exchanges):
             self.search.give_back("within the class of the torque sensor", group.effect, fit)
             fit, groups = trial, tuple(g for g in groups if g is not group)
         sizes = tuple(
-            (f"{e.name.removeprefix('load_')}_{_unit(e)}", float(fit.values_of(e)[0]))
+            (_size_name(e), float(fit.values_of(e)[0]))
             for e in fit.effects
-            if e.name in SENSORS and all(e is not g.effect for g in groups)
+            if e.name in (*SENSORS, *PARTS) and all(e is not g.effect for g in groups)
         )
         if sizes:
             self.within = WithinClass(sizes, self.fitter.runs[0].run.sensors.torque_class)
@@ -92,8 +105,21 @@ class ClassOfSensor(Exchanges):
         return float(np.sum(changes))
 
 
-def _unit(effect: Effect) -> str:
-    return effect.parameters[0].name.rsplit("_", 1)[-1]
+# Effects that move the reading as the figure of the parts does.
+_LIKE = {"structure": "stiffness_error", "losses": "friction"}
+
+
+def _same(own: Effect, other: Effect) -> bool:
+    """Whether an effect already has the place of an error of the sensor or of a figure of the parts."""
+    return other.name == own.name or (
+        other.name == _LIKE.get(own.name) and other.parameters[0].name == own.parameters[0].name
+    )
+
+
+def _size_name(effect: Effect) -> str:
+    """Name of its figure, with the unit."""
+    name = effect.parameters[0].name
+    return f"{effect.name}_{name}" if effect.name in PARTS else f"{effect.name[5:]}_{name.rsplit('_', 1)[-1]}"
 
 
 def _is_within(effect: Effect, fit: Fit, own: list[Effect]) -> bool:

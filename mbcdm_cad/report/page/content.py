@@ -156,6 +156,15 @@ def _turn_rows(report: Mapping[str, Any]) -> list[tuple[str, str, str]]:
                 (f"stiffness {name}, secant", f"{at['stiffness_Nm_rad']:.4g} N m/rad", torque),
                 (f"stiffness {name}, small motion", f"{at['sticking_stiffness_Nm_rad']:.4g} N m/rad", "wraps sticking"),
             ]
+    if found:
+        words = ", ".join(
+            f"{x:.1f} GPa ({name})" if x else f"none ({name})" for name, x in found["implied_moduli_GPa"].items()
+        )
+        alone = ", ".join(
+            f"{x['modulus_GPa']:.1f} GPa ({x['reading']})" for x in a["implied_modulus"] if x["route"] == "all_cables"
+        )
+        measured = f"{a['measured_backlash_mrad']:g} mrad of the paper"
+        rows.append(("E implied, structure counted", words, f"{measured}; by the cables alone {alone}"))
     return [
         *rows,
         (

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from math import inf
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,9 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
+from mbcdm_cad.layouts.turns import implied_moduli_GPa
+from mbcdm_cad.model.backlash import drum_backlash
+from mbcdm_cad.model.si import to_si
 
 PARAMS = Path(__file__).parents[3] / "params"
 REFERENCES = ("mbcdm", "siso_spur", "miso_spur", "siso_bevel")
@@ -48,6 +52,24 @@ def analysis(drive: Drive):  # type: ignore[no-untyped-def]
     from mbcdm_cad.report.analysis_report import analyse_design
 
     return analyse_design(drive)
+
+
+def test_with_the_implied_modulus_the_drums_encoder_sees_the_papers_backlash() -> None:
+    layout = layout_of("mbcdm")
+    found, d = implied_moduli_GPa(layout), to_si(layout.drive)
+    give = layout.structure.encoder_urad_Nm * 1e-6 * 0.91
+    for reading, turns in (("reversal", 2.0), ("single", 1.0)):
+        drum = drum_backlash(d.with_(modulus_Pa=found[reading] * 1e9), 0.91)
+        own = drum.reversal_swing_rad if reading == "reversal" else drum.first_loading_rad
+        assert float(own) + turns * give == pytest.approx(0.33e-3, rel=1e-9), reading
+    assert 20.0 < found["single"] < found["reversal"], found
+    rubber = {
+        **vars(layout.structure),
+        "causes": tuple(replace(c, urad_Nm=10.0 * c.urad_Nm) for c in layout.structure.causes),
+    }
+    layout.__dict__["structure"] = type(layout.structure)(**rubber)
+    del layout.__dict__["turns"]
+    assert implied_moduli_GPa(layout) == {"reversal": inf, "single": inf}, "the structure alone turns further"
 
 
 def test_two_equal_sectors_share_the_torque() -> None:

@@ -8,9 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from mbcdm_cad.design.blocks import Payload
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.loader import load_text, new_design_text
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
+from mbcdm_cad.layouts.turns import plain_modes
 from mbcdm_cad.model import to_si
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.report.analysis_report import analyse_design
@@ -75,6 +77,19 @@ def test_torsional_modes_follow_the_inertias(drive: Drive) -> None:
     stiff = torsion_data(layout, replace(moving, input_shafts=(1e12, 1e12)))
     near = min(stiff["inputs_free_Hz"], key=lambda f: abs(f - held))
     assert near == pytest.approx(held, rel=1e-5), "inputs too heavy to move are held"
+
+
+def test_a_payload_swings_on_cables_and_structure(drive: Drive) -> None:
+    """So heavy that the drum counts little, it is one mass on all that gives: 0.2 kg at 150 mm, 4.5 g m2."""
+    payload = Payload(mass_kg=0.2, distance_mm=150.0)
+    heavy = replace(drive, loads=replace(drive.loads, payload=payload))
+    modes, turns = plain_modes(heavy.layout), heavy.layout.turns
+    one_mass = np.sqrt(turns.felt.sticking_stiffness_Nm_rad / 4.5e-3) / (2 * np.pi)
+    assert modes.payload_kg_m2 == pytest.approx(4.5e-3)
+    # The drum, with 3 % of the inertia, takes less than that off.
+    assert 0.98 * one_mass < modes.lowest_inputs_held_Hz < one_mass, (modes, one_mass)
+    assert modes.cables_alone_Hz == plain_modes(drive.layout).cables_alone_Hz
+    assert "payload of 0.0045 kg m^2" in analyse_design(heavy).text()
 
 
 def test_analyse_and_a_report_of_parts_with_the_same_inertias_have_the_same_modes(drive: Drive) -> None:
