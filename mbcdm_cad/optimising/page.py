@@ -1,4 +1,4 @@
-"""The page of a search: the front in two figures and as parallel coordinates, linked; each design's checks."""
+"""The page of a search: the front in two figures and as parallel coordinates, linked; each design with its sketch."""
 
 from __future__ import annotations
 
@@ -39,5 +39,6 @@ def _point(point: FrontPoint) -> dict[str, Any]:
         "figures": dict(point.figures),
         "patch": point.patch,
         "binding": list(point.binding),
+        "sketch": dict(point.sketch),
         "checks": [[c.id, c.title, c.status, check_figures(c)] for c in point.checks],
     }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,6 +15,7 @@ from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.optimising.search import INTERRUPTED, Searched, TriedPoint
+from mbcdm_cad.optimising.sketch import sketch
 from mbcdm_cad.optimising.wishes import Wishes
 from mbcdm_cad.report.table import ReportTable, filled
 from mbcdm_cad.solving.patch import difference, patched
@@ -31,7 +32,8 @@ BINDS = 0.02
 class FrontPoint:
     """One design of the front: its ``name``, file content ``text``, ``figures``, ``patch`` from the file given.
 
-    ``checks``: all of its checks, without advice.
+    ``checks``: all of its checks, without advice; ``sketch``: it in space, see
+    :func:`mbcdm_cad.optimising.sketch.sketch`.
     """
 
     name: str
@@ -40,6 +42,7 @@ class FrontPoint:
     patch: str
     figures: Mapping[str, float]
     checks: tuple[CheckResult, ...]
+    sketch: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def binding(self) -> tuple[str, ...]:
@@ -221,6 +224,7 @@ def _front_point(question: Question, one: TriedPoint, name: str) -> FrontPoint:
         difference(question.text, text, question.path.name),
         one.result.figures,
         checked(loaded),
+        sketch(loaded.drive),
     )
 
 

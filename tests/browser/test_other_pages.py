@@ -122,6 +122,9 @@ def test_page_of_the_best_designs_links_its_plots(shown: Any, artefacts: Path, w
     assert page.inner_text("#chosen-name") == "Design made-01"
     page.locator("#plot circle.design").nth(1).press("Enter")
     assert page.inner_text("#chosen-name") == "Design made-02"
+    drawn = page.evaluate("() => document.getElementById('space').toDataURL()")
+    page.locator("#space").press("ArrowLeft")
+    assert page.evaluate("() => document.getElementById('space').toDataURL()") != drawn
     page.select_option("#y-axis", "box_x_mm")
     assert "box_x_mm" in page.locator("#plot circle.design").first.get_attribute("aria-label")
     assert "mass_g, g" in page.inner_text("#chosen-figures") and "350" in page.inner_text("#chosen-figures")

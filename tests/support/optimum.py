@@ -41,6 +41,7 @@ def optimum() -> Optimum:
                 check("c_gap", "pass", 5.0),
                 check("a_warning", "warn", -1.0),
             ),
+            {"cables": [[[0.0, 0.0, 10.0], [5.0, 5.0, 0.0]]], "bodies": [[[10.0, 0.0, 0.0], [0.0, 0.0, 9.0 + k]]]},
         )
         for k, figures in enumerate(FIGURES)
     )
