@@ -39,4 +39,5 @@ def _circles(drive: Drive) -> list[Floats]:
 
 
 def _points(line: Floats) -> list[list[float]]:
-    return np.asarray(line).round(1).tolist()
+    rounded: list[list[float]] = np.asarray(line).round(1).tolist()
+    return rounded

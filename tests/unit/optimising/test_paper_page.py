@@ -8,7 +8,7 @@ import pytest
 
 from mbcdm_cad.model.measured import DESIGN_TORQUE_TO_WEIGHT_NM_KG
 from mbcdm_cad.optimising.evaluate import evaluate
-from mbcdm_cad.optimising.paper_page import DESIGNS
+from mbcdm_cad.optimising.paper_page import DESIGNS, OTHERS
 from mbcdm_cad.solving.question import read_question
 
 FOLDER = Path(__file__).parents[3] / "params" / "optimum"
@@ -24,3 +24,11 @@ def test_a_design_of_the_page_passes_within_the_papers_box(name: str) -> None:
     assert f["box_x_mm"] <= 126.0 and f["box_z_mm"] <= 97.0 and f["box_y_mm"] <= 34.8, f
     if name.startswith("paper-box"):
         assert f["torque_to_weight_lossless_Nm_kg"] > DESIGN_TORQUE_TO_WEIGHT_NM_KG, f
+
+
+def test_the_leg_and_the_capstan_pass_and_the_first_of_the_front_is_lighter_than_the_file_as_given() -> None:
+    found = {name: evaluate(read_question(FOLDER / f"{name}.yaml"), {}, (), ()) for name in OTHERS}
+    assert not {name: one.refused or one.failing for name, one in found.items() if not one.passes}
+    for name in ("leg-aluminium", "capstan-printed"):
+        given, best = (found[n].figures["mass_g"] for n in (name, f"{name}-01"))
+        assert best < given, (name, best, given)
