@@ -35,8 +35,8 @@ DECIMALS = (
 EMPTY_CELL = shortened("")
 # What exports of topics with time stamps of their own look like.
 ONE_CHANNEL_A_ROW = (
-    "the rows have empty cells, as where each holds one channel with its own time: fill the table first, in pandas "
-    'with frame.set_index("time").interpolate("index").dropna(), then name the filled file'
+    "the rows have empty cells, as where each holds one channel with its own time: set rows: own_times, which "
+    "interpolates each quantity onto the times of the output"
 )
 _DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+([eE][-+]?\d+)?\Z")
 

@@ -8,14 +8,16 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from mbcdm_cad.errors import InputError, Problem
-from mbcdm_cad.measurement.datafile import ONE_CHANNEL_A_ROW, clock_s, read_table
+from mbcdm_cad.measurement.channels import Channel, read_channels
+from mbcdm_cad.measurement.datafile import clock_s, read_table
 from mbcdm_cad.measurement.logformat import Format, find_format, split, title_lines
 from mbcdm_cad.measurement.reading import FULL_SENSE
 from mbcdm_cad.measurement.roles import COUNTS_SOLD, MET, TIME_WORDS, Expected, Guess, assign, stated_unit, ways
@@ -27,6 +29,8 @@ from mbcdm_cad.routes import Floats
 TRIED_ROWS, LEAST_FIGURES = 300, 0.9
 # Share of empty cells from which a table holds one channel a row.
 LEAST_EMPTY = 0.2
+# Filled cells of a channel among the rows that are tried, and the most channels of a table with one a row.
+FEWEST_FILLED, MOST_CHANNELS = 5, 40
 # A column that turns by less than this share of the design's travel is hardly the drum.
 LEAST_TRAVEL = 0.02
 # Figures of one second in ms, us and ns.
@@ -43,6 +47,8 @@ class _Table:
     skip_rows: int
     chosen: tuple[int, ...]
     clock: int | None
+    own_times: bool = False
+    named_by: str | int | None = None
 
 
 def draft_text(data: Path, expected: Expected) -> str:
@@ -79,12 +85,22 @@ def _columns(data: Path) -> tuple[_Table, list[Guess]]:
         # Whole numbers are figures with either decimal sign: the right one gives more columns of figures.
         found_table = max((_table(data, decimal) for decimal in ("point", "comma")), key=lambda t: len(t.chosen))
         layout, chosen = found_table.layout, found_table.chosen
+        rows = _tried_rows(data, layout)
+        if len(chosen) < 3 and len(chosen) > 0:
+            named = _named_by(rows, layout, chosen)
+            if named is not None:
+                return _one_channel_a_row(data, found_table, rows, named)
+            if _empty_share(rows) > LEAST_EMPTY:
+                found_table = _with_empty_cells(found_table, rows)
+                chosen = found_table.chosen
         if len(chosen) < 2:
             remedy = "give the logger's CSV: a header and rows of figures"
-            if _empty_share(_tried_rows(data, layout)) > LEAST_EMPTY:
-                remedy = ONE_CHANNEL_A_ROW
             raise InputError([Problem(str(data), 1, "", "fewer than two columns of figures", remedy=remedy)])
-        table = read_table(data, layout, list(chosen), True, found_table.clock)
+        if found_table.own_times:
+            channels = [Channel(str(k), k) for k in chosen[1:]]
+            table = read_channels(data, layout, chosen[0], channels, None, found_table.clock is not None)
+        else:
+            table = read_table(data, layout, list(chosen), True, found_table.clock)
     except OSError as error:
         problem = Problem(str(data), 1, "", f"cannot be read: {error.strerror or error}", remedy="check the path")
         raise InputError([problem]) from None
@@ -96,6 +112,45 @@ def _columns(data: Path) -> tuple[_Table, list[Guess]]:
         unit = ISO_CLOCK if index == found_table.clock else unit.strip("[]() ") or (inside.group(1) if inside else "")
         found.append(Guess(name or index + 1, unit, values))
     return found_table, found
+
+
+def _with_empty_cells(table: _Table, rows: list[list[str]]) -> _Table:
+    """The table whose time, its only full column, is that of channels with empty cells."""
+    full = [[row for row in rows if k < len(row) and row[k]] for k in range(table.layout.fields)]
+    figures = [
+        k
+        for k, mine in enumerate(full)
+        if k not in table.chosen
+        and len(mine) >= FEWEST_FILLED
+        and _share(mine, k, table.layout, float) >= LEAST_FIGURES
+    ]
+    return replace(table, chosen=(table.chosen[0], *figures), own_times=True)
+
+
+def _named_by(rows: list[list[str]], layout: Format, chosen: Sequence[int]) -> int | None:
+    """The column of words, few and each often, that names the channel of a row; None where there is none."""
+    for k in set(range(layout.fields)) - set(chosen):
+        words = Counter(row[k] for row in rows if k < len(row))
+        if 2 <= len(words) <= MOST_CHANNELS and min(words.values()) >= FEWEST_FILLED and "" not in words:
+            return k
+    return None
+
+
+def _one_channel_a_row(data: Path, table: _Table, rows: list[list[str]], named_by: int) -> tuple[_Table, list[Guess]]:
+    """The channels of a table with a name in each row, and its time, the first of its columns of figures."""
+    layout, time, value = table.layout, table.chosen[0], table.chosen[-1]
+    names = sorted({row[named_by] for row in rows if named_by < len(row)})
+    channels = [Channel(name, value, name) for name in names]
+    found = read_channels(data, layout, time, channels, named_by, table.clock is not None)
+
+    def called(index: int) -> str | int:
+        return layout.names[index] if index < len(layout.names) else index + 1
+
+    guesses = [Guess(called(time), ISO_CLOCK if table.clock == time else "", found.values[0])]
+    for name, row in zip(names, found.values[1:], strict=True):
+        guesses.append(Guess(name, "", row))
+        guesses[-1].fields |= {"_column": called(value), "channel": name}
+    return replace(table, named_by=called(named_by)), guesses
 
 
 def _table(data: Path, decimal: str) -> _Table:
@@ -242,6 +297,10 @@ def _plain(column: Guess, units: Mapping[str, Unit], otherwise: str) -> None:
         column.reasons.append("a force: put the arm of the load cell in mm in place of ?")
 
 
+def _quoted(name: object) -> str:
+    return str(name) if isinstance(name, int) else f'"{name}"'
+
+
 def _written(data: Path, table: _Table, columns: list[Guess], expected: Expected) -> str:
     lines = [
         f"# Drafted from {data.name} and {expected.known_from}. Check every line marked 'guessed'.",
@@ -249,15 +308,20 @@ def _written(data: Path, table: _Table, columns: list[Guess], expected: Expected
         *([f"ratio: {expected.ratio:g}"] if expected.travel_rad is None else []),
         *(["decimal: comma    # guessed"] if table.layout.decimal_comma else []),
         *([f"skip_rows: {table.skip_rows}    # guessed: shorter than the table"] if table.skip_rows else []),
+        *(["rows: own_times    # guessed: empty cells"] if table.own_times else []),
+        *([f"channel_column: {_quoted(table.named_by)}    # guessed: few words"] if table.named_by is not None else []),
         "columns:",
     ]
     order = ("time", "input", "output", "load_torque", "temperature")
     known = [c for c in columns if c.role]
     known.sort(key=lambda c: (order.index(c.role.split("_")[0] if c.role.startswith("input") else c.role), c.role))
     for column in known:
-        name = column.name if isinstance(column.name, int) else f'"{column.name}"'
+        name = _quoted(column.fields.get("_column", column.name))
         fields = {"column": name, **{k: v for k, v in column.fields.items() if not k.startswith("_")}}
-        body = ", ".join(f"{k}: {v:.12g}" if isinstance(v, float) else f"{k}: {v}" for k, v in fields.items())
+        body = ", ".join(
+            f"{k}: {v:.12g}" if isinstance(v, float) else f"{k}: {_quoted(v) if k == 'channel' else v}"
+            for k, v in fields.items()
+        )
         lines.append(f"  {column.role}: {{{body}}}    # guessed: {'; '.join(column.reasons)}")
     wanted, inputs = len(expected.input_names), sum(c.role.startswith("input") for c in columns)
     if inputs < wanted:

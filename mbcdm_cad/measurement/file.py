@@ -12,7 +12,7 @@ from mbcdm_cad.design.fieldpath import FieldPath, dotted
 from mbcdm_cad.design.problems import schema_problems
 from mbcdm_cad.design.source import read_text
 from mbcdm_cad.errors import InputError, Problem, did_you_mean, shortened
-from mbcdm_cad.measurement.schema import Column, Columns, Measurement, is_column, node_at
+from mbcdm_cad.measurement.schema import CURRENT, Column, Columns, Measurement, is_column, node_at
 from mbcdm_cad.measurement.units import COUNTS, ENCODERS, FORCE, LOAD, kind_of, known_units, unit_of
 
 _KIND = ("measurement file", "; docs/measurement-file.md shows how one is written")
@@ -112,6 +112,7 @@ def _broken_rules(file: MeasurementFile) -> list[Problem]:
         remedy = "keep one of the two: the measured torque, or what is known of the load"
         told = content.load if isinstance(content.load, str) else "pendulum"
         problems.append(file.problem(("load",), f"given beside columns.{LOAD}", told, remedy=remedy))
+    problems += _broken_currents(file, asked)
     named = [key for key in asked if key.startswith("input_")]
     remedy = "give input for a drive that has one, else input_<name> for each input of the design, or left and right"
     if "input" in asked and named:
@@ -152,6 +153,31 @@ def _broken_rules(file: MeasurementFile) -> list[Problem]:
     return problems + _asked_twice(file, asked)
 
 
+def _broken_currents(file: MeasurementFile, asked: dict[str, Column]) -> list[Problem]:
+    """Problems with the motors' currents: one for each input, in place of a measured or a known load."""
+    currents = [key for key in asked if kind_of(key) == CURRENT]
+    if not currents:
+        return []
+    first: FieldPath = ("columns", currents[0])
+    problems = []
+    if LOAD in asked or file.content.load is not None:
+        other = f"columns.{LOAD}" if LOAD in asked else "load"
+        remedy = "keep one of the two: the load that is known better"
+        problems.append(file.problem(first, f"given beside {other}", remedy=remedy))
+    inputs = sorted(key.removeprefix("input").lstrip("_") for key in asked if kind_of(key) == "input")
+    if inputs != sorted(key.removeprefix(CURRENT).lstrip("_") for key in currents):
+        remedy = "give the current of each input's motor, current_<name> for input_<name>"
+        problems.append(file.problem(first, "currents are not those of the inputs", ", ".join(currents), remedy=remedy))
+    if file.content.ratio is not None:
+        motor = file.content.motor
+        needed = ("torque_constant_Nm_A", "gear_ratio", "efficiency", "rotor_inertia_kg_m2")
+        missing = [name for name in needed if getattr(motor, name) is None]
+        if missing:
+            remedy = "give it in the block motor: no design says it"
+            problems.append(file.problem(("motor",), f"lacks {', '.join(missing)}", remedy=remedy))
+    return problems
+
+
 def _is_force(quantity: str, column: Column) -> bool:
     return quantity == LOAD and column.unit.strip() in FORCE
 
@@ -171,9 +197,9 @@ def _broken_force(file: MeasurementFile, quantity: str, column: Column) -> list[
 
 def _asked_twice(file: MeasurementFile, asked: dict[str, Column]) -> list[Problem]:
     """Problems with a column used for two quantities; for two inputs only a note, as one alone may be logged."""
-    problems, first = [], dict[str | int, str]()
+    problems, first = [], dict[tuple[str | int, str | None], str]()
     for quantity, column in asked.items():
-        other = first.setdefault(column.column, quantity)
+        other = first.setdefault((column.column, column.channel), quantity)
         if other != quantity and not (other.startswith("input") and quantity.startswith("input")):
             where: FieldPath = ("columns", quantity, "column")
             what, remedy = f"the column of {other} too", "give each quantity its own column"

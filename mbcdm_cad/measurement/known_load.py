@@ -29,8 +29,8 @@ def pendulum_load_Nm(arm: Pendulum, output_rad: Floats, time_s: Floats) -> Float
     return np.asarray(weight + inertia * acceleration_rad_s2(output_rad, time_s))
 
 
-def acceleration_rad_s2(angle_rad: Floats, time_s: Floats) -> Floats:
-    """Second derivative of a measured angle, (n,): curves over a quarter of the motion's period, on even times."""
+def motion_of(angle_rad: Floats, time_s: Floats) -> tuple[Floats, Floats]:
+    """Speed and acceleration of a measured angle, (n,): curves over a quarter of the motion's period, on even times."""
     n = time_s.size
     even = np.linspace(float(time_s[0]), float(time_s[-1]), n)
     step = float(even[1] - even[0])
@@ -39,4 +39,12 @@ def acceleration_rad_s2(angle_rad: Floats, time_s: Floats) -> Floats:
     quiet = savgol_filter(angle, min(LEAST_SAMPLES, n - 1 + n % 2), ORDER, deriv=1, delta=step)
     period = 2.0 * math.pi * float(np.std(angle)) / max(float(np.std(quiet)), 1e-30)
     width = int(np.clip(SHARE_OF_PERIOD * period / step, LEAST_SAMPLES, n // 2)) // 2 * 2 + 1
-    return np.asarray(np.interp(time_s, even, savgol_filter(angle, width, ORDER, deriv=2, delta=step)))
+    speed, acceleration = (
+        np.interp(time_s, even, savgol_filter(angle, width, ORDER, deriv=order, delta=step)) for order in (1, 2)
+    )
+    return speed, acceleration
+
+
+def acceleration_rad_s2(angle_rad: Floats, time_s: Floats) -> Floats:
+    """Second derivative of a measured angle, (n,), as :func:`motion_of`."""
+    return motion_of(angle_rad, time_s)[1]

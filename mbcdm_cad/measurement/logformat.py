@@ -19,6 +19,20 @@ MOST_UNITS = 3
 # So many lines of figures are rows of the table.
 ROWS_IN_A_ROW = 4
 LONGEST_UNIT = 12
+# Binary logs by their first bytes: what they are, and how their owner gets a table out of them.
+_TOPICS = "export the topics as CSV, with PlotJuggler or pandas; their times may differ (rows: own_times)"
+KINDS_OF_FILE = {
+    b"\x89HDF\r\n": ("an HDF5 file, or MATLAB's of version 7.3", "export the data as CSV: pandas.read_hdf, writetable"),
+    b"MATLAB 5.0": ("a file of MATLAB", "export the data as CSV: writetable(array2table([t a b]), 'run.csv')"),
+    b"PAR1": ("a Parquet file", "export it as CSV: pandas.read_parquet('run.parquet').to_csv('run.csv')"),
+    b"TDSm": (
+        "a TDMS file of LabVIEW",
+        "export it as CSV: npTDMS, TdmsFile.read('run.tdms').as_dataframe()",
+    ),
+    b"\x89MCAP0": ("an MCAP log", _TOPICS),
+    b"#ROSBAG": ("a bag of ROS 1", _TOPICS),
+    b"SQLite format 3": ("a data base, as the bags of ROS 2 are", _TOPICS),
+}
 SIGNS = {"comma": ",", "semicolon": ";", "tab": "\t", "space": None}
 Lines = list[tuple[int, str]]
 
@@ -177,7 +191,10 @@ def _first_lines(path: Path, comment: str, skip_rows: int) -> tuple[Lines, Lines
 def _refuse_no_text(path: Path, raw: bytes) -> None:
     """Refuse files of a spreadsheet, a binary logger or an editor of another system; ``raw`` is the first line."""
     what, remedy = "", "export the data as text, one row a line (CSV)"
-    if raw.startswith(b"PK\x03\x04"):
+    kind = next((words for sign, words in KINDS_OF_FILE.items() if raw.startswith(sign)), None)
+    if kind is not None:
+        what, remedy = kind
+    elif raw.startswith(b"PK\x03\x04"):
         what = "a spreadsheet or another zipped file"
     elif raw[:2] in (b"\xff\xfe", b"\xfe\xff") or (
         raw[1::2].count(0) > 0.4 * len(raw) or raw[::2].count(0) > 0.4 * len(raw)

@@ -12,12 +12,13 @@ import numpy as np
 
 from mbcdm_cad.design.fieldpath import FieldPath
 from mbcdm_cad.errors import InputError, Problem, did_you_mean, shortened
+from mbcdm_cad.measurement.channels import Channel, read_channels
 from mbcdm_cad.measurement.datafile import DECIMALS, DataTable, read_table
 from mbcdm_cad.measurement.file import MeasurementFile, load_file
 from mbcdm_cad.measurement.known_load import pendulum_load_Nm
 from mbcdm_cad.measurement.logformat import Format, find_format, line_with
-from mbcdm_cad.measurement.run import Run, Sensors, TorqueClass
-from mbcdm_cad.measurement.schema import Column, SensorFigures
+from mbcdm_cad.measurement.run import MotorFigures, Run, Sensors, TorqueClass
+from mbcdm_cad.measurement.schema import CURRENT, Column, SensorFigures
 from mbcdm_cad.measurement.units import ISO_CLOCK, Unit, unit_of
 from mbcdm_cad.routes import Floats
 
@@ -54,12 +55,17 @@ def refuse_unusable(file: MeasurementFile, run: Run, table: DataTable, data: Pat
         row = int(back[0]) + 1
         step = float(run.time_s[row] - run.time_s[row - 1])
         what = "time runs backwards" if step < 0.0 else "time stands still"
+        seconds = np.diff(run.time_s)[back]
+        every_second = back.size > 1 and bool(np.all(np.abs(seconds + 1.0) < 0.5))
         remedy = (
-            "sort the rows, or cut the file where a new run begins"
+            "it begins again every second: set wraps_at on columns.time, 1000000 for microseconds; another column has "
+            "the seconds"
+            if every_second
+            else "sort the rows, or cut the file where a new run begins"
             if step < 0.0
             else "log the time with more digits, or set broken_rows: skip, which leaves out rows that repeat the time"
         )
-        if back.size > MOST_BACK * count:
+        if back.size > MOST_BACK * count and not every_second:
             remedy = f"so do {back.size} of {count} steps: is this column the time? Correct columns.time, or {remedy}"
         raise InputError([Problem(str(data), table.line_of(row), "", what, f"step {step:.6g} s", "over 0", remedy)])
     problems = _startup(run, table, data) or _far_off(file, run, table, data) or _not_moved(file, run)
@@ -190,7 +196,10 @@ def read_run(file: MeasurementFile) -> Reading:
         asked = file.asked
         indices = [_index(file, quantity, column, layout, data) for quantity, column in asked.items()]
         clock = indices[0] if content.columns.time.unit.strip() == ISO_CLOCK else None
-        table = read_table(data, layout, indices, content.broken_rows == "skip", clock)
+        if content.rows == "own_times" or content.channel_column is not None:
+            table = _of_channels(file, layout, data, indices, clock is not None)
+        else:
+            table = read_table(data, layout, indices, content.broken_rows == "skip", clock)
         repeated = 0
         if content.broken_rows == "skip":
             # A logger that is faster than its device writes each sample several times.
@@ -220,10 +229,27 @@ def read_run(file: MeasurementFile) -> Reading:
     return Reading(run, tuple(notes))
 
 
+def _of_channels(file: MeasurementFile, layout: Format, data: Path, indices: list[int], clock: bool) -> DataTable:
+    """The table of a log whose channels have their own times."""
+    named_by = None
+    if file.content.channel_column is not None:
+        named_by = column_index(file, ("channel_column",), file.content.channel_column, layout, data)
+        for quantity, column in file.asked.items():
+            if column.channel is None and quantity != "time":
+                where: FieldPath = ("columns", quantity)
+                remedy = "give channel: the name of its rows in channel_column"
+                raise InputError([file.problem(where, "no channel, where rows hold one each", remedy=remedy)])
+    channels = [
+        Channel(quantity, index, column.channel or "", column.wraps_at)
+        for (quantity, column), index in zip(file.asked.items(), indices, strict=True)
+    ]
+    return read_channels(data, layout, indices[0], channels[1:], named_by, clock)
+
+
 def _notes_on_columns(asked: dict[str, Column], layout: Format, indices: list[int], data: Path) -> list[str]:
     """Notes where the layout of the data is doubtful."""
     notes = []
-    inputs = [index for name, index in zip(asked, indices, strict=True) if name.startswith("input")]
+    inputs = [(index, asked[name].channel) for name, index in zip(asked, indices, strict=True) if "input" in name]
     if len(set(inputs)) < len(inputs):
         notes.append("both inputs use the same column: differences between them are not measured")
     if layout.units:
@@ -258,9 +284,12 @@ def _data_path(file: MeasurementFile, data: str) -> Path:
 
 
 def _index(file: MeasurementFile, quantity: str, column: Column, layout: Format, data: Path) -> int:
-    """Index of the column in the data, from 0."""
-    where: FieldPath = ("columns", quantity, "column")
-    asked = column.column
+    """Index of the column of a quantity in the data, from 0."""
+    return column_index(file, ("columns", quantity, "column"), column.column, layout, data)
+
+
+def column_index(file: MeasurementFile, where: FieldPath, asked: str | int, layout: Format, data: Path) -> int:
+    """Index in the data, from 0, of the column that the field ``where`` names or numbers."""
     if isinstance(asked, int):
         if asked <= layout.fields:
             return asked - 1
@@ -325,6 +354,8 @@ def _in_si(file: MeasurementFile, asked: dict[str, Column], table: DataTable, so
         rows[quantity] = row
     names = tuple(name.removeprefix("input_") for name in rows if name.startswith("input"))
     inputs = table.values[1 : 1 + len(names)]
+    currents = [rows[name] for name in rows if name.startswith(CURRENT)]
+    motor = MotorFigures(**file.content.motor.model_dump()) if currents else None
     given = file.content.sensors
     sensors = Sensors(
         given.input_resolution_rad or _step_of_counts(asked, [name for name in asked if name.startswith("input")]),
@@ -332,7 +363,7 @@ def _in_si(file: MeasurementFile, asked: dict[str, Column], table: DataTable, so
         given.torque_noise_Nm,
         given.input_noise_rad,
         given.output_noise_rad,
-        _torque_class(given, file.content.load is not None),
+        _torque_class(given, file.content.load is not None, motor),
     )
     return Run(
         rows["time"],
@@ -347,6 +378,10 @@ def _in_si(file: MeasurementFile, asked: dict[str, Column], table: DataTable, so
         file.content.ratio,
         tuple(asked[name].side == "motor" for name in asked if name.startswith("input")),
         counted=file.content.parts,
+        current_A=np.stack([rows[name.replace("input", CURRENT)] for name in rows if name.startswith("input")])
+        if currents
+        else None,
+        motor=motor,
     )
 
 
@@ -360,9 +395,12 @@ def _load_Nm(file: MeasurementFile, rows: dict[str, Floats]) -> Floats | None:
     return pendulum_load_Nm(known.pendulum, rows["output"], rows["time"])
 
 
-def _torque_class(given: SensorFigures, known: bool) -> TorqueClass:
-    """The class of the torque sensor, or of a known load, with usual figures in place of those that are not stated."""
+def _torque_class(given: SensorFigures, known: bool, motor: MotorFigures | None) -> TorqueClass:
+    """The class of the torque sensor, of a known load or of the motors' currents, with usual figures in place of those
+    that are not stated."""
     usual = TorqueClass(lag_s=0.0, what="known load") if known else TorqueClass()
+    if motor is not None:
+        usual = TorqueClass(2.0 * motor.torque_constant_share, 0.0, what="motors' current")
     share, lag = given.torque_class_share, given.torque_lag_s
     return TorqueClass(
         usual.share if share is None else share,

@@ -99,6 +99,7 @@ def measurement_page() -> str:
             ("angles", "output"),
             ("torque", "load_torque"),
             ("temperature", "temperature"),
+            ("current", "current"),
         )
     ]
     lines += ["", "## sensors", "", *_table(schema["properties"]["sensors"]["properties"], {})]
@@ -106,6 +107,12 @@ def measurement_page() -> str:
     parts = schema["properties"]["parts"]
     lines += ["## parts", "", f"{parts['description'].capitalize()}.", "", *_table(parts["properties"], {})]
     lines += ["## load", "", "`load: none`, or `load: {pendulum: {...}}` with", "", *_table(load["properties"], load)]
+    motor = schema["properties"]["motor"]["properties"]
+    lines += ["## motor", "", f"{schema['properties']['motor']['description'].capitalize()}; columns `current` or "]
+    lines[-1] += (
+        "`current_<name>`, positive where they drive the drum positive. What is left out is that of the design."
+    )
+    lines += ["", *_table(motor, {})]
     published = schema["properties"]["published"]["items"]
     lines += ["## published", "", f"{schema['properties']['published']['description'].capitalize()}: a list of", ""]
     plain = {key: node for key, node in published["properties"].items() if key != "conditions"}

@@ -21,6 +21,19 @@ Level = Literal["refused", "doubt", "fact"]
 
 
 @dataclass(frozen=True)
+class MotorFigures:
+    """Figures of the motors; None where the design's catalogue entries give them. Inertia and friction are at the
+    motor's shaft; ``torque_constant_share`` is the standard deviation of the torque constant as a share."""
+
+    torque_constant_Nm_A: float | None = None
+    torque_constant_share: float = 0.05
+    gear_ratio: float | None = None
+    efficiency: float | None = None
+    rotor_inertia_kg_m2: float | None = None
+    friction_Nm: float = 0.0
+
+
+@dataclass(frozen=True)
 class TorqueClass:
     """Largest errors of a torque sensor in its class: gain as a share, zero as the same share of the range, lag in s.
 
@@ -86,7 +99,9 @@ class Run:
     known, else None. ``motor_side`` says of each input whether its encoder sits on the motor, before the gearhead:
     then its angle is the motor's until the run is compared with a design (:func:`mbcdm_cad.measurement.vet.arranged`).
     ``zeros``: those of the inputs that the file does not give (:mod:`mbcdm_cad.measurement.vet`). ``counted``: what the
-    file lets the prediction count besides the cables; ``parts``: its figures, once the run is compared with a design.
+    file lets the prediction count besides the cables; ``parts``: its figures, once the run is compared with a design. ``current_A``
+    (n_inputs, n) are the motors' currents, ``motor`` their figures: the load follows from them where the run is
+    compared with a design, or with its ratio.
     """
 
     time_s: Floats
@@ -103,6 +118,8 @@ class Run:
     zeros: ZerosFound | None = None
     counted: CountedParts | None = None
     parts: PartsSeen | None = None
+    current_A: Floats | None = None
+    motor: MotorFigures | None = None
 
     @cached_property
     def step_s(self) -> float:

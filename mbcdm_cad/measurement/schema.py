@@ -15,6 +15,9 @@ from mbcdm_cad.design.fields import quantity as figure
 
 # The column of an input: input_ and the name that the design file gives it.
 INPUT_COLUMN = r"^input_[a-z0-9][a-z0-9_-]{0,63}$"
+# The current of its motor: the same with current, or current alone for a drive with one input.
+CURRENT = "current"
+CURRENT_COLUMN = INPUT_COLUMN.replace("input", CURRENT)
 SENSORS = "data sheet"
 LOGGER = "the logger's file"
 
@@ -76,6 +79,13 @@ class Column(Block):
         le=1e12,
     )
 
+    channel: Text | None = choice(
+        "name of its channel in channel_column, where each row holds one channel",
+        source=LOGGER,
+        default=None,
+        example="/joint/position",
+    )
+
 
 class Columns(Block):
     """What was measured. Inputs are positive when they drive the drum positive.
@@ -97,19 +107,26 @@ class Columns(Block):
         default=None,
     )
     temperature: Column | None = choice("temperature at the drive", source=LOGGER, default=None)
+    current: Column | None = choice(
+        "current of the motor, in place of load_torque; current_<name>, as the inputs, where there are several",
+        source=LOGGER,
+        default=None,
+    )
 
     def given(self) -> dict[str, Column]:
         """The columns given, in the order in which a table holds them: time, inputs, output, the rest."""
-        named = self.__pydantic_extra__ or {}
+        extra = self.__pydantic_extra__ or {}
+        named = {key: column for key, column in extra.items() if not key.startswith(CURRENT)}
+        currents = {key: column for key, column in extra.items() if key.startswith(CURRENT)} | {CURRENT: self.current}
         inputs = {key: getattr(self, key) for key in ("input_left", "input_right")} | named | {"input": self.input}
         rest = {key: getattr(self, key) for key in ("output", "load_torque", "temperature")}
-        found = {"time": self.time, **inputs, **rest}
+        found = {"time": self.time, **inputs, **rest, **currents}
         return {key: column for key, column in found.items() if column is not None}
 
 
 def is_column(key: str) -> bool:
     """Whether a measurement file may have a column of this name."""
-    return key in Columns.model_fields or re.match(INPUT_COLUMN, key) is not None
+    return key in Columns.model_fields or re.match(f"{INPUT_COLUMN}|{CURRENT_COLUMN}", key) is not None
 
 
 class SensorFigures(Block):
@@ -216,6 +233,44 @@ class Pendulum(Block):
     )
 
 
+class MotorBlock(Block):
+    """The motors whose currents are the load. What is left out is that of the design's catalogue entries."""
+
+    torque_constant_Nm_A: Number | None = figure(
+        "torque over current at the motor's shaft",
+        unit="N m/A",
+        source=SENSORS,
+        example=0.0182,
+        default=None,
+        gt=0.0,
+        le=1e3,
+    )
+    torque_constant_share: Number = _of_bench(
+        "standard deviation of the torque constant as a share; within two of them an error of the load is no effect",
+        "-",
+        0.05,
+        0.05,
+        ge=0.0,
+        le=0.25,
+    )
+    gear_ratio: Number | None = figure(
+        "ratio of the gearhead between the motor and the input's encoder, 1 for none",
+        unit="-",
+        source=SENSORS,
+        example=76.0,
+        default=None,
+        gt=0.0,
+        le=1e4,
+    )
+    efficiency: Number | None = figure(
+        "efficiency of the gearhead", unit="-", source=SENSORS, example=0.65, default=None, gt=0.5, le=1.0
+    )
+    rotor_inertia_kg_m2: Number | None = figure(
+        "moment of inertia of the rotor", unit="kg m2", source=SENSORS, example=1e-7, default=None, ge=0.0, le=10.0
+    )
+    friction_Nm: Number = _of_bench("friction of the motor at its shaft", "N m", 1e-4, 0.0, ge=0.0, le=100.0)
+
+
 class KnownLoad(Block):
     """A load that no sensor measured but that is known."""
 
@@ -299,6 +354,7 @@ class Measurement(Block):
         source=BENCH,
         default=None,
     )
+    motor: MotorBlock = choice("the motors, where their currents are the load", source=SENSORS, default=MotorBlock())
     ratio: Number | None = figure(
         "total ratio, for a drive of which nothing else is known; the design file is then not used",
         unit="-",
@@ -335,6 +391,19 @@ class Measurement(Block):
         example="skip",
         default="refuse",
     )
+    rows: Literal["full", "own_times"] = choice(
+        "own_times: a row holds only some of the quantities, at their own times, and its other cells are empty; each "
+        "is interpolated onto the times of the output",
+        source=LOGGER,
+        example="own_times",
+        default="full",
+    )
+    channel_column: Text | Integer | None = choice(
+        "column with the name of the channel whose figure is in the row; then give the channel of each quantity",
+        source=LOGGER,
+        example="topic",
+        default=None,
+    )
     published: tuple[Published, ...] | None = choice(
         "values printed in a paper, in place of data", source="paper", default=None, min_length=1, max_length=100
     )
@@ -349,7 +418,7 @@ def json_schema() -> Node:
     # The load is a word or a block: both are written out as one node, of no type.
     written["properties"]["load"] |= {"properties": {"pendulum": _written_out(definitions["Pendulum"], definitions)}}
     columns = written["properties"]["columns"]
-    columns["patternProperties"] = {INPUT_COLUMN: columns["properties"]["time"]}
+    columns["patternProperties"] = dict.fromkeys((INPUT_COLUMN, CURRENT_COLUMN), columns["properties"]["time"])
     columns["additionalProperties"] = False
     return written
 

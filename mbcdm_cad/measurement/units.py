@@ -71,6 +71,7 @@ TEMPERATURE = {
     **dict.fromkeys(("degF", "°F", "F"), Unit(5.0 / 9.0, -160.0 / 9.0)),
 }
 
+CURRENT = _scaled(("A", 1.0), ("mA", 1e-3), ("uA µA", 1e-6))
 MASS = _scaled(("kg", 1.0), ("g", 1e-3), ("lb", 0.45359237))
 ORDER = _scaled(("cycle/rad cycles/rad 1/rad", 1.0), ("cycle/turn cycles/turn 1/turn", 0.5 / math.pi))
 
@@ -80,6 +81,7 @@ KINDS = {
     "output": ANGLE,
     "load_torque": TORQUE,
     "temperature": TEMPERATURE,
+    "current": CURRENT,
     "peak_torque": TORQUE,
     "mass": MASS,
     "backlash": ANGLE,
@@ -114,4 +116,4 @@ def known_units(quantity: str) -> list[str]:
 
 def kind_of(quantity: str) -> str:
     """The kind of quantity of a column; all inputs are of one kind, whatever their names."""
-    return "input" if quantity.startswith("input_") else quantity
+    return next((kind for kind in ("input", "current") if quantity.startswith(f"{kind}_")), quantity)

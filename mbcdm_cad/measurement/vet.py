@@ -13,9 +13,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.errors import InputError
+from mbcdm_cad.errors import InputError, Problem
 from mbcdm_cad.measurement.file import MeasurementFile
 from mbcdm_cad.measurement.parts import parts_seen
+from mbcdm_cad.measurement.motor_load import figures_of, with_motors_load
 from mbcdm_cad.measurement.reading import read_run
 from mbcdm_cad.measurement.run import (
     SPEED_WINDOW_S,
@@ -105,6 +106,13 @@ def arranged(run: Run, drive: Drive) -> Run:
         run = replace(run, parts=parts_seen(drive, run.counted, motors))
     run = _after_gearhead(run, drive.gearhead.ratio)
     run = zeroed(run, to_si(drive), float(np.radians(drive.half_travel_deg)))
+    run = _in_order(run, drive)
+    turns = to_si(drive).input_turns
+    return with_motors_load(run, drive, turns) if turns.size == run.input_rad.shape[0] else run
+
+
+def _in_order(run: Run, drive: Drive) -> Run:
+    """The run with its inputs in the order of the design."""
     names = run.input_names
     if sorted(names) == sorted(drive.input_names):
         rows = [names.index(name) for name in drive.input_names]
@@ -114,7 +122,9 @@ def arranged(run: Run, drive: Drive) -> Run:
         return run
     if rows == list(range(len(rows))):
         return run
-    return replace(run, input_rad=run.input_rad[rows], input_names=tuple(names[row] for row in rows))
+    current = None if run.current_A is None else run.current_A[rows]
+    named = tuple(names[row] for row in rows)
+    return replace(run, input_rad=run.input_rad[rows], input_names=named, current_A=current)
 
 
 def _after_gearhead(run: Run, gearhead_ratio: float) -> Run:
@@ -251,7 +261,11 @@ def vetted_runs(files: Sequence[MeasurementFile], drive: Drive | None) -> list[V
     problems = []
     for file in files:
         reading = read_run(file)
-        run = reading.run if drive is None else arranged(reading.run, drive)
+        problems += _no_constant(file, reading.run, drive)
+        if problems:
+            continue
+        ratio = np.full(reading.run.input_rad.shape[0], reading.run.ratio or 1.0)
+        run = with_motors_load(reading.run, None, ratio) if drive is None else arranged(reading.run, drive)
         findings = vet(run, drive)
         problems += [file.problem(f.field, f.text, remedy=f.remedy) for f in refusals(findings)]
         for one in vetted:
@@ -262,6 +276,14 @@ def vetted_runs(files: Sequence[MeasurementFile], drive: Drive | None) -> list[V
     if problems:
         raise InputError(problems)
     return repeated(vetted)
+
+
+def _no_constant(file: MeasurementFile, run: Run, drive: Drive | None) -> list[Problem]:
+    """Problem where currents are the load and neither file nor catalogue has the torque constant."""
+    if run.motor is None or drive is None or figures_of(run.motor, drive).torque_constant_Nm_A is not None:
+        return []
+    remedy = "give torque_constant_Nm_A: 60 / (2 pi Kv) of the data sheet"
+    return [file.problem(("motor",), f"no torque constant, and {drive.motor.name} has none", remedy=remedy)]
 
 
 def repeated(vetted: list[Vetted]) -> list[Vetted]:

@@ -1,0 +1,77 @@
+"""The load that the cables carry, from the motors' currents: torque constant, rotor's inertia, losses of the gearhead.
+
+The rotor, seen at the gearhead's output (ratio N, efficiency e, speed w of the input):
+
+    N k_t I - N^2 J_r dw/dt = s + sgn(w) (N c + (1/e - 1) |s|)
+
+with c the friction of the motor and s what the gearhead carries to the pulley. The drum's load is the sum of s over the
+inputs times their turns for one of the drum: what the cables carry, with the inertia and the friction of the drum and
+of the load in it. Friction between gearhead and cables is in it too; the loop has a form for that.
+Source: derived; the loss is that of a gearhead whose friction grows with the torque carried.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.measurement.known_load import motion_of
+from mbcdm_cad.measurement.run import MotorFigures, Run
+from mbcdm_cad.routes import Floats
+
+# Below this share of its RMS the sense of the speed is not sharp.
+STANDSTILL_SHARE = 0.1
+
+
+def motors_load_Nm(
+    figures: MotorFigures, current_A: Floats, input_rad: Floats, time_s: Floats, turns_per_drum: Floats
+) -> Floats:
+    """Load on the drum, N m (n,), > 0 where it opposes positive rotation.
+
+    ``current_A`` and ``input_rad`` (n_inputs, n) are positive in the sense that drives the drum positive, the angles
+    behind the gearhead; ``turns_per_drum`` (n_inputs,). All figures must be given.
+    """
+    k, ratio, efficiency = figures.torque_constant_Nm_A, figures.gear_ratio, figures.efficiency
+    rotor = figures.rotor_inertia_kg_m2
+    assert k is not None and ratio is not None and efficiency is not None and rotor is not None
+    load = np.zeros_like(time_s)
+    for current, angle, turns in zip(current_A, input_rad, turns_per_drum, strict=True):
+        speed, acceleration = motion_of(angle, time_s)
+        sense = np.sign(speed)
+        shaft = ratio * (k * current - figures.friction_Nm * sense) - ratio**2 * rotor * acceleration
+        loss = (1.0 / efficiency - 1.0) * sense
+        # Forward the loss is on top of what is carried, backward it helps to hold.
+        carried = shaft / (1.0 + loss * np.sign(shaft))
+        moving = np.abs(speed) > STANDSTILL_SHARE * float(np.std(speed))
+        load = load + turns * np.interp(time_s, time_s[moving], carried[moving])
+    return load
+
+
+def with_motors_load(run: Run, drive: Drive | None, turns_per_drum: Floats) -> Run:
+    """The run with the load of its motors' currents, unchanged without them; its angles are behind the gearhead."""
+    if run.current_A is None or run.motor is None or run.load_Nm is not None:
+        return run
+    figures = run.motor if drive is None else figures_of(run.motor, drive)
+    load = motors_load_Nm(figures, run.current_A, run.input_rad, run.time_s, turns_per_drum)
+    return replace(run, load_Nm=load)
+
+
+def figures_of(given: MotorFigures, drive: Drive) -> MotorFigures:
+    """The figures with those of the design's motor and gearhead in place of what is not given.
+
+    The torque constant stays None where the catalogue does not have it.
+    """
+    constant = drive.motor.torque_constant_mNm_A
+
+    def first(one: float | None, other: float | None) -> float | None:
+        return other if one is None else one
+
+    return replace(
+        given,
+        torque_constant_Nm_A=first(given.torque_constant_Nm_A, None if constant is None else 1e-3 * constant),
+        gear_ratio=first(given.gear_ratio, drive.gearhead.ratio),
+        efficiency=first(given.efficiency, drive.gearhead.efficiency),
+        rotor_inertia_kg_m2=first(given.rotor_inertia_kg_m2, 1e-7 * drive.motor.rotor_inertia_g_cm2),
+    )

@@ -1,0 +1,96 @@
+"""The load from the motors' currents, against a drive train worked out by hand, and mistakes in its columns."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mbcdm_cad.errors import InputError
+from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.measurement.file import load_file
+from mbcdm_cad.measurement.motor_load import figures_of, motors_load_Nm
+from mbcdm_cad.measurement.reading import load_measurement
+from mbcdm_cad.measurement.run import MotorFigures
+from mbcdm_cad.measurement.vet import vetted_runs
+
+DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
+T = np.arange(0.0, 20.0, 0.005)
+TURNS = np.array([9.0])
+FIGURES = MotorFigures(0.02, 0.05, 50.0, 0.8, 2e-7, 1e-4)
+
+
+def current(load: np.ndarray, speed: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
+    """Current that moves the rotor against a load on the drum: torques at the rotor, and power lost in the gearhead."""
+    at_output = load / TURNS[0]
+    forward = at_output * speed > 0.0
+    ideal = at_output / 50.0
+    at_rotor = np.where(forward, ideal / 0.8, ideal * (2.0 - 1.0 / 0.8))
+    return np.asarray((at_rotor + 1e-4 * np.sign(speed) + 2e-7 * 50.0 * acceleration) / 0.02)
+
+
+@pytest.mark.parametrize("frequency_Hz", [0.2, 10.0])
+def test_the_load_comes_back_from_the_current(frequency_Hz: float) -> None:
+    w, t = 2.0 * np.pi * frequency_Hz, T if frequency_Hz < 1.0 else T / 10.0
+    angle = 2.0 * np.sin(w * t) / max(1.0, frequency_Hz)
+    speed, acceleration = np.gradient(angle, t), -(w**2) * angle
+    load = 0.8 * np.sin(0.37 * w * t) + 0.1
+    found = motors_load_Nm(FIGURES, current(load, speed, acceleration)[None], angle[None], t, TURNS)
+    moving = np.abs(speed) > 0.2 * np.std(speed)
+    inner = slice(t.size // 20, -t.size // 20)
+    assert np.abs(found - load)[inner][moving[inner]].max() < 0.02, np.abs(found - load)[inner][moving[inner]].max()
+    assert np.abs(found - load)[inner].max() < 0.1
+
+
+def test_what_is_not_given_is_that_of_the_catalogue() -> None:
+    found = figures_of(MotorFigures(torque_constant_Nm_A=0.01), DRIVE)
+    assert (found.gear_ratio, found.efficiency) == (DRIVE.gearhead.ratio, DRIVE.gearhead.efficiency)
+    assert found.rotor_inertia_kg_m2 == pytest.approx(1e-7 * DRIVE.motor.rotor_inertia_g_cm2)
+    assert found.torque_constant_Nm_A == 0.01
+
+
+def written(folder: Path, columns: str, rest: str = "") -> Path:
+    angle = 0.3 * np.sin(2.0 * np.pi * T / 4.0)
+    table = np.column_stack([T, 9.0 * angle, 9.0 * angle, angle, 0.1 * np.sign(np.cos(T)), 0.1 * np.sign(np.cos(T))])
+    np.savetxt(folder / "r.csv", table, delimiter=",", header="t,l,r,o,il,ir", comments="")
+    path = folder / "r.yaml"
+    path.write_text(
+        "data: r.csv\ncolumns:\n  time: {column: t, unit: s}\n  input_left: {column: l, unit: rad}\n"
+        "  input_right: {column: r, unit: rad}\n  output: {column: o, unit: rad}\n" + columns + rest
+    )
+    return path
+
+
+BOTH = "  current_left: {column: il, unit: A}\n  current_right: {column: ir, unit: mA, scale: 1000}\n"
+
+
+def test_a_file_with_currents_has_a_load_of_the_motors_class(tmp_path: Path) -> None:
+    rest = "motor: {torque_constant_Nm_A: 0.002, torque_constant_share: 0.03}\n"
+    run = load_measurement(written(tmp_path, BOTH, rest))
+    assert run.load_Nm is None and run.current_A is not None and run.current_A.shape[0] == 2
+    assert np.allclose(run.current_A[0], run.current_A[1])
+    assert (run.sensors.torque_class.what, run.sensors.torque_class.share) == ("motors' current", 0.06)
+    (vetted,) = vetted_runs([load_file(written(tmp_path, BOTH, rest))], DRIVE)
+    assert vetted.run.load_Nm is not None and np.ptp(vetted.run.load_Nm) > 0.01
+
+
+@pytest.mark.parametrize(
+    ("columns", "rest", "words"),
+    [
+        (BOTH, "load: none\n", "given beside load"),
+        (BOTH.split("\n")[0] + "\n", "", "currents are not those of the inputs"),
+        (BOTH, "ratio: 9\n", "lacks torque_constant_Nm_A"),
+        ("  current_left: {column: il, unit: V}\n", "", "no unit of current"),
+    ],
+)
+def test_mistakes_are_told(columns: str, rest: str, words: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=words):
+        load_measurement(written(tmp_path, columns, rest))
+
+
+def test_a_torque_constant_that_nobody_knows_is_asked_for(tmp_path: Path) -> None:
+    if DRIVE.motor.torque_constant_mNm_A is not None:
+        pytest.skip("the catalogue has the torque constant of this motor")
+    with pytest.raises(InputError, match="no torque constant"):
+        vetted_runs([load_file(written(tmp_path, BOTH))], DRIVE)
