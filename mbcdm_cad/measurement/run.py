@@ -99,9 +99,9 @@ class Run:
     known, else None. ``motor_side`` says of each input whether its encoder sits on the motor, before the gearhead:
     then its angle is the motor's until the run is compared with a design (:func:`mbcdm_cad.measurement.vet.arranged`).
     ``zeros``: those of the inputs that the file does not give (:mod:`mbcdm_cad.measurement.vet`). ``counted``: what the
-    file lets the prediction count besides the cables; ``parts``: its figures, once the run is compared with a design. ``current_A``
-    (n_inputs, n) are the motors' currents, ``motor`` their figures: the load follows from them where the run is
-    compared with a design, or with its ratio.
+    file lets the prediction count besides the cables; ``parts``: its figures, once the run is compared with a design.
+    ``current_A`` (n_inputs, n) are the motors' currents, ``motor`` their figures: the load follows from them where the
+    run is compared with a design, or with its ratio.
     """
 
     time_s: Floats

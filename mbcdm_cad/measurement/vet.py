@@ -15,8 +15,8 @@ import numpy as np
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError, Problem
 from mbcdm_cad.measurement.file import MeasurementFile
-from mbcdm_cad.measurement.parts import parts_seen
 from mbcdm_cad.measurement.motor_load import figures_of, with_motors_load
+from mbcdm_cad.measurement.parts import parts_seen
 from mbcdm_cad.measurement.reading import read_run
 from mbcdm_cad.measurement.run import (
     SPEED_WINDOW_S,
