@@ -21,7 +21,7 @@ sys.path.insert(0, str(ROOT))
 
 from mbcdm_cad.design.drive import Drive  # noqa: E402
 from mbcdm_cad.layouts.loader import load_design  # noqa: E402
-from mbcdm_cad.measurement.run import MotorFigures, Run, Sensors, TorqueClass  # noqa: E402
+from mbcdm_cad.measurement.run import Run, Sensors, StatedMotors, TorqueClass  # noqa: E402
 from mbcdm_cad.rig.dynamic.experiment import DynamicExperiment  # noqa: E402
 from mbcdm_cad.rig.dynamic.simulate import simulate_dynamic  # noqa: E402
 
@@ -57,7 +57,7 @@ def measured(
     true = CONSTANT_NM_A * (1.0 + SIGMA_SHARE * rng.normal())
     current = run.motor_Nm / (rig.gearheads[0].ratio * true)
     current = current + CURRENT_NOISE_A * rng.normal(size=current.shape)
-    motor = MotorFigures(CONSTANT_NM_A, SIGMA_SHARE, friction_Nm=rig.motors[0].coulomb_Nm)
+    motor = StatedMotors(CONSTANT_NM_A, SIGMA_SHARE, friction_Nm=rig.motors[0].coulomb_Nm)
     sensors = Sensors(1.9175e-4, 1.3635e-6, torque_class=TorqueClass(2.0 * SIGMA_SHARE, 0.0, what="motors' current"))
     logged = Run(run.time_s, run.measured_input_rad, run.measured_drum_rad, sensors=sensors, source="run.csv")
     return replace(logged, input_names=drive.input_names, current_A=current, motor=motor)

@@ -18,7 +18,7 @@ import numpy as np
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.measurement.known_load import motion_of
-from mbcdm_cad.measurement.run import MotorFigures, Run
+from mbcdm_cad.measurement.run import Run, StatedMotors
 from mbcdm_cad.routes import Floats
 
 # Below this share of its RMS the sense of the speed is not sharp.
@@ -26,7 +26,7 @@ STANDSTILL_SHARE = 0.1
 
 
 def motors_load_Nm(
-    figures: MotorFigures, current_A: Floats, input_rad: Floats, time_s: Floats, turns_per_drum: Floats
+    figures: StatedMotors, current_A: Floats, input_rad: Floats, time_s: Floats, turns_per_drum: Floats
 ) -> Floats:
     """Load on the drum, N m (n,), > 0 where it opposes positive rotation.
 
@@ -58,7 +58,7 @@ def with_motors_load(run: Run, drive: Drive | None, turns_per_drum: Floats) -> R
     return replace(run, load_Nm=load)
 
 
-def figures_of(given: MotorFigures, drive: Drive) -> MotorFigures:
+def figures_of(given: StatedMotors, drive: Drive) -> StatedMotors:
     """The figures with those of the design's motor and gearhead in place of what is not given.
 
     The torque constant stays None where the catalogue does not have it.

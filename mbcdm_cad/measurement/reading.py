@@ -17,7 +17,7 @@ from mbcdm_cad.measurement.datafile import DECIMALS, DataTable, read_table
 from mbcdm_cad.measurement.file import MeasurementFile, load_file
 from mbcdm_cad.measurement.known_load import pendulum_load_Nm
 from mbcdm_cad.measurement.logformat import Format, find_format, line_with
-from mbcdm_cad.measurement.run import MotorFigures, Run, Sensors, TorqueClass
+from mbcdm_cad.measurement.run import Run, Sensors, StatedMotors, TorqueClass
 from mbcdm_cad.measurement.schema import CURRENT, Column, SensorFigures
 from mbcdm_cad.measurement.units import ISO_CLOCK, Unit, unit_of
 from mbcdm_cad.routes import Floats
@@ -355,7 +355,7 @@ def _in_si(file: MeasurementFile, asked: dict[str, Column], table: DataTable, so
     names = tuple(name.removeprefix("input_") for name in rows if name.startswith("input"))
     inputs = table.values[1 : 1 + len(names)]
     currents = [rows[name] for name in rows if name.startswith(CURRENT)]
-    motor = MotorFigures(**file.content.motor.model_dump()) if currents else None
+    motor = StatedMotors(**file.content.motor.model_dump()) if currents else None
     given = file.content.sensors
     sensors = Sensors(
         given.input_resolution_rad or _step_of_counts(asked, [name for name in asked if name.startswith("input")]),
@@ -395,7 +395,7 @@ def _load_Nm(file: MeasurementFile, rows: dict[str, Floats]) -> Floats | None:
     return pendulum_load_Nm(known.pendulum, rows["output"], rows["time"])
 
 
-def _torque_class(given: SensorFigures, known: bool, motor: MotorFigures | None) -> TorqueClass:
+def _torque_class(given: SensorFigures, known: bool, motor: StatedMotors | None) -> TorqueClass:
     """The class of the torque sensor, of a known load or of the motors' currents, with usual figures in place of those
     that are not stated."""
     usual = TorqueClass(lag_s=0.0, what="known load") if known else TorqueClass()

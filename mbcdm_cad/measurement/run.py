@@ -21,7 +21,7 @@ Level = Literal["refused", "doubt", "fact"]
 
 
 @dataclass(frozen=True)
-class MotorFigures:
+class StatedMotors:
     """Figures of the motors; None where the design's catalogue entries give them. Inertia and friction are at the
     motor's shaft; ``torque_constant_share`` is the standard deviation of the torque constant as a share."""
 
@@ -119,7 +119,7 @@ class Run:
     counted: CountedParts | None = None
     parts: PartsSeen | None = None
     current_A: Floats | None = None
-    motor: MotorFigures | None = None
+    motor: StatedMotors | None = None
 
     @cached_property
     def step_s(self) -> float:

@@ -12,13 +12,13 @@ from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.measurement.file import load_file
 from mbcdm_cad.measurement.motor_load import figures_of, motors_load_Nm
 from mbcdm_cad.measurement.reading import load_measurement
-from mbcdm_cad.measurement.run import MotorFigures
+from mbcdm_cad.measurement.run import StatedMotors
 from mbcdm_cad.measurement.vet import vetted_runs
 
 DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
 T = np.arange(0.0, 20.0, 0.005)
 TURNS = np.array([9.0])
-FIGURES = MotorFigures(0.02, 0.05, 50.0, 0.8, 2e-7, 1e-4)
+FIGURES = StatedMotors(0.02, 0.05, 50.0, 0.8, 2e-7, 1e-4)
 
 
 def current(load: np.ndarray, speed: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
@@ -44,7 +44,7 @@ def test_the_load_comes_back_from_the_current(frequency_Hz: float) -> None:
 
 
 def test_what_is_not_given_is_that_of_the_catalogue() -> None:
-    found = figures_of(MotorFigures(torque_constant_Nm_A=0.01), DRIVE)
+    found = figures_of(StatedMotors(torque_constant_Nm_A=0.01), DRIVE)
     assert (found.gear_ratio, found.efficiency) == (DRIVE.gearhead.ratio, DRIVE.gearhead.efficiency)
     assert found.rotor_inertia_kg_m2 == pytest.approx(1e-7 * DRIVE.motor.rotor_inertia_g_cm2)
     assert found.torque_constant_Nm_A == 0.01
