@@ -83,7 +83,7 @@ class DriveDesign:
         """Tensions, backlash, load sharing, torque limits, cable paths, as ``mbcdm analyse``."""
         from mbcdm_cad.report.analysis_report import analyse_design
 
-        return analyse_design(self.loaded.drive)
+        return analyse_design(self.loaded.drive, self.loaded.design.as_built)
 
     def preload(self, out: str | Path | None = None, *, logs: Mapping[str, str | Path] | None = None) -> PreloadReport:
         """Shares of the preload, and how the built drive measures its own, as ``mbcdm preload``.

@@ -481,6 +481,16 @@ class AsBuiltValue(PlainBlock):
 
 
 @dataclass(frozen=True, kw_only=True)
+class AsBuiltCorrelation(PlainBlock):
+    """How one figure of an entry goes with one of an earlier entry that was found together with it."""
+
+    own: EntryName = choice("name of the entry's figure")
+    entry: Integer = choice("number of the earlier entry in the list, from 0", ge=0, le=31)
+    other: EntryName = choice("name of the earlier entry's figure")
+    correlation: Number = choice("correlation of what is not known of the two", ge=-1.0, le=1.0)
+
+
+@dataclass(frozen=True, kw_only=True)
 class AsBuilt(PlainBlock):
     """An effect that the built drive was found to have, written by 'mbcdm loop --apply'."""
 
@@ -493,6 +503,12 @@ class AsBuilt(PlainBlock):
         example=[{"name": "share", "value": 0.12, "low": 0.11, "high": 0.13}],
         min_length=1,
         max_length=8,
+    )
+    correlated: tuple[AsBuiltCorrelation, ...] = choice(
+        "correlations with earlier entries: {own: share, entry: 0, other: share, correlation: -0.8}",
+        example=[{"own": "share", "entry": 0, "other": "share", "correlation": -0.8}],
+        default=(),
+        max_length=64,
     )
     source: Text | None = choice("the measured run that it was found in", default=None)
 

@@ -14,6 +14,8 @@ from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.loop.result import LoopResult, Named
 
 KEY = "as_built"
+# Correlations below this are left out.
+LEAST_CORRELATION = 0.01
 _HEADING = "# Effects that the built drive was found to have, written by 'mbcdm loop --apply'"
 
 
@@ -27,7 +29,10 @@ def as_built_text(loaded: LoadedDesign, result: LoopResult, source: str = "") ->
     lines = loaded.text.split("\n")
     start, end = _block(loaded.text, lines)
     before = yamltree.parse(loaded.text, str(loaded.path)).data.get(KEY) or []
-    entries = before + [_entry(named, source) for named in _lasting(result.effects)]
+    lasting = _lasting(result.effects)
+    entries = before + [
+        _entry(named, source) | _correlated(named, lasting[:k], len(before)) for k, named in enumerate(lasting)
+    ]
     block = [f"{KEY}:" if entries or result.one_of else f"{KEY}: []"]
     for entry in entries:
         block += _written(entry)
@@ -38,6 +43,20 @@ def as_built_text(loaded: LoadedDesign, result: LoopResult, source: str = "") ->
             lines.pop()
         return "\n".join([*lines, "", _HEADING, *block, ""])
     return "\n".join([*lines[:start], *block, *lines[end:]])
+
+
+def _correlated(named: Named, earlier: Sequence[Named], first: int) -> dict[str, Any]:
+    """Correlations of an entry's figures with those of earlier ones, the first of which has the number ``first``."""
+    found = []
+    for k, other in enumerate(earlier, first):
+        table = named.correlated.get(other.words)
+        if table is None:
+            continue
+        for i, own in enumerate(named.fitted):
+            for j, name in enumerate(other.fitted):
+                if abs(table[i, j]) >= LEAST_CORRELATION:
+                    found.append({"own": own, "entry": k, "other": name, "correlation": round(float(table[i, j]), 3)})
+    return {"correlated": found} if found else {}
 
 
 def _lasting(effects: Sequence[Named]) -> list[Named]:
@@ -113,6 +132,7 @@ def _value(name: str, value: float, named: Named) -> dict[str, Any]:
 
 def _written(entry: dict[str, Any]) -> list[str]:
     """One entry as YAML, a line a field."""
-    values = ["      - " + flow(value) for value in entry["values"]]
-    rest = [f"    {key}: {flow(value)}" for key, value in entry.items() if key not in ("name", "values")]
-    return [f"  - name: {entry['name']}", *rest, "    values:", *values]
+    lists = {key: value for key, value in entry.items() if key in ("values", "correlated")}
+    rest = [f"    {key}: {flow(value)}" for key, value in entry.items() if key not in ("name", *lists)]
+    items = [line for key, rows in lists.items() for line in (f"    {key}:", *("      - " + flow(row) for row in rows))]
+    return [f"  - name: {entry['name']}", *rest, *items]

@@ -31,7 +31,9 @@ class Named:
 
     ``fitted`` are the fitted values of the effect's parameters, ``form`` the form that they belong to, ``meanings``
     what figures mean on the bench where their names do not say it; ``plain`` as in :class:`Effect`. ``run`` is the data
-    of the only run that has it, empty if all have it; ``after`` what a change left behind, as an effect of its own.
+    of the only run that has it, empty if all have it; ``after`` what a change left behind, as an effect of its own;
+    ``correlated``: by the words of another effect that was found with it, the correlations of the fitted values of
+    both, own values by those of the other.
     """
 
     name: str
@@ -49,6 +51,7 @@ class Named:
     meanings: dict[str, str] = field(default_factory=dict)
     plain: str = ""
     run: str = ""
+    correlated: dict[str, Floats] = field(default_factory=dict, repr=False)
     after: Named | None = None
 
     @property

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from mbcdm_cad.layouts.turns import plain_modes
 from mbcdm_cad.model import Analysis, analyse
 from mbcdm_cad.model.figures import ShaftTurns
+from mbcdm_cad.report.as_built_chances import Chance, chance_lines, chances_of
 from mbcdm_cad.report.duty import DutyReport, duty_report
 from mbcdm_cad.report.life import LifeReport, life_report
 from mbcdm_cad.report.losses import LossesReport, losses_report
@@ -22,6 +23,7 @@ from mbcdm_cad.report.table import ReportTable, filled
 if TYPE_CHECKING:
     import pandas
 
+    from mbcdm_cad.design.blocks import AsBuilt
     from mbcdm_cad.design.drive import Drive
     from mbcdm_cad.layouts.base import Layout
     from mbcdm_cad.layouts.turns import Modes
@@ -62,6 +64,7 @@ class AnalysisReport:
     no_life: str
     duty: DutyReport
     layout: Layout = field(repr=False)
+    chances: tuple[Chance, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
         """Everything, ready for JSON; this is what ``mbcdm analyse --json`` prints."""
@@ -75,6 +78,8 @@ class AnalysisReport:
             "duty": self.duty.to_dict(),
             "life": life,
         }
+        if self.chances:
+            blocks["as_built"] = {one.check: one.probability for one in self.chances}
         return self.figures.to_dict() | blocks
 
     def to_pandas(self) -> pandas.DataFrame:
@@ -85,7 +90,8 @@ class AnalysisReport:
         """What ``mbcdm analyse`` prints: figures by subject, no line longer than ``width``."""
         lines = [line for block in self._blocks(width) for line in (*block, "")]
         paths = path_lines(self.layout, self.paths) if self.paths else [f"Cable paths: {self.no_paths}"]
-        return "\n".join([*lines, *(line for text in paths for line in filled(text, width))])
+        odds = ["", *chance_lines(self.chances)] if self.chances else []
+        return "\n".join([*lines, *(line for text in (*paths, *odds) for line in filled(text, width))])
 
     def __str__(self) -> str:
         """As :meth:`text`."""
@@ -245,8 +251,11 @@ def _turned(t: ShaftTurns, shaft: str) -> str:
     return f"{t.turned_deg[shaft]:+.1f}" if shaft == "motor" else f"{t.turned_deg[shaft]:+.2f}"
 
 
-def analyse_design(drive: Drive) -> AnalysisReport:
-    """Every figure of the model, and the cables' paths. ``ModelError`` where the geometry leaves no free span."""
+def analyse_design(drive: Drive, found: Sequence[AsBuilt] = ()) -> AnalysisReport:
+    """Every figure of the model, and the cables' paths. ``ModelError`` where the geometry leaves no free span.
+
+    ``found``: the list ``as_built`` of the design's file, from which the probabilities of the checks follow.
+    """
     paths, reason = path_data_or_reason(drive)
     figures = analyse(drive)
     layout = drive.layout
@@ -260,6 +269,7 @@ def analyse_design(drive: Drive) -> AnalysisReport:
         *life_report(layout),
         duty_report(layout),
         layout,
+        chances_of(drive, found),
     )
 
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from mbcdm_cad.checks.result import CheckResult, failed, figures
 from mbcdm_cad.errors import MbcdmError, did_you_mean
 from mbcdm_cad.layouts.check_design import advised_checks
+from mbcdm_cad.report.as_built_chances import Chance, chance_lines, chances_of
 from mbcdm_cad.report.table import ReportTable
 
 if TYPE_CHECKING:
@@ -40,6 +41,8 @@ class CheckReport:
     results: tuple[CheckResult, ...]
     # Result of applying the remedies together, in words; empty if nothing fails.
     advice: str = ""
+    # Probability of each check on a drive as built; empty where no value was found on it.
+    chances: tuple[Chance, ...] = ()
 
     @property
     def passed(self) -> bool:
@@ -94,6 +97,7 @@ class CheckReport:
         lines = [line for result in alone for line in _lines(result, _Columns.of(self.results, width), colour)]
         lines += [line for each in grouped for line in _together(each, width, colour)]
         lines += _wrapped(self.advice, _INDENT, _INDENT, width)
+        lines += [line for text in chance_lines(self.chances) for line in _wrapped(text, "", _INDENT, width)]
         return "\n".join([*lines, *_wrapped(self._summary(), "", "", width)])
 
     def _summary(self) -> str:
@@ -122,6 +126,7 @@ class CheckReport:
             "summary": self.counts,
             "advice": self.advice,
             "checks": [asdict(result) for result in self.results],
+            "as_built": {one.check: one.probability for one in self.chances},
         }
 
     def to_pandas(self) -> pandas.DataFrame:
@@ -135,7 +140,8 @@ def check_design(loaded: LoadedDesign) -> CheckReport:
     """Run every check. Raises ``InputError`` for a waiver that names no check, and for nothing else."""
     results, together = advised_checks(loaded)
     advice = together.words(loaded.path.name) if together else ""
-    return CheckReport(loaded.drive.name, loaded.sha256, results, advice)
+    chances = chances_of(loaded.drive, loaded.design.as_built)
+    return CheckReport(loaded.drive.name, loaded.sha256, results, advice, chances)
 
 
 def _word(result: CheckResult) -> str:

@@ -117,6 +117,7 @@ class _Loop:
                 sets.append((first, *others))
             else:
                 named.append(first)
+        named = self._with_correlations(named, [g.effect for g in groups if not g.alike], whole)
         found = errors(self.whole, bare, judged, self.search.floor_rad)
         # Neither "explained" nor "none" may stand beside an error that is not near the floor.
         if unknown is None and not found.near_floor:
@@ -172,18 +173,32 @@ class _Loop:
         share = self._least_share(whole, k)
         if share is None:
             named = self._as_named(effect, whole.values[k], block, float(fall))
-            return self._before_and_after(named, effect, whole) if effect.base else named
+            return self._before_and_after(named, effect, whole, self.whole) if effect.base else named
         named = self._as_named(effect, _scaled(effect, whole.values[k], share), block, float(fall))
         opened = {name: replace(value, low=value.value, high=np.inf) for name, value in named.parameters.items()}
         return replace(named, parameters=opened)
 
-    def _before_and_after(self, named: Named, effect: Effect, whole: Fit) -> Named:
-        """A change with the interval of its time, and its figure before and after."""
+    def _with_correlations(self, named: Sequence[Named], effects: Sequence[Effect], whole: Fit) -> list[Named]:
+        """The named effects, each with the correlations of its values with those of the others."""
+        if len(named) < 2:
+            return list(named)
+        covariance = self.judge.covariance(whole, self.whole)
+        size = np.sqrt(np.where(np.diag(covariance) > 0.0, np.diag(covariance), np.inf))
+        joint = np.nan_to_num(covariance / np.outer(size, size))
+        columns = [whole.columns_of(effect) for effect in effects]
+        found = []
+        for k, one in enumerate(named):
+            others = {other.words: joint[columns[k], columns[j]] for j, other in enumerate(named) if j != k}
+            found.append(replace(one, correlated=others))
+        return found
+
+    def _before_and_after(self, named: Named, effect: Effect, whole: Fit, fitter: Fitter) -> Named:
+        """A change with the interval of its time, and its figure before and after; ``whole`` is a fit of ``fitter``."""
         base, values = effect.base, whole.values_of(effect)
         assert base is not None
         parameters = dict(named.parameters)
         if effect.once:
-            low, high = time_interval_s(self.whole, whole, effect)
+            low, high = time_interval_s(fitter, whole, effect)
             parameters["at_s"] = replace(parameters["at_s"], low=low, high=high)
         there = [whole.values_of(e) for e in whole.effects if (e.key, e.form) == (base.key, base.form)]
         before = there[0] if there else np.array([p.default or 0.0 for p in base.parameters])
@@ -221,9 +236,9 @@ class _Loop:
 
     def _other(self, fit: Fit) -> Named:
         """An alternative that fits as well, from the training samples."""
-        return self._as_named(
-            fit.effects[-1], fit.values[-1], self.judge.spread(fit, fit.effects[-1], self.fitter), 0.0
-        )
+        effect = fit.effects[-1]
+        named = self._as_named(effect, fit.values[-1], self.judge.spread(fit, effect, self.fitter), 0.0)
+        return self._before_and_after(named, effect, fit, self.fitter) if effect.base else named
 
     def _as_named(self, effect: Effect, values: Floats, block: Floats, fall: float) -> Named:
         figures = {figure.name: interval(figure, values, block, effect) for figure in effect.reported()}
