@@ -254,7 +254,7 @@ class DriveDesign:
 
     def export(
         self,
-        form: Literal["urdf", "mjcf"],
+        form: Literal["urdf", "mjcf", "fmu"],
         out: str | Path = "out",
         *,
         elastic: bool = False,
@@ -266,17 +266,21 @@ class DriveDesign:
     ) -> Written:
         """Write the drive for robot simulators into ``out/NAME-FORM`` (SI units), as ``mbcdm export``.
 
+        ``fmu`` is for co-simulation.
+
         ``elastic``: cables with their hysteresis, parts that give, motors, in MJCF only. In URDF only: ``package``, the
         ROS package that the meshes are in; ``xacro``, a macro with a prefix for all names; ``ros2_control``, a block
         for its controllers. Raises ``MbcdmError`` for what the format has not, or a name that no package has.
         """
-        from mbcdm_cad.jobs.outputs import write_robot
+        from mbcdm_cad.jobs.outputs import write_fmu, write_robot
         from mbcdm_cad.robot.urdf import UrdfOptions
 
         if elastic and form != "mjcf":
-            raise MbcdmError("elastic: URDF has no springs between joints; export mjcf")
+            raise MbcdmError("elastic: URDF has no springs between joints, an FMU always; export mjcf")
         if form != "urdf" and (package is not None or xacro or ros2_control):
             raise MbcdmError("package, xacro, ros2_control: they belong to ROS, which reads URDF; export urdf")
+        if form == "fmu":
+            return write_fmu(self.loaded, Path(out))
         return write_robot(
             self.loaded,
             Path(out),

@@ -169,7 +169,7 @@ def watch(design: Path, port: int, out: Path, no_cache: bool) -> int:
     epilog=examples("mbcdm export my_drive.yaml --format urdf", "mbcdm export my_drive.yaml --format mjcf --elastic")
 )
 @DESIGN
-@click.option("--format", "form", type=click.Choice(("urdf", "mjcf")), required=True, help="Format of the file.")
+@click.option("--format", "form", type=click.Choice(("urdf", "mjcf", "fmu")), required=True, help="Format of the file.")
 @click.option(
     "--elastic",
     is_flag=True,
@@ -182,7 +182,7 @@ def watch(design: Path, port: int, out: Path, no_cache: bool) -> int:
 @NO_CACHE
 def export(
     design: Path,
-    form: Literal["urdf", "mjcf"],
+    form: Literal["urdf", "mjcf", "fmu"],
     elastic: bool,
     package: str | None,
     xacro: bool,
@@ -192,10 +192,11 @@ def export(
 ) -> int:
     """Write a design for robot simulators.
 
-    Links with mass and inertia, joints with the drive's ratios, meshes in metres; see docs/robot-formats.md.
+    Links with mass and inertia, joints with the drive's ratios, meshes in metres; as FMU the drive's equations, for
+    co-simulation. See docs/robot-formats.md.
     """
     if elastic and form != "mjcf":
-        raise click.UsageError("--elastic: URDF has no springs between joints; give --format mjcf")
+        raise click.UsageError("--elastic: URDF has no springs between joints, an FMU always; give --format mjcf")
     if form != "urdf" and (package is not None or xacro or ros2_control):
         raise click.UsageError("--package, --xacro, --ros2-control: they belong to ROS; give --format urdf")
     loaded = api.load(design)

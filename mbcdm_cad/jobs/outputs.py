@@ -192,6 +192,21 @@ def write_robot(
     return Written(target, paths, words)
 
 
+def write_fmu(loaded: LoadedDesign, out: Path) -> Written:
+    """Write ``out/<name>-fmu/<name>.fmu``: the drive for co-simulation (FMI 2.0)."""
+    from mbcdm_cad.robot.elastic import elastic_drive
+    from mbcdm_cad.robot.fmu import fmu_file
+
+    content, platform = fmu_file(loaded.drive, elastic_drive(loaded.drive))
+    target = out / f"{loaded.drive.name}-fmu"
+    path = target / f"{loaded.drive.name}.fmu"
+    inputs = content_key("fmu", loaded.sha256, package_hash(), versions())
+    with output_folder(target, Manifest(loaded.sha256, inputs), design=loaded.path) as folder:
+        folder.write(path.name, content)
+    library = f"library for {platform}" if platform else "no library: no C compiler 'cc' here; compile the sources"
+    return Written(target, (path,), f"{path}: FMI 2.0 for co-simulation, {len(content) / 1e3:.0f} kB, {library}")
+
+
 @dataclass(frozen=True)
 class SensitivityStudy:
     """The study in ``folder``; ``summary`` is its sensitivity.json as plain data, in SI units."""

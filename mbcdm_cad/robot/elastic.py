@@ -40,7 +40,8 @@ class ElasticDrive:
     """All that a simulator needs besides masses and joints.
 
     ``turns``: of each input for one of the drum. ``drum_friction_Nm`` and ``input_friction_Nm`` at each axis, that of
-    the motors apart; ``gear_share``: loss of a gearhead over the torque at its output, besides.
+    the motors apart; ``gear_share``: loss of a gearhead over the torque at its output, besides. ``payload_kg_m2``:
+    inertia of the design's payload about the drum's axis.
     """
 
     stages: tuple[CableStage, ...]
@@ -51,6 +52,7 @@ class ElasticDrive:
     gear_share: float
     drum_friction_Nm: float
     input_friction_Nm: tuple[float, ...]
+    payload_kg_m2: float
 
     @property
     def motors_held_rad_Nm(self) -> float:
@@ -84,6 +86,7 @@ def elastic_drive(drive: Drive) -> ElasticDrive:
         gear_share=train.gear_share,
         drum_friction_Nm=rubs.drum_Nm,
         input_friction_Nm=rubs.inputs_Nm,
+        payload_kg_m2=drive.loads.carried.about_axis_kg_m2,
     )
 
 

@@ -129,7 +129,13 @@ def _elastic(root: ET.Element, m: Mechanism, e: ElasticDrive, bodies: dict[str, 
     drum = m.joint(m.drum)
     give = e.motors_held_rad_Nm
     if give > 0.0:
-        _within(bodies[m.drum], PAYLOAD, drum.axis, armature=numbers([_PAYLOAD_KG_M2]), **_spring(1.0 / give))
+        _within(
+            bodies[m.drum],
+            PAYLOAD,
+            drum.axis,
+            armature=numbers([e.payload_kg_m2 + _PAYLOAD_KG_M2]),
+            **_spring(1.0 / give),
+        )
     held = []
     for stage, name in zip(e.stages, m.inputs, strict=True):
         joint = m.joint(name)

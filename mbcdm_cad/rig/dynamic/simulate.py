@@ -70,8 +70,10 @@ def _beyond(bench: Bench) -> bool:
 
 def _rig(drive: Drive, experiment: DynamicExperiment, bench: Bench) -> DynamicRig:
     load, drives, sensors, physics = experiment.load, experiment.drives, experiment.sensors, experiment.physics
+    # The design's payload turns with what the bench adds.
+    carried = drive.loads.carried.about_axis_kg_m2 if physics.structure else 0.0
     spec = LoadSpec(
-        load.inertia_kg_m2,
+        load.inertia_kg_m2 + carried,
         load.static_ratio,
         load.static_speed_rad_s,
         load.unbalance_Nm,

@@ -77,9 +77,9 @@ SIGNATURES = {
     " cache: 'bool' = True, progress: 'Progress | None' = None) -> 'Written'",
     "DriveDesign.moving_picture": "(self, gif: 'str | Path', *, view: 'str' = 'output', cache: 'bool' = True,"
     " progress: 'Progress | None' = None) -> 'Written'",
-    "DriveDesign.export": "(self, form: \"Literal['urdf', 'mjcf']\", out: 'str | Path' = 'out', *, elastic: 'bool'"
-    " = False, package: 'str | None' = None, xacro: 'bool' = False, ros2_control: 'bool' = False, cache: 'bool' ="
-    " True, progress: 'Progress | None' = None) -> 'Written'",
+    "DriveDesign.export": "(self, form: \"Literal['urdf', 'mjcf', 'fmu']\", out: 'str | Path' = 'out', *,"
+    " elastic: 'bool' = False, package: 'str | None' = None, xacro: 'bool' = False, ros2_control: 'bool' = False,"
+    " cache: 'bool' = True, progress: 'Progress | None' = None) -> 'Written'",
     "DriveDesign.simulate": "(self, experiment: 'str | Path', out: 'str | Path' = 'out') -> 'Written'",
     "DriveDesign.plan": "(self, experiment: 'str | Path', *, noise_from: 'str | Path | None' = None) -> 'RunPlan'",
     "DriveDesign.best_run": "(self, bench: 'str | Path', *, experiment: 'str | Path | None' = None, noise_from:"
