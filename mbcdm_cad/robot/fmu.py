@@ -34,7 +34,7 @@ _DATE = (2000, 1, 1, 0, 0, 0)
 
 
 @dataclass(frozen=True)
-class Variable:
+class FmuVariable:
     """A variable of the FMU, or one for each input: C name of the first, names, unit, and values at the start.
 
     ``causality`` is that of FMI: parameter, input or output.
@@ -48,7 +48,7 @@ class Variable:
     about: str
 
 
-def variables(e: ElasticDrive, inputs: tuple[str, ...]) -> tuple[Variable, ...]:
+def variables(e: ElasticDrive, inputs: tuple[str, ...]) -> tuple[FmuVariable, ...]:
     """All variables in the order of their value references."""
     motor, held = (
         e.motor,
@@ -56,12 +56,12 @@ def variables(e: ElasticDrive, inputs: tuple[str, ...]) -> tuple[Variable, ...]:
     )
     none = (0.0,) * len(inputs)
 
-    def one(constant: str, unit: str, start: float, about: str, causality: str = "parameter") -> Variable:
-        return Variable(constant, (constant.lower(),), unit, causality, (start,), about)
+    def one(constant: str, unit: str, start: float, about: str, causality: str = "parameter") -> FmuVariable:
+        return FmuVariable(constant, (constant.lower(),), unit, causality, (start,), about)
 
-    def each(constant: str, unit: str, start: Iterable[float], about: str, causality: str) -> Variable:
+    def each(constant: str, unit: str, start: Iterable[float], about: str, causality: str) -> FmuVariable:
         names = tuple(f"{constant.lower()}_{name}" for name in inputs)
-        return Variable(constant, names, unit, causality, tuple(start), about)
+        return FmuVariable(constant, names, unit, causality, tuple(start), about)
 
     return (
         one("PAYLOAD_INERTIA", "kg.m2", e.payload_kg_m2, "moment of inertia of the payload about the drum's axis"),
@@ -111,7 +111,7 @@ def fmu_file(drive: Drive, e: ElasticDrive) -> tuple[bytes, str]:
     return archive.getvalue(), platform if library else ""
 
 
-def _parameters(drive: Drive, e: ElasticDrive, listed: tuple[Variable, ...]) -> str:
+def _parameters(drive: Drive, e: ElasticDrive, listed: tuple[FmuVariable, ...]) -> str:
     """The header with the figures of the design and the places of the variables."""
     cables = [(s.input_index, s.spring_Nm_rad, float("inf")) for s in e.stages if s.spring_Nm_rad > 0.0]
     cables += [(s.input_index, slip.stiffness_Nm_rad, slip.limit_Nm) for s in e.stages for slip in s.slips]
@@ -158,7 +158,7 @@ def _braced(values: Iterable[float]) -> str:
     return "{" + ", ".join(_number(value) for value in values) + "}"
 
 
-def _description(drive: Drive, listed: tuple[Variable, ...], guid: str) -> ET.Element:
+def _description(drive: Drive, listed: tuple[FmuVariable, ...], guid: str) -> ET.Element:
     """modelDescription.xml."""
     root = ET.Element(
         "fmiModelDescription",
