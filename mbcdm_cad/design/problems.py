@@ -117,7 +117,7 @@ def _before_comma(tree: Tree, path: FieldPath) -> str:
 
 
 def _unknown_remedy(path: FieldPath, node_at: NodeAt) -> str:
-    """The similar field, or the neighbouring block that has a field of this name."""
+    """The similar field, or the block beside or within that has a field of this name."""
     known = (node_at(path[:-1]) or {}).get("properties", {})
     for block in known:
         node = node_at((*path[:-1], block)) or {}
@@ -125,6 +125,11 @@ def _unknown_remedy(path: FieldPath, node_at: NodeAt) -> str:
             if "type" in known:
                 return f"name a catalogue entry with type:, or write {path[-1]} under {block}:{_meaning(node)}"
             return f"write it under {block}:{_meaning(node)}"
+    if len(path) == 2:
+        nodes = {block: node_at((block,)) or {} for block in (node_at(()) or {}).get("properties", {})}
+        others = [block for block, node in nodes.items() if path[-1] in node.get("properties", {})]
+        if len(others) == 1:
+            return f"write it under {others[0]}:{_meaning(nodes[others[0]])}"
     return did_you_mean(str(path[-1]), known)
 
 

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from math import exp, log
+from itertools import product
+from math import exp, log, prod
 from typing import Any
 
 import numpy as np
@@ -129,16 +130,30 @@ def point_of(variables: Sequence[Variable], values: Values) -> Point:
 
 
 def first_values(variables: Sequence[Variable], count: int, rng: np.random.Generator) -> list[dict[str, Any]]:
-    """The first generation: the start, then other points that differ from it in a few ruled fields and all others."""
+    """The first generation: the start, the corners if they are few, then points that differ from the start at random.
+
+    Such a point differs in a few ruled fields, and in all others.
+    """
     ruled = [v for v in variables if v.ruled and v.start in (0.0, RULE)]
     share = min(0.5, MOVED_AT_FIRST / max(len(ruled), 1))
     start = {v.field: v.start for v in variables}
     found = {tuple(start.values()): start}
+    for corner in _corners(variables, start, count // 2):
+        found.setdefault(tuple(corner.values()), corner)
     for _ in range(_DRAWS * count):
         if len(found) < count:
             drawn = {v.field: v.drawn(rng) if v not in ruled or rng.random() < share else v.start for v in variables}
             found.setdefault(tuple(drawn.values()), drawn)
     return list(found.values())
+
+
+def _corners(variables: Sequence[Variable], start: Values, most: int) -> list[dict[str, Any]]:
+    """Every combination of the ends of ranges and of choices without a rule, where a front often ends; none if more
+    than ``most``."""
+    ends = {v.field: v.options or (0.0, 1.0) for v in variables if v.start not in (0.0, RULE)}
+    if prod(len(values) for values in ends.values()) > most:
+        return []
+    return [{**start, **dict(zip(ends, row, strict=True))} for row in product(*ends.values())]
 
 
 def freedom_text(question: Question, variable: Variable) -> str:

@@ -61,6 +61,11 @@ def edited(old: str, new: str) -> tuple[str, int]:
             "centre_distance_mm: 40\nname: trial",
             "centre_distance_mm: unknown field; write it under transmission: (",
         ),
+        (
+            "peak_torque_Nm: 3.15",
+            "life_cycles: 1000\n  peak_torque_Nm: 3.15",
+            "loads.life_cycles: unknown field; write it under targets:",
+        ),
         ("gearhead: gearhead-76-16", "gearhead: gearhed-76-16", "did you mean gearhead-76-16?"),
         ("material: aluminium-7075", "material: wood", "drum.material: not in the catalogue of materials"),
         ("name: trial", "name: ../../etc", "name: not a plain name (value '../../etc', limit 1 to 64 of a-z"),

@@ -24,7 +24,7 @@ SEARCHED = 120
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("layout", ["miso_bevel"])
+@pytest.mark.parametrize("layout", ["miso_bevel", "siso_spur"])
 def test_a_search_reaches_what_a_grid_reaches(layout: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(forks, "_allowed", True)
     text = mc.new_design_text("grid", layout)
