@@ -88,7 +88,7 @@ class _Terminal:
 
 def _terminals(doc: Drawing, body: cq.Shape, outer: float) -> cq.Shape:
     rows = _rows(doc, "Terminals", 12)
-    shared = {row[0]: row[1] for row in _rows(doc, "Pockets, lugs and stop slot", 8)}
+    shared = {row[0]: row[1] for row in _rows(doc, "Pockets, lugs and stop slot", 10)}
     flat, nuts, lug = (float(shared[k]) for k in ("swage pocket n from", "nut pocket n from", "lug n up to"))
     slot, corner = float(shared["stud slot of the lug, width, round end"]), float(shared["pocket corners R"])
     low = -2.0
@@ -131,6 +131,10 @@ def drum(doc: Drawing, dims: list[ReadDimension]) -> cq.Shape:
     cone = cq.Solid.makeCone(hub, hub - chamfer, chamfer, cq.Vector(0, face - chamfer, 0), cq.Vector(0, 1, 0))
     bodies = [cone, _ring(spigot, bore, (0.0, hub_start))]
     bodies.append(_ring(inner + 0.5, hub - 0.5, (web_start, web_start + web)).intersect(wedge))
+    sizes = {row[0]: float(row[1]) for row in _rows(doc, "Pockets, lugs and stop slot", 10)}
+    root, front = sizes["web thicker up to R"], sizes["web thicker, in front up to"]
+    if root > hub:
+        bodies.append(_ring(root, hub - 0.5, (web_start, front)).intersect(wedge))
     bodies += [_ring(r, inner, (a, b)).intersect(wedge) for r, a, b in lands]
     body = body.fuse(*bodies).cut(cq.Solid.makeCylinder(bore, face + 2, cq.Vector(0, -1, 0), cq.Vector(0, 1, 0)))
     body = _terminals(doc, body, outer)
@@ -139,7 +143,7 @@ def drum(doc: Drawing, dims: list[ReadDimension]) -> cq.Shape:
     corner = float(_title(doc, "Windows").split("corners R")[1].split(",")[0])
     for _, r_in, r_out, start, end in windows[1:]:
         body = body.cut(_window(float(r_in), float(r_out), float(start), float(end), through, corner))
-    shared = {row[0]: row[1] for row in _rows(doc, "Pockets, lugs and stop slot", 8)}
+    shared = {row[0]: row[1] for row in _rows(doc, "Pockets, lugs and stop slot", 10)}
     stop, wide = float(shared["stop slot: radius"]), float(shared["stop slot: width, round ends"]) / 2
     ends = float(shared["stop slot: ends at +- deg"])
     body = body.cut(_window(stop - wide, stop + wide, -ends, ends, through, 0.0))

@@ -95,7 +95,15 @@ class DrumDims:
     payload_depth: float
     payload_insert: InsertSpec | None
     corner_radius: float
+    # The web is thicker round the hub: up to this radius, and in front as far as this; those of hub and web without it.
+    root_radius: float
+    root_end_y: float
     dowels: HubDowels | None = None
+
+    @property
+    def root_mm(self) -> float:
+        """How much thicker the web is round the hub."""
+        return self.root_end_y - self.web_end_y if self.root_radius > self.hub_radius else 0.0
 
     @property
     def payload_hole(self) -> float:

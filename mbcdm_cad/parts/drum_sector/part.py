@@ -85,6 +85,10 @@ def _sector(dims: DrumDims) -> cq.Solid:
     ]
     outline = sector_outline(dims.hub_radius - 1.0, dims.rim_inner_radius + 1.0, -half, half, y)
     web = extruded_y(outline, dims.web_end_y - y, [*openings, _stop_slot(dims, y)])
+    bodies = [rim, web]
+    if dims.root_mm > 0.0:
+        ring = sector_outline(dims.hub_radius - 1.0, dims.root_radius, -half, half, y)
+        bodies.append(extruded_y(ring, dims.root_end_y - y, []))
     hub_profile = [
         (dims.bore_radius, dims.spigot_y),
         (dims.spigot_radius, dims.spigot_y),
@@ -95,7 +99,7 @@ def _sector(dims: DrumDims) -> cq.Solid:
         (dims.bore_radius, dims.hub_face_y),
     ]
     hub = turned_about_y(hub_profile, 0.0, 360.0, "drum hub")
-    return fuse([rim, web, hub], "drum")
+    return fuse([*bodies, hub], "drum")
 
 
 def _box(
@@ -227,6 +231,7 @@ class DrumSector(MadePart):
         )
         thickness = d.web_end_y - d.web_start_y
         web = share * ring_mm3(d.rim_inner_radius, d.hub_radius, thickness)
+        web += share * ring_mm3(d.root_radius, d.hub_radius, d.root_mm)
         hub = ring_mm3(d.hub_radius, d.bore_radius, d.hub_face_y - d.hub_start_y)
         hub += ring_mm3(d.spigot_radius, d.bore_radius, d.hub_start_y - d.spigot_y)
         windows = sum(

@@ -106,6 +106,8 @@ def _shape(d: DrumDims) -> Table:
         ("stop slot: radius", mm3(d.stop_radius)),
         ("stop slot: width, round ends", mm3(d.stop_slot_width)),
         ("stop slot: ends at +- deg", mm(d.stop_slot_end_deg, 3)),
+        ("web thicker up to R", mm3(d.root_radius)),
+        ("web thicker, in front up to", mm3(d.root_end_y - d.spigot_y)),
     )
     return Table("Pockets, lugs and stop slot", ("", "all"), rows)
 

@@ -24,6 +24,8 @@ from mbcdm_cad.parts.terminal.part import Tensioner
 
 # Clamps the hub on the shaft, twice.
 HUB_SCREW = "M3x5-set"
+# Outside of the thicker web round the hub over the hub's; its distance from slot and set screws; least size worth it.
+ROOT_SHARE, ROOT_GAP_MM, LEAST_ROOT_MM = 2.0, 0.5, 0.5
 # Wave spring under the rear bearing's outer ring: height at its nominal force, play in the seat's bore, and force per
 # mm of the bearing's bore (SKF: 5 to 10 N per mm keeps small bearings free of play and quiet).
 SPRING_HEIGHT_MM = 0.6
@@ -249,6 +251,22 @@ def _windows(drive: SectorDrive, stop_radius: float, slot_end_deg: float) -> tup
     return window, Window(above, outer, -window.end_deg, -window.start_deg)
 
 
+def _root(drive: SectorDrive, levels: SectorLevels, stop_radius: float) -> tuple[float, float]:
+    """Radius and front of the thicker web round the hub: twice the web, behind set screws and inside the stop's slot.
+
+    The shear of a web falls with the square of its radius: metal there stiffens the drum twice as much for its mass as
+    a web that is thicker everywhere (docs/structure.md).
+    """
+    d, thread = drive.drum, drive.screw(HUB_SCREW).thread_mm
+    web_end, hub = _web_start_y(drive, levels) + d.web_thickness_mm, d.hub_diameter_mm / 2
+    end = min(web_end + d.web_thickness_mm, _set_screw_y(drive, levels) - thread / 2 - ROOT_GAP_MM)
+    slot = stop_radius - (d.stop_pin_mm + STOP_SLOT_PLAY_MM) / 2 - ROOT_GAP_MM
+    radius = min(ROOT_SHARE * hub, slot)
+    if radius - hub < LEAST_ROOT_MM or end - web_end < LEAST_ROOT_MM:
+        return hub, web_end
+    return radius, end
+
+
 def drum(drive: SectorDrive, levels: SectorLevels, stop_radius: float, way: TerminalWay) -> DrumDims:
     """Dimensions of the drum; the stop pin stands in the frame at ``stop_radius`` from its axis."""
     d = drive.drum
@@ -265,6 +283,7 @@ def drum(drive: SectorDrive, levels: SectorLevels, stop_radius: float, way: Term
     candidates = joints(
         drive.drum_material, lambda thread_mm: drive.insert(drive.drum_material, thread_mm), d.output_screws
     )
+    root_radius, root_end = _root(drive, levels, stop_radius)
     load = joint_load(drive.loads.peak_torque_Nm, drive.loads.carried)
     joint = payload_joint(candidates, load, circle, hub_radius, shaft_radius, drive.drum_material.min_wall_mm)
     flat_wall = drive.tensioner.swage_flats_mm / 2 + FLAT_PLAY_MM
@@ -303,6 +322,8 @@ def drum(drive: SectorDrive, levels: SectorLevels, stop_radius: float, way: Term
         payload_depth=joint.depth_mm,
         payload_insert=joint.insert,
         corner_radius=2 * drive.drum_material.min_internal_radius_mm,
+        root_radius=root_radius,
+        root_end_y=root_end,
     )
 
 

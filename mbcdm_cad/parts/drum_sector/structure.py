@@ -14,7 +14,8 @@ from mbcdm_cad.parts.terminal.part import Tensioner
 def sector_shape(d: DrumDims) -> SectorShape:
     """Rim, web, windows, the stop's slot and the pockets of the terminals; lugs fill their pockets."""
     end = d.lands[-1].y_end
-    rings = [RimStep(d.rim_inner_radius, d.web_start_y, d.web_end_y)]
+    rings = [RimStep(d.root_radius, d.web_start_y, d.root_end_y)] if d.root_mm > 0.0 else []
+    rings.append(RimStep(d.rim_inner_radius, d.web_start_y, d.web_end_y))
     rings += [RimStep(land.surface_radius_mm, land.y_start, end) for land in d.lands]
     openings = [
         Opening(w.r_inner, w.r_outer, radians(w.start_deg), radians(w.end_deg), d.corner_radius) for w in d.windows
