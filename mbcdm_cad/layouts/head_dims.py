@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import suppress
+from math import inf
 
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.trial_sizing import TrialKnown
@@ -14,7 +15,7 @@ SIDE_MM, WEB_MM = (4.0, 6.0), (2.0, 4.0)
 STRESSED_NM = 10.0
 # A wall takes this share of the frame's windup where it cannot meet the limit alone, and grows to this multiple of its
 # usual thickness for it (choices).
-WALL_SHARE, MOST_WALL, WINDUP = 0.4, 6.0, "frame_windup"
+WALL_SHARE, MOST_WALL, WINDUP = 0.2, 5.0, "frame_windup"
 # Engaged thread of a face's screws, in diameters.
 ENGAGED = 1.25
 # Bore of the drum's shaft over the bore of its bearings.
@@ -36,25 +37,24 @@ def stiff_wall(
     Where this wall alone cannot meet the windup, the thinnest whose own strain (that of ``panels``) takes its share of
     the limit, so that the other walls can meet the rest.
     """
-    found = given.moved(field, start, step, (*checks, WINDUP))
-    if given.margins(field, found.value, (WINDUP,))[WINDUP][0] >= 0.0:
-        return found
-    value, most = max(float(found.value), start), MOST_WALL * start
+    usual = given.moved(field, start, step, checks) if checks else Found(rounded_up(start, step), "")
+    value, most = float(usual.value), MOST_WALL * start
     with suppress(NoFigureError, ValueError):
         while value < most:
             trial = given.trial(field, value)
-            compliance = trial.frame_compliance
+            compliance, torque = trial.frame_compliance, trial.drive.loads.test_torque_Nm
             if compliance is None:
                 break
+            limit = trial.windup_limit_mrad / torque * 1e3
             own = sum(urad for panel, urad in compliance.shares_urad_Nm.items() if panel.startswith(panels))
-            over = own * trial.drive.loads.test_torque_Nm * 1e-3 / (WALL_SHARE * trial.windup_limit_mrad)
-            if over <= 1.0:
+            over = own / max(limit - (compliance.windup_urad_Nm - own), WALL_SHARE * limit)
+            if not 1.0 < over < inf:
                 break
             # Bending falls with the cube of the thickness, the rest with the thickness.
-            value = min(max(rounded_up(value * over ** (1.0 / 3.0), step), rounded_up(value + step, step)), most)
-    if any(margin < 0.0 for margin, _ in given.margins(field, value, checks).values()):
-        return found
-    return Found(value, WINDUP, f"up to {step:g}; its share of the windup") if value > found.value else found
+            value = min(max(rounded_up(value * over ** (1.0 / 3.0), step), round(value + step, 9)), most)
+    if value == usual.value or any(margin < 0.0 for margin, _ in given.margins(field, value, checks).values()):
+        return usual
+    return Found(value, WINDUP, f"up to {step:g}")
 
 
 def _motor_shelf(given: TrialKnown) -> Found:

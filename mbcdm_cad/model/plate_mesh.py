@@ -92,12 +92,16 @@ class PlateMesh:
 
 @dataclass(frozen=True)
 class Mounts:
-    """Screws that hold the back plate from behind: (x, z) of each, radii of head and hole, thickness under the head."""
+    """Screws that hold the back plate from behind: (x, z) of each, radii of head and hole, thickness under the head.
+
+    ``back_y_mm``: middle of that plate along Y; left out, it is the rearmost wall.
+    """
 
     places: Sequence[tuple[float, float]]
     head_radius: float
     hole_radius: float
     plate_mm: float
+    back_y_mm: float | None = None
 
     @property
     def pad_mm(self) -> float:
@@ -217,7 +221,7 @@ def plate_mesh(walls: list[Wall], mounts: Mounts) -> PlateMesh:
     used, corner = np.unique(np.concatenate(corners), return_inverse=True)
     where = np.unravel_index(used, shape)
     node = np.stack([lines[k][where[k]] for k in (X, Y, Z)], axis=1)
-    back = where[Y] == 0
+    back = where[Y] == (0 if mounts.back_y_mm is None else index(Y, mounts.back_y_mm))
     mounted = []
     pad = mounts.pad_mm
     for x, z in mounts.places:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 from mbcdm_cad.design.bought import Bearing
 from mbcdm_cad.design.drive import Drive
@@ -90,10 +91,17 @@ class ColumnSupport(PlainBlock):
     )
     rib_mm: Number = quantity("side walls of the column", unit="mm", source=CHOSEN, reference=5.0, ge=0.3, le=50.0)
 
+    mount_screw: Literal["M3", "M4", "M5", "M6"] = choice(
+        "screws that hold the frame on its base, on washers if the frame is printed",
+        source=ESTIMATE,
+        reference="M3",
+        default="M3",
+    )
+
     @property
     def mount(self) -> MountScrew:
-        """The screw that holds the frame on its base, the same for every torque."""
-        return MOUNT_SCREWS["M3"]
+        """The screw that holds the frame on its base."""
+        return MOUNT_SCREWS[self.mount_screw]
 
 
 @dataclass(frozen=True)

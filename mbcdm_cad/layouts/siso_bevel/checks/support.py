@@ -88,7 +88,7 @@ def encoder_room(s: DirectLayout) -> Comparison:
     """Gap of the encoder to the corners of the column's pocket, the back plate and the heads of the mounting screws."""
     v, f, encoder = s.levels, s.frame, s.drive.encoder
     radius = encoder.diameter_mm / 2
-    heads = v.pocket_floor_y + s.mounting.head_height_mm
+    heads = v.pocket_floor_y + s.mounting.height_mm(s.mount_washers)
     return worst(
         at_least(f"encoder from the {name}", gap, s.drive.clearances.running_mm, "mm")
         for name, gap in (
@@ -101,7 +101,7 @@ def encoder_room(s: DirectLayout) -> Comparison:
 
 def mounts(s: DirectLayout) -> Comparison:
     """The heads of the mounting screws fit on the flat floor of both pockets of the column."""
-    f, head = s.frame, s.mounting.head_mm / 2
+    f, head = s.frame, s.mounting.seat_mm(s.mount_washers) / 2
     _, (x, high), _, (_, low) = f.mounts
     rooms = (
         ("side of the pocket", f.pocket_half_width - x - head),
@@ -186,7 +186,7 @@ CHECKS = (
     Check(
         "mounts",
         "Room for the heads of the mounting screws",
-        "M3 head; 0.5 mm: estimate",
+        "heads of ISO 4762, washers of ISO 7089; 0.5 mm: estimate",
         mounts,
         adjust=(up("all radii of transmission"),),
         advice="choose a shorter encoder",

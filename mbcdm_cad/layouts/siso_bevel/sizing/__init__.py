@@ -17,6 +17,7 @@ from mbcdm_cad.layouts.siso_bevel.sizing.rules import (
     BACK,
     DRUM,
     FRAME,
+    MOUNT,
     NAMES,
     PRELOAD,
     RATIO,
@@ -26,6 +27,7 @@ from mbcdm_cad.layouts.siso_bevel.sizing.rules import (
     TRANSFER,
 )
 from mbcdm_cad.layouts.trial_sizing import MIDDLE_SIZE, repeated
+from mbcdm_cad.parts.mounting import MOUNT_SCREWS
 from mbcdm_cad.sizing.rule import Rule
 
 RULES: tuple[Rule, ...] = (
@@ -42,6 +44,7 @@ RULES: tuple[Rule, ...] = (
     *RESERVE,
     *PARTS,
     *FRAME,
+    *MOUNT,
     *DRUM,
     *BACK,
 )
@@ -51,6 +54,7 @@ DERIVED = tuple(rule.field for rule in (*TRANSFER, *FRAME, *DRUM, *BACK) if not 
 # What ``mbcdm solve`` may change besides the derived dimensions.
 FREEDOMS: tuple[Freedom, ...] = (
     *common_freedoms.PARTS,
+    Freedom("support.mount_screw", words=tuple(MOUNT_SCREWS)),
     Freedom("transmission.input_to_drum", 0.5, 1.0),
     # Only the second radius changes: the first is a requirement.
     Freedom("transmission.drum_radii_mm", 0.5, 3.0, instead=common_freedoms.first_radius),
@@ -91,6 +95,7 @@ def _first_guesses(radius_mm: float) -> dict[str, Any]:
         "support.side_wall_mm": 5.0,
         "support.back_plate_mm": 4.0,
         "support.rib_mm": 5.0,
+        "support.mount_screw": "M3",
     }
 
 

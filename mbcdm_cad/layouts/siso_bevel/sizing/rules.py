@@ -23,10 +23,12 @@ from mbcdm_cad.layouts.head_dims import (
     WEB,
     either,
     side_wall,
+    stiff_wall,
 )
 from mbcdm_cad.layouts.siso_bevel.checks.input_turn import LEAST_RESERVE_DEG, highest_ratio
 from mbcdm_cad.layouts.siso_bevel.design_file.schema import REFERENCE
 from mbcdm_cad.layouts.siso_bevel.sizing.known import DirectKnown
+from mbcdm_cad.parts.mounting import MOUNT_SCREWS
 from mbcdm_cad.sizing.rule import Found, Rule, constant
 
 # Wrap that stays on the input, and estimated angle of the stop's slot before it is known, deg.
@@ -66,17 +68,25 @@ def _drum_radii(given: DirectKnown) -> Found:
 
 
 def _side_wall(given: DirectKnown) -> Found:
-    return given.moved("support.side_wall_mm", side_wall(given), 0.1, ("flange", "collar_space", "walls"))
+    panels, checks = ("side walls", "motor head's walls", "motor head's back"), ("flange", "collar_space", "walls")
+    return stiff_wall(given, "support.side_wall_mm", side_wall(given), 0.1, panels, checks)
 
 
-def _back_plate(given: DirectKnown) -> float:
-    return max(either(given, "support", BACK_MM), given.wall_mm("support"))
+def _back_plate(given: DirectKnown) -> Found:
+    start = max(either(given, "support", BACK_MM), given.wall_mm("support"))
+    return stiff_wall(given, "support.back_plate_mm", start, 0.1, ("column back", "box back"))
+
+
+def _mount_screw(given: DirectKnown) -> Found:
+    return given.first("support.mount_screw", MOUNT_SCREWS, ("mounting_screws", "mounts"))
 
 
 def _rib(given: DirectKnown) -> Found:
-    """The usual thickness, or less if the pockets of a small drum else have no height."""
+    """For the windup, or the usual thickness, or less if the pockets of a small drum else have no height."""
     least = given.wall_mm("support")
     usual = max(either(given, "support", RIB_MM), least)
+    if all(margin >= 0.0 for margin, _ in given.margins("support.rib_mm", usual, ("pockets", "mounts")).values()):
+        return stiff_wall(given, "support.rib_mm", usual, 0.1, ("column ribs",), ("pockets", "mounts"))
     tried = [round(usual - 0.5 * k, 2) for k in range(ceil((usual - least) / 0.5))]
     return given.first("support.rib_mm", [*tried, least], ("pockets", "mounts"))
 
@@ -145,15 +155,33 @@ FRAME = (
     MOTOR_SHELF,
     Rule(
         "support.back_plate_mm",
-        "usual thickness for the stiffness and for making it in its material",
-        "walls",
+        "usual thickness for making it in its material, more where the frame winds up",
+        "frame_windup",
         _back_plate,
     ),
-    Rule("support.rib_mm", "usual thickness for the stiffness, or less for the height of its pockets", "walls", _rib),
+    Rule(
+        "support.rib_mm",
+        "usual thickness, more where the frame winds up, or less for the height of its pockets",
+        "frame_windup",
+        _rib,
+    ),
     BEARING_SHELF,
     ENCODER_SHELF,
     COUPLING_SPACE,
-    Rule("support.side_wall_mm", "usual walls, thick enough for the motor head's screws", "flange", _side_wall),
+    Rule(
+        "support.side_wall_mm",
+        "usual walls, thick enough for the motor head's screws and against the windup",
+        "flange",
+        _side_wall,
+    ),
+)
+MOUNT = (
+    Rule(
+        "support.mount_screw",
+        "the thinnest that holds the peak torque by friction",
+        "mounting_screws",
+        _mount_screw,
+    ),
 )
 DRUM = (
     WEB,

@@ -79,7 +79,9 @@ def walls(layout: DirectLayout) -> list[Wall]:
 def mounts(layout: DirectLayout) -> Mounts:
     """The mounting screws."""
     f, v = layout.frame, layout.levels
-    return Mounts(f.mounts, layout.mounting.head_mm / 2, f.mount_radius, v.pocket_floor_y - v.back_y)
+    seat, back = layout.mounting.seat_mm(layout.mount_washers), (v.back_y + v.pocket_floor_y) / 2
+    # Behind the column the back of a wide motor head may lie.
+    return Mounts(f.mounts, seat / 2, f.mount_radius, v.pocket_floor_y - v.back_y, back)
 
 
 def seat_forces(layout: DirectLayout, tension_N: Floats) -> list[tuple[str, tuple[float, float, float], float, float]]:
