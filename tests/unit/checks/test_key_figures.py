@@ -245,6 +245,6 @@ def test_scaling_the_whole_transmission_keeps_every_ratio(factor: float) -> None
 def test_stress_of_the_stop_pin_by_hand(drive: Drive) -> None:
     s = BevelLayout(drive)
     stall = 2 * 2.9e-3 * 76 * 9
-    lever = 10.5 - s.levels.front_y
+    lever = 10.7 - s.levels.front_y
     stress = stall * 1e3 / s.drum.stop_radius * lever * 32 / (pi * 3.0**3)
     assert result("stop_pin", drive).actual == pytest.approx(355.0 / stress, rel=1e-9)

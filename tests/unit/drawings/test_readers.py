@@ -82,8 +82,8 @@ def test_the_text_of_a_dimension_needs_no_scale(doc: Drawing) -> None:
         drawn = next(t.plain_text() for t in doc.blocks.get(dimension.dxf.geometry).query("MTEXT"))
         assert plain(dimension.dxf.text) == drawn and "<>" not in drawn
         texts[drawn] = dimension.override().get("dimlfac", 1.0)
-    assert {"Ø14", "R47", "156.2°", "Ø8 H7", "12.8"} <= set(texts), texts
-    assert {text for text, factor in texts.items() if factor != 1.0} == {"Ø14"}, "the detail alone is not 1:1"
+    assert {"Ø15.5", "R48", "156.2°", "Ø8 H7", "12.8"} <= set(texts), texts
+    assert {text for text, factor in texts.items() if factor != 1.0} == {"Ø15.5"}, "the detail alone is not 1:1"
 
 
 def test_a_control_frame_names_value_and_datum_in_cells_beside_each_other(doc: Drawing) -> None:
@@ -132,10 +132,10 @@ def test_poppler_finds_a_dimension_where_it_stands(
     said = subprocess.run(
         ["pdftotext", "-bbox", str(tmp_path / "drum.pdf"), "-"], capture_output=True, text=True, check=True
     ).stdout
-    word = re.search(r'xMin="([\d.]+)" yMin="([\d.]+)" xMax="([\d.]+)" yMax="([\d.]+)">Ø14<', said)
-    assert word, "no text Ø14"
+    word = re.search(r'xMin="([\d.]+)" yMin="([\d.]+)" xMax="([\d.]+)" yMax="([\d.]+)">Ø15.5<', said)
+    assert word, "no text Ø15.5"
     left, top, right, bottom = (float(v) * 25.4 / 72.0 for v in word.groups())
-    (block,) = [doc.blocks.get(d.dxf.geometry) for d in doc.modelspace().query("DIMENSION") if d.dxf.text == "%%c14"]
+    (block,) = [doc.blocks.get(d.dxf.geometry) for d in doc.modelspace().query("DIMENSION") if d.dxf.text == "%%c15.5"]
     x, y, _ = next(iter(block.query("MTEXT"))).dxf.insert
     assert left < 2.0 * x < right and top < 420.0 - 2.0 * y < bottom, (x, y, left, right, top, bottom)
 

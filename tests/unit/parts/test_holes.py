@@ -52,6 +52,7 @@ def _told(groups: list[dict[str, Any]]) -> list[tuple[str, float, np.ndarray]]:
 
 def _passes(bore: tuple[float, ...], radius: float, place: np.ndarray) -> bool:
     along, foot = np.array(bore[1:4]), np.array(bore[4:])
+    along /= np.linalg.norm(along)  # rounded, as a key
     off = place - foot
     return abs(bore[0] - radius) < 1e-4 and float(np.linalg.norm(off - along * (off @ along))) < 1e-4
 

@@ -202,6 +202,7 @@ def test_drum_without_terminals_and_windows(dims: BevelLayout) -> None:
     share, c, thread = 2 * d.half_angle_deg / 360, 0.3, 3.0
     rim = sum(ring(land.surface_radius_mm, d.rim_inner_radius, land.y_end - land.y_start) for land in d.lands)
     web = ring(d.rim_inner_radius, d.hub_radius, d.web_end_y - d.web_start_y)
+    web += ring(d.root_radius, d.hub_radius, d.root_end_y - d.web_end_y)
     hub = ring(d.hub_radius, d.bore_radius, d.hub_face_y - d.hub_start_y - c)
     hub += cone(d.hub_radius, d.hub_radius - c, c) - ring(d.bore_radius, 0.0, c)
     hub += ring(d.spigot_radius, d.bore_radius, d.hub_start_y - d.spigot_y)
