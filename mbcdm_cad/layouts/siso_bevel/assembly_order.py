@@ -48,8 +48,8 @@ def _frame(layout: DirectLayout) -> tuple[AssemblyStep, ...]:
             ),
         ),
         AssemblyStep(
-            f"Bolt the frame to its base with {len(layout.frame.mounts)} "
-            f"{layout.mounting.words(layout.mount_washers)} through the back plate, from the front through the column's open pockets ({layout.mounting.key_mm:g} mm key): the encoder "
+            f"Bolt the frame to its base with {len(layout.frame.mounts)} {layout.mounting.name} through the back "
+            f"plate, from the front through the column's open pockets ({layout.mounting.key_mm:g} mm key): the encoder "
             "later covers two of them."
         ),
         AssemblyStep(

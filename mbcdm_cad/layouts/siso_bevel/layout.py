@@ -103,11 +103,6 @@ class DirectLayout(HeadLayout):
         """See the base class."""
         return self.drive.support.mount
 
-    @property
-    def mount_washers(self) -> bool:
-        """See the base class."""
-        return self.printed_frame
-
     @cached_property
     def levels(self) -> DirectStack:
         """Heights and depths."""

@@ -82,7 +82,7 @@ def test_the_text_of_a_dimension_needs_no_scale(doc: Drawing) -> None:
         drawn = next(t.plain_text() for t in doc.blocks.get(dimension.dxf.geometry).query("MTEXT"))
         assert plain(dimension.dxf.text) == drawn and "<>" not in drawn
         texts[drawn] = dimension.override().get("dimlfac", 1.0)
-    assert {"Ø15.5", "R48", "156.2°", "Ø8 H7", "12.8"} <= set(texts), texts
+    assert {"Ø15.5", "R47", "156.2°", "Ø8 H7", "12.8"} <= set(texts), texts
     assert {text for text, factor in texts.items() if factor != 1.0} == {"Ø15.5"}, "the detail alone is not 1:1"
 
 

@@ -73,11 +73,11 @@ def test_with_the_implied_modulus_the_drums_encoder_sees_the_papers_backlash() -
 
 
 def test_two_equal_sectors_share_the_torque() -> None:
-    # miso_spur's reference has two sectors like that of siso_spur: each carries half, so that each turns half as far.
-    one, two = (
-        next(c.urad_Nm for c in layout_of(name).structure.causes if c.name == "drum: web and rim")
-        for name in ("siso_spur", "miso_spur")
-    )
+    # With one hub miso_spur's reference has two sectors like that of siso_spur: each carries half, and turns half as far.
+    both = [layout_of(name) for name in ("siso_spur", "miso_spur")]
+    drum = replace(both[1].drive.drum, hub_diameter_mm=both[0].drive.drum.hub_diameter_mm)
+    both[1] = replace(both[1].drive, drum=drum).layout
+    one, two = (next(c.urad_Nm for c in s.structure.causes if c.name == "drum: web and rim") for s in both)
     assert two == pytest.approx(one / 2.0, rel=0.02)
 
 

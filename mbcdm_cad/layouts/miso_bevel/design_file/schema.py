@@ -128,9 +128,7 @@ class Guide(Block):
     """Guide pulley, an idler on a fixed axle."""
 
     material: EntryName = choice("material of the pulley", source=ESTIMATE, reference="aluminium-7075")
-    bearing: EntryName = choice(
-        "both bearings inside the pulley", source="bends its axle less than half as much as 618/4", reference="618/5"
-    )
+    bearing: EntryName = choice("both bearings inside the pulley", source=ESTIMATE, reference="618/4")
     axle_material: EntryName = choice("material of the axle", source=ESTIMATE, reference="steel")
 
 

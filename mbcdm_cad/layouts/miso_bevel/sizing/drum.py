@@ -17,6 +17,7 @@ from mbcdm_cad.checks.fixings import STRESS_SAFETY
 from mbcdm_cad.checks.structure import lasting_MPa
 from mbcdm_cad.checks.terminals import LUG_SAFETY, terminal_angles
 from mbcdm_cad.checks.transfer import EDGE_BREAK_MM
+from mbcdm_cad.design.blocks import NO_PAYLOAD
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.miso_bevel.checks.wraps import terminal_clears_guide
@@ -49,11 +50,15 @@ from mbcdm_cad.sizing.rule import Found, Rule, largest, rounded_down, rounded_up
 # Height of the hub over its set screws, so that they never project.
 SCREW_LIP_MM = 1.0
 # Web in multiples of the thinnest wall, and as a share of the outermost radius, to be stiff enough (estimate).
-WEB_WALLS, WEB_SHARE = 2.5, 1.0 / 33.0
+WEB_WALLS, WEB_SHARE = 2.5, 1.0 / 27.0
+# Diameter of the hub over the radius of step 1: hub and web beside it give most where the hub is narrow (a choice).
+HUB_SHARE = 0.42
+# Bore of the shaft over its diameter, and the wall round it that remains.
+BORE_SHARE, BORE_WALL_MM = 0.7, 1.25
 # Stress of the web beside the hub over that of even shear over half a turn there (estimate; a check computes it).
 WEB_STRESS = 1.6
 # Web of plastic over what a trial with this stop pin asks, whose own thickness is found later.
-WEB_SPARE, PLASTIC_STOP_PIN_MM = 1.05, 4.0
+WEB_SPARE, PLASTIC_STOP_PIN_MM = 1.1, 4.0
 # Rim under the deepest pocket as a share of the radius of step 1 (estimate; the limit of the check is lower).
 RIM_SHARE = 0.08
 # Wrap left at the end of travel over the limit of its check: reserve for the slip zone at small loads (estimate).
@@ -187,6 +192,7 @@ def _hub_diameter(given: BevelKnown) -> Found:
         "hub_walls": 2 * (shaft + given.screw(HUB_SCREW).length_mm + SCREW_LIP_MM),
         "payload_screws": payload,
         "hub_spigot": 2 * (spigot + SPIGOT_MM),
+        "stiffness": HUB_SHARE * given.first_drum_mm,
     }
     return largest(needs, 0.5)
 
@@ -208,7 +214,10 @@ def _hub_face(given: BevelKnown) -> Found:
 
 
 def _shaft_bore(given: BevelKnown) -> float:
-    return _shaft_radius(given)
+    across = 2 * _shaft_radius(given)
+    if given.payload != NO_PAYLOAD:
+        return across / 2
+    return max(rounded_down(min(BORE_SHARE * across, across - 2 * BORE_WALL_MM), 0.5), across / 2)
 
 
 def terminal_mm(given: BevelKnown) -> tuple[float, float]:
@@ -280,7 +289,7 @@ def _holds(given: BevelKnown, angle_deg: float, *checks: Callable[[BevelLayout],
 HUB = (
     Rule(
         "drum.hub_diameter_mm",
-        "least diameter for the shaft, its set screws and the payload's screws, which hold the peak torque by friction",
+        "least diameter for shaft, set screws and the payload's screws, or a share of the drum's radius for its stiffness",
         "hub_walls",
         _hub_diameter,
     ),
@@ -304,7 +313,7 @@ DRUM = (
     Rule("drum.rim_inner_radius_mm", "least height of the rim under the deepest pocket", "rim_height", _rim_inner),
     Rule(
         "drum.shaft_bore_mm",
-        "half of the shaft's diameter: lighter, and nearly as stiff as a solid shaft",
+        "0.7 of the shaft's diameter, or less for its wall; half of it under a payload: lighter, and bends little",
         "shaft_wall",
         _shaft_bore,
     ),

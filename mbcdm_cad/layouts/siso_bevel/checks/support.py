@@ -186,7 +186,7 @@ CHECKS = (
     Check(
         "mounts",
         "Room for the heads of the mounting screws",
-        "heads of ISO 4762, washers of ISO 7089; 0.5 mm: estimate",
+        "heads of ISO 4762; 0.5 mm: estimate",
         mounts,
         adjust=(up("all radii of transmission"),),
         advice="choose a shorter encoder",

@@ -110,19 +110,18 @@ def column(drive: DirectDrive, levels: DirectStack, shaft: DrumShaftDims) -> Col
     encoder, upper = drive.encoder, drive.bearings.input_upper
     encoder_screw, flange_screw = drive.screw(encoder.screw), screw_of_flange(drive)
     insert, mount = drive.insert(drive.frame_material, flange_screw.thread_mm), drive.support.mount
-    seat = mount.seat_mm(drive.frame_material.printed)
     radius = corner_radius_mm(drive, levels)
     shelf_bottom = -levels.top_plate_top_z
     stop_top = min(-levels.encoder_top_z - ENCODER_ROOM_MM, shelf_bottom - 2 * radius - POCKET_FLAT_MM)
     low = max(round_boss.radius, round_boss.encoder_pocket_radius) + drive.support.rib_mm
-    lowest_pocket = max(2 * radius + POCKET_FLAT_MM, seat + 2 * MOUNT_HEAD_ROOM_MM)
+    lowest_pocket = max(2 * radius + POCKET_FLAT_MM, mount.head_mm + 2 * MOUNT_HEAD_ROOM_MM)
     least_shelf = drive.drum.stop_pin_mm + 2 * drive.frame_material.min_wall_mm
     stop_bottom = stop_top - max(least_shelf, min(STOP_SHELF_MM, stop_top - low - lowest_pocket))
     # The encoder's end must clear the rounded corner of the pocket.
     pocket = encoder.diameter_mm / 2 + drive.clearances.running_mm + radius
     head_flange = flange(levels)
     beside = round_boss.radius - 1.2
-    mount_x = pocket - seat / 2 - MOUNT_ROOM_MM
+    mount_x = pocket - mount.head_mm / 2 - MOUNT_ROOM_MM
     return ColumnDims(
         levels=levels,
         boss=round_boss,
