@@ -289,7 +289,7 @@ def _holds(given: BevelKnown, angle_deg: float, *checks: Callable[[BevelLayout],
 HUB = (
     Rule(
         "drum.hub_diameter_mm",
-        "least diameter for shaft, set screws and the payload's screws, or a share of the drum's radius for its stiffness",
+        "least diameter for shaft, set screws and payload's screws, or a share of the radius, for stiffness",
         "hub_walls",
         _hub_diameter,
     ),
