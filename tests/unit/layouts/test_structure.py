@@ -73,7 +73,7 @@ def test_with_the_implied_modulus_the_drums_encoder_sees_the_papers_backlash() -
 
 
 def test_two_equal_sectors_share_the_torque() -> None:
-    # With one hub miso_spur's reference has two sectors like that of siso_spur: each carries half, and turns half as far.
+    # With one hub miso_spur has two sectors like that of siso_spur: each carries half, and turns half as far.
     both = [layout_of(name) for name in ("siso_spur", "miso_spur")]
     drum = replace(both[1].drive.drum, hub_diameter_mm=both[0].drive.drum.hub_diameter_mm)
     both[1] = replace(both[1].drive, drum=drum).layout
