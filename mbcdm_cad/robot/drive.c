@@ -1,7 +1,7 @@
 /* A cable drive as an FMU for co-simulation (FMI 2.0): motors, cables with hysteresis, parts that give, friction.
 
    Coordinates, at the drum, positive where they drive it positively: one for the rotor of each input, the drum, the
-   payload. Springs, the cables' elastic-slip elements and dry friction are one kind of element: a spring of stiffness k
+   payload. Springs, the elastic-slip elements of gearhead and cables, and dry friction are one kind of element: a spring of stiffness k
    over a difference of coordinates, which slips where its torque reaches a limit. The step is implicit:
 
        M (v' - v)/h = torques - sum of a F,   F = k (z + h a v') held within its limit,
@@ -46,7 +46,6 @@ typedef struct {
 static const double START[N_VALUES] = VALUES;
 static const double PRELOAD[N_INPUTS] = PRELOADS;
 static const double TURN[N_INPUTS] = TURNS;
-static const double SHARE[N_INPUTS] = SHARES;
 static const double CABLES[N_CABLES][3] = CABLE_ELEMENTS; /* input, stiffness, limit */
 
 static void reset(Drive *d) {
@@ -172,7 +171,7 @@ static void outputs(Drive *d) {
   d->v[PAYLOAD_ANGLE] = d->angle[PAYLOAD];
   d->v[PAYLOAD_SPEED] = d->speed[PAYLOAD];
   for (int i = 0; i < N_INPUTS; i++) {
-    d->v[INPUT_ENCODER + i] = d->angle[i] * TURN[i] - SHARE[i] * twist;
+    d->v[INPUT_ENCODER + i] = d->angle[i] * TURN[i] - INPUT_GIVE * (d->carried[i] - PRELOAD[i]) / TURN[i];
     d->v[MOTOR_ANGLE + i] = d->angle[i] * TURN[i] * GEAR_RATIO;
     d->v[WINDING_TEMPERATURE + i] = d->winding[i];
   }

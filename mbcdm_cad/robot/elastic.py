@@ -55,12 +55,6 @@ class ElasticDrive:
     payload_kg_m2: float
 
     @property
-    def motors_held_rad_Nm(self) -> float:
-        """Turn of the payload by the parts for 1 N m, motors held."""
-        stiffness = self.compliance.before_inputs_Nm_rad
-        return self.compliance.land_to_payload + sum(share**2 / stiffness for share in self.input_shares)
-
-    @property
     def input_shares(self) -> tuple[float, ...]:
         """Torque of each input for 1 N m on the payload."""
         return tuple(1.0 / (len(self.turns) * turns) for turns in self.turns)
@@ -78,7 +72,7 @@ def elastic_drive(drive: Drive) -> ElasticDrive:
         raise MbcdmError(f"{drive.name}: no elastic drive: {error}; 'mbcdm check' names the part") from None
     turns = tuple(body.turns_per_drum for body in drive.layout.routed.routes.inputs)
     return ElasticDrive(
-        stages=cable_stages(drive),
+        stages=cable_stages(drive, compliance.before_inputs_Nm_rad),
         turns=turns,
         compliance=compliance,
         motor=_motor(drive, train.motor_idle_Nm),

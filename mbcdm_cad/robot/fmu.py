@@ -65,7 +65,12 @@ def variables(e: ElasticDrive, inputs: tuple[str, ...]) -> tuple[FmuVariable, ..
 
     return (
         one("PAYLOAD_INERTIA", "kg.m2", e.payload_kg_m2, "moment of inertia of the payload about the drum's axis"),
-        one("COMPLIANCE", "rad/(N.m)", e.motors_held_rad_Nm, "turn of the payload by the parts, the motors held"),
+        one(
+            "COMPLIANCE",
+            "rad/(N.m)",
+            e.compliance.land_to_payload,
+            "turn of the payload by the parts behind the cables",
+        ),
         one("DRUM_FRICTION", "N.m", e.drum_friction_Nm, "cables and bearings at the drum and bodies that cables pass"),
         each("INPUT_FRICTION", "N.m", e.input_friction_Nm, "cables, bearings, gearhead without load", "parameter"),
         one("GEAR_SHARE", "1", e.gear_share, "loss of a gearhead over the torque at its output"),
@@ -92,7 +97,7 @@ def fmu_file(drive: Drive, e: ElasticDrive) -> tuple[bytes, str]:
 
     Raises ``MbcdmError`` where the compiler fails, or the parts of the drive do not give.
     """
-    if not e.motors_held_rad_Nm > 0.0:
+    if not e.compliance.land_to_payload > 0.0:
         raise MbcdmError(f"{drive.name}: no FMU: none of its parts gives; state a layout with a structure")
     listed = variables(e, drive.input_names)
     parameters = _parameters(drive, e, listed)
@@ -115,7 +120,7 @@ def _parameters(drive: Drive, e: ElasticDrive, listed: tuple[FmuVariable, ...]) 
     """The header with the figures of the design and the places of the variables."""
     cables = [(s.input_index, s.spring_Nm_rad, float("inf")) for s in e.stages if s.spring_Nm_rad > 0.0]
     cables += [(s.input_index, slip.stiffness_Nm_rad, slip.limit_Nm) for s in e.stages for slip in s.slips]
-    at, give = e.compliance, e.motors_held_rad_Nm
+    at = e.compliance
     start = [value for variable in listed for value in variable.start]
     lines = [f"/* {drive.name}, written by mbcdm export; SI units. */"]
     place = 0
@@ -135,8 +140,8 @@ def _parameters(drive: Drive, e: ElasticDrive, listed: tuple[FmuVariable, ...]) 
         "VALUES": _braced(start),
         "PRELOADS": _braced(stage.preload_Nm for stage in e.stages),
         "TURNS": _braced(e.turns),
-        "SHARES": _braced(share / at.before_inputs_Nm_rad / give for share in e.input_shares),
-        "ENCODER_SHARE": _number((give - at.encoder_to_payload) / give),
+        "INPUT_GIVE": _number(1.0 / at.before_inputs_Nm_rad),
+        "ENCODER_SHARE": _number(at.land_to_encoder / at.land_to_payload),
         "CABLE_ELEMENTS": "{" + ", ".join(_braced(row) for row in cables) + "}",
         "GEAR_RATIO": _number(e.gear_ratio),
         "ROTOR_INERTIA": _number(e.motor.inertia_kg_m2),

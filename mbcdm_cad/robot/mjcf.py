@@ -2,10 +2,10 @@
 
 Elastic, all at the drum, g the drum's angle less that of an input over its ratio:
 
-- The cables of an input are a tendon over g, with spring and preload; each elastic-slip element is a joint on the
-  input, which slips at its ``frictionloss``, and a spring from it to the drum.
-- The parts are a joint between drum and payload, as soft as all parts with the motors held; encoders are tendons that
-  take their share of its twist.
+- Gearhead and cables of an input are a tendon over g, with spring and preload; each elastic-slip element is a joint on
+  the input, which slips at its ``frictionloss``, and a spring from it to the drum.
+- The parts behind the cables are a joint between drum and payload; encoders are tendons that take their share of its
+  twist. The input's joint is that of the motor, over the gearhead's ratio.
 - Motors are ``dcmotor`` through the gearhead's ratio, commanded by torque; ``frictionloss`` of the joints is the
   friction of bearings, cables and gearheads under the preload.
 
@@ -127,7 +127,7 @@ def _within(body: ET.Element, name: str, axis: tuple[float, float, float], **joi
 def _elastic(root: ET.Element, m: Mechanism, e: ElasticDrive, bodies: dict[str, ET.Element]) -> None:
     tendons, actuators = ET.SubElement(root, "tendon"), ET.SubElement(root, "actuator")
     drum = m.joint(m.drum)
-    give = e.motors_held_rad_Nm
+    give = e.compliance.land_to_payload
     if give > 0.0:
         _within(
             bodies[m.drum],
@@ -195,8 +195,8 @@ def _motor(actuators: ET.Element, e: ElasticDrive, joint: Joint) -> None:
 def _sensors(root: ET.Element, tendons: ET.Element, m: Mechanism, e: ElasticDrive) -> None:
     """What the encoders and the payload turn by, as sensors."""
     sensors = ET.SubElement(root, "sensor")
-    give, at = e.motors_held_rad_Nm, e.compliance
-    before = give - at.land_to_payload
+    at = e.compliance
+    give = at.land_to_payload
 
     def sensor(name: str, joint: str, share: float) -> None:
         tendon = ET.SubElement(tendons, "fixed", name=name)
@@ -205,7 +205,7 @@ def _sensors(root: ET.Element, tendons: ET.Element, m: Mechanism, e: ElasticDriv
             ET.SubElement(tendon, "joint", joint=PAYLOAD, coef=numbers([share]))
         ET.SubElement(sensors, "tendonpos", name=name, tendon=name)
 
-    sensor("drum_encoder", m.drum, (before + at.land_to_encoder) / give if give else 0.0)
+    sensor("drum_encoder", m.drum, at.land_to_encoder / give if give else 0.0)
     sensor("payload_angle", m.drum, 1.0)
     for name, share in zip(m.inputs, e.input_shares, strict=True):
         # 1 N m on the payload, which turns it back by the whole, holds the pulley back by the part before it.
@@ -218,7 +218,7 @@ def _rest(m: Mechanism, e: ElasticDrive) -> list[float]:
     found = []
     for joint in m.joints:
         found.append(joint.drawn_rad)
-        if joint.link == m.drum and e.motors_held_rad_Nm > 0.0:
+        if joint.link == m.drum and e.compliance.land_to_payload > 0.0:
             found.append(0.0)
         if joint.link in m.inputs:
             found += [0.0] * len(e.stages[m.inputs.index(joint.link)].slips)

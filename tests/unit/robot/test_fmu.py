@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 import zipfile
+from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -11,7 +12,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from mbcdm_cad.design.blocks import Payload
 from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.turns import plain_modes
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
 from mbcdm_cad.rig.quasistatic.simulate import simulate
 from mbcdm_cad.robot.elastic import ElasticDrive, elastic_drive
@@ -182,7 +185,28 @@ def test_the_payload_rings_at_the_mode_of_cables_and_parts(reference: Exported) 
     spectrum = np.abs(np.fft.rfft((seen - seen.mean()) * np.hanning(seen.size), 1 << 16))
     found = float(np.fft.rfftfreq(1 << 16, STEP_S)[spectrum.argmax()])
     sticking = sum(stage.sticking_Nm_rad for stage in reference.soft.stages)
-    give = 1.0 / sticking + reference.drive.layout.structure.motor_urad_Nm * 1e-6
+    give = 1.0 / sticking + reference.soft.compliance.land_to_payload
     rotors = sum(reference.drive.rotor_at_input_kg_m2 * turn**2 for turn in reference.soft.turns)
     expected = np.sqrt((1.0 / heavy + 1.0 / rotors) / give) / 2.0 / np.pi
     assert found == pytest.approx(expected, rel=0.05), (found, expected)
+    drive = reference.drive
+    loads = replace(drive.loads, payload=Payload(inertia_kg_m2=heavy))
+    page = plain_modes(replace(drive, loads=loads).layout).inputs_free_Hz
+    assert min(abs(found / mode - 1.0) for mode in page) < 0.03, (found, page)
+
+
+def test_two_rotors_swing_against_each_other_at_the_lowest_mode_of_the_page(reference: Exported) -> None:
+    """The inputs on gearheads and cables, the payload between them at rest."""
+    free = {f"input_friction_{name}": 0.0 for name in reference.drive.input_names}
+    free |= {"drum_friction": 0.0, "motor_friction": 0.0, "gear_share": 0.0}
+    kick = {
+        f"motor_torque_{name}": lambda t, i=i: reference.held(i)(t) + (-1) ** i * 2e-5 * (t < 0.002)
+        for i, name in enumerate(reference.drive.input_names)
+    }
+    result = reference.run(1.0, free, **kick)
+    left, right = (result[f"motor_angle_{name}"] for name in reference.drive.input_names)
+    seen = left - right
+    spectrum = np.abs(np.fft.rfft((seen - seen.mean()) * np.hanning(seen.size), 1 << 16))
+    found = float(np.fft.rfftfreq(1 << 16, STEP_S)[spectrum.argmax()])
+    lowest = plain_modes(reference.drive.layout).inputs_free_Hz[0]
+    assert found == pytest.approx(lowest, rel=0.05), (found, lowest)
