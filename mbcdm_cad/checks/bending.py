@@ -58,6 +58,13 @@ def bend_ratio_desired(s: Layout) -> Comparison:
     return worst(at_least(name, ratio, limit, "D/d", _cost(ratio)) for name, ratio in _ratios(s))
 
 
+def _desired(drive: Any) -> bool:
+    """Whether the file asks for a life, and the ratio is above the least, below which that check says it."""
+    targets = drive.targets
+    wanted = targets.life_cycles is not None or targets.life_h is not None
+    return wanted and bool(drive.layout.smallest_bend_ratio >= drive.cable.bend_ratio_minimum)
+
+
 def _thinner_or_larger(measure: Callable[[Layout], Comparison], s: Layout) -> str:
     """Advice for a bend ratio below the catalogue: a thinner rope or larger radii."""
     share = measure(s).limit / measure(s).actual
@@ -109,9 +116,10 @@ def bending_checks(adjust: tuple[Adjustment, ...]) -> tuple[Check, ...]:
         Check(
             "bend_ratio_desired",
             "Bend ratio against the catalogue's recommendation",
-            efficiency,
+            f"{efficiency}; only where targets ask for a life",
             bend_ratio_desired,
             "warn",
+            applies=_desired,
             advice=partial(_thinner_or_larger, bend_ratio_desired),
         ),
     )

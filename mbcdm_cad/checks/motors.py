@@ -24,7 +24,7 @@ COUNT_THEM = (
     "set limits.losses to counted, so that the rules choose motor, gearhead and ratio for it where the file leaves "
     "them open, or choose a motor of higher rated torque"
 )
-STRONGER_GEARHEAD = "choose a stronger gearhead, state what the drive holds continuously as loads.continuous_torque_Nm,"
+STRONGER_GEARHEAD = "choose a stronger gearhead, state what the drive does all day as loads.duty,"
 _WORDS = {1: "+", -1: "-"}
 
 
@@ -123,9 +123,14 @@ def gearhead_maximum(s: Layout) -> Comparison:
 
 
 def gearhead_continuous(s: Layout) -> Comparison:
-    """Drum torque at the continuous rating of the gearhead (of the motor if there is none), worse direction."""
-    limit = s.drive.gearhead.rated_torque_mNm * 1e-3
-    return _mounted(s, "continuous rating", limit, "hold more than this only for a short time")
+    """Drum torque at the continuous rating of the gearhead (of the motor if there is none), against the duty.
+
+    In the worse direction; the cubic mean of the duty's load counts, as gearhead makers do.
+    """
+    limit, duty = s.drive.gearhead.rated_torque_mNm * 1e-3, s.duty
+    whose = "loads.duty" if duty.stated else "an assumed duty, as the file has no loads.duty"
+    found = _mounted(s, "continuous rating", limit, f"cubic mean of {whose}; hold more only for a short time")
+    return found._replace(limit=duty.lasting_torque_Nm)
 
 
 def continuous_limits(s: Layout) -> Iterator[Comparison]:
@@ -147,6 +152,15 @@ def _mounted(s: Layout, rating: str, limit_Nm: float, note: str = "") -> Compari
 def _less_torque(measure: Callable[[Layout], Comparison], otherwise: str, s: Layout) -> str:
     reached = measure(s).actual
     return f"{otherwise} or lower loads.peak_torque_Nm to at most {floored(reached)}" if reached > 0.0 else otherwise
+
+
+def _less_often(s: Layout) -> str:
+    """Advice where the duty asks more of the gearhead than it keeps up."""
+    found = gearhead_continuous(s)
+    if found.actual <= 0.0 or found.limit <= 0.0:
+        return f"{STRONGER_GEARHEAD} or lower loads.peak_torque_Nm"
+    most = floored(100.0 * found.actual / found.limit)
+    return f"{STRONGER_GEARHEAD} or lower the loads of the duty to at most {most} % of what they are"
 
 
 def _stronger(measure: Callable[[Layout], Comparison], s: Layout) -> str:
@@ -200,12 +214,12 @@ CHECKS = (
     ),
     Check(
         "gearhead_continuous",
-        "Gearhead's continuous rating at peak torque",
-        "gearhead catalogue",
+        "Gearhead's continuous rating over the duty",
+        "gearhead catalogue; cubic mean of loads.duty: gearhead makers",
         gearhead_continuous,
         "warn",
         applies=lambda drive: drive.loads.lasting_Nm is None,
-        advice=partial(_less_torque, gearhead_continuous, STRONGER_GEARHEAD),
+        advice=_less_often,
     ),
     Check(
         "backdrive",

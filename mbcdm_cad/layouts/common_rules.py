@@ -13,6 +13,9 @@ from mbcdm_cad.sizing.rule import Found, Rule, constant, driver_of
 
 # Least D/d in the rope makers' tables of wire rope; they state no life below it.
 LEAST_WIRE_RATIO = 10.0
+# Constructions of ropes that rules choose: the most flexible wire rope of the catalogue in all sizes, and one with
+# thinner wires, which lasts longer, with one of its entries.
+CONSTRUCTION, FINER, FINER_ROPE = "7x7", "7x19", "7x19-1.0"
 # Screws of the clamp collars, by size.
 COLLAR_SCREWS = ("M1.6x6", "M2x8", "M2.5x10", "M3x12", "M4x16", "M5x20", "M6x25")
 # Share of the peak torque at which backlash is stated, if the file has no test torque.
@@ -24,10 +27,32 @@ def _is_braid(given: RopeKnown) -> bool:
     return known and given.rope["construction"] == "braid"
 
 
-def _bend_ratio(given: RopeKnown) -> Found:
+def wants_life(given: KnownFields) -> bool:
+    """Whether the file asks for a life of the cables."""
+    return given.get("targets.life_cycles") is not None or given.get("targets.life_h") is not None
+
+
+def construction(given: KnownFields) -> str:
+    """Construction of a rope that rules choose: the one with thinner wires where the file asks for a life."""
+    return FINER if wants_life(given) else CONSTRUCTION
+
+
+def least_bend_ratio(given: RopeKnown) -> float:
+    """Least D/d of a rope: a fibre rope's minimum; what the maker recommends where the file asks for a life."""
     if _is_braid(given):
-        return Found(given.rope["bend_ratio_minimum"], "the rope's own minimum")
-    return Found(LEAST_WIRE_RATIO, "rope makers' tables of wire rope begin at 10")
+        return float(given.rope["bend_ratio_minimum"])
+    if not wants_life(given):
+        return LEAST_WIRE_RATIO
+    known = given.has("rope.type") or given.has("rope.inline")
+    rope = given.rope if known else given.entries("ropes")[FINER_ROPE]
+    return float(rope["bend_ratio_desired"])
+
+
+def _bend_ratio(given: RopeKnown) -> Found:
+    least = least_bend_ratio(given)
+    if least != LEAST_WIRE_RATIO:
+        return Found(least, "the rope's own minimum" if _is_braid(given) else "life")
+    return Found(least, "rope makers' tables of wire rope begin at 10")
 
 
 def _friction(given: RopeKnown) -> float:
@@ -77,7 +102,12 @@ STOP_CLEARANCE = constant(
     "stop_within_half_degree",
 )
 TEST_TORQUE = Rule("loads.test_torque_Nm", "0.3 of the peak torque", "loads", _test_torque)
-BEND_RATIO = Rule("limits.bend_ratio_min", "least D/d for which the rope's maker states a life", "life", _bend_ratio)
+BEND_RATIO = Rule(
+    "limits.bend_ratio_min",
+    "least D/d of makers' tables; a fibre rope's own minimum; what the maker recommends where targets ask for a life",
+    "life",
+    _bend_ratio,
+)
 TENSION_SAFETY = constant("limits.tension_safety_factor", 5.0, "usual factor; rope makers state 5 to 10", "tension")
 PRELOAD_SHARE = constant("limits.preload_share_max", 0.5, "rope makers' limit: less than half", "preload_share")
 MESH_TOLERANCE = constant("export.mesh_tolerance_mm", 0.01, "finer than the tolerances of usual workshops", "export")

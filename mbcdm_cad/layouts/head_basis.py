@@ -4,9 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from math import inf, pi
+from operator import itemgetter
 from typing import Any
 
-from mbcdm_cad.design.bought import NO_GEARHEAD
+import numpy as np
+
+from mbcdm_cad.design.blocks import DutyBlock
+from mbcdm_cad.design.bought import NO_GEARHEAD, Motor
+from mbcdm_cad.design.fields import validated
 from mbcdm_cad.layouts.common_rules import (
     BEND_RATIO,
     DRUM_MATERIAL,
@@ -20,8 +25,11 @@ from mbcdm_cad.layouts.common_rules import (
     SUPPORT_MATERIAL,
     TENSION_SAFETY,
     TEST_TORQUE,
+    construction,
 )
 from mbcdm_cad.layouts.trial_sizing import TrialKnown
+from mbcdm_cad.model.duty.cycle import DEFAULT_PERIOD_S, Duty, default_duty, of_rows
+from mbcdm_cad.model.duty.heat import RATED_AT_C, STANDSTILL_SHARE, motor_heat
 from mbcdm_cad.model.losses.friction import GEARHEAD_IDLE_SHARE, tangent_share
 from mbcdm_cad.sizing.arithmetic import greatest, number
 from mbcdm_cad.sizing.known import KnownFields
@@ -29,11 +37,12 @@ from mbcdm_cad.sizing.rule import Found, Rule, constant, rounded_up
 
 # Assumed strength of a rope's end over that of the rope, before rope and ends are chosen.
 END_SHARE = 0.8
-CONSTRUCTION = "7x7"
 # Preload over the least that keeps a cable taut at peak torque, if friction on an input need not hold the cable.
 PRELOAD_FACTOR = 2.0
 # Required rated torque of the motor over its torque at the peak torque.
 TORQUE_SPARE = 1.02
+# The same of the torque that heats it: losses of the drive that follows are not known yet.
+HEAT_SPARE = 1.05
 # Tensions of the two cables of an input over the pull of the peak torque on the drum: the usual preload where friction
 # holds the cable. What they lose on the drum and in the bearings besides the input (estimate).
 PRELOADS, LOST_SPARE = 2.7, 1.2
@@ -46,11 +55,11 @@ def thinnest_rope(given: TrialKnown, tension_N: float) -> Found:
 
 def thinnest_rope_by(given: TrialKnown, tension_N: Callable[[float], float]) -> Found:
     """As :func:`thinnest_rope`, for a tension that depends on the rope's diameter in mm."""
-    needed = given["limits.tension_safety_factor"] / END_SHARE
+    needed, kind = given["limits.tension_safety_factor"] / END_SHARE, construction(given)
     ropes = sorted(
         (entry["diameter_mm"], name, entry["breaking_load_N"])
         for name, entry in given.entries("ropes").items()
-        if entry["construction"] == CONSTRUCTION
+        if entry["construction"] == kind
     )
     strong = (name for diameter_mm, name, breaking in ropes if breaking >= needed * tension_N(diameter_mm))
     return Found(next(strong, ropes[-1][1]), "tension", "next size of the catalogue")
@@ -126,6 +135,29 @@ def lasting_share(given: KnownFields) -> float:
     return number(greatest(stated or 0.0, weight) / given["loads.peak_torque_Nm"])
 
 
+def gearhead_share(given: KnownFields) -> float:
+    """Torque over the peak torque that a gearhead must keep up: as stated, else the cubic mean of the duty.
+
+    Without a stated duty that of the assumed one; 0 for files that count no losses.
+    """
+    if given.get("loads.continuous_torque_Nm") is not None:
+        return lasting_share(given)
+    if not counts_losses(given):
+        return 0.0
+    stated = given.get("loads.duty")
+    if not isinstance(stated, dict):
+        return default_duty(1.0, 1.0, RATED_AT_C).lasting_torque_Nm
+    return number(duty_of(given).lasting_torque_Nm / given["loads.peak_torque_Nm"])
+
+
+def duty_of(given: KnownFields) -> Duty:
+    """The duty that the file states by rows; a record stands as rows while parts are chosen."""
+    block = validated(DutyBlock, given["loads.duty"])
+    travel = 2.0 * given["travel.half_angle_deg"]
+    ambient = RATED_AT_C if block.ambient_C is None else block.ambient_C
+    return of_rows(block.rows, block.period_s or DEFAULT_PERIOD_S, travel, ambient)
+
+
 def speed_margin(
     given: KnownFields, motor: Mapping[str, Any], gear_ratio: float, input_to_drum: float, torque_mNm: float
 ) -> float:
@@ -142,6 +174,38 @@ def speed_margin(
         return -1.0
     reached = greatest(volts - ohms * torque_mNm / constant, 0.0) / (constant * 1e-3) / (gear_ratio * input_to_drum)
     return number(reached * 180.0 / pi / wanted - 1.0)
+
+
+def heat_margin(
+    given: KnownFields,
+    motor: Mapping[str, Any],
+    head: Mapping[str, Any] | None,
+    moving_mNm: float,
+    still_mNm: float,
+) -> float:
+    """Rise of the winding that a motor stands over that of the stated duty, less 1; infinite without a stated duty.
+
+    ``moving_mNm``, ``still_mNm``: of one input at the peak torque, with losses and without. Moving against the load
+    counts for both ways. Files that count no losses are not sized by it.
+    """
+    if not counts_losses(given) or not isinstance(given.get("loads.duty"), dict):
+        return inf
+    duty, heat = duty_of(given), motor_heat(Motor(name="", **motor))
+    share = np.abs(duty.torque_Nm) / float(given["loads.peak_torque_Nm"])
+    moving = moving_mNm / output_mNm(given, motor, head) * float(motor["rated_torque_mNm"])
+    still = still_mNm / (1.0 if head is None else float(head["ratio"])) / (STANDSTILL_SHARE if heat.brushless else 1.0)
+    torque = share * np.where(duty.speed_deg_s == 0.0, still, moving) * 1e-3
+    found = heat.repeated(duty.time_s, torque, duty.ambient_C)
+    if found is None or heat.limit_C <= duty.ambient_C:
+        return -1.0
+    return (heat.limit_C - duty.ambient_C) / max(found.hottest_winding_C - duty.ambient_C, 1e-6) - 1.0
+
+
+def _is_cool(given: TrialKnown, motor: Mapping[str, Any], head: Mapping[str, Any] | None) -> bool:
+    """Whether a motor stands the stated duty; an open ratio is the least that holds."""
+    ratio = given.ratio if given.has_ratio else max(_needed_mNm(given) / output_mNm(given, motor, head), 1.0)
+    moving, still = _needed_mNm(given) / ratio, given.input_peak_Nm * 1e3 / ratio
+    return heat_margin(given, motor, head, HEAT_SPARE * moving, HEAT_SPARE * still) >= 0.0
 
 
 def _is_fast(given: TrialKnown, motor: Mapping[str, Any], head: Mapping[str, Any] | None, needed_mNm: float) -> bool:
@@ -163,20 +227,24 @@ def _gearhead(given: TrialKnown) -> Found:
         return Found(NO_GEARHEAD, "the motor's own shaft")
     # If the ratio follows from motor and gearhead, any of them holds the torque.
     needed = _needed_mNm(given) / given.ratio if given.has_ratio else 0.0
+    lasting, heads = gearhead_share(given), given.entries("gearheads")
     motors = given.entries("motors") if not given.has("drive.motor") else {"": given.entry("motors", "drive.motor")}
     pairs = [
-        (motor["mass_g"] + head["mass_g"], name)
+        (motor["mass_g"] + head["mass_g"], name, motor)
         for motor in motors.values()
-        for name, head in given.entries("gearheads").items()
+        for name, head in heads.items()
         if "shaft_diameter_mm" not in motor
         and output_mNm(given, motor, head) >= needed
         and head["max_torque_mNm"] >= (needed or output_mNm(given, motor, head))
-        and head["rated_torque_mNm"] >= lasting_share(given) * (needed or output_mNm(given, motor, head))
+        and head["rated_torque_mNm"] >= lasting * (needed or output_mNm(given, motor, head))
         and _is_fast(given, motor, head, needed)
         and motor["diameter_mm"] <= head["diameter_mm"] + 1.0
     ]
+    cool = (name for _, name, motor in sorted(pairs, key=itemgetter(0, 1)) if _is_cool(given, motor, heads[name]))
     if pairs:
-        return Found(min(pairs)[1], "motor_torque_forward", "lightest of the catalogue")
+        lightest = min(pairs, key=itemgetter(0, 1))[1]
+        found = next(cool, lightest)
+        return Found(found, "motor_torque_forward" if found == lightest else "duty", "lightest of the catalogue")
     return Found(NO_GEARHEAD, "no gearhead with a motor of the catalogue reaches the torque")
 
 
@@ -198,7 +266,9 @@ def _motor(given: TrialKnown) -> Found:
     if not fitting:
         strongest = max(rated, key=lambda name: rated[name]["rated_torque_mNm"])
         return Found(strongest, "motor_torque_forward", "no motor of the catalogue does: the strongest")
-    return Found(min(fitting, key=lambda name: (fitting[name]["mass_g"], name)), "motor_torque_forward", "the lightest")
+    names = sorted(fitting, key=lambda name: (fitting[name]["mass_g"], name))
+    found = next((name for name in names if _is_cool(given, fitting[name], entry)), names[0])
+    return Found(found, "motor_torque_forward" if found == names[0] else "duty", "the lightest")
 
 
 LIMITS = (STOP_CLEARANCE, TEST_TORQUE, TENSION_SAFETY, PRELOAD_SHARE, MESH_TOLERANCE, RUNNING)

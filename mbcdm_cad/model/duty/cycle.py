@@ -68,6 +68,14 @@ class Duty:
         return float(np.sqrt((self.time_s * self.torque_Nm**2).sum() / self.period_s))
 
     @property
+    def lasting_torque_Nm(self) -> float:
+        """Cubic mean of the load over the cycle, what a gearhead's continuous rating is compared with.
+
+        The rule of gearhead makers for loads that change; at rest they count nothing, here a held load counts whole.
+        """
+        return float(np.cbrt((self.time_s * np.abs(self.torque_Nm) ** 3).sum() / self.period_s))
+
+    @property
     def moving_share(self) -> float:
         """Share of the time in which the drum moves."""
         return float(self.time_s[self.speed_deg_s != 0.0].sum() / self.period_s)

@@ -114,9 +114,10 @@ class MotorHeat:
         times, torques = self._cut(time_s, torque_Nm)
         turn, add = self._pieces(times, torques, ambient_C)
         whole, added = np.eye(2), np.zeros(2)
-        for a, b in zip(turn, add, strict=True):
-            whole, added = a @ whole, a @ added + b
-        if np.abs(np.linalg.eigvals(whole)).max() >= 1.0:
+        with np.errstate(over="ignore", invalid="ignore"):
+            for a, b in zip(turn, add, strict=True):
+                whole, added = a @ whole, a @ added + b
+        if not np.isfinite(whole).all() or np.abs(np.linalg.eigvals(whole)).max() >= 1.0:
             return None
         at = np.linalg.solve(np.eye(2) - whole, added)
         found = [at]

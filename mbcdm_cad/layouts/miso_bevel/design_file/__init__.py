@@ -14,7 +14,7 @@ configuration: miso_bevel
 travel:
   half_angle_deg: 35.0      # deg: travel from the centre to each side
 transmission:
-  ratio: 9.0                # drum radius over input radius
+  ratio: 6.2                # drum radius over input radius: the smaller, the longer the rope lasts
   drum_radius_mm: 54.0      # mm: drum pitch radius of step 1; three more steps follow
   # centre_distance_mm: 34.6  # mm: input pulley axis to guide axis; left out: as short as the fleet angle allows
 loads:

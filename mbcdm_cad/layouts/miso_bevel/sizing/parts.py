@@ -13,7 +13,15 @@ from mbcdm_cad.checks.terminals import STUD_SAFETY
 from mbcdm_cad.design.blocks import NO_PAYLOAD
 from mbcdm_cad.design.bought import NO_GEARHEAD
 from mbcdm_cad.layouts.common_rules import COLLAR_SCREWS
-from mbcdm_cad.layouts.head_basis import counts_losses, lasting_share, output_mNm, speed_margin
+from mbcdm_cad.layouts.head_basis import (
+    HEAT_SPARE,
+    counts_losses,
+    gearhead_share,
+    heat_margin,
+    lasting_share,
+    output_mNm,
+    speed_margin,
+)
 from mbcdm_cad.layouts.miso_bevel.checks.guide import STRESS_SAFETY
 from mbcdm_cad.layouts.miso_bevel.checks.support_walls import HOLE_WEB_MM
 from mbcdm_cad.layouts.miso_bevel.sizing.known import BevelKnown
@@ -50,6 +58,8 @@ INPUT_LOSSES = 2.7
 INPUT_PRELOADS = (1.65, 1.41)
 # The same for the guide: four cables tilt it rather than push it aside, so the largest tension counts.
 GUIDE_TENSIONS = 1.85
+# The same where the guide runs quietly: static safety 2.
+QUIET = 2.0
 # The same for a drum's bearing, in tensions.
 DRUM_TENSIONS = (1.62, 1.23)
 # Radius of the drum's smallest land over the diameter of its shaft: the usual ratio, and that of a small drum with a
@@ -101,8 +111,15 @@ def _motor_margins(given: BevelKnown, motor: Entry, gearhead: Entry) -> Margins:
         "motor_torque_back": output_mNm(given, motor, head) / needed - 1.0,
         "collar_grip": _most_grip_Nmm(given, shaft) / (GRIP_SPARE * CLAMP_SAFETY * needed) - 1.0,
         "gearhead_maximum": gearhead["max_torque_mNm"] / needed - 1.0,
-        "continuous_torque": gearhead["rated_torque_mNm"] / needed - lasting,
+        "continuous_torque": gearhead["rated_torque_mNm"] / needed - gearhead_share(given),
         "speed": speed_margin(given, motor, gearhead["ratio"], given.total_ratio, (lasting or 1.0) * asked),
+        "duty": heat_margin(
+            given,
+            motor,
+            head,
+            HEAT_SPARE * needed,
+            HEAT_SPARE * given["loads.peak_torque_Nm"] * 1e3 / (2 * given.total_ratio),
+        ),
         # A motor wider than its gearhead has no room behind the shelf.
         "drives_apart": 1.0 - motor["diameter_mm"] / (gearhead["diameter_mm"] + 1.0),
     }
@@ -301,13 +318,17 @@ def _drum_encoder(given: BevelKnown) -> Found:
 
 
 def _guide_bearing(given: BevelKnown) -> Found:
+    return careful((QUIET, 1.0), partial(_guide_bearing_of, given))
+
+
+def _guide_bearing_of(given: BevelKnown, safety: float) -> Found:
     tension = GUIDE_TENSIONS * _tension_N(given)
     room = None
     if given.has("transmission.drum_radii_mm") and given.has("transmission.ratios.guide_to_drum"):
         room = 2 * (given.guide_mm[0] - given.d_mm / 2 - given.wall_mm("guide"))
 
     def margins(bearing: Entry) -> Margins:
-        found = {"guide_bearings": bearing["static_rating_N"] / tension - 1.0}
+        found = {"guide_bearings": bearing["static_rating_N"] / (safety * tension) - 1.0}
         # The axle bends under the bearings' load with a lever of about their bore.
         strength = given.entry("materials", "guide.axle_material")["yield_MPa"] / STRESS_SAFETY
         found["axle_stress"] = 0.1 * bearing["bore_mm"] ** 2 * strength / tension - 1.0

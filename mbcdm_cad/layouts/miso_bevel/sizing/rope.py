@@ -5,7 +5,7 @@ from __future__ import annotations
 from mbcdm_cad.checks.bending import ANCHOR_RATIO
 from mbcdm_cad.checks.input_pulley import SHOULDER_MM
 from mbcdm_cad.design.bought import TerminationSpec
-from mbcdm_cad.layouts.common_rules import LEAST_WIRE_RATIO
+from mbcdm_cad.layouts.common_rules import LEAST_WIRE_RATIO, construction
 from mbcdm_cad.layouts.miso_bevel.sizing.known import LEAD_STEP_MM, STEPS, UNEVEN, BevelKnown
 from mbcdm_cad.parts.input_pulley.stop import neck_mm, widest_bend_mm
 from mbcdm_cad.sizing.arithmetic import greatest, least, number, significant
@@ -23,8 +23,6 @@ SWAGED_SHARE = 0.9
 STRENGTH_SPARE = 1.01
 # The same if the rope's strength limits the preload: the tension added by the peak torque is an estimate.
 HELD_SPARE = 1.02
-# Construction of a rope that the rule chooses: the most flexible wire rope of the catalogue in all sizes.
-CONSTRUCTION = "7x7"
 # Mean drum radius over that of step 1, before the steps are known.
 MEAN_OVER_FIRST = 1.1
 
@@ -39,10 +37,11 @@ def _rope(given: BevelKnown) -> Found:
 
     If the input pulleys are too thin for it, the thickest that they allow, provided that it holds a smaller preload.
     """
+    kind = construction(given)
     ropes = sorted(
         (entry["diameter_mm"], name, entry["breaking_load_N"])
         for name, entry in given.entries("ropes").items()
-        if entry["construction"] == CONSTRUCTION
+        if entry["construction"] == kind
     )
 
     def strong(factor: float) -> list[tuple[float, str]]:
@@ -90,7 +89,9 @@ def _preload(given: BevelKnown) -> Found:
 def _lead(given: BevelKnown) -> Found:
     largest_input = greatest(*given.input_mm)
     return Found(
-        rounded_up(given.clearing_lead_mm(largest_input), LEAD_STEP_MM), "self_clearance", f"up to {LEAD_STEP_MM:g}"
+        rounded_up(given.clearing_lead_mm(largest_input), LEAD_STEP_MM),
+        "self_clearance_stack",
+        f"up to {LEAD_STEP_MM:g}",
     )
 
 
@@ -109,8 +110,9 @@ PRELOAD = (
 LEAD = (
     Rule(
         "rope.helix_lead_mm",
-        "the least lead at which a span clears the turn wound before it at the largest fleet angle",
-        "self_clearance",
+        "the least lead at which a span clears the turn wound before it at the largest fleet angle, the rope as thick "
+        "as its tolerance allows",
+        "self_clearance_stack",
         _lead,
     ),
 )

@@ -7,7 +7,7 @@ from math import degrees, inf, log
 
 from mbcdm_cad.checks.bending import ANCHOR_RATIO
 from mbcdm_cad.checks.input_pulley import SHOULDER_MM
-from mbcdm_cad.layouts.common_rules import LEAST_WIRE_RATIO
+from mbcdm_cad.layouts.common_rules import least_bend_ratio
 from mbcdm_cad.layouts.head_basis import PRELOAD_FACTOR, counts_losses, needed_ratio, preload, rope, thinnest_rope_by
 from mbcdm_cad.layouts.siso_spur.design_file.schema import REFERENCE
 from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
@@ -85,7 +85,7 @@ def _rope(given: SpurKnown) -> Found:
         if given.has("transmission.drum_radius_mm"):
             share = given.half_torque_N
         else:
-            needs = _input_needs_mm(given, d_mm, given.get("limits.bend_ratio_min", LEAST_WIRE_RATIO))
+            needs = _input_needs_mm(given, d_mm, given.get("limits.bend_ratio_min") or least_bend_ratio(given))
             share = given.input_peak_Nm * 1e3 / (2 * rounded_up(max(needs.values()) * given.ratio, 0.5))
         return _wanted_preload_N(given, share) + share
 
