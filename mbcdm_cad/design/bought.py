@@ -150,6 +150,13 @@ class Motor(Entry):
     resistance_ohm: Number | None = entry_field(
         "resistance between two terminals", "ohm", default=None, gt=0.0, le=1000.0
     )
+    no_load_current_A: Number | None = entry_field(
+        "current that turns it without a load: its friction is this times the torque constant",
+        "A",
+        default=None,
+        gt=0.0,
+        le=100.0,
+    )
     continuous_current_A: Number | None = entry_field("continuous current", "A", default=None, gt=0.0, le=1000.0)
     peak_current_A: Number | None = entry_field(
         "largest current for a short time", "A", default=None, gt=0.0, le=5000.0
@@ -183,6 +190,13 @@ class Motor(Entry):
     def brushless(self) -> bool:
         """Whether it has no brushes: the catalogue has its pairs of poles."""
         return self.pole_pairs is not None
+
+    @property
+    def idle_torque_mNm(self) -> float | None:
+        """Torque that turns it without current, by its no-load current; None where the catalogue has none."""
+        if self.no_load_current_A is None or self.torque_constant_mNm_A is None:
+            return None
+        return self.no_load_current_A * self.torque_constant_mNm_A
 
     @property
     def peak_torque_mNm(self) -> float:

@@ -18,14 +18,9 @@ from mbcdm_cad.design.bought import (
     TerminationSpec,
 )
 
-ELECTRICAL_FIELDS = (
-    "torque_constant_mNm_A",
-    "resistance_ohm",
-    "continuous_current_A",
-    "peak_current_A",
-    "voltage_V",
-    "pole_pairs",
-)
+# What gives torque and speed of any motor; currents and pairs of poles go with a brushless one.
+ELECTRICAL_FIELDS = ("torque_constant_mNm_A", "resistance_ohm", "voltage_V")
+BRUSHLESS_FIELDS = ("continuous_current_A", "peak_current_A", "pole_pairs")
 # The rated torque is lower than constant x current because of friction and saturation of the iron.
 TORQUE_AGREEMENT = 0.25
 
@@ -71,11 +66,12 @@ def entry_faults(entry: Entry) -> Iterator[tuple[str, str, str, str, str]]:
 
 def _motor_faults(entry: Motor) -> Iterator[tuple[str, str, str, str, str]]:
     """Problems if electrical values are incomplete, or if continuous torque and current contradict each other."""
-    values = {name: getattr(entry, name) for name in ELECTRICAL_FIELDS}
-    missing = [name for name, value in values.items() if value is None]
-    if missing and len(missing) < len(values):
-        given = next(name for name, value in values.items() if value is not None)
-        yield given, "given without all that goes with it", "", ", ".join(missing), "give all of them, or none"
+    brushless = [name for name in BRUSHLESS_FIELDS if getattr(entry, name) is not None]
+    asked = (*ELECTRICAL_FIELDS, *(BRUSHLESS_FIELDS if brushless else ()))
+    given = [name for name in (*asked, "no_load_current_A") if getattr(entry, name) is not None]
+    missing = [name for name in asked if getattr(entry, name) is None]
+    if missing and given:
+        yield given[0], "given without all that goes with it", "", ", ".join(missing), "give all of them, or none"
     constant, current = entry.torque_constant_mNm_A, entry.continuous_current_A
     if constant is None or current is None:
         return

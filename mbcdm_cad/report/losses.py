@@ -11,6 +11,7 @@ import numpy as np
 
 from mbcdm_cad.model.losses.train import Backdrive, MovingLosses, Train
 from mbcdm_cad.report.table import ReportTable
+from mbcdm_cad.routes import Floats
 
 if TYPE_CHECKING:
     from mbcdm_cad.design.bought import Motor
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
 # Loads over the peak torque, and which of them the table of efficiencies shows.
 LOAD_SHARES = np.linspace(0.05, 1.0, 20)
 _SHOWN = (1, 4, 9, 14, 19)
+# Loads of the picture over speed.
+_DRAWN = (4, 9, 19)
 SPEED_SHARES = (0.05, 0.1, 0.2, 0.4, 0.6, 0.8)
 _WAYS = {1: "against the load", -1: "with the load"}
 
@@ -68,27 +71,42 @@ class LossesReport:
         }
 
     def _electrical(self) -> dict[str, Any] | None:
-        """Efficiency against the load with what the copper loses, over speed and load; None without motor's values."""
+        """Efficiency both ways with what the copper loses, over speed and load +; None without the motor's values."""
         constant_mNm_A, ohms, volts = self.motor.torque_constant_mNm_A, self.motor.resistance_ohm, self.bus_voltage_V
         if constant_mNm_A is None or ohms is None or volts is None:
             return None
-        constant, forward = constant_mNm_A * 1e-3, self.motions[0]
+        constant = constant_mNm_A * 1e-3
         to_motor = float(np.max(self.train.d.input_turns)) * self.train.gear_ratio
         speeds = volts / constant / to_motor * np.array(SPEED_SHARES)
-        current = forward.motor_Nm / constant
+        ways = [
+            self._with_copper(m, constant, ohms, volts, speeds, to_motor) for m in (self.motions[0], self.motions[2])
+        ]
+        return {"drum_speed_deg_s": np.degrees(speeds).tolist(), **ways[0], "back": ways[1]}
+
+    @staticmethod
+    def _with_copper(
+        m: MovingLosses, constant: float, ohms: float, volts: float, speeds: Floats, to_motor: float
+    ) -> dict[str, Any]:
+        """Efficiency from bus to payload, or back, at each drum speed (rows) and load; none beyond the bus voltage."""
+        current = m.motor_Nm / constant
         copper = ohms * np.square(current).sum(axis=0)
-        given = np.multiply.outer(speeds, forward.load_Nm)
-        found = given / (given + np.multiply.outer(speeds, forward.lost_Nm) + copper)
+        load, at = np.abs(m.load_Nm), speeds[:, None]
+        taken = m.lost_Nm + copper / at
+        if m.way > 0:
+            found = load / (load + taken)
+            sigma = found**2 / load * m.sigma_Nm
+        else:
+            found = np.maximum(load - taken, 0.0) / load
+            sigma = np.where(found > 0.0, m.sigma_Nm / load, 0.0)
         # What the voltage leaves for the current that a load asks; beyond it the motors do not reach the speed.
-        reached = ohms * current.max(axis=0) + constant * to_motor * speeds[:, None] <= volts
+        reached = m.way * ohms * current.max(axis=0) + constant * to_motor * at <= volts
+        shown = [np.where(reached, values, np.nan) for values in (found, sigma)]
+        rows = [[[None if np.isnan(e) else float(e) for e in row] for row in values] for values in shown]
         return {
-            "drum_speed_deg_s": np.degrees(speeds).tolist(),
-            "load_Nm": forward.load_Nm.tolist(),
+            "load_Nm": m.load_Nm.tolist(),
             "copper_loss_W": copper.tolist(),
-            "efficiency": [
-                [float(e) if ok else None for e, ok in zip(row, at, strict=True)]
-                for row, at in zip(found, reached, strict=True)
-            ],
+            "efficiency": rows[0],
+            "efficiency_sigma": rows[1],
         }
 
     def causes(self) -> ReportTable:
@@ -168,10 +186,35 @@ def losses_shown(found: Mapping[str, Any]) -> dict[str, Any]:
         "all": [found["unloaded"]["lost_Nm"][0], against["lost_Nm"][-1], along["lost_Nm"][-1]],
         "sigma_Nm": against["lost_sigma_Nm"][-1],
         "backdrive": found["backdrive"],
+        "over_speed": _over_speed(found["electrical"]),
         "chart": {
             "title": "Efficiency from motors to drum, and back",
             "x": {"label": "load on the drum", "unit": "N m"},
             "y": {"label": "efficiency", "unit": "%"},
             "lines": lines,
         },
+    }
+
+
+def _over_speed(found: Mapping[str, Any] | None) -> dict[str, Any] | None:
+    """The picture of the efficiency with the copper's losses over the drum's speed; None without electrical values."""
+    if found is None:
+        return None
+    lines = []
+    for words, block in (("against", found), ("with", found["back"])):
+        for k in _DRAWN:
+            points = [
+                (speed, 100.0 * row[k])
+                for speed, row in zip(found["drum_speed_deg_s"], block["efficiency"], strict=True)
+                if row[k] is not None
+            ]
+            if points:
+                x, y = zip(*points, strict=True)
+                label = f"{words} {block['load_Nm'][k]:.3g} N m"
+                lines.append({"label": label, "x": list(x), "y": list(y)})
+    return {
+        "title": "Efficiency from bus to drum and back, the copper's losses in it",
+        "x": {"label": "speed of the drum", "unit": "deg/s"},
+        "y": {"label": "efficiency", "unit": "%"},
+        "lines": lines,
     }

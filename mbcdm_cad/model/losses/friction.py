@@ -25,6 +25,8 @@ GEARHEAD_IDLE_SHARE, GEARHEAD_IDLE_SIGMA = 0.03, 0.7
 # Friction of a small motor without current, over its continuous torque: an estimate, from no-load currents of some
 # catalogue motors (3 to 5 %).
 MOTOR_IDLE_SHARE, MOTOR_IDLE_SIGMA = 0.04, 0.5
+# The same where the catalogue has the no-load current: brushes and grease vary between motors of one type (estimate).
+MOTOR_STATED_SIGMA = 0.3
 # Equivalent load of a ball bearing, ISO 281: 0.56 F_r + Y F_a where that is above F_r; Y for a light axial load.
 _RADIAL_SHARE, _AXIAL_SHARE = 0.56, 2.0
 

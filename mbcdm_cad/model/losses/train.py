@@ -136,7 +136,7 @@ class Train:
     """Friction of a whole drive; torques in N m.
 
     ``gear_share``: loss of a gearhead over its output torque; ``gear_idle_Nm``: torque at its output that turns it
-    unloaded; ``motor_idle_Nm``: friction of a motor.
+    unloaded; ``motor_idle_Nm``: friction of a motor, ``motor_sigma`` of its logarithm.
     """
 
     d: DriveSI
@@ -147,6 +147,7 @@ class Train:
     gear_share: float
     gear_idle_Nm: float
     motor_idle_Nm: float
+    motor_sigma: float = friction.MOTOR_IDLE_SIGMA
 
     @property
     def rope_share(self) -> Floats:
@@ -260,7 +261,7 @@ class Train:
                 friction.GEARHEAD_IDLE_SIGMA,
                 np.asarray(turns * self.gear_idle_Nm),
             ),
-            Loss("motors", MOTOR, friction.MOTOR_IDLE_SIGMA, np.asarray(motors)),
+            Loss("motors", MOTOR, self.motor_sigma, np.asarray(motors)),
         )
 
     def _rope_losses(self, tension_N: Floats) -> list[Loss]:

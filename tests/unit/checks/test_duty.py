@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from mbcdm_cad.checks.duty import CHECKS
@@ -83,15 +85,43 @@ def test_speed_is_that_of_the_curve(asked: float) -> None:
 
 
 def test_a_motor_without_electrical_values_cannot_show_a_speed() -> None:
-    text = wrist("siso_spur", ", speed_deg_s: 100") + "drive: {motor: motor-2.9mNm-15, gearhead: gearhead-76-16}\n"
-    found = check(text, "speed")
+    drive = load_text(wrist("siso_spur", ", speed_deg_s: 100")).drive
+    bare = replace(drive, motor=replace(drive.motor, torque_constant_mNm_A=None))
+    found = run_check(BY_ID["speed"], bare.layout)
     assert found.status == "fail" and "torque constant" in found.message, found
 
 
-def test_sizing_for_a_speed_takes_a_motor_that_reaches_it() -> None:
-    drive = load_text(wrist("siso_spur", ", speed_deg_s: 500")).drive
-    assert drive.motor.torque_constant_mNm_A is not None
+@pytest.mark.parametrize("layout", SIZES)
+@pytest.mark.parametrize(("speed", "geared"), [(60, True), (500, False)])
+def test_sizing_for_a_speed_takes_a_motor_that_reaches_it(layout: str, speed: int, geared: bool) -> None:
+    """A slow joint keeps its gearhead: small motors have electrical values too."""
+    if layout == "miso_bevel" and not geared:
+        pytest.skip("its rules take a motor without gearhead only where the file asks for it")
+    drive = load_text(wrist(layout, f", speed_deg_s: {speed}")).drive
     assert run_check(BY_ID["speed"], drive.layout).status == "pass"
+    assert not geared or not drive.gearhead.absent, drive.motor.name
+
+
+@pytest.mark.parametrize("layout", SIZES)
+def test_sizing_takes_a_motor_that_stands_the_stated_duty(layout: str) -> None:
+    """In hot air a motor that holds the peak torque at 25 C burns; sizing takes one that does not."""
+    rows = "[{torque_Nm: 0.8, share: 0.7, speed_deg_s: 20}, {torque_Nm: 0.3, share: 0.3}]"
+    plain = load_text(wrist(layout, "")).drive
+    asked = load_text(wrist(layout, f", duty: {{ambient_C: 115, period_s: 30, rows: {rows}}}")).drive
+    duty = replace(plain, loads=asked.loads)
+    assert run_check(BY_ID["duty"], duty.layout).status == "fail"
+    found = run_check(BY_ID["duty"], asked.layout)
+    assert found.status == "pass", found
+    assert asked.motor.rated_torque_mNm * asked.gearhead.ratio > plain.motor.rated_torque_mNm * plain.gearhead.ratio
+
+
+def test_a_wanted_life_takes_a_rope_of_thinner_wires_and_larger_pulleys() -> None:
+    text = wrist("siso_spur", "").replace(", drum_radius_mm: 60", "").replace("0.8", "4.0")
+    plain, lasting = load_text(text).drive.layout, load_text(text + "targets: {life_cycles: 1000}\n").drive.layout
+    assert (plain.drive.cable.construction, lasting.drive.cable.construction) == ("7x7", "7x19")
+    assert lasting.smallest_bend_ratio >= lasting.drive.cable.bend_ratio_desired
+    assert plain.smallest_bend_ratio < plain.drive.cable.bend_ratio_minimum
+    assert lasting.life.first is not None and lasting.life.first.cycles > 1000.0
 
 
 def test_a_duty_at_its_border() -> None:

@@ -60,8 +60,8 @@ def _figures(drive: Drive) -> MotorFigures:
     return found
 
 
-def test_the_reference_motor_has_no_electrical_values(spur: Drive) -> None:
-    assert analyse(spur).motor is None
+def test_a_motor_without_electrical_values_has_no_figures(spur: Drive) -> None:
+    assert analyse(replace(spur, motor=replace(spur.motor, torque_constant_mNm_A=None))).motor is None
 
 
 @settings(max_examples=15, deadline=None)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import mbcdm_cad
@@ -46,7 +48,31 @@ def test_the_copper_lowers_the_efficiency_most_at_low_speed() -> None:
 
 
 def test_a_motor_without_electrical_values_has_no_electrical_efficiency() -> None:
-    assert report_of("mbcdm").to_dict()["losses"]["electrical"] is None
+    report = report_of("gallery/capstan")
+    bare = replace(report.losses, motor=replace(report.losses.motor, torque_constant_mNm_A=None))
+    found = bare.to_dict()
+    assert found["electrical"] is None and losses_shown(found)["over_speed"] is None
+
+
+@pytest.mark.parametrize("name", ["mbcdm", "gallery/capstan"])
+def test_bus_power_is_what_payload_friction_and_copper_take(name: str) -> None:
+    """The efficiencies by the motors' own torque and speed: V I of each motor against load times speed."""
+    losses = report_of(name).losses
+    found, constant, ohms = (
+        losses.to_dict()["electrical"],
+        losses.motor.torque_constant_mNm_A,
+        losses.motor.resistance_ohm,
+    )
+    assert found is not None and constant is not None and ohms is not None
+    turns = float(np.max(losses.train.d.input_turns)) * losses.train.gear_ratio
+    for block, motion, way in ((found, losses.motions[0], 1), (found["back"], losses.motions[2], -1)):
+        current = way * motion.motor_Nm / (constant * 1e-3)
+        for speed, row in zip(np.radians(found["drum_speed_deg_s"]), block["efficiency"], strict=True):
+            volts = way * (constant * 1e-3) * turns * speed + ohms * current
+            bus, given = (volts * current).sum(axis=0), motion.load_Nm * speed
+            for k, efficiency in enumerate(row):
+                expected = given[k] / bus[k] if way > 0 else max(-bus[k] / given[k], 0.0)
+                assert efficiency is None or efficiency == pytest.approx(expected, abs=1e-9), (way, speed, k)
 
 
 def test_page_and_report_show_every_cause_and_their_sum() -> None:
