@@ -79,7 +79,7 @@ def preload_rule(layout: Layout) -> PreloadRule:
     si = layout.loads.si
     own = float(si.preload_N.max())
     most = layout.drive.limits.preload_share_max * layout.drive.cable.breaking_load_N
-    slack = needed_share(layout) * own
+    slack = layout.once("preload needed", needed_share) * own
     try:
         return PreloadRule(own, slack, _knee_N(layout, si, slack, most), most, _table(layout, si))
     except ModelError as error:
@@ -119,8 +119,8 @@ def _knee_N(layout: Layout, si: DriveSI, low_N: float, high_N: float) -> float:
         return low_N
     preload = np.linspace(max(low_N, 0.02 * high_N), high_N, _CURVE)
     torque = layout.drive.loads.test_torque_Nm
-    curve = [drum_backlash(si.with_(preload_N=si.preload_N * p / own), torque) for p in preload]
-    swing = np.array([float(at.reversal_swing_rad) for at in curve])
+    many = si.spread(_CURVE).with_(preload_N=si.preload_N[:, None] * preload / own)
+    swing = np.asarray(drum_backlash(many, torque).reversal_swing_rad)
     x, y = (preload - preload[0]) / np.ptp(preload), (swing - swing[-1]) / max(float(np.ptp(swing)), 1e-30)
     return float(preload[int(np.argmax(1.0 - x - y))])
 

@@ -17,6 +17,7 @@ from mbcdm_cad.report.duty import DutyReport, duty_report
 from mbcdm_cad.report.life import LifeReport, life_report
 from mbcdm_cad.report.losses import LossesReport, losses_report
 from mbcdm_cad.report.paths import path_data_or_reason, path_lines
+from mbcdm_cad.report.preload import PreloadShares, preload_shares
 from mbcdm_cad.report.structure import StructureReport, structure_report
 from mbcdm_cad.report.table import ReportTable, filled
 
@@ -50,7 +51,8 @@ class AnalysisReport:
     ``structure``: what turns the payload besides the cables; None where ``no_structure`` says why. ``modes``: with the
     inertias of plain bodies; a report of drawn parts has theirs.
     ``losses``: friction between motors and payload. ``life``: of the cables; None where ``no_life`` says why.
-    ``duty``: what the drive does all day, how warm its motors get.
+    ``preload``: what it is made of; None where ``no_preload`` says why. ``duty``: what the drive does all day, how warm
+    its motors get.
     """
 
     figures: Analysis
@@ -62,6 +64,8 @@ class AnalysisReport:
     losses: LossesReport
     life: LifeReport | None
     no_life: str
+    preload: PreloadShares | None
+    no_preload: str
     duty: DutyReport
     layout: Layout = field(repr=False)
     chances: tuple[Chance, ...] = ()
@@ -77,6 +81,7 @@ class AnalysisReport:
             "losses": self.losses.to_dict(),
             "duty": self.duty.to_dict(),
             "life": life,
+            "preload": None if self.preload is None else self.preload.to_dict(),
         }
         if self.chances:
             blocks["as_built"] = {one.check: one.probability for one in self.chances}
@@ -208,6 +213,14 @@ class AnalysisReport:
                 *self.life.table().text(width, "  "),
                 *(line for text in self.life.lines() for line in filled(f"  {text}", width)),
             ]
+        if self.preload is None:
+            yield filled(f"No shares of the preload: {self.no_preload}", width)
+        else:
+            yield [
+                *filled(self.preload.sentence(), width),
+                *self.preload.table().text(width, "  "),
+                *filled(f"  {self.preload.WORDS}", width),
+            ]
         yield [
             "Torque at the drum at which a limit is reached first:",
             *self._limits().text(width, "  "),
@@ -267,6 +280,7 @@ def analyse_design(drive: Drive, found: Sequence[AsBuilt] = ()) -> AnalysisRepor
         plain_modes(layout),
         losses_report(layout),
         *life_report(layout),
+        *preload_shares(layout),
         duty_report(layout),
         layout,
         chances_of(drive, found),

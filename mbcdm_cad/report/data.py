@@ -31,6 +31,7 @@ from mbcdm_cad.report.masses import (
     total_sigma_g,
 )
 from mbcdm_cad.report.paths import path_data
+from mbcdm_cad.report.preload import preload_shares
 from mbcdm_cad.report.structure import structure_report
 from mbcdm_cad.report.torsion import torsion_data
 
@@ -127,6 +128,7 @@ def design_figures(layout: Layout, centred: Bill) -> DesignFigures:
     drive = layout.drive
     analysis, order = analyse(drive), layout.assembly_order
     life, _ = life_report(layout)
+    preload, _ = preload_shares(layout)
     half = drive.half_travel_deg
     angles = (0.0, *(float(angle) for angle in np.linspace(-half, half, _SWEPT_POSES)))
     data = {
@@ -135,6 +137,7 @@ def design_figures(layout: Layout, centred: Bill) -> DesignFigures:
         "structure": _structure(layout),
         "losses": losses_report(layout).to_dict(),
         "life": None if life is None else life.to_dict(),
+        "preload": None if preload is None else preload.to_dict(),
         "duty": duty_report(layout).to_dict(),
         "tolerance_stacks": [stack_data(stack) for stack in layout.tolerance_stacks],
         "holes": centred.holes(),

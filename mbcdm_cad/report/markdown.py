@@ -11,6 +11,7 @@ from mbcdm_cad.report.analysis_report import motor_lines
 from mbcdm_cad.report.duty import duty_shown
 from mbcdm_cad.report.life import life_shown
 from mbcdm_cad.report.losses import losses_shown
+from mbcdm_cad.report.preload import preload_shown
 
 _AT_DRUM = "_at_drum"
 
@@ -49,6 +50,7 @@ def report_markdown(data: dict[str, Any], paths_template: str) -> str:
         passed=passed,
         losses=losses_shown(data["losses"]),
         life=life_shown(data["life"]),
+        preload=preload_shown(data["preload"]),
         duty=duty_shown(data["duty"]),
         motor_lines=motor_lines(motor) if motor else (),
     )

@@ -4,26 +4,87 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts import preload
 from mbcdm_cad.layouts.base import NoFigureError
+from mbcdm_cad.layouts.preload import AtPreload, PreloadRule
 from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.report.table import ReportTable, filled
 
 if TYPE_CHECKING:
     from mbcdm_cad.layouts.base import Layout
-    from mbcdm_cad.layouts.preload import NutTurn, PreloadRule
+    from mbcdm_cad.layouts.preload import NutTurn
     from mbcdm_cad.model.preload_ramp import MeasuredPreloads, Ramp
 
 _HEAD = ("angle_rad", "torque_Nm")
+
+
+@dataclass(frozen=True)
+class PreloadShares:
+    """What a design's preload is made of: a sentence and a table for terminal, report and page."""
+
+    WORDS: ClassVar[str] = (
+        "lowest tension: at the peak torque, over it; swing: at a reversal of the test torque; life: over that "
+        "at this preload; rope, bearings: friction at the drum without a load"
+    )
+    rule: PreloadRule
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything, ready for JSON."""
+        return asdict(self.rule)
+
+    def sentence(self) -> str:
+        """Where the preload stands among its limits."""
+        rule = self.rule
+        where = "above" if rule.preload_N > rule.knee_N else "below"
+        return (
+            f"Preload {rule.preload_N:.4g} N: {rule.slack_N:.3g} N keep all cables taut at the peak torque, beyond the "
+            f"knee at {rule.knee_N:.3g} N more buys little backlash (it stands {where} it), "
+            f"limits.preload_share_max allows {rule.most_N:.4g} N"
+        )
+
+    def table(self) -> ReportTable:
+        """The drive with less and with more preload."""
+        rows = tuple(
+            (
+                f"{row.preload_N:.3g}",
+                f"{row.lowest_share:.0%}",
+                f"{row.swing_mrad:.4f}",
+                "none" if row.life_factor is None else f"{row.life_factor:.2g}",
+                f"{row.rope_Nm:.4f}",
+                f"{row.bearings_Nm:.4f}",
+            )
+            for row in self.rule.table
+        )
+        return ReportTable(
+            ("preload N", "lowest tension", "swing mrad", "life, times", "rope N m", "bearings N m"), rows
+        )
+
+
+def preload_shares(layout: Layout) -> tuple[PreloadShares | None, str]:
+    """What the preload is made of; None, with the reason, where the cables have no tensions."""
+    try:
+        return PreloadShares(preload.preload_rule(layout)), ""
+    except NoFigureError as missing:
+        return None, str(missing)
+
+
+def preload_shown(found: Mapping[str, Any] | None) -> dict[str, Any] | None:
+    """What page and report show of the block ``preload``."""
+    if found is None:
+        return None
+    rule = PreloadRule(**{**found, "table": tuple(AtPreload(**row) for row in found["table"])})
+    shares = PreloadShares(rule)
+    table = shares.table()
+    return {"sentence": shares.sentence(), "words": shares.WORDS, "heads": table.columns, "rows": table.rows}
 
 
 @dataclass(frozen=True)
@@ -46,7 +107,7 @@ class PreloadReport:
         """Everything, ready for JSON."""
         names = self.layout.loads.si.cable_names
         return {
-            "rule": asdict(self.rule),
+            "rule": PreloadShares(self.rule).to_dict(),
             "no_ramps": self.no_ramps,
             "motor_reaches_Nm": self.motor_Nm,
             "ramps": [
@@ -103,32 +164,10 @@ class PreloadReport:
         return self.text()
 
     def _lines(self, width: int | None) -> Iterator[list[str]]:
-        rule = self.rule
-        where = "above" if rule.preload_N > rule.knee_N else "below"
-        yield filled(
-            f"Preload {rule.preload_N:.4g} N: {rule.slack_N:.3g} N keep all cables taut at the peak torque, beyond the "
-            f"knee at {rule.knee_N:.3g} N more buys little backlash (it stands {where} it), "
-            f"limits.preload_share_max allows {rule.most_N:.4g} N",
-            width,
-        )
-        rows = tuple(
-            (
-                f"{row.preload_N:.3g}",
-                f"{row.lowest_share:.0%}",
-                f"{row.swing_mrad:.4f}",
-                "none" if row.life_factor is None else f"{row.life_factor:.2g}",
-                f"{row.rope_Nm:.4f}",
-                f"{row.bearings_Nm:.4f}",
-            )
-            for row in rule.table
-        )
-        heads = ("preload N", "lowest tension", "swing mrad", "life, times", "rope N m", "bearings N m")
-        yield ReportTable(heads, rows).text(width, "  ")
-        yield filled(
-            "  lowest tension: at the peak torque, over the preload; swing: at a reversal of the test torque; rope, "
-            "bearings: friction at the drum without a load",
-            width,
-        )
+        shares = PreloadShares(self.rule)
+        yield filled(shares.sentence(), width)
+        yield shares.table().text(width, "  ")
+        yield filled(f"  {shares.WORDS}", width)
         yield [""]
         if not self.ramps:
             yield filled(f"No ramps: {self.no_ramps}", width)

@@ -15,6 +15,7 @@ from mbcdm_cad.report.losses import losses_shown
 from mbcdm_cad.report.page import content
 from mbcdm_cad.report.page.scene import Scene
 from mbcdm_cad.report.page.template import page_environment
+from mbcdm_cad.report.preload import preload_shown
 
 # Scripts in the order in which they run; those of the tables come first, so that they work before the 3D view is
 # loaded.
@@ -51,6 +52,7 @@ def report_page(report: Mapping[str, Any], view: Scene, figures: Mapping[str, An
             speed_chart=content.speed_chart(report),
             losses=losses_shown(report["losses"]),
             life=life_shown(report["life"]),
+            preload=preload_shown(report["preload"]),
             duty=duty_shown(report["duty"]),
             derived=content.derived(report, view.data["bodies"]),
             cables=content.cable_rows(report),
