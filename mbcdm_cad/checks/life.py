@@ -9,6 +9,7 @@ from __future__ import annotations
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, noted
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.layouts.base import Layout
+from mbcdm_cad.model.life.rope_bendings import MOST_BENDINGS
 
 _TEST_IT = "not shown: the generic figure shows no life; test the rope and state its life_anchor"
 
@@ -37,6 +38,9 @@ def life_shown(s: Layout) -> Comparison:
     first = found.first
     if first is None and wanted is None:
         return noted("the cables' life has no figure, and the design file wants none: cycles", 0.0, "", found.refused)
+    if first is None and found.longer:
+        what = f"bendings at which the data end, before the cables would break; {wanted:g} cycles wanted:"
+        return noted(what, MOST_BENDINGS, "bendings", _TEST_IT)
     if first is None:
         return at_least("cycles that are shown for the cables", 0.0, wanted or 0.0, "cycles", found.refused)
     low, what = first.reached(0.1), f"cycles after which one in ten {first.name} has broken"

@@ -10,12 +10,10 @@ import csv
 import io
 import re
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from math import degrees, isfinite
 from pathlib import Path
 from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
 
 from mbcdm_cad.design.blocks import DutyBlock, Loads
 from mbcdm_cad.design.source import read_text
@@ -64,30 +62,30 @@ def with_record(loads: Loads, path: Path, travel_deg: float) -> Loads:
     problems = _beyond(str(file), table, lines, loads.peak_torque_Nm, travel_deg)
     if problems:
         raise InputError(problems[:_MOST_LISTED])
-    columns = [tuple(column) for column in table.T.tolist()]
-    samples = DutySamples(duty.record, *columns)
+    samples = DutySamples(duty.record, *(tuple(column) for column in zip(*table, strict=True)))
     return replace(loads, duty=RecordedDuty(**{**vars(duty), "samples": samples}))
 
 
 def rows_of(name: str, path: Path) -> tuple[list[dict[str, float]], float]:
     """Rows of the same heat as the record, in its order, and its period, s: what sizing rules read in its place."""
     table, _ = _table(path.parent / name)
-    time, angle, torque = table.T
-    steps, speed = np.diff(time), np.abs(np.diff(angle)) / np.diff(time)
-    heat = (torque[1:] ** 2 + torque[1:] * torque[:-1] + torque[:-1] ** 2) / 3.0
-    part = np.minimum(((time[1:] - time[0]) / (time[-1] - time[0]) * _SIZING_ROWS).astype(int), _SIZING_ROWS - 1)
+    first, period = table[0][0], table[-1][0] - table[0][0]
+    parts: dict[int, list[tuple[float, float, float]]] = {}
+    for (begin, start, before), (end, stop, after) in pairwise(table):
+        part = min(int((end - first) / period * _SIZING_ROWS), _SIZING_ROWS - 1)
+        heat = (before * before + before * after + after * after) / 3.0
+        parts.setdefault(part, []).append((end - begin, abs(stop - start), heat))
     rows = []
-    for k in np.unique(part):
-        at = part == k
-        whole = float(steps[at].sum())
-        mean = float((steps[at] * speed[at]).sum()) / whole
-        load = float((steps[at] * heat[at]).sum() / whole) ** 0.5
-        rows.append({"torque_Nm": load, "share": whole / float(time[-1] - time[0]), "speed_deg_s": mean})
-    return rows, float(time[-1] - time[0])
+    for steps in parts.values():
+        whole = sum(step for step, _, _ in steps)
+        load = (sum(step * heat for step, _, heat in steps) / whole) ** 0.5
+        speed = sum(moved for _, moved, _ in steps) / whole
+        rows.append({"torque_Nm": load, "share": whole / period, "speed_deg_s": speed})
+    return rows, period
 
 
-def _table(file: Path) -> tuple[NDArray[np.float64], list[int]]:
-    """Time, angle and torque of each row, shape (n, 3), in s, deg, N m, and the rows' lines."""
+def _table(file: Path) -> tuple[list[list[float]], list[int]]:
+    """Time, angle and torque of each row, in s, deg, N m, and the rows' lines."""
     text = read_text(file, "record of a duty", "; loads.duty.record is relative to the design file")
     head = next((line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")), "")
     reader = csv.reader(io.StringIO(text), delimiter=";" if ";" in head else ",")
@@ -117,24 +115,12 @@ def _table(file: Path) -> tuple[NDArray[np.float64], list[int]]:
     if len(rows) < 2:
         remedy = f"begin it with {_HEAD} and write a line for each sample"
         raise InputError([Problem(str(file), 1, "", "too short", f"{len(rows)} samples", "2 samples or more", remedy)])
-    table = np.array(rows)
-    back = np.flatnonzero(np.diff(table[:, 0]) <= 0.0)
-    if back.size:
-        k = int(back[0]) + 1
-        raise InputError(
-            [
-                Problem(
-                    str(file),
-                    lines[k],
-                    "time",
-                    "does not grow",
-                    f"{table[k, 0]:g} s after {table[k - 1, 0]:g} s",
-                    "each time later than the one before",
-                    "sort the record and remove what is there twice",
-                )
-            ]
-        )
-    return table, lines
+    for k, (before, after) in enumerate(pairwise(rows), 1):
+        if after[0] <= before[0]:
+            what, limit = f"{after[0]:g} s after {before[0]:g} s", "each time later than the one before"
+            remedy = "sort the record and remove what is there twice"
+            raise InputError([Problem(str(file), lines[k], "time", "does not grow", what, limit, remedy)])
+    return rows, lines
 
 
 def _head(file: str, line: int, cells: list[str]) -> dict[str, tuple[int, float]]:
@@ -153,17 +139,16 @@ def _head(file: str, line: int, cells: list[str]) -> dict[str, tuple[int, float]
     return {name: found[name] for name in UNITS}
 
 
-def _beyond(
-    file: str, table: NDArray[np.float64], lines: list[int], peak_Nm: float, travel_deg: float
-) -> list[Problem]:
+def _beyond(file: str, table: list[list[float]], lines: list[int], peak_Nm: float, travel_deg: float) -> list[Problem]:
     """What the record asks beyond the design's peak torque and travel."""
     problems = []
-    worst = int(np.abs(table[:, 2]).argmax())
-    if abs(table[worst, 2]) > peak_Nm:
+    worst = max(range(len(table)), key=lambda k: abs(table[k][2]))
+    if abs(table[worst][2]) > peak_Nm:
         limit, remedy = f"loads.peak_torque_Nm {peak_Nm:g}", "raise loads.peak_torque_Nm, or correct the record"
-        value = f"{table[worst, 2]:g} N m"
+        value = f"{table[worst][2]:g} N m"
         problems.append(Problem(file, lines[worst], "torque", "more than the peak torque", value, limit, remedy))
-    span, high = float(np.ptp(table[:, 1])), int(table[:, 1].argmax())
+    low, high = (end(range(len(table)), key=lambda k: table[k][1]) for end in (min, max))
+    span = table[high][1] - table[low][1]
     if span > travel_deg * (1.0 + 1e-9):
         value, limit = f"{span:g} deg from end to end", f"{travel_deg:g} deg"
         remedy = "widen travel, or correct the record; an angle of the motor is no angle of the output"

@@ -144,10 +144,14 @@ def gearhead_share(given: KnownFields) -> float:
         return lasting_share(given)
     if not counts_losses(given):
         return 0.0
-    stated = given.get("loads.duty")
-    if not isinstance(stated, dict):
+    if not has_rows(given):
         return default_duty(1.0, 1.0, RATED_AT_C).lasting_torque_Nm
     return number(duty_of(given).lasting_torque_Nm / given["loads.peak_torque_Nm"])
+
+
+def has_rows(given: KnownFields) -> bool:
+    """Whether the file states a duty by which parts can be chosen."""
+    return bool((given.get("loads.duty") or {}).get("rows"))
 
 
 def duty_of(given: KnownFields) -> Duty:
@@ -188,7 +192,7 @@ def heat_margin(
     ``moving_mNm``, ``still_mNm``: of one input at the peak torque, with losses and without. Moving against the load
     counts for both ways. Files that count no losses are not sized by it.
     """
-    if not counts_losses(given) or not isinstance(given.get("loads.duty"), dict):
+    if not counts_losses(given) or not has_rows(given):
         return inf
     duty, heat = duty_of(given), motor_heat(Motor(name="", **motor))
     share = np.abs(duty.torque_Nm) / float(given["loads.peak_torque_Nm"])

@@ -65,6 +65,11 @@ class Life:
         return "" if self.first is not None else self.ropes[0].refused
 
     @property
+    def longer(self) -> bool:
+        """Whether the ropes without a figure have none because they outlive the data, and no other has one."""
+        return self.first is None and all(rope.longer for rope in self.ropes)
+
+    @property
     def generic(self) -> bool:
         """Whether it follows from no test of the rope itself."""
         return self.layout.drive.cable.life_anchor is None

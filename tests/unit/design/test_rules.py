@@ -23,6 +23,14 @@ BEARING = {
     "mass_g": 3.0,
     "source": "estimate",
 }
+MOTOR = {
+    "diameter_mm": 15.0,
+    "length_mm": 24.0,
+    "rated_torque_mNm": 2.9,
+    "rotor_inertia_g_cm2": 0.65,
+    "mass_g": 18.0,
+    "source": "a bench",
+}
 ROPE = {
     "construction": "7x7",
     "diameter_mm": 0.81,
@@ -99,7 +107,11 @@ def cables(**changes: dict[str, Any]) -> list[dict[str, Any]]:
         ({("rope", "type"): "FF-082"}, "rope.type", "did you mean FF-081?"),
         ({("drive", "motor"): "motor"}, "drive.motor", "not in the catalogue of motors"),
         ({("drive", "gearhead"): "none"}, "drive.gearhead", "motor-2.9mNm-15 has no face and shaft of its own"),
-        ({("drive", "bus_voltage_V"): 24.0}, "drive.bus_voltage_V", "no torque constant of motor-2.9mNm-15"),
+        (
+            {("drive", "bus_voltage_V"): 24.0, ("drive", "motor"): "mine", ("catalogue",): {"motors": {"mine": MOTOR}}},
+            "drive.bus_voltage_V",
+            "no torque constant of mine",
+        ),
         ({("drive", "drum_encoder"): "x"}, "drive.drum_encoder", "not in the catalogue of encoders"),
         ({("drum", "tensioner"): "M1.7"}, "drum.tensioner", "not in the catalogue of tensioners"),
         ({("input_pulleys", "upper_bearing"): "x"}, "input_pulleys.upper_bearing", "not in the catalogue of bearings"),

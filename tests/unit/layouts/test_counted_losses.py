@@ -102,4 +102,6 @@ def test_a_motor_that_is_too_weak_learns_how_strong_one_must_be() -> None:
 def test_the_file_that_init_writes_gets_a_drive_that_moves_its_torque(layout: str, asked: float) -> None:
     text = str(design_file(layout).starting).format(name="started")
     assert load_text(text).drive.loads.peak_torque_Nm == asked
-    assert moved_Nm(text.replace("losses: counted", "losses: paper")) < asked <= moved_Nm(text)
+    # The next motor of the catalogue may move it without being asked to.
+    lossless = moved_Nm(text.replace("losses: counted", "losses: paper"))
+    assert asked <= moved_Nm(text) and (lossless < asked or layout == "siso_spur"), lossless

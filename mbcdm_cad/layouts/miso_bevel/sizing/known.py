@@ -9,7 +9,6 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from mbcdm_cad.design.blocks import Making
 from mbcdm_cad.design.bought import (
     Gearhead,
     InsertSpec,
@@ -67,9 +66,6 @@ GROOVED_FLEET_DEG = 2.0
 # A lead that just clears the turn before it is raised by this share of the rope's diameter: stacked tolerances.
 LEAD_SPARE = 0.008
 LEAD_STEP_MM = 0.01
-# What the tolerance of the rope's diameter adds to it, over that tolerance: a span gains 0.85 of the lead, other
-# tolerances add a little, and the spare above is in it.
-THICKER_SPARE = 0.9
 
 
 @dataclass(frozen=True)
@@ -218,14 +214,10 @@ class BevelKnown(RopeKnown):
         return number(self["limits.fleet_angle_max_deg"])
 
     def clearing_lead_mm(self, input_radius_mm: float) -> float:
-        """Least lead at which the span clears the turn before it, at the largest fleet angle that is allowed.
-
-        The rope may be as thick as its tolerance allows.
-        """
+        """Least lead at which the span clears the turn before it, at the largest fleet angle that is allowed."""
         if self.get("input_pulleys.surface", "smooth") == "grooved":
             return self.grooved_lead_mm(input_radius_mm)
-        thicker = self.get("making.rope_diameter_share", Making.rope_diameter_share) * self.d_mm
-        return number(clearing_lead_mm(self.d_mm, input_radius_mm, self.fleet_limit_deg) + THICKER_SPARE * thicker)
+        return clearing_lead_mm(self.d_mm, input_radius_mm, self.fleet_limit_deg)
 
     @property
     def grooved_fleet_deg(self) -> float:

@@ -58,8 +58,6 @@ INPUT_LOSSES = 2.7
 INPUT_PRELOADS = (1.65, 1.41)
 # The same for the guide: four cables tilt it rather than push it aside, so the largest tension counts.
 GUIDE_TENSIONS = 1.85
-# The same where the guide runs quietly: static safety 2.
-QUIET = 2.0
 # The same for a drum's bearing, in tensions.
 DRUM_TENSIONS = (1.62, 1.23)
 # Radius of the drum's smallest land over the diameter of its shaft: the usual ratio, and that of a small drum with a
@@ -318,17 +316,13 @@ def _drum_encoder(given: BevelKnown) -> Found:
 
 
 def _guide_bearing(given: BevelKnown) -> Found:
-    return careful((QUIET, 1.0), partial(_guide_bearing_of, given))
-
-
-def _guide_bearing_of(given: BevelKnown, safety: float) -> Found:
     tension = GUIDE_TENSIONS * _tension_N(given)
     room = None
     if given.has("transmission.drum_radii_mm") and given.has("transmission.ratios.guide_to_drum"):
         room = 2 * (given.guide_mm[0] - given.d_mm / 2 - given.wall_mm("guide"))
 
     def margins(bearing: Entry) -> Margins:
-        found = {"guide_bearings": bearing["static_rating_N"] / (safety * tension) - 1.0}
+        found = {"guide_bearings": bearing["static_rating_N"] / tension - 1.0}
         # The axle bends under the bearings' load with a lever of about their bore.
         strength = given.entry("materials", "guide.axle_material")["yield_MPa"] / STRESS_SAFETY
         found["axle_stress"] = 0.1 * bearing["bore_mm"] ** 2 * strength / tension - 1.0

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from mbcdm_cad.checks.bending import ANCHOR_RATIO
 from mbcdm_cad.checks.input_pulley import SHOULDER_MM
+from mbcdm_cad.design.blocks import Making
 from mbcdm_cad.design.bought import TerminationSpec
 from mbcdm_cad.layouts.common_rules import LEAST_WIRE_RATIO, construction
 from mbcdm_cad.layouts.miso_bevel.sizing.known import LEAD_STEP_MM, STEPS, UNEVEN, BevelKnown
 from mbcdm_cad.parts.input_pulley.stop import neck_mm, widest_bend_mm
-from mbcdm_cad.sizing.arithmetic import greatest, least, number, significant
-from mbcdm_cad.sizing.rule import Found, Rule, driver_of, rounded_up
+from mbcdm_cad.sizing.arithmetic import greatest, least, number, radians, significant, sqrt, tan
+from mbcdm_cad.sizing.rule import Found, Rule, driver_of, rounded_down, rounded_up
 
 # Preload over the least at which no cable goes slack at peak torque, cables assumed equal.
 PRELOAD_FACTOR = 2.0
@@ -23,6 +24,9 @@ SWAGED_SHARE = 0.9
 STRENGTH_SPARE = 1.01
 # The same if the rope's strength limits the preload: the tension added by the peak torque is an estimate.
 HELD_SPARE = 1.02
+# What the tolerance of the rope's diameter adds to the lead, over that tolerance: a span gains 0.85 of the lead, other
+# tolerances add a little, and the spare of the clearing lead is in it.
+THICKER_SPARE = 0.9
 # Mean drum radius over that of step 1, before the steps are known.
 MEAN_OVER_FIRST = 1.1
 
@@ -87,12 +91,20 @@ def _preload(given: BevelKnown) -> Found:
 
 
 def _lead(given: BevelKnown) -> Found:
+    """Room for a rope as thick as its tolerance allows, as far as a stated centre distance leaves the fleet angle."""
     largest_input = greatest(*given.input_mm)
-    return Found(
-        rounded_up(given.clearing_lead_mm(largest_input), LEAD_STEP_MM),
-        "self_clearance_stack",
-        f"up to {LEAD_STEP_MM:g}",
-    )
+    clearing = given.clearing_lead_mm(largest_input)
+    lead = rounded_up(clearing, LEAD_STEP_MM)
+    if given.get("input_pulleys.surface", "smooth") == "grooved":
+        return Found(lead, "self_clearance", f"up to {LEAD_STEP_MM:g}")
+    thicker = given.get("making.rope_diameter_share", Making.rope_diameter_share) * given.d_mm
+    wanted = rounded_up(clearing + THICKER_SPARE * thicker, LEAD_STEP_MM)
+    if given.has("transmission.centre_distance_mm"):
+        across = greatest(*given.guide_mm) + largest_input
+        span = sqrt(greatest(given["transmission.centre_distance_mm"] ** 2 - across**2, 1e-6))
+        most = span * tan(radians(given.fleet_limit_deg)) / given.walk_mm(1.0)
+        wanted = greatest(lead, least(wanted, rounded_down(most, LEAD_STEP_MM)))
+    return Found(wanted, "self_clearance_stack", f"up to {LEAD_STEP_MM:g}")
 
 
 ROPE = (
@@ -110,9 +122,9 @@ PRELOAD = (
 LEAD = (
     Rule(
         "rope.helix_lead_mm",
-        "the least lead at which a span clears the turn wound before it at the largest fleet angle, the rope as thick "
-        "as its tolerance allows",
-        "self_clearance_stack",
+        "the least lead at which a span clears the turn wound before it at the largest fleet angle; room for a thicker "
+        "rope where the centre distance leaves it",
+        "self_clearance",
         _lead,
     ),
 )
