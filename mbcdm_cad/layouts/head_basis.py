@@ -140,7 +140,7 @@ def gearhead_share(given: KnownFields) -> float:
 
     Without a stated duty that of the assumed one; 0 for files that count no losses.
     """
-    if given.get("loads.continuous_torque_Nm") is not None:
+    if given.get("loads.continuous_torque_Nm") is not None or given.payload.weight_torque_Nm > 0.0:
         return lasting_share(given)
     if not counts_losses(given):
         return 0.0

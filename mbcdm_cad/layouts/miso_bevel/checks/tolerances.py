@@ -9,7 +9,6 @@ from math import ceil, floor, sqrt
 import numpy as np
 
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, noted
-from mbcdm_cad.checks.creep import needed_share
 from mbcdm_cad.checks.remedies import rounded
 from mbcdm_cad.checks.transfer import EDGE_BREAK_MM, body_gaps_mm
 from mbcdm_cad.layouts.miso_bevel import gap_tolerances as gaps
@@ -124,23 +123,28 @@ def pair_mismatch(s: BevelLayout) -> Comparison:
     k = int(np.argmax(change / [c.preload_N for c in s.drive.cables]))
     cable = s.drive.cables[k]
     stack = found[s.drive.input_names.index(cable.input_name)]
-    spare = 1.0 - s.once("preload needed", needed_share)
+    peak, left = s.drive.loads.peak_torque_Nm, []
+    for angle in (s.half_travel_rad, -s.half_travel_rad):
+        on_input, on_drum = s.wraps_rad(angle)
+        wound = si.with_(input_wrap_rad=on_input, drum_wrap_rad=on_drum)
+        left.append(solve_equilibrium(wound, np.array([peak, -peak])).tension_N.min(axis=1))
+    spare = float((np.min(left, axis=0) / si.preload_N).min())
     return at_most(
         f"by radii within their tolerances (RSS {stack.rss:.3g} mm, worst case {stack.worst_case:.3g} mm) "
         f"{cable.name} changes by {change[k]:.3g} N over the travel:",
         change[k] / cable.preload_N,
         spare,
         "of T_pre",
-        f"what the peak torque leaves before a cable is slack; largest share: {stack.costliest.name}",
+        f"what the peak torque leaves in the loosest cable; largest share: {stack.costliest.name}",
     )
 
 
 def _tighter(s: BevelLayout) -> str:
-    """The preload of which the peak torque and the tolerances together take all."""
+    """The preload that is larger by what the loosest cable lacks."""
     found = pair_mismatch(s)
     most = max(c.preload_N for c in s.drive.cables)
     return (
-        f"raise rope.preload_N to at least {rounded(most * (1.0 - found.limit + found.actual), ceil)}, or turn the "
+        f"raise rope.preload_N to about {rounded(most * (1.0 - found.limit + found.actual), ceil)}, or turn the "
         "lands of the input pulleys to a closer fit"
     )
 

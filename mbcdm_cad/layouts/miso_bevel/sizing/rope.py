@@ -7,6 +7,7 @@ from mbcdm_cad.checks.input_pulley import SHOULDER_MM
 from mbcdm_cad.design.blocks import Making
 from mbcdm_cad.design.bought import TerminationSpec
 from mbcdm_cad.layouts.common_rules import LEAST_WIRE_RATIO, construction
+from mbcdm_cad.layouts.head_basis import counts_losses
 from mbcdm_cad.layouts.miso_bevel.sizing.known import LEAD_STEP_MM, STEPS, UNEVEN, BevelKnown
 from mbcdm_cad.parts.input_pulley.stop import neck_mm, widest_bend_mm
 from mbcdm_cad.sizing.arithmetic import greatest, least, number, radians, significant, sqrt, tan
@@ -95,7 +96,8 @@ def _lead(given: BevelKnown) -> Found:
     largest_input = greatest(*given.input_mm)
     clearing = given.clearing_lead_mm(largest_input)
     lead = rounded_up(clearing, LEAD_STEP_MM)
-    if given.get("input_pulleys.surface", "smooth") == "grooved":
+    # Files that reckon as the paper does keep its lead.
+    if given.get("input_pulleys.surface", "smooth") == "grooved" or not counts_losses(given):
         return Found(lead, "self_clearance", f"up to {LEAD_STEP_MM:g}")
     thicker = given.get("making.rope_diameter_share", Making.rope_diameter_share) * given.d_mm
     wanted = rounded_up(clearing + THICKER_SPARE * thicker, LEAD_STEP_MM)
