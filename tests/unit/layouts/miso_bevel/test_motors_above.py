@@ -52,7 +52,7 @@ def drive_of(**fields: Any) -> BevelDrive:
 
 @pytest.fixture(scope="module")
 def drive() -> BevelDrive:
-    return drive_of()
+    return drive_of(motor="motor-2.9mNm-15", gearhead="gearhead-141-16")
 
 
 @pytest.fixture(scope="module")
