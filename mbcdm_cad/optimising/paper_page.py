@@ -122,12 +122,14 @@ def _others(found: dict[str, Evaluated], built: dict[str, dict[str, Any]]) -> It
     yield ""
     yield "## Built with CAD"
     yield ""
+    yield "From the reports of the builds; a later state of the rules may size a design a little otherwise."
+    yield ""
     yield from ReportTable(
         ("design", "mass estimated, g", "mass of the solids, g", "clashes", "checks that fail"),
         tuple(
             (
                 name,
-                _shown(found[name].figures["mass_g"]),
+                _shown(next(check["actual"] for check in report["checks"] if check["id"] == "mass_estimate")),
                 _shown(report["mass"]["mass_g"]),
                 len(report["interference"]["clashes"]),
                 sum(check["status"] == "fail" for check in report["checks"]),
