@@ -77,7 +77,7 @@ def intervals(
             raise ModelError(f"sigma of {name}: {np.min(sizes[name]):g} is below 0")
     rng = np.random.default_rng(seed)
     random = {k: size[:, None] * rng.standard_normal((size.size, draws)) for k, size in sizes.items()}
-    drawn = analyse_many(*_shifted(d, need, random, draws))
+    drawn = analyse_many(*shifted(d, need, random, draws))
     lost = 1.0 - float(np.mean(drawn.valid))
     if lost > 0.01:
         raise ModelError(
@@ -90,7 +90,7 @@ def intervals(
     for at, (name, row) in enumerate(steps):
         step = STEP_SIGMA * sizes[name][row]
         shift[name][row, 1 + 2 * at], shift[name][row, 2 + 2 * at] = step, -step
-    around = _all_figures(analyse_many(*_shifted(d, need, shift, 1 + 2 * len(steps))), d.cable_names)
+    around = _all_figures(analyse_many(*shifted(d, need, shift, 1 + 2 * len(steps))), d.cable_names)
     found = {}
     for name, values in _all_figures(drawn, d.cable_names).items():
         values = values[drawn.valid]
@@ -102,7 +102,8 @@ def intervals(
     return found
 
 
-def _shifted(d: DriveSI, need: Requirements, shift: Mapping[str, Floats], n: int) -> tuple[DriveSI, Requirements]:
+def shifted(d: DriveSI, need: Requirements, shift: Mapping[str, Floats], n: int) -> tuple[DriveSI, Requirements]:
+    """``n`` designs from one: ``shift`` has the changes of parameters by name, (n_cables, n) or (1, n)."""
     fields, asked = {}, {}
     own = by_cable(d)
     for name, change in shift.items():

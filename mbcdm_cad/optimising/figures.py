@@ -18,6 +18,7 @@ from mbcdm_cad.model.analysis import PeakTorques, peak_torques, reversal_swing_m
 from mbcdm_cad.model.capability import torque_to_weight_Nm_kg
 from mbcdm_cad.parts.cost import NoPriceError, bought_cost_EUR, material_cost_EUR
 from mbcdm_cad.report.structure import StructureReport, structure_report
+from mbcdm_cad.optimising.spread import Spread, percentile_of
 from mbcdm_cad.solving.trials import checks_by_id
 
 if TYPE_CHECKING:
@@ -75,6 +76,11 @@ class Facts:
         # The check of the box has worked it out; it is kept with the design.
         self.checks["envelope_x"].measure(self.layout)
         return self.layout.once("box_mm", _no_box)
+
+    @cached_property
+    def spread(self) -> Spread:
+        """Figures over the drives that the design gives."""
+        return Spread(self)
 
     @property
     def life_cycles(self) -> float:
@@ -202,9 +208,12 @@ FIGURES: dict[str, DesignFigure] = {
 
 def figure(facts: Facts, name: str) -> float:
     """A figure by its name, the id of a check or the dotted name of a field; NaN where the design has none."""
+    percentile = percentile_of(name)
     try:
         if name in FIGURES:
             value = FIGURES[name].of(facts)
+        elif percentile is not None:
+            value = facts.spread.percentile(*percentile)
         elif name in facts.checks:
             value = facts.checks[name].measure(facts.layout).actual
         else:
@@ -218,7 +227,8 @@ def figure(facts: Facts, name: str) -> float:
 
 def unit_of(name: str) -> str:
     """The unit of a figure; empty where its name tells it."""
-    return FIGURES[name].unit if name in FIGURES else ""
+    base = (percentile_of(name) or (name,))[0]
+    return FIGURES[base].unit if base in FIGURES else ""
 
 
 def refuse_unknown(names: Iterable[str], questions: Iterable[Question]) -> None:
@@ -227,7 +237,7 @@ def refuse_unknown(names: Iterable[str], questions: Iterable[Question]) -> None:
         checks = checks_by_id(question)
         for name in names:
             node = question.file.node_at(tuple(name.split("."))) or {}
-            if name in FIGURES or name in checks or node.get("type") in ("number", "integer"):
+            if name in FIGURES or percentile_of(name) or name in checks or node.get("type") in ("number", "integer"):
                 continue
             near = did_you_mean(name, [*FIGURES, *checks])
             listed = near if near.startswith("did you") else "one of " + ", ".join(FIGURES)

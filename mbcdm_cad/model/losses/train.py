@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -40,7 +41,7 @@ class BearingPair:
     """The two bearings of a body, which turns ``turns`` times for a turn of the drum.
 
     ``per_tension``: their radial loads for 1 N in each cable, shape (2, 3, n_cables). ``bores_m`` of both; ``axial_N``
-    on each. ``input_index``: the input whose body it is, None for drum and passed bodies.
+    on each. ``input_index``: the input whose body it is, None for drum and passed bodies. ``factor`` on their friction.
     """
 
     name: str
@@ -49,12 +50,14 @@ class BearingPair:
     per_tension: Floats
     axial_N: float = 0.0
     input_index: int | None = None
+    factor: Floats | float = 1.0
 
     def torque_Nm(self, tension_N: Floats) -> Floats:
         """Friction of both while they run, about the body's axis, for tensions (n_cables, ...)."""
         radial = np.linalg.norm(np.tensordot(self.per_tension, tension_N, axes=1), axis=1)
         return np.asarray(
-            sum(friction.bearing_torque_Nm(r, self.axial_N, d) for r, d in zip(radial, self.bores_m, strict=True))
+            self.factor
+            * sum(friction.bearing_torque_Nm(r, self.axial_N, d) for r, d in zip(radial, self.bores_m, strict=True))
         )
 
 
@@ -133,8 +136,9 @@ class Backdrive:
 
 @dataclass(frozen=True, eq=False)
 class Train:
-    """Friction of a whole drive; torques in N m.
+    """Friction of a whole drive, or of a batch of n drives with one load each; torques in N m.
 
+    For a batch ``d`` is one, shares of the rope are (n_cables, n), and all other figures numbers or (n,).
     ``gear_share``: loss of a gearhead over its output torque; ``gear_idle_Nm``: torque at its output that turns it
     unloaded; ``motor_idle_Nm``: friction of a motor, ``motor_sigma`` of its logarithm.
     """
@@ -144,9 +148,9 @@ class Train:
     bearings: tuple[BearingPair, ...]
     fibre: bool
     gear_ratio: float
-    gear_share: float
-    gear_idle_Nm: float
-    motor_idle_Nm: float
+    gear_share: Any
+    gear_idle_Nm: Any
+    motor_idle_Nm: Any
     motor_sigma: float = friction.MOTOR_IDLE_SIGMA
 
     @property
@@ -164,7 +168,7 @@ class Train:
         sense = way * np.where(load < 0.0, -1.0, 1.0)
         at = solve_equilibrium(self.d, load)
         rope, bearings = self._rope_losses(at.tension_N), self._bearing_losses(at.tension_N)
-        turns = self.d.input_turns[:, None]
+        turns = self.d.column(self.d.input_turns, 2)
         at_inputs = sum(sum_per_input_size(self.d, bend.share, at.tension_N) for bend in self.rope)
         at_input = sense * at.input_torque_Nm(self.d) + at_inputs + self._bearings_at_inputs(at.tension_N)
         lost = self.gear_share * np.abs(at_input)
@@ -217,20 +221,20 @@ class Train:
 
     def _raised(self, given: Floats, direction: int) -> Floats:
         output = given.reshape(-1)
-        d, idle = self.d, self._unloaded.tension_N[:, None]
-        n = d.n_inputs
-        wide, lever = d.lifted((n, len(output))), d.column(d.sigma * d.drum_radius_m, 3)
-        spent = direction * sum_per_input(d, idle, d.column(d.input_radius_m, 2))
+        d, n = self.d, self.d.n_inputs
+        wide, sense, radius = d.lifted((n, output.size)), d.column(d.sigma, 2), d.column(d.input_radius_m, 2)
+        lever, idle = d.column(d.sigma, 3) * wide.drum_radius_m, d.column(self._unloaded.tension_N, 2)
+        spent = direction * sum_per_input(d, idle, radius)
         spent = spent + sum_per_input_size(d, self.rope_share, idle)
         # One case for each input, which carries the load alone as far as its motor is concerned.
         pulled = np.stack([d.of_input(i) for i in range(n)], axis=1)
-        weight = ((d.sigma + direction * self.rope_share) * d.input_radius_m)[:, None] * pulled
-        tension = np.broadcast_to(idle[:, None], (d.n_cables, n, len(output)))
+        weight = ((sense + direction * d.column(self.rope_share, 2)) * radius)[:, None] * pulled[:, :, None]
+        tension = np.broadcast_to(idle[:, None], (d.n_cables, n, output.size))
         # The friction of the bearings follows the tensions, which it hardly changes: two steps are enough.
         for _ in range(2):
             limit = output - np.stack([self._bearings_at_inputs(tension[:, i])[i] for i in range(n)])
             moves = limit > spent
-            tension = solve_weighted(wide, weight[:, :, None], direction * np.where(moves, limit, spent)).tension_N
+            tension = solve_weighted(wide, weight, direction * np.where(moves, limit, spent)).tension_N
         load = direction * (lever * tension).sum(axis=0)
         return np.where(moves, load, 0.0).reshape(n, *given.shape)
 
@@ -252,7 +256,7 @@ class Train:
     @property
     def _idle(self) -> tuple[Loss, Loss]:
         """What gearheads and motors lose without load, at the drum."""
-        turns = float(np.sum(self.d.input_turns))
+        turns = self.d.input_turns.sum(axis=0)
         motors = turns * self.gear_ratio * self.motor_idle_Nm
         return (
             Loss(
@@ -295,7 +299,8 @@ class Train:
 def sum_per_input_size(d: DriveSI, share: Floats, tension_N: Floats) -> Floats:
     """sum_j share_j T_j r_ij over the cables of each input, whichever way they pull, (n_inputs, ...)."""
     ndim = tension_N.ndim
-    return sum_per_input(d, tension_N, d.column(d.sigma * share * d.input_radius_m, ndim))
+    size = d.column(share, ndim) * d.column(d.input_radius_m, ndim)
+    return sum_per_input(d, tension_N, d.column(d.sigma, ndim) * size)
 
 
 def _spread(loss: Loss, load_Nm: Floats) -> Loss:
