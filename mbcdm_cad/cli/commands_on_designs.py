@@ -176,6 +176,12 @@ def solve(design: Path, apply: Path | None, as_json: bool) -> int:
     help="One more field to choose, of A,B,... or LOW..HIGH; without it those that solve may change.",
 )
 @click.option("--only-free", is_flag=True, help="Choose only fields of --free and ranges of the file.")
+@click.option(
+    "--over",
+    type=click.Choice(["tolerances"]),
+    default=None,
+    help="Take of each figure the value that 95 % of the drives reach, as made.",
+)
 @TIME
 @click.option("--evaluations", type=int, metavar="N", default=None, help="Stop after this number of designs.")
 @WORKERS
@@ -192,7 +198,7 @@ def optimise(requirements: Sequence[Path], out: Path, as_json: bool, **asked: An
     if no design passes.
     """
     effort = api.Effort(*(asked[name] for name in ("evaluations", "time_s", "workers", "resume", "scheduler")))
-    wishes = {name: asked[name] for name in ("keeps", "free", "only_free")}
+    wishes = {name: asked[name] for name in ("keeps", "free", "only_free", "over")}
     with progress_of_search() as told:
         found = api.optimise(requirements, asked["aims"], out, **wishes, effort=effort, progress=told)
     if as_json:

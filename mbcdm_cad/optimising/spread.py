@@ -1,8 +1,8 @@
 """Figures over the drives that one design gives: tolerances, friction, modulus and losses differ from drive to drive.
 
-``swing_mrad_p95`` is what 95 % of the drives stay below, ``torque_Nm_p5`` what 95 % of them reach. The draws are a Latin
-hypercube (McKay, Beckman, Conover, 1979) of normal laws. Each uncertain quantity has its own column, found by its name,
-so that every design sees the same draws (common random numbers) and differences between designs are not noise.
+``swing_mrad_p95`` is what 95 % of the drives stay below, ``torque_Nm_p5`` what 95 % of them reach. The draws are a
+Latin hypercube (McKay, Beckman, Conover, 1979) of normal laws. Each uncertain quantity has its own column, found by its
+name, so that every design sees the same draws (common random numbers) and differences between designs are not noise.
 """
 
 from __future__ import annotations
@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.model.backlash import drum_backlash
 from mbcdm_cad.model.capability import (
     input_ratings_Nm,

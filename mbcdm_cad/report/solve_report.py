@@ -5,6 +5,7 @@ The command line prints it, the Python API returns it.
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -80,6 +81,10 @@ class SolveReport:
         for line in self.patch.splitlines():
             code = {"+": "32", "-": "31", "@": "36"}.get(line[:1]) if colour else None
             yield f"\x1b[{code}m{line}\x1b[0m" if code else line
+        if found.question.ranges:
+            # Who leaves a range open often wants the best within it.
+            yield ""
+            yield f"This is the nearest design; the best one finds: mbcdm optimise {shlex.quote(name)} --aim mass_g:min"
 
     def to_dict(self) -> dict[str, Any]:
         """What ``mbcdm solve --json`` prints."""

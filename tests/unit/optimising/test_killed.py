@@ -20,7 +20,7 @@ ENDED_AT = 24
 
 def command(folder: Path, out: str, *more: str) -> list[str]:
     words = ["optimise", str(folder / "drive.yaml"), "--aim", "mass_g:min", "--aim", "swing_mrad:min"]
-    words += ["--evaluations", str(ENDED_AT), "--out", str(folder / out), *more]
+    words += ["--over", "tolerances", "--evaluations", str(ENDED_AT), "--out", str(folder / out), *more]
     return [sys.executable, "-m", "mbcdm_cad", *words]
 
 
