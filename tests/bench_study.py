@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import multiprocessing
 import sys
 import time
 from collections.abc import Iterator
@@ -24,7 +23,7 @@ from typing import Any
 import numpy as np
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT / "tests" / "support"))
+sys.path[:0] = [str(ROOT / "tests" / "support"), str(ROOT)]
 
 from bench_data import through_files  # noqa: E402
 from bench_page import page, summary  # noqa: E402
@@ -34,6 +33,7 @@ from bench_separable import separability  # noqa: E402
 
 from mbcdm_cad.design.drive import Drive  # noqa: E402
 from mbcdm_cad.layouts.loader import load_design  # noqa: E402
+from tests.support.many import add_workers, run_many  # noqa: E402
 
 DESIGN = ROOT / "params" / "mbcdm.yaml"
 # Of 800 runs 200 effect-free, 300 with one effect, 150 with two, 50 with three, and 100 with a cause that has no name.
@@ -130,7 +130,7 @@ def main() -> None:
     parser.add_argument("--only", default="", help="cases, groups or beginnings of names, separated by commas")
     parser.add_argument("--runs", type=int, default=15, help="how many runs the study has, those in the store included")
     parser.add_argument("--first-seed", type=int, default=0)
-    parser.add_argument("--jobs", type=int, default=1)
+    add_workers(parser)
     parser.add_argument("--store", type=Path, default=ROOT / "out" / "bench-study.jsonl")
     parser.add_argument("--table", type=Path, help="Markdown page to write")
     options = parser.parse_args()
@@ -140,8 +140,8 @@ def main() -> None:
     done = {(r["case"], r["seed"]) for r in rows}
     wanted = [task for task in islice(tasks(words, options.first_seed), options.runs) if task not in done]
     if wanted:
-        with options.store.open("a") as kept, multiprocessing.get_context("spawn").Pool(options.jobs) as pool:
-            for row in pool.imap_unordered(judge, wanted):
+        with options.store.open("a") as kept:
+            for row in run_many(judge, wanted, options):
                 rows.append(row)
                 kept.write(json.dumps(row) + "\n")
                 kept.flush()

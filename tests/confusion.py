@@ -1,6 +1,6 @@
 """How often the loop names the right effect: simulated runs of many cases and seeds, and the loop's findings.
 
-    python tests/confusion.py --seeds 20 --jobs 2 --table docs/loop-confusion.md     the whole study
+    python tests/confusion.py --seeds 20 --workers 2 --table docs/loop-confusion.md     the whole study
     python tests/confusion.py --only null,pulley_guide --seeds 5                     a few cases
     python tests/confusion.py --make DIR --case NAME --seed N     write one run (CSV, measurement file, truth) and stop
     python tests/confusion.py --list                              names of the cases
@@ -16,7 +16,6 @@ from __future__ import annotations
 import argparse
 import hashlib
 import json
-import multiprocessing
 import subprocess
 import sys
 import tempfile
@@ -24,13 +23,14 @@ import time
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT / "tests" / "support"))
+sys.path[:0] = [str(ROOT / "tests" / "support"), str(ROOT)]
 
 from bench_data import CASES, simulate_case, write_case, write_run  # noqa: E402
 from bench_score import Score, label, outcome_of, said_of, values_of  # noqa: E402
 from bench_tables import aims_table, matrix, outcome_table, value_table  # noqa: E402
 
 from mbcdm_cad.layouts.loader import load_design  # noqa: E402
+from tests.support.many import add_workers, run_many  # noqa: E402
 
 DESIGN = ROOT / "params" / "mbcdm.yaml"
 STORE = ROOT / "out" / "confusion.jsonl"
@@ -105,38 +105,36 @@ def state_of_code() -> str:
     return digest.hexdigest()[:16]
 
 
-def study(
-    cases: list[str], seeds: int, twins: int, jobs: int, store: Path, fresh: bool, quiet: bool, judged_only: bool
-) -> list[Score]:
+def study(cases: list[str], options: argparse.Namespace) -> list[Score]:
     """Judge every case and seed that the store does not hold yet; all scores, in order of case and seed.
 
     ``judged_only`` judges none and gives those of a study that was stopped.
     """
     code = state_of_code()
-    store.parent.mkdir(parents=True, exist_ok=True)
+    options.store.parent.mkdir(parents=True, exist_ok=True)
     done: dict[tuple[str, int], Score] = {}
-    if store.exists() and not fresh:
-        for line in store.read_text().splitlines():
+    if options.store.exists() and not options.fresh:
+        for line in options.store.read_text().splitlines():
             kept = json.loads(line)
             if kept.pop("code") == code:
                 done[kept["case"], kept["seed"]] = Score(**kept)
-    wanted = [(case, seed) for case in cases for seed in range(seeds)]
+    wanted = [(case, seed) for case in cases for seed in range(options.seeds)]
     tasks = (
         []
-        if judged_only
+        if options.judged_only
         else [
-            (c, s, s < twins, s == 0 and k % COMMAND_LINE_EVERY == 0)
-            for s in range(seeds)
+            (c, s, s < options.twins, s == 0 and k % COMMAND_LINE_EVERY == 0)
+            for s in range(options.seeds)
             for k, c in enumerate(cases)
             if (c, s) not in done
         ]
     )
-    with store.open("w" if fresh else "a") as kept_file, multiprocessing.get_context("spawn").Pool(jobs) as pool:
-        for score in pool.imap_unordered(_task, tasks):
+    with options.store.open("w" if options.fresh else "a") as kept_file:
+        for score in run_many(_task, tasks, options):
             done[score.case, score.seed] = score
             kept_file.write(json.dumps({"code": code, **score.as_dict()}) + "\n")
             kept_file.flush()
-            if not quiet:
+            if not options.quiet:
                 print(
                     f"{score.case:20s} {score.seed:3d} {score.outcome:12s} {score.seconds:5.1f} s  true: {score.true}; "
                     f"said: {score.said} {score.note}",
@@ -184,7 +182,7 @@ def main() -> None:
     parser.add_argument("--only", default="", help="cases or groups, separated by commas")
     parser.add_argument("--seeds", type=int, default=5)
     parser.add_argument("--twins", type=int, default=3)
-    parser.add_argument("--jobs", type=int, default=1)
+    add_workers(parser)
     parser.add_argument("--store", type=Path, default=STORE)
     parser.add_argument("--fresh", action="store_true")
     parser.add_argument("--judged-only", action="store_true", help="tables of what a study that was stopped has judged")
@@ -199,16 +197,7 @@ def main() -> None:
         return
     asked = [word for word in options.only.split(",") if word]
     cases = [name for name, case in CASES.items() if not asked or name in asked or case.group in asked]
-    scores = study(
-        cases,
-        options.seeds,
-        options.twins,
-        options.jobs,
-        options.store,
-        options.fresh,
-        options.quiet,
-        options.judged_only,
-    )
+    scores = study(cases, options)
     only = f" --only {options.only}" if options.only else ""
     text = document(scores, f"python tests/confusion.py{only} --seeds {options.seeds} --twins {options.twins}")
     if options.table:

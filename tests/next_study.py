@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import multiprocessing
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -22,7 +21,7 @@ from typing import Any
 import numpy as np
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT / "tests" / "support"))
+sys.path[:0] = [str(ROOT / "tests" / "support"), str(ROOT)]
 
 from bench_data import Simulated, drum_angle, stream, through_files  # noqa: E402
 from bench_effects import Effect  # noqa: E402
@@ -36,6 +35,7 @@ from mbcdm_cad.layouts.loader import load_design  # noqa: E402
 from mbcdm_cad.loop.search.engine import close_loop  # noqa: E402
 from mbcdm_cad.planning.next_run import USELESS, next_run  # noqa: E402
 from mbcdm_cad.rig.quasistatic.experiment import Experiment  # noqa: E402
+from tests.support.many import add_workers, run_many  # noqa: E402
 
 DRIVE = load_design(ROOT / "params" / "mbcdm.yaml").drive
 PAGE = """# Does the proposed run settle a set?
@@ -174,7 +174,7 @@ def main() -> None:
     parser.add_argument("--cases", default="", help="cases of tests/support/bench_real.py, separated by commas")
     parser.add_argument("--seeds", default="0:0", help="first and last, as 41000:41010; the last is not made")
     parser.add_argument("--store", type=Path, default=ROOT / "out" / "next-study.jsonl")
-    parser.add_argument("--jobs", type=int, default=1)
+    add_workers(parser)
     parser.add_argument("--table", type=Path, help="Markdown page to write")
     options = parser.parse_args()
     rows = [json.loads(line) for line in options.store.read_text().splitlines()] if options.store.exists() else []
@@ -183,8 +183,8 @@ def main() -> None:
     cases = [case for case in options.cases.split(",") if case]
     wanted = [(case, seed) for seed in range(first, last) for case in cases if (case, seed) not in done]
     options.store.parent.mkdir(parents=True, exist_ok=True)
-    with options.store.open("a") as kept, multiprocessing.get_context("spawn").Pool(options.jobs) as pool:
-        for row in pool.imap_unordered(judged, wanted):
+    with options.store.open("a") as kept:
+        for row in run_many(judged, wanted, options):
             rows.append(row)
             kept.write(json.dumps(row) + "\n")
             kept.flush()

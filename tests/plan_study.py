@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT / "tests" / "support"))
+sys.path[:0] = [str(ROOT / "tests" / "support"), str(ROOT)]
 
 from bench_data import Simulated, drum_angle, stream, through_files  # noqa: E402
 from bench_effects import ALL, Effect  # noqa: E402
@@ -39,6 +39,7 @@ from mbcdm_cad.layouts.loader import load_design  # noqa: E402
 from mbcdm_cad.loop.search.engine import close_loop  # noqa: E402
 from mbcdm_cad.measurement.run import Run  # noqa: E402
 from mbcdm_cad.planning.plan import noise_from, plan_of  # noqa: E402
+from tests.support.many import add_workers, run_many  # noqa: E402
 
 DRIVE = load_design(ROOT / "params" / "mbcdm.yaml").drive
 POWERS = (0.5, 0.9)
@@ -118,11 +119,12 @@ def stand(number: int) -> Stand:
     return Stand(number, traits, tracked(bench, RATIO, traits, stream("plan", number, "tracking")))
 
 
-def judged(number: int, labels: list[str], done: set[tuple[int, str, float]]) -> Iterator[dict[str, Any]]:
-    """These effects at every promised power on one bench, but for what is done."""
-    wanted = [(label, power) for label in labels for power in POWERS if (number, label, power) not in done]
-    if not wanted:
-        return
+def judged(task: tuple[int, list[tuple[str, float]]]) -> list[dict[str, Any]]:
+    """The rows of one bench with the effects and promised powers that are wanted there."""
+    return list(_judged(*task))
+
+
+def _judged(number: int, wanted: list[tuple[str, float]]) -> Iterator[dict[str, Any]]:
     one = stand(number)
     pilot = one.read((), "pilot")
     noise = noise_from(DRIVE, pilot)
@@ -218,15 +220,19 @@ def main() -> None:
     parser.add_argument("--only", default="", help="words of which one is in the name of each effect, by commas")
     parser.add_argument("--store", type=Path, default=ROOT / "out" / "plan-study.jsonl")
     parser.add_argument("--table", type=Path, help="Markdown page to write")
+    add_workers(parser)
     options = parser.parse_args()
     options.store.parent.mkdir(parents=True, exist_ok=True)
     rows = [json.loads(line) for line in options.store.read_text().splitlines()] if options.store.exists() else []
     done = {(r["bench"], r["effect"], r["power"]) for r in rows}
     labels = [label for label in EFFECTS if any(word in label for word in options.only.split(","))]
     first, last = (int(word) for word in options.benches.split(":"))
+    each = [(label, power) for label in labels for power in POWERS]
+    wanted = {number: [one for one in each if (number, *one) not in done] for number in range(first, last)}
+    tasks = [(number, effects) for number, effects in wanted.items() if effects]
     with options.store.open("a") as kept:
-        for number in range(first, last):
-            for row in judged(number, labels, done):
+        for bench in run_many(judged, tasks, options):
+            for row in bench:
                 rows.append(row)
                 kept.write(json.dumps(row) + "\n")
                 kept.flush()

@@ -37,7 +37,8 @@ from random_generator import LAYOUTS, failing, load, requirements
 
 from mbcdm_cad.errors import InputError
 from tests.support import layout_bound
-from tests.support.reach_proof import proof, summary
+from tests.support.many import add_workers, run_many
+from tests.support.reach_proof import Proof, proof, summary
 
 # Requirements that are numbers: (block, field).
 NUMBERS = (
@@ -66,9 +67,16 @@ class Reached:
         return not self.failed and not self.refused
 
 
-def reach(seed: int, layout: str = "miso_bevel") -> Reached:
-    """One seed, sized and checked."""
+def reach(task: tuple[int, str]) -> Reached:
+    """One seed of a layout, sized and checked."""
+    seed, layout = task
     return judged(seed, requirements(seed, LAYOUTS[layout]))
+
+
+def proved(task: tuple[Reached, bool]) -> Proof:
+    """Whether the requirements of a file that does not pass exclude each other; with a search too if wanted."""
+    reached, searched = task
+    return proof(reached.seed, reached.data, searched=searched)
 
 
 def judged(seed: int, data: dict[str, Any]) -> Reached:
@@ -207,9 +215,10 @@ def main() -> int:
     parser.add_argument("--edits", action="store_true", help="edit what passes by a tenth")
     parser.add_argument("--prove", choices=("bound", "all"), help="what excludes each other in the files that fail")
     parser.add_argument("--build", type=int, default=0, metavar="N", help="build the first N that pass")
+    add_workers(parser)
     args = parser.parse_args()
     seeds = [args.only] if args.only is not None else range(args.seed, args.seed + args.count)
-    found = [reach(seed, args.layout) for seed in seeds]
+    found = list(run_many(reach, [(seed, args.layout) for seed in seeds], args))
     if args.save:
         args.save.mkdir(parents=True, exist_ok=True)
         for r in found:
@@ -227,7 +236,7 @@ def main() -> int:
         print("\n".join(["", *excluded(args.layout, found)]))
     elif args.prove:
         rest = [r for r in found if not r.passes]
-        proofs = [proof(r.seed, r.data, searched=args.prove == "all") for r in rest]
+        proofs = list(run_many(proved, [(r, args.prove == "all") for r in rest], args))
         print("\n".join(["", *summary(len(found) - len(rest), len(found), proofs)]))
     faults = 0
     for r in [r for r in found if r.passes][: args.build]:

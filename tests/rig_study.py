@@ -1,6 +1,6 @@
 """Findings of the loop on every experiment of the rig's library, compared with the truth, which the loop never reads.
 
-    python tests/rig_study.py --jobs 2 --table docs/loop-on-rig.md      all experiments of params/experiments
+    python tests/rig_study.py --workers 2 --table docs/loop-on-rig.md      all experiments of params/experiments
     python tests/rig_study.py --only null-long-brake,out-wear           a few
 
 The rig shares no code with the model that the loop uses. ``--noise N`` runs each N times with different noise.
@@ -15,7 +15,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import multiprocessing
 import sys
 import tempfile
 import time
@@ -31,10 +30,12 @@ if TYPE_CHECKING:
     from mbcdm_cad.rig.quasistatic.experiment import Experiment
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT / "tests" / "support"))
+sys.path[:0] = [str(ROOT / "tests" / "support"), str(ROOT)]
 
 from bench_effects import Effect  # noqa: E402
 from bench_score import label, outcome_of, said_of  # noqa: E402
+
+from tests.support.many import add_workers, run_many  # noqa: E402
 
 DESIGN = ROOT / "params" / "mbcdm.yaml"
 LIBRARY = ROOT / "params" / "experiments"
@@ -169,7 +170,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--only", help="names of experiments, with commas")
     parser.add_argument("--noise", type=int, default=1, help="runs of each, with other noise")
-    parser.add_argument("--jobs", type=int, default=1, help="processes")
+    add_workers(parser)
     parser.add_argument("--first-noise", type=int, default=0, help="number of the first noise; 0 is that of the files")
     parser.add_argument("--store", type=Path, help="JSON lines of what was judged")
     parser.add_argument("--table", type=Path, help="Markdown file to write")
@@ -180,15 +181,12 @@ def main() -> int:
     done = {(row.experiment, row.noise) for row in rows}
     noises = range(options.first_noise, options.first_noise + options.noise)
     tasks = [(name, noise) for noise in noises for name in names if (name, noise) not in done]
-    with multiprocessing.get_context("spawn").Pool(options.jobs) as pool:
-        for row in pool.imap(judge, tasks):
-            rows.append(row)
-            if options.store:
-                with options.store.open("a") as kept:
-                    kept.write(json.dumps(asdict(row)) + "\n")
-            print(
-                f"{'ok ' if row.right else 'NO '} {row.experiment:32s} true: {row.true}; said: {row.said}", flush=True
-            )
+    for row in run_many(judge, tasks, options):
+        rows.append(row)
+        if options.store:
+            with options.store.open("a") as kept:
+                kept.write(json.dumps(asdict(row)) + "\n")
+        print(f"{'ok ' if row.right else 'NO '} {row.experiment:32s} true: {row.true}; said: {row.said}", flush=True)
     print(f"{sum(row.right for row in rows)} of {len(rows)} right")
     if options.table:
         command = "python tests/rig_study.py" + (f" --noise {options.noise}" if options.noise > 1 else "")

@@ -11,7 +11,7 @@ from types import TracebackType
 from typing import Any, Protocol, Self, TypeVar
 
 from mbcdm_cad.errors import MbcdmError
-from mbcdm_cad.parallel.forks import may_fork
+from mbcdm_cad.parallel.forks import allow_processes, may_fork
 
 Argument = TypeVar("Argument")
 Result = TypeVar("Result")
@@ -95,7 +95,7 @@ class LocalCrew:
 
             _worker_function = self._function
             fork = multiprocessing.get_context("fork")
-            self._pool = ProcessPoolExecutor(self._workers, fork, _leave_interrupts)
+            self._pool = ProcessPoolExecutor(self._workers, fork, _begin)
         return self._pool
 
     def close(self) -> None:
@@ -123,10 +123,11 @@ def killed_again(attempts: int) -> MbcdmError:
 _worker_function: Callable[[Any], Any] | None = None
 
 
-def _leave_interrupts() -> None:
-    """An interrupt from the keyboard reaches all processes; only the main one answers."""
+def _begin() -> None:
+    """A worker forks no others, and leaves an interrupt from the keyboard, which reaches all, to the main process."""
     import signal
 
+    allow_processes(False)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 

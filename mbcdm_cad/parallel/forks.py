@@ -16,14 +16,14 @@ _work: tuple[Callable[[Any], Any], Sequence[Any]] | None = None
 _allowed = False
 
 
-def allow_processes() -> None:
-    """Allow :func:`fork_map` to fork. Called by the project's own programs at their start.
+def allow_processes(allowed: bool = True) -> None:
+    """Allow :func:`fork_map` to fork, or no longer. Called by the project's own programs at their start.
 
     A process that imports the package may run threads (a notebook, a browser's driver, the kernel), and its fork can
     wait for ever for a lock that one of them held. There the work is done in the process itself.
     """
     global _allowed
-    _allowed = True
+    _allowed = allowed
 
 
 def fork_map(function: Callable[[Argument], Result], arguments: Sequence[Argument], jobs: int) -> list[Result]:

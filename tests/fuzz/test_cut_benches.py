@@ -1,6 +1,6 @@
 """Runs of benches cut anywhere, with wrong zeros and a wrong gain or sign of the load, end in a verdict or a message.
 
-`python tests/support/bench_cut.py --count 300 --jobs 2` does it with 300 runs.
+`python tests/support/bench_cut.py --count 300 --workers 2` does it with 300 runs.
 """
 
 from __future__ import annotations

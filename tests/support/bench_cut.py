@@ -1,6 +1,6 @@
 """Runs of benches cut anywhere, with wrong zeros, load cells of a wrong gain, zero and sign, and columns left out.
 
-    python tests/support/bench_cut.py --count 300 --jobs 2
+    python tests/support/bench_cut.py --count 300 --workers 2
 
 Each run is one of tests/support/bench_real.py, changed by its seed. A run must end in a verdict, or in a message that
 says what is wrong and where; the table lists how many ended in each, and every message.
@@ -9,7 +9,6 @@ says what is wrong and where; the table lists how many ended in each, and every 
 from __future__ import annotations
 
 import argparse
-import multiprocessing
 import sys
 import tempfile
 from collections import Counter
@@ -19,7 +18,7 @@ from pathlib import Path
 import numpy as np
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tests" / "support"))
+sys.path[:0] = [str(ROOT / "tests" / "support"), str(ROOT)]
 
 from bench_data import Simulated, write_run  # noqa: E402
 from bench_motion import Bench  # noqa: E402
@@ -29,6 +28,7 @@ from mbcdm_cad.errors import MbcdmError  # noqa: E402
 from mbcdm_cad.layouts.loader import load_design  # noqa: E402
 from mbcdm_cad.loop.judge import judge  # noqa: E402
 from mbcdm_cad.measurement.file import load_file  # noqa: E402
+from tests.support.many import add_workers, run_many  # noqa: E402
 
 LOADED = load_design(ROOT / "params" / "mbcdm.yaml")
 # Shortest piece that is cut from a run, s.
@@ -85,14 +85,13 @@ def main() -> None:
     """Parse and do."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--count", type=int, default=300)
-    parser.add_argument("--jobs", type=int, default=1)
+    add_workers(parser)
     options = parser.parse_args()
     ends: Counter[str] = Counter()
-    with multiprocessing.get_context("spawn").Pool(options.jobs) as pool:
-        for seed, end, words in pool.imap_unordered(_task, range(options.count)):
-            ends[end] += 1
-            if end in ("message", "fault"):
-                print(f"{seed} {end}: {words}", flush=True)
+    for seed, end, words in run_many(_task, range(options.count), options):
+        ends[end] += 1
+        if end in ("message", "fault"):
+            print(f"{seed} {end}: {words}", flush=True)
     print(", ".join(f"{end} {number}" for end, number in ends.most_common()))
 
 
