@@ -80,7 +80,7 @@ class Facts:
     @cached_property
     def spread(self) -> Spread:
         """Figures over the drives that the design gives."""
-        return Spread(self)
+        return Spread(self.drive, lambda: self.mass_g)
 
     @property
     def life_cycles(self) -> float:

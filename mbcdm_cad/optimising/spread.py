@@ -8,12 +8,14 @@ name, so that every design sees the same draws (common random numbers) and diffe
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.model.backlash import drum_backlash
 from mbcdm_cad.model.capability import (
     input_ratings_Nm,
@@ -34,7 +36,8 @@ from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.geometry import DRUM_RADIUS, INPUT_RADIUS
 
 if TYPE_CHECKING:
-    from mbcdm_cad.optimising.figures import Facts
+    from mbcdm_cad.design.drive import Drive
+    from mbcdm_cad.layouts.structure import Structure
 
 DRAWS, SEED = 256, 95
 # Standard deviations over the values, for files that give none: those of the ranges of the sensitivity study, 45 to 65
@@ -56,10 +59,11 @@ def percentile_of(name: str) -> tuple[str, float] | None:
 class Spread:
     """Figures of one design over :data:`DRAWS` drives, arrays (DRAWS,) in the units of their names."""
 
-    def __init__(self, facts: Facts) -> None:
-        self.facts, self.drive = facts, facts.drive
-        d = to_si(self.drive)
-        sigmas = sigmas_of(d, facts)
+    def __init__(self, drive: Drive, mass_g: Callable[[], float]) -> None:
+        """``mass_g`` gives the mass, which is asked for only where a figure needs it."""
+        self.drive, self._mass_g = drive, mass_g
+        d = to_si(drive)
+        sigmas = sigmas_of(d, drive)
         # The torque of the motor is no field of the model's drive: it varies by a factor.
         rating = sigmas.pop("input_rating_Nm", 0.0) / requirements(self.drive).input_rating_Nm
         self.motor_factor = 1.0 + rating * unit_draws("motor torque")
@@ -80,7 +84,7 @@ class Spread:
             counted = self.drive.limits.counts_losses if figure == "torque_Nm" else figure == "torque_with_losses_Nm"
             return self.torque_with_losses_Nm if counted else self.torque_lossless_Nm
         if figure in OVER_WEIGHT:
-            return self.of(OVER_WEIGHT[figure]) / (self.facts.mass_g * 1e-3)
+            return self.of(OVER_WEIGHT[figure]) / (self._mass_g() * 1e-3)
         found: Floats = getattr(self, figure)
         return found
 
@@ -97,7 +101,7 @@ class Spread:
     @property
     def stiffness_Nm_rad(self) -> Floats:
         """Stiffness at the payload; the cables' part follows their turn at first loading."""
-        nominal = self.facts.structure.structure.cables_urad_Nm
+        nominal = self._structure.cables_urad_Nm
         turn = drum_backlash(to_si(self.drive), self.drive.loads.test_torque_Nm).first_loading_rad
         each = self._backlash.first_loading_rad / self.load_Nm * self.drive.loads.test_torque_Nm
         return np.asarray(1e6 / (nominal * each / turn + self._structure_urad_Nm))
@@ -140,10 +144,17 @@ class Spread:
     def _backlash(self) -> Any:
         return drum_backlash(self.d, self.load_Nm)
 
+    @property
+    def _structure(self) -> Structure:
+        found = self.drive.layout.structure
+        if found is None:
+            raise NoFigureError(f"{self.drive.layout.name} has no figures of its structure")
+        return found
+
     @cached_property
     def _structure_urad_Nm(self) -> Floats:
         """Turn of the payload besides that of the cables; causes with one factor are wrong together."""
-        causes = self.facts.structure.structure.at_payload
+        causes = self._structure.at_payload
         return np.asarray(sum(c.urad_Nm * _factor(f"structure {c.factor:g}", np.log(c.factor)) for c in causes))
 
     def _least(self, at_inputs: list[Floats]) -> Floats:
@@ -156,19 +167,19 @@ class Spread:
         return np.asarray(np.concatenate(limits).min(axis=0))
 
 
-def sigmas_of(d: DriveSI, facts: Facts) -> dict[str, Any]:
+def sigmas_of(d: DriveSI, drive: Drive) -> dict[str, Any]:
     """Standard deviations in SI: the file's own, else those of its tolerances and this module's shares.
 
     Named as :mod:`mbcdm_cad.model.sensitivity` has them; those of each cable are arrays (n_cables,).
     """
-    parts, own = model_tolerances(facts.drive), by_cable(d)
+    parts, own = model_tolerances(drive), by_cable(d)
     found: dict[str, Any] = {
         "modulus_Pa": MODULUS_SHARE * float(d.modulus_Pa),
         "friction_coefficient": FRICTION_SHARE * float(d.friction_coefficient),
         "preload_N": parts.preload_N,
         DRUM_RADIUS: parts.drum_radius_m,
         INPUT_RADIUS: parts.input_radius_m,
-    } | sigmas_si(facts.drive)
+    } | sigmas_si(drive)
     return {name: np.broadcast_to(size, (d.n_cables,)) if name in own else size for name, size in found.items()}
 
 

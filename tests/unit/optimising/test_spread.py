@@ -43,8 +43,8 @@ def bevel() -> Facts:
 
 
 def alone(facts: Facts, monkeypatch: pytest.MonkeyPatch, **sigmas: Any) -> Spread:
-    monkeypatch.setattr(spreading, "sigmas_of", lambda d, facts: dict(sigmas))
-    return Spread(facts)
+    monkeypatch.setattr(spreading, "sigmas_of", lambda d, drive: dict(sigmas))
+    return Spread(facts.drive, lambda: facts.mass_g)
 
 
 def test_where_only_the_modulus_varies_the_swing_follows_one_over_it(
@@ -68,7 +68,7 @@ def test_where_only_the_motor_varies_the_lossless_torque_of_balanced_cables_foll
 
 def test_the_swing_agrees_with_the_intervals_of_many_plain_draws(bevel: Facts) -> None:
     d = to_si(bevel.drive)
-    sigmas = sigmas_of(d, bevel)
+    sigmas = sigmas_of(d, bevel.drive)
     plain = intervals(d, requirements(bevel.drive), sigmas)["reversal_swing_rad"]
     found = [bevel.spread.percentile("cable_swing_mrad", q) * 1e-3 for q in (2.5, 97.5)]
     assert found == pytest.approx([plain.low, plain.high], abs=0.25 * plain.sigma)

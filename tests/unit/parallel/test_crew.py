@@ -37,7 +37,7 @@ def own(monkeypatch: pytest.MonkeyPatch) -> None:
 @contextmanager
 def cluster_of(count: int, **how: str) -> Iterator[LocalCluster]:
     """A scheduler with so many workers, all threads of this process."""
-    local = {"processes": False, "threads_per_worker": 1, "dashboard_address": None, "silence_logs": logging.CRITICAL}
+    local = {"processes": False, "threads_per_worker": 1, "dashboard_address": ":0", "silence_logs": logging.CRITICAL}
     with LocalCluster(n_workers=count, **local, **how) as found:
         yield found
 
