@@ -12,8 +12,8 @@ from tempfile import TemporaryDirectory
 from typing import Self
 
 PRELOAD = ("--preload", "mbcdm_cad.parallel.worker")
-# What a process may take to start on a machine that does other things too.
-PATIENCE_S = 60.0
+# What a step may take on a machine that does other things too; a test that waits longer fails.
+PATIENCE_S = 120.0
 
 
 class Loopback:
@@ -51,8 +51,10 @@ class Loopback:
         """What the scheduler, or the workers, have said."""
         return (Path(self._folder.name) / f"{kind}.log").read_text()
 
-    def __exit__(self, *_: object) -> None:
-        """End all of them."""
+    def __exit__(self, *error: object) -> None:
+        """End all of them; a test that fails shows what they have said."""
+        if error[0] is not None:
+            print(self.log("scheduler"), self.log("worker"), sep="\n")
         for one in reversed(self._processes):
             one.terminate()
         for one in self._processes:

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 import mbcdm_cad as mc
-from tests.support.loopback import Loopback
+from tests.support.loopback import PATIENCE_S, Loopback
 
 ENDED_AT = 24
 
@@ -34,13 +34,15 @@ def stopped(words: list[str], journal: Path, lines: int, how: signal.Signals) ->
     running = subprocess.Popen(words, stderr=subprocess.PIPE, text=True)
     _wait_for(running, journal, lines)
     running.send_signal(how)
-    said = running.communicate()[1]
+    said = running.communicate(timeout=PATIENCE_S)[1]
     assert journal.read_bytes().count(b"\n") < ENDED_AT, f"it was not stopped in the middle: {said}"
     return running.returncode, said
 
 
 def _wait_for(running: subprocess.Popen[str], journal: Path, lines: int) -> None:
+    end = time.monotonic() + PATIENCE_S
     while running.poll() is None and not (journal.exists() and journal.read_bytes().count(b"\n") > lines):
+        assert time.monotonic() < end, f"no {lines} points within {PATIENCE_S:g} s"
         time.sleep(0.02)
 
 
@@ -89,13 +91,13 @@ def test_a_cluster_whose_workers_die_come_late_or_have_another_version_ends_with
         many.worker()
         _wait_for(running, journal, before + 3)
         running.send_signal(signal.SIGINT)
-        said = running.communicate()[1]
+        said = running.communicate(timeout=PATIENCE_S)[1]
         assert running.returncode == 130 and "it goes on with --resume" in said, said
         assert "gets no work: it has another state of the package" in said, said
         left = journal.read_bytes().count(b"\n")
         assert left < ENDED_AT, "it was not interrupted in the middle"
         code, said = stopped([*words, "--resume"], journal, left + 3, signal.SIGKILL)
         assert code == -signal.SIGKILL, said
-        ended = subprocess.run([*words, "--resume"], capture_output=True, text=True, check=False)
+        ended = subprocess.run([*words, "--resume"], capture_output=True, text=True, check=False, timeout=PATIENCE_S)
         assert ended.returncode == 0, ended.stderr
     assert hashes(tmp_path / "many") == whole
