@@ -55,8 +55,7 @@ class Loopback:
         """End all of them; a test that fails shows what they have said."""
         if error[0] is not None:
             print(self.log("scheduler"), self.log("worker"), sep="\n")
-        for one in reversed(self._processes):
-            one.terminate()
         for one in self._processes:
+            one.kill()  # a worker that is asked to end waits for its scheduler, which may be gone
             one.wait()
         self._folder.cleanup()
