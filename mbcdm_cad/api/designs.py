@@ -75,7 +75,7 @@ def solve(
     return solve_design(_question(design), progress, jobs)
 
 
-def optimise(  # noqa: PLR0913 - each is an option of the command
+def optimise(
     designs: DriveDesign | str | Path | Iterable[DriveDesign | str | Path],
     aims: Sequence[str],
     out: str | Path = "out",
@@ -83,7 +83,6 @@ def optimise(  # noqa: PLR0913 - each is an option of the command
     keeps: Sequence[str] = (),
     free: Sequence[str] = (),
     only_free: bool = False,
-    over: str | None = None,
     effort: Effort | None = None,
     progress: Callable[[str, int], None] | None = None,
 ) -> Optimum:
@@ -92,15 +91,15 @@ def optimise(  # noqa: PLR0913 - each is an option of the command
     ``designs``: files of requirements, with ranges if wanted, one for each layout that shall compete. ``aims``: 1 to 4
     such as ``"mass_g:min"``; ``keeps`` such as ``"torque_Nm:>=3"``; ``free`` fields besides those that ``solve`` may
     change, such as ``"drum.material=aluminium,pa12"`` or ``"rope.preload_N=30..90"``; ``only_free``: no others.
-    ``over="tolerances"`` takes of each figure the value that 95 % of the drives reach. The search ends when the front
-    no longer grows, or when its :class:`Effort` is spent. ``progress`` is called with the best so far and the number of
-    designs. Raises ``InputError`` for mistakes in a file, ``MbcdmError`` for wishes that the layouts cannot answer.
+    ``"swing_mrad_p95:min"`` takes what 95 % of the drives reach, as ``--over tolerances`` does. The search ends when
+    the front no longer grows, or when its :class:`Effort` is spent. ``progress`` is called with the best so far and the
+    number of designs. Raises ``InputError`` for mistakes in a file, ``MbcdmError`` for wishes that the layouts cannot answer.
     """
     from mbcdm_cad.jobs.optimise import optimise
     from mbcdm_cad.optimising.wishes import Effort, wishes_of
 
     listed = [designs] if isinstance(designs, DriveDesign | str | Path) else list(designs)
-    wishes = wishes_of(aims, keeps, free, only_free=only_free, over=over)
+    wishes = wishes_of(aims, keeps, free, only_free=only_free)
     told = progress or (lambda words, count: None)
     return optimise([_question(one) for one in listed], wishes, Path(out), effort or Effort(), told)
 

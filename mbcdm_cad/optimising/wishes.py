@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 from mbcdm_cad.errors import MbcdmError
 
 SENSES = ("min", "max")
-# What figures can be taken over.
-OVER = "tolerances"
 MOST_AIMS = 4
 
 
@@ -98,18 +96,12 @@ class Effort:
 
 
 def wishes_of(
-    aims: Sequence[str],
-    keeps: Sequence[str] = (),
-    free: Sequence[str] = (),
-    *,
-    only_free: bool = False,
-    over: str | None = None,
+    aims: Sequence[str], keeps: Sequence[str] = (), free: Sequence[str] = (), *, only_free: bool = False
 ) -> Wishes:
     """Wishes from their texts.
 
-    Such as ``mass_g:min``, ``torque_Nm:>=3``, ``drum.material=pa12,pla`` or ``rope.preload_N=30..90``. ``over``
-    "tolerances" puts the value that 95 % of the drives reach (:mod:`mbcdm_cad.optimising.spread`) in place of each
-    figure that has one. Raises ``MbcdmError`` for a text that is none, for no aim, more than four, or one figure twice.
+    Such as ``mass_g:min``, ``torque_Nm:>=3``, ``drum.material=pa12,pla`` or ``rope.preload_N=30..90``. Raises
+    ``MbcdmError`` for a text that is none, for no aim, more than four, or one figure twice.
     """
     found = tuple(_aim(text) for text in aims)
     if not 1 <= len(found) <= MOST_AIMS:
@@ -118,27 +110,23 @@ def wishes_of(
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:
         raise MbcdmError(f"--aim: {twice} is given twice; give each figure one aim")
-    kept = tuple(_keep(text) for text in keeps)
-    if over is not None:
-        found, kept = _over(over, found, kept)
-    return Wishes(found, kept, tuple(_freed(text) for text in free), only_free)
+    return Wishes(found, tuple(_keep(text) for text in keeps), tuple(_freed(text) for text in free), only_free)
 
 
-def _over(what: str, aims: tuple[Aim, ...], keeps: tuple[Keep, ...]) -> tuple[tuple[Aim, ...], tuple[Keep, ...]]:
-    """Aims and keeps with the value that 95 % of the drives reach in place of each figure that has one."""
+def over_tolerances(wishes: Sequence[str]) -> tuple[str, ...]:
+    """Texts of aims or keeps with the value that 95 % of the drives reach in place of each figure that has one.
+
+    ``swing_mrad:min`` becomes ``swing_mrad_p95:min``, ``torque_Nm:>=2`` becomes ``torque_Nm_p5:>=2``; see
+    :mod:`mbcdm_cad.optimising.spread`.
+    """
     from mbcdm_cad.optimising.spread import SPREAD
 
-    def reached(figure: str, *, less_is_better: bool) -> str:
-        return f"{figure}_{'p95' if less_is_better else 'p5'}" if figure in SPREAD else figure
-
-    if what != OVER:
-        raise MbcdmError(f"--over: unknown (value {what}, limit {OVER}); write --over {OVER}")
-    if not {*(aim.figure for aim in aims), *(keep.figure for keep in keeps)} & set(SPREAD):
-        raise MbcdmError(f"--over {what}: none of these figures has a spread; those that have: {', '.join(SPREAD)}")
-    return (
-        tuple(replace(aim, figure=reached(aim.figure, less_is_better=aim.sense == "min")) for aim in aims),
-        tuple(replace(keep, figure=reached(keep.figure, less_is_better=keep.sense < 0)) for keep in keeps),
-    )
+    found = []
+    for text in wishes:
+        figure, colon, rest = text.partition(":")
+        worse = "_p95" if rest.strip().startswith(("min", "<")) else "_p5"
+        found.append(f"{figure}{worse if figure.strip() in SPREAD else ''}{colon}{rest}")
+    return tuple(found)
 
 
 def _aim(text: str) -> Aim:

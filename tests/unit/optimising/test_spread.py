@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.model.capability import requirements
 from mbcdm_cad.model.sensitivity import intervals
 from mbcdm_cad.model.si import to_si
@@ -17,7 +16,7 @@ from mbcdm_cad.optimising import spread as spreading
 from mbcdm_cad.optimising.evaluate import facts_of
 from mbcdm_cad.optimising.figures import Facts, figure, unit_of
 from mbcdm_cad.optimising.spread import DRAWS, SPREAD, Spread, sigmas_of, unit_draws
-from mbcdm_cad.optimising.wishes import wishes_of
+from mbcdm_cad.optimising.wishes import over_tolerances, wishes_of
 from mbcdm_cad.solving.question import read_question
 
 PARAMS = Path(__file__).parents[3] / "params"
@@ -120,14 +119,8 @@ def test_every_spread_figure_has_its_percentiles_around_its_value(spur: Facts) -
 
 
 def test_over_tolerances_takes_the_worse_side_of_each_aim_and_keep() -> None:
-    found = wishes_of(
-        ["mass_g:min", "swing_mrad:min", "efficiency:max"],
-        ["torque_Nm:>=2", "stiffness_Nm_rad:<=4000"],
-        over="tolerances",
-    )
-    assert list(map(str, found.aims)) == ["mass_g:min", "swing_mrad_p95:min", "efficiency_p5:max"]
-    assert list(map(str, found.keeps)) == ["torque_Nm_p5:>=2", "stiffness_Nm_rad_p95:<=4000"]
-    with pytest.raises(MbcdmError, match="none of these figures has a spread; those that have: swing_mrad, "):
-        wishes_of(["mass_g:min"], over="tolerances")
-    with pytest.raises(MbcdmError, match=r"--over: unknown \(value wishes, limit tolerances\)"):
-        wishes_of(["swing_mrad:min"], over="wishes")
+    aims = over_tolerances(["mass_g:min", "swing_mrad:min", "efficiency:max", "drum.width_mm:min"])
+    assert aims == ("mass_g:min", "swing_mrad_p95:min", "efficiency_p5:max", "drum.width_mm:min")
+    keeps = over_tolerances(["torque_Nm:>=2.1234567", "stiffness_Nm_rad: <= 4000", "torque_Nm"])
+    assert keeps == ("torque_Nm_p5:>=2.1234567", "stiffness_Nm_rad_p95: <= 4000", "torque_Nm_p5")
+    assert [keep.limit for keep in wishes_of(aims, keeps[:2]).keeps] == [2.1234567, 4000.0]
