@@ -91,9 +91,10 @@ def optimise(
     ``designs``: files of requirements, with ranges if wanted, one for each layout that shall compete. ``aims``: 1 to 4
     such as ``"mass_g:min"``; ``keeps`` such as ``"torque_Nm:>=3"``; ``free`` fields besides those that ``solve`` may
     change, such as ``"drum.material=aluminium,pa12"`` or ``"rope.preload_N=30..90"``; ``only_free``: no others.
-    ``"swing_mrad_p95:min"`` takes what 95 % of the drives reach, as ``--over tolerances`` does. The search ends when
-    the front no longer grows, or when its :class:`Effort` is spent. ``progress`` is called with the best so far and the
-    number of designs. Raises ``InputError`` for mistakes in a file, ``MbcdmError`` for wishes that the layouts cannot answer.
+    ``"swing_mrad_p95:min"`` takes what 95 % of the drives reach, as ``--over tolerances`` does. The search ends
+    when the front no longer grows, or when its :class:`Effort` is spent. ``progress`` is called with the best so
+    far and the number of designs. Raises ``InputError`` for mistakes in a file, ``MbcdmError`` for wishes that the
+    layouts cannot answer.
     """
     from mbcdm_cad.jobs.optimise import optimise
     from mbcdm_cad.optimising.wishes import Effort, wishes_of

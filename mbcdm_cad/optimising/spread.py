@@ -137,7 +137,7 @@ class Spread:
             bearings=tuple(replace(pair, factor=pair.factor * bearings) for pair in own.bearings),
             gear_share=own.gear_share * _factor(GEARHEAD, friction.GEARHEAD_SIGMA),
             gear_idle_Nm=own.gear_idle_Nm * _factor(GEARHEAD_IDLE, friction.GEARHEAD_IDLE_SIGMA),
-            motor_idle_Nm=own.motor_idle_Nm * _factor(MOTOR, friction.MOTOR_IDLE_SIGMA),
+            motor_idle_Nm=own.motor_idle_Nm * _factor(MOTOR, own.motor_sigma),
         )
 
     @cached_property
