@@ -49,7 +49,11 @@ def _drum_bearing(given: TrialKnown) -> Found:
     field, refused, before = "drum.bearing", given.drives.refused, given.guesses.get("drum.bearing")
     # A lighter bearing is narrower and so nearer to the other one: tried at the distance of a wider pair it seems to
     # carry the drum, and would be chosen and refused in turn.
-    if before in names and -inf < given.margins(field, before, ("drum_bearings",))["drum_bearings"][0] < 0.0:
+    if (
+        given.drives.passes
+        and before in names
+        and -inf < given.margins(field, before, ("drum_bearings",))["drum_bearings"][0] < 0.0
+    ):
         entries = given.entries("bearings")
         weak = entries[before]
         refused |= {

@@ -311,6 +311,7 @@ def repeated(
     for _ in range(_MOST_PASSES):
         given = known(copy.deepcopy(data), guesses, drives)
         drives, sizing = given.drives, fill(given, rules, moved)
+        drives.passes += 1
         found = {value.field: value.value for value in sizing.values}
         if all(guesses.get(field) == value for field, value in found.items()):
             break

@@ -47,7 +47,7 @@ class StructureReport:
         rows = [("cables, at the test torque", s.cables_urad_Nm, "", "yes", "yes")]
         rows += [(c.name, c.urad_Nm, f"{c.factor:g}", _yes(c in s.at_payload), _yes(c.at_encoder)) for c in s.causes]
         shown = tuple((name, f"{turn:.1f}", f"{turn / whole:.1%}", *rest) for name, turn, *rest in rows)
-        heads = ("cause", "urad/N m", "share", "factor", "inputs held", "drum encoder")
+        heads = ("cause", "urad/N m", "share", "factor", "inputs held", "encoder")
         return ReportTable(heads, shown)
 
     def places(self) -> ReportTable:
@@ -55,7 +55,7 @@ class StructureReport:
         t = self.turns
         rows = (
             ("cables alone", t.cables),
-            ("encoder on the drum's shaft", t.drum_encoder),
+            ("drum's encoder", t.drum_encoder),
             ("payload", t.payload),
             ("payload, motors held", t.motors_held),
         )

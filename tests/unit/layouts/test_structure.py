@@ -107,7 +107,7 @@ def test_json_and_text_carry_the_same_figures() -> None:
     for cause in block["causes"]:
         line = next(line for line in text.splitlines() if line.strip().startswith(cause["name"] + "  "))
         assert f"{cause['urad_Nm']:.1f}" in line
-    places = (("payload  ", "payload"), ("encoder on the drum's shaft", "drum_encoder"), ("cables alone", "cables"))
+    places = (("payload  ", "payload"), ("drum's encoder", "drum_encoder"), ("cables alone", "cables"))
     for name, key in places:
         line = next(line for line in text.splitlines() if line.strip().startswith(name))
         assert f"{block['places'][key]['turn_mrad']:.3f}" in line, line
