@@ -184,9 +184,10 @@ def test_back_driving_starts_harder_than_it_runs_by_the_bearings_alone() -> None
     assert back is not None
     bearings = sum(float(x.torque_Nm) for x in back.losses if x.kind == BEARINGS)
     assert back.start_Nm - back.running_Nm == pytest.approx(bearings)
-    # Motor's friction at the drum, by hand: 9 x 76 turns, two motors, over 2 - 1/0.68.
+    # Motor's friction at the drum, by hand: 9 x 76 turns, two motors of 11.5 mN m/A that take 7 mA without load, over
+    # 2 - 1/0.68.
     motors = next(float(x.torque_Nm) for x in back.losses if x.name == "motors")
-    assert motors == pytest.approx(2 * 684 * 0.04 * 2.9e-3 / (2.0 - 1.0 / 0.68))
+    assert motors == pytest.approx(2 * 684 * 11.5e-3 * 7e-3 / (2.0 - 1.0 / 0.68))
 
 
 def test_a_gearhead_that_locks_gives_no_back_driving() -> None:
