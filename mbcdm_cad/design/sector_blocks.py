@@ -107,6 +107,11 @@ class SteppedPulleys(PlainBlock):
         "screw of the clamp collar that couples a pulley to its gearhead", default="M1.6x6"
     )
 
+    @property
+    def grooved(self) -> bool:
+        """Whether a groove leads each cable; each lies in the plane of its step here."""
+        return False
+
 
 @dataclass(frozen=True, kw_only=True)
 class WoundPulleys(SteppedPulleys):

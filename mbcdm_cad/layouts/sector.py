@@ -13,12 +13,13 @@ from mbcdm_cad.parts.drum_sector.design import SectorDrive, SectorLevels, Sector
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
 from mbcdm_cad.parts.drum_sector.sizes import drum_shaft, preload_spring
 from mbcdm_cad.parts.drum_shaft import DrumShaftDims, PreloadSpringDims
-from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
+from mbcdm_cad.parts.input_pulley.dims import GROOVE_RADIUS, InputPulleyDims
 from mbcdm_cad.parts.motor_head.dims import HeadDims, HeadedDrive
 from mbcdm_cad.parts.mounting import MountScrew
 from mbcdm_cad.parts.terminal.part import Tensioner
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.cable_path import CablePath
+from mbcdm_cad.routes.route import input_body
 
 if TYPE_CHECKING:
     from mbcdm_cad.design.bought import Material
@@ -140,6 +141,11 @@ class SectorLayout(Layout):
     @abstractmethod
     def encoder_plate_mm(self) -> float:
         """Thickness of the plate that carries an input's encoder."""
+
+    def groove_ratio(self, body: str) -> float | None:
+        """See the base class."""
+        on_input = any(body == input_body(name) for name in self.drive.input_names)
+        return GROOVE_RADIUS if on_input and self.drive.input_pulleys.grooved else None
 
     @property
     def terminals(self) -> tuple[Tensioner, ...]:

@@ -23,11 +23,10 @@ from mbcdm_cad.parts.axle import AxleDims
 from mbcdm_cad.parts.collar import CollarDims, collar
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
 from mbcdm_cad.parts.idler_pulley import IdlerDims
-from mbcdm_cad.parts.input_pulley.dims import GROOVE_RADIUS, InputPulleyDims
+from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 from mbcdm_cad.parts.mounting import MountScrew
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.cable_path import CablePath
-from mbcdm_cad.routes.route import input_body
 
 if TYPE_CHECKING:
     from mbcdm_cad.layouts.structure import Cause
@@ -222,11 +221,6 @@ class BevelLayout(SectorLayout):
     def variables(self) -> Mapping[str, DesignVariable]:
         """See the base class."""
         return VARIABLES
-
-    def groove_ratio(self, body: str) -> float | None:
-        """See the base class."""
-        on_input = any(body == input_body(name) for name in self.drive.input_names)
-        return GROOVE_RADIUS if on_input and self.drive.input_pulleys.grooved else None
 
     def bends_mm(self) -> Sequence[tuple[str, str, float]]:
         """Input pulley, guide and drum of each cable."""

@@ -130,3 +130,19 @@ def test_a_stated_duty_gives_cycles_and_hours() -> None:
     life = with_rows(light, heavy).life
     assert life.cycles_per_h == pytest.approx(720.0) and "loads.duty" in life.duty
     assert drive.layout.life.cycles_per_h is None
+
+
+@pytest.mark.parametrize("name", ["mbcdm", "siso_spur", "miso_spur"])
+def test_a_groove_on_the_input_that_is_drawn_counts(name: str) -> None:
+    """All but what the drum does lasts 1/0.45 times as long in a groove of 0.53 d (Feyrer)."""
+    drive = load_design(PARAMS / f"{name}.yaml").drive
+    surfaces = ("smooth", "grooved")
+    smooth, grooved = (
+        replace(drive, input_pulleys=replace(drive.input_pulleys, surface=s)).layout.life.first  # type: ignore[attr-defined]
+        for s in surfaces
+    )
+    assert smooth is not None and grooved is not None
+    by_input = smooth.pulleys[0].damage_share
+    assert smooth.pulleys[0].body.endswith("input"), smooth.pulleys[0].body
+    expected = 1.0 / (1.0 - by_input + 0.45 * by_input)
+    assert grooved.cycles / smooth.cycles == pytest.approx(expected, rel=0.02)
