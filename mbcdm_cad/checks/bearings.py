@@ -52,8 +52,9 @@ def payload_reactions_N(s: SectorLayout) -> tuple[float, float]:
     """Largest radial loads of the drum's (rear, front) bearings by the payload, which is in front of both."""
     rear, front = s.drum_bearings_mm
     payload, face = s.drive.loads.carried, s.levels.hub_face_y
+    apart = (front - rear) or 1e-9  # two bearings in one place carry no moment: the load is then beyond any limit
     return tuple(  # type: ignore[return-value]
-        (payload.across_N * (face - other) + payload.tilt_Nm * 1e3) / (front - rear) for other in (front, rear)
+        (payload.across_N * (face - other) + payload.tilt_Nm * 1e3) / apart for other in (front, rear)
     )
 
 

@@ -70,6 +70,12 @@ def boss(drive: SectorDrive, shaft: DrumShaftDims, back_y: float, front_y: float
     )
 
 
+def seats_mm(d: BossDims) -> tuple[tuple[float, float, float], ...]:
+    """A point on the wall of each of the two seats, the front one first."""
+    ends = ((d.front_seat_start_y, d.front_y), (d.encoder_pocket_floor_y, d.rear_seat_end_y))
+    return tuple((0.0, (low + high) / 2, -d.seat_radius) for low, high in ends)
+
+
 def boss_bodies(d: BossDims) -> list[cq.Solid]:
     """Cylinder in front of the encoder's pocket, and the ears beside it."""
     body = cylinder_y(d.radius, 0.0, 0.0, d.encoder_pocket_floor_y, d.front_y)

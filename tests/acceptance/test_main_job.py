@@ -127,7 +127,7 @@ def test_check_and_analyse_never_import_the_kernel(command: str, tmp_path: Path)
 
 @pytest.mark.slow
 def test_one_parameter_edited_redraws_only_what_depends_on_it(built: Path, cache: Path, tmp_path: Path) -> None:
-    design = edited(tmp_path, "thicker_web", ("web_thickness_mm: 2.0", "web_thickness_mm: 2.13"))
+    design = edited(tmp_path, "thicker_web", ("web_thickness_mm: 2.4", "web_thickness_mm: 2.13"))
     done = mbcdm("build", design, "--out", tmp_path, cache=cache)
     assert done.returncode == 0, done.stdout + done.stderr
     made = done.stdout.splitlines()[0].partition("made: ")[2].split(", ")

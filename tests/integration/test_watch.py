@@ -74,7 +74,7 @@ def watching(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Watching]:
 def test_a_saved_edit_is_checked_drawn_and_built(watching: Watching) -> None:
     watching.wait(lambda: watching.state()["stage"] == "built")
     before = (watching.out / "mbcdm-live/parts/drum.step").read_bytes()
-    watching.design.write_bytes(watching.edited("web_thickness_mm: 2.0 ", "web_thickness_mm: 2.1 "))
+    watching.design.write_bytes(watching.edited("web_thickness_mm: 2.4 ", "web_thickness_mm: 2.1 "))
     watching.wait(lambda: watching.state()["save"] == 2 and watching.state()["stage"] == "built")
     assert (watching.out / "mbcdm-live/parts/drum.step").read_bytes() != before
     report = json.loads((watching.out / "mbcdm/report.json").read_text())

@@ -73,7 +73,10 @@ class ClassOfSensor(Exchanges):
                 continue
             rest = [e for e in fit.effects if e is not group.effect]
             new = [e for e in own if not any(_same(e, other) for other in rest)]
-            values: list[Floats | list[float]] = [*map(fit.values_of, rest), *([0.0] for _ in new)]
+            # The figure of the parts begins where the effect that it replaces ended: from zero the fit may end at a bound.
+            size = float(fit.values_of(group.effect)[0])
+            starts = ([_within_bounds(e, size) if _same(e, group.effect) else 0.0] for e in new)
+            values: list[Floats | list[float]] = [*map(fit.values_of, rest), *starts]
             trial = self.fitter.tried((*rest, *new), values, fit.offsets)
             if trial is None or not (trial.square <= fit.square or self.alike(trial, fit)):
                 continue
@@ -114,6 +117,11 @@ def _same(own: Effect, other: Effect) -> bool:
     return other.name == own.name or (
         other.name == _LIKE.get(own.name) and other.parameters[0].name == own.parameters[0].name
     )
+
+
+def _within_bounds(effect: Effect, value: float) -> float:
+    """The value, or the bound of the effect's size that is nearest to it."""
+    return min(max(value, effect.parameters[0].low), effect.parameters[0].high)
 
 
 def _size_name(effect: Effect) -> str:

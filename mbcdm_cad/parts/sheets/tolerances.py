@@ -53,9 +53,9 @@ DRUM_AXIS, REST = "S", "T"
 ONE_AXIS_MM, TO_AXIS_MM, SHOULDER_MM, FACE_MM = 0.005, 0.02, 0.01, 0.02
 
 
-def one_axis(view: str, at: Vector, datum: str) -> GeometricTolerance:
-    """The seat at a point of its wall is on the axis of another one, the ``datum``."""
-    return GeometricTolerance(view, at, "coaxiality", ONE_AXIS_MM, (datum,), axis=True)
+def one_axis(view: str, seats: tuple[Vector, ...], datum: str) -> GeometricTolerance:
+    """The seats at a point of their walls are on their common axis, the ``datum``."""
+    return GeometricTolerance(view, seats[0], "coaxiality", ONE_AXIS_MM, (datum,), seats[1:], axis=True)
 
 
 def square(view: str, at: Vector, datum: str, of: str, others: tuple[Vector, ...] = ()) -> GeometricTolerance:

@@ -263,9 +263,9 @@ def _in_section(d: FrameDims) -> tuple[Linear, ...]:
     def deep(y: float, z: float, side: Side, start: float, what: str = "") -> Linear:
         return Linear("section", (0.0, back, start), (0.0, y, z), y - back, side, suffix=what, decimals=3)
 
-    def bore(radius: float, y: float, side: Side, fit: str = "", datum: str = "") -> Linear:
+    def bore(radius: float, y: float, side: Side, fit: str = "", count: str = "", datum: str = "") -> Linear:
         ends = ((0.0, y, -radius), (0.0, y, radius))
-        return Linear("section", *ends, 2 * radius, side, "%%c", fit=fit, datum=datum)
+        return Linear("section", *ends, 2 * radius, side, f"{count}%%c", fit=fit, datum=datum)
 
     column_back = d.column_start_z
     return (
@@ -278,9 +278,8 @@ def _in_section(d: FrameDims) -> tuple[Linear, ...]:
         deep(d.front_seat_start_y, -d.drum_seat_radius, "below", column_back),
         deep(v.boss_front_y, low, "below", column_back),
         deep(d.ear_front_y, -d.ear_half_height, "below", column_back, " ears"),
-        bore(d.drum_seat_radius, v.boss_front_y, "right", seat),
+        bore(d.drum_seat_radius, v.boss_front_y, "right", seat, "2x ", DRUM_AXIS),
         bore(d.drum_shoulder_radius, d.front_seat_start_y, "right"),
-        bore(d.drum_seat_radius, d.encoder_pocket_floor_y, "left", seat, datum=DRUM_AXIS),
     )
 
 
@@ -318,9 +317,11 @@ def _tolerances(d: FrameDims) -> tuple[GeometricTolerance, ...]:
     """Seats of the drum on one axis; bores of guide and inputs square to it."""
     v, depth = d.levels, d.seat_depth / 2
     shelf = (v.bearing_shelf_bottom_z + v.bearing_shelf_top_z) / 2
+    ends = ((d.front_seat_start_y, v.boss_front_y), (d.encoder_pocket_floor_y, d.rear_seat_end_y))
+    seats = tuple((0.0, (low + high) / 2, -d.drum_seat_radius) for low, high in ends)
     first, *rest = ((x, d.input_y - d.seat_radius, v.bearing_shelf_top_z - depth) for x in d.input_x)
     return (
-        one_axis("section", (0.0, (d.front_seat_start_y + v.boss_front_y) / 2, -d.drum_seat_radius), DRUM_AXIS),
+        one_axis("section", seats, DRUM_AXIS),
         square("section", (0.0, -d.axle_radius, shelf), DRUM_AXIS, "A"),
         square("top", first, DRUM_AXIS, "B", tuple(rest)),
     )

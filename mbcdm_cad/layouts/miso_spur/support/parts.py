@@ -110,8 +110,7 @@ class Star(MadePart):
             notes=(
                 "Milled from one block. X to the right in the rear view, Y to the front, Z up from the drum's axis. "
                 "Dimensions of the first arm, at Z; the other arms are equal, turned about the drum's axis.",
-                *one.notes[1:2],
                 f"Outer corners of plates and yokes R{mm(first.corner_radius)}.",
-                *one.notes[3:],
+                *one.notes[2:],
             ),
         )

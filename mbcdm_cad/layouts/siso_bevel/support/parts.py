@@ -7,7 +7,7 @@ from math import pi, sqrt
 from typing import TYPE_CHECKING
 
 from mbcdm_cad.layouts.siso_bevel.support.dims import ColumnDims
-from mbcdm_cad.parts.boss import boss_bodies, boss_bores_mm3, boss_tools
+from mbcdm_cad.parts.boss import boss_bodies, boss_bores_mm3, boss_tools, seats_mm
 from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.part import MadePart
 from mbcdm_cad.parts.shapes import block, cut, cylinder_y, cylinder_z, fuse, pocket_y
@@ -207,9 +207,9 @@ def _in_section(d: ColumnDims) -> tuple[Linear, ...]:
     def deep(y: float, z: float, side: Side, from_z: float, what: str = "") -> Linear:
         return Linear("section", (0.0, back, from_z), (0.0, y, z), y - back, side, suffix=what, decimals=3)
 
-    def bore(radius: float, y: float, side: Side, fit: str = "", datum: str = "") -> Linear:
+    def bore(radius: float, y: float, fit: str = "", count: str = "", datum: str = "") -> Linear:
         ends = ((0.0, y, -radius), (0.0, y, radius))
-        return Linear("section", *ends, 2 * radius, side, "%%c", fit=fit, datum=datum)
+        return Linear("section", *ends, 2 * radius, "right", f"{count}%%c", fit=fit, datum=datum)
 
     return (
         deep(v.front_y, d.encoder_shelf_bottom_z, "above", d.top_z),
@@ -220,9 +220,8 @@ def _in_section(d: ColumnDims) -> tuple[Linear, ...]:
         deep(b.front_seat_start_y, -b.seat_radius, "below", start),
         deep(b.front_y, -b.radius, "below", start),
         deep(b.ear_front_y, -b.ear_half_height, "below", start, " ears"),
-        bore(b.seat_radius, b.front_y, "right", FITS["drum_seat"].code),
-        bore(b.shoulder_radius, b.front_seat_start_y, "right"),
-        bore(b.seat_radius, b.encoder_pocket_floor_y, "left", FITS["drum_seat"].code, datum=DRUM_AXIS),
+        bore(b.seat_radius, b.front_y, FITS["drum_seat"].code, "2x ", DRUM_AXIS),
+        bore(b.shoulder_radius, b.front_seat_start_y),
     )
 
 
@@ -277,7 +276,7 @@ class ColumnFrame(MadePart):
             dimensions=(*_in_front(d), *_in_section(d), corner),
             labels=(*hole_labels(front, "front"), *hole_labels(above, "top")),
             tolerances=(
-                one_axis("section", (0.0, (b.front_seat_start_y + b.front_y) / 2, -b.seat_radius), DRUM_AXIS),
+                one_axis("section", seats_mm(b), DRUM_AXIS),
                 square("section", (0.0, d.seat_radius, d.encoder_shelf_top_z - d.seat_depth / 2), DRUM_AXIS, "A"),
             ),
             cutting_lines=(CuttingLine("front", (0.0, y, -b.radius - 2.0), (0.0, y, d.top_z + 2.0), "A", minus(X)),),

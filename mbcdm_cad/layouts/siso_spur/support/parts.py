@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from mbcdm_cad.design.bought import InsertSpec
 from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims
-from mbcdm_cad.parts.boss import boss_bodies, boss_bores_mm3, boss_tools
+from mbcdm_cad.parts.boss import boss_bodies, boss_bores_mm3, boss_tools, seats_mm
 from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.motor_head.dims import Places
 from mbcdm_cad.parts.part import MadePart
@@ -218,9 +218,9 @@ def _in_section(d: YokeDims) -> tuple[Linear, ...]:
     def over(y: float, z: float) -> Linear:
         return Linear("section", (0.0, back, top), (0.0, y, z), y - back, "above", decimals=3)
 
-    def bore(radius: float, y: float, side: Side, fit: str = "", datum: str = "") -> Linear:
+    def bore(radius: float, y: float, fit: str = "", count: str = "", datum: str = "") -> Linear:
         ends = ((0.0, y, -radius), (0.0, y, radius))
-        return Linear("section", *ends, 2 * radius, side, "%%c", fit=fit, datum=datum)
+        return Linear("section", *ends, 2 * radius, "right", f"{count}%%c", fit=fit, datum=datum)
 
     return (
         deep(b.rear_seat_end_y, -b.seat_radius),
@@ -232,9 +232,8 @@ def _in_section(d: YokeDims) -> tuple[Linear, ...]:
         over(near, under),
         over(far, top),
         Linear("section", (0.0, near, under), (0.0, far, top), top - under, "right", decimals=3),
-        bore(b.seat_radius, b.front_y, "right", FITS["drum_seat"].code),
-        bore(b.shoulder_radius, b.front_seat_start_y, "right"),
-        bore(b.seat_radius, b.encoder_pocket_floor_y, "left", FITS["drum_seat"].code, datum=DRUM_AXIS),
+        bore(b.seat_radius, b.front_y, FITS["drum_seat"].code, "2x ", DRUM_AXIS),
+        bore(b.shoulder_radius, b.front_seat_start_y),
     )
 
 
@@ -288,7 +287,7 @@ class Yoke(MadePart):
             labels=(*hole_labels(behind, "rear"),),
             cutting_lines=(CuttingLine("rear", (0.0, y, -d.half_width - 2.0), (0.0, y, d.top_z + 2.0), "A", minus(X)),),
             tolerances=(
-                one_axis("section", (0.0, (b.front_seat_start_y + b.front_y) / 2, -b.seat_radius), DRUM_AXIS),
+                one_axis("section", seats_mm(b), DRUM_AXIS),
                 GeometricTolerance(
                     "section",
                     (0.0, v.top_plate_bottom_z + d.seat_depth / 2, d.axis_z + d.seat_radius),
