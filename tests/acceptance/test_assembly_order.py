@@ -233,7 +233,15 @@ def bench_faults(shop: Workshop, items: Sequence[str]) -> Iterator[str]:
     for move in bench_moves(shop.dims):
         together = [name for name in items if matches(name, move) and name not in there]
         for name in together:
-            yield from shop.on_the_way(name, [np.array(leg, dtype=float) for leg in move.legs], there)
+            legs = [np.array(leg, dtype=float) for leg in move.legs]
+            found = list(shop.on_the_way(name, legs, there))
+            if found and name.startswith("gearhead_screw"):
+                # Of three screws one may be behind the gearhead's shaft, and comes in beside it.
+                gear = shop.dims.drive.gearhead
+                aside = (gear.shaft_diameter_mm + shop.screws[name].head_diameter_mm) / 2 + 0.3
+                ways = ([legs[0], np.array((side * aside, 0.0, 0.0)), *legs[1:]] for side in (1, -1))
+                found = min((list(shop.on_the_way(name, way, there)) for way in ways), key=len)
+            yield from found
         there += together
         for name in together:
             if name.startswith("gearhead_screw"):
