@@ -73,7 +73,7 @@ class ClassOfSensor(Exchanges):
                 continue
             rest = [e for e in fit.effects if e is not group.effect]
             new = [e for e in own if not any(_same(e, other) for other in rest)]
-            # The figure of the parts begins where the effect that it replaces ended: from zero the fit may end at a bound.
+            # The figure of the parts begins where the effect that it replaces ended: from zero it may end at a bound.
             size = float(fit.values_of(group.effect)[0])
             starts = ([_within_bounds(e, size) if _same(e, group.effect) else 0.0] for e in new)
             values: list[Floats | list[float]] = [*map(fit.values_of, rest), *starts]
