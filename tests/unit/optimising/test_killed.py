@@ -15,7 +15,8 @@ import pytest
 import mbcdm_cad as mc
 from tests.support.loopback import PATIENCE_S, Loopback
 
-ENDED_AT = 24
+# Enough that the search is in the middle whenever it is stopped, on a fast machine too.
+ENDED_AT = 96
 
 
 def command(folder: Path, out: str, *more: str) -> list[str]:
