@@ -47,27 +47,34 @@ def reference_of(folder: Path) -> Reference:
 class LazySizing:
     """The sizing rules of a layout, a module that is imported when first used: only files with gaps need it."""
 
-    def __init__(self, module: str) -> None:
-        """``module``: its name; it has a function ``size`` and the constants ``DERIVED`` and ``FREEDOMS``."""
-        self.module = module
+    def __init__(self, module: str, *, has_first: bool = False) -> None:
+        """``module``: its name; it has a function ``size`` and the constants ``DERIVED`` and ``FREEDOMS``.
+
+        ``has_first``: whether it has ``size_first`` too, because its rules stiffen a design whose frame bends too much.
+        """
+        self.module, self.has_first = module, has_first
 
     def size(self, data: dict[str, Any], moved: Moved, similar: Sizing | None) -> Sizing:
-        """See :class:`DesignFile`."""
+        """Fill the open fields of the data, which it may change.
+
+        ``moved`` has the functions with which a search changes the values of rules; ``similar``, the sizing of a
+        similar design, makes the search for values shorter.
+        """
         sized: Sizing = import_module(self.module).size(data, moved, similar)
         return sized
 
     def size_first(self, data: dict[str, Any], moved: Moved) -> Sizing:
-        """See :class:`DesignFile`; the module has a function of this name."""
+        """As :meth:`size` without finite elements: the design that rules stiffen, or leave, where ``has_first``."""
         sized: Sizing = import_module(self.module).size_first(data, moved)
         return sized
 
     def derived(self) -> tuple[str, ...]:
-        """See :class:`DesignFile`."""
+        """See :meth:`DesignFile.derived`."""
         fields: tuple[str, ...] = import_module(self.module).DERIVED
         return fields
 
     def freedoms(self) -> tuple[Freedom, ...]:
-        """See :class:`DesignFile`."""
+        """See :meth:`DesignFile.freedoms`."""
         found: tuple[Freedom, ...] = import_module(self.module).FREEDOMS
         return found
 
@@ -102,21 +109,20 @@ class DesignFile:
     rules: Callable[[Any], Iterator[Broken]]
     named: Callable[[Any], Iterator[NamedEntry]]
     drive: Callable[[Any, Catalogue, Mapping[FieldPath, float]], Drive]
-    # Fills the open fields of the data, which it may change, by the configuration's sizing rules; the second argument
-    # has the functions with which a search changes the values of rules, the third a sizing of a similar design, which
-    # makes the search for values shorter.
-    size: Callable[[dict[str, Any], Moved, Sizing | None], Sizing] | None = None
-    # Fields that are neither requirement nor choice: given in a file, they are pins.
-    derived: Callable[[], tuple[str, ...]] = tuple
-    # Fields that a search for a passing design may change, besides derived numbers.
-    freedoms: Callable[[], tuple[Freedom, ...]] = tuple
+    # The configuration's sizing rules, if it has any.
+    sizing: LazySizing | None = None
     # Text of a short file of requirements, with a place for the design's ``name``; empty without sizing rules.
     starting: str = ""
     # Sizing of many designs at once, if the configuration's rules support it; else they are sized one by one.
     size_many: Callable[[], SizingOfMany] | None = None
-    # As ``size`` without finite elements: the design with which rules begin that stiffen it where its frame bends too
-    # much, and with which they end where it does not. None where no rule does so.
-    size_first: Callable[[dict[str, Any], Moved], Sizing] | None = None
+
+    def derived(self) -> tuple[str, ...]:
+        """Fields that are neither requirement nor choice: given in a file, they are pins."""
+        return () if self.sizing is None else self.sizing.derived()
+
+    def freedoms(self) -> tuple[Freedom, ...]:
+        """Fields that a search for a passing design may change, besides derived numbers."""
+        return () if self.sizing is None else self.sizing.freedoms()
 
     @cached_property
     def nodes(self) -> SchemaNodes:

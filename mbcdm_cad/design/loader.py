@@ -68,7 +68,7 @@ def resolved(
 
     The stages are: ranges, sigmas, schema, sizing of missing fields, schema of the whole, rules between fields.
     ``moved``: by field, the functions with which a search changes the values of rules; ``similar``: the sizing of a
-    design that differs little, from which the rules begin; ``first``: by ``DesignFile.size_first``, if there is one.
+    design that differs little, from which the rules begin; ``first``: by ``LazySizing.size_first``, if there is one.
     """
     tree, sigmas = _split(tree, str(path), file)
     sizing = _sized(tree, str(path), file, moved or {}, similar, first=first)
@@ -115,15 +115,15 @@ def _sized(
     tree: Tree, path: str, file: DesignFile, moved: Moved, similar: Sizing | None, *, first: bool = False
 ) -> Sizing | None:
     """The data with its open fields filled, and their records. The fields of the file must already be valid."""
-    if file.size is None or not isinstance(tree.data, dict) or not _has_gaps(tree, path, file):
+    if file.sizing is None or not isinstance(tree.data, dict) or not _has_gaps(tree, path, file):
         return None
     data = _with_blocks(tree, path, file)
     recorded = by_rows(data, Path(path))
     try:
-        if first and file.size_first is not None:
-            sizing = file.size_first(data, moved)
+        if first and file.sizing.has_first:
+            sizing = file.sizing.size_first(data, moved)
         else:
-            sizing = file.size(data, moved, similar)
+            sizing = file.sizing.size(data, moved, similar)
     except SizingError as error:
         _refuse_broken_rules(iter(error.broken), tree, path)
         raise

@@ -293,3 +293,22 @@ def unique(block: str, name: str, values: Sequence[str] | Sequence[int]) -> Iter
                 f"each {name} once",
                 f"give every one of {block} its own {name}",
             )
+
+
+def counted(design: Design, block: str, wanted: int, remedy: str) -> Iterator[Broken]:
+    """The rule that a list of blocks, ``"inputs"`` or ``"cables"``, has as many entries as the configuration takes."""
+    found = len(getattr(design, block))
+    if found != wanted:
+        what = f"wrong number of {block} for {design.configuration}"
+        yield Broken((block,), what, str(found), str(wanted), remedy)
+
+
+def on_one_side(index: int, side: str, who: str) -> Broken:
+    """Two cables of one input, ``who`` in words, run to one side of the drum; ``index`` is that of the second."""
+    return Broken(
+        ("cables", index, "drum_side"),
+        f"both {who} run to one side",
+        side,
+        "opposite sides",
+        "set drum_side to -x for one and to +x for the other: the input drives in one sense only otherwise",
+    )

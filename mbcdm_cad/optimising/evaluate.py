@@ -111,8 +111,11 @@ def _failing(found: Resolved, *, early: bool) -> tuple[tuple[str, float], ...]:
 def _bends_too_much(question: Question, found: Resolved) -> bool:
     """Whether the sizing rules may stiffen a design that they have only begun."""
     drive = found.drive
-    return question.file.size_first is not None and any(
-        missed(check, drive.layout) for check in checks_of(drive) if check.id == WINDUP
+    sizing = question.file.sizing
+    return (
+        sizing is not None
+        and sizing.has_first
+        and any(missed(check, drive.layout) for check in checks_of(drive) if check.id == WINDUP)
     )
 
 

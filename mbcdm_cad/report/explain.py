@@ -100,17 +100,17 @@ def _stated(loaded: LoadedDesign) -> Iterator[Explained]:
 
 def _filled(loaded: LoadedDesign, data: dict[str, Any]) -> dict[str, Any]:
     """The data with the fields filled that even a complete file may leave out, so that they are computed only once."""
-    size = design_file(loaded.drive.configuration).size
+    sizing = design_file(loaded.drive.configuration).sizing
     try:
-        return data if size is None else size(copy.deepcopy(data), {}, None).data
+        return data if sizing is None else sizing.size(copy.deepcopy(data), {}, None).data
     except SizingError:
         return data
 
 
 def _without(loaded: LoadedDesign, data: dict[str, Any], field: str) -> SizedValue | None:
     """The rule's value of a field that the file, read as ``data``, states; None if no rule gives one."""
-    size = design_file(loaded.drive.configuration).size
-    if size is None:
+    sizing = design_file(loaded.drive.configuration).sizing
+    if sizing is None:
         return None
     freed = copy.deepcopy(data)
     *blocks, last = field.split(".")
@@ -119,7 +119,7 @@ def _without(loaded: LoadedDesign, data: dict[str, Any], field: str) -> SizedVal
         at = at[block]
     del at[last]
     try:
-        return size(freed, {}, None).of(field)
+        return sizing.size(freed, {}, None).of(field)
     except SizingError:
         return None
 

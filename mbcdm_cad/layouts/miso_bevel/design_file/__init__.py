@@ -32,17 +32,13 @@ def _size_many() -> SizingOfMany:
     return SizingOfMany(many.size_many, many.FIELDS, many.drive_of_many)
 
 
-_SIZING = LazySizing("mbcdm_cad.layouts.miso_bevel.sizing")
 DESIGN_FILE = DesignFile(
     BevelDesign,
     REFERENCE.values,
     broken_rules,
     named_entries,
     drive,
-    _SIZING.size,
-    _SIZING.derived,
-    _SIZING.freedoms,
+    LazySizing("mbcdm_cad.layouts.miso_bevel.sizing", has_first=True),
     STARTING,
     _size_many,
-    _SIZING.size_first,
 )

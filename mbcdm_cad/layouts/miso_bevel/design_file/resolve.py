@@ -9,7 +9,7 @@ from mbcdm_cad.design.drive import Sigmas
 from mbcdm_cad.design.fieldpath import FieldPath
 from mbcdm_cad.design.lookup import Catalogue
 from mbcdm_cad.design.resolve import by_step, preload_N, shared_sigmas, shared_values
-from mbcdm_cad.design.rules import Broken, NamedEntry, encoders_needed, unique
+from mbcdm_cad.design.rules import Broken, NamedEntry, counted, encoders_needed, on_one_side, unique
 from mbcdm_cad.layouts.miso_bevel import drive as d
 from mbcdm_cad.layouts.miso_bevel.design_file.schema import BevelDesign, Transmission
 from mbcdm_cad.parts.drum_sector.resolve import sector_entries, sector_values, terminal_angle_rad
@@ -184,14 +184,7 @@ def _said_twice(block: Transmission) -> Iterator[Broken]:
 
 
 def _inputs(design: BevelDesign) -> Iterator[Broken]:
-    if len(design.inputs) != 2:
-        yield Broken(
-            ("inputs",),
-            f"wrong number of inputs for {design.configuration}",
-            str(len(design.inputs)),
-            "2",
-            "give one input on each side",
-        )
+    yield from counted(design, "inputs", 2, "give one input on each side")
     if len(design.inputs) == 2 and design.inputs[0].side == design.inputs[1].side:
         yield Broken(
             ("inputs", 1, "side"),
@@ -204,14 +197,7 @@ def _inputs(design: BevelDesign) -> Iterator[Broken]:
 
 def _broken_cables(design: BevelDesign) -> Iterator[Broken]:
     cables, inputs = design.cables, [item.name for item in design.inputs]
-    if len(cables) != 4:
-        yield Broken(
-            ("cables",),
-            f"wrong number of cables for {design.configuration}",
-            str(len(cables)),
-            "4",
-            "give two cables for each of the two inputs",
-        )
+    yield from counted(design, "cables", 4, "give two cables for each of the two inputs")
     yield from unique("cables", "step", [cable.step for cable in cables])
     for k, name in enumerate(inputs):
         own = [cable for cable in cables if cable.input == name]
@@ -225,13 +211,7 @@ def _broken_cables(design: BevelDesign) -> Iterator[Broken]:
             )
             continue
         if own[0].drum_side == own[1].drum_side:
-            yield Broken(
-                ("cables", cables.index(own[1]), "drum_side"),
-                f"both cables of {name} run to one side",
-                own[1].drum_side,
-                "opposite sides",
-                "set drum_side to -x for one and to +x for the other: the input drives in one sense only otherwise",
-            )
+            yield on_one_side(cables.index(own[1]), own[1].drum_side, f"cables of {name}")
         steps = tuple(sorted(cable.step for cable in own))
         if steps not in ((1, 2), (3, 4)) and steps[0] != steps[1]:
             yield Broken(

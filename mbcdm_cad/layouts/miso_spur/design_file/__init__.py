@@ -9,15 +9,12 @@ from mbcdm_cad.layouts.siso_spur.design_file import starting
 from mbcdm_cad.layouts.siso_spur.design_file.resolve import named_entries
 
 STARTING = starting("miso_spur", 4.0, "# inputs: [{{name: a}}, {{name: b}}, {{name: c}}]  # left out: two inputs\n")
-_SIZING = LazySizing("mbcdm_cad.layouts.miso_spur.sizing")
 DESIGN_FILE = DesignFile(
     RoundDrumDesign,
     REFERENCE.values,
     broken_rules,
     named_entries,
     drive,
-    _SIZING.size,
-    _SIZING.derived,
-    _SIZING.freedoms,
+    LazySizing("mbcdm_cad.layouts.miso_spur.sizing"),
     STARTING,
 )

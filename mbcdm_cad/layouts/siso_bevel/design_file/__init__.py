@@ -23,15 +23,12 @@ limits:
 # rope: {{type: FF-081}}      # left out: the thinnest 7x7 wire rope that holds
 # drum: {{material: pa12}}    # left out: aluminium; so for support
 """
-_SIZING = LazySizing("mbcdm_cad.layouts.siso_bevel.sizing")
 DESIGN_FILE = DesignFile(
     DirectDesign,
     REFERENCE.values,
     broken_rules,
     named_entries,
     drive,
-    _SIZING.size,
-    _SIZING.derived,
-    _SIZING.freedoms,
+    LazySizing("mbcdm_cad.layouts.siso_bevel.sizing"),
     STARTING,
 )

@@ -8,7 +8,7 @@ from mbcdm_cad.design.drive import Sigmas
 from mbcdm_cad.design.fieldpath import FieldPath
 from mbcdm_cad.design.lookup import Catalogue
 from mbcdm_cad.design.resolve import by_step, preload_N, shared_sigmas, shared_values
-from mbcdm_cad.design.rules import Broken, NamedEntry, encoders_needed, unique
+from mbcdm_cad.design.rules import Broken, NamedEntry, counted, encoders_needed, on_one_side, unique
 from mbcdm_cad.layouts.siso_bevel import drive as d
 from mbcdm_cad.layouts.siso_bevel.design_file.schema import DirectDesign, DirectTransmission
 from mbcdm_cad.parts.drum_sector.resolve import sector_entries, sector_values, terminal_angle_rad
@@ -68,22 +68,11 @@ def broken_rules(design: DirectDesign) -> Iterator[Broken]:
     """The rules of this configuration that the design breaks, in the order of the file's blocks."""
     yield from _transmission(design)
     yield from encoders_needed(design)
-    for block, found, wanted, remedy in (
-        ("inputs", len(design.inputs), 1, "give exactly one input; miso_bevel has two"),
-        ("cables", len(design.cables), 2, "give one cable for each sense of the drum"),
-    ):
-        if found != wanted:
-            what = f"wrong number of {block} for {design.configuration}"
-            yield Broken((block,), what, str(found), str(wanted), remedy)
+    yield from counted(design, "inputs", 1, "give exactly one input; miso_bevel has two")
+    yield from counted(design, "cables", 2, "give one cable for each sense of the drum")
     yield from unique("cables", "step", [cable.step for cable in design.cables])
     if len(design.cables) == 2 and design.cables[0].drum_side == design.cables[1].drum_side:
-        yield Broken(
-            ("cables", 1, "drum_side"),
-            "both cables run to one side",
-            design.cables[1].drum_side,
-            "opposite sides",
-            "set drum_side to -x for one and to +x for the other: the input drives in one sense only otherwise",
-        )
+        yield on_one_side(1, design.cables[1].drum_side, "cables")
 
 
 def named_entries(design: DirectDesign) -> Iterator[NamedEntry]:

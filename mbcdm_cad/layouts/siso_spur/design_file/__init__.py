@@ -35,15 +35,12 @@ def starting(configuration: str, torque_Nm: float, more: str = "") -> str:
 
 
 STARTING = starting("siso_spur", 2.0)
-_SIZING = LazySizing("mbcdm_cad.layouts.siso_spur.sizing")
 DESIGN_FILE = DesignFile(
     SpurDesign,
     REFERENCE.values,
     broken_rules,
     named_entries,
     drive,
-    _SIZING.size,
-    _SIZING.derived,
-    _SIZING.freedoms,
+    LazySizing("mbcdm_cad.layouts.siso_spur.sizing"),
     STARTING,
 )

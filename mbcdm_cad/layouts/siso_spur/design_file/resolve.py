@@ -9,7 +9,7 @@ from mbcdm_cad.design.drive import Sigmas
 from mbcdm_cad.design.fieldpath import FieldPath
 from mbcdm_cad.design.lookup import Catalogue
 from mbcdm_cad.design.resolve import preload_N, shared_sigmas, shared_values
-from mbcdm_cad.design.rules import Broken, NamedEntry
+from mbcdm_cad.design.rules import Broken, NamedEntry, counted, on_one_side
 from mbcdm_cad.layouts.siso_spur import drive as d
 from mbcdm_cad.layouts.siso_spur.design_file.schema import SpurBlocks, SpurDesign, SpurTransmission
 from mbcdm_cad.parts.drum_sector.resolve import sector_entries, sector_values, terminal_angle_rad
@@ -93,20 +93,10 @@ def input_radius_mm(transmission: SpurTransmission) -> float:
 def broken_rules(design: SpurDesign) -> Iterator[Broken]:
     """The rules of this configuration that the design breaks, in the order of the file's blocks."""
     yield from broken_radius(design.transmission)
-    for name, found, wanted, remedy in (
-        ("inputs", len(design.inputs), 1, "give exactly one input"),
-        ("cables", len(design.cables), 2, "give the two sides of the cable, one for each sense of the drum"),
-    ):
-        if found != wanted:
-            yield Broken((name,), f"wrong number of {name} for {design.configuration}", str(found), str(wanted), remedy)
+    yield from counted(design, "inputs", 1, "give exactly one input")
+    yield from counted(design, "cables", 2, "give the two sides of the cable, one for each sense of the drum")
     if len(design.cables) == 2 and design.cables[0].drum_side == design.cables[1].drum_side:
-        yield Broken(
-            ("cables", 1, "drum_side"),
-            "both sides run to one side",
-            design.cables[1].drum_side,
-            "opposite sides",
-            "set drum_side to -x for one and to +x for the other: the input drives in one sense only otherwise",
-        )
+        yield on_one_side(1, design.cables[1].drum_side, "sides")
 
 
 def broken_radius(block: SpurTransmission) -> Iterator[Broken]:
