@@ -6,9 +6,8 @@ import numpy as np
 
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, noted
 from mbcdm_cad.checks.design_variables import down, up
-from mbcdm_cad.checks.strength import SLACK_SHARE
 from mbcdm_cad.layouts.base import Layout
-from mbcdm_cad.model.capability import torque_at_slip_Nm
+from mbcdm_cad.model.capability import SLACK_SHARE, torque_at_slip_Nm
 from mbcdm_cad.model.creep import DAY_S, TOLD_C, creeps, relaxation
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.si import ModelError
@@ -23,16 +22,15 @@ def _suffices(s: Layout, share: float) -> bool:
     peak = s.drive.loads.peak_torque_Nm
     less = s.loads.si.with_(preload_N=s.loads.si.preload_N * share)
     try:
-        for angle in (s.half_travel_rad, -s.half_travel_rad):
-            on_input, on_drum = s.wraps_rad(angle)
-            wound = less.with_(input_wrap_rad=on_input, drum_wrap_rad=on_drum)
+        for wraps in s.wraps_at_ends_rad:
+            wound = less.with_(**wraps)
             tension = solve_equilibrium(wound, np.array([peak, -peak])).tension_N
             if np.any(tension < SLACK_SHARE * less.preload_N[:, None]):
                 return False
-            if less.through_wrap_rad is not None:
-                wound = less.with_(drum_wrap_rad=on_drum)
-                if min(float(torque_at_slip_Nm(wound, way).min()) for way in (1, -1)) < peak:
-                    return False
+            if less.through_wrap_rad is None:
+                continue
+            if min(float(torque_at_slip_Nm(wound, way).min()) for way in (1, -1)) < peak:
+                return False
     except ModelError:
         return False
     return True

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import exp, radians, tau
+from math import exp, tau
 
 import numpy as np
 
@@ -10,12 +10,10 @@ from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, wo
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.remedies import floored
 from mbcdm_cad.layouts.base import Layout, NoFigureError
-from mbcdm_cad.model.capability import balanced_preload_N, torque_at_input_limit_Nm
+from mbcdm_cad.model.capability import SLACK_SHARE, balanced_preload_N, torque_at_input_limit_Nm
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.si import ModelError
 
-# A cable under a hundredth of its preload counts as slack: it leaves its land (estimate).
-SLACK_SHARE = 0.01
 # Share of an input's rated torque that the preload alone may take (estimate).
 BIAS_SHARE = 0.1
 
@@ -24,12 +22,12 @@ def no_slack(s: Layout) -> Comparison:
     """Lowest tension at peak torque in both directions, at both ends of travel, with the wraps that are left there."""
     peak = s.drive.loads.peak_torque_Nm
     si = s.loads.si
-    found = []
-    for angle in (radians(s.drive.half_travel_deg), -radians(s.drive.half_travel_deg)):
-        on_input, on_drum = s.wraps_rad(angle)
-        wound = si.with_(input_wrap_rad=on_input, drum_wrap_rad=on_drum)
+    found, ends = [], s.wraps_at_ends_rad
+    if not ends:
+        raise NoFigureError("the terminals have no place, so that no wrap is known")
+    for wraps in ends:
         try:
-            tension = solve_equilibrium(wound, np.array([peak, -peak])).tension_N
+            tension = solve_equilibrium(si.with_(**wraps), np.array([peak, -peak])).tension_N
         except ModelError as error:
             raise NoFigureError(f"the model has no answer: {error}") from None
         for k, c in enumerate(s.drive.cables):

@@ -365,12 +365,20 @@ class Layout(ABC):
         """(input, drum) wraps of each cable at a drum angle, never below zero, shape (n_cables,)."""
 
     @cached_property
-    def drum_wraps_at_ends_rad(self) -> tuple[NDArray[np.float64], ...]:
-        """Wraps of each cable on the drum at both ends of the travel; none where the terminals have no place."""
+    def wraps_at_ends_rad(self) -> tuple[Mapping[str, NDArray[np.float64]], ...]:
+        """Wraps of each cable at both ends of the travel, as ``DriveSI`` names them; none without terminals' places.
+
+        A cable that runs on round its input has no anchor there: only its wraps on the drum end.
+        """
         try:
-            return tuple(self.wraps_rad(angle)[1] for angle in (self.half_travel_rad, -self.half_travel_rad))
+            ends = [self.wraps_rad(angle) for angle in (self.half_travel_rad, -self.half_travel_rad)]
         except NoFigureError:
             return ()
+        from mbcdm_cad.model.si import to_si
+
+        if to_si(self.drive).through_wrap_rad is not None:
+            return tuple({"drum_wrap_rad": on_drum} for _, on_drum in ends)
+        return tuple({"input_wrap_rad": on_input, "drum_wrap_rad": on_drum} for on_input, on_drum in ends)
 
     @abstractmethod
     def bends_mm(self) -> Sequence[tuple[str, str, float]]:

@@ -154,7 +154,7 @@ def _limits(drive: Drive, d: DriveSI, strength_N: float) -> tuple[TorqueLimit, .
     raised = {MOTOR_LOSSY: partial(train.raised_Nm, train.output_Nm(drive.motor.rated_torque_mNm * 1e-3))}
     if drive.limits.counts_losses:
         raised |= {cause: partial(train.raised_Nm, ratings.pop(cause)) for cause in _PASSED_ON if cause in ratings}
-    return torque_limits(d, ratings, strength_N, raised, drive.layout.drum_wraps_at_ends_rad)
+    return torque_limits(d, ratings, strength_N, raised, drive.layout.wraps_at_ends_rad)
 
 
 def _most_of_an_input_Nm(cases: tuple[LoadCase, ...]) -> float:

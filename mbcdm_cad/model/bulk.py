@@ -17,7 +17,7 @@ import numpy as np
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.model.backlash import cable_backlash, drum_backlash
-from mbcdm_cad.model.capability import Requirements, requirements, slip_weight
+from mbcdm_cad.model.capability import Requirements, requirements, slip_weight, torque_at_slack_Nm
 from mbcdm_cad.model.equilibrium import Equilibrium, solve_equilibrium, solve_weighted
 from mbcdm_cad.model.kinematics import eq1_residuals
 from mbcdm_cad.model.si import PER_CABLE, PER_DESIGN, DriveSI, ModelError, to_si
@@ -210,8 +210,6 @@ def _put(at: Equilibrium, which: Any, found: Equilibrium) -> None:
 
 # Shares of the design's preloads; the last is too low for any use.
 SHARES = (1.1, 1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3)
-# A cable under a hundredth of its preload counts as slack, as in the check no_slack.
-SLACK_SHARE = 0.01
 
 
 @dataclass(frozen=True)
@@ -237,7 +235,7 @@ class ReachedPreload:
 
 def preload_table(drive: Drive, shares: tuple[float, ...] = SHARES) -> tuple[ReachedPreload, ...]:
     """The rows for ``shares`` of the design's preloads. Errors: ``ModelError`` where the model has no answer."""
-    si, need = to_si(drive), requirements(drive)
+    si, need, ends = to_si(drive), requirements(drive), drive.layout.wraps_at_ends_rad
     found = analyse_many(
         si.spread(len(shares)).with_(preload_N=si.preload_N[:, None] * np.array(shares)[None, :]), need
     )
@@ -249,25 +247,12 @@ def preload_table(drive: Drive, shares: tuple[float, ...] = SHARES) -> tuple[Rea
                 share=share,
                 preload_N=tuple(float(v) for v in less.preload_N),
                 at_inputs_Nm=(float(found.peak_torque_Nm[0, k]), float(found.peak_torque_Nm[1, k])),
-                slack_Nm=(torque_at_first_slack_Nm(less, 1), torque_at_first_slack_Nm(less, -1)),
+                slack_Nm=(
+                    float(torque_at_slack_Nm(less, 1, ends).min()),
+                    float(torque_at_slack_Nm(less, -1, ends).min()),
+                ),
                 turn_mrad=float(np.abs(found.turn_rad[:, k]).max()) * 1e3,
                 reversal_swing_mrad=float(found.reversal_swing_rad[k]) * 1e3,
             )
         )
     return tuple(rows)
-
-
-def torque_at_first_slack_Nm(d: DriveSI, direction: int) -> float:
-    """Largest torque (N m, >= 0) in ``direction`` at which every cable keeps a hundredth of its preload.
-
-    The drum's angle at which one cable is left with that tension gives the torque by the tensions of all (derived);
-    of the cables that a torque in ``direction`` relieves, the first one counts.
-    """
-    relieved = [j for j, sense in enumerate(d.sigma) if sense == -direction]
-    shape = (len(relieved),)
-    wide = d.lifted(shape)
-    alone = np.zeros((d.n_cables, len(relieved)))
-    alone[relieved, range(len(relieved))] = -direction
-    left = -direction * SLACK_SHARE * np.asarray(d.preload_N)[relieved]
-    found = solve_weighted(wide, alone, left)
-    return max(0.0, float((direction * found.drum_torque_by_input_Nm(wide).sum(axis=0)).min()))

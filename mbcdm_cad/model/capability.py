@@ -13,9 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.model.equilibrium import Equilibrium, solve_equilibrium, solve_weighted, tension_of_stretch
+from mbcdm_cad.model.equilibrium import Equilibrium, solve_equilibrium, solve_weighted
 from mbcdm_cad.model.si import GPA, MM, MM2, DriveSI, ModelError, routed
-from mbcdm_cad.model.wrap import slack_stretch_m
 from mbcdm_cad.routes import Floats
 
 if TYPE_CHECKING:
@@ -108,6 +107,10 @@ def sigmas_si(drive: Drive) -> dict[str, Any]:
 
 # Name of the limit in `Analysis.limits`.
 SLIP = "slip"
+# A cable under this share of its preload counts as slack: it leaves its land (estimate).
+SLACK_SHARE = 0.01
+# Live wraps at one pose, by their names in `DriveSI`.
+Wraps = Mapping[str, Any]
 # With e^(mu theta) above this no drive reaches the slip limit.
 _LARGEST_EXPONENT = 30.0
 
@@ -160,20 +163,29 @@ def torque_at_tension_limit_Nm(d: DriveSI, tension_N: Floats | float, direction:
     return np.stack(rows)
 
 
-def torque_at_slack_Nm(d: DriveSI, direction: int) -> Floats:
-    """Load (N m) at which each cable that ``direction`` slackens goes slack; inf for others and for endless wraps."""
-    limit = slack_stretch_m(d)
+def torque_at_slack_Nm(d: DriveSI, direction: int, ends: Sequence[Wraps] = ()) -> Floats:
+    """Load (N m, >= 0) at which each cable that ``direction`` slackens has a hundredth of its preload left.
+
+    inf for the others. ``ends``: the wraps that are there at the poses that count, usually both ends of the travel; the
+    lowest load of them is taken. Without them wraps have no end.
+    """
+    return np.asarray(np.min([_slack_at_pose_Nm(pose, direction) for pose in _poses(d, ends)], axis=0))
+
+
+def _slack_at_pose_Nm(d: DriveSI, direction: int) -> Floats:
     rows = []
     for j in range(d.n_cables):
-        if d.sigma[j] == direction or not np.all(np.isfinite(limit[j])):
+        if d.sigma[j] == direction:
             rows.append(np.full(d.batch_shape, np.inf))
             continue
-        drum_angle = -limit[j] / (d.sigma[j] * d.drum_radius_m[j])
-        stretch = -d.column(d.sigma, 1 + len(d.batch_shape)) * d.drum_radius_m * drum_angle
-        tension = tension_of_stretch(d, np.asarray(stretch))
-        tension[j] = 0.0
-        rows.append(direction * _load_of(d, Equilibrium(np.asarray(drum_angle), tension, np.asarray(stretch))))
+        weight = d.column(d.sigma * (np.arange(d.n_cables) == j), 1 + len(d.batch_shape))
+        at = solve_weighted(d, weight, d.sigma[j] * SLACK_SHARE * np.broadcast_to(d.preload_N[j], d.batch_shape))
+        rows.append(np.maximum(direction * _load_of(d, at), 0.0))
     return np.stack(rows)
+
+
+def _poses(d: DriveSI, ends: Sequence[Wraps]) -> list[DriveSI]:
+    return [d.with_(**wraps) for wraps in ends] or [d]
 
 
 def slip_weight(d: DriveSI, index: int, direction: int | NDArray[np.int_]) -> Floats:
@@ -200,15 +212,13 @@ def torque_at_slip_of_Nm(d: DriveSI, index: int, direction: int | NDArray[np.int
     return np.maximum(direction * _load_of(d, at), 0.0)
 
 
-def torque_at_slip_Nm(d: DriveSI, direction: int, drum_wraps_rad: Sequence[Floats] = ()) -> Floats:
+def torque_at_slip_Nm(d: DriveSI, direction: int, ends: Sequence[Wraps] = ()) -> Floats:
     """Load (N m, shape (n_inputs, *batch)) at which the cable begins to slip on each input.
 
-    ``drum_wraps_rad``: wraps on the drum at the poses that count, usually both ends of the travel; the lowest load of
-    them is taken. A short wrap stretches less, so that the slackened side loses more tension. Without them wraps have
-    no end.
+    ``ends``: as in :func:`torque_at_slack_Nm`. A short wrap stretches less, so that the slackened side loses more
+    tension.
     """
-    poses = [d.with_(drum_wrap_rad=wrap) for wrap in drum_wraps_rad] or [d]
-    found = [[torque_at_slip_of_Nm(pose, i, direction) for i in range(d.n_inputs)] for pose in poses]
+    found = [[torque_at_slip_of_Nm(pose, i, direction) for i in range(d.n_inputs)] for pose in _poses(d, ends)]
     return np.asarray(np.min(found, axis=0))
 
 
@@ -231,11 +241,11 @@ def torque_limits(
     input_ratings_Nm: dict[str, float],
     tension_limit_N: float,
     raised: Mapping[str, Raised] | None = None,
-    drum_wraps_rad: Sequence[Floats] = (),
+    ends: Sequence[Wraps] = (),
 ) -> tuple[TorqueLimit, ...]:
     """Every limit both ways for one design, +1 first: one per rating (by its name), ``strength`` and ``slack``.
 
-    ``slip`` too, where friction alone holds a cable on an input; ``drum_wraps_rad``: see :func:`torque_at_slip_Nm`.
+    ``slip`` too, where friction alone holds a cable on an input; ``ends``: see :func:`torque_at_slack_Nm`.
     ``raised`` adds limits with all losses counted, by name: functions that give for a direction the loads that each
     input moves.
     """
@@ -248,13 +258,13 @@ def torque_limits(
             found.append(TorqueLimit(cause, d.input_names[first], direction, float(loads[first])))
         for cause, loads in (
             ("strength", torque_at_tension_limit_Nm(d, tension_limit_N, direction)),
-            ("slack", torque_at_slack_Nm(d, direction)),
+            ("slack", torque_at_slack_Nm(d, direction, ends)),
         ):
             first = int(np.argmin(loads))
             name = d.cable_names[first] if np.isfinite(loads[first]) else "none"
             found.append(TorqueLimit(cause, name, direction, float(loads[first])))
         if d.through_wrap_rad is not None:
-            loads = torque_at_slip_Nm(d, direction, drum_wraps_rad)
+            loads = torque_at_slip_Nm(d, direction, ends)
             first = int(np.argmin(loads))
             found.append(TorqueLimit(SLIP, d.input_names[first], direction, float(loads[first])))
     return tuple(found)

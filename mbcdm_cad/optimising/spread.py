@@ -162,8 +162,9 @@ class Spread:
         strength = np.full(DRAWS, tension_limit_N(self.drive))
         limits = [*at_inputs, *(torque_at_tension_limit_Nm(self.d, strength, way) for way in (1, -1))]
         if self.d.through_wrap_rad is not None:
-            ends = self.drive.layout.drum_wraps_at_ends_rad
-            limits += [torque_at_slip_Nm(self.d, way, [wrap[:, None] for wrap in ends]) for way in (1, -1)]
+            wraps = self.drive.layout.wraps_at_ends_rad
+            ends = [{name: wrap[:, None] for name, wrap in end.items()} for end in wraps]
+            limits += [torque_at_slip_Nm(self.d, way, ends) for way in (1, -1)]
         return np.asarray(np.concatenate(limits).min(axis=0))
 
 

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.model import analyse
-from mbcdm_cad.model.bulk import SLACK_SHARE, preload_table, torque_at_first_slack_Nm
+from mbcdm_cad.model.bulk import preload_table
+from mbcdm_cad.model.capability import SLACK_SHARE, torque_at_slack_Nm
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.si import to_si
 
@@ -32,9 +35,12 @@ def test_less_preload_costs_lost_motion_and_gives_torque_at_the_inputs() -> None
     assert half.slack_Nm[0] == pytest.approx(0.6 * full.slack_Nm[0], rel=1e-3), "all in proportion"
 
 
-def test_the_first_slack_is_where_a_cable_has_a_hundredth_left() -> None:
+@pytest.mark.parametrize("ends", [(), DRIVE.layout.wraps_at_ends_rad])
+def test_the_first_slack_is_where_a_cable_has_a_hundredth_left(ends: tuple[Mapping[str, Any], ...]) -> None:
+    """With endless wraps, and with those that are there at both ends of the travel."""
     si = to_si(DRIVE)
     for direction in (1, -1):
-        torque = torque_at_first_slack_Nm(si, direction)
-        left = solve_equilibrium(si, direction * torque).tension_N / si.preload_N
+        torque = float(torque_at_slack_Nm(si, direction, ends).min())
+        poses = [si.with_(**wraps) for wraps in ends] or [si]
+        left = [solve_equilibrium(pose, direction * torque).tension_N / si.preload_N for pose in poses]
         assert float(np.min(left)) == pytest.approx(SLACK_SHARE, abs=1e-4)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -147,6 +148,28 @@ def test_slip_of_a_continuous_cable_is_one_figure(design: DriveDesign, outputs: 
     assert judged.actual * drive.loads.peak_torque_Nm == pytest.approx(min(limits), rel=1e-6)
     assert f"{min(limits):.4g} N m" in judged.message, judged.message
     assert f"{min(limits):.3f} N m" in design.analyse().text()
+
+
+def test_slack_is_one_figure(design: DriveDesign, outputs: dict[str, Any]) -> None:
+    """The limit of analyse is the peak torque at which the check begins to fail, with the wraps that are there."""
+    drive = design.loaded.drive
+    limit = min(x["torque_Nm"] for x in outputs["analyse"]["limits"] if x["cause"] == "slack")
+    row = next(r for r in outputs["analyse"].get("reached_preloads") or preload_rows(drive) if r["share"] == 1.0)
+    assert min(row["slack_Nm"]) == pytest.approx(limit, rel=1e-6)
+    assert f"{limit:.3f} N m" in design.analyse().text()
+    check = next(check for check in checks_of(drive) if check.id == "no_slack")
+    below, above = (check.measure(at_peak(drive, share * limit)) for share in (0.999, 1.001))
+    assert below.holds and not above.holds, (below.message, above.message)
+
+
+def preload_rows(drive: Any) -> list[dict[str, Any]]:
+    """The table of lower preloads as the report has it."""
+    return [asdict(row) for row in preload_table(drive)]
+
+
+def at_peak(drive: Any, torque_Nm: float) -> Any:
+    """The same drive asked for another peak torque."""
+    return replace(drive, loads=replace(drive.loads, peak_torque_Nm=torque_Nm)).layout
 
 
 def test_the_page_prints_these_figures(design: DriveDesign, outputs: dict[str, Any]) -> None:

@@ -46,7 +46,7 @@ def slip(s: SpurLayout) -> Comparison:
     tension.
     """
     drive, si = s.drive, s.loads.si
-    ends = s.drum_wraps_at_ends_rad
+    ends = s.wraps_at_ends_rad
     try:
         holds = min(float(torque_at_slip_Nm(si, way, ends).min()) for way in (1, -1))
     except ModelError as error:
