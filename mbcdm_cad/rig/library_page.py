@@ -57,8 +57,8 @@ acts in time. The title of a panel is the name of the file.
 """
 _EFFECTS = """
 ## Effects
-The list `effects:` of an experiment may have any number of these blocks. The physics of each is explained in its file
-in `mbcdm_cad/rig/effects`.
+The list `effects:` of an experiment may have any number of these blocks. The docstrings of the classes in
+`mbcdm_cad/rig/effects` explain the physics of each.
 
 """
 
@@ -122,7 +122,7 @@ def effects_table() -> str:
         schema = kind.model_json_schema()["properties"]
         name = schema.pop("effect")["const"]
         fields = ", ".join(f"`{field}`{_bounds(node)}" for field, node in schema.items())
-        lines.append(f"| `{name}` | {kind.__doc__} | {fields} |")
+        lines.append(f"| `{name}` | {kind.__doc__.splitlines()[0]} | {fields} |")
     return "\n".join(lines)
 
 

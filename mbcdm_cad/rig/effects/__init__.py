@@ -1,4 +1,4 @@
-"""The effects that an experiment can contain, one file each; any number can act together.
+"""The effects that an experiment can contain; any number can act together.
 
 Each effect is a block of the experiment file whose field ``effect`` names it. Its method ``apply(bench)`` changes the
 bench and adds an entry to the truth.
