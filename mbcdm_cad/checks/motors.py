@@ -113,8 +113,14 @@ def _easier_to_turn(s: Layout) -> str:
     if most in (ROPE, BEARINGS):
         return "choose a thinner rope"
     if s.drive.gearhead.absent:
-        return "choose a motor of lower rated torque, which has less friction"
-    return "choose a gearhead of lower ratio or higher efficiency, or a motor with a shaft of its own and no gearhead"
+        return (
+            "choose a motor of lower rated torque, which has less friction, or state no_load_current_A of yours in its "
+            "entry under catalogue: motors"
+        )
+    return (
+        "leave drive.motor and drive.gearhead to the rules, which choose them for loads.backdrive_Nm, or choose a "
+        "gearhead of lower ratio or higher efficiency, or a motor with a shaft of its own and no gearhead"
+    )
 
 
 def gearhead_maximum(s: Layout) -> Comparison:

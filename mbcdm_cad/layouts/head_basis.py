@@ -12,6 +12,7 @@ import numpy as np
 from mbcdm_cad.design.blocks import DutyBlock
 from mbcdm_cad.design.bought import NO_GEARHEAD, Motor
 from mbcdm_cad.design.fields import validated
+from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.common_rules import (
     BEND_RATIO,
     DRUM_MATERIAL,
@@ -30,7 +31,14 @@ from mbcdm_cad.layouts.common_rules import (
 from mbcdm_cad.layouts.trial_sizing import TrialKnown
 from mbcdm_cad.model.duty.cycle import DEFAULT_PERIOD_S, Duty, default_duty, of_rows
 from mbcdm_cad.model.duty.heat import RATED_AT_C, STANDSTILL_SHARE, motor_heat
-from mbcdm_cad.model.losses.friction import GEARHEAD_IDLE_SHARE, tangent_share
+from mbcdm_cad.model.losses.friction import (
+    GEARHEAD_IDLE_SHARE,
+    motor_idle_mNm,
+    tangent_share,
+    turned_back_mNm,
+)
+from mbcdm_cad.model.losses.train import BEARINGS, ROPE
+from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.sizing.arithmetic import greatest, number
 from mbcdm_cad.sizing.known import KnownFields
 from mbcdm_cad.sizing.rule import Found, Rule, constant, rounded_up
@@ -205,6 +213,42 @@ def heat_margin(
     return (heat.limit_C - duty.ambient_C) / max(found.hottest_winding_C - duty.ambient_C, 1e-6) - 1.0
 
 
+def turns_back_Nm(motor: Mapping[str, Any], head: Mapping[str, Any] | None, input_to_drum: float, inputs: int) -> float:
+    """Torque at the drum that turns gearheads and motors without current; infinite where the gearheads lock."""
+    idle = motor_idle_mNm(float(motor["rated_torque_mNm"]), Motor(name="", **motor).idle_torque_mNm)
+    at = (1.0, 1.0, 0.0) if head is None else (head["ratio"], head["efficiency"], head["rated_torque_mNm"])
+    return inputs * input_to_drum * turned_back_mNm(idle, *at) * 1e-3
+
+
+def backdrive_margin(given: KnownFields, turns_back_Nm: float, cables_Nm: float) -> float:
+    """Torque at the drum that may be needed to turn it over the one that is, less 1; infinite where none is asked for.
+
+    ``turns_back_Nm``: for gearheads and motors, ``cables_Nm``: to start cables and bearings.
+    """
+    wanted = given.get("loads.backdrive_Nm")
+    return inf if wanted is None else number(wanted / (turns_back_Nm + cables_Nm) - 1.0)
+
+
+def _turning_cables_Nm(given: TrialKnown) -> float:
+    """Torque at the drum that starts cables and bearings, of the drive of the pass before; 0 in the first pass."""
+    if not given.drives.passes:
+        return 0.0
+    try:
+        found = given.before().losses.backdrive
+    except (NoFigureError, ModelError):
+        return 0.0
+    return 0.0 if found is None else found.start_of_Nm(ROPE, BEARINGS)
+
+
+def _easy(given: TrialKnown, motor: Mapping[str, Any], head: Mapping[str, Any] | None) -> float:
+    """Margin of a motor that the drum must turn; an open ratio is the least that holds."""
+    if given.get("loads.backdrive_Nm") is None:
+        return inf
+    ratio = given.ratio if given.has_ratio else max(_needed_mNm(given) / output_mNm(given, motor, head), 1.0)
+    turned = turns_back_Nm(motor, head, ratio, max(1, len(given.get("inputs", ()))))
+    return backdrive_margin(given, turned, _turning_cables_Nm(given))
+
+
 def _is_cool(given: TrialKnown, motor: Mapping[str, Any], head: Mapping[str, Any] | None) -> bool:
     """Whether a motor stands the stated duty; an open ratio is the least that holds."""
     ratio = given.ratio if given.has_ratio else max(_needed_mNm(given) / output_mNm(given, motor, head), 1.0)
@@ -244,12 +288,40 @@ def _gearhead(given: TrialKnown) -> Found:
         and _is_fast(given, motor, head, needed)
         and motor["diameter_mm"] <= head["diameter_mm"] + 1.0
     ]
-    cool = (name for _, name, motor in sorted(pairs, key=itemgetter(0, 1)) if _is_cool(given, motor, heads[name]))
-    if pairs:
-        lightest = min(pairs, key=itemgetter(0, 1))[1]
-        found = next(cool, lightest)
-        return Found(found, "motor_torque_forward" if found == lightest else "duty", "lightest of the catalogue")
-    return Found(NO_GEARHEAD, "no gearhead with a motor of the catalogue reaches the torque")
+    if given.get("loads.backdrive_Nm") is not None:
+        # A motor on its own shaft turns back most easily.
+        pairs += [
+            (motor["mass_g"], NO_GEARHEAD, motor)
+            for motor, _ in given.motors_with_faces().values()
+            if motor in motors.values() and motor["rated_torque_mNm"] >= needed and _is_fast(given, motor, None, needed)
+        ]
+    if not pairs:
+        return Found(NO_GEARHEAD, "no gearhead with a motor of the catalogue reaches the torque")
+    pairs.sort(key=itemgetter(0, 1))
+    lightest = pairs[0][1]
+    return _preferred(
+        given, [(name, motor, heads.get(name)) for _, name, motor in pairs], lightest, "lightest of the catalogue"
+    )
+
+
+def _preferred(
+    given: TrialKnown,
+    trains: list[tuple[str, Mapping[str, Any], Mapping[str, Any] | None]],
+    lightest: str,
+    rounding: str,
+) -> Found:
+    """The first of named trains (motor, gearhead) that stands the duty and that the drum turns as easily as asked.
+
+    If none does both, the one that turns most easily; where the file asks for no such ease, the first.
+    """
+    easy = [(name, motor, head) for name, motor, head in trains if _easy(given, motor, head) >= 0.0]
+    if not easy:
+        nearest = max(trains, key=lambda train: _easy(given, train[1], train[2]))[0]
+        return Found(nearest, "backdrive", "nothing in the catalogue does: the nearest")
+    found = next((name for name, motor, head in easy if _is_cool(given, motor, head)), easy[0][0])
+    if found == lightest:
+        return Found(found, "motor_torque_forward", rounding)
+    return Found(found, "duty" if found != easy[0][0] else "backdrive", rounding)
 
 
 def _motor(given: TrialKnown) -> Found:
@@ -271,8 +343,7 @@ def _motor(given: TrialKnown) -> Found:
         strongest = max(rated, key=lambda name: rated[name]["rated_torque_mNm"])
         return Found(strongest, "motor_torque_forward", "no motor of the catalogue does: the strongest")
     names = sorted(fitting, key=lambda name: (fitting[name]["mass_g"], name))
-    found = next((name for name in names if _is_cool(given, fitting[name], entry)), names[0])
-    return Found(found, "motor_torque_forward" if found == names[0] else "duty", "the lightest")
+    return _preferred(given, [(name, fitting[name], entry) for name in names], names[0], "the lightest")
 
 
 LIMITS = (STOP_CLEARANCE, TEST_TORQUE, TENSION_SAFETY, PRELOAD_SHARE, MESH_TOLERANCE, RUNNING)

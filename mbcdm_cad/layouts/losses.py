@@ -41,7 +41,7 @@ def train_of(layout: Layout) -> Train:
         gear_ratio=gear.ratio,
         gear_share=friction.gearhead_share(gear.efficiency),
         gear_idle_Nm=0.0 if gear.absent else friction.GEARHEAD_IDLE_SHARE * gear.rated_torque_mNm * 1e-3,
-        motor_idle_Nm=(friction.MOTOR_IDLE_SHARE * motor.rated_torque_mNm if idle is None else idle) * 1e-3,
+        motor_idle_Nm=friction.motor_idle_mNm(motor.rated_torque_mNm, idle) * 1e-3,
         motor_sigma=friction.MOTOR_IDLE_SIGMA if idle is None else friction.MOTOR_STATED_SIGMA,
     )
 

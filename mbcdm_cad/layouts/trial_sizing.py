@@ -76,7 +76,7 @@ class TrialKnown(RopeKnown):
         for field, guess in guesses.items():
             whole.put(field, guess)
         # The data of a trial: the known fields, and guesses of those that are still open.
-        self._filled = _laid_over(whole.data, data)
+        self._filled = self._at_start = _laid_over(whole.data, data)
 
     def put(self, field: str, value: Any) -> None:
         """See the base class."""
@@ -148,6 +148,15 @@ class TrialKnown(RopeKnown):
         Raises ``NoFigureError`` if the data give no drive, ``SizingError`` if the file breaks a rule.
         """
         return self.drives.under_test(self._whole(field, value))
+
+    def before(self) -> Layout:
+        """The drive under test of the file and, for its open fields, of their values in the pass before.
+
+        Raises ``NoFigureError`` if they describe no drive.
+        """
+        for name in self.asked:
+            self.get(name)
+        return self.drives.under_test(self._at_start)
 
     def margins(self, field: str, value: Any, checks: Iterable[str], to_first_miss: bool = False) -> dict[str, Margin]:
         """Margin and its unit by check, with ``field`` at ``value``; -inf where a check has no figure there.

@@ -7,6 +7,8 @@ that :mod:`mbcdm_cad.model.hysteresis` computes.
 
 from __future__ import annotations
 
+from math import inf
+
 import numpy as np
 
 from mbcdm_cad.routes import Floats
@@ -63,3 +65,17 @@ def partial_load_efficiency(torque_Nm: Floats | float, efficiency: float, idle_N
     """Efficiency at a torque at the output, M/(M/eta + M_0), with ``efficiency`` eta the largest one."""
     torque = np.asarray(torque_Nm, float)
     return np.asarray(torque / (torque / efficiency + idle_Nm))
+
+
+def motor_idle_mNm(rated_mNm: float, stated_mNm: float | None) -> float:
+    """Friction of a motor without current: what the catalogue states, else a share of its continuous torque."""
+    return MOTOR_IDLE_SHARE * rated_mNm if stated_mNm is None else stated_mNm
+
+
+def turned_back_mNm(motor_idle_mNm: float, ratio: float, efficiency: float, gear_rated_mNm: float) -> float:
+    """Torque at a gearhead's output that turns it and the motor before it; infinite where the gearhead locks.
+
+    A motor without a gearhead has ratio and efficiency 1 and ``gear_rated_mNm`` 0.
+    """
+    back = backward_efficiency(efficiency)
+    return (GEARHEAD_IDLE_SHARE * gear_rated_mNm + ratio * motor_idle_mNm) / back if back > 0.0 else inf

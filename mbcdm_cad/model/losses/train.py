@@ -126,7 +126,12 @@ class Backdrive:
     @property
     def start_Nm(self) -> float:
         """To start it: the bearings have up to twice their running friction."""
-        return float(sum(x.torque_Nm * (friction.BEARING_START if x.kind == BEARINGS else 1.0) for x in self.losses))
+        return self.start_of_Nm(*(x.kind for x in self.losses))
+
+    def start_of_Nm(self, *kinds: str) -> float:
+        """The part of :attr:`start_Nm` that some kinds of friction take."""
+        shares = {BEARINGS: friction.BEARING_START}
+        return float(sum(x.torque_Nm * shares.get(x.kind, 1.0) for x in self.losses if x.kind in kinds))
 
     @property
     def sigma_Nm(self) -> float:

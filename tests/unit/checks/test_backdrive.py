@@ -7,7 +7,8 @@ from designs import put, reference
 
 from mbcdm_cad.checks.motors import CHECKS, backdrive
 from mbcdm_cad.checks.run import run_check
-from mbcdm_cad.layouts.loader import load_text
+from mbcdm_cad.layouts.check_design import run_checks
+from mbcdm_cad.layouts.loader import design_file, load_text
 
 CHECK = next(check for check in CHECKS if check.id == "backdrive")
 HANDLE = """name: handle
@@ -32,9 +33,52 @@ def test_gearheads_that_lock_fail_only_where_back_driving_is_asked() -> None:
     assert asked.status == "fail" and "0.5 or below" in asked.message, asked
 
 
+GEARED = HANDLE + "drive: {motor: motor-4.5mNm-17, gearhead: gearhead-76-22}\n"
+
+
 def test_a_handle_learns_what_resists_most() -> None:
-    found = run_check(CHECK, load_text(HANDLE).drive.layout)
+    found = run_check(CHECK, load_text(GEARED).drive.layout)
     assert found.status == "fail" and found.actual is not None and found.actual > 0.05, found
     assert "gearhead" in found.remedy, found.remedy
-    direct = HANDLE.replace("input_to_drum: 10,", "input_to_drum: 6,").replace("0.05}", "3.0}")
-    assert run_check(CHECK, load_text(direct).drive.layout).status == "pass"
+
+
+@pytest.mark.parametrize(
+    ("layout", "share", "geared"),
+    [
+        ("siso_spur", 0.9, True),
+        ("siso_spur", 0.4, False),
+        ("miso_spur", 0.9, True),
+        ("siso_bevel", 0.5, False),
+        ("miso_bevel", 0.9, True),
+        ("miso_bevel", 0.4, False),
+    ],
+)
+def test_rules_choose_a_train_that_the_drum_turns(layout: str, share: float, geared: bool) -> None:
+    """Motor, gearhead and preload hold a wish that the drive without it does not, and still move its torque."""
+    text = str(design_file(layout).starting).format(name="started")
+    back = load_text(text).drive.layout.losses.backdrive
+    assert back is not None
+    wanted = share * back.start_Nm
+    asked = load_text(text.replace("loads:\n", f"loads:\n  backdrive_Nm: {wanted:.4g}\n", 1)).drive
+    found = {c.id: c for c in run_checks(asked)}
+    assert found["backdrive"].status == "pass" and found["backdrive"].limit == pytest.approx(wanted, rel=1e-3)
+    assert found["motor_torque_forward"].status == found["motor_torque_back"].status == "pass", found
+    assert asked.gearhead.absent is not geared, asked.gearhead.name
+
+
+def test_what_no_train_of_the_catalogue_does_comes_near() -> None:
+    """The drive that turns most easily, with the one failed check that says by how much it misses."""
+    text = str(design_file("siso_spur").starting).format(name="started")
+    drive = load_text(text.replace("loads:\n", "loads:\n  backdrive_Nm: 0.02\n", 1)).drive
+    assert drive.gearhead.absent
+    assert [c.id for c in run_checks(drive) if c.status == "fail"] == ["backdrive"]
+
+
+def test_a_lower_preload_turns_more_easily_where_motor_and_ratio_are_stated() -> None:
+    text = HANDLE + "drive: {motor: maxon-ec45flat-70W, gearhead: none, encoder: none}\n"
+    usual = load_text(text.replace("0.05}", "1.0}")).drive
+    back = usual.layout.losses.backdrive
+    assert back is not None
+    asked = load_text(text.replace("0.05}", f"{0.99 * back.start_Nm:.4g}}}")).drive
+    assert asked.cables[0].preload_N < usual.cables[0].preload_N
+    assert run_check(CHECK, asked.layout).status == "pass"

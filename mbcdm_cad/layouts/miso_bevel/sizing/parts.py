@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 from math import pi, sqrt
+from operator import itemgetter
 
 from mbcdm_cad.checks.fixings import CLAMP_SAFETY, FRICTION, grip_Nmm
 from mbcdm_cad.checks.input_pulley import FIT_MM, SHOULDER_MM
@@ -15,17 +16,20 @@ from mbcdm_cad.design.bought import NO_GEARHEAD
 from mbcdm_cad.layouts.common_rules import COLLAR_SCREWS
 from mbcdm_cad.layouts.head_basis import (
     HEAT_SPARE,
+    backdrive_margin,
     counts_losses,
     gearhead_share,
     heat_margin,
     lasting_share,
     output_mNm,
     speed_margin,
+    turns_back_Nm,
 )
 from mbcdm_cad.layouts.miso_bevel.checks.guide import STRESS_SAFETY
 from mbcdm_cad.layouts.miso_bevel.checks.support_walls import HOLE_WEB_MM
 from mbcdm_cad.layouts.miso_bevel.sizing.known import BevelKnown
 from mbcdm_cad.layouts.miso_bevel.sizing.picking import (
+    LIGHTEST,
     Entry,
     Margins,
     by_mass,
@@ -94,16 +98,25 @@ def _input_torque_Nm(given: BevelKnown) -> float:
     bias = share * given["rope.preload_N"] * radius * 1e-3
     needed = TORQUE_SPARE * given["loads.peak_torque_Nm"] / (2 * given.total_ratio) + bias
     if counts_losses(given):
-        # On input, guide and drum, two cables at their preload: no point loses more than one on the input.
-        at_input = 0.5 * ROPE_FACTOR * (given.d_mm / (2.0 * radius)) ** ROPE_EXPONENT
-        needed = needed + INPUT_LOSSES * at_input * 2.0 * given["rope.preload_N"] * radius * 1e-3
+        needed = needed + _lost_at_input_Nm(given)
     return number(needed)
 
 
-def _motor_margins(given: BevelKnown, motor: Entry, gearhead: Entry) -> Margins:
+def _lost_at_input_Nm(given: BevelKnown) -> float:
+    """Friction of an input's cables, at the input: on input, guide and drum, two cables at their preload.
+
+    No tangent point loses more than one on the input.
+    """
+    radius = given.first_drum_mm / given.total_ratio
+    at_input = 0.5 * ROPE_FACTOR * (given.d_mm / (2.0 * radius)) ** ROPE_EXPONENT
+    return number(INPUT_LOSSES * at_input * 2.0 * given["rope.preload_N"] * radius * 1e-3)
+
+
+def _motor_margins(given: BevelKnown, motor: Entry, gearhead: Entry, geared: bool = True) -> Margins:
+    """Margins of a motor with its gearhead, or with its own face in place of one."""
     needed = _input_torque_Nm(given) * 1e3
     shaft = gearhead["shaft_diameter_mm"]
-    head = None if given.get("drive.gearhead") == NO_GEARHEAD else gearhead
+    head = gearhead if geared else None
     lasting, asked = lasting_share(given), needed / output_mNm(given, motor, head) * motor["rated_torque_mNm"]
     return {
         "motor_torque_back": output_mNm(given, motor, head) / needed - 1.0,
@@ -117,6 +130,11 @@ def _motor_margins(given: BevelKnown, motor: Entry, gearhead: Entry) -> Margins:
             head,
             HEAT_SPARE * needed,
             HEAT_SPARE * given["loads.peak_torque_Nm"] * 1e3 / (2 * given.total_ratio),
+        ),
+        "backdrive": backdrive_margin(
+            given,
+            turns_back_Nm(motor, head, given.total_ratio, 2),
+            2 * given.total_ratio * _lost_at_input_Nm(given),
         ),
         # A motor wider than its gearhead has no room behind the shelf.
         "drives_apart": 1.0 - motor["diameter_mm"] / (gearhead["diameter_mm"] + 1.0),
@@ -132,19 +150,28 @@ def _most_grip_Nmm(given: BevelKnown, shaft_mm: float) -> float:
     return FRICTION * clamp_force_N(screw.thread_mm) * (1 + (hinge + wall + screw.clearance_mm / 2) / hinge) * shaft_mm
 
 
+def _direct(given: BevelKnown) -> list[tuple[float, str, Callable[[], Margins]]]:
+    """Motors on their own shaft: mass, name, function that computes their margins."""
+    return [
+        (motor["mass_g"], name, partial(_motor_margins, given, motor, face, geared=False))
+        for name, (motor, face) in given.motors_with_faces().items()
+    ]
+
+
 def _motor(given: BevelKnown) -> Found:
     if given.get("drive.gearhead") == NO_GEARHEAD:
-        faces = given.motors_with_faces()
-        motors = {name: motor for name, (motor, _) in faces.items()}
-        return first(
-            (name, partial(_motor_margins, given, *faces[name]))
-            for name in sorted(motors, key=lambda name: (motors[name]["mass_g"], name))
-        )
-    return with_partner(given, "motors", ("gearheads", "drive.gearhead"), partial(_motor_margins, given))
+        return first((name, margins) for _, name, margins in sorted(_direct(given), key=itemgetter(0, 1)))
+    geared = with_partner(given, "motors", ("gearheads", "drive.gearhead"), partial(_motor_margins, given))
+    if given.get("loads.backdrive_Nm") is None or given.has("drive.gearhead") or geared.rounding == LIGHTEST:
+        return geared
+    # A motor on its own shaft turns back most easily.
+    return first((name, margins) for _, name, margins in sorted(_direct(given), key=itemgetter(0, 1)))
 
 
 def _gearhead(given: BevelKnown) -> Found:
     motor = given.entry("motors", "drive.motor")
+    if given.get("loads.backdrive_Nm") is not None and given["drive.motor"] in given.motors_with_faces():
+        return Found(NO_GEARHEAD, "backdrive")
     return lightest(given, "gearheads", lambda head: _motor_margins(given, motor, head))
 
 

@@ -96,7 +96,7 @@ def _preload(given: SpurKnown) -> Found:
     """The usual preload, or less, as long as friction still holds the cable.
 
     Less if the ends of a stated rope cannot carry it, or if losses count and bending so tight a rope takes too much of
-    the motor's torque.
+    the motor's torque, or of the torque with which the drum shall be turned from its side.
     """
     driver = "no_slack" if given.anchored else "input_slip"
     usual = preload(given, _wanted_preload_N(given, given.half_torque_N), driver)
@@ -104,7 +104,8 @@ def _preload(given: SpurKnown) -> Found:
         return usual
     tried = [float(f"{share * usual.value:.2g}") for share in PRELOAD_SHARES]
     counted = ("motor_torque_forward", "motor_torque_back") if counts_losses(given) else ()
-    found = given.first("rope.preload_N", tried, ("cable_ends", "tension", *counted))
+    easy = () if given.get("loads.backdrive_Nm") is None else ("backdrive",)
+    found = given.first("rope.preload_N", tried, ("cable_ends", "tension", *counted, *easy))
     return usual if found.value == usual.value else replace(found, rounding="two digits")
 
 
