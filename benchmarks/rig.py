@@ -14,7 +14,7 @@ from timing import Figure, arguments, finish, least
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.rig.dynamic.motion import sine
+from mbcdm_cad.rig.dynamic.controller import sine
 from mbcdm_cad.rig.dynamic.rig import LOOP_RATE_HZ, rig_of
 from mbcdm_cad.rig.dynamic.run import run_dynamic
 from mbcdm_cad.rig.quasistatic.experiment import Experiment

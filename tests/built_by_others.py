@@ -19,10 +19,10 @@ import numpy as np
 
 from mbcdm_cad.build.made_parts import drawn
 from mbcdm_cad.build.mass import combined
-from mbcdm_cad.checks.estimated_mass import estimated_mass_g
 from mbcdm_cad.checks.remedies import Budget
 from mbcdm_cad.checks.result import CheckResult, failed
 from mbcdm_cad.checks.run import run_check
+from mbcdm_cad.checks.size import estimated_mass_g
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.loader import load_design

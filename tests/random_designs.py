@@ -38,7 +38,7 @@ from random_generator import LAYOUTS, USUAL, Passing, load, passing
 from mbcdm_cad.build.kernel import bounding_box
 from mbcdm_cad.build.makefiles import make_part_files
 from mbcdm_cad.build.scene import travel_poses
-from mbcdm_cad.checks.estimated_mass import estimated_mass_g
+from mbcdm_cad.checks.size import estimated_mass_g
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.miso_bevel.checks import room as miso_bevel_room
 from mbcdm_cad.layouts.miso_spur.checks import room as round_room

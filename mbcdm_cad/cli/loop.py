@@ -86,7 +86,7 @@ def _published(loaded: api.DriveDesign, files: Sequence[MeasurementFile], wanted
     content = json_bytes(result.to_json())
     outputs = {} if wanted.json is None else {wanted.json: content}
     if wanted.report is not None:
-        from mbcdm_cad.paper.published_page import published_page
+        from mbcdm_cad.paper.published import published_page
 
         page = published_page(result, loaded.name)
         outputs |= {wanted.report / REPORT_PAGE: page, wanted.report / REPORT_JSON: content}

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mbcdm_cad.checks.comparison import Check
-from mbcdm_cad.checks.estimated_mass import kept_mass_g
+from mbcdm_cad.checks.size import kept_mass_g
 from mbcdm_cad.design.dotted import value_at
 from mbcdm_cad.errors import MbcdmError, did_you_mean
 from mbcdm_cad.layouts.base import NoFigureError

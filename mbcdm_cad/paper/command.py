@@ -23,7 +23,7 @@ def paper_command(drive: Drive, experiment: DynamicExperiment, folder: Path) -> 
     """Run the experiment of the paper that ``experiment`` names and write its results with the paper's figures."""
     # The kernel of the dynamic rig takes long to load, and a run of the quasi-static rig does not need it.
     from mbcdm_cad.paper.experiments import EXPERIMENTS
-    from mbcdm_cad.paper.experiments_files import result_files, result_text
+    from mbcdm_cad.paper.experiments_plots import result_files, result_text
     from mbcdm_cad.rig.dynamic.simulate import as_logged
 
     try:

@@ -1,14 +1,11 @@
-"""Compare published figures with the declared model: predicted, measured, possible causes of the difference.
-
-A scalar has no held-out data, so that no cause is ever confirmed: the verdict is ``not_testable``, and ``one_of``
-contains the possible causes, each with the size that it would need and the experiment that distinguishes them.
-"""
+"""Published figures compared with the declared model: predicted, measured, possible causes; as one HTML page."""
 
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
 from typing import Any
 
+import jinja2
 import numpy as np
 
 from mbcdm_cad.design.drive import Drive
@@ -100,3 +97,28 @@ def _lines(figure: Judged) -> list[str]:
         name = f" [{candidate.effect}]" if candidate.effect else ""
         lines.append(f"  {sign} {candidate.cause}{name}: {gives}{candidate.needed}")
     return [*lines, f"  experiment that distinguishes them: {figure.told_apart_by}"]
+
+
+def published_page(result: PublishedResult, design: str) -> bytes:
+    """Published figures compared with the model as one HTML page, without pictures or other files."""
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("mbcdm_cad.paper", "."), undefined=jinja2.StrictUndefined, autoescape=True
+    )
+    figures = [
+        {
+            "name": figure.quantity.replace("_", " "),
+            "where": figure.where,
+            "measured": shown(figure, figure.measured),
+            "predicted": shown(figure, figure.predicted),
+            "residual": shown(figure, figure.residual),
+            "stated": shown(figure, figure.stated_theory),
+            "remark": figure.remark,
+            "candidates": [(c, shown(figure, c.predicted)) for c in figure.candidates],
+            "told_apart_by": figure.told_apart_by,
+        }
+        for figure in result.figures
+    ]
+    page = environment.get_template("published.html.j2").render(
+        source=result.source, design=design, figures=figures, together=result.together
+    )
+    return page.encode()

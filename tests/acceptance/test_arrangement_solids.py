@@ -8,7 +8,7 @@ import pytest
 
 from mbcdm_cad.build.interference import answers
 from mbcdm_cad.build.validate import validate_faces, validate_solid
-from mbcdm_cad.checks.estimated_mass import estimated_mass_g
+from mbcdm_cad.checks.size import estimated_mass_g
 from mbcdm_cad.layouts.loader import load_text, new_design_text
 from mbcdm_cad.layouts.miso_bevel.bill import bill
 from mbcdm_cad.layouts.miso_bevel.checks.room import box_mm

@@ -1,20 +1,34 @@
-"""The position loop of one input: a cascade of P on position and PI on velocity, with feed-forward.
-
-    v_command = v_ref + p (x_ref - x)
-    torque    = J (a_ref + 2 w (v_command - v) + w^2 integral(v_command - v)),  p = 2 pi f,  w = 3 p
-
-so with a free inertia J the poles are those of s^3 + 6 p s^2 + 15 p^2 s + 9 p^3 and ``f``, the position bandwidth, is
-the only figure to choose. v is the difference of the encoder's samples after a first-order filter. While the command is
-beyond the torque limit the integral does not grow (anti-windup).
-"""
+"""The position loop of one input: its reference, and a cascade of P on position and PI on velocity."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from math import exp, pi
 
+import numpy as np
+
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.storage.compiled import compiled
+
+
+def standstill(duration_s: float, rate_Hz: float) -> Floats:
+    """Hold zero; shape (n, 3)."""
+    return np.zeros((round(duration_s * rate_Hz), 3))
+
+
+def sine(amplitude_rad: float, frequency_Hz: float, cycles: float, rate_Hz: float) -> Floats:
+    """A sine of the drum's angle, shape (n, 3). Its first quarter fades in, so that it starts from rest."""
+    omega = 2.0 * pi * frequency_Hz
+    time = np.arange(round(cycles / frequency_Hz * rate_Hz)) / rate_Hz
+    rate = 4.0 * frequency_Hz
+    x = np.clip(time * rate, 0.0, 1.0)
+    fade = x**3 * (10.0 - 15.0 * x + 6.0 * x**2)
+    fade_1 = rate * 30.0 * x**2 * (1.0 - x) ** 2
+    fade_2 = rate**2 * 60.0 * x * (1.0 - x) * (1.0 - 2.0 * x)
+    wave, wave_1 = amplitude_rad * np.sin(omega * time), amplitude_rad * omega * np.cos(omega * time)
+    acceleration = -(omega**2) * wave * fade + 2.0 * wave_1 * fade_1 + wave * fade_2
+    return np.stack([wave * fade, wave_1 * fade + wave * fade_1, acceleration], axis=1)
+
 
 # Columns of a row of gains.
 POSITION, VELOCITY, INTEGRAL, ACCELERATION, FILTER, PERIOD, LIMIT = range(7)

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import AliasChoices, Field
 
 from mbcdm_cad.rig.block import ExperimentBlock, PhysicsBlock
-from mbcdm_cad.rig.dynamic.motion import sine, standstill
+from mbcdm_cad.rig.dynamic.controller import sine, standstill
 from mbcdm_cad.rig.effects.registry import AnyEffect
 from mbcdm_cad.rig.sensors import Delay, Noise, Resolution
 from mbcdm_cad.routes import Floats

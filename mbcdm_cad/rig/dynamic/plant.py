@@ -10,7 +10,7 @@ the drum itself where all parts are rigid.
     payload  J_w w''   = k (o - w) - M - friction
 
 k is the stiffness of the parts between the cables and the payload; the friction of pulleys and drum holds a share of
-the tension of each cable, which bends there. s is the gearhead's torque (:mod:`mbcdm_cad.rig.dynamic.gearhead`), T_j
+the tension of each cable, which bends there. s is the gearhead's torque (:mod:`mbcdm_cad.rig.dynamic.train`), T_j
 what the cables pull, M the torque motor's torque (> 0 opposes positive rotation). The step is linearly implicit
 (:mod:`mbcdm_cad.rig.dynamic.friction`): cables enter its matrix with the stiffness of their free span, their largest
 possible one, so that a step of any length is stable; a longer one only damps the fast modes more.
@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mbcdm_cad.rig.dynamic.friction import solve_friction
-from mbcdm_cad.rig.dynamic.gearhead import shaft_torque
+from mbcdm_cad.rig.dynamic.train import shaft_torque
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.storage.compiled import compiled
 

@@ -13,10 +13,8 @@ from mbcdm_cad.rig.bench import PathOf
 from mbcdm_cad.rig.cables import RigCable, cables_of, routes_of
 from mbcdm_cad.rig.chain import PIECE_RAD
 from mbcdm_cad.rig.dynamic.controller import ControllerSpec
-from mbcdm_cad.rig.dynamic.gearhead import GearheadSpec, gearhead_of
 from mbcdm_cad.rig.dynamic.inertias import inertias
-from mbcdm_cad.rig.dynamic.load import LoadSpec
-from mbcdm_cad.rig.dynamic.motor import MotorSpec, motor_of
+from mbcdm_cad.rig.dynamic.train import GearheadSpec, LoadSpec, MotorSpec, gearhead_of, motor_of
 
 STEP_S = 1e-4
 BANDWIDTH_HZ = 5.0

@@ -9,7 +9,7 @@ import pytest
 
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.paper.experiments import EXPERIMENTS, PaperResult
-from mbcdm_cad.paper.experiments_files import result_files
+from mbcdm_cad.paper.experiments_plots import result_files
 
 DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
 

@@ -17,9 +17,8 @@ from mbcdm_cad.measurement.file import load_file
 from mbcdm_cad.measurement.reading import read_run
 from mbcdm_cad.model.backlash import drum_backlash
 from mbcdm_cad.model.si import to_si
-from mbcdm_cad.paper.published import PublishedResult, judge_published
+from mbcdm_cad.paper.published import PublishedResult, judge_published, published_page
 from mbcdm_cad.paper.published_causes import Candidate, Judged
-from mbcdm_cad.paper.published_page import published_page
 
 PARAMS = Path(__file__).parents[3] / "params"
 

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 import mbcdm_cad as mc
-from mbcdm_cad.checks.estimated_mass import estimated_mass_g
+from mbcdm_cad.checks.size import estimated_mass_g
 from mbcdm_cad.design.bought import Entry
 from mbcdm_cad.parts.bill import CABLE
 from mbcdm_cad.parts.cost import NoPriceError, bought_cost_EUR, material_cost_EUR

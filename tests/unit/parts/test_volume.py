@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from mbcdm_cad.checks.estimated_mass import estimated_mass_g
+from mbcdm_cad.checks.size import estimated_mass_g
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.miso_bevel.bill import bill
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, bevel

@@ -14,7 +14,7 @@ from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.paper.experiments import first_saturated_Nm, given_way_Nm
 from mbcdm_cad.rig.chain import chains
-from mbcdm_cad.rig.dynamic.motion import sine, standstill
+from mbcdm_cad.rig.dynamic.controller import sine, standstill
 from mbcdm_cad.rig.dynamic.rig import DynamicRig, EncoderSpec, rig_of
 from mbcdm_cad.rig.dynamic.run import run_dynamic
 from mbcdm_cad.rig.quasistatic import equilibrium

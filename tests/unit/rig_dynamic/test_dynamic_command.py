@@ -14,7 +14,7 @@ from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.paper.command import experiment_command
 from mbcdm_cad.paper.experiments import Compared, PaperResult
-from mbcdm_cad.paper.experiments_files import result_json, result_text
+from mbcdm_cad.paper.experiments_plots import result_json, result_text
 from mbcdm_cad.rig.dynamic.experiment import DynamicExperiment
 from mbcdm_cad.rig.dynamic.simulate import simulate_dynamic, truth_of
 from mbcdm_cad.rig.reading import read_experiment

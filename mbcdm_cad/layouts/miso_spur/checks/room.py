@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mbcdm_cad.checks.box import box_checks
-from mbcdm_cad.checks.estimated_mass import mass_check
+from mbcdm_cad.checks.size import box_checks, mass_check
 from mbcdm_cad.layouts.miso_spur.bill import bill
 from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
 from mbcdm_cad.layouts.siso_spur.checks.room import BOX_ADJUSTMENTS, ROOM, outline

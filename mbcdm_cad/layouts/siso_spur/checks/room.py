@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.checks.box import box_checks
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.drum_outline import drum_zones, rim_points, wrap_points
-from mbcdm_cad.checks.estimated_mass import mass_check
+from mbcdm_cad.checks.size import box_checks, mass_check
 from mbcdm_cad.checks.terminals import bodies_of
 from mbcdm_cad.layouts.siso_spur.bill import bill
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
