@@ -67,7 +67,7 @@ docs-site: setup
 
 # Pinned versions with hashes, from pyproject.toml.
 lock:
-	$(PYTHON) -m piptools compile --quiet --generate-hashes --allow-unsafe --extra dev --extra cluster --strip-extras \
+	$(PYTHON) -m piptools compile --quiet --generate-hashes --allow-unsafe --extra dev --extra cluster --extra logs --strip-extras \
 	  --no-emit-index-url --no-emit-find-links --no-emit-trusted-host --no-emit-options --output-file requirements.lock pyproject.toml
 	$(PYTHON) -m piptools compile --quiet --generate-hashes --allow-unsafe --strip-extras --constraint requirements.lock \
 	  --no-emit-index-url --no-emit-find-links --no-emit-trusted-host --no-emit-options \
