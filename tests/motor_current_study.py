@@ -1,6 +1,9 @@
 """How often the loop finds a low preload and a bearing's friction with motor currents in place of a torque sensor.
 
-    python tests/motor_current_study.py --runs 20 --first-seed 100
+    python tests/motor_current_study.py --rows rows.jsonl --runs 20 --first-seed 100
+    python tests/motor_current_study.py --rows rows.jsonl      # what it has so far
+
+It may be stopped and started again.
 
 Runs of the dynamic rig: a weight's torque and inertia at the drum, a sine of the drum, currents logged with noise, no
 torque sensor. The torque constant is wrong by 2 % (one standard deviation, as drawn), the preload is 20 % low, and each
@@ -10,6 +13,7 @@ input has 0.01 N m of friction behind its gearhead. The physics is that of the d
 from __future__ import annotations
 
 import argparse
+import json
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -24,7 +28,10 @@ from mbcdm_cad.layouts.loader import load_design  # noqa: E402
 from mbcdm_cad.measurement.run import Run, Sensors, StatedMotors, TorqueClass  # noqa: E402
 from mbcdm_cad.rig.dynamic.experiment import DynamicExperiment  # noqa: E402
 from mbcdm_cad.rig.dynamic.simulate import simulate_dynamic  # noqa: E402
+from tests.support.bench_page import interval  # noqa: E402
 
+# A low preload and more friction in the cables are nearly alike: either, or both as a set, is right.
+WANTED = ({"preload_error", "cable_friction"}, {"friction"})
 CONSTANT_NM_A, SIGMA_SHARE, CURRENT_NOISE_A = 0.0065, 0.02, 2e-3
 
 
@@ -63,26 +70,58 @@ def measured(
     return replace(logged, input_names=drive.input_names, current_A=current, motor=motor)
 
 
-def main() -> None:
-    """Parse and do."""
+def judged(drive: Drive, seed: int, effects: bool) -> dict[str, object]:
+    """What the loop says of one run, as a row of the study's file."""
     from mbcdm_cad.loop.search.engine import close_loop
 
+    result = close_loop(drive, [measured(drive, seed, effects)])
+    sets = [{one.name} for one in result.effects] + [{one.name for one in group} for group in result.one_of]
+    wanted = WANTED if effects else []
+    return {
+        "seed": seed,
+        "effects": effects,
+        "found": [any(names & want for names in sets) for want in wanted],
+        "odd": [sorted(names) for names in sets if not any(names & want for want in wanted)],
+        "verdict": result.verdict,
+        "sentence": result.sentence,
+        "doubts": list(result.doubts),
+    }
+
+
+def summary(rows: list[dict[str, object]]) -> str:
+    """Shares with their 95 % intervals."""
+    lines = []
+    for effects, what in ((True, "with both effects"), (False, "without effects")):
+        mine = [row for row in rows if row["effects"] == effects]
+        if not mine:
+            continue
+        counts = [("all found", sum(all(row["found"]) for row in mine))] if effects else []  # type: ignore[arg-type]
+        counts.append(("a wrong name", sum(bool(row["odd"]) for row in mine)))
+        for words, count in counts:
+            low, high = interval(count, len(mine))
+            lines.append(f"{what}: {words} in {count} of {len(mine)} ({low:.0%} to {high:.0%})")
+    return "\n".join(lines)
+
+
+def main() -> None:
+    """Judge the seeds that the file does not have yet; print what is in it."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--runs", type=int, default=5)
+    parser.add_argument("--rows", type=Path, required=True, help="JSON lines, a run each; none is made twice")
+    parser.add_argument("--runs", type=int, default=0)
     parser.add_argument("--first-seed", type=int, default=0)
     parser.add_argument("--without", action="store_true", help="the twins without effects")
     options = parser.parse_args()
     drive = load_design(ROOT / "params" / "mbcdm.yaml").drive
-    both = wrong = 0
+    text = options.rows.read_text() if options.rows.exists() else ""
+    rows = [json.loads(line) for line in text.splitlines()]
+    done = {(row["seed"], row["effects"]) for row in rows}
     for seed in range(options.first_seed, options.first_seed + options.runs):
-        result = close_loop(drive, [measured(drive, seed, not options.without)])
-        sets = [{one.name} for one in result.effects] + [{one.name for one in group} for group in result.one_of]
-        wanted = [{"preload_error", "cable_friction"}, {"friction"}] if not options.without else []
-        found = [any(names & want for names in sets) for want in wanted]
-        odd = [names for names in sets if not any(names & want for want in wanted)]
-        both, wrong = both + all(found), wrong + bool(odd)
-        print(seed, found, odd, result.verdict, result.sentence, *result.doubts, sep="\n   ", flush=True)
-    print(f"{both} of {options.runs} runs with both found, {wrong} with a wrong name")
+        if (seed, not options.without) in done:
+            continue
+        rows.append(judged(drive, seed, not options.without))
+        with open(options.rows, "a", encoding="utf-8") as file:
+            file.write(json.dumps(rows[-1]) + "\n")
+    print(summary(rows))
 
 
 if __name__ == "__main__":
