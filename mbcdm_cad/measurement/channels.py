@@ -12,10 +12,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mbcdm_cad.errors import InputError, Problem
 from mbcdm_cad.measurement.datafile import DataTable, clock_s
-from mbcdm_cad.measurement.logformat import Format, split
+from mbcdm_cad.measurement.logformat import Format
 from mbcdm_cad.routes import Floats
 
 # A quantity that was not logged for so many of its usual steps is not interpolated there.
@@ -49,11 +50,30 @@ def read_channels(
     for a channel without samples.
     """
     lines, times, values = _series(path, layout, (time, named_by, clock), channels)
+    return aligned(path, channels, lines, times, values, layout.begin_line)
+
+
+def aligned(
+    path: Path,
+    channels: Sequence[Channel],
+    lines: Sequence[NDArray[np.int64]],
+    times: Sequence[Floats],
+    values: Sequence[Floats],
+    begin_line: int,
+) -> DataTable:
+    """Time and channels as rows of a table, from the lines, times and figures of each channel.
+
+    Raises InputError for a channel without samples, and where they were not logged together.
+    """
     for channel, at in zip(channels, times, strict=True):
         if at.size < FEWEST:
             where = f"channel {channel.name!r}" if channel.name else f"column {channel.column + 1}"
             what = f"no samples of {channel.quantity} in {where}"
-            raise InputError([Problem(str(path), layout.begin_line, "", what, remedy="check its name and column")])
+            raise InputError([Problem(str(path), begin_line, "", what, remedy="check its name and column")])
+    order = [np.unique(at, return_index=True)[1] for at in times]
+    lines = [row[k] for row, k in zip(lines, order, strict=True)]
+    times = [row[k] for row, k in zip(times, order, strict=True)]
+    values = [row[k] for row, k in zip(values, order, strict=True)]
     base = next((k for k, c in enumerate(channels) if c.quantity == "output"), int(np.argmax([t.size for t in times])))
     at = times[base]
     kept = (at >= max(float(t[0]) for t in times)) & (at <= min(float(t[-1]) for t in times))
@@ -61,26 +81,29 @@ def read_channels(
         steps = np.diff(own)
         after = np.clip(np.searchsorted(own, at), 1, own.size - 1) - 1
         kept &= steps[after] <= LONGEST_GAP_STEPS * float(np.median(steps))
+    if not kept.any():
+        what = "at no time were all quantities logged"
+        raise InputError([Problem(str(path), begin_line, "", what, remedy="check that all are of one run")])
     rows: list[Floats] = [at[kept]]
     for channel, own, found in zip(channels, times, values, strict=True):
         whole = found if channel.wraps_at is None else np.unwrap(found, period=channel.wraps_at)
         rows.append(np.interp(at[kept], own, whole))
-    last = int(lines[base][-1])
-    skipped = np.setdiff1d(np.arange(layout.begin_line, last + 1), lines[base][kept])
-    return DataTable(np.stack(rows), 0, (), layout.begin_line, skipped)
+    last = int(lines[base].max())
+    skipped = np.setdiff1d(np.arange(begin_line, last + 1), lines[base][kept])
+    return DataTable(np.stack(rows), 0, (), begin_line, skipped)
 
 
 def _series(
     path: Path, layout: Format, place: tuple[int, int | None, bool], channels: Sequence[Channel]
-) -> tuple[list[Floats], list[Floats], list[Floats]]:
-    """Lines, times and figures of each channel, in the order of time, each time once."""
+) -> tuple[list[NDArray[np.int64]], list[Floats], list[Floats]]:
+    """Lines, times and figures of each channel, as they stand in the file."""
     time, named_by, clock = place
     found: list[list[tuple[float, float, int]]] = [[] for _ in channels]
     with open(path, encoding="utf-8", errors="replace") as file:
         for number, line in enumerate(file, 1):
             if number < layout.begin_line or not line.strip() or line.lstrip().startswith(layout.comment):
                 continue
-            cells = split(line, layout.sign)
+            cells = layout.cells(line)
             if layout.decimal_comma:
                 cells = [cell.replace(",", ".") for cell in cells]
             try:
@@ -98,9 +121,8 @@ def _series(
                 if np.isfinite(value):
                     found[k].append((at, value, number))
     tables = [np.array(rows, dtype=float).reshape(-1, 3) for rows in found]
-    ordered = [table[np.unique(table[:, 0], return_index=True)[1]] for table in tables]
     return (
-        [table[:, 2].astype(np.int64) for table in ordered],
-        [table[:, 0] for table in ordered],
-        [table[:, 1] for table in ordered],
+        [table[:, 2].astype(np.int64) for table in tables],
+        [table[:, 0] for table in tables],
+        [table[:, 1] for table in tables],
     )

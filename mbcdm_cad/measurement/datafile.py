@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mbcdm_cad.errors import InputError, Problem, shortened
-from mbcdm_cad.measurement.logformat import LONGEST_LINE, Format, split, too_long
+from mbcdm_cad.measurement.logformat import ARROW, LONGEST_LINE, Format, too_long
 from mbcdm_cad.measurement.units import ISO_CLOCK
 from mbcdm_cad.routes import Floats
 
@@ -90,23 +90,8 @@ def read_table(
     reader = _Reader(path, layout, columns, skip_broken, clock)
     parts = [reader.block(first_line, text) for first_line, text in _blocks(path, layout.begin_line)]
     kept = sum(part.shape[0] for part in parts)
-    if reader.broken > MOST_BROKEN * (kept + reader.broken):
-        remedy = f"the first has {reader.first_fault}; check delimiter, decimal, comment, skip_rows and columns"
-        if reader.empty_cells > 0.5 * reader.broken:
-            remedy = ONE_CHANNEL_A_ROW
-        raise InputError(
-            [
-                Problem(
-                    str(path),
-                    reader.broken_lines[0],
-                    "",
-                    "too many broken rows",
-                    f"{reader.broken} of {kept + reader.broken}",
-                    f"{MOST_BROKEN:.0%} of the rows",
-                    remedy,
-                )
-            ]
-        )
+    remedy = ONE_CHANNEL_A_ROW if reader.empty_cells > 0.5 * reader.broken else ""
+    left_out(path, reader.broken, kept + reader.broken, reader.broken_lines, reader.first_fault, remedy)
     values = np.empty((len(columns), kept))
     for part in reversed(parts):  # frees the memory of each part once it is copied
         values[:, kept - part.shape[0] : kept] = part.T
@@ -114,6 +99,14 @@ def read_table(
     return DataTable(
         values, reader.broken, tuple(reader.broken_lines), layout.begin_line, np.array(reader.skipped, dtype=np.int64)
     )
+
+
+def left_out(path: Path, broken: int, of: int, lines: Sequence[int], fault: str, remedy: str = "") -> None:
+    """Raise InputError where so many rows are broken that the format is another one."""
+    if broken > MOST_BROKEN * of:
+        remedy = remedy or f"the first has {fault}; check delimiter, decimal, comment, skip_rows and columns"
+        value, limit = f"{broken} of {of}", f"{MOST_BROKEN:.0%} of the rows"
+        raise InputError([Problem(str(path), int(lines[0]), "", "too many broken rows", value, limit, remedy)])
 
 
 def _blocks(path: Path, begin_line: int) -> Iterator[tuple[int, str]]:
@@ -161,7 +154,7 @@ class _Reader:
     def _at_once(self, text: str, lines: list[str]) -> Floats | None:
         """The whole block by NumPy's parser; None if any line is not a row of finite figures."""
         sign, fields = self.layout.sign, self.layout.fields
-        if self.layout.comment in text or '"' in text or "_" in text:
+        if self.layout.labelled or self.layout.comment in text or '"' in text or "_" in text or ARROW in text:
             return None
         widths = {len(line.split()) for line in lines} if sign is None else {line.count(sign) + 1 for line in lines}
         if widths != {fields}:
@@ -196,7 +189,7 @@ class _Reader:
         return np.array(rows, dtype=float).reshape(-1, len(self.columns))
 
     def _row(self, number: int, line: str) -> list[float]:
-        cells = split(line, self.layout.sign)
+        cells = self.layout.cells(line)
         if len(cells) != self.layout.fields:
             remedy = DECIMALS if self.layout.unnamed and self.layout.sign == "," else ""
             found = f"{len(cells)} columns"

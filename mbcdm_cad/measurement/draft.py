@@ -16,12 +16,13 @@ from pathlib import Path
 import numpy as np
 
 from mbcdm_cad.errors import InputError, Problem
+from mbcdm_cad.measurement.binarylog import opened
 from mbcdm_cad.measurement.channels import Channel, read_channels
 from mbcdm_cad.measurement.datafile import clock_s, read_table
-from mbcdm_cad.measurement.logformat import Format, find_format, split, title_lines
+from mbcdm_cad.measurement.logformat import Format, find_format, title_lines
 from mbcdm_cad.measurement.reading import FULL_SENSE
 from mbcdm_cad.measurement.roles import COUNTS_SOLD, MET, TIME_WORDS, Expected, Guess, assign, stated_unit, ways
-from mbcdm_cad.measurement.units import ANGLE, COUNTS, FORCE, ISO_CLOCK, TEMPERATURE, TIME, TORQUE, Unit
+from mbcdm_cad.measurement.units import ANGLE, COUNTS, FORCE, ISO_CLOCK, LENGTH, TEMPERATURE, TIME, TORQUE, Unit
 from mbcdm_cad.measurement.vet_columns import robust_slope
 from mbcdm_cad.routes import Floats
 
@@ -33,8 +34,12 @@ LEAST_EMPTY = 0.2
 FEWEST_FILLED, MOST_CHANNELS = 5, 40
 # A column that turns by less than this share of the design's travel is hardly the drum.
 LEAST_TRAVEL = 0.02
+# In place of a figure that only its owner knows.
+UNKNOWN = "'?'"
 # Figures of one second in ms, us and ns.
 SECONDS = (1e3, 1e6, 1e9)
+# Times counted from 1970 are above these in each unit, and steps of a logger below those.
+EPOCHS, STEPS = {"ns": 1e17, "us": 1e14, "ms": 1e11}, {"s": 0.5, "ms": 100.0, "us": 5e5}
 # A word of names of columns whose figures are turns: pos_estimate.
 TURN_WORD = "estimate"
 
@@ -59,13 +64,12 @@ def draft_text(data: Path, expected: Expected) -> str:
         _wrapped(column)
     assign(columns, expected, lambda column: _output_unit(column, expected)[1])
     by_role = {column.role: column for column in columns if column.role}
-    missing = [role for role in ("time", "output") if role not in by_role]
-    if missing:
+    if "output" not in by_role:
         names = ", ".join(str(column.name) for column in columns)
-        what = f"no column looks like the {' or the '.join(missing)}"
-        remedy = "write the measurement file by hand; docs/measurement-file.md shows how"
+        what, remedy = "no column looks like the output: none but the time moves", "move the drive while logging"
         raise InputError([Problem(str(data), table.layout.header_line or 1, "", what, names, remedy=remedy)])
-    _time(by_role["time"])
+    if "time" in by_role:
+        _time(by_role["time"])
     output = by_role["output"]
     fields, factor, reason = _output_unit(output, expected)
     output.fields |= fields
@@ -73,6 +77,7 @@ def draft_text(data: Path, expected: Expected) -> str:
     inputs = [column for column in columns if column.role.startswith("input")]
     for column in inputs:
         _input(column, output.values * factor, expected)
+    _lengths(output, inputs, expected)
     for role, units, unit in (("load_torque", {**TORQUE, **FORCE}, "N*m"), ("temperature", TEMPERATURE, "degC")):
         if role in by_role:
             _plain(by_role[role], units, unit)
@@ -82,6 +87,9 @@ def draft_text(data: Path, expected: Expected) -> str:
 def _columns(data: Path) -> tuple[_Table, list[Guess]]:
     """The columns that contain figures, with their header."""
     try:
+        log = opened(data)
+        if log is not None:
+            return _Table(log.layout, 0, (), None), [Guess(one.name, one.unit, one.values) for one in log.drafted()]
         # Whole numbers are figures with either decimal sign: the right one gives more columns of figures.
         found_table = max((_table(data, decimal) for decimal in ("point", "comma")), key=lambda t: len(t.chosen))
         layout, chosen = found_table.layout, found_table.chosen
@@ -174,7 +182,7 @@ def _tried_rows(data: Path, layout: Format) -> list[list[str]]:
     with open(data, encoding="utf-8", errors="replace") as file:
         for number, line in enumerate(file, 1):
             if number >= layout.begin_line and line.strip() and not line.startswith("#"):
-                rows.append(split(line, layout.sign))
+                rows.append(layout.cells(line))
             if len(rows) >= TRIED_ROWS:
                 break
     return rows
@@ -201,8 +209,9 @@ def _time(column: Guess) -> None:
         column.reasons.append(f"{begins_again:g} of them are a second: {unit}?")
     if not unit:
         step = float(np.median(np.diff(column.values)))
-        unit = "s" if step < 0.5 else "ms" if step < 100.0 else "us"
-        column.reasons.append(f"steps of {step:.4g}: {unit}?")
+        since_1970 = next((u for u, least in EPOCHS.items() if float(column.values[0]) > least), "")
+        unit = since_1970 or next((u for u, most in STEPS.items() if step < most), "ns")
+        column.reasons.append(f"counted from 1970: {unit}?" if since_1970 else f"steps of {step:.4g}: {unit}?")
     column.fields["unit"] = unit
 
 
@@ -259,6 +268,26 @@ def _input(column: Guess, out_rad: Floats, expected: Expected) -> None:
         column.reasons.append(f"no unit gives the ratio {expected.ratio:g} to a few percent: check")
 
 
+def _lengths(output: Guess, inputs: Sequence[Guess], expected: Expected) -> None:
+    """Draft the radius of an angle that was measured as a length: that with which the ratio is met."""
+    for column in (output, *inputs):
+        unit = column.unit if column.unit in LENGTH else next((u for u in ("mm", "um") if u in column.words[-1:]), "")
+        if not unit:
+            continue
+        other = inputs[0] if column is output and inputs else output
+        rad, _ = stated_unit(other, ANGLE)
+        slope, _ = robust_slope(other.values, column.values)
+        turns = 1.0 / expected.ratio if column is output else expected.ratio
+        column.fields = {"unit": unit, "radius_mm": UNKNOWN}
+        column.reasons = ["a length: put the radius at which it is measured in place of ?"]
+        if slope and rad:
+            radius = 1e3 * LENGTH[unit].factor * abs(slope) / (ANGLE[rad].factor * turns)
+            column.fields["radius_mm"] = float(f"{radius:.4g}")
+            column.reasons = ["a length: with this radius the ratio is met; put the measured radius in its place"]
+        if slope < 0.0 and column is not output:
+            column.fields["scale"] = -1
+
+
 def _wrapped(column: Guess) -> None:
     """Count the turns of an angle that covers and jumps by a whole range of its encoder, and draft ``wraps_at``."""
     covered = float(np.ptp(column.values))
@@ -293,7 +322,7 @@ def _plain(column: Guess, units: Mapping[str, Unit], otherwise: str) -> None:
     column.fields["unit"] = unit or otherwise
     column.reasons.append(reason if unit else f"{otherwise} is assumed")
     if unit in FORCE:
-        column.fields["lever_arm_mm"] = "?"
+        column.fields["lever_arm_mm"] = UNKNOWN
         column.reasons.append("a force: put the arm of the load cell in mm in place of ?")
 
 
@@ -310,6 +339,13 @@ def _written(data: Path, table: _Table, columns: list[Guess], expected: Expected
         *([f"skip_rows: {table.skip_rows}    # guessed: shorter than the table"] if table.skip_rows else []),
         *(["rows: own_times    # guessed: empty cells"] if table.own_times else []),
         *([f"channel_column: {_quoted(table.named_by)}    # guessed: few words"] if table.named_by is not None else []),
+        *(
+            []
+            if any(c.role == "time" for c in columns)
+            else [
+                f"sample_rate_Hz: {UNKNOWN}    # no column looks like the time: put the samples a second in place of ?"
+            ]
+        ),
         "columns:",
     ]
     order = ("time", "input", "output", "load_torque", "temperature")

@@ -13,7 +13,7 @@ from mbcdm_cad.design.problems import schema_problems
 from mbcdm_cad.design.source import read_text
 from mbcdm_cad.errors import InputError, Problem, did_you_mean, shortened
 from mbcdm_cad.measurement.schema import CURRENT, Column, Columns, Measurement, is_column, node_at
-from mbcdm_cad.measurement.units import COUNTS, ENCODERS, FORCE, LOAD, kind_of, known_units, unit_of
+from mbcdm_cad.measurement.units import COUNTS, ENCODERS, FORCE, LENGTH, LOAD, kind_of, known_units, unit_of
 
 _KIND = ("measurement file", "; docs/measurement-file.md shows how one is written")
 
@@ -112,7 +112,7 @@ def _broken_rules(file: MeasurementFile) -> list[Problem]:
         remedy = "keep one of the two: the measured torque, or what is known of the load"
         told = content.load if isinstance(content.load, str) else "pendulum"
         problems.append(file.problem(("load",), f"given beside columns.{LOAD}", told, remedy=remedy))
-    problems += _broken_currents(file, asked)
+    problems += [*_broken_times(file), *_broken_currents(file, asked)]
     named = [key for key in asked if key.startswith("input_")]
     remedy = "give input for a drive that has one, else input_<name> for each input of the design, or left and right"
     if "input" in asked and named:
@@ -131,8 +131,8 @@ def _broken_rules(file: MeasurementFile) -> list[Problem]:
             remedy = "leave wraps_at out: only an angle or a time begins again"
             value = f"{column.wraps_at:g}"
             problems.append(file.problem((*where, "wraps_at"), f"given for {quantity}", value, remedy=remedy))
-        problems += _broken_force(file, quantity, column)
-        if _is_force(quantity, column):
+        problems += _broken_arm(file, quantity, column)
+        if _arm(quantity, column):
             continue
         if unit_of(quantity, column.unit, column.counts_per_turn) is None:
             counts = column.unit.strip() in (COUNTS, "count") and kind_of(quantity) in ENCODERS
@@ -178,21 +178,60 @@ def _broken_currents(file: MeasurementFile, asked: dict[str, Column]) -> list[Pr
     return problems
 
 
-def _is_force(quantity: str, column: Column) -> bool:
-    return quantity == LOAD and column.unit.strip() in FORCE
-
-
-def _broken_force(file: MeasurementFile, quantity: str, column: Column) -> list[Problem]:
-    """Problems with the lever arm: a force needs one, other quantities have none."""
-    where: FieldPath = ("columns", quantity)
-    if _is_force(quantity, column) and column.lever_arm_mm is None:
-        remedy = "give lever_arm_mm, the distance from the drum's axis to the line of the force"
-        return [file.problem((*where, "unit"), "a force without its arm", column.unit, "N*m", remedy=remedy)]
-    if column.lever_arm_mm is not None and not _is_force(quantity, column):
-        remedy = "leave it out, or set unit: N if the load cell shows a force"
-        value = f"{column.lever_arm_mm:g}"
-        return [file.problem((*where, "lever_arm_mm"), f"given beside unit {column.unit}", value, remedy=remedy)]
+def _broken_times(file: MeasurementFile) -> list[Problem]:
+    """Problems with the time: a column of it, or the rate of the rows."""
+    content, rate = file.content, ("sample_rate_Hz",)
+    if content.columns is None:
+        return []
+    if content.columns.time is None and content.sample_rate_Hz is None:
+        remedy = "give its column, or sample_rate_Hz for rows at an even rate"
+        return [file.problem(("columns", "time"), "missing", remedy=remedy)]
+    if content.sample_rate_Hz is None:
+        return []
+    if content.columns.time is not None:
+        remedy = "keep one of the two: columns.time where there is one"
+        return [file.problem(rate, "given beside columns.time", remedy=remedy)]
+    if content.broken_rows == "skip" or content.rows == "own_times" or content.channel_column is not None:
+        remedy = "leave broken_rows, rows and channel_column out: every row is one step in time"
+        return [file.problem(rate, "given where rows are no steps in time", remedy=remedy)]
     return []
+
+
+# The fields for what a length or a force is measured at, with their remedies.
+_ARMS = {
+    "lever_arm_mm": (
+        "a force without its arm",
+        "give lever_arm_mm, the distance from the drum's axis to the line of the force",
+        "leave it out, or set unit: N if the load cell shows a force",
+    ),
+    "radius_mm": (
+        "a length without its radius",
+        "give radius_mm, the distance from the axis to where the length is measured",
+        "leave it out, or set unit: mm if the sensor shows a length",
+    ),
+}
+
+
+def _arm(quantity: str, column: Column) -> str:
+    """The field that the unit of the column needs: the arm of a force, the radius of a length; empty for neither."""
+    unit = column.unit.strip()
+    if quantity == LOAD and unit in FORCE:
+        return "lever_arm_mm"
+    return "radius_mm" if kind_of(quantity) in ENCODERS and unit in LENGTH else ""
+
+
+def _broken_arm(file: MeasurementFile, quantity: str, column: Column) -> list[Problem]:
+    """Problems with the arm of a force and the radius of a length: other quantities have none."""
+    where: FieldPath = ("columns", quantity)
+    needed, problems = _arm(quantity, column), []
+    for name, (missing, give, leave) in _ARMS.items():
+        value = getattr(column, name)
+        if name == needed and value is None:
+            problems.append(file.problem((*where, "unit"), missing, column.unit, remedy=give))
+        elif name != needed and value is not None:
+            what = f"given beside unit {column.unit}"
+            problems.append(file.problem((*where, name), what, f"{value:g}", remedy=leave))
+    return problems
 
 
 def _asked_twice(file: MeasurementFile, asked: dict[str, Column]) -> list[Problem]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,21 +19,13 @@ LONGEST_PREAMBLE = 100_000
 MOST_UNITS = 3
 # So many lines of figures are rows of the table.
 ROWS_IN_A_ROW = 4
+# So many rows whose cells have names before colons make a table of such rows.
+FEWEST_LABELLED = 10
 LONGEST_UNIT = 12
-# Binary logs by their first bytes: what they are, and how their owner gets a table out of them.
-_TOPICS = "export the topics as CSV, with PlotJuggler or pandas; their times may differ (rows: own_times)"
-KINDS_OF_FILE = {
-    b"\x89HDF\r\n": ("an HDF5 file, or MATLAB's of version 7.3", "export the data as CSV: pandas.read_hdf, writetable"),
-    b"MATLAB 5.0": ("a file of MATLAB", "export the data as CSV: writetable(array2table([t a b]), 'run.csv')"),
-    b"PAR1": ("a Parquet file", "export it as CSV: pandas.read_parquet('run.parquet').to_csv('run.csv')"),
-    b"TDSm": (
-        "a TDMS file of LabVIEW",
-        "export it as CSV: npTDMS, TdmsFile.read('run.tdms').as_dataframe()",
-    ),
-    b"\x89MCAP0": ("an MCAP log", _TOPICS),
-    b"#ROSBAG": ("a bag of ROS 1", _TOPICS),
-    b"SQLite format 3": ("a data base, as the bags of ROS 2 are", _TOPICS),
-}
+# Serial monitors write a time of day and this before what the device sent.
+ARROW = " -> "
+# A cell with its name, as motor:1.25.
+_LABEL = re.compile(r"[A-Za-z_][^:]*:\s*[-+]?[\d.]")
 SIGNS = {"comma": ",", "semicolon": ";", "tab": "\t", "space": None}
 Lines = list[tuple[int, str]]
 
@@ -43,7 +36,8 @@ class Format:
 
     ``begin_line`` is the first line (from 1) that may hold figures, ``fields`` the number of columns. ``units`` are the
     cells of the first row below the names where no row down to ``units_line`` has a figure; empty and 0 without one.
-    ``unnamed`` says that rows hold more than the header names.
+    ``unnamed`` says that rows hold more than the header names, ``labelled`` that each cell has its name before a colon,
+    as Arduino's plotter wants it.
     """
 
     sign: str | None
@@ -56,6 +50,12 @@ class Format:
     units: tuple[str, ...] = ()
     units_line: int = 0
     unnamed: bool = False
+    labelled: bool = False
+
+    def cells(self, line: str) -> list[str]:
+        """Cells of a line, without the labels of a table that repeats its names in each row."""
+        found = split(line, self.sign)
+        return [_without_label(cell) for cell in found] if self.labelled else found
 
 
 def too_long(path: Path, number: int) -> InputError:
@@ -71,7 +71,9 @@ def too_long(path: Path, number: int) -> InputError:
 
 
 def split(line: str, sign: str | None) -> list[str]:
-    """Cells of a line, without blanks and quotes around them."""
+    """Cells of a line, without blanks and quotes around them; an arrow after a time stamp divides them too."""
+    if ARROW in line:
+        line = line.replace(ARROW, sign or " ", 1)
     return [cell.strip().strip("\"'").strip() for cell in line.strip("\r\n").split(sign)]
 
 
@@ -84,7 +86,9 @@ def find_format(path: Path, delimiter: str, decimal: str, comment: str, skip_row
             [Problem(str(path), skip_rows + 1, "", "no rows", remedy="check the file, skip_rows and comment")]
         )
     sign = SIGNS[delimiter] if delimiter != "auto" else _likely_sign(rows, comma)
-    names, names_line = _names(path, comments, rows, sign, comma, header)
+    labels, greeting = _labels(rows, sign) if header == "auto" else ((), 0)
+    rows = rows[greeting:]
+    names, names_line = (labels, 0) if labels else _names(path, comments, rows, sign, comma, header)
     begin = rows[0][0] + 1 if names_line == rows[0][0] else rows[0][0]
     body = [line for number, line in rows if number >= begin]
     units, units_line = _units_row(rows, begin, sign, comma) if names else ((), 0)
@@ -99,7 +103,7 @@ def find_format(path: Path, delimiter: str, decimal: str, comment: str, skip_row
     # Rows with quotes may have the delimiter within a cell.
     full = [cells for cells in (split(line, sign) for line in body if '"' not in line) if len(cells) == fields]
     unnamed = bool(names) and any(any(cells[len(names) :]) for cells in full)
-    return Format(sign, comma, comment, names, names_line, begin, fields, units, units_line, unnamed)
+    return Format(sign, comma, comment, names, names_line, begin, fields, units, units_line, unnamed, bool(labels))
 
 
 def title_lines(path: Path, decimal: str, comment: str) -> int:
@@ -111,7 +115,7 @@ def title_lines(path: Path, decimal: str, comment: str) -> int:
     comma = decimal == "comma"
     _, rows = _first_lines(path, comment, 0)
     sign = _likely_sign(rows, comma) if rows else None
-    cells = [split(line, sign) for _, line in rows]
+    cells = [[_without_label(cell) for cell in split(line, sign)] for _, line in rows]
     figures = [sum(_is_figure(cell, comma) for cell in row) for row in cells]
     fields = Counter(len(row) for row, found in zip(cells, figures, strict=True) if found).most_common(1)
     wide = fields[0][0] if fields else 0
@@ -132,6 +136,22 @@ def _are_units(cells: list[str]) -> bool:
     """Whether a line under the names holds units: half of its cells are units or empty, in brackets or not."""
     known = {"", "-", COUNTS, *TIME, *ANGLE, *TORQUE, *FORCE, *TEMPERATURE}
     return 2 * sum(cell.strip("[]() ") in known for cell in cells) >= len(cells)
+
+
+def _without_label(cell: str) -> str:
+    return cell.rpartition(":")[2].strip() if _LABEL.match(cell) else cell
+
+
+def _labels(rows: Lines, sign: str | None) -> tuple[tuple[str, ...], int]:
+    """Names of a table whose cells have them, and the rows of greeting before it; no names for any other table."""
+    tables = [split(line, sign) for _, line in rows]
+    labelled = [[bool(_LABEL.match(cell)) for cell in row] for row in tables]
+    alike = next((k for k, found in enumerate(reversed(labelled)) if found != labelled[-1]), len(labelled))
+    if sum(labelled[-1]) < 2 or alike < min(FEWEST_LABELLED, len(rows)):
+        return (), 0
+    cells = enumerate(zip(tables[-1], labelled[-1], strict=True), 1)
+    names = (cell.partition(":")[0].strip() if named else f"column {k}" for k, (cell, named) in cells)
+    return tuple(names), len(rows) - alike
 
 
 def _units_row(rows: Lines, begin: int, sign: str | None, comma: bool) -> tuple[tuple[str, ...], int]:
@@ -191,10 +211,7 @@ def _first_lines(path: Path, comment: str, skip_rows: int) -> tuple[Lines, Lines
 def _refuse_no_text(path: Path, raw: bytes) -> None:
     """Refuse files of a spreadsheet, a binary logger or an editor of another system; ``raw`` is the first line."""
     what, remedy = "", "export the data as text, one row a line (CSV)"
-    kind = next((words for sign, words in KINDS_OF_FILE.items() if raw.startswith(sign)), None)
-    if kind is not None:
-        what, remedy = kind
-    elif raw.startswith(b"PK\x03\x04"):
+    if raw.startswith(b"PK\x03\x04"):
         what = "a spreadsheet or another zipped file"
     elif raw[:2] in (b"\xff\xfe", b"\xfe\xff") or (
         raw[1::2].count(0) > 0.4 * len(raw) or raw[::2].count(0) > 0.4 * len(raw)

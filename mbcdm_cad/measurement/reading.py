@@ -5,13 +5,15 @@ from __future__ import annotations
 import hashlib
 import math
 import re
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from mbcdm_cad.design.fieldpath import FieldPath
 from mbcdm_cad.errors import InputError, Problem, did_you_mean, shortened
+from mbcdm_cad.measurement.binarylog import is_bag, opened
 from mbcdm_cad.measurement.channels import Channel, read_channels
 from mbcdm_cad.measurement.datafile import DECIMALS, DataTable, read_table
 from mbcdm_cad.measurement.file import MeasurementFile, load_file
@@ -190,13 +192,19 @@ def read_run(file: MeasurementFile) -> Reading:
         raise InputError([file.problem(("published",), "no run in this file", remedy="give a file with data")])
     data = _data_path(file, content.data)
     try:
-        layout = find_format(
-            data, content.delimiter, content.decimal, content.comment, content.skip_rows, content.header
+        log = opened(data)
+        layout = (
+            find_format(data, content.delimiter, content.decimal, content.comment, content.skip_rows, content.header)
+            if log is None
+            else log.layout
         )
         asked = file.asked
         indices = [_index(file, quantity, column, layout, data) for quantity, column in asked.items()]
-        clock = indices[0] if content.columns.time.unit.strip() == ISO_CLOCK else None
-        if content.rows == "own_times" or content.channel_column is not None:
+        time = content.columns.time
+        clock = indices[0] if time is not None and time.unit.strip() == ISO_CLOCK else None
+        if log is not None:
+            table = log.table(indices, _channels(file, indices), content.broken_rows == "skip")
+        elif content.rows == "own_times" or content.channel_column is not None:
             table = _of_channels(file, layout, data, indices, clock is not None)
         else:
             table = read_table(data, layout, indices, content.broken_rows == "skip", clock)
@@ -212,13 +220,17 @@ def read_run(file: MeasurementFile) -> Reading:
             ("data",), f"cannot be read: {error.strerror or error}", shortened(content.data), remedy="check the path"
         )
         raise InputError([problem]) from None
+    if content.sample_rate_Hz is not None:
+        asked = {"time": Column(column="row", unit="s"), **asked}
+        at = np.arange(table.values.shape[1]) / content.sample_rate_Hz
+        table = replace(table, values=np.vstack([at, table.values]))
     turns = [
         _count_turns(file, quantity, column, row)
         for (quantity, column), row in zip(asked.items(), table.values, strict=True)
     ]
     run = _in_si(file, asked, table, data.name, sha256)
     refuse_unusable(file, run, table, data)
-    notes = _notes_on_columns(asked, layout, indices, data)
+    notes = _notes_on_columns(file.asked, layout, indices, data)
     notes += [note for note in turns if note]
     if repeated:
         notes.append(f"{repeated} rows of {data.name} repeat the time of the row before: left out")
@@ -239,11 +251,16 @@ def _of_channels(file: MeasurementFile, layout: Format, data: Path, indices: lis
                 where: FieldPath = ("columns", quantity)
                 remedy = "give channel: the name of its rows in channel_column"
                 raise InputError([file.problem(where, "no channel, where rows hold one each", remedy=remedy)])
-    channels = [
+    return read_channels(data, layout, indices[0], _channels(file, indices), named_by, clock)
+
+
+def _channels(file: MeasurementFile, indices: Sequence[int]) -> list[Channel]:
+    """The quantities but the time, each with the column that it is read from."""
+    return [
         Channel(quantity, index, column.channel or "", column.wraps_at)
         for (quantity, column), index in zip(file.asked.items(), indices, strict=True)
+        if quantity != "time"
     ]
-    return read_channels(data, layout, indices[0], channels[1:], named_by, clock)
 
 
 def _notes_on_columns(asked: dict[str, Column], layout: Format, indices: list[int], data: Path) -> list[str]:
@@ -252,7 +269,7 @@ def _notes_on_columns(asked: dict[str, Column], layout: Format, indices: list[in
     inputs = [(index, asked[name].channel) for name, index in zip(asked, indices, strict=True) if "input" in name]
     if len(set(inputs)) < len(inputs):
         notes.append("both inputs use the same column: differences between them are not measured")
-    if layout.units:
+    if layout.units_line:
         first, last = layout.header_line + 1, layout.units_line
         lines = f"line {last}" if first >= last else f"lines {first} to {last}"
         notes.append(f"no figures on {lines} of {data.name}: taken for units and left out")
@@ -262,7 +279,7 @@ def _notes_on_columns(asked: dict[str, Column], layout: Format, indices: list[in
         told = told.strip("[]() ") or (brackets[1] if (brackets := _IN_BRACKETS.search(name)) else "")
         logged = unit_of(quantity, told)
         # A scale may convert one unit into the other.
-        differ = logged is not None and logged != unit_of(quantity, column.unit, column.counts_per_turn)
+        differ = logged is not None and logged != _unit(quantity, column)
         if differ and abs(column.scale) == 1.0:
             notes.append(
                 f"{data.name} has {quantity} in {told} by its own header, but {column.unit} in the measurement file; "
@@ -274,7 +291,7 @@ def _notes_on_columns(asked: dict[str, Column], layout: Format, indices: list[in
 def _data_path(file: MeasurementFile, data: str) -> Path:
     path = file.path.parent / data
     try:
-        if path.is_file():
+        if path.is_file() or is_bag(path):
             return path
         what = "not a regular file" if path.exists() else "there is no such file"
     except (OSError, ValueError) as error:
@@ -299,7 +316,7 @@ def column_index(file: MeasurementFile, where: FieldPath, asked: str | int, layo
     found = [index for index, name in enumerate(layout.names[: layout.fields]) if name == asked.strip()]
     if len(found) == 1 and not layout.unnamed:
         return found[0]
-    line = f"line {layout.header_line} of {data.name}"
+    line = f"line {layout.header_line} of {data.name}" if layout.header_line else data.name
     if not layout.names:
         what, remedy = f"{data.name} has no header with names", "give its number, counted from 1"
     elif len(found) > 1:
@@ -308,7 +325,8 @@ def column_index(file: MeasurementFile, where: FieldPath, asked: str | int, layo
         what = f"{layout.fields} cells a row under the {len(layout.names)} names on {line}"
         remedy = DECIMALS if layout.sign == "," else "give its number, counted from 1"
     else:
-        what, elsewhere = f"no such column on {line}", line_with(data, asked.strip())
+        what = f"no such column {'on' if layout.header_line else 'in'} {line}"
+        elsewhere = line_with(data, asked.strip()) if layout.header_line else 0
         known = [name for name in layout.names if name.isprintable()]
         longer = [name for name in known if re.match(re.escape(asked.strip()) + r"\W", name, re.IGNORECASE)]
         if longer and len(known) > 1:
@@ -347,7 +365,7 @@ def _in_si(file: MeasurementFile, asked: dict[str, Column], table: DataTable, so
     """The table's rows converted to SI in place, so that a long run is in memory only once."""
     rows: dict[str, Floats] = {}
     for (quantity, column), row in zip(asked.items(), table.values, strict=True):
-        unit = unit_of(quantity, column.unit, column.counts_per_turn, column.lever_arm_mm) or Unit(1.0)
+        unit = _unit(quantity, column) or Unit(1.0)
         row -= column.zero
         row *= column.scale * unit.factor
         row += unit.shift
@@ -383,6 +401,11 @@ def _in_si(file: MeasurementFile, asked: dict[str, Column], table: DataTable, so
         else None,
         motor=motor,
     )
+
+
+def _unit(quantity: str, column: Column) -> Unit | None:
+    """The unit of a column, with what its unit needs beside it."""
+    return unit_of(quantity, column.unit, column.counts_per_turn, column.lever_arm_mm, column.radius_mm)
 
 
 def _load_Nm(file: MeasurementFile, rows: dict[str, Floats]) -> Floats | None:
@@ -421,5 +444,12 @@ def _step_of_counts(asked: dict[str, Column], names: list[str]) -> float | None:
 
 
 def _sha256(path: Path) -> str:
-    with open(path, "rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
+    """Hash of the file, or of those of a bag's folder in the order of their names."""
+    files = sorted(one for one in path.iterdir() if one.is_file()) if path.is_dir() else [path]
+    hashes = []
+    for one in files:
+        with open(one, "rb") as file:
+            hashes.append(hashlib.file_digest(file, "sha256"))
+    if not path.is_dir():
+        return hashes[0].hexdigest()
+    return hashlib.sha256(b"".join(found.digest() for found in hashes)).hexdigest()

@@ -17,7 +17,7 @@ Written by `mbcdm schema --measurement --reference` from the schema; do not edit
 gives the JSON Schema for completion in an editor.
 
 The measurement file is a small YAML file beside a logger's data. It says what each column contains, so the data file
-stays as the logger wrote it. `mbcdm measurement-init` drafts it from a CSV.
+stays as the logger wrote it. `mbcdm measurement-init` drafts it.
 
 ```yaml
 data: run.csv                 # path relative to this file
@@ -64,9 +64,20 @@ The data file may have comments and blank lines anywhere, cells in quotes, and t
 ASCII matter only in names. A row of units below the names is left out. Where this row, or brackets in a name, state
 another unit than the measurement file, the loop reports a doubt.
 
+A table without a column of times needs `sample_rate_Hz`. Rows as serial plotters take them, `motor:1.25,joint:0.16`,
+with or without a time of day and an arrow before them, have the names before the colons.
+
+Binary logs are read too, by the libraries of `pip install 'mbcdm-cad[logs]'`: MCAP (messages in JSON or of ROS), bags
+of ROS 1 and 2 (a bag of ROS 2 is a folder), Parquet, files of MATLAB, TDMS and HDF5. Their columns have names such as
+`/joint_states/elbow/position`, `bench/motor_pos`, `angles/motor`; `mbcdm measurement-init` lists them. Logs of messages
+have two columns more for the time: `header_stamp`, which the messages carry, and `log_time`, when they were recorded.
+Every quantity is then interpolated from its own times onto those of the output.
+
+A length is an angle with its radius: `output: {{column: gauge_mm, unit: mm, radius_mm: 80}}`.
+
 The following is refused, with file, line and remedy:
 
-- a file that is not text; an unknown unit;
+- a spreadsheet, or another file that is neither text nor one of these logs; an unknown unit;
 - a column that does not exist, exists twice, or is used for two quantities;
 - in a cell that is used: text, NaN, a date, or an overload (9.9e37); decimal commas that are not declared;
 - a row of another length;
@@ -87,7 +98,8 @@ def measurement_page() -> str:
     lines = [_INTRO, "## Top level", "", *_table(top, schema)]
     lines += ["## columns", "", "| quantity | needed | meaning |", "| --- | --- | --- |"]
     for key, node in columns["properties"].items():
-        needed = "yes" if key in columns["required"] else "one for each input" if key.startswith("input") else "no"
+        yes = key in ("time", *columns["required"])
+        needed = "yes" if yes else "one for each input" if key.startswith("input") else "no"
         lines.append(f"| `{key}` | {needed} | {node.get('description', '')} |")
     lines += ["", "Each is a block of these fields:", ""]
     lines += _table(columns["properties"]["time"]["properties"], columns["properties"]["time"])

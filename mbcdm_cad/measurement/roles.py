@@ -37,6 +37,8 @@ def _words(text: str) -> frozenset[str]:
 
 # Words of a name, whole: a name is divided at signs, at capitals and between letters and digits.
 TIME_WORDS = _words("t time timestamp stamp sec secs seconds clock zeit tick ticks ms us")
+# Names of columns that number the rows.
+_NUMBER = _words("frame frames sample samples scan row index idx counter seq number no line n")
 _TEMPERATURE = _words("temp temperature temperatur degc °c")
 _LOAD = _words("tau torque torq moment drehmoment load cell loadcell force kraft f trq")
 _ANGLE = _words(
@@ -44,10 +46,10 @@ _ANGLE = _words(
     "count cnt steps turns estimate magnet hall"
 )
 _NO_ANGLE = _words(
-    "vel velocity speed omega rpm w rate dq qd geschwindigkeit acc accel acceleration cur curr current amp amps i "
-    "iq id strom cmd command commanded demand target set setpoint desired des goal sp reference soll flag state "
+    "controller vel velocity speed omega rpm w rate dq qd geschwindigkeit acc accel acceleration cur curr current amp "
+    "amps i iq id strom cmd command commanded demand target set setpoint desired des goal sp reference soll flag state "
     "status mode error err fault timeout volt volts voltage pwm duty power effort index idx counter seq sample "
-    "gyro imu"
+    "gyro imu frame frames scan row line"
 )
 _OUTPUT = _words(
     "out output drum joint link load ank ankle knee hip elbow wrist tip arm end tool second secondary driven "
@@ -74,7 +76,9 @@ class Guess:
         """The words of the name in small letters; none where the file has no names."""
         if isinstance(self.name, int):
             return ()
-        parts = re.findall(r"[A-ZÄÖÜ]+(?![a-zäöü])|[A-ZÄÖÜ]?[a-zäöüß°]+|\d+", re.sub(r"[\[(].*", "", self.name))
+        # A unit in brackets is left out, an index in brackets is not.
+        plain = re.sub(r"[\[(](?!\d+\]).*", "", self.name)
+        parts = re.findall(r"[A-ZÄÖÜ]+(?![a-zäöü])|[A-ZÄÖÜ]?[a-zäöüß°]+|\d+", plain)
         return tuple(part.lower() for part in parts)
 
     def says(self, words: frozenset[str]) -> bool:
@@ -155,7 +159,7 @@ def assign(columns: Sequence[Guess], expected: Expected, output_rad: Callable[[G
     """Give each column its role. ``output_rad``: rad per figure of a column, if it is the output."""
     _assign(columns, "time", lambda c: (c.unit in TIME or c.says(TIME_WORDS)) and _rises(c))
     if all(c.role != "time" for c in columns):
-        _assign(columns, "time", _rises, "it rises in every row")
+        _assign(columns, "time", lambda c: _rises(c) and not _numbers_rows(c), "it rises in every row")
     _assign(columns, "temperature", lambda c: c.unit in TEMPERATURE or c.says(_TEMPERATURE))
     _assign(columns, "load_torque", _is_load)
     moving = [c for c in columns if not c.role and float(np.ptp(c.values)) > 0.0]
@@ -183,6 +187,11 @@ def _assign(columns: Sequence[Guess], role: str, fits: Callable[[Guess], bool], 
 def _rises(column: Guess) -> bool:
     steps = np.diff(column.values)
     return bool(np.all(steps >= 0.0)) and float(np.mean(steps > 0.0)) > LEAST_RISING
+
+
+def _numbers_rows(column: Guess) -> bool:
+    """Whether the column counts the rows or frames one by one, which is no time."""
+    return column.says(_NUMBER) and bool(np.all(np.diff(column.values) == 1.0))
 
 
 def _is_load(column: Guess) -> bool:

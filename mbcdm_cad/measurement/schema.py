@@ -69,6 +69,16 @@ class Column(Block):
         gt=0.0,
         le=1e5,
     )
+    radius_mm: Number | None = figure(
+        "radius at which the length is measured, for an angle in a unit of length: that of a linear encoder's track, "
+        "of a tape on the drum, or the arm of a dial gauge; angle = length / radius",
+        unit="mm",
+        source="drawing of the bench",
+        example=60.0,
+        default=None,
+        gt=0.0,
+        le=1e5,
+    )
     counts_per_turn: Number | None = figure(
         "counts for one turn, if the unit is counts",
         unit="1/turn",
@@ -96,7 +106,9 @@ class Columns(Block):
     model_config = ConfigDict(extra="allow", frozen=True, defer_build=True)
     __pydantic_extra__: dict[str, Column]
 
-    time: Column = choice("time", source=LOGGER, example="{column: t, unit: s}")
+    time: Column | None = choice(
+        "time; left out where sample_rate_Hz is given", source=LOGGER, example="{column: t, unit: s}", default=None
+    )
     input_left: Column | None = choice("angle of the input at -x", source=LOGGER, default=None)
     input_right: Column | None = choice("angle of the input at +x", source=LOGGER, default=None)
     input: Column | None = choice("angle of the input of a drive with one input", source=LOGGER, default=None)
@@ -120,7 +132,7 @@ class Columns(Block):
         currents = {key: column for key, column in extra.items() if key.startswith(CURRENT)} | {CURRENT: self.current}
         inputs = {key: getattr(self, key) for key in ("input_left", "input_right")} | named | {"input": self.input}
         rest = {key: getattr(self, key) for key in ("output", "load_torque", "temperature")}
-        found = {"time": self.time, **inputs, **rest, **currents}
+        found: dict[str, Column | None] = {"time": self.time, **inputs, **rest, **currents}
         return {key: column for key, column in found.items() if column is not None}
 
 
@@ -383,6 +395,15 @@ class Measurement(Block):
         source=LOGGER,
         example="comment",
         default="auto",
+    )
+    sample_rate_Hz: Number | None = figure(
+        "samples a second of a table without a column of times, each row one step later than the row before",
+        unit="Hz",
+        source=LOGGER,
+        example=100.0,
+        default=None,
+        gt=0.0,
+        le=1e7,
     )
     broken_rows: Literal["refuse", "skip"] = choice(
         "rows of another length, with text or with NaN: refuse the file, or skip up to one row in fifty and report it; "

@@ -64,6 +64,8 @@ FORCE = _scaled(
     ("gf", 1e-3 * _KGF),
     ("lbf", 0.45359237 * _KGF),
 )
+# A length at a radius gives an angle.
+LENGTH = _scaled(("mm", 1e-3), ("um µm", 1e-6), ("m", 1.0), ("in", 0.0254))
 # Temperatures stay in degC: the effects use only their differences.
 TEMPERATURE = {
     **dict.fromkeys(("degC", "°C", "C"), Unit(1.0)),
@@ -93,11 +95,16 @@ LOAD = "load_torque"
 
 
 def unit_of(
-    quantity: str, name: str, counts_per_turn: float | None = None, lever_arm_mm: float | None = None
+    quantity: str,
+    name: str,
+    counts_per_turn: float | None = None,
+    lever_arm_mm: float | None = None,
+    radius_mm: float | None = None,
 ) -> Unit | None:
     """The unit called ``name`` of a column ``quantity``, None if there is no such unit.
 
-    Encoder counts need ``counts_per_turn``, a force as load torque needs ``lever_arm_mm``.
+    Encoder counts need ``counts_per_turn``, a force as load torque needs ``lever_arm_mm``, a length as angle needs
+    ``radius_mm``: the angle is the length over the radius.
     """
     kind = kind_of(quantity)
     spelt = name.strip().replace(" ", "").replace("·", "*").replace("μ", "µ")
@@ -105,13 +112,15 @@ def unit_of(
         return Unit(2.0 * math.pi / counts_per_turn)
     if kind == LOAD and spelt in FORCE and lever_arm_mm is not None:
         return Unit(FORCE[spelt].factor * 1e-3 * lever_arm_mm)
+    if kind in ENCODERS and spelt in LENGTH and radius_mm is not None:
+        return Unit(LENGTH[spelt].factor / (1e-3 * radius_mm))
     return KINDS[kind].get(spelt)
 
 
 def known_units(quantity: str) -> list[str]:
     """Names to offer for a column."""
     kind = kind_of(quantity)
-    return [*KINDS[kind], *([COUNTS] if kind in ENCODERS else []), *(FORCE if kind == LOAD else [])]
+    return [*KINDS[kind], *([COUNTS, *LENGTH] if kind in ENCODERS else []), *(FORCE if kind == LOAD else [])]
 
 
 def kind_of(quantity: str) -> str:

@@ -137,7 +137,7 @@ REFUSED = {
     ),
     "unknown unit": Mistake("did you mean rad?", content=lambda: in_unit("radian", "output")),
     "unit in small letters": Mistake("did you mean Nm?", content=lambda: in_unit("nm", "load_torque")),
-    "a length": Mistake("known here: rad, mrad", content=lambda: in_unit("mm", "output")),
+    "a length": Mistake("give radius_mm, the distance", content=lambda: in_unit("mm", "output")),
     "NaN": Mistake("no finite number in 'q_out'", lambda: with_cell("NaN"), file="run.csv", line=500),
     "text": Mistake("no number in 'q_out' (value 'ERR')", lambda: with_cell("ERR"), file="run.csv", line=500),
     "empty cell": Mistake("no number in 'q_out' (value '')", lambda: with_cell(""), file="run.csv", line=500),

@@ -80,22 +80,3 @@ def test_a_channel_that_is_not_there_is_told(tmp_path: Path) -> None:
     (tmp_path / "r.yaml").write_text(text.replace("channel: motr, ", ""))
     with pytest.raises(InputError, match="no channel, where rows hold one each"):
         load_measurement(tmp_path / "r.yaml")
-
-
-@pytest.mark.parametrize(
-    ("first", "words"),
-    [
-        (b"\x89HDF\r\n\x1a\n", "an HDF5 file"),
-        (b"MATLAB 5.0 MAT-file", "a file of MATLAB"),
-        (b"PAR1\x15", "a Parquet file"),
-        (b"TDSm\x0e", "a TDMS file"),
-        (b"\x89MCAP0\r\n", "an MCAP log"),
-        (b"#ROSBAG V2.0\n", "a bag of ROS 1"),
-        (b"SQLite format 3\x00", "a data base"),
-    ],
-)
-def test_binary_logs_are_called_by_their_name(first: bytes, words: str, tmp_path: Path) -> None:
-    path = tmp_path / "run.log"
-    path.write_bytes(first + b"\x00" * 400)
-    with pytest.raises(InputError, match=words):
-        mc.draft_measurement(path, ratio=RATIO)

@@ -30,7 +30,7 @@ def drafted(
     text = title + "\n".join([sign.join(columns), *rows]) + "\n"
     (folder / "run.csv").write_text(text.replace(".", ",") if comma else text)
     draft = draft_text(folder / "run.csv", Expected.of_drive(DRIVE))
-    (folder / "run.yaml").write_text(draft.replace("lever_arm_mm: ?", "lever_arm_mm: 120"))
+    (folder / "run.yaml").write_text(draft.replace("lever_arm_mm: '?'", "lever_arm_mm: 120"))
     return draft, arranged(load_measurement(folder / "run.yaml"), DRIVE)
 
 
@@ -85,8 +85,8 @@ def test_a_table_of_semicolons_and_decimal_commas(tmp_path: Path) -> None:
 def test_what_is_no_run_is_refused_and_nothing_is_overwritten(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    (tmp_path / "run.csv").write_text("a,b\n" + "\n".join(f"{k % 7},{k % 5}" for k in range(200)) + "\n")
-    with pytest.raises(InputError, match="no column looks like the time"):
+    (tmp_path / "run.csv").write_text("a,b\n" + "7,5\n" * 200)
+    with pytest.raises(InputError, match="no column looks like the output"):
         draft_text(tmp_path / "run.csv", Expected.of_drive(DRIVE))
     columns = {"t": RUN.time_s, "left": RUN.input_rad[0], "right": RUN.input_rad[1], "drum": RUN.output_rad}
     drafted(tmp_path, columns)

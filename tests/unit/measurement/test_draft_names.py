@@ -47,6 +47,13 @@ SIGNALS = {
     "torque": noisy(0.3 * np.sign(np.cos(2.0 * np.pi * TIME / 20.0)), 0.01),
     "current": noisy(0.8 * np.cos(2.0 * np.pi * TIME / 20.0), 0.05),
     "flag": np.zeros_like(TIME),
+    "t_us": np.round(1e6 * TIME),
+    "t_ns": np.round(1e9 * TIME) + 1.7e18,
+    "row": np.arange(TIME.size, dtype=float),
+    "word": np.full(TIME.size, np.nan),
+    "command_deg": DEG * np.roll(INPUT, -2),
+    "command_counts": np.round(np.roll(INPUT, -2) * 16384 / (2.0 * np.pi)),
+    "motor_turn_speed": noisy(np.gradient(INPUT, TIME), 0.02) / (2.0 * np.pi),
     "warm": noisy(25.0 + TIME / 60.0, 0.05),
 }
 # The header, the signals of its columns, and the columns of input and output, from 0.
@@ -83,18 +90,160 @@ HEADERS: list[tuple[str, str, int, int]] = [
     ("a,b,c", "t motor joint", 1, 2),
 ]
 
+# Headers of public loggers and of scripts in public repositories, with the signals of their columns.
+PUBLIC: list[tuple[str, str, int, int]] = [
+    # rostopic echo -p: times in ns, names of the joints as text.
+    (
+        "%time,field.header.seq,field.header.stamp,field.header.frame_id,field.name0,field.name1,field.position0,"
+        "field.position1,field.velocity0,field.velocity1,field.effort0,field.effort1",
+        "t_ns row t_ns word word word motor joint motor_speed joint_speed current torque",
+        6,
+        7,
+    ),
+    # PlotJuggler's export.
+    (
+        "__time,/joint_states/actuator/position,/joint_states/actuator/velocity,/joint_states/knee/position",
+        "t motor motor_speed joint",
+        1,
+        3,
+    ),
+    (
+        "__time,/js/position[0],/js/position[1],/js/velocity[0],/js/velocity[1]",
+        "t motor joint motor_speed joint_speed",
+        1,
+        2,
+    ),
+    # ODrive: liveplotter, and a logger of its S1.
+    (
+        "time,axis0.encoder.pos_estimate,axis0.encoder.vel_estimate,axis1.encoder.pos_estimate,axis0.controller.input_pos",
+        "t motor_turns motor_turn_speed joint_turns command",
+        1,
+        3,
+    ),
+    (
+        "timestamp_ms,mode,command_value,measured_position_deg,measured_velocity_deg_s,measured_torque_Nm,"
+        "command_current_A,joint_encoder_deg",
+        "t_ms flag command motor_deg motor_speed torque current joint_deg",
+        3,
+        7,
+    ),
+    # moteus: registers of a controller and a second encoder.
+    (
+        "timestamp,servo.mode,servo.position,servo.velocity,servo.torque,servo.q_current,servo.abs_position",
+        "t flag motor_turns motor_turn_speed torque current joint_turns",
+        2,
+        6,
+    ),
+    # Unitree's motor state beside the one that its encoder of the rotor gives.
+    (
+        "time,mode,q,dq,ddq,tau_est,q_raw,dq_raw,temperature",
+        "t flag joint joint_speed joint_speed torque motor motor_speed warm",
+        6,
+        2,
+    ),
+    # A controller of a joint's test stand: clock of the processor, both positions, current, counts.
+    (
+        "mcu_timestamp,host_timestamp_received,motor_position,joint_position,iq,torque,motor_encoder",
+        "t_us t_us motor joint current torque motor_counts",
+        2,
+        3,
+    ),
+    # Dephy's actuators: names as state_time, mot_ang.
+    (
+        "state_time,mot_ang,mot_vel,mot_acc,mot_cur,mot_volt,ank_ang,ank_vel,temperature",
+        "t_ms motor_counts motor_speed motor_speed current current joint_counts joint_speed warm",
+        1,
+        6,
+    ),
+    # A joint's logger with fault, load, angle by potentiometer and encoder.
+    (
+        "Elapsed Time(ms),R_hip_fault,R_hip_Load,R_hip_deg,R_hip_enc,R_hip_T_des",
+        "t_ms flag torque joint_deg motor_counts command",
+        4,
+        3,
+    ),
+    # Saleae Logic: exports of its analysers and of decoded quadrature counters.
+    ("Time [s],Motor [counts],Joint [counts],Index", "t motor_counts joint_counts flag", 1, 2),
+    # dSPACE ControlDesk and Simulink: paths of the model in the names.
+    (
+        '"time","Model Root/Encoder Motor/Pos [rad]","Model Root/Encoder Load/Pos [rad]","Model Root/Controller/u"',
+        "t motor joint command",
+        1,
+        2,
+    ),
+    # LabVIEW writes the task's channels.
+    ("Time,cDAQ1Mod1/ctr0 Motor Angle (deg),cDAQ1Mod1/ctr1 Load Angle (deg)", "t motor_deg joint_deg", 1, 2),
+    # TwinCAT Scope and CODESYS trace.
+    (
+        "Time;GVL.Axis1.NcToPlc.ActPos;GVL.fJointAngle;GVL.Axis1.NcToPlc.ActVelo;GVL.Axis1.PlcToNc.SetPos",
+        "t motor_deg joint_deg motor_speed command_deg",
+        1,
+        2,
+    ),
+    # EtherCAT drives by their objects.
+    (
+        "time,Position actual value (0x6064),Velocity actual value (0x606C),Torque actual value (0x6077),"
+        "Second encoder (0x60E4)",
+        "t motor_counts motor_speed current joint_counts",
+        1,
+        4,
+    ),
+    # Maxon EPOS Studio's recorder.
+    (
+        "Time [ms];Position actual value [inc];Velocity actual value averaged [rpm];"
+        "Current actual value averaged [mA];Auxiliary encoder [inc]",
+        "t_ms motor_counts motor_speed current joint_counts",
+        1,
+        4,
+    ),
+    # Dynamixel: present and goal position in ticks, and an AS5600 on the arm.
+    (
+        "millis,goal_position,present_position,present_velocity,present_load,as5600_raw",
+        "t_ms command_counts motor_counts motor_speed current joint_counts",
+        2,
+        5,
+    ),
+    # VESC Tool's log of one controller.
+    (
+        "ms_today;input_voltage;temp_mos_max;current_motor;d_axis_current;q_axis_current;erpm;duty_cycle;tachometer;encoder_position",
+        "t_ms current warm current current current motor_speed current motor_counts joint_deg",
+        8,
+        9,
+    ),
+    # SCPI and data acquisition: dates, channel numbers.
+    ("Scan,Time (Seconds),101 (Motor deg),102 (Arm deg),103 (VDC)", "row t motor_deg joint_deg torque", 2, 3),
+    # Simscape and OpenModelica results.
+    ("time,motor.phi,motor.w,motor.tau,load.phi,load.w", "t motor motor_speed torque joint joint_speed", 1, 4),
+    # Beckhoff, B&R: German names.
+    (
+        "Zeit [s];Sollposition;Istposition Motor [°];Istposition Gelenk [°];Motorstrom [A]",
+        "t command_deg motor_deg joint_deg current",
+        2,
+        3,
+    ),
+    # Japanese and French names.
+    ("temps,consigne,angle_moteur,angle_sortie,courant", "t command motor joint current", 2, 3),
+]
+
 
 def write(folder: Path, header: str, signals: str) -> Path:
     rows = np.stack([SIGNALS[name] for name in signals.split()], axis=1)
     path = folder / "run.csv"
-    path.write_text("\n".join([header, *(",".join(f"{value:.9g}" for value in row) for row in rows)]) + "\n")
+    sign = ";" if ";" in header else ","
+    lines = (
+        sign.join("base" if np.isnan(value) else f"{value:.9g}" if value < 1e15 else f"{value:.0f}" for value in row)
+        for row in rows
+    )
+    path.write_text("\n".join([header, *lines]) + "\n")
     return path
 
 
-@pytest.mark.parametrize(("header", "signals", "motor", "joint"), HEADERS, ids=[header for header, *_ in HEADERS])
+@pytest.mark.parametrize(
+    ("header", "signals", "motor", "joint"), HEADERS + PUBLIC, ids=[header for header, *_ in HEADERS + PUBLIC]
+)
 def test_the_angles_are_found(tmp_path: Path, header: str, signals: str, motor: int, joint: int) -> None:
     draft = draft_text(write(tmp_path, header, signals), Expected.of_ratio(RATIO))
-    columns, names = yaml.safe_load(draft)["columns"], header.split(",")
+    columns, names = yaml.safe_load(draft)["columns"], header.replace('"', "").split(";" if ";" in header else ",")
     assert columns["output"]["column"] == names[joint], draft
     assert columns["input"]["column"] == names[motor], draft
     (tmp_path / "run.yaml").write_text(draft)
@@ -156,3 +305,76 @@ def test_a_workbook_is_called_a_spreadsheet(tmp_path: Path) -> None:
     (tmp_path / "run.xlsx").write_bytes(b"PK\x03\x04" + bytes(600) + b"\n")
     with pytest.raises(InputError, match="a spreadsheet"):
         draft_text(tmp_path / "run.xlsx", Expected.of_ratio(RATIO))
+
+
+@pytest.mark.parametrize("before", ["", "Bench of joint 4\nhoming... ok\n"])
+@pytest.mark.parametrize("sign", [",", "\t", " "])
+def test_rows_of_a_serial_plotter_have_the_names_before_colons(tmp_path: Path, sign: str, before: str) -> None:
+    rows = zip(SIGNALS["motor_deg"], SIGNALS["joint_deg"], strict=True)
+    lines = [f"motor:{m:.4f}{sign}joint:{j:.4f}" for m, j in rows]
+    (tmp_path / "run.txt").write_text(before + "\n".join(lines) + "\n")
+    draft = draft_text(tmp_path / "run.txt", Expected.of_ratio(RATIO))
+    (tmp_path / "run.yaml").write_text(draft)
+    with pytest.raises(InputError, match=r"run.yaml:\d: sample_rate_Hz: not a number"):
+        load_measurement(tmp_path / "run.yaml")
+    (tmp_path / "run.yaml").write_text(draft.replace("'?'", "50"))
+    run = load_measurement(tmp_path / "run.yaml")
+    assert run.time_s[1] == pytest.approx(0.02) and np.allclose(run.output_rad, SIGNALS["joint_deg"] / DEG, atol=1e-6)
+
+
+@pytest.mark.parametrize("labels", [True, False])
+def test_a_serial_monitor_writes_a_time_of_day_and_an_arrow(tmp_path: Path, labels: bool) -> None:
+    rows = zip(TIME, SIGNALS["motor_deg"], SIGNALS["joint_deg"], strict=True)
+    names = ("motor:", "joint:") if labels else ("", "")
+    lines = [f"12:{int(t // 60):02d}:{t % 60:06.3f} -> {names[0]}{m:.4f},{names[1]}{j:.4f}" for t, m, j in rows]
+    (tmp_path / "run.txt").write_text("\n".join(lines) + "\n")
+    (tmp_path / "run.yaml").write_text(draft_text(tmp_path / "run.txt", Expected.of_ratio(RATIO)))
+    run = load_measurement(tmp_path / "run.yaml")
+    assert np.allclose(np.diff(run.time_s), 0.02) and np.allclose(run.input_rad, SIGNALS["motor_deg"] / DEG, atol=1e-6)
+
+
+def test_a_motion_camera_numbers_its_frames(tmp_path: Path) -> None:
+    """Vicon writes the device, the rate, names of the subjects, the columns, their units; no time."""
+    head = "Devices\n50\n,,Motor,Joint\nFrame,Sub Frame,Pot motor,Pot joint\n,,deg,deg\n"
+    rows = enumerate(zip(SIGNALS["motor_deg"], SIGNALS["joint_deg"], strict=True), 1)
+    (tmp_path / "run.csv").write_text(head + "".join(f"{k},0,{m:.4f},{j:.4f}\n" for k, (m, j) in rows))
+    draft = draft_text(tmp_path / "run.csv", Expected.of_ratio(RATIO))
+    (tmp_path / "run.yaml").write_text(draft.replace("'?'", "50"))
+    run = load_measurement(tmp_path / "run.yaml")
+    assert run.time_s[-1] == pytest.approx(TIME[-1]), draft
+    assert np.allclose(run.output_rad, SIGNALS["joint_deg"] / DEG, atol=1e-6), draft
+
+
+def test_a_dial_gauge_on_an_arm_is_an_angle(tmp_path: Path) -> None:
+    rows = np.stack([TIME, SIGNALS["motor_deg"], 80.0 * SIGNALS["joint"]], axis=1)
+    lines = [",".join(f"{value:.6f}" for value in row) for row in rows]
+    (tmp_path / "run.csv").write_text("\n".join(["t,motor_deg,gauge_mm", *lines]) + "\n")
+    draft = draft_text(tmp_path / "run.csv", Expected.of_ratio(RATIO))
+    output = yaml.safe_load(draft)["columns"]["output"]
+    assert output["unit"] == "mm" and output["radius_mm"] == pytest.approx(80.0, rel=1e-3), draft
+    text = draft.replace(f"radius_mm: {output['radius_mm']:g}", "radius_mm: 80")
+    (tmp_path / "run.yaml").write_text(text)
+    assert np.allclose(load_measurement(tmp_path / "run.yaml").output_rad, SIGNALS["joint"], atol=1e-6)
+    (tmp_path / "run.yaml").write_text(text.replace(", radius_mm: 80", ""))
+    with pytest.raises(InputError, match=r"a length without its radius.*give radius_mm"):
+        load_measurement(tmp_path / "run.yaml")
+    (tmp_path / "run.yaml").write_text(text.replace("unit: mm", "unit: deg"))
+    with pytest.raises(InputError, match="radius_mm: given beside unit deg"):
+        load_measurement(tmp_path / "run.yaml")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("time: {column: t, unit: s}\n  ", "", "columns.time: missing.*sample_rate_Hz"),
+        ("data:", "sample_rate_Hz: 50\ndata:", "sample_rate_Hz: given beside columns.time"),
+        ("time: {column: t, unit: s}", "time:", "columns.time"),
+    ],
+)
+def test_a_run_needs_one_time(tmp_path: Path, old: str, new: str, words: str) -> None:
+    write(tmp_path, "t,motor,joint", "t motor joint")
+    text = "data: run.csv\nratio: 8\ncolumns:\n  time: {column: t, unit: s}\n  "
+    text += "input: {column: motor, unit: rad}\n  output: {column: joint, unit: rad}\n"
+    (tmp_path / "run.yaml").write_text(text.replace(old, new))
+    with pytest.raises(InputError, match=words):
+        load_measurement(tmp_path / "run.yaml")
