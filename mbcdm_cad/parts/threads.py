@@ -28,6 +28,8 @@ _TRIANGLE = sqrt(3.0) / 2.0
 # Screws of property class 8.8, tightened to seven tenths of their yield (usual values).
 SCREW_YIELD_MPA = 640.0
 TIGHTENED_SHARE = 0.7
+# Tolerance class of inside threads (ISO 965-1, usual).
+THREAD_CLASS = "6H"
 # A bottoming tap cuts no full thread on its last turns.
 TAP_LEAD_PITCHES = 2.0
 

@@ -1,7 +1,8 @@
-"""STEP AP242 of one part with the demands of its sheet on the faces they are for: fits, datums, geometric tolerances.
+"""STEP AP242 of one part with the demands of its sheet on the faces they are for: fits, threads, datums, tolerances.
 
 Semantic product and manufacturing information (ISO 10303-242), which measuring and CAM programs read; nothing of it is
-drawn. Threads have no entity of their own in the kernel's writer: they stay on the sheet.
+drawn. The schema has no entity for a thread: one is a diameter on the cylinder of its hole, with its designation as the
+dimensional note that goes with the diameter.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from OCP.BRepAdaptor import BRepAdaptor_Surface
 from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeVertex
 from OCP.BRepExtrema import BRepExtrema_DistShapeShape
 from OCP.GeomAbs import GeomAbs_SurfaceType
-from OCP.gp import gp_Pnt
+from OCP.gp import gp_Lin, gp_Pnt
 from OCP.TCollection import TCollection_HAsciiString
 from OCP.TDF import TDF_Label, TDF_LabelSequence
 from OCP.XCAFDimTolObjects import (
@@ -32,8 +33,9 @@ from mbcdm_cad.build.export.step import StepDocument
 from mbcdm_cad.build.kernel import Shape, kernel_shape
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.parts.fits import limits
-from mbcdm_cad.parts.sheets.description import Linear, Sheet
+from mbcdm_cad.parts.sheets.description import Holes, Linear, Sheet
 from mbcdm_cad.parts.sheets.tolerances import Vector
+from mbcdm_cad.parts.threads import THREAD_CLASS
 
 _KINDS = {
     "run-out": XCAFDimTolObjects_GeomToleranceType.XCAFDimTolObjects_GeomToleranceType_CircularRunout,
@@ -42,6 +44,8 @@ _KINDS = {
     "parallelism": XCAFDimTolObjects_GeomToleranceType.XCAFDimTolObjects_GeomToleranceType_Parallelism,
 }
 _SAME_MM = 1e-4
+# Name of a text that goes with a dimension (recommended practices for AP242).
+_NOTE = "dimensional note"
 
 
 @dataclass(frozen=True)
@@ -51,10 +55,15 @@ class _Cylinder:
     face: cq.Face
     diameter_mm: float
     inside: bool
+    axis: gp_Lin
+
+    def axis_distance_mm(self, at: Vector) -> float:
+        """Distance of a point from the axis."""
+        return float(self.axis.Distance(gp_Pnt(*at)))
 
 
 def part_step_ap242(name: str, solid: Shape, material: Material, sheet: Sheet) -> bytes:
-    """The STEP AP242 file of one part with the fits, datums and geometric tolerances of its ``sheet``.
+    """The STEP AP242 file of one part with the fits, threads, datums and geometric tolerances of its ``sheet``.
 
     The same part gives the same bytes. Raises ``ValueError`` if a demand names no face of the solid.
     """
@@ -62,6 +71,7 @@ def part_step_ap242(name: str, solid: Shape, material: Material, sheet: Sheet) -
     part = document.add_part(name, solid, material)
     demands = _Demands(document, part, cq.Shape.cast(kernel_shape(solid)))
     demands.add_fits(sheet)
+    demands.add_threads(sheet)
     demands.add_tolerances(sheet)
     return document.step(name, f"{name}, with the tolerances of its sheet", ap242=True)
 
@@ -86,13 +96,40 @@ class _Demands:
                 found = limits(nominal, code)
                 self._add_size(faces, (found.smallest_mm, found.largest_mm), f"{nominal:g} {code}")
 
+    def add_threads(self, sheet: Sheet) -> None:
+        """Each tapped hole's thread on its cylinder, each outside thread on the cylinder that its dimension ends on."""
+        for group in sheet.holes:
+            if group.threaded:
+                faces = [face for place in group.places for face in self._hole(group, place)]
+                self._add_thread(faces, group.diameter, group.thread_text(f"-{THREAD_CLASS}"))
+        for line in sheet.dimensions:
+            if isinstance(line, Linear) and line.prefix == "M":
+                at = [c for c in self._cylinders if abs(c.diameter_mm - line.value) < _SAME_MM and not c.inside]
+                faces = [c.face for c in at if _meets(c, line.end)]
+                self._add_thread(faces, line.value, f"M{line.value:g}{line.suffix}")
+
+    def _add_thread(self, faces: list[cq.Face], diameter_mm: float, designation: str) -> None:
+        size = _diameter(designation)
+        size.SetValue(diameter_mm)
+        size.AddDescription(TCollection_HAsciiString(designation), TCollection_HAsciiString(_NOTE))
+        self._add_dimension(size, faces)
+
+    def _hole(self, group: Holes, place: Vector) -> list[cq.Face]:
+        """The cylinders of one hole. ValueError: the solid has none there."""
+        inside = [c for c in self._cylinders if c.inside and abs(c.diameter_mm - group.diameter) < _SAME_MM]
+        faces = [c.face for c in inside if c.axis_distance_mm(place) < _SAME_MM]
+        if not faces:
+            raise ValueError(f"hole {group.letter}: no cylinder of {group.diameter:g} mm at {place}")
+        return faces
+
     def _add_size(self, faces: list[cq.Face], range_mm: tuple[float, float], name: str) -> None:
-        size = XCAFDimTolObjects_DimensionObject()
-        size.SetSemanticName(TCollection_HAsciiString(name))
-        size.SetType(XCAFDimTolObjects_DimensionType.XCAFDimTolObjects_DimensionType_Size_Diameter)
+        size = _diameter(name)
         # Limits of size: the kernel's own reader mistakes deviations of one sign, such as those of N7.
         size.SetLowerBound(range_mm[0])
         size.SetUpperBound(range_mm[1])
+        self._add_dimension(size, faces)
+
+    def _add_dimension(self, size: XCAFDimTolObjects_DimensionObject, faces: list[cq.Face]) -> None:
         label = self._tool.AddDimension()
         self._tool.SetDimension(self._sequence(faces), TDF_LabelSequence(), label)
         XCAFDoc_Dimension.Set_s(label).SetObject(size)
@@ -147,6 +184,13 @@ class _Demands:
         return sequence
 
 
+def _diameter(name: str) -> XCAFDimTolObjects_DimensionObject:
+    size = XCAFDimTolObjects_DimensionObject()
+    size.SetSemanticName(TCollection_HAsciiString(name))
+    size.SetType(XCAFDimTolObjects_DimensionType.XCAFDimTolObjects_DimensionType_Size_Diameter)
+    return size
+
+
 def _cylinders(faces: list[cq.Face]) -> Iterator[_Cylinder]:
     for face in faces:
         surface = BRepAdaptor_Surface(face.wrapped)
@@ -156,7 +200,8 @@ def _cylinders(faces: list[cq.Face]) -> Iterator[_Cylinder]:
             axis = cylinder.Axis()
             origin, along = cq.Vector(axis.Location()), cq.Vector(axis.Direction())
             radial = at - origin - along * (at - origin).dot(along)
-            yield _Cylinder(face, 2.0 * cylinder.Radius(), face.normalAt(at).dot(radial) < 0.0)
+            inside = face.normalAt(at).dot(radial) < 0.0
+            yield _Cylinder(face, 2.0 * cylinder.Radius(), inside, gp_Lin(axis))
 
 
 def _meets(cylinder: _Cylinder, at: Vector) -> bool:

@@ -187,14 +187,20 @@ class Holes:
             return (self.letter,)
         return tuple(f"{self.letter}{n}" for n in range(1, len(self.places) + 1))
 
+    def thread_text(self, tolerance: str = "") -> str:
+        """Thread, its class of tolerance, and the depth of full thread in a blind hole: M2.5-6H x 6.5.
+
+        Raises ``ValueError`` for a diameter that no thread has.
+        """
+        screw = thread(self.diameter)
+        depth = "" if isinstance(self.depth, str) else f" x {mm(screw.full_thread_mm(self.depth), 1)}"
+        return f"{screw.name}{tolerance}{depth}"
+
     def row(self) -> tuple[str, ...]:
         """The line of the table of holes."""
         drill, name = self.diameter, ""
         if self.threaded:
-            screw = thread(self.diameter)
-            drill, name = screw.tap_drill_mm, screw.name
-            if not isinstance(self.depth, str):
-                name += f" x {mm(screw.full_thread_mm(self.depth), 1)}"
+            drill, name = thread(self.diameter).tap_drill_mm, self.thread_text()
         elif self.insert is not None:
             name = f"insert {self.insert.name}"
         deeper = ""

@@ -41,11 +41,8 @@ def _step(name: str) -> bytes:
     return part_step_ap242(name, part.solid(), material, part.sheet(name))
 
 
-@pytest.fixture(scope="module")
-def guide(tmp_path_factory: pytest.TempPathFactory) -> Any:
-    """Tool of the dimensions and tolerances that the kernel reads in the guide pulley's file."""
-    path = tmp_path_factory.mktemp("pmi") / "guide.step"
-    path.write_bytes(_step("guide"))
+def _read(path: Path) -> Any:
+    """Tool of the dimensions and tolerances that the kernel reads in a file, and the document that keeps it alive."""
     document = TDocStd_Document(TCollection_ExtendedString("BinXCAF"))
     XCAFApp_Application.GetApplication_s().InitDocument(document)
     reader = STEPCAFControl_Reader()
@@ -53,6 +50,14 @@ def guide(tmp_path_factory: pytest.TempPathFactory) -> Any:
     reader.ReadFile(str(path))
     assert reader.Transfer(document)
     return XCAFDoc_DocumentTool.DimTolTool_s(document.Main()), document
+
+
+@pytest.fixture(scope="module")
+def guide(tmp_path_factory: pytest.TempPathFactory) -> Any:
+    """What the kernel reads in the guide pulley's file."""
+    path = tmp_path_factory.mktemp("pmi") / "guide.step"
+    path.write_bytes(_step("guide"))
+    return _read(path)
 
 
 def _labels(fill: Any) -> list[Any]:
@@ -99,6 +104,26 @@ def test_tolerances_name_their_faces_and_datum(guide: Any) -> None:
         "CircularRunout": (0.01, ["CYLINDER"] * 4, seats),
         "Perpendicularity": (0.01, ["PLANE"] * 2, seats),
     }
+
+
+@pytest.mark.parametrize(
+    ("name", "threads"),
+    [
+        ("drum", {"M2.5-6H x 5.1": [2.5] * 4, "M3-6H": [3.0] * 2}),
+        ("collar", {"M1.6-6H": [1.6]}),
+        ("terminal", {"M1.6-6g": [1.6]}),
+    ],
+)
+def test_each_thread_is_on_the_cylinders_of_its_holes(name: str, threads: dict[str, Any], tmp_path: Path) -> None:
+    path = tmp_path / "part.step"
+    path.write_bytes(_step(name))
+    tool, _document = _read(path)
+    found = {}
+    for label in _labels(tool.GetDimensionLabels):
+        size = XCAFDoc_Dimension.Set_s(label).GetObject()
+        for k in range(size.NbDescriptions()):
+            found[size.GetDescription(k).ToCString()] = _diameters(label)
+    assert found == threads
 
 
 @pytest.mark.parametrize("name", ["guide_axle", "guide_spacer", "input_pulley_left"])
