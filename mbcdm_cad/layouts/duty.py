@@ -20,7 +20,7 @@ def duty_of(layout: Layout) -> Duty:
     drive = layout.drive
     stated, travel = drive.loads.duty, 2.0 * drive.half_travel_deg
     if stated is None:
-        return default_duty(drive.loads.peak_torque_Nm, travel, RATED_AT_C)
+        return default_duty(drive.loads.peak_torque_Nm, travel, RATED_AT_C, drive.loads.carried.weight_torque_Nm)
     assumed = []
     period, ambient = stated.period_s, stated.ambient_C
     recorded = isinstance(stated, RecordedDuty)

@@ -144,11 +144,16 @@ def _levels(layout: Layout, si: DriveSI) -> tuple[tuple[Level, ...], str]:
     """The loads of a cycle, and the duty in words.
 
     A stated duty: its movements there and back about the centre, a cycle being one of them on average. Without one the
-    test torque against the motion over the whole travel, to and fro.
+    test torque against the motion over the whole travel, to and fro, or the payload's weight where it is larger.
     """
     duty, half = layout.duty, layout.half_travel_rad
     if not duty.stated:
-        torque = layout.drive.loads.test_torque_Nm
+        torque, weight = layout.drive.loads.test_torque_Nm, layout.drive.loads.carried.weight_torque_Nm
+        if weight > torque:
+            words = (
+                f"the payload's weight, {weight:.4g} N m, over the whole travel of +-{degrees(half):g} deg, to and fro"
+            )
+            return (_level(layout, si, half, weight, weight, 1.0),), words
         words = f"{torque:g} N m against the motion over the whole travel of +-{degrees(half):g} deg, to and fro"
         return (_level(layout, si, half, torque, -torque, 1.0),), words
     levels = tuple(

@@ -115,19 +115,33 @@ def of_rows(
     return Duty(times, torques, speeds, tuple(strokes), ambient_C, True, tuple(assumed))
 
 
-def default_duty(peak_torque_Nm: float, travel_deg: float, ambient_C: float) -> Duty:
-    """The duty of a design file that states none."""
+def default_duty(peak_torque_Nm: float, travel_deg: float, ambient_C: float, weight_Nm: float = 0.0) -> Duty:
+    """The duty of a design file that states none.
+
+    ``weight_Nm``: torque of the payload's weight with its centre beside the axis, which the motors carry all the time:
+    where it is larger than the usual share of the peak torque, it stands in its place.
+    """
+    usual = DEFAULT_TORQUE_SHARE * peak_torque_Nm
+    moved = max(usual, weight_Nm)
     rows = (
         DutyRow(torque_Nm=peak_torque_Nm, share=DEFAULT_PEAK_SHARE),
-        DutyRow(torque_Nm=DEFAULT_TORQUE_SHARE * peak_torque_Nm, share=1.0 - DEFAULT_PEAK_SHARE, range_deg=travel_deg),
+        DutyRow(torque_Nm=moved, share=1.0 - DEFAULT_PEAK_SHARE, range_deg=travel_deg),
     )
     found = of_rows(rows, DEFAULT_PERIOD_S, travel_deg, ambient_C)
-    words = (
-        f"the whole travel and back every {DEFAULT_PERIOD_S:g} s under {DEFAULT_TORQUE_SHARE:g} of the peak torque, "
+    share = f"{DEFAULT_TORQUE_SHARE:g} of the peak torque"
+    words = [
+        f"the whole travel and back every {DEFAULT_PERIOD_S:g} s under {share}, "
         f"which is held for {DEFAULT_PEAK_SHARE:.0%} of the time",
         f"ambient {ambient_C:g} C",
-    )
-    return Duty(found.time_s, found.torque_Nm, found.speed_deg_s, found.strokes, ambient_C, False, words)
+    ]
+    if weight_Nm > usual:
+        words[0] = (
+            f"the whole travel and back every {DEFAULT_PERIOD_S:g} s under the payload's weight, {weight_Nm:.4g} N m "
+            f"beside the axis (more than {share}); the peak torque is held for {DEFAULT_PEAK_SHARE:.0%} of the time"
+        )
+    elif weight_Nm > 0.0:
+        words.append(f"the payload's weight, {weight_Nm:.4g} N m beside the axis, is within these loads")
+    return Duty(found.time_s, found.torque_Nm, found.speed_deg_s, found.strokes, ambient_C, False, tuple(words))
 
 
 def of_record(

@@ -19,6 +19,7 @@ from mbcdm_cad.layouts.check_design import run_checks
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.parts.drum_sector.payload import SLIP_SAFETY, JointLoad, PayloadJoint
+from mbcdm_cad.report.analysis_report import analyse_design
 
 G = 9.80665
 LEGS = {
@@ -92,6 +93,18 @@ def test_weight_must_be_held_without_end() -> None:
     ]
     assert s.drive.loads.lasting_Nm == pytest.approx(arm.weight_torque_Nm)
     assert carrying(None).drive.loads.lasting_Nm is None
+
+
+def test_weight_warms_motors_and_bends_cables_where_the_file_states_no_duty() -> None:
+    """The assumed duty of motors and cables is under the weight, and each report says so."""
+    weight = 0.6 * reference().loads.peak_torque_Nm
+    s = carrying(Payload(mass_kg=weight / G, distance_mm=1000.0))
+    without = carrying(None)
+    assert s.motor_days[0].rms_Nm > 1.3 * without.motor_days[0].rms_Nm
+    assert f"the payload's weight, {weight:.4g} N m" in s.duty.assumed[0], s.duty.assumed
+    assert "the payload's weight" in s.life.duty, s.life.duty
+    report = analyse_design(s.drive).to_dict()
+    assert any("the payload's weight" in words for words in report["duty"]["assumed"]), report["duty"]
 
 
 def test_a_weight_above_the_peak_torque_is_refused() -> None:

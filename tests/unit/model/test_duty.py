@@ -43,6 +43,15 @@ def test_the_assumed_duty_says_what_it_is() -> None:
     assert duty.cycles_per_h == pytest.approx(360.0)
 
 
+def test_the_assumed_duty_carries_the_payloads_weight() -> None:
+    """A weight above the usual share of the peak torque is carried all the time; a smaller one is within it."""
+    heavy, light = (default_duty(10.0, 120.0, 25.0, weight) for weight in (6.0, 2.0))
+    assert heavy.rms_torque_Nm == pytest.approx(10 * sqrt(0.1 + 0.9 * 0.36))
+    assert "weight, 6 N m" in heavy.assumed[0], heavy.assumed
+    assert light.rms_torque_Nm == default_duty(10.0, 120.0, 25.0).rms_torque_Nm
+    assert "weight, 2 N m" in light.assumed[-1], light.assumed
+
+
 def test_a_record_gives_what_its_curve_is() -> None:
     """Two periods of a cosine of 30 degrees under a torque of 2 N m with a wave of 1 N m; a tremble is no movement."""
     t = np.linspace(0.0, 10.0, 4001)
