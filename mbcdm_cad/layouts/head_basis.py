@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from math import inf, pi
 from operator import itemgetter
 from typing import Any
@@ -26,7 +27,9 @@ from mbcdm_cad.layouts.common_rules import (
     SUPPORT_MATERIAL,
     TENSION_SAFETY,
     TEST_TORQUE,
+    by_knee,
     construction,
+    wanted_preload_N,
 )
 from mbcdm_cad.layouts.trial_sizing import TrialKnown
 from mbcdm_cad.model.duty.cycle import DEFAULT_PERIOD_S, Duty, default_duty, of_rows
@@ -52,35 +55,55 @@ TORQUE_SPARE = 1.02
 # The same of the torque that heats it: losses of the drive that follows are not known yet.
 HEAT_SPARE = 1.05
 # Tensions of the two cables of an input over the pull of the peak torque on the drum: the usual preload where friction
-# holds the cable. What they lose on the drum and in the bearings besides the input (estimate).
-PRELOADS, LOST_SPARE = 2.7, 1.2
+# holds the cable, and that at the knee. What they lose on the drum and in the bearings besides the input (estimate).
+PRELOADS, KNEE_PRELOADS, LOST_SPARE = 2.7, 4.0, 1.2
+
+
+# Preloads that are tried from the knee down to the usual one.
+_KNEE_STEPS = 9
 
 
 def thinnest_rope(given: TrialKnown, tension_N: float) -> Found:
     """The thinnest rope of the construction that holds a tension with its safety factor."""
-    return thinnest_rope_by(given, lambda diameter_mm: tension_N)
+    return thinnest_rope_by(given, lambda diameter_mm, breaking_N: tension_N)
 
 
-def thinnest_rope_by(given: TrialKnown, tension_N: Callable[[float], float]) -> Found:
-    """As :func:`thinnest_rope`, for a tension that depends on the rope's diameter in mm."""
+def thinnest_rope_by(given: TrialKnown, tension_N: Callable[[float, float], float]) -> Found:
+    """As :func:`thinnest_rope`, for a tension that depends on the rope's diameter in mm and its breaking load in N."""
     needed, kind = given["limits.tension_safety_factor"] / END_SHARE, construction(given)
     ropes = sorted(
         (entry["diameter_mm"], name, entry["breaking_load_N"])
         for name, entry in given.entries("ropes").items()
         if entry["construction"] == kind
     )
-    strong = (name for diameter_mm, name, breaking in ropes if breaking >= needed * tension_N(diameter_mm))
+    strong = (name for diameter_mm, name, breaking in ropes if breaking >= needed * tension_N(diameter_mm, breaking))
     return Found(next(strong, ropes[-1][1]), "tension", "next size of the catalogue")
 
 
 def taut_rope(given: TrialKnown) -> Found:
     """The thinnest rope for the preload that keeps every cable taut at peak torque."""
-    return thinnest_rope(given, (PRELOAD_FACTOR + 1.0) * given.half_torque_N)
+    share = given.half_torque_N
+    return thinnest_rope_by(
+        given, lambda d_mm, breaking_N: wanted_preload_N(given, PRELOAD_FACTOR * share, breaking_N) + share
+    )
 
 
 def taut_preload(given: TrialKnown) -> Found:
     """The preload that keeps every cable taut at peak torque, or the highest that the rope may have."""
-    return preload(given, PRELOAD_FACTOR * given.half_torque_N, "no_slack")
+    return held_preload(given, PRELOAD_FACTOR * given.half_torque_N, "no_slack")
+
+
+def held_preload(given: TrialKnown, usual_N: float, driver: str) -> Found:
+    """The usual preload, or with ``rope.preload_by`` the knee; then less, down to the usual, as rope and ends hold."""
+    usual = preload(given, usual_N, driver)
+    if not by_knee(given):
+        return usual
+    wanted = preload(given, wanted_preload_N(given, usual_N, given.rope["breaking_load_N"]), "rope.preload_by")
+    if wanted.value <= usual.value:
+        return usual
+    tried = [float(f"{value:.2g}") for value in np.linspace(wanted.value, usual.value, _KNEE_STEPS)]
+    found = given.first("rope.preload_N", tried, ("cable_ends", "tension"))
+    return wanted if found.value == wanted.value else replace(found, rounding="two digits")
 
 
 def preload(given: TrialKnown, wanted_N: float, driver: str) -> Found:
@@ -132,7 +155,7 @@ def _needed_mNm(given: TrialKnown) -> float:
     if not counts_losses(given):
         return needed
     lost = float(tangent_share(1.0, max(given.get("limits.bend_ratio_min", LEAST_WIRE_RATIO), 1.0)))
-    return needed * (1.0 + LOST_SPARE * PRELOADS * lost)
+    return needed * (1.0 + LOST_SPARE * (KNEE_PRELOADS if by_knee(given) else PRELOADS) * lost)
 
 
 def lasting_share(given: KnownFields) -> float:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from mbcdm_cad.checks.bending import ANCHOR_RATIO
 from mbcdm_cad.checks.input_pulley import SHOULDER_MM
 from mbcdm_cad.design.blocks import Making
 from mbcdm_cad.design.bought import TerminationSpec
-from mbcdm_cad.layouts.common_rules import LEAST_WIRE_RATIO, construction
+from mbcdm_cad.layouts.common_rules import LEAST_WIRE_RATIO, by_knee, construction, wanted_preload_N
 from mbcdm_cad.layouts.head_basis import counts_losses
 from mbcdm_cad.layouts.miso_bevel.sizing.known import LEAD_STEP_MM, STEPS, UNEVEN, BevelKnown
 from mbcdm_cad.parts.input_pulley.stop import neck_mm, widest_bend_mm
@@ -49,12 +51,12 @@ def _rope(given: BevelKnown) -> Found:
         if entry["construction"] == kind
     )
 
-    def strong(factor: float) -> list[tuple[float, str]]:
-        tension = (UNEVEN + factor) * _share_N(given) * STRENGTH_SPARE
-        needed = tension * given["limits.tension_safety_factor"] / SWAGED_SHARE
-        return [(d, name) for d, name, breaking in ropes if breaking >= needed]
+    def strong(preload_N: Callable[[float], float]) -> list[tuple[float, str]]:
+        share, spare = _share_N(given), STRENGTH_SPARE * given["limits.tension_safety_factor"] / SWAGED_SHARE
+        return [(d, name) for d, name, breaking in ropes if breaking >= (UNEVEN * share + preload_N(breaking)) * spare]
 
-    wanted, least = strong(PRELOAD_FACTOR), strong(LEAST_PRELOAD_FACTOR)
+    wanted = strong(lambda breaking: wanted_preload_N(given, PRELOAD_FACTOR * _share_N(given), breaking))
+    least = strong(lambda breaking: LEAST_PRELOAD_FACTOR * _share_N(given))
     if not wanted:
         return Found(ropes[-1][1], "tension", "the thickest of the catalogue")
     thin = [name for d, name in least if d < wanted[0][0] and _bends(given, d)]
@@ -86,9 +88,10 @@ def _preload(given: BevelKnown) -> Found:
     most = given["limits.preload_share_max"] * given.rope["breaking_load_N"]
     ends = given.rope["breaking_load_N"] * given.termination.strength_share
     held = ends / (given["limits.tension_safety_factor"] * HELD_SPARE) - UNEVEN * share
-    wanted = PRELOAD_FACTOR * share
-    driver = driver_of({"no_slack": wanted, "tension": least(most, held)}, min)
-    return Found(significant(greatest(least(wanted, most, held), 0.5 * wanted), 2), driver, "two digits")
+    usual = PRELOAD_FACTOR * share
+    wanted = wanted_preload_N(given, usual, given.rope["breaking_load_N"])
+    driver = driver_of({"rope.preload_by" if by_knee(given) else "no_slack": wanted, "tension": least(most, held)}, min)
+    return Found(significant(greatest(least(wanted, most, held), 0.5 * usual), 2), driver, "two digits")
 
 
 def _lead(given: BevelKnown) -> Found:
@@ -119,7 +122,12 @@ ROPE = (
     ),
 )
 PRELOAD = (
-    Rule("rope.preload_N", "twice the preload that keeps every cable taut at peak torque", "no_slack", _preload),
+    Rule(
+        "rope.preload_N",
+        "twice the preload that keeps every cable taut at peak torque, or the knee (preload_by)",
+        "no_slack",
+        _preload,
+    ),
 )
 LEAD = (
     Rule(

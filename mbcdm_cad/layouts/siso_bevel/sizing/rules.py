@@ -126,7 +126,12 @@ RATIO = (
 )
 ROPE = (rope(taut_rope),)
 PRELOAD = (
-    Rule("rope.preload_N", "twice the preload that keeps both cables taut at peak torque", "no_slack", taut_preload),
+    Rule(
+        "rope.preload_N",
+        "twice the preload that keeps both cables taut at peak torque, or the knee (preload_by)",
+        "no_slack",
+        taut_preload,
+    ),
 )
 TRANSFER = (
     Rule(

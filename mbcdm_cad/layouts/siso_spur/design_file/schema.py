@@ -80,6 +80,7 @@ class SpurRope(Rope):
         "termination",
         "friction_coefficient",
         "preload_N",
+        "preload_by",
         "helix_lead_mm",
         "cut_tolerance_mm",
     )

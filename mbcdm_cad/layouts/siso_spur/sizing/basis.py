@@ -7,8 +7,16 @@ from math import degrees, inf, log
 
 from mbcdm_cad.checks.bending import ANCHOR_RATIO
 from mbcdm_cad.checks.input_pulley import SHOULDER_MM
-from mbcdm_cad.layouts.common_rules import least_bend_ratio
-from mbcdm_cad.layouts.head_basis import PRELOAD_FACTOR, counts_losses, needed_ratio, preload, rope, thinnest_rope_by
+from mbcdm_cad.layouts.common_rules import least_bend_ratio, wanted_preload_N
+from mbcdm_cad.layouts.head_basis import (
+    PRELOAD_FACTOR,
+    counts_losses,
+    held_preload,
+    needed_ratio,
+    preload,
+    rope,
+    thinnest_rope_by,
+)
 from mbcdm_cad.layouts.siso_spur.design_file.schema import REFERENCE
 from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
 from mbcdm_cad.layouts.trial_sizing import whole_turns
@@ -71,7 +79,7 @@ def _stops_mm(given: SpurKnown) -> float:
     return float(radius)
 
 
-def _wanted_preload_N(given: SpurKnown, half_torque_N: float) -> float:
+def _usual_preload_N(given: SpurKnown, half_torque_N: float) -> float:
     if given.anchored:
         return float(PRELOAD_FACTOR * half_torque_N)
     margin = given.get("limits.slip_margin_min", SLIP_MARGIN)
@@ -81,13 +89,13 @@ def _wanted_preload_N(given: SpurKnown, half_torque_N: float) -> float:
 def _rope(given: SpurKnown) -> Found:
     """The thinnest rope; if the drum's radius is open, each rope is checked on the drum that follows from it."""
 
-    def tension_N(d_mm: float) -> float:
+    def tension_N(d_mm: float, breaking_N: float) -> float:
         if given.has("transmission.drum_radius_mm"):
             share = given.half_torque_N
         else:
             needs = _input_needs_mm(given, d_mm, given.get("limits.bend_ratio_min") or least_bend_ratio(given))
             share = given.input_peak_Nm * 1e3 / (2 * rounded_up(max(needs.values()) * given.ratio, 0.5))
-        return _wanted_preload_N(given, share) + share
+        return wanted_preload_N(given, _usual_preload_N(given, share), breaking_N) + share
 
     return thinnest_rope_by(given, tension_N)
 
@@ -99,9 +107,11 @@ def _preload(given: SpurKnown) -> Found:
     the motor's torque, or of the torque with which the drum shall be turned from its side.
     """
     driver = "no_slack" if given.anchored else "input_slip"
-    usual = preload(given, _wanted_preload_N(given, given.half_torque_N), driver)
+    wanted = _usual_preload_N(given, given.half_torque_N)
     if given.anchored:
-        return usual
+        return held_preload(given, wanted, driver)
+    at_knee = wanted_preload_N(given, wanted, given.rope["breaking_load_N"])
+    usual = preload(given, at_knee, "rope.preload_by" if at_knee > wanted else driver)
     tried = [float(f"{share * usual.value:.2g}") for share in PRELOAD_SHARES]
     counted = ("motor_torque_forward", "motor_torque_back") if counts_losses(given) else ()
     easy = () if given.get("loads.backdrive_Nm") is None else ("backdrive",)
@@ -157,7 +167,8 @@ RADIUS = (
 PRELOAD = (
     Rule(
         "rope.preload_N",
-        "least preload for the slip margin at peak torque; with anchored cables twice the one that keeps them taut",
+        "least preload for the slip margin at peak torque; with anchored cables twice the one that keeps them taut; or "
+        "the knee (preload_by)",
         "input_slip",
         _preload,
     ),
