@@ -63,7 +63,7 @@ def _studies(drive: Drive, cache: Cache) -> dict[str, Any]:
     """The curves of the model, from the cache: they take seconds and depend only on what the model reads."""
     # The hash of the whole package is already known; that of the modules in use takes a second to compute.
     # As text, because limits that a drive does not have are infinite, which content_key refuses.
-    read = [asdict(to_si(drive)), asdict(requirements(drive)), asdict(drive.loads)]
+    read = [asdict(to_si(drive)), asdict(requirements(drive)), asdict(drive.loads), drive.layout.wraps_at_ends_rad]
     inputs = json.dumps(read, sort_keys=True, default=lambda array: array.tolist())
     key = content_key("studies", inputs, package_hash(), versions())
     kept = cache.get_or_make(key, lambda: {"studies": json.dumps(studies(drive)).encode()})

@@ -14,6 +14,7 @@ from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.sensitivity import elasticities, figure_5
 from mbcdm_cad.model.si import DriveSI, to_si
 from mbcdm_cad.model.tolerance import Tolerances, ToleranceStack, tolerance_stack
+from mbcdm_cad.report.paths import path_data_or_reason
 
 if TYPE_CHECKING:
     from mbcdm_cad.design.drive import Drive
@@ -32,6 +33,7 @@ def studies(drive: Drive) -> dict[str, Any]:
     charts = {
         "load": _over_load(d, drive.loads.peak_torque_Nm),
         "preload": _over_preload(d, load),
+        "travel": _over_travel(drive, d, load),
         "loop": _loop(d, load),
         "tolerance": _tolerance(stack),
     }
@@ -95,6 +97,18 @@ def _over_load(d: DriveSI, peak_Nm: float) -> dict[str, Any]:
         turned = solve_equilibrium(pulled.spread(_POINTS), loads).drum_angle_rad
         lines.append((f"{share:.0%} preload ({float(np.mean(pulled.preload_N)):g} N)", np.abs(turned - idle) * 1e3))
     return _chart("Turn of the drum, inputs locked, first loading", ("load", "N m"), ("turn", "mrad"), loads, lines)
+
+
+def _over_travel(drive: Drive, d: DriveSI, load_Nm: float) -> dict[str, Any]:
+    """Turn both ways with the wraps that are there at each angle, beside that of endless wraps."""
+    paths, _ = path_data_or_reason(drive)
+    angles, turned = (paths["drum_angle_deg"], paths["test_turn_mrad"]) if paths else ([0.0], {})
+    endless = abs(float(solve_equilibrium(d, load_Nm).drum_angle_rad - solve_equilibrium(d, 0.0).drum_angle_rad)) * 1e3
+    ways = {"positive": f"load +{load_Nm:g} N m", "negative": f"load -{load_Nm:g} N m"}
+    lines = [(ways[way], np.abs(values)) for way, values in turned.items()]
+    lines.append(("endless wraps", np.full(len(angles), endless)))
+    title = "Turn of the drum over the travel, with the wraps that are left"
+    return _chart(title, ("drum angle", "deg"), ("turn", "mrad"), np.asarray(angles), lines)
 
 
 def _over_preload(d: DriveSI, load_Nm: float) -> dict[str, Any]:

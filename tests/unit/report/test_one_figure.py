@@ -8,6 +8,7 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import mbcdm_cad
@@ -18,7 +19,7 @@ from mbcdm_cad.model.bulk import preload_table
 from mbcdm_cad.optimising.figures import Facts, figure
 from mbcdm_cad.report.data import design_figures
 from mbcdm_cad.report.page.content import derived
-from mbcdm_cad.report.page.studies import charts_under_load
+from mbcdm_cad.report.page.studies import charts_under_load, studies
 from mbcdm_cad.report.sweep import sweep
 
 PARAMS = Path(__file__).parents[3] / "params"
@@ -193,6 +194,12 @@ def test_the_page_prints_these_figures(design: DriveDesign, outputs: dict[str, A
     turns = layout.turns
     assert said["swing at the payload"] == f"{turns.felt.swing_mrad:.4g} mrad"
     assert said["swing by the cables alone"] == f"{turns.cables.swing_mrad:.4g} mrad"
+    over_travel = studies(drive)["charts"]["travel"]["lines"]
+    assert over_travel[-1]["y"][0] == pytest.approx(turns.cables.turn_mrad, rel=1e-4), (
+        "endless wraps: all other figures"
+    )
+    real = outputs["report: paths"]["test_turn_mrad"]["positive"]
+    assert over_travel[0]["y"] == pytest.approx(np.abs(real), rel=1e-4)
     line = charts_under_load([("own", drive)])["swing"]["lines"][0]
     at = turns_of(layout, line["x"][-1])
     assert line["y"][-1] == pytest.approx(at.felt.swing_mrad, rel=1e-4)
