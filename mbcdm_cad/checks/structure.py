@@ -116,6 +116,31 @@ def stiffness(s: SectorLayout) -> Comparison:
     return at_least(what, found, wanted, "N m/rad", note)
 
 
+# Fields that make a cause of the turn give less, by the beginning of its name.
+_STIFFER: tuple[tuple[str, str], ...] = (
+    ("drum: hub", "drum.hub_diameter_mm"),
+    ("drum: web", "drum.web_thickness_mm and drum.hub_diameter_mm"),
+    ("drum's", "drum.bearing"),
+    ("input pulleys", "the bearings of input_pulleys"),
+    ("gearheads", "drive.gearhead"),
+    ("frame", "the frame's walls"),
+)
+
+
+def _stiffer(s: SectorLayout) -> str:
+    """What gives most, with the fields that stiffen it: rules raise those that the file leaves to them."""
+    structure = s.structure
+    turns = {f"the cables ({structure.cables_urad_Nm:.3g} urad/N m: thicker or stiffer rope)": structure.cables_urad_Nm}
+    for cause in structure.at_payload:
+        field = next((field for start, field in _STIFFER if cause.name.startswith(start)), "its bearings")
+        turns[f"{cause.name} ({cause.urad_Nm:.3g}: {field})"] = cause.urad_Nm
+    first = " and ".join(sorted(turns, key=lambda name: -turns[name])[:2])
+    return (
+        f"stiffen what gives most, {first}; the rules raise what the file leaves to them as far as the other checks "
+        "allow: leave more of it to them, widen the box or radii, or choose stiffer materials"
+    )
+
+
 _LESS: tuple[Adjustment, ...] = (down("loads.peak_torque_Nm"),)
 CHECKS = (
     Check(
@@ -160,6 +185,6 @@ CHECKS = (
             up("all radii of transmission"),
             up("rope.preload_N"),
         ),
-        advice="choose a stiffer rope, or stiffer materials of drum and frame",
+        advice=_stiffer,
     ),
 )

@@ -298,8 +298,8 @@ class Loads(PlainBlock):
         le=10000.0,
     )
     stiffness_Nm_rad: Number | None = quantity(
-        "least stiffness at the payload at the test torque, the inputs held: cables and all parts; not checked if left "
-        "out",
+        "least stiffness at the payload at the test torque, the inputs held: cables and all parts; rules raise what "
+        "gives most until it holds or other checks refuse; not checked if left out",
         unit="N m/rad",
         default=None,
         gt=0.0,

@@ -33,11 +33,14 @@ class Sizing:
     """A file's data with every field filled, and a record for each field that a rule filled, in the rules' order.
 
     ``ends``: how the searches of the rules ended, where they search; the sizing of a similar design begins there.
+    ``raised``: factors on the values of rules with which the design reaches the stiffness that its file states;
+    None where it states none.
     """
 
     data: dict[str, Any]
     values: tuple[SizedValue, ...]
     ends: Mapping[Any, Any] = field(default_factory=dict)
+    raised: Mapping[str, float] | None = None
 
     def of(self, name: str) -> SizedValue | None:
         """The record of a field by its dotted name; None where the file gives it."""

@@ -55,8 +55,8 @@ class ManySized(NamedTuple):
 
 
 def sized_many(loaded: LoadedDesign, columns: Mapping[str, Any]) -> ManySized:
-    """The designs with the ``columns`` applied, sized; one by one if losses count, or if the configuration
-    cannot size them together.
+    """The designs with the ``columns`` applied, sized; one by one if losses count, if a stiffness is asked for, or if
+    the configuration cannot size them together.
 
     Columns hold numbers or names, one for each design. Raises ``InputError`` for a value that the file could not hold,
     ``MbcdmError`` for a field of another kind.
@@ -76,6 +76,8 @@ def sized_many(loaded: LoadedDesign, columns: Mapping[str, Any]) -> ManySized:
         data = open_data(changed(row), loaded.path, file)
     # Losses are those of bearings and gearheads at their places in the frame, which only a whole design has.
     together = "limits.losses" not in columns and not loaded.drive.limits.counts_losses
+    # So does a stiffness.
+    together = together and "loads.stiffness_Nm_rad" not in columns and loaded.drive.loads.stiffness_Nm_rad is None
     if file.size_many is not None and together:
         many = file.size_many()
         return ManySized(many.fields, list(many.size(data, columns)), many.drive)

@@ -91,7 +91,7 @@ class Trials:
             found = self.question.resolve(*self.question.trial(point))
         except InputError:
             return None
-        if not self.from_files and found.sizing is not None and found.sizing.ends:
+        if not self.from_files and found.sizing is not None and (found.sizing.ends or found.sizing.raised is not None):
             self._similar = found.sizing
         return found
 

@@ -11,6 +11,7 @@ from mbcdm_cad.design.freedom import Freedom
 from mbcdm_cad.design.sized import Moved, Sizing, SizingError
 from mbcdm_cad.layouts import common_freedoms
 from mbcdm_cad.layouts.common_rules import FRICTION, HALF_TRAVEL, missing_travel, needed
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.sizing.basis import CLEARANCES, LIMITS, METALS, NAMES
 from mbcdm_cad.layouts.miso_bevel.sizing.drum import DRUM, HUB, HUB_FACE, WEB
 from mbcdm_cad.layouts.miso_bevel.sizing.frame import BACK, FRAME, STOP_PIN
@@ -20,6 +21,7 @@ from mbcdm_cad.layouts.miso_bevel.sizing.parts import DRIVES, PARTS, TENSIONER
 from mbcdm_cad.layouts.miso_bevel.sizing.radii import DISTANCE, MOTOR_SIDE, RADII, RATIOS, SETBACK, SURFACE
 from mbcdm_cad.layouts.miso_bevel.sizing.rope import LEAD, PRELOAD, ROPE
 from mbcdm_cad.layouts.miso_bevel.sizing.turn import TURN
+from mbcdm_cad.layouts.stiff_sizing import SHARED, Stiffener, stiffened, walls
 from mbcdm_cad.sizing.engine import fill
 from mbcdm_cad.sizing.rule import Rule
 
@@ -65,6 +67,12 @@ DERIVED = tuple(
     if not rule.field.startswith("limits.") and rule.field != MOUNT_SCREW
 )
 
+
+STIFFENERS = (
+    *SHARED,
+    Stiffener("guide.bearing", ("guide's ",), 1.0, 3.0, kind="bearings", order="outer_diameter_mm"),
+    *walls("support.back_plate_mm", "support.rib_mm"),
+)
 
 # A setback is changed by adding, since it is often zero: a factor of 2 means this many mm more.
 SETBACK_MM = 20.0
@@ -112,11 +120,15 @@ FREEDOMS: tuple[Freedom, ...] = (
 def size(data: dict[str, Any], moved: Moved | None = None, similar: Sizing | None = None) -> Sizing:
     """The data with its open fields filled; ``moved`` changes the values of rules.
 
-    The rules are closed forms: they need no ``similar`` design.
+    The rules are closed forms: of a ``similar`` design only what was raised for its stiffness counts.
 
     Raises ``SizingError`` where a requirement is missing.
     """
-    return _sized(data, moved, first=False)
+
+    def plain(data: dict[str, Any], moved: Moved | None, similar: Sizing | None) -> Sizing:
+        return _sized(data, moved, first=False)
+
+    return stiffened(plain, data, BevelLayout, STIFFENERS, moved, similar)
 
 
 def size_first(data: dict[str, Any], moved: Moved | None = None) -> Sizing:

@@ -12,6 +12,7 @@ from mbcdm_cad.layouts import common_freedoms
 from mbcdm_cad.layouts.common_rules import HALF_TRAVEL, missing_travel, needed
 from mbcdm_cad.layouts.head_basis import LIMITS, METALS, ROPE_LIMITS, TRAIN
 from mbcdm_cad.layouts.head_parts import PARTS
+from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
 from mbcdm_cad.layouts.siso_bevel.sizing.known import DirectKnown
 from mbcdm_cad.layouts.siso_bevel.sizing.rules import (
     BACK,
@@ -26,6 +27,7 @@ from mbcdm_cad.layouts.siso_bevel.sizing.rules import (
     ROPE,
     TRANSFER,
 )
+from mbcdm_cad.layouts.stiff_sizing import SHARED, stiffened, walls
 from mbcdm_cad.layouts.trial_sizing import MIDDLE_SIZE, repeated
 from mbcdm_cad.parts.mounting import MOUNT_SCREWS
 from mbcdm_cad.sizing.rule import Rule
@@ -49,6 +51,9 @@ RULES: tuple[Rule, ...] = (
     *BACK,
 )
 DERIVED = tuple(rule.field for rule in (*TRANSFER, *FRAME, *DRUM, *BACK) if not rule.field.startswith("limits."))
+
+
+STIFFENERS = (*SHARED, *walls("support.back_plate_mm", "support.rib_mm", "support.side_wall_mm"))
 
 
 # What ``mbcdm solve`` may change besides the derived dimensions.
@@ -75,7 +80,11 @@ def size(data: dict[str, Any], moved: Moved | None = None, similar: Sizing | Non
     if given.has("transmission.input_to_drum"):
         # An open ratio is found with the reserve open too: a guess of it would exclude the highest ratios.
         guesses["transmission.reserve_deg"] = RESERVE_DEG
-    return repeated(data, DirectKnown, RULES, guesses, moved, similar)
+
+    def plain(data: dict[str, Any], moved: Moved | None, similar: Sizing | None) -> Sizing:
+        return repeated(data, DirectKnown, RULES, guesses, moved, similar)
+
+    return stiffened(plain, data, DirectLayout, STIFFENERS, moved, similar)
 
 
 def _first_guesses(radius_mm: float) -> dict[str, Any]:

@@ -29,6 +29,7 @@ from mbcdm_cad.layouts.siso_spur.sizing.basis import (
 )
 from mbcdm_cad.layouts.siso_spur.sizing.dims import BACK, DISTANCE, DRUM, FRAME, MOUNT
 from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
+from mbcdm_cad.layouts.stiff_sizing import SHARED, stiffened, walls
 from mbcdm_cad.layouts.trial_sizing import MIDDLE_SIZE, repeated
 from mbcdm_cad.sizing.rule import Rule
 
@@ -63,6 +64,9 @@ def _whole(turns: Any, factor: float) -> Any:
     return max(1, round(turns * factor))
 
 
+STIFFENERS = (*SHARED, *walls("support.plate_mm", "support.bridge_mm", "support.side_wall_mm"))
+
+
 # What ``mbcdm solve`` may change besides the derived dimensions.
 FREEDOMS: tuple[Freedom, ...] = (
     *common_freedoms.PARTS,
@@ -94,7 +98,12 @@ def sized(
     missing = list(_missing(SpurKnown(data, {})))
     if missing:
         raise SizingError(*missing)
-    return repeated(data, known, (SCHEMA_VERSION, HALF_TRAVEL, *names, *RULES), _first_guesses(data), moved, similar)
+
+    def plain(data: dict[str, Any], moved: Moved | None, similar: Sizing | None) -> Sizing:
+        rules = (SCHEMA_VERSION, HALF_TRAVEL, *names, *RULES)
+        return repeated(data, known, rules, _first_guesses(data), moved, similar)
+
+    return stiffened(plain, data, known.layout, STIFFENERS, moved, similar)
 
 
 def _first_guesses(data: dict[str, Any]) -> dict[str, Any]:

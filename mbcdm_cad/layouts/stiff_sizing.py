@@ -1,0 +1,313 @@
+"""Sizing by ``loads.stiffness_Nm_rad``: what gives most is raised until the stiffness at the payload holds.
+
+The rules size a drive for strength and place. Where it then gives more than the file allows, the fields that stiffen
+its softest parts are raised over what their rules gave, the softest first, all down to one level, and the drive is
+sized again, since other rules follow from them. A raise that makes another check fail is taken back: there the bounds
+of the design refuse, and the check ``stiffness`` says how far it came.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from math import inf
+from typing import Any, Protocol
+
+from pydantic import ValidationError
+
+from mbcdm_cad.checks.comparison import Check
+from mbcdm_cad.design.blocks import Design
+from mbcdm_cad.design.drive import met
+from mbcdm_cad.design.lookup import Catalogue
+from mbcdm_cad.design.sized import Moved, SizedValue, Sizing, SizingError
+from mbcdm_cad.layouts.base import Layout, NoFigureError
+from mbcdm_cad.layouts.structure import Cause, Structure
+from mbcdm_cad.sizing.known import KnownFields
+from mbcdm_cad.sizing.rule import rounded_up
+
+STIFFNESS = "loads.stiffness_Nm_rad"
+# Most sizings, largest factor on a value in one round, and what is aimed at beyond the requirement, for rounding and
+# because the parts' turns are no exact powers of their sizes.
+_SIZINGS, _STEP, _SPARE = 24, 1.5, 1.01
+# Factor with which a raise is tried again that was refused: the next entry of the catalogue, the next step of a number.
+_LEAST = 1.0 + 1e-6
+# What can be raised turns no less than this share of what cannot: more metal would hardly stiffen the drive.
+_QUARTER = 0.25
+CABLES = "cables"
+
+
+_Plain = Callable[[Mapping[str, float], Sizing | None], Sizing]
+
+
+class Size(Protocol):
+    """The rules of a layout, as ``size`` of its sizing module."""
+
+    def __call__(self, data: dict[str, Any], moved: Moved | None, similar: Sizing | None) -> Sizing:
+        """The data with its open fields filled."""
+
+
+@dataclass(frozen=True)
+class Stiffener:
+    """A field that its rule fills and that makes some causes of the turn give less.
+
+    ``causes``: beginnings of their names (:mod:`mbcdm_cad.layouts.structure`), or :data:`CABLES`. Their turn falls with
+    about the power ``power`` of the field's value; ``most``: largest multiple of the rule's value. A number is rounded
+    up to ``step``; of a catalogue's ``kind`` the next entry is taken whose ``order`` is large enough and that
+    ``fits``. ``last``: only where no other field lowers the cause any more.
+    """
+
+    field: str
+    causes: tuple[str, ...]
+    power: float
+    most: float
+    step: float = 0.1
+    kind: str = ""
+    order: str = ""
+    fits: Callable[[KnownFields, Mapping[str, Any], Mapping[str, Any]], bool] = lambda given, now, entry: True
+    last: bool = False
+
+    def lowers(self, cause: str) -> bool:
+        """Whether it makes a cause give less."""
+        return cause.startswith(self.causes)
+
+    def raised(self, given: KnownFields, factor: float, value: Any) -> Any:
+        """The rule's value times a factor; of the catalogue the smallest entry so large, else the value itself."""
+        if not self.kind:
+            return rounded_up(value * factor, self.step)
+        entries = given.entries(self.kind)
+        if value not in entries:
+            return value
+        now = entries[value]
+        least = now[self.order] * factor * (1.0 - 1e-9)
+        fitting = (n for n in entries if entries[n][self.order] >= least and self.fits(given, now, entries[n]))
+        return min(fitting, key=lambda name: (entries[name][self.order], name), default=value)
+
+
+def _same_construction(given: KnownFields, now: Mapping[str, Any], entry: Mapping[str, Any]) -> bool:
+    return bool(entry["construction"] == now["construction"])
+
+
+def _has_encoder(given: KnownFields, now: Mapping[str, Any], entry: Mapping[str, Any]) -> bool:
+    return any(encoder["bore_mm"] == entry["bore_mm"] for encoder in given.entries("encoders").values())
+
+
+# Powers are estimates: how far a raise came, the next round sees. The rope is thicker before it is tighter.
+SHARED: tuple[Stiffener, ...] = (
+    Stiffener("rope.type", (CABLES,), 2.0, 4.0, kind="ropes", order="diameter_mm", fits=_same_construction),
+    Stiffener("rope.preload_N", (CABLES,), 0.3, 2.0, 1.0, last=True),
+    Stiffener("drum.hub_diameter_mm", ("drum: ",), 2.0, 2.5, 0.5),
+    Stiffener("drum.web_thickness_mm", ("drum: web",), 0.8, 4.0),
+    Stiffener("drum.bearing", ("drum's ",), 1.0, 3.0, kind="bearings", order="outer_diameter_mm", fits=_has_encoder),
+    Stiffener(
+        "input_pulleys.upper_bearing",
+        ("input pulleys' bearings", "input pulleys, bending"),
+        1.0,
+        3.0,
+        kind="bearings",
+        order="outer_diameter_mm",
+        fits=_has_encoder,
+    ),
+    Stiffener("input_pulleys.lower_bearing", ("input pulleys",), 1.0, 3.0, kind="bearings", order="outer_diameter_mm"),
+    Stiffener("drive.gearhead", ("gearheads",), 3.0, 3.0, kind="gearheads", order="diameter_mm"),
+)
+
+
+def walls(*fields: str) -> tuple[Stiffener, ...]:
+    """Walls of the frame that stiffen it together."""
+    return tuple(Stiffener(field, ("frame",), 2.0 / len(fields), 5.0) for field in fields)
+
+
+def stiffened(
+    size: Size,
+    data: dict[str, Any],
+    layout: type[Layout],
+    stiffeners: Sequence[Stiffener],
+    moved: Moved | None = None,
+    similar: Sizing | None = None,
+) -> Sizing:
+    """The sizing of ``size``, its stiffness as the file states it or as near as its bounds allow.
+
+    A search (``moved``, with the sizing ``similar``) keeps what was raised there: it changes these values itself.
+    """
+    wanted = (data.get("loads") or {}).get(STIFFNESS.partition(".")[2])
+    plain = partial(_sized, size, copy.deepcopy(data), stiffeners, moved or {})
+    if not isinstance(wanted, int | float):
+        return plain({}, similar)
+    if similar is not None and similar.raised is not None:
+        return plain(similar.raised, similar)
+    best = plain({}, similar)
+    start = _judged(layout, best)
+    if start is None:
+        return best
+    structure, failing = start
+    factors: dict[str, float] = {}
+    closed: set[str] = set()
+    budget = _Budget(_SIZINGS)
+    while budget.left > 0:
+        open_ = [
+            s for s in stiffeners if best.of(s.field) and factors.get(s.field, 1.0) < s.most and s.field not in closed
+        ]
+        if structure.stiffness_Nm_rad >= wanted or not open_:
+            break
+        room = {s.field: s.most / factors.get(s.field, 1.0) for s in open_}
+        step = {f: min(by, room[f]) for f, by in _step(structure, 1e6 / (_SPARE * wanted), open_).items()}
+        if not step:
+            break
+        found = _passing(partial(budget.spent, plain), layout, best, factors, step, failing)
+        closed |= found.closed
+        factors, best, structure = found.factors, found.sizing, found.structure or structure
+    return replace(best, raised=factors)
+
+
+@dataclass
+class _Budget:
+    """Number of sizings that are left."""
+
+    left: int
+
+    def spent(self, plain: _Plain, raised: Mapping[str, float], similar: Sizing | None) -> Sizing:
+        """One of them."""
+        self.left -= 1
+        return plain(raised, similar)
+
+
+@dataclass(frozen=True)
+class _Round:
+    """What came of one round: the sizing, its structure where it changed, and the fields that cannot be raised."""
+
+    sizing: Sizing
+    factors: dict[str, float]
+    structure: Structure | None
+    closed: frozenset[str]
+
+
+def _passing(
+    plain: _Plain,
+    layout: type[Layout],
+    before: Sizing,
+    factors: Mapping[str, float],
+    step: Mapping[str, float],
+    failing: frozenset[str],
+) -> _Round:
+    """The round's raises together; those that make another check fail take their least step, or none."""
+    steps = dict(step)
+
+    def tried(fields: Sequence[str]) -> _Round | None:
+        raised = {**factors, **{f: factors.get(f, 1.0) * steps[f] for f in fields}}
+        try:
+            sizing = plain(raised, before)
+        except SizingError:
+            return None
+        found = _judged(layout, sizing)
+        if found is None or not found[1] <= failing:
+            return None
+        same = frozenset(f for f in fields if _value(sizing, f) == _value(before, f))
+        return _Round(sizing, raised, found[0], same)
+
+    refused: frozenset[str] = frozenset()
+    while steps:
+        found = tried(tuple(steps))
+        if found is not None:
+            return replace(found, closed=found.closed | refused)
+        alone = [f for f in steps if len(steps) == 1 or tried([f]) is None] or list(steps)
+        for field in alone:
+            if steps[field] > _LEAST:
+                steps[field] = _LEAST
+            else:
+                refused |= {field}
+                del steps[field]
+    return _Round(before, dict(factors), None, refused)
+
+
+def _value(sizing: Sizing, field: str) -> Any:
+    found = sizing.of(field)
+    return None if found is None else found.value
+
+
+def _sized(
+    size: Size,
+    data: dict[str, Any],
+    stiffeners: Sequence[Stiffener],
+    moved: Moved,
+    raised: Mapping[str, float],
+    similar: Sizing | None,
+) -> Sizing:
+    """The sizing with fields raised by their factors; what a search moves, it moves after that."""
+    by_field = {s.field: s for s in stiffeners if s.field in raised}
+    given = KnownFields(data)
+
+    def both(field: str, value: Any) -> Any:
+        value = by_field[field].raised(given, raised[field], value)
+        return moved[field](value) if field in moved else value
+
+    found = size(copy.deepcopy(data), {**moved, **{field: partial(both, field) for field in by_field}}, similar)
+    if not raised:
+        return found
+    values = tuple(
+        _said(value, data) if value.field in by_field and value.field not in moved else value for value in found.values
+    )
+    return replace(found, values=values, raised=dict(raised))
+
+
+def _said(value: SizedValue, data: Mapping[str, Any]) -> SizedValue:
+    rests_on = {**value.rests_on, STIFFNESS: data["loads"][STIFFNESS.partition(".")[2]]}
+    return replace(value, driver="stiffness", rests_on=rests_on, rounding="raised for the stiffness")
+
+
+def _step(structure: Structure, target_urad_Nm: float, open_: Sequence[Stiffener]) -> dict[str, float]:
+    """Factor on each field with which the causes that can be lowered come down to one level, at most ``_STEP``."""
+    ways: list[tuple[float, list[Stiffener]]] = []
+    fixed = 0.0
+    for cause in (Cause(CABLES, structure.cables_urad_Nm), *structure.at_payload):
+        fields = [s for s in open_ if s.lowers(cause.name)]
+        if fields:
+            ways.append((cause.urad_Nm, [s for s in fields if not s.last] or fields))
+        else:
+            fixed += cause.urad_Nm
+    aim = max(target_urad_Nm - fixed, _QUARTER * fixed)
+    level, found = _level([urad for urad, _ in ways], aim), dict[str, float]()
+    for urad, fields in ways:
+        if urad > level:
+            by = min((urad / level) ** (1.0 / sum(s.power for s in fields)), _STEP)
+            found |= {s.field: max(by, found.get(s.field, 1.0)) for s in fields}
+    return found
+
+
+def _level(turns: Sequence[float], target: float) -> float:
+    """The level to which the largest of some turns must come down for their sum to be ``target``."""
+    ordered = sorted(turns)
+    for k, turn in enumerate(ordered):
+        # Those below k stay as they are; the others come down to one level.
+        level = (target - sum(ordered[:k])) / (len(ordered) - k)
+        if level <= turn:
+            return level
+    return inf
+
+
+def _judged(layout: type[Layout], sizing: Sizing) -> tuple[Structure, frozenset[str]] | None:
+    """Structure and failing checks of a sized design, ``stiffness`` left out; None where it is no drive."""
+    file = layout.design_file()
+    try:
+        design: Design = file.schema.model_validate(sizing.data)
+        found = met(file.drive(design, Catalogue(design), {})).layout
+        structure = found.structure
+    except (ValidationError, NoFigureError):
+        return None
+    return None if structure is None else (structure, frozenset(_fails(found)))
+
+
+def _fails(found: Layout) -> Iterator[str]:
+    drive = found.drive
+    for check in found.checks_by_id().values():
+        judged = check.severity == "fail" and check.id != "stiffness" and check.asked_of(drive)
+        if judged and drive.waiver(check.id) is None and not _holds(check, found):
+            yield check.id
+
+
+def _holds(check: Check, found: Layout) -> bool:
+    try:
+        return bool(check.measure(found).holds)
+    except (NoFigureError, ValueError, ZeroDivisionError):
+        return False

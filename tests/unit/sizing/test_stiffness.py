@@ -1,0 +1,118 @@
+"""Sizing by ``loads.stiffness_Nm_rad``: the stiffness is reached by raising what gives most, or bounds refuse it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+import yaml
+
+from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.layouts.check_design import run_checks
+from mbcdm_cad.layouts.loader import load_text
+from mbcdm_cad.layouts.stiff_sizing import SHARED, walls
+from mbcdm_cad.report.explain import explain
+
+STIFFENERS = {
+    s.field: s
+    for s in (
+        *SHARED,
+        *walls(*(f"support.{name}_mm" for name in ("plate", "bridge", "side_wall", "back_plate", "rib"))),
+    )
+}
+# One short file of each layout.
+FILES: dict[str, dict[str, Any]] = {
+    "miso_bevel": {
+        "travel": {"half_angle_deg": 30},
+        "transmission": {"ratio": 9, "drum_radius_mm": 60},
+        "loads": {"peak_torque_Nm": 3},
+    },
+    "siso_spur": {
+        "travel": {"half_angle_deg": 40},
+        "transmission": {"input_to_drum": 8, "drum_radius_mm": 90},
+        "loads": {"peak_torque_Nm": 1.5},
+    },
+    "miso_spur": {
+        "travel": {"half_angle_deg": 40},
+        "transmission": {"input_to_drum": 8, "drum_radius_mm": 90},
+        "loads": {"peak_torque_Nm": 3.0},
+    },
+    "siso_bevel": {
+        "travel": {"half_angle_deg": 25},
+        "transmission": {"input_to_drum": 5, "drum_radius_mm": 60},
+        "loads": {"peak_torque_Nm": 0.5},
+    },
+}
+
+
+def design(name: str, stiffness_Nm_rad: float | None = None, **changed: dict[str, Any]) -> LoadedDesign:
+    """One of :data:`FILES`, with a stiffness asked for, and with other fields in its blocks."""
+    data: dict[str, Any] = {"name": "stiff", "configuration": name}
+    for block, fields in FILES[name].items():
+        data[block] = dict(fields)
+    for block, fields in changed.items():
+        data[block] = {**data.get(block, {}), **fields}
+    if stiffness_Nm_rad is not None:
+        data["loads"]["stiffness_Nm_rad"] = stiffness_Nm_rad
+    return load_text(yaml.safe_dump(data))
+
+
+def stiffness(loaded: LoadedDesign) -> float:
+    """Stiffness at the payload, N m/rad."""
+    structure = loaded.drive.layout.structure
+    assert structure is not None
+    return float(structure.stiffness_Nm_rad)
+
+
+def failing(loaded: LoadedDesign) -> list[str]:
+    return [check.id for check in run_checks(loaded) if check.status == "fail"]
+
+
+def by_stiffness(loaded: LoadedDesign) -> dict[str, Any]:
+    """Fields that the stiffness raised, with their values."""
+    return {v.field: v.value for v in loaded.sized if v.rounding == "raised for the stiffness"}
+
+
+@pytest.mark.parametrize("name", sorted(FILES))
+def test_rules_reach_a_stated_stiffness(name: str) -> None:
+    plain = design(name)
+    wanted = round(1.8 * stiffness(plain))
+    found = design(name, wanted)
+    assert stiffness(found) >= wanted
+    assert failing(found) == failing(plain) == [], "no other check is given up for it"
+    raised = by_stiffness(found)
+    assert raised and set(raised) <= set(STIFFENERS) | {"guide.bearing"}, raised
+    for field in raised:
+        record = next(v for v in found.sized if v.field == field)
+        assert record.driver == "stiffness" and record.rests_on["loads.stiffness_Nm_rad"] == wanted
+        assert "stiffness" in explain(found, field).text()
+    # What binds is raised, and no more: the design is not far stiffer than asked, except by a whole size of rope.
+    if "rope.type" not in raised:
+        assert stiffness(found) <= 1.35 * wanted
+
+
+@pytest.mark.parametrize("name", ["miso_bevel", "siso_spur"])
+def test_a_stiffness_that_the_rules_reach_anyway_changes_nothing(name: str) -> None:
+    plain = design(name)
+    asked = design(name, round(0.9 * stiffness(plain)))
+    assert [(v.field, v.value) for v in asked.sized] == [(v.field, v.value) for v in plain.sized]
+
+
+def test_a_field_of_the_file_stays_and_others_are_raised() -> None:
+    plain = design("siso_spur")
+    wanted = round(1.5 * stiffness(plain))
+    pinned = design("siso_spur", wanted, drum={"web_thickness_mm": 2.0}, rope={"type": plain.drive.cable.name})
+    raised = by_stiffness(pinned)
+    assert "drum.web_thickness_mm" not in raised and "rope.type" not in raised
+    assert raised and stiffness(pinned) > 1.1 * stiffness(plain), raised
+
+
+def test_where_bounds_refuse_the_check_says_how_far_it_came() -> None:
+    plain = design("miso_bevel")
+    asked = design("miso_bevel", 1e6)
+    assert failing(asked) == ["stiffness"]
+    assert stiffness(asked) > 1.2 * stiffness(plain)
+    structure = asked.drive.layout.structure
+    assert structure is not None and structure.over_cables >= 0.1, "no metal where the cables give most"
+    result = next(check for check in run_checks(asked) if check.id == "stiffness")
+    assert "the rules raise what the file leaves to them" in result.remedy and "the cables" in result.remedy
