@@ -5,6 +5,8 @@ from __future__ import annotations
 from math import ceil, degrees, hypot, pi
 from typing import Any
 
+import numpy as np
+
 from mbcdm_cad.checks.bearings import stage_torque_Nm
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, noted, worst
 from mbcdm_cad.checks.design_variables import up
@@ -26,14 +28,20 @@ BOND_MPA = 10.0
 RATIO_SHARE = 0.01
 
 
+_LEWIS = (
+    *((12, 0.245), (14, 0.277), (16, 0.296), (18, 0.309), (20, 0.322), (24, 0.337), (30, 0.359), (34, 0.371)),
+    *((43, 0.397), (50, 0.409), (60, 0.422), (75, 0.435), (100, 0.447), (150, 0.460), (300, 0.472)),
+)
+
+
 def _of(s: SpurLayout) -> StageDims:
     assert s.stage is not None, "checks of a stage run on drives that have one"
     return s.stage
 
 
 def lewis_factor(teeth: int) -> float:
-    """Form factor Y of a tooth of 20 degrees, full depth: pi (0.154 - 0.912/z) (Lewis)."""
-    return pi * (0.154 - 0.912 / teeth)
+    """Form factor Y of a tooth of 20 degrees, full depth (Shigley, Mechanical Engineering Design, table 14-2)."""
+    return float(np.interp(teeth, [z for z, _ in _LEWIS], [y for _, y in _LEWIS]))
 
 
 def strength(s: SpurLayout) -> Comparison:
