@@ -47,6 +47,10 @@ class InputError(MbcdmError):
         self.problems = tuple(problems)
         super().__init__("\n".join(str(problem) for problem in self.problems))
 
+    def __reduce__(self) -> tuple[type[InputError], tuple[tuple[Problem, ...]]]:
+        """Whole across processes: pickle would make it anew of its text."""
+        return type(self), (self.problems,)
+
 
 class OutputError(MbcdmError):
     """The output folder cannot or must not be written; the text says which folder, why, and what to do."""

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from mbcdm_cad.api.design import DriveDesign, Progress, cache_of, silent
+from mbcdm_cad.errors import MbcdmError
 
 if TYPE_CHECKING:
     from mbcdm_cad.jobs.compare import ComparisonReport
@@ -83,6 +84,7 @@ def optimise(
     keeps: Sequence[str] = (),
     free: Sequence[str] = (),
     only_free: bool = False,
+    over: Literal["tolerances"] | None = None,
     effort: Effort | None = None,
     progress: Callable[[str, int], None] | None = None,
 ) -> Optimum:
@@ -91,15 +93,19 @@ def optimise(
     ``designs``: files of requirements, with ranges if wanted, one for each layout that shall compete. ``aims``: 1 to 4
     such as ``"mass_g:min"``; ``keeps`` such as ``"torque_Nm:>=3"``; ``free`` fields besides those that ``solve`` may
     change, such as ``"drum.material=aluminium,pa12"`` or ``"rope.preload_N=30..90"``; ``only_free``: no others.
-    ``"swing_mrad_p95:min"`` takes what 95 % of the drives reach, as ``--over tolerances`` does. The search ends
-    when the front no longer grows, or when its :class:`Effort` is spent. ``progress`` is called with the best so
-    far and the number of designs. Raises ``InputError`` for mistakes in a file, ``MbcdmError`` for wishes that the
-    layouts cannot answer.
+    ``over="tolerances"`` takes of each figure what 95 % of the drives reach, as made; ``"swing_mrad_p95:min"`` takes it
+    of one figure. The search ends when the front no longer grows, or when its :class:`Effort` is spent. ``progress`` is
+    called with the best so far and the number of designs. Raises ``InputError`` for mistakes in a file, ``MbcdmError``
+    for wishes that the layouts cannot answer.
     """
     from mbcdm_cad.jobs.optimise import optimise
-    from mbcdm_cad.optimising.wishes import Effort, wishes_of
+    from mbcdm_cad.optimising.wishes import Effort, over_tolerances, wishes_of
 
     listed = [designs] if isinstance(designs, DriveDesign | str | Path) else list(designs)
+    if over == "tolerances":
+        aims, keeps = over_tolerances(aims), over_tolerances(keeps)
+    elif over is not None:
+        raise MbcdmError(f"over: no such spread (value {over}, limit tolerances)")
     wishes = wishes_of(aims, keeps, free, only_free=only_free)
     told = progress or (lambda words, count: None)
     return optimise([_question(one) for one in listed], wishes, Path(out), effort or Effort(), told)

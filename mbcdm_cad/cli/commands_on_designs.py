@@ -198,11 +198,7 @@ def optimise(requirements: Sequence[Path], out: Path, as_json: bool, **asked: An
     if no design passes.
     """
     effort = api.Effort(*(asked[name] for name in ("evaluations", "time_s", "workers", "resume", "scheduler")))
-    wishes = {name: asked[name] for name in ("keeps", "free", "only_free")}
-    if asked["over"] is not None:
-        from mbcdm_cad.optimising.wishes import over_tolerances
-
-        asked["aims"], wishes["keeps"] = over_tolerances(asked["aims"]), over_tolerances(asked["keeps"])
+    wishes = {name: asked[name] for name in ("keeps", "free", "only_free", "over")}
     with progress_of_search() as told:
         found = api.optimise(requirements, asked["aims"], out, **wishes, effort=effort, progress=told)
     if as_json:

@@ -53,3 +53,7 @@ class SizingError(Exception):
     def __init__(self, *broken: Broken) -> None:
         super().__init__("; ".join(rule.what for rule in broken))
         self.broken = broken
+
+    def __reduce__(self) -> tuple[type[SizingError], tuple[Broken, ...]]:
+        """Whole across processes, as :class:`~mbcdm_cad.errors.InputError`."""
+        return type(self), self.broken

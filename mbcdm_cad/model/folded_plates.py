@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.model.block_rows import Ints, solve_by_rows
+from mbcdm_cad.model.block_rows import Ints, solve_mesh
 from mbcdm_cad.routes import Floats
 
 # Corners of an element in its own (u, v), and the Gauss points.
@@ -42,39 +42,31 @@ def stiffness(sides_mm: Floats, thickness_mm: Floats, modulus_MPa: float, poisso
     count = len(a)
     shear = modulus_MPa / (2.0 * (1.0 + poisson))
     plane = modulus_MPa / (1.0 - poisson**2) * np.array([[1, poisson, 0], [poisson, 1, 0], [0, 0, (1 - poisson) / 2]])
-    area = a * b / 4.0
-    full = np.zeros((count, 28, 28))
     su, sv = _CORNERS.T
-
-    def add(strain: Floats, law: Floats, thickness: Floats) -> None:
-        full[:] += strain.transpose(0, 2, 1) @ (law @ strain * (area * thickness)[:, None, None])
-
-    for p, q in _GAUSS:
+    # Nine strains at each Gauss point: three in the plane, three of bending, two across, one of drilling.
+    strain = np.zeros((count, len(_GAUSS), 9, 28))
+    for k, (p, q) in enumerate(_GAUSS):
         du = (su * (1 + sv * q) / 4.0)[None, :] * 2.0 / a[:, None]
         dv = (sv * (1 + su * p) / 4.0)[None, :] * 2.0 / b[:, None]
-        shape = (1 + su * p) * (1 + sv * q) / 4.0
-        membrane = np.zeros((count, 3, 28))
-        membrane[:, 0, 0:24:6], membrane[:, 1, 1:24:6] = du, dv
-        membrane[:, 2, 0:24:6], membrane[:, 2, 1:24:6] = dv, du
-        bow_u, bow_v = -4.0 * p / a, -4.0 * q / b
-        membrane[:, 0, 24] = membrane[:, 2, 25] = bow_u
-        membrane[:, 1, 27] = membrane[:, 2, 26] = bow_v
-        add(membrane, plane, thickness_mm)
+        at = strain[:, k]
+        at[:, 0, 0:24:6] = at[:, 2, 1:24:6] = du
+        at[:, 1, 1:24:6] = at[:, 2, 0:24:6] = dv
+        at[:, 0, 24] = at[:, 2, 25] = -4.0 * p / a
+        at[:, 1, 27] = at[:, 2, 26] = -4.0 * q / b
         # Fibres rotate with the corner: u moves by + turn v, v by - turn u, for each mm along the normal.
-        bending = np.zeros((count, 3, 28))
-        bending[:, 0, 4:24:6], bending[:, 1, 3:24:6] = du, -dv
-        bending[:, 2, 4:24:6], bending[:, 2, 3:24:6] = dv, -du
-        add(bending, plane, thickness_mm**3 / 12.0)
-        across = np.zeros((count, 2, 28))
-        across[:, 0, 2:24:6] = (su * (1 + sv * q) / 4.0)[None, :] * 2.0 / a[:, None]
-        across[:, 0, 4:24:6] = (1 + sv * q) / 4.0
-        across[:, 1, 2:24:6] = (sv * (1 + su * p) / 4.0)[None, :] * 2.0 / b[:, None]
-        across[:, 1, 3:24:6] = -(1 + su * p) / 4.0
-        add(across, shear * np.eye(2), _SHEAR_FACTOR * thickness_mm)
-        drilling = np.zeros((count, 1, 28))
-        drilling[:, 0, 1:24:6], drilling[:, 0, 0:24:6] = du / 2.0, -dv / 2.0
-        drilling[:, 0, 5:24:6] = -shape
-        add(drilling, _DRILLING * shear * np.eye(1), thickness_mm)
+        at[:, 3, 4:24:6], at[:, 5, 3:24:6] = du, -du
+        at[:, 5, 4:24:6], at[:, 4, 3:24:6] = dv, -dv
+        at[:, 6, 2:24:6], at[:, 6, 4:24:6] = (su * (1 + sv * q) / 4.0)[None, :] * 2.0 / a[:, None], (1 + sv * q) / 4.0
+        at[:, 7, 2:24:6], at[:, 7, 3:24:6] = (sv * (1 + su * p) / 4.0)[None, :] * 2.0 / b[:, None], -(1 + su * p) / 4.0
+        at[:, 8, 1:24:6], at[:, 8, 0:24:6] = du / 2.0, -dv / 2.0
+        at[:, 8, 5:24:6] = -(1 + su * p) * (1 + sv * q) / 4.0
+    law = np.zeros((count, 1, 9, 9))
+    law[:, 0, 0:3, 0:3] = plane * thickness_mm[:, None, None]
+    law[:, 0, 3:6, 3:6] = plane * (thickness_mm**3 / 12.0)[:, None, None]
+    law[:, 0, 6, 6] = law[:, 0, 7, 7] = shear * _SHEAR_FACTOR * thickness_mm
+    law[:, 0, 8, 8] = shear * _DRILLING * thickness_mm
+    stress = (law * (a * b / 4.0)[:, None, None, None]) @ strain
+    full = strain.reshape(count, -1, 28).transpose(0, 2, 1) @ stress.reshape(count, -1, 28)
     bow = full[:, 24:, 24:]
     return full[:, :24, :24] - full[:, :24, 24:] @ np.linalg.solve(bow, full[:, 24:, :24])
 
@@ -106,7 +98,7 @@ def solve(plates: Plates, element: Floats, held: NDArray[np.bool_], ground: Floa
     number = np.full(len(load), -1)
     number[free] = np.arange(len(free))
     displacement = np.zeros(len(load))
-    moved = solve_by_rows(plane[free], number[freedoms(plates)], element, load[free, None], ground[free])
+    moved = solve_mesh(plane[free], number[freedoms(plates)], element, load[free, None], ground[free])
     displacement[free] = moved[:, 0]
     return displacement
 

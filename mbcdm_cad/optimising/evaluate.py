@@ -15,6 +15,7 @@ from mbcdm_cad.design.loader import Resolved
 from mbcdm_cad.errors import InputError, MbcdmError
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.check_design import checks_of
+from mbcdm_cad.model.block_rows import many_meshes
 from mbcdm_cad.optimising.figures import FIGURES, Facts, figure
 from mbcdm_cad.optimising.wishes import Keep
 from mbcdm_cad.solving.question import Point, Question, stated
@@ -67,7 +68,7 @@ def evaluate(question: Question, point: Point, keeps: Sequence[Keep], names: Seq
     The file that states the point decides: where a rule changes because a value is stated, that design counts. A design
     that fails a check without finite elements is judged with the walls with which its rules begin.
     """
-    with np.errstate(all="ignore"), warnings.catch_warnings():
+    with np.errstate(all="ignore"), warnings.catch_warnings(), many_meshes():
         warnings.simplefilter("ignore", RuntimeWarning)
         try:
             data, moved = question.trial(point)
@@ -83,7 +84,7 @@ def evaluate(question: Question, point: Point, keeps: Sequence[Keep], names: Seq
                 as_stated = question.resolve(data, {})
                 if as_stated.design != found.design:
                     failing = _failing(as_stated, early=True)
-                found = as_stated
+                    found = as_stated
             failing = failing or _failing(found, early=False)
             if failing:
                 return Evaluated(failing)

@@ -7,10 +7,11 @@ element across a spoke bend as a beam does. Units: mm, N, MPa.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
-from mbcdm_cad.model.block_rows import Ints, solve_by_rows
+from mbcdm_cad.model.block_rows import Ints, solve_mesh
 from mbcdm_cad.routes import Floats
 
 _CORNERS = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
@@ -30,27 +31,22 @@ def elements(node_mm: Floats, corner: Ints, thickness_mm: Floats, modulus_MPa: f
     """Elements of a mesh: nodes (m, 2), corners (n, 4); a triangle repeats a corner. Freedoms (u, v) by corner."""
     law = np.array([[1.0, poisson, 0.0], [poisson, 1.0, 0.0], [0.0, 0.0, (1.0 - poisson) / 2.0]])
     law *= modulus_MPa / (1.0 - poisson**2)
-    xy = node_mm[corner]
     count = len(corner)
     triangle = corner[:, 2] == corner[:, 3]
-    _, centre = _jacobian(xy, (0.0, 0.0))
-    inverse_centre, centre_det = _inverse(centre)
+    xy = node_mm[corner]
+    middle = _jacobian(xy, np.zeros((1, 2)))
+    at = _jacobian(xy, _GAUSS)
     strains = np.zeros((count, 4, 3, 12))
-    weight = np.empty((count, 4))
-    for k, (p, q) in enumerate(_GAUSS):
-        shape, jacobian = _jacobian(xy, (p, q))
-        inverse, det = _inverse(jacobian)
-        weight[:, k] = det * thickness_mm
-        gradient = inverse @ shape
-        b = strains[:, k]
-        b[:, 0, 0:8:2], b[:, 1, 1:8:2] = gradient[:, 0], gradient[:, 1]
-        b[:, 2, 0:8:2], b[:, 2, 1:8:2] = gradient[:, 1], gradient[:, 0]
-        for mode, by in enumerate(((-2.0 * p, 0.0), (0.0, -2.0 * q))):
-            bow = (inverse_centre @ np.array(by)) * (centre_det / det)[:, None]
-            bow[triangle] = 0.0
-            at = 8 + 2 * mode
-            b[:, 0, at], b[:, 1, at + 1] = bow[:, 0], bow[:, 1]
-            b[:, 2, at], b[:, 2, at + 1] = bow[:, 1], bow[:, 0]
+    strains[:, :, 0, 0:8:2] = strains[:, :, 2, 1:8:2] = at.gradient_x
+    strains[:, :, 1, 1:8:2] = strains[:, :, 2, 0:8:2] = at.gradient_y
+    # The modes 1 - p^2 and 1 - q^2 with the gradients of the middle.
+    p, q = -2.0 * _GAUSS[:, 0] / at.det, -2.0 * _GAUSS[:, 1] / at.det
+    modes = ((8, middle.yq * p, -middle.xq * p), (10, -middle.yp * q, middle.xp * q))
+    for k, bow_x, bow_y in modes:
+        bow_x[triangle] = bow_y[triangle] = 0.0
+        strains[:, :, 0, k] = strains[:, :, 2, k + 1] = bow_x
+        strains[:, :, 1, k + 1] = strains[:, :, 2, k] = bow_y
+    weight = at.det * thickness_mm[:, None]
     # All four points in one product: many small ones take longer.
     stressed = (law @ strains * weight[:, :, None, None]).reshape(count, 12, 12)
     full = strains.reshape(count, 12, 12).transpose(0, 2, 1) @ stressed
@@ -61,18 +57,27 @@ def elements(node_mm: Floats, corner: Ints, thickness_mm: Floats, modulus_MPa: f
     return Elements(stiffness, (strain[:, :, :8] + strain[:, :, 8:] @ follow).reshape(count, 4, 3, 8), law)
 
 
-def _inverse(jacobian: Floats) -> tuple[Floats, Floats]:
-    """Inverses (n, 2, 2) and determinants (n,)."""
-    (a, b), (c, d) = jacobian[:, 0].T, jacobian[:, 1].T
-    det = a * d - b * c
-    return np.stack([d, -b, -c, a], axis=1).reshape(-1, 2, 2) / det[:, None, None], det
+class _Jacobian(NamedTuple):
+    """At k points of each element: derivatives of x and y by p and q and their determinant (n, k); gradients (n, k, 4)
+    of the corners' shape functions."""
+
+    xp: Floats
+    yp: Floats
+    xq: Floats
+    yq: Floats
+    det: Floats
+    gradient_x: Floats
+    gradient_y: Floats
 
 
-def _jacobian(xy: Floats, at: tuple[float, float]) -> tuple[Floats, Floats]:
-    """Derivatives (2, 4) of the shape functions, and d(x, y)/d(p, q) (n, 2, 2)."""
-    (p, q), (s, t) = at, _CORNERS.T
-    shape = np.stack([s * (1.0 + t * q), t * (1.0 + s * p)]) / 4.0
-    return shape, shape @ xy
+def _jacobian(xy: Floats, points: Floats) -> _Jacobian:
+    """Of elements with corners (n, 4, 2) at ``points`` (k, 2) in (p, q)."""
+    (p, q), (s, t) = points.T[:, :, None], _CORNERS.T
+    by_p, by_q = s * (1.0 + t * q) / 4.0, t * (1.0 + s * p) / 4.0
+    xp, yp, xq, yq = (xy[:, :, axis] @ by.T for by in (by_p, by_q) for axis in (0, 1))
+    det = xp * yq - yp * xq
+    a, b, c, d = (part[:, :, None] for part in (xp / det, yp / det, xq / det, yq / det))
+    return _Jacobian(xp, yp, xq, yq, det, d * by_p - b * by_q, a * by_q - c * by_p)
 
 
 def solve(corner: Ints, row: Ints, stiffness: Floats, load: Floats) -> Floats:
@@ -80,7 +85,7 @@ def solve(corner: Ints, row: Ints, stiffness: Floats, load: Floats) -> Floats:
 
     Elements reach from one row to the next at most. Raises ``numpy.linalg.LinAlgError`` if the mesh is not held.
     """
-    return solve_by_rows(np.repeat(row, 2), _freedoms(corner), stiffness, load)
+    return solve_mesh(np.repeat(row, 2), _freedoms(corner), stiffness, load)
 
 
 def _freedoms(corner: Ints) -> Ints:

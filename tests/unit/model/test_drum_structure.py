@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.layouts.loader import load_design, load_text, new_design_text
+from mbcdm_cad.model.block_rows import many_meshes, solve_mesh
 from mbcdm_cad.model.structure.drum_sector import Hub, Isotropic, LandPull, SectorStudy, sector_study
 from mbcdm_cad.model.structure.plane_stress import elements, solve
 from mbcdm_cad.model.structure.sector_mesh import RimStep, SectorShape
@@ -51,6 +52,25 @@ def study(
     shape = sector_shape(dims)
     shape = replace(shape, openings=()) if windows is None else shape
     return sector_study(shape, hub(dims, 2.5), pulls, material, cells)
+
+
+def test_bands_and_rows_give_one_solution() -> None:
+    by_rows = study()
+    with many_meshes():
+        by_bands = study()
+    for name, one, other in (
+        ("turn", by_bands.web_urad_Nm, by_rows.web_urad_Nm),
+        ("stress", by_bands.unit_stress, by_rows.unit_stress),
+    ):
+        apart = float(np.abs(np.subtract(one, other)).max() / np.abs(other).max())
+        assert apart < 1e-9, f"{name}: {apart:.2g} of the largest apart"
+
+
+def test_a_mesh_that_nothing_holds_is_refused_by_bands() -> None:
+    spring = np.array([[[1.0, -1.0], [-1.0, 1.0]]])
+    row, where = np.arange(2), np.array([[0, 1]])
+    with many_meshes(), pytest.raises(np.linalg.LinAlgError):
+        solve_mesh(row, where, spring, np.ones((2, 1)))
 
 
 def test_a_cantilever_of_elements_bends_as_a_beam() -> None:

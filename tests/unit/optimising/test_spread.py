@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+import mbcdm_cad as mc
+from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.model.capability import requirements
 from mbcdm_cad.model.sensitivity import intervals
 from mbcdm_cad.model.si import to_si
@@ -124,3 +126,21 @@ def test_over_tolerances_takes_the_worse_side_of_each_aim_and_keep() -> None:
     keeps = over_tolerances(["torque_Nm:>=2.1234567", "stiffness_Nm_rad: <= 4000", "torque_Nm"])
     assert keeps == ("torque_Nm_p5:>=2.1234567", "stiffness_Nm_rad_p95: <= 4000", "torque_Nm_p5")
     assert [keep.limit for keep in wishes_of(aims, keeps[:2]).keeps] == [2.1234567, 4000.0]
+
+
+def test_over_tolerances_is_asked_for_from_python_too(tmp_path: Path) -> None:
+    found = mc.optimise(
+        mc.new_design("spur", "siso_spur"),
+        ["swing_mrad:min"],
+        tmp_path,
+        keeps=["torque_Nm:>=0.1"],
+        over="tolerances",
+        effort=mc.Effort(1, workers=1),
+    )
+    assert [str(wish) for wish in (*found.wishes.aims, *found.wishes.keeps)] == [
+        "swing_mrad_p95:min",
+        "torque_Nm_p5:>=0.1",
+    ]
+    assert found[0].figures["swing_mrad_p95"] > found[0].figures["swing_mrad"]
+    with pytest.raises(MbcdmError, match="value corners, limit tolerances"):
+        mc.optimise([], ["swing_mrad:min"], tmp_path, over="corners")  # type: ignore[arg-type]

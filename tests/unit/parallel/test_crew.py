@@ -11,7 +11,7 @@ from contextlib import contextmanager
 import pytest
 from distributed import LocalCluster
 
-from mbcdm_cad.errors import GeometryError, MbcdmError
+from mbcdm_cad.errors import GeometryError, InputError, MbcdmError, Problem
 from mbcdm_cad.parallel import cluster, forks
 from mbcdm_cad.parallel.crew import crew
 from mbcdm_cad.parallel.worker import state
@@ -19,10 +19,18 @@ from mbcdm_cad.parallel.worker import state
 PRELOAD = "mbcdm_cad.parallel.worker"
 
 
+TWO_MISTAKES = (
+    Problem("a.yaml", 3, "drum.web_mm", "not a number", "x", "1 to 9 mm", "write the bare number"),
+    Problem("a.yaml", 7, "rope", "missing", missing=True, may_move=True),
+)
+
+
 def square(k: int) -> int:
-    """What the workers do; the first takes the longest, and 13 fails."""
+    """What the workers do; the first takes the longest, 13 and 14 fail."""
     if k == 13:
         raise GeometryError("drum: no solid")
+    if k == 14:
+        raise InputError(TWO_MISTAKES)
     time.sleep(0.02 if k == 0 else 0.0)
     return k * k
 
@@ -52,8 +60,18 @@ def test_results_keep_the_order_of_the_arguments(own: None, workers: int) -> Non
         assert list(found.results([4])) == [16]
 
 
+def test_a_mistake_in_a_file_comes_back_whole(own: None) -> None:
+    with crew(square, 2) as found, pytest.raises(InputError) as raised:
+        list(found.results([1, 14]))
+    assert raised.value.problems == TWO_MISTAKES
+    assert str(raised.value) == "\n".join(map(str, TWO_MISTAKES))
+
+
 def test_a_cluster_gives_the_same(own: None) -> None:
     with cluster_of(2, preload=PRELOAD) as many, crew(square, scheduler=many.scheduler_address) as found:
+        with pytest.raises(InputError) as raised:
+            list(found.results([1, 14]))
+        assert raised.value.problems == TWO_MISTAKES
         assert list(found.results(range(7))) == [k * k for k in range(7)]
         assert list(found.results([])) == []
         with pytest.raises(GeometryError, match="drum: no solid"):
