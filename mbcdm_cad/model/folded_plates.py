@@ -68,7 +68,7 @@ def stiffness(sides_mm: Floats, thickness_mm: Floats, modulus_MPa: float, poisso
     stress = (law * (a * b / 4.0)[:, None, None, None]) @ strain
     full = strain.reshape(count, -1, 28).transpose(0, 2, 1) @ stress.reshape(count, -1, 28)
     bow = full[:, 24:, 24:]
-    return full[:, :24, :24] - full[:, :24, 24:] @ np.linalg.solve(bow, full[:, 24:, :24])
+    return np.asarray(full[:, :24, :24] - full[:, :24, 24:] @ np.linalg.solve(bow, full[:, 24:, :24]))
 
 
 def freedoms(plates: Plates) -> Ints:
