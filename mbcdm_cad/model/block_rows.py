@@ -50,7 +50,7 @@ def solve_by_bands(where: Ints, stiffness: Floats, load: Floats, ground: Floats 
     below = (r - c)[lower]
     width = int(below.max()) + 1
     column = np.broadcast_to(c, lower.shape)[lower]
-    band: Floats = np.bincount(below + column * width, stiffness[lower], size * width).reshape(size, width)
+    band = np.asarray(np.bincount(below + column * width, stiffness[lower], size * width), float).reshape(size, width)
     if ground is not None:
         band[:, 0] += ground
     _, moved, info = dpbsv(band.T, load, lower=1, overwrite_ab=1)
