@@ -19,7 +19,7 @@ class MovingGroup:
     """
 
     name: str
-    kind: Literal["fixed", "drum", "passed", "input", "stage"]
+    kind: Literal["fixed", "drum", "passed", "input"]
     axis: Vector
     point_mm: Vector
     ratio: float

@@ -38,7 +38,7 @@ from mbcdm_cad.model.figures import (
     UncertainFigure,
     readable_figure,
 )
-from mbcdm_cad.model.kinematics import eq1_residuals, pair_mismatch_m, shaft_angles
+from mbcdm_cad.model.kinematics import eq1_residuals, pair_mismatch_m, shaft_angles, with_passed_slip
 from mbcdm_cad.model.measured import BACKLASH_RAD, BACKLASH_TORQUE_NM
 from mbcdm_cad.model.motor_figures import motor_figures
 from mbcdm_cad.model.sensitivity import intervals
@@ -171,7 +171,7 @@ def shaft_turns(d: DriveSI, drive: Drive) -> tuple[ShaftTurns, ...]:
     """Angles of all shafts at the end of the travel, from each cable: they differ where Eq. (1) does not hold."""
     found = []
     for j, name in enumerate(d.cable_names):
-        turned = shaft_angles(d, d.routes.drum.name, np.radians(drive.half_travel_deg), j, drive.motor_turns)
+        turned = shaft_angles(d, d.routes.drum.name, np.radians(drive.half_travel_deg), j, drive.gearhead.ratio)
         found.append(ShaftTurns(name, {shaft: float(np.degrees(angle)) for shaft, angle in turned.items()}))
     return tuple(found)
 
@@ -282,7 +282,7 @@ def notes(drive: Drive, d: DriveSI) -> tuple[str, ...]:
         f"is calibrated: the paper prints no modulus, and its backlash of {BACKLASH_RAD * 1e3:g} mrad implies a "
         "different one under each reading, and another where the structure counts.",
         *_train(drive),
-        _losses([body.name for body in d.routes.passed]),
+        _losses(drive, d),
     )
 
 
@@ -305,14 +305,18 @@ def _train(drive: Drive) -> tuple[str, ...]:
     )
 
 
-def _losses(passed: list[str]) -> str:
+def _losses(drive: Drive, d: DriveSI) -> str:
     """Note on the losses along the rope that the model leaves out."""
+    passed = [body.name for body in d.routes.passed]
     if not passed:
         return "The rope's bending stiffness is left out."
-    names = " and the ".join(passed)
+    names, test = " and the ".join(passed), np.array([0.0, drive.loads.test_torque_Nm])
+    with_slip, without = (
+        abs(float(np.diff(solve_equilibrium(each, test).drum_angle_rad)[0])) for each in (with_passed_slip(d), d)
+    )
     return (
         f"Turns and tensions leave out friction at the {names} and the rope's bending stiffness; slip on the {names}'s "
-        "wraps would add about 8 % to the backlash."
+        f"wraps would add about {100.0 * (with_slip / without - 1.0):.0f} % to the backlash."
     )
 
 

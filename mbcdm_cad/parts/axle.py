@@ -23,7 +23,7 @@ CHAMFER_MM = 0.3
 
 @dataclass(frozen=True)
 class AxleDims:
-    """Guide axle: held by a set screw in the bearing shelf, located in the top plate; collar below the bearing."""
+    """Axle between two plates, of an idler or the guide, with a collar below the bearing and a spacer above."""
 
     radius: float
     bottom_z: float
@@ -40,6 +40,7 @@ class Axle(MadePart):
     """Axle where it stands in the assembly, axis Z."""
 
     dims: AxleDims
+    title: str = "Guide axle"
 
     def solid(self) -> cq.Solid:
         """Axle where it stands in the assembly, axis Z."""
@@ -74,7 +75,7 @@ class Axle(MadePart):
         fit = FITS["idler_axle"].code
         return Sheet(
             part=part,
-            title="Guide axle",
+            title=self.title,
             views=(ALONG_Z.view(low, high, section=False),),
             dimensions=(
                 ALONG_Z.diameter(r, low + CHAMFER_MM, "left", fit=fit, count=2, datum="D"),
@@ -95,6 +96,7 @@ class Spacer(MadePart):
     """Spacer above the upper bearing's inner ring, where it stands in the assembly, axis Z."""
 
     dims: AxleDims
+    title: str = "Guide spacer"
 
     def solid(self) -> cq.Solid:
         """Spacer above the upper bearing's inner ring, where it stands in the assembly, axis Z."""
@@ -117,7 +119,7 @@ class Spacer(MadePart):
         fit, middle = FITS["spacer_bore"].code, (dims.radius + dims.collar_radius) / 2
         return Sheet(
             part=part,
-            title="Guide spacer",
+            title=self.title,
             views=(ALONG_Z.view(low, high, section=True),),
             dimensions=(
                 ALONG_Z.diameter(dims.radius, low, "left", fit=fit),

@@ -1,4 +1,4 @@
-"""Idler: a stepped pulley that cables pass, smooth and without flanges, with a bearing in each end."""
+"""Idler: a stepped pulley that cables pass, smooth, with a bearing in each end; two of its steps may be flanges."""
 
 from __future__ import annotations
 
@@ -30,12 +30,25 @@ class IdlerDims:
     seat_depth: float
     shoulder_radius: float
 
+    @property
+    def flanged(self) -> bool:
+        """Whether the steps at both ends are flanges."""
+        return len(self.surface_radii) == 3 and self.surface_radii[1] < min(
+            self.surface_radii[0], self.surface_radii[2]
+        )
+
+    @property
+    def bearings_mm(self) -> tuple[float, float]:
+        """Middles of the bearings along the axis."""
+        return self.bottom_z + self.seat_depth / 2, self.top_z - self.seat_depth / 2
+
 
 @dataclass(frozen=True)
 class IdlerPulley(MadePart):
     """Idler pulley where it stands in the assembly, axis Z."""
 
     dims: IdlerDims
+    title: str = "Guide pulley"
 
     def solid(self) -> cq.Solid:
         """Idler pulley where it stands in the assembly, axis Z."""
@@ -85,7 +98,7 @@ class IdlerPulley(MadePart):
         )
         return Sheet(
             part=part,
-            title="Guide pulley",
+            title=self.title,
             views=(ALONG_Z.view(low, high, section=True),),
             dimensions=dimensions,
             labels=(*labels, Label(MAIN, ALONG_Z.point(-(dims.seat_radius + largest) / 2, low), "A", leader=True)),
@@ -104,5 +117,9 @@ class IdlerPulley(MadePart):
                     (dims.shoulder_radius, dims.seat_radius), (low + dims.seat_depth, high - dims.seat_depth), 0.01, "D"
                 ),
             ),
-            notes=("Steps: Ra 0.8, no flanges; corner between two steps at most R0.05.",),
+            notes=(
+                "Steps: Ra 0.8; corner between land and flange at most R0.2."
+                if dims.flanged
+                else "Steps: Ra 0.8, no flanges; corner between two steps at most R0.05.",
+            ),
         )

@@ -282,5 +282,5 @@ def preload_report(layout: Layout, logs: Sequence[tuple[str, Path]] = ()) -> Pre
             raise MbcdmError(f"{path}: {error}") from None
     if found:
         turns = preload.nut_turns(layout, tuple(found))
-    motor = drive.motor.peak_torque_mNm * 1e-3 * drive.reduction.ratio * drive.reduction.efficiency
+    motor = drive.motor.peak_torque_mNm * 1e-3 * drive.gearhead.ratio * drive.gearhead.efficiency
     return PreloadReport(rule, ramps, reason, tuple(found), turns, motor, layout)

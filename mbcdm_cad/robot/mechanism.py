@@ -52,8 +52,7 @@ class Joint:
     Its zero is that of the output; the links are drawn at ``drawn_rad``, where the drum is in the middle of its travel.
     ``effort_Nm`` and ``speed_rad_s``: the largest torque that it holds continuously, and speed that goes with it.
     ``friction_Nm``: dry friction under the preload, at the drum that of the bodies that cables pass too, at an input
-    that of gearhead and motor; the part in proportion to a load is in ``effort_Nm``. ``leader``: the input that turns
-    it by belt or gears; empty where it follows the drum.
+    that of gearhead and motor; the part in proportion to a load is in ``effort_Nm``.
     """
 
     link: str
@@ -65,7 +64,6 @@ class Joint:
     effort_Nm: float
     speed_rad_s: float
     friction_Nm: float
-    leader: str = ""
 
 
 @dataclass(frozen=True)
@@ -100,7 +98,7 @@ def mechanism(drive: Drive, parts: Mapping[str, PartFiles]) -> Mechanism:
     drum = next(body for body in turning if body.kind == "drum")
     drum_effort, drum_speed = _limits(drive)
     rubs = axis_friction(drive)
-    of_motor = drive.layout.losses.motor_idle_Nm * drive.reduction.ratio
+    of_motor = drive.layout.losses.motor_idle_Nm * drive.gearhead.ratio
     inputs = [body.name for body in turning if body.kind == "input"]
     friction = {drum.name: rubs.drum_Nm}
     friction |= {name: own + of_motor for name, own in zip(inputs, rubs.inputs_Nm, strict=True)}
@@ -158,7 +156,7 @@ def _joint(body: MovingGroup, drive: Drive, drum_limits: tuple[float, float], fr
     effort = drum_effort_Nm / turns
     if body.kind == "input":
         motor_Nm = drive.motor.rated_torque_mNm * 1e-3
-        effort = min(float(drive.layout.losses.output_Nm(motor_Nm)), drive.reduction.max_torque_mNm * 1e-3)
+        effort = min(float(drive.layout.losses.output_Nm(motor_Nm)), drive.gearhead.max_torque_mNm * 1e-3)
     return Joint(
         body.name,
         body.axis,
@@ -169,7 +167,6 @@ def _joint(body: MovingGroup, drive: Drive, drum_limits: tuple[float, float], fr
         effort_Nm=effort,
         speed_rad_s=drum_speed_rad_s * turns,
         friction_Nm=friction_Nm,
-        leader=body.name.replace("driver_", "input_", 1) if body.kind == "stage" else "",
     )
 
 

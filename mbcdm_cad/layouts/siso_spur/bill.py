@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import cos, radians, sin
+from math import radians
 
-from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
+from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, SpurRun
+from mbcdm_cad.layouts.siso_spur.idlers import SENSE
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims
+from mbcdm_cad.layouts.siso_spur.support.idlers import strap_screw
 from mbcdm_cad.layouts.siso_spur.support.parts import Yoke
+from mbcdm_cad.layouts.siso_spur.support.strap import Strap
+from mbcdm_cad.parts.axle import Axle, Spacer
 from mbcdm_cad.parts.bill import Bill, BillBuilder, MovingBody
 from mbcdm_cad.parts.drum_sector.items import add_cables, add_drum, add_drum_encoder, add_preload_spring
-from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
+from mbcdm_cad.parts.idler_pulley import IdlerPulley
 from mbcdm_cad.parts.input_pulley.items import add_input_pulley
 from mbcdm_cad.parts.motor_head.dims import flange_screw
 from mbcdm_cad.parts.motor_head.items import (
@@ -21,36 +25,39 @@ from mbcdm_cad.parts.motor_head.items import (
     add_input_line,
     add_motor_head,
 )
-from mbcdm_cad.parts.placement import Placement, Vector
+from mbcdm_cad.parts.placement import Placement
 from mbcdm_cad.parts.ring import Pin
-from mbcdm_cad.parts.stage import Belt, Wheel, belt_bottom_mm
 
-_X, _Y, _Z, _BACK = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0)
-# Linear RGB.
-_RUBBER = (0.015, 0.015, 0.017)
+_X, _Y, _BACK = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0)
 # Parts on the drum's axis and on the input's axis are drawn along Z with the gearhead below.
 ALONG_Y = Placement.about(_X, -90.0)
 _TO_BACK = Placement.about(_X, 90.0)
 
 
 def moving_bodies(lay: SpurLayout) -> tuple[MovingBody, ...]:
-    """Drum about +Y and input about -Y: theta_i = theta_o r_o/r_i."""
+    """Drum about +Y, idlers about +Y against it, input about -Y: theta_i = theta_o r_o/r_i."""
     drive = lay.drive
-    return MovingBody("drum", "drum", (0.0, 0.0, 0.0), _Y), *input_bodies(drive, drive.input_names[0], 0.0)
+    name, axis = f"input_{drive.input_names[0]}", (0.0, 0.0, drive.centre_distance_mm)
+    return (
+        MovingBody("drum", "drum", (0.0, 0.0, 0.0), _Y),
+        *(
+            MovingBody(
+                body,
+                "passed",
+                _idler_axis(drive, cable, n),
+                _Y,
+                SENSE * drive.drum_radius_mm,
+                drive.leading.radius_mm,
+            )
+            for body, _, (cable, n) in (lay.idlers if drive.idlers else ())
+        ),
+        MovingBody(name, "input", axis, _BACK, drive.drum_radius_mm, drive.input_radius_mm),
+    )
 
 
-def input_bodies(drive: SpurDrive, name: str, angle_rad: float) -> tuple[MovingBody, ...]:
-    """An input at this angle about Y, from +Z towards +X, and the driving wheel of its stage, if it has one."""
-
-    def at(distance_mm: float) -> Vector:
-        return distance_mm * sin(angle_rad), 0.0, distance_mm * cos(angle_rad)
-
-    ratio, distance, stage = (drive.drum_radius_mm, drive.input_radius_mm), drive.centre_distance_mm, drive.stage
-    body = MovingBody(f"input_{name}", "input", at(distance), _BACK, *ratio)
-    if stage is None:
-        return (body,)
-    turned = ratio[0] * stage.ratio * stage.sense
-    return body, MovingBody(f"driver_{name}", "stage", at(distance + stage.centre_mm), _BACK, turned, ratio[1])
+def _idler_axis(drive: SpurDrive, cable: SpurRun, number: int) -> tuple[float, float, float]:
+    place = drive.idler_places[number]
+    return cable.drum_side * place.x_mm, 0.0, place.z_mm
 
 
 def _at(x: float, y: float, z: float) -> Placement:
@@ -61,6 +68,7 @@ def tapped(drive: SpurDrive, frame: YokeDims) -> YokeDims:
     """The frame with the tap drill diameters of its threads."""
     return replace(
         frame,
+        stands=tuple(replace(stand, thread_radius=strap_screw(drive).tap_drill_mm / 2) for stand in frame.stands),
         flange_screw_radius=(
             frame.flange_screw_radius if frame.flange_insert else flange_screw(drive).tap_drill_mm / 2
         ),
@@ -111,37 +119,24 @@ def add_own_input(b: BillBuilder, lay: SpurLayout, turn: Placement, mark: str = 
     add_input_line(b, drive, lay.head, shelf, stand)
 
 
-def add_own_stage(b: BillBuilder, lay: SpurLayout, pulley: InputPulleyDims, turn: Placement) -> None:
-    """Add the wheels of an input's stage and its belt; ``turn`` as for the input's fixed items."""
-    drive, dims, name = lay.drive, lay.stage, pulley.name
-    if dims is None:
-        return
-    metal = drive.material("aluminium-7075" if dims.stage.is_belt else "steel")
-    along, up = turn @ ALONG_Y, Placement.translation(0.0, 0.0, dims.bottom_z)
-    for part, spec, group in (
-        ("driven", dims.driven, f"input_{name}"),
-        ("driver", dims.driver, f"driver_{name}"),
-    ):
-        b.add(
-            f"stage_{part}_{name}",
-            Wheel(spec),
-            part=f"stage_{part}",
-            material=metal,
-            group=group,
-            place=along @ up,
-            mass_g=dims.mass_g(spec),
-        )
-    if dims.belt is not None:
-        # The belt is drawn with the driver at +Y; turned, it is away from the drum.
-        stand = turn @ _at(0.0, 0.0, drive.centre_distance_mm) @ ALONG_Y @ Placement.about(_Z, 180.0)
-        b.add(
-            f"stage_belt_{name}",
-            Belt(dims.belt),
-            part="stage_belt",
-            material=replace(drive.material("stainless"), colour=_RUBBER),
-            place=stand @ Placement.translation(0.0, 0.0, dims.bottom_z + belt_bottom_mm()),
-            mass_g=dims.mass_g(dims.belt),
-        )
+def add_idlers(b: BillBuilder, lay: SpurLayout) -> None:
+    """Idlers with their bearings, which turn with them, axles and spacers, and the straps with their screws."""
+    drive, spec, steel = lay.drive, lay.drive.idler_bearing, lay.drive.material("steel")
+    screw, ring = strap_screw(drive), drive.material("bearing-steel")
+    for body, own, (cable, n) in lay.idlers:
+        x, _, z = _idler_axis(drive, cable, n)
+        axle, where = lay.axle_of(own, n), _at(x, 0.0, z) @ ALONG_Y
+        tag = body.removeprefix("idler_")
+        b.add(f"idler_axle_{tag}", Axle(axle, "Idler axle"), material=drive.shaft_material, place=where)
+        b.add(body, IdlerPulley(own, "Idler"), material=drive.drum_material, group=body, place=ALONG_Y)
+        b.bearing(f"idler_bearing_rear_{tag}", spec, ring, _at(0.0, own.bottom_z, 0.0) @ ALONG_Y, body)
+        b.bearing(f"idler_bearing_front_{tag}", spec, ring, _at(0.0, own.top_z - spec.width_mm, 0.0) @ ALONG_Y, body)
+        b.add(f"idler_spacer_{tag}", Spacer(axle, "Idler spacer"), material=drive.shaft_material, place=where)
+    for n, stand in enumerate(lay.frame.stands, 1):
+        b.add(f"idler_strap_{n}", Strap(stand), material=drive.frame_material)
+        for k, side in enumerate((-1, 1), 1):
+            place = _at(side * stand.screw_x, stand.strap_front_y, stand.screw_z) @ ALONG_Y
+            b.screw(f"idler_strap_screw_{n}_{k}", screw, steel, place)
 
 
 def bill(lay: SpurLayout, drum_angle_deg: float = 0.0) -> Bill:
@@ -152,10 +147,11 @@ def bill(lay: SpurLayout, drum_angle_deg: float = 0.0) -> Bill:
     add_stop_pin(b, lay)
     add_drum_bearings(b, lay)
     add_own_input(b, lay, Placement.identity())
+    if drive.idlers:
+        add_idlers(b, lay)
     add_drum_encoder(b, drive, f.boss.encoder_pocket_floor_y, f.boss.screw_circle)
     add_drum(b, drive, lay.drum, lay.drum_shaft)
     for pulley in lay.inputs:
         add_input_pulley(b, drive, pulley, lay.collar, drive.frame_material, ALONG_Y)
-        add_own_stage(b, lay, pulley, Placement.identity())
     add_cables(b, drive, lay.cable_paths(radians(drum_angle_deg)))
     return b.bill()

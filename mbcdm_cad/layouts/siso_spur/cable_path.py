@@ -15,13 +15,20 @@ from math import cos, pi, radians, sin, tan, tau
 import numpy as np
 
 from mbcdm_cad.layouts.siso_spur.drive import CHANGE_RAD, SpurDrive, SpurRun, contact_rad
+from mbcdm_cad.layouts.siso_spur.idlers import SENSE
 from mbcdm_cad.parts.input_pulley.stop import STOP_PIECES, StopGeometry, stop_geometry, stop_pieces
 from mbcdm_cad.routes.cable_path import CablePath, Stretch
 from mbcdm_cad.routes.curves import Arc, Coil, Line, Parabola, Piece, Triple, Vector, reverse
 
 ON_INPUT = ("wound",)
 _Y, _Z = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
-_SIDE = ("span", "drum", "lay", "dead", "tail")
+_ON_DRUM = ("drum", "lay", "dead", "tail")
+
+
+def led_names(drive: SpurDrive) -> tuple[str, ...]:
+    """Names of the pieces between input and drum: spans and, between them, wraps on idlers."""
+    between = tuple(name for n in range(1, len(drive.idler_places) + 1) for name in (f"idler_{n}", f"span_{n + 1}"))
+    return ("span", *between)
 
 
 def input_wrap_rad(drive: SpurDrive, cable: SpurRun, drum_angle_rad: float) -> float:
@@ -51,6 +58,7 @@ def side_pieces(drive: SpurDrive, cable: SpurRun, anchor_rad: float, tail_mm: fl
     middle = drive.level_mm + walked_mm(drive, angle_rad)
     leave, land = (middle + cable.outward * y for y in (drive.leave_mm, drive.land_mm))
     at = contact_rad(drive, side)
+    off = (r_i * sin(at), leave, drive.centre_distance_mm + r_i * cos(at))
 
     def on_drum(angle: float, y: float, radius: float = r_o) -> Triple:
         return (side * radius * sin(angle), y, radius * cos(angle))
@@ -67,12 +75,32 @@ def side_pieces(drive: SpurDrive, cable: SpurRun, anchor_rad: float, tail_mm: fl
     along = np.array([side * cos(anchor), 0.0, -sin(anchor)])
     leaving = np.array(on_drum(anchor, plane))
     return [
-        Line((r_i * sin(at), leave, drive.centre_distance_mm + r_i * cos(at)), on_drum(landing, land)),
+        *_led(drive, side, off, on_drum(landing, land)),
         Coil((0.0, 0.0, 0.0), _Y, _Z, r_o, side * landing, side * start, land, start_y),
         Parabola(on_drum(start, start_y), on_drum(last, plane, r_o / cos(CHANGE_RAD)), on_drum(end, plane)),
         Arc((0.0, plane, 0.0), _Z, (float(side), 0.0, 0.0), r_o, end, anchor),
         Line(_t(leaving), _t(leaving + tail_mm * along)),
     ]
+
+
+def _led(drive: SpurDrive, side: int, off: Triple, on: Triple) -> list[Piece]:
+    """Spans and wraps on idlers between the points where a side leaves the input and lands on the drum."""
+    if drive.idlers is None:
+        return [Line(off, on)]
+    found, r, pieces, start = drive.strand, drive.idlers.radius_mm, list[Piece](), off
+    slope = (on[1] - off[1]) / drive.strand_mm
+    for place, before, span, wrap in zip(drive.idler_places, found.heading, found.length, found.wraps, strict=False):
+        y = start[1] + slope * float(span)
+        end_y = y + slope * r * float(wrap)
+        # Where the span touches: the axis and a quarter of a turn from its direction.
+        first = float(before) - SENSE * pi / 2
+        last = first + SENSE * float(wrap)
+        centre, ends = (side * place.x_mm, 0.0, place.z_mm), []
+        for angle, at_y in ((first, y), (last, end_y)):
+            ends.append((centre[0] + side * r * sin(angle), at_y, centre[2] + r * cos(angle)))
+        pieces += [Line(start, ends[0]), Coil(centre, _Y, _Z, r, side * first, side * last, y, end_y)]
+        start = ends[1]
+    return [*pieces, Line(start, on)]
 
 
 def cable_paths(
@@ -103,8 +131,9 @@ def anchored_path(drive: SpurDrive, cable: SpurRun, anchor_rad: float, tail_mm: 
     ends = stop_pieces(start, radial, -wound.tangent(0.0), cable.input_radius_mm, stop_of(drive, cable))
     side = side_pieces(drive, cable, anchor_rad, tail_mm, angle_rad)
     on_input = (*STOP_PIECES, *ON_INPUT)
-    pieces = (*zip(on_input, (*ends, wound), strict=True), *zip(_SIDE, side, strict=True))
-    stretches = (Stretch(f"input_{cable.input_name}", on_input), Stretch(None, _SIDE[:1]), Stretch("drum", _SIDE[1:]))
+    led = led_names(drive)
+    pieces = (*zip(on_input, (*ends, wound), strict=True), *zip((*led, *_ON_DRUM), side, strict=True))
+    stretches = (Stretch(f"input_{cable.input_name}", on_input), Stretch(None, led), Stretch("drum", _ON_DRUM))
     return CablePath(cable, angle_rad, pieces, stretches)
 
 
@@ -125,18 +154,20 @@ def cable_path(drive: SpurDrive, anchors: Mapping[str, tuple[float, float]], ang
         leave[0],
         leave[1],
     )
-    names = [[f"{name}_{c.name}" for name in _SIDE] for c in (first, second)]
+    led = led_names(drive)
+    free = len(led)
+    names = [[f"{name}_{c.name}" for name in (*led, *_ON_DRUM)] for c in (first, second)]
     pieces: tuple[tuple[str, Piece], ...] = (
         *((name, reverse(piece)) for name, piece in zip(names[0][::-1], ends[0][::-1], strict=True)),
         (ON_INPUT[0], wound),
         *zip(names[1], ends[1], strict=True),
     )
     stretches = (
-        Stretch("drum", tuple(names[0][:0:-1])),
-        Stretch(None, (names[0][0],)),
+        Stretch("drum", tuple(names[0][: free - 1 : -1])),
+        Stretch(None, tuple(names[0][free - 1 :: -1])),
         Stretch(f"input_{first.input_name}", ON_INPUT),
-        Stretch(None, (names[1][0],)),
-        Stretch("drum", tuple(names[1][1:])),
+        Stretch(None, tuple(names[1][:free])),
+        Stretch("drum", tuple(names[1][free:])),
     )
     return CablePath(replace(first, name=first.input_name), angle_rad, pieces, stretches)
 
@@ -156,7 +187,7 @@ def stop_length_mm(stop: StopGeometry, radius_mm: float) -> float:
 
 def longest_mm(drive: SpurDrive, anchor_rad: float) -> float:
     """Upper estimate of the length of a side that leaves its land at ``anchor_rad``."""
-    wound = drive.input_radius_mm * drive.wound_rad + drive.free_span_mm
+    wound = drive.input_radius_mm * drive.wound_rad + drive.strand_mm
     if drive.anchored:
         first = drive.cables[0]
         wound += stop_length_mm(stop_of(drive, first), first.input_radius_mm)

@@ -7,11 +7,14 @@ from functools import cached_property
 from math import acos, hypot, pi, radians, sqrt, tan, tau
 from typing import ClassVar, Literal, TypeVar
 
+import numpy as np
+
 from mbcdm_cad.design.blocks import Limits
 from mbcdm_cad.design.bought import Bearing
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.fields import ESTIMATE, EntryName, Number, PlainBlock, choice, quantity
 from mbcdm_cad.design.sector_blocks import WoundPulleys
+from mbcdm_cad.layouts.siso_spur.idlers import SENSE, Circle, IdlerBlock, IdlerPlace, Strand, flange_radius_mm, taut
 from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.input_pulley.dims import GROOVE_DEPTH, GROOVE_RADIUS
 from mbcdm_cad.parts.motor_head.dims import HeadedDrive
@@ -53,6 +56,7 @@ class SpurBearings:
     drum: Bearing
     input_lower: Bearing  # next to the gearhead
     input_upper: Bearing  # next to the encoder
+    idler: Bearing | None = None  # in both ends of each idler
 
     def all(self) -> tuple[Bearing, ...]:
         """Bearings of the drum, of the input at the gearhead and at the encoder, in this order (types may repeat)."""
@@ -151,7 +155,8 @@ class SpurDrive(HeadedDrive):
     ``turns``: number of times that the one cable passes the line of centres on the input, or that each of two
     ``anchored`` cables does at the end of the travel where it is wound up. ``level_mm``: position of the middle of the
     winding along y; input pulley and encoder shelf are that much further from the frame's plate. ``frame_angle_rad``:
-    angle round the drum's axis in which this input's part of the frame lies.
+    angle round the drum's axis in which this input's part of the frame lies. ``idlers``: those that lead the cable to
+    an input away from the drum; None where it runs straight to the drum.
     """
 
     cables: tuple[SpurRun, ...]
@@ -165,6 +170,26 @@ class SpurDrive(HeadedDrive):
     support: YokeSupport
     level_mm: float = 0.0
     frame_angle_rad: float = tau
+    idlers: IdlerBlock | None = None
+
+    @property
+    def leading(self) -> IdlerBlock:
+        """The block of the idlers. Raises ``ValueError`` for a drive without idlers."""
+        if self.idlers is None:
+            raise ValueError(f"{self.name} has no idlers")
+        return self.idlers
+
+    @property
+    def idler_bearing(self) -> Bearing:
+        """Bearing in both ends of each idler. Raises ``ValueError`` for a drive without idlers."""
+        if self.bearings.idler is None:
+            raise ValueError(f"{self.name} has no idlers")
+        return self.bearings.idler
+
+    @property
+    def idler_places(self) -> tuple[IdlerPlace, ...]:
+        """Places of the idlers of the side +x, from the input to the drum."""
+        return self.idlers.places if self.idlers else ()
 
     @property
     def input_radius_mm(self) -> float:
@@ -182,23 +207,84 @@ class SpurDrive(HeadedDrive):
         return self.drum_radius_mm / self.input_radius_mm
 
     @cached_property
+    def strand(self) -> Strand:
+        """Path of the side +x from the input to the drum in the plane of X and Z, mm."""
+        idler_mm = self.idlers.radius_mm if self.idlers else 0.0
+        return taut(
+            [
+                Circle(0.0, self.centre_distance_mm, self.input_radius_mm, -1),
+                *(Circle(p.x_mm, p.z_mm, idler_mm, SENSE) for p in self.idler_places),
+                Circle(0.0, 0.0, self.drum_radius_mm, 1),
+            ]
+        )
+
+    @cached_property
     def landing_rad(self) -> float:
-        """Angle from the line of centres at which the cable lands on the drum: cos = (r_o + r_i) / L.
+        """Angle from the line of centres at which the cable lands on the drum; without idlers cos = (r_o + r_i) / L.
 
         0 where the pulleys touch or overlap.
         """
+        if self.idlers:
+            return float(np.nan_to_num(self.strand.landing_rad))
         return acos(min(1.0, (self.drum_radius_mm + self.input_radius_mm) / self.centre_distance_mm))
+
+    @cached_property
+    def leaving_rad(self) -> float:
+        """Angle from the line of centres at which the cable leaves the input; without idlers that of the landing."""
+        return float(np.nan_to_num(self.strand.leaving_rad)) if self.idlers else self.landing_rad
 
     @property
     def free_span_mm(self) -> float:
-        """L_free = sqrt(L^2 - (r_o + r_i)^2) of each side; 0 if the pulleys overlap."""
+        """L_free of each side, all straight pieces: without idlers sqrt(L^2 - (r_o + r_i)^2).
+
+        0 if pulleys overlap, or if the cable does not touch an idler.
+        """
+        if self.idlers:
+            touched = bool((self.strand.wraps > 0.0).all())
+            return float(np.nan_to_num(self.strand.length.sum())) if touched else 0.0
         reach = self.drum_radius_mm + self.input_radius_mm
         return sqrt(max(0.0, self.centre_distance_mm**2 - reach**2))
 
+    @cached_property
+    def led_mm(self) -> tuple[float, ...]:
+        """Lengths of each side from the input to the drum, without the slope: spans and, between them, idlers."""
+        if self.idlers is None or self.free_span_mm == 0.0:
+            return (self.free_span_mm,)
+        arcs = self.idlers.radius_mm * self.strand.wraps
+        between = (float(length) for pair in zip(arcs, self.strand.length[1:], strict=True) for length in pair)
+        return (float(self.strand.length[0]), *between)
+
+    @property
+    def strand_mm(self) -> float:
+        """Length of each side between input and drum along the pitch line, idlers included, without the slope."""
+        return sum(self.led_mm)
+
+    @property
+    def idler_levels_mm(self) -> tuple[float, ...]:
+        """Distance along y from the middle to the middle of the cable on each idler, from the input on, drum centred.
+
+        Negative if the cable has crossed the middle. Its walk and its rise on the idler are on both sides of that.
+        """
+        way = self.led_mm
+        before = (sum(way[:k]) + way[k] / 2 for k in range(1, len(way), 2))
+        return tuple(self.leave_mm + length * self._away for length in before)
+
+    @property
+    def idler_band_mm(self) -> float:
+        """Length of an idler along its axis that the cable uses over the travel.
+
+        It is the walk, the rise on the wrap and past both flanges, and the diameter.
+        """
+        if self.idlers is None:
+            return 0.0
+        d, r = self.cable.diameter_mm, self.idlers.radius_mm
+        past = sqrt((flange_radius_mm(r, d) + d / 2) ** 2 - r**2)
+        return self.walk_mm + (max(self.led_mm[1::2], default=0.0) + 2 * past) * self.slope + d
+
     @property
     def wrap_rad(self) -> float:
-        """Wrap on the input from one span to the other, constant over the travel: 2 pi N - 2 landing."""
-        return tau * self.turns - 2 * self.landing_rad
+        """Wrap on the input from one span to the other, constant over the travel: 2 pi N - 2 leaving."""
+        return tau * self.turns - 2 * self.leaving_rad
 
     @property
     def wound_rad(self) -> float:
@@ -245,7 +331,7 @@ class SpurDrive(HeadedDrive):
     @property
     def land_mm(self) -> float:
         """Distance along y from the middle to the point where each span lands on the drum, drum centred."""
-        return self.leave_mm + self.free_span_mm * self._away
+        return self.leave_mm + self.strand_mm * self._away
 
     @cached_property
     def terminal_mm(self) -> float:
@@ -295,7 +381,7 @@ def is_continuous(drive: SpurDrive) -> bool:
 
 def contact_rad(drive: SpurDrive, side: int) -> float:
     """Angle about Y, from +Z towards +X, at which the span of one side leaves the input."""
-    return pi + side * drive.landing_rad
+    return pi + side * drive.leaving_rad
 
 
 def groove_depth_mm(drive: SpurDrive) -> float:

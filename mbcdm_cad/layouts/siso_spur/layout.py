@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from math import pi
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,19 +16,28 @@ from mbcdm_cad.layouts.base import Conventions, dimensions
 from mbcdm_cad.layouts.sector import HeadLayout
 from mbcdm_cad.layouts.siso_spur.cable_path import cable_paths, input_wrap_rad, longest_mm, side_length_mm
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, SpurRun, laid, spur
+from mbcdm_cad.layouts.siso_spur.idlers import no_strand
 from mbcdm_cad.layouts.siso_spur.pulley import input_pulley
 from mbcdm_cad.layouts.siso_spur.stack import SpurStack, spur_stack
 from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims, flange, yoke
-from mbcdm_cad.parts.collar import CollarDims, collar, collar_over_shelf_mm, collar_width_mm
+from mbcdm_cad.layouts.siso_spur.support.idlers import axle, idlers
+from mbcdm_cad.parts.axle import AxleDims
+from mbcdm_cad.parts.collar import CollarDims, collar
 from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
 from mbcdm_cad.parts.drum_sector.sizes import TerminalWay, drum, furthest_anchor_rad
+from mbcdm_cad.parts.idler_pulley import IdlerDims
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 from mbcdm_cad.parts.motor_head.dims import Flange, HeadDims, head
 from mbcdm_cad.parts.mounting import MOUNT_SCREWS, MountScrew
-from mbcdm_cad.parts.stage import HUB_EDGE_MM, StageDims, stage_dims
 from mbcdm_cad.parts.terminal.take_up import terminal_travel_mm
 from mbcdm_cad.routes.cable_path import CablePath
+
+if TYPE_CHECKING:
+    from mbcdm_cad.layouts.structure import Cause
+    from mbcdm_cad.model.losses.train import BearingPair
+    from mbcdm_cad.model.si import DriveSI
+    from mbcdm_cad.routes import Floats
 
 
 def _ratio(drive: SpurDrive, value: float) -> SpurDrive:
@@ -36,11 +46,6 @@ def _ratio(drive: SpurDrive, value: float) -> SpurDrive:
 
 def _turns(drive: SpurDrive, value: float) -> SpurDrive:
     return replace(drive, turns=max(1, round(value)))
-
-
-def _belt_teeth(drive: SpurDrive, value: float) -> SpurDrive:
-    assert drive.stage is not None
-    return replace(drive, stage=replace(drive.stage, belt_teeth=round(value)))
 
 
 _DRUM = (
@@ -62,6 +67,8 @@ _SUPPORT = (
     "bearing_shelf_mm",
     "encoder_shelf_mm",
 )
+
+_IDLERS = ("radius_mm", "width_mm")
 
 
 def _with_lands(variable: DesignVariable) -> DesignVariable:
@@ -87,13 +94,7 @@ VARIABLES: dict[str, DesignVariable] = by_path(
         field("clearances.land_edge_mm"),
         *(field(f"drum.{name}") for name in _DRUM),
         *(field(f"support.{name}") for name in _SUPPORT),
-        field("stage.width_mm")._replace(applies=lambda d: d.stage is not None),
-        DesignVariable(
-            "stage.belt_teeth",
-            lambda drive: float(drive.stage.belt_teeth),
-            _belt_teeth,
-            applies=lambda d: d.stage is not None and d.stage.is_belt,
-        ),
+        *(field(f"idlers.{name}")._replace(applies=lambda d: d.idlers is not None) for name in _IDLERS),
     )
 )
 
@@ -122,6 +123,8 @@ class SpurLayout(HeadLayout):
     def terminal_way(self) -> TerminalWay:
         """Take-up of the terminals. Raises ValueError for pulleys that overlap."""
         drive = self.drive
+        if drive.free_span_mm <= 0.0 and drive.idlers:
+            raise ValueError(no_strand(drive.strand))
         if drive.free_span_mm <= 0.0:
             reach = drive.drum_radius_mm + drive.input_radius_mm
             raise ValueError(
@@ -149,32 +152,7 @@ class SpurLayout(HeadLayout):
     @dimensions
     def collar(self) -> CollarDims:
         """Clamp collar of the pulley."""
-        drive, stage = self.drive, self.stage
-        found = collar(drive, *drive.collar_seat, self.levels.motor_shelf_top_z)
-        if stage is None:
-            return found
-        # On the hub of the driven wheel.
-        bottom = stage.top_z + HUB_EDGE_MM
-        return replace(found, bottom_z=bottom, top_z=bottom + found.top_z - found.bottom_z)
-
-    @dimensions
-    def stage(self) -> StageDims | None:
-        """Belt or gears between motor and input; None without."""
-        drive = self.drive
-        if drive.stage is None:
-            return None
-        return stage_dims(
-            drive.stage,
-            self.levels.motor_shelf_top_z + collar_over_shelf_mm(drive),
-            drive.bearings.input_lower.bore_mm,
-            collar_width_mm(drive, drive.input_pulleys.collar_screw),
-            drive.gearhead.shaft_diameter_mm,
-        )
-
-    @property
-    def stage_clear_mm(self) -> float:
-        """Distance of a stage's driving wheel from the face on whose shaft it is."""
-        return self.stage.bottom_z - self.levels.motor_shelf_bottom_z if self.stage else 0.0
+        return collar(self.drive, *self.drive.collar_seat, self.levels.motor_shelf_top_z)
 
     @dimensions
     def frame(self) -> YokeDims:
@@ -210,9 +188,10 @@ class SpurLayout(HeadLayout):
         return VARIABLES
 
     def bends_mm(self) -> Sequence[tuple[str, str, float]]:
-        """Input pulley and drum."""
+        """Input pulley, idlers and drum."""
         name, drive = self.drive.input_names[0], self.drive
-        return [(name, "input pulley", drive.input_radius_mm), (name, "drum", drive.drum_radius_mm)]
+        idlers = [(name, "idlers", drive.idlers.radius_mm)] if drive.idlers else []
+        return [(name, "input pulley", drive.input_radius_mm), *idlers, (name, "drum", drive.drum_radius_mm)]
 
     @property
     def levels_sense(self) -> int:
@@ -233,6 +212,39 @@ class SpurLayout(HeadLayout):
     def anchor_rad(self, cable: SectorRun) -> float:
         """Wrap on the drum with the drum centred: from where the cable lands to where it leaves its land."""
         return super().anchor_rad(cable) - self.drive.landing_rad
+
+    @dimensions
+    def idlers(self) -> tuple[tuple[str, IdlerDims, tuple[SpurRun, int]], ...]:
+        """Each idler: its body in the routes, its dimensions, its cable and its number from 0 on."""
+        return tuple(idlers(self.drive))
+
+    def axle_of(self, own: IdlerDims, number: int) -> AxleDims:
+        """Axle of an idler."""
+        return axle(self.drive, self.frame.stands[number], self.levels, own)
+
+    def axle_supports_mm(self, number: int) -> tuple[float, float]:
+        """Middles of plate and strap along y, which hold the axles of a pair."""
+        stand, levels = self.frame.stands[number], self.levels
+        return (levels.plate_back_y + levels.front_y) / 2, (stand.strap_back_y + stand.strap_front_y) / 2
+
+    def passed_bearings(self, d: DriveSI) -> Iterable[BearingPair]:
+        """Those in the idlers."""
+        from mbcdm_cad.layouts.losses import body_bearings
+
+        for body, own, _ in self.idlers:
+            spec = self.drive.idler_bearing
+            yield body_bearings(d, d.routes.body(body), "idlers' bearings", (spec, spec), own.bearings_mm)
+
+    def passed_structure(self, unit_tension_N: Floats) -> Iterable[Cause]:
+        """Axles of the idlers between plate and strap, and their bearings."""
+        from mbcdm_cad.layouts.structure import axle_causes, elastic
+        from mbcdm_cad.model.structure.shafts import Section
+
+        modulus = elastic(self.drive.shaft_material).modulus_MPa
+        for body, own, (_, n) in self.idlers:
+            supports, spec = self.axle_supports_mm(n), self.drive.idler_bearing
+            section = Section(*supports, self.frame.stands[n].axle_radius)
+            yield from axle_causes(self, body, unit_tension_N, supports, (spec, own.bearings_mm), section, modulus)
 
     def tensioned_lengths_mm(self) -> Sequence[float]:
         """Length that each terminal tensions: half of the one cable, or its own cable."""

@@ -134,6 +134,8 @@ def tensioned_sides(layout: SpurLayout) -> list[TensionedCable]:
     drive = layout.drive
     terminals = {t.cable_name: t for t in layout.drum.tensioners}
     stops = {slot.cable_name: slot.stop_start - slot.stop_end for pulley in layout.inputs for slot in pulley.slots}
+    # Spans and, between them, wraps on idlers, which turn freely.
+    led = tuple(length * drive.stretched * 1e-3 for length in drive.led_mm)
     cables = []
     for c in drive.cables:
         t = terminals[c.name]
@@ -142,7 +144,7 @@ def tensioned_sides(layout: SpurLayout) -> list[TensionedCable]:
         pieces = (
             (t.swage_start * 1e-3, 0.0),
             (c.drum_radius_mm * on_drum * 1e-3, on_drum),
-            (drive.free_span_mm * drive.stretched * 1e-3, 0.0),
+            *((length, 0.0) for length in led[::-1]),
             (c.input_radius_mm * wound * drive.stretched * 1e-3, wound),
         )
         cables.append(
@@ -154,7 +156,7 @@ def tensioned_sides(layout: SpurLayout) -> list[TensionedCable]:
                 ends_m=(t.cable_end - t.swage_start + stops.get(c.name, 0.0)) * 1e-3,
                 lever_m=c.sense * c.drum_radius_mm * 1e-3,
                 pieces=pieces,
-                spans_m=(drive.free_span_mm * drive.stretched * 1e-3,),
+                spans_m=led[::2],
                 travel_m=t.travel * 1e-3,
             )
         )

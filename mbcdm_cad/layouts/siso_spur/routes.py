@@ -9,22 +9,25 @@ outwards from the points where their spans leave, so that the spans converge alo
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import cos, sin
 
 import numpy as np
 
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
+from mbcdm_cad.layouts.siso_spur.idlers import SENSE, Circle, Strand, idler_body, no_strand, taut
 from mbcdm_cad.layouts.siso_spur.stack import spur_stack
+from mbcdm_cad.layouts.siso_spur.support.idlers import idler_inertia_kg_m2, idlers
 from mbcdm_cad.model.inertia import disc_kg_m2
 from mbcdm_cad.parts.drum_sector.inertia import drum_inertia_kg_m2
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.geometry import DRUM_RADIUS, INPUT_RADIUS, RoutedDrive, Varied, tangent_length_m
-from mbcdm_cad.routes.route import Anchor, Body, CableRoute, DriveRoutes, Span, Terminal, Wrap, input_body
+from mbcdm_cad.routes.route import Anchor, Body, CableRoute, DriveRoutes, Piece, Span, Terminal, Wrap, input_body
 
 DISTANCE = "centre_distance_m"
 DRUM = "drum"
+IDLER_RADIUS = "idler_radius_m"
 _MM = 1e-3
 _Y, _Z, _BACK = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0)
 
@@ -35,6 +38,7 @@ class SpurGeometry:
 
     ``angle_rad`` and ``level_m`` (n_inputs,): position of each input, about Y from +Z towards +X, and along Y.
     ``apart_m``: half the distance along Y at which two anchored cables leave an input; None for a continuous cable.
+    ``idlers``: x and z in m of those of the side +x from the input on.
     """
 
     cable_names: tuple[str, ...]
@@ -47,7 +51,7 @@ class SpurGeometry:
     turns: int
     lead_m: float
     apart_m: float | None = None
-    per_cable: tuple[str, ...] = (INPUT_RADIUS, DRUM_RADIUS)
+    idlers: tuple[tuple[float, float], ...] = ()
     varied: tuple[Varied, ...] = (
         Varied(DISTANCE, "centre distance", (67e-3, 70e-3, 75e-3, 85e-3, 100e-3), (68e-3, 80e-3)),
     )
@@ -58,31 +62,63 @@ class SpurGeometry:
         return tuple(-side for side in self.drum_side)
 
     @property
+    def per_cable(self) -> tuple[str, ...]:
+        """Radii."""
+        return (INPUT_RADIUS, DRUM_RADIUS, IDLER_RADIUS) if self.idlers else (INPUT_RADIUS, DRUM_RADIUS)
+
+    @property
     def passed_radii(self) -> dict[str, str]:
-        """None: the cable passes no other body."""
-        return {}
+        """The idlers of each cable, from the drum on; they all have one radius."""
+        numbers = range(len(self.idlers), 0, -1)
+        return {idler_body(n, cable): IDLER_RADIUS for n in numbers for cable in self.cable_names}
+
+    def strand(self, parameters: Mapping[str, Floats]) -> Strand:
+        """Paths from input to drum in m, mirrored to the side +x: (n_spans, n_cables, *batch)."""
+        return taut(
+            [
+                Circle(0.0, parameters[DISTANCE], parameters[INPUT_RADIUS], -1),
+                *(Circle(x, z, parameters[IDLER_RADIUS], SENSE) for x, z in self.idlers),
+                Circle(0.0, 0.0, parameters[DRUM_RADIUS], 1),
+            ]
+        )
 
     def free_span_m(self, parameters: Mapping[str, Floats]) -> Floats:
-        """L_free = sqrt(L^2 - (r_o + r_i)^2), Eq. (11)."""
+        """L_free, all spans; without idlers sqrt(L^2 - (r_o + r_i)^2), Eq. (11)."""
+        if self.idlers:
+            found = self.strand(parameters)
+            return np.where((found.wraps > 0.0).all(axis=0), found.length.sum(axis=0), np.nan)
         return tangent_length_m(parameters[DISTANCE], parameters[INPUT_RADIUS] + parameters[DRUM_RADIUS])
 
     def passed_wrap_rad(self, parameters: Mapping[str, Floats]) -> tuple[Floats, ...]:
-        """None."""
-        return ()
+        """Wrap on each idler, which one cable alone passes."""
+        if not self.idlers:
+            return ()
+        wraps = self.strand(parameters).wraps
+        found = []
+        for n in range(len(self.idlers), 0, -1):
+            for j in range(len(self.cable_names)):
+                own = np.zeros_like(wraps[n - 1])
+                own[j] = wraps[n - 1][j]
+                found.append(own)
+        return tuple(found)
 
     def through_wrap_rad(self, parameters: Mapping[str, Floats]) -> Floats | None:
-        """N turns less the angles from the line of centres to both landings; (n_inputs, *batch). None if anchored."""
+        """N turns less the angles from the line of centres to both spans; (n_inputs, *batch). None if anchored."""
         if self.apart_m is not None:
             return None
-        reach = (parameters[INPUT_RADIUS] + parameters[DRUM_RADIUS]) / parameters[DISTANCE]
         of = np.array(self.input_of)
         with np.errstate(invalid="ignore"):
-            landing = np.arccos(reach)
-            left = [2 * np.pi * self.turns - landing[of == i].sum(axis=0) for i in range(len(self.input_names))]
+            if self.idlers:
+                leaving = self.strand(parameters).leaving_rad
+            else:
+                leaving = np.arccos((parameters[INPUT_RADIUS] + parameters[DRUM_RADIUS]) / parameters[DISTANCE])
+            left = [2 * np.pi * self.turns - leaving[of == i].sum(axis=0) for i in range(len(self.input_names))]
         return np.array(left)
 
     def fault(self, parameters: Mapping[str, Floats]) -> str:
-        """Message if the pulleys overlap, else empty."""
+        """Message if the pulleys overlap, or the cable does not touch an idler, else empty."""
+        if self.idlers:
+            return no_strand(self.strand(parameters))
         reach = parameters[DRUM_RADIUS] + parameters[INPUT_RADIUS]
         return (
             f"free span: centre distance {np.min(parameters[DISTANCE]):.6g} m does not exceed r_o + r_i = "
@@ -100,9 +136,57 @@ class SpurGeometry:
             bodies.append(
                 Body(input_body(name), "input", (distance * out[0], 0.0, distance * out[2]), _BACK, out, turns)
             )
+        if self.idlers:
+            bodies[1:1] = self._idler_bodies(parameters)
+            found = self.strand(parameters)
+            led = tuple(self._led_side(parameters, j, found) for j in range(len(self.cable_names)))
+            return DriveRoutes(tuple(bodies), led)
         free = self.free_span_m(parameters)
         cables = tuple(self._side(parameters, j, float(free[j])) for j in range(len(self.cable_names)))
         return DriveRoutes(tuple(bodies), cables)
+
+    def _idler_bodies(self, parameters: Mapping[str, Floats]) -> Iterator[Body]:
+        """The idlers, each turning about +Y against the drum."""
+        for n in range(len(self.idlers), 0, -1):
+            x, z = self.idlers[n - 1]
+            for j, cable in enumerate(self.cable_names):
+                turns = SENSE * float(parameters[DRUM_RADIUS][j] / parameters[IDLER_RADIUS][j])
+                yield Body(idler_body(n, cable), "passed", (self.drum_side[j] * x, 0.0, z), _Y, _Z, turns)
+
+    def _led_side(self, parameters: Mapping[str, Floats], j: int, found: Strand) -> CableRoute:
+        """A side over its idlers; it rises along Y by its slope, on all its way."""
+        side, cable = self.drum_side[j], self.cable_names[j]
+        input_name, level = self.input_names[self.input_of[j]], self.level_m[self.input_of[j]]
+        r_i, r_o, r_k = (float(parameters[name][j]) for name in (INPUT_RADIUS, DRUM_RADIUS, IDLER_RADIUS))
+        through = self.through_wrap_rad(parameters)
+        if through is None:
+            apart, rises = self.apart_m or 0.0, -self.outward[j]
+        else:
+            apart, rises = self.lead_m * float(through[self.input_of[j]]) / (4 * np.pi), self.outward[j]
+        slope, at = rises * self.lead_m / (2 * np.pi * r_i), level + self.outward[j] * apart
+        name = input_body(input_name)
+        pieces: list[Piece] = [
+            Anchor(name),
+            # Heights count along the input's own axis, -Y.
+            Wrap(name, r_i, np.inf, -at, side, may_slip_through=through is not None, lead_m=self.lead_m),
+        ]
+        for n in range(1, len(self.idlers) + 1):
+            span, wrap = float(found.length[n - 1, j]), float(found.wraps[n - 1, j])
+            pieces.append(Span(span, self._direction(side, found, n - 1, j)))
+            at += slope * (span + r_k * wrap / 2)
+            pieces.append(Wrap(idler_body(n, cable), r_k, wrap, at, side * SENSE, passed=True))
+            at += slope * r_k * wrap / 2
+        last = float(found.length[-1, j])
+        pieces += [
+            Span(last, self._direction(side, found, -1, j)),
+            Wrap(DRUM, r_o, np.inf, at + slope * last, side),
+            Terminal(DRUM),
+        ]
+        return CableRoute(cable, input_name, self.sense[j], tuple(pieces))
+
+    def _direction(self, side: int, found: Strand, span: int, j: int) -> tuple[float, float, float]:
+        heading = float(found.heading[span, j])
+        return side * sin(heading), 0.0, cos(heading)
 
     def _side(self, parameters: Mapping[str, Floats], j: int, free_m: float) -> CableRoute:
         i, side = self.input_of[j], self.drum_side[j]
@@ -150,12 +234,15 @@ def routed_round(drive: SpurDrive, angle_rad: tuple[float, ...], level_mm: tuple
         turns=drive.turns,
         lead_m=drive.helix_lead_mm * _MM,
         apart_m=drive.leave_mm * _MM if drive.anchored else None,
+        idlers=tuple((p.x_mm * _MM, p.z_mm * _MM) for p in drive.idler_places),
     )
     parameters = {
         INPUT_RADIUS: np.array([run.input_radius_mm * _MM for run in drive.cables]),
         DRUM_RADIUS: np.array([run.drum_radius_mm * _MM for run in drive.cables]),
         DISTANCE: np.asarray(drive.centre_distance_mm * _MM),
     }
+    if drive.idlers:
+        parameters[IDLER_RADIUS] = np.full(len(drive.cables), drive.idlers.radius_mm * _MM)
     return RoutedDrive(geometry, parameters, {"centre_distance_mm": drive.centre_distance_mm})
 
 
@@ -165,5 +252,7 @@ def inertias_kg_m2(drive: SpurDrive) -> dict[str, float]:
     surface = drive.input_radius_mm - drive.cable.diameter_mm / 2
     density = drive.pulley_material.density_g_cm3
     pulley = disc_kg_m2(density, v.land_top_z - v.land_bottom_z, surface)
-    wheels = 0.0 if drive.stage is None else drive.stage.inertia_kg_m2
-    return {DRUM: drum_inertia_kg_m2(drive, v.drum_inner_y), input_body(drive.input_names[0]): pulley + wheels}
+    found = {DRUM: drum_inertia_kg_m2(drive, v.drum_inner_y), input_body(drive.input_names[0]): pulley}
+    for body, idler, _ in idlers(drive):
+        found[body] = idler_inertia_kg_m2(drive, idler)
+    return found

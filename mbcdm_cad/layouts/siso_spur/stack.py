@@ -11,6 +11,7 @@ Along the input's axis y counts as height from the gearhead (names in ``_z``), b
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
 
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, run_out_mm
 from mbcdm_cad.parts.drum_sector.sizes import nut_corner_radius_mm
@@ -22,6 +23,8 @@ BAND_MARGIN_MM = 0.5
 SHOULDER_MM = 0.6
 # Axial play of the pulley between its two bearings.
 END_PLAY_MM = 0.1
+# Thickness of an idler's flanges, and least length of the collar between plate and idler.
+FLANGE_MM, COLLAR_MM = 1.0, 1.0
 
 
 @dataclass(frozen=True)
@@ -55,6 +58,12 @@ def reach_mm(drive: SpurDrive) -> float:
     return drive.leave_mm + drive.walk_mm / 2 + run_out_mm(drive)
 
 
+def idlers_back_mm(drive: SpurDrive) -> float:
+    """Lowest y of any idler with the collar behind it; infinite without idlers."""
+    half = drive.idlers.width_mm / 2 + FLANGE_MM + COLLAR_MM if drive.idlers else 0.0
+    return min((-abs(level) - half for level in drive.idler_levels_mm), default=inf)
+
+
 def drum_inner_y_mm(drive: SpurDrive) -> float:
     """Inner face of the drum's rim along y."""
     return -drive.on_drum_mm - drive.cable.diameter_mm / 2 - drive.clearances.land_edge_mm
@@ -71,7 +80,7 @@ def spur_stack(drive: SpurDrive) -> SpurStack:
     land = reach_mm(drive) + (helix_stop_land_mm(drive) if drive.anchored else BAND_MARGIN_MM)
     plane = abs(drive.terminal_mm)
     drum_inner = drum_inner_y_mm(drive)
-    front = min(-plane - nut_corner_radius_mm(drive), drum_inner, -land) - running
+    front = min(-plane - nut_corner_radius_mm(drive), drum_inner, -land, idlers_back_mm(drive)) - running
     plate_back = front - s.plate_mm
     bearing_bottom = plate_back - s.bearing_shelf_mm
     motor_top = bearing_bottom - s.coupling_space_mm

@@ -12,19 +12,30 @@ import pytest
 from mbcdm_cad.design.blocks import DutyBlock, DutyRow
 from mbcdm_cad.layouts.base import Layout
 from mbcdm_cad.layouts.life import ropes_in_use
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import load_design, load_text
 from mbcdm_cad.model.life.zones import Level, rope_life
 from mbcdm_cad.report.life import life_report, life_shown
 
 PARAMS = Path(__file__).parents[3] / "params"
 REFERENCES = ("mbcdm", "siso_spur", "miso_spur", "siso_bevel")
+# One more, with an input away from the drum.
+LED = """\
+name: led
+configuration: siso_spur
+travel: {half_angle_deg: 60.0}
+transmission: {input_to_drum: 8.0, drum_radius_mm: 60.0, centre_distance_mm: 200.0}
+loads: {peak_torque_Nm: 2.0}
+idlers: {pairs: 1}
+"""
 STEPS, MARK_MM = 241, 0.4
 # Pieces of a drawn cable by the first word of their names; what is on no body is straight.
-BODIES = {"chord": "input", "bend": "input", "helix": "input", "wound": "input", "guide": "guide"}
+BODIES = {"chord": "input", "bend": "input", "helix": "input", "wound": "input", "guide": "guide", "idler": "idler"}
 ON_DRUM = ("drum", "tail", "dead", "lay")
 
 
 def layout_of(name: str) -> Layout:
+    if name == "led":
+        return load_text(LED, "led.yaml").drive.layout
     return load_design(PARAMS / f"{name}.yaml").drive.layout
 
 
@@ -52,7 +63,7 @@ def marked(layout: Layout, name: str) -> Counter[float]:
     return Counter({float(k): MARK_MM * float(np.sum(halves == 2 * k)) for k in np.unique(halves) / 2.0 if k > 0.0})
 
 
-@pytest.mark.parametrize("name", REFERENCES)
+@pytest.mark.parametrize("name", [*REFERENCES, "led"])
 def test_zones_are_those_of_marks_on_the_drawn_cable(name: str) -> None:
     layout, half = layout_of(name), layout_of(name).half_travel_rad
     rope = next(iter(ropes_in_use(layout, layout.loads.si)))

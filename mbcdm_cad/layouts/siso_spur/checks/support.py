@@ -80,6 +80,9 @@ def flange(s: SpurLayout) -> Comparison:
     holes += [("flange screw", x, z, f.flange_screw_radius, v.plate_back_y, v.front_y) for x, z in f.flange_screws]
     holes += [("dowel", x, z, f.dowel_radius, v.plate_back_y, v.plate_back_y + f.dowel_depth) for x, z in f.dowels]
     holes += [("mount", x, z, f.mount_radius, v.plate_back_y, v.front_y) for x, z in f.mounts]
+    for stand in f.stands:
+        bores = (v.plate_back_y, v.front_y)
+        holes += [("idler's axle", side * stand.x, stand.z, stand.axle_radius, *bores) for side in (-1, 1)]
     found = [at_least(f"plate, {name}", web, HOLE_WEB_MM, "mm") for name, web in web_between(holes)]
     into = screw.length_mm - shelf
     reach = max(abs(x) for x, _ in f.flange_screws)

@@ -30,6 +30,8 @@ SMOOTH_FLEET_DEG = 1.5
 GROOVE_CREST = 0.05
 # Least land beyond the cable's flank at the ends of its walk (estimate).
 LAND_EDGE_MM = 0.3
+# Pieces of a path on which a span runs that is not fixed to them: the turns on the input, wraps on idlers.
+_WOUND = (ON_INPUT[0], "idler")
 
 
 def free_span(s: SpurLayout) -> Comparison:
@@ -143,17 +145,21 @@ def on_rim(s: SpurLayout) -> Comparison:
 
 
 def fleet_angle(s: SpurLayout) -> Comparison:
-    """Span against the turns on the input, over the travel: measured on the cable's path."""
+    """Spans against the turns on the input, and against the wraps on idlers: measured on the cable's path."""
     found = []
+    grooved = s.drive.input_pulleys.grooved
     for angle, path in ((angle, path) for angle, paths in s.extreme_paths for path in paths):
-        names = [name for name, _ in path.pieces]
-        at = names.index(ON_INPUT[0])
-        beyond = ((path.pieces[at - 1][1], 0.0), (path.pieces[at + 1][1], 1.0))
-        for span, end in beyond[1:] if s.drive.anchored else beyond:
-            along = span.tangent(0.5)
-            off = acos(min(1.0, abs(float(along @ path.piece(ON_INPUT[0]).tangent(end)))))
-            # On a smooth land only friction holds the turns at their helix angle.
-            turned = off if s.drive.input_pulleys.grooved else float(np.arcsin(abs(along[1])))
+        for (before, one), (after, two) in pairwise(path.pieces):
+            if not (before.startswith("span") and after.startswith(_WOUND)):
+                if not (before.startswith(_WOUND) and after.startswith("span")):
+                    continue
+                after, one, two, end = before, two, one, 1.0
+            else:
+                end = 0.0
+            along = one.tangent(0.5)
+            off = acos(min(1.0, abs(float(along @ two.tangent(end)))))
+            # On a smooth input only friction holds the turns at their helix angle.
+            turned = off if grooved or after != ON_INPUT[0] else float(np.arcsin(abs(along[1])))
             found.append(
                 at_most(
                     f"fleet angle with the drum at {degrees(angle):+.3g} deg", degrees(turned), SMOOTH_FLEET_DEG, "deg"

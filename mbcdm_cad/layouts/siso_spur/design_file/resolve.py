@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
 from mbcdm_cad.design.drive import Sigmas
@@ -22,7 +23,11 @@ _STEP = {"continuous": {"+x": 1, "-x": 2}, "two_anchored": {"+x": 2, "-x": 1}}
 
 def drive(design: SpurDesign, catalogue: Catalogue, sigmas: Mapping[FieldPath, float]) -> d.SpurDrive:
     """The drive of a valid design; its sides are in the order of y."""
-    return d.laid(d.SpurDrive(**spur_values(design, catalogue, sigmas)))
+    values = spur_values(design, catalogue, sigmas)
+    if design.idlers:
+        values["idlers"] = design.idlers
+        values["bearings"] = replace(values["bearings"], idler=catalogue.bearing(design.idlers.bearing))
+    return d.laid(d.SpurDrive(**values))
 
 
 def spur_values(design: SpurBlocks, catalogue: Catalogue, sigmas: Mapping[FieldPath, float]) -> dict[str, Any]:
@@ -97,6 +102,9 @@ def broken_rules(design: SpurDesign) -> Iterator[Broken]:
     yield from counted(design, "cables", 2, "give the two sides of the cable, one for each sense of the drum")
     if len(design.cables) == 2 and design.cables[0].drum_side == design.cables[1].drum_side:
         yield on_one_side(1, design.cables[1].drum_side, "sides")
+    if design.idlers and design.idlers.pairs not in (None, len(design.idlers.places)):
+        what, value = "not the number of idlers.places", f"{design.idlers.pairs}"
+        yield Broken(("idlers", "pairs"), what, value, f"{len(design.idlers.places)}", "remove pairs, or remove places")
 
 
 def broken_radius(block: SpurTransmission) -> Iterator[Broken]:
@@ -113,3 +121,10 @@ def named_entries(design: SpurBlocks) -> Iterator[NamedEntry]:
     """Entries of the catalogue that the blocks of this configuration name."""
     yield from sector_entries(design)
     yield NamedEntry(("support", "material"), "materials", design.support.material)
+
+
+def every_named_entry(design: SpurDesign) -> Iterator[NamedEntry]:
+    """Entries of the catalogue that the blocks of siso_spur name."""
+    yield from named_entries(design)
+    if design.idlers:
+        yield NamedEntry(("idlers", "bearing"), "bearings", design.idlers.bearing)

@@ -14,6 +14,7 @@ from mbcdm_cad.design.design_file import reference_of
 from mbcdm_cad.design.fields import Block, Integer, Number, choice, quantity
 from mbcdm_cad.design.sector_blocks import Clearances, SectorCable, SectorDrum, WoundPulleys
 from mbcdm_cad.layouts.siso_spur.drive import SpurLimits, YokeSupport
+from mbcdm_cad.layouts.siso_spur.idlers import IdlerBlock
 
 REFERENCE = reference_of(Path(__file__).parent)
 
@@ -159,4 +160,9 @@ class SpurDesign(SpurBlocks):
         reference=REFERENCE.cables,
         min_length=1,
         max_length=16,
+    )
+    idlers: IdlerBlock | None = choice(
+        "idlers that lead the cable to an input away from the drum; left out, it runs straight to the drum",
+        default=None,
+        example={"pairs": 1},
     )

@@ -28,14 +28,14 @@ from mbcdm_cad.layouts.siso_spur.sizing.basis import (
     WINDING,
 )
 from mbcdm_cad.layouts.siso_spur.sizing.dims import BACK, DISTANCE, DRUM, FRAME, MOUNT
+from mbcdm_cad.layouts.siso_spur.sizing.idlers import IDLERS, WIDTH, idler_guesses
 from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
-from mbcdm_cad.layouts.siso_spur.sizing.stage import GUESSES, STAGE, STAGE_RATIO
 from mbcdm_cad.layouts.stiff_sizing import SHARED, stiffened, walls
 from mbcdm_cad.layouts.trial_sizing import MIDDLE_SIZE, repeated
 from mbcdm_cad.sizing.rule import Rule
 
 DERIVED = tuple(
-    rule.field for rule in (*WINDING, *FRAME, *DISTANCE, *DRUM, *BACK) if rule.field != "transmission.turns"
+    rule.field for rule in (*WINDING, *WIDTH, *FRAME, *DISTANCE, *DRUM, *BACK) if rule.field != "transmission.turns"
 )
 
 
@@ -44,18 +44,18 @@ RULES: tuple[Rule, ...] = (
     *LIMITS,
     *LAND_EDGE,
     *METALS,
-    *STAGE_RATIO,
     # With a ratio or radii given, motor and gearhead follow from the ratio; else the ratio from the motor.
     *TRAIN,
     *RATIO,
     *ROPE,
     *ROPE_LIMITS,
     *RADIUS,
+    *IDLERS,
     *PRELOAD,
     *PARTS,
-    *STAGE,
     *FRAME,
     *WINDING,
+    *WIDTH,
     *DISTANCE,
     *MOUNT,
     *DRUM,
@@ -78,7 +78,6 @@ FREEDOMS: tuple[Freedom, ...] = (
     Freedom("transmission.turns", 0.7, 2.0, _whole),
     Freedom("transmission.drum_radius_mm", 0.7, 2.0, mends=((ALL_RADII, 1),)),
     Freedom("transmission.input_to_drum", 0.7, 1.5),
-    Freedom("stage.ratio", 0.5, 2.0),
 )
 
 
@@ -116,7 +115,6 @@ def _first_guesses(data: dict[str, Any]) -> dict[str, Any]:
     radius = float(given.peek("transmission.drum_radius_mm") or 80.0)
     return {
         **MIDDLE_SIZE,
-        **GUESSES.get(str(given.peek("stage.kind")), {}),
         "rope.helix_lead_mm": 1.5,
         "transmission.turns": 5,
         "transmission.centre_distance_mm": 1.4 * radius,
@@ -129,6 +127,7 @@ def _first_guesses(data: dict[str, Any]) -> dict[str, Any]:
         "support.bridge_mm": 4.0,
         "support.plate_mm": 8.0,
         "support.mount_screw": "M3",
+        **idler_guesses(given, radius),
     }
 
 

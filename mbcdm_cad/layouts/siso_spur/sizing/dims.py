@@ -37,6 +37,9 @@ def _bridge(given: SpurKnown) -> Found:
 
 def _centre_distance(given: SpurKnown) -> Found:
     start = given["transmission.drum_radius_mm"] + given.input_mm + 2 * given.d_mm
+    if given.has("idlers.places"):
+        far = max(place["z_mm"] for place in given["idlers.places"])
+        start = max(start, far + 2 * (given.input_mm + given["idlers.radius_mm"]))
     checks = (
         "free_span",
         "drum_and_input",

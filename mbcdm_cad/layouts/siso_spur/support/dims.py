@@ -22,6 +22,7 @@ from mbcdm_cad.checks.geometry import HOLE_WEB_MM
 from mbcdm_cad.design.bought import InsertSpec, Screw
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, groove_depth_mm
 from mbcdm_cad.layouts.siso_spur.stack import SpurStack, least_wall_z_mm
+from mbcdm_cad.layouts.siso_spur.support.idlers import StandDims, stands
 from mbcdm_cad.parts.boss import BossDims, boss
 from mbcdm_cad.parts.drum_sector.sizes import SLOT_WALLS, STOP_SLOT_PLAY_MM
 from mbcdm_cad.parts.drum_shaft import DrumShaftDims
@@ -30,7 +31,7 @@ from mbcdm_cad.parts.motor_head.dims import (
     Flange,
     body_radius_mm,
     dowel_length_mm,
-    flange_front_mm,
+    face_reach_mm,
     flange_screw,
     inner_half_width_mm,
 )
@@ -87,6 +88,7 @@ class YokeDims:
     mounts: tuple[tuple[float, float], ...]  # (x, z)
     mount_radius: float
     mount_insert: InsertSpec | None
+    stands: tuple[StandDims, ...] = ()
 
     @property
     def has_encoder(self) -> bool:
@@ -140,7 +142,7 @@ def flange(drive: SpurDrive) -> Flange:
     x = max(outer, beside) + screw.head_diameter_mm / 2 + HEAD_ROOM_MM
     # Screws and dowels lie outside the opening for the pulley.
     x = max(x, opening_radius_mm(drive) + OPENING_WEB_MM + max(screw.thread_mm, DOWEL_MM) / 2)
-    front = flange_front_mm(drive)
+    front = max(inner, face_reach_mm(drive))
     back = -outer
     high, low = front - wall, back + wall
     return Flange(
@@ -181,19 +183,22 @@ def yoke(drive: SpurDrive, levels: SpurStack, shaft: DrumShaftDims, head: Flange
     if drive.frame_angle_rad < pi:
         # Clear of the threads of the next arm.
         lowest = max(lowest, (beside + thread + HOLE_WEB_MM) / tan(drive.frame_angle_rad / 2))
+    held = stands(drive, levels)
+    shelf = max(
+        encoder.diameter_mm / 2 + SHELF_MARGIN_MM,
+        circle + head_radius + drive.frame_material.min_wall_mm,
+        upper.outer_diameter_mm / 2 + drive.frame_material.min_wall_mm,
+        # No encoder says how wide the bridge must be to be stiff.
+        opening_radius_mm(drive) + BRIDGE_BESIDE_MM if encoder.absent else 0.0,
+    )
     return YokeDims(
         levels=levels,
         boss=round_boss,
         axis_z=z,
-        half_width=head.half_x,
-        shelf_half_width=max(
-            encoder.diameter_mm / 2 + SHELF_MARGIN_MM,
-            circle + head_radius + drive.frame_material.min_wall_mm,
-            upper.outer_diameter_mm / 2 + drive.frame_material.min_wall_mm,
-            # No encoder says how wide the bridge must be to be stiff.
-            opening_radius_mm(drive) + BRIDGE_BESIDE_MM if encoder.absent else 0.0,
-        ),
-        shelf_bottom_z=least_wall_z_mm(drive),
+        half_width=max(head.half_x, *(stand.half_width for stand in held)) if held else head.half_x,
+        shelf_half_width=shelf,
+        # Down to the drum's rim; with idlers between, no lower than the bearing needs.
+        shelf_bottom_z=max(least_wall_z_mm(drive), z - shelf) if held else least_wall_z_mm(drive),
         bridge_bottom_z=bridge,
         top_z=bridge + s.bridge_mm,
         opening_radius=opening_radius_mm(drive),
@@ -216,4 +221,5 @@ def yoke(drive: SpurDrive, levels: SpurStack, shaft: DrumShaftDims, head: Flange
         mounts=((-beside, lowest), (beside, lowest), (-beside, highest), (beside, highest)),
         mount_radius=thread,
         mount_insert=mount_insert,
+        stands=held,
     )

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from mbcdm_cad.design.bought import InsertSpec
 from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims
+from mbcdm_cad.layouts.siso_spur.support.idlers import StandDims
 from mbcdm_cad.parts.boss import boss_bodies, boss_bores_mm3, boss_tools, seats_mm
 from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.motor_head.dims import Places
@@ -35,12 +36,22 @@ from mbcdm_cad.parts.volume import CORNER, ring_mm3
 if TYPE_CHECKING:
     import cadquery as cq
 
+# Letters of the holes for idlers, two for each pair.
+_STAND_LETTERS = "JKLMNPQRSTUVWXYZ"
+
 
 def arm_mm3(d: YokeDims) -> float:
     """Plate from the drum's axis upwards, and the yoke on it, less their bores and holes."""
     v = d.levels
     plate = (2 * d.half_width * d.top_z - 2 * CORNER * d.corner_radius**2) * (v.front_y - v.plate_back_y)
-    return plate + _yoke_mm3(d) - _holes_mm3(d)
+    return plate + _yoke_mm3(d) + sum(_posts_mm3(stand) for stand in d.stands) - _holes_mm3(d)
+
+
+def _posts_mm3(stand: StandDims) -> float:
+    """Both posts of a pair of idlers, less their threads."""
+    (near, far), (low, high) = stand.post_x, stand.post_z
+    post = (far - near) * (high - low) * (stand.strap_back_y - stand.front_y)
+    return 2 * (post - ring_mm3(stand.thread_radius, 0.0, stand.thread_depth))
 
 
 def _yoke_mm3(d: YokeDims) -> float:
@@ -87,6 +98,7 @@ def _holes_mm3(d: YokeDims) -> float:
         + len(d.flange_screws) * ring_mm3(d.flange_screw_radius, 0.0, plate)
         + len(d.dowels) * ring_mm3(d.dowel_radius, 0.0, d.dowel_depth)
         + len(d.mounts) * ring_mm3(d.mount_radius, 0.0, plate)
+        + sum(2 * ring_mm3(stand.axle_radius, 0.0, plate) for stand in d.stands)
     )
 
 
@@ -100,7 +112,13 @@ def yoke_bodies(d: YokeDims) -> list[cq.Shape]:
     bridge = block((-shelf, shelf), (v.plate_back_y, v.top_plate_top_z), (d.bridge_bottom_z, d.top_z))
     bearing = block((-shelf, shelf), (v.top_plate_bottom_z, v.top_plate_top_z), (d.shelf_bottom_z, d.top_z))
     rounded = cq.Workplane(obj=fuse([bridge, bearing], "yoke")).edges("|Y").edges("<Z or >Z")
-    return [plate, rounded.fillet(d.corner_radius).val()]  # type: ignore[list-item]
+    posts = [
+        block((min(side * x for x in stand.post_x), max(side * x for x in stand.post_x)), deep, stand.post_z)
+        for stand in d.stands
+        for side in (-1, 1)
+        for deep in ((v.plate_back_y + (v.front_y - v.plate_back_y) / 2, stand.strap_back_y),)
+    ]
+    return [plate, rounded.fillet(d.corner_radius).val(), *posts]  # type: ignore[list-item]
 
 
 def centre_bodies(d: YokeDims) -> list[cq.Shape]:
@@ -129,6 +147,12 @@ def yoke_tools(d: YokeDims) -> list[cq.Shape]:
     tools += [cylinder_y(d.flange_screw_radius, x, z, back, front) for x, z in d.flange_screws]
     tools += [cylinder_y(d.dowel_radius, x, z, back, back + 1.0 + d.dowel_depth) for x, z in d.dowels]
     tools += [cylinder_y(d.mount_radius, x, z, back, front) for x, z in d.mounts]
+    for stand in d.stands:
+        for side in (-1, 1):
+            tools.append(cylinder_y(stand.axle_radius, side * stand.x, stand.z, back, front))
+            end = stand.strap_back_y
+            at = (side * stand.screw_x, stand.screw_z)
+            tools.append(cylinder_y(stand.thread_radius, *at, end - stand.thread_depth, end + 1.0))
     return tools
 
 
@@ -178,6 +202,34 @@ def frame_holes(d: YokeDims) -> tuple[Holes, ...]:
             if b.has_encoder
             else []
         ),
+        *(group for stand in d.stands for group in _stand_holes(d, stand)),
+    )
+
+
+def _stand_holes(d: YokeDims, stand: StandDims) -> tuple[Holes, Holes]:
+    """Bores of the axles of a pair of idlers, from behind, and the threads of its strap in the posts."""
+    first = 2 * d.stands.index(stand)
+    axles = tuple((side * stand.x, d.levels.plate_back_y, stand.z) for side in (-1, 1))
+    screws = tuple((side * stand.screw_x, stand.strap_back_y, stand.screw_z) for side in (-1, 1))
+    return (
+        Holes(
+            _STAND_LETTERS[first],
+            2 * stand.axle_radius,
+            THROUGH,
+            axles,
+            "plate",
+            "axles of the idlers",
+            fit=FITS["axle_bore"].code,
+        ),
+        Holes(
+            _STAND_LETTERS[first + 1],
+            2 * stand.thread_radius,
+            stand.thread_depth,
+            screws,
+            "posts",
+            "strap",
+            threaded=True,
+        ),
     )
 
 
@@ -203,6 +255,20 @@ def _in_front(d: YokeDims) -> tuple[Linear, ...]:
         Linear("front", (-wide, y, d.top_z), (wide, y, d.top_z), 2 * wide, "above", suffix=" yoke"),
         Linear("front", (0.0, y, 0.0), (wide, y, d.shelf_bottom_z), d.shelf_bottom_z, "left", decimals=3),
     )
+
+
+def _of_posts(d: YokeDims) -> tuple[Linear, ...]:
+    """Sizes and places of the posts of idlers, from the plane of symmetry and the drum's axis."""
+    found = []
+    for stand in d.stands:
+        y, (near, far), (low, high) = stand.strap_back_y, stand.post_x, stand.post_z
+        found += [
+            Linear("front", (-near, y, high), (near, y, high), 2 * near, "above", suffix=" between posts"),
+            Linear("front", (-far, y, high), (far, y, high), 2 * far, "above", suffix=" over posts"),
+            Linear("front", (0.0, y, 0.0), (far, y, low), low, "right", decimals=3),
+            Linear("front", (far, y, low), (far, y, high), high - low, "right"),
+        ]
+    return tuple(found)
 
 
 def _in_section(d: YokeDims) -> tuple[Linear, ...]:
@@ -261,7 +327,8 @@ class Yoke(MadePart):
         d = self.dims
         v, b, r = d.levels, d.boss, d.corner_radius
         holes = frame_holes(d)
-        behind = tuple(group for group in holes if group.letter in "ABCDEH")
+        behind = tuple(group for group in holes if group.letter in f"ABCDEH{_STAND_LETTERS[::2]}")
+        before = tuple(group for group in holes if group.letter in _STAND_LETTERS[1::2])
         half, y = 0.5**0.5 * r, v.plate_back_y
         corner = Radius(
             "rear",
@@ -283,8 +350,8 @@ class Yoke(MadePart):
                 View("section", Y, Z, column=1, title="A-A", cut=(0.0, 0.0, 0.0), axes=axes),
                 View("front", minus(X), Z, column=2),
             ),
-            dimensions=(*_from_behind(d), *_in_section(d), *_in_front(d), corner),
-            labels=(*hole_labels(behind, "rear"),),
+            dimensions=(*_from_behind(d), *_in_section(d), *_in_front(d), *_of_posts(d), corner),
+            labels=(*hole_labels(behind, "rear"), *hole_labels(before, "front")),
             cutting_lines=(CuttingLine("rear", (0.0, y, -d.half_width - 2.0), (0.0, y, d.top_z + 2.0), "A", minus(X)),),
             tolerances=(
                 one_axis("section", seats_mm(b), DRUM_AXIS),

@@ -24,6 +24,7 @@ from mbcdm_cad.model.plate_mesh import Hole, Mounts, Wall, Y, Z, centred_load, p
 from mbcdm_cad.model.si import MM, to_si
 from mbcdm_cad.model.stiffness import unit_tensions_N
 from mbcdm_cad.routes import Floats
+from mbcdm_cad.routes.loads import body_load
 
 # Radius over which the force on a seat is spread, over the radius of the seat.
 _SPREAD = 1.5
@@ -67,6 +68,12 @@ def _yoke(arm: Arm, y_plate: float, z_bridge: float) -> Iterator[Wall]:
     yield Wall(arm.of("bridge"), Z, way * z_bridge, (wide, (y_plate, y_shelf)), f.top_z - f.bridge_bottom_z)
     hole = Hole(0.0, way * f.axis_z, seat)
     yield Wall(arm.of("encoder shelf"), Y, y_shelf, (wide, (low, high)), shelf, (hole,))
+    for n, stand in enumerate(f.stands, 1):
+        y_strap, z_post = (stand.strap_back_y + stand.strap_front_y) / 2, sum(stand.post_z) / 2
+        post, strap = stand.post_z[1] - stand.post_z[0], stand.strap_front_y - stand.strap_back_y
+        yield Wall(f"idlers' posts {n}", Z, z_post, (stand.post_x, (y_plate, y_strap)), post)
+        box = ((0.0, stand.half_width), (stand.low_z, z_post))
+        yield Wall(f"idlers' strap {n}", Y, y_strap, box, strap)
 
 
 def seat_forces(layout: SpurLayout, tension_N: Floats) -> list[tuple[str, tuple[float, float, float], float, float]]:
@@ -89,7 +96,29 @@ def seat_forces(layout: SpurLayout, tension_N: Floats) -> list[tuple[str, tuple[
         ("encoder shelf", (0.0, upper, z), -float(pair[1, 0]), 0.0),
         ("plate", (0.0, rear, 0.0), on_drum - on_front, 0.0),
         ("plate", (0.0, front, 0.0), on_front, 0.0),
+        *_idler_forces(layout, tension_N),
     ]
+
+
+def _idler_forces(
+    layout: SpurLayout, tension_N: Floats
+) -> Iterator[tuple[str, tuple[float, float, float], float, float]]:
+    """What the idlers of each pair put on plate and strap: their forces along z are a couple about y."""
+    routes = to_si(layout.drive).routes
+    for n, stand in enumerate(layout.frame.stands, 1):
+        supports = layout.axle_supports_mm(n - 1)
+        pairs = np.zeros((2, 3))
+        couples = np.zeros(2)
+        for body, own, (_, number) in layout.idlers:
+            if number != n - 1:
+                continue
+            load, middle = body_load(routes, body, tension_N), (own.bottom_z + own.top_z) / 2
+            pair = -two_bearing_reactions_N(load.force_N, np.zeros(3), middle, *supports, (0.0, 1.0, 0.0))
+            pairs += pair
+            # About y, z is x and x is -z.
+            couples -= routes.body(body).point_m[0] / MM * pair[:, 2]
+        for panel, y, force, couple in zip(("plate", f"idlers' strap {n}"), supports, pairs, couples, strict=True):
+            yield panel, (0.0, y, stand.z), float(force[0]), float(couple)
 
 
 def frame_compliance(layout: SpurLayout) -> FrameCompliance:
@@ -112,8 +141,11 @@ def arms_compliance(arms: Sequence[Arm], share: float) -> FrameCompliance:
     for arm in arms:
         tension = share * unit_tensions_N(to_si(arm.layout.drive))
         for panel, (x, y, z), force_x, couple_y in seat_forces(arm.layout, tension):
-            # The bearings of the drum load the boss, those of the input the metal round their seats.
+            # The bearings of the drum load the boss, those of the input the metal round their seats, and those of
+            # idlers the metal from one axle to the other.
             reach = f.boss.radius if z == 0.0 else _SPREAD * max(f.seat_radius, first.head.seat_radius)
+            stand = next((stand for stand in f.stands if stand.z == z), None)
+            reach = reach if stand is None else stand.x + 2 * stand.axle_radius
             point = (arm.way * x, y, arm.way * z)
             nodes = mesh.near(arm.of(panel), point, (reach, 1e3, reach))
             load = centred_load(mesh, nodes, np.array(point), arm.way * force_x, couple_y=couple_y)
@@ -145,6 +177,7 @@ def frame_study_of(module: str, layouts: Sequence[SpurLayout], compliance: Calla
             layout.drive.bearings,
             layout.drive.cables,
             layout.drive.centre_distance_mm,
+            layout.drive.idlers,
         )
         for layout in layouts
     )

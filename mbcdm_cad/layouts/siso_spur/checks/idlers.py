@@ -1,0 +1,259 @@
+"""Idlers: wrap that turns them, walk of the cable on them, their bearings, the space round them, vibration of spans.
+
+An idler turns freely, so that friction holds no load on it: the tensions on both sides differ by the friction of its
+bearings alone, which the rope's friction on its wrap must overcome.
+"""
+
+from __future__ import annotations
+
+from itertools import combinations
+from math import exp, hypot, pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mbcdm_cad.checks.bearings import LARGER, LESS, RATING, STATIC_SAFETY, safety
+from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
+from mbcdm_cad.checks.design_variables import down, up
+from mbcdm_cad.checks.drum_outline import drum_zones
+from mbcdm_cad.checks.fixings import FRICTION, SLIP_SAFETY, STRESS_SAFETY
+from mbcdm_cad.layouts.siso_spur.idlers import flange_radius_mm
+from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
+from mbcdm_cad.layouts.siso_spur.stack import FLANGE_MM
+from mbcdm_cad.layouts.siso_spur.support.idlers import strap_screw
+from mbcdm_cad.model.losses.friction import BEARING_START, bearing_torque_Nm
+from mbcdm_cad.model.tensioning import plucked_Hz
+from mbcdm_cad.parts.idler_pulley import IdlerDims
+from mbcdm_cad.parts.terminal.take_up import tensioned_rope
+from mbcdm_cad.parts.threads import clamp_force_N
+
+# Friction that turns an idler over the friction of its bearings at the start: friction is known to a factor of two.
+TURNED = 2.0
+# Land beyond the cable at both ends of its walk (estimate).
+EDGE_MM = 0.3
+# Least space between the two bearings in an idler.
+SPACE_MM = 1.0
+# Lowest frequency of a span that hand or controller do not excite (estimate).
+SPAN_HZ = 50.0
+
+
+def has_idlers(drive: object) -> bool:
+    """Whether idlers lead the cable."""
+    return getattr(drive, "idlers", None) is not None
+
+
+def turned(s: SpurLayout) -> Comparison:
+    """Torque by which the rope turns an idler before it slips, over the friction of the idler's bearings."""
+    drive, found = s.drive, []
+    spec, radius = drive.idler_bearing, drive.leading.radius_mm
+    tensions = {name: [state[j] for _, state in s.loads.states] for j, name in enumerate(s.loads.si.cable_names)}
+    for body, _, (cable, n) in s.idlers:
+        wrap = float(drive.strand.wraps[n])
+        for tension in tensions[cable.name]:
+            pull = 2.0 * float(tension) * np.sin(wrap / 2)
+            drag = BEARING_START * float(bearing_torque_Nm(pull, 0.0, spec.bore_mm * 1e-3))
+            able = float(tension) * (exp(drive.friction_coefficient * wrap) - 1.0) * radius * 1e-3
+            note = f"wrap {np.degrees(wrap):.3g} deg; its bearings take {drag / radius * 1e3:.3g} N"
+            found.append(
+                at_least(f"torque of the rope on {body}, over its bearings'", able / drag, TURNED, "times", note)
+            )
+    return worst(found)
+
+
+def walk(s: SpurLayout) -> Comparison:
+    """The cable stays on the land of each idler over the travel, and two bearings fit inside."""
+    drive, wide = s.drive, s.drive.leading.width_mm
+    edge = (wide - drive.idler_band_mm) / 2
+    note = f"{drive.walk_mm:.3g} mm of walk, {drive.idler_band_mm:.3g} mm with rise and rope"
+    return worst(
+        (
+            at_least("land of an idler beyond the cable at the ends of its walk", edge, EDGE_MM, "mm", note),
+            at_least(
+                "space between the bearings of an idler",
+                wide + 2 * FLANGE_MM - 2 * drive.idler_bearing.width_mm,
+                SPACE_MM,
+                "mm",
+            ),
+        )
+    )
+
+
+def bearing_forces_N(s: SpurLayout) -> list[tuple[str, IdlerDims, int, list[NDArray[np.float64]]]]:
+    """Each idler with its number and the forces (2, 3) on its axle at the (rear, front) bearing.
+
+    In each state of the loads, the cable at either end of its walk.
+    """
+    found = []
+    for body, own, (_, n) in s.idlers:
+        rear, front = own.bearings_mm
+        middle = (own.bottom_z + own.top_z) / 2
+        states = []
+        for loads in s.loads.on_bodies:
+            force = loads.bodies[body].force_N
+            for at in (middle - s.drive.walk_mm / 2, middle + s.drive.walk_mm / 2):
+                on_front = force * (at - rear) / max(front - rear, 1e-9)
+                states.append(np.stack([force - on_front, on_front]))
+        found.append((body, own, n, states))
+    return found
+
+
+def bearings(s: SpurLayout) -> Comparison:
+    """Static safety of the idlers' bearings, the cable at either end of its walk."""
+    spec = s.drive.idler_bearing
+    return worst(
+        safety(
+            spec,
+            f"bearings of {body}",
+            max(float(np.linalg.norm(pair, axis=1).max()) for pair in states),
+            STATIC_SAFETY,
+        )
+        for body, _, _, states in s.once("idler_forces", bearing_forces_N)
+    )
+
+
+def axle_stress(s: SpurLayout) -> Comparison:
+    """Bending stress of the axles under their idlers' bearings, as beams on plate and strap."""
+    strength, found = s.drive.shaft_material.yield_MPa, []
+    for body, own, n, states in s.once("idler_forces", bearing_forces_N):
+        stand, (rear, front) = s.frame.stands[n], own.bearings_mm
+        start, end = s.levels.front_y, stand.strap_back_y
+        bending = 0.0
+        for pair in states:
+            on_strap = (pair[0] * (rear - start) + pair[1] * (front - start)) / (end - start)
+            on_plate = pair.sum(axis=0) - on_strap
+            moments = np.linalg.norm(on_plate) * (rear - start), np.linalg.norm(on_strap) * (end - front)
+            bending = max(bending, *(float(moment) for moment in moments))
+        stress = bending / (pi * stand.axle_radius**3 / 4)
+        what = f"yield {strength:g} MPa over the bending stress {stress:.4g} MPa of the axle of {body}"
+        found.append(at_least(what, strength / max(stress, 1e-12), STRESS_SAFETY, "times"))
+    return worst(found)
+
+
+def strap(s: SpurLayout) -> Comparison:
+    """Friction of a strap's screws on the posts, over the pull of both axles on it."""
+    thread = strap_screw(s.drive).thread_mm
+    holds, found = 2 * FRICTION * clamp_force_N(thread), []
+    forces = s.once("idler_forces", bearing_forces_N)
+    for n, stand in enumerate(s.frame.stands):
+        start, end = s.levels.front_y, stand.strap_back_y
+        own = [(dims, states) for _, dims, number, states in forces if number == n]
+        pulls = []
+        for state in range(len(own[0][1])):
+            total = np.zeros(3)
+            for dims, states in own:
+                rear, front = dims.bearings_mm
+                total += (states[state][0] * (rear - start) + states[state][1] * (front - start)) / (end - start)
+            pulls.append(float(np.linalg.norm(total)))
+        what = f"two screws of the strap of pair {n + 1} hold {holds:.4g} N over {max(pulls):.4g} N"
+        found.append(at_least(what, holds / max(*pulls, 1e-9), SLIP_SAFETY, "times"))
+    return worst(found)
+
+
+def room(s: SpurLayout) -> Comparison:
+    """Gaps of the idlers to the drum with its terminals, to the input, and to each other; wall over their bearings."""
+    drive, running = s.drive, s.drive.clearances.running_mm
+    flange = flange_radius_mm(drive.leading.radius_mm, drive.cable.diameter_mm)
+    own = s.idlers[0][1]
+    seat = "wall of an idler over its bearings"
+    wall = at_least(seat, own.surface_radii[1] - own.seat_radius, drive.drum_material.min_wall_mm, "mm")
+    pulley = max(s.inputs[0].lower_land_radius, drive.input_radius_mm + s.flank_mm)
+    swept = max(drum_zones(s), key=lambda ring: ring.outer)
+    found = [wall]
+    for place in drive.idler_places:
+        to_drum = hypot(place.x_mm, place.z_mm) - flange - swept.outer
+        found.append(at_least(f"idlers from the {swept.name}, as it turns", to_drum, running, "mm"))
+        to_input = hypot(place.x_mm, drive.centre_distance_mm - place.z_mm) - flange - pulley
+        found.append(at_least("idlers from the input pulley", to_input, running, "mm"))
+    stand = [
+        (body, c.drum_side * drive.idler_places[n].x_mm, drive.idler_places[n].z_mm) for body, _, (c, n) in s.idlers
+    ]
+    for (one, x, z), (two, other_x, other_z) in combinations(stand, 2):
+        gap = hypot(x - other_x, z - other_z) - 2 * flange
+        found.append(at_least(f"{one} from {two}", gap, running, "mm"))
+    return worst(found)
+
+
+def vibration(s: SpurLayout) -> Comparison:
+    """Lowest frequency of the longest span, plucked sideways, in the slackest state; its rope without stiffness."""
+    rope, found = tensioned_rope(s.drive), []
+    longest = max(s.drive.led_mm[::2]) * s.drive.stretched * 1e-3
+    for state, tension in s.loads.states:
+        low = max(float(np.min(tension)), 1e-3)
+        sag = 9.81 * rope.mass_kg_m * longest**2 / (8.0 * low) * 1e3
+        note = f"{longest * 1e3:.4g} mm, {low:.3g} N; it sags by {sag:.2g} mm under its weight where it lies level"
+        found.append(
+            at_least(
+                f"first mode of the longest span, {state}",
+                plucked_Hz(low, rope.mass_kg_m, longest),
+                SPAN_HZ,
+                "Hz",
+                note,
+            )
+        )
+    return worst(found)
+
+
+CHECKS = (
+    Check(
+        "idler_turns",
+        "Cable turns the idlers",
+        "capstan equation against the bearings' friction; 2: friction is known to a factor of two",
+        turned,
+        advice="move idlers.places across the cable, so that it wraps further",
+        applies=has_idlers,
+    ),
+    Check(
+        "idler_walk",
+        "Walk of the cable stays on the idlers",
+        "derived: lead x ratio x travel / 360 deg, and the rise on the wrap; 0.3 mm: estimate",
+        walk,
+        adjust=(up("idlers.width_mm"), down("travel.half_angle_deg")),
+        applies=has_idlers,
+    ),
+    Check(
+        "idler_bearings",
+        "Idlers' bearings carry the cables",
+        RATING,
+        bearings,
+        adjust=LESS,
+        advice=LARGER,
+        applies=has_idlers,
+    ),
+    Check(
+        "idler_axles",
+        "Idlers' axles are strong enough",
+        "beam theory; 1.5 on yield: usual rule",
+        axle_stress,
+        adjust=LESS,
+        advice="choose an idlers.bearing of larger bore",
+        applies=has_idlers,
+    ),
+    Check(
+        "idler_strap",
+        "Strap of the idlers holds by friction",
+        "clamp force x 0.15; 1.2: usual rule",
+        strap,
+        adjust=LESS,
+        advice="choose a larger support.mount_screw",
+        applies=has_idlers,
+    ),
+    Check(
+        "idler_room",
+        "Idlers clear drum, input and each other",
+        "clearances.running_mm; material: min_wall_mm",
+        room,
+        adjust=(up("transmission.centre_distance_mm"), down("idlers.radius_mm"), up("idlers.radius_mm")),
+        advice="move idlers.places away from the drum, or leave them out",
+        applies=has_idlers,
+    ),
+    Check(
+        "span_mode",
+        "Spans between idlers do not swing",
+        "string, f = sqrt(T/m)/(2 l); 50 Hz: estimate",
+        vibration,
+        "warn",
+        adjust=(up("rope.preload_N"),),
+        advice="give idlers.places with another pair in the longest span",
+        applies=has_idlers,
+    ),
+)
