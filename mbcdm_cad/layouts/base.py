@@ -262,6 +262,11 @@ class Layout(ABC):
         return None if study is None else study.compliance()
 
     @property
+    def slips_on_passed(self) -> bool:
+        """Whether the design counts the rope's creep on the bodies that cables pass."""
+        return False
+
+    @property
     def printed_frame(self) -> bool:
         """Whether the frame is printed, of plastic."""
         return False

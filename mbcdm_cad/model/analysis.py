@@ -38,7 +38,7 @@ from mbcdm_cad.model.figures import (
     UncertainFigure,
     readable_figure,
 )
-from mbcdm_cad.model.kinematics import eq1_residuals, pair_mismatch_m, shaft_angles, with_passed_slip
+from mbcdm_cad.model.kinematics import eq1_residuals, pair_mismatch_m, shaft_angles
 from mbcdm_cad.model.measured import BACKLASH_RAD, BACKLASH_TORQUE_NM
 from mbcdm_cad.model.motor_figures import motor_figures
 from mbcdm_cad.model.sensitivity import intervals
@@ -312,11 +312,14 @@ def _losses(drive: Drive, d: DriveSI) -> str:
         return "The rope's bending stiffness is left out."
     names, test = " and the ".join(passed), np.array([0.0, drive.loads.test_torque_Nm])
     with_slip, without = (
-        abs(float(np.diff(solve_equilibrium(each, test).drum_angle_rad)[0])) for each in (with_passed_slip(d), d)
+        abs(float(np.diff(solve_equilibrium(each, test).drum_angle_rad)[0]))
+        for each in (d.with_passed_slip, d.without_passed_slip)
     )
+    more = f"about {100.0 * (with_slip / without - 1.0):.0f} % to the backlash"
+    slip = f"adds {more}, as the design file counts it" if d.slips_on_passed else f"would add {more}"
     return (
         f"Turns and tensions leave out friction at the {names} and the rope's bending stiffness; slip on the {names}'s "
-        f"wraps would add about {100.0 * (with_slip / without - 1.0):.0f} % to the backlash."
+        f"wraps {slip}."
     )
 
 

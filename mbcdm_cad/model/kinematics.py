@@ -80,11 +80,6 @@ def eq1_residuals(d: DriveSI) -> RatioResiduals:
     return RatioResiduals(tuple(passed), inner / inner[first] - 1.0, per_input / per_input[0] - 1.0)
 
 
-def with_passed_slip(d: DriveSI) -> DriveSI:
-    """The drive with slip on the bodies that cables pass: a slip zone from each end of a wrap, up to half of it."""
-    return d.with_(passed_wrap_rad=d.geometry.passed_wrap_rad(d.parameters))
-
-
 def pair_mismatch_m(d: DriveSI, input_angle_rad: Any) -> Floats:
     """Largest mismatch in length between the first cable of each input and its others, in m, shape (n_inputs, ...).
 

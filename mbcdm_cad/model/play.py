@@ -30,9 +30,10 @@ def lags(
     """How far each pulley lags behind the middle of its play, rad (n_inputs, n), between -play/2 and +play/2.
 
     ``play_rad`` has one value for each input; other arguments and errors as in
-    :func:`mbcdm_cad.model.hysteresis.simulate`. Wraps are taken as longer than any slip zone. Before the first sample
-    each pulley rests on the flank to which the preload presses it.
+    :func:`mbcdm_cad.model.hysteresis.simulate`. Wraps are taken as longer than any slip zone, and without slip on
+    passed bodies. Before the first sample each pulley rests on the flank to which the preload presses it.
     """
+    d = d.without_passed_slip if d.slips_on_passed else d
     half = 0.5 * np.asarray(play_rad, dtype=float)
     if d.n_inputs == 1:
         # It turns with the drum and never floats: the sign of its torque gives the flank.

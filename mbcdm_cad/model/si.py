@@ -45,8 +45,7 @@ class DriveSI:
     Shapes: per-cable arrays (n_cables, *batch), the rest (*batch) or scalar. ``parameters`` are the lengths from which
     ``geometry`` gives spans and passed wraps. Wraps are the live angles between the free span (or the transfer point)
     and the anchor; infinite by default, i.e. longer than any slip zone. ``passed_wrap_rad`` has for each passed body
-    the wrap on which a cable may slip: 0 by default, so that the tension does not change there
-    (:func:`mbcdm_cad.model.kinematics.with_passed_slip`).
+    the wrap on which a cable may slip: 0 unless the design counts it, so that the tension does not change there.
     """
 
     geometry: Geometry
@@ -220,6 +219,21 @@ class DriveSI:
         """Turns of each input for one of the drum, by its first cable; shape (n_inputs, *batch)."""
         return np.asarray(self.total_ratio[[self.input_of.index(i) for i in range(self.n_inputs)]])
 
+    @property
+    def slips_on_passed(self) -> bool:
+        """Whether a cable may slip on a body that it passes."""
+        return any(bool(np.any(wrap > 0.0)) for wrap in self.passed_wrap_rad)
+
+    @cached_property
+    def without_passed_slip(self) -> DriveSI:
+        """The same where the tension passes every body unchanged; the same object each time."""
+        return self.with_(passed_wrap_rad=[np.zeros_like(wrap) for wrap in self.passed_wrap_rad])
+
+    @cached_property
+    def with_passed_slip(self) -> DriveSI:
+        """The same with slip on passed bodies, from each end of a wrap up to half of it; the same object each time."""
+        return self.with_(passed_wrap_rad=self.geometry.passed_wrap_rad(self.parameters))
+
     def of_input(self, index: int) -> Floats:
         """1.0 for the cables that run from input ``index``, else 0.0; shape (n_cables,)."""
         return np.array([1.0 if i == index else 0.0 for i in self.input_of])
@@ -296,5 +310,7 @@ def _converted(drive: Drive, found: RoutedDrive) -> DriveSI:
         area_m2=np.asarray(drive.cable.area_mm2 * MM2),
         input_wrap_rad=unlimited,
         drum_wrap_rad=unlimited,
-        passed_wrap_rad=(np.zeros(n),) * len(found.geometry.passed_radii),
+        passed_wrap_rad=found.geometry.passed_wrap_rad(found.parameters)
+        if drive.layout.slips_on_passed
+        else (np.zeros(n),) * len(found.geometry.passed_radii),
     )

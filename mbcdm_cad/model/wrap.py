@@ -101,15 +101,38 @@ def stretch_after_reversal(d: DriveSI, tension_N: Floats, turned_at_N: Floats) -
 
     The reverse slip zone is ln(T_r/T)/(2 mu), so the stretch changes by
     L_free (T - T_r)/(EA) -+ (r_i + r_o)/(mu EA) (sqrt T - sqrt T_r)^2, until the zone reaches the end of the first one
-    at T T_r = T_pre^2; from there the first-loading law of the other side holds. Unlimited wraps only.
+    at T T_r = T_pre^2; from there the first-loading law of the other side holds. Wraps that end cut both zones off.
     """
-    turned, _ = stretch_first_loading(d, turned_at_N)
     first, first_slope = stretch_first_loading(d, tension_N)
     flexibility = 1.0 / d.axial_stiffness_N
-    reach = d.slip_reach_m
-    step = np.sqrt(tension_N) - np.sqrt(turned_at_N)
-    back = turned + flexibility * (d.free_span_m * (tension_N - turned_at_N) + reach * np.sign(step) * step**2)
-    back_slope = flexibility * (d.free_span_m + reach * np.abs(step) / np.sqrt(tension_N))
+    if d.endless_wraps:
+        turned, _ = stretch_first_loading(d, turned_at_N)
+        reach = d.slip_reach_m
+        step = np.sqrt(tension_N) - np.sqrt(turned_at_N)
+        back = turned + flexibility * (d.free_span_m * (tension_N - turned_at_N) + reach * np.sign(step) * step**2)
+        back_slope = flexibility * (d.free_span_m + reach * np.abs(step) / np.sqrt(tension_N))
+    else:
+        u, v = tension_N / d.preload_N, turned_at_N / d.preload_N
+        mu = _positive(np.asarray(d.friction_coefficient, dtype=float))
+        total, rate = d.free_span_m * (u - 1.0), d.free_span_m * np.ones_like(u)
+        wraps = ((d.input_radius_m, d.input_wrap_rad), (d.drum_radius_m, d.drum_wrap_rad))
+        for radius, wrap in (*wraps, *d.passed_wraps):
+            held, slope = _reversed_integral(u, v, mu, wrap)
+            total, rate = total + radius * held, rate + radius * slope
+        back, back_slope = d.preload_N * flexibility * total, flexibility * rate
     now, then = np.log(tension_N / d.preload_N), np.log(turned_at_N / d.preload_N)
     beyond = np.where(then >= 0.0, (now > then) | (now < -then), (now < then) | (now > -then))
     return np.where(beyond, first, back), np.where(beyond, first_slope, back_slope)
+
+
+def _reversed_integral(u: Floats, v: Floats, mu: Floats, wrap_rad: Floats) -> tuple[Floats, Floats]:
+    """Integral of (T/T_pre - 1) ds in rad over a wrap of any length, and its slope by u, after a reversal at v.
+
+    From the free span on the tension is u e^(+-mu s), then v e^(-+mu s) as the first loading left it, then T_pre.
+    """
+    sense = np.where(v >= 1.0, 1.0, -1.0)
+    turn = np.minimum(np.abs(np.log(u / v)) / (2.0 * mu), wrap_rad)
+    end = np.clip(np.abs(np.log(v)) / mu, turn, np.maximum(wrap_rad, turn))
+    gain = np.expm1(sense * mu * turn) / (sense * mu)
+    left = v * (np.exp(-sense * mu * turn) - np.exp(-sense * mu * end)) / (sense * mu)
+    return np.asarray(u * gain + left - end), np.asarray(gain)

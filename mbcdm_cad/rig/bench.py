@@ -27,7 +27,8 @@ class Bench:
     """All that effects may change before a run; arrays over the n samples of ``time_s``.
 
     ``command_rad`` are the commanded angles of the gearheads, ``drum_rad`` the drum angle that they give without any
-    error. ``input_at`` is the place of the input encoders, "pulley" or "motor"; ``strains`` is the stress-free strain
+    error. ``passed_slip``: whether rope creeps on passed bodies; ``unseen_slip``: though the design does not count it.
+    ``input_at`` is the place of the input encoders, "pulley" or "motor"; ``strains`` is the stress-free strain
     of rope over bed on each wrap, (n_cables, w, n), the wraps those of :mod:`mbcdm_cad.rig.chain`.
     """
 
@@ -53,6 +54,8 @@ class Bench:
     temperature_C: Floats | None = None
     compliance: Compliance = field(default_factory=Compliance)
     friction: PartsFriction | None = None
+    passed_slip: bool = False
+    unseen_slip: bool = False
     truth: list[dict[str, Any]] = field(default_factory=list)
 
     def count_structure(self) -> None:
@@ -160,6 +163,9 @@ def bench_of(
     bench.command_rad = strays_rad + np.stack([drum_rad * bench.turns(i) for i in range(n_inputs)])
     bench.gear_stiffness_Nm_rad = [float("inf")] * n_inputs
     bench.gear_play_rad = [0.0] * n_inputs
+    counted = drive.layout.slips_on_passed
+    bench.passed_slip = counted if physics.passed_slip is None else physics.passed_slip
+    bench.unseen_slip = bench.passed_slip and not counted
     if physics.structure:
         bench.count_structure()
     if physics.losses:

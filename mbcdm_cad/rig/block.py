@@ -18,8 +18,8 @@ class PhysicsBlock(ExperimentBlock):
 
     # Rope that is wound on keeps its tension and brings it back; the analytic model assumes this to be off.
     cable_transport: bool = True
-    # Rope also creeps on the bodies that it passes.
-    passed_slip: Annotated[bool, Field(validation_alias=AliasChoices("passed_slip", "guide_slip"))] = False
+    # Rope also creeps on the bodies that it passes; left out, as the design counts it.
+    passed_slip: Annotated[bool | None, Field(validation_alias=AliasChoices("passed_slip", "guide_slip"))] = None
     piece_mrad: Annotated[float, Field(ge=0.5, le=100.0)] = 20.0
     # Parts besides the cables give: drum, shafts, bearings, frame; gearheads where the rig knows them.
     structure: bool = False

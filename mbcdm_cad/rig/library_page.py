@@ -83,7 +83,7 @@ def added(drive: Drive, experiment: Experiment) -> Added:
         temperature_noise_K=0.0,
     )
     faulty = experiment.model_copy(update={"sensors": perfect})
-    physics = experiment.physics.model_copy(update={"cable_transport": False, "passed_slip": False})
+    physics = experiment.physics.model_copy(update={"cable_transport": False, "passed_slip": None})
     declared = faulty.model_copy(update={"effects": (), "physics": physics})
     bench = set_up(drive, declared)
     turns = [bench.turns(i) for i in range(len(drive.input_names))]

@@ -109,6 +109,7 @@ class BevelDrive(SectorDrive):
     centre_distance_mm: float
     input_setback_mm: float  # input axes at y = -this, behind the guide's axis
     motors_above: bool  # on the top plate, the encoders then under the bearing shelf
+    guide_slips: bool  # the rope creeps on the guide's wraps
     radii_explicit: bool
     bearings: Bearings
     guide_material: Material

@@ -269,6 +269,11 @@ class BevelLayout(SectorLayout):
         """See the base class."""
         return self.input_levels
 
+    @property
+    def slips_on_passed(self) -> bool:
+        """See the base class."""
+        return self.drive.guide_slips
+
     def wraps_rad(self, drum_angle_rad: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """(input, drum) wraps of each cable at a drum angle, never below zero, shape (n_cables,)."""
         cables = self.drive.cables

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import lru_cache
 
 from mbcdm_cad.loop.effect import Effect, Parameter
 from mbcdm_cad.loop.prepare.prepared import Prepared
@@ -15,22 +14,16 @@ from mbcdm_cad.routes import Floats
 MOST = 1.5
 
 
-@lru_cache(maxsize=64)
-def _slipping(d: DriveSI) -> DriveSI:
-    """The drive with the wraps that its routes have on passed bodies; the same object for the same drive."""
-    return d.with_(passed_wrap_rad=d.geometry.passed_wrap_rad(d.parameters))
-
-
 def _apply(setup: Setup, values: Floats, simulate: Simulator) -> Setup:
     # The tension profiles of wound-on cable assume no slip on the guide: the change by slip is computed without them.
     bare = replace(setup, winding=0.0, creep=0.0)
-    whole = simulate(replace(bare, d=_slipping(setup.drive))) - simulate(bare)
+    whole = simulate(replace(bare, d=setup.drive.with_passed_slip)) - simulate(bare)
     return setup.with_added(values[0] * whole)
 
 
 def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
-    """With torque, where the cables pass a body and the declared model has no slip there."""
-    if d is None or p.load_Nm is None or not d.passed_wrap_rad or any(wrap.any() for wrap in d.passed_wrap_rad):
+    """With torque, where the cables pass a body and the design does not count slip there."""
+    if d is None or p.load_Nm is None or not d.passed_wrap_rad or d.slips_on_passed:
         return []
     return [
         Effect(

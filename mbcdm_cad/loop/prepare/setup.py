@@ -144,10 +144,21 @@ def _worked(s: Setup) -> tuple[Floats, Floats, Floats | None]:
 
 
 def _simulated(s: Setup, winding: bool, through: bool = False) -> Response:
-    """Drum angle with the cables simulated on those samples, rad."""
+    """Drum angle with the cables simulated on those samples, rad.
+
+    Winding history has no slip on passed bodies: where the design counts it, what it adds without winding is added.
+    """
+    worked, d = _worked(s), s.drive
+    if winding and d.slips_on_passed:
+        slipped, bare = simulate(d, *worked), simulate(d.without_passed_slip, *worked)
+        wound = _simulated(replace(s, d=d.without_passed_slip), winding, through)
+        return Response(
+            wound.drum_angle_rad + slipped.drum_angle_rad - bare.drum_angle_rad,
+            wound.tension_N + slipped.tension_N - bare.tension_N,
+        )
     if through:
-        return simulate_profiles(s.drive, *_worked(s), winding, s.through_rad)
-    return simulate(s.drive, *_worked(s), winding)
+        return simulate_profiles(d, *worked, winding, s.through_rad)
+    return simulate(d, *worked, winding)
 
 
 def _between(p: Prepared, values: Floats) -> Floats:

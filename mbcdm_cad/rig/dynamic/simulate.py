@@ -120,7 +120,7 @@ def _rig(drive: Drive, experiment: DynamicExperiment, bench: Bench) -> DynamicRi
         step_s=physics.step_us * 1e-6,
         piece_rad=physics.piece_mrad * 1e-3,
         transport=physics.cable_transport,
-        passed_slip=physics.passed_slip,
+        passed_slip=bench.passed_slip,
         compliance=bench.compliance,
         friction=rubs,
     )
@@ -132,7 +132,7 @@ def truth_of(experiment: DynamicExperiment, bench: Bench) -> list[dict[str, Any]
     if experiment.physics.cable_transport:
         bench.tell("winding_history")
     passed = [body.name for body in bench.routes.passed]
-    if experiment.physics.passed_slip:
+    if bench.unseen_slip:
         for name in passed:
             bench.tell("passed_slip", stage=name)
     if drives.cogging_share > 0.0:

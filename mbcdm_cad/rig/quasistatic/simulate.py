@@ -64,7 +64,7 @@ def balance(bench: Bench, experiment: Experiment, load_Nm: Floats) -> tuple[Floa
             bench.cables,
             piece_rad=physics.piece_mrad * 1e-3,
             transport=physics.cable_transport,
-            passed_slip=physics.passed_slip,
+            passed_slip=bench.passed_slip,
             input_wrap_rad=physics.input_wrap_rad,
             drum_wrap_rad=physics.drum_wrap_rad,
             reach_rad=reach,
@@ -149,7 +149,7 @@ def _truth(bench: Bench, experiment: Experiment) -> list[dict[str, Any]]:
     truth = list(bench.truth)
     if experiment.physics.cable_transport and experiment.load.kind != "none":
         truth.append({"name": "winding_history", "in_vocabulary": True, "parameters": {}})
-    if experiment.physics.passed_slip:
+    if bench.unseen_slip:
         slipped = [body.name for body in bench.routes.passed]
         truth += [{"name": "passed_slip", "in_vocabulary": True, "stage": name, "parameters": {}} for name in slipped]
     return truth

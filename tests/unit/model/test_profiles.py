@@ -13,7 +13,6 @@ from paper_case import paper_drive, turned_round
 
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.hysteresis import simulate
-from mbcdm_cad.model.kinematics import with_passed_slip
 from mbcdm_cad.model.profiles import simulate_profiles
 from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.model.wrap import slack_stretch_m
@@ -72,7 +71,7 @@ def test_any_series_is_balanced_or_refused_for_its_travel(seed: int) -> None:
 
 
 def test_slip_on_the_guide_is_the_third_wrap() -> None:
-    d, load = with_passed_slip(paper_drive()), np.array([0.91, -0.91, 0.4, -0.2])
+    d, load = paper_drive().with_passed_slip, np.array([0.91, -0.91, 0.4, -0.2])
     endless = d.with_(passed_wrap_rad=[np.full(4, np.inf)])
     ours, closed = locked(endless, load), simulate(endless, np.zeros((2, 4)), load)
     assert ours.drum_angle_rad == pytest.approx(closed.drum_angle_rad, rel=1e-9)
@@ -181,4 +180,4 @@ def test_winding_off_more_than_the_wrap_is_refused() -> None:
 
 def test_winding_with_slip_on_the_guide_is_refused() -> None:
     with pytest.raises(ModelError, match="slip on passed bodies is not modelled"):
-        simulate(with_passed_slip(paper_drive()), np.zeros((2, 2)), 0.1, winding=True)
+        simulate(paper_drive().with_passed_slip, np.zeros((2, 2)), 0.1, winding=True)

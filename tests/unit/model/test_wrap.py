@@ -13,7 +13,7 @@ from paper_case import paper_drive
 
 from mbcdm_cad.model.backlash import drum_backlash
 from mbcdm_cad.model.equilibrium import solve_equilibrium, tension_of_stretch
-from mbcdm_cad.model.kinematics import with_passed_slip
+from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.model.wrap import (
     excess_minus_log,
@@ -126,12 +126,28 @@ def test_slip_on_the_guide_adds_about_8_percent() -> None:
     d = paper_drive()
     plain = float(drum_backlash(d, 0.91).first_loading_rad)
     long = float(drum_backlash(d.with_(passed_wrap_rad=[np.full(4, np.inf)]), 0.91).first_loading_rad)
-    true = abs(float(solve_equilibrium(with_passed_slip(d), 0.91).drum_angle_rad))
+    true = abs(float(solve_equilibrium(d.with_passed_slip, 0.91).drum_angle_rad))
     assert long / plain - 1 == pytest.approx(0.08, abs=0.01), f"{long / plain - 1:.2%} more"
     assert plain < true < long, f"{plain:.4g}, {true:.4g}, {long:.4g} rad"
-    assert np.degrees(with_passed_slip(d).passed_wrap_rad[0]) == pytest.approx([25.7, 207.5, 29.4, 211.3], abs=0.06)
+    assert np.degrees(d.with_passed_slip.passed_wrap_rad[0]) == pytest.approx([25.7, 207.5, 29.4, 211.3], abs=0.06)
 
 
 def test_closed_forms_refuse_finite_wraps() -> None:
     with pytest.raises(ModelError, match="a wrap is finite"):
-        drum_backlash(paper_drive(**FINITE), 0.91)
+        _ = paper_drive(**FINITE).slip_reach_m
+
+
+@given(st.floats(0.05, 3.5), st.sampled_from([FINITE, GUIDE, {**FINITE, **GUIDE}]))
+def test_a_reversal_with_wraps_that_end_is_that_of_the_time_series(load_Nm: float, limits: dict[str, object]) -> None:
+    """Closed form of the profiles after a reversal, against the profiles that the series carries along."""
+    d = paper_drive(**limits)
+    found = drum_backlash(d, load_Nm)
+    series = simulate(d, np.zeros((2, 2)), np.array([load_Nm, -load_Nm])).drum_angle_rad
+    assert float(found.reversal_swing_rad) == pytest.approx(abs(series[1] - series[0]), rel=1e-7)
+
+
+def test_a_wrap_longer_than_its_zones_is_an_endless_one() -> None:
+    long = paper_drive(drum_wrap_rad=np.full(4, 300.0))
+    for load in (0.4, 3.0):
+        endless, found = drum_backlash(paper_drive(), load), drum_backlash(long, load)
+        assert float(found.reversal_swing_rad) == pytest.approx(float(endless.reversal_swing_rad), rel=1e-10)

@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import importlib.util
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.model.analysis import reversal_swing_mrad
+from mbcdm_cad.model.backlash import drum_backlash
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.si import to_si
+from mbcdm_cad.rig.bench import bench_of
+from mbcdm_cad.rig.quasistatic.experiment import Physics
 
 
 @pytest.fixture(scope="module")
@@ -67,3 +72,27 @@ def test_they_agree_on_one_cable_that_friction_holds_on_its_input(comparison, pr
     assert found[199] == pytest.approx(float(solve_equilibrium(d, 2.15).drum_angle_rad), rel=1e-3)
     model = simulate(d, np.zeros((1, load.size)), load).drum_angle_rad
     assert found[-1] - found[199] == pytest.approx(model[-1] - model[199], rel=1e-3)
+
+
+def test_slip_on_the_guide_is_one_choice_of_the_design(comparison, drive):
+    """Declared as counted, model, time series and rig turn alike; without it they agree on the smaller turn."""
+    counted = replace(drive, guide_slips=True)
+    load = np.concatenate([np.linspace(0.0, 0.91, 200), np.linspace(0.91, -0.91, 400)])
+    turns = {}
+    for name, one in (("none", drive), ("counted", counted)):
+        d = to_si(one)
+        slips = one.layout.slips_on_passed
+        found, _ = comparison.held(one, load, piece_rad=0.01, passed_slip=slips)
+        assert found[199] == pytest.approx(float(solve_equilibrium(d, 0.91).drum_angle_rad), rel=2e-3)
+        swing = float(drum_backlash(d, 0.91).reversal_swing_rad)
+        assert abs(found[-1] - found[199]) == pytest.approx(swing, rel=2e-3)
+        model = simulate(d, np.zeros((2, load.size)), load).drum_angle_rad
+        assert abs(model[-1] - model[199]) == pytest.approx(swing, rel=1e-6)
+        assert one.layout.turns.cables.swing_mrad == pytest.approx(swing * 1e3, rel=1e-9)
+        assert reversal_swing_mrad(one) == pytest.approx(swing * 1e3, rel=1e-9)
+        turns[name] = swing
+    assert turns["counted"] / turns["none"] - 1.0 == pytest.approx(0.08, abs=0.01), turns
+    physics = Physics()
+    for one, slips in ((drive, False), (counted, True)):
+        bench = bench_of(one, np.arange(3.0), np.zeros(3), np.zeros((2, 3)), np.random.default_rng(1), physics)
+        assert bench.passed_slip is slips and not bench.unseen_slip

@@ -29,6 +29,7 @@ def drive(design: BevelDesign, catalogue: Catalogue, sigmas: Mapping[FieldPath, 
         centre_distance_mm=design.transmission.centre_distance_mm,
         input_setback_mm=design.transmission.input_setback_mm,
         motors_above=design.drive.motor_side == "above",
+        guide_slips=guide.slip == "counted",
         radii_explicit=design.transmission.ratios is None,
         bearings=d.Bearings(
             drum=catalogue.bearing(drum.bearing),

@@ -130,6 +130,11 @@ class Guide(Block):
     material: EntryName = choice("material of the pulley", source=ESTIMATE, reference="aluminium-7075")
     bearing: EntryName = choice("both bearings inside the pulley", source=ESTIMATE, reference="618/4")
     axle_material: EntryName = choice("material of the axle", source=ESTIMATE, reference="steel")
+    slip: Literal["none", "counted"] = choice(
+        "whether the rope creeps on the guide's wraps too: none, as the paper reckons, the tension does not change "
+        "along a wrap; or counted, in model, checks, rig and loop, from both ends of each wrap",
+        default="none",
+    )
 
 
 class BevelDriveTrain(DriveTrain):
