@@ -65,7 +65,7 @@ def measured(
     current = run.motor_Nm / (rig.gearheads[0].ratio * true)
     current = current + CURRENT_NOISE_A * rng.normal(size=current.shape)
     motor = StatedMotors(CONSTANT_NM_A, SIGMA_SHARE, friction_Nm=rig.motors[0].coulomb_Nm)
-    sensors = Sensors(1.9175e-4, 1.3635e-6, torque_class=TorqueClass(2.0 * SIGMA_SHARE, 0.0, what="motors' current"))
+    sensors = Sensors(1.9175e-4, 1.3635e-6, torque_class=TorqueClass.of_motors(SIGMA_SHARE))
     logged = Run(run.time_s, run.measured_input_rad, run.measured_drum_rad, sensors=sensors, source="run.csv")
     return replace(logged, input_names=drive.input_names, current_A=current, motor=motor)
 

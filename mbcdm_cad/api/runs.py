@@ -72,22 +72,29 @@ def load_run(path: str | Path) -> MeasuredRun:
     return MeasuredRun(file, read_run(file))
 
 
-def close_loop(design: DriveDesign, runs: MeasuredRun | str | Path | Iterable[MeasuredRun | str | Path]) -> LoopReport:
+def close_loop(
+    design: DriveDesign | None,
+    runs: MeasuredRun | str | Path | Iterable[MeasuredRun | str | Path],
+    *,
+    ratio: float | None = None,
+) -> LoopReport:
     """Find effects that the model of ``design`` lacks, from all measured runs together, as ``mbcdm loop``.
 
     ``runs``: runs or paths of measurement files, or the path of one study file, whose runs may have values of their
-    own. Raises ``InputError`` with all mistakes in them.
+    own. Without a design the runs state their drive's ratio, or ``ratio`` does: then only what hangs on no cable can be
+    found. Raises ``InputError`` with all mistakes in them.
     """
     from mbcdm_cad.loop.judge import judge
     from mbcdm_cad.loop.study import is_study, load_study
-    from mbcdm_cad.measurement.file import load_file
+    from mbcdm_cad.measurement.file import load_file, with_ratio
 
+    loaded = None if design is None else design.loaded
     listed = [runs] if isinstance(runs, MeasuredRun | str | Path) else list(runs)
     if len(listed) == 1 and not isinstance(listed[0], MeasuredRun) and is_study(Path(listed[0])):
         study = load_study(listed[0])
-        return judge(design.loaded, study.files, study.differs)
+        return judge(loaded, [with_ratio(file, ratio) for file in study.files], study.differs)
     files = [one.file if isinstance(one, MeasuredRun) else load_file(one) for one in listed]
-    return judge(design.loaded, files)
+    return judge(loaded, [with_ratio(file, ratio) for file in files])
 
 
 def trend(study: str | Path, design: DriveDesign | None = None) -> TrendReport:

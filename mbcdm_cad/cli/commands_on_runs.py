@@ -17,6 +17,12 @@ from mbcdm_cad.cli.screen import progress, screen_width
 from mbcdm_cad.errors import InputError, MbcdmError, Problem
 from mbcdm_cad.storage.files import refuse_missing_folder, write_whole
 
+RATIO = click.option(
+    "--ratio",
+    type=click.FloatRange(0.0, 1e6, min_open=True),
+    help="Total ratio of a drive without a design file, from the input's encoder to the output.",
+)
+
 
 @mbcdm.command(epilog=examples("mbcdm analyse my_drive.yaml", "mbcdm analyse my_drive.yaml --json > figures.json"))
 @DESIGN
@@ -99,10 +105,12 @@ def reproduce(design: Path | None) -> int:
     epilog=examples(
         "mbcdm loop my_drive.yaml run1.yaml run2.yaml --report out/loop",
         "mbcdm loop my_drive.yaml run1.yaml --apply my_drive_as_built.yaml",
+        "mbcdm loop run1.yaml --ratio 8",
     )
 )
 @DESIGN
-@click.argument("measurements", type=FILE, nargs=-1, required=True)
+@click.argument("measurements", type=FILE, nargs=-1)
+@RATIO
 @click.option("--json", "json_path", type=FILE, metavar="FILE", help="Write the result as JSON.")
 @click.option(
     "--apply",
@@ -128,6 +136,7 @@ def reproduce(design: Path | None) -> int:
 def loop(
     design: Path,
     measurements: tuple[Path, ...],
+    ratio: float | None,
     json_path: Path | None,
     as_built: Path | None,
     report: Path | None,
@@ -137,12 +146,20 @@ def loop(
     """Find effects that the model lacks, from measured runs.
 
     Each MEASUREMENTS file (YAML) describes one run and names the columns of its CSV file. All runs are used together.
-    In place of them, one study file lists the runs and what differs from run to run.
+    In place of them, one study file lists the runs and what differs from run to run. DESIGN may be left out where
+    --ratio or the measurement files give the ratio: the loop then finds errors of angle, play, friction and drift.
     """
-    loaded = api.load(design)  # before the other imports, so that bad input is reported at once
+    from mbcdm_cad.measurement.file import describes_runs
+
+    if ratio is not None or describes_runs(design):
+        loaded, measurements = None, (design, *measurements)
+    elif not measurements:
+        raise click.UsageError("give the measurement files after the design, or --ratio in place of a design")
+    else:
+        loaded = api.load(design)  # before the other imports, so that bad input is reported at once
     from mbcdm_cad.cli.loop import Outputs, loop_command
 
-    return loop_command(loaded, measurements, Outputs(json_path, as_built, report, correction, next_path))
+    return loop_command(loaded, measurements, ratio, Outputs(json_path, as_built, report, correction, next_path))
 
 
 @mbcdm.command(epilog=examples("mbcdm trend study.yaml", "mbcdm trend study.yaml --picture trend.png"))
@@ -247,11 +264,7 @@ def simulate(design: Path, experiment: Path, out: Path) -> None:
 )
 @click.argument("data", type=FILE)
 @click.argument("design", type=FILE, required=False)
-@click.option(
-    "--ratio",
-    type=click.FloatRange(0.0, 1e6, min_open=True),
-    help="Total ratio of a drive without a design file, from the input's encoder to the output.",
-)
+@RATIO
 @click.option(
     "--out",
     type=FILE,
@@ -274,7 +287,6 @@ def measurement_init(data: Path, design: Path | None, ratio: float | None, out: 
         raise InputError([Problem(str(path), 1, "", "in another folder than the data", remedy=remedy)])
     write_new(path, text, "choose another name with --out, or remove it")
     click.echo(text, nl=False)
-    # The loop reads a design also for a run that states a ratio of its own, and then does not use it.
-    where = f"{shlex.quote(str(design)) if design else 'DESIGN.yaml'} {shlex.quote(str(path))}"
+    where = " ".join(shlex.quote(str(one)) for one in (design, path) if one is not None)
     click.echo(f"{path} written; check the guesses in it, then: mbcdm loop {where}")
     return 0

@@ -18,7 +18,7 @@ from mbcdm_cad.loop.as_built import applied_words
 from mbcdm_cad.loop.correction_files import correction_words
 from mbcdm_cad.loop.judge import drive_of, json_bytes
 from mbcdm_cad.loop.study import is_study, load_study
-from mbcdm_cad.measurement.file import MeasurementFile, load_file
+from mbcdm_cad.measurement.file import MeasurementFile, load_file, with_ratio
 from mbcdm_cad.storage.files import write_whole
 
 REPORT_PAGE, REPORT_JSON = REPORT_FILES = ("report.html", "result.json")
@@ -36,19 +36,25 @@ class Outputs:
     next: Path | None = None
 
 
-def loop_command(loaded: api.DriveDesign, measurements: Sequence[Path], wanted: Outputs) -> int:
-    """Judge the runs together. 0 if they could be judged; raises InputError with all mistakes of bad input."""
+def loop_command(
+    loaded: api.DriveDesign | None, measurements: Sequence[Path], ratio: float | None, wanted: Outputs
+) -> int:
+    """Judge the runs together. 0 if they could be judged; raises InputError with all mistakes of bad input.
+
+    ``ratio``: total ratio of a drive without a design.
+    """
     study = measurements[0] if len(measurements) == 1 and is_study(measurements[0]) else None
     files = list(load_study(study).files) if study else [load_file(path) for path in measurements]
+    files = [with_ratio(file, ratio) for file in files]
     _refuse_outputs(loaded, files, wanted)
     if any(file.content.published is not None for file in files):
         return _published(loaded, files, wanted)
-    if drive_of(loaded.loaded, files) is None:
+    if loaded is None or drive_of(loaded.loaded, files) is None:
         for option, path in (("--apply", wanted.as_built), ("--next", wanted.next)):
             if path is not None:
                 remedy = f"leave {option} out, or judge runs of the design"
                 raise InputError([files[0].problem(("ratio",), "a drive of its own, not the design's", remedy=remedy)])
-    report = api.close_loop(loaded, measurements)
+    report = api.close_loop(loaded, measurements, ratio=ratio)
     click.echo(report.text())
     content = json_bytes(report.to_dict())
     outputs, applied = {} if wanted.json is None else {wanted.json: content}, ""
@@ -75,12 +81,14 @@ def loop_command(loaded: api.DriveDesign, measurements: Sequence[Path], wanted: 
     return 0
 
 
-def _published(loaded: api.DriveDesign, files: Sequence[MeasurementFile], wanted: Outputs) -> int:
+def _published(loaded: api.DriveDesign | None, files: Sequence[MeasurementFile], wanted: Outputs) -> int:
     """Judge the figures of a paper: possible causes, without a fit."""
     if len(files) > 1 or any(one is not None for one in (wanted.as_built, wanted.correction, wanted.next)):
         remedy = "use it alone, without --apply, --correction and --next"
         wrong = next(file for file in files if file.content.published is not None)
         raise InputError([wrong.problem(("published",), "figures of a paper, not a run", remedy=remedy)])
+    if loaded is None:
+        raise InputError([files[0].problem(("published",), "no design", remedy="give the design file first")])
     result = api.judge_published(loaded, files[0].path)
     click.echo(result.text().rstrip())
     content = json_bytes(result.to_json())
@@ -96,9 +104,10 @@ def _published(loaded: api.DriveDesign, files: Sequence[MeasurementFile], wanted
     return 0
 
 
-def _refuse_outputs(loaded: api.DriveDesign, files: Sequence[MeasurementFile], wanted: Outputs) -> None:
+def _refuse_outputs(loaded: api.DriveDesign | None, files: Sequence[MeasurementFile], wanted: Outputs) -> None:
     """Raise InputError if an output would replace an input or another output, or if its folder does not exist."""
-    taken = [("design file", loaded.loaded.path), *(("measurement file", file.path) for file in files)]
+    taken = [("measurement file", file.path) for file in files]
+    taken += [] if loaded is None else [("design file", loaded.loaded.path)]
     data = [(file.path, file.content.data) for file in files if file.content.data]
     taken += [("data of " + path.name, path.parent / name) for path, name in data]
     outputs = [] if wanted.json is None else [("--json", wanted.json)]

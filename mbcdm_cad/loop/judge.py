@@ -32,12 +32,13 @@ if TYPE_CHECKING:
 class LoopReport:
     """``result`` of the loop on ``runs``, with the findings of their vetting.
 
-    ``loaded`` is the design; ``drive`` is None where only the ratio of the runs' drive is known.
+    ``loaded`` is the design, None where none was given; ``drive`` is None where only the ratio of the runs' drive is
+    known.
     """
 
     result: LoopResult
     runs: tuple[Vetted, ...]
-    loaded: LoadedDesign
+    loaded: LoadedDesign | None
     drive: Drive | None
 
     @property
@@ -65,7 +66,7 @@ class LoopReport:
 
     def design(self) -> dict[str, str] | None:
         """Name, file and hash of the design; None where the runs are of another drive."""
-        if self.drive is None:
+        if self.drive is None or self.loaded is None:
             return None
         return {"name": self.drive.name, "file": self.loaded.path.name, "sha256": self.loaded.sha256}
 
@@ -87,8 +88,9 @@ class LoopReport:
         """
         from mbcdm_cad.loop.as_built import as_built_text
 
-        if self.drive is None:
-            raise MbcdmError(f"{self.loaded.path}: the runs are of a drive of their own, not of the design's")
+        if self.drive is None or self.loaded is None:
+            where = self.source if self.loaded is None else self.loaded.path
+            raise MbcdmError(f"{where}: the runs are of a drive of their own, not of the design's")
         return as_built_text(self.loaded, self.result, self.source)
 
     @cached_property
@@ -102,7 +104,8 @@ class LoopReport:
 
         if self.correction is None:
             return {}
-        return correction_files(self.correction, f"{self.loaded.path.name} and {self.source}")
+        of = self.source if self.loaded is None else f"{self.loaded.path.name} and {self.source}"
+        return correction_files(self.correction, of)
 
     def page(self) -> bytes:
         """The page with plots, as ``mbcdm loop --report`` writes it: HTML that needs no other file."""
@@ -119,9 +122,12 @@ class LoopReport:
         return data_frame({name: [row[name] for row in rows] for name in columns})
 
 
-def judge(loaded: LoadedDesign, files: Sequence[MeasurementFile], differs: Sequence[Sequence[str]] = ()) -> LoopReport:
+def judge(
+    loaded: LoadedDesign | None, files: Sequence[MeasurementFile], differs: Sequence[Sequence[str]] = ()
+) -> LoopReport:
     """Read, vet and judge the runs together. Raises ``InputError`` with all that is wrong with the files.
 
+    ``loaded``: the design; None for a drive of which the files state the ratio.
     ``differs``: for each run the fields of the design, or the effects, of which it has values of its own.
     """
     if not files:
@@ -142,7 +148,7 @@ def judge(loaded: LoadedDesign, files: Sequence[MeasurementFile], differs: Seque
     return LoopReport(result, tuple(vetted), loaded, drive)
 
 
-def drive_of(loaded: LoadedDesign, files: Sequence[MeasurementFile]) -> Drive | None:
+def drive_of(loaded: LoadedDesign | None, files: Sequence[MeasurementFile]) -> Drive | None:
     """The drive that all runs are of; None for one of which only the ratio is known."""
     first = files[0].content.ratio
     for file in files[1:]:
@@ -151,7 +157,10 @@ def drive_of(loaded: LoadedDesign, files: Sequence[MeasurementFile]) -> Drive | 
             value, limit = (str(v) if v else "none" for v in (file.content.ratio, first))
             what = f"another ratio than in {files[0].path}"
             raise InputError([file.problem(("ratio",), what, value, limit, remedy=remedy)])
-    return loaded.drive if first is None else None
+    if loaded is None and first is None:
+        remedy = "give the design file before the measurement files, or --ratio"
+        raise InputError([files[0].problem(("ratio",), "neither a design nor a ratio", remedy=remedy)])
+    return loaded.drive if loaded is not None and first is None else None
 
 
 def json_bytes(content: dict[str, Any]) -> bytes:

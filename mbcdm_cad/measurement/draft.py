@@ -71,10 +71,10 @@ def draft_text(data: Path, expected: Expected) -> str:
     if "time" in by_role:
         _time(by_role["time"])
     output = by_role["output"]
-    fields, factor, reason = _output_unit(output, expected)
+    inputs = [column for column in columns if column.role.startswith("input")]
+    fields, factor, reason = _as_the_input_begins_again(output, inputs, expected) or _output_unit(output, expected)
     output.fields |= fields
     output.reasons.append(reason)
-    inputs = [column for column in columns if column.role.startswith("input")]
     for column in inputs:
         _input(column, output.values * factor, expected)
     _lengths(output, inputs, expected)
@@ -233,6 +233,26 @@ def _output_unit(column: Guess, expected: Expected) -> tuple[dict[str, object], 
         unit = "rad" if span < 4.0 * math.pi else "deg"
         reason = f"spans {span:.4g}: {unit}?"
     return {"unit": unit}, ANGLE[unit].factor, reason
+
+
+def _as_the_input_begins_again(
+    output: Guess, inputs: Sequence[Guess], expected: Expected
+) -> tuple[dict[str, object], float, str] | None:
+    """Counts a turn of the output from an input that begins again after its own, with which the ratio is met."""
+    begins_again = next((c.fields["wraps_at"] for c in inputs if c.whole and "wraps_at" in c.fields), None)
+    known = "wraps_at" in output.fields or expected.output_counts is not None
+    if not isinstance(begins_again, float) or not output.whole or known or stated_unit(output, ANGLE)[0]:
+        return None
+    follows = next(c for c in inputs if c.whole and "wraps_at" in c.fields)
+    slope, _ = robust_slope(output.values, follows.values)
+    wanted = expected.ratio * begins_again / abs(slope) if slope else 0.0
+    # The same encoder twice is more likely than any other near it.
+    likely = [begins_again, *(float(n) for n in sorted(COUNTS_SOLD, key=lambda n: abs(math.log(max(wanted, 1.0) / n))))]
+    per_turn = next((n for n in likely if wanted and abs(math.log(wanted / n)) < MET), None)
+    if per_turn is None:
+        return None
+    reason = f"whole numbers; with {per_turn:g} a turn the ratio is met to {MET:.0%}"
+    return {"unit": COUNTS, "counts_per_turn": per_turn}, 2.0 * math.pi / per_turn, reason
 
 
 def _output_counts(column: Guess, expected: Expected) -> tuple[float, str]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import re
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from pydantic import ValidationError
@@ -56,6 +57,27 @@ def load_file(path: str | Path) -> MeasurementFile:
     if problems:
         raise InputError(problems)
     return file
+
+
+def with_ratio(file: MeasurementFile, ratio: float | None) -> MeasurementFile:
+    """The file of a drive of which only ``ratio`` is known; the file itself for None. Raises InputError."""
+    if ratio is None or file.content.published is not None or file.content.ratio == ratio:
+        return file
+    if file.content.ratio is not None:
+        value, remedy = f"{file.content.ratio:g}", "keep one of the two"
+        raise InputError([file.problem(("ratio",), "another ratio than --ratio", value, f"{ratio:g}", remedy=remedy)])
+    found = replace(file, content=file.content.model_copy(update={"ratio": ratio}))
+    if problems := _broken_rules(found):
+        raise InputError(problems)
+    return found
+
+
+def describes_runs(path: Path) -> bool:
+    """Whether a file given in the place of a design has the fields of a measurement file or of a study."""
+    try:
+        return re.search(r"^(columns|runs|published):", read_text(path, *_KIND), re.MULTILINE) is not None
+    except InputError:
+        return False
 
 
 def _has_fields(text: str) -> bool:

@@ -238,7 +238,9 @@ def _likely_sign(rows: Lines, decimal_comma: bool) -> str | None:
     best: tuple[int, int] = (0, 0)
     found: str | None = None
     for sign in (";", "\t", *(() if decimal_comma else (",",)), None):
-        count, often = Counter(len(split(line, sign)) for _, line in rows).most_common(1)[0]
+        # The arrow after a time stamp divides cells too, whichever sign does behind it.
+        widths = (len(split(line, sign)) if sign is None or sign in line else 1 for _, line in rows)
+        count, often = Counter(widths).most_common(1)[0]
         if count > 1 and (often, count) > best:
             best, found = (often, count), sign
     return found

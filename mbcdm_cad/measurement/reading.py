@@ -19,7 +19,7 @@ from mbcdm_cad.measurement.datafile import DECIMALS, DataTable, read_table
 from mbcdm_cad.measurement.file import MeasurementFile, load_file
 from mbcdm_cad.measurement.known_load import pendulum_load_Nm
 from mbcdm_cad.measurement.logformat import Format, find_format, line_with
-from mbcdm_cad.measurement.run import Run, Sensors, StatedMotors, TorqueClass
+from mbcdm_cad.measurement.run import KNOWN_LOAD, Run, Sensors, StatedMotors, TorqueClass
 from mbcdm_cad.measurement.schema import CURRENT, Column, SensorFigures
 from mbcdm_cad.measurement.units import ISO_CLOCK, Unit, unit_of
 from mbcdm_cad.routes import Floats
@@ -174,10 +174,12 @@ _IN_BRACKETS = re.compile(r"[\[(]\s*([^\[\]()]+?)\s*[\])]\Z")
 
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """A run with ``notes``: sentences for the user about its reading."""
+    """A run with ``notes``, sentences about its reading that are reasons for doubt, and ``turns``, how often its angles
+    begin again, which is none."""
 
     run: Run
     notes: tuple[str, ...]
+    turns: tuple[str, ...] = ()
 
 
 def load_measurement(path: str | Path) -> Run:
@@ -231,14 +233,13 @@ def read_run(file: MeasurementFile) -> Reading:
     run = _in_si(file, asked, table, data.name, sha256)
     refuse_unusable(file, run, table, data)
     notes = _notes_on_columns(file.asked, layout, indices, data)
-    notes += [note for note in turns if note]
     if repeated:
         notes.append(f"{repeated} rows of {data.name} repeat the time of the row before: left out")
     if table.broken:
         lines = ", ".join(str(line) for line in table.broken_lines)
         more = ", ..." if table.broken > len(table.broken_lines) else ""
         notes.append(f"{table.broken} broken rows of {data.name} left out (lines {lines}{more})")
-    return Reading(run, tuple(notes))
+    return Reading(run, tuple(notes), tuple(note for note in turns if note))
 
 
 def _of_channels(file: MeasurementFile, layout: Format, data: Path, indices: list[int], clock: bool) -> DataTable:
@@ -421,16 +422,13 @@ def _load_Nm(file: MeasurementFile, rows: dict[str, Floats]) -> Floats | None:
 def _torque_class(given: SensorFigures, known: bool, motor: StatedMotors | None) -> TorqueClass:
     """The class of the torque sensor, of a known load or of the motors' currents, with usual figures in place of those
     that are not stated."""
-    usual = TorqueClass(lag_s=0.0, what="known load") if known else TorqueClass()
+    usual = TorqueClass(lag_s=0.0, what=KNOWN_LOAD) if known else TorqueClass()
     if motor is not None:
-        usual = TorqueClass(2.0 * motor.torque_constant_share, 0.0, what="motors' current")
+        usual = TorqueClass.of_motors(motor.torque_constant_share)
     share, lag = given.torque_class_share, given.torque_lag_s
-    return TorqueClass(
-        usual.share if share is None else share,
-        usual.lag_s if lag is None else lag,
-        share is not None or lag is not None,
-        usual.what,
-    )
+    if share is not None:
+        usual = replace(usual, share=share, zero_share=None, gain_sigma=None, stated=True)
+    return usual if lag is None else replace(usual, lag_s=lag, stated=True)
 
 
 def _step_of_counts(asked: dict[str, Column], names: list[str]) -> float | None:

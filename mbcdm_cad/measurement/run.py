@@ -33,25 +33,45 @@ class StatedMotors:
     friction_Nm: float = 0.0
 
 
+# What a load comes from that no sensor measured.
+KNOWN_LOAD, MOTORS_CURRENT = "known load", "motors' current"
+
+
 @dataclass(frozen=True)
 class TorqueClass:
-    """Largest errors of a torque sensor in its class: gain as a share, zero as the same share of the range, lag in s.
+    """Largest errors of a torque sensor in its class: gain as a share, zero as a share of the range, lag in s.
 
     The defaults are those of usual sensors with a filter of 15 Hz or more; ``stated``: the measurement file gives them;
-    ``what`` the load comes from.
+    ``what`` the load comes from. ``zero_share`` is that of the gain if it is None. ``gain_sigma`` is the standard
+    deviation of the gain where more than its bound is known.
     """
 
     share: float = 0.01
     lag_s: float = 0.011
     stated: bool = False
     what: str = "torque sensor"
+    zero_share: float | None = None
+    gain_sigma: float | None = None
+
+    @classmethod
+    def of_motors(cls, constant_sigma: float) -> TorqueClass:
+        """Of motors' currents: the torque constant's spread is one of the gain, a zero is the amplifiers' alone."""
+        return cls(2.0 * constant_sigma, 0.0, what=MOTORS_CURRENT, zero_share=cls.share, gain_sigma=constant_sigma)
+
+    @property
+    def zero(self) -> float:
+        """Largest zero as a share of the range."""
+        return self.share if self.zero_share is None else self.zero_share
 
     @property
     def words(self) -> str:
         """The class in words."""
         source = "as stated" if self.stated else "usual, none is stated"
         lag = f", lag {1e3 * self.lag_s:.3g} ms" if self.lag_s else ""
-        return f"{self.share:.3g} of gain and range{lag}, {source}"
+        sizes = f"{self.share:.3g} of gain and range"
+        if self.zero != self.share:
+            sizes = f"{self.share:.3g} of gain, {self.zero:.3g} of the range"
+        return f"{sizes}{lag}, {source}"
 
 
 @dataclass(frozen=True)

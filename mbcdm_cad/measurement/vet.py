@@ -266,7 +266,7 @@ def vetted_runs(files: Sequence[MeasurementFile], drive: Drive | None) -> list[V
             continue
         ratio = np.full(reading.run.input_rad.shape[0], reading.run.ratio or 1.0)
         run = with_motors_load(reading.run, None, ratio) if drive is None else arranged(reading.run, drive)
-        findings = vet(run, drive)
+        findings = [*vet(run, drive), *(VettingNote("turns", "fact", words) for words in reading.turns)]
         problems += [file.problem(f.field, f.text, remedy=f.remedy) for f in refusals(findings)]
         for one in vetted:
             if one.run.sha256 == run.sha256:

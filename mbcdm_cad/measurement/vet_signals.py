@@ -8,7 +8,16 @@ import numpy as np
 from scipy.linalg import LinAlgError, eigh
 
 from mbcdm_cad.design.fieldpath import FieldPath
-from mbcdm_cad.measurement.run import SPEED_WINDOW_S, Run, VettingNote, column_of, half_sweeps, smoothed
+from mbcdm_cad.measurement.run import (
+    KNOWN_LOAD,
+    MOTORS_CURRENT,
+    SPEED_WINDOW_S,
+    Run,
+    VettingNote,
+    column_of,
+    half_sweeps,
+    smoothed,
+)
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
 
@@ -226,7 +235,7 @@ def _loads(run: Run, speed: Floats, d: DriveSI | None) -> list[VettingNote]:
     levels = load_levels(run.load_Nm)
     words = ", ".join(f"{level:.3g}" for level in levels)
     text = f"load levels {words} N m" if levels else f"the load varies from {low:.3g} to {high:.3g} N m"
-    found = [VettingNote("load_levels", "fact", text)]
+    found = [VettingNote("load_levels", "fact", text), *_source_of_load(run)]
     sense = np.sign(speed)
     moving = np.abs(speed) > 0.2 * np.quantile(np.abs(speed), 0.99)
     # About zero and not about the mean: with a bias the load does not change sign with the motion.
@@ -237,6 +246,27 @@ def _loads(run: Run, speed: Floats, d: DriveSI | None) -> list[VettingNote]:
         )
         found.append(VettingNote("load_follows_speed", "fact", text, "a bias load separates them"))
     return found
+
+
+def _source_of_load(run: Run) -> list[VettingNote]:
+    """What a load that no sensor measured leaves open."""
+    allowed = run.sensors.torque_class
+    if allowed.what == KNOWN_LOAD:
+        text = (
+            "the load of a weight on an arm is a wave of the output's angle, once a turn: a compliance in series looks "
+            "like once_per_rev drum"
+        )
+        return [VettingNote("weight", "fact", text, "judge it together with a run with another weight, or none")]
+    if allowed.what == MOTORS_CURRENT and run.load_Nm is not None:
+        # A second difference of white noise has six times its square.
+        noise = float(np.std(np.diff(run.load_Nm, 2))) / np.sqrt(6.0)
+        text = (
+            f"the load is that of the motors' currents, to {allowed.share:.2g} of its gain and with a noise of "
+            f"{noise:.2g} N m a sample: a modulus that is wrong by less than this share is not told from the torque "
+            "constant, and friction between motor and drum is in the load"
+        )
+        return [VettingNote("motors_current", "fact", text, "a known weight on an arm gives the torque constant")]
+    return []
 
 
 def load_levels(load_Nm: Floats) -> list[float]:

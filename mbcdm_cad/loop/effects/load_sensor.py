@@ -15,7 +15,7 @@ import numpy as np
 from mbcdm_cad.loop.effect import Effect, Parameter
 from mbcdm_cad.loop.prepare.prepared import Prepared
 from mbcdm_cad.loop.prepare.setup import Setup, Simulator
-from mbcdm_cad.measurement.run import TorqueClass
+from mbcdm_cad.measurement.run import KNOWN_LOAD, TorqueClass
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
 
@@ -107,7 +107,7 @@ def within_class(runs: tuple[Prepared, ...]) -> list[Effect]:
     if any(load is None for load in loads) or most == 0.0:
         return []
     allowed: TorqueClass = runs[0].run.sensors.torque_class
-    found = [gain(allowed.share), zero(allowed.share * most)]
+    found = [gain(allowed.share), zero(allowed.zero * most)]
     return [*found, lag(allowed.lag_s)[1]] if allowed.lag_s else found
 
 
@@ -144,8 +144,11 @@ def _of_parts(name: str, parameters: tuple[Parameter, ...], apply: Callable[...,
 
 
 def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
-    """With torque: zero and lag; the sign where the stiffness is not known, else it is refused before the loop."""
-    if p.load_Nm is None or not np.ptp(p.load_Nm):
+    """With a torque sensor: zero, lag, and the sign where the stiffness is not known (else it is refused before).
+
+    A weight on an arm has none of them.
+    """
+    if p.load_Nm is None or not np.ptp(p.load_Nm) or p.run.sensors.torque_class.what == KNOWN_LOAD:
         return []
     most = MOST_ZERO * float(np.abs(p.load_Nm).max())
     found = [zero(most), *lag(MOST_LAG_S)]

@@ -78,7 +78,7 @@ class ClassOfSensor(Exchanges):
             starts = ([_within_bounds(e, size) if _same(e, group.effect) else 0.0] for e in new)
             values: list[Floats | list[float]] = [*map(fit.values_of, rest), *starts]
             trial = self.fitter.tried((*rest, *new), values, fit.offsets)
-            if trial is None or not (trial.square <= fit.square or self.alike(trial, fit)):
+            if trial is None or not (trial.square <= fit.square or self.alike(trial, fit, self._against(trial))):
                 continue
             self.search.give_back("within the class of the torque sensor", group.effect, fit)
             fit, groups = trial, tuple(g for g in groups if g is not group)
@@ -90,6 +90,12 @@ class ClassOfSensor(Exchanges):
         if sizes:
             self.within = WithinClass(sizes, self.fitter.runs[0].run.sensors.torque_class)
         return fit, groups
+
+    def _against(self, fit: Fit) -> float:
+        """Logarithm of the odds against a gain of this size, where its standard deviation is known, and none."""
+        sigma = self.fitter.runs[0].run.sensors.torque_class.gain_sigma
+        found = [float(v[0]) for e, v in zip(fit.effects, fit.values, strict=True) if e.name == "load_gain"]
+        return 0.5 * sum((one / sigma) ** 2 for one in found) if sigma else 0.0
 
     def _fall(self, fit: Fit, effect: Effect) -> float:
         """How much the held-out error falls with an effect, rad in quadrature."""

@@ -164,8 +164,11 @@ class Exchanges:
         """How well two fits are separated."""
         return separation_of(self.fitter, worse, better)
 
-    def alike(self, worse: Fit, better: Fit) -> bool:
-        """Whether the first is as good as the second, as far as sweeps and sectors can show."""
+    def alike(self, worse: Fit, better: Fit, against: float = 0.0) -> bool:
+        """Whether the first is as good as the second, as far as sweeps and sectors can show.
+
+        ``against``: logarithm of the odds against the first before the run was seen.
+        """
         if self._failed(worse, better):
             return False
         used = self.fitter.used
@@ -180,7 +183,7 @@ class Exchanges:
         if told.apart and errors >= CLEAR_ERRORS:
             return False
         nearly = told.probability <= NEARLY_APART and errors >= LEAST_ERRORS
-        return not nearly or told.log_odds(float(sums.sum())) < LOG_ODDS
+        return (not nearly and not against) or told.log_odds(float(sums.sum())) + against < LOG_ODDS
 
     def _failed(self, worse: Fit, better: Fit) -> bool:
         """Whether the first fit leaves far more than the second.

@@ -205,7 +205,8 @@ class Judge(ClassOfSensor):
         others = [o for o in self.search.alternatives(fit, effect) if o.effects[-1].key == effect.key]
         forms = [o for o in others if self._in_better_form(o, fit, effect) or self.alike(o, fit)]
         best = min((fit, *forms), key=self.search.held_rms)
-        return best, (replace(groups[0], effect=best.effects[-1]),)
+        # An exchanged effect is the last of its fit; in the fit as it was, errors of the sensors may stand there.
+        return best, groups if best is fit else (replace(groups[0], effect=best.effects[-1]),)
 
     def _odds(self, less: Fit, fit: Fit) -> float:
         """Odds that ``fit`` has a lower error than ``less`` on half sweeps that neither was fitted to."""

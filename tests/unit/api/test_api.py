@@ -40,8 +40,8 @@ SIGNATURES = {
     "analyse_many": "(design: 'DriveDesign', ranges: 'Mapping[str, Any]', *, grid: 'bool' = False) -> 'Sweep'",
     "size_many": "(design: 'DriveDesign', ranges: 'Mapping[str, Any]', *, grid: 'bool' = False) -> 'SizedDesigns'",
     "load_run": "(path: 'str | Path') -> 'MeasuredRun'",
-    "close_loop": "(design: 'DriveDesign', runs: 'MeasuredRun | str | Path | Iterable[MeasuredRun | str |"
-    " Path]') -> 'LoopReport'",
+    "close_loop": "(design: 'DriveDesign | None', runs: 'MeasuredRun | str | Path | Iterable[MeasuredRun | str |"
+    " Path]', *, ratio: 'float | None' = None) -> 'LoopReport'",
     "next_run": "(report: 'LoopReport') -> 'NextRun | None'",
     "trend": "(study: 'str | Path', design: 'DriveDesign | None' = None) -> 'TrendReport'",
     "judge_published": "(design: 'DriveDesign', path: 'str | Path') -> 'PublishedResult'",

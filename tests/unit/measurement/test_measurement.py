@@ -293,7 +293,7 @@ def test_an_angle_that_begins_again_is_counted_on(write: Write) -> None:
     columns["left"] = np.mod(np.degrees(true) + 350.0, 360.0)
     reading = read_run(load_file(write(table(columns), with_column("input_left", unit="deg", wraps_at=360))))
     np.testing.assert_allclose(reading.run.input_rad[0] - reading.run.input_rad[0, 0], true - true[0], atol=1e-7)
-    assert any("whole turns are counted" in note for note in reading.notes), reading.notes
+    assert any("whole turns are counted" in note for note in reading.turns), reading.turns
 
 
 def test_turns_that_cannot_be_counted_are_refused(write: Write) -> None:

@@ -72,6 +72,8 @@ def test_a_file_with_currents_has_a_load_of_the_motors_class(tmp_path: Path) -> 
     assert np.allclose(run.current_A[0], run.current_A[1])
     assert (run.sensors.torque_class.what, run.sensors.torque_class.share) == ("motors' current", 0.06)
     (vetted,) = vetted_runs([load_file(written(tmp_path, BOTH, rest))], DRIVE)
+    (told,) = (str(note) for note in vetted.findings if note.kind == "motors_current")
+    assert "to 0.06 of its gain" in told and "a known weight on an arm" in told
     assert vetted.run.load_Nm is not None and np.ptp(vetted.run.load_Nm) > 0.01
 
 
