@@ -130,9 +130,12 @@ def noise_of(layout: Layout, knee_Nm: float) -> SampleNoise:
     return SampleNoise(layout.drive.encoder.resolution_urad * 1e-6 / np.sqrt(12.0), TORQUE_NOISE * knee_Nm)
 
 
-def ramps(layout: Layout) -> tuple[Ramp, ...]:
-    """Expected ramps of every input. Raises ``NoFigureError`` for cables that slip on their input before they slack."""
-    held = _held(layout)
+def ramps(layout: Layout, at_motor: bool = False) -> tuple[Ramp, ...]:
+    """Expected ramps of every input, torque on its shaft or, ``at_motor``, the motor's times the gearhead's ratio.
+
+    Raises ``NoFigureError`` for cables that slip on their input before they slack.
+    """
+    held = _held(layout, at_motor)
     d = held.d
     if d.through_wrap_rad is not None:
         raise NoFigureError(
@@ -149,9 +152,14 @@ def ramps(layout: Layout) -> tuple[Ramp, ...]:
         raise NoFigureError(str(error)) from None
 
 
-def measured(layout: Layout, input_name: str, angle_rad: Floats, torque_Nm: Floats) -> MeasuredPreloads:
-    """Preloads from the ramps of one input. Raises ``ModelError`` for an unknown input or a log that does not do."""
-    held = _held(layout)
+def measured(
+    layout: Layout, input_name: str, angle_rad: Floats, torque_Nm: Floats, at_motor: bool = False
+) -> MeasuredPreloads:
+    """Preloads from the ramps of one input, samples in the order of time; ``at_motor`` as in :func:`ramps`.
+
+    Raises ``ModelError`` for an unknown input or a log that does not do.
+    """
+    held = _held(layout, at_motor)
     d = held.d
     if input_name not in d.input_names:
         raise ModelError(f"no input {input_name}; the drive has {', '.join(d.input_names)}")
@@ -159,10 +167,11 @@ def measured(layout: Layout, input_name: str, angle_rad: Floats, torque_Nm: Floa
     return preload_ramp.fitted(held, d.input_names.index(input_name), angle_rad, torque_Nm, noise_of(layout, largest))
 
 
-def _held(layout: Layout) -> HeldDrive:
-    """The drive with its drum at its stops."""
-    stop = layout.half_travel_rad + radians(layout.drive.stop_clearance_deg)
-    return HeldDrive(layout.loads.si, layout.wraps_rad(-stop), layout.wraps_rad(stop))
+def _held(layout: Layout, at_motor: bool) -> HeldDrive:
+    """The drive with its drum at its stops, its friction as ``analyse`` counts it."""
+    stop, si = layout.half_travel_rad + radians(layout.drive.stop_clearance_deg), layout.loads.si
+    train = layout.losses.with_drive(si)
+    return HeldDrive(si, layout.wraps_rad(-stop), layout.wraps_rad(stop), train, at_motor)
 
 
 def nut_turns(layout: Layout, found: tuple[MeasuredPreloads, ...]) -> tuple[NutTurn, ...]:

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from mbcdm_cad.model.preload_ramp import MeasuredPreloads, Ramp
 
 _HEAD = ("angle_rad", "torque_Nm")
+# Column of a log that has the motor's torque, current times torque constant, in place of that on the input's shaft.
+_AT_MOTOR = "motor_torque_Nm"
 
 
 @dataclass(frozen=True)
@@ -91,11 +93,13 @@ def preload_shown(found: Mapping[str, Any] | None) -> dict[str, Any] | None:
 class PreloadReport:
     """Shares of a preload, the expected ramps (none where ``no_ramps`` says why), and what logs of them gave.
 
+    ``ramps``: torque on the input's shaft; ``at_motor``: that of the motor times the gearhead's ratio.
     ``files``: of the procedure, by name, for the output folder; ``folder``: where they were written.
     """
 
     rule: PreloadRule
     ramps: tuple[Ramp, ...]
+    at_motor: tuple[Ramp, ...]
     no_ramps: str
     measured: tuple[MeasuredPreloads, ...]
     turns: tuple[NutTurn, ...]
@@ -128,6 +132,8 @@ class PreloadReport:
                     "sigma_N": m.sigma_N.tolist(),
                     "stiffness_over_design": m.stiffness,
                     "friction_over_design": m.friction,
+                    "rubbing_over_design": m.rubbing,
+                    "gearhead_loss_over_design": m.gearhead,
                 }
                 for m in self.measured
             ],
@@ -139,12 +145,15 @@ class PreloadReport:
         """Files of the procedure: the expected curves, the ramp in C, the evaluation in Python. None without ramps."""
         if not self.ramps:
             return {}
-        found = {f"expected-{r.input_name}.csv": _curve(r) for r in self.ramps}
+        ratio = self.layout.drive.gearhead.ratio
+        found = {
+            f"expected-{r.input_name}.csv": _curve(r, m, ratio) for r, m in zip(self.ramps, self.at_motor, strict=True)
+        }
         knee = min(float(np.abs(r.knee_Nm).min()) for r in self.ramps)
         filled_in = {
             "DESIGN": self.layout.drive.name,
             "LARGEST_RAD": f"{max(float(np.abs(r.angle_rad).max()) for r in self.ramps):.5f}",
-            "LARGEST_NM": f"{max(float(np.abs(r.torque_Nm).max()) for r in self.ramps):.4g}",
+            "LARGEST_MOTOR_NM": f"{max(float(np.abs(r.torque_Nm).max()) for r in self.at_motor) / ratio:.4g}",
             "KNEE_NM": f"{knee:.4g}",
             "INPUTS": ", ".join(repr(r.input_name) for r in self.ramps),
         }
@@ -183,7 +192,9 @@ class PreloadReport:
             "2. Turn the drum to its positive stop and hold one input's angle from there on as 0. Raise its angle "
             "slowly until the torque's slope has fallen behind the knee, and back. Log angle and torque of the pulley.",
             "3. The same at the negative stop with the angle falling. Then the other inputs, the first one free.",
-            "4. mbcdm preload DESIGN --log INPUT=LOG.csv, with the columns angle_rad and torque_Nm.",
+            "4. mbcdm preload DESIGN --log INPUT=LOG.csv, samples in the order of time, with the columns angle_rad and "
+            "torque_Nm, by a lever and a balance on the pulley's shaft, or motor_torque_Nm, the motor's current times "
+            "its torque constant. The way back tells the friction apart.",
         ):
             yield filled(f"  {step}", width)
         names = self.layout.loads.si.cable_names
@@ -221,34 +232,46 @@ class PreloadReport:
         yield ReportTable(("cable", "preload N", "sigma N", "wanted N", "turns of its nut"), rows).text(width, "  ")
         for m in self.measured:
             yield filled(
-                f"  rope {m.stiffness:.3g} times as stiff as in the design, friction {m.friction:.3g} times", width
+                f"  rope {m.stiffness:.3g} times as stiff as in the design; friction of the wraps {m.friction:.3g} "
+                f"times, of rope and bearings at the input {m.rubbing:.3g} times, loss of the gearhead "
+                f"{m.gearhead:.3g} times",
+                width,
             )
 
 
-def _curve(ramp: Ramp) -> bytes:
+def _curve(ramp: Ramp, at_motor: Ramp, ratio: float) -> bytes:
+    """The way out of one input as CSV: torque on its shaft and at the motor, each with its standard deviation."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow((*_HEAD, "sigma_Nm"))
-    for row in zip(ramp.angle_rad, ramp.torque_Nm, ramp.sigma_Nm, strict=True):
+    writer.writerow((*_HEAD, "sigma_Nm", _AT_MOTOR, "motor_sigma_Nm"))
+    motor = at_motor.torque_Nm / ratio, at_motor.sigma_Nm / ratio
+    for row in zip(ramp.angle_rad, ramp.torque_Nm, ramp.sigma_Nm, *motor, strict=True):
         writer.writerow([f"{value:.6g}" for value in row])
     return text.getvalue().encode("utf-8")
 
 
-def read_log(path: Path) -> tuple[np.ndarray, np.ndarray]:
-    """Angles and torques of a log, a CSV with the columns ``angle_rad`` and ``torque_Nm``. Raises ``MbcdmError``."""
+def read_log(path: Path) -> tuple[np.ndarray, np.ndarray, bool]:
+    """Angles and torques of a log, and whether they are the motor's: a CSV with ``angle_rad`` and a column of torque.
+
+    Raises ``MbcdmError``.
+    """
     try:
         with open(path, encoding="utf-8", newline="") as file:
             reader = csv.DictReader(file)
-            missing = [name for name in _HEAD if name not in (reader.fieldnames or ())]
+            columns = reader.fieldnames or ()
+            at_motor = _AT_MOTOR in columns and "torque_Nm" not in columns
+            head = ("angle_rad", _AT_MOTOR) if at_motor else _HEAD
+            missing = [name for name in head if name not in columns]
             if missing:
-                found = ", ".join(reader.fieldnames or ("none",))
+                found = ", ".join(columns or ("none",))
                 raise MbcdmError(
-                    f"{path}:1: no column {missing[0]}; columns: {found}; name them angle_rad and torque_Nm"
+                    f"{path}:1: no column {missing[0]}; columns: {found}; name them angle_rad and torque_Nm or "
+                    f"{_AT_MOTOR}"
                 )
             rows = []
             for row in reader:
                 try:
-                    rows.append([float(row[name]) for name in _HEAD])
+                    rows.append([float(row[name]) for name in head])
                 except (TypeError, ValueError):
                     raise MbcdmError(
                         f"{path}:{reader.line_num}: not a number; write plain figures in rad and N m"
@@ -256,7 +279,7 @@ def read_log(path: Path) -> tuple[np.ndarray, np.ndarray]:
     except OSError as error:
         raise MbcdmError(f"{path}: cannot be read: {error.strerror}") from None
     table = np.array(rows, dtype=float).reshape(-1, 2)
-    return table[:, 0], table[:, 1]
+    return table[:, 0], table[:, 1], at_motor
 
 
 def preload_report(layout: Layout, logs: Sequence[tuple[str, Path]] = ()) -> PreloadReport:
@@ -267,9 +290,10 @@ def preload_report(layout: Layout, logs: Sequence[tuple[str, Path]] = ()) -> Pre
         raise MbcdmError(f"no figures of the preload: {missing}") from None
     drive = layout.drive
     ramps: tuple[Ramp, ...] = ()
+    at_motor: tuple[Ramp, ...] = ()
     reason, turns = "", tuple[Any, ...]()
     try:
-        ramps = preload.ramps(layout)
+        ramps, at_motor = (preload.ramps(layout, motor) for motor in (False, True))
     except NoFigureError as missing:
         reason = str(missing)
     found = []
@@ -277,10 +301,12 @@ def preload_report(layout: Layout, logs: Sequence[tuple[str, Path]] = ()) -> Pre
         if reason:
             raise MbcdmError(f"{path}: no ramps to compare with: {reason}")
         try:
-            found.append(preload.measured(layout, input_name, *read_log(path)))
+            angle, torque, motors = read_log(path)
+            ratio = drive.gearhead.ratio if motors else 1.0
+            found.append(preload.measured(layout, input_name, angle, ratio * torque, motors))
         except ModelError as error:
             raise MbcdmError(f"{path}: {error}") from None
     if found:
         turns = preload.nut_turns(layout, tuple(found))
     motor = drive.motor.peak_torque_mNm * 1e-3 * drive.gearhead.ratio * drive.gearhead.efficiency
-    return PreloadReport(rule, ramps, reason, tuple(found), turns, motor, layout)
+    return PreloadReport(rule, ramps, at_motor, reason, tuple(found), turns, motor, layout)

@@ -182,3 +182,47 @@ def test_sigmas_are_those_of_mounting_and_of_estimates() -> None:
     m = motor_heat(RE25)
     assert len(m.sigmas()) == 1 and m.sigmas()[0][0].mount == pytest.approx(exp(heat.MOUNT_SIGMA))
     assert len(motor_heat(replace(RE25, winding_K_W=None, winding_time_s=None)).sigmas()) == 3
+
+
+def test_mujocos_thermal_motor_warms_alike() -> None:
+    """A motor that MuJoCo (``dcmotor`` with ``thermal``, one body) stalls for shares of the time, against two nodes.
+
+    One body is two nodes without a resistance between them. MuJoCo's copper grows with the temperature by its own code.
+    """
+    mujoco = pytest.importorskip("mujoco")
+    ambient, capacity, step, torque = 35.0, 40.0, 0.05, 0.03
+    m = MotorHeat(
+        continuous_Nm=0.0286,
+        limit_C=125.0,
+        winding_K_W=1e-3,
+        housing_K_W=17.0,
+        winding_J_K=0.1 * capacity,
+        housing_J_K=0.9 * capacity,
+        brushless=False,
+    )
+    ohms = m.loss_W_Nm2 * CONSTANT**2
+    model = mujoco.MjModel.from_xml_string(
+        f"""<mujoco><option timestep="{step}"/>
+        <worldbody><body><joint name="shaft" frictionloss="10"/><geom size=".05" mass="1"/></body></worldbody>
+        <actuator><dcmotor name="motor" joint="shaft" input="ff" motorconst="{CONSTANT} {CONSTANT}" resistance="{ohms}"
+          saturation="1 0 0" controller="0 0 0 0 0 400"
+          thermal="17 {capacity} 0 {COPPER_PER_K} 25 {ambient}"/></actuator></mujoco>"""
+    )
+    data = mujoco.MjData(model)
+    pieces, seen = 20, []
+    for k in range(pieces):
+        for _ in range(600):
+            # It gives the voltage of the cold resistance: more keeps the current, as a current controller does.
+            hot = 1.0 + COPPER_PER_K * (ambient + float(data.act[0]) - 25.0)
+            data.ctrl[0] = hot * torque if k % 3 else 0.0
+            mujoco.mj_step(model, data)
+        seen.append(float(data.act[0]))
+    turn, add = m._pieces(
+        np.full(pieces, 600 * step), np.array([torque if k % 3 else 0.0 for k in range(pieces)]), ambient
+    )
+    at, found = np.array([ambient, ambient]), []
+    for a, b in zip(turn, add, strict=True):
+        at = a @ at + b
+        found.append(float(at[0]) - ambient)
+    assert max(found) > 25.0, found
+    assert found == pytest.approx(seen, rel=0.01, abs=0.05), (found, seen)

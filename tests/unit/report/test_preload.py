@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,6 @@ import pytest
 
 import mbcdm_cad as mc
 from mbcdm_cad.layouts import preload
-from mbcdm_cad.model.preload_ramp import HeldDrive
 
 PARAMS = Path(__file__).parents[3] / "params"
 
@@ -22,16 +22,15 @@ def design() -> mc.DriveDesign:
     return mc.load(PARAMS / "mbcdm.yaml")
 
 
-def log_of(design: mc.DriveDesign, path: Path, factors: list[float]) -> Path:
+def log_of(design: mc.DriveDesign, path: Path, factors: list[float], at_motor: bool = False) -> Path:
     """A log of the first input's ramps on a drive whose preloads differ by factors, without noise."""
     layout = design.drive.layout
     si = layout.loads.si
-    stops = preload._held(layout)
-    changed = HeldDrive(si.with_(preload_N=si.preload_N * np.array(factors)), stops.falling_rad, stops.rising_rad)
+    changed = replace(preload._held(layout, at_motor), d=si.with_(preload_N=si.preload_N * np.array(factors)))
     angle = preload.ramps(layout)[0].angle_rad
-    torque = changed.torque_Nm(0, angle)
+    torque = changed.torque_Nm(0, angle) / (layout.drive.gearhead.ratio if at_motor else 1.0)
     rows = [f"{a},{t}" for a, t in zip(angle, torque, strict=True)]
-    path.write_text("\n".join(["angle_rad,torque_Nm", *rows]))
+    path.write_text("\n".join([f"angle_rad,{'motor_' * at_motor}torque_Nm", *rows]))
     return path
 
 
@@ -53,8 +52,11 @@ def test_figures_are_those_of_other_reports(design: mc.DriveDesign) -> None:
         assert np.all(sense * np.diff(values) > 0.0), (name, values)
 
 
-def test_a_log_gives_preloads_and_the_turns_that_set_them_right(design: mc.DriveDesign, tmp_path: Path) -> None:
-    log = log_of(design, tmp_path / "left.csv", [1.2, 0.85, 1.0, 1.0])
+@pytest.mark.parametrize("at_motor", [False, True], ids=["shaft", "motor"])
+def test_a_log_gives_preloads_and_the_turns_that_set_them_right(
+    design: mc.DriveDesign, tmp_path: Path, at_motor: bool
+) -> None:
+    log = log_of(design, tmp_path / "left.csv", [1.2, 0.85, 1.0, 1.0], at_motor)
     report = design.preload(logs={"left": log})
     assert [t.measured_N for t in report.turns] == pytest.approx([84.0, 59.5, 70.0, 70.0], rel=0.01)
     assert report.turns[0].turns < 0.0 < report.turns[1].turns
