@@ -16,7 +16,7 @@ from mbcdm_cad.checks.remedies import floored, rounded
 from mbcdm_cad.checks.strength import balanced_preloads, rated_input_Nm
 from mbcdm_cad.layouts.base import Layout, NoFigureError
 from mbcdm_cad.model.capability import torque_at_input_limit_Nm
-from mbcdm_cad.model.losses.train import BEARINGS, ROPE, Train
+from mbcdm_cad.model.losses.train import BEARINGS, MOTOR, ROPE, Train
 
 # Ratings above this multiple of T_pre r_m are not evaluated: cables are slack long before.
 _RATING_CAP = 60.0
@@ -114,13 +114,27 @@ def _easier_to_turn(s: Layout) -> str:
         return "choose a thinner rope"
     if s.drive.gearhead.absent:
         return (
-            "choose a motor of lower rated torque, which has less friction, or state no_load_current_A of yours in its "
-            "entry under catalogue: motors"
+            f"{_lower_ratio(s)}choose a motor of lower rated torque, which has less friction, or state "
+            "no_load_current_A of yours in its entry under catalogue: motors"
         )
     return (
         "leave drive.motor and drive.gearhead to the rules, which choose them for loads.backdrive_Nm, or choose a "
         "gearhead of lower ratio or higher efficiency, or a motor with a shaft of its own and no gearhead"
     )
+
+
+def _lower_ratio(s: Layout) -> str:
+    """The ratio with which a motor on its own shaft turns as easily as asked, where it then still holds the torque."""
+    found, wanted = s.losses.backdrive, s.drive.loads.backdrive_Nm
+    if found is None or wanted is None:
+        return ""
+    motors = found.start_of_Nm(MOTOR)
+    share = (wanted - (found.start_Nm - motors)) / motors
+    holds = min(motor_torque(direction, s).actual for direction in (1, -1)) / s.drive.loads.peak_torque_Nm
+    if not share * holds >= 1.0:
+        return ""
+    ratio = float(s.loads.si.input_turns.max())
+    return f"lower the ratio of drum to input radius from {ratio:.4g} to about {floored(share * ratio)}, or "
 
 
 def gearhead_maximum(s: Layout) -> Comparison:

@@ -143,10 +143,9 @@ def ramps(layout: Layout, at_motor: bool = False) -> tuple[Ramp, ...]:
             "or a gauge"
         )
     try:
-        rough = [preload_ramp.expected(held, i, noise_of(layout, 1.0)) for i in range(d.n_inputs)]
         return tuple(
-            preload_ramp.expected(held, i, noise_of(layout, float(np.abs(ramp.knee_Nm).min())))
-            for i, ramp in enumerate(rough)
+            preload_ramp.expected(held, i, noise_of(layout, min(abs(knee) for knee in preload_ramp.knees_Nm(held, i))))
+            for i in range(d.n_inputs)
         )
     except ModelError as error:
         raise NoFigureError(str(error)) from None

@@ -76,36 +76,36 @@ class HeldDrive:
         """Lever of each cable at an input, with its sense; 0 for the cables of others."""
         return np.asarray(self.d.of_input(index) * self.d.sigma * self.d.input_radius_m)
 
-    def pulled_Nm(self, index: int, angle_rad: Floats) -> Floats:
-        """Torque (n,) of the cables on the input ``index`` turned by the angles (n,), without friction."""
-        return np.asarray((self.lever_m(index)[:, None] * self.tensions_N(index, angle_rad)).sum(axis=0))
-
     def torque_Nm(self, index: int, angle_rad: Floats) -> Floats:
         """Torque (n,) that turns the input ``index`` to the angles (n,), on the way out from 0."""
-        angle = np.asarray(angle_rad, float)
-        found = self.pulled_Nm(index, angle)
+        return self.torque_of_Nm(index, angle_rad, self.tensions_N(index, angle_rad))
+
+    def torque_of_Nm(self, index: int, angle_rad: Floats, tension_N: Floats) -> Floats:
+        """As :meth:`torque_Nm`, of known tensions (n_cables, n)."""
+        found, way = self._pulled_Nm(index, tension_N), _sense(angle_rad)
         if self.train is None:
             return found
-        way, (_, differs, more) = np.where(angle >= 0.0, 1.0, -1.0), self.factors
+        _, differs, more = self.factors
         constant, sigma = self._constant_Nm(index, self.train)
-        found = found + way * self.rubs_Nm(index, angle)
+        found = found + way * self._rubs_Nm(index, tension_N)
         if self.at_motor:
             found = found + way * more * self.train.gear_share * np.abs(found)
         return np.asarray(found + way * (constant + differs * sigma))
 
-    def mean_Nm(self, index: int, angle_rad: Floats) -> Floats:
+    def mean_of_Nm(self, index: int, angle_rad: Floats, tension_N: Floats) -> Floats:
         """Mean of the torques on the way out and back (n,) where the ramp turns round at the angles (n,)."""
-        found = self.pulled_Nm(index, angle_rad)
+        found = self._pulled_Nm(index, tension_N)
         if self.train is None or not self.at_motor:
             return found
-        way = np.where(np.asarray(angle_rad, float) >= 0.0, 1.0, -1.0)
-        return np.asarray(found + way * self.factors[2] * self.train.gear_share * self.rubs_Nm(index, angle_rad))
+        rubs = self._rubs_Nm(index, tension_N)
+        return np.asarray(found + _sense(angle_rad) * self.factors[2] * self.train.gear_share * rubs)
 
-    def rubs_Nm(self, index: int, angle_rad: Floats) -> Floats:
-        """Friction F (n,) of rope and bearings at the input, whichever way it turns."""
-        return self._rubs_Nm(index, self.tensions_N(index, angle_rad))
+    def _pulled_Nm(self, index: int, tension_N: Floats) -> Floats:
+        """Torque of the cables on the input, without friction."""
+        return np.asarray((self.lever_m(index)[:, None] * tension_N).sum(axis=0))
 
     def _rubs_Nm(self, index: int, tension_N: Floats) -> Floats:
+        """Friction F (n,) of rope and bearings at the input, whichever way it turns."""
         if self.train is None:
             return np.zeros(tension_N.shape[1])
         size = np.abs(self.lever_m(index))[:, None] * tension_N
@@ -120,6 +120,11 @@ class HeldDrive:
             return idle, GEARHEAD_IDLE_SIGMA * idle
         own = replace(self, factors=(1.0, 0.0, 1.0))
         return 0.0, SIGMA_CONSTANT * float(own._rubs_Nm(index, self.d.preload_N[:, None])[0])
+
+
+def _sense(angle_rad: Floats) -> Floats:
+    """Sense of the way out at the angles."""
+    return np.where(np.asarray(angle_rad, float) >= 0.0, 1.0, -1.0)
 
 
 @dataclass(frozen=True)
@@ -198,6 +203,14 @@ def expected(held: HeldDrive, index: int, noise: SampleNoise, samples: int = 200
     )
 
 
+def knees_Nm(held: HeldDrive, index: int) -> tuple[float, float]:
+    """Torques at which a cable goes slack, falling and rising. ``ModelError`` if none does."""
+    own = tuple(j for j, i in enumerate(held.d.input_of) if i == index)
+    ends = np.array([sense * _knee(held, index, own, sense)[0] for sense in (-1.0, 1.0)])
+    falling, rising = held.torque_Nm(index, ends)
+    return float(falling), float(rising)
+
+
 def fitted(held: HeldDrive, index: int, angle_rad: Floats, measured_Nm: Floats, noise: SampleNoise) -> MeasuredPreloads:
     """Preloads from ramps both ways, samples in the order of time, with or without the way back.
 
@@ -225,7 +238,7 @@ def fitted(held: HeldDrive, index: int, angle_rad: Floats, measured_Nm: Floats, 
             # As well as the line through the way back is known: some samples of it.
             sure = 1.0 / (noise.torque_Nm**2 + (_MEAN_SHARE * means) ** 2)
             hessian = hessian + (at_turns * sure) @ at_turns.T
-            pull = pull + (at_turns * sure) @ (means - now.mean_Nm(index, turns))
+            pull = pull + (at_turns * sure) @ (means - now.mean_of_Nm(index, turns, now.tensions_N(index, turns)))
         step = np.linalg.solve(hessian, pull)
         size = float(np.abs(step).max())
         x = x + np.clip(step, -0.5, 0.5)
@@ -299,17 +312,19 @@ def _changed(held: HeldDrive, own: list[int], x: Floats) -> HeldDrive:
 
 def _slopes(held: HeldDrive, index: int, own: tuple[int, ...], angle: Floats, mean: bool = False) -> Floats:
     """Change of the torque for each parameter of the fit, (n_own + 5, n); ``mean``: of that of both ways."""
-    rows, at = (
-        [],
-        np.array([*np.zeros(len(own) + 2), np.log(held.factors[0]), held.factors[1], np.log(held.factors[2])]),
-    )
+    rubbing, constant, gearhead = held.factors
+    at = np.array([*np.zeros(len(own) + 2), np.log(rubbing), constant, np.log(gearhead)])
+    rows, here = [], held.tensions_N(index, angle)
     for k in range(at.size):
-        step = at.copy()
         sides = []
         for sign in (1.0, -1.0):
-            step[k] = at[k] + sign * _STEP
+            step = at.copy()
+            step[k] += sign * _STEP
             moved = _changed(held, list(own), step)
-            sides.append(moved.mean_Nm(index, angle) if mean else moved.torque_Nm(index, angle))
+            # Friction leaves the tensions as they are.
+            tension = here if k >= len(own) + 2 else moved.tensions_N(index, angle)
+            of = moved.mean_of_Nm if mean else moved.torque_of_Nm
+            sides.append(of(index, angle, tension))
         rows.append((sides[0] - sides[1]) / (2.0 * _STEP))
     return np.array(rows)
 
@@ -317,7 +332,9 @@ def _slopes(held: HeldDrive, index: int, own: tuple[int, ...], angle: Floats, me
 def _weight(held: HeldDrive, index: int, angle: Floats, noise: SampleNoise) -> Floats:
     """Inverse variance of each sample's torque, the noise of its angle included."""
     step = 1e-3 * float(np.abs(angle).max())
-    slope = (held.pulled_Nm(index, angle + step) - held.pulled_Nm(index, angle - step)) / (2.0 * step)
+    # Without the jump of the friction at angle 0.
+    high, low = (replace(held, train=None).torque_Nm(index, angle + sign * step) for sign in (1.0, -1.0))
+    slope = (high - low) / (2.0 * step)
     return np.asarray(1.0 / (noise.torque_Nm**2 + (slope * noise.angle_rad) ** 2))
 
 
