@@ -98,12 +98,7 @@ def _told(seconds: float) -> str:
 def _cooler(s: Layout) -> str:
     """The continuous torque that a motor of the same heat capacity needs, and the loads that this one stands."""
     day = max(s.motor_days, key=lambda d: d.rms_Nm)
-    low, high = 0.0, 1.0
-    for _ in range(20):
-        middle = 0.5 * (low + high)
-        found = day.heat.repeated(s.duty.time_s, middle * day.heat_torque_Nm, s.duty.ambient_C)
-        fits = found is not None and found.hottest_winding_C <= day.heat.limit_C
-        low, high = (middle, high) if fits else (low, middle)
+    low = day.stands_share
     if low <= 0.0:
         return f"lower loads.duty.ambient_C below the winding's limit of {day.heat.limit_C:g} C"
     needed = rounded(s.drive.motor.rated_torque_mNm / low, ceil)

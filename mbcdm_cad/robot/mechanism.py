@@ -137,16 +137,40 @@ def _link(
 def _limits(drive: Drive) -> tuple[float, float]:
     """Torque (N m) and speed (rad/s) of the drum, those of ``analyse``.
 
-    The torque that the motors hold continuously in the weaker direction, with all losses; the highest speed at which
-    the bus voltage still gives it, or a round one where the catalogue has no electrical values of the motor.
+    The torque that the motors hold continuously in the weaker direction, with all losses, or see
+    :func:`_effort_of_duty`; the highest speed at which the bus voltage still gives the continuous torque, or a round
+    one where the catalogue has no electrical values of the motor.
     """
     found = analyse(drive)
     effort = min(found.peak_torque_with_losses_Nm)
+    if drive.layout.duty.stated:
+        effort = _effort_of_duty(drive)
     if found.motor is None:
         return effort, SPEED_WITHOUT_FIGURES_RAD_S
     still = found.motor.curve[0].continuous_Nm
     whole = [point.drum_speed_deg_s for point in found.motor.curve if point.continuous_Nm >= _STILL_WHOLE * still]
     return effort, radians(max(whole))
+
+
+def _effort_of_duty(drive: Drive) -> float:
+    """Torque at the drum, N m: the largest load of a stated duty, as much larger or smaller as the windings stand it.
+
+    At most what motors and gearheads move for a short time, with all losses.
+    """
+    layout = drive.layout
+    duty, train = layout.duty, layout.losses
+    stands = min(day.stands_share for day in layout.motor_days)
+    most = min(float(train.output_Nm(drive.motor.peak_torque_mNm * 1e-3)), drive.gearhead.max_torque_mNm * 1e-3)
+    return min(stands * duty.peak_torque_Nm, *(float(train.raised_Nm(most, way).min()) for way in (1, -1)))
+
+
+def _input_effort_Nm(drive: Drive, drum_effort_Nm: float) -> float:
+    """Torque at a gearhead's output: at the motor's continuous torque, or what a stated duty's effort needs there."""
+    train, motor_Nm = drive.layout.losses, drive.motor.rated_torque_mNm * 1e-3
+    if drive.layout.duty.stated:
+        moved = train.moving(np.array([drum_effort_Nm, -drum_effort_Nm]), 1)
+        motor_Nm = float(moved.motor_Nm.max()) - train.motor_idle_Nm
+    return min(float(train.output_Nm(motor_Nm)), drive.gearhead.max_torque_mNm * 1e-3)
 
 
 def _joint(body: MovingGroup, drive: Drive, drum_limits: tuple[float, float], friction_Nm: float) -> Joint:
@@ -155,8 +179,7 @@ def _joint(body: MovingGroup, drive: Drive, drum_limits: tuple[float, float], fr
     half = radians(turns * (drive.half_travel_deg + drive.stop_clearance_deg))
     effort = drum_effort_Nm / turns
     if body.kind == "input":
-        motor_Nm = drive.motor.rated_torque_mNm * 1e-3
-        effort = min(float(drive.layout.losses.output_Nm(motor_Nm)), drive.gearhead.max_torque_mNm * 1e-3)
+        effort = _input_effort_Nm(drive, drum_effort_Nm)
     return Joint(
         body.name,
         body.axis,

@@ -17,6 +17,8 @@ from mbcdm_cad.routes import Floats
 
 # Temperature of a seat beside the housing's, a standard deviation of the estimate, K.
 SEAT_SIGMA_K = 5.0
+# More than so many times the torques of a duty are not looked for.
+MOST_SHARE = 10.0
 
 
 def motor_torques_Nm(train: Train, load_Nm: Floats, speed: Floats) -> Floats:
@@ -104,6 +106,17 @@ class MotorDay:
         k = int(self.repeated.winding_C.argmax())
         start = float(self.repeated.winding_C[k]), float(self.repeated.housing_C[k])
         return self.heat.time_to_limit_s(self.peak_Nm, self.duty.ambient_C, start)
+
+    @cached_property
+    def stands_share(self) -> float:
+        """Torques of the duty that its winding stands, over those it has; at most :data:`MOST_SHARE`."""
+        low, high = 0.0, MOST_SHARE
+        for _ in range(24):
+            middle = 0.5 * (low + high)
+            found = self.heat.repeated(self.duty.time_s, middle * self.heat_torque_Nm, self.duty.ambient_C)
+            fits = found is not None and found.hottest_winding_C <= self.heat.limit_C
+            low, high = (middle, high) if fits else (low, middle)
+        return low
 
     @property
     def duty_from_cold_s(self) -> float:

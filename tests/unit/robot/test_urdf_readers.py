@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree as ET
@@ -10,12 +11,13 @@ from xml.etree import ElementTree as ET
 import numpy as np
 import pytest
 
+from mbcdm_cad.design.blocks import DutyBlock, DutyRow
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.model import analyse
 from mbcdm_cad.report.masses import inertias, masses_by_item
 from mbcdm_cad.robot.formats import robot_files
-from mbcdm_cad.robot.mechanism import SPEED_WITHOUT_FIGURES_RAD_S, Mechanism
+from mbcdm_cad.robot.mechanism import SPEED_WITHOUT_FIGURES_RAD_S, Mechanism, _limits
 from mbcdm_cad.robot.urdf import UrdfOptions
 
 PARAMS = Path(__file__).parents[3] / "params"
@@ -97,11 +99,36 @@ def test_limits_are_those_of_the_motors_with_losses(robot: Mechanism, loaded: An
     assert left["velocity"] == pytest.approx(9.0 * drum["velocity"], rel=1e-9)
 
 
+def test_a_stated_duty_sets_the_effort_by_the_heat_of_its_motors(loaded: Any) -> None:
+    """Moved all the time in hot air less than the continuous torque, for a share of the time more."""
+    peak, train = loaded.drive.loads.peak_torque_Nm, loaded.drive.layout.losses
+    output = train.output_Nm(loaded.drive.motor.peak_torque_mNm * 1e-3)
+    short = min(float(train.raised_Nm(output, way).min()) for way in (1, -1))
+
+    def effort(share: float) -> float:
+        rows = [DutyRow(torque_Nm=peak, share=share, range_deg=60.0), DutyRow(torque_Nm=0.0, share=1.0 - share)]
+        duty = DutyBlock(period_s=2.0, ambient_C=100.0, rows=[row for row in rows if row.share > 0.0])
+        drive = replace(loaded.drive, loads=replace(loaded.drive.loads, duty=duty))
+        found = _limits(drive)[0]
+        assert found <= short * (1.0 + 1e-9)
+        if found < short:
+            # The hottest winding then just reaches its limit.
+            scaled = [
+                day.heat.repeated(day.duty.time_s, found / peak * day.heat_torque_Nm, 100.0)
+                for day in drive.layout.motor_days
+            ]
+            hottest = max(found.hottest_winding_C for found in scaled if found is not None)
+            assert hottest == pytest.approx(drive.layout.motor_days[0].heat.limit_C, abs=0.1)
+        return found
+
+    always = effort(1.0)
+    assert always < _limits(loaded.drive)[0]
+    assert always < effort(0.5) <= effort(0.1)
+
+
 @pytest.mark.parametrize("name", ["mbcdm", "gallery/capstan"])
 def test_the_speed_is_one_at_which_the_voltage_still_gives_the_torque(name: str) -> None:
     drive = load_design(PARAMS / f"{name}.yaml").drive
-    from mbcdm_cad.robot.mechanism import _limits
-
     _, speed = _limits(drive)
     motor = drive.motor
     if motor.torque_constant_mNm_A is None:
