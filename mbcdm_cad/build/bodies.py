@@ -19,7 +19,7 @@ class MovingGroup:
     """
 
     name: str
-    kind: Literal["fixed", "drum", "passed", "input"]
+    kind: Literal["fixed", "drum", "passed", "input", "stage"]
     axis: Vector
     point_mm: Vector
     ratio: float

@@ -19,6 +19,7 @@ from mbcdm_cad.checks.design_variables import Adjustment, down
 from mbcdm_cad.design.bought import Bearing
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.model.equilibrium import two_bearing_reactions_N
+from mbcdm_cad.routes import Floats
 
 STATIC_SAFETY = 1.0
 QUIET_SAFETY = 2.0
@@ -44,8 +45,25 @@ def input_reactions(s: SectorLayout) -> list[tuple[str, float, float]]:
             load = loads.inputs[i]
             pair = two_bearing_reactions_N(load.force_N, load.moment_Nm, load.height_m, lower, upper, axis)
             most = np.maximum(most, np.linalg.norm(pair, axis=1))
+        if s.stage is not None:
+            most += stage_reactions_N(s, i)
         found.append((name, float(most[0]), float(most[1])))
     return found
+
+
+def stage_torque_Nm(s: SectorLayout) -> float:
+    """Largest torque on an input at the peak torque, with what cables and bearings lose on the way."""
+    train, peak = s.losses.with_drive(s.loads.si), s.drive.loads.peak_torque_Nm
+    motor = float(train.moving(np.array([peak, -peak]), 1).motor_Nm.max()) - train.motor_idle_Nm
+    return max(float(train.output_Nm(motor)), s.loads.highest_input_Nm)
+
+
+def stage_reactions_N(s: SectorLayout, index: int) -> Floats:
+    """Loads of an input's bearings (lower, upper) by the wheel beyond the lower one, in the direction of the cables."""
+    assert s.stage is not None
+    lower, upper = s.input_bearings_mm(index)
+    force, over = s.stage.stage.across_N(stage_torque_Nm(s)), (lower - s.stage.middle_z) / (upper - lower)
+    return np.array([force * (1.0 + over), force * over])
 
 
 def payload_reactions_N(s: SectorLayout) -> tuple[float, float]:
@@ -163,6 +181,8 @@ COUPLING_RUNOUT = Check(
     "warn",
     LESS,
     LARGER,
+    # A wheel on the journal gives with it.
+    applies=lambda drive: drive.stage is None,
 )
 
 

@@ -54,10 +54,10 @@ def speed(s: Layout) -> Comparison:
         train = s.losses.with_drive(si)
         torque = float(train.moving(loads, 1).motor_Nm.max()) - train.motor_idle_Nm
     else:
-        torque = float(np.abs(solve_equilibrium(si, loads).input_torque_Nm(si)).max()) / drive.gearhead.ratio
+        torque = float(np.abs(solve_equilibrium(si, loads).input_torque_Nm(si)).max()) / drive.reduction.ratio
     constant = motor.torque_constant_mNm_A * 1e-3
     at_motor = max(volts - motor.resistance_ohm * torque / constant, 0.0) / constant
-    turns = float(np.abs(si.input_turns).max()) * drive.gearhead.ratio
+    turns = float(np.abs(si.input_turns).max()) * drive.reduction.ratio
     note = f"{torque * 1e3:.3g} mN m of the motor, no inductance and no iron losses counted"
     what = f"speed of the drum at {volts:g} V against {load:g} N m"
     return at_least(what, degrees(at_motor / turns), wanted, "deg/s", note)

@@ -42,7 +42,8 @@ def collar_grip(s: SectorLayout) -> Comparison:
     deforms ring and slit journal is covered by the safety factor.
     """
     drive, collar = s.drive, s.collar
-    holds = grip_Nmm(collar, drive.screw(collar.screw), drive.gearhead.shaft_diameter_mm)
+    shaft = drive.gearhead.shaft_diameter_mm if drive.stage is None else drive.bearings.input_lower.bore_mm
+    holds = grip_Nmm(collar, drive.screw(collar.screw), shaft)
     needed = s.loads.highest_input_Nm * 1e3
     return at_least(
         f"clamp collar holds {holds:.4g} N mm over the input's {needed:.4g} N mm",

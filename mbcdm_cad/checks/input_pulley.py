@@ -134,8 +134,15 @@ def bought_depth(s: SectorLayout) -> Comparison:
 
 def shaft_grip(s: SectorLayout) -> Comparison:
     """Length over which the collar clamps journal and shaft."""
-    gear = s.drive.gearhead
+    gear, stage = s.drive.gearhead, s.stage
     end = s.input_levels.motor_shelf_bottom_z + gear.shaft_length_mm
+    if stage is not None:
+        return at_least(
+            f"{s.drive.mounted} shaft inside its {'pulley' if stage.stage.is_belt else 'gear'}",
+            min(end, stage.top_z) - stage.bottom_z,
+            GRIP_DIAMETERS * gear.shaft_diameter_mm,
+            "mm",
+        )
     start = max(s.collar.bottom_z, max(p.journal_bottom_z for p in s.inputs))
     return at_least(
         f"{s.drive.mounted} shaft inside the clamp collar",
@@ -174,6 +181,23 @@ def coupling_height(s: SectorLayout) -> Comparison:
     bearing_bottom = v.bearing_shelf_top_z - drive.bearings.input_lower.width_mm
     gap, slit_top = drive.clearances.running_mm, max(p.slit_top_z for p in s.inputs)
     space = v.bearing_shelf_bottom_z - v.motor_shelf_top_z
+    if s.stage is not None:
+        return worst(
+            (
+                at_least(
+                    "bearing shelf above the driven wheel's hub",
+                    v.bearing_shelf_bottom_z - s.stage.hub_top_z,
+                    gap,
+                    "mm",
+                ),
+                at_least(
+                    f"bearing shelf above the end of the {drive.mounted}'s shaft",
+                    v.bearing_shelf_bottom_z - shaft_end,
+                    gap,
+                    "mm",
+                ),
+            )
+        )
     return worst(
         (
             at_least("bearing shelf above the clamp collar", v.bearing_shelf_bottom_z - s.collar.top_z, gap, "mm"),
@@ -242,7 +266,12 @@ def coupling_checks(wider: tuple[Adjustment, ...]) -> tuple[Check, ...]:
     """The checks of a pulley without stops: journals, bearings, encoder and coupling."""
     return (
         Check(
-            "bore_wall", "Journal's wall round the gearhead's shaft", "material: min_wall_mm", bore_wall, advice=_CHOOSE
+            "bore_wall",
+            "Journal's wall round the gearhead's shaft",
+            "material: min_wall_mm",
+            bore_wall,
+            advice=_CHOOSE,
+            applies=lambda drive: drive.stage is None,
         ),
         Check(
             "bearing_shoulders",

@@ -59,6 +59,9 @@ def screw_counts(s: HeadLayout) -> Comparison:
 def key_access(s: HeadLayout) -> Comparison:
     """The holes for the key of the gearhead's screws lie completely inside the bearing's seat, or outside it."""
     h = s.head
+    if s.stage is not None:
+        before = h.beside_y - h.gear_bolt_circle - h.key_hole_radius - h.flange.front_y
+        return at_least(f"{s.drive.mounted} screws' key before the flange", before, 0.0, "mm")
     inside = h.seat_radius - h.gear_bolt_circle - h.key_hole_radius
     outside = h.gear_bolt_circle - h.key_hole_radius - h.seat_radius - HOLE_WEB_MM
     what = f"{s.drive.mounted} screws' key holes from the wall of the bearing's seat"
@@ -72,6 +75,12 @@ def collar_space(s: HeadLayout) -> Comparison:
     head = h.gear_bolt_circle + drive.screw(drive.gearhead.screw).head_diameter_mm / 2
     corner = min(h.corner_radius, 0.49 * (v.bearing_shelf_bottom_z - v.motor_shelf_top_z))
     low = corner_gap(reach, c.bottom_z, h.inner_x, v.motor_shelf_top_z, corner)
+    wheels: tuple[tuple[str, float], ...] = ()
+    if s.stage is not None:
+        reach = max(s.stage.stage.reach_mm(r) for r in (s.stage.stage.driven_mm, s.stage.stage.driver_mm))
+        below = corner_gap(reach, s.stage.bottom_z, h.inner_x, v.motor_shelf_top_z, corner)
+        above = corner_gap(reach, -s.stage.top_z, h.inner_x, -v.bearing_shelf_bottom_z, corner)
+        wheels = (("wheel from walls and motor shelf", below), ("wheel from walls and bearing shelf", above))
     high = corner_gap(reach, -c.top_z, h.inner_x, -v.bearing_shelf_bottom_z, corner)
     return worst(
         at_least(name, gap, drive.clearances.running_mm, "mm")
@@ -79,6 +88,7 @@ def collar_space(s: HeadLayout) -> Comparison:
             ("clamp collar from walls and motor shelf", low),
             ("clamp collar from walls and bearing shelf", high),
             (f"{drive.mounted} screws' heads from the corner", h.inner_x - corner - head),
+            *wheels,
         )
     )
 

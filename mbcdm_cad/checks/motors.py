@@ -94,8 +94,8 @@ def backdrive(s: Layout) -> Comparison:
         if wanted is None:
             return noted(f"the gearheads lock; {what}: there is none, and the design file asks for none:", 0.0, "N m")
         raise NoFigureError(
-            f"no torque at the drum turns the gearheads: their efficiency of {s.drive.gearhead.efficiency:g} is 0.5 or "
-            f"below, and loads.backdrive_Nm asks for {wanted:g} N m; choose a gearhead of higher efficiency"
+            f"no torque at the drum turns the gearheads: their efficiency of {s.drive.reduction.efficiency:g} is 0.5 "
+            f"or below, and loads.backdrive_Nm asks for {wanted:g} N m; choose a gearhead of higher efficiency"
         )
     most = max(found.losses, key=lambda x: float(x.torque_Nm))
     note = f"{most.name} take {float(most.torque_Nm):.3g} N m of it; one sigma of it all is {found.sigma_Nm:.2g} N m"
@@ -139,7 +139,7 @@ def _lower_ratio(s: Layout) -> str:
 
 def gearhead_maximum(s: Layout) -> Comparison:
     """Drum torque at the intermittent rating of the gearhead (of the motor if there is none), worse direction."""
-    return _mounted(s, "intermittent rating", s.drive.gearhead.max_torque_mNm * 1e-3)
+    return _mounted(s, "intermittent rating", s.drive.reduction.max_torque_mNm * 1e-3)
 
 
 def gearhead_continuous(s: Layout) -> Comparison:
@@ -147,7 +147,7 @@ def gearhead_continuous(s: Layout) -> Comparison:
 
     In the worse direction; the cubic mean of the duty's load counts, as gearhead makers do.
     """
-    limit, duty = s.drive.gearhead.rated_torque_mNm * 1e-3, s.duty
+    limit, duty = s.drive.reduction.rated_torque_mNm * 1e-3, s.duty
     whose = "loads.duty" if duty.stated else "an assumed duty, as the file has no loads.duty"
     found = _mounted(s, "continuous rating", limit, f"cubic mean of {whose}; hold more only for a short time")
     return found._replace(limit=duty.lasting_torque_Nm)

@@ -100,7 +100,7 @@ def cable_ends(s: Layout) -> Comparison:
 
 def rated_input_Nm(s: Layout) -> float:
     """Motor's rated torque through the gearhead, lossless as the paper counts."""
-    return s.drive.motor.rated_torque_mNm * 1e-3 * s.drive.gearhead.ratio
+    return s.drive.motor.rated_torque_mNm * 1e-3 * s.drive.reduction.ratio
 
 
 def preload_bias(s: Layout) -> Comparison:

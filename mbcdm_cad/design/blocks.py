@@ -18,6 +18,7 @@ from mbcdm_cad.design.bought import CableSpec
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.entries import OwnEntries
 from mbcdm_cad.design.fields import Block, CheckId, EntryName, Integer, Number, PlainBlock, Slug, Text, choice, quantity
+from mbcdm_cad.design.stage import StageBlock
 
 # Standard acceleration of gravity (CGPM 1901).
 STANDARD_GRAVITY_M_S2 = 9.80665
@@ -553,6 +554,12 @@ class Design(Block):
     cables: tuple[Cable, ...]
     rope: Rope
     drive: DriveTrain
+    stage: StageBlock | None = choice(
+        "belt or gears between the motor, or its gearhead, and each input: {kind: belt, ratio: 3.0}; left out, the "
+        "motor stands behind its input",
+        default=None,
+        example={"kind": "belt", "ratio": 3.0},
+    )
     loads: Loads
     limits: Limits
     making: Making = Field(default_factory=Making)

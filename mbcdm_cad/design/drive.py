@@ -25,6 +25,7 @@ from mbcdm_cad.design.bought import (
     TerminationSpec,
     shortest_insert,
 )
+from mbcdm_cad.design.stage import Stage
 
 if TYPE_CHECKING:
     from mbcdm_cad.layouts.base import Layout
@@ -107,6 +108,7 @@ class Drive:
     inserts: tuple[InsertSpec, ...]
     sigmas: Sigmas
     as_built: tuple[AsBuilt, ...]
+    stage: Stage | None  # between the gearhead, or the motor, and each input
 
     @cached_property
     def layout(self) -> Layout:
@@ -135,10 +137,33 @@ class Drive:
         """The body that is screwed on for each input, in one word: its gearhead, or the motor without one."""
         return "motor" if self.gearhead.absent else "gearhead"
 
+    @cached_property
+    def reduction(self) -> Gearhead:
+        """Gearhead and stage together, as one gearhead whose output is the input; the gearhead itself without a stage.
+
+        Only its torques, ratio and efficiency count so: face and shaft are those of the gearhead.
+        """
+        stage, gear = self.stage, self.gearhead
+        if stage is None:
+            return gear
+        passed = stage.ratio * stage.efficiency
+        return replace(
+            gear,
+            ratio=gear.ratio * stage.ratio,
+            efficiency=gear.efficiency * stage.efficiency,
+            rated_torque_mNm=gear.rated_torque_mNm * passed,
+            max_torque_mNm=gear.max_torque_mNm * passed,
+        )
+
+    @property
+    def motor_turns(self) -> float:
+        """Turns of a motor for one of its input, below zero where a pair of gears turns it the other way."""
+        return self.reduction.ratio * (1 if self.stage is None else self.stage.sense)
+
     @property
     def rotor_at_input_kg_m2(self) -> float:
-        """Inertia of one rotor, reflected through the gearhead to its input pulley."""
-        return self.motor.rotor_inertia_g_cm2 * 1e-7 * self.gearhead.ratio**2
+        """Inertia of one rotor, reflected through gearhead and stage to its input pulley."""
+        return self.motor.rotor_inertia_g_cm2 * 1e-7 * self.reduction.ratio**2
 
     @property
     def face_depth_mm(self) -> float:

@@ -20,6 +20,7 @@ from mbcdm_cad.design.bought import (
 )
 from mbcdm_cad.design.fieldpath import FieldPath
 from mbcdm_cad.design.lookup import Catalogue
+from mbcdm_cad.design.stage import stage_of
 
 
 class SteppedCable(Protocol):
@@ -40,9 +41,11 @@ def shared_values(design: Design, catalogue: Catalogue) -> dict[str, Any]:
     motor: Motor = catalogue.get("motors", train.motor)
     absent = train.gearhead == NO_GEARHEAD
     gearhead: Gearhead = without_gearhead(motor) if absent else catalogue.get("gearheads", train.gearhead)
+    stage = None if design.stage is None else stage_of(design.stage)
+    turns = gearhead.ratio * (1.0 if stage is None else stage.ratio)
 
     def encoder(name: str) -> Encoder:
-        found: Encoder = without_encoder(gearhead.ratio) if name == NO_ENCODER else catalogue.get("encoders", name)
+        found: Encoder = without_encoder(turns) if name == NO_ENCODER else catalogue.get("encoders", name)
         return found
 
     return {
@@ -74,6 +77,7 @@ def shared_values(design: Design, catalogue: Catalogue) -> dict[str, Any]:
         "inserts": catalogue.all("inserts"),
         "materials": catalogue.materials(),
         "as_built": (),
+        "stage": stage,
     }
 
 

@@ -54,7 +54,7 @@ def every_broken_rule(
 
 def broken_shared_rules(design: Design) -> Iterator[Broken]:
     """The rules for all configurations that the design breaks, without those on names of the catalogue."""
-    for rule in (_travel, _cables, _rope, _loads, _targets, _waivers, _as_built, _own_entries):
+    for rule in (_travel, _cables, _rope, _stage, _loads, _targets, _waivers, _as_built, _own_entries):
         yield from rule(design)
 
 
@@ -152,6 +152,36 @@ def encoders_needed(design: Design) -> Iterator[Broken]:
                 name,
                 "an encoder of the catalogue",
                 "name one, leave the line out, or choose configuration: siso_spur or miso_spur",
+            )
+
+
+def in_line_only(design: Design) -> Iterator[Broken]:
+    """A stage, for a layout whose frame carries each motor behind its own input."""
+    if design.stage is not None:
+        yield Broken(
+            ("stage",),
+            f"the frame of {design.configuration} carries each motor in line with its input",
+            design.stage.kind,
+            "siso_spur or miso_spur",
+            "remove the block stage, or choose configuration: siso_spur or miso_spur",
+        )
+
+
+def _stage(design: Design) -> Iterator[Broken]:
+    """Fields of the other kind."""
+    stage = design.stage
+    if stage is None:
+        return
+    others = {"belt": ("module_mm",), "gears": ("belt", "belt_teeth")}[stage.kind]
+    for name in others:
+        if getattr(stage, name) is not None:
+            wanted = "gears" if stage.kind == "belt" else "belt"
+            yield Broken(
+                ("stage", name),
+                f"given for a stage of kind {stage.kind}",
+                shortened(getattr(stage, name)),
+                f"kind: {wanted}",
+                f"remove it, or write kind: {wanted}",
             )
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from mbcdm_cad.design.blocks import DutyBlock
 from mbcdm_cad.design.bought import NO_GEARHEAD, Motor
 from mbcdm_cad.design.fields import validated
+from mbcdm_cad.design.stage import EFFICIENCY, least_belt_reach_mm
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.common_rules import (
     BEND_RATIO,
@@ -137,13 +138,22 @@ def needed_ratio(given: TrialKnown) -> float:
 
 
 def output_mNm(given: KnownFields, motor: Mapping[str, Any], head: Mapping[str, Any] | None) -> float:
-    """Continuous torque of a motor at its gearhead's output, or on its own shaft; with losses where these count."""
+    """Continuous torque of a motor at its input, behind gearhead and stage; with losses where these count."""
+    counted, (turns, passed) = counts_losses(given), stage_gain(given)
     if head is None:
-        return float(motor["rated_torque_mNm"])
+        return float(motor["rated_torque_mNm"]) * (passed if counted else turns)
     lossless = float(motor["rated_torque_mNm"] * head["ratio"])
-    if not counts_losses(given):
-        return lossless
-    return (lossless - GEARHEAD_IDLE_SHARE * float(head["rated_torque_mNm"])) * float(head["efficiency"])
+    if not counted:
+        return lossless * turns
+    return (lossless - GEARHEAD_IDLE_SHARE * float(head["rated_torque_mNm"])) * float(head["efficiency"]) * passed
+
+
+def stage_gain(given: KnownFields) -> tuple[float, float]:
+    """Torque at the input over that at the gearhead by belt or gears, without losses and with them; 1 without."""
+    if not given.has("stage.kind"):
+        return 1.0, 1.0
+    ratio, kind = float(given["stage.ratio"]), str(given["stage.kind"])
+    return ratio, ratio * float(given.get("stage.efficiency") or EFFICIENCY[kind])
 
 
 def _needed_mNm(given: TrialKnown) -> float:
@@ -207,7 +217,8 @@ def speed_margin(
     volts = given.get("drive.bus_voltage_V") or motor.get("voltage_V")
     if constant is None or ohms is None or volts is None:
         return -1.0
-    reached = greatest(volts - ohms * torque_mNm / constant, 0.0) / (constant * 1e-3) / (gear_ratio * input_to_drum)
+    turns = gear_ratio * stage_gain(given)[0] * input_to_drum
+    reached = greatest(volts - ohms * torque_mNm / constant, 0.0) / (constant * 1e-3) / turns
     return number(reached * 180.0 / pi / wanted - 1.0)
 
 
@@ -228,7 +239,8 @@ def heat_margin(
     duty, heat = duty_of(given), motor_heat(Motor(name="", **motor))
     share = np.abs(duty.torque_Nm) / float(given["loads.peak_torque_Nm"])
     moving = moving_mNm / output_mNm(given, motor, head) * float(motor["rated_torque_mNm"])
-    still = still_mNm / (1.0 if head is None else float(head["ratio"])) / (STANDSTILL_SHARE if heat.brushless else 1.0)
+    turns = (1.0 if head is None else float(head["ratio"])) * stage_gain(given)[0]
+    still = still_mNm / turns / (STANDSTILL_SHARE if heat.brushless else 1.0)
     torque = share * np.where(duty.speed_deg_s == 0.0, still, moving) * 1e-3
     found = heat.repeated(duty.time_s, torque, duty.ambient_C)
     if found is None or heat.limit_C <= duty.ambient_C:
@@ -268,7 +280,7 @@ def _easy(given: TrialKnown, motor: Mapping[str, Any], head: Mapping[str, Any] |
     if given.get("loads.backdrive_Nm") is None:
         return inf
     ratio = given.ratio if given.has_ratio else max(_needed_mNm(given) / output_mNm(given, motor, head), 1.0)
-    turned = turns_back_Nm(motor, head, ratio, max(1, len(given.get("inputs", ()))))
+    turned = turns_back_Nm(motor, head, ratio * stage_gain(given)[0], max(1, len(given.get("inputs", ()))))
     return backdrive_margin(given, turned, _turning_cables_Nm(given))
 
 
@@ -298,7 +310,7 @@ def _gearhead(given: TrialKnown) -> Found:
         return Found(NO_GEARHEAD, "the motor's own shaft")
     # If the ratio follows from motor and gearhead, any of them holds the torque.
     needed = _needed_mNm(given) / given.ratio if given.has_ratio else 0.0
-    lasting, heads = gearhead_share(given), given.entries("gearheads")
+    lasting, heads, behind = gearhead_share(given), given.entries("gearheads"), stage_gain(given)[1]
     motors = given.entries("motors") if not given.has("drive.motor") else {"": given.entry("motors", "drive.motor")}
     pairs = [
         (motor["mass_g"] + head["mass_g"], name, motor)
@@ -306,17 +318,21 @@ def _gearhead(given: TrialKnown) -> Found:
         for name, head in heads.items()
         if "shaft_diameter_mm" not in motor
         and output_mNm(given, motor, head) >= needed
-        and head["max_torque_mNm"] >= (needed or output_mNm(given, motor, head))
-        and head["rated_torque_mNm"] >= lasting * (needed or output_mNm(given, motor, head))
+        and behind * head["max_torque_mNm"] >= (needed or output_mNm(given, motor, head))
+        and behind * head["rated_torque_mNm"] >= lasting * (needed or output_mNm(given, motor, head))
         and _is_fast(given, motor, head, needed)
         and motor["diameter_mm"] <= head["diameter_mm"] + 1.0
+        and _has_key_room(given, head)
     ]
     if given.get("loads.backdrive_Nm") is not None:
         # A motor on its own shaft turns back most easily.
         pairs += [
             (motor["mass_g"], NO_GEARHEAD, motor)
             for motor, _ in given.motors_with_faces().values()
-            if motor in motors.values() and motor["rated_torque_mNm"] >= needed and _is_fast(given, motor, None, needed)
+            if motor in motors.values()
+            and output_mNm(given, motor, None) >= needed
+            and _is_fast(given, motor, None, needed)
+            and _has_key_room(given, motor)
         ]
     if not pairs:
         return Found(NO_GEARHEAD, "no gearhead with a motor of the catalogue reaches the torque")
@@ -345,6 +361,14 @@ def _preferred(
     if found == lightest:
         return Found(found, "motor_torque_forward", rounding)
     return Found(found, "duty" if found != easy[0][0] else "backdrive", rounding)
+
+
+def _has_key_room(given: TrialKnown, face: Mapping[str, Any]) -> bool:
+    """Whether a key reaches the screws of a face beside the pulley of a belt on its shaft."""
+    if given.get("stage.kind") != "belt":
+        return True
+    beside = least_belt_reach_mm() + given.screw(face["screw"]).key_mm
+    return bool(face["bolt_circle_mm"] / 2 >= beside)
 
 
 def _motor(given: TrialKnown) -> Found:

@@ -68,7 +68,7 @@ def _motor_shelf(given: TrialKnown) -> Found:
     }
     driver = max(needs, key=lambda name: needs[name])
     usual = rounded_up(min(needs[driver], screw.length_mm - screw.thread_mm), 0.1)
-    if not gear.absent:
+    if not gear.absent and not given.has("stage.kind"):
         return Found(usual, driver, "up to 0.1")
     # The shaft of a motor ends soon behind its face: a thinner shelf leaves the collar more of it.
     found = given.moved("support.motor_shelf_mm", usual, -0.1, ("shaft_grip", "walls", "bought_depth"))

@@ -13,6 +13,8 @@ from mbcdm_cad.layouts.trial_sizing import TrialKnown
 from mbcdm_cad.sizing.rule import Found, Rule
 
 _RING = "ring"
+# Thinnest journal that carries a wheel (estimate).
+JOURNAL_MM = 4.0
 
 
 def _bores(given: TrialKnown) -> set[float]:
@@ -75,9 +77,12 @@ def _drum_bearing(given: TrialKnown) -> Found:
 
 
 def _lower(given: TrialKnown) -> Found:
-    shaft, wall = given.gearhead.shaft_diameter_mm, given.wall_mm("input_pulleys")
-    names = _by_mass(given, "bearings", lambda _, entry: entry["bore_mm"] >= shaft + 2 * wall)
-    return given.first("input_pulleys.lower_bearing", names, ("bore_wall", "key_access", "input_bearings"))
+    wall, wheel = given.wall_mm("input_pulleys"), given.has("stage.kind")
+    least = JOURNAL_MM if wheel else given.gearhead.shaft_diameter_mm + 2 * wall
+    names = _by_mass(given, "bearings", lambda _, entry: entry["bore_mm"] >= least)
+    # A journal that carries a wheel has no bore.
+    own = ("stage_journal",) if wheel else ("bore_wall", "key_access")
+    return given.first("input_pulleys.lower_bearing", names, (*own, "input_bearings"))
 
 
 def _upper(given: TrialKnown) -> Found:

@@ -27,22 +27,26 @@ def train_of(layout: Layout) -> Train:
     Raises ``ModelError`` where the routes have no free span.
     """
     drive = layout.drive
-    d, gear, motor = to_si(drive), drive.gearhead, drive.motor
+    d, gear, motor, stage = to_si(drive), drive.gearhead, drive.motor, drive.stage
     idle = motor.idle_torque_mNm
     try:
         bearings = tuple(layout.bearing_friction(d))
     except NoFigureError:
         bearings = ()
+    idle_at_input = 0.0 if gear.absent else friction.GEARHEAD_IDLE_SHARE * gear.rated_torque_mNm * 1e-3
+    if stage is not None:
+        idle_at_input *= stage.ratio
     return Train(
         d=d,
         rope=tuple(_rope_bends(d.routes, drive.cable.diameter_mm * MM)),
         bearings=bearings,
         fibre=drive.cable.construction == "braid",
-        gear_ratio=gear.ratio,
-        gear_share=friction.gearhead_share(gear.efficiency),
-        gear_idle_Nm=0.0 if gear.absent else friction.GEARHEAD_IDLE_SHARE * gear.rated_torque_mNm * 1e-3,
+        gear_ratio=drive.reduction.ratio,
+        gear_share=friction.gearhead_share(drive.reduction.efficiency),
+        gear_idle_Nm=idle_at_input,
         motor_idle_Nm=friction.motor_idle_mNm(motor.rated_torque_mNm, idle) * 1e-3,
         motor_sigma=friction.MOTOR_IDLE_SIGMA if idle is None else friction.MOTOR_STATED_SIGMA,
+        stage_share=0.0 if stage is None else friction.gearhead_share(stage.efficiency),
     )
 
 

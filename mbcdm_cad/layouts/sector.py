@@ -16,6 +16,7 @@ from mbcdm_cad.parts.drum_shaft import DrumShaftDims, PreloadSpringDims
 from mbcdm_cad.parts.input_pulley.dims import GROOVE_RADIUS, InputPulleyDims
 from mbcdm_cad.parts.motor_head.dims import HeadDims, HeadedDrive
 from mbcdm_cad.parts.mounting import MountScrew
+from mbcdm_cad.parts.stage import StageDims
 from mbcdm_cad.parts.terminal.part import Tensioner
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.cable_path import CablePath
@@ -116,6 +117,11 @@ class SectorLayout(Layout):
     @abstractmethod
     def collar(self) -> CollarDims:
         """Clamp collar of each input pulley."""
+
+    @property
+    def stage(self) -> StageDims | None:
+        """Belt or gears between motor and input, of a layout that has room for them."""
+        return None
 
     @property
     @abstractmethod

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from mbcdm_cad.design.stage import STIFFNESS_FACTOR
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.model.equilibrium import sum_per_input, two_bearing_reactions_N
 from mbcdm_cad.model.stiffness import Chain, unit_tensions_N
@@ -175,6 +176,7 @@ def structure_of(layout: SectorLayout) -> Structure:
     drum, stress_MPa = _drum(layout, unit)
     causes = [
         *_gearheads(layout, torques),
+        *_stage(layout, torques),
         *_inputs(layout, unit, torques),
         *layout.passed_structure(unit),
         *drum,
@@ -276,17 +278,33 @@ def _drum_shaft(layout: SectorLayout, unit: Floats) -> Iterator[Cause]:
 
 
 def _gearheads(layout: SectorLayout, torques_Nm: Floats) -> Iterator[Cause]:
-    gear = layout.drive.gearhead
+    gear, stage = layout.drive.gearhead, layout.drive.stage
     if gear.absent:
         return
     stated = gear.stiffness_Nm_rad
     stiffness = GEARHEAD_NM_RAD_40 * (gear.diameter_mm / 40.0) ** 3 if stated is None else stated
+    if stage is not None:
+        # Behind a stage it carries less, and what it turns is that much less at the input.
+        stiffness *= stage.ratio**2
     name = "gearheads (estimate)" if stated is None else "gearheads"
     yield Cause(
         name,
         float((torques_Nm**2).sum() / stiffness) * 1e6,
         before_input=True,
         factor=BY_GEARHEADS if stated is None else BY_PARTS,
+    )
+
+
+def _stage(layout: SectorLayout, torques_Nm: Floats) -> Iterator[Cause]:
+    stage = layout.drive.stage
+    if stage is None:
+        return
+    stated = stage.stated_stiffness_Nm_rad is not None
+    yield Cause(
+        stage.words if stated else f"{stage.words} (estimate)",
+        float((torques_Nm**2).sum() / stage.stiffness_Nm_rad) * 1e6,
+        before_input=True,
+        factor=BY_PARTS if stated else STIFFNESS_FACTOR,
     )
 
 

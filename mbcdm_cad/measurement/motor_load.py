@@ -71,7 +71,7 @@ def figures_of(given: StatedMotors, drive: Drive) -> StatedMotors:
     return replace(
         given,
         torque_constant_Nm_A=first(given.torque_constant_Nm_A, None if constant is None else 1e-3 * constant),
-        gear_ratio=first(given.gear_ratio, drive.gearhead.ratio),
-        efficiency=first(given.efficiency, drive.gearhead.efficiency),
+        gear_ratio=first(given.gear_ratio, drive.reduction.ratio),
+        efficiency=first(given.efficiency, drive.reduction.efficiency),
         rotor_inertia_kg_m2=first(given.rotor_inertia_kg_m2, 1e-7 * drive.motor.rotor_inertia_g_cm2),
     )

@@ -17,13 +17,15 @@ _URAD = 1e-6
 
 
 def parts_seen(drive: Drive, counted: CountedParts, motor_side: bool) -> PartsSeen:
-    """Give and friction of a drive's parts between the encoders of a run.
+    """Give, friction and play of a drive's parts between the encoders of a run.
 
     ``motor_side``: whether the inputs' encoders sit before the gearheads. A part without a figure counts as rigid.
     """
     give, sigma = _give_urad_Nm(drive, counted.output_at == "payload", motor_side) if counted.structure else (0.0, 0.0)
     torque, spread = _friction_Nm(drive) if counted.losses else (0.0, 0.0)
-    return PartsSeen(give * _URAD, sigma * _URAD, torque, exp(spread / torque) if torque else 1.0)
+    stage = drive.stage if counted.structure and motor_side else None
+    play = 0.0 if stage is None else stage.lash_rad
+    return PartsSeen(give * _URAD, sigma * _URAD, torque, exp(spread / torque) if torque else 1.0, play)
 
 
 def _give_urad_Nm(drive: Drive, payload: bool, motor_side: bool) -> tuple[float, float]:

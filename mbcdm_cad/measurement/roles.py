@@ -115,7 +115,7 @@ class Expected:
             drive.name,
             drive.input_names,
             float(np.mean([run.drum_radius_mm / run.input_radius_mm for run in drive.cables])),
-            drive.gearhead.ratio,
+            drive.reduction.ratio,
             2.0 * radians(drive.half_travel_deg + drive.stop_clearance_deg),
             None if drive.drum_encoder.absent else sold(2.0 * pi / (drive.drum_encoder.resolution_urad * 1e-6)),
         )

@@ -91,13 +91,15 @@ class PartsSeen:
     """What the parts besides the cables do to a run, by the figures of the design.
 
     ``give_rad_Nm``: how far the reading turns with the load, for 1 N m; ``friction_Nm``: what holds the drum back
-    against its motion; ``friction_factor``: one standard deviation of its logarithm, as a factor.
+    against its motion; ``friction_factor``: one standard deviation of its logarithm, as a factor. ``play_rad``: of a
+    belt or gears between each input's encoder and its pulley.
     """
 
     give_rad_Nm: float
     give_sigma_rad_Nm: float
     friction_Nm: float
     friction_factor: float
+    play_rad: float = 0.0
 
 
 @dataclass(frozen=True)

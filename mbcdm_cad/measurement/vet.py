@@ -92,7 +92,7 @@ def declared_of(run: Run, drive: Drive | None) -> Declared:
         raise ValueError("a run without a ratio of its own needs a drive")
     d = to_si(drive)
     travel = 2.0 * np.radians(drive.half_travel_deg + drive.stop_clearance_deg)
-    return Declared(float(np.mean(d.total_ratio)), d, float(travel), drive.gearhead.ratio)
+    return Declared(float(np.mean(d.total_ratio)), d, float(travel), drive.reduction.ratio)
 
 
 def arranged(run: Run, drive: Drive) -> Run:
@@ -104,7 +104,7 @@ def arranged(run: Run, drive: Drive) -> Run:
         at = run.counted.inputs_at
         motors = any(run.motor_side) if at is None else at == "motors"
         run = replace(run, parts=parts_seen(drive, run.counted, motors))
-    run = _after_gearhead(run, drive.gearhead.ratio)
+    run = _after_gearhead(run, drive.reduction.ratio)
     run = zeroed(run, to_si(drive), float(np.radians(drive.half_travel_deg)))
     run = _in_order(run, drive)
     turns = to_si(drive).input_turns

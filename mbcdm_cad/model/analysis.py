@@ -171,7 +171,7 @@ def shaft_turns(d: DriveSI, drive: Drive) -> tuple[ShaftTurns, ...]:
     """Angles of all shafts at the end of the travel, from each cable: they differ where Eq. (1) does not hold."""
     found = []
     for j, name in enumerate(d.cable_names):
-        turned = shaft_angles(d, d.routes.drum.name, np.radians(drive.half_travel_deg), j, drive.gearhead.ratio)
+        turned = shaft_angles(d, d.routes.drum.name, np.radians(drive.half_travel_deg), j, drive.motor_turns)
         found.append(ShaftTurns(name, {shaft: float(np.degrees(angle)) for shaft, angle in turned.items()}))
     return tuple(found)
 

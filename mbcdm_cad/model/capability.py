@@ -44,13 +44,13 @@ def input_ratings_Nm(drive: Drive) -> dict[str, float]:
     """
     if drive.gearhead.absent:
         return {
-            MOTOR_ALONE: drive.motor.rated_torque_mNm * 1e-3,
-            MOTOR_ALONE_PEAK: drive.motor.peak_torque_mNm * 1e-3,
+            MOTOR_ALONE: drive.motor.rated_torque_mNm * 1e-3 * drive.reduction.ratio,
+            MOTOR_ALONE_PEAK: drive.motor.peak_torque_mNm * 1e-3 * drive.reduction.ratio,
         }
     return {
-        MOTOR: drive.motor.rated_torque_mNm * 1e-3 * drive.gearhead.ratio,
-        GEARHEAD: drive.gearhead.rated_torque_mNm * 1e-3,
-        GEARHEAD_PEAK: drive.gearhead.max_torque_mNm * 1e-3,
+        MOTOR: drive.motor.rated_torque_mNm * 1e-3 * drive.reduction.ratio,
+        GEARHEAD: drive.reduction.rated_torque_mNm * 1e-3,
+        GEARHEAD_PEAK: drive.reduction.max_torque_mNm * 1e-3,
     }
 
 

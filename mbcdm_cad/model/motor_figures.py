@@ -65,7 +65,7 @@ def motor_figures(drive: Drive, d: DriveSI, peak_input_Nm: float, cap_Nm: float)
     ``peak_input_Nm``: torque of the input that carries most at the design's peak torque. ``cap_Nm``: limit of the
     torque at the drum from other causes than the motors (strength, slack, slip, gearhead).
     """
-    motor, gear, volts = drive.motor, drive.gearhead, drive.bus_voltage_V
+    motor, gear, volts = drive.motor, drive.reduction, drive.bus_voltage_V
     constant_mNm_A, ohms = motor.torque_constant_mNm_A, motor.resistance_ohm
     if constant_mNm_A is None or ohms is None or volts is None:
         return None

@@ -39,7 +39,7 @@ class MovingBody:
     """
 
     name: str
-    kind: Literal["drum", "passed", "input"]
+    kind: Literal["drum", "passed", "input", "stage"]
     origin_mm: Vector
     axis: Vector
     numerator_mm: float = 1.0

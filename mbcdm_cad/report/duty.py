@@ -171,7 +171,7 @@ def _motor(m: MotorDay) -> dict[str, Any]:
 def duty_report(layout: Layout) -> DutyReport:
     """The figures of the duty. Raises ``ModelError`` where the routes have no free span."""
     drive = layout.drive
-    most, head = drive.motor.peak_torque_mNm * 1e-3, drive.gearhead.max_torque_mNm * 1e-3
+    most, head = drive.motor.peak_torque_mNm * 1e-3, drive.reduction.max_torque_mNm * 1e-3
     return DutyReport(layout.duty, layout.motor_days, layout.losses, most, head)
 
 

@@ -148,6 +148,8 @@ def inertias(layout: Layout, centred: Bill, by_item: Mapping[str, MassProperties
             drum = own
         elif body.kind == "passed":
             passed[body.name] = at_drum
+        elif body.kind == "stage":
+            inputs += at_drum
         else:
             # kg m^2 to g mm^2.
             rotor = drive.rotor_at_input_kg_m2 * 1e9
@@ -155,7 +157,7 @@ def inertias(layout: Layout, centred: Bill, by_item: Mapping[str, MassProperties
             rotors += rotor * body.turns_per_drum**2
             shafts.append(own)
     first = drive.cables[0]
-    motor_ratio = first.drum_radius_mm / first.input_radius_mm * drive.gearhead.ratio
+    motor_ratio = first.drum_radius_mm / first.input_radius_mm * drive.reduction.ratio
     without = drum + sum(passed.values()) + inputs
     everything = without + rotors
     return ReflectedInertias(

@@ -145,7 +145,7 @@ class PreloadReport:
         """Files of the procedure: the expected curves, the ramp in C, the evaluation in Python. None without ramps."""
         if not self.ramps:
             return {}
-        ratio = self.layout.drive.gearhead.ratio
+        ratio = self.layout.drive.reduction.ratio
         found = {
             f"expected-{r.input_name}.csv": _curve(r, m, ratio) for r, m in zip(self.ramps, self.at_motor, strict=True)
         }
@@ -302,11 +302,11 @@ def preload_report(layout: Layout, logs: Sequence[tuple[str, Path]] = ()) -> Pre
             raise MbcdmError(f"{path}: no ramps to compare with: {reason}")
         try:
             angle, torque, motors = read_log(path)
-            ratio = drive.gearhead.ratio if motors else 1.0
+            ratio = drive.reduction.ratio if motors else 1.0
             found.append(preload.measured(layout, input_name, angle, ratio * torque, motors))
         except ModelError as error:
             raise MbcdmError(f"{path}: {error}") from None
     if found:
         turns = preload.nut_turns(layout, tuple(found))
-    motor = drive.motor.peak_torque_mNm * 1e-3 * drive.gearhead.ratio * drive.gearhead.efficiency
+    motor = drive.motor.peak_torque_mNm * 1e-3 * drive.reduction.ratio * drive.reduction.efficiency
     return PreloadReport(rule, ramps, at_motor, reason, tuple(found), turns, motor, layout)

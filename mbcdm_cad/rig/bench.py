@@ -69,6 +69,10 @@ class Bench:
             self.gear_stiffness_Nm_rad = [1.0 / (1.0 / k + before) for k in self.gear_stiffness_Nm_rad]
             self.tell("structure", seen=False, stage="inputs", parameters={"compliance_rad_Nm": before})
         given = {"compliance_rad_Nm": self.compliance.land_to_encoder}
+        stage = self.drive.stage
+        if stage is not None:
+            self.gear_play_rad = [play + stage.lash_rad for play in self.gear_play_rad]
+            self.tell("lash", seen=False, stage="inputs", cause="structure", parameters={"play_rad": stage.lash_rad})
         # The measurement file lets the prediction count it, so that it is no effect of the drive.
         self.tell("stiffness_error", seen=False, cause="structure", parameters=given)
 

@@ -76,7 +76,7 @@ def elastic_drive(drive: Drive) -> ElasticDrive:
         turns=turns,
         compliance=compliance,
         motor=_motor(drive, train.motor_idle_Nm),
-        gear_ratio=drive.gearhead.ratio,
+        gear_ratio=drive.reduction.ratio,
         gear_share=train.gear_share,
         drum_friction_Nm=rubs.drum_Nm,
         input_friction_Nm=rubs.inputs_Nm,

@@ -52,7 +52,8 @@ class Joint:
     Its zero is that of the output; the links are drawn at ``drawn_rad``, where the drum is in the middle of its travel.
     ``effort_Nm`` and ``speed_rad_s``: the largest torque that it holds continuously, and speed that goes with it.
     ``friction_Nm``: dry friction under the preload, at the drum that of the bodies that cables pass too, at an input
-    that of gearhead and motor; the part in proportion to a load is in ``effort_Nm``.
+    that of gearhead and motor; the part in proportion to a load is in ``effort_Nm``. ``leader``: the input that turns
+    it by belt or gears; empty where it follows the drum.
     """
 
     link: str
@@ -64,6 +65,7 @@ class Joint:
     effort_Nm: float
     speed_rad_s: float
     friction_Nm: float
+    leader: str = ""
 
 
 @dataclass(frozen=True)
@@ -98,7 +100,7 @@ def mechanism(drive: Drive, parts: Mapping[str, PartFiles]) -> Mechanism:
     drum = next(body for body in turning if body.kind == "drum")
     drum_effort, drum_speed = _limits(drive)
     rubs = axis_friction(drive)
-    of_motor = drive.layout.losses.motor_idle_Nm * drive.gearhead.ratio
+    of_motor = drive.layout.losses.motor_idle_Nm * drive.reduction.ratio
     inputs = [body.name for body in turning if body.kind == "input"]
     friction = {drum.name: rubs.drum_Nm}
     friction |= {name: own + of_motor for name, own in zip(inputs, rubs.inputs_Nm, strict=True)}
@@ -160,7 +162,7 @@ def _effort_of_duty(drive: Drive) -> float:
     layout = drive.layout
     duty, train = layout.duty, layout.losses
     stands = min(day.stands_share for day in layout.motor_days)
-    most = min(float(train.output_Nm(drive.motor.peak_torque_mNm * 1e-3)), drive.gearhead.max_torque_mNm * 1e-3)
+    most = min(float(train.output_Nm(drive.motor.peak_torque_mNm * 1e-3)), drive.reduction.max_torque_mNm * 1e-3)
     return min(stands * duty.peak_torque_Nm, *(float(train.raised_Nm(most, way).min()) for way in (1, -1)))
 
 
@@ -170,7 +172,7 @@ def _input_effort_Nm(drive: Drive, drum_effort_Nm: float) -> float:
     if drive.layout.duty.stated:
         moved = train.moving(np.array([drum_effort_Nm, -drum_effort_Nm]), 1)
         motor_Nm = float(moved.motor_Nm.max()) - train.motor_idle_Nm
-    return min(float(train.output_Nm(motor_Nm)), drive.gearhead.max_torque_mNm * 1e-3)
+    return min(float(train.output_Nm(motor_Nm)), drive.reduction.max_torque_mNm * 1e-3)
 
 
 def _joint(body: MovingGroup, drive: Drive, drum_limits: tuple[float, float], friction_Nm: float) -> Joint:
@@ -190,6 +192,7 @@ def _joint(body: MovingGroup, drive: Drive, drum_limits: tuple[float, float], fr
         effort_Nm=effort,
         speed_rad_s=drum_speed_rad_s * turns,
         friction_Nm=friction_Nm,
+        leader=body.name.replace("driver_", "input_", 1) if body.kind == "stage" else "",
     )
 
 

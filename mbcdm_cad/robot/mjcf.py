@@ -65,8 +65,8 @@ def mjcf(m: Mechanism, elastic: ElasticDrive | None) -> ET.Element:
                 "joint",
                 name=f"{joint.link}_ratio",
                 joint1=joint.link,
-                joint2=m.drum,
-                polycoef=f"0 {numbers([joint.ratio])} 0 0 0",
+                joint2=joint.leader or m.drum,
+                polycoef=f"0 {numbers([joint.ratio / (m.joint(joint.leader).ratio if joint.leader else 1.0)])} 0 0 0",
                 attrib=_STIFF,
             )
     if elastic:

@@ -3,12 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import cos, degrees, radians, sin
+from math import degrees, radians
 
 from mbcdm_cad.layouts.miso_spur.drive import RoundDrumDrive
 from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
 from mbcdm_cad.layouts.miso_spur.support.parts import Star
-from mbcdm_cad.layouts.siso_spur.bill import ALONG_Y, add_drum_bearings, add_own_input, add_stop_pin, tapped
+from mbcdm_cad.layouts.siso_spur.bill import (
+    ALONG_Y,
+    add_drum_bearings,
+    add_own_input,
+    add_own_stage,
+    add_stop_pin,
+    input_bodies,
+    tapped,
+)
 from mbcdm_cad.parts.bill import Bill, BillBuilder, MovingBody
 from mbcdm_cad.parts.drum_sector.items import add_cables, add_drum_encoder, add_output, add_terminals, drilled_drum
 from mbcdm_cad.parts.drum_sector.part import DrumSector
@@ -16,18 +24,15 @@ from mbcdm_cad.parts.input_pulley.items import add_input_pulley
 from mbcdm_cad.parts.placement import Placement
 from mbcdm_cad.parts.ring import Dowel
 
-_Y, _BACK = (0.0, 1.0, 0.0), (0.0, -1.0, 0.0)
+_Y = (0.0, 1.0, 0.0)
 
 
 def moving_bodies(lay: RoundDrumLayout) -> tuple[MovingBody, ...]:
     """Drum about +Y and inputs about -Y: theta_i = theta_o r_o/r_i."""
     drive = lay.drive
     bodies = [MovingBody("drum", "drum", (0.0, 0.0, 0.0), _Y)]
-    for name, angle in zip(drive.input_names, drive.angles_rad, strict=True):
-        at = (drive.centre_distance_mm * sin(angle), 0.0, drive.centre_distance_mm * cos(angle))
-        ratio = drive.drum_radius_mm, drive.input_radius_mm
-        bodies.append(MovingBody(f"input_{name}", "input", at, _BACK, *ratio))
-    return tuple(bodies)
+    each = [input_bodies(drive, name, angle) for name, angle in zip(drive.input_names, drive.angles_rad, strict=True)]
+    return *bodies, *(body for of_input in each for body in of_input)
 
 
 def _sectors(b: BillBuilder, lay: RoundDrumLayout, drive: RoundDrumDrive, turns: list[Placement]) -> None:
@@ -75,5 +80,7 @@ def bill(lay: RoundDrumLayout, drum_angle_deg: float = 0.0) -> Bill:
     _sectors(b, lay, drive, turns)
     for pulley, turn in zip(lay.inputs, turns, strict=True):
         add_input_pulley(b, drive, pulley, lay.collar, drive.frame_material, turn @ ALONG_Y)
+    for unit, turn in zip(lay.units, turns, strict=True):
+        add_own_stage(b, unit, unit.inputs[0], turn)
     add_cables(b, drive, lay.cable_paths(radians(drum_angle_deg)))
     return b.bill()

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from math import tau
 
+from mbcdm_cad.checks.bearings import stage_torque_Nm
+from mbcdm_cad.design.stage import SET_TENSION, Stage
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.path_figures import plan
@@ -136,6 +138,8 @@ def input_steps(layout: SpurLayout, mark: str = "") -> tuple[AssemblyStep, ...]:
     drive, collar_screw, name = layout.drive, layout.collar.screw, layout.drive.input_names[0]
     flange = flange_screw(drive).name
     gear = drive.gearhead
+    if drive.stage is not None:
+        return _pulley_step(drive), *_stage_steps(layout, drive.stage, mark), _winding_step(drive)
     return (
         _pulley_step(drive),
         AssemblyStep(
@@ -158,6 +162,43 @@ def input_steps(layout: SpurLayout, mark: str = "") -> tuple[AssemblyStep, ...]:
         ),
         _winding_step(drive),
     )
+
+
+def _stage_steps(layout: SpurLayout, stage: Stage, mark: str) -> tuple[AssemblyStep, ...]:
+    """Motor head with belt or gears: the motor beside the input, its wheel bonded, the other clamped on the journal."""
+    drive, name, gear = layout.drive, layout.drive.input_names[0], layout.drive.gearhead
+    flange, collar_screw = flange_screw(drive).name, layout.collar.screw
+    wheel = "pulley" if stage.is_belt else "gear"
+    loose = ", its screws loose" * stage.is_belt
+    bench = AssemblyStep(
+        f"On the bench, press the bearing ({drive.bearings.input_lower.name}) into the motor head's flange, and screw "
+        f"the {train_words(drive)} on the motor shelf ({gear.screw_count} x {gear.screw}, {key(layout, gear.screw)}, "
+        f"from the open side before the flange){loose}. Then bond the driving {wheel} ({stage.driver_teeth} teeth) on "
+        f"the {drive.mounted}'s shaft with retaining compound, {layout.stage_clear_mm:.1f} mm from its face.",
+        (
+            *(f"motor_head{mark}", f"input_bearing_lower_{name}", *train_items(drive, name)),
+            *(*numbered(f"{drive.mounted}_screw_{name}", gear.screw_count), f"stage_driver_{name}"),
+        ),
+    )
+    laid = tight = ""
+    if stage.is_belt:
+        spans = SET_TENSION * stage.force_N(stage_torque_Nm(layout))
+        laid = f" Lay the belt ({stage.belt}, {stage.belt_teeth} teeth, {stage.width_mm:g} mm) round both."
+        tight = f" Push the motor along its slots until each span pulls with {spans:.3g} N, and tighten its screws."
+    held = AssemblyStep(
+        f"Pass the driven {wheel} ({stage.driven_teeth} teeth), the collar with its screw ({collar_screw}) loose on "
+        f"its hub, into the box through its open side.{laid} Press the two dowels into the plate. Slide the head from "
+        f"behind over the dowels, the journal through its bearing and the {wheel}, until their ends are flush. "
+        f"Tighten four {flange} from behind ({key(layout, flange)}), then the collar through the open side "
+        f"({key(layout, collar_screw)}).{tight}",
+        (
+            *(f"stage_driven_{name}", f"collar_{name}", f"collar_screw_{name}"),
+            *((f"stage_belt_{name}",) if stage.is_belt else ()),
+            *numbered(f"dowel{mark}", 2),
+            *numbered(f"flange_screw{mark}", len(layout.frame.flange_screws)),
+        ),
+    )
+    return bench, held
 
 
 def _pulley_step(drive: SpurDrive) -> AssemblyStep:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import radians
+from math import cos, radians, sin
 
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, SpurRun
 from mbcdm_cad.layouts.siso_spur.idlers import SENSE
@@ -16,6 +16,7 @@ from mbcdm_cad.parts.axle import Axle, Spacer
 from mbcdm_cad.parts.bill import Bill, BillBuilder, MovingBody
 from mbcdm_cad.parts.drum_sector.items import add_cables, add_drum, add_drum_encoder, add_preload_spring
 from mbcdm_cad.parts.idler_pulley import IdlerPulley
+from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 from mbcdm_cad.parts.input_pulley.items import add_input_pulley
 from mbcdm_cad.parts.motor_head.dims import flange_screw
 from mbcdm_cad.parts.motor_head.items import (
@@ -25,10 +26,13 @@ from mbcdm_cad.parts.motor_head.items import (
     add_input_line,
     add_motor_head,
 )
-from mbcdm_cad.parts.placement import Placement
+from mbcdm_cad.parts.placement import Placement, Vector
 from mbcdm_cad.parts.ring import Pin
+from mbcdm_cad.parts.stage import Belt, Wheel, belt_bottom_mm
 
-_X, _Y, _BACK = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0)
+_X, _Y, _Z, _BACK = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0)
+# Linear RGB.
+_RUBBER = (0.015, 0.015, 0.017)
 # Parts on the drum's axis and on the input's axis are drawn along Z with the gearhead below.
 ALONG_Y = Placement.about(_X, -90.0)
 _TO_BACK = Placement.about(_X, 90.0)
@@ -37,22 +41,32 @@ _TO_BACK = Placement.about(_X, 90.0)
 def moving_bodies(lay: SpurLayout) -> tuple[MovingBody, ...]:
     """Drum about +Y, idlers about +Y against it, input about -Y: theta_i = theta_o r_o/r_i."""
     drive = lay.drive
-    name, axis = f"input_{drive.input_names[0]}", (0.0, 0.0, drive.centre_distance_mm)
-    return (
-        MovingBody("drum", "drum", (0.0, 0.0, 0.0), _Y),
-        *(
-            MovingBody(
-                body,
-                "passed",
-                _idler_axis(drive, cable, n),
-                _Y,
-                SENSE * drive.drum_radius_mm,
-                drive.leading.radius_mm,
-            )
-            for body, _, (cable, n) in (lay.idlers if drive.idlers else ())
-        ),
-        MovingBody(name, "input", axis, _BACK, drive.drum_radius_mm, drive.input_radius_mm),
+    passed = (
+        MovingBody(
+            body,
+            "passed",
+            _idler_axis(drive, cable, n),
+            _Y,
+            SENSE * drive.drum_radius_mm,
+            drive.leading.radius_mm,
+        )
+        for body, _, (cable, n) in (lay.idlers if drive.idlers else ())
     )
+    return MovingBody("drum", "drum", (0.0, 0.0, 0.0), _Y), *passed, *input_bodies(drive, drive.input_names[0], 0.0)
+
+
+def input_bodies(drive: SpurDrive, name: str, angle_rad: float) -> tuple[MovingBody, ...]:
+    """An input at this angle about Y, from +Z towards +X, and the driving wheel of its stage, if it has one."""
+
+    def at(distance_mm: float) -> Vector:
+        return distance_mm * sin(angle_rad), 0.0, distance_mm * cos(angle_rad)
+
+    ratio, distance, stage = (drive.drum_radius_mm, drive.input_radius_mm), drive.centre_distance_mm, drive.stage
+    body = MovingBody(f"input_{name}", "input", at(distance), _BACK, *ratio)
+    if stage is None:
+        return (body,)
+    turned = ratio[0] * stage.ratio * stage.sense
+    return body, MovingBody(f"driver_{name}", "stage", at(distance + stage.centre_mm), _BACK, turned, ratio[1])
 
 
 def _idler_axis(drive: SpurDrive, cable: SpurRun, number: int) -> tuple[float, float, float]:
@@ -119,6 +133,39 @@ def add_own_input(b: BillBuilder, lay: SpurLayout, turn: Placement, mark: str = 
     add_input_line(b, drive, lay.head, shelf, stand)
 
 
+def add_own_stage(b: BillBuilder, lay: SpurLayout, pulley: InputPulleyDims, turn: Placement) -> None:
+    """Add the wheels of an input's stage and its belt; ``turn`` as for the input's fixed items."""
+    drive, dims, name = lay.drive, lay.stage, pulley.name
+    if dims is None:
+        return
+    metal = drive.material("aluminium-7075" if dims.stage.is_belt else "steel")
+    along, up = turn @ ALONG_Y, Placement.translation(0.0, 0.0, dims.bottom_z)
+    for part, spec, group in (
+        ("driven", dims.driven, f"input_{name}"),
+        ("driver", dims.driver, f"driver_{name}"),
+    ):
+        b.add(
+            f"stage_{part}_{name}",
+            Wheel(spec),
+            part=f"stage_{part}",
+            material=metal,
+            group=group,
+            place=along @ up,
+            mass_g=dims.mass_g(spec),
+        )
+    if dims.belt is not None:
+        # The belt is drawn with the driver at +Y; turned, it is away from the drum.
+        stand = turn @ _at(0.0, 0.0, drive.centre_distance_mm) @ ALONG_Y @ Placement.about(_Z, 180.0)
+        b.add(
+            f"stage_belt_{name}",
+            Belt(dims.belt),
+            part="stage_belt",
+            material=replace(drive.material("stainless"), colour=_RUBBER),
+            place=stand @ Placement.translation(0.0, 0.0, dims.bottom_z + belt_bottom_mm()),
+            mass_g=dims.mass_g(dims.belt),
+        )
+
+
 def add_idlers(b: BillBuilder, lay: SpurLayout) -> None:
     """Idlers with their bearings, which turn with them, axles and spacers, and the straps with their screws."""
     drive, spec, steel = lay.drive, lay.drive.idler_bearing, lay.drive.material("steel")
@@ -153,5 +200,6 @@ def bill(lay: SpurLayout, drum_angle_deg: float = 0.0) -> Bill:
     add_drum(b, drive, lay.drum, lay.drum_shaft)
     for pulley in lay.inputs:
         add_input_pulley(b, drive, pulley, lay.collar, drive.frame_material, ALONG_Y)
+        add_own_stage(b, lay, pulley, Placement.identity())
     add_cables(b, drive, lay.cable_paths(radians(drum_angle_deg)))
     return b.bill()

@@ -22,7 +22,7 @@ from mbcdm_cad.layouts.siso_spur.stack import SpurStack, spur_stack
 from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims, flange, yoke
 from mbcdm_cad.layouts.siso_spur.support.idlers import axle, idlers
 from mbcdm_cad.parts.axle import AxleDims
-from mbcdm_cad.parts.collar import CollarDims, collar
+from mbcdm_cad.parts.collar import CollarDims, collar, collar_over_shelf_mm, collar_width_mm
 from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
 from mbcdm_cad.parts.drum_sector.sizes import TerminalWay, drum, furthest_anchor_rad
@@ -30,6 +30,7 @@ from mbcdm_cad.parts.idler_pulley import IdlerDims
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 from mbcdm_cad.parts.motor_head.dims import Flange, HeadDims, head
 from mbcdm_cad.parts.mounting import MOUNT_SCREWS, MountScrew
+from mbcdm_cad.parts.stage import HUB_EDGE_MM, StageDims, stage_dims
 from mbcdm_cad.parts.terminal.take_up import terminal_travel_mm
 from mbcdm_cad.routes.cable_path import CablePath
 
@@ -46,6 +47,11 @@ def _ratio(drive: SpurDrive, value: float) -> SpurDrive:
 
 def _turns(drive: SpurDrive, value: float) -> SpurDrive:
     return replace(drive, turns=max(1, round(value)))
+
+
+def _belt_teeth(drive: SpurDrive, value: float) -> SpurDrive:
+    assert drive.stage is not None
+    return replace(drive, stage=replace(drive.stage, belt_teeth=round(value)))
 
 
 _DRUM = (
@@ -94,6 +100,13 @@ VARIABLES: dict[str, DesignVariable] = by_path(
         field("clearances.land_edge_mm"),
         *(field(f"drum.{name}") for name in _DRUM),
         *(field(f"support.{name}") for name in _SUPPORT),
+        field("stage.width_mm")._replace(applies=lambda d: d.stage is not None),
+        DesignVariable(
+            "stage.belt_teeth",
+            lambda drive: float(drive.stage.belt_teeth),
+            _belt_teeth,
+            applies=lambda d: d.stage is not None and d.stage.is_belt,
+        ),
         *(field(f"idlers.{name}")._replace(applies=lambda d: d.idlers is not None) for name in _IDLERS),
     )
 )
@@ -152,7 +165,32 @@ class SpurLayout(HeadLayout):
     @dimensions
     def collar(self) -> CollarDims:
         """Clamp collar of the pulley."""
-        return collar(self.drive, *self.drive.collar_seat, self.levels.motor_shelf_top_z)
+        drive, stage = self.drive, self.stage
+        found = collar(drive, *drive.collar_seat, self.levels.motor_shelf_top_z)
+        if stage is None:
+            return found
+        # On the hub of the driven wheel.
+        bottom = stage.top_z + HUB_EDGE_MM
+        return replace(found, bottom_z=bottom, top_z=bottom + found.top_z - found.bottom_z)
+
+    @dimensions
+    def stage(self) -> StageDims | None:
+        """Belt or gears between motor and input; None without."""
+        drive = self.drive
+        if drive.stage is None:
+            return None
+        return stage_dims(
+            drive.stage,
+            self.levels.motor_shelf_top_z + collar_over_shelf_mm(drive),
+            drive.bearings.input_lower.bore_mm,
+            collar_width_mm(drive, drive.input_pulleys.collar_screw),
+            drive.gearhead.shaft_diameter_mm,
+        )
+
+    @property
+    def stage_clear_mm(self) -> float:
+        """Distance of a stage's driving wheel from the face on whose shaft it is."""
+        return self.stage.bottom_z - self.levels.motor_shelf_bottom_z if self.stage else 0.0
 
     @dimensions
     def frame(self) -> YokeDims:

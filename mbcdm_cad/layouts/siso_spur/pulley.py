@@ -15,7 +15,7 @@ from mbcdm_cad.design.bought import Bearing
 from mbcdm_cad.layouts.siso_spur.cable_path import stop_of
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, contact_rad, groove_depth_mm, groove_run_out_rad
 from mbcdm_cad.layouts.siso_spur.stack import END_PLAY_MM, SpurStack
-from mbcdm_cad.parts.collar import collar_width_mm
+from mbcdm_cad.parts.collar import collar_over_shelf_mm, collar_width_mm
 from mbcdm_cad.parts.input_pulley.dims import (
     ENCODER_INSERTION_MM,
     GROOVE_RADIUS,
@@ -72,8 +72,10 @@ def _grooves(drive: SpurDrive, slots: tuple[StopSlot, ...]) -> tuple[Groove, ...
 def input_pulley(drive: SpurDrive, levels: SpurStack) -> InputPulleyDims:
     """Dimensions of the pulley: one land."""
     slots = _slots(drive, levels) if drive.anchored else ()
-    bearings, gear = drive.bearings, drive.gearhead
-    journal_bottom = levels.motor_shelf_top_z + drive.screw(gear.screw).head_height_mm + 0.5
+    bearings, gear, wheel = drive.bearings, drive.gearhead, drive.stage is not None
+    # The journal ends over the heads of the gearhead's screws, or with the wheel that it carries.
+    over = collar_over_shelf_mm(drive) if wheel else drive.screw(gear.screw).head_height_mm + 0.5
+    journal_bottom = levels.motor_shelf_top_z + over
     surface = drive.input_radius_mm - drive.cable.diameter_mm / 2
 
     def neck(bearing: Bearing) -> float:
@@ -101,10 +103,12 @@ def input_pulley(drive: SpurDrive, levels: SpurStack) -> InputPulleyDims:
             if drive.encoder.absent
             else levels.top_plate_top_z + ENCODER_INSERTION_MM
         ),
-        bore_radius=gear.shaft_diameter_mm / 2,
-        bore_top_z=levels.motor_shelf_bottom_z + gear.shaft_length_mm + 0.5,
-        slit_width=JOURNAL_SLIT_MM,
-        slit_top_z=journal_bottom + collar_width_mm(drive, drive.input_pulleys.collar_screw) + 1.0,
+        bore_radius=0.0 if wheel else gear.shaft_diameter_mm / 2,
+        bore_top_z=journal_bottom if wheel else levels.motor_shelf_bottom_z + gear.shaft_length_mm + 0.5,
+        slit_width=0.0 if wheel else JOURNAL_SLIT_MM,
+        slit_top_z=journal_bottom
+        if wheel
+        else journal_bottom + collar_width_mm(drive, drive.input_pulleys.collar_screw) + 1.0,
         slots=slots,
         grooves=_grooves(drive, slots),
     )

@@ -107,12 +107,22 @@ class Setup:
 def declared(d: DriveSI | None, ratio: float, p: Prepared) -> Setup:
     """The declared model of a run: cables, and of the other parts what its file counts.
 
-    Friction of cables and bearings loads the cables; the parts give with the load of the output alone.
+    Friction of cables and bearings loads the cables; the parts give with the load of the output alone. The play of a
+    belt or gears is known where its inputs are measured at the motors.
     """
     parts, load, added = p.run.parts, p.load_Nm, np.zeros_like(p.time_s)
     if parts is None or load is None or d is None:
         return Setup(d, ratio, p, load, None, None, added)
-    return Setup(d, ratio, p, load + parts.friction_Nm * p.sense, None, None, added - parts.give_rad_Nm * load)
+    return Setup(
+        d,
+        ratio,
+        p,
+        load + parts.friction_Nm * p.sense,
+        None,
+        None,
+        added - parts.give_rad_Nm * load,
+        play_rad=(parts.play_rad,) * d.n_inputs if parts.play_rad else (),
+    )
 
 
 def input_shares(d: DriveSI) -> Floats:

@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from mbcdm_cad.design.stage import EFFICIENCY_SIGMA
 from mbcdm_cad.model.equilibrium import Equilibrium, solve_equilibrium, solve_weighted, sum_per_input
 from mbcdm_cad.model.losses import friction
 from mbcdm_cad.model.si import DriveSI
@@ -25,6 +26,7 @@ from mbcdm_cad.routes import Floats
 
 # Kinds of friction; the causes of one kind are known or wrong together.
 ROPE, BEARINGS, GEARHEAD, GEARHEAD_IDLE, MOTOR = "rope", "bearings", "gearhead", "gearhead without load", "motor"
+STAGE = "stage"
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,7 +147,9 @@ class Train:
 
     For a batch ``d`` is one, shares of the rope are (n_cables, n), and all other figures numbers or (n,).
     ``gear_share``: loss of a gearhead over its output torque; ``gear_idle_Nm``: torque at its output that turns it
-    unloaded; ``motor_idle_Nm``: friction of a motor, ``motor_sigma`` of its logarithm.
+    unloaded; ``motor_idle_Nm``: friction of a motor, ``motor_sigma`` of its logarithm. A belt or gears behind the
+    gearhead count with it: ratio, share and idle torque are those at the input, ``stage_share`` the stage's part of
+    the share.
     """
 
     d: DriveSI
@@ -157,6 +161,7 @@ class Train:
     gear_idle_Nm: Any
     motor_idle_Nm: Any
     motor_sigma: float = friction.MOTOR_IDLE_SIGMA
+    stage_share: Any = 0.0
 
     @property
     def rope_share(self) -> Floats:
@@ -178,9 +183,13 @@ class Train:
         at_input = sense * at.input_torque_Nm(self.d) + at_inputs + self._bearings_at_inputs(at.tension_N)
         lost = self.gear_share * np.abs(at_input)
         motor = (at_input + lost + self.gear_idle_Nm) / self.gear_ratio + self.motor_idle_Nm
-        gear = Loss("gearheads, with the load", GEARHEAD, friction.GEARHEAD_SIGMA, (turns * lost).sum(axis=0))
+        of_stage = self.stage_share * np.abs(at_input)
+        stage = Loss("belt or gear stage", STAGE, EFFICIENCY_SIGMA, (turns * of_stage).sum(axis=0))
+        gear = Loss(
+            "gearheads, with the load", GEARHEAD, friction.GEARHEAD_SIGMA, (turns * (lost - of_stage)).sum(axis=0)
+        )
         idle = tuple(_spread(loss, load) for loss in self._idle)
-        causes = tuple(x for x in (*rope, *bearings, gear, *idle) if np.any(x.torque_Nm > 0.0))
+        causes = tuple(x for x in (*rope, *bearings, stage, gear, *idle) if np.any(x.torque_Nm > 0.0))
         return MovingLosses(way, load, causes, motor)
 
     @cached_property

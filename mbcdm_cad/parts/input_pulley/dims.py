@@ -123,7 +123,8 @@ class Groove:
 class InputPulleyDims:
     """One input pulley. Heights along Z from lower journal to encoder journal (mm).
 
-    ``surface`` radii are those on which the cables lie: of a smooth land, or of the root of its groove.
+    ``surface`` radii are those on which the cables lie: of a smooth land, or of the root of its groove. ``bore_radius``
+    is 0 for a whole journal, which carries a wheel in place of the gearhead's shaft inside it.
     """
 
     name: str

@@ -210,11 +210,12 @@ def _slot_tools(slot: StopSlot, surface: float) -> list[cq.Solid]:
 def create_input_pulley(dims: InputPulleyDims) -> cq.Solid:
     """Input pulley about its own axis (x = y = 0), heights as in the assembly, turned as with the drum centred."""
     body = _body(dims)
-    tools: list[cq.Shape] = [cylinder_z(dims.bore_radius, 0, 0, dims.journal_bottom_z - 1.0, dims.bore_top_z)]
-    half = dims.slit_width / 2
-    reach = dims.lower_journal_radius + 1.0
-    tools.append(block((-reach, reach), (-half, half), (dims.journal_bottom_z - 1.0, dims.slit_top_z)))
+    tools: list[cq.Shape] = []
+    if dims.bore_radius > 0.0:
+        half, reach = dims.slit_width / 2, dims.lower_journal_radius + 1.0
+        tools.append(cylinder_z(dims.bore_radius, 0, 0, dims.journal_bottom_z - 1.0, dims.bore_top_z))
+        tools.append(block((-reach, reach), (-half, half), (dims.journal_bottom_z - 1.0, dims.slit_top_z)))
     for slot in dims.slots:
         lower = slot.face_z == dims.land_bottom_z
         tools += _slot_tools(slot, dims.lower_land_radius if lower else dims.upper_land_radius)
-    return cut(body, tools, f"input pulley {dims.name}")
+    return cut(body, tools, f"input pulley {dims.name}") if tools else body

@@ -43,8 +43,14 @@ def _lengths(d: InputPulleyDims) -> tuple[Linear, ...]:
         ALONG_Z.length(
             low, d.journal_top_z, "below", (d.lower_journal_radius - c, d.upper_journal_radius - c), decimals=3
         ),
-        ALONG_Z.length(low, d.bore_top_z, "above", (d.lower_journal_radius - c, d.bore_radius)),
-        ALONG_Z.length(low, d.slit_top_z, "above", (d.lower_journal_radius - c, d.lower_journal_radius)),
+        *(
+            (
+                ALONG_Z.length(low, d.bore_top_z, "above", (d.lower_journal_radius - c, d.bore_radius)),
+                ALONG_Z.length(low, d.slit_top_z, "above", (d.lower_journal_radius - c, d.lower_journal_radius)),
+            )
+            if d.bore_radius
+            else ()
+        ),
         ALONG_Z.chamfer(c, d.upper_journal_radius, d.journal_top_z, -1.0, "above", count=2),
     )
 
@@ -55,7 +61,7 @@ def _diameters(d: InputPulleyDims) -> tuple[Linear, ...]:
     land = "" if d.grooves else FITS["land"].code
     low, c = d.journal_bottom_z, CHAMFER_MM
     return (
-        ALONG_Z.diameter(d.bore_radius, low, "left", fit=bore),
+        *((ALONG_Z.diameter(d.bore_radius, low, "left", fit=bore),) if d.bore_radius else ()),
         ALONG_Z.diameter(d.lower_journal_radius, low + c, "left", fit=journal, datum="D"),
         ALONG_Z.diameter(d.lower_neck_radius, d.lower_neck_bottom_z, "left"),
         ALONG_Z.diameter(d.lower_land_radius, d.land_bottom_z, "left", fit=land, decimals=3),
@@ -210,7 +216,7 @@ def input_pulley_sheet(part: str, d: InputPulleyDims) -> Sheet:
                 right=Z,
                 up=X,
                 cut=(0.0, 0.0, 0.0),
-                title="Section through the slit",
+                title="Section through the slit" if d.bore_radius else "Section",
                 axes=(((0.0, 0.0, low), (0.0, 0.0, high)),),
             ),
             _end_view(d, True),
@@ -219,12 +225,18 @@ def input_pulley_sheet(part: str, d: InputPulleyDims) -> Sheet:
         dimensions=(
             *_lengths(d),
             *diameters,
-            Linear(
-                "lower end",
-                (d.lower_journal_radius - CHAMFER_MM, -slit, low),
-                (d.lower_journal_radius - CHAMFER_MM, slit, low),
-                d.slit_width,
-                "above",
+            *(
+                [
+                    Linear(
+                        "lower end",
+                        (d.lower_journal_radius - CHAMFER_MM, -slit, low),
+                        (d.lower_journal_radius - CHAMFER_MM, slit, low),
+                        d.slit_width,
+                        "above",
+                    )
+                ]
+                if d.bore_radius
+                else ()
             ),
         ),
         labels=tuple(labels),
@@ -235,7 +247,9 @@ def input_pulley_sheet(part: str, d: InputPulleyDims) -> Sheet:
             *((_GROOVES,) if d.grooves else ()),
             "Lands Ra 0.8.",
             *((_SLOTS, _SLOTS_FROM) if d.slots else ()),
-            "+Z points from the slit's end, the lower one, to the upper. Slit along X, sawn through both sides of it.",
+            "+Z points from the slit's end, the lower one, to the upper. Slit along X, sawn through both sides of it."
+            if d.bore_radius
+            else "+Z points from the end that carries the driven wheel, the lower one, to the upper.",
             "Corners of the steps at most R0.1.",
         ),
     )

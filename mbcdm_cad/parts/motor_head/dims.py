@@ -19,15 +19,22 @@ from typing import Any, Protocol
 
 from mbcdm_cad.design.bought import Gearhead, Material, Motor, Screw
 from mbcdm_cad.design.sector_blocks import Clearances
+from mbcdm_cad.design.stage import Stage
 from mbcdm_cad.parts.bought.bodies import screw_places
 from mbcdm_cad.parts.collar import collar_over_shelf_mm, collar_sweep_mm
 from mbcdm_cad.parts.drum_sector.design import SectorBearings, SectorDrive
+from mbcdm_cad.parts.stage import hub_radius_mm
 
 # Thread of the flange's screws, by the widest body that they carry (estimate).
 FLANGE_THREADS_MM = ((22.0, 2.0), (100.0, 3.0), (200.0, 4.0))
 FLANGE_THREAD_MOST_MM = 5.0
 DOWEL_MM = 2.0
 DOWEL_LENGTHS_MM = (6.0, 8.0, 10.0, 12.0, 16.0)
+# Way of the motor on its shelf from the middle, each way, to lay a belt on and to tighten it: half of a usual
+# tolerance of a belt's length and its stretch (estimate).
+BELT_TAKE_UP_MM = 0.6
+# Flange of a stage before its bearing seat (estimate).
+FLANGE_SEAT_MM = 4.0
 # Play of a key in its hole, on the radius.
 KEY_PLAY_MM = 0.15
 # Longest sensible reach of an end mill, in diameters.
@@ -58,6 +65,10 @@ class Boxed(Protocol):
     @property
     def motor(self) -> Motor:
         """The motor."""
+
+    @property
+    def stage(self) -> Stage | None:
+        """Belt or gears in the box, the motor beside the input."""
 
     @property
     def clearances(self) -> Clearances:
@@ -111,8 +122,18 @@ class HeadedDrive(SectorDrive):
 
     @property
     def collar_seat(self) -> tuple[float, float, str]:
-        """Bore of the clamp collar in mm, that of the journal at the gearhead; its thinnest wall in mm, its screw."""
-        return self.bearings.input_lower.bore_mm, self.frame_material.min_wall_mm, self.input_pulleys.collar_screw
+        """Bore of the clamp collar in mm, that of the journal at the gearhead; its thinnest wall in mm, its screw.
+
+        With a stage the collar clamps the driven wheel's hub, which is on the journal.
+        """
+        journal = self.bearings.input_lower.bore_mm
+        bore = journal if self.stage is None else 2 * hub_radius_mm(journal)
+        return bore, self.frame_material.min_wall_mm, self.input_pulleys.collar_screw
+
+    @property
+    def clamped_mm(self) -> float:
+        """Diameter of the shaft that the collar clamps: of the gearhead, or of the journal in a wheel's hub."""
+        return self.gearhead.shaft_diameter_mm if self.stage is None else self.bearings.input_lower.bore_mm
 
 
 class HeadLevels(Protocol):
@@ -170,6 +191,10 @@ class CouplingBox:
     gear_bolt_circle: float
     gear_screws: Places
     key_hole_radius: float
+    # Distance of the gearhead's axis from the input's, along y.
+    beside_y: float = 0.0
+    # How far pilot and holes for the gearhead's screws are longer each way along y, so that a belt can be tightened.
+    take_up: float = 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -204,6 +229,8 @@ def dowel_length_mm(drive: HeadedDrive) -> float:
 def inner_half_width_mm(drive: Boxed) -> float:
     """Half the width of the coupling space: the collar turns in it, and the gearhead's screws stand off its corners."""
     running, reach = drive.clearances.running_mm, collar_sweep_mm(drive, *drive.collar_seat)
+    if drive.stage is not None:
+        reach = max(reach, *(drive.stage.reach_mm(r) for r in (drive.stage.driven_mm, drive.stage.driver_mm)))
     # Heads of the gearhead's screws stand beside the round corner that the coupling pocket's cutter leaves.
     heads = (drive.gearhead.bolt_circle_mm + drive.screw(drive.gearhead.screw).head_diameter_mm) / 2 + running
     corner = max(drive.frame_material.min_internal_radius_mm, heads / (TOOL_SLENDERNESS - 1.0))
@@ -256,7 +283,7 @@ def head(drive: HeadedDrive, levels: HeadLevels, flange: Flange) -> HeadDims:
     return HeadDims(
         **_box_values(drive, levels),
         # Angles seen from the flange; the gearhead is drawn as seen from its face.
-        gear_screws=tuple((x, -y + 0.0) for x, y in places),
+        gear_screws=tuple((x, beside_mm(drive) - y + 0.0) for x, y in places),
         flange=flange,
         screw_clearance=flange_screw(drive).clearance_mm / 2,
         dowel_radius=DOWEL_MM / 2,
@@ -272,7 +299,7 @@ def _box_values(drive: BoxDrive, levels: HeadLevels) -> dict[str, Any]:
         "flange_top_z": -levels.bearing_shelf_bottom_z,
         "shelf_bottom_z": -levels.motor_shelf_top_z,
         "top_z": -levels.motor_shelf_bottom_z,
-        "front_y": max(inner, face_reach_mm(drive)),
+        "front_y": max(inner, beside_mm(drive) + face_reach_mm(drive)),
         "back_y": -outer,
         "inner_x": inner,
         "outer_x": outer,
@@ -284,5 +311,27 @@ def _box_values(drive: BoxDrive, levels: HeadLevels) -> dict[str, Any]:
         "gear_screw_clearance": gear_screw.clearance_mm / 2,
         "gear_bolt_circle": gear.bolt_circle_mm / 2,
         # The hexagon key passes through the bearing shelf to the gearhead's screws before the bearing is inserted.
-        "key_hole_radius": gear_screw.key_mm / 3**0.5 + KEY_PLAY_MM,
+        "key_hole_radius": key_hole_mm(drive),
+        "beside_y": beside_mm(drive),
+        "take_up": BELT_TAKE_UP_MM if drive.stage is not None and drive.stage.is_belt else 0.0,
     }
+
+
+def beside_mm(drive: Boxed) -> float:
+    """Distance of the gearhead's axis from the input's: that of a stage's axes, 0 in line with it."""
+    return 0.0 if drive.stage is None else drive.stage.centre_mm
+
+
+def key_hole_mm(drive: Boxed) -> float:
+    """Radius of the holes for the key of the gearhead's screws."""
+    return float(drive.screw(drive.gearhead.screw).key_mm) / 3**0.5 + KEY_PLAY_MM
+
+
+def flange_front_mm(drive: BoxDrive) -> float:
+    """Front of the flange: that of the box; with a stage before the screws of the gearhead, which a key must reach."""
+    inner = inner_half_width_mm(drive)
+    if drive.stage is None:
+        return max(inner, face_reach_mm(drive))
+    free = beside_mm(drive) - drive.gearhead.bolt_circle_mm / 2 - key_hole_mm(drive) - KEY_PLAY_MM
+    seat = drive.bearings.input_lower.outer_diameter_mm / 2
+    return max(min(inner, free), seat + FLANGE_SEAT_MM)

@@ -79,7 +79,7 @@ def add_input_line(b: BillBuilder, drive: HeadedDrive, head: HeadDims, shelf: En
         drive,
         name,
         gear_screw.length_mm - drive.support.motor_shelf_mm + 1.0,
-        _at(stand, 0.0, 0.0, head.top_z) @ _TURNED,
+        _at(stand, 0.0, head.beside_y, head.top_z) @ _TURNED,
         drive.gearhead_angle_deg,
     )
     sunk, thick = shelf.head_depth, shelf.top_z - shelf.bottom_z

@@ -24,15 +24,17 @@ def coupling_box_mm3(d: CouplingBox, plate_mm3: float = 0.0) -> float:
     flange, height = d.flange_top_z - d.bottom_z, d.top_z - d.flange_top_z
     body = plate_mm3 + (2 * d.outer_x * (d.front_y - d.back_y) - 4 * CORNER * d.corner_radius**2) * height
     inner, shelf = d.inner_x, d.top_z - d.shelf_bottom_z
+    longer = 4.0 * d.take_up * shelf * (d.pilot_radius + len(d.gear_screws) * d.gear_screw_clearance)
+    keys = 0.0 if d.beside_y else ring_mm3(d.key_hole_radius, 0.0, flange - d.seat_depth) / 2
     return (
         body
         - pocket_mm3(2 * inner, d.front_y + inner, d.shelf_bottom_z - d.flange_top_z, d.corner_radius)
         - ring_mm3(d.pilot_radius, 0.0, shelf)
+        - longer
         - ring_mm3(d.shoulder_radius, 0.0, flange - d.seat_depth)
         - ring_mm3(d.seat_radius, 0.0, d.seat_depth)
         # About half of each key hole lies outside the shoulder's bore.
-        - len(d.gear_screws)
-        * (ring_mm3(d.gear_screw_clearance, 0.0, shelf) + ring_mm3(d.key_hole_radius, 0.0, flange - d.seat_depth) / 2)
+        - len(d.gear_screws) * (ring_mm3(d.gear_screw_clearance, 0.0, shelf) + keys)
     )
 
 
@@ -47,14 +49,23 @@ def box_tools(d: CouplingBox) -> list[cq.Shape]:
     inner = d.inner_x
     tools: list[cq.Shape] = [
         pocket_y((-inner, inner), (-inner, d.front_y + 1.0), (d.flange_top_z, d.shelf_bottom_z), d.corner_radius),
-        cylinder_z(d.pilot_radius, 0, 0, d.shelf_bottom_z - 1.0, d.top_z + 1.0),
+        _slot(d.pilot_radius, 0.0, d.beside_y, d.shelf_bottom_z - 1.0, d.top_z + 1.0, d.take_up),
         cylinder_z(d.shoulder_radius, 0, 0, d.bottom_z, d.flange_top_z + 1.0),
         cylinder_z(d.seat_radius, 0, 0, d.bottom_z - 1.0, d.bottom_z + d.seat_depth),
     ]
     for x, y in d.gear_screws:
-        tools.append(cylinder_z(d.gear_screw_clearance, x, y, d.shelf_bottom_z - 1.0, d.top_z + 1.0))
-        tools.append(cylinder_z(d.key_hole_radius, x, y, d.bottom_z, d.flange_top_z + 1.0))
+        tools.append(_slot(d.gear_screw_clearance, x, y, d.shelf_bottom_z - 1.0, d.top_z + 1.0, d.take_up))
+        if not d.beside_y:
+            tools.append(cylinder_z(d.key_hole_radius, x, y, d.bottom_z, d.flange_top_z + 1.0))
     return tools
+
+
+def _slot(radius: float, x: float, y: float, start_z: float, end_z: float, longer: float) -> cq.Shape:
+    """Hole along Z, ``longer`` each way along y."""
+    if not longer:
+        return cylinder_z(radius, x, y, start_z, end_z)
+    ends = [cylinder_z(radius, x, y + way * longer, start_z, end_z) for way in (-1, 1)]
+    return fuse([block((x - radius, x + radius), (y - longer, y + longer), (start_z, end_z)), *ends], "slot")
 
 
 def rounded(body: cq.Solid, radius: float) -> cq.Shape:
@@ -73,7 +84,7 @@ def _holes(d: HeadDims) -> tuple[Holes, ...]:
             "B",
             2 * d.pilot_radius,
             THROUGH,
-            ((0.0, 0.0, d.top_z),),
+            ((0.0, d.beside_y, d.top_z),),
             "motor shelf",
             "pilot of the drive",
             fit=FITS["pilot"].code,
@@ -90,7 +101,9 @@ def _holes(d: HeadDims) -> tuple[Holes, ...]:
             "D",
             2 * d.key_hole_radius,
             THROUGH,
-            outside_bore(
+            ()
+            if d.beside_y
+            else outside_bore(
                 tuple((x, y, d.bottom_z) for x, y in d.gear_screws),
                 d.gear_bolt_circle + d.key_hole_radius,
                 d.shoulder_radius,
@@ -119,6 +132,27 @@ def _holes(d: HeadDims) -> tuple[Holes, ...]:
     return tuple(group for group in groups if group.places)
 
 
+def _open_below(d: HeadDims) -> list[cq.Shape]:
+    """With a stage the box reaches beyond the flange, where it is open downwards: shelf and two walls."""
+    front = (d.flange.front_y, d.front_y + 1.0)
+    if not d.beside_y:
+        return []
+    middle = (d.flange_top_z + d.shelf_bottom_z) / 2
+    beyond = d.outer_x + 1.0
+    return [
+        block((-beyond, beyond), front, (d.flange_top_z - 1.0, d.flange_top_z)),
+        block((-d.inner_x, d.inner_x), front, (d.flange_top_z - 1.0, middle)),
+    ]
+
+
+def _open_below_mm3(d: HeadDims) -> float:
+    """What that takes besides the pocket: its lower corners."""
+    if not d.beside_y:
+        return 0.0
+    corner = pocket_corner_mm(d.corner_radius, 2 * d.inner_x, d.shelf_bottom_z - d.flange_top_z)
+    return 2 * CORNER * corner**2 * (d.front_y - d.flange.front_y)
+
+
 @dataclass(frozen=True)
 class MotorHead(MadePart):
     """Motor head, its axis Z."""
@@ -131,7 +165,7 @@ class MotorHead(MadePart):
         d, f = dims, dims.flange
         flange = block((-f.half_x, f.half_x), (f.back_y, f.front_y), (d.bottom_z, d.flange_top_z))
         bodies = [rounded(flange, d.corner_radius), box_body(d, 0.5)]
-        tools = box_tools(d)
+        tools = [*box_tools(d), *_open_below(d)]
         tools += [cylinder_z(d.screw_clearance, x, y, d.bottom_z - 1.0, d.flange_top_z + 1.0) for x, y in f.screws]
         tools += [cylinder_z(d.dowel_radius, x, y, d.bottom_z - 1.0, d.flange_top_z + 1.0) for x, y in f.dowels]
         return cut(fuse(bodies, "motor head"), tools, "motor head")
@@ -143,6 +177,7 @@ class MotorHead(MadePart):
         plate = (2 * f.half_x * (f.front_y - f.back_y) - 4 * CORNER * d.corner_radius**2) * flange
         return (
             coupling_box_mm3(d, plate)
+            - _open_below_mm3(d)
             - len(f.screws) * ring_mm3(d.screw_clearance, 0.0, flange)
             - len(f.dowels) * ring_mm3(d.dowel_radius, 0.0, flange)
         )
@@ -191,6 +226,11 @@ class MotorHead(MadePart):
                     "top", (x - r, f.back_y, low), (x - r, f.front_y, low), f.front_y - f.back_y, "right", decimals=3
                 ),
                 Linear("top", (0.0, 0.0, low), (x - r, f.front_y, low), f.front_y, "right", decimals=3),
+                *(
+                    [Linear("top", (0.0, 0.0, low), (0.0, d.beside_y, d.top_z), d.beside_y, "right", decimals=3)]
+                    if d.beside_y
+                    else []
+                ),
                 Linear("top", (0.0, 0.0, d.top_z), (-d.outer_x + r, d.front_y, d.top_z), d.front_y, "left", decimals=3),
                 Linear("top", (-d.outer_x + r, d.back_y, d.top_z), (0.0, 0.0, d.top_z), -d.back_y, "left", decimals=3),
                 Radius("top", (r - x, f.front_y - r, low), (r - x - half, f.front_y - r + half, low), r, prefix="8x "),
@@ -207,6 +247,8 @@ class MotorHead(MadePart):
             fits=tuple(line for group in holes for line in group.fit_lines()),
             notes=(
                 f"Pocket from the front, {mm(d.inner_x)} behind the axis of A; its corners R{mm(corner_in, 3)}.",
+                *(["Before the flange the pocket is open downwards."] if d.beside_y else []),
+                *([f"B and C are slots, {mm(d.take_up)} longer each way along Y."] if d.take_up else []),
                 "Bearing seat Ra 0.8.",
             ),
         )

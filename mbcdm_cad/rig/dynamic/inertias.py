@@ -50,4 +50,4 @@ def inertias(drive: Drive) -> Inertias:
     """Inertias of the moving parts of ``drive``."""
     rotor = drive.motor.rotor_inertia_g_cm2 * _G_CM2
     bodies = dict(drive.layout.inertias_kg_m2)
-    return Inertias(rotor, drive.gearhead.ratio, bodies, routes_of(drive))
+    return Inertias(rotor, drive.reduction.ratio, bodies, routes_of(drive))

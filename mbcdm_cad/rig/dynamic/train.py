@@ -92,7 +92,7 @@ class GearheadSpec:
 
 def gearhead_of(drive: Drive, ideal: bool = False) -> GearheadSpec:
     """The design's gearhead; ``ideal`` makes it lossless, as in the paper's calculation of the driving capability."""
-    return GearheadSpec(drive.gearhead.ratio, 1.0 if ideal else drive.gearhead.efficiency)
+    return GearheadSpec(drive.reduction.ratio, 1.0 if ideal else drive.reduction.efficiency)
 
 
 @compiled

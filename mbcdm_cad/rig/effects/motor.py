@@ -90,7 +90,7 @@ class MotorCogging(RigEffect):
     loop_stiffness_mNm_rad: Annotated[float, Field(gt=0.0, le=1e5)] = 2.0
 
     def apply(self, bench: Bench) -> None:
-        i, ratio = bench.input_index(self.stage), bench.drive.gearhead.ratio
+        i, ratio = bench.input_index(self.stage), bench.drive.reduction.ratio
         amplitude = self.torque_mNm / self.loop_stiffness_mNm_rad / ratio
         order = self.cycles_per_motor_turn * ratio
         bench.command_rad[i] += amplitude * np.sin(order * bench.command_rad[i])

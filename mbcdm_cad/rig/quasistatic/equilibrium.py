@@ -28,7 +28,7 @@ from mbcdm_cad.routes import Floats
 from mbcdm_cad.storage.compiled import compiled
 
 _STEPS = 80
-_HALVINGS = 12
+_HALVINGS, _MOST_HALVINGS = 12, 40
 # Share of the shaft's stiffness inside its play, so that a pulley free within its play has one equilibrium angle.
 _IN_PLAY = 1e-4
 
@@ -138,7 +138,10 @@ def run(chains: Chains, course: QuasistaticCourse, pulleys: Floats, drum: Floats
                 break
             step = np.linalg.solve(left.slopes - 1e-9 * np.eye(n_inputs + 1), left.miss)
             share, better = 1.0, False
-            for _ in range(_HALVINGS):
+            for halved in range(_MOST_HALVINGS):
+                # At the end of a play the slope changes by orders of magnitude: only there many are needed.
+                if halved >= _HALVINGS and size <= (1e-7 * scale) ** 2:
+                    break
                 trial[:] = x - share * step
                 there = _misses(chains, course, k, trial, left)
                 if there < size:

@@ -9,7 +9,7 @@ from mbcdm_cad.design.drive import Sigmas
 from mbcdm_cad.design.fieldpath import FieldPath
 from mbcdm_cad.design.lookup import Catalogue
 from mbcdm_cad.design.resolve import by_step, preload_N, shared_sigmas, shared_values
-from mbcdm_cad.design.rules import Broken, NamedEntry, counted, encoders_needed, on_one_side, unique
+from mbcdm_cad.design.rules import Broken, NamedEntry, counted, encoders_needed, in_line_only, on_one_side, unique
 from mbcdm_cad.layouts.miso_bevel import drive as d
 from mbcdm_cad.layouts.miso_bevel.design_file.schema import BevelDesign, Transmission
 from mbcdm_cad.parts.drum_sector.resolve import sector_entries, sector_values, terminal_angle_rad
@@ -100,6 +100,7 @@ def broken_rules(design: BevelDesign) -> Iterator[Broken]:
     """The rules of this configuration that the design breaks, in the order of the file's blocks."""
     yield from _transmission(design)
     yield from encoders_needed(design)
+    yield from in_line_only(design)
     yield from _inputs(design)
     yield from _broken_cables(design)
 

@@ -28,6 +28,7 @@ class _Boxed:
     frame_material: Material
     collar_seat: tuple[float, float, str]
     screws: dict[str, dict[str, object]]
+    stage: None = None
 
     def screw(self, name: str) -> Screw:
         return Screw(name=name, **self.screws[name])  # type: ignore[arg-type]

@@ -8,7 +8,7 @@ from mbcdm_cad.design.drive import Sigmas
 from mbcdm_cad.design.fieldpath import FieldPath
 from mbcdm_cad.design.lookup import Catalogue
 from mbcdm_cad.design.resolve import by_step, preload_N, shared_sigmas, shared_values
-from mbcdm_cad.design.rules import Broken, NamedEntry, counted, encoders_needed, on_one_side, unique
+from mbcdm_cad.design.rules import Broken, NamedEntry, counted, encoders_needed, in_line_only, on_one_side, unique
 from mbcdm_cad.layouts.siso_bevel import drive as d
 from mbcdm_cad.layouts.siso_bevel.design_file.schema import DirectDesign, DirectTransmission
 from mbcdm_cad.parts.drum_sector.resolve import sector_entries, sector_values, terminal_angle_rad
@@ -68,6 +68,7 @@ def broken_rules(design: DirectDesign) -> Iterator[Broken]:
     """The rules of this configuration that the design breaks, in the order of the file's blocks."""
     yield from _transmission(design)
     yield from encoders_needed(design)
+    yield from in_line_only(design)
     yield from counted(design, "inputs", 1, "give exactly one input; miso_bevel has two")
     yield from counted(design, "cables", 2, "give one cable for each sense of the drum")
     yield from unique("cables", "step", [cable.step for cable in design.cables])

@@ -50,14 +50,15 @@ def bodies_behind(s: SpurLayout) -> Comparison:
     """Gap between motor or gearhead and the parts of the drum behind the plate: boss and encoder."""
     drive, boss = s.drive, s.frame.boss
     beside = max(boss.radius, boss.ear_reach, drive.drum_encoder.diameter_mm / 2)
-    gap = drive.centre_distance_mm - body_radius_mm(drive) - beside
+    running = drive.clearances.running_mm
+    gap = drive.centre_distance_mm + s.head.beside_y - body_radius_mm(drive) - beside
     behind = s.levels.back_y - s.levels.motor_shelf_bottom_z
-    return at_least(
-        "motor from the drum's boss and encoder, beside or behind them",
-        max(gap, behind),
-        drive.clearances.running_mm,
-        "mm",
-    )
+    found = [at_least("motor from the drum's boss and encoder, beside or behind them", max(gap, behind), running, "mm")]
+    if s.stage is not None:
+        # The box of the wheels is wider than a motor.
+        box = drive.centre_distance_mm + s.head.back_y - beside
+        found.append(at_least("motor head from the drum's boss and encoder", box, running, "mm"))
+    return worst(found)
 
 
 def outline(s: SpurLayout, f: YokeDims, d: DrumDims) -> NDArray[np.float64]:
@@ -69,7 +70,7 @@ def outline(s: SpurLayout, f: YokeDims, d: DrumDims) -> NDArray[np.float64]:
         *(o for t in d.tensioners for _, o, _, _ in bodies_of(s, t, moved=False)),
     ]
     encoder = drive.drum_encoder.diameter_mm / 2
-    bodies = max(drive.gearhead.diameter_mm, drive.motor.diameter_mm, drive.encoder.diameter_mm) / 2
+    bodies = body_radius_mm(drive)
     wide, low = max(f.half_width, f.boss.ear_reach, encoder), max(f.half_width, d.hub_radius)
     flats = encoder * RING_ENCODER_FLATS
     reach = [(-wide, 0.0), (wide, 0.0), (0.0, -low), (0.0, -flats), (0.0, f.axis_z + head.front_y)]
@@ -77,8 +78,12 @@ def outline(s: SpurLayout, f: YokeDims, d: DrumDims) -> NDArray[np.float64]:
     angle = np.linspace(0.0, 2 * np.pi, _CORNERS + 1)
     circle = np.stack([np.sin(angle), np.cos(angle)], axis=1)
     corner = np.array([f.half_width, f.top_z]) + f.corner_radius * (circle[: _CORNERS // 4 + 1] - 1.0)
-    round_bodies = np.array([0.0, f.axis_z]) + bodies * circle
-    return np.concatenate([*sector, np.array(reach), corner, corner * np.array([-1.0, 1.0]), round_bodies])
+    round_bodies = np.array([0.0, f.axis_z]) + drive.encoder.diameter_mm / 2 * circle
+    motor = np.array([0.0, f.axis_z + head.beside_y]) + bodies * circle
+    heads = np.array([(x, f.axis_z + head.front_y) for x in (-head.outer_x, head.outer_x)])
+    return np.concatenate(
+        [*sector, np.array(reach), corner, corner * np.array([-1.0, 1.0]), round_bodies, motor, heads]
+    )
 
 
 def box_mm(s: SpurLayout) -> tuple[float, float, float]:

@@ -30,6 +30,7 @@ from mbcdm_cad.layouts.siso_spur.sizing.basis import (
 from mbcdm_cad.layouts.siso_spur.sizing.dims import BACK, DISTANCE, DRUM, FRAME, MOUNT
 from mbcdm_cad.layouts.siso_spur.sizing.idlers import IDLERS, WIDTH, idler_guesses
 from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
+from mbcdm_cad.layouts.siso_spur.sizing.stage import GUESSES, STAGE, STAGE_RATIO
 from mbcdm_cad.layouts.stiff_sizing import SHARED, stiffened, walls
 from mbcdm_cad.layouts.trial_sizing import MIDDLE_SIZE, repeated
 from mbcdm_cad.sizing.rule import Rule
@@ -44,6 +45,7 @@ RULES: tuple[Rule, ...] = (
     *LIMITS,
     *LAND_EDGE,
     *METALS,
+    *STAGE_RATIO,
     # With a ratio or radii given, motor and gearhead follow from the ratio; else the ratio from the motor.
     *TRAIN,
     *RATIO,
@@ -53,6 +55,7 @@ RULES: tuple[Rule, ...] = (
     *IDLERS,
     *PRELOAD,
     *PARTS,
+    *STAGE,
     *FRAME,
     *WINDING,
     *WIDTH,
@@ -78,6 +81,7 @@ FREEDOMS: tuple[Freedom, ...] = (
     Freedom("transmission.turns", 0.7, 2.0, _whole),
     Freedom("transmission.drum_radius_mm", 0.7, 2.0, mends=((ALL_RADII, 1),)),
     Freedom("transmission.input_to_drum", 0.7, 1.5),
+    Freedom("stage.ratio", 0.5, 2.0),
 )
 
 
@@ -115,6 +119,7 @@ def _first_guesses(data: dict[str, Any]) -> dict[str, Any]:
     radius = float(given.peek("transmission.drum_radius_mm") or 80.0)
     return {
         **MIDDLE_SIZE,
+        **GUESSES.get(str(given.peek("stage.kind")), {}),
         "rope.helix_lead_mm": 1.5,
         "transmission.turns": 5,
         "transmission.centre_distance_mm": 1.4 * radius,

@@ -17,6 +17,7 @@ from mbcdm_cad.layouts.head_basis import (
     rope,
     thinnest_rope_by,
 )
+from mbcdm_cad.layouts.head_parts import JOURNAL_MM
 from mbcdm_cad.layouts.siso_spur.design_file.schema import REFERENCE
 from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
 from mbcdm_cad.layouts.trial_sizing import whole_turns
@@ -38,9 +39,10 @@ _RADIUS_STEP_MM = 0.05
 
 def _input_needs_mm(given: SpurKnown, d_mm: float, bend_ratio: float) -> dict[str, float]:
     """Least radii of the input, for the limit of the bend ratio and for a neck round the shaft."""
+    shaft = JOURNAL_MM if given.has("stage.kind") else given.gearhead.shaft_diameter_mm
     return {
         "bend_ratio": bend_ratio * d_mm / 2,
-        "bearing_shoulders": given.gearhead.shaft_diameter_mm / 2 + NECK_MM + d_mm / 2,
+        "bearing_shoulders": shaft / 2 + NECK_MM + d_mm / 2,
     }
 
 

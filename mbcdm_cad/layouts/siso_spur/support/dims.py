@@ -31,7 +31,7 @@ from mbcdm_cad.parts.motor_head.dims import (
     Flange,
     body_radius_mm,
     dowel_length_mm,
-    face_reach_mm,
+    flange_front_mm,
     flange_screw,
     inner_half_width_mm,
 )
@@ -142,7 +142,7 @@ def flange(drive: SpurDrive) -> Flange:
     x = max(outer, beside) + screw.head_diameter_mm / 2 + HEAD_ROOM_MM
     # Screws and dowels lie outside the opening for the pulley.
     x = max(x, opening_radius_mm(drive) + OPENING_WEB_MM + max(screw.thread_mm, DOWEL_MM) / 2)
-    front = max(inner, face_reach_mm(drive))
+    front = flange_front_mm(drive)
     back = -outer
     high, low = front - wall, back + wall
     return Flange(

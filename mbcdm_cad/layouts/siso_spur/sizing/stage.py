@@ -1,0 +1,141 @@
+"""Rules of a belt or gears between motor and input: ratio, profile or module, teeth, width, distance of the axes."""
+
+from __future__ import annotations
+
+from math import ceil, pi
+from typing import Any
+
+from mbcdm_cad.design.stage import BELTS, LEAST_TEETH, MODULES_MM, USUAL_RATIO, belt_length_mm, driven_teeth
+from mbcdm_cad.layouts.siso_spur.checks.stage import RATIO_SHARE, SERVICE, TOOTH_SHARE, WHEEL_WALL_MM, lewis_factor
+from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
+from mbcdm_cad.sizing.rule import Found, Rule, rounded_up
+
+# Torque on an input over its share of the peak torque, for what cables and bearings lose (estimate).
+LOSSES = 1.25
+# Usual width of small gears and the widest, in modules.
+GEAR_WIDTH, GEAR_WIDTH_MOST = 6.0, 12.0
+# Turn of a face with as many screws, with which the belt passes between them.
+SCREWS_TURNED_DEG = {3: 180.0, 4: 45.0}
+# Numbers of teeth of the driver that are tried beyond the least, and belts longer than the shortest.
+MORE_TEETH, MORE_BELTS = 25, 60
+
+
+def _force_N(given: SpurKnown, pitch_mm: float) -> float:
+    """Force at the driven wheel with the least teeth, with the service factor."""
+    least, ratio = LEAST_TEETH[given["stage.kind"]], given["stage.ratio"]
+    teeth = driven_teeth(given.get("stage.driver_teeth") or least, ratio)
+    return SERVICE * LOSSES * float(given.input_peak_Nm) * 1e3 / given.ratio / (pitch_mm * teeth / (2 * pi))
+
+
+def _belt(given: SpurKnown) -> Found:
+    widths = {name: given.get("stage.width_mm") or kind.widths_mm[-1] for name, kind in BELTS.items()}
+    carried = (n for n, kind in BELTS.items() if kind.force_N_mm * widths[n] >= _force_N(given, kind.pitch_mm))
+    return Found(next(carried, list(BELTS)[-1]), "stage_strength", "next size")
+
+
+def _module(given: SpurKnown) -> Found:
+    allowed = TOOTH_SHARE * given.entries("materials")["steel"]["yield_MPa"]
+    form = lewis_factor(given.get("stage.driver_teeth") or LEAST_TEETH["gears"])
+
+    def carries(module: float) -> bool:
+        width = given.get("stage.width_mm") or GEAR_WIDTH * module
+        return bool(_force_N(given, pi * module) <= allowed * width * module * form)
+
+    return Found(next((m for m in MODULES_MM if carries(m)), MODULES_MM[-1]), "stage_strength", "next size")
+
+
+def _teeth(given: SpurKnown) -> Found:
+    """The fewest that give the ratio, and a driver that its shaft fits; gears also keep their axes far enough apart."""
+    kind, ratio, shaft = given["stage.kind"], float(given["stage.ratio"]), given.gearhead.shaft_diameter_mm
+    if kind == "belt":
+        belt = BELTS[given["stage.belt"]]
+        pitch, below = belt.pitch_mm, belt.below_mm + belt.tooth_mm
+    else:
+        pitch, below = pi * given["stage.module_mm"], 1.25 * given["stage.module_mm"]
+    least = max(LEAST_TEETH[kind], ceil(2 * pi * (shaft / 2 + WHEEL_WALL_MM + below) / pitch))
+    candidates = range(least, least + MORE_TEETH)
+    close = [z for z in candidates if abs(driven_teeth(z, ratio) / z / ratio - 1.0) <= RATIO_SHARE / 2]
+    wanted = close or sorted(candidates, key=lambda z: abs(driven_teeth(z, ratio) / z / ratio - 1.0))
+    if kind == "belt":
+        return Found(wanted[0], "stage_ratio", "whole teeth")
+    return given.first("stage.driver_teeth", wanted, ("stage_room",))
+
+
+def _width(given: SpurKnown) -> Found:
+    if given["stage.kind"] == "belt":
+        return given.first("stage.width_mm", BELTS[given["stage.belt"]].widths_mm, ("stage_strength",))
+    module = given["stage.module_mm"]
+    start = rounded_up(GEAR_WIDTH * module, 0.5)
+    widths = [start + 0.5 * k for k in range(int((GEAR_WIDTH_MOST - GEAR_WIDTH) * module / 0.5) + 1)]
+    return given.first("stage.width_mm", widths, ("stage_strength", "stage_bond", "shaft_grip"))
+
+
+def _belt_teeth(given: SpurKnown) -> Found:
+    """The shortest belt with which wheels, clamp and key have room and enough teeth mesh."""
+    belt, driver = BELTS[given["stage.belt"]], given["stage.driver_teeth"]
+    small, large = (belt.pitch_mm * z / (2 * pi) for z in (driver, driven_teeth(driver, given["stage.ratio"])))
+    shortest = ceil(belt_length_mm(small, large, small + large + 2.0) / belt.pitch_mm)
+    checks = ("stage_room", "stage_mesh", "stage_key")
+    return given.first("stage.belt_teeth", range(shortest, shortest + MORE_BELTS), checks)
+
+
+def _turn(given: SpurKnown) -> float:
+    """One screw between the spans, one beyond the driver, the others beside them."""
+    return SCREWS_TURNED_DEG.get(given.gearhead.screw_count, 0.0)
+
+
+def has_stage(given: SpurKnown) -> bool:
+    """Whether the file asks for a stage."""
+    return given.has("stage.kind")
+
+
+def _has_belt(given: SpurKnown) -> bool:
+    return bool(given.peek("stage.kind") == "belt")
+
+
+def _has_gears(given: SpurKnown) -> bool:
+    return bool(given.peek("stage.kind") == "gears")
+
+
+STAGE_RATIO = (
+    Rule(
+        "stage.ratio",
+        "usual ratio of one pair of wheels",
+        "the motor",
+        lambda given: USUAL_RATIO,
+        applies=has_stage,
+    ),
+)
+STAGE = (
+    Rule("stage.belt", "the finest belt that carries the input's torque", "stage_strength", _belt, applies=_has_belt),
+    Rule("stage.module_mm", "the finest gears that carry it", "stage_strength", _module, applies=_has_gears),
+    Rule(
+        "stage.driver_teeth",
+        "the fewest that give the ratio and go round the shaft; gears: that leave room for the screws of the motor",
+        "stage_ratio",
+        _teeth,
+        applies=has_stage,
+    ),
+    Rule(
+        "stage.width_mm", "the narrowest that carries the input's torque", "stage_strength", _width, applies=has_stage
+    ),
+    Rule(
+        "drive.gearhead_angle_deg",
+        "turned so that a key reaches its screws beside the belt",
+        "stage_key",
+        _turn,
+        applies=_has_belt,
+    ),
+    Rule(
+        "stage.belt_teeth",
+        "the shortest belt that leaves room for wheels, clamp and screws",
+        "stage_room",
+        _belt_teeth,
+        applies=_has_belt,
+    ),
+)
+# For a pass that does not know them yet.
+GUESSES: dict[str, dict[str, Any]] = {
+    "belt": {"stage.belt": "3GT", "stage.belt_teeth": 70, "stage.width_mm": 9.0, "stage.driver_teeth": 20},
+    "gears": {"stage.module_mm": 0.8, "stage.width_mm": 8.0, "stage.driver_teeth": 20},
+}
