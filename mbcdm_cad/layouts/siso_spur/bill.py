@@ -9,9 +9,8 @@ from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, SpurRun
 from mbcdm_cad.layouts.siso_spur.idlers import SENSE
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims
-from mbcdm_cad.layouts.siso_spur.support.idlers import strap_screw
+from mbcdm_cad.layouts.siso_spur.support.idlers import Strap, strap_screw
 from mbcdm_cad.layouts.siso_spur.support.parts import Yoke
-from mbcdm_cad.layouts.siso_spur.support.strap import Strap
 from mbcdm_cad.parts.axle import Axle, Spacer
 from mbcdm_cad.parts.bill import Bill, BillBuilder, MovingBody
 from mbcdm_cad.parts.drum_sector.items import add_cables, add_drum, add_drum_encoder, add_preload_spring

@@ -27,8 +27,7 @@ from mbcdm_cad.layouts.siso_spur.sizing.basis import (
     ROPE,
     WINDING,
 )
-from mbcdm_cad.layouts.siso_spur.sizing.dims import BACK, DISTANCE, DRUM, FRAME, MOUNT
-from mbcdm_cad.layouts.siso_spur.sizing.idlers import IDLERS, WIDTH, idler_guesses
+from mbcdm_cad.layouts.siso_spur.sizing.dims import BACK, DISTANCE, DRUM, FRAME, IDLERS, MOUNT, WIDTH, idler_guesses
 from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
 from mbcdm_cad.layouts.siso_spur.sizing.stage import GUESSES, STAGE, STAGE_RATIO
 from mbcdm_cad.layouts.stiff_sizing import SHARED, stiffened, walls

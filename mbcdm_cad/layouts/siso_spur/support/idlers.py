@@ -1,4 +1,4 @@
-"""Dimensions of the idlers, of their axles, and of posts and strap that hold the axles' front ends.
+"""Dimensions of the idlers, of their axles, of posts and strap that hold the axles' front ends; the strap as a part.
 
 In section through the axis of a pair, y to the right (front), z up; the cables come down between the two idlers:
 
@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from mbcdm_cad.design.bought import Screw
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, SpurRun
@@ -20,12 +21,23 @@ from mbcdm_cad.layouts.siso_spur.idlers import flange_radius_mm, idler_body
 from mbcdm_cad.layouts.siso_spur.stack import FLANGE_MM, SpurStack
 from mbcdm_cad.model.inertia import disc_kg_m2
 from mbcdm_cad.parts.axle import AxleDims
+from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.idler_pulley import IdlerDims
+from mbcdm_cad.parts.part import MadePart
+from mbcdm_cad.parts.shapes import block, cut, cylinder_y
+from mbcdm_cad.parts.sheets.description import FitLine, Holes, Linear, Sheet, View, X, Y, Z, minus
+from mbcdm_cad.parts.sheets.holes import THROUGH, hole_labels, hole_table, position_table
+from mbcdm_cad.parts.volume import CORNER, ring_mm3
+
+if TYPE_CHECKING:
+    import cadquery as cq
 
 # Gap between the spacer on an axle and the strap.
 END_PLAY_MM = 0.1
 # Depth and least width of a post in diameters of its screw: the wall round the thread.
 POST_DIAMETERS = 2.4
+# Radius of a strap's corners.
+CORNER_MM = 2.0
 # Strap beside the bores of the axles, in their diameters.
 STRAP_WALL = 1.0
 
@@ -69,13 +81,13 @@ def idlers(drive: SpurDrive) -> Iterator[tuple[str, IdlerDims, tuple[SpurRun, in
 
 def idler(drive: SpurDrive, middle_mm: float) -> IdlerDims:
     """Idler with flanges whose middle is at ``middle_mm`` along y."""
-    block, bearing = drive.leading, drive.idler_bearing
-    d, half = drive.cable.diameter_mm, block.width_mm / 2
-    flange = flange_radius_mm(block.radius_mm, d)
+    led, bearing = drive.leading, drive.idler_bearing
+    d, half = drive.cable.diameter_mm, led.width_mm / 2
+    flange = flange_radius_mm(led.radius_mm, d)
     return IdlerDims(
         bottom_z=middle_mm - half - FLANGE_MM,
         top_z=middle_mm + half + FLANGE_MM,
-        surface_radii=(flange, block.radius_mm - d / 2, flange),
+        surface_radii=(flange, led.radius_mm - d / 2, flange),
         walls_z=(middle_mm - half, middle_mm + half),
         seat_radius=bearing.outer_diameter_mm / 2,
         seat_depth=bearing.width_mm,
@@ -95,14 +107,14 @@ def stands(drive: SpurDrive, levels: SpurStack) -> tuple[StandDims, ...]:
     """Posts and straps of all pairs, from the input on."""
     if drive.idlers is None:
         return ()
-    block, bearing = drive.idlers, drive.idler_bearing
+    led, bearing = drive.idlers, drive.idler_bearing
     d, running, screw = drive.cable.diameter_mm, drive.clearances.running_mm, strap_screw(drive)
-    flange, wide = flange_radius_mm(block.radius_mm, d), POST_DIAMETERS * screw.thread_mm
+    flange, wide = flange_radius_mm(led.radius_mm, d), POST_DIAMETERS * screw.thread_mm
     found = []
-    for place, level in zip(block.places, drive.idler_levels_mm, strict=True):
-        back = drive.level_mm + abs(level) + block.width_mm / 2 + FLANGE_MM + END_PLAY_MM + running
+    for place, level in zip(led.places, drive.idler_levels_mm, strict=True):
+        back = drive.level_mm + abs(level) + led.width_mm / 2 + FLANGE_MM + END_PLAY_MM + running
         # Beside the cables, which run between the posts towards the input.
-        inner = max(abs(place.x_mm - block.radius_mm), drive.input_radius_mm) + d / 2 + 2 * running
+        inner = max(abs(place.x_mm - led.radius_mm), drive.input_radius_mm) + d / 2 + 2 * running
         outer = max(place.x_mm + flange, inner + wide)
         low = place.z_mm + flange + running
         found.append(
@@ -148,3 +160,58 @@ def idler_inertia_kg_m2(drive: SpurDrive, own: IdlerDims) -> float:
         disc_kg_m2(density, high - low, radius, own.seat_radius)
         for radius, low, high in zip(own.surface_radii, ends[:-1], ends[1:], strict=True)
     )
+
+
+@dataclass(frozen=True)
+class Strap(MadePart):
+    """Strap where it stands in the assembly."""
+
+    dims: StandDims
+
+    def solid(self) -> cq.Solid:
+        """Strap where it stands in the assembly."""
+        import cadquery as cq
+
+        d = self.dims
+        back, front = d.strap_back_y, d.strap_front_y
+        body = block((-d.half_width, d.half_width), (back, front), (d.low_z, d.post_z[1]))
+        rounded: cq.Shape = cq.Workplane(obj=body).edges("|Y").fillet(CORNER_MM).val()  # type: ignore[assignment]
+        tools = []
+        for side in (-1, 1):
+            tools.append(cylinder_y(d.axle_radius, side * d.x, d.z, back - 1.0, front + 1.0))
+            tools.append(cylinder_y(d.clearance_radius, side * d.screw_x, d.screw_z, back - 1.0, front + 1.0))
+        return cut(rounded, tools, "strap")
+
+    def volume_mm3(self) -> float:
+        """Plate with rounded corners less its holes."""
+        d = self.dims
+        thick = d.strap_front_y - d.strap_back_y
+        plate = (2 * d.half_width * (d.post_z[1] - d.low_z) - 4 * CORNER * CORNER_MM**2) * thick
+        return plate - 2 * (ring_mm3(d.axle_radius, 0.0, thick) + ring_mm3(d.clearance_radius, 0.0, thick))
+
+    def sheet(self, part: str) -> Sheet:
+        """From the front and from the side; positions from the drum's axis."""
+        d = self.dims
+        front, high, wide = d.strap_front_y, d.post_z[1], d.half_width
+        bore = FITS["axle_bore"].code
+        axles = tuple((side * d.x, front, d.z) for side in (-1, 1))
+        screws = tuple((side * d.screw_x, front, d.screw_z) for side in (-1, 1))
+        holes = (
+            Holes("A", 2 * d.axle_radius, THROUGH, axles, "front", "axles", fit=bore),
+            Holes("B", 2 * d.clearance_radius, THROUGH, screws, "front", "screws"),
+        )
+        return Sheet(
+            part=part,
+            title="Idler strap",
+            views=(View("front", minus(X), Z), View("side", Y, Z, column=1)),
+            dimensions=(
+                Linear("front", (-wide, front, high), (wide, front, high), 2 * wide, "above"),
+                Linear("front", (wide, front, d.low_z), (wide, front, high), high - d.low_z, "left"),
+                Linear("side", (0.0, d.strap_back_y, d.low_z), (0.0, front, d.low_z), front - d.strap_back_y, "below"),
+            ),
+            labels=hole_labels(holes, "front"),
+            holes=holes,
+            tables=(hole_table(holes), position_table(holes, (0, 2), "Positions from the drum's axis")),
+            fits=(FitLine(2 * d.axle_radius, bore, "axles"),),
+            notes=("Corners R2. Bores of the axles together with those of the frame, Ra 1.6.",),
+        )
