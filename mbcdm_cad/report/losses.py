@@ -28,12 +28,13 @@ _WAYS = {1: "against the load", -1: "with the load"}
 
 @dataclass(frozen=True)
 class LossesReport:
-    """Losses of one design."""
+    """Losses of one design. ``rotors_kg_m2``: inertia of all rotors, seen at the drum."""
 
     train: Train
     peak_Nm: float
     motor: Motor
     bus_voltage_V: float | None
+    rotors_kg_m2: float
 
     @cached_property
     def unloaded(self) -> MovingLosses:
@@ -53,8 +54,24 @@ class LossesReport:
             "unloaded": self._motion(self.unloaded),
             "motions": [self._motion(motion) for motion in self.motions],
             "backdrive": None if back is None else _backdrive(back),
+            "transparency": self._transparency(back),
             "sigma_ln": {x.kind: x.sigma for x in self.unloaded.losses},
             "electrical": self._electrical(),
+        }
+
+    @cached_property
+    def felt_Nm(self) -> Floats:
+        """To what, plus or minus, the motors' torque tells each load +: half of the losses of both ways."""
+        against, along = self.motions[0], self.motions[2]
+        return np.asarray(0.5 * (against.lost_Nm + along.lost_Nm))
+
+    def _transparency(self, back: Backdrive | None) -> dict[str, Any]:
+        """How a hand at the drum feels the drive, and the motors feel the hand."""
+        return {
+            "free_Nm": None if back is None else back.running_Nm,
+            "rotors_kg_m2": self.rotors_kg_m2,
+            "load_Nm": self.motions[0].load_Nm.tolist(),
+            "load_known_to_Nm": self.felt_Nm.tolist(),
         }
 
     def _motion(self, m: MovingLosses) -> dict[str, Any]:
@@ -142,6 +159,11 @@ class LossesReport:
             f"{back.running_Nm / self.peak_Nm:.0%} of the peak torque, up to {back.start_Nm:.3g} N m to start it; "
             f"{moved}"
         )
+        yield (
+            "transparency: a hand that moves the free drum feels that torque and the rotors' "
+            f"{self.rotors_kg_m2 * 1e3:.3g} g m^2; the motors' torque tells a load of {self.motions[0].load_Nm[0]:.3g} "
+            f"N m to +- {self.felt_Nm[0]:.3g} N m and the peak torque to +- {self.felt_Nm[-1]:.3g} N m"
+        )
 
 
 def _share(m: MovingLosses, index: int) -> str:
@@ -163,7 +185,9 @@ def _backdrive(back: Backdrive) -> dict[str, Any]:
 def losses_report(layout: Layout) -> LossesReport:
     """The figures of the losses. Raises ``ModelError`` where the routes have no free span."""
     drive = layout.drive
-    return LossesReport(layout.losses, drive.loads.peak_torque_Nm, drive.motor, drive.bus_voltage_V)
+    train = layout.losses
+    rotors = drive.rotor_at_input_kg_m2 * float(np.square(train.d.input_turns).sum())
+    return LossesReport(train, drive.loads.peak_torque_Nm, drive.motor, drive.bus_voltage_V, rotors)
 
 
 def losses_shown(found: Mapping[str, Any]) -> dict[str, Any]:

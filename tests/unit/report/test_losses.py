@@ -83,3 +83,17 @@ def test_page_and_report_show_every_cause_and_their_sum() -> None:
     assert shown["peak_Nm"] == pytest.approx(3.15)
     forward, back = (line["y"] for line in shown["chart"]["lines"])
     assert all(f > b for f, b in zip(forward, back, strict=True))
+
+
+@pytest.mark.parametrize("name", ["mbcdm", "siso_spur"])
+def test_the_motors_tell_a_load_to_half_of_what_they_give_more_on_the_way_against_it(name: str) -> None:
+    report = report_of(name).to_dict()
+    found, (against, _, along, _) = report["losses"]["transparency"], report["losses"]["motions"]
+    drive = mbcdm_cad.load(PARAMS / f"{name}.yaml").drive
+    turns = drive.layout.losses.d.input_turns * drive.gearhead.ratio
+    # Each in the direction of motion, and the two move in opposite ones.
+    more = np.array([*against["motor_mNm"].values()]) + np.array([*along["motor_mNm"].values()])
+    at_drum = 0.5e-3 * (turns.reshape(-1, 1) * more).sum(axis=0)
+    assert found["load_known_to_Nm"] == pytest.approx(at_drum.tolist(), rel=1e-6)
+    assert found["rotors_kg_m2"] == pytest.approx(report["motor"]["reflected_inertia_kg_m2"])
+    assert "transparency: a hand" in report_of(name).text(80)
