@@ -191,7 +191,11 @@ def _stronger(measure: Callable[[Layout], Comparison], s: Layout) -> str:
     if reached <= 0.0:
         return "choose a motor of higher rated torque or a gearhead of higher ratio"
     needed = rounded(s.drive.motor.rated_torque_mNm * s.drive.loads.peak_torque_Nm / reached, ceil)
-    return f"choose a motor of about {needed} mN m or more, or a gearhead of higher ratio or efficiency"
+    raised = ""
+    if s.drive.stage is not None:
+        ratio = rounded(s.drive.stage.ratio * s.drive.loads.peak_torque_Nm / reached, ceil)
+        raised = f", or raise stage.ratio to about {ratio}"
+    return f"choose a motor of about {needed} mN m or more, or a gearhead of higher ratio or efficiency{raised}"
 
 
 _LESS = (down("loads.peak_torque_Nm"),)

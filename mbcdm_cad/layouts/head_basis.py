@@ -133,19 +133,24 @@ def needed_ratio(given: TrialKnown) -> float:
     """Least ratio of drum to input with which the motor, through its gearhead, holds the peak torque continuously."""
     motor, gear = given.entry("motors", "drive.motor"), given.gearhead
     entry = {"ratio": gear.ratio, "efficiency": gear.efficiency, "rated_torque_mNm": gear.rated_torque_mNm}
-    needed = _needed_mNm(given) / output_mNm(given, motor, None if gear.absent else entry)
+    needed = input_needs_mNm(given) / output_mNm(given, motor, None if gear.absent else entry)
     return rounded_up(max(needed, 1.0), 0.05)
 
 
 def output_mNm(given: KnownFields, motor: Mapping[str, Any], head: Mapping[str, Any] | None) -> float:
     """Continuous torque of a motor at its input, behind gearhead and stage; with losses where these count."""
-    counted, (turns, passed) = counts_losses(given), stage_gain(given)
+    turns, passed = stage_gain(given)
+    return gearhead_output_mNm(given, motor, head) * (passed if counts_losses(given) else turns)
+
+
+def gearhead_output_mNm(given: KnownFields, motor: Mapping[str, Any], head: Mapping[str, Any] | None) -> float:
+    """Continuous torque of a motor at its gearhead's output, or on its own shaft; with losses where these count."""
     if head is None:
-        return float(motor["rated_torque_mNm"]) * (passed if counted else turns)
+        return float(motor["rated_torque_mNm"])
     lossless = float(motor["rated_torque_mNm"] * head["ratio"])
-    if not counted:
-        return lossless * turns
-    return (lossless - GEARHEAD_IDLE_SHARE * float(head["rated_torque_mNm"])) * float(head["efficiency"]) * passed
+    if not counts_losses(given):
+        return lossless
+    return (lossless - GEARHEAD_IDLE_SHARE * float(head["rated_torque_mNm"])) * float(head["efficiency"])
 
 
 def stage_gain(given: KnownFields) -> tuple[float, float]:
@@ -156,7 +161,7 @@ def stage_gain(given: KnownFields) -> tuple[float, float]:
     return ratio, ratio * float(given.get("stage.efficiency") or EFFICIENCY[kind])
 
 
-def _needed_mNm(given: TrialKnown) -> float:
+def input_needs_mNm(given: TrialKnown) -> float:
     """Torque at the inputs together over their ratio; where losses count, with those of cables and bearings.
 
     The cables' tensions add up to the usual preloads, and lose at the inputs most of all.
@@ -279,22 +284,22 @@ def _easy(given: TrialKnown, motor: Mapping[str, Any], head: Mapping[str, Any] |
     """Margin of a motor that the drum must turn; an open ratio is the least that holds."""
     if given.get("loads.backdrive_Nm") is None:
         return inf
-    ratio = given.ratio if given.has_ratio else max(_needed_mNm(given) / output_mNm(given, motor, head), 1.0)
+    ratio = given.ratio if given.has_ratio else max(input_needs_mNm(given) / output_mNm(given, motor, head), 1.0)
     turned = turns_back_Nm(motor, head, ratio * stage_gain(given)[0], max(1, len(given.get("inputs", ()))))
     return backdrive_margin(given, turned, _turning_cables_Nm(given))
 
 
 def _is_cool(given: TrialKnown, motor: Mapping[str, Any], head: Mapping[str, Any] | None) -> bool:
     """Whether a motor stands the stated duty; an open ratio is the least that holds."""
-    ratio = given.ratio if given.has_ratio else max(_needed_mNm(given) / output_mNm(given, motor, head), 1.0)
-    moving, still = _needed_mNm(given) / ratio, given.input_peak_Nm * 1e3 / ratio
+    ratio = given.ratio if given.has_ratio else max(input_needs_mNm(given) / output_mNm(given, motor, head), 1.0)
+    moving, still = input_needs_mNm(given) / ratio, given.input_peak_Nm * 1e3 / ratio
     return heat_margin(given, motor, head, HEAT_SPARE * moving, HEAT_SPARE * still) >= 0.0
 
 
 def _is_fast(given: TrialKnown, motor: Mapping[str, Any], head: Mapping[str, Any] | None, needed_mNm: float) -> bool:
     """Whether a motor turns the drum fast enough under the load that lasts; an open ratio is the least that holds."""
     holds = output_mNm(given, motor, head)
-    ratio = given.ratio if given.has_ratio else max(_needed_mNm(given) / holds, 1.0)
+    ratio = given.ratio if given.has_ratio else max(input_needs_mNm(given) / holds, 1.0)
     load = (lasting_share(given) or 1.0) * (needed_mNm if given.has_ratio else holds)
     torque = min(load / holds, 1.0) * motor["rated_torque_mNm"]
     return speed_margin(given, motor, 1.0 if head is None else head["ratio"], ratio, torque) >= 0.0
@@ -309,7 +314,7 @@ def _gearhead(given: TrialKnown) -> Found:
         given["drive.motor"]
         return Found(NO_GEARHEAD, "the motor's own shaft")
     # If the ratio follows from motor and gearhead, any of them holds the torque.
-    needed = _needed_mNm(given) / given.ratio if given.has_ratio else 0.0
+    needed = input_needs_mNm(given) / given.ratio if given.has_ratio else 0.0
     lasting, heads, behind = gearhead_share(given), given.entries("gearheads"), stage_gain(given)[1]
     motors = given.entries("motors") if not given.has("drive.motor") else {"": given.entry("motors", "drive.motor")}
     pairs = [
@@ -372,7 +377,7 @@ def _has_key_room(given: TrialKnown, face: Mapping[str, Any]) -> bool:
 
 
 def _motor(given: TrialKnown) -> Found:
-    needed = _needed_mNm(given) / given.ratio
+    needed = input_needs_mNm(given) / given.ratio
     head = given["drive.gearhead"]
     if head == NO_GEARHEAD:
         rated = {name: motor for name, (motor, _) in given.motors_with_faces().items()}

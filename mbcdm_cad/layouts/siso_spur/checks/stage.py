@@ -87,7 +87,7 @@ def mesh(s: SpurLayout) -> Comparison:
 
 
 def room(s: SpurLayout) -> Comparison:
-    """Wheels clear each other, hub clamp and flange, and a key reaches the screws of motor or gearhead."""
+    """Wheels clear each other, their shafts, hub clamp and flange."""
     dims, drive, head = _of(s), s.drive, s.head
     stage, running, gear = dims.stage, drive.clearances.running_mm, drive.gearhead
     clamp = collar_sweep_mm(drive, *drive.collar_seat)
@@ -96,12 +96,6 @@ def room(s: SpurLayout) -> Comparison:
             "hub's clamp from the motor's shaft", stage.centre_mm - clamp - gear.shaft_diameter_mm / 2, running, "mm"
         ),
         at_least("flange before its bearing", head.flange.front_y - head.seat_radius, HOLE_WEB_MM + running, "mm"),
-        at_least(
-            f"{drive.mounted} screws' key before the flange",
-            head.beside_y - head.gear_bolt_circle - head.key_hole_radius - head.flange.front_y,
-            running,
-            "mm",
-        ),
         at_least(
             "teeth of the driver over its bore",
             stage.root_mm(stage.driver_mm) - gear.shaft_diameter_mm / 2,

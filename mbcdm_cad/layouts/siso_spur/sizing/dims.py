@@ -62,7 +62,9 @@ def _centre_distance(given: SpurKnown) -> Found:
         "mounts",
         "bodies_behind",
     )
-    return given.moved("transmission.centre_distance_mm", start, 0.5, checks)
+    # The box of a wheel reaches far towards the threads of the frame's own screws.
+    beside = ("flange",) if given.has("stage.kind") else ()
+    return given.moved("transmission.centre_distance_mm", start, 0.5, (*checks, *beside))
 
 
 def _mount_screw(given: SpurKnown) -> Found:

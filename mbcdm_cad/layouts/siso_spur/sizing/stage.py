@@ -5,13 +5,17 @@ from __future__ import annotations
 from math import ceil, pi
 from typing import Any
 
-from mbcdm_cad.design.stage import BELTS, LEAST_TEETH, MODULES_MM, USUAL_RATIO, belt_length_mm, driven_teeth
+from mbcdm_cad.design.bought import NO_GEARHEAD
+from mbcdm_cad.design.stage import BELTS, EFFICIENCY, LEAST_TEETH, MODULES_MM, USUAL_RATIO, belt_length_mm, driven_teeth
+from mbcdm_cad.layouts.head_basis import counts_losses, gearhead_output_mNm, input_needs_mNm
 from mbcdm_cad.layouts.siso_spur.checks.stage import RATIO_SHARE, SERVICE, TOOTH_SHARE, WHEEL_WALL_MM, lewis_factor
 from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
 from mbcdm_cad.sizing.rule import Found, Rule, rounded_up
 
 # Torque on an input over its share of the peak torque, for what cables and bearings lose (estimate).
 LOSSES = 1.25
+# Ratios that the rule for a stated motor gives (choices).
+RATIO_STEP, LEAST_RATIO, MOST_RATIO = 0.25, 1.5, 8.0
 # Usual width of small gears and the widest, in modules.
 GEAR_WIDTH, GEAR_WIDTH_MOST = 6.0, 12.0
 # Turn of a face with as many screws, with which the belt passes between them.
@@ -56,9 +60,8 @@ def _teeth(given: SpurKnown) -> Found:
     candidates = range(least, least + MORE_TEETH)
     close = [z for z in candidates if abs(driven_teeth(z, ratio) / z / ratio - 1.0) <= RATIO_SHARE / 2]
     wanted = close or sorted(candidates, key=lambda z: abs(driven_teeth(z, ratio) / z / ratio - 1.0))
-    if kind == "belt":
-        return Found(wanted[0], "stage_ratio", "whole teeth")
-    return given.first("stage.driver_teeth", wanted, ("stage_room",))
+    room = () if kind == "belt" else ("stage_room", "key_access")
+    return given.first("stage.driver_teeth", wanted, (*room, "stage_shaft"))
 
 
 def _width(given: SpurKnown) -> Found:
@@ -75,7 +78,7 @@ def _belt_teeth(given: SpurKnown) -> Found:
     belt, driver = BELTS[given["stage.belt"]], given["stage.driver_teeth"]
     small, large = (belt.pitch_mm * z / (2 * pi) for z in (driver, driven_teeth(driver, given["stage.ratio"])))
     shortest = ceil(belt_length_mm(small, large, small + large + 2.0) / belt.pitch_mm)
-    checks = ("stage_room", "stage_mesh", "stage_key")
+    checks = ("stage_room", "key_access", "stage_mesh", "stage_key")
     return given.first("stage.belt_teeth", range(shortest, shortest + MORE_BELTS), checks)
 
 
@@ -97,12 +100,27 @@ def _has_gears(given: SpurKnown) -> bool:
     return bool(given.peek("stage.kind") == "gears")
 
 
+def _ratio(given: SpurKnown) -> Found:
+    """Of a stated motor and gearhead: the least with which they hold the peak torque; else the usual one."""
+    known = given.has("drive.motor") and given.has_ratio
+    head = given.peek("drive.gearhead")
+    if not known or (head is None and given.peek("drive.motor") not in given.motors_with_faces()):
+        return Found(USUAL_RATIO, "usual for one pair of wheels")
+    motor = given.entry("motors", "drive.motor")
+    entry = None if head in (None, NO_GEARHEAD) else given.entry("gearheads", "drive.gearhead")
+    passed = EFFICIENCY[given["stage.kind"]] if counts_losses(given) else 1.0
+    needed = input_needs_mNm(given) / given.ratio / (gearhead_output_mNm(given, motor, entry) * passed)
+    return Found(
+        min(max(rounded_up(needed, RATIO_STEP), LEAST_RATIO), MOST_RATIO), "motor_torque_forward", "up to 0.25"
+    )
+
+
 STAGE_RATIO = (
     Rule(
         "stage.ratio",
-        "usual ratio of one pair of wheels",
-        "the motor",
-        lambda given: USUAL_RATIO,
+        "the least with which a stated motor holds the peak torque; else the usual ratio of one pair of wheels",
+        "motor_torque_forward",
+        _ratio,
         applies=has_stage,
     ),
 )
@@ -111,7 +129,7 @@ STAGE = (
     Rule("stage.module_mm", "the finest gears that carry it", "stage_strength", _module, applies=_has_gears),
     Rule(
         "stage.driver_teeth",
-        "the fewest that give the ratio and go round the shaft; gears: that leave room for the screws of the motor",
+        "the fewest that give the ratio, go round the shaft and spare it; gears: that leave room for a key",
         "stage_ratio",
         _teeth,
         applies=has_stage,
