@@ -154,7 +154,8 @@ def _limits(drive: Drive, d: DriveSI, strength_N: float) -> tuple[TorqueLimit, .
     raised = {MOTOR_LOSSY: partial(train.raised_Nm, train.output_Nm(drive.motor.rated_torque_mNm * 1e-3))}
     if drive.limits.counts_losses:
         raised |= {cause: partial(train.raised_Nm, ratings.pop(cause)) for cause in _PASSED_ON if cause in ratings}
-    return torque_limits(d, ratings, strength_N, raised, drive.layout.wraps_at_ends_rad)
+    ends = drive.layout.wraps_at_ends_rad if np.isinf(d.drum_wrap_rad).all() else ()
+    return torque_limits(d, ratings, strength_N, raised, ends)
 
 
 def _most_of_an_input_Nm(cases: tuple[LoadCase, ...]) -> float:

@@ -89,8 +89,8 @@ def test_wraps_are_heard(drive: Drive) -> None:
     def slack(figures: Analysis) -> list[float]:
         return [limit.torque_Nm for limit in figures.limits if limit.cause == "slack"]
 
-    assert np.isfinite(slack(tied)).all(), slack(tied)
-    assert slack(free) == [np.inf, np.inf]
+    assert slack(tied) == pytest.approx([23.1, 23.1], rel=0.2), "the wraps that are given"
+    assert slack(free) == pytest.approx([18.74, 18.77], rel=1e-3), "those at the ends of the travel"
 
 
 def test_import_brings_neither_scipy_nor_cad() -> None:
