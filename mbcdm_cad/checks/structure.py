@@ -43,6 +43,11 @@ def drum_stress(s: SectorLayout) -> Comparison:
     )
 
 
+def _stronger(s: SectorLayout) -> str:
+    closed = "set drum.windows to none, or " if s.drum.windows else ""
+    return f"{closed}choose a stronger drum.material"
+
+
 def payload_screws(s: SectorLayout) -> Comparison:
     """The payload neither slips on the hub's face nor opens its joint, under the peak torque and its own load."""
     joint, circle = (
@@ -149,7 +154,7 @@ CHECKS = (
         "plane elements, torsion of a tube; 1.5 on yield, 0.4 of it for plastics: usual rule, estimate",
         drum_stress,
         adjust=(up("drum.web_thickness_mm"), up("drum.hub_diameter_mm"), *_LESS),
-        advice="choose a stronger drum.material",
+        advice=_stronger,
     ),
     Check(
         "payload_screws",

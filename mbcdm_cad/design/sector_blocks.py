@@ -64,6 +64,10 @@ class SectorDrum(PlainBlock):
     )
     outer_face_y_mm: Number = quantity("outer face of the rim", unit="mm", ge=0.0, le=200.0)
     web_thickness_mm: Number = quantity("web between rim and hub", unit="mm", ge=0.3, le=50.0)
+    windows: Literal["outer", "none"] = choice(
+        "two windows in the web outside the stop's slot, for mass; or none: a full web, stiffer and stronger",
+        default="outer",
+    )
     hub_diameter_mm: Number = quantity("hub outside diameter", unit="mm", ge=2.0, le=200.0)
     hub_face_y_mm: Number = quantity("face of the hub, where the output is taken", unit="mm", ge=0.0, le=300.0)
     output_circle_mm: Number | None = quantity(

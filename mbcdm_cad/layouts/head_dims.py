@@ -11,6 +11,10 @@ from mbcdm_cad.sizing.rule import Found, Rule, rounded_up
 
 # Walls of a milled part and of a printed one, mm (estimate: the modulus of filament is about twenty times smaller).
 SIDE_MM, WEB_MM = (4.0, 6.0), (2.0, 4.0)
+# Strength to spare, as a factor, with which a full web counts as strong enough while other fields still change.
+CLOSED_SPARE = 0.15
+# What the passes of a sizing remember of windows that were refused.
+_OUTER = "drum.windows: outer"
 # Peak torque from which the stress of a metal web is computed: hubs for less leave far more than it needs (estimate).
 STRESSED_NM = 10.0
 # A wall takes this share of the frame's windup where it cannot meet the limit alone, and grows to this multiple of its
@@ -118,6 +122,24 @@ def _web(given: TrialKnown) -> Found | float:
     return given.moved("drum.web_thickness_mm", usual, 0.5, ("drum_stress",))
 
 
+def _stressed_by_windows(given: TrialKnown) -> bool:
+    """Whether a web of usual thickness bears its stress without windows only, so that they cost more than they save."""
+    usual = either(given, "drum", WEB_MM)
+    stated = given.get("drum.web_thickness_mm") is not None
+    if stated or (not given.printed("drum") and given["loads.peak_torque_Nm"] < STRESSED_NM):
+        return False
+
+    def spare(windows: str) -> float:
+        block = {**given.filled("drum"), "web_thickness_mm": usual, "windows": windows}
+        return given.margins("drum", block, ("drum_stress",))["drum_stress"][0]
+
+    # Before the first pass, what is guessed says nothing about the stress; once closed, they stay closed.
+    closed = given.drives.refused
+    if _OUTER not in closed and given.drives.passes > 0 and spare("outer") < 0.0 and spare("none") >= CLOSED_SPARE:
+        closed.add(_OUTER)
+    return _OUTER in closed
+
+
 def _hub(given: TrialKnown) -> Found:
     """Diameter of the drum's hub."""
     start = given.entry("bearings", "drum.bearing")["bore_mm"] + 4.0
@@ -174,6 +196,13 @@ COUPLING_SPACE = Rule(
 )
 WEB = Rule(
     "drum.web_thickness_mm", "usual thickness for its material, more where plastic is stressed", "web_in_rim", _web
+)
+WINDOWS = Rule(
+    "drum.windows",
+    "none where a web of usual thickness does not bear the stress beside them",
+    "drum_stress",
+    lambda given: "none",
+    applies=_stressed_by_windows,
 )
 SHAFT_BORE = Rule(
     "drum.shaft_bore_mm", "half the bearings' bore, or less for the wall of the shaft", "shaft_wall", _shaft_bore

@@ -142,6 +142,10 @@ class TrialKnown(RopeKnown):
             raise SizingError(first)
         return self.layout(file.drive(design, catalogue, {}))
 
+    def filled(self, block: str) -> dict[str, Any]:
+        """A block of a trial: its known fields, and guesses of those that are still open."""
+        return dict(self._filled.get(block) or {})
+
     def trial(self, field: str, value: Any) -> Layout:
         """The drive under test with ``field`` at ``value``, all known fields, and guesses for the open ones.
 

@@ -240,6 +240,8 @@ def _windows(drive: SectorDrive, stop_radius: float, slot_end_deg: float) -> tup
     The shear of a web falls with the square of its radius. Windows between hub and slot saved 6 g of the reference of
     miso_bevel and made its web nine times as soft, because the spokes that they leave bend (docs/structure.md).
     """
+    if drive.drum.windows == "none":
+        return ()
     outer = drive.drum.rim_inner_radius_mm - 2.5
     above = stop_radius + drive.drum.stop_pin_mm / 2 + 2.4
     spoke = degrees(asin(min(0.9, 1.5 / (drive.drum.hub_diameter_mm / 2 + 3.0))))

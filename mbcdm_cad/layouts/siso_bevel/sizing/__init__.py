@@ -50,7 +50,11 @@ RULES: tuple[Rule, ...] = (
     *DRUM,
     *BACK,
 )
-DERIVED = tuple(rule.field for rule in (*TRANSFER, *FRAME, *DRUM, *BACK) if not rule.field.startswith("limits."))
+DERIVED = tuple(
+    rule.field
+    for rule in (*TRANSFER, *FRAME, *DRUM, *BACK)
+    if not rule.field.startswith("limits.") and rule.field != "drum.windows"
+)
 
 
 STIFFENERS = (*SHARED, *walls("support.back_plate_mm", "support.rib_mm", "support.side_wall_mm"))

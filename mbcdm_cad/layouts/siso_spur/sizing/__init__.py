@@ -35,7 +35,9 @@ from mbcdm_cad.layouts.trial_sizing import MIDDLE_SIZE, repeated
 from mbcdm_cad.sizing.rule import Rule
 
 DERIVED = tuple(
-    rule.field for rule in (*WINDING, *WIDTH, *FRAME, *DISTANCE, *DRUM, *BACK) if rule.field != "transmission.turns"
+    rule.field
+    for rule in (*WINDING, *WIDTH, *FRAME, *DISTANCE, *DRUM, *BACK)
+    if rule.field not in ("transmission.turns", "drum.windows")
 )
 
 

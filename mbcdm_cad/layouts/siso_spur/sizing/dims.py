@@ -17,6 +17,7 @@ from mbcdm_cad.layouts.head_dims import (
     SHAFT_BORE,
     STOP_PIN,
     WEB,
+    WINDOWS,
     either,
     side_wall,
     stiff_wall,
@@ -176,6 +177,7 @@ MOUNT = (
     ),
 )
 DRUM = (
+    WINDOWS,
     WEB,
     SHAFT_BORE,
     HUB,

@@ -1,0 +1,65 @@
+"""The rule for the windows of a drum's web: closed where the stress beside them would ask for a thicker web."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+import yaml
+
+from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.layouts.check_design import run_checks
+from mbcdm_cad.layouts.loader import load_text
+from mbcdm_cad.parts.drum_sector.part import DrumSector
+
+ANTENNA: dict[str, Any] = {
+    "configuration": "siso_spur",
+    "travel": {"half_angle_deg": 120},
+    "transmission": {"input_to_drum": 8, "drum_radius_mm": 300},
+    "rope": {"type": "7x19-2.0"},
+    "loads": {"peak_torque_Nm": 150},
+}
+LIGHT: dict[str, Any] = {
+    "configuration": "siso_spur",
+    "travel": {"half_angle_deg": 40},
+    "transmission": {"input_to_drum": 8, "drum_radius_mm": 60},
+    "loads": {"peak_torque_Nm": 0.5},
+}
+
+
+def sized(data: dict[str, Any], **drum: Any) -> LoadedDesign:
+    return load_text(yaml.safe_dump({"name": "windows", **data, **({"drum": drum} if drum else {})}))
+
+
+def drum_g(loaded: LoadedDesign) -> float:
+    drive = loaded.drive
+    dims = drive.layout.drum
+    return (
+        float(DrumSector(dims, drive.screw(dims.set_screw).thread_mm).volume_mm3())
+        * 1e-3
+        * float(drive.drum_material.density_g_cm3)
+    )
+
+
+def turn(loaded: LoadedDesign) -> float:
+    structure = loaded.drive.layout.structure
+    assert structure is not None
+    return float(sum(c.urad_Nm for c in structure.causes if c.in_drum))
+
+
+def test_a_stressed_web_has_no_windows_and_is_lighter_and_stiffer() -> None:
+    closed, open_ = sized(ANTENNA), sized(ANTENNA, windows="outer")
+    record = next(v for v in closed.sized if v.field == "drum.windows")
+    assert (record.value, record.driver) == ("none", "drum_stress") and not closed.drive.layout.drum.windows
+    assert open_.drive.layout.drum.windows and open_.drive.drum.windows == "outer"
+    assert drum_g(closed) < 0.8 * drum_g(open_) and turn(closed) < 0.4 * turn(open_)
+    for design in (closed, open_):
+        assert next(c for c in run_checks(design) if c.id == "drum_stress").status == "pass"
+
+
+def test_a_web_that_bears_its_stress_keeps_them_and_a_file_may_close_them() -> None:
+    usual, closed = sized(LIGHT), sized(LIGHT, windows="none")
+    assert usual.drive.layout.drum.windows and not [v for v in usual.sized if v.field == "drum.windows"]
+    assert not closed.drive.layout.drum.windows
+    assert turn(closed) < turn(usual) and drum_g(closed) > drum_g(usual)
+    assert drum_g(closed) == pytest.approx(drum_g(usual), rel=0.15)
