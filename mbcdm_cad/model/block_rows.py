@@ -9,14 +9,21 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
+from threadpoolctl import ThreadpoolController
 
 from mbcdm_cad.routes import Floats
 
 Ints = NDArray[np.int64]
 _many = ContextVar("many meshes", default=False)
+
+
+@cache
+def _linear_algebra() -> ThreadpoolController:
+    return ThreadpoolController()
 
 
 @contextmanager
@@ -37,7 +44,9 @@ def solve_mesh(row: Ints, where: Ints, stiffness: Floats, load: Floats, ground: 
     """
     if _many.get():
         return solve_by_bands(where, stiffness, load, ground)
-    return solve_by_rows(row, where, stiffness, load, ground)
+    # On two threads the last digits differ, and blocks this small take longer.
+    with _linear_algebra().limit(limits=1, user_api="blas"):
+        return solve_by_rows(row, where, stiffness, load, ground)
 
 
 def solve_by_bands(where: Ints, stiffness: Floats, load: Floats, ground: Floats | None = None) -> Floats:
