@@ -85,6 +85,7 @@ def optimise(
     free: Sequence[str] = (),
     only_free: bool = False,
     over: Literal["tolerances"] | None = None,
+    beside: Iterable[DriveDesign | str | Path] = (),
     effort: Effort | None = None,
     progress: Callable[[str, int], None] | None = None,
 ) -> Optimum:
@@ -94,9 +95,9 @@ def optimise(
     such as ``"mass_g:min"``; ``keeps`` such as ``"torque_Nm:>=3"``; ``free`` fields besides those that ``solve`` may
     change, such as ``"drum.material=aluminium,pa12"`` or ``"rope.preload_N=30..90"``; ``only_free``: no others.
     ``over="tolerances"`` takes of each figure what 95 % of the drives reach, as made; ``"swing_mrad_p95:min"`` takes it
-    of one figure. The search ends when the front no longer grows, or when its :class:`Effort` is spent. ``progress`` is
-    called with the best so far and the number of designs. Raises ``InputError`` for mistakes in a file, ``MbcdmError``
-    for wishes that the layouts cannot answer.
+    of one figure. ``beside``: designs to mark beside the front. The search ends when the front no longer grows, or when
+    its :class:`Effort` is spent. ``progress`` is called with the best so far and the number of designs. Raises
+    ``InputError`` for mistakes in a file, ``MbcdmError`` for wishes that the layouts cannot answer.
     """
     from mbcdm_cad.jobs.optimise import optimise
     from mbcdm_cad.optimising.wishes import Effort, over_tolerances, wishes_of
@@ -108,7 +109,8 @@ def optimise(
         raise MbcdmError(f"over: no such spread (value {over}, limit tolerances)")
     wishes = wishes_of(aims, keeps, free, only_free=only_free)
     told = progress or (lambda words, count: None)
-    return optimise([_question(one) for one in listed], wishes, Path(out), effort or Effort(), told)
+    others = [(one if isinstance(one, DriveDesign) else load(one)).loaded for one in beside]
+    return optimise([_question(one) for one in listed], wishes, Path(out), effort or Effort(), told, others)
 
 
 def prices(

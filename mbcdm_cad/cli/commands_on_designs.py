@@ -182,6 +182,7 @@ def solve(design: Path, apply: Path | None, as_json: bool) -> int:
     default=None,
     help="Take of each figure the value that 95 % of the drives reach, as made.",
 )
+@click.option("--beside", multiple=True, type=FILE, metavar="DESIGN", help="Mark this design beside the front.")
 @TIME
 @click.option("--evaluations", type=int, metavar="N", default=None, help="Stop after this number of designs.")
 @WORKERS
@@ -198,7 +199,7 @@ def optimise(requirements: Sequence[Path], out: Path, as_json: bool, **asked: An
     if no design passes.
     """
     effort = api.Effort(*(asked[name] for name in ("evaluations", "time_s", "workers", "resume", "scheduler")))
-    wishes = {name: asked[name] for name in ("keeps", "free", "only_free", "over")}
+    wishes = {name: asked[name] for name in ("keeps", "free", "only_free", "over", "beside")}
     with progress_of_search() as told:
         found = api.optimise(requirements, asked["aims"], out, **wishes, effort=effort, progress=told)
     if as_json:

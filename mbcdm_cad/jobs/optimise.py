@@ -10,6 +10,7 @@ from typing import Any
 
 from threadpoolctl import threadpool_limits
 
+from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.design.template import slug
 from mbcdm_cad.optimising.figures import refuse_unknown
 from mbcdm_cad.optimising.journal import Journal, sole_search
@@ -30,11 +31,13 @@ def optimise(
     out: Path,
     effort: Effort,
     told: Told,
+    beside: Sequence[LoadedDesign] = (),
 ) -> Optimum:
     """FrontSearch and write ``out/NAME-optimum``; evaluated points go into ``out/NAME-optimum.jsonl`` on the way.
 
-    An interrupted search writes what it has. Raises ``MbcdmError`` for wishes that the layouts cannot answer, and
-    ``OutputError`` if files cannot be written or a search before is there and ``effort`` does not resume it.
+    The front is shown ``beside`` other designs. An interrupted search writes what it has. Raises ``MbcdmError`` for
+    wishes that the layouts cannot answer, and ``OutputError`` if files cannot be written or a search before is there
+    and ``effort`` does not resume it.
     """
     refuse_unknown([*(aim.figure for aim in wishes.aims), *(keep.figure for keep in wishes.keeps)], questions)
     variables = [variables_of(question, wishes) for question in questions]
@@ -47,7 +50,7 @@ def optimise(
         with Journal(journal_path, request, resume=effort.resume) as journal:
             search = FrontSearch(questions, variables, wishes, journal, told)
             searched = search.run(effort)
-        found = optimum_of(questions, searched, folder, name)
+        found = optimum_of(questions, searched, folder, name, beside)
         _write(found, questions, request)
     return found
 

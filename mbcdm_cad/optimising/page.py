@@ -21,11 +21,29 @@ def optimum_page(found: Optimum) -> bytes:
         "names": names,
         "units": {name: unit_of(name) for name in names},
         "points": [_point(point) for point in found.points],
-        "starts": [dict(start.result.figures) for start in found.starts],
+        "starts": _marked(found),
         "curve": [list(step) for step in found.searched.curve],
     }
     template = page_environment(_PACKAGE).get_template("optimum.html.j2")
     return template.render(found=found, data=data, binding=found.binding(), meanings=FIGURES).encode()
+
+
+def _marked(found: Optimum) -> list[dict[str, Any]]:
+    """The designs that are no part of the front: its files as given, and those beside it."""
+    several = len(found.starts) > 1
+    given = [
+        {"name": f"File {k} as given" if several else "File as given", "figures": dict(start.result.figures)}
+        for k, start in enumerate(found.starts, start=1)
+    ]
+    fails = "fails {} of its checks"
+    return given + [
+        {
+            "name": one.name + (f" ({fails.format(len(one.failing))})" if one.failing else ""),
+            "figures": dict(one.figures),
+            "beside": True,
+        }
+        for one in found.beside
+    ]
 
 
 def _varies(found: Optimum, name: str) -> bool:

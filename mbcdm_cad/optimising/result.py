@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mbcdm_cad.checks.remedies import Budget
-from mbcdm_cad.checks.result import CheckResult
+from mbcdm_cad.checks.result import CheckResult, failed
 from mbcdm_cad.checks.run import run_all
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.loader import load_text
+from mbcdm_cad.optimising.figures import FIGURES, Facts, figure
 from mbcdm_cad.optimising.search import INTERRUPTED, Searched, TriedPoint
 from mbcdm_cad.optimising.sketch import sketch
 from mbcdm_cad.optimising.wishes import Wishes
@@ -66,8 +68,19 @@ class FrontPoint:
 
 
 @dataclass(frozen=True)
+class BesideDesign:
+    """A design beside which the front is shown: its ``name``, ``figures``, and the checks that it fails."""
+
+    name: str
+    figures: Mapping[str, float]
+    failing: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
 class Optimum:
     """The front of a search, best first in its first aim; ``starts``: the files as given, those that pass.
+
+    ``beside``: other designs to compare it with.
 
     ``folder`` has the files of :func:`mbcdm_cad.jobs.optimise.optimise`; ``finished`` is False for a search that was
     interrupted or ran out of time, and that can go on.
@@ -78,6 +91,7 @@ class Optimum:
     points: tuple[FrontPoint, ...]
     starts: tuple[TriedPoint, ...]
     searched: Searched
+    beside: tuple[BesideDesign, ...] = ()
 
     @property
     def finished(self) -> bool:
@@ -150,6 +164,10 @@ class Optimum:
             aims = ", ".join(map(str, self.wishes.aims))
             yield f"Front of {aims}: {len(self.points)} designs in {self.folder}/front"
             yield from self.table.text(width, "  ")
+            for other in self.beside:
+                shown = (f"{name} {other.figures[name]:.4g}" for name in self.shown if name in other.figures)
+                fails = f" (fails {', '.join(other.failing)})" if other.failing else ""
+                yield from filled(f"  beside it {other.name}{fails}: {', '.join(shown)}", width)
             yield from self._binding_lines(width)
         if s.faults:
             yield from filled(f"{len(s.faults)} points ended in a fault, the first: {s.faults[0]}", width)
@@ -176,6 +194,7 @@ class Optimum:
             "finished": s.finished,
             "front": [point.to_dict() for point in self.points],
             "starts": [dict(start.result.figures) for start in self.starts],
+            "beside": [{"name": o.name, "figures": dict(o.figures), "failing": list(o.failing)} for o in self.beside],
             "binding": self.binding(),
             "failing": dict(s.failing),
             "hypervolume": [{"evaluated": count, "volume": float(f"{volume:.9g}")} for count, volume in s.curve],
@@ -197,7 +216,9 @@ def _listed(names: Sequence[str]) -> str:
     return ", ".join(names[:4]) + (f" and {len(names) - 4} more" if len(names) > 4 else "")
 
 
-def optimum_of(questions: Sequence[Question], searched: Searched, folder: Path, stem: str) -> Optimum:
+def optimum_of(
+    questions: Sequence[Question], searched: Searched, folder: Path, stem: str, beside: Iterable[LoadedDesign] = ()
+) -> Optimum:
     """The front of a search with its design files, named ``stem`` and a number, read and checked from their texts."""
     rows = sorted(searched.front, key=lambda row: (*searched.aims(row).tolist(), row))
     digits = max(2, len(str(len(rows))))
@@ -209,7 +230,19 @@ def optimum_of(questions: Sequence[Question], searched: Searched, folder: Path, 
     # The first point of each file has all its fields by their rules, and its ranges at their middles.
     firsts = {one.question: one for one in reversed(searched.tried)}
     starts = tuple(firsts[k] for k in sorted(firsts) if firsts[k].result.passes)
-    return Optimum(searched.wishes, folder, tuple(points), starts, searched)
+    others = tuple(_beside(one, searched.wishes) for one in beside)
+    return Optimum(searched.wishes, folder, tuple(points), starts, searched, others)
+
+
+def _beside(loaded: LoadedDesign, wishes: Wishes) -> BesideDesign:
+    facts = Facts(loaded.drive, {check.id: check for check in checks_of(loaded.drive)}, loaded.design.model_dump())
+    names = dict.fromkeys([*FIGURES, *(a.figure for a in wishes.aims), *(k.figure for k in wishes.keeps)])
+    figures = {name: figure(facts, name) for name in names}
+    return BesideDesign(
+        loaded.drive.name,
+        {name: value for name, value in figures.items() if isfinite(value)},
+        tuple(check.id for check in failed(checked(loaded))),
+    )
 
 
 def _front_point(question: Question, one: TriedPoint, name: str) -> FrontPoint:

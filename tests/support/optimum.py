@@ -1,4 +1,4 @@
-"""A front of three designs with figures and checks made up, for what shows it."""
+"""A front of three designs beside one, with figures and checks made up, for what shows it."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from pathlib import Path
 
 from mbcdm_cad.checks.result import CheckResult, Status
 from mbcdm_cad.optimising.evaluate import Evaluated
-from mbcdm_cad.optimising.result import FrontPoint, Optimum
+from mbcdm_cad.optimising.result import BesideDesign, FrontPoint, Optimum
 from mbcdm_cad.optimising.search import Searched, TriedPoint
 from mbcdm_cad.optimising.wishes import wishes_of
 
@@ -51,4 +51,5 @@ def optimum() -> Optimum:
     searched = Searched(
         wishes_of(["mass_g:min", "swing_mrad:min"]), (start, *[failed] * 9), (), curve, "made up", True, {"b_gap": 9}
     )
-    return Optimum(searched.wishes, Path("out/made-optimum"), points, (start,), searched)
+    published = BesideDesign("published", {**FIGURES[1], "mass_g": 380.0}, ("a_gap",))
+    return Optimum(searched.wishes, Path("out/made-optimum"), points, (start,), searched, (published,))

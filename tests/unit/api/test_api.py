@@ -30,7 +30,8 @@ SIGNATURES = {
     " None] | None' = None) -> 'SolveReport'",
     "optimise": "(designs: 'DriveDesign | str | Path | Iterable[DriveDesign | str | Path]', aims: 'Sequence[str]',"
     " out: 'str | Path' = 'out', *, keeps: 'Sequence[str]' = (), free: 'Sequence[str]' = (), only_free: 'bool' ="
-    " False, over: \"Literal['tolerances'] | None\" = None, effort: 'Effort | None' = None, progress:"
+    " False, over: \"Literal['tolerances'] | None\" = None, beside: 'Iterable[DriveDesign | str | Path]' = (),"
+    " effort: 'Effort | None' = None, progress:"
     " 'Callable[[str, int], None] | None' = None) -> 'Optimum'",
     "prices": "(design: 'DriveDesign | str | Path', figures: 'Sequence[str]', *, workers: 'int | None' = None,"
     " scheduler: 'str | None' = None, progress: 'Progress | None' = None) -> 'Prices'",

@@ -15,6 +15,7 @@ def test_what_binds_is_named_with_the_designs_where_it_does() -> None:
     assert "within 2% of their limits at every design: a_gap\n" in text and "b_gap (made-01)" in text
     assert "10 designs evaluated, 1 pass every check; ended: made up" in text
     rows = [line.split() for line in text.splitlines() if line.startswith("  made-")]
+    assert "  beside it published (fails a_gap): mass_g 380, swing_mrad 0.8, torque_Nm 3\n" in text
     assert rows == [
         [f"made-{k + 1:02d}", f"{f['mass_g']:.4g}", f"{f['swing_mrad']:.4g}", "3"] for k, f in enumerate(FIGURES)
     ]
@@ -23,6 +24,7 @@ def test_what_binds_is_named_with_the_designs_where_it_does() -> None:
 def test_plain_data_holds_the_front_with_patches() -> None:
     data = json.loads(json.dumps(optimum().to_dict(), allow_nan=False))
     assert [point["figures"] for point in data["front"]] == FIGURES
+    assert data["beside"] == [{"name": "published", "figures": {**FIGURES[1], "mass_g": 380.0}, "failing": ["a_gap"]}]
     assert data["starts"][0]["mass_g"] == 350.0 and data["hypervolume"][-1] == {"evaluated": 10, "volume": 0.7}
 
 
@@ -32,6 +34,11 @@ def test_the_page_holds_every_design_and_leaves_out_what_is_the_same_for_all() -
         next(line for line in page.splitlines() if "const data = {" in line).split("= ", 1)[1].rstrip(";")
     )
     assert [point["name"] for point in data["points"]] == ["made-01", "made-02", "made-03"]
+    assert [(mark["name"], mark["figures"]["mass_g"]) for mark in data["starts"]] == [
+        ("File as given", 350.0),
+        ("published (fails 1 of its checks)", 380.0),
+    ]
+    assert "the diamond is published." in page
     assert data["names"] == ["mass_g", "swing_mrad", "torque_Nm", "box_x_mm"], "efficiency is the same for all"
     assert data["points"][1]["patch"].endswith("<b>&") and "<b>&" not in page, "a patch is text, not HTML"
     assert data["points"][0]["checks"][0] == ["a_gap", "a gap", "pass", "10 >= 10 mm"]
