@@ -7,6 +7,7 @@ from math import asin, cos, degrees, radians, sin
 
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
 from mbcdm_cad.checks.design_variables import down, up
+from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.parts.drum_sector.dims import SET_SCREW_ANGLES_DEG, DrumDims
 from mbcdm_cad.parts.drum_sector.payload import SCREWS
@@ -143,6 +144,8 @@ def stop_slot(s: SectorLayout) -> Comparison:
     """The slot for the stop pin lies in the web between hub and rim, inside the ends of the sector."""
     d = s.drum
     half, limit = d.stop_slot_width / 2, SLOT_WALLS * s.drive.drum_material.min_wall_mm
+    if d.stop_radius <= 0.0:
+        raise NoFigureError("the stop pin would lie beyond the drum's axis: a larger drum makes room for it")
     end = d.stop_slot_end_deg + degrees(asin(min(1.0, half / d.stop_radius)))
     return worst(
         (

@@ -25,7 +25,7 @@ def estimated_mass_g(bill: Bill) -> float:
 
 def kept_mass_g(layout: Any, bill_of: BillOf) -> float:
     """The same of a layout, worked out once."""
-    return float(layout.once("estimated mass", lambda s: estimated_mass_g(bill_of(s))))
+    return float(layout.once("estimated mass", lambda s: estimated_mass_g(s.once("bill", bill_of))))
 
 
 def _mass(bill_of: BillOf, s: Any) -> Comparison:

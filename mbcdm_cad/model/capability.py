@@ -140,27 +140,36 @@ def torque_at_input_limit_Nm(d: DriveSI, limit_Nm: Floats | float, direction: in
 
     +1 is a load that opposes positive rotation of the drum. Zero where the bias alone reaches the limit.
     """
-    bias = input_bias_Nm(d)
-    rows = []
-    for i in range(d.n_inputs):
-        weight = d.column(d.sigma * d.of_input(i), 1 + len(d.batch_shape)) * d.input_radius_m
-        at = solve_weighted(d, weight, direction * np.asarray(limit_Nm, dtype=float))
-        load = direction * _load_of(d, at)
-        rows.append(np.where(direction * bias[i] >= limit_Nm, 0.0, load))
-    return np.stack(rows)
+    limit = np.asarray(limit_Nm, dtype=float)
+    shape = (d.n_inputs, *np.broadcast_shapes(limit.shape, d.batch_shape))
+    wide, bias = d.lifted(shape), input_bias_Nm(d)
+    pulled = np.stack([d.of_input(i) for i in range(d.n_inputs)], axis=1)
+    weight = d.column(d.sigma[:, None] * pulled, 1 + len(shape)) * wide.input_radius_m
+    load = direction * _load_of(wide, solve_weighted(wide, weight, np.broadcast_to(direction * limit, shape)))
+    return np.where(
+        direction * bias.reshape(d.n_inputs, *(1,) * (len(shape) - bias.ndim), *bias.shape[1:]) >= limit, 0.0, load
+    )
 
 
 def torque_at_tension_limit_Nm(d: DriveSI, tension_N: Floats | float, direction: int) -> Floats:
     """Load (N m) at which each cable that ``direction`` tightens reaches ``tension_N``; inf for the others."""
-    rows = []
-    for j in range(d.n_cables):
-        if d.sigma[j] != direction:
-            rows.append(np.full(d.batch_shape, np.inf))
-            continue
-        weight = d.column(d.sigma * (np.arange(d.n_cables) == j), 1 + len(d.batch_shape))
-        at = solve_weighted(d, weight, d.sigma[j] * np.asarray(tension_N, dtype=float))
-        rows.append(np.maximum(direction * _load_of(d, at), 0.0))
-    return np.stack(rows)
+    return _load_at_tensions_Nm(d, d.sigma == direction, np.asarray(tension_N, dtype=float), direction)
+
+
+def _load_at_tensions_Nm(d: DriveSI, which: NDArray[np.bool_], tension_N: Floats, direction: int) -> Floats:
+    """Load (N m, >= 0, (n_cables, *batch)) at which each cable of ``which`` (n_cables,) has its tension.
+
+    inf for others. ``tension_N`` broadcasts to (number of these cables, *batch). All are solved at once.
+    """
+    cables = np.flatnonzero(which)
+    shape = (len(cables), *d.batch_shape)
+    wide = d.lifted(shape)
+    sigma = d.sigma[cables].reshape(-1, *(1,) * len(d.batch_shape))
+    weight = d.column(np.eye(d.n_cables)[:, cables] * d.sigma[cables], 1 + len(shape))
+    at = solve_weighted(wide, weight, np.broadcast_to(sigma * tension_N, shape))
+    found = np.full((d.n_cables, *d.batch_shape), np.inf)
+    found[cables] = np.maximum(direction * _load_of(wide, at), 0.0)
+    return found
 
 
 def torque_at_slack_Nm(d: DriveSI, direction: int, ends: Sequence[Wraps] = ()) -> Floats:
@@ -173,15 +182,9 @@ def torque_at_slack_Nm(d: DriveSI, direction: int, ends: Sequence[Wraps] = ()) -
 
 
 def _slack_at_pose_Nm(d: DriveSI, direction: int) -> Floats:
-    rows = []
-    for j in range(d.n_cables):
-        if d.sigma[j] == direction:
-            rows.append(np.full(d.batch_shape, np.inf))
-            continue
-        weight = d.column(d.sigma * (np.arange(d.n_cables) == j), 1 + len(d.batch_shape))
-        at = solve_weighted(d, weight, d.sigma[j] * SLACK_SHARE * np.broadcast_to(d.preload_N[j], d.batch_shape))
-        rows.append(np.maximum(direction * _load_of(d, at), 0.0))
-    return np.stack(rows)
+    slackens = d.sigma != direction
+    preload = np.broadcast_to(d.preload_N, (d.n_cables, *d.batch_shape))[slackens]
+    return _load_at_tensions_Nm(d, slackens, SLACK_SHARE * preload, direction)
 
 
 def _poses(d: DriveSI, ends: Sequence[Wraps]) -> list[DriveSI]:

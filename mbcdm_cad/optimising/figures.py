@@ -55,7 +55,7 @@ class Facts:
     @cached_property
     def bill(self) -> Bill:
         """All parts."""
-        return self.layout.bill()
+        return self.layout.once("bill", lambda s: s.bill())
 
     @cached_property
     def mass_g(self) -> float:

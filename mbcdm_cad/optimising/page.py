@@ -47,7 +47,8 @@ def _marked(found: Optimum) -> list[dict[str, Any]]:
 
 
 def _varies(found: Optimum, name: str) -> bool:
-    return name in found.shown or len({point.figures.get(name) for point in found.points}) > 1
+    values = {point.figures.get(name) for point in found.points}
+    return name in found.shown or len(values) > 1 or (len(found.points) == 1 and values != {None})
 
 
 def _point(point: FrontPoint) -> dict[str, Any]:

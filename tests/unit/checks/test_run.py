@@ -6,6 +6,7 @@ import re
 from dataclasses import replace
 from math import isfinite
 from pathlib import Path
+from textwrap import dedent
 
 import pytest
 import yaml
@@ -26,6 +27,18 @@ PARAMS = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 
 def by_id(results: tuple[CheckResult, ...]) -> dict[str, CheckResult]:
     return {result.id: result for result in results}
+
+
+def test_a_drum_without_room_for_its_stop_pin_fails_and_ends_no_program() -> None:
+    text = """
+        configuration: siso_bevel
+        travel: {half_angle_deg: 35.0}
+        transmission: {input_to_drum: 3.0, drum_radius_mm: 25.0}
+        loads: {peak_torque_Nm: 3.0, continuous_torque_Nm: 3.0}
+        limits: {losses: counted}
+    """
+    found = by_id(run_checks(load_text(dedent(text), "small.yaml").drive))["stop_slot"]
+    assert found.status == "fail" and "a larger drum makes room for it" in found.message, found
 
 
 def test_reference_design_fails_nothing() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 from mbcdm_cad.optimising.page import optimum_page
 from tests.support.optimum import FIGURES, optimum
@@ -26,6 +27,12 @@ def test_plain_data_holds_the_front_with_patches() -> None:
     assert [point["figures"] for point in data["front"]] == FIGURES
     assert data["beside"] == [{"name": "published", "figures": {**FIGURES[1], "mass_g": 380.0}, "failing": ["a_gap"]}]
     assert data["starts"][0]["mass_g"] == 350.0 and data["hypervolume"][-1] == {"evaluated": 10, "volume": 0.7}
+
+
+def test_the_page_of_one_design_shows_all_its_figures() -> None:
+    found = optimum()
+    page = optimum_page(replace(found, points=found.points[:1])).decode()
+    assert "<h1>The best design</h1>" in page and '"efficiency"' in page
 
 
 def test_the_page_holds_every_design_and_leaves_out_what_is_the_same_for_all() -> None:
