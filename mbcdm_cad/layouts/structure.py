@@ -270,8 +270,7 @@ def _drum_shaft(layout: SectorLayout, unit: Floats) -> Iterator[Cause]:
     on_hub = Acting(at, changed.force_N, couple - couple[1] * _Y)
     held = _supported([changed], supports, _Y)
     section = Section(supports[0], at, shaft.radius, shaft.bore_radius)
-    modulus = elastic(drive.shaft_material).modulus_MPa
-    yield Cause("drum's shaft", bending_urad_Nm(_Y, [on_hub, *held], [section], modulus))
+    yield Cause("drum's shaft", bending_urad_Nm(_Y, [on_hub, *held], [section], elastic(drive.shaft_material)))
     spec, spring = drive.bearings.drum, layout.preload_spring.force_N
     give = _bearings_urad_Nm((spec, spec), held, _supported([rest], supports, _Y), spring)
     yield Cause("drum's bearings", give, factor=BY_BEARINGS)
@@ -319,14 +318,15 @@ def _inputs(layout: SectorLayout, unit: Floats, torques_Nm: Floats) -> Iterator[
         sections = _sections(pulley)
         start, middle = layout.collar.top_z, (pulley.land_bottom_z + pulley.land_top_z) / 2.0
         twisted = [replace(s, start_mm=max(s.start_mm, start), end_mm=min(s.end_mm, middle)) for s in sections]
-        twist += torsion_urad_Nm(float(torque) * 1e3, [s for s in twisted if s.end_mm > s.start_mm], material.shear_MPa)
+        carrying = [s for s in twisted if s.end_mm > s.start_mm]
+        twist += torsion_urad_Nm(float(torque) * 1e3, carrying, material.shear_MPa, collar=True)
         loads = [
             _acting(body_load(d.routes, route.name, unit * (np.arange(d.n_cables) == j)), sense)
             for j in range(d.n_cables)
             if d.input_of[j] == i
         ]
         held = _supported(loads, supports, axis)
-        bend += bending_urad_Nm(axis, [*loads, *held], sections, material.modulus_MPa)
+        bend += bending_urad_Nm(axis, [*loads, *held], sections, material)
         rest = _supported([_acting(body_load(d.routes, route.name, layout.loads.idle), sense)], supports, axis)
         give += _bearings_urad_Nm((bearings.input_lower, bearings.input_upper), held, rest)
     yield Cause("input pulleys, torsion", twist, before_input=True)
@@ -363,7 +363,7 @@ def axle_causes(
     supports_mm: tuple[float, float],
     bearings: tuple[Bearing, tuple[float, float]],
     axle: Section,
-    modulus_MPa: float,
+    material: Isotropic,
 ) -> Iterator[Cause]:
     """Bending of a fixed axle between its supports and give of the two bearings on it, for a body that cables pass.
 
@@ -377,5 +377,5 @@ def axle_causes(
         for tension in (unit, layout.loads.idle)
     )
     ends = _supported(changed, supports_mm, axis)
-    yield Cause(f"{body}'s axle", bending_urad_Nm(axis, [*changed, *ends], [axle], modulus_MPa))
+    yield Cause(f"{body}'s axle", bending_urad_Nm(axis, [*changed, *ends], [axle], material))
     yield Cause(f"{body}'s bearings", _bearings_urad_Nm((spec, spec), changed, rest), factor=BY_BEARINGS)

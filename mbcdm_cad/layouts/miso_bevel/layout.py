@@ -177,8 +177,8 @@ class BevelLayout(SectorLayout):
 
         bearings = (self.drive.bearings.guide, self.guide_bearings_mm)
         section = Section(*self.axle_supports_mm, self.axle.radius)
-        modulus = elastic(self.drive.axle_material).modulus_MPa
-        return axle_causes(self, GUIDE, unit_tension_N, self.axle_supports_mm, bearings, section, modulus)
+        material = elastic(self.drive.axle_material)
+        return axle_causes(self, GUIDE, unit_tension_N, self.axle_supports_mm, bearings, section, material)
 
     @property
     def guide_bearings_mm(self) -> tuple[float, float]:

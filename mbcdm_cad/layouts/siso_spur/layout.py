@@ -278,11 +278,11 @@ class SpurLayout(HeadLayout):
         from mbcdm_cad.layouts.structure import axle_causes, elastic
         from mbcdm_cad.model.structure.shafts import Section
 
-        modulus = elastic(self.drive.shaft_material).modulus_MPa
+        material = elastic(self.drive.shaft_material)
         for body, own, (_, n) in self.idlers:
             supports, spec = self.axle_supports_mm(n), self.drive.idler_bearing
             section = Section(*supports, self.frame.stands[n].axle_radius)
-            yield from axle_causes(self, body, unit_tension_N, supports, (spec, own.bearings_mm), section, modulus)
+            yield from axle_causes(self, body, unit_tension_N, supports, (spec, own.bearings_mm), section, material)
 
     def tensioned_lengths_mm(self) -> Sequence[float]:
         """Length that each terminal tensions: half of the one cable, or its own cable."""

@@ -61,6 +61,10 @@ class Hub:
     face_circle_mm: float  # radius of the circle that they lie on
     face_depth_mm: float
 
+    def shear_MPa(self, torque_Nm: float) -> float:
+        """Shear on the outside under a torque, N m."""
+        return 2.0 * torque_Nm * NMM_PER_NM * self.radius_mm / (pi * (self.radius_mm**4 - self.bore_mm**4))
+
     def twist_urad_Nm(self, material: Isotropic, start_mm: float, end_mm: float) -> float:
         """Twist from ``start_mm`` to ``end_mm`` along the axis.
 

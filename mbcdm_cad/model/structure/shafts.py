@@ -9,16 +9,22 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from math import floor, pi, radians, sin
 
 import numpy as np
 
+from mbcdm_cad.model.structure.drum_sector import Isotropic
 from mbcdm_cad.routes import Floats
 
 # Twice the energy in N mm under the loads of 1 N m -> urad per N m.
 URAD_NM = 1e3
 # Points per shaft at which its moment is summed.
 _POINTS = 400
+# Length by which a thin shaft twists inside a much thicker one, or under a collar that holds its outside, over its
+# diameter; and how that falls where the two are more alike: d (1 - (d / D)^2.6). An estimate after the usual curves for
+# crankshafts, compared with solid elements of six pulleys.
+JUNCTION, JUNCTION_POWER = 0.125, 2.6
 # Balls over the bearing's section, and their pitch over their diameter (usual in small deep-groove bearings).
 _BALL_SHARE, _BALL_PITCH = 0.55, 1.45
 # Contact angle of a deep-groove bearing of normal play under a light axial load (bearing makers: 10 to 15 degrees).
@@ -43,6 +49,13 @@ class Section:
             raise ValueError(f"a shaft of radius {self.radius_mm:.4g} mm has a bore of radius {self.bore_mm:.4g} mm")
         return found
 
+    def shear_area_mm2(self, poisson: float) -> float:
+        """Area that carries a force across the shaft evenly (Cowper 1966, hollow circle)."""
+        m2 = (self.bore_mm / self.radius_mm) ** 2
+        even = 6.0 * (1.0 + poisson) * (1.0 + m2) ** 2
+        even /= (7.0 + 6.0 * poisson) * (1.0 + m2) ** 2 + (20.0 + 12.0 * poisson) * m2
+        return even * pi * (self.radius_mm**2 - self.bore_mm**2)
+
 
 @dataclass(frozen=True, eq=False)
 class Acting:
@@ -53,30 +66,43 @@ class Acting:
     couple_Nmm: Floats
 
 
-def bending_urad_Nm(axis: Floats, acting: Sequence[Acting], sections: Sequence[Section], modulus_MPa: float) -> float:
-    """Turn by the bending of a shaft under loads in equilibrium, its reactions among them.
+def bending_urad_Nm(axis: Floats, acting: Sequence[Acting], sections: Sequence[Section], material: Isotropic) -> float:
+    """Turn by the bending and shear of a shaft under loads in equilibrium, its reactions among them.
 
     Where no section lies the shaft counts as rigid. ``axis``: unit vector along which places count.
     """
     low, high = min(a.at_mm for a in acting), max(a.at_mm for a in acting)
     step = (high - low) / _POINTS
     place = low + step * (np.arange(_POINTS) + 0.5)
-    moment = np.zeros((_POINTS, 3))
+    moment, force = np.zeros((_POINTS, 3)), np.zeros((_POINTS, 3))
     for a in acting:
         beyond = place > a.at_mm
         arm = np.cross(axis, a.force_N)
         moment[beyond] += (a.at_mm - place[beyond])[:, None] * arm + a.couple_Nmm
-    across = moment - (moment @ axis)[:, None] * axis
-    second = np.full(_POINTS, np.inf)
+        force[beyond] += a.force_N
+    bent, sheared = ((f - (f @ axis)[:, None] * axis) ** 2 for f in (moment, force))
+    second, area = np.full(_POINTS, np.inf), np.full(_POINTS, np.inf)
     for s in sections:
         inside = (place >= s.start_mm) & (place <= s.end_mm)
         second[inside] = s.second_moment_mm4
-    return float(((across**2).sum(axis=1) / second).sum() * step / modulus_MPa * URAD_NM)
+        area[inside] = s.shear_area_mm2(material.poisson)
+    give = bent.sum(axis=1) / (second * material.modulus_MPa) + sheared.sum(axis=1) / (area * material.shear_MPa)
+    return float(give.sum() * step * URAD_NM)
 
 
-def torsion_urad_Nm(torque_Nmm: float, sections: Sequence[Section], shear_MPa: float) -> float:
-    """Turn by the torsion of a shaft that carries ``torque_Nmm`` over all its sections."""
+def torsion_urad_Nm(torque_Nmm: float, sections: Sequence[Section], shear_MPa: float, *, collar: bool = False) -> float:
+    """Turn by the torsion of a shaft that carries ``torque_Nmm`` over all its sections, which follow each other.
+
+    Where the radius changes the thinner one twists a little inside the thicker one; ``collar``: the first section
+    does so inside a collar that holds its outside.
+    """
     give = sum((s.end_mm - s.start_mm) / (2.0 * s.second_moment_mm4) for s in sections)
+    for a, b in pairwise(sections):
+        thin, thick = sorted((a, b), key=lambda s: s.radius_mm)
+        inside = JUNCTION * 2.0 * thin.radius_mm * (1.0 - (thin.radius_mm / thick.radius_mm) ** JUNCTION_POWER)
+        give += inside / (2.0 * thin.second_moment_mm4)
+    if collar and sections:
+        give += JUNCTION * 2.0 * sections[0].radius_mm / (2.0 * sections[0].second_moment_mm4)
     return torque_Nmm**2 * give / shear_MPa * URAD_NM
 
 

@@ -19,22 +19,19 @@ On the whole it stays within 12 % of finite elements for ribs, back plate and si
 
 from __future__ import annotations
 
-from math import pi
-
 import numpy as np
 
-from mbcdm_cad.design.bought import Material
 from mbcdm_cad.layouts.base import FrameCompliance, FrameStudy
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.support.loads import SeatLoads, seat_loads
 from mbcdm_cad.layouts.miso_bevel.support.panels import mounts, support_mesh
+from mbcdm_cad.layouts.structure import elastic
 from mbcdm_cad.model.block_rows import Ints
-from mbcdm_cad.model.plate_mesh import GPA_TO_MPA, URAD_PER_MRAD, PlateMesh, centred_load, shares_urad, statically
+from mbcdm_cad.model.plate_mesh import URAD_PER_MRAD, PlateMesh, centred_load, shares_urad, statically
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.model.stiffness import unit_tensions_N
+from mbcdm_cad.model.structure.boss import BossRing
 from mbcdm_cad.routes import Floats
-
-_SHEAR_FACTOR = 5.0 / 6.0
 
 
 def _half_load(layout: BevelLayout, mesh: PlateMesh, loads: SeatLoads) -> Floats:
@@ -80,59 +77,11 @@ def _seat_of_gearheads(layout: BevelLayout) -> tuple[str, float, float]:
     return "top plate", v.top_plate_top_z, box.outer_x
 
 
-def ring_compliance_mm_N(layout: BevelLayout, material: Material) -> float:
-    """Lateral compliance of the drum bearing's ring against the block above it, for 1 N per mm of depth along Y.
-
-    The right half is a curved beam from the lowest point, where by antisymmetry only a shear force passes, up into the
-    block. Its depth grows there from the round wall to the block's corner. Pressure of the seat is p cos(phi).
-    """
+def boss_ring(layout: BevelLayout) -> BossRing:
+    """The ring round the drum's bearings, under the column."""
     f = layout.frame
-    inner, modulus = f.drum_seat_radius, material.youngs_modulus_GPa * GPA_TO_MPA
-    shear_modulus = modulus / (2.0 * (1.0 + material.poisson_ratio))
-    phi = np.linspace(-pi / 2, pi / 3, 121)
-    outer = np.full_like(phi, f.boss_radius)
-    up = phi > 0.0
-    outer[up] = np.minimum(f.boss_radius / np.cos(phi[up]), f.column_pocket_bottom_z / np.sin(phi[up]))
-    wall = outer - inner
-    radius = inner + (f.boss_radius - inner) / 2
-    step = np.diff(phi)
-
-    def running(values: Floats) -> Floats:
-        return np.concatenate([[0.0], np.cumsum((values[1:] + values[:-1]) / 2 * step)])
-
-    # Pressure of unit resultant over both halves.
-    push = np.cos(phi) / pi
-    force_x, force_z = running(push * np.cos(phi)), running(push * np.sin(phi))
-    moment = radius * (np.sin(phi) * force_x - np.cos(phi) * force_z)
-    # Columns: from the pressure, from a unit shear force at the lowest point.
-    bend = np.stack([moment, radius * np.cos(phi)])
-    along = np.stack([-np.sin(phi) * force_x + np.cos(phi) * force_z, np.cos(phi)])
-    across = np.stack([np.cos(phi) * force_x + np.sin(phi) * force_z, np.sin(phi)])
-
-    def work(a: int, b: int) -> float:
-        density = bend[a] * bend[b] * 12.0 / (modulus * wall**3) + along[a] * along[b] / (modulus * wall)
-        density += across[a] * across[b] / (_SHEAR_FACTOR * shear_modulus * wall)
-        return float(radius * running(density)[-1])
-
-    # The shear force does no work, since the lowest point does not leave the mirror plane.
-    return 2.0 * (work(0, 0) - work(0, 1) ** 2 / work(1, 1))
-
-
-def _ring_work(layout: BevelLayout, loads: SeatLoads) -> float:
-    """f . u of the rings round both drum bearings, which move sideways and shear along the boss, N mm.
-
-    Slices of the ring cannot bend independently: the lower arc connects them and must shear if they move unequally.
-    """
-    f, material = layout.frame, layout.drive.frame_material
-    front, rear = layout.levels.boss_front_y, f.encoder_pocket_floor_y
-    length, middle = front - rear, (front + rear) / 2
-    at = np.array([loads.point_mm[loads.names.index(n)][1] - middle for n in ("drum_rear", "drum_front")])
-    force = np.array([loads.at(n)[0] for n in ("drum_rear", "drum_front")])
-    slice_mm_N = ring_compliance_mm_N(layout, material)
-    shear_modulus = material.youngs_modulus_GPa * GPA_TO_MPA / (2.0 * (1.0 + material.poisson_ratio))
-    arc_N = shear_modulus * (f.boss_radius**2 - f.drum_seat_radius**2) / 2 * pi / 2
-    shift = slice_mm_N / length * force.sum() ** 2
-    return float(shift + (force @ at) ** 2 / (length**3 / (12.0 * slice_mm_N) + arc_N * length))
+    ends = f.encoder_pocket_floor_y, layout.levels.boss_front_y
+    return BossRing(f.drum_seat_radius, f.boss_radius, f.column_pocket_bottom_z, *ends)
 
 
 def frame_compliance(layout: BevelLayout) -> FrameCompliance:
@@ -145,7 +94,10 @@ def frame_compliance(layout: BevelLayout) -> FrameCompliance:
     mesh = support_mesh(layout)
     ground = mounts(layout).springs(mesh, material)
     shares = shares_urad(mesh, material, _half_load(layout, mesh, loads), ground)
-    shares["boss ring"] = _ring_work(layout, loads) * URAD_PER_MRAD
+    drum = "drum_rear", "drum_front"
+    at = np.array([loads.point_mm[loads.names.index(n)][1] for n in drum])
+    force = np.array([loads.at(n)[0] for n in drum])
+    shares["boss ring"] = boss_ring(layout).work_Nmm(at, force, elastic(material)) * URAD_PER_MRAD
     return FrameCompliance(sum(shares.values()), shares)
 
 

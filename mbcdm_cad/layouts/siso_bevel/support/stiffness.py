@@ -15,10 +15,12 @@ import numpy as np
 
 from mbcdm_cad.layouts.base import FrameCompliance, FrameStudy
 from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
+from mbcdm_cad.layouts.structure import elastic
 from mbcdm_cad.model.equilibrium import bearing_loads, two_bearing_reactions_N
-from mbcdm_cad.model.plate_mesh import Hole, Mounts, Wall, X, Y, Z, centred_load, plate_mesh, shares_urad
+from mbcdm_cad.model.plate_mesh import URAD_PER_MRAD, Hole, Mounts, Wall, X, Y, Z, centred_load, plate_mesh, shares_urad
 from mbcdm_cad.model.si import MM, to_si
 from mbcdm_cad.model.stiffness import unit_tensions_N
+from mbcdm_cad.model.structure.boss import BossRing
 from mbcdm_cad.routes import Floats
 
 # A force on a seat spreads over this many of its radii.
@@ -47,11 +49,27 @@ def walls(layout: DirectLayout) -> list[Wall]:
     def seat(radius: float, depth: float, shoulder: float, thickness: float) -> Hole:
         return Hole(0.0, 0.0, pi * (radius**2 * depth + shoulder**2 * (thickness - depth)))
 
+    # Where one wall runs inside another.
+    column = (
+        (Z, z_foot, f.low_pocket_bottom_z),
+        (Z, f.stop_shelf_bottom_z, f.stop_shelf_top_z),
+        (Z, f.encoder_shelf_bottom_z, z_shelf),
+    )
+    above = ((Z, z_shelf, f.encoder_shelf_top_z), (Z, f.top_z, z_flange))
+    in_head = ((Z, z_flange, h.flange_top_z), (Z, h.shelf_bottom_z, z_motor))
+    in_rib, in_back = (X, f.pocket_half_width, f.column_half_width), (Y, y_back, v.pocket_floor_y)
     return [
-        Wall("column ribs", X, x_rib, (deep, (z_foot, z_shelf)), rib_t),
-        Wall("column back", Y, y_back, (narrow, (z_foot, z_shelf)), back_t),
+        Wall("column ribs", X, x_rib, (deep, (z_foot, z_shelf)), rib_t, embedded=(*column, in_back)),
+        Wall("column back", Y, y_back, (narrow, (z_foot, z_shelf)), back_t, embedded=(*column, in_rib)),
         Wall("foot", Z, z_foot, (narrow, deep), block_t),
-        Wall("stop shelf", Z, z_stop, (narrow, deep), f.stop_shelf_top_z - f.stop_shelf_bottom_z),
+        Wall(
+            "stop shelf",
+            Z,
+            z_stop,
+            (narrow, deep),
+            f.stop_shelf_top_z - f.stop_shelf_bottom_z,
+            embedded=(in_rib, in_back),
+        ),
         Wall(
             "encoder shelf",
             Z,
@@ -59,9 +77,10 @@ def walls(layout: DirectLayout) -> list[Wall]:
             (wide, deep),
             shelf_t,
             (seat(f.seat_radius, min(f.seat_depth, shelf_t), f.seat_shoulder_radius, shelf_t),),
+            embedded=(in_rib, in_back),
         ),
-        Wall("box back", Y, y_back, (wide, (z_shelf, z_flange)), back_t),
-        Wall("side walls", X, x_wall, (deep, (z_shelf, z_flange)), wall_t),
+        Wall("box back", Y, y_back, (wide, (z_shelf, z_flange)), back_t, embedded=above),
+        Wall("side walls", X, x_wall, (deep, (z_shelf, z_flange)), wall_t, embedded=(*above, in_back)),
         Wall(
             "motor head's flange",
             Z,
@@ -70,8 +89,8 @@ def walls(layout: DirectLayout) -> list[Wall]:
             flange_t,
             (seat(h.seat_radius, min(h.seat_depth, flange_t), h.shoulder_radius, flange_t),),
         ),
-        Wall("motor head's walls", X, x_head, (head_y, (z_flange, z_motor)), head_t),
-        Wall("motor head's back", Y, y_head, (box, (z_flange, z_motor)), v.head_outer_x - v.head_inner_x),
+        Wall("motor head's walls", X, x_head, (head_y, (z_flange, z_motor)), head_t, embedded=in_head),
+        Wall("motor head's back", Y, y_head, (box, (z_flange, z_motor)), head_t, embedded=in_head),
         Wall("motor shelf", Z, z_motor, (box, head_y), motor_t, (Hole(0.0, 0.0, pi * h.pilot_radius**2 * motor_t),)),
     ]
 
@@ -122,10 +141,18 @@ def frame_compliance(layout: DirectLayout) -> FrameCompliance:
         "foot": 1e3,
     }
     total = np.zeros((len(mesh.plates.node_mm), 6))
-    for panel, point, force_x, couple_z in seat_forces(layout, unit_tensions_N(to_si(layout.drive))):
+    forces = seat_forces(layout, unit_tensions_N(to_si(layout.drive)))
+    for panel, point, force_x, couple_z in forces:
         nodes = mesh.near(panel, point, (reach[panel], reach[panel], 1e3))
         total[nodes, :3] += centred_load(mesh, nodes, np.array(point), force_x, couple_z)
     shares = shares_urad(mesh, material, total.ravel(), held.springs(mesh, material))
+    boss = layout.frame.boss
+    ring = BossRing(
+        boss.seat_radius, boss.radius, layout.frame.low_pocket_bottom_z, boss.encoder_pocket_floor_y, boss.front_y
+    )
+    on_boss = [(point[1], force_x) for panel, point, force_x, _ in forces if panel == "foot"]
+    at, force = (np.array(values) for values in zip(*on_boss, strict=True))
+    shares["boss ring"] = ring.work_Nmm(at, force, elastic(material)) * URAD_PER_MRAD
     return FrameCompliance(sum(shares.values()), shares)
 
 

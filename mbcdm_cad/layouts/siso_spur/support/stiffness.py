@@ -4,9 +4,9 @@ By reciprocity the drum turns by f . u for each N m of load: f are the forces on
 by that load, u the displacements due to these forces (:mod:`mbcdm_cad.model.plate_mesh`). The tension of one side
 rises, that of the other falls. Their components along the line of centres cancel and those across it add up: the input
 is pushed to one side, the drum to the other, and the gearhead holds the torque about the input's axis. Assumptions as
-in docs/decisions/0005. In addition, the plate has no opening where the flange of the motor head closes it, the boss is
-rigid, and the small couple of both spans, which are a few leads apart, is left out. Two such arms in line, one above
-the drum and one below, form one mesh.
+in docs/decisions/0005. In addition, the motor head's flange lies in the plane of the plate, and the small couple of
+both spans, which are a few leads apart, is left out. Two such arms in line, one above the drum and one below, form one
+mesh.
 """
 
 from __future__ import annotations
@@ -19,15 +19,20 @@ import numpy as np
 
 from mbcdm_cad.layouts.base import FrameCompliance, FrameStudy
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
+from mbcdm_cad.layouts.structure import elastic
 from mbcdm_cad.model.equilibrium import bearing_loads, two_bearing_reactions_N
-from mbcdm_cad.model.plate_mesh import Hole, Mounts, Wall, Y, Z, centred_load, plate_mesh, shares_urad
+from mbcdm_cad.model.plate_mesh import URAD_PER_MRAD, Hole, Mounts, Wall, X, Y, Z, centred_load, plate_mesh, shares_urad
 from mbcdm_cad.model.si import MM, to_si
 from mbcdm_cad.model.stiffness import unit_tensions_N
+from mbcdm_cad.model.structure.boss import BossRing
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.loads import body_load
 
 # Radius over which the force on a seat is spread, over the radius of the seat.
 _SPREAD = 1.5
+# The bridge bends this far inside plate and shelf, over its thickness: the metal at its root gives (compared with solid
+# elements of six frames; a beam on a half-space: 0.3 to 0.6).
+ROOT = 0.35
 
 
 @dataclass(frozen=True)
@@ -45,14 +50,16 @@ class Arm:
 def walls(arms: Sequence[Arm]) -> list[Wall]:
     """The walls of the half x >= 0."""
     v, f = arms[0].layout.levels, arms[0].layout.frame
-    y_plate, z_bridge = (v.plate_back_y + v.front_y) / 2, (f.bridge_bottom_z + f.top_z) / 2
+    y_plate, plate_t = (v.plate_back_y + v.front_y) / 2, v.front_y - v.plate_back_y
+    z_bridge = (f.bridge_bottom_z + f.top_z) / 2
     ends = sorted([arm.way * z_bridge for arm in arms])
     plate = Wall(
         "plate",
         Y,
         y_plate,
         ((0.0, f.half_width), (min(ends[0], -f.boss.radius), ends[-1])),
-        v.front_y - v.plate_back_y,
+        plate_t,
+        tuple(Hole(0.0, arm.way * f.axis_z, pi * f.opening_radius**2 * plate_t) for arm in arms),
         embedded=((Z, -f.boss.radius, f.boss.radius),),
     )
     return [plate, *(wall for arm in arms for wall in _yoke(arm, y_plate, z_bridge))]
@@ -65,15 +72,43 @@ def _yoke(arm: Arm, y_plate: float, z_bridge: float) -> Iterator[Wall]:
     depth = min(f.seat_depth, shelf)
     seat = pi * (f.seat_radius**2 * depth + f.seat_shoulder_radius**2 * (shelf - depth))
     low, high = sorted((way * f.shelf_bottom_z, way * z_bridge))
-    yield Wall(arm.of("bridge"), Z, way * z_bridge, (wide, (y_plate, y_shelf)), f.top_z - f.bridge_bottom_z)
-    hole = Hole(0.0, way * f.axis_z, seat)
-    yield Wall(arm.of("encoder shelf"), Y, y_shelf, (wide, (low, high)), shelf, (hole,))
+    thick = f.top_z - f.bridge_bottom_z
+    root = ROOT * thick
+    ends = ((Y, y_plate, v.front_y - root), (Y, v.top_plate_bottom_z + root, y_shelf))
+    yield from _head(arm, y_plate)
+    yield Wall(arm.of("bridge"), Z, way * z_bridge, (wide, (y_plate, y_shelf)), thick, embedded=ends)
+    hole, under = Hole(0.0, way * f.axis_z, seat), sorted((way * f.bridge_bottom_z, way * z_bridge))
+    in_bridge = ((Z, under[0], under[1]),)
+    yield Wall(arm.of("encoder shelf"), Y, y_shelf, (wide, (low, high)), shelf, (hole,), embedded=in_bridge)
     for n, stand in enumerate(f.stands, 1):
         y_strap, z_post = (stand.strap_back_y + stand.strap_front_y) / 2, sum(stand.post_z) / 2
         post, strap = stand.post_z[1] - stand.post_z[0], stand.strap_front_y - stand.strap_back_y
         yield Wall(f"idlers' posts {n}", Z, z_post, (stand.post_x, (y_plate, y_strap)), post)
         box = ((0.0, stand.half_width), (stand.low_z, z_post))
         yield Wall(f"idlers' strap {n}", Y, y_strap, box, strap)
+
+
+def _head(arm: Arm, y_plate: float) -> Iterator[Wall]:
+    """The motor head behind the plate: its flange lies on the plate and bridges the opening."""
+    v, f, h, way = arm.layout.levels, arm.layout.frame, arm.layout.head, arm.way
+    flange_t, walls_t, shelf_t = h.flange_top_z - h.bottom_z, h.outer_x - h.inner_x, h.top_z - h.shelf_bottom_z
+    y_shelf, x_wall = (v.motor_shelf_bottom_z + v.motor_shelf_top_z) / 2, (h.inner_x + h.outer_x) / 2
+
+    def high(low: float, top: float) -> tuple[float, float]:
+        first, second = sorted((way * (f.axis_z + low), way * (f.axis_z + top)))
+        return first, second
+
+    back = h.back_y + walls_t / 2
+    inside = ((Y, v.plate_back_y - flange_t, y_plate), (Y, y_shelf, v.motor_shelf_top_z))
+    wide, deep, tall = (0.0, x_wall), (y_shelf, y_plate), high(back, h.front_y)
+    pilot = Hole(0.0, way * f.axis_z, pi * h.pilot_radius**2 * shelf_t)
+    flange = (0.0, h.flange.half_x), high(h.flange.back_y, h.flange.front_y)
+    depth = min(h.seat_depth, flange_t)
+    bore = Hole(0.0, way * f.axis_z, pi * (h.seat_radius**2 * depth + h.shoulder_radius**2 * (flange_t - depth)))
+    yield Wall(arm.of("motor head's flange"), Y, y_plate, flange, flange_t, (bore,))
+    yield Wall(arm.of("motor head's walls"), X, x_wall, (deep, tall), walls_t, embedded=inside)
+    yield Wall(arm.of("motor head's back"), Z, way * (f.axis_z + back), (wide, deep), walls_t, embedded=inside)
+    yield Wall(arm.of("motor shelf"), Y, y_shelf, (wide, tall), shelf_t, (pilot,))
 
 
 def seat_forces(layout: SpurLayout, tension_N: Floats) -> list[tuple[str, tuple[float, float, float], float, float]]:
@@ -92,7 +127,8 @@ def seat_forces(layout: SpurLayout, tension_N: Floats) -> list[tuple[str, tuple[
     # The gearhead holds the torque of the tensions about the input's axis, -Y, and loads the plate with it.
     torque = float((d.sigma * np.asarray(tension_N) * d.input_radius_m).sum())
     return [
-        ("plate", (0.0, lower, z), -float(pair[0, 0]), torque / MM),
+        ("motor head's flange", (0.0, lower, z), -float(pair[0, 0]), 0.0),
+        ("motor shelf", (0.0, layout.levels.motor_shelf_bottom_z, z), 0.0, torque / MM),
         ("encoder shelf", (0.0, upper, z), -float(pair[1, 0]), 0.0),
         ("plate", (0.0, rear, 0.0), on_drum - on_front, 0.0),
         ("plate", (0.0, front, 0.0), on_front, 0.0),
@@ -134,10 +170,17 @@ def arms_compliance(arms: Sequence[Arm], share: float) -> FrameCompliance:
     first = arms[0].layout
     f, v, screw = first.frame, first.levels, first.drive.screw(first.drive.support.mount_bolt)
     places = [(arm.way * x, arm.way * z) for arm in arms for x, z in f.mounts]
-    held = Mounts(places, screw.head_diameter_mm / 2, f.mount_radius, v.front_y - v.plate_back_y)
+    held = Mounts(
+        places,
+        screw.head_diameter_mm / 2,
+        f.mount_radius,
+        v.front_y - v.plate_back_y,
+        (v.plate_back_y + v.front_y) / 2,
+    )
     mesh = plate_mesh(walls(arms), held)
     material = first.drive.frame_material
     total = np.zeros((len(mesh.plates.node_mm), 6))
+    on_boss: dict[float, float] = {}
     for arm in arms:
         tension = share * unit_tensions_N(to_si(arm.layout.drive))
         for panel, (x, y, z), force_x, couple_y in seat_forces(arm.layout, tension):
@@ -146,11 +189,21 @@ def arms_compliance(arms: Sequence[Arm], share: float) -> FrameCompliance:
             reach = f.boss.radius if z == 0.0 else _SPREAD * max(f.seat_radius, first.head.seat_radius)
             stand = next((stand for stand in f.stands if stand.z == z), None)
             reach = reach if stand is None else stand.x + 2 * stand.axle_radius
+            if panel == "motor shelf":
+                reach = first.drive.gearhead.diameter_mm / 2
             point = (arm.way * x, y, arm.way * z)
+            if z == 0.0:
+                on_boss[y] = on_boss.get(y, 0.0) + arm.way * force_x
             nodes = mesh.near(arm.of(panel), point, (reach, 1e3, reach))
             load = centred_load(mesh, nodes, np.array(point), arm.way * force_x, couple_y=couple_y)
             total[nodes, :3] += load
     shares = shares_urad(mesh, material, total.ravel(), held.springs(mesh, material))
+    # The ring round the drum's bearings, as high as boss and plate are on the average.
+    boss = f.boss
+    outer = (boss.radius + max(f.half_width, boss.radius)) / 2
+    ring = BossRing(boss.seat_radius, outer, outer, boss.encoder_pocket_floor_y, boss.front_y)
+    at, force = (np.array(tuple(values)) for values in (on_boss.keys(), on_boss.values()))
+    shares["boss ring"] = ring.work_Nmm(at, force, elastic(material)) * URAD_PER_MRAD
     return FrameCompliance(sum(shares.values()), shares)
 
 
@@ -172,6 +225,7 @@ def frame_study_of(module: str, layouts: Sequence[SpurLayout], compliance: Calla
     inputs = tuple(
         (
             layout.frame,
+            (layout.head, layout.drive.gearhead.diameter_mm),
             (layout.drum_shaft.rear_bearing_y, layout.drum_shaft.front_bearing_y),
             layout.drive.support,
             layout.drive.bearings,

@@ -207,7 +207,7 @@ def test_the_frame_is_in_balance_with_the_load() -> None:
     """Forces on its seats, idlers included, by 1 N m on the drum: none left across, and 1 N m about the drum's axis."""
     layout = SpurLayout(led())
     forces = seat_forces(layout, unit_tensions_N(to_si(led())))
-    assert len(forces) == 6
+    assert len(forces) == 7
     across = sum(force for _, _, force, _ in forces)
     about = sum(couple + at[2] * force for _, at, force, couple in forces)
     assert across == pytest.approx(0.0, abs=1e-9)

@@ -203,7 +203,7 @@ def test_thicker_walls_turn_less(drive: SpurDrive) -> None:
         return frame_compliance(SpurLayout(replace(drive, support=replace(drive.support, **walls)))).windup_urad_Nm
 
     now = windup()
-    assert 30.0 < now < 50.0, f"{now} urad per N m"
+    assert 25.0 < now < 40.0, f"{now} urad per N m; solid elements 34"
     for walls in ({"plate_mm": 6.0}, {"bridge_mm": 5.0}, {"encoder_shelf_mm": 5.0}):
         assert windup(**walls) < now, walls
 

@@ -1,0 +1,140 @@
+"""The turn of whole drives by the model and with drum, input pulleys and frame as solid elements of their STEP.
+
+    python tests/random_structures.py --rows out/structures.jsonl
+
+Of each layout the first random short file with a metal and the first with a printed frame that pass every check, and
+two references. Part by part, with the supports that the model assumes; bearings, gearheads, shafts and axle, whose
+figures are estimates or beams, are the model's in both sums. Needs gmsh and scikit-fem
+(tests/requirements-solids.lock); half a minute a drive. Exit 1 if a sum differs by more than 10 %.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from itertools import count
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+sys.path.insert(0, str(Path(__file__).parents[1]))  # the tests and their support, however this file is run
+sys.path.insert(0, str(Path(__file__).parent))
+
+import numpy as np
+from random_generator import LAYOUTS, Passing, passing
+
+from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.sector import SectorLayout
+from mbcdm_cad.model.stiffness import unit_tensions_N
+
+ALLOWED = 0.10
+REFERENCES = ("mbcdm", "siso_spur")
+
+
+@dataclass(frozen=True)
+class DriveByBoth:
+    """One drive by both routes, urad per N m: its parts, and the sums of all causes besides the cables."""
+
+    name: str
+    frame_material: str
+    parts: dict[str, tuple[float, float]]
+    sums: dict[str, tuple[float, float]]
+
+    def __str__(self) -> str:
+        def shown(pairs: dict[str, tuple[float, float]]) -> str:
+            return ", ".join(f"{k} {a:.4g}/{b:.4g} {a / b - 1.0:+.1%}" for k, (a, b) in pairs.items())
+
+        return f"{self.name} ({self.frame_material}): {shown(self.parts)}; {shown(self.sums)}"
+
+
+def by_both(name: str, layout: SectorLayout) -> DriveByBoth:
+    """Model and solid elements for one drive."""
+    from tests.support.drum_solid import drum_by_solids
+    from tests.support.frame_solid import frame_by_solids
+    from tests.support.shaft_solid import pulley_torsion_urad_Nm
+
+    drive, d, structure = layout.drive, layout.loads.si, layout.structure
+    cables = [t.cable_name for t in layout.drum.tensioners]
+    unit = np.abs(unit_tensions_N(d)) * d.drum_radius_m
+    share = {c: float(s) for c, s in zip(d.cable_names, unit, strict=True) if c in cables}
+    own = sum(share.values())
+    preload = {c.name: c.preload_N for c in drive.cables}
+    thread = drive.screw(layout.drum.set_screw).thread_mm
+    with TemporaryDirectory() as folder:
+        frame, _ = frame_by_solids(layout, Path(folder))
+        drum = drum_by_solids(
+            layout.drum,
+            drive.drum_material,
+            thread,
+            {c: s / own for c, s in share.items()},
+            preload,
+            drive.loads.peak_torque_Nm,
+            Path(folder),
+        )
+        twist = pulley_torsion_urad_Nm(layout, Path(folder))
+    model = {c.name: c.urad_Nm for c in structure.causes}
+    in_drum = [name for name in model if name.startswith("drum: ")]
+    drum_model, drum_solid = sum(model[k] for k in in_drum), drum.turn_urad_Nm * own
+    parts = {
+        "frame": (model["frame"], frame),
+        "drum": (drum_model, drum_solid),
+        "pulleys' torsion": (model["input pulleys, torsion"], twist),
+    }
+    # Of the drum's figure the hub to the payload is not seen by the drum's encoder; its share is the model's.
+    scale = drum_solid / drum_model
+    solid = model | {"frame": frame, "input pulleys, torsion": twist} | {k: model[k] * scale for k in in_drum}
+
+    def both(causes: tuple) -> tuple[float, float]:
+        return sum(c.urad_Nm for c in causes), sum(solid[c.name] for c in causes)
+
+    sums = {
+        "encoder": both(structure.at_encoder),
+        "payload": both(structure.at_payload),
+        "motors held": both(structure.causes),
+    }
+    return DriveByBoth(name, layout.frame_material.name, parts, sums)
+
+
+def drives() -> Iterator[tuple[str, SectorLayout]]:
+    """Ten drives: two of each layout, and two references."""
+    for name, space in LAYOUTS.items():
+        wanted = {False, True}
+        for seed in count(1):
+            found = passing(seed, space)
+            if isinstance(found, Passing):
+                layout = found.loaded.drive.layout
+                assert isinstance(layout, SectorLayout)
+                if layout.printed_frame in wanted:
+                    wanted.remove(layout.printed_frame)
+                    yield f"{name} random-{seed}", layout
+            if not wanted:
+                break
+    for name in REFERENCES:
+        layout = load_design(Path(__file__).parents[1] / "params" / f"{name}.yaml").drive.layout
+        assert isinstance(layout, SectorLayout)
+        yield name, layout
+
+
+def main() -> int:
+    """Print every drive, and the largest difference of a sum."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--rows", type=Path, help="file of the drives computed so far, one a line; a new run goes on")
+    given = parser.parse_args()
+    kept: list[str] = given.rows.read_text("utf-8").splitlines() if given.rows and given.rows.exists() else []
+    done = {row["name"]: DriveByBoth(**row) for row in map(json.loads, kept)}
+    worst = 0.0
+    for name, layout in drives():
+        drive = done.get(name) or by_both(name, layout)
+        if given.rows and name not in done:
+            with given.rows.open("a", encoding="utf-8") as file:
+                file.write(json.dumps(asdict(drive)) + "\n")
+        print(drive, flush=True)
+        worst = max([worst, *(a / b - 1.0 for a, b in drive.sums.values())], key=abs)
+    print(f"largest difference of a sum {worst:+.1%}, allowed {ALLOWED:.0%}")
+    return int(abs(worst) > ALLOWED)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
