@@ -9,7 +9,6 @@ from pathlib import Path
 from mbcdm_cad.build.store import Progress
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError, MbcdmError, Problem
-from mbcdm_cad.loop.prepare.noise import Noise
 from mbcdm_cad.measurement.reading import load_measurement
 from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.planning.best_run import BestRun, best_run
@@ -25,8 +24,11 @@ def plan_run(drive: Drive, experiment: Path, pilot: Path | None) -> RunPlan:
     Raises ``InputError`` for mistakes in the files, ``MbcdmError`` for a run that the model cannot follow.
     """
     with _followed(experiment):
-        noise = _noise(drive, pilot)
-        return plan_of(drive, run_of(drive, _quasistatic(experiment)), noise)
+        measured = None if pilot is None else load_measurement(pilot)
+        noise = None if measured is None else noise_from(drive, measured)
+        # The load of the planned run is known as well as that of the pilot.
+        known = None if measured is None else measured.sensors.torque_class
+        return plan_of(drive, run_of(drive, _quasistatic(experiment), known), noise)
 
 
 def plan_within(
@@ -34,13 +36,9 @@ def plan_within(
 ) -> BestRun:
     """The best run that the bench can make, compared with that of ``experiment`` if given. Errors as of the other."""
     with _followed(experiment or bench):
-        noise = _noise(drive, pilot)
+        noise = None if pilot is None else noise_from(drive, load_measurement(pilot))
         own = [] if experiment is None else [_quasistatic(experiment)]
         return best_run(drive, read_bench(bench), noise, own, progress)
-
-
-def _noise(drive: Drive, pilot: Path | None) -> Noise | None:
-    return None if pilot is None else noise_from(drive, load_measurement(pilot))
 
 
 @contextmanager

@@ -9,8 +9,9 @@ from math import exp, inf, log
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.loop.prepare.noise import Noise
+from mbcdm_cad.measurement.run import TorqueClass
 from mbcdm_cad.model.si import ModelError
-from mbcdm_cad.planning.candidates import candidates, experiment_text, run_of
+from mbcdm_cad.planning.candidates import candidates, class_of_load, experiment_text, run_of
 from mbcdm_cad.planning.plan import Foreseen, RunPlan, plan_of
 from mbcdm_cad.rig.bench_limits import BenchLimits
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
@@ -95,7 +96,7 @@ def best_run(
     found = []
     for experiment in (*own, *candidates(drive, limits)):
         progress(f"plan of {experiment.about or experiment.name}")
-        plan = _plan(drive, experiment, noise)
+        plan = _plan(drive, experiment, noise, class_of_load(limits))
         if plan is not None:
             found.append((experiment, plan))
     if not found:
@@ -105,13 +106,13 @@ def best_run(
         key=lambda pair: pair[1].mean_multiple,
     )
     ranked = [(run.model_copy(update={"sample_rate_Hz": limits.sample_rate_Hz}), one) for run, one in ranked]
-    at_rate = _plan(drive, ranked[0][0], noise)
+    at_rate = _plan(drive, ranked[0][0], noise, class_of_load(limits))
     assert at_rate is not None
     return BestRun(tuple(ranked), at_rate)
 
 
-def _plan(drive: Drive, experiment: Experiment, noise: Noise | None) -> RunPlan | None:
+def _plan(drive: Drive, experiment: Experiment, noise: Noise | None, torque_class: TorqueClass) -> RunPlan | None:
     try:
-        return plan_of(drive, run_of(drive, experiment), noise)
+        return plan_of(drive, run_of(drive, experiment, torque_class), noise)
     except (RigError, ModelError):
         return None

@@ -10,7 +10,7 @@ from typing import Any
 import yaml
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.measurement.run import Run, Sensors
+from mbcdm_cad.measurement.run import Run, Sensors, TorqueClass
 from mbcdm_cad.measurement.schema import CountedParts
 from mbcdm_cad.rig.bench_limits import BenchLimits
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
@@ -37,6 +37,8 @@ def candidates(drive: Drive, limits: BenchLimits) -> list[Experiment]:
     if limits.half_travel_deg is not None:
         travel = radians(limits.half_travel_deg)
     sensors = {**limits.sensors.model_dump(), "log_torque": bool(limits.loads) and limits.sensors.log_torque}
+    if limits.motor_current is not None:
+        sensors |= {"torque_noise_Nm": limits.motor_current.noise_Nm}
     found = []
     for amplitude, travels in ((travel, "long travel"), (SHORT_SHARE * travel, "short travel")):
         for sweeps, speeds in ((SLOW_SWEEPS, "slow"), (FAST_SWEEPS, "fast")):
@@ -91,8 +93,17 @@ def experiment_text(experiment: Experiment, about: str) -> str:
     return f"# {about}\n" + yaml.safe_dump(content, sort_keys=False, allow_unicode=True, width=110)
 
 
-def run_of(drive: Drive, wanted: Experiment) -> Run:
-    """The run as the bench would log it for the declared drive. Raises ``RigError`` if the rig stops."""
+def class_of_load(limits: BenchLimits) -> TorqueClass:
+    """How well the load of a bench is known."""
+    current = limits.motor_current
+    return TorqueClass() if current is None else TorqueClass.of_motors(current.torque_constant_share)
+
+
+def run_of(drive: Drive, wanted: Experiment, torque_class: TorqueClass | None = None) -> Run:
+    """The run as the bench would log it for the declared drive. Raises ``RigError`` if the rig stops.
+
+    ``torque_class``: how well its load is known, as a usual sensor's if left out.
+    """
     plain = wanted.physics.model_copy(update={"cable_transport": False})
     run = simulate(drive, wanted.model_copy(update={"effects": (), "physics": plain}))
     s = wanted.sensors
@@ -102,6 +113,7 @@ def run_of(drive: Drive, wanted: Experiment) -> Run:
         s.torque_noise_Nm or None,
         s.input_noise_rad or None,
         s.output_noise_rad or None,
+        torque_class or TorqueClass(),
     )
     return Run(
         run.time_s,

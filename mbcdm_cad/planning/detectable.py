@@ -12,13 +12,14 @@ from scipy.optimize import brentq
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.loop.effect import Effect
 from mbcdm_cad.loop.effects import library
+from mbcdm_cad.loop.effects.load_sensor import within_class
 from mbcdm_cad.loop.prepare.noise import Noise
 from mbcdm_cad.loop.prepare.prepared import prepare
 from mbcdm_cad.loop.prepare.quiet import signal_noise
 from mbcdm_cad.loop.search.exchange import ALIKE_SHARE
 from mbcdm_cad.loop.search.fit import DIFFERENCE, Fit, Fitter
 from mbcdm_cad.loop.search.select import LEAST_FALL
-from mbcdm_cad.measurement.run import Run
+from mbcdm_cad.measurement.run import MOTORS_CURRENT, Run
 from mbcdm_cad.measurement.vet import arranged
 from mbcdm_cad.model.si import ModelError, to_si
 from mbcdm_cad.planning.power import Draws, Shown, draws_of, shown, smallest, worst_phase
@@ -67,6 +68,21 @@ class Tried:
         """Cosine of this effect and another, at the phases at which they are most alike."""
         return min(1.0, float(np.linalg.svd(self.basis.T @ other.basis, compute_uv=False)[0]))
 
+    def apart_within(self, other: Tried, reach: float) -> float:
+        """RMS over the floor from which this effect is separated from another that can do no more than ``reach``.
+
+        What the other cannot imitate is the part that is unlike it, and what is beyond its reach of the part that is
+        like it.
+        """
+        alike, most = self.likeness(other), self.apart(other)
+        needed = np.sqrt(TOLD_STRENGTH / self.counted)
+
+        def left(strength: float) -> float:
+            beyond = max(0.0, strength * alike - reach)
+            return float(np.hypot(strength * np.sqrt(max(1.0 - alike, 0.0)), beyond) - needed)
+
+        return most if left(most) <= 0.0 else float(brentq(left, 0.0, most))
+
     def apart(self, other: Tried) -> float:
         """RMS over the floor from which this effect is separated from another."""
         alike = self.likeness(other)
@@ -87,6 +103,10 @@ class PlannedEffects:
         self.draws: Draws = draws_of(noise, p, bare.jacobian[fitter.used], friction_errors(fitter, bare, signals))
         self.offered = [effect for effect in library(fitter.d, p) if not effect.inside and effect.base is None]
         self.tried = [found for effect in self.offered for found in self._tried(effect)]
+        # What a load from motors' currents may be wrong by is as good an explanation as an effect, within its bound.
+        allowed = p.run.sensors.torque_class
+        within = within_class((p,)) if allowed.what == MOTORS_CURRENT else []
+        self.within = [(found, effect.parameters[0].high) for effect in within for found in self._tried(effect)]
 
     def sizes(self, one: Tried, power: float) -> tuple[float, float]:
         """The positive and the negative size from which an effect is named with this power, by its name or in a set;

@@ -8,6 +8,7 @@ their size; all else, the rivals too, is linear in the sizes, so valid for small
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -140,10 +141,20 @@ def _foreseen(effects: PlannedEffects, one: Tried, power: float) -> Foreseen:
             from_size = None if wanted > ANY_SIZE * strength else wanted / strength * size
             rivals.append((wanted, Rival(other.label, from_size)))
     rivals.sort(key=lambda rival: -rival[0])
-    worst = tuple(rival for _, rival in rivals[:MOST_RIVALS])
+    worst = (*_within(effects, one, strength, size), *(rival for _, rival in rivals[:MOST_RIVALS]))
     if signed[0] == signed[1] or abs(signed[0] / signed[1] - 1.0) < SAME_SIZE:
         return Foreseen(one.label, name, size, worst)
     return Foreseen(one.label, name, size, worst, *(each if np.isfinite(each) else None for each in signed))
+
+
+def _within(effects: PlannedEffects, one: Tried, strength: float, size: float) -> Iterator[Rival]:
+    """What the load may be wrong by, where it imitates the effect at its smallest size."""
+    for other, bound in effects.within:
+        if other.unit > 0.0:
+            wanted = one.apart_within(other, bound * other.unit / effects.noise.total_rad)
+            if wanted > strength:
+                name, shown = readable(_size_name(other.effect), [bound])
+                yield Rival(f"{other.effect.name} within {name} {shown[0]}", wanted / strength * size)
 
 
 def _size_name(effect: Effect) -> str:

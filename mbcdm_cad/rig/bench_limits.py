@@ -12,6 +12,14 @@ from mbcdm_cad.rig.sensors import BenchSensors
 LoadKind = Literal["brake", "weight", "torque_motor"]
 
 
+class MotorCurrent(ExperimentBlock):
+    """Motors' currents in place of a torque sensor: spread of the torque constant, one standard deviation as a share,
+    and noise of the load that follows from them, at the drum."""
+
+    torque_constant_share: Annotated[float, Field(ge=0.0, le=0.25)] = 0.05
+    noise_Nm: Annotated[float, Field(ge=0.0, le=5.0)] = 0.02
+
+
 class BenchLimits(ExperimentBlock):
     """Limits of a bench; defaults: the travel of the design, no load, no limit of the speed."""
 
@@ -23,3 +31,4 @@ class BenchLimits(ExperimentBlock):
     loads: Annotated[tuple[LoadKind, ...], Field(max_length=3, strict=False)] = ()
     torque_Nm: Annotated[float, Field(gt=0.0, le=50.0)] | None = None
     sensors: BenchSensors = BenchSensors()
+    motor_current: MotorCurrent | None = None
