@@ -26,7 +26,9 @@ MET, NEAR = 0.03, 0.1
 LEAST_RISING = 0.1
 # Lines or counts a turn that encoders are sold with, times 1 or 4 for edges.
 LINES = (100, 125, 128, 200, 250, 256, 300, 360, 400, 500, 512, 600, 720, 900, 1000, 1024, 1250, 2000, 2048, 2500, 3600)
-COUNTS_SOLD = sorted({n * edges for n in LINES for edges in (1, 4)} | {2**k for k in range(8, 27)})
+# Steppers take 200 steps a turn, divided by up to 256.
+STEPS = {200 << k for k in range(9)}
+COUNTS_SOLD = sorted({n * edges for n in LINES for edges in (1, 4)} | {2**k for k in range(8, 27)} | STEPS)
 # Whole numbers within a smaller span are states or flags, no counter.
 LEAST_COUNTED = 50.0
 
