@@ -114,7 +114,9 @@ def _preload(given: SpurKnown) -> Found:
         return held_preload(given, wanted, driver)
     at_knee = wanted_preload_N(given, wanted, given.rope["breaking_load_N"])
     usual = preload(given, at_knee, "rope.preload_by" if at_knee > wanted else driver)
-    tried = [float(f"{share * usual.value:.2g}") for share in PRELOAD_SHARES]
+    # Below the knee come the preloads that are tried without it.
+    from_N = [usual.value] if at_knee <= wanted else [usual.value, wanted]
+    tried = sorted({float(f"{share * start:.2g}") for start in from_N for share in PRELOAD_SHARES}, reverse=True)
     counted = ("motor_torque_forward", "motor_torque_back") if counts_losses(given) else ()
     easy = () if given.get("loads.backdrive_Nm") is None else ("backdrive",)
     found = given.first("rope.preload_N", tried, ("cable_ends", "tension", *counted, *easy))
