@@ -89,8 +89,9 @@ class DriveDesign:
         """Shares of the preload, and how the built drive measures its own, as ``mbcdm preload``.
 
         With ``out`` expected curves, a ramp in C and its evaluation in Python are written into ``out/NAME-preload``.
-        ``logs``: for each input a CSV of its measured ramps (angle_rad, torque_Nm); the report then has the preloads
-        found and the turns of the nuts. Raises ``MbcdmError`` for a log that does not do.
+        ``logs``: for each input a CSV of its measured ramps (angle_rad, and torque_Nm on its shaft or motor_torque_Nm);
+        the report then has the preloads found and the turns of the nuts. Raises ``MbcdmError`` for a log that does
+        not do.
         """
         from mbcdm_cad.jobs.outputs import write_preload
         from mbcdm_cad.report.preload import preload_report

@@ -44,7 +44,7 @@ def analyse(design: Path, as_json: bool) -> int:
 )
 @DESIGN
 @click.option(
-    "--log", "logs", multiple=True, metavar="INPUT=FILE", help="Measured ramps of an input, CSV: angle_rad, torque_Nm."
+    "--log", "logs", multiple=True, metavar="INPUT=FILE", help="Measured ramps of an input, a CSV: docs/preload.md."
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the results as JSON.")
 @out_folder("Folder that the procedure's folder, NAME-preload, is written into.")
