@@ -86,7 +86,8 @@ on: in 68 of them the mounting screws do not hold the peak torque by friction, b
 """
 _SEARCH = """\
 mbcdm optimise params/optimum/{name}.yaml --aim torque_to_weight_lossless_Nm_kg:max --aim cable_swing_mrad:min \\
-  --keep "box_x_mm:<=126" --keep "box_z_mm:<=97" --keep "box_y_mm:<=34.8" {more}"""
+  --keep "box_x_mm:<=126" --keep "box_z_mm:<=97" --keep "box_y_mm:<=34.8" \\
+  --beside params/mbcdm.yaml {more}"""
 
 
 def optimum_page(params: Path, builds: Path) -> str:
