@@ -23,6 +23,7 @@ from mbcdm_cad.checks.remedies import Budget
 from mbcdm_cad.checks.result import CheckResult, failed
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.checks.size import estimated_mass_g
+from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.loader import load_design
@@ -81,7 +82,7 @@ class BuiltDrive:
         mass = f"about {estimated_mass_g(layout.bill()):.0f}" if passes else None
         return (
             drive.name,
-            cable.drum_radius_mm / cable.input_radius_mm,
+            _ratio(drive),
             drive.travel_words,
             f"{cable.drum_radius_mm:.4g}, {cable.input_radius_mm:.3g}",
             f"{drive.cable.name}, {cable.preload_N:g} N",
@@ -92,6 +93,12 @@ class BuiltDrive:
             mass if self.mass_g is None else f"{self.mass_g:.0f}",
             f"{len(failed(self.checks))} of {len(self.checks)}",
         )
+
+
+def _ratio(drive: Drive) -> str:
+    """Of the cables, and before it that of belt or gears."""
+    cables, stage = f"{drive.cables[0].drum_radius_mm / drive.cables[0].input_radius_mm:.4g}", drive.stage
+    return cables if stage is None else f"{stage.ratio:.3g} ({stage.kind}) x {cables}"
 
 
 def told(text: str) -> dict[str, str]:

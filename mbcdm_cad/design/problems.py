@@ -116,9 +116,20 @@ def _before_comma(tree: Tree, path: FieldPath) -> str:
     return f"{before}: {whole}.{path[-1]}" if is_whole else ""
 
 
+# What a file may call a second pair of capstan and drum, and what it can say in its place.
+_SECOND_CABLE_STAGE: tuple[FieldPath, ...] = (("stages",), ("first_stage",), ("second_stage",))
+SECOND_CABLE_STAGE = (
+    "a file has one cable stage: the drum of one before it would turn by this stage's ratio times the travel, and a "
+    "drum is less than a turn; state what is before it as stage: {kind: belt, ratio: 3.0}, or kind: gears, with its "
+    "stiffness_Nm_rad, lash_arcmin and efficiency"
+)
+
+
 def _unknown_remedy(path: FieldPath, node_at: NodeAt) -> str:
     """The similar field, or the block beside or within that has a field of this name."""
     known = (node_at(path[:-1]) or {}).get("properties", {})
+    if path in _SECOND_CABLE_STAGE:
+        return SECOND_CABLE_STAGE
     for block in known:
         node = node_at((*path[:-1], block)) or {}
         if path[-1] in node.get("properties", {}):

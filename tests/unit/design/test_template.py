@@ -111,6 +111,7 @@ def test_every_field_has_a_meaning_and_a_unit_and_every_number_its_bounds() -> N
 
 
 UNITS = {
+    "_arcmin": "arcmin",
     "_mm": "mm",
     "_deg": "deg",
     "_deg_s": "deg/s",
