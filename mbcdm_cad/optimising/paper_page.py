@@ -160,8 +160,9 @@ def _page(reference: Evaluated, found: dict[str, Evaluated]) -> Iterator[str]:
     )
     yield from ReportTable(("", "paper", "its model here (mbcdm.yaml)", *found), rows).markdown()
     yield ""
-    best, stiff, own = (one.figures for one in (found[DESIGNS[0]], found[DESIGNS[-1]], reference))
     name, swing = "torque_to_weight_lossless_Nm_kg", "cable_swing_mrad"
+    best = max((one.figures for one in found.values()), key=lambda figures: figures[name])
+    stiff, own = found[DESIGNS[-1]].figures, reference.figures
     yield _WORDS.format(
         best=best[name],
         lossy=best["torque_to_weight_with_losses_Nm_kg"],
