@@ -61,7 +61,7 @@ Torque: with the motor's continuous torque, in the weaker direction. Stiffness: 
 inputs held. Backdrive: torque at the drum that turns the motors without current. A mass after "about" is computed
 without drawing the parts.
 """
-_LABEL = re.compile(r"(Published|Differs): ")
+_LABEL = re.compile(r"\s*\b(Published|Differs): ")
 
 
 @dataclass(frozen=True)
@@ -103,15 +103,9 @@ def _ratio(drive: Drive) -> str:
 
 def told(text: str) -> dict[str, str]:
     """What a file's comments say: under "" what the drive is, under ``Published`` and ``Differs`` the rest."""
-    said, label = {"": ""}, ""
-    for line in text.splitlines():
-        if line.startswith("#"):
-            words = line.removeprefix("#").strip()
-            found = _LABEL.match(words)
-            if found:
-                label, words = found[1], words[found.end() :]
-            said[label] = f"{said.get(label, '')} {words}".strip()
-    return said
+    words = " ".join(line.removeprefix("#").strip() for line in text.splitlines() if line.startswith("#"))
+    first, *rest = _LABEL.split(words)
+    return {"": first} | dict(zip(rest[::2], rest[1::2], strict=True))
 
 
 def built_drive(path: Path, cache: Cache) -> BuiltDrive:

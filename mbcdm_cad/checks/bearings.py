@@ -28,6 +28,11 @@ BEARING_PLAY_MM = 0.01
 GEARHEAD_PLAY_MM = 0.02
 
 
+def carried(drive: Any) -> bool:
+    """Whether each input pulley has bearings of its own."""
+    return not drive.overhung
+
+
 def safety(bearing: Bearing, name: str, load_N: float, limit: float) -> Comparison:
     what = f"{name}: {bearing.name}, static rating {bearing.static_rating_N:g} N over {load_N:.4g} N"
     return at_least(what, bearing.static_rating_N / max(load_N, 1e-9), limit, "times")
@@ -157,6 +162,7 @@ INPUT_BEARINGS = Check(
     input_bearings,
     adjust=LESS,
     advice=LARGER,
+    applies=carried,
 )
 DRUM_BEARINGS = Check(
     "drum_bearings",
@@ -182,7 +188,7 @@ COUPLING_RUNOUT = Check(
     LESS,
     LARGER,
     # A wheel on the journal gives with it.
-    applies=lambda drive: drive.stage is None,
+    applies=lambda drive: drive.stage is None and carried(drive),
 )
 
 
@@ -208,8 +214,9 @@ def _rating_needed(measure: Callable[[Any], Comparison], s: SectorLayout) -> str
 
 
 def _input_and_drum(s: SectorLayout) -> Comparison:
-    """All bearings of a drive that has bearings only at its inputs and its drum."""
-    return worst([*input_safety(s, QUIET_SAFETY), *drum_safety(s, QUIET_SAFETY)])
+    """All bearings of a drive that has bearings only at its inputs and its drum; not a motor's own."""
+    inputs = [] if s.drive.overhung else input_safety(s, QUIET_SAFETY)
+    return worst([*inputs, *drum_safety(s, QUIET_SAFETY)])
 
 
 # Of a drive with bearings at its inputs and its drum alone.

@@ -6,7 +6,7 @@ from math import hypot, pi, sqrt
 
 import numpy as np
 
-from mbcdm_cad.checks.bearings import drum_reactions_N, input_reactions
+from mbcdm_cad.checks.bearings import carried, drum_reactions_N, input_reactions
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, noted, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.strength import rated_input_Nm
@@ -158,6 +158,7 @@ CHECKS = (
         collar_grip,
         adjust=_LESS,
         advice="choose a gearhead with a thicker shaft",
+        applies=carried,
     ),
     Check(
         "hub_set_screws",
@@ -180,6 +181,7 @@ CHECKS = (
         pulley_stress,
         adjust=(*_LESS, down("rope.preload_N")),
         advice="choose larger bearings",
+        applies=carried,
     ),
     Check(
         "shaft_stress",

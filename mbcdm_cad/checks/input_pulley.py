@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from mbcdm_cad.checks.bearings import carried
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, noted, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.layouts.sector import SectorLayout
@@ -271,7 +272,7 @@ def coupling_checks(wider: tuple[Adjustment, ...]) -> tuple[Check, ...]:
             "material: min_wall_mm",
             bore_wall,
             advice=_CHOOSE,
-            applies=lambda drive: drive.stage is None,
+            applies=lambda drive: drive.stage is None and carried(drive),
         ),
         Check(
             "bearing_shoulders",
@@ -280,6 +281,7 @@ def coupling_checks(wider: tuple[Adjustment, ...]) -> tuple[Check, ...]:
             bearing_shoulders,
             adjust=wider,
             advice="choose a smaller bearing",
+            applies=carried,
         ),
         Check(
             "encoder_fit",
@@ -303,6 +305,7 @@ def coupling_checks(wider: tuple[Adjustment, ...]) -> tuple[Check, ...]:
             shaft_grip,
             adjust=(down("support.motor_shelf_mm"),),
             advice="choose a gearhead with a longer shaft",
+            applies=carried,
         ),
         Check(
             "pilot_room",
@@ -310,6 +313,7 @@ def coupling_checks(wider: tuple[Adjustment, ...]) -> tuple[Check, ...]:
             "clearances.running_mm",
             pilot_room,
             adjust=(up("support.motor_shelf_mm"),),
+            applies=carried,
         ),
         Check(
             "coupling_height",
@@ -317,5 +321,6 @@ def coupling_checks(wider: tuple[Adjustment, ...]) -> tuple[Check, ...]:
             "clearances.running_mm; 0.1 mm: estimate",
             coupling_height,
             adjust=(up("support.coupling_space_mm"), up("support.motor_shelf_mm")),
+            applies=carried,
         ),
     )

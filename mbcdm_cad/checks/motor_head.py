@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from mbcdm_cad.checks.bearings import carried
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM, corner_gap, web_between
+from mbcdm_cad.design.bought import Screw
 from mbcdm_cad.layouts.sector import HeadLayout
 from mbcdm_cad.parts.boss import EAR_WALL_MM
 from mbcdm_cad.parts.collar import collar_sweep_mm
@@ -20,7 +22,7 @@ def engagement(s: HeadLayout) -> Comparison:
     """Engaged thread of every screw minus its diameter."""
     drive, f = s.drive, s.frame
     gear, encoder, ring = (drive.screw(item.screw) for item in (drive.gearhead, drive.encoder, drive.drum_encoder))
-    hub, collar, c = drive.screw(s.drum.set_screw), drive.screw(s.collar.screw), s.collar
+    hub = drive.screw(s.drum.set_screw)
     engaged = (
         (f"{drive.mounted} screw", gear, gear.length_mm - drive.support.motor_shelf_mm),
         *(
@@ -29,12 +31,17 @@ def engagement(s: HeadLayout) -> Comparison:
         ),
         *(("drum encoder's screw", ring, f.encoder_screw_depth - 0.5) for _ in range(not drive.drum_encoder.absent)),
         ("hub's set screw", hub, min(hub.length_mm, s.drum.hub_radius - s.drum.set_screw_radius)),
-        ("collar's screw", collar, collar.length_mm - c.head_seat - c.slit_width / 2),
+        *(_in_collar(s) for _ in range(not drive.overhung)),
     )
     return worst(
         at_least(f"engaged length of the {name} over its diameter", length - screw.thread_mm, 0.0, "mm")
         for name, screw, length in engaged
     )
+
+
+def _in_collar(s: HeadLayout) -> tuple[str, Screw, float]:
+    screw, c = s.drive.screw(s.collar.screw), s.collar
+    return "collar's screw", screw, screw.length_mm - c.head_seat - c.slit_width / 2
 
 
 def screw_counts(s: HeadLayout) -> Comparison:
@@ -152,6 +159,7 @@ ENCODER_SHELF = Check(
     "material: min_wall_mm",
     encoder_shelf,
     adjust=(up("support.bearing_shelf_mm"), up("support.encoder_shelf_mm")),
+    applies=carried,
 )
 CHECKS = (
     Check(
@@ -175,6 +183,7 @@ CHECKS = (
         "derived: assembly order",
         key_access,
         advice="choose a larger input_pulleys.lower_bearing, or a gearhead of smaller bolt circle",
+        applies=carried,
     ),
     Check(
         "collar_space",
@@ -182,5 +191,6 @@ CHECKS = (
         "clearances.running_mm",
         collar_space,
         adjust=(up("support.coupling_space_mm"),),
+        applies=carried,
     ),
 )

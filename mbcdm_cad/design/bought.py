@@ -174,6 +174,20 @@ class Motor(Entry):
     radial_load_N: Number | None = entry_field(
         "radial load that the shaft can take", "N", default=None, gt=0.0, le=10000.0
     )
+    radial_load_at_mm: Number | None = entry_field(
+        "distance from the face at which it can take radial_load_N; half the shaft's length if left out",
+        "mm",
+        default=None,
+        gt=0.0,
+        le=200.0,
+    )
+    bearing_span_mm: Number | None = entry_field(
+        "distance between the shaft's own bearings; 0.6 of the body's length if left out",
+        "mm",
+        default=None,
+        gt=0.0,
+        le=300.0,
+    )
     shaft_diameter_mm: Number | None = entry_field("shaft diameter", "mm", default=None, ge=1.0, le=40.0)
     shaft_length_mm: Number | None = entry_field("shaft length from the face", "mm", default=None, ge=1.0, le=80.0)
     pilot_diameter_mm: Number | None = entry_field("centring boss diameter", "mm", default=None, ge=1.0, le=200.0)
@@ -228,6 +242,20 @@ class Gearhead(Entry):
     rated_torque_mNm: Number = entry_field("continuous output torque", "mN m", gt=0.0, le=1e6)
     max_torque_mNm: Number = entry_field("intermittent output torque", "mN m", gt=0.0, le=1e6)
     radial_load_N: Number = entry_field("radial load that the output shaft can take", "N", gt=0.0, le=10000.0)
+    radial_load_at_mm: Number | None = entry_field(
+        "distance from the face at which it can take radial_load_N; half the shaft's length if left out",
+        "mm",
+        default=None,
+        gt=0.0,
+        le=200.0,
+    )
+    bearing_span_mm: Number | None = entry_field(
+        "distance between the output shaft's own bearings; 0.3 of the body's length if left out",
+        "mm",
+        default=None,
+        gt=0.0,
+        le=300.0,
+    )
     stiffness_Nm_rad: Number | None = entry_field(
         "torsional stiffness at the output; estimated from the diameter if left out",
         "N m/rad",
@@ -251,7 +279,25 @@ class Gearhead(Entry):
         """Whether there is no gearhead: the values are then those of the motor's own face."""
         return self.name == NO_GEARHEAD
 
+    @property
+    def span_mm(self) -> float:
+        """Distance between the shaft's own bearings, the front one at the face: stated, else estimated."""
+        return GEARHEAD_SPAN * self.length_mm if self.bearing_span_mm is None else self.bearing_span_mm
 
+    @property
+    def front_reaction_N(self) -> float:
+        """Load of the shaft's front bearing under the permitted radial load: it decides (statics of a beam)."""
+        at = self.shaft_length_mm / 2 if self.radial_load_at_mm is None else self.radial_load_at_mm
+        return self.radial_load_N * (at + self.span_mm) / self.span_mm
+
+    def permitted_N(self, at_mm: float) -> float:
+        """Radial load that the shaft can take at a distance from the face: the one with the same load in front."""
+        return self.front_reaction_N * self.span_mm / (at_mm + self.span_mm)
+
+
+# Distance between the bearings of an output shaft over the body's length, of gearheads and of motors (estimates: the
+# output stage takes a third of a gearhead, a motor's bearings stand in its two ends).
+GEARHEAD_SPAN, MOTOR_SPAN = 0.3, 0.6
 # Name in place of a gearhead in a design file whose motor drives the input directly.
 NO_GEARHEAD = "none"
 
@@ -269,7 +315,8 @@ def without_gearhead(motor: Motor) -> Gearhead:
     missing = missing_face_fields(motor)
     if missing:
         raise KeyError(f"motor {motor.name}: no {', '.join(missing)}")
-    values: dict[str, Any] = {name: getattr(motor, name) for name in FACE_FIELDS}
+    values: dict[str, Any] = {name: getattr(motor, name) for name in (*FACE_FIELDS, "radial_load_at_mm")}
+    span = motor.bearing_span_mm
     return Gearhead(
         name=NO_GEARHEAD,
         ratio=1.0,
@@ -280,6 +327,7 @@ def without_gearhead(motor: Motor) -> Gearhead:
         length_mm=0.0,
         mass_g=0.0,
         source=motor.source,
+        bearing_span_mm=MOTOR_SPAN * motor.length_mm if span is None else span,
         **values,
     )
 
@@ -336,6 +384,31 @@ class Bearing(Entry):
     outer_shoulder_mm: Number = entry_field("shoulder diameter D_a at the outer ring", "mm", ge=1.0, le=250.0)
     static_rating_N: Number = entry_field("static load rating C0", "N", gt=0.0, le=100000.0)
     mass_g: Number = entry_field("mass", "g", gt=0.0, le=2000.0)
+
+
+# Name in place of the bearings of an input pulley in a design file whose motor carries it.
+NO_BEARING = "none"
+# Outside diameter, width and shoulders of a motor's own bearings over the bore: those of the series 60 and 62.
+OWN_OUTSIDE, OWN_WIDTH, OWN_INNER, OWN_OUTER = 2.5, 0.8, 1.4, 2.1
+
+
+def own_bearing(face: Gearhead) -> Bearing:
+    """Either bearing of the shaft of a motor or gearhead, as catalogues describe none: by the shaft's diameter.
+
+    Its static rating is the load of the front one under the permitted radial load.
+    """
+    d = face.shaft_diameter_mm
+    return Bearing(
+        name=NO_BEARING,
+        bore_mm=d,
+        outer_diameter_mm=OWN_OUTSIDE * d,
+        width_mm=OWN_WIDTH * d,
+        inner_shoulder_mm=OWN_INNER * d,
+        outer_shoulder_mm=OWN_OUTER * d,
+        static_rating_N=face.front_reaction_N,
+        mass_g=0.0,
+        source="the motor's own; proportions of usual bearings: estimate",
+    )
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -116,6 +116,11 @@ class SteppedPulleys(PlainBlock):
         """Whether a groove leads each cable; each lies in the plane of its step here."""
         return False
 
+    @property
+    def overhung(self) -> bool:
+        """Whether the shaft of motor or gearhead alone carries each pulley, without bearings of its own."""
+        return False
+
 
 @dataclass(frozen=True, kw_only=True)
 class WoundPulleys(SteppedPulleys):

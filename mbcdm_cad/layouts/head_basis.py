@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from math import inf, pi
 from operator import itemgetter
@@ -343,14 +343,14 @@ def _gearhead(given: TrialKnown) -> Found:
         return Found(NO_GEARHEAD, "no gearhead with a motor of the catalogue reaches the torque")
     pairs.sort(key=itemgetter(0, 1))
     lightest = pairs[0][1]
-    return _preferred(
-        given, [(name, motor, heads.get(name)) for _, name, motor in pairs], lightest, "lightest of the catalogue"
-    )
+    trains = [(name, motor, heads.get(name)) for _, name, motor in pairs]
+    return _preferred(given, "drive.gearhead", trains, lightest, "lightest of the catalogue")
 
 
 def _preferred(
     given: TrialKnown,
-    trains: list[tuple[str, Mapping[str, Any], Mapping[str, Any] | None]],
+    field: str,
+    trains: Sequence[tuple[str, Mapping[str, Any], Mapping[str, Any] | None]],
     lightest: str,
     rounding: str,
 ) -> Found:
@@ -362,6 +362,10 @@ def _preferred(
     if not easy:
         nearest = max(trains, key=lambda train: _easy(given, train[1], train[2]))[0]
         return Found(nearest, "backdrive", "nothing in the catalogue does: the nearest")
+    if given.overhung:
+        # The shaft must carry the cables too.
+        cool = [name for name, motor, head in easy if _is_cool(given, motor, head)] or [name for name, *_ in easy]
+        return given.first(field, dict.fromkeys(cool), ("motor_shaft_load",))
     found = next((name for name, motor, head in easy if _is_cool(given, motor, head)), easy[0][0])
     if found == lightest:
         return Found(found, "motor_torque_forward", rounding)
@@ -395,7 +399,8 @@ def _motor(given: TrialKnown) -> Found:
         strongest = max(rated, key=lambda name: rated[name]["rated_torque_mNm"])
         return Found(strongest, "motor_torque_forward", "no motor of the catalogue does: the strongest")
     names = sorted(fitting, key=lambda name: (fitting[name]["mass_g"], name))
-    return _preferred(given, [(name, fitting[name], entry) for name in names], names[0], "the lightest")
+    trains = [(name, fitting[name], entry) for name in names]
+    return _preferred(given, "drive.motor", trains, names[0], "the lightest")
 
 
 LIMITS = (STOP_CLEARANCE, TEST_TORQUE, TENSION_SAFETY, PRELOAD_SHARE, MESH_TOLERANCE, RUNNING)

@@ -20,6 +20,8 @@ STRESSED_NM = 10.0
 # A wall takes this share of the frame's windup where it cannot meet the limit alone, and grows to this multiple of its
 # usual thickness for it (choices).
 WALL_SHARE, MOST_WALL, WINDUP = 0.2, 5.0, "frame_windup"
+# Fields that a pulley on the motor's shaft does not use; a shelf is at least so high, and the first space is tried.
+UNUSED, LEAST_SHELF_MM, COUPLING_MM = "not used: the motor's shaft carries the pulley", 3.0, 5.0
 # Engaged thread of a face's screws, in diameters.
 ENGAGED = 1.25
 # Bore of the drum's shaft over the bore of its bearings.
@@ -65,37 +67,46 @@ def _motor_shelf(given: TrialKnown) -> Found:
     """Screw length minus the needed thread, mm; at least what wall and pilot need."""
     gear = given.gearhead
     screw = given.screw(gear.screw)
+    # The shelf of a pulley on the motor's shaft is part of the plate, which the cables tilt: as thick as screws allow.
+    spare = 0.0 if given.overhung else 0.75 * screw.thread_mm
     needs = {
         "walls": given.wall_mm("support"),
-        "engagement": screw.length_mm - ENGAGED * screw.thread_mm - 0.75 * screw.thread_mm,
+        "engagement": screw.length_mm - ENGAGED * screw.thread_mm - spare,
         "pilot_room": gear.pilot_height_mm + 0.5,
     }
     driver = max(needs, key=lambda name: needs[name])
     usual = rounded_up(min(needs[driver], screw.length_mm - screw.thread_mm), 0.1)
-    if not gear.absent and not given.has("stage.kind"):
+    if not gear.absent and not given.has("stage.kind") and not given.overhung:
         return Found(usual, driver, "up to 0.1")
     # The shaft of a motor ends soon behind its face: a thinner shelf leaves the collar more of it.
-    found = given.moved("support.motor_shelf_mm", usual, -0.1, ("shaft_grip", "walls", "bought_depth"))
+    grip = "motor_shaft_grip" if given.overhung else "shaft_grip"
+    found = given.moved("support.motor_shelf_mm", usual, -0.1, (grip, "walls", "bought_depth"))
     return Found(found.value, found.driver or driver, found.rounding)
 
 
 def _bearing_shelf(given: TrialKnown) -> Found:
     """Shelf of the bearing next to the motor."""
+    if given.overhung:
+        return Found(LEAST_SHELF_MM, UNUSED)
     width = given.entry("bearings", "input_pulleys.lower_bearing")["width_mm"]
-    start = max(width + given.wall_mm("support"), 3.0)
+    start = max(width + given.wall_mm("support"), LEAST_SHELF_MM)
     return given.moved("support.bearing_shelf_mm", start, 0.1, ("bearing_seats", "walls"))
 
 
 def _encoder_shelf(given: TrialKnown) -> Found:
     """Shelf of the bearing next to the encoder."""
+    if given.overhung:
+        return Found(LEAST_SHELF_MM, UNUSED)
     width = given.entry("bearings", "input_pulleys.upper_bearing")["width_mm"]
-    start = max(width + given.wall_mm("support"), 3.0)
+    start = max(width + given.wall_mm("support"), LEAST_SHELF_MM)
     return given.moved("support.encoder_shelf_mm", start, 0.1, ("encoder_shelf",))
 
 
 def _coupling_space(given: TrialKnown) -> Found:
     """Space between the shelves of motor and bearing."""
-    return given.moved("support.coupling_space_mm", 5.0, 0.1, ("coupling_height", "collar_space"))
+    if given.overhung:
+        return Found(COUPLING_MM, UNUSED)
+    return given.moved("support.coupling_space_mm", COUPLING_MM, 0.1, ("coupling_height", "collar_space"))
 
 
 def side_wall(given: TrialKnown) -> float:

@@ -7,7 +7,7 @@ from math import inf
 from typing import Any
 
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM
-from mbcdm_cad.design.bought import NO_ENCODER
+from mbcdm_cad.design.bought import NO_BEARING, NO_ENCODER
 from mbcdm_cad.layouts.common_rules import COLLAR_SCREWS
 from mbcdm_cad.layouts.trial_sizing import TrialKnown
 from mbcdm_cad.sizing.rule import Found, Rule
@@ -76,7 +76,12 @@ def _drum_bearing(given: TrialKnown) -> Found:
     return Found(strongest, "drum_bearings", "no candidate does yet: the strongest")
 
 
+_ON_SHAFT = "the motor's shaft carries the pulley"
+
+
 def _lower(given: TrialKnown) -> Found:
+    if given.overhung:
+        return Found(NO_BEARING, _ON_SHAFT)
     wall, wheel = given.wall_mm("input_pulleys"), given.has("stage.kind")
     least = JOURNAL_MM if wheel else given.gearhead.shaft_diameter_mm + 2 * wall
     names = _by_mass(given, "bearings", lambda _, entry: entry["bore_mm"] >= least)
@@ -86,12 +91,16 @@ def _lower(given: TrialKnown) -> Found:
 
 
 def _upper(given: TrialKnown) -> Found:
+    if given.overhung:
+        return Found(NO_BEARING, _ON_SHAFT)
     bores, any_will_do = _bores(given), _left_out(given, "drive.encoder")
     names = _by_mass(given, "bearings", lambda _, entry: any_will_do or entry["bore_mm"] in bores)
     return given.first("input_pulleys.upper_bearing", names, ("input_bearings",))
 
 
 def _encoder(given: TrialKnown) -> Found:
+    if given.overhung:
+        return Found(NO_ENCODER, _ON_SHAFT)
     bore = given.entry("bearings", "input_pulleys.upper_bearing")["bore_mm"]
     names = _by_mass(given, "encoders", lambda name, entry: _RING not in name and entry["bore_mm"] == bore)
     return given.first("drive.encoder", names, ("encoder_shelf",))
@@ -113,6 +122,8 @@ def _tensioner(given: TrialKnown) -> Found:
 
 
 def _collar_screw(given: TrialKnown) -> Found:
+    if given.overhung:
+        return Found(COLLAR_SCREWS[0], "not used: set screws hold the pulley")
     return given.first("input_pulleys.collar_screw", COLLAR_SCREWS, ("collar_grip",))
 
 

@@ -177,7 +177,7 @@ def structure_of(layout: SectorLayout) -> Structure:
     causes = [
         *_gearheads(layout, torques),
         *_stage(layout, torques),
-        *_inputs(layout, unit, torques),
+        *(_overhung if layout.drive.overhung else _inputs)(layout, unit, torques),
         *layout.passed_structure(unit),
         *drum,
         *_drum_shaft(layout, unit),
@@ -332,6 +332,62 @@ def _inputs(layout: SectorLayout, unit: Floats, torques_Nm: Floats) -> Iterator[
     yield Cause("input pulleys, torsion", twist, before_input=True)
     yield Cause("input pulleys, bending", bend)
     yield Cause("input pulleys' bearings", give, factor=BY_BEARINGS)
+
+
+def _overhung(layout: SectorLayout, unit: Floats, torques_Nm: Floats) -> Iterator[Cause]:
+    """Torsion and bending of the motors' shafts with the pulleys on them, and their own bearings."""
+    d, own, sense = layout.loads.si, layout.drive.bearings.input_lower, layout.levels_sense
+    steel = elastic(layout.drive.material("steel"))
+    twist = bend = give = 0.0
+    for i, (pulley, torque) in enumerate(zip(layout.inputs, torques_Nm, strict=True)):
+        route, supports = d.routes.inputs[i], layout.input_bearings_mm(i)
+        axis, sections = sense * np.array(route.axis), _shaft_sections(layout, i)
+        middle = (pulley.land_bottom_z + pulley.land_top_z) / 2.0
+        twisted = [replace(s, start_mm=max(s.start_mm, supports[1]), end_mm=min(s.end_mm, middle)) for s in sections]
+        twist += torsion_urad_Nm(float(torque) * 1e3, [s for s in twisted if s.end_mm > s.start_mm], steel.shear_MPa)
+        changed, rest = (
+            _acting(body_load(d.routes, route.name, tension), sense) for tension in (unit, layout.loads.idle)
+        )
+        held = _supported([changed], supports, axis)
+        bend += bending_urad_Nm(axis, [changed, *held], sections, steel)
+        give += _bearings_urad_Nm((own, own), held, _supported([rest], supports, axis))
+    yield Cause("motors' shafts, torsion", twist, before_input=True)
+    yield Cause("motors' shafts, bending", bend)
+    yield Cause("motors' own bearings (estimate)", give, factor=BY_GEARHEADS)
+
+
+def _shaft_sections(layout: SectorLayout, index: int) -> list[Section]:
+    """The shaft from its rear bearing on, and the pulley with the shaft in it, as one shaft of steel."""
+    drive, pulley, (rear, face) = layout.drive, layout.inputs[index], layout.input_bearings_mm(index)
+    radius, end = drive.gearhead.shaft_diameter_mm / 2.0, face + drive.gearhead.shaft_length_mm
+    share = drive.pulley_material.youngs_modulus_GPa / drive.material("steel").youngs_modulus_GPa
+    found = [Section(rear, pulley.journal_bottom_z, radius)]
+    for start, stop, outside in (
+        (pulley.journal_bottom_z, pulley.land_bottom_z, pulley.lower_journal_radius),
+        (pulley.land_bottom_z, pulley.land_top_z, pulley.lower_surface_radius),
+    ):
+        for low, high in ((start, min(end, stop)), (max(end, start), stop)):
+            if high > low:
+                bore = radius if low < pulley.bore_top_z else 0.0
+                inside = radius if high <= end else 0.0
+                found.append(Section(low, high, (share * (outside**4 - bore**4) + inside**4) ** 0.25))
+    return found
+
+
+def overhung_sag_mm(layout: SectorLayout) -> float:
+    """Largest distance by which the cables pull an input pulley aside on its motor's shaft, middle of the land."""
+    d, own, sense = layout.loads.si, layout.drive.bearings.input_lower, layout.levels_sense
+    steel, most = elastic(layout.drive.material("steel")), 0.0
+    for i, route in enumerate(d.routes.inputs):
+        axis, supports, sections = sense * np.array(route.axis), layout.input_bearings_mm(i), _shaft_sections(layout, i)
+        for loads in layout.loads.on_bodies:
+            acting = _acting(loads.inputs[i], sense)
+            held = _supported([acting], supports, axis)
+            # Twice the energy of the load at its height is load times sag.
+            twice = bending_urad_Nm(axis, [acting, *held], sections, steel)
+            twice += _bearings_urad_Nm((own, own), held, held)
+            most = max(most, twice / 1e3 / max(float(np.linalg.norm(acting.force_N)), 1e-9))
+    return most
 
 
 def _sections(pulley: InputPulleyDims) -> list[Section]:

@@ -13,7 +13,7 @@ from dataclasses import replace
 from math import ceil, floor, inf, pi
 from typing import Any
 
-from mbcdm_cad.design.bought import Gearhead, Screw, least_wall_mm
+from mbcdm_cad.design.bought import NO_BEARING, NO_ENCODER, Gearhead, Screw, least_wall_mm
 from mbcdm_cad.design.lookup import Catalogue
 from mbcdm_cad.design.rules import every_broken_rule
 from mbcdm_cad.design.sized import Moved, Sizing, SizingError
@@ -50,6 +50,12 @@ MIDDLE_SIZE: Mapping[str, Any] = {
     "support.encoder_shelf_mm": 6.0,
     "support.coupling_space_mm": 15.0,
     "support.back_y_mm": -60.0,
+}
+# The same of a pulley on the motor's shaft.
+ON_SHAFT: Mapping[str, Any] = {
+    "drive.encoder": NO_ENCODER,
+    "input_pulleys.lower_bearing": NO_BEARING,
+    "input_pulleys.upper_bearing": NO_BEARING,
 }
 
 
@@ -108,6 +114,11 @@ class TrialKnown(RopeKnown):
         metal = self.entry("materials", f"{part}.material")
         nozzle = self.get("printing.nozzle_mm", NOZZLE_MM)
         return least_wall_mm(metal["process"], float(metal["min_wall_mm"]), nozzle)
+
+    @property
+    def overhung(self) -> bool:
+        """Whether the shaft of motor or gearhead alone carries each input pulley."""
+        return bool(self.get("input_pulleys.carried_by") == "motor")
 
     @property
     @abstractmethod

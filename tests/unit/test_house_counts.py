@@ -17,7 +17,7 @@ LIMITS = {
     "fields declared twice": 3,
     "files of miso_bevel": 48,
     "files of siso_bevel": 30,
-    "files of siso_spur": 33,
+    "files of siso_spur": 35,
     "files of miso_spur": 24,
     "files": 700,
     "imports, share of lines in %": 8.2,

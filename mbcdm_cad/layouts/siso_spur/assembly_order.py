@@ -8,10 +8,12 @@ from mbcdm_cad.checks.bearings import stage_torque_Nm
 from mbcdm_cad.design.stage import SET_TENSION, Stage
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
+from mbcdm_cad.layouts.siso_spur.overhung import set_screw
 from mbcdm_cad.layouts.siso_spur.path_figures import plan
 from mbcdm_cad.layouts.siso_spur.support.idlers import strap_screw
 from mbcdm_cad.parts.bill import AssemblyStep, cable_item
 from mbcdm_cad.parts.bought.train import train_items, train_words
+from mbcdm_cad.parts.input_pulley.dims import SET_SCREWS_DEG
 from mbcdm_cad.parts.inserts import insert_items, insert_words
 from mbcdm_cad.parts.motor_head.dims import flange_screw
 from mbcdm_cad.parts.terminal.instructions import terminal_steps
@@ -64,7 +66,7 @@ def _frame(layout: SpurLayout) -> tuple[AssemblyStep, ...]:
     return (
         AssemblyStep(ends_words(drive) if drive.anchored else _cut_words(layout)),
         boss_step(layout, 1, inserts),
-        encoder_step(layout),
+        *(() if drive.overhung else (encoder_step(layout),)),
     )
 
 
@@ -135,6 +137,8 @@ def encoder_step(layout: SpurLayout) -> AssemblyStep:
 
 def input_steps(layout: SpurLayout, mark: str = "") -> tuple[AssemblyStep, ...]:
     """Pulley, motor head and cable of the input; ``mark`` as in the bill."""
+    if layout.drive.overhung:
+        return _on_shaft_steps(layout)
     drive, collar_screw, name = layout.drive, layout.collar.screw, layout.drive.input_names[0]
     flange = flange_screw(drive).name
     gear = drive.gearhead
@@ -201,6 +205,27 @@ def _stage_steps(layout: SpurLayout, stage: Stage, mark: str) -> tuple[AssemblyS
     return bench, held
 
 
+def _on_shaft_steps(layout: SpurLayout) -> tuple[AssemblyStep, ...]:
+    """Motor on the plate, then the pulley on its shaft, then the cable."""
+    drive, gear, name = layout.drive, layout.drive.gearhead, layout.drive.input_names[0]
+    screw, pulley = set_screw(drive).name, layout.inputs[0]
+    return (
+        AssemblyStep(
+            f"Hold the {train_words(drive)} on the back of the plate, its pilot in the bore, and screw it on from the "
+            f"front, the screws' heads in the pocket ({gear.screw_count} x {gear.screw}, {key(layout, gear.screw)}).",
+            (*train_items(drive, name), *numbered(f"{drive.mounted}_screw_{name}", gear.screw_count)),
+        ),
+        AssemblyStep(
+            f"Push the input pulley, hub first, on the {drive.mounted}'s shaft until its land begins "
+            f"{pulley.land_bottom_z - layout.levels.front_y:.2f} mm in front of the plate; turn it so that a set screw "
+            f"is over the shaft's flat, if it has one, and tighten both ({screw}, {key(layout, screw)}, radially, "
+            "between plate and land).",
+            (f"input_pulley_{name}", *numbered(f"pulley_set_screw_{name}", len(SET_SCREWS_DEG))),
+        ),
+        _winding_step(drive),
+    )
+
+
 def _pulley_step(drive: SpurDrive) -> AssemblyStep:
     """The pulley into its front bearing, with the stops of anchored cables, which cannot be reached later."""
     name = drive.input_names[0]
@@ -218,9 +243,10 @@ def _pulley_step(drive: SpurDrive) -> AssemblyStep:
 def _winding_step(drive: SpurDrive) -> AssemblyStep:
     if not drive.anchored:
         how = "in the groove" if drive.input_pulleys.grooved else "side by side"
+        under = "" if drive.overhung else "under the bridge, "
         return AssemblyStep(
-            f"Lead the cable round the input from its middle out, {drive.turns} turns {how}, under the bridge, "
-            "and hold it with tape; its ends lie on both sides of the plate, crossed.",
+            f"Lead the cable round the input from its middle out, {drive.turns} turns {how}, "
+            f"{under}and hold it with tape; its ends lie on both sides of the plate, crossed.",
             (cable_item(drive.input_names[0]),),
         )
     how = "in its groove" if drive.input_pulleys.grooved else "side by side"

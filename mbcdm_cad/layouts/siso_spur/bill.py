@@ -23,6 +23,7 @@ from mbcdm_cad.parts.motor_head.items import (
     add_flange_fixings,
     add_input_bearings,
     add_input_line,
+    add_motor,
     add_motor_head,
 )
 from mbcdm_cad.parts.placement import Placement, Vector
@@ -117,7 +118,7 @@ def add_own_input(b: BillBuilder, lay: SpurLayout, turn: Placement, mark: str = 
 
     ``mark`` distinguishes its items from those of other inputs.
     """
-    drive, f = lay.drive, lay.frame
+    drive, f, v = lay.drive, lay.frame, lay.levels
     if f.mount_insert is not None:
         for n, (x, z) in enumerate(f.mounts, 1):
             # The insert is set from behind, the side from which the screw is driven.
@@ -125,6 +126,13 @@ def add_own_input(b: BillBuilder, lay: SpurLayout, turn: Placement, mark: str = 
             b.insert(f"mount_insert{mark}_{n}", f.mount_insert, drive.material("brass"), place)
     # Z of the motor head points away from the pulley, to the back.
     stand = turn @ _at(0.0, 0.0, f.axis_z) @ _TO_BACK
+    if f.motor is not None:
+        add_motor(b, drive, stand @ _at(0.0, 0.0, -v.motor_shelf_bottom_z))
+        for n, (x, z) in enumerate(f.motor.screws, 1):
+            place = turn @ _at(x, v.motor_shelf_top_z, z) @ ALONG_Y
+            name = f"{drive.mounted}_screw_{drive.input_names[0]}_{n}"
+            b.screw(name, drive.screw(drive.gearhead.screw), drive.material("steel"), place)
+        return
     shelf = EncoderShelf(f.encoder_shelf_bottom_z, f.encoder_shelf_top_z, f.encoder_circle_radius, f.encoder_head_depth)
     add_motor_head(b, drive, lay.head, stand, mark)
     add_flange_fixings(b, drive, lay.head, f.flange_insert, stand, mark)

@@ -206,6 +206,13 @@ class SpurLayout(HeadLayout):
     def _flange(self) -> Flange:
         return flange(self.drive)
 
+    def input_bearings_mm(self, index: int) -> tuple[float, float]:
+        """See the base class; of a pulley on the motor's shaft those of the shaft, the front one at its face."""
+        if not self.drive.overhung:
+            return super().input_bearings_mm(index)
+        face = self.levels_of(index).motor_shelf_bottom_z
+        return face - self.drive.gearhead.span_mm, face
+
     @property
     def mounting(self) -> MountScrew:
         """See the base class."""

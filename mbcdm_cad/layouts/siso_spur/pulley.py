@@ -14,6 +14,7 @@ from math import pi
 from mbcdm_cad.design.bought import Bearing
 from mbcdm_cad.layouts.siso_spur.cable_path import stop_of
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, contact_rad, groove_depth_mm, groove_run_out_rad
+from mbcdm_cad.layouts.siso_spur.overhung import overhung_pulley
 from mbcdm_cad.layouts.siso_spur.stack import END_PLAY_MM, SpurStack
 from mbcdm_cad.parts.collar import collar_over_shelf_mm, collar_width_mm
 from mbcdm_cad.parts.input_pulley.dims import (
@@ -83,7 +84,7 @@ def input_pulley(drive: SpurDrive, levels: SpurStack) -> InputPulleyDims:
             return bearing.inner_shoulder_mm / 2
         return neck_radius_mm(bearing.inner_shoulder_mm, stop_of(drive, drive.cables[0]))
 
-    return InputPulleyDims(
+    plain = InputPulleyDims(
         name=drive.input_names[0],
         x=0.0,
         journal_bottom_z=journal_bottom,
@@ -112,3 +113,4 @@ def input_pulley(drive: SpurDrive, levels: SpurStack) -> InputPulleyDims:
         slots=slots,
         grooves=_grooves(drive, slots),
     )
+    return overhung_pulley(drive, levels, plain) if drive.overhung else plain

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from math import inf
 
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, run_out_mm
+from mbcdm_cad.layouts.siso_spur.overhung import hub_length_mm
 from mbcdm_cad.parts.drum_sector.sizes import nut_corner_radius_mm
 from mbcdm_cad.parts.input_pulley.stop import helix_stop_land_mm
 
@@ -80,13 +81,20 @@ def spur_stack(drive: SpurDrive) -> SpurStack:
     land = reach_mm(drive) + (helix_stop_land_mm(drive) if drive.anchored else BAND_MARGIN_MM)
     plane = abs(drive.terminal_mm)
     drum_inner = drum_inner_y_mm(drive)
-    front = min(-plane - nut_corner_radius_mm(drive), drum_inner, -land, idlers_back_mm(drive)) - running
+    hub = hub_length_mm(drive) if drive.overhung else 0.0
+    front = min(-plane - nut_corner_radius_mm(drive), drum_inner, -land - hub, idlers_back_mm(drive)) - running
     plate_back = front - s.plate_mm
-    bearing_bottom = plate_back - s.bearing_shelf_mm
-    motor_top = bearing_bottom - s.coupling_space_mm
-    motor_bottom = motor_top - s.motor_shelf_mm
-    shelf_bottom = drive.level_mm + land + SHOULDER_MM + END_PLAY_MM
-    shelf_top = shelf_bottom + s.encoder_shelf_mm
+    if drive.overhung:
+        # The motor's face lies on the back of the plate; nothing is in front of the pulley.
+        bearing_bottom = motor_bottom = plate_back
+        motor_top = plate_back + s.motor_shelf_mm
+        shelf_bottom = shelf_top = max(drive.level_mm + land, plate_back + drive.gearhead.shaft_length_mm)
+    else:
+        bearing_bottom = plate_back - s.bearing_shelf_mm
+        motor_top = bearing_bottom - s.coupling_space_mm
+        motor_bottom = motor_top - s.motor_shelf_mm
+        shelf_bottom = drive.level_mm + land + SHOULDER_MM + END_PLAY_MM
+        shelf_top = shelf_bottom + s.encoder_shelf_mm
     return SpurStack(
         motor_bottom_z=motor_bottom - drive.gearhead.length_mm - drive.motor.length_mm,
         gearhead_bottom_z=motor_bottom - drive.gearhead.length_mm,

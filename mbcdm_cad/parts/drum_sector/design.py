@@ -66,6 +66,11 @@ class SectorDrive(Drive):
     pulley_material: Material
     frame_material: Material
 
+    @property
+    def overhung(self) -> bool:
+        """Whether the shaft of motor or gearhead alone carries each input pulley."""
+        return self.input_pulleys.overhung
+
 
 class SectorLevels(Protocol):
     """Depths along Y that the drum shares with the frame and the body before it, mm."""

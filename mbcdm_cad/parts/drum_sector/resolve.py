@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from math import radians
 from typing import Any, Protocol
 
+from mbcdm_cad.design.bought import NO_BEARING
 from mbcdm_cad.design.lookup import Catalogue
 from mbcdm_cad.design.rules import NamedEntry
 from mbcdm_cad.design.sector_blocks import Clearances, SectorCable, SectorDrum, SteppedPulleys
@@ -68,6 +69,7 @@ def sector_entries(design: SectorBlocks) -> Iterator[NamedEntry]:
     yield NamedEntry(("drum", "shaft_material"), "materials", drum.shaft_material)
     yield NamedEntry(("drum", "tensioner"), "tensioners", drum.tensioner)
     yield NamedEntry(("input_pulleys", "material"), "materials", pulleys.material)
-    yield NamedEntry(("input_pulleys", "lower_bearing"), "bearings", pulleys.lower_bearing)
-    yield NamedEntry(("input_pulleys", "upper_bearing"), "bearings", pulleys.upper_bearing)
+    for field, name in (("lower_bearing", pulleys.lower_bearing), ("upper_bearing", pulleys.upper_bearing)):
+        own = pulleys.overhung and name == NO_BEARING
+        yield NamedEntry(("input_pulleys", field), "bearings", None if own else name)
     yield NamedEntry(("input_pulleys", "collar_screw"), "screws", pulleys.collar_screw)

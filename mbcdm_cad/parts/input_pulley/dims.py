@@ -119,12 +119,27 @@ class Groove:
         return (self.end_z - self.start_z) * (self.end_angle_rad - self.start_angle_rad) > 0.0
 
 
+# Directions of a hub's set screws about the axis, from +X.
+SET_SCREWS_DEG = (0.0, 90.0)
+
+
+@dataclass(frozen=True)
+class SetHub:
+    """Hub whose two set screws hold a pulley on a motor's shaft: their name, thread and height, mm."""
+
+    screw: str
+    thread: float
+    screw_z: float
+
+
 @dataclass(frozen=True)
 class InputPulleyDims:
     """One input pulley. Heights along Z from lower journal to encoder journal (mm).
 
     ``surface`` radii are those on which the cables lie: of a smooth land, or of the root of its groove. ``bore_radius``
     is 0 for a whole journal, which carries a wheel in place of the gearhead's shaft inside it.
+    With a ``hub`` it has no journals, necks and slit: the hub has the radius of the lower journal, the land is the
+    other end.
     """
 
     name: str
@@ -149,6 +164,7 @@ class InputPulleyDims:
     slots: tuple[StopSlot, ...]
     y: float = 0.0
     grooves: tuple[Groove, ...] = ()
+    hub: SetHub | None = None
 
     @property
     def stepped(self) -> bool:

@@ -9,9 +9,16 @@ from math import ceil, cos, radians, sin, sqrt, tau
 
 import cadquery as cq
 
-from mbcdm_cad.parts.input_pulley.dims import CHAMFER_MM, STOP_PLAY_MM, Groove, InputPulleyDims, StopSlot
+from mbcdm_cad.parts.input_pulley.dims import (
+    CHAMFER_MM,
+    SET_SCREWS_DEG,
+    STOP_PLAY_MM,
+    Groove,
+    InputPulleyDims,
+    StopSlot,
+)
 from mbcdm_cad.parts.rod import edge_of
-from mbcdm_cad.parts.shapes import Point2, block, cut, cylinder_z, fuse, one_solid, turned
+from mbcdm_cad.parts.shapes import Point2, block, cut, cylinder, cylinder_z, fuse, one_solid, turned
 
 
 @dataclass(frozen=True)
@@ -35,6 +42,14 @@ _GROOVE_SHARE = 0.04
 def _below(d: InputPulleyDims) -> list[Point2]:
     """Half the outline of what is below the lands, from the axis to the lands."""
     c = CHAMFER_MM
+    if d.hub is not None:
+        r = d.lower_journal_radius
+        return [
+            (0.0, d.journal_bottom_z),
+            (r - c, d.journal_bottom_z),
+            (r, d.journal_bottom_z + c),
+            (r, d.land_bottom_z),
+        ]
     return [
         (0.0, d.journal_bottom_z),
         (d.lower_journal_radius - c, d.journal_bottom_z),
@@ -76,6 +91,9 @@ def _body(d: InputPulleyDims) -> cq.Solid:
     """
     name = f"input pulley {d.name}"
     lands = _lands(d)
+    if d.hub is not None:
+        below = turned([*_below(d), (0.0, d.land_bottom_z)], name)
+        return fuse([below, *(_grooved(land, d, name) for land in lands)], name)
     if not d.grooves:
         steps = [point for land in lands for point in ((land.radius, land.bottom_z), (land.radius, land.top_z))]
         return turned([*_below(d), *steps, *_above(d)], name)
@@ -211,9 +229,16 @@ def create_input_pulley(dims: InputPulleyDims) -> cq.Solid:
     """Input pulley about its own axis (x = y = 0), heights as in the assembly, turned as with the drum centred."""
     body = _body(dims)
     tools: list[cq.Shape] = []
+    reach = dims.lower_journal_radius + 1.0
     if dims.bore_radius > 0.0:
-        half, reach = dims.slit_width / 2, dims.lower_journal_radius + 1.0
-        tools.append(cylinder_z(dims.bore_radius, 0, 0, dims.journal_bottom_z - 1.0, dims.bore_top_z))
+        bore_top = dims.bore_top_z + (1.0 if dims.bore_top_z == dims.journal_top_z else 0.0)
+        tools.append(cylinder_z(dims.bore_radius, 0, 0, dims.journal_bottom_z - 1.0, bore_top))
+    if dims.hub is not None:
+        for a in map(radians, SET_SCREWS_DEG):
+            at = (0.0, 0.0, dims.hub.screw_z)
+            tools.append(cylinder(dims.hub.thread / 2, at, (round(cos(a), 9), round(sin(a), 9), 0.0), reach))
+    elif dims.bore_radius > 0.0:
+        half = dims.slit_width / 2
         tools.append(block((-reach, reach), (-half, half), (dims.journal_bottom_z - 1.0, dims.slit_top_z)))
     for slot in dims.slots:
         lower = slot.face_z == dims.land_bottom_z

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import cos, degrees, sin
 
-from mbcdm_cad.design.bought import Material
+from mbcdm_cad.design.bought import Material, Screw
 from mbcdm_cad.parts.bill import BillBuilder
 from mbcdm_cad.parts.collar import Collar, CollarDims
 from mbcdm_cad.parts.drum_sector.design import SectorDrive
-from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims, StopSlot
+from mbcdm_cad.parts.input_pulley.dims import SET_SCREWS_DEG, InputPulleyDims, SetHub, StopSlot
 from mbcdm_cad.parts.input_pulley.part import InputPulley
 from mbcdm_cad.parts.placement import Placement
 from mbcdm_cad.parts.ring import Sleeve
@@ -27,6 +28,24 @@ def _stop_place(slot: StopSlot) -> Placement:
     return Placement.translation(x, y, slot.chord_z) @ turn
 
 
+def _tapped(pulley: InputPulleyDims, screw: Screw) -> InputPulleyDims:
+    """The pulley with the tap drills of its set screws."""
+    assert pulley.hub is not None
+    return replace(pulley, hub=replace(pulley.hub, thread=screw.tap_drill_mm))
+
+
+def _add_set_screws(b: BillBuilder, drive: SectorDrive, pulley: InputPulleyDims, hub: SetHub, stand: Placement) -> None:
+    """The set screws of a pulley on a motor's shaft, their points on the shaft."""
+    screw = drive.screw(hub.screw)
+    out = pulley.bore_radius + screw.length_mm
+    for n, deg in enumerate(SET_SCREWS_DEG, 1):
+        turn = Placement.about((0.0, 0.0, 1.0), deg)
+        place = turn @ Placement.translation(out, 0.0, hub.screw_z) @ Placement.about((0.0, 1.0, 0.0), 90.0)
+        b.screw(
+            f"pulley_set_screw_{pulley.name}_{n}", screw, drive.material("steel"), stand @ place, f"input_{pulley.name}"
+        )
+
+
 def add_input_pulley(
     b: BillBuilder,
     drive: SectorDrive,
@@ -40,14 +59,18 @@ def add_input_pulley(
     Dimensions of pulley and collar have their heights along +Z, the gearhead below.
     """
     group = f"input_{pulley.name}"
-    screw = drive.screw(collar.screw)
     b.add(
         f"input_pulley_{pulley.name}",
         InputPulley(pulley),
         material=drive.pulley_material,
+        drilled=None if pulley.hub is None else InputPulley(_tapped(pulley, drive.screw(pulley.hub.screw))),
         group=group,
         place=stand,
     )
+    if pulley.hub is not None:
+        _add_set_screws(b, drive, pulley, pulley.hub, stand)
+        return
+    screw = drive.screw(collar.screw)
     b.add(
         f"collar_{pulley.name}",
         Collar(collar, screw.thread_mm, screw.clearance_mm, screw.head_diameter_mm),

@@ -5,8 +5,16 @@ from __future__ import annotations
 from math import cos, degrees, sin, tau
 
 from mbcdm_cad.parts.fits import FITS
-from mbcdm_cad.parts.input_pulley.dims import CHAMFER_MM, STOP_PLAY_MM, Groove, InputPulleyDims, StopSlot
-from mbcdm_cad.parts.sheets.description import FitLine, Label, Linear, Sheet, Table, Vector, View, X, Y, Z, minus
+from mbcdm_cad.parts.input_pulley.dims import (
+    CHAMFER_MM,
+    SET_SCREWS_DEG,
+    STOP_PLAY_MM,
+    Groove,
+    InputPulleyDims,
+    StopSlot,
+)
+from mbcdm_cad.parts.sheets.description import FitLine, Holes, Label, Linear, Sheet, Table, Vector, View, X, Y, Z, minus
+from mbcdm_cad.parts.sheets.holes import hole_table
 from mbcdm_cad.parts.sheets.tolerances import GeometricTolerance
 from mbcdm_cad.parts.sheets.turned import ALONG_Z, MAIN
 from mbcdm_cad.parts.sheets.words import mm, mm3
@@ -251,5 +259,59 @@ def input_pulley_sheet(part: str, d: InputPulleyDims) -> Sheet:
             if d.bore_radius
             else "+Z points from the end that carries the driven wheel, the lower one, to the upper.",
             "Corners of the steps at most R0.1.",
+        ),
+    )
+
+
+def hub_pulley_sheet(part: str, d: InputPulleyDims) -> Sheet:
+    """Of a pulley on a motor's shaft: section through the bore and a set screw, the grooves as a table."""
+    assert d.hub is not None
+    low, high, c = d.journal_bottom_z, d.journal_top_z, CHAMFER_MM
+    hub, land, bore = d.lower_journal_radius, d.lower_land_radius, FITS["gear_shaft_bore"].code
+    fit = "" if d.grooves else FITS["land"].code
+    through = d.bore_top_z >= high
+    start = (low, (hub - c, d.bore_radius))
+    diameters = (
+        ALONG_Z.diameter(d.bore_radius, low, "left", fit=bore, datum="D"),
+        ALONG_Z.diameter(hub, low + c, "left"),
+        ALONG_Z.diameter(land, high, "right", fit=fit, decimals=3),
+    )
+    places = tuple(
+        (hub * cos(a) + 0.0, hub * sin(a) + 0.0, d.hub.screw_z) for a in (tau * deg / 360.0 for deg in SET_SCREWS_DEG)
+    )
+    holes = (Holes("S", d.hub.thread, "to bore", places, "hub, radial", "set screws", threaded=True),)
+    return Sheet(
+        part=part,
+        title=f"Input pulley {d.name}",
+        paper="A3",
+        views=(
+            View(
+                MAIN, right=Z, up=X, cut=(0.0, 0.0, 0.0), title="Section", axes=(((0.0, 0.0, low), (0.0, 0.0, high)),)
+            ),
+            View(
+                "lower end",
+                Y,
+                X,
+                column=1,
+                axes=(((-hub, 0.0, low), (hub, 0.0, low)), ((0.0, -hub, low), (0.0, hub, low))),
+                title="View of the lower end",
+            ),
+        ),
+        dimensions=(
+            ALONG_Z.length(low, d.hub.screw_z, "below", (hub - c, hub), suffix=" S"),
+            ALONG_Z.length(low, d.land_bottom_z, "below", (hub - c, land), decimals=3),
+            ALONG_Z.length(low, high, "below", (hub - c, land), decimals=3),
+            *(() if through else (ALONG_Z.length(start[0], d.bore_top_z, "above", start[1]),)),
+            ALONG_Z.chamfer(c, hub, low, 1.0, "above"),
+            *diameters,
+        ),
+        tolerances=(ALONG_Z.run_out(((land, (d.land_bottom_z + high) / 2),), 0.02, "D"),),
+        tables=(hole_table(holes), *([_groove_table(d)] if d.grooves else ())),
+        holes=holes,
+        fits=tuple(FitLine(round(x.value, 6), x.fit, {bore: "bore"}.get(x.fit, "land")) for x in diameters if x.fit),
+        notes=(
+            *((_GROOVES,) if d.grooves else ()),
+            "Land Ra 0.8. +Z points from the hub, the lower end, to the land. Set screws along +X and +Y.",
+            *(("Bored through.",) if through else ()),
         ),
     )

@@ -68,20 +68,19 @@ def add_flange_fixings(
             b.insert(f"flange_insert{mark}_{n}", insert, drive.material("brass"), _at(stand, x, y, head.bottom_z))
 
 
+def add_motor(b: BillBuilder, drive: HeadedDrive, face: Placement) -> None:
+    """Gearhead and motor of the one input on their shelf, whose face they lie on has its Z towards them."""
+    depth = drive.screw(drive.gearhead.screw).length_mm - drive.support.motor_shelf_mm + 1.0
+    add_train(b, drive, drive.input_names[0], depth, face @ _TURNED, drive.gearhead_angle_deg)
+
+
 def add_input_line(b: BillBuilder, drive: HeadedDrive, head: HeadDims, shelf: EncoderShelf, stand: Placement) -> None:
     """Gearhead and motor on the head, encoder, if any, behind its shelf, with their screws; ``drive`` has one input."""
     body, steel = drive.material("stainless"), drive.material("steel")
     gear, encoder = drive.gearhead, drive.encoder
     gear_screw, encoder_screw = drive.screw(gear.screw), drive.screw(encoder.screw)
     name = drive.input_names[0]
-    add_train(
-        b,
-        drive,
-        name,
-        gear_screw.length_mm - drive.support.motor_shelf_mm + 1.0,
-        _at(stand, 0.0, head.beside_y, head.top_z) @ _TURNED,
-        drive.gearhead_angle_deg,
-    )
+    add_motor(b, drive, _at(stand, 0.0, head.beside_y, head.top_z))
     sunk, thick = shelf.head_depth, shelf.top_z - shelf.bottom_z
     encoder_screws = 0 if encoder.absent else 2
     if not encoder.absent:

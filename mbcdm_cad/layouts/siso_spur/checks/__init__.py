@@ -17,7 +17,17 @@ from mbcdm_cad.checks import (
     terminals,
 )
 from mbcdm_cad.checks.comparison import Family, families
-from mbcdm_cad.layouts.siso_spur.checks import idlers, ratios, room, stage, support, tolerances, winding, wraps
+from mbcdm_cad.layouts.siso_spur.checks import (
+    idlers,
+    overhung,
+    ratios,
+    room,
+    stage,
+    support,
+    tolerances,
+    winding,
+    wraps,
+)
 
 PULLEY = Family(
     "Input pulley, the stops of two cables anchored on it, and its coupling: walls, bores and space round it",
@@ -39,6 +49,7 @@ FAMILIES = families(
     fixings,
     PULLEY,
     stage,
+    overhung,
     drum_sector,
     structure,
     terminals,

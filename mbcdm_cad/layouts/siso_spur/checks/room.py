@@ -61,9 +61,16 @@ def bodies_behind(s: SpurLayout) -> Comparison:
     return worst(found)
 
 
+def _head_mm(s: SpurLayout, f: YokeDims) -> tuple[float, float, float]:
+    """Of the motor head: its motor beside the input's axis, half its width, and its front in z."""
+    return s.head.beside_y, s.head.outer_x, f.axis_z + s.head.front_y
+
+
 def outline(s: SpurLayout, f: YokeDims, d: DrumDims) -> NDArray[np.float64]:
     """Points (n, 2) in x and z that bound the box of one input with its sector, the input above the drum; mm."""
-    drive, head = s.drive, s.head
+    drive = s.drive
+    # The plate alone bears a motor that carries the pulley.
+    beside, wide_head, front = (0.0, f.half_width, f.top_z) if f.motor else _head_mm(s, f)
     sector = [
         rim_points(d),
         wrap_points(d, s.flank_mm),
@@ -73,14 +80,14 @@ def outline(s: SpurLayout, f: YokeDims, d: DrumDims) -> NDArray[np.float64]:
     bodies = body_radius_mm(drive)
     wide, low = max(f.half_width, f.boss.ear_reach, encoder), max(f.half_width, d.hub_radius)
     flats = encoder * RING_ENCODER_FLATS
-    reach = [(-wide, 0.0), (wide, 0.0), (0.0, -low), (0.0, -flats), (0.0, f.axis_z + head.front_y)]
+    reach = [(-wide, 0.0), (wide, 0.0), (0.0, -low), (0.0, -flats), (0.0, front)]
     # Motor, gearhead and encoder are round, and the frame's upper corners are rounded.
     angle = np.linspace(0.0, 2 * np.pi, _CORNERS + 1)
     circle = np.stack([np.sin(angle), np.cos(angle)], axis=1)
     corner = np.array([f.half_width, f.top_z]) + f.corner_radius * (circle[: _CORNERS // 4 + 1] - 1.0)
     round_bodies = np.array([0.0, f.axis_z]) + drive.encoder.diameter_mm / 2 * circle
-    motor = np.array([0.0, f.axis_z + head.beside_y]) + bodies * circle
-    heads = np.array([(x, f.axis_z + head.front_y) for x in (-head.outer_x, head.outer_x)])
+    motor = np.array([0.0, f.axis_z + beside]) + bodies * circle
+    heads = np.array([(x, front) for x in (-wide_head, wide_head)])
     return np.concatenate(
         [*sector, np.array(reach), corner, corner * np.array([-1.0, 1.0]), round_bodies, motor, heads]
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from mbcdm_cad.checks.bearings import carried
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM, web_between
@@ -18,8 +19,13 @@ MOUNT_DIAMETERS = 1.0
 
 def walls(s: SpurLayout) -> Comparison:
     """The thinnest wall of frame and motor head, against the minimum of the material."""
-    support, f, head = s.drive.support, s.frame, s.head
+    support, f = s.drive.support, s.frame
     limit = s.drive.frame_material.min_wall_mm
+    if s.drive.overhung:
+        return worst(
+            at_least(f"support.{name}", getattr(support, name), limit, "mm") for name in ("plate_mm", "motor_shelf_mm")
+        )
+    head = s.head
     names = ("plate_mm", "bridge_mm", "side_wall_mm", "motor_shelf_mm", "bearing_shelf_mm", "encoder_shelf_mm")
     found = [at_least(f"support.{name}", getattr(support, name), limit, "mm") for name in names]
     found.append(at_least("wall of the motor head", head.outer_x - head.inner_x, limit, "mm"))
@@ -47,6 +53,13 @@ def input_room(s: SpurLayout) -> Comparison:
     drive, f = s.drive, s.frame
     pulley, running = s.inputs[0], drive.clearances.running_mm
     rim = drive.drum_radius_mm + s.flank_mm
+    if f.motor is not None:
+        return at_least(
+            "pocket of the plate round the hub of the input pulley",
+            f.motor.pocket_radius - pulley.lower_journal_radius,
+            running,
+            "mm",
+        )
     over = f.bridge_bottom_z - f.axis_z - max(pulley.lower_land_radius, drive.input_radius_mm + s.flank_mm)
     return worst(
         (
@@ -109,12 +122,14 @@ def flange(s: SpurLayout) -> Comparison:
 def mounts(s: SpurLayout) -> Comparison:
     """Mounting threads are deep enough and clear of boss, motor head, stop pin and the edge of the plate."""
     f, plate = s.frame, s.drive.support.plate_mm
-    flange_low = f.axis_z + s.head.flange.back_y
+    flange_low = f.axis_z - f.motor.pocket_radius if f.motor else f.axis_z + s.head.flange.back_y
     rooms = [("depth over the diameter", plate - MOUNT_DIAMETERS * 2 * f.mount_radius, 0.0)]
     for x, z in f.mounts:
         rooms.append(("plate beside the thread", f.half_width - abs(x) - f.mount_radius, _wall(f.mount_insert)))
         rooms.append(("drum's boss", (x**2 + z**2) ** 0.5 - f.boss.radius - f.mount_radius, HOLE_WEB_MM))
-        rooms.append(("motor head's flange", flange_low - z - f.mount_radius, HOLE_WEB_MM))
+        rooms.append(
+            ("motor's pocket" if f.motor else "motor head's flange", flange_low - z - f.mount_radius, HOLE_WEB_MM)
+        )
         pin = (x**2 + (z - f.stop_pin_z) ** 2) ** 0.5 - f.stop_pin_radius - f.mount_radius
         rooms.append(("stop pin", pin, HOLE_WEB_MM))
     return worst(at_least(f"mounting thread: {name}", room, limit, "mm") for name, room, limit in rooms)
@@ -149,7 +164,7 @@ CHECKS = (
             up("transmission.centre_distance_mm"),
         ),
     ),
-    Check("bearing_seats", "Shelves take the input's bearings", _WALL, bearing_seats, adjust=_SHELVES),
+    Check("bearing_seats", "Shelves take the input's bearings", _WALL, bearing_seats, adjust=_SHELVES, applies=carried),
     ENCODER_SHELF,
     Check(
         "input_room",
@@ -164,6 +179,7 @@ CHECKS = (
         "usual rule: one diameter",
         flange,
         adjust=(up("support.plate_mm"), down("support.bearing_shelf_mm"), up("support.side_wall_mm")),
+        applies=carried,
     ),
     Check(
         "mounts",

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
+from mbcdm_cad.design.bought import NO_BEARING, NO_ENCODER, own_bearing
 from mbcdm_cad.design.drive import Sigmas
 from mbcdm_cad.design.fieldpath import FieldPath
 from mbcdm_cad.design.lookup import Catalogue
@@ -42,12 +43,15 @@ def spur_values(design: SpurBlocks, catalogue: Catalogue, sigmas: Mapping[FieldP
     )
     transmission, pulleys = design.transmission, design.input_pulleys
     radius = input_radius_mm(transmission)
+    shared = shared_values(design, catalogue)
+
+    own = own_bearing(shared["gearhead"]) if pulleys.overhung else None
 
     def of(name: str) -> float:
         return sigmas.get(("transmission", name), 0.0)
 
     return (
-        shared_values(design, catalogue)
+        shared
         | sector_values(design, catalogue)
         | {
             "helix_lead_mm": design.rope.helix_lead_mm,
@@ -73,8 +77,8 @@ def spur_values(design: SpurBlocks, catalogue: Catalogue, sigmas: Mapping[FieldP
             "radii_explicit": transmission.input_to_drum is None,
             "bearings": d.SpurBearings(
                 drum=catalogue.bearing(design.drum.bearing),
-                input_lower=catalogue.bearing(pulleys.lower_bearing),
-                input_upper=catalogue.bearing(pulleys.upper_bearing),
+                input_lower=own if own else catalogue.bearing(pulleys.lower_bearing),
+                input_upper=own if own else catalogue.bearing(pulleys.upper_bearing),
             ),
             "sigmas": Sigmas(
                 **shared_sigmas(design, catalogue, sigmas, places),
@@ -105,6 +109,36 @@ def broken_rules(design: SpurDesign) -> Iterator[Broken]:
     if design.idlers and design.idlers.pairs not in (None, len(design.idlers.places)):
         what, value = "not the number of idlers.places", f"{design.idlers.pairs}"
         yield Broken(("idlers", "pairs"), what, value, f"{len(design.idlers.places)}", "remove pairs, or remove places")
+    yield from broken_seat(design)
+
+
+def broken_seat(design: SpurDesign) -> Iterator[Broken]:
+    """A pulley on the motor's shaft has no bearings, no encoder and no stops; one between bearings names both."""
+    pulleys = design.input_pulleys
+    given = (
+        (("input_pulleys", "lower_bearing"), pulleys.lower_bearing, NO_BEARING),
+        (("input_pulleys", "upper_bearing"), pulleys.upper_bearing, NO_BEARING),
+        (("drive", "encoder"), design.drive.encoder, NO_ENCODER),
+    )
+    for path, name, none in given if pulleys.overhung else ():
+        if name != none:
+            remedy = f"leave it out, write {none}, or set input_pulleys.carried_by to bearings"
+            yield Broken(path, "the motor's shaft carries the pulley and has no place for it", name, none, remedy)
+    for block, name in ((design.idlers, "idlers"), (design.stage, "stage")):
+        if pulleys.overhung and block is not None:
+            what, remedy = (
+                "the motor's shaft carries the pulley",
+                "remove it, or set input_pulleys.carried_by to bearings",
+            )
+            yield Broken((name,), f"{what}, whose frame has no place for it", "", f"no {name}", remedy)
+    if pulleys.overhung and design.transmission.cables != "continuous":
+        yield Broken(
+            ("transmission", "cables"),
+            "a pulley on the motor's shaft has no end faces for the stops of anchored cables",
+            design.transmission.cables,
+            "continuous",
+            "leave it out, or set input_pulleys.carried_by to bearings",
+        )
 
 
 def broken_radius(block: SpurTransmission) -> Iterator[Broken]:

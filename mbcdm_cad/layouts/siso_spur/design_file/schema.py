@@ -125,6 +125,22 @@ class SpurPulleys(WoundPulleys):
     )
 
 
+@dataclass(frozen=True, kw_only=True)
+class ShaftPulleys(SpurPulleys):
+    """The input pulley, carried by a bearing at both ends, or by the motor's shaft alone."""
+
+    carried_by: Literal["bearings", "motor"] = choice(
+        "bearings: one at either end of the pulley; motor: the pulley sits overhung on the shaft of the motor, or of "
+        "its gearhead, whose own bearings carry the cables; both bearings and the encoder are then none",
+        default="bearings",
+    )
+
+    @property
+    def overhung(self) -> bool:
+        """Whether the shaft of motor or gearhead alone carries the pulley."""
+        return self.carried_by == "motor"
+
+
 class SpurSide(SectorCable):
     """One side of the cable, or one of two anchored cables, from the input to the drum."""
 
@@ -153,6 +169,7 @@ class SpurDesign(SpurBlocks):
     inputs: tuple[Input, ...] = choice(
         "the input pulley", source="Fig. 1", reference=REFERENCE.inputs, min_length=1, max_length=8
     )
+    input_pulleys: ShaftPulleys
     cables: tuple[SpurSide, ...] = choice(
         "the two sides of the cable, or two anchored cables, and the side of the drum of each; each may have a "
         "preload_N and a terminal_angle_deg",

@@ -31,7 +31,7 @@ from mbcdm_cad.layouts.siso_spur.sizing.dims import BACK, DISTANCE, DRUM, FRAME,
 from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
 from mbcdm_cad.layouts.siso_spur.sizing.stage import GUESSES, STAGE, STAGE_RATIO
 from mbcdm_cad.layouts.stiff_sizing import SHARED, stiffened, walls
-from mbcdm_cad.layouts.trial_sizing import MIDDLE_SIZE, repeated
+from mbcdm_cad.layouts.trial_sizing import MIDDLE_SIZE, ON_SHAFT, repeated
 from mbcdm_cad.sizing.rule import Rule
 
 DERIVED = tuple(
@@ -121,6 +121,7 @@ def _first_guesses(data: dict[str, Any]) -> dict[str, Any]:
     return {
         **MIDDLE_SIZE,
         **GUESSES.get(str(given.peek("stage.kind")), {}),
+        **(ON_SHAFT if given.overhung else {}),
         "rope.helix_lead_mm": 1.5,
         "transmission.turns": 5,
         "transmission.centre_distance_mm": 1.4 * radius,

@@ -119,7 +119,8 @@ def _preload(given: SpurKnown) -> Found:
     tried = sorted({float(f"{share * start:.2g}") for start in from_N for share in PRELOAD_SHARES}, reverse=True)
     counted = ("motor_torque_forward", "motor_torque_back") if counts_losses(given) else ()
     easy = () if given.get("loads.backdrive_Nm") is None else ("backdrive",)
-    found = given.first("rope.preload_N", tried, ("cable_ends", "tension", *counted, *easy))
+    shaft = ("motor_shaft_load",) if given.overhung else ()
+    found = given.first("rope.preload_N", tried, ("cable_ends", "tension", *counted, *easy, *shaft))
     return usual if found.value == usual.value else replace(found, rounding="two digits")
 
 

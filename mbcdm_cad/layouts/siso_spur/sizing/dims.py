@@ -16,6 +16,7 @@ from mbcdm_cad.layouts.head_dims import (
     SECTOR,
     SHAFT_BORE,
     STOP_PIN,
+    UNUSED,
     WEB,
     WINDOWS,
     either,
@@ -40,10 +41,19 @@ _BEARING = "624"
 
 
 def _plate(given: SpurKnown) -> Found:
-    return stiff_wall(given, "support.plate_mm", either(given, "support", PLATE_MM), 0.1, ("plate",), ("flange",))
+    start = either(given, "support", PLATE_MM)
+    if given.overhung:
+        sunk = given["support.motor_shelf_mm"] + given.screw(given.gearhead.screw).head_height_mm
+        usual, grip = max(start, sunk), "motor_shaft_grip"
+        # The shaft ends soon behind its face.
+        start = usual if given.margins("support.plate_mm", usual, (grip,))[grip][0] >= 0.0 else sunk
+        return stiff_wall(given, "support.plate_mm", start, 0.1, ("plate",), ("motor_seat",))
+    return stiff_wall(given, "support.plate_mm", start, 0.1, ("plate",), ("flange",))
 
 
 def _bridge(given: SpurKnown) -> Found:
+    if given.overhung:
+        return Found(either(given, "support", BRIDGE_MM), UNUSED)
     start = max(either(given, "support", BRIDGE_MM), given.wall_mm("support"))
     return stiff_wall(given, "support.bridge_mm", start, 0.5, ("bridge",))
 
@@ -62,6 +72,7 @@ def _centre_distance(given: SpurKnown) -> Found:
         "walls",
         "mounts",
         "bodies_behind",
+        *(("hub_and_drum", "motor_seat") if given.overhung else ()),
     )
     # The box of a wheel reaches far towards the threads of the frame's own screws.
     beside = ("flange",) if given.has("stage.kind") else ()

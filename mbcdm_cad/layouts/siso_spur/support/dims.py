@@ -15,12 +15,13 @@ In section, y to the right (front), z up:
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil, pi, tan
 
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM
 from mbcdm_cad.design.bought import InsertSpec, Screw
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, groove_depth_mm
+from mbcdm_cad.layouts.siso_spur.overhung import MotorSeat, motor_seat, seat_flange
 from mbcdm_cad.layouts.siso_spur.stack import SpurStack, least_wall_z_mm
 from mbcdm_cad.layouts.siso_spur.support.idlers import StandDims, stands
 from mbcdm_cad.parts.boss import BossDims, boss
@@ -89,6 +90,7 @@ class YokeDims:
     mount_radius: float
     mount_insert: InsertSpec | None
     stands: tuple[StandDims, ...] = ()
+    motor: MotorSeat | None = None  # on the plate, without a yoke; None: the motor is on a head of its own
 
     @property
     def has_encoder(self) -> bool:
@@ -132,7 +134,10 @@ def opening_radius_mm(drive: SpurDrive) -> float:
 
 
 def flange(drive: SpurDrive) -> Flange:
-    """Flange of the motor head on the back of the plate; its y points away from the drum."""
+    """Flange of the motor head on the back of the plate, or outline round the motor; y points away from the drum."""
+    if drive.overhung:
+        mount = drive.screw(drive.support.mount_bolt)
+        return seat_flange(drive, _round_thread_mm(drive, mount, mount.thread_mm), mount.thread_mm)
     inner = inner_half_width_mm(drive)
     outer = inner + drive.support.side_wall_mm / 2
     screw = flange_screw(drive)
@@ -191,7 +196,7 @@ def yoke(drive: SpurDrive, levels: SpurStack, shaft: DrumShaftDims, head: Flange
         # No encoder says how wide the bridge must be to be stiff.
         opening_radius_mm(drive) + BRIDGE_BESIDE_MM if encoder.absent else 0.0,
     )
-    return YokeDims(
+    whole = YokeDims(
         levels=levels,
         boss=round_boss,
         axis_z=z,
@@ -222,4 +227,22 @@ def yoke(drive: SpurDrive, levels: SpurStack, shaft: DrumShaftDims, head: Flange
         mount_radius=thread,
         mount_insert=mount_insert,
         stands=held,
+    )
+    if not drive.overhung:
+        return whole
+    top = z + head.front_y
+    seat = motor_seat(drive)
+    return replace(
+        whole,
+        shelf_half_width=0.0,
+        shelf_bottom_z=top,
+        bridge_bottom_z=top,
+        top_z=top,
+        opening_radius=seat.pocket_radius,
+        seat_radius=0.0,
+        seat_depth=0.0,
+        seat_shoulder_radius=0.0,
+        flange_insert=None,
+        dowel_depth=0.0,
+        motor=seat,
     )

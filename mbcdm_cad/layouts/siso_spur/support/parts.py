@@ -7,6 +7,7 @@ from math import asin, pi, sqrt
 from typing import TYPE_CHECKING, Any
 
 from mbcdm_cad.design.bought import InsertSpec
+from mbcdm_cad.layouts.siso_spur.overhung import MotorSeat, pocket_mm3
 from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims
 from mbcdm_cad.layouts.siso_spur.support.idlers import StandDims
 from mbcdm_cad.parts.boss import boss_bodies, boss_bores_mm3, boss_tools, seats_mm
@@ -44,7 +45,8 @@ def arm_mm3(d: YokeDims) -> float:
     """Plate from the drum's axis upwards, and the yoke on it, less their bores and holes."""
     v = d.levels
     plate = (2 * d.half_width * d.top_z - 2 * CORNER * d.corner_radius**2) * (v.front_y - v.plate_back_y)
-    return plate + _yoke_mm3(d) + sum(_posts_mm3(stand) for stand in d.stands) - _holes_mm3(d)
+    yoke = _yoke_mm3(d) if d.motor is None else 0.0
+    return plate + yoke + sum(_posts_mm3(stand) for stand in d.stands) - _holes_mm3(d)
 
 
 def _posts_mm3(stand: StandDims) -> float:
@@ -90,11 +92,14 @@ def _holes_mm3(d: YokeDims) -> float:
     if d.has_encoder:
         encoder = ring_mm3(d.encoder_screw_clearance, 0.0, shelf - d.encoder_head_depth)
         encoder += ring_mm3(d.encoder_head_radius, 0.0, d.encoder_head_depth)
+    if d.motor is None:
+        own = ring_mm3(d.opening_radius, 0.0, plate)
+        own += ring_mm3(d.seat_shoulder_radius, 0.0, shelf - d.seat_depth)
+        own += ring_mm3(d.seat_radius, 0.0, d.seat_depth) + 2 * encoder
+    else:
+        own = pocket_mm3(d.motor, plate)
     return (
-        ring_mm3(d.opening_radius, 0.0, plate)
-        + ring_mm3(d.seat_shoulder_radius, 0.0, shelf - d.seat_depth)
-        + ring_mm3(d.seat_radius, 0.0, d.seat_depth)
-        + 2 * encoder
+        own
         + len(d.flange_screws) * ring_mm3(d.flange_screw_radius, 0.0, plate)
         + len(d.dowels) * ring_mm3(d.dowel_radius, 0.0, d.dowel_depth)
         + len(d.mounts) * ring_mm3(d.mount_radius, 0.0, plate)
@@ -109,6 +114,8 @@ def yoke_bodies(d: YokeDims) -> list[cq.Shape]:
     v, x, shelf = d.levels, d.half_width, d.shelf_half_width
     plate = block((-x, x), (v.plate_back_y, v.front_y), (0.0, d.top_z))
     plate = cq.Workplane(obj=plate).edges("|Y and >Z").fillet(d.corner_radius).val()  # type: ignore[assignment]
+    if d.motor is not None:
+        return [plate]
     bridge = block((-shelf, shelf), (v.plate_back_y, v.top_plate_top_z), (d.bridge_bottom_z, d.top_z))
     bearing = block((-shelf, shelf), (v.top_plate_bottom_z, v.top_plate_top_z), (d.shelf_bottom_z, d.top_z))
     rounded = cq.Workplane(obj=fuse([bridge, bearing], "yoke")).edges("|Y").edges("<Z or >Z")
@@ -128,6 +135,13 @@ def centre_bodies(d: YokeDims) -> list[cq.Shape]:
 
 def _input_holes(d: YokeDims) -> list[cq.Shape]:
     v, z = d.levels, d.axis_z
+    if d.motor is not None:
+        behind, shelf = v.plate_back_y - 1.0, v.plate_back_y + d.motor.shelf
+        places = [(d.motor.pilot_radius, 0.0, z), *((d.motor.screw_clearance, *at) for at in d.motor.screws)]
+        return [
+            cylinder_y(d.motor.pocket_radius, 0, z, shelf, v.front_y + 1.0),
+            *(cylinder_y(radius, x, height, behind, shelf + 1.0) for radius, x, height in places),
+        ]
     near, far = v.top_plate_bottom_z, v.top_plate_top_z
     tools: list[cq.Shape] = [
         cylinder_y(d.opening_radius, 0, z, v.plate_back_y - 1.0, v.front_y + 1.0),
@@ -167,6 +181,32 @@ def _thread(insert: InsertSpec | None) -> dict[str, Any]:
     return {"threaded": insert is None, "insert": insert}
 
 
+def _head_holes(d: YokeDims) -> tuple[Holes, ...]:
+    """Opening for the pulley, holes of the motor head's flange."""
+    y, screw = d.levels.plate_back_y, 2 * d.flange_screw_radius
+
+    def on(places: Places) -> tuple[tuple[float, float, float], ...]:
+        return tuple((x, y, z) for x, z in places)
+
+    pressed = FITS["pin_press"].code
+    return (
+        Holes("A", 2 * d.opening_radius, THROUGH, on(((0.0, d.axis_z),)), "plate", "input pulley"),
+        Holes("B", screw, THROUGH, on(d.flange_screws), "plate", "motor head", **_thread(d.flange_insert)),
+        Holes("C", 2 * d.dowel_radius, d.dowel_depth, on(d.dowels), "behind", "dowels", fit=pressed),
+    )
+
+
+def _seat_holes(seat: MotorSeat, back_y: float, front_y: float, axis_z: float) -> tuple[Holes, ...]:
+    """Pilot of the motor with the pocket in front of it, and its screws."""
+    pocket = (2 * seat.pocket_radius, front_y - back_y - seat.shelf, "")
+    fit, screws = FITS["pilot"].code, tuple((x, back_y, z) for x, z in seat.screws)
+    pilot = ((0.0, back_y, axis_z),)
+    return (
+        Holes("A", 2 * seat.pilot_radius, THROUGH, pilot, "front", "motor's pilot", fit=fit, counterbore=pocket),
+        Holes("B", 2 * seat.screw_clearance, THROUGH, screws, "pocket", "motor's screws"),
+    )
+
+
 def frame_holes(d: YokeDims) -> tuple[Holes, ...]:
     """Holes along Y: first those of the plate, from behind, then those of the shelf and of the drum's encoder."""
     v, b, z = d.levels, d.boss, d.axis_z
@@ -181,17 +221,19 @@ def frame_holes(d: YokeDims) -> tuple[Holes, ...]:
     encoder = tuple((s * b.screw_circle, 0.0) for s in (-1, 1))
     seat = (2 * d.seat_radius, d.seat_depth, FITS["input_seat"].code)
     sunk = (2 * d.encoder_head_radius, d.encoder_head_depth, "")
-    screw, passing = 2 * d.flange_screw_radius, 2 * d.encoder_screw_clearance
+    passing = 2 * d.encoder_screw_clearance
     pin = on(back, ((0.0, d.stop_pin_z),))
     return (
-        Holes("A", 2 * d.opening_radius, THROUGH, on(back, axis), "plate", "input pulley"),
-        Holes("B", screw, THROUGH, on(back, d.flange_screws), "plate", "motor head", **_thread(d.flange_insert)),
-        Holes("C", 2 * d.dowel_radius, d.dowel_depth, on(back, d.dowels), "behind", "dowels", fit=pressed),
+        *(_head_holes(d) if d.motor is None else _seat_holes(d.motor, v.plate_back_y, v.front_y, z)),
         Holes(
             "D", 2 * d.mount_radius, THROUGH, on(back, d.mounts), "plate", "mounting screws", **_thread(d.mount_insert)
         ),
         Holes("E", 2 * d.stop_pin_radius, THROUGH, pin, "plate", "stop pin", fit=pressed),
-        Holes("F", 2 * d.seat_shoulder_radius, THROUGH, on(near, axis), "shelf", "bearing", counterbore=seat),
+        *(
+            [Holes("F", 2 * d.seat_shoulder_radius, THROUGH, on(near, axis), "shelf", "bearing", counterbore=seat)]
+            if d.motor is None
+            else []
+        ),
         *(
             [Holes("G", passing, THROUGH, on(near, beside), "shelf", "encoder screws", counterbore=sunk)]
             if d.has_encoder
@@ -251,6 +293,8 @@ def _from_behind(d: YokeDims) -> tuple[Linear, ...]:
 
 def _in_front(d: YokeDims) -> tuple[Linear, ...]:
     y, wide = d.levels.top_plate_top_z, d.shelf_half_width
+    if d.motor is not None:
+        return ()
     return (
         Linear("front", (-wide, y, d.top_z), (wide, y, d.top_z), 2 * wide, "above", suffix=" yoke"),
         Linear("front", (0.0, y, 0.0), (wide, y, d.shelf_bottom_z), d.shelf_bottom_z, "left", decimals=3),
@@ -295,9 +339,15 @@ def _in_section(d: YokeDims) -> tuple[Linear, ...]:
         deep(v.front_y, -d.half_width),
         deep(b.front_y, -b.radius),
         *([deep(b.ear_front_y, -b.ear_half_height, " ears")] if b.has_encoder else []),
-        over(near, under),
-        over(far, top),
-        Linear("section", (0.0, near, under), (0.0, far, top), top - under, "right", decimals=3),
+        *(
+            (
+                over(near, under),
+                over(far, top),
+                Linear("section", (0.0, near, under), (0.0, far, top), top - under, "right", decimals=3),
+            )
+            if d.motor is None
+            else (over(v.front_y, top),)
+        ),
         bore(b.seat_radius, b.front_y, FITS["drum_seat"].code, "2x ", DRUM_AXIS),
         bore(b.shoulder_radius, b.front_seat_start_y),
     )
@@ -339,7 +389,7 @@ class Yoke(MadePart):
         )
         axes = (
             ((0.0, b.encoder_pocket_floor_y, 0.0), (0.0, b.front_y, 0.0)),
-            ((0.0, y, d.axis_z), (0.0, v.top_plate_top_z, d.axis_z)),
+            ((0.0, y, d.axis_z), (0.0, v.top_plate_top_z if d.motor is None else v.front_y, d.axis_z)),
         )
         return Sheet(
             part=part,
@@ -357,12 +407,14 @@ class Yoke(MadePart):
                 one_axis("section", seats_mm(b), DRUM_AXIS),
                 GeometricTolerance(
                     "section",
-                    (0.0, v.top_plate_bottom_z + d.seat_depth / 2, d.axis_z + d.seat_radius),
+                    (0.0, v.top_plate_bottom_z + d.seat_depth / 2, d.axis_z + d.seat_radius)
+                    if d.motor is None
+                    else (0.0, v.plate_back_y + d.motor.shelf / 2, d.axis_z + d.motor.pilot_radius),
                     "parallelism",
                     TO_AXIS_MM,
                     (DRUM_AXIS,),
                     axis=True,
-                    of="F",
+                    of="F" if d.motor is None else "A",
                 ),
             ),
             holes=holes,
@@ -376,7 +428,8 @@ class Yoke(MadePart):
             ),
             notes=(
                 "Milled from one block. X to the right in the rear view, Y to the front, Z up from the drum's axis.",
-                f"Outer corners of plate and yoke R{mm(r)}; lower end of the plate rounded about the drum's axis.",
+                f"Outer corners of plate{' and yoke' if d.motor is None else ''} R{mm(r)}; lower end of the plate "
+                "rounded about the drum's axis.",
                 f"{f'Ears {mm(2 * b.ear_half_height)} high. ' if b.has_encoder else ''}Seats Ra 0.8, elsewhere Ra 3.2.",
             ),
         )

@@ -5,8 +5,9 @@ by that load, u the displacements due to these forces (:mod:`mbcdm_cad.model.pla
 rises, that of the other falls. Their components along the line of centres cancel and those across it add up: the input
 is pushed to one side, the drum to the other, and the gearhead holds the torque about the input's axis. Assumptions as
 in docs/decisions/0005. In addition, the motor head's flange lies in the plane of the plate, and the small couple of
-both spans, which are a few leads apart, is left out. Two such arms in line, one above the drum and one below, form one
-mesh.
+both spans, which are a few leads apart, is left out. A motor that carries the pulley itself loads the plate with both
+of its bearings, and leaves it the metal beside pocket and holes. Two such arms in line, one above the drum and one
+below, form one mesh.
 """
 
 from __future__ import annotations
@@ -19,6 +20,8 @@ import numpy as np
 
 from mbcdm_cad.layouts.base import FrameCompliance, FrameStudy
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
+from mbcdm_cad.layouts.siso_spur.overhung import pocket_mm3
+from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims
 from mbcdm_cad.layouts.structure import elastic
 from mbcdm_cad.model.equilibrium import bearing_loads, two_bearing_reactions_N
 from mbcdm_cad.model.plate_mesh import URAD_PER_MRAD, Hole, Mounts, Wall, X, Y, Z, centred_load, plate_mesh, shares_urad
@@ -59,14 +62,23 @@ def walls(arms: Sequence[Arm]) -> list[Wall]:
         y_plate,
         ((0.0, f.half_width), (min(ends[0], -f.boss.radius), ends[-1])),
         plate_t,
-        tuple(Hole(0.0, arm.way * f.axis_z, pi * f.opening_radius**2 * plate_t) for arm in arms),
+        tuple(Hole(0.0, arm.way * f.axis_z, _opening_mm3(f, plate_t)) for arm in arms),
         embedded=((Z, -f.boss.radius, f.boss.radius),),
     )
     return [plate, *(wall for arm in arms for wall in _yoke(arm, y_plate, z_bridge))]
 
 
+def _opening_mm3(f: YokeDims, plate_mm: float) -> float:
+    """Metal that the plate lacks round the input's axis."""
+    if f.motor is not None:
+        return pocket_mm3(f.motor, plate_mm)
+    return pi * f.opening_radius**2 * plate_mm
+
+
 def _yoke(arm: Arm, y_plate: float, z_bridge: float) -> Iterator[Wall]:
     v, f, way = arm.layout.levels, arm.layout.frame, arm.way
+    if f.motor is not None:
+        return
     y_shelf, wide = (v.top_plate_bottom_z + v.top_plate_top_z) / 2, (0.0, f.shelf_half_width)
     shelf = v.top_plate_top_z - v.top_plate_bottom_z
     depth = min(f.seat_depth, shelf)
@@ -126,10 +138,16 @@ def seat_forces(layout: SpurLayout, tension_N: Floats) -> list[tuple[str, tuple[
     on_front = (-float(loads.drum.moment_Nm[2]) - rear * MM * on_drum) / ((front - rear) * MM)
     # The gearhead holds the torque of the tensions about the input's axis, -Y, and loads the plate with it.
     torque = float((d.sigma * np.asarray(tension_N) * d.input_radius_m).sum())
-    return [
-        ("motor head's flange", (0.0, lower, z), -float(pair[0, 0]), 0.0),
+    on_lower, on_upper = -float(pair[0, 0]), -float(pair[1, 0])
+    seats = [
+        ("motor head's flange", (0.0, lower, z), on_lower, 0.0),
         ("motor shelf", (0.0, layout.levels.motor_shelf_bottom_z, z), 0.0, torque / MM),
-        ("encoder shelf", (0.0, upper, z), -float(pair[1, 0]), 0.0),
+        ("encoder shelf", (0.0, upper, z), on_upper, 0.0),
+    ]
+    if layout.frame.motor is not None:
+        seats = [("plate", (0.0, lower, z), on_lower, torque / MM), ("plate", (0.0, upper, z), on_upper, 0.0)]
+    return [
+        *seats,
         ("plate", (0.0, rear, 0.0), on_drum - on_front, 0.0),
         ("plate", (0.0, front, 0.0), on_front, 0.0),
         *_idler_forces(layout, tension_N),
@@ -186,7 +204,8 @@ def arms_compliance(arms: Sequence[Arm], share: float) -> FrameCompliance:
         for panel, (x, y, z), force_x, couple_y in seat_forces(arm.layout, tension):
             # The bearings of the drum load the boss, those of the input the metal round their seats, and those of
             # idlers the metal from one axle to the other.
-            reach = f.boss.radius if z == 0.0 else _SPREAD * max(f.seat_radius, first.head.seat_radius)
+            seat = f.motor.pocket_radius if f.motor else _SPREAD * max(f.seat_radius, first.head.seat_radius)
+            reach = f.boss.radius if z == 0.0 else seat
             stand = next((stand for stand in f.stands if stand.z == z), None)
             reach = reach if stand is None else stand.x + 2 * stand.axle_radius
             if panel == "motor shelf":
@@ -225,7 +244,7 @@ def frame_study_of(module: str, layouts: Sequence[SpurLayout], compliance: Calla
     inputs = tuple(
         (
             layout.frame,
-            (layout.head, layout.drive.gearhead.diameter_mm),
+            (None if layout.frame.motor else layout.head, layout.drive.gearhead.diameter_mm),
             (layout.drum_shaft.rear_bearing_y, layout.drum_shaft.front_bearing_y),
             layout.drive.support,
             layout.drive.bearings,
