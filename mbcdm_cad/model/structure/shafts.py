@@ -23,7 +23,7 @@ URAD_NM = 1e3
 _POINTS = 400
 # Length by which a thin shaft twists inside a much thicker one, or under a collar that holds its outside, over its
 # diameter; and how that falls where the two are more alike: d (1 - (d / D)^2.6). An estimate after the usual curves for
-# crankshafts, compared with solid elements of six pulleys.
+# crankshafts, chosen on solid elements of six pulleys.
 JUNCTION, JUNCTION_POWER = 0.125, 2.6
 # Balls over the bearing's section, and their pitch over their diameter (usual in small deep-groove bearings).
 _BALL_SHARE, _BALL_PITCH = 0.55, 1.45

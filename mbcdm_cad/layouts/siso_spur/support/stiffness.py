@@ -34,7 +34,7 @@ from mbcdm_cad.routes.loads import body_load
 # Radius over which the force on a seat is spread, over the radius of the seat.
 _SPREAD = 1.5
 # The bridge bends this far inside plate and shelf, over its thickness: the metal at its root gives (compared with solid
-# elements of six frames; a beam on a half-space: 0.3 to 0.6).
+# elements of six frames, on which it was chosen; a beam on a half-space: 0.3 to 0.6).
 ROOT = 0.35
 
 
