@@ -120,7 +120,9 @@ def bought_depth(s: SectorLayout) -> Comparison:
     in_gear = gear_screw.length_mm - s.motor_shelf_mm + 1.0
     in_encoder = encoder_screw.length_mm - (s.encoder_plate_mm - encoder_screw.head_height_mm - 0.2) + 0.5
     grip = ring_screw.length_mm - s.frame.encoder_screw_depth + 0.5
-    found = [at_least(f"{drive.mounted} behind its screws", drive.face_depth_mm - in_gear, FLOOR_MM, "mm")]
+    found = []
+    if drive.servo is None:
+        found.append(at_least(f"{drive.mounted} behind its screws", drive.face_depth_mm - in_gear, FLOOR_MM, "mm"))
     if not drive.encoder.absent:
         above = drive.encoder.length_mm - ENCODER_INSERTION_MM - 0.5
         found += [
@@ -130,7 +132,7 @@ def bought_depth(s: SectorLayout) -> Comparison:
     if not drive.drum_encoder.absent:
         over = drive.drum_encoder.length_mm - grip - ring_screw.head_height_mm
         found.append(at_least("drum encoder over its screws' heads", over, 0.0, "mm"))
-    return worst(found)
+    return worst(found) if found else noted("no threaded holes in bought parts: depth", 0.0, "mm")
 
 
 def shaft_grip(s: SectorLayout) -> Comparison:

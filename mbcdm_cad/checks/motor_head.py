@@ -24,7 +24,11 @@ def engagement(s: HeadLayout) -> Comparison:
     gear, encoder, ring = (drive.screw(item.screw) for item in (drive.gearhead, drive.encoder, drive.drum_encoder))
     hub = drive.screw(s.drum.set_screw)
     engaged = (
-        (f"{drive.mounted} screw", gear, gear.length_mm - drive.support.motor_shelf_mm),
+        (
+            f"{drive.mounted} screw",
+            gear,
+            gear.length_mm - (drive.support.motor_shelf_mm if drive.servo is None else drive.servo.ear_mm),
+        ),
         *(
             ("encoder screw", encoder, encoder.length_mm - (drive.support.encoder_shelf_mm - f.encoder_head_depth))
             for _ in range(not drive.encoder.absent)

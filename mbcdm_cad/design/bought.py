@@ -133,6 +133,44 @@ class TerminationSpec(Entry):
 
 
 @dataclass(frozen=True, kw_only=True)
+class Servo(PlainBlock):
+    """What makes a motor a bought servo: gears and sensor of its own, a housing with ears, and a horn on its spline.
+
+    Heights count from the front faces of the ears, which lie on the frame.
+    """
+
+    ratio: Number = entry_field("reduction of its own gears", "-", ge=1.0, le=10000.0)
+    efficiency: Number = entry_field("efficiency of its gears", "-", gt=0.0, le=1.0)
+    rated_torque_mNm: Number = entry_field("continuous torque at the horn", "mN m", gt=0.0, le=1e6)
+    max_torque_mNm: Number = entry_field("torque at the horn at standstill", "mN m", gt=0.0, le=1e6)
+    stiffness_Nm_rad: Number = entry_field("torsional stiffness of its gears at the horn", "N m/rad", gt=0.0, le=1e7)
+    lash_deg: Number = entry_field("play of its gears at the horn, from one side to the other", "deg", ge=0.0, le=20.0)
+    sensor: Literal["output", "motor"] = entry_field(
+        "where its own sensor is: on the horn's shaft, or the motor's", "-"
+    )
+    sensor_steps: Integer = entry_field("steps a turn of its sensor", "-", ge=16, le=2**26)
+    body_mm: Number = entry_field("length of its housing", "mm", ge=5.0, le=200.0)
+    width_mm: Number = entry_field("width of its housing", "mm", ge=3.0, le=150.0)
+    behind_mm: Number = entry_field("depth of its housing behind the ears' front", "mm", ge=1.0, le=200.0)
+    before_mm: Number = entry_field("height of its housing before the ears' front", "mm", ge=0.5, le=50.0)
+    axis_mm: Number = entry_field(
+        "horn's axis from the middle of the housing, along its length", "mm", ge=0.0, le=100.0
+    )
+    ears_mm: Number = entry_field("length over both ears", "mm", ge=6.0, le=300.0)
+    ear_mm: Number = entry_field("thickness of the ears", "mm", ge=0.5, le=20.0)
+    hole_length_mm: Number = entry_field("distance of the ears' holes along the length", "mm", ge=6.0, le=300.0)
+    hole_width_mm: Number = entry_field("distance of the ears' holes along the width", "mm", ge=2.0, le=150.0)
+    spline: Text = entry_field("teeth of its spline, as makers of horns name it", "-")
+    horn_mm: Number = entry_field("diameter of its horn, a disc", "mm", ge=5.0, le=150.0)
+    horn_face_mm: Number = entry_field("front of the horn before the ears' front", "mm", ge=2.0, le=100.0)
+    horn_thickness_mm: Number = entry_field("thickness of the horn", "mm", ge=0.5, le=30.0)
+    horn_circle_mm: Number = entry_field("diameter of the circle of the horn's threads", "mm", ge=3.0, le=140.0)
+    horn_screw: EntryName = entry_field("screw for the horn's threads", "-")
+    horn_screws: Integer = entry_field("number of those threads", "-", ge=2, le=12)
+    centre_screw: EntryName = entry_field("screw that holds the horn on its spline", "-")
+
+
+@dataclass(frozen=True, kw_only=True)
 class Motor(Entry):
     """A motor. A motor with a shaft and a mounting face can be used without a gearhead.
 
@@ -199,6 +237,17 @@ class Motor(Entry):
     screw_count: Integer | None = entry_field("number of those screws", "-", default=None, ge=2, le=12)
     winding_time_s: Number | None = entry_field("thermal time constant, winding", "s", default=None, gt=0.0, le=1e5)
     motor_time_s: Number | None = entry_field("thermal time constant, motor", "s", default=None, gt=0.0, le=1e6)
+    servo: Servo | None = entry_field(
+        "gears, sensor, housing and horn of a servo; the entry's torques, constants and rotor are of the motor in "
+        "it, its shaft the spline, its screws those of the ears",
+        "-",
+        default=None,
+    )
+
+    def __post_init__(self) -> None:
+        # Entries of the package are read as plain data.
+        if isinstance(self.servo, dict):
+            object.__setattr__(self, "servo", Servo(**self.servo))
 
     @property
     def brushless(self) -> bool:
@@ -300,6 +349,15 @@ class Gearhead(Entry):
 GEARHEAD_SPAN, MOTOR_SPAN = 0.3, 0.6
 # Name in place of a gearhead in a design file whose motor drives the input directly.
 NO_GEARHEAD = "none"
+# Name of the gears of a servo in place of a gearhead's.
+OWN_GEARS = "own"
+
+
+@dataclass(frozen=True, kw_only=True)
+class ServoOutput(Gearhead):
+    """The gears of a servo, with its housing and horn, in place of a gearhead."""
+
+    servo: Servo
 
 
 def missing_face_fields(motor: Motor) -> list[str]:
@@ -316,7 +374,23 @@ def without_gearhead(motor: Motor) -> Gearhead:
     if missing:
         raise KeyError(f"motor {motor.name}: no {', '.join(missing)}")
     values: dict[str, Any] = {name: getattr(motor, name) for name in (*FACE_FIELDS, "radial_load_at_mm")}
-    span = motor.bearing_span_mm
+    span, servo = motor.bearing_span_mm, motor.servo
+    if servo is not None:
+        return ServoOutput(
+            name=OWN_GEARS,
+            ratio=servo.ratio,
+            efficiency=servo.efficiency,
+            rated_torque_mNm=servo.rated_torque_mNm,
+            max_torque_mNm=servo.max_torque_mNm,
+            stiffness_Nm_rad=servo.stiffness_Nm_rad,
+            diameter_mm=servo.width_mm,
+            length_mm=0.0,
+            mass_g=0.0,
+            source=motor.source,
+            bearing_span_mm=MOTOR_SPAN * servo.before_mm if span is None else span,
+            servo=servo,
+            **values,
+        )
     return Gearhead(
         name=NO_GEARHEAD,
         ratio=1.0,
@@ -357,11 +431,18 @@ class Encoder(Entry):
         return self.name == NO_ENCODER
 
 
-def without_encoder(gear_ratio: float) -> Encoder:
-    """No encoder: the motor's own, behind a gearhead of this ratio, tells where its input is."""
+def without_encoder(gearhead: Gearhead, motor_turns: float) -> Encoder:
+    """No encoder: the motor's own, or the sensor of a servo, tells where its input is.
+
+    ``motor_turns``: turns of the motor for one of its input, by gearhead and stage.
+    """
+    step = tau / MOTOR_ENCODER_STEPS / motor_turns
+    if isinstance(gearhead, ServoOutput):
+        servo = gearhead.servo
+        step = tau / servo.sensor_steps / (servo.ratio if servo.sensor == "motor" else 1.0)
     return Encoder(
         name=NO_ENCODER,
-        resolution_urad=tau / MOTOR_ENCODER_STEPS / gear_ratio * 1e6,
+        resolution_urad=step * 1e6,
         diameter_mm=0.0,
         length_mm=0.0,
         bore_mm=0.0,

@@ -22,6 +22,8 @@ from mbcdm_cad.design.bought import (
     Material,
     Motor,
     Screw,
+    Servo,
+    ServoOutput,
     TerminationSpec,
     shortest_insert,
 )
@@ -135,6 +137,8 @@ class Drive:
     @property
     def mounted(self) -> str:
         """The body that is screwed on for each input, in one word: its gearhead, or the motor without one."""
+        if self.servo is not None:
+            return "servo"
         return "motor" if self.gearhead.absent else "gearhead"
 
     @cached_property
@@ -159,6 +163,11 @@ class Drive:
     def motor_turns(self) -> float:
         """Turns of a motor for one of its input, below zero where a pair of gears turns it the other way."""
         return self.reduction.ratio * (1 if self.stage is None else self.stage.sense)
+
+    @property
+    def servo(self) -> Servo | None:
+        """What the motor has as a bought servo; None for a plain motor."""
+        return self.gearhead.servo if isinstance(self.gearhead, ServoOutput) else None
 
     @property
     def rotor_at_input_kg_m2(self) -> float:

@@ -86,10 +86,17 @@ def _table(nodes: SchemaNodes, rows: dict[str, Node]) -> Iterator[str]:
 def _fields(nodes: SchemaNodes, entry: Node) -> Iterator[str]:
     yield "| field | unit | limits | meaning |"
     yield "| --- | --- | --- | --- |"
+    yield from _field_rows(nodes, entry)
+    yield ""
+
+
+def _field_rows(nodes: SchemaNodes, entry: Node, prefix: str = "") -> Iterator[str]:
+    """A row for each field; a block inside the entry, such as that of a servo, is followed by its own fields."""
     for key, raw in entry["properties"].items():
         node = nodes.solid(raw)
-        yield _row((f"`{key}`", node.get("unit", "-"), _limits(node), node.get("description", "")))
-    yield ""
+        yield _row((f"`{prefix}{key}`", node.get("unit", "-"), _limits(node), node.get("description", "")))
+        if "properties" in node:
+            yield from _field_rows(nodes, node, f"{prefix}{key}.")
 
 
 def _limits(node: Node) -> str:

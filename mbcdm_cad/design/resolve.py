@@ -45,7 +45,7 @@ def shared_values(design: Design, catalogue: Catalogue) -> dict[str, Any]:
     turns = gearhead.ratio * (1.0 if stage is None else stage.ratio)
 
     def encoder(name: str) -> Encoder:
-        found: Encoder = without_encoder(turns) if name == NO_ENCODER else catalogue.get("encoders", name)
+        found: Encoder = without_encoder(gearhead, turns) if name == NO_ENCODER else catalogue.get("encoders", name)
         return found
 
     return {

@@ -93,11 +93,13 @@ def _motor(design: Design, catalogue: Catalogue) -> Iterator[Broken]:
     if not catalogue.has("motors", train.motor):
         return
     motor: Motor = catalogue.get("motors", train.motor)
+    if motor.servo is not None:
+        yield from _servo(design, motor)
     if train.gearhead == NO_GEARHEAD:
         missing = missing_face_fields(motor)
         if missing:
             able = (catalogue.get("motors", name) for name in catalogue.names("motors"))
-            names = ", ".join(each.name for each in able if not missing_face_fields(each))
+            names = ", ".join(each.name for each in able if not missing_face_fields(each) and each.servo is None)
             remedy = f"choose a gearhead, one of these motors, or give {', '.join(missing)} under catalogue: motors:"
             yield Broken(("drive", "gearhead"), f"{motor.name} has no face and shaft of its own", "none", names, remedy)
         elif not catalogue.has("screws", str(motor.screw)):
@@ -109,6 +111,21 @@ def _motor(design: Design, catalogue: Catalogue) -> Iterator[Broken]:
             f"{train.bus_voltage_V:g} V",
             "a motor with torque_constant_mNm_A",
             "leave it out, or choose a brushless motor of the catalogue",
+        )
+
+
+def _servo(design: Design, motor: Motor) -> Iterator[Broken]:
+    """A servo has gears of its own, and its horn carries the pulley."""
+    if design.drive.gearhead != NO_GEARHEAD:
+        what = f"{motor.name} is a servo with gears of its own"
+        yield Broken(("drive", "gearhead"), what, design.drive.gearhead, NO_GEARHEAD, f"write {NO_GEARHEAD}")
+    if not getattr(getattr(design, "input_pulleys", None), "overhung", False):
+        yield Broken(
+            ("drive", "motor"),
+            "the horn of a servo carries the input pulley, which then has no bearings",
+            motor.name,
+            "input_pulleys.carried_by: motor",
+            "set input_pulleys.carried_by to motor, in configuration siso_spur",
         )
 
 

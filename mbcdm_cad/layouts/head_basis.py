@@ -334,7 +334,8 @@ def _gearhead(given: TrialKnown) -> Found:
         pairs += [
             (motor["mass_g"], NO_GEARHEAD, motor)
             for motor, _ in given.motors_with_faces().values()
-            if motor in motors.values()
+            if "servo" not in motor
+            and motor in motors.values()
             and output_mNm(given, motor, None) >= needed
             and _is_fast(given, motor, None, needed)
             and _has_key_room(given, motor)
@@ -384,7 +385,7 @@ def _motor(given: TrialKnown) -> Found:
     needed = input_needs_mNm(given) / given.ratio
     head = given["drive.gearhead"]
     if head == NO_GEARHEAD:
-        rated = {name: motor for name, (motor, _) in given.motors_with_faces().items()}
+        rated = {name: motor for name, (motor, _) in given.motors_with_faces().items() if "servo" not in motor}
         entry, wide = None, float("inf")
     else:
         entry = given.entry("gearheads", "drive.gearhead")

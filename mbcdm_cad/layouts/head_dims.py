@@ -66,6 +66,8 @@ def stiff_wall(
 def _motor_shelf(given: TrialKnown) -> Found:
     """Screw length minus the needed thread, mm; at least what wall and pilot need."""
     gear = given.gearhead
+    if given.servo is not None:
+        return Found(LEAST_SHELF_MM, "not used: a servo's ears lie on the plate")
     screw = given.screw(gear.screw)
     # The shelf of a pulley on the motor's shaft is part of the plate, which the cables tilt: as thick as screws allow.
     spare = 0.0 if given.overhung else 0.75 * screw.thread_mm

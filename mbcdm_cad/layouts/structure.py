@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from math import hypot, log
+from math import hypot, log, radians
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -33,7 +33,8 @@ from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.loads import BodyLoad, body_load
 
 if TYPE_CHECKING:
-    from mbcdm_cad.design.bought import Bearing, Material
+    from mbcdm_cad.design.bought import Bearing, Material, Servo
+    from mbcdm_cad.design.drive import Drive
     from mbcdm_cad.layouts.sector import SectorLayout
     from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 
@@ -193,8 +194,26 @@ def structure_of(layout: SectorLayout) -> Structure:
         stress_MPa,
         layout.drive.loads.peak_torque_Nm,
         float(layout.drive.drum_material.yield_MPa),
-        motor_encoders=layout.drive.encoder.absent,
+        motor_encoders=layout.drive.encoder.absent and not _senses_output(layout.drive.servo),
     )
+
+
+def _senses_output(servo: Servo | None) -> bool:
+    """Whether a servo's own sensor is behind its gears, so that it holds the horn in place of its motor."""
+    return servo is not None and servo.sensor == "output"
+
+
+def lash_rad(drive: Drive, motors_held: bool) -> float:
+    """Play of the drum by the gears of servos, from one side to the other; rad.
+
+    With the sensors holding the inputs only the play behind a sensor at the motor is left. Inputs side by side share
+    it: the drum is free only as far as all are.
+    """
+    servo = drive.servo
+    if servo is None or (_senses_output(servo) and not motors_held):
+        return 0.0
+    cable = drive.cables[0]
+    return radians(servo.lash_deg) * cable.input_radius_mm / cable.drum_radius_mm
 
 
 def drum_stress_MPa(layout: SectorLayout, torque_Nm: float) -> float:
@@ -351,7 +370,7 @@ def _overhung(layout: SectorLayout, unit: Floats, torques_Nm: Floats) -> Iterato
         held = _supported([changed], supports, axis)
         bend += bending_urad_Nm(axis, [changed, *held], sections, steel)
         give += _bearings_urad_Nm((own, own), held, _supported([rest], supports, axis))
-    yield Cause("motors' shafts, torsion", twist, before_input=True)
+    yield Cause("motors' shafts, torsion", twist, before_input=not _senses_output(layout.drive.servo))
     yield Cause("motors' shafts, bending", bend)
     yield Cause("motors' own bearings (estimate)", give, factor=BY_GEARHEADS)
 
@@ -360,15 +379,18 @@ def _shaft_sections(layout: SectorLayout, index: int) -> list[Section]:
     """The shaft from its rear bearing on, and the pulley with the shaft in it, as one shaft of steel."""
     drive, pulley, (rear, face) = layout.drive, layout.inputs[index], layout.input_bearings_mm(index)
     radius, end = drive.gearhead.shaft_diameter_mm / 2.0, face + drive.gearhead.shaft_length_mm
+    if drive.servo is not None:
+        end = pulley.journal_bottom_z
     share = drive.pulley_material.youngs_modulus_GPa / drive.material("steel").youngs_modulus_GPa
     found = [Section(rear, pulley.journal_bottom_z, radius)]
     for start, stop, outside in (
-        (pulley.journal_bottom_z, pulley.land_bottom_z, pulley.lower_journal_radius),
+        (pulley.journal_bottom_z, pulley.lower_neck_bottom_z, pulley.lower_journal_radius),
+        (pulley.lower_neck_bottom_z, pulley.land_bottom_z, pulley.lower_neck_radius),
         (pulley.land_bottom_z, pulley.land_top_z, pulley.lower_surface_radius),
     ):
         for low, high in ((start, min(end, stop)), (max(end, start), stop)):
             if high > low:
-                bore = radius if low < pulley.bore_top_z else 0.0
+                bore = pulley.bore_radius if low < pulley.bore_top_z else 0.0
                 inside = radius if high <= end else 0.0
                 found.append(Section(low, high, (share * (outside**4 - bore**4) + inside**4) ** 0.25))
     return found

@@ -13,7 +13,18 @@ from dataclasses import replace
 from math import ceil, floor, inf, pi
 from typing import Any
 
-from mbcdm_cad.design.bought import NO_BEARING, NO_ENCODER, Gearhead, Screw, least_wall_mm
+from mbcdm_cad.design.bought import (
+    NO_BEARING,
+    NO_ENCODER,
+    NO_GEARHEAD,
+    Gearhead,
+    Motor,
+    Screw,
+    Servo,
+    ServoOutput,
+    least_wall_mm,
+    without_gearhead,
+)
 from mbcdm_cad.design.lookup import Catalogue
 from mbcdm_cad.design.rules import every_broken_rule
 from mbcdm_cad.design.sized import Moved, Sizing, SizingError
@@ -99,7 +110,16 @@ class TrialKnown(RopeKnown):
     @property
     def gearhead(self) -> Gearhead:
         """The gearhead, or the motor's own face."""
-        return Gearhead(name=self["drive.gearhead"], **self.entry("gearheads", "drive.gearhead"))
+        values = self.entry("gearheads", "drive.gearhead")
+        if self["drive.gearhead"] == NO_GEARHEAD:
+            return without_gearhead(Motor(name=self["drive.motor"], **self.entry("motors", "drive.motor")))
+        return Gearhead(name=self["drive.gearhead"], **values)
+
+    @property
+    def servo(self) -> Servo | None:
+        """What the motor has as a bought servo; None for a plain motor."""
+        gear = self.gearhead
+        return gear.servo if isinstance(gear, ServoOutput) else None
 
     def screw(self, name: str) -> Screw:
         """A screw of the catalogue."""

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mbcdm_cad.layouts.base import NoFigureError
-from mbcdm_cad.layouts.structure import Cause, sigma_urad_Nm, urad_Nm
+from mbcdm_cad.layouts.structure import Cause, lash_rad, sigma_urad_Nm, urad_Nm
 from mbcdm_cad.model.backlash import Reading, drum_backlash, implied_modulus_Pa
 from mbcdm_cad.model.measured import BACKLASH_RAD, BACKLASH_TORQUE_NM
 from mbcdm_cad.model.si import to_si
@@ -76,14 +76,14 @@ def turns_of(layout: Layout, load_Nm: float) -> DriveTurns:
     turn, swing = float(found.first_loading_rad), float(found.reversal_swing_rad)
     sticking = float(sticking_stiffness_Nm_rad(d))
 
-    def place(causes: tuple[Cause, ...] = ()) -> TurnAt:
+    def place(causes: tuple[Cause, ...] = (), play_rad: float = 0.0) -> TurnAt:
         give = urad_Nm(causes) * 1e-6
-        turned = turn + give * load_Nm
+        turned = turn + give * load_Nm + play_rad / 2.0
         return TurnAt(
             urad_Nm(causes),
             turned * 1e3,
             sigma_urad_Nm(causes) * load_Nm * 1e-3,
-            (swing + 2.0 * give * load_Nm) * 1e3,
+            (swing + 2.0 * give * load_Nm + play_rad) * 1e3,
             load_Nm / turned,
             1.0 / (1.0 / sticking + give),
         )
@@ -94,12 +94,13 @@ def turns_of(layout: Layout, load_Nm: float) -> DriveTurns:
         return DriveTurns(load_Nm, place(), no_structure=str(missing))
     if structure is None:
         return DriveTurns(load_Nm, place(), no_structure=f"{layout.name} has no figures of its structure")
+    held, free = (lash_rad(layout.drive, motors_held) for motors_held in (False, True))
     return DriveTurns(
         load_Nm,
         cables=place(),
-        drum_encoder=place(structure.at_encoder),
-        payload=place(structure.at_payload),
-        motors_held=place(structure.causes),
+        drum_encoder=place(structure.at_encoder, held),
+        payload=place(structure.at_payload, held),
+        motors_held=place(structure.causes, free),
     )
 
 

@@ -37,11 +37,15 @@ URAD_PER_MRAD = 1e3
 
 @dataclass(frozen=True)
 class Hole:
-    """A hole in a panel: its middle on the two in-plane axes (in the order x, y, z) and its volume."""
+    """A hole in a panel: its middle on the two in-plane axes (in the order x, y, z) and its volume.
+
+    ``aspect``: its length along the second of these axes over that along the first.
+    """
 
     u: float
     v: float
     volume_mm3: float
+    aspect: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -63,9 +67,10 @@ class Wall:
         u, v = (a for a in (X, Y, Z) if a != self.normal)
         return u, v
 
-    def half_side_mm(self, hole: Hole) -> float:
-        """Half the side of the square that has the hole's mean area."""
-        return sqrt(hole.volume_mm3 / self.thickness_mm) / 2.0
+    def half_sides_mm(self, hole: Hole) -> tuple[float, float]:
+        """Half the sides of the square, or of the rectangle of this aspect, that has the hole's mean area."""
+        half = sqrt(hole.volume_mm3 / self.thickness_mm / hole.aspect) / 2.0
+        return half, half * hole.aspect
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,10 +164,10 @@ def _wished(walls: list[Wall], mounts: Mounts) -> Iterator[tuple[int, float]]:
             yield axis, high
     for wall in walls:
         for hole in wall.holes:
-            half = wall.half_side_mm(hole)
-            for d in (-half, half):
-                yield wall.axes[0], hole.u + d
-                yield wall.axes[1], hole.v + d
+            half_u, half_v = wall.half_sides_mm(hole)
+            for sign in (-1, 1):
+                yield wall.axes[0], hole.u + sign * half_u
+                yield wall.axes[1], hole.v + sign * half_v
     yield Y, 0.0
 
 
@@ -175,8 +180,8 @@ def _thickness(wall: Wall, u: Floats, v: Floats) -> Floats:
         thickness[inside if axis == wall.axes[0] else (slice(None), inside)] = EMBEDDED * wall.thickness_mm
     area = np.outer(np.diff(u), np.diff(v))
     for hole in wall.holes:
-        half = wall.half_side_mm(hole)
-        cells = np.ix_(np.abs(middle[0] - hole.u) < half, np.abs(middle[1] - hole.v) < half)
+        half_u, half_v = wall.half_sides_mm(hole)
+        cells = np.ix_(np.abs(middle[0] - hole.u) < half_u, np.abs(middle[1] - hole.v) < half_v)
         if area[cells].size:
             thickness[cells] = np.maximum(0.0, thickness[cells] - hole.volume_mm3 / area[cells].sum())
     return thickness

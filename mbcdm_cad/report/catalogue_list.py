@@ -67,14 +67,17 @@ def catalogue_page(kinds: tuple[str, ...]) -> str:
     for kind in kinds:
         lines += [f"## {kind.capitalize()}", "", _about(kind), ""]
         lines += ReportTable(("field", "unit", "meaning"), _fields(kind)).markdown()
-        lines += ["", *_values(kind).markdown(), "", "Sources:", ""]
+        lines += ["", *_values(kind).markdown(), ""]
+        for block in _blocks(kind):
+            lines += [*_block_values(kind, block).markdown(), ""]
+        lines += ["Sources:", ""]
         lines += [f"- `{name}`: {_sources(entry)}" for name, entry in package_entries(kind).items()] + [""]
     return "\n".join(lines)
 
 
 def _kind_lines(kind: str, width: int | None) -> list[str]:
     """Tables with one row for each field and as many entries side by side as the width allows."""
-    entries = package_entries(kind)
+    entries = {name: _flat(entry) for name, entry in package_entries(kind).items()}
     names = list(entries)
     label_width = max(len(field) for field, _, _ in _fields(kind))
     columns = [
@@ -87,7 +90,8 @@ def _kind_lines(kind: str, width: int | None) -> list[str]:
         while taken < len(names) and sum(columns[: taken + 1]) + 2 * (taken + 1) <= room:
             taken += 1
         here, names, columns = names[:taken], names[taken:], columns[taken:]
-        rows = tuple((field, *(_exact(entries[name].get(field)) for name in here)) for field in _stated(kind))
+        shown = [f for f in _stated(kind) if "." not in f or any(f in entries[name] for name in here)]
+        rows = tuple((field, *(_exact(entries[name].get(field)) for name in here)) for field in shown)
         lines += ["", *ReportTable(("", *here), rows).text()]
     lines += ["", "Sources:"]
     return lines + [line for name, entry in entries.items() for line in _filled(f"  {name}: {_sources(entry)}", width)]
@@ -98,9 +102,28 @@ def _about(kind: str) -> str:
 
 
 def _fields(kind: str) -> tuple[tuple[str, str, str], ...]:
-    """(name, unit, meaning) of every field except the source."""
-    schema = adapter(KINDS[kind]).json_schema()["properties"]
-    return tuple((name, node["unit"], node["description"]) for name, node in schema.items() if name != "source")
+    """(name, unit, meaning) of every field except the source; those of a block as ``servo.ratio``, after it."""
+    schema = adapter(KINDS[kind]).json_schema()
+    found: list[tuple[str, str, str]] = []
+    for name, node in schema["properties"].items():
+        found.append((name, node["unit"], node["description"]))
+        for branch in node.get("anyOf", ()):
+            inner = schema["$defs"][branch["$ref"].rsplit("/", 1)[1]]["properties"] if "$ref" in branch else {}
+            found += [(f"{name}.{key}", own["unit"], own["description"]) for key, own in inner.items()]
+    return tuple(row for row in found if row[0] != "source")
+
+
+def _flat(entry: Mapping[str, Any]) -> dict[str, Any]:
+    """The entry's values, those of a block as ``servo.ratio``."""
+    found: dict[str, Any] = {}
+    for name, value in entry.items():
+        found |= {f"{name}.{key}": own for key, own in value.items()} if isinstance(value, Mapping) else {name: value}
+    return found
+
+
+def _blocks(kind: str) -> list[str]:
+    """Blocks of which an entry has one, such as ``servo``."""
+    return list(dict.fromkeys(name.split(".")[0] for name in _stated(kind) if "." in name))
 
 
 def _sources(entry: Mapping[str, Any]) -> str:
@@ -111,17 +134,28 @@ def _sources(entry: Mapping[str, Any]) -> str:
 
 def _stated(kind: str) -> list[str]:
     """The fields that an entry states, without the sources."""
-    entries = package_entries(kind).values()
+    entries = [_flat(entry) for entry in package_entries(kind).values()]
     names = [name for name, _, _ in _fields(kind) if name not in _SOURCES]
     return [name for name in names if any(entry.get(name) is not None for entry in entries)]
 
 
 def _values(kind: str) -> ReportTable:
-    names = _stated(kind)
+    names = [name for name in _stated(kind) if "." not in name]
     rows = tuple(
         (entry, *(_exact(values.get(name)) for name in names)) for entry, values in package_entries(kind).items()
     )
     return ReportTable(("name", *names), rows)
+
+
+def _block_values(kind: str, block: str) -> ReportTable:
+    """A row for each field of a block, a column for each entry that has it."""
+    having = {name: _flat(entry) for name, entry in package_entries(kind).items() if block in entry}
+    rows = tuple(
+        (field, *(_exact(values.get(field)) for values in having.values()))
+        for field in _stated(kind)
+        if field.startswith(f"{block}.")
+    )
+    return ReportTable((block, *having), rows)
 
 
 def _exact(value: object) -> str:

@@ -111,6 +111,7 @@ class KnownFields:
             if not missing_face_fields(motor):
                 face = asdict(without_gearhead(motor))
                 del face["name"]
+                face.pop("servo", None)
                 found[name] = entry, face
         return found
 
@@ -120,7 +121,9 @@ class KnownFields:
         name, able = self["drive.motor"], self.motors_with_faces()
         if name not in able:
             what = f"{name} has no face and shaft of its own"
-            remedy = f"choose a gearhead, or one of {', '.join(able)}"
+            remedy = (
+                f"choose a gearhead, or one of {', '.join(n for n, (motor, _) in able.items() if 'servo' not in motor)}"
+            )
             raise SizingError(Broken(("drive", "gearhead"), what, NO_GEARHEAD, "", remedy))
         return able[name][1]
 

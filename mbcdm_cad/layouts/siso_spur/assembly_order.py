@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import tau
 
 from mbcdm_cad.checks.bearings import stage_torque_Nm
+from mbcdm_cad.design.bought import Servo
 from mbcdm_cad.design.stage import SET_TENSION, Stage
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
@@ -209,6 +210,8 @@ def _on_shaft_steps(layout: SpurLayout) -> tuple[AssemblyStep, ...]:
     """Motor on the plate, then the pulley on its shaft, then the cable."""
     drive, gear, name = layout.drive, layout.drive.gearhead, layout.drive.input_names[0]
     screw, pulley = set_screw(drive).name, layout.inputs[0]
+    if drive.servo is not None:
+        return _on_horn_steps(layout, drive.servo)
     return (
         AssemblyStep(
             f"Hold the {train_words(drive)} on the back of the plate, its pilot in the bore, and screw it on from the "
@@ -221,6 +224,26 @@ def _on_shaft_steps(layout: SpurLayout) -> tuple[AssemblyStep, ...]:
             f"is over the shaft's flat, if it has one, and tighten both ({screw}, {key(layout, screw)}, radially, "
             "between plate and land).",
             (f"input_pulley_{name}", *numbered(f"pulley_set_screw_{name}", len(SET_SCREWS_DEG))),
+        ),
+        _winding_step(drive),
+    )
+
+
+def _on_horn_steps(layout: SpurLayout, servo: Servo) -> tuple[AssemblyStep, ...]:
+    """Servo on the plate, its horn centred, the pulley on the horn, then the cable."""
+    drive, gear, name = layout.drive, layout.drive.gearhead, layout.drive.input_names[0]
+    return (
+        AssemblyStep(
+            f"Push the servo ({drive.motor.name}) from behind into the window of the plate and screw its ears on from "
+            f"behind ({gear.screw_count} x {gear.screw}, {key(layout, gear.screw)}). Turn it to the middle of its "
+            f"travel by its controller, push the horn ({servo.spline}) on the spline and tighten its screw "
+            f"({servo.centre_screw}, {key(layout, servo.centre_screw)}).",
+            (*train_items(drive, name), *numbered(f"servo_screw_{name}", gear.screw_count)),
+        ),
+        AssemblyStep(
+            "Lay the input pulley's flange on the horn, its recess over the horn's screw, and screw it on from the "
+            f"front ({servo.horn_screws} x {servo.horn_screw}, {key(layout, servo.horn_screw)}, beside the land).",
+            (f"input_pulley_{name}", *numbered(f"flange_screw_{name}", servo.horn_screws)),
         ),
         _winding_step(drive),
     )

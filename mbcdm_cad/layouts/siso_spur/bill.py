@@ -8,11 +8,13 @@ from math import cos, radians, sin
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, SpurRun
 from mbcdm_cad.layouts.siso_spur.idlers import SENSE
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
+from mbcdm_cad.layouts.siso_spur.overhung import MotorSeat
 from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims
 from mbcdm_cad.layouts.siso_spur.support.idlers import Strap, strap_screw
 from mbcdm_cad.layouts.siso_spur.support.parts import Yoke
 from mbcdm_cad.parts.axle import Axle, Spacer
 from mbcdm_cad.parts.bill import Bill, BillBuilder, MovingBody
+from mbcdm_cad.parts.bought.train import add_horn
 from mbcdm_cad.parts.drum_sector.items import add_cables, add_drum, add_drum_encoder, add_preload_spring
 from mbcdm_cad.parts.idler_pulley import IdlerPulley
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
@@ -78,6 +80,13 @@ def _at(x: float, y: float, z: float) -> Placement:
     return Placement.translation(x, y, z)
 
 
+def _tapped_seat(drive: SpurDrive, seat: MotorSeat | None) -> MotorSeat | None:
+    """With the tap drills of the threads for a servo's ears."""
+    if seat is None or seat.window is None:
+        return seat
+    return replace(seat, screw_clearance=drive.screw(drive.gearhead.screw).tap_drill_mm / 2)
+
+
 def tapped(drive: SpurDrive, frame: YokeDims) -> YokeDims:
     """The frame with the tap drill diameters of its threads."""
     return replace(
@@ -89,6 +98,7 @@ def tapped(drive: SpurDrive, frame: YokeDims) -> YokeDims:
         mount_radius=frame.mount_radius
         if frame.mount_insert
         else drive.screw(drive.support.mount_bolt).tap_drill_mm / 2,
+        motor=_tapped_seat(drive, frame.motor),
         boss=replace(frame.boss, screw_radius=drive.screw(drive.drum_encoder.screw).tap_drill_mm / 2),
     )
 
@@ -130,6 +140,8 @@ def add_own_input(b: BillBuilder, lay: SpurLayout, turn: Placement, mark: str = 
         add_motor(b, drive, stand @ _at(0.0, 0.0, -v.motor_shelf_bottom_z))
         for n, (x, z) in enumerate(f.motor.screws, 1):
             place = turn @ _at(x, v.motor_shelf_top_z, z) @ ALONG_Y
+            if drive.servo is not None:
+                place = turn @ _at(x, v.plate_back_y - drive.servo.ear_mm, z) @ _TO_BACK
             name = f"{drive.mounted}_screw_{drive.input_names[0]}_{n}"
             b.screw(name, drive.screw(drive.gearhead.screw), drive.material("steel"), place)
         return
@@ -208,5 +220,7 @@ def bill(lay: SpurLayout, drum_angle_deg: float = 0.0) -> Bill:
     for pulley in lay.inputs:
         add_input_pulley(b, drive, pulley, lay.collar, drive.frame_material, ALONG_Y)
         add_own_stage(b, lay, pulley, Placement.identity())
+        if drive.servo is not None:
+            add_horn(b, drive, drive.servo, pulley.name, ALONG_Y, lay.levels.motor_shelf_bottom_z)
     add_cables(b, drive, lay.cable_paths(radians(drum_angle_deg)))
     return b.bill()

@@ -207,10 +207,14 @@ class SpurLayout(HeadLayout):
         return flange(self.drive)
 
     def input_bearings_mm(self, index: int) -> tuple[float, float]:
-        """See the base class; of a pulley on the motor's shaft those of the shaft, the front one at its face."""
+        """See the base class; of a pulley on the motor's shaft those of the shaft, the front one at its face.
+
+        A servo's front bearing is at the front of its housing.
+        """
         if not self.drive.overhung:
             return super().input_bearings_mm(index)
-        face = self.levels_of(index).motor_shelf_bottom_z
+        servo = self.drive.servo
+        face = self.levels_of(index).motor_shelf_bottom_z + (servo.before_mm if servo is not None else 0.0)
         return face - self.drive.gearhead.span_mm, face
 
     @property

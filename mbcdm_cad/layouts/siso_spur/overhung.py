@@ -16,10 +16,10 @@ from functools import lru_cache
 from math import pi
 from typing import Protocol
 
-from mbcdm_cad.design.bought import Screw
+from mbcdm_cad.design.bought import Screw, Servo
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, groove_depth_mm
 from mbcdm_cad.parts.bought.bodies import screw_places
-from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims, SetHub
+from mbcdm_cad.parts.input_pulley.dims import HornFlange, InputPulleyDims, SetHub
 from mbcdm_cad.parts.motor_head.dims import Flange, HeadLevels, Places, body_radius_mm
 
 # Metal before and behind the set screws in the hub.
@@ -28,6 +28,8 @@ HUB_EDGE_MM = 1.0
 BEYOND_SHAFT_MM, END_WALL_MM = 0.5, 1.0
 # Room round the heads of the motor's screws in their pocket, for the socket of the key beside the wall.
 HEAD_ROOM_MM = 0.2
+# Play round the head of a horn's own screw in the pulley.
+RECESS_MM = 0.3
 # Plate between the pocket and the threads of the frame's own screws.
 POCKET_WEB_MM = 0.6
 
@@ -65,12 +67,27 @@ def set_screw(drive: SpurDrive) -> Screw:
 
 
 def hub_radius_mm(drive: SpurDrive) -> float:
-    """Radius of the hub: that of the land, or more for the length of its set screws."""
+    """Radius of the hub: that of the land, or more for the length of its set screws; of a flange on a servo's horn."""
+    if drive.servo is not None:
+        return drive.servo.horn_mm / 2
     return max(crest_mm(drive), drive.gearhead.shaft_diameter_mm / 2 + set_screw(drive).length_mm)
 
 
+def flange_mm(drive: SpurDrive, servo: Servo) -> float:
+    """Thickness of the pulley's flange on a servo's horn: it takes the head of the horn's own screw, and a wall."""
+    centre = drive.screw(servo.centre_screw)
+    return centre.head_height_mm + RECESS_MM + drive.pulley_material.min_wall_mm
+
+
 def hub_length_mm(drive: SpurDrive) -> float:
-    """Length of the hub between plate and land."""
+    """Length of the hub between plate and land; with a servo from the plate's front to the heads of the horn's screws.
+
+    These and the flange stay behind the drum's rim.
+    """
+    servo = drive.servo
+    if servo is not None:
+        heads = drive.screw(servo.horn_screw).head_height_mm + drive.clearances.running_mm
+        return max(servo.horn_face_mm + flange_mm(drive, servo) + heads - drive.support.plate_mm, 0.0)
     return set_screw(drive).thread_mm + 2 * HUB_EDGE_MM
 
 
@@ -83,6 +100,41 @@ class MotorSeat:
     pilot_radius: float
     screw_clearance: float
     screws: Places
+    # Of a servo, in place of pocket, pilot and clearance holes: half width, lower and upper z of its window; the screws
+    # are threads.
+    window: tuple[float, float, float] | None = None
+
+    @property
+    def reach(self) -> float:
+        """Half the width of pocket or window."""
+        return self.pocket_radius if self.window is None else self.window[0]
+
+    def lowest_z(self, axis_z: float) -> float:
+        """Edge of pocket, or of the window and the threads below it, towards the drum."""
+        if self.window is None:
+            return axis_z - self.pocket_radius
+        return min(self.window[1], *(z - self.screw_clearance for _, z in self.screws))
+
+
+def servo_middle_mm(drive: SpurDrive, servo: Servo) -> float:
+    """Middle of a servo's housing in z: it points away from the drum."""
+    return drive.centre_distance_mm + servo.axis_mm
+
+
+def _servo_seat(drive: SpurDrive, servo: Servo) -> MotorSeat:
+    play, middle = drive.clearances.running_mm, servo_middle_mm(drive, servo)
+    half = servo.body_mm / 2 + play
+    screw = drive.screw(drive.gearhead.screw)
+    return MotorSeat(
+        pocket_radius=0.0,
+        shelf=0.0,
+        pilot_radius=0.0,
+        screw_clearance=screw.thread_mm / 2,
+        screws=tuple(
+            (x * servo.hole_width_mm / 2, middle + z * servo.hole_length_mm / 2) for z in (-1, 1) for x in (-1, 1)
+        ),
+        window=(servo.width_mm / 2 + play, middle - half, middle + half),
+    )
 
 
 def _pocket_radius_mm(drive: SpurDrive) -> float:
@@ -93,6 +145,8 @@ def _pocket_radius_mm(drive: SpurDrive) -> float:
 
 def motor_seat(drive: SpurDrive) -> MotorSeat:
     """The seat on the plate."""
+    if drive.servo is not None:
+        return _servo_seat(drive, drive.servo)
     gear, z = drive.gearhead, drive.centre_distance_mm
     places = screw_places(gear.screw_count, gear.bolt_circle_mm / 2, drive.gearhead_angle_deg)
     return MotorSeat(
@@ -110,10 +164,22 @@ def seat_flange(drive: SpurDrive, edge_mm: float, thread_mm: float) -> Flange:
 
     ``edge_mm``: from the axis of such a screw to the plate's edge; ``thread_mm``: its hole.
     """
+    if drive.servo is not None:
+        return _servo_flange(drive, drive.servo, edge_mm, thread_mm)
     pocket = _pocket_radius_mm(drive)
     beside = max(body_radius_mm(drive) + drive.clearances.running_mm, pocket + POCKET_WEB_MM) + thread_mm / 2
     reach = pocket + max(drive.support.side_wall_mm / 2, drive.frame_material.min_wall_mm)
     return Flange(half_x=beside + edge_mm, back_y=-reach, front_y=reach, screws=(), dowels=())
+
+
+def _servo_flange(drive: SpurDrive, servo: Servo, edge_mm: float, thread_mm: float) -> Flange:
+    """As :func:`seat_flange`: up to the upper ear, and down to the lower one."""
+    wall = max(drive.support.side_wall_mm / 2, drive.frame_material.min_wall_mm)
+    reach = servo.ears_mm / 2 + wall
+    beside = servo.width_mm / 2 + drive.clearances.running_mm + wall + thread_mm / 2
+    return Flange(
+        half_x=beside + edge_mm, back_y=servo.axis_mm - reach, front_y=servo.axis_mm + reach, screws=(), dowels=()
+    )
 
 
 def shaft_end_z_mm(drive: SpurDrive, levels: PulleyLevels) -> float:
@@ -124,6 +190,8 @@ def shaft_end_z_mm(drive: SpurDrive, levels: PulleyLevels) -> float:
 def pulley_bottom_z_mm(drive: SpurDrive, levels: PulleyLevels) -> float:
     """Where the pulley begins: in the pocket, in front of the screws' heads if it does not fit between them."""
     gear, running = drive.gearhead, drive.clearances.running_mm
+    if drive.servo is not None:
+        return levels.motor_shelf_bottom_z + drive.servo.horn_face_mm
     screw = drive.screw(gear.screw)
     between = (gear.bolt_circle_mm - screw.head_diameter_mm) / 2 - hub_radius_mm(drive)
     heads = 0.0 if between >= running else screw.head_height_mm
@@ -139,8 +207,10 @@ def bore_end_z_mm(drive: SpurDrive, levels: PulleyLevels) -> float:
 
 def overhung_pulley(drive: SpurDrive, levels: PulleyLevels, plain: InputPulleyDims) -> InputPulleyDims:
     """The pulley: a hub and the land of ``plain``, one that has bearings."""
-    screw, radius = set_screw(drive), hub_radius_mm(drive)
-    bottom = pulley_bottom_z_mm(drive, levels)
+    radius, bottom, servo = hub_radius_mm(drive), pulley_bottom_z_mm(drive, levels), drive.servo
+    if servo is not None:
+        return _on_horn(drive, servo, levels, plain)
+    screw = set_screw(drive)
     return replace(
         plain,
         journal_bottom_z=bottom,
@@ -159,8 +229,37 @@ def overhung_pulley(drive: SpurDrive, levels: PulleyLevels, plain: InputPulleyDi
     )
 
 
+def _on_horn(drive: SpurDrive, servo: Servo, levels: PulleyLevels, plain: InputPulleyDims) -> InputPulleyDims:
+    """A pulley whose flange is screwed on a servo's horn, over the head of the horn's own screw."""
+    screw, centre = drive.screw(servo.horn_screw), drive.screw(servo.centre_screw)
+    bottom = pulley_bottom_z_mm(drive, levels)
+    return replace(
+        plain,
+        journal_bottom_z=bottom,
+        lower_journal_radius=hub_radius_mm(drive),
+        lower_neck_bottom_z=bottom + flange_mm(drive, servo),
+        lower_neck_radius=plain.lower_land_radius,
+        upper_neck_radius=plain.upper_land_radius,
+        upper_neck_top_z=levels.land_top_z,
+        upper_journal_radius=plain.upper_land_radius,
+        journal_top_z=levels.land_top_z,
+        bore_radius=centre.head_diameter_mm / 2 + RECESS_MM,
+        bore_top_z=bottom + centre.head_height_mm + RECESS_MM,
+        slit_width=0.0,
+        slit_top_z=bottom,
+        horn=HornFlange(
+            screw.name,
+            screw.clearance_mm / 2,
+            screw_places(servo.horn_screws, servo.horn_circle_mm / 2),
+        ),
+    )
+
+
 def pocket_mm3(seat: MotorSeat, plate_mm: float) -> float:
-    """Volume of the seat's pocket and holes in a plate of this thickness."""
+    """Volume of the seat's pocket, or window, and holes in a plate of this thickness."""
+    if seat.window is not None:
+        half, low, high = seat.window
+        return (2 * half * (high - low) + len(seat.screws) * pi * seat.screw_clearance**2) * plate_mm
     pocket = pi * seat.pocket_radius**2 * max(plate_mm - seat.shelf, 0.0)
     holes = pi * (seat.pilot_radius**2 + len(seat.screws) * seat.screw_clearance**2)
     return pocket + holes * min(seat.shelf, plate_mm)

@@ -82,13 +82,18 @@ def spur_stack(drive: SpurDrive) -> SpurStack:
     plane = abs(drive.terminal_mm)
     drum_inner = drum_inner_y_mm(drive)
     hub = hub_length_mm(drive) if drive.overhung else 0.0
-    front = min(-plane - nut_corner_radius_mm(drive), drum_inner, -land - hub, idlers_back_mm(drive)) - running
+    # Heads on the flange of a servo's horn stay behind the rim too.
+    land_or_rim = min(-land, drum_inner - running) if drive.servo is not None else -land
+    front = min(-plane - nut_corner_radius_mm(drive), drum_inner, land_or_rim - hub, idlers_back_mm(drive)) - running
     plate_back = front - s.plate_mm
     if drive.overhung:
         # The motor's face lies on the back of the plate; nothing is in front of the pulley.
         bearing_bottom = motor_bottom = plate_back
         motor_top = plate_back + s.motor_shelf_mm
-        shelf_bottom = shelf_top = max(drive.level_mm + land, plate_back + drive.gearhead.shaft_length_mm)
+        end = drive.level_mm + land
+        if drive.servo is None:
+            end = max(end, plate_back + drive.gearhead.shaft_length_mm)
+        shelf_bottom = shelf_top = end
     else:
         bearing_bottom = plate_back - s.bearing_shelf_mm
         motor_top = bearing_bottom - s.coupling_space_mm

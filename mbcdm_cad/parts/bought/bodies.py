@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from math import cos, pi, sin
 from typing import TYPE_CHECKING
 
-from mbcdm_cad.design.bought import Bearing, Encoder, Gearhead, InsertSpec, Motor, Screw
+from mbcdm_cad.design.bought import Bearing, Encoder, Gearhead, InsertSpec, Motor, Screw, Servo
 from mbcdm_cad.parts.drum_shaft import PreloadSpringDims
 from mbcdm_cad.parts.part import BoughtPart
 from mbcdm_cad.parts.shapes import block, cut, cylinder_z, fuse, hexagon_z, turned
@@ -151,6 +151,52 @@ class MotorWithShaft(BoughtPart):
         motor, face, screw, hole_depth = self.entry, self.face, self.screw, self.hole_depth
         r, length = motor.diameter_mm / 2, motor.length_mm
         return _with_face(face, screw, hole_depth, [(0.0, -length), (r - _EDGE, -length), (r, _EDGE - length)], "motor")
+
+
+@dataclass(frozen=True)
+class ServoBody(BoughtPart):
+    """Servo with its ears' front at z = 0 and its horn's axis along Z; its longer end is at +X."""
+
+    entry: Motor
+    servo: Servo
+    hole: float  # radius of the ears' holes
+    centre: Screw
+
+    def solid(self) -> cq.Solid:
+        """Housing with ears and their holes, and the spline up to the back of the horn with the thread of its screw."""
+        s = self.servo
+        middle, half, wide = s.axis_mm, s.body_mm / 2, s.width_mm / 2
+        bodies: list[cq.Shape] = [
+            block((middle - half, middle + half), (-wide, wide), (-s.behind_mm, s.before_mm)),
+            block((middle - s.ears_mm / 2, middle + s.ears_mm / 2), (-wide, wide), (-s.ear_mm, 0.0)),
+            cylinder_z(s.horn_mm / 4, 0, 0, s.before_mm - 0.5, s.horn_face_mm - s.horn_thickness_mm),
+        ]
+        holes = [
+            cylinder_z(self.hole, middle + x * s.hole_length_mm / 2, y * s.hole_width_mm / 2, -s.ear_mm - 1.0, 1.0)
+            for x in (-1, 1)
+            for y in (-1, 1)
+        ]
+        thread = self.centre.thread_mm / 2
+        holes.append(cylinder_z(thread, 0, 0, s.horn_face_mm - self.centre.length_mm - 0.5, s.horn_face_mm))
+        return cut(fuse(bodies, "servo"), holes, "servo")
+
+
+@dataclass(frozen=True)
+class HornBody(BoughtPart):
+    """Horn of a servo, a disc whose front is at the height of the servo's horn; its mass is part of the servo's."""
+
+    entry: Motor
+    servo: Servo
+    thread: float  # radius of its threads
+    centre: Screw
+
+    def solid(self) -> cq.Solid:
+        """Disc with its threads and the hole of its own screw, on the servo's axis."""
+        s = self.servo
+        low, high = s.horn_face_mm - s.horn_thickness_mm, s.horn_face_mm
+        places = [(self.thread, x, y) for x, y in screw_places(s.horn_screws, s.horn_circle_mm / 2)]
+        holes = [cylinder_z(r, x, y, low - 1.0, high + 1.0) for r, x, y in (*places, (self.centre.thread_mm / 2, 0, 0))]
+        return cut(cylinder_z(s.horn_mm / 2, 0, 0, low, high), holes, "horn")
 
 
 @dataclass(frozen=True)

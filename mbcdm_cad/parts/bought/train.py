@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from mbcdm_cad.design.bought import Servo
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.parts.bill import BillBuilder
-from mbcdm_cad.parts.bought.bodies import GearheadBody, MotorBody, MotorWithShaft
+from mbcdm_cad.parts.bought.bodies import GearheadBody, HornBody, MotorBody, MotorWithShaft, ServoBody
 from mbcdm_cad.parts.placement import Placement
 
 # Linear RGB.
@@ -19,6 +20,9 @@ def add_train(b: BillBuilder, drive: Drive, name: str, hole_depth_mm: float, fac
 
     ``hole_depth_mm``: depth of the tapped holes in the face; ``turn_deg``: how far both are turned about their axis.
     """
+    if drive.servo is not None:
+        _add_servo(b, drive, drive.servo, name, face)
+        return
     face = face @ Placement.about((0.0, 0.0, 1.0), turn_deg)
     body, gear, motor = drive.material("stainless"), drive.gearhead, drive.motor
     screw, black = drive.screw(gear.screw), replace(body, colour=_MOTOR_COLOUR)
@@ -50,11 +54,46 @@ def add_train(b: BillBuilder, drive: Drive, name: str, hole_depth_mm: float, fac
     )
 
 
+def _add_servo(b: BillBuilder, drive: Drive, servo: Servo, name: str, face: Placement) -> None:
+    """Servo with its ears on ``face``."""
+    place = face @ Placement.about((0.0, 0.0, 1.0), -90.0)
+    hole = drive.screw(drive.gearhead.screw).clearance_mm / 2
+    black = replace(drive.material("stainless"), colour=_MOTOR_COLOUR)
+    b.add(
+        f"servo_{name}",
+        ServoBody(drive.motor, servo, hole, drive.screw(servo.centre_screw)),
+        part="servo",
+        material=black,
+        place=place,
+        mass_g=drive.motor.mass_g,
+    )
+
+
+def add_horn(b: BillBuilder, drive: Drive, servo: Servo, name: str, stand: Placement, face_z: float) -> None:
+    """Horn of a servo with its own screw, in the group of its pulley; ``face_z``: the ears' front along the pulley."""
+    at, group = stand @ Placement.translation(0.0, 0.0, face_z), f"input_{name}"
+    centre, thread = drive.screw(servo.centre_screw), drive.screw(servo.horn_screw).thread_mm / 2
+    metal = replace(drive.material("stainless"), colour=_GEARHEAD_COLOUR)
+    b.add(
+        f"horn_{name}",
+        HornBody(drive.motor, servo, thread, centre),
+        part="horn",
+        material=metal,
+        group=group,
+        place=at,
+        mass_g=0.0,
+    )
+    top = at @ Placement.translation(0.0, 0.0, servo.horn_face_mm)
+    b.screw(f"horn_screw_{name}", centre, drive.material("steel"), top, group)
+
+
 def train_items(drive: Drive, name: str) -> tuple[str, ...]:
-    """Names of the items of one input: gearhead and motor, or the motor alone."""
+    """Names of the items of one input: gearhead and motor, the motor alone, or a servo with its horn and its screw."""
+    if drive.servo is not None:
+        return f"servo_{name}", f"horn_{name}", f"horn_screw_{name}"
     return (f"motor_{name}",) if drive.gearhead.absent else (f"gearhead_{name}", f"motor_{name}")
 
 
 def train_words(drive: Drive) -> str:
     """Name of the assembly that is screwed on for one input, for texts."""
-    return "motor" if drive.gearhead.absent else "gearhead with its motor"
+    return "gearhead with its motor" if drive.mounted == "gearhead" else drive.mounted

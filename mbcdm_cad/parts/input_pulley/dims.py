@@ -133,13 +133,23 @@ class SetHub:
 
 
 @dataclass(frozen=True)
+class HornFlange:
+    """Flange on the horn of a servo: screw, radius of its clearance holes, and their places (x, y), mm."""
+
+    screw: str
+    clearance: float
+    places: tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True)
 class InputPulleyDims:
     """One input pulley. Heights along Z from lower journal to encoder journal (mm).
 
     ``surface`` radii are those on which the cables lie: of a smooth land, or of the root of its groove. ``bore_radius``
     is 0 for a whole journal, which carries a wheel in place of the gearhead's shaft inside it.
     With a ``hub`` it has no journals, necks and slit: the hub has the radius of the lower journal, the land is the
-    other end.
+    other end. With a ``horn`` the lower journal is the flange, the lower neck goes on as the land, and the bore is a
+    recess.
     """
 
     name: str
@@ -165,6 +175,7 @@ class InputPulleyDims:
     y: float = 0.0
     grooves: tuple[Groove, ...] = ()
     hub: SetHub | None = None
+    horn: HornFlange | None = None
 
     @property
     def stepped(self) -> bool:

@@ -42,6 +42,16 @@ _GROOVE_SHARE = 0.04
 def _below(d: InputPulleyDims) -> list[Point2]:
     """Half the outline of what is below the lands, from the axis to the lands."""
     c = CHAMFER_MM
+    if d.horn is not None:
+        flange, top = d.lower_journal_radius, d.lower_neck_bottom_z
+        return [
+            (0.0, d.journal_bottom_z),
+            (flange - c, d.journal_bottom_z),
+            (flange, d.journal_bottom_z + c),
+            (flange, top),
+            (d.lower_neck_radius, top),
+            (d.lower_neck_radius, d.land_bottom_z),
+        ]
     if d.hub is not None:
         r = d.lower_journal_radius
         return [
@@ -91,7 +101,7 @@ def _body(d: InputPulleyDims) -> cq.Solid:
     """
     name = f"input pulley {d.name}"
     lands = _lands(d)
-    if d.hub is not None:
+    if d.hub is not None or d.horn is not None:
         below = turned([*_below(d), (0.0, d.land_bottom_z)], name)
         return fuse([below, *(_grooved(land, d, name) for land in lands)], name)
     if not d.grooves:
@@ -233,7 +243,10 @@ def create_input_pulley(dims: InputPulleyDims) -> cq.Solid:
     if dims.bore_radius > 0.0:
         bore_top = dims.bore_top_z + (1.0 if dims.bore_top_z == dims.journal_top_z else 0.0)
         tools.append(cylinder_z(dims.bore_radius, 0, 0, dims.journal_bottom_z - 1.0, bore_top))
-    if dims.hub is not None:
+    if dims.horn is not None:
+        low, high = dims.journal_bottom_z - 1.0, dims.lower_neck_bottom_z + 1.0
+        tools += [cylinder_z(dims.horn.clearance, x, y, low, high) for x, y in dims.horn.places]
+    elif dims.hub is not None:
         for a in map(radians, SET_SCREWS_DEG):
             at = (0.0, 0.0, dims.hub.screw_z)
             tools.append(cylinder(dims.hub.thread / 2, at, (round(cos(a), 9), round(sin(a), 9), 0.0), reach))

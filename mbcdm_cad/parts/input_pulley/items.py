@@ -67,6 +67,12 @@ def add_input_pulley(
         group=group,
         place=stand,
     )
+    if pulley.horn is not None:
+        screw, top = drive.screw(pulley.horn.screw), pulley.lower_neck_bottom_z
+        for n, (x, y) in enumerate(pulley.horn.places, 1):
+            at = stand @ Placement.translation(x, y, top)
+            b.screw(f"flange_screw_{pulley.name}_{n}", screw, drive.material("steel"), at, group)
+        return
     if pulley.hub is not None:
         _add_set_screws(b, drive, pulley, pulley.hub, stand)
         return

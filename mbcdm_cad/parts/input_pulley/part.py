@@ -59,6 +59,9 @@ class InputPulley(MadePart):
         both = _strip_mm2(d.lower_journal_radius, d.slit_width)
         slit = both * (d.slit_top_z - d.journal_bottom_z)
         slit -= _strip_mm2(d.bore_radius, d.slit_width) * max(d.bore_top_z - d.journal_bottom_z, 0.0)
+        if d.horn is not None:
+            thick = d.lower_neck_bottom_z - d.journal_bottom_z
+            slit = len(d.horn.places) * ring_mm3(d.horn.clearance, 0.0, thick)
         if d.hub is not None:
             slit = ring_mm3(d.hub.thread / 2, 0.0, 2 * (d.lower_journal_radius - d.bore_radius))
         return body - bore - slit - sum(map(_slot_mm3, d.slots)) - sum(groove.volume_mm3 for groove in d.grooves)
@@ -73,6 +76,7 @@ class InputPulley(MadePart):
 
     def sheet(self, part: str) -> Sheet:
         """Described by ``sheet.py`` beside this module."""
-        from mbcdm_cad.parts.input_pulley.sheet import hub_pulley_sheet, input_pulley_sheet
+        from mbcdm_cad.parts.input_pulley.sheet import input_pulley_sheet, overhung_pulley_sheet
 
-        return (input_pulley_sheet if self.dims.hub is None else hub_pulley_sheet)(part, self.dims)
+        plain = self.dims.hub is None and self.dims.horn is None
+        return (input_pulley_sheet if plain else overhung_pulley_sheet)(part, self.dims)

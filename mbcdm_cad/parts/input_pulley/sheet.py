@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import cos, degrees, sin, tau
+from math import cos, degrees, hypot, sin, tau
 
 from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.input_pulley.dims import (
@@ -14,7 +14,7 @@ from mbcdm_cad.parts.input_pulley.dims import (
     StopSlot,
 )
 from mbcdm_cad.parts.sheets.description import FitLine, Holes, Label, Linear, Sheet, Table, Vector, View, X, Y, Z, minus
-from mbcdm_cad.parts.sheets.holes import hole_table
+from mbcdm_cad.parts.sheets.holes import THROUGH, hole_labels, hole_table, position_table
 from mbcdm_cad.parts.sheets.tolerances import GeometricTolerance
 from mbcdm_cad.parts.sheets.turned import ALONG_Z, MAIN
 from mbcdm_cad.parts.sheets.words import mm, mm3
@@ -263,23 +263,34 @@ def input_pulley_sheet(part: str, d: InputPulleyDims) -> Sheet:
     )
 
 
-def hub_pulley_sheet(part: str, d: InputPulleyDims) -> Sheet:
-    """Of a pulley on a motor's shaft: section through the bore and a set screw, the grooves as a table."""
+def _holding(d: InputPulleyDims) -> Holes:
+    """Threads of a hub's set screws, or the holes for the screws of a servo's horn."""
+    if d.horn is not None:
+        places = tuple((x, y, d.journal_bottom_z) for x, y in d.horn.places)
+        return Holes("S", 2 * d.horn.clearance, THROUGH, places, "lower end", "screws of the horn")
     assert d.hub is not None
+    r, angles = d.lower_journal_radius, (tau * deg / 360.0 for deg in SET_SCREWS_DEG)
+    places = tuple((r * cos(a) + 0.0, r * sin(a) + 0.0, d.hub.screw_z) for a in angles)
+    return Holes("S", d.hub.thread, "to bore", places, "hub, radial", "set screws", threaded=True)
+
+
+def overhung_pulley_sheet(part: str, d: InputPulleyDims) -> Sheet:
+    """Of a pulley on the shaft of a motor or the horn of a servo: section through the bore, the grooves as a table."""
     low, high, c = d.journal_bottom_z, d.journal_top_z, CHAMFER_MM
-    hub, land, bore = d.lower_journal_radius, d.lower_land_radius, FITS["gear_shaft_bore"].code
-    fit = "" if d.grooves else FITS["land"].code
-    through = d.bore_top_z >= high
-    start = (low, (hub - c, d.bore_radius))
+    hub, land, on_horn = d.lower_journal_radius, d.lower_land_radius, d.horn is not None
+    bore, fit = "" if on_horn else FITS["gear_shaft_bore"].code, "" if d.grooves else FITS["land"].code
+    through, holes = d.bore_top_z >= high, (_holding(d),)
     diameters = (
         ALONG_Z.diameter(d.bore_radius, low, "left", fit=bore, datum="D"),
         ALONG_Z.diameter(hub, low + c, "left"),
         ALONG_Z.diameter(land, high, "right", fit=fit, decimals=3),
     )
-    places = tuple(
-        (hub * cos(a) + 0.0, hub * sin(a) + 0.0, d.hub.screw_z) for a in (tau * deg / 360.0 for deg in SET_SCREWS_DEG)
+    step = (
+        ALONG_Z.length(low, d.lower_neck_bottom_z, "below", (hub - c, hub), suffix=" flange")
+        if d.hub is None
+        else ALONG_Z.length(low, d.hub.screw_z, "below", (hub - c, hub), suffix=" S")
     )
-    holes = (Holes("S", d.hub.thread, "to bore", places, "hub, radial", "set screws", threaded=True),)
+    circles = ((((0.0, 0.0, low), hypot(*d.horn.places[0])),)) if d.horn is not None else ()
     return Sheet(
         part=part,
         title=f"Input pulley {d.name}",
@@ -294,24 +305,33 @@ def hub_pulley_sheet(part: str, d: InputPulleyDims) -> Sheet:
                 X,
                 column=1,
                 axes=(((-hub, 0.0, low), (hub, 0.0, low)), ((0.0, -hub, low), (0.0, hub, low))),
+                circles=circles,
                 title="View of the lower end",
             ),
         ),
         dimensions=(
-            ALONG_Z.length(low, d.hub.screw_z, "below", (hub - c, hub), suffix=" S"),
+            step,
             ALONG_Z.length(low, d.land_bottom_z, "below", (hub - c, land), decimals=3),
             ALONG_Z.length(low, high, "below", (hub - c, land), decimals=3),
-            *(() if through else (ALONG_Z.length(start[0], d.bore_top_z, "above", start[1]),)),
+            *(() if through else (ALONG_Z.length(low, d.bore_top_z, "above", (hub - c, d.bore_radius)),)),
             ALONG_Z.chamfer(c, hub, low, 1.0, "above"),
             *diameters,
         ),
+        labels=hole_labels(holes, "lower end") if on_horn else (),
         tolerances=(ALONG_Z.run_out(((land, (d.land_bottom_z + high) / 2),), 0.02, "D"),),
-        tables=(hole_table(holes), *([_groove_table(d)] if d.grooves else ())),
+        tables=(
+            hole_table(holes),
+            *([position_table(holes, (0, 1), "Positions from the axis")] if on_horn else []),
+            *([_groove_table(d)] if d.grooves else ()),
+        ),
         holes=holes,
         fits=tuple(FitLine(round(x.value, 6), x.fit, {bore: "bore"}.get(x.fit, "land")) for x in diameters if x.fit),
         notes=(
             *((_GROOVES,) if d.grooves else ()),
-            "Land Ra 0.8. +Z points from the hub, the lower end, to the land. Set screws along +X and +Y.",
+            "Land Ra 0.8. +Z points from the lower end to the land."
+            + (
+                " Set screws along +X and +Y." if d.hub is not None else " Recess for the head of the horn's own screw."
+            ),
             *(("Bored through.",) if through else ()),
         ),
     )

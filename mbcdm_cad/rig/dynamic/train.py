@@ -23,6 +23,7 @@ The load: an inertia, a brake that can stick, a torque motor without a control l
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import radians
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.storage.compiled import compiled
@@ -92,7 +93,13 @@ class GearheadSpec:
 
 def gearhead_of(drive: Drive, ideal: bool = False) -> GearheadSpec:
     """The design's gearhead; ``ideal`` makes it lossless, as in the paper's calculation of the driving capability."""
-    return GearheadSpec(drive.reduction.ratio, 1.0 if ideal else drive.reduction.efficiency)
+    ratio, efficiency = drive.reduction.ratio, 1.0 if ideal else drive.reduction.efficiency
+    if drive.servo is None:
+        return GearheadSpec(ratio, efficiency)
+    servo = drive.servo
+    return GearheadSpec(
+        ratio, efficiency, stiffness_Nm_rad=servo.stiffness_Nm_rad, lash_rad=0.0 if ideal else radians(servo.lash_deg)
+    )
 
 
 @compiled

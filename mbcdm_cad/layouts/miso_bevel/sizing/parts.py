@@ -155,6 +155,7 @@ def _direct(given: BevelKnown) -> list[tuple[float, str, Callable[[], Margins]]]
     return [
         (motor["mass_g"], name, partial(_motor_margins, given, motor, face, geared=False))
         for name, (motor, face) in given.motors_with_faces().items()
+        if "servo" not in motor
     ]
 
 

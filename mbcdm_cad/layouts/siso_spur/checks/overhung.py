@@ -12,10 +12,11 @@ from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.fixings import FRICTION, SET_SCREW_SHARE, SLIP_SAFETY, STRESS_SAFETY
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM, web_between
 from mbcdm_cad.checks.input_pulley import GRIP_DIAMETERS
-from mbcdm_cad.layouts.siso_spur.drive import is_overhung
+from mbcdm_cad.design.bought import Servo
+from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, is_overhung
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
-from mbcdm_cad.layouts.siso_spur.overhung import hub_radius_mm, set_screw, shaft_end_z_mm
-from mbcdm_cad.layouts.structure import overhung_sag_mm
+from mbcdm_cad.layouts.siso_spur.overhung import MotorSeat, hub_radius_mm, set_screw, shaft_end_z_mm
+from mbcdm_cad.layouts.structure import lash_rad, overhung_sag_mm
 from mbcdm_cad.parts.threads import clamp_force_N
 
 # Share of the gap between drum and pulley that the shaft's sag may take (estimate).
@@ -109,9 +110,92 @@ def motor_shaft_grip(s: SpurLayout) -> Comparison:
     )
 
 
+def horn_screws(s: SpurLayout) -> Comparison:
+    """Torque that the screws hold between flange and horn by friction, over the largest torque of the input."""
+    drive, servo = s.drive, _servo(s)
+    screw, wanted = drive.screw(servo.horn_screw), s.loads.highest_input_Nm * 1e3
+    holds = servo.horn_screws * FRICTION * clamp_force_N(screw.thread_mm) * servo.horn_circle_mm / 2
+    what = f"{servo.horn_screws} {screw.name} hold {holds:.4g} N mm over the input's {wanted:.4g} N mm"
+    return at_least(what, holds / max(wanted, 1e-9), SLIP_SAFETY, "times")
+
+
+def horn_flange(s: SpurLayout) -> Comparison:
+    """The horn's screws go past the land, engage in the horn and do not reach through it; the flange's walls."""
+    drive, servo, pulley = s.drive, _servo(s), s.inputs[0]
+    screw, limit = drive.screw(servo.horn_screw), drive.pulley_material.min_wall_mm
+    head, circle = screw.head_diameter_mm / 2, servo.horn_circle_mm / 2
+    into = screw.length_mm - (pulley.lower_neck_bottom_z - pulley.journal_bottom_z)
+    on_land = max(pulley.lower_land_radius, drive.input_radius_mm + s.flank_mm)
+    return worst(
+        (
+            at_least("heads of the horn's screws beside land and cable", circle - head - on_land, 0.1, "mm"),
+            at_least("these heads inside the flange", servo.horn_mm / 2 - circle - head, -head / 2, "mm"),
+            at_least("horn's screws engaged", into, min(servo.horn_thickness_mm, screw.thread_mm), "mm"),
+            at_least(
+                "end of the horn's screws before the servo's housing",
+                servo.horn_face_mm - servo.before_mm - into,
+                drive.clearances.running_mm,
+                "mm",
+            ),
+            at_least(
+                "flange between the horn's screws and the recess",
+                circle - screw.clearance_mm / 2 - pulley.bore_radius,
+                limit,
+                "mm",
+            ),
+        )
+    )
+
+
+def servo_lash(s: SpurLayout) -> Comparison:
+    """Play of the drum by the servo's own gears that its sensor does not see, against the turn by cables and parts."""
+    drive = s.drive
+    play = lash_rad(drive, motors_held=False) * 1e3
+    unheld = lash_rad(drive, motors_held=True) * 1e3
+    limit = (s.structure.payload_urad_Nm + s.structure.cables_urad_Nm) * drive.loads.test_torque_Nm * 1e-3
+    sees = "sees the horn" if _servo(s).sensor == "output" else "sees its motor alone"
+    note = f"its sensor {sees}; {unheld:.3g} mrad while its motor stands still"
+    return at_most("play of the drum by the servo's gears", play, limit, "mrad", note)
+
+
+def _servo(s: SpurLayout) -> Servo:
+    assert s.drive.servo is not None
+    return s.drive.servo
+
+
+def _servo_seat(s: SpurLayout, seat: MotorSeat, window: tuple[float, float, float]) -> Comparison:
+    """Window, threads for the ears and those of the frame's screws apart from each other and from the plate's edges."""
+    drive, f, v, servo = s.drive, s.frame, s.levels, _servo(s)
+    limit, screw = drive.frame_material.min_wall_mm, drive.screw(drive.gearhead.screw)
+    half, low, high = window
+    holes: list[tuple[str, float, float, float, float, float]] = [
+        *(("ear's screw", x, z, seat.screw_clearance, v.plate_back_y, v.front_y) for x, z in seat.screws),
+        *(("mount", x, z, f.mount_radius, v.plate_back_y, v.front_y) for x, z in f.mounts),
+    ]
+    into = screw.length_mm - servo.ear_mm
+    rooms = [
+        (
+            "window from the screws of the ears",
+            min(max(low - z, z - high) for _, z in seat.screws) - screw.thread_mm / 2,
+        ),
+        ("window from the frame's own threads", min(abs(x) for x, _ in f.mounts) - half - f.mount_radius),
+        ("window from the edge of the plate", f.half_width - half),
+        ("boss's bearings from the window", min(low, *(z for _, z in seat.screws)) - f.boss.seat_radius),
+    ]
+    return worst(
+        (
+            *(at_least(f"plate, {name}", web, HOLE_WEB_MM, "mm") for name, web in web_between(holes)),
+            *(at_least(f"plate, {name}", room, limit, "mm") for name, room in rooms),
+            at_least("plate behind the ears' screws", drive.support.plate_mm - into, 0.0, "mm"),
+        )
+    )
+
+
 def motor_seat(s: SpurLayout) -> Comparison:
     """The heads of the motor's screws are sunk in the plate, with metal under them and round all holes."""
     drive, f, v = s.drive, s.frame, s.levels
+    if f.motor is not None and f.motor.window is not None:
+        return _servo_seat(s, f.motor, f.motor.window)
     seat, screw, limit = f.motor, drive.screw(drive.gearhead.screw), drive.frame_material.min_wall_mm
     assert seat is not None
     back, shelf = v.plate_back_y, v.plate_back_y + seat.shelf
@@ -142,12 +226,36 @@ def hub_and_drum(s: SpurLayout) -> Comparison:
     """Gap between the hub with its set screws and the drum's rim with its cables."""
     drive = s.drive
     gap = drive.centre_distance_mm - drive.drum_radius_mm - s.flank_mm - hub_radius_mm(drive)
+    if drive.servo is not None:
+        # Flange, horn and the heads on it are behind the rim.
+        heads = s.inputs[0].lower_neck_bottom_z + drive.screw(drive.servo.horn_screw).head_height_mm
+        gap = max(gap, min(s.levels.drum_inner_y, *(t.y_mm - s.drum.nut_pocket for t in s.drum.tensioners)) - heads)
     return at_least("drum's rim from the hub of the input pulley", gap, drive.clearances.running_mm, "mm")
 
 
-_SHAFT = "choose a motor or gearhead with a thicker shaft, or input_pulleys.carried_by: bearings"
+def _has_servo(drive: SpurDrive) -> bool:
+    return drive.servo is not None
+
+
+def _has_plain_shaft(drive: SpurDrive) -> bool:
+    return drive.overhung and drive.servo is None
+
+
+# Those of a pulley on a plain shaft, and of one on a servo's horn; the others apply to both.
+_APPLIES = {
+    "pulley_set_screws": _has_plain_shaft,
+    "hub_walls_of_pulley": _has_plain_shaft,
+    "motor_shaft_grip": _has_plain_shaft,
+    "horn_screws": _has_servo,
+    "horn_flange": _has_servo,
+    "servo_lash": _has_servo,
+}
+_SMALLER = "choose a servo with a larger horn"
+_SHAFT = (
+    "choose a motor, gearhead or servo with a stronger shaft, or, without a servo, input_pulleys.carried_by: bearings"
+)
 CHECKS = tuple(
-    check._replace(applies=is_overhung)
+    check._replace(applies=_APPLIES.get(check.id, is_overhung))
     for check in (
         Check(
             "motor_shaft_load",
@@ -196,6 +304,31 @@ CHECKS = tuple(
             motor_shaft_grip,
             adjust=(down("support.plate_mm"), down("support.motor_shelf_mm")),
             advice="choose a motor or gearhead with a longer shaft",
+        ),
+        Check(
+            "horn_screws",
+            "Screws hold the pulley on the servo's horn",
+            "mu F r; class 8.8 at 0.7 of yield, mu 0.15: usual values",
+            horn_screws,
+            adjust=(down("loads.peak_torque_Nm"), down("transmission.input_to_drum")),
+            advice=_SMALLER,
+        ),
+        Check(
+            "horn_flange",
+            "Pulley's flange fits the servo's horn",
+            "usual rule: one diameter, or the horn's thickness",
+            horn_flange,
+            adjust=(up("transmission.input_to_drum"), down("all radii of transmission")),
+            advice=_SMALLER,
+        ),
+        Check(
+            "servo_lash",
+            "Play of the servo's gears",
+            "catalogue; derived: lash over the ratio",
+            servo_lash,
+            "warn",
+            adjust=(up("transmission.input_to_drum"),),
+            advice="choose a servo whose sensor is on its horn's shaft",
         ),
         Check(
             "motor_seat",

@@ -50,8 +50,9 @@ def bodies_behind(s: SpurLayout) -> Comparison:
     """Gap between motor or gearhead and the parts of the drum behind the plate: boss and encoder."""
     drive, boss = s.drive, s.frame.boss
     beside = max(boss.radius, boss.ear_reach, drive.drum_encoder.diameter_mm / 2)
-    running = drive.clearances.running_mm
-    gap = drive.centre_distance_mm + s.head.beside_y - body_radius_mm(drive) - beside
+    running, servo = drive.clearances.running_mm, drive.servo
+    reach = body_radius_mm(drive) if servo is None else servo.ears_mm / 2 - servo.axis_mm
+    gap = drive.centre_distance_mm + s.head.beside_y - reach - beside
     behind = s.levels.back_y - s.levels.motor_shelf_bottom_z
     found = [at_least("motor from the drum's boss and encoder, beside or behind them", max(gap, behind), running, "mm")]
     if s.stage is not None:

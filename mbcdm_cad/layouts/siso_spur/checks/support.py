@@ -22,9 +22,8 @@ def walls(s: SpurLayout) -> Comparison:
     support, f = s.drive.support, s.frame
     limit = s.drive.frame_material.min_wall_mm
     if s.drive.overhung:
-        return worst(
-            at_least(f"support.{name}", getattr(support, name), limit, "mm") for name in ("plate_mm", "motor_shelf_mm")
-        )
+        names: tuple[str, ...] = ("plate_mm",) if s.drive.servo else ("plate_mm", "motor_shelf_mm")
+        return worst(at_least(f"support.{name}", getattr(support, name), limit, "mm") for name in names)
     head = s.head
     names = ("plate_mm", "bridge_mm", "side_wall_mm", "motor_shelf_mm", "bearing_shelf_mm", "encoder_shelf_mm")
     found = [at_least(f"support.{name}", getattr(support, name), limit, "mm") for name in names]
@@ -53,6 +52,12 @@ def input_room(s: SpurLayout) -> Comparison:
     drive, f = s.drive, s.frame
     pulley, running = s.inputs[0], drive.clearances.running_mm
     rim = drive.drum_radius_mm + s.flank_mm
+    if drive.servo is not None:
+        # Where the plate is thicker than the horn's back stands before it, the horn turns in the window.
+        servo, plate = drive.servo, drive.support.plate_mm
+        before = servo.horn_face_mm - servo.horn_thickness_mm - plate
+        beside = f.motor.reach - servo.horn_mm / 2 if f.motor else 0.0
+        return at_least("servo's horn before the plate, or inside its window", max(before, beside), running, "mm")
     if f.motor is not None:
         return at_least(
             "pocket of the plate round the hub of the input pulley",
@@ -122,7 +127,7 @@ def flange(s: SpurLayout) -> Comparison:
 def mounts(s: SpurLayout) -> Comparison:
     """Mounting threads are deep enough and clear of boss, motor head, stop pin and the edge of the plate."""
     f, plate = s.frame, s.drive.support.plate_mm
-    flange_low = f.axis_z - f.motor.pocket_radius if f.motor else f.axis_z + s.head.flange.back_y
+    flange_low = f.motor.lowest_z(f.axis_z) if f.motor else f.axis_z + s.head.flange.back_y
     rooms = [("depth over the diameter", plate - MOUNT_DIAMETERS * 2 * f.mount_radius, 0.0)]
     for x, z in f.mounts:
         rooms.append(("plate beside the thread", f.half_width - abs(x) - f.mount_radius, _wall(f.mount_insert)))

@@ -39,6 +39,8 @@ _RADIUS_STEP_MM = 0.05
 
 def _input_needs_mm(given: SpurKnown, d_mm: float, bend_ratio: float) -> dict[str, float]:
     """Least radii of the input, for the limit of the bend ratio and for a neck round the shaft."""
+    if given.servo is not None:
+        return {"bend_ratio": bend_ratio * d_mm / 2}
     shaft = JOURNAL_MM if given.has("stage.kind") else given.gearhead.shaft_diameter_mm
     return {
         "bend_ratio": bend_ratio * d_mm / 2,

@@ -42,6 +42,8 @@ _BEARING = "624"
 
 def _plate(given: SpurKnown) -> Found:
     start = either(given, "support", PLATE_MM)
+    if given.servo is not None:
+        return stiff_wall(given, "support.plate_mm", start, 0.1, ("plate",), ("motor_seat",))
     if given.overhung:
         sunk = given["support.motor_shelf_mm"] + given.screw(given.gearhead.screw).head_height_mm
         usual, grip = max(start, sunk), "motor_shaft_grip"

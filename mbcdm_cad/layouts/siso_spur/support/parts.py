@@ -137,6 +137,12 @@ def _input_holes(d: YokeDims) -> list[cq.Shape]:
     v, z = d.levels, d.axis_z
     if d.motor is not None:
         behind, shelf = v.plate_back_y - 1.0, v.plate_back_y + d.motor.shelf
+        if d.motor.window is not None:
+            half, low, high = d.motor.window
+            return [
+                block((-half, half), (behind, v.front_y + 1.0), (low, high)),
+                *(cylinder_y(d.motor.screw_clearance, x, at, behind, v.front_y + 1.0) for x, at in d.motor.screws),
+            ]
         places = [(d.motor.pilot_radius, 0.0, z), *((d.motor.screw_clearance, *at) for at in d.motor.screws)]
         return [
             cylinder_y(d.motor.pocket_radius, 0, z, shelf, v.front_y + 1.0),
@@ -198,6 +204,9 @@ def _head_holes(d: YokeDims) -> tuple[Holes, ...]:
 
 def _seat_holes(seat: MotorSeat, back_y: float, front_y: float, axis_z: float) -> tuple[Holes, ...]:
     """Pilot of the motor with the pocket in front of it, and its screws."""
+    if seat.window is not None:
+        screws = tuple((x, back_y, z) for x, z in seat.screws)
+        return (Holes("B", 2 * seat.screw_clearance, THROUGH, screws, "plate", "servo's screws", threaded=True),)
     pocket = (2 * seat.pocket_radius, front_y - back_y - seat.shelf, "")
     fit, screws = FITS["pilot"].code, tuple((x, back_y, z) for x, z in seat.screws)
     pilot = ((0.0, back_y, axis_z),)
@@ -286,8 +295,21 @@ def _from_behind(d: YokeDims) -> tuple[Linear, ...]:
         wide(x, d.top_z, "above"),
         wide(b.radius, 0.0, "below", " = %%c boss"),
         *([wide(b.ear_reach, 0.0, "below", " ears")] if b.has_encoder else []),
+        *_window(d),
         Linear("rear", (0.0, y, 0.0), (x, y, d.top_z), d.top_z, "right", decimals=3),
         Linear("rear", (0.0, y, 0.0), (0.0, y, d.axis_z), d.axis_z, "left", decimals=3),
+    )
+
+
+def _window(d: YokeDims) -> tuple[Linear, ...]:
+    """Window for a servo's housing, from behind."""
+    if d.motor is None or d.motor.window is None:
+        return ()
+    y, (half, low, high) = d.levels.plate_back_y, d.motor.window
+    return (
+        Linear("rear", (-half, y, high), (half, y, high), 2 * half, "above", suffix=" window"),
+        Linear("rear", (0.0, y, 0.0), (-half, y, low), low, "left", decimals=3),
+        Linear("rear", (0.0, y, 0.0), (-half, y, high), high, "left", decimals=3),
     )
 
 
@@ -353,6 +375,18 @@ def _in_section(d: YokeDims) -> tuple[Linear, ...]:
     )
 
 
+def _input_axis(d: YokeDims) -> tuple[GeometricTolerance, ...]:
+    """The axis of the input's bearing, or of the motor's pilot, is parallel to the drum's; a servo has no pilot."""
+    v, seat = d.levels, d.motor
+    if seat is None:
+        at, of = (0.0, v.top_plate_bottom_z + d.seat_depth / 2, d.axis_z + d.seat_radius), "F"
+    elif seat.window is None:
+        at, of = (0.0, v.plate_back_y + seat.shelf / 2, d.axis_z + seat.pilot_radius), "A"
+    else:
+        return ()
+    return (GeometricTolerance("section", at, "parallelism", TO_AXIS_MM, (DRUM_AXIS,), axis=True, of=of),)
+
+
 @dataclass(frozen=True)
 class Yoke(MadePart):
     """Frame where it stands in the assembly."""
@@ -405,17 +439,7 @@ class Yoke(MadePart):
             cutting_lines=(CuttingLine("rear", (0.0, y, -d.half_width - 2.0), (0.0, y, d.top_z + 2.0), "A", minus(X)),),
             tolerances=(
                 one_axis("section", seats_mm(b), DRUM_AXIS),
-                GeometricTolerance(
-                    "section",
-                    (0.0, v.top_plate_bottom_z + d.seat_depth / 2, d.axis_z + d.seat_radius)
-                    if d.motor is None
-                    else (0.0, v.plate_back_y + d.motor.shelf / 2, d.axis_z + d.motor.pilot_radius),
-                    "parallelism",
-                    TO_AXIS_MM,
-                    (DRUM_AXIS,),
-                    axis=True,
-                    of="F" if d.motor is None else "A",
-                ),
+                *_input_axis(d),
             ),
             holes=holes,
             tables=(

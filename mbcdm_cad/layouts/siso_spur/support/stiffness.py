@@ -6,8 +6,9 @@ rises, that of the other falls. Their components along the line of centres cance
 is pushed to one side, the drum to the other, and the gearhead holds the torque about the input's axis. Assumptions as
 in docs/decisions/0005. In addition, the motor head's flange lies in the plane of the plate, and the small couple of
 both spans, which are a few leads apart, is left out. A motor that carries the pulley itself loads the plate with both
-of its bearings, and leaves it the metal beside pocket and holes. Two such arms in line, one above the drum and one
-below, form one mesh.
+of its bearings, and leaves it the metal beside pocket and holes. A servo loads it round the screws of its ears, which
+share the load by statics alone: that its housing stiffens the window is left out. Two such arms in line, one above the
+drum and one below, form one mesh.
 """
 
 from __future__ import annotations
@@ -20,11 +21,23 @@ import numpy as np
 
 from mbcdm_cad.layouts.base import FrameCompliance, FrameStudy
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
-from mbcdm_cad.layouts.siso_spur.overhung import pocket_mm3
-from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims
+from mbcdm_cad.layouts.siso_spur.overhung import MotorSeat, pocket_mm3
 from mbcdm_cad.layouts.structure import elastic
+from mbcdm_cad.model.block_rows import Ints
 from mbcdm_cad.model.equilibrium import bearing_loads, two_bearing_reactions_N
-from mbcdm_cad.model.plate_mesh import URAD_PER_MRAD, Hole, Mounts, Wall, X, Y, Z, centred_load, plate_mesh, shares_urad
+from mbcdm_cad.model.plate_mesh import (
+    URAD_PER_MRAD,
+    Hole,
+    Mounts,
+    PlateMesh,
+    Wall,
+    X,
+    Y,
+    Z,
+    centred_load,
+    plate_mesh,
+    shares_urad,
+)
 from mbcdm_cad.model.si import MM, to_si
 from mbcdm_cad.model.stiffness import unit_tensions_N
 from mbcdm_cad.model.structure.boss import BossRing
@@ -62,17 +75,31 @@ def walls(arms: Sequence[Arm]) -> list[Wall]:
         y_plate,
         ((0.0, f.half_width), (min(ends[0], -f.boss.radius), ends[-1])),
         plate_t,
-        tuple(Hole(0.0, arm.way * f.axis_z, _opening_mm3(f, plate_t)) for arm in arms),
+        tuple(_opening(arm, plate_t) for arm in arms),
         embedded=((Z, -f.boss.radius, f.boss.radius),),
     )
     return [plate, *(wall for arm in arms for wall in _yoke(arm, y_plate, z_bridge))]
 
 
-def _opening_mm3(f: YokeDims, plate_mm: float) -> float:
-    """Metal that the plate lacks round the input's axis."""
-    if f.motor is not None:
-        return pocket_mm3(f.motor, plate_mm)
-    return pi * f.opening_radius**2 * plate_mm
+def _opening(arm: Arm, plate_mm: float) -> Hole:
+    """Metal that the plate lacks round the input's axis, or in the window for a servo."""
+    f, way = arm.layout.frame, arm.way
+    if f.motor is None:
+        return Hole(0.0, way * f.axis_z, pi * f.opening_radius**2 * plate_mm)
+    if f.motor.window is None:
+        return Hole(0.0, way * f.axis_z, pocket_mm3(f.motor, plate_mm))
+    half, low, high = f.motor.window
+    return Hole(0.0, way * (low + high) / 2, 2 * half * (high - low) * plate_mm, (high - low) / (2 * half))
+
+
+def _window_ends(mesh: PlateMesh, arm: Arm, seat: MotorSeat) -> Ints:
+    """Nodes of the plate round the screws of a servo's ears, at both ends of its window."""
+    assert seat.window is not None
+    half, low, high = seat.window
+    ends = ((z, min(abs(z - low), abs(z - high))) for z in {z for _, z in seat.screws})
+    return np.unique(
+        np.concatenate([mesh.near("plate", (0.0, 0.0, arm.way * z), (half, 1e3, room)) for z, room in ends])
+    )
 
 
 def _yoke(arm: Arm, y_plate: float, z_bridge: float) -> Iterator[Wall]:
@@ -213,7 +240,10 @@ def arms_compliance(arms: Sequence[Arm], share: float) -> FrameCompliance:
             point = (arm.way * x, y, arm.way * z)
             if z == 0.0:
                 on_boss[y] = on_boss.get(y, 0.0) + arm.way * force_x
-            nodes = mesh.near(arm.of(panel), point, (reach, 1e3, reach))
+            if f.motor is not None and f.motor.window is not None and z != 0.0:
+                nodes = _window_ends(mesh, arm, f.motor)
+            else:
+                nodes = mesh.near(arm.of(panel), point, (reach, 1e3, reach))
             load = centred_load(mesh, nodes, np.array(point), arm.way * force_x, couple_y=couple_y)
             total[nodes, :3] += load
     shares = shares_urad(mesh, material, total.ravel(), held.springs(mesh, material))
