@@ -12,8 +12,8 @@ from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.parts.drum_sector.payload import PLASTIC_SHARE, SHEAR_SHARE, SLIP_SAFETY, PayloadJoint, joint_load
 from mbcdm_cad.parts.threads import clamp_force_N
 
-# Stress of the hub over that of an even tube: the web stands on one side of it (largest of four drums by solid elements,
-# 2.1 to 2.4; docs/structure.md).
+# Stress of the hub over that of an even tube: the web stands on one side of it (largest of four drums by solid
+# elements, 2.1 to 2.4; docs/structure.md).
 ONE_SIDED = 2.4
 
 
