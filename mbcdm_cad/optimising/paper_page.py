@@ -43,7 +43,7 @@ _ROWS = (
     ("box along Y, mm", "box_y_mm", "34.8"),
 )
 # The designs that are drawn with CAD, and beside what each stands; the first of each group is the file as given.
-BUILT = ("paper-box-01", "leg-aluminium-01", "capstan-printed-01")
+BUILT = ("paper-box-06", "leg-aluminium-01", "capstan-printed-01")
 OTHERS = (
     "leg-aluminium",
     "leg-aluminium-01",

@@ -74,6 +74,21 @@ def test_reference_design_meets_mass_box_and_has_no_clash(built: Path) -> None:
     assert faults(report, files_of(built)) == []
 
 
+def test_the_readme_states_the_figures_of_the_build(built: Path) -> None:
+    report, readme = json.loads((built / "report.json").read_text("utf-8")), (ROOT / "README.md").read_text("utf-8")
+    mass, torque, structure = report["mass"], report["torque"], report["structure"]
+    rows = (
+        f"| mass | {mass['mass_g']:.1f} g +- {mass['sigma_g']:.1f} g ",
+        "| box X x Z x Y | {:.2f} x {:.2f} x {:.2f} mm |".format(*report["envelope"]["size_mm"]),
+        f" by the cables alone | {structure['cables_swing_mrad']:.3f} mrad ",
+        f" with drum, shafts, bearings and frame | {structure['payload_swing_mrad']:.3f} mrad |",
+        f" | {torque['peak_positive_Nm']:.2f} N m in one direction, {torque['peak_negative_Nm']:.2f} in the other |",
+        f"| torque to weight, weaker direction | {torque['torque_to_weight_Nm_kg']:.2f} N m/kg |",
+        f" due to the frame's deflection at 0.91 N m | {report['frame']['windup_at_test_torque_mrad']:.3f} mrad |",
+    )
+    assert [row for row in rows if row not in readme] == []
+
+
 def test_report_says_what_sets_each_field(built: Path) -> None:
     report = json.loads((built / "report.json").read_text("utf-8"))
     entry = next(one for one in report["fields"] if one["field"] == "transmission.centre_distance_mm")
