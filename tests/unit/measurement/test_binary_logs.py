@@ -170,8 +170,17 @@ def tdms(folder: Path) -> Path:
 
 
 WRITERS: list[Callable[[Path], Path]] = [
-    bag_of_ros_1, bag_of_ros_2, mcap_of_ros_2, mcap_of_json, parquet, matlab, dspace, matlab_7_3, hdf5, tdms,
-]  # fmt: skip
+    bag_of_ros_1,
+    bag_of_ros_2,
+    mcap_of_ros_2,
+    mcap_of_json,
+    parquet,
+    matlab,
+    dspace,
+    matlab_7_3,
+    hdf5,
+    tdms,
+]
 
 
 @pytest.mark.parametrize("write", WRITERS, ids=lambda write: write.__name__)
