@@ -67,7 +67,7 @@ def test_from_the_csv_to_the_finding(
     assert mbcdm(["measurement-init", str(tmp_path / "run.csv"), str(DESIGN)]) == 0
     draft = (tmp_path / "run.yaml").read_text()
     assert draft.count("side: motor") == 2 and draft.count("unit: deg") == 1 and "?" in draft, draft
-    (tmp_path / "run.yaml").write_text(draft.replace("lever_arm_mm: ?", f"lever_arm_mm: {1e3 * ARM_M}"))
+    (tmp_path / "run.yaml").write_text(draft.replace("lever_arm_mm: '?'", f"lever_arm_mm: {1e3 * ARM_M}"))
     assert mbcdm(["loop", str(DESIGN), str(tmp_path / "run.yaml"), "--json", str(tmp_path / "found.json")]) == 0
     found = json.loads((tmp_path / "found.json").read_text())
     assert [one["name"] for one in found["effects"]] == ([name] if name else []), found["sentence"]
