@@ -12,10 +12,6 @@ from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.parts.drum_sector.payload import PLASTIC_SHARE, SHEAR_SHARE, SLIP_SAFETY, PayloadJoint, joint_load
 from mbcdm_cad.parts.threads import clamp_force_N
 
-# Stress of the hub over that of an even tube: the web stands on one side of it (largest of four drums by solid
-# elements, 2.1 to 2.4; docs/structure.md).
-ONE_SIDED = 2.4
-
 
 def lasting_MPa(material: Material) -> float:
     """Stress that a part bears for years: yield, of plastics the share that creep leaves."""
@@ -36,7 +32,7 @@ def drum_stress(s: SectorLayout) -> Comparison:
     d, drive, structure = s.drum, s.drive, s.structure
     material = drive.drum_material
     strength, load = lasting_MPa(material), max(drive.loads.peak_torque_Nm, stalled_Nm(s))
-    torsion = ONE_SIDED * 2.0 * load * 1e3 * d.hub_radius / (pi * (d.hub_radius**4 - d.bore_radius**4))
+    torsion = 2.0 * load * 1e3 * d.hub_radius / (pi * (d.hub_radius**4 - d.bore_radius**4))
     pressed = load * 1e3 / d.stop_radius / (2.0 * s.frame.stop_pin_radius * (d.web_end_y - d.web_start_y))
     return worst(
         (
