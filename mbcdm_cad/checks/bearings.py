@@ -67,7 +67,8 @@ def stage_reactions_N(s: SectorLayout, index: int) -> Floats:
     """Loads of an input's bearings (lower, upper) by the wheel beyond the lower one, in the direction of the cables."""
     assert s.stage is not None
     lower, upper = s.input_bearings_mm(index)
-    force, over = s.stage.stage.across_N(stage_torque_Nm(s)), (lower - s.stage.middle_z) / (upper - lower)
+    torque = s.once("stage_torque", stage_torque_Nm)
+    force, over = s.stage.stage.across_N(torque), (lower - s.stage.middle_z) / (upper - lower)
     return np.array([force * (1.0 + over), force * over])
 
 

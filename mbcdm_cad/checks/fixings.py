@@ -15,6 +15,7 @@ from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.parts.collar import CollarDims
 from mbcdm_cad.parts.threads import clamp_force_N
+from mbcdm_cad.routes import Floats
 
 # Steel on steel, dry (usual value).
 FRICTION = 0.15
@@ -23,9 +24,25 @@ SET_SCREW_SHARE = 0.5
 SLIP_SAFETY = 1.2
 # A third of the clamp's force may go into bending ring and slit journal (estimate).
 CLAMP_SAFETY = 1.8
+# Yield over bending stress (usual for steady loads on ductile metal).
 STRESS_SAFETY = 1.5
 # Friction of a greased small bearing, of its mean diameter (bearing makers).
 BEARING_FRICTION = 0.0015
+
+
+def round_shaft_MPa(radius_mm: float, bending_Nmm: float, torque_Nmm: float = 0.0) -> float:
+    """Equivalent stress on the outside of a round shaft that is bent and twisted (von Mises)."""
+    modulus = pi * radius_mm**3 / 4
+    return sqrt((bending_Nmm / modulus) ** 2 + 3 * (torque_Nmm / (2 * modulus)) ** 2)
+
+
+def bent_axle_Nmm(forces_N: Floats, at_mm: tuple[float, float], ends_mm: tuple[float, float]) -> tuple[float, Floats]:
+    """Largest moment in an axle on two ends under forces (2, 3) at two places, and the force (3,) on its far end."""
+    (near, far), (start, end) = at_mm, ends_mm
+    on_far = (forces_N[0] * (near - start) + forces_N[1] * (far - start)) / (end - start)
+    on_near = forces_N[0] + forces_N[1] - on_far
+    moments = np.linalg.norm(on_near) * (near - start), np.linalg.norm(on_far) * (end - far)
+    return float(max(moments)), on_far
 
 
 def grip_Nmm(collar: CollarDims, screw: Screw, shaft_mm: float) -> float:
@@ -42,8 +59,7 @@ def collar_grip(s: SectorLayout) -> Comparison:
     deforms ring and slit journal is covered by the safety factor.
     """
     drive, collar = s.drive, s.collar
-    shaft = drive.gearhead.shaft_diameter_mm if drive.stage is None else drive.bearings.input_lower.bore_mm
-    holds = grip_Nmm(collar, drive.screw(collar.screw), shaft)
+    holds = grip_Nmm(collar, drive.screw(collar.screw), drive.clamped_mm)
     needed = s.loads.highest_input_Nm * 1e3
     return at_least(
         f"clamp collar holds {holds:.4g} N mm over the input's {needed:.4g} N mm",
@@ -79,7 +95,7 @@ def stop_pin(s: SectorLayout) -> Comparison:
     """Bending of the pin between the frame's front and the web, with both motors stalled against it."""
     stall = stalled_Nm(s)
     lever = (s.drum.web_start_y + s.drum.web_end_y) / 2 - s.levels.front_y
-    stress = stall * 1e3 / s.drum.stop_radius * lever / (pi * s.frame.stop_pin_radius**3 / 4)
+    stress = round_shaft_MPa(s.frame.stop_pin_radius, stall * 1e3 / s.drum.stop_radius * lever)
     strength = s.drive.material("steel").yield_MPa
     return at_least(
         f"yield {strength:g} MPa over the stop pin's {stress:.4g} MPa at {stall:.4g} N m",
@@ -103,8 +119,7 @@ def pulley_stress(s: SectorLayout) -> Comparison:
         for end, radius, bending, twist in ends:
             if radius <= 0.0:
                 raise NoFigureError(f"nothing is left of the {end} neck of {name} (radius {radius:.4g} mm)")
-            modulus = pi * radius**3 / 4
-            stress = sqrt((bending / modulus) ** 2 + 3 * (twist / (2 * modulus)) ** 2)
+            stress = round_shaft_MPa(radius, bending, twist)
             what = f"yield {strength:g} MPa over {stress:.4g} MPa in the {end} neck of {name}"
             found.append(at_least(what, strength / max(stress, 1e-9), STRESS_SAFETY, "times"))
     return worst(found)

@@ -10,6 +10,7 @@ from mbcdm_cad.checks.fixings import FRICTION, STRESS_SAFETY, stalled_Nm
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.parts.drum_sector.payload import PLASTIC_SHARE, SHEAR_SHARE, SLIP_SAFETY, PayloadJoint, joint_load
+from mbcdm_cad.parts.drum_sector.structure import hub
 from mbcdm_cad.parts.threads import clamp_force_N
 
 
@@ -32,7 +33,7 @@ def drum_stress(s: SectorLayout) -> Comparison:
     d, drive, structure = s.drum, s.drive, s.structure
     material = drive.drum_material
     strength, load = lasting_MPa(material), max(drive.loads.peak_torque_Nm, stalled_Nm(s))
-    torsion = 2.0 * load * 1e3 * d.hub_radius / (pi * (d.hub_radius**4 - d.bore_radius**4))
+    torsion = hub(d, drive.screw(d.set_screw).thread_mm).shear_MPa(load)
     pressed = load * 1e3 / d.stop_radius / (2.0 * s.frame.stop_pin_radius * (d.web_end_y - d.web_start_y))
     return worst(
         (

@@ -71,6 +71,11 @@ class SectorDrive(Drive):
         """Whether the shaft of motor or gearhead alone carries each input pulley."""
         return self.input_pulleys.overhung
 
+    @property
+    def clamped_mm(self) -> float:
+        """Diameter of the shaft that a collar clamps: of the gearhead, or of the journal in a wheel's hub."""
+        return self.gearhead.shaft_diameter_mm if self.stage is None else self.bearings.input_lower.bore_mm
+
 
 class SectorLevels(Protocol):
     """Depths along Y that the drum shares with the frame and the body before it, mm."""

@@ -130,11 +130,6 @@ class HeadedDrive(SectorDrive):
         bore = journal if self.stage is None else 2 * hub_radius_mm(journal)
         return bore, self.frame_material.min_wall_mm, self.input_pulleys.collar_screw
 
-    @property
-    def clamped_mm(self) -> float:
-        """Diameter of the shaft that the collar clamps: of the gearhead, or of the journal in a wheel's hub."""
-        return self.gearhead.shaft_diameter_mm if self.stage is None else self.bearings.input_lower.bore_mm
-
 
 class HeadLevels(Protocol):
     """Heights along the input's axis, from the gearhead on, mm."""

@@ -7,8 +7,6 @@ ends.
 
 from __future__ import annotations
 
-from math import pi
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -29,6 +27,7 @@ from mbcdm_cad.checks.bearings import (
 )
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
 from mbcdm_cad.checks.design_variables import down, up
+from mbcdm_cad.checks.fixings import STRESS_SAFETY, bent_axle_Nmm, round_shaft_MPa
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.routes import GUIDE
 
@@ -78,10 +77,6 @@ BEARINGS = (
 )
 
 
-# Yield over bending stress (usual for steady loads on ductile metal).
-STRESS_SAFETY = 1.5
-
-
 def guide_wall(s: BevelLayout) -> Comparison:
     """Wall round the bearings in both ends of the guide."""
     g = s.guide
@@ -110,16 +105,9 @@ def guide_length(s: BevelLayout) -> Comparison:
 def axle_stress(s: BevelLayout) -> Comparison:
     """Bending stress of the axle under the guide's two bearings, as a beam on shelf and top plate."""
     g, v = s.guide, s.levels
-    span = v.top_plate_bottom_z - v.bearing_shelf_top_z
-    below = g.bottom_z + g.seat_depth / 2 - v.bearing_shelf_top_z
-    above = v.top_plate_bottom_z - (g.top_z - g.seat_depth / 2)
-    bending = 0.0
-    for lower, upper in s.once("guide_forces", guide_forces_N):
-        on_plate = (lower * below + upper * (span - above)) / span
-        on_shelf = lower + upper - on_plate
-        moments = float(np.linalg.norm(on_shelf)) * below, float(np.linalg.norm(on_plate)) * above
-        bending = max(bending, *moments)
-    stress = bending / (pi * s.axle.radius**3 / 4)
+    ends = v.bearing_shelf_top_z, v.top_plate_bottom_z
+    bending = max(bent_axle_Nmm(pair, g.bearings_mm, ends)[0] for pair in s.once("guide_forces", guide_forces_N))
+    stress = round_shaft_MPa(s.axle.radius, bending)
     strength = s.drive.axle_material.yield_MPa
     return at_least(
         f"yield {strength:g} MPa over the axle's bending stress {stress:.4g} MPa",

@@ -7,7 +7,7 @@ bearings alone, which the rope's friction on its wrap must overcome.
 from __future__ import annotations
 
 from itertools import combinations
-from math import exp, hypot, pi
+from math import exp, hypot
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from mbcdm_cad.checks.bearings import LARGER, LESS, RATING, STATIC_SAFETY, safet
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.drum_outline import drum_zones
-from mbcdm_cad.checks.fixings import FRICTION, SLIP_SAFETY, STRESS_SAFETY
+from mbcdm_cad.checks.fixings import FRICTION, SLIP_SAFETY, STRESS_SAFETY, bent_axle_Nmm, round_shaft_MPa
 from mbcdm_cad.layouts.siso_spur.idlers import flange_radius_mm
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.stack import FLANGE_MM
@@ -115,15 +115,11 @@ def axle_stress(s: SpurLayout) -> Comparison:
     """Bending stress of the axles under their idlers' bearings, as beams on plate and strap."""
     strength, found = s.drive.shaft_material.yield_MPa, []
     for body, own, n, states in s.once("idler_forces", bearing_forces_N):
-        stand, (rear, front) = s.frame.stands[n], own.bearings_mm
-        start, end = s.levels.front_y, stand.strap_back_y
-        bending = 0.0
-        for pair in states:
-            on_strap = (pair[0] * (rear - start) + pair[1] * (front - start)) / (end - start)
-            on_plate = pair.sum(axis=0) - on_strap
-            moments = np.linalg.norm(on_plate) * (rear - start), np.linalg.norm(on_strap) * (end - front)
-            bending = max(bending, *(float(moment) for moment in moments))
-        stress = bending / (pi * stand.axle_radius**3 / 4)
+        stand = s.frame.stands[n]
+        ends = s.levels.front_y, stand.strap_back_y
+        stress = round_shaft_MPa(
+            stand.axle_radius, max(bent_axle_Nmm(pair, own.bearings_mm, ends)[0] for pair in states)
+        )
         what = f"yield {strength:g} MPa over the bending stress {stress:.4g} MPa of the axle of {body}"
         found.append(at_least(what, strength / max(stress, 1e-12), STRESS_SAFETY, "times"))
     return worst(found)
@@ -135,17 +131,15 @@ def strap(s: SpurLayout) -> Comparison:
     holds, found = 2 * FRICTION * clamp_force_N(thread), []
     forces = s.once("idler_forces", bearing_forces_N)
     for n, stand in enumerate(s.frame.stands):
-        start, end = s.levels.front_y, stand.strap_back_y
-        own = [(dims, states) for _, dims, number, states in forces if number == n]
-        pulls = []
-        for state in range(len(own[0][1])):
-            total = np.zeros(3)
-            for dims, states in own:
-                rear, front = dims.bearings_mm
-                total += (states[state][0] * (rear - start) + states[state][1] * (front - start)) / (end - start)
-            pulls.append(float(np.linalg.norm(total)))
-        what = f"two screws of the strap of pair {n + 1} hold {holds:.4g} N over {max(pulls):.4g} N"
-        found.append(at_least(what, holds / max(*pulls, 1e-9), SLIP_SAFETY, "times"))
+        ends = s.levels.front_y, stand.strap_back_y
+        on_strap = [
+            np.array([bent_axle_Nmm(pair, dims.bearings_mm, ends)[1] for pair in states])
+            for _, dims, number, states in forces
+            if number == n
+        ]
+        pull = float(np.linalg.norm(sum(on_strap), axis=1).max())
+        what = f"two screws of the strap of pair {n + 1} hold {holds:.4g} N over {pull:.4g} N"
+        found.append(at_least(what, holds / max(pull, 1e-9), SLIP_SAFETY, "times"))
     return worst(found)
 
 

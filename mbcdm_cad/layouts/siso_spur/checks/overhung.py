@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from math import pi, sqrt
-
 import numpy as np
 
 from mbcdm_cad.checks.bearings import LESS, input_reactions
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
 from mbcdm_cad.checks.design_variables import down, up
-from mbcdm_cad.checks.fixings import FRICTION, SET_SCREW_SHARE, SLIP_SAFETY, STRESS_SAFETY
+from mbcdm_cad.checks.fixings import FRICTION, SET_SCREW_SHARE, SLIP_SAFETY, STRESS_SAFETY, round_shaft_MPa
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM, web_between
 from mbcdm_cad.checks.input_pulley import GRIP_DIAMETERS
 from mbcdm_cad.design.bought import Servo
@@ -47,8 +45,7 @@ def motor_shaft_stress(s: SpurLayout) -> Comparison:
     """Bending and torsion of the shaft at the face, against the yield stress of steel."""
     force, at, _ = _pull(s)
     radius, strength = s.drive.gearhead.shaft_diameter_mm / 2, s.drive.material("steel").yield_MPa
-    section = pi * radius**3 / 4
-    stress = sqrt((force * at / section) ** 2 + 3 * (s.loads.highest_input_Nm * 1e3 / (2 * section)) ** 2)
+    stress = round_shaft_MPa(radius, force * at, s.loads.highest_input_Nm * 1e3)
     what = f"yield {strength:g} MPa over {stress:.4g} MPa in the {s.drive.mounted}'s shaft at its face"
     return at_least(what, strength / max(stress, 1e-9), STRESS_SAFETY, "times")
 

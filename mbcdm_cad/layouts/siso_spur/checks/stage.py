@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import ceil, degrees, hypot, pi
+from math import ceil, degrees, pi
 from typing import Any
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from mbcdm_cad.checks.bearings import stage_torque_Nm
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, noted, worst
 from mbcdm_cad.checks.design_variables import up
-from mbcdm_cad.checks.fixings import STRESS_SAFETY
+from mbcdm_cad.checks.fixings import STRESS_SAFETY, round_shaft_MPa
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM
 from mbcdm_cad.checks.remedies import rounded
 from mbcdm_cad.design.stage import TEETH_IN_MESH
@@ -26,7 +26,8 @@ TOOTH_SHARE = 0.4
 BOND_MPA = 10.0
 # How far the ratio of whole teeth may be from the one asked for.
 RATIO_SHARE = 0.01
-
+# Least wall of a wheel between bore and teeth (makers' smallest pulleys).
+WHEEL_WALL_MM = 0.8
 
 _LEWIS = (
     *((12, 0.245), (14, 0.277), (16, 0.296), (18, 0.309), (20, 0.322), (24, 0.337), (30, 0.359), (34, 0.371)),
@@ -112,10 +113,6 @@ def room(s: SpurLayout) -> Comparison:
     return worst(found)
 
 
-# Least wall of a wheel between bore and teeth (makers' smallest pulleys).
-WHEEL_WALL_MM = 0.8
-
-
 def key_beside(s: SpurLayout) -> Comparison:
     """A key reaches the screws of motor or gearhead beside driver and belt: they are tightened with the belt on."""
     stage, head = _of(s).stage, s.head
@@ -150,9 +147,7 @@ def journal(s: SpurLayout) -> Comparison:
     """Stress of the journal in its bearing, bent and twisted by the wheel beyond it (von Mises)."""
     dims, torque, pulley = _of(s), s.once("stage_torque", stage_torque_Nm), s.inputs[0]
     lever = s.input_bearings_mm(0)[0] - dims.middle_z
-    bent = dims.stage.across_N(torque) * lever
-    radius = pulley.lower_journal_radius
-    stress = hypot(bent, 0.75**0.5 * torque * 1e3) / (pi * radius**3 / 4)
+    stress = round_shaft_MPa(pulley.lower_journal_radius, dims.stage.across_N(torque) * lever, torque * 1e3)
     allowed = s.drive.pulley_material.yield_MPa
     return at_least(
         f"yield {allowed:g} MPa over the journal's {stress:.4g} MPa beside the driven wheel",
@@ -162,15 +157,10 @@ def journal(s: SpurLayout) -> Comparison:
     )
 
 
-def lash_mrad(drive: Any) -> float:
-    """Turn of the drum by the play of belt or gears, the motors held."""
-    return float(drive.stage.lash_rad / drive.total_ratio * 1e3) if drive.stage is not None else 0.0
-
-
 def lash(s: SpurLayout) -> Comparison:
     """Turn of the drum by the stage's play. Encoders on the inputs see it; motors' own encoders do not."""
-    found, turn = lash_mrad(s.drive), s.loads.test_urad_Nm * 1e-3 * s.drive.loads.test_torque_Nm
-    arcmin = degrees(_of(s).stage.lash_rad) * 60
+    play, turn = _of(s).stage.lash_rad, s.loads.test_urad_Nm * 1e-3 * s.drive.loads.test_torque_Nm
+    found, arcmin = play / s.drive.total_ratio * 1e3, degrees(play) * 60
     what = f"turn of the drum by {arcmin:.3g} arcmin of play at the input, motors held"
     if s.drive.encoder.absent:
         return at_most(
