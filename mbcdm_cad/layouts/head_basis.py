@@ -58,8 +58,6 @@ HEAT_SPARE = 1.05
 # Tensions of the two cables of an input over the pull of the peak torque on the drum: the usual preload where friction
 # holds the cable, and that at the knee. What they lose on the drum and in the bearings besides the input (estimate).
 PRELOADS, KNEE_PRELOADS, LOST_SPARE = 2.7, 4.0, 1.2
-
-
 # Preloads that are tried from the knee down to the usual one.
 _KNEE_STEPS = 9
 
@@ -280,18 +278,23 @@ def _turning_cables_Nm(given: TrialKnown) -> float:
     return 0.0 if found is None else found.start_of_Nm(ROPE, BEARINGS)
 
 
+def _ratio_with(given: TrialKnown, motor: Mapping[str, Any], head: Mapping[str, Any] | None) -> float:
+    """The ratio of drum to input radius; an open one is the least with which a motor holds the torque."""
+    return given.ratio if given.has_ratio else max(input_needs_mNm(given) / output_mNm(given, motor, head), 1.0)
+
+
 def _easy(given: TrialKnown, motor: Mapping[str, Any], head: Mapping[str, Any] | None) -> float:
     """Margin of a motor that the drum must turn; an open ratio is the least that holds."""
     if given.get("loads.backdrive_Nm") is None:
         return inf
-    ratio = given.ratio if given.has_ratio else max(input_needs_mNm(given) / output_mNm(given, motor, head), 1.0)
+    ratio = _ratio_with(given, motor, head)
     turned = turns_back_Nm(motor, head, ratio * stage_gain(given)[0], max(1, len(given.get("inputs", ()))))
     return backdrive_margin(given, turned, _turning_cables_Nm(given))
 
 
 def _is_cool(given: TrialKnown, motor: Mapping[str, Any], head: Mapping[str, Any] | None) -> bool:
     """Whether a motor stands the stated duty; an open ratio is the least that holds."""
-    ratio = given.ratio if given.has_ratio else max(input_needs_mNm(given) / output_mNm(given, motor, head), 1.0)
+    ratio = _ratio_with(given, motor, head)
     moving, still = input_needs_mNm(given) / ratio, given.input_peak_Nm * 1e3 / ratio
     return heat_margin(given, motor, head, HEAT_SPARE * moving, HEAT_SPARE * still) >= 0.0
 
@@ -299,7 +302,7 @@ def _is_cool(given: TrialKnown, motor: Mapping[str, Any], head: Mapping[str, Any
 def _is_fast(given: TrialKnown, motor: Mapping[str, Any], head: Mapping[str, Any] | None, needed_mNm: float) -> bool:
     """Whether a motor turns the drum fast enough under the load that lasts; an open ratio is the least that holds."""
     holds = output_mNm(given, motor, head)
-    ratio = given.ratio if given.has_ratio else max(input_needs_mNm(given) / holds, 1.0)
+    ratio = _ratio_with(given, motor, head)
     load = (lasting_share(given) or 1.0) * (needed_mNm if given.has_ratio else holds)
     torque = min(load / holds, 1.0) * motor["rated_torque_mNm"]
     return speed_margin(given, motor, 1.0 if head is None else head["ratio"], ratio, torque) >= 0.0

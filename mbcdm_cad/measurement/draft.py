@@ -36,6 +36,7 @@ FEWEST_FILLED, MOST_CHANNELS = 5, 40
 LEAST_TRAVEL = 0.02
 # In place of a figure that only its owner knows.
 UNKNOWN = "'?'"
+_NO_TIME = f"sample_rate_Hz: {UNKNOWN}    # no column looks like the time: put the samples a second in place of ?"
 # Figures of one second in ms, us and ns.
 SECONDS = (1e3, 1e6, 1e9)
 # Times counted from 1970 are above these in each unit, and steps of a logger below those.
@@ -239,11 +240,13 @@ def _as_the_input_begins_again(
     output: Guess, inputs: Sequence[Guess], expected: Expected
 ) -> tuple[dict[str, object], float, str] | None:
     """Counts a turn of the output from an input that begins again after its own, with which the ratio is met."""
-    begins_again = next((c.fields["wraps_at"] for c in inputs if c.whole and "wraps_at" in c.fields), None)
+    follows = next((c for c in inputs if c.whole and "wraps_at" in c.fields), None)
+    begins_again = None if follows is None else follows.fields["wraps_at"]
     known = "wraps_at" in output.fields or expected.output_counts is not None
-    if not isinstance(begins_again, float) or not output.whole or known or stated_unit(output, ANGLE)[0]:
+    if follows is None or not isinstance(begins_again, float):
         return None
-    follows = next(c for c in inputs if c.whole and "wraps_at" in c.fields)
+    if not output.whole or known or stated_unit(output, ANGLE)[0]:
+        return None
     slope, _ = robust_slope(output.values, follows.values)
     wanted = expected.ratio * begins_again / abs(slope) if slope else 0.0
     # The same encoder twice is more likely than any other near it.
@@ -359,13 +362,7 @@ def _written(data: Path, table: _Table, columns: list[Guess], expected: Expected
         *([f"skip_rows: {table.skip_rows}    # guessed: shorter than the table"] if table.skip_rows else []),
         *(["rows: own_times    # guessed: empty cells"] if table.own_times else []),
         *([f"channel_column: {_quoted(table.named_by)}    # guessed: few words"] if table.named_by is not None else []),
-        *(
-            []
-            if any(c.role == "time" for c in columns)
-            else [
-                f"sample_rate_Hz: {UNKNOWN}    # no column looks like the time: put the samples a second in place of ?"
-            ]
-        ),
+        *([] if any(c.role == "time" for c in columns) else [_NO_TIME]),
         "columns:",
     ]
     order = ("time", "input", "output", "load_torque", "temperature")

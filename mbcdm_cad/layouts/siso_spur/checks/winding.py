@@ -149,17 +149,15 @@ def fleet_angle(s: SpurLayout) -> Comparison:
     found = []
     grooved = s.drive.input_pulleys.grooved
     for angle, path in ((angle, path) for angle, paths in s.extreme_paths for path in paths):
-        for (before, one), (after, two) in pairwise(path.pieces):
-            if not (before.startswith("span") and after.startswith(_WOUND)):
-                if not (before.startswith(_WOUND) and after.startswith("span")):
-                    continue
-                after, one, two, end = before, two, one, 1.0
-            else:
-                end = 0.0
-            along = one.tangent(0.5)
-            off = acos(min(1.0, abs(float(along @ two.tangent(end)))))
+        joints = [(one, two, 0.0) for one, two in pairwise(path.pieces)]
+        joints += [(two, one, 1.0) for one, two in pairwise(path.pieces)]
+        for (free, span), (wound, wrap), end in joints:
+            if not (free.startswith("span") and wound.startswith(_WOUND)):
+                continue
+            along = span.tangent(0.5)
+            off = acos(min(1.0, abs(float(along @ wrap.tangent(end)))))
             # On a smooth input only friction holds the turns at their helix angle.
-            turned = off if grooved or after != ON_INPUT[0] else float(np.arcsin(abs(along[1])))
+            turned = off if grooved or wound != ON_INPUT[0] else float(np.arcsin(abs(along[1])))
             found.append(
                 at_most(
                     f"fleet angle with the drum at {degrees(angle):+.3g} deg", degrees(turned), SMOOTH_FLEET_DEG, "deg"

@@ -119,12 +119,11 @@ def yoke_bodies(d: YokeDims) -> list[cq.Shape]:
     bridge = block((-shelf, shelf), (v.plate_back_y, v.top_plate_top_z), (d.bridge_bottom_z, d.top_z))
     bearing = block((-shelf, shelf), (v.top_plate_bottom_z, v.top_plate_top_z), (d.shelf_bottom_z, d.top_z))
     rounded = cq.Workplane(obj=fuse([bridge, bearing], "yoke")).edges("|Y").edges("<Z or >Z")
-    posts = [
-        block((min(side * x for x in stand.post_x), max(side * x for x in stand.post_x)), deep, stand.post_z)
-        for stand in d.stands
-        for side in (-1, 1)
-        for deep in ((v.plate_back_y + (v.front_y - v.plate_back_y) / 2, stand.strap_back_y),)
-    ]
+    inside = (v.plate_back_y + v.front_y) / 2
+    posts = []
+    for stand in d.stands:
+        near, far = stand.post_x
+        posts += [block(x, (inside, stand.strap_back_y), stand.post_z) for x in ((-far, -near), (near, far))]
     return [plate, rounded.fillet(d.corner_radius).val(), *posts]  # type: ignore[list-item]
 
 
