@@ -7,6 +7,7 @@ from math import exp, pi
 
 import numpy as np
 
+from mbcdm_cad.rig.dynamic.train import require_positive
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.storage.compiled import compiled
 
@@ -48,9 +49,7 @@ class ControllerSpec:
     velocity_filter_Hz: float = 100.0
 
     def __post_init__(self) -> None:
-        for name in ("inertia_kg_m2", "torque_limit_Nm", "bandwidth_Hz", "rate_Hz", "velocity_filter_Hz"):
-            if not getattr(self, name) > 0.0:
-                raise ValueError(f"{name} is {getattr(self, name)}; give it > 0")
+        require_positive(self, "inertia_kg_m2", "torque_limit_Nm", "bandwidth_Hz", "rate_Hz", "velocity_filter_Hz")
         if self.bandwidth_Hz * 20.0 > self.rate_Hz:
             raise ValueError(f"bandwidth_Hz {self.bandwidth_Hz} needs a rate_Hz of 20 times that, got {self.rate_Hz}")
 

@@ -14,7 +14,7 @@ from mbcdm_cad.rig.cables import RigCable, cables_of, routes_of
 from mbcdm_cad.rig.chain import PIECE_RAD
 from mbcdm_cad.rig.dynamic.controller import ControllerSpec
 from mbcdm_cad.rig.dynamic.inertias import inertias
-from mbcdm_cad.rig.dynamic.train import GearheadSpec, LoadSpec, MotorSpec, gearhead_of, motor_of
+from mbcdm_cad.rig.dynamic.train import GearheadSpec, LoadSpec, MotorSpec, gearhead_of, motor_of, require_not_negative
 
 STEP_S = 1e-4
 BANDWIDTH_HZ = 5.0
@@ -32,9 +32,7 @@ class EncoderSpec:
     delay_s: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("resolution_rad", "noise_rad", "delay_s"):
-            if not getattr(self, name) >= 0.0:
-                raise ValueError(f"{name} is {getattr(self, name)}; give it >= 0")
+        require_not_negative(self, "resolution_rad", "noise_rad", "delay_s")
 
 
 @dataclass(frozen=True)

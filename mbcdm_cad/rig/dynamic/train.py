@@ -31,6 +31,20 @@ from mbcdm_cad.storage.compiled import compiled
 _G_CM2 = 1e-7  # kg m2
 
 
+def require_positive(spec: object, *names: str) -> None:
+    """Raise ``ValueError`` for a figure of ``spec`` that is not above 0."""
+    for name in names:
+        if not getattr(spec, name) > 0.0:
+            raise ValueError(f"{name} is {getattr(spec, name)}; give it > 0")
+
+
+def require_not_negative(spec: object, *names: str) -> None:
+    """Raise ``ValueError`` for a figure of ``spec`` that is below 0."""
+    for name in names:
+        if not getattr(spec, name) >= 0.0:
+            raise ValueError(f"{name} is {getattr(spec, name)}; give it >= 0")
+
+
 @dataclass(frozen=True)
 class MotorSpec:
     """One motor, at its own shaft. ``cogging_per_turn`` counts periods in a turn of the motor."""
@@ -45,12 +59,8 @@ class MotorSpec:
     cogging_phase_rad: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("rotor_inertia_kg_m2", "torque_limit_Nm", "current_bandwidth_Hz"):
-            if not getattr(self, name) > 0.0:
-                raise ValueError(f"{name} is {getattr(self, name)}; give it > 0")
-        for name in ("coulomb_Nm", "viscous_Nms"):
-            if not getattr(self, name) >= 0.0:
-                raise ValueError(f"{name} is {getattr(self, name)}; give it >= 0")
+        require_positive(self, "rotor_inertia_kg_m2", "torque_limit_Nm", "current_bandwidth_Hz")
+        require_not_negative(self, "coulomb_Nm", "viscous_Nms")
 
 
 def motor_of(drive: Drive) -> MotorSpec:
@@ -78,12 +88,8 @@ class GearheadSpec:
     def __post_init__(self) -> None:
         if not 0.0 < self.efficiency <= 1.0:
             raise ValueError(f"efficiency is {self.efficiency}; give it above 0 and not above 1")
-        for name in ("ratio", "stiffness_Nm_rad"):
-            if not getattr(self, name) > 0.0:
-                raise ValueError(f"{name} is {getattr(self, name)}; give it > 0")
-        for name in ("drag_Nm", "lash_rad"):
-            if not getattr(self, name) >= 0.0:
-                raise ValueError(f"{name} is {getattr(self, name)}; give it >= 0")
+        require_positive(self, "ratio", "stiffness_Nm_rad")
+        require_not_negative(self, "drag_Nm", "lash_rad")
 
     @property
     def loss_share(self) -> float:
@@ -131,10 +137,7 @@ class LoadSpec:
     bearing_viscous_Nms: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("inertia_kg_m2", "bearing_drag_Nm", "bearing_viscous_Nms"):
-            if not getattr(self, name) >= 0.0:
-                raise ValueError(f"{name} is {getattr(self, name)}; give it >= 0")
+        require_not_negative(self, "inertia_kg_m2", "bearing_drag_Nm", "bearing_viscous_Nms")
         if not self.static_ratio >= 1.0:
             raise ValueError(f"static_ratio is {self.static_ratio}; give it >= 1")
-        if not self.static_speed_rad_s > 0.0:
-            raise ValueError(f"static_speed_rad_s is {self.static_speed_rad_s}; give it > 0")
+        require_positive(self, "static_speed_rad_s")

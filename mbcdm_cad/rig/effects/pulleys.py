@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from math import pi, radians
 from typing import Annotated, Literal
@@ -50,8 +51,6 @@ class RadiusError(RigEffect):
 class EccentricPulley(RigEffect):
     """Eccentric groove of a body that cables run on.
 
-    A pulley whose groove is not centred on its axis.
-
     The centre of the groove turns with the shaft, at the distance e from the axis and at the angle a + phase from the
     body's reference, a the shaft's angle. Each cable's path changes with its tangents
     (:mod:`mbcdm_cad.routes.displaced`), which changes tensions and friction. The preload was set with the shaft at
@@ -81,13 +80,28 @@ class EccentricPulley(RigEffect):
         )
 
 
+def _raise_land(bench: Bench, cable: str, height_m: float, shape_integral: Callable[[Floats], Floats]) -> None:
+    """Let the path of a cable grow by a height times the integral of its shape over the drum's surface angle.
+
+    Surface angle x = -sigma theta_o counts from the tangent point at the centre, growing as rope is wound on; the
+    wrap's length is the integral of the radius.
+    """
+    (j,) = bench.which((cable,))
+    sigma = bench.cables[j].sigma
+
+    def path(inputs: Floats, drum: Floats) -> Floats:
+        longer = np.zeros((len(bench.cables), drum.size))
+        longer[j] = height_m * (shape_integral(-sigma * drum) - shape_integral(np.zeros(1)))
+        return longer
+
+    bench.paths.append(path)
+
+
 class StepClimb(RigEffect):
     """A cable that climbs up the flank of its step.
 
-    A cable climbs the edge of its land: from a given surface angle on it lies higher by ``height_um``.
-
-    Surface angle x = -sigma theta_o as in :class:`LandWear`; the radius rises over ``over_deg``
-    and stays up, so that from there on the cable winds faster than its partners and its tension grows with the travel.
+    From a given surface angle on it lies higher by ``height_um``: the radius rises over ``over_deg`` and stays up, so
+    that from there on the cable winds faster than its partners and its tension grows with the travel.
     """
 
     effect: Literal["step_climb"]
@@ -97,19 +111,8 @@ class StepClimb(RigEffect):
     over_deg: Annotated[float, Field(gt=0.0, le=90.0)] = 2.0
 
     def apply(self, bench: Bench) -> None:
-        (j,) = bench.which((self.cable,))
-        begin, over, sigma = radians(self.from_deg), radians(self.over_deg), bench.cables[j].sigma
-
-        def path(inputs: Floats, drum: Floats) -> Floats:
-            longer = np.zeros((len(bench.cables), drum.size))
-            longer[j] = (
-                self.height_um
-                * 1e-6
-                * (rise_integral(-sigma * drum, begin, over) - rise_integral(np.zeros(1), begin, over))
-            )
-            return longer
-
-        bench.paths.append(path)
+        begin, over = radians(self.from_deg), radians(self.over_deg)
+        _raise_land(bench, self.cable, self.height_um * 1e-6, lambda x: rise_integral(x, begin, over))
         bench.tell(
             "step_climb",
             in_vocabulary=False,
@@ -121,10 +124,7 @@ class StepClimb(RigEffect):
 class LandWear(RigEffect):
     """Uneven wear of a drum land, the surface that carries a cable.
 
-    A worn land of the drum: its radius is smaller by up to ``depth_um`` between two surface angles.
-
-    Surface angle x = -sigma theta_o counts from the tangent point at the centre, growing as rope is wound on; the
-    wrap's length is the integral of the radius, so the path changes by -depth times the integral of the hollow's shape.
+    Its radius is smaller by up to ``depth_um`` between two surface angles.
     """
 
     effect: Literal["land_wear"]
@@ -140,19 +140,8 @@ class LandWear(RigEffect):
         return self
 
     def apply(self, bench: Bench) -> None:
-        (j,) = bench.which((self.cable,))
-        begin, end, sigma = radians(self.from_deg), radians(self.to_deg), bench.cables[j].sigma
-
-        def path(inputs: Floats, drum: Floats) -> Floats:
-            longer = np.zeros((len(bench.cables), drum.size))
-            longer[j] = (
-                -self.depth_um
-                * 1e-6
-                * (hump_integral(-sigma * drum, begin, end) - hump_integral(np.zeros(1), begin, end))
-            )
-            return longer
-
-        bench.paths.append(path)
+        begin, end = radians(self.from_deg), radians(self.to_deg)
+        _raise_land(bench, self.cable, -self.depth_um * 1e-6, lambda x: hump_integral(x, begin, end))
         bench.tell(
             "land_wear",
             in_vocabulary=False,
@@ -164,11 +153,10 @@ class LandWear(RigEffect):
 class InputCreep(RigEffect):
     """A cable that creeps over its input; its wrap is that of the design unless given.
 
-    Creep of a cable over an input on which nothing anchors it: the rig's :mod:`mbcdm_cad.rig.through` on its true wrap.
-
-    Without this effect each side of the cable counts as anchored on the input. With it the wrap has its built length,
-    and where the travel carries off the part that sticks, the cable creeps under load as a belt does. ``wrap_deg`` is
-    for a cable with fewer turns than designed; the effect ``rope_friction`` added to it, for one with less friction.
+    Nothing anchors it on the input: the rig's :mod:`mbcdm_cad.rig.through` on its true wrap. Without this effect each
+    side of the cable counts as anchored there. With it the wrap has its built length, and where the travel carries off
+    the part that sticks, the cable creeps under load as a belt does. ``wrap_deg`` is for a cable with fewer turns than
+    designed; the effect ``rope_friction`` added to it, for one with less friction.
     """
 
     effect: Literal["input_creep"]
