@@ -13,11 +13,8 @@ from hypothesis import strategies as st
 
 from mbcdm_cad.build.kernel import location
 from mbcdm_cad.build.validate import validate_solid
-from mbcdm_cad.checks.remedies import Budget
-from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.design.bought import MOTOR_SPAN
 from mbcdm_cad.errors import InputError
-from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.layouts.siso_spur.cable_path import side_pieces
 from mbcdm_cad.layouts.siso_spur.checks import overhung
@@ -28,6 +25,7 @@ from mbcdm_cad.model.structure.drum_sector import Isotropic
 from mbcdm_cad.model.structure.shafts import Acting, Section, bending_urad_Nm
 from mbcdm_cad.rig.dynamic.rig import rig_of
 from mbcdm_cad.routes.curves import Line
+from tests.support.checked import statuses
 
 TEXT = """\
 name: direct
@@ -46,14 +44,8 @@ def direct() -> SpurDrive:
     return spur(load_text(TEXT).drive)
 
 
-def statuses(drive: SpurDrive) -> dict[str, str]:
-    layout = SpurLayout(drive)
-    with np.errstate(all="ignore"):
-        return {check.id: run_check(check, layout, Budget(0)).status for check in checks_of(drive)}
-
-
 def test_it_passes_and_has_neither_bearings_nor_encoder_at_its_input(direct: SpurDrive) -> None:
-    found = statuses(direct)
+    found = statuses(SpurLayout(direct))
     assert [name for name, status in found.items() if status == "fail"] == []
     of_servo = {"horn_screws", "horn_flange", "servo_lash"}
     assert {check.id for check in overhung.CHECKS} - set(found) == of_servo
@@ -179,13 +171,13 @@ def test_its_give_is_part_of_the_turn_at_the_payload(direct: SpurDrive) -> None:
 )
 def test_a_motor_that_cannot_carry_it_fails(direct: SpurDrive, check: str, field: str, value: float) -> None:
     weak = replace(direct, gearhead=replace(direct.gearhead, **{field: value}))
-    assert statuses(direct)[check] == "pass"
-    assert statuses(weak)[check] in ("fail", "warn")
+    assert statuses(SpurLayout(direct))[check] == "pass"
+    assert statuses(SpurLayout(weak))[check] in ("fail", "warn")
 
 
 def test_a_hub_as_large_as_the_gap_to_the_drum_fails(direct: SpurDrive) -> None:
     near = replace(direct, centre_distance_mm=direct.drum_radius_mm + direct.input_radius_mm + 0.3)
-    assert statuses(near)["hub_and_drum"] == "fail"
+    assert statuses(SpurLayout(near))["hub_and_drum"] == "fail"
 
 
 def test_the_rig_turns_it(direct: SpurDrive) -> None:

@@ -9,12 +9,9 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.build.validate import validate_solid
-from mbcdm_cad.checks.remedies import Budget
-from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.design.bought import Motor, Servo, ServoOutput
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.errors import InputError
-from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, spur
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
@@ -24,6 +21,7 @@ from mbcdm_cad.parts.shapes import cylinder_z
 from mbcdm_cad.report.catalogue_list import CatalogueList
 from mbcdm_cad.rig.dynamic.rig import rig_of
 from mbcdm_cad.rig.dynamic.train import shaft_torque
+from tests.support.checked import statuses
 
 TEXT = """\
 name: served
@@ -53,12 +51,6 @@ def of(drive: SpurDrive, **changes: object) -> SpurDrive:
     return replace(drive, gearhead=replace(gear, servo=replace(gear.servo, **changes)))
 
 
-def statuses(drive: SpurDrive) -> dict[str, str]:
-    layout = SpurLayout(drive)
-    with np.errstate(all="ignore"):
-        return {check.id: run_check(check, layout, Budget(0)).status for check in checks_of(drive)}
-
-
 def test_three_families_say_the_same_of_torque_and_speed_at_horn_and_motor() -> None:
     """The winding's torque at standstill through the gears is the horn's; its constant gives the horn's speed."""
     speed_deg_s = {"servo-standard-25t": 60.0 / 0.17, "servo-35kg-25t": 60.0 / 0.12, "servo-bus-horn": 46.0 * 6.0}
@@ -82,7 +74,7 @@ def test_the_catalogue_prints_their_values_in_rows() -> None:
 
 
 def test_it_passes_and_is_drawn_with_ears_horn_and_screws(served: SpurDrive) -> None:
-    found = statuses(served)
+    found = statuses(SpurLayout(served))
     assert [name for name, status in found.items() if status == "fail"] == []
     assert {"horn_screws", "horn_flange", "servo_lash", "motor_seat"} <= set(found)
     assert not {"pulley_set_screws", "motor_shaft_grip", "input_bearings", "collar_grip"} & set(found)
@@ -150,8 +142,8 @@ def test_a_sensor_at_the_motor_leaves_the_twist_of_the_gears(served: SpurDrive) 
     ],
 )
 def test_a_servo_that_does_not_fit_fails(served: SpurDrive, check: str, changes: dict[str, object]) -> None:
-    assert statuses(served)[check] == "pass"
-    assert statuses(of(served, **changes))[check] in ("fail", "warn")
+    assert statuses(SpurLayout(served))[check] == "pass"
+    assert statuses(SpurLayout(of(served, **changes)))[check] in ("fail", "warn")
 
 
 def test_plate_and_ears_lie_on_one_another(served: SpurDrive) -> None:

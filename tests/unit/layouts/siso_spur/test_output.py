@@ -7,14 +7,12 @@ from math import atan2, degrees, hypot
 import numpy as np
 import pytest
 
-from mbcdm_cad.checks.remedies import Budget
-from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.errors import InputError
-from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.parts.drum_sector.dims import SET_SCREW_ANGLES_DEG
 from mbcdm_cad.parts.drum_sector.payload import start_deg
+from tests.support.checked import failing
 
 SHORT = """\
 name: output
@@ -30,12 +28,6 @@ def made(drum: str, torque: float = 8.0, layout: str = "siso_spur") -> SpurLayou
     found = load_text(SHORT.format(layout=layout, torque=torque, drum=drum)).drive.layout
     assert isinstance(found, SpurLayout)
     return found
-
-
-def failing(layout: SpurLayout) -> dict[str, str]:
-    with np.errstate(all="ignore"):
-        found = [run_check(check, layout, Budget(0)) for check in checks_of(layout.drive)]
-    return {check.id: check.message for check in found if check.status == "fail"}
 
 
 @pytest.mark.parametrize(("circle_mm", "screws"), [(40.0, 6), (32.0, 3), (50.0, 8)])

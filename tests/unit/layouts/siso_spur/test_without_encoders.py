@@ -8,16 +8,14 @@ from math import pi
 import numpy as np
 import pytest
 
-from mbcdm_cad.checks.remedies import Budget
-from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.base import Layout
-from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.loader import load_text, new_design_text
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.support.parts import round_end_mm2
 from mbcdm_cad.rig.dynamic.rig import rig_of
+from tests.support.checked import failing
 
 SHORT = """\
 name: bare
@@ -33,12 +31,6 @@ BORE_MM = 40.0
 def made(layout: str = "siso_spur", more: str = "", encoder: str = "none", drum_encoder: str = "none") -> Layout:
     text = SHORT.format(layout=layout, encoder=encoder, drum_encoder=drum_encoder)
     return load_text(text + more).drive.layout
-
-
-def failing(layout: Layout) -> dict[str, str]:
-    with np.errstate(all="ignore"):
-        found = [run_check(check, layout, Budget(0)) for check in checks_of(layout.drive)]
-    return {check.id: check.message for check in found if check.status == "fail"}
 
 
 @pytest.fixture(scope="module")
