@@ -35,10 +35,9 @@ def _marked(found: Optimum) -> list[dict[str, Any]]:
         {"name": f"File {k} as given" if several else "File as given", "figures": dict(start.result.figures)}
         for k, start in enumerate(found.starts, start=1)
     ]
-    fails = "fails {} of its checks"
     return given + [
         {
-            "name": one.name + (f" ({fails.format(len(one.failing))})" if one.failing else ""),
+            "name": f"{one.name} (fails {len(one.failing)} of its checks)" if one.failing else one.name,
             "figures": dict(one.figures),
             "beside": True,
         }
