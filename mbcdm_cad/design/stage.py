@@ -6,9 +6,10 @@ at the driven wheel, which sits on the input pulley's shaft.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from math import asin, cos, hypot, pi, radians, sin
+from math import asin, ceil, cos, hypot, pi, radians, sin
 from typing import Literal
 
 from mbcdm_cad.design.fields import Integer, Number, PlainBlock, choice, quantity
@@ -56,6 +57,10 @@ MODULES_MM = (0.4, 0.5, 0.8, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0)
 USUAL_RATIO = 3.0
 # Fewest teeth of the small wheel: makers' least number for belts, undercut for gears.
 LEAST_TEETH = {"belt": 16, "gears": 18}
+# Least wall of a wheel between bore and teeth, mm (makers' smallest pulleys).
+WHEEL_WALL_MM = 0.8
+# Load over that of a smooth one, for small drives that reverse: 1.5 to 2 (belt makers).
+SERVICE = 1.5
 # Teeth of the small wheel that carry the belt's load as makers reckon it.
 TEETH_IN_MESH = 6
 # Efficiency: 95 to 98 % of belt drives (makers); one open pair of spur gears with grease.
@@ -297,10 +302,24 @@ def belt_length_mm(driver_mm: float, driven_mm: float, centre_mm: float) -> floa
     return 2 * centre_mm * cos(slant) + pi * (driver_mm + driven_mm) + 2 * slant * (driven_mm - driver_mm)
 
 
-def least_belt_reach_mm() -> float:
-    """Radius of the smallest driving pulley with its belt: of the finest belt."""
-    finest = next(iter(BELTS.values()))
-    return LEAST_TEETH["belt"] * finest.pitch_mm / (2 * pi) - finest.below_mm + finest.back_mm
+def least_driver_teeth(kind: str, pitch_mm: float, below_mm: float, shaft_mm: float) -> int:
+    """Fewest teeth of a driver on a shaft of this diameter; ``below_mm``: from the pitch line to the root."""
+    return max(LEAST_TEETH[kind], ceil(2 * pi * (shaft_mm / 2 + WHEEL_WALL_MM + below_mm) / pitch_mm))
+
+
+def carrying_belt(force_N: Callable[[float], float], width_mm: float | None) -> str:
+    """The finest belt that carries ``force_N``, which is given the pitch in mm; the largest where none does."""
+    for name, kind in BELTS.items():
+        if kind.force_N_mm * (width_mm or kind.widths_mm[-1]) >= force_N(kind.pitch_mm):
+            return name
+    return list(BELTS)[-1]
+
+
+def belt_reach_mm(belt: str, shaft_mm: float, teeth: int | None) -> float:
+    """Radius of a driving pulley with its belt, with the fewest teeth for its shaft where none are stated."""
+    kind = BELTS[belt]
+    driver = teeth or least_driver_teeth("belt", kind.pitch_mm, kind.below_mm + kind.tooth_mm, shaft_mm)
+    return driver * kind.pitch_mm / (2 * pi) - kind.below_mm + kind.back_mm
 
 
 def driven_teeth(driver_teeth: int, ratio: float) -> int:

@@ -13,7 +13,7 @@ import numpy as np
 from mbcdm_cad.design.blocks import DutyBlock
 from mbcdm_cad.design.bought import NO_GEARHEAD, Motor
 from mbcdm_cad.design.fields import validated
-from mbcdm_cad.design.stage import EFFICIENCY, least_belt_reach_mm
+from mbcdm_cad.design.stage import EFFICIENCY, LEAST_TEETH, SERVICE, belt_reach_mm, carrying_belt, driven_teeth
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.common_rules import (
     BEND_RATIO,
@@ -58,6 +58,8 @@ HEAT_SPARE = 1.05
 # Tensions of the two cables of an input over the pull of the peak torque on the drum: the usual preload where friction
 # holds the cable, and that at the knee. What they lose on the drum and in the bearings besides the input (estimate).
 PRELOADS, KNEE_PRELOADS, LOST_SPARE = 2.7, 4.0, 1.2
+# Torque on an input with a stage over its share of the peak torque, for what cables and bearings lose (estimate).
+STAGE_LOSSES = 1.25
 # Preloads that are tried from the knee down to the usual one.
 _KNEE_STEPS = 9
 
@@ -330,7 +332,7 @@ def _gearhead(given: TrialKnown) -> Found:
         and behind * head["rated_torque_mNm"] >= lasting * (needed or output_mNm(given, motor, head))
         and _is_fast(given, motor, head, needed)
         and motor["diameter_mm"] <= head["diameter_mm"] + 1.0
-        and _has_key_room(given, head)
+        and _has_key_room(given, head, output_mNm(given, motor, head))
     ]
     if given.get("loads.backdrive_Nm") is not None:
         # A motor on its own shaft turns back most easily.
@@ -341,7 +343,7 @@ def _gearhead(given: TrialKnown) -> Found:
             and motor in motors.values()
             and output_mNm(given, motor, None) >= needed
             and _is_fast(given, motor, None, needed)
-            and _has_key_room(given, motor)
+            and _has_key_room(given, motor, output_mNm(given, motor, None))
         ]
     if not pairs:
         return Found(NO_GEARHEAD, "no gearhead with a motor of the catalogue reaches the torque")
@@ -376,12 +378,28 @@ def _preferred(
     return Found(found, "duty" if found != easy[0][0] else "backdrive", rounding)
 
 
-def _has_key_room(given: TrialKnown, face: Mapping[str, Any]) -> bool:
-    """Whether a key reaches the screws of a face beside the pulley of a belt on its shaft."""
+def stage_force_N(given: TrialKnown, input_mNm: float, pitch_mm: float) -> float:
+    """Force at the driven wheel of a stage with the least teeth, with the service factor.
+
+    ``input_mNm``: torque on the input at the peak torque, without losses.
+    """
+    teeth = driven_teeth(given.get("stage.driver_teeth") or LEAST_TEETH[given["stage.kind"]], given["stage.ratio"])
+    return float(SERVICE * STAGE_LOSSES * input_mNm / (pitch_mm * teeth / (2 * pi)))
+
+
+def _has_key_room(given: TrialKnown, face: Mapping[str, Any], held_mNm: float) -> bool:
+    """Whether a key reaches the screws of a face beside the driving pulley of a belt that carries the torque.
+
+    ``held_mNm``: what motor and gearhead hold, which is the torque on the input where its ratio is open.
+    """
     if given.get("stage.kind") != "belt":
         return True
-    beside = least_belt_reach_mm() + given.screw(face["screw"]).key_mm
-    return bool(face["bolt_circle_mm"] / 2 >= beside)
+    input_mNm = float(given.input_peak_Nm) * 1e3 / given.ratio if given.has_ratio else held_mNm
+    belt = given.get("stage.belt") or carrying_belt(
+        lambda pitch: stage_force_N(given, input_mNm, pitch), given.get("stage.width_mm")
+    )
+    beside = belt_reach_mm(belt, face["shaft_diameter_mm"], given.get("stage.driver_teeth"))
+    return bool(face["bolt_circle_mm"] / 2 >= beside + given.screw(face["screw"]).key_mm)
 
 
 def _motor(given: TrialKnown) -> Found:

@@ -343,6 +343,8 @@ def repeated(
 ) -> Sizing:
     """The data with its open fields filled by ``rules``, in passes until no field changes.
 
+    After as many passes as usual it goes on only while the drum's bearing of a pass does not carry that pass's drive.
+
     ``similar``: a sizing of nearly the same data. The first pass then starts with its values, which saves most of the
     trials; if the rules have more than one fixed point, the result may be another one than with ``guesses``.
     """
@@ -352,7 +354,7 @@ def repeated(
         drives = known(data, guesses).drives
         # A search in which a check was met by no value is made again, because a value may meet it here.
         drives.ends |= {way: end for way, end in similar.ends.items() if end.checks == way.checks}
-    for _ in range(_MOST_PASSES):
+    for passed in range(1, 2 * _MOST_PASSES + 1):
         given = known(copy.deepcopy(data), guesses, drives)
         drives, sizing = given.drives, fill(given, rules, moved)
         drives.passes += 1
@@ -360,7 +362,15 @@ def repeated(
         if all(guesses.get(field) == value for field, value in found.items()):
             break
         guesses = {**guesses, **found}
+        if passed >= _MOST_PASSES and not _weak_bearing(given, found):
+            break
     return replace(sizing, ends=drives.ends if drives else {})
+
+
+def _weak_bearing(given: TrialKnown, found: Mapping[str, Any]) -> bool:
+    """Whether a drum's bearing that a rule chose does not carry the drive of its pass: the next pass refuses it."""
+    name = found.get("drum.bearing")
+    return name is not None and -inf < given.margins("drum.bearing", name, ("drum_bearings",))["drum_bearings"][0] < 0.0
 
 
 def whole_turns(angle_deg: float) -> int:

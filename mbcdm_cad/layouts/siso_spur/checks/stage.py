@@ -13,21 +13,17 @@ from mbcdm_cad.checks.design_variables import up
 from mbcdm_cad.checks.fixings import STRESS_SAFETY, round_shaft_MPa
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM
 from mbcdm_cad.checks.remedies import rounded
-from mbcdm_cad.design.stage import TEETH_IN_MESH
+from mbcdm_cad.design.stage import SERVICE, TEETH_IN_MESH, WHEEL_WALL_MM
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.parts.collar import collar_sweep_mm
 from mbcdm_cad.parts.stage import StageDims
 
-# Load over that of a smooth one, for small drives that reverse: 1.5 to 2 (belt makers).
-SERVICE = 1.5
 # Bending stress that a tooth stands, over the yield stress of its steel: reversed for ever (usual rule).
 TOOTH_SHARE = 0.4
 # Shear strength of a retaining compound on steel, with a half of it for speed and heat, MPa (makers state 15 to 25).
 BOND_MPA = 10.0
 # How far the ratio of whole teeth may be from the one asked for.
 RATIO_SHARE = 0.01
-# Least wall of a wheel between bore and teeth (makers' smallest pulleys).
-WHEEL_WALL_MM = 0.8
 
 _LEWIS = (
     *((12, 0.245), (14, 0.277), (16, 0.296), (18, 0.309), (20, 0.322), (24, 0.337), (30, 0.359), (34, 0.371)),

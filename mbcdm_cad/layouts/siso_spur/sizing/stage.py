@@ -6,14 +6,22 @@ from math import ceil, pi
 from typing import Any
 
 from mbcdm_cad.design.bought import NO_GEARHEAD
-from mbcdm_cad.design.stage import BELTS, EFFICIENCY, LEAST_TEETH, MODULES_MM, USUAL_RATIO, belt_length_mm, driven_teeth
-from mbcdm_cad.layouts.head_basis import counts_losses, gearhead_output_mNm, input_needs_mNm
-from mbcdm_cad.layouts.siso_spur.checks.stage import RATIO_SHARE, SERVICE, TOOTH_SHARE, WHEEL_WALL_MM, lewis_factor
+from mbcdm_cad.design.stage import (
+    BELTS,
+    EFFICIENCY,
+    LEAST_TEETH,
+    MODULES_MM,
+    USUAL_RATIO,
+    belt_length_mm,
+    carrying_belt,
+    driven_teeth,
+    least_driver_teeth,
+)
+from mbcdm_cad.layouts.head_basis import counts_losses, gearhead_output_mNm, input_needs_mNm, stage_force_N
+from mbcdm_cad.layouts.siso_spur.checks.stage import RATIO_SHARE, TOOTH_SHARE, lewis_factor
 from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
 from mbcdm_cad.sizing.rule import Found, Rule, rounded_up
 
-# Torque on an input over its share of the peak torque, for what cables and bearings lose (estimate).
-LOSSES = 1.25
 # Ratios that the rule for a stated motor gives (choices).
 RATIO_STEP, LEAST_RATIO, MOST_RATIO = 0.25, 1.5, 8.0
 # Usual width of small gears and the widest, in modules.
@@ -26,15 +34,12 @@ MORE_TEETH, MORE_BELTS = 25, 60
 
 def _force_N(given: SpurKnown, pitch_mm: float) -> float:
     """Force at the driven wheel with the least teeth, with the service factor."""
-    least, ratio = LEAST_TEETH[given["stage.kind"]], given["stage.ratio"]
-    teeth = driven_teeth(given.get("stage.driver_teeth") or least, ratio)
-    return SERVICE * LOSSES * float(given.input_peak_Nm) * 1e3 / given.ratio / (pitch_mm * teeth / (2 * pi))
+    return stage_force_N(given, float(given.input_peak_Nm) * 1e3 / given.ratio, pitch_mm)
 
 
 def _belt(given: SpurKnown) -> Found:
-    widths = {name: given.get("stage.width_mm") or kind.widths_mm[-1] for name, kind in BELTS.items()}
-    carried = (n for n, kind in BELTS.items() if kind.force_N_mm * widths[n] >= _force_N(given, kind.pitch_mm))
-    return Found(next(carried, list(BELTS)[-1]), "stage_strength", "next size")
+    name = carrying_belt(lambda pitch: _force_N(given, pitch), given.get("stage.width_mm"))
+    return Found(name, "stage_strength", "next size")
 
 
 def _module(given: SpurKnown) -> Found:
@@ -56,7 +61,7 @@ def _teeth(given: SpurKnown) -> Found:
         pitch, below = belt.pitch_mm, belt.below_mm + belt.tooth_mm
     else:
         pitch, below = pi * given["stage.module_mm"], 1.25 * given["stage.module_mm"]
-    least = max(LEAST_TEETH[kind], ceil(2 * pi * (shaft / 2 + WHEEL_WALL_MM + below) / pitch))
+    least = least_driver_teeth(kind, pitch, below, shaft)
     candidates = range(least, least + MORE_TEETH)
     close = [z for z in candidates if abs(driven_teeth(z, ratio) / z / ratio - 1.0) <= RATIO_SHARE / 2]
     wanted = close or sorted(candidates, key=lambda z: abs(driven_teeth(z, ratio) / z / ratio - 1.0))

@@ -337,3 +337,13 @@ def test_two_pairs_are_sized_and_pass() -> None:
     headings = drive.strand.heading
     assert all(a > b for a, b in pairwise(headings)), headings
     assert len(drive.layout.bill().made) > 0
+
+
+def test_drum_bearing_carries_a_forearm() -> None:
+    """The passes end with a bearing that carries the drum on the distance of that pass."""
+    text = LED.replace("60.0}\ntr", "90.0}\ntr").replace(
+        "8.0, drum_radius_mm: 60.0, centre_distance_mm: 200.0", "10.0, centre_distance_mm: 250.0"
+    )
+    layout = load_text(text.replace("peak_torque_Nm: 2.0", "peak_torque_Nm: 5.0"), "forearm.yaml").drive.layout
+    found = next(result for result in run_checks(layout) if result.id == "drum_bearings")
+    assert found.status == "pass", (layout.drive.bearings.drum.name, found.message)

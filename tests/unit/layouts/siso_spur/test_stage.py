@@ -15,6 +15,7 @@ from scipy.spatial import ConvexHull
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.design.stage import BELTS, Stage, StageBlock, stage_of
 from mbcdm_cad.errors import InputError
+from mbcdm_cad.layouts.check_design import run_checks
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.layouts.siso_spur.checks.stage import SERVICE, lewis_factor
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
@@ -77,6 +78,16 @@ def test_short_file_is_sized_and_its_motor_holds(kind: str) -> None:
     assert driver.turns_per_drum * stage.driver_mm == pytest.approx(stage.sense * own.turns_per_drum * stage.driven_mm)
     apart = np.linalg.norm(np.array(driver.origin_mm) - own.origin_mm)
     assert apart == pytest.approx(stage.centre_mm)
+
+
+@pytest.mark.parametrize("torque_Nm", [1.0, 3.0, 5.0, 12.0])
+def test_gearhead_of_a_belt_leaves_room_for_a_key(torque_Nm: float) -> None:
+    text = TEXT.replace("peak_torque_Nm: 2.0", f"peak_torque_Nm: {torque_Nm}")
+    layout = load_text(text + "stage: {kind: belt}\n").drive.layout
+    found = {result.id: result for result in run_checks(layout)}
+    failed = [name for name, result in found.items() if result.status == "fail"]
+    assert not failed, (torque_Nm, layout.drive.gearhead.name, failed)
+    assert found["stage_key"].margin >= 0.0
 
 
 def test_strength_is_force_over_what_the_belt_may_carry_and_its_remedy_passes() -> None:
