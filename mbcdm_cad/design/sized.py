@@ -34,13 +34,15 @@ class Sizing:
 
     ``ends``: how the searches of the rules ended, where they search; the sizing of a similar design begins there.
     ``raised``: factors on the values of rules with which the design reaches the stiffness that its file states;
-    None where it states none.
+    None where it states none. ``ratio``: what the lightest of several drives had, where file and rules of single fields
+    leave the ratio open.
     """
 
     data: dict[str, Any]
     values: tuple[SizedValue, ...]
     ends: Mapping[Any, Any] = field(default_factory=dict)
     raised: Mapping[str, float] | None = None
+    ratio: float | None = None
 
     def of(self, name: str) -> SizedValue | None:
         """The record of a field by its dotted name; None where the file gives it."""

@@ -78,6 +78,8 @@ def sized_many(loaded: LoadedDesign, columns: Mapping[str, Any]) -> ManySized:
     together = "limits.losses" not in columns and not loaded.drive.limits.counts_losses
     # So does a stiffness.
     together = together and "loads.stiffness_Nm_rad" not in columns and loaded.drive.loads.stiffness_Nm_rad is None
+    # A ratio that no file states is that of the lightest of several drives.
+    together = together and not any(value.field == "transmission.ratio" for value in loaded.sized)
     if file.size_many is not None and together:
         many = file.size_many()
         return ManySized(many.fields, list(many.size(data, columns)), many.drive)

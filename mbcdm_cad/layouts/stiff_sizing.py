@@ -9,7 +9,7 @@ of the design refuse, and the check ``stiffness`` says how far it came.
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from math import inf
@@ -288,26 +288,39 @@ def _level(turns: Sequence[float], target: float) -> float:
 
 def _judged(layout: type[Layout], sizing: Sizing) -> tuple[Structure, frozenset[str]] | None:
     """Structure and failing checks of a sized design, ``stiffness`` left out; None where it is no drive."""
+    try:
+        found = layout_of(layout, sizing)
+        structure = found.structure
+    except NoFigureError:
+        return None
+    return None if structure is None else (structure, frozenset(misses(found, ("stiffness",))))
+
+
+def layout_of(layout: type[Layout], sizing: Sizing) -> Layout:
+    """A sized design. Raises ``NoFigureError`` where it is no drive."""
     file = layout.design_file()
     try:
         design: Design = file.schema.model_validate(sizing.data)
-        found = met(file.drive(design, Catalogue(design), {})).layout
-        structure = found.structure
-    except (ValidationError, NoFigureError):
-        return None
-    return None if structure is None else (structure, frozenset(_fails(found)))
+    except ValidationError as error:
+        raise NoFigureError(str(error)) from None
+    return met(file.drive(design, Catalogue(design), {})).layout
 
 
-def _fails(found: Layout) -> Iterator[str]:
-    drive = found.drive
+def misses(found: Layout, without: Sequence[str] = ()) -> dict[str, float]:
+    """Checks that fail on a design, with what each misses over its limit; infinite where it has no figure."""
+    drive, failing = found.drive, dict[str, float]()
     for check in found.checks_by_id().values():
-        judged = check.severity == "fail" and check.id != "stiffness" and check.asked_of(drive)
-        if judged and drive.waiver(check.id) is None and not _holds(check, found):
-            yield check.id
+        judged = check.severity == "fail" and check.id not in without and check.asked_of(drive)
+        if judged and drive.waiver(check.id) is None:
+            missed = _missed(check, found)
+            if missed > 0.0:
+                failing[check.id] = missed
+    return failing
 
 
-def _holds(check: Check, found: Layout) -> bool:
+def _missed(check: Check, found: Layout) -> float:
     try:
-        return bool(check.measure(found).holds)
+        measured = check.measure(found)
     except (NoFigureError, ValueError, ZeroDivisionError):
-        return False
+        return inf
+    return 0.0 if measured.holds else -measured.margin / (abs(measured.limit) or 1.0)

@@ -117,7 +117,7 @@ def test_a_missing_requirement_is_told_with_what_to_add() -> None:
     with pytest.raises(InputError) as caught:
         load_text("name: x\nconfiguration: siso_spur\ntravel: {half_angle_deg: 30.0}\n")
     told = str(caught.value)
-    assert "loads.peak_torque_Nm" in told and "input_to_drum: 9.9" in told, told
+    assert "loads.peak_torque_Nm" in told and "add peak_torque_Nm: 2.15" in told, told
 
 
 def test_lugs_of_long_terminals_are_rooted_in_the_rim() -> None:

@@ -45,7 +45,8 @@ class Transmission(Block):
         le=500.0,
     )
     ratio: Number | None = quantity(
-        "drum radius over input radius; sizing divides it between guide and inputs if ratios and radii are left out",
+        "drum radius over input radius; sizing divides it between guide and inputs if ratios and radii are left "
+        "out, and chooses it with the motor if it is left out too",
         unit="-",
         source="Table 2: 54/6",
         example=9.0,

@@ -21,6 +21,7 @@ from mbcdm_cad.layouts.miso_bevel.sizing.parts import DRIVES, PARTS, TENSIONER
 from mbcdm_cad.layouts.miso_bevel.sizing.radii import DISTANCE, MOTOR_SIDE, RADII, RATIOS, SETBACK, SURFACE
 from mbcdm_cad.layouts.miso_bevel.sizing.rope import LEAD, PRELOAD, ROPE
 from mbcdm_cad.layouts.miso_bevel.sizing.turn import TURN
+from mbcdm_cad.layouts.open_ratio import lightest
 from mbcdm_cad.layouts.stiff_sizing import SHARED, Stiffener, stiffened, walls
 from mbcdm_cad.sizing.engine import fill
 from mbcdm_cad.sizing.rule import Rule
@@ -46,6 +47,7 @@ BEFORE_FRAME: tuple[Rule, ...] = (
     *MOTOR_SIDE,
     *DISTANCE,
 )
+RATIO = "transmission.ratio"
 # Then frame and drum.
 RULES: tuple[Rule, ...] = (
     *BEFORE_FRAME,
@@ -125,27 +127,45 @@ def size(data: dict[str, Any], moved: Moved | None = None, similar: Sizing | Non
     Raises ``SizingError`` where a requirement is missing.
     """
 
-    def plain(data: dict[str, Any], moved: Moved | None, similar: Sizing | None) -> Sizing:
-        return _sized(data, moved, first=False)
-
-    return stiffened(plain, data, BevelLayout, STIFFENERS, moved, similar)
+    return stiffened(_plain, data, BevelLayout, STIFFENERS, moved, similar)
 
 
 def size_first(data: dict[str, Any], moved: Moved | None = None) -> Sizing:
     """The same with the walls with which the rules begin, even where the frame then bends too much."""
+    if not _has_ratio(BevelKnown(data)):
+        return _plain(data, moved, None)
     return _sized(data, moved, first=True)
 
 
-def _sized(data: dict[str, Any], moved: Moved | None, *, first: bool) -> Sizing:
+def _plain(data: dict[str, Any], moved: Moved | None, similar: Sizing | None) -> Sizing:
+    """Without what a stated stiffness raises."""
+    if _has_ratio(BevelKnown(data)):
+        return _sized(data, moved)
+    return lightest(_with_ratio, RATIO, data, moved, similar, layout=BevelLayout)
+
+
+def _with_ratio(data: dict[str, Any], moved: Moved | None, similar: Sizing | None, ratio: tuple[Rule, ...]) -> Sizing:
+    return _sized(data, moved, ratio)
+
+
+def _sized(data: dict[str, Any], moved: Moved | None, ratio: tuple[Rule, ...] = (), *, first: bool = False) -> Sizing:
     missing = list(_missing(BevelKnown(data)))
     if missing:
         raise SizingError(*missing)
 
     def filled_from(start: FrameStart) -> tuple[BevelKnown, Sizing]:
         given = BevelKnown(copy.deepcopy(data), start)
-        return given, fill(given, RULES, moved)
+        return given, fill(given, (*ratio, *RULES), moved)
 
     return with_strong_frame(filled_from, first=first)
+
+
+def _has_ratio(given: BevelKnown) -> bool:
+    return (
+        given.has(RATIO)
+        or given.has("transmission.input_radii_mm")
+        or all(given.has(f"transmission.ratios.{name}") for name in ("guide_to_drum", "input_to_guide"))
+    )
 
 
 def _missing(given: BevelKnown) -> Any:
@@ -158,7 +178,3 @@ def _missing(given: BevelKnown) -> Any:
     explicit = any(given.has(f"transmission.{body}_radii_mm") for body in ("guide", "input"))
     if explicit and not given.has("transmission.drum_radii_mm"):
         yield needed("transmission.drum_radii_mm", "add the drum's radii, as other pulleys' are given")
-    ratios = ("transmission.ratios.guide_to_drum", "transmission.ratios.input_to_guide")
-    known = given.has("transmission.ratio") or given.has("transmission.input_radii_mm")
-    if not known and not all(given.has(field) for field in ratios):
-        yield needed("transmission.ratio", "add ratio: 9.0 (drum radius over input radius)")

@@ -30,7 +30,8 @@ class SpurTransmission(Block):
         reference=59.4,
     )
     input_to_drum: Number | None = quantity(
-        "drum radius over input radius; leave it out if the input radius is explicit",
+        "drum radius over input radius; leave it out if the input radius is explicit, or to have it chosen with the "
+        "motor",
         unit="-",
         source="input radius 6 mm, the smallest of miso_bevel's reference",
         reference=9.9,

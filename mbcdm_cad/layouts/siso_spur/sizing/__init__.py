@@ -7,6 +7,7 @@ until no field changes; the first one starts with the values of a drive of mediu
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import partial
 from typing import Any
 
 from mbcdm_cad.checks.design_variables import ALL_RADII
@@ -17,6 +18,7 @@ from mbcdm_cad.layouts import common_freedoms
 from mbcdm_cad.layouts.common_rules import HALF_TRAVEL, SCHEMA_VERSION, missing_travel, needed
 from mbcdm_cad.layouts.head_basis import LIMITS, METALS, ROPE_LIMITS, TRAIN
 from mbcdm_cad.layouts.head_parts import PARTS
+from mbcdm_cad.layouts.open_ratio import lightest
 from mbcdm_cad.layouts.siso_spur.drive import MOUNT_BOLTS
 from mbcdm_cad.layouts.siso_spur.sizing.basis import (
     LAND_EDGE,
@@ -30,7 +32,7 @@ from mbcdm_cad.layouts.siso_spur.sizing.basis import (
 from mbcdm_cad.layouts.siso_spur.sizing.dims import BACK, DISTANCE, DRUM, FRAME, IDLERS, MOUNT, WIDTH, idler_guesses
 from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
 from mbcdm_cad.layouts.siso_spur.sizing.stage import GUESSES, STAGE, STAGE_RATIO
-from mbcdm_cad.layouts.stiff_sizing import SHARED, stiffened, walls
+from mbcdm_cad.layouts.stiff_sizing import SHARED, Size, stiffened, walls
 from mbcdm_cad.layouts.trial_sizing import MIDDLE_SIZE, ON_SHAFT, repeated
 from mbcdm_cad.sizing.rule import Rule
 
@@ -107,9 +109,15 @@ def sized(
     if missing:
         raise SizingError(*missing)
 
-    def plain(data: dict[str, Any], moved: Moved | None, similar: Sizing | None) -> Sizing:
-        rules = (SCHEMA_VERSION, HALF_TRAVEL, *names, *RULES)
+    def by_rules(
+        data: dict[str, Any], moved: Moved | None, similar: Sizing | None, ratio: tuple[Rule, ...] = ()
+    ) -> Sizing:
+        rules = (SCHEMA_VERSION, HALF_TRAVEL, *names, *ratio, *RULES)
         return repeated(data, known, rules, _first_guesses(data), moved, similar)
+
+    plain: Size = by_rules
+    if _is_all_open(SpurKnown(data, {})):
+        plain = partial(lightest, by_rules, "transmission.input_to_drum", layout=known.layout)
 
     return stiffened(plain, data, known.layout, STIFFENERS, moved, similar)
 
@@ -142,9 +150,10 @@ def _missing(given: SpurKnown) -> Iterator[Broken]:
     yield from missing_travel(given, "travel from the centre to each side")
     if not given.has("loads.peak_torque_Nm"):
         yield needed("loads.peak_torque_Nm", "add peak_torque_Nm: 2.15 (torque to hold both ways, N m)")
-    known = any(given.has(f"transmission.{name}") for name in ("input_to_drum", "input_radius_mm"))
-    if not known and not given.has("drive.motor"):
-        remedy = "add input_to_drum: 9.9 (drum radius over input radius), or name the motor under drive:"
-        yield needed("transmission.input_to_drum", remedy)
     if given.has("transmission.input_radius_mm") and not given.has("transmission.drum_radius_mm"):
         yield needed("transmission.drum_radius_mm", "add drum_radius_mm: 59.4 (drum pitch radius)")
+
+
+def _is_all_open(given: SpurKnown) -> bool:
+    """Whether neither the ratio is known nor a motor from which it follows."""
+    return not given.has_ratio and not given.has("drive.motor")

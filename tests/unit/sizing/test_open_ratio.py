@@ -1,0 +1,112 @@
+"""A file without ratio and motor: what it asks for chooses both, and no other ratio gives a lighter drive."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import mbcdm_cad as mc
+from mbcdm_cad.checks.size import kept_mass_g
+from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.design.rules import Broken
+from mbcdm_cad.design.sized import Sizing, SizingError
+from mbcdm_cad.errors import InputError
+from mbcdm_cad.layouts.check_design import run_checks
+from mbcdm_cad.layouts.loader import load_text
+from mbcdm_cad.layouts.open_ratio import RATIOS, lightest
+from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
+from mbcdm_cad.sizing.known import KnownFields
+from mbcdm_cad.sizing.rule import Rule
+from mbcdm_cad.solving.question import Fixed, Point, Times, question_of
+from mbcdm_cad.solving.trials import Trials
+
+RATIO = {"siso_spur": "input_to_drum", "miso_spur": "input_to_drum", "miso_bevel": "ratio"}
+
+
+def _text(layout: str, loads: str, ratio: float | None = None) -> str:
+    stated = "" if ratio is None else f"{RATIO[layout]}: {ratio}, "
+    return (
+        f"name: open\nconfiguration: {layout}\ntravel: {{half_angle_deg: 35}}\n"
+        f"transmission: {{{stated}drum_radius_mm: 60}}\nloads: {{peak_torque_Nm: 2, {loads}}}\n"
+    )
+
+
+def _ratio(found: LoadedDesign) -> Any:
+    field = f"transmission.{RATIO[found.drive.layout.name]}"
+    return next(value.value for value in found.sized if value.field == field)
+
+
+def _mass_g(found: LoadedDesign) -> float:
+    layout = found.drive.layout
+    return kept_mass_g(layout, type(layout).bill)
+
+
+def _failing(found: LoadedDesign) -> list[str]:
+    return [check.id for check in run_checks(found.drive) if check.status == "fail"]
+
+
+@pytest.mark.parametrize("layout", RATIO)
+def test_ease_of_turning_chooses_ratio_motor_and_gearhead(layout: str) -> None:
+    found = load_text(_text(layout, "backdrive_Nm: 0.3"))
+    assert not _failing(found)
+    back = found.drive.layout.losses.backdrive
+    assert back is not None and back.start_Nm <= 0.3
+    if layout == "siso_spur":
+        assert _mass_g(load_text(_text(layout, "test_torque_Nm: 0.6"))) < _mass_g(found), "the wish costs mass"
+
+
+def test_no_other_ratio_gives_a_lighter_drive_as_fast() -> None:
+    """Each of them stated in a file of its own; between the round ones the mass may fall a little further."""
+    found = load_text(_text("siso_spur", "speed_deg_s: 400, continuous_torque_Nm: 1"))
+    assert not _failing(found)
+    others = [load_text(_text("siso_spur", "speed_deg_s: 400, continuous_torque_Nm: 1", r)) for r in (*RATIOS, 7, 14)]
+    passing = {_ratio(found): _mass_g(found)}
+    passing |= {round(_mass_g(one), 1): _mass_g(one) for one in others if not _failing(one)}
+    assert len(passing) > 4 and _mass_g(found) <= 1.05 * min(passing.values()), passing
+
+
+def test_a_file_that_states_what_was_chosen_is_the_same_drive() -> None:
+    found = load_text(_text("siso_spur", "backdrive_Nm: 0.3"))
+    stated = load_text(_text("siso_spur", "backdrive_Nm: 0.3", _ratio(found)))
+    assert stated.drive == found.drive
+
+
+def test_where_none_does_the_nearest_is_shown() -> None:
+    found = load_text(_text("miso_spur", "backdrive_Nm: 0.01"))
+    assert _failing(found) == ["backdrive"]
+
+
+def test_a_search_moves_the_ratio_from_what_was_chosen() -> None:
+    asked = question_of(_text("siso_spur", "backdrive_Nm: 0.3"))
+    near, alone = Trials(asked, jobs=1), Trials(asked, jobs=1)
+    start = near.begin_at({})
+    assert start is not None and start.sizing is not None and start.sizing.ratio == 10.0
+    moved: list[Point] = [{"transmission.input_to_drum": Times(0.9)}, {"drum.hub_diameter_mm": Times(1.1)}]
+    assert near.many(moved) == alone.many(moved)
+    found = asked.resolve(*asked.trial(moved[0]), start.sizing)
+    assert found.data["transmission"]["input_to_drum"] == pytest.approx(9.0)
+    assert near({"transmission.input_to_drum": Fixed(8.0)}).passes
+
+
+def test_many_designs_get_their_ratios_one_by_one(tmp_path: Path) -> None:
+    text, file = _text("miso_bevel", "test_torque_Nm: 0.5") + "limits: {losses: paper}\n", tmp_path / "open.yaml"
+    file.write_text(text)
+    many = mc.size_many(mc.load(file), {"loads.peak_torque_Nm": np.array([1.0, 3.0])})
+    for torque, ratio in zip((1.0, 3.0), many["transmission.ratio"], strict=True):
+        assert ratio == _ratio(load_text(text.replace("peak_torque_Nm: 2", f"peak_torque_Nm: {torque}")))
+
+
+def test_a_fault_of_the_file_is_told_as_such() -> None:
+    with pytest.raises(InputError, match=r"rope.type: not in the catalogue of ropes"):
+        load_text(_text("siso_spur", "test_torque_Nm: 0.5") + "rope: {type: nowhere}\n")
+
+
+def test_what_no_ratio_gives_is_told_with_its_reason() -> None:
+    def none(data: Any, moved: Any, similar: Any, ratio: tuple[Rule, ...]) -> Sizing:
+        raise SizingError(Broken(("drum",), f"too thin at {ratio[0].value(KnownFields({})).value:g}", "", "", ""))
+
+    with pytest.raises(SizingError, match=r"no ratio from 2 to 20 gives a drive: too thin at 2"):
+        lightest(none, "transmission.input_to_drum", {"name": "none"}, None, None, layout=SpurLayout)
