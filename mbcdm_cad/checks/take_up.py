@@ -30,7 +30,7 @@ def take_up(s: SectorLayout) -> Comparison:
         note = (
             f"stretch {need.elastic_m * 1e3:.3g} mm, bedding-in {need.bedding_m * 1e3:.3g} mm, "
             f"cut length {need.cut_m * 1e3:.3g} mm"
-        )
+        ) + (f", ends that tighten {need.setting_m * 1e3:.3g} mm" if need.setting_m else "")
         found.append(at_least(f"take-up for {c.name}", t.travel - short, need.total_m * 1e3, "mm", note))
     return worst(found)
 

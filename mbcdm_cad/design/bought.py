@@ -126,6 +126,21 @@ class TerminationSpec(Entry):
     )
     stop_radius_ratio: Number = entry_field("radius of the stop over the rope's diameter", "-", ge=0.6, le=5.0)
     stop_length_ratio: Number = entry_field("length of the stop over the rope's diameter", "-", ge=0.5, le=20.0)
+    setting_ratio: Number = entry_field(
+        "rope that the end gives off at its first loads, over the rope's diameter: a knot tightens, a clamp beds in",
+        "-",
+        default=0.0,
+        ge=0.0,
+        le=20.0,
+    )
+    tail_ratio: Number = entry_field(
+        "rope that making the end uses beyond sleeve or stop, over the rope's diameter; counted in the length to cut",
+        "-",
+        default=0.0,
+        ge=0.0,
+        le=200.0,
+    )
+    making: Text | None = entry_field("how it is made, for the order of assembly", "-", default=None)
 
     def fits(self, rope: CableSpec) -> bool:
         """Whether it is made on ropes of this construction and diameter."""

@@ -123,6 +123,16 @@ class Drive:
         return found
 
     @property
+    def ends_per_run(self) -> int:
+        """Ends of rope of each of ``cables``: its terminal and its stop; one of a side of a cable through an input."""
+        return 2
+
+    @property
+    def setting_mm(self) -> float:
+        """Rope that the ends of each of ``cables`` give off at their first loads."""
+        return self.ends_per_run * self.termination.setting_ratio * self.cable.diameter_mm
+
+    @property
     def middle_deg(self) -> float:
         """Angle of the output in the middle of the travel, from which all angles of the drum are counted."""
         return 0.0 if self.travel_from_deg is None else self.travel_from_deg + self.half_travel_deg

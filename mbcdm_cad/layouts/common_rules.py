@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from typing import Any
 
 from mbcdm_cad.checks.drum_sector import STOP_WINDOW_DEG
 from mbcdm_cad.checks.transfer import EDGE_BREAK_MM, RUN_OUT_MM
@@ -32,9 +33,35 @@ def wants_life(given: KnownFields) -> bool:
     return given.get("targets.life_cycles") is not None or given.get("targets.life_h") is not None
 
 
-def construction(given: KnownFields) -> str:
-    """Construction of a rope that rules choose: the one with thinner wires where the file asks for a life."""
-    return FINER if wants_life(given) else CONSTRUCTION
+def stated_end(given: KnownFields) -> Mapping[str, Any] | None:
+    """The entry of the ends that the file asks for by name; None where it leaves them out."""
+    name = given.get("rope.termination")
+    return None if name is None else given.entries("terminations").get(name)
+
+
+def end_share(given: KnownFields, usual: float) -> float:
+    """Strength of the ends over the rope's, before the rope is chosen: ``usual``, or that of weaker ends by name."""
+    end = stated_end(given)
+    return usual if end is None else min(usual, float(end["strength_share"]))
+
+
+def ropes_to_choose(given: KnownFields) -> list[tuple[float, str, float]]:
+    """(diameter in mm, name, breaking load in N) of the ropes that rules may choose, the thinnest first.
+
+    They are of the usual construction, the one with thinner wires where the file asks for a life; ends by name that are
+    not made on it, or not on every diameter, are followed.
+    """
+    kind, end = FINER if wants_life(given) else CONSTRUCTION, stated_end(given)
+    if end is not None and kind not in end["constructions"]:
+        kind = end["constructions"][0]
+    ropes = sorted(
+        (entry["diameter_mm"], name, entry["breaking_load_N"])
+        for name, entry in given.entries("ropes").items()
+        if entry["construction"] == kind
+    )
+    if end is None:
+        return ropes
+    return [rope for rope in ropes if end["smallest_mm"] <= rope[0] <= end["largest_mm"]] or ropes
 
 
 def by_knee(given: KnownFields) -> bool:

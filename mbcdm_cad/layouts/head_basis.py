@@ -29,7 +29,8 @@ from mbcdm_cad.layouts.common_rules import (
     TENSION_SAFETY,
     TEST_TORQUE,
     by_knee,
-    construction,
+    end_share,
+    ropes_to_choose,
     wanted_preload_N,
 )
 from mbcdm_cad.layouts.trial_sizing import TrialKnown
@@ -71,12 +72,7 @@ def thinnest_rope(given: TrialKnown, tension_N: float) -> Found:
 
 def thinnest_rope_by(given: TrialKnown, tension_N: Callable[[float, float], float]) -> Found:
     """As :func:`thinnest_rope`, for a tension that depends on the rope's diameter in mm and its breaking load in N."""
-    needed, kind = given["limits.tension_safety_factor"] / END_SHARE, construction(given)
-    ropes = sorted(
-        (entry["diameter_mm"], name, entry["breaking_load_N"])
-        for name, entry in given.entries("ropes").items()
-        if entry["construction"] == kind
-    )
+    needed, ropes = given["limits.tension_safety_factor"] / end_share(given, END_SHARE), ropes_to_choose(given)
     strong = (name for diameter_mm, name, breaking in ropes if breaking >= needed * tension_N(diameter_mm, breaking))
     return Found(next(strong, ropes[-1][1]), "tension", "next size of the catalogue")
 

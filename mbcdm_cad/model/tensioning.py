@@ -32,6 +32,8 @@ class TensionedRope:
     bedding_share: float
     cut_tolerance_m: float
     friction: float
+    setting_m: float = 0.0  # what both ends of a cable, or the one of a side, give off at their first loads
+    tails_m: float = 0.0  # rope that these ends use themselves
 
 
 def rope_stiffnesses(
@@ -63,32 +65,39 @@ class TakeUp:
     elastic_m: float
     bedding_m: float
     cut_m: float
+    setting_m: float = 0.0
 
     @property
     def total_m(self) -> float:
         """Take-up that the worst cable needs."""
-        return self.elastic_m + self.bedding_m + self.cut_m
+        return self.elastic_m + self.bedding_m + self.cut_m + self.setting_m
 
     @property
     def nominal_m(self) -> float:
         """Take-up used by a cable of nominal length, bedded in and at its preload."""
-        return self.elastic_m + self.bedding_m + self.cut_m / 2
+        return self.elastic_m + self.bedding_m + self.cut_m / 2 + self.setting_m
 
 
 def take_up(
-    length_m: float, highest_preload_N: float, axial_stiffness_N: float, bedding_share: float, cut_tolerance_m: float
+    length_m: float,
+    highest_preload_N: float,
+    axial_stiffness_N: float,
+    bedding_share: float,
+    cut_tolerance_m: float,
+    setting_m: float = 0.0,
 ) -> TakeUp:
     """Take-up of one cable whose tension is the same all along: T L / EA + bedding share x L + both cut tolerances.
 
-    ``length_m`` is the length under tension, without the parts inside swaged fittings. Raises ``ValueError`` for a
-    figure below zero or a stiffness of zero.
+    ``length_m`` is the length under tension, without the parts inside swaged fittings; ``setting_m`` what its ends give
+    off at their first loads. Raises ``ValueError`` for a figure below zero or a stiffness of zero.
     """
-    figures = (length_m, highest_preload_N, bedding_share, cut_tolerance_m)
+    figures = (length_m, highest_preload_N, bedding_share, cut_tolerance_m, setting_m)
     if min(figures) < 0.0 or axial_stiffness_N <= 0.0:
         raise ValueError(
             f"take-up of a length, tension, share and tolerance below zero: {figures}, EA {axial_stiffness_N}"
         )
-    return TakeUp(highest_preload_N * length_m / axial_stiffness_N, bedding_share * length_m, 2.0 * cut_tolerance_m)
+    elastic = highest_preload_N * length_m / axial_stiffness_N
+    return TakeUp(elastic, bedding_share * length_m, 2.0 * cut_tolerance_m, setting_m)
 
 
 def untensioned_length_m(length_m: float, tension_N: float, axial_stiffness_N: float) -> float:

@@ -12,7 +12,7 @@ from mbcdm_cad.layouts.miso_bevel.plate_screws import plate_screw_of
 from mbcdm_cad.layouts.miso_bevel.support.dims import AXLE_SCREW
 from mbcdm_cad.parts.bill import AssemblyStep, cable_item
 from mbcdm_cad.parts.inserts import insert_items, insert_words
-from mbcdm_cad.parts.terminal.instructions import terminal_steps
+from mbcdm_cad.parts.terminal.instructions import making_words, terminal_steps
 from mbcdm_cad.parts.terminal.part import Tensioner
 
 
@@ -51,7 +51,7 @@ def _bench(layout: BevelLayout) -> tuple[AssemblyStep, ...]:
         AssemblyStep(
             f"End each cable ({rope.name}, {rope.diameter_mm:g} mm) in a stop on one side and a threaded terminal "
             f"({drive.tensioner.name}) on the other, both {drive.termination.name}, to the cut lengths of the bill of "
-            "materials."
+            f"materials.{making_words(drive)}"
         ),
         AssemblyStep(
             insert_words(insert, len(layout.frame.plate_screws), "the top of the frame's side walls")

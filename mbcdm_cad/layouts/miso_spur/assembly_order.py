@@ -16,7 +16,7 @@ from mbcdm_cad.layouts.siso_spur.assembly_order import (
 )
 from mbcdm_cad.parts.bill import AssemblyStep
 from mbcdm_cad.parts.inserts import insert_items, insert_words
-from mbcdm_cad.parts.terminal.instructions import setting_steps, terminal_items
+from mbcdm_cad.parts.terminal.instructions import making_words, setting_steps, terminal_items
 
 
 def assembly_order(layout: RoundDrumLayout) -> tuple[AssemblyStep, ...]:
@@ -57,7 +57,7 @@ def _cut(layout: RoundDrumLayout) -> AssemblyStep:
     return AssemblyStep(
         f"Cut {drive.n_inputs} cables ({drive.cable.name}, {drive.cable.diameter_mm:g} mm), {cuts}, both halves of the "
         f"bill of materials together, and end each in a threaded terminal ({drive.tensioner.name}) on either side, "
-        f"{drive.termination.name}. Mark its middle."
+        f"{drive.termination.name}.{making_words(drive)} Mark its middle."
     )
 
 

@@ -8,7 +8,7 @@ from mbcdm_cad.parts.bill import AssemblyStep, cable_item
 from mbcdm_cad.parts.bought.train import train_items, train_words
 from mbcdm_cad.parts.inserts import insert_items, insert_words
 from mbcdm_cad.parts.motor_head.dims import flange_screw
-from mbcdm_cad.parts.terminal.instructions import terminal_steps
+from mbcdm_cad.parts.terminal.instructions import making_words, terminal_steps
 
 
 def assembly_order(layout: DirectLayout) -> tuple[AssemblyStep, ...]:
@@ -32,7 +32,7 @@ def _frame(layout: DirectLayout) -> tuple[AssemblyStep, ...]:
         AssemblyStep(
             f"End each cable ({rope.name}, {rope.diameter_mm:g} mm) in a stop on one side and a threaded terminal "
             f"({drive.tensioner.name}) on the other, both {drive.termination.name}, to the cut lengths of the bill of "
-            "materials."
+            f"materials.{making_words(drive)}"
         ),
         AssemblyStep(
             insert_words(insert, len(layout.frame.flange_screws), "the top of the frame's side walls")

@@ -17,7 +17,7 @@ from mbcdm_cad.parts.bought.train import train_items, train_words
 from mbcdm_cad.parts.input_pulley.dims import SET_SCREWS_DEG
 from mbcdm_cad.parts.inserts import insert_items, insert_words
 from mbcdm_cad.parts.motor_head.dims import flange_screw
-from mbcdm_cad.parts.terminal.instructions import terminal_steps
+from mbcdm_cad.parts.terminal.instructions import making_words, terminal_steps
 
 
 def assembly_order(layout: SpurLayout) -> tuple[AssemblyStep, ...]:
@@ -77,7 +77,7 @@ def ends_words(drive: SpurDrive) -> str:
     return (
         f"End each cable ({rope.name}, {rope.diameter_mm:g} mm) in a stop on one side and a threaded terminal "
         f"({drive.tensioner.name}) on the other, both {drive.termination.name}, to the cut lengths of the bill of "
-        "materials."
+        f"materials.{making_words(drive)}"
     )
 
 
@@ -87,7 +87,7 @@ def _cut_words(layout: SpurLayout) -> str:
     return (
         f"Cut one cable ({rope.name}, {rope.diameter_mm:g} mm) {cut:.1f} mm long, both halves of the bill of "
         f"materials together, and end it in a threaded terminal ({drive.tensioner.name}) on either side, "
-        f"{drive.termination.name}. Mark its middle."
+        f"{drive.termination.name}.{making_words(drive)} Mark its middle."
     )
 
 

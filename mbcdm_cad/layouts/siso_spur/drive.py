@@ -287,6 +287,11 @@ class SpurDrive(HeadedDrive):
         return tau * self.turns - 2 * self.leaving_rad
 
     @property
+    def ends_per_run(self) -> int:
+        """Ends of rope of each of ``cables``: the terminal alone on a side of the one cable."""
+        return 2 if self.anchored else 1
+
+    @property
     def wound_rad(self) -> float:
         """Wrap of each side with the drum centred: to the middle of the one cable, or to the end of an anchored one."""
         if self.anchored:

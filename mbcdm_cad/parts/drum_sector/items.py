@@ -104,7 +104,7 @@ def add_terminals(b: BillBuilder, drive: SectorDrive, d: DrumDims, stand: Placem
         )
         b.add(
             f"terminal_{p.cable_name}",
-            ThreadedTerminal(slack),
+            ThreadedTerminal(slack, drive.termination.name),
             part="terminal",
             material=steel,
             group="drum",

@@ -22,6 +22,12 @@ def terminal_steps(drive: SectorDrive, plan: TensioningPlan) -> tuple[AssemblySt
     )
 
 
+def making_words(drive: SectorDrive) -> str:
+    """How the ends are made, after the sentence that names them; nothing for ends whose entry does not say it."""
+    making = drive.termination.making
+    return "" if making is None else f" {making}"
+
+
 def terminal_items(drive: SectorDrive) -> tuple[str, ...]:
     """The terminals of all cables with their nuts."""
     return tuple(item for c in drive.cables for item in (f"terminal_{c.name}", f"nut_{c.name}_1", f"nut_{c.name}_2"))

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     import cadquery as cq
 
 
+# The end after which the sleeve is drawn; inside the sleeve of another one there may be a socket or cross threads.
+SWAGED = "swaged"
 # At 45 degrees, on every outer edge that is chamfered.
 CHAMFER_MM = 0.2
 
@@ -91,9 +93,10 @@ _END = "end"
 
 @dataclass(frozen=True)
 class ThreadedTerminal(MadePart):
-    """Terminal along Z, the cable from -Z."""
+    """Terminal along Z, the cable from -Z; ``end``: how the cable ends in its sleeve, an entry of the catalogue."""
 
     dims: TerminalDims
+    end: str = SWAGED
 
     def solid(self) -> cq.Solid:
         """Its flats at +-y: one slides along the wall of its pocket and keeps the rope from twisting."""
@@ -163,6 +166,8 @@ class ThreadedTerminal(MadePart):
             ),
             notes=(
                 f"{screw.name}: pitch {mm(screw.pitch_mm)}; rolled, full length of the stud.",
-                "Swage sizes after swaging on the cable.",
+                "Swage sizes after swaging on the cable."
+                if self.end == SWAGED
+                else f"Sleeve as an outline: its inside is made for a {self.end} end of the cable.",
             ),
         )

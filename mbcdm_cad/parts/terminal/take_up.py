@@ -26,6 +26,7 @@ def take_up_of(drive: Drive, cable: CableRun, length_mm: float) -> TakeUp:
         rope.axial_stiffness_N,
         rope.bedding_in_share,
         drive.cut_tolerance_mm * 1e-3,
+        drive.setting_mm * 1e-3,
     )
 
 
@@ -51,4 +52,6 @@ def tensioned_rope(drive: Drive) -> TensionedRope:
         bedding_share=rope.bedding_in_share,
         cut_tolerance_m=drive.cut_tolerance_mm * 1e-3,
         friction=drive.friction_coefficient,
+        setting_m=drive.setting_mm * 1e-3,
+        tails_m=drive.ends_per_run * drive.termination.tail_ratio * rope.diameter_mm * 1e-3,
     )

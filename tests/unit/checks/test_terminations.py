@@ -12,6 +12,7 @@ from mbcdm_cad.checks.run import run_all
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError
+from mbcdm_cad.layouts.check_design import run_checks
 from mbcdm_cad.layouts.loader import load_text, new_design_text
 from mbcdm_cad.layouts.miso_bevel.checks import CHECKS
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
@@ -55,7 +56,7 @@ def test_the_default_follows_the_construction() -> None:
 def test_a_wire_rope_cannot_be_spliced_and_the_remedy_says_what_can_be_done() -> None:
     found = _result(_with_rope("FF-081", "spliced"), "termination_fits")
     assert found.status == "fail" and "not on 7x7" in found.message, found
-    assert "swaged or soldered or potted" in found.remedy, found.remedy
+    assert "swaged or crimped or soldered or ball or potted or clamped" in found.remedy, found.remedy
     assert _result(_with_rope("FF-081", "soldered"), "termination_fits").status == "pass"
 
 
@@ -75,3 +76,73 @@ def test_a_rope_too_thick_for_the_sleeve_is_told_which_terminal_takes_it() -> No
 def test_an_unknown_termination_is_named() -> None:
     with pytest.raises(InputError, match="not in the catalogue of terminations"):
         _with_rope("FF-081", "glued")
+
+
+SHORT = """name: ends
+configuration: {layout}
+travel: {{half_angle_deg: 35.0}}
+{transmission}
+loads: {{peak_torque_Nm: 2.0}}
+rope: {{{rope}}}
+"""
+SPUR = "transmission: {input_to_drum: 8.0}"
+
+
+def _short(rope: str, layout: str = "siso_spur", transmission: str = SPUR) -> Drive:
+    return load_text(SHORT.format(layout=layout, transmission=transmission, rope=rope)).drive
+
+
+def _failed(drive: Drive) -> dict[str, str]:
+    return {r.id: r.message for r in run_checks(drive) if r.status == "fail"}
+
+
+@pytest.mark.parametrize("end", [n for n, e in package_entries("terminations").items() if "7x7" in e["constructions"]])
+def test_an_end_holds_its_share_of_the_rope(end: str) -> None:
+    drive = _with_rope("7x7-1.0", end)
+    highest = drive.layout.loads.highest_N
+    held = package_entries("terminations")[end]["strength_share"] * 808.0 / highest
+    assert _result(drive, "cable_ends").message.startswith(f"{end} "), end
+    at_terminal = float(_result(drive, "cable_ends").message.split("N over")[0].split(":")[1]) / highest
+    assert at_terminal == pytest.approx(held, rel=1e-3), (end, at_terminal, held)
+
+
+@pytest.mark.parametrize(("end", "rope"), [("knotted", "7x7"), ("clamped", "braid"), ("crimped", "braid")])
+def test_an_end_that_its_rope_does_not_stand_is_refused_with_those_that_fit(end: str, rope: str) -> None:
+    drive = _with_rope("FF-081" if rope == "7x7" else "uhmwpe-1", end)
+    found = _result(drive, "termination_fits")
+    assert found.status == "fail" and f"not on {rope}" in found.message, found
+    assert end not in found.remedy and ("swaged" if rope == "7x7" else "spliced") in found.remedy, found.remedy
+
+
+@pytest.mark.parametrize(
+    ("layout", "transmission", "end", "kind"),
+    [
+        ("siso_spur", SPUR, "knotted", "braid"),
+        ("siso_spur", SPUR, "clamped", "7x7"),
+        ("miso_spur", SPUR, "crimped", "7x7"),
+        ("siso_bevel", "transmission: {drum_radius_mm: 80.0, input_to_drum: 4.0}", "ball", "7x7"),
+        ("miso_bevel", "transmission: {drum_radius_mm: 54.0, ratio: 9.0}", "crimped", "7x7"),
+    ],
+)
+def test_ends_by_name_choose_rope_and_terminal(layout: str, transmission: str, end: str, kind: str) -> None:
+    drive = _short(f"termination: {end}", layout, transmission)
+    failed = _failed(drive)
+    assert drive.cable.construction == kind, drive.cable.name
+    assert not failed.keys() & {"cable_ends", "termination_fits", "sleeve_fits", "take_up", "tension"}, failed
+
+
+def test_a_knot_takes_rope_and_take_up_and_says_how_it_is_tied() -> None:
+    spliced, knotted = (
+        _short(f"type: uhmwpe-1, preload_N: 10.0, termination: {end}") for end in ("spliced", "knotted")
+    )
+    plans = [drive.layout.tensioning for drive in (spliced, knotted)]
+    a, b = (plan.cables[0] for plan in plans)
+    entry = package_entries("terminations")["knotted"]
+    # One end a side of the one cable; the rope is 1 mm thick.
+    assert b.need.setting_m == pytest.approx(entry["setting_ratio"] * 1e-3), b
+    assert b.need.total_m - a.need.total_m == pytest.approx(entry["setting_ratio"] * 1e-3, rel=0.05), (a, b)
+    beyond = [(s.cut_length_m - s.finished_m) * 1e3 for s in (a, b)]
+    assert beyond[1] - beyond[0] > 0.9 * entry["tail_ratio"], beyond
+    words = " ".join(step.text for step in knotted.layout.assembly_order)
+    assert entry["making"] in words and "knotted" in words
+    assert entry["making"] not in " ".join(step.text for step in spliced.layout.assembly_order)

@@ -349,7 +349,8 @@ def take_up_with_mm(given: BevelKnown, terminal: Mapping[str, Any]) -> float:
 def _take_up_of(given: BevelKnown, length_mm: float) -> float:
     cut = 2 * float(given.get("rope.cut_tolerance_mm", 0.5))
     stretch = given["rope.preload_N"] / (given.modulus_GPa * 1e3 * given.area_mm2)
-    return number(length_mm * (stretch + given.rope["bedding_in_share"]) + cut)
+    setting = 2 * given.termination.setting_ratio * given.d_mm
+    return number(length_mm * (stretch + given.rope["bedding_in_share"]) + cut + setting)
 
 
 RADII = (

@@ -8,7 +8,7 @@ from mbcdm_cad.checks.bending import ANCHOR_RATIO
 from mbcdm_cad.checks.input_pulley import SHOULDER_MM
 from mbcdm_cad.design.blocks import Making
 from mbcdm_cad.design.bought import TerminationSpec
-from mbcdm_cad.layouts.common_rules import LEAST_WIRE_RATIO, by_knee, construction, wanted_preload_N
+from mbcdm_cad.layouts.common_rules import LEAST_WIRE_RATIO, by_knee, end_share, ropes_to_choose, wanted_preload_N
 from mbcdm_cad.layouts.head_basis import counts_losses
 from mbcdm_cad.layouts.miso_bevel.sizing.known import LEAD_STEP_MM, STEPS, UNEVEN, BevelKnown
 from mbcdm_cad.parts.input_pulley.stop import neck_mm, widest_bend_mm
@@ -44,15 +44,11 @@ def _rope(given: BevelKnown) -> Found:
 
     If the input pulleys are too thin for it, the thickest that they allow, provided that it holds a smaller preload.
     """
-    kind = construction(given)
-    ropes = sorted(
-        (entry["diameter_mm"], name, entry["breaking_load_N"])
-        for name, entry in given.entries("ropes").items()
-        if entry["construction"] == kind
-    )
+    ropes = ropes_to_choose(given)
 
     def strong(preload_N: Callable[[float], float]) -> list[tuple[float, str]]:
-        share, spare = _share_N(given), STRENGTH_SPARE * given["limits.tension_safety_factor"] / SWAGED_SHARE
+        held = end_share(given, SWAGED_SHARE)
+        share, spare = _share_N(given), STRENGTH_SPARE * given["limits.tension_safety_factor"] / held
         return [(d, name) for d, name, breaking in ropes if breaking >= (UNEVEN * share + preload_N(breaking)) * spare]
 
     wanted = strong(lambda breaking: wanted_preload_N(given, PRELOAD_FACTOR * _share_N(given), breaking))
@@ -74,8 +70,9 @@ def _bends(given: BevelKnown, d_mm: float) -> bool:
         (h["shaft_diameter_mm"] for h in given.entries("gearheads").values() if h["max_torque_mNm"] >= needed),
         default=max(shafts),
     )
-    entry = given.entries("terminations")[USUAL_END]
-    end = TerminationSpec(name=USUAL_END, **{**entry, "constructions": tuple(entry["constructions"])})
+    name = given.get("rope.termination") or USUAL_END
+    entry = given.entries("terminations")[name]
+    end = TerminationSpec(name=name, **{**entry, "constructions": tuple(entry["constructions"])})
     return bool(
         2 * radius >= LEAST_WIRE_RATIO * d_mm
         and 2 * widest_bend_mm(d_mm, end, WALL_MM, radius) >= ANCHOR_RATIO * d_mm
