@@ -1,7 +1,8 @@
-"""The page that lists every check of a configuration, written from its families: docs/checks.md."""
+"""The page that lists every check of every layout, written from their families: docs/checks.md."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from functools import partial
 
 from mbcdm_cad.checks.built import BUILD_IDS
@@ -9,14 +10,15 @@ from mbcdm_cad.checks.comparison import Check
 from mbcdm_cad.checks.result import figures
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.layouts.base import Layout
 
 _HEAD = """\
 # The checks
 
-`mbcdm check DESIGN` runs them in this order; `mbcdm build` runs them before it draws anything and refuses a design that
-fails one, unless `--force` is given. This page lists the checks of `miso_bevel` with the
-figures of the reference design. The other configurations have most of these checks and some of their own.
+`mbcdm check DESIGN` runs them in the order of its layout; `mbcdm build` runs them before it draws anything and refuses
+a design that fails one, unless `--force` is given. Behind each check stand the figures of the reference designs of the
+layouts that have it (`params/mbcdm.yaml` is that of `miso_bevel`); *asked* marks checks that only run where a design
+file asks for what they compare, such as idlers or a continuous torque. A check that stands on two lines compares
+something else in the second layout.
 
 - A check reports the worst case that it finds: `actual`, `limit` and `margin` in one unit; the margin is positive
   inside the limit.
@@ -39,32 +41,62 @@ _BUILD = {
 }
 
 
-def checks_page(drive: Drive) -> str:
-    """Markdown: id, description, figure of ``drive`` and its limit, source; one table for each family."""
-    layout, lines = drive.layout, list[str]()
-    for family in layout.check_families():
-        lines += [
-            "",
-            f"## {_first_line(family.text)}",
-            "",
-            "| id | what | figure | source |",
-            "| --- | --- | --- | --- |",
-        ]
-        lines += [_row(check, layout) for check in family.checks]
+# What a row says besides its figures: mark and id, what the check compares, source.
+_Said = tuple[str, str, str]
+# The figure of each layout for what is said of a check, by its id.
+_Rows = dict[str, dict[_Said, dict[str, str]]]
+
+
+REFERENCES = ("mbcdm", "siso_bevel", "siso_spur", "miso_spur")
+
+
+def checks_page(drives: Sequence[Drive]) -> str:
+    """Markdown: id, description, source, and the figure and limit of each drive; one table for each family.
+
+    A check stands once, in the first family that has it; where another drive's layout says something else of it, in a
+    line of its own behind that.
+    """
+    columns = [drive.layout.name for drive in drives]
+    families, section = dict[str, _Rows](), dict[str, _Rows]()
+    for drive in drives:
+        for family in drive.layout.check_families():
+            rows = families.setdefault(_first_line(family.text), {})
+            for check in family.checks:
+                lines = section.setdefault(check.id, rows).setdefault(check.id, {})
+                lines.setdefault(_said(check), {})[drive.layout.name] = _figure(check, drive)
+    lines = list[str]()
+    for text, rows in families.items():
+        if rows:
+            heads = ["id", "what", "source", *(f"`{name}`" for name in columns)]
+            lines += ["", f"## {text}", "", _line(heads), _line(["---"] * len(heads))]
+            lines += _rows(rows, columns)
     lines += ["", "## Checks of the build", "", "| id | what |", "| --- | --- |"]
     lines += [f"| `{name}` | {_BUILD[name]} |" for name in BUILD_IDS]
     return _HEAD + "\n".join(lines).lstrip("\n") + "\n"
+
+
+def _rows(rows: _Rows, columns: Sequence[str]) -> Iterator[str]:
+    for lines in rows.values():
+        for said, found in lines.items():
+            yield _line([*said, *(found.get(name, "") for name in columns)])
+
+
+def _line(cells: Sequence[str]) -> str:
+    return f"| {' | '.join(cells)} |"
 
 
 def _first_line(text: str | None) -> str:
     return (text or "").strip().split("\n")[0].rstrip(".")
 
 
-def _row(check: Check, design: Layout) -> str:
+def _said(check: Check) -> _Said:
     measure = check.measure.func if isinstance(check.measure, partial) else check.measure
-    what = f"{check.title}. {_first_line(measure.__doc__)}."
     mark = " *(warn)*" if check.severity == "warn" else ""
-    return f"| `{check.id}`{mark} | {what} | {figures(run_check(check, design))} | {check.source} |"
+    return f"`{check.id}`{mark}", f"{check.title}. {_first_line(measure.__doc__)}.", check.source
+
+
+def _figure(check: Check, drive: Drive) -> str:
+    return figures(run_check(check, drive.layout)) if check.asked_of(drive) else "*asked*"
 
 
 if __name__ == "__main__":
@@ -72,4 +104,4 @@ if __name__ == "__main__":
 
     from mbcdm_cad.layouts.loader import load_design
 
-    print(checks_page(load_design(Path("params/mbcdm.yaml")).drive), end="")
+    print(checks_page([load_design(Path("params") / f"{name}.yaml").drive for name in REFERENCES]), end="")
