@@ -9,6 +9,7 @@ from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.fixings import FRICTION, STRESS_SAFETY, stalled_Nm
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.layouts.sector import SectorLayout
+from mbcdm_cad.layouts.structure import Structure
 from mbcdm_cad.parts.drum_sector.payload import PLASTIC_SHARE, SHEAR_SHARE, SLIP_SAFETY, PayloadJoint, joint_load
 from mbcdm_cad.parts.drum_sector.structure import hub
 from mbcdm_cad.parts.threads import clamp_force_N
@@ -122,6 +123,20 @@ def stiffness(s: SectorLayout) -> Comparison:
     return at_least(what, found, wanted, "N m/rad", note)
 
 
+def structure_share(s: SectorLayout) -> Comparison:
+    """Turn of the payload by all parts besides the cables over that by the cables, the inputs held."""
+    structure, wanted = s.structure, s.drive.loads.structure_share
+    most = max(structure.at_payload, key=lambda c: c.urad_Nm)
+    note = (
+        f"{structure.payload_urad_Nm:.4g} over {structure.cables_urad_Nm:.4g} urad/N m, most by {most.name}, "
+        f"{most.urad_Nm:.4g}"
+    )
+    what = "turn of the structure over that of the cables"
+    if wanted is None:
+        return noted(what, structure.over_cables, "", f"{note}; the design file asks for none")
+    return at_most(what, structure.over_cables, wanted, "", note)
+
+
 # Fields that make a cause of the turn give less, by the beginning of its name.
 _STIFFER: tuple[tuple[str, str], ...] = (
     ("drum: hub", "drum.hub_diameter_mm"),
@@ -134,9 +149,18 @@ _STIFFER: tuple[tuple[str, str], ...] = (
 
 
 def _stiffer(s: SectorLayout) -> str:
-    """What gives most, with the fields that stiffen it: rules raise those that the file leaves to them."""
+    """What gives most, cables too, with the fields that stiffen it: rules raise those that the file leaves open."""
     structure = s.structure
-    turns = {f"the cables ({structure.cables_urad_Nm:.3g} urad/N m: thicker or stiffer rope)": structure.cables_urad_Nm}
+    cables = f"the cables ({structure.cables_urad_Nm:.3g} urad/N m: thicker or stiffer rope)"
+    return _softest(structure, {cables: structure.cables_urad_Nm})
+
+
+def _stiffer_parts(s: SectorLayout) -> str:
+    """As :func:`_stiffer`, without the cables."""
+    return _softest(s.structure, {})
+
+
+def _softest(structure: Structure, turns: dict[str, float]) -> str:
     for cause in structure.at_payload:
         field = next((field for start, field in _STIFFER if cause.name.startswith(start)), "its bearings")
         turns[f"{cause.name} ({cause.urad_Nm:.3g}: {field})"] = cause.urad_Nm
@@ -192,5 +216,14 @@ CHECKS = (
             up("rope.preload_N"),
         ),
         advice=_stiffer,
+    ),
+    Check(
+        "structure_share",
+        "Structure's turn over the cables' turn",
+        "loads.structure_share; compliance by cause",
+        structure_share,
+        adjust=(up("drum.web_thickness_mm"), up("drum.hub_diameter_mm")),
+        advice=_stiffer_parts,
+        applies=lambda drive: drive.loads.structure_share is not None,
     ),
 )

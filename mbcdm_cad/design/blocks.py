@@ -306,6 +306,15 @@ class Loads(PlainBlock):
         gt=0.0,
         le=1e7,
     )
+    structure_share: Number | None = quantity(
+        "largest turn of the payload by all parts besides the cables, over that by the cables, at the test torque, the "
+        "inputs held; 0.25 is a usual aim; rules raise what gives most until it holds or other checks refuse; not "
+        "checked if left out",
+        unit="-",
+        default=None,
+        gt=0.0,
+        le=100.0,
+    )
     backdrive_Nm: Number | None = quantity(
         "largest torque at the drum that may be needed to turn it, motors without current; not checked if left out",
         unit="N m",

@@ -1,9 +1,9 @@
-"""Sizing by ``loads.stiffness_Nm_rad``: what gives most is raised until the stiffness at the payload holds.
+"""Sizing by ``loads.stiffness_Nm_rad`` and ``loads.structure_share``: what gives most is raised until they hold.
 
 The rules size a drive for strength and place. Where it then gives more than the file allows, the fields that stiffen
 its softest parts are raised over what their rules gave, the softest first, all down to one level, and the drive is
 sized again, since other rules follow from them. A raise that makes another check fail is taken back: there the bounds
-of the design refuse, and the check ``stiffness`` says how far it came.
+of the design refuse, and the check of the requirement says how far it came.
 """
 
 from __future__ import annotations
@@ -23,11 +23,10 @@ from mbcdm_cad.design.drive import met
 from mbcdm_cad.design.lookup import Catalogue
 from mbcdm_cad.design.sized import Moved, SizedValue, Sizing, SizingError
 from mbcdm_cad.layouts.base import Layout, NoFigureError
-from mbcdm_cad.layouts.structure import Cause, Structure
+from mbcdm_cad.layouts.structure import Cause, Structure, urad_Nm
 from mbcdm_cad.sizing.known import KnownFields
 from mbcdm_cad.sizing.rule import rounded_up
 
-STIFFNESS = "loads.stiffness_Nm_rad"
 # Most sizings, largest factor on a value in one round, and what is aimed at beyond the requirement, for rounding and
 # because the parts' turns are no exact powers of their sizes.
 _SIZINGS, _STEP, _SPARE = 24, 1.5, 1.01
@@ -35,6 +34,8 @@ _SIZINGS, _STEP, _SPARE = 24, 1.5, 1.01
 _LEAST = 1.0 + 1e-6
 # What can be raised turns no less than this share of what cannot: more metal would hardly stiffen the drive.
 _QUARTER = 0.25
+# The checks of what is aimed at.
+_OWN = ("stiffness", "structure_share")
 CABLES = "cables"
 
 
@@ -114,6 +115,36 @@ SHARED: tuple[Stiffener, ...] = (
 )
 
 
+@dataclass(frozen=True)
+class _Aim:
+    """A requirement of the file: the causes that it counts turn at most so far together."""
+
+    field: str
+    counted: Callable[[Structure], tuple[Cause, ...]]
+    most_urad_Nm: Callable[[Structure], float]
+
+    def holds(self, structure: Structure) -> bool:
+        """Whether the structure meets it."""
+        return urad_Nm(self.counted(structure)) <= self.most_urad_Nm(structure)
+
+
+def _aims(loads: Mapping[str, Any]) -> Iterator[_Aim]:
+    """What the file asks for. The stiffness comes first: a thicker rope for it leaves the structure a smaller turn."""
+    wanted, share = loads.get("stiffness_Nm_rad"), loads.get("structure_share")
+    if isinstance(wanted, int | float):
+        yield _Aim(
+            "loads.stiffness_Nm_rad",
+            lambda found: (Cause(CABLES, found.cables_urad_Nm), *found.at_payload),
+            lambda found: 1e6 / wanted,
+        )
+    if isinstance(share, int | float):
+        yield _Aim(
+            "loads.structure_share",
+            lambda found: found.at_payload,
+            lambda found: share * found.cables_urad_Nm,
+        )
+
+
 def walls(*fields: str) -> tuple[Stiffener, ...]:
     """Walls of the frame that stiffen it together."""
     return tuple(Stiffener(field, ("frame",), 2.0 / len(fields), 5.0) for field in fields)
@@ -127,13 +158,13 @@ def stiffened(
     moved: Moved | None = None,
     similar: Sizing | None = None,
 ) -> Sizing:
-    """The sizing of ``size``, its stiffness as the file states it or as near as its bounds allow.
+    """The sizing of ``size``, its stiffness and share of the structure as stated, or as near as its bounds allow.
 
     A search (``moved``, with the sizing ``similar``) keeps what was raised there: it changes these values itself.
     """
-    wanted = (data.get("loads") or {}).get(STIFFNESS.partition(".")[2])
-    plain = partial(_sized, size, copy.deepcopy(data), stiffeners, moved or {})
-    if not isinstance(wanted, int | float):
+    aims = tuple(_aims(data.get("loads") or {}))
+    plain = partial(_sized, size, copy.deepcopy(data), (stiffeners, aims), moved or {})
+    if not aims:
         return plain({}, similar)
     if similar is not None and similar.raised is not None:
         return plain(similar.raised, similar)
@@ -149,10 +180,10 @@ def stiffened(
         open_ = [
             s for s in stiffeners if best.of(s.field) and factors.get(s.field, 1.0) < s.most and s.field not in closed
         ]
-        if structure.stiffness_Nm_rad >= wanted or not open_:
-            break
         room = {s.field: s.most / factors.get(s.field, 1.0) for s in open_}
-        step = {f: min(by, room[f]) for f, by in _step(structure, 1e6 / (_SPARE * wanted), open_).items()}
+        missed = (aim for aim in aims if not aim.holds(structure))
+        steps = (_step(aim.counted(structure), aim.most_urad_Nm(structure) / _SPARE, open_) for aim in missed)
+        step = {f: min(by, room[f]) for f, by in next(filter(None, steps), {}).items()}
         if not step:
             break
         found = _passing(partial(budget.spent, plain), layout, best, factors, step, failing)
@@ -229,12 +260,13 @@ def _value(sizing: Sizing, field: str) -> Any:
 def _sized(
     size: Size,
     data: dict[str, Any],
-    stiffeners: Sequence[Stiffener],
+    asked: tuple[Sequence[Stiffener], Sequence[_Aim]],
     moved: Moved,
     raised: Mapping[str, float],
     similar: Sizing | None,
 ) -> Sizing:
     """The sizing with fields raised by their factors; what a search moves, it moves after that."""
+    stiffeners, aims = asked
     by_field = {s.field: s for s in stiffeners if s.field in raised}
     given = KnownFields(data)
 
@@ -246,21 +278,23 @@ def _sized(
     if not raised:
         return found
     values = tuple(
-        _said(value, data) if value.field in by_field and value.field not in moved else value for value in found.values
+        _said(value, data, aims) if value.field in by_field and value.field not in moved else value
+        for value in found.values
     )
     return replace(found, values=values, raised=dict(raised))
 
 
-def _said(value: SizedValue, data: Mapping[str, Any]) -> SizedValue:
-    rests_on = {**value.rests_on, STIFFNESS: data["loads"][STIFFNESS.partition(".")[2]]}
+def _said(value: SizedValue, data: Mapping[str, Any], aims: Sequence[_Aim]) -> SizedValue:
+    stated = {aim.field: data["loads"][aim.field.partition(".")[2]] for aim in aims}
+    rests_on = {**value.rests_on, **stated}
     return replace(value, driver="stiffness", rests_on=rests_on, rounding="raised for the stiffness")
 
 
-def _step(structure: Structure, target_urad_Nm: float, open_: Sequence[Stiffener]) -> dict[str, float]:
+def _step(counted: Sequence[Cause], target_urad_Nm: float, open_: Sequence[Stiffener]) -> dict[str, float]:
     """Factor on each field with which the causes that can be lowered come down to one level, at most ``_STEP``."""
     ways: list[tuple[float, list[Stiffener]]] = []
     fixed = 0.0
-    for cause in (Cause(CABLES, structure.cables_urad_Nm), *structure.at_payload):
+    for cause in counted:
         fields = [s for s in open_ if s.lowers(cause.name)]
         if fields:
             ways.append((cause.urad_Nm, [s for s in fields if not s.last] or fields))
@@ -287,13 +321,13 @@ def _level(turns: Sequence[float], target: float) -> float:
 
 
 def _judged(layout: type[Layout], sizing: Sizing) -> tuple[Structure, frozenset[str]] | None:
-    """Structure and failing checks of a sized design, ``stiffness`` left out; None where it is no drive."""
+    """Structure and failing checks of a sized design, those of the aims left out; None where it is no drive."""
     try:
         found = layout_of(layout, sizing)
         structure = found.structure
     except NoFigureError:
         return None
-    return None if structure is None else (structure, frozenset(misses(found, ("stiffness",))))
+    return None if structure is None else (structure, frozenset(misses(found, _OWN)))
 
 
 def layout_of(layout: type[Layout], sizing: Sizing) -> Layout:

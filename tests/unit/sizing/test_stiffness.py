@@ -1,4 +1,4 @@
-"""Sizing by ``loads.stiffness_Nm_rad``: the stiffness is reached by raising what gives most, or bounds refuse it."""
+"""Sizing by ``loads.stiffness_Nm_rad`` and ``loads.structure_share``: reached by raising what gives most, or refused."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.layouts.check_design import run_checks
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.layouts.stiff_sizing import SHARED, walls
+from mbcdm_cad.layouts.structure import Structure
 from mbcdm_cad.report.explain import explain
 
 STIFFENERS = {
@@ -57,11 +58,15 @@ def design(name: str, stiffness_Nm_rad: float | None = None, **changed: dict[str
     return load_text(yaml.safe_dump(data))
 
 
+def structure(loaded: LoadedDesign) -> Structure:
+    found = loaded.drive.layout.structure
+    assert found is not None
+    return found
+
+
 def stiffness(loaded: LoadedDesign) -> float:
     """Stiffness at the payload, N m/rad."""
-    structure = loaded.drive.layout.structure
-    assert structure is not None
-    return float(structure.stiffness_Nm_rad)
+    return float(structure(loaded).stiffness_Nm_rad)
 
 
 def failing(loaded: LoadedDesign) -> list[str]:
@@ -116,3 +121,32 @@ def test_where_bounds_refuse_the_check_says_how_far_it_came() -> None:
     assert structure is not None and structure.over_cables >= 0.1, "no metal where the cables give most"
     result = next(check for check in run_checks(asked) if check.id == "stiffness")
     assert "the rules raise what the file leaves to them" in result.remedy and "the cables" in result.remedy
+
+
+@pytest.mark.parametrize("name", sorted(FILES))
+def test_rules_reach_a_stated_share_of_the_structure(name: str) -> None:
+    plain = design(name)
+    wanted = round(0.6 * structure(plain).over_cables, 3)
+    found = design(name, loads={"structure_share": wanted})
+    assert structure(found).over_cables <= wanted
+    assert failing(found) == failing(plain) == [], "no other check is given up for it"
+    raised = by_stiffness(found)
+    assert raised and not any(field.startswith("rope.") for field in raised), "stiffer cables would not help"
+    record = next(v for v in found.sized if v.field in raised)
+    assert record.rests_on["loads.structure_share"] == wanted
+    assert structure(found).cables_urad_Nm == pytest.approx(structure(plain).cables_urad_Nm, rel=0.05)
+
+
+def test_stiffness_and_share_hold_together() -> None:
+    plain = design("siso_bevel")
+    wanted, share = round(1.5 * stiffness(plain)), round(0.7 * structure(plain).over_cables, 3)
+    found = design("siso_bevel", wanted, loads={"structure_share": share})
+    assert stiffness(found) >= wanted and structure(found).over_cables <= share and failing(found) == []
+
+
+def test_a_share_that_bounds_refuse_fails_by_its_check_alone() -> None:
+    asked = design("siso_spur", loads={"structure_share": 0.001})
+    assert failing(asked) == ["structure_share"]
+    result = next(check for check in run_checks(asked) if check.id == "structure_share")
+    assert "the rules raise what the file leaves to them" in result.remedy and "the cables (" not in result.remedy
+    assert "structure_share" not in {check.id for check in run_checks(design("siso_spur"))}, "not asked, not checked"
