@@ -1,4 +1,4 @@
-"""Sizing by ``loads.stiffness_Nm_rad`` and ``loads.structure_share``: reached by raising what gives most, or refused."""
+"""Sizing by ``loads.stiffness_Nm_rad`` and ``loads.structure_share``: reached by raising what gives most, or not."""
 
 from __future__ import annotations
 
