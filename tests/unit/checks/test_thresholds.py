@@ -42,6 +42,7 @@ WAYS: dict[str, Way] = {
     "mounting_screws": Way(to(PEAK), 3.15, 60.0),
     "frame_windup": Way(to("limits.frame_windup_max_mrad"), 0.0232, 0.01),
     "stiffness": Way(to("loads.stiffness_Nm_rad"), 2500.0, 4000.0),
+    "structure_share": Way(to("loads.structure_share"), 0.9, 0.3),
     "equal_total_ratio": Way(scaled("input_radius_mm", (2, 3)), 1.0, 1.01),
     "pair_mismatch": Way(radius_of(1, "input_radius_mm"), 6.4, 6.5),
     "surface_radius": Way(scaled("input_radius_mm"), 1.0, 0.2),
