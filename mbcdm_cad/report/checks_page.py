@@ -62,8 +62,8 @@ def checks_page(drives: Sequence[Drive]) -> str:
         for family in drive.layout.check_families():
             rows = families.setdefault(_first_line(family.text), {})
             for check in family.checks:
-                lines = section.setdefault(check.id, rows).setdefault(check.id, {})
-                lines.setdefault(_said(check), {})[drive.layout.name] = _figure(check, drive)
+                variants = section.setdefault(check.id, rows).setdefault(check.id, {})
+                variants.setdefault(_said(check), {})[drive.layout.name] = _figure(check, drive)
     lines = list[str]()
     for text, rows in families.items():
         if rows:
@@ -76,8 +76,8 @@ def checks_page(drives: Sequence[Drive]) -> str:
 
 
 def _rows(rows: _Rows, columns: Sequence[str]) -> Iterator[str]:
-    for lines in rows.values():
-        for said, found in lines.items():
+    for variants in rows.values():
+        for said, found in variants.items():
             yield _line([*said, *(found.get(name, "") for name in columns)])
 
 
