@@ -46,7 +46,8 @@ docs: setup
 	$(BIN)/mbcdm schema --reference > docs/design-file.md
 	$(BIN)/mbcdm schema --reference --measurement > docs/measurement-file.md
 	$(BIN)/mbcdm catalogue --markdown > docs/catalogue.md
-	$(BIN)/python -m mbcdm_cad.report.checks_page > docs/checks.md
+	$(BIN)/python -m mbcdm_cad.report.checks_page params/mbcdm.yaml params/siso_bevel.yaml params/siso_spur.yaml \
+	  params/miso_spur.yaml > docs/checks.md
 
 # The drives of params/gallery with their pictures and key figures.
 gallery: setup

@@ -1,4 +1,7 @@
-"""The page that lists every check of every layout, written from their families: docs/checks.md."""
+"""The page that lists every check of some layouts, written from their families: docs/checks.md.
+
+The command takes a design file of each layout, whose figures the page states.
+"""
 
 from __future__ import annotations
 
@@ -16,9 +19,8 @@ _HEAD = """\
 
 `mbcdm check DESIGN` runs them in the order of its layout; `mbcdm build` runs them before it draws anything and refuses
 a design that fails one, unless `--force` is given. Behind each check stand the figures of the reference designs of the
-layouts that have it (`params/mbcdm.yaml` is that of `miso_bevel`); *asked* marks checks that only run where a design
-file asks for what they compare, such as idlers or a continuous torque. A check that stands on two lines compares
-something else in the second layout.
+layouts that have it; *asked* marks checks that only run where a design file asks for what they compare, such as idlers
+or a continuous torque. A check that stands on two lines compares something else in the second layout.
 
 - A check reports the worst case that it finds: `actual`, `limit` and `margin` in one unit; the margin is positive
   inside the limit.
@@ -45,9 +47,6 @@ _BUILD = {
 _Said = tuple[str, str, str]
 # The figure of each layout for what is said of a check, by its id.
 _Rows = dict[str, dict[_Said, dict[str, str]]]
-
-
-REFERENCES = ("mbcdm", "siso_bevel", "siso_spur", "miso_spur")
 
 
 def checks_page(drives: Sequence[Drive]) -> str:
@@ -100,8 +99,8 @@ def _figure(check: Check, drive: Drive) -> str:
 
 
 if __name__ == "__main__":
-    from pathlib import Path
+    import sys
 
     from mbcdm_cad.layouts.loader import load_design
 
-    print(checks_page([load_design(Path("params") / f"{name}.yaml").drive for name in REFERENCES]), end="")
+    print(checks_page([load_design(path).drive for path in sys.argv[1:]]), end="")
