@@ -203,17 +203,23 @@ def _senses_output(servo: Servo | None) -> bool:
     return servo is not None and servo.sensor == "output"
 
 
-def lash_rad(drive: Drive, motors_held: bool) -> float:
-    """Play of the drum by the gears of servos, from one side to the other; rad.
+def input_play_rad(drive: Drive, motors_held: bool) -> float:
+    """Play of an input, from one side to the other, by the gears of a servo and by a belt or gear stage; rad.
 
-    With the sensors holding the inputs only the play behind a sensor at the motor is left. Inputs side by side share
-    it: the drum is free only as far as all are.
+    With the sensors holding the inputs only the play behind a sensor at the motor is left.
     """
-    servo = drive.servo
-    if servo is None or (_senses_output(servo) and not motors_held):
-        return 0.0
+    servo, stage, play = drive.servo, drive.stage, 0.0
+    if servo is not None and (motors_held or not _senses_output(servo)):
+        play += radians(servo.lash_deg) / (1.0 if stage is None else stage.ratio)
+    if stage is not None and (motors_held or drive.encoder.absent):
+        play += stage.lash_rad
+    return play
+
+
+def lash_rad(drive: Drive, motors_held: bool) -> float:
+    """The same at the drum. Inputs side by side share it: the drum is free only as far as all are."""
     cable = drive.cables[0]
-    return radians(servo.lash_deg) * cable.input_radius_mm / cable.drum_radius_mm
+    return input_play_rad(drive, motors_held) * cable.input_radius_mm / cable.drum_radius_mm
 
 
 def drum_stress_MPa(layout: SectorLayout, torque_Nm: float) -> float:

@@ -8,7 +8,7 @@ import numpy as np
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.base import NoFigureError
-from mbcdm_cad.layouts.structure import sigma_urad_Nm, urad_Nm
+from mbcdm_cad.layouts.structure import input_play_rad, sigma_urad_Nm, urad_Nm
 from mbcdm_cad.measurement.run import PartsSeen
 from mbcdm_cad.measurement.schema import CountedParts
 from mbcdm_cad.model.losses import friction
@@ -23,8 +23,7 @@ def parts_seen(drive: Drive, counted: CountedParts, motor_side: bool) -> PartsSe
     """
     give, sigma = _give_urad_Nm(drive, counted.output_at == "payload", motor_side) if counted.structure else (0.0, 0.0)
     torque, spread = _friction_Nm(drive) if counted.losses else (0.0, 0.0)
-    stage = drive.stage if counted.structure and motor_side else None
-    play = 0.0 if stage is None else stage.lash_rad
+    play = input_play_rad(drive, motors_held=True) if counted.structure and motor_side else 0.0
     return PartsSeen(give * _URAD, sigma * _URAD, torque, exp(spread / torque) if torque else 1.0, play)
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.lumped import Compliance, PartsFriction, compliance_of, friction_of
+from mbcdm_cad.layouts.structure import input_play_rad
 from mbcdm_cad.rig.block import PhysicsBlock
 from mbcdm_cad.rig.cables import RigCable, cables_of, routes_of
 from mbcdm_cad.routes import Floats
@@ -69,10 +70,10 @@ class Bench:
             self.gear_stiffness_Nm_rad = [1.0 / (1.0 / k + before) for k in self.gear_stiffness_Nm_rad]
             self.tell("structure", seen=False, stage="inputs", parameters={"compliance_rad_Nm": before})
         given = {"compliance_rad_Nm": self.compliance.land_to_encoder}
-        stage = self.drive.stage
-        if stage is not None:
-            self.gear_play_rad = [play + stage.lash_rad for play in self.gear_play_rad]
-            self.tell("lash", seen=False, stage="inputs", cause="structure", parameters={"play_rad": stage.lash_rad})
+        play = input_play_rad(self.drive, motors_held=True)
+        if play > 0.0:
+            self.gear_play_rad = [own + play for own in self.gear_play_rad]
+            self.tell("lash", seen=False, stage="inputs", cause="structure", parameters={"play_rad": play})
         # The measurement file lets the prediction count it, so that it is no effect of the drive.
         self.tell("stiffness_error", seen=False, cause="structure", parameters=given)
 

@@ -1,7 +1,7 @@
 /* A cable drive as an FMU for co-simulation (FMI 2.0): motors, cables with hysteresis, parts that give, friction.
 
    Coordinates, at the drum, positive where they drive it positively: one for the rotor of each input, the drum, the
-   payload. Springs, the elastic-slip elements of gearhead and cables, and dry friction are one kind of element: a spring of stiffness k
+   payload, and one for each input's pulley where there is play between it and its motor. Springs, the elastic-slip elements of gearhead and cables, and dry friction are one kind of element: a spring of stiffness k
    over a difference of coordinates, which slips where its torque reaches a limit. The step is implicit:
 
        M (v' - v)/h = torques - sum of a F,   F = k (z + h a v') held within its limit,
@@ -26,16 +26,19 @@ typedef void *Component;
 typedef unsigned int Reference;
 typedef enum { OK, WARNING, DISCARD, ERROR, FATAL, PENDING } Status;
 
-#define N (N_INPUTS + 2)
+#define N (N_INPUTS + 2 + N_PULLEYS)
+#define N_ELEMENTS (N_INPUTS + 2 + N_CABLES + N_PULLEYS)
 #define DRUM N_INPUTS
 #define PAYLOAD (N_INPUTS + 1)
+/* What the cables of input i turn with. */
+#define PULLEY(i) (N_PULLEYS ? N_INPUTS + 2 + (i) : (i))
 #define STEP 1e-4
 #define CORRECTIONS 30
 /* Turn of the drum over which friction is elastic before it slides. */
 #define PRESLIDING 2e-6
 
 typedef struct {
-  double arm[N], stiffness, limit, deflection;
+  double arm[N], stiffness, limit, deflection, gap; /* gap: play, within which it carries nothing, to each side */
 } Element;
 
 typedef struct {
@@ -46,6 +49,7 @@ typedef struct {
 static const double START[N_VALUES] = VALUES;
 static const double PRELOAD[N_INPUTS] = PRELOADS;
 static const double TURN[N_INPUTS] = TURNS;
+static const double PULLEY_INERTIA[N_INPUTS] = PULLEY_INERTIAS;
 static const double CABLES[N_CABLES][3] = CABLE_ELEMENTS; /* input, stiffness, limit */
 
 static void reset(Drive *d) {
@@ -59,9 +63,17 @@ static void reset(Drive *d) {
   e++->limit = HUGE_VAL;
   for (int k = 0; k < N_CABLES; k++, e++) {
     e->arm[DRUM] = 1.0;
-    e->arm[(int)CABLES[k][0]] = -1.0;
+    e->arm[PULLEY((int)CABLES[k][0])] = -1.0;
     e->stiffness = CABLES[k][1];
     e->limit = CABLES[k][2];
+  }
+  for (int i = 0; i < N_PULLEYS; i++, e++) {
+    e->arm[i] = 1.0;
+    e->arm[PULLEY(i)] = -1.0;
+    e->stiffness = CONTACT * TURN[i] * TURN[i];
+    e->limit = HUGE_VAL;
+    e->gap = 0.5 * PLAY / TURN[i];
+    e->deflection = PRELOAD[i] / e->stiffness + (PRELOAD[i] > 0.0 ? e->gap : PRELOAD[i] < 0.0 ? -e->gap : 0.0);
   }
   for (int i = 0; i < N_INPUTS; i++) {
     d->winding[i] = d->v[AMBIENT];
@@ -101,13 +113,16 @@ static double motor(Drive *d, int i, double h) {
   return torque;
 }
 
+/* On which side of a band about zero a value lies; 0 within it. */
+static int side(double value, double half) { return value > half ? 1 : value < -half ? -1 : 0; }
+
 static void step(Drive *d, double h) {
   double mass[N], torque[N], v[N], limit[N_ELEMENTS];
   int slips[N_ELEMENTS] = {0};
   for (int i = 0; i < N_INPUTS; i++) {
     double shaft = GEAR_RATIO * TURN[i];
     mass[i] = ROTOR_INERTIA * shaft * shaft;
-    torque[i] = motor(d, i, h) * shaft - PRELOAD[i];
+    torque[i] = motor(d, i, h) * shaft;
     Element *e = &d->element[i];
     e->limit = (d->v[INPUT_FRICTION + i] + d->v[GEAR_SHARE] * fabs(d->carried[i]) / TURN[i]) * TURN[i] +
                d->v[MOTOR_FRICTION] * shaft;
@@ -116,12 +131,16 @@ static void step(Drive *d, double h) {
   mass[DRUM] = DRUM_INERTIA;
   mass[PAYLOAD] = d->v[PAYLOAD_INERTIA];
   torque[DRUM] = 0.0;
-  for (int i = 0; i < N_INPUTS; i++) torque[DRUM] += PRELOAD[i];
+  for (int i = 0; i < N_PULLEYS; i++) mass[PULLEY(i)] = PULLEY_INERTIA[i], torque[PULLEY(i)] = 0.0;
+  for (int i = 0; i < N_INPUTS; i++) torque[DRUM] += PRELOAD[i], torque[PULLEY(i)] -= PRELOAD[i];
   torque[PAYLOAD] = -d->v[LOAD_TORQUE];
   d->element[N_INPUTS].limit = d->v[DRUM_FRICTION];
   d->element[N_INPUTS].stiffness = d->v[DRUM_FRICTION] / PRESLIDING;
   d->element[N_INPUTS + 1].stiffness = 1.0 / d->v[COMPLIANCE];
-  for (int e = 0; e < N_ELEMENTS; e++) limit[e] = d->element[e].limit;
+  for (int e = 0; e < N_ELEMENTS; e++) {
+    limit[e] = d->element[e].limit;
+    if (d->element[e].gap > 0.0) slips[e] = side(d->element[e].deflection, d->element[e].gap);
+  }
   for (int trial = 0; trial < CORRECTIONS; trial++) {
     double A[N][N] = {{0.0}};
     int changed = 0;
@@ -131,10 +150,12 @@ static void step(Drive *d, double h) {
     }
     for (int e = 0; e < N_ELEMENTS; e++) {
       const Element *el = &d->element[e];
-      double held = slips[e] ? slips[e] * limit[e] : el->stiffness * el->deflection;
+      /* One with play is a spring beyond its gap; the others are springs until they slip. */
+      int springs = el->gap > 0.0 ? slips[e] != 0 : !slips[e];
+      double held = springs ? el->stiffness * (el->deflection - slips[e] * el->gap) : el->gap > 0.0 ? 0.0 : slips[e] * limit[e];
       for (int i = 0; i < N; i++) {
         v[i] -= h * el->arm[i] * held;
-        if (!slips[e])
+        if (springs)
           for (int k = 0; k < N; k++) A[i][k] += h * h * el->stiffness * el->arm[i] * el->arm[k];
       }
     }
@@ -143,8 +164,7 @@ static void step(Drive *d, double h) {
       const Element *el = &d->element[e];
       double moved = el->deflection;
       for (int i = 0; i < N; i++) moved += h * el->arm[i] * v[i];
-      double would = el->stiffness * moved;
-      int now = would > limit[e] ? 1 : would < -limit[e] ? -1 : 0;
+      int now = el->gap > 0.0 ? side(moved, el->gap) : side(el->stiffness * moved, limit[e]);
       if (now != slips[e]) changed = 1;
       slips[e] = now;
     }
@@ -157,7 +177,7 @@ static void step(Drive *d, double h) {
     for (int i = 0; i < N; i++) moved += h * el->arm[i] * v[i];
     if (el->stiffness > 0.0)
       el->deflection = fmin(fmax(moved, -limit[e] / el->stiffness), limit[e] / el->stiffness);
-    if (e >= N_INPUTS + 2) d->carried[(int)CABLES[e - N_INPUTS - 2][0]] -= el->stiffness * el->deflection;
+    if (e >= N_INPUTS + 2 && e < N_INPUTS + 2 + N_CABLES) d->carried[(int)CABLES[e - N_INPUTS - 2][0]] -= el->stiffness * el->deflection;
   }
   for (int i = 0; i < N; i++) {
     d->speed[i] = v[i];
@@ -171,7 +191,8 @@ static void outputs(Drive *d) {
   d->v[PAYLOAD_ANGLE] = d->angle[PAYLOAD];
   d->v[PAYLOAD_SPEED] = d->speed[PAYLOAD];
   for (int i = 0; i < N_INPUTS; i++) {
-    d->v[INPUT_ENCODER + i] = d->angle[i] * TURN[i] - INPUT_GIVE * (d->carried[i] - PRELOAD[i]) / TURN[i];
+    d->v[INPUT_ENCODER + i] = N_PULLEYS ? d->angle[PULLEY(i)] * TURN[i]
+                                        : d->angle[i] * TURN[i] - INPUT_GIVE * (d->carried[i] - PRELOAD[i]) / TURN[i];
     d->v[MOTOR_ANGLE + i] = d->angle[i] * TURN[i] * GEAR_RATIO;
     d->v[WINDING_TEMPERATURE + i] = d->winding[i];
   }

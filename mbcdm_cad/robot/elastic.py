@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.lumped import Compliance, axis_friction, compliance_of
+from mbcdm_cad.layouts.structure import input_play_rad
 from mbcdm_cad.model.duty.heat import COPPER_PER_K, RATED_AT_C, motor_heat
 from mbcdm_cad.robot.stage import CableStage, cable_stages
 
 # Torque constant of a motor whose entry has none, N m/A: a scale of the current, without effect on torque and heat.
 _CONSTANT_NM_A = 0.01
+# Stiffness of gears and shafts that state none, where they have play.
+_RIGID_NM_RAD = 1e4
 
 
 @dataclass(frozen=True)
@@ -41,7 +45,9 @@ class ElasticDrive:
 
     ``turns``: of each input for one of the drum. ``drum_friction_Nm`` and ``input_friction_Nm`` at each axis, that of
     the motors apart; ``gear_share``: loss of a gearhead over the torque at its output, besides. ``payload_kg_m2``:
-    inertia of the design's payload about the drum's axis.
+    inertia of the design's payload about the drum's axis. ``play_rad``: of each input, from one side to the other, by a
+    belt or gear stage and by a servo's gears; where there is any, the stages are the cables alone, and what is before
+    the inputs stands between motor and input, with the play.
     """
 
     stages: tuple[CableStage, ...]
@@ -53,6 +59,12 @@ class ElasticDrive:
     drum_friction_Nm: float
     input_friction_Nm: tuple[float, ...]
     payload_kg_m2: float
+    play_rad: float = 0.0
+
+    @property
+    def contact_Nm_rad(self) -> float:
+        """Stiffness at an input between motor and pulley, where its play is closed."""
+        return min(self.compliance.before_inputs_Nm_rad, _RIGID_NM_RAD)
 
     @property
     def input_shares(self) -> tuple[float, ...]:
@@ -71,8 +83,9 @@ def elastic_drive(drive: Drive) -> ElasticDrive:
     except (NoFigureError, ValueError) as error:
         raise MbcdmError(f"{drive.name}: no elastic drive: {error}; 'mbcdm check' names the part") from None
     turns = tuple(body.turns_per_drum for body in drive.layout.routed.routes.inputs)
+    play = input_play_rad(drive, motors_held=True)
     return ElasticDrive(
-        stages=cable_stages(drive, compliance.before_inputs_Nm_rad),
+        stages=cable_stages(drive, inf if play > 0.0 else compliance.before_inputs_Nm_rad),
         turns=turns,
         compliance=compliance,
         motor=_motor(drive, train.motor_idle_Nm),
@@ -81,6 +94,7 @@ def elastic_drive(drive: Drive) -> ElasticDrive:
         drum_friction_Nm=rubs.drum_Nm,
         input_friction_Nm=rubs.inputs_Nm,
         payload_kg_m2=drive.loads.carried.about_axis_kg_m2,
+        play_rad=play,
     )
 
 

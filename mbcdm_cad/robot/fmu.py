@@ -131,12 +131,14 @@ def _parameters(drive: Drive, e: ElasticDrive, listed: tuple[FmuVariable, ...]) 
     routes = drive.layout.routed.routes
     drum = inertias[routes.drum.name]
     drum += sum(inertias[body.name] * body.turns_per_drum**2 for body in routes.passed)
-    drum += sum(inertias[body.name] * body.turns_per_drum**2 for body in routes.inputs)
+    pulleys = [inertias[body.name] * body.turns_per_drum**2 for body in routes.inputs]
+    if e.play_rad == 0.0:
+        drum += sum(pulleys)
     defined: dict[str, str] = {
         "N_VALUES": str(place),
         "N_INPUTS": str(len(e.stages)),
         "N_CABLES": str(len(cables)),
-        "N_ELEMENTS": "(N_INPUTS + 2 + N_CABLES)",
+        "N_PULLEYS": "N_INPUTS" if e.play_rad > 0.0 else "0",
         "VALUES": _braced(start),
         "PRELOADS": _braced(stage.preload_Nm for stage in e.stages),
         "TURNS": _braced(e.turns),
@@ -146,6 +148,9 @@ def _parameters(drive: Drive, e: ElasticDrive, listed: tuple[FmuVariable, ...]) 
         "GEAR_RATIO": _number(e.gear_ratio),
         "ROTOR_INERTIA": _number(e.motor.inertia_kg_m2),
         "DRUM_INERTIA": _number(drum),
+        "PULLEY_INERTIAS": _braced(pulleys),
+        "PLAY": _number(e.play_rad),
+        "CONTACT": _number(e.contact_Nm_rad),
         "BUS_VOLTAGE": _number(e.motor.voltage_V or 0.0),
         "COPPER_PER_K": _number(e.motor.copper_per_K),
         "RATED_AT": _number(e.motor.rated_at_C),

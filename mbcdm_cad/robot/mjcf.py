@@ -6,6 +6,8 @@ Elastic, all at the drum, g the drum's angle less that of an input over its rati
   the input, which slips at its ``frictionloss``, and a spring from it to the drum.
 - The parts behind the cables are a joint between drum and payload; encoders are tendons that take their share of its
   twist. The input's joint is that of the motor, over the gearhead's ratio.
+- Play between motor and input makes the motor a joint of its own in the base, and the parts before the input a tendon
+  between both that carries nothing within the play.
 - Motors are ``dcmotor`` through the gearhead's ratio, commanded by torque; ``frictionloss`` of the joints is the
   friction of bearings, cables and gearheads under the preload.
 
@@ -16,9 +18,11 @@ docs/robot-formats.md.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from math import copysign
 from xml.etree import ElementTree as ET
 
+from mbcdm_cad.parts.placement import Vector
 from mbcdm_cad.robot.elastic import ElasticDrive
 from mbcdm_cad.robot.mechanism import Joint, Link, Mechanism
 from mbcdm_cad.robot.stage import CableStage
@@ -33,6 +37,8 @@ _FIRM = {"solreffriction": "0.001 1", "solimpfriction": "0.9999 0.9999 0.001"}
 _NOSLIP_ITERATIONS = 4
 # Inertia of a slip element over h^2 k: its own mode is then well below the step's.
 _SLIP_INERTIA = 10.0
+# The same of a pulley behind play; stable from 1 on.
+_PULLEY_INERTIA = 2.0
 # A joint's body needs a mass; this one is that of nothing.
 _NOTHING_KG, _NOTHING_KG_M2 = 1e-9, 1e-12
 # A payload's joint without a payload must not be lighter than MuJoCo can accelerate: a tenth of the reference's drum.
@@ -77,10 +83,11 @@ def mjcf(m: Mechanism, elastic: ElasticDrive | None) -> ET.Element:
 def _jointed(base: ET.Element, m: Mechanism, joint: Joint, elastic: ElasticDrive | None) -> ET.Element:
     link = m.link(joint.link)
     body = ET.SubElement(base, "body", name=link.name, pos=numbers(link.origin))
-    friction = joint.friction_Nm
+    friction, armature = joint.friction_Nm, joint.armature
     if elastic and joint.link in m.inputs:
-        i = m.inputs.index(joint.link)
-        friction = elastic.input_friction_Nm[i] + elastic.gear_share * abs(elastic.stages[i].preload_Nm / joint.ratio)
+        friction = _input_friction_Nm(m, elastic, joint)
+        if elastic.play_rad > 0.0:
+            friction, armature = 0.0, _pulley_kg_m2(m, elastic, joint)
     node = ET.SubElement(
         body,
         "joint",
@@ -88,7 +95,7 @@ def _jointed(base: ET.Element, m: Mechanism, joint: Joint, elastic: ElasticDrive
         type="hinge",
         axis=numbers(joint.axis),
         range=numbers(joint.range_rad),
-        armature=numbers([joint.armature]),
+        armature=numbers([armature]),
         frictionloss=numbers([friction]),
         attrib={"ref": numbers([joint.drawn_rad])} if joint.drawn_rad else {},
     )
@@ -96,6 +103,18 @@ def _jointed(base: ET.Element, m: Mechanism, joint: Joint, elastic: ElasticDrive
         node.attrib.update(_FIRM)
     _body(body, link)
     return body
+
+
+def _input_friction_Nm(m: Mechanism, e: ElasticDrive, joint: Joint) -> float:
+    """At an input without that of its motor, the gearhead under the torque of the preload."""
+    i = m.inputs.index(joint.link)
+    return e.input_friction_Nm[i] + e.gear_share * abs(e.stages[i].preload_Nm / joint.ratio)
+
+
+def _pulley_kg_m2(m: Mechanism, e: ElasticDrive, joint: Joint) -> float:
+    """Inertia of an input without its rotor, which MuJoCo's step needs between two springs; the rotor has less then."""
+    cables = e.stages[m.inputs.index(joint.link)].sticking_Nm_rad / joint.ratio**2
+    return _PULLEY_INERTIA * _TIMESTEP_S**2 * (e.contact_Nm_rad + cables)
 
 
 def _body(body: ET.Element, link: Link) -> None:
@@ -116,10 +135,16 @@ def _body(body: ET.Element, link: Link) -> None:
     )
 
 
-def _within(body: ET.Element, name: str, axis: tuple[float, float, float], **joint: str) -> None:
-    """A body of no mass in another, that turns in it about the same axis."""
-    inner = ET.SubElement(body, "body", name=name)
-    ET.SubElement(inner, "joint", name=name, type="hinge", axis=numbers(axis), attrib=joint)
+def _within(
+    body: ET.Element,
+    name: str,
+    axis: tuple[float, float, float],
+    joint: Mapping[str, str],
+    at: Vector = (0.0, 0.0, 0.0),
+) -> None:
+    """A body of no mass in another, that turns in it about this axis."""
+    inner = ET.SubElement(body, "body", name=name, attrib={"pos": numbers(at)} if any(at) else {})
+    ET.SubElement(inner, "joint", name=name, type="hinge", axis=numbers(axis), attrib=dict(joint))
     none = numbers([_NOTHING_KG_M2] * 3)
     ET.SubElement(inner, "inertial", pos="0 0 0", mass=numbers([_NOTHING_KG]), diaginertia=none)
 
@@ -133,13 +158,14 @@ def _elastic(root: ET.Element, m: Mechanism, e: ElasticDrive, bodies: dict[str, 
             bodies[m.drum],
             PAYLOAD,
             drum.axis,
-            armature=numbers([e.payload_kg_m2 + _PAYLOAD_KG_M2]),
-            **_spring(1.0 / give),
+            {"armature": numbers([e.payload_kg_m2 + _PAYLOAD_KG_M2]), **_spring(1.0 / give)},
         )
     held = []
     for stage, name in zip(e.stages, m.inputs, strict=True):
         joint = m.joint(name)
         _stage(tendons, m, stage, joint, bodies[name])
+        if e.play_rad > 0.0:
+            _behind_play(root, tendons, m, e, joint)
         _motor(actuators, e, joint)
         held.append(stage.preload_Nm / abs(joint.ratio) / e.gear_ratio)
     _sensors(root, tendons, m, e)
@@ -163,13 +189,29 @@ def _stage(tendons: ET.Element, m: Mechanism, stage: CableStage, joint: Joint, b
     for k, slip in enumerate(stage.slips, 1):
         name = f"{joint.link}_slip_{k}"
         inertia = _SLIP_INERTIA * _TIMESTEP_S**2 * slip.stiffness_Nm_rad
-        _within(body, name, joint.axis, armature=numbers([inertia]), frictionloss=numbers([slip.limit_Nm]), **_FIRM)
+        own = {"armature": numbers([inertia]), "frictionloss": numbers([slip.limit_Nm]), **_FIRM}
+        _within(body, name, joint.axis, own)
         tendon = ET.SubElement(
             tendons, "fixed", name=name, attrib={**_spring(slip.stiffness_Nm_rad), "springlength": "0"}
         )
         ET.SubElement(tendon, "joint", joint=m.drum, coef="1")
         ET.SubElement(tendon, "joint", joint=joint.link, coef=lever)
         ET.SubElement(tendon, "joint", joint=name, coef="-1")
+
+
+def _behind_play(root: ET.Element, tendons: ET.Element, m: Mechanism, e: ElasticDrive, joint: Joint) -> None:
+    """The motor of an input as a joint of the base at the input's scale, and what it turns the input by."""
+    base = root.find(f"worldbody/body[@name='{BASE_LINK}']")
+    assert base is not None
+    friction = numbers([_input_friction_Nm(m, e, joint)])
+    drawn = {"ref": numbers([joint.drawn_rad])} if joint.drawn_rad else {}
+    rotor = max(joint.armature - _pulley_kg_m2(m, e, joint), 0.5 * joint.armature)
+    name, turned = f"{joint.link}_rotor", {"armature": numbers([rotor]), "frictionloss": friction}
+    _within(base, name, joint.axis, {**turned, **_FIRM, **drawn}, m.link(joint.link).origin)
+    band = {"springlength": numbers([-0.5 * e.play_rad, 0.5 * e.play_rad])}
+    tendon = ET.SubElement(tendons, "fixed", name=f"{joint.link}_play", attrib={**_spring(e.contact_Nm_rad), **band})
+    ET.SubElement(tendon, "joint", joint=name, coef="1")
+    ET.SubElement(tendon, "joint", joint=joint.link, coef="-1")
 
 
 def _motor(actuators: ET.Element, e: ElasticDrive, joint: Joint) -> None:
@@ -180,7 +222,7 @@ def _motor(actuators: ET.Element, e: ElasticDrive, joint: Joint) -> None:
         actuators,
         "dcmotor",
         name=f"{joint.link}_motor",
-        joint=joint.link,
+        joint=f"{joint.link}_rotor" if e.play_rad > 0.0 else joint.link,
         gear=numbers([copysign(e.gear_ratio, joint.ratio)]),
         input="ff",
         motorconst=numbers([motor.constant_Nm_A, motor.constant_Nm_A]),
@@ -209,7 +251,9 @@ def _sensors(root: ET.Element, tendons: ET.Element, m: Mechanism, e: ElasticDriv
     sensor("payload_angle", m.drum, 1.0)
     for name, share in zip(m.inputs, e.input_shares, strict=True):
         # 1 N m on the payload, which turns it back by the whole, holds the pulley back by the part before it.
-        back = copysign(share / at.before_inputs_Nm_rad / give, m.joint(name).ratio) if give else 0.0
+        # Behind its play the motor has a joint of its own, and the input's is that of the pulley.
+        whole = give > 0.0 and e.play_rad == 0.0
+        back = copysign(share / at.before_inputs_Nm_rad / give, m.joint(name).ratio) if whole else 0.0
         sensor(f"{name}_encoder", name, back)
 
 
@@ -222,4 +266,8 @@ def _rest(m: Mechanism, e: ElasticDrive) -> list[float]:
             found.append(0.0)
         if joint.link in m.inputs:
             found += [0.0] * len(e.stages[m.inputs.index(joint.link)].slips)
+    for stage, name in zip(e.stages, m.inputs, strict=True) if e.play_rad > 0.0 else ():
+        torque = stage.preload_Nm / m.joint(name).ratio
+        twist = torque / e.contact_Nm_rad + (copysign(0.5 * e.play_rad, torque) if torque else 0.0)
+        found.append(m.joint(name).drawn_rad + twist)
     return found

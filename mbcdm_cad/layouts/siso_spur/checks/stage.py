@@ -15,6 +15,7 @@ from mbcdm_cad.checks.geometry import HOLE_WEB_MM
 from mbcdm_cad.checks.remedies import rounded
 from mbcdm_cad.design.stage import SERVICE, TEETH_IN_MESH, WHEEL_WALL_MM
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
+from mbcdm_cad.layouts.structure import input_play_rad, lash_rad
 from mbcdm_cad.parts.collar import collar_sweep_mm
 from mbcdm_cad.parts.stage import StageDims
 
@@ -155,8 +156,8 @@ def journal(s: SpurLayout) -> Comparison:
 
 def lash(s: SpurLayout) -> Comparison:
     """Turn of the drum by the stage's play. Encoders on the inputs see it; motors' own encoders do not."""
-    play, turn = _of(s).stage.lash_rad, s.loads.test_urad_Nm * 1e-3 * s.drive.loads.test_torque_Nm
-    found, arcmin = play / s.drive.total_ratio * 1e3, degrees(play) * 60
+    arcmin = degrees(input_play_rad(s.drive, motors_held=True)) * 60
+    found, turn = lash_rad(s.drive, motors_held=True) * 1e3, s.loads.test_urad_Nm * 1e-3 * s.drive.loads.test_torque_Nm
     what = f"turn of the drum by {arcmin:.3g} arcmin of play at the input, motors held"
     if s.drive.encoder.absent:
         return at_most(

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
 
 from mbcdm_cad.checks.run import run_check
+from mbcdm_cad.design.bought import NO_ENCODER
 from mbcdm_cad.design.stage import BELTS, Stage, StageBlock, stage_of
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.check_design import run_checks
@@ -20,6 +21,7 @@ from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.layouts.siso_spur.checks.stage import SERVICE, lewis_factor
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
+from mbcdm_cad.layouts.turns import turns_of
 from mbcdm_cad.measurement.parts import parts_seen
 from mbcdm_cad.measurement.schema import CountedParts
 from mbcdm_cad.parts.stage import Belt, Wheel
@@ -214,3 +216,22 @@ def test_other_kind_and_other_layouts_are_refused_with_a_remedy() -> None:
         text += f"transmission: {{{ratio}{radius}}}\nstage: {BELT}\n"
         with pytest.raises(InputError, match="siso_spur or miso_spur"):
             load_text(text)
+
+
+@pytest.mark.parametrize("encoder", [True, False])
+def test_its_play_turns_the_drum_where_no_sensor_sees_it(encoder: bool) -> None:
+    """The drum's play is the input's over the ratio: all of the difference between a stage with and without play."""
+    given, loads = drive(GEARS), ("payload", "drum_encoder", "motors_held")
+    if not encoder:
+        given = replace(given, encoder=replace(given.encoder, name=NO_ENCODER))
+    assert given.stage is not None and given.encoder.absent is not encoder
+
+    def swings(arcmin: float) -> dict[str, float]:
+        at = turns_of(replace(given, stage=replace(given.stage, stated_lash_arcmin=arcmin)).layout, 0.6)
+        return {name: getattr(at, name).swing_mrad for name in loads} | {"turn": at.motors_held.turn_mrad}
+
+    loose, tight = swings(20.0), swings(0.0)
+    play = radians(20.0 / 60.0) / 8.0 * 1e3
+    wanted = {"payload": 0.0, "drum_encoder": 0.0} if encoder else {"payload": play, "drum_encoder": play}
+    wanted |= {"motors_held": play, "turn": play / 2}
+    assert {name: loose[name] - tight[name] for name in wanted} == pytest.approx(wanted, abs=1e-9)
