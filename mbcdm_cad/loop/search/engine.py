@@ -25,7 +25,7 @@ from mbcdm_cad.loop.search.scatter import Scatter, hangs_on
 from mbcdm_cad.loop.search.select import Search
 from mbcdm_cad.loop.search.timing import time_interval_s
 from mbcdm_cad.loop.search.trial_fits import located
-from mbcdm_cad.loop.search.verdict import Judge
+from mbcdm_cad.loop.search.verdict import ZERO_CHANCE, Judge
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.measurement.vet import arranged
 from mbcdm_cad.model.si import DriveSI, to_si
@@ -99,17 +99,19 @@ class _Loop:
     def result(self) -> LoopResult:
         """Search, try alternatives, judge."""
         fit, groups, unknown = self.judge.judged()
-        judged, bare = fit, self.bare
-        if self.whole is not self.fitter:
-            bare = self.whole.fit(offsets=self.bare.offsets)
-            # A single event may lie in a part that the search did not use.
-            judged = located(self.whole, fit) or self.whole.fit(fit.effects, fit.values, fit.offsets)
-            unknown = unknown or self.judge.left(judged, self.whole)
-        whole = self.whole.fit(
-            judged.effects, judged.values, judged.offsets, mask=self.whole.used, slopes=judged.jacobian, fresh=False
-        )
+        while True:
+            bare, judged = self._on_all(fit)
+            if judged is not fit:
+                unknown = unknown or self.judge.left(judged, self.whole)
+            whole = self.whole.fit(
+                judged.effects, judged.values, judged.offsets, mask=self.whole.used, slopes=judged.jacobian, fresh=False
+            )
+            windows = self.judge.shift_by_window(fit) if groups else []
+            open_ = next((g for g in groups if self._may_be_zero(g.effect, fit, whole, windows)), None)
+            if open_ is None:
+                break
+            fit, groups, unknown = self.judge.taken_back(open_, fit, groups)
         named, sets = [], []
-        windows = self.judge.shift_by_window(fit) if groups else []
         for group in groups:
             first = replace(self._named(group.effect, fit, whole, windows), equivalent=group.forms)
             others = tuple(self._other(one) for one in group.alike)
@@ -157,6 +159,23 @@ class _Loop:
             own=self._own(fit, whole),
         )
 
+    def _on_all(self, fit: Fit) -> tuple[Fit, Fit]:
+        """Fits without effects and with those of ``fit``, with all samples of the runs at hand."""
+        if self.whole is self.fitter:
+            return self.bare, fit
+        found = self.whole.fit(fit.effects, fit.values, fit.offsets)
+        if any(effect.once for effect in fit.effects):
+            # A single event may lie in a part that the search did not use. Of two, one may hide the time of the other.
+            found = min(filter(None, (found, located(self.whole, fit))), key=lambda one: one.square)
+        return self.whole.fit(offsets=self.bare.offsets), found
+
+    def _may_be_zero(self, effect: Effect, fit: Fit, whole: Fit, windows: Sequence[Floats]) -> bool:
+        """Whether the interval of an effect's size, from all data, contains zero."""
+        if effect.saturates:
+            return False
+        shift = windows[fit.effects.index(effect)]
+        return self.judge.chance_of_zero(whole, effect, shift, self.whole) > ZERO_CHANCE
+
     def _own(self, fit: Fit, whole: Fit) -> tuple[Differing, ...]:
         """What runs have for themselves."""
         if not any(self.differs):
@@ -183,8 +202,10 @@ class _Loop:
         if len(named) < 2:
             return list(named)
         covariance = self.judge.covariance(whole, self.whole)
+        known = np.isfinite(covariance) & np.isfinite(np.diag(covariance)) & np.isfinite(np.diag(covariance))[:, None]
+        covariance = np.where(known, covariance, 0.0)
         size = np.sqrt(np.where(np.diag(covariance) > 0.0, np.diag(covariance), np.inf))
-        joint = np.nan_to_num(covariance / np.outer(size, size))
+        joint = covariance / np.outer(size, size)
         columns = [whole.columns_of(effect) for effect in effects]
         found = []
         for k, one in enumerate(named):

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import reduce
 
 import numpy as np
 from scipy.stats import chi2
@@ -169,7 +170,9 @@ class Judge(ClassOfSensor):
         full = fit
         while groups:
             rms = self.search.held_rms(fit)
-            falls = [self.search.held_rms(self.search.without(fit, g.effect)) ** 2 - rms**2 for g in groups]
+            # Of two that cancel each other, neither explains more than both do together.
+            most = self._without_all(fit, groups) ** 2 - rms**2
+            falls = [min(most, self.search.held_rms(self.search.without(fit, g.effect)) ** 2 - rms**2) for g in groups]
             least = int(np.argmin(falls))
             if self._unexplained(fit, unknown) < BLAME_SHARE * np.sqrt(max(0.0, falls[least])):
                 break
@@ -193,6 +196,10 @@ class Judge(ClassOfSensor):
         if together and explained > MOST_OF * above:
             return full, groups, self.left(full) or unknown
         return fit, groups, unknown
+
+    def _without_all(self, fit: Fit, groups: tuple[Group, ...]) -> float:
+        """Held-out RMS without any of the named effects, rad."""
+        return self.search.held_rms(reduce(self.search.without, (g.effect for g in groups), fit))
 
     def _in_best_form(self, fit: Fit, groups: tuple[Group, ...]) -> tuple[Fit, tuple[Group, ...]]:
         """The last effect that is left, in the form that fits best without those that were withdrawn.
@@ -219,6 +226,16 @@ class Judge(ClassOfSensor):
         wrong = float(t_distribution.sf(float(np.mean(falls)) / error, falls.size - 1)) if error > 0.0 else 0.5
         return (1.0 - wrong) / max(wrong, 1e-12)
 
+    def taken_back(
+        self, group: Group, fit: Fit, groups: tuple[Group, ...]
+    ) -> tuple[Fit, tuple[Group, ...], Unknown | None]:
+        """Fit, effects and unexplained part without an effect whose size all data together do not tell from zero."""
+        self.search.give_back("may be zero", group.effect, fit)
+        fit = self.search.without(fit, group.effect)
+        groups = tuple(one for one in groups if one is not group)
+        unknown = self.left(fit)
+        return (fit, groups, None) if unknown is None else self._unblamed(fit, groups, unknown)
+
     def _certain(self, fit: Fit, groups: tuple[Group, ...]) -> tuple[Fit, tuple[Group, ...]]:
         """Withdraw names whose sizes may be zero: by their scatter over sweeps and sectors, and with other windows."""
         while groups:
@@ -226,8 +243,7 @@ class Judge(ClassOfSensor):
             chances = []
             for group in groups:
                 shift = windows[fit.effects.index(group.effect)]
-                strength = self._strength(fit, group, shift)
-                chance = float(chi2.sf(strength, sum(p.role == "size" for p in group.effect.parameters)))
+                chance = self.chance_of_zero(fit, group.effect, shift, self.fitter)
                 # Scatter says nothing of a size without a slope, or beside an uncertain time of an event.
                 if group.effect.saturates or group.effect.once:
                     without = self.search.without(fit, group.effect)
@@ -244,7 +260,8 @@ class Judge(ClassOfSensor):
     def _bounded(self, fit: Fit, groups: tuple[Group, ...]) -> tuple[Fit, tuple[Group, ...]]:
         """Withdraw names that another of the effects cancels, and events whose time the data do not tell."""
         while groups:
-            cancelled = [self._cancelled(fit, g.effect) if self._strength(fit, g) < SURE**2 else 0.0 for g in groups]
+            unsure = [self._strength(fit, g.effect, 0.0, self.fitter) < SURE**2 for g in groups]
+            cancelled = [self._cancelled(fit, g.effect) if u else 0.0 for g, u in zip(groups, unsure, strict=True)]
             worst = groups[int(np.argmax(cancelled))]
             why = "cancelled by another effect"
             if max(cancelled) <= CANCELS:
@@ -257,12 +274,17 @@ class Judge(ClassOfSensor):
             groups = tuple(group for group in groups if group is not worst)
         return fit, groups
 
-    def _strength(self, fit: Fit, group: Group, shift: Floats | float = 0.0) -> float:
+    def chance_of_zero(self, fit: Fit, effect: Effect, shift: Floats | float, fitter: Fitter) -> float:
+        """Probability of such sizes of an effect if they are zero; ``fit`` is one of ``fitter``."""
+        sizes = sum(p.role == "size" for p in effect.parameters)
+        return float(chi2.sf(self._strength(fit, effect, shift, fitter), sizes))
+
+    def _strength(self, fit: Fit, effect: Effect, shift: Floats | float, fitter: Fitter) -> float:
         """Square of an effect's sizes over their standard errors, which ``shift`` (other windows) makes wider."""
-        sizes = [k for k, p in enumerate(group.effect.parameters) if p.role == "size"]
-        values = fit.values_of(group.effect)
+        sizes = [k for k, p in enumerate(effect.parameters) if p.role == "size"]
+        values = fit.values_of(effect)
         wider = np.diag(np.broadcast_to((shift / INTERVAL) ** 2, values.shape))
-        block = self.spread(fit, group.effect, self.fitter) + wider
+        block = self.spread(fit, effect, fitter) + wider
         inverse = np.linalg.pinv(block[np.ix_(sizes, sizes)], hermitian=True)
         return float(values[sizes] @ inverse @ values[sizes])
 

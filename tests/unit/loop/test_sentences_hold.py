@@ -87,6 +87,9 @@ def untrue(result: LoopResult) -> list[str]:
         hold(f"{named.words} in the sentence", f"{named.words} [" in result.sentence)
         for figure, value in named.parameters.items():
             hold(f"{figure} within its interval", value.low <= value.value <= value.high)
+        size = next(iter(named.parameters.values()))
+        if len(named.parameters) == 1 or named.name == "change":
+            hold(f"{named.words} is not zero", not size.low <= 0.0 <= size.high)
     if said := re.search(r"held-out error ([\d.e+-]+ \w+) RMS before, ([\d.e+-]+ \w+) after", result.sentence):
         shown = readable("_rad", [e.before.value, e.after.value, e.floor_rad])[1]
         hold("errors of the sentence", list(said.groups()) == shown[:2])
