@@ -125,11 +125,26 @@ SECOND_CABLE_STAGE = (
 )
 
 
+# Words of the layouts with parallel axes, and why the others have none.
+_WITH_PARALLEL_AXES: dict[FieldPath, str] = {
+    (
+        "idlers",
+    ): "idlers lead a cable from one parallel axis to another; where axes cross, the cable changes from pulley "
+    "to pulley at one point of their common pitch line, which idlers would move; choose configuration: siso_spur or "
+    "miso_spur",
+    ("input_pulleys", "carried_by"): "where axes cross, the pulley's step must stay on the pitch line, within the "
+    "tolerance of its transfer points, and a motor's shaft that bends would take it away: it has a bearing at both ends; "
+    "choose configuration: siso_spur or miso_spur",
+}
+
+
 def _unknown_remedy(path: FieldPath, node_at: NodeAt) -> str:
     """The similar field, or the block beside or within that has a field of this name."""
     known = (node_at(path[:-1]) or {}).get("properties", {})
     if path in _SECOND_CABLE_STAGE:
         return SECOND_CABLE_STAGE
+    if path in _WITH_PARALLEL_AXES:
+        return _WITH_PARALLEL_AXES[path]
     for block in known:
         node = node_at((*path[:-1], block)) or {}
         if path[-1] in node.get("properties", {}):

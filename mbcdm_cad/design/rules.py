@@ -125,7 +125,7 @@ def _servo(design: Design, motor: Motor) -> Iterator[Broken]:
             "the horn of a servo carries the input pulley, which then has no bearings",
             motor.name,
             "input_pulleys.carried_by: motor",
-            "set input_pulleys.carried_by to motor, in configuration siso_spur",
+            "set input_pulleys.carried_by to motor, in configuration siso_spur or miso_spur",
         )
 
 

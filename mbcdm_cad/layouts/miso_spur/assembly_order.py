@@ -10,6 +10,7 @@ from mbcdm_cad.layouts.siso_spur.assembly_order import (
     boss_step,
     encoder_step,
     ends_words,
+    idler_steps,
     input_steps,
     key,
     numbered,
@@ -35,8 +36,9 @@ def assembly_order(layout: RoundDrumLayout) -> tuple[AssemblyStep, ...]:
     return (
         _cut(layout),
         boss_step(layout.units[0], drive.n_inputs, (*flanges, *mounts)),
-        *(encoder_step(unit) for unit in layout.units),
+        *(encoder_step(unit) for unit in layout.units if not drive.overhung),
         *(step for unit in layout.units for step in input_steps(unit, f"_{unit.drive.input_names[0]}")),
+        *(step for unit in layout.units for step in idler_steps(unit, f"_{unit.drive.input_names[0]}")),
         AssemblyStep(
             f"Screw the frame to its base with {len(layout.frame.mounts) * drive.n_inputs} {layout.mounting.name} from "
             "behind, into the plate's threads."

@@ -11,13 +11,16 @@ from mbcdm_cad.layouts.miso_spur.support.parts import Star
 from mbcdm_cad.layouts.siso_spur.bill import (
     ALONG_Y,
     add_drum_bearings,
+    add_idlers,
     add_own_input,
     add_own_stage,
     add_stop_pin,
+    idler_bodies,
     input_bodies,
     tapped,
 )
 from mbcdm_cad.parts.bill import Bill, BillBuilder, MovingBody
+from mbcdm_cad.parts.bought.train import add_horn
 from mbcdm_cad.parts.drum_sector.items import add_cables, add_drum_encoder, add_output, add_terminals, drilled_drum
 from mbcdm_cad.parts.drum_sector.part import DrumSector
 from mbcdm_cad.parts.input_pulley.items import add_input_pulley
@@ -31,8 +34,9 @@ def moving_bodies(lay: RoundDrumLayout) -> tuple[MovingBody, ...]:
     """Drum about +Y and inputs about -Y: theta_i = theta_o r_o/r_i."""
     drive = lay.drive
     bodies = [MovingBody("drum", "drum", (0.0, 0.0, 0.0), _Y)]
-    each = [input_bodies(drive, name, angle) for name, angle in zip(drive.input_names, drive.angles_rad, strict=True)]
-    return *bodies, *(body for of_input in each for body in of_input)
+    for unit, angle in zip(lay.units, drive.angles_rad, strict=True):
+        bodies += [*idler_bodies(unit, angle), *input_bodies(unit.drive, unit.drive.input_names[0], angle)]
+    return tuple(bodies)
 
 
 def _sectors(b: BillBuilder, lay: RoundDrumLayout, drive: RoundDrumDrive, turns: list[Placement]) -> None:
@@ -77,10 +81,15 @@ def bill(lay: RoundDrumLayout, drum_angle_deg: float = 0.0) -> Bill:
     add_drum_encoder(b, drive, frame.boss.encoder_pocket_floor_y, frame.boss.screw_circle)
     for unit, turn in zip(lay.units, turns, strict=True):
         add_own_input(b, unit, turn, f"_{unit.drive.input_names[0]}")
+        if drive.idlers:
+            add_idlers(b, unit, turn, f"_{unit.drive.input_names[0]}")
     _sectors(b, lay, drive, turns)
     for pulley, turn in zip(lay.inputs, turns, strict=True):
         add_input_pulley(b, drive, pulley, lay.collar, drive.frame_material, turn @ ALONG_Y)
     for unit, turn in zip(lay.units, turns, strict=True):
         add_own_stage(b, unit, unit.inputs[0], turn)
+        if drive.servo is not None:
+            name = unit.inputs[0].name
+            add_horn(b, drive, drive.servo, name, turn @ ALONG_Y, unit.levels.motor_shelf_bottom_z)
     add_cables(b, drive, lay.cable_paths(radians(drum_angle_deg)))
     return b.bill()

@@ -12,6 +12,7 @@ from mbcdm_cad.layouts.base import Conventions, dimensions
 from mbcdm_cad.layouts.miso_spur.drive import RoundDrumDrive
 from mbcdm_cad.layouts.miso_spur.support.dims import StarDims
 from mbcdm_cad.layouts.siso_spur.cable_path import side_length_mm
+from mbcdm_cad.layouts.siso_spur.drive import SpurRun
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.stack import SpurStack, spur_stack
 from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims
@@ -19,6 +20,7 @@ from mbcdm_cad.parts.collar import CollarDims
 from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.drum_sector.dims import SET_SCREW_ANGLES_DEG, DrumDims, HubDowels
 from mbcdm_cad.parts.drum_shaft import DrumShaftDims, PreloadSpringDims
+from mbcdm_cad.parts.idler_pulley import IdlerDims
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 from mbcdm_cad.parts.motor_head.dims import HeadDims
 from mbcdm_cad.parts.terminal.part import Tensioner
@@ -65,6 +67,16 @@ class RoundDrumLayout(SpurLayout):
     def units(self) -> tuple[SpurLayout, ...]:
         """Dimensions of each input, as of the first, turned so that it is above the drum; few checks need them."""
         return self.first, *(SpurLayout(self.drive.unit(k)) for k in range(1, self.drive.n_inputs))
+
+    @property
+    def arms(self) -> tuple[SpurLayout, ...]:
+        """See the base class."""
+        return self.units
+
+    @dimensions
+    def idlers(self) -> tuple[tuple[str, IdlerDims, tuple[SpurRun, int]], ...]:
+        """Those of all inputs."""
+        return tuple(each for unit in self.units for each in unit.idlers) if self.drive.idlers else ()
 
     @dimensions
     def drum(self) -> DrumDims:

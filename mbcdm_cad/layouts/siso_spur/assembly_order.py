@@ -22,11 +22,11 @@ from mbcdm_cad.parts.terminal.instructions import making_words, terminal_steps
 
 def assembly_order(layout: SpurLayout) -> tuple[AssemblyStep, ...]:
     """Steps with the sizes of this design. Each item is added in one step; each screw is accessible in its step."""
-    return (*_frame(layout), *input_steps(layout), *_idlers(layout), _base(layout), *_drum(layout))
+    return (*_frame(layout), *input_steps(layout), *idler_steps(layout), _base(layout), *_drum(layout))
 
 
-def _idlers(layout: SpurLayout) -> tuple[AssemblyStep, ...]:
-    """Each pair on its axles before the plate, the cables led between, and the strap over both."""
+def idler_steps(layout: SpurLayout, mark: str = "") -> tuple[AssemblyStep, ...]:
+    """Each pair on its axles, the cables led between, and the strap over both; ``mark`` as in the bill."""
     drive, screw, found = layout.drive, strap_screw(layout.drive).name, []
     for n in range(len(layout.frame.stands)):
         tags = [body.removeprefix("idler_") for body, _, (_, number) in layout.idlers if number == n]
@@ -40,8 +40,8 @@ def _idlers(layout: SpurLayout) -> tuple[AssemblyStep, ...]:
                 f"(2 x {screw}, {key(layout, screw)}). The idlers turn freely, with a little play along the axle.",
                 (
                     *(f"{kind}_{tag}" for tag in tags for kind in kinds),
-                    f"idler_strap_{n + 1}",
-                    *numbered(f"idler_strap_screw_{n + 1}", 2),
+                    f"idler_strap{mark}_{n + 1}",
+                    *numbered(f"idler_strap_screw{mark}_{n + 1}", 2),
                 ),
             )
         )

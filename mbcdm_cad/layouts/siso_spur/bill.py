@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from math import cos, radians, sin
 
@@ -43,18 +44,17 @@ _TO_BACK = Placement.about(_X, 90.0)
 def moving_bodies(lay: SpurLayout) -> tuple[MovingBody, ...]:
     """Drum about +Y, idlers about +Y against it, input about -Y: theta_i = theta_o r_o/r_i."""
     drive = lay.drive
-    passed = (
-        MovingBody(
-            body,
-            "passed",
-            _idler_axis(drive, cable, n),
-            _Y,
-            SENSE * drive.drum_radius_mm,
-            drive.leading.radius_mm,
-        )
-        for body, _, (cable, n) in (lay.idlers if drive.idlers else ())
-    )
-    return MovingBody("drum", "drum", (0.0, 0.0, 0.0), _Y), *passed, *input_bodies(drive, drive.input_names[0], 0.0)
+    inputs = input_bodies(drive, drive.input_names[0], 0.0)
+    return MovingBody("drum", "drum", (0.0, 0.0, 0.0), _Y), *idler_bodies(lay, 0.0), *inputs
+
+
+def idler_bodies(lay: SpurLayout, angle_rad: float) -> Iterator[MovingBody]:
+    """The idlers of an input at this angle about Y, from +Z towards +X."""
+    drive = lay.drive
+    for body, _, (cable, n) in lay.idlers if drive.idlers else ():
+        x, _, z = _idler_axis(drive, cable, n)
+        at = x * cos(angle_rad) + z * sin(angle_rad), 0.0, z * cos(angle_rad) - x * sin(angle_rad)
+        yield MovingBody(body, "passed", at, _Y, SENSE * drive.drum_radius_mm, drive.leading.radius_mm)
 
 
 def input_bodies(drive: SpurDrive, name: str, angle_rad: float) -> tuple[MovingBody, ...]:
@@ -185,13 +185,16 @@ def add_own_stage(b: BillBuilder, lay: SpurLayout, pulley: InputPulleyDims, turn
         )
 
 
-def add_idlers(b: BillBuilder, lay: SpurLayout) -> None:
-    """Idlers with their bearings, which turn with them, axles and spacers, and the straps with their screws."""
+def add_idlers(b: BillBuilder, lay: SpurLayout, turn: Placement, mark: str = "") -> None:
+    """Idlers with their bearings, which turn with them, axles and spacers, and the straps with their screws.
+
+    ``turn`` and ``mark`` as for the input's fixed items.
+    """
     drive, spec, steel = lay.drive, lay.drive.idler_bearing, lay.drive.material("steel")
     screw, ring = strap_screw(drive), drive.material("bearing-steel")
     for body, own, (cable, n) in lay.idlers:
         x, _, z = _idler_axis(drive, cable, n)
-        axle, where = lay.axle_of(own, n), _at(x, 0.0, z) @ ALONG_Y
+        axle, where = lay.axle_of(own, n), turn @ _at(x, 0.0, z) @ ALONG_Y
         tag = body.removeprefix("idler_")
         b.add(f"idler_axle_{tag}", Axle(axle, "Idler axle"), material=drive.shaft_material, place=where)
         b.add(body, IdlerPulley(own, "Idler"), material=drive.drum_material, group=body, place=ALONG_Y)
@@ -199,10 +202,10 @@ def add_idlers(b: BillBuilder, lay: SpurLayout) -> None:
         b.bearing(f"idler_bearing_front_{tag}", spec, ring, _at(0.0, own.top_z - spec.width_mm, 0.0) @ ALONG_Y, body)
         b.add(f"idler_spacer_{tag}", Spacer(axle, "Idler spacer"), material=drive.shaft_material, place=where)
     for n, stand in enumerate(lay.frame.stands, 1):
-        b.add(f"idler_strap_{n}", Strap(stand), material=drive.frame_material)
+        b.add(f"idler_strap{mark}_{n}", Strap(stand), material=drive.frame_material, place=turn)
         for k, side in enumerate((-1, 1), 1):
-            place = _at(side * stand.screw_x, stand.strap_front_y, stand.screw_z) @ ALONG_Y
-            b.screw(f"idler_strap_screw_{n}_{k}", screw, steel, place)
+            place = turn @ _at(side * stand.screw_x, stand.strap_front_y, stand.screw_z) @ ALONG_Y
+            b.screw(f"idler_strap_screw{mark}_{n}_{k}", screw, steel, place)
 
 
 def bill(lay: SpurLayout, drum_angle_deg: float = 0.0) -> Bill:
@@ -214,7 +217,7 @@ def bill(lay: SpurLayout, drum_angle_deg: float = 0.0) -> Bill:
     add_drum_bearings(b, lay)
     add_own_input(b, lay, Placement.identity())
     if drive.idlers:
-        add_idlers(b, lay)
+        add_idlers(b, lay, Placement.identity())
     add_drum_encoder(b, drive, f.boss.encoder_pocket_floor_y, f.boss.screw_circle)
     add_drum(b, drive, lay.drum, lay.drum_shaft)
     for pulley in lay.inputs:

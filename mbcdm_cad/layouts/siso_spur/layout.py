@@ -128,6 +128,11 @@ class SpurLayout(HeadLayout):
     drive: SpurDrive
     steps: tuple[SpurRun, ...]
 
+    @property
+    def arms(self) -> tuple[SpurLayout, ...]:
+        """Each input with its cable and sector as a drive of this layout, the input above the drum."""
+        return (self,)
+
     def refuse_impossible(self) -> None:
         """Refuses pulleys that overlap."""
         self.terminal_way  # noqa: B018 - raises where there is none
@@ -290,9 +295,11 @@ class SpurLayout(HeadLayout):
         from mbcdm_cad.model.structure.shafts import Section
 
         material = elastic(self.drive.shaft_material)
-        for body, own, (_, n) in self.idlers:
-            supports, spec = self.axle_supports_mm(n), self.drive.idler_bearing
-            section = Section(*supports, self.frame.stands[n].axle_radius)
+        spec = self.drive.idler_bearing if self.drive.idlers else None
+        for arm, (body, own, (_, n)) in ((one, each) for one in self.arms for each in one.idlers):
+            assert spec is not None
+            supports = arm.axle_supports_mm(n)
+            section = Section(*supports, arm.frame.stands[n].axle_radius)
             yield from axle_causes(self, body, unit_tension_N, supports, (spec, own.bearings_mm), section, material)
 
     def tensioned_lengths_mm(self) -> Sequence[float]:

@@ -225,7 +225,8 @@ def overhung_pulley(drive: SpurDrive, levels: PulleyLevels, plain: InputPulleyDi
         bore_top_z=bore_end_z_mm(drive, levels),
         slit_width=0.0,
         slit_top_z=bottom,
-        hub=SetHub(screw.name, screw.thread_mm, levels.land_bottom_z - hub_length_mm(drive) / 2),
+        # Of a pulley further along the drum's axis as near to the motor as with the first, where its shaft is.
+        hub=SetHub(screw.name, screw.thread_mm, levels.land_bottom_z - drive.level_mm - hub_length_mm(drive) / 2),
     )
 
 

@@ -38,7 +38,7 @@ class SpurGeometry:
 
     ``angle_rad`` and ``level_m`` (n_inputs,): position of each input, about Y from +Z towards +X, and along Y.
     ``apart_m``: half the distance along Y at which two anchored cables leave an input; None for a continuous cable.
-    ``idlers``: x and z in m of those of the side +x from the input on.
+    ``idlers``: x and z in m of those of the side +x from the input on, with that input at +Z.
     """
 
     cable_names: tuple[str, ...]
@@ -150,8 +150,10 @@ class SpurGeometry:
         for n in range(len(self.idlers), 0, -1):
             x, z = self.idlers[n - 1]
             for j, cable in enumerate(self.cable_names):
+                angle = self.angle_rad[self.input_of[j]]
                 turns = SENSE * float(parameters[DRUM_RADIUS][j] / parameters[IDLER_RADIUS][j])
-                yield Body(idler_body(n, cable), "passed", (self.drum_side[j] * x, 0.0, z), _Y, _Z, turns)
+                at, out = _turned(angle, self.drum_side[j] * x, z), _turned(angle, 0.0, 1.0)
+                yield Body(idler_body(n, cable), "passed", at, _Y, out, turns)
 
     def _led_side(self, parameters: Mapping[str, Floats], j: int, found: Strand) -> CableRoute:
         """A side over its idlers; it rises along Y by its slope, on all its way."""
@@ -186,7 +188,7 @@ class SpurGeometry:
 
     def _direction(self, side: int, found: Strand, span: int, j: int) -> tuple[float, float, float]:
         heading = float(found.heading[span, j])
-        return side * sin(heading), 0.0, cos(heading)
+        return _turned(self.angle_rad[self.input_of[j]], side * sin(heading), cos(heading))
 
     def _side(self, parameters: Mapping[str, Floats], j: int, free_m: float) -> CableRoute:
         i, side = self.input_of[j], self.drum_side[j]
@@ -203,8 +205,7 @@ class SpurGeometry:
         leave = level + self.outward[j] * apart
         land = leave + rises * self.lead_m / (2 * np.pi * r_i) * free_m
         # Towards the drum from an input at z = L, turned about Y to where this one stands.
-        across, down = side * cosine, -sine
-        along = (across * cos(angle) + down * sin(angle), 0.0, down * cos(angle) - across * sin(angle))
+        along = _turned(angle, side * cosine, -sine)
         pieces = (
             Anchor(name),
             # Heights count along the input's own axis, -Y.
@@ -214,6 +215,11 @@ class SpurGeometry:
             Terminal(DRUM),
         )
         return CableRoute(self.cable_names[j], input_name, self.sense[j], pieces)
+
+
+def _turned(angle_rad: float, x: float, z: float) -> tuple[float, float, float]:
+    """A vector given with its input above the drum, where the input stands at this angle from +Z towards +X."""
+    return x * cos(angle_rad) + z * sin(angle_rad), 0.0, z * cos(angle_rad) - x * sin(angle_rad)
 
 
 def routed(drive: SpurDrive) -> RoutedDrive:

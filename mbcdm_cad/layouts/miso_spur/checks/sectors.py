@@ -111,6 +111,10 @@ def heads_apart(s: RoundDrumLayout) -> Comparison:
     # Two opposite heads have the drum's axis between them.
     heads = flange_low if half >= pi / 2 else flange_low * tan(half) - f.half_width
     found = [at_least("motor heads of neighbours, half the way between them", heads, 0.0, "mm")]
+    if half < pi / 2:
+        what, running = "idlers from those of the next arm, half the way between them", s.drive.clearances.running_mm
+        for stand in f.stands:
+            found.append(at_least(what, stand.low_z * tan(half) - stand.half_width, running / 2, "mm"))
     for x, z in f.mounts:
         room = hypot(x, z) if half >= pi / 2 else z * tan(half) - abs(x)
         found.append(

@@ -52,16 +52,17 @@ def _holes(d: StarDims) -> tuple[Holes, ...]:
 
 
 def _arms(d: StarDims) -> Table:
-    rows = []
+    first, rows = d.arms[0], []
+    has_shelf = first.motor is None
     for n, (arm, angle) in enumerate(zip(d.arms, d.angles_deg, strict=True), 1):
         v = arm.levels
         back = v.plate_back_y
-        rows.append((str(n), mm(angle), mm3(v.top_plate_bottom_z - back), mm3(v.top_plate_top_z - back)))
-    return Table(
-        "Arms: equal except for the shelf, from the plate's back",
-        ("Arm", "deg from Z to X", "shelf from", "to"),
-        tuple(rows),
-    )
+        shelf = (mm3(v.top_plate_bottom_z - back), mm3(v.top_plate_top_z - back)) if has_shelf else ()
+        rows.append((str(n), mm(angle), *shelf, *(mm3(stand.strap_back_y - back) for stand in arm.stands)))
+    posts = tuple(f"posts {n} to" for n in range(1, len(first.stands) + 1))
+    parts = [*(["the shelf"] if has_shelf else []), *(["the idlers' posts"] if posts else [])]
+    title = f"Arms: equal except for {' and '.join(parts)}, from the plate's back" if parts else "Arms: equal"
+    return Table(title, ("Arm", "deg from Z to X", *(("shelf from", "to") if has_shelf else ()), *posts), tuple(rows))
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from mbcdm_cad.checks.fixings import FRICTION, SLIP_SAFETY, STRESS_SAFETY, bent_
 from mbcdm_cad.layouts.siso_spur.idlers import flange_radius_mm
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.stack import FLANGE_MM
-from mbcdm_cad.layouts.siso_spur.support.idlers import strap_screw
+from mbcdm_cad.layouts.siso_spur.support.idlers import StandDims, strap_screw
 from mbcdm_cad.model.losses.friction import BEARING_START, bearing_torque_Nm
 from mbcdm_cad.model.tensioning import plucked_Hz
 from mbcdm_cad.parts.idler_pulley import IdlerDims
@@ -78,13 +78,13 @@ def walk(s: SpurLayout) -> Comparison:
     )
 
 
-def bearing_forces_N(s: SpurLayout) -> list[tuple[str, IdlerDims, int, list[NDArray[np.float64]]]]:
-    """Each idler with its number and the forces (2, 3) on its axle at the (rear, front) bearing.
+def bearing_forces_N(s: SpurLayout) -> list[tuple[str, IdlerDims, StandDims, list[NDArray[np.float64]]]]:
+    """Each idler with its stand and the forces (2, 3) on its axle at the (rear, front) bearing.
 
     In each state of the loads, the cable at either end of its walk.
     """
     found = []
-    for body, own, (_, n) in s.idlers:
+    for arm, (body, own, (_, n)) in ((one, each) for one in s.arms for each in one.idlers):
         rear, front = own.bearings_mm
         middle = (own.bottom_z + own.top_z) / 2
         states = []
@@ -93,7 +93,7 @@ def bearing_forces_N(s: SpurLayout) -> list[tuple[str, IdlerDims, int, list[NDAr
             for at in (middle - s.drive.walk_mm / 2, middle + s.drive.walk_mm / 2):
                 on_front = force * (at - rear) / max(front - rear, 1e-9)
                 states.append(np.stack([force - on_front, on_front]))
-        found.append((body, own, n, states))
+        found.append((body, own, arm.frame.stands[n], states))
     return found
 
 
@@ -114,8 +114,7 @@ def bearings(s: SpurLayout) -> Comparison:
 def axle_stress(s: SpurLayout) -> Comparison:
     """Bending stress of the axles under their idlers' bearings, as beams on plate and strap."""
     strength, found = s.drive.shaft_material.yield_MPa, []
-    for body, own, n, states in s.once("idler_forces", bearing_forces_N):
-        stand = s.frame.stands[n]
+    for body, own, stand, states in s.once("idler_forces", bearing_forces_N):
         ends = s.levels.front_y, stand.strap_back_y
         stress = round_shaft_MPa(
             stand.axle_radius, max(bent_axle_Nmm(pair, own.bearings_mm, ends)[0] for pair in states)
@@ -130,15 +129,16 @@ def strap(s: SpurLayout) -> Comparison:
     thread = strap_screw(s.drive).thread_mm
     holds, found = 2 * FRICTION * clamp_force_N(thread), []
     forces = s.once("idler_forces", bearing_forces_N)
-    for n, stand in enumerate(s.frame.stands):
+    for arm, n in ((one, n) for one in s.arms for n in range(len(one.frame.stands))):
+        stand, of_input = arm.frame.stands[n], f" of {arm.drive.input_names[0]}" * (len(s.arms) > 1)
         ends = s.levels.front_y, stand.strap_back_y
         on_strap = [
             np.array([bent_axle_Nmm(pair, dims.bearings_mm, ends)[1] for pair in states])
-            for _, dims, number, states in forces
-            if number == n
+            for _, dims, held, states in forces
+            if held is stand
         ]
         pull = float(np.linalg.norm(sum(on_strap), axis=1).max())
-        what = f"two screws of the strap of pair {n + 1} hold {holds:.4g} N over {pull:.4g} N"
+        what = f"two screws of the strap of pair {n + 1}{of_input} hold {holds:.4g} N over {pull:.4g} N"
         found.append(at_least(what, holds / max(pull, 1e-9), SLIP_SAFETY, "times"))
     return worst(found)
 
@@ -159,7 +159,8 @@ def room(s: SpurLayout) -> Comparison:
         to_input = hypot(place.x_mm, drive.centre_distance_mm - place.z_mm) - flange - pulley
         found.append(at_least("idlers from the input pulley", to_input, running, "mm"))
     stand = [
-        (body, c.drum_side * drive.idler_places[n].x_mm, drive.idler_places[n].z_mm) for body, _, (c, n) in s.idlers
+        (body, c.drum_side * drive.idler_places[n].x_mm, drive.idler_places[n].z_mm)
+        for body, _, (c, n) in s.arms[0].idlers
     ]
     for (one, x, z), (two, other_x, other_z) in combinations(stand, 2):
         gap = hypot(x - other_x, z - other_z) - 2 * flange

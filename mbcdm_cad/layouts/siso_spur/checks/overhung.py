@@ -23,12 +23,14 @@ SAG_SHARE = 0.5
 
 def _pull(s: SpurLayout) -> tuple[float, float, float]:
     """Largest pull of the cables in N, at no load and peak torque; its distance from the face in mm; the load in N of
-    the shaft's front bearing under it. At the end of the travel at which the cables have walked away from the motor."""
-    span = s.drive.gearhead.span_mm
-    force = max(float(np.linalg.norm(loads.inputs[0].force_N)) for loads in s.loads.on_bodies)
-    ((_, _, centred),) = s.once("input_reactions", input_reactions)
-    front = centred + force * s.drive.walk_mm / 2 / span
-    return force, span * (front / max(force, 1e-9) - 1.0), front
+    the shaft's front bearing under it. At the end of the travel at which the cables have walked away from the motor, at
+    the input where that bearing carries most."""
+    span, found = s.drive.gearhead.span_mm, []
+    for i, (_, _, centred) in enumerate(s.once("input_reactions", input_reactions)):
+        force = max(float(np.linalg.norm(loads.inputs[i].force_N)) for loads in s.loads.on_bodies)
+        front = centred + force * s.drive.walk_mm / 2 / span
+        found.append((force, span * (front / max(force, 1e-9) - 1.0), front))
+    return max(found, key=lambda pull: pull[2])
 
 
 def motor_shaft_load(s: SpurLayout) -> Comparison:

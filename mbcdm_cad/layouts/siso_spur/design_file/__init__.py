@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mbcdm_cad.design.design_file import DesignFile, LazySizing
-from mbcdm_cad.layouts.siso_spur.design_file.resolve import broken_rules, drive, every_named_entry
+from mbcdm_cad.layouts.siso_spur.design_file.resolve import broken_rules, drive, named_entries
 from mbcdm_cad.layouts.siso_spur.design_file.schema import REFERENCE, SpurDesign
 
 # Places in capitals are filled in for each layout with inputs beside the drum.
@@ -41,7 +41,7 @@ DESIGN_FILE = DesignFile(
     SpurDesign,
     REFERENCE.values,
     broken_rules,
-    every_named_entry,
+    named_entries,
     drive,
     LazySizing("mbcdm_cad.layouts.siso_spur.sizing"),
     STARTING,

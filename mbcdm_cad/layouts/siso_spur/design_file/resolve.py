@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
 from typing import Any
 
 from mbcdm_cad.design.bought import NO_BEARING, NO_ENCODER, own_bearing
@@ -24,11 +23,7 @@ _STEP = {"continuous": {"+x": 1, "-x": 2}, "two_anchored": {"+x": 2, "-x": 1}}
 
 def drive(design: SpurDesign, catalogue: Catalogue, sigmas: Mapping[FieldPath, float]) -> d.SpurDrive:
     """The drive of a valid design; its sides are in the order of y."""
-    values = spur_values(design, catalogue, sigmas)
-    if design.idlers:
-        values["idlers"] = design.idlers
-        values["bearings"] = replace(values["bearings"], idler=catalogue.bearing(design.idlers.bearing))
-    return d.laid(d.SpurDrive(**values))
+    return d.laid(d.SpurDrive(**spur_values(design, catalogue, sigmas)))
 
 
 def spur_values(design: SpurBlocks, catalogue: Catalogue, sigmas: Mapping[FieldPath, float]) -> dict[str, Any]:
@@ -75,10 +70,12 @@ def spur_values(design: SpurBlocks, catalogue: Catalogue, sigmas: Mapping[FieldP
             "turns": transmission.turns,
             "anchored": transmission.cables == "two_anchored",
             "radii_explicit": transmission.input_to_drum is None,
+            "idlers": design.idlers,
             "bearings": d.SpurBearings(
                 drum=catalogue.bearing(design.drum.bearing),
                 input_lower=own if own else catalogue.bearing(pulleys.lower_bearing),
                 input_upper=own if own else catalogue.bearing(pulleys.upper_bearing),
+                idler=catalogue.bearing(design.idlers.bearing) if design.idlers else None,
             ),
             "sigmas": Sigmas(
                 **shared_sigmas(design, catalogue, sigmas, places),
@@ -106,13 +103,18 @@ def broken_rules(design: SpurDesign) -> Iterator[Broken]:
     yield from counted(design, "cables", 2, "give the two sides of the cable, one for each sense of the drum")
     if len(design.cables) == 2 and design.cables[0].drum_side == design.cables[1].drum_side:
         yield on_one_side(1, design.cables[1].drum_side, "sides")
+    yield from broken_way(design)
+
+
+def broken_way(design: SpurBlocks) -> Iterator[Broken]:
+    """What stands on the cable's way: as many idlers as stated, and a seat of the pulley that has no contradiction."""
     if design.idlers and design.idlers.pairs not in (None, len(design.idlers.places)):
         what, value = "not the number of idlers.places", f"{design.idlers.pairs}"
         yield Broken(("idlers", "pairs"), what, value, f"{len(design.idlers.places)}", "remove pairs, or remove places")
     yield from broken_seat(design)
 
 
-def broken_seat(design: SpurDesign) -> Iterator[Broken]:
+def broken_seat(design: SpurBlocks) -> Iterator[Broken]:
     """A pulley on the motor's shaft has no bearings, no encoder and no stops; one between bearings names both."""
     pulleys = design.input_pulleys
     given = (
@@ -155,10 +157,5 @@ def named_entries(design: SpurBlocks) -> Iterator[NamedEntry]:
     """Entries of the catalogue that the blocks of this configuration name."""
     yield from sector_entries(design)
     yield NamedEntry(("support", "material"), "materials", design.support.material)
-
-
-def every_named_entry(design: SpurDesign) -> Iterator[NamedEntry]:
-    """Entries of the catalogue that the blocks of siso_spur name."""
-    yield from named_entries(design)
     if design.idlers:
         yield NamedEntry(("idlers", "bearing"), "bearings", design.idlers.bearing)

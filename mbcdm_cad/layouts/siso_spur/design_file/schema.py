@@ -115,8 +115,8 @@ class SpurDrum(SectorDrum):
 
 
 @dataclass(frozen=True, kw_only=True)
-class SpurPulleys(WoundPulleys):
-    """The input pulley, carried by a bearing at both ends."""
+class ShaftPulleys(WoundPulleys):
+    """The input pulley, carried by a bearing at both ends, or by the motor's shaft alone."""
 
     surface: Literal["smooth", "grooved"] = choice(
         "a smooth land, or a helical groove that leads each cable",
@@ -124,12 +124,6 @@ class SpurPulleys(WoundPulleys):
         reference="grooved",
         default="grooved",
     )
-
-
-@dataclass(frozen=True, kw_only=True)
-class ShaftPulleys(SpurPulleys):
-    """The input pulley, carried by a bearing at both ends, or by the motor's shaft alone."""
-
     carried_by: Literal["bearings", "motor"] = choice(
         "bearings: one at either end of the pulley; motor: the pulley sits overhung on the shaft of the motor, or of "
         "its gearhead, whose own bearings carry the cables; both bearings and the encoder are then none",
@@ -156,9 +150,14 @@ class SpurBlocks(Design):
     rope: SpurRope
     clearances: SpurClearances
     drum: SpurDrum
-    input_pulleys: SpurPulleys
+    input_pulleys: ShaftPulleys
     support: YokeSupport
     limits: SpurLimits
+    idlers: IdlerBlock | None = choice(
+        "idlers that lead the cable to an input away from the drum; left out, it runs straight to the drum",
+        default=None,
+        example={"pairs": 1},
+    )
 
 
 class SpurDesign(SpurBlocks):
@@ -170,7 +169,6 @@ class SpurDesign(SpurBlocks):
     inputs: tuple[Input, ...] = choice(
         "the input pulley", source="Fig. 1", reference=REFERENCE.inputs, min_length=1, max_length=8
     )
-    input_pulleys: ShaftPulleys
     cables: tuple[SpurSide, ...] = choice(
         "the two sides of the cable, or two anchored cables, and the side of the drum of each; each may have a "
         "preload_N and a terminal_angle_deg",
@@ -178,9 +176,4 @@ class SpurDesign(SpurBlocks):
         reference=REFERENCE.cables,
         min_length=1,
         max_length=16,
-    )
-    idlers: IdlerBlock | None = choice(
-        "idlers that lead the cable to an input away from the drum; left out, it runs straight to the drum",
-        default=None,
-        example={"pairs": 1},
     )

@@ -122,9 +122,9 @@ def _yoke(arm: Arm, y_plate: float, z_bridge: float) -> Iterator[Wall]:
     for n, stand in enumerate(f.stands, 1):
         y_strap, z_post = (stand.strap_back_y + stand.strap_front_y) / 2, sum(stand.post_z) / 2
         post, strap = stand.post_z[1] - stand.post_z[0], stand.strap_front_y - stand.strap_back_y
-        yield Wall(f"idlers' posts {n}", Z, z_post, (stand.post_x, (y_plate, y_strap)), post)
-        box = ((0.0, stand.half_width), (stand.low_z, z_post))
-        yield Wall(f"idlers' strap {n}", Y, y_strap, box, strap)
+        yield Wall(arm.of(f"idlers' posts {n}"), Z, way * z_post, (stand.post_x, (y_plate, y_strap)), post)
+        low, high = sorted((way * stand.low_z, way * z_post))
+        yield Wall(arm.of(f"idlers' strap {n}"), Y, y_strap, ((0.0, stand.half_width), (low, high)), strap)
 
 
 def _head(arm: Arm, y_plate: float) -> Iterator[Wall]:
