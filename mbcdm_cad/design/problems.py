@@ -133,8 +133,8 @@ _WITH_PARALLEL_AXES: dict[FieldPath, str] = {
     "to pulley at one point of their common pitch line, which idlers would move; choose configuration: siso_spur or "
     "miso_spur",
     ("input_pulleys", "carried_by"): "where axes cross, the pulley's step must stay on the pitch line, within the "
-    "tolerance of its transfer points, and a motor's shaft that bends would take it away: it has a bearing at both ends; "
-    "choose configuration: siso_spur or miso_spur",
+    "tolerance of its transfer points, and a motor's shaft that bends would take it away: it has a bearing at both "
+    "ends; choose configuration: siso_spur or miso_spur",
 }
 
 

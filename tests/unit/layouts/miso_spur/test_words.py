@@ -160,5 +160,5 @@ def test_seat_and_pairs_are_refused_as_in_siso_spur() -> None:
 def test_layouts_with_crossed_axes_say_why_they_have_no_such_word(word: str) -> None:
     text = "name: x\nconfiguration: siso_bevel\ntravel: {half_angle_deg: 20.0}\nloads: {peak_torque_Nm: 1.0}\n"
     text += f"transmission: {{input_to_drum: 4.0, drum_radius_mm: 58.0}}\n{word}\n"
-    with pytest.raises(InputError, match="where axes cross.*pitch line.*siso_spur or miso_spur"):
+    with pytest.raises(InputError, match=r"where axes cross.*pitch line.*siso_spur or miso_spur"):
         load_text(text)
