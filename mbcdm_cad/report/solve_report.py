@@ -101,6 +101,7 @@ class SolveReport:
                 "proved": conflict.proved,
                 "first": [_give_json(way) for way in conflict.first],
                 "either": [_give_json(way) for way in conflict.either],
+                "not_tried": list(conflict.not_tried),
                 "nearest": [{"check": check, "message": message} for check, message in conflict.nearest],
             },
         }
@@ -132,6 +133,8 @@ def _conflict_lines(conflict: Conflict, name: str, trials: int) -> Iterator[str]
         yield from (f"  {_give(way)}" for way in conflict.either)
     else:
         yield "No requirement was found that gives a passing design when it alone is relaxed."
+    if conflict.not_tried:
+        yield f"The search ended after {trials} designs; not relaxed yet: {', '.join(conflict.not_tried)}"
     yield "Checks that fail on the design that came nearest:"
     yield from (f"  {check}: {message}" for check, message in conflict.nearest)
 

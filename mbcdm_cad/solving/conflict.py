@@ -24,6 +24,8 @@ SHARES = (1.05, 1.15, 1.4, 2.0, 4.0, 12.0)
 BISECTIONS = 4
 # Trials to make a design pass at one value of a requirement, and how many values of one requirement are repaired.
 TRIALS, VALUES = 40, 2
+# Trials after which no further requirement is relaxed: once one is known that is enough, and in all.
+ENOUGH_KNOWN, MOST = 120, 420
 # Largest number of requirements that are relaxed one after the other.
 MOST_GIVING = 3
 
@@ -48,6 +50,7 @@ class Conflict:
     ``first``: requirements that were relaxed first, one after the other; then any one of ``either`` is enough.
     ``exclude``: the smallest set of requirements found that exclude each other; ``proved``: no design passes even when
     all others are dropped, so that it is such a set. ``nearest``: the checks that fail on the nearest design.
+    ``not_tried``: requirements that were left when the trials were spent.
     """
 
     exclude: tuple[str, ...]
@@ -55,29 +58,45 @@ class Conflict:
     first: tuple[Give, ...]
     nearest: tuple[tuple[str, str], ...]
     proved: bool
+    not_tried: tuple[str, ...] = ()
 
 
 def conflict(trials: Trials, miss: Point) -> Conflict:
     """The conflict of a question whose best point is ``miss``."""
     question, first = trials.question, list[Give]()
     nearest = tuple(messages(question, miss))
+    spent = 0
+    left: list[str] = []
     for _ in range(MOST_GIVING):
+        before = trials.count
         fixed = stuck(trials, {}) if trials({}).failing else frozenset[str]()
-        found = [_given_way(trials, requirement, miss, fixed) for requirement in _requirements(trials.question)]
-        enough = [way for way in found if isinstance(way, Give)]
+        found: list[Give | Miss | None] = []
+        enough: list[Give] = []
+        left = _requirements_in_order(trials, miss)
+        while left and spent + trials.count - before < (ENOUGH_KNOWN if enough else MOST):
+            found.append(_given_way(trials, left.pop(0), miss, fixed))
+            enough = [way for way in found if isinstance(way, Give)]
+        spent += trials.count - before
         if enough:
             exclude = tuple(sorted(way.field for way in enough))
             # One alone belongs to several sets, each with another partner: no set is found then.
-            proved = len(exclude) > 1 and _rest_is_idle(trials, exclude, miss)
-            return Conflict(exclude, tuple(sorted(enough, key=_size)), tuple(first), nearest, proved)
+            proved = len(exclude) > 1 and not left and _rest_is_idle(trials, exclude, miss)
+            ways = tuple(sorted(enough, key=_size))
+            return Conflict(exclude, ways, tuple(first), nearest, proved, tuple(left))
         least = min((way for way in found if isinstance(way, tuple)), default=None, key=lambda way: (way[0], way[1]))
-        if least is None or least[0] >= trials(miss).violation:
+        if left or least is None or least[0] >= trials(miss).violation:
             break
         _, name, value, miss = least
         first.append(Give(name, _shown(trials.question, name), value, {}))
         trials = _on(trials, name, value)
         miss = {field: setting for field, setting in miss.items() if field != name}
-    return Conflict((), (), tuple(first), nearest, proved=False)
+    return Conflict((), (), tuple(first), nearest, proved=False, not_tried=tuple(left))
+
+
+def _requirements_in_order(trials: Trials, miss: Point) -> list[str]:
+    """Those first whose limit a failing check has: its source names them."""
+    sources = [trials.checks[name].source for name, _ in trials(miss).failing if name in trials.checks]
+    return sorted(_requirements(trials.question), key=lambda name: not any(name in source for source in sources))
 
 
 def _size(way: Give) -> tuple[float, str]:

@@ -8,7 +8,7 @@ from itertools import chain
 from mbcdm_cad.design.dotted import value_at
 from mbcdm_cad.design.freedom import Freedom
 from mbcdm_cad.solving.question import Fixed, Out, Point, Setting, Times
-from mbcdm_cad.solving.trials import NO_FIGURE, SLOW, TrialResult, Trials, choices, setting_of
+from mbcdm_cad.solving.trials import NO_FIGURE, SLOW, TrialResult, Trials, choices, over_limit, setting_of
 
 # Size of one step of a number as a share of its value, and of a range as a share of its width.
 STEPS = (0.02, 0.08, 0.25, 0.7)
@@ -56,7 +56,20 @@ def repair(trials: Trials, start: Point, most: int, at_once: int = MOST_MOVES) -
                 joined = {**joined, field: setting}
                 combined.append(joined)
         best = dict(trials.best(combined))
+        if creeps(now, trials(best)):
+            break
     return best
+
+
+def creeps(before: TrialResult, after: TrialResult) -> bool:
+    """Whether a round left every check failing, each by less than its share of all rounds nearer to its limit.
+
+    A round tries all moves and the best of them together: as many again do not reach the limits.
+    """
+    was, now = dict(before.failing), dict(after.failing)
+    if after.passes or before.refused or after.refused or was.keys() != now.keys():
+        return False
+    return all(over_limit(now[name]) > (1.0 - 1.0 / ROUNDS) * over_limit(was[name]) for name in was)
 
 
 def stuck(trials: Trials, point: Point) -> frozenset[str]:

@@ -11,7 +11,7 @@ from mbcdm_cad.solving.conflict import Conflict, conflict
 from mbcdm_cad.solving.evolve import evolve
 from mbcdm_cad.solving.nearest import taken_back, towards_aims, written_out
 from mbcdm_cad.solving.question import ASKED, CHOICE, PIN, WISH, Out, Point, Question
-from mbcdm_cad.solving.repair import repair, stuck
+from mbcdm_cad.solving.repair import creeps, repair, stuck
 from mbcdm_cad.solving.trials import Trials, outcome, setting_of
 
 # Trials of the guided search and of the evolution after it: numbers, not times, so that the result is reproducible.
@@ -69,8 +69,9 @@ def _found(trials: Trials) -> Point:
     for start, found in zip(starts, trials.many(starts), strict=True):
         if found.passes:
             return start
-    point = repair(trials, starts[-1] if trials.question.complete else trials.best(starts), DIRECTED)
-    if not trials(point).passes and not stuck(trials, point):
+    start = starts[-1] if trials.question.complete else trials.best(starts)
+    point = repair(trials, start, DIRECTED)
+    if not trials(point).passes and not creeps(trials(start), trials(point)) and not stuck(trials, point):
         point = trials.best([point, repair(trials, evolve(trials, point, EVOLVED), DIRECTED // 4)])
     return point
 

@@ -7,7 +7,7 @@ import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import isfinite, log
+from math import inf, isfinite, log
 
 import numpy as np
 
@@ -172,6 +172,12 @@ def missed(check: Check, subject: object) -> float:
         return 0.0
     share = -found.margin / (abs(found.limit) or UNIT)
     return 1.0 + MOST * share / (MOST + share)
+
+
+def over_limit(miss: float) -> float:
+    """What a check misses over its limit, from its contribution to the violation; infinite without a figure."""
+    part = miss - 1.0
+    return MOST * part / (MOST - part) if part < MOST else inf
 
 
 def messages(question: Question, point: Point) -> list[tuple[str, str]]:

@@ -15,8 +15,9 @@ from mbcdm_cad.solving.conflict import conflict
 from mbcdm_cad.solving.nearest import taken_back
 from mbcdm_cad.solving.patch import patched
 from mbcdm_cad.solving.question import Fixed, Point, Question, Times, question_of
+from mbcdm_cad.solving.repair import creeps
 from mbcdm_cad.solving.solve import solve
-from mbcdm_cad.solving.trials import TrialResult, Trials, outcome
+from mbcdm_cad.solving.trials import MOST, TrialResult, Trials, outcome
 
 RANGED = """\
 name: ranged
@@ -150,6 +151,37 @@ def test_what_excludes_each_other_is_the_smallest_set_and_each_way_out_is_as_sho
     # Taken away one at a time, the rest passes: neither can be left out of the set.
     for way in found.either:
         assert Excluding(question_of(ASKED), jobs=1)({way.field: Fixed(way.after)}).passes
+
+
+def test_a_search_ends_with_what_it_found_and_says_what_it_left() -> None:
+    """Every trial counts; what the failing check's source names is relaxed first."""
+
+    class Slow(Excluding):
+        tried = 0
+
+        @property
+        def count(self) -> int:
+            return self.tried
+
+        def many(self, points: list[Point]) -> list[TrialResult]:  # type: ignore[override]
+            self.tried += 3 * len(points)
+            return [TrialResult(tuple(("backdrive", miss) for _, miss in r.failing)) for r in super().many(points)]
+
+    asked = ASKED.replace("peak_torque_Nm: 1.5", "peak_torque_Nm: 1.5, backdrive_Nm: 0.3")
+    trials = Slow(question_of(asked), jobs=1)
+    found = conflict(trials, {})
+    assert found.exclude == ("travel.half_angle_deg",) and not found.proved, found
+    assert "transmission.centre_distance_mm" in found.not_tried and "loads.backdrive_Nm" not in found.not_tried, found
+
+
+def test_a_miss_that_rounds_hardly_lower_is_given_up() -> None:
+    def missing(**over: float) -> TrialResult:
+        return TrialResult(tuple((name, 1.0 + MOST * x / (MOST + x)) for name, x in over.items()))
+
+    assert creeps(missing(backdrive=4.0), missing(backdrive=3.9))
+    assert not creeps(missing(backdrive=4.0), missing(backdrive=3.0))
+    assert not creeps(missing(backdrive=4.0, fleet_angle=0.1), missing(backdrive=4.0)), "one check less is progress"
+    assert not creeps(missing(backdrive=4.0), TrialResult(()))
 
 
 def test_one_requirement_alone_is_not_called_a_set() -> None:
