@@ -79,29 +79,29 @@ def key_access(s: HeadLayout) -> Comparison:
     return at_least(what, max(inside, outside), 0.0, "mm")
 
 
-def collar_space(s: HeadLayout) -> Comparison:
-    """Collar and gearhead screws' heads stand clear of the coupling space's walls and rounded corners."""
+def collar_gaps(s: HeadLayout) -> Iterator[tuple[str, float]]:
+    """Gaps of collar, screws' heads and wheels in the coupling space, mm."""
     v, h, c, drive = s.levels, s.head, s.collar, s.drive
     reach = collar_sweep_mm(drive, *drive.collar_seat)
     head = h.gear_bolt_circle + drive.screw(drive.gearhead.screw).head_diameter_mm / 2
     corner = min(h.corner_radius, 0.49 * (v.bearing_shelf_bottom_z - v.motor_shelf_top_z))
-    low = corner_gap(reach, c.bottom_z, h.inner_x, v.motor_shelf_top_z, corner)
-    wheels: tuple[tuple[str, float], ...] = ()
+
+    def beside(what: str, reach_mm: float, bottom_z: float, top_z: float) -> Iterator[tuple[str, float]]:
+        """A turning part from the shelf below it and from the one above, with the walls at each."""
+        below = corner_gap(reach_mm, bottom_z, h.inner_x, v.motor_shelf_top_z, corner)
+        above = corner_gap(reach_mm, -top_z, h.inner_x, -v.bearing_shelf_bottom_z, corner)
+        yield from ((f"{what} from walls and motor shelf", below), (f"{what} from walls and bearing shelf", above))
+
+    yield from beside("clamp collar", reach, c.bottom_z, c.top_z)
+    yield f"{drive.mounted} screws' heads from the corner", h.inner_x - corner - head
     if s.stage is not None:
-        reach = max(s.stage.stage.reach_mm(r) for r in (s.stage.stage.driven_mm, s.stage.stage.driver_mm))
-        below = corner_gap(reach, s.stage.bottom_z, h.inner_x, v.motor_shelf_top_z, corner)
-        above = corner_gap(reach, -s.stage.top_z, h.inner_x, -v.bearing_shelf_bottom_z, corner)
-        wheels = (("wheel from walls and motor shelf", below), ("wheel from walls and bearing shelf", above))
-    high = corner_gap(reach, -c.top_z, h.inner_x, -v.bearing_shelf_bottom_z, corner)
-    return worst(
-        at_least(name, gap, drive.clearances.running_mm, "mm")
-        for name, gap in (
-            ("clamp collar from walls and motor shelf", low),
-            ("clamp collar from walls and bearing shelf", high),
-            (f"{drive.mounted} screws' heads from the corner", h.inner_x - corner - head),
-            *wheels,
-        )
-    )
+        wheel = max(s.stage.stage.reach_mm(r) for r in (s.stage.stage.driven_mm, s.stage.stage.driver_mm))
+        yield from beside("wheel", wheel, s.stage.bottom_z, s.stage.top_z)
+
+
+def collar_space(s: HeadLayout) -> Comparison:
+    """Collar and gearhead screws' heads stand clear of the coupling space's walls and rounded corners."""
+    return worst(at_least(name, gap, s.drive.clearances.running_mm, "mm") for name, gap in collar_gaps(s))
 
 
 def encoder_shelf(s: HeadLayout) -> Comparison:

@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
 
+from mbcdm_cad.checks.motor_head import collar_gaps
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.design.bought import NO_ENCODER
 from mbcdm_cad.design.stage import BELTS, Stage, StageBlock, stage_of
@@ -24,6 +25,7 @@ from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.turns import turns_of
 from mbcdm_cad.measurement.parts import parts_seen
 from mbcdm_cad.measurement.schema import CountedParts
+from mbcdm_cad.parts.collar import collar_sweep_mm
 from mbcdm_cad.parts.stage import Belt, Wheel
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
 from mbcdm_cad.rig.quasistatic.simulate import simulate
@@ -235,3 +237,18 @@ def test_its_play_turns_the_drum_where_no_sensor_sees_it(encoder: bool) -> None:
     wanted = {"payload": 0.0, "drum_encoder": 0.0} if encoder else {"payload": play, "drum_encoder": play}
     wanted |= {"motors_held": play, "turn": play / 2}
     assert {name: loose[name] - tight[name] for name in wanted} == pytest.approx(wanted, abs=1e-9)
+
+
+def test_the_collar_turns_in_its_own_radius_beside_a_larger_wheel() -> None:
+    """At the bearing shelf the wall is as far from the collar as its own sweep leaves, whatever the wheel's radius."""
+    found = SpurLayout(drive(GEARS))
+    gaps, h, c, v = dict(collar_gaps(found)), found.head, found.collar, found.levels
+    assert found.stage is not None
+    sweep = collar_sweep_mm(found.drive, *found.drive.collar_seat)
+    assert found.stage.stage.reach_mm(found.stage.stage.driven_mm) > sweep
+    corner = min(h.corner_radius, 0.49 * (v.bearing_shelf_bottom_z - v.motor_shelf_top_z))
+    # By hand: its sweep ends before the rounding of the corner.
+    assert sweep < h.inner_x - corner
+    wanted = min(h.inner_x - sweep, v.bearing_shelf_bottom_z - c.top_z)
+    assert gaps["clamp collar from walls and bearing shelf"] == pytest.approx(wanted)
+    assert gaps["wheel from walls and bearing shelf"] < gaps["clamp collar from walls and bearing shelf"]
