@@ -86,9 +86,13 @@ def hub_set_screws(s: SectorLayout) -> Comparison:
 
 
 def stalled_Nm(s: SectorLayout) -> float:
-    """Torque on the drum at its stop with all motors stalled at their rated torque, not less than the peak torque."""
+    """Torque on the drum at its stop with all motors stalled at their rated torque, not less than the peak torque.
+
+    Gearheads count without losses; of a servo the torque at its horn is known, which has lost in its gears.
+    """
     ratio = sum(o.drum_radius_mm / o.input_radius_mm for o in s.steps) / len(s.steps)
-    return max(s.drive.loads.peak_torque_Nm, rated_input_Nm(s) * ratio * len(s.inputs))
+    torque = rated_input_Nm(s) if s.drive.servo is None else s.drive.reduction.rated_torque_mNm * 1e-3
+    return max(s.drive.loads.peak_torque_Nm, torque * ratio * len(s.inputs))
 
 
 def stop_pin(s: SectorLayout) -> Comparison:

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.build.validate import validate_solid
+from mbcdm_cad.checks.fixings import stalled_Nm
 from mbcdm_cad.design.bought import Motor, Servo, ServoOutput
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.errors import InputError
@@ -89,6 +90,11 @@ def test_its_parts_are_one_solid_of_the_volume_that_they_say(served: SpurDrive, 
     solid = made.solid()
     validate_solid(part, solid)
     assert made.volume_mm3() == pytest.approx(solid.Volume(), rel=0.01)
+
+
+def test_a_stalled_servo_loads_the_stop_with_the_torque_at_its_horn(served: SpurDrive) -> None:
+    """By hand: its 0.9 N m over the ratio; its motor times its gears, without their losses, would be 1.65 N m."""
+    assert stalled_Nm(served.layout) == pytest.approx(0.9 * 6.52, rel=1e-6)
 
 
 def test_the_screw_of_the_horn_has_room_in_horn_and_spline(served: SpurDrive) -> None:
