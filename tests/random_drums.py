@@ -29,6 +29,7 @@ from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.layouts.structure import elastic
 from mbcdm_cad.model.structure.drum_sector import sector_study
+from mbcdm_cad.model.structure.plane_stress import AT_GAUSS, GAUSS, jacobian
 from mbcdm_cad.model.structure.sector_mesh import SectorMesh
 from mbcdm_cad.parts.drum_sector.structure import hub, land_pulls, sector_shape
 from mbcdm_cad.routes import Floats
@@ -39,9 +40,9 @@ ALLOWED, ALLOWED_STRESS = 0.10, 0.25
 @dataclass(frozen=True)
 class DrumByBoth:
     """One drum by both routes: its turn, web with rim and hub, in urad per N m; stresses at the peak torque of either
-    sense, with the preload, MPa: greatest of the web averaged over columns of one thickness, and of the hub by the
-    torque (0 where holes leave no place); greatest of the web and rim anywhere by the plane elements, of the web by the
-    solid ones."""
+    sense, with the preload, MPa: greatest on either face of the web, averaged over columns of one thickness, and of the
+    hub by the torque (0 where holes leave no place); greatest of the web and rim anywhere by the plane elements, of the
+    web by the solid ones."""
 
     name: str
     material: str
@@ -94,8 +95,8 @@ def by_both(loaded: LoadedDesign) -> DrumByBoth:
     whole = plane.web_urad_Nm + plane.hub_to_screws_urad_Nm + plane.hub_to_face_urad_Nm
     place, area = _points(plane.mesh)
     thick = np.repeat(plane.mesh.thickness_mm, 4)
-    ways = [(plane.preload_stress + way * torque * plane.unit_stress).reshape(-1, 3) for way in (1.0, -1.0)]
-    web = columns_MPa(dims, place, area, thick, ways)
+    faces = [face.reshape(-1, 3) for way in (1.0, -1.0) for face in plane.faces_MPa(way * torque)]
+    web = columns_MPa(dims, place, area, thick, faces)
     with TemporaryDirectory() as folder:
         solid = drum_by_solids(dims, material, thread, share, preload, torque, Path(folder))
     return DrumByBoth(
@@ -114,17 +115,8 @@ def by_both(loaded: LoadedDesign) -> DrumByBoth:
 
 def _points(mesh: SectorMesh) -> tuple[Floats, Floats]:
     """Places (4 n, 2) of the stresses of the plane elements, and the areas (4 n,) that they stand for."""
-    corners = mesh.node_mm[mesh.corner]
-    places, areas = [], []
-    # In the order of plane_stress: the points 1 / sqrt(3) from the middle towards each corner.
-    for p, q in ((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)):
-        p, q = p / sqrt(3.0), q / sqrt(3.0)
-        weight = np.array([(1 - p) * (1 - q), (1 + p) * (1 - q), (1 + p) * (1 + q), (1 - p) * (1 + q)]) / 4.0
-        along = np.array([-(1 - q), 1 - q, 1 + q, -(1 + q)]) / 4.0
-        across = np.array([-(1 - p), -(1 + p), 1 + p, 1 - p]) / 4.0
-        places.append(weight @ corners)
-        areas.append(np.abs(np.linalg.det(np.stack([along @ corners, across @ corners], axis=1))))
-    return np.stack(places, axis=1).reshape(-1, 2), np.stack(areas, axis=1).ravel()
+    at = jacobian(mesh.node_mm[mesh.corner], GAUSS)
+    return (AT_GAUSS @ mesh.node_mm[mesh.corner]).reshape(-1, 2), at.det.ravel()
 
 
 def drums(first_seed: int = 1) -> Iterator[LoadedDesign]:

@@ -5,14 +5,15 @@ from __future__ import annotations
 from contextlib import suppress
 from math import inf
 
+from mbcdm_cad.checks.fixings import STRESS_SAFETY
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.trial_sizing import TrialKnown
 from mbcdm_cad.sizing.rule import Found, Rule, rounded_up
 
 # Walls of a milled part and of a printed one, mm (estimate: the modulus of filament is about twenty times smaller).
 SIDE_MM, WEB_MM = (4.0, 6.0), (2.0, 4.0)
-# Strength to spare, as a factor, with which a full web counts as strong enough while other fields still change.
-CLOSED_SPARE = 0.15
+# Strength that a web must gain by it to be full, where it does not bear its stress with windows (a choice).
+CLOSED_GAIN = 1.3
 # What the passes of a sizing remember of windows that were refused.
 _OUTER = "drum.windows: outer"
 # Peak torque from which the stress of a metal web is computed: hubs for less leave far more than it needs (estimate).
@@ -136,20 +137,22 @@ def _web(given: TrialKnown) -> Found | float:
 
 
 def _stressed_by_windows(given: TrialKnown) -> bool:
-    """Whether a web of usual thickness bears its stress without windows only, so that they cost more than they save."""
+    """Whether the stress beside windows would thicken a web of usual thickness: they would cost more than they save."""
     usual = either(given, "drum", WEB_MM)
     stated = given.get("drum.web_thickness_mm") is not None
     if stated or (not given.printed("drum") and given["loads.peak_torque_Nm"] < STRESSED_NM):
         return False
 
-    def spare(windows: str) -> float:
+    def strength(windows: str) -> float:
         block = {**given.filled("drum"), "web_thickness_mm": usual, "windows": windows}
-        return given.margins("drum", block, ("drum_stress",))["drum_stress"][0]
+        return STRESS_SAFETY + given.margins("drum", block, ("drum_stress",))["drum_stress"][0]
 
     # Before the first pass, what is guessed says nothing about the stress; once closed, they stay closed.
     closed = given.drives.refused
-    if _OUTER not in closed and given.drives.passes > 0 and spare("outer") < 0.0 and spare("none") >= CLOSED_SPARE:
-        closed.add(_OUTER)
+    if _OUTER not in closed and given.drives.passes > 0:
+        outer = strength("outer")
+        if outer < STRESS_SAFETY and strength("none") > CLOSED_GAIN * max(outer, 0.0):
+            closed.add(_OUTER)
     return _OUTER in closed
 
 

@@ -217,7 +217,7 @@ def preload(solid: Solid, d: DrumDims, tension_N: dict[str, float]) -> Floats:
 def columns_MPa(
     d: DrumDims, place_mm: Floats, area_mm2: Floats, thickness_mm: Floats, stresses: Sequence[Floats]
 ) -> float:
-    """The model's plane stresses (n, 3) at places (n, 2), averaged over the columns of :func:`linearised_MPa`; the
+    """The model's stresses (n, 3) of a face at places (n, 2), averaged over the columns of :func:`linearised_MPa`; the
     greatest equivalent stress of any."""
     number = columns_of(d).numbers(place_mm[:, 0], place_mm[:, 1])
     volume = area_mm2 * thickness_mm

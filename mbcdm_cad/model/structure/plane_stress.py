@@ -14,33 +14,36 @@ import numpy as np
 from mbcdm_cad.model.block_rows import Ints, solve_mesh
 from mbcdm_cad.routes import Floats
 
-_CORNERS = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
-_GAUSS = _CORNERS / np.sqrt(3.0)
+CORNERS = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
+GAUSS = CORNERS / np.sqrt(3.0)
+# Weights of the corners (4 points, 4 corners) at the Gauss points.
+AT_GAUSS = (1.0 + CORNERS * GAUSS[:, None]).prod(axis=2) / 4.0
 
 
 @dataclass(frozen=True, eq=False)
 class Elements:
-    """Stiffness (n, 8, 8), and the strains (n, 4, 3, 8) that the corners' displacements cause at the Gauss points."""
+    """Stiffness (n, 8, 8); at the Gauss points the strains (n, 4, 3, 8) that the corners' displacements cause, and the
+    area (n, 4) that each stands for."""
 
     stiffness: Floats
     strain: Floats
     law: Floats
+    area_mm2: Floats
 
 
 def elements(node_mm: Floats, corner: Ints, thickness_mm: Floats, modulus_MPa: float, poisson: float) -> Elements:
     """Elements of a mesh: nodes (m, 2), corners (n, 4); a triangle repeats a corner. Freedoms (u, v) by corner."""
-    law = np.array([[1.0, poisson, 0.0], [poisson, 1.0, 0.0], [0.0, 0.0, (1.0 - poisson) / 2.0]])
-    law *= modulus_MPa / (1.0 - poisson**2)
+    law = plane_law(modulus_MPa, poisson)
     count = len(corner)
     triangle = corner[:, 2] == corner[:, 3]
     xy = node_mm[corner]
-    middle = _jacobian(xy, np.zeros((1, 2)))
-    at = _jacobian(xy, _GAUSS)
+    middle = jacobian(xy, np.zeros((1, 2)))
+    at = jacobian(xy, GAUSS)
     strains = np.zeros((count, 4, 3, 12))
     strains[:, :, 0, 0:8:2] = strains[:, :, 2, 1:8:2] = at.gradient_x
     strains[:, :, 1, 1:8:2] = strains[:, :, 2, 0:8:2] = at.gradient_y
     # The modes 1 - p^2 and 1 - q^2 with the gradients of the middle.
-    p, q = -2.0 * _GAUSS[:, 0] / at.det, -2.0 * _GAUSS[:, 1] / at.det
+    p, q = -2.0 * GAUSS[:, 0] / at.det, -2.0 * GAUSS[:, 1] / at.det
     modes = ((8, middle.yq * p, -middle.xq * p), (10, -middle.yp * q, middle.xp * q))
     for k, bow_x, bow_y in modes:
         bow_x[triangle] = bow_y[triangle] = 0.0
@@ -54,10 +57,16 @@ def elements(node_mm: Floats, corner: Ints, thickness_mm: Floats, modulus_MPa: f
     follow = -np.linalg.solve(inner, full[:, 8:, :8])
     stiffness = full[:, :8, :8] + full[:, :8, 8:] @ follow
     strain = strains.reshape(count, 12, 12)
-    return Elements(stiffness, (strain[:, :, :8] + strain[:, :, 8:] @ follow).reshape(count, 4, 3, 8), law)
+    return Elements(stiffness, (strain[:, :, :8] + strain[:, :, 8:] @ follow).reshape(count, 4, 3, 8), law, at.det)
 
 
-class _Jacobian(NamedTuple):
+def plane_law(modulus_MPa: float, poisson: float) -> Floats:
+    """Stresses (x, y, shear) over strains (3, 3) of a thin body."""
+    law = np.array([[1.0, poisson, 0.0], [poisson, 1.0, 0.0], [0.0, 0.0, (1.0 - poisson) / 2.0]])
+    return np.asarray(law * modulus_MPa / (1.0 - poisson**2))
+
+
+class Jacobian(NamedTuple):
     """At k points of each element: derivatives of x and y by p and q and their determinant (n, k); gradients (n, k, 4)
     of the corners' shape functions."""
 
@@ -70,14 +79,14 @@ class _Jacobian(NamedTuple):
     gradient_y: Floats
 
 
-def _jacobian(xy: Floats, points: Floats) -> _Jacobian:
+def jacobian(xy: Floats, points: Floats) -> Jacobian:
     """Of elements with corners (n, 4, 2) at ``points`` (k, 2) in (p, q)."""
-    (p, q), (s, t) = points.T[:, :, None], _CORNERS.T
+    (p, q), (s, t) = points.T[:, :, None], CORNERS.T
     by_p, by_q = s * (1.0 + t * q) / 4.0, t * (1.0 + s * p) / 4.0
     xp, yp, xq, yq = (xy[:, :, axis] @ by.T for by in (by_p, by_q) for axis in (0, 1))
     det = xp * yq - yp * xq
     a, b, c, d = (part[:, :, None] for part in (xp / det, yp / det, xq / det, yq / det))
-    return _Jacobian(xp, yp, xq, yq, det, d * by_p - b * by_q, a * by_q - c * by_p)
+    return Jacobian(xp, yp, xq, yq, det, d * by_p - b * by_q, a * by_q - c * by_p)
 
 
 def solve(corner: Ints, row: Ints, stiffness: Floats, load: Floats) -> Floats:

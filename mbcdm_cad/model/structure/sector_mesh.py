@@ -11,12 +11,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from math import ceil, pi, sqrt
+from math import ceil, inf, pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mbcdm_cad.model.block_rows import Ints
+from mbcdm_cad.model.structure.plane_stress import AT_GAUSS
 from mbcdm_cad.routes import Floats
 
 Bools = NDArray[np.bool_]
@@ -69,29 +70,53 @@ class Pocket:
 
 @dataclass(frozen=True)
 class SectorShape:
-    """A sector of +-``half_angle_rad``, held at ``held_mm``; rings in the order of their radii, from there outwards."""
+    """A sector of +-``half_angle_rad``, held at ``held_mm``; rings in the order of their radii, from there outwards.
+
+    The web ends and the rim begins at ``rim_mm``.
+    """
 
     half_angle_rad: float
     held_mm: float
     rings: tuple[RimStep, ...]
     openings: tuple[Opening, ...] = ()
     pockets: tuple[Pocket, ...] = ()
+    rim_mm: float = inf
 
 
 @dataclass(frozen=True, eq=False)
 class SectorMesh:
     """Quadrilaterals in the plane: nodes (m, 2) as (x, z), corners (n, 4) anticlockwise, the first two further in.
 
-    A triangle repeats its last corner. ``line`` (m,) is the number of the node's radial line, ascending;
-    ``radius_mm``, ``angle_rad`` (m,) its polar coordinates.
+    A triangle repeats its last corner. ``middle_mm`` (n,) is the height along the axis of the middle of the metal.
+    ``line`` (m,) is the number of the node's radial line, ascending; ``radius_mm``, ``angle_rad`` (m,) its polar
+    coordinates. ``grid`` are the radii and angles of all lines, ``cell`` (n, 2) the element's number along both.
     """
 
     node_mm: Floats
     corner: Ints
     thickness_mm: Floats
+    middle_mm: Floats
     line: Ints
     radius_mm: Floats
     angle_rad: Floats
+    grid: tuple[Floats, Floats]
+    cell: Ints
+
+    def quarters(self, other: SectorMesh) -> Ints:
+        """Of each Gauss point (4 n,) of ``other`` the quarter of an element here that it lies in: 4 element + corner.
+
+        -1 where there is no metal here.
+        """
+        number = np.full([len(lines) - 1 for lines in self.grid], -1)
+        number[tuple(self.cell.T)] = np.arange(len(self.cell))
+        at, upper = [], []
+        for lines, of_node in zip(self.grid, (other.radius_mm, other.angle_rad), strict=True):
+            place = (of_node[other.corner] @ AT_GAUSS.T).ravel()
+            found = np.clip(np.searchsorted(lines, place) - 1, 0, len(lines) - 2)
+            at.append(found)
+            upper.append(place > (lines[found] + lines[found + 1]) / 2.0)
+        element, (out, on) = number[tuple(at)], upper
+        return np.where(element < 0, -1, 4 * element + np.where(out, 3 - on, on))
 
 
 def sector_mesh(shape: SectorShape, cell_mm: float) -> SectorMesh:
@@ -112,18 +137,18 @@ def sector_mesh(shape: SectorShape, cell_mm: float) -> SectorMesh:
     corner = np.stack([low, low + count, low + count + 1, low + 1], axis=1)
     corner, metal = _cut(shape, r, a, corner)
     corner, i, j = corner[metal], i[metal], j[metal]
-    middle_r, middle_a = r[corner].mean(axis=1), a[corner].mean(axis=1)
-    ring = np.searchsorted(np.array([ring.outer_mm for ring in shape.rings]), middle_r)
+    ring = np.searchsorted(np.array([ring.outer_mm for ring in shape.rings]), r[corner].mean(axis=1))
     start = np.array([ring.start_mm for ring in shape.rings])[ring]
     end = np.array([ring.end_mm for ring in shape.rings])[ring]
     thick = end - _floor(shape.pockets, (radii, angles), (j, i), (start, end)) if shape.pockets else end - start
     kept = thick > 1e-3
-    corner, thick, middle_a = corner[kept], thick[kept], middle_a[kept]
+    corner, thick, end, cell = corner[kept], thick[kept], end[kept], np.stack([j, i], axis=1)[kept]
     if not (r[corner] < shape.held_mm + 1e-9).any():
         raise ValueError("drum: its windows leave no web at the hub")
     used, number = np.unique(corner, return_inverse=True)
     node = np.stack([r[used] * np.sin(a[used]), r[used] * np.cos(a[used])], axis=1)
-    return SectorMesh(node, number.reshape(-1, 4), thick, used // count, r[used], a[used])
+    corner, middle, line = number.reshape(-1, 4), end - thick / 2.0, used // count
+    return SectorMesh(node, corner, thick, middle, line, r[used], a[used], (radii, angles), cell)
 
 
 def _grid(shape: SectorShape, cell_mm: float) -> tuple[Floats, Floats]:

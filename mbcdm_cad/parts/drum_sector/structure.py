@@ -24,7 +24,8 @@ def sector_shape(d: DrumDims) -> SectorShape:
     tip = radians(d.stop_slot_end_deg) + half / d.stop_radius
     openings.append(Opening(d.stop_radius - half, d.stop_radius + half, -tip, tip, half))
     pockets = tuple(pocket for t in d.tensioners for pocket in _pockets(d, t))
-    return SectorShape(radians(d.half_angle_deg), d.hub_radius, tuple(rings), tuple(openings), pockets)
+    half_angle = radians(d.half_angle_deg)
+    return SectorShape(half_angle, d.hub_radius, tuple(rings), tuple(openings), pockets, d.rim_inner_radius)
 
 
 def _pockets(d: DrumDims, t: Tensioner) -> Iterator[Pocket]:
@@ -63,5 +64,5 @@ def land_pulls(d: DrumDims, share: dict[str, float], tension_N: dict[str, float]
         # Pitch radius and surface differ by half a rope, lands of two steps by far more.
         surface = min((land.surface_radius_mm for land in d.lands), key=lambda radius: abs(radius - t.radius_mm))
         name = t.cable_name
-        pulls.append(LandPull(t.side, surface, t.anchor_rad, share[name], tension_N[name]))
+        pulls.append(LandPull(t.side, surface, t.anchor_rad, share[name], tension_N[name], t.y_mm))
     return tuple(pulls)

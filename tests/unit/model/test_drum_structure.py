@@ -15,7 +15,8 @@ import pytest
 from mbcdm_cad.layouts.loader import load_design, load_text, new_design_text
 from mbcdm_cad.model.block_rows import many_meshes, solve_mesh
 from mbcdm_cad.model.structure.drum_sector import Hub, Isotropic, LandPull, SectorStudy, sector_study
-from mbcdm_cad.model.structure.plane_stress import elements, solve
+from mbcdm_cad.model.structure.plane_stress import elements, plane_law, solve
+from mbcdm_cad.model.structure.plate_bending import bend, freedoms, plate_elements
 from mbcdm_cad.model.structure.sector_mesh import RimStep, SectorShape
 from mbcdm_cad.parts.drum_sector.dims import Window
 from mbcdm_cad.parts.drum_sector.structure import hub, land_pulls, sector_shape
@@ -96,13 +97,59 @@ def test_a_full_ring_turns_as_its_closed_form() -> None:
     """A disc from a to b under the same shear all round: T / (4 pi G t) (1/a^2 - 1/b^2), the cables all round it."""
     a, b, thick = 10.0, 50.0, 2.0
     shape = SectorShape(pi - 1e-6, a, (RimStep(b, 0.0, thick),))
-    pulls = tuple(LandPull(side, b, pi - 1e-3, 0.5, 0.0) for side in (1, -1))
+    pulls = tuple(LandPull(side, b, pi - 1e-3, 0.5, 0.0, 1.0) for side in (1, -1))
     found = sector_study(shape, HUB, pulls, METAL, 40.0)
     root, _ = HUB.root_mm2_N(METAL, (0.0, thick))
     ring = 1e9 / (4.0 * pi * METAL.shear_MPa * thick) * (1.0 / a**2 - 1.0 / b**2)
     ring += 1e9 * root / (2.0 * pi * a**3)
     # The change of tension is largest at the transfer and presses inwards there: a little more than pure shear.
     assert ring < found.web_urad_Nm < 1.6 * ring, f"{found.web_urad_Nm:.1f} urad/N m, ring {ring:.1f}"
+
+
+@pytest.mark.parametrize("thick", [0.02, 2.0])
+def test_a_ring_bent_at_its_edge_leans_as_its_closed_form(thick: float) -> None:
+    """Clamped at a, a moment m along b: the lean is m b (1 - a^2/b^2) / (D ((1 + nu) + (1 - nu) a^2/b^2)), the moment
+    at a is 2 m over the same bracket (axisymmetric plates, Timoshenko and Woinowsky-Krieger, chapter 3)."""
+    a, b, moment, around, rings = 10.0, 50.0, 3.0, 96, 40
+    radius = np.repeat(np.linspace(a, b, rings + 1), around)
+    angle = np.tile(np.arange(around) * 2.0 * pi / around, rings + 1)
+    node = np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=1)
+    i, j = (k.ravel() for k in np.meshgrid(np.arange(rings), np.arange(around), indexing="ij"))
+    low, beside = i * around + j, i * around + (j + 1) % around
+    corner = np.stack([low, low + around, beside + around, beside], axis=1)
+    found = plate_elements(node, corner, np.full(len(corner), thick), METAL.modulus_MPa, METAL.poisson)
+    stiffness, load = found.stiffness.copy(), np.zeros((3 * len(node), 1))
+    stiffness[:around, range(3), range(3)] += 1e9
+    share = moment * 2.0 * pi * b / around
+    edge = np.arange(rings * around, len(node))
+    load[3 * edge + 1, 0], load[3 * edge + 2, 0] = share * np.cos(angle[edge]), share * np.sin(angle[edge])
+    moved = bend(corner, np.arange(len(node)) // around, stiffness, load)[:, 0]
+    plate = METAL.modulus_MPa * thick**3 / 12.0 / (1.0 - METAL.poisson**2)
+    share_a = (a / b) ** 2
+    bracket = (1.0 + METAL.poisson) + (1.0 - METAL.poisson) * share_a
+    lean = moment * b * (1.0 - share_a) / (plate * bracket)
+    assert moved[3 * edge[0] + 1] == pytest.approx(lean, rel=0.005), f"{moved[3 * edge[0] + 1]} rad, {lean} rad"
+    curved = found.curvature[0] @ moved[freedoms(corner)[0]]
+    at_a = (curved @ plane_law(METAL.modulus_MPa, METAL.poisson))[:, 0].mean() * thick**3 / 12.0
+    first = a + (b - a) / rings / 2.0
+    there = moment / bracket * ((1.0 + METAL.poisson) + (1.0 - METAL.poisson) * (a / first) ** 2)
+    assert at_a == pytest.approx(there, rel=0.02), f"{at_a:.3f} N mm/mm beside the hub, {there:.3f}"
+
+
+def test_cables_bend_the_web_by_how_far_they_lie_beside_its_middle() -> None:
+    """Nothing in its middle; in front the opposite of behind, twice as far twice as much."""
+    shape = SectorShape(1.2, 10.0, (RimStep(40.0, 4.0, 6.0), RimStep(50.0, 2.0, 8.0)), rim_mm=40.0)
+
+    def bending(at: float) -> np.ndarray:
+        pulls = tuple(LandPull(side, 50.0, 1.0, 0.5, 70.0, at) for side in (1, -1))
+        return sector_study(shape, HUB, pulls, METAL).preload_bending
+
+    front = bending(7.0)
+    largest = np.abs(front).max()
+    assert largest > 1.0, f"{largest:.2g} MPa"
+    assert np.abs(bending(5.0)).max() < 1e-9 * largest
+    np.testing.assert_allclose(bending(3.0), -front, atol=1e-9 * largest)
+    np.testing.assert_allclose(bending(9.0), 2.0 * front, atol=1e-9 * largest)
 
 
 def test_windows_make_the_reference_soft_as_solid_elements_found() -> None:

@@ -1,0 +1,74 @@
+"""Bending of a plate on a mesh of quadrilaterals in rows: four-node elements, a direct solution.
+
+Reissner-Mindlin with shear strains assumed from the middles of the edges (Bathe and Dvorkin 1985), so that neither thin
+nor stubby plates lock; a triangle repeats a corner. Freedoms of a node: deflection w along the normal, and how fast its
+fibres lean (a, b): a point at the height h above the middle plane moves in the plane by h (a, b). Units: mm, N, MPa.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mbcdm_cad.model.block_rows import Ints, solve_mesh
+from mbcdm_cad.model.structure.plane_stress import GAUSS, jacobian, plane_law
+from mbcdm_cad.routes import Floats
+
+_SHEAR_FACTOR = 5.0 / 6.0
+
+
+@dataclass(frozen=True, eq=False)
+class PlateElements:
+    """Stiffness (n, 12, 12); curvatures (n, 4, 3, 12) at the Gauss points, and what each point weighs (n, 4), mm^2."""
+
+    stiffness: Floats
+    curvature: Floats
+    weight: Floats
+
+
+def plate_elements(
+    node_mm: Floats, corner: Ints, thickness_mm: Floats, modulus_MPa: float, poisson: float
+) -> PlateElements:
+    """Elements of a mesh: nodes (m, 2), corners (n, 4). Freedoms (w, a, b) by corner."""
+    count, xy = len(corner), node_mm[corner]
+    at = jacobian(xy, GAUSS)
+    curvature = np.zeros((count, 4, 3, 12))
+    curvature[:, :, 0, 1::3] = curvature[:, :, 2, 2::3] = at.gradient_x
+    curvature[:, :, 1, 2::3] = curvature[:, :, 2, 1::3] = at.gradient_y
+    # Shear along each edge from its first corner to its second, in the parent's coordinates.
+    edges = {}
+    for one, other in ((0, 1), (3, 2), (0, 3), (1, 2)):
+        edge = np.zeros((count, 12))
+        edge[:, 3 * one] += -0.5
+        edge[:, 3 * other] += 0.5
+        step = (xy[:, other] - xy[:, one]) / 4.0
+        for k in (one, other):
+            edge[:, 3 * k + 1 : 3 * k + 3] += step
+        edges[one, other] = edge
+    p, q = GAUSS.T[:, None, :, None]
+    along = (1.0 - q) / 2.0 * edges[0, 1][:, None] + (1.0 + q) / 2.0 * edges[3, 2][:, None]
+    across = (1.0 - p) / 2.0 * edges[0, 3][:, None] + (1.0 + p) / 2.0 * edges[1, 2][:, None]
+    xp, yp, xq, yq = ((k / at.det)[:, :, None] for k in (at.xp, at.yp, at.xq, at.yq))
+    shear = np.stack([yq * along - yp * across, xp * across - xq * along], axis=2)
+    bends = plane_law(modulus_MPa, poisson) * (thickness_mm**3 / 12.0)[:, None, None]
+    shears = _SHEAR_FACTOR * modulus_MPa / (2.0 * (1.0 + poisson)) * thickness_mm
+    stiffness = _product(curvature, bends[:, None] @ curvature * at.det[:, :, None, None])
+    stiffness += _product(shear, shear * (shears[:, None] * at.det)[:, :, None, None])
+    return PlateElements(stiffness, curvature, at.det)
+
+
+def _product(left: Floats, right: Floats) -> Floats:
+    """Sum over points and strains of left (n, 4, s, 12) times right."""
+    count = len(left)
+    return np.asarray(left.reshape(count, -1, 12).transpose(0, 2, 1) @ right.reshape(count, -1, 12))
+
+
+def freedoms(corner: Ints) -> Ints:
+    """Freedoms (n, 12) of the corners."""
+    return (3 * corner[:, :, None] + np.arange(3)).reshape(len(corner), 12)
+
+
+def bend(corner: Ints, row: Ints, stiffness: Floats, load: Floats) -> Floats:
+    """Freedoms (3 m, k) under the loads (3 m, k); as :func:`~mbcdm_cad.model.structure.plane_stress.solve`."""
+    return solve_mesh(np.repeat(row, 3), freedoms(corner), stiffness, load)
