@@ -40,7 +40,7 @@ NOZZLE_MM = 0.4
 _MOST_TRIALS = 40
 # If so many trials in a row miss the same check by the same amount, the field does not affect it.
 _MOST_IDLE = 8
-_MOST_PASSES = 4
+_MOST_PASSES = 6
 # Fields that are no lengths: a missing margin in mm does not give their next step.
 _RATIOS = ("transmission.input_to_drum",)
 _ON_STEP = 1e-9
