@@ -79,7 +79,7 @@ search, and its command may end at other designs now; each design is checked aga
 _OTHER_WORDS = """\
 Ratio, rope, motor where none is stated, and all dimensions are free. The first column of each group is the file as its
 rules fill it. The searches were short: 102 designs of the leg, of which 32 pass, 51 of the capstan, of which 18 pass.
-The web of leg-aluminium-01 is the search's no longer: it had 1.393 mm, before `drum_stress` counted that cables bend it.
+The web of leg-aluminium-01 is the search's no longer: it had 1.393 mm, before `drum_stress` counted its bending.
 
 The same leg printed of PA12 (`leg-printed.yaml`): none of 83 designs passes. What binds is the joint to what it stands
 on: in 68 of them the mounting screws do not hold the peak torque by friction, because PA12 creeps under their heads
