@@ -33,9 +33,9 @@ class Sizing:
     """A file's data with every field filled, and a record for each field that a rule filled, in the rules' order.
 
     ``ends``: how the searches of the rules ended, where they search; the sizing of a similar design begins there.
-    ``raised``: factors on the values of rules with which the design reaches the stiffness that its file states;
-    None where it states none. ``ratio``: what the lightest of several drives had, where file and rules of single fields
-    leave the ratio open.
+    ``raised``: factors on the values of rules with which the design is as stiff, or turns as easily, as its file asks;
+    None where it asks for neither. ``ratio``: what the lightest of several drives had, where file and rules of single
+    fields leave the ratio open.
     """
 
     data: dict[str, Any]

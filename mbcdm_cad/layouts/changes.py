@@ -76,10 +76,9 @@ def sized_many(loaded: LoadedDesign, columns: Mapping[str, Any]) -> ManySized:
         data = open_data(changed(row), loaded.path, file)
     # Losses are those of bearings and gearheads at their places in the frame, which only a whole design has.
     together = "limits.losses" not in columns and not loaded.drive.limits.counts_losses
-    # So does a stiffness or a share of the structure.
-    loads = loaded.drive.loads
-    asked = not {"loads.stiffness_Nm_rad", "loads.structure_share"}.isdisjoint(columns)
-    together = together and not asked and loads.stiffness_Nm_rad is None and loads.structure_share is None
+    # So do a stiffness, a share of the structure and an ease of turning.
+    for wish in ("stiffness_Nm_rad", "structure_share", "backdrive_Nm"):
+        together = together and f"loads.{wish}" not in columns and getattr(loaded.drive.loads, wish) is None
     # A ratio that no file states is that of the lightest of several drives.
     together = together and not any(value.field == "transmission.ratio" for value in loaded.sized)
     if file.size_many is not None and together:

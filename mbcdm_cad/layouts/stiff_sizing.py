@@ -3,7 +3,8 @@
 The rules size a drive for strength and place. Where it then gives more than the file allows, the fields that stiffen
 its softest parts are raised over what their rules gave, the softest first, all down to one level, and the drive is
 sized again, since other rules follow from them. A raise that makes another check fail is taken back: there the bounds
-of the design refuse, and the check of the requirement says how far it came.
+of the design refuse, and the check of the requirement says how far it came. Without either, anchored cables get less
+preload for ``loads.backdrive_Nm``.
 """
 
 from __future__ import annotations
@@ -37,6 +38,8 @@ _QUARTER = 0.25
 # The checks of what is aimed at.
 _OWN = ("stiffness", "structure_share")
 CABLES = "cables"
+# Ease of turning by less preload: shares of what its rule gives, which is twice what keeps the cables taut.
+BACKDRIVE, PRELOAD, _PRELOAD_SHARES = "backdrive", "rope.preload_N", (0.9, 0.8, 0.7, 0.65, 0.6, 0.55, 0.5)
 
 
 _Plain = Callable[[Mapping[str, float], Sizing | None], Sizing]
@@ -157,15 +160,18 @@ def stiffened(
     stiffeners: Sequence[Stiffener],
     moved: Moved | None = None,
     similar: Sizing | None = None,
+    *,
+    eases: bool = True,
 ) -> Sizing:
     """The sizing of ``size``, its stiffness and share of the structure as stated, or as near as its bounds allow.
 
-    A search (``moved``, with the sizing ``similar``) keeps what was raised there: it changes these values itself.
+    ``eases``: where the file states neither, see :func:`_eased`; no, where the preload's rule does it itself. A search
+    (``moved``, with the sizing ``similar``) keeps what was raised there: it changes these values itself.
     """
     aims = tuple(_aims(data.get("loads") or {}))
     plain = partial(_sized, size, copy.deepcopy(data), (stiffeners, aims), moved or {})
     if not aims:
-        return plain({}, similar)
+        return _eased(size, data, layout, moved or {}, similar) if eases else plain({}, similar)
     if similar is not None and similar.raised is not None:
         return plain(similar.raised, similar)
     best = plain({}, similar)
@@ -190,6 +196,46 @@ def stiffened(
         closed |= found.closed
         factors, best, structure = found.factors, found.sizing, found.structure or structure
     return replace(best, raised=factors)
+
+
+def _eased(size: Size, data: dict[str, Any], layout: type[Layout], moved: Moved, similar: Sizing | None) -> Sizing:
+    """The sizing with less preload where the drum turns harder than the file asks for, as long as no other check fails.
+
+    The most with which it turns so easily, else the least. A search keeps the share that was found for ``similar``.
+    """
+
+    def shared(share: float, near: Sizing | None) -> Sizing:
+        def less(value: Any) -> Any:
+            value = float(f"{share * value:.2g}")
+            return moved[PRELOAD](value) if PRELOAD in moved else value
+
+        found = size(copy.deepcopy(data), {**moved, PRELOAD: less} if share < 1.0 else moved, near)
+        said = [
+            replace(v, driver=BACKDRIVE, rounding="lowered to turn easily") if v.field == PRELOAD else v
+            for v in found.values
+        ]
+        return replace(found, values=tuple(said), raised={PRELOAD: share}) if share < 1.0 else found
+
+    if not isinstance((data.get("loads") or {}).get("backdrive_Nm"), int | float):
+        return size(copy.deepcopy(data), moved, similar)
+    if similar is not None and similar.raised is not None:
+        return shared(similar.raised.get(PRELOAD, 1.0), similar)
+    best = shared(1.0, similar)
+    if best.of(PRELOAD) is None:
+        return best
+    try:
+        failing = misses(layout_of(layout, best))
+        for share in _PRELOAD_SHARES if BACKDRIVE in failing else ():
+            tried = shared(share, best)
+            now = misses(layout_of(layout, tried))
+            if not now.keys() <= failing.keys():
+                break
+            best = tried
+            if BACKDRIVE not in now:
+                break
+    except (NoFigureError, SizingError):
+        pass
+    return replace(best, raised=best.raised or {})
 
 
 @dataclass

@@ -85,3 +85,29 @@ def test_a_lower_preload_turns_more_easily_where_motor_and_ratio_are_stated() ->
     both = load_text(text.replace("0.05}", f"{0.99 * back.start_Nm:.4g}}}") + "rope: {preload_by: knee}\n").drive
     assert run_check(CHECK, both.layout).status == "pass", both.cables[0].preload_N
     assert run_check(CHECK, asked.layout).status == "pass"
+
+
+@pytest.mark.parametrize(
+    ("layout", "cables", "share"),
+    [("miso_bevel", "", 0.93), ("siso_bevel", "", 0.987), ("siso_spur", "  cables: two_anchored\n", 0.935)],
+)
+def test_anchored_cables_get_less_preload_until_one_would_go_slack(layout: str, cables: str, share: float) -> None:
+    text = str(design_file(layout).starting).format(name="started").rstrip() + "\n"
+    text = text.replace("transmission:\n", f"transmission:\n{cables}", 1)
+    text += "drive: {motor: mjbots-mj5208, gearhead: none}\n"
+
+    def asked(wanted_Nm: float | None) -> tuple[float, dict[str, str], str, float]:
+        line = "" if wanted_Nm is None else f"  backdrive_Nm: {wanted_Nm:.4g}\n"
+        found = load_text(text.replace("loads:\n", f"loads:\n{line}", 1))
+        preload = next(value for value in found.sized if value.field == "rope.preload_N")
+        back = found.drive.layout.losses.backdrive
+        assert back is not None
+        failing = {c.id: c.status for c in run_checks(found.drive) if c.status == "fail"}
+        return preload.value, failing, preload.driver, back.start_Nm
+
+    usual, failing, driver, turned = asked(None)
+    assert not failing and driver != "backdrive"
+    less, failing, driver, _ = asked(share * turned)
+    assert not failing and driver == "backdrive" and 0.5 * usual <= less < usual, (usual, less)
+    least, failing, _, easiest = asked(0.1 * turned)
+    assert set(failing) == {"backdrive"} and least < less and easiest < share * turned, (least, failing)

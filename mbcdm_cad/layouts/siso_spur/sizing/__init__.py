@@ -119,7 +119,7 @@ def sized(
     if _is_all_open(SpurKnown(data, {})):
         plain = partial(lightest, by_rules, "transmission.input_to_drum", layout=known.layout)
 
-    return stiffened(plain, data, known.layout, STIFFENERS, moved, similar)
+    return stiffened(plain, data, known.layout, STIFFENERS, moved, similar, eases=SpurKnown(data, {}).anchored)
 
 
 def _first_guesses(data: dict[str, Any]) -> dict[str, Any]:
