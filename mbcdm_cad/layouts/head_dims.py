@@ -42,12 +42,12 @@ def stiff_wall(
     """The thinnest wall with which its checks and ``frame_windup`` hold.
 
     Where this wall alone cannot meet the windup, the thinnest whose own strain (that of ``panels``) takes its share of
-    the limit, so that the other walls can meet the rest.
+    the limit, so that the other walls can meet the rest. The first pass, whose frame is guessed, does not ask for it.
     """
     usual = given.moved(field, start, step, checks) if checks else Found(rounded_up(start, step), "")
     value, most = float(usual.value), MOST_WALL * start
     with suppress(NoFigureError, ValueError):
-        while value < most:
+        while value < most and given.drives.passes:
             trial = given.trial(field, value)
             compliance, torque = trial.frame_compliance, trial.drive.loads.test_torque_Nm
             if compliance is None:

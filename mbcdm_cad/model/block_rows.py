@@ -36,13 +36,18 @@ def many_meshes() -> Iterator[None]:
         _many.reset(before)
 
 
+def by_bands() -> bool:
+    """Whether this is within :func:`many_meshes`."""
+    return _many.get()
+
+
 def solve_mesh(row: Ints, where: Ints, stiffness: Floats, load: Floats, ground: Floats | None = None) -> Floats:
     """Displacements (m, k) under the loads (m, k) of freedoms in the order of their ``row`` (m,).
 
     ``where`` (n, f): the freedoms of each element, below zero for those that are held; ``stiffness`` (n, f, f);
     ``ground`` (m,): springs to the base. Raises ``numpy.linalg.LinAlgError`` if the mesh is not held.
     """
-    if _many.get():
+    if by_bands():
         return solve_by_bands(where, stiffness, load, ground)
     # On two threads the last digits differ, and blocks this small take longer.
     with _linear_algebra().limit(limits=1, user_api="blas"):

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mbcdm_cad.design.bought import Material
-from mbcdm_cad.model.block_rows import Ints
+from mbcdm_cad.model.block_rows import Ints, by_bands
 from mbcdm_cad.model.folded_plates import Plates, freedoms, sides, solve, stiffness
 from mbcdm_cad.routes import Floats
 
@@ -31,8 +31,11 @@ EMBEDDED = 5.0
 EMPTY = 0.05
 X, Y, Z = 0, 1, 2
 GPA_TO_MPA = 1e3
+# Frames whose solution is kept: sizing, the search that asked for it and the checks meet the same one.
+KEPT = 64
 # N mm of work per (N m)^2 is a compliance in mrad per N m.
 URAD_PER_MRAD = 1e3
+_solved: dict[tuple[object, ...], dict[str, float]] = {}
 
 
 @dataclass(frozen=True)
@@ -271,6 +274,17 @@ def shares_urad(mesh: PlateMesh, material: Material, load: Floats, ground: Float
     With the forces of a load of 1 N m this is the rotation of the loaded body by the strain of each, in urad per N m.
     Raises ``ValueError`` if the walls are not connected.
     """
+    p = mesh.plates
+    arrays = (p.node_mm, p.corner, p.normal, p.thickness_mm, p.panel, mesh.weight, mesh.middle, load, ground)
+    asked = (*(array.tobytes() for array in arrays), mesh.names, material, by_bands())
+    if asked not in _solved:
+        if len(_solved) == KEPT:
+            _solved.clear()
+        _solved[asked] = _shares_urad(mesh, material, load, ground)
+    return dict(_solved[asked])
+
+
+def _shares_urad(mesh: PlateMesh, material: Material, load: Floats, ground: Floats) -> dict[str, float]:
     plates = mesh.plates
     modulus = material.youngs_modulus_GPa * GPA_TO_MPA
     # Many elements are identical, so each different stiffness matrix is computed once.

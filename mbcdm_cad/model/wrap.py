@@ -71,15 +71,17 @@ def stretch_first_loading(d: DriveSI, tension_N: Floats) -> tuple[Floats, Floats
         return np.asarray(stretch), np.asarray(slope)
     total, rate = span * e, span * np.ones_like(e)
     mu = np.asarray(d.friction_coefficient, dtype=float)
-    partial = slip / _positive(mu)
+    partial, partial_rate = slip / _positive(mu), np.abs(e) / u / _positive(mu)
+    slid = np.abs(np.log(u))
     wraps = ((d.input_radius_m, d.input_wrap_rad), (d.drum_radius_m, d.drum_wrap_rad))
     for radius, wrap in (*wraps, *d.passed_wraps):
         limited = np.where(np.isinf(wrap), 0.0, wrap)
-        full = np.abs(np.log(u)) >= np.where(np.isinf(wrap), np.inf, mu * limited)
-        whole = _run_out_integral(u, mu, limited)
-        total = total + radius * np.where(full, whole, partial)
-        whole_rate = (whole + limited) / u
-        rate = rate + radius * np.where(full, whole_rate, np.abs(e) / u / _positive(mu))
+        full = slid >= np.where(np.isinf(wrap), np.inf, mu * limited)
+        held, held_rate = partial, partial_rate
+        if full.any():
+            whole = _run_out_integral(u, mu, limited)
+            held, held_rate = np.where(full, whole, partial), np.where(full, (whole + limited) / u, partial_rate)
+        total, rate = total + radius * held, rate + radius * held_rate
     return np.asarray(d.preload_N * flexibility * total), np.asarray(flexibility * rate)
 
 
