@@ -97,7 +97,7 @@ class Star(MadePart):
         first = d.arms[0]
         one, holes = Yoke(first).sheet(part), _holes(d)
         behind = tuple(group for group in holes if group.letter in _FROM_BEHIND)
-        y, reach = first.levels.plate_back_y, first.top_z + 2.0
+        y, reach = first.levels.plate_back_y, first.plate_top_z + 2.0
         return replace(
             one,
             labels=(*hole_labels(behind, "rear"),),

@@ -71,7 +71,7 @@ def outline(s: SpurLayout, f: YokeDims, d: DrumDims) -> NDArray[np.float64]:
     """Points (n, 2) in x and z that bound the box of one input with its sector, the input above the drum; mm."""
     drive = s.drive
     # The plate alone bears a motor that carries the pulley.
-    beside, wide_head, front = (0.0, f.half_width, f.top_z) if f.motor else _head_mm(s, f)
+    beside, wide_head, front = (0.0, f.half_width, f.plate_top_z) if f.motor else _head_mm(s, f)
     sector = [
         rim_points(d),
         wrap_points(d, s.flank_mm),
@@ -85,7 +85,7 @@ def outline(s: SpurLayout, f: YokeDims, d: DrumDims) -> NDArray[np.float64]:
     # Motor, gearhead and encoder are round, and the frame's upper corners are rounded.
     angle = np.linspace(0.0, 2 * np.pi, _CORNERS + 1)
     circle = np.stack([np.sin(angle), np.cos(angle)], axis=1)
-    corner = np.array([f.half_width, f.top_z]) + f.corner_radius * (circle[: _CORNERS // 4 + 1] - 1.0)
+    corner = np.array([f.half_width, f.plate_top_z]) + f.corner_radius * (circle[: _CORNERS // 4 + 1] - 1.0)
     round_bodies = np.array([0.0, f.axis_z]) + drive.encoder.diameter_mm / 2 * circle
     motor = np.array([0.0, f.axis_z + beside]) + bodies * circle
     heads = np.array([(x, front) for x in (-wide_head, wide_head)])

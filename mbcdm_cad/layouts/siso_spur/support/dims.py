@@ -68,7 +68,8 @@ class YokeDims:
     shelf_half_width: float
     shelf_bottom_z: float
     bridge_bottom_z: float
-    top_z: float
+    top_z: float  # of the bridge
+    plate_top_z: float  # above the bridge behind a wide wheel of a stage, else the same
     opening_radius: float
     corner_radius: float
     seat_radius: float
@@ -178,7 +179,9 @@ def yoke(drive: SpurDrive, levels: SpurStack, shaft: DrumShaftDims, head: Flange
     z = drive.centre_distance_mm
     circle, head_radius = encoder.bolt_circle_mm / 2, encoder_screw.head_diameter_mm / 2 + 0.1
     bridge = z + drive.input_radius_mm + drive.cable.diameter_mm / 2 + WINDING_ROOM_MM
-    bridge = max(bridge, z + head.front_y - s.bridge_mm, z + encoder.diameter_mm / 2 + SHELF_MARGIN_MM - s.bridge_mm)
+    bridge = max(bridge, z + encoder.diameter_mm / 2 + SHELF_MARGIN_MM - s.bridge_mm)
+    if drive.stage is None:
+        bridge = max(bridge, z + head.front_y - s.bridge_mm)
     mount = drive.screw(s.mount_bolt)
     insert, mount_insert = (drive.insert(drive.frame_material, each.thread_mm) for each in (screw, mount))
     edge = _round_thread_mm(drive, mount, mount.thread_mm)
@@ -206,6 +209,7 @@ def yoke(drive: SpurDrive, levels: SpurStack, shaft: DrumShaftDims, head: Flange
         shelf_bottom_z=max(least_wall_z_mm(drive), z - shelf) if held else least_wall_z_mm(drive),
         bridge_bottom_z=bridge,
         top_z=bridge + s.bridge_mm,
+        plate_top_z=max(bridge + s.bridge_mm, z + head.front_y),
         opening_radius=opening_radius_mm(drive),
         corner_radius=max(CORNER_MM, drive.frame_material.min_internal_radius_mm),
         seat_radius=upper.outer_diameter_mm / 2,
@@ -238,6 +242,7 @@ def yoke(drive: SpurDrive, levels: SpurStack, shaft: DrumShaftDims, head: Flange
         shelf_bottom_z=top,
         bridge_bottom_z=top,
         top_z=top,
+        plate_top_z=top,
         opening_radius=seat.pocket_radius,
         seat_radius=0.0,
         seat_depth=0.0,

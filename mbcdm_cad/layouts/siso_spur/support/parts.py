@@ -44,7 +44,7 @@ _STAND_LETTERS = "JKLMNPQRSTUVWXYZ"
 def arm_mm3(d: YokeDims) -> float:
     """Plate from the drum's axis upwards, and the yoke on it, less their bores and holes."""
     v = d.levels
-    plate = (2 * d.half_width * d.top_z - 2 * CORNER * d.corner_radius**2) * (v.front_y - v.plate_back_y)
+    plate = (2 * d.half_width * d.plate_top_z - 2 * CORNER * d.corner_radius**2) * (v.front_y - v.plate_back_y)
     yoke = _yoke_mm3(d) if d.motor is None else 0.0
     return plate + yoke + sum(_posts_mm3(stand) for stand in d.stands) - _holes_mm3(d)
 
@@ -112,7 +112,7 @@ def yoke_bodies(d: YokeDims) -> list[cq.Shape]:
     import cadquery as cq
 
     v, x, shelf = d.levels, d.half_width, d.shelf_half_width
-    plate = block((-x, x), (v.plate_back_y, v.front_y), (0.0, d.top_z))
+    plate = block((-x, x), (v.plate_back_y, v.front_y), (0.0, d.plate_top_z))
     plate = cq.Workplane(obj=plate).edges("|Y and >Z").fillet(d.corner_radius).val()  # type: ignore[assignment]
     if d.motor is not None:
         return [plate]
@@ -291,11 +291,11 @@ def _from_behind(d: YokeDims) -> tuple[Linear, ...]:
         return Linear("rear", (-half, y, z), (half, y, z), 2 * half, side, suffix=what)
 
     return (
-        wide(x, d.top_z, "above"),
+        wide(x, d.plate_top_z, "above"),
         wide(b.radius, 0.0, "below", " = %%c boss"),
         *([wide(b.ear_reach, 0.0, "below", " ears")] if b.has_encoder else []),
         *_window(d),
-        Linear("rear", (0.0, y, 0.0), (x, y, d.top_z), d.top_z, "right", decimals=3),
+        Linear("rear", (0.0, y, 0.0), (x, y, d.plate_top_z), d.plate_top_z, "right", decimals=3),
         Linear("rear", (0.0, y, 0.0), (0.0, y, d.axis_z), d.axis_z, "left", decimals=3),
     )
 
@@ -319,6 +319,11 @@ def _in_front(d: YokeDims) -> tuple[Linear, ...]:
     return (
         Linear("front", (-wide, y, d.top_z), (wide, y, d.top_z), 2 * wide, "above", suffix=" yoke"),
         Linear("front", (0.0, y, 0.0), (wide, y, d.shelf_bottom_z), d.shelf_bottom_z, "left", decimals=3),
+        *(
+            [Linear("front", (0.0, y, 0.0), (wide, y, d.top_z), d.top_z, "right", suffix=" yoke", decimals=3)]
+            if d.plate_top_z > d.top_z
+            else []
+        ),
     )
 
 
@@ -415,8 +420,8 @@ class Yoke(MadePart):
         half, y = 0.5**0.5 * r, v.plate_back_y
         corner = Radius(
             "rear",
-            (d.half_width - r, y, d.top_z - r),
-            (d.half_width - r + half, y, d.top_z - r + half),
+            (d.half_width - r, y, d.plate_top_z - r),
+            (d.half_width - r + half, y, d.plate_top_z - r + half),
             r,
             prefix="2x ",
         )
@@ -435,7 +440,9 @@ class Yoke(MadePart):
             ),
             dimensions=(*_from_behind(d), *_in_section(d), *_in_front(d), *_of_posts(d), corner),
             labels=(*hole_labels(behind, "rear"), *hole_labels(before, "front")),
-            cutting_lines=(CuttingLine("rear", (0.0, y, -d.half_width - 2.0), (0.0, y, d.top_z + 2.0), "A", minus(X)),),
+            cutting_lines=(
+                CuttingLine("rear", (0.0, y, -d.half_width - 2.0), (0.0, y, d.plate_top_z + 2.0), "A", minus(X)),
+            ),
             tolerances=(
                 one_axis("section", seats_mm(b), DRUM_AXIS),
                 *_input_axis(d),

@@ -68,7 +68,9 @@ def walls(arms: Sequence[Arm]) -> list[Wall]:
     v, f = arms[0].layout.levels, arms[0].layout.frame
     y_plate, plate_t = (v.plate_back_y + v.front_y) / 2, v.front_y - v.plate_back_y
     z_bridge = (f.bridge_bottom_z + f.top_z) / 2
-    ends = sorted([arm.way * z_bridge for arm in arms])
+    # Where the plate ends at the bridge its panel ends in the middle of the bridge, else at its own edge.
+    top = f.plate_top_z if f.plate_top_z > f.top_z else z_bridge
+    ends = sorted([arm.way * top for arm in arms])
     plate = Wall(
         "plate",
         Y,

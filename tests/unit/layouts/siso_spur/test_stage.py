@@ -252,3 +252,11 @@ def test_the_collar_turns_in_its_own_radius_beside_a_larger_wheel() -> None:
     wanted = min(h.inner_x - sweep, v.bearing_shelf_bottom_z - c.top_z)
     assert gaps["clamp collar from walls and bearing shelf"] == pytest.approx(wanted)
     assert gaps["wheel from walls and bearing shelf"] < gaps["clamp collar from walls and bearing shelf"]
+
+
+def test_bridge_stands_over_the_pulley_not_at_the_edge_of_a_wide_flange() -> None:
+    wide = drive("{kind: belt, ratio: 6.0}").layout.frame
+    plain = drive("").layout.frame
+    assert wide.plate_top_z > wide.top_z + 5.0, "the plate carries the wheel's flange"
+    assert wide.bridge_bottom_z - wide.axis_z < plain.bridge_bottom_z - plain.axis_z + 1.0
+    assert plain.plate_top_z == plain.top_z
