@@ -169,6 +169,11 @@ def _elastic(root: ET.Element, m: Mechanism, e: ElasticDrive, bodies: dict[str, 
         _motor(actuators, e, joint)
         held.append(stage.preload_Nm / abs(joint.ratio) / e.gear_ratio)
     _sensors(root, tendons, m, e)
+    # What the gearheads lose with the load follows from these, by a line of the program that steps the model.
+    custom = ET.SubElement(root, "custom")
+    ET.SubElement(custom, "numeric", name="gear_share", data=numbers([e.gear_share]))
+    for own, name in zip(e.input_friction_Nm, m.inputs, strict=True):
+        ET.SubElement(custom, "numeric", name=f"{name}_friction", data=numbers([own]))
     keys = ET.SubElement(root, "keyframe")
     ET.SubElement(keys, "key", name="held", ctrl=numbers(held), qpos=numbers(_rest(m, e)))
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -223,3 +224,44 @@ def test_a_drive_as_built_carries_its_effects(loaded: Any, soft: ElasticDrive) -
     assert ratio > 1.1
     wanted = 0.25 / analyse(loaded.drive).sticking_stiffness_Nm_rad
     assert soften[1] - soften[0] == pytest.approx(wanted, rel=0.1), (soften, wanted)
+
+
+_PAGE = Path(__file__).parents[3] / "docs" / "robot-formats.md"
+
+
+def _lifts_at(model: Any, drive: Any, load_Nm: float, step: Any) -> float:
+    """Share of the motors' torque by ``analyse`` at which they begin to lift a load, in a ramp from 0.3 on."""
+    needs = drive.layout.losses.moving(load_Nm, 1).motor_Nm[:, 0]
+    data, at = started(model), [model.joint(name).dofadr[0] for name in ("drum", "payload")]
+    angle: list[float] = []
+    for k in range(3000):
+        share = 0.3 + k * model.opt.timestep
+        # A saturated motor gives no more: the ramp ends well below.
+        data.ctrl[:] = share * needs
+        data.qfrc_applied[at] = -load_Nm
+        step(model, data)
+        angle.append(data.sensor("payload_angle").data[0])
+        if k > 200 and angle[-1] - angle[-100] > 0.02 * 0.05:
+            return share
+    raise AssertionError("it lifts nothing")
+
+
+def _with_losses() -> Any:
+    """The function of the page."""
+    code = re.search(r"```python\n(def step_with_losses.*?)```", _PAGE.read_text("utf-8"), re.S)
+    assert code
+    scope: dict[str, Any] = {"mujoco": mujoco}
+    exec(code[1], scope)
+    return scope["step_with_losses"]
+
+
+def test_motors_lift_with_the_torque_that_analyse_states_once_gears_lose_with_the_load(
+    model: Any, soft: ElasticDrive, loaded: Any
+) -> None:
+    """With the page's lines; without them the gearheads lose under the preload only, and they lift with less."""
+    load = loaded.drive.loads.test_torque_Nm
+    # The page's lines leave their friction in the model.
+    plain = _lifts_at(model, loaded.drive, load, mujoco.mj_step)
+    counted = _lifts_at(model, loaded.drive, load, _with_losses())
+    assert counted == pytest.approx(1.0, abs=0.05), (counted, plain)
+    assert plain < 0.92, (counted, plain)
