@@ -96,10 +96,13 @@ def centre_line_distance(first: CablePath, second: CablePath, diameter_mm: float
 def cable_overlaps(paths: Sequence[CablePath], diameter_mm: float) -> Iterator[tuple[int, int, float, Place]]:
     """Cables whose centre lines come nearer than their diameter, each pair and each cable with its own turns.
 
+    ``diameter_mm``: of cables that state none; of two cables half the sum of both counts.
+
     Returns the indices of both, the overlap (mm), and its place.
     """
     count = len(paths)
     for i, j in (*combinations(range(count), 2), *((k, k) for k in range(count))):
-        distance, place = centre_line_distance(paths[i], paths[j], diameter_mm)
-        if distance < diameter_mm - 1e-6:
-            yield i, j, diameter_mm - distance, (float(place[0]), float(place[1]), float(place[2]))
+        wide = sum(paths[k].diameter_mm or diameter_mm for k in (i, j)) / 2.0
+        distance, place = centre_line_distance(paths[i], paths[j], wide)
+        if distance < wide - 1e-6:
+            yield i, j, wide - distance, (float(place[0]), float(place[1]), float(place[2]))

@@ -97,7 +97,7 @@ def interference_run(
                 run.add(pair, "solids", (first.name, second.name), angle_deg, first.location)
 
     def rods(angle_deg: float, path: CablePath, stretch: Stretch, own: bool) -> None:
-        rod = RodShape(path.only(stretch.pieces), diameter_mm)
+        rod = RodShape(path.only(stretch.pieces), path.diameter_mm or diameter_mm)
         for item, box in placed[angle_deg]:
             if (item.group == stretch.body) == own and rod.is_near(box):
                 test = Rod(rod, bodies[item.part], rounded(item.location))

@@ -207,7 +207,7 @@ class Cables:
     @property
     def key(self) -> str:
         """The test's name."""
-        return digest("cables", self.diameter_mm, *(path.pieces for path in self.paths))
+        return digest("cables", self.diameter_mm, *((path.pieces, path.diameter_mm) for path in self.paths))
 
     def test(self) -> Found:
         """Places at which centre lines are nearer than the diameter, and the overlaps."""

@@ -29,7 +29,7 @@ def scenes(layout: Layout, drum_angles_deg: Iterable[float]) -> dict[float, Pose
         angle: Pose(
             angle,
             tuple(item for item in layout.bill(angle).items if not item.name.startswith(CABLE)),
-            layout.cable_paths(radians(angle)),
+            layout.all_cable_paths(radians(angle)),
         )
         for angle in dict.fromkeys(drum_angles_deg)
     }

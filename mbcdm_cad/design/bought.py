@@ -375,6 +375,24 @@ class ServoOutput(Gearhead):
     servo: Servo
 
 
+# Name of a first cable stage in place of a gearhead's.
+FIRST_STAGE = "first-stage"
+
+
+@dataclass(frozen=True, kw_only=True)
+class CableStageOutput(Gearhead):
+    """A first cable stage in place of a gearhead: its drum's shaft turns the input, its frame's boss is the face.
+
+    Ratio, losses and stiffness are those from the motor's shaft, its own gearhead included, to the end of that shaft.
+    ``idle_torque_Nm``: friction at its output without load, apart from the motor's own; ``inertia_kg_m2``: of what
+    turns with its drum and input, at its output, without the rotor; ``lash_rad``: play there with the motor held.
+    """
+
+    idle_torque_Nm: float
+    inertia_kg_m2: float
+    lash_rad: float
+
+
 def missing_face_fields(motor: Motor) -> list[str]:
     """Fields that the motor's entry lacks to drive an input without a gearhead."""
     return [name for name in FACE_FIELDS if getattr(motor, name) is None]

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 from mbcdm_cad.design.blocks import AsBuilt, Export, Limits, Loads, Making, Printing, Targets, Waiver
 from mbcdm_cad.design.bought import (
     CableSpec,
+    CableStageOutput,
     Encoder,
     Gearhead,
     InsertSpec,
@@ -146,10 +147,22 @@ class Drive:
 
     @property
     def mounted(self) -> str:
-        """The body that is screwed on for each input, in one word: its gearhead, or the motor without one."""
+        """The body that is screwed on for each input, in words: its gearhead, or the motor without one."""
         if self.servo is not None:
             return "servo"
+        if self.cable_stage is not None:
+            return "first stage"
         return "motor" if self.gearhead.absent else "gearhead"
+
+    @property
+    def mounted_stem(self) -> str:
+        """The same as the beginning of names of items."""
+        return self.mounted.replace(" ", "_")
+
+    @property
+    def cable_stage(self) -> CableStageOutput | None:
+        """The first cable stage that turns the input; None for a drive of one stage."""
+        return self.gearhead if isinstance(self.gearhead, CableStageOutput) else None
 
     @cached_property
     def reduction(self) -> Gearhead:
@@ -171,8 +184,9 @@ class Drive:
 
     @property
     def motor_turns(self) -> float:
-        """Turns of a motor for one of its input, below zero where a pair of gears turns it the other way."""
-        return self.reduction.ratio * (1 if self.stage is None else self.stage.sense)
+        """Turns of a motor for one of its input, below zero where gears or crossed cables turn it the other way."""
+        sense = -1 if self.cable_stage is not None else 1 if self.stage is None else self.stage.sense
+        return self.reduction.ratio * sense
 
     @property
     def servo(self) -> Servo | None:

@@ -119,9 +119,9 @@ def _before_comma(tree: Tree, path: FieldPath) -> str:
 # What a file may call a second pair of capstan and drum, and what it can say in its place.
 _SECOND_CABLE_STAGE: tuple[FieldPath, ...] = (("stages",), ("first_stage",), ("second_stage",))
 SECOND_CABLE_STAGE = (
-    "a file has one cable stage: the drum of one before it would turn by this stage's ratio times the travel, and a "
-    "drum is less than a turn; state what is before it as stage: {kind: belt, ratio: 3.0}, or kind: gears, with its "
-    "stiffness_Nm_rad, lash_arcmin and efficiency"
+    "a second cable stage is the block first_stage: {total_ratio: 24.0} of a siso_spur file, before its own; state "
+    "any other as stage: {kind: belt, ratio: 3.0}, or kind: gears (spur layouts), with its stiffness_Nm_rad, "
+    "lash_arcmin and efficiency"
 )
 
 

@@ -229,6 +229,15 @@ class Layout(ABC):
     def cable_paths(self, drum_angle_rad: float) -> tuple[CablePath, ...]:
         """Centre lines of all cables, in the order of the design's cables."""
 
+    def all_cable_paths(self, drum_angle_rad: float) -> tuple[CablePath, ...]:
+        """As :meth:`cable_paths`, with the cables of a drive that stands before this one in the assembly."""
+        return self.cable_paths(drum_angle_rad)
+
+    @property
+    def further_checks(self) -> tuple[Check, ...]:
+        """Checks of this design besides those of its layout, run after them: of a drive that stands before this one."""
+        return ()
+
     @cached_property
     def moving_bodies(self) -> tuple[MovingBody, ...]:
         """The moving bodies: the drum, the bodies that cables pass, the inputs in the order of the design's inputs."""

@@ -23,7 +23,8 @@ if TYPE_CHECKING:
 
 def checks_of(drive: Drive) -> tuple[Check, ...]:
     """The checks of this drive, in the order in which they are run and shown."""
-    return tuple(check for check in drive.layout.checks_by_id().values() if check.asked_of(drive))
+    own = (check for check in drive.layout.checks_by_id().values() if check.asked_of(drive))
+    return (*own, *drive.layout.further_checks)
 
 
 def known_ids(drive: Drive) -> tuple[str, ...]:

@@ -124,7 +124,9 @@ def _tensioner(given: TrialKnown) -> Found:
 def _collar_screw(given: TrialKnown) -> Found:
     if given.overhung:
         return Found(COLLAR_SCREWS[0], "not used: set screws hold the pulley")
-    return given.first("input_pulleys.collar_screw", COLLAR_SCREWS, ("collar_grip",))
+    # The shaft of a first stage is thick, and the collar round it wide for the screw that holds it.
+    wide = ("engagement",) if given.has("first_stage") else ()
+    return given.first("input_pulleys.collar_screw", COLLAR_SCREWS, ("collar_grip", *wide))
 
 
 PARTS = (

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mbcdm_cad.design.bought import CableStageOutput
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.model.equilibrium import two_bearing_reactions_N
 from mbcdm_cad.model.losses import friction
@@ -34,6 +35,8 @@ def train_of(layout: Layout) -> Train:
     except NoFigureError:
         bearings = ()
     idle_at_input = 0.0 if gear.absent else friction.GEARHEAD_IDLE_SHARE * gear.rated_torque_mNm * 1e-3
+    if isinstance(gear, CableStageOutput):
+        idle_at_input = gear.idle_torque_Nm
     if stage is not None:
         idle_at_input *= stage.ratio
     return Train(
@@ -47,6 +50,7 @@ def train_of(layout: Layout) -> Train:
         motor_idle_Nm=friction.motor_idle_mNm(motor.rated_torque_mNm, idle) * 1e-3,
         motor_sigma=friction.MOTOR_IDLE_SIGMA if idle is None else friction.MOTOR_STATED_SIGMA,
         stage_share=0.0 if stage is None else friction.gearhead_share(stage.efficiency),
+        gear_words="first stage" if isinstance(gear, CableStageOutput) else "gearheads",
     )
 
 

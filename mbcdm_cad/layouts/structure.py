@@ -204,7 +204,7 @@ def _senses_output(servo: Servo | None) -> bool:
 
 
 def input_play_rad(drive: Drive, motors_held: bool) -> float:
-    """Play of an input, from one side to the other, by the gears of a servo and by a belt or gear stage; rad.
+    """Play of an input, from one side to the other, by the gears of a servo and by a stage before it; rad.
 
     With the sensors holding the inputs only the play behind a sensor at the motor is left.
     """
@@ -213,6 +213,8 @@ def input_play_rad(drive: Drive, motors_held: bool) -> float:
         play += radians(servo.lash_deg) / (1.0 if stage is None else stage.ratio)
     if stage is not None and (motors_held or drive.encoder.absent):
         play += stage.lash_rad
+    if drive.cable_stage is not None and (motors_held or drive.encoder.absent):
+        play += drive.cable_stage.lash_rad
     return play
 
 
@@ -310,7 +312,8 @@ def _gearheads(layout: SectorLayout, torques_Nm: Floats) -> Iterator[Cause]:
     if stage is not None:
         # Behind a stage it carries less, and what it turns is that much less at the input.
         stiffness *= stage.ratio**2
-    name = "gearheads (estimate)" if stated is None else "gearheads"
+    first = layout.drive.cable_stage is not None
+    name = "first stage" if first else "gearheads (estimate)" if stated is None else "gearheads"
     yield Cause(
         name,
         float((torques_Nm**2).sum() / stiffness) * 1e6,

@@ -22,6 +22,20 @@ ENCODER_GRIP_MM = 2.0
 
 
 @dataclass(frozen=True)
+class BossFlange:
+    """Flange at the end of a boss whose shaft stands out, mm: its face lies at the boss's back.
+
+    The boss goes on through it as a pilot. ``screws`` are the places (x, z) of its threads, which go through.
+    """
+
+    radius: float
+    thickness: float
+    pilot: float
+    screws: tuple[tuple[float, float], ...]
+    screw_radius: float
+
+
+@dataclass(frozen=True)
 class BossDims:
     """Boss about the drum's axis, from the frame's back to its own front; ears take the ring encoder's screws."""
 
@@ -40,11 +54,22 @@ class BossDims:
     ear_reach: float
     ear_half_height: float
     ear_front_y: float
+    flange: BossFlange | None = None
 
     @property
     def has_encoder(self) -> bool:
         """Whether an encoder is screwed on behind the boss, on its ears."""
         return self.screw_circle > 0.0
+
+    @property
+    def end_y(self) -> float:
+        """Its rear end: that of the pilot, or the floor of the encoder's pocket."""
+        return self.back_y - self.flange.pilot if self.flange else self.encoder_pocket_floor_y
+
+    @property
+    def reach(self) -> float:
+        """Largest distance from the axis behind the plate."""
+        return max(self.radius, self.ear_reach, self.flange.radius if self.flange else 0.0)
 
 
 def boss(drive: SectorDrive, shaft: DrumShaftDims, back_y: float, front_y: float) -> BossDims:
@@ -72,13 +97,15 @@ def boss(drive: SectorDrive, shaft: DrumShaftDims, back_y: float, front_y: float
 
 def seats_mm(d: BossDims) -> tuple[tuple[float, float, float], ...]:
     """A point on the wall of each of the two seats, the front one first."""
-    ends = ((d.front_seat_start_y, d.front_y), (d.encoder_pocket_floor_y, d.rear_seat_end_y))
+    ends = ((d.front_seat_start_y, d.front_y), (d.end_y, d.rear_seat_end_y))
     return tuple((0.0, (low + high) / 2, -d.seat_radius) for low, high in ends)
 
 
 def boss_bodies(d: BossDims) -> list[cq.Solid]:
-    """Cylinder in front of the encoder's pocket, and the ears beside it."""
-    body = cylinder_y(d.radius, 0.0, 0.0, d.encoder_pocket_floor_y, d.front_y)
+    """Cylinder in front of the encoder's pocket, and the ears beside it; or with its flange."""
+    body = cylinder_y(d.radius, 0.0, 0.0, d.end_y, d.front_y)
+    if d.flange is not None:
+        return [body, cylinder_y(d.flange.radius, 0.0, 0.0, d.back_y, d.back_y + d.flange.thickness)]
     if not d.has_encoder:
         return [body]
     ears = block(
@@ -91,7 +118,7 @@ def boss_bodies(d: BossDims) -> list[cq.Solid]:
 
 def boss_tools(d: BossDims) -> list[cq.Shape]:
     """Encoder's pocket from behind, seats and shoulder of the bearings, threads for the encoder's screws."""
-    back, floor = d.back_y - 1.0, d.encoder_pocket_floor_y
+    back, floor = d.end_y - 1.0 if d.flange else d.back_y - 1.0, d.encoder_pocket_floor_y
     tools: list[cq.Shape] = [
         cylinder_y(d.seat_radius, 0, 0, back, d.rear_seat_end_y),
         cylinder_y(d.shoulder_radius, 0, 0, d.rear_seat_end_y - 1.0, d.front_seat_start_y + 1.0),
@@ -101,14 +128,25 @@ def boss_tools(d: BossDims) -> list[cq.Shape]:
         tools.append(cylinder_y(d.encoder_pocket_radius, 0, 0, back, floor))
         for x in (-d.screw_circle, d.screw_circle):
             tools.append(cylinder_y(d.screw_radius, x, 0, floor - 1.0, floor + d.screw_depth))
+    if d.flange is not None:
+        end = d.back_y + d.flange.thickness + 1.0
+        tools += [cylinder_y(d.flange.screw_radius, x, z, d.back_y - 1.0, end) for x, z in d.flange.screws]
     return tools
 
 
 def boss_bores_mm3(d: BossDims) -> float:
     """Volume of the bearings' seats, the shoulder between them and the encoder's threads."""
-    seats = d.rear_seat_end_y - d.encoder_pocket_floor_y + d.front_y - d.front_seat_start_y
+    seats = d.rear_seat_end_y - d.end_y + d.front_y - d.front_seat_start_y
     return (
         ring_mm3(d.seat_radius, 0.0, seats)
         + ring_mm3(d.shoulder_radius, 0.0, d.front_seat_start_y - d.rear_seat_end_y)
         + (2 * ring_mm3(d.screw_radius, 0.0, d.screw_depth) if d.has_encoder else 0.0)
     )
+
+
+def flange_mm3(d: BossDims) -> float:
+    """Volume of the flange outside the boss, less its threads; 0 without one."""
+    f = d.flange
+    if f is None:
+        return 0.0
+    return ring_mm3(f.radius, d.radius, f.thickness) - len(f.screws) * ring_mm3(f.screw_radius, 0.0, f.thickness)

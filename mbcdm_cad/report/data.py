@@ -144,7 +144,7 @@ def design_figures(layout: Layout, centred: Bill) -> DesignFigures:
         "asked_torque_Nm": drive.loads.peak_torque_Nm,
         "reached_preloads": [asdict(row) | {"holds_Nm": row.holds_Nm} for row in preload_table(drive)],
         "tensioning": _tensioning(layout.tensioning),
-        "cable_lengths_mm": {p.cable.name: p.length_mm for p in layout.cable_paths(0.0)},
+        "cable_lengths_mm": {p.cable.name: p.length_mm for p in layout.all_cable_paths(0.0)},
         "assembly_order": [step.text for step in order],
         "assembly_items": [list(step.items) for step in order],
         "conventions": _conventions(layout.conventions, drive.export.threads),

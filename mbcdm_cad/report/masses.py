@@ -170,11 +170,12 @@ Box = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 def cable_boxes_mm(layout: Layout, drum_angles_deg: Sequence[float]) -> list[Box]:
     """Lowest and highest corner of all cables at each drum angle, from their centre lines and radius."""
-    radius = layout.drive.cable.diameter_mm / 2
-    boxes = []
+    own, boxes = layout.drive.cable.diameter_mm, []
     for angle in drum_angles_deg:
-        points = np.concatenate([path.sample(0.25) for path in layout.cable_paths(np.radians(angle))])
-        boxes.append((points.min(axis=0) - radius, points.max(axis=0) + radius))
+        paths = layout.all_cable_paths(np.radians(angle))
+        points = [(path.sample(0.25), (path.diameter_mm or own) / 2) for path in paths]
+        low = np.min([at.min(axis=0) - radius for at, radius in points], axis=0)
+        boxes.append((low, np.max([at.max(axis=0) + radius for at, radius in points], axis=0)))
     return boxes
 
 

@@ -67,7 +67,8 @@ class Bench:
             raise ValueError(str(error)) from None
         if self.input_at == "motor":
             before = 1.0 / self.compliance.before_inputs_Nm_rad
-            self.gear_stiffness_Nm_rad = [1.0 / (1.0 / k + before) for k in self.gear_stiffness_Nm_rad]
+            if before > 0.0:
+                self.gear_stiffness_Nm_rad = [1.0 / (1.0 / k + before) for k in self.gear_stiffness_Nm_rad]
             self.tell("structure", seen=False, stage="inputs", parameters={"compliance_rad_Nm": before})
         given = {"compliance_rad_Nm": self.compliance.land_to_encoder}
         play = input_play_rad(self.drive, motors_held=True)

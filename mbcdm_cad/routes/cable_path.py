@@ -31,13 +31,15 @@ class EndOfTravel:
 class CablePath:
     """Pieces of one cable's centre line, each under its own name, from its end on the input to its end on the drum.
 
-    ``stretches`` says what carries them and names every piece once.
+    ``stretches`` says what carries them and names every piece once. ``diameter_mm``: of a cable that is not the
+    design's own, as those of a first stage.
     """
 
     cable: CableRun
     drum_angle_rad: float
     pieces: tuple[tuple[str, Piece], ...]
     stretches: tuple[Stretch, ...] = ()
+    diameter_mm: float | None = None
 
     def piece(self, name: str) -> Piece:
         """The piece called ``name``."""
@@ -55,7 +57,8 @@ class CablePath:
 
     def only(self, names: tuple[str, ...]) -> CablePath:
         """The path made of the pieces called ``names`` alone."""
-        return CablePath(self.cable, self.drum_angle_rad, tuple(p for p in self.pieces if p[0] in names))
+        kept = tuple(p for p in self.pieces if p[0] in names)
+        return CablePath(self.cable, self.drum_angle_rad, kept, diameter_mm=self.diameter_mm)
 
     def sample(self, step_mm: float) -> Vector:
         """Points (n, 3) along the pieces, no further apart than ``step_mm``."""

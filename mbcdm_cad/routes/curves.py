@@ -6,7 +6,7 @@ Every piece is parametrised by a fraction 0..1, knows its exact length and its e
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from math import ceil
@@ -212,16 +212,34 @@ def turned_about_y(piece: Line | Arc | Coil | Parabola, angle_rad: float) -> Pie
     def turned(v: Triple) -> Triple:
         return (cosine * v[0] + sine * v[2], v[1], cosine * v[2] - sine * v[0])
 
+    return _mapped(piece, turned, turned)
+
+
+def carried(piece: Line | Arc | Coil | Parabola, rotation: Vector, shift_mm: Vector) -> Piece:
+    """The piece turned by a rotation (3, 3) and then moved by a shift (3,)."""
+
+    def turned(v: Triple) -> Triple:
+        return _triple(rotation @ np.array(v) + 0.0)
+
+    def moved(v: Triple) -> Triple:
+        return _triple(rotation @ np.array(v) + shift_mm)
+
+    return _mapped(piece, moved, turned)
+
+
+def _mapped(
+    piece: Line | Arc | Coil | Parabola, point: Callable[[Triple], Triple], along: Callable[[Triple], Triple]
+) -> Piece:
+    """The piece with its points and its directions mapped."""
     match piece:
         case Line():
-            return replace(piece, start=turned(piece.start), end=turned(piece.end))
+            return replace(piece, start=point(piece.start), end=point(piece.end))
         case Arc():
-            return replace(piece, centre=turned(piece.centre), e1=turned(piece.e1), e2=turned(piece.e2))
+            return replace(piece, centre=point(piece.centre), e1=along(piece.e1), e2=along(piece.e2))
         case Coil():
-            axis, first = turned(piece.axis), turned(piece.first)
-            return replace(piece, centre=turned(piece.centre), axis=axis, first=first)
+            return replace(piece, centre=point(piece.centre), axis=along(piece.axis), first=along(piece.first))
         case Parabola():
-            return replace(piece, start=turned(piece.start), middle=turned(piece.middle), end=turned(piece.end))
+            return replace(piece, start=point(piece.start), middle=point(piece.middle), end=point(piece.end))
 
 
 def reverse(piece: Piece) -> Piece:

@@ -7,6 +7,7 @@ from math import tau
 from mbcdm_cad.checks.bearings import stage_torque_Nm
 from mbcdm_cad.design.bought import Servo
 from mbcdm_cad.design.stage import SET_TENSION, Stage
+from mbcdm_cad.layouts.siso_spur.bill import first_name
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.overhung import set_screw
@@ -21,8 +22,18 @@ from mbcdm_cad.parts.terminal.instructions import making_words, terminal_steps
 
 
 def assembly_order(layout: SpurLayout) -> tuple[AssemblyStep, ...]:
-    """Steps with the sizes of this design. Each item is added in one step; each screw is accessible in its step."""
-    return (*_frame(layout), *input_steps(layout), *idler_steps(layout), _base(layout), *_drum(layout))
+    """Steps with the sizes of this design. Each item is added in one step; each screw is accessible in its step.
+
+    A first stage comes first, as a whole; what it is screwed on holds it in place of a base.
+    """
+    before: tuple[AssemblyStep, ...] = ()
+    if layout.first_stage is not None:
+        first = layout.first_stage
+        steps = (*_frame(first), *input_steps(first), *_drum(first))
+        before = tuple(
+            AssemblyStep(f"First stage: {s.text}", tuple(first_name(name) for name in s.items)) for s in steps
+        )
+    return (*before, *_frame(layout), *input_steps(layout), *idler_steps(layout), _base(layout), *_drum(layout))
 
 
 def idler_steps(layout: SpurLayout, mark: str = "") -> tuple[AssemblyStep, ...]:
@@ -155,7 +166,7 @@ def input_steps(layout: SpurLayout, mark: str = "") -> tuple[AssemblyStep, ...]:
             f"and press the bearing ({drive.bearings.input_lower.name}) into the flange.",
             (
                 *(f"motor_head{mark}", *train_items(drive, name)),
-                *numbered(f"{drive.mounted}_screw_{name}", gear.screw_count),
+                *numbered(f"{drive.mounted_stem}_screw_{name}", gear.screw_count),
                 *(f"collar_{name}", f"collar_screw_{name}", f"input_bearing_lower_{name}"),
             ),
         ),
@@ -182,7 +193,7 @@ def _stage_steps(layout: SpurLayout, stage: Stage, mark: str) -> tuple[AssemblyS
         f"the {drive.mounted}'s shaft with retaining compound, {layout.stage_clear_mm:.1f} mm from its face.",
         (
             *(f"motor_head{mark}", f"input_bearing_lower_{name}", *train_items(drive, name)),
-            *(*numbered(f"{drive.mounted}_screw_{name}", gear.screw_count), f"stage_driver_{name}"),
+            *(*numbered(f"{drive.mounted_stem}_screw_{name}", gear.screw_count), f"stage_driver_{name}"),
         ),
     )
     laid = tight = ""
@@ -216,7 +227,7 @@ def _on_shaft_steps(layout: SpurLayout) -> tuple[AssemblyStep, ...]:
         AssemblyStep(
             f"Hold the {train_words(drive)} on the back of the plate, its pilot in the bore, and screw it on from the "
             f"front, the screws' heads in the pocket ({gear.screw_count} x {gear.screw}, {key(layout, gear.screw)}).",
-            (*train_items(drive, name), *numbered(f"{drive.mounted}_screw_{name}", gear.screw_count)),
+            (*train_items(drive, name), *numbered(f"{drive.mounted_stem}_screw_{name}", gear.screw_count)),
         ),
         AssemblyStep(
             f"Push the input pulley, hub first, on the {drive.mounted}'s shaft until its land begins "
@@ -290,10 +301,12 @@ def _base(layout: SpurLayout) -> AssemblyStep:
 def _drum(layout: SpurLayout) -> tuple[AssemblyStep, ...]:
     drive, hub_screw, insert = layout.drive, layout.drum.set_screw, layout.drum.payload_insert
     places = len(layout.drum.payload_places)
+    bonded = "Wet the shaft with retaining compound. " * (drive.drum.shaft_end_mm > 0.0)
     each = "each cable" if drive.anchored else "each end of the cable"
     return (
         AssemblyStep(
             insert_words(insert, places, "the holes in the hub's face")
+            + bonded
             + "Push the drum onto the shaft, its set screws over the shaft's flats, until its spigot touches the front "
             "bearing, then press the stop pin through the slot of its web into the plate. To preload the bearings, "
             "draw shaft and hub together until the shaft's end is flush with the hub's face, which presses the spring "

@@ -14,7 +14,7 @@ from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims
 from mbcdm_cad.layouts.siso_spur.support.idlers import Strap, strap_screw
 from mbcdm_cad.layouts.siso_spur.support.parts import Yoke
 from mbcdm_cad.parts.axle import Axle, Spacer
-from mbcdm_cad.parts.bill import Bill, BillBuilder, MovingBody
+from mbcdm_cad.parts.bill import CABLE, FIXED, Bill, BillBuilder, MovingBody, PartSpec
 from mbcdm_cad.parts.bought.train import add_horn
 from mbcdm_cad.parts.drum_sector.items import add_cables, add_drum, add_drum_encoder, add_preload_spring
 from mbcdm_cad.parts.idler_pulley import IdlerPulley
@@ -34,6 +34,9 @@ from mbcdm_cad.parts.ring import Pin
 from mbcdm_cad.parts.stage import Belt, Wheel, belt_bottom_mm
 
 _X, _Y, _Z, _BACK = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0)
+FIRST = "first_"
+# Beginnings of the names of parts that are the same in both stages.
+_STANDARD = ("screw_", "insert_", "bearing_")
 # Linear RGB.
 _RUBBER = (0.015, 0.015, 0.017)
 # Parts on the drum's axis and on the input's axis are drawn along Z with the gearhead below.
@@ -65,6 +68,12 @@ def input_bodies(drive: SpurDrive, name: str, angle_rad: float) -> tuple[MovingB
 
     ratio, distance, stage = (drive.drum_radius_mm, drive.input_radius_mm), drive.centre_distance_mm, drive.stage
     body = MovingBody(f"input_{name}", "input", at(distance), _BACK, *ratio)
+    if drive.first is not None:
+        # The first stage stands back to back, so that its input turns about +Y.
+        first = drive.first
+        both = ratio[0] * first.drum_radius_mm, ratio[1] * first.input_radius_mm
+        z = distance + first.centre_distance_mm
+        return body, MovingBody(f"driver_{name}", "stage", at(z), _Y, *both)
     if stage is None:
         return (body,)
     turned = ratio[0] * stage.ratio * stage.sense
@@ -142,7 +151,7 @@ def add_own_input(b: BillBuilder, lay: SpurLayout, turn: Placement, mark: str = 
             place = turn @ _at(x, v.motor_shelf_top_z, z) @ ALONG_Y
             if drive.servo is not None:
                 place = turn @ _at(x, v.plate_back_y - drive.servo.ear_mm, z) @ _TO_BACK
-            name = f"{drive.mounted}_screw_{drive.input_names[0]}_{n}"
+            name = f"{drive.mounted_stem}_screw_{drive.input_names[0]}_{n}"
             b.screw(name, drive.screw(drive.gearhead.screw), drive.material("steel"), place)
         return
     shelf = EncoderShelf(f.encoder_shelf_bottom_z, f.encoder_shelf_top_z, f.encoder_circle_radius, f.encoder_head_depth)
@@ -208,6 +217,32 @@ def add_idlers(b: BillBuilder, lay: SpurLayout, turn: Placement, mark: str = "")
             b.screw(f"idler_strap_screw{mark}_{n}_{k}", screw, steel, place)
 
 
+def add_first_stage(b: BillBuilder, lay: SpurLayout, first: SpurLayout, drum_angle_deg: float) -> None:
+    """All parts of the first stage, their names with ``first_`` before them; its drum turns with the input."""
+    name = lay.drive.input_names[0]
+    own = bill(first, drum_angle_deg * lay.drive.total_ratio)
+    groups = {FIXED: FIXED, "drum": f"input_{name}"} | {f"input_{i}": f"driver_{name}" for i in first.drive.input_names}
+    for item in own.items:
+        stem, what = first_name(item.part), own.parts[item.part]
+        b.parts.setdefault(stem, PartSpec(stem, what.part, what.drilled))
+        b.items.append(
+            replace(
+                item,
+                name=first_name(item.name),
+                part=stem,
+                location=lay.first_place @ item.location,
+                group=groups[item.group],
+            )
+        )
+
+
+def first_name(name: str) -> str:
+    """Name of an item or a part of the first stage; parts of a standard, and cables, keep their beginning."""
+    if name.startswith(CABLE):
+        return f"{CABLE}{FIRST}{name.removeprefix(CABLE)}"
+    return name if name.startswith(_STANDARD) else FIRST + name
+
+
 def bill(lay: SpurLayout, drum_angle_deg: float = 0.0) -> Bill:
     """All parts and instances with the drum at ``drum_angle_deg``."""
     drive, f = lay.drive, lay.frame
@@ -226,4 +261,6 @@ def bill(lay: SpurLayout, drum_angle_deg: float = 0.0) -> Bill:
         if drive.servo is not None:
             add_horn(b, drive, drive.servo, pulley.name, ALONG_Y, lay.levels.motor_shelf_bottom_z)
     add_cables(b, drive, lay.cable_paths(radians(drum_angle_deg)))
+    if lay.first_stage is not None:
+        add_first_stage(b, lay, lay.first_stage, drum_angle_deg)
     return b.bill()

@@ -13,7 +13,7 @@ from mbcdm_cad.design.blocks import Limits
 from mbcdm_cad.design.bought import Bearing
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.fields import ESTIMATE, EntryName, Number, PlainBlock, choice, quantity
-from mbcdm_cad.design.sector_blocks import WoundPulleys
+from mbcdm_cad.design.sector_blocks import SectorDrum, WoundPulleys
 from mbcdm_cad.layouts.siso_spur.idlers import SENSE, Circle, IdlerBlock, IdlerPlace, Strand, flange_radius_mm, taut
 from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.input_pulley.dims import GROOVE_DEPTH, GROOVE_RADIUS
@@ -126,6 +126,23 @@ class YokeSupport(PlainBlock):
 
 
 @dataclass(frozen=True, kw_only=True)
+class SpurDrum(SectorDrum):
+    """Drum sector with web, hub and tensioners; y is along the drum axis from the middle of the cable."""
+
+    sector_half_angle_deg: Number = quantity(
+        "half angle of the sector, from the line of centres", unit="deg", ge=20.0, le=175.0
+    )
+    shaft_end_mm: Number = quantity(
+        "length of the drum's shaft that stands out behind the frame and is the output there; the frame's boss then "
+        "ends in a flange to be screwed on, and drive.drum_encoder is none; 0: the hub alone is the output",
+        unit="mm",
+        default=0.0,
+        ge=0.0,
+        le=60.0,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
 class SpurLimits(Limits):
     """Limits of this design, which the checks use."""
 
@@ -156,7 +173,8 @@ class SpurDrive(HeadedDrive):
     ``anchored`` cables does at the end of the travel where it is wound up. ``level_mm``: position of the middle of the
     winding along y; input pulley and encoder shelf are that much further from the frame's plate. ``frame_angle_rad``:
     angle round the drum's axis in which this input's part of the frame lies. ``idlers``: those that lead the cable to
-    an input away from the drum; None where it runs straight to the drum.
+    an input away from the drum; None where it runs straight to the drum. ``first``: the drive of a first cable stage,
+    whose drum's shaft turns the input; the gearhead is then what that is to this stage.
     """
 
     cables: tuple[SpurRun, ...]
@@ -166,11 +184,13 @@ class SpurDrive(HeadedDrive):
     limits: SpurLimits
     radii_explicit: bool
     input_pulleys: WoundPulleys
+    drum: SpurDrum
     bearings: SpurBearings
     support: YokeSupport
     level_mm: float = 0.0
     frame_angle_rad: float = tau
     idlers: IdlerBlock | None = None
+    first: SpurDrive | None = None
 
     @property
     def leading(self) -> IdlerBlock:

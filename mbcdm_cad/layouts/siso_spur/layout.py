@@ -26,15 +26,19 @@ from mbcdm_cad.parts.collar import CollarDims, collar, collar_over_shelf_mm, col
 from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
 from mbcdm_cad.parts.drum_sector.sizes import TerminalWay, drum, furthest_anchor_rad
+from mbcdm_cad.parts.drum_shaft import DrumShaftDims
 from mbcdm_cad.parts.idler_pulley import IdlerDims
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 from mbcdm_cad.parts.motor_head.dims import Flange, HeadDims, head
 from mbcdm_cad.parts.mounting import MOUNT_SCREWS, MountScrew
+from mbcdm_cad.parts.placement import Placement
 from mbcdm_cad.parts.stage import HUB_EDGE_MM, StageDims, stage_dims
 from mbcdm_cad.parts.terminal.take_up import terminal_travel_mm
 from mbcdm_cad.routes.cable_path import CablePath
+from mbcdm_cad.routes.curves import Helix, carried
 
 if TYPE_CHECKING:
+    from mbcdm_cad.checks.comparison import Check
     from mbcdm_cad.layouts.structure import Cause
     from mbcdm_cad.model.losses.train import BearingPair
     from mbcdm_cad.model.si import DriveSI
@@ -168,6 +172,12 @@ class SpurLayout(HeadLayout):
         return (input_pulley(self.drive, self.levels),)
 
     @dimensions
+    def drum_shaft(self) -> DrumShaftDims:
+        """Shaft of the drum, with the end that stands out behind the frame, if it has one."""
+        shaft = super().drum_shaft
+        return replace(shaft, y_start=shaft.y_start - self.drive.drum.shaft_end_mm)
+
+    @dimensions
     def collar(self) -> CollarDims:
         """Clamp collar of the pulley."""
         drive, stage = self.drive, self.stage
@@ -235,6 +245,48 @@ class SpurLayout(HeadLayout):
     def cable_paths(self, drum_angle_rad: float) -> tuple[CablePath, ...]:
         """Centre line of each cable at a drum angle, to the bottom of the bore of each swage."""
         return cable_paths(self.drive, self.anchors, drum_angle_rad)
+
+    @cached_property
+    def first_stage(self) -> SpurLayout | None:
+        """The first cable stage as a design of its own; None without."""
+        return None if self.drive.first is None else SpurLayout(self.drive.first)
+
+    @cached_property
+    def first_place(self) -> Placement:
+        """Where the first stage stands: its drum's axis is the input's, its boss on the motor shelf, back to back.
+
+        Its input is turned away from the drum.
+        """
+        first = self.first_stage
+        assert first is not None
+        y = self.levels.motor_shelf_bottom_z + first.levels.back_y
+        return Placement.translation(0.0, y, self.drive.centre_distance_mm) @ Placement.about((0.0, 0.0, 1.0), 180.0)
+
+    def all_cable_paths(self, drum_angle_rad: float) -> tuple[CablePath, ...]:
+        """See the base class."""
+        first, own = self.first_stage, self.cable_paths(drum_angle_rad)
+        if first is None:
+            return own
+        place, name = self.first_place, self.drive.input_names[0]
+        bodies = {"drum": f"input_{name}", **{f"input_{i}": f"driver_{name}" for i in first.drive.input_names}}
+        found = []
+        for path in first.cable_paths(drum_angle_rad * self.drive.total_ratio):
+            pieces = []
+            for piece_name, piece in path.pieces:
+                assert not isinstance(piece, Helix)
+                pieces.append((piece_name, carried(piece, place.rotation, place.shift_mm)))
+            stretches = tuple(replace(s, body=bodies.get(s.body or "")) for s in path.stretches)
+            cable = replace(path.cable, name=f"first_{path.cable.name}")
+            found.append(CablePath(cable, drum_angle_rad, tuple(pieces), stretches, first.drive.cable.diameter_mm))
+        return (*own, *found)
+
+    @property
+    def further_checks(self) -> tuple[Check, ...]:
+        """See the base class."""
+        if self.first_stage is None:
+            return ()
+        found: tuple[Check, ...] = self._module("checks.first_stage").checks_of_first(self.first_stage)
+        return found
 
     @property
     def variables(self) -> Mapping[str, DesignVariable]:

@@ -259,6 +259,8 @@ def inertias_kg_m2(drive: SpurDrive) -> dict[str, float]:
     density = drive.pulley_material.density_g_cm3
     pulley = disc_kg_m2(density, v.land_top_z - v.land_bottom_z, surface)
     wheels = 0.0 if drive.stage is None else drive.stage.inertia_kg_m2
+    if drive.cable_stage is not None:
+        wheels = drive.cable_stage.inertia_kg_m2
     found = {DRUM: drum_inertia_kg_m2(drive, v.drum_inner_y), input_body(drive.input_names[0]): pulley + wheels}
     for body, idler, _ in idlers(drive):
         found[body] = idler_inertia_kg_m2(drive, idler)

@@ -100,8 +100,10 @@ def spur_stack(drive: SpurDrive) -> SpurStack:
         motor_bottom = motor_top - s.motor_shelf_mm
         shelf_bottom = drive.level_mm + land + SHOULDER_MM + END_PLAY_MM
         shelf_top = shelf_bottom + s.encoder_shelf_mm
+    # The motor of a first stage is not behind it.
+    motor = drive.motor.length_mm if drive.cable_stage is None else 0.0
     return SpurStack(
-        motor_bottom_z=motor_bottom - drive.gearhead.length_mm - drive.motor.length_mm,
+        motor_bottom_z=motor_bottom - drive.gearhead.length_mm - motor,
         gearhead_bottom_z=motor_bottom - drive.gearhead.length_mm,
         motor_shelf_bottom_z=motor_bottom,
         motor_shelf_top_z=motor_top,

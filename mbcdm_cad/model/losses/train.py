@@ -162,6 +162,7 @@ class Train:
     motor_idle_Nm: Any
     motor_sigma: float = friction.MOTOR_IDLE_SIGMA
     stage_share: Any = 0.0
+    gear_words: str = "gearheads"
 
     @property
     def rope_share(self) -> Floats:
@@ -186,7 +187,10 @@ class Train:
         of_stage = self.stage_share * np.abs(at_input)
         stage = Loss("belt or gear stage", STAGE, EFFICIENCY_SIGMA, (turns * of_stage).sum(axis=0))
         gear = Loss(
-            "gearheads, with the load", GEARHEAD, friction.GEARHEAD_SIGMA, (turns * (lost - of_stage)).sum(axis=0)
+            f"{self.gear_words}, with the load",
+            GEARHEAD,
+            friction.GEARHEAD_SIGMA,
+            (turns * (lost - of_stage)).sum(axis=0),
         )
         idle = tuple(_spread(loss, load) for loss in self._idle)
         causes = tuple(x for x in (*rope, *bearings, stage, gear, *idle) if np.any(x.torque_Nm > 0.0))
@@ -274,7 +278,7 @@ class Train:
         motors = turns * self.gear_ratio * self.motor_idle_Nm
         return (
             Loss(
-                "gearheads, without load",
+                f"{self.gear_words}, without load",
                 GEARHEAD_IDLE,
                 friction.GEARHEAD_IDLE_SIGMA,
                 np.asarray(turns * self.gear_idle_Nm),

@@ -20,6 +20,8 @@ def add_train(b: BillBuilder, drive: Drive, name: str, hole_depth_mm: float, fac
 
     ``hole_depth_mm``: depth of the tapped holes in the face; ``turn_deg``: how far both are turned about their axis.
     """
+    if drive.cable_stage is not None:
+        return  # parts of its own
     if drive.servo is not None:
         _add_servo(b, drive, drive.servo, name, face)
         return
@@ -88,7 +90,12 @@ def add_horn(b: BillBuilder, drive: Drive, servo: Servo, name: str, stand: Place
 
 
 def train_items(drive: Drive, name: str) -> tuple[str, ...]:
-    """Names of the items of one input: gearhead and motor, the motor alone, or a servo with its horn and its screw."""
+    """Names of the items of one input: gearhead and motor, the motor alone, a servo with its horn and its screw.
+
+    None behind a first cable stage, whose items are those of a drive.
+    """
+    if drive.cable_stage is not None:
+        return ()
     if drive.servo is not None:
         return f"servo_{name}", f"horn_{name}", f"horn_screw_{name}"
     return (f"motor_{name}",) if drive.gearhead.absent else (f"gearhead_{name}", f"motor_{name}")

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from math import sqrt
 from typing import Any, Protocol
 
-from mbcdm_cad.design.bought import Gearhead, Material, Motor, Screw
+from mbcdm_cad.design.bought import CableStageOutput, Gearhead, Material, Motor, Screw
 from mbcdm_cad.design.sector_blocks import Clearances
 from mbcdm_cad.design.stage import Stage
 from mbcdm_cad.parts.bought.bodies import screw_places
@@ -262,7 +262,9 @@ def face_reach_mm(drive: Boxed) -> float:
 
 
 def body_radius_mm(drive: Boxed) -> float:
-    """Half of the wider of gearhead and motor."""
+    """Half of the wider of gearhead and motor; a motor in front of a first cable stage is not behind the input."""
+    if isinstance(drive.gearhead, CableStageOutput):
+        return drive.gearhead.diameter_mm / 2
     return max(drive.gearhead.diameter_mm, drive.motor.diameter_mm) / 2
 
 

@@ -98,7 +98,7 @@ def add_input_line(b: BillBuilder, drive: HeadedDrive, head: HeadDims, shelf: En
         if n < len(head.gear_screws):
             x, y = head.gear_screws[n]
             place = _at(stand, x, y, head.shelf_bottom_z) @ _TURNED
-            b.screw(f"{drive.mounted}_screw_{name}_{n + 1}", gear_screw, steel, place)
+            b.screw(f"{drive.mounted_stem}_screw_{name}_{n + 1}", gear_screw, steel, place)
         if n < encoder_screws:
             place = _at(stand, (-1, 1)[n] * shelf.screw_circle, 0.0, shelf.top_z - sunk)
             b.screw(f"encoder_screw_{name}_{n + 1}", encoder_screw, steel, place)

@@ -20,6 +20,8 @@ from mbcdm_cad.build.partfiles import PartFiles
 from mbcdm_cad.build.trianglemesh import TriangleMesh
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.parts.bill import Bill, cable_item
+from mbcdm_cad.parts.cable import CableRod
+from mbcdm_cad.parts.item import Item
 from mbcdm_cad.routes.cable_path import CablePath
 from mbcdm_cad.routes.curves import Piece
 
@@ -117,13 +119,19 @@ def scene(
                 "material": item.material.name,
                 "colour": _figures(item.material.colour),
                 "mass_g": _figure(item_mass(item, parts[item.part].shape).mass_g),
-                "radius_mm": drive.cable.diameter_mm / 2,
+                "radius_mm": _radius_mm(centred, item, drive),
                 "angles": len(points),
                 "points": points.shape[1],
                 "line": binary.quantised(points),
             }
         )
     return Scene(data, binary.bytes())
+
+
+def _radius_mm(centred: Bill, item: Item, drive: Drive) -> float:
+    """Radius of a cable: that of its rod."""
+    rod = centred.parts[item.part].part
+    return rod.radius if isinstance(rod, CableRod) else drive.cable.diameter_mm / 2
 
 
 def _mesh(binary: _Binary, mesh: TriangleMesh) -> dict[str, Any]:

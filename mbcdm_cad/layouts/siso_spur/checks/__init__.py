@@ -18,6 +18,7 @@ from mbcdm_cad.checks import (
 )
 from mbcdm_cad.checks.comparison import Family, families
 from mbcdm_cad.layouts.siso_spur.checks import (
+    first_stage,
     idlers,
     overhung,
     ratios,
@@ -49,6 +50,7 @@ FAMILIES = families(
     fixings,
     PULLEY,
     stage,
+    first_stage,
     overhung,
     drum_sector,
     structure,

@@ -49,7 +49,7 @@ def drum_and_input(s: SpurLayout) -> Comparison:
 def bodies_behind(s: SpurLayout) -> Comparison:
     """Gap between motor or gearhead and the parts of the drum behind the plate: boss and encoder."""
     drive, boss = s.drive, s.frame.boss
-    beside = max(boss.radius, boss.ear_reach, drive.drum_encoder.diameter_mm / 2)
+    beside = max(boss.reach, drive.drum_encoder.diameter_mm / 2)
     running, servo = drive.clearances.running_mm, drive.servo
     reach = body_radius_mm(drive) if servo is None else servo.ears_mm / 2 - servo.axis_mm
     gap = drive.centre_distance_mm + s.head.beside_y - reach - beside

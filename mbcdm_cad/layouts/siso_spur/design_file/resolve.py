@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from mbcdm_cad.design.bought import NO_BEARING, NO_ENCODER, own_bearing
+from mbcdm_cad.design.bought import NO_BEARING, NO_ENCODER, own_bearing, without_encoder
 from mbcdm_cad.design.drive import Sigmas
 from mbcdm_cad.design.fieldpath import FieldPath
 from mbcdm_cad.design.lookup import Catalogue
@@ -13,6 +13,7 @@ from mbcdm_cad.design.resolve import preload_N, shared_sigmas, shared_values
 from mbcdm_cad.design.rules import Broken, NamedEntry, counted, on_one_side
 from mbcdm_cad.layouts.siso_spur import drive as d
 from mbcdm_cad.layouts.siso_spur.design_file.schema import SpurBlocks, SpurDesign, SpurTransmission
+from mbcdm_cad.layouts.siso_spur.first_stage import broken_first_stage, of_design
 from mbcdm_cad.parts.drum_sector.resolve import sector_entries, sector_values, terminal_angle_rad
 
 _SIGN = {"-x": -1, "+x": 1}
@@ -23,7 +24,13 @@ _STEP = {"continuous": {"+x": 1, "-x": 2}, "two_anchored": {"+x": 2, "-x": 1}}
 
 def drive(design: SpurDesign, catalogue: Catalogue, sigmas: Mapping[FieldPath, float]) -> d.SpurDrive:
     """The drive of a valid design; its sides are in the order of y."""
-    return d.laid(d.SpurDrive(**spur_values(design, catalogue, sigmas)))
+    values = spur_values(design, catalogue, sigmas)
+    first = of_design(design)
+    if first is not None:
+        values |= {"first": first.drive, "gearhead": first.output, "motor": first.drive.motor}
+        if design.drive.encoder == NO_ENCODER:
+            values["encoder"] = without_encoder(first.output, first.output.ratio)
+    return d.laid(d.SpurDrive(**values))
 
 
 def spur_values(design: SpurBlocks, catalogue: Catalogue, sigmas: Mapping[FieldPath, float]) -> dict[str, Any]:
@@ -104,6 +111,7 @@ def broken_rules(design: SpurDesign) -> Iterator[Broken]:
     if len(design.cables) == 2 and design.cables[0].drum_side == design.cables[1].drum_side:
         yield on_one_side(1, design.cables[1].drum_side, "sides")
     yield from broken_way(design)
+    yield from broken_first_stage(design)
 
 
 def broken_way(design: SpurBlocks) -> Iterator[Broken]:
@@ -112,6 +120,9 @@ def broken_way(design: SpurBlocks) -> Iterator[Broken]:
         what, value = "not the number of idlers.places", f"{design.idlers.pairs}"
         yield Broken(("idlers", "pairs"), what, value, f"{len(design.idlers.places)}", "remove pairs, or remove places")
     yield from broken_seat(design)
+    if design.drum.shaft_end_mm > 0.0 and design.drive.drum_encoder != NO_ENCODER:
+        what, remedy = "the drum's shaft stands out where it would sit", f"write {NO_ENCODER}, or remove shaft_end_mm"
+        yield Broken(("drive", "drum_encoder"), what, design.drive.drum_encoder, NO_ENCODER, remedy)
 
 
 def broken_seat(design: SpurBlocks) -> Iterator[Broken]:

@@ -12,8 +12,9 @@ from typing import ClassVar, Literal
 from mbcdm_cad.design.blocks import Design, Input, Length, Rope
 from mbcdm_cad.design.design_file import reference_of
 from mbcdm_cad.design.fields import Block, Integer, Number, choice, quantity
-from mbcdm_cad.design.sector_blocks import Clearances, SectorCable, SectorDrum, WoundPulleys
-from mbcdm_cad.layouts.siso_spur.drive import SpurLimits, YokeSupport
+from mbcdm_cad.design.sector_blocks import Clearances, SectorCable, WoundPulleys
+from mbcdm_cad.layouts.siso_spur.drive import SpurDrum, SpurLimits, YokeSupport
+from mbcdm_cad.layouts.siso_spur.first_stage import FirstStageBlock
 from mbcdm_cad.layouts.siso_spur.idlers import IdlerBlock
 
 REFERENCE = reference_of(Path(__file__).parent)
@@ -106,17 +107,8 @@ class SpurClearances(Clearances):
 
 
 @dataclass(frozen=True, kw_only=True)
-class SpurDrum(SectorDrum):
-    """Drum sector with web, hub and tensioners; y is along the drum axis from the middle of the cable."""
-
-    sector_half_angle_deg: Number = quantity(
-        "half angle of the sector, from the line of centres", unit="deg", ge=20.0, le=175.0
-    )
-
-
-@dataclass(frozen=True, kw_only=True)
-class ShaftPulleys(WoundPulleys):
-    """The input pulley, carried by a bearing at both ends, or by the motor's shaft alone."""
+class SpurPulleys(WoundPulleys):
+    """The input pulley, carried by a bearing at both ends."""
 
     surface: Literal["smooth", "grooved"] = choice(
         "a smooth land, or a helical groove that leads each cable",
@@ -176,4 +168,10 @@ class SpurDesign(SpurBlocks):
         reference=REFERENCE.cables,
         min_length=1,
         max_length=16,
+    )
+    first_stage: FirstStageBlock | None = choice(
+        "a cable stage before the input, a whole drive of its own: {total_ratio: 24.0}; left out, the motor, or its "
+        "gearhead, turns the input",
+        default=None,
+        example={"total_ratio": 24.0},
     )

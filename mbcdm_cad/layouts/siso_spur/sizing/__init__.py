@@ -30,6 +30,7 @@ from mbcdm_cad.layouts.siso_spur.sizing.basis import (
     WINDING,
 )
 from mbcdm_cad.layouts.siso_spur.sizing.dims import BACK, DISTANCE, DRUM, FRAME, IDLERS, MOUNT, WIDTH, idler_guesses
+from mbcdm_cad.layouts.siso_spur.sizing.first_stage import FIRST, with_room
 from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
 from mbcdm_cad.layouts.siso_spur.sizing.stage import GUESSES, STAGE, STAGE_RATIO
 from mbcdm_cad.layouts.stiff_sizing import SHARED, Size, stiffened, walls
@@ -49,6 +50,7 @@ RULES: tuple[Rule, ...] = (
     *LAND_EDGE,
     *METALS,
     *STAGE_RATIO,
+    *FIRST,
     # With a ratio or radii given, motor and gearhead follow from the ratio; else the ratio from the motor.
     *TRAIN,
     *RATIO,
@@ -94,7 +96,7 @@ def size(data: dict[str, Any], moved: Moved | None = None, similar: Sizing | Non
     ``similar``: see :func:`~mbcdm_cad.layouts.trial_sizing.repeated`. Raises ``SizingError`` if a requirement
     is missing.
     """
-    return sized(data, SpurKnown, NAMES, moved, similar)
+    return with_room(partial(sized, known=SpurKnown, names=NAMES, moved=moved), data, similar)
 
 
 def sized(
@@ -155,5 +157,5 @@ def _missing(given: SpurKnown) -> Iterator[Broken]:
 
 
 def _is_all_open(given: SpurKnown) -> bool:
-    """Whether neither the ratio is known nor a motor from which it follows."""
-    return not given.has_ratio and not given.has("drive.motor")
+    """Whether neither the ratio is known nor a motor from which it follows; that of a last stage follows otherwise."""
+    return not given.has_ratio and not given.has("drive.motor") and not given.has("first_stage")

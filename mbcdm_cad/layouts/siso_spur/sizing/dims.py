@@ -76,8 +76,10 @@ def _centre_distance(given: SpurKnown) -> Found:
         "bodies_behind",
         *(("hub_and_drum", "motor_seat") if given.overhung else ()),
     )
-    # The box of a wheel reaches far towards the threads of the frame's own screws.
-    beside = ("flange",) if given.has("stage.kind") else ()
+    # The box of a wheel, or of a first stage, reaches far towards the threads of the frame's own screws; so does the
+    # motor of a first stage, whose drum is small.
+    wide = given.has("stage.kind") or given.has("first_stage") or given.get("drum.shaft_end_mm", 0.0) > 0.0
+    beside = ("flange",) if wide else ()
     return given.moved("transmission.centre_distance_mm", start, 0.5, (*checks, *beside))
 
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from mbcdm_cad.design.bought import Gearhead
 from mbcdm_cad.layouts.base import Layout
+from mbcdm_cad.layouts.siso_spur.first_stage import FirstStage, of_data
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.trial_sizing import TrialKnown
 
@@ -28,7 +30,22 @@ class SpurKnown(TrialKnown):
     own_checks: Mapping[str, tuple[str, ...]] = {
         "input_pulleys.lower_bearing": ("bearing_shoulders",),
         "input_pulleys.upper_bearing": ("bearing_shoulders",),
+        # A shaft that stands out as the output.
+        "drum.bearing": ("shaft_end_stress", "shaft_end_twist", "shaft_end_flange"),
+        "drum.shaft_bore_mm": ("shaft_end_stress", "shaft_end_twist"),
+        "drum.hub_face_y_mm": ("shaft_end_bond",),
     }
+
+    @property
+    def first_stage(self) -> FirstStage | None:
+        """The first cable stage, None without; ``SizingError`` says what is wrong with its words."""
+        return of_data(self.get) if self.has("first_stage") else None
+
+    @property
+    def gearhead(self) -> Gearhead:
+        """See the base class; a first cable stage takes its place."""
+        first = self.first_stage
+        return super().gearhead if first is None else first.output
 
     @property
     def anchored(self) -> bool:

@@ -24,7 +24,8 @@ from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, groove_depth_mm
 from mbcdm_cad.layouts.siso_spur.overhung import MotorSeat, motor_seat, seat_flange
 from mbcdm_cad.layouts.siso_spur.stack import SpurStack, least_wall_z_mm
 from mbcdm_cad.layouts.siso_spur.support.idlers import StandDims, stands
-from mbcdm_cad.parts.boss import BossDims, boss
+from mbcdm_cad.parts.boss import BEARING_WALL_MM, BossDims, BossFlange, boss
+from mbcdm_cad.parts.bought.bodies import screw_places
 from mbcdm_cad.parts.drum_sector.sizes import SLOT_WALLS, STOP_SLOT_PLAY_MM
 from mbcdm_cad.parts.drum_shaft import DrumShaftDims
 from mbcdm_cad.parts.motor_head.dims import (
@@ -55,6 +56,10 @@ HEAD_ROOM_MM = 0.15
 STOP_SHARE = 0.62
 STOP_STEP_MM = 0.1
 CORNER_MM = 2.0
+# Flange of the boss behind which the drum's shaft stands out: its screws, their heads from the pilot, thickness, and
+# the pilot before it (choices; each a usual size of small gearheads).
+FLANGE_SCREW, FLANGE_SCREWS = "M3x8", 4
+FLANGE_HEAD_PLAY_MM, FLANGE_THICK_MM, FLANGE_PILOT_MM = 0.3, 5.0, 2.0
 
 
 @dataclass(frozen=True)
@@ -171,11 +176,30 @@ def _stop_pin_z_mm(drive: SpurDrive, boss_radius_mm: float) -> float:
     return max(STOP_SHARE * d.rim_inner_radius_mm, ceil(beside / STOP_STEP_MM) * STOP_STEP_MM)
 
 
+def boss_flange(drive: SpurDrive) -> BossFlange | None:
+    """Flange of the boss of a drive whose drum's shaft is the output behind the frame; None without."""
+    if drive.drum.shaft_end_mm <= 0.0:
+        return None
+    screw = drive.screw(FLANGE_SCREW)
+    pilot = drive.bearings.drum.outer_diameter_mm / 2 + BEARING_WALL_MM
+    circle = pilot + screw.head_diameter_mm / 2 + FLANGE_HEAD_PLAY_MM
+    return BossFlange(
+        radius=circle + screw.head_diameter_mm / 2,
+        thickness=FLANGE_THICK_MM,
+        pilot=FLANGE_PILOT_MM,
+        screws=screw_places(FLANGE_SCREWS, circle),
+        screw_radius=screw.thread_mm / 2,
+    )
+
+
 def yoke(drive: SpurDrive, levels: SpurStack, shaft: DrumShaftDims, head: Flange) -> YokeDims:
     """Dimensions of the frame; ``head``: the flange of the motor head."""
     s, encoder, upper = drive.support, drive.encoder, drive.bearings.input_upper
     encoder_screw, screw = drive.screw(encoder.screw), flange_screw(drive)
-    round_boss = boss(drive, shaft, levels.back_y, levels.boss_front_y)
+    round_boss = replace(
+        boss(drive, shaft, levels.back_y, levels.boss_front_y),
+        flange=boss_flange(drive),
+    )
     z = drive.centre_distance_mm
     circle, head_radius = encoder.bolt_circle_mm / 2, encoder_screw.head_diameter_mm / 2 + 0.1
     bridge = z + drive.input_radius_mm + drive.cable.diameter_mm / 2 + WINDING_ROOM_MM

@@ -10,7 +10,7 @@ from mbcdm_cad.design.bought import InsertSpec
 from mbcdm_cad.layouts.siso_spur.overhung import MotorSeat, pocket_mm3
 from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims
 from mbcdm_cad.layouts.siso_spur.support.idlers import StandDims
-from mbcdm_cad.parts.boss import boss_bodies, boss_bores_mm3, boss_tools, seats_mm
+from mbcdm_cad.parts.boss import boss_bodies, boss_bores_mm3, boss_tools, flange_mm3, seats_mm
 from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.motor_head.dims import Places
 from mbcdm_cad.parts.part import MadePart
@@ -75,11 +75,12 @@ def boss_mm3(d: YokeDims) -> float:
     """Boss outside the plate, less the bores of both and the hole of the stop pin."""
     v, b = d.levels, d.boss
     disc = pi * b.radius**2
-    behind, before = v.plate_back_y - b.encoder_pocket_floor_y, b.front_y - v.front_y
+    behind, before = v.plate_back_y - b.end_y, b.front_y - v.front_y
     ears = 4 * max(b.ear_reach - b.radius, 0.0) * b.ear_half_height if b.has_encoder else 0.0
     return (
         disc * (behind + before)
         + ears * max(min(b.ear_front_y, v.plate_back_y) - b.encoder_pocket_floor_y, 0.0)
+        + flange_mm3(b)
         - boss_bores_mm3(b)
         - ring_mm3(d.stop_pin_radius, 0.0, v.front_y - v.plate_back_y)
     )
@@ -252,6 +253,21 @@ def frame_holes(d: YokeDims) -> tuple[Holes, ...]:
             if b.has_encoder
             else []
         ),
+        *(
+            [
+                Holes(
+                    "H",
+                    2 * b.flange.screw_radius,
+                    THROUGH,
+                    on(b.back_y, b.flange.screws),
+                    "flange",
+                    "what the shaft turns",
+                    threaded=True,
+                )
+            ]
+            if b.flange
+            else []
+        ),
         *(group for stand in d.stands for group in _stand_holes(d, stand)),
     )
 
@@ -294,6 +310,7 @@ def _from_behind(d: YokeDims) -> tuple[Linear, ...]:
         wide(x, d.plate_top_z, "above"),
         wide(b.radius, 0.0, "below", " = %%c boss"),
         *([wide(b.ear_reach, 0.0, "below", " ears")] if b.has_encoder else []),
+        *([wide(b.flange.radius, 0.0, "below", " = %%c flange")] if b.flange else []),
         *_window(d),
         Linear("rear", (0.0, y, 0.0), (x, y, d.plate_top_z), d.plate_top_z, "right", decimals=3),
         Linear("rear", (0.0, y, 0.0), (0.0, y, d.axis_z), d.axis_z, "left", decimals=3),
@@ -344,7 +361,7 @@ def _of_posts(d: YokeDims) -> tuple[Linear, ...]:
 def _in_section(d: YokeDims) -> tuple[Linear, ...]:
     """Depths from the end of the boss and from the plate's back, and the bores of the drum's shaft."""
     v, b = d.levels, d.boss
-    end, back, top = b.encoder_pocket_floor_y, v.plate_back_y, d.top_z
+    end, back, top = b.end_y, v.plate_back_y, d.top_z
     near, far, under = v.top_plate_bottom_z, v.top_plate_top_z, d.bridge_bottom_z
 
     def deep(y: float, z: float, what: str = "") -> Linear:
@@ -365,6 +382,11 @@ def _in_section(d: YokeDims) -> tuple[Linear, ...]:
         deep(v.front_y, -d.half_width),
         deep(b.front_y, -b.radius),
         *([deep(b.ear_front_y, -b.ear_half_height, " ears")] if b.has_encoder else []),
+        *(
+            [deep(b.back_y, -b.flange.radius, " pilot"), deep(b.back_y + b.flange.thickness, -b.flange.radius)]
+            if b.flange
+            else []
+        ),
         *(
             (
                 over(near, under),
@@ -426,7 +448,7 @@ class Yoke(MadePart):
             prefix="2x ",
         )
         axes = (
-            ((0.0, b.encoder_pocket_floor_y, 0.0), (0.0, b.front_y, 0.0)),
+            ((0.0, b.end_y, 0.0), (0.0, b.front_y, 0.0)),
             ((0.0, y, d.axis_z), (0.0, v.top_plate_top_z if d.motor is None else v.front_y, d.axis_z)),
         )
         return Sheet(

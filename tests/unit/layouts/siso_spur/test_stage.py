@@ -209,8 +209,8 @@ def test_motor_head_and_pulley_have_their_volumes_and_sheets(kind: str) -> None:
 def test_other_kind_and_other_layouts_are_refused_with_a_remedy() -> None:
     with pytest.raises(InputError, match="given for a stage of kind belt"):
         load_text(TEXT + "stage: {kind: belt, ratio: 3.0, module_mm: 1.0}\n")
-    with pytest.raises(InputError, match="a file has one cable stage"):
-        load_text(TEXT + "first_stage: {transmission: {input_to_drum: 6.0}}\n")
+    with pytest.raises(InputError, match="a second cable stage is the block first_stage"):
+        load_text(TEXT + "second_stage: {transmission: {input_to_drum: 6.0}}\n")
     for layout in ("siso_bevel", "miso_bevel"):
         text = f"name: x\nconfiguration: {layout}\ntravel: {{half_angle_deg: 20.0}}\nloads: {{peak_torque_Nm: 1.0}}\n"
         radius = ", drum_radius_mm: 58.0"

@@ -1,0 +1,430 @@
+"""A first cable stage before the input: its block of the design file, its drive, and what it is to the second stage.
+
+The first stage is a whole drive of this layout. The shaft of its drum stands out behind its frame and turns the input
+of the second stage, on whose motor head the boss of that frame is screwed, as a gearhead would be. To the second stage
+it is a gearhead with the ratio, losses, stiffness and inertia of that drive (:class:`CableStageOutput`).
+"""
+
+from __future__ import annotations
+
+import copy
+import json
+from collections import OrderedDict
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import asdict, dataclass
+from importlib import import_module
+from math import ceil, floor, pi, sqrt
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from mbcdm_cad.checks.drum_sector import STOP_WINDOW_DEG
+from mbcdm_cad.design.bought import FIRST_STAGE, NO_ENCODER, CableStageOutput
+from mbcdm_cad.design.design_file import DesignFile
+from mbcdm_cad.design.entries import KINDS, OwnEntries
+from mbcdm_cad.design.fieldpath import FieldPath
+from mbcdm_cad.design.fields import Number, PlainBlock, choice, quantity
+from mbcdm_cad.design.rules import Broken
+from mbcdm_cad.design.sized import SizedValue, SizingError
+from mbcdm_cad.errors import InputError, shortened
+
+if TYPE_CHECKING:
+    from mbcdm_cad.layouts.sector import SectorLayout
+    from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
+
+# Largest half of the first drum's travel that rules ask for: a sector turns by 120 degrees each way at most, and the
+# terminals of a small one take much of its circle.
+MOST_TRAVEL_DEG = 90.0
+# Ratio of the second stage where the file states none, and the step to which a rule rounds it down.
+USUAL_RATIO, RATIO_STEP = 4.0, 0.05
+# Torque of the first drum over the peak torque by the ratio of the second stage, for what that stage loses: two usual
+# preloads bent round ten diameters, and its bearings (estimate; the check motor_torque_forward counts them).
+LOSSES = 1.12
+# Length of the shaft that stands out: motor shelf with the heads of the screws on it, and the clamp collar, or the
+# shaft's diameter where that is longer (choice).
+SHELF_MM, COLLAR_MM = 8.0, 10.0
+# Blocks of the first stage that follow from the file, or have no place in it.
+NOT_ITS_OWN = (
+    "schema_version",
+    "name",
+    "configuration",
+    "travel",
+    "stage",
+    "idlers",
+    "first_stage",
+    "printing",
+    "making",
+    "catalogue",
+    "waivers",
+    "as_built",
+    "export",
+)
+# Drives and sizings that are kept, by the words of their files.
+_KEPT = 32
+
+
+@dataclass(frozen=True, kw_only=True)
+class FirstStageBlock(PlainBlock):
+    """A cable stage between the motor and the input: a whole drive of this layout, whose drum's shaft turns the input.
+
+    Motor and gearhead of the block ``drive`` are then those of the first stage.
+    """
+
+    total_ratio: Number | None = quantity(
+        "turns of the first stage's input for one of the drum; a rule splits it between the stages",
+        unit="-",
+        example=24.0,
+        default=None,
+        ge=2.0,
+        le=3600.0,
+    )
+    ratio: Number | None = quantity(
+        "drum radius over input radius of the first stage; left out: from total_ratio, else what the motor needs",
+        unit="-",
+        example=6.0,
+        default=None,
+        ge=1.0,
+        le=60.0,
+    )
+    design: dict[str, Any] | None = choice(
+        "other words for the first stage, as in a siso_spur file: {rope: {type: 7x7-0.54}, transmission: "
+        "{drum_radius_mm: 40.0}}; what is left out follows from the rules",
+        default=None,
+        example={"transmission": {"drum_radius_mm": 40.0}},
+    )
+
+
+class FirstStage(NamedTuple):
+    """The drive of a first stage, what it is to the second one, and the values that rules gave it."""
+
+    drive: SpurDrive
+    output: CableStageOutput
+    sized: tuple[SizedValue, ...]
+
+
+# Value of a field by its dotted name; None where it is open.
+Get = Callable[[str], Any]
+_found: OrderedDict[str, FirstStage | SizingError] = OrderedDict()
+
+
+def of_design(design: Any) -> FirstStage | None:
+    """The first stage of a valid design. Raises ``SizingError`` with what is wrong in its block."""
+    if design.first_stage is None:
+        return None
+
+    def get(field: str) -> Any:
+        at: Any = design
+        for name in field.split("."):
+            at = getattr(at, name, None)
+        return at
+
+    own = {kind: getattr(design.catalogue, kind) for kind in KINDS}
+    return first_stage(words(get, own))
+
+
+def of_data(get: Get) -> FirstStage:
+    """The first stage of a file whose fields are being filled. Raises as :func:`of_design`."""
+    own = OwnEntries.model_validate(get("catalogue") or {})
+    return first_stage(words(get, {kind: getattr(own, kind) for kind in KINDS}))
+
+
+def last_ratio(get: Get) -> float | None:
+    """Drum radius over input radius of the second stage, None where it is open."""
+    stated, radius = get("transmission.input_to_drum"), get("transmission.input_radius_mm")
+    if stated is not None:
+        return float(stated)
+    return None if radius is None else float(get("transmission.drum_radius_mm") / radius)
+
+
+def turned_deg(get: Get) -> float:
+    """Half the way of the drum of the second stage, up to its stops."""
+    stop = get("travel.stop_clearance_deg")
+    return float(get("travel.half_angle_deg") + (STOP_WINDOW_DEG / 2 if stop is None else stop))
+
+
+def split_ratio(get: Get) -> float:
+    """Ratio of the second stage: the root of the whole, or less where the first drum would turn too far.
+
+    Compliance and lash of the first stage count with the square and the first power of one over this ratio, so that it
+    should be high; as much in each stage as in the other gives the smallest pulleys.
+    """
+    total, first = (get(f"first_stage.{name}") for name in ("total_ratio", "ratio"))
+    most = floor(MOST_TRAVEL_DEG / turned_deg(get) / RATIO_STEP) * RATIO_STEP
+    if total is not None and first is not None:
+        return float(total / first)
+    wanted = USUAL_RATIO if total is None else ceil(sqrt(total) / RATIO_STEP - 1e-9) * RATIO_STEP
+    return round(max(min(wanted, most), 1.0), 9)
+
+
+def words(get: Get, own: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
+    """The design file of the first stage as plain data, from the fields of the whole and its entries of the catalogue.
+
+    Raises ``SizingError`` for words that it cannot have.
+    """
+    ratio = last_ratio(get)
+    assert ratio is not None
+    whole, stated = get("first_stage"), get("first_stage.ratio")
+    given = copy.deepcopy((whole.get("design") if isinstance(whole, dict) else whole.design) or {})
+    for name in given:
+        if name in NOT_ITS_OWN:
+            raise SizingError(
+                Broken(
+                    ("first_stage", "design", name),
+                    "follows from the file, or has no place in a first stage",
+                    shortened(given[name]),
+                    "",
+                    "remove it",
+                )
+            )
+    torque = LOSSES / ratio if get("limits.losses") != "paper" else 1.0 / ratio
+    loads = {
+        "peak_torque_Nm": _digits(get("loads.peak_torque_Nm") * torque),
+        "test_torque_Nm": _digits(get("loads.test_torque_Nm") / ratio),
+    }
+    for name, factor in (("continuous_torque_Nm", torque), ("speed_deg_s", ratio)):
+        if get(f"loads.{name}") is not None:
+            loads[name] = _digits(get(f"loads.{name}") * factor)
+    lasting = {n: get(f"targets.{n}") for n in ("life_cycles", "life_h") if get(f"targets.{n}") is not None}
+    train = {
+        name: get(f"drive.{name}")
+        for name in ("motor", "gearhead", "bus_voltage_V")
+        if get(f"drive.{name}") is not None
+    }
+    found: dict[str, Any] = {
+        "name": FIRST_STAGE,
+        "configuration": "siso_spur",
+        "travel": {"half_angle_deg": _digits(ratio * turned_deg(get))},
+        "transmission": {} if stated is None else {"input_to_drum": float(stated)},
+        "loads": loads,
+        "targets": lasting,
+        "limits": {"losses": get("limits.losses") or "counted"},
+        "drive": {**train, "encoder": NO_ENCODER, "drum_encoder": NO_ENCODER},
+        "drum": {"material": get("drum.material"), "shaft_end_mm": SHELF_MM + COLLAR_MM},
+        "support": {"material": get("support.material")},
+        "printing": {
+            "nozzle_mm": _or(get("printing.nozzle_mm"), 0.4),
+            "threads": _or(get("printing.threads"), "cut"),
+        },
+        "catalogue": {kind: {name: _entry(entry) for name, entry in entries.items()} for kind, entries in own.items()},
+    }
+    for block, fields in given.items():
+        if isinstance(fields, dict) and isinstance(found.get(block), dict):
+            found[block] = {**found[block], **fields}
+        else:
+            found[block] = fields
+    return found
+
+
+def _digits(value: float) -> float:
+    """Nine digits, so that fields that are equal but for rounding give the same drive."""
+    return float(f"{value:.9g}")
+
+
+def _or(value: Any, otherwise: Any) -> Any:
+    return otherwise if value is None else value
+
+
+def _entry(entry: Any) -> dict[str, Any]:
+    values = json.loads(json.dumps(asdict(entry)))
+    return {name: value for name, value in values.items() if name != "name" and value is not None}
+
+
+def first_stage(file: dict[str, Any]) -> FirstStage:
+    """The drive of a first stage by its words; kept, since one sizing asks for it some hundred times."""
+    key = json.dumps(file, sort_keys=True)
+    if key not in _found:
+        try:
+            made = _found[key] = _made(file)
+            # The same file with the motor that its rules chose.
+            train = {**file["drive"], "motor": made.drive.motor.name, "gearhead": made.drive.gearhead.name}
+            _found[json.dumps({**file, "drive": train}, sort_keys=True)] = made
+        except SizingError as error:
+            _found[key] = error
+        while len(_found) > _KEPT:
+            _found.popitem(last=False)
+    _found.move_to_end(key)
+    found = _found[key]
+    if isinstance(found, SizingError):
+        raise found
+    return found
+
+
+def _made(file: dict[str, Any]) -> FirstStage:
+    from mbcdm_cad.design.loader import resolved
+    from mbcdm_cad.design.yamltree import Tree
+
+    # By its name, as it needs this module.
+    files: DesignFile = import_module("mbcdm_cad.layouts.siso_spur.design_file").DESIGN_FILE
+
+    def made(file: dict[str, Any]) -> FirstStage:
+        try:
+            design = resolved(Tree(copy.deepcopy(file), {}), Path(FIRST_STAGE), files)
+        except InputError as error:
+            raise SizingError(*(_told(p.field, p.what, p.value, p.limit, p.remedy) for p in error.problems)) from None
+        drive: Any = design.drive
+        return FirstStage(drive, output_of(drive), design.sized)
+
+    found = made(file)
+    longer = SHELF_MM + found.output.shaft_diameter_mm
+    if longer <= file["drum"]["shaft_end_mm"] or file["drum"]["shaft_end_mm"] != SHELF_MM + COLLAR_MM:
+        return found
+    return made({**file, "drum": {**file["drum"], "shaft_end_mm": longer}})
+
+
+def _told(field: str, what: str, value: str, limit: str, remedy: str) -> Broken:
+    """A fault in the first stage's file, at the place of the whole file that it comes from."""
+    block = field.partition(".")[0]
+    if field == "travel.half_angle_deg":
+        return Broken(
+            ("first_stage",),
+            "the drum of the first stage turns by the ratio of the second stage times the travel",
+            f"{value} deg each way",
+            limit,
+            "lower transmission.input_to_drum, which raises first_stage.ratio, or lower the travel",
+        )
+    if block in ("loads", "drive", "catalogue"):
+        return Broken(("first_stage",), f"{field} of the first stage: {what}", value, limit, remedy)
+    path: FieldPath = ("first_stage", "design", *field.split("."))
+    return Broken(path, what, value, limit, remedy)
+
+
+def output_of(first: SpurDrive) -> CableStageOutput:
+    """What a first stage is to the second one, in place of a gearhead.
+
+    Figures that do not exist for it are 0: its own checks then fail with the reason.
+    """
+    from mbcdm_cad.layouts.base import NoFigureError
+    from mbcdm_cad.layouts.siso_spur.support.dims import FLANGE_SCREW, FLANGE_SCREWS, boss_flange
+    from mbcdm_cad.layouts.structure import lash_rad
+    from mbcdm_cad.model.si import ModelError
+
+    layout: Any = first.layout
+    flange, bearing = boss_flange(first), first.bearings.drum
+    assert flange is not None
+    peak = first.loads.peak_torque_Nm
+    share = idle = 0.0
+    stiffness: float | None = None
+    try:
+        share, idle = losses_of(layout)
+        stiffness = 1e6 / urad_Nm(layout)
+    except (NoFigureError, ModelError, ValueError):
+        pass
+    levels = layout.levels
+    near, far = _bearings_mm(layout)
+    return CableStageOutput(
+        name=FIRST_STAGE,
+        source="the first stage of this file",
+        ratio=first.total_ratio * first.reduction.ratio,
+        efficiency=1.0 / (1.0 + share),
+        rated_torque_mNm=peak * 1e3,
+        max_torque_mNm=peak * 1e3,
+        # Across the axis the front bearing decides; half its static rating (estimate).
+        radial_load_N=bearing.static_rating_N / 2,
+        bearing_span_mm=far - near,
+        stiffness_Nm_rad=stiffness,
+        diameter_mm=2 * flange.radius,
+        length_mm=max(levels.hub_face_y, levels.encoder_top_z) - levels.back_y,
+        shaft_diameter_mm=bearing.bore_mm,
+        shaft_length_mm=first.drum.shaft_end_mm,
+        pilot_diameter_mm=bearing.outer_diameter_mm + 2 * _wall_mm(),
+        pilot_height_mm=flange.pilot,
+        bolt_circle_mm=2 * max((x**2 + z**2) ** 0.5 for x, z in flange.screws),
+        screw=FLANGE_SCREW,
+        screw_count=FLANGE_SCREWS,
+        mass_g=0.0,
+        idle_torque_Nm=idle,
+        inertia_kg_m2=inertia_kg_m2(layout),
+        lash_rad=lash_rad(first, motors_held=True),
+    )
+
+
+def _wall_mm() -> float:
+    from mbcdm_cad.parts.boss import BEARING_WALL_MM
+
+    return BEARING_WALL_MM
+
+
+def _bearings_mm(layout: SectorLayout) -> tuple[float, float]:
+    from mbcdm_cad.layouts.base import NoFigureError
+
+    try:
+        return layout.drum_bearings_mm
+    except NoFigureError:
+        return 0.0, layout.drive.bearings.drum.width_mm
+
+
+def losses_of(layout: SectorLayout) -> tuple[float, float]:
+    """Loss of a drive over its output torque, and its loss without load, N m at its drum; the motor's own left out.
+
+    The worse of both directions, from its losses at the peak torque and at a hundredth of it.
+    """
+    from mbcdm_cad.model.losses.train import MOTOR
+
+    peak = layout.drive.loads.peak_torque_Nm
+    train = layout.losses.with_drive(layout.loads.si)
+    found = []
+    for sense in (1.0, -1.0):
+        moving = train.moving(sense * peak * np.array([0.01, 1.0]), 1)
+        light, full = np.sum([x.torque_Nm for x in moving.losses if x.kind != MOTOR], axis=0)
+        share = (full - light) / (0.99 * peak)
+        found.append((float(share), float(full - share * peak)))
+    return max(found, key=lambda pair: pair[0] * peak + pair[1])
+
+
+def urad_Nm(layout: SectorLayout) -> float:
+    """Turn of the end of the drum's shaft per N m there, the motor held: cables, all parts before, and that shaft."""
+    structure, shaft = layout.structure, layout.drum_shaft
+    before = sum(cause.urad_Nm for cause in structure.causes if cause.at_encoder)
+    return structure.cables_urad_Nm + before + shaft_urad_Nm(layout, shaft.flat_y - shaft.y_start)
+
+
+def shaft_urad_Nm(layout: SectorLayout, length_mm: float) -> float:
+    """Twist of the drum's shaft per N m over a length: 32 L / (pi G (D^4 - d^4))."""
+    shaft, metal = layout.drum_shaft, layout.drive.shaft_material
+    shear_MPa = metal.youngs_modulus_GPa * 1e3 / (2.0 * (1.0 + metal.poisson_ratio))
+    polar_mm4 = pi / 2.0 * (shaft.radius**4 - shaft.bore_radius**4)
+    return 1e9 * length_mm / (shear_MPa * polar_mm4)
+
+
+def inertia_kg_m2(layout: SectorLayout) -> float:
+    """Inertia at the drum of all that turns with it and with its input, without the rotor."""
+    bodies, routes = layout.inertias_kg_m2, layout.routed.routes
+    turning = (routes.drum, *routes.passed, *routes.inputs)
+    return float(sum(bodies[body.name] * body.turns_per_drum**2 for body in turning))
+
+
+def broken_first_stage(design: Any) -> Iterator[Broken]:
+    """Rules of the block, and what is wrong in the file of the first stage."""
+    block = design.first_stage
+    if block is None:
+        return
+    for name in ("stage", "idlers"):
+        if getattr(design, name) is not None:
+            yield Broken((name,), "not beside first_stage", "", f"no {name}", "remove it, or remove first_stage")
+            return
+    if design.input_pulleys.overhung:
+        yield Broken(
+            ("input_pulleys", "carried_by"),
+            "the first stage's shaft turns an input in bearings",
+            "motor",
+            "bearings",
+            "leave it out; first_stage.design may have it",
+        )
+        return
+    last = design.transmission.input_to_drum or design.transmission.drum_radius_mm / (
+        design.transmission.input_radius_mm or 1.0
+    )
+    if block.total_ratio and block.ratio and abs(block.ratio * last / block.total_ratio - 1.0) > 1e-3:
+        yield Broken(
+            ("first_stage", "total_ratio"),
+            "not the product of both ratios",
+            f"{block.total_ratio:g}",
+            f"{block.ratio:g} x {last:g} = {block.ratio * last:.6g}",
+            "remove one of the three",
+        )
+        return
+    try:
+        of_design(design)
+    except SizingError as error:
+        yield from error.broken
