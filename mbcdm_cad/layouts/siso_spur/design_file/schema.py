@@ -107,8 +107,8 @@ class SpurClearances(Clearances):
 
 
 @dataclass(frozen=True, kw_only=True)
-class SpurPulleys(WoundPulleys):
-    """The input pulley, carried by a bearing at both ends."""
+class ShaftPulleys(WoundPulleys):
+    """The input pulley, carried by a bearing at both ends, or by the motor's shaft alone."""
 
     surface: Literal["smooth", "grooved"] = choice(
         "a smooth land, or a helical groove that leads each cable",
