@@ -50,7 +50,7 @@ class DrumByBoth:
     solid_urad_Nm: float
     web_plane_MPa: float
     web_solid_MPa: float
-    hub_tube_MPa: float
+    hub_model_MPa: float
     hub_solid_MPa: float
     peak_plane_MPa: float
     peak_solid_MPa: float
@@ -68,13 +68,13 @@ class DrumByBoth:
     @property
     def hub_off(self) -> float:
         """The same of the hub's stress."""
-        return self.hub_tube_MPa / self.hub_solid_MPa - 1.0 if self.hub_solid_MPa > 0.0 else 0.0
+        return self.hub_model_MPa / self.hub_solid_MPa - 1.0 if self.hub_solid_MPa > 0.0 else 0.0
 
     def __str__(self) -> str:
         return (
             f"{self.name:24} {self.material:14} turn {self.plane_urad_Nm:8.1f} {self.solid_urad_Nm:8.1f} urad/N m "
             f"{self.off:+7.1%}  web {self.web_plane_MPa:7.2f} {self.web_solid_MPa:7.2f} MPa {self.web_off:+7.1%}  "
-            f"hub {self.hub_tube_MPa:6.2f} {self.hub_solid_MPa:6.2f} {self.hub_off:+7.1%}  "
+            f"hub {self.hub_model_MPa:6.2f} {self.hub_solid_MPa:6.2f} {self.hub_off:+7.1%}  "
             f"anywhere {self.peak_plane_MPa:7.2f} {self.peak_solid_MPa:7.2f}"
         )
 

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 from contextlib import suppress
+from dataclasses import replace
 from math import inf
 
-from mbcdm_cad.checks.fixings import STRESS_SAFETY
+from mbcdm_cad.checks.fixings import STRESS_SAFETY, stalled_Nm
+from mbcdm_cad.checks.structure import lasting_MPa
 from mbcdm_cad.layouts.base import NoFigureError
+from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.layouts.trial_sizing import TrialKnown
+from mbcdm_cad.model.structure.drum_sector import least_hub_mm
+from mbcdm_cad.parts.drum_sector.payload import SHEAR_SHARE
 from mbcdm_cad.sizing.rule import Found, Rule, rounded_up
 
 # Walls of a milled part and of a printed one, mm (estimate: the modulus of filament is about twenty times smaller).
@@ -157,10 +162,17 @@ def _stressed_by_windows(given: TrialKnown) -> bool:
 
 
 def _hub(given: TrialKnown) -> Found:
-    """Diameter of the drum's hub."""
-    start = given.entry("bearings", "drum.bearing")["bore_mm"] + 4.0
+    """Diameter of the drum's hub, not less than its torsion asks at the peak torque or with stalled motors."""
+    bore, field = given.entry("bearings", "drum.bearing")["bore_mm"], "drum.hub_diameter_mm"
+    usual, twisted = bore + 4.0, 0.0
+    with suppress(NoFigureError, ValueError):
+        trial = given.trial(field, usual)
+        assert isinstance(trial, SectorLayout)
+        bears_MPa = lasting_MPa(trial.drive.drum_material) * SHEAR_SHARE / STRESS_SAFETY
+        twisted = rounded_up(2.0 * least_hub_mm(bore / 2.0, stalled_Nm(trial), bears_MPa), 0.5)
     checks = ("hub_walls", "hub_spigot", "hub_set_screws", "engagement", "payload_screws")
-    return given.moved("drum.hub_diameter_mm", start, 0.5, checks)
+    found = given.moved(field, max(usual, twisted), 0.5, checks)
+    return replace(found, driver="drum_stress") if found.value == twisted > usual else found
 
 
 def _rim(given: TrialKnown) -> Found:
@@ -225,7 +237,7 @@ SHAFT_BORE = Rule(
 )
 HUB = Rule(
     "drum.hub_diameter_mm",
-    "least diameter for the walls round shaft and set screws, and for the payload's screws",
+    "least diameter for the walls round shaft and set screws, its torsion and the payload's screws",
     "hub_walls",
     _hub,
 )

@@ -27,6 +27,9 @@ from mbcdm_cad.routes import Floats
 CELLS = 28
 # The same of the mesh on which bending out of the plane is solved: the references' stresses differ by less than 2 %.
 BENDING_CELLS = 12
+# Stress of the hub's outside over that of an even tube: the web stands on one side of it and over a part of its turn.
+# Solid elements of drums of 78 to 111 degrees to each side give 2.1 to 2.9 (docs/structure.md).
+BESIDE_WEB = 2.5
 # Lean of a plate's edge on a thick body over M / (pi E t^2), plane strain apart (O'Donnell 1960).
 LEAN = 16.67
 # Parts of a cell over which the load on the land is summed.
@@ -68,8 +71,9 @@ class Hub:
     face_depth_mm: float
 
     def shear_MPa(self, torque_Nm: float) -> float:
-        """Shear on the outside under a torque, N m."""
-        return 2.0 * torque_Nm * NMM_PER_NM * self.radius_mm / (pi * (self.radius_mm**4 - self.bore_mm**4))
+        """Largest shear on the outside, beside the web, under a torque, N m."""
+        even = 2.0 * torque_Nm * NMM_PER_NM * self.radius_mm / (pi * (self.radius_mm**4 - self.bore_mm**4))
+        return BESIDE_WEB * even
 
     def twist_urad_Nm(self, material: Isotropic, start_mm: float, end_mm: float) -> float:
         """Twist from ``start_mm`` to ``end_mm`` along the axis.
@@ -104,6 +108,18 @@ class Hub:
         depth = log(far / thickness) + 1.5 + mirrored
         along = depth / (pi * material.shear_MPa)
         return along, 2.0 * (1.0 - material.poisson**2) / (pi * material.modulus_MPa) * depth
+
+
+def least_hub_mm(bore_mm: float, torque_Nm: float, shear_MPa: float) -> float:
+    """Radius of the hub in which a torque causes this shear (:meth:`Hub.shear_MPa`), for a bore of this radius.
+
+    r^4 = b^4 + c r with c > 0 has one root above b; the repetition from above falls to it, by a third or faster.
+    """
+    c = BESIDE_WEB * 2.0 * torque_Nm * NMM_PER_NM / (pi * shear_MPa)
+    radius = bore_mm + float(np.cbrt(c))
+    for _ in range(40):
+        radius = (bore_mm**4 + c * radius) ** 0.25
+    return radius
 
 
 @dataclass(frozen=True)

@@ -73,7 +73,8 @@ def test_a_thin_hub_is_judged_by_torsion() -> None:
     found = drum_stress(sector(thin))
     outer, bore = 2.0 * sector(thin).drum.hub_radius, 2.0 * s.drum.bore_radius
     torque = float(found.subject.split(" at ")[-1].split(" N m")[0])
-    shear = 16 * torque * 1e3 * outer / (pi * (outer**4 - bore**4))
+    # 2.5: what solid elements give beside the web, over an even tube, within 17 %.
+    shear = 2.5 * 16 * torque * 1e3 * outer / (pi * (outer**4 - bore**4))
     assert "in the hub" in found.subject, found
     assert found.actual == pytest.approx(20.0 / sqrt(3.0) / shear, rel=2e-3), found
 

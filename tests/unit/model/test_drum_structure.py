@@ -14,7 +14,7 @@ import pytest
 
 from mbcdm_cad.layouts.loader import load_design, load_text, new_design_text
 from mbcdm_cad.model.block_rows import many_meshes, solve_mesh
-from mbcdm_cad.model.structure.drum_sector import Hub, Isotropic, LandPull, SectorStudy, sector_study
+from mbcdm_cad.model.structure.drum_sector import Hub, Isotropic, LandPull, SectorStudy, least_hub_mm, sector_study
 from mbcdm_cad.model.structure.plane_stress import elements, plane_law, solve
 from mbcdm_cad.model.structure.plate_bending import bend, freedoms, plate_elements
 from mbcdm_cad.model.structure.sector_mesh import RimStep, SectorShape
@@ -104,6 +104,13 @@ def test_a_full_ring_turns_as_its_closed_form() -> None:
     ring += 1e9 * root / (2.0 * pi * a**3)
     # The change of tension is largest at the transfer and presses inwards there: a little more than pure shear.
     assert ring < found.web_urad_Nm < 1.6 * ring, f"{found.web_urad_Nm:.1f} urad/N m, ring {ring:.1f}"
+
+
+@pytest.mark.parametrize(("bore", "torque", "shear"), [(4.0, 0.5, 190.0), (4.0, 8.0, 7.7), (15.0, 150.0, 20.0)])
+def test_the_least_hub_has_the_shear_that_it_may_have(bore: float, torque: float, shear: float) -> None:
+    radius = least_hub_mm(bore, torque, shear)
+    found = replace(HUB, radius_mm=radius, bore_mm=bore).shear_MPa(torque)
+    assert radius > bore and found == pytest.approx(shear, rel=1e-6), f"{radius} mm: {found} MPa"
 
 
 @pytest.mark.parametrize("thick", [0.02, 2.0])

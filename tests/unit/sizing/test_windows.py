@@ -1,15 +1,18 @@
-"""The rule for the windows of a drum's web: closed where the stress beside them would ask for a thicker web."""
+"""Rules of the drum by its stress: windows closed where the web would be thicker for them, the hub by its torsion."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import pytest
 import yaml
 
+from mbcdm_cad.checks.structure import drum_stress
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.layouts.check_design import run_checks
 from mbcdm_cad.layouts.loader import load_text
+from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.parts.drum_sector.part import DrumSector
 
 ANTENNA: dict[str, Any] = {
@@ -63,3 +66,37 @@ def test_a_web_that_bears_its_stress_keeps_them_and_a_file_may_close_them() -> N
     assert not closed.drive.layout.drum.windows
     assert turn(closed) < turn(usual) and drum_g(closed) > drum_g(usual)
     assert drum_g(closed) == pytest.approx(drum_g(usual), rel=0.15)
+
+
+@pytest.mark.parametrize(
+    ("configuration", "transmission"),
+    [
+        ("siso_spur", {"input_to_drum": 8, "drum_radius_mm": 80}),
+        ("siso_bevel", {"input_to_drum": 8, "drum_radius_mm": 60}),
+        ("miso_bevel", {"ratio": 9, "drum_radius_mm": 60}),
+    ],
+)
+def test_a_printed_hub_is_as_wide_as_its_torsion_asks(configuration: str, transmission: dict[str, float]) -> None:
+    loaded = load_text(
+        yaml.safe_dump(
+            {
+                "name": "hub",
+                "configuration": configuration,
+                "travel": {"half_angle_deg": 40},
+                "transmission": transmission,
+                "loads": {"peak_torque_Nm": 4.0},
+                "drum": {"material": "pla"},
+                "support": {"material": "pla"},
+            }
+        )
+    )
+    record = next(v for v in loaded.sized if v.field == "drum.hub_diameter_mm")
+    assert record.driver == "drum_stress", record
+    drive = loaded.drive
+    layout = drive.layout
+    assert isinstance(layout, SectorLayout)
+    assert drum_stress(layout).holds, drum_stress(layout)
+    narrower = replace(drive, drum=replace(drive.drum, hub_diameter_mm=record.value - 1.0)).layout
+    assert isinstance(narrower, SectorLayout)
+    refused = drum_stress(narrower)
+    assert "the hub" in refused.subject and not refused.holds, refused

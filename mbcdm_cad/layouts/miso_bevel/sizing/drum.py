@@ -26,9 +26,11 @@ from mbcdm_cad.layouts.miso_bevel.pulleys import STOP_PIN_WALL_MM
 from mbcdm_cad.layouts.miso_bevel.sizing.known import LATER, BevelKnown
 from mbcdm_cad.layouts.miso_bevel.sizing.radii import take_up_mm
 from mbcdm_cad.layouts.structure import drum_stress_MPa
+from mbcdm_cad.model.structure.drum_sector import least_hub_mm
 from mbcdm_cad.parts.drum_sector.dims import lug_root_mm
 from mbcdm_cad.parts.drum_sector.payload import (
     SCREWS,
+    SHEAR_SHARE,
     InsertOf,
     PayloadJoint,
     circle_radius_mm,
@@ -71,11 +73,15 @@ WIDEST_DEG = 170.0
 LUG_SPARE = 1.1
 
 
-def _web(given: BevelKnown) -> Found:
-    bears_MPa = lasting_MPa(_material(given)) / STRESS_SAFETY
+def _load_Nm(given: BevelKnown) -> float:
+    """Peak torque, or that of both motors stalled at the stop."""
     motor, inputs = given.entry("motors", "drive.motor"), 2
     stalled = motor["rated_torque_mNm"] * 1e-3 * given.gearhead.ratio * given.total_ratio * inputs
-    load_Nmm = 1e3 * max(given["loads.peak_torque_Nm"], stalled)
+    return float(max(given["loads.peak_torque_Nm"], stalled))
+
+
+def _web(given: BevelKnown) -> Found:
+    bears_MPa, load_Nmm = lasting_MPa(_material(given)) / STRESS_SAFETY, 1e3 * _load_Nm(given)
     stop = given.shelf_bottom_mm + STOP_PIN_WALL_MM
     needs = {
         "web_in_rim": WEB_WALLS * given.wall_mm("drum"),
@@ -182,6 +188,7 @@ def _joint(given: BevelKnown) -> PayloadJoint:
 
 def _hub_diameter(given: BevelKnown) -> Found:
     shaft, wall = _shaft_radius(given), given.wall_mm("drum")
+    bears_MPa = lasting_MPa(_material(given)) * SHEAR_SHARE / STRESS_SAFETY
     load = joint_load(given["loads.peak_torque_Nm"], given.payload)
     spigot = given.entry("bearings", "drum.bearing")["inner_shoulder_mm"] / 2
     circle_mm = given.get("drum.output_circle_mm")
@@ -193,6 +200,7 @@ def _hub_diameter(given: BevelKnown) -> Found:
         "payload_screws": payload,
         "hub_spigot": 2 * (spigot + SPIGOT_MM),
         "stiffness": HUB_SHARE * given.first_drum_mm,
+        "drum_stress": 2 * least_hub_mm(shaft, _load_Nm(given), bears_MPa),
     }
     return largest(needs, 0.5)
 
@@ -289,7 +297,7 @@ def _holds(given: BevelKnown, angle_deg: float, *checks: Callable[[BevelLayout],
 HUB = (
     Rule(
         "drum.hub_diameter_mm",
-        "least diameter for shaft, set screws and payload's screws, or a share of the radius, for stiffness",
+        "least diameter for shaft, set screws, torsion and payload's screws, or a share of the radius, for stiffness",
         "hub_walls",
         _hub_diameter,
     ),
