@@ -69,10 +69,15 @@ def collar_grip(s: SectorLayout) -> Comparison:
     )
 
 
+def set_screws_hold_Nmm(screw: Screw, shaft_radius_mm: float) -> float:
+    """Torque that two set screws at right angles hold on a shaft: mu F r at each point, and at the bore opposite, which
+    carries both thrusts together, mu sqrt(2) F r (statics)."""
+    return FRICTION * SET_SCREW_SHARE * clamp_force_N(screw.thread_mm) * (2.0 + sqrt(2.0)) * shaft_radius_mm
+
+
 def hub_set_screws(s: SectorLayout) -> Comparison:
     """The set screws turn the drum's shaft against bearing friction only; the load does not pass through the shaft."""
-    radius = s.drum_shaft.radius
-    holds = 2 * FRICTION * SET_SCREW_SHARE * clamp_force_N(s.drive.screw(s.drum.set_screw).thread_mm) * radius
+    holds = set_screws_hold_Nmm(s.drive.screw(s.drum.set_screw), s.drum_shaft.radius)
     needed = (
         BEARING_FRICTION * sum(s.once("drum_reactions", drum_reactions_N)) * s.drive.bearings.drum.outer_diameter_mm / 2
     )
@@ -182,7 +187,7 @@ CHECKS = (
     Check(
         "hub_set_screws",
         "Hub's set screws hold the shaft",
-        "mu F r; half of a cap screw's force: estimate",
+        "mu F r (2 + sqrt 2), screws at right angles; half of a cap screw's force: estimate",
         hub_set_screws,
         advice="choose a smaller drum.bearing",
     ),

@@ -28,8 +28,9 @@ def _stress(what: str, strength_MPa: float, stress_MPa: float, load_Nm: float) -
 def drum_stress(s: SectorLayout) -> Comparison:
     """Stress of web and rim, of the hub in torsion, and of the web at the stop pin, against the yield stress.
 
-    Web and rim by plane elements at the larger of peak torque and stalled motors, corners as drawn. Printed parts
-    count with the strength that creep leaves.
+    At the larger of peak torque and stalled motors: web and rim by plane elements, corners as drawn, the web with its
+    bending by cables beside its middle; the hub at 2.5 times an even tube. Printed parts count with the strength that
+    creep leaves.
     """
     d, drive, structure = s.drum, s.drive, s.structure
     material = drive.drum_material
@@ -176,7 +177,7 @@ CHECKS = (
     Check(
         "drum_stress",
         "Stress in the drum",
-        "plane elements, torsion of a tube; 1.5 on yield, 0.4 of it for plastics: usual rule, estimate",
+        "plane elements and plates, torsion of a tube; 1.5 on yield, 0.4 of it for plastics: usual rule, estimate",
         drum_stress,
         adjust=(up("drum.web_thickness_mm"), up("drum.hub_diameter_mm"), *_LESS),
         advice=_stronger,

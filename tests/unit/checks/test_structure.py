@@ -6,16 +6,20 @@ from dataclasses import replace
 from math import hypot, pi, sqrt
 from pathlib import Path
 
+import numpy as np
 import pytest
 from designs import put, reference
 from hypothesis import given
 from hypothesis import strategies as st
 
+from mbcdm_cad.checks.fixings import set_screws_hold_Nmm
 from mbcdm_cad.checks.structure import drum_stress, frame_windup, mounting_screws, payload_screws, stiffness
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.loader import load_design, load_text
 from mbcdm_cad.layouts.sector import SectorLayout
+from mbcdm_cad.parts.drum_sector.dims import SET_SCREW_ANGLES_DEG
 from mbcdm_cad.parts.drum_sector.payload import SLIP_SAFETY, JointLoad, PayloadJoint, joints, payload_joint
+from mbcdm_cad.parts.threads import clamp_force_N
 
 PARAMS = Path(__file__).parents[3] / "params"
 REFERENCES = ("mbcdm", "siso_spur", "miso_spur", "siso_bevel")
@@ -77,6 +81,18 @@ def test_a_thin_hub_is_judged_by_torsion() -> None:
     shear = 2.5 * 16 * torque * 1e3 * outer / (pi * (outer**4 - bore**4))
     assert "in the hub" in found.subject, found
     assert found.actual == pytest.approx(20.0 / sqrt(3.0) / shear, rel=2e-3), found
+
+
+def test_set_screws_hold_by_the_forces_on_the_shaft() -> None:
+    """Friction wherever the shaft is pressed: at both points, and where the bore carries the two thrusts together."""
+    s = sector(reference())
+    screw, radius = s.drive.screw(s.drum.set_screw), s.drum_shaft.radius
+    thrust = 0.5 * clamp_force_N(screw.thread_mm)
+    points = [thrust * np.array([np.sin(a), np.cos(a)]) for a in np.radians(SET_SCREW_ANGLES_DEG)]
+    pressed = [*points, -sum(points)]
+    assert np.abs(sum(pressed)).max() < 1e-9 * thrust
+    held = 0.15 * radius * sum(float(np.linalg.norm(force)) for force in pressed)
+    assert set_screws_hold_Nmm(screw, radius) == pytest.approx(held, rel=1e-9)
 
 
 @pytest.mark.parametrize("name", REFERENCES)

@@ -7,7 +7,7 @@ import numpy as np
 from mbcdm_cad.checks.bearings import LESS, input_reactions
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
 from mbcdm_cad.checks.design_variables import down, up
-from mbcdm_cad.checks.fixings import FRICTION, SET_SCREW_SHARE, SLIP_SAFETY, STRESS_SAFETY, round_shaft_MPa
+from mbcdm_cad.checks.fixings import FRICTION, SLIP_SAFETY, STRESS_SAFETY, round_shaft_MPa, set_screws_hold_Nmm
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM, web_between
 from mbcdm_cad.checks.input_pulley import GRIP_DIAMETERS
 from mbcdm_cad.design.bought import Servo
@@ -61,14 +61,14 @@ def motor_shaft_sag(s: SpurLayout) -> Comparison:
 def pulley_set_screws(s: SpurLayout) -> Comparison:
     """Torque that the pulley's two set screws hold on the round shaft, over the largest torque of the input."""
     screw, radius = set_screw(s.drive), s.drive.gearhead.shaft_diameter_mm / 2
-    holds = 2 * FRICTION * SET_SCREW_SHARE * clamp_force_N(screw.thread_mm) * 2 * radius
+    holds = set_screws_hold_Nmm(screw, radius)
     needed = s.loads.highest_input_Nm * 1e3
     return at_least(
         f"two set screws {screw.name} hold {holds:.4g} N mm over the input's {needed:.4g} N mm",
         holds / max(needed, 1e-9),
         SLIP_SAFETY,
         "times",
-        "each presses the shaft on the bore opposite; a flat under one holds more",
+        "they press the shaft on the bore opposite; a flat under one holds more",
     )
 
 
@@ -284,7 +284,7 @@ CHECKS = tuple(
         Check(
             "pulley_set_screws",
             "Set screws hold the pulley on the motor's shaft",
-            "mu F d; half of a cap screw's force: estimate",
+            "mu F r (2 + sqrt 2), screws at right angles; half of a cap screw's force: estimate",
             pulley_set_screws,
             adjust=(down("loads.peak_torque_Nm"), down("transmission.input_to_drum")),
             advice=_SHAFT,
