@@ -12,7 +12,7 @@ from typing import Any
 from mbcdm_cad.design.design_file import DesignFile
 from mbcdm_cad.design.dotted import leaves, put, take_out, value_at
 from mbcdm_cad.design.freedom import Freedom
-from mbcdm_cad.design.loader import Resolved, resolved
+from mbcdm_cad.design.loader import Resolved, blamed, resolved
 from mbcdm_cad.design.ranges import Range, split_ranges
 from mbcdm_cad.design.sized import Sizing
 from mbcdm_cad.design.source import read_text
@@ -208,13 +208,14 @@ def _of_the_template(question: Question) -> dict[str, int]:
 
 def _refuse_what_is_wrong(question: Question) -> None:
     """Raise InputError for what no search can correct: a wrong name, a value out of bounds, pins that conflict."""
+    data, moved = question.trial({})
     try:
-        question.resolve(*question.trial({}))
+        question.resolve(data, moved)
     except InputError as error:
         # The search may change values for which a rule or a layout finds no drive; all else is a mistake in the file.
         if all(problem.may_move for problem in error.problems):
             return
-        raise
+        raise blamed(error, Tree(data, question.tree.lines), question.path, question.file) from None
 
 
 def stated(data: Mapping[str, Any], moved: Mapping[str, Any], found: Resolved) -> dict[str, Any]:

@@ -13,6 +13,7 @@ from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.entries import KINDS
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.loader import load_text
+from mbcdm_cad.solving.question import question_of
 
 SHORT: dict[str, Any] = {
     "name": "short",
@@ -53,6 +54,13 @@ def test_a_derived_value_out_of_bounds_names_a_requirement_with_a_value_that_wor
     assert (better > data[asked[0]][asked[1]]) == (found[3] == "raise"), said
     data[asked[0]] = {**data[asked[0]], asked[1]: better}
     assert load_text(yaml.safe_dump(data, sort_keys=False)).drive.name == "short"
+
+
+def test_solve_says_the_same_of_a_derived_value_out_of_bounds() -> None:
+    text = yaml.safe_dump({**SHORT, "loads": {"peak_torque_Nm": 0.002}}, sort_keys=False)
+    with pytest.raises(InputError) as caught:
+        question_of(text, "f.yaml")
+    assert str(caught.value).split("\n") == refusal(text)
 
 
 def _required(kind: str) -> list[str]:
