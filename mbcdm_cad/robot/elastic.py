@@ -67,6 +67,18 @@ class ElasticDrive:
         return min(self.compliance.before_inputs_Nm_rad, _RIGID_NM_RAD)
 
     @property
+    def rest_Nm(self) -> tuple[float, ...]:
+        """Torque of each input at the drum while nothing loads it: preloads that do not cancel there turn the drum."""
+        stiff = [stage.sticking_Nm_rad for stage in self.stages]
+        turn = sum(stage.preload_Nm for stage in self.stages) / sum(stiff)
+        return tuple(stage.preload_Nm - k * turn for stage, k in zip(self.stages, stiff, strict=True))
+
+    @property
+    def held_Nm(self) -> tuple[float, ...]:
+        """The same at the motors' shafts, positive where it drives the drum positively."""
+        return tuple(rest / turn / self.gear_ratio for rest, turn in zip(self.rest_Nm, self.turns, strict=True))
+
+    @property
     def input_shares(self) -> tuple[float, ...]:
         """Torque of each input for 1 N m on the payload."""
         return tuple(1.0 / (len(self.turns) * turns) for turns in self.turns)

@@ -50,10 +50,7 @@ class FmuVariable:
 
 def variables(e: ElasticDrive, inputs: tuple[str, ...]) -> tuple[FmuVariable, ...]:
     """All variables in the order of their value references."""
-    motor, held = (
-        e.motor,
-        [stage.preload_Nm / turn / e.gear_ratio for stage, turn in zip(e.stages, e.turns, strict=True)],
-    )
+    motor = e.motor
     none = (0.0,) * len(inputs)
 
     def one(constant: str, unit: str, start: float, about: str, causality: str = "parameter") -> FmuVariable:
@@ -79,7 +76,13 @@ def variables(e: ElasticDrive, inputs: tuple[str, ...]) -> tuple[FmuVariable, ..
         one("TORQUE_CONSTANT", "N.m/A", motor.constant_Nm_A, "torque of a motor over its current"),
         one("RESISTANCE", "Ohm", motor.resistance_ohm, f"between two terminals at {motor.rated_at_C:g} C"),
         one("AMBIENT", "degC", motor.ambient_C, "temperature of the air"),
-        each("MOTOR_TORQUE", "N.m", held, "torque at the motor's shaft, positive where it drives the drum so", "input"),
+        each(
+            "MOTOR_TORQUE",
+            "N.m",
+            e.held_Nm,
+            "torque at the motor's shaft, positive where it drives the drum so",
+            "input",
+        ),
         one("LOAD_TORQUE", "N.m", 0.0, "torque on the payload, positive against positive rotation", "input"),
         one("DRUM_ENCODER", "rad", 0.0, "angle of the drum at its encoder", "output"),
         one("PAYLOAD_ANGLE", "rad", 0.0, "angle of the payload", "output"),

@@ -108,7 +108,7 @@ def _jointed(base: ET.Element, m: Mechanism, joint: Joint, elastic: ElasticDrive
 def _input_friction_Nm(m: Mechanism, e: ElasticDrive, joint: Joint) -> float:
     """At an input without that of its motor, the gearhead under the torque of the preload."""
     i = m.inputs.index(joint.link)
-    return e.input_friction_Nm[i] + e.gear_share * abs(e.stages[i].preload_Nm / joint.ratio)
+    return e.input_friction_Nm[i] + e.gear_share * abs(e.rest_Nm[i] / joint.ratio)
 
 
 def _pulley_kg_m2(m: Mechanism, e: ElasticDrive, joint: Joint) -> float:
@@ -160,14 +160,12 @@ def _elastic(root: ET.Element, m: Mechanism, e: ElasticDrive, bodies: dict[str, 
             drum.axis,
             {"armature": numbers([e.payload_kg_m2 + _PAYLOAD_KG_M2]), **_spring(1.0 / give)},
         )
-    held = []
     for stage, name in zip(e.stages, m.inputs, strict=True):
         joint = m.joint(name)
         _stage(tendons, m, stage, joint, bodies[name])
         if e.play_rad > 0.0:
             _behind_play(root, tendons, m, e, joint)
         _motor(actuators, e, joint)
-        held.append(stage.preload_Nm / abs(joint.ratio) / e.gear_ratio)
     _sensors(root, tendons, m, e)
     # What the gearheads lose with the load follows from these, by a line of the program that steps the model.
     custom = ET.SubElement(root, "custom")
@@ -175,7 +173,7 @@ def _elastic(root: ET.Element, m: Mechanism, e: ElasticDrive, bodies: dict[str, 
     for own, name in zip(e.input_friction_Nm, m.inputs, strict=True):
         ET.SubElement(custom, "numeric", name=f"{name}_friction", data=numbers([own]))
     keys = ET.SubElement(root, "keyframe")
-    ET.SubElement(keys, "key", name="held", ctrl=numbers(held), qpos=numbers(_rest(m, e)))
+    ET.SubElement(keys, "key", name="held", ctrl=numbers(e.held_Nm), qpos=numbers(_rest(m, e)))
 
 
 def _spring(stiffness_Nm_rad: float) -> dict[str, str]:
@@ -271,8 +269,8 @@ def _rest(m: Mechanism, e: ElasticDrive) -> list[float]:
             found.append(0.0)
         if joint.link in m.inputs:
             found += [0.0] * len(e.stages[m.inputs.index(joint.link)].slips)
-    for stage, name in zip(e.stages, m.inputs, strict=True) if e.play_rad > 0.0 else ():
-        torque = stage.preload_Nm / m.joint(name).ratio
+    for rest, name in zip(e.rest_Nm, m.inputs, strict=True) if e.play_rad > 0.0 else ():
+        torque = rest / m.joint(name).ratio
         twist = torque / e.contact_Nm_rad + (copysign(0.5 * e.play_rad, torque) if torque else 0.0)
         found.append(m.joint(name).drawn_rad + twist)
     return found

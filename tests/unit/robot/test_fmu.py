@@ -49,8 +49,7 @@ class Exported:
         )
 
     def held(self, i: int) -> Any:
-        stage = self.soft.stages[i]
-        return lambda time: np.full(time.shape, stage.preload_Nm / self.soft.turns[i] / self.soft.gear_ratio)
+        return lambda time: np.full(time.shape, self.soft.held_Nm[i])
 
     def inputs_rad(self, result: Any) -> Any:
         """Inputs by their encoders, at the drum, weighted by the stiffness of their cables."""
@@ -174,6 +173,18 @@ def test_over_a_cycle_the_motors_give_payload_loop_and_losses(reference: Exporte
     taken = load * float(payload[cycle][-1] - payload[cycle][0])
     stated = sum(float(way.lost_Nm[0]) for way in moving) * 0.1
     assert given - taken == pytest.approx(stated, rel=0.1), (given, taken, stated)
+
+
+@pytest.mark.parametrize("name", ["mbcdm", "siso_spur", "miso_spur", "siso_bevel"])
+def test_a_drive_that_nothing_loads_stays(name: str, tmp_path: Path) -> None:
+    """Motors hold the preload against each other; one motor alone holds none, whatever its cables' radii."""
+    exported = Exported(name, tmp_path)
+    result = exported.run(0.5, {})
+    sticking = sum(stage.sticking_Nm_rad for stage in exported.soft.stages)
+    turn = abs(sum(stage.preload_Nm for stage in exported.soft.stages)) / sticking
+    assert np.abs(result["payload_angle"]).max() <= 2.0 * turn + 1e-6, (result["payload_angle"][-1], turn)
+    if len(exported.drive.input_names) == 1:
+        assert exported.soft.held_Nm == pytest.approx((0.0,), abs=1e-12)
 
 
 def test_the_payload_rings_at_the_mode_of_cables_and_parts(reference: Exported) -> None:
