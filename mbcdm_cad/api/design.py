@@ -117,14 +117,17 @@ class DriveDesign:
 
         return write_dependencies(self.loaded, Path(svg))
 
-    def sensitivity(self, out: str | Path = "out") -> SensitivityStudy:
+    def sensitivity(
+        self, out: str | Path = "out", *, workers: int | None = None, scheduler: str | None = None
+    ) -> SensitivityStudy:
         """Which parameters change backlash and torque most, as ``mbcdm sensitivity``; writes ``out/NAME-sensitivity``.
 
-        Takes about a minute. Figures in the summary are in SI units.
+        Takes some seconds. ``workers`` and ``scheduler`` are as in :class:`Effort`; the result does not depend on them.
+        Figures in the summary are in SI units.
         """
         from mbcdm_cad.jobs.outputs import write_sensitivity
 
-        return write_sensitivity(self.loaded, Path(out))
+        return write_sensitivity(self.loaded, Path(out), workers, scheduler)
 
     def part_names(self) -> tuple[str, ...]:
         """Names of all parts."""

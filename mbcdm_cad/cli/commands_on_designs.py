@@ -19,6 +19,7 @@ from mbcdm_cad.cli.group import DESIGN, FILE, SCHEDULER, TIME, WORKERS, examples
 from mbcdm_cad.cli.screen import coloured, progress, progress_of_search, progress_of_trials, screen_width
 from mbcdm_cad.design.template import slug
 from mbcdm_cad.errors import InputError, MbcdmError, Problem
+from mbcdm_cad.optimising.wishes import GROWTH
 from mbcdm_cad.storage.files import refuse_missing_folder
 
 # Copy of mbcdm_cad.design.entries.KINDS, which takes long to import; a test compares them.
@@ -185,6 +186,14 @@ def solve(design: Path, apply: Path | None, as_json: bool) -> int:
 @click.option("--beside", multiple=True, type=FILE, metavar="DESIGN", help="Mark this design beside the front.")
 @TIME
 @click.option("--evaluations", type=int, metavar="N", default=None, help="Stop after this number of designs.")
+@click.option(
+    "--growth",
+    type=float,
+    metavar="SHARE",
+    default=GROWTH,
+    show_default=True,
+    help="Stop when the front's hypervolume grew by less in 12 generations; 0 does not.",
+)
 @WORKERS
 @SCHEDULER
 @click.option("--resume", is_flag=True, help="Go on with a search that was stopped.")
@@ -198,7 +207,9 @@ def optimise(requirements: Sequence[Path], out: Path, as_json: bool, **asked: An
     design of the front as a short file. The search can be stopped at any moment and goes on with --resume. Exit code 1
     if no design passes.
     """
-    effort = api.Effort(*(asked[name] for name in ("evaluations", "time_s", "workers", "resume", "scheduler")))
+    effort = api.Effort(
+        *(asked[name] for name in ("evaluations", "time_s", "workers", "resume", "scheduler", "growth"))
+    )
     wishes = {name: asked[name] for name in ("keeps", "free", "only_free", "over", "beside")}
     with progress_of_search() as told:
         found = api.optimise(requirements, asked["aims"], out, **wishes, effort=effort, progress=told)

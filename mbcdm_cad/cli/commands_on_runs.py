@@ -12,7 +12,7 @@ import click
 
 from mbcdm_cad import api
 from mbcdm_cad.cli.commands_on_designs import print_json, write_new
-from mbcdm_cad.cli.group import DESIGN, FILE, examples, mbcdm, out_folder
+from mbcdm_cad.cli.group import DESIGN, FILE, SCHEDULER, WORKERS, examples, mbcdm, out_folder
 from mbcdm_cad.cli.screen import progress, screen_width
 from mbcdm_cad.errors import InputError, MbcdmError, Problem
 from mbcdm_cad.storage.files import refuse_missing_folder, write_whole
@@ -72,14 +72,17 @@ def preload(design: Path, logs: tuple[str, ...], as_json: bool, out: Path) -> in
 
 @mbcdm.command(epilog=examples("mbcdm sensitivity my_drive.yaml"))
 @DESIGN
+@WORKERS
+@SCHEDULER
 @out_folder("Folder that the study's folder, NAME-sensitivity, is written into.")
-def sensitivity(design: Path, out: Path) -> int:
+def sensitivity(design: Path, workers: int | None, scheduler: str | None, out: Path) -> int:
     """Show which parameters change backlash and torque most.
 
     Writes plots and CSV: the panels of the paper's figure 5, global indices, the tolerance stack over the travel, and
     95 % intervals.
     """
-    click.echo(api.load(design).sensitivity(out).text(screen_width()))
+    found = api.load(design).sensitivity(out, workers=workers, scheduler=scheduler)
+    click.echo(found.text(screen_width()))
     return 0
 
 

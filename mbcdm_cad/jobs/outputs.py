@@ -236,16 +236,21 @@ class SensitivityStudy:
         return self.summary
 
 
-def write_sensitivity(loaded: LoadedDesign, out: Path) -> SensitivityStudy:
-    """Write the sensitivity study into ``out/<name>-sensitivity``."""
+def write_sensitivity(
+    loaded: LoadedDesign, out: Path, workers: int | None = None, scheduler: str | None = None
+) -> SensitivityStudy:
+    """Write the sensitivity study into ``out/<name>-sensitivity``; its draws are shared by the workers."""
+    from mbcdm_cad.model.bulk import block_figures
     from mbcdm_cad.model.study import write_study
+    from mbcdm_cad.parallel.crew import crew
     from mbcdm_cad.parts.making import model_tolerances
 
     target = out / f"{loaded.drive.name}-sensitivity"
     inputs = content_key("sensitivity", loaded.sha256, package_hash(), versions())
     with output_folder(target, Manifest(loaded.sha256, inputs), design=loaded.path) as folder:
         stacks = loaded.drive.layout.tolerance_stacks
-        summary = write_study(loaded.drive, folder.path, model_tolerances(loaded.drive), stacks)
+        with crew(block_figures, workers, scheduler) as shared:
+            summary = write_study(loaded.drive, folder.path, model_tolerances(loaded.drive), stacks, shared)
     return SensitivityStudy(target, summary)
 
 

@@ -22,6 +22,7 @@ from mbcdm_cad.model.equilibrium import Equilibrium, solve_equilibrium, solve_we
 from mbcdm_cad.model.kinematics import eq1_residuals
 from mbcdm_cad.model.si import PER_CABLE, PER_DESIGN, DriveSI, ModelError, to_si
 from mbcdm_cad.model.wrap import slip_angle_rad
+from mbcdm_cad.parallel.crew import Crew
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.helix import axial_walk_m, fleet_angle_rad
 
@@ -74,8 +75,11 @@ def stack_designs(designs: list[DriveSI]) -> DriveSI:
     )
 
 
-def analyse_many(d: DriveSI, need: Requirements) -> BulkFigures:
-    """Figures of a batch: per-cable arrays of ``d`` are (n_cables, n) or (n_cables, 1), the others (n,) or scalar."""
+def analyse_many(d: DriveSI, need: Requirements, workers: Crew | None = None) -> BulkFigures:
+    """Figures of a batch: per-cable arrays of ``d`` are (n_cables, n) or (n_cables, 1), the others (n,) or scalar.
+
+    ``workers`` that call :func:`block_figures` share the blocks; the figures are the same on any number of them.
+    """
     if len(d.batch_shape) != 1:
         raise ModelError(f"the batch has shape {d.batch_shape}; give one axis of designs")
     n = d.batch_shape[0]
@@ -83,25 +87,28 @@ def analyse_many(d: DriveSI, need: Requirements) -> BulkFigures:
     asked = Requirements(*(np.broadcast_to(np.asarray(getattr(need, f.name), float), (n,)) for f in fields(need)))
     spans = wide.geometry.free_span_m(wide.parameters)
     valid = ~np.isnan(spans).any(axis=0) & (wide.friction_coefficient > 0.0)
-    blocks = []
+    asked_blocks = []
     for start in range(0, n, BLOCK):
         here = slice(start, min(start + BLOCK, n))
         good = valid[here]
         part, want = _taken(wide, here), Requirements(*(getattr(asked, f.name)[here] for f in fields(asked)))
-        if good.all():
-            blocks.append(_block(part, want, good))
-            continue
-        if not good.any():
-            blocks.append(_missing(d, good))
-            continue
-        some = _block(
-            _taken(part, good), Requirements(*(getattr(want, f.name)[good] for f in fields(want))), good[good]
-        )
-        full = _missing(d, good)
+        asked_blocks.append((part, want, good))
+    blocks = list(map(block_figures, asked_blocks) if workers is None else workers.results(asked_blocks))
+    return BulkFigures(*(np.concatenate([getattr(b, f.name) for b in blocks], axis=-1) for f in fields(BulkFigures)))
+
+
+def block_figures(asked: tuple[DriveSI, Requirements, Any]) -> BulkFigures:
+    """Figures of one block of designs, what is asked of each, and which of them have a free span."""
+    d, need, good = asked
+    if good.all():
+        return _block(d, need, good)
+    full = _missing(d, good)
+    if good.any():
+        want = Requirements(*(getattr(need, f.name)[good] for f in fields(need)))
+        some = _block(_taken(d, good), want, good[good])
         for f in fields(BulkFigures):
             getattr(full, f.name)[..., good] = getattr(some, f.name)
-        blocks.append(full)
-    return BulkFigures(*(np.concatenate([getattr(b, f.name) for b in blocks], axis=-1) for f in fields(BulkFigures)))
+    return full
 
 
 def merged(parts: Sequence[tuple[Sequence[int], BulkFigures]], n: int) -> BulkFigures:

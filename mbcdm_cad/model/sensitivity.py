@@ -13,6 +13,7 @@ from mbcdm_cad.model.bulk import BulkFigures, analyse_many
 from mbcdm_cad.model.capability import Requirements
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.si import DriveSI, ModelError
+from mbcdm_cad.parallel.crew import Crew
 from mbcdm_cad.routes import Floats
 
 # Parameters that may have a sigma besides the geometry's lengths, and the field of the drive or requirements of each.
@@ -57,14 +58,19 @@ def _all_figures(bulk: BulkFigures, cables: tuple[str, ...]) -> dict[str, Floats
 
 
 def intervals(
-    d: DriveSI, need: Requirements, sigma: Mapping[str, Any], draws: int = 20_000, seed: int = 0
+    d: DriveSI,
+    need: Requirements,
+    sigma: Mapping[str, Any],
+    draws: int = 20_000,
+    seed: int = 0,
+    workers: Crew | None = None,
 ) -> dict[str, Interval]:
     """Intervals of backlash and torque for one design whose parameters are normal with standard deviations ``sigma``.
 
     Keys of ``sigma`` are among :func:`parameters`, in their SI units; those :func:`by_cable` take one value or one
     for each cable, and are drawn for each cable independently. Impossible draws (no free span, friction not above zero)
-    are left out. Raises ``ModelError`` for an unknown name, a negative sigma, or if over 1 % of the draws are
-    impossible.
+    are left out. ``workers`` as in :func:`analyse_many`. Raises ``ModelError`` for an unknown name, a negative sigma,
+    or if over 1 % of the draws are impossible.
     """
     sizes: dict[str, Floats] = {}
     known, own = parameters(d), by_cable(d)
@@ -77,7 +83,7 @@ def intervals(
             raise ModelError(f"sigma of {name}: {np.min(sizes[name]):g} is below 0")
     rng = np.random.default_rng(seed)
     random = {k: size[:, None] * rng.standard_normal((size.size, draws)) for k, size in sizes.items()}
-    drawn = analyse_many(*shifted(d, need, random, draws))
+    drawn = analyse_many(*shifted(d, need, random, draws), workers)
     lost = 1.0 - float(np.mean(drawn.valid))
     if lost > 0.01:
         raise ModelError(
@@ -258,10 +264,11 @@ def global_indices(
     ranges: Mapping[str, tuple[float, float]] | None = None,
     n: int = 4096,
     seed: int = 0,
+    workers: Crew | None = None,
 ) -> GlobalIndices:
     """Sobol' indices of backlash and torque over uniform ``ranges`` (SI; by default :func:`global_ranges`), by scipy.
 
-    Errors: ``ModelError`` for an empty or reversed range.
+    ``workers`` as in :func:`analyse_many`. Errors: ``ModelError`` for an empty or reversed range.
     """
     from scipy import stats  # takes a second to import
 
@@ -279,7 +286,7 @@ def global_indices(
                 asked = replace(asked, **{name: column})
             else:
                 fields[name] = np.broadcast_to(column, (d.n_cables, column.size)) if name == "preload_N" else column
-        found = figures_of(analyse_many(d.spread(x.shape[1]).with_(**fields), asked))
+        found = figures_of(analyse_many(d.spread(x.shape[1]).with_(**fields), asked, workers))
         labels[:] = list(found)
         return np.array(list(found.values()))
 

@@ -30,6 +30,7 @@ from mbcdm_cad.model.tolerance import Tolerances, ToleranceStack, tolerance_stac
 
 if TYPE_CHECKING:
     from mbcdm_cad.design.drive import Drive
+    from mbcdm_cad.parallel.crew import Crew
 
 # Okabe and Ito's palette without its yellow, which is hardly visible on paper.
 COLOURS = ("#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9")
@@ -137,10 +138,13 @@ RELATIVE_SIGMA = {
 }
 
 
-def write_study(drive: Drive, folder: Path, tolerances: Tolerances, stacks: Sequence[StackUp] = ()) -> dict[str, Any]:
+def write_study(
+    drive: Drive, folder: Path, tolerances: Tolerances, stacks: Sequence[StackUp] = (), workers: Crew | None = None
+) -> dict[str, Any]:
     """Write every file of the study into ``folder`` (made if missing) and return the summary, which is also a file.
 
-    ``tolerances`` are those of the transmission error, ``stacks`` the gaps to stack up, here by Monte Carlo too.
+    ``tolerances`` are those of the transmission error, ``stacks`` the gaps to stack up, here by Monte Carlo too;
+    ``workers`` as in :func:`mbcdm_cad.model.bulk.analyse_many`.
 
     Files: fig5_a to fig5_d as .csv and .svg, indices.svg, tolerance.svg and .csv, loop.svg, sensitivity.json. Seeded:
     the same design gives the same bytes.
@@ -150,7 +154,7 @@ def write_study(drive: Drive, folder: Path, tolerances: Tolerances, stacks: Sequ
     for panel in figure_5(d, need.load_Nm):
         _write_csv(folder / f"fig5_{panel.letter}.csv", panel.header(), panel.rows())
         plot_panel(panel, folder / f"fig5_{panel.letter}.svg")
-    indices = global_indices(d, need)
+    indices = global_indices(d, need, workers=workers)
     plot_indices(indices, folder / "indices.svg")
     stack = tolerance_stack(d, float(need.half_travel_rad), tolerances)
     plot_tolerance(stack, folder / "tolerance.svg")
@@ -175,7 +179,7 @@ def write_study(drive: Drive, folder: Path, tolerances: Tolerances, stacks: Sequ
         },
         "gap_stacks": [stack_data(stack, DRAWS) for stack in stacks],
         "sigma": {name: np.asarray(size).tolist() for name, size in sigma.items()},
-        "intervals": {name: asdict(interval) for name, interval in intervals(d, need, sigma).items()},
+        "intervals": {name: asdict(one) for name, one in intervals(d, need, sigma, workers=workers).items()},
     }
     # Eight digits: further digits depend on the mathematics library, not on the design.
     text = json.dumps(_rounded(summary), indent=2, sort_keys=True)

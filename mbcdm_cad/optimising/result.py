@@ -16,7 +16,7 @@ from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.optimising.figures import FIGURES, Facts, figure
-from mbcdm_cad.optimising.search import INTERRUPTED, Searched, TriedPoint
+from mbcdm_cad.optimising.search import INTERRUPTED, ROUNDS, Searched, TriedPoint
 from mbcdm_cad.optimising.sketch import sketch
 from mbcdm_cad.optimising.wishes import Wishes
 from mbcdm_cad.report.table import ReportTable, filled
@@ -152,6 +152,8 @@ class Optimum:
             + f"; ended: {s.stopped}",
             width,
         )
+        if s.grown is not None and not s.finished:
+            yield from filled(f"the front's hypervolume grew by {s.grown:.2%} in the last {ROUNDS} generations", width)
         if not self.points:
             yield from filled(
                 "no design passes; checks that failed most: "
@@ -192,6 +194,7 @@ class Optimum:
             "passing": s.passing,
             "stopped": s.stopped,
             "finished": s.finished,
+            "grown": None if s.grown is None else float(f"{s.grown:.9g}"),
             "front": [point.to_dict() for point in self.points],
             "starts": [dict(start.result.figures) for start in self.starts],
             "beside": [{"name": o.name, "figures": dict(o.figures), "failing": list(o.failing)} for o in self.beside],

@@ -26,9 +26,8 @@ from mbcdm_cad.routes import Floats
 from mbcdm_cad.solving.question import Question
 
 SEED = 36
-# The search ends if the front's hypervolume grew by less than this share in the last rounds; a round is a generation
-# of every layout.
-GROWTH, ROUNDS = 0.005, 12
+# Rounds over which the growth of the front's hypervolume is taken; a round is a generation of every layout.
+ROUNDS = 12
 
 # Is called with a sentence on the best so far and the number of evaluated points.
 Told = Callable[[str, int], None]
@@ -47,7 +46,8 @@ class TriedPoint:
 class Searched:
     """All points in order, the rows of the front, and why the search ended.
 
-    ``curve``: (points evaluated, hypervolume of the front) after each round, against one reference point.
+    ``curve``: (points evaluated, hypervolume of the front) after each round, against one reference point; ``grown``:
+    the share by which it grew in the last :data:`ROUNDS` rounds, None while there are fewer.
     """
 
     wishes: Wishes
@@ -59,6 +59,7 @@ class Searched:
     failing: Mapping[str, int] = field(default_factory=dict)
     refused: Mapping[str, int] = field(default_factory=dict)
     faults: tuple[str, ...] = ()
+    grown: float | None = None
 
     @property
     def passing(self) -> int:
@@ -109,6 +110,7 @@ class FrontSearch:
         self.tried: list[TriedPoint] = []
         self._known: dict[tuple[int, Any], int] = {}
         self._fronts: list[tuple[int, list[int]]] = []
+        self._grown: float | None = None
 
     def run(self, effort: Effort) -> Searched:
         """FrontSearch until the front no longer grows, a limit is reached, or the keyboard interrupts."""
@@ -122,7 +124,7 @@ class FrontSearch:
         try:
             with crew(work, effort.workers, effort.scheduler) as workers:
                 while not stopped:
-                    stopped = self._round(engines, workers, end, most)
+                    stopped = self._round(engines, workers, end, most) or self._ended(effort.growth)
         except KeyboardInterrupt:
             stopped = INTERRUPTED
         self.journal.keep()
@@ -146,7 +148,8 @@ class FrontSearch:
         self._fronts.append((len(self.tried), self._front()))
         if not proposed:
             return "every combination of the free values has been tried"
-        return self._grows_no_more()
+        self._grown = self._growth()
+        return ""
 
     def _results(self, k: int, asked: Sequence[Values], workers: Crew, end: float) -> list[Evaluated]:
         """The results of points of question ``k`` in order; fewer of them once the time is over."""
@@ -197,13 +200,18 @@ class FrontSearch:
         points = np.array([_aims(self.wishes, self.tried[n].result) for n in rows])
         return [rows[k] for k in front_of(points)]
 
-    def _grows_no_more(self) -> str:
+    def _growth(self) -> float | None:
+        """Share by which the hypervolume grew in the last rounds; None while there are fewer, or was no front."""
         if len(self._fronts) <= ROUNDS or not self._fronts[-1 - ROUNDS][1]:
-            return ""
+            return None
         before, now = (volume for _, volume in self._curve((self._fronts[-1 - ROUNDS], self._fronts[-1])))
-        if now - before >= GROWTH * now:
+        return (now - before) / now
+
+    def _ended(self, least: float) -> str:
+        if self._grown is None or self._grown >= least:
             return ""
-        return f"the front's hypervolume grew by less than {GROWTH:.1%} in the last {ROUNDS} generations"
+        grown = f"the front's hypervolume grew by {self._grown:.2%} in the last {ROUNDS} generations"
+        return f"{grown} (limit {100.0 * least:.3g}%)"
 
     def _curve(self, fronts: Sequence[tuple[int, list[int]]]) -> list[tuple[int, float]]:
         """Hypervolumes against the reference of all points on these fronts."""
@@ -222,7 +230,8 @@ class FrontSearch:
         if not good:
             return "no design passes yet"
         best = [f"{aim.figure} {min((f[aim.figure] for f in good), key=aim.less):.4g}" for aim in self.wishes.aims]
-        return f"{len(good)} pass, best {', '.join(best)}"
+        grown = "" if self._grown is None else f"; the front grew by {self._grown:.2%} in {ROUNDS} generations"
+        return f"{len(good)} pass, best {', '.join(best)}{grown}"
 
     def _searched(self, stopped: str) -> Searched:
         front = self._front()
@@ -242,6 +251,7 @@ class FrontSearch:
             failing,
             refused,
             tuple(faults),
+            self._grown,
         )
 
 

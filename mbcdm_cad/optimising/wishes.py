@@ -11,6 +11,8 @@ from mbcdm_cad.errors import MbcdmError
 
 SENSES = ("min", "max")
 MOST_AIMS = 4
+# Growth of the front's hypervolume in the last rounds, as a share, below which a search ends.
+GROWTH = 0.005
 
 
 @dataclass(frozen=True)
@@ -74,7 +76,8 @@ class Effort:
     """When a search ends at the latest (number of points, time), on how many processes (None: all cores).
 
     ``resume``: go on with a search that was stopped; ``scheduler``: the address of a dask scheduler whose workers
-    evaluate the points in place of processes of this machine.
+    evaluate the points in place of processes of this machine; ``growth``: the search ends earlier if the front's
+    hypervolume grew by less than this share in its last generations, with 0 it does not.
     """
 
     evaluations: int | None = None
@@ -82,6 +85,7 @@ class Effort:
     workers: int | None = None
     resume: bool = False
     scheduler: str | None = None
+    growth: float = GROWTH
 
     def __post_init__(self) -> None:
         """Raise ``MbcdmError`` for a limit that is none."""
@@ -93,6 +97,8 @@ class Effort:
             raise MbcdmError("--workers: processes of this machine, and --scheduler: those of others; give one of them")
         if self.time_s is not None and not self.time_s > 0.0:
             raise MbcdmError(f"--time: not a time (value {self.time_s:g} s, limit above 0)")
+        if not 0.0 <= self.growth < 1.0:
+            raise MbcdmError(f"--growth: not a share (value {self.growth:g}, limit 0 to 1); write 0.005, say")
 
 
 def wishes_of(

@@ -61,7 +61,8 @@ SIGNATURES = {
     " -> 'PreloadReport'",
     "DriveDesign.explain": "(self, field: 'str | None' = None) -> 'Explanation'",
     "DriveDesign.explain_graph": "(self, svg: 'str | Path') -> 'Written'",
-    "DriveDesign.sensitivity": "(self, out: 'str | Path' = 'out') -> 'SensitivityStudy'",
+    "DriveDesign.sensitivity": "(self, out: 'str | Path' = 'out', *, workers: 'int | None' = None, scheduler:"
+    " 'str | None' = None) -> 'SensitivityStudy'",
     "DriveDesign.part_names": "(self) -> 'tuple[str, ...]'",
     "DriveDesign.part": "(self, name: 'str') -> 'cadquery.Solid'",
     "DriveDesign.assembly": "(self, angle_deg: 'float' = 0.0) -> 'cadquery.Assembly'",

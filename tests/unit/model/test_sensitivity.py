@@ -12,6 +12,7 @@ from paper_case import paper_drive
 
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.model.backlash import drum_backlash
+from mbcdm_cad.model.bulk import block_figures
 from mbcdm_cad.model.capability import Requirements
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.sensitivity import elasticities, figure_5, global_indices, intervals
@@ -19,6 +20,8 @@ from mbcdm_cad.model.si import DriveSI, ModelError, to_si
 from mbcdm_cad.model.stack_up import Contribution, StackUp
 from mbcdm_cad.model.study import HATCHES, _style, write_study
 from mbcdm_cad.model.tolerance import Tolerances, eccentric_path_m, sources, tolerance_stack
+from mbcdm_cad.parallel import forks
+from mbcdm_cad.parallel.crew import crew
 
 NEED = Requirements(
     load_Nm=0.91,
@@ -191,6 +194,17 @@ def test_interval_of_a_known_law() -> None:
 def test_sigmas_that_make_no_sense(sigma: dict[str, float], message: str) -> None:
     with pytest.raises(ModelError, match=message):
         intervals(paper_drive(), NEED, sigma, draws=500)
+
+
+def test_workers_share_the_draws_and_change_no_figure(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(forks, "_allowed", True)
+    alone = intervals(paper_drive(), NEED, {"preload_N": 2.0, "modulus_Pa": 3e9}, draws=9000)
+    with crew(block_figures, 2) as workers:
+        shared = intervals(paper_drive(), NEED, {"preload_N": 2.0, "modulus_Pa": 3e9}, draws=9000, workers=workers)
+        assert global_indices(paper_drive(), NEED, n=1024, workers=workers) == global_indices(
+            paper_drive(), NEED, n=1024
+        )
+    assert shared == alone
 
 
 @pytest.fixture(scope="module")

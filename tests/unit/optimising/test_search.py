@@ -13,7 +13,7 @@ from typing import BinaryIO
 import numpy as np
 import pytest
 
-from mbcdm_cad.errors import OutputError
+from mbcdm_cad.errors import MbcdmError, OutputError
 from mbcdm_cad.optimising import search as searching
 from mbcdm_cad.optimising.evaluate import Evaluated
 from mbcdm_cad.optimising.journal import Journal
@@ -89,10 +89,24 @@ def test_more_evaluations_go_on_from_those_before(tmp_path: Path) -> None:
 
 def test_it_ends_when_the_front_no_longer_grows(tmp_path: Path) -> None:
     found = searched(tmp_path / "a.jsonl", None)
-    assert "grew by less than" in found.stopped and found.finished, found.stopped
+    assert "(limit 0.5%)" in found.stopped and found.finished, found.stopped
+    assert found.grown is not None and found.grown < 0.005
     volumes = [volume for _, volume in found.curve]
     assert all(after >= before - 1e-12 for before, after in pairwise(volumes)), volumes
     assert set(found.failing) == {"too_large"} and found.failing["too_large"] > 0
+
+
+def test_the_share_at_which_it_ends_is_asked_for(tmp_path: Path) -> None:
+    def length(growth: float) -> int:
+        with Journal(tmp_path / f"{growth}.jsonl", {}, resume=False) as journal:
+            search = FrontSearch([None], [VARIABLES], WISHES, journal, lambda words, count: None)  # type: ignore[list-item]
+            found = search.run(Effort(800, None, 1, growth=growth))
+        assert found.grown is not None and (found.grown < growth or len(found.tried) == 800), found.stopped
+        return len(found.tried)
+
+    assert length(0.2) < length(0.005) < length(0.0) == 800
+    with pytest.raises(MbcdmError, match=r"--growth: not a share \(value 1, limit 0 to 1\)"):
+        Effort(growth=1.0)
 
 
 def test_a_journal_is_neither_lost_nor_mixed_up(tmp_path: Path) -> None:
