@@ -72,18 +72,18 @@ rope and peak torque (`paper-rope`) the front reaches {stiff:.4g} N m/kg with a 
 {own:.4g} and {own_swing:.3g} of the model of the paper's drive.
 
 What this does not say: life is not counted, since the files state no cycles; thin ropes at the same D/d are the first
-to ask about. The searches were short (1,100 designs, of which 474 pass, for the first three; 241, of which 8 pass, for
-the last, which its time ended), so that better designs are likely. The first three come from an earlier state of the
-search, and its command may end at other designs now; each design is checked again with the present program.
+to ask about. The searches were short, so that better designs are likely; each command prints how many designs it tried,
+how many passed, and what stopped it. The first three come from an earlier state of the search, and its command may end
+at other designs now; each design is checked again with the present program.
 """
 _OTHER_WORDS = """\
 Ratio, rope, motor where none is stated, and all dimensions are free. The first column of each group is the file as its
-rules fill it. The searches were short: 102 designs of the leg, of which 32 pass, 51 of the capstan, of which 18 pass.
+rules fill it. The searches were short, 8 minutes each.
 The web of leg-aluminium-01 is the search's no longer: it had 1.393 mm, before `drum_stress` counted its bending.
 
-The same leg printed of PA12 (`leg-printed.yaml`): none of 83 designs passes. What binds is the joint to what it stands
-on: in 68 of them the mounting screws do not hold the peak torque by friction, because PA12 creeps under their heads
-(check `mounting_screws`); in 24 the payload's screws do not.
+The same leg printed of PA12 (`leg-printed.yaml`): the search found no design that passes. What binds is the joint to
+what it stands on: in most designs the mounting screws do not hold the peak torque by friction, because PA12 creeps under
+their heads (check `mounting_screws`), in many the payload's screws do not. The command counts both.
 """
 _SEARCH = """\
 mbcdm optimise params/optimum/{name}.yaml --aim torque_to_weight_lossless_Nm_kg:max --aim cable_swing_mrad:min \\
