@@ -82,8 +82,8 @@ rules fill it. The searches were short, 8 minutes each.
 The web of leg-aluminium-01 is the search's no longer: it had 1.393 mm, before `drum_stress` counted its bending.
 
 The same leg printed of PA12 (`leg-printed.yaml`): the search found no design that passes. What binds is the joint to
-what it stands on: in most designs the mounting screws do not hold the peak torque by friction, because PA12 creeps under
-their heads (check `mounting_screws`), in many the payload's screws do not. The command counts both.
+what it stands on: in most designs the mounting screws do not hold the peak torque by friction, because PA12 creeps
+under their heads (check `mounting_screws`), in many the payload's screws do not. The command counts both.
 """
 _SEARCH = """\
 mbcdm optimise params/optimum/{name}.yaml --aim torque_to_weight_lossless_Nm_kg:max --aim cable_swing_mrad:min \\
