@@ -54,7 +54,7 @@ def retension(s: Layout) -> Comparison:
         return noted("creep of the rope, none in the catalogue", 0.0, "days")
     most = max(c.preload_N for c in s.drive.cables)
     share = s.once("preload needed", needed_share)
-    days = [relaxation(rope, most, t).time_until_s(share * most) / DAY_S for t in TOLD_C]
+    days = [relaxation(rope, most, t, s.softer_ends).time_until_s(share * most) / DAY_S for t in TOLD_C]
     told = [f"{d:.4g} days" if np.isfinite(d) else "over 100 years" for d in days]
     return at_least(
         f"days until the preload of {most:g} N has crept to {share:.0%}, which the peak torque needs",

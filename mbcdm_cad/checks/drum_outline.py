@@ -9,6 +9,7 @@ import numpy as np
 
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
+from mbcdm_cad.parts.drum_sector.sizes import nut_corner_radius_mm
 
 # Grid of the rim: 0.1 mm and finer near the outside of the reference design, 0.3 mm along it.
 _RADII = 40
@@ -68,7 +69,7 @@ def drum_zones(s: SectorLayout) -> list[Ring]:
     """Rings that together enclose everything that turns with the drum in front of the frame."""
     d = s.drum
     spec = s.drive.tensioner
-    half = max(spec.nut_across_flats_mm / 3**0.5, d.lug_half_width, spec.swage_diameter_mm / 2)
+    half = max(nut_corner_radius_mm(s.drive), d.lug_half_width, spec.swage_diameter_mm / 2)
     zones = [
         _disc("drum's rim", d.rim_inner_radius, d.lands[-1].surface_radius_mm, d.lands[0].y_start),
         _disc("drum's web", d.spigot_radius, d.rim_inner_radius, d.web_start_y),

@@ -146,6 +146,7 @@ _STIFFER: tuple[tuple[str, str], ...] = (
     ("input pulleys", "the bearings of input_pulleys"),
     ("gearheads", "drive.gearhead"),
     ("frame", "the frame's walls"),
+    ("springs", "drum.spring or fewer of them, or a longer wrap by drum.sector_half_angle_deg"),
 )
 
 

@@ -15,7 +15,7 @@ from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.parts.drum_sector.dims import POCKET_LEAD_MM, DrumDims
-from mbcdm_cad.parts.drum_sector.sizes import SWAGE_FLOOR_MM
+from mbcdm_cad.parts.drum_sector.sizes import SWAGE_FLOOR_MM, nut_corner_radius_mm
 from mbcdm_cad.parts.terminal.part import CHAMFER_MM, Tensioner
 
 # Gap between two terminals, and between terminal and cable (estimate: no tool between them, nothing moves).
@@ -37,7 +37,7 @@ def bodies_of(s: SectorLayout, t: Tensioner, moved: bool = True) -> list[tuple[s
     """
     start, end, tip = (t.slack_start, t.last_end, t.last_tip) if moved else (t.swage_start, t.swage_end, t.tip)
     spec, d = s.drive.tensioner, s.drum
-    nut = spec.nut_across_flats_mm / 3**0.5
+    nut = nut_corner_radius_mm(s.drive)
     swage, stud, lug = spec.swage_diameter_mm / 2, spec.thread_mm / 2, d.lug_half_width
 
     def outline(start: float, end: float, low: float, high: float) -> Points:
@@ -165,7 +165,7 @@ def terminal_angles(s: SectorLayout) -> Comparison:
 def outer_face(s: SectorLayout) -> Comparison:
     """Distance from the rim's outer face to the outermost nut or lug."""
     d = s.drum
-    half = max(s.drive.tensioner.nut_across_flats_mm / 3**0.5, d.stud_hole_radius + s.drive.drum_material.min_wall_mm)
+    half = max(nut_corner_radius_mm(s.drive), d.stud_hole_radius + s.drive.drum_material.min_wall_mm)
     return worst(
         at_least(f"rim beyond the terminal of {t.cable_name}", d.lands[-1].y_end - t.y_mm - half, 0.0, "mm")
         for t in d.tensioners

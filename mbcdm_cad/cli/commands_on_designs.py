@@ -33,6 +33,7 @@ CATALOGUE_KINDS = (
     "screws",
     "inserts",
     "tensioners",
+    "springs",
     "materials",
 )
 

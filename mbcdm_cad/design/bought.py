@@ -584,6 +584,29 @@ class TensionerSpec(Entry):
     material: EntryName = entry_field("material of stud, sleeve and nuts", "-")
 
 
+@dataclass(frozen=True, kw_only=True)
+class SpringSpec(Entry):
+    """A compression spring on the stud of a terminal, between lug and nut: a disc of a stack, or a coil."""
+
+    kind: Literal["disc", "coil"] = entry_field("disc spring (DIN EN 16983), or coil of round wire", "-")
+    outside_mm: Number = entry_field("outside diameter", "mm", ge=1.0, le=60.0)
+    inside_mm: Number = entry_field("inside diameter, round the stud", "mm", ge=0.5, le=40.0)
+    strip_mm: Number = entry_field("thickness of a disc, or diameter of the wire", "mm", ge=0.05, le=10.0)
+    free_mm: Number = entry_field("height without load", "mm", ge=0.1, le=100.0)
+    solid_mm: Number = entry_field("height at which it is flat, or its coils touch", "mm", ge=0.05, le=100.0)
+    stiffness_N_mm: Number = entry_field("force over deflection within its usable travel", "N/mm", gt=0.0, le=1e6)
+    usable_share: Number = entry_field(
+        "most of the way from free to solid that it stands for long", "-", gt=0.0, le=1.0
+    )
+    mass_g: Number = entry_field("mass", "g", gt=0.0, le=500.0)
+    material: EntryName = entry_field("material", "-")
+
+    @property
+    def usable_N(self) -> float:
+        """Largest force that it stands for long."""
+        return self.stiffness_N_mm * self.usable_share * (self.free_mm - self.solid_mm)
+
+
 Fraction = Annotated[Number, Field(ge=0.0, le=1.0)]
 
 

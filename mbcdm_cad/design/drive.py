@@ -129,6 +129,11 @@ class Drive:
         return 2
 
     @property
+    def anchor_m_N(self) -> float:
+        """How far the end of a cable on the drum gives way for each newton there; 0 for an end that is held."""
+        return 0.0
+
+    @property
     def setting_mm(self) -> float:
         """Rope that the ends of each of ``cables`` give off at their first loads."""
         return self.ends_per_run * self.termination.setting_ratio * self.cable.diameter_mm

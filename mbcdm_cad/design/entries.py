@@ -14,6 +14,7 @@ from mbcdm_cad.design.bought import (
     Material,
     Motor,
     Screw,
+    SpringSpec,
     TensionerSpec,
     TerminationSpec,
 )
@@ -29,6 +30,7 @@ KINDS: dict[str, type[Entry]] = {
     "screws": Screw,
     "inserts": InsertSpec,
     "tensioners": TensionerSpec,
+    "springs": SpringSpec,
     "materials": Material,
 }
 
@@ -47,4 +49,5 @@ class OwnEntries(Block):
     screws: dict[EntryName, Screw] = Field(default={}, max_length=64, description="screws by name")
     inserts: dict[EntryName, InsertSpec] = Field(default={}, max_length=64, description="heat-set inserts by name")
     tensioners: dict[EntryName, TensionerSpec] = Field(default={}, max_length=64, description="tensioners by name")
+    springs: dict[EntryName, SpringSpec] = Field(default={}, max_length=64, description="springs of terminals by name")
     materials: dict[EntryName, Material] = Field(default={}, max_length=64, description="materials by name")

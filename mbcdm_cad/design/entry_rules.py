@@ -14,6 +14,7 @@ from mbcdm_cad.design.bought import (
     InsertSpec,
     Motor,
     Screw,
+    SpringSpec,
     TensionerSpec,
     TerminationSpec,
 )
@@ -39,6 +40,7 @@ _ORDERS: dict[type[Entry], tuple[tuple[str, ...], ...]] = {
     Bearing: (("bore_mm", "inner_shoulder_mm", "outer_shoulder_mm", "outer_diameter_mm"),),
     Screw: (("tap_drill_mm", "thread_mm", "clearance_mm"),),
     InsertSpec: (("thread_mm", "hole_mm", "outside_mm"),),
+    SpringSpec: (("strip_mm", "solid_mm", "free_mm"), ("inside_mm", "outside_mm")),
     TensionerSpec: (("thread_mm", "clearance_mm", "nut_across_flats_mm"),),
 }
 

@@ -93,6 +93,18 @@ class SectorDrum(PlainBlock):
     )
     shaft_material: EntryName = choice("material of the drum shaft")
     tensioner: EntryName = choice("tensioner of each cable")
+    spring: EntryName | None = choice(
+        "catalogue spring on the stud of each terminal, between lug and nut; if left out, the nut sits on the lug",
+        example="disc-8x4.2x0.4",
+        default=None,
+    )
+    spring_count: Integer = quantity(
+        "springs one behind the other on each stud, discs turned against each other; used with spring",
+        unit="-",
+        default=1,
+        ge=1,
+        le=40,
+    )
     stop_pin_mm: Number = quantity(
         "pin in the frame that stops the drum at both ends of its travel", unit="mm", default=3.0, ge=1.0, le=20.0
     )

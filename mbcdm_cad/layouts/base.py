@@ -309,6 +309,11 @@ class Layout(ABC):
 
         return turns_of(self, self.drive.loads.test_torque_Nm)
 
+    @property
+    def softer_ends(self) -> float:
+        """Give of the stiffest cable with the springs at its ends over that of its rope alone; 1 without springs."""
+        return 1.0
+
     @cached_property
     def losses(self) -> Train:
         """Friction between motors and payload: cables, bearings, gearheads, motors."""

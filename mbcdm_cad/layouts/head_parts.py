@@ -118,7 +118,8 @@ def _drum_encoder(given: TrialKnown) -> Found:
 def _tensioner(given: TrialKnown) -> Found:
     entries = given.entries("tensioners")
     names = sorted(entries, key=lambda name: entries[name]["stud_length_mm"])
-    return given.first("drum.tensioner", names, ("sleeve_fits", "stud_stress", "take_up"))
+    led = ("spring_fits",) if given.has("drum.spring") else ()
+    return given.first("drum.tensioner", names, ("sleeve_fits", "stud_stress", "take_up", *led))
 
 
 def _collar_screw(given: TrialKnown) -> Found:

@@ -12,6 +12,7 @@ from math import inf
 import numpy as np
 
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.structure import sticking, urad_Nm
 from mbcdm_cad.routes import Floats
 
 _URAD = 1e-6
@@ -74,13 +75,13 @@ def compliance_of(drive: Drive) -> Compliance:
     structure = drive.layout.structure
     if structure is None:
         return Compliance()
-    encoder = structure.encoder_urad_Nm * _URAD
+    encoder, payload = (urad_Nm(sticking(causes)) * _URAD for causes in (structure.at_encoder, structure.at_payload))
     before = structure.motor_urad_Nm - structure.payload_urad_Nm
     # 1 N m at the payload loads the inputs evenly.
     turns = np.array([body.turns_per_drum for body in drive.layout.routed.routes.inputs])
     torques = 1.0 / (turns.size * turns)
     stiffness = float((torques**2).sum()) / (before * _URAD) if before > 0.0 else inf
-    return Compliance(encoder, structure.payload_urad_Nm * _URAD - encoder, stiffness)
+    return Compliance(encoder, payload - encoder, stiffness)
 
 
 def friction_of(drive: Drive) -> PartsFriction:

@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Protocol
 
 from mbcdm_cad.layouts.base import Layout, NoFigureError, dimensions
+from mbcdm_cad.layouts.springs import spring_start_Nm, spring_turn_urad_Nm
 from mbcdm_cad.parts.collar import CollarDims
 from mbcdm_cad.parts.drum_sector.design import SectorDrive, SectorLevels, SectorRun
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
@@ -76,6 +77,28 @@ class SectorLayout(Layout):
     def mount_washers(self) -> bool:
         """Whether washers are under the heads of these screws."""
         return False
+
+    @property
+    def softer_ends(self) -> float:
+        """See the base class; the longest cable is softest by itself, so that a spring adds least to it."""
+        if self.drive.spring is None:
+            return 1.0
+        longest = max(self.tensioned_lengths_mm()) * 1e-3
+        return 1.0 + self.drive.anchor_m_N * self.drive.cable.axial_stiffness_N / longest
+
+    @property
+    def spring_urad_Nm(self) -> float:
+        """Further turn of the drum by the terminals' springs at the test torque, over that torque; 0 without springs.
+
+        The largest at both ends of the travel: friction on the drum keeps small loads from the terminals. Raises
+        ``NoFigureError`` where the model has no answer.
+        """
+        return 0.0 if self.drive.spring is None else self.once("springs", spring_turn_urad_Nm)
+
+    @property
+    def spring_start_Nm(self) -> float:
+        """Least torque on the drum at which a terminal with springs moves, at the ends of the travel; first loading."""
+        return self.once("springs start", spring_start_Nm)
 
     @property
     def printed_frame(self) -> bool:

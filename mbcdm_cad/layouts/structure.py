@@ -44,8 +44,9 @@ _Y = np.array([0.0, 1.0, 0.0])
 GEARHEAD_NM_RAD_40 = 3.4e3
 # One standard deviation, as a factor: of drums and shafts, compared with closed forms and solid elements, with the
 # tolerances of walls and moduli; of the frame, with its mount; of bearings, whose balls have a usual size; of
-# gearheads.
-BY_PARTS, BY_FRAME, BY_BEARINGS, BY_GEARHEADS = 1.1, 1.15, 1.3, 2.0
+# gearheads; of springs in the terminals, which friction on the drum shields.
+BY_PARTS, BY_FRAME, BY_BEARINGS, BY_GEARHEADS, BY_SPRINGS = 1.1, 1.15, 1.3, 2.0, 1.3
+SPRINGS = "springs of the terminals"
 
 
 @dataclass(frozen=True)
@@ -54,7 +55,8 @@ class Cause:
 
     ``at_encoder``: whether the drum's encoder sees it too. ``before_input``: whether it lies between the motor and the
     input pulley's encoder. ``in_drum``: whether it lies between the drum's land and the payload. ``factor``: one
-    standard deviation of its logarithm, as a factor.
+    standard deviation of its logarithm, as a factor. ``after_slip``: whether it gives only where slip of the cables has
+    reached it, so that it is rigid for small motion; the rig's cables have it themselves.
     """
 
     name: str
@@ -63,6 +65,7 @@ class Cause:
     before_input: bool = False
     in_drum: bool = False
     factor: float = BY_PARTS
+    after_slip: bool = False
 
 
 @dataclass(frozen=True)
@@ -127,7 +130,7 @@ class Structure:
         """Where the structure gives, for the torsional modes."""
         before = urad_Nm(c for c in self.causes if c.before_input)
         in_drum = urad_Nm(c for c in self.causes if c.in_drum)
-        return Chain(before * 1e-6, (self.motor_urad_Nm - before - in_drum) * 1e-6, in_drum * 1e-6)
+        return Chain(before * 1e-6, (urad_Nm(sticking(self.causes)) - before - in_drum) * 1e-6, in_drum * 1e-6)
 
     def to_dict(self) -> dict[str, Any]:
         """Everything, ready for JSON."""
@@ -158,6 +161,11 @@ def urad_Nm(causes: Iterable[Cause]) -> float:
     return sum(c.urad_Nm for c in causes)
 
 
+def sticking(causes: Iterable[Cause]) -> tuple[Cause, ...]:
+    """Those that give for small motion too, every wrap sticking."""
+    return tuple(c for c in causes if not c.after_slip)
+
+
 def sigma_urad_Nm(causes: Iterable[Cause]) -> float:
     """Standard deviation of the turn by several causes: those with one factor are wrong together."""
     by_factor: dict[float, float] = {}
@@ -183,6 +191,8 @@ def structure_of(layout: SectorLayout) -> Structure:
         *drum,
         *_drum_shaft(layout, unit),
     ]
+    if layout.drive.spring is not None:
+        causes.append(Cause(SPRINGS, layout.spring_urad_Nm, factor=BY_SPRINGS, after_slip=True))
     frame = layout.frame_compliance
     if frame is not None:
         if not np.isfinite(frame.windup_urad_Nm):

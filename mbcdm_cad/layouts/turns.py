@@ -16,6 +16,7 @@ import numpy as np
 
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.structure import Cause, lash_rad, sigma_urad_Nm, urad_Nm
+from mbcdm_cad.layouts.structure import sticking as sticking_causes
 from mbcdm_cad.model.backlash import Reading, drum_backlash, implied_modulus_Pa
 from mbcdm_cad.model.measured import BACKLASH_RAD, BACKLASH_TORQUE_NM
 from mbcdm_cad.model.si import to_si
@@ -85,7 +86,7 @@ def turns_of(layout: Layout, load_Nm: float) -> DriveTurns:
             sigma_urad_Nm(causes) * load_Nm * 1e-3,
             (swing + 2.0 * give * load_Nm + play_rad) * 1e3,
             load_Nm / turned,
-            1.0 / (1.0 / sticking + give),
+            1.0 / (1.0 / sticking + urad_Nm(sticking_causes(causes)) * 1e-6),
         )
 
     try:

@@ -101,7 +101,7 @@ def analyse(drive: Drive, wraps_rad: tuple[Any, Any] | None = None) -> Analysis:
             else torque_to_weight_Nm_kg(min(torques.counted_Nm), drive.targets.mass_g)
         ),
         bearings=tuple(bearing_figures(d, load) for load in (0.0, peak, -peak)),
-        creep=preload_left(drive.cable, max(c.preload_N for c in drive.cables)),
+        creep=preload_left(drive.cable, max(c.preload_N for c in drive.cables), drive.layout.softer_ends),
         motor=motor_figures(drive, d, _most_of_an_input_Nm(peaks), _not_the_motor_Nm(torques.limits)),
         measured_backlash_mrad=BACKLASH_RAD * 1e3,
         implied_modulus=modulus_readings(endless),

@@ -5,7 +5,8 @@ Strain of a rope under the tension T, as a share s = T / F of its breaking load:
     log time      c s log10(1 + t / t0)          c: strain a decade, extrapolated to the breaking load
     steady        r (s / 0.3)^n exp(Q/R (1/293 K - 1/K)) t     r: strain a year at 0.3 F and 20 degrees C
 
-The ends are fixed, so the creep strain reduces the elastic strain: dT = -EA (strain of creep). Time runs from the end
+The ends are fixed, so the creep strain reduces the elastic strain: dT = -EA (strain of creep). Springs at the ends give
+way with the rope, by (1 + EA c / L) of it, c their give: dT is that much smaller. Time runs from the end
 of bedding in, t0 = one hour. Limits: one tension along the whole rope, no varying load and no recovery; a rope that
 moves often loses less.
 """
@@ -82,14 +83,15 @@ def steady_rate_per_s(rope: CableSpec, tension_N: float, temperature_C: float) -
     return float(rope.creep_per_year / YEAR_S * share**rope.creep_load_exponent * warmer)
 
 
-def relaxation(rope: CableSpec, preload_N: float, temperature_C: float) -> Relaxation:
+def relaxation(rope: CableSpec, preload_N: float, temperature_C: float, softer: float = 1.0) -> Relaxation:
     """The tension of a rope that was tensioned to ``preload_N`` and left, over a hundred years (Runge-Kutta, order 4).
 
-    Raises ``ValueError`` for a preload that is not above zero.
+    ``softer``: give of the rope with the springs at its ends over that of the rope alone. Raises ``ValueError`` for a
+    preload that is not above zero.
     """
     if not preload_N > 0.0:
         raise ValueError(f"a preload of {preload_N:g} N cannot creep; give it > 0")
-    stiffness, log_part = rope.axial_stiffness_N, rope.creep_per_decade / _LN10 / rope.breaking_load_N
+    stiffness, log_part = rope.axial_stiffness_N / softer, rope.creep_per_decade / _LN10 / rope.breaking_load_N
 
     def slope(x: float, tension_N: float) -> float:
         """dT/dx with x = ln(1 + t/t0)."""
@@ -110,11 +112,16 @@ def relaxation(rope: CableSpec, preload_N: float, temperature_C: float) -> Relax
     return Relaxation(tuple(times), tuple(tensions))
 
 
-def preload_left(rope: CableSpec, preload_N: float) -> tuple[PreloadLeft, ...]:
-    """Shares of the preload that are left over time, by temperature; nothing for a rope that does not creep."""
-    return tuple(_left(rope, preload_N, temperature, TOLD_DAYS) for temperature in TOLD_C) if creeps(rope) else ()
+def preload_left(rope: CableSpec, preload_N: float, softer: float = 1.0) -> tuple[PreloadLeft, ...]:
+    """Shares of the preload that are left over time, by temperature; nothing for a rope that does not creep.
+
+    ``softer`` as in :func:`relaxation`.
+    """
+    if not creeps(rope):
+        return ()
+    return tuple(_left(rope, preload_N, temperature, TOLD_DAYS, softer) for temperature in TOLD_C)
 
 
-def _left(rope: CableSpec, preload_N: float, temperature_C: float, days: Iterable[float]) -> PreloadLeft:
-    over_time, told = relaxation(rope, preload_N, temperature_C), tuple(days)
+def _left(rope: CableSpec, preload_N: float, temperature_C: float, days: Iterable[float], softer: float) -> PreloadLeft:
+    over_time, told = relaxation(rope, preload_N, temperature_C, softer), tuple(days)
     return PreloadLeft(temperature_C, told, tuple(over_time.at_N(day * DAY_S) / preload_N for day in told))

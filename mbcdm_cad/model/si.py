@@ -30,7 +30,7 @@ class ModelError(MbcdmError):
 __all__ = ["GPA", "MM", "MM2", "DriveSI", "Floats", "to_si"]
 
 # The fields that a batch of designs may vary, by shape; the geometry's lengths besides.
-PER_CABLE = ("preload_N", "input_wrap_rad", "drum_wrap_rad")
+PER_CABLE = ("preload_N", "input_wrap_rad", "drum_wrap_rad", "anchor_m_N")
 PER_DESIGN = ("friction_coefficient", "modulus_Pa", "area_m2")
 
 MM = 1e-3
@@ -46,6 +46,7 @@ class DriveSI:
     ``geometry`` gives spans and passed wraps. Wraps are the live angles between the free span (or the transfer point)
     and the anchor; infinite by default, i.e. longer than any slip zone. ``passed_wrap_rad`` has for each passed body
     the wrap on which a cable may slip: 0 unless the design counts it, so that the tension does not change there.
+    ``anchor_m_N``: how far the cable's end on the drum gives way for each newton there, by springs.
     """
 
     geometry: Geometry
@@ -57,6 +58,7 @@ class DriveSI:
     input_wrap_rad: Floats
     drum_wrap_rad: Floats
     passed_wrap_rad: tuple[Floats, ...]
+    anchor_m_N: Floats
 
     def __post_init__(self) -> None:
         """Add axes to fields of shape (n_cables,), which do not vary in a batch, so that they broadcast."""
@@ -219,6 +221,11 @@ class DriveSI:
         """Turns of each input for one of the drum, by its first cable; shape (n_inputs, *batch)."""
         return np.asarray(self.total_ratio[[self.input_of.index(i) for i in range(self.n_inputs)]])
 
+    @cached_property
+    def springs(self) -> bool:
+        """Whether the end of a cable on the drum gives way."""
+        return bool(np.any(self.anchor_m_N > 0.0))
+
     @property
     def slips_on_passed(self) -> bool:
         """Whether a cable may slip on a body that it passes."""
@@ -313,4 +320,5 @@ def _converted(drive: Drive, found: RoutedDrive) -> DriveSI:
         passed_wrap_rad=found.geometry.passed_wrap_rad(found.parameters)
         if drive.layout.slips_on_passed
         else (np.zeros(n),) * len(found.geometry.passed_radii),
+        anchor_m_N=np.full(n, drive.anchor_m_N),
     )

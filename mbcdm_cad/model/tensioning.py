@@ -34,6 +34,7 @@ class TensionedRope:
     friction: float
     setting_m: float = 0.0  # what both ends of a cable, or the one of a side, give off at their first loads
     tails_m: float = 0.0  # rope that these ends use themselves
+    anchor_m_N: float = 0.0  # give of the springs under a terminal's nut
 
 
 def rope_stiffnesses(

@@ -91,7 +91,7 @@ class TensioningPlan:
 
 def tensioning_plan(cables: Sequence[TensionedCable], rope: TensionedRope, pitch_m: float) -> TensioningPlan:
     """The plan for cables tightened one after the other in the given order; ``pitch_m`` of the nuts' thread."""
-    stiffness = np.array([rope.axial_stiffness_N / c.length_m for c in cables])
+    stiffness = np.array([1.0 / (c.length_m / rope.axial_stiffness_N + rope.anchor_m_N) for c in cables])
     lever = np.array([c.lever_m for c in cables])
     # Preloads are stated with both angles zero; if their torques differ, the drum turns until the cables balance.
     goal = balanced_tension_N(stiffness, lever, np.array([c.preload_N for c in cables]) / stiffness)
@@ -108,8 +108,8 @@ def _setting(c: TensionedCable, rope: TensionedRope, pitch_m: float) -> CableSet
     def slack(length_m: float) -> float:
         return untensioned_length_m(length_m, c.preload_N, rope.axial_stiffness_N) / (1.0 + rope.bedding_share)
 
-    per_N = c.length_m / rope.axial_stiffness_N / pitch_m
-    first = reached_length_m(c.pieces, rope.friction) / rope.axial_stiffness_N / pitch_m
+    per_N = (c.length_m / rope.axial_stiffness_N + rope.anchor_m_N) / pitch_m
+    first = (reached_length_m(c.pieces, rope.friction) / rope.axial_stiffness_N + rope.anchor_m_N) / pitch_m
     pitches = tuple(
         limits_of_pitch_Hz(c.preload_N, rope.mass_kg_m, span, rope.loose_N_m2, rope.bonded_N_m2) for span in c.spans_m
     )

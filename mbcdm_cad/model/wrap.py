@@ -17,6 +17,8 @@ from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
 
 SERIES_BELOW = 1e-3
+# Friction over a wrap beyond this exponent holds any tension; it keeps the exponential finite.
+_MOST_EXPONENT = 700.0
 
 
 def excess_minus_log(ratio: Any) -> Floats:
@@ -82,11 +84,29 @@ def stretch_first_loading(d: DriveSI, tension_N: Floats) -> tuple[Floats, Floats
             whole = _run_out_integral(u, mu, limited)
             held, held_rate = np.where(full, whole, partial), np.where(full, (whole + limited) / u, partial_rate)
         total, rate = total + radius * held, rate + radius * held_rate
+    if d.springs:
+        # Where slip has reached the end on the drum, its spring gives way by the tension that comes there.
+        end, passed = _at_anchor(d, u)
+        given = d.anchor_m_N * d.axial_stiffness_N
+        total, rate = total + given * (end - 1.0), rate + given * passed
     return np.asarray(d.preload_N * flexibility * total), np.asarray(flexibility * rate)
+
+
+def _at_anchor(d: DriveSI, u: Floats) -> tuple[Floats, Floats]:
+    """Tension at the end on the drum over the preload on first loading to u = T/T_pre, and its slope by u.
+
+    It stays at the preload until slip has reached the end, then T e^(-+mu phi) comes there.
+    """
+    held = np.asarray(d.friction_coefficient, dtype=float) * d.drum_wrap_rad
+    share = np.exp(np.where(u >= 1.0, -held, np.minimum(held, _MOST_EXPONENT)))
+    full = np.abs(np.log(u)) >= held
+    return np.where(full, u * share, 1.0), np.where(full, share, 0.0)
 
 
 def slack_stretch_m(d: DriveSI) -> Floats:
     """Stretch (< 0, m) at which a cable goes slack on first unloading: its whole preload strain over span and wraps.
+
+    A spring at its end follows until it is free.
 
     Minus infinity with unlimited wraps: friction then always keeps some tension in the wraps, and the cable never goes
     completely slack.
@@ -94,7 +114,7 @@ def slack_stretch_m(d: DriveSI) -> Floats:
     wound = d.input_radius_m * d.input_wrap_rad + d.drum_radius_m * d.drum_wrap_rad
     for radius, wrap in d.passed_wraps:
         wound = wound + radius * wrap
-    length = d.free_span_m + wound
+    length = d.free_span_m + wound + d.anchor_m_N * d.axial_stiffness_N
     return np.asarray(-d.preload_N / d.axial_stiffness_N * length)
 
 
@@ -121,6 +141,14 @@ def stretch_after_reversal(d: DriveSI, tension_N: Floats, turned_at_N: Floats) -
         for radius, wrap in (*wraps, *d.passed_wraps):
             held, slope = _reversed_integral(u, v, mu, wrap)
             total, rate = total + radius * held, rate + radius * slope
+        if d.springs:
+            before, _ = _at_anchor(d, v)
+            held = np.asarray(d.friction_coefficient, dtype=float) * d.drum_wrap_rad
+            share = np.exp(np.where(v >= 1.0, 1.0, -1.0) * np.minimum(held, _MOST_EXPONENT))
+            full = np.abs(np.log(u / v)) >= 2.0 * held
+            given = d.anchor_m_N * d.axial_stiffness_N
+            total = total + given * (np.where(full, u * share, before) - 1.0)
+            rate = rate + given * np.where(full, share, 0.0)
         back, back_slope = d.preload_N * flexibility * total, flexibility * rate
     now, then = np.log(tension_N / d.preload_N), np.log(turned_at_N / d.preload_N)
     beyond = np.where(then >= 0.0, (now > then) | (now < -then), (now < then) | (now > -then))

@@ -15,6 +15,7 @@ class RigCable:
 
     ``route`` is its route in the design; the radii of input and drum are those as built. ``own_wrap_rad`` is this
     side's half of a wrap over the input that only friction holds; 0 where the cable counts as anchored there.
+    ``anchor_m_N``: how far its end on the drum gives way for each newton there, by springs.
     """
 
     name: str
@@ -27,6 +28,7 @@ class RigCable:
     friction: float
     route: CableRoute
     own_wrap_rad: float = 0.0
+    anchor_m_N: float = 0.0
 
     @property
     def free_span_m(self) -> float:
@@ -62,6 +64,7 @@ def cables_of(drive: Drive) -> tuple[RigCable, ...]:
             preload_N=run.preload_N,
             friction=drive.friction_coefficient,
             route=route,
+            anchor_m_N=drive.anchor_m_N,
         )
         for run, route in zip(drive.cables, routes.cables, strict=True)
     )

@@ -10,7 +10,8 @@ Balance. The rope's length at preload is conserved: with delta the growth of the
 
     (T_e - T_pre) L_free + sum over wraps and pieces (T - T_pre) r dphi = E A delta,   T >= 0,
 
-which is one monotone equation for T_e, solved by Newton steps. Where no tension above zero fits, the cable is slack
+which is one monotone equation for T_e, solved by Newton steps. A spring at the drum's anchor counts as rope of the same
+give that bears the tension of the last piece. Where no tension above zero fits, the cable is slack
 (T_e = 0).
 
 Carrying along. When a pulley turns, the tangent point moves relative to the pieces, which are fixed to the pulley:
@@ -53,8 +54,8 @@ SIGMA, INPUT_RADIUS, DRUM_RADIUS, FREE, EA, PRELOAD, TRANSPORT = range(7)
 INPUT = 0
 # Columns of a wrap: surface angles of its beginning and end, now and at the start, radius, friction, whether
 # it begins at an anchor, sum of (T - T_pre) dphi, the factors e^(mu s) to the outer and the next piece of each end, and
-# after how many pieces in a row that hold no further ones are looked at, and the turns of a passed body for one of the
-# drum.
+# after how many pieces in a row that hold no further ones are looked at, the turns of a passed body for one of the
+# drum, and the wrap whose rope stretches as the spring at the anchor gives way.
 (
     LOW,
     HIGH,
@@ -72,8 +73,9 @@ INPUT = 0
     LOW_NEXT,
     ENOUGH,
     PER_DRUM,
-) = range(16)
-_COLUMNS = 16
+    SPRING,
+) = range(17)
+_COLUMNS = 17
 # The outer piece is a mixture of old and new rope and may hold although the next one does not.
 _TWO = 2.0
 _NEWTON = 60
@@ -138,6 +140,7 @@ def chains(
             wrap[HIGH] = wrap[HIGH_0] = wrap_rad
             wrap[RADIUS], wrap[MU], wrap[ANCHORED] = radius_m, c.friction, float(w in (INPUT, n_wraps - 1))
             wrap[PER_DRUM] = c.drum_radius_m / radius_m
+            wrap[SPRING] = c.anchor_m_N * c.stiffness_N / radius_m if w == n_wraps - 1 else 0.0
             wrap[PIECE], wrap[PER_PIECE] = piece_rad, math.exp(c.friction * piece_rad)
             wrap[ENOUGH] = _TWO
             _factors(wrap)
@@ -186,6 +189,9 @@ def _slip(pieces: Floats, wrap: Floats, tension: float, write: bool) -> tuple[fl
         held = 0
         for k in range(first, last + step, step):
             extent = min((k + 1) * size, wrap[HIGH]) - max(k * size, wrap[LOW])
+            if k == bottom:
+                # The spring follows the tension at the anchor.
+                extent += wrap[SPRING]
             now = pieces[k % count]
             if now > tension * factor:
                 share = factor

@@ -17,7 +17,7 @@ from mbcdm_cad.layouts.siso_spur.assembly_order import (
 )
 from mbcdm_cad.parts.bill import AssemblyStep
 from mbcdm_cad.parts.inserts import insert_items, insert_words
-from mbcdm_cad.parts.terminal.instructions import making_words, setting_steps, terminal_items
+from mbcdm_cad.parts.terminal.instructions import making_words, setting_steps, spring_words, terminal_items
 
 
 def assembly_order(layout: RoundDrumLayout) -> tuple[AssemblyStep, ...]:
@@ -81,6 +81,7 @@ def _drum(layout: RoundDrumLayout) -> Iterator[AssemblyStep]:
             text += "through the slot of its web into the plate. "
         else:
             text += f"Push it further until its spigot touches the hub of {names[k - 1]}, on both dowels. "
+        text += spring_words(drive).strip() + " " if drive.spring else ""
         items = [f"drum_{name}", *terminal_items(unit.drive)]
         if first:
             items.append("stop_pin")

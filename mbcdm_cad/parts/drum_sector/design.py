@@ -5,9 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
-from mbcdm_cad.design.bought import Bearing, Material, TensionerSpec
+from mbcdm_cad.design.bought import Bearing, Material, SpringSpec, TensionerSpec
 from mbcdm_cad.design.drive import CableRun, Drive
 from mbcdm_cad.design.sector_blocks import Clearances, SectorDrum, SteppedPulleys
+
+# Washers between springs, lug and nut: thickness over the springs' outside, and least thickness, mm (estimate).
+SEAT_SHARE, LEAST_SEAT_MM = 0.1, 0.5
+
+
+def seat_mm(outside_mm: float) -> float:
+    """Thickness of the washers on either side of springs of this outside diameter."""
+    return round(max(LEAST_SEAT_MM, SEAT_SHARE * outside_mm), 1)
 
 
 @dataclass(frozen=True)
@@ -59,12 +67,36 @@ class SectorDrive(Drive):
     clearances: Clearances
     bearings: SectorBearings
     tensioner: TensionerSpec
+    spring: SpringSpec | None  # on the stud of each terminal, ``drum.spring_count`` of it one behind the other
+    springs: tuple[SpringSpec, ...]
     drum: SectorDrum
     drum_material: Material
     shaft_material: Material
     input_pulleys: SteppedPulleys
     pulley_material: Material
     frame_material: Material
+
+    @property
+    def anchor_m_N(self) -> float:
+        """How far a terminal gives way for each newton at its end of the rope: its springs."""
+        return 0.0 if self.spring is None else self.drum.spring_count * 1e-3 / self.spring.stiffness_N_mm
+
+    @property
+    def spring_seat_mm(self) -> float:
+        """Thickness of each of both washers: on the lug over its slot, and under the nut."""
+        return 0.0 if self.spring is None else seat_mm(self.spring.outside_mm)
+
+    @property
+    def spring_free_mm(self) -> float:
+        """Height of the springs on a stud without load, with both washers; 0 without springs."""
+        return 0.0 if self.spring is None else self.drum.spring_count * self.spring.free_mm + 2 * self.spring_seat_mm
+
+    def spring_height_mm(self, force_N: float) -> float:
+        """The same under a force, not less than solid."""
+        if self.spring is None:
+            return 0.0
+        solid = self.drum.spring_count * self.spring.solid_mm + 2 * self.spring_seat_mm
+        return max(solid, self.spring_free_mm - self.anchor_m_N * 1e3 * force_N)
 
     @property
     def overhung(self) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from math import atan2, cos, degrees, pi, radians, sin
 from typing import Any
@@ -17,7 +17,8 @@ from mbcdm_cad.parts.drum_sector.part import DrumSector
 from mbcdm_cad.parts.drum_shaft import DrumShaft, DrumShaftDims, PreloadSpringDims
 from mbcdm_cad.parts.placement import Placement
 from mbcdm_cad.parts.ring import Nut
-from mbcdm_cad.parts.terminal.part import TerminalDims, ThreadedTerminal
+from mbcdm_cad.parts.terminal.part import Tensioner, TerminalDims, ThreadedTerminal
+from mbcdm_cad.parts.terminal.spring import SeatWasher, TerminalSpring
 from mbcdm_cad.parts.threads import thread
 from mbcdm_cad.routes.cable_path import CablePath
 
@@ -111,6 +112,7 @@ def add_terminals(b: BillBuilder, drive: SectorDrive, d: DrumDims, stand: Placem
             # A flat of the sleeve towards the drum's axis, along the wall of its pocket.
             place=along(p.drawn_in) @ Placement.about(_Z, 90.0),
         )
+        add_springs(b, drive, p, along)
         for n in range(2):
             b.standard(
                 f"nut_{p.cable_name}_{n + 1}",
@@ -118,8 +120,38 @@ def add_terminals(b: BillBuilder, drive: SectorDrive, d: DrumDims, stand: Placem
                 part="nut",
                 material=steel,
                 group="drum",
-                place=along(p.lug_end + n * t.nut_height_mm),
+                place=along(p.lug_end + p.spring + n * t.nut_height_mm),
             )
+
+
+def add_springs(b: BillBuilder, drive: SectorDrive, t: Tensioner, along: Callable[[float], Placement]) -> None:
+    """The springs on a terminal's stud, compressed by its preload; discs are turned against each other."""
+    if drive.spring is None:
+        return
+    spring, seat = drive.spring, drive.spring_seat_mm
+    for n, start in enumerate((0.0, t.spring - seat), 1):
+        b.standard(
+            f"spring_washer_{t.cable_name}_{n}",
+            SeatWasher(drive.tensioner.clearance_mm, spring.outside_mm, seat),
+            part="spring_washer",
+            material=drive.material("steel"),
+            group="drum",
+            place=along(t.lug_end + start),
+        )
+    height = (t.spring - 2 * seat) / drive.drum.spring_count
+    body = TerminalSpring(spring, round(height, 9))
+    for n in range(drive.drum.spring_count):
+        turned = spring.kind == "disc" and n % 2 == 1
+        at = along(t.lug_end + seat + (n + turned) * height)
+        b.add(
+            f"spring_{t.cable_name}_{n + 1}",
+            body,
+            part=f"spring_{t.cable_name}",
+            material=drive.material(spring.material),
+            group="drum",
+            place=at @ Placement.about((1.0, 0.0, 0.0), 180.0) if turned else at,
+            mass_g=spring.mass_g,
+        )
 
 
 def add_preload_spring(b: BillBuilder, drive: SectorDrive, spring: PreloadSpringDims) -> None:

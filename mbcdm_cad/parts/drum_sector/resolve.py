@@ -46,6 +46,8 @@ def sector_values(design: SectorBlocks, catalogue: Catalogue) -> dict[str, Any]:
     return {
         "clearances": design.clearances,
         "tensioner": catalogue.get("tensioners", drum.tensioner),
+        "spring": None if drum.spring is None else catalogue.get("springs", drum.spring),
+        "springs": catalogue.all("springs"),
         "drum": drum,
         "drum_material": catalogue.material(drum.material),
         "shaft_material": catalogue.material(drum.shaft_material),
@@ -68,6 +70,7 @@ def sector_entries(design: SectorBlocks) -> Iterator[NamedEntry]:
     yield NamedEntry(("drum", "bearing"), "bearings", drum.bearing)
     yield NamedEntry(("drum", "shaft_material"), "materials", drum.shaft_material)
     yield NamedEntry(("drum", "tensioner"), "tensioners", drum.tensioner)
+    yield NamedEntry(("drum", "spring"), "springs", drum.spring)
     yield NamedEntry(("input_pulleys", "material"), "materials", pulleys.material)
     for field, name in (("lower_bearing", pulleys.lower_bearing), ("upper_bearing", pulleys.upper_bearing)):
         own = pulleys.overhung and name == NO_BEARING

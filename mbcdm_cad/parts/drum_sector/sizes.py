@@ -62,8 +62,9 @@ TerminalWay = tuple[float, dict[str, float]]
 
 
 def nut_corner_radius_mm(drive: SectorDrive) -> float:
-    """Half the width across corners of the tensioner's hexagon nut: AF / sqrt(3)."""
-    return drive.tensioner.nut_across_flats_mm / 3**0.5
+    """Half the width across corners of the tensioner's hexagon nut, AF / sqrt(3), or the radius of wider springs."""
+    spring = 0.0 if drive.spring is None else drive.spring.outside_mm / 2
+    return max(drive.tensioner.nut_across_flats_mm / 3**0.5, spring)
 
 
 def furthest_anchor_rad(drive: SectorDrive) -> float:
@@ -155,8 +156,9 @@ def tensioners(drive: SectorDrive, way: TerminalWay) -> tuple[Tensioner, ...]:
     swage_end = SWAGE_START_MM + t.swage_length_mm
     lug_start = swage_end + travel + _end_gap_mm(drive)
     lug_end = lug_start + t.lug_thickness_mm
-    nuts_end = lug_end + 2 * t.nut_height_mm
-    slack_tip = SWAGE_START_MM + t.stud_length_mm
+    # Before the cable is tensioned the springs under the nut have their free height.
+    nuts_end = lug_end + drive.spring_free_mm + 2 * t.nut_height_mm
+    slack_tip = SWAGE_START_MM + t.stud_length_mm + drive.spring_free_mm
     # With the terminal drawn in completely.
     tip = slack_tip + travel
     nut = nut_corner_radius_mm(drive)
@@ -193,6 +195,7 @@ def tensioners(drive: SectorDrive, way: TerminalWay) -> tuple[Tensioner, ...]:
                 lug_start=lug_start,
                 lug_end=lug_end,
                 nuts_end=nuts_end,
+                spring=drive.spring_height_mm(cable.preload_N),
                 tip=slack_tip + moved,
                 pocket_end=pocket_end,
                 # A pocket through the whole rim must be open outwards, else the metal above it would be loose.
@@ -307,7 +310,10 @@ def drum(drive: SectorDrive, levels: SectorLevels, stop_radius: float, way: Term
         stop_slot_end_deg=slot_end,
         tensioners=placed,
         stud_hole_radius=drive.tensioner.clearance_mm / 2,
-        lug_half_width=drive.tensioner.clearance_mm / 2 + LUG_WALL_MM,
+        # As wide as the springs that sit on it.
+        lug_half_width=max(
+            drive.tensioner.clearance_mm / 2 + LUG_WALL_MM, 0.0 if drive.spring is None else drive.spring.outside_mm / 2
+        ),
         swage_pocket=drive.tensioner.swage_diameter_mm / 2 + drive.clearances.running_mm,
         flat_wall=flat_wall,
         nut_pocket=nut_pocket_mm(drive),

@@ -15,7 +15,7 @@ def terminal_steps(drive: SectorDrive, plan: TensioningPlan) -> tuple[AssemblySt
     return (
         AssemblyStep(
             "Lay each cable onto its land. With nut and lock nut run on to the stud's end, drop its terminal sideways "
-            "into the slotted lug from the drum's inner side.",
+            f"into the slotted lug from the drum's inner side.{spring_words(drive)}",
             terminal_items(drive),
         ),
         *setting_steps(drive, plan),
@@ -29,8 +29,41 @@ def making_words(drive: SectorDrive) -> str:
 
 
 def terminal_items(drive: SectorDrive) -> tuple[str, ...]:
-    """The terminals of all cables with their nuts."""
-    return tuple(item for c in drive.cables for item in (f"terminal_{c.name}", f"nut_{c.name}_1", f"nut_{c.name}_2"))
+    """The terminals of all cables with springs and nuts."""
+    return tuple(
+        item
+        for c in drive.cables
+        for item in (f"terminal_{c.name}", *spring_items(drive, c.name), f"nut_{c.name}_1", f"nut_{c.name}_2")
+    )
+
+
+def spring_items(drive: SectorDrive, cable_name: str) -> tuple[str, ...]:
+    """Washer and springs on the stud of one cable."""
+    if drive.spring is None:
+        return ()
+    springs = (f"spring_{cable_name}_{n + 1}" for n in range(drive.drum.spring_count))
+    return (f"spring_washer_{cable_name}_1", *springs, f"spring_washer_{cable_name}_2")
+
+
+def spring_words(drive: SectorDrive) -> str:
+    """What is put on the studs before the nuts, as a sentence; nothing without springs."""
+    spring, count = drive.spring, drive.drum.spring_count
+    if spring is None:
+        return ""
+    discs = f", discs in pairs against each other, rim on rim and bore on bore, {spring.name}" if count > 1 else ""
+    what = f"{count} springs{discs}" if count > 1 else f"one spring {spring.name}"
+    return f" On each stud lie, from the lug: a hardened washer, {what}, a washer, the nuts; grease them."
+
+
+def spring_heights(drive: SectorDrive) -> str:
+    """Height of the springs at each preload, by which it can be set; nothing without springs."""
+    if drive.spring is None:
+        return ""
+    heights = ", ".join(f"{c.name} {drive.spring_height_mm(c.preload_N):.2f}" for c in drive.cables)
+    return (
+        f" The springs show the preload: with their washers they are {drive.spring_free_mm:.2f} mm high without load "
+        f"and, once the drum was swung, in mm: {heights}."
+    )
 
 
 def setting_steps(drive: SectorDrive, plan: TensioningPlan) -> tuple[AssemblyStep, ...]:
@@ -40,7 +73,7 @@ def setting_steps(drive: SectorDrive, plan: TensioningPlan) -> tuple[AssemblySte
         AssemblyStep(
             f"Set the preloads, {preloads} N, with the drum centred, turning each nut with a "
             f"{drive.tensioner.nut_across_flats_mm:g} mm spanner: the flat of the sleeve lies against its pocket and "
-            "keeps the rope from twisting."
+            f"keeps the rope from twisting.{spring_heights(drive)}"
         ),
         *(AssemblyStep(words) for words in tensioning_words(plan)),
     )

@@ -53,5 +53,6 @@ def tensioned_rope(drive: Drive) -> TensionedRope:
         cut_tolerance_m=drive.cut_tolerance_mm * 1e-3,
         friction=drive.friction_coefficient,
         setting_m=drive.setting_mm * 1e-3,
+        anchor_m_N=drive.anchor_m_N,
         tails_m=drive.ends_per_run * drive.termination.tail_ratio * rope.diameter_mm * 1e-3,
     )

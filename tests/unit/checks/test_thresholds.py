@@ -10,6 +10,7 @@ from designs import Change, preloaded, put, radius_of, reference, scaled, to
 
 from mbcdm_cad.checks.comparison import Check
 from mbcdm_cad.checks.run import run_check
+from mbcdm_cad.design.bought import SpringSpec
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.miso_bevel.checks import CHECKS
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
@@ -29,6 +30,27 @@ class Way(NamedTuple):
 def grooved_at_lead(drive: Drive, lead_mm: float) -> Drive:
     """Grooved input pulleys with a helix of this lead."""
     return put(put(drive, "input_pulleys.surface", "grooved"), "helix_lead_mm", lead_mm)
+
+
+SPRING = SpringSpec(
+    name="spring",
+    kind="disc",
+    outside_mm=5.0,
+    inside_mm=2.0,
+    strip_mm=0.3,
+    free_mm=0.5,
+    solid_mm=0.3,
+    stiffness_N_mm=1000.0,
+    usable_share=0.75,
+    mass_g=0.05,
+    material="steel",
+    source="test",
+)
+
+
+def sprung(path: str) -> Change:
+    """A value of the springs, or another one, of the reference with springs."""
+    return lambda drive, value: put(put(drive, "spring", SPRING), path, value)
 
 
 PEAK, TEST = "loads.peak_torque_Nm", "loads.test_torque_Nm"
@@ -165,12 +187,17 @@ WAYS: dict[str, Way] = {
     "envelope_x": Way(to("drum.sector_half_angle_deg"), 78.1, 70.0),
     "envelope_z": Way(to("targets.envelope_tolerance_mm"), 0.5, 0.0001),
     "envelope_y": Way(to("drum.hub_face_y_mm"), 20.8, 25.0),
+    "spring_fits": Way(sprung("spring.inside_mm"), 2.0, 1.7),
+    "spring_flat": Way(sprung("spring.stiffness_N_mm"), 1000.0, 100.0),
+    "spring_free": Way(sprung(PEAK), 3.15, 60.0),
+    "spring_keeps": Way(sprung("cable.bedding_in_share"), 0.001, 0.02),
     "mass_estimate": Way(to("targets.mass_tolerance_g"), 10.0, 0.1),
 }
 # Told without a limit, or tried in a test of their own.
 OTHERS = {"path_length", "transmission_error", "shaft_twist", "cut_at_pitch", "screw_counts"} | {
     "wrap_slip_test",
     "wrap_slip_peak",
+    "spring_hold",
     *("speed", "duty", "seat_temperature"),
 }
 

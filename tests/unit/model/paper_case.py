@@ -36,6 +36,7 @@ def paper_drive(**changes: Any) -> DriveSI:
         input_wrap_rad=np.full(4, np.inf),
         drum_wrap_rad=np.full(4, np.inf),
         passed_wrap_rad=(np.zeros(4),),
+        anchor_m_N=np.zeros(4),
     )
     return drive.with_(**changes) if changes else drive
 

@@ -9,6 +9,7 @@ from mbcdm_cad.checks import (
     fixings,
     life,
     motors,
+    springs,
     strength,
     structure,
     take_up,
@@ -63,6 +64,7 @@ FAMILIES = families(
     structure,
     terminals,
     take_up,
+    springs,
     support_walls,
     support_fits,
     Family(

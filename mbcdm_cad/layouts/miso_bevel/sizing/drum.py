@@ -119,7 +119,7 @@ def _floor_under_pockets(given: BevelKnown) -> float:
     guide, drum = given.guide_mm, given.drum_mm
     floor = given.nut_mm + given["clearances.running_mm"] + MIN_FLOOR_MM
     reach = given.nut_pocket_mm + given.d_mm / 2 + MIN_FLOOR_MM
-    tip = given.entry("tensioners", "drum.tensioner")["stud_length_mm"] + take_up_mm(given) + 1.5
+    tip = given.entry("tensioners", "drum.tensioner")["stud_length_mm"] + given.spring_free_mm + take_up_mm(given) + 1.5
     # Steps 1 and 4 run to one side, 2 and 3 to the other; those too close are staggered instead.
     passed = [guide[k] for k, other in ((0, 3), (1, 2)) if drum[other] - drum[k] > reach + tip**2 / (2 * drum[k])]
     return float(max(passed, default=0.0) + floor)
@@ -134,7 +134,7 @@ def _face_over_web(given: BevelKnown, web_mm: float) -> Found:
     strength = given.entry("materials", "drum.material")["yield_MPa"]
     last = max(given.guide_mm)
     hole = spec["clearance_mm"] / 2
-    lug_end = terminal_mm(given)[0] - 2 * spec["nut_height_mm"]
+    lug_end = terminal_mm(given)[0] - given.spring_free_mm - 2 * spec["nut_height_mm"]
     outer, flat = max(given.drum_mm), spec["swage_flats_mm"] / 2 + FLAT_PLAY_MM
     root = lug_root_mm(flat, outer - given.d_mm / 2, outer, lug_end)
     lug = LUG_SPARE * LUG_SAFETY * 6 * given.highest_tension_N * root / (strength * spec["lug_thickness_mm"] ** 2)
@@ -233,7 +233,8 @@ def terminal_mm(given: BevelKnown) -> tuple[float, float]:
     spec = given.entry("tensioners", "drum.tensioner")
     travel = take_up_mm(given)
     lug_end = SWAGE_START_MM + spec["swage_length_mm"] + travel + 0.5 + spec["lug_thickness_mm"]
-    return lug_end + 2 * spec["nut_height_mm"], SWAGE_START_MM + spec["stud_length_mm"] + travel
+    stack = given.spring_free_mm
+    return lug_end + stack + 2 * spec["nut_height_mm"], SWAGE_START_MM + spec["stud_length_mm"] + stack + travel
 
 
 def _wrap_clear_of_guide_deg(given: BevelKnown) -> float:
@@ -248,7 +249,8 @@ def _sector(given: BevelKnown) -> Found:
     box = given.get("targets.envelope_mm")
     outer = max(given.drum_mm) - given.d_mm / 2
     nuts_end, tip = terminal_mm(given)
-    lug_end = nuts_end - 2 * given.entry("tensioners", "drum.tensioner")["nut_height_mm"]
+    nuts = 2 * given.entry("tensioners", "drum.tensioner")["nut_height_mm"]
+    lug_end = nuts_end - given.spring_free_mm - nuts
     clear = _wrap_clear_of_guide_deg(given)
     wrap = max(LEAST_WRAP_DEG + WRAP_SPARE_DEG, clear)
     driver = "terminal_clears_guide" if clear >= wrap else "wrap_left"

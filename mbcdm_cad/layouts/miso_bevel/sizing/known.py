@@ -26,6 +26,7 @@ from mbcdm_cad.layouts.miso_bevel.design_file.schema import BevelDesign
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive
 from mbcdm_cad.layouts.miso_bevel.stack import stack
 from mbcdm_cad.layouts.miso_bevel.support.dims import MOUNT_HEAD_PLAY_MM
+from mbcdm_cad.parts.drum_sector.design import seat_mm
 from mbcdm_cad.parts.input_pulley.dims import GROOVE_LEAD, GROOVE_RADIUS
 from mbcdm_cad.parts.mounting import MOUNT_SCREWS, MountScrew
 from mbcdm_cad.sizing.arithmetic import atan, greatest, hypot, number, radians, tan
@@ -160,8 +161,21 @@ class BevelKnown(RopeKnown):
 
     @property
     def nut_mm(self) -> float:
-        """Half the tensioner's nut across its corners."""
-        return float(self.entry("tensioners", "drum.tensioner")["nut_across_flats_mm"] / sqrt(3.0))
+        """Half the tensioner's nut across its corners, or the radius of wider springs."""
+        nut = float(self.entry("tensioners", "drum.tensioner")["nut_across_flats_mm"] / sqrt(3.0))
+        return nut if self.spring is None else max(nut, self.spring["outside_mm"] / 2)
+
+    @property
+    def spring(self) -> dict[str, Any] | None:
+        """The entry of the terminals' springs; None without."""
+        return self.entry("springs", "drum.spring") if self.has("drum.spring") else None
+
+    @property
+    def spring_free_mm(self) -> float:
+        """Height of the springs on a stud without load, with both washers; 0 without springs."""
+        if self.spring is None:
+            return 0.0
+        return float(self.get("drum.spring_count", 1) * self.spring["free_mm"] + 2 * seat_mm(self.spring["outside_mm"]))
 
     @property
     def nut_pocket_mm(self) -> float:

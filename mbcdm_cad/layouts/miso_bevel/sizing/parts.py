@@ -9,6 +9,7 @@ from operator import itemgetter
 
 from mbcdm_cad.checks.fixings import CLAMP_SAFETY, FRICTION, STRESS_SAFETY, grip_Nmm
 from mbcdm_cad.checks.input_pulley import FIT_MM, SHOULDER_MM
+from mbcdm_cad.checks.springs import LEAST_PLAY_MM, MOST_PLAY_MM
 from mbcdm_cad.checks.take_up import THREAD_OUT_PITCHES
 from mbcdm_cad.checks.terminals import STUD_SAFETY
 from mbcdm_cad.design.blocks import NO_PAYLOAD
@@ -182,8 +183,14 @@ def _stud_needed_mm(given: BevelKnown, entry: Entry) -> float:
     return number(fixed + TAKE_UP_SPARE * needed + END_ROOM_MM + THREAD_OUT_PITCHES * entry["pitch_mm"])
 
 
+def _led(play_mm: float) -> float:
+    """Margin of a spring's play round its stud."""
+    return least(play_mm - LEAST_PLAY_MM, MOST_PLAY_MM - play_mm)
+
+
 def _tensioner(given: BevelKnown) -> Found:
     tension, d, ends = _tension_N(given), given.d_mm, given.termination
+    bore = None if given.spring is None else float(given.spring["inside_mm"])
     steels = given.entries("materials")
 
     def margins(entry: Entry) -> Margins:
@@ -195,6 +202,7 @@ def _tensioner(given: BevelKnown) -> Found:
                 (entry["swage_length_mm"] - SWAGE_FLOOR_MM) / (ends.grip_ratio * d) - 1.0,
             ),
             "take_up": entry["stud_length_mm"] / _stud_needed_mm(given, entry) - 1.0,
+            **({} if bore is None else {"spring_fits": _led(bore - entry["thread_mm"])}),
         }
 
     return ordered(given.entries("tensioners"), "stud_length_mm", margins)

@@ -1,0 +1,182 @@
+"""Springs in the terminals: they fit, do not go flat or free, and move only at torques that the file accepts."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
+from mbcdm_cad.checks.design_variables import down, up
+from mbcdm_cad.design.bought import SpringSpec
+from mbcdm_cad.design.catalogue import package_entries
+from mbcdm_cad.layouts.base import NoFigureError
+from mbcdm_cad.layouts.sector import SectorLayout
+from mbcdm_cad.model.equilibrium import solve_equilibrium
+from mbcdm_cad.model.si import ModelError
+from mbcdm_cad.parts.drum_sector.design import SectorDrive
+
+# Play of a spring round its stud, mm: DIN EN 16983 asks for 0.2 on a mandrel of up to 16 mm; with more than the largest
+# (estimate) it sits beside the stud's axis.
+LEAST_PLAY_MM, MOST_PLAY_MM = 0.199, 1.0
+# Least share of a spring's force at the preload that is left with the cable at its lowest tension (estimate).
+LEFT_SHARE = 0.05
+# Least share of the preload that is left after the rope has bedded in, before it is tightened again (estimate).
+KEPT_SHARE = 0.5
+# Further turn of the drum by springs that move, over that of the cables (the share that structure may have).
+MOVED_SHARE = 0.25
+
+
+def has_springs(drive: SectorDrive) -> bool:
+    """Whether the terminals have springs."""
+    return drive.spring is not None
+
+
+def _spring(s: SectorLayout) -> SpringSpec:
+    """The spring of the terminals. Raises ``NoFigureError`` where they have none."""
+    spring: SpringSpec | None = s.drive.spring
+    if spring is None:
+        raise NoFigureError("the terminals have no springs")
+    return spring
+
+
+def spring_fits(s: SectorLayout) -> Comparison:
+    """The stud passes through the springs with play and leads them."""
+    spring, stud = _spring(s), s.drive.tensioner
+    play, what = spring.inside_mm - stud.thread_mm, f"play of {spring.name} round the stud of {stud.name}"
+    return worst((at_least(what, play, LEAST_PLAY_MM, "mm"), at_most(what, play, MOST_PLAY_MM, "mm")))
+
+
+def spring_flat(s: SectorLayout) -> Comparison:
+    """Largest tension at peak torque, which friction on the drum does not lower at a terminal that moves."""
+    spring, highest = _spring(s), s.loads.highest_N
+    return at_least(
+        f"usable force of {spring.name}, {spring.usable_N:.4g} N, over the largest tension {highest:.4g} N",
+        spring.usable_N / highest,
+        1.0,
+        "times",
+    )
+
+
+def spring_free(s: SectorLayout) -> Comparison:
+    """Lowest tension at the terminals at peak torque, at both ends of the travel: a free spring holds no nut."""
+    return worst(
+        at_least(f"lowest tension at the spring of {name} over its preload", low, LEFT_SHARE, "of preload")
+        for name, low in _lowest_shares(s)
+    )
+
+
+def _lowest_shares(s: SectorLayout) -> list[tuple[str, float]]:
+    """(cable, lowest tension at its terminal over its preload) at peak torque both ways."""
+    _spring(s)
+    peak, d, found = s.drive.loads.peak_torque_Nm, s.loads.si, []
+    for wraps in s.wraps_at_ends_rad:
+        wound = d.with_(**wraps)
+        try:
+            tension = solve_equilibrium(wound, np.array([peak, -peak])).tension_N
+        except ModelError as error:
+            raise NoFigureError(f"the model has no answer: {error}") from None
+        # Slip that comes to the terminal leaves more tension there than in the span, by friction on the drum.
+        eased = np.exp(d.friction_coefficient * wound.drum_wrap_rad)
+        lowest = np.minimum(tension.min(axis=1) / d.preload_N * eased, 1.0)
+        found += [(c.name, float(low)) for c, low in zip(s.drive.cables, lowest, strict=True)]
+    return found
+
+
+def spring_hold(s: SectorLayout) -> Comparison:
+    """Further turn by springs at the test torque, where the wraps on the drum are shortest, over that of the cables."""
+    _spring(s)
+    moved = 100.0 * s.spring_urad_Nm / s.loads.test_urad_Nm
+    start = s.spring_start_Nm
+    note = f"the first terminal moves at {start:.3g} N m" if np.isfinite(start) else "no terminal moves at any torque"
+    what = f"turn by springs at {s.drive.loads.test_torque_Nm:g} N m over that of the cables"
+    return at_most(what, moved, 100.0 * MOVED_SHARE, "%", note)
+
+
+def spring_keeps(s: SectorLayout) -> Comparison:
+    """Share of the preload left after the rope has bedded in and its ends have set, nuts untouched."""
+    _spring(s)
+    rope, found = s.drive.cable, []
+    for c, length in zip(s.drive.cables, s.tensioned_lengths_mm(), strict=True):
+        lost = rope.bedding_in_share * length + s.drive.setting_mm
+        give = length / rope.axial_stiffness_N + s.drive.anchor_m_N * 1e3
+        found.append(
+            at_least(
+                f"preload of {c.name} left after bedding-in", 1.0 - lost / give / c.preload_N, KEPT_SHARE, "of preload"
+            )
+        )
+    return worst(found)
+
+
+def _more(s: SectorLayout) -> str:
+    """How many springs keep the share."""
+    rope, spring = s.drive.cable, _spring(s)
+    wanted = 0
+    for c, length in zip(s.drive.cables, s.tensioned_lengths_mm(), strict=True):
+        lost = rope.bedding_in_share * length + s.drive.setting_mm
+        give = lost / ((1.0 - KEPT_SHARE) * c.preload_N) - length / rope.axial_stiffness_N
+        wanted = max(wanted, int(np.ceil(give * spring.stiffness_N_mm)))
+    return (
+        f"raise drum.spring_count to {wanted}, or choose a softer drum.spring; else tighten again after the first runs"
+    )
+
+
+def _strong(s: SectorLayout) -> str:
+    """Springs of the catalogue that carry the largest tension; the rules choose a terminal that leads them."""
+    strong = sorted((e.usable_N, e.name) for e in s.drive.springs if e.usable_N >= s.loads.highest_N)
+    if not strong:
+        return "add a stronger spring to catalogue: springs:, or leave drum.spring out"
+    return f"choose drum.spring: {' or '.join(name for _, name in strong[:4])}, and leave drum.tensioner to the rules"
+
+
+def _fitting(s: SectorLayout) -> str:
+    """Terminals of the package that lead this spring."""
+    plays = ((n, _spring(s).inside_mm - e["thread_mm"]) for n, e in package_entries("tensioners").items())
+    names = [name for name, play in plays if LEAST_PLAY_MM <= play <= MOST_PLAY_MM]
+    return f"choose drum.tensioner: {' or '.join(names)}, or leave it out" if names else "choose another drum.spring"
+
+
+CHECKS = (
+    Check(
+        "spring_fits",
+        "Springs fit on their studs",
+        "catalogue of springs",
+        spring_fits,
+        advice=_fitting,
+        applies=has_springs,
+    ),
+    Check(
+        "spring_flat",
+        "Springs are not pressed flat at peak torque",
+        "catalogue of springs: usable share of their travel",
+        spring_flat,
+        adjust=(down("loads.peak_torque_Nm"), down("rope.preload_N")),
+        advice=_strong,
+        applies=has_springs,
+    ),
+    Check(
+        "spring_free",
+        "Springs stay pressed at peak torque",
+        "model with wraps that end; a twentieth of the preload: estimate",
+        spring_free,
+        adjust=(up("rope.preload_N"), down("loads.peak_torque_Nm")),
+        applies=has_springs,
+    ),
+    Check(
+        "spring_hold",
+        "Turn by springs that move",
+        "model with wraps that end; a quarter of the cables' turn: estimate",
+        spring_hold,
+        "warn",
+        adjust=(up("rope.preload_N"), up("drum.sector_half_angle_deg")),
+        advice="lower drum.spring_count or choose a stiffer drum.spring",
+        applies=has_springs,
+    ),
+    Check(
+        "spring_keeps",
+        "Preload that springs keep while the rope beds in",
+        "catalogue: bedding_in_share and setting_ratio; a half: estimate",
+        spring_keeps,
+        "warn",
+        advice=_more,
+        applies=has_springs,
+    ),
+)
