@@ -8,7 +8,6 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Protocol
 
 from mbcdm_cad.layouts.base import Layout, NoFigureError, dimensions
-from mbcdm_cad.layouts.springs import spring_start_Nm, spring_turn_urad_Nm
 from mbcdm_cad.parts.collar import CollarDims
 from mbcdm_cad.parts.drum_sector.design import SectorDrive, SectorLevels, SectorRun
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
@@ -93,11 +92,15 @@ class SectorLayout(Layout):
         The largest at both ends of the travel: friction on the drum keeps small loads from the terminals. Raises
         ``NoFigureError`` where the model has no answer.
         """
+        from mbcdm_cad.layouts.springs import spring_turn_urad_Nm
+
         return 0.0 if self.drive.spring is None else self.once("springs", spring_turn_urad_Nm)
 
     @property
     def spring_start_Nm(self) -> float:
         """Least torque on the drum at which a terminal with springs moves, at the ends of the travel; first loading."""
+        from mbcdm_cad.layouts.springs import spring_start_Nm
+
         return self.once("springs start", spring_start_Nm)
 
     @property

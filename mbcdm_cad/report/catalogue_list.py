@@ -16,8 +16,8 @@ from mbcdm_cad.design.fields import adapter
 from mbcdm_cad.errors import MbcdmError, did_you_mean
 from mbcdm_cad.report.table import ReportTable
 
-# Fields that say where the others come from.
-_SOURCES = ("source", "price_source")
+# Fields of text, told below the values: where these come from, and how an end is made.
+_SOURCES = ("source", "price_source", "making")
 _HEAD = """\
 # The catalogue
 
@@ -127,9 +127,9 @@ def _blocks(kind: str) -> list[str]:
 
 
 def _sources(entry: Mapping[str, Any]) -> str:
-    """Where the values of an entry come from, and its price if it has one."""
-    price = entry.get("price_source")
-    return f"{entry['source']}" + (f" Price: {price}." if price else "")
+    """Where the values of an entry come from, its price if it has one, and how it is made where it says so."""
+    price, making = entry.get("price_source"), entry.get("making")
+    return f"{entry['source']}" + (f" Price: {price}." if price else "") + (f" Made so: {making}" if making else "")
 
 
 def _stated(kind: str) -> list[str]:

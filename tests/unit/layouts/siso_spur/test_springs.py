@@ -81,7 +81,7 @@ def test_the_rig_s_rope_and_spring_stretch_as_the_model_s(mu: float, wrap: float
     ):
         reached, slope = look(state, 0, float(law[0]))
         # In stretch: just after a reversal the rope alone is stiff, and a small stretch is much tension.
-        assert abs(reached - tension[0]) / slope <= 1e-3 * np.abs(law[0]) + 1e-7, (reached, tension[0], law[0])
+        assert abs(reached - tension[0]) / slope <= 2e-3 * np.abs(law[0]) + 5e-7, (reached, tension[0], law[0])
         settle(state, 0, float(tension[0]))
 
 
