@@ -59,6 +59,7 @@ FACE = (
     "layouts.lumped",
     "layouts.duty",
     "layouts.sector",
+    "layouts.springs",
     "layouts.structure",
     "layouts.turns",
     "layouts.registry",
