@@ -22,6 +22,8 @@ from mbcdm_cad.sizing.rule import Found, Rule
 
 # Below the first no drive is built with a capstan; above the last the input of a thin rope outgrows any usual drum.
 RATIOS = (2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 15.0, 20.0)
+# What the ratio of the lightest drive serves.
+LIGHTEST = "the lightest drive"
 # Wishes that choose a train.
 _WISHES = ("peak_torque_Nm", "continuous_torque_Nm", "speed_deg_s", "backdrive_Nm", "duty", "payload")
 
@@ -89,7 +91,7 @@ def _rule(field: str, ratio: float) -> Rule:
     def chosen(given: KnownFields) -> Found:
         for wish in _WISHES:
             given.get(f"loads.{wish}")
-        return Found(ratio, "the lightest drive", f"of {RATIOS[0]:g} to {RATIOS[-1]:g}")
+        return Found(ratio, LIGHTEST, f"of {RATIOS[0]:g} to {RATIOS[-1]:g}")
 
     return Rule(
         field,

@@ -7,6 +7,7 @@ differ from their rules, and its file stays short.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import product
 from math import exp, log, prod
@@ -14,7 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from mbcdm_cad.errors import MbcdmError
+from mbcdm_cad.errors import InputError, MbcdmError
+from mbcdm_cad.layouts.open_ratio import LIGHTEST
 from mbcdm_cad.optimising.wishes import Freed, Wishes
 from mbcdm_cad.solving.question import Fixed, Point, Question, Setting, Times
 from mbcdm_cad.solving.trials import choices, setting_of
@@ -27,6 +29,8 @@ MOVED_AT_FIRST = 2.5
 SNAP = 0.03
 # A range is followed by its logarithm if its ends are this far apart.
 WIDE = 4.0
+# The ratio of the lightest drive may be changed by this factor both ways.
+AROUND = 2.5
 # Draws for each point of the first generation; where few values are free, some of them are equal.
 _DRAWS = 4
 # A choice that leaves the field to its rule.
@@ -88,6 +92,7 @@ def variables_of(question: Question, wishes: Wishes) -> tuple[Variable, ...]:
         if name not in found:
             found[name] = _between(name, span.low, span.high)
     if not wishes.only_free:
+        found |= {v.field: v for v in _open_ratio(question) if not _stated_within(v.field, found)}
         found |= {v.field: v for v in _ruled(question) if not _stated_within(v.field, found)}
     if not found:
         raise MbcdmError(
@@ -108,6 +113,17 @@ def _ruled(question: Question) -> Iterator[Variable]:
             yield Variable(freedom.field, (RULE, *choices(question, freedom)))
         elif freedom.low < freedom.high:
             yield Variable(freedom.field, (), freedom.low, freedom.high)
+
+
+def _open_ratio(question: Question) -> Iterator[Variable]:
+    """The ratio, around that of the lightest drive, where the file leaves it open together with the motor.
+
+    By its rule each point would size whole drives at many ratios to compare them, which the search does itself.
+    """
+    with suppress(InputError):
+        for value in question.resolve(*question.trial({})).sized:
+            if value.driver == LIGHTEST:
+                yield _between(value.field, value.value / AROUND, value.value * AROUND)
 
 
 def _freed(question: Question, freed: Freed) -> Variable:

@@ -7,11 +7,14 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from mbcdm_cad.layouts import open_ratio
 from mbcdm_cad.optimising.engine import Engine
+from mbcdm_cad.optimising.evaluate import FAULT, evaluate
 from mbcdm_cad.optimising.front import front_of, hypervolume
-from mbcdm_cad.optimising.variables import RULE, Variable, point_of
+from mbcdm_cad.optimising.variables import RULE, Variable, first_values, point_of, variables_of
+from mbcdm_cad.optimising.wishes import wishes_of
 from mbcdm_cad.routes import Floats
-from mbcdm_cad.solving.question import Fixed, Times
+from mbcdm_cad.solving.question import Fixed, Times, question_of
 
 
 def run(
@@ -96,3 +99,22 @@ def test_the_first_point_has_all_fields_by_their_rules(count: int) -> None:
     assert point_of(variables, first[0]) == {} and len(first) <= 8 + 4 * count
     moved = [len(point_of(variables, values)) for values in first[1:]]
     assert np.mean(moved) < 4.0 and max(moved) > 0, moved
+
+
+def test_an_open_ratio_is_stated_by_every_point_around_that_of_the_lightest_drive(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    question = question_of(
+        "name: open\nconfiguration: siso_spur\ntravel: {half_angle_deg: 35}\n"
+        "transmission: {drum_radius_mm: 60}\nloads: {peak_torque_Nm: 2, backdrive_Nm: 0.3}\n"
+    )
+    variables = variables_of(question, wishes_of(["mass_g:min"]))
+    ratio = next(v for v in variables if v.field == "transmission.input_to_drum")
+    own = next(v.value for v in question.resolve(*question.trial({})).sized if v.field == ratio.field)
+    assert ratio.setting(ratio.start) == Fixed(own)
+    monkeypatch.setattr(open_ratio, "_lightest", None)  # no point compares whole drives of several ratios
+    monkeypatch.setattr(open_ratio, "_FOUND", {})
+    drawn = first_values(variables, 8, np.random.default_rng(1))
+    assert evaluate(question, point_of(variables, drawn[0]), (), ("mass_g",)).passes
+    found = [evaluate(question, point_of(variables, values), (), ("mass_g",)) for values in drawn[1:4]]
+    assert not any(one.refused.startswith(FAULT) for one in found), found
