@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import radians
 
 import numpy as np
@@ -96,7 +96,7 @@ def mechanism(drive: Drive, parts: Mapping[str, PartFiles]) -> Mechanism:
     layout = drive.layout
     centred = layout.bill()
     items = {item.name: item for item in centred.items}
-    still, *turning = bodies(layout.moving_bodies, centred)
+    still, *turning = (_named(body) for body in bodies(layout.moving_bodies, centred))
     drum = next(body for body in turning if body.kind == "drum")
     drum_effort, drum_speed = _limits(drive)
     rubs = axis_friction(drive)
@@ -115,6 +115,11 @@ def mechanism(drive: Drive, parts: Mapping[str, PartFiles]) -> Mechanism:
         drum=drum.name,
         inputs=tuple(inputs),
     )
+
+
+def _named(body: MovingGroup) -> MovingGroup:
+    """A driving wheel as ``stage_INPUT``: pinocchio goes through joints by alphabet, and must meet the drum first."""
+    return replace(body, name=body.name.replace("driver_", "stage_", 1)) if body.kind == "stage" else body
 
 
 def _link(
@@ -192,7 +197,7 @@ def _joint(body: MovingGroup, drive: Drive, drum_limits: tuple[float, float], fr
         effort_Nm=effort,
         speed_rad_s=drum_speed_rad_s * turns,
         friction_Nm=friction_Nm,
-        leader=body.name.replace("driver_", "input_", 1) if body.kind == "stage" else "",
+        leader=body.name.replace("stage_", "input_", 1) if body.kind == "stage" else "",
     )
 
 

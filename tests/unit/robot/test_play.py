@@ -12,13 +12,14 @@ from typing import Any
 import numpy as np
 import pytest
 
+from mbcdm_cad.build.bodies import MovingGroup
 from mbcdm_cad.build.trianglemesh import TriangleMesh
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.layouts.turns import turns_of
 from mbcdm_cad.robot.elastic import ElasticDrive, elastic_drive
 from mbcdm_cad.robot.fmu import fmu_file
 from mbcdm_cad.robot.formats import robot_files
-from mbcdm_cad.robot.mechanism import Joint, Link, Mechanism
+from mbcdm_cad.robot.mechanism import Joint, Link, Mechanism, _named
 
 ARCMIN, RATIO, PERIOD_S, STEP_S = 20.0, 8.0, 2.0, 1e-3
 TEXT = f"""\
@@ -121,3 +122,24 @@ def test_mujoco_swings_by_its_play(tmp_path: Path) -> None:
         return _swing_rad(seen[:, 0], step), _swing_rad(seen[:, 1], step) / RATIO
 
     _as_closed_form(swings(elastic_drive(drive(ARCMIN))), swings(elastic_drive(drive(0.0))))
+
+
+def test_pinocchio_reads_a_driving_wheel_that_follows_the_drum(tmp_path: Path) -> None:
+    """It goes through joints by alphabet: one that follows must come behind the one that leads."""
+    pin = pytest.importorskip("pinocchio")
+    whole = _mechanism()
+    driver = _named(MovingGroup("driver_main", "stage", (0.0, 0.0, 1.0), (0.0, 0.0, 0.0), -3.0 * RATIO, ()))
+    link, joint = (replace(whole.links[1], name=driver.name), replace(whole.joints[1], link=driver.name))
+    staged = replace(
+        whole,
+        links=(*whole.links, link),
+        joints=(*whole.joints, replace(joint, ratio=-3.0 * RATIO, leader="input_main")),
+    )
+    for name, content in robot_files(staged, "urdf").items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_bytes(content)
+    model = pin.buildModelFromUrdf(str(tmp_path / "staged.urdf"), mimic=True)
+    assert (model.nq, model.nv) == (1, 1)
+    seen = float(pin.crba(model, model.createData(), pin.neutral(model))[0, 0])
+    each = 1e-5 * (1.0 + RATIO**2 + (3.0 * RATIO) ** 2) + joint.armature * (RATIO**2 + (3.0 * RATIO) ** 2)
+    assert seen == pytest.approx(each, rel=1e-6)
