@@ -3,7 +3,8 @@
     python tests/built_by_others.py params/built-by-others docs
 
 writes ``docs/built-by-others.md`` and, below ``docs/pictures/built-by-others``, a picture of each drive that passes and
-is not too large. The comments of a file say what the drive is, what is published of it, and what differs here and why.
+is not too large. The comments of a file say what the drive is, what is published of it, what differs here and why,
+and what a look at the drawn drive shows.
 """
 
 from __future__ import annotations
@@ -59,9 +60,9 @@ interference.
 
 Torque: with the motor's continuous torque, in the weaker direction. Stiffness: at the payload at the test torque, the
 inputs held. Backdrive: torque at the drum that turns the motors without current. A mass after "about" is computed
-without drawing the parts.
+without drawing the parts. Seen: what a builder would change when he looks at the drive as it comes out.
 """
-_LABEL = re.compile(r"\s*\b(Published|Differs): ")
+_LABEL = re.compile(r"\s*\b(Published|Differs|Seen): ")
 
 
 @dataclass(frozen=True)
@@ -102,7 +103,7 @@ def _ratio(drive: Drive) -> str:
 
 
 def told(text: str) -> dict[str, str]:
-    """What a file's comments say: under "" what the drive is, under ``Published`` and ``Differs`` the rest."""
+    """What a file's comments say: under "" what the drive is, the rest under its labels."""
     words = " ".join(line.removeprefix("#").strip() for line in text.splitlines() if line.startswith("#"))
     first, *rest = _LABEL.split(words)
     return {"": first} | dict(zip(rest[::2], rest[1::2], strict=True))
@@ -132,7 +133,7 @@ def page(drives: Sequence[BuiltDrive], folder: str) -> Iterator[str]:
         name, said = one.loaded.drive.name, told(one.loaded.text)
         yield f"\n## {name}\n"
         yield f"`params/built-by-others/{one.loaded.path.name}`: {said['']}\n"
-        yield from (f"{label}: {said[label]}\n" for label in ("Published", "Differs") if label in said)
+        yield from (f"{label}: {said[label]}\n" for label in ("Published", "Differs", "Seen") if label in said)
         yield from (f"- `{check.id}` fails: {check.message}" for check in failed(one.checks))
         if one.png is not None:
             yield f"![{name}, drum centred, seen from its output side]({folder}/{name}.png)"
