@@ -7,7 +7,7 @@ ends.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from math import pi
 from typing import Any
@@ -18,7 +18,7 @@ from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, wo
 from mbcdm_cad.checks.design_variables import Adjustment, down
 from mbcdm_cad.design.bought import Bearing
 from mbcdm_cad.layouts.sector import SectorLayout
-from mbcdm_cad.model.equilibrium import two_bearing_reactions_N
+from mbcdm_cad.model.equilibrium import BearingLoads, two_bearing_reactions_N
 from mbcdm_cad.routes import Floats
 
 STATIC_SAFETY = 1.0
@@ -40,18 +40,23 @@ def safety(bearing: Bearing, name: str, load_N: float, limit: float) -> Comparis
 
 def input_reactions(s: SectorLayout) -> list[tuple[str, float, float]]:
     """(input, lower, upper) largest radial loads in N, at no load and at peak torque both ways."""
+    return reactions(s, s.loads.on_bodies)
+
+
+def reactions(s: SectorLayout, on_bodies: Sequence[BearingLoads], wheel: float = 1.0) -> list[tuple[str, float, float]]:
+    """As :func:`input_reactions` under these loads, with ``wheel`` times the stage's load at the peak torque."""
     found = []
     for i, name in enumerate(s.drive.input_names):
         most = np.zeros(2)
         axis = s.loads.si.routes.inputs[i].axis
         along = 1e-3 * s.levels_sense
         lower, upper = (z * along for z in s.input_bearings_mm(i))
-        for loads in s.loads.on_bodies:
+        for loads in on_bodies:
             load = loads.inputs[i]
             pair = two_bearing_reactions_N(load.force_N, load.moment_Nm, load.height_m, lower, upper, axis)
             most = np.maximum(most, np.linalg.norm(pair, axis=1))
         if s.stage is not None:
-            most += stage_reactions_N(s, i)
+            most += wheel * stage_reactions_N(s, i)
         found.append((name, float(most[0]), float(most[1])))
     return found
 

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+from dataclasses import dataclass
 from math import hypot, pi, sqrt
 
 import numpy as np
 
-from mbcdm_cad.checks.bearings import carried, drum_reactions_N, input_reactions
+from mbcdm_cad.checks.bearings import carried, drum_reactions_N, reactions
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, noted, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.strength import rated_input_Nm
-from mbcdm_cad.design.bought import Screw
+from mbcdm_cad.design.bought import Material, Screw
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.sector import SectorLayout
+from mbcdm_cad.model.equilibrium import BearingLoads, bearing_loads, solve_equilibrium
+from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.parts.collar import CollarDims
+from mbcdm_cad.parts.drum_sector.payload import PLASTIC_SHARE
 from mbcdm_cad.parts.threads import clamp_force_N
 from mbcdm_cad.routes import Floats
 
@@ -28,6 +33,11 @@ CLAMP_SAFETY = 1.8
 STRESS_SAFETY = 1.5
 # Friction of a greased small bearing, of its mean diameter (bearing makers).
 BEARING_FRICTION = 0.0015
+
+
+def lasting_MPa(material: Material) -> float:
+    """Stress that a part bears for years: yield, of plastics the share that creep leaves."""
+    return material.yield_MPa * (PLASTIC_SHARE if material.printed else 1.0)
 
 
 def round_shaft_MPa(radius_mm: float, bending_Nmm: float, torque_Nmm: float = 0.0) -> float:
@@ -100,6 +110,31 @@ def stalled_Nm(s: SectorLayout) -> float:
     return max(s.drive.loads.peak_torque_Nm, torque * ratio * len(s.inputs))
 
 
+@dataclass(frozen=True, eq=False)
+class Strongest:
+    """The largest loads that a drive meets: no load, peak torque and motors stalled at the stop, both ways.
+
+    ``over_peak``: the torque of the stalled motors over the peak torque.
+    """
+
+    on_bodies: tuple[BearingLoads, ...]
+    input_Nm: float
+    over_peak: float
+
+
+def strongest(s: SectorLayout) -> Strongest:
+    """Those of a design. Cables that do not carry the stalled motors slip: then no more than the peak torque counts."""
+    stalled, si = stalled_Nm(s), s.loads.si
+    over = stalled / s.drive.loads.peak_torque_Nm
+    if over > 1.0:
+        with suppress(ModelError):
+            found = solve_equilibrium(si, np.array([stalled, -stalled]))
+            held = tuple(bearing_loads(si, tension) for tension in found.tension_N.T)
+            most = max(s.loads.highest_input_Nm, float(np.abs(found.input_torque_Nm(si)).max()))
+            return Strongest((*s.loads.on_bodies, *held), most, over)
+    return Strongest(s.loads.on_bodies, s.loads.highest_input_Nm, 1.0)
+
+
 def stop_pin(s: SectorLayout) -> Comparison:
     """Bending of the pin between the frame's front and the web, with both motors stalled against it."""
     stall = stalled_Nm(s)
@@ -115,11 +150,15 @@ def stop_pin(s: SectorLayout) -> Comparison:
 
 
 def pulley_stress(s: SectorLayout) -> Comparison:
-    """Stress in the input pulley's necks from bending and torsion, against the yield stress."""
-    strength = s.drive.pulley_material.yield_MPa
-    torque = s.loads.highest_input_Nm * 1e3
-    found = []
-    for i, (p, (name, low, high)) in enumerate(zip(s.inputs, s.once("input_reactions", input_reactions), strict=True)):
+    """Stress in the input pulley's necks from bending and torsion, against the yield stress.
+
+    At no load, at the peak torque and with the motors stalled at the stop. Printed pulleys count with the strength that
+    creep leaves.
+    """
+    strength, most = lasting_MPa(s.drive.pulley_material), s.once("strongest", strongest)
+    torque, found = most.input_Nm * 1e3, []
+    carried_N = reactions(s, most.on_bodies, most.over_peak)
+    for i, (p, (name, low, high)) in enumerate(zip(s.inputs, carried_N, strict=True)):
         lower, upper = s.input_bearings_mm(i)
         ends = (
             ("lower", p.lower_neck_radius, low * (p.land_bottom_z - lower), torque),
@@ -137,12 +176,13 @@ def pulley_stress(s: SectorLayout) -> Comparison:
 def shaft_stress(s: SectorLayout) -> Comparison:
     """Bending of the drum's shaft at its front bearing, by the cables and the payload, against the yield stress.
 
-    The shaft only carries forces across its axis: the torque passes from the lands to the hub's face.
+    At no load, at the peak torque and with the motors stalled at the stop. The shaft only carries forces across its
+    axis: the torque passes from the lands to the hub's face.
     """
     shaft, front = s.drum_shaft, s.drum_bearings_mm[1]
     payload, strength = s.drive.loads.carried, s.drive.shaft_material.yield_MPa
     cables = 0.0
-    for loads in s.loads.on_bodies:
+    for loads in s.once("strongest", strongest).on_bodies:
         # Moment about the front bearing, whose middle is at (0, front, 0).
         about = loads.drum.moment_Nm * 1e3 - np.cross([0.0, front, 0.0], loads.drum.force_N)
         cables = max(cables, hypot(about[0], about[2]))

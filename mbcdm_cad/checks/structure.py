@@ -6,18 +6,12 @@ from math import hypot, pi
 
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, noted, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
-from mbcdm_cad.checks.fixings import FRICTION, STRESS_SAFETY, stalled_Nm
-from mbcdm_cad.design.bought import Material
+from mbcdm_cad.checks.fixings import FRICTION, STRESS_SAFETY, lasting_MPa, stalled_Nm
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.layouts.structure import Structure
-from mbcdm_cad.parts.drum_sector.payload import PLASTIC_SHARE, SHEAR_SHARE, SLIP_SAFETY, PayloadJoint, joint_load
+from mbcdm_cad.parts.drum_sector.payload import SHEAR_SHARE, SLIP_SAFETY, PayloadJoint, joint_load
 from mbcdm_cad.parts.drum_sector.structure import hub
 from mbcdm_cad.parts.threads import clamp_force_N
-
-
-def lasting_MPa(material: Material) -> float:
-    """Stress that a part bears for years: yield, of plastics the share that creep leaves."""
-    return material.yield_MPa * (PLASTIC_SHARE if material.printed else 1.0)
 
 
 def _stress(what: str, strength_MPa: float, stress_MPa: float, load_Nm: float) -> Comparison:

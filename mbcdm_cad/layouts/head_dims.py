@@ -6,8 +6,7 @@ from contextlib import suppress
 from dataclasses import replace
 from math import inf
 
-from mbcdm_cad.checks.fixings import STRESS_SAFETY, stalled_Nm
-from mbcdm_cad.checks.structure import lasting_MPa
+from mbcdm_cad.checks.fixings import STRESS_SAFETY, lasting_MPa, stalled_Nm
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.layouts.trial_sizing import TrialKnown

@@ -12,7 +12,7 @@ from designs import put, reference
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mbcdm_cad.checks.fixings import set_screws_hold_Nmm
+from mbcdm_cad.checks.fixings import pulley_stress, set_screws_hold_Nmm, shaft_stress, stalled_Nm
 from mbcdm_cad.checks.structure import drum_stress, frame_windup, mounting_screws, payload_screws, stiffness
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.loader import load_design, load_text
@@ -81,6 +81,26 @@ def test_a_thin_hub_is_judged_by_torsion() -> None:
     shear = 2.5 * 16 * torque * 1e3 * outer / (pi * (outer**4 - bore**4))
     assert "in the hub" in found.subject, found
     assert found.actual == pytest.approx(20.0 / sqrt(3.0) / shear, rel=2e-3), found
+
+
+@pytest.mark.parametrize("name", ["gallery/hip", "gallery/printed", "how-to/leg"])
+def test_shaft_and_journals_count_stalled_motors_as_a_peak_torque_of_that_size(name: str) -> None:
+    drive = load_design(PARAMS / f"{name}.yaml").drive
+    stalled = stalled_Nm(sector(drive))
+    assert stalled > 1.5 * drive.loads.peak_torque_Nm, stalled
+    asked = replace(drive, loads=replace(drive.loads, peak_torque_Nm=stalled))
+    for check in (shaft_stress, pulley_stress):
+        found, other = check(sector(drive)), check(sector(asked))
+        assert found.actual == pytest.approx(other.actual, rel=1e-6), (found, other)
+
+
+def test_a_printed_pulley_counts_with_what_creep_leaves() -> None:
+    drive = reference()
+    metal = replace(drive.pulley_material, yield_MPa=50.0)
+    found = [
+        pulley_stress(sector(put(drive, "pulley_material", m))) for m in (metal, replace(metal, process="printed"))
+    ]
+    assert found[1].actual == pytest.approx(0.4 * found[0].actual, rel=1e-9), found
 
 
 def test_set_screws_hold_by_the_forces_on_the_shaft() -> None:

@@ -13,8 +13,7 @@ from mbcdm_cad.checks.drum_sector import (
     SPIGOT_MM,
 )
 from mbcdm_cad.checks.drum_wraps import LEAST_WRAP_DEG, wrap_left
-from mbcdm_cad.checks.fixings import STRESS_SAFETY
-from mbcdm_cad.checks.structure import lasting_MPa
+from mbcdm_cad.checks.fixings import STRESS_SAFETY, lasting_MPa
 from mbcdm_cad.checks.terminals import LUG_SAFETY, terminal_angles
 from mbcdm_cad.checks.transfer import EDGE_BREAK_MM
 from mbcdm_cad.design.blocks import NO_PAYLOAD
