@@ -16,7 +16,7 @@ from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.optimising.figures import FIGURES, Facts, figure
-from mbcdm_cad.optimising.search import INTERRUPTED, ROUNDS, Searched, TriedPoint
+from mbcdm_cad.optimising.search import INTERRUPTED, ROUNDS, Searched, TriedPoint, counted
 from mbcdm_cad.optimising.sketch import sketch
 from mbcdm_cad.optimising.wishes import Wishes
 from mbcdm_cad.report.table import ReportTable, filled
@@ -183,6 +183,10 @@ class Optimum:
             yield from filled(f"  {near} at every design: {', '.join(everywhere)}", width)
         if some:
             yield from filled(f"  {near} at some: {', '.join(some[:12])}" + (", ..." if len(some) > 12 else ""), width)
+        warned = counted(check.id for point in self.points for check in point.checks if check.status == "warn")
+        if warned:
+            told = ", ".join(f"{name} ({number} of {count})" for name, number in warned.items())
+            yield from filled(f"  warnings, which a search does not avoid unless --keep says so: {told}", width)
 
     def to_dict(self) -> dict[str, Any]:
         """Everything, ready for JSON; this is ``optimum.json``."""

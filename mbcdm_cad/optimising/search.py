@@ -238,8 +238,8 @@ class FrontSearch:
         rounds = [*self._fronts]
         if not rounds or rounds[-1][0] < len(self.tried):
             rounds.append((len(self.tried), front))
-        failing = _counted(name for one in self.tried for name, _ in one.result.failing)
-        refused = _counted(one.result.refused for one in self.tried if one.result.refused)
+        failing = counted(name for one in self.tried for name, _ in one.result.failing)
+        refused = counted(one.result.refused for one in self.tried if one.result.refused)
         faults = dict.fromkeys(one.result.refused for one in self.tried if one.result.refused.startswith(FAULT))
         return Searched(
             self.wishes,
@@ -255,7 +255,7 @@ class FrontSearch:
         )
 
 
-def _counted(names: Iterable[str]) -> dict[str, int]:
+def counted(names: Iterable[str]) -> dict[str, int]:
     """How often each occurs, the most first."""
     found = Counter(names)
     return {name: found[name] for name in sorted(found, key=lambda name: (-found[name], name))}

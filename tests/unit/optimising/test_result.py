@@ -22,6 +22,13 @@ def test_what_binds_is_named_with_the_designs_where_it_does() -> None:
     ]
 
 
+def test_warnings_of_the_front_are_named() -> None:
+    found = optimum()
+    assert found.text().endswith("warnings, which a search does not avoid unless --keep says so: a_warning (3 of 3)")
+    without = replace(found, points=tuple(replace(point, checks=point.checks[:1]) for point in found.points))
+    assert "warnings" not in without.text()
+
+
 def test_plain_data_holds_the_front_with_patches() -> None:
     data = json.loads(json.dumps(optimum().to_dict(), allow_nan=False))
     assert [point["figures"] for point in data["front"]] == FIGURES
