@@ -146,7 +146,7 @@ def add_springs(b: BillBuilder, drive: SectorDrive, t: Tensioner, along: Callabl
         b.add(
             f"spring_{t.cable_name}_{n + 1}",
             body,
-            part=f"spring_{t.cable_name}",
+            part=f"spring_{spring.name}_{t.cable_name}",
             material=drive.material(spring.material),
             group="drum",
             place=at @ Placement.about((1.0, 0.0, 0.0), 180.0) if turned else at,
