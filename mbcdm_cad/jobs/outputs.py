@@ -137,7 +137,7 @@ def write_moving_picture(loaded: LoadedDesign, gif: Path, cache: Cache, *, view:
         [item for item in centred.items if not is_cable(item)],
         {name: part.files.mesh for name, part in parts.items()},
         bodies(layout.moving_bodies, centred),
-        (layout.cable_paths, drive.cable.diameter_mm, colour),
+        (layout.all_cable_paths, drive.cable.diameter_mm, colour),
         drive.half_travel_deg,
         view=view,
     )

@@ -234,6 +234,11 @@ class Layout(ABC):
         return self.cable_paths(drum_angle_rad)
 
     @property
+    def first_stage(self) -> Layout | None:
+        """The drive that turns the input of this one, in the same file; None for a drive of one stage."""
+        return None
+
+    @property
     def further_checks(self) -> tuple[Check, ...]:
         """Checks of this design besides those of its layout, run after them: of a drive that stands before this one."""
         return ()

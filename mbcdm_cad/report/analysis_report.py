@@ -18,6 +18,7 @@ from mbcdm_cad.report.life import LifeReport, life_report
 from mbcdm_cad.report.losses import LossesReport, losses_report
 from mbcdm_cad.report.paths import path_data_or_reason, path_lines
 from mbcdm_cad.report.preload import PreloadShares, preload_shares
+from mbcdm_cad.report.stages import stage_figures, stage_lines
 from mbcdm_cad.report.structure import StructureReport, structure_report
 from mbcdm_cad.report.table import ReportTable, filled
 
@@ -74,7 +75,7 @@ class AnalysisReport:
         """Everything, ready for JSON; this is what ``mbcdm analyse --json`` prints."""
         structure = None if self.structure is None else self.structure.to_dict()
         life = None if self.life is None else self.life.to_dict()
-        blocks = {
+        blocks: dict[str, Any] = {
             "paths": self.paths,
             "structure": structure,
             "modes": asdict(self.modes),
@@ -83,6 +84,9 @@ class AnalysisReport:
             "life": life,
             "preload": None if self.preload is None else self.preload.to_dict(),
         }
+        if self.layout.first_stage is not None:
+            blocks["stages"] = [asdict(one) for one in stage_figures(self.layout)]
+            blocks["first_stage"] = analyse_design(self.layout.first_stage.drive).to_dict()
         if self.chances:
             blocks["as_built"] = {one.check: one.probability for one in self.chances}
         return self.figures.to_dict() | blocks
@@ -198,6 +202,9 @@ class AnalysisReport:
                 *self.structure.places().text(width, "  "),
                 *(line for text in self.structure.lines() for line in filled(f"  {text}", width)),
             ]
+        both = list(stage_lines(self.layout, width))
+        if both:
+            yield both
         yield filled(mode_words(self.modes), width)
         yield [
             "Losses while the drum moves, N m at the drum, by cause, under a load +:",

@@ -32,6 +32,7 @@ from mbcdm_cad.report.masses import (
 )
 from mbcdm_cad.report.paths import path_data
 from mbcdm_cad.report.preload import preload_shares
+from mbcdm_cad.report.stages import stage_figures
 from mbcdm_cad.report.structure import structure_report
 from mbcdm_cad.report.torsion import torsion_data
 
@@ -149,6 +150,8 @@ def design_figures(layout: Layout, centred: Bill) -> DesignFigures:
         "assembly_items": [list(step.items) for step in order],
         "conventions": _conventions(layout.conventions, drive.export.threads),
     }
+    if layout.first_stage is not None:
+        data["stages"] = [asdict(one) for one in stage_figures(layout)]
     return DesignFigures(analysis, data, angles, tuple(cable_boxes_mm(layout, angles)))
 
 

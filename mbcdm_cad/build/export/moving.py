@@ -102,7 +102,8 @@ def travel_gif(
                     actor.SetUserMatrix(_matrix(motion @ places[name]))
         for rope in ropes:
             renderer.RemoveActor(rope)
-        lines = [tube_mesh(path.sample(_CHORD_MM), diameter_mm / 2) for path in paths_at(radians(angle))]
+        paths = paths_at(radians(angle))
+        lines = [tube_mesh(path.sample(_CHORD_MM), (path.diameter_mm or diameter_mm) / 2) for path in paths]
         ropes = [picture._body(picture._surface(line), Placement.identity(), colour) for line in lines]
         for rope in ropes:
             renderer.AddActor(rope)

@@ -34,7 +34,7 @@ class PageFigures:
 
 def page_figures(drive: Drive, fields: Sequence[Mapping[str, Any]], cache: Cache) -> PageFigures:
     """The figures of the page; ``fields`` as in the report."""
-    paths_at = drive.layout.cable_paths
+    paths_at = drive.layout.all_cable_paths
     lines, _ = cable_lines(paths_at, drive.half_travel_deg)
     return PageFigures(_studies(drive, cache), lines, fields_graph(drive.name, fields))
 

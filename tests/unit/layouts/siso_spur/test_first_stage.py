@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from functools import cache
 from itertools import combinations
+from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import mbcdm_cad as mc
 from mbcdm_cad.build.kernel import location
 from mbcdm_cad.build.validate import validate_solid
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.errors import MbcdmError
+from mbcdm_cad.jobs.outputs import write_experiment
 from mbcdm_cad.layouts.check_design import checks_of, run_checks
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.layouts.siso_spur.checks.first_stage import CHECKS, motor_beside_mm
@@ -23,6 +27,8 @@ from mbcdm_cad.layouts.siso_spur.first_stage import MOST_TRAVEL_DEG, split_ratio
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.losses.train import MOTOR
+from mbcdm_cad.report.analysis_report import analyse_design
+from mbcdm_cad.report.stages import stage_figures
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
 from mbcdm_cad.rig.quasistatic.simulate import simulate
 
@@ -34,6 +40,17 @@ transmission: {drum_radius_mm: 60.0}
 first_stage: {total_ratio: 24.0}
 loads: {peak_torque_Nm: 5.0}
 drive: {gearhead: none}
+"""
+
+
+SOFT = """\
+name: soft
+seed: 3
+duration_s: 160.0
+motion: {shape: triangle, amplitude_mrad: 450.0, period_s: 32.0}
+load: {kind: torque_motor, wave: sine, levels_Nm: [1.5], wave_period_s: 13.0, bias_Nm: 0.5}
+sensors: {input_at: AT}
+physics: {cable_transport: false, structure: true}
 """
 
 
@@ -164,6 +181,39 @@ def test_rig_of_both_turns_as_the_rigs_of_each() -> None:
     twist = 2.0 * load / ratio**2 * _twist_rad_Nm(first, end.flat_y - end.y_start)
     alone = _swing_rad(first.drive, load / ratio) / ratio
     assert added == pytest.approx(alone + twist, rel=0.03), (added, alone, twist)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("input_at", "seen"), [("motor", True), ("pulley", False)])
+def test_loop_finds_a_soft_first_stage_only_from_the_motor(input_at: str, seen: bool, tmp_path: Path) -> None:
+    drive, spring = series(), series().cable_stage
+    assert spring is not None and spring.stiffness_Nm_rad is not None
+    (tmp_path / "soft.yaml").write_text(SOFT.replace("AT", input_at), "utf-8")
+    soft = replace(drive, gearhead=replace(spring, stiffness_Nm_rad=0.5 * spring.stiffness_Nm_rad))
+    write_experiment(soft, tmp_path / "soft.yaml", tmp_path / "out")
+    (tmp_path / "series.yaml").write_text(TEXT, "utf-8")
+    result = mc.close_loop(mc.load(tmp_path / "series.yaml"), tmp_path / "out/soft/soft.yaml")
+    words = str(result)
+    assert ("lacks stiffness_error" in words) == seen, words
+    more = 1e6 / spring.stiffness_Nm_rad / drive.total_ratio**2
+    if seen:
+        found = re.search(r"compliance ([0-9.]+) urad", words)
+        assert found is not None and float(found[1]) == pytest.approx(more, rel=0.02), words
+
+
+def test_both_stages_add_up_in_the_report() -> None:
+    whole, first = both()
+    one, two, all_ = stage_figures(whole)
+    assert one.ratio * two.ratio == pytest.approx(all_.ratio) == pytest.approx(24.0)
+    held = whole.turns.motors_held
+    assert held is not None and all_.urad_Nm is not None
+    assert all_.urad_Nm * whole.turns.load_Nm * 1e-3 == pytest.approx(held.turn_mrad, rel=1e-9)
+    moving = whole.losses.moving(whole.drive.loads.peak_torque_Nm, 1)
+    motors = sum(float(x.torque_Nm[0]) for x in moving.losses if x.kind == MOTOR)
+    assert all_.lost_Nm == pytest.approx(float(moving.lost_Nm[0]) - motors)
+    assert one.travel_deg == pytest.approx(first.drive.half_travel_deg)
+    found = analyse_design(whole.drive).to_dict()
+    assert found["first_stage"]["structure"] and [s["stage"] for s in found["stages"]] == ["first", "second", "both"]
 
 
 def _twist_rad_Nm(first: SpurLayout, length_mm: float) -> float:
