@@ -9,9 +9,15 @@ from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.fixings import FRICTION, STRESS_SAFETY, lasting_MPa, stalled_Nm
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.layouts.structure import Structure
-from mbcdm_cad.parts.drum_sector.payload import SHEAR_SHARE, SLIP_SAFETY, PayloadJoint, joint_load
+from mbcdm_cad.parts.drum_sector.payload import (
+    DEPTH_DIAMETERS,
+    LEAST_DEPTH_MM,
+    SLIP_SAFETY,
+    PayloadJoint,
+    joint_load,
+)
 from mbcdm_cad.parts.drum_sector.structure import hub
-from mbcdm_cad.parts.threads import clamp_force_N
+from mbcdm_cad.parts.threads import SHEAR_SHARE, ScrewHold, clamp_force_N, screw_hold
 
 
 def _stress(what: str, strength_MPa: float, stress_MPa: float, load_Nm: float) -> Comparison:
@@ -71,21 +77,40 @@ def payload_screws(s: SectorLayout) -> Comparison:
 
 def mounting_screws(s: SectorLayout) -> Comparison:
     """Torque at which the frame slips on what it is mounted on, over the peak torque."""
-    material, screw = s.drive.frame_material, s.mounting
-    # The ring under a head or a washer presses the frame; a printed one yields to it in time.
-    ring = pi / 4.0 * (screw.seat_mm(s.mount_washers) ** 2 - (2.0 * s.frame.mount_radius) ** 2)
-    clamp = min(clamp_force_N(screw.thread_mm), lasting_MPa(material) * ring)
-    places = s.frame.mounts
+    hold, places = _mount_hold(s), s.frame.mounts
     middle = [sum(place[k] for place in places) / len(places) for k in (0, 1)]
     arms = sum(hypot(x - middle[0], z - middle[1]) for x, z in places)
-    slips, peak = FRICTION * clamp * arms * 1e-3, s.drive.loads.peak_torque_Nm
+    slips, peak = hold.slips_N(FRICTION) * arms * 1e-3, s.drive.loads.peak_torque_Nm
+    inserts = " in inserts" if s.mount_thread is not None and s.mount_thread.insert else ""
     return at_least(
-        f"{len(places)} x {screw.words(s.mount_washers)} at {clamp:.4g} N hold the frame against {slips:.4g} N m by "
-        f"friction, over the peak torque of {peak:g} N m",
+        f"{len(places)} x {s.mounting.words(s.mount_washers)}{inserts} at {hold.clamp_N:.4g} N hold the frame against "
+        f"{slips:.4g} N m by friction, over the peak torque of {peak:g} N m",
         slips / peak,
         SLIP_SAFETY,
         "times",
     )
+
+
+def _mount_hold(s: SectorLayout) -> ScrewHold:
+    material, screw, thread = s.drive.frame_material, s.mounting, s.mount_thread
+    if thread is not None:
+        engaged = min(thread.depth_mm, max(LEAST_DEPTH_MM, DEPTH_DIAMETERS * screw.thread_mm))
+        return screw_hold(screw.thread_mm, material, thread.insert, engaged)
+    # The ring under a head or a washer presses the frame; a printed one yields to it in time.
+    ring = pi / 4.0 * (screw.seat_mm(s.mount_washers) ** 2 - (2.0 * s.frame.mount_radius) ** 2)
+    clamp = min(clamp_force_N(screw.thread_mm), lasting_MPa(material) * ring)
+    return ScrewHold(clamp, clamp)
+
+
+def _mount_advice(s: SectorLayout) -> str:
+    """Dowels or a shoulder; where the frame is printed and has the screws' threads, inserts before that."""
+    inserts = (
+        "set printing.threads to inserts, flush with the face that lies on the base, whose holes must be smaller than "
+        "they are, or "
+        if s.mount_thread is not None and s.mount_thread.insert is None and s.printed_frame
+        else ""
+    )
+    return f"{inserts}let dowels or a shoulder of what the frame stands on carry the torque, and waive this check"
 
 
 def frame_windup(s: SectorLayout) -> Comparison:
@@ -188,10 +213,10 @@ CHECKS = (
     Check(
         "mounting_screws",
         "Mounting screws hold the peak torque",
-        "mu F r; class 8.8 at 0.7 of yield, mu 0.15, 1.5 on slip: usual values",
+        "mu F r; class 8.8 at 0.7 of yield, mu 0.15, 1.5 on slip: usual values; inserts: base bears on the brass",
         mounting_screws,
         adjust=_LESS,
-        advice="let dowels or a shoulder of what the frame stands on carry the torque, and waive this check",
+        advice=_mount_advice,
     ),
     Check(
         "frame_windup",

@@ -11,7 +11,8 @@ from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.layouts.trial_sizing import TrialKnown
 from mbcdm_cad.model.structure.drum_sector import least_hub_mm
-from mbcdm_cad.parts.drum_sector.payload import SHEAR_SHARE
+from mbcdm_cad.parts.drum_sector.payload import joint_load, joints
+from mbcdm_cad.parts.threads import SHEAR_SHARE
 from mbcdm_cad.sizing.rule import Found, Rule, rounded_up
 
 # Walls of a milled part and of a printed one, mm (estimate: the modulus of filament is about twenty times smaller).
@@ -163,15 +164,27 @@ def _stressed_by_windows(given: TrialKnown) -> bool:
 def _hub(given: TrialKnown) -> Found:
     """Diameter of the drum's hub, not less than its torsion asks at the peak torque or with stalled motors."""
     bore, field = given.entry("bearings", "drum.bearing")["bore_mm"], "drum.hub_diameter_mm"
-    usual, twisted = bore + 4.0, 0.0
+    usual, twisted, screwed = bore + 4.0, 0.0, 0.0
     with suppress(NoFigureError, ValueError):
         trial = given.trial(field, usual)
         assert isinstance(trial, SectorLayout)
         bears_MPa = lasting_MPa(trial.drive.drum_material) * SHEAR_SHARE / STRESS_SAFETY
         twisted = rounded_up(2.0 * least_hub_mm(bore / 2.0, stalled_Nm(trial), bears_MPa), 0.5)
+        if given.printed("drum") and given.get("printing.threads") == "inserts":
+            # Larger inserts come only with larger hubs: a search that starts small ends between two of them.
+            screwed = 2.0 * _least_hub_mm(trial)
     checks = ("hub_walls", "hub_spigot", "hub_set_screws", "engagement", "payload_screws")
-    found = given.moved(field, max(usual, twisted), 0.5, checks)
+    found = given.moved(field, max(usual, twisted, screwed), 0.5, checks)
     return replace(found, driver="drum_stress") if found.value == twisted > usual else found
+
+
+def _least_hub_mm(layout: SectorLayout) -> float:
+    """Least radius of a hub with which the payload's screws hold, with walls round them."""
+    drive = layout.drive
+    material, load = drive.drum_material, joint_load(drive.loads.peak_torque_Nm, drive.loads.carried)
+    shaft = drive.bearings.drum.bore_mm / 2.0
+    found = joints(material, lambda thread_mm: drive.insert(material, thread_mm), drive.drum.output_screws)
+    return min(joint.least_hub_mm(load, shaft, material.min_wall_mm) for joint in found)
 
 
 def _rim(given: TrialKnown) -> Found:

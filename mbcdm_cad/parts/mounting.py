@@ -1,5 +1,6 @@
-"""Screws that hold a frame on what it is mounted on: socket heads, on washers where the frame is printed.
+"""Screws that hold a frame on what it is mounted on: their heads lie on the frame, or it has their threads.
 
+Socket heads lie on washers where the frame is printed; threads may be those of brass inserts there.
 Sizes of ISO 4762 (heads, keys), ISO 273 medium (clearance holes) and ISO 7089 (washers). Lengths depend on the base, so
 that the screws are no parts of the drive.
 """
@@ -7,6 +8,8 @@ that the screws are no parts of the drive.
 from __future__ import annotations
 
 from dataclasses import dataclass
+
+from mbcdm_cad.design.bought import InsertSpec
 
 
 @dataclass(frozen=True)
@@ -37,6 +40,14 @@ class MountScrew:
     def words(self, printed: bool) -> str:
         """For instructions: ``M4 on washers``."""
         return f"{self.name} on washers" if printed else self.name
+
+
+@dataclass(frozen=True)
+class MountThread:
+    """Thread of a mounting screw in the frame: how deep the screw may reach, and its insert where it has one."""
+
+    depth_mm: float
+    insert: InsertSpec | None
 
 
 MOUNT_SCREWS = {

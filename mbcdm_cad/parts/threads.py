@@ -1,9 +1,14 @@
-"""ISO metric threads: pitches (ISO 261, coarse), basic dimensions (ISO 724), tap drills (ISO 2306). No kernel here."""
+"""ISO metric threads: pitches (ISO 261, coarse), basic dimensions (ISO 724), tap drills (ISO 2306); joints with them.
+
+No kernel here.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import sqrt
+from math import inf, pi, sqrt
+
+from mbcdm_cad.design.bought import InsertSpec, Material
 
 # Coarse pitch and drill for tapping, mm, by nominal diameter.
 _COARSE_MM = {
@@ -28,6 +33,17 @@ _TRIANGLE = sqrt(3.0) / 2.0
 # Screws of property class 8.8, tightened to seven tenths of their yield (usual values).
 SCREW_YIELD_MPA = 640.0
 TIGHTENED_SHARE = 0.7
+# Shear strength over yield stress (von Mises).
+SHEAR_SHARE = 0.577
+# Share of a thread's cylinder that is sheared when it strips (usual for ISO threads).
+THREAD_SHARE = 0.75
+# Share of the strength of its thread that a screw may use: metal, and plastic under a lasting force, which creeps
+# (estimate for PA12 and PLA).
+METAL_SHARE, PLASTIC_SHARE = 0.7, 0.4
+# Stress that the face of a brass insert bears (estimate for CuZn39Pb3, its yield).
+BRASS_MPA = 250.0
+# Clearance holes of ISO 273, medium, mm.
+CLEARANCE_MM = {2.0: 2.4, 2.5: 2.9, 3.0: 3.4, 4.0: 4.5, 5.0: 5.5, 6.0: 6.6}
 # Tolerance class of inside threads (ISO 965-1, usual).
 THREAD_CLASS = "6H"
 # A bottoming tap cuts no full thread on its last turns.
@@ -84,3 +100,34 @@ def thread(nominal_mm: float) -> Thread:
 def clamp_force_N(nominal_mm: float) -> float:
     """Force of a tightened screw: seven tenths of yield over its stress area."""
     return TIGHTENED_SHARE * SCREW_YIELD_MPA * thread(nominal_mm).stress_area_mm2
+
+
+@dataclass(frozen=True)
+class ScrewHold:
+    """What a tightened screw does for a joint, N: its force, what its thread bears pulled, and the part across."""
+
+    clamp_N: float
+    pull_N: float
+    across_N: float = inf
+
+    def slips_N(self, friction: float) -> float:
+        """Force across at which the joint slips at this screw, or its insert moves in the plastic."""
+        return min(friction * self.clamp_N, self.across_N)
+
+
+def screw_hold(thread_mm: float, material: Material, insert: InsertSpec | None, engaged_mm: float) -> ScrewHold:
+    """A screw whose thread is cut in a part, or in a brass insert flush with the face on which the other part lies.
+
+    That part then presses on the brass round its clearance hole, which must be smaller than the insert: nothing that
+    the screw tightens creeps. The plastic holds the insert where it is, and bears what pulls the joint open.
+    """
+    share = PLASTIC_SHARE if material.printed else METAL_SHARE
+    across, along = (insert.outside_mm, insert.length_mm) if insert else (thread_mm, engaged_mm)
+    strips = share * pi * across * along * THREAD_SHARE * SHEAR_SHARE * material.yield_MPa
+    if insert is None:
+        holds = min(clamp_force_N(thread_mm), strips)
+        return ScrewHold(holds, holds)
+    # The body between the knurls is what is sure to lie under the other part.
+    ring = pi / 4.0 * max(insert.hole_mm**2 - CLEARANCE_MM[thread_mm] ** 2, 0.0)
+    clamp = min(clamp_force_N(thread_mm), BRASS_MPA * ring)
+    return ScrewHold(clamp, min(clamp, strips), share * material.yield_MPa * across * along)

@@ -30,7 +30,7 @@ from mbcdm_cad.parts.drum_shaft import DrumShaftDims
 from mbcdm_cad.parts.idler_pulley import IdlerDims
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 from mbcdm_cad.parts.motor_head.dims import Flange, HeadDims, head
-from mbcdm_cad.parts.mounting import MOUNT_SCREWS, MountScrew
+from mbcdm_cad.parts.mounting import MOUNT_SCREWS, MountScrew, MountThread
 from mbcdm_cad.parts.placement import Placement
 from mbcdm_cad.parts.stage import HUB_EDGE_MM, StageDims, stage_dims
 from mbcdm_cad.parts.terminal.take_up import terminal_travel_mm
@@ -236,6 +236,11 @@ class SpurLayout(HeadLayout):
     def mounting(self) -> MountScrew:
         """See the base class."""
         return MOUNT_SCREWS[self.drive.support.mount_screw]
+
+    @property
+    def mount_thread(self) -> MountThread:
+        """See the base class."""
+        return MountThread(self.drive.support.plate_mm, self.frame.mount_insert)
 
     @property
     def anchors(self) -> dict[str, tuple[float, float]]:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache
-from math import inf, pi
+from functools import cache, cached_property
+from math import inf
 
 from mbcdm_cad.design.blocks import Payload
 from mbcdm_cad.design.bought import InsertSpec, Material
-from mbcdm_cad.parts.threads import clamp_force_N
+from mbcdm_cad.parts.threads import ScrewHold, screw_hold
 
 # Number of screws where the design does not say.
 SCREWS = 4
@@ -20,14 +20,6 @@ LEAST_DEPTH_MM, DEPTH_DIAMETERS = 6.0, 2.0
 SLIP_SAFETY = 1.5
 # Friction of the payload on the hub's face, dry (usual value).
 FACE_FRICTION = 0.15
-# Shear strength over yield stress (von Mises).
-SHEAR_SHARE = 0.577
-# Share of a thread's cylinder that is sheared when it strips (usual for ISO threads).
-THREAD_SHARE = 0.75
-# Share of the strength of its thread that a screw may use: metal, and plastic under a lasting force, which creeps
-# (estimate for PA12 and PLA).
-METAL_SHARE, PLASTIC_SHARE = 0.7, 0.4
-
 # Walls that differ by less are equal.
 _ROUNDING_MM = 1e-9
 
@@ -67,31 +59,32 @@ class PayloadJoint:
         """Depth of a hole."""
         return max(LEAST_DEPTH_MM, DEPTH_DIAMETERS * self.thread_mm, self.insert.depth_mm if self.insert else 0.0)
 
+    @cached_property
+    def hold(self) -> ScrewHold:
+        """What one tightened screw holds in the hub."""
+        return screw_hold(self.thread_mm, self.material, self.insert, self.depth_mm)
+
     @property
     def clamp_N(self) -> float:
-        """Force of one tightened screw: its own, or what its thread or insert holds in the hub."""
-        across, along = (
-            (self.insert.outside_mm, self.insert.length_mm) if self.insert else (self.thread_mm, self.depth_mm)
-        )
-        strips = pi * across * along * THREAD_SHARE * SHEAR_SHARE * self.material.yield_MPa
-        return min(clamp_force_N(self.thread_mm), (PLASTIC_SHARE if self.material.printed else METAL_SHARE) * strips)
+        """Force of one tightened screw."""
+        return self.hold.clamp_N
 
     def slips_Nm(self, circle_mm: float) -> float:
         """Torque at which the payload slips with the screws on a circle of this radius: mu F r for each."""
-        return self.screws * FACE_FRICTION * self.clamp_N * circle_mm * 1e-3
+        return self.screws * self.hold.slips_N(FACE_FRICTION) * circle_mm * 1e-3
 
     def slips_times(self, load: JointLoad, circle_mm: float) -> float:
         """Friction of all screws over the load: M / r for the torque, and the force across where both add up."""
         return self.slips_Nm(circle_mm) / (load.torque_Nm + load.across_N * circle_mm * 1e-3)
 
     def opens_times(self, load: JointLoad, circle_mm: float) -> float:
-        """Clamping force of a screw over what the tilting moment takes from the one that it pulls most, 2 M / (n r)."""
-        return self.screws * self.clamp_N * circle_mm * 1e-3 / (2.0 * load.tilt_Nm) if load.tilt_Nm > 0.0 else inf
+        """What a screw holds over what the tilting moment takes from the one that it pulls most, 2 M / (n r)."""
+        return self.screws * self.hold.pull_N * circle_mm * 1e-3 / (2.0 * load.tilt_Nm) if load.tilt_Nm > 0.0 else inf
 
     def least_circle_mm(self, load: JointLoad) -> float:
         """Least radius of the circle of the screws with which the joint neither slips nor opens; inf if none does."""
-        friction_N = self.screws * FACE_FRICTION * self.clamp_N / SLIP_SAFETY - load.across_N
-        opens = 2.0 * SLIP_SAFETY * load.tilt_Nm / (self.screws * self.clamp_N)
+        friction_N = self.screws * self.hold.slips_N(FACE_FRICTION) / SLIP_SAFETY - load.across_N
+        opens = 2.0 * SLIP_SAFETY * load.tilt_Nm / (self.screws * self.hold.pull_N)
         return max(load.torque_Nm / friction_N, opens) * 1e3 if friction_N > 0.0 else inf
 
     def least_hub_mm(self, load: JointLoad, bore_mm: float, wall_mm: float) -> float:
@@ -132,7 +125,7 @@ def payload_joint(
     first, *more = candidates
     walled = [first, *(j for j in more if j.has_walls(circle_mm, hub_mm, bore_mm, wall_mm))]
     holding = [j for j in walled if j.least_circle_mm(load) <= circle_mm]
-    return holding[0] if holding else max(walled, key=lambda j: j.clamp_N)
+    return holding[0] if holding else max(walled, key=lambda j: j.hold.slips_N(FACE_FRICTION))
 
 
 @cache

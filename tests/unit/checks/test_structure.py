@@ -15,11 +15,12 @@ from hypothesis import strategies as st
 from mbcdm_cad.checks.fixings import pulley_stress, set_screws_hold_Nmm, shaft_stress, stalled_Nm
 from mbcdm_cad.checks.structure import drum_stress, frame_windup, mounting_screws, payload_screws, stiffness
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.check_design import run_checks
 from mbcdm_cad.layouts.loader import load_design, load_text
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.parts.drum_sector.dims import SET_SCREW_ANGLES_DEG
 from mbcdm_cad.parts.drum_sector.payload import SLIP_SAFETY, JointLoad, PayloadJoint, joints, payload_joint
-from mbcdm_cad.parts.threads import clamp_force_N
+from mbcdm_cad.parts.threads import clamp_force_N, screw_hold
 
 PARAMS = Path(__file__).parents[3] / "params"
 REFERENCES = ("mbcdm", "siso_spur", "miso_spur", "siso_bevel")
@@ -68,6 +69,52 @@ def test_a_printed_frame_is_clamped_by_what_the_ring_under_a_washer_bears() -> N
     clamp = 0.4 * 20.0 * pi / 4 * (7.0**2 - 3.4**2)
     slips = 0.15 * clamp * _arms_mm(printed) * 1e-3
     assert clamp < M3_N and found.actual == pytest.approx(slips / s.drive.loads.peak_torque_Nm, rel=2e-3), found
+
+
+LEG = """
+name: leg
+configuration: siso_spur
+travel: {half_angle_deg: 60.0}
+transmission: {input_to_drum: 9.0}
+loads: {peak_torque_Nm: 30.0}
+drum: {material: pa12, output_screws: 8}
+support: {material: pa12}
+limits: {losses: counted, frame_windup_max_mrad: 2.5}
+"""
+
+
+def test_a_leg_of_pa12_holds_with_inserts_only() -> None:
+    """Cut threads creep: inserts let the base press on brass, and bear in the plastic across."""
+    cut, inserts = (sector(load_text(LEG + more).drive) for more in ("", "printing: {threads: inserts}"))
+    assert {check.id for check in run_checks(cut) if check.status == "fail"} == {"mounting_screws"}
+    remedy = next(check.remedy for check in run_checks(cut) if check.id == "mounting_screws")
+    assert "set printing.threads to inserts" in remedy, remedy
+    assert not [check.id for check in run_checks(inserts) if check.status == "fail"]
+
+
+def test_threads_cut_in_a_printed_plate_hold_what_creep_leaves() -> None:
+    s = sector(load_text(LEG).drive)
+    thread, plate = s.mounting.thread_mm, s.drive.support.plate_mm
+    # Three quarters of the thread's cylinder sheared, 0.4 of the yield stress over the root of three.
+    clamp = 0.4 * 45.0 / sqrt(3.0) * 0.75 * pi * thread * min(2.0 * thread, plate)
+    assert s.drive.frame_material.yield_MPa == 45.0
+    slips = 0.15 * clamp * _arms_mm(s) * 1e-3
+    assert mounting_screws(s).actual == pytest.approx(slips / 30.0, rel=2e-3), mounting_screws(s)
+
+
+def test_an_insert_is_clamped_on_brass_and_bears_in_the_plastic() -> None:
+    drive = load_text(LEG + "printing: {threads: inserts}").drive
+    insert = drive.insert(drive.frame_material, 4.0)
+    assert insert is not None
+    held = screw_hold(4.0, drive.frame_material, insert, 8.0)
+    # ISO 273: 4.5 mm; brass yields at 250 MPa.
+    brass = 250.0 * pi / 4 * (insert.hole_mm**2 - 4.5**2)
+    assert held.clamp_N == pytest.approx(brass) and held.slips_N(0.15) == pytest.approx(0.15 * brass)
+    strips = 0.4 * 45.0 * pi * insert.outside_mm * insert.length_mm * 0.75 / sqrt(3.0)
+    assert held.pull_N == pytest.approx(min(brass, strips), rel=1e-3)
+    soft = replace(drive.frame_material, yield_MPa=2.0)
+    bears = 0.4 * 2.0 * insert.outside_mm * insert.length_mm
+    assert screw_hold(4.0, soft, insert, 8.0).slips_N(0.15) == pytest.approx(bears), "the insert moves in the plastic"
 
 
 def test_a_thin_hub_is_judged_by_torsion() -> None:

@@ -84,7 +84,8 @@ def _centre_distance(given: SpurKnown) -> Found:
 
 
 def _mount_screw(given: SpurKnown) -> Found:
-    return given.first("support.mount_screw", MOUNT_BOLTS, ("mounting_screws", "mounts"))
+    # The centre distance makes room for it.
+    return given.first("support.mount_screw", MOUNT_BOLTS, ("mounting_screws",))
 
 
 def _back(given: SpurKnown) -> Found:
