@@ -29,7 +29,6 @@ from mbcdm_cad.model.structure.drum_sector import least_hub_mm
 from mbcdm_cad.parts.drum_sector.dims import lug_root_mm
 from mbcdm_cad.parts.drum_sector.payload import (
     SCREWS,
-    SHEAR_SHARE,
     InsertOf,
     PayloadJoint,
     circle_radius_mm,
@@ -46,6 +45,7 @@ from mbcdm_cad.parts.drum_sector.sizes import (
     STOP_SLOT_PLAY_MM,
     SWAGE_START_MM,
 )
+from mbcdm_cad.parts.threads import SHEAR_SHARE
 from mbcdm_cad.sizing.rule import Found, Rule, largest, rounded_down, rounded_up
 
 # Height of the hub over its set screws, so that they never project.
