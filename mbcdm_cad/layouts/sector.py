@@ -78,6 +78,11 @@ class SectorLayout(Layout):
         return False
 
     @property
+    def mount_thread(self) -> MountThread | None:
+        """Their thread in the frame; None where their heads lie on it."""
+        return None
+
+    @property
     def softer_ends(self) -> float:
         """See the base class; the longest cable is softest by itself, so that a spring adds least to it."""
         if self.drive.spring is None:
