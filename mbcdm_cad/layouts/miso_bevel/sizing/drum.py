@@ -59,7 +59,7 @@ BORE_SHARE, BORE_WALL_MM = 0.7, 1.25
 # Stress of the web beside the hub over that of even shear over half a turn there (estimate; a check computes it).
 WEB_STRESS = 1.6
 # Web of plastic over what a trial with this stop pin asks, whose own thickness is found later.
-WEB_SPARE, PLASTIC_STOP_PIN_MM = 1.1, 4.0
+WEB_SPARE, PLASTIC_STOP_PIN_MM = 1.1, 5.0
 # Rim under the deepest pocket as a share of the radius of step 1 (estimate; the limit of the check is lower).
 RIM_SHARE = 0.08
 # Wrap left at the end of travel over the limit of its check: reserve for the slip zone at small loads (estimate).
@@ -94,19 +94,26 @@ def _web(given: BevelKnown) -> Found:
 
 def _stressed_web(given: BevelKnown, usual: Found, load_Nm: float, bears_MPa: float) -> Found:
     """The web, thicker where the stress beside the stop's slot asks for it; stress falls as the thickness grows."""
+    found = usual
     with suppress(NoFigureError, ValueError):
-        places = {
-            "drum__rim_inner_radius_mm": _rim_inner(given).value,
-            "drum__sector_half_angle_deg": _sector(given).value,
-            "drum__outer_face_y_mm": _face_over_web(given, usual.value).value,
-            "drum__web_thickness_mm": usual.value,
-            "drum__stop_pin_mm": PLASTIC_STOP_PIN_MM,
-        }
-        stress = drum_stress_MPa(BevelLayout(given.trial(**{**LATER, **places})), load_Nm)
-        needed = rounded_up(WEB_SPARE * usual.value * stress / bears_MPa, 0.1)
-        if needed > usual.value:
-            return Found(needed, "drum_stress", "up to 0.1")
-    return usual
+        # A thicker web lies elsewhere between the cables, which bend it: its stress is computed once more.
+        for _ in range(2):
+            face_mm = _face_over_web(given, found.value).value
+            places = {
+                "drum__rim_inner_radius_mm": _rim_inner(given).value,
+                "drum__sector_half_angle_deg": _sector(given).value,
+                "drum__outer_face_y_mm": face_mm,
+                # The hub is at least so long; a longer one has a longer root, which bears more.
+                "drum__hub_face_y_mm": face_mm,
+                "drum__web_thickness_mm": found.value,
+                "drum__stop_pin_mm": PLASTIC_STOP_PIN_MM,
+            }
+            stress = drum_stress_MPa(BevelLayout(given.trial(**{**LATER, **places})), load_Nm)
+            needed = rounded_up(WEB_SPARE * found.value * stress / bears_MPa, 0.1)
+            if needed <= found.value:
+                break
+            found = Found(needed, "drum_stress", "up to 0.1")
+    return found
 
 
 def _web_start(given: BevelKnown) -> float:
