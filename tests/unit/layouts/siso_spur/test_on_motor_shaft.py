@@ -198,8 +198,3 @@ def test_what_it_has_no_place_for_is_refused(line: str, said: str) -> None:
     text = "\n".join(line if old.startswith(block) else old for old in TEXT.splitlines())
     with pytest.raises(InputError, match=said):
         load_text(text + "\n")
-
-
-def test_other_layouts_do_not_know_it() -> None:
-    with pytest.raises(InputError, match="carried_by: unknown field"):
-        load_text(TEXT.replace("siso_spur", "miso_spur"))
