@@ -120,6 +120,7 @@ UNITS = {
     "_C": "C",
     "_K_W": "K/W",
     "_N": "N",
+    "_N_mm": "N/mm",
     "_Nm": "N m",
     "_Nm_rad": "N m/rad",
     "_mNm": "mN m",
