@@ -6,7 +6,8 @@ The results, and their order, are the same on any number of workers; a worker th
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
+from contextlib import contextmanager
 from types import TracebackType
 from typing import Any, Protocol, Self, TypeVar
 
@@ -91,18 +92,36 @@ class LocalCrew:
         global _worker_function
         if self._pool is None:
             import multiprocessing
+            import signal
             from concurrent.futures import ProcessPoolExecutor
 
             _worker_function = self._function
             fork = multiprocessing.get_context("fork")
-            self._pool = ProcessPoolExecutor(self._workers, fork, _begin)
+            # An interrupt waits meanwhile: Python drops one that comes while it forks.
+            before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+            try:
+                self._pool = ProcessPoolExecutor(self._workers, fork, _begin)
+                self._pool.submit(int)  # with the first work all processes start
+            finally:
+                signal.pthread_sigmask(signal.SIG_SETMASK, before)
         return self._pool
 
     def close(self) -> None:
-        """End the processes; work that has not begun is dropped."""
-        if self._pool is not None:
-            self._pool.shutdown(wait=True, cancel_futures=True)
-            self._pool = None
+        """Kill the processes: nobody waits for what they still do. A further interrupt meanwhile does not count."""
+        if self._pool is None:
+            return
+        with _uninterrupted():
+            pool, self._pool = self._pool, None
+            # Python has a public name for these processes from 3.14 on (kill_workers).
+            processes = tuple(pool._processes.values())
+            pool.shutdown(wait=False, cancel_futures=True)
+            for process in processes:
+                process.kill()
+            pool.shutdown(wait=True)
+
+    def __del__(self) -> None:
+        """End the processes, should an interrupt have come before the ``with`` block could."""
+        self.close()
 
     def __enter__(self) -> Self:
         """The workers themselves; they start with the first work."""
@@ -118,6 +137,22 @@ def killed_again(attempts: int) -> MbcdmError:
     return MbcdmError(
         f"a worker process was killed {attempts} times at the same work, perhaps for want of memory; take fewer workers"
     )
+
+
+@contextmanager
+def _uninterrupted() -> Iterator[None]:
+    """Ignore the keyboard's interrupt; only the main thread ever gets it."""
+    import signal
+    import threading
+
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 _worker_function: Callable[[Any], Any] | None = None

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import logging
+import os
+import signal
+import subprocess
+import sys
 import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 import pytest
 from distributed import LocalCluster
@@ -15,6 +19,7 @@ from mbcdm_cad.errors import GeometryError, InputError, MbcdmError, Problem
 from mbcdm_cad.parallel import cluster, forks
 from mbcdm_cad.parallel.crew import crew
 from mbcdm_cad.parallel.worker import state
+from tests.support.loopback import PATIENCE_S
 
 PRELOAD = "mbcdm_cad.parallel.worker"
 
@@ -58,6 +63,42 @@ def test_results_keep_the_order_of_the_arguments(own: None, workers: int) -> Non
         with pytest.raises(GeometryError, match="drum: no solid"):
             list(found.results([1, 13, 2]))
         assert list(found.results([4])) == [16]
+
+
+STOPPED = """
+import time
+from mbcdm_cad.parallel.crew import crew
+from mbcdm_cad.parallel.forks import allow_processes
+
+allow_processes()
+try:
+    with crew(time.sleep, 2) as found:
+        print("begun", flush=True)
+        list(found.results([PATIENCE] * 9))
+except KeyboardInterrupt:
+    print("stopped", flush=True)
+    time.sleep(0.5)
+"""
+
+
+@pytest.mark.parametrize("between_s", [0.0, 0.002, 0.1])
+def test_a_search_interrupted_twice_with_all_its_workers_ends(between_s: float) -> None:
+    """Ctrl-C, and ``timeout -s INT``, which sends two at once, reach the workers too."""
+    words = [sys.executable, "-c", STOPPED.replace("PATIENCE", f"{PATIENCE_S}")]
+    running = subprocess.Popen(words, stdout=subprocess.PIPE, text=True, start_new_session=True)
+    assert running.stdout is not None and running.stdout.readline() == "begun\n"
+    try:
+        time.sleep(0.3)
+        os.killpg(running.pid, signal.SIGINT)
+        time.sleep(between_s)
+        os.killpg(running.pid, signal.SIGINT)
+        said, _ = running.communicate(timeout=PATIENCE_S / 2)
+        with pytest.raises(ProcessLookupError):
+            os.killpg(running.pid, signal.SIGKILL)
+    finally:
+        with suppress(ProcessLookupError):
+            os.killpg(running.pid, signal.SIGKILL)
+    assert said == "stopped\n"
 
 
 def test_a_mistake_in_a_file_comes_back_whole(own: None) -> None:
