@@ -46,7 +46,10 @@ def spring_fits(s: SectorLayout) -> Comparison:
 
 
 def spring_flat(s: SectorLayout) -> Comparison:
-    """Largest tension at peak torque, which friction on the drum does not lower at a terminal that moves."""
+    """Usable force of a spring over the largest tension at peak torque.
+
+    That is of the span: what friction on the drum keeps from the terminal does not count, since it may be low.
+    """
     spring, highest = _spring(s), s.loads.highest_N
     return at_least(
         f"usable force of {spring.name}, {spring.usable_N:.4g} N, over the largest tension {highest:.4g} N",

@@ -316,7 +316,7 @@ class Layout(ABC):
 
     @property
     def softer_ends(self) -> float:
-        """Give of the stiffest cable with the springs at its ends over that of its rope alone; 1 without springs."""
+        """Give of a cable with the spring at its end over that of its rope alone, least of all cables; 1 without."""
         return 1.0
 
     @cached_property

@@ -28,9 +28,9 @@ def spring_turn_urad_Nm(layout: SectorLayout) -> float:
 
 
 def spring_start_Nm(layout: SectorLayout) -> float:
-    """Torque on first loading at which slip reaches the first terminal; infinite where none gets there before the peak.
+    """Torque on first loading at which slip reaches the first terminal; infinite where none moves below the limit.
 
-    Found between no load and ten times the peak torque, by halving.
+    Found between no load and the limit, ten times the peak torque, by halving.
     """
     least = np.inf
     for wound in _at_ends(layout):

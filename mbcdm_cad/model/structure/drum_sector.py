@@ -28,7 +28,7 @@ CELLS = 28
 # The same of the mesh on which bending out of the plane is solved: the references' stresses differ by less than 2 %.
 BENDING_CELLS = 12
 # Stress of the hub's outside over that of an even tube: the web stands on one side of it and over a part of its turn.
-# Solid elements of drums of 78 to 111 degrees to each side give 2.1 to 2.9 (docs/structure.md).
+# Solid elements give 2.1 to 2.9 (docs/structure.md).
 BESIDE_WEB = 2.5
 # Lean of a plate's edge on a thick body over M / (pi E t^2), plane strain apart (O'Donnell 1960).
 LEAN = 16.67
@@ -113,7 +113,8 @@ class Hub:
 def least_hub_mm(bore_mm: float, torque_Nm: float, shear_MPa: float) -> float:
     """Radius of the hub in which a torque causes this shear (:meth:`Hub.shear_MPa`), for a bore of this radius.
 
-    r^4 = b^4 + c r with c > 0 has one root above b; the repetition from above falls to it, by a third or faster.
+    r^4 = b^4 + c r with c > 0 has one root above b. The repetition falls to it from above and leaves
+    at most a quarter of the error each time, since r^3 >= c there.
     """
     c = BESIDE_WEB * 2.0 * torque_Nm * NMM_PER_NM / (pi * shear_MPa)
     radius = bore_mm + float(np.cbrt(c))

@@ -20,17 +20,16 @@ _SHEAR_FACTOR = 5.0 / 6.0
 
 @dataclass(frozen=True, eq=False)
 class PlateElements:
-    """Stiffness (n, 12, 12); curvatures (n, 4, 3, 12) at the Gauss points, and what each point weighs (n, 4), mm^2."""
+    """Stiffness (n, 12, 12), and curvatures (n, 4, 3, 12) at the Gauss points, by the freedoms of an element."""
 
     stiffness: Floats
     curvature: Floats
-    weight: Floats
 
 
 def plate_elements(
     node_mm: Floats, corner: Ints, thickness_mm: Floats, modulus_MPa: float, poisson: float
 ) -> PlateElements:
-    """Elements of a mesh: nodes (m, 2), corners (n, 4). Freedoms (w, a, b) by corner."""
+    """Elements of a mesh: nodes (m, 2), corners (n, 4), thickness (n,). Freedoms (w, a, b) by corner."""
     count, xy = len(corner), node_mm[corner]
     at = jacobian(xy, GAUSS)
     curvature = np.zeros((count, 4, 3, 12))
@@ -55,7 +54,7 @@ def plate_elements(
     shears = _SHEAR_FACTOR * modulus_MPa / (2.0 * (1.0 + poisson)) * thickness_mm
     stiffness = _product(curvature, bends[:, None] @ curvature * at.det[:, :, None, None])
     stiffness += _product(shear, shear * (shears[:, None] * at.det)[:, :, None, None])
-    return PlateElements(stiffness, curvature, at.det)
+    return PlateElements(stiffness, curvature)
 
 
 def _product(left: Floats, right: Floats) -> Floats:
