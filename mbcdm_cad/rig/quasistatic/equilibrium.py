@@ -8,7 +8,7 @@ Unknown are the drum's angle and the angle of each input pulley that a gearhead 
 lever_j is what the path of cable j grows by per drum angle, s_j the share of its tension that it loses where it bends
 on passed bodies and drum, against the motion: z is from -1 to 1.
 
-Newton steps with a line search; the tensions come from :mod:`mbcdm_cad.rig.chain` without a change of its state, which
+Newton steps with a line search, and where these stop at the end of a play, bisection; the tensions come from :mod:`mbcdm_cad.rig.chain` without a change of its state, which
 is updated when the balance is found. The drum wrap moves with the predicted drum angle (that of the inputs over the
 ratio), whose error is below a milliradian and is corrected one sample later.
 """
@@ -29,6 +29,8 @@ from mbcdm_cad.storage.compiled import compiled
 
 _STEPS = 80
 _HALVINGS, _MOST_HALVINGS = 12, 40
+# Bisection: first reach to each side in rad, how often it is doubled, and how often an interval is halved.
+_REACH_RAD, _DOUBLINGS, _BISECTIONS = 1e-7, 24, 48
 # Share of the shaft's stiffness inside its play, so that a pulley free within its play has one equilibrium angle.
 _IN_PLAY = 1e-4
 
@@ -111,12 +113,109 @@ def _misses(chains: Chains, course: QuasistaticCourse, k: int, x: Floats, left: 
 
 
 @compiled
+def _newton(chains: Chains, course: QuasistaticCourse, k: int, x: Floats, left: _Leftover, scale: float) -> float:
+    """Bring the angles ``x`` to balance by Newton steps; returns the sum of squares (N m)^2 that is left."""
+    trial = np.empty_like(x)
+    size = _misses(chains, course, k, x, left)
+    for _ in range(_STEPS):
+        if size <= (1e-12 * scale) ** 2:
+            break
+        step = np.linalg.solve(left.slopes - 1e-9 * np.eye(x.size), left.miss)
+        share, better = 1.0, False
+        for halved in range(_MOST_HALVINGS):
+            # At the end of a play the slope changes by orders of magnitude: only there many are needed.
+            if halved >= _HALVINGS and size <= (1e-7 * scale) ** 2:
+                break
+            trial[:] = x - share * step
+            there = _misses(chains, course, k, trial, left)
+            if there < size:
+                better = True
+                break
+            share *= 0.5
+        if not better:
+            break
+        x[:] = trial
+        size = there
+    return size
+
+
+@compiled
+def _bisect(chains: Chains, course: QuasistaticCourse, k: int, x: Floats, left: _Leftover) -> None:
+    """Bring the angles ``x`` to balance by bisection of the drum's angle; as they were where no interval has a balance.
+
+    At the end of a play the sum of squares has a valley that Newton steps do not leave. But the torque on each pulley
+    falls with its own angle, and that on the drum with the drum's where the pulleys follow.
+    """
+    begun, drum = x.copy(), x.size - 1
+    low = high = x[drum]
+    reach = _REACH_RAD
+    for _ in range(_DOUBLINGS):
+        _follow(chains, course, k, x, left)
+        if left.miss[drum] > 0.0:
+            low, high = x[drum], x[drum] + reach
+            x[drum] = high
+            _follow(chains, course, k, x, left)
+            if left.miss[drum] <= 0.0:
+                break
+        else:
+            low, high = x[drum] - reach, x[drum]
+            x[drum] = low
+            _follow(chains, course, k, x, left)
+            if left.miss[drum] > 0.0:
+                break
+        reach *= 2.0
+    else:
+        x[:] = begun
+        return
+    for _ in range(_BISECTIONS):
+        x[drum] = 0.5 * (low + high)
+        _follow(chains, course, k, x, left)
+        if left.miss[drum] > 0.0:
+            low = x[drum]
+        else:
+            high = x[drum]
+
+
+@compiled
+def _follow(chains: Chains, course: QuasistaticCourse, k: int, x: Floats, left: _Leftover) -> None:
+    """Turn every pulley to where its own torques balance at the drum's angle, by bisection; a held one stays."""
+    n_inputs = x.size - 1
+    low, high = x[:n_inputs].copy(), x[:n_inputs].copy()
+    reach = _REACH_RAD
+    for _ in range(_DOUBLINGS):
+        between = True
+        x[:n_inputs] = low
+        _misses(chains, course, k, x, left)
+        for i in range(n_inputs):
+            if left.miss[i] < 0.0:
+                low[i] -= reach
+                between = False
+        x[:n_inputs] = high
+        _misses(chains, course, k, x, left)
+        for i in range(n_inputs):
+            if left.miss[i] > 0.0:
+                high[i] += reach
+                between = False
+        if between:
+            break
+        reach *= 2.0
+    for _ in range(_BISECTIONS):
+        x[:n_inputs] = 0.5 * (low + high)
+        _misses(chains, course, k, x, left)
+        for i in range(n_inputs):
+            if left.miss[i] > 0.0:
+                low[i] = x[i]
+            else:
+                high[i] = x[i]
+
+
+@compiled
 def run(chains: Chains, course: QuasistaticCourse, pulleys: Floats, drum: Floats, tension: Floats) -> int:
     """Fill ``pulleys`` (n_inputs, n), ``drum`` (n,) in rad and ``tension`` (n_cables, n) in N; the sample at which no
     balance was found, or -1."""
     motor, predicted, strains, input_of = course.motor, course.predicted, course.strains, course.input_of
     n_inputs, n_cables = motor.shape[0], input_of.size
-    x, trial = np.zeros(n_inputs + 1), np.zeros(n_inputs + 1)
+    x = np.zeros(n_inputs + 1)
     left = _Leftover(np.empty(n_inputs + 1), np.empty((n_inputs + 1, n_inputs + 1)), np.empty(n_cables))
     scale = 0.0
     for j in range(n_cables):
@@ -132,26 +231,10 @@ def run(chains: Chains, course: QuasistaticCourse, pulleys: Floats, drum: Floats
             carry(chains, j, float(x[input_of[j]]), float(x[n_inputs]))
             if strains.shape[2] > 0 and k > 0:
                 strain(chains, j, strains[j, :, k] - strains[j, :, k - 1])
-        size = _misses(chains, course, k, x, left)
-        for _ in range(_STEPS):
-            if size <= (1e-12 * scale) ** 2:
-                break
-            step = np.linalg.solve(left.slopes - 1e-9 * np.eye(n_inputs + 1), left.miss)
-            share, better = 1.0, False
-            for halved in range(_MOST_HALVINGS):
-                # At the end of a play the slope changes by orders of magnitude: only there many are needed.
-                if halved >= _HALVINGS and size <= (1e-7 * scale) ** 2:
-                    break
-                trial[:] = x - share * step
-                there = _misses(chains, course, k, trial, left)
-                if there < size:
-                    better = True
-                    break
-                share *= 0.5
-            if not better:
-                break
-            x[:] = trial
-            size = there
+        size = _newton(chains, course, k, x, left, scale)
+        if not size <= (1e-7 * scale) ** 2:
+            _bisect(chains, course, k, x, left)
+            size = _newton(chains, course, k, x, left, scale)
         if not size <= (1e-7 * scale) ** 2:
             return k
         for j in range(n_cables):

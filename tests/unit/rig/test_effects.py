@@ -9,7 +9,7 @@ from math import pi, radians
 import numpy as np
 import pytest
 
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import load_design, load_text
 from mbcdm_cad.rig import effects
 from mbcdm_cad.rig.effects import registry
 from mbcdm_cad.rig.effects.base import RigEffect
@@ -24,6 +24,13 @@ PERFECT = {
 }
 BRAKE = {"kind": "brake", "levels_Nm": [0.91]}
 E_A = 54e9 * 0.3117e-6
+SPUR = """\
+name: plain
+configuration: siso_spur
+travel: {{half_angle_deg: 30.0}}
+transmission: {{drum_radius_mm: 60.0, input_to_drum: {ratio}}}
+loads: {{peak_torque_Nm: 5.0}}
+"""
 
 
 @pytest.fixture(scope="module")
@@ -148,6 +155,24 @@ def test_lash_follows_the_sign_of_the_torque_the_bias_included(drive):
     seen = run(drive, effect, load=BRAKE)
     assert np.array_equal(seen.measured_input_rad, seen.input_rad), "an encoder on the pulley sees it all"
     assert seen.truth[0]["seen"] is False
+
+
+@pytest.mark.parametrize("transport", [False, True])
+@pytest.mark.parametrize(("play_urad", "stiffness_Nm_rad"), [(300.0, 5000.0), (1000.0, 5000.0), (3000.0, 500.0)])
+def test_lash_of_one_input_swings_the_drum_by_the_play_over_the_ratio(transport, play_urad, stiffness_Nm_rad):
+    """One input has no bias: where the load changes its sign, the pulley crosses its play, and the drum with it."""
+    ratio = 2.95
+    spur = load_text(SPUR.format(ratio=ratio), "plain.yaml").drive
+    load = {"kind": "torque_motor", "wave": "sine", "levels_Nm": [1.5], "wave_period_s": 13.0}
+    effect = {"effect": "gearhead_lash", "stage": "input_main", "stiffness_Nm_rad": stiffness_Nm_rad}
+    more = {"load": load, "sensors": {"input_at": "motor"}, "transport": transport}
+    swings = [np.ptp(turned_rad(spur, {**effect, "play_urad": play}, **more)) for play in (play_urad, 0.0)]
+    assert swings[0] - swings[1] == pytest.approx(play_urad * 1e-6 / ratio, rel=2e-3), swings
+
+
+def turned_rad(drive, effect, **more):
+    found = run(drive, effect, **more)
+    return found.drum_rad - found.measured_input_rad[0] / drive.total_ratio
 
 
 def test_gear_mesh_and_cogging_move_the_pulleys(drive):
