@@ -65,17 +65,16 @@ def shaft_end_bond(s: SpurLayout) -> Comparison:
 
 
 def shaft_end_flange(s: SpurLayout) -> Comparison:
-    """Torque at which the flange of the boss slips on what it is screwed on, over the one on the frame.
+    """Torque at which the flange of the boss slips on what it is screwed on, over the one on the drum's shaft.
 
-    The torques of drum and input on the frame have one sense where the cables cross.
+    The motor stands on the same frame, so that its torque and the bearings' leave the frame that of the shaft alone.
     """
-    flange, ratio = s.frame.boss.flange, s.drive.total_ratio
+    flange, load = s.frame.boss.flange, _load_Nm(s)
     assert flange is not None
-    load = _load_Nm(s) * (1.0 + 1.0 / ratio)
     clamp = clamp_force_N(2.0 * flange.screw_radius)
     holds = FRICTION * clamp * sum((x**2 + z**2) ** 0.5 for x, z in flange.screws) * 1e-3
     what = f"{len(flange.screws)} x M{2 * flange.screw_radius:g} at {clamp:.4g} N hold {holds:.4g} N m by friction over"
-    return at_least(f"{what} {load:.4g} N m on the frame", holds / max(load, 1e-9), SLIP_SAFETY, "times")
+    return at_least(f"{what} {load:.4g} N m", holds / max(load, 1e-9), SLIP_SAFETY, "times")
 
 
 def _beside(s: SpurLayout, first: SpurLayout) -> Iterator[tuple[str, float]]:
