@@ -115,11 +115,12 @@ def _motor(design: Design, catalogue: Catalogue) -> Iterator[Broken]:
 
 
 def _servo(design: Design, motor: Motor) -> Iterator[Broken]:
-    """A servo has gears of its own, and its horn carries the pulley."""
+    """A servo has gears of its own, and its horn carries the pulley: that of the first stage, where there is one."""
     if design.drive.gearhead != NO_GEARHEAD:
         what = f"{motor.name} is a servo with gears of its own"
         yield Broken(("drive", "gearhead"), what, design.drive.gearhead, NO_GEARHEAD, f"write {NO_GEARHEAD}")
-    if not getattr(getattr(design, "input_pulleys", None), "overhung", False):
+    here = getattr(design, "first_stage", None) is None
+    if here and not getattr(getattr(design, "input_pulleys", None), "overhung", False):
         yield Broken(
             ("drive", "motor"),
             "the horn of a servo carries the input pulley, which then has no bearings",

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from mbcdm_cad.checks.drum_sector import STOP_WINDOW_DEG
-from mbcdm_cad.design.bought import FIRST_STAGE, NO_ENCODER, CableStageOutput
+from mbcdm_cad.design.bought import FIRST_STAGE, NO_ENCODER, NO_GEARHEAD, CableStageOutput
 from mbcdm_cad.design.design_file import DesignFile
 from mbcdm_cad.design.entries import KINDS, OwnEntries
 from mbcdm_cad.design.fieldpath import FieldPath
@@ -237,7 +237,7 @@ def first_stage(file: dict[str, Any]) -> FirstStage:
         try:
             made = _found[key] = _made(file)
             # The same file with the motor that its rules chose.
-            train = {**file["drive"], "motor": made.drive.motor.name, "gearhead": made.drive.gearhead.name}
+            train = {**file["drive"], "motor": made.drive.motor.name, "gearhead": gearhead_word(made.drive)}
             _found[json.dumps({**file, "drive": train}, sort_keys=True)] = made
         except SizingError as error:
             _found[key] = error
@@ -272,6 +272,11 @@ def _made(file: dict[str, Any]) -> FirstStage:
     return made({**file, "drum": {**file["drum"], "shaft_end_mm": longer}})
 
 
+def gearhead_word(first: SpurDrive) -> str:
+    """What a design file calls the gearhead of a first stage: none where a servo's own gears turn its input."""
+    return NO_GEARHEAD if first.servo is not None else first.gearhead.name
+
+
 def _told(field: str, what: str, value: str, limit: str, remedy: str) -> Broken:
     """A fault in the first stage's file, at the place of the whole file that it comes from."""
     block = field.partition(".")[0]
@@ -298,6 +303,7 @@ def output_of(first: SpurDrive) -> CableStageOutput:
     from mbcdm_cad.layouts.siso_spur.support.dims import FLANGE_SCREW, FLANGE_SCREWS, boss_flange
     from mbcdm_cad.layouts.structure import lash_rad
     from mbcdm_cad.model.si import ModelError
+    from mbcdm_cad.parts.boss import BEARING_WALL_MM
 
     layout: Any = first.layout
     flange, bearing = boss_flange(first), first.bearings.drum
@@ -327,7 +333,7 @@ def output_of(first: SpurDrive) -> CableStageOutput:
         length_mm=max(levels.hub_face_y, levels.encoder_top_z) - levels.back_y,
         shaft_diameter_mm=bearing.bore_mm,
         shaft_length_mm=first.drum.shaft_end_mm,
-        pilot_diameter_mm=bearing.outer_diameter_mm + 2 * _wall_mm(),
+        pilot_diameter_mm=bearing.outer_diameter_mm + 2 * BEARING_WALL_MM,
         pilot_height_mm=flange.pilot,
         bolt_circle_mm=2 * max((x**2 + z**2) ** 0.5 for x, z in flange.screws),
         screw=FLANGE_SCREW,
@@ -337,12 +343,6 @@ def output_of(first: SpurDrive) -> CableStageOutput:
         inertia_kg_m2=inertia_kg_m2(layout),
         lash_rad=lash_rad(first, motors_held=True),
     )
-
-
-def _wall_mm() -> float:
-    from mbcdm_cad.parts.boss import BEARING_WALL_MM
-
-    return BEARING_WALL_MM
 
 
 def _bearings_mm(layout: SectorLayout) -> tuple[float, float]:

@@ -11,7 +11,7 @@ from mbcdm_cad.design.sized import SizedValue, Sizing, SizingError
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.siso_spur.checks import wraps
 from mbcdm_cad.layouts.siso_spur.checks.first_stage import motor_beside_mm
-from mbcdm_cad.layouts.siso_spur.first_stage import last_ratio, split_ratio
+from mbcdm_cad.layouts.siso_spur.first_stage import gearhead_word, last_ratio, split_ratio
 from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
 from mbcdm_cad.sizing.rule import Found, Rule, rounded_up
 
@@ -46,7 +46,7 @@ def _motor(given: SpurKnown) -> str:
 def _gearhead(given: SpurKnown) -> str:
     first = given.first_stage
     assert first is not None
-    return first.drive.gearhead.name
+    return gearhead_word(first.drive)
 
 
 FIRST = (

@@ -6,6 +6,7 @@ import re
 from dataclasses import replace
 from functools import cache
 from itertools import combinations
+from math import radians
 from pathlib import Path
 
 import numpy as np
@@ -40,6 +41,19 @@ transmission: {drum_radius_mm: 60.0}
 first_stage: {total_ratio: 24.0}
 loads: {peak_torque_Nm: 5.0}
 drive: {gearhead: none}
+"""
+
+
+SERVO = """\
+name: series
+configuration: siso_spur
+travel: {half_angle_deg: 30.0}
+transmission: {drum_radius_mm: 60.0}
+first_stage:
+  total_ratio: 6.0
+  design: {input_pulleys: {carried_by: motor}, drum: {material: pla}, rope: {type: uhmwpe-1}}
+loads: {peak_torque_Nm: 3.0}
+drive: {motor: servo-35kg-25t, drum_encoder: none}
 """
 
 
@@ -150,23 +164,37 @@ def test_losses_of_both_stages_are_those_of_each_alone(way: int, share: float) -
     assert float(together.motor_Nm[0, 0]) == pytest.approx(float(alone.motor_Nm[0, 0]), rel=5e-3)
 
 
+def _drum_rad(d: SpurDrive, load_Nm: float) -> np.ndarray:
+    """The drum in the rig under a load of both signs, the motor all but held."""
+    data = {
+        "name": "held",
+        "seed": 1,
+        "duration_s": 4.0,
+        "sample_rate_Hz": 50.0,
+        "motion": {"shape": "triangle", "amplitude_mrad": 0.1, "period_s": 4.0},
+        "load": {"kind": "torque_motor", "wave": "sine", "levels_Nm": [load_Nm], "wave_period_s": 4.0},
+        "sensors": {"input_at": "motor"},
+        "physics": {"cable_transport": False, "structure": True},
+    }
+    return np.asarray(simulate(d, Experiment.model_validate(data)).drum_rad)
+
+
 def _swing_rad(d: SpurDrive, load_Nm: float) -> float:
     """Swing of the drum's encoder in the rig between loads of both signs, the motor's motion taken off."""
+    return float(np.ptp(_drum_rad(d, load_Nm) - _drum_rad(d, 1e-6)))
 
-    def drum_rad(load_Nm: float) -> np.ndarray:
-        data = {
-            "name": "held",
-            "seed": 1,
-            "duration_s": 4.0,
-            "sample_rate_Hz": 50.0,
-            "motion": {"shape": "triangle", "amplitude_mrad": 0.1, "period_s": 4.0},
-            "load": {"kind": "torque_motor", "wave": "sine", "levels_Nm": [load_Nm], "wave_period_s": 4.0},
-            "sensors": {"input_at": "motor"},
-            "physics": {"cable_transport": False, "structure": True},
-        }
-        return np.asarray(simulate(d, Experiment.model_validate(data)).drum_rad)
 
-    return float(np.ptp(drum_rad(load_Nm) - drum_rad(1e-6)))
+def test_play_before_the_first_stage_turns_the_drum_by_it_over_both_ratios() -> None:
+    """By hand: the play of the servo's gears over the product of both ratios, as the file states it."""
+    found = spur(load_text(SERVO, "series.yaml").drive)
+    spring = found.cable_stage
+    assert found.first is not None and found.first.servo is not None and spring is not None
+    play, load = radians(found.first.servo.lash_deg) / 6.0, found.loads.test_torque_Nm
+    tight = replace(found, gearhead=replace(spring, lash_rad=0.0))
+    loose, held = found.layout.turns.motors_held, tight.layout.turns.motors_held
+    assert loose is not None and held is not None and play > 1e-3
+    assert (loose.swing_mrad - held.swing_mrad) * 1e-3 == pytest.approx(play, rel=1e-6)
+    assert np.ptp(_drum_rad(found, load) - _drum_rad(tight, load)) == pytest.approx(play, rel=2e-3)
 
 
 def test_rig_of_both_turns_as_the_rigs_of_each() -> None:
