@@ -8,9 +8,10 @@ Unknown are the drum's angle and the angle of each input pulley that a gearhead 
 lever_j is what the path of cable j grows by per drum angle, s_j the share of its tension that it loses where it bends
 on passed bodies and drum, against the motion: z is from -1 to 1.
 
-Newton steps with a line search, and where these stop at the end of a play, bisection; the tensions come from :mod:`mbcdm_cad.rig.chain` without a change of its state, which
-is updated when the balance is found. The drum wrap moves with the predicted drum angle (that of the inputs over the
-ratio), whose error is below a milliradian and is corrected one sample later.
+Newton steps with a line search, and where these stop at the end of a play, bisection; the tensions come from
+:mod:`mbcdm_cad.rig.chain` without a change of its state, which is updated when the balance is found. The drum wrap
+moves with the predicted drum angle (that of the inputs over the ratio), whose error is below a milliradian and is
+corrected one sample later.
 """
 
 from __future__ import annotations
