@@ -66,7 +66,7 @@ _FOUND: dict[tuple[str, bytes], float] = {}
 
 def _lightest(size: SizeWith, field: str, data: dict[str, Any], layout: type[Layout]) -> float:
     ranked: list[tuple[tuple[int, float, float], float]] = []
-    refused: list[Exception] = []
+    refused: list[NoFigureError | SizingError] = []
     for ratio in RATIOS:
         try:
             ranked.append((_rank(layout, _with(size, field, data, None, None, ratio)), ratio))
@@ -74,8 +74,8 @@ def _lightest(size: SizeWith, field: str, data: dict[str, Any], layout: type[Lay
             refused.append(error)
     if ranked:
         return min(ranked)[1]
-    if len({str(error) for error in refused}) == 1:  # a fault of the file, whatever the ratio
-        raise refused[0]
+    if isinstance(refused[0], SizingError) and len({str(error) for error in refused}) == 1:
+        raise refused[0]  # a fault of the file, whatever the ratio
     what = f"missing, and no ratio from {RATIOS[0]:g} to {RATIOS[-1]:g} gives a drive: {refused[0]}"
     raise SizingError(Broken(tuple(field.split(".")), what, "", "", "add it, or name the motor under drive:"))
 
