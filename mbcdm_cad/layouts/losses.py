@@ -50,7 +50,7 @@ def train_of(layout: Layout) -> Train:
         motor_idle_Nm=friction.motor_idle_mNm(motor.rated_torque_mNm, idle) * 1e-3,
         motor_sigma=friction.MOTOR_IDLE_SIGMA if idle is None else friction.MOTOR_STATED_SIGMA,
         stage_share=0.0 if stage is None else friction.gearhead_share(stage.efficiency),
-        gear_words="first stage" if isinstance(gear, CableStageOutput) else "gearheads",
+        gear_words=drive.mounted if isinstance(gear, CableStageOutput) else "gearheads",
     )
 
 

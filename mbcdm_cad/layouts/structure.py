@@ -323,7 +323,7 @@ def _gearheads(layout: SectorLayout, torques_Nm: Floats) -> Iterator[Cause]:
         # Behind a stage it carries less, and what it turns is that much less at the input.
         stiffness *= stage.ratio**2
     first = layout.drive.cable_stage is not None
-    name = "first stage" if first else "gearheads (estimate)" if stated is None else "gearheads"
+    name = layout.drive.mounted if first else "gearheads (estimate)" if stated is None else "gearheads"
     yield Cause(
         name,
         float((torques_Nm**2).sum() / stiffness) * 1e6,

@@ -8,11 +8,11 @@ from math import isfinite
 
 from mbcdm_cad.layouts.base import Layout, NoFigureError
 from mbcdm_cad.layouts.structure import urad_Nm
-from mbcdm_cad.model.losses.train import MOTOR
+from mbcdm_cad.model.losses.train import GEARHEAD, GEARHEAD_IDLE, MOTOR
 from mbcdm_cad.report.table import ReportTable
 
-# Beginning of the names of what the first stage takes of a whole drive: its spring and its losses.
-_FIRST = "first stage"
+# Kinds of the losses of a first stage in a whole drive, where it stands in place of a gearhead.
+_OF_FIRST = (GEARHEAD, GEARHEAD_IDLE)
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ def stage_figures(layout: Layout) -> tuple[StageFigures, ...]:
     lost = {True: 0.0, False: 0.0}
     for loss in layout.losses.moving(drive.loads.peak_torque_Nm, 1).losses:
         if loss.kind != MOTOR:
-            lost[loss.name.startswith(_FIRST)] += float(loss.torque_Nm[0])
+            lost[loss.kind in _OF_FIRST] += float(loss.torque_Nm[0])
     try:
         structure = layout.structure
     except NoFigureError:
@@ -49,7 +49,7 @@ def stage_figures(layout: Layout) -> tuple[StageFigures, ...]:
     own: float | None = None
     before: float | None = None
     if structure is not None:
-        before = urad_Nm(c for c in structure.causes if c.name.startswith(_FIRST))
+        before = urad_Nm(c for c in structure.causes if c.name == drive.mounted)
         own = structure.cables_urad_Nm + structure.motor_urad_Nm - before
     ratios = drive.reduction.ratio, float(layout.routed.routes.inputs[0].turns_per_drum)
     lives = _life(first), _life(layout)
