@@ -201,7 +201,8 @@ def stiffened(
 def _eased(size: Size, data: dict[str, Any], layout: type[Layout], moved: Moved, similar: Sizing | None) -> Sizing:
     """The sizing with less preload where the drum turns harder than the file asks for, as long as no other check fails.
 
-    The most with which it turns so easily, else the least. A search keeps the share that was found for ``similar``.
+    The highest preload with which it turns so easily, else the lowest that no other check refuses. A search keeps the
+    share that was found for ``similar``.
     """
 
     def shared(share: float, near: Sizing | None) -> Sizing:
