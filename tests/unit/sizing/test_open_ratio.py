@@ -15,6 +15,7 @@ from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import Sizing, SizingError
 from mbcdm_cad.errors import InputError
+from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.check_design import run_checks
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.layouts.open_ratio import RATIOS, lightest
@@ -113,3 +114,11 @@ def test_what_no_ratio_gives_is_told_with_its_reason() -> None:
 
     with pytest.raises(SizingError, match=r"no ratio from 2 to 20 gives a drive: too thin at 2"):
         lightest(none, "transmission.input_to_drum", {"name": "none"}, None, None, layout=SpurLayout)
+
+
+def test_drives_without_figures_at_every_ratio_are_a_fault_of_the_file_too() -> None:
+    def none(data: Any, moved: Any, similar: Any, ratio: tuple[Rule, ...]) -> Sizing:
+        raise NoFigureError("no free span")
+
+    with pytest.raises(SizingError, match=r"no ratio from 2 to 20 gives a drive: no free span"):
+        lightest(none, "transmission.input_to_drum", {"name": "without"}, None, None, layout=SpurLayout)
