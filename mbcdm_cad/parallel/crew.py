@@ -12,7 +12,7 @@ from types import TracebackType
 from typing import Any, Protocol, Self, TypeVar
 
 from mbcdm_cad.errors import MbcdmError
-from mbcdm_cad.parallel.forks import allow_processes, may_fork
+from mbcdm_cad.parallel.forks import begin_worker, may_fork
 
 Argument = TypeVar("Argument")
 Result = TypeVar("Result")
@@ -100,7 +100,7 @@ class LocalCrew:
             # An interrupt waits meanwhile: Python drops one that comes while it forks.
             before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
             try:
-                self._pool = ProcessPoolExecutor(self._workers, fork, _begin)
+                self._pool = ProcessPoolExecutor(self._workers, fork, begin_worker)
                 self._pool.submit(int)  # with the first work all processes start
             finally:
                 signal.pthread_sigmask(signal.SIG_SETMASK, before)
@@ -156,14 +156,6 @@ def _uninterrupted() -> Iterator[None]:
 
 
 _worker_function: Callable[[Any], Any] | None = None
-
-
-def _begin() -> None:
-    """A worker forks no others, and leaves an interrupt from the keyboard, which reaches all, to the main process."""
-    import signal
-
-    allow_processes(False)
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def _worker_call(argument: Any) -> Any:

@@ -64,7 +64,7 @@ def forked(
     assert _work is None, "fork_map within fork_map"
     _work = (function, arguments)
     try:
-        with multiprocessing.get_context("fork").Pool(min(jobs, len(arguments))) as pool:
+        with multiprocessing.get_context("fork").Pool(min(jobs, len(arguments)), begin_worker) as pool:
             pending = [pool.apply_async(_call, (index,)) for index in range(len(arguments))]
 
             def results(look: Callable[[], None] = _go_on, first: int | None = None) -> list[Result]:
@@ -84,6 +84,14 @@ def may_fork() -> bool:
     import multiprocessing  # every command imports this file, few of them fork
 
     return _allowed and "fork" in multiprocessing.get_all_start_methods()
+
+
+def begin_worker() -> None:
+    """First work of a forked process: it forks no others, and leaves the keyboard's interrupt to the main process."""
+    import signal
+
+    allow_processes(False)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def _go_on() -> None:

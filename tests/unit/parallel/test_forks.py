@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import os
+import signal
+import subprocess
+import sys
 import time
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -11,6 +15,7 @@ import pytest
 from mbcdm_cad.errors import GeometryError
 from mbcdm_cad.parallel import forks
 from mbcdm_cad.parallel.forks import fork_map, forked
+from tests.support.loopback import PATIENCE_S
 
 
 @pytest.fixture(autouse=True)
@@ -51,6 +56,27 @@ def test_an_error_comes_through(jobs: int) -> None:
     with pytest.raises(GeometryError, match="drum: no solid"):
         fork_map(work, range(4), jobs)
     assert fork_map(abs, [-1, 2], jobs) == [1, 2]
+
+
+def test_interrupted_workers_say_nothing() -> None:
+    """Ctrl-C reaches them too; what it means is for the main process to say."""
+    program = (
+        "import os, time; from mbcdm_cad.parallel.forks import allow_processes, fork_map; allow_processes()\n"
+        f"def work(_): os.write(1, b'begun\\n'); time.sleep({PATIENCE_S})\n"
+        "try: fork_map(work, range(4), 2)\n"
+        "except KeyboardInterrupt: print('stopped')\n"
+    )
+    words, pipe = [sys.executable, "-c", program], subprocess.PIPE
+    with subprocess.Popen(words, stdout=pipe, stderr=pipe, text=True, start_new_session=True) as running:
+        assert running.stdout is not None
+        try:
+            assert [running.stdout.readline() for _ in range(2)] == ["begun\n"] * 2
+            os.killpg(running.pid, signal.SIGINT)
+            said, wrong = running.communicate(timeout=PATIENCE_S / 2)
+        finally:
+            with suppress(ProcessLookupError):
+                os.killpg(running.pid, signal.SIGKILL)
+    assert (said, wrong) == ("stopped\n", "")
 
 
 def test_nothing_to_do() -> None:
