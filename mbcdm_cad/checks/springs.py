@@ -21,6 +21,10 @@ LEAST_PLAY_MM, MOST_PLAY_MM = 0.199, 1.0
 LEFT_SHARE = 0.05
 # Least share of the preload that is left after the rope has bedded in, before it is tightened again (estimate).
 KEPT_SHARE = 0.5
+# Springs on one stud that a remedy names at most: the file's bound of drum.spring_count.
+MOST_SPRINGS = 40
+# A higher stack makes the sector, and so the rope that beds in, a little longer (estimate, beside 1 % seen).
+_LONGER = 1.05
 # Further turn of the drum by springs that move, over that of the cables (the share that structure may have).
 MOVED_SHARE = 0.25
 
@@ -101,25 +105,41 @@ def spring_keeps(s: SectorLayout) -> Comparison:
     for c, length in zip(s.drive.cables, s.tensioned_lengths_mm(), strict=True):
         lost = rope.bedding_in_share * length + s.drive.setting_mm
         give = length / rope.axial_stiffness_N + s.drive.anchor_m_N * 1e3
-        found.append(
-            at_least(
-                f"preload of {c.name} left after bedding-in", 1.0 - lost / give / c.preload_N, KEPT_SHARE, "of preload"
-            )
-        )
+        # A rope that grows by more than rope and springs gave way is loose.
+        left = max(1.0 - lost / give / c.preload_N, 0.0)
+        found.append(at_least(f"preload of {c.name} left after bedding-in", left, KEPT_SHARE, "of preload"))
     return worst(found)
 
 
 def _more(s: SectorLayout) -> str:
-    """How many springs keep the share."""
-    rope, spring = s.drive.cable, _spring(s)
-    wanted = 0
+    """How many springs keep the share, or else which softer ones on the same stud do."""
+    rope, own, most = s.drive.cable, _spring(s), 0.0
     for c, length in zip(s.drive.cables, s.tensioned_lengths_mm(), strict=True):
         lost = rope.bedding_in_share * length + s.drive.setting_mm
-        give = lost / ((1.0 - KEPT_SHARE) * c.preload_N) - length / rope.axial_stiffness_N
-        wanted = max(wanted, int(np.ceil(give * spring.stiffness_N_mm)))
-    return (
-        f"raise drum.spring_count to {wanted}, or choose a softer drum.spring; else tighten again after the first runs"
-    )
+        most = max(most, lost / ((1.0 - KEPT_SHARE) * c.preload_N) - length / rope.axial_stiffness_N)
+    ways = []
+    wanted = int(np.ceil(most * own.stiffness_N_mm))
+    if wanted <= MOST_SPRINGS:
+        ways.append(f"raise drum.spring_count to {wanted}")
+    softer = [
+        (count * e.free_mm, f"{e.name} with drum.spring_count: {count}")
+        for e in s.drive.springs
+        if e.stiffness_N_mm < own.stiffness_N_mm
+        and e.usable_N >= s.loads.highest_N
+        and led(e, s.drive.tensioner.thread_mm)
+        and (count := int(np.ceil(_LONGER * most * e.stiffness_N_mm))) <= MOST_SPRINGS
+    ]
+    if softer:
+        ways.append(f"choose drum.spring: {min(softer)[1]}")
+    return "; ".join((" or ".join(ways), "else tighten again after the first runs") if ways else (_NO_SPRING,))
+
+
+_NO_SPRING = "tighten again after the first runs: no springs of the catalogue that this terminal leads keep so much"
+
+
+def led(spring: SpringSpec, thread_mm: float) -> bool:
+    """Whether a stud leads the spring."""
+    return LEAST_PLAY_MM <= spring.inside_mm - thread_mm <= MOST_PLAY_MM
 
 
 def _strong(s: SectorLayout) -> str:
@@ -132,8 +152,7 @@ def _strong(s: SectorLayout) -> str:
 
 def _fitting(s: SectorLayout) -> str:
     """Terminals of the package that lead this spring."""
-    plays = ((n, _spring(s).inside_mm - e["thread_mm"]) for n, e in package_entries("tensioners").items())
-    names = [name for name, play in plays if LEAST_PLAY_MM <= play <= MOST_PLAY_MM]
+    names = [name for name, e in package_entries("tensioners").items() if led(_spring(s), e["thread_mm"])]
     return f"choose drum.tensioner: {' or '.join(names)}, or leave it out" if names else "choose another drum.spring"
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, noted, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.geometry import Points, polygon_gap
+from mbcdm_cad.checks.springs import led
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.sector import SectorLayout
@@ -82,7 +83,7 @@ def sleeve_fits(s: SectorLayout) -> Comparison:
 
 
 def _fitting_tensioner(s: SectorLayout) -> str:
-    """The smallest tensioner of the package whose sleeve takes the rope."""
+    """The smallest tensioner of the package whose sleeve takes the rope, and springs that its stud leads."""
     end, d = s.drive.termination, s.drive.cable.diameter_mm
     fitting = [
         (entry["swage_diameter_mm"], name)
@@ -91,7 +92,11 @@ def _fitting_tensioner(s: SectorLayout) -> str:
         and entry["swage_length_mm"] - SWAGE_FLOOR_MM >= end.grip_ratio * d
     ]
     if fitting:
-        return f"choose drum.tensioner: {min(fitting)[1]}"
+        name, spring = min(fitting)[1], s.drive.spring
+        if spring is None or led(spring, thread_mm := package_entries("tensioners")[name]["thread_mm"]):
+            return f"choose drum.tensioner: {name}"
+        springs = [e.name for e in s.drive.springs if led(e, thread_mm) and e.usable_N >= s.loads.highest_N]
+        return f"choose drum.tensioner: {name}, with drum.spring: {' or '.join(springs) or 'left out'}"
     return "add a tensioner with a larger sleeve to catalogue: tensioners:, or choose a thinner rope"
 
 

@@ -217,9 +217,28 @@ def test_weak_loose_and_few_springs_are_told(sprung: SpurDrive) -> None:
     assert found(longer)["spring_hold"][0] == "pass"
     few = short["spring_keeps"]
     assert few[0] == "warn" and "spring_count to" in few[1], few
-    wanted = int(few[1].split("spring_count to ")[1].split(",")[0])
+    wanted = int(few[1].split("spring_count to ")[1].split(";")[0])
     assert found(replace(sprung, drum=replace(sprung.drum, spring_count=wanted)))["spring_keeps"][0] == "pass"
     assert found(replace(sprung, drum=replace(sprung.drum, spring_count=wanted - 1)))["spring_keeps"][0] == "warn"
+
+
+def test_a_remedy_names_a_softer_spring_and_a_terminal_with_a_spring_that_passes() -> None:
+    def found(drive: SpurDrive, check: str) -> tuple[str, str, float]:
+        (r,) = run_all([c for c in checks_of(drive) if c.id == check], drive.layout)
+        return r.status, r.remedy, r.actual or 0.0
+
+    text = TEXT.replace("6.0", "1.0")
+    hard = load_text(text.format(rope="7x19-1.5", drum=DISCS)).drive
+    assert isinstance(hard, SpurDrive)
+    status, remedy, left = found(hard, "spring_keeps")
+    assert (status, left) == ("warn", 0.0), (status, left, remedy)
+    named, count = remedy.split("drum.spring: ")[1].split(";")[0].split(" with drum.spring_count: ")
+    drum = f"spring: {named}, spring_count: {count}, tensioner: M4"
+    soft = load_text(text.format(rope="7x19-1.5", drum=drum)).drive
+    assert isinstance(soft, SpurDrive)
+    assert found(soft, "spring_keeps")[0] == "pass", remedy
+    status, remedy, _ = found(drive_of(rope="7x19-1.5, termination: ball"), "sleeve_fits")
+    assert status == "fail" and "M5, with drum.spring: disc-10x5.2x0.4" in remedy, remedy
 
 
 def test_the_rules_choose_a_terminal_that_leads_the_spring() -> None:
