@@ -141,12 +141,15 @@ class AnalysisReport:
         return ReportTable(("load N m", "shares of the inputs", "inputs mN m", "tensions N"), rows)
 
     def _limits(self) -> ReportTable:
-        causes = list(dict.fromkeys(limit.cause for limit in self.figures.limits))
+        names, left_out = _LIMITS, ""
+        if self.layout.first_stage is not None:
+            names, left_out = _LIMITS | {"gearhead_rated": "first stage, torque it is made for"}, "gearhead_maximum"
+        causes = [c for c in dict.fromkeys(limit.cause for limit in self.figures.limits) if c != left_out]
         ways = [[x for x in self.figures.limits if x.direction == way] for way in (1, -1)]
         rows = []
         for cause in causes:
             plus, minus = (next(limit for limit in way if limit.cause == cause) for way in ways)
-            rows.append((_LIMITS.get(cause, cause), _limit(plus), _limit(minus)))
+            rows.append((names.get(cause, cause), _limit(plus), _limit(minus)))
         return ReportTable(("limit", "load +", "load -"), tuple(rows))
 
     def _blocks(self, width: int | None) -> Iterator[list[str]]:

@@ -9,7 +9,7 @@ from math import isfinite
 from mbcdm_cad.layouts.base import Layout, NoFigureError
 from mbcdm_cad.layouts.structure import urad_Nm
 from mbcdm_cad.model.losses.train import GEARHEAD, GEARHEAD_IDLE, MOTOR
-from mbcdm_cad.report.table import ReportTable
+from mbcdm_cad.report.table import ReportTable, filled
 
 # Kinds of the losses of a first stage in a whole drive, where it stands in place of a gearhead.
 _OF_FIRST = (GEARHEAD, GEARHEAD_IDLE)
@@ -21,7 +21,7 @@ class StageFigures:
 
     ``urad_Nm``: turn of the payload, the motor held; ``lost_Nm``: what it loses at the peak torque of the whole, at the
     drum of the whole, motors aside. ``life_cycles``: median of the cable that breaks first, in cycles of the output;
-    None where there is no figure.
+    None where there is no figure, with the reason in ``no_life``.
     """
 
     stage: str
@@ -31,6 +31,7 @@ class StageFigures:
     urad_Nm: float | None
     lost_Nm: float
     life_cycles: float | None
+    no_life: str = ""
 
 
 def stage_figures(layout: Layout) -> tuple[StageFigures, ...]:
@@ -53,7 +54,7 @@ def stage_figures(layout: Layout) -> tuple[StageFigures, ...]:
         own = structure.cables_urad_Nm + structure.motor_urad_Nm - before
     ratios = drive.reduction.ratio, float(layout.routed.routes.inputs[0].turns_per_drum)
     lives = _life(first), _life(layout)
-    known = [cycles for cycles in lives if cycles is not None]
+    known = [cycles for cycles, _ in lives if cycles is not None]
     one = StageFigures(
         "first",
         ratios[0],
@@ -61,10 +62,10 @@ def stage_figures(layout: Layout) -> tuple[StageFigures, ...]:
         first.drive.loads.peak_torque_Nm,
         before,
         lost[True],
-        lives[0],
+        *lives[0],
     )
     two = StageFigures(
-        "second", abs(ratios[1]), drive.half_travel_deg, drive.loads.peak_torque_Nm, own, lost[False], lives[1]
+        "second", abs(ratios[1]), drive.half_travel_deg, drive.loads.peak_torque_Nm, own, lost[False], *lives[1]
     )
     both = StageFigures(
         "both",
@@ -78,18 +79,22 @@ def stage_figures(layout: Layout) -> tuple[StageFigures, ...]:
     return one, two, both
 
 
-def _life(layout: Layout) -> float | None:
+def _life(layout: Layout) -> tuple[float | None, str]:
+    """Cycles of the cable that breaks first; None with the reason where one has no figure."""
     try:
-        cycles = [rope.cycles for rope in layout.life.ropes]
-    except NoFigureError:
-        return None
-    return min(cycles) if all(isfinite(c) for c in cycles) else None
+        ropes = layout.life.ropes
+    except NoFigureError as error:
+        return None, str(error)
+    for rope in ropes:
+        if not isfinite(rope.cycles):
+            return None, rope.refused if rope.longer else f"{rope.refused}; it may break first"
+    return min(rope.cycles for rope in ropes), ""
 
 
 def stage_table(found: tuple[StageFigures, ...]) -> ReportTable:
     """The figures as a table."""
     heads = ("stage", "ratio", "travel deg", "torque N m", "turn urad/N m", "lost N m", "N50 cycles")
-    return ReportTable(heads, tuple(tuple(asdict(one).values()) for one in found))
+    return ReportTable(heads, tuple(tuple(asdict(one).values())[: len(heads)] for one in found))
 
 
 def stage_lines(layout: Layout, width: int | None) -> Iterator[str]:
@@ -98,3 +103,6 @@ def stage_lines(layout: Layout, width: int | None) -> Iterator[str]:
     if found:
         yield "Both cable stages, the motor held; turn and losses as seen at the drum of the second:"
         yield from stage_table(found).text(width, "  ")
+        for one in found:
+            if one.no_life:
+                yield from filled(f"  {one.stage} stage, life of its cable: no figure, {one.no_life}", width)

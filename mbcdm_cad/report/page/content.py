@@ -64,8 +64,11 @@ def tightest(checks: Sequence[Mapping[str, Any]]) -> dict[str, Any] | None:
 def capability(report: Mapping[str, Any]) -> list[dict[str, Any]]:
     """Torque limits by cause in both directions, N m; None if a cause sets no limit."""
     rows: dict[str, dict[str, Any]] = {}
+    names = CAUSES | ({"gearhead_rated": "torque that the first stage is made for"} if "stages" in report else {})
     for limit in report["analysis"]["limits"]:
-        row = rows.setdefault(limit["cause"], {"cause": CAUSES.get(limit["cause"], limit["cause"])})
+        if "stages" in report and limit["cause"] == "gearhead_maximum":
+            continue  # a first stage has one torque
+        row = rows.setdefault(limit["cause"], {"cause": names.get(limit["cause"], limit["cause"])})
         row["plus" if limit["direction"] > 0 else "minus"] = limit
     return list(rows.values())
 
