@@ -66,10 +66,11 @@ def test_results_keep_the_order_of_the_arguments(own: None, workers: int) -> Non
 
 
 STOPPED = """
-import time
+import signal, time
 from mbcdm_cad.parallel.crew import crew
 from mbcdm_cad.parallel.forks import allow_processes
 
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job would ignore it
 allow_processes()
 try:
     with crew(time.sleep, 2) as found:

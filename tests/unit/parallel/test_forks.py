@@ -61,7 +61,8 @@ def test_an_error_comes_through(jobs: int) -> None:
 def test_interrupted_workers_say_nothing() -> None:
     """Ctrl-C reaches them too; what it means is for the main process to say."""
     program = (
-        "import os, time; from mbcdm_cad.parallel.forks import allow_processes, forked; allow_processes()\n"
+        "import os, signal, time; from mbcdm_cad.parallel.forks import allow_processes, forked; allow_processes()\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # a shell's background job would ignore it
         f"def work(_): os.write(1, b'begun\\n'); time.sleep({PATIENCE_S})\n"
         "def look(): os.write(1, b'waits\\n')\n"
         "try:\n"
