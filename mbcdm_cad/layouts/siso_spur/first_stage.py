@@ -112,6 +112,12 @@ def of_design(design: Any) -> FirstStage | None:
     """The first stage of a valid design. Raises ``SizingError`` with what is wrong in its block."""
     if design.first_stage is None:
         return None
+    own = {kind: getattr(design.catalogue, kind) for kind in KINDS}
+    return first_stage(words(_fields(design), own))
+
+
+def _fields(design: Any) -> Get:
+    """The values of a design by their dotted names."""
 
     def get(field: str) -> Any:
         at: Any = design
@@ -119,8 +125,7 @@ def of_design(design: Any) -> FirstStage | None:
             at = getattr(at, name, None)
         return at
 
-    own = {kind: getattr(design.catalogue, kind) for kind in KINDS}
-    return first_stage(words(get, own))
+    return get
 
 
 def of_data(get: Get) -> FirstStage:
@@ -412,9 +417,8 @@ def broken_first_stage(design: Any) -> Iterator[Broken]:
             "leave it out; first_stage.design may have it",
         )
         return
-    last = design.transmission.input_to_drum or design.transmission.drum_radius_mm / (
-        design.transmission.input_radius_mm or 1.0
-    )
+    last = last_ratio(_fields(design))
+    assert last is not None
     if block.total_ratio and block.ratio and abs(block.ratio * last / block.total_ratio - 1.0) > 1e-3:
         yield Broken(
             ("first_stage", "total_ratio"),

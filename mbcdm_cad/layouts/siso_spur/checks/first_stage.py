@@ -12,13 +12,12 @@ from mbcdm_cad.checks.design_variables import down
 from mbcdm_cad.checks.drum_outline import drum_zones
 from mbcdm_cad.checks.fixings import FRICTION, SLIP_SAFETY, STRESS_SAFETY, stalled_Nm
 from mbcdm_cad.checks.remedies import Budget, remedy
+from mbcdm_cad.layouts.siso_spur.checks.stage import BOND_MPA
 from mbcdm_cad.layouts.siso_spur.first_stage import shaft_urad_Nm
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.parts.motor_head.dims import body_radius_mm
 from mbcdm_cad.parts.threads import clamp_force_N
 
-# Strength of a retaining compound in shear: half of 15 to 25 MPa (its makers).
-BOND_MPA = 10.0
 # Checks of a first stage that say nothing: its hub carries nothing, its frame has no base, its motor's day is that of
 # the whole drive.
 NOT_OF_A_FIRST = (
@@ -33,14 +32,9 @@ NOT_OF_A_FIRST = (
 )
 
 
-def _load_Nm(s: SpurLayout) -> float:
-    """Torque on the drum's shaft: the peak torque, or that of stalled motors."""
-    return max(s.drive.loads.peak_torque_Nm, stalled_Nm(s))
-
-
 def shaft_end_stress(s: SpurLayout) -> Comparison:
     """Torsion of the drum's shaft behind its hub, von Mises, against the yield stress."""
-    shaft, strength, load = s.drum_shaft, s.drive.shaft_material.yield_MPa, _load_Nm(s)
+    shaft, strength, load = s.drum_shaft, s.drive.shaft_material.yield_MPa, stalled_Nm(s)
     shear = 2e3 * load * shaft.radius / (pi * (shaft.radius**4 - shaft.bore_radius**4))
     stress = 3**0.5 * shear
     what = f"yield {strength:g} MPa over {stress:.4g} MPa in the drum's shaft at {load:.4g} N m"
@@ -58,7 +52,7 @@ def shaft_end_twist(s: SpurLayout) -> Comparison:
 
 def shaft_end_bond(s: SpurLayout) -> Comparison:
     """Torque that the bond of the hub on the drum's shaft holds, over the one that passes."""
-    shaft, drum, load = s.drum_shaft, s.drum, _load_Nm(s)
+    shaft, drum, load = s.drum_shaft, s.drum, stalled_Nm(s)
     holds = 2.0 * pi * shaft.radius**2 * (drum.hub_face_y - drum.hub_start_y) * BOND_MPA * 1e-3
     what = f"bond of the hub on the drum's shaft holds {holds:.4g} N m over {load:.4g} N m"
     return at_least(what, holds / max(load, 1e-9), SLIP_SAFETY, "times")
@@ -69,7 +63,7 @@ def shaft_end_flange(s: SpurLayout) -> Comparison:
 
     The motor stands on the same frame, so that its torque and the bearings' leave the frame that of the shaft alone.
     """
-    flange, load = s.frame.boss.flange, _load_Nm(s)
+    flange, load = s.frame.boss.flange, stalled_Nm(s)
     assert flange is not None
     clamp = clamp_force_N(2.0 * flange.screw_radius)
     holds = FRICTION * clamp * sum((x**2 + z**2) ** 0.5 for x, z in flange.screws) * 1e-3
