@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.design.bought import SpringSpec
 from mbcdm_cad.design.catalogue import package_entries
+from mbcdm_cad.design.drive import CableRun
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.model.equilibrium import solve_equilibrium
@@ -102,8 +105,7 @@ def spring_keeps(s: SectorLayout) -> Comparison:
     """Share of the preload left after the rope has bedded in and its ends have set, nuts untouched."""
     _spring(s)
     rope, found = s.drive.cable, []
-    for c, length in zip(s.drive.cables, s.tensioned_lengths_mm(), strict=True):
-        lost = rope.bedding_in_share * length + s.drive.setting_mm
+    for c, length, lost in _bedded_in_mm(s):
         give = length / rope.axial_stiffness_N + s.drive.anchor_m_N * 1e3
         # A rope that grows by more than rope and springs gave way is loose.
         left = max(1.0 - lost / give / c.preload_N, 0.0)
@@ -111,11 +113,16 @@ def spring_keeps(s: SectorLayout) -> Comparison:
     return worst(found)
 
 
+def _bedded_in_mm(s: SectorLayout) -> Iterator[tuple[CableRun, float, float]]:
+    """(cable, its length under tension, what the rope's bedding-in and the setting of its ends add to it)."""
+    for c, length in zip(s.drive.cables, s.tensioned_lengths_mm(), strict=True):
+        yield c, length, s.drive.cable.bedding_in_share * length + s.drive.setting_mm
+
+
 def _more(s: SectorLayout) -> str:
     """How many springs keep the share, or else which softer ones on the same stud do."""
     rope, own, most = s.drive.cable, _spring(s), 0.0
-    for c, length in zip(s.drive.cables, s.tensioned_lengths_mm(), strict=True):
-        lost = rope.bedding_in_share * length + s.drive.setting_mm
+    for c, length, lost in _bedded_in_mm(s):
         most = max(most, lost / ((1.0 - KEPT_SHARE) * c.preload_N) - length / rope.axial_stiffness_N)
     ways = []
     wanted = int(np.ceil(most * own.stiffness_N_mm))
