@@ -19,7 +19,7 @@ settings.load_profile("without a clock")
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Files with slow tests first, then those with many: short ones are left for the end, when a worker may be alone."""
+    """Files with slow tests first, then those with many: at the end, when a worker may be alone, they are short."""
     slow = {item.path for item in items if item.get_closest_marker("slow")}
     tests = Counter(item.path for item in items)
     items.sort(key=lambda item: (item.path not in slow, -tests[item.path], str(item.path)))
