@@ -19,6 +19,7 @@ from mbcdm_cad.loop.correction_files import correction_words
 from mbcdm_cad.loop.judge import drive_of, json_bytes
 from mbcdm_cad.loop.study import is_study, load_study
 from mbcdm_cad.measurement.file import MeasurementFile, load_file, with_ratio
+from mbcdm_cad.measurement.schema import MOTION
 from mbcdm_cad.storage.files import write_whole
 
 REPORT_PAGE, REPORT_JSON = REPORT_FILES = ("report.html", "result.json")
@@ -49,6 +50,13 @@ def loop_command(
     _refuse_outputs(loaded, files, wanted)
     if any(file.content.published is not None for file in files):
         return _published(loaded, files, wanted)
+    if files[0].content.kind != MOTION:
+        for option, path in (("--correction", wanted.correction), ("--next", wanted.next)):
+            if path is not None:
+                remedy = f"leave {option} out; it works from runs of kind {MOTION}"
+                raise InputError(
+                    [files[0].problem(("kind",), f"given with {option}", files[0].content.kind, remedy=remedy)]
+                )
     if loaded is None or drive_of(loaded.loaded, files) is None:
         for option, path in (("--apply", wanted.as_built), ("--next", wanted.next)):
             if path is not None:

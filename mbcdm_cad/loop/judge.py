@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mbcdm_cad.errors import InputError, MbcdmError
+from mbcdm_cad.measurement.schema import MOTION
 from mbcdm_cad.measurement.vet import Vetted, vetted_runs, vetting_lines
 from mbcdm_cad.model.si import ModelError
 
@@ -136,6 +137,7 @@ def judge(
     if published:
         remedy = "judge it with 'mbcdm loop', alone"
         raise InputError([published[0].problem(("published",), "figures of a paper, not a run", remedy=remedy)])
+    refuse_kinds(files, differs)
     drive = drive_of(loaded, files)
     vetted = vetted_runs(files, drive)
     from mbcdm_cad.loop.search.engine import close_loop  # loads compiled code: only for valid input
@@ -146,6 +148,19 @@ def judge(
         names = ", ".join(str(file.path) for file in files)
         raise MbcdmError(f"{names}: the declared model cannot follow the run: {error}") from None
     return LoopReport(result, tuple(vetted), loaded, drive)
+
+
+def refuse_kinds(files: Sequence[MeasurementFile], differs: Sequence[Sequence[str]] = ()) -> None:
+    """Raise ``InputError`` for runs of several kinds, and for tables that are declared to differ."""
+    first = files[0].content.kind
+    for file in files[1:]:
+        if file.content.kind != first:
+            remedy = "judge runs of one kind together; --apply writes what was found into the design for the rest"
+            what = f"another kind of run than {files[0].path}"
+            raise InputError([file.problem(("kind",), what, file.content.kind, first, remedy=remedy)])
+    if first != MOTION and any(differs):
+        remedy = "judge each run alone: what differs is told from runs of kind motion"
+        raise InputError([files[0].problem(("kind",), "declared to differ", first, MOTION, remedy=remedy)])
 
 
 def drive_of(loaded: LoadedDesign | None, files: Sequence[MeasurementFile]) -> Drive | None:

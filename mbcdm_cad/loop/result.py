@@ -177,6 +177,23 @@ class Traces:
 
 
 @dataclass(frozen=True, eq=False)
+class ReadingsPicture:
+    """Few readings of one run as a picture: ``read_rad`` (n,) at ``at`` (n,), and along ``line_at`` (m,) what the
+    declared model and the model with what was found predict, (m,); ``held`` (n,) marks what was held back."""
+
+    source: str
+    title: str
+    words: str
+    axis: str
+    at: Floats
+    read_rad: Floats
+    held: Floats
+    line_at: Floats
+    before_rad: Floats
+    after_rad: Floats
+
+
+@dataclass(frozen=True, eq=False)
 class LoopResult:
     """The result of the loop; ``one_of`` holds sets of effects of which the data cannot say which one is present.
 
@@ -184,7 +201,7 @@ class LoopResult:
     fitted values that the data make doubtful. ``helpful`` are effects that certainly lower the error and are not named.
     ``within_class`` says by what the torque sensor is wrong within its class; empty if nothing of it is in the fit.
     ``correction`` computes a table for the controller when it is called. ``own``: what runs that differ have each for
-    itself; the declared model is then that with these values.
+    itself; the declared model is then that with these values. ``pictures`` in place of ``traces`` for few readings.
     """
 
     verdict: str
@@ -205,6 +222,7 @@ class LoopResult:
     within_class: str = ""
     correction: Callable[[], Correction] | None = field(repr=False, default=None)
     own: tuple[Differing, ...] = ()
+    pictures: tuple[ReadingsPicture, ...] = field(repr=False, default=())
 
     def to_json(self) -> dict[str, Any]:
         """The result file."""

@@ -81,9 +81,14 @@ def clock_s(text: str) -> float:
 
 
 def read_table(
-    path: Path, layout: Format, columns: Sequence[int], skip_broken: bool, clock: int | None = None
+    path: Path,
+    layout: Format,
+    columns: Sequence[int],
+    skip_broken: bool,
+    clock: int | None = None,
+    most_broken: float = MOST_BROKEN,
 ) -> DataTable:
-    """The columns (from 0) of all rows, ``clock`` being that of dates and times.
+    """The columns (from 0) of all rows, ``clock`` being that of dates and times. ``most_broken``: share of the rows.
 
     Raises InputError for a broken row unless they are to be skipped.
     """
@@ -91,7 +96,7 @@ def read_table(
     parts = [reader.block(first_line, text) for first_line, text in _blocks(path, layout.begin_line)]
     kept = sum(part.shape[0] for part in parts)
     remedy = ONE_CHANNEL_A_ROW if reader.empty_cells > 0.5 * reader.broken else ""
-    left_out(path, reader.broken, kept + reader.broken, reader.broken_lines, reader.first_fault, remedy)
+    left_out(path, reader.broken, kept + reader.broken, reader.broken_lines, reader.first_fault, remedy, most_broken)
     values = np.empty((len(columns), kept))
     for part in reversed(parts):  # frees the memory of each part once it is copied
         values[:, kept - part.shape[0] : kept] = part.T
@@ -101,11 +106,19 @@ def read_table(
     )
 
 
-def left_out(path: Path, broken: int, of: int, lines: Sequence[int], fault: str, remedy: str = "") -> None:
-    """Raise InputError where so many rows are broken that the format is another one."""
-    if broken > MOST_BROKEN * of:
+def left_out(
+    path: Path,
+    broken: int,
+    of: int,
+    lines: Sequence[int],
+    fault: str,
+    remedy: str = "",
+    most: float = MOST_BROKEN,
+) -> None:
+    """Raise InputError where so many rows are broken that the format is another one; ``most``: share of the rows."""
+    if broken > most * of:
         remedy = remedy or f"the first has {fault}; check delimiter, decimal, comment, skip_rows and columns"
-        value, limit = f"{broken} of {of}", f"{MOST_BROKEN:.0%} of the rows"
+        value, limit = f"{broken} of {of}", f"{most:.0%} of the rows"
         raise InputError([Problem(str(path), int(lines[0]), "", "too many broken rows", value, limit, remedy)])
 
 

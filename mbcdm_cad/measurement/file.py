@@ -13,7 +13,16 @@ from mbcdm_cad.design.fieldpath import FieldPath, dotted
 from mbcdm_cad.design.problems import schema_problems
 from mbcdm_cad.design.source import read_text
 from mbcdm_cad.errors import InputError, Problem, did_you_mean, shortened
-from mbcdm_cad.measurement.schema import CURRENT, Column, Columns, Measurement, is_column, node_at
+from mbcdm_cad.measurement.schema import (
+    BY_HAND,
+    CURRENT,
+    TURNING_POINTS,
+    Column,
+    Columns,
+    Measurement,
+    is_column,
+    node_at,
+)
 from mbcdm_cad.measurement.units import COUNTS, ENCODERS, FORCE, LENGTH, LOAD, kind_of, known_units, unit_of
 
 _KIND = ("measurement file", "; docs/measurement-file.md shows how one is written")
@@ -139,6 +148,8 @@ def _broken_rules(file: MeasurementFile) -> list[Problem]:
     remedy = "give input for a drive that has one, else input_<name> for each input of the design, or left and right"
     if "input" in asked and named:
         problems.append(file.problem(("columns", "input"), f"given beside {named[0]}", remedy=remedy))
+    elif "input" not in asked and not named and content.kind in BY_HAND:
+        pass  # the inputs stand still
     elif "input" not in asked and (not named or named in (["input_left"], ["input_right"])):
         problems.append(file.problem(("columns",), "an input is missing", remedy=remedy))
     for quantity, column in asked.items():
@@ -206,6 +217,8 @@ def _broken_times(file: MeasurementFile) -> list[Problem]:
     if content.columns is None:
         return []
     if content.columns.time is None and content.sample_rate_Hz is None:
+        if content.kind == TURNING_POINTS:
+            return []  # the rows count
         remedy = "give its column, or sample_rate_Hz for rows at an even rate"
         return [file.problem(("columns", "time"), "missing", remedy=remedy)]
     if content.sample_rate_Hz is None:

@@ -15,17 +15,19 @@ from mbcdm_cad.design.fieldpath import FieldPath
 from mbcdm_cad.errors import InputError, Problem, did_you_mean, shortened
 from mbcdm_cad.measurement.binarylog import is_bag, opened
 from mbcdm_cad.measurement.channels import Channel, read_channels
-from mbcdm_cad.measurement.datafile import DECIMALS, DataTable, read_table
+from mbcdm_cad.measurement.datafile import DECIMALS, MOST_BROKEN, DataTable, read_table
 from mbcdm_cad.measurement.file import MeasurementFile, load_file
 from mbcdm_cad.measurement.known_load import pendulum_load_Nm
 from mbcdm_cad.measurement.logformat import Format, find_format, line_with
 from mbcdm_cad.measurement.run import KNOWN_LOAD, Run, Sensors, StatedMotors, TorqueClass
-from mbcdm_cad.measurement.schema import CURRENT, Column, SensorFigures
+from mbcdm_cad.measurement.schema import BY_HAND, CURRENT, TURNING_POINTS, Column, SensorFigures
 from mbcdm_cad.measurement.units import ISO_CLOCK, Unit, unit_of
 from mbcdm_cad.routes import Floats
 
 # Fewer samples than this cannot contain the sweeps that any statement needs.
 FEWEST_SAMPLES = 100
+# Fewest rows of a table by hand, and the share of its rows in which a figure may be missing.
+FEWEST_ROWS, MOST_MISSING = 6, 0.34
 # An output that turns by fewer than this many steps, or by less than this angle if the step is unknown, stands still.
 FEWEST_STEPS = 20
 LEAST_TRAVEL_RAD = 1e-6
@@ -46,9 +48,15 @@ def refuse_unusable(file: MeasurementFile, run: Run, table: DataTable, data: Pat
     Raises InputError, with the line of the data if the problem has one.
     """
     count = run.time_s.size
-    if count < FEWEST_SAMPLES:
+    by_hand = run.kind in BY_HAND
+    fewest = FEWEST_ROWS if by_hand else FEWEST_SAMPLES
+    if count < fewest:
         remedy = "record a few sweeps of the drive; check comment, skip_rows and broken_rows"
-        raise InputError([Problem(str(data), 1, "", "too few samples", str(count), f"{FEWEST_SAMPLES}", remedy)])
+        if by_hand:
+            remedy = "go on measuring; check comment and skip_rows"
+        elif count >= FEWEST_ROWS:
+            remedy += f"; of a table by hand, a row for each turning point, say kind: {TURNING_POINTS}"
+        raise InputError([Problem(str(data), 1, "", "too few samples", str(count), f"{fewest}", remedy)])
     if not np.isfinite(table.values).all() or float(np.abs(table.values).max()) > 1e12:
         remedy = "check unit, scale and counts_per_turn of every column"
         raise InputError([file.problem(("columns",), "figures out of all bounds", limit="1e12 in SI", remedy=remedy)])
@@ -70,7 +78,10 @@ def refuse_unusable(file: MeasurementFile, run: Run, table: DataTable, data: Pat
         if back.size > MOST_BACK * count and not every_second:
             remedy = f"so do {back.size} of {count} steps: is this column the time? Correct columns.time, or {remedy}"
         raise InputError([Problem(str(data), table.line_of(row), "", what, f"step {step:.6g} s", "over 0", remedy)])
-    problems = _startup(run, table, data) or _far_off(file, run, table, data) or _not_moved(file, run)
+    if by_hand:
+        problems = _nothing_read(file, run)
+    else:
+        problems = _startup(run, table, data) or _far_off(file, run, table, data) or _not_moved(file, run)
     if problems:
         raise InputError(problems)
 
@@ -118,6 +129,22 @@ def _far_off(file: MeasurementFile, run: Run, table: DataTable, data: Path) -> l
         value, limit = f"{values[rows[0]]:.6g} in SI", f"others {low:.4g} to {high:.4g}"
         remedy = "remove or correct these rows"
         problems.append(Problem(str(data), table.line_of(int(rows[0])), "", what, value, limit, remedy))
+    return problems
+
+
+def _nothing_read(file: MeasurementFile, run: Run) -> list[Problem]:
+    """Problems of a table by hand in which the output, or all that moves it, has one figure."""
+    problems = []
+    if not np.ptp(run.output_rad):
+        remedy = "read it to more digits, or check column and unit"
+        problems.append(file.problem(("columns", "output"), "one figure in all rows", remedy=remedy))
+    if not run.input_rad.size or not np.ptp(run.input_rad, axis=1).any():
+        if run.load_Nm is None:
+            remedy = "give the inputs' angles, or the load under which each row was read"
+            problems.append(file.problem(("columns",), "neither an input nor a load that changes", remedy=remedy))
+        elif not np.ptp(run.load_Nm):
+            remedy = "read the output under other loads, or at other angles of the inputs"
+            problems.append(file.problem(("columns", "load_torque"), "one figure in all rows", remedy=remedy))
     return problems
 
 
@@ -209,7 +236,9 @@ def read_run(file: MeasurementFile) -> Reading:
         elif content.rows == "own_times" or content.channel_column is not None:
             table = _of_channels(file, layout, data, indices, clock is not None)
         else:
-            table = read_table(data, layout, indices, content.broken_rows == "skip", clock)
+            by_hand = content.kind in BY_HAND
+            skip, most = by_hand or content.broken_rows == "skip", MOST_MISSING if by_hand else MOST_BROKEN
+            table = read_table(data, layout, indices, skip, clock, most)
         repeated = 0
         if content.broken_rows == "skip":
             # A logger that is faster than its device writes each sample several times.
@@ -222,9 +251,9 @@ def read_run(file: MeasurementFile) -> Reading:
             ("data",), f"cannot be read: {error.strerror or error}", shortened(content.data), remedy="check the path"
         )
         raise InputError([problem]) from None
-    if content.sample_rate_Hz is not None:
+    if content.columns.time is None:
         asked = {"time": Column(column="row", unit="s"), **asked}
-        at = np.arange(table.values.shape[1]) / content.sample_rate_Hz
+        at = np.arange(table.values.shape[1]) / (content.sample_rate_Hz or 1.0)
         table = replace(table, values=np.vstack([at, table.values]))
     turns = [
         _count_turns(file, quantity, column, row)
@@ -373,6 +402,8 @@ def _in_si(file: MeasurementFile, asked: dict[str, Column], table: DataTable, so
         rows[quantity] = row
     names = tuple(name.removeprefix("input_") for name in rows if name.startswith("input"))
     inputs = table.values[1 : 1 + len(names)]
+    if not names and file.content.ratio is not None:
+        names, inputs = ("input",), np.zeros((1, rows["time"].size))
     currents = [rows[name] for name in rows if name.startswith(CURRENT)]
     motor = StatedMotors(**file.content.motor.model_dump()) if currents else None
     given = file.content.sensors
@@ -401,6 +432,7 @@ def _in_si(file: MeasurementFile, asked: dict[str, Column], table: DataTable, so
         if currents
         else None,
         motor=motor,
+        kind=file.content.kind,
     )
 
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
 from mbcdm_cad.design.fieldpath import FieldPath
-from mbcdm_cad.measurement.schema import CountedParts
+from mbcdm_cad.measurement.schema import MOTION, CountedParts, Kind
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.storage.compiled import compiled
 
@@ -123,7 +123,8 @@ class Run:
     ``zeros``: those of the inputs that the file does not give (:mod:`mbcdm_cad.measurement.vet`). ``counted``: what the
     file lets the prediction count besides the cables; ``parts``: its figures, once the run is compared with a design.
     ``current_A`` (n_inputs, n) are the motors' currents, ``motor`` their figures: the load follows from them where the
-    run is compared with a design, or with its ratio.
+    run is compared with a design, or with its ratio. ``kind`` is what the rows are; where inputs stand still and have
+    no columns, they are at zero.
     """
 
     time_s: Floats
@@ -142,6 +143,7 @@ class Run:
     parts: PartsSeen | None = None
     current_A: Floats | None = None
     motor: StatedMotors | None = None
+    kind: Kind = MOTION
 
     @cached_property
     def step_s(self) -> float:

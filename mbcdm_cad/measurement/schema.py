@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from functools import cache
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 from pydantic import ConfigDict
 
@@ -309,6 +309,11 @@ class CountedParts(Block):
     )
 
 
+Kind = Literal["motion", "turning_points"]
+MOTION, TURNING_POINTS = KINDS = get_args(Kind)
+# Kinds of which a person may have written the few rows, and whose inputs may stand still.
+BY_HAND: tuple[Kind, ...] = (TURNING_POINTS,)
+
 Quantity = Literal["peak_torque", "mass", "backlash", "ripple_amplitude", "ripple_order"]
 
 
@@ -350,6 +355,13 @@ class Measurement(Block):
 
     data: Text | None = choice(
         "the logger's file, its path relative to this file", source=LOGGER, example="run.csv", default=None
+    )
+    kind: Kind = choice(
+        "what the rows are: motion, samples of a drive that moves; turning_points, one row where the motion or the "
+        "load turns round, as written by hand",
+        source=BENCH,
+        example="turning_points",
+        default="motion",
     )
     columns: Columns | None = choice("what each column contains", source=LOGGER, default=None)
     sensors: SensorFigures = choice("what the sensors resolve", source=SENSORS, default=SensorFigures())

@@ -28,6 +28,8 @@ from mbcdm_cad.measurement.run import (
     half_sweeps,
     smoothed,
 )
+from mbcdm_cad.measurement.schema import BY_HAND, MOTION
+from mbcdm_cad.measurement.turning_points import readings_findings
 from mbcdm_cad.measurement.vet_columns import column_findings, robust_slope
 from mbcdm_cad.measurement.vet_signals import FEWEST_HALF_SWEEPS, reach_findings, signal_findings
 from mbcdm_cad.model.si import DriveSI, to_si
@@ -100,6 +102,9 @@ def arranged(run: Run, drive: Drive) -> Run:
 
     Inputs are identified by name, else left and right by their side.
     """
+    if not run.input_rad.size:
+        still = np.zeros((len(drive.input_names), run.time_s.size))
+        run = replace(run, input_rad=still, input_names=drive.input_names)
     if run.counted is not None:
         at = run.counted.inputs_at
         motors = any(run.motor_side) if at is None else at == "motors"
@@ -157,6 +162,8 @@ def vet(run: Run, drive: Drive | None) -> list[VettingNote]:
     wrong = _inputs(run, known)
     if wrong:
         return wrong
+    if run.kind in BY_HAND:
+        return readings_findings(run, known.ratio, known.travel_rad, known.d)
     thin = _thinned(run)
     found = signal_findings(run, known.ratio)
     if not refusals(found):  # an angle that jumps has no meaningful slope
@@ -288,6 +295,8 @@ def _no_constant(file: MeasurementFile, run: Run, drive: Drive | None) -> list[P
 
 def repeated(vetted: list[Vetted]) -> list[Vetted]:
     """The runs without the doubt of too few half sweeps, where several short runs repeat each other."""
+    if any(one.run.kind != MOTION for one in vetted):
+        return vetted
     counts = [_half_sweeps(one.run) for one in vetted]
     if len(vetted) < 2 or sum(counts) - len(counts) < FEWEST_HALF_SWEEPS or min(counts) < 2:
         return vetted

@@ -35,8 +35,13 @@ def run_files(
         columns["temperature"] = {"column": "temp", "unit": "degC"}
         table, header = [*table, run.measured_temperature_C], [*header, "temp"]
     sensors = experiment.sensors
+    kind: dict[str, Any] = {}
+    if isinstance(experiment, Experiment) and experiment.record != "samples":
+        rows, kind = experiment.rows(run.time_s), {"kind": experiment.record}
+        table = [column[rows] for column in table]
     measurement: dict[str, Any] = {
         "data": f"{name}.csv",
+        **kind,
         "columns": columns,
         "sensors": {
             key: value

@@ -9,6 +9,7 @@ import numpy as np
 from mbcdm_cad.loop.effect import Effect, Figure, Parameter
 from mbcdm_cad.loop.prepare.prepared import Prepared, played
 from mbcdm_cad.loop.prepare.setup import Setup, Simulator
+from mbcdm_cad.measurement.schema import MOTION
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
 
@@ -103,7 +104,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
             )
             for index, name in enumerate(d.input_names)
         ]
-    if d is None or idle:
+    if d is None or idle or (p.load_Nm is None and p.run.kind != MOTION):
         found.append(
             Effect(
                 "lash",

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from scipy.ndimage import uniform_filter1d
 
 from mbcdm_cad.loop.readable import size_of
-from mbcdm_cad.loop.result import Traces
+from mbcdm_cad.loop.result import ReadingsPicture, Traces
 from mbcdm_cad.measurement.vet_signals import GAP_STEPS
 from mbcdm_cad.routes import Floats
 
@@ -42,6 +42,25 @@ def loop_png(t: Traces, ideal_rad: Floats) -> bytes:
         ):
             axes.plot(angle, (error - residual)[from_here] / factor, lw=0.8, color=colour, label=word)
         axes.set(xlabel="output (mrad)", ylabel=f"output - inputs/ratio ({unit})")
+        _legend(axes)
+        return _png(figure)
+
+
+def readings_png(p: ReadingsPicture) -> bytes:
+    """Few readings, and what the model predicts between them."""
+    with mpl.rc_context(STYLE):
+        figure, axes = _panels(4.2)
+        factor, unit = size_of("_rad", [float(np.abs(p.read_rad).max())])
+        for line, colour, word in (
+            (p.before_rad, BEFORE, "declared model"),
+            (p.after_rad, AFTER, "with what was found"),
+        ):
+            axes.plot(p.line_at, line / factor, lw=1.0, color=colour, label=word)
+        for kept, face, word in ((p.held < 0.5, MEASURED, "read"), (p.held > 0.5, "white", "held back")):
+            axes.plot(
+                p.at[kept], p.read_rad[kept] / factor, ls="", marker="o", ms=5.0, mec=MEASURED, mfc=face, label=word
+            )
+        axes.set(xlabel=p.axis, ylabel=f"{p.title} ({unit})")
         _legend(axes)
         return _png(figure)
 

@@ -60,7 +60,8 @@ def steps(result: LoopResult) -> list[str]:
     found = [_sentence(f"look at: {named.where_to_look}") for named in result.effects]
     for group in result.one_of:
         ways = ways_apart(group)
-        found.append(_sentence(f"to find out which it is: {ways}, or let 'mbcdm loop --next' plan the run"))
+        plan = "" if result.pictures else ", or let 'mbcdm loop --next' plan the run"
+        found.append(_sentence(f"to find out which it is: {ways}{plan}"))
     found += [_sentence(f"look at: {one.named.where_to_look}") for one in result.helpful]
     if result.unknown is not None:
         found.append("Repeat the run at another load and speed, and see whether the remaining error repeats.")

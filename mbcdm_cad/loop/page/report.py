@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from mbcdm_cad.loop.page import plain
-from mbcdm_cad.loop.page.pictures import loop_png, orders_chart, scatter_png, time_charts
+from mbcdm_cad.loop.page.pictures import loop_png, orders_chart, readings_png, scatter_png, time_charts
 from mbcdm_cad.loop.readable import readable, share_text
-from mbcdm_cad.loop.result import Evidence, LoopResult, Named, Traces, windows_words
+from mbcdm_cad.loop.result import Evidence, LoopResult, Named, ReadingsPicture, Traces, windows_words
 from mbcdm_cad.measurement.run import Run, VettingNote, doubts
 from mbcdm_cad.report.page.template import page_environment
 
@@ -52,11 +52,13 @@ JudgedRun = tuple[Run, Sequence[VettingNote], Sequence[str]]
 def report_page(result: LoopResult, design: dict[str, str] | None, runs: Sequence[JudgedRun]) -> bytes:
     """The page as HTML. ``design``: name, file and sha256, None where only the ratio is known."""
     plots = list(zip(runs, result.traces, strict=True))[:MOST_PLOTTED] if result.traces else []
+    drawn = [_plots(judged[0], trace, result.chain_orders) for judged, trace in plots]
+    drawn += [_readings(picture) for picture in result.pictures[:MOST_PLOTTED]]
     page = (
         page_environment(("mbcdm_cad.loop.page", "."))
         .get_template("report.html.j2")
         .render(
-            sections=_sections(result, len(plots)),
+            sections=_sections(result, len(drawn)),
             time_text=TIME,
             orders_text=ORDERS,
             verdict=VERDICTS[result.verdict],
@@ -78,7 +80,7 @@ def report_page(result: LoopResult, design: dict[str, str] | None, runs: Sequenc
             nothing_lacks=result.verdict == "none",
             design=design,
             runs=[_run(judged) for judged in runs],
-            plots=[_plots(judged[0], trace, result.chain_orders) for judged, trace in plots],
+            plots=drawn,
         )
     )
     return page.encode()
@@ -178,6 +180,11 @@ def _plots(run: Run, trace: Traces, chain_orders: dict[str, float]) -> dict[str,
         "images": [{"title": title, "text": text, "data": b64encode(png).decode()} for (title, text), png in drawn],
         "orders": orders_chart(trace, chain_orders),
     }
+
+
+def _readings(picture: ReadingsPicture) -> dict[str, Any]:
+    data = b64encode(readings_png(picture)).decode()
+    return {"source": picture.source, "images": [{"title": picture.title, "text": picture.words, "data": data}]}
 
 
 def _micro(text: str) -> str:

@@ -62,6 +62,29 @@ def interval(figure: Figure, values: Floats, covariance: Floats, effect: Effect)
     return Value(value, value - half, value + half)
 
 
+def as_named(effect: Effect, values: Floats, block: Floats, fall_rad: float, run: str) -> Named:
+    """An effect with its figures; ``block`` is the covariance of its values, ``run`` the data that alone has it."""
+    figures = {figure.name: interval(figure, values, block, effect) for figure in effect.reported()}
+    words = effect.words_of(values)
+    return Named(
+        effect.name,
+        effect.form,
+        effect.stage,
+        effect.cables,
+        figures,
+        {figure.name: figure.of(values) for figure in effect.physical},
+        (),
+        words.where_to_look,
+        effect.separate_by,
+        words.physics,
+        fall_rad,
+        {p.name: float(v) for p, v in zip(effect.parameters, values, strict=True)},
+        {figure.name: figure.meaning for figure in effect.reported() if figure.meaning},
+        words.plain,
+        run,
+    )
+
+
 def not_testable(d: DriveSI | None, runs: Sequence[Prepared]) -> tuple[str, ...]:
     """What these runs cannot show."""
     words = []

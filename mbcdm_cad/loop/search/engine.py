@@ -16,9 +16,19 @@ from mbcdm_cad.loop.effects import library
 from mbcdm_cad.loop.own import Differing
 from mbcdm_cad.loop.prepare.noise import doubt_of, runs_of
 from mbcdm_cad.loop.prepare.prepared import Prepared, prepare_all
+from mbcdm_cad.loop.prepare.readings import prepare_readings
 from mbcdm_cad.loop.result import Evidence, Helpful, LoopResult, Named
-from mbcdm_cad.loop.search.account import INTERVAL, chain_orders, errors, interval, next_steps, not_testable, traces
+from mbcdm_cad.loop.search.account import (
+    INTERVAL,
+    as_named,
+    chain_orders,
+    errors,
+    next_steps,
+    not_testable,
+    traces,
+)
 from mbcdm_cad.loop.search.exchange import Group
+from mbcdm_cad.loop.search.few import FewReadings
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.loop.search.own import begun, differing, own_effects
 from mbcdm_cad.loop.search.scatter import Scatter, hangs_on
@@ -27,6 +37,7 @@ from mbcdm_cad.loop.search.timing import time_interval_s
 from mbcdm_cad.loop.search.trial_fits import located
 from mbcdm_cad.loop.search.verdict import ZERO_CHANCE, Judge
 from mbcdm_cad.measurement.run import Run
+from mbcdm_cad.measurement.schema import TURNING_POINTS
 from mbcdm_cad.measurement.vet import arranged
 from mbcdm_cad.model.si import DriveSI, to_si
 from mbcdm_cad.routes import Floats
@@ -55,8 +66,11 @@ def close_loop(drive: Drive | None, runs: Sequence[Run], differs: Sequence[Seque
     ratio = float(runs[0].ratio or 1.0) if d is None else float(np.mean(d.total_ratio))
     with threadpool_limits(1, "blas"):
         ready = runs if drive is None else [arranged(run, drive) for run in runs]
+        known = () if drive is None else drive.as_built
+        if runs[0].kind == TURNING_POINTS:
+            return FewReadings(d, ratio, [prepare_readings(run, ratio) for run in ready], known).result()
         prepared = prepare_all(ready, ratio)
-        return _Loop(d, ratio, prepared, () if drive is None else drive.as_built, differs).result()
+        return _Loop(d, ratio, prepared, known, differs).result()
 
 
 class _Loop:
@@ -262,26 +276,8 @@ class _Loop:
         return self._before_and_after(named, effect, fit, self.fitter) if effect.base else named
 
     def _as_named(self, effect: Effect, values: Floats, block: Floats, fall: float) -> Named:
-        figures = {figure.name: interval(figure, values, block, effect) for figure in effect.reported()}
-        words = effect.words_of(values)
         run = "" if effect.run is None else self.prepared[effect.run].run.source or f"run {effect.run + 1}"
-        return Named(
-            effect.name,
-            effect.form,
-            effect.stage,
-            effect.cables,
-            figures,
-            {figure.name: figure.of(values) for figure in effect.physical},
-            (),
-            words.where_to_look,
-            effect.separate_by,
-            words.physics,
-            fall,
-            {p.name: float(v) for p, v in zip(effect.parameters, values, strict=True)},
-            {figure.name: figure.meaning for figure in effect.reported() if figure.meaning},
-            words.plain,
-            run,
-        )
+        return as_named(effect, values, block, fall, run)
 
     def _scatter(self, fit: Fit) -> Scatter | None:
         """On what the noise hangs that the encoders are not declared to have."""

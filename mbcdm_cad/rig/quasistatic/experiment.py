@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field
 
 from mbcdm_cad.rig.block import ExperimentBlock, PhysicsBlock
@@ -11,6 +13,7 @@ from mbcdm_cad.rig.effects.registry import AnyEffect
 from mbcdm_cad.rig.quasistatic.load import Load
 from mbcdm_cad.rig.quasistatic.motion import Motion
 from mbcdm_cad.rig.sensors import BenchSensors
+from mbcdm_cad.routes import Floats
 
 MAX_SAMPLES = 2_000_000
 
@@ -24,7 +27,7 @@ class Physics(PhysicsBlock):
 
 
 class Experiment(ExperimentBlock):
-    """An experiment on the quasi-static bench."""
+    """An experiment on the quasi-static bench. ``record``: every sample, or a row where motion or load turns round."""
 
     name: Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9_-]{0,79}$")]
     about: Annotated[str, Field(max_length=500)] = ""
@@ -36,4 +39,16 @@ class Experiment(ExperimentBlock):
     load: Load = Load()
     sensors: BenchSensors = BenchSensors()
     physics: Physics = Physics()
+    record: Literal["samples", "turning_points"] = "samples"
     effects: Annotated[tuple[AnyEffect, ...], Field(max_length=50, strict=False)] = ()
+
+    def rows(self, time_s: Floats) -> NDArray[np.int64]:
+        """The samples that are written: all, or the turning points of the motion, or of the load at rest."""
+        if self.record == "samples":
+            return np.arange(time_s.size)
+        held = self.motion.shape == "hold"
+        period = self.load.wave_period_s if held else self.motion.period_s
+        begins = 0.25 * self.motion.period_s if held else 0.0
+        turns = 0.25 * period + 0.5 * period * np.arange(1 + int(2.0 * time_s[-1] / period))
+        turns = turns[(turns >= begins) & (turns <= time_s[-1])]
+        return np.asarray(np.searchsorted(time_s, turns - 1e-9))

@@ -1,0 +1,432 @@
+"""The search on few readings, such as a table of turning points: one value a half cycle instead of thousands.
+
+The fits, effects and results are those of the loop on a log. With a dozen readings nothing can be tested by sweeps and
+sectors of angle: an effect is named if it lowers the error of the readings held back as the loop asks, and if an F test
+on the others, with the noise as its least scatter, finds it by chance in one of a hundred tables at most. Effects
+that fit all readings nearly as well form a set.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import exp, log
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import f as f_distribution
+from scipy.stats import t as t_distribution
+
+from mbcdm_cad.design.blocks import AsBuilt
+from mbcdm_cad.loop.effect import Effect
+from mbcdm_cad.loop.effects import library
+from mbcdm_cad.loop.effects.load_sensor import within_class, within_prior
+from mbcdm_cad.loop.prepare.noise import Noise, doubt_of, runs_of
+from mbcdm_cad.loop.prepare.prepared import Prepared
+from mbcdm_cad.loop.readable import readable
+from mbcdm_cad.loop.result import Evidence, LoopResult, Named, ReadingsPicture
+from mbcdm_cad.loop.search.account import INTERVAL, as_named, chain_orders, errors, next_steps
+from mbcdm_cad.loop.search.class_of_sensor import WithinClass
+from mbcdm_cad.loop.search.evidence import TOLD_APART
+from mbcdm_cad.loop.search.fit import Fit, Fitter
+from mbcdm_cad.loop.search.select import LEAST_FALL
+from mbcdm_cad.loop.search.unknown import Unknown
+from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.routes import Floats
+
+# Chance of a name where nothing is lacking, over all candidates together; and of an unknown part where none is left.
+CHANCE = 0.01
+MOST_EFFECTS = 3
+# Candidates of each round that are tested, best first.
+MOST_TESTED = 4
+# Readings repeat each other if inputs and load differ by less than this share of their range. So many degrees of
+# freedom tell their scatter; with fewer it is taken from what lines over load and angle leave.
+REPEATS_SHARE, FEWEST_REPEATS = 0.05, 4
+# Levels of which each is left out once, and the share of its size by which an effect may then change.
+LEVELS, STEADY_SHARE = 4, 0.5
+# A parameter that changes no reading by this share of the floor, by its typical size, is not known.
+FLAT = 1e-3
+# Degrees of freedom of a noise that is known from the steps of the figures alone.
+KNOWN = 30
+ODDS = 1.0 / TOLD_APART - 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class LeftOver(Unknown):
+    """What no effect explains in few readings; ``hangs_on`` says on what it hangs, in words."""
+
+    hangs_on: str = ""
+
+    def sentence(self) -> str:
+        """For people."""
+        _, (rms, peak) = readable("_rad", [self.rms_rad, self.peak_rad])
+        return f"{rms} RMS, {peak} at most; {self.hangs_on}"
+
+
+class FewReadings:
+    """The loop on tables of one drive."""
+
+    def __init__(self, d: DriveSI | None, ratio: float, runs: Sequence[Prepared], known: Sequence[AsBuilt]) -> None:
+        self.d, self.ratio, self.prepared = d, ratio, tuple(runs)
+        self.fitter = Fitter(d, ratio, self.prepared, known)
+        self.fitter.free[:] = False  # offsets of some counts between two inputs are below what few readings tell
+        offered = [[e for e in library(d, p) if _shows(e)] for p in self.prepared]
+        labels = [{e.label for e in one} for one in offered]
+        self.library = [e for e in offered[0] if all(e.label in one for one in labels)]
+        self.bare = self.fitter.fit()
+        self.noise, self.noise_freedom = self._noise()
+        self.doubts: list[str] = []
+
+    @property
+    def floor_rad(self) -> float:
+        """The noise floor."""
+        return self.noise.total_rad
+
+    def result(self) -> LoopResult:
+        """Select, compare with alternatives, judge."""
+        fit, steps, small = self._selected()
+        within = self._within()
+        if fit.effects and within is not None and self._odds(within, fit) < ODDS:
+            fit, steps = within, []  # what the sensor may be wrong by explains as much
+        allowed = fit is within
+        whole = self.fitter.fit(fit.effects, fit.values, mask=self.fitter.used)
+        alike = {} if allowed else {effect: self._alike(whole, effect) for effect in fit.effects}
+        named, sets = [], []
+        for effect, (forms, others) in alike.items():
+            first = replace(self._named(effect, whole, self._fall(fit, effect)), equivalent=forms)
+            if others:
+                sets.append((first, *(self._named(one.effects[-1], one, 0.0) for one in others)))
+            else:
+                named.append(first)
+        left = self._left(whole)
+        found = errors(self.fitter, self.bare, fit, self.floor_rad)
+        if not self.fitter.test.any():
+            verdict = "not_testable"
+        elif named or sets:
+            verdict = "explained" if left is None else "partly_explained"
+        else:
+            verdict = "none" if left is None else "unknown"
+        sizes = zip(fit.effects, fit.values, strict=True)
+        return LoopResult(
+            verdict,
+            tuple(named),
+            tuple(sets),
+            left,
+            found,
+            tuple(steps),
+            () if allowed else tuple(small),
+            self._not_testable(),
+            next_steps(named, sets, None),
+            chain_orders(self.d, self.ratio),
+            noise=self.noise,
+            pictures=self._pictures(whole),
+            doubts=tuple(self.doubts)
+            + ((doubt_of(self.noise, runs_of(self.prepared)),) if self.noise.far_above else ()),
+            within_class=WithinClass(
+                tuple((f"{e.name} {e.parameters[0].name}", float(v[0])) for e, v in sizes),
+                self.prepared[0].run.sensors.torque_class,
+            ).sentence
+            if allowed and named == []
+            else "",
+        )
+
+    # Noise.
+
+    def _noise(self) -> tuple[Noise, int]:
+        """Scatter of readings that repeat each other, and its degrees of freedom; never below the figures' steps."""
+        f, declared = self.fitter, max(p.floor_rad for p in self.prepared)
+        squares, freedom = 0.0, 0
+        for part, p in zip(f.parts, f.runs, strict=True):
+            at = np.flatnonzero(p.used)
+            residual, alike = self.bare.residual[part][at], _groups(p, at)
+            for group in np.unique(alike):
+                mine = residual[alike == group]
+                squares, freedom = squares + float(np.sum((mine - mine.mean()) ** 2)), freedom + mine.size - 1
+        source = f"{freedom} repeated readings"
+        if freedom < FEWEST_REPEATS:
+            rows = [self._lines(part, p) for part, p in zip(f.parts, f.runs, strict=True)]
+            squares, freedom = sum(one[0] for one in rows), sum(one[1] for one in rows)
+            source = "what lines over load, angle and direction leave, as too few readings repeat"
+        scatter = float(np.sqrt(squares / freedom)) if freedom > 0 else 0.0
+        if scatter < declared:
+            return Noise(declared, declared, 0.0, 0.0, declared, "the steps of the figures"), KNOWN
+        return Noise(scatter, scatter, 0.0, 0.0, declared, source), max(freedom, 1)
+
+    def _lines(self, part: slice, p: Prepared) -> tuple[float, int]:
+        """Sum of squares that lines over load, angle and direction leave, and its degrees of freedom."""
+        at = np.flatnonzero(p.used)
+        columns = [np.ones(at.size), p.mean_rad[at], p.sense[at], *([] if p.load_Nm is None else [p.load_Nm[at]])]
+        x, y = np.stack(columns, axis=1), self.bare.residual[part][at]
+        solved, _, rank, _ = np.linalg.lstsq(x, y, rcond=1e-9)
+        return float(np.sum((y - x @ solved) ** 2)), max(0, at.size - int(rank))
+
+    # Selection.
+
+    def _selected(self) -> tuple[Fit, list[Evidence], list[Evidence]]:
+        """The fit with the effects that the readings support; what was accepted, and what was too small."""
+        now, steps, small = self.bare, list[Evidence](), list[Evidence]()
+        for _ in range(MOST_EFFECTS):
+            trials = [t for e in self._candidates(now) if (t := self._best(now, e)) is not None]
+            trials.sort(key=self._criterion)
+            following = next((t for t in trials[:MOST_TESTED] if self._supported(now, t)), None)
+            small = [
+                Evidence(
+                    t.effects[-1].label,
+                    self._held(t),
+                    float(np.sqrt(max(0.0, now.square - t.square))),
+                    "too small to name",
+                )
+                for t in trials[:5]
+                if t.square < now.square
+            ]
+            if following is None:
+                break
+            fall = float(np.sqrt(max(0.0, self._held(now) ** 2 - self._held(following) ** 2)))
+            steps.append(Evidence(following.effects[-1].label, self._held(following), fall, "accepted"))
+            now = following
+        return self._without_needless(now), steps, small
+
+    def _candidates(self, fit: Fit) -> list[Effect]:
+        """Effects that may join a fit: one form of each name."""
+        taken = {e.key for e in fit.effects}
+        return [e for e in self.library if e.key not in taken and not e.unmeasured]
+
+    def _best(self, fit: Fit, effect: Effect) -> Fit | None:
+        """The best fit with one effect more, over its starts; None if it cannot be simulated or no such part exists."""
+        found = []
+        for start in self.fitter.guesses(effect, fit.residual):
+            one = self.fitter.tried((*fit.effects, effect), (*fit.values, start), fit.offsets)
+            if one is not None:
+                found.append(one)
+        best = min(found, key=lambda one: one.square, default=None)
+        if best is not None and effect.doubtful and (words := effect.doubtful(best.values[-1])):
+            if self._supported(fit, best) and words not in self.doubts:
+                self.doubts.append(words)
+            return None
+        return best
+
+    def _criterion(self, fit: Fit) -> float:
+        """Bayes' criterion on the training readings."""
+        n = int(self.fitter.train.sum())
+        return n * log(max(fit.square, (0.1 * self.floor_rad) ** 2, 1e-40)) + _count(fit) * log(n)
+
+    def _held(self, fit: Fit) -> float:
+        """RMS error of the readings held back."""
+        test = fit.residual[self.fitter.test]
+        return float(np.sqrt(np.mean(test**2))) if test.size else 0.0
+
+    def _supported(self, less: Fit, more: Fit) -> bool:
+        """Whether both the readings held back and the others support the last effect of ``more`` beside ``less``."""
+        fall = self._held(less) ** 2 - self._held(more) ** 2
+        clear = fall >= (LEAST_FALL * self.floor_rad) ** 2
+        return clear and self._by_chance(less, more) < CHANCE / len(self.library) and self._steady(more)
+
+    def _steady(self, fit: Fit) -> bool:
+        """Whether the size of the last effect stays within a share of itself whichever level of the readings is left
+        out: what only imitates another cause at one level does not."""
+        f, sizes = self.fitter, [p.role == "size" for p in fit.effects[-1].parameters]
+        at = np.flatnonzero(f.train)
+        level = np.argsort(np.argsort(self._level()[at], kind="stable")) * LEVELS // at.size
+        for k in range(LEVELS):
+            mask = f.train.copy()
+            mask[at[level == k]] = False
+            other = f.fit(fit.effects, fit.values, fit.offsets, mask=mask)
+            moved = np.linalg.norm((other.values[-1] - fit.values[-1])[sizes])
+            if moved > STEADY_SHARE * np.linalg.norm(fit.values[-1][sizes]):
+                return False
+        return True
+
+    def _level(self) -> Floats:
+        """What the readings differ by, (n,): the size of the load, or the angle where no load was read."""
+        runs = self.fitter.runs
+        return np.concatenate([np.abs(p.output_rad) if p.load_Nm is None else np.abs(p.load_Nm) for p in runs])
+
+    def _by_chance(self, less: Fit, more: Fit) -> float:
+        """Probability of such a fall of the squares of the training readings without an effect (F test)."""
+        n, extra = int(self.fitter.train.sum()), _count(more) - _count(less)
+        freedom = n - _count(more) - len(self.prepared)
+        if freedom < 1:
+            return 1.0
+        own = more.square * n / freedom
+        scatter, freedom = max((own, freedom), (self.floor_rad**2, self.noise_freedom))
+        return float(f_distribution.sf((less.square - more.square) * n / extra / scatter, extra, freedom))
+
+    def _without_needless(self, fit: Fit) -> Fit:
+        """The fit without effects that the later ones have made needless."""
+        while len(fit.effects) > 1:
+            less = {effect: self._without(fit, effect) for effect in fit.effects}
+            needless = [one for e, one in less.items() if not self._supported(one, fit.with_last(e))]
+            if not needless:
+                break
+            fit = min(needless, key=lambda one: one.square)
+        return fit
+
+    def _without(self, fit: Fit, effect: Effect) -> Fit:
+        kept = [(e, v) for e, v in zip(fit.effects, fit.values, strict=True) if e is not effect]
+        return self.fitter.fit([e for e, _ in kept], [v for _, v in kept], fit.offsets)
+
+    def _fall(self, fit: Fit, effect: Effect) -> float:
+        less = self._without(fit, effect)
+        return float(np.sqrt(max(0.0, self._held(less) ** 2 - self._held(fit) ** 2)))
+
+    # Alternatives.
+
+    def _within(self) -> Fit | None:
+        """A fit of what load and figures of the design may be wrong by; None where nothing may be."""
+        effects = [e for e in (*within_class(self.prepared), *within_prior(self.prepared)) if "lag" not in e.name]
+        return (
+            self.fitter.tried(effects, [[0.0] * len(e.parameters) for e in effects], self.bare.offsets)
+            if effects
+            else None
+        )
+
+    def _odds(self, worse: Fit, better: Fit) -> float:
+        """Odds of one fit against another by all used readings, each with its number of values counted."""
+        used, free = self.fitter.used, _count(better) + len(self.prepared)
+        n = int(used.sum())
+        squares = [float(np.sum(self.fitter.centred(one.residual, used)[used] ** 2)) for one in (worse, better)]
+        variance = max(squares[1] / max(n - free, 1), self.floor_rad**2)
+        exponent = 0.5 * ((squares[0] - squares[1]) / variance + (_count(worse) - _count(better)) * log(n))
+        return exp(min(exponent, 700.0))
+
+    def _alike(self, whole: Fit, effect: Effect) -> tuple[tuple[str, ...], list[Fit]]:
+        """Other forms of an effect, and fits with another effect in its place, that are nearly as good."""
+        last = whole.with_last(effect)
+        rest = self.fitter.fit(last.effects[:-1], last.values[:-1], mask=self.fitter.used)
+        keys = {e.key for e in rest.effects}
+        forms, fits = list[str](), dict[object, Fit]()
+        for other in self.library:
+            if other is effect or other.key in keys:
+                continue
+            one = self._best(rest, other)
+            if one is None:
+                continue
+            one = self.fitter.fit(one.effects, one.values, mask=self.fitter.used)
+            if self._odds(one, whole) >= ODDS:
+                continue
+            if other.key == effect.key:
+                forms.append(other.form)
+            elif other.key not in fits or one.square < fits[other.key].square:
+                fits[other.key] = one
+        return tuple(forms), sorted(fits.values(), key=lambda one: one.square)
+
+    # Judgement.
+
+    def _named(self, effect: Effect, whole: Fit, fall: float) -> Named:
+        """An effect with the intervals that all used readings give, wider by what the load may be wrong by."""
+        f, used = self.fitter, self.fitter.used
+        columns = f.centred_on(used, whole.jacobian)
+        freedom = max(columns.shape[0] - columns.shape[1] - len(self.prepared), 1)
+        square = float(np.sum(f.centred(whole.residual, used)[used] ** 2)) / freedom
+        variance, freedom = max((square, freedom), (self.floor_rad**2, self.noise_freedom))
+        inverse = np.linalg.pinv(columns.T @ columns, rcond=1e-12, hermitian=True)
+        wider = (float(t_distribution.isf(0.025, freedom)) / INTERVAL) ** 2
+        covariance = variance * wider * inverse
+        for e in (*within_class(self.prepared), *within_prior(self.prepared)):
+            at, parameter = [np.zeros(len(e.parameters))], e.parameters[0]
+            step = 0.1 * parameter.size
+            base = f.predict(whole.effects, whole.values, whole.offsets)
+            changed = f.predict((*whole.effects, e), (*whole.values, at[0] + step), whole.offsets)
+            turned = inverse @ columns.T @ f.centred_on(used, (changed - base) / step)
+            sigma = 0.5 * max(parameter.high, -parameter.low)
+            covariance = covariance + sigma**2 * np.outer(turned, turned)
+        own, values = whole.columns_of(effect), whole.values_of(effect)
+        named = as_named(effect, values, covariance[own, own], fall, "")
+        # A place that changes nothing between the readings has no figure; of such a size only a lower bound is known.
+        flat = (
+            np.linalg.norm(columns[:, own], axis=0) * np.array([p.size for p in effect.parameters])
+            < FLAT * self.floor_rad
+        )
+        figures = dict(named.parameters)
+        for p, value, here in zip(effect.parameters, values, flat, strict=True):
+            if here and p.name in figures:
+                bound = replace(figures.pop(p.name), low=float(value), high=np.inf)
+                figures |= {p.name: bound} if p.role == "size" else {}
+        return replace(named, parameters=figures)
+
+    def _pictures(self, whole: Fit) -> tuple[ReadingsPicture, ...]:
+        """Each run's readings over the load, or over the angle where none was read."""
+        found, bare = [], self.fitter.fit(mask=self.fitter.used)
+        for part, p in zip(self.fitter.parts, self.prepared, strict=True):
+            moves = bool(np.ptp(p.mean_rad))
+            base = p.mean_rad / self.ratio if moves else np.zeros_like(p.output_rad)
+            at, axis = (1e3 * base, "inputs / ratio (mrad)") if p.load_Nm is None else (p.load_Nm, "load torque (N m)")
+            title = "output - inputs / ratio" if moves else "output"
+            read = p.output_rad - base
+            read = read - np.median(read[p.used])
+            words = "Dots are the rows of the table, lines the model on its way from row to row."
+            lines = [read - one.residual[part] for one in (bare, whole)]
+            used = p.used
+            held = p.held[used].astype(float)
+            found.append(ReadingsPicture(p.run.source, title, words, axis, at[used], read[used], held, at, *lines))
+        return tuple(found)
+
+    def _left(self, whole: Fit) -> LeftOver | None:
+        """What is left of all readings, with all of them fitted; None if it is no more than the noise."""
+        f, used = self.fitter, self.fitter.used
+        r = f.centred(whole.residual, used)[used]
+        freedom = max(r.size - _count(whole) - len(self.prepared), 1)
+        ratio = float(r @ r) / freedom / max(self.floor_rad, 1e-30) ** 2
+        if f_distribution.sf(ratio, freedom, self.noise_freedom) > CHANCE:
+            return None
+        rms, peak = float(np.sqrt(np.mean(r**2))), float(np.abs(r).max())
+        return LeftOver(rms, peak, self.floor_rad, (), (), 0.0, (), self._hangs_on(r))
+
+    def _hangs_on(self, r: Floats) -> str:
+        """On what a residual of the used readings hangs, in words."""
+        runs, used = self.fitter.runs, self.fitter.used
+
+        def of(values: Sequence[Floats]) -> Floats:
+            return np.asarray(np.concatenate(values)[used])
+
+        variables = {
+            "the direction": of([p.sense for p in runs]),
+            "the angle": of([p.mean_rad for p in runs]),
+            "the order of the rows": of([np.arange(p.time_s.size, dtype=float) for p in runs]),
+        }
+        if all(p.load_Nm is not None for p in runs):
+            variables["the load"] = of([p.load_Nm for p in runs if p.load_Nm is not None])
+        found = {}
+        for name, x in variables.items():
+            if np.ptp(x) and r.size > 4:
+                rho = float(np.corrcoef(x, r)[0, 1])
+                t = abs(rho) * np.sqrt((r.size - 2) / max(1.0 - rho**2, 1e-12))
+                if 2.0 * t_distribution.sf(t, r.size - 2) < CHANCE:
+                    found[name] = abs(rho)
+        if not found:
+            return f"no dependence is certain in {r.size} readings"
+        return "it goes with " + " or ".join(sorted(found, key=lambda name: -found[name])[:2])
+
+    def _not_testable(self) -> tuple[str, ...]:
+        """What such readings cannot show."""
+        words = ["one value a half cycle: ripple, delays, and what happens within a half cycle"]
+        if not self.fitter.test.any():
+            words.append("too few half cycles: none can be held back to judge a fit on the others")
+        if any(p.load_Nm is None for p in self.prepared):
+            words.append("no load: stiffness, preload and friction of the cables; a play and a friction look alike")
+        if self.d is None:
+            words.append("only the ratio is known: pulleys, preload and ropes")
+        return tuple(words)
+
+
+def _count(fit: Fit) -> int:
+    return sum(v.size for v in fit.values)
+
+
+def _shows(effect: Effect) -> bool:
+    """Whether a table can show an effect: none of time or speed, no line, no event, no shape without a cause."""
+    hangs = effect.hangs_on in ("time", "temperature", "speed", "the path travelled") or "lag" in effect.name
+    return not (hangs or effect.last or effect.once or effect.base or effect.order_index is not None or effect.inside)
+
+
+def _groups(p: Prepared, at: NDArray[np.int64]) -> NDArray[np.int64]:
+    """A number for each of the samples ``at``, the same for readings that repeat each other."""
+    columns = [p.mean_rad[at], p.sense[at], *([] if p.load_Nm is None else [p.load_Nm[at]])]
+    groups = np.zeros(at.size, dtype=np.int64)
+    for values in columns:
+        order = np.argsort(values)
+        apart = np.diff(values[order], prepend=values[order][0]) > REPEATS_SHARE * max(float(np.ptp(values)), 1e-30)
+        level = np.empty(at.size, dtype=np.int64)
+        level[order] = np.cumsum(apart)
+        groups = groups * (at.size + 1) + level
+    return groups

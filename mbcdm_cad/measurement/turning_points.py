@@ -1,0 +1,135 @@
+"""Tables of turning points: one row where the motion or the load turns round, as written by hand; their vetting.
+
+The rows are those of a path that goes straight from one to the next. Two rows in one sense tell of a half cycle that
+is missing between them, unless so many rows go on in one sense that they are readings along the way. The turning point
+that is missing is taken where its neighbours of the same side are: friction and play depend on the side alone.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mbcdm_cad.measurement.run import Run, VettingNote
+from mbcdm_cad.measurement.vet_columns import column_findings
+from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.routes import Floats
+
+# A row that differs from the one before by less than this share of the usual difference, and of its distance from the
+# middle, is on the same side.
+SAME_SIDE = 0.25
+# From this share of rows that do not turn round, the table has readings along the way.
+ALONG_SHARE = 1.0 / 3.0
+# Digits to which the step of written figures is looked for, as a share of their range.
+FINEST_SHARE = 1e-6
+# Half cycles from which a cycle repeats and some can be held back.
+FEWEST_HALF_CYCLES = 8
+
+
+@dataclass(frozen=True, eq=False)
+class TurningPath:
+    """The rows of a table with those that are missing: time, inputs (n_inputs, m), output, load; ``read`` (m,) marks
+    the rows of the table. ``along``: the table has readings along the way, and none counts as missing."""
+
+    time_s: Floats
+    input_rad: Floats
+    output_rad: Floats
+    load_Nm: Floats | None
+    read: NDArray[np.bool_]
+    along: bool
+
+    @property
+    def sense(self) -> Floats:
+        """Sense in which the output came to each row but the first, (m - 1,), as what moves it does."""
+        return np.asarray(np.sign(np.diff(_mover(self.input_rad, self.load_Nm))))
+
+
+def _mover(input_rad: Floats, load_Nm: Floats | None) -> Floats:
+    """What turns round from row to row, (n,): the inputs, or the load where they stand still."""
+    mean = input_rad.mean(axis=0)
+    return np.asarray(mean if np.ptp(mean) or load_Nm is None else -load_Nm)
+
+
+def path_of(run: Run) -> TurningPath:
+    """The path of a table of turning points."""
+    at = _mover(run.input_rad, run.load_Nm)
+    moved, off = np.diff(at), np.abs(at - 0.5 * (at.min() + at.max()))
+    least = np.minimum(np.median(np.abs(moved)), np.maximum(off[1:], off[:-1]))
+    turned = np.where(np.abs(moved) < SAME_SIDE * least, 0.0, np.sign(moved))
+    missing, last = [], 0.0
+    for k, sense in enumerate(turned):
+        if last and sense != -last:
+            missing.append(k)
+        else:
+            last = sense
+    along = len(missing) > ALONG_SHARE * moved.size
+    columns = [run.time_s, *run.input_rad, run.output_rad, *([] if run.load_Nm is None else [run.load_Nm])]
+    table = np.stack(columns)
+    read = np.ones(table.shape[1], dtype=np.bool_)
+    for k in [] if along else missing[::-1]:
+        same_side = [j for j in (k - 1, k + 2) if 0 <= j < table.shape[1]]
+        between = table[:, same_side].mean(axis=1)
+        between[0] = 0.5 * (table[0, k] + table[0, k + 1])
+        table, read = np.insert(table, k + 1, between, axis=1), np.insert(read, k + 1, False)
+    n = run.input_rad.shape[0]
+    return TurningPath(
+        table[0], table[1 : 1 + n], table[1 + n], None if run.load_Nm is None else table[2 + n], read, along
+    )
+
+
+def written_step(values: Floats) -> float:
+    """The largest step of which all figures (n,) are whole multiples, apart from one offset: that of the digits or of a
+    coarse encoder; 0 where there is none."""
+    found = np.unique(values)
+    if found.size < 2:
+        return 0.0
+    least = FINEST_SHARE * float(np.ptp(found))
+    step = 0.0
+    for gap in np.diff(found):
+        # The greatest common divisor, of figures that are only nearly whole.
+        a, b = step, float(gap)
+        while b > least:
+            a, b = b, abs(a - round(a / b) * b)
+        step = a
+    return step if step > 10.0 * least else 0.0
+
+
+def readings_findings(run: Run, ratio: float, travel_rad: float | None, d: DriveSI | None) -> list[VettingNote]:
+    """Refusals and doubts about the columns of a table by hand, and what it can show."""
+    path, moves = path_of(run), bool(np.ptp(run.input_rad.mean(axis=0)))
+    found = column_findings(run, ratio, travel_rad, d) if moves else _against_the_load(run)
+    half_cycles = path.read.size - 1
+    what = "inputs" if moves else "load, with the inputs at rest"
+    text = f"a table of {run.time_s.size} turning points of the {what}: {half_cycles} half cycles"
+    if path.along:
+        text = f"a table of {run.time_s.size} readings along the way of the {what}"
+    found.append(VettingNote("turning_points", "fact", text))
+    if not path.read.all():
+        rows = ", ".join(str(int(k)) for k in np.cumsum(path.read)[~path.read])
+        text = (
+            f"{int((~path.read).sum())} half cycle(s) missing, after row {rows}: two rows in one sense; the missing "
+            "turning point is taken where its neighbours are"
+        )
+        found.append(VettingNote("half_cycle_missing", "fact", text, "write a row for each turning point"))
+    if half_cycles < FEWEST_HALF_CYCLES:
+        text = f"{half_cycles} half cycles: none repeats often enough to tell an effect from a misreading"
+        found.append(VettingNote("few_turning_points", "doubt", text, f"read {FEWEST_HALF_CYCLES} or more"))
+    if run.load_Nm is None:
+        text = "no load: lost motion and ratio can be found; stiffness, preload and friction of the cables cannot"
+        found.append(VettingNote("no_load", "fact", text, "write the load under which each row was read"))
+    elif not np.ptp(np.abs(run.load_Nm)) > SAME_SIDE * np.abs(run.load_Nm).max():
+        text = "all loads are of one size: a play and a stiffness look alike"
+        found.append(VettingNote("one_load", "fact", text, "read half of the cycles under half of the load"))
+    order = ("refused", "doubt", "fact")
+    return sorted(found, key=lambda finding: order.index(finding.level))
+
+
+def _against_the_load(run: Run) -> list[VettingNote]:
+    """A finding for an output at fixed inputs that moves against its load."""
+    if run.load_Nm is None or np.corrcoef(run.output_rad, run.load_Nm)[0, 1] < 0.7:
+        return []
+    text = "load_torque has the wrong sign: with the inputs at rest the output moves against the load"
+    remedy = "set scale: -1 on load_torque (it is positive where it opposes positive rotation)"
+    return [VettingNote("reversed_load", "refused", text, remedy, ("columns", "load_torque"))]

@@ -1,0 +1,168 @@
+"""Tables of turning points: benches made here, coarse gauges, missing rows, noise nobody declared."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import mbcdm_cad as mc
+from mbcdm_cad.cli import run as mbcdm
+from mbcdm_cad.errors import InputError
+from mbcdm_cad.loop.judge import LoopReport
+from mbcdm_cad.measurement.run import Run
+from mbcdm_cad.measurement.turning_points import path_of, written_step
+
+ROOT = Path(__file__).parents[3]
+COMPLIANCE, PLAY = 5e-4, 1.2e-3
+HEAD = """data: {name}.csv
+kind: turning_points
+decimal: comma
+columns:
+  output: {{column: gauge_mm, unit: mm, radius_mm: 100}}
+  load_torque: {{column: load_Nm, unit: N*m}}
+ratio: 10
+"""
+
+
+def locked(
+    folder: Path,
+    seed: int,
+    compliance: float,
+    play: float,
+    missing: tuple[int, ...] = (),
+    name: str = "table",
+    noise: float = 4e-5,
+) -> Path:
+    """Input locked, a spring balance on an arm: a dial gauge with steps of 0.01 mm, read to ``noise``, rad."""
+    rng = np.random.default_rng(seed)
+    load = np.tile([0.5, -0.5, 1.0, -1.0, 2.0, -2.0], 3)
+    drum = -compliance * load - 0.5 * play * np.sign(load) + rng.normal(0.0, noise, load.size)
+    gauge = np.round((100.0 * drum + 5.32) / 0.01) * 0.01
+    told = load * (1.0 + rng.normal(0.0, 0.003, load.size))
+    lines = ["load_Nm;gauge_mm;note"]
+    for k in range(load.size):
+        cell = "-;the phone rang" if k in missing else f"{gauge[k]:.2f};"
+        lines.append(f"{told[k]:.2f};{cell}".replace(".", ","))
+    (folder / f"{name}.csv").write_text("\n".join(lines) + "\n")
+    (folder / f"{name}.yaml").write_text(HEAD.format(name=name))
+    return folder / f"{name}.yaml"
+
+
+def judged(path: Path) -> LoopReport:
+    return mc.close_loop(None, path)
+
+
+def names(report: LoopReport) -> list[str]:
+    return sorted(one.name for one in report.result.effects)
+
+
+def test_play_and_stiffness_come_out_of_a_table_with_missing_rows(tmp_path: Path) -> None:
+    report = judged(locked(tmp_path, 1, COMPLIANCE, PLAY, missing=(4, 9)))
+    assert names(report) == ["lash", "stiffness_error"], report.result.sentence
+    figures = {one.name: next(iter(one.parameters.values())) for one in report.result.effects}
+    assert figures["lash"].low < PLAY < figures["lash"].high
+    assert figures["stiffness_error"].low < COMPLIANCE < figures["stiffness_error"].high
+    assert report.verdict == "explained"
+    assert report.result.errors.after.value < 0.1 * report.result.errors.before.value
+    text = report.text()
+    assert "2 half cycle(s) missing, after row 4, 8" in text
+    assert "a table of 16 turning points of the load, with the inputs at rest" in text
+    # Where the contact changes sides lies between the rows: it has no figure.
+    assert "zero" not in report.result.sentence
+    assert b"data:image/png" in report.page()
+
+
+def test_intervals_hold_the_truth_and_nothing_else_is_named(tmp_path: Path) -> None:
+    inside, named, tables = 0, 0, 12
+    for seed in range(tables):
+        report = judged(locked(tmp_path, 100 + seed, COMPLIANCE, PLAY))
+        assert set(names(report)) <= {"lash", "stiffness_error"}, report.result.sentence
+        for one in report.result.effects:
+            value = next(iter(one.parameters.values()))
+            inside += value.low < (PLAY if one.name == "lash" else COMPLIANCE) < value.high
+            named += 1
+    assert named >= 2 * tables - 2
+    assert inside >= 0.85 * named, f"{inside} of {named}"
+
+
+def test_a_sound_drive_gets_no_name(tmp_path: Path) -> None:
+    """The gauge is the only error: noise and steps that no file declares."""
+    said = [judged(locked(tmp_path, 300 + seed, 0.0, 0.0, noise=1.5e-4)).verdict for seed in range(12)]
+    assert said.count("none") >= 11, said
+    assert not {"explained", "partly_explained"} & set(said), said
+
+
+def test_lost_motion_without_a_load_is_a_set(tmp_path: Path) -> None:
+    """A motor goes to and fro and nobody measured a torque: play, or friction through a stiffness."""
+    rng = np.random.default_rng(4)
+    angle = np.tile([30.0, -30.0, 50.0, -50.0, 70.0, -70.0], 3) + rng.normal(0.0, 0.3, 18)
+    sense = np.sign(angle)
+    output = angle / 8.0 - 0.05 * sense + rng.normal(0.0, 0.002, angle.size)
+    rows = [f"{a:.2f},{b:.3f}" for a, b in zip(angle, output, strict=True)]
+    (tmp_path / "lost.csv").write_text("motor_deg,arm_deg\n" + "\n".join(rows) + "\n")
+    (tmp_path / "lost.yaml").write_text(
+        "data: lost.csv\nkind: turning_points\ncolumns:\n  input: {column: motor_deg, unit: deg}\n"
+        "  output: {column: arm_deg, unit: deg}\nratio: 8\n"
+    )
+    result = judged(tmp_path / "lost.yaml").result
+    (group,) = result.one_of
+    assert {one.name for one in group} == {"lash", "friction"}
+    play = next(one for one in group if one.name == "lash").parameters["play_rad"]
+    assert play.low < np.radians(0.1) < play.high
+
+
+@pytest.mark.slow
+def test_a_soft_rope_comes_out_of_the_rig_s_table(tmp_path: Path) -> None:
+    """The rig has its own physics of rope and wraps; the drum is pushed to and fro with the inputs locked."""
+    experiment = ROOT / "params/experiments/by-hand/turning-points-soft-rope.yaml"
+    assert mbcdm(["simulate", str(ROOT / "params/mbcdm.yaml"), str(experiment), "--out", str(tmp_path)]) == 0
+    run = tmp_path / experiment.stem / f"{experiment.stem}.yaml"
+    assert "kind: turning_points" in run.read_text()
+    result = mc.close_loop(mc.load(ROOT / "params/mbcdm.yaml"), run).result
+    (found,) = result.effects
+    assert found.name == "stiffness_error"
+    share = found.parameters["share"]
+    assert share.low < -0.25 < share.high
+    assert share.high - share.low < 0.05
+
+
+def test_what_is_wrong_with_a_table_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = locked(tmp_path, 1, COMPLIANCE, PLAY)
+    other = locked(tmp_path, 2, COMPLIANCE, PLAY, name="other")
+    text = path.read_text()
+    path.write_text(text.replace("unit: N*m}", "unit: N*m, scale: -1}"))
+    assert mbcdm(["loop", str(path)]) == 2
+    assert "with the inputs at rest the output moves against the load" in capsys.readouterr().err
+    path.write_text(text.replace("kind: turning_points", "kind: motion"))
+    assert mbcdm(["loop", str(path)]) == 2
+    assert "columns: an input is missing" in capsys.readouterr().err
+    path.write_text(text)
+    assert mbcdm(["loop", str(path), "--correction", str(tmp_path / "table")]) == 2
+    assert "leave --correction out; it works from runs of kind motion" in capsys.readouterr().err
+    motion = text.replace("kind: turning_points", "kind: motion\nsample_rate_Hz: 1")
+    other.write_text(motion.replace("load_torque:", "input:").replace("N*m", "deg"))
+    with pytest.raises(InputError, match="another kind of run"):
+        mc.close_loop(None, [path, other])
+
+
+def test_missing_turning_points_and_steps_of_figures() -> None:
+    def table(load: list[float]) -> Run:
+        values = np.array(load)
+        return Run(
+            np.arange(values.size, dtype=float), np.zeros((1, values.size)), -values, values, kind="turning_points"
+        )
+
+    whole = path_of(table([0.1, -0.1, 1.0, -1.0, 0.1, -0.1, 1.0, -1.0]))
+    assert whole.read.all()
+    gone = path_of(table([1.0, -1.0, 1.0, 1.02, -1.0, 1.0, -0.98, -1.0]))
+    assert np.flatnonzero(~gone.read).tolist() == [3, 8]
+    assert gone.load_Nm is not None
+    assert gone.load_Nm[3] == pytest.approx(-1.0)
+    assert gone.load_Nm[8] == pytest.approx(1.0)
+    along = path_of(table([0.0, 0.5, 1.0, 0.5, 0.0, -0.5, -1.0, -0.5, 0.0, 0.5]))
+    assert along.along
+    assert along.read.all()
+    assert written_step(np.array([5.32, 5.35, 5.31, 5.40])) == pytest.approx(0.01)
+    assert written_step(np.random.default_rng(1).normal(size=30)) == 0.0
