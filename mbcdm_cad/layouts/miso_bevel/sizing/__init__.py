@@ -66,7 +66,7 @@ RULES: tuple[Rule, ...] = (
 DERIVED = tuple(
     rule.field
     for rule in (*LEAD, *CLEARANCES, *FRAME, *HUB, *WEB, *STOP_PIN, *DRUM, *SETBACK, *BACK, *HUB_FACE)
-    if not rule.field.startswith("limits.") and rule.field != MOUNT_SCREW
+    if not rule.field.startswith("limits.") and rule.field not in (MOUNT_SCREW, "drum.output_screws")
 )
 
 

@@ -41,7 +41,13 @@ def side_wall(given: BevelKnown) -> Found:
     insert = given.insert("support", given.screw(PLATE_SCREWS[0]).thread_mm)
     if insert is not None:
         needs["top plate's inserts"] = insert.hole_mm + 2 * insert.wall_mm
-    return largest(needs, 0.1)
+    return raised(given, needs)
+
+
+def raised(given: BevelKnown, needs: dict[str, float]) -> Found:
+    """The largest of the needs of a wall, mm, or more of it where the frame would bend too much."""
+    stiff = {"frame_windup": given.frame.shelves * max(needs.values())} if given.frame.shelves > 1.0 else {}
+    return largest({**needs, **stiff}, 0.1)
 
 
 def box_mm(given: BevelKnown) -> float:

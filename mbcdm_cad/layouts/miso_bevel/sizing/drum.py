@@ -54,6 +54,8 @@ SCREW_LIP_MM = 1.0
 WEB_WALLS, WEB_SHARE = 2.5, 1.0 / 27.0
 # Diameter of the hub over the radius of step 1: hub and web beside it give most where the hub is narrow (a choice).
 HUB_SHARE = 0.42
+# Screws of the payload where four need too wide a hub; six would come nearer to the set screws than five or eight.
+MORE_SCREWS = (5, 8)
 # Bore of the shaft over its diameter, and the wall round it that remains.
 BORE_SHARE, BORE_WALL_MM = 0.7, 1.25
 # Stress of the web beside the hub over that of even shear over half a turn there (estimate; a check computes it).
@@ -192,15 +194,35 @@ def _joint(given: BevelKnown) -> PayloadJoint:
     return payload_joint(_joints(given), load, circle, hub, shaft, given.wall_mm("drum"))
 
 
-def _hub_diameter(given: BevelKnown) -> Found:
-    shaft, wall = _shaft_radius(given), given.wall_mm("drum")
-    bears_MPa = lasting_MPa(_material(given)) * SHEAR_SHARE / STRESS_SAFETY
+def _payload_hub_mm(given: BevelKnown, screws: int) -> float:
+    """Least diameter of a hub whose payload is held by so many screws, mm."""
     load = joint_load(given["loads.peak_torque_Nm"], given.payload)
+    shaft, wall = _shaft_radius(given), given.wall_mm("drum")
+    return 2 * min(j.least_hub_mm(load, shaft, wall) for j in joints(_material(given), _insert_of(given), screws))
+
+
+def _crowded(given: BevelKnown, screws: int = SCREWS) -> bool:
+    """Whether the hub for so many screws leaves no wall inside the stop pin's slot; a stated hub is left alone."""
+    if given.has("drum.hub_diameter_mm") or given.has("drum.output_circle_mm"):
+        return False
+    slot = given.shelf_bottom_mm + STOP_PIN_WALL_MM - STOP_SLOT_PLAY_MM / 2
+    room = slot - SLOT_WALLS * given.wall_mm("drum")
+    return rounded_up(_payload_hub_mm(given, screws), 0.5) > 2 * room
+
+
+def _output_screws(given: BevelKnown) -> Found:
+    fewest = next((n for n in MORE_SCREWS if not _crowded(given, n)), MORE_SCREWS[-1])
+    return Found(fewest, "stop_slot", f"the least of {', '.join(map(str, MORE_SCREWS))} that leaves the wall")
+
+
+def _hub_diameter(given: BevelKnown) -> Found:
+    shaft = _shaft_radius(given)
+    bears_MPa = lasting_MPa(_material(given)) * SHEAR_SHARE / STRESS_SAFETY
     spigot = given.entry("bearings", "drum.bearing")["inner_shoulder_mm"] / 2
     circle_mm = given.get("drum.output_circle_mm")
-    payload = 2 * min(joint.least_hub_mm(load, shaft, wall) for joint in _joints(given))
+    payload = _payload_hub_mm(given, given.get("drum.output_screws", SCREWS))
     if circle_mm is not None:
-        payload = circle_mm + min(joint.hole_mm for joint in _joints(given)) + 2 * wall
+        payload = circle_mm + min(joint.hole_mm for joint in _joints(given)) + 2 * given.wall_mm("drum")
     needs = {
         "hub_walls": 2 * (shaft + given.screw(HUB_SCREW).length_mm + SCREW_LIP_MM),
         "payload_screws": payload,
@@ -303,6 +325,14 @@ def _holds(given: BevelKnown, angle_deg: float, *checks: Callable[[BevelLayout],
 
 
 HUB = (
+    # Where it does not apply, the schema's own value stays.
+    Rule(
+        "drum.output_screws",
+        "more than four, because the hub for four leaves no wall inside the stop pin's slot",
+        "stop_slot",
+        _output_screws,
+        applies=_crowded,
+    ),
     Rule(
         "drum.hub_diameter_mm",
         "least diameter for shaft, set screws, torsion and payload's screws, or a share of the radius, for stiffness",

@@ -9,7 +9,7 @@ from mbcdm_cad.checks.input_pulley import GRIP_DIAMETERS, PASSAGE_MM
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.plate_screws import PLATE_SCREWS
-from mbcdm_cad.layouts.miso_bevel.sizing.boxes import box_mm, side_wall
+from mbcdm_cad.layouts.miso_bevel.sizing.boxes import box_mm, raised, side_wall
 from mbcdm_cad.layouts.miso_bevel.sizing.known import LATER, BevelKnown
 from mbcdm_cad.layouts.miso_bevel.sizing.parts import PLATE_SPARE_MM
 from mbcdm_cad.layouts.miso_bevel.sizing.radii import drive_radius_mm
@@ -59,7 +59,7 @@ def _bearing_shelf(given: BevelKnown) -> Found:
     }
     if given.motors_above:
         needs["encoders' screws"] = _sunk_mm(given) + wall
-    return largest(needs, 0.1)
+    return raised(given, needs)
 
 
 def _sunk_mm(given: BevelKnown) -> float:

@@ -15,11 +15,12 @@ from mbcdm_cad.layouts.miso_bevel.sizing.known import BevelKnown, FrameStart
 from mbcdm_cad.parts.mounting import MOUNT_SCREWS
 
 MOUNT_SCREW, WALLS = "support.mount_screw", ("support.back_plate_mm", "support.rib_mm")
-# Part of the frame's strain is no bending of these walls: the factor on them grows by the square root of what is
-# missing, and a little more so that the search ends.
-ROOT, SPARE = 0.5, 1.02
-# Walls thicker than this times the usual share fill the frame; the check then asks for another material or rope.
-MOST = 3.0
+SPARE = 1.02
+# Factors of :class:`FrameStart` in the order in which they are raised: by this power of what is missing and a little
+# more, so that the search ends; up to which multiple (more fills the frame, and the check asks for another material);
+# and only where less than this is missing. Part of the frame's strain is no bending of back plate and ribs, and only
+# a tenth is that of shelf and side walls.
+FACTORS = (("stiffer", 0.5, 3.0, inf), ("shelves", 5.0, 3.0, 1.25))
 
 Filled = tuple[BevelKnown, Sizing]
 
@@ -38,15 +39,18 @@ def with_strong_frame(filled_from: Callable[[FrameStart], Filled], *, first: boo
         start = replace(start, mount_screw=screw)
     if first:
         return sizing
-    over, best = _over_limit(given, sizing), sizing
-    least = over
-    while 1.0 < over < inf and start.stiffer < MOST:
-        start = replace(start, stiffer=start.stiffer * SPARE * over**ROOT)
-        given, sizing = filled_from(start)
-        over = _over_limit(given, sizing)
-        if over >= least:  # what misses now is not these walls
-            break
-        least, best = over, sizing
+    least, best = _over_limit(given, sizing), sizing
+    for name, power, most, worst in FACTORS:
+        while 1.0 < least < worst and getattr(start, name) < most:
+            more = replace(start, **{name: getattr(start, name) * SPARE * least**power})
+            try:
+                given, sizing = filled_from(more)
+            except SizingError:  # such walls are out of bounds
+                break
+            over = _over_limit(given, sizing)
+            if over >= least:  # what misses now is not these walls
+                break
+            start, least, best = more, over, sizing
     return best
 
 

@@ -71,7 +71,9 @@ LEAD_STEP_MM = 0.01
 
 @dataclass(frozen=True)
 class FrameStart:
-    """What the rules of the frame begin with: the screws of its base, and the factor on walls sized by stiffness.
+    """What the rules of the frame begin with: the screws of its base, and factors on the walls that make it stiff.
+
+    ``stiffer``: back plate and ribs; ``shelves``: bearing shelf and side walls.
 
     Both checks need the whole frame, so that :func:`mbcdm_cad.layouts.miso_bevel.sizing.size` raises the values where
     the frame that follows from them misses a check.
@@ -79,6 +81,7 @@ class FrameStart:
 
     mount_screw: str = "M3"
     stiffer: float = 1.0
+    shelves: float = 1.0
 
 
 class BevelKnown(RopeKnown):

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 
 from mbcdm_cad.checks.bending import ANCHOR_RATIO
+from mbcdm_cad.checks.cable_gaps import CABLE_GAP_MM
 from mbcdm_cad.checks.input_pulley import SHOULDER_MM
 from mbcdm_cad.design.blocks import Making
 from mbcdm_cad.design.bought import TerminationSpec
@@ -92,7 +94,7 @@ def _preload(given: BevelKnown) -> Found:
 
 
 def _lead(given: BevelKnown) -> Found:
-    """Room for a rope as thick as its tolerance allows, as far as a stated centre distance leaves the fleet angle."""
+    """Room for a rope as thick as its tolerance allows, as far as the steps and a stated centre distance leave it."""
     largest_input = greatest(*given.input_mm)
     clearing = given.clearing_lead_mm(largest_input)
     lead = rounded_up(clearing, LEAD_STEP_MM)
@@ -101,6 +103,9 @@ def _lead(given: BevelKnown) -> Found:
         return Found(lead, "self_clearance", f"up to {LEAD_STEP_MM:g}")
     thicker = given.get("making.rope_diameter_share", Making.rope_diameter_share) * given.d_mm
     wanted = rounded_up(clearing + THICKER_SPARE * thicker, LEAD_STEP_MM)
+    step = least(*(b - a for a, b in pairwise(given.drum_mm)))
+    room = ((step - given.d_mm) / 2 - CABLE_GAP_MM) / given.walk_mm(1.0)
+    wanted = greatest(lead, least(wanted, rounded_down(room, LEAD_STEP_MM)))
     if given.has("transmission.centre_distance_mm"):
         across = greatest(*given.guide_mm) + largest_input
         span = sqrt(greatest(given["transmission.centre_distance_mm"] ** 2 - across**2, 1e-6))
@@ -130,7 +135,7 @@ LEAD = (
     Rule(
         "rope.helix_lead_mm",
         "the least lead at which a span clears the turn wound before it at the largest fleet angle; room for a thicker "
-        "rope where the centre distance leaves it",
+        "rope where steps and centre distance leave it",
         "self_clearance",
         _lead,
     ),

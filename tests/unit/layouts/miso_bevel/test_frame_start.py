@@ -5,8 +5,10 @@ from __future__ import annotations
 import pytest
 
 from mbcdm_cad.checks.comparison import Comparison
+from mbcdm_cad.checks.drum_sector import stop_slot
 from mbcdm_cad.checks.structure import frame_windup, mounting_screws
 from mbcdm_cad.layouts.loader import load_text
+from mbcdm_cad.layouts.miso_bevel.checks.spans import input_walk
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 
 # A rope that is stiff beside a printed frame, and a torque at which M3 slip on it.
@@ -27,6 +29,16 @@ loads: {peak_torque_Nm: 37.2}
 drum: {material: pa12}
 guide: {material: pa12}
 """
+# A rope beside which back plate and ribs alone are not enough.
+STIFFER_ROPE = """name: softer-frame
+configuration: miso_bevel
+travel: {half_angle_deg: 27.6}
+transmission: {ratio: 7.39, drum_radius_mm: 89.7}
+loads: {peak_torque_Nm: 5.9}
+rope: {type: vectran-1.5}
+drum: {material: pa12}
+guide: {material: pa12}
+"""
 PRINTED = "support: {material: pa12%s}\n"
 
 
@@ -41,7 +53,12 @@ def _holds(found: Comparison) -> bool:
 
 
 @pytest.mark.parametrize(
-    ("text", "walls"), [(STIFF_ROPE, ", back_plate_mm: 5.6, rib_mm: 7.8"), (HIGH_TORQUE, ", back_plate_mm: 9.4")]
+    ("text", "walls"),
+    [
+        (STIFF_ROPE, ", back_plate_mm: 5.6, rib_mm: 7.8"),
+        (HIGH_TORQUE, ", back_plate_mm: 9.4, bearing_shelf_mm: 4.2, side_wall_mm: 6.2"),
+        (STIFFER_ROPE, ", bearing_shelf_mm: 4.2, side_wall_mm: 6.2"),
+    ],
 )
 def test_walls_of_a_printed_frame_follow_from_its_windup(text: str, walls: str) -> None:
     by_rule, by_share = _sized(text + PRINTED % ""), _sized(text + PRINTED % walls)
@@ -65,3 +82,18 @@ def test_heads_on_washers_have_room() -> None:
     assert layout.mount_washers and layout.frame.mount_head_radius > layout.mounting.washer_mm / 2
     milled = _sized(HIGH_TORQUE + "support: {material: aluminium-7075}\n")
     assert not milled.mount_washers and milled.mounting.name == "M3", milled.mounting
+
+
+def test_more_payload_screws_leave_a_wall_between_hub_and_stop_slot() -> None:
+    by_rule, four = (
+        _sized(HIGH_TORQUE + PRINTED % ""),
+        _sized(HIGH_TORQUE.replace("drum: {", "drum: {output_screws: 4, ") + PRINTED % ""),
+    )
+    assert len(by_rule.drum.payload_places) > 4 and stop_slot(by_rule).holds, stop_slot(by_rule)
+    assert not stop_slot(four).holds, "four screws leave the wall: this design shows nothing"
+
+
+def test_the_lead_leaves_room_between_the_steps() -> None:
+    thick = "name: thick\nconfiguration: miso_bevel\ntravel: {half_angle_deg: 59.0}\nrope: {type: 1x19-2}\n"
+    layout = _sized(thick + "transmission: {ratio: 7.13, drum_radius_mm: 113.0}\nloads: {peak_torque_Nm: 12.9}\n")
+    assert input_walk(layout).holds, input_walk(layout)
