@@ -7,7 +7,8 @@ It may be stopped and started again.
 
 Runs of the dynamic rig: a weight's torque and inertia at the drum, a sine of the drum, currents logged with noise, no
 torque sensor. The torque constant is wrong by 2 % (one standard deviation, as drawn), the preload is 20 % low, and each
-input has 0.01 N m of friction behind its gearhead. The physics is that of the declared model otherwise.
+input has 0.01 N m of friction behind its gearhead. The physics is that of the declared model otherwise. The measurement
+file states the weight on its arm, wrong by 0.5 % (one standard deviation, as drawn); with ``--unstated`` it does not.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -23,9 +25,12 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
+from mbcdm_cad.design.blocks import STANDARD_GRAVITY_M_S2  # noqa: E402
 from mbcdm_cad.design.drive import Drive  # noqa: E402
 from mbcdm_cad.layouts.loader import load_design  # noqa: E402
-from mbcdm_cad.measurement.run import Run, Sensors, StatedMotors, TorqueClass  # noqa: E402
+from mbcdm_cad.measurement.known_load import pendulum_load_Nm  # noqa: E402
+from mbcdm_cad.measurement.run import KNOWN_LOAD, Run, Sensors, StatedMotors, TorqueClass  # noqa: E402
+from mbcdm_cad.measurement.schema import Pendulum  # noqa: E402
 from mbcdm_cad.rig.dynamic.experiment import DynamicExperiment  # noqa: E402
 from mbcdm_cad.rig.dynamic.simulate import simulate_dynamic  # noqa: E402
 from tests.support.bench_page import interval  # noqa: E402
@@ -33,19 +38,28 @@ from tests.support.bench_page import interval  # noqa: E402
 # A low preload and more friction in the cables are nearly alike: either, or both as a set, is right.
 WANTED = ({"preload_error", "cable_friction"}, {"friction"})
 CONSTANT_NM_A, SIGMA_SHARE, CURRENT_NOISE_A = 0.0065, 0.02, 2e-3
+# The weight that `mbcdm plan --within` proposes; near the axis, since with more inertia the position loops oscillate.
+ARM = Pendulum(mass_kg=5.63, arm_mm=30.0, inertia_kg_m2=0.0003)
+WEIGHT_SIGMA = 0.005
 
 
 def measured(
     drive: Drive,
     seed: int,
     effects: bool = True,
-    frequency_Hz: float = 0.125,
-    amplitude_mrad: float = 450.0,
-    inertia_kg_m2: float = 0.002,
+    frequency_Hz: float = 0.16,
+    amplitude_mrad: float = 436.3,
     duration_s: float = 100.0,
+    stated: bool = True,
 ) -> Run:
     """One run as its logger has it; the same seed without ``effects`` is its twin."""
     rng = np.random.default_rng([seed, 35])
+    lever = 1e-3 * ARM.arm_mm
+    load = {
+        "unbalance_Nm": ARM.mass_kg * STANDARD_GRAVITY_M_S2 * lever,
+        "inertia_kg_m2": ARM.inertia_kg_m2 + ARM.mass_kg * lever**2,
+        "torque_Nm": float(rng.uniform(-0.3, 0.3)),
+    }
     experiment = DynamicExperiment.model_validate(
         {
             "rig": "dynamic",
@@ -55,7 +69,7 @@ def measured(
             "sample_rate_Hz": 100 if frequency_Hz < 1.0 else 500,
             "motion": {"amplitude_mrad": amplitude_mrad, "frequency_Hz": frequency_Hz},
             "physics": {"cable_transport": False},
-            "load": {"unbalance_Nm": 1.6, "inertia_kg_m2": inertia_kg_m2, "torque_Nm": float(rng.uniform(-0.3, 0.3))},
+            "load": load,
             "bearings": {"input_Nm": 0.01 if effects else 0.0},
             "effects": [{"effect": "preload", "share": -0.2}] if effects else [],
         }
@@ -67,19 +81,28 @@ def measured(
     motor = StatedMotors(CONSTANT_NM_A, SIGMA_SHARE, friction_Nm=rig.motors[0].coulomb_Nm)
     sensors = Sensors(1.9175e-4, 1.3635e-6, torque_class=TorqueClass.of_motors(SIGMA_SHARE))
     logged = Run(run.time_s, run.measured_input_rad, run.measured_drum_rad, sensors=sensors, source="run.csv")
-    return replace(logged, input_names=drive.input_names, current_A=current, motor=motor)
+    logged = replace(logged, input_names=drive.input_names, current_A=current, motor=motor)
+    if not stated:
+        return logged
+    scale = 1.0 + WEIGHT_SIGMA * rng.normal()
+    known = scale * pendulum_load_Nm(ARM, logged.output_rad, logged.time_s)
+    sensors = replace(sensors, torque_class=TorqueClass(2.0 * WEIGHT_SIGMA, 0.0, what=KNOWN_LOAD))
+    return replace(logged, load_Nm=known, sensors=sensors)
 
 
-def judged(drive: Drive, seed: int, effects: bool) -> dict[str, object]:
+def judged(drive: Drive, seed: int, effects: bool, stated: bool) -> dict[str, object]:
     """What the loop says of one run, as a row of the study's file."""
     from mbcdm_cad.loop.search.engine import close_loop
 
-    result = close_loop(drive, [measured(drive, seed, effects)])
+    run = measured(drive, seed, effects, stated=stated)
+    begun = time.process_time()
+    result = close_loop(drive, [run])
     sets = [{one.name} for one in result.effects] + [{one.name for one in group} for group in result.one_of]
     wanted = WANTED if effects else []
     return {
         "seed": seed,
         "effects": effects,
+        "cpu_s": time.process_time() - begun,
         "found": [any(names & want for names in sets) for want in wanted],
         "odd": [sorted(names) for names in sets if not any(names & want for want in wanted)],
         "verdict": result.verdict,
@@ -110,6 +133,7 @@ def main() -> None:
     parser.add_argument("--runs", type=int, default=0)
     parser.add_argument("--first-seed", type=int, default=0)
     parser.add_argument("--without", action="store_true", help="the twins without effects")
+    parser.add_argument("--unstated", action="store_true", help="the measurement file does not state the weight")
     options = parser.parse_args()
     drive = load_design(ROOT / "params" / "mbcdm.yaml").drive
     text = options.rows.read_text() if options.rows.exists() else ""
@@ -118,7 +142,7 @@ def main() -> None:
     for seed in range(options.first_seed, options.first_seed + options.runs):
         if (seed, not options.without) in done:
             continue
-        rows.append(judged(drive, seed, not options.without))
+        rows.append(judged(drive, seed, not options.without, not options.unstated))
         with open(options.rows, "a", encoding="utf-8") as file:
             file.write(json.dumps(rows[-1]) + "\n")
     print(summary(rows))

@@ -187,15 +187,15 @@ def _broken_rules(file: MeasurementFile) -> list[Problem]:
 
 
 def _broken_currents(file: MeasurementFile, asked: dict[str, Column]) -> list[Problem]:
-    """Problems with the motors' currents: one for each input, in place of a measured or a known load."""
+    """Problems with the motors' currents: one for each input, in place of a measured load; a weight may be stated too."""
     currents = [key for key in asked if kind_of(key) == CURRENT]
     if not currents:
         return []
     first: FieldPath = ("columns", currents[0])
     problems = []
-    if LOAD in asked or file.content.load is not None:
-        other = f"columns.{LOAD}" if LOAD in asked else "load"
-        remedy = "keep one of the two: the load that is known better"
+    if LOAD in asked or file.content.load == "none":
+        other = f"columns.{LOAD}" if LOAD in asked else "load: none"
+        remedy = "keep one of the two; beside the currents a load of a weight on an arm may be stated, pendulum"
         problems.append(file.problem(first, f"given beside {other}", remedy=remedy))
     inputs = sorted(key.removeprefix("input").lstrip("_") for key in asked if kind_of(key) == "input")
     if inputs != sorted(key.removeprefix(CURRENT).lstrip("_") for key in currents):

@@ -13,16 +13,21 @@ Source: derived; the loss is that of a gearhead whose friction grows with the to
 from __future__ import annotations
 
 from dataclasses import replace
+from math import inf, sqrt
 
 import numpy as np
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.measurement.known_load import motion_of
-from mbcdm_cad.measurement.run import Run, StatedMotors
+from mbcdm_cad.measurement.run import KNOWN_LOAD, Run, StatedMotors, TorqueClass, smoothed
 from mbcdm_cad.routes import Floats
 
 # Below this share of its RMS the sense of the speed is not sharp.
 STANDSTILL_SHARE = 0.1
+# Slower than this share of the RMS speed the friction hides the load: nothing is fitted there.
+SLOW_SHARE = 0.3
+# What the fit of a known weight may leave, as a share of the weight's load, both RMS; without noise, by a mean over s.
+REST_SHARE, REST_S = 0.05, 0.2
 
 
 def motors_load_Nm(
@@ -50,12 +55,60 @@ def motors_load_Nm(
 
 
 def with_motors_load(run: Run, drive: Drive | None, turns_per_drum: Floats) -> Run:
-    """The run with the load of its motors' currents, unchanged without them; its angles are behind the gearhead."""
-    if run.current_A is None or run.motor is None or run.load_Nm is not None:
+    """The run with the load of its motors' currents, unchanged without them; its angles are behind the gearhead.
+
+    Where the load is known too, a weight on an arm, it gives the torque constant.
+    """
+    weight = run.load_Nm if run.sensors.torque_class.what == KNOWN_LOAD else None
+    if run.current_A is None or run.motor is None or (run.load_Nm is not None and weight is None):
         return run
     figures = run.motor if drive is None else figures_of(run.motor, drive)
-    load = motors_load_Nm(figures, run.current_A, run.input_rad, run.time_s, turns_per_drum)
-    return replace(run, load_Nm=load)
+    if weight is None:
+        load = motors_load_Nm(figures, run.current_A, run.input_rad, run.time_s, turns_per_drum)
+        return replace(run, load_Nm=load)
+    found, sigma = beside_weight(run, figures, turns_per_drum, weight)
+    return replace(run, load_Nm=found, sensors=replace(run.sensors, torque_class=TorqueClass.of_motors(sigma)))
+
+
+def beside_weight(run: Run, figures: StatedMotors, turns_per_drum: Floats, weight_Nm: Floats) -> tuple[Floats, float]:
+    """The load (n,) of motors that turn a known weight (n,), and the standard deviation of its gain, a share.
+
+    The motors' load is fitted as that of the weight, with a friction that has the sense of the motion and may grow with
+    the load or the speed, and a zero. Its factor of the weight gives the torque constant: half the class of the known
+    load is its standard deviation, and it is weighed with the stated constant by theirs. Where the fit leaves little,
+    it stands in place of the currents: these do not show the load where the motion turns, which is where it is extreme.
+    """
+    speed = motion_of(run.output_rad, run.time_s)[0]
+    sense = np.sign(speed)
+    table = np.stack([weight_Nm, sense, sense * np.abs(weight_Nm), speed, np.ones_like(speed)], axis=1)
+    moving = np.abs(speed) > SLOW_SHARE * float(np.std(speed))
+    share, sigma = weighed(figures.torque_constant_share, 0.5 * run.sensors.torque_class.share)
+    assert run.current_A is not None and figures.torque_constant_Nm_A is not None
+    constant = figures.torque_constant_Nm_A
+    for last in (False, False, True):
+        known = replace(figures, torque_constant_Nm_A=constant)
+        load = motors_load_Nm(known, run.current_A, run.input_rad, run.time_s, turns_per_drum)
+        factors = np.linalg.lstsq(table[moving], load[moving], rcond=1e-9)[0]
+        if factors[0] <= 0.0:
+            return load, figures.torque_constant_share
+        if not last:
+            by_weight = constant / float(factors[0])
+            constant = figures.torque_constant_Nm_A + share * (by_weight - figures.torque_constant_Nm_A)
+    fitted = table @ factors
+    rest = smoothed(load - fitted, REST_S, run.step_s)[moving]
+    little = float(np.std(rest)) < REST_SHARE * float(np.std(weight_Nm))
+    return fitted if little else load, sigma
+
+
+def weighed(stated: float, by_weight: float) -> tuple[float, float]:
+    """How much a known weight counts beside the stated torque constant, and the standard deviation of what both say.
+
+    Both arguments are standard deviations, shares of the constant.
+    """
+    if stated == 0.0 or by_weight == inf:
+        return 0.0, stated
+    share = stated**2 / (stated**2 + by_weight**2)
+    return share, by_weight * sqrt(share)
 
 
 def figures_of(given: StatedMotors, drive: Drive) -> StatedMotors:

@@ -452,10 +452,10 @@ def _load_Nm(file: MeasurementFile, rows: dict[str, Floats]) -> Floats | None:
 
 
 def _torque_class(given: SensorFigures, known: bool, motor: StatedMotors | None) -> TorqueClass:
-    """The class of the torque sensor, of a known load or of the motors' currents, with usual figures in place of those
-    that are not stated."""
+    """The class of the torque sensor, of a known load or else of the motors' currents, with usual figures in place of
+    those that are not stated."""
     usual = TorqueClass(lag_s=0.0, what=KNOWN_LOAD) if known else TorqueClass()
-    if motor is not None:
+    if motor is not None and not known:
         usual = TorqueClass.of_motors(motor.torque_constant_share)
     share, lag = given.torque_class_share, given.torque_lag_s
     if share is not None:

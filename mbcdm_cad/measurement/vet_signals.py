@@ -265,7 +265,9 @@ def _source_of_load(run: Run) -> list[VettingNote]:
             f"{noise:.2g} N m a sample: a modulus that is wrong by less than this share is not told from the torque "
             "constant, and friction between motor and drum is in the load"
         )
-        return [VettingNote("motors_current", "fact", text, "a known weight on an arm gives the torque constant")]
+        weighed = run.motor is not None and (allowed.gain_sigma or 1.0) < run.motor.torque_constant_share
+        remedy = "turn a known weight on an arm and state it as load, pendulum: it gives the torque constant"
+        return [VettingNote("motors_current", "fact", text, "" if weighed else remedy)]
     return []
 
 

@@ -96,7 +96,7 @@ def best_run(
     found = []
     for experiment in (*own, *candidates(drive, limits)):
         progress(f"plan of {experiment.about or experiment.name}")
-        plan = _plan(drive, experiment, noise, class_of_load(limits))
+        plan = _plan(drive, experiment, noise, class_of_load(limits, experiment.load))
         if plan is not None:
             found.append((experiment, plan))
     if not found:
@@ -106,7 +106,7 @@ def best_run(
         key=lambda pair: pair[1].mean_multiple,
     )
     ranked = [(run.model_copy(update={"sample_rate_Hz": limits.sample_rate_Hz}), one) for run, one in ranked]
-    at_rate = _plan(drive, ranked[0][0], noise, class_of_load(limits))
+    at_rate = _plan(drive, ranked[0][0], noise, class_of_load(limits, ranked[0][0].load))
     assert at_rate is not None
     return BestRun(tuple(ranked), at_rate)
 

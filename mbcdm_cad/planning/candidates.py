@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import product
-from math import pi, radians
+from math import inf, pi, radians, sin
 from typing import Any
 
 import yaml
 
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.measurement.motor_load import weighed
 from mbcdm_cad.measurement.run import Run, Sensors, TorqueClass
 from mbcdm_cad.measurement.schema import CountedParts
 from mbcdm_cad.rig.bench_limits import BenchLimits
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
+from mbcdm_cad.rig.quasistatic.load import Load
 from mbcdm_cad.rig.quasistatic.simulate import simulate
 from mbcdm_cad.rig.writing import counted_parts
 
@@ -47,7 +49,7 @@ def candidates(drive: Drive, limits: BenchLimits) -> list[Experiment]:
                 # The period of a sine whose largest speed is within the limit; a slower run is allowed.
                 period = max(period, round(2.0 * pi * amplitude / radians(limits.drum_speed_max_deg_s), 3))
             motion = {"amplitude_mrad": round(min(1e3 * amplitude, WIDEST_MRAD), 2), "period_s": period}
-            for shape, (name, load) in product(SHAPES, _loads(limits)):
+            for shape, (name, load) in product(SHAPES, _loads(limits, amplitude)):
                 found.append(
                     Experiment.model_validate(
                         {
@@ -65,8 +67,8 @@ def candidates(drive: Drive, limits: BenchLimits) -> list[Experiment]:
     return found
 
 
-def _loads(limits: BenchLimits) -> Iterator[tuple[str, dict[str, Any]]]:
-    """(description, load of the experiment file), the simplest equipment first."""
+def _loads(limits: BenchLimits, amplitude: float) -> Iterator[tuple[str, dict[str, Any]]]:
+    """(description, load of the experiment file) at an amplitude of the drum, rad, the simplest equipment first."""
     most = limits.torque_Nm
     if most is None:
         yield "no load", {"kind": "none"}
@@ -78,7 +80,11 @@ def _loads(limits: BenchLimits) -> Iterator[tuple[str, dict[str, Any]]]:
         yield "a brake at four levels", {"kind": "brake", "levels_Nm": levels, "periods_per_level": 1.0}
     if "brake" in kinds and "weight" in kinds:
         yield "a brake at half the load and a weight", {"kind": "brake", "levels_Nm": [bias], "bias_Nm": bias}
-    if "weight" in kinds:
+    if "weight" in kinds and limits.motor_current is not None:
+        # On an arm that hangs at the centre: its torque is known at each angle, and gives the torque constant.
+        moment = round(most / sin(min(amplitude, 0.5 * pi)), 3)
+        yield "a weight on an arm", {"kind": "inertia_plate", "unbalance_Nm": moment}
+    elif "weight" in kinds:
         yield "a weight alone", {"kind": "none", "bias_Nm": levels[-1]}
     if "torque_motor" in kinds:
         period = limits.duration_s / 13.7
@@ -93,10 +99,13 @@ def experiment_text(experiment: Experiment, about: str) -> str:
     return f"# {about}\n" + yaml.safe_dump(content, sort_keys=False, allow_unicode=True, width=110)
 
 
-def class_of_load(limits: BenchLimits) -> TorqueClass:
-    """How well the load of a bench is known."""
+def class_of_load(limits: BenchLimits, load: Load) -> TorqueClass:
+    """How well a load is known on a bench."""
     current = limits.motor_current
-    return TorqueClass() if current is None else TorqueClass.of_motors(current.torque_constant_share)
+    if current is None:
+        return TorqueClass()
+    by_weight = inf if load.unbalance_Nm == 0.0 else 0.5 * TorqueClass().share
+    return TorqueClass.of_motors(weighed(current.torque_constant_share, by_weight)[1])
 
 
 def run_of(drive: Drive, wanted: Experiment, torque_class: TorqueClass | None = None) -> Run:

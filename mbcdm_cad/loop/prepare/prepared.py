@@ -25,7 +25,7 @@ from mbcdm_cad.loop.prepare.quiet import (
     speed_window,
 )
 from mbcdm_cad.loop.prepare.samples import Cut, held_sweeps, held_words, search_cut, whole_cut
-from mbcdm_cad.measurement.run import SPEED_WINDOW_S, Run, half_sweeps, smoothed, smoothed_at
+from mbcdm_cad.measurement.run import MOTORS_CURRENT, SPEED_WINDOW_S, Run, half_sweeps, smoothed, smoothed_at
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.storage.compiled import compiled
 
@@ -42,6 +42,9 @@ SECTORS = 8
 STANDSTILL_SHARE, STANDSTILL_NOISE = 0.005, 2.0
 # Without a measured torque, samples so near a reversal are not used, s: a brake changes sign there at an unknown time.
 FLIP_S = 0.25
+# Where the load comes from the motors' currents, samples slower than this share of the RMS speed are not used: the
+# friction of motor and gearhead hides the load there, and the smoothed load rounds the jump beside it.
+HIDDEN_SHARE = 0.3
 # If these are more than this share of a run, too few others remain, and all samples are used.
 MOST_BLIND = 0.5
 # The first half sweep is left out if at least so many follow.
@@ -283,6 +286,8 @@ def prepare(run: Run, ratio: float, one_of_several: int | None = None, runs: int
         blind = np.searchsorted(flips, time + FLIP_S) > np.searchsorted(flips, time - FLIP_S)
         if blind.mean() > MOST_BLIND:
             blind[:] = False
+    elif run.sensors.torque_class.what == MOTORS_CURRENT:
+        blind = np.abs(speed) < HIDDEN_SHARE * float(np.sqrt(np.mean(speed**2)))
 
     def taken(cut: Cut) -> Prepared:
         at = cut.index

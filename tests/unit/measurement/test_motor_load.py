@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,10 +10,13 @@ import pytest
 
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.loop.prepare.prepared import prepare
 from mbcdm_cad.measurement.file import load_file
-from mbcdm_cad.measurement.motor_load import figures_of, motors_load_Nm
+from mbcdm_cad.measurement.known_load import pendulum_load_Nm
+from mbcdm_cad.measurement.motor_load import figures_of, motors_load_Nm, with_motors_load
 from mbcdm_cad.measurement.reading import load_measurement
-from mbcdm_cad.measurement.run import StatedMotors
+from mbcdm_cad.measurement.run import KNOWN_LOAD, MOTORS_CURRENT, Run, Sensors, StatedMotors, TorqueClass
+from mbcdm_cad.measurement.schema import Pendulum
 from mbcdm_cad.measurement.vet import vetted_runs
 
 DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
@@ -75,6 +79,38 @@ def test_a_file_with_currents_has_a_load_of_the_motors_class(tmp_path: Path) -> 
     (told,) = (str(note) for note in vetted.findings if note.kind == "motors_current")
     assert "to 0.06 of its gain" in told and "a known weight on an arm" in told
     assert vetted.run.load_Nm is not None and np.ptp(vetted.run.load_Nm) > 0.01
+
+
+def test_samples_at_which_friction_hides_the_load_are_not_used(tmp_path: Path) -> None:
+    rest = "motor: {torque_constant_Nm_A: 0.002, torque_constant_share: 0.03}\n"
+    (vetted,) = vetted_runs([load_file(written(tmp_path, BOTH, rest))], DRIVE)
+    _, whole = prepare(vetted.run, float(TURNS[0]))
+    slow = np.abs(np.cos(2.0 * np.pi * whole.time_s / 4.0))[whole.sweep > 0] < 0.15
+    used = whole.used[whole.sweep > 0]
+    assert not used[slow].any() and used[~slow].mean() > 0.9, (used[slow].mean(), used[~slow].mean())
+
+
+@pytest.mark.parametrize("wrong", [-0.06, 0.04])
+def test_a_weight_on_an_arm_gives_the_torque_constant(wrong: float) -> None:
+    angle = 0.4 * np.sin(2.0 * np.pi * T / 6.0)
+    speed, acceleration = np.gradient(9.0 * angle, T), np.gradient(np.gradient(9.0 * angle, T), T)
+    arm = Pendulum(mass_kg=1.0, arm_mm=100.0, inertia_kg_m2=0.001)
+    weight = pendulum_load_Nm(arm, angle, T)
+    amperes = current(weight + 0.1 * np.sign(speed) + 0.05, speed, acceleration)
+    noisy = amperes + 2e-4 * np.random.default_rng(1).normal(size=T.size)
+    known = Sensors(torque_class=TorqueClass(0.01, 0.0, what=KNOWN_LOAD))
+    stated = replace(FIGURES, torque_constant_Nm_A=FIGURES.torque_constant_Nm_A * (1.0 + wrong))
+    run = Run(T, 9.0 * angle[None], angle, weight, sensors=known, current_A=noisy[None], motor=stated)
+    found = with_motors_load(run, None, TURNS)
+    assert found.load_Nm is not None and (found.sensors.torque_class.what == MOTORS_CURRENT)
+    moving = np.abs(speed) > 0.3 * np.std(speed)
+    factor, _ = np.polyfit(weight[moving] + 0.1 * np.sign(speed[moving]), found.load_Nm[moving], 1)
+    assert factor == pytest.approx(1.0, abs=0.005), factor
+    # The friction is in the load until the turn itself, where the currents do not show it.
+    off = np.abs(found.load_Nm - weight - 0.1 * np.sign(speed) - 0.05)
+    assert np.quantile(off, 0.99) < 0.01, np.quantile(off, 0.99)
+    assert found.sensors.torque_class.gain_sigma == pytest.approx(0.005 * 0.05 / np.hypot(0.005, 0.05))
+    assert with_motors_load(found, None, TURNS) is found
 
 
 @pytest.mark.parametrize(
