@@ -187,7 +187,7 @@ def _broken_rules(file: MeasurementFile) -> list[Problem]:
 
 
 def _broken_currents(file: MeasurementFile, asked: dict[str, Column]) -> list[Problem]:
-    """Problems with the motors' currents: one for each input, in place of a measured load; a weight may be stated too."""
+    """Problems with the motors' currents: one for each input, in place of a measured load; not of a weight."""
     currents = [key for key in asked if kind_of(key) == CURRENT]
     if not currents:
         return []

@@ -366,8 +366,8 @@ class Measurement(Block):
     columns: Columns | None = choice("what each column contains", source=LOGGER, default=None)
     sensors: SensorFigures = choice("what the sensors resolve", source=SENSORS, default=SensorFigures())
     load: Literal["none"] | KnownLoad | None = choice(
-        "load that no sensor measured: none if nothing loads the output but its own bearings, or a pendulum; beside the "
-        "motors' currents a pendulum gives their torque constant; leave it out where the load is not known",
+        "load that no sensor measured: none if nothing loads the output but its own bearings, or a pendulum, which "
+        "beside the motors' currents gives their torque constant; leave it out where the load is not known",
         source=BENCH,
         example="none",
         default=None,
