@@ -81,7 +81,8 @@ class Effect:
     sentence for a person who does not know these names: figures in braces, ``{way_...}`` for "higher" or "lower",
     ``{stage}`` and ``{cables}``. ``reversed_words`` describe it where its first figure is negative, if that is
     something else. ``base`` is the effect of which a change during the run is one; ``later`` applies it to the runs
-    after its own.
+    after its own. ``richer``: all forms of an effect that is a sum of terms, those of more terms too, which the search
+    tries in its place once it has ended.
     """
 
     name: str
@@ -111,6 +112,7 @@ class Effect:
     reversed_words: Words | None = None
     base: Effect | None = None
     later: Callable[[Setup, Floats, Simulator], Setup] | None = None
+    richer: Callable[[], list[Effect]] | None = None
 
     @property
     def words(self) -> Words:

@@ -22,7 +22,7 @@ def parts_seen(drive: Drive, counted: CountedParts, motor_side: bool) -> PartsSe
     ``motor_side``: whether the inputs' encoders sit before the gearheads. A part without a figure counts as rigid.
     """
     give, sigma = _give_urad_Nm(drive, counted.output_at == "payload", motor_side) if counted.structure else (0.0, 0.0)
-    torque, spread = _friction_Nm(drive) if counted.losses else (0.0, 0.0)
+    torque, spread = drum_friction_Nm(drive) if counted.losses else (0.0, 0.0)
     play = input_play_rad(drive, motors_held=True) if counted.structure and motor_side else 0.0
     return PartsSeen(give * _URAD, sigma * _URAD, torque, exp(spread / torque) if torque else 1.0, play)
 
@@ -39,7 +39,7 @@ def _give_urad_Nm(drive: Drive, payload: bool, motor_side: bool) -> tuple[float,
     return urad_Nm(seen), sigma_urad_Nm(seen)
 
 
-def _friction_Nm(drive: Drive) -> tuple[float, float]:
+def drum_friction_Nm(drive: Drive) -> tuple[float, float]:
     """Friction at the drum between the inputs and the load, with its standard deviation.
 
     Cables that bend on drum and passed bodies, and the bearings of these, under the preload. What rubs at the inputs

@@ -235,7 +235,7 @@ def _loads(run: Run, speed: Floats, d: DriveSI | None) -> list[VettingNote]:
     levels = load_levels(run.load_Nm)
     words = ", ".join(f"{level:.3g}" for level in levels)
     text = f"load levels {words} N m" if levels else f"the load varies from {low:.3g} to {high:.3g} N m"
-    found = [VettingNote("load_levels", "fact", text), *_source_of_load(run)]
+    found = [VettingNote("load_levels", "fact", text), *_source_of_load(run), _friction(speed, run.load_Nm)]
     sense = np.sign(speed)
     moving = np.abs(speed) > 0.2 * np.quantile(np.abs(speed), 0.99)
     # About zero and not about the mean: with a bias the load does not change sign with the motion.
@@ -246,6 +246,41 @@ def _loads(run: Run, speed: Floats, d: DriveSI | None) -> list[VettingNote]:
         )
         found.append(VettingNote("load_follows_speed", "fact", text, "a bias load separates them"))
     return found
+
+
+# Speeds, or sizes of the load, count as one if the largest usual one is less than so many times the smallest. A sense
+# of power that less than this share of the motion has is not there.
+ONE_SIZE, LEAST_OF_MOTION = 1.5, 0.05
+
+
+def friction_alike(speed_rad_s: Floats, load_Nm: Floats | None) -> list[str]:
+    """Parts of a friction that a run of these speeds and loads, (n,) each, does not tell from a constant one."""
+    size = np.abs(speed_rad_s)
+    moving = size > 0.2 * np.quantile(size, 0.99)
+    slow, fast = np.quantile(size[moving], (0.25, 0.9))
+    found = []
+    if fast < ONE_SIZE * slow:
+        found.append(f"a viscous or Stribeck part: there is one speed, {float(fast):.2g} rad/s")
+    if load_Nm is None or not load_Nm.any():
+        return [*found, "a part in proportion to the load: there is no load"]
+    power = np.sign(speed_rad_s[moving]) * load_Nm[moving]
+    low, high = np.quantile(np.abs(power), (0.25, 0.9))
+    if high < ONE_SIZE * low:
+        found.append(f"a part in proportion to the load: there is one size of load, {float(high):.2g} N m")
+    driving = float(np.mean(power > 0.2 * high))
+    if driving < LEAST_OF_MOTION or float(np.mean(power < -0.2 * high)) < LEAST_OF_MOTION:
+        found.append(f"a part by the sense of power: the load always {'opposes' if driving else 'drives'} the motion")
+    return found
+
+
+def _friction(speed: Floats, load_Nm: Floats) -> VettingNote:
+    """Which forms of friction the run can tell apart."""
+    alike = friction_alike(speed, load_Nm)
+    text = "friction by speed, by load and by the sense of power can be told apart"
+    if alike:
+        text = f"a constant friction looks like one with {'; or '.join(alike)}"
+    remedy = "two speeds that differ threefold and two loads, one a weight, tell them" if alike else ""
+    return VettingNote("friction_forms", "fact", text, remedy)
 
 
 def _source_of_load(run: Run) -> list[VettingNote]:

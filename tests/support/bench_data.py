@@ -107,6 +107,8 @@ def drum_angle(
             chain = replace(chain, friction=chain.friction * (1.0 + p["share"]))
         elif kind == "bearing":
             load = load + p["torque_Nm"] * np.tanh(bench.speed_rad_s / 1e-3)
+        elif kind == "law":
+            load = load + friction_law(p, bench)
         elif kind == "viscous":
             load = load + p["drag_Nm_s"] * bench.speed_rad_s
         elif kind == "input_play":
@@ -119,6 +121,26 @@ def drum_angle(
     for effect in effects:
         drum = drum + effect.added(bench, drum, rng)
     return drum
+
+
+def friction_law(p: dict[str, float], bench: Bench) -> np.ndarray:
+    """Friction by speed and load, built up over a Dahl-like presliding of ``presliding_rad`` of drum angle, N m (n,).
+
+    Its limit is torque + drag |w| + stribeck exp(-|w/fades|^exponent) + a share of the load, one where it opposes the
+    motion and one where it drives.
+    """
+    w, load = bench.speed_rad_s, bench.load_Nm
+    drum = np.cumsum(w) * (bench.time_s[1] - bench.time_s[0])
+    slow = np.exp(-(np.abs(w / p.get("fades_rad_s", 1.0)) ** p.get("exponent", 2.0)))
+    share = np.where(load * w > 0.0, p.get("driving_share", 0.0), p.get("driven_share", 0.0))
+    limit = p.get("torque_Nm", 0.0) + p.get("stribeck_Nm", 0.0) * slow + share * np.abs(load)
+    limit = limit + p.get("drag_Nm_s", 0.0) * np.abs(w)
+    bent, z = p.get("presliding_rad", 1e-4), np.zeros_like(w)
+    for k in range(1, w.size):
+        step = drum[k] - drum[k - 1]
+        # Exact over a step: z goes to the sense of motion with the path travelled.
+        z[k] = np.sign(step) + (z[k - 1] - np.sign(step)) * np.exp(-abs(step) / bent)
+    return np.asarray(limit * z)
 
 
 def write_case(folder: Path, name: str, seed: int, drive: Drive, without_effects: bool = False) -> Path:

@@ -35,6 +35,7 @@ def known_effects(d: DriveSI, p: Prepared, found: Sequence[AsBuilt]) -> list[tup
     loop does not have for this drive.
     """
     offered = library(d, p)
+    offered += [form for effect in offered if effect.richer for form in effect.richer() if form.form != effect.form]
     known = []
     for k, entry in enumerate(found):
         same = [e for e in offered if (e.name, e.stage) == (entry.name, entry.stage) and e.form == entry.form]
@@ -42,7 +43,8 @@ def known_effects(d: DriveSI, p: Prepared, found: Sequence[AsBuilt]) -> list[tup
         if not same and p.load_Nm is None:
             continue
         if not same:
-            forms = sorted({f"{e.name}: {e.form}" + (f", stage {e.stage}" if e.stage else "") for e in offered})
+            # Of sums of terms the shortest stands for all.
+            forms = sorted({f"{e.name}: {e.form}" + (f", stage {e.stage}" if e.stage else "") for e in library(d, p)})
             raise ModelError(
                 f"as_built[{k}]: no effect {entry.name!r} of form {entry.form!r}, stage {entry.stage or 'none'}; "
                 f"there are {'; '.join(forms)}"

@@ -13,7 +13,7 @@ from functools import partial
 import numpy as np
 
 from mbcdm_cad.loop.effect import Effect, Figure, Parameter, elapsed_s
-from mbcdm_cad.loop.effects import cable_state, lash, ratio_error, speed, stiffness_error
+from mbcdm_cad.loop.effects import cable_state, friction, lash, ratio_error, stiffness_error
 from mbcdm_cad.loop.effects.slip_step import step
 from mbcdm_cad.loop.prepare.events import time_of_change
 from mbcdm_cad.loop.prepare.prepared import Prepared
@@ -143,6 +143,6 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
     if p.few:
         return []
     duration = float(p.time_s[-1] - p.time_s[0])
-    files = (stiffness_error, cable_state, speed, ratio_error, lash)
+    files = (stiffness_error, cable_state, friction, ratio_error, lash)
     bases = [effect for file in files for effect in file.offer(d, p) if effect.form in CHANGEABLE]
     return [effect for base in bases for effect in changed(base, duration)]

@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 
 from mbcdm_cad.loop.correction import correction_of
 from mbcdm_cad.loop.effect import Effect
-from mbcdm_cad.loop.effects import library
+from mbcdm_cad.loop.effects import friction, library
 from mbcdm_cad.loop.own import Differing
 from mbcdm_cad.loop.prepare.noise import doubt_of, runs_of
 from mbcdm_cad.loop.prepare.prepared import Prepared, prepare_all
@@ -39,6 +39,7 @@ from mbcdm_cad.loop.search.verdict import ZERO_CHANCE, Judge
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.measurement.schema import TURNING_POINTS
 from mbcdm_cad.measurement.vet import arranged
+from mbcdm_cad.measurement.vet_signals import friction_alike
 from mbcdm_cad.model.si import DriveSI, to_si
 from mbcdm_cad.routes import Floats
 
@@ -70,7 +71,8 @@ def close_loop(drive: Drive | None, runs: Sequence[Run], differs: Sequence[Seque
         if runs[0].kind == TURNING_POINTS:
             return FewReadings(d, ratio, [prepare_readings(run, ratio) for run in ready], known).result()
         prepared = prepare_all(ready, ratio)
-        return _Loop(d, ratio, prepared, known, differs).result()
+        result = _Loop(d, ratio, prepared, known, differs).result()
+        return result if drive is None else friction.beside_design(result, drive)
 
 
 class _Loop:
@@ -127,7 +129,8 @@ class _Loop:
             fit, groups, unknown = self.judge.taken_back(open_, fit, groups)
         named, sets = [], []
         for group in groups:
-            first = replace(self._named(group.effect, fit, whole, windows), equivalent=group.forms)
+            first = self._named(group.effect, fit, whole, windows)
+            first = replace(first, equivalent=(*group.forms, *self._looks_like(first)))
             others = tuple(self._other(one) for one in group.alike)
             if others:
                 sets.append((first, *others))
@@ -189,6 +192,14 @@ class _Loop:
             return False
         shift = windows[fit.effects.index(effect)]
         return self.judge.chance_of_zero(whole, effect, shift, self.whole) > ZERO_CHANCE
+
+    def _looks_like(self, named: Named) -> list[str]:
+        """Of a friction the parts that these runs do not tell from it."""
+        if named.name != friction.NAME or self.judge.unmeasured:
+            return []
+        loads = [p.load_Nm for p in self.prepared if p.load_Nm is not None]
+        speed = np.concatenate([p.speed_rad_s for p in self.prepared])
+        return friction_alike(speed, np.concatenate(loads) if len(loads) == len(self.prepared) else None)
 
     def _own(self, fit: Fit, whole: Fit) -> tuple[Differing, ...]:
         """What runs have for themselves."""

@@ -21,6 +21,7 @@ from mbcdm_cad.loop.effect import Effect
 from mbcdm_cad.loop.search.account import INTERVAL
 from mbcdm_cad.loop.search.evidence import TOLD_APART, Estimate, Separation, cluster_estimate, log_odds, separation_of
 from mbcdm_cad.loop.search.fit import Fit, Fitter
+from mbcdm_cad.loop.search.forms import in_best_form
 from mbcdm_cad.loop.search.select import Search
 from mbcdm_cad.routes import Floats
 
@@ -68,7 +69,7 @@ class Exchanges:
 
     def settled(self) -> tuple[Fit, tuple[Group, ...]]:
         """The search's fit after each effect was compared with its alternatives."""
-        fit = self.search.forward()
+        fit = in_best_form(self.search, self.search.forward())
         for _ in range(MOST_EXCHANGES):
             groups, better = [], None
             for effect in fit.effects:
