@@ -9,6 +9,7 @@ from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, wo
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.sector import SectorLayout
+from mbcdm_cad.parts.drum_sector.design import SectorDrive
 from mbcdm_cad.parts.drum_sector.dims import SET_SCREW_ANGLES_DEG, DrumDims
 from mbcdm_cad.parts.drum_sector.payload import SCREWS
 from mbcdm_cad.parts.drum_sector.sizes import SLOT_WALLS
@@ -24,6 +25,11 @@ STOP_WINDOW_DEG = 0.5
 THIN_SHAFT_MM = 5.0
 # Height of the spigot over the shaft, so that it rests on the bearing's inner ring.
 SPIGOT_MM = 0.3
+
+
+def is_stopped(drive: SectorDrive) -> bool:
+    """Whether a pin stops the drum."""
+    return drive.stopped
 
 
 def rim_height(s: SectorLayout) -> Comparison:
@@ -152,8 +158,8 @@ def stop_slot(s: SectorLayout) -> Comparison:
             at_least("web between stop slot and rim", d.rim_inner_radius - d.stop_radius - half, limit, "mm"),
             at_least("web between stop slot and hub", d.stop_radius - half - d.hub_radius, limit, "mm"),
             at_least(
-                "web between stop slot and the sector's end",
-                radians(d.half_angle_deg - end) * (d.stop_radius - half),
+                "web between stop slot and the sector's end, or its other end",
+                radians(d.half_angle_deg - end) * (d.stop_radius - half) * (2.0 if d.whole else 1.0),
                 limit,
                 "mm",
             ),
@@ -231,6 +237,7 @@ CHECKS = (
         "Stop slot lies in the web",
         _WALL + " x 2: estimate",
         stop_slot,
+        applies=is_stopped,
         adjust=(
             up("drum.rim_inner_radius_mm"),
             down("drum.hub_diameter_mm"),
@@ -246,6 +253,7 @@ CHECKS = (
         "derived",
         stop_late,
         adjust=(up("travel.stop_clearance_deg"),),
+        applies=is_stopped,
     ),
     Check(
         "stop_within_half_degree",
@@ -253,5 +261,6 @@ CHECKS = (
         "derived: 35.0 to 35.5 deg",
         stop_early,
         adjust=(down("travel.stop_clearance_deg"),),
+        applies=is_stopped,
     ),
 )

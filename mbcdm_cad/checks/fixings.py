@@ -11,6 +11,7 @@ import numpy as np
 from mbcdm_cad.checks.bearings import carried, drum_reactions_N, reactions
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, noted, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
+from mbcdm_cad.checks.drum_sector import is_stopped
 from mbcdm_cad.checks.strength import rated_input_Nm
 from mbcdm_cad.design.bought import Material, Screw
 from mbcdm_cad.layouts.base import NoFigureError
@@ -235,6 +236,7 @@ CHECKS = (
         "Stop pin holds stalled motors",
         "beam theory; 1.5 on yield: usual rule",
         stop_pin,
+        applies=is_stopped,
         adjust=(down("drum.web_thickness_mm"), down("loads.peak_torque_Nm"), up("all radii of transmission")),
     ),
     Check(

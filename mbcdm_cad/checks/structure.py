@@ -36,14 +36,14 @@ def drum_stress(s: SectorLayout) -> Comparison:
     material = drive.drum_material
     strength, load = lasting_MPa(material), max(drive.loads.peak_torque_Nm, stalled_Nm(s))
     torsion = hub(d, drive.screw(d.set_screw).thread_mm).shear_MPa(load)
-    pressed = load * 1e3 / d.stop_radius / (2.0 * s.frame.stop_pin_radius * (d.web_end_y - d.web_start_y))
-    return worst(
-        (
-            _stress("web and rim", strength, structure.stress_MPa(load), load),
-            _stress("the hub", strength * SHEAR_SHARE, torsion, load),
-            _stress("the web under the stop pin", strength, pressed, load),
-        )
-    )
+    found = [
+        _stress("web and rim", strength, structure.stress_MPa(load), load),
+        _stress("the hub", strength * SHEAR_SHARE, torsion, load),
+    ]
+    if d.has_slot:
+        pressed = load * 1e3 / d.stop_radius / (2.0 * s.frame.stop_pin_radius * (d.web_end_y - d.web_start_y))
+        found.append(_stress("the web under the stop pin", strength, pressed, load))
+    return worst(found)
 
 
 def _stronger(s: SectorLayout) -> str:

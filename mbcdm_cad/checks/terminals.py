@@ -53,7 +53,7 @@ def bodies_of(s: SectorLayout, t: Tensioner, moved: bool = True) -> list[tuple[s
         ("swage", outline(start, end, -swage, swage), t.y_mm - swage, t.y_mm + swage),
         ("stud", stud_outline, t.y_mm - stud, t.y_mm + stud),
         ("nuts", outline(t.lug_end, t.nuts_end, -nut, nut), t.y_mm - nut, t.y_mm + nut),
-        ("lug", outline(t.lug_start, t.lug_end, -d.lug_root(t), lug), t.y_mm - lug, d.lands[-1].y_end),
+        ("lug", outline(t.lug_start, t.lug_end, -d.lug_root(t), lug), *d.lug_y(t)),
     ]
 
 
@@ -174,6 +174,7 @@ def outer_face(s: SectorLayout) -> Comparison:
     return worst(
         at_least(f"rim beyond the terminal of {t.cable_name}", d.lands[-1].y_end - t.y_mm - half, 0.0, "mm")
         for t in d.tensioners
+        if not t.front
     )
 
 
@@ -213,7 +214,7 @@ def lug_stress(s: SectorLayout) -> Comparison:
     strength = s.drive.drum_material.yield_MPa
     found = []
     for t in d.tensioners:
-        width = d.lands[-1].y_end - t.y_mm - d.stud_hole_radius
+        width = abs(d.lug_y(t)[0 if t.front else 1] - t.y_mm) - d.stud_hole_radius
         if width <= 0.0:
             raise NoFigureError(f"the rim ends before the lug of {t.cable_name} has any metal (width {width:.4g} mm)")
         modulus = width * (t.lug_end - t.lug_start) ** 2 / 6

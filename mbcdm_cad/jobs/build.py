@@ -72,7 +72,7 @@ def build(
     processes = jobs or os.cpu_count() or 1
     store = Store(cache, progress)
     posed, centred = layout.bill(angle_deg), layout.bill()
-    poses = travel_poses(drive.half_travel_deg, POSES)
+    poses = tuple(sorted({*travel_poses(drive.half_travel_deg, POSES), *layout.passing_deg}))
     # Imported here, so that a build that has nothing to do starts fast.
     from mbcdm_cad.report.data import DesignFigures, Tested, checks_data, design_figures, report_data
 

@@ -315,6 +315,11 @@ class Layout(ABC):
         return turns_of(self, self.drive.loads.test_torque_Nm)
 
     @property
+    def passing_deg(self) -> tuple[float, ...]:
+        """Drum angles (deg) between those evenly over the travel at which a part of the drum comes by a fixed one."""
+        return ()
+
+    @property
     def softer_ends(self) -> float:
         """Give of a cable with the spring at its end over that of its rope alone, least of all cables; 1 without."""
         return 1.0

@@ -11,6 +11,7 @@ from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.layouts.trial_sizing import TrialKnown
 from mbcdm_cad.model.structure.drum_sector import least_hub_mm
+from mbcdm_cad.parts.drum_sector.dims import WHOLE_DEG
 from mbcdm_cad.parts.drum_sector.payload import joint_load, joints
 from mbcdm_cad.parts.threads import SHEAR_SHARE
 from mbcdm_cad.sizing.rule import Found, Rule, rounded_up
@@ -205,6 +206,8 @@ def _hub_face(given: TrialKnown) -> Found:
 
 def _sector(given: TrialKnown) -> Found:
     """Half angle of the drum's sector."""
+    if given["travel.half_angle_deg"] > given.most_sector_travel_deg:
+        return Found(WHOLE_DEG, "wrap_under_turn", "a whole drum")
     start = min(given["travel.half_angle_deg"] + SECTOR_SPARE_DEG, 174.0)
     checks = ("wrap_left", "terminal_clears_input", "stop_slot", "terminal_angles")
     return given.moved("drum.sector_half_angle_deg", start, 1.0, checks)

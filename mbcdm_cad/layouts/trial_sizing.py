@@ -83,6 +83,8 @@ class TrialKnown(RopeKnown):
     layout: type[Layout]
     asked: tuple[str, ...] = ()
     own_checks: Mapping[str, tuple[str, ...]] = {}
+    # Half of the travel above which rules take a whole drum, of a configuration that has them.
+    most_sector_travel_deg: float = inf
 
     def __init__(self, data: dict[str, Any], guesses: Mapping[str, Any], drives: TrialDrives | None = None) -> None:
         """``drives``: those of the pass before, which are not computed again."""

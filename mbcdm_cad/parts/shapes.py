@@ -123,6 +123,14 @@ def sector_outline(
     return _rounded(outline, radius)
 
 
+def ring_y(r_inner: float, r_outer: float, y: float, length: float, holes: Sequence[cq.Wire] = ()) -> cq.Solid:
+    """Ring about the Y axis of ``length`` from ``y``, less its ``holes``, which lie inside it at ``y``."""
+    import cadquery as cq
+
+    inner, outer = (cq.Wire.makeCircle(r, cq.Vector(0, y, 0), cq.Vector(0, 1, 0)) for r in (r_inner, r_outer))
+    return extruded_y(outer, length, [inner, *holes])
+
+
 def hexagon_z(across_flats: float, z_start: float, z_end: float) -> cq.Solid:
     """Hexagonal prism along Z."""
     import cadquery as cq

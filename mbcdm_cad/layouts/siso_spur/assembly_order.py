@@ -302,18 +302,20 @@ def _drum(layout: SpurLayout) -> tuple[AssemblyStep, ...]:
     drive, hub_screw, insert = layout.drive, layout.drum.set_screw, layout.drum.payload_insert
     places = len(layout.drum.payload_places)
     bonded = "Wet the shaft with retaining compound. " * (drive.drum.shaft_end_mm > 0.0)
+    pin = ("stop_pin",) if drive.stopped else ()
+    pressed = ", then press the stop pin through the slot of its web into the plate" if pin else ""
     each = "each cable" if drive.anchored else "each end of the cable"
     return (
         AssemblyStep(
             insert_words(insert, places, "the holes in the hub's face")
             + bonded
             + "Push the drum onto the shaft, its set screws over the shaft's flats, until its spigot touches the front "
-            "bearing, then press the stop pin through the slot of its web into the plate. To preload the bearings, "
+            f"bearing{pressed}. To preload the bearings, "
             "draw shaft and hub together until the shaft's end is flush with the hub's face, which presses the spring "
             f"with {layout.preload_spring.force_N:g} N, and tighten the hub's two set screws ({hub_screw}, "
             f"{key(layout, hub_screw)}, radially, in front of the web). Take off the tape and lay "
             f"{each} over the rim to its own side, the one that leaves the input in front to the front.",
-            ("drum", "stop_pin", *numbered("hub_set_screw", 2), *insert_items("payload_insert", insert, places)),
+            ("drum", *pin, *numbered("hub_set_screw", 2), *insert_items("payload_insert", insert, places)),
         ),
         *terminal_steps(drive, plan(layout)),
     )

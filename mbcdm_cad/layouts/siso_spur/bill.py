@@ -113,7 +113,9 @@ def tapped(drive: SpurDrive, frame: YokeDims) -> YokeDims:
 
 
 def add_stop_pin(b: BillBuilder, lay: SpurLayout) -> None:
-    """Pin in the plate, through the slot of the sector."""
+    """Pin in the plate, through the slot of the sector; none of a drum that turns further."""
+    if not lay.drive.stopped:
+        return
     v, frame = lay.levels, lay.frame
     b.add(
         "stop_pin",

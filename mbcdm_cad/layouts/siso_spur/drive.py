@@ -16,6 +16,7 @@ from mbcdm_cad.design.fields import ESTIMATE, EntryName, Number, PlainBlock, cho
 from mbcdm_cad.design.sector_blocks import SectorDrum, WoundPulleys
 from mbcdm_cad.layouts.siso_spur.idlers import SENSE, Circle, IdlerBlock, IdlerPlace, Strand, flange_radius_mm, taut
 from mbcdm_cad.parts.drum_sector.design import SectorRun
+from mbcdm_cad.parts.drum_sector.dims import WHOLE_DEG
 from mbcdm_cad.parts.input_pulley.dims import GROOVE_DEPTH, GROOVE_RADIUS
 from mbcdm_cad.parts.motor_head.dims import HeadedDrive
 
@@ -25,6 +26,12 @@ _Spur = TypeVar("_Spur", bound="SpurDrive")
 # Angle of half the transition from the cable's helix to the plane of its terminal, which follows the last point that
 # ever leaves the drum.
 CHANGE_RAD = 0.01
+# Largest half angle of a sector, and largest travel from the centre that rules give one.
+MOST_SECTOR_DEG, MOST_SECTOR_TRAVEL_DEG = 175.0, 120.0
+# Wrap of a cable that is left on a whole drum at the end of the travel (estimate: the change of plane, and some rest).
+RING_WRAP_DEG = 5.0
+# Largest angle from the centre at which a pin stops the drum: beyond, the web beside its slot would be narrow.
+MOST_STOP_DEG = 165.0
 # Land of the input between two anchored cables, their walk included (estimate: a crest that can be turned).
 BETWEEN_MM = 0.3
 
@@ -130,7 +137,11 @@ class SpurDrum(SectorDrum):
     """Drum sector with web, hub and tensioners; y is along the drum axis from the middle of the cable."""
 
     sector_half_angle_deg: Number = quantity(
-        "half angle of the sector, from the line of centres", unit="deg", ge=20.0, le=175.0
+        "half angle of the sector, from the line of centres, up to 175; 180: a whole drum, on which a cable may lie in "
+        "more than one turn",
+        unit="deg",
+        ge=20.0,
+        le=WHOLE_DEG,
     )
     shaft_end_mm: Number = quantity(
         "length of the drum's shaft that stands out behind the frame and is the output there; the frame's boss then "
@@ -305,6 +316,23 @@ class SpurDrive(HeadedDrive):
     def wrap_rad(self) -> float:
         """Wrap on the input from one span to the other, constant over the travel: 2 pi N - 2 leaving."""
         return tau * self.turns - 2 * self.leaving_rad
+
+    @property
+    def whole_drum(self) -> bool:
+        """Whether the drum is closed all round."""
+        return self.drum.sector_half_angle_deg >= WHOLE_DEG
+
+    @property
+    def ring_anchor_rad(self) -> float | None:
+        """See the base class; the turns that the travel needs, and a rest of wrap."""
+        if not self.whole_drum:
+            return None
+        return self.landing_rad + radians(self.half_travel_deg + RING_WRAP_DEG)
+
+    @property
+    def stopped(self) -> bool:
+        """See the base class; a pin in a slot of the web leaves no room for a whole turn."""
+        return self.half_travel_deg + self.stop_clearance_deg <= MOST_STOP_DEG
 
     @property
     def ends_per_run(self) -> int:

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from mbcdm_cad.layouts.sector import SectorLayout
     from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
 
-# Largest half of the first drum's travel that rules ask for: a sector turns by 120 degrees each way at most, and the
+# Largest half of the first drum's travel that rules ask for: above 120 degrees it is a whole drum, wider, and the
 # terminals of a small one take much of its circle.
 MOST_TRAVEL_DEG = 90.0
 # Ratio of the second stage where the file states none, and the step to which a rule rounds it down.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from math import pi
+from math import atan2, ceil, degrees, floor, pi
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -364,12 +364,24 @@ class SpurLayout(HeadLayout):
         anchors = self.anchors
         return [side_length_mm(self.drive, c, *anchors[c.name]) for c in self.drive.cables]
 
+    @property
+    def passing_deg(self) -> tuple[float, ...]:
+        """See the base class: the studs of a whole drum's terminals at the input, first and last in the travel."""
+        half, found = self.drive.half_travel_deg, set[float]()
+        for t in self.drum.tensioners if self.drive.whole_drum else ():
+            at = -t.side * degrees(t.anchor_rad + atan2(t.tip, t.radius_mm))
+            passes = np.arange(ceil((-half - at) / 360.0), floor((half - at) / 360.0) + 1)
+            found |= {float(at + 360.0 * k) for k in (passes[0], passes[-1])} if len(passes) else set()
+        if self.first_stage is not None:
+            found |= {angle / self.drive.total_ratio for angle in self.first_stage.passing_deg}
+        return tuple(sorted(found))
+
     def wraps_rad(self, drum_angle_rad: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """(input, drum) wraps of each side at a drum angle, never below zero, shape (n_cables,)."""
         cables = self.drive.cables
         on_input = [input_wrap_rad(self.drive, c, drum_angle_rad) for c in cables]
         on_drum = [self.anchor_rad(c) + c.drum_side * drum_angle_rad for c in cables]
-        return np.maximum(on_input, 0.0), np.clip(on_drum, 0.0, 2 * pi)
+        return np.maximum(on_input, 0.0), np.clip(on_drum, 0.0, np.inf if self.drive.whole_drum else 2 * pi)
 
 
 def _at_level_0(drive: SpurDrive) -> SpurDrive:

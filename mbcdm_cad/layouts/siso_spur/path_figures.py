@@ -105,6 +105,8 @@ def _ends(layout: SpurLayout) -> Iterator[EndOfTravel]:
         yield end(terminal.anchor_rad - drive.landing_rad, f"wrap of {run.name} on the drum ends")
         # Beyond this angle the cable would lift off where it changes into the plane of its terminal.
         yield end(half + 0.01, f"{run.name} reaches the plane of its terminal")
+        if drive.whole_drum:
+            continue
         round_rad = tau - drive.landing_rad - terminal.anchor_rad - atan2(terminal.last_tip, terminal.radius_mm)
         yield end(-min(round_rad, pi), f"terminal of {run.name} comes round to the input")
         if drive.anchored:

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import log, pi
+from math import ceil, log, pi
 
 import numpy as np
 
@@ -36,6 +36,7 @@ LEAN = 16.67
 _LOAD_STEPS = 8
 NMM_PER_NM = 1e3
 URAD_PER_RAD = 1e6
+TURN = 2.0 * pi
 
 
 @dataclass(frozen=True)
@@ -177,7 +178,7 @@ def sector_study(
     stiffness = parts.stiffness + _root_springs(mesh, shape.held_mm, hub.root_mm2_N(material, web))
     load = np.sum([_torque_loads(mesh, pulls), _preloads(mesh, pulls)], axis=1).T
     try:
-        moved = solve(mesh.corner, mesh.line, stiffness, load)
+        moved = mesh.solved(solve, stiffness, load)
     except np.linalg.LinAlgError:
         raise ValueError("drum: nothing joins its rim to its hub") from None
     in_plane = [stresses_MPa(parts, mesh.corner, column) for column in moved.T]
@@ -229,7 +230,7 @@ def _bending_MPa(
         beside = moment.reshape(-1, 1, 12) @ plates.curvature.reshape(-1, 12, 12)
         load[:, k] -= np.bincount(where.ravel(), beside.ravel(), len(load))
     web = first.start_mm, first.end_mm
-    moved = bend(coarse.corner, coarse.line, plates.stiffness + _clamp(coarse, shape.held_mm, hub, material, web), load)
+    moved = coarse.solved(bend, plates.stiffness + _clamp(coarse, shape.held_mm, hub, material, web), load)
     law = plane_law(material.modulus_MPa, material.poisson)
     in_web = mesh.radius_mm[mesh.corner].mean(axis=1) < shape.rim_mm
     height = np.where(met, np.repeat(np.where(in_web, mesh.thickness_mm / 2.0, 0.0), 4), 0.0)[:, None]
@@ -290,9 +291,13 @@ def _spread(mesh: SectorMesh, pull: LandPull, tension_N: float, friction_N_rad: 
     start, end = (pull.side * mesh.angle_rad[n] for n in (nodes[:-1], nodes[1:]))
     at = (np.arange(_LOAD_STEPS) + 0.5) / _LOAD_STEPS
     angle = start[:, None] + (end - start)[:, None] * at
-    wrapped = (angle > 0.0) & (angle < pull.anchor_rad)
-    step = (end - start)[:, None] / _LOAD_STEPS * wrapped
-    inwards, back = -(tension_N - friction_N_rad * angle) * step, -friction_N_rad * step
+    inwards, back = np.zeros_like(angle), np.zeros_like(angle)
+    # The cable may pass a place more than once.
+    for along in (angle + TURN * k for k in range(ceil(max(0.0, pull.anchor_rad - pi) / TURN) + 1)):
+        wrapped = (along > 0.0) & (along < pull.anchor_rad)
+        step = (end - start)[:, None] / _LOAD_STEPS * wrapped
+        inwards -= (tension_N - friction_N_rad * along) * step
+        back -= friction_N_rad * step
     sine, cosine = pull.side * np.sin(angle), np.cos(angle)
     pressed = np.stack(
         [inwards * sine + back * pull.side * cosine, inwards * cosine - back * pull.side * sine], axis=-1
@@ -322,7 +327,8 @@ def _preloads(mesh: SectorMesh, pulls: Sequence[LandPull]) -> list[Floats]:
     for pull in pulls:
         force = _spread(mesh, pull, pull.tension_N, 0.0)
         nodes = _land(mesh, pull)
-        anchor = nodes[np.argmin(np.abs(pull.side * mesh.angle_rad[nodes] - pull.anchor_rad))]
+        at = pi - (pi - pull.anchor_rad) % TURN
+        anchor = nodes[np.argmin(np.abs(pull.side * mesh.angle_rad[nodes] - at))]
         tangent = np.array([-pull.side * np.cos(pull.anchor_rad), np.sin(pull.anchor_rad)])
         force[2 * anchor : 2 * anchor + 2] += pull.tension_N * tangent
         forces.append(force)

@@ -54,9 +54,9 @@ class RimStep:
 
 @dataclass(frozen=True)
 class Pocket:
-    """A box milled in along the axis down to ``floor_mm``, from below, on one side of the middle (+1 or -1).
+    """A box milled in along the axis, ``taken_mm`` from low to high, on one side of the middle (+1 or -1).
 
-    It reaches along the tangent, outwards to that side, and outwards from ``radius_mm``, both at the angle ``at_rad``
+    It is open below or above. It reaches along the tangent, outwards to that side, and outwards from ``radius_mm``, both at the angle ``at_rad``
     from the middle.
     """
 
@@ -65,7 +65,7 @@ class Pocket:
     radius_mm: float
     along_mm: tuple[float, float]
     out_mm: tuple[float, float]
-    floor_mm: float
+    taken_mm: tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -101,6 +101,32 @@ class SectorMesh:
     angle_rad: Floats
     grid: tuple[Floats, Floats]
     cell: Ints
+
+    def solved(self, solver: Callable[[Ints, Ints, Floats, Floats], Floats], stiffness: Floats, load: Floats) -> Floats:
+        """Displacements (f m, k) by a ``solver`` of corners, rows, stiffness (n, 4 f, 4 f) and load (f m, k).
+
+        Both ends of a mesh that goes all round are joined there: rows then hold the lines at the same distance from
+        the seam on either side, so that elements still reach from one row to the next at most.
+        """
+        lines = len(self.grid[1]) - 1
+        if self.grid[1][-1] - self.grid[1][0] < 2.0 * pi - 1e-9:
+            return solver(self.corner, self.line, stiffness, load)
+        count, stands = len(self.node_mm), np.arange(len(self.node_mm))
+        first, last = (np.flatnonzero(self.line == end) for end in (0, lines))
+        place = np.minimum(np.searchsorted(self.radius_mm[first], self.radius_mm[last] - 1e-9), len(first) - 1)
+        met = np.abs(self.radius_mm[first[place]] - self.radius_mm[last]) < 1e-9
+        stands[last[met]] = first[place[met]]
+        row = np.minimum(self.line % lines, lines - self.line % lines)
+        kept = np.unique(stands)
+        order = kept[np.argsort(row[kept], kind="stable")]
+        number = np.zeros(count, dtype=int)
+        number[order] = np.arange(len(order))
+        number = number[stands]
+        each = len(load) // count
+        freedom = (each * number[:, None] + np.arange(each)).ravel()
+        joined = np.zeros((each * len(order), load.shape[1]))
+        np.add.at(joined, freedom, load)
+        return solver(number[self.corner], row[order], stiffness, joined)[freedom]
 
     def quarters(self, other: SectorMesh) -> Ints:
         """Of each Gauss point (4 n,) of ``other`` the quarter of an element here that it lies in: 4 element + corner.
@@ -140,7 +166,9 @@ def sector_mesh(shape: SectorShape, cell_mm: float) -> SectorMesh:
     ring = np.searchsorted(np.array([ring.outer_mm for ring in shape.rings]), r[corner].mean(axis=1))
     start = np.array([ring.start_mm for ring in shape.rings])[ring]
     end = np.array([ring.end_mm for ring in shape.rings])[ring]
-    thick = end - _floor(shape.pockets, (radii, angles), (j, i), (start, end)) if shape.pockets else end - start
+    if shape.pockets:
+        start, end = _left(shape.pockets, (radii, angles), (j, i), (start, end))
+    thick = end - start
     kept = thick > 1e-3
     corner, thick, end, cell = corner[kept], thick[kept], end[kept], np.stack([j, i], axis=1)[kept]
     if not (r[corner] < shape.held_mm + 1e-9).any():
@@ -216,14 +244,14 @@ def _cut(shape: SectorShape, r: Floats, a: Floats, corner: Ints) -> tuple[Ints, 
     return corner, metal
 
 
-def _floor(
+def _left(
     pockets: Sequence[Pocket], lines: tuple[Floats, Floats], cells: tuple[Ints, Ints], ends: tuple[Floats, Floats]
-) -> Floats:
-    """Mean height (n,) at which the metal of each cell starts; ``lines`` and ``cells`` are (radial, angular)."""
+) -> tuple[Floats, Floats]:
+    """Mean heights (n,) at which the metal of each cell starts and ends; ``lines``, ``cells`` are (radial, angular)."""
     (radii, angles), (j, i), (start, end) = lines, cells, ends
     at = (np.arange(SAMPLES) + 0.5) / SAMPLES
     below, wide = np.diff(radii)[j], np.diff(angles)[i]
-    floor = start.copy()
+    low, high = start.copy(), end.copy()
     # Only cells that a pocket may reach: beyond its least radius, and within the angle of its furthest corner.
     reached = np.zeros(len(j), dtype=bool)
     for p in pockets:
@@ -234,11 +262,18 @@ def _floor(
     near = np.flatnonzero(reached)
     r = radii[j[near]][:, None, None] + below[near][:, None, None] * at[None, :, None]
     a = angles[i[near]][:, None, None] + wide[near][:, None, None] * at[None, None, :]
-    sampled = np.broadcast_to(start[near][:, None, None], np.broadcast_shapes(r.shape, a.shape)).copy()
+    below_mm, above_mm = (
+        np.broadcast_to(side[near][:, None, None], np.broadcast_shapes(r.shape, a.shape)).copy() for side in ends
+    )
     for p in pockets:
         turn = p.side * a - p.at_rad
         out, along = r * np.cos(turn) - p.radius_mm, r * np.sin(turn)
         inside = (along > p.along_mm[0]) & (along < p.along_mm[1]) & (out > p.out_mm[0]) & (out < p.out_mm[1])
-        np.maximum(sampled, p.floor_mm, out=sampled, where=inside)
-    floor[near] = np.minimum(sampled, end[near][:, None, None]).mean(axis=(1, 2))
-    return np.asarray(np.minimum(floor, end))
+        # Open below where it begins there, else above.
+        from_below = p.taken_mm[0] <= below_mm
+        np.maximum(below_mm, p.taken_mm[1], out=below_mm, where=inside & from_below)
+        np.minimum(above_mm, p.taken_mm[0], out=above_mm, where=inside & ~from_below)
+    low[near] = np.minimum(below_mm, above_mm).mean(axis=(1, 2))
+    lowered = (above_mm < end[near][:, None, None]).any(axis=(1, 2))
+    high[near[lowered]] = above_mm[lowered].mean(axis=(1, 2))
+    return np.minimum(low, high), high

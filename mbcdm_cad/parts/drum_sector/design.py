@@ -99,6 +99,16 @@ class SectorDrive(Drive):
         return max(solid, self.spring_free_mm - self.anchor_m_N * 1e3 * force_N)
 
     @property
+    def ring_anchor_rad(self) -> float | None:
+        """Where each cable leaves a whole drum, from the transfer point, drum centred; None for a sector."""
+        return None
+
+    @property
+    def stopped(self) -> bool:
+        """Whether a pin in the frame stops the drum at both ends of its travel."""
+        return True
+
+    @property
     def overhung(self) -> bool:
         """Whether the shaft of motor or gearhead alone carries each input pulley."""
         return self.input_pulleys.overhung

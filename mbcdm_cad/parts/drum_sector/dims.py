@@ -10,6 +10,8 @@ from mbcdm_cad.parts.terminal.part import Tensioner
 
 # Directions of the hub's two set screws, from +Z towards +X.
 SET_SCREW_ANGLES_DEG = (45.0, 135.0)
+# Half angle from which on a rim is closed all round.
+WHOLE_DEG = 180.0
 # Pocket before the swage.
 POCKET_LEAD_MM = 0.2
 # A lug reaches this far below the pocket's inner wall, so that it is joined to the rim.
@@ -99,6 +101,32 @@ class DrumDims:
     root_radius: float
     root_end_y: float
     dowels: HubDowels | None = None
+
+    @property
+    def whole(self) -> bool:
+        """Whether the rim is closed all round."""
+        return self.half_angle_deg >= WHOLE_DEG
+
+    @property
+    def has_slot(self) -> bool:
+        """Whether the web has a slot for a stop pin."""
+        return self.stop_slot_width > 0.0
+
+    def pocket_y(self, t: Tensioner, half: float) -> tuple[float, float]:
+        """From where to where along y a pocket with its floor ``half`` beyond the terminal's axis takes the rim."""
+        inner, outer = self.lands[0].y_start, self.lands[-1].y_end
+        if t.front:
+            return max(t.deeper(half), inner), outer
+        return inner, outer if t.cut_through else min(t.deeper(half), outer)
+
+    def lug_y(self, t: Tensioner) -> tuple[float, float]:
+        """From where to where along y a lug reaches: to the rim's outer face, on a whole drum to the pockets' floor.
+
+        Beyond that floor lie the turns of its cable.
+        """
+        end = t.deeper(self.nut_pocket) if self.whole else self.lands[-1].y_end
+        low, high = sorted((t.deeper(-self.lug_half_width), end))
+        return low, high
 
     @property
     def root_mm(self) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import cos, pi, radians, sin
 from typing import TYPE_CHECKING
@@ -17,6 +18,7 @@ from mbcdm_cad.parts.shapes import (
     extruded_y,
     fuse,
     prism_y,
+    ring_y,
     sector_outline,
     turned_about_y,
 )
@@ -30,10 +32,6 @@ if TYPE_CHECKING:
 
 # Cells of the grid on which the pockets of the drum's rim are summed: about 0.2 x 0.3 mm on a drum of 65 mm.
 _RIM_RADII, _RIM_ANGLES = 80, 500
-
-
-def _depth_y(d: DrumDims, t: Tensioner, half: float) -> float:
-    return d.lands[-1].y_end if t.cut_through else min(t.y_mm + half, d.lands[-1].y_end)
 
 
 def _pockets_mm3(d: DrumDims) -> float:
@@ -56,7 +54,8 @@ def _pockets_mm3(d: DrumDims) -> float:
             (t.lug_end, t.pocket_end, -d.nut_pocket, d.nut_pocket),
         ):
             inside = (along > start) & (along < end) & (out > floor) & (out < t.pocket_top)
-            depth = np.maximum(_depth_y(d, t, reach) - low, 0.0)[:, None]
+            first, last = d.pocket_y(t, reach)
+            depth = np.maximum(last - np.maximum(low, first), 0.0)[:, None]
             taken = np.maximum(taken, np.where(inside, depth, 0.0))
     cell = (outer - d.rim_inner_radius) / _RIM_RADII * 2 * half / _RIM_ANGLES
     return float((taken * radii[:, None]).sum() * cell)
@@ -65,7 +64,8 @@ def _pockets_mm3(d: DrumDims) -> float:
 def _lug_mm3(d: DrumDims, t: Tensioner) -> float:
     """Volume of a lug minus the stud's slot, which remains in a pocket."""
     length, r = t.lug_end - t.lug_start, d.stud_hole_radius
-    depth = _depth_y(d, t, d.swage_pocket) - (t.y_mm - d.lug_half_width)
+    (first, last), (low, high) = d.pocket_y(t, d.swage_pocket), d.lug_y(t)
+    depth = min(last, high) - max(first, low)
     slot = 2 * r * d.lug_half_width + pi / 2 * r**2
     return length * ((d.flat_wall + d.lug_half_width) * depth - slot)
 
@@ -83,12 +83,18 @@ def _sector(dims: DrumDims) -> cq.Solid:
     openings = [
         sector_outline(w.r_inner, w.r_outer, w.start_deg, w.end_deg, y, dims.corner_radius) for w in dims.windows
     ]
-    outline = sector_outline(dims.hub_radius - 1.0, dims.rim_inner_radius + 1.0, -half, half, y)
-    web = extruded_y(outline, dims.web_end_y - y, [*openings, _stop_slot(dims, y)])
-    bodies = [rim, web]
+    if dims.has_slot:
+        openings.append(_stop_slot(dims, y))
+
+    def flat(outer: float, end: float, holes: Sequence[cq.Wire] = ()) -> cq.Solid:
+        inner = dims.hub_radius - 1.0
+        if dims.whole:
+            return ring_y(inner, outer, y, end - y, holes)
+        return extruded_y(sector_outline(inner, outer, -half, half, y), end - y, holes)
+
+    bodies = [rim, flat(dims.rim_inner_radius + 1.0, dims.web_end_y, openings)]
     if dims.root_mm > 0.0:
-        ring = sector_outline(dims.hub_radius - 1.0, dims.root_radius, -half, half, y)
-        bodies.append(extruded_y(ring, dims.root_end_y - y, []))
+        bodies.append(flat(dims.root_radius, dims.root_end_y))
     hub_profile = [
         (dims.bore_radius, dims.spigot_y),
         (dims.spigot_radius, dims.spigot_y),
@@ -115,35 +121,36 @@ def _pocket(dims: DrumDims, t: Tensioner) -> cq.Solid:
     inner = dims.lands[0].y_start - 1.0
     outer = dims.lands[-1].y_end + 1.0
 
-    def depth(half: float) -> float:
-        return outer if t.cut_through else t.y_mm + half
+    def depth(half: float) -> tuple[float, float]:
+        if t.front:
+            return t.deeper(half), outer
+        return inner, outer if t.cut_through else t.deeper(half)
 
     swage, nuts, top, r = dims.swage_pocket, dims.nut_pocket, t.pocket_top, dims.pocket_radius
     low = -dims.flat_wall
     rooms = [
-        _box(t, (t.slack_start - POCKET_LEAD_MM, t.lug_start), (low, top), (inner, depth(swage)), r),
-        _box(t, (t.lug_end, t.pocket_end), (-nuts, top), (inner, depth(nuts)), r),
+        _box(t, (t.slack_start - POCKET_LEAD_MM, t.lug_start), (low, top), depth(swage), r),
+        _box(t, (t.lug_end, t.pocket_end), (-nuts, top), depth(nuts), r),
         # Around the lug, which is added again later; outside it the cutter passes through and leaves no corners.
-        _box(t, (t.lug_start, t.lug_end), (low, top), (inner, depth(swage))),
-        _box(t, (t.lug_start - r, t.lug_end + r), (dims.lug_half_width, top), (inner, depth(swage))),
+        _box(t, (t.lug_start, t.lug_end), (low, top), depth(swage)),
+        _box(t, (t.lug_start - r, t.lug_end + r), (dims.lug_half_width, top), depth(swage)),
     ]
     # One tool, because the kernel fails with tools that touch each other in one boolean.
     return fuse(rooms, f"pocket of {t.cable_name}")
 
 
 def _lug(dims: DrumDims, t: Tensioner) -> cq.Solid:
-    outer = dims.lands[-1].y_end
     return _box(
         t,
         (t.lug_start, t.lug_end),
         # It reaches into the rim but no deeper, because the cable of the next land may run below.
         (-dims.lug_root(t), dims.lug_half_width),
-        (t.y_mm - dims.lug_half_width, outer),
+        dims.lug_y(t),
     )
 
 
 def _stud_slot(dims: DrumDims, t: Tensioner) -> cq.Solid:
-    """Slot of the lug, open towards the inner face: the stud is inserted sideways, and the cable holds it there."""
+    """Slot of the lug, open as its pockets are: the stud is inserted sideways, and the cable holds it there."""
     import cadquery as cq
 
     r, start = dims.stud_hole_radius, t.lug_start - 0.5
@@ -152,13 +159,13 @@ def _stud_slot(dims: DrumDims, t: Tensioner) -> cq.Solid:
         x, z = t.at(start, n)
         return cq.Vector(x, y, z)
 
-    inner = t.y_mm - dims.nut_pocket - 1.0
+    bottom, face = t.deeper(r), t.deeper(-dims.nut_pocket - 1.0)
     outline = cq.Wire.assembleEdges(
         [
-            cq.Edge.makeThreePointArc(at(-r, t.y_mm), at(0.0, t.y_mm + r), at(r, t.y_mm)),
-            cq.Edge.makeLine(at(r, t.y_mm), at(r, inner)),
-            cq.Edge.makeLine(at(r, inner), at(-r, inner)),
-            cq.Edge.makeLine(at(-r, inner), at(-r, t.y_mm)),
+            cq.Edge.makeThreePointArc(at(-r, t.y_mm), at(0.0, bottom), at(r, t.y_mm)),
+            cq.Edge.makeLine(at(r, t.y_mm), at(r, face)),
+            cq.Edge.makeLine(at(r, face), at(-r, face)),
+            cq.Edge.makeLine(at(-r, face), at(-r, t.y_mm)),
         ]
     )
     along = cq.Vector(t.side * cos(t.anchor_rad), 0.0, -sin(t.anchor_rad))

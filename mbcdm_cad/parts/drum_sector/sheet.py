@@ -55,12 +55,14 @@ def _windows(d: DrumDims) -> Table:
 
 def _terminals(d: DrumDims) -> Table:
     """A column for each terminal; s along the tangent from where the cable leaves its land, n outward from there."""
-    outer, ends = d.lands[-1].y_end - d.spigot_y, d.lands[-1].surface_radius_mm
+    ends = d.lands[-1].surface_radius_mm
     columns = []
     for t in d.tensioners:
-        depth = t.y_mm - d.spigot_y
-        through = "through"
-        swage, nuts = (through, through) if t.cut_through else (mm3(depth + d.swage_pocket), mm3(depth + d.nut_pocket))
+        depth, lug = t.y_mm - d.spigot_y, d.lug_y(t)
+        swage, nuts = (
+            "through" if t.cut_through else mm3(t.deeper(half) - d.spigot_y) + (", from the front" if t.front else "")
+            for half in (d.swage_pocket, d.nut_pocket)
+        )
         columns.append(
             (
                 t.cable_name,
@@ -74,7 +76,7 @@ def _terminals(d: DrumDims) -> Table:
                 "open" if t.radius_mm + t.pocket_top > ends else mm3(t.pocket_top),
                 swage,
                 nuts,
-                f"{mm3(depth - d.lug_half_width)} to {mm3(outer)}",
+                f"{mm3(lug[0] - d.spigot_y)} to {mm3(lug[1] - d.spigot_y)}",
             )
         )
     heads = (
@@ -97,15 +99,19 @@ def _terminals(d: DrumDims) -> Table:
 
 def _shape(d: DrumDims) -> Table:
     """Sizes that all terminals and the stop's slot share."""
+    slot = (
+        ("stop slot: radius", mm3(d.stop_radius)),
+        ("stop slot: width, round ends", mm3(d.stop_slot_width)),
+        ("stop slot: ends at +- deg", mm(d.stop_slot_end_deg, 3)),
+    )
+    slot = slot if d.has_slot else ()
     rows = (
         ("swage pocket n from", mm3(-d.flat_wall)),
         ("nut pocket n from", mm3(-d.nut_pocket)),
         ("lug n up to", mm3(d.lug_half_width)),
         ("stud slot of the lug, width, round end", mm3(2 * d.stud_hole_radius)),
         ("pocket corners R", mm3(d.pocket_radius)),
-        ("stop slot: radius", mm3(d.stop_radius)),
-        ("stop slot: width, round ends", mm3(d.stop_slot_width)),
-        ("stop slot: ends at +- deg", mm(d.stop_slot_end_deg, 3)),
+        *slot,
         ("web thicker up to R", mm3(d.root_radius)),
         ("web thicker, in front up to", mm3(d.root_end_y - d.spigot_y)),
     )
@@ -220,6 +226,18 @@ def drum_sheet(part: str, d: DrumDims, set_screw_thread: float) -> Sheet:
         Label(_REAR, _polar((w.r_inner + w.r_outer) / 2, (w.start_deg + w.end_deg) / 2, face), f"W{n}")
         for n, w in enumerate(d.windows, 1)
     ]
+    angle = [
+        Angle(
+            _REAR,
+            (0.0, face, 0.0),
+            _polar(outer, half, face),
+            _polar(outer, -half, face),
+            2 * half,
+            outer + _ANGLE_BEYOND_MM,
+        )
+    ]
+    # A rim that is closed has no angle.
+    angle = [] if d.whole else angle
     return Sheet(
         part=part,
         title="Drum sector",
@@ -227,14 +245,7 @@ def drum_sheet(part: str, d: DrumDims, set_screw_thread: float) -> Sheet:
         views=_views(d),
         dimensions=(
             *_in_section(d),
-            Angle(
-                _REAR,
-                (0.0, face, 0.0),
-                _polar(outer, half, face),
-                _polar(outer, -half, face),
-                2 * half,
-                outer + _ANGLE_BEYOND_MM,
-            ),
+            *angle,
             Radius(_REAR, (0.0, face, 0.0), _polar(d.rim_inner_radius, 35.0, face), d.rim_inner_radius),
             Linear(
                 _HUB,

@@ -69,6 +69,8 @@ def nut_corner_radius_mm(drive: SectorDrive) -> float:
 
 def furthest_anchor_rad(drive: SectorDrive) -> float:
     """Largest angle, rad, from the transfer point at which a cable leaves its land, drum centred."""
+    if drive.ring_anchor_rad is not None:
+        return drive.ring_anchor_rad
     return radians(drive.drum.sector_half_angle_deg - SECTOR_MARGIN_DEG)
 
 
@@ -95,6 +97,8 @@ def _anchor_limit(drive: SectorDrive, cable: SectorRun, tip: float, nuts_end: fl
     A sector of 90 degrees or more to each side is as wide as its disc, so that only its angle limits the anchor.
     """
     r = cable.drum_radius_mm
+    if drive.ring_anchor_rad is not None:
+        return max(drive.ring_anchor_rad, cable.terminal_angle_rad or 0.0)
     by_angle = radians(drive.drum.sector_half_angle_deg - SECTOR_MARGIN_DEG) - atan2(tip, r)
     if drive.drum.sector_half_angle_deg >= 90.0:
         return by_angle
@@ -116,6 +120,8 @@ def _end_gap_mm(drive: SectorDrive) -> float:
 
 def _pocket_end(drive: SectorDrive, cable: SectorRun, anchor_rad: float, tip: float) -> float:
     end = tip + 1.0
+    if drive.ring_anchor_rad is not None:
+        return end
     left = radians(drive.drum.sector_half_angle_deg) - anchor_rad - atan2(end, cable.drum_radius_mm)
     return end if left * cable.drum_radius_mm > MIN_GUARD_MM else end + BEYOND_MM
 
@@ -179,7 +185,9 @@ def tensioners(drive: SectorDrive, way: TerminalWay) -> tuple[Tensioner, ...]:
             if cable.terminal_angle_rad is not None:
                 limit = min(limit, cable.terminal_angle_rad)
             floor = drive.drum.outer_face_y_mm - cable.land_y_mm - nut - drive.clearances.running_mm
-            through = floor < MIN_FLOOR_MM
+            # Turns beside a terminal of a whole drum leave no room for pockets that cross them.
+            ring = drive.ring_anchor_rad is not None
+            through = floor < MIN_FLOOR_MM and not ring
             pocket_end = _pocket_end(drive, cable, limit, tip)
             moved = drawn_in[cable.name]
             inner = Tensioner(
@@ -203,6 +211,7 @@ def tensioners(drive: SectorDrive, way: TerminalWay) -> tuple[Tensioner, ...]:
                 cut_through=through,
                 travel=travel,
                 drawn_in=moved,
+                front=ring and cable.land_y_mm > 0.0,
             )
             placed.append(inner)
     order = {c.name: c.step for c in drive.cables}
@@ -238,12 +247,12 @@ def _pocket_radius(drive: SectorDrive, placed: tuple[Tensioner, ...], flat_wall:
 
 
 def _windows(drive: SectorDrive, stop_radius: float, slot_end_deg: float) -> tuple[Window, ...]:
-    """Windows outside the stop's slot only: there the web carries little.
+    """Windows outside the stop's slot only, where the web carries little; none without one.
 
     The shear of a web falls with the square of its radius. Windows between hub and slot saved 6 g of the reference of
     miso_bevel and made its web nine times as soft, because the spokes that they leave bend (docs/structure.md).
     """
-    if drive.drum.windows == "none":
+    if drive.drum.windows == "none" or not drive.stopped:
         return ()
     outer = drive.drum.rim_inner_radius_mm - 2.5
     above = stop_radius + drive.drum.stop_pin_mm / 2 + 2.4
@@ -275,10 +284,10 @@ def _root(drive: SectorDrive, levels: SectorLevels, stop_radius: float) -> tuple
 def drum(drive: SectorDrive, levels: SectorLevels, stop_radius: float, way: TerminalWay) -> DrumDims:
     """Dimensions of the drum; the stop pin stands in the frame at ``stop_radius`` from its axis."""
     d = drive.drum
-    slot_width = d.stop_pin_mm + STOP_SLOT_PLAY_MM
+    slot_width = d.stop_pin_mm + STOP_SLOT_PLAY_MM if drive.stopped else 0.0
     # The pin touches the slot's end after it has moved through its play.
     play_deg = degrees(STOP_SLOT_PLAY_MM / 2 / max(stop_radius, 1.0))
-    slot_end = drive.half_travel_deg + drive.stop_clearance_deg - play_deg
+    slot_end = drive.half_travel_deg + drive.stop_clearance_deg - play_deg if drive.stopped else 0.0
     shaft_radius = drive.bearings.drum.bore_mm / 2
     screw = drive.screw(HUB_SCREW)
     hub_radius = d.hub_diameter_mm / 2

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import radians
+from math import pi, radians
 
 from mbcdm_cad.model.structure.drum_sector import Hub, LandPull
 from mbcdm_cad.model.structure.sector_mesh import Opening, Pocket, RimStep, SectorShape
@@ -20,24 +20,28 @@ def sector_shape(d: DrumDims) -> SectorShape:
     openings = [
         Opening(w.r_inner, w.r_outer, radians(w.start_deg), radians(w.end_deg), d.corner_radius) for w in d.windows
     ]
-    half = d.stop_slot_width / 2.0
-    tip = radians(d.stop_slot_end_deg) + half / d.stop_radius
-    openings.append(Opening(d.stop_radius - half, d.stop_radius + half, -tip, tip, half))
+    if d.has_slot:
+        half = d.stop_slot_width / 2.0
+        tip = radians(d.stop_slot_end_deg) + half / d.stop_radius
+        openings.append(Opening(d.stop_radius - half, d.stop_radius + half, -tip, tip, half))
     pockets = tuple(pocket for t in d.tensioners for pocket in _pockets(d, t))
     half_angle = radians(d.half_angle_deg)
     return SectorShape(half_angle, d.hub_radius, tuple(rings), tuple(openings), pockets, d.rim_inner_radius)
 
 
 def _pockets(d: DrumDims, t: Tensioner) -> Iterator[Pocket]:
-    def floor(half: float) -> float:
-        return d.lands[-1].y_end if t.cut_through else t.y_mm + half
+    # On a whole drum on either side of the seam of the mesh, opposite the middle.
+    turned = t.anchor_rad % (2.0 * pi)
+    places = (turned, turned - 2.0 * pi) if d.whole else (t.anchor_rad,)
 
-    def box(along: tuple[float, float], low: float, half: float) -> Pocket:
-        return Pocket(t.side, t.anchor_rad, t.radius_mm, along, (low, t.pocket_top), floor(half))
+    def box(along: tuple[float, float], low: float, half: float) -> Iterator[Pocket]:
+        taken = d.pocket_y(t, half)
+        for at in places:
+            yield Pocket(t.side, at, t.radius_mm, along, (low, t.pocket_top), taken)
 
-    yield box((t.slack_start - POCKET_LEAD_MM, t.lug_start), -d.flat_wall, d.swage_pocket)
-    yield box((t.lug_start, t.lug_end), d.lug_half_width, d.swage_pocket)
-    yield box((t.lug_end, t.pocket_end), -d.nut_pocket, d.nut_pocket)
+    yield from box((t.slack_start - POCKET_LEAD_MM, t.lug_start), -d.flat_wall, d.swage_pocket)
+    yield from box((t.lug_start, t.lug_end), d.lug_half_width, d.swage_pocket)
+    yield from box((t.lug_end, t.pocket_end), -d.nut_pocket, d.nut_pocket)
 
 
 def hub(d: DrumDims, set_screw_thread_mm: float) -> Hub:

@@ -66,6 +66,11 @@ class Tensioner:
     cut_through: bool  # pockets go through the whole rim instead of leaving a thin floor
     travel: float
     drawn_in: float
+    front: bool = False  # pockets are open to the rim's outer face, not to the inner one
+
+    def deeper(self, mm: float) -> float:
+        """The y of a point ``mm`` from the terminal's axis, away from the face to which its pockets are open."""
+        return self.y_mm - mm if self.front else self.y_mm + mm
 
     @property
     def slack_start(self) -> float:

@@ -9,7 +9,7 @@ from mbcdm_cad.design.lookup import Catalogue
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.layouts.miso_spur.design_file.schema import RoundDrumDesign
 from mbcdm_cad.layouts.miso_spur.drive import RoundDrumDrive
-from mbcdm_cad.layouts.siso_spur.design_file.resolve import broken_radius, broken_way, spur_values
+from mbcdm_cad.layouts.siso_spur.design_file.resolve import broken_radius, broken_sector, broken_way, spur_values
 from mbcdm_cad.layouts.siso_spur.drive import laid
 from mbcdm_cad.parts.drum_sector.payload import SCREWS
 
@@ -49,3 +49,4 @@ def broken_rules(design: RoundDrumDesign) -> Iterator[Broken]:
                 "give both sides of its cable, one for each sense of the drum",
             )
     yield from broken_way(design)
+    yield from broken_sector(design.drum.sector_half_angle_deg)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import inf
 
 from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
 from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
@@ -12,6 +13,7 @@ class RoundDrumKnown(SpurKnown):
     """Adds the checks of several sectors on one shaft and of inputs round the drum."""
 
     layout = RoundDrumLayout
+    most_sector_travel_deg = inf
     asked = (*SpurKnown.asked, "inputs")
     own_checks: Mapping[str, tuple[str, ...]] = {
         **SpurKnown.own_checks,

@@ -135,8 +135,9 @@ def mounts(s: SpurLayout) -> Comparison:
         rooms.append(
             ("motor's pocket" if f.motor else "motor head's flange", flange_low - z - f.mount_radius, HOLE_WEB_MM)
         )
-        pin = (x**2 + (z - f.stop_pin_z) ** 2) ** 0.5 - f.stop_pin_radius - f.mount_radius
-        rooms.append(("stop pin", pin, HOLE_WEB_MM))
+        if f.stop_pin_radius > 0.0:
+            pin = (x**2 + (z - f.stop_pin_z) ** 2) ** 0.5 - f.stop_pin_radius - f.mount_radius
+            rooms.append(("stop pin", pin, HOLE_WEB_MM))
     return worst(at_least(f"mounting thread: {name}", room, limit, "mm") for name, room, limit in rooms)
 
 

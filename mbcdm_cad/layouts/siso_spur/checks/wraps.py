@@ -6,12 +6,19 @@ are no longer valid.
 
 from __future__ import annotations
 
-from math import cos, hypot, sin
+from math import atan2, cos, hypot, radians, sin, tau
 
-from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
-from mbcdm_cad.checks.drum_wraps import MORE_WRAP, SLIPS, WRAPS
+import numpy as np
+
+from mbcdm_cad.checks.cable_gaps import CABLE_GAP_MM
+from mbcdm_cad.checks.comparison import Check, Comparison, at_least, noted, worst
+from mbcdm_cad.checks.design_variables import up
+from mbcdm_cad.checks.drum_wraps import MORE_WRAP, SLIPS, WRAPS, wrap_under_a_turn
 from mbcdm_cad.checks.terminals import bodies_of
+from mbcdm_cad.layouts.siso_spur.drive import CHANGE_RAD, SpurDrive
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
+from mbcdm_cad.layouts.siso_spur.overhung import hub_radius_mm
+from mbcdm_cad.parts.drum_sector.dims import WHOLE_DEG
 
 
 def terminal_clears_input(s: SpurLayout) -> Comparison:
@@ -19,6 +26,8 @@ def terminal_clears_input(s: SpurLayout) -> Comparison:
     drive, f = s.drive, s.frame
     reach = max(s.inputs[0].lower_land_radius, drive.input_radius_mm + s.flank_mm)
     found = []
+    if drive.whole_drum:
+        return _come_by(s, max(reach, hub_radius_mm(drive)) if drive.overhung else reach)
     for t in s.drum.tensioners:
         turn = -t.side * s.half_travel_rad
         c, sine = cos(turn), sin(turn)
@@ -35,8 +44,78 @@ def terminal_clears_input(s: SpurLayout) -> Comparison:
     return worst(found)
 
 
+def _come_by(s: SpurLayout, reach_mm: float) -> Comparison:
+    """The gap of terminals that come by the input, whatever their plane; that ends ``reach_mm`` from its axis."""
+    drive, f = s.drive, s.frame
+    end = drive.centre_distance_mm - reach_mm
+    if not drive.overhung:
+        end = min(end, f.shelf_bottom_z)
+    found = []
+    for t in s.drum.tensioners:
+        for name, outline, _, _ in bodies_of(s, t):
+            gap = end - float(np.hypot(*outline.T).max())
+            what = f"{name} of {t.cable_name} from the input and its yoke as it comes by"
+            found.append(at_least(what, gap, drive.clearances.running_mm, "mm"))
+    return worst(found)
+
+
+def turns_on_drum(s: SpurLayout) -> Comparison:
+    """Turns of a cable on a whole drum beside each other, and beside the pocket of its terminal.
+
+    The helix on the drum has the slope of the turns on the input: its lead is theirs times the ratio. A terminal lies
+    where the helix ends, a turn further than the cable beside it.
+    """
+    drive, d, half = s.drive, s.drum, radians(s.drive.half_travel_deg)
+    lead, wall = drive.helix_lead_mm * drive.total_ratio, drive.drum_material.min_wall_mm
+    found = [at_least("lead of the helix on the drum over the cable", lead - 2 * s.flank_mm, CABLE_GAP_MM, "mm")]
+    for t in d.tensioners:
+        end = t.anchor_rad + atan2(t.pocket_end, t.radius_mm)
+        if end - tau > drive.landing_rad - half:
+            rest = end - (drive.landing_rad + half + 2 * CHANGE_RAD)
+            gap = lead * (1.0 - rest / tau) - d.nut_pocket - s.flank_mm
+            found.append(at_least(f"pocket of {t.cable_name} from its turn beside it", gap, wall, "mm"))
+        found.append(at_least(f"pocket of {t.cable_name} from the middle", abs(t.y_mm) - d.nut_pocket, wall / 2, "mm"))
+    return worst(found)
+
+
+def no_stop(s: SpurLayout) -> Comparison:
+    """Angle from the centre at which the drum must be stopped by something else."""
+    end = s.drive.half_travel_deg + s.drive.stop_clearance_deg
+    return noted("no stop on the drum: what it turns, or the stage behind it, must stop it before", end, "deg")
+
+
+def is_whole(drive: SpurDrive) -> bool:
+    """Whether the drum is closed all round."""
+    return drive.whole_drum
+
+
+def _whole_drum(s: SpurLayout) -> str:
+    return "" if s.drive.anchored or s.drive.idlers else f"set drum.sector_half_angle_deg to {WHOLE_DEG:g}: a whole drum"
+
+
 CHECKS = (
-    *WRAPS,
+    *(
+        check._replace(applies=lambda drive: not drive.whole_drum, advice=_whole_drum)
+        if check.measure is wrap_under_a_turn
+        else check
+        for check in WRAPS
+    ),
+    Check(
+        "turns_on_drum",
+        "Turns on a whole drum lie clear of each other and of the terminals",
+        "derived: lead x ratio; material: min_wall_mm",
+        turns_on_drum,
+        adjust=(up("rope.helix_lead_mm"),),
+        advice="choose a smaller drum.tensioner",
+        applies=is_whole,
+    ),
+    Check(
+        "no_stop",
+        "A drum without a stop",
+        "derived: a pin stops it up to 165 deg",
+        no_stop,
+        applies=lambda drive: not drive.stopped,
+    ),
     Check(
         "terminal_clears_input",
         "Terminals clear the input at the ends of travel",

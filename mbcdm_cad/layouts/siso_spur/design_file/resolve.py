@@ -14,6 +14,7 @@ from mbcdm_cad.design.rules import Broken, NamedEntry, counted, on_one_side
 from mbcdm_cad.layouts.siso_spur import drive as d
 from mbcdm_cad.layouts.siso_spur.design_file.schema import SpurBlocks, SpurDesign, SpurTransmission
 from mbcdm_cad.layouts.siso_spur.first_stage import broken_first_stage, of_design
+from mbcdm_cad.parts.drum_sector.dims import WHOLE_DEG
 from mbcdm_cad.parts.drum_sector.resolve import sector_entries, sector_values, terminal_angle_rad
 
 _SIGN = {"-x": -1, "+x": 1}
@@ -111,7 +112,27 @@ def broken_rules(design: SpurDesign) -> Iterator[Broken]:
     if len(design.cables) == 2 and design.cables[0].drum_side == design.cables[1].drum_side:
         yield on_one_side(1, design.cables[1].drum_side, "sides")
     yield from broken_way(design)
+    yield from _broken_drum(design)
     yield from broken_first_stage(design)
+
+
+def _broken_drum(design: SpurDesign) -> Iterator[Broken]:
+    """A whole drum carries one cable that runs straight to it: two anchored ones would cross on it."""
+    angle, path = design.drum.sector_half_angle_deg, ("drum", "sector_half_angle_deg")
+    if angle < WHOLE_DEG:
+        yield from broken_sector(angle)
+    elif design.transmission.cables == "two_anchored":
+        remedy = "set transmission.cables to continuous, or lower the angle"
+        yield Broken(path, "two anchored cables would cross on a whole drum", f"{angle:g}", "a sector", remedy)
+    elif design.idlers is not None:
+        yield Broken(path, "no whole drum beside idlers", f"{angle:g}", "a sector", "remove idlers, or lower the angle")
+
+
+def broken_sector(angle_deg: float) -> Iterator[Broken]:
+    """A sector leaves a gap."""
+    if angle_deg > d.MOST_SECTOR_DEG:
+        limit, remedy = f"up to {d.MOST_SECTOR_DEG:g}", "lower it, or state 180 in siso_spur: a whole drum"
+        yield Broken(("drum", "sector_half_angle_deg"), "no gap is left", f"{angle_deg:g}", limit, remedy)
 
 
 def broken_way(design: SpurBlocks) -> Iterator[Broken]:

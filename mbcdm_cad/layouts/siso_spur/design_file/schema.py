@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar, Literal
 
-from mbcdm_cad.design.blocks import Design, Input, Length, Rope
+from mbcdm_cad.design.blocks import Design, Input, Length, Rope, Travel
 from mbcdm_cad.design.design_file import reference_of
 from mbcdm_cad.design.fields import Block, Integer, Number, choice, quantity
 from mbcdm_cad.design.sector_blocks import Clearances, SectorCable, WoundPulleys
@@ -152,8 +152,16 @@ class SpurBlocks(Design):
     )
 
 
+class SpurTravel(Travel):
+    """How far the drum turns; a whole drum may turn more than once."""
+
+    half_angle_deg: Number = quantity("travel from the centre to each side", unit="deg", ge=1.0, le=1080.0)
+
+
 class SpurDesign(SpurBlocks):
     """A cable drive."""
+
+    travel: SpurTravel
 
     configuration: Literal["siso_spur"] = choice(
         "layout: siso_spur is (a) of Fig. 1, one input beside the drum", source="Fig. 1", reference="siso_spur"

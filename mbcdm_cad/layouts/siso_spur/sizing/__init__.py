@@ -35,6 +35,7 @@ from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
 from mbcdm_cad.layouts.siso_spur.sizing.stage import GUESSES, STAGE, STAGE_RATIO
 from mbcdm_cad.layouts.stiff_sizing import SHARED, Size, stiffened, walls
 from mbcdm_cad.layouts.trial_sizing import MIDDLE_SIZE, ON_SHAFT, repeated
+from mbcdm_cad.parts.drum_sector.dims import WHOLE_DEG
 from mbcdm_cad.sizing.rule import Rule
 
 DERIVED = tuple(
@@ -136,7 +137,7 @@ def _first_guesses(data: dict[str, Any]) -> dict[str, Any]:
         "transmission.turns": 5,
         "transmission.centre_distance_mm": 1.4 * radius,
         "drum.tensioner": "M3",
-        "drum.sector_half_angle_deg": 110.0,
+        "drum.sector_half_angle_deg": WHOLE_DEG if given.whole_drum else 110.0,
         "drum.rim_inner_radius_mm": 0.8 * radius,
         "drum.outer_face_y_mm": 20.0,
         "drum.hub_face_y_mm": 30.0,

@@ -144,7 +144,8 @@ def _turns(given: SpurKnown) -> Found:
 
 def _lead(given: SpurKnown) -> Found:
     step = 0.05 if given.d_mm > 0.5 else 0.01
-    checks = ("helix_lead", "groove_crest", "self_clearance")
+    # Beside a terminal of a whole drum lies the turn before it.
+    checks = ("helix_lead", "groove_crest", "self_clearance", "turns_on_drum")
     return given.moved("rope.helix_lead_mm", 1.02 * given.d_mm, step, checks)
 
 

@@ -76,11 +76,12 @@ def _centre_distance(given: SpurKnown) -> Found:
         "bodies_behind",
         *(("hub_and_drum", "motor_seat") if given.overhung else ()),
     )
+    come_by = ("terminal_clears_input",) if given.whole_drum else ()
     # The box of a wheel, or of a first stage, reaches far towards the threads of the frame's own screws; so does the
     # motor of a first stage, whose drum is small.
     wide = given.has("stage.kind") or given.has("first_stage") or given.get("drum.shaft_end_mm", 0.0) > 0.0
     beside = ("flange",) if wide else ()
-    return given.moved("transmission.centre_distance_mm", start, 0.5, (*checks, *beside))
+    return given.moved("transmission.centre_distance_mm", start, 0.5, (*checks, *beside, *come_by))
 
 
 def _mount_screw(given: SpurKnown) -> Found:

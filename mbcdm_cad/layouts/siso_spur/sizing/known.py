@@ -6,9 +6,11 @@ from collections.abc import Mapping
 
 from mbcdm_cad.design.bought import Gearhead
 from mbcdm_cad.layouts.base import Layout
+from mbcdm_cad.layouts.siso_spur.drive import MOST_SECTOR_TRAVEL_DEG
 from mbcdm_cad.layouts.siso_spur.first_stage import FirstStage, of_data
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.trial_sizing import TrialKnown
+from mbcdm_cad.parts.drum_sector.dims import WHOLE_DEG
 
 
 class SpurKnown(TrialKnown):
@@ -35,6 +37,19 @@ class SpurKnown(TrialKnown):
         "drum.shaft_bore_mm": ("shaft_end_stress", "shaft_end_twist"),
         "drum.hub_face_y_mm": ("shaft_end_bond",),
     }
+
+    most_sector_travel_deg = MOST_SECTOR_TRAVEL_DEG
+
+    @property
+    def whole_drum(self) -> bool:
+        """Whether the file states a whole drum, or a travel that asks for one."""
+        stated, half = self.peek("drum.sector_half_angle_deg"), self.peek("travel.half_angle_deg")
+        ends = self.peek("travel.from_deg"), self.peek("travel.to_deg")
+        if stated is not None:
+            return bool(stated >= WHOLE_DEG)
+        if half is None and None not in ends:
+            half = (ends[1] - ends[0]) / 2
+        return half is not None and bool(half > self.most_sector_travel_deg)
 
     @property
     def first_stage(self) -> FirstStage | None:

@@ -229,8 +229,8 @@ def yoke(drive: SpurDrive, levels: SpurStack, shaft: DrumShaftDims, head: Flange
         axis_z=z,
         half_width=max(head.half_x, *(stand.half_width for stand in held)) if held else head.half_x,
         shelf_half_width=shelf,
-        # Down to the drum's rim; with idlers between, no lower than the bearing needs.
-        shelf_bottom_z=max(least_wall_z_mm(drive), z - shelf) if held else least_wall_z_mm(drive),
+        # Down to the drum's rim; with idlers between, or terminals that come by, no lower than the bearing needs.
+        shelf_bottom_z=max(least_wall_z_mm(drive), z - shelf) if held or drive.whole_drum else least_wall_z_mm(drive),
         bridge_bottom_z=bridge,
         top_z=bridge + s.bridge_mm,
         plate_top_z=max(bridge + s.bridge_mm, z + head.front_y),
@@ -243,7 +243,7 @@ def yoke(drive: SpurDrive, levels: SpurStack, shaft: DrumShaftDims, head: Flange
         encoder_head_radius=head_radius,
         encoder_head_depth=s.encoder_shelf_mm - encoder_screw.length_mm + ENCODER_GRIP * encoder_screw.thread_mm,
         encoder_circle_radius=circle,
-        stop_pin_radius=drive.drum.stop_pin_mm / 2,
+        stop_pin_radius=drive.drum.stop_pin_mm / 2 if drive.stopped else 0.0,
         stop_pin_z=_stop_pin_z_mm(drive, round_boss.radius),
         flange_screw_radius=(insert.hole_mm if insert else screw.thread_mm) / 2,
         flange_insert=insert,

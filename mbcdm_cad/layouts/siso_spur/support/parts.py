@@ -178,6 +178,8 @@ def yoke_tools(d: YokeDims) -> list[cq.Shape]:
 
 def centre_tools(d: YokeDims) -> list[cq.Shape]:
     """Bores of the boss, and the stop pin's hole."""
+    if d.stop_pin_radius <= 0.0:
+        return [*boss_tools(d.boss)]
     pin = cylinder_y(d.stop_pin_radius, 0, d.stop_pin_z, d.levels.plate_back_y - 1.0, d.levels.front_y + 1.0)
     return [*boss_tools(d.boss), pin]
 
@@ -237,7 +239,11 @@ def frame_holes(d: YokeDims) -> tuple[Holes, ...]:
         Holes(
             "D", 2 * d.mount_radius, THROUGH, on(back, d.mounts), "plate", "mounting screws", **_thread(d.mount_insert)
         ),
-        Holes("E", 2 * d.stop_pin_radius, THROUGH, pin, "plate", "stop pin", fit=pressed),
+        *(
+            [Holes("E", 2 * d.stop_pin_radius, THROUGH, pin, "plate", "stop pin", fit=pressed)]
+            if d.stop_pin_radius > 0.0
+            else []
+        ),
         *(
             [Holes("F", 2 * d.seat_shoulder_radius, THROUGH, on(near, axis), "shelf", "bearing", counterbore=seat)]
             if d.motor is None

@@ -354,7 +354,7 @@ def _with(line: str, text: str = TEXT) -> str:
 @pytest.mark.parametrize(
     ("line", "says"),
     [
-        ("transmission: {input_to_drum: 6.0}", "the drum of the first stage turns by the ratio of the second stage"),
+        ("transmission: {input_to_drum: 40.0}", "the drum of the first stage turns by the ratio of the second stage"),
         ("first_stage: {total_ratio: 20.0, ratio: 3.0, design: {travel: {half_angle_deg: 3.0}}}", "has no place in a"),
         ("first_stage: {total_ratio: 20.0, design: {drum: {web: 3.0}}}", "first_stage.design.drum.web: unknown field"),
         ("first_stage: {total_ratio: 20.0, design: {rope: {type: none-such}}}", "first_stage.design.rope.type"),
