@@ -56,8 +56,8 @@ class RimStep:
 class Pocket:
     """A box milled in along the axis, ``taken_mm`` from low to high, on one side of the middle (+1 or -1).
 
-    It is open below or above. It reaches along the tangent, outwards to that side, and outwards from ``radius_mm``, both at the angle ``at_rad``
-    from the middle.
+    It is open below or above. It reaches along the tangent, outwards to that side, and outwards from ``radius_mm``,
+    both at the angle ``at_rad`` from the middle.
     """
 
     side: int

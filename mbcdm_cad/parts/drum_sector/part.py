@@ -65,7 +65,8 @@ def _lug_mm3(d: DrumDims, t: Tensioner) -> float:
     """Volume of a lug minus the stud's slot, which remains in a pocket."""
     length, r = t.lug_end - t.lug_start, d.stud_hole_radius
     (first, last), (low, high) = d.pocket_y(t, d.swage_pocket), d.lug_y(t)
-    depth = min(last, high) - max(first, low)
+    # Behind the face to which the pocket is open it stands in the open.
+    depth = high - max(first, low) if t.front else min(last, high) - low
     slot = 2 * r * d.lug_half_width + pi / 2 * r**2
     return length * ((d.flat_wall + d.lug_half_width) * depth - slot)
 

@@ -90,7 +90,9 @@ def is_whole(drive: SpurDrive) -> bool:
 
 
 def _whole_drum(s: SpurLayout) -> str:
-    return "" if s.drive.anchored or s.drive.idlers else f"set drum.sector_half_angle_deg to {WHOLE_DEG:g}: a whole drum"
+    return (
+        "" if s.drive.anchored or s.drive.idlers else f"set drum.sector_half_angle_deg to {WHOLE_DEG:g}: a whole drum"
+    )
 
 
 CHECKS = (

@@ -105,7 +105,7 @@ def test_wraps_of_more_than_a_turn_hold_as_endless_ones(turns: SpurLayout) -> No
     loads = turns.loads
     torque = turns.drive.loads.test_torque_Nm * np.array([0.0, 1.0])
     endless = np.ptp(solve_equilibrium(loads.si, torque).drum_angle_rad)
-    on_input, on_drum = turns.wraps_rad(0.0)
+    _, on_drum = turns.wraps_rad(0.0)
     assert on_drum.min() > 2 * tau
     real = np.ptp(solve_equilibrium(loads.si.with_(drum_wrap_rad=on_drum), torque).drum_angle_rad)
     assert real == pytest.approx(endless, rel=1e-9)
