@@ -153,7 +153,9 @@ class SpurBlocks(Design):
 
 
 class SpurTravel(Travel):
-    """How far the drum turns; a whole drum may turn more than once."""
+    """How far the drum turns."""
+
+    # A whole drum may turn more than once.
 
     half_angle_deg: Number = quantity("travel from the centre to each side", unit="deg", ge=1.0, le=1080.0)
 
