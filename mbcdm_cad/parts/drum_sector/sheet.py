@@ -104,14 +104,13 @@ def _shape(d: DrumDims) -> Table:
         ("stop slot: width, round ends", mm3(d.stop_slot_width)),
         ("stop slot: ends at +- deg", mm(d.stop_slot_end_deg, 3)),
     )
-    slot = slot if d.has_slot else ()
     rows = (
         ("swage pocket n from", mm3(-d.flat_wall)),
         ("nut pocket n from", mm3(-d.nut_pocket)),
         ("lug n up to", mm3(d.lug_half_width)),
         ("stud slot of the lug, width, round end", mm3(2 * d.stud_hole_radius)),
         ("pocket corners R", mm3(d.pocket_radius)),
-        *slot,
+        *(slot if d.has_slot else ()),
         ("web thicker up to R", mm3(d.root_radius)),
         ("web thicker, in front up to", mm3(d.root_end_y - d.spigot_y)),
     )
