@@ -13,11 +13,11 @@ import yaml
 
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.describe import named_values
-from mbcdm_cad.layouts.check_design import run_checks
 from mbcdm_cad.layouts.loader import design_file, load_text, reference_data
 from mbcdm_cad.layouts.miso_bevel.bill import bill
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.model import analyse
+from tests.support.checked import results, statuses
 
 Path = tuple[str | int, ...]
 NODES = design_file().nodes
@@ -176,7 +176,7 @@ def seen(text: str) -> dict[str, Any]:
     return {
         "layout": {name: getattr(dims, name) for name in DIMENSIONS},
         "bill": (posed.parts, posed.items),
-        "checks": run_checks(drive),
+        "checks": results(dims),
         "analysis": analyse(drive).to_dict(),
     }
 
@@ -290,7 +290,7 @@ def test_windup_limit_is_held_against_the_windup() -> None:
     status = []
     for limit in (0.01, 0.03):
         loaded = load_text(edited({("limits", "frame_windup_max_mrad"): limit}))
-        status.append(next(c.status for c in run_checks(loaded) if c.id == "frame_windup"))
+        status.append(statuses(loaded)["frame_windup"])
     assert status == ["fail", "pass"]
 
 

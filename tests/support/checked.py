@@ -1,4 +1,4 @@
-"""Results of all checks on a layout, without the search for remedies, which takes longest."""
+"""Results of all checks on a design, without the search for remedies, which takes longest."""
 
 from __future__ import annotations
 
@@ -7,21 +7,36 @@ import numpy as np
 from mbcdm_cad.checks.remedies import Budget
 from mbcdm_cad.checks.result import CheckResult
 from mbcdm_cad.checks.run import run_check
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.layouts.base import Layout
 from mbcdm_cad.layouts.check_design import checks_of
 
 
-def results(layout: Layout) -> list[CheckResult]:
+def _layout(design: Layout | Drive | LoadedDesign) -> Layout:
+    if isinstance(design, LoadedDesign):
+        return design.drive.layout
+    return design.layout if isinstance(design, Drive) else design
+
+
+def results(design: Layout | Drive | LoadedDesign) -> list[CheckResult]:
     """Every check that is asked of the design."""
+    layout = _layout(design)
     with np.errstate(all="ignore"):
         return [run_check(check, layout, Budget(0)) for check in checks_of(layout.drive)]
 
 
-def statuses(layout: Layout) -> dict[str, str]:
+def result(design: Layout | Drive | LoadedDesign, name: str) -> CheckResult:
+    """One check, with its remedy."""
+    layout = _layout(design)
+    return run_check(layout.checks_by_id()[name], layout)
+
+
+def statuses(design: Layout | Drive | LoadedDesign) -> dict[str, str]:
     """Status by check."""
-    return {found.id: found.status for found in results(layout)}
+    return {found.id: found.status for found in results(design)}
 
 
-def failing(layout: Layout) -> dict[str, str]:
+def failing(design: Layout | Drive | LoadedDesign) -> dict[str, str]:
     """Message of each check that fails."""
-    return {found.id: found.message for found in results(layout) if found.status == "fail"}
+    return {found.id: found.message for found in results(design) if found.status == "fail"}

@@ -14,8 +14,8 @@ from mbcdm_cad.build.meshing import mesh_solid
 from mbcdm_cad.build.printability import overhang_mm2, thinnest_wall
 from mbcdm_cad.build.wider_holes import round_holes, with_wider_holes
 from mbcdm_cad.checks.built import overhang_check, printed_walls_check
-from mbcdm_cad.layouts.check_design import run_checks
 from mbcdm_cad.layouts.loader import load_design, load_text
+from tests.support.checked import failing
 
 ROOT = Path(__file__).parents[3]
 PRINTED = (ROOT / "params/gallery/printed.yaml").read_text("utf-8")
@@ -132,7 +132,7 @@ def _location(item) -> cq.Location:
 
 def test_walls_round_inserts_are_checked() -> None:
     narrow = PRINTED.replace("support: {material: pa12}", "support: {material: pa12, side_wall_mm: 5.7}")
-    failed = {c.id: c.message for c in run_checks(load_text(narrow, "narrow.yaml")) if c.status == "fail"}
+    failed = failing(load_text(narrow, "narrow.yaml"))
     assert "side wall beside a plate screw's insert 1.25 mm (limit at least 1.3)" in failed["wall_holes"]
 
 

@@ -7,8 +7,8 @@ from designs import put, reference
 
 from mbcdm_cad.checks.motors import CHECKS, backdrive
 from mbcdm_cad.checks.run import run_check
-from mbcdm_cad.layouts.check_design import run_checks
 from mbcdm_cad.layouts.loader import design_file, load_text
+from tests.support.checked import failing, results
 
 CHECK = next(check for check in CHECKS if check.id == "backdrive")
 HANDLE = """name: handle
@@ -60,7 +60,7 @@ def test_rules_choose_a_train_that_the_drum_turns(layout: str, share: float, gea
     assert back is not None
     wanted = share * back.start_Nm
     asked = load_text(text.replace("loads:\n", f"loads:\n  backdrive_Nm: {wanted:.4g}\n", 1)).drive
-    found = {c.id: c for c in run_checks(asked)}
+    found = {c.id: c for c in results(asked)}
     assert found["backdrive"].status == "pass" and found["backdrive"].limit == pytest.approx(wanted, rel=1e-3)
     assert found["motor_torque_forward"].status == found["motor_torque_back"].status == "pass", found
     assert asked.gearhead.absent is not geared, asked.gearhead.name
@@ -71,7 +71,7 @@ def test_what_no_train_of_the_catalogue_does_comes_near() -> None:
     text = str(design_file("siso_spur").starting).format(name="started")
     drive = load_text(text.replace("loads:\n", "loads:\n  backdrive_Nm: 0.02\n", 1)).drive
     assert drive.gearhead.absent
-    assert [c.id for c in run_checks(drive) if c.status == "fail"] == ["backdrive"]
+    assert list(failing(drive)) == ["backdrive"]
 
 
 def test_a_lower_preload_turns_more_easily_where_motor_and_ratio_are_stated() -> None:
@@ -102,12 +102,11 @@ def test_anchored_cables_get_less_preload_until_one_would_go_slack(layout: str, 
         preload = next(value for value in found.sized if value.field == "rope.preload_N")
         back = found.drive.layout.losses.backdrive
         assert back is not None
-        failing = {c.id: c.status for c in run_checks(found.drive) if c.status == "fail"}
-        return preload.value, failing, preload.driver, back.start_Nm
+        return preload.value, failing(found.drive), preload.driver, back.start_Nm
 
-    usual, failing, driver, turned = asked(None)
-    assert not failing and driver != "backdrive"
-    less, failing, driver, _ = asked(share * turned)
-    assert not failing and driver == "backdrive" and 0.5 * usual <= less < usual, (usual, less)
-    least, failing, _, easiest = asked(0.1 * turned)
-    assert set(failing) == {"backdrive"} and least < less and easiest < share * turned, (least, failing)
+    usual, failed, driver, turned = asked(None)
+    assert not failed and driver != "backdrive"
+    less, failed, driver, _ = asked(share * turned)
+    assert not failed and driver == "backdrive" and 0.5 * usual <= less < usual, (usual, less)
+    least, failed, _, easiest = asked(0.1 * turned)
+    assert set(failed) == {"backdrive"} and least < less and easiest < share * turned, (least, failed)

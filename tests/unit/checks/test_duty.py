@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
+from typing import Any
 
 import pytest
 
 from mbcdm_cad.checks.duty import CHECKS
 from mbcdm_cad.checks.result import CheckResult
 from mbcdm_cad.checks.run import run_check
+from mbcdm_cad.design.blocks import DutyBlock, DutyRow
+from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.loader import load_text
@@ -47,6 +51,16 @@ def leg(more: str) -> str:
     return LEG.replace("MORE", more)
 
 
+@cache
+def sized_leg() -> Drive:
+    return load_text(leg("")).drive
+
+
+def check_leg(name: str, **loads: Any) -> CheckResult:
+    """A check on the leg as it is sized without them, under other loads."""
+    return run_check(BY_ID[name], replace(sized_leg(), loads=replace(sized_leg().loads, **loads)).layout)
+
+
 def wrist(layout: str, more: str) -> str:
     return WRIST.replace("LAYOUT", layout).replace("SIZES", SIZES[layout]).replace("MORE", more)
 
@@ -75,9 +89,8 @@ def test_a_gearhead_that_does_not_last_learns_what_one_needs() -> None:
 @pytest.mark.parametrize("asked", [300.0, 1300.0, 1600.0])
 def test_speed_is_that_of_the_curve(asked: float) -> None:
     """By hand: (24 V - R I)/K over 9 to 1, at the motor's torque under the load with losses."""
-    found = check(leg(f", speed_deg_s: {asked}"), "speed")
-    drive = load_text(leg("")).drive
-    train = drive.layout.losses
+    found = check_leg("speed", speed_deg_s=asked)
+    train = sized_leg().layout.losses
     torque = max(float(train.moving(load, 1).motor_Nm.max()) for load in (5.0, -5.0)) - train.motor_idle_Nm
     expected = (24.0 - 0.17 * torque / 0.106) / 0.106 * 57.29578 / 9.0
     assert found.actual == pytest.approx(expected, rel=1e-3)
@@ -128,8 +141,8 @@ def test_a_duty_at_its_border() -> None:
     """The share of the time for which the peak load may be held at 60 C: just below it passes, just above it fails."""
 
     def of(share: float) -> CheckResult:
-        rows = f"[{{torque_Nm: 5, share: {share}}}, {{torque_Nm: 0, share: {1 - share}}}]"
-        return check(leg(f", duty: {{ambient_C: 60, period_s: 20, rows: {rows}}}"), "duty")
+        rows = (DutyRow(torque_Nm=5.0, share=share), DutyRow(torque_Nm=0.0, share=1.0 - share))
+        return check_leg("duty", duty=DutyBlock(ambient_C=60.0, period_s=20.0, rows=rows))
 
     low, high = 0.05, 0.95
     assert of(low).status == "pass" and of(high).status == "fail", (of(low), of(high))
@@ -151,11 +164,12 @@ def test_a_duty_that_never_settles_is_told_in_torque() -> None:
 
 
 def test_a_printed_seat_gets_warm_by_the_duty() -> None:
-    cool = check(leg(", duty: {rows: [{torque_Nm: 1, share: 1, range_deg: 60}]}"), "seat_temperature")
+    light, heavy = DutyRow(torque_Nm=1.0, share=1.0, range_deg=60.0), DutyRow(torque_Nm=3.5, share=1.0)
+    cool = check_leg("seat_temperature", duty=DutyBlock(rows=(light,)))
     assert cool.status == "pass" and cool.limit == 45.0, cool
-    hot = check(leg(", duty: {ambient_C: 35, rows: [{torque_Nm: 3.5, share: 1}]}"), "seat_temperature")
+    hot = check_leg("seat_temperature", duty=DutyBlock(ambient_C=35.0, rows=(heavy,)))
     assert hot.status == "fail" and hot.actual is not None and hot.actual > 45.0, hot
-    told = check(leg(""), "seat_temperature")
+    told = check_leg("seat_temperature")
     assert told.status == "pass" and told.limit is None and "assumed" in told.message, told
 
 

@@ -15,11 +15,11 @@ from mbcdm_cad.checks.structure import payload_screws
 from mbcdm_cad.design.blocks import Payload
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError
-from mbcdm_cad.layouts.check_design import run_checks
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.parts.drum_sector.payload import SLIP_SAFETY, JointLoad, PayloadJoint
 from mbcdm_cad.report.analysis_report import analyse_design
+from tests.support.checked import results
 
 G = 9.80665
 LEGS = {
@@ -88,9 +88,7 @@ def test_weight_must_be_held_without_end() -> None:
     arm = Payload(mass_kg=2.0, distance_mm=120.0)
     s = carrying(arm)
     assert continuous_torque(s).limit == pytest.approx(arm.weight_torque_Nm)
-    assert [r.id for r in run_checks(s) if r.id in ("continuous_torque", "gearhead_continuous")] == [
-        "continuous_torque"
-    ]
+    assert [r.id for r in results(s) if r.id in ("continuous_torque", "gearhead_continuous")] == ["continuous_torque"]
     assert s.drive.loads.lasting_Nm == pytest.approx(arm.weight_torque_Nm)
     assert carrying(None).drive.loads.lasting_Nm is None
 

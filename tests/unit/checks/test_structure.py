@@ -15,12 +15,12 @@ from hypothesis import strategies as st
 from mbcdm_cad.checks.fixings import pulley_stress, set_screws_hold_Nmm, shaft_stress, stalled_Nm
 from mbcdm_cad.checks.structure import drum_stress, frame_windup, mounting_screws, payload_screws, stiffness
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.layouts.check_design import run_checks
 from mbcdm_cad.layouts.loader import load_design, load_text
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.parts.drum_sector.dims import SET_SCREW_ANGLES_DEG
 from mbcdm_cad.parts.drum_sector.payload import SLIP_SAFETY, JointLoad, PayloadJoint, joints, payload_joint
 from mbcdm_cad.parts.threads import clamp_force_N, screw_hold
+from tests.support.checked import failing, result
 
 PARAMS = Path(__file__).parents[3] / "params"
 REFERENCES = ("mbcdm", "siso_spur", "miso_spur", "siso_bevel")
@@ -86,10 +86,10 @@ limits: {losses: counted, frame_windup_max_mrad: 2.5}
 def test_a_leg_of_pa12_holds_with_inserts_only() -> None:
     """Cut threads creep: inserts let the base press on brass, and bear in the plastic across."""
     cut, inserts = (sector(load_text(LEG + more).drive) for more in ("", "printing: {threads: inserts}"))
-    assert {check.id for check in run_checks(cut) if check.status == "fail"} == {"mounting_screws"}
-    remedy = next(check.remedy for check in run_checks(cut) if check.id == "mounting_screws")
+    assert set(failing(cut)) == {"mounting_screws"}
+    remedy = result(cut, "mounting_screws").remedy
     assert "set printing.threads to inserts" in remedy, remedy
-    assert not [check.id for check in run_checks(inserts) if check.status == "fail"]
+    assert not failing(inserts)
 
 
 def test_threads_cut_in_a_printed_plate_hold_what_creep_leaves() -> None:

@@ -12,10 +12,10 @@ from mbcdm_cad.checks.run import run_all
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError
-from mbcdm_cad.layouts.check_design import run_checks
 from mbcdm_cad.layouts.loader import load_text, new_design_text
 from mbcdm_cad.layouts.miso_bevel.checks import CHECKS
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
+from tests.support.checked import failing
 
 ROPES = package_entries("ropes")
 OWN_MODULUS = ("  modulus_GPa:", "  modulus_area:")
@@ -92,10 +92,6 @@ def _short(rope: str, layout: str = "siso_spur", transmission: str = SPUR) -> Dr
     return load_text(SHORT.format(layout=layout, transmission=transmission, rope=rope)).drive
 
 
-def _failed(drive: Drive) -> dict[str, str]:
-    return {r.id: r.message for r in run_checks(drive) if r.status == "fail"}
-
-
 @pytest.mark.parametrize("end", [n for n, e in package_entries("terminations").items() if "7x7" in e["constructions"]])
 def test_an_end_holds_its_share_of_the_rope(end: str) -> None:
     drive = _with_rope("7x7-1.0", end)
@@ -126,7 +122,7 @@ def test_an_end_that_its_rope_does_not_stand_is_refused_with_those_that_fit(end:
 )
 def test_ends_by_name_choose_rope_and_terminal(layout: str, transmission: str, end: str, kind: str) -> None:
     drive = _short(f"termination: {end}", layout, transmission)
-    failed = _failed(drive)
+    failed = failing(drive)
     assert drive.cable.construction == kind, drive.cable.name
     assert not failed.keys() & {"cable_ends", "termination_fits", "sleeve_fits", "take_up", "tension"}, failed
 

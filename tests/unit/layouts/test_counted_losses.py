@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from mbcdm_cad.layouts.check_design import run_checks
 from mbcdm_cad.layouts.loader import design_file, load_design, load_text
 from mbcdm_cad.model import analyse
 from mbcdm_cad.model.bulk import preload_table
+from tests.support.checked import result, results
 
 PARAMS = Path(__file__).parents[3] / "params"
 WRIST = """name: wrist
@@ -55,7 +55,7 @@ def test_a_drive_that_counts_losses_moves_what_was_asked(text: str) -> None:
 
 @pytest.mark.parametrize("text", [WRIST, LEG])
 def test_no_check_of_motor_or_gearhead_fails_where_sizing_was_free(text: str) -> None:
-    found = {c.id: c for c in run_checks(load_text(text.replace("LOSSES", "counted")))}
+    found = {c.id: c for c in results(load_text(text.replace("LOSSES", "counted")))}
     assert found["motor_torque_forward"].status == found["motor_torque_back"].status == "pass"
     assert found["gearhead_maximum"].status == "pass"
     assert "motor_losses" not in found
@@ -70,7 +70,7 @@ def test_every_figure_follows_the_rule_in_force() -> None:
         assert a.peak_torque_Nm == chosen
         row = next(r for r in preload_table(drive) if r.share == 1.0)
         assert min(row.at_inputs_Nm) == pytest.approx(min(a.peak_torque_Nm), rel=1e-6)
-        check = next(c for c in run_checks(load_text(WRIST.replace("LOSSES", mode))) if c.id == "motor_torque_forward")
+        check = result(drive, "motor_torque_forward")
         assert check.actual == pytest.approx(a.peak_torque_Nm[0], rel=1e-9)
         assert ("no losses counted" in check.message) is (mode == "paper")
 
@@ -94,7 +94,7 @@ def test_the_papers_files_say_that_they_count_none() -> None:
 
 def test_a_motor_that_is_too_weak_learns_how_strong_one_must_be() -> None:
     text = (PARAMS / "siso_spur.yaml").read_text("utf-8").replace("losses: paper", "losses: counted")
-    found = next(c for c in run_checks(load_text(text)) if c.id == "motor_torque_forward")
+    found = result(load_text(text), "motor_torque_forward")
     assert found.status == "fail" and "choose a motor of about 4.5" in found.remedy, found
 
 

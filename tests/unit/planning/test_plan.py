@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -42,6 +43,12 @@ def bench(share: float = 0.0, seed: int = 1, noise_rad: float = 0.0, amplitude_r
     return Run(t, read, output, load + 0.005 * rng.standard_normal(t.size), sensors=Sensors(STEP, FINE, 0.005))
 
 
+@cache
+def usual() -> RunPlan:
+    """The plan of the bench as declared."""
+    return plan_of(DRIVE, bench())
+
+
 def smallest(plan: RunPlan, label: str) -> float:
     found = next(one for one in plan.effects if one.label.startswith(label))
     assert found.smallest is not None, found
@@ -53,7 +60,7 @@ def test_promises_hold_on_a_louder_bench_than_declared() -> None:
     pilot = noise_from(DRIVE, bench(noise_rad=9e-6, seed=7))
     plan = plan_of(DRIVE, bench(), pilot)
     least = smallest(plan, "ratio_error")
-    assert least > 1.3 * smallest(plan_of(DRIVE, bench()), "ratio_error"), "more noise, less to be seen"
+    assert least > 1.3 * smallest(usual(), "ratio_error"), "more noise, less to be seen"
     seen = close_loop(DRIVE, [bench(share=1.4 * least, noise_rad=9e-6)])
     names = {named.name for named in (*seen.effects, *(one for group in seen.one_of for one in group))}
     assert "ratio_error" in names, (least, seen.sentence)
@@ -62,7 +69,7 @@ def test_promises_hold_on_a_louder_bench_than_declared() -> None:
 
 
 def test_short_travel_confuses_ratio_and_drum() -> None:
-    wide, short = plan_of(DRIVE, bench()), plan_of(DRIVE, bench(amplitude_rad=0.05))
+    wide, short = usual(), plan_of(DRIVE, bench(amplitude_rad=0.05))
 
     def factor(plan: RunPlan) -> float:
         found = next(one for one in plan.effects if one.label.startswith("ratio_error"))
@@ -189,4 +196,4 @@ def test_a_load_from_currents_hides_a_modulus_within_the_spread_of_the_torque_co
     # Two standard deviations are allowed; the deflection hangs on the modulus in part, and in its loops unlike a gain.
     assert more is not None and 0.03 < more < 0.12 and least < 0.5 * more, (least, more)
     assert not [label for label in many if label.startswith(("once_per_rev drum", "ratio_error"))], many
-    assert not [r for e in plan_of(DRIVE, bench()).effects for r in e.rivals if r.label.startswith("load_gain within")]
+    assert not [r for e in usual().effects for r in e.rivals if r.label.startswith("load_gain within")]

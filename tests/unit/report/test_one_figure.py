@@ -13,7 +13,7 @@ import pytest
 
 import mbcdm_cad
 from mbcdm_cad.api.design import DriveDesign
-from mbcdm_cad.layouts.check_design import checks_of, run_checks
+from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.turns import plain_modes, turns_of
 from mbcdm_cad.model.bulk import preload_table
 from mbcdm_cad.optimising.figures import Facts, figure
@@ -21,6 +21,7 @@ from mbcdm_cad.report.data import design_figures
 from mbcdm_cad.report.page.content import derived
 from mbcdm_cad.report.page.studies import charts_under_load, studies
 from mbcdm_cad.report.sweep import sweep
+from tests.support.checked import results
 
 PARAMS = Path(__file__).parents[3] / "params"
 DESIGNS = ("mbcdm", "siso_spur", "miso_spur", "siso_bevel", "built-by-others/printed-capstan")
@@ -89,7 +90,7 @@ def test_a_name_that_stands_in_several_blocks_has_one_value(outputs: dict[str, A
 def test_turns_swings_and_stiffness_are_the_same_everywhere(design: DriveDesign, outputs: dict[str, Any]) -> None:
     loaded = design.loaded
     drive, layout = loaded.drive, loaded.drive.layout
-    checks = {check.id: check for check in run_checks(loaded)}
+    checks = {check.id: check for check in results(loaded)}
     facts = Facts(drive, {check.id: check for check in checks_of(drive)}, loaded.data)
     turns, places = layout.turns, outputs["analyse: structure"]["places"]
     again = turns_of(layout, drive.loads.test_torque_Nm)
@@ -139,7 +140,7 @@ def test_turns_swings_and_stiffness_are_the_same_everywhere(design: DriveDesign,
 
 def test_slip_of_a_continuous_cable_is_one_figure(design: DriveDesign, outputs: dict[str, Any]) -> None:
     limits = [x["torque_Nm"] for x in outputs["analyse"]["limits"] if x["cause"] == "slip"]
-    checks = {check.id: check for check in run_checks(design.loaded)}
+    checks = {check.id: check for check in results(design.loaded)}
     drive = design.loaded.drive
     if "input_slip" not in checks or not limits:
         assert not limits, "a limit of slip that no check judges"

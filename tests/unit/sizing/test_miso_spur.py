@@ -8,12 +8,11 @@ from typing import Any
 import pytest
 import yaml
 
-from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.layouts.check_design import run_checks
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.layouts.miso_spur.design_file import DESIGN_FILE
 from mbcdm_cad.layouts.miso_spur.sizing import size
 from mbcdm_cad.layouts.siso_spur.sizing import size as size_of_one
+from tests.support.checked import failing
 
 PRINTED = ("drum", "support")
 PARAMS = Path(__file__).parents[3] / "params"
@@ -33,10 +32,6 @@ def short(peak_Nm: float, inputs: int | None = None, **more: Any) -> dict[str, A
     return data | more
 
 
-def failed(drive: Drive) -> dict[str, str]:
-    return {check.id: check.message for check in run_checks(drive) if check.status == "fail"}
-
-
 @pytest.mark.parametrize(
     ("peak_Nm", "inputs", "more"),
     [(4.0, None, {}), (6.0, 3, {}), (6.0, 4, {"rope": {"type": "uhmwpe-1.5"}})],
@@ -44,7 +39,7 @@ def failed(drive: Drive) -> dict[str, str]:
 def test_a_short_file_passes_every_check(peak_Nm: float, inputs: int | None, more: dict[str, Any]) -> None:
     drive = load_text(yaml.safe_dump(short(peak_Nm, inputs, **more))).drive
     assert len(drive.input_names) == (inputs or 2)
-    assert not failed(drive), failed(drive)
+    assert not failing(drive), failing(drive)
 
 
 def test_each_input_is_sized_for_its_share_of_the_torque() -> None:
@@ -75,7 +70,7 @@ def test_far_corners_of_the_space_pass_every_check(asked: dict[str, Any]) -> Non
     if "rope" in asked:
         data |= {"rope": {"type": asked["rope"]}, **{part: {"material": asked["material"]} for part in PRINTED}}
     drive = load_text(yaml.safe_dump(data)).drive
-    assert not failed(drive), failed(drive)
+    assert not failing(drive), failing(drive)
 
 
 def test_motors_alone_give_the_smallest_drum_that_rope_and_shaft_allow() -> None:
@@ -83,7 +78,7 @@ def test_motors_alone_give_the_smallest_drum_that_rope_and_shaft_allow() -> None
     plastic = {"drum": {"material": "pla"}, "support": {"material": "pla"}}
     data = short(6.0, rope={"type": "uhmwpe-2"}, drive={"motor": "tmotor-u8-100kv"}, transmission={}, **plastic)
     drive = load_text(yaml.safe_dump(data | {"travel": {"half_angle_deg": 60.0}})).drive
-    assert not failed(drive), failed(drive)
+    assert not failing(drive), failing(drive)
     radius = drive.cables[0].drum_radius_mm
     assert radius == 37.5, f"{radius} mm"
 
@@ -93,4 +88,4 @@ def test_what_is_given_stays_and_the_starting_file_passes() -> None:
     values = {value.field: value.value for value in size(data).values}
     assert values == {"input_pulleys.collar_screw": "M1.6x6", "drum.stop_pin_mm": 3.0}, "other than the schema's own"
     drive = load_text(DESIGN_FILE.starting.format(name="started")).drive
-    assert not failed(drive), failed(drive)
+    assert not failing(drive), failing(drive)

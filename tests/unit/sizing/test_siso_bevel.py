@@ -8,10 +8,10 @@ import pytest
 import yaml
 
 from mbcdm_cad.errors import InputError
-from mbcdm_cad.layouts.check_design import run_checks
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.layouts.siso_bevel.checks.input_turn import highest_ratio
 from mbcdm_cad.layouts.siso_bevel.drive import direct
+from tests.support.checked import failing
 
 
 def short(half_deg: float, radius_mm: float, peak_Nm: float) -> dict[str, Any]:
@@ -29,7 +29,7 @@ def short(half_deg: float, radius_mm: float, peak_Nm: float) -> dict[str, Any]:
 )
 def test_a_short_file_passes_every_check(half_deg: float, radius_mm: float, peak_Nm: float) -> None:
     drive: Any = load_text(yaml.safe_dump(short(half_deg, radius_mm, peak_Nm))).drive
-    failed = {check.id: check.message for check in run_checks(drive) if check.status == "fail"}
+    failed = failing(drive)
     assert not failed, failed
     # Travel, reserve and the stop's slot on one turn of the input.
     assert drive.total_ratio * 2 * half_deg + drive.reserve_deg < 360.0
@@ -54,7 +54,7 @@ def test_far_corners_of_the_space_pass_every_check(asked: dict[str, Any]) -> Non
         data["rope"] = {"type": asked["rope"]}
     if "material" in asked:
         data |= {part: {"material": asked["material"]} for part in ("drum", "support")}
-    failed = {c.id: c.message for c in run_checks(load_text(yaml.safe_dump(data)).drive) if c.status == "fail"}
+    failed = failing(load_text(yaml.safe_dump(data)).drive)
     assert not failed, failed
 
 

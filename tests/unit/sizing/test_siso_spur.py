@@ -9,11 +9,10 @@ from typing import Any
 import pytest
 import yaml
 
-from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError
-from mbcdm_cad.layouts.check_design import run_checks
 from mbcdm_cad.layouts.loader import load_design, load_text
 from mbcdm_cad.layouts.siso_spur.sizing import DERIVED, size
+from tests.support.checked import failing
 
 PARAMS = Path(__file__).parents[3] / "params"
 
@@ -27,10 +26,6 @@ def short(half_deg: float, ratio: float, radius_mm: float, peak_Nm: float, **mor
         "loads": {"peak_torque_Nm": peak_Nm},
     }
     return yaml.safe_dump(data | more)
-
-
-def failed(drive: Drive) -> dict[str, str]:
-    return {check.id: check.message for check in run_checks(drive) if check.status == "fail"}
 
 
 @pytest.mark.parametrize(
@@ -50,7 +45,7 @@ def failed(drive: Drive) -> dict[str, str]:
 def test_a_short_file_passes_every_check(
     half_deg: float, ratio: float, radius_mm: float, peak_Nm: float, more: dict[str, Any]
 ) -> None:
-    found = failed(load_text(short(half_deg, ratio, radius_mm, peak_Nm, **more)).drive)
+    found = failing(load_text(short(half_deg, ratio, radius_mm, peak_Nm, **more)).drive)
     assert not found, found
 
 
@@ -69,7 +64,7 @@ def test_one_line_more_gives_two_anchored_cables_that_pass(
     data = yaml.safe_load(short(half_deg, 1.0, 1.0, peak_Nm, **more))
     data["transmission"] = transmission | {"cables": "two_anchored"}
     drive: Any = load_text(yaml.safe_dump(data)).drive
-    assert not failed(drive), failed(drive)
+    assert not failing(drive), failing(drive)
     assert 0.5 <= drive.dead_turns < 1.6, drive.dead_turns
 
 
@@ -84,7 +79,7 @@ def test_motor_alone_gives_ratio_and_radius() -> None:
     assert drive.gearhead.absent and drive.total_ratio == pytest.approx(1.08 * 6.0 / 0.74, rel=0.03)
     assert 2 * drive.input_radius_mm / drive.cable.diameter_mm >= drive.limits.bend_ratio_min
     assert drive.drum_radius_mm < 75.0
-    assert not failed(drive), failed(drive)
+    assert not failing(drive), failing(drive)
 
 
 @pytest.mark.parametrize("given", [{"transmission": {"input_to_drum": 8.0}}, {"drive": {"motor": "motor-2.9mNm-15"}}])

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.errors import InputError
-from mbcdm_cad.layouts.check_design import run_checks
 from mbcdm_cad.layouts.loader import load_text, new_design_text
 from mbcdm_cad.layouts.miso_bevel.bill import bill, moving_bodies
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, bevel
@@ -19,6 +18,7 @@ from mbcdm_cad.parts.bought.bodies import screw_places
 from mbcdm_cad.parts.input_pulley.part import InputPulley
 from mbcdm_cad.routes.curves import Arc, Line
 from mbcdm_cad.routes.route import Span, Wrap
+from tests.support.checked import result, statuses
 
 
 @pytest.fixture(scope="module")
@@ -36,10 +36,6 @@ def set_back(drive: BevelDrive, setback_mm: float, distance_mm: float = 42.0) ->
         input_setback_mm=setback_mm,
         support=replace(drive.support, back_y_mm=back),
     )
-
-
-def statuses(drive: BevelDrive) -> dict[str, str]:
-    return {check.id: check.status for check in run_checks(drive)}
 
 
 @pytest.mark.parametrize("distance_mm", [36.5, 42.0, 55.0, 62.0])
@@ -115,7 +111,7 @@ def grooved(drive: BevelDrive, lead_mm: float = 0.89) -> BevelDrive:
 
 def test_grooves_allow_the_fleet_angle_that_smooth_pulleys_do_not(reference: BevelDrive) -> None:
     near = replace(reference, centre_distance_mm=31.0)
-    smooth = next(check for check in run_checks(near) if check.id == "fleet_angle")
+    smooth = result(near, "fleet_angle")
     assert smooth.status == "fail" and "input_pulleys.surface: grooved" in smooth.remedy, smooth
     after = statuses(grooved(near))
     assert {after[name] for name in ("fleet_angle", "groove_walls", "helix_lead", "self_clearance")} == {"pass"}

@@ -13,7 +13,6 @@ import yaml
 from mbcdm_cad.checks.bearings import input_reactions
 from mbcdm_cad.checks.comparison import Comparison
 from mbcdm_cad.design.loaded import LoadedDesign
-from mbcdm_cad.layouts.check_design import run_checks
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.layouts.miso_bevel.assembly_order import assembly_order
 from mbcdm_cad.layouts.miso_bevel.bill import bill
@@ -27,6 +26,7 @@ from mbcdm_cad.parts.bought.bodies import screw_places
 from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM
 from mbcdm_cad.solving.question import question_of
 from mbcdm_cad.solving.solve import solve
+from tests.support.checked import failing
 
 SIDES = ("below", "above")
 
@@ -130,7 +130,7 @@ def test_bearing_loads_by_two_ways(side: str) -> None:
 
 def test_every_check_passes_as_with_motors_below() -> None:
     for side in SIDES:
-        assert [c.id for c in run_checks(design({"drive": {"motor_side": side}})) if c.status == "fail"] == []
+        assert failing(design({"drive": {"motor_side": side}})) == {}
 
 
 def test_box_reaches_from_the_hub_to_the_motors(drive: BevelDrive, dims: BevelLayout) -> None:
@@ -242,9 +242,9 @@ def test_the_rule_puts_motors_above_where_the_stated_distance_has_no_room_below(
     loaded = design({**near, "drive": {"motor_side": None}})
     (sized,) = (value for value in loaded.sized if value.field == "drive.motor_side")
     assert sized.value == "above" and sized.driver == "drives_apart"
-    assert [c.id for c in run_checks(loaded) if c.status == "fail"] == []
+    assert failing(loaded) == {}
     below = design({**near, "drive": {"motor_side": "below"}})
-    assert "drives_apart" in [c.id for c in run_checks(below) if c.status == "fail"]
+    assert "drives_apart" in failing(below)
 
 
 def test_solve_may_put_the_motors_above() -> None:
@@ -258,7 +258,7 @@ def test_solve_may_put_the_motors_above() -> None:
             "loads": {"peak_torque_Nm": 0.861},
         }
     )
-    assert "bearing_shoulders" in [c.id for c in run_checks(load_text(text)) if c.status == "fail"]
+    assert "bearing_shoulders" in failing(load_text(text))
     found = solve(question_of(text), jobs=1)
     assert found.data is not None and found.data["drive"] == {"motor_side": "above"}
 
@@ -281,9 +281,9 @@ def test_the_rule_turns_gearheads_whose_screws_have_no_room() -> None:
     loaded = design({**pinned, "drive": train})
     (sized,) = (value for value in loaded.sized if value.field == "drive.gearhead_angle_deg")
     assert sized.driver == "head_seats" and sized.value != 0.0
-    assert [c.id for c in run_checks(loaded) if c.status == "fail"] == []
+    assert failing(loaded) == {}
     usual = design({**pinned, "drive": {**train, "gearhead_angle_deg": 0.0}})
-    assert [c.id for c in run_checks(usual) if c.status == "fail"] == ["head_seats"]
+    assert list(failing(usual)) == ["head_seats"]
 
 
 def test_order_of_assembly_reaches_the_gearheads_screws_on_the_bench(dims: BevelLayout) -> None:

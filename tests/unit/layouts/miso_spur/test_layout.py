@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.checks.run import run_check
-from mbcdm_cad.layouts.check_design import run_checks
 from mbcdm_cad.layouts.loader import load_text, new_design_text
 from mbcdm_cad.layouts.miso_spur.assembly_order import assembly_order
 from mbcdm_cad.layouts.miso_spur.bill import bill
@@ -20,6 +19,7 @@ from mbcdm_cad.layouts.miso_spur.drive import RoundDrumDrive
 from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
 from mbcdm_cad.layouts.miso_spur.support.stiffness import frame_compliance
 from mbcdm_cad.layouts.siso_spur.support.stiffness import frame_compliance as compliance_of_one
+from tests.support.checked import failing
 from tests.support.smooth_path import assert_joined
 
 ROOT = Path(__file__).parents[4]
@@ -33,13 +33,13 @@ def test_params_file_is_what_the_schema_writes() -> None:
 
 
 def test_reference_design_fails_no_check(drive: RoundDrumDrive) -> None:
-    failed = {result.id: result.message for result in run_checks(drive) if result.status == "fail"}
+    failed = failing(drive)
     assert not failed, failed
 
 
 @pytest.mark.parametrize("count", [3, 4])
 def test_more_inputs_fail_no_check_further_out(with_inputs: Made, count: int) -> None:
-    failed = {result.id: result.message for result in run_checks(with_inputs(count)) if result.status == "fail"}
+    failed = failing(with_inputs(count))
     assert not failed, failed
 
 
@@ -55,7 +55,7 @@ def test_cables_keep_their_length_and_join_without_a_kink(with_inputs: Made, cou
 
 def test_anchored_cables_fail_no_check_and_end_in_their_stops(anchored: RoundDrumLayout) -> None:
     """Two for each input; the end of each lies at the far end of the stop that the bill places for it."""
-    failed = {result.id: result.message for result in run_checks(anchored.drive) if result.status == "fail"}
+    failed = failing(anchored.drive)
     assert not failed, failed
     slots = [slot for pulley in anchored.inputs for slot in pulley.slots]
     for angle in (-35.0, 20.0):

@@ -12,7 +12,6 @@ import pytest
 from mbcdm_cad.build.kernel import location
 from mbcdm_cad.build.validate import validate_solid
 from mbcdm_cad.errors import InputError
-from mbcdm_cad.layouts.check_design import run_checks
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.layouts.miso_spur.drive import round_drum
 from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
@@ -24,6 +23,7 @@ from mbcdm_cad.model.si import to_si
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
 from mbcdm_cad.rig.quasistatic.simulate import simulate
 from mbcdm_cad.routes.loads import body_load
+from tests.support.checked import failing, result
 
 TEXT = """\
 name: words
@@ -53,7 +53,7 @@ def made(word: str) -> RoundDrumLayout:
 @pytest.mark.parametrize("word", FILES)
 def test_short_file_passes_and_each_item_joins_once(word: str) -> None:
     layout = made(word)
-    failed = {result.id: result.message for result in run_checks(layout) if result.status == "fail"}
+    failed = failing(layout)
     assert not failed, failed
     joined = [name for step in layout.assembly_order for name in step.items]
     assert sorted(joined) == sorted(item.name for item in layout.bill().items)
@@ -123,7 +123,7 @@ def test_far_capstan_is_held_where_the_shaft_is_and_pulls_hardest() -> None:
     near, far = layout.inputs
     assert far.land_bottom_z - near.land_bottom_z == pytest.approx(layout.drive.pitch_mm)
     assert near.hub is not None and far.hub is not None and far.hub.screw_z == pytest.approx(near.hub.screw_z)
-    load = next(result for result in run_checks(layout) if result.id == "motor_shaft_load")
+    load = result(layout, "motor_shaft_load")
     face, walked = layout.levels.motor_shelf_bottom_z, layout.drive.walk_mm / 2
     stated = float(load.message.split("shaft takes ")[1].split(" mm")[0])
     middle = (far.land_bottom_z + far.land_top_z) / 2

@@ -14,7 +14,6 @@ from hypothesis import strategies as st
 from mbcdm_cad.build.kernel import bounding_box
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.checks.terminals import bodies_of
-from mbcdm_cad.layouts.check_design import run_checks
 from mbcdm_cad.layouts.loader import new_design_text
 from mbcdm_cad.layouts.siso_bevel.assembly_order import assembly_order
 from mbcdm_cad.layouts.siso_bevel.bill import bill
@@ -28,6 +27,7 @@ from mbcdm_cad.layouts.siso_bevel.stack import pocket_corner_radius_mm
 from mbcdm_cad.layouts.siso_bevel.support.stiffness import frame_compliance, seat_forces
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.model.stiffness import unit_tensions_N
+from tests.support.checked import failing
 from tests.support.smooth_path import assert_joined
 
 ROOT = Path(__file__).parents[4]
@@ -45,7 +45,7 @@ def test_params_file_is_what_the_schema_writes() -> None:
 
 
 def test_reference_design_fails_no_check(drive: DirectDrive) -> None:
-    failed = {result.id: result.message for result in run_checks(drive) if result.status == "fail"}
+    failed = failing(drive)
     assert not failed, failed
 
 

@@ -20,7 +20,7 @@ from mbcdm_cad.build.validate import validate_solid
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.jobs.outputs import write_experiment
-from mbcdm_cad.layouts.check_design import checks_of, run_checks
+from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.layouts.siso_spur.checks.first_stage import CHECKS, motor_beside_mm
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, spur
@@ -32,6 +32,7 @@ from mbcdm_cad.report.analysis_report import analyse_design
 from mbcdm_cad.report.stages import stage_figures
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
 from mbcdm_cad.rig.quasistatic.simulate import simulate
+from tests.support.checked import failing, results
 
 TEXT = """\
 name: series
@@ -81,11 +82,11 @@ def both() -> tuple[SpurLayout, SpurLayout]:
 
 
 def test_a_short_file_passes_and_names_the_stage_of_each_check() -> None:
-    results = run_checks(series())
-    assert [r.id for r in results if r.status == "fail"] == []
-    ids = [r.id for r in results]
+    found = results(series())
+    assert [r.id for r in found if r.status == "fail"] == []
+    ids = [r.id for r in found]
     assert len(ids) == len(set(ids))
-    of_first = [r for r in results if r.id.startswith("first_stage_") and r.title.startswith("First stage: ")]
+    of_first = [r for r in found if r.id.startswith("first_stage_") and r.title.startswith("First stage: ")]
     assert len(of_first) > 80
 
 
@@ -379,4 +380,4 @@ def test_a_file_without_any_ratio_gets_a_first_stage_and_a_motor_by_rule() -> No
     text = _with("first_stage: {}", TEXT.replace("drive: {gearhead: none}\n", ""))
     found = spur(load_text(text, "series.yaml").drive)
     assert found.first is not None and found.motor == found.first.motor
-    assert [r.id for r in run_checks(found) if r.status == "fail"] == []
+    assert failing(found) == {}

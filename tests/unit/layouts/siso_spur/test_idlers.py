@@ -19,7 +19,6 @@ from mbcdm_cad.build.kernel import location
 from mbcdm_cad.build.validate import validate_solid
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.errors import MbcdmError
-from mbcdm_cad.layouts.check_design import run_checks
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.layouts.siso_spur.checks.idlers import CHECKS
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, spur
@@ -31,6 +30,7 @@ from mbcdm_cad.model.losses.friction import bearing_torque_Nm, tangent_share
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.model.stiffness import unit_tensions_N
 from mbcdm_cad.routes.loads import body_load
+from tests.support.checked import failing, result, results
 from tests.support.smooth_path import assert_joined
 
 TEXT = """\
@@ -155,7 +155,7 @@ def test_without_an_idler_the_strand_is_eq_11() -> None:
 
 def test_a_design_with_idlers_passes_and_lands_nearer_the_middle() -> None:
     """They leave the drum a longer wrap: a plain drive with the motor that far away has none left at +-115 degrees."""
-    failed = {result.id: result.message for result in run_checks(led()) if result.status == "fail"}
+    failed = failing(led())
     assert not failed, failed
     assert led().landing_rad < 0.6 * straight().landing_rad
 
@@ -326,8 +326,8 @@ def test_what_is_refused(text: str, words: str) -> None:
 
 def test_an_idler_that_the_cable_misses_is_named() -> None:
     text = TEXT + "idlers: {places: [{x_mm: 10.6, z_mm: 130.0}, {x_mm: 10.6, z_mm: 73.5}]}\n"
-    results = run_checks(load_text(text, "led.yaml").drive)
-    assert any("cable off idler 1" in result.message for result in results), results[0].message
+    found = results(load_text(text, "led.yaml"))
+    assert any("cable off idler 1" in one.message for one in found), found[0].message
 
 
 def test_two_pairs_are_sized_and_pass() -> None:
@@ -345,5 +345,5 @@ def test_drum_bearing_carries_a_forearm() -> None:
         "8.0, drum_radius_mm: 60.0, centre_distance_mm: 200.0", "10.0, centre_distance_mm: 250.0"
     )
     layout = load_text(text.replace("peak_torque_Nm: 2.0", "peak_torque_Nm: 5.0"), "forearm.yaml").drive.layout
-    found = next(result for result in run_checks(layout) if result.id == "drum_bearings")
+    found = result(layout, "drum_bearings")
     assert found.status == "pass", (layout.drive.bearings.drum.name, found.message)

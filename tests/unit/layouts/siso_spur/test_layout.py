@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.layouts.base import FrameCompliance
-from mbcdm_cad.layouts.check_design import run_checks
 from mbcdm_cad.layouts.loader import load_text, new_design_text
 from mbcdm_cad.layouts.siso_spur.assembly_order import assembly_order
 from mbcdm_cad.layouts.siso_spur.bill import bill
@@ -27,6 +26,7 @@ from mbcdm_cad.model.si import to_si
 from mbcdm_cad.model.stiffness import unit_tensions_N
 from mbcdm_cad.parts.input_pulley.part import InputPulley
 from mbcdm_cad.parts.shapes import cut
+from tests.support.checked import failing
 from tests.support.smooth_path import assert_joined
 
 ROOT = Path(__file__).parents[4]
@@ -39,7 +39,7 @@ def test_params_file_is_what_the_schema_writes() -> None:
 
 
 def test_reference_design_fails_no_check(drive: SpurDrive) -> None:
-    failed = {result.id: result.message for result in run_checks(drive) if result.status == "fail"}
+    failed = failing(drive)
     assert not failed, failed
 
 

@@ -17,7 +17,6 @@ from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.design.bought import NO_ENCODER
 from mbcdm_cad.design.stage import BELTS, Stage, StageBlock, stage_of
 from mbcdm_cad.errors import InputError
-from mbcdm_cad.layouts.check_design import run_checks
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.layouts.siso_spur.checks.stage import SERVICE, lewis_factor
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
@@ -29,6 +28,7 @@ from mbcdm_cad.parts.collar import collar_sweep_mm
 from mbcdm_cad.parts.stage import Belt, Wheel
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
 from mbcdm_cad.rig.quasistatic.simulate import simulate
+from tests.support.checked import results
 
 TEXT = """\
 name: staged
@@ -88,8 +88,8 @@ def test_short_file_is_sized_and_its_motor_holds(kind: str) -> None:
 def test_gearhead_of_a_belt_leaves_room_for_a_key(torque_Nm: float) -> None:
     text = TEXT.replace("peak_torque_Nm: 2.0", f"peak_torque_Nm: {torque_Nm}")
     layout = load_text(text + "stage: {kind: belt}\n").drive.layout
-    found = {result.id: result for result in run_checks(layout)}
-    failed = [name for name, result in found.items() if result.status == "fail"]
+    found = {one.id: one for one in results(layout)}
+    failed = [name for name, one in found.items() if one.status == "fail"]
     assert not failed, (torque_Nm, layout.drive.gearhead.name, failed)
     assert found["stage_key"].margin >= 0.0
 
