@@ -122,17 +122,30 @@ def below(dims: BevelLayout) -> tuple[Move, ...]:
     )
 
 
+Solids = dict[str, cq.Solid]
+
+
+def drawn(dims: BevelLayout) -> Solids:
+    """Each part but the cables, by its name."""
+    return {name: spec.part.solid() for name, spec in bill(dims).parts.items() if not name.startswith(CABLE)}
+
+
+def box_of(shape: cq.Shape) -> Vector:
+    """Its least and its largest corner."""
+    box = shape.BoundingBox()
+    return np.array(((box.xmin, box.ymin, box.zmin), (box.xmax, box.ymax, box.zmax)))
+
+
 class Workshop:
     """Solids of the reference design, and what stands in place so far."""
 
-    def __init__(self, dims: BevelLayout, drum_deg: float = 0.0) -> None:
+    def __init__(self, dims: BevelLayout, solids: Solids, drum_deg: float = 0.0) -> None:
         b = bill(dims, drum_deg)
         self.dims = dims
         self.items = {item.name: item for item in b.items}
         self.screws = {
             i.name: s for i in b.items if isinstance(s := getattr(b.parts[i.part].part, "entry", None), Screw)
         }
-        solids = {n: s.part.solid() for n, s in b.parts.items() if not n.startswith(CABLE)}
         self.shapes = {
             i.name: cq.Shape.cast(kernel_shape(solids[i.part]).Moved(location(i.location)))
             for i in b.items
@@ -143,28 +156,27 @@ class Workshop:
         self.shapes |= {
             cable_item(p.cable.name): CableRod(p.only(FREE).line, radius).solid() for p in dims.cable_paths(0.0)
         }
+        self.boxes = {name: box_of(shape) for name, shape in self.shapes.items()}
         self.placed: list[str] = []
 
     def axis(self, name: str) -> Vector:
         """The way out of a screw's hole."""
         return self.items[name].location.rotation[:, 2]
 
-    def hits(self, shape: cq.Shape, others: Sequence[str]) -> Iterator[tuple[str, float]]:
-        box = shape.BoundingBox()
-        for name in others:
-            b = self.shapes[name].BoundingBox()
-            apart = (
-                box.xmin > b.xmax
-                or b.xmin > box.xmax
-                or box.ymin > b.ymax
-                or b.ymin > box.ymax
-                or box.zmin > b.zmax
-                or b.zmin > box.zmax
-            )
-            if not apart:
-                volume = shape.intersect(self.shapes[name]).Volume()
-                if volume > OVERLAP_MM3:
-                    yield name, volume
+    def hits(self, shape: cq.Shape, box: Vector, shift: Vector, others: Sequence[str]) -> Iterator[tuple[str, float]]:
+        """What a shape with this box would share volume with if it were moved by ``shift``."""
+        low, high = box + shift
+        near = [n for n in others if (low <= self.boxes[n][1]).all() and (self.boxes[n][0] <= high).all()]
+        moved = shape.translate(cq.Vector(*shift)) if near else shape
+        for name in near:
+            volume = moved.intersect(self.shapes[name]).Volume()
+            if volume > OVERLAP_MM3:
+                yield name, volume
+
+    def hits_rod(self, radius: float, at: Vector, along: Vector, others: Sequence[str]) -> Iterator[tuple[str, float]]:
+        """As :meth:`hits`, of a straight key or the way of a head."""
+        rod = cq.Solid.makeCylinder(radius, KEY_LENGTH_MM, cq.Vector(*at), cq.Vector(*along))
+        yield from self.hits(rod, box_of(rod), np.zeros(3), others)
 
     def on_the_way(self, name: str, legs: Sequence[Vector], others: Sequence[str]) -> Iterator[str]:
         start = np.zeros(3)
@@ -172,7 +184,7 @@ class Workshop:
             length = float(np.linalg.norm(leg))
             for along in (*(s for s in ON_THE_WAY_MM if s < length), length):
                 shift = start + leg * (along / length)
-                for other, volume in self.hits(self.shapes[name].translate(cq.Vector(*shift)), others):
+                for other, volume in self.hits(self.shapes[name], self.boxes[name], shift, others):
                     yield f"{name}, {shift.round(2)} mm out of place, meets {other}: {volume:.3f} mm^3"
             start = start + leg
 
@@ -180,8 +192,7 @@ class Workshop:
         """The straight key of a screw, as thick as over its corners, from the screw's head outwards."""
         screw, place = self.screws[name], self.items[name].location
         at = place.shift_mm + self.axis(name) * (screw.head_height_mm + 0.05)
-        rod = cq.Solid.makeCylinder(screw.key_mm / sqrt(3), KEY_LENGTH_MM, cq.Vector(*at), cq.Vector(*self.axis(name)))
-        for other, volume in self.hits(rod, others):
+        for other, volume in self.hits_rod(screw.key_mm / sqrt(3), at, self.axis(name), others):
             yield f"key of {name} meets {other}: {volume:.3f} mm^3"
 
     def mounting(self) -> Iterator[str]:
@@ -189,8 +200,8 @@ class Workshop:
         seat = screw.seat_mm(self.dims.mount_washers) / 2
         for x, z in f.mounts:
             for radius, what in ((seat, "head"), (screw.key_mm / sqrt(3), "key")):
-                rod = cq.Solid.makeCylinder(radius, KEY_LENGTH_MM, cq.Vector(x, f.mount_seat_y, z), cq.Vector(0, 1, 0))
-                for other, volume in self.hits(rod, self.placed):
+                at, along = np.array((x, f.mount_seat_y, z)), np.array((0.0, 1.0, 0.0))
+                for other, volume in self.hits_rod(radius, at, along, self.placed):
                     yield f"{what} of the mounting screw at x {x:.2f}, z {z:.2f} meets {other}: {volume:.3f} mm^3"
 
 
@@ -249,18 +260,17 @@ def bench_faults(shop: Workshop, items: Sequence[str]) -> Iterator[str]:
     assert sorted(there) == sorted(items)
 
 
-def faults(shop: Workshop, order: Sequence[AssemblyStep]) -> list[str]:
-    ways, found = moves(shop.dims), []
+def faults(shop: Workshop, order: Sequence[AssemblyStep]) -> Iterator[str]:
+    ways = moves(shop.dims)
     for step in order:
-        found += step_faults(shop, step, ways)
+        yield from step_faults(shop, step, ways)
         if step.text.startswith("Bolt the frame"):
-            found += shop.mounting()
+            yield from shop.mounting()
         if step.text.startswith("Lead each cable") or step.text.startswith("Set the guide axle"):
             moved = next(n for n in ("drum", "guide") if n in step.items)
             way = np.array((0.0, FAR_MM, 0.0) if moved == "drum" else (0.0, 0.0, FAR_MM))
             cables = [name for name in shop.shapes if name.startswith(CABLE)]
-            found += shop.on_the_way(moved, (way,), cables)
-    return found
+            yield from shop.on_the_way(moved, (way,), cables)
 
 
 @pytest.fixture(scope="module")
@@ -268,23 +278,28 @@ def dims() -> BevelLayout:
     return BevelLayout(load_design(ROOT / "params" / "mbcdm.yaml").drive)
 
 
+@pytest.fixture(scope="module")
+def solids(dims: BevelLayout) -> Solids:
+    return drawn(dims)
+
+
 def test_every_item_joins_in_exactly_one_step(dims: BevelLayout) -> None:
     joined = [name for step in assembly_order(dims) for name in step.items]
     assert sorted(joined) == sorted(item.name for item in bill(dims).items)
 
 
-def test_reference_goes_together_in_the_order_reported(dims: BevelLayout) -> None:
-    found = faults(Workshop(dims), assembly_order(dims))
+def test_reference_goes_together_in_the_order_reported(dims: BevelLayout, solids: Solids) -> None:
+    found = list(faults(Workshop(dims, solids), assembly_order(dims)))
     assert not found, "\n".join(found)
 
 
-def turned_faults(dims: BevelLayout, order: Sequence[AssemblyStep]) -> Iterator[str]:
+def turned_faults(dims: BevelLayout, solids: Solids, order: Sequence[AssemblyStep]) -> Iterator[str]:
     """What stands in the way of terminals on their way in from behind, with the drum where the order says."""
     text = next(step.text for step in order if "terminal_cable_1" in step.items)
     half = dims.drive.half_travel_deg
     for cable in dims.drive.cables:
         angle = cable.drum_side * half if "turn the drum" in text and cable.name in text else 0.0
-        shop = Workshop(dims, angle)
+        shop = Workshop(dims, solids, angle)
         there = [name for name in shop.shapes if not name.startswith(("terminal", "nut", CABLE))]
         for name in (f"terminal_{cable.name}", f"nut_{cable.name}_1", f"nut_{cable.name}_2"):
             yield from shop.on_the_way(name, [np.array((0.0, -FAR_MM, 0.0))], there)
@@ -295,29 +310,34 @@ def raised() -> BevelLayout:
     return BevelLayout(bevel(load_text(ABOVE).drive))
 
 
+@pytest.fixture(scope="module")
+def raised_solids(raised: BevelLayout) -> Solids:
+    return drawn(raised)
+
+
 def test_every_item_joins_in_exactly_one_step_with_motors_above(raised: BevelLayout) -> None:
     joined = [name for step in assembly_order(raised) for name in step.items]
     assert sorted(joined) == sorted(item.name for item in bill(raised).items)
 
 
-def test_motors_above_go_together_in_the_order_reported(raised: BevelLayout) -> None:
+def test_motors_above_go_together_in_the_order_reported(raised: BevelLayout, raised_solids: Solids) -> None:
     order = assembly_order(raised)
-    found = [*faults(Workshop(raised), order), *turned_faults(raised, order)]
+    found = [*faults(Workshop(raised, raised_solids), order), *turned_faults(raised, raised_solids, order)]
     assert not found, "\n".join(found)
 
 
-def test_bearings_first_would_hide_the_gearheads_screws(raised: BevelLayout) -> None:
+def test_bearings_first_would_hide_the_gearheads_screws(raised: BevelLayout, raised_solids: Solids) -> None:
     """The test sees a key that a bearing stands in the way of."""
-    shop = Workshop(raised)
+    shop = Workshop(raised, raised_solids)
     found = list(shop.key("gearhead_screw_left_1", ["top_plate", "input_bearing_lower_left"]))
     assert any("input_bearing_lower_left" in line for line in found), found
 
 
-def test_drum_first_would_hide_the_collars_screws(dims: BevelLayout) -> None:
+def test_drum_first_would_hide_the_collars_screws(dims: BevelLayout, solids: Solids) -> None:
     """The test sees what an order that does not work runs into."""
     order = assembly_order(dims)
     drum = next(k for k, step in enumerate(order) if "drum" in step.items)
     pulleys = next(k for k, step in enumerate(order) if "input_pulley_left" in step.items)
     swapped = (*order[:pulleys], order[drum], *order[pulleys:drum])
-    found = faults(Workshop(dims), swapped)
-    assert any(line.startswith("key of collar_screw_left meets drum") for line in found), found
+    found = faults(Workshop(dims, solids), swapped)
+    assert any(line.startswith("key of collar_screw_left meets drum") for line in found)
