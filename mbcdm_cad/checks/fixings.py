@@ -107,7 +107,12 @@ def stalled_Nm(s: SectorLayout) -> float:
     """
     ratio = sum(o.drum_radius_mm / o.input_radius_mm for o in s.steps) / len(s.steps)
     torque = rated_input_Nm(s) if s.drive.servo is None else s.drive.reduction.rated_torque_mNm * 1e-3
-    return max(s.drive.loads.peak_torque_Nm, torque * ratio * len(s.inputs))
+    return at_stop_Nm(s.drive.loads.peak_torque_Nm, torque, ratio, len(s.inputs))
+
+
+def at_stop_Nm(peak_Nm: float, input_Nm: float, ratio: float, inputs: int) -> float:
+    """The peak torque, or the torque on the drum of all inputs stalled, each at this torque, if that is more."""
+    return max(peak_Nm, input_Nm * ratio * inputs)
 
 
 @dataclass(frozen=True, eq=False)

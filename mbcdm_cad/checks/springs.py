@@ -121,10 +121,7 @@ def _bedded_in_mm(s: SectorLayout) -> Iterator[tuple[CableRun, float, float]]:
 
 def _more(s: SectorLayout) -> str:
     """How many springs keep the share, or else which softer ones on the same stud do."""
-    rope, own, most = s.drive.cable, _spring(s), 0.0
-    for c, length, lost in _bedded_in_mm(s):
-        most = max(most, lost / ((1.0 - KEPT_SHARE) * c.preload_N) - length / rope.axial_stiffness_N)
-    ways = []
+    own, most, ways = _spring(s), _give_wanted_mm_N(s), []
     wanted = int(np.ceil(most * own.stiffness_N_mm))
     if wanted <= MOST_SPRINGS:
         ways.append(f"raise drum.spring_count to {wanted}")
@@ -139,6 +136,20 @@ def _more(s: SectorLayout) -> str:
     if softer:
         ways.append(f"choose drum.spring: {min(softer)[1]}")
     return "; ".join((" or ".join(ways), "else tighten again after the first runs") if ways else (_NO_SPRING,))
+
+
+def _give_wanted_mm_N(s: SectorLayout) -> float:
+    """Give of the springs of one cable with which each cable keeps its share of the preload."""
+    stiffness_N = s.drive.cable.axial_stiffness_N
+    return max(lost / ((1.0 - KEPT_SHARE) * c.preload_N) - length / stiffness_N for c, length, lost in _bedded_in_mm(s))
+
+
+def _stiffer(s: SectorLayout) -> str:
+    """How few springs may be taken: fewer turn the drum less, and keep less of the preload."""
+    least = max(int(np.ceil(_give_wanted_mm_N(s) * _spring(s).stiffness_N_mm)), 1)
+    if s.drive.drum.spring_count > least:
+        return f"lower drum.spring_count, to no less than {least}, with which the preload is kept"
+    return ""
 
 
 _NO_SPRING = "tighten again after the first runs: no springs of the catalogue that this terminal leads keep so much"
@@ -196,7 +207,7 @@ CHECKS = (
         spring_hold,
         "warn",
         adjust=(up("rope.preload_N"), up("drum.sector_half_angle_deg")),
-        advice="lower drum.spring_count or choose a stiffer drum.spring",
+        advice=_stiffer,
         applies=has_springs,
     ),
     Check(

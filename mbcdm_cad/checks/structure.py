@@ -157,18 +157,6 @@ def structure_share(s: SectorLayout) -> Comparison:
     return at_most(what, structure.over_cables, wanted, "", note)
 
 
-# Fields that make a cause of the turn give less, by the beginning of its name.
-_STIFFER: tuple[tuple[str, str], ...] = (
-    ("drum: hub", "drum.hub_diameter_mm"),
-    ("drum: web", "drum.web_thickness_mm and drum.hub_diameter_mm"),
-    ("drum's", "drum.bearing"),
-    ("input pulleys", "the bearings of input_pulleys"),
-    ("gearheads", "drive.gearhead"),
-    ("frame", "the frame's walls"),
-    ("springs", "drum.spring or fewer of them, or a longer wrap by drum.sector_half_angle_deg"),
-)
-
-
 def _stiffer(s: SectorLayout) -> str:
     """What gives most, cables too, with the fields that stiffen it: rules raise those that the file leaves open."""
     structure = s.structure
@@ -183,8 +171,7 @@ def _stiffer_parts(s: SectorLayout) -> str:
 
 def _softest(structure: Structure, turns: dict[str, float]) -> str:
     for cause in structure.at_payload:
-        field = next((field for start, field in _STIFFER if cause.name.startswith(start)), "its bearings")
-        turns[f"{cause.name} ({cause.urad_Nm:.3g}: {field})"] = cause.urad_Nm
+        turns[f"{cause.name} ({cause.urad_Nm:.3g}: {cause.stiffer})"] = cause.urad_Nm
     first = " and ".join(sorted(turns, key=lambda name: -turns[name])[:2])
     return (
         f"stiffen what gives most, {first}; the rules raise what the file leaves to them as far as the other checks "

@@ -55,13 +55,16 @@ def lightest(
     if ratio is None:
         # One command sizes the same file several times.
         key = layout.__name__, marshal.dumps(data, 2)
-        if key not in _FOUND:
-            _FOUND[key] = _lightest(size, field, data, layout)
-        ratio = _FOUND[key]
+        ratio = _FOUND.pop(key, None) or _lightest(size, field, data, layout)
+        _FOUND[key] = ratio
+        if len(_FOUND) > _REMEMBERED:
+            del _FOUND[next(iter(_FOUND))]
     return _with(size, field, data, moved, similar, ratio)
 
 
+# Ratios of the last files, the latest used last.
 _FOUND: dict[tuple[str, bytes], float] = {}
+_REMEMBERED = 64
 
 
 def _lightest(size: SizeWith, field: str, data: dict[str, Any], layout: type[Layout]) -> float:

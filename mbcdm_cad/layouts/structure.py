@@ -47,6 +47,8 @@ GEARHEAD_NM_RAD_40 = 3.4e3
 # gearheads; of springs in the terminals, which friction on the drum shields.
 BY_PARTS, BY_FRAME, BY_BEARINGS, BY_GEARHEADS, BY_SPRINGS = 1.1, 1.15, 1.3, 2.0, 1.3
 SPRINGS = "springs of the terminals"
+_SOFT_SPRINGS = "drum.spring or fewer of them, or a longer wrap by drum.sector_half_angle_deg"
+_HUB, _PULLEYS, _SHAFTS = "drum.hub_diameter_mm", "the bearings of input_pulleys", "drive.motor and drive.gearhead"
 
 
 @dataclass(frozen=True)
@@ -56,7 +58,8 @@ class Cause:
     ``at_encoder``: whether the drum's encoder sees it too. ``before_input``: whether it lies between the motor and the
     input pulley's encoder. ``in_drum``: whether it lies between the drum's land and the payload. ``factor``: one
     standard deviation of its logarithm, as a factor. ``after_slip``: whether it gives only where slip of the cables has
-    reached it, so that it is rigid for small motion; the rig's cables have it themselves.
+    reached it, so that it is rigid for small motion; the rig's cables have it themselves. ``stiffer``: fields that make
+    it give less.
     """
 
     name: str
@@ -66,6 +69,7 @@ class Cause:
     in_drum: bool = False
     factor: float = BY_PARTS
     after_slip: bool = False
+    stiffer: str = "its bearings"
 
 
 @dataclass(frozen=True)
@@ -192,12 +196,12 @@ def structure_of(layout: SectorLayout) -> Structure:
         *_drum_shaft(layout, unit),
     ]
     if layout.drive.spring is not None:
-        causes.append(Cause(SPRINGS, layout.spring_urad_Nm, factor=BY_SPRINGS, after_slip=True))
+        causes.append(Cause(SPRINGS, layout.spring_urad_Nm, factor=BY_SPRINGS, after_slip=True, stiffer=_SOFT_SPRINGS))
     frame = layout.frame_compliance
     if frame is not None:
         if not np.isfinite(frame.windup_urad_Nm):
             raise NoFigureError("the frame has no metal that carries the load")
-        causes.append(Cause("frame", frame.windup_urad_Nm, factor=BY_FRAME))
+        causes.append(Cause("frame", frame.windup_urad_Nm, factor=BY_FRAME, stiffer="the frame's walls"))
     return Structure(
         tuple(causes),
         layout.loads.test_urad_Nm,
@@ -290,9 +294,11 @@ def _drum(layout: SectorLayout, unit: Floats) -> tuple[list[Cause], Callable[[fl
         return max(float(study.von_mises_MPa(way * torque_Nm * own).max()) for way in (1.0, -1.0))
 
     return [
-        Cause("drum: web and rim", study.web_urad_Nm * own, in_drum=True),
-        Cause("drum: hub to the set screws", study.hub_to_screws_urad_Nm * own, in_drum=True),
-        Cause("drum: hub to the payload", study.hub_to_face_urad_Nm * own, at_encoder=False, in_drum=True),
+        Cause("drum: web and rim", study.web_urad_Nm * own, in_drum=True, stiffer=f"drum.web_thickness_mm and {_HUB}"),
+        Cause("drum: hub to the set screws", study.hub_to_screws_urad_Nm * own, in_drum=True, stiffer=_HUB),
+        Cause(
+            "drum: hub to the payload", study.hub_to_face_urad_Nm * own, at_encoder=False, in_drum=True, stiffer=_HUB
+        ),
     ], stress_MPa
 
 
@@ -307,10 +313,11 @@ def _drum_shaft(layout: SectorLayout, unit: Floats) -> Iterator[Cause]:
     on_hub = Acting(at, changed.force_N, couple - couple[1] * _Y)
     held = _supported([changed], supports, _Y)
     section = Section(supports[0], at, shaft.radius, shaft.bore_radius)
-    yield Cause("drum's shaft", bending_urad_Nm(_Y, [on_hub, *held], [section], elastic(drive.shaft_material)))
+    bend = bending_urad_Nm(_Y, [on_hub, *held], [section], elastic(drive.shaft_material))
+    yield Cause("drum's shaft", bend, stiffer="drum.bearing")
     spec, spring = drive.bearings.drum, layout.preload_spring.force_N
     give = _bearings_urad_Nm((spec, spec), held, _supported([rest], supports, _Y), spring)
-    yield Cause("drum's bearings", give, factor=BY_BEARINGS)
+    yield Cause("drum's bearings", give, factor=BY_BEARINGS, stiffer="drum.bearing")
 
 
 def _gearheads(layout: SectorLayout, torques_Nm: Floats) -> Iterator[Cause]:
@@ -329,6 +336,7 @@ def _gearheads(layout: SectorLayout, torques_Nm: Floats) -> Iterator[Cause]:
         float((torques_Nm**2).sum() / stiffness) * 1e6,
         before_input=True,
         factor=BY_GEARHEADS if stated is None else BY_PARTS,
+        stiffer="first_stage" if first else "drive.gearhead",
     )
 
 
@@ -342,6 +350,7 @@ def _stage(layout: SectorLayout, torques_Nm: Floats) -> Iterator[Cause]:
         float((torques_Nm**2).sum() / stage.stiffness_Nm_rad) * 1e6,
         before_input=True,
         factor=BY_PARTS if stated else STIFFNESS_FACTOR,
+        stiffer="stage",
     )
 
 
@@ -367,9 +376,9 @@ def _inputs(layout: SectorLayout, unit: Floats, torques_Nm: Floats) -> Iterator[
         bend += bending_urad_Nm(axis, [*loads, *held], sections, material)
         rest = _supported([_acting(body_load(d.routes, route.name, layout.loads.idle), sense)], supports, axis)
         give += _bearings_urad_Nm((bearings.input_lower, bearings.input_upper), held, rest)
-    yield Cause("input pulleys, torsion", twist, before_input=True)
-    yield Cause("input pulleys, bending", bend)
-    yield Cause("input pulleys' bearings", give, factor=BY_BEARINGS)
+    yield Cause("input pulleys, torsion", twist, before_input=True, stiffer=_PULLEYS)
+    yield Cause("input pulleys, bending", bend, stiffer=_PULLEYS)
+    yield Cause("input pulleys' bearings", give, factor=BY_BEARINGS, stiffer=_PULLEYS)
 
 
 def _overhung(layout: SectorLayout, unit: Floats, torques_Nm: Floats) -> Iterator[Cause]:
@@ -389,9 +398,9 @@ def _overhung(layout: SectorLayout, unit: Floats, torques_Nm: Floats) -> Iterato
         held = _supported([changed], supports, axis)
         bend += bending_urad_Nm(axis, [changed, *held], sections, steel)
         give += _bearings_urad_Nm((own, own), held, _supported([rest], supports, axis))
-    yield Cause("motors' shafts, torsion", twist, before_input=not _senses_output(layout.drive.servo))
-    yield Cause("motors' shafts, bending", bend)
-    yield Cause("motors' own bearings (estimate)", give, factor=BY_GEARHEADS)
+    yield Cause("motors' shafts, torsion", twist, before_input=not _senses_output(layout.drive.servo), stiffer=_SHAFTS)
+    yield Cause("motors' shafts, bending", bend, stiffer=_SHAFTS)
+    yield Cause("motors' own bearings (estimate)", give, factor=BY_GEARHEADS, stiffer=_SHAFTS)
 
 
 def _shaft_sections(layout: SectorLayout, index: int) -> list[Section]:

@@ -7,13 +7,14 @@ from __future__ import annotations
 
 import textwrap
 from collections import Counter, defaultdict
-from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
 
 from mbcdm_cad.checks.result import CheckResult, failed, figures
 from mbcdm_cad.errors import MbcdmError, did_you_mean
 from mbcdm_cad.layouts.check_design import advised_checks
+from mbcdm_cad.layouts.open_ratio import LIGHTEST
 from mbcdm_cad.report.as_built_chances import Chance, chance_lines, chances_of
 from mbcdm_cad.report.table import ReportTable
 
@@ -30,6 +31,8 @@ _ORDER = ("pass", "warn", "waived", "fail")
 _INDENT = " " * 7
 # Width in characters for figure and limit of a passing check; few need more.
 _FIGURES = 28
+# What the rules choose together where a file leaves the ratio open.
+_TRAIN = ("drive.motor", "drive.gearhead")
 
 
 @dataclass(frozen=True)
@@ -43,6 +46,8 @@ class CheckReport:
     advice: str = ""
     # Probability of each check on a drive as built; empty where no value was found on it.
     chances: tuple[Chance, ...] = ()
+    # Ratio, motor and gearhead of the lightest drive, by field; empty where the file states the ratio.
+    chosen: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def passed(self) -> bool:
@@ -98,6 +103,8 @@ class CheckReport:
         lines += [line for each in grouped for line in _together(each, width, colour)]
         lines += _wrapped(self.advice, _INDENT, _INDENT, width)
         lines += [line for text in chance_lines(self.chances) for line in _wrapped(text, "", _INDENT, width)]
+        told = ", ".join(f"{name} {value}" for name, value in self.chosen.items())
+        lines += _wrapped(f"chosen for the lightest drive: {told}" if told else "", "", _INDENT, width)
         return "\n".join([*lines, *_wrapped(self._summary(), "", "", width)])
 
     def _summary(self) -> str:
@@ -127,6 +134,7 @@ class CheckReport:
             "advice": self.advice,
             "checks": [asdict(result) for result in self.results],
             "as_built": {one.check: one.probability for one in self.chances},
+            **({"chosen": dict(self.chosen)} if self.chosen else {}),
         }
 
     def to_pandas(self) -> pandas.DataFrame:
@@ -141,7 +149,14 @@ def check_design(loaded: LoadedDesign) -> CheckReport:
     results, together = advised_checks(loaded)
     advice = together.words(loaded.path.name) if together else ""
     chances = chances_of(loaded.drive, loaded.design.as_built)
-    return CheckReport(loaded.drive.name, loaded.sha256, results, advice, chances)
+    return CheckReport(loaded.drive.name, loaded.sha256, results, advice, chances, _chosen(loaded))
+
+
+def _chosen(loaded: LoadedDesign) -> dict[str, Any]:
+    """Ratio, motor and gearhead that the rules chose together, by field."""
+    by_rule = {value.field: value.value for value in loaded.sized}
+    ratios = [value.field for value in loaded.sized if value.driver == LIGHTEST]
+    return {name: by_rule[name] for name in (*ratios, *_TRAIN) if ratios and name in by_rule}
 
 
 def _word(result: CheckResult) -> str:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from math import cos, radians, sin
+from math import radians
 
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, SpurRun
 from mbcdm_cad.layouts.siso_spur.idlers import SENSE
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.overhung import MotorSeat
+from mbcdm_cad.layouts.siso_spur.routes import turned
 from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims
 from mbcdm_cad.layouts.siso_spur.support.idlers import Strap, strap_screw
 from mbcdm_cad.layouts.siso_spur.support.parts import Yoke
@@ -56,15 +57,16 @@ def idler_bodies(lay: SpurLayout, angle_rad: float) -> Iterator[MovingBody]:
     drive = lay.drive
     for body, _, (cable, n) in lay.idlers if drive.idlers else ():
         x, _, z = _idler_axis(drive, cable, n)
-        at = x * cos(angle_rad) + z * sin(angle_rad), 0.0, z * cos(angle_rad) - x * sin(angle_rad)
-        yield MovingBody(body, "passed", at, _Y, SENSE * drive.drum_radius_mm, drive.leading.radius_mm)
+        yield MovingBody(
+            body, "passed", turned(angle_rad, x, z), _Y, SENSE * drive.drum_radius_mm, drive.leading.radius_mm
+        )
 
 
 def input_bodies(drive: SpurDrive, name: str, angle_rad: float) -> tuple[MovingBody, ...]:
     """An input at this angle about Y, from +Z towards +X, and the driving wheel of its stage, if it has one."""
 
     def at(distance_mm: float) -> Vector:
-        return distance_mm * sin(angle_rad), 0.0, distance_mm * cos(angle_rad)
+        return turned(angle_rad, 0.0, distance_mm)
 
     ratio, distance, stage = (drive.drum_radius_mm, drive.input_radius_mm), drive.centre_distance_mm, drive.stage
     body = MovingBody(f"input_{name}", "input", at(distance), _BACK, *ratio)
@@ -76,8 +78,8 @@ def input_bodies(drive: SpurDrive, name: str, angle_rad: float) -> tuple[MovingB
         return body, MovingBody(f"driver_{name}", "stage", at(z), _Y, *both)
     if stage is None:
         return (body,)
-    turned = ratio[0] * stage.ratio * stage.sense
-    return body, MovingBody(f"driver_{name}", "stage", at(distance + stage.centre_mm), _BACK, turned, ratio[1])
+    turns = ratio[0] * stage.ratio * stage.sense
+    return body, MovingBody(f"driver_{name}", "stage", at(distance + stage.centre_mm), _BACK, turns, ratio[1])
 
 
 def _idler_axis(drive: SpurDrive, cable: SpurRun, number: int) -> tuple[float, float, float]:

@@ -152,7 +152,7 @@ class SpurGeometry:
             for j, cable in enumerate(self.cable_names):
                 angle = self.angle_rad[self.input_of[j]]
                 turns = SENSE * float(parameters[DRUM_RADIUS][j] / parameters[IDLER_RADIUS][j])
-                at, out = _turned(angle, self.drum_side[j] * x, z), _turned(angle, 0.0, 1.0)
+                at, out = turned(angle, self.drum_side[j] * x, z), turned(angle, 0.0, 1.0)
                 yield Body(idler_body(n, cable), "passed", at, _Y, out, turns)
 
     def _led_side(self, parameters: Mapping[str, Floats], j: int, found: Strand) -> CableRoute:
@@ -188,7 +188,7 @@ class SpurGeometry:
 
     def _direction(self, side: int, found: Strand, span: int, j: int) -> tuple[float, float, float]:
         heading = float(found.heading[span, j])
-        return _turned(self.angle_rad[self.input_of[j]], side * sin(heading), cos(heading))
+        return turned(self.angle_rad[self.input_of[j]], side * sin(heading), cos(heading))
 
     def _side(self, parameters: Mapping[str, Floats], j: int, free_m: float) -> CableRoute:
         i, side = self.input_of[j], self.drum_side[j]
@@ -205,7 +205,7 @@ class SpurGeometry:
         leave = level + self.outward[j] * apart
         land = leave + rises * self.lead_m / (2 * np.pi * r_i) * free_m
         # Towards the drum from an input at z = L, turned about Y to where this one stands.
-        along = _turned(angle, side * cosine, -sine)
+        along = turned(angle, side * cosine, -sine)
         pieces = (
             Anchor(name),
             # Heights count along the input's own axis, -Y.
@@ -217,7 +217,7 @@ class SpurGeometry:
         return CableRoute(self.cable_names[j], input_name, self.sense[j], pieces)
 
 
-def _turned(angle_rad: float, x: float, z: float) -> tuple[float, float, float]:
+def turned(angle_rad: float, x: float, z: float) -> tuple[float, float, float]:
     """A vector given with its input above the drum, where the input stands at this angle from +Z towards +X."""
     return x * cos(angle_rad) + z * sin(angle_rad), 0.0, z * cos(angle_rad) - x * sin(angle_rad)
 

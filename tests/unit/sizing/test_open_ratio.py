@@ -16,14 +16,15 @@ from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import Sizing, SizingError
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.base import NoFigureError
-from mbcdm_cad.layouts.check_design import run_checks
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.layouts.open_ratio import RATIOS, lightest
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
+from mbcdm_cad.report.check_report import check_design
 from mbcdm_cad.sizing.known import KnownFields
 from mbcdm_cad.sizing.rule import Rule
 from mbcdm_cad.solving.question import Fixed, Point, Times, question_of
 from mbcdm_cad.solving.trials import Trials
+from tests.support.checked import failing
 
 RATIO = {"siso_spur": "input_to_drum", "miso_spur": "input_to_drum", "miso_bevel": "ratio"}
 
@@ -47,7 +48,7 @@ def _mass_g(found: LoadedDesign) -> float:
 
 
 def _failing(found: LoadedDesign) -> list[str]:
-    return [check.id for check in run_checks(found.drive) if check.status == "fail"]
+    return list(failing(found.drive))
 
 
 @pytest.mark.parametrize("layout", RATIO)
@@ -76,6 +77,9 @@ def test_a_file_that_states_what_was_chosen_is_the_same_drive() -> None:
     found = load_text(_text("siso_spur", "backdrive_Nm: 0.3"))
     stated = load_text(_text("siso_spur", "backdrive_Nm: 0.3", _ratio(found)))
     assert stated.drive == found.drive
+    told, motor = check_design(found).text(), found.drive.motor.name
+    assert f"chosen for the lightest drive: transmission.input_to_drum {_ratio(found)}, drive.motor {motor}, " in told
+    assert "chosen" not in check_design(stated).text()
 
 
 def test_where_none_does_the_nearest_is_shown() -> None:

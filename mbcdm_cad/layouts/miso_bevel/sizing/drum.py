@@ -13,7 +13,7 @@ from mbcdm_cad.checks.drum_sector import (
     SPIGOT_MM,
 )
 from mbcdm_cad.checks.drum_wraps import LEAST_WRAP_DEG, wrap_left
-from mbcdm_cad.checks.fixings import STRESS_SAFETY, lasting_MPa
+from mbcdm_cad.checks.fixings import STRESS_SAFETY, at_stop_Nm, lasting_MPa
 from mbcdm_cad.checks.terminals import LUG_SAFETY, terminal_angles
 from mbcdm_cad.checks.transfer import EDGE_BREAK_MM
 from mbcdm_cad.design.blocks import NO_PAYLOAD
@@ -76,9 +76,8 @@ LUG_SPARE = 1.1
 
 def _load_Nm(given: BevelKnown) -> float:
     """Peak torque, or that of both motors stalled at the stop."""
-    motor, inputs = given.entry("motors", "drive.motor"), 2
-    stalled = motor["rated_torque_mNm"] * 1e-3 * given.gearhead.ratio * given.total_ratio * inputs
-    return float(max(given["loads.peak_torque_Nm"], stalled))
+    input_Nm = given.entry("motors", "drive.motor")["rated_torque_mNm"] * 1e-3 * given.gearhead.ratio
+    return at_stop_Nm(float(given["loads.peak_torque_Nm"]), float(input_Nm), given.total_ratio, 2)
 
 
 def _web(given: BevelKnown) -> Found:

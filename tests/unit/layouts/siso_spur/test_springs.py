@@ -218,8 +218,12 @@ def test_weak_loose_and_few_springs_are_told(sprung: SpurDrive) -> None:
     few = short["spring_keeps"]
     assert few[0] == "warn" and "spring_count to" in few[1], few
     wanted = int(few[1].split("spring_count to ")[1].split(";")[0])
-    assert found(replace(sprung, drum=replace(sprung.drum, spring_count=wanted)))["spring_keeps"][0] == "pass"
+    enough, more = (found(replace(sprung, drum=replace(sprung.drum, spring_count=wanted + n))) for n in (0, 2))
+    assert enough["spring_keeps"][0] == "pass"
     assert found(replace(sprung, drum=replace(sprung.drum, spring_count=wanted - 1)))["spring_keeps"][0] == "warn"
+    # One remedy does not undo the other.
+    assert enough["spring_hold"][0] == "warn" and "spring_count" not in enough["spring_hold"][1], enough
+    assert f"lower drum.spring_count, to no less than {wanted}" in more["spring_hold"][1], more
 
 
 def test_a_remedy_names_a_softer_spring_and_a_terminal_with_a_spring_that_passes() -> None:
