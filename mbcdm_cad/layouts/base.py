@@ -216,10 +216,18 @@ class Layout(ABC):
 
     def require_geometry(self) -> None:
         """Raise NoFigureError with the reason if no geometry exists for the design at all."""
+        if self._why_impossible is not None:
+            raise NoFigureError(self._why_impossible)
+
+    @cached_property
+    def _why_impossible(self) -> str | None:
         try:
             self.refuse_impossible()
         except (ValueError, ZeroDivisionError) as error:
-            raise _no_solution(error) from None
+            return str(_no_solution(error))
+        except NoFigureError as error:
+            return str(error)
+        return None
 
     def refuse_impossible(self) -> None:
         """Raise ValueError, ZeroDivisionError or NoFigureError for a design without any geometry."""

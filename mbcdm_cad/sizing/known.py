@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from functools import cache
-from typing import Any
+from typing import Any, Self, TypeVar
 
 from mbcdm_cad.design.blocks import NO_PAYLOAD, Payload
 from mbcdm_cad.design.bought import (
@@ -20,6 +20,8 @@ from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.resolve import termination
 from mbcdm_cad.design.rules import Broken, unknown_entry
 from mbcdm_cad.design.sized import SizingError
+
+Value = TypeVar("Value")
 
 
 @cache
@@ -38,6 +40,7 @@ class KnownFields:
     def __init__(self, data: dict[str, Any]) -> None:
         self.data = data
         self._read: dict[str, Any] = {}
+        self._known: dict[Callable[..., Any], Any] = {}
 
     def __getitem__(self, field: str) -> Any:
         """Value of a field that the file gives or an earlier rule filled. Raises ``KeyError`` where it is open."""
@@ -64,14 +67,23 @@ class KnownFields:
     def peek(self, field: str) -> Any:
         """Value of the field, None if it is open; not recorded as read."""
         at: Any = self.data
-        for part in _parts(field):
-            if not isinstance(at, dict):
-                return None
-            at = at.get(part)
+        try:
+            for part in _parts(field):
+                at = at.get(part)
+        except AttributeError:  # a block that is left out, or no block
+            return None
         return at
+
+    def once(self, figure: Callable[[Self], Value]) -> Value:
+        """``figure(self)``, worked out at the first call within a rule: many entries are compared with the same need."""
+        if figure not in self._known:
+            self._known[figure] = figure(self)
+        found: Value = self._known[figure]
+        return found
 
     def put(self, field: str, value: Any) -> None:
         """Fill the field."""
+        self._known = {}
         *blocks, last = _parts(field)
         at = self.data
         for part in blocks:
@@ -82,7 +94,7 @@ class KnownFields:
 
     def start(self) -> None:
         """Clear the record of fields read, before the next rule."""
-        self._read = {}
+        self._read, self._known = {}, {}
 
     @property
     def read(self) -> Mapping[str, Any]:
@@ -92,7 +104,7 @@ class KnownFields:
     def entries(self, kind: str) -> dict[str, dict[str, Any]]:
         """All entries of a kind of the catalogue; those of the design replace those of the package."""
         own = self.peek(f"catalogue.{kind}")
-        return {**package_entries(kind), **(own if isinstance(own, dict) else {})}
+        return {**package_entries(kind), **own} if isinstance(own, dict) else package_entries(kind)
 
     def entry(self, kind: str, field: str) -> dict[str, Any]:
         """The entry that a field names. Raises ``SizingError`` for a name that is not in the catalogue."""

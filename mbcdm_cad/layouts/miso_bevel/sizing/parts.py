@@ -112,29 +112,33 @@ def _lost_at_input_Nm(given: BevelKnown) -> float:
     return number(INPUT_LOSSES * at_input * 2.0 * given["rope.preload_N"] * radius * 1e-3)
 
 
+def _total_ratio(given: BevelKnown) -> float:
+    return given.total_ratio
+
+
 def _motor_margins(given: BevelKnown, motor: Entry, gearhead: Entry, geared: bool = True) -> Margins:
     """Margins of a motor with its gearhead, or with its own face in place of one."""
-    needed = _input_torque_Nm(given) * 1e3
+    needed, total = given.once(_input_torque_Nm) * 1e3, given.once(_total_ratio)
     shaft = gearhead["shaft_diameter_mm"]
     head = gearhead if geared else None
-    lasting, asked = lasting_share(given), needed / output_mNm(given, motor, head) * motor["rated_torque_mNm"]
+    lasting, asked = given.once(lasting_share), needed / output_mNm(given, motor, head) * motor["rated_torque_mNm"]
     return {
         "motor_torque_back": output_mNm(given, motor, head) / needed - 1.0,
         "collar_grip": _most_grip_Nmm(given, shaft) / (GRIP_SPARE * CLAMP_SAFETY * needed) - 1.0,
         "gearhead_maximum": gearhead["max_torque_mNm"] / needed - 1.0,
-        "continuous_torque": gearhead["rated_torque_mNm"] / needed - gearhead_share(given),
-        "speed": speed_margin(given, motor, gearhead["ratio"], given.total_ratio, (lasting or 1.0) * asked),
+        "continuous_torque": gearhead["rated_torque_mNm"] / needed - given.once(gearhead_share),
+        "speed": speed_margin(given, motor, gearhead["ratio"], total, (lasting or 1.0) * asked),
         "duty": heat_margin(
             given,
             motor,
             head,
             HEAT_SPARE * needed,
-            HEAT_SPARE * given["loads.peak_torque_Nm"] * 1e3 / (2 * given.total_ratio),
+            HEAT_SPARE * given["loads.peak_torque_Nm"] * 1e3 / (2 * total),
         ),
         "backdrive": backdrive_margin(
             given,
-            turns_back_Nm(motor, head, given.total_ratio, 2),
-            2 * given.total_ratio * _lost_at_input_Nm(given),
+            turns_back_Nm(motor, head, total, 2),
+            2 * total * given.once(_lost_at_input_Nm),
         ),
         # A motor wider than its gearhead has no room behind the shelf.
         "drives_apart": 1.0 - motor["diameter_mm"] / (gearhead["diameter_mm"] + 1.0),
