@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from mbcdm_cad.model.si import DriveSI, ModelError
+from mbcdm_cad.model.si import DriveSI, ModelError, content_of
 from mbcdm_cad.model.wrap import slack_stretch_m, stretch_after_reversal, stretch_first_loading
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.loads import BodyLoad, body_load, two_bearing_reactions_N
@@ -32,8 +32,12 @@ RELATIVE_STEP = 1e-10
 SMALLEST_SHARE = 0.2
 # Tension at which a cable that was slack starts again, as a share of its preload.
 TAUT_AGAIN = 1e-3
+# Solutions with so many tensions at most are kept, this many of them: the checks of a design, its figures and the trials
+# of its sizing ask for the same.
+KEPT_SIZE, KEPT = 64, 512
 # A tension below this share of the preload counts as zero: it is far below the rounding errors of the others.
 FAINT_SHARE = 1e-12
+_solved: dict[tuple[Any, ...], Equilibrium] = {}
 
 
 def stretch(d: DriveSI, tension_N: Floats, turned_at_N: Floats | None) -> tuple[Floats, Floats]:
@@ -246,8 +250,24 @@ def solve_weighted(
         offset = offset + sigma * d.input_radius_m * d.column(angle, len(full))
     if path_m is not None:
         offset = offset + d.column(np.asarray(path_m, dtype=float), len(full))
-    theta, tension = balance(d, np.broadcast_to(weight, full), np.broadcast_to(goal, shape), lever, offset, turned_at_N)
-    return Equilibrium(theta, tension, offset - lever * theta)
+    asked = np.broadcast_to(weight, full), np.broadcast_to(goal, shape), lever, offset
+    if lever.size > KEPT_SIZE:
+        theta, tension = balance(d, *asked, turned_at_N)
+        return Equilibrium(theta, tension, offset - lever * theta)
+    key = (*d.law_key, *content_of(*asked, () if turned_at_N is None else turned_at_N))
+    if key not in _solved:
+        if len(_solved) == KEPT:
+            _solved.clear()
+        theta, tension = balance(d, *asked, turned_at_N)
+        _solved[key] = Equilibrium(*(_fixed(found) for found in (theta, tension, offset - lever * theta)))
+    return _solved[key]
+
+
+def _fixed(found: Floats) -> Floats:
+    """An array that nobody changes, since others get it too."""
+    found = np.asarray(found)
+    found.setflags(write=False)
+    return found
 
 
 __all__ = ["BearingLoads", "BodyLoad", "bearing_loads", "two_bearing_reactions_N"]

@@ -89,6 +89,13 @@ class DriveSI:
         rest = {name: per_design(getattr(self, name)) for name in PER_DESIGN}
         return replace(self, **(fields | rest | {"parameters": lengths}))
 
+    @cached_property
+    def law_key(self) -> tuple[Any, ...]:
+        """Shapes and values of all that the stretch of the cables follows from."""
+        per_body = (self.input_radius_m, self.drum_radius_m, self.input_wrap_rad, self.drum_wrap_rad)
+        own = (self.preload_N, self.axial_stiffness_N, self.free_span_m, self.friction_coefficient, self.anchor_m_N)
+        return content_of(*own, *per_body, *self.passed_radii_m, *self.passed_wrap_rad)
+
     def is_same(self, other: DriveSI) -> bool:
         """Whether the other one holds the same values."""
         mine, its = self._values, other._values
@@ -280,6 +287,11 @@ class DriveSI:
     def column(self, per_cable: Floats, ndim: int) -> Floats:
         """``per_cable`` (n_cables, ...) with trailing axes up to ``ndim`` in all, to multiply arrays of that many."""
         return per_cable.reshape(per_cable.shape + (1,) * (ndim - per_cable.ndim))
+
+
+def content_of(*arrays: Floats | float) -> tuple[Any, ...]:
+    """Shapes and values of arrays, to look up what follows from them."""
+    return tuple((np.shape(a), np.asarray(a, float).tobytes()) for a in arrays)
 
 
 def routed(drive: Drive) -> RoutedDrive:

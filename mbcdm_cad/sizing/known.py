@@ -75,7 +75,7 @@ class KnownFields:
         return at
 
     def once(self, figure: Callable[[Self], Value]) -> Value:
-        """``figure(self)``, worked out at the first call within a rule: many entries are compared with the same need."""
+        """``figure(self)``, worked out at the first call within a rule: many entries are compared with one need."""
         if figure not in self._known:
             self._known[figure] = figure(self)
         found: Value = self._known[figure]
