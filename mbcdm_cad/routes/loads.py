@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,27 +30,27 @@ def body_load(routes: DriveRoutes, name: str, tension_N: Floats) -> BodyLoad:
     passed, and the origin of the drum's axis.
     """
     body = routes.body(name)
-    axis = np.array(body.axis)
-    tension, height, pull = [], [], []
-    for route, pulled in zip(routes.cables, np.asarray(tension_N, dtype=float), strict=True):
-        for contact in route.contacts():
-            if contact.wrap.body != name:
-                continue
-            leaving = np.zeros(3) if contact.leaving is None else np.array(contact.leaving)
-            arriving = np.zeros(3) if contact.arriving is None else np.array(contact.arriving)
-            tension.append(pulled)
-            height.append(contact.wrap.height_m)
-            pull.append(pulled * (leaving - arriving))
-    if not pull:
+    tension = np.asarray(tension_N, dtype=float).tolist()
+    # Plain numbers: a body has a few contacts, and numpy's calls take several times as long for so few.
+    pulls = [(tension[j], height, [tension[j] * part for part in pull]) for j, height, pull in routes.pulls[name]]
+    if not pulls:
         return BodyLoad(np.zeros(3), 0.0, np.zeros(3))
-    at, pulls = np.array(height), np.array(pull)
     middle = 0.0
     if body.kind == "input":
-        middle = float(np.average(at, weights=np.maximum(tension, 1e-12)))
+        weights = [max(pulled, 1e-12) for pulled, _, _ in pulls]
+        middle = sum(at * weight for (_, at, _), weight in zip(pulls, weights, strict=True)) / sum(weights)
     elif body.kind == "passed":
-        middle = 0.5 * float(at.min() + at.max())
-    moment = np.cross((at - middle)[:, None] * axis, pulls).sum(axis=0)
-    return BodyLoad(pulls.sum(axis=0), middle, moment)
+        heights = [at for _, at, _ in pulls]
+        middle = 0.5 * (min(heights) + max(heights))
+    moments = []
+    for _, at, (x, y, z) in pulls:
+        ax, ay, az = ((at - middle) * part for part in body.axis)
+        moments.append((ay * z - az * y, az * x - ax * z, ax * y - ay * x))
+    return BodyLoad(_summed([pull for _, _, pull in pulls]), middle, _summed(moments))
+
+
+def _summed(vectors: Sequence[Sequence[float]]) -> Floats:
+    return np.array([sum(parts) for parts in zip(*vectors, strict=True)])
 
 
 def two_bearing_reactions_N(

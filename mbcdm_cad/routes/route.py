@@ -7,8 +7,9 @@ the sense s (+1 right-handed about a) at the axis point plus ``height_m`` a - s 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -80,6 +81,8 @@ def input_body(input_name: str) -> str:
     return f"input_{input_name}"
 
 
+# At an end that is anchored a cable runs nowhere.
+_NOWHERE: Triple = (0.0, 0.0, 0.0)
 Piece = Anchor | Wrap | Span | Terminal
 
 
@@ -180,6 +183,17 @@ class DriveRoutes:
             if body.name == name:
                 return body
         raise KeyError(name)
+
+    @cached_property
+    def pulls(self) -> Mapping[str, tuple[tuple[int, float, Triple], ...]]:
+        """For each body its contacts: number of the cable, height along the axis in m, pull for 1 N in the cable."""
+        found: dict[str, list[tuple[int, float, Triple]]] = {body.name: [] for body in self.bodies}
+        for j, route in enumerate(self.cables):
+            for at in route.contacts():
+                ax, ay, az = _NOWHERE if at.arriving is None else at.arriving
+                lx, ly, lz = _NOWHERE if at.leaving is None else at.leaving
+                found[at.wrap.body].append((j, at.wrap.height_m, (lx - ax, ly - ay, lz - az)))
+        return {name: tuple(contacts) for name, contacts in found.items()}
 
     @property
     def drum(self) -> Body:
