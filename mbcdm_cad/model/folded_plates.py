@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.model.block_rows import Ints, solve_mesh
+from mbcdm_cad.model.block_rows import Ints, by_bands, solve_mesh
 from mbcdm_cad.routes import Floats
 
 # Corners of an element in its own (u, v), and the Gauss points.
@@ -92,15 +92,29 @@ def solve(plates: Plates, element: Floats, held: NDArray[np.bool_], ground: Floa
     Planes of nodes across an axis are the rows of a block tridiagonal matrix. Raises ``numpy.linalg.LinAlgError`` if
     the plates are not held.
     """
-    plane = np.repeat(_planes(plates), 6)
+    plane = _planes(plates)
+    row = np.repeat(_ranks(plates, plane) if by_bands() else plane, 6)
     free = np.flatnonzero(~held)
-    free = free[np.argsort(plane[free], kind="stable")]
+    free = free[np.argsort(row[free], kind="stable")]
     number = np.full(len(load), -1)
     number[free] = np.arange(len(free))
     displacement = np.zeros(len(load))
-    moved = solve_mesh(plane[free], number[freedoms(plates)], element, load[free, None], ground[free])
+    moved = solve_mesh(row[free], number[freedoms(plates)], element, load[free, None], ground[free])
     displacement[free] = moved[:, 0]
     return displacement
+
+
+def _ranks(plates: Plates, plane: Ints) -> Ints:
+    """Place (m,) of each node in the narrower band: in the order of its plane, or in that of Cuthill and McKee."""
+    from scipy.sparse import coo_array  # only a search solves by bands, see solve_by_bands
+    from scipy.sparse.csgraph import reverse_cuthill_mckee
+
+    corner, count = plates.corner, len(plane)
+    one, other = (np.broadcast_to(c, (len(corner), 4, 4)).ravel() for c in (corner[:, :, None], corner[:, None, :]))
+    joined = coo_array((np.ones(len(one), dtype=np.int8), (one, other)), shape=(count, count)).tocsr()
+    orders = np.argsort(plane, kind="stable"), reverse_cuthill_mckee(joined, symmetric_mode=True)
+    ranks = [np.argsort(order) for order in orders]
+    return min(ranks, key=lambda rank: int(np.ptp(rank[corner], axis=1).max()))
 
 
 def _planes(plates: Plates) -> Ints:
