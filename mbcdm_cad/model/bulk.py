@@ -184,7 +184,9 @@ def _peak_torque(d: DriveSI, need: Requirements, idle: Equilibrium, way: int) ->
     """
     everything = np.arange(d.batch_shape[0])
     rating, strength = need.input_rating_Nm, need.tension_limit_N
-    at = solve_weighted(d, _input_weight(d, 0), way * rating)
+    found = solve_weighted(d, _input_weight(d, 0), way * rating)
+    # A copy, since others may get the same solution.
+    at = Equilibrium(found.drum_angle_rad.copy(), found.tension_N.copy(), found.stretch_m)
     for i in range(1, d.n_inputs):
         over = everything[way * at.input_torque_Nm(d)[i] > rating]
         if over.size:

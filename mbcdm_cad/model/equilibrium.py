@@ -32,8 +32,8 @@ RELATIVE_STEP = 1e-10
 SMALLEST_SHARE = 0.2
 # Tension at which a cable that was slack starts again, as a share of its preload.
 TAUT_AGAIN = 1e-3
-# Solutions with so many tensions at most are kept, this many of them: the checks of a design, its figures and the trials
-# of its sizing ask for the same.
+# Solutions with so many tensions at most are kept, this many of them: checks of a design, its figures and the trials of
+# its sizing ask for the same.
 KEPT_SIZE, KEPT = 64, 512
 # A tension below this share of the preload counts as zero: it is far below the rounding errors of the others.
 FAINT_SHARE = 1e-12
