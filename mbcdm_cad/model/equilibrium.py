@@ -254,7 +254,7 @@ def solve_weighted(
     if lever.size > KEPT_SIZE:
         theta, tension = balance(d, *asked, turned_at_N)
         return Equilibrium(theta, tension, offset - lever * theta)
-    key = (*d.law_key, *content_of(*asked, () if turned_at_N is None else turned_at_N))
+    key = (*d.law_key, *content_of(*asked, *(() if turned_at_N is None else (turned_at_N,))))
     if key not in _solved:
         if len(_solved) == KEPT:
             _solved.clear()

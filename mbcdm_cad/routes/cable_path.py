@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import ceil
 
 import numpy as np
@@ -50,7 +51,7 @@ class CablePath:
         """The pieces without their names: all that a rod along the path depends on."""
         return tuple(p for _, p in self.pieces)
 
-    @property
+    @cached_property
     def length_mm(self) -> float:
         """Length of the whole centre line."""
         return sum(p.length_mm for _, p in self.pieces)

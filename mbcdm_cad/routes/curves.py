@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
-from math import ceil
+from math import ceil, dist, hypot
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,7 +50,7 @@ class Line:
 
     @property
     def length_mm(self) -> float:
-        return float(np.linalg.norm(_v(self.end) - _v(self.start)))
+        return dist(self.start, self.end)
 
     def points(self, fraction: Vector) -> Vector:
         """Points, shape (n, 3), at ``fraction`` (n,) of the piece."""
@@ -107,7 +107,7 @@ class Helix:
 
     @property
     def length_mm(self) -> float:
-        return float(np.hypot(self.radius_mm * (self.angle_end - self.angle_start), self.z_end - self.z_start))
+        return hypot(self.radius_mm * (self.angle_end - self.angle_start), self.z_end - self.z_start)
 
     def points(self, fraction: Vector) -> Vector:
         """Points, shape (n, 3), at ``fraction`` (n,) of the piece."""
@@ -166,10 +166,11 @@ class Coil:
 
 
 @cache
-def _gauss() -> tuple[Vector, Vector]:
-    """Nodes on 0..1 and weights (sum 2) of a quadrature that is exact here to rounding."""
-    nodes, weights = np.array(_GAUSS_NODES), np.array(_GAUSS_WEIGHTS)
-    return (np.concatenate([-nodes[::-1], nodes]) + 1) / 2, np.concatenate([weights[::-1], weights])
+def _gauss() -> tuple[tuple[float, float], ...]:
+    """(Node on 0..1, weight; their sum is 2) of a quadrature that is exact here to rounding."""
+    return tuple(
+        ((sign * x + 1.0) / 2.0, w) for sign in (-1.0, 1.0) for x, w in zip(_GAUSS_NODES, _GAUSS_WEIGHTS, strict=True)
+    )
 
 
 @dataclass(frozen=True)
@@ -182,10 +183,11 @@ class Parabola:
 
     @property
     def length_mm(self) -> float:
-        f, w = _gauss()
-        p0, p1, p2 = _v(self.start), _v(self.middle), _v(self.end)
-        speed = 2 * (np.multiply.outer(1 - f, p1 - p0) + np.multiply.outer(f, p2 - p1))
-        return float(np.sum(w / 2 * np.linalg.norm(speed, axis=1)))
+        # Plain numbers: lengths are asked for by the thousand, and numpy's calls take longer for a few points.
+        (x0, y0, z0), (x1, y1, z1), (x2, y2, z2) = self.start, self.middle, self.end
+        a, b, c = x1 - x0, y1 - y0, z1 - z0
+        p, q, r = x2 - x1 - a, y2 - y1 - b, z2 - z1 - c
+        return sum(w * hypot(a + f * p, b + f * q, c + f * r) for f, w in _gauss())
 
     def points(self, fraction: Vector) -> Vector:
         """Points, shape (n, 3), at ``fraction`` (n,) of the piece."""

@@ -11,7 +11,7 @@ pulley; `guide_landing_walk_mm` gives how far it moves in a full sweep.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import acos, atan2, cos, degrees, hypot, pi, radians, sin, sqrt, tau
+from math import acos, atan2, cos, degrees, exp, hypot, log, pi, radians, sin, sqrt, tau
 
 import numpy as np
 
@@ -194,11 +194,16 @@ def guide_landing_walk_mm(drive: BevelDrive, cable: BevelRun) -> float:
     a lag whose space constant is the free span, dz/ds = (w - z)/L_free, without lateral slip (derived).
     """
     w = winding(drive, cable)
-    amplitude = abs(axial_walk_mm(drive, cable, radians(drive.half_travel_deg)))
-    stroke = 2 * cable.drum_radius_mm * radians(drive.half_travel_deg)
-    s = np.linspace(0.0, stroke, 2001)
+    amplitude = abs(w.reduction * radians(drive.half_travel_deg) * drive.helix_lead_mm / tau)
+    stroke, span = 2 * cable.drum_radius_mm * radians(drive.half_travel_deg), w.free_span_mm
+    if amplitude == 0.0:
+        return 0.0
     slope = -2 * amplitude / stroke
-    span = w.free_span_mm
-    # Closed form of the first-order lag on a ramp that starts at +amplitude, from z(0) = 0.
-    z = amplitude + slope * (s - span) - (amplitude - slope * span) * np.exp(-s / span)
-    return float(np.max(np.abs(z)))
+    lagging = amplitude - slope * span
+
+    def z(s: float) -> float:
+        """Closed form of the first-order lag on a ramp that starts at +amplitude, from z(0) = 0."""
+        return amplitude + slope * (s - span) - lagging * exp(-s / span)
+
+    # It rises up to where its rate is zero, then falls.
+    return max(abs(z(min(-span * log(-slope * span / lagging), stroke))), abs(z(stroke)))

@@ -72,7 +72,7 @@ def test_a_parabola_joins_two_slopes() -> None:
 
 def test_the_table_of_the_quadrature_is_that_of_numpy() -> None:
     nodes, weights = np.polynomial.legendre.leggauss(12)
-    found, found_weights = _gauss()
+    found, found_weights = np.array(sorted(_gauss())).T
     assert np.abs(2 * found - 1 - nodes).max() < 1e-15
     assert np.abs(found_weights - weights).max() < 1e-15
 

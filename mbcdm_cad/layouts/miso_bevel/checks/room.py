@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mbcdm_cad.checks.cable_gaps import CABLE_GAP_MM, cables_apart, nearest_mm, step_mm
+from mbcdm_cad.checks.cable_gaps import CABLE_GAP_MM, cables_apart, in_pieces, nearest_mm, step_mm
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.drum_outline import Ring, drum_zones, rim_points, wrap_points
@@ -142,13 +142,13 @@ def spans_clear(s: BevelLayout) -> Comparison:
     d, step, found = s.drum, step_mm(s), []
     keep = hypot(d.lug_half_width, max(d.nut_pocket, d.lug_half_width)) + s.flank_mm
     for angle, free in _free(s):
-        cosine, sine = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+        lines, cosine, sine = in_pieces(free), np.cos(np.radians(angle)), np.sin(np.radians(angle))
         turn = np.array([[cosine, 0.0, sine], [0.0, 1.0, 0.0], [-sine, 0.0, cosine]])
         for t in d.tensioners:
             along = np.linspace(t.slack_start, t.last_tip, int(t.last_tip / step) + 2)
             axis = np.array([(x, t.y_mm, z) for x, z in (t.at(a) for a in along)]) @ turn.T
             what = f"terminal of {t.cable_name} from the free spans with the drum at {angle:+.4g} deg"
-            found.append(at_least(what, nearest_mm(free, axis, step) - keep, CABLE_GAP_MM, "mm"))
+            found.append(at_least(what, nearest_mm(lines, in_pieces(axis), step) - keep, CABLE_GAP_MM, "mm"))
     return worst(found)
 
 
