@@ -54,7 +54,7 @@ def nearest_mm(a: Sampled, b: Sampled, step: float) -> float:
 
 
 def _squared(vectors: np.ndarray) -> np.ndarray:
-    return np.einsum("...x,...x->...", vectors, vectors)
+    return np.asarray(np.einsum("...x,...x->...", vectors, vectors))
 
 
 def _least_squared(a: Sampled, b: Sampled) -> float:
