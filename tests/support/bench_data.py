@@ -143,6 +143,21 @@ def friction_law(p: dict[str, float], bench: Bench) -> np.ndarray:
     return np.asarray(limit * z)
 
 
+def friction_run(
+    drive: Drive, law: dict[str, float] | None, seed: int, noise_rad: float = 0.0, **plan: Any
+) -> Simulated:
+    """A bench with a friction law, None for none, and a noise of the output encoder that no file declares."""
+    streams = [np.random.default_rng([seed, k]) for k in range(4)]
+    run = Plan(**{"amplitude_rad": 0.5, "load": "steps", "wave": "sine", **plan})
+    effects = (Effect("friction", "law", law),) if law else ()
+    chain = chain_of(drive)
+    bench = bench_run(run, float(np.mean(chain.r_drum / chain.r_in)), len(drive.input_names), streams[0])
+    drum = drum_angle(chain, drive.input_names, bench, effects, streams[1])
+    sensed = read_sensors(bench, drum, streams[2])
+    sensed["output"] = sensed["output"] + streams[3].normal(0.0, noise_rad, drum.size)
+    return Simulated(run, bench, drum, sensed, effects, ("inputs", "output", "torque"))
+
+
 def write_case(folder: Path, name: str, seed: int, drive: Drive, without_effects: bool = False) -> Path:
     """Write NAME-SEED.csv, .yaml and .truth.yaml into ``folder``; the path of the measurement file."""
     run = simulate_case(drive, name, seed, without_effects)

@@ -4,10 +4,11 @@ With the speed w, the load M (N m at the drum) and e = exp(-(w/w_s)^2) a frictio
 
     c + v |w| + s e + k |M| + k_s |M| e + q M^2 e
 
-where k may be one share for a load that the drive moves against and another for one that moves the drive. Terms: M.
-Duclusaud, G. Passault, V. Padois, O. Ly, Extended friction models for the physics simulation of servo actuators (arXiv
-2410.08650): M1 has c and v, M2 s too, M3 c, v and k, M4 all but q, M5 two shares k, M6 all. There the two shares are of
-the motor's and of the load's torque; as these differ by the friction alone, shares by the sense of power say the same.
+at once after a reversal, or built up over a path of the output as P. R. Dahl has it. k may be one share for a load that
+the drive moves against and another for one that moves the drive. Terms: M. Duclusaud, G. Passault, V. Padois, O. Ly,
+Extended friction models for the physics simulation of servo actuators (arXiv 2410.08650): M1 has c and v, M2 s too, M3
+c, v and k, M4 all but q, M5 two shares k, M6 all. There the two shares are of the motor's and of the load's torque; as
+these differ by the friction alone, shares by the sense of power say the same.
 
 The search has c alone; the other forms are tried in its place once it has ended
 (:mod:`mbcdm_cad.loop.search.forms`). A friction of v alone is the viscous drag of ``delay``.
@@ -25,7 +26,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mbcdm_cad.loop.effect import Effect, Figure, Parameter, Words
-from mbcdm_cad.loop.prepare.prepared import Prepared
+from mbcdm_cad.loop.prepare.prepared import Prepared, slid
 from mbcdm_cad.loop.prepare.setup import Setup, Simulator
 from mbcdm_cad.loop.readable import readable
 from mbcdm_cad.model.si import DriveSI
@@ -37,7 +38,7 @@ if TYPE_CHECKING:
 
 NAME = "friction"
 # Terms in the order of their parameters. The speed at which a term fades comes last where one of FADING is there.
-CONSTANT, VISCOUS, STRIBECK, LOAD, DRIVING, DRIVEN, SLOW_LOAD, SQUARE = range(8)
+CONSTANT, VISCOUS, STRIBECK, LOAD, DRIVING, DRIVEN, SLOW_LOAD, SQUARE, BUILT_UP = range(9)
 FADING = {STRIBECK, SLOW_LOAD, SQUARE}
 Terms = tuple[int, ...]
 # Names of BAM.
@@ -57,9 +58,12 @@ SPOKEN = {
     DRIVING: "by the sense of power",
     SLOW_LOAD: "more of the load at a crawl",
     SQUARE: "square of the load at a crawl",
+    BUILT_UP: "built up over a path",
 }
 # The speed w_s, over the largest speed of the run: bounds, and where fits begin.
 FADES, BEGINNINGS = (0.02, 1.0), (0.1, 0.35)
+# The path over which a friction builds up after a reversal, over the travel: bounds, and where fits begin.
+PATHS, FIRST_PATH = (2e-5, 0.05), 1e-3
 BIAS = "a constant bias torque: friction keeps to the speed, lash and the cables to the torque"
 TWO = "runs at two speeds that differ threefold and under two loads, one of them a weight that drives the drum one way"
 
@@ -99,9 +103,18 @@ class Place:
 
     def applied(self, terms: Terms, setup: Setup, values: Floats, _: Simulator) -> Setup:
         """The run with a friction of these terms."""
-        p = setup.p
-        fades = float(values[-1]) if FADING & {*terms} else 1.0
-        return self.moved(setup, values[: len(terms)] @ bases(terms, p.sense, p.speed_rad_s, p.load_Nm, fades))
+        p, sizes = setup.p, sizes_of(terms)
+        fades, sense = float(values[len(sizes)]) if FADING & {*terms} else 1.0, p.sense
+        if BUILT_UP in terms:
+            path = float(values[-1]) * setup.ratio
+            sense = slid(p.common_rad, path)
+            setup = replace(setup, p=p.building_up(path))
+        return self.moved(setup, values[: len(sizes)] @ bases(sizes, sense, p.speed_rad_s, p.load_Nm, fades))
+
+
+def sizes_of(terms: Terms) -> Terms:
+    """The terms that have a size each."""
+    return tuple(term for term in terms if term != BUILT_UP)
 
 
 def _beyond(setup: Setup, torque_Nm: Floats) -> Setup:
@@ -180,7 +193,7 @@ def form_name(place: Place, terms: Terms) -> str:
     if terms == (CONSTANT,):
         return place.form
     words = ", ".join(SPOKEN[term] for term in terms if term != DRIVEN)
-    return f"{place.form}: {words}" + (f" (BAM {BAM[terms]})" if terms in BAM else "")
+    return f"{place.form}: {words}" + (f" (BAM {BAM[sizes_of(terms)]})" if sizes_of(terms) in BAM else "")
 
 
 def all_terms(place: Place, loaded: bool) -> list[Terms]:
@@ -192,24 +205,32 @@ def all_terms(place: Place, loaded: bool) -> list[Terms]:
         alone = (not constant and (slow or not load)) or (SLOW_LOAD in slow and not load)
         terms = tuple(sorted((*constant, *viscous, *load, *slow)))
         if not alone and {*terms} <= {*place.parameters} and (loaded or not load):
-            found.append(terms)
+            found += [terms, (*terms, BUILT_UP)]
     return sorted(found, key=len)
 
 
 def friction(place: Place, terms: Terms, p: Prepared) -> Effect:
     """A friction of these terms at a place."""
-    parameters = [Parameter(name, size, 0.0) for name, size in (place.parameters[term] for term in terms)]
+    sizes, travel = sizes_of(terms), float(np.ptp(p.output_rad))
+    parameters = [Parameter(name, size, 0.0) for name, size in (place.parameters[term] for term in sizes)]
     parts = p.run.parts
     if parts is not None and parts.friction_Nm and place is BEYOND and terms[0] == CONSTANT:
         # The prediction counts the design's losses, and less than these may rub.
         parameters[0] = replace(parameters[0], low=-parts.friction_Nm)
     most = float(np.quantile(np.abs(p.speed_rad_s), 0.99))
-    clauses = [_CLAUSES[term] % place.parameters[term][0] for term in terms]
-    starts = None
+    clauses = [_CLAUSES[term] % place.parameters[term][0] for term in sizes]
+    begun = [[0.0] * len(sizes)]
     if FADING & {*terms}:
         parameters.append(Parameter("fades_rad_s", 0.05 * most, FADES[0] * most, FADES[1] * most, role="place"))
-        starts = partial(_fading, len(terms), most)
-    more = terms != (CONSTANT,)
+        begun = [[*start, share * most] for start in begun for share in BEGINNINGS]
+    if BUILT_UP in terms:
+        low, high = (share * travel for share in PATHS)
+        parameters.append(Parameter("built_up_rad", 2e-4 * travel, low, high, role="place"))
+        begun = [[*start, FIRST_PATH * travel] for start in begun]
+    more, built = (
+        terms != (CONSTANT,),
+        ", built up over {built_up_rad} after each reversal" if BUILT_UP in terms else "",
+    )
     return Effect(
         NAME,
         form_name(place, terms),
@@ -218,10 +239,10 @@ def friction(place: Place, terms: Terms, p: Prepared) -> Effect:
         TWO if more else BIAS,
         tuple(parameters),
         partial(place.applied, terms),
-        starts=starts,
+        starts=partial(_begun, begun),
         generic=True,
         hangs_on="speed" if {*terms} & {VISCOUS, *FADING} else "",
-        plain=f"{place.what} there are {_listed(clauses)}" if more else place.plain,
+        plain=f"{place.what} there are {_listed(clauses)}" + built if more else place.plain,
         richer=None if more else partial(_richer, place, p),
         figures=tuple(
             Figure(q.name, lambda v, k=k: float(v[k]), _MEANINGS.get(q.name, ""))  # type: ignore[misc]
@@ -231,13 +252,14 @@ def friction(place: Place, terms: Terms, p: Prepared) -> Effect:
 
 
 _MEANINGS = {
+    "built_up_rad": "path of the output after a reversal over which 63 % of the change are there",
     "fades_rad_s": "speed of the output at which a third of the Stribeck part is left",
     "square_share": "share of the load at 1 N m, near standstill",
 }
 
 
-def _fading(sizes: int, most_rad_s: float, setup: Setup, residual: Floats) -> list[list[float]]:
-    return [[0.0] * sizes + [share * most_rad_s] for share in BEGINNINGS]
+def _begun(starts: list[list[float]], setup: Setup, residual: Floats) -> list[list[float]]:
+    return starts
 
 
 def _listed(words: list[str]) -> str:

@@ -68,6 +68,23 @@ def _play(drive: Floats, half: float, out: Floats) -> None:
         out[k] = at
 
 
+@compiled
+def _slid(drive: Floats, path: float, out: Floats) -> None:
+    at = 0.0
+    for k in range(1, drive.size):
+        step = drive[k] - drive[k - 1]
+        sense = 1.0 if step > 0.0 else -1.0
+        at = sense + (at - sense) * math.exp(-abs(step) / path)
+        out[k] = at
+
+
+def slid(drive: Floats, path: float) -> Floats:
+    """Share, -1 to 1, of a friction that builds up along ``drive`` (n,): 63 % of it over ``path`` (P. R. Dahl)."""
+    out = np.zeros_like(drive)
+    _slid(np.ascontiguousarray(drive), path, out)
+    return out
+
+
 def played(drive: Floats, half: float) -> Floats:
     """What follows ``drive`` (n,) with a play of ``half`` to either side: the play operator."""
     out = np.empty_like(drive)
@@ -94,7 +111,8 @@ class Prepared:
     the RMS that the sensors alone put into the residual, 0 where the measurement file does not say; ``input_step_rad``
     one step of the inputs; ``few``: too few half sweeps to leave the first one out. ``cut``: which samples of the run
     these are. ``standstill_rad_s``: speed below which the sense of motion is not sharp. ``cycles_a_turn``: order of the
-    fastest ripple of the inputs that the simulated samples must follow.
+    fastest ripple of the inputs that the simulated samples must follow; ``built_up_rad``: path of the inputs' mean over
+    which a friction builds up that they must follow, 0 for none.
     """
 
     time_s: Floats
@@ -119,6 +137,7 @@ class Prepared:
     cut: Cut
     windows: Windows
     cycles_a_turn: float = 0.0
+    built_up_rad: float = 0.0
 
     @property
     def train(self) -> NDArray[np.bool_]:
@@ -168,7 +187,8 @@ class Prepared:
             cycles = np.abs(np.diff(self.common_rad)) * self.cycles_a_turn / (2.0 * np.pi)
             turned = np.maximum(turned, IN_A_CYCLE * cycles)
         passed = np.maximum(turned, np.diff(self.time_s) / COARSEST_S)
-        for values in (self.sense, self.load_Nm):
+        built_up = slid(self.common_rad, self.built_up_rad) if self.built_up_rad else None
+        for values in (self.sense, self.load_Nm, built_up):
             if values is not None and np.ptp(values) > 0.0:
                 passed = np.maximum(passed, np.abs(np.diff(values)) / (JUMP_SHARE * float(np.ptp(values))))
         grid = np.flatnonzero(np.diff(np.floor(np.cumsum(passed)), prepend=-1.0))
@@ -213,6 +233,13 @@ class Prepared:
             return self
         order = 2.0 ** math.ceil(math.log2(cycles_a_turn))
         return self._followed.setdefault(order, replace(self, cycles_a_turn=order))
+
+    def building_up(self, path_rad: float) -> Prepared:
+        """The run with simulated samples close enough for a friction that builds up over such a path of the inputs."""
+        path = 2.0 ** math.floor(math.log2(path_rad))
+        if path == self.built_up_rad:
+            return self
+        return self._followed.setdefault(-path, replace(self, built_up_rad=path))
 
     @cached_property
     def _followed(self) -> dict[float, Prepared]:

@@ -56,11 +56,20 @@ class Drives(ExperimentBlock):
 
 
 class BearingDrag(ExperimentBlock):
-    """Coulomb friction of the bearings, each at its own shaft, N m. The torque sensor does not see it."""
+    """Friction of the bearings, each at its own shaft. The torque sensor does not see it.
+
+    At the drum it is drum_Nm + viscous_Nms |w| + stribeck_Nm exp(-|w|/stribeck_rad_s), w its speed, and a share of the
+    load: one while the drum moves against it, one while the load moves the drum.
+    """
 
     input_Nm: Friction = 0.0
     passed_Nm: Annotated[Friction, Field(validation_alias=AliasChoices("passed_Nm", "guide_Nm"))] = 0.0
     drum_Nm: Friction = 0.0
+    viscous_Nms: Annotated[float, Field(ge=0.0, le=100.0)] = 0.0
+    stribeck_Nm: Friction = 0.0
+    stribeck_rad_s: Annotated[float, Field(gt=0.0, le=100.0)] = 0.05
+    driving_share: Share = 0.0
+    driven_share: Share = 0.0
 
 
 class DynamicSensors(ExperimentBlock):

@@ -142,7 +142,7 @@ def run(
             speed = v[out]
             outer = torque[k] + load[UNBALANCE] * math.sin(q[out] + load[UNBALANCE_ANGLE])
             capacity = brake_capacity(brake[k], speed, load)
-            own = 0.0 if out > last else drum_friction(bent, tension)
+            own = 0.0 if out > last else drum_friction(bent, tension, speed, outer + math.copysign(capacity, speed))
             advance(bent, motion, tension, Torques(motor, outer, capacity), h, account)
             for j in range(n_cables):
                 p = n_inputs + input_of[j]

@@ -49,7 +49,17 @@ INPUT_COLUMNS = 13
 # Columns of the table of cables.
 SIGMA, INPUT_RADIUS, DRUM_RADIUS, SPAN_STIFFNESS, INPUT_SHARE, DRUM_SHARE = range(6)
 # Entries of the drum's row; a stiffness of 0: the parts are rigid, and the payload is on the drum.
-DRUM_INERTIA, DRUM_DRAG, DRUM_VISCOUS, PAYLOAD_INERTIA, PARTS_STIFFNESS = range(5)
+(
+    DRUM_INERTIA,
+    DRUM_DRAG,
+    DRUM_VISCOUS,
+    PAYLOAD_INERTIA,
+    PARTS_STIFFNESS,
+    DRUM_STRIBECK,
+    STRIBECK_SPEED,
+    DRIVING_SHARE,
+    DRIVEN_SHARE,
+) = range(9)
 # Entries of the energy balance, J.
 (MOTOR_WORK, LOAD_WORK, ROTOR_LOSS, PULLEY_LOSS, DRUM_LOSS, VISCOUS_LOSS, CABLE_WORK) = range(7)
 ACCOUNTS = 7
@@ -98,9 +108,16 @@ def payload_at(plant: Plant) -> int:
 
 
 @compiled
-def drum_friction(plant: Plant, tension: Floats) -> float:
-    """Largest friction on the drum besides that of the load, N m: bearings, and cables that bend."""
-    total = plant.drum[DRUM_DRAG]
+def drum_friction(plant: Plant, tension: Floats, speed: float, carried: float) -> float:
+    """Largest friction on the drum besides that of the load, N m: bearings, and cables that bend.
+
+    That of the bearings falls with the speed (rad/s) as an exponential, and grows with the torque that is carried (N
+    m), by one share while the drum moves against it and by another while it moves the drum.
+    """
+    drum = plant.drum
+    total = drum[DRUM_DRAG] + abs(carried) * (drum[DRIVING_SHARE] if carried * speed >= 0.0 else drum[DRIVEN_SHARE])
+    if drum[DRUM_STRIBECK] > 0.0:
+        total += drum[DRUM_STRIBECK] * math.exp(-abs(speed) / drum[STRIBECK_SPEED])
     for j in range(tension.size):
         total += plant.cables[j, DRUM_SHARE] * plant.cables[j, DRUM_RADIUS] * tension[j]
     return float(total)
@@ -132,7 +149,7 @@ def advance(plant: Plant, state: State, tension: Floats, torques: Torques, h: fl
         limit[p] = h * row[PULLEY_DRAG]
     A[last, last] = drum[DRUM_INERTIA] + h * drum[DRUM_VISCOUS]
     b[last] = drum[DRUM_INERTIA] * v[last]
-    limit[last] = h * drum_friction(plant, tension)
+    limit[last] = h * drum_friction(plant, tension, v[last], load + math.copysign(brake, v[last]))
     if out > last:
         limit[out] = b[out] = 0.0
         twisted = h * drum[PARTS_STIFFNESS] * (q[last] - q[out])

@@ -78,6 +78,11 @@ def _rig(drive: Drive, experiment: DynamicExperiment, bench: Bench) -> DynamicRi
         load.static_speed_rad_s,
         load.unbalance_Nm,
         bearing_drag_Nm=experiment.bearings.drum_Nm,
+        bearing_viscous_Nms=experiment.bearings.viscous_Nms,
+        bearing_stribeck_Nm=experiment.bearings.stribeck_Nm,
+        bearing_stribeck_rad_s=experiment.bearings.stribeck_rad_s,
+        bearing_driving_share=experiment.bearings.driving_share,
+        bearing_driven_share=experiment.bearings.driven_share,
     )
     rig = rig_of(drive, spec, drives.lossless, drives.bandwidth_Hz)
     rubs, before = bench.friction, bench.compliance.before_inputs_Nm_rad
@@ -143,9 +148,13 @@ def truth_of(experiment: DynamicExperiment, bench: Bench) -> list[dict[str, Any]
         bench.tell("lash", seen=False, parameters={"lash_rad": drives.lash_mrad * 1e-3})
     if load.static_ratio > 1.0 and load.brake_Nm > 0.0:
         bench.tell("brake_stick_slip", in_vocabulary=False, parameters={"static_ratio": load.static_ratio})
-    if bearings.drum_Nm > 0.0 or bearings.passed_Nm > 0.0:
+    by_law = ("stribeck_Nm", "driving_share", "driven_share")
+    laws = {name: float(value) for name in by_law if (value := getattr(bearings, name)) > 0.0}
+    if bearings.drum_Nm > 0.0 or bearings.passed_Nm > 0.0 or laws:
         drags = {f"{name}_Nm": bearings.passed_Nm for name in passed}
-        bench.tell("friction", parameters={"drum_Nm": bearings.drum_Nm, **drags})
+        bench.tell("friction", parameters={"drum_Nm": bearings.drum_Nm, **drags, **laws})
+    if bearings.viscous_Nms > 0.0:
+        bench.tell("delay", cause="viscous_drag", parameters={"drag_Nms": bearings.viscous_Nms})
     if sensors.output_delay_s > 0.0:
         bench.tell("delay", parameters={"delay_s": sensors.output_delay_s})
     return bench.truth

@@ -91,7 +91,8 @@ def cable_table(rig: DynamicRig) -> Floats:
 
 
 def drum_row(rig: DynamicRig) -> Floats:
-    """Inertia, drag and viscous friction at drum and passed bodies; inertia of the load; stiffness of the parts."""
+    """Inertia, drag and viscous friction at drum and passed bodies; inertia of the load; stiffness of the parts; the
+    friction of the bearings by speed and load."""
     moved = inertias(rig.drive)
     turns = sum(abs(body.turns_per_drum) for body in moved.routes.passed)
     drag = rig.load.bearing_drag_Nm + rig.passed_drag_Nm * turns
@@ -99,7 +100,14 @@ def drum_row(rig: DynamicRig) -> Floats:
     give = rig.compliance.land_to_payload
     stiffness = 1.0 / give if give > 0.0 else 0.0
     drum = moved.drum_and_passed_kg_m2
-    return np.array([drum, drag, rig.load.bearing_viscous_Nms, rig.load.inertia_kg_m2, stiffness])
+    load = rig.load
+    laws = (
+        load.bearing_stribeck_Nm,
+        load.bearing_stribeck_rad_s,
+        load.bearing_driving_share,
+        load.bearing_driven_share,
+    )
+    return np.array([drum, drag, load.bearing_viscous_Nms, load.inertia_kg_m2, stiffness, *laws])
 
 
 def path_table(rig: DynamicRig, reference: Floats) -> Floats:

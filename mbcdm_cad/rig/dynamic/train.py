@@ -125,7 +125,8 @@ class LoadSpec:
 
     A brake of level c holds c (1 + (static_ratio - 1) exp(-(speed/static_speed)^2)): with a ratio above 1 it can stick
     and slip. ``unbalance_Nm`` is the moment of the weight of an inertia plate,
-    M = unbalance sin(angle + unbalance_angle). ``bearing_drag_Nm`` is friction that the torque sensor does not see.
+    M = unbalance sin(angle + unbalance_angle). ``bearing_drag_Nm`` is friction that the torque sensor does not see;
+    ``bearing_stribeck_Nm`` exp(-|speed|/``bearing_stribeck_rad_s``) and shares of the torque carried are added to it.
     """
 
     inertia_kg_m2: float = 0.0
@@ -135,9 +136,14 @@ class LoadSpec:
     unbalance_angle_rad: float = 0.0
     bearing_drag_Nm: float = 0.0
     bearing_viscous_Nms: float = 0.0
+    bearing_stribeck_Nm: float = 0.0
+    bearing_stribeck_rad_s: float = 1.0
+    bearing_driving_share: float = 0.0
+    bearing_driven_share: float = 0.0
 
     def __post_init__(self) -> None:
-        require_not_negative(self, "inertia_kg_m2", "bearing_drag_Nm", "bearing_viscous_Nms")
+        require_not_negative(self, "inertia_kg_m2", "bearing_drag_Nm", "bearing_viscous_Nms", "bearing_stribeck_Nm")
+        require_not_negative(self, "bearing_driving_share", "bearing_driven_share")
         if not self.static_ratio >= 1.0:
             raise ValueError(f"static_ratio is {self.static_ratio}; give it >= 1")
-        require_positive(self, "static_speed_rad_s")
+        require_positive(self, "static_speed_rad_s", "bearing_stribeck_rad_s")

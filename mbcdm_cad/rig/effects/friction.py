@@ -20,19 +20,25 @@ class BearingFriction(RigEffect):
     Friction in bearings of the drum and of passed bodies: the cables carry it, the torque sensor does not see it.
 
     Coulomb torque against the motion, with a short elastic start (``presliding_urad`` of drum angle from side to side).
-    A passed body turns r_o/r times as fast as the drum, so its drag counts that many times at the drum.
+    A passed body turns r_o/r times as fast as the drum, so its drag counts that many times at the drum. Near standstill
+    there is ``stribeck_mNm`` more, which falls as exp(-|w|/``stribeck_mrad_s``) with the drum's speed w.
     """
 
     effect: Literal["bearing_friction"]
     drum_mNm: Annotated[float, Field(ge=0.0, le=5000.0)] = 0.0
     passed_mNm: Annotated[float, Field(ge=0.0, le=500.0, validation_alias=PASSED)] = 0.0
     presliding_urad: Annotated[float, Field(gt=0.0, le=1e4)] = 100.0
+    stribeck_mNm: Annotated[float, Field(ge=0.0, le=5000.0)] = 0.0
+    stribeck_mrad_s: Annotated[float, Field(gt=0.0, le=1e5)] = 50.0
 
     def apply(self, bench: Bench) -> None:
         turns = sum(abs(body.turns_per_drum) for body in bench.routes.passed)
         torque = (self.drum_mNm + self.passed_mNm * turns) * 1e-3
-        bench.hidden_Nm.append(brake(bench.drum_rad, np.full(bench.time_s.size, torque), self.presliding_urad * 1e-6))
-        bench.tell("friction", parameters={"torque_Nm": torque})
+        speed = np.gradient(bench.drum_rad, bench.time_s)
+        more = self.stribeck_mNm * 1e-3
+        limit = torque + more * np.exp(-np.abs(speed) / (self.stribeck_mrad_s * 1e-3))
+        bench.hidden_Nm.append(brake(bench.drum_rad, limit, self.presliding_urad * 1e-6))
+        bench.tell("friction", parameters={"torque_Nm": torque} | ({"stribeck_Nm": more} if more else {}))
 
 
 class ViscousDrag(RigEffect):

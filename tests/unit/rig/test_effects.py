@@ -132,6 +132,12 @@ def test_output_shaft_and_friction_work_by_compliance(drive):
     assert np.all(hidden.load_Nm == 0.0)
     guide = run(drive, {"effect": "bearing_friction", "guide_mNm": 200.0 / 6.0, "presliding_urad": 500.0})
     assert np.allclose(guide.drum_rad, hidden.drum_rad, atol=1e-10)
+    # A Stribeck part that no speed of the run ends is constant, one that ends at once is not there.
+    for fades, drum in ((1e5, 150.0), (1e-3, 200.0)):
+        law = {"drum_mNm": drum, "stribeck_mNm": 50.0, "stribeck_mrad_s": fades, "presliding_urad": 500.0}
+        both = run(drive, {"effect": "bearing_friction"} | law)
+        off = np.abs(both.drum_rad - hidden.drum_rad).max()
+        assert off < 1e-6, f"{off:.3g} rad; 50 mN m turn the drum by some 10 urad"
 
 
 def test_delay_and_viscous_drag_go_with_speed(drive):

@@ -40,6 +40,18 @@ def test_energy_balance_of_a_braked_run() -> None:
     assert run.energy_J["drum_friction"] == pytest.approx(0.91 * travelled, rel=5e-3)
 
 
+def test_friction_of_the_bearings_by_speed_and_load_takes_the_energy_of_its_law() -> None:
+    """The law once more, over the logged motion; the load drives the drum in every other half sweep."""
+    law = LoadSpec(0.0, 1.0, 1e-3, 0.0, 0.0, 0.02, 0.2, 0.02, 0.1, 0.2, 0.1)
+    reference = sine(0.05, 0.5, 2, 1000.0)
+    run = run_dynamic(quiet(rig_of(DRIVE, law)), reference, 0.5 * np.ones(reference.shape[0]), log_rate_Hz=1000.0)
+    w = np.gradient(run.drum_rad, run.time_s)
+    limit = 0.02 + 0.02 * np.exp(-np.abs(w) / 0.1) + 0.5 * np.where(w > 0.0, 0.2, 0.1)
+    expected = float(np.sum(limit * np.abs(w)) * (run.time_s[1] - run.time_s[0]))
+    assert run.energy_J["drum_friction"] == pytest.approx(expected, rel=0.01)
+    assert abs(missing_J(run)) < 2e-3 * run.energy_J["motor"]
+
+
 def test_same_seed_same_run() -> None:
     rig = rig_of(DRIVE)
     rig = replace(rig, encoders=tuple(replace(e, noise_rad=1e-5) for e in rig.encoders))

@@ -25,7 +25,7 @@ class Springs:
         for name, value in row.items():
             self.inputs[0, getattr(plant, name.upper())] = value
         self.cables = np.array([[s, inner, outer, SPRING_N_M, 0.0, 0.0] for inner, outer, s in RADII])
-        self.drum = np.array([DRUM_INERTIA, drum_drag, 0.0, 0.0, 0.0])
+        self.drum = np.array([DRUM_INERTIA, drum_drag, *[0.0] * 7])
         self.plant = plant.Plant(self.inputs, self.cables, np.zeros(2, np.int64), self.drum)
         self.state = plant.State(np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3))
         self.q, self.v = self.state.q, self.state.v
