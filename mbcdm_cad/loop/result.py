@@ -179,7 +179,9 @@ class Traces:
 @dataclass(frozen=True, eq=False)
 class ReadingsPicture:
     """Few readings of one run as a picture: ``read_rad`` (n,) at ``at`` (n,), and along ``line_at`` (m,) what the
-    declared model and the model with what was found predict, (m,); ``held`` (n,) marks what was held back."""
+    declared model and the model with what was found predict, (m,); ``held`` (n,) marks what was held back;
+    ``logarithmic``: so is the axis.
+    """
 
     source: str
     title: str
@@ -191,6 +193,7 @@ class ReadingsPicture:
     line_at: Floats
     before_rad: Floats
     after_rad: Floats
+    logarithmic: bool = False
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,7 +20,7 @@ from mbcdm_cad.measurement.file import MeasurementFile, load_file
 from mbcdm_cad.measurement.known_load import pendulum_load_Nm
 from mbcdm_cad.measurement.logformat import Format, find_format, line_with
 from mbcdm_cad.measurement.run import KNOWN_LOAD, Run, Sensors, StatedMotors, TorqueClass
-from mbcdm_cad.measurement.schema import BY_HAND, CURRENT, TURNING_POINTS, Column, SensorFigures
+from mbcdm_cad.measurement.schema import BY_HAND, CREEP, CURRENT, TURNING_POINTS, Column, SensorFigures
 from mbcdm_cad.measurement.units import ISO_CLOCK, Unit, unit_of
 from mbcdm_cad.routes import Floats
 
@@ -56,6 +56,7 @@ def refuse_unusable(file: MeasurementFile, run: Run, table: DataTable, data: Pat
             remedy = "go on measuring; check comment and skip_rows"
         elif count >= FEWEST_ROWS:
             remedy += f"; of a table by hand, a row for each turning point, say kind: {TURNING_POINTS}"
+            remedy += f", of readings at rest kind: {CREEP}"
         raise InputError([Problem(str(data), 1, "", "too few samples", str(count), f"{fewest}", remedy)])
     if not np.isfinite(table.values).all() or float(np.abs(table.values).max()) > 1e12:
         remedy = "check unit, scale and counts_per_turn of every column"
@@ -138,7 +139,7 @@ def _nothing_read(file: MeasurementFile, run: Run) -> list[Problem]:
     if not np.ptp(run.output_rad):
         remedy = "read it to more digits, or check column and unit"
         problems.append(file.problem(("columns", "output"), "one figure in all rows", remedy=remedy))
-    if not run.input_rad.size or not np.ptp(run.input_rad, axis=1).any():
+    if run.kind == TURNING_POINTS and not np.ptp(run.input_rad, axis=1).any():
         if run.load_Nm is None:
             remedy = "give the inputs' angles, or the load under which each row was read"
             problems.append(file.problem(("columns",), "neither an input nor a load that changes", remedy=remedy))

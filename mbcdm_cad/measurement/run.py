@@ -124,7 +124,8 @@ class Run:
     file lets the prediction count besides the cables; ``parts``: its figures, once the run is compared with a design.
     ``current_A`` (n_inputs, n) are the motors' currents, ``motor`` their figures: the load follows from them where the
     run is compared with a design, or with its ratio. ``kind`` is what the rows are; where inputs stand still and have
-    no columns, they are at zero.
+    no columns, they are at zero. ``expected_creep``: of a run at rest, the creep of the rope for each decade of time
+    by its catalogue entry, over its elastic stretch.
     """
 
     time_s: Floats
@@ -144,6 +145,7 @@ class Run:
     current_A: Floats | None = None
     motor: StatedMotors | None = None
     kind: Kind = MOTION
+    expected_creep: float = 0.0
 
     @cached_property
     def step_s(self) -> float:

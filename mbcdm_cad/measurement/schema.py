@@ -309,10 +309,10 @@ class CountedParts(Block):
     )
 
 
-Kind = Literal["motion", "turning_points"]
-MOTION, TURNING_POINTS = KINDS = get_args(Kind)
+Kind = Literal["motion", "turning_points", "creep"]
+MOTION, TURNING_POINTS, CREEP = get_args(Kind)
 # Kinds of which a person may have written the few rows, and whose inputs may stand still.
-BY_HAND: tuple[Kind, ...] = (TURNING_POINTS,)
+BY_HAND: tuple[Kind, ...] = (TURNING_POINTS, CREEP)
 
 Quantity = Literal["peak_torque", "mass", "backlash", "ripple_amplitude", "ripple_order"]
 
@@ -358,7 +358,7 @@ class Measurement(Block):
     )
     kind: Kind = choice(
         "what the rows are: motion, samples of a drive that moves; turning_points, one row where the motion or the "
-        "load turns round, as written by hand",
+        "load turns round, as written by hand; creep, readings at rest since a load was put on, at time 0",
         source=BENCH,
         example="turning_points",
         default="motion",

@@ -14,6 +14,7 @@ import numpy as np
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError, Problem
+from mbcdm_cad.measurement.by_hand import creep_findings, readings_findings
 from mbcdm_cad.measurement.file import MeasurementFile
 from mbcdm_cad.measurement.motor_load import figures_of, with_motors_load
 from mbcdm_cad.measurement.parts import parts_seen
@@ -28,10 +29,10 @@ from mbcdm_cad.measurement.run import (
     half_sweeps,
     smoothed,
 )
-from mbcdm_cad.measurement.schema import BY_HAND, MOTION
-from mbcdm_cad.measurement.turning_points import readings_findings
+from mbcdm_cad.measurement.schema import BY_HAND, CREEP, MOTION
 from mbcdm_cad.measurement.vet_columns import column_findings, robust_slope
 from mbcdm_cad.measurement.vet_signals import FEWEST_HALF_SWEEPS, reach_findings, signal_findings
+from mbcdm_cad.model.creep import creep_a_decade
 from mbcdm_cad.model.si import DriveSI, to_si
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.route import input_body
@@ -105,6 +106,8 @@ def arranged(run: Run, drive: Drive) -> Run:
     if not run.input_rad.size:
         still = np.zeros((len(drive.input_names), run.time_s.size))
         run = replace(run, input_rad=still, input_names=drive.input_names)
+    if run.kind == CREEP:
+        run = replace(run, expected_creep=creep_a_decade(drive.cable))
     if run.counted is not None:
         at = run.counted.inputs_at
         motors = any(run.motor_side) if at is None else at == "motors"
@@ -163,7 +166,9 @@ def vet(run: Run, drive: Drive | None) -> list[VettingNote]:
     if wrong:
         return wrong
     if run.kind in BY_HAND:
-        return readings_findings(run, known.ratio, known.travel_rad, known.d)
+        return (
+            creep_findings(run) if run.kind == CREEP else readings_findings(run, known.ratio, known.travel_rad, known.d)
+        )
     thin = _thinned(run)
     found = signal_findings(run, known.ratio)
     if not refusals(found):  # an angle that jumps has no meaningful slope

@@ -75,6 +75,11 @@ def creeps(rope: CableSpec) -> bool:
     return rope.creep_per_decade > 0.0 or rope.creep_per_year > 0.0
 
 
+def creep_a_decade(rope: CableSpec) -> float:
+    """Creep strain for each decade of time over the elastic strain that the same tension causes."""
+    return float(rope.creep_per_decade * rope.axial_stiffness_N / rope.breaking_load_N)
+
+
 def steady_rate_per_s(rope: CableSpec, tension_N: float, temperature_C: float) -> float:
     """Steady strain rate under a tension at a temperature, 1/s."""
     from_reference = 1.0 / REFERENCE_K - 1.0 / (temperature_C + _ZERO_C)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
+from scipy.signal import lfilter
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.base import NoFigureError
@@ -49,6 +50,7 @@ class Bench:
     hidden_Nm: list[Floats] = field(default_factory=list)
     stick_slip: Floats | None = None
     output_twist_rad_Nm: float = 0.0
+    slow_twist: list[tuple[float, float]] = field(default_factory=list)
     encoder_errors: list[tuple[str, ErrorOf]] = field(default_factory=list)
     output_delay_s: float = 0.0
     input_delay_s: float = 0.0
@@ -141,6 +143,15 @@ class Bench:
             for w in range(n_wraps):
                 self.strains[j, w] += wraps[0 if w == 0 else 2 if w == n_wraps - 1 else 1]
         self.paths.append(lambda inputs, drum: -longer)
+
+    def slow_twist_rad(self, load_Nm: Floats) -> Floats:
+        """Twist of the parts that give way slowly under the load, rad (n,): each of ``slow_twist``, a give in rad/(N m)
+        and a time in s, follows the load with that delay."""
+        twist = np.zeros_like(load_Nm)
+        for give, time in self.slow_twist:
+            follows = 1.0 - np.exp(-(self.time_s[1] - self.time_s[0]) / time)
+            twist += give * lfilter([follows], [1.0, follows - 1.0], load_Nm)
+        return twist
 
     def tell(self, name: str, in_vocabulary: bool = True, seen: bool = True, **more: Any) -> None:
         """Write an effect into the truth. ``seen`` is false for an effect that the logged signals already contain."""

@@ -42,7 +42,8 @@ along), the name of a single effect, `pair` and `three` (several effects), `out`
 for), `none` (an effect that the logged signals contain, so that nothing is left to explain).
 
 `params/experiments/siso_spur/` has those for effects of a cable that nothing anchors on its input; run them with
-`params/siso_spur.yaml`.
+`params/siso_spur.yaml`. `params/experiments/by-hand/` has tables of turning points and readings at rest
+([other-runs.md](other-runs.md)).
 
 The column "adds" is the difference in transmission error between this run and the same run without any effect, with
 perfect sensors: its standard deviation and its spread (largest minus smallest), after the first eighth of the run.

@@ -11,7 +11,9 @@ import numpy as np
 
 from mbcdm_cad.design.blocks import AsBuilt
 from mbcdm_cad.loop.effect import Effect, Offer
+from mbcdm_cad.loop.effects.creep_at_rest import AT_REST
 from mbcdm_cad.loop.prepare.prepared import Prepared
+from mbcdm_cad.measurement.schema import MOTION
 from mbcdm_cad.model.si import DriveSI, ModelError
 from mbcdm_cad.routes import Floats
 
@@ -31,8 +33,8 @@ def library(d: DriveSI | None, p: Prepared) -> list[Effect]:
 def known_effects(d: DriveSI, p: Prepared, found: Sequence[AsBuilt]) -> list[tuple[Effect, Floats]]:
     """The effects of ``Drive.as_built`` as the loop has them, with their values, for one run.
 
-    An effect that the run cannot show (no torque column) is left out. Raises ModelError for a form or figure that the
-    loop does not have for this drive.
+    An effect that the run cannot show (no torque column, a run of another kind) is left out. Raises ModelError for a
+    form or figure that the loop does not have for this drive.
     """
     offered = library(d, p)
     offered += [form for effect in offered if effect.richer for form in effect.richer() if form.form != effect.form]
@@ -40,7 +42,7 @@ def known_effects(d: DriveSI, p: Prepared, found: Sequence[AsBuilt]) -> list[tup
     for k, entry in enumerate(found):
         same = [e for e in offered if (e.name, e.stage) == (entry.name, entry.stage) and e.form == entry.form]
         same = [e for e in same if not entry.cables or e.cables == entry.cables]
-        if not same and p.load_Nm is None:
+        if not same and (p.load_Nm is None or p.run.kind != MOTION or entry.form.endswith(AT_REST)):
             continue
         if not same:
             # Of sums of terms the shortest stands for all.

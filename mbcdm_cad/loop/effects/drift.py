@@ -7,6 +7,7 @@ import numpy as np
 from mbcdm_cad.loop.effect import Effect, Parameter, elapsed_s
 from mbcdm_cad.loop.prepare.prepared import Prepared
 from mbcdm_cad.loop.prepare.setup import Setup, Simulator
+from mbcdm_cad.measurement.schema import CREEP
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
 
@@ -81,6 +82,8 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
             plain="the output reading drifts by {rate_rad_s}",
         )
     )
+    if p.run.kind == CREEP:  # the laws of creep under a load stand in its place
+        return found
     found.append(
         Effect(
             "creep",

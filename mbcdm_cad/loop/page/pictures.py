@@ -60,7 +60,7 @@ def readings_png(p: ReadingsPicture) -> bytes:
             axes.plot(
                 p.at[kept], p.read_rad[kept] / factor, ls="", marker="o", ms=5.0, mec=MEASURED, mfc=face, label=word
             )
-        axes.set(xlabel=p.axis, ylabel=f"{p.title} ({unit})")
+        axes.set(xlabel=p.axis, ylabel=f"{p.title} ({unit})", xscale="log" if p.logarithmic else "linear")
         _legend(axes)
         return _png(figure)
 

@@ -1,20 +1,25 @@
-"""A table of turning points made ready for the model: the path from row to row, of which only the rows are compared."""
+"""Readings by hand made ready for the model: of a table of turning points the path from row to row, of which only the
+rows are compared; of creep at rest the course of time."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mbcdm_cad.loop.prepare.prepared import Prepared, Windows, sensor_floor_rad
 from mbcdm_cad.loop.prepare.quiet import input_step_rad
 from mbcdm_cad.loop.prepare.samples import Cut, held_sweeps
+from mbcdm_cad.measurement.by_hand import loadings, path_of, since_loading, written_step
 from mbcdm_cad.measurement.run import Run
-from mbcdm_cad.measurement.turning_points import path_of, written_step
 from mbcdm_cad.routes import Floats
 
 # Samples from one row to the next: load and inputs go straight, so the cables are simulated on few of them.
 STEPS = 16
+# Readings at rest are means over so many parts of a decade of time; this share of the decades is held back.
+PER_DECADE, HELD_SHARE = 12, 1.0 / 3.0
 # Of a speed of 1, so that the sense of motion is sharp.
 STANDSTILL = 0.05
 
@@ -35,27 +40,103 @@ def prepare_readings(run: Run, ratio: float) -> Prepared:
     output, load = along(path.output_rad), None if path.load_Nm is None else along(path.load_Nm)
     judged = np.isin(sweep, sweep[used])
     held = held_sweeps(sweep[judged], output[judged], None if load is None else load[judged])
+    words = f"the rows at the end of half cycles {', '.join(str(k + 1) for k in held)}" if held.size else "none"
     angle = np.stack([along(row) for row in path.input_rad])
-    none, every = np.zeros(at.size, dtype=np.bool_), np.arange(at.size)
-    time = along(path.time_s)
+    signals = _Signals(along(path.time_s), angle, output, load, None, path.sense[sweep])
+    return _prepared(run, ratio, signals, sweep, used, np.isin(sweep, held), words)
+
+
+def prepare_creep(run: Run, ratio: float, later: bool = True) -> Prepared:
+    """Readings at rest, of a logger's the means over equal parts of the logarithm of time. A sample without a load is
+    set before them. Held back is the last third of each course, in the logarithm of time; if not ``later``, every third
+    reading."""
+    times = np.array([at for at, _ in loadings(run)])
+    since, course = since_loading(run), np.searchsorted(times, run.time_s, side="left")
+    early = float(since[since > 0.0].min())
+    decade = np.log10(np.maximum(since, early) / early)
+    part = np.where(since > 0.0, np.floor(decade * PER_DECADE).astype(np.int64), -1)
+    number = np.cumsum(np.diff(part, prepend=part[0]) + 1000 * np.diff(course, prepend=course[0]) != 0)
+    count = np.bincount(number)
+
+    def mean(values: Floats) -> Floats:
+        return np.asarray(np.bincount(number, values) / count)
+
+    def led(values: Floats, first: float) -> Floats:
+        return np.concatenate([[first], values])
+
+    begin = min(0.0, float(run.time_s[0])) - 1e-6 * early
+    time = led(mean(run.time_s), begin)
+    at = mean(decade)
+    held, used = np.zeros(at.size, dtype=np.bool_), mean(part.astype(float)) >= 0.0
+    for one in np.unique(course):
+        mine = used & (mean(course.astype(float)) == one)
+        if mine.sum() > 2:
+            low, high = float(at[mine].min()), float(at[mine].max())
+            held |= mine & (at > low + (high - low) * (1.0 - HELD_SHARE))
+    words = (
+        f"the last third of the logarithm of time, from {float(time[1:][held].min()) if held.any() else 0.0:.3g} s on"
+    )
+    if not later:
+        held, words = used & (np.arange(at.size) % 3 == 1), "every third reading, as what comes late is not foretold"
+    load = None if run.load_Nm is None else led(mean(run.load_Nm), 0.0)
+    warm = None if run.temperature_C is None else led(mean(run.temperature_C), float(run.temperature_C[0]))
+    angle = np.stack([led(mean(row), float(row[0])) for row in run.input_rad])
+    output = led(mean(run.output_rad), float(run.output_rad[0]))
+    sweep = led(np.floor(3.0 * at), 0.0).astype(np.int64)
+    used, held = np.append(False, used), np.append(False, held)
+    signals = _Signals(time, angle, output, load, warm, np.zeros(time.size))
+    return _prepared(run, ratio, signals, sweep, used, held, words)
+
+
+def under_load(p: Prepared, law: Callable[[Floats], Floats]) -> Floats:
+    """Turn of the output by a law of creep for 1 N m, rad (n,): the sum over the steps of the load."""
+    turned = np.zeros_like(p.time_s)
+    for at, step in loadings(p.run):
+        turned -= step * law(np.maximum(p.time_s - at, 0.0))
+    return turned
+
+
+@dataclass(frozen=True, eq=False)
+class _Signals:
+    """Samples of a run on which the model is simulated; ``sense`` of motion, -1 to 1."""
+
+    time_s: Floats
+    angle_rad: Floats
+    output_rad: Floats
+    load_Nm: Floats | None
+    temperature_C: Floats | None
+    sense: Floats
+
+
+def _prepared(
+    run: Run,
+    ratio: float,
+    s: _Signals,
+    sweep: NDArray[np.int64],
+    used: NDArray[np.bool_],
+    held: NDArray[np.bool_],
+    words: str,
+) -> Prepared:
+    """Signals that need no smoothing as the fits take them."""
+    none, every = np.zeros(s.time_s.size, dtype=np.bool_), np.arange(s.time_s.size)
     return Prepared(
-        time,
-        angle,
-        angle,
-        angle - angle.mean(axis=0),
-        output,
-        load,
-        path.sense[sweep],
-        None,
+        s.time_s,
+        s.angle_rad,
+        s.angle_rad,
+        s.angle_rad - s.angle_rad.mean(axis=0),
+        s.output_rad,
+        s.load_Nm,
+        s.sense,
+        s.temperature_C,
         sweep,
-        np.zeros(at.size, dtype=np.int64),
+        np.zeros(s.time_s.size, dtype=np.int64),
         used,
-        np.isin(sweep, held),
-        float(np.median(np.diff(time))),
+        held & used,
+        float(np.median(np.diff(s.time_s))),
         sensor_floor_rad(with_written_steps(run), ratio),
         input_step_rad(run),
         STANDSTILL,
-        f"the rows at the end of half cycles {', '.join(str(k + 1) for k in held)}" if held.size else "none",
+        words,
         False,
         run,
         Cut(every, 1, np.zeros(1, dtype=np.int64), none, none),

@@ -8,6 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mbcdm_cad.loop.prepare.prepared import Prepared
+from mbcdm_cad.loop.prepare.readings import under_load
+from mbcdm_cad.model.creep import START_S
 from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.play import faces, lags
 from mbcdm_cad.model.profiles import simulate_profiles
@@ -108,9 +110,12 @@ def declared(d: DriveSI | None, ratio: float, p: Prepared) -> Setup:
     """The declared model of a run: cables, and of the other parts what its file counts.
 
     Friction of cables and bearings loads the cables; the parts give with the load of the output alone. The play of a
-    belt or gears is known where its inputs are measured at the motors.
+    belt or gears is known where its inputs are measured at the motors. At rest the rope creeps as its catalogue says.
     """
     parts, load, added = p.run.parts, p.load_Nm, np.zeros_like(p.time_s)
+    if p.run.expected_creep and d is not None and load is not None:
+        give = give_rad_Nm(d) * p.run.expected_creep
+        added = under_load(p, lambda since: give * np.log10(1.0 + since / START_S))
     if parts is None or load is None or d is None:
         return Setup(d, ratio, p, load, None, None, added)
     return Setup(
@@ -123,6 +128,11 @@ def declared(d: DriveSI | None, ratio: float, p: Prepared) -> Setup:
         added - parts.give_rad_Nm * load,
         play_rad=(parts.play_rad,) * d.n_inputs if parts.play_rad else (),
     )
+
+
+def give_rad_Nm(d: DriveSI | None) -> float:
+    """Elastic turn of the drum for 1 N m with nothing slipping, rad/(N m); 1 where no drive is known."""
+    return 1.0 if d is None else 1.0 / float(np.sum(d.axial_stiffness_N * d.drum_radius_m**2 / d.free_span_m))
 
 
 def input_shares(d: DriveSI) -> Floats:

@@ -16,7 +16,6 @@ from mbcdm_cad.loop.effects import friction, library
 from mbcdm_cad.loop.own import Differing
 from mbcdm_cad.loop.prepare.noise import doubt_of, runs_of
 from mbcdm_cad.loop.prepare.prepared import Prepared, prepare_all
-from mbcdm_cad.loop.prepare.readings import prepare_readings
 from mbcdm_cad.loop.result import Evidence, Helpful, LoopResult, Named
 from mbcdm_cad.loop.search.account import (
     INTERVAL,
@@ -28,7 +27,7 @@ from mbcdm_cad.loop.search.account import (
     traces,
 )
 from mbcdm_cad.loop.search.exchange import Group
-from mbcdm_cad.loop.search.few import FewReadings
+from mbcdm_cad.loop.search.few import judged_by_hand
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.loop.search.own import begun, differing, own_effects
 from mbcdm_cad.loop.search.scatter import Scatter, hangs_on
@@ -37,7 +36,7 @@ from mbcdm_cad.loop.search.timing import time_interval_s
 from mbcdm_cad.loop.search.trial_fits import located
 from mbcdm_cad.loop.search.verdict import ZERO_CHANCE, Judge
 from mbcdm_cad.measurement.run import Run
-from mbcdm_cad.measurement.schema import TURNING_POINTS
+from mbcdm_cad.measurement.schema import MOTION
 from mbcdm_cad.measurement.vet import arranged
 from mbcdm_cad.measurement.vet_signals import friction_alike
 from mbcdm_cad.model.si import DriveSI, to_si
@@ -68,8 +67,8 @@ def close_loop(drive: Drive | None, runs: Sequence[Run], differs: Sequence[Seque
     with threadpool_limits(1, "blas"):
         ready = runs if drive is None else [arranged(run, drive) for run in runs]
         known = () if drive is None else drive.as_built
-        if runs[0].kind == TURNING_POINTS:
-            return FewReadings(d, ratio, [prepare_readings(run, ratio) for run in ready], known).result()
+        if runs[0].kind != MOTION:
+            return judged_by_hand(d, ratio, ready, known)
         prepared = prepare_all(ready, ratio)
         result = _Loop(d, ratio, prepared, known, differs).result()
         return result if drive is None else friction.beside_design(result, drive)

@@ -23,6 +23,7 @@ from mbcdm_cad.loop.effects import library
 from mbcdm_cad.loop.effects.load_sensor import within_class, within_prior
 from mbcdm_cad.loop.prepare.noise import Noise, doubt_of, runs_of
 from mbcdm_cad.loop.prepare.prepared import Prepared
+from mbcdm_cad.loop.prepare.readings import prepare_creep, prepare_readings
 from mbcdm_cad.loop.readable import readable
 from mbcdm_cad.loop.result import Evidence, LoopResult, Named, ReadingsPicture
 from mbcdm_cad.loop.search.account import INTERVAL, as_named, chain_orders, errors, next_steps
@@ -31,6 +32,9 @@ from mbcdm_cad.loop.search.evidence import TOLD_APART
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.loop.search.select import LEAST_FALL
 from mbcdm_cad.loop.search.unknown import Unknown
+from mbcdm_cad.measurement.by_hand import loadings
+from mbcdm_cad.measurement.run import Run
+from mbcdm_cad.measurement.schema import CREEP
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
 
@@ -39,13 +43,21 @@ CHANCE = 0.01
 MOST_EFFECTS = 3
 # Candidates of each round that are tested, best first.
 MOST_TESTED = 4
+# Candidates beside which each other one is tried, where none is supported alone.
+MOST_PAIRED = 3
+# Fits of a candidate, each from where the last one ended.
+REFITS = 2
 # Readings repeat each other if inputs and load differ by less than this share of their range. So many degrees of
 # freedom tell their scatter; with fewer it is taken from what lines over load and angle leave.
 REPEATS_SHARE, FEWEST_REPEATS = 0.05, 4
 # Levels of which each is left out once, and the share of its size by which an effect may then change.
 LEVELS, STEADY_SHARE = 4, 0.5
+# A form is taken in place of a later one of the library unless the odds against it are higher.
+SAME_FORM = 10.0
 # A parameter that changes no reading by this share of the floor, by its typical size, is not known.
 FLAT = 1e-3
+# Degree of the curve over the logarithm of time beside which readings at rest scatter.
+CURVE = 3
 # Degrees of freedom of a noise that is known from the steps of the figures alone.
 KNOWN = 30
 ODDS = 1.0 / TOLD_APART - 1.0
@@ -70,7 +82,9 @@ class FewReadings:
         self.d, self.ratio, self.prepared = d, ratio, tuple(runs)
         self.fitter = Fitter(d, ratio, self.prepared, known)
         self.fitter.free[:] = False  # offsets of some counts between two inputs are below what few readings tell
-        offered = [[e for e in library(d, p) if _shows(e)] for p in self.prepared]
+        self.at_rest = self.prepared[0].run.kind == CREEP
+        shows = _shows_at_rest if self.at_rest else _shows
+        offered = [[e for e in library(d, p) if shows(e)] for p in self.prepared]
         labels = [{e.label for e in one} for one in offered]
         self.library = [e for e in offered[0] if all(e.label in one for one in labels)]
         self.bare = self.fitter.fit()
@@ -90,10 +104,11 @@ class FewReadings:
             fit, steps = within, []  # what the sensor may be wrong by explains as much
         allowed = fit is within
         whole = self.fitter.fit(fit.effects, fit.values, mask=self.fitter.used)
-        alike = {} if allowed else {effect: self._alike(whole, effect) for effect in fit.effects}
+        whole = whole if allowed else self._best_forms(whole)
+        alike = {} if allowed else {effect: self._alike(whole, effect) for effect in whole.effects}
         named, sets = [], []
         for effect, (forms, others) in alike.items():
-            first = replace(self._named(effect, whole, self._fall(fit, effect)), equivalent=forms)
+            first = replace(self._named(effect, whole, self._fall(fit, effect.key)), equivalent=forms)
             if others:
                 sets.append((first, *(self._named(one.effects[-1], one, 0.0) for one in others)))
             else:
@@ -136,7 +151,7 @@ class FewReadings:
         """Scatter of readings that repeat each other, and its degrees of freedom; never below the figures' steps."""
         f, declared = self.fitter, max(p.floor_rad for p in self.prepared)
         squares, freedom = 0.0, 0
-        for part, p in zip(f.parts, f.runs, strict=True):
+        for part, p in [] if self.at_rest else zip(f.parts, f.runs, strict=True):
             at = np.flatnonzero(p.used)
             residual, alike = self.bare.residual[part][at], _groups(p, at)
             for group in np.unique(alike):
@@ -144,9 +159,11 @@ class FewReadings:
                 squares, freedom = squares + float(np.sum((mine - mine.mean()) ** 2)), freedom + mine.size - 1
         source = f"{freedom} repeated readings"
         if freedom < FEWEST_REPEATS:
-            rows = [self._lines(part, p) for part, p in zip(f.parts, f.runs, strict=True)]
+            left = self._curve if self.at_rest else self._lines
+            rows = [left(part, p) for part, p in zip(f.parts, f.runs, strict=True)]
             squares, freedom = sum(one[0] for one in rows), sum(one[1] for one in rows)
             source = "what lines over load, angle and direction leave, as too few readings repeat"
+            source = "what a smooth curve over the logarithm of time leaves" if self.at_rest else source
         scatter = float(np.sqrt(squares / freedom)) if freedom > 0 else 0.0
         if scatter < declared:
             return Noise(declared, declared, 0.0, 0.0, declared, "the steps of the figures"), KNOWN
@@ -160,6 +177,18 @@ class FewReadings:
         solved, _, rank, _ = np.linalg.lstsq(x, y, rcond=1e-9)
         return float(np.sum((y - x @ solved) ** 2)), max(0, at.size - int(rank))
 
+    def _curve(self, part: slice, p: Prepared) -> tuple[float, int]:
+        """The same for a cubic over the logarithm of the time since each step of the load."""
+        squares, freedom, x, course = 0.0, 0, _since(p), _course(p)
+        for one in np.unique(course[p.used]):
+            at = p.used & (course == one)
+            degree = min(CURVE, int(at.sum()) - 3)
+            if degree > 0:
+                y = self.bare.residual[part][at]
+                curve = np.polynomial.Polynomial.fit(x[at], y, degree)
+                squares, freedom = squares + float(np.sum((y - curve(x[at])) ** 2)), freedom + y.size - degree - 1
+        return squares, freedom
+
     # Selection.
 
     def _selected(self) -> tuple[Fit, list[Evidence], list[Evidence]]:
@@ -168,7 +197,9 @@ class FewReadings:
         for _ in range(MOST_EFFECTS):
             trials = [t for e in self._candidates(now) if (t := self._best(now, e)) is not None]
             trials.sort(key=self._criterion)
-            following = next((t for t in trials[:MOST_TESTED] if self._supported(now, t)), None)
+            following = next((t for t in trials[:MOST_TESTED] if self._supported(now, t)), None) or self._pair(
+                now, trials
+            )
             small = [
                 Evidence(
                     t.effects[-1].label,
@@ -182,9 +213,26 @@ class FewReadings:
             if following is None:
                 break
             fall = float(np.sqrt(max(0.0, self._held(now) ** 2 - self._held(following) ** 2)))
-            steps.append(Evidence(following.effects[-1].label, self._held(following), fall, "accepted"))
+            new = " with ".join(e.label for e in following.effects[len(now.effects) :])
+            steps.append(Evidence(new, self._held(following), fall, "accepted"))
             now = following
         return self._without_needless(now), steps, small
+
+    def _pair(self, now: Fit, trials: Sequence[Fit]) -> Fit | None:
+        """Two effects of which each needs the other, such as a creep and a warming against it: the best that is
+        supported; None if there is none."""
+        found = []
+        for trial in trials[:MOST_PAIRED]:
+            for effect in self._candidates(trial):
+                one = self._best(trial, effect)
+                if one is not None:
+                    found.append(one)
+        found.sort(key=self._criterion)
+        for one in found[:MOST_TESTED]:
+            both = one.effects[-2:]
+            if all(self._supported(self._without(one, e), one.with_last(e)) for e in both):
+                return one
+        return None
 
     def _candidates(self, fit: Fit) -> list[Effect]:
         """Effects that may join a fit: one form of each name."""
@@ -195,9 +243,13 @@ class FewReadings:
         """The best fit with one effect more, over its starts; None if it cannot be simulated or no such part exists."""
         found = []
         for start in self.fitter.guesses(effect, fit.residual):
-            one = self.fitter.tried((*fit.effects, effect), (*fit.values, start), fit.offsets)
-            if one is not None:
+            values: Sequence[Floats | list[float]] = (*fit.values, start)
+            for _ in range(REFITS):  # a place has no slope at size zero, where a fit begins
+                one = self.fitter.tried((*fit.effects, effect), values, fit.offsets)
+                if one is None:
+                    break
                 found.append(one)
+                values = one.values
         best = min(found, key=lambda one: one.square, default=None)
         if best is not None and effect.doubtful and (words := effect.doubtful(best.values[-1])):
             if self._supported(fit, best) and words not in self.doubts:
@@ -237,8 +289,10 @@ class FewReadings:
         return True
 
     def _level(self) -> Floats:
-        """What the readings differ by, (n,): the size of the load, or the angle where no load was read."""
+        """What the readings differ by, (n,): the size of the load, or the angle where no load was read; the time."""
         runs = self.fitter.runs
+        if self.at_rest:
+            return np.concatenate([_since(p) for p in runs])
         return np.concatenate([np.abs(p.output_rad) if p.load_Nm is None else np.abs(p.load_Nm) for p in runs])
 
     def _by_chance(self, less: Fit, more: Fit) -> float:
@@ -265,8 +319,9 @@ class FewReadings:
         kept = [(e, v) for e, v in zip(fit.effects, fit.values, strict=True) if e is not effect]
         return self.fitter.fit([e for e, _ in kept], [v for _, v in kept], fit.offsets)
 
-    def _fall(self, fit: Fit, effect: Effect) -> float:
-        less = self._without(fit, effect)
+    def _fall(self, fit: Fit, key: object) -> float:
+        """How much an effect lowers the error of the readings held back, in any of its forms."""
+        less = self._without(fit, next(e for e in fit.effects if e.key == key))
         return float(np.sqrt(max(0.0, self._held(less) ** 2 - self._held(fit) ** 2)))
 
     # Alternatives.
@@ -289,10 +344,24 @@ class FewReadings:
         exponent = 0.5 * ((squares[0] - squares[1]) / variance + (_count(worse) - _count(better)) * log(n))
         return exp(min(exponent, 700.0))
 
+    def _best_forms(self, whole: Fit) -> Fit:
+        """The fit of all readings with each effect in the first form of the library that fits them as well as any."""
+        for key in [effect.key for effect in whole.effects]:
+            rest = self._rest(whole, next(e for e in whole.effects if e.key == key))
+            trials = [self._best(rest, other) for other in self.library if other.key == key]
+            forms = [self.fitter.fit(t.effects, t.values, mask=self.fitter.used) for t in trials if t is not None]
+            best = min([*forms, whole], key=lambda one: self._odds(one, whole))
+            whole = next((one for one in forms if self._odds(one, best) < SAME_FORM), best)
+        return whole
+
+    def _rest(self, whole: Fit, effect: Effect) -> Fit:
+        """The fit of all readings without one of its effects."""
+        last = whole.with_last(effect)
+        return self.fitter.fit(last.effects[:-1], last.values[:-1], mask=self.fitter.used)
+
     def _alike(self, whole: Fit, effect: Effect) -> tuple[tuple[str, ...], list[Fit]]:
         """Other forms of an effect, and fits with another effect in its place, that are nearly as good."""
-        last = whole.with_last(effect)
-        rest = self.fitter.fit(last.effects[:-1], last.values[:-1], mask=self.fitter.used)
+        rest = self._rest(whole, effect)
         keys = {e.key for e in rest.effects}
         forms, fits = list[str](), dict[object, Fit]()
         for other in self.library:
@@ -319,7 +388,10 @@ class FewReadings:
         freedom = max(columns.shape[0] - columns.shape[1] - len(self.prepared), 1)
         square = float(np.sum(f.centred(whole.residual, used)[used] ** 2)) / freedom
         variance, freedom = max((square, freedom), (self.floor_rad**2, self.noise_freedom))
-        inverse = np.linalg.pinv(columns.T @ columns, rcond=1e-12, hermitian=True)
+        length = np.linalg.norm(columns, axis=0)
+        length[length == 0.0] = 1.0
+        scaled = columns / length
+        inverse = np.linalg.pinv(scaled.T @ scaled, rcond=1e-10, hermitian=True) / np.outer(length, length)
         wider = (float(t_distribution.isf(0.025, freedom)) / INTERVAL) ** 2
         covariance = variance * wider * inverse
         for e in (*within_class(self.prepared), *within_prior(self.prepared)):
@@ -348,6 +420,27 @@ class FewReadings:
         """Each run's readings over the load, or over the angle where none was read."""
         found, bare = [], self.fitter.fit(mask=self.fitter.used)
         for part, p in zip(self.fitter.parts, self.prepared, strict=True):
+            if self.at_rest:
+                at = np.maximum(p.time_s - min(0.0, float(p.run.time_s[0])), 0.0)[p.used]
+                read = (p.output_rad - p.mean_rad / self.ratio)[p.used]
+                read = read - read[0]
+                words = "Dots are the readings, of a logger their means; lines the model at their times."
+                found.append(
+                    ReadingsPicture(
+                        p.run.source,
+                        "output - inputs / ratio",
+                        words,
+                        "time since loading (s)",
+                        at,
+                        read,
+                        p.held[p.used].astype(float),
+                        at,
+                        read - bare.residual[part][p.used],
+                        read - whole.residual[part][p.used],
+                        True,
+                    )
+                )
+                continue
             moves = bool(np.ptp(p.mean_rad))
             base = p.mean_rad / self.ratio if moves else np.zeros_like(p.output_rad)
             at, axis = (1e3 * base, "inputs / ratio (mrad)") if p.load_Nm is None else (p.load_Nm, "load torque (N m)")
@@ -355,19 +448,25 @@ class FewReadings:
             read = p.output_rad - base
             read = read - np.median(read[p.used])
             words = "Dots are the rows of the table, lines the model on its way from row to row."
-            lines = [read - one.residual[part] for one in (bare, whole)]
+            before, after = (read - one.residual[part] for one in (bare, whole))
             used = p.used
             held = p.held[used].astype(float)
-            found.append(ReadingsPicture(p.run.source, title, words, axis, at[used], read[used], held, at, *lines))
+            shown = at[used], read[used], held, at, before, after
+            found.append(ReadingsPicture(p.run.source, title, words, axis, *shown))
         return tuple(found)
 
     def _left(self, whole: Fit) -> LeftOver | None:
-        """What is left of all readings, with all of them fitted; None if it is no more than the noise."""
+        """What is left of all readings, with all of them fitted; None if it is no more than the noise. Where nothing
+        was found, the declared model must also foretell the readings held back as well as that."""
         f, used = self.fitter, self.fitter.used
         r = f.centred(whole.residual, used)[used]
-        freedom = max(r.size - _count(whole) - len(self.prepared), 1)
-        ratio = float(r @ r) / freedom / max(self.floor_rad, 1e-30) ** 2
-        if f_distribution.sf(ratio, freedom, self.noise_freedom) > CHANCE:
+        each = [(r, max(r.size - _count(whole) - len(self.prepared), 1))]
+        if not whole.effects and f.test.any():
+            held = self.bare.residual[f.test]
+            each.append((held, held.size))
+        noise = max(self.floor_rad, 1e-30) ** 2
+        chances = [f_distribution.sf(float(e @ e) / n / noise, n, self.noise_freedom) for e, n in each]
+        if min(chances) > CHANCE / len(each):
             return None
         rms, peak = float(np.sqrt(np.mean(r**2))), float(np.abs(r).max())
         return LeftOver(rms, peak, self.floor_rad, (), (), 0.0, (), self._hangs_on(r))
@@ -384,7 +483,14 @@ class FewReadings:
             "the angle": of([p.mean_rad for p in runs]),
             "the order of the rows": of([np.arange(p.time_s.size, dtype=float) for p in runs]),
         }
-        if all(p.load_Nm is not None for p in runs):
+        if self.at_rest:
+            variables = {
+                "the logarithm of time": of([_since(p) for p in runs]),
+                "the time": of([p.time_s for p in runs]),
+            }
+            if all(p.temperature_C is not None for p in runs):
+                variables["the temperature"] = of([p.temperature_C for p in runs if p.temperature_C is not None])
+        elif all(p.load_Nm is not None for p in runs):
             variables["the load"] = of([p.load_Nm for p in runs if p.load_Nm is not None])
         found = {}
         for name, x in variables.items():
@@ -399,6 +505,11 @@ class FewReadings:
 
     def _not_testable(self) -> tuple[str, ...]:
         """What such readings cannot show."""
+        if self.at_rest:
+            words = ["the inputs rest: errors of angle, friction, and all that needs motion"]
+            if all(len(loadings(p.run)) < 2 for p in self.prepared):
+                words.append("the load stays on: whether the creep goes back")
+            return tuple(words)
         words = ["one value a half cycle: ripple, delays, and what happens within a half cycle"]
         if not self.fitter.test.any():
             words.append("too few half cycles: none can be held back to judge a fit on the others")
@@ -409,6 +520,18 @@ class FewReadings:
         return tuple(words)
 
 
+def judged_by_hand(d: DriveSI | None, ratio: float, runs: Sequence[Run], known: Sequence[AsBuilt]) -> LoopResult:
+    """The finding from tables of one kind. What begins late at rest, as a warming, is not foretold by what came before:
+    where an unknown part is left, every third reading is held back in place of the later ones."""
+    if runs[0].kind != CREEP:
+        return FewReadings(d, ratio, [prepare_readings(run, ratio) for run in runs], known).result()
+    first = FewReadings(d, ratio, [prepare_creep(run, ratio) for run in runs], known).result()
+    if first.unknown is None:
+        return first
+    other = FewReadings(d, ratio, [prepare_creep(run, ratio, later=False) for run in runs], known).result()
+    return first if other.unknown is not None or other.verdict == "none" else other
+
+
 def _count(fit: Fit) -> int:
     return sum(v.size for v in fit.values)
 
@@ -417,6 +540,23 @@ def _shows(effect: Effect) -> bool:
     """Whether a table can show an effect: none of time or speed, no line, no event, no shape without a cause."""
     hangs = effect.hangs_on in ("time", "temperature", "speed", "the path travelled") or "lag" in effect.name
     return not (hangs or effect.last or effect.once or effect.base or effect.order_index is not None or effect.inside)
+
+
+def _shows_at_rest(effect: Effect) -> bool:
+    """Whether readings at rest can show an effect: one of time or temperature."""
+    return effect.hangs_on in ("time", "temperature") and not (effect.once or effect.base)
+
+
+def _since(p: Prepared) -> Floats:
+    """Logarithm of the time since the last step of the load, (n,)."""
+    times = np.array([at for at, _ in loadings(p.run)])
+    since = p.time_s - times[np.maximum(_course(p) - 1, 0)]
+    return np.asarray(np.log10(np.maximum(since, 1e-9)))
+
+
+def _course(p: Prepared) -> NDArray[np.int64]:
+    """Number of steps of the load before each sample, (n,)."""
+    return np.searchsorted([at for at, _ in loadings(p.run)], p.time_s, side="left")
 
 
 def _groups(p: Prepared, at: NDArray[np.int64]) -> NDArray[np.int64]:

@@ -63,7 +63,7 @@ def _beyond(bench: Bench) -> bool:
     """Whether an effect has changed something that the dynamic rig models differently or not at all."""
     asked = np.stack([bench.drum_rad * bench.turns(i) for i in range(len(bench.drive.input_names))])
     lists = bench.encoder_errors or bench.gear_errors or bench.hidden_Nm or bench.output_twist_rad_Nm
-    lists = lists or any(c.own_wrap_rad > 0.0 for c in bench.cables)
+    lists = lists or bool(bench.slow_twist) or any(c.own_wrap_rad > 0.0 for c in bench.cables)
     arrays = (bench.strains, bench.stick_slip, bench.temperature_C)
     return bool(lists) or any(a is not None for a in arrays) or not np.array_equal(bench.command_rad, asked)
 

@@ -103,6 +103,23 @@ class MotorCogging(RigEffect):
         )
 
 
+class SlowPart(RigEffect):
+    """Creep of a printed or glued part under the load.
+
+    A printed hub or a bond between the drum and its encoder gives way slowly: springs with dampers in series, one for
+    each of ``per_decade_urad_Nm``, whose times are ten times apart from ``first_s`` on. No law of time is put in.
+    """
+
+    effect: Literal["slow_part"]
+    per_decade_urad_Nm: Annotated[tuple[float, ...], Field(min_length=1, max_length=12, strict=False)]
+    first_s: Annotated[float, Field(gt=0.0, le=1e6)] = 1.0
+
+    def apply(self, bench: Bench) -> None:
+        bench.slow_twist += [(1e-6 * give, self.first_s * 10.0**k) for k, give in enumerate(self.per_decade_urad_Nm)]
+        total = 1e-6 * sum(self.per_decade_urad_Nm)
+        bench.tell("creep", cause="slow_part", parameters={"give_rad_Nm": total, "first_s": self.first_s})
+
+
 class ShaftCompliance(RigEffect):
     """Compliance of the output shaft.
 

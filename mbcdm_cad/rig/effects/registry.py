@@ -7,7 +7,7 @@ from typing import Annotated
 from pydantic import Field
 
 from mbcdm_cad.rig.effects.friction import BearingFriction, BrakeStickSlip, ViscousDrag
-from mbcdm_cad.rig.effects.motor import GearheadLash, GearMesh, MotorCogging, ShaftCompliance
+from mbcdm_cad.rig.effects.motor import GearheadLash, GearMesh, MotorCogging, ShaftCompliance, SlowPart
 from mbcdm_cad.rig.effects.pulleys import EccentricPulley, InputCreep, LandWear, RadiusError, StepClimb
 from mbcdm_cad.rig.effects.rope import (
     AnchorSlip,
@@ -42,6 +42,7 @@ AnyEffect = Annotated[
     | RopeLay
     | SensorDelay
     | ShaftCompliance
+    | SlowPart
     | StepClimb
     | StrandDamage
     | Temperature

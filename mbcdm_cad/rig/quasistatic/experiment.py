@@ -27,7 +27,9 @@ class Physics(PhysicsBlock):
 
 
 class Experiment(ExperimentBlock):
-    """An experiment on the quasi-static bench. ``record``: every sample, or a row where motion or load turns round."""
+    """An experiment on the quasi-static bench. ``record``: every sample, or as by hand: a row where motion or
+    load turns round, or readings at rest ever farther apart since each step of the load.
+    """
 
     name: Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9_-]{0,79}$")]
     about: Annotated[str, Field(max_length=500)] = ""
@@ -39,13 +41,20 @@ class Experiment(ExperimentBlock):
     load: Load = Load()
     sensors: BenchSensors = BenchSensors()
     physics: Physics = Physics()
-    record: Literal["samples", "turning_points"] = "samples"
+    record: Literal["samples", "turning_points", "creep"] = "samples"
     effects: Annotated[tuple[AnyEffect, ...], Field(max_length=50, strict=False)] = ()
 
     def rows(self, time_s: Floats) -> NDArray[np.int64]:
-        """The samples that are written: all, or the turning points of the motion, or of the load at rest."""
+        """The samples that are written: all, turning points of the motion or of the load at rest, or those at rest."""
         if self.record == "samples":
             return np.arange(time_s.size)
+        if self.record == "creep":
+            course = self.load.periods_per_level * self.motion.period_s if len(self.load.levels_Nm) > 1 else time_s[-1]
+            since = np.geomspace(
+                1.0 / self.sample_rate_Hz, 0.99 * course, round(6.0 * np.log10(course * self.sample_rate_Hz))
+            )
+            at = [begin + since for begin in np.arange(0.0, time_s[-1], course)]
+            return np.unique(np.minimum(np.searchsorted(time_s, np.concatenate(at)), time_s.size - 1))
         held = self.motion.shape == "hold"
         period = self.load.wave_period_s if held else self.motion.period_s
         begins = 0.25 * self.motion.period_s if held else 0.0

@@ -110,7 +110,7 @@ def _read(
     shafts = pulleys if sensors.input_at == "pulley" else bench.command_rad
     output_stage = bench.routes.drum.name
     seen = {body.name: shafts[i].copy() for i, body in enumerate(bench.routes.inputs)}
-    seen[output_stage] = drum - bench.output_twist_rad_Nm * load
+    seen[output_stage] = drum - bench.output_twist_rad_Nm * load - bench.slow_twist_rad(load)
     for stage, of in bench.encoder_errors:
         seen[stage] += of(drum if stage == output_stage else shafts[bench.input_index(stage)])
     inputs = [

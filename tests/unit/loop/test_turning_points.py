@@ -11,8 +11,8 @@ import mbcdm_cad as mc
 from mbcdm_cad.cli import run as mbcdm
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.loop.judge import LoopReport
+from mbcdm_cad.measurement.by_hand import path_of, written_step
 from mbcdm_cad.measurement.run import Run
-from mbcdm_cad.measurement.turning_points import path_of, written_step
 
 ROOT = Path(__file__).parents[3]
 COMPLIANCE, PLAY = 5e-4, 1.2e-3

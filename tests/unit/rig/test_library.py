@@ -27,8 +27,9 @@ def test_names_are_those_of_the_files_and_seeds_differ(library):
 
 
 def test_the_library_holds_every_effect(library, project):
-    # Effects that miso_bevel's cables cannot have are in the folder of a drive that can.
-    others = (read_experiment(path) for path in (project / "params" / "experiments" / "siso_spur").glob("*.yaml"))
+    # Effects that miso_bevel's cables cannot have are in the folder of a drive that can, slow ones in that of readings.
+    folders = [project / "params" / "experiments" / name for name in ("siso_spur", "by-hand")]
+    others = (read_experiment(path) for folder in folders for path in folder.glob("*.yaml"))
     used = {effect.effect for e in (*library.values(), *others) for effect in e.effects}
     assert used == {cls.model_fields["effect"].annotation.__args__[0] for cls in AnyEffect.__args__[0].__args__}
 

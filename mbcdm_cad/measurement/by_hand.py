@@ -1,4 +1,6 @@
-"""Tables of turning points: one row where the motion or the load turns round, as written by hand; their vetting.
+"""Readings by hand and their vetting: tables of turning points, and creep at rest.
+
+A table of turning points has one row where the motion or the load turns round.
 
 The rows are those of a path that goes straight from one to the next. Two rows in one sense tell of a half cycle that
 is missing between them, unless so many rows go on in one sense that they are readings along the way. The turning point
@@ -133,3 +135,64 @@ def _against_the_load(run: Run) -> list[VettingNote]:
     text = "load_torque has the wrong sign: with the inputs at rest the output moves against the load"
     remedy = "set scale: -1 on load_torque (it is positive where it opposes positive rotation)"
     return [VettingNote("reversed_load", "refused", text, remedy, ("columns", "load_torque"))]
+
+
+# Steps of the load from this share of its largest size on begin a new course of creep.
+LOAD_STEP_SHARE = 0.05
+# Decades of time that a law of creep needs, and how far the load may wander.
+FEWEST_DECADES = 2.0
+
+
+def loadings(run: Run) -> list[tuple[float, float]]:
+    """(time, step of the load in N m) of each change of the load at rest; the first at time 0 or the first reading, or
+    where the load rises from nothing. Of a run without a load one step of 1 at its beginning."""
+    begin = min(0.0, float(run.time_s[0]))
+    if run.load_Nm is None or not run.load_Nm.any():
+        return [(begin, 1.0)]
+    least = LOAD_STEP_SHARE * float(np.abs(run.load_Nm).max())
+    found, level = list[tuple[float, float]](), 0.0
+    for k, load in enumerate(run.load_Nm):
+        if abs(load - level) > least:
+            # The level is that of the readings until the next step.
+            after = run.load_Nm[k:]
+            ends = np.flatnonzero(np.abs(after - load) > least)
+            following = float(np.mean(after[: ends[0] if ends.size else None]))
+            found.append((begin if k == 0 else float(run.time_s[k - 1]), following - level))
+            level = following
+    return found
+
+
+def since_loading(run: Run) -> Floats:
+    """Time since the last change of the load, (n,), s."""
+    times = np.array([at for at, _ in loadings(run)])
+    return np.asarray(run.time_s - times[np.maximum(np.searchsorted(times, run.time_s, side="left") - 1, 0)])
+
+
+def creep_findings(run: Run) -> list[VettingNote]:
+    """What readings at rest can show."""
+    steps, since = loadings(run), since_loading(run)
+    since = since[since > 0.0]
+    decades = float(np.log10(since.max() / since.min())) if since.size else 0.0
+    size = (
+        "" if run.load_Nm is None else f" under {', '.join(f'{v:.3g}' for v in np.cumsum([s for _, s in steps]))} N m"
+    )
+    span = f"{since.min():.3g} s to {since.max():.3g} s after the load was put on: {decades:.2g} decades"
+    text = f"readings at rest{size}, {span}"
+    found = [VettingNote("creep", "fact", text)]
+    if decades < FEWEST_DECADES:
+        remedy = "read sooner after loading, and go on for longer"
+        found.append(VettingNote("few_decades", "doubt", f"{decades:.2g} decades of time tell no law of creep", remedy))
+    if len(steps) < 2:
+        text = "the load stays on: a creep that ends and a warming look alike"
+        found.append(
+            VettingNote(
+                "no_recovery", "fact", text, "take the load off and go on reading: creep goes back, drift does not"
+            )
+        )
+    if run.temperature_C is None:
+        text = "no temperature: warming is found from its course over time alone"
+        found.append(VettingNote("no_temperature", "fact", text, "write the temperature beside each reading"))
+    if run.load_Nm is None or not run.load_Nm.any():
+        text = "no load: a creep has no size for each newton metre, and a drift of the sensor looks like one"
+        found.append(VettingNote("no_load", "fact", text, "write the load under which each row was read"))
+    return sorted(found, key=lambda finding: finding.level != "doubt")
