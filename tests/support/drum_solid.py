@@ -7,7 +7,7 @@ mesh limits, counts with the column's mean. The model's plane elements are avera
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import pi
 from pathlib import Path
@@ -16,7 +16,7 @@ import numpy as np
 
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.parts.drum_sector.dims import SET_SCREW_ANGLES_DEG, DrumDims
-from tests.support.solid_fe import Floats, Ints, Pull, Solid, drum_load, tetrahedra
+from tests.support.solid_fe import Floats, Ints, Pull, Solid, drum_load, on_land, tetrahedra
 
 # Longest tetrahedra, over the drum's radius.
 SIZE = 1.0 / 24.0
@@ -24,8 +24,9 @@ SIZE = 1.0 / 24.0
 FILLED = 0.6
 # Length along the land before an anchor, over which its pull is spread, mm.
 ANCHORED_MM = 3.0
-# Half the width of the strip that carries a cable's preload, mm.
-STRIP_MM = 1.0
+
+
+Weight = Callable[[Floats], Floats]
 
 
 @dataclass(frozen=True)
@@ -179,38 +180,25 @@ def preload(solid: Solid, d: DrumDims, tension_N: dict[str, float]) -> Floats:
     """Forces of the preloads: pressure along the lands, and the anchors' pull on the last of them."""
     load = np.zeros(solid.place.shape[1])
     for pull, t in zip(pulls(d, tension_N), d.tensioners, strict=True):
-        tension, (low, high) = tension_N[t.cable_name], pull.land_y_mm
-        # About the cable, as far as its land reaches to both sides.
-        half = min(STRIP_MM, pull.cable_y_mm - low, high - pull.cable_y_mm)
-
-        def on_land(p: Floats, pull: Pull = pull, low: float = low, high: float = high) -> Floats:
-            return (np.abs(np.hypot(p[0], p[2]) - pull.surface_mm) < 0.03) & (p[1] > low - 1e-6) & (p[1] < high + 1e-6)
-
-        def wrapped(p: Floats, start: float, end: float, pull: Pull = pull, half: float = half) -> Floats:
-            at = pull.side * np.arctan2(p[0], p[2])
-            return ((at >= start) & (at < end) & (np.abs(p[1] - pull.cable_y_mm) < half)) * 1.0
-
-        facets = solid.facets(on_land)
-        last = pull.wrap_rad - ANCHORED_MM / pull.surface_mm
+        tension, land, end = tension_N[t.cable_name], on_land(solid, pull), pull.wrap_rad
         # Ends of the land that a pocket cuts leave a little of the anchor's length out.
-        whole, end = (
-            solid.area(facets, lambda p, a=a, f=wrapped, end=pull.wrap_rad: f(p, a, end)) for a in (0.0, last)
-        )
+        last = end - ANCHORED_MM / pull.surface_mm
+        inwards, back = (tension * length / land.area_mm2(start, end) for start, length in ((0.0, end), (last, 1.0)))
+        wrapped, anchored = land.weight(0.0, end), land.weight(last, end)
 
         def pressed(
             p: Floats,
-            pull: Pull = pull,
-            tension: float = tension,
-            whole: float = whole,
-            end: float = end,
-            last: float = last,
+            side: int = pull.side,
+            inwards: float = inwards,
+            back: float = back,
+            wrapped: Weight = wrapped,
+            anchored: Weight = anchored,
         ) -> tuple[Floats, Floats, Floats]:
             r = np.hypot(p[0], p[2])
-            inwards = -tension * pull.wrap_rad / whole * wrapped(p, 0.0, pull.wrap_rad, pull)
-            back = -pull.side * tension / end * wrapped(p, last, pull.wrap_rad, pull)
-            return inwards * p[0] / r + back * p[2] / r, 0.0 * r, inwards * p[2] / r - back * p[0] / r
+            out, along = -inwards * wrapped(p), -side * back * anchored(p)
+            return out * p[0] / r + along * p[2] / r, 0.0 * r, out * p[2] / r - along * p[0] / r
 
-        load += solid.traction(facets, pressed)
+        load += solid.traction(land.facets, pressed)
     return load
 
 

@@ -219,43 +219,79 @@ class Pull:
     share: float
 
 
+@dataclass(frozen=True, eq=False)
+class OnLand:
+    """Where a cable presses on its land: facets, and by place (3, ...) its weight between two angles from the transfer,
+    so spread over the height that the resultant lies at the cable's; ``area_mm2`` between such angles."""
+
+    solid: Solid
+    pull: Pull
+    facets: Ints
+
+    def angle(self, p: Floats) -> Floats:
+        """From the transfer to the anchor."""
+        return np.asarray(self.pull.side * np.arctan2(p[0], p[2]))
+
+    def area_mm2(self, start_rad: float, end_rad: float) -> float:
+        """Area between the angles."""
+        return self.solid.area(self.facets, lambda p: self._between(p, start_rad, end_rad)) if len(self.facets) else 0.0
+
+    def weight(self, start_rad: float, end_rad: float) -> Callable[[Floats], Floats]:
+        """One on the average between the angles, zero elsewhere, a straight line over the height."""
+
+        def mean(of: Callable[[Floats], Floats]) -> float:
+            return self.solid.area(self.facets, lambda p: of(p) * self._between(p, start_rad, end_rad)) / area
+
+        area = self.area_mm2(start_rad, end_rad)
+        middle = mean(lambda p: p[1])
+        slope = (self.pull.cable_y_mm - middle) / mean(lambda p: (p[1] - middle) ** 2)
+        return lambda p: (1.0 + slope * (p[1] - middle)) * self._between(p, start_rad, end_rad)
+
+    def _between(self, p: Floats, start_rad: float, end_rad: float) -> Floats:
+        at = self.angle(p)
+        return np.asarray(((at >= start_rad) & (at < end_rad)) * 1.0)
+
+
+def on_land(solid: Solid, pull: Pull) -> OnLand:
+    """The strip of a land two millimetres to each side of a cable, or the whole land where no facets end there."""
+
+    def between(low: float, high: float) -> OnLand:
+        def on(p: Floats) -> NDArray[np.bool_]:
+            near = np.abs(np.hypot(p[0], p[2]) - pull.surface_mm) < 0.03
+            return near & (p[1] > low - 1e-6) & (p[1] < high + 1e-6)
+
+        return OnLand(solid, pull, solid.facets(on))
+
+    low, high = pull.land_y_mm
+    low, high = max(low, pull.cable_y_mm - 2.0), min(high, pull.cable_y_mm + 2.0)
+    strip = between(low, high)
+    enough = strip.area_mm2(0.0, pull.wrap_rad) > 0.5 * pull.wrap_rad * pull.surface_mm * (high - low)
+    return strip if enough else between(*pull.land_y_mm)
+
+
 def drum_load(solid: Solid, pulls: Sequence[Pull]) -> Floats:
-    """Forces of the changes of tension for 1 N m: on strips of the lands two millimetres to each side of the cables.
+    """Forces of the changes of tension for 1 N m.
 
     The change falls evenly along the land: pressure inwards, and friction along the land.
     """
     load = np.zeros(solid.place.shape[1])
     for pull in pulls:
-        low, high = pull.land_y_mm
-        low, high = max(low, pull.cable_y_mm - 2.0) - 1e-6, min(high, pull.cable_y_mm + 2.0) + 1e-6
-
-        def on_land(p: Floats, pull: Pull = pull, low: float = low, high: float = high) -> NDArray[np.bool_]:
-            return (np.abs(np.hypot(p[0], p[2]) - pull.surface_mm) < 0.03) & (p[1] > low) & (p[1] < high)
-
-        def angle(p: Floats, pull: Pull = pull) -> tuple[Floats, Floats]:
-            at = pull.side * np.arctan2(p[0], p[2])
-            return at, ((at >= 0.0) & (at < pull.wrap_rad)) * 1.0
-
-        def carrying_mm2(facets: Ints, f: Callable = angle) -> float:
-            return solid.area(facets, lambda p: f(p)[1]) if len(facets) else 0.0
-
-        facets = solid.facets(on_land)
-        if carrying_mm2(facets) < 0.5 * pull.wrap_rad * pull.surface_mm * (high - low):
-            # The rows of facets do not end between these heights: the whole land carries the cable.
-            low, high = pull.land_y_mm[0] - 1e-6, pull.land_y_mm[1] + 1e-6
-            facets = solid.facets(lambda p, f=on_land, a=low, b=high: f(p, low=a, high=b))
-
+        land = on_land(solid, pull)
+        weight, area = land.weight(0.0, pull.wrap_rad), land.area_mm2(0.0, pull.wrap_rad)
         change = pull.side * pull.share * 1e3 / pull.surface_mm
-        area = carrying_mm2(facets)
 
         def pressed(
-            p: Floats, pull: Pull = pull, change: float = change, area: float = area, f: Callable = angle
+            p: Floats,
+            pull: Pull = pull,
+            land: OnLand = land,
+            change: float = change,
+            area: float = area,
+            weight: Callable[[Floats], Floats] = weight,
         ) -> tuple[Floats, Floats, Floats]:
-            at, on = f(p)
-            r = np.hypot(p[0], p[2])
-            inwards = -change * (1.0 - at / pull.wrap_rad) * on * pull.wrap_rad / area
+            r, on = np.hypot(p[0], p[2]), weight(p)
+            inwards = -change * (1.0 - land.angle(p) / pull.wrap_rad) * on * pull.wrap_rad / area
             along = -pull.side * change * on / area
             return inwards * p[0] / r + along * p[2] / r, 0.0 * r, inwards * p[2] / r - along * p[0] / r
 
-        load += solid.traction(facets, pressed)
+        load += solid.traction(land.facets, pressed)
     return load * (-1e3 * sum(pull.share for pull in pulls) / about_y_Nmm(solid, load))

@@ -1,13 +1,14 @@
-"""Bending of a plate on a mesh of quadrilaterals in rows: four-node elements, a direct solution.
+"""Bending of a plate on a mesh of quadrilaterals: four-node elements, also beside the plane of their freedoms.
 
 Reissner-Mindlin with shear strains assumed from the middles of the edges (Bathe and Dvorkin 1985), so that neither thin
 nor stubby plates lock; a triangle repeats a corner. Freedoms of a node: deflection w along the normal, and how fast its
-fibres lean (a, b): a point at the height h above the middle plane moves in the plane by h (a, b). Units: mm, N, MPa.
+fibres lean (a, b): a point at the height h above the plane moves in it by (u, v) + h (a, b). Units: mm, N, MPa.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,6 +17,9 @@ from mbcdm_cad.model.structure.plane_stress import GAUSS, jacobian, plane_law
 from mbcdm_cad.routes import Floats
 
 _SHEAR_FACTOR = 5.0 / 6.0
+# Freedoms of a node (u, v, w, a, b); the first that leans; those that lean of an element's (n, 20).
+FREEDOMS, LEAN = 5, 3
+LEANS = 8 + np.array([1, 2, 4, 5, 7, 8, 10, 11])
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,11 +67,34 @@ def _product(left: Floats, right: Floats) -> Floats:
     return np.asarray(left.reshape(count, -1, 12).transpose(0, 2, 1) @ right.reshape(count, -1, 12))
 
 
-def freedoms(corner: Ints) -> Ints:
-    """Freedoms (n, 12) of the corners."""
-    return (3 * corner[:, :, None] + np.arange(3)).reshape(len(corner), 12)
+class Freedoms(NamedTuple):
+    """Freedoms of the corners of n elements: in the plane (n, 8), of the plates (n, 12), both (n, 20)."""
+
+    in_plane: Ints
+    of_plate: Ints
+    all: Ints
+
+
+def freedoms(corner: Ints) -> Freedoms:
+    """Of nodes that move in the plane and lean: (u, v, w, a, b)."""
+    first = FREEDOMS * corner[:, :, None]
+    flat, plate = ((first + k).reshape(len(corner), -1) for k in (np.arange(LEAN - 1), np.arange(LEAN - 1, FREEDOMS)))
+    return Freedoms(flat, plate, np.concatenate([flat, plate], axis=1))
+
+
+def eccentric(flat: Floats, plate: Floats, height_mm: Floats) -> Floats:
+    """Stiffness (n, 20, 20) of elements whose middles lie ``height_mm`` (n,) above the plane of the freedoms.
+
+    From their own in the plane (n, 8, 8) and as plates (n, 12, 12): their middles move by (u, v) + height (a, b).
+    """
+    whole = np.zeros((len(flat), 20, 20))
+    whole[:, :8, :8], whole[:, 8:, 8:] = flat, plate
+    beside = flat * height_mm[:, None, None]
+    whole[:, :8, LEANS], whole[:, LEANS, :8] = beside, beside
+    whole[:, LEANS[:, None], LEANS] += beside * height_mm[:, None, None]
+    return whole
 
 
 def bend(corner: Ints, row: Ints, stiffness: Floats, load: Floats) -> Floats:
-    """Freedoms (3 m, k) under the loads (3 m, k); as :func:`~mbcdm_cad.model.structure.plane_stress.solve`."""
-    return solve_mesh(np.repeat(row, 3), freedoms(corner), stiffness, load)
+    """Freedoms (5 m, k) under the loads (5 m, k); as :func:`~mbcdm_cad.model.structure.plane_stress.solve`."""
+    return solve_mesh(np.repeat(row, FREEDOMS), freedoms(corner).all, stiffness, load)

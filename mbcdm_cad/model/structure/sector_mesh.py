@@ -145,7 +145,7 @@ class SectorMesh:
         return np.where(element < 0, -1, 4 * element + np.where(out, 3 - on, on))
 
 
-def sector_mesh(shape: SectorShape, cell_mm: float) -> SectorMesh:
+def sector_mesh(shape: SectorShape, cell_mm: float, corner_pieces: int = CORNER_PIECES) -> SectorMesh:
     """The mesh. Its cells are at most ``cell_mm`` long at the rim, and shorter inwards, where spokes are narrow.
 
     Raises ``ValueError`` if no web is left at the held edge, or the radii of hub, rim and lands descend.
@@ -153,7 +153,7 @@ def sector_mesh(shape: SectorShape, cell_mm: float) -> SectorMesh:
     steps = [shape.held_mm, *(ring.outer_mm for ring in shape.rings)]
     if steps[1] <= steps[0] or any(outer < inner for inner, outer in pairwise(steps)):
         raise ValueError(f"drum: hub, rim and lands must ascend: radii {', '.join(f'{r:.4g}' for r in steps)} mm")
-    radii, angles = _grid(shape, cell_mm)
+    radii, angles = _grid(shape, cell_mm, corner_pieces)
     count = len(radii)
     r = np.tile(radii, len(angles))
     a = np.repeat(angles, count)
@@ -179,9 +179,9 @@ def sector_mesh(shape: SectorShape, cell_mm: float) -> SectorMesh:
     return SectorMesh(node, corner, thick, middle, line, r[used], a[used], (radii, angles), cell)
 
 
-def _grid(shape: SectorShape, cell_mm: float) -> tuple[Floats, Floats]:
+def _grid(shape: SectorShape, cell_mm: float, corner_pieces: int) -> tuple[Floats, Floats]:
     half, outer = shape.half_angle_rad, shape.rings[-1].outer_mm
-    steps = 1.0 - np.cos(np.arange(1, CORNER_PIECES + 1) * pi / 2 / CORNER_PIECES)
+    steps = 1.0 - np.cos(np.arange(1, corner_pieces + 1) * pi / 2 / corner_pieces)
     hard_r = [shape.held_mm, *(ring.outer_mm for ring in shape.rings)]
     soft_r: list[float] = []
     hard_a: list[float] = [-half, half]

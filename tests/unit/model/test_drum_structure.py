@@ -6,6 +6,7 @@ Solid finite elements of the drawn STEP are compared in tests/acceptance/test_dr
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 from math import pi
 from pathlib import Path
 
@@ -14,9 +15,17 @@ import pytest
 
 from mbcdm_cad.layouts.loader import load_design, load_text, new_design_text
 from mbcdm_cad.model.block_rows import many_meshes, solve_mesh
-from mbcdm_cad.model.structure.drum_sector import Hub, Isotropic, LandPull, SectorStudy, least_hub_mm, sector_study
+from mbcdm_cad.model.structure.drum_sector import (
+    STIFFENED,
+    Hub,
+    Isotropic,
+    LandPull,
+    SectorStudy,
+    least_hub_mm,
+    sector_study,
+)
 from mbcdm_cad.model.structure.plane_stress import elements, plane_law, solve
-from mbcdm_cad.model.structure.plate_bending import bend, freedoms, plate_elements
+from mbcdm_cad.model.structure.plate_bending import FREEDOMS, eccentric, freedoms, plate_elements
 from mbcdm_cad.model.structure.sector_mesh import RimStep, SectorShape
 from mbcdm_cad.parts.drum_sector.dims import Window
 from mbcdm_cad.parts.drum_sector.structure import hub, land_pulls, sector_shape
@@ -106,6 +115,51 @@ def test_a_full_ring_turns_as_its_closed_form() -> None:
     assert ring < found.web_urad_Nm < 1.6 * ring, f"{found.web_urad_Nm:.1f} urad/N m, ring {ring:.1f}"
 
 
+@pytest.mark.parametrize(
+    ("radius", "bore", "thick", "back"), [(15.0, 4.0, 2.0, 5.0), (11.5, 4.0, 4.8, 0.0), (15.75, 7.5, 8.0, 1.0)]
+)
+def test_a_web_all_round_turns_on_its_hub_as_a_body_of_revolution(
+    radius: float, bore: float, thick: float, back: float
+) -> None:
+    """Torsion of the whole body by finite differences; the model: twist of its hub, its edge, shear of its web."""
+    outer, face = 2.0 * radius, back + thick + 10.0
+    exact = twist_of_revolution(radius, bore, outer, (0.0, back, back + thick, face), thick / 6.0)
+    hub_ = replace(HUB, radius_mm=radius, bore_mm=bore, face_mm=face, set_mm=0.0)
+    root, _ = hub_.root_mm2_N(METAL, (back, back + thick))
+    start = back + thick * (0.5 + STIFFENED)
+    found = hub_.twist_urad_Nm(METAL, start, face) + 1e9 * root / (2.0 * pi * radius**3)
+    found += 1e9 / (4.0 * pi * METAL.shear_MPa * thick) * (1.0 / radius**2 - 1.0 / outer**2)
+    assert found == pytest.approx(exact / METAL.shear_MPa * 1e9, rel=0.04), f"{found:.2f} urad/N m"
+
+
+def twist_of_revolution(radius: float, bore: float, outer: float, heights: tuple[float, ...], cell: float) -> float:
+    """Turn for a torque and a shear modulus of one, 1/mm^3: a hub from the first height to the last, which is held,
+    with a web between the other two, whose outer edge carries the torque. Rings whose torques balance."""
+
+    def lines(ends: tuple[float, ...]) -> np.ndarray:
+        parts = [np.linspace(a, b, max(1, round((b - a) / cell)) + 1)[1:] for a, b in pairwise(ends) if b > a]
+        return np.concatenate([ends[:1], *parts])
+
+    r, y = lines((bore, radius, outer)), lines(heights)
+    r_in, y_in = (r[1:] + r[:-1]) / 2.0, (y[1:] + y[:-1]) / 2.0
+    web = (y_in > heights[1]) & (y_in < heights[2])
+    metal = (r_in[:, None] < radius) | web
+    number = np.where(metal, np.cumsum(metal).reshape(metal.shape) - 1, -1)
+    out = 2.0 * np.pi * np.diff(y) / (0.5 * -np.diff(r_in**-2.0))[:, None]
+    polar = np.pi / 2.0 * np.diff(r**4)
+    along = polar[:, None] / np.diff(y_in)
+    stiffness = np.zeros((metal.sum(), metal.sum()))
+    for one, other, spring in ((number[:-1], number[1:], out), (number[:, :-1], number[:, 1:], along)):
+        met = (one >= 0) & (other >= 0)
+        i, j, k = one[met], other[met], spring[met]
+        for row, column, sign in ((i, i, 1.0), (j, j, 1.0), (i, j, -1.0), (j, i, -1.0)):
+            np.add.at(stiffness, (row, column), sign * k)
+    held, load = number[:, -1], np.zeros(len(stiffness))
+    stiffness[held[held >= 0], held[held >= 0]] += polar[held >= 0] / (np.diff(y)[-1] / 2.0)
+    load[number[-1, web]] = np.diff(y)[web] / (heights[2] - heights[1])
+    return float(load @ np.linalg.solve(stiffness, load))
+
+
 @pytest.mark.parametrize(("bore", "torque", "shear"), [(4.0, 0.5, 190.0), (4.0, 8.0, 7.7), (15.0, 150.0, 20.0)])
 def test_the_least_hub_has_the_shear_that_it_may_have(bore: float, torque: float, shear: float) -> None:
     radius = least_hub_mm(bore, torque, shear)
@@ -113,10 +167,11 @@ def test_the_least_hub_has_the_shear_that_it_may_have(bore: float, torque: float
     assert radius > bore and found == pytest.approx(shear, rel=1e-6), f"{radius} mm: {found} MPa"
 
 
-@pytest.mark.parametrize("thick", [0.02, 2.0])
-def test_a_ring_bent_at_its_edge_leans_as_its_closed_form(thick: float) -> None:
+@pytest.mark.parametrize(("thick", "height"), [(0.02, 0.0), (2.0, 0.0), (2.0, 7.0)])
+def test_a_ring_bent_at_its_edge_leans_as_its_closed_form(thick: float, height: float) -> None:
     """Clamped at a, a moment m along b: the lean is m b (1 - a^2/b^2) / (D ((1 + nu) + (1 - nu) a^2/b^2)), the moment
-    at a is 2 m over the same bracket (axisymmetric plates, Timoshenko and Woinowsky-Krieger, chapter 3)."""
+    at a is 2 m over the same bracket (axisymmetric plates, Timoshenko and Woinowsky-Krieger, chapter 3). The same for
+    a ring at a height above the plane of the freedoms, which follows it."""
     a, b, moment, around, rings = 10.0, 50.0, 3.0, 96, 40
     radius = np.repeat(np.linspace(a, b, rings + 1), around)
     angle = np.tile(np.arange(around) * 2.0 * pi / around, rings + 1)
@@ -124,19 +179,22 @@ def test_a_ring_bent_at_its_edge_leans_as_its_closed_form(thick: float) -> None:
     i, j = (k.ravel() for k in np.meshgrid(np.arange(rings), np.arange(around), indexing="ij"))
     low, beside = i * around + j, i * around + (j + 1) % around
     corner = np.stack([low, low + around, beside + around, beside], axis=1)
-    found = plate_elements(node, corner, np.full(len(corner), thick), METAL.modulus_MPa, METAL.poisson)
-    stiffness, load = found.stiffness.copy(), np.zeros((3 * len(node), 1))
-    stiffness[:around, range(3), range(3)] += 1e9
+    body = node, corner, np.full(len(corner), thick), METAL.modulus_MPa, METAL.poisson
+    found, where = plate_elements(*body), freedoms(corner)
+    whole = eccentric(elements(*body).stiffness, found.stiffness, np.full(len(corner), height))
+    clamp, load = np.where(np.arange(len(node)) < around, 1e9, 0.0), np.zeros((len(node), FREEDOMS))
     share = moment * 2.0 * pi * b / around
     edge = np.arange(rings * around, len(node))
-    load[3 * edge + 1, 0], load[3 * edge + 2, 0] = share * np.cos(angle[edge]), share * np.sin(angle[edge])
-    moved = bend(corner, np.arange(len(node)) // around, stiffness, load)[:, 0]
+    load[edge, 3], load[edge, 4] = share * np.cos(angle[edge]), share * np.sin(angle[edge])
+    row = np.repeat(np.arange(len(node)) // around, FREEDOMS)
+    moved = solve_mesh(row, where.all, whole, load.reshape(-1, 1), np.repeat(clamp, FREEDOMS))[:, 0]
     plate = METAL.modulus_MPa * thick**3 / 12.0 / (1.0 - METAL.poisson**2)
     share_a = (a / b) ** 2
     bracket = (1.0 + METAL.poisson) + (1.0 - METAL.poisson) * share_a
     lean = moment * b * (1.0 - share_a) / (plate * bracket)
-    assert moved[3 * edge[0] + 1] == pytest.approx(lean, rel=0.005), f"{moved[3 * edge[0] + 1]} rad, {lean} rad"
-    curved = found.curvature[0] @ moved[freedoms(corner)[0]]
+    leant = float(moved[FREEDOMS * edge[0] + 3])
+    assert leant == pytest.approx(lean, rel=0.005), f"{leant} rad, {lean} rad"
+    curved = found.curvature[0] @ moved[where.of_plate[0]]
     at_a = (curved @ plane_law(METAL.modulus_MPa, METAL.poisson))[:, 0].mean() * thick**3 / 12.0
     first = a + (b - a) / rings / 2.0
     there = moment / bracket * ((1.0 + METAL.poisson) + (1.0 - METAL.poisson) * (a / first) ** 2)
@@ -144,19 +202,21 @@ def test_a_ring_bent_at_its_edge_leans_as_its_closed_form(thick: float) -> None:
 
 
 def test_cables_bend_the_web_by_how_far_they_lie_beside_its_middle() -> None:
-    """Nothing in its middle; in front the opposite of behind, twice as far twice as much."""
+    """Nothing in its middle; in front the opposite of behind, twice as far twice as much, and four times the turn."""
     shape = SectorShape(1.2, 10.0, (RimStep(40.0, 4.0, 6.0), RimStep(50.0, 2.0, 8.0)), rim_mm=40.0)
 
-    def bending(at: float) -> np.ndarray:
+    def bent(at: float) -> SectorStudy:
         pulls = tuple(LandPull(side, 50.0, 1.0, 0.5, 70.0, at) for side in (1, -1))
-        return sector_study(shape, HUB, pulls, METAL).preload_bending
+        return sector_study(shape, HUB, pulls, METAL)
 
-    front = bending(7.0)
-    largest = np.abs(front).max()
+    behind, middle, front, further = (bent(at) for at in (3.0, 5.0, 7.0, 9.0))
+    largest = np.abs(front.preload_bending).max()
     assert largest > 1.0, f"{largest:.2g} MPa"
-    assert np.abs(bending(5.0)).max() < 1e-9 * largest
-    np.testing.assert_allclose(bending(3.0), -front, atol=1e-9 * largest)
-    np.testing.assert_allclose(bending(9.0), 2.0 * front, atol=1e-9 * largest)
+    assert np.abs(middle.preload_bending).max() < 1e-9 * largest
+    np.testing.assert_allclose(behind.preload_bending, -front.preload_bending, atol=1e-9 * largest)
+    np.testing.assert_allclose(further.preload_bending, 2.0 * front.preload_bending, atol=1e-9 * largest)
+    once, twice = (one.web_urad_Nm - middle.web_urad_Nm for one in (front, further))
+    assert once > 0.1 and twice == pytest.approx(4.0 * once, rel=1e-6), f"{once:.3f} and {twice:.3f} urad/N m"
 
 
 def test_windows_make_the_reference_soft_as_solid_elements_found() -> None:
