@@ -278,9 +278,10 @@ def _winding_step(drive: SpurDrive) -> AssemblyStep:
     if not drive.anchored:
         how = "in the groove" if drive.input_pulleys.grooved else "side by side"
         under = "" if drive.overhung else "under the bridge, "
+        way = "not crossed" if drive.open_spans else "crossed"
         return AssemblyStep(
             f"Lead the cable round the input from its middle out, {drive.turns} turns {how}, "
-            f"{under}and hold it with tape; its ends lie on both sides of the plate, crossed.",
+            f"{under}and hold it with tape; its ends lie on both sides of the plate, {way}.",
             (cable_item(drive.input_names[0]),),
         )
     how = "in its groove" if drive.input_pulleys.grooved else "side by side"

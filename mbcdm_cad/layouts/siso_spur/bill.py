@@ -46,7 +46,7 @@ _TO_BACK = Placement.about(_X, 90.0)
 
 
 def moving_bodies(lay: SpurLayout) -> tuple[MovingBody, ...]:
-    """Drum about +Y, idlers about +Y against it, input about -Y: theta_i = theta_o r_o/r_i."""
+    """Drum about +Y, idlers about +Y against it, input about -Y, with open spans +Y: theta_i = theta_o r_o/r_i."""
     drive = lay.drive
     inputs = input_bodies(drive, drive.input_names[0], 0.0)
     return MovingBody("drum", "drum", (0.0, 0.0, 0.0), _Y), *idler_bodies(lay, 0.0), *inputs
@@ -69,7 +69,8 @@ def input_bodies(drive: SpurDrive, name: str, angle_rad: float) -> tuple[MovingB
         return turned(angle_rad, 0.0, distance_mm)
 
     ratio, distance, stage = (drive.drum_radius_mm, drive.input_radius_mm), drive.centre_distance_mm, drive.stage
-    body = MovingBody(f"input_{name}", "input", at(distance), _BACK, *ratio)
+    axis = _Y if drive.open_spans else _BACK
+    body = MovingBody(f"input_{name}", "input", at(distance), axis, *ratio)
     if drive.first is not None:
         # The first stage stands back to back, so that its input turns about +Y.
         first = drive.first
@@ -79,7 +80,7 @@ def input_bodies(drive: SpurDrive, name: str, angle_rad: float) -> tuple[MovingB
     if stage is None:
         return (body,)
     turns = ratio[0] * stage.ratio * stage.sense
-    return body, MovingBody(f"driver_{name}", "stage", at(distance + stage.centre_mm), _BACK, turns, ratio[1])
+    return body, MovingBody(f"driver_{name}", "stage", at(distance + stage.centre_mm), axis, turns, ratio[1])
 
 
 def _idler_axis(drive: SpurDrive, cable: SpurRun, number: int) -> tuple[float, float, float]:

@@ -150,7 +150,7 @@ def cable_path(drive: SpurDrive, anchors: Mapping[str, tuple[float, float]], ang
         _Z,
         drive.input_radius_mm,
         at,
-        at + first.drum_side * drive.wrap_rad,
+        at + drive.input_sense * first.drum_side * drive.wrap_rad,
         leave[0],
         leave[1],
     )

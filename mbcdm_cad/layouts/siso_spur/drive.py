@@ -185,7 +185,8 @@ class SpurDrive(HeadedDrive):
     winding along y; input pulley and encoder shelf are that much further from the frame's plate. ``frame_angle_rad``:
     angle round the drum's axis in which this input's part of the frame lies. ``idlers``: those that lead the cable to
     an input away from the drum; None where it runs straight to the drum. ``first``: the drive of a first cable stage,
-    whose drum's shaft turns the input; the gearhead is then what that is to this stage.
+    whose drum's shaft turns the input; the gearhead is then what that is to this stage. ``open_spans``: the spans do
+    not cross, so that the input turns with the drum.
     """
 
     cables: tuple[SpurRun, ...]
@@ -202,6 +203,7 @@ class SpurDrive(HeadedDrive):
     frame_angle_rad: float = tau
     idlers: IdlerBlock | None = None
     first: SpurDrive | None = None
+    open_spans: bool = False
 
     @property
     def leading(self) -> IdlerBlock:
@@ -249,32 +251,51 @@ class SpurDrive(HeadedDrive):
             ]
         )
 
+    @property
+    def input_sense(self) -> int:
+        """+1 if the spans cross, so that the cable is wound on the input towards the side of the drum that it runs to.
+
+        -1 if they are open.
+        """
+        return -1 if self.open_spans else 1
+
+    @property
+    def tangent_mm(self) -> float:
+        """Sum of both pitch radii, or with open spans their difference: L times the cosine of the landing."""
+        return self.drum_radius_mm + self.input_sense * self.input_radius_mm
+
     @cached_property
     def landing_rad(self) -> float:
-        """Angle from the line of centres at which the cable lands on the drum; without idlers cos = (r_o + r_i) / L.
+        """Angle from the line of centres at which the cable lands on the drum; without idlers cos = (r_o +- r_i) / L.
 
         0 where the pulleys touch or overlap.
         """
         if self.idlers:
             return float(np.nan_to_num(self.strand.landing_rad))
-        return acos(min(1.0, (self.drum_radius_mm + self.input_radius_mm) / self.centre_distance_mm))
+        return acos(min(1.0, self.tangent_mm / self.centre_distance_mm))
 
     @cached_property
     def leaving_rad(self) -> float:
-        """Angle from the line of centres at which the cable leaves the input; without idlers that of the landing."""
-        return float(np.nan_to_num(self.strand.leaving_rad)) if self.idlers else self.landing_rad
+        """Angle from the line of centres at which the cable leaves the input, whichever way it is wound there.
+
+        Without idlers that of the landing, with open spans the rest of a half turn.
+        """
+        if self.idlers:
+            return float(np.nan_to_num(self.strand.leaving_rad))
+        return pi - self.landing_rad if self.open_spans else self.landing_rad
 
     @property
     def free_span_mm(self) -> float:
-        """L_free of each side, all straight pieces: without idlers sqrt(L^2 - (r_o + r_i)^2).
+        """L_free of each side, all straight pieces: without idlers sqrt(L^2 - (r_o +- r_i)^2), minus if open.
 
         0 if pulleys overlap, or if the cable does not touch an idler.
         """
         if self.idlers:
             touched = bool((self.strand.wraps > 0.0).all())
             return float(np.nan_to_num(self.strand.length.sum())) if touched else 0.0
-        reach = self.drum_radius_mm + self.input_radius_mm
-        return sqrt(max(0.0, self.centre_distance_mm**2 - reach**2))
+        if self.centre_distance_mm <= self.drum_radius_mm + self.input_radius_mm:
+            return 0.0
+        return sqrt(self.centre_distance_mm**2 - self.tangent_mm**2)
 
     @cached_property
     def led_mm(self) -> tuple[float, ...]:
@@ -439,7 +460,7 @@ def is_continuous(drive: SpurDrive) -> bool:
 
 def contact_rad(drive: SpurDrive, side: int) -> float:
     """Angle about Y, from +Z towards +X, at which the span of one side leaves the input."""
-    return pi + side * drive.leaving_rad
+    return pi + drive.input_sense * side * drive.leaving_rad
 
 
 def groove_depth_mm(drive: SpurDrive) -> float:

@@ -182,6 +182,11 @@ def words(get: Get, own: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
                     "remove it",
                 )
             )
+    if (given.get("transmission") or {}).get("spans") == "open":
+        place = ("first_stage", "design", "transmission", "spans")
+        raise SizingError(
+            Broken(place, "the input of a first stage turns against its drum", "open", "crossed", "remove it")
+        )
     torque = LOSSES / ratio if get("limits.losses") != "paper" else 1.0 / ratio
     loads = {
         "peak_torque_Nm": _digits(get("loads.peak_torque_Nm") * torque),

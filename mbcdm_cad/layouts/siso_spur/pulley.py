@@ -29,7 +29,10 @@ from mbcdm_cad.parts.input_pulley.stop import anchored_groove, neck_radius_mm, s
 
 
 def _through_groove(drive: SpurDrive) -> Groove:
-    """Groove of a continuous cable: its turns, the walk in both directions, and the run-out at both spans."""
+    """Groove of a continuous cable: its turns, the walk in both directions, and the run-out at both spans.
+
+    Right-handed, left-handed with open spans, so that the turns walk along the input as the cable does on the drum.
+    """
     beyond = drive.input_travel_rad / 2 + groove_run_out_rad(drive)
     start = contact_rad(drive, 1) - pi / 2
     per_rad = drive.input_radius_mm * drive.slope
@@ -38,8 +41,8 @@ def _through_groove(drive: SpurDrive) -> Groove:
         root_radius=drive.input_radius_mm - drive.cable.diameter_mm / 2,
         radius=GROOVE_RADIUS * drive.cable.diameter_mm,
         depth=groove_depth_mm(drive),
-        start_angle_rad=start - beyond,
-        end_angle_rad=start + drive.wrap_rad + beyond,
+        start_angle_rad=start - drive.input_sense * beyond,
+        end_angle_rad=start + drive.input_sense * (drive.wrap_rad + beyond),
         start_z=drive.level_mm - drive.leave_mm - per_rad * beyond,
         end_z=drive.level_mm + drive.leave_mm + per_rad * beyond,
     )

@@ -38,6 +38,7 @@ class SpurGeometry:
 
     ``angle_rad`` and ``level_m`` (n_inputs,): position of each input, about Y from +Z towards +X, and along Y.
     ``apart_m``: half the distance along Y at which two anchored cables leave an input; None for a continuous cable.
+    ``input_sense``: -1 where the spans do not cross.
     ``idlers``: x and z in m of those of the side +x from the input on, with that input at +Z.
     """
 
@@ -52,6 +53,7 @@ class SpurGeometry:
     lead_m: float
     apart_m: float | None = None
     idlers: tuple[tuple[float, float], ...] = ()
+    input_sense: int = 1
     varied: tuple[Varied, ...] = (
         Varied(DISTANCE, "centre distance", (67e-3, 70e-3, 75e-3, 85e-3, 100e-3), (68e-3, 80e-3)),
     )
@@ -83,11 +85,14 @@ class SpurGeometry:
         )
 
     def free_span_m(self, parameters: Mapping[str, Floats]) -> Floats:
-        """L_free, all spans; without idlers sqrt(L^2 - (r_o + r_i)^2), Eq. (11)."""
+        """L_free, all spans; without idlers sqrt(L^2 - (r_o +- r_i)^2), Eq. (11); minus for open spans."""
         if self.idlers:
             found = self.strand(parameters)
             return np.where((found.wraps > 0.0).all(axis=0), found.length.sum(axis=0), np.nan)
-        return tangent_length_m(parameters[DISTANCE], parameters[INPUT_RADIUS] + parameters[DRUM_RADIUS])
+        return tangent_length_m(parameters[DISTANCE], self._tangent_m(parameters))
+
+    def _tangent_m(self, parameters: Mapping[str, Floats]) -> Floats:
+        return parameters[DRUM_RADIUS] + self.input_sense * parameters[INPUT_RADIUS]
 
     def passed_wrap_rad(self, parameters: Mapping[str, Floats]) -> tuple[Floats, ...]:
         """Wrap on each idler, which one cable alone passes."""
@@ -111,7 +116,8 @@ class SpurGeometry:
             if self.idlers:
                 leaving = self.strand(parameters).leaving_rad
             else:
-                leaving = np.arccos((parameters[INPUT_RADIUS] + parameters[DRUM_RADIUS]) / parameters[DISTANCE])
+                landing = np.arccos(self._tangent_m(parameters) / parameters[DISTANCE])
+                leaving = landing if self.input_sense > 0 else np.pi - landing
             left = [2 * np.pi * self.turns - leaving[of == i].sum(axis=0) for i in range(len(self.input_names))]
         return np.array(left)
 
@@ -133,8 +139,9 @@ class SpurGeometry:
             out = (sin(angle), 0.0, cos(angle))
             turns = float(np.mean(ratio[np.array(self.input_of) == i]))
             # With crossed spans the input turns against the drum: about -Y its angle has the sign of the drum's.
+            axis = _BACK if self.input_sense > 0 else _Y
             bodies.append(
-                Body(input_body(name), "input", (distance * out[0], 0.0, distance * out[2]), _BACK, out, turns)
+                Body(input_body(name), "input", (distance * out[0], 0.0, distance * out[2]), axis, out, turns)
             )
         if self.idlers:
             bodies[1:1] = self._idler_bodies(parameters)
@@ -196,7 +203,7 @@ class SpurGeometry:
         name = input_body(input_name)
         r_i, r_o = float(parameters[INPUT_RADIUS][j]), float(parameters[DRUM_RADIUS][j])
         distance = float(parameters[DISTANCE])
-        cosine, sine = (r_o + r_i) / distance, free_m / distance
+        cosine, sine = (r_o + self.input_sense * r_i) / distance, free_m / distance
         through = self.through_wrap_rad(parameters)
         if through is None:
             apart, rises = self.apart_m or 0.0, -self.outward[j]
@@ -208,8 +215,16 @@ class SpurGeometry:
         along = turned(angle, side * cosine, -sine)
         pieces = (
             Anchor(name),
-            # Heights count along the input's own axis, -Y.
-            Wrap(name, r_i, np.inf, -leave, side, may_slip_through=through is not None, lead_m=self.lead_m),
+            # Heights count along the input's own axis, -Y, or Y with open spans.
+            Wrap(
+                name,
+                r_i,
+                np.inf,
+                -self.input_sense * leave,
+                side,
+                may_slip_through=through is not None,
+                lead_m=self.lead_m,
+            ),
             Span(free_m, along),
             Wrap(DRUM, r_o, np.inf, land, side),
             Terminal(DRUM),
@@ -241,6 +256,7 @@ def routed_round(drive: SpurDrive, angle_rad: tuple[float, ...], level_mm: tuple
         lead_m=drive.helix_lead_mm * _MM,
         apart_m=drive.leave_mm * _MM if drive.anchored else None,
         idlers=tuple((p.x_mm * _MM, p.z_mm * _MM) for p in drive.idler_places),
+        input_sense=drive.input_sense,
     )
     parameters = {
         INPUT_RADIUS: np.array([run.input_radius_mm * _MM for run in drive.cables]),

@@ -50,3 +50,6 @@ def broken_rules(design: RoundDrumDesign) -> Iterator[Broken]:
             )
     yield from broken_way(design)
     yield from broken_sector(design.drum.sector_half_angle_deg)
+    if design.transmission.spans == "open":
+        remedy = "set it to crossed, or take configuration siso_spur"
+        yield Broken(("transmission", "spans"), "the inputs turn against the drum", "open", "crossed", remedy)

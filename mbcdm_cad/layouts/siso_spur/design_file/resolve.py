@@ -77,6 +77,7 @@ def spur_values(design: SpurBlocks, catalogue: Catalogue, sigmas: Mapping[FieldP
             "centre_distance_mm": transmission.centre_distance_mm,
             "turns": transmission.turns,
             "anchored": transmission.cables == "two_anchored",
+            "open_spans": transmission.spans == "open",
             "radii_explicit": transmission.input_to_drum is None,
             "idlers": design.idlers,
             "bearings": d.SpurBearings(
@@ -113,6 +114,7 @@ def broken_rules(design: SpurDesign) -> Iterator[Broken]:
         yield on_one_side(1, design.cables[1].drum_side, "sides")
     yield from broken_way(design)
     yield from _broken_drum(design)
+    yield from _broken_spans(design)
     yield from broken_first_stage(design)
 
 
@@ -126,6 +128,19 @@ def _broken_drum(design: SpurDesign) -> Iterator[Broken]:
         yield Broken(path, "two anchored cables would cross on a whole drum", f"{angle:g}", "a sector", remedy)
     elif design.idlers is not None:
         yield Broken(path, "no whole drum beside idlers", f"{angle:g}", "a sector", "remove idlers, or lower the angle")
+
+
+def _broken_spans(design: SpurDesign) -> Iterator[Broken]:
+    """Open spans are those of one cable that runs straight from the input, in a drive of one stage."""
+    beside = {
+        "two_anchored": design.transmission.cables == "two_anchored",
+        "idlers": design.idlers is not None,
+        "first_stage": design.first_stage is not None,
+    }
+    for name in (name for name, given in beside.items() if given and design.transmission.spans == "open"):
+        yield Broken(
+            ("transmission", "spans"), f"not beside {name}", "open", "crossed", f"set it to crossed, or remove {name}"
+        )
 
 
 def broken_sector(angle_deg: float) -> Iterator[Broken]:

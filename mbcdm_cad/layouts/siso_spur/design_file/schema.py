@@ -61,6 +61,13 @@ class SpurTransmission(Block):
         reference="continuous",
         default="continuous",
     )
+    spans: Literal["crossed", "open"] = choice(
+        "crossed: the input turns against the drum; open: with it, both bend the cable the same way, and it wraps less "
+        "of both",
+        source="Fig. 1",
+        reference="crossed",
+        default="crossed",
+    )
     turns: Integer = quantity(
         "turns of the cable on the input, counted at the line of centres; of two anchored cables at the end of the "
         "travel that winds each up",

@@ -31,8 +31,8 @@ SLIP_MARGIN = 2.0
 PRELOAD_SHARES = (1.0, 0.95, 0.9, 0.85, 0.8, 0.75, 0.7, 0.6, 0.5, 0.4)
 # Least radius of an input pulley beyond the radius of the motor's shaft, for the walls of bore and neck (estimate).
 NECK_MM = 2.5
-# Angle of both landings, before the centre distance is known, and wrap that should stick in addition.
-LANDINGS_DEG, STICKING_DEG = 50.0, 20.0
+# Angle of both landings, crossed and open, before the centre distance is known, and wrap that should stick in addition.
+LANDINGS_DEG, OPEN_LANDINGS_DEG, STICKING_DEG = 50.0, 280.0, 20.0
 # Step of the search for the smallest input that takes the stops of anchored cables, mm.
 _RADIUS_STEP_MM = 0.05
 
@@ -138,7 +138,8 @@ def _turns(given: SpurKnown) -> Found:
     travel = 2 * given["travel.half_angle_deg"] * given.ratio
     slack = max(tension - share, 0.05 * tension)
     creeping = degrees(log((tension + share) / slack)) / mu
-    start = whole_turns(travel + creeping + LANDINGS_DEG + STICKING_DEG)
+    landings = OPEN_LANDINGS_DEG if given.get("transmission.spans") == "open" else LANDINGS_DEG
+    start = whole_turns(travel + creeping + landings + STICKING_DEG)
     return given.first("transmission.turns", range(start, min(start + 12, 41)), ("input_slip",))
 
 

@@ -12,10 +12,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mbcdm_cad.checks.run import run_check
+from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.base import FrameCompliance
 from mbcdm_cad.layouts.loader import load_text, new_design_text
 from mbcdm_cad.layouts.siso_spur.assembly_order import assembly_order
-from mbcdm_cad.layouts.siso_spur.bill import bill
+from mbcdm_cad.layouts.siso_spur.bill import bill, moving_bodies
 from mbcdm_cad.layouts.siso_spur.cable_path import cable_path
 from mbcdm_cad.layouts.siso_spur.checks.winding import CHECKS as WINDING
 from mbcdm_cad.layouts.siso_spur.checks.winding import turn_distance_mm
@@ -26,6 +27,7 @@ from mbcdm_cad.model.si import to_si
 from mbcdm_cad.model.stiffness import unit_tensions_N
 from mbcdm_cad.parts.input_pulley.part import InputPulley
 from mbcdm_cad.parts.shapes import cut
+from mbcdm_cad.routes.route import Body, Wrap, contact_point_m
 from tests.support.checked import failing
 from tests.support.smooth_path import assert_joined
 
@@ -93,15 +95,21 @@ def test_a_groove_that_the_kernel_cuts_through_the_pulley_is_cut_turn_by_turn(
     turns=st.integers(1, 6),
     lead=st.floats(0.85, 2.0),
     angle=st.floats(-35.0, 35.0),
+    open_spans=st.booleans(),
 )
 def test_path_keeps_its_length_and_joins_without_a_kink(
-    drive: SpurDrive, ratio: float, distance: float, turns: int, lead: float, angle: float
+    drive: SpurDrive, ratio: float, distance: float, turns: int, lead: float, angle: float, open_spans: bool
 ) -> None:
     """One slope all the way: whatever the winding, nothing bends sideways and nothing stretches over the travel."""
     cables = tuple(replace(c, input_radius_mm=c.drum_radius_mm / ratio) for c in drive.cables)
     reach = cables[0].drum_radius_mm + cables[0].input_radius_mm
     changed = replace(
-        drive, cables=cables, centre_distance_mm=max(distance, reach + 1.0), turns=turns, helix_lead_mm=lead
+        drive,
+        cables=cables,
+        centre_distance_mm=max(distance, reach + 1.0),
+        turns=turns,
+        helix_lead_mm=lead,
+        open_spans=open_spans,
     )
     changed = laid(changed)
     anchors = {c.name: (changed.landing_rad + 1.0, 5.0) for c in cables}
@@ -121,19 +129,78 @@ def test_spans_walk_one_lead_a_turn_and_leave_their_turns_apart(dims: SpurLayout
     assert ends[0][1] - ends[0][0] == pytest.approx(0.9 * degrees(drive.wrap_rad) / 360.0, abs=1e-9)
 
 
-def test_groove_lies_under_the_cable_at_every_angle(dims: SpurLayout) -> None:
+@pytest.mark.parametrize("open_spans", [False, True])
+def test_groove_lies_under_the_cable_at_every_angle(drive: SpurDrive, open_spans: bool) -> None:
     """In the pulley's own frame the wound cable follows the groove's helix, and the groove reaches beyond it."""
+    dims = SpurLayout(laid(replace(drive, open_spans=open_spans)))
     groove = dims.inputs[0].grooves[0]
     for angle in (-35.0, 0.0, 20.0, 35.0):
         place = next(i.location for i in bill(dims, angle).items if i.name == "input_pulley_main")
         wound = dims.cable_paths(np.radians(angle))[0].piece("wound").points(np.linspace(0.0, 1.0, 60))
         own = place.inverse.apply(wound)
         assert np.hypot(own[:, 0], own[:, 1]) == pytest.approx(groove.root_radius + 0.405, abs=1e-9)
-        per_rad = groove.lead / (2 * pi)
+        per_rad = (groove.end_z - groove.start_z) / (groove.end_angle_rad - groove.start_angle_rad)
         at = groove.start_angle_rad + (own[:, 2] - groove.start_z) / per_rad
         off = np.arctan2(own[:, 1], own[:, 0]) - at
         assert np.abs(np.angle(np.exp(1j * off))).max() < 1e-9
-        assert groove.start_angle_rad < at.min() and at.max() < groove.end_angle_rad
+        low, high = sorted((groove.start_angle_rad, groove.end_angle_rad))
+        assert low < at.min() and at.max() < high
+
+
+@pytest.mark.parametrize("open_spans", [False, True])
+def test_spans_do_no_work_on_drum_and_input_together(drive: SpurDrive, open_spans: bool) -> None:
+    """The pull of each drawn span on both bodies, with their turns: whichever way the input turns.
+
+    The routes have the same contact points as the drawn cable.
+    """
+    dims = SpurLayout(laid(replace(drive, open_spans=open_spans)))
+    body = next(b for b in moving_bodies(dims) if b.name == "input_main")
+    assert body.axis == ((0.0, 1.0, 0.0) if open_spans else (0.0, -1.0, 0.0))
+    si, (path,) = to_si(dims.drive), dims.cable_paths(0.0)
+    for k, run in enumerate(dims.drive.cables):
+        span = path.piece(f"span_{run.name}")
+        ends = span.points(np.array([0.0, 1.0])) * 1e-3
+        off, on = sorted(ends, key=lambda p: -p[2])
+        pull = (on - off) / np.linalg.norm(on - off)
+        at_input = np.cross(off - np.array(body.origin_mm) * 1e-3, pull) @ np.array(body.axis)
+        at_drum = np.cross(on, -pull)[1]
+        assert abs(at_input * dims.drive.total_ratio + at_drum) < 1e-12, (at_input, at_drum)
+        route = si.routes.cables[k]
+        for wrap, own, point in ((route.wraps[0], si.routes.inputs[0], off), (route.wraps[1], si.routes.drum, on)):
+            found = contact_point_m(own, wrap, route.spans[0].direction)
+            assert np.allclose(found, point, atol=1e-9), (run.name, wrap.body, found, point)
+    assert si.free_span_m[0] * 1e3 == pytest.approx(span.length_mm / dims.drive.stretched, rel=1e-9)
+
+
+def test_open_spans_bend_the_cable_one_way_and_wrap_less(drive: SpurDrive) -> None:
+    crossed, parallel = SpurLayout(drive), SpurLayout(laid(replace(drive, open_spans=True)))
+    for dims, straight in ((crossed, False), (parallel, True)):
+        each = [len({np.sign(w.turning * b.axis[1]) for w, b in _wraps_with_bodies(dims, k)}) for k in (0, 1)]
+        assert each == ([1, 1] if straight else [2, 2]), each
+    assert parallel.drive.wrap_rad < crossed.drive.wrap_rad
+    assert not parallel.inputs[0].grooves[0].right_handed and crossed.inputs[0].grooves[0].right_handed
+
+
+def _wraps_with_bodies(dims: SpurLayout, k: int = 0) -> list[tuple[Wrap, Body]]:
+    routes = to_si(dims.drive).routes
+    return [(wrap, routes.body(wrap.body)) for wrap in routes.cables[k].wraps]
+
+
+@pytest.mark.parametrize(
+    ("line", "what"),
+    [
+        ("idlers: {pairs: 1}", "not beside idlers"),
+        ("first_stage: {total_ratio: 24.0}", "not beside first_stage"),
+        ("configuration: miso_spur", "the inputs turn against the drum"),
+    ],
+)
+def test_what_open_spans_cannot_be_beside(line: str, what: str) -> None:
+    text = f"name: o\nconfiguration: siso_spur\n{line}\ntravel: {{half_angle_deg: 30.0}}\n"
+    if line.startswith("configuration"):
+        text = text.replace("configuration: siso_spur\n", "")
+    text += "transmission: {input_to_drum: 4.0, spans: open}\nloads: {peak_torque_Nm: 2.0}\n"
+    with pytest.raises(InputError, match=what):
+        load_text(text)
 
 
 def test_turns_beside_each_other_by_brute_force(drive: SpurDrive) -> None:
