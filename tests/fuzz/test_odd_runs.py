@@ -58,8 +58,14 @@ def odd_run(seed: int) -> Run:
     )
 
 
+# Of the 53 runs among 80 seeds that vetting lets through, 28 are judged, up to 20 s each: they have every kind
+# of signal, count, step, load and sensor of all, and 90 % of the pairs of these. What vetting refuses costs nothing.
+LEFT_OUT = {4, 12, 14, 18, 22, 28, 29, 35, 39, 42, 43, 44, 45, 47, 51, 58, 59, 63, 64, 65, 66, 68, 69, 73, 76}
+SEEDS = [seed for seed in range(80) if seed not in LEFT_OUT]
+
+
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
-@pytest.mark.parametrize("seed", [*range(8), *(pytest.param(k, marks=pytest.mark.slow) for k in range(8, 80))])
+@pytest.mark.parametrize("seed", [k if k < 8 else pytest.param(k, marks=pytest.mark.slow) for k in SEEDS])
 def test_any_run_is_judged_or_told_off(seed: int) -> None:
     run = odd_run(seed)
     drive = DRIVE if run.ratio is None else None
