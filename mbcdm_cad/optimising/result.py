@@ -18,7 +18,7 @@ from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.optimising.figures import FIGURES, Facts, figure
 from mbcdm_cad.optimising.search import INTERRUPTED, ROUNDS, Searched, TriedPoint, counted
 from mbcdm_cad.optimising.sketch import sketch
-from mbcdm_cad.optimising.wishes import Wishes
+from mbcdm_cad.optimising.wishes import Keep, Wishes
 from mbcdm_cad.report.table import ReportTable, filled
 from mbcdm_cad.solving.patch import difference, patched
 from mbcdm_cad.solving.question import Question
@@ -187,6 +187,17 @@ class Optimum:
         if warned:
             told = ", ".join(f"{name} ({number} of {count})" for name, number in warned.items())
             yield from filled(f"  warnings, which a search does not avoid unless --keep says so: {told}", width)
+            if avoided := " ".join(f'--keep "{keep}"' for keep in self._avoiding()):
+                yield from filled(f"  to avoid them: {avoided}", width)
+
+    def _avoiding(self) -> list[Keep]:
+        """The limits that keep the figures of warnings within theirs, as the first design that warns has them."""
+        warned = {check.id: check for point in self.points[::-1] for check in point.checks if check.status == "warn"}
+        return [
+            Keep(name, 1 if check.limit > check.actual else -1, check.limit)
+            for name, check in warned.items()
+            if check.limit is not None and check.actual is not None
+        ]
 
     def to_dict(self) -> dict[str, Any]:
         """Everything, ready for JSON; this is ``optimum.json``."""

@@ -24,7 +24,8 @@ def test_what_binds_is_named_with_the_designs_where_it_does() -> None:
 
 def test_warnings_of_the_front_are_named() -> None:
     found = optimum()
-    assert found.text().endswith("warnings, which a search does not avoid unless --keep says so: a_warning (3 of 3)")
+    told = "warnings, which a search does not avoid unless --keep says so: a_warning (3 of 3)"
+    assert found.text().endswith(f'{told}\n  to avoid them: --keep "a_warning:>=10"')
     without = replace(found, points=tuple(replace(point, checks=point.checks[:1]) for point in found.points))
     assert "warnings" not in without.text()
 
