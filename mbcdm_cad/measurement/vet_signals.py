@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from scipy.linalg import LinAlgError, eigh
@@ -273,12 +274,17 @@ def friction_alike(speed_rad_s: Floats, load_Nm: Floats | None) -> list[str]:
     return found
 
 
+def friction_words(alike: Sequence[str]) -> str:
+    """A sentence on what :func:`friction_alike` found."""
+    if alike:
+        return f"a constant friction looks like one with {'; or '.join(alike)}"
+    return "friction by speed, by load and by the sense of power can be told apart"
+
+
 def _friction(speed: Floats, load_Nm: Floats) -> VettingNote:
     """Which forms of friction the run can tell apart."""
     alike = friction_alike(speed, load_Nm)
-    text = "friction by speed, by load and by the sense of power can be told apart"
-    if alike:
-        text = f"a constant friction looks like one with {'; or '.join(alike)}"
+    text = friction_words(alike)
     remedy = "two speeds that differ threefold and two loads, one a weight, tell them" if alike else ""
     return VettingNote("friction_forms", "fact", text, remedy)
 

@@ -40,8 +40,16 @@ def alone_from(effect: Foreseen) -> float:
 
 
 def rated(plans: Sequence[RunPlan]) -> list[Rated]:
-    """The rating of each plan against all others; effects that no plan shows do not count."""
-    sizes = [{one.label: alone_from(one) for one in plan.effects} for plan in plans]
+    """The rating of each plan against all others; effects that no plan shows do not count.
+
+    A part of a friction that one run tells from a constant one, and another does not, counts as an effect.
+    """
+    alike = [{words.split(":")[0] for words in plan.friction_alike} for plan in plans]
+    parts = set[str]().union(*alike)
+    sizes = [
+        {one.label: alone_from(one) for one in plan.effects} | {part: inf if part in own else 1.0 for part in parts}
+        for plan, own in zip(plans, alike, strict=True)
+    ]
     best = {label: min(size.get(label, inf) for size in sizes) for size in sizes for label in size}
     shown = {label: size for label, size in best.items() if size < inf}
     found = []

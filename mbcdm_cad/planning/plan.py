@@ -21,6 +21,7 @@ from mbcdm_cad.loop.prepare.quiet import signal_noise
 from mbcdm_cad.loop.readable import readable
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.measurement.run import Run
+from mbcdm_cad.measurement.vet_signals import friction_alike, friction_words
 from mbcdm_cad.planning.detectable import PlannedEffects, Tried, planned_fitter
 from mbcdm_cad.planning.prediction_noise import coloured
 
@@ -59,15 +60,21 @@ class Foreseen:
 
 @dataclass(frozen=True)
 class RunPlan:
-    """What a planned run can find, with the noise that was assumed."""
+    """What a planned run can find, with the noise that was assumed.
+
+    ``friction_alike``: parts of a friction that its speeds and loads do not tell from a constant one.
+    """
 
     noise: Noise
     effects: tuple[Foreseen, ...]
     power: float = POWER
+    friction_alike: tuple[str, ...] = ()
 
     def to_json(self) -> dict[str, Any]:
         """For a file."""
-        return {"power": self.power, "noise": self.noise.to_json(), "effects": [asdict(one) for one in self.effects]}
+        effects = [asdict(one) for one in self.effects]
+        alike = list(self.friction_alike)
+        return {"power": self.power, "noise": self.noise.to_json(), "effects": effects, "friction_alike": alike}
 
     def text(self) -> str:
         """For the terminal."""
@@ -81,6 +88,7 @@ class RunPlan:
             rivals = "; ".join(f"{rival.label}: {_words(one.parameter, rival.from_size)}" for rival in one.rivals)
             size = "this run cannot show it" if one.smallest is None else _size_words(one)
             lines.append(f"{one.label:<{width}}  {size:<34}  {rivals}".rstrip())
+        lines += ["", friction_words(self.friction_alike)]
         return "\n".join(lines)
 
 
@@ -121,7 +129,9 @@ def plan_of(drive: Drive, run: Run, noise: Noise | None = None, power: float = P
     # Fitted again from where it ended: the slopes by the offsets differ at their bound.
     bare = fitter.fit(offsets=fitter.fit().offsets, iterations=0)
     effects = PlannedEffects(fitter, bare, noise or _noise_in(fitter, bare))
-    return RunPlan(effects.noise, tuple(_foreseen(effects, one, power) for one in effects.tried), power)
+    p = fitter.runs[0]
+    alike = tuple(friction_alike(p.speed_rad_s, p.load_Nm))
+    return RunPlan(effects.noise, tuple(_foreseen(effects, one, power) for one in effects.tried), power, alike)
 
 
 def _foreseen(effects: PlannedEffects, one: Tried, power: float) -> Foreseen:
