@@ -26,7 +26,8 @@ def real_run(name: str, folder: Path) -> Run:
     mapping = folder / f"{name}.yaml"
     shutil.copy(ROOT / "params" / "measurements" / "davinci" / mapping.name, mapping)
     file = load_file(mapping)
-    (folder / str(file.content.data)).symlink_to((DATA / str(file.content.data)).resolve())
+    if not (data := folder / str(file.content.data)).exists():
+        data.symlink_to((DATA / data.name).resolve())
     return read_run(file).run
 
 
@@ -39,6 +40,18 @@ def test_both_drives_of_each_run_are_read_and_vetted(name: str, tmp_path: Path) 
     found = vet(run, None)
     assert not refusals(found), [str(finding) for finding in found]
     assert not [f for f in found if f.kind in ("ratio", "gaps", "saturated")], [str(finding) for finding in found]
+
+
+def test_friction_of_the_cable_grows_with_the_load_and_not_with_the_speed(tmp_path: Path) -> None:
+    """From the torques on both sides of it, by the terms of the loop's friction: as an expert saw by hand."""
+    from tests.real_drives import friction_of_cable
+
+    pairs = [(real_run(f"run_{r}_gearbox", tmp_path), real_run(f"run_{r}_cable", tmp_path)) for r in ("00", "05", "20")]
+    found, left = friction_of_cable(pairs)
+    constant, viscous, share = zip(found.value[1:], found.half_width()[1:], strict=True)
+    assert share[0] - share[1] > 0.1 and constant[0] > 3.0 * constant[1] > 0.0, found.value
+    assert abs(viscous[0]) < viscous[1] < 0.01, found.value
+    assert left < 0.2 * 0.06, f"{left * 1e3:.1f} mN m of 60 mN m"
 
 
 def test_the_mappings_are_there() -> None:
