@@ -1,6 +1,6 @@
 """Which form of friction the loop finds: benches with laws, presliding and noise of their own.
 
-    python tests/friction_study.py --runs 48 --rows out/friction.jsonl     prints the table of docs/loop-friction.md
+    python tests/friction_study.py --runs 48 --rows out/friction.jsonl     prints the table of docs/loop.md
 
 Laws are drawn by seed: sizes, an exponent of the Stribeck part between 1 and 3, a presliding of 30 to 1000 urad, and a
 noise of the output encoder of up to two floors that no file declares. Rows that are there already are not run again.
