@@ -5,23 +5,27 @@ from __future__ import annotations
 from contextlib import suppress
 from dataclasses import replace
 from math import inf
+from typing import Any
 
 from mbcdm_cad.checks.fixings import STRESS_SAFETY, lasting_MPa, stalled_Nm
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.sector import SectorLayout
+from mbcdm_cad.layouts.structure import drum_turn_urad_Nm
 from mbcdm_cad.layouts.trial_sizing import TrialKnown
 from mbcdm_cad.model.structure.drum_sector import least_hub_mm
 from mbcdm_cad.parts.drum_sector.dims import WHOLE_DEG
+from mbcdm_cad.parts.drum_sector.part import DrumSector
 from mbcdm_cad.parts.drum_sector.payload import joint_load, joints
 from mbcdm_cad.parts.threads import SHEAR_SHARE
 from mbcdm_cad.sizing.rule import Found, Rule, rounded_up
 
 # Walls of a milled part and of a printed one, mm (estimate: the modulus of filament is about twenty times smaller).
 SIDE_MM, WEB_MM = (4.0, 6.0), (2.0, 4.0)
-# Strength that a web must gain by it to be full, where it does not bear its stress with windows (a choice).
+# What a web must gain by it to be full: strength where it does not bear its stress with windows, mass times turn of the
+# drum where it does (a choice).
 CLOSED_GAIN = 1.3
-# What the passes of a sizing remember of windows that were refused.
-_OUTER = "drum.windows: outer"
+# What the passes of a sizing remember of windows: that they were refused, that mass times turn was compared.
+_OUTER, _WEIGHED = "drum.windows: outer", "drum.windows: weighed"
 # Peak torque from which the stress of a metal web is computed: hubs for less leave far more than it needs (estimate).
 STRESSED_NM = 10.0
 # A wall takes this share of the frame's windup where it cannot meet the limit alone, and grows to this multiple of its
@@ -142,16 +146,24 @@ def _web(given: TrialKnown) -> Found | float:
     return given.moved("drum.web_thickness_mm", usual, 0.5, ("drum_stress",))
 
 
-def _stressed_by_windows(given: TrialKnown) -> bool:
-    """Whether the stress beside windows would thicken a web of usual thickness: they would cost more than they save."""
+def _windows_cost(given: TrialKnown) -> bool:
+    """Whether windows cost more than they save: a thicker web for the stress beside them, or much of its stiffness."""
     usual = either(given, "drum", WEB_MM)
     stated = given.get("drum.web_thickness_mm") is not None
     if stated or (not given.printed("drum") and given["loads.peak_torque_Nm"] < STRESSED_NM):
         return False
 
+    def block(windows: str) -> dict[str, Any]:
+        return {**given.filled("drum"), "web_thickness_mm": usual, "windows": windows}
+
     def strength(windows: str) -> float:
-        block = {**given.filled("drum"), "web_thickness_mm": usual, "windows": windows}
-        return STRESS_SAFETY + given.margins("drum", block, ("drum_stress",))["drum_stress"][0]
+        return STRESS_SAFETY + given.margins("drum", block(windows), ("drum_stress",))["drum_stress"][0]
+
+    def mass_times_turn(windows: str) -> float:
+        trial = given.trial("drum", block(windows))
+        assert isinstance(trial, SectorLayout)
+        thread = trial.drive.screw(trial.drum.set_screw).thread_mm
+        return drum_turn_urad_Nm(trial) * DrumSector(trial.drum, thread).volume_mm3()
 
     # Before the first pass, what is guessed says nothing about the stress; once closed, they stay closed.
     closed = given.drives.refused
@@ -159,6 +171,11 @@ def _stressed_by_windows(given: TrialKnown) -> bool:
         outer = strength("outer")
         if outer < STRESS_SAFETY and strength("none") > CLOSED_GAIN * max(outer, 0.0):
             closed.add(_OUTER)
+        elif _WEIGHED not in closed:
+            closed.add(_WEIGHED)
+            with suppress(NoFigureError, ValueError):
+                if mass_times_turn("outer") > CLOSED_GAIN * mass_times_turn("none"):
+                    closed.add(_OUTER)
     return _OUTER in closed
 
 
@@ -242,10 +259,10 @@ WEB = Rule(
 )
 WINDOWS = Rule(
     "drum.windows",
-    "none where a web of usual thickness does not bear the stress beside them",
+    "none where a web of usual thickness does not bear the stress beside them, or would turn much less without them",
     "drum_stress",
     lambda given: "none",
-    applies=_stressed_by_windows,
+    applies=_windows_cost,
 )
 SHAFT_BORE = Rule(
     "drum.shaft_bore_mm", "half the bearings' bore, or less for the wall of the shaft", "shaft_wall", _shaft_bore

@@ -243,6 +243,11 @@ def drum_stress_MPa(layout: SectorLayout, torque_Nm: float) -> float:
     return _drum(layout, unit_tensions_N(layout.loads.si))[1](torque_Nm)
 
 
+def drum_turn_urad_Nm(layout: SectorLayout) -> float:
+    """Turn of web, rim and hub for 1 N m, for a layout whose frame is not known yet."""
+    return sum(cause.urad_Nm for cause in _drum(layout, unit_tensions_N(layout.loads.si))[0])
+
+
 def elastic(material: Material) -> Isotropic:
     """The elastic constants of a material of the catalogue."""
     return Isotropic(material.youngs_modulus_GPa * 1e3, material.poisson_ratio)

@@ -10,6 +10,7 @@ import yaml
 
 from mbcdm_cad.checks.structure import drum_stress
 from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.layouts.head_dims import CLOSED_GAIN
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.parts.drum_sector.part import DrumSector
@@ -21,6 +22,14 @@ ANTENNA: dict[str, Any] = {
     "transmission": {"input_to_drum": 8, "drum_radius_mm": 300},
     "rope": {"type": "7x19-2.0"},
     "loads": {"peak_torque_Nm": 150},
+}
+# A printed drum whose windows leave little web beside the slot.
+SOFT: dict[str, Any] = {
+    "configuration": "siso_bevel",
+    "travel": {"half_angle_deg": 62.1},
+    "transmission": {"input_to_drum": 1.9, "drum_radius_mm": 31.7},
+    "loads": {"peak_torque_Nm": 0.052},
+    "support": {"material": "pla"},
 }
 LIGHT: dict[str, Any] = {
     "configuration": "siso_spur",
@@ -58,6 +67,13 @@ def test_a_stressed_web_has_no_windows_and_is_lighter_and_stiffer() -> None:
     assert drum_g(closed) < 0.8 * drum_g(open_) and turn(closed) < 0.4 * turn(open_)
     for design in (closed, open_):
         assert statuses(design)["drum_stress"] == "pass"
+
+
+def test_windows_that_cost_much_stiffness_for_their_mass_are_closed() -> None:
+    closed, open_ = sized(SOFT, material="pla"), sized(SOFT, material="pla", windows="outer")
+    assert closed.drive.drum.windows == "none" and not closed.drive.layout.drum.windows
+    assert statuses(open_)["drum_stress"] == "pass", "stress alone closes them: this design shows nothing"
+    assert turn(open_) * drum_g(open_) > CLOSED_GAIN * turn(closed) * drum_g(closed)
 
 
 def test_a_web_that_bears_its_stress_keeps_them_and_a_file_may_close_them() -> None:
