@@ -14,17 +14,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from mbcdm_cad.loop.effect import Effect
-from mbcdm_cad.loop.effects.load_sensor import gain, within_class, within_prior
+from mbcdm_cad.loop.effects.load_sensor import within_class, within_prior
 from mbcdm_cad.loop.readable import readable
-from mbcdm_cad.loop.search.exchange import LOG_ODDS, Exchanges, Group
+from mbcdm_cad.loop.search.exchange import Exchanges, Group
 from mbcdm_cad.loop.search.fit import Fit
 from mbcdm_cad.measurement.run import TorqueClass
 from mbcdm_cad.routes import Floats
 
 # An effect that does more than this many times what the class can do is none of the sensor.
 REACH = 2.0
-# Bound of a gain that is fitted together with the effects, over its standard deviation.
-FREE_SIGMAS = 10.0
 SENSORS = ("load_gain", "load_zero", "load_lag")
 PARTS = ("structure", "losses")
 
@@ -73,8 +71,6 @@ class ClassOfSensor(Exchanges):
         for group in sorted(groups, key=lambda g: self._fall(fit, g.effect)):
             if not group.effect.generic or self._fall(fit, group.effect) > REACH * reach:
                 continue
-            if self._beyond_spread(fit, group.effect):
-                continue
             rest = [e for e in fit.effects if e is not group.effect]
             new = [e for e in own if not any(_same(e, other) for other in rest)]
             # The figure of the parts begins where the effect that it replaces ended: from zero it may end at a bound.
@@ -100,27 +96,6 @@ class ClassOfSensor(Exchanges):
         sigma = self.fitter.runs[0].run.sensors.torque_class.gain_sigma
         found = [float(v[0]) for e, v in zip(fit.effects, fit.values, strict=True) if e.name == "load_gain"]
         return 0.5 * sum((one / sigma) ** 2 for one in found) if sigma else 0.0
-
-    def _beyond_spread(self, fit: Fit, effect: Effect) -> bool:
-        """Whether an effect's size has the odds of a name beside a gain of which the standard deviation is known.
-
-        The gain is fitted together with the effects; what the run says of all of them is joined with what was known of
-        the gain before, and the effect's size is what is left for it (normal errors, linear at the fit).
-        """
-        runs = self.fitter.runs
-        sigma, sizes = runs[0].run.sensors.torque_class.gain_sigma, [p.role == "size" for p in effect.parameters]
-        if not sigma or not all(sizes):
-            return False
-        free = gain(FREE_SIGMAS * sigma)
-        joint = self.fitter.tried((*fit.effects, free), (*fit.values, [0.0]), fit.offsets)
-        if joint is None:
-            return False
-        own, at = joint.columns_of(effect), joint.columns_of(free).start
-        covariance = self.covariance(joint, self.fitter)
-        weight = covariance[:, at] / (covariance[at, at] + sigma**2)
-        value = joint.values_of(effect) - weight[own] * joint.values_of(free)[0]
-        left = (covariance - np.outer(weight, covariance[at]))[own, own]
-        return bool(np.isfinite(left).all() and value @ np.linalg.pinv(left, hermitian=True) @ value > 2.0 * LOG_ODDS)
 
     def _fall(self, fit: Fit, effect: Effect) -> float:
         """How much the held-out error falls with an effect, rad in quadrature."""
