@@ -329,7 +329,7 @@ GROUPS: dict[str, dict[str, Case]] = {
         "late input + friction": of_rig(FRICTION, after=late_input),
         "lost counts + lines": of_rig(LINES, after=lost),
         "input disc + modulus": of_rig(INPUT_DISC, MODULUS),
-        "torque zero + scale": of_rig(SCALE, after=torque_zero),
+        "torque lag + scale": of_rig(SCALE, after=torque_lag),
         "preload + lines": of_rig(PRELOAD, LINES),
         "pulley + delay": of_rig(PULLEY, DELAY),
         "twice a turn + friction": of_rig(FRICTION, after=twice),
