@@ -35,6 +35,8 @@ FEWER_LOG_ODDS = log(1e5)
 MOST_FIRST = 3
 # Number of other forms of accepted effects from which the search is begun again.
 MOST_FORMS = 2
+# It is begun again too where one of these is in the fit: what sets the slip of the cables may stand for a wrong form.
+CABLES_SLIP = ("preload_error", "cable_friction", "passed_slip")
 # Largest error beyond the floor that such a pair may leave, over the error that it explains.
 MOST_LEFT = 0.1
 # Fall of the held-out RMS, over the floor, from which an effect supported by one place only is accepted if it leaves
@@ -104,7 +106,7 @@ class Search(TrialFits):
         now = self._from_inside(now)
         if self.too_much(now):
             now = self._gone_on(now)
-        if self.too_much(now):
+        if self.too_much(now) or any(effect.name in CABLES_SLIP for effect in now.effects):
             now = self._in_other_forms(now)
         if self._plays_suspected(now):
             now = self._with_both_plays(now)
@@ -212,14 +214,17 @@ class Search(TrialFits):
         return now
 
     def _in_other_forms(self, now: Fit) -> Fit:
-        """``now``, or a better fit that the search reaches from another form of an effect that it accepted.
+        """``now``, or a better fit, or one as good with fewer effects, that the search reaches from another form of an
+        effect that it accepted.
 
-        A viscous drag strains the cables, a late sensor does not. Beside the wrong form the search accepts a wrong
-        friction of the cables, and then no exchange of a single effect or form leads to the right ones.
+        A viscous drag strains the cables, a late sensor does not; a soft rope widens the loop, a soft shaft does not.
+        Beside the wrong form the search accepts a wrong friction of the cables, and then no exchange of a single effect
+        or form leads to the right ones.
         """
         for one in sorted(self._other_forms, key=lambda one: one.square)[:MOST_FORMS]:
             grown = self._grown(one)
-            if self.enough(now, grown):
+            fewer = len(grown.effects) < len(now.effects) and not self.enough(grown, now)
+            if self.enough(now, grown) or (fewer and log_odds(self.fitter, grown, now) < FEWER_LOG_ODDS):
                 self.note("begun again with another form", one.effects[-1], now, grown)
                 now = grown
         return now
