@@ -12,7 +12,7 @@ import yaml
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.measurement.motor_load import weighed
 from mbcdm_cad.measurement.run import Run, Sensors, TorqueClass
-from mbcdm_cad.measurement.schema import CountedParts
+from mbcdm_cad.measurement.schema import MOTION, CountedParts, Kind
 from mbcdm_cad.rig.bench_limits import BenchLimits
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
 from mbcdm_cad.rig.quasistatic.load import Load
@@ -115,7 +115,8 @@ def run_of(drive: Drive, wanted: Experiment, torque_class: TorqueClass | None = 
     """
     plain = wanted.physics.model_copy(update={"cable_transport": False})
     run = simulate(drive, wanted.model_copy(update={"effects": (), "physics": plain}))
-    s = wanted.sensors
+    s, rows = wanted.sensors, wanted.rows(run.time_s)
+    kind: Kind = MOTION if wanted.record == "samples" else wanted.record
     sensors = Sensors(
         s.input_resolution_rad or None,
         s.output_resolution_rad or None,
@@ -125,13 +126,14 @@ def run_of(drive: Drive, wanted: Experiment, torque_class: TorqueClass | None = 
         torque_class or TorqueClass(),
     )
     return Run(
-        run.time_s,
-        run.measured_input_rad,
-        run.measured_output_rad,
-        run.measured_load_Nm,
-        run.measured_temperature_C,
+        run.time_s[rows],
+        run.measured_input_rad[:, rows],
+        run.measured_output_rad[rows],
+        None if run.measured_load_Nm is None else run.measured_load_Nm[rows],
+        None if run.measured_temperature_C is None else run.measured_temperature_C[rows],
         sensors,
         tuple(drive.input_names) if len(drive.input_names) > 1 else ("input",),
         wanted.name,
         counted=CountedParts.model_validate(counted) if (counted := counted_parts(wanted)) else None,
+        kind=kind,
     )

@@ -8,7 +8,7 @@ their size; all else, the rivals too, is linear in the sizes, so valid for small
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -21,8 +21,10 @@ from mbcdm_cad.loop.prepare.quiet import signal_noise
 from mbcdm_cad.loop.readable import readable
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.measurement.run import Run
+from mbcdm_cad.measurement.schema import CREEP, MOTION, TURNING_POINTS
 from mbcdm_cad.measurement.vet_signals import friction_alike, friction_words
-from mbcdm_cad.planning.detectable import PlannedEffects, Tried, planned_fitter
+from mbcdm_cad.planning.by_hand import PlannedReadings, sizes_by_hand
+from mbcdm_cad.planning.detectable import NEVER, PlannedEffects, Tried, planned_fitter
 from mbcdm_cad.planning.prediction_noise import coloured
 
 POWER = 0.9
@@ -62,13 +64,16 @@ class Foreseen:
 class RunPlan:
     """What a planned run can find, with the noise that was assumed.
 
-    ``friction_alike``: parts of a friction that its speeds and loads do not tell from a constant one.
+    ``friction_alike``: parts of a friction that its speeds and loads do not tell from a constant one. ``proposals``:
+    runs by hand that show more. ``moves``: it is a motion, and not readings by hand.
     """
 
     noise: Noise
     effects: tuple[Foreseen, ...]
     power: float = POWER
     friction_alike: tuple[str, ...] = ()
+    proposals: tuple[str, ...] = ()
+    moves: bool = True
 
     def to_json(self) -> dict[str, Any]:
         """For a file."""
@@ -88,7 +93,8 @@ class RunPlan:
             rivals = "; ".join(f"{rival.label}: {_words(one.parameter, rival.from_size)}" for rival in one.rivals)
             size = "this run cannot show it" if one.smallest is None else _size_words(one)
             lines.append(f"{one.label:<{width}}  {size:<34}  {rivals}".rstrip())
-        lines += ["", friction_words(self.friction_alike)]
+        lines += ["", friction_words(self.friction_alike)] if self.moves else []
+        lines += [f"{'a run by hand shows':<{width}}  {words} (docs/other-runs.md)" for words in self.proposals]
         return "\n".join(lines)
 
 
@@ -111,6 +117,8 @@ def _words(parameter: str, size: float | None) -> str:
 
 def noise_from(drive: Drive, run: Run) -> Noise:
     """The noise of a measured run, for planning other runs."""
+    if run.kind != MOTION:
+        return PlannedReadings(drive, run).few.noise
     fitter = planned_fitter(drive, run)
     return replace(_noise_in(fitter, fitter.fit()), signals=signal_noise(fitter.runs[0].run))
 
@@ -125,13 +133,45 @@ def plan_of(drive: Drive, run: Run, noise: Noise | None = None, power: float = P
 
     ``power`` is the probability with which an effect of the smallest size is to be named.
     """
+    if run.kind != MOTION:
+        return _by_hand(PlannedReadings(drive, run), noise, power)
     fitter = planned_fitter(drive, run)
     # Fitted again from where it ended: the slopes by the offsets differ at their bound.
     bare = fitter.fit(offsets=fitter.fit().offsets, iterations=0)
     effects = PlannedEffects(fitter, bare, noise or _noise_in(fitter, bare))
     p = fitter.runs[0]
     alike = tuple(friction_alike(p.speed_rad_s, p.load_Nm))
-    return RunPlan(effects.noise, tuple(_foreseen(effects, one, power) for one in effects.tried), power, alike)
+    found = tuple(_foreseen(effects, one, power) for one in effects.tried)
+    return RunPlan(effects.noise, found, power, alike, _proposals(run, found))
+
+
+def _proposals(run: Run, found: Sequence[Foreseen]) -> tuple[str, ...]:
+    """Runs by hand that show what this one cannot."""
+    proposed = []
+    if run.load_Nm is None or not np.ptp(run.load_Nm):
+        proposed.append(f"play and stiffness: push the locked drive to and fro by hand, record: {TURNING_POINTS}")
+    creep = [one for one in found if one.label.startswith("creep")]
+    blind = [one for one in creep if one.smallest is None or any("thermal" in r.label for r in one.rivals)]
+    if creep and len(blind) == len(creep):
+        proposed.append(f"creep, told from a warming: readings at rest under a load and after it, record: {CREEP}")
+    return tuple(proposed)
+
+
+def _by_hand(planned: PlannedReadings, noise: Noise | None, power: float) -> RunPlan:
+    """What readings by hand can find."""
+    noise, found = noise or planned.few.noise, []
+    sizes = sizes_by_hand(planned, noise.total_rad, power)
+    usual = {effect: next(p.size for p in effect.parameters if p.role == "size") for effect, _, _ in sizes}
+    seen = {effect for effect, size, _ in sizes if size <= NEVER * usual[effect]}
+    for effect, size, rivals in sizes:
+        name = _size_name(effect)
+        if effect not in seen:
+            found.append(Foreseen(effect.label, name, None, ()))
+            continue
+        near = [(e, at) for e, at in rivals if e in seen and at > size]
+        worse = [Rival(e.label, at if at <= ANY_SIZE * size else None) for e, at in near]
+        found.append(Foreseen(effect.label, name, size, tuple(worse[:MOST_RIVALS])))
+    return RunPlan(noise, tuple(found), power, moves=False)
 
 
 def _foreseen(effects: PlannedEffects, one: Tried, power: float) -> Foreseen:

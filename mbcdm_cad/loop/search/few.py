@@ -520,13 +520,16 @@ class FewReadings:
         return tuple(words)
 
 
+def prepared_by_hand(run: Run, ratio: float) -> Prepared:
+    """A table as its kind needs it."""
+    return prepare_creep(run, ratio) if run.kind == CREEP else prepare_readings(run, ratio)
+
+
 def judged_by_hand(d: DriveSI | None, ratio: float, runs: Sequence[Run], known: Sequence[AsBuilt]) -> LoopResult:
     """The finding from tables of one kind. What begins late at rest, as a warming, is not foretold by what came before:
     where an unknown part is left, every third reading is held back in place of the later ones."""
-    if runs[0].kind != CREEP:
-        return FewReadings(d, ratio, [prepare_readings(run, ratio) for run in runs], known).result()
-    first = FewReadings(d, ratio, [prepare_creep(run, ratio) for run in runs], known).result()
-    if first.unknown is None:
+    first = FewReadings(d, ratio, [prepared_by_hand(run, ratio) for run in runs], known).result()
+    if runs[0].kind != CREEP or first.unknown is None:
         return first
     other = FewReadings(d, ratio, [prepare_creep(run, ratio, later=False) for run in runs], known).result()
     return first if other.unknown is not None or other.verdict == "none" else other
