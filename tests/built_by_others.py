@@ -97,8 +97,10 @@ class BuiltDrive:
 
 
 def _ratio(drive: Drive) -> str:
-    """Of the cables, and before it that of belt or gears."""
+    """Of the cables, and before it that of belt or gears, or of a first cable stage."""
     cables, stage = f"{drive.cables[0].drum_radius_mm / drive.cables[0].input_radius_mm:.4g}", drive.stage
+    if drive.cable_stage is not None:
+        return f"{drive.cable_stage.ratio:.4g} (cables) x {cables}"
     return cables if stage is None else f"{stage.ratio:.3g} ({stage.kind}) x {cables}"
 
 
