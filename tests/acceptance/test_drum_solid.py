@@ -16,20 +16,19 @@ from tests.random_drums import ALLOWED, ALLOWED_STRESS, by_both, drums
 
 pytest.importorskip("gmsh", reason="solid elements: pip install --require-hashes -r tests/requirements-solids.lock")
 pytest.importorskip("skfem", reason="solid elements: pip install --require-hashes -r tests/requirements-solids.lock")
-# One of fourteen drums misses the 25 % in its web: siso_bevel, seed 1, by -28 % at 1 MPa (docs/structure.md).
-RANDOM_STRESS = 0.30
 PARAMS = Path(__file__).parents[2] / "params"
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("layout", ["mbcdm", "siso_bevel", "siso_spur"])
-def test_plane_elements_agree_with_solid_ones(layout: str) -> None:
-    found = by_both(load_design(PARAMS / f"{layout}.yaml"))
+@pytest.mark.parametrize("file", ["mbcdm", "how-to/leg", "siso_spur"])
+def test_plane_elements_agree_with_solid_ones(file: str) -> None:
+    """In the leg a thin web bends out of its plane."""
+    found = by_both(load_design(PARAMS / f"{file}.yaml"))
     assert abs(found.off) <= ALLOWED and abs(found.web_off) <= ALLOWED_STRESS, found
 
 
 @pytest.mark.slow
 def test_plane_elements_agree_with_solid_ones_on_a_random_drum_of_each_layout() -> None:
     found = [by_both(loaded) for loaded in islice(drums(), 4)]
-    held = (abs(drum.off) <= ALLOWED and abs(drum.web_off) <= RANDOM_STRESS for drum in found)
+    held = (abs(drum.off) <= ALLOWED and abs(drum.web_off) <= ALLOWED_STRESS for drum in found)
     assert all(held), "\n".join(map(str, found))

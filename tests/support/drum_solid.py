@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from math import pi
+from math import pi, radians
 from pathlib import Path
 
 import numpy as np
@@ -31,11 +31,15 @@ Weight = Callable[[Floats], Floats]
 
 @dataclass(frozen=True)
 class Columns:
-    """Columns through the web, from the hub to the rim, in polar coordinates."""
+    """Columns through the web, from the hub to the rim, in polar coordinates.
+
+    The last at the hub to either side are left out: the notch in which the web's straight edge meets the hub.
+    """
 
     from_mm: float
     to_mm: float
     side_mm: float
+    half_angle_rad: float
 
     def numbers(self, x: Floats, z: Floats) -> Ints:
         """The column that each place belongs to, -1 outside."""
@@ -44,13 +48,14 @@ class Columns:
         row = np.floor((r - self.from_mm) / (self.to_mm - self.from_mm) * rows).astype(np.int64)
         middle = self.from_mm + (row + 0.5) * (self.to_mm - self.from_mm) / rows
         column = np.floor(a * middle / self.side_mm).astype(np.int64)
-        inside = (row >= 0) & (row < rows)
+        notch = (row == 0) & ((self.half_angle_rad - np.abs(a - pi)) * middle < self.side_mm)
+        inside = (row >= 0) & (row < rows) & ~notch
         return np.where(inside, row * 100_000 + column, -1)
 
 
 def columns_of(d: DrumDims) -> Columns:
     """Those of a drum's web."""
-    return Columns(d.hub_radius, d.rim_inner_radius, d.web_end_y - d.web_start_y)
+    return Columns(d.hub_radius, d.rim_inner_radius, d.web_end_y - d.web_start_y, radians(d.half_angle_deg))
 
 
 @dataclass(frozen=True)
