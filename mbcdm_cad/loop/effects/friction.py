@@ -87,7 +87,7 @@ def bases(terms: Terms, sense: Floats, speed_rad_s: Floats, load_Nm: Floats | No
 
 
 @dataclass(frozen=True)
-class Place:
+class FrictionPlace:
     """Where a friction sits: the names of its parameters and their sizes by term, its form, and how it changes a run.
 
     ``what`` begins the sentence for a person, ``where`` the place to look at.
@@ -143,7 +143,7 @@ _TORQUES = {
     SLOW_LOAD: ("slow_load_share", 0.01),
     SQUARE: ("square_share", 0.01),
 }
-BEYOND = Place(
+BEYOND = FrictionPlace(
     "bearing torque",
     _TORQUES,
     _beyond,
@@ -152,7 +152,7 @@ BEYOND = Place(
     "the bearings hold back {torque_Nm} that the torque sensor does not see",
     "against the motion, unseen by the torque sensor,",
 )
-BEFORE = Place(
+BEFORE = FrictionPlace(
     "friction in the measured torque",
     _TORQUES,
     _before,
@@ -161,7 +161,7 @@ BEFORE = Place(
     "the measured torque contains {torque_Nm} of friction that the drum does not bear",
     "in the measured torque, and not borne by the drum,",
 )
-SHIFT = Place(
+SHIFT = FrictionPlace(
     "shift with the sense of motion",
     {
         CONSTANT: ("half_width_rad", 1e-5),
@@ -188,7 +188,7 @@ _CLAUSES = {
 }
 
 
-def form_name(place: Place, terms: Terms) -> str:
+def form_name(place: FrictionPlace, terms: Terms) -> str:
     """The form's name: the place, its terms, and BAM's name where it has one."""
     if terms == (CONSTANT,):
         return place.form
@@ -196,7 +196,7 @@ def form_name(place: Place, terms: Terms) -> str:
     return f"{place.form}: {words}" + (f" (BAM {BAM[sizes_of(terms)]})" if sizes_of(terms) in BAM else "")
 
 
-def all_terms(place: Place, loaded: bool) -> list[Terms]:
+def all_terms(place: FrictionPlace, loaded: bool) -> list[Terms]:
     """Every sum of terms that is a form, fewest terms first; without those of the load where none was measured."""
     found = []
     fades = [(), (STRIBECK,), (STRIBECK, SLOW_LOAD), (STRIBECK, SLOW_LOAD, SQUARE)]
@@ -209,7 +209,7 @@ def all_terms(place: Place, loaded: bool) -> list[Terms]:
     return sorted(found, key=len)
 
 
-def friction(place: Place, terms: Terms, p: Prepared) -> Effect:
+def friction(place: FrictionPlace, terms: Terms, p: Prepared) -> Effect:
     """A friction of these terms at a place."""
     sizes, travel = sizes_of(terms), float(np.ptp(p.output_rad))
     parameters = [Parameter(name, size, 0.0) for name, size in (place.parameters[term] for term in sizes)]
@@ -266,7 +266,7 @@ def _listed(words: list[str]) -> str:
     return words[0] if len(words) == 1 else ", ".join(words[:-1]) + " and " + words[-1]
 
 
-def _richer(place: Place, p: Prepared) -> list[Effect]:
+def _richer(place: FrictionPlace, p: Prepared) -> list[Effect]:
     return [friction(place, terms, p) for terms in all_terms(place, p.load_Nm is not None and bool(p.load_Nm.any()))]
 
 
