@@ -4,26 +4,25 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 DESIGN ?= params/mbcdm.yaml
 
-.PHONY: build test test-slow test-all solids lint setup picture docs gallery built-by-others docs-site benchmark lock clean
+.PHONY: build test test-slow solids lint setup picture docs gallery built-by-others docs-site benchmark lock clean
 
 build: setup
 	$(BIN)/mbcdm build $(DESIGN)
 	$(BIN)/mbcdm page $(DESIGN)
 
 # Each worker computes on its own core: threads of the matrix library under them only wait for each other.
-test test-slow test-all: export OPENBLAS_NUM_THREADS = 1
+test test-slow: export OPENBLAS_NUM_THREADS = 1
 # A file's tests share its fixtures, so they stay on one worker; tests/conftest.py has the order of the files.
 PYTEST := $(BIN)/pytest -q -n auto --dist loadfile --no-loadscope-reorder
 
+# `make test TESTS=` runs all in one run: what fast and slow tests of a file share is made once.
+TESTS ?= not slow
+
 test: setup
-	$(PYTEST) -m "not slow"
+	$(PYTEST) -m "$(TESTS)"
 
 test-slow: setup
 	$(PYTEST) -m slow
-
-# Both in one run: what fast and slow tests of a file share is made once.
-test-all: setup
-	$(PYTEST)
 
 lint: setup
 	$(BIN)/ruff check .
