@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.drive import CableRun
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.sector import SectorLayout
+from mbcdm_cad.layouts.springs import spring_turn_urad_Nm
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.parts.drum_sector.design import SectorDrive
@@ -135,7 +137,18 @@ def _more(s: SectorLayout) -> str:
     ]
     if softer:
         ways.append(f"choose drum.spring: {min(softer)[1]}")
-    return "; ".join((" or ".join(ways), "else tighten again after the first runs") if ways else (_NO_SPRING,))
+    if not ways:
+        return _NO_SPRING
+    return "; ".join((" or ".join(ways), *_told_by_hold(s, most), "else tighten again after the first runs"))
+
+
+def _told_by_hold(s: SectorLayout, give_mm_N: float) -> Iterator[str]:
+    """What :func:`spring_hold` says of springs that give so much, where it warns."""
+    with suppress(NoFigureError):
+        share = spring_turn_urad_Nm(s, give_mm_N * 1e-3) / s.loads.test_urad_Nm
+        if share > MOVED_SHARE:
+            told = f"spring_hold then tells {share:.0%} of the cables' turn, at most {MOVED_SHARE:.0%} without a warning"
+            yield f"{told}: raise drum.sector_half_angle_deg too"
 
 
 def _give_wanted_mm_N(s: SectorLayout) -> float:

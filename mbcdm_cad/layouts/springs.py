@@ -17,12 +17,15 @@ if TYPE_CHECKING:
 _HALVINGS = 50
 
 
-def spring_turn_urad_Nm(layout: SectorLayout) -> float:
-    """Turn by the springs at the test torque over that torque: the largest both ways and at both ends of the travel."""
+def spring_turn_urad_Nm(layout: SectorLayout, give_m_N: float | None = None) -> float:
+    """Turn by the springs at the test torque over that torque: the largest both ways and at both ends of the travel.
+
+    With ``give_m_N`` of the springs of one cable in place of their own.
+    """
     torque, most = layout.drive.loads.test_torque_Nm, 0.0
+    give = layout.drive.anchor_m_N if give_m_N is None else give_m_N
     for wound in _at_ends(layout):
-        stiff = wound.with_(anchor_m_N=np.zeros(wound.n_cables))
-        turns = [_turn_rad(d, torque) for d in (wound, stiff)]
+        turns = [_turn_rad(wound.with_(anchor_m_N=np.full(wound.n_cables, g)), torque) for g in (give, 0.0)]
         most = max(most, float((turns[0] - turns[1]).max()))
     return 1e6 * most / torque
 

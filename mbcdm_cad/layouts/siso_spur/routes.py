@@ -1,10 +1,10 @@
-"""Routes of the cables: from the input on crossed spans to the drum (Fig. 1 a and b).
+"""Routes of the cables: from the input on crossed or open spans to the drum (Fig. 1 a and b).
 
 The origin is on the drum's axis (Y), in the middle of the winding on the first input. The axis of the first input is at
 z = L; the axes of other inputs are turned about Y and moved along it; all are parallel. A continuous cable goes N times
-round its input, is anchored nowhere on it, and runs to the drum as an internal tangent on both sides. As long as a part
-of it sticks on the input, each side acts as a separate cable. Two anchored cables replace these sides: they are wound
-outwards from the points where their spans leave, so that the spans converge along Y.
+round its input, is anchored nowhere on it, and runs to the drum on both sides as an internal tangent, or with open spans
+as an external one. As long as a part of it sticks on the input, each side acts as a separate cable. Two anchored cables
+replace these sides: they are wound outwards from the points where their spans leave, so that the spans converge along Y.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ _Y, _Z, _BACK = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0)
 
 @dataclass(frozen=True)
 class SpurGeometry:
-    """Crossed spans from radii and centre distance. ``drum_side`` and ``outward`` (n_cables,) are those of the runs.
+    """Spans from radii and centre distance. ``drum_side`` and ``outward`` (n_cables,) are those of the runs.
 
     ``angle_rad`` and ``level_m`` (n_inputs,): position of each input, about Y from +Z towards +X, and along Y.
     ``apart_m``: half the distance along Y at which two anchored cables leave an input; None for a continuous cable.
@@ -85,11 +85,15 @@ class SpurGeometry:
         )
 
     def free_span_m(self, parameters: Mapping[str, Floats]) -> Floats:
-        """L_free, all spans; without idlers sqrt(L^2 - (r_o +- r_i)^2), Eq. (11); minus for open spans."""
+        """L_free, all spans; without idlers sqrt(L^2 - (r_o +- r_i)^2), Eq. (11); minus for open spans.
+
+        NaN where pulleys overlap, or an idler is not touched.
+        """
         if self.idlers:
             found = self.strand(parameters)
             return np.where((found.wraps > 0.0).all(axis=0), found.length.sum(axis=0), np.nan)
-        return tangent_length_m(parameters[DISTANCE], self._tangent_m(parameters))
+        apart = parameters[DISTANCE] > parameters[DRUM_RADIUS] + parameters[INPUT_RADIUS]
+        return np.where(apart, tangent_length_m(parameters[DISTANCE], self._tangent_m(parameters)), np.nan)
 
     def _tangent_m(self, parameters: Mapping[str, Floats]) -> Floats:
         return parameters[DRUM_RADIUS] + self.input_sense * parameters[INPUT_RADIUS]
@@ -138,7 +142,8 @@ class SpurGeometry:
         for i, (name, angle) in enumerate(zip(self.input_names, self.angle_rad, strict=True)):
             out = (sin(angle), 0.0, cos(angle))
             turns = float(np.mean(ratio[np.array(self.input_of) == i]))
-            # With crossed spans the input turns against the drum: about -Y its angle has the sign of the drum's.
+            # With crossed spans the input turns against the drum, with open ones with it: its angle about this axis has
+            # the sign of the drum's.
             axis = _BACK if self.input_sense > 0 else _Y
             bodies.append(
                 Body(input_body(name), "input", (distance * out[0], 0.0, distance * out[2]), axis, out, turns)

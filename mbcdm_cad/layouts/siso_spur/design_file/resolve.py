@@ -119,15 +119,19 @@ def broken_rules(design: SpurDesign) -> Iterator[Broken]:
 
 
 def _broken_drum(design: SpurDesign) -> Iterator[Broken]:
-    """A whole drum carries one cable that runs straight to it: two anchored ones would cross on it."""
-    angle, path = design.drum.sector_half_angle_deg, ("drum", "sector_half_angle_deg")
-    if angle < WHOLE_DEG:
-        yield from broken_sector(angle)
+    """A whole drum carries one cable that runs straight to it: two anchored ones would cross on it.
+
+    Rules take one for a long travel, so that what the file states beside it is named.
+    """
+    sector = f"take a sector, which rules do up to {d.MOST_SECTOR_TRAVEL_DEG:g} deg of travel each way"
+    if design.drum.sector_half_angle_deg < WHOLE_DEG:
+        yield from broken_sector(design.drum.sector_half_angle_deg)
     elif design.transmission.cables == "two_anchored":
-        remedy = "set transmission.cables to continuous, or lower the angle"
-        yield Broken(path, "two anchored cables would cross on a whole drum", f"{angle:g}", "a sector", remedy)
+        what, remedy = "two anchored cables would cross on a whole drum", f"set it to continuous, or {sector}"
+        yield Broken(("transmission", "cables"), what, "two_anchored", "continuous", remedy)
     elif design.idlers is not None:
-        yield Broken(path, "no whole drum beside idlers", f"{angle:g}", "a sector", "remove idlers, or lower the angle")
+        count = len(design.idlers.places)
+        yield Broken(("idlers",), "no whole drum beside idlers", f"{count}", "none", f"remove them, or {sector}")
 
 
 def _broken_spans(design: SpurDesign) -> Iterator[Broken]:

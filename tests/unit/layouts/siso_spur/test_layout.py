@@ -23,7 +23,7 @@ from mbcdm_cad.layouts.siso_spur.checks.winding import turn_distance_mm
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, laid
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.support.stiffness import frame_compliance, seat_forces
-from mbcdm_cad.model.si import to_si
+from mbcdm_cad.model.si import ModelError, to_si
 from mbcdm_cad.model.stiffness import unit_tensions_N
 from mbcdm_cad.parts.input_pulley.part import InputPulley
 from mbcdm_cad.parts.shapes import cut
@@ -179,6 +179,9 @@ def test_open_spans_bend_the_cable_one_way_and_wrap_less(drive: SpurDrive) -> No
         assert each == ([1, 1] if straight else [2, 2]), each
     assert parallel.drive.wrap_rad < crossed.drive.wrap_rad
     assert not parallel.inputs[0].grooves[0].right_handed and crossed.inputs[0].grooves[0].right_handed
+    # Circles that overlap have an external tangent: pulleys do not.
+    with pytest.raises(ModelError, match="does not exceed r_o"):
+        to_si(replace(parallel.drive, centre_distance_mm=parallel.drive.drum_radius_mm + 1.0)).free_span_m  # noqa: B018
 
 
 def _wraps_with_bodies(dims: SpurLayout, k: int = 0) -> list[tuple[Wrap, Body]]:
