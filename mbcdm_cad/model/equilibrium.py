@@ -255,12 +255,15 @@ def solve_weighted(
         theta, tension = balance(d, *asked, turned_at_N)
         return Equilibrium(theta, tension, offset - lever * theta)
     key = (*d.law_key, *content_of(*asked, *(() if turned_at_N is None else (turned_at_N,))))
-    if key not in _solved:
-        if len(_solved) == KEPT:
-            _solved.clear()
+    # Threads share what is kept: one may clear it while another has just looked.
+    known = _solved.get(key)
+    if known is None:
         theta, tension = balance(d, *asked, turned_at_N)
-        _solved[key] = Equilibrium(*(_fixed(found) for found in (theta, tension, offset - lever * theta)))
-    return _solved[key]
+        known = Equilibrium(*(_fixed(found) for found in (theta, tension, offset - lever * theta)))
+        if len(_solved) >= KEPT:
+            _solved.clear()
+        _solved[key] = known
+    return known
 
 
 def _fixed(found: Floats) -> Floats:
