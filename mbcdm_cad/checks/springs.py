@@ -147,7 +147,9 @@ def _told_by_hold(s: SectorLayout, give_mm_N: float) -> Iterator[str]:
     with suppress(NoFigureError):
         share = spring_turn_urad_Nm(s, give_mm_N * 1e-3) / s.loads.test_urad_Nm
         if share > MOVED_SHARE:
-            told = f"spring_hold then tells {share:.0%} of the cables' turn, at most {MOVED_SHARE:.0%} without a warning"
+            told = (
+                f"spring_hold then tells {share:.0%} of the cables' turn, at most {MOVED_SHARE:.0%} without a warning"
+            )
             yield f"{told}: raise drum.sector_half_angle_deg too"
 
 

@@ -1,4 +1,4 @@
-"""The layout of Fig. 1 (a): one input beside the drum, and one cable round it with crossed or open spans to the drum."""
+"""The layout of Fig. 1 (a): one input beside the drum, one cable round it with crossed or open spans to the drum."""
 
 from __future__ import annotations
 

@@ -2,9 +2,10 @@
 
 The origin is on the drum's axis (Y), in the middle of the winding on the first input. The axis of the first input is at
 z = L; the axes of other inputs are turned about Y and moved along it; all are parallel. A continuous cable goes N times
-round its input, is anchored nowhere on it, and runs to the drum on both sides as an internal tangent, or with open spans
-as an external one. As long as a part of it sticks on the input, each side acts as a separate cable. Two anchored cables
-replace these sides: they are wound outwards from the points where their spans leave, so that the spans converge along Y.
+round its input, is anchored nowhere on it, and runs to the drum on both sides as an internal tangent, or, with open
+spans, as an external one. As long as a part of it sticks on the input, each side acts as a separate cable. Two anchored
+cables replace these sides: they are wound outwards from the points where their spans leave, so that the spans converge
+along Y.
 """
 
 from __future__ import annotations
