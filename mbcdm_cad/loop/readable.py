@@ -27,6 +27,7 @@ def _angle_over(unit: str) -> tuple[tuple[float, str], ...]:
 
 # Units by the ending of the name, longest ending first; for each the units to choose from, largest first.
 _SIZES: tuple[tuple[str, tuple[tuple[float, str], ...]], ...] = (
+    ("_rad_Nm_s", _angle_over("(N m s)")),
     ("_rad_Nm", _angle_over("(N m)")),
     ("_rad_rad2", _angle_over("rad^2")),
     ("_rad_rad3", _angle_over("rad^3")),

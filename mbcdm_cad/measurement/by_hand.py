@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.measurement.run import Run, VettingNote
+from mbcdm_cad.measurement.run import Run, VettingNote, gravest_first
 from mbcdm_cad.measurement.vet_columns import column_findings
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
@@ -28,12 +28,15 @@ ALONG_SHARE = 1.0 / 3.0
 FINEST_SHARE = 1e-6
 # Half cycles from which a cycle repeats and some can be held back.
 FEWEST_HALF_CYCLES = 8
+# Encoder steps within which locked inputs give way or flicker.
+STILL_STEPS = 5.0
 
 
 @dataclass(frozen=True, eq=False)
 class TurningPath:
     """The rows of a table with those that are missing: time, inputs (n_inputs, m), output, load; ``read`` (m,) marks
-    the rows of the table. ``along``: the table has readings along the way, and none counts as missing."""
+    the rows of the table. ``along``: the table has readings along the way, and none counts as missing. ``by_input``:
+    the inputs move, and not the load alone."""
 
     time_s: Floats
     input_rad: Floats
@@ -41,22 +44,30 @@ class TurningPath:
     load_Nm: Floats | None
     read: NDArray[np.bool_]
     along: bool
+    by_input: bool
 
     @property
     def sense(self) -> Floats:
         """Sense in which the output came to each row but the first, (m - 1,), as what moves it does."""
-        return np.asarray(np.sign(np.diff(_mover(self.input_rad, self.load_Nm))))
+        return np.asarray(np.sign(np.diff(_mover(self.input_rad, self.load_Nm, self.by_input))))
 
 
-def _mover(input_rad: Floats, load_Nm: Floats | None) -> Floats:
+def inputs_move(run: Run) -> bool:
+    """Whether the inputs of a table move, by more than a few steps of their encoders."""
+    if not run.input_rad.size:
+        return False
+    return bool(np.ptp(run.input_rad.mean(axis=0)) > STILL_STEPS * (run.sensors.input_resolution_rad or 0.0))
+
+
+def _mover(input_rad: Floats, load_Nm: Floats | None, by_input: bool) -> Floats:
     """What turns round from row to row, (n,): the inputs, or the load where they stand still."""
-    mean = input_rad.mean(axis=0)
-    return np.asarray(mean if np.ptp(mean) or load_Nm is None else -load_Nm)
+    return np.asarray(input_rad.mean(axis=0) if by_input or load_Nm is None else -load_Nm)
 
 
 def path_of(run: Run) -> TurningPath:
     """The path of a table of turning points."""
-    at = _mover(run.input_rad, run.load_Nm)
+    by_input = inputs_move(run)
+    at = _mover(run.input_rad, run.load_Nm, by_input)
     moved, off = np.diff(at), np.abs(at - 0.5 * (at.min() + at.max()))
     least = np.minimum(np.median(np.abs(moved)), np.maximum(off[1:], off[:-1]))
     turned = np.where(np.abs(moved) < SAME_SIDE * least, 0.0, np.sign(moved))
@@ -77,7 +88,7 @@ def path_of(run: Run) -> TurningPath:
         table, read = np.insert(table, k + 1, between, axis=1), np.insert(read, k + 1, False)
     n = run.input_rad.shape[0]
     return TurningPath(
-        table[0], table[1 : 1 + n], table[1 + n], None if run.load_Nm is None else table[2 + n], read, along
+        table[0], table[1 : 1 + n], table[1 + n], None if run.load_Nm is None else table[2 + n], read, along, by_input
     )
 
 
@@ -100,7 +111,7 @@ def written_step(values: Floats) -> float:
 
 def readings_findings(run: Run, ratio: float, travel_rad: float | None, d: DriveSI | None) -> list[VettingNote]:
     """Refusals and doubts about the columns of a table by hand, and what it can show."""
-    path, moves = path_of(run), bool(np.ptp(run.input_rad.mean(axis=0)))
+    path, moves = path_of(run), inputs_move(run)
     found = column_findings(run, ratio, travel_rad, d) if moves else _against_the_load(run)
     half_cycles = path.read.size - 1
     what = "inputs" if moves else "load, with the inputs at rest"
@@ -108,6 +119,9 @@ def readings_findings(run: Run, ratio: float, travel_rad: float | None, d: Drive
     if path.along:
         text = f"a table of {run.time_s.size} readings along the way of the {what}"
     found.append(VettingNote("turning_points", "fact", text))
+    if path.along and np.unique(path.sense[path.sense != 0.0]).size < 2:
+        text = "all rows go one way: none is a turning point, and a gauge that drifts looks like what is to be found"
+        found.append(VettingNote("one_way", "refused", text, "read to both sides, or back again", ("kind",)))
     if not path.read.all():
         rows = ", ".join(str(int(k)) for k in np.cumsum(path.read)[~path.read])
         text = (
@@ -116,7 +130,8 @@ def readings_findings(run: Run, ratio: float, travel_rad: float | None, d: Drive
         )
         found.append(VettingNote("half_cycle_missing", "fact", text, "write a row for each turning point"))
     if half_cycles < FEWEST_HALF_CYCLES:
-        text = f"{half_cycles} half cycles: none repeats often enough to tell an effect from a misreading"
+        count = f"{half_cycles} {'steps' if path.along else 'half cycles'}"
+        text = f"{count}: none repeats often enough to tell an effect from a misreading"
         found.append(VettingNote("few_turning_points", "doubt", text, f"read {FEWEST_HALF_CYCLES} or more"))
     if run.load_Nm is None:
         text = "no load: lost motion and ratio can be found; stiffness, preload and friction of the cables cannot"
@@ -124,8 +139,7 @@ def readings_findings(run: Run, ratio: float, travel_rad: float | None, d: Drive
     elif not np.ptp(np.abs(run.load_Nm)) > SAME_SIDE * np.abs(run.load_Nm).max():
         text = "all loads are of one size: a play and a stiffness look alike"
         found.append(VettingNote("one_load", "fact", text, "read half of the cycles under half of the load"))
-    order = ("refused", "doubt", "fact")
-    return sorted(found, key=lambda finding: order.index(finding.level))
+    return gravest_first(found)
 
 
 def _against_the_load(run: Run) -> list[VettingNote]:
@@ -171,18 +185,23 @@ def since_loading(run: Run) -> Floats:
 def creep_findings(run: Run) -> list[VettingNote]:
     """What readings at rest can show."""
     steps, since = loadings(run), since_loading(run)
-    since = since[since > 0.0]
-    decades = float(np.log10(since.max() / since.min())) if since.size else 0.0
-    size = (
-        "" if run.load_Nm is None else f" under {', '.join(f'{v:.3g}' for v in np.cumsum([s for _, s in steps]))} N m"
-    )
-    span = f"{since.min():.3g} s to {since.max():.3g} s after the load was put on: {decades:.2g} decades"
-    text = f"readings at rest{size}, {span}"
-    found = [VettingNote("creep", "fact", text)]
+    loaded = run.load_Nm is not None and bool(run.load_Nm.any())
+    course = np.searchsorted([at for at, _ in steps], run.time_s, side="left")
+    spans = [
+        (float(one.min()), float(one.max()))
+        for k in np.unique(course)
+        if (one := since[(course == k) & (since > 0)]).size
+    ]
+    first, last = max(spans, key=lambda span: span[1] / span[0])
+    decades = float(np.log10(last / first))
+    size = f" under {', '.join(f'{v:.3g}' for v in np.cumsum([s for _, s in steps]))} N m" if loaded else ""
+    span = f"{first:.3g} s to {last:.3g} s after {'a change of the load' if loaded else 'the beginning'}"
+    found = [VettingNote("creep", "fact", f"readings at rest{size}, {span}: {decades:.2g} decades")]
     if decades < FEWEST_DECADES:
+        text = f"{span}: {decades:.2g} of the {FEWEST_DECADES:.0f} decades of time that a law of creep needs"
         remedy = "read sooner after loading, and go on for longer"
-        found.append(VettingNote("few_decades", "doubt", f"{decades:.2g} decades of time tell no law of creep", remedy))
-    if len(steps) < 2:
+        found.append(VettingNote("few_decades", "refused", text, remedy, ("columns", "time")))
+    if loaded and len(steps) < 2:
         text = "the load stays on: a creep that ends and a warming look alike"
         found.append(
             VettingNote(
@@ -192,7 +211,7 @@ def creep_findings(run: Run) -> list[VettingNote]:
     if run.temperature_C is None:
         text = "no temperature: warming is found from its course over time alone"
         found.append(VettingNote("no_temperature", "fact", text, "write the temperature beside each reading"))
-    if run.load_Nm is None or not run.load_Nm.any():
+    if not loaded:
         text = "no load: a creep has no size for each newton metre, and a drift of the sensor looks like one"
-        found.append(VettingNote("no_load", "fact", text, "write the load under which each row was read"))
-    return sorted(found, key=lambda finding: finding.level != "doubt")
+        found.append(VettingNote("no_load", "doubt", text, "write the load under which each row was read"))
+    return gravest_first(found)

@@ -14,6 +14,7 @@ import numpy as np
 from mbcdm_cad.design.fieldpath import FieldPath
 from mbcdm_cad.errors import InputError, Problem, did_you_mean, shortened
 from mbcdm_cad.measurement.binarylog import is_bag, opened
+from mbcdm_cad.measurement.by_hand import inputs_move
 from mbcdm_cad.measurement.channels import Channel, read_channels
 from mbcdm_cad.measurement.datafile import DECIMALS, MOST_BROKEN, DataTable, read_table
 from mbcdm_cad.measurement.file import MeasurementFile, load_file
@@ -139,7 +140,7 @@ def _nothing_read(file: MeasurementFile, run: Run) -> list[Problem]:
     if not np.ptp(run.output_rad):
         remedy = "read it to more digits, or check column and unit"
         problems.append(file.problem(("columns", "output"), "one figure in all rows", remedy=remedy))
-    if run.kind == TURNING_POINTS and not np.ptp(run.input_rad, axis=1).any():
+    if run.kind == TURNING_POINTS and not inputs_move(run):
         if run.load_Nm is None:
             remedy = "give the inputs' angles, or the load under which each row was read"
             problems.append(file.problem(("columns",), "neither an input nor a load that changes", remedy=remedy))

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from dataclasses import field as with_default
 from functools import cached_property
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -172,6 +172,11 @@ class VettingNote:
     def __str__(self) -> str:
         """Sentence and remedy on one line."""
         return self.text + (f"; {self.remedy}" if self.remedy else "")
+
+
+def gravest_first(findings: Sequence[VettingNote]) -> list[VettingNote]:
+    """Refusals, then doubts, then facts."""
+    return sorted(findings, key=lambda finding: get_args(Level).index(finding.level))
 
 
 def doubts(notes: Sequence[str], findings: Sequence[VettingNote]) -> list[str]:

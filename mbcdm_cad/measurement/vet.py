@@ -26,6 +26,7 @@ from mbcdm_cad.measurement.run import (
     ZerosFound,
     column_of,
     doubts,
+    gravest_first,
     half_sweeps,
     smoothed,
 )
@@ -177,8 +178,7 @@ def vet(run: Run, drive: Drive | None) -> list[VettingNote]:
     found += _zeros(run)
     if not any(finding.level == "refused" for finding in found):
         found += reach_findings(thin, known.ratio, known.d)
-    order = ("refused", "doubt", "fact")
-    return sorted(found, key=lambda finding: order.index(finding.level))
+    return gravest_first(found)
 
 
 def _zeros(run: Run) -> list[VettingNote]:

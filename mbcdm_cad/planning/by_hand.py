@@ -16,7 +16,7 @@ from scipy.stats import ncf, norm
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.loop.effect import Effect
-from mbcdm_cad.loop.search.few import CHANCE, ODDS, FewReadings, prepared_by_hand
+from mbcdm_cad.loop.search.few import CHANCE, ODDS, PLAY, FewReadings, prepared_by_hand
 from mbcdm_cad.loop.search.select import LEAST_FALL
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.measurement.vet import arranged
@@ -37,7 +37,9 @@ class PlannedReadings:
         self.effects = [e for e in self.few.library if not e.unmeasured]
 
     def slopes(self, effect: Effect) -> Floats | None:
-        """Derivatives of the prediction by the sizes of an effect, on all samples (n, k); None if nothing changes."""
+        """Derivatives of the prediction by the sizes of an effect, on all samples (n, k); None if nothing shows."""
+        if self.few.hides_slip or (effect.name == PLAY and self.few.hides_play):
+            return None
         f, sizes = self.few.fitter, [p.role == "size" for p in effect.parameters]
         for start in f.guesses(effect, self.few.bare.residual):
             values = np.where(sizes, 0.0, start)

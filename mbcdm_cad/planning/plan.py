@@ -149,7 +149,8 @@ def _proposals(run: Run, found: Sequence[Foreseen]) -> tuple[str, ...]:
     """Runs by hand that show what this one cannot."""
     proposed = []
     if run.load_Nm is None or not np.ptp(run.load_Nm):
-        proposed.append(f"play and stiffness: push the locked drive to and fro by hand, record: {TURNING_POINTS}")
+        what = "play and stiffness" if len(run.input_rad) == 1 else "stiffness"
+        proposed.append(f"{what}: push the locked drive to and fro by hand, record: {TURNING_POINTS}")
     creep = [one for one in found if one.label.startswith("creep")]
     blind = [one for one in creep if one.smallest is None or any("thermal" in r.label for r in one.rivals)]
     if creep and len(blind) == len(creep):

@@ -40,7 +40,8 @@ def prepare_readings(run: Run, ratio: float) -> Prepared:
     output, load = along(path.output_rad), None if path.load_Nm is None else along(path.load_Nm)
     judged = np.isin(sweep, sweep[used])
     held = held_sweeps(sweep[judged], output[judged], None if load is None else load[judged])
-    words = f"the rows at the end of half cycles {', '.join(str(k + 1) for k in held)}" if held.size else "none"
+    ends = "steps" if path.along else "half cycles"
+    words = f"the rows at the end of {ends} {', '.join(str(k + 1) for k in held)}" if held.size else "none"
     angle = np.stack([along(row) for row in path.input_rad])
     signals = _Signals(along(path.time_s), angle, output, load, None, path.sense[sweep])
     return _prepared(run, ratio, signals, sweep, used, np.isin(sweep, held), words)
@@ -70,7 +71,7 @@ def prepare_creep(run: Run, ratio: float, later: bool = True) -> Prepared:
     held, used = np.zeros(at.size, dtype=np.bool_), mean(part.astype(float)) >= 0.0
     for one in np.unique(course):
         mine = used & (mean(course.astype(float)) == one)
-        if mine.sum() > 2:
+        if mine.sum() > 1:
             low, high = float(at[mine].min()), float(at[mine].max())
             held |= mine & (at > low + (high - low) * (1.0 - HELD_SHARE))
     words = (

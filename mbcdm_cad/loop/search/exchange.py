@@ -218,7 +218,6 @@ class Exchanges:
                 found = replace(found, value=value, covariance=covariance)
             self._estimates[fit] = found
         estimate = self._estimates[fit]
-        estimate = self._estimates[fit]
         return np.asarray((float(t_distribution.ppf(0.975, estimate.freedom)) / INTERVAL) ** 2 * estimate.covariance)
 
 

@@ -32,7 +32,7 @@ from mbcdm_cad.loop.search.evidence import TOLD_APART
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.loop.search.select import LEAST_FALL
 from mbcdm_cad.loop.search.unknown import Unknown
-from mbcdm_cad.measurement.by_hand import loadings
+from mbcdm_cad.measurement.by_hand import inputs_move, loadings
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.measurement.schema import CREEP
 from mbcdm_cad.model.si import DriveSI
@@ -61,6 +61,16 @@ CURVE = 3
 # Degrees of freedom of a noise that is known from the steps of the figures alone.
 KNOWN = 30
 ODDS = 1.0 / TOLD_APART - 1.0
+PLAY = "lash"
+HIDDEN_SLIP = (
+    "the cable is held on the input by friction alone, and by how much it slips under the load from row to row does "
+    "not show in them; log the motion instead, or lock the input and read the output under loads"
+)
+HIDDEN_PLAY = (
+    "its errors look like a play, but the load changes its sign between the rows, and where the pulleys of several "
+    "inputs then come to rest within a play does not show in them: neither its place and size nor a stiffness beside "
+    "it is told; log the motion instead, or keep the load on one side with a weight to read a stiffness alone"
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,8 +124,11 @@ class FewReadings:
             else:
                 named.append(first)
         left = self._left(whole)
+        untold = self._untold([*named, *(one for group in sets for one in group)], left)
+        if untold:
+            fit, whole, steps, small, named, sets, left = self.bare, self.bare, [], [], [], [], None
         found = errors(self.fitter, self.bare, fit, self.floor_rad)
-        if not self.fitter.test.any():
+        if untold or not self.fitter.test.any():
             verdict = "not_testable"
         elif named or sets:
             verdict = "explained" if left is None else "partly_explained"
@@ -130,13 +143,13 @@ class FewReadings:
             found,
             tuple(steps),
             () if allowed else tuple(small),
-            self._not_testable(),
+            (untold,) if untold else self._not_testable(),
             next_steps(named, sets, None),
             chain_orders(self.d, self.ratio),
             noise=self.noise,
             pictures=self._pictures(whole),
             doubts=tuple(self.doubts)
-            + ((doubt_of(self.noise, runs_of(self.prepared)),) if self.noise.far_above else ()),
+            + ((doubt_of(self.noise, runs_of(self.prepared)),) if self.noise.far_above and not untold else ()),
             within_class=WithinClass(
                 tuple((f"{e.name} {e.parameters[0].name}", float(v[0])) for e, v in sizes),
                 self.prepared[0].run.sensors.torque_class,
@@ -144,6 +157,26 @@ class FewReadings:
             if allowed and named == []
             else "",
         )
+
+    def _untold(self, found: Sequence[Named], left: LeftOver | None) -> str:
+        """Why errors of a table tell nothing, in words; empty where they do or there are none."""
+        if self.hides_slip and (found or left):
+            return HIDDEN_SLIP
+        return HIDDEN_PLAY if self.hides_play and any(one.name == PLAY for one in found) else ""
+
+    @property
+    def hides_slip(self) -> bool:
+        """Whether a cable that friction alone holds on an input slips on the way from row to row."""
+        loaded = any(p.load_Nm is not None and p.load_Nm.any() and inputs_move(p.run) for p in self.prepared)
+        return self.d is not None and self.d.through_wrap_rad is not None and loaded and not self.at_rest
+
+    @property
+    def hides_play(self) -> bool:
+        """Whether a play does not show: the torque of each of several inputs crosses zero with the load between rows,
+        and where its pulley then rests within a play depends on all that came before."""
+        several = max(len(self.d.input_names) if self.d else 1, *(p.angle_rad.shape[0] for p in self.prepared)) > 1
+        crosses = any(p.load_Nm is not None and p.load_Nm.min() < 0.0 < p.load_Nm.max() for p in self.prepared)
+        return several and crosses and not self.at_rest
 
     # Noise.
 
@@ -411,7 +444,9 @@ class FewReadings:
         )
         figures = dict(named.parameters)
         for p, value, here in zip(effect.parameters, values, flat, strict=True):
-            if here and p.name in figures:
+            if p.role == "place" and effect.name == PLAY:
+                figures.pop(p.name, None)  # where the contact changes sides lies between two rows
+            elif here and p.name in figures:
                 bound = replace(figures.pop(p.name), low=float(value), high=np.inf)
                 figures |= {p.name: bound} if p.role == "size" else {}
         return replace(named, parameters=figures)
@@ -441,7 +476,7 @@ class FewReadings:
                     )
                 )
                 continue
-            moves = bool(np.ptp(p.mean_rad))
+            moves = inputs_move(p.run)
             base = p.mean_rad / self.ratio if moves else np.zeros_like(p.output_rad)
             at, axis = (1e3 * base, "inputs / ratio (mrad)") if p.load_Nm is None else (p.load_Nm, "load torque (N m)")
             title = "output - inputs / ratio" if moves else "output"
@@ -507,7 +542,8 @@ class FewReadings:
         """What such readings cannot show."""
         if self.at_rest:
             words = ["the inputs rest: errors of angle, friction, and all that needs motion"]
-            if all(len(loadings(p.run)) < 2 for p in self.prepared):
+            loads = [p.run for p in self.prepared if p.run.load_Nm is not None and p.run.load_Nm.any()]
+            if loads and all(len(loadings(run)) < 2 for run in loads):
                 words.append("the load stays on: whether the creep goes back")
             return tuple(words)
         words = ["one value a half cycle: ripple, delays, and what happens within a half cycle"]

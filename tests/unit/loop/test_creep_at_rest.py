@@ -10,6 +10,7 @@ import pytest
 
 import mbcdm_cad as mc
 from mbcdm_cad.cli import run as mbcdm
+from mbcdm_cad.errors import InputError
 from mbcdm_cad.loop.judge import LoopReport
 from mbcdm_cad.measurement.by_hand import loadings
 
@@ -67,6 +68,24 @@ def test_a_drive_that_does_not_creep_gets_no_name(tmp_path: Path) -> None:
     said = [readings(tmp_path, BY_HAND_S, held, still, 50 + seed).verdict for seed in range(8)]
     assert said.count("none") >= 7, said
     assert not {"explained", "partly_explained"} & set(said), said
+
+
+def test_readings_that_no_law_can_be_told_from_are_refused(tmp_path: Path) -> None:
+    """One decade of time; a load that changes at each row; one that is put on at the end."""
+    decade, half = np.linspace(60.0, 600.0, 10), BY_HAND_S.size // 2
+    flips = 2.0 * (-1.0) ** np.arange(BY_HAND_S.size)
+    late = np.where(np.arange(BY_HAND_S.size) > 2 * half - 1, 2.0, 0.0)
+    for t, load in ((decade, np.full(10, 2.0)), (BY_HAND_S, flips), (BY_HAND_S, late)):
+        with pytest.raises(InputError, match=r"rest.yaml:4: columns.time: .* of the 2 decades of time"):
+            readings(tmp_path, t, load, -2.0 * chain(t), 1)
+
+
+def test_readings_without_a_load_say_so(tmp_path: Path) -> None:
+    report = readings(tmp_path, BY_HAND_S, np.zeros(BY_HAND_S.size), -chain(BY_HAND_S), 1)
+    text = report.text()
+    assert "doubt: no load" in text
+    assert "under 1 N m" not in text
+    assert "the load stays on" not in text
 
 
 def test_recovery_tells_a_warming_from_a_creep(tmp_path: Path) -> None:

@@ -11,6 +11,7 @@ import mbcdm_cad as mc
 from mbcdm_cad.cli import run as mbcdm
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.loop.judge import LoopReport
+from mbcdm_cad.loop.result import LoopResult
 from mbcdm_cad.measurement.by_hand import path_of, written_step
 from mbcdm_cad.measurement.run import Run
 
@@ -69,8 +70,6 @@ def test_play_and_stiffness_come_out_of_a_table_with_missing_rows(tmp_path: Path
     text = report.text()
     assert "2 half cycle(s) missing, after row 4, 8" in text
     assert "a table of 16 turning points of the load, with the inputs at rest" in text
-    # Where the contact changes sides lies between the rows: it has no figure.
-    assert "zero" not in report.result.sentence
     assert b"data:image/png" in report.page()
 
 
@@ -79,6 +78,8 @@ def test_intervals_hold_the_truth_and_nothing_else_is_named(tmp_path: Path) -> N
     for seed in range(tables):
         report = judged(locked(tmp_path, 100 + seed, COMPLIANCE, PLAY))
         assert set(names(report)) <= {"lash", "stiffness_error"}, report.result.sentence
+        # Where the contact changes sides lies between the rows: it has no figure.
+        assert "zero" not in report.result.sentence
         for one in report.result.effects:
             value = next(iter(one.parameters.values()))
             inside += value.low < (PLAY if one.name == "lash" else COMPLIANCE) < value.high
@@ -126,6 +127,100 @@ def test_a_soft_rope_comes_out_of_the_rig_s_table(tmp_path: Path) -> None:
     share = found.parameters["share"]
     assert share.low < -0.25 < share.high
     assert share.high - share.low < 0.05
+
+
+def pushed(folder: Path, loads: list[float], play: float = 6e-4) -> Path:
+    """An arm behind a play at the output of the reference drive, whose inputs are locked."""
+    rng = np.random.default_rng(8)
+    load = np.tile(loads, 2)
+    drum = -2e-4 * load - 0.5 * play * np.sign(load) + rng.normal(0.0, 1e-5, load.size)
+    rows = [f"{a:.2f};{100.0 * b:.3f}".replace(".", ",") for a, b in zip(load, drum, strict=True)]
+    (folder / "pushed.csv").write_text("load_Nm;gauge_mm\n" + "\n".join(rows) + "\n")
+    (folder / "pushed.yaml").write_text(HEAD.format(name="pushed").replace("ratio: 10\n", ""))
+    return folder / "pushed.yaml"
+
+
+def simulated(folder: Path, design: str, **changed: str) -> LoopResult:
+    """The result from the rig's table of a motion under a brake with a play, short and with other words."""
+    text = (ROOT / "params/experiments/by-hand/turning-points-lash.yaml").read_text()
+    for old, new in {"duration_s: 300.0": "duration_s: 180.0", "sample_rate_Hz: 50.0": "sample_rate_Hz: 10.0"}.items():
+        assert old in text
+        text = text.replace(old, new)
+    for old, new in changed.items():
+        text = text.replace(old, new)
+    (folder / "short.yaml").write_text(text)
+    drive = ROOT / f"params/{design}.yaml"
+    assert mbcdm(["simulate", str(drive), str(folder / "short.yaml"), "--out", str(folder)]) == 0
+    (run,) = (one for one in folder.glob("*/turning-points-lash.yaml"))
+    return mc.close_loop(mc.load(drive), run).result
+
+
+def untold(result: LoopResult, words: str) -> None:
+    assert result.verdict == "not_testable", result.sentence
+    assert words in result.sentence
+    assert not result.effects
+    assert not result.one_of
+    assert not result.evidence
+    assert result.errors.after.value == result.errors.before.value
+
+
+@pytest.mark.slow
+def test_a_play_under_a_load_that_changes_sign_is_not_told_with_several_inputs(tmp_path: Path) -> None:
+    """Where the pulleys rest within a play at an input is not in the table: no name, also where the play is another."""
+    drive = mc.load(ROOT / "params/mbcdm.yaml")
+    result = mc.close_loop(drive, pushed(tmp_path, [0.3, -0.3, 0.6, -0.6, 0.9, -0.9])).result
+    untold(result, "the load changes its sign between the rows")
+    # With the load on one side no pulley floats.
+    result = mc.close_loop(drive, pushed(tmp_path, [0.3, 0.1, 0.6, 0.3, 0.9, 0.6])).result
+    assert result.verdict != "not_testable", result.sentence
+    assert "lash" not in result.sentence
+
+
+@pytest.mark.slow
+def test_a_play_at_one_of_two_inputs_gets_no_size_from_the_rig_s_table(tmp_path: Path) -> None:
+    """The rig has 1.0 mrad; fitted from its rows it would be 3.5 mrad, beside a stiffness that is not wrong."""
+    untold(simulated(tmp_path, "mbcdm"), "the load changes its sign between the rows")
+
+
+@pytest.mark.slow
+def test_a_cable_that_slips_on_its_input_gets_no_name_from_the_rig_s_table(tmp_path: Path) -> None:
+    """The drive is sound: what its cable slips by under the brake is in no row."""
+    effect = "  - {effect: gearhead_lash, stage: input_left, play_urad: 1000.0}\n"
+    untold(simulated(tmp_path, "siso_spur", **{effect: "", "effects:": "effects: []"}), "held on the input by friction")
+
+
+@pytest.mark.parametrize(
+    ("rows", "said"),
+    [
+        ([], "bad.csv:2: no rows below the header"),
+        (["0,50;5,27"], "bad.csv:1: too few samples"),
+        (["much;little"] * 12, "bad.csv:2: too many broken rows"),
+        (["nan;nan"] * 12, "bad.csv:2: too many broken rows"),
+        ([f"{0.1 * k:.1f};{5.3 - 0.01 * k:.2f}".replace(".", ",") for k in range(12)], "bad.yaml:2: kind: all rows go"),
+    ],
+)
+def test_a_bad_table_is_refused_with_its_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], rows: list[str], said: str
+) -> None:
+    (tmp_path / "bad.csv").write_text("load_Nm;gauge_mm\n" + "".join(f"{row}\n" for row in rows))
+    (tmp_path / "bad.yaml").write_text(HEAD.format(name="bad"))
+    assert mbcdm(["loop", str(tmp_path / "bad.yaml")]) == 2
+    assert said in capsys.readouterr().err
+
+
+def test_encoders_of_locked_inputs_may_flicker(tmp_path: Path) -> None:
+    """A few steps of an encoder are no motion: the load is what turns round."""
+    path = locked(tmp_path, 1, COMPLIANCE, PLAY)
+    head, *rows = (tmp_path / "table.csv").read_text().splitlines()
+    counts = np.random.default_rng(2).integers(0, 4, len(rows))
+    (tmp_path / "table.csv").write_text(
+        "\n".join([f"{head};count", *(f"{row};{n}" for row, n in zip(rows, counts, strict=True))]) + "\n"
+    )
+    declared = (
+        "  input: {column: count, unit: counts, counts_per_turn: 40000}\nsensors: {input_resolution_rad: 1.5708e-4}\n"
+    )
+    path.write_text(path.read_text().replace("ratio:", f"{declared}ratio:"))
+    assert names(judged(path)) == ["lash", "stiffness_error"]
 
 
 def test_what_is_wrong_with_a_table_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
