@@ -158,7 +158,7 @@ def stop_slot(s: SectorLayout) -> Comparison:
             at_least("web between stop slot and rim", d.rim_inner_radius - d.stop_radius - half, limit, "mm"),
             at_least("web between stop slot and hub", d.stop_radius - half - d.hub_radius, limit, "mm"),
             at_least(
-                "web between stop slot and the sector's end, or its other end",
+                "web between both ends of the stop slot" if d.whole else "web between stop slot and the sector's end",
                 radians(d.half_angle_deg - end) * (d.stop_radius - half) * (2.0 if d.whole else 1.0),
                 limit,
                 "mm",

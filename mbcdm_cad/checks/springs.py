@@ -150,7 +150,7 @@ def _told_by_hold(s: SectorLayout, give_mm_N: float) -> Iterator[str]:
             told = (
                 f"spring_hold then tells {share:.0%} of the cables' turn, at most {MOVED_SHARE:.0%} without a warning"
             )
-            yield f"{told}: raise drum.sector_half_angle_deg too"
+            yield told if s.drum.whole else f"{told}: raise drum.sector_half_angle_deg too"
 
 
 def _give_wanted_mm_N(s: SectorLayout) -> float:

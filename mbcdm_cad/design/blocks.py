@@ -36,15 +36,15 @@ class Travel(Block):
         "are counted from the middle of the travel",
         unit="deg",
         default=None,
-        ge=-720.0,
-        le=720.0,
+        ge=-2160.0,
+        le=2160.0,
     )
     to_deg: Number | None = quantity(
         "angle of the output at the upper end of the travel; goes with from_deg",
         unit="deg",
         default=None,
-        ge=-720.0,
-        le=720.0,
+        ge=-2160.0,
+        le=2160.0,
     )
     stop_clearance_deg: Number = quantity(
         "angle from the end of the travel to the hard stops", unit="deg", ge=0.0, le=5.0

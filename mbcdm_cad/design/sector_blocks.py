@@ -11,6 +11,9 @@ from typing import ClassVar, Literal
 from mbcdm_cad.design.blocks import Cable
 from mbcdm_cad.design.fields import EntryName, Integer, Number, PlainBlock, choice, quantity
 
+# Largest half angle of a sector: beyond, no gap is left.
+MOST_SECTOR_DEG = 175.0
+
 
 @dataclass(frozen=True, kw_only=True)
 class Clearances(PlainBlock):
@@ -57,7 +60,7 @@ class SectorDrum(PlainBlock):
 
     material: EntryName = choice("material of the sector")
     sector_half_angle_deg: Number = quantity(
-        "half angle of the sector, from the transfer point", unit="deg", ge=20.0, le=175.0
+        "half angle of the sector, from the transfer point", unit="deg", ge=20.0, le=MOST_SECTOR_DEG
     )
     rim_inner_radius_mm: Number = quantity(
         "inner radius of the rim that carries the lands", unit="mm", ge=2.0, le=500.0

@@ -26,8 +26,8 @@ _Spur = TypeVar("_Spur", bound="SpurDrive")
 # Angle of half the transition from the cable's helix to the plane of its terminal, which follows the last point that
 # ever leaves the drum.
 CHANGE_RAD = 0.01
-# Largest half angle of a sector, and largest travel from the centre that rules give one.
-MOST_SECTOR_DEG, MOST_SECTOR_TRAVEL_DEG = 175.0, 120.0
+# Largest travel from the centre for which rules take a sector.
+MOST_SECTOR_TRAVEL_DEG = 120.0
 # Wrap of a cable that is left on a whole drum at the end of the travel (estimate: the change of plane, and some rest).
 RING_WRAP_DEG = 5.0
 # Largest angle from the centre at which a pin stops the drum: beyond, the web beside its slot would be narrow.

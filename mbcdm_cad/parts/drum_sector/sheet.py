@@ -225,21 +225,24 @@ def drum_sheet(part: str, d: DrumDims, set_screw_thread: float) -> Sheet:
         Label(_REAR, _polar((w.r_inner + w.r_outer) / 2, (w.start_deg + w.end_deg) / 2, face), f"W{n}")
         for n, w in enumerate(d.windows, 1)
     ]
-    angle = [
-        Angle(
-            _REAR,
-            (0.0, face, 0.0),
-            _polar(outer, half, face),
-            _polar(outer, -half, face),
-            2 * half,
-            outer + _ANGLE_BEYOND_MM,
-        )
-    ]
     # A rim that is closed has no angle.
-    angle = [] if d.whole else angle
+    angle = (
+        []
+        if d.whole
+        else [
+            Angle(
+                _REAR,
+                (0.0, face, 0.0),
+                _polar(outer, half, face),
+                _polar(outer, -half, face),
+                2 * half,
+                outer + _ANGLE_BEYOND_MM,
+            )
+        ]
+    )
     return Sheet(
         part=part,
-        title="Drum sector",
+        title="Drum" if d.whole else "Drum sector",
         paper="A2",
         views=_views(d),
         dimensions=(

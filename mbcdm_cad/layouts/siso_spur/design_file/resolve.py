@@ -11,6 +11,7 @@ from mbcdm_cad.design.fieldpath import FieldPath
 from mbcdm_cad.design.lookup import Catalogue
 from mbcdm_cad.design.resolve import preload_N, shared_sigmas, shared_values
 from mbcdm_cad.design.rules import Broken, NamedEntry, counted, on_one_side
+from mbcdm_cad.design.sector_blocks import MOST_SECTOR_DEG
 from mbcdm_cad.layouts.siso_spur import drive as d
 from mbcdm_cad.layouts.siso_spur.design_file.schema import SpurBlocks, SpurDesign, SpurTransmission
 from mbcdm_cad.layouts.siso_spur.first_stage import broken_first_stage, of_design
@@ -149,8 +150,8 @@ def _broken_spans(design: SpurDesign) -> Iterator[Broken]:
 
 def broken_sector(angle_deg: float) -> Iterator[Broken]:
     """A sector leaves a gap."""
-    if angle_deg > d.MOST_SECTOR_DEG:
-        limit, remedy = f"up to {d.MOST_SECTOR_DEG:g}", "lower it, or state 180 in siso_spur: a whole drum"
+    if angle_deg > MOST_SECTOR_DEG:
+        limit, remedy = f"up to {MOST_SECTOR_DEG:g}", "lower it, or state 180 in siso_spur: a whole drum"
         yield Broken(("drum", "sector_half_angle_deg"), "no gap is left", f"{angle_deg:g}", limit, remedy)
 
 
