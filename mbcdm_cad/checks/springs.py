@@ -145,11 +145,9 @@ def _more(s: SectorLayout) -> str:
 def _told_by_hold(s: SectorLayout, give_mm_N: float) -> Iterator[str]:
     """What :func:`spring_hold` says of springs that give so much, where it warns."""
     with suppress(NoFigureError):
-        share = spring_turn_urad_Nm(s, give_mm_N * 1e-3) / s.loads.test_urad_Nm
-        if share > MOVED_SHARE:
-            told = (
-                f"spring_hold then tells {share:.0%} of the cables' turn, at most {MOVED_SHARE:.0%} without a warning"
-            )
+        moved = 100.0 * spring_turn_urad_Nm(s, give_mm_N * 1e-3) / s.loads.test_urad_Nm
+        if moved > 100.0 * MOVED_SHARE:
+            told = f"spring_hold then tells {moved:.4g} % (limit at most {100.0 * MOVED_SHARE:g})"
             yield told if s.drum.whole else f"{told}: raise drum.sector_half_angle_deg too"
 
 
