@@ -63,8 +63,8 @@ KNOWN = 30
 ODDS = 1.0 / TOLD_APART - 1.0
 PLAY = "lash"
 HIDDEN_SLIP = (
-    "the cable is held on the input by friction alone, and by how much it slips under the load from row to row does "
-    "not show in them; log the motion instead, or lock the input and read the output under loads"
+    "the inputs move under a load, and where the cables slip on the way from row to row does not show in the rows; "
+    "log the motion instead, or lock the inputs and read the output under loads"
 )
 HIDDEN_PLAY = (
     "its errors look like a play, but the load changes its sign between the rows, and where the pulleys of several "
@@ -154,7 +154,7 @@ class FewReadings:
                 tuple((f"{e.name} {e.parameters[0].name}", float(v[0])) for e, v in sizes),
                 self.prepared[0].run.sensors.torque_class,
             ).sentence
-            if allowed and named == []
+            if allowed and not untold and named == []
             else "",
         )
 
@@ -166,9 +166,9 @@ class FewReadings:
 
     @property
     def hides_slip(self) -> bool:
-        """Whether a cable that friction alone holds on an input slips on the way from row to row."""
+        """Whether the inputs of a design move under a load: the model does not follow the cables from row to row."""
         loaded = any(p.load_Nm is not None and p.load_Nm.any() and inputs_move(p.run) for p in self.prepared)
-        return self.d is not None and self.d.through_wrap_rad is not None and loaded and not self.at_rest
+        return self.d is not None and loaded and not self.at_rest
 
     @property
     def hides_play(self) -> bool:
