@@ -38,7 +38,7 @@ class PlannedReadings:
 
     def slopes(self, effect: Effect) -> Floats | None:
         """Derivatives of the prediction by the sizes of an effect, on all samples (n, k); None if nothing shows."""
-        if self.few.hides_slip or (effect.name == PLAY and self.few.hides_play):
+        if self.few.loses_track or (effect.name == PLAY and self.few.hides_play):
             return None
         f, sizes = self.few.fitter, [p.role == "size" for p in effect.parameters]
         for start in f.guesses(effect, self.few.bare.residual):

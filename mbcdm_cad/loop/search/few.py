@@ -62,9 +62,9 @@ CURVE = 3
 KNOWN = 30
 ODDS = 1.0 / TOLD_APART - 1.0
 PLAY = "lash"
-HIDDEN_SLIP = (
-    "the inputs move under a load, and where the cables slip on the way from row to row does not show in the rows; "
-    "log the motion instead, or lock the inputs and read the output under loads"
+LOST_TRACK = (
+    "the inputs move under a load, and the model does not follow the cables from row to row then; log the motion "
+    "instead, or lock the inputs and read the output under loads"
 )
 HIDDEN_PLAY = (
     "its errors look like a play, but the load changes its sign between the rows, and where the pulleys of several "
@@ -160,12 +160,12 @@ class FewReadings:
 
     def _untold(self, found: Sequence[Named], left: LeftOver | None) -> str:
         """Why errors of a table tell nothing, in words; empty where they do or there are none."""
-        if self.hides_slip and (found or left):
-            return HIDDEN_SLIP
+        if self.loses_track and (found or left):
+            return LOST_TRACK
         return HIDDEN_PLAY if self.hides_play and any(one.name == PLAY for one in found) else ""
 
     @property
-    def hides_slip(self) -> bool:
+    def loses_track(self) -> bool:
         """Whether the inputs of a design move under a load: the model does not follow the cables from row to row."""
         loaded = any(p.load_Nm is not None and p.load_Nm.any() and inputs_move(p.run) for p in self.prepared)
         return self.d is not None and loaded and not self.at_rest
