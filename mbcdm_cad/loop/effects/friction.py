@@ -178,7 +178,7 @@ SHIFT = FrictionPlace(
 )
 _CLAUSES = {
     CONSTANT: "{%s}",
-    VISCOUS: "{%s} for each rad/s",
+    VISCOUS: "{%s} times the speed",
     STRIBECK: "{%s} more at a crawl, gone well above {fades_rad_s}",
     LOAD: "{%s} of the load",
     DRIVING: "{%s} of a load that it moves against",
