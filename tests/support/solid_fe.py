@@ -6,6 +6,7 @@ blocks of the single nodes. Shares nothing with the package but the parts' STEP 
 
 from __future__ import annotations
 
+import signal
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -51,6 +52,8 @@ def tetrahedra(
     """
     steps = [step] if isinstance(step, Path) else step
     gmsh.initialize(interruptible=False)
+    # gmsh gives a broken pipe back its default, which ends the process: later tests write to workers that were killed.
+    signal.signal(signal.SIGPIPE, signal.SIG_IGN)
     try:
         gmsh.option.setNumber("General.Terminal", 0)
         gmsh.option.setNumber("General.NumThreads", 1)
