@@ -15,11 +15,8 @@ test test-slow: export OPENBLAS_NUM_THREADS = 1
 # A file's tests share its fixtures, so they stay on one worker; tests/conftest.py has the order of the files.
 PYTEST := $(BIN)/pytest -q -n auto --dist loadfile --no-loadscope-reorder
 
-# `make test TESTS=` runs all in one run: what fast and slow tests of a file share is made once.
-TESTS ?= not slow
-
 test: setup
-	$(PYTEST) -m "$(TESTS)"
+	$(PYTEST) -m "not slow"
 
 test-slow: setup
 	$(PYTEST) -m slow
