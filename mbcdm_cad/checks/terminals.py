@@ -214,7 +214,8 @@ def lug_stress(s: SectorLayout) -> Comparison:
     strength = s.drive.drum_material.yield_MPa
     found = []
     for t in d.tensioners:
-        width = abs(d.lug_y(t)[0 if t.front else 1] - t.y_mm) - d.stud_hole_radius
+        back, front = d.lug_y(t)
+        width = (t.y_mm - back if t.front else front - t.y_mm) - d.stud_hole_radius
         if width <= 0.0:
             raise NoFigureError(f"the rim ends before the lug of {t.cable_name} has any metal (width {width:.4g} mm)")
         modulus = width * (t.lug_end - t.lug_start) ** 2 / 6
