@@ -29,7 +29,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT / "tests" / "support"), str(ROOT)]
 
-from bench_page import interval  # noqa: E402
+from bench_page import SHARES_HEAD, share_row  # noqa: E402
 
 from mbcdm_cad.design.drive import Drive  # noqa: E402
 from mbcdm_cad.layouts.loader import load_design  # noqa: E402
@@ -442,13 +442,10 @@ def _values(result: Any, known: list[dict[str, Any]]) -> list[tuple[str, float, 
 
 def summary(rows: list[dict[str, Any]]) -> str:
     """Each aim with its share and 95 % interval, and every run that missed."""
-    lines = ["| what | aim | right | of | share | 95 % |", "| --- | --- | --- | --- | --- | --- |"]
+    lines = list(SHARES_HEAD)
 
     def share(what: str, aim: str, hits: list[bool]) -> None:
-        if hits:
-            low, high = interval(sum(hits), len(hits))
-            part = f"{np.mean(hits):.1%} | {low:.1%} to {high:.1%}"
-            lines.append(f"| {what} | {aim} | {sum(hits)} | {len(hits)} | {part} |")
+        lines.extend(share_row(what, aim, hits))
 
     made = [row for row in rows if row["outcome"] not in ("not made", "not seen")]
     lines += [

@@ -25,6 +25,17 @@ def interval(right: int, of: int) -> tuple[float, float]:
     return low, high
 
 
+SHARES_HEAD = ("| what | aim | right | of | share | 95 % |", "| --- | --- | --- | --- | --- | --- |")
+
+
+def share_row(what: str, aim: str, hits: Sequence[bool]) -> list[str]:
+    """A row below ``SHARES_HEAD``; none of no runs."""
+    if not hits:
+        return []
+    low, high = interval(sum(hits), len(hits))
+    return [f"| {what} | {aim} | {sum(hits)} | {len(hits)} | {sum(hits) / len(hits):.1%} | {low:.1%} to {high:.1%} |"]
+
+
 def counted(row: Row) -> bool:
     """Whether every effect of a run is large enough and can be told from all others, by the truth."""
     return bool(row["large"] and row["separable"])
@@ -32,13 +43,10 @@ def counted(row: Row) -> bool:
 
 def summary(rows: Sequence[Row]) -> str:
     """Each aim with its count, share and interval, as Markdown."""
-    lines = ["| what | aim | right | of | share | 95 % |", "| --- | --- | --- | --- | --- | --- |"]
+    lines = list(SHARES_HEAD)
 
     def share(what: str, aim: str, hits: Sequence[bool]) -> None:
-        if hits:
-            low, high = interval(sum(hits), len(hits))
-            part = f"{sum(hits) / len(hits):.1%} | {low:.1%} to {high:.1%}"
-            lines.append(f"| {what} | {aim} | {sum(hits)} | {len(hits)} | {part} |")
+        lines.extend(share_row(what, aim, hits))
 
     def line(what: str, aim: str, chosen: Sequence[Row], good: tuple[str, ...]) -> None:
         share(what, aim, [r["outcome"] in good for r in chosen])
