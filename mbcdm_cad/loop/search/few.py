@@ -195,8 +195,11 @@ class FewReadings:
             left = self._curve if self.at_rest else self._lines
             rows = [left(part, p) for part, p in zip(f.parts, f.runs, strict=True)]
             squares, freedom = sum(one[0] for one in rows), sum(one[1] for one in rows)
-            source = "what lines over load, angle and direction leave, as too few readings repeat"
-            source = "what a smooth curve over the logarithm of time leaves" if self.at_rest else source
+            source = (
+                "what a smooth curve over the logarithm of time leaves"
+                if self.at_rest
+                else "what lines over load, angle and direction leave, as too few readings repeat"
+            )
         scatter = float(np.sqrt(squares / freedom)) if freedom > 0 else 0.0
         if scatter < declared:
             return Noise(declared, declared, 0.0, 0.0, declared, "the steps of the figures"), KNOWN
@@ -293,7 +296,7 @@ class FewReadings:
     def _criterion(self, fit: Fit) -> float:
         """Bayes' criterion on the training readings."""
         n = int(self.fitter.train.sum())
-        return n * log(max(fit.square, (0.1 * self.floor_rad) ** 2, 1e-40)) + _count(fit) * log(n)
+        return n * log(max(fit.square, (0.1 * self.floor_rad) ** 2, 1e-40)) + fit.width * log(n)
 
     def _held(self, fit: Fit) -> float:
         """RMS error of the readings held back."""
@@ -330,8 +333,8 @@ class FewReadings:
 
     def _by_chance(self, less: Fit, more: Fit) -> float:
         """Probability of such a fall of the squares of the training readings without an effect (F test)."""
-        n, extra = int(self.fitter.train.sum()), _count(more) - _count(less)
-        freedom = n - _count(more) - len(self.prepared)
+        n, extra = int(self.fitter.train.sum()), more.width - less.width
+        freedom = n - more.width - len(self.prepared)
         if freedom < 1:
             return 1.0
         own = more.square * n / freedom
@@ -370,11 +373,11 @@ class FewReadings:
 
     def _odds(self, worse: Fit, better: Fit) -> float:
         """Odds of one fit against another by all used readings, each with its number of values counted."""
-        used, free = self.fitter.used, _count(better) + len(self.prepared)
+        used, free = self.fitter.used, better.width + len(self.prepared)
         n = int(used.sum())
         squares = [float(np.sum(self.fitter.centred(one.residual, used)[used] ** 2)) for one in (worse, better)]
         variance = max(squares[1] / max(n - free, 1), self.floor_rad**2)
-        exponent = 0.5 * ((squares[0] - squares[1]) / variance + (_count(worse) - _count(better)) * log(n))
+        exponent = 0.5 * ((squares[0] - squares[1]) / variance + (worse.width - better.width) * log(n))
         return exp(min(exponent, 700.0))
 
     def _best_forms(self, whole: Fit) -> Fit:
@@ -495,7 +498,7 @@ class FewReadings:
         was found, the declared model must also foretell the readings held back as well as that."""
         f, used = self.fitter, self.fitter.used
         r = f.centred(whole.residual, used)[used]
-        each = [(r, max(r.size - _count(whole) - len(self.prepared), 1))]
+        each = [(r, max(r.size - whole.width - len(self.prepared), 1))]
         if not whole.effects and f.test.any():
             held = self.bare.residual[f.test]
             each.append((held, held.size))
@@ -569,10 +572,6 @@ def judged_by_hand(d: DriveSI | None, ratio: float, runs: Sequence[Run], known: 
         return first
     other = FewReadings(d, ratio, [prepare_creep(run, ratio, later=False) for run in runs], known).result()
     return first if other.unknown is not None or other.verdict == "none" else other
-
-
-def _count(fit: Fit) -> int:
-    return sum(v.size for v in fit.values)
 
 
 def _shows(effect: Effect) -> bool:

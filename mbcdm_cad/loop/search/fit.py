@@ -52,6 +52,11 @@ class Fit:
     jacobian: Floats
     square: float
 
+    @property
+    def width(self) -> int:
+        """Number of its effects' parameters: so many columns of the Jacobian come before those of the offsets."""
+        return sum(v.size for v in self.values)
+
     def values_of(self, effect: Effect) -> Floats:
         """Fitted values of one of its effects."""
         return self.values[self.effects.index(effect)]
@@ -73,7 +78,7 @@ class Fit:
         """The same fit with one of its effects put last."""
         order = [k for k, e in enumerate(self.effects) if e is not effect] + [self.effects.index(effect)]
         own = [self.jacobian[:, self.columns_of(self.effects[k])] for k in order]
-        offsets = self.jacobian[:, sum(v.size for v in self.values) :]
+        offsets = self.jacobian[:, self.width :]
         effects, values = tuple(self.effects[k] for k in order), tuple(self.values[k] for k in order)
         return replace(self, effects=effects, values=values, jacobian=np.hstack([*own, offsets]))
 

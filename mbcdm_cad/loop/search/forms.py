@@ -115,7 +115,7 @@ def _tried(search: Search, fit: Fit, now: Effect, forms: Sequence[Effect]) -> li
 
 def _width(fit: Fit) -> tuple[int, int]:
     """Numbers of its parameters and effects."""
-    return sum(v.size for v in fit.values), len(fit.effects)
+    return fit.width, len(fit.effects)
 
 
 def pays(search: Search, fit: Fit, other: Fit) -> bool:

@@ -70,7 +70,7 @@ def differing(
     """What each run has for itself, by name. ``whole`` is the fit with its ``covariance``; ``search`` the search's
     fitter and fit, which is smoothed in other windows; ``names`` are those of the effects of each run."""
     shift = _by_window(*search)
-    first = sum(v.size for v in whole.values)
+    first = whole.width
     column = np.cumsum(fitter.free) - 1 + first
     found = []
     for name in dict.fromkeys(name for one in names for name in one):

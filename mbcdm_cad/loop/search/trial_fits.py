@@ -97,7 +97,7 @@ class TrialFits:
 
     def refits(self, fit: Fit, chosen: Sequence[Screened], share: float = CLOSE_SHARE) -> list[Fit]:
         """``fit`` with one effect more, for each of ``chosen``; best training mean square first."""
-        own = sum(v.size for v in fit.values)
+        own = fit.width
         greatest = self.screening.screen(fit)[0].fall if chosen else 0.0
 
         def few_steps(c: Screened, fitter: Fitter) -> Fit:
