@@ -19,12 +19,12 @@ LIMITS = {
     "files of siso_bevel": 27,
     "files of siso_spur": 38,
     "files of miso_spur": 21,
-    "files": 640,
+    "files": 644,
     "imports, share of lines in %": 7.6,
     "circles": 1,
     "arrows back": 0,
-    "repeating pairs": 176,
-    "lines": 95900,
+    "repeating pairs": 177,
+    "lines": 97600,
 }
 
 
