@@ -215,7 +215,7 @@ def schema(configuration: str | None = None, *, measurement: bool = False) -> di
 
     Raises ``MbcdmError`` for a layout that there is not.
     """
-    from mbcdm_cad.design.editor import editor_schema
+    from mbcdm_cad.design.describe import editor_schema
     from mbcdm_cad.layouts.loader import DEFAULT, design_file
 
     if measurement:

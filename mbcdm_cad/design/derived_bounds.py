@@ -13,7 +13,7 @@ from math import exp, log
 from typing import Any
 
 from mbcdm_cad.design.describe import flow
-from mbcdm_cad.design.dotted import put, value_at
+from mbcdm_cad.design.fieldpath import put, value_at
 from mbcdm_cad.design.sized import Sizing
 from mbcdm_cad.design.yamltree import Tree
 from mbcdm_cad.errors import Problem

@@ -7,6 +7,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import cadquery as cq
+from ezdxf.document import Drawing
+from ezdxf.entities.dxfgfx import DXFGraphic
+from ezdxf.math import Matrix44
 
 from mbcdm_cad.drawings.arrangement import (
     FRAME_LEFT_MM,
@@ -17,9 +20,8 @@ from mbcdm_cad.drawings.arrangement import (
     arranged,
     scale_text,
 )
-from mbcdm_cad.drawings.document import document_bytes, fixed_meta_data, new_document
+from mbcdm_cad.drawings.document import DIMENSION_STYLE, document_bytes, fixed_meta_data, new_document
 from mbcdm_cad.drawings.drafting import draw_views
-from mbcdm_cad.drawings.full_size import to_full_size
 from mbcdm_cad.drawings.labels import Room
 from mbcdm_cad.drawings.projection import picture
 from mbcdm_cad.drawings.rendering import pdf_bytes, shapes_of, svg_bytes
@@ -110,3 +112,43 @@ def _fields(sheet: Sheet, facts: PartFacts, arrangement: Arrangement) -> TitleFi
         revision=revision,
         made_by=f"mbcdm_cad {facts.version}",
     )
+
+
+LAYOUT = "SHEET"
+
+
+def to_full_size(doc: Drawing, scale: float, paper_mm: tuple[float, float]) -> None:
+    """Stretch the model space of ``doc`` by 1 / ``scale`` and add the layout; ``paper_mm``: width and height."""
+    factor = 1.0 / scale
+    stretch = Matrix44.scale(factor, factor, factor)
+    for block in doc.blocks:
+        if block.name.startswith(("VIEW_", "TABLE_")):
+            _stretch(list(block), stretch)
+    _stretch(list(doc.modelspace()), stretch)
+    doc.header["$LTSCALE"] = factor
+    doc.header["$PSLTSCALE"] = 0
+    style = doc.dimstyles.get(DIMENSION_STYLE)
+    style.set_dxf_attrib("dimscale", factor)
+    style.copy_to_header(doc)
+    width, height = paper_mm
+    middle = (width * factor / 2, height * factor / 2)
+    doc.set_modelspace_vport(height * factor, middle)
+    doc.layouts.rename("Layout1", LAYOUT)
+    layout = doc.paperspace(LAYOUT)
+    layout.page_setup(size=paper_mm, margins=(0.0, 0.0, 0.0, 0.0), units="mm")
+    layout.add_viewport(
+        center=(width / 2, height / 2),
+        size=paper_mm,
+        view_center_point=middle,
+        view_height=height * factor,
+        dxfattribs={"layer": "VIEWPORTS"},
+    )
+
+
+def _stretch(entities: list[DXFGraphic], stretch: Matrix44) -> None:
+    for entity in entities:
+        if entity.dxftype() == "INSERT":
+            # What the block contains is stretched already.
+            entity.dxf.insert = stretch.transform(entity.dxf.insert)
+        else:
+            entity.transform(stretch)

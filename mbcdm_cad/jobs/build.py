@@ -32,10 +32,9 @@ from mbcdm_cad.report.build_report import BuildReport
 from mbcdm_cad.report.check_report import CheckReport
 from mbcdm_cad.report.explain import fields_data
 from mbcdm_cad.storage.cache import Cache
-from mbcdm_cad.storage.folders import output_folder
+from mbcdm_cad.storage.folders import output_folder, refuse_other_origin
 from mbcdm_cad.storage.keys import content_key, package_hash
 from mbcdm_cad.storage.manifest import Manifest, altered_files, read_manifest, versions
-from mbcdm_cad.storage.origin import refuse_other_origin
 
 POSES = 9
 

@@ -99,7 +99,7 @@ def compare(
 def _page(designs: Sequence[LoadedDesign], found: Sequence[ComparedDesign], cache: Cache, progress: Progress) -> bytes:
     # Imported here because they load the drawing libraries, which the table does not need.
     from mbcdm_cad.build.export.picture import picture_png
-    from mbcdm_cad.report.page.compared import comparison_page
+    from mbcdm_cad.report.page.studies import comparison_page
 
     pictures = []
     for design in designs:

@@ -20,10 +20,9 @@ from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import InputError, MbcdmError, Problem
 from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.storage.files import refuse_missing_folder, write_whole
-from mbcdm_cad.storage.folders import output_folder
+from mbcdm_cad.storage.folders import output_folder, refuse_other_origin, write_from
 from mbcdm_cad.storage.keys import content_key, package_hash
 from mbcdm_cad.storage.manifest import Manifest, versions
-from mbcdm_cad.storage.origin import refuse_other_origin, write_from
 
 if TYPE_CHECKING:
     from mbcdm_cad.report.preload import PreloadReport

@@ -18,7 +18,7 @@ from mbcdm_cad.model.life.zones import Level, RopeInUse, RopeLife, Tangent, rope
 from mbcdm_cad.model.si import DriveSI, ModelError
 from mbcdm_cad.model.tensioning import WIRES
 from mbcdm_cad.parts.terminal.take_up import tensioned_rope
-from mbcdm_cad.routes.helix import axial_walk_m, fleet_angle_rad
+from mbcdm_cad.routes.curves import axial_walk_m, fleet_angle_rad
 from mbcdm_cad.routes.route import CableRoute, DriveRoutes
 
 if TYPE_CHECKING:

@@ -18,7 +18,7 @@ from mbcdm_cad.checks.result import failed
 from mbcdm_cad.checks.run import run_all
 from mbcdm_cad.design import yamltree
 from mbcdm_cad.design.describe import flow
-from mbcdm_cad.design.dotted import put
+from mbcdm_cad.design.fieldpath import put
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.loader import load_tree

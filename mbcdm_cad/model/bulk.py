@@ -24,7 +24,7 @@ from mbcdm_cad.model.si import PER_CABLE, PER_DESIGN, DriveSI, ModelError, to_si
 from mbcdm_cad.model.wrap import slip_angle_rad
 from mbcdm_cad.parallel.crew import Crew
 from mbcdm_cad.routes import Floats
-from mbcdm_cad.routes.helix import axial_walk_m, fleet_angle_rad
+from mbcdm_cad.routes.curves import axial_walk_m, fleet_angle_rad
 
 # Designs worked on at a time: their arrays then stay in the processor's cache.
 BLOCK = 4096

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from mbcdm_cad.checks.comparison import Check
-from mbcdm_cad.design.dotted import leaves
+from mbcdm_cad.design.fieldpath import leaves
 from mbcdm_cad.design.loader import Resolved
 from mbcdm_cad.errors import InputError, MbcdmError
 from mbcdm_cad.layouts.base import NoFigureError

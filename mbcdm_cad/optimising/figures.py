@@ -11,7 +11,7 @@ import numpy as np
 
 from mbcdm_cad.checks.comparison import Check
 from mbcdm_cad.checks.size import kept_mass_g
-from mbcdm_cad.design.dotted import value_at
+from mbcdm_cad.design.fieldpath import value_at
 from mbcdm_cad.errors import MbcdmError, did_you_mean
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.model.analysis import PeakTorques, peak_torques, reversal_swing_mrad

@@ -15,9 +15,8 @@ from mbcdm_cad.design.bought import Gearhead, Screw
 from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.part import MadePart
 from mbcdm_cad.parts.shapes import block, cut, cylinder, turned
-from mbcdm_cad.parts.sheets.description import FitLine, Holes, Linear, Sheet, View, X, Y, Z, minus
+from mbcdm_cad.parts.sheets.description import FitLine, Holes, Linear, Sheet, View, X, Y, Z, minus, mm
 from mbcdm_cad.parts.sheets.holes import hole_labels, hole_table
-from mbcdm_cad.parts.sheets.words import mm
 from mbcdm_cad.parts.threads import thread
 from mbcdm_cad.parts.volume import ring_mm3
 

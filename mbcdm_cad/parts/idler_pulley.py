@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING
 from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.part import MadePart
 from mbcdm_cad.parts.shapes import Point2, turned
-from mbcdm_cad.parts.sheets.description import FitLine, Label, Sheet, Table
+from mbcdm_cad.parts.sheets.description import FitLine, Label, Sheet, Table, mm3
 from mbcdm_cad.parts.sheets.turned import ALONG_Z, MAIN
-from mbcdm_cad.parts.sheets.words import mm3
 from mbcdm_cad.parts.volume import ring_mm3
 
 if TYPE_CHECKING:

@@ -23,7 +23,7 @@ from xml.etree import ElementTree as ET
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.robot.elastic import ElasticDrive
-from mbcdm_cad.robot.xml import document
+from mbcdm_cad.robot.mechanism import document
 
 # Identifies designs of this program among GUIDs made from content.
 _SPACE = uuid.UUID("6a1f6d0e-0c0f-5d0f-8a37-5d2c6b0b2f0a")

@@ -11,10 +11,9 @@ import numpy as np
 
 from mbcdm_cad.build.export.stl import stl_bytes
 from mbcdm_cad.robot.elastic import ElasticDrive
-from mbcdm_cad.robot.mechanism import MM, Link, Mechanism
+from mbcdm_cad.robot.mechanism import MM, Link, Mechanism, document
 from mbcdm_cad.robot.mjcf import mjcf
 from mbcdm_cad.robot.urdf import UrdfOptions, urdf_files
-from mbcdm_cad.robot.xml import document
 
 FORMATS = ("urdf", "mjcf")
 

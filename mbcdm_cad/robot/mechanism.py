@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import radians
+from xml.etree import ElementTree as ET
 
 import numpy as np
 from numpy.typing import NDArray
@@ -230,3 +231,20 @@ def _metres(values_mm: NDArray[np.float64]) -> Vector:
 def _vector(values: NDArray[np.float64]) -> Vector:
     x, y, z = (float(v) + 0.0 for v in values)
     return x, y, z
+
+
+def document(root: ET.Element) -> bytes:
+    """The file, indented; the same tree gives the same bytes."""
+    ET.indent(root)
+    return bytes(ET.tostring(root, encoding="utf-8", xml_declaration=True)) + b"\n"
+
+
+def numbers(values: Iterable[float]) -> str:
+    """Values with ten digits, between spaces."""
+    return " ".join(f"{value:.10g}" for value in values)
+
+
+def triangle(inertia: tuple[tuple[float, ...], ...]) -> dict[str, float]:
+    """The six terms of a symmetric tensor by name."""
+    (xx, xy, xz), (_, yy, yz), (_, _, zz) = inertia
+    return {"ixx": xx, "ixy": xy, "ixz": xz, "iyy": yy, "iyz": yz, "izz": zz}

@@ -24,10 +24,9 @@ from xml.etree import ElementTree as ET
 
 from mbcdm_cad.parts.placement import Vector
 from mbcdm_cad.robot.elastic import ElasticDrive
-from mbcdm_cad.robot.mechanism import Joint, Link, Mechanism
+from mbcdm_cad.robot.mechanism import Joint, Link, Mechanism, numbers, triangle
 from mbcdm_cad.robot.stage import CableStage
 from mbcdm_cad.robot.urdf import BASE_LINK
-from mbcdm_cad.robot.xml import numbers, triangle
 
 # Settings that make the ratio a stiff constraint: at 20 mN m it drifts by 6 urad, with default settings by 58 mrad.
 _STIFF = {"solref": "0.001 1", "solimp": "0.9999 0.9999 0.001"}

@@ -10,8 +10,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from mbcdm_cad.errors import MbcdmError
-from mbcdm_cad.robot.mechanism import Joint, Link, Mechanism
-from mbcdm_cad.robot.xml import document, numbers, triangle
+from mbcdm_cad.robot.mechanism import Joint, Link, Mechanism, document, numbers, triangle
 
 # The root has no mass, because KDL ignores the inertia of a root; the drive's base hangs on it.
 ROOT_LINK, BASE_LINK = "base_link", "base"

@@ -10,9 +10,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from math import ceil, dist, hypot
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from mbcdm_cad.routes import Floats
 
 Vector = NDArray[np.float64]
 Triple = tuple[float, float, float]
@@ -290,3 +293,13 @@ def cut(piece: Piece, length_mm: float) -> list[Piece]:
 def _triple(point: Vector) -> Triple:
     x, y, z = (float(value) for value in point)
     return x, y, z
+
+
+def axial_walk_m(turned_rad: Any, lead_m: Any) -> Floats:
+    """Walk of the tangent point along the axis when the pulley turns by ``turned_rad``: lead a turn."""
+    return np.asarray(turned_rad * lead_m / (2 * np.pi))
+
+
+def fleet_angle_rad(walk_m: Any, span_m: Any) -> Floats:
+    """Angle of the span to the plane of the pulley for a walk at one of its ends."""
+    return np.asarray(np.arctan(walk_m / span_m))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from itertools import pairwise
 
-from mbcdm_cad.design.dotted import value_at
+from mbcdm_cad.design.fieldpath import value_at
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.solving.question import Fixed, Out, Point, Times
 from mbcdm_cad.solving.repair import repair

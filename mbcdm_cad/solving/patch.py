@@ -9,7 +9,7 @@ from typing import Any
 import yaml
 
 from mbcdm_cad.design.describe import flow
-from mbcdm_cad.design.dotted import leaves, value_at
+from mbcdm_cad.design.fieldpath import leaves, value_at
 from mbcdm_cad.design.yamltree import parse
 from mbcdm_cad.errors import InputError, MbcdmError
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from mbcdm_cad.design.design_file import DesignFile
-from mbcdm_cad.design.dotted import leaves, put, take_out, value_at
+from mbcdm_cad.design.fieldpath import leaves, put, take_out, value_at
 from mbcdm_cad.design.freedom import Freedom
 from mbcdm_cad.design.loader import Resolved, blamed, resolved
 from mbcdm_cad.design.ranges import Range, split_ranges

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from itertools import chain
 
-from mbcdm_cad.design.dotted import value_at
+from mbcdm_cad.design.fieldpath import value_at
 from mbcdm_cad.design.freedom import Freedom
 from mbcdm_cad.solving.question import Fixed, Out, Point, Setting, Times
 from mbcdm_cad.solving.trials import NO_FIGURE, SLOW, TrialResult, Trials, choices, over_limit, setting_of

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from mbcdm_cad.design.dotted import leaves
+from mbcdm_cad.design.fieldpath import leaves
 from mbcdm_cad.solving.conflict import Conflict, conflict
 from mbcdm_cad.solving.evolve import evolve
 from mbcdm_cad.solving.nearest import taken_back, towards_aims, written_out

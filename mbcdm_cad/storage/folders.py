@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import ctypes
+import errno
 import os
 import shutil
 from collections.abc import Callable, Iterator, Mapping
@@ -12,10 +14,8 @@ from pathlib import Path, PurePosixPath
 import filelock
 
 from mbcdm_cad.errors import OutputError
-from mbcdm_cad.storage.files import aside, is_aside
+from mbcdm_cad.storage.files import aside, is_aside, write_whole
 from mbcdm_cad.storage.manifest import MANIFEST_NAME, Manifest, file_entry, read_manifest
-from mbcdm_cad.storage.origin import ORIGIN_NAME, origin_text, refuse_other_origin
-from mbcdm_cad.storage.swap import recover, replace_folder
 
 _LOCK_TIMEOUT_S = 600.0
 
@@ -216,4 +216,83 @@ def _refused(target: Path, error: OSError) -> OutputError:
     return OutputError(
         f"{target}: cannot write: {error.strerror or error}{where}; make room or rights, or choose another folder with "
         "--out. What was there before is unchanged"
+    )
+
+
+_AT_FDCWD = -100
+_RENAME_EXCHANGE = 2
+_NOT_OFFERED = {errno.ENOSYS, errno.EINVAL, errno.ENOTSUP, errno.EPERM}
+
+
+def replace_folder(new: Path, target: Path, old: Path) -> None:
+    """Replace ``target`` by ``new``, and remove the old one. All three lie in one parent folder.
+
+    On Linux the two are exchanged in one step of the file system. Elsewhere the target is first moved to ``old``; if
+    the process dies before the second rename, :func:`recover` puts it back.
+    """
+    if not target.exists():
+        new.rename(target)
+    elif _exchange(new, target):
+        shutil.rmtree(new, ignore_errors=True)
+    else:
+        target.rename(old)
+        new.rename(target)
+        shutil.rmtree(old, ignore_errors=True)
+
+
+def recover(target: Path, old: Path) -> None:
+    """Finish or undo a :func:`replace_folder` that died between its two renames."""
+    if old.exists():
+        if target.exists():
+            shutil.rmtree(old, ignore_errors=True)
+        else:
+            old.rename(target)
+
+
+def _exchange(first: Path, second: Path) -> bool:
+    """Exchange two folders in one step; False if the system or the file system cannot do it."""
+    renameat2 = getattr(ctypes.CDLL(None, use_errno=True), "renameat2", None) if os.name == "posix" else None
+    if renameat2 is None:
+        return False
+    if renameat2(_AT_FDCWD, os.fsencode(first), _AT_FDCWD, os.fsencode(second), _RENAME_EXCHANGE) == 0:
+        return True
+    number = ctypes.get_errno()
+    if number in _NOT_OFFERED:
+        return False
+    raise OSError(number, os.strerror(number), str(first), None, str(second))
+
+
+ORIGIN_NAME = ".design-file"
+
+
+def write_from(design: Path, target: Path, files: Mapping[str, bytes]) -> None:
+    """Write files by name into ``target``, with the record. Raises as :func:`refuse_other_origin`, and ``OSError``."""
+    refuse_other_origin(target, design)
+    record = {target / ORIGIN_NAME: origin_text(target, design).encode()} if design.is_file() else {}
+    write_whole({target / name: data for name, data in files.items()} | record)
+
+
+def origin_text(target: Path, design: Path) -> str:
+    """Content of the record in ``target``."""
+    source, folder = design.resolve(), target.resolve()
+    try:
+        return Path(os.path.relpath(source, folder)).as_posix() + "\n"
+    except ValueError:  # another drive of Windows
+        return source.as_posix() + "\n"
+
+
+def refuse_other_origin(target: Path, design: Path) -> None:
+    """Raise ``OutputError`` if ``target`` holds the output of another design file that is still there.
+
+    Anything goes for a design without a file, and for a folder without a record.
+    """
+    try:
+        other = (target / (target / ORIGIN_NAME).read_text("utf-8").strip()).resolve()
+        if not design.is_file() or not other.is_file() or other.samefile(design):
+            return
+    except (OSError, ValueError, RuntimeError):  # no record, or one that names no path
+        return
+    raise OutputError(
+        f"{target}: holds the output of {other}, another design file with the same name as {design}; change name in "
+        "one of the two files, choose another folder with --out, or remove this folder if it is no longer needed"
     )

@@ -22,7 +22,7 @@ from mbcdm_cad.layouts.miso_bevel.cable_path import FREE
 from mbcdm_cad.layouts.miso_bevel.drive import bevel
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.parts.bill import CABLE, AssemblyStep, cable_item
-from mbcdm_cad.parts.cable import CableRod
+from mbcdm_cad.parts.bought.bodies import CableRod
 from tests.support.motors_above import ABOVE
 
 pytestmark = pytest.mark.slow

@@ -13,8 +13,7 @@ import pytest
 from mbcdm_cad.layouts.loader import load_design, load_text
 from mbcdm_cad.layouts.miso_bevel.drive import bevel
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-from mbcdm_cad.layouts.miso_bevel.support.loads import seat_loads
-from mbcdm_cad.layouts.miso_bevel.support.stiffness import frame_compliance
+from mbcdm_cad.layouts.miso_bevel.support.stiffness import frame_compliance, seat_loads
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.model.stiffness import unit_tensions_N
 from tests.support.motors_above import ABOVE

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from mbcdm_cad.storage.origin import ORIGIN_NAME
+from mbcdm_cad.storage.folders import ORIGIN_NAME
 
 sys.path.insert(0, str(Path(__file__).parent))
 

@@ -16,7 +16,7 @@ from mbcdm_cad.loop.result import Errors, LoopResult, Traces
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.optimising.page import optimum_page
 from mbcdm_cad.report.comparison import compared
-from mbcdm_cad.report.page.compared import comparison_page
+from mbcdm_cad.report.page.studies import comparison_page
 from tests.support.optimum import optimum
 
 REFERENCE = Path(__file__).parents[2] / "params" / "mbcdm.yaml"

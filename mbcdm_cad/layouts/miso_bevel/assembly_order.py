@@ -11,9 +11,9 @@ from mbcdm_cad.layouts.miso_bevel.path_figures import plan
 from mbcdm_cad.layouts.miso_bevel.plate_screws import plate_screw_of
 from mbcdm_cad.layouts.miso_bevel.support.dims import AXLE_SCREW
 from mbcdm_cad.parts.bill import AssemblyStep, cable_item
-from mbcdm_cad.parts.inserts import insert_items, insert_words
 from mbcdm_cad.parts.terminal.instructions import making_words, terminal_steps
 from mbcdm_cad.parts.terminal.part import Tensioner
+from mbcdm_cad.parts.threads import insert_items, insert_words
 
 
 def assembly_order(layout: BevelLayout) -> tuple[AssemblyStep, ...]:

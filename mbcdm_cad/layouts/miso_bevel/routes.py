@@ -15,8 +15,8 @@ from math import cos, sin
 import numpy as np
 
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive
-from mbcdm_cad.model.inertia import disc_kg_m2
 from mbcdm_cad.parts.drum_sector.inertia import drum_inertia_kg_m2
+from mbcdm_cad.parts.volume import disc_kg_m2
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.geometry import (
     DRUM_RADIUS,

@@ -16,8 +16,8 @@ from mbcdm_cad.layouts.siso_spur.assembly_order import (
     numbered,
 )
 from mbcdm_cad.parts.bill import AssemblyStep
-from mbcdm_cad.parts.inserts import insert_items, insert_words
 from mbcdm_cad.parts.terminal.instructions import making_words, setting_steps, spring_words, terminal_items
+from mbcdm_cad.parts.threads import insert_items, insert_words
 
 
 def assembly_order(layout: RoundDrumLayout) -> tuple[AssemblyStep, ...]:

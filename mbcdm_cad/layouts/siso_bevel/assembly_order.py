@@ -6,9 +6,9 @@ from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
 from mbcdm_cad.layouts.siso_bevel.path_figures import plan
 from mbcdm_cad.parts.bill import AssemblyStep, cable_item
 from mbcdm_cad.parts.bought.train import train_items, train_words
-from mbcdm_cad.parts.inserts import insert_items, insert_words
 from mbcdm_cad.parts.motor_head.dims import flange_screw
 from mbcdm_cad.parts.terminal.instructions import making_words, terminal_steps
+from mbcdm_cad.parts.threads import insert_items, insert_words
 
 
 def assembly_order(layout: DirectLayout) -> tuple[AssemblyStep, ...]:

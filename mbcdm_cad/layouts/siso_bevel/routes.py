@@ -17,9 +17,9 @@ import numpy as np
 
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
 from mbcdm_cad.layouts.siso_bevel.stack import direct_stack
-from mbcdm_cad.model.inertia import disc_kg_m2
 from mbcdm_cad.parts.drum_sector.inertia import drum_inertia_kg_m2
 from mbcdm_cad.parts.terminal.take_up import tensioned_rope
+from mbcdm_cad.parts.volume import disc_kg_m2
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.geometry import DRUM_RADIUS, INPUT_RADIUS, RoutedDrive, Varied
 from mbcdm_cad.routes.route import Anchor, Body, CableRoute, DriveRoutes, Span, Terminal, Wrap, input_body

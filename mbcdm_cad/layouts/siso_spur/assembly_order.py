@@ -16,9 +16,9 @@ from mbcdm_cad.layouts.siso_spur.support.idlers import strap_screw
 from mbcdm_cad.parts.bill import AssemblyStep, cable_item
 from mbcdm_cad.parts.bought.train import train_items, train_words
 from mbcdm_cad.parts.input_pulley.dims import SET_SCREWS_DEG
-from mbcdm_cad.parts.inserts import insert_items, insert_words
 from mbcdm_cad.parts.motor_head.dims import flange_screw
 from mbcdm_cad.parts.terminal.instructions import making_words, terminal_steps
+from mbcdm_cad.parts.threads import insert_items, insert_words
 
 
 def assembly_order(layout: SpurLayout) -> tuple[AssemblyStep, ...]:

@@ -20,8 +20,8 @@ from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
 from mbcdm_cad.layouts.siso_spur.idlers import SENSE, Circle, Strand, idler_body, no_strand, taut
 from mbcdm_cad.layouts.siso_spur.stack import spur_stack
 from mbcdm_cad.layouts.siso_spur.support.idlers import idler_inertia_kg_m2, idlers
-from mbcdm_cad.model.inertia import disc_kg_m2
 from mbcdm_cad.parts.drum_sector.inertia import drum_inertia_kg_m2
+from mbcdm_cad.parts.volume import disc_kg_m2
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.geometry import DRUM_RADIUS, INPUT_RADIUS, RoutedDrive, Varied, tangent_length_m
 from mbcdm_cad.routes.route import Anchor, Body, CableRoute, DriveRoutes, Piece, Span, Terminal, Wrap, input_body

@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING
 
 from mbcdm_cad.design.bought import Bearing, Encoder, Gearhead, InsertSpec, Motor, Screw, Servo
 from mbcdm_cad.parts.drum_shaft import PreloadSpringDims
-from mbcdm_cad.parts.part import BoughtPart
-from mbcdm_cad.parts.shapes import block, cut, cylinder_z, fuse, hexagon_z, turned
+from mbcdm_cad.parts.part import BoughtPart, Part
+from mbcdm_cad.parts.shapes import block, cut, cylinder_z, fuse, hexagon_z, one_solid, turned
+from mbcdm_cad.routes.curves import Piece
 
 if TYPE_CHECKING:
     import cadquery as cq
-
 
 # Width across the ring encoder's two flats over its diameter.
 RING_ENCODER_FLATS = 22.0 / 24.0
@@ -291,3 +291,19 @@ class WaveSpring(BoughtPart):
         dims = self.entry
         inner, outer, height = dims.inner_radius, dims.outer_radius, dims.height
         return turned([(inner, 0.0), (outer, 0.0), (outer, height), (inner, height)], "wave spring")
+
+
+@dataclass(frozen=True)
+class CableRod(Part):
+    """Rod along ``pieces`` of a centre line, in the frame of the assembly at the path's drum angle; radius in mm."""
+
+    pieces: tuple[Piece, ...]
+    radius: float
+
+    def solid(self) -> cq.Solid:
+        """One sweep. Raises ``ValueError`` where the rod is thicker than a bend allows."""
+        import cadquery as cq
+
+        from mbcdm_cad.parts.rod import swept_rod
+
+        return one_solid(cq.Shape.cast(swept_rod(self.pieces, self.radius)), "cable")

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from math import pi, radians
 
-from mbcdm_cad.model.inertia import disc_kg_m2, sector_kg_m2
 from mbcdm_cad.parts.drum_sector.design import SectorDrive
+from mbcdm_cad.parts.volume import disc_kg_m2, sector_kg_m2
 
 _MM = 1e-3
 

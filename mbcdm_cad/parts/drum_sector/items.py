@@ -9,8 +9,7 @@ from typing import Any
 
 from mbcdm_cad.design.bought import Screw
 from mbcdm_cad.parts.bill import BillBuilder, cable_item
-from mbcdm_cad.parts.bought.bodies import RingEncoderBody, WaveSpring
-from mbcdm_cad.parts.cable import CableRod
+from mbcdm_cad.parts.bought.bodies import CableRod, RingEncoderBody, WaveSpring
 from mbcdm_cad.parts.drum_sector.design import SectorDrive
 from mbcdm_cad.parts.drum_sector.dims import SET_SCREW_ANGLES_DEG, DrumDims
 from mbcdm_cad.parts.drum_sector.part import DrumSector

@@ -22,10 +22,11 @@ from mbcdm_cad.parts.sheets.description import (
     Y,
     Z,
     minus,
+    mm,
+    mm3,
 )
 from mbcdm_cad.parts.sheets.holes import hole_labels, hole_table, position_table
 from mbcdm_cad.parts.sheets.tolerances import GeometricTolerance
-from mbcdm_cad.parts.sheets.words import mm, mm3
 
 _REAR, _SECTION, _HUB = "rear", "section", "hub"
 # How far beyond the rim the sector's angle is drawn.

@@ -13,11 +13,25 @@ from mbcdm_cad.parts.input_pulley.dims import (
     InputPulleyDims,
     StopSlot,
 )
-from mbcdm_cad.parts.sheets.description import FitLine, Holes, Label, Linear, Sheet, Table, Vector, View, X, Y, Z, minus
+from mbcdm_cad.parts.sheets.description import (
+    FitLine,
+    Holes,
+    Label,
+    Linear,
+    Sheet,
+    Table,
+    Vector,
+    View,
+    X,
+    Y,
+    Z,
+    minus,
+    mm,
+    mm3,
+)
 from mbcdm_cad.parts.sheets.holes import THROUGH, hole_labels, hole_table, position_table
 from mbcdm_cad.parts.sheets.tolerances import GeometricTolerance
 from mbcdm_cad.parts.sheets.turned import ALONG_Z, MAIN
-from mbcdm_cad.parts.sheets.words import mm, mm3
 
 _NAMES = ("S1", "S2")
 _GROOVES = "Crests of the grooves broken by 0.02, floors Ra 0.8."

@@ -9,10 +9,9 @@ from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.motor_head.dims import CouplingBox, HeadDims
 from mbcdm_cad.parts.part import MadePart
 from mbcdm_cad.parts.shapes import block, cut, cylinder_z, fuse, pocket_y
-from mbcdm_cad.parts.sheets.description import CuttingLine, Holes, Linear, Radius, Sheet, Side, View, X, Y, Z
+from mbcdm_cad.parts.sheets.description import CuttingLine, Holes, Linear, Radius, Sheet, Side, View, X, Y, Z, mm
 from mbcdm_cad.parts.sheets.holes import THROUGH, hole_labels, hole_table, outside_bore, position_table
 from mbcdm_cad.parts.sheets.tolerances import FACE_MM, REST, SHOULDER_MM, Datum, level, shoulder_place
-from mbcdm_cad.parts.sheets.words import mm
 from mbcdm_cad.parts.volume import CORNER, pocket_corner_mm, pocket_mm3, ring_mm3
 
 if TYPE_CHECKING:

@@ -13,7 +13,6 @@ from typing import Any, Literal
 
 from mbcdm_cad.design.bought import InsertSpec
 from mbcdm_cad.parts.sheets.tolerances import Datum, GeometricTolerance
-from mbcdm_cad.parts.sheets.words import mm
 from mbcdm_cad.parts.threads import thread
 
 Vector = tuple[float, float, float]
@@ -268,3 +267,19 @@ class Sheet:
     def view(self, name: str) -> View:
         """The view of that name. Raises ``KeyError``."""
         return next(v for v in self.views if v.name == name)
+
+
+def mm(value: float, decimals: int = 2) -> str:
+    """Millimetres, trailing zeros left out."""
+    text = f"{value:.{decimals}f}".rstrip("0").rstrip(".")
+    return "0" if text in ("-0", "") else text
+
+
+def mm3(value: float) -> str:
+    """Millimetres to the micrometre."""
+    return mm(value, 3)
+
+
+def degrees(value: float) -> str:
+    """Degrees to a hundredth."""
+    return f"{mm(value)}%%d"

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from mbcdm_cad.parts.sheets.description import POSITION, Holes, Label, Table, Vector
-from mbcdm_cad.parts.sheets.words import mm
+from mbcdm_cad.parts.sheets.description import POSITION, Holes, Label, Table, Vector, mm
 
 THROUGH = "through"
 # Place of a hole for a screw or a key, plus or minus: half the play of a screw in its hole (ISO 273, fine).

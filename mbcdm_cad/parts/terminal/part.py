@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING
 
 from mbcdm_cad.parts.part import MadePart
 from mbcdm_cad.parts.shapes import cut, turned
-from mbcdm_cad.parts.sheets.description import Linear, Sheet, View, X, Y, minus
+from mbcdm_cad.parts.sheets.description import Linear, Sheet, View, X, Y, minus, mm
 from mbcdm_cad.parts.sheets.turned import ALONG_Z
-from mbcdm_cad.parts.sheets.words import mm
 from mbcdm_cad.parts.threads import thread
 from mbcdm_cad.parts.volume import ring_mm3, segment_mm2
 

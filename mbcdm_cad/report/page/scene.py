@@ -20,7 +20,7 @@ from mbcdm_cad.build.partfiles import PartFiles
 from mbcdm_cad.build.trianglemesh import TriangleMesh
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.parts.bill import Bill, cable_item
-from mbcdm_cad.parts.cable import CableRod
+from mbcdm_cad.parts.bought.bodies import CableRod
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.routes.cable_path import CablePath
 from mbcdm_cad.routes.curves import Piece

@@ -13,11 +13,11 @@ sys.path.insert(0, str(Path(__file__).parents[2] / "support"))
 
 from interference_of_solids import body, run_of
 
-from mbcdm_cad.build import known
+from mbcdm_cad.build import store
 from mbcdm_cad.build.clash import Clash
 from mbcdm_cad.build.interference import answers
-from mbcdm_cad.build.known import KnownTests
 from mbcdm_cad.build.pairs import Faces, Pair, PartShape, Rod
+from mbcdm_cad.build.store import KnownTests
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.parallel import forks
 from mbcdm_cad.storage.cache import Cache
@@ -111,7 +111,7 @@ def test_bodies_that_move_together_are_one_test_however_often_they_are_looked_at
 def test_a_long_used_store_is_pruned_of_what_was_not_used_longest(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(known, "MOST_ANSWERS", 3)
+    monkeypatch.setattr(store, "MOST_ANSWERS", 3)
     cache = Cache(tmp_path)
     a, b, c, d = (f"{k:032x}" for k in range(4))
     hit = [(0, 1, 0.5, 1.0, 2.0, 3.0)]

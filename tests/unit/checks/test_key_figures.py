@@ -14,10 +14,10 @@ from hypothesis import strategies as st
 from mbcdm_cad.checks.bearings import drum_reactions_N
 from mbcdm_cad.checks.bending import strength_efficiency
 from mbcdm_cad.checks.motors import saturation_Nm
+from mbcdm_cad.checks.ratios import ratio_if_cut_as_surface
 from mbcdm_cad.checks.result import CheckResult
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.checks.strength import balanced_preloads, rated_input_Nm
-from mbcdm_cad.checks.surfaces import ratio_if_cut_as_surface
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.miso_bevel.cable_path import self_clearance_mm
 from mbcdm_cad.layouts.miso_bevel.checks import CHECKS

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 import yaml
 
-from mbcdm_cad.design.editor import editor_schema
+from mbcdm_cad.design.describe import editor_schema
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.loader import design_file, load_text, new_design_text, reference_data
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from pathlib import Path
 
-from mbcdm_cad.build.assembly_sheet import assembly_sheet
+from mbcdm_cad.build.drawings import assembly_sheet
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.parts.sheets.description import Linear
 

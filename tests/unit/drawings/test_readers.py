@@ -16,8 +16,7 @@ import pytest
 from ezdxf import bbox
 from ezdxf.document import Drawing
 
-from mbcdm_cad.drawings.draw import PartFacts, draw_sheet
-from mbcdm_cad.drawings.full_size import LAYOUT
+from mbcdm_cad.drawings.draw import LAYOUT, PartFacts, draw_sheet
 from mbcdm_cad.drawings.style import plain
 from mbcdm_cad.layouts.loader import load_design
 from tests.acceptance.freecad import freecad_program, run_in_freecad

@@ -10,9 +10,8 @@ import pytest
 import yaml
 
 from mbcdm_cad.design.blocks import Cable, Design, Input, SpanLimits, WoundRope
-from mbcdm_cad.design.describe import Given
+from mbcdm_cad.design.describe import Given, editor_schema
 from mbcdm_cad.design.design_file import DesignFile
-from mbcdm_cad.design.editor import editor_schema
 from mbcdm_cad.design.fields import Block, Number, choice, quantity
 from mbcdm_cad.design.reference import reference_page
 from mbcdm_cad.design.rules import Broken, NamedEntry
@@ -91,7 +90,7 @@ def belt(monkeypatch: pytest.MonkeyPatch) -> DesignFile:
     own = ("inputs", "cables", "clearances", "drum", "input_pulleys")
     shared = {place: given for place, given in BEVEL.reference.items() if place.partition(".")[0] not in own}
     file = DesignFile(BeltDesign, {**shared, "travel.half_angle_deg": Given(20.0, "a test")}, broken, named, drive)
-    registry.add(cast(Any, SimpleNamespace(name="belt", design_file=lambda: file)))
+    registry.add(cast("Any", SimpleNamespace(name="belt", design_file=lambda: file)))
     return file
 
 

@@ -11,7 +11,7 @@ import pytest
 from mbcdm_cad.build.kernel import bounding_box
 from mbcdm_cad.build.meshing import mesh_solid
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-from mbcdm_cad.parts.cable import CableRod
+from mbcdm_cad.parts.bought.bodies import CableRod
 from mbcdm_cad.routes.curves import Arc, Coil, Line
 
 

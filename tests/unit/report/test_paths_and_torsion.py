@@ -16,9 +16,9 @@ from mbcdm_cad.layouts.turns import plain_modes
 from mbcdm_cad.model import to_si
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.report.analysis_report import analyse_design
+from mbcdm_cad.report.data import torsion_data
 from mbcdm_cad.report.masses import ReflectedInertias
 from mbcdm_cad.report.paths import path_data, path_data_or_reason
-from mbcdm_cad.report.torsion import torsion_data
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.model.inertia import disc_kg_m2, sector_kg_m2
+from mbcdm_cad.parts.volume import disc_kg_m2, sector_kg_m2
 from mbcdm_cad.rig.dynamic.controller import LAST, SPEED, STATES, SUM, ControllerSpec, control
 from mbcdm_cad.rig.dynamic.inertias import inertias
 from mbcdm_cad.rig.dynamic.train import GearheadSpec, MotorSpec, gearhead_of, motor_of, shaft_torque

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from mbcdm_cad import cli
-from mbcdm_cad.design.dotted import leaves
+from mbcdm_cad.design.fieldpath import leaves
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.report.check_report import check_design
 from mbcdm_cad.solving.conflict import conflict

@@ -16,7 +16,7 @@ from typing import Any
 import pytest
 
 from mbcdm_cad.errors import OutputError
-from mbcdm_cad.storage import swap
+from mbcdm_cad.storage import folders
 from mbcdm_cad.storage.folders import output_folder
 from mbcdm_cad.storage.manifest import MANIFEST_NAME, Manifest, altered_files, read_manifest
 
@@ -27,12 +27,12 @@ FACTS = Manifest(design_sha256="d", inputs_sha256="i")
 BUILDER = """
 import sys
 from pathlib import Path
-from mbcdm_cad.storage import swap
+from mbcdm_cad.storage import folders
 from mbcdm_cad.storage.manifest import Manifest
 from mbcdm_cad.storage.folders import output_folder
 target, tag, first, count, exchange = Path(sys.argv[1]), sys.argv[2], int(sys.argv[3]), int(sys.argv[4]), sys.argv[5]
 if exchange == "no":
-    swap._exchange = lambda first, second: False
+    folders._exchange = lambda first, second: False
 print("ready", flush=True)
 for generation in range(first, first + count):
     with output_folder(target, Manifest("d", f"{tag}{generation}")) as folder:
@@ -128,7 +128,7 @@ def test_somebodys_own_file_is_not_overwritten(tmp_path: Path) -> None:
 @pytest.mark.parametrize("exchange", [True, False])
 def test_exception_leaves_the_last_output(tmp_path: Path, exchange: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     if not exchange:
-        monkeypatch.setattr(swap, "_exchange", lambda first, second: False)
+        monkeypatch.setattr(folders, "_exchange", lambda first, second: False)
     target = tmp_path / "out"
     build(target)
     with pytest.raises(ZeroDivisionError):
@@ -306,7 +306,7 @@ def test_build_that_waits_too_long_says_so(tmp_path: Path) -> None:
 def test_swap_that_died_half_way_is_undone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     target = tmp_path / "out"
     build(target)
-    monkeypatch.setattr(swap, "_exchange", lambda first, second: False)
+    monkeypatch.setattr(folders, "_exchange", lambda first, second: False)
     real: Any = Path.rename
     monkeypatch.setattr(
         Path, "rename", lambda a, b: (_ for _ in ()).throw(KeyboardInterrupt) if b == target else real(a, b)

@@ -14,8 +14,7 @@ import numpy as np
 from mbcdm_cad.checks.bending import anchor_check, bending_checks
 from mbcdm_cad.checks.comparison import Check, Comparison, at_most, noted, worst
 from mbcdm_cad.checks.design_variables import down, up
-from mbcdm_cad.checks.ratios import RATIO_TOLERANCE, pair_mismatch, spread
-from mbcdm_cad.checks.surfaces import SURFACE_RADIUS, SURFACE_TOLERANCE_MM
+from mbcdm_cad.checks.ratios import RATIO_TOLERANCE, SURFACE_RADIUS, SURFACE_TOLERANCE_MM, pair_mismatch, spread
 from mbcdm_cad.layouts.miso_bevel.cable_path import stop_of
 from mbcdm_cad.layouts.miso_bevel.drive import BevelRun
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout

@@ -19,10 +19,10 @@ from mbcdm_cad.parts.sheets.description import (
     Y,
     Z,
     minus,
+    mm,
 )
 from mbcdm_cad.parts.sheets.holes import THROUGH, hole_labels, hole_table, outside_bore, position_table
 from mbcdm_cad.parts.sheets.tolerances import DRUM_AXIS, GeometricTolerance, one_axis, square
-from mbcdm_cad.parts.sheets.words import mm
 from mbcdm_cad.parts.volume import pocket_corner_mm
 
 

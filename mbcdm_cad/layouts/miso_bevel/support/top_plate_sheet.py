@@ -5,7 +5,7 @@ from __future__ import annotations
 from mbcdm_cad.layouts.miso_bevel.support.dims import TopPlateDims
 from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.motor_head.dims import CouplingBox
-from mbcdm_cad.parts.sheets.description import CuttingLine, Holes, Linear, Radius, Sheet, Side, View, X, Y, Z
+from mbcdm_cad.parts.sheets.description import CuttingLine, Holes, Linear, Radius, Sheet, Side, View, X, Y, Z, mm
 from mbcdm_cad.parts.sheets.holes import THROUGH, hole_labels, hole_table, outside_bore, position_table
 from mbcdm_cad.parts.sheets.tolerances import (
     FACE_MM,
@@ -16,7 +16,6 @@ from mbcdm_cad.parts.sheets.tolerances import (
     level,
     shoulder_place,
 )
-from mbcdm_cad.parts.sheets.words import mm
 from mbcdm_cad.parts.volume import pocket_corner_mm
 
 

@@ -20,9 +20,8 @@ from mbcdm_cad.layouts.siso_spur.support.parts import (
 from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.part import MadePart
 from mbcdm_cad.parts.shapes import cut, fuse
-from mbcdm_cad.parts.sheets.description import CuttingLine, FitLine, Holes, Sheet, Table, X, minus
+from mbcdm_cad.parts.sheets.description import CuttingLine, FitLine, Holes, Sheet, Table, X, minus, mm, mm3
 from mbcdm_cad.parts.sheets.holes import hole_labels, hole_table, position_table
-from mbcdm_cad.parts.sheets.words import mm, mm3
 
 if TYPE_CHECKING:
     import cadquery as cq

@@ -7,8 +7,7 @@ from collections.abc import Iterator
 from mbcdm_cad.checks.bending import anchor_check, bending_checks
 from mbcdm_cad.checks.comparison import Check, Comparison, at_most, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
-from mbcdm_cad.checks.ratios import pair_mismatch, spread
-from mbcdm_cad.checks.surfaces import SURFACE_RADIUS, SURFACE_TOLERANCE_MM
+from mbcdm_cad.checks.ratios import SURFACE_RADIUS, SURFACE_TOLERANCE_MM, pair_mismatch, spread
 from mbcdm_cad.layouts.siso_bevel.cable_path import stop_bend
 from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
 

@@ -25,10 +25,10 @@ from mbcdm_cad.parts.sheets.description import (
     Y,
     Z,
     minus,
+    mm,
 )
 from mbcdm_cad.parts.sheets.holes import THROUGH, hole_labels, hole_table, position_table
 from mbcdm_cad.parts.sheets.tolerances import DRUM_AXIS, one_axis, square
-from mbcdm_cad.parts.sheets.words import mm
 from mbcdm_cad.parts.volume import CORNER, pocket_corner_mm, pocket_mm3, ring_mm3, segment_mm2
 
 if TYPE_CHECKING:

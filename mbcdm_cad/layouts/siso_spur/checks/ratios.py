@@ -8,7 +8,7 @@ from mbcdm_cad.checks.bending import anchor_check, bending_checks
 from mbcdm_cad.checks.comparison import Check, Comparison, at_most, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.input_pulley import coupling_checks, dead_turns_check, stop_checks
-from mbcdm_cad.checks.surfaces import SURFACE_RADIUS, SURFACE_TOLERANCE_MM
+from mbcdm_cad.checks.ratios import SURFACE_RADIUS, SURFACE_TOLERANCE_MM
 from mbcdm_cad.layouts.siso_spur.cable_path import stop_of
 from mbcdm_cad.layouts.siso_spur.drive import is_anchored
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout

@@ -19,7 +19,6 @@ from mbcdm_cad.design.bought import Screw
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, SpurRun
 from mbcdm_cad.layouts.siso_spur.idlers import flange_radius_mm, idler_body
 from mbcdm_cad.layouts.siso_spur.stack import FLANGE_MM, SpurStack
-from mbcdm_cad.model.inertia import disc_kg_m2
 from mbcdm_cad.parts.axle import AxleDims
 from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.idler_pulley import IdlerDims
@@ -27,7 +26,7 @@ from mbcdm_cad.parts.part import MadePart
 from mbcdm_cad.parts.shapes import block, cut, cylinder_y
 from mbcdm_cad.parts.sheets.description import FitLine, Holes, Linear, Sheet, View, X, Y, Z, minus
 from mbcdm_cad.parts.sheets.holes import THROUGH, hole_labels, hole_table, position_table
-from mbcdm_cad.parts.volume import CORNER, ring_mm3
+from mbcdm_cad.parts.volume import CORNER, disc_kg_m2, ring_mm3
 
 if TYPE_CHECKING:
     import cadquery as cq

@@ -28,10 +28,10 @@ from mbcdm_cad.parts.sheets.description import (
     Y,
     Z,
     minus,
+    mm,
 )
 from mbcdm_cad.parts.sheets.holes import THROUGH, hole_labels, hole_table, position_table
 from mbcdm_cad.parts.sheets.tolerances import DRUM_AXIS, TO_AXIS_MM, GeometricTolerance, one_axis
-from mbcdm_cad.parts.sheets.words import mm
 from mbcdm_cad.parts.volume import CORNER, ring_mm3
 
 if TYPE_CHECKING:

@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-from mbcdm_cad.layouts.miso_bevel.support.loads import seat_loads
-from mbcdm_cad.layouts.miso_bevel.support.stiffness import frame_compliance
+from mbcdm_cad.layouts.miso_bevel.support.stiffness import frame_compliance, seat_loads
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.model.stiffness import unit_tensions_N
 

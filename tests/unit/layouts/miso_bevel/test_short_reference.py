@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from mbcdm_cad.design.dotted import leaves
+from mbcdm_cad.design.fieldpath import leaves
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.solving.question import question_of
 
