@@ -16,19 +16,22 @@ from mbcdm_cad.errors import InputError, MbcdmError
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.model.block_rows import many_meshes
-from mbcdm_cad.optimising.figures import FIGURES, Facts, figure
+from mbcdm_cad.optimising.figures import BY_ELEMENTS, FIGURES, Facts, figure
+from mbcdm_cad.optimising.spread import percentile_of
 from mbcdm_cad.optimising.wishes import Keep
 from mbcdm_cad.solving.question import Point, Question, stated
 from mbcdm_cad.solving.trials import LAST, missed, must_hold
 
-# Checks that solve finite elements: they run only on a design that passes all others.
-WINDUP = "frame_windup"
-ELEMENTS = frozenset({"drum_stress", WINDUP, "stiffness"})
 # Figures without a limit, which fail only where the model has no answer.
 NOTED = frozenset({"wrap_slip_test", "wrap_slip_peak"})
-LATE = LAST | ELEMENTS | NOTED
-# What a design that fails an early check adds, so that one that fails only late checks is always nearer to a pass.
-EARLY = 4.0 * len(LATE)
+# Checks that take as long as all quick ones together and seldom miss.
+LONG = frozenset({"life", "path_length", "pair_mismatch", "transmission_error", "backdrive", "take_up"})
+BOX = frozenset(f"envelope_{axis}" for axis in "xyz")
+# The checks run in stages, and keeps with them, by what they take: those of a stage only if a design passes all before.
+ELEMENTS, SLOWER, QUICK = range(3)
+_SLOWER = LAST | NOTED | LONG | BOX
+# What a miss in a stage adds, so that a design that passes more stages is always nearer to a pass.
+STAGE = 200.0
 # Violation of a point that gives no drive.
 NO_DRIVE = 1000.0
 # Beginning of the reason of a point that shows a fault of this program.
@@ -58,37 +61,43 @@ class Evaluated:
         """Zero for a design that passes, and the larger the further it is from that."""
         if self.refused:
             return NO_DRIVE
-        early = EARLY if any(name not in LATE and ":" not in name for name, _ in self.failing) else 0.0
-        return early + sum(miss for _, miss in self.failing)
+        reached = max((_stage(name) for name, _ in self.failing), default=ELEMENTS)
+        return STAGE * reached + sum(miss for _, miss in self.failing)
+
+
+def _stage(name: str) -> int:
+    """The stage of a check, or of a keep as text."""
+    figure, _, limit = name.partition(":")
+    if figure in BY_ELEMENTS or percentile_of(figure) is not None:
+        return ELEMENTS
+    return SLOWER if limit or figure in _SLOWER else QUICK
 
 
 def evaluate(question: Question, point: Point, keeps: Sequence[Keep], names: Sequence[str]) -> Evaluated:
     """Evaluate a point; ``names`` are the figures wanted beside those of :data:`FIGURES`.
 
-    The file that states the point decides: where a rule changes because a value is stated, that design counts. A design
-    that fails a check without finite elements is judged with the walls with which its rules begin.
+    The file that states the point decides: where a rule changes because a value is stated, that design counts. A factor
+    is one on what a rule gives with the walls with which the rules begin, and a design that misses anything without
+    finite elements is judged with these walls.
     """
     with np.errstate(all="ignore"), warnings.catch_warnings(), many_meshes():
         warnings.simplefilter("ignore", RuntimeWarning)
         try:
             data, moved = question.trial(point)
             found = question.resolve(data, moved, first=True)
-            failing = _failing(found, early=True)
-            if not failing and _bends_too_much(question, found):
-                found = question.resolve(data, moved)
-                failing = _failing(found, early=True)
+            failing = _missed_early(found, keeps)
             if failing:
                 return Evaluated(failing)
-            if moved:
+            if moved or (question.file.sizing is not None and question.file.sizing.has_first):
                 data = stated(data, moved, found)
                 as_stated = question.resolve(data, {})
                 if as_stated.design != found.design:
-                    failing = _failing(as_stated, early=True)
                     found = as_stated
-            failing = failing or _failing(found, early=False)
+                    failing = _missed_early(found, keeps)
+            failing = failing or _missed(found, keeps, ELEMENTS)
             if failing:
                 return Evaluated(failing)
-            return _kept(found, data, keeps, names)
+            return _figures(found, data, names, keeps)
         except InputError as error:
             return Evaluated(refused=str(error.problems[0].what))
         except (MbcdmError, NoFigureError) as error:
@@ -97,27 +106,31 @@ def evaluate(question: Question, point: Point, keeps: Sequence[Keep], names: Seq
             return Evaluated(refused=f"{FAULT}{type(error).__name__}: {error}")
 
 
-def _failing(found: Resolved, *, early: bool) -> tuple[tuple[str, float], ...]:
-    """The checks that fail and are not waived, of those that run early or late."""
+def _missed_early(found: Resolved, keeps: Sequence[Keep]) -> tuple[tuple[str, float], ...]:
+    return _missed(found, keeps, QUICK) or _missed(found, keeps, SLOWER)
+
+
+def _missed(found: Resolved, keeps: Sequence[Keep], stage: int) -> tuple[tuple[str, float], ...]:
+    """The checks of a stage that fail and are not waived; if there are none, its keeps that are missed."""
     drive = found.drive
     asked = [
         check
         for check in checks_of(drive)
-        if (check.id not in LATE) == early and must_hold(check) and drive.waiver(check.id) is None
+        if _stage(check.id) == stage and must_hold(check) and drive.waiver(check.id) is None
     ]
     misses = [(check.id, missed(check, drive.layout)) for check in asked]
+    own = [keep for keep in keeps if _stage(str(keep)) == stage]
+    if own and not any(miss for _, miss in misses):
+        facts = facts_of(found)
+        misses = [(str(keep), _short(keep, figure(facts, keep.figure))) for keep in own]
     return tuple((name, float(f"{miss:.9g}")) for name, miss in misses if miss)
 
 
-def _bends_too_much(question: Question, found: Resolved) -> bool:
-    """Whether the sizing rules may stiffen a design that they have only begun."""
-    drive = found.drive
-    sizing = question.file.sizing
-    return (
-        sizing is not None
-        and sizing.has_first
-        and any(missed(check, drive.layout) for check in checks_of(drive) if check.id == WINDUP)
-    )
+def _short(keep: Keep, value: float) -> float:
+    """What a keep adds to the violation, below 1; zero if it is kept."""
+    margin = keep.margin(value) if np.isfinite(value) else float("-inf")
+    share = max(-margin, 0.0) / (abs(keep.limit) or 1.0)
+    return share / (1.0 + share) if np.isfinite(share) else 1.0
 
 
 def facts_of(found: Resolved) -> Facts:
@@ -127,19 +140,12 @@ def facts_of(found: Resolved) -> Facts:
     return Facts(drive, checks, found.sizing.data if found.sizing is not None else found.design.model_dump())
 
 
-def _kept(found: Resolved, data: Mapping[str, Any], keeps: Sequence[Keep], names: Sequence[str]) -> Evaluated:
+def _figures(found: Resolved, data: Mapping[str, Any], names: Sequence[str], keeps: Sequence[Keep]) -> Evaluated:
     facts = facts_of(found)
     figures = {name: figure(facts, name) for name in dict.fromkeys([*FIGURES, *names, *(k.figure for k in keeps)])}
-    short = []
-    for keep in keeps:
-        value = figures[keep.figure]
-        margin = keep.margin(value) if np.isfinite(value) else float("-inf")
-        if margin < 0.0:
-            share = -margin / (abs(keep.limit) or 1.0)
-            short.append((str(keep), float(f"{share / (1.0 + share) if np.isfinite(share) else 1.0:.9g}")))
     known = {name: value for name, value in figures.items() if np.isfinite(value)}
     missing = [name for name in names if name not in known]
-    if missing and not short:
+    if missing:
         reason = facts.reasons.get(missing[0], "this design has no such figure")
         return Evaluated(refused=f"{missing[0]}: {reason}")
-    return Evaluated(tuple(short), "", known, dict(leaves(data)))
+    return Evaluated((), "", known, dict(leaves(data)))

@@ -29,6 +29,13 @@ if TYPE_CHECKING:
 # Figures are kept to this many significant digits: a linear algebra library with another number of threads changes the
 # last ones, and a search that goes on elsewhere shall end with the same bytes.
 DIGITS = 10
+# Figures and checks that follow from finite elements of drum or frame.
+BY_ELEMENTS = frozenset(
+    {
+        *("swing_mrad", "stiffness_Nm_rad", "structure_over_cables"),
+        *("drum_stress", "frame_windup", "stiffness", "structure_share", "servo_lash"),
+    }
+)
 
 
 class Facts:

@@ -7,9 +7,11 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from mbcdm_cad import new_design_text
 from mbcdm_cad.layouts import open_ratio
+from mbcdm_cad.model import block_rows
 from mbcdm_cad.optimising.engine import Engine
-from mbcdm_cad.optimising.evaluate import FAULT, evaluate
+from mbcdm_cad.optimising.evaluate import FAULT, Evaluated, evaluate
 from mbcdm_cad.optimising.front import front_of, hypervolume
 from mbcdm_cad.optimising.variables import RULE, Variable, first_values, point_of, variables_of
 from mbcdm_cad.optimising.wishes import wishes_of
@@ -74,6 +76,20 @@ def test_numbers_whole_numbers_and_names_together() -> None:
     share = hypervolume(front, reference, scale) / hypervolume(every[front_of(every)], reference, scale)
     assert share > 0.98, share
     assert {type(one["n"]) for one in asked} == {int} and {type(one["x"]) for one in asked} == {float}
+
+
+def test_what_needs_no_mesh_is_judged_before_any(monkeypatch: pytest.MonkeyPatch) -> None:
+    def mesh(*_: object) -> Floats:
+        raise AssertionError("a mesh is solved")
+
+    monkeypatch.setattr(block_rows, "solve_by_bands", mesh)
+    question, named = question_of(new_design_text("drive", "miso_bevel")), ["swing_mrad"]
+    small = evaluate(question, {}, wishes_of(["mass_g:min"], ["box_x_mm:<=50"]).keeps, named)
+    assert [name for name, _ in small.failing] == ["box_x_mm:<=50"], small
+    assert "a mesh is solved" in evaluate(question, {}, (), named).refused
+    stages = [Evaluated((("swing_mrad:<=0.1", 0.9), ("drum_stress", 4.0))), small, Evaluated((("bend_ratio", 1.0),))]
+    violations = [one.violation for one in stages]
+    assert violations == sorted(violations), violations
 
 
 def test_what_it_proposes_follows_from_seed_and_results_alone() -> None:
