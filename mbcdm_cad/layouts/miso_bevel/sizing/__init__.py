@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Mapping
+from dataclasses import replace
+from functools import cache
 from typing import Any
 
 from mbcdm_cad.checks.design_variables import ALL_RADII
@@ -49,8 +51,7 @@ BEFORE_FRAME: tuple[Rule, ...] = (
 )
 RATIO = "transmission.ratio"
 # Then frame and drum.
-RULES: tuple[Rule, ...] = (
-    *BEFORE_FRAME,
+FROM_FRAME: tuple[Rule, ...] = (
     *FRAME,
     *HUB,
     *WEB,
@@ -153,9 +154,16 @@ def _sized(data: dict[str, Any], moved: Moved | None, ratio: tuple[Rule, ...] = 
     if missing:
         raise SizingError(*missing)
 
+    @cache
+    def before(shelves: float) -> Sizing:
+        # Of the start, these rules read no more than its shelves.
+        return fill(BevelKnown(copy.deepcopy(data), FrameStart(shelves=shelves)), (*ratio, *BEFORE_FRAME), moved)
+
     def filled_from(start: FrameStart) -> tuple[BevelKnown, Sizing]:
-        given = BevelKnown(copy.deepcopy(data), start)
-        return given, fill(given, (*ratio, *RULES), moved)
+        begun = before(start.shelves)
+        given = BevelKnown(copy.deepcopy(begun.data), start)
+        rest = fill(given, FROM_FRAME, moved)
+        return given, replace(rest, values=(*begun.values, *rest.values))
 
     return with_strong_frame(filled_from, first=first)
 
