@@ -35,6 +35,13 @@ def take_up(s: SectorLayout) -> Comparison:
     return worst(found)
 
 
+def _longer_stud(s: SectorLayout) -> str:
+    """A longer stud, and a rope that beds in less where that is most of what is asked."""
+    needs = [take_up_of(s.drive, c, mm) for c, mm in zip(s.drive.cables, s.tensioned_lengths_mm(), strict=True)]
+    beds = any(2 * need.bedding_m > need.total_m for need in needs)
+    return "choose a drum.tensioner with a longer stud" + (", or a rope that beds in less" if beds else "")
+
+
 def thread_at_end(s: SectorLayout) -> Comparison:
     """Thread that is left at the lug for the nut when the terminal is drawn in completely."""
     spec = s.drive.tensioner
@@ -67,7 +74,7 @@ CHECKS = (
         "derived: T l / EA + bedding-in + cut length",
         take_up,
         adjust=(down("rope.preload_N"),),
-        advice="choose a drum.tensioner with a longer stud",
+        advice=_longer_stud,
     ),
     Check(
         "thread_at_end",

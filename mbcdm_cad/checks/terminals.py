@@ -15,7 +15,7 @@ from mbcdm_cad.checks.springs import led
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.sector import SectorLayout
-from mbcdm_cad.parts.drum_sector.dims import POCKET_LEAD_MM, DrumDims
+from mbcdm_cad.parts.drum_sector.dims import LUG_ROOT_MM, POCKET_LEAD_MM, DrumDims
 from mbcdm_cad.parts.drum_sector.sizes import SWAGE_FLOOR_MM, nut_corner_radius_mm
 from mbcdm_cad.parts.terminal.part import CHAMFER_MM, Tensioner
 
@@ -209,7 +209,10 @@ def stud_stress(s: SectorLayout) -> Comparison:
 
 
 def lug_stress(s: SectorLayout) -> Comparison:
-    """Bending stress at the root of the lug; only the metal between the slot and the outer face counts."""
+    """Bending stress at the root of the lug; only the metal between the slot and the outer face counts.
+
+    A lug of a whole drum, which no wider rim makes wider, has its full width where it is rooted below its slot.
+    """
     d = s.drum
     strength = s.drive.drum_material.yield_MPa
     found = []
@@ -218,8 +221,10 @@ def lug_stress(s: SectorLayout) -> Comparison:
         width = (t.y_mm - back if t.front else front - t.y_mm) - d.stud_hole_radius
         if width <= 0.0:
             raise NoFigureError(f"the rim ends before the lug of {t.cable_name} has any metal (width {width:.4g} mm)")
-        modulus = width * (t.lug_end - t.lug_start) ** 2 / 6
-        stress = s.loads.highest_N * d.lug_root(t) / modulus
+        root = d.lug_root(t)
+        least = min(root, d.flat_wall + LUG_ROOT_MM)
+        per_mm2 = max(least / width, root / (front - back)) if d.whole else root / width
+        stress = s.loads.highest_N * 6 * per_mm2 / (t.lug_end - t.lug_start) ** 2
         what = f"yield {strength:g} MPa over the bending stress {stress:.4g} MPa in the lug of {t.cable_name}"
         found.append(at_least(what, strength / stress, LUG_SAFETY, "times"))
     return worst(found)

@@ -119,7 +119,9 @@ def _tensioner(given: TrialKnown) -> Found:
     entries = given.entries("tensioners")
     names = sorted(entries, key=lambda name: entries[name]["stud_length_mm"])
     led = ("spring_fits",) if given.has("drum.spring") else ()
-    return given.first("drum.tensioner", names, ("sleeve_fits", "stud_stress", "take_up", *led))
+    # No width of the rim makes the lugs of a whole drum wider.
+    lug = ("lug_stress",) if given.whole_drum else ()
+    return given.first("drum.tensioner", names, ("sleeve_fits", "stud_stress", "take_up", *led, *lug))
 
 
 def _collar_screw(given: TrialKnown) -> Found:

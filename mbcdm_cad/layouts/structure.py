@@ -367,7 +367,7 @@ def _inputs(layout: SectorLayout, unit: Floats, torques_Nm: Floats) -> Iterator[
     for i, (pulley, torque) in enumerate(zip(layout.inputs, torques_Nm, strict=True)):
         route, supports = d.routes.inputs[i], layout.input_bearings_mm(i)
         axis = sense * np.array(route.axis)
-        sections = _sections(pulley)
+        sections = pulley_sections(pulley)
         start, middle = layout.collar.top_z, (pulley.land_bottom_z + pulley.land_top_z) / 2.0
         twisted = [replace(s, start_mm=max(s.start_mm, start), end_mm=min(s.end_mm, middle)) for s in sections]
         carrying = [s for s in twisted if s.end_mm > s.start_mm]
@@ -445,7 +445,7 @@ def overhung_sag_mm(layout: SectorLayout) -> float:
     return most
 
 
-def _sections(pulley: InputPulleyDims) -> list[Section]:
+def pulley_sections(pulley: InputPulleyDims) -> list[Section]:
     """Each length of a pulley with its radius and bore, the grooves counted as cut away all round."""
     lengths = (
         Section(pulley.journal_bottom_z, pulley.lower_neck_bottom_z, pulley.lower_journal_radius),

@@ -16,10 +16,13 @@ import numpy as np
 
 from mbcdm_cad.layouts.siso_spur.drive import CHANGE_RAD, SpurDrive, SpurRun, contact_rad
 from mbcdm_cad.layouts.siso_spur.idlers import SENSE
+from mbcdm_cad.parts.drum_sector.sizes import SWAGE_START_MM
 from mbcdm_cad.parts.input_pulley.stop import STOP_PIECES, StopGeometry, stop_geometry, stop_pieces
 from mbcdm_cad.routes.cable_path import CablePath, Stretch
 from mbcdm_cad.routes.curves import Arc, Coil, Line, Parabola, Piece, Triple, Vector, reverse
 
+# Way of a terminal that a whole drum's cable counts as drawn in (estimate: more than any of the catalogue has).
+DRAWN_IN_MM = 10.0
 ON_INPUT = ("wound",)
 _Y, _Z = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 _ON_DRUM = ("drum", "lay", "dead", "tail")
@@ -192,4 +195,8 @@ def longest_mm(drive: SpurDrive, anchor_rad: float) -> float:
         first = drive.cables[0]
         wound += stop_length_mm(stop_of(drive, first), first.input_radius_mm)
     on_drum = drive.drum_radius_mm * max(anchor_rad - drive.landing_rad, 0.0)
-    return (wound + on_drum) * drive.stretched + 6.0 * drive.cable.diameter_mm
+    tail = 6.0 * drive.cable.diameter_mm
+    if drive.whole_drum:
+        # The terminal lies at ``anchor_rad`` itself, not before it: the rope in the sleeve counts, drawn in.
+        tail = max(tail, SWAGE_START_MM + drive.tensioner.swage_length_mm + DRAWN_IN_MM)
+    return (wound + on_drum) * drive.stretched + tail

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import acos, hypot, pi, radians, sqrt, tan, tau
+from math import acos, hypot, inf, pi, radians, sqrt, tan, tau
 from typing import ClassVar, Literal, TypeVar
 
 import numpy as np
@@ -32,6 +32,8 @@ MOST_SECTOR_TRAVEL_DEG = 120.0
 RING_WRAP_DEG = 5.0
 # Largest angle from the centre at which a pin stops the drum: beyond, the web beside its slot would be narrow.
 MOST_STOP_DEG = 165.0
+# Most turns on an input (estimate: a winding some ten times as long as the input is thick).
+MOST_TURNS = 100
 # Land of the input between two anchored cables, their walk included (estimate: a crest that can be turned).
 BETWEEN_MM = 0.3
 
@@ -349,6 +351,14 @@ class SpurDrive(HeadedDrive):
         if not self.whole_drum:
             return None
         return self.landing_rad + radians(self.half_travel_deg + RING_WRAP_DEG)
+
+    def turn_beside_mm(self, end_rad: float) -> float:
+        """See the base class; the helix on the drum has the slope of the turns on the input."""
+        first = self.landing_rad - radians(self.half_travel_deg)
+        if not self.whole_drum or end_rad - tau <= first:
+            return inf
+        rest = end_rad - (self.landing_rad + radians(self.half_travel_deg) + 2 * CHANGE_RAD)
+        return self.helix_lead_mm * self.total_ratio * (1.0 - rest / tau) - self.cable.diameter_mm / 2
 
     @property
     def stopped(self) -> bool:

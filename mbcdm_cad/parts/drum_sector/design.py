@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
 from typing import Protocol
 
 from mbcdm_cad.design.bought import Bearing, Material, SpringSpec, TensionerSpec
@@ -102,6 +103,13 @@ class SectorDrive(Drive):
     def ring_anchor_rad(self) -> float | None:
         """Where each cable leaves a whole drum, from the transfer point, drum centred; None for a sector."""
         return None
+
+    def turn_beside_mm(self, end_rad: float) -> float:
+        """Distance along y from a terminal on a whole drum to the flank of the turn of its cable beside it.
+
+        ``end_rad``: where its pocket ends, from the transfer point, drum centred. Infinite without a turn beside it.
+        """
+        return inf
 
     @property
     def stopped(self) -> bool:

@@ -100,6 +100,8 @@ class DrumDims:
     # The web is thicker round the hub: up to this radius, and in front as far as this; those of hub and web without it.
     root_radius: float
     root_end_y: float
+    # How far lugs of a whole drum reach along y beyond the pockets' floor, from the terminal's axis.
+    lug_reach: float = 0.0
     dowels: HubDowels | None = None
 
     @property
@@ -122,9 +124,9 @@ class DrumDims:
     def lug_y(self, t: Tensioner) -> tuple[float, float]:
         """From where to where along y a lug reaches: to the rim's outer face, on a whole drum to the pockets' floor.
 
-        Beyond that floor lie the turns of its cable.
+        Beyond that floor lie the turns of its cable; one of plastic reaches up to the nearest.
         """
-        end = t.deeper(self.nut_pocket) if self.whole else self.lands[-1].y_end
+        end = t.deeper(max(self.nut_pocket, self.lug_reach)) if self.whole else self.lands[-1].y_end
         low, high = sorted((t.deeper(-self.lug_half_width), end))
         return low, high
 

@@ -281,6 +281,19 @@ def _root(drive: SectorDrive, levels: SectorLevels, stop_radius: float) -> tuple
     return radius, end
 
 
+def pocket_end_rad(t: Tensioner) -> float:
+    """Angle at which a terminal's pocket ends, from the transfer point, drum centred."""
+    return t.anchor_rad + atan2(t.pocket_end, t.radius_mm)
+
+
+def _lug_reach_mm(drive: SectorDrive, placed: tuple[Tensioner, ...]) -> float:
+    """How far lugs on a whole drum may reach along y: to a wall before the turn beside them, and before the middle."""
+    wall = drive.drum_material.min_wall_mm
+    return min(
+        (min(drive.turn_beside_mm(pocket_end_rad(t)) - wall, abs(t.y_mm) - wall / 2) for t in placed), default=0.0
+    )
+
+
 def drum(drive: SectorDrive, levels: SectorLevels, stop_radius: float, way: TerminalWay) -> DrumDims:
     """Dimensions of the drum; the stop pin stands in the frame at ``stop_radius`` from its axis."""
     d = drive.drum
@@ -341,6 +354,7 @@ def drum(drive: SectorDrive, levels: SectorLevels, stop_radius: float, way: Term
         corner_radius=2 * drive.drum_material.min_internal_radius_mm,
         root_radius=root_radius,
         root_end_y=root_end,
+        lug_reach=_lug_reach_mm(drive, placed) if drive.drum_material.printed else 0.0,
     )
 
 

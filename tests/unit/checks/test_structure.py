@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 from math import hypot, pi, sqrt
 from pathlib import Path
 
@@ -12,11 +13,13 @@ from designs import put, reference
 from hypothesis import given
 from hypothesis import strategies as st
 
+from mbcdm_cad.checks.bearings import BEARING_PLAY_MM, coupling_runout
 from mbcdm_cad.checks.fixings import pulley_stress, set_screws_hold_Nmm, shaft_stress, stalled_Nm
 from mbcdm_cad.checks.structure import drum_stress, frame_windup, mounting_screws, payload_screws, stiffness
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.loader import load_design, load_text
 from mbcdm_cad.layouts.sector import SectorLayout
+from mbcdm_cad.layouts.structure import pulley_sections
 from mbcdm_cad.parts.drum_sector.dims import SET_SCREW_ANGLES_DEG
 from mbcdm_cad.parts.drum_sector.payload import SLIP_SAFETY, JointLoad, PayloadJoint, joints, payload_joint
 from mbcdm_cad.parts.threads import clamp_force_N, screw_hold
@@ -203,3 +206,33 @@ def test_a_joint_holds_or_no_thread_with_walls_does(peak: float, hub: float, bor
 def test_the_hub_grows_until_the_payload_holds(peak: float) -> None:
     s = sector(load_text(SHORT.format(peak=peak)).drive)
     assert payload_screws(s).holds, payload_screws(s)
+
+
+def test_a_pulley_turns_in_its_bearing_as_beam_elements_of_its_steps_do() -> None:
+    """A thin journal beside a long land bends little: the land's thickness counts where it lies."""
+    s = sector(load_design(PARAMS / "siso_spur.yaml").drive)
+    p, (lower, upper) = s.inputs[0], s.input_bearings_mm(0)
+    steps = pulley_sections(p)
+    cuts = {z for part in steps for z in (part.start_mm, part.end_mm) if lower < z < upper}
+    z = np.unique([lower, upper, *cuts, *np.linspace(p.land_bottom_z, p.land_top_z, 41)])
+    modulus = s.drive.pulley_material.youngs_modulus_GPa * 1e3
+    k = np.zeros((2 * len(z), 2 * len(z)))
+    for n, (a, b) in enumerate(pairwise(z)):
+        part, h = next(t for t in steps if t.start_mm <= (a + b) / 2 <= t.end_mm), b - a
+        bends = modulus * pi / 4 * (part.radius_mm**4 - part.bore_mm**4) / h**3
+        k[2 * n : 2 * n + 4, 2 * n : 2 * n + 4] += bends * np.array(
+            [
+                [12, 6 * h, -12, 6 * h],
+                [6 * h, 4 * h * h, -6 * h, 2 * h * h],
+                [-12, -6 * h, 12, -6 * h],
+                [6 * h, 2 * h * h, -6 * h, 4 * h * h],
+            ]
+        )
+    free = np.delete(np.arange(2 * len(z)), [0, 2 * len(z) - 2])
+    # Slope at the lower bearing for 1 N at each place of the land.
+    turned = np.linalg.inv(k[np.ix_(free, free)])[0]
+    across = {int(f) // 2: t for f, t in zip(free, turned, strict=True) if f % 2 == 0}
+    slope = max(abs(t) for n, t in across.items() if p.land_bottom_z <= z[n] <= p.land_top_z)
+    pull = max(float(np.linalg.norm(loads.inputs[0].force_N)) for loads in s.loads.on_bodies)
+    overhang = lower - (s.collar.bottom_z + s.collar.top_z) / 2
+    assert coupling_runout(s).actual - BEARING_PLAY_MM / 2 == pytest.approx(pull * slope * overhang, rel=0.02)

@@ -6,7 +6,7 @@ are no longer valid.
 
 from __future__ import annotations
 
-from math import atan2, cos, hypot, radians, sin, tau
+from math import cos, hypot, inf, sin
 
 import numpy as np
 
@@ -15,10 +15,11 @@ from mbcdm_cad.checks.comparison import Check, Comparison, at_least, noted, wors
 from mbcdm_cad.checks.design_variables import up
 from mbcdm_cad.checks.drum_wraps import MORE_WRAP, SLIPS, WRAPS, wrap_under_a_turn
 from mbcdm_cad.checks.terminals import bodies_of
-from mbcdm_cad.layouts.siso_spur.drive import CHANGE_RAD, SpurDrive
+from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.overhung import hub_radius_mm
 from mbcdm_cad.parts.drum_sector.dims import WHOLE_DEG
+from mbcdm_cad.parts.drum_sector.sizes import pocket_end_rad
 
 
 def terminal_clears_input(s: SpurLayout) -> Comparison:
@@ -65,14 +66,12 @@ def turns_on_drum(s: SpurLayout) -> Comparison:
     The helix on the drum has the slope of the turns on the input: its lead is theirs times the ratio. A terminal lies
     where the helix ends, a turn further than the cable beside it.
     """
-    drive, d, half = s.drive, s.drum, radians(s.drive.half_travel_deg)
+    drive, d = s.drive, s.drum
     lead, wall = drive.helix_lead_mm * drive.total_ratio, drive.drum_material.min_wall_mm
     found = [at_least("lead of the helix on the drum over the cable", lead - 2 * s.flank_mm, CABLE_GAP_MM, "mm")]
     for t in d.tensioners:
-        end = t.anchor_rad + atan2(t.pocket_end, t.radius_mm)
-        if end - tau > drive.landing_rad - half:
-            rest = end - (drive.landing_rad + half + 2 * CHANGE_RAD)
-            gap = lead * (1.0 - rest / tau) - d.nut_pocket - s.flank_mm
+        gap = drive.turn_beside_mm(pocket_end_rad(t)) - d.nut_pocket
+        if gap < inf:
             found.append(at_least(f"pocket of {t.cable_name} from its turn beside it", gap, wall, "mm"))
         found.append(at_least(f"pocket of {t.cable_name} from the middle", abs(t.y_mm) - d.nut_pocket, wall / 2, "mm"))
     return worst(found)

@@ -13,7 +13,7 @@ from mbcdm_cad.design.blocks import Design, Input, Length, Rope, Travel
 from mbcdm_cad.design.design_file import reference_of
 from mbcdm_cad.design.fields import Block, Integer, Number, choice, quantity
 from mbcdm_cad.design.sector_blocks import Clearances, SectorCable, WoundPulleys
-from mbcdm_cad.layouts.siso_spur.drive import SpurDrum, SpurLimits, YokeSupport
+from mbcdm_cad.layouts.siso_spur.drive import MOST_TURNS, SpurDrum, SpurLimits, YokeSupport
 from mbcdm_cad.layouts.siso_spur.first_stage import FirstStageBlock
 from mbcdm_cad.layouts.siso_spur.idlers import IdlerBlock
 
@@ -75,7 +75,7 @@ class SpurTransmission(Block):
         source="a part of the cable stays on the input over the whole travel",
         reference=3,
         ge=1,
-        le=40,
+        le=MOST_TURNS,
     )
 
 

@@ -7,6 +7,8 @@ from math import degrees, inf, log
 
 from mbcdm_cad.checks.bending import ANCHOR_RATIO
 from mbcdm_cad.checks.input_pulley import SHOULDER_MM
+from mbcdm_cad.design.rules import Broken
+from mbcdm_cad.design.sized import SizingError
 from mbcdm_cad.layouts.common_rules import least_bend_ratio, wanted_preload_N
 from mbcdm_cad.layouts.head_basis import (
     PRELOAD_FACTOR,
@@ -19,6 +21,7 @@ from mbcdm_cad.layouts.head_basis import (
 )
 from mbcdm_cad.layouts.head_parts import JOURNAL_MM
 from mbcdm_cad.layouts.siso_spur.design_file.schema import REFERENCE
+from mbcdm_cad.layouts.siso_spur.drive import MOST_TURNS
 from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
 from mbcdm_cad.layouts.trial_sizing import whole_turns
 from mbcdm_cad.parts.input_pulley.stop import neck_mm, widest_bend_mm
@@ -140,13 +143,19 @@ def _turns(given: SpurKnown) -> Found:
     creeping = degrees(log((tension + share) / slack)) / mu
     landings = OPEN_LANDINGS_DEG if given.get("transmission.spans") == "open" else LANDINGS_DEG
     start = whole_turns(travel + creeping + landings + STICKING_DEG)
-    return given.first("transmission.turns", range(start, min(start + 12, 41)), ("input_slip",))
+    if start > MOST_TURNS:
+        what, remedy = "the travel needs too many turns on the input", "lower it, or transmission.input_to_drum"
+        half = ("travel", "half_angle_deg")
+        raise SizingError(Broken(half, what, f"{start} turns", f"{MOST_TURNS}", remedy))
+    return given.first("transmission.turns", range(start, min(start + 12, MOST_TURNS + 1)), ("input_slip",))
 
 
 def _lead(given: SpurKnown) -> Found:
     step = 0.05 if given.d_mm > 0.5 else 0.01
     # Beside a terminal of a whole drum lies the turn before it.
-    checks = ("helix_lead", "groove_crest", "self_clearance", "turns_on_drum")
+    # Up to it reaches a lug of plastic.
+    lug = ("lug_stress",) if given.whole_drum and given.printed("drum") else ()
+    checks = ("helix_lead", "groove_crest", "self_clearance", "turns_on_drum", *lug)
     return given.moved("rope.helix_lead_mm", 1.02 * given.d_mm, step, checks)
 
 

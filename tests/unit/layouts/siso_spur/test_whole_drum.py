@@ -134,6 +134,29 @@ def test_a_closed_web_turns_as_a_ring_in_shear() -> None:
     assert float(load[:, 0] @ cut[:, 0]) / 1e3 > 1.1 * exact
 
 
+def test_a_printed_drum_has_lugs_up_to_the_turn_beside_them() -> None:
+    """Rules lengthen stud and lead until the terminal of a long fibre rope reaches its preload and its lug holds."""
+    more = "rope: {type: uhmwpe-1}\ndrum: {material: pla}\nsupport: {material: pla}\n"
+    s = drive_of(270.0, more).layout
+    assert isinstance(s, SpurLayout)
+    found = {r.id: r for r in run_all(checks_of(s.drive), s)}
+    assert not [r for r in found.values() if r.status == "fail"]
+    assert found["take_up"].actual >= found["take_up"].limit and s.drum.lug_reach > s.drum.nut_pocket
+    (path,) = s.cable_paths(0.0)
+    on_drum = np.concatenate([p.points(np.linspace(0.0, 1.0, 2001)) for n, p in path.pieces if n.startswith("drum_")])
+    for t in s.drum.tensioners:
+        near = np.linalg.norm(on_drum[:, [0, 2]] - np.array(t.at(t.lug_start)), axis=1) < t.lug_end - t.lug_start + 5.0
+        low, high = s.drum.lug_y(t)
+        gap = np.maximum(low - on_drum[near, 1], on_drum[near, 1] - high).min() - s.flank_mm
+        assert near.any() and gap >= s.drive.drum_material.min_wall_mm - 0.01, gap
+
+
+def test_an_input_of_too_many_turns_names_travel_and_ratio() -> None:
+    with pytest.raises(InputError, match="too many turns on the input") as caught:
+        load_text(TEXT.replace("HALF", "1080.0").replace("6.0", "20.0"))
+    assert "input_to_drum" in str(caught.value)
+
+
 def test_a_sector_that_is_too_small_names_the_whole_drum() -> None:
     drive = drive_of(100.0, "drum: {sector_half_angle_deg: 170.0}\n")
     wider = replace(drive, half_travel_deg=200.0)
