@@ -3,8 +3,12 @@
 A table of turning points has one row where the motion or the load turns round.
 
 The rows are those of a path that goes straight from one to the next. Two rows in one sense tell of a half cycle that
-is missing between them, unless so many rows go on in one sense that they are readings along the way. The turning point
-that is missing is taken where its neighbours of the same side are: friction and play depend on the side alone.
+is missing between them, unless the load turns round at the first of them, or so many rows go on in one sense that they
+are readings along the way. The turning point that is missing is taken where its neighbours of the same side are:
+friction and play depend on the side alone.
+
+A load that follows the sense of motion, as that of a brake, has its old size for a while after each reversal. Where it
+is made smaller between two rows, no row has this extreme, and the friction of the cables remembers it.
 """
 
 from __future__ import annotations
@@ -22,6 +26,8 @@ from mbcdm_cad.routes import Floats
 # A row that differs from the one before by less than this share of the usual difference, and of its distance from the
 # middle, is on the same side.
 SAME_SIDE = 0.25
+# Steps of less than this share of the largest one are rest.
+STILL_SHARE = 1e-2
 # From this share of rows that do not turn round, the table has readings along the way.
 ALONG_SHARE = 1.0 / 3.0
 # Digits to which the step of written figures is looked for, as a share of their range.
@@ -48,8 +54,23 @@ class TurningPath:
 
     @property
     def sense(self) -> Floats:
-        """Sense in which the output came to each row but the first, (m - 1,), as what moves it does."""
-        return np.asarray(np.sign(np.diff(_mover(self.input_rad, self.load_Nm, self.by_input))))
+        """Sense in which the output came to each row but the first, (m - 1,), as what moves it does; where it rests,
+        that of the step before."""
+        moved = np.diff(_mover(self.input_rad, self.load_Nm, self.by_input))
+        moves = np.abs(moved) > STILL_SHARE * np.abs(moved).max()
+        last = np.maximum.accumulate(np.where(moves, np.arange(moved.size), 0))
+        return np.asarray(np.sign(moved[last]))
+
+    @property
+    def hides_load(self) -> bool:
+        """Whether the inputs turn round under a load that turns round with them, and to a smaller size than before:
+        right after such a row the load may have been larger than any row says."""
+        if not self.by_input or self.load_Nm is None or self.along:
+            return False
+        step, sense = np.diff(self.load_Nm), self.sense
+        moves = np.abs(np.diff(self.input_rad.mean(axis=0))) > STILL_SHARE * np.ptp(self.input_rad.mean(axis=0))
+        turns = (sense[1:] == -sense[:-1]) & moves[1:] & moves[:-1] & (step[1:] * step[:-1] < 0.0)
+        return bool(np.any(turns & (np.abs(step[1:]) < (1.0 - SAME_SIDE) * np.abs(step[:-1]))))
 
 
 def inputs_move(run: Run) -> bool:
@@ -64,6 +85,13 @@ def _mover(input_rad: Floats, load_Nm: Floats | None, by_input: bool) -> Floats:
     return np.asarray(input_rad.mean(axis=0) if by_input or load_Nm is None else -load_Nm)
 
 
+def _turns(load_Nm: Floats) -> NDArray[np.bool_]:
+    """Rows at which the load turns round, (n,)."""
+    step = np.diff(load_Nm)
+    large = np.where(np.abs(step) > SAME_SIDE * np.median(np.abs(step)), np.sign(step), 0.0)
+    return np.concatenate([[False], large[1:] * large[:-1] < 0.0, [False]])
+
+
 def path_of(run: Run) -> TurningPath:
     """The path of a table of turning points."""
     by_input = inputs_move(run)
@@ -71,9 +99,10 @@ def path_of(run: Run) -> TurningPath:
     moved, off = np.diff(at), np.abs(at - 0.5 * (at.min() + at.max()))
     least = np.minimum(np.median(np.abs(moved)), np.maximum(off[1:], off[:-1]))
     turned = np.where(np.abs(moved) < SAME_SIDE * least, 0.0, np.sign(moved))
+    turns_load = _turns(run.load_Nm) if by_input and run.load_Nm is not None else np.zeros(at.size, dtype=np.bool_)
     missing, last = [], 0.0
     for k, sense in enumerate(turned):
-        if last and sense != -last:
+        if last and sense != -last and not turns_load[k]:
             missing.append(k)
         else:
             last = sense

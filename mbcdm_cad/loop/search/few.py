@@ -32,7 +32,7 @@ from mbcdm_cad.loop.search.evidence import TOLD_APART
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.loop.search.select import LEAST_FALL
 from mbcdm_cad.loop.search.unknown import Unknown
-from mbcdm_cad.measurement.by_hand import inputs_move, loadings
+from mbcdm_cad.measurement.by_hand import inputs_move, loadings, path_of
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.measurement.schema import CREEP
 from mbcdm_cad.model.si import DriveSI
@@ -63,8 +63,9 @@ KNOWN = 30
 ODDS = 1.0 / TOLD_APART - 1.0
 PLAY = "lash"
 LOST_TRACK = (
-    "the inputs move under a load, and the model does not follow the cables from row to row then; log the motion "
-    "instead, or lock the inputs and read the output under loads"
+    "the inputs turn round under a load that is made smaller before the next row: until then it had its old size, "
+    "which no row says and the friction of the cables remembers; write a row before the load is made smaller, go from "
+    "small loads to large ones, or log the motion"
 )
 HIDDEN_PLAY = (
     "its errors look like a play, but the load changes its sign between the rows, and where the pulleys of several "
@@ -166,9 +167,8 @@ class FewReadings:
 
     @property
     def loses_track(self) -> bool:
-        """Whether the inputs of a design move under a load: the model does not follow the cables from row to row."""
-        loaded = any(p.load_Nm is not None and p.load_Nm.any() and inputs_move(p.run) for p in self.prepared)
-        return self.d is not None and loaded and not self.at_rest
+        """Whether the load of a design's cables had extremes that no row has."""
+        return self.d is not None and not self.at_rest and any(path_of(p.run).hides_load for p in self.prepared)
 
     @property
     def hides_play(self) -> bool:

@@ -60,4 +60,12 @@ class Experiment(ExperimentBlock):
         begins = 0.25 * self.motion.period_s if held else 0.0
         turns = 0.25 * period + 0.5 * period * np.arange(1 + int(2.0 * time_s[-1] / period))
         turns = turns[(turns >= begins) & (turns <= time_s[-1])]
-        return np.asarray(np.searchsorted(time_s, turns - 1e-9))
+        rows = np.searchsorted(time_s, turns - 1e-9)
+        if held:
+            return np.asarray(rows)
+        # Where the load is made smaller it turns round: the sample before.
+        course, levels = self.load.periods_per_level * period, np.abs(self.load.levels_Nm)
+        number = np.arange(1, 1 + int(time_s[-1] / course))
+        falls = levels[number % levels.size] < levels[(number - 1) % levels.size]
+        before = np.searchsorted(time_s, course * number[falls] - 1e-9) - 1
+        return np.unique(np.concatenate([rows, before[before > rows[0]]]))
