@@ -499,11 +499,11 @@ class AsBuiltValue(PlainBlock):
 
 @dataclass(frozen=True, kw_only=True)
 class AsBuiltCorrelation(PlainBlock):
-    """How one figure of an entry goes with one of an earlier entry that was found together with it."""
+    """How one value of an entry goes with another of its own, or one of an entry that was found together with it."""
 
-    own: EntryName = choice("name of the entry's figure")
-    entry: Integer = choice("number of the earlier entry in the list, from 0", ge=0, le=31)
-    other: EntryName = choice("name of the earlier entry's figure")
+    own: EntryName = choice("name of the entry's value")
+    entry: Integer = choice("number of the other entry in the list, from 0", ge=0, le=31)
+    other: EntryName = choice("name of the other entry's value")
     correlation: Number = choice("correlation of what is not known of the two", ge=-1.0, le=1.0)
 
 
@@ -519,13 +519,13 @@ class AsBuilt(PlainBlock):
         "its values: {name: share, value: 0.12, low: 0.11, high: 0.13}",
         example=[{"name": "share", "value": 0.12, "low": 0.11, "high": 0.13}],
         min_length=1,
-        max_length=8,
+        max_length=12,
     )
     correlated: tuple[AsBuiltCorrelation, ...] = choice(
-        "correlations with earlier entries: {own: share, entry: 0, other: share, correlation: -0.8}",
+        "correlations within the entry and with earlier ones: {own: share, entry: 0, other: share, correlation: -0.8}",
         example=[{"own": "share", "entry": 0, "other": "share", "correlation": -0.8}],
         default=(),
-        max_length=64,
+        max_length=256,
     )
     source: Text | None = choice("the measured run that it was found in", default=None)
 

@@ -31,7 +31,7 @@ def as_built_text(loaded: LoadedDesign, result: LoopResult, source: str = "") ->
     before = yamltree.parse(loaded.text, str(loaded.path)).data.get(KEY) or []
     lasting = _lasting(result.effects)
     entries = before + [
-        _entry(named, source) | _correlated(named, lasting[:k], len(before)) for k, named in enumerate(lasting)
+        _entry(named, source) | _correlated(named, lasting[: k + 1], len(before)) for k, named in enumerate(lasting)
     ]
     block = [f"{KEY}:" if entries or result.one_of else f"{KEY}: []"]
     for entry in entries:
@@ -46,7 +46,7 @@ def as_built_text(loaded: LoadedDesign, result: LoopResult, source: str = "") ->
 
 
 def _correlated(named: Named, earlier: Sequence[Named], first: int) -> dict[str, Any]:
-    """Correlations of an entry's figures with those of earlier ones, the first of which has the number ``first``."""
+    """Correlations of an entry's values with each other and with those of earlier ones, numbered from ``first``."""
     found = []
     for k, other in enumerate(earlier, first):
         table = named.correlated.get(other.words)
@@ -54,7 +54,7 @@ def _correlated(named: Named, earlier: Sequence[Named], first: int) -> dict[str,
             continue
         for i, own in enumerate(named.fitted):
             for j, name in enumerate(other.fitted):
-                if abs(table[i, j]) >= LEAST_CORRELATION:
+                if abs(table[i, j]) >= LEAST_CORRELATION and (other is not named or j < i):
                     found.append({"own": own, "entry": k, "other": name, "correlation": round(float(table[i, j]), 3)})
     return {"correlated": found} if found else {}
 
@@ -122,12 +122,17 @@ def _entry(named: Named, source: str) -> dict[str, Any]:
 
 
 def _value(name: str, value: float, named: Named) -> dict[str, Any]:
-    """A fitted value; with its interval if the value itself is a reported figure."""
+    """A fitted value with its interval, where it is known to both sides."""
     found: dict[str, Any] = {"name": name, "value": value}
+    half = named.half_widths.get(name, 0.0)
     figure = named.parameters.get(name)
-    if figure is not None and math.isfinite(figure.low) and math.isfinite(figure.high):
-        found |= {"low": figure.low, "high": figure.high}
-    return found
+    if figure is not None:
+        ends = figure.low, figure.high
+    elif half and all(math.isfinite(one.high) for one in named.parameters.values()):
+        ends = value - half, value + half
+    else:
+        return found
+    return found | ({"low": ends[0], "high": ends[1]} if all(map(math.isfinite, ends)) else {})
 
 
 def _written(entry: dict[str, Any]) -> list[str]:

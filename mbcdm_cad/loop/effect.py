@@ -82,7 +82,8 @@ class Effect:
     ``{stage}`` and ``{cables}``. ``reversed_words`` describe it where its first figure is negative, if that is
     something else. ``base`` is the effect of which a change during the run is one; ``later`` applies it to the runs
     after its own. ``richer``: all forms of an effect that is a sum of terms, those of more terms too, which the search
-    tries in its place once it has ended.
+    tries in its place once it has ended. ``shapes``: the same effect with other shapes of its law, none of which the
+    search tries: its figures are not known better than they agree on.
     """
 
     name: str
@@ -113,6 +114,7 @@ class Effect:
     base: Effect | None = None
     later: Callable[[Setup, Floats, Simulator], Setup] | None = None
     richer: Callable[[], list[Effect]] | None = None
+    shapes: Callable[[], list[Effect]] | None = None
 
     @property
     def words(self) -> Words:

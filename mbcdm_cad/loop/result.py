@@ -32,8 +32,8 @@ class Named:
     ``fitted`` are the fitted values of the effect's parameters, ``form`` the form that they belong to, ``meanings``
     what figures mean on the bench where their names do not say it; ``plain`` as in :class:`Effect`. ``run`` is the data
     of the only run that has it, empty if all have it; ``after`` what a change left behind, as an effect of its own;
-    ``correlated``: by the words of another effect that was found with it, the correlations of the fitted values of
-    both, own values by those of the other.
+    ``correlated``: by the words of an effect that was found with it, and by its own, the correlations of the fitted
+    values of both, own values by those of the other; ``half_widths`` of their 95 % intervals, by name.
     """
 
     name: str
@@ -52,6 +52,7 @@ class Named:
     plain: str = ""
     run: str = ""
     correlated: dict[str, Floats] = field(default_factory=dict, repr=False)
+    half_widths: dict[str, float] = field(default_factory=dict, repr=False)
     after: Named | None = None
 
     @property

@@ -62,16 +62,25 @@ SPOKEN = {
 }
 # The speed w_s, over the largest speed of the run: bounds, and where fits begin.
 FADES, BEGINNINGS = (0.02, 1.0), (0.1, 0.35)
+# The exponent of w/w_s, and others that real contacts have: the intervals hold what the figures would be with them.
+EXPONENT, EXPONENTS = 2.0, (1.0, 3.0)
 # The path over which a friction builds up after a reversal, over the travel: bounds, and where fits begin.
 PATHS, FIRST_PATH = (2e-5, 0.05), 1e-3
 BIAS = "a constant bias torque: friction keeps to the speed, lash and the cables to the torque"
 TWO = "runs at two speeds that differ threefold and under two loads, one of them a weight that drives the drum one way"
 
 
-def bases(terms: Terms, sense: Floats, speed_rad_s: Floats, load_Nm: Floats | None, fades_rad_s: float) -> Floats:
+def bases(
+    terms: Terms,
+    sense: Floats,
+    speed_rad_s: Floats,
+    load_Nm: Floats | None,
+    fades_rad_s: float,
+    exponent: float = EXPONENT,
+) -> Floats:
     """What each term of a friction does against the motion for a coefficient of one, (terms, n)."""
     load = np.zeros_like(sense) if load_Nm is None else load_Nm
-    slow = np.exp(-((speed_rad_s / fades_rad_s) ** 2)) if FADING & {*terms} else np.zeros_like(sense)
+    slow = np.exp(-((np.abs(speed_rad_s) / fades_rad_s) ** exponent)) if FADING & {*terms} else np.zeros_like(sense)
     forward = 0.5 * (1.0 + np.tanh(4.0 * sense * load / max(float(np.abs(load).max()) * 0.1, 1e-12)))
     rows = {
         CONSTANT: np.ones_like(sense),
@@ -101,7 +110,7 @@ class FrictionPlace:
     plain: str
     what: str
 
-    def applied(self, terms: Terms, setup: Setup, values: Floats, _: Simulator) -> Setup:
+    def applied(self, terms: Terms, exponent: float, setup: Setup, values: Floats, _: Simulator) -> Setup:
         """The run with a friction of these terms."""
         p, sizes = setup.p, sizes_of(terms)
         fades, sense = float(values[len(sizes)]) if FADING & {*terms} else 1.0, p.sense
@@ -109,7 +118,8 @@ class FrictionPlace:
             path = float(values[-1]) * setup.ratio
             sense = slid(p.common_rad, path)
             setup = replace(setup, p=p.building_up(path))
-        return self.moved(setup, values[: len(sizes)] @ bases(sizes, sense, p.speed_rad_s, p.load_Nm, fades))
+        own = bases(sizes, sense, p.speed_rad_s, p.load_Nm, fades, exponent)
+        return self.moved(setup, values[: len(sizes)] @ own)
 
 
 def sizes_of(terms: Terms) -> Terms:
@@ -118,7 +128,7 @@ def sizes_of(terms: Terms) -> Terms:
 
 
 def _beyond(setup: Setup, torque_Nm: Floats) -> Setup:
-    return replace(setup, load_Nm=setup.load + torque_Nm)
+    return setup.with_rubbed(torque_Nm)
 
 
 def _before(setup: Setup, torque_Nm: Floats) -> Setup:
@@ -209,7 +219,7 @@ def all_terms(place: FrictionPlace, loaded: bool) -> list[Terms]:
     return sorted(found, key=len)
 
 
-def friction(place: FrictionPlace, terms: Terms, p: Prepared) -> Effect:
+def friction(place: FrictionPlace, terms: Terms, p: Prepared, exponent: float = EXPONENT) -> Effect:
     """A friction of these terms at a place."""
     sizes, travel = sizes_of(terms), float(np.ptp(p.output_rad))
     parameters = [Parameter(name, size, 0.0) for name, size in (place.parameters[term] for term in sizes)]
@@ -238,12 +248,13 @@ def friction(place: FrictionPlace, terms: Terms, p: Prepared) -> Effect:
         place.where,
         TWO if more else BIAS,
         tuple(parameters),
-        partial(place.applied, terms),
+        partial(place.applied, terms, exponent),
         starts=partial(_begun, begun),
         generic=True,
         hangs_on="speed" if {*terms} & {VISCOUS, *FADING} else "",
         plain=f"{place.what} there are {_listed(clauses)}" + built if more else place.plain,
         richer=None if more else partial(_richer, place, p),
+        shapes=partial(_shapes, place, terms, p) if FADING & {*terms} else None,
         figures=tuple(
             Figure(q.name, lambda v, k=k: float(v[k]), _MEANINGS.get(q.name, ""))  # type: ignore[misc]
             for k, q in enumerate(parameters)
@@ -268,6 +279,10 @@ def _listed(words: list[str]) -> str:
 
 def _richer(place: FrictionPlace, p: Prepared) -> list[Effect]:
     return [friction(place, terms, p) for terms in all_terms(place, p.load_Nm is not None and bool(p.load_Nm.any()))]
+
+
+def _shapes(place: FrictionPlace, terms: Terms, p: Prepared) -> list[Effect]:
+    return [friction(place, terms, p, exponent) for exponent in EXPONENTS]
 
 
 def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:

@@ -135,7 +135,7 @@ def _given(setup: Setup, values: Floats, _: Simulator) -> Setup:
 
 
 def _rubbed(setup: Setup, values: Floats, _: Simulator) -> Setup:
-    return replace(setup, load_Nm=setup.load + values[0] * setup.p.sense)
+    return setup.with_rubbed(values[0] * setup.p.sense)
 
 
 def _of_parts(name: str, parameters: tuple[Parameter, ...], apply: Callable[..., Setup]) -> Effect:

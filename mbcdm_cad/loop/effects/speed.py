@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
@@ -22,7 +20,7 @@ def _late(setup: Setup, values: Floats, _: Simulator) -> Setup:
 
 
 def _viscous(setup: Setup, values: Floats, _: Simulator) -> Setup:
-    return replace(setup, load_Nm=setup.load + values[0] * setup.p.speed_rad_s)
+    return setup.with_rubbed(values[0] * setup.p.speed_rad_s)
 
 
 def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:

@@ -30,7 +30,8 @@ class Setup:
     stands from where its encoder says; ``added_rad`` (n,) adds to the reading; ``winding`` is how much of the winding
     history is applied, 0 to 1; ``play_rad`` is the play between encoder and pulley of each input, empty for none;
     ``creep`` is the share, 0 to 1, of the creep over the inputs that a wrap of ``through_rad`` allows; ``lines`` are
-    lines in angle on the reading: cosine and sine in rad, cycles a turn of the output.
+    lines in angle on the reading: cosine and sine in rad, cycles a turn of the output. ``rubbed_Nm`` (n,) is the part
+    of the load that is friction and drag at the drum: the cables bear it, the output shaft does not.
     """
 
     d: DriveSI | None
@@ -45,6 +46,7 @@ class Setup:
     creep: float = 0.0
     through_rad: float = 0.0
     lines: tuple[tuple[float, float, float], ...] = ()
+    rubbed_Nm: Floats | float = 0.0
 
     @property
     def drive(self) -> DriveSI:
@@ -61,8 +63,11 @@ class Setup:
     @property
     def borne(self) -> Floats:
         """The load that structure and output shaft carry: that of the cables without the friction that loads them."""
-        parts = self.p.run.parts
-        return self.load if parts is None else self.load - parts.friction_Nm * self.p.sense
+        return np.asarray(self.load - self.rubbed_Nm)
+
+    def with_rubbed(self, torque_Nm: Floats) -> Setup:
+        """Load the cables by a friction or a drag at the drum, (n,), beyond the output shaft."""
+        return replace(self, load_Nm=self.load + torque_Nm, rubbed_Nm=self.rubbed_Nm + torque_Nm)
 
     def with_path(self, path_m: Floats) -> Setup:
         """Lengthen the paths of the cables."""
@@ -118,16 +123,9 @@ def declared(d: DriveSI | None, ratio: float, p: Prepared) -> Setup:
         added = under_load(p, lambda since: give * np.log10(1.0 + since / START_S))
     if parts is None or load is None or d is None:
         return Setup(d, ratio, p, load, None, None, added)
-    return Setup(
-        d,
-        ratio,
-        p,
-        load + parts.friction_Nm * p.sense,
-        None,
-        None,
-        added - parts.give_rad_Nm * load,
-        play_rad=(parts.play_rad,) * d.n_inputs if parts.play_rad else (),
-    )
+    play = (parts.play_rad,) * d.n_inputs if parts.play_rad else ()
+    bare = Setup(d, ratio, p, load, None, None, added - parts.give_rad_Nm * load, play_rad=play)
+    return bare.with_rubbed(parts.friction_Nm * p.sense)
 
 
 def give_rad_Nm(d: DriveSI | None) -> float:

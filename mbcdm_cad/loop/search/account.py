@@ -82,6 +82,10 @@ def as_named(effect: Effect, values: Floats, block: Floats, fall_rad: float, run
         {figure.name: figure.meaning for figure in effect.reported() if figure.meaning},
         words.plain,
         run,
+        half_widths={
+            p.name: INTERVAL * float(np.sqrt(max(0.0, own)))
+            for p, own in zip(effect.parameters, np.diag(block), strict=True)
+        },
     )
 
 

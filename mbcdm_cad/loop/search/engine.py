@@ -126,6 +126,8 @@ class _Loop:
             if open_ is None:
                 break
             fit, groups, unknown = self.judge.taken_back(open_, fit, groups)
+        if groups:
+            windows = [np.hypot(w, s) for w, s in zip(windows, self.judge.shift_by_shape(fit), strict=True)]
         named, sets = [], []
         for group in groups:
             first = self._named(group.effect, fit, whole, windows)
@@ -135,7 +137,7 @@ class _Loop:
                 sets.append((first, *others))
             else:
                 named.append(first)
-        named = self._with_correlations(named, [g.effect for g in groups if not g.alike], whole)
+        named = self._with_correlations(named, [g.effect for g in groups if not g.alike], whole, fit, windows)
         found = errors(self.whole, bare, judged, self.search.floor_rad)
         # Neither "explained" nor "none" may stand beside an error that is not near the floor.
         if unknown is None and not found.near_floor:
@@ -221,11 +223,17 @@ class _Loop:
         opened = {name: replace(value, low=value.value, high=np.inf) for name, value in named.parameters.items()}
         return replace(named, parameters=opened)
 
-    def _with_correlations(self, named: Sequence[Named], effects: Sequence[Effect], whole: Fit) -> list[Named]:
-        """The named effects, each with the correlations of its values with those of the others."""
-        if len(named) < 2:
-            return list(named)
-        covariance = self.judge.covariance(whole, self.whole)
+    def _with_correlations(
+        self, named: Sequence[Named], effects: Sequence[Effect], whole: Fit, fit: Fit, windows: Sequence[Floats]
+    ) -> list[Named]:
+        """The named effects, each with the correlations of its values with each other and with those of the others.
+
+        What the smoothing windows add to the variance of each value, as in its interval, is taken as its own.
+        """
+        covariance = self.judge.covariance(whole, self.whole).copy()
+        for effect in effects:
+            own = np.arange(covariance.shape[0])[whole.columns_of(effect)]
+            covariance[own, own] += (windows[fit.effects.index(effect)] / INTERVAL) ** 2
         known = np.isfinite(covariance) & np.isfinite(np.diag(covariance)) & np.isfinite(np.diag(covariance))[:, None]
         covariance = np.where(known, covariance, 0.0)
         size = np.sqrt(np.where(np.diag(covariance) > 0.0, np.diag(covariance), np.inf))
@@ -233,8 +241,7 @@ class _Loop:
         columns = [whole.columns_of(effect) for effect in effects]
         found = []
         for k, one in enumerate(named):
-            others = {other.words: joint[columns[k], columns[j]] for j, other in enumerate(named) if j != k}
-            found.append(replace(one, correlated=others))
+            found.append(replace(one, correlated={o.words: joint[columns[k], columns[j]] for j, o in enumerate(named)}))
         return found
 
     def _before_and_after(self, named: Named, effect: Effect, whole: Fit, fitter: Fitter) -> Named:

@@ -346,3 +346,13 @@ class Judge(ClassOfSensor):
                 continue
             most = [np.maximum(m, np.abs(a - b)) for m, a, b in zip(most, again.values, fit.values, strict=True)]
         return most
+
+    def shift_by_shape(self, fit: Fit) -> list[Floats]:
+        """The same with other shapes of laws that these runs do not tell from those of the fit."""
+        most = [np.zeros_like(v) for v in fit.values]
+        for effect, shape in [(e, shape) for e in fit.effects if e.shapes for shape in e.shapes()]:
+            effects = [shape if one is effect else one for one in fit.effects]
+            again = self.fitter.tried(effects, fit.values, fit.offsets)
+            if again is not None and (again.square <= fit.square or self.alike(again, fit)):
+                most = [np.maximum(m, np.abs(a - b)) for m, a, b in zip(most, again.values, fit.values, strict=True)]
+        return most

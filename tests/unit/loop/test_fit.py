@@ -56,6 +56,18 @@ def test_kinds() -> None:
     assert [kinds[e] for e in (SCALE, LATE, "lash (play at the output)")] == [2] * 3
 
 
+def test_friction_at_the_drum_loads_the_cables_and_not_the_shaft() -> None:
+    f = fitter()
+    friction, drag, shaft = (
+        effect(f, label)
+        for label in ("friction (bearing torque)", "delay (viscous drag)", "stiffness_error (compliance in series)")
+    )
+    rubs = [np.array([0.2]), np.array([0.3])]
+    without = f.predict((friction, drag), rubs, np.zeros(f.free.size))
+    with_it = f.predict((friction, drag, shaft), [*rubs, np.array([1e-4])], np.zeros(f.free.size))
+    assert with_it - without == pytest.approx(-1e-4 * f.runs[0].load_Nm, abs=1e-12)
+
+
 def test_what_only_adds_costs_no_simulation(monkeypatch: pytest.MonkeyPatch) -> None:
     calls = 0
     real = setup.respond

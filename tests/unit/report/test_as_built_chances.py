@@ -83,8 +83,9 @@ def test_the_loop_writes_the_correlations_of_what_it_found() -> None:
     run = Run(t, 8.0 * angle[None], read, sensors=Sensors(2e-5, 2e-5), input_names=("input",), ratio=8.0)
     result = close_loop(None, [run])
     assert {one.name for one in result.effects} == {"ratio_error", "delay"}, result.sentence
-    (table,) = result.effects[0].correlated.values()
-    (other,) = result.effects[1].correlated.values()
+    one, two = result.effects
+    table, other = one.correlated[two.words], two.correlated[one.words]
+    assert one.correlated[one.words] == pytest.approx(1.0) and two.correlated[two.words] == pytest.approx(1.0)
     assert table.shape == (1, 1) and table == pytest.approx(other.T) and abs(table[0, 0]) <= 1.0
     text = as_built_text(load_design(DESIGN), result)
     assert ("correlated:" in text) == (abs(table[0, 0]) >= 0.01), (table, text)
