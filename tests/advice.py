@@ -30,6 +30,7 @@ from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.solving.question import question_of
 from mbcdm_cad.solving.solve import solve
 from tests.acceptance.test_single_edits import EDITS, requirements
+from tests.support.many import add_workers, run_many
 
 REFERENCE = Path(__file__).parents[1] / "params" / "mbcdm.yaml"
 ROUNDS = 8
@@ -86,22 +87,31 @@ def follow(data: dict[str, Any]) -> End:
     return End(CYCLE, ROUNDS, words, data)
 
 
+def ended(asked: tuple[str, bool, bool]) -> tuple[str, End, str]:
+    """An edit by its name (of the short file, ``solve`` asked where it stays), how it ends, what ``solve`` says."""
+    name, short, solves = asked
+    end = follow(start(name, short=short))
+    if not solves or end.kind != STAYS:
+        return name, end, ""
+    conflict = solve(question_of(yaml.safe_dump(end.data, sort_keys=False))).conflict
+    words = "a design" if conflict is None else f"no design: {', '.join(conflict.exclude) or 'no set found'}"
+    return name, end, words
+
+
 def main() -> int:
     """The command."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--short", action="store_true", help="edit the file of requirements alone")
     parser.add_argument("--only", help="one edit by its name")
     parser.add_argument("--solve", action="store_true", help="ask mbcdm solve about those that stay")
+    add_workers(parser)
     args = parser.parse_args()
     counted: Counter[str] = Counter()
-    for name in [args.only] if args.only else EDITS:
-        end = follow(start(name, short=args.short))
+    asked = [(name, args.short, args.solve) for name in ([args.only] if args.only else EDITS)]
+    for name, end, words in run_many(ended, asked, args):
         counted[end.kind] += 1
         print(f"{name:<20} {end.kind} after {end.rounds}: {end.words}", flush=True)
-        if args.solve and end.kind == STAYS:
-            found = solve(question_of(yaml.safe_dump(end.data, sort_keys=False)))
-            conflict = found.conflict
-            words = "a design" if conflict is None else f"no design: {', '.join(conflict.exclude) or 'no set found'}"
+        if words:
             counted[f"solve: {words.split(':')[0]}"] += 1
             print(f"{'':<20} solve: {words}", flush=True)
     print(", ".join(f"{n} {kind}" for kind, n in counted.items()))

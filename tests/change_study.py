@@ -13,11 +13,13 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tests" / "support"))
+sys.path.insert(0, str(ROOT))
 
 from bench_change import CHANGES, TRANSITION_S, simulate_change  # noqa: E402
 from bench_data import through_files  # noqa: E402
@@ -26,6 +28,7 @@ from scipy.stats import binomtest  # noqa: E402
 
 from mbcdm_cad.design.drive import Drive  # noqa: E402
 from mbcdm_cad.layouts.loader import load_design  # noqa: E402
+from tests.support.many import add_workers, run_many  # noqa: E402
 
 UNCHANGED = ("null_brake", "null_steps", "null_hand", "null_motor", "thermal", "creep", "stiffness_modulus", "friction")
 CHANGED = tuple(f"{case} changes" for case in CHANGES)
@@ -33,10 +36,16 @@ CHANGED = tuple(f"{case} changes" for case in CHANGES)
 ALIKE = {"preload_error": "cable_friction", "cable_friction": "preload_error"}
 
 
-def judge(drive: Drive, case: str, seed: int) -> dict[str, Any]:
-    """Make the run, give it to the loop, compare."""
+@cache
+def _drive() -> Drive:
+    return load_design(ROOT / "params" / "mbcdm.yaml").drive
+
+
+def judge(asked: tuple[str, int]) -> dict[str, Any]:
+    """Make the run of a case and a seed, give it to the loop, compare."""
     from mbcdm_cad.loop.search.engine import close_loop
 
+    (case, seed), drive = asked, _drive()
     name, changes = case.removesuffix(" changes"), case.endswith(" changes")
     simulated, at_s = simulate_change(drive, name, seed) if changes else (simulate_real(drive, name, seed), None)
     result = close_loop(drive, [through_files(simulated, drive.input_names)])
@@ -115,19 +124,18 @@ def main() -> None:
     parser.add_argument("--first-seed", type=int, default=0)
     parser.add_argument("--store", type=Path, default=ROOT / "out" / "change-study.jsonl")
     parser.add_argument("--table", type=Path, help="Markdown page to write")
+    add_workers(parser)
     options = parser.parse_args()
     options.store.parent.mkdir(parents=True, exist_ok=True)
     rows = [json.loads(line) for line in options.store.read_text().splitlines()] if options.store.exists() else []
     done = {(r["case"], r["seed"]) for r in rows}
-    drive = load_design(ROOT / "params" / "mbcdm.yaml").drive
-    for seed in range(options.first_seed, options.first_seed + options.rounds):
-        for case in (*CHANGED, *UNCHANGED):
-            if (case, seed) in done:
-                continue
-            rows.append(judge(drive, case, seed))
-            with options.store.open("a") as file:
-                file.write(json.dumps(rows[-1]) + "\n")
-            print(case, seed, rows[-1]["outcome"], rows[-1]["said"], rows[-1]["wrong"], flush=True)
+    seeds = range(options.first_seed, options.first_seed + options.rounds)
+    asked = [(case, seed) for seed in seeds for case in (*CHANGED, *UNCHANGED) if (case, seed) not in done]
+    for row in run_many(judge, asked, options):
+        rows.append(row)
+        with options.store.open("a") as file:
+            file.write(json.dumps(row) + "\n")
+        print(row["case"], row["seed"], row["outcome"], row["said"], row["wrong"], flush=True)
     if options.table is not None:
         options.table.write_text(table(rows), "utf-8")
 

@@ -34,6 +34,7 @@ from mbcdm_cad.measurement.schema import Pendulum  # noqa: E402
 from mbcdm_cad.rig.dynamic.experiment import DynamicExperiment  # noqa: E402
 from mbcdm_cad.rig.dynamic.simulate import simulate_dynamic  # noqa: E402
 from tests.support.bench_page import interval  # noqa: E402
+from tests.support.many import add_workers, run_many  # noqa: E402
 
 # A low preload and more friction in the cables are nearly alike: either, or both as a set, is right.
 WANTED = ({"preload_error", "cable_friction"}, {"friction"})
@@ -90,10 +91,11 @@ def measured(
     return replace(logged, load_Nm=known, sensors=sensors)
 
 
-def judged(drive: Drive, seed: int, effects: bool, stated: bool) -> dict[str, object]:
-    """What the loop says of one run, as a row of the study's file."""
+def judged(asked: tuple[int, bool, bool]) -> dict[str, object]:
+    """What the loop says of one run (seed, with effects, weight stated), as a row of the study's file."""
     from mbcdm_cad.loop.search.engine import close_loop
 
+    (seed, effects, stated), drive = asked, load_design(ROOT / "params" / "mbcdm.yaml").drive
     run = measured(drive, seed, effects, stated=stated)
     begun = time.process_time()
     result = close_loop(drive, [run])
@@ -134,17 +136,18 @@ def main() -> None:
     parser.add_argument("--first-seed", type=int, default=0)
     parser.add_argument("--without", action="store_true", help="the twins without effects")
     parser.add_argument("--unstated", action="store_true", help="the measurement file does not state the weight")
+    add_workers(parser)
     options = parser.parse_args()
-    drive = load_design(ROOT / "params" / "mbcdm.yaml").drive
     text = options.rows.read_text() if options.rows.exists() else ""
     rows = [json.loads(line) for line in text.splitlines()]
     done = {(row["seed"], row["effects"]) for row in rows}
-    for seed in range(options.first_seed, options.first_seed + options.runs):
-        if (seed, not options.without) in done:
-            continue
-        rows.append(judged(drive, seed, not options.without, not options.unstated))
+    effects, stated = not options.without, not options.unstated
+    seeds = range(options.first_seed, options.first_seed + options.runs)
+    asked = [(seed, effects, stated) for seed in seeds if (seed, effects) not in done]
+    for row in run_many(judged, asked, options):
+        rows.append(row)
         with open(options.rows, "a", encoding="utf-8") as file:
-            file.write(json.dumps(rows[-1]) + "\n")
+            file.write(json.dumps(row) + "\n")
     print(summary(rows))
 
 

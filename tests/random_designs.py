@@ -1,6 +1,6 @@
 """Build designs that pass the checks: every part must be one valid solid with a watertight mesh, without interference.
 
-    python tests/random_designs.py --count 200 --seed 1 --jobs 2
+    python tests/random_designs.py --count 200 --seed 1 --workers 2
     python tests/random_designs.py --count 100 --workshop
     python tests/random_designs.py --count 50 --configuration siso_spur
 
@@ -14,13 +14,11 @@ their seeds; ``--only SEED`` runs one, ``--save DIR`` writes the design files. E
 from __future__ import annotations
 
 import argparse
-import multiprocessing
 import sys
 import time
 from collections import Counter, defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -45,6 +43,7 @@ from mbcdm_cad.layouts.miso_spur.checks import room as round_room
 from mbcdm_cad.layouts.siso_bevel.checks import room as bevel_room
 from mbcdm_cad.layouts.siso_spur.checks import room
 from mbcdm_cad.parts.bill import CABLE, Bill
+from tests.support.many import add_workers, run_many
 from tests.support.workshop import at_rest, forced, forced_parts, workshop
 
 STAGES = ("draw", "sound", "mesh", "interference", "box", "mass", "take-up", "drawing", "print", "holes", "forced")
@@ -195,26 +194,15 @@ def attempt(task: tuple[int, int, str]) -> Outcome:
     return Outcome(seed, "", figures(found), tuple(exercise(found, poses) if poses else exercise_workshop(found)))
 
 
-def attempts(first: int, wanted: int, poses: int, jobs: int, configuration: str = "miso_bevel") -> Iterator[Outcome]:
-    """Outcomes of seeds from ``first`` on, until ``wanted`` of them have passed the checks."""
-    passed = 0
-    tasks = ((seed, poses, configuration) for seed in count(first))
-    if jobs <= 1:
-        for task in tasks:
-            if passed == wanted:
-                return
-            outcome = attempt(task)
-            passed += not outcome.rejected
+def attempts(options: argparse.Namespace) -> Iterator[Outcome]:
+    """Outcomes of seeds from the first on, until as many as wanted have passed the checks."""
+    seed, left = options.seed, options.count
+    while left > 0:
+        tasks = [(s, options.poses, options.configuration) for s in range(seed, seed + left)]
+        seed += left
+        for outcome in run_many(attempt, tasks, options):
+            left -= not outcome.rejected
             yield outcome
-        return
-    with multiprocessing.get_context("spawn").Pool(jobs) as pool:
-        window = [pool.apply_async(attempt, (next(tasks),)) for _ in range(2 * jobs)]
-        while passed < wanted:
-            outcome = window.pop(0).get()
-            window.append(pool.apply_async(attempt, (next(tasks),)))
-            passed += not outcome.rejected
-            yield outcome
-        pool.terminate()
 
 
 def report(outcomes: list[Outcome]) -> str:
@@ -249,19 +237,19 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--count", type=int, default=200, help="designs to build")
     parser.add_argument("--seed", type=int, default=1, help="first seed")
-    parser.add_argument("--jobs", type=int, default=1, help="processes")
     parser.add_argument("--poses", type=int, default=9, help="poses of the interference run")
     parser.add_argument("--workshop", action="store_true", help="take-up, drawings, 3MF and tables of holes instead")
     parser.add_argument("--configuration", choices=sorted(SPACES), default="miso_bevel", help="layout to draw from")
     parser.add_argument("--only", type=int, help="this seed alone")
     parser.add_argument("--save", type=Path, help="folder for the design files of all that pass")
+    add_workers(parser)
     options = parser.parse_args()
     start = time.monotonic()
     options.poses = 0 if options.workshop else options.poses
     if options.only is not None:
         stream: Iterator[Outcome] = iter([attempt((options.only, options.poses, options.configuration))])
     else:
-        stream = attempts(options.seed, options.count, options.poses, options.jobs, options.configuration)
+        stream = attempts(options)
     outcomes = []
     for outcome in stream:
         outcomes.append(outcome)
