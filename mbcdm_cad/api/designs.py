@@ -110,7 +110,7 @@ def optimise(
     wishes = wishes_of(aims, keeps, free, only_free=only_free)
     told = progress or (lambda words, count: None)
     others = [(one if isinstance(one, DriveDesign) else load(one)).loaded for one in beside]
-    return optimise([_question(one) for one in listed], wishes, Path(out), effort or Effort(), told, others)
+    return optimise([_text_of(one) for one in listed], wishes, Path(out), effort or Effort(), told, others)
 
 
 def prices(
@@ -138,11 +138,18 @@ def prices(
 
 
 def _question(design: DriveDesign | str | Path) -> Question:
-    from mbcdm_cad.solving.question import question_of, read_question
+    from mbcdm_cad.solving.question import question_of
+
+    return question_of(*_text_of(design))
+
+
+def _text_of(design: DriveDesign | str | Path) -> tuple[str, Path]:
+    """A design's file: its text and path."""
+    from mbcdm_cad.design.source import read_text
 
     if isinstance(design, DriveDesign):
-        return question_of(design.loaded.text, design.loaded.path)
-    return read_question(design)
+        return design.loaded.text, design.loaded.path
+    return read_text(Path(design)), Path(design)
 
 
 def compare(

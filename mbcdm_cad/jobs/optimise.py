@@ -12,6 +12,7 @@ from threadpoolctl import threadpool_limits
 
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.design.template import slug
+from mbcdm_cad.design.yamltree import parse
 from mbcdm_cad.optimising.figures import refuse_unknown
 from mbcdm_cad.optimising.journal import Journal, sole_search
 from mbcdm_cad.optimising.page import optimum_page
@@ -19,35 +20,40 @@ from mbcdm_cad.optimising.result import Optimum, optimum_of
 from mbcdm_cad.optimising.search import FrontSearch, Told
 from mbcdm_cad.optimising.variables import variables_of
 from mbcdm_cad.optimising.wishes import Effort, Wishes
-from mbcdm_cad.solving.question import Question
+from mbcdm_cad.solving.question import Question, question_of
 from mbcdm_cad.storage.folders import output_folder
 from mbcdm_cad.storage.keys import content_key, package_hash
 from mbcdm_cad.storage.manifest import Manifest, versions
 
 
 def optimise(
-    questions: Sequence[Question],
+    files: Sequence[tuple[str, Path]],
     wishes: Wishes,
     out: Path,
     effort: Effort,
     told: Told,
     beside: Sequence[LoadedDesign] = (),
 ) -> Optimum:
-    """FrontSearch and write ``out/NAME-optimum``; evaluated points go into ``out/NAME-optimum.jsonl`` on the way.
+    """Search over ``files``, each its text and path, and write ``out/NAME-optimum``.
 
-    The front is shown ``beside`` other designs. An interrupted search writes what it has. Raises ``MbcdmError`` for
-    wishes that the layouts cannot answer, and ``OutputError`` if files cannot be written or a search before is there
-    and ``effort`` does not resume it.
+    Evaluated points go into ``out/NAME-optimum.jsonl`` on the way. The front is shown ``beside`` other designs. An
+    interrupted search writes what it has. Raises ``InputError`` for mistakes in a file, ``MbcdmError`` for wishes that
+    the layouts cannot answer, and ``OutputError`` if files cannot be written or a search before is there and ``effort``
+    does not resume it.
     """
-    refuse_unknown([*(aim.figure for aim in wishes.aims), *(keep.figure for keep in wishes.keeps)], questions)
-    variables = [variables_of(question, wishes) for question in questions]
-    name = slug(str(questions[0].data.get("name") or questions[0].path.stem))
+    text, path = files[0]
+    data = parse(text, str(path)).data
+    name = slug(str((data.get("name") if isinstance(data, dict) else None) or path.stem))
     folder = out / f"{name}-optimum"
     journal_path = out / f"{name}-optimum.jsonl"
-    request = _request(questions, wishes)
+    request = _request(files, wishes)
     # Small systems of equations: threads of the linear algebra would only wait for each other.
     with threadpool_limits(1), sole_search(journal_path):
+        # Before any file is sized, which may take long: a search that is refused is refused at once.
         with Journal(journal_path, request, resume=effort.resume) as journal:
+            questions = [question_of(text, path) for text, path in files]
+            refuse_unknown([*(aim.figure for aim in wishes.aims), *(keep.figure for keep in wishes.keeps)], questions)
+            variables = [variables_of(question, wishes) for question in questions]
             search = FrontSearch(questions, variables, wishes, journal, told)
             searched = search.run(effort)
         found = optimum_of(questions, searched, folder, name, beside)
@@ -55,10 +61,10 @@ def optimise(
     return found
 
 
-def _request(questions: Sequence[Question], wishes: Wishes) -> dict[str, Any]:
+def _request(files: Sequence[tuple[str, Path]], wishes: Wishes) -> dict[str, Any]:
     """All that the results depend on; a search goes on only with an equal one."""
     return {
-        "files": [[question.path.name, question.text] for question in questions],
+        "files": [[path.name, text] for text, path in files],
         "aims": [str(aim) for aim in wishes.aims],
         "keeps": [str(keep) for keep in wishes.keeps],
         "free": [[freed.field, list(freed.values), freed.low, freed.high] for freed in wishes.free],

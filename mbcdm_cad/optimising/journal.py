@@ -60,8 +60,8 @@ class Journal:
             # Without a buffer, so that what a call has written is with the system even if this process is killed.
             self._file = open(path, "ab", buffering=0)  # noqa: SIM115 - closed by __exit__
             self._file.truncate(sum(map(len, whole)))
-            if not whole:
-                self._write(dict(request))
+            # Written with the first record: a request that turns out to be wrong begins no search.
+            self._head: tuple[Record, ...] = () if whole else (dict(request),)
         except OSError as error:
             raise self._refused(error) from error
         except ValueError as error:
@@ -70,7 +70,9 @@ class Journal:
     def add(self, record: Record) -> None:
         """Add one record. Raises ``OutputError`` if the system refuses, such as for a full disk."""
         try:
-            self._write(record)
+            for content in (*self._head, record):
+                self._write(content)
+            self._head = ()
         except OSError as error:
             raise self._refused(error) from error
         self.records.append(record)

@@ -13,7 +13,9 @@ from typing import BinaryIO
 import numpy as np
 import pytest
 
+import mbcdm_cad as mc
 from mbcdm_cad.errors import MbcdmError, OutputError
+from mbcdm_cad.jobs import optimise as job
 from mbcdm_cad.optimising import search as searching
 from mbcdm_cad.optimising.evaluate import Evaluated
 from mbcdm_cad.optimising.journal import Journal
@@ -120,6 +122,18 @@ def test_a_journal_is_neither_lost_nor_mixed_up(tmp_path: Path) -> None:
         Journal(tmp_path / "a.jsonl", {"request": 1}, resume=True)
 
 
+def test_what_is_refused_is_refused_before_any_file_is_sized(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    drive, path = mc.new_design("drive", "siso_spur"), tmp_path / "drive-optimum.jsonl"
+    with pytest.raises(MbcdmError, match="no such figure"):
+        mc.optimise(drive, ["mass_kg:min"], tmp_path)
+    assert not path.read_bytes(), "a request that is wrong begins no search"
+    path.write_text('{"files":[]}\n')
+    monkeypatch.setattr(job, "question_of", lambda *_: pytest.fail("a file is sized"))
+    for resume, words in ((True, "another files, aims"), (False, "add --resume")):
+        with pytest.raises(OutputError, match=words):
+            mc.optimise(drive, ["mass_g:min"], tmp_path, effort=Effort(resume=resume))
+
+
 def test_a_full_disk_is_told_with_the_remedy_and_the_search_goes_on(tmp_path: Path) -> None:
     searched(tmp_path / "whole.jsonl", 50)
 
@@ -145,7 +159,7 @@ def test_a_full_disk_is_told_with_the_remedy_and_the_search_goes_on(tmp_path: Pa
             OutputError, match=r"No space left on device; make room or rights, then go on with --resume"
         ):
             FrontSearch([None], [VARIABLES], WISHES, journal, lambda words, count: None).run(Effort(50))  # type: ignore[list-item]
-    assert len((tmp_path / "a.jsonl").read_bytes()) > 300, "the last line should be cut off"
+    assert len((tmp_path / "a.jsonl").read_bytes()) == 300, "the last line should be cut off"
     searched(tmp_path / "a.jsonl", 50, resume=True)
     assert (tmp_path / "a.jsonl").read_bytes() == (tmp_path / "whole.jsonl").read_bytes()
 
