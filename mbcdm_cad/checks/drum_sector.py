@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from math import asin, cos, degrees, radians, sin
+from math import asin, degrees, radians
 
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.parts.drum_sector.design import SectorDrive
-from mbcdm_cad.parts.drum_sector.dims import SET_SCREW_ANGLES_DEG, DrumDims
-from mbcdm_cad.parts.drum_sector.payload import SCREWS
 from mbcdm_cad.parts.drum_sector.sizes import SLOT_WALLS
 
 # Rim under a pocket's floor, in multiples of the thinnest wall: it carries the root of the lug (estimate).
@@ -78,27 +75,19 @@ def hub_walls(s: SectorLayout) -> Comparison:
         at_least(f"wall beside the payload's {what}", beside, least, "mm"),
         at_least("hub outside the set screws", d.hub_radius - d.set_screw_radius - screw.length_mm, 0.0, "mm"),
     ]
-    if len(d.payload_places) != SCREWS:
-        # Four screws stand midway between the set screws; others may come near them.
-        off = min(abs(d.payload_circle_radius * sin(radians(a - b))) for a, b in _hole_and_set_screw(d))
-        gap = off - (d.payload_hole + screw.thread_mm) / 2
-        found.append(at_least(f"wall between the payload's {what} and the set screws", gap, least, "mm"))
     return worst(found)
 
 
-def _hole_and_set_screw(d: DrumDims) -> Iterator[tuple[float, float]]:
-    """Angles of the payload's holes and of the set screws on their side of the hub."""
-    for hole in d.payload_angles_deg:
-        for radial in SET_SCREW_ANGLES_DEG:
-            if cos(radians(hole - radial)) > 0.0:
-                yield hole, radial
-
-
 def hub_length(s: SectorLayout) -> Comparison:
-    """The hub holds the shaft over at least one diameter, and has room for the set screws in front of the web."""
+    """The hub holds the shaft over at least one diameter, and has room for the set screws in front of the web.
+
+    Where more than four of the payload's screws come near the set screws, these stand behind their holes.
+    """
     d = s.drum
     screw = s.drive.screw(d.set_screw)
     beyond = d.hub_face_y - d.web_end_y
+    behind = (d.web_end_y + d.hub_face_y) / 2 - d.set_screw_y
+    where = " behind the payload's holes" if behind > 0.0 else ""
     least = min(HUB_DIAMETERS * 2 * d.bore_radius, HUB_MOST_MM)
     over = "the shaft's diameter" if least < HUB_MOST_MM else f"{HUB_MOST_MM:g} mm"
     return worst(
@@ -110,8 +99,8 @@ def hub_length(s: SectorLayout) -> Comparison:
                 "mm",
             ),
             at_least(
-                "hub beyond the web, over set screws and walls",
-                beyond - screw.thread_mm - 2 * s.drive.drum_material.min_wall_mm,
+                f"hub beyond the web, over set screws{where} and walls",
+                beyond - 2 * behind - screw.thread_mm - 2 * s.drive.drum_material.min_wall_mm,
                 0.0,
                 "mm",
             ),

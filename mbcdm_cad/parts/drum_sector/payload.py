@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
-from math import inf
+from math import cos, inf, radians, sin
 
 from mbcdm_cad.design.blocks import Payload
 from mbcdm_cad.design.bought import InsertSpec, Material
@@ -99,6 +99,23 @@ class PayloadJoint:
     def has_walls(self, circle_mm: float, hub_mm: float, bore_mm: float, wall_mm: float) -> bool:
         """Whether these walls are as thick as they must be."""
         return self.beside_mm(circle_mm, hub_mm, bore_mm) >= self._wall_mm(wall_mm) - _ROUNDING_MM
+
+    def angles_deg(self, set_screws_deg: tuple[float, ...]) -> tuple[float, ...]:
+        """Angles of the screws, evenly on their circle and as far from the hub's set screws as may be."""
+        first = start_deg(self.screws, set_screws_deg)
+        return tuple(first + 360.0 / self.screws * k for k in range(self.screws))
+
+    def behind_mm(self, circle_mm: float, set_screws_deg: tuple[float, ...], thread_mm: float, wall_mm: float) -> float:
+        """Least depth under the hub's face of the set screws' axes, of this thread: behind holes that come near them.
+
+        Four screws stand midway between the set screws; others may leave no wall beside them.
+        """
+        if self.screws == SCREWS:
+            return 0.0
+        wall, angles = self._wall_mm(wall_mm), self.angles_deg(set_screws_deg)
+        apart = (radians(hole - screw) for hole in angles for screw in set_screws_deg)
+        beside = min(abs(circle_mm * sin(a)) for a in apart if cos(a) > 0.0) - (self.hole_mm + thread_mm) / 2.0
+        return 0.0 if beside >= wall else self.depth_mm + wall + thread_mm / 2.0
 
     def _wall_mm(self, wall_mm: float) -> float:
         return self.insert.wall_mm if self.insert else wall_mm

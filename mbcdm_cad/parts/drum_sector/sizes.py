@@ -13,11 +13,12 @@ from math import asin, atan2, degrees, hypot, radians, sin, sqrt, tan
 from mbcdm_cad.parts.drum_sector.design import SectorDrive, SectorLevels, SectorRun
 from mbcdm_cad.parts.drum_sector.dims import POCKET_LEAD_MM, SET_SCREW_ANGLES_DEG, DrumDims, Land, Window
 from mbcdm_cad.parts.drum_sector.payload import (
+    SCREWS,
+    PayloadJoint,
     circle_radius_mm,
     joint_load,
     joints,
     payload_joint,
-    start_deg,
 )
 from mbcdm_cad.parts.drum_shaft import FLAT_DEPTH_MM, DrumShaftDims, PreloadSpringDims
 from mbcdm_cad.parts.terminal.part import Tensioner
@@ -306,13 +307,8 @@ def drum(drive: SectorDrive, levels: SectorLevels, stop_radius: float, way: Term
     hub_radius = d.hub_diameter_mm / 2
     web_start = _web_start_y(drive, levels)
     placed = tensioners(drive, way)
-    circle = circle_radius_mm(d.output_circle_mm, hub_radius, shaft_radius)
-    candidates = joints(
-        drive.drum_material, lambda thread_mm: drive.insert(drive.drum_material, thread_mm), d.output_screws
-    )
+    joint, circle = _payload(drive)
     root_radius, root_end = _root(drive, levels, stop_radius)
-    load = joint_load(drive.loads.peak_torque_Nm, drive.loads.carried)
-    joint = payload_joint(candidates, load, circle, hub_radius, shaft_radius, drive.drum_material.min_wall_mm)
     flat_wall = drive.tensioner.swage_flats_mm / 2 + FLAT_PLAY_MM
     return DrumDims(
         half_angle_deg=d.sector_half_angle_deg,
@@ -345,10 +341,7 @@ def drum(drive: SectorDrive, levels: SectorLevels, stop_radius: float, way: Term
         set_screw_radius=shaft_radius - FLAT_DEPTH_MM,
         payload_screw_thread=joint.thread_mm,
         payload_circle_radius=circle,
-        payload_angles_deg=tuple(
-            start_deg(d.output_screws, SET_SCREW_ANGLES_DEG) + 360.0 / d.output_screws * k
-            for k in range(d.output_screws)
-        ),
+        payload_angles_deg=joint.angles_deg(SET_SCREW_ANGLES_DEG),
         payload_depth=joint.depth_mm,
         payload_insert=joint.insert,
         corner_radius=2 * drive.drum_material.min_internal_radius_mm,
@@ -362,9 +355,25 @@ def _web_start_y(drive: SectorDrive, levels: SectorLevels) -> float:
     return levels.drum_inner_y + 3 * drive.clearances.running_mm
 
 
+def _payload(drive: SectorDrive) -> tuple[PayloadJoint, float]:
+    """The payload's joint and the radius of its screws' circle, mm."""
+    d, metal = drive.drum, drive.drum_material
+    hub, shaft = d.hub_diameter_mm / 2, drive.bearings.drum.bore_mm / 2
+    circle = circle_radius_mm(d.output_circle_mm, hub, shaft)
+    candidates = joints(metal, lambda thread_mm: drive.insert(metal, thread_mm), d.output_screws)
+    load = joint_load(drive.loads.peak_torque_Nm, drive.loads.carried)
+    return payload_joint(candidates, load, circle, hub, shaft, metal.min_wall_mm), circle
+
+
 def _set_screw_y(drive: SectorDrive, levels: SectorLevels) -> float:
-    """Depth of the set screws: the middle of the hub in front of the web, mm."""
-    return (_web_start_y(drive, levels) + drive.drum.web_thickness_mm + drive.drum.hub_face_y_mm) / 2
+    """Depth of the set screws, mm: the middle of the hub in front of the web, or behind payload's holes near them."""
+    middle = (_web_start_y(drive, levels) + drive.drum.web_thickness_mm + drive.drum.hub_face_y_mm) / 2
+    if drive.drum.output_screws == SCREWS:
+        return middle
+    joint, circle = _payload(drive)
+    thread, wall = drive.screw(HUB_SCREW).thread_mm, drive.drum_material.min_wall_mm
+    behind = joint.behind_mm(circle, SET_SCREW_ANGLES_DEG, thread, wall)
+    return min(middle, drive.drum.hub_face_y_mm - behind)
 
 
 def drum_shaft(drive: SectorDrive, levels: SectorLevels) -> DrumShaftDims:

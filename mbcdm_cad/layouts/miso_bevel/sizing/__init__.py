@@ -15,7 +15,7 @@ from mbcdm_cad.layouts import common_freedoms
 from mbcdm_cad.layouts.common_rules import FRICTION, HALF_TRAVEL, missing_travel, needed
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.sizing.basis import CLEARANCES, LIMITS, METALS, NAMES
-from mbcdm_cad.layouts.miso_bevel.sizing.drum import DRUM, HUB, HUB_FACE, WEB
+from mbcdm_cad.layouts.miso_bevel.sizing.drum import DRUM, HUB, HUB_FACE, WEB, WINDOWS
 from mbcdm_cad.layouts.miso_bevel.sizing.frame import BACK, FRAME, STOP_PIN
 from mbcdm_cad.layouts.miso_bevel.sizing.frame_start import MOUNT_SCREW, with_strong_frame
 from mbcdm_cad.layouts.miso_bevel.sizing.known import BevelKnown, FrameStart
@@ -61,6 +61,7 @@ FROM_FRAME: tuple[Rule, ...] = (
     *BACK,
     *TURN,
     *HUB_FACE,
+    *WINDOWS,
 )
 
 # Derived dimensions: fields that are neither a requirement nor a choice of part, screw, material or arrangement.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import replace
 from math import asin, atan2, degrees, hypot, pi, sqrt
 
 from mbcdm_cad.checks.comparison import Comparison
@@ -26,7 +27,7 @@ from mbcdm_cad.layouts.miso_bevel.sizing.known import LATER, BevelKnown
 from mbcdm_cad.layouts.miso_bevel.sizing.radii import take_up_mm
 from mbcdm_cad.layouts.structure import drum_stress_MPa
 from mbcdm_cad.model.structure.drum_sector import least_hub_mm
-from mbcdm_cad.parts.drum_sector.dims import lug_root_mm
+from mbcdm_cad.parts.drum_sector.dims import SET_SCREW_ANGLES_DEG, lug_root_mm
 from mbcdm_cad.parts.drum_sector.payload import (
     SCREWS,
     InsertOf,
@@ -186,11 +187,12 @@ def _joints(given: BevelKnown) -> tuple[PayloadJoint, ...]:
     return joints(_material(given), _insert_of(given), given.get("drum.output_screws", SCREWS))
 
 
-def _joint(given: BevelKnown) -> PayloadJoint:
+def _joint(given: BevelKnown) -> tuple[PayloadJoint, float]:
+    """The payload's joint and the radius of its screws' circle, mm."""
     hub, shaft = given["drum.hub_diameter_mm"] / 2, _shaft_radius(given)
     circle = circle_radius_mm(given.get("drum.output_circle_mm"), hub, shaft)
     load = joint_load(given["loads.peak_torque_Nm"], given.payload)
-    return payload_joint(_joints(given), load, circle, hub, shaft, given.wall_mm("drum"))
+    return payload_joint(_joints(given), load, circle, hub, shaft, given.wall_mm("drum")), circle
 
 
 def _payload_hub_mm(given: BevelKnown, screws: int) -> float:
@@ -234,12 +236,15 @@ def _hub_diameter(given: BevelKnown) -> Found:
 
 def _hub_face(given: BevelKnown) -> Found:
     start = given.drum_inner_mm - 3 * given["clearances.running_mm"] + 0.5
-    screw = given.screw(HUB_SCREW).thread_mm
+    screw, wall = given.screw(HUB_SCREW).thread_mm, given.wall_mm("drum")
     end = _web_start(given) + given["drum.web_thickness_mm"]
+    joint, circle = _joint(given)
+    behind = joint.behind_mm(circle, SET_SCREW_ANGLES_DEG, screw, wall)
     needs = {
         "hub_length": start + HUB_DIAMETERS * 2 * _shaft_radius(given),
-        "payload's threads": end + _joint(given).depth_mm,
-        "set screws": end + screw + 2 * given.wall_mm("drum"),
+        "payload's threads": end + joint.depth_mm,
+        "set screws": end + screw + 2 * wall,
+        "set screws behind the payload's holes": end + wall + screw / 2 + behind,
         "outer_face": given["drum.outer_face_y_mm"],
     }
     box = given.get("targets.envelope_mm")
@@ -323,6 +328,19 @@ def _holds(given: BevelKnown, angle_deg: float, *checks: Callable[[BevelLayout],
         return True
 
 
+def _windows_cost(given: BevelKnown) -> bool:
+    """Whether a thin stop pin leaves windows beside which a web of plastic, judged without them, bears too little."""
+    if not _material(given).printed or given["drum.stop_pin_mm"] >= PLASTIC_STOP_PIN_MM:
+        return False
+    with suppress(NoFigureError, ValueError):
+        drive = given.trial()
+        judged = replace(drive, drum=replace(drive.drum, stop_pin_mm=PLASTIC_STOP_PIN_MM))
+        layout = BevelLayout(drive)
+        if layout.drum.windows and not BevelLayout(judged).drum.windows:
+            return drum_stress_MPa(layout, _load_Nm(given)) > lasting_MPa(_material(given)) / STRESS_SAFETY
+    return False
+
+
 HUB = (
     # Where it does not apply, the schema's own value stays.
     Rule(
@@ -376,5 +394,14 @@ HUB_FACE = (
         "least length for shaft, set screws and payload's threads; the front of the box if one is stated",
         "hub_length",
         _hub_face,
+    ),
+)
+WINDOWS = (
+    Rule(
+        "drum.windows",
+        "none, because the web does not bear the stress beside them",
+        "drum_stress",
+        lambda given: "none",
+        applies=_windows_cost,
     ),
 )

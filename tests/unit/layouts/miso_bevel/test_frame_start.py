@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from mbcdm_cad.checks.comparison import Comparison
-from mbcdm_cad.checks.drum_sector import stop_slot
-from mbcdm_cad.checks.structure import frame_windup, mounting_screws
+from mbcdm_cad.checks.drum_sector import hub_length, stop_slot
+from mbcdm_cad.checks.structure import drum_stress, frame_windup, mounting_screws
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.layouts.miso_bevel.checks.spans import input_walk
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
@@ -91,6 +91,32 @@ def test_more_payload_screws_leave_a_wall_between_hub_and_stop_slot() -> None:
     )
     assert len(by_rule.drum.payload_places) > 4 and stop_slot(by_rule).holds, stop_slot(by_rule)
     assert not stop_slot(four).holds, "four screws leave the wall: this design shows nothing"
+
+
+def test_a_hub_is_longer_where_its_set_screws_stand_behind_the_payloads_holes() -> None:
+    text = "name: strong\nconfiguration: miso_bevel\ntravel: {half_angle_deg: 59.7}\nloads: {peak_torque_Nm: 23.4}\n"
+    by_rule = _sized(text + "transmission: {ratio: 3.46, drum_radius_mm: 48.5}\n")
+    d = by_rule.drum
+    assert len(d.payload_places) > 4 and hub_length(by_rule).holds, hub_length(by_rule)
+    assert d.hub_face_y - d.payload_depth > d.set_screw_y > d.web_end_y
+    shorter = _sized(
+        text + f"transmission: {{ratio: 3.46, drum_radius_mm: 48.5}}\ndrum: {{hub_face_y_mm: {d.hub_face_y - 1.0}}}\n"
+    )
+    assert not hub_length(shorter).holds, hub_length(shorter)
+
+
+def test_a_printed_web_has_no_windows_beside_which_it_bears_too_little() -> None:
+    text = (
+        "name: a\nconfiguration: miso_bevel\ntravel: {half_angle_deg: 51.8}\n"
+        "transmission: {ratio: 11.9, drum_radius_mm: 131.0}\nloads: {peak_torque_Nm: 11.8}\n"
+        "support: {material: pa12}\n"
+    )
+    by_rule, windows = (
+        _sized(text + "drum: {material: pa12}\n"),
+        _sized(text + "drum: {material: pa12, windows: outer}\n"),
+    )
+    assert drum_stress(by_rule).holds and not by_rule.drum.windows, drum_stress(by_rule)
+    assert not drum_stress(windows).holds, "the web bears enough beside windows: this design shows nothing"
 
 
 def test_the_lead_leaves_room_between_the_steps() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import atan2, degrees, hypot
+from math import atan2, degrees, hypot, radians
 
 import numpy as np
 import pytest
@@ -58,6 +58,33 @@ def test_the_first_screw_keeps_all_of_them_away_from_the_set_screws(screws: int,
     holes = [start_deg(screws, SET_SCREW_ANGLES_DEG) + 360.0 / screws * k for k in range(screws)]
     off = [abs((hole - radial + 180.0) % 360.0 - 180.0) for hole in holes for radial in SET_SCREW_ANGLES_DEG]
     assert min(off) == apart_deg, sorted(off)[:3]
+
+
+@pytest.mark.parametrize(("drum", "behind"), [("output_circle_mm: 24.0, output_screws: 12", True), ("", False)])
+def test_set_screws_stand_behind_holes_that_would_come_near_them(drum: str, behind: bool) -> None:
+    layout = made(drum)
+    d, screw = layout.drum, layout.drive.screw(layout.drum.set_screw)
+    assert failing(layout) == {}
+    middle = (d.web_end_y + d.hub_face_y) / 2
+    assert (d.set_screw_y < middle) is behind, (d.set_screw_y, middle)
+    # The metal between the two cylinders, by points on both.
+    turn, part = np.meshgrid(np.linspace(0.0, 2 * np.pi, 61), np.linspace(0.0, 1.0, 41))
+    (x, z), *_ = sorted(d.payload_places, key=lambda at: abs(atan2(at[0], at[1]) - radians(SET_SCREW_ANGLES_DEG[0])))
+    r = d.payload_hole / 2
+    hole = np.stack([x + r * np.cos(turn), d.hub_face_y - part * d.payload_depth, z + r * np.sin(turn)], -1)
+    out, a = d.bore_radius + part * (d.hub_radius - d.bore_radius), radians(SET_SCREW_ANGLES_DEG[0])
+    r = screw.thread_mm / 2
+    aside = r * np.cos(turn)
+    set_screw = np.stack(
+        [
+            out * np.sin(a) + aside * np.cos(a),
+            d.set_screw_y + r * np.sin(turn),
+            out * np.cos(a) - aside * np.sin(a),
+        ],
+        -1,
+    )
+    wall = np.linalg.norm(hole.reshape(-1, 1, 3) - set_screw.reshape(1, -1, 3), axis=-1).min()
+    assert wall >= layout.drive.drum_material.min_wall_mm - 1e-6, wall
 
 
 def test_a_circle_without_walls_fails_with_the_figure() -> None:
