@@ -93,6 +93,31 @@ def _upper_end(drive: Drive) -> float:
     return 2 * drive.half_travel_deg + (drive.travel_from_deg or 0.0)
 
 
+def _put_ratio(drive: Any, value: float) -> Drive:
+    cables = tuple(replace(c, input_radius_mm=c.drum_radius_mm / value) for c in drive.cables)
+    changed: Drive = replace(drive, cables=cables)
+    return changed
+
+
+# Of a drive whose input turns the drum itself.
+INPUT_TO_DRUM = DesignVariable(
+    "transmission.input_to_drum",
+    lambda drive: drive.total_ratio,
+    _put_ratio,
+    applies=lambda drive: not drive.radii_explicit,
+)
+DRUM = tuple(
+    field(f"drum.{name}")
+    for name in (
+        "sector_half_angle_deg",
+        "rim_inner_radius_mm",
+        "outer_face_y_mm",
+        "web_thickness_mm",
+        "hub_diameter_mm",
+        "hub_face_y_mm",
+        "shaft_bore_mm",
+    )
+)
 SHARED = (
     field("travel.half_angle_deg", "half_travel_deg", asked=True)._replace(short=("travel.to_deg", _upper_end)),
     field("travel.stop_clearance_deg", "stop_clearance_deg"),

@@ -5,7 +5,10 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Iterable, Sequence
 from functools import cached_property
+from math import tau
 from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
 
 from mbcdm_cad.layouts.base import Layout, NoFigureError, dimensions
 from mbcdm_cad.parts.collar import CollarDims
@@ -228,6 +231,22 @@ class SectorLayout(Layout):
     def tensioned_lengths_mm(self) -> Sequence[float]:
         """Length in mm that each terminal tensions, drum centred, in the order of the design's cables."""
         return [path.length_mm for path in self.cable_paths(0.0)]
+
+    @abstractmethod
+    def input_wrap_rad(self, cable: SectorRun, drum_angle_rad: float) -> float:
+        """Wrap of a cable on its input at a drum angle."""
+
+    @property
+    def most_wrap_rad(self) -> float:
+        """Largest wrap that can lie on the drum."""
+        return tau
+
+    def wraps_rad(self, drum_angle_rad: float) -> tuple[Floats, Floats]:
+        """See the base class."""
+        cables = self.drive.cables
+        on_input = [self.input_wrap_rad(c, drum_angle_rad) for c in cables]
+        on_drum = [self.anchor_rad(c) + c.drum_side * drum_angle_rad for c in cables]
+        return np.maximum(on_input, 0.0), np.clip(on_drum, 0.0, self.most_wrap_rad)
 
     def smallest_wrap_rad(self, cable: SectorRun) -> float:
         """Wrap on the drum, rad, at the end of travel at which most of it is unwound."""

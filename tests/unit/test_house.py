@@ -10,11 +10,8 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 PACKAGE = ROOT / "mbcdm_cad"
 MODULES = {path: ast.parse(path.read_text("utf-8")) for path in sorted(PACKAGE.rglob("*.py"))}
-_FACE = "what the face of configurations asks for, and the class of a configuration that answers it"
 # Classes that share a name with another one, and why.
-SHARED_NAMES: dict[str, str] = {
-    "PathFigures": _FACE,
-}
+SHARED_NAMES: dict[str, str] = {}
 MOST_ARGUMENTS = 8
 # A function of the face has what the options of its command have, each by its name.
 FACE_OF_COMMANDS = PACKAGE / "api" / "designs.py"

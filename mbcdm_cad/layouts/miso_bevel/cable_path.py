@@ -16,6 +16,7 @@ from math import acos, atan2, cos, degrees, exp, hypot, log, pi, radians, sin, s
 import numpy as np
 
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
+from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.input_pulley.stop import STOP_PIECES, StopGeometry, stop_geometry, stop_pieces
 from mbcdm_cad.routes.cable_path import CablePath, Stretch
 from mbcdm_cad.routes.curves import Arc, Helix, Line, Parabola, Piece, Triple, Vector
@@ -71,11 +72,17 @@ def winding(drive: BevelDrive, cable: BevelRun) -> Winding:
     )
 
 
+def input_wrap_rad(drive: BevelDrive, cable: SectorRun, drum_angle_rad: float) -> float:
+    """Wrap on the input pulley: dead turns and i (half travel - q theta)."""
+    ratio = cable.drum_radius_mm / cable.input_radius_mm
+    return tau * drive.dead_turns + ratio * (radians(drive.half_travel_deg) - cable.drum_side * drum_angle_rad)
+
+
 def stop_of(drive: BevelDrive, cable: BevelRun) -> StopGeometry:
     """The cable's end in its input pulley."""
     w = winding(drive, cable)
-    wound = tau * drive.dead_turns + w.reduction * radians(drive.half_travel_deg)
-    return stop_geometry(drive, cable.input_radius_mm, w.input_contact_rad + w.guide_sense * wound, w.guide_sense)
+    end = w.input_contact_rad + w.guide_sense * input_wrap_rad(drive, cable, 0.0)
+    return stop_geometry(drive, cable.input_radius_mm, end, w.guide_sense)
 
 
 # The stretches of a cable by what carries them: wound on the input pulley, free and on the guide, on the drum.
@@ -104,13 +111,12 @@ def cable_path(
     """
     w = winding(drive, cable)
     r_m, r_g, r_o = cable.input_radius_mm, cable.guide_radius_mm, cable.drum_radius_mm
-    half_travel = radians(drive.half_travel_deg)
     z_step = r_o
     inward = -w.outward
     walk = axial_walk_mm(drive, cable, drum_angle_rad)
     z_contact = z_step + inward * walk
     lead = drive.helix_lead_mm
-    wound = tau * drive.dead_turns + w.reduction * (half_travel - w.payout * drum_angle_rad)
+    wound = input_wrap_rad(drive, cable, drum_angle_rad)
     away = w.guide_sense  # sense from the contact into the winding; towards the guide it is opposite
     a_contact = w.input_contact_rad
     a_end = a_contact + away * wound

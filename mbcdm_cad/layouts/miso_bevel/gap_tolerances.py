@@ -19,40 +19,6 @@ from mbcdm_cad.parts.making import axial_play_mm, land_band_mm, rope_band_mm
 _NEWTON_STEPS = 12
 
 
-def _guide_to_drum(drive: BevelDrive, cable: BevelRun) -> tuple[Contribution, ...]:
-    """Distance along y between the guide's surface and the wall of a drum land, at the transfer."""
-    making = drive.making
-    return (
-        Contribution("radius of the guide's step", land_band_mm(drive, cable.guide_radius_mm)),
-        Contribution("run-out of the guide", making.run_out_mm, 0.5),
-        Contribution("play of the guide's bearings", making.bearing_play_mm, 0.5),
-        Contribution("place of the guide's axle in the frame", making.position_mm),
-        Contribution("place of the drum's bearings in the frame", making.position_mm),
-        Contribution("place of the land's wall on the drum", making.position_mm),
-        Contribution("run-out of the drum's faces", making.run_out_mm, 0.5),
-    )
-
-
-def transfer_contributions(drive: BevelDrive, cable: BevelRun) -> tuple[Contribution, ...]:
-    """Contributions to the difference between half a cable and the gap of guide and drum: d/2 - gap."""
-    return (*_guide_to_drum(drive, cable), Contribution("rope's diameter", rope_band_mm(drive), 0.5))
-
-
-def bodies_contributions(drive: BevelDrive, cable: BevelRun) -> tuple[Contribution, ...]:
-    """Contributions to the gap between guide and drum."""
-    return _guide_to_drum(drive, cable)
-
-
-def land_edge_contributions(drive: BevelDrive, cable: BevelRun) -> tuple[Contribution, ...]:
-    """Contributions to the distance of a contact line, half a rope over the guide's surface, from its land's edge."""
-    return (*_guide_to_drum(drive, cable), Contribution("rope's diameter", rope_band_mm(drive), 0.5))
-
-
-def flank_contributions(drive: BevelDrive, cable: BevelRun) -> tuple[Contribution, ...]:
-    """Contributions to the gap from a cable's flank, a rope over the guide's surface, to the wall of the next land."""
-    return (*_guide_to_drum(drive, cable), Contribution("rope's diameter", rope_band_mm(drive), 1.0))
-
-
 def guide_wall_contributions(drive: BevelDrive, cable: BevelRun) -> tuple[Contribution, ...]:
     """Contributions to the gap from a cable's flank to the walls of its step of the guide, along z."""
     making = drive.making
@@ -113,13 +79,3 @@ def pair_path_contributions(drive: BevelDrive, pair: tuple[BevelRun, BevelRun]) 
         ]
         shift += sign * half * (1.0 - ratio) / 2.0
     return (*found, Contribution("rope's diameter", rope_band_mm(drive), shift))
-
-
-def ratio_contributions(drive: BevelDrive, cable: BevelRun) -> tuple[Contribution, ...]:
-    """Contributions to the total ratio r_o / r_m, relative to it."""
-    r_o, r_m = cable.drum_radius_mm, cable.input_radius_mm
-    return (
-        Contribution("drum radius", land_band_mm(drive, r_o), 1.0 / r_o),
-        Contribution("input radius", land_band_mm(drive, r_m), -1.0 / r_m),
-        Contribution("rope's diameter", rope_band_mm(drive), (1.0 / r_o - 1.0 / r_m) / 2.0),
-    )

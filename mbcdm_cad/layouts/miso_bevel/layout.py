@@ -5,15 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from math import pi, tau
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
-from mbcdm_cad.checks.design_variables import ALL_RADII, SHARED, DesignVariable, by_path, field, radii
+from mbcdm_cad.checks.design_variables import ALL_RADII, DRUM, SHARED, DesignVariable, by_path, field, radii
 from mbcdm_cad.layouts.base import Conventions, NoFigureError, dimensions
-from mbcdm_cad.layouts.miso_bevel.cable_path import cable_path
+from mbcdm_cad.layouts.miso_bevel.cable_path import cable_path, input_wrap_rad
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.layouts.miso_bevel.pulleys import axle, drum, guide, input_pulley
 from mbcdm_cad.layouts.miso_bevel.stack import Stack, stack
@@ -21,6 +17,7 @@ from mbcdm_cad.layouts.miso_bevel.support.dims import FrameDims, TopPlateDims, f
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.parts.axle import AxleDims
 from mbcdm_cad.parts.collar import CollarDims, collar
+from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
 from mbcdm_cad.parts.idler_pulley import IdlerDims
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
@@ -54,15 +51,6 @@ def _total_ratio(drive: BevelDrive) -> float:
     return drive.cables[0].drum_radius_mm / drive.cables[0].input_radius_mm
 
 
-_DRUM = (
-    "sector_half_angle_deg",
-    "rim_inner_radius_mm",
-    "outer_face_y_mm",
-    "web_thickness_mm",
-    "hub_diameter_mm",
-    "hub_face_y_mm",
-    "shaft_bore_mm",
-)
 _SUPPORT = (
     "back_y_mm",
     "back_plate_mm",
@@ -95,7 +83,7 @@ VARIABLES: dict[str, DesignVariable] = by_path(
         field("rope.dead_turns", "dead_turns"),
         field("clearances.transfer_gap_mm"),
         field("clearances.land_edge_mm"),
-        *(field(f"drum.{name}") for name in _DRUM),
+        *DRUM,
         *(field(f"support.{name}") for name in _SUPPORT),
     )
 )
@@ -211,11 +199,8 @@ class BevelLayout(SectorLayout):
 
     def cable_paths(self, drum_angle_rad: float) -> tuple[CablePath, ...]:
         """Centre lines of all cables at a drum angle, from the stop in the pulley to the bottom of the swage's bore."""
-        terminals = {t.cable_name: t for t in self.drum.tensioners}
-        return tuple(
-            cable_path(self.drive, c, terminals[c.name].anchor_rad, terminals[c.name].cable_end, drum_angle_rad)
-            for c in self.drive.cables
-        )
+        ends = [(c, self.terminal_of(c)) for c in self.drive.cables]
+        return tuple(cable_path(self.drive, c, t.anchor_rad, t.cable_end, drum_angle_rad) for c, t in ends)
 
     @property
     def variables(self) -> Mapping[str, DesignVariable]:
@@ -274,16 +259,9 @@ class BevelLayout(SectorLayout):
         """See the base class."""
         return self.drive.guide_slips
 
-    def wraps_rad(self, drum_angle_rad: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """(input, drum) wraps of each cable at a drum angle, never below zero, shape (n_cables,)."""
-        cables = self.drive.cables
-        on_drum = [self.anchor_rad(c) + c.drum_side * drum_angle_rad for c in cables]
-        on_input = [
-            tau * self.drive.dead_turns
-            + c.drum_radius_mm / c.input_radius_mm * (self.half_travel_rad - c.drum_side * drum_angle_rad)
-            for c in cables
-        ]
-        return np.maximum(on_input, 0.0), np.clip(on_drum, 0.0, 2 * pi)
+    def input_wrap_rad(self, cable: SectorRun, drum_angle_rad: float) -> float:
+        """See the base class."""
+        return input_wrap_rad(self.drive, cable, drum_angle_rad)
 
 
 LAYOUT = BevelLayout

@@ -7,26 +7,24 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from math import asin, atan2, cos, degrees, hypot, pi, radians, sin, tan, tau
+from math import degrees, pi, radians, tan, tau
 from typing import Any
 
 import numpy as np
 
-from mbcdm_cad.layouts.miso_bevel.cable_path import axial_walk_mm, fleet_angle_at_deg, winding
+from mbcdm_cad.layouts.bevel_transfer import STATIONS, TravelFigures, ends_at_drum, tensioned, travel_figures
+from mbcdm_cad.layouts.miso_bevel.cable_path import axial_walk_mm, fleet_angle_at_deg, input_wrap_rad, winding
 from mbcdm_cad.layouts.miso_bevel.drive import BevelRun
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-from mbcdm_cad.model.tensioning_plan import TensionedCable, TensioningPlan, tensioning_plan
-from mbcdm_cad.parts.terminal.part import Tensioner
-from mbcdm_cad.parts.terminal.take_up import highest_preload_N, tensioned_rope
-from mbcdm_cad.routes.cable_path import CablePath
+from mbcdm_cad.model.tensioning_plan import TensioningPlan, tensioning_plan
+from mbcdm_cad.parts.terminal.take_up import tensioned_rope
+from mbcdm_cad.routes.cable_path import CablePath, EndOfTravel
 from mbcdm_cad.routes.curves import Arc, Helix, Piece, Triple
-
-STATIONS = 9
 
 
 @dataclass(frozen=True)
 class CablePathFigures:
-    """One cable. Points (x, y, z) in mm with the drum centred; tuples over the angles of :class:`PathFigures`.
+    """One cable. Points (x, y, z) in mm with the drum centred; tuples over the angles of :class:`TravelFigures`.
 
     ``free_span_mm`` is Eq. (11), in the plane of the pulleys. ``length_um`` is the change of the length between the
     anchors from the centred drum, with the pulleys turning by Eq. (2): the effect of helix and fleet angle.
@@ -47,30 +45,7 @@ class CablePathFigures:
     fleet_angle_deg: tuple[float, ...]
 
 
-@dataclass(frozen=True)
-class TravelLimit:
-    """A drum angle (deg, either sign) at which the travel ends, and the reason."""
-
-    angle_deg: float
-    cause: str
-
-
-@dataclass(frozen=True)
-class PathFigures:
-    """All cables over the travel. ``limits`` holds each direction's, the nearest first; it is the usable travel."""
-
-    drum_angle_deg: tuple[float, ...]
-    cables: tuple[CablePathFigures, ...]
-    limits_positive: tuple[TravelLimit, ...]
-    limits_negative: tuple[TravelLimit, ...]
-
-    @property
-    def usable_deg(self) -> tuple[float, float]:
-        """(lowest, highest) drum angle of the usable travel, deg."""
-        return self.limits_negative[0].angle_deg, self.limits_positive[0].angle_deg
-
-
-def path_figures(layout: BevelLayout) -> PathFigures:
+def path_figures(layout: BevelLayout) -> TravelFigures:
     """The figures of one design at ``STATIONS`` drum angles over its travel."""
     half = layout.drive.half_travel_deg
     angles = tuple(float(v) for v in np.linspace(-half, half, STATIONS))
@@ -79,13 +54,7 @@ def path_figures(layout: BevelLayout) -> PathFigures:
     cables = tuple(
         _cable_figures(layout, centred[k], [paths[k] for paths in posed]) for k in range(len(layout.drive.cables))
     )
-    limits = sorted(_limits(layout), key=lambda limit: abs(limit.angle_deg))
-    return PathFigures(
-        angles,
-        cables,
-        tuple(limit for limit in limits if limit.angle_deg > 0.0),
-        tuple(limit for limit in limits if limit.angle_deg <= 0.0),
-    )
+    return travel_figures(angles, cables, _limits(layout))
 
 
 def _cable_figures(layout: BevelLayout, centred: CablePath, posed: list[CablePath]) -> CablePathFigures:
@@ -120,50 +89,23 @@ def _turned_deg(piece: Piece) -> float:
     return degrees(abs(piece.angle_end - piece.angle_start))
 
 
-def terminal_to_guide_mm(layout: BevelLayout, terminal: Tensioner, wrap_rad: float) -> float:
-    """Gap, mm, between a terminal and the guide with its cables, with a wrap ``wrap_rad`` left on the drum."""
-    across, along, keep = _terminal(layout, terminal)
-    return across * sin(wrap_rad) + along * cos(wrap_rad) - keep
-
-
-def _terminal(layout: BevelLayout, terminal: Tensioner) -> tuple[float, float, float]:
-    """Nearest corner of a terminal, across and along the tangent at its anchor, and the reach of the guide, mm."""
-    drive, drum = layout.drive, layout.drum
-    reach = max(run.guide_radius_mm for run in drive.cables) + drive.cable.diameter_mm / 2
-    return terminal.radius_mm - max(drum.nut_pocket, drum.lug_half_width), terminal.slack_start, reach
-
-
-def _limits(layout: BevelLayout) -> Iterator[TravelLimit]:
+def _limits(layout: BevelLayout) -> Iterator[EndOfTravel]:
     drive = layout.drive
     half = radians(drive.half_travel_deg)
-    terminals = {t.cable_name: t for t in layout.drum.tensioners}
     stop = half + radians(drive.stop_clearance_deg)
     yield from (_limit(way * stop, "hard stop") for way in (1, -1))
     for run in drive.cables:
-        terminal, w = terminals[run.name], winding(drive, run)
-        off = -run.drum_side
-        yield _limit(off * terminal.anchor_rad, f"wrap of {run.name} on the drum ends")
-        left = _wrap_at_guide(layout, terminal)
-        yield _limit(off * (terminal.anchor_rad - left), f"terminal of {run.name} meets the guide")
-        round_rad = tau - terminal.anchor_rad - atan2(terminal.last_tip, terminal.radius_mm)
-        yield _limit(-off * round_rad, f"terminal of {run.name} comes round to the transfer point")
-        used = half + tau * drive.dead_turns / w.reduction
-        yield _limit(-off * used, f"dead turns of {run.name} on the input are used up")
+        yield from ends_at_drum(layout, run, "guide")
+        used = half + tau * drive.dead_turns / winding(drive, run).reduction
+        yield _limit(run.drum_side * used, f"dead turns of {run.name} on the input are used up")
         yield from _fleet_limits(layout, run)
 
 
-def _limit(angle_rad: float, cause: str) -> TravelLimit:
-    return TravelLimit(degrees(angle_rad), cause)
+def _limit(angle_rad: float, cause: str) -> EndOfTravel:
+    return EndOfTravel(degrees(angle_rad), cause)
 
 
-def _wrap_at_guide(layout: BevelLayout, terminal: Tensioner) -> float:
-    """Wrap left when the terminal comes within the running clearance of the guide: A sin w + B cos w = C."""
-    across, along, reach = _terminal(layout, terminal)
-    share = (reach + layout.drive.clearances.running_mm) / hypot(across, along)
-    return asin(min(share, 1.0)) - atan2(along, across)
-
-
-def _fleet_limits(layout: BevelLayout, run: BevelRun) -> Iterator[TravelLimit]:
+def _fleet_limits(layout: BevelLayout, run: BevelRun) -> Iterator[EndOfTravel]:
     drive = layout.drive
     w = winding(drive, run)
     per_rad = abs(axial_walk_mm(drive, run, 1.0))
@@ -191,32 +133,13 @@ def path_lines(c: dict[str, Any]) -> Iterator[str]:
 def plan(layout: BevelLayout) -> TensioningPlan:
     """Plan to set the preloads of this design, cables in the order of the file."""
     drive = layout.drive
-    terminals = {t.cable_name: t for t in layout.drum.tensioners}
-    slots = {slot.cable_name: slot for pulley in layout.inputs for slot in pulley.slots}
     cables = []
     for c, path in zip(drive.cables, layout.cable_paths(0.0), strict=True):
-        w = winding(drive, c)
-        t, slot = terminals[c.name], slots[c.name]
-        turned = tau * drive.dead_turns + w.reduction * radians(drive.half_travel_deg)
-        # Along the cable from the nut: straight end, drum, guide (it turns freely), free span, input pulley.
+        w, wound = winding(drive, c), input_wrap_rad(drive, c, 0.0)
+        # The guide turns freely; then the free span and the input pulley.
         pieces = (
-            (t.swage_start * 1e-3, 0.0),
-            (c.drum_radius_mm * t.anchor_rad * 1e-3, t.anchor_rad),
             ((c.guide_radius_mm * w.guide_wrap_rad + w.free_span_mm) * 1e-3, 0.0),
-            (c.input_radius_mm * turned * 1e-3, turned),
+            (c.input_radius_mm * wound * 1e-3, wound),
         )
-        ends = slot.stop_start - slot.stop_end + t.cable_end - t.swage_start
-        cables.append(
-            TensionedCable(
-                name=c.name,
-                preload_N=c.preload_N,
-                highest_preload_N=highest_preload_N(drive, c),
-                length_m=path.length_mm * 1e-3,
-                ends_m=ends * 1e-3,
-                lever_m=-c.drum_side * c.drum_radius_mm * 1e-3,
-                pieces=pieces,
-                spans_m=(w.free_span_mm * 1e-3,),
-                travel_m=t.travel * 1e-3,
-            )
-        )
+        cables.append(tensioned(layout, path, pieces, (w.free_span_mm * 1e-3,)))
     return tensioning_plan(cables, tensioned_rope(drive), drive.tensioner.pitch_mm * 1e-3)

@@ -13,6 +13,7 @@ from math import acos, atan2, cos, degrees, hypot, pi, radians, sin
 import numpy as np
 
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive, DirectRun
+from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.input_pulley.dims import SLOT_PLAY_MM, WEDGE_MM
 from mbcdm_cad.routes.cable_path import CablePath, Stretch
 from mbcdm_cad.routes.curves import Arc, Line, Piece, Triple, Vector
@@ -66,7 +67,7 @@ def stop_bend(drive: DirectDrive, cable: DirectRun) -> StopBend:
     return StopBend(rho, drive.termination.stop_radius_ratio * d, start, end, max(passing, opened))
 
 
-def input_wrap_rad(drive: DirectDrive, cable: DirectRun, drum_angle_rad: float) -> float:
+def input_wrap_rad(drive: DirectDrive, cable: SectorRun, drum_angle_rad: float) -> float:
     """Wrap on the input: reserve + i (half travel - q theta); a cable that runs to +x leaves it as the drum turns."""
     half = radians(drive.half_travel_deg)
     ratio = cable.drum_radius_mm / cable.input_radius_mm

@@ -5,12 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from math import pi
 
-import numpy as np
-from numpy.typing import NDArray
-
-from mbcdm_cad.checks.design_variables import ALL_RADII, SHARED, DesignVariable, by_path, field, radii
+from mbcdm_cad.checks.design_variables import (
+    ALL_RADII,
+    DRUM,
+    INPUT_TO_DRUM,
+    SHARED,
+    DesignVariable,
+    by_path,
+    field,
+    radii,
+)
 from mbcdm_cad.layouts.base import Conventions, dimensions
 from mbcdm_cad.layouts.sector import HeadLayout
 from mbcdm_cad.layouts.siso_bevel.cable_path import cable_path, input_wrap_rad, longest_mm
@@ -19,6 +24,7 @@ from mbcdm_cad.layouts.siso_bevel.pulley import input_pulley
 from mbcdm_cad.layouts.siso_bevel.stack import DirectStack, direct_stack
 from mbcdm_cad.layouts.siso_bevel.support.dims import ColumnDims, column, flange
 from mbcdm_cad.parts.collar import CollarDims, collar
+from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
 from mbcdm_cad.parts.drum_sector.sizes import TerminalWay, drum, furthest_anchor_rad
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
@@ -28,23 +34,10 @@ from mbcdm_cad.parts.terminal.take_up import terminal_travel_mm
 from mbcdm_cad.routes.cable_path import CablePath
 
 
-def _ratio(drive: DirectDrive, value: float) -> DirectDrive:
-    return replace(drive, cables=tuple(replace(c, input_radius_mm=c.drum_radius_mm / value) for c in drive.cables))
-
-
 def _reserve(drive: DirectDrive, value: float) -> DirectDrive:
     return replace(drive, reserve_deg=value, dead_turns=value / 360.0)
 
 
-_DRUM = (
-    "sector_half_angle_deg",
-    "rim_inner_radius_mm",
-    "outer_face_y_mm",
-    "web_thickness_mm",
-    "hub_diameter_mm",
-    "hub_face_y_mm",
-    "shaft_bore_mm",
-)
 _SUPPORT = (
     "back_y_mm",
     "back_plate_mm",
@@ -60,16 +53,11 @@ VARIABLES: dict[str, DesignVariable] = by_path(
         *SHARED,
         radii(ALL_RADII, ("drum_radius_mm", "input_radius_mm")),
         radii("transmission.input_radii_mm", ("input_radius_mm",))._replace(applies=lambda d: d.radii_explicit),
-        DesignVariable(
-            "transmission.input_to_drum",
-            lambda drive: drive.total_ratio,
-            _ratio,
-            applies=lambda drive: not drive.radii_explicit,
-        ),
+        INPUT_TO_DRUM,
         DesignVariable("transmission.reserve_deg", lambda drive: drive.reserve_deg, _reserve),
         field("clearances.transfer_gap_mm"),
         field("clearances.land_edge_mm"),
-        *(field(f"drum.{name}") for name in _DRUM),
+        *DRUM,
         *(field(f"support.{name}") for name in _SUPPORT),
     )
 )
@@ -135,11 +123,8 @@ class DirectLayout(HeadLayout):
 
     def cable_paths(self, drum_angle_rad: float) -> tuple[CablePath, ...]:
         """Centre lines of all cables at a drum angle, from the stop in the pulley to the bottom of the swage's bore."""
-        terminals = {t.cable_name: t for t in self.drum.tensioners}
-        return tuple(
-            cable_path(self.drive, c, terminals[c.name].anchor_rad, terminals[c.name].cable_end, drum_angle_rad)
-            for c in self.drive.cables
-        )
+        ends = [(c, self.terminal_of(c)) for c in self.drive.cables]
+        return tuple(cable_path(self.drive, c, t.anchor_rad, t.cable_end, drum_angle_rad) for c, t in ends)
 
     @property
     def variables(self) -> Mapping[str, DesignVariable]:
@@ -165,12 +150,9 @@ class DirectLayout(HeadLayout):
         pulley = self.inputs[0]
         return (pulley.upper_surface_radius, -pulley.land_top_z), (pulley.lower_surface_radius, -pulley.wall_z)
 
-    def wraps_rad(self, drum_angle_rad: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """(input, drum) wraps of each cable at a drum angle, never below zero, shape (n_cables,)."""
-        cables = self.drive.cables
-        on_input = [input_wrap_rad(self.drive, c, drum_angle_rad) for c in cables]
-        on_drum = [self.anchor_rad(c) + c.drum_side * drum_angle_rad for c in cables]
-        return np.maximum(on_input, 0.0), np.clip(on_drum, 0.0, 2 * pi)
+    def input_wrap_rad(self, cable: SectorRun, drum_angle_rad: float) -> float:
+        """See the base class."""
+        return input_wrap_rad(self.drive, cable, drum_angle_rad)
 
 
 LAYOUT = DirectLayout

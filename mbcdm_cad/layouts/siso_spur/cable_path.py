@@ -16,6 +16,7 @@ import numpy as np
 
 from mbcdm_cad.layouts.siso_spur.drive import CHANGE_RAD, SpurDrive, SpurRun, contact_rad
 from mbcdm_cad.layouts.siso_spur.idlers import SENSE
+from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.drum_sector.sizes import SWAGE_START_MM
 from mbcdm_cad.parts.input_pulley.stop import STOP_PIECES, StopGeometry, stop_geometry, stop_pieces
 from mbcdm_cad.routes.cable_path import CablePath, Stretch
@@ -34,7 +35,7 @@ def led_names(drive: SpurDrive) -> tuple[str, ...]:
     return ("span", *between)
 
 
-def input_wrap_rad(drive: SpurDrive, cable: SpurRun, drum_angle_rad: float) -> float:
+def input_wrap_rad(drive: SpurDrive, cable: SectorRun, drum_angle_rad: float) -> float:
     """Wrap of one side on the input, from the cable's middle or stop, at a drum angle.
 
     It decreases with the drum angle for a side that runs to +x. Negative if the middle has left the input.

@@ -5,13 +5,21 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from math import atan2, ceil, degrees, floor, pi
+from math import atan2, ceil, degrees, floor, inf
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mbcdm_cad.checks.design_variables import ALL_RADII, SHARED, DesignVariable, by_path, field, radii
+from mbcdm_cad.checks.design_variables import (
+    ALL_RADII,
+    DRUM,
+    INPUT_TO_DRUM,
+    SHARED,
+    DesignVariable,
+    by_path,
+    field,
+    radii,
+)
 from mbcdm_cad.layouts.base import Conventions, dimensions
 from mbcdm_cad.layouts.sector import HeadLayout
 from mbcdm_cad.layouts.siso_spur.cable_path import cable_paths, input_wrap_rad, longest_mm, side_length_mm
@@ -45,10 +53,6 @@ if TYPE_CHECKING:
     from mbcdm_cad.routes import Floats
 
 
-def _ratio(drive: SpurDrive, value: float) -> SpurDrive:
-    return replace(drive, cables=tuple(replace(c, input_radius_mm=c.drum_radius_mm / value) for c in drive.cables))
-
-
 def _turns(drive: SpurDrive, value: float) -> SpurDrive:
     return replace(drive, turns=max(1, round(value)))
 
@@ -58,15 +62,6 @@ def _belt_teeth(drive: SpurDrive, value: float) -> SpurDrive:
     return replace(drive, stage=replace(drive.stage, belt_teeth=round(value)))
 
 
-_DRUM = (
-    "sector_half_angle_deg",
-    "rim_inner_radius_mm",
-    "outer_face_y_mm",
-    "web_thickness_mm",
-    "hub_diameter_mm",
-    "hub_face_y_mm",
-    "shaft_bore_mm",
-)
 _SUPPORT = (
     "back_y_mm",
     "plate_mm",
@@ -92,17 +87,12 @@ VARIABLES: dict[str, DesignVariable] = by_path(
         *SHARED,
         radii(ALL_RADII, ("drum_radius_mm", "input_radius_mm")),
         radii("transmission.input_radius_mm", ("input_radius_mm",))._replace(applies=lambda d: d.radii_explicit),
-        DesignVariable(
-            "transmission.input_to_drum",
-            lambda drive: drive.total_ratio,
-            _ratio,
-            applies=lambda drive: not drive.radii_explicit,
-        ),
+        INPUT_TO_DRUM,
         field("transmission.centre_distance_mm", "centre_distance_mm"),
         DesignVariable("transmission.turns", lambda drive: float(drive.turns), _turns),
         field("rope.helix_lead_mm", "helix_lead_mm"),
         field("clearances.land_edge_mm"),
-        *(field(f"drum.{name}") for name in _DRUM),
+        *DRUM,
         *(field(f"support.{name}") for name in _SUPPORT),
         field("stage.width_mm")._replace(applies=lambda d: d.stage is not None),
         DesignVariable(
@@ -376,12 +366,14 @@ class SpurLayout(HeadLayout):
             found |= {angle / self.drive.total_ratio for angle in self.first_stage.passing_deg}
         return tuple(sorted(found))
 
-    def wraps_rad(self, drum_angle_rad: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """(input, drum) wraps of each side at a drum angle, never below zero, shape (n_cables,)."""
-        cables = self.drive.cables
-        on_input = [input_wrap_rad(self.drive, c, drum_angle_rad) for c in cables]
-        on_drum = [self.anchor_rad(c) + c.drum_side * drum_angle_rad for c in cables]
-        return np.maximum(on_input, 0.0), np.clip(on_drum, 0.0, np.inf if self.drive.whole_drum else 2 * pi)
+    @property
+    def most_wrap_rad(self) -> float:
+        """See the base class; a cable may lie on a whole drum in more than one turn."""
+        return inf if self.drive.whole_drum else super().most_wrap_rad
+
+    def input_wrap_rad(self, cable: SectorRun, drum_angle_rad: float) -> float:
+        """See the base class; of each side."""
+        return input_wrap_rad(self.drive, cable, drum_angle_rad)
 
 
 def _at_level_0(drive: SpurDrive) -> SpurDrive:

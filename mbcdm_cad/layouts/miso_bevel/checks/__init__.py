@@ -19,7 +19,8 @@ from mbcdm_cad.checks.comparison import Check, Family, families
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.input_pulley import pulley_checks
 from mbcdm_cad.checks.transfer import transfer_checks
-from mbcdm_cad.layouts.miso_bevel.checks import spans, support_fits, support_walls, tolerances, wraps
+from mbcdm_cad.layouts.bevel_transfer import wrap_checks
+from mbcdm_cad.layouts.miso_bevel.checks import spans, support_fits, support_walls, tolerances
 from mbcdm_cad.layouts.miso_bevel.checks.guide import BEARINGS, GUIDE_FITS
 from mbcdm_cad.layouts.miso_bevel.checks.ratios import BENDING, RATIOS, SURFACES
 from mbcdm_cad.layouts.miso_bevel.checks.room import ENVELOPE, SWEEPS
@@ -44,7 +45,10 @@ FAMILIES = families(
     ),
     spans,
     tolerances,
-    wraps,
+    Family(
+        "Wrap on the drum over the travel: more than zero, less than a turn, and compared with the model's slip zones.",
+        wrap_checks("guide"),
+    ),
     strength,
     creep,
     life,

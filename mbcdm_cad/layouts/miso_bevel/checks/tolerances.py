@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import partial
 from math import ceil, floor, sqrt
 
 import numpy as np
 
-from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, noted
+from mbcdm_cad.checks.comparison import Check, Comparison, at_most
 from mbcdm_cad.checks.remedies import rounded
-from mbcdm_cad.checks.transfer import EDGE_BREAK_MM, body_gaps_mm
+from mbcdm_cad.checks.stacks import TRANSMISSION_ERROR, Stacks, TransferStacks, ratio_contributions, stack_check
 from mbcdm_cad.layouts.miso_bevel import gap_tolerances as gaps
 from mbcdm_cad.layouts.miso_bevel.checks.spans import guide_wall_gaps_mm
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.model.stack_up import StackUp, tightest
-from mbcdm_cad.parts.making import model_tolerances
 
-Stacks = Callable[[BevelLayout], list[StackUp]]
-# Standard deviations on either side that hold 95 % of all drives.
-MOST_DRIVES = 1.96
+_GUIDE = TransferStacks("guide", "axle in the frame")
 # Least gain of the self-clearance for a longer lead: the span also leaves more steeply (derived, rounded down).
 LEAD_GAIN = 0.85
 
@@ -30,39 +27,6 @@ def self_clearance(s: BevelLayout) -> list[StackUp]:
     return [StackUp(f"{c.name} from its own last turn, mm", *gaps.self_clearance(s.drive, c)) for c in s.steps]
 
 
-def transfer_gap(s: BevelLayout) -> list[StackUp]:
-    """Half a cable over the gap at each transfer point."""
-    lands, guide = s.drum.lands, s.guide
-    return [
-        StackUp(
-            f"half a cable over the gap at the transfer of step {c.step}, mm",
-            s.flank_mm - (land.y_start - surface),
-            gaps.transfer_contributions(s.drive, c),
-        )
-        for c, land, surface in zip(s.steps, lands, guide.surface_radii, strict=True)
-    ]
-
-
-def bodies_clear(s: BevelLayout) -> list[StackUp]:
-    """Guide and drum before they touch."""
-    return [
-        StackUp(f"{what}, mm", gap, gaps.bodies_contributions(s.drive, s.steps[step]))
-        for what, step, gap in body_gaps_mm(s)
-    ]
-
-
-def land_edge(s: BevelLayout) -> list[StackUp]:
-    """Contact lines from the broken edges of their lands."""
-    return [
-        StackUp(
-            f"contact line of {c.name} from its land's broken edge, mm",
-            c.guide_radius_mm - land.y_start - EDGE_BREAK_MM,
-            gaps.land_edge_contributions(s.drive, c),
-        )
-        for c, land in zip(s.steps, s.drum.lands, strict=True)
-    ]
-
-
 def flank_gap(s: BevelLayout) -> list[StackUp]:
     """Flanks on the drum from the wall of the next land."""
     lands = s.drum.lands
@@ -70,7 +34,7 @@ def flank_gap(s: BevelLayout) -> list[StackUp]:
         StackUp(
             f"flank of {c.name} on the drum from the next land's wall, mm",
             above.y_start - c.guide_radius_mm - s.flank_mm,
-            gaps.flank_contributions(s.drive, c),
+            _GUIDE.contributions(s.drive, c, 1.0),
         )
         for c, above in zip(s.steps[:-1], lands[1:], strict=True)
     ]
@@ -84,7 +48,14 @@ def guide_gap(s: BevelLayout) -> list[StackUp]:
     ]
 
 
-_STACKS: tuple[Stacks, ...] = (self_clearance, transfer_gap, bodies_clear, land_edge, flank_gap, guide_gap)
+_STACKS: tuple[Stacks, ...] = (
+    self_clearance,
+    _GUIDE.gap,
+    _GUIDE.bodies_clear,
+    _GUIDE.land_edge,
+    flank_gap,
+    guide_gap,
+)
 
 
 def stacks(s: BevelLayout) -> Iterator[StackUp]:
@@ -92,16 +63,8 @@ def stacks(s: BevelLayout) -> Iterator[StackUp]:
     for of in _STACKS:
         yield tightest(of(s))
     yield tightest(
-        StackUp(f"total ratio of {c.name}, relative", np.inf, gaps.ratio_contributions(s.drive, c)) for c in s.steps
+        StackUp(f"total ratio of {c.name}, relative", np.inf, ratio_contributions(s.drive, c)) for c in s.steps
     )
-
-
-def _against_stack(of: Stacks, s: BevelLayout) -> Comparison:
-    """The smallest gap is compared with the root sum of squares of the tolerances that change it."""
-    stack = tightest(of(s))
-    figure = stack.figure.removesuffix(", mm")
-    note = f"sum of the tolerances (RSS); worst case {stack.worst_case:.3g} mm; largest share: {stack.costliest.name}"
-    return at_least(figure, stack.margin, stack.rss, "mm", note)
 
 
 def pair_mismatch(s: BevelLayout) -> Comparison:
@@ -149,22 +112,6 @@ def _tighter(s: BevelLayout) -> str:
     )
 
 
-def transmission_error(s: BevelLayout) -> Comparison:
-    """Largest error of the drum's angle over the travel that the tolerances cause: linear theory, two sigma."""
-    from mbcdm_cad.model.tolerance import linear_error
-
-    names, error = linear_error(s.loads.si, s.half_travel_rad, model_tolerances(s.drive))
-    whole = np.sqrt((error**2).sum(axis=0))
-    pose = int(np.argmax(whole))
-    most = names[int(np.argmax(np.abs(error[:, pose])))]
-    return noted(
-        "drum off by at most, over the travel, in 95 % of drives",
-        MOST_DRIVES * float(whole[pose]) * 1e3,
-        "mrad",
-        f"zero at the centred drum; most by the {most}",
-    )
-
-
 def _wider_or_closer(of: Stacks, widen: str, gain: float, s: BevelLayout) -> str:
     """Advice: the increase of the gap, or the closer tolerance of the costliest part; no search, as all is linear."""
     stack = tightest(of(s))
@@ -178,51 +125,44 @@ def _wider_or_closer(of: Stacks, widen: str, gain: float, s: BevelLayout) -> str
     return f"{room} or hold the {most.name} to {closer:g} mm instead of {most.tolerance:.4g}"
 
 
-def _stack_check(check_id: str, title: str, of: Stacks, widen: str, gain: float = 1.0) -> Check:
-    return Check(
-        check_id,
-        title,
-        "root sum of squares of the tolerances in parts/fits.py and making",
-        partial(_against_stack, of),
-        "warn",
-        advice=partial(_wider_or_closer, of, widen, gain),
-    )
+def _stack_check(name: str, title: str, of: Stacks, widen: str, gain: float = 1.0) -> Check:
+    return stack_check(name, title, of, partial(_wider_or_closer, of, widen, gain))
 
 
 CHECKS = (
     _stack_check(
-        "self_clearance_stack",
+        "self_clearance",
         "Free span clears its own last turn with tolerances",
         self_clearance,
         "raise rope.helix_lead_mm",
         LEAD_GAIN,
     ),
     _stack_check(
-        "transfer_gap_stack",
+        "transfer_gap",
         "Transfer gap stays under half a cable with tolerances",
-        transfer_gap,
+        _GUIDE.gap,
         "lower clearances.transfer_gap_mm, or raise clearances.land_edge_mm,",
     ),
     _stack_check(
-        "bodies_clear_stack",
+        "bodies_clear",
         "Guide and drum do not touch with tolerances",
-        bodies_clear,
+        _GUIDE.bodies_clear,
         "raise clearances.transfer_gap_mm, or lower clearances.land_edge_mm,",
     ),
     _stack_check(
-        "land_edge_stack",
+        "land_edge",
         "Contact lines stay on their lands with tolerances",
-        land_edge,
+        _GUIDE.land_edge,
         "raise clearances.land_edge_mm, or lower clearances.transfer_gap_mm,",
     ),
     _stack_check(
-        "flank_stack",
+        "flank",
         "Cables on the drum clear the next land with tolerances",
         flank_gap,
         "lower clearances.land_edge_mm, or widen the steps of the guide's radii,",
     ),
     _stack_check(
-        "guide_walk_stack",
+        "guide_walk",
         "Cables on the guide clear its walls with tolerances",
         guide_gap,
         "widen half the steps of the drum's radii",
@@ -235,5 +175,5 @@ CHECKS = (
         "warn",
         advice=_tighter,
     ),
-    Check("transmission_error", "Transmission error by the tolerances", "linear theory, two sigma", transmission_error),
+    TRANSMISSION_ERROR,
 )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from math import asin, atan2, degrees, hypot, pi, sqrt
 
 from mbcdm_cad.checks.comparison import Comparison
@@ -20,7 +21,7 @@ from mbcdm_cad.checks.transfer import EDGE_BREAK_MM
 from mbcdm_cad.design.blocks import NO_PAYLOAD
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.layouts.base import NoFigureError
-from mbcdm_cad.layouts.miso_bevel.checks.wraps import terminal_clears_guide
+from mbcdm_cad.layouts.bevel_transfer import terminals_clear
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.pulleys import STOP_PIN_WALL_MM
 from mbcdm_cad.layouts.miso_bevel.sizing.known import LATER, BevelKnown
@@ -311,7 +312,7 @@ def _sector(given: BevelKnown) -> Found:
         return Found(round(degrees(asin(box[0] / 2 / outer)), 1), "targets.envelope_mm", "to 0.1")
     driver = max(needs, key=lambda name: needs[name])
     angle = min(rounded_up(needs[driver], 0.5), WIDEST_DEG)
-    if not _holds(given, angle, wrap_left, terminal_clears_guide):
+    if not _holds(given, angle, wrap_left, partial(terminals_clear, "guide")):
         # The outermost two terminals of a side are staggered too.
         angle = min(angle + rounded_up(degrees(atan2(tip, radii[0])), 0.5), WIDEST_DEG)
     while stated and angle < WIDEST_DEG and not _holds(given, angle, terminal_angles):

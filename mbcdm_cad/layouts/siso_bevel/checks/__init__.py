@@ -21,7 +21,8 @@ from mbcdm_cad.checks.comparison import Family, families
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.input_pulley import pulley_checks
 from mbcdm_cad.checks.transfer import transfer_checks
-from mbcdm_cad.layouts.siso_bevel.checks import input_turn, ratios, room, support, tolerances, wraps
+from mbcdm_cad.layouts.bevel_transfer import wrap_checks
+from mbcdm_cad.layouts.siso_bevel.checks import input_turn, ratios, room, support, tolerances
 
 _WIDER = (up("transmission.input_radii_mm"), down("transmission.input_to_drum"), up("all radii of transmission"))
 # First the checks of the mechanism, then those of the parts.
@@ -34,7 +35,11 @@ FAMILIES = families(
         transfer_checks("input pulley", "keep r_o/r_m equal for both steps, as transmission.input_to_drum does"),
     ),
     tolerances,
-    wraps,
+    Family(
+        "Wrap on the drum over the travel: more than zero, less than a turn, clear of the input, compared with the "
+        "slip zones.",
+        wrap_checks("input"),
+    ),
     strength,
     creep,
     life,

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 
+from mbcdm_cad.checks.stacks import TransferStacks, ratio_contributions
 from mbcdm_cad.layouts.miso_bevel import gap_tolerances as gaps
 from mbcdm_cad.layouts.miso_bevel.cable_path import fleet_angle_deg
 from mbcdm_cad.layouts.miso_bevel.checks.spans import straight_span_clearance_mm
@@ -89,7 +90,7 @@ def test_a_pair_disagrees_by_what_its_radii_are_off() -> None:
 def test_ratio_of_a_drive_with_one_size_off() -> None:
     drive = reference()
     cable = drive.cables[2]
-    found = gaps.ratio_contributions(drive, cable)
+    found = ratio_contributions(drive, cable)
     ratio = cable.drum_radius_mm / cable.input_radius_mm
     h = 1e-5
     thick = (cable.drum_radius_mm + h / 2) / (cable.input_radius_mm + h / 2)
@@ -114,7 +115,7 @@ def test_play_and_run_out_shrink_the_transfer_gap_as_a_displaced_guide_does() ->
     )
     drum = rng.uniform(-1, 1, (3, n))
     face = cable.guide_radius_mm + 1.0 + (drum[0] + drum[1]) * making.position_mm + drum[2] * making.run_out_mm / 2
-    stack = gaps.bodies_contributions(drive, cable)
+    stack = TransferStacks("guide", "axle").contributions(drive, cable)
     assert np.std(face - surface) * np.sqrt(3.0) == pytest.approx(np.sqrt(sum(c.shift**2 for c in stack)), rel=0.01)
 
 

@@ -8,18 +8,19 @@ from math import atan2, degrees, hypot, pi, radians, tau
 import numpy as np
 import pytest
 
+from mbcdm_cad.layouts.bevel_transfer import TravelFigures, terminal_gap_mm
 from mbcdm_cad.layouts.miso_bevel.cable_path import cable_path, winding
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-from mbcdm_cad.layouts.miso_bevel.path_figures import PathFigures, path_figures, terminal_to_guide_mm
+from mbcdm_cad.layouts.miso_bevel.path_figures import path_figures
 
 
 @pytest.fixture(scope="module")
-def figures(dims: BevelLayout) -> PathFigures:
+def figures(dims: BevelLayout) -> TravelFigures:
     return path_figures(dims)
 
 
-def test_tangent_points_lie_on_their_pulleys(drive: BevelDrive, figures: PathFigures) -> None:
+def test_tangent_points_lie_on_their_pulleys(drive: BevelDrive, figures: TravelFigures) -> None:
     for run, c in zip(drive.cables, figures.cables, strict=True):
         x, y, _ = c.input_contact_mm
         assert hypot(x - run.input_side * drive.centre_distance_mm, y) == pytest.approx(run.input_radius_mm)
@@ -32,7 +33,7 @@ def test_tangent_points_lie_on_their_pulleys(drive: BevelDrive, figures: PathFig
         )
 
 
-def test_wraps_turn_as_the_ratios_say(drive: BevelDrive, figures: PathFigures) -> None:
+def test_wraps_turn_as_the_ratios_say(drive: BevelDrive, figures: TravelFigures) -> None:
     travel = figures.drum_angle_deg[-1] - figures.drum_angle_deg[0]
     assert travel == pytest.approx(2 * drive.half_travel_deg)
     for run, c in zip(drive.cables, figures.cables, strict=True):
@@ -42,7 +43,7 @@ def test_wraps_turn_as_the_ratios_say(drive: BevelDrive, figures: PathFigures) -
         assert min(c.input_wrap_deg) == pytest.approx(360 * drive.dead_turns)
 
 
-def test_walk_and_fleet_angle_along_the_travel(drive: BevelDrive, figures: PathFigures) -> None:
+def test_walk_and_fleet_angle_along_the_travel(drive: BevelDrive, figures: TravelFigures) -> None:
     for run, c in zip(drive.cables, figures.cables, strict=True):
         turned = np.array(figures.drum_angle_deg) * run.drum_radius_mm / run.input_radius_mm / 360
         assert np.abs(c.axial_walk_mm) == pytest.approx(np.abs(turned) * drive.helix_lead_mm)
@@ -50,7 +51,7 @@ def test_walk_and_fleet_angle_along_the_travel(drive: BevelDrive, figures: PathF
         assert c.fleet_angle_deg == pytest.approx(slope)
 
 
-def test_lengths_change_by_helix_and_fleet_angle(drive: BevelDrive, figures: PathFigures) -> None:
+def test_lengths_change_by_helix_and_fleet_angle(drive: BevelDrive, figures: TravelFigures) -> None:
     """What is odd in the angle is the helix longer than its circle; what is even, the slanted span: walk^2/2L.
 
     The short parabolas that join the slopes add some per cent.
@@ -65,7 +66,7 @@ def test_lengths_change_by_helix_and_fleet_angle(drive: BevelDrive, figures: Pat
         assert even == pytest.approx(slanted, rel=0.15), f"{c.name}: {even:.3f} um, {slanted:.3f} by the slant"
 
 
-def test_usable_travel_ends_at_the_nearest_limit(figures: PathFigures) -> None:
+def test_usable_travel_ends_at_the_nearest_limit(figures: TravelFigures) -> None:
     for limits, end in ((figures.limits_positive, 1), (figures.limits_negative, 0)):
         angles = [abs(limit.angle_deg) for limit in limits]
         assert angles == sorted(angles) and abs(figures.usable_deg[end]) == angles[0]
@@ -81,7 +82,7 @@ def test_another_limit_takes_over_when_it_is_drawn_in(drive: BevelDrive) -> None
     assert ends == pytest.approx((-23.7, 23.7), abs=0.1), ends
 
 
-def test_limits_are_where_they_are_said_to_be(dims: BevelLayout, figures: PathFigures) -> None:
+def test_limits_are_where_they_are_said_to_be(dims: BevelLayout, figures: TravelFigures) -> None:
     """Each kind put to the test at its own angle."""
     drive = dims.drive
     terminals = {t.cable_name: t for t in dims.drum.tensioners}
@@ -99,7 +100,7 @@ def test_limits_are_where_they_are_said_to_be(dims: BevelLayout, figures: PathFi
         if "on the drum ends" in kind:
             assert wrap == pytest.approx(0.0, abs=1e-12)
         elif "meets the guide" in kind:
-            assert terminal_to_guide_mm(dims, terminal, wrap) == pytest.approx(drive.clearances.running_mm)
+            assert terminal_gap_mm(dims, terminal, wrap) == pytest.approx(drive.clearances.running_mm)
         elif "comes round" in kind:
             assert wrap + atan2(terminal.last_tip, terminal.radius_mm) == pytest.approx(tau)
         elif "dead turns" in kind:
