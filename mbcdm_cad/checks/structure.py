@@ -29,8 +29,8 @@ def drum_stress(s: SectorLayout) -> Comparison:
     """Stress of web and rim, of the hub in torsion, and of the web at the stop pin, against the yield stress.
 
     At the larger of peak torque and stalled motors: web and rim by plane elements, corners as drawn, the web with its
-    bending by cables beside its middle; the hub at 2.5 times an even tube. Printed parts count with the strength that
-    creep leaves.
+    bending by cables beside its middle; the hub at 2.5 times an even tube, or as a layer where it is wide. Printed
+    parts count with the strength that creep leaves.
     """
     d, drive, structure = s.drum, s.drive, s.structure
     material = drive.drum_material

@@ -67,9 +67,16 @@ def tetrahedra(
         settings = {"MeshSizeMin": least_mm, "MeshSizeFromCurvature": 8, "Algorithm3D": 10}
         for name, value in settings.items():
             gmsh.option.setNumber(f"Mesh.{name}", value)
+        corner = np.empty((0, 4), dtype=np.int64)
         while True:
             gmsh.option.setNumber("Mesh.MeshSizeMax", size_mm)
-            gmsh.model.mesh.generate(3)
+            try:
+                gmsh.model.mesh.generate(3)
+            except Exception:  # gmsh has no class of its own
+                # Coarse triangles of two faces may cross beside an edge of some micrometres: the finer mesh is kept.
+                if len(corner):
+                    break
+                raise
             tags, places, _ = gmsh.model.mesh.getNodes()
             kinds, _, corners = gmsh.model.mesh.getElements(3)
             corner = corners[list(kinds).index(4)].reshape(-1, 4)

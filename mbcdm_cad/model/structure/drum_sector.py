@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import ceil, log, pi
+from math import ceil, log, pi, sin
 
 import numpy as np
 
@@ -32,6 +32,9 @@ BENDING_CELLS, BENDING_PIECES = 8, 2
 # Stress of the hub's outside over that of an even tube: the web stands on one side of it and over a part of its turn.
 # Solid elements give 2.1 to 2.9 (docs/structure.md).
 BESIDE_WEB = 2.5
+# Flow of torque per length of the web's edge, largest over mean; solid elements give 1.3 to 1.7 where the hub is wide
+# for its length, so that the torque passes to the face within a layer under its outside (docs/structure.md).
+UNEVEN = 1.5
 # Part of the web's thickness t, from its middle, over which it keeps the hub from twisting; the local give of the hub
 # along the web's edge times G, by ln(R / t), and near the hub's back. Fitted to finite differences of a ring on a tube
 # in torsion, within 0.06, for t from 0.06 to 0.8 and bores from 0.3 to 0.5 of the hub's radius R.
@@ -62,7 +65,8 @@ class Isotropic:
 class Hub:
     """The hub, a tube along the axis from ``back_mm`` to ``face_mm``, which the payload is screwed to.
 
-    ``face_holes``: the payload's holes, ``set_holes``: radial holes of the set screws at ``set_mm``.
+    ``face_holes``: the payload's holes, ``set_holes``: radial holes of the set screws at ``set_mm``. The web stands on
+    it from ``edge_mm[0]`` to ``edge_mm[1]``, ``half_angle_rad`` to each side; ``web_mm``: its thickness further out.
     """
 
     radius_mm: float
@@ -76,11 +80,24 @@ class Hub:
     face_holes: int
     face_circle_mm: float  # radius of the circle that they lie on
     face_depth_mm: float
+    edge_mm: tuple[float, float]
+    web_mm: float
+    half_angle_rad: float
 
     def shear_MPa(self, torque_Nm: float) -> float:
-        """Largest shear on the outside, beside the web, under a torque, N m."""
-        even = 2.0 * torque_Nm * NMM_PER_NM * self.radius_mm / (pi * (self.radius_mm**4 - self.bore_mm**4))
-        return BESIDE_WEB * even
+        """Largest shear on the outside, ``web_mm`` beside the web, under a torque, N m.
+
+        That of a tube, or, in a hub that is wide for its length L from the web's middle to the face, that of a layer:
+        a force q per length of the edge, which enters a strip at its free corner and leaves at its held end, shears the
+        outside at y from the corner by q / (L sin(pi y / 2 L)) (antiplane shear, by conformal mapping).
+        """
+        torque = torque_Nm * NMM_PER_NM
+        even = 2.0 * torque * self.radius_mm / (pi * (self.radius_mm**4 - self.bore_mm**4))
+        middle = sum(self.edge_mm) / 2.0
+        length = max(self.face_mm - middle, self.web_mm / 2.0)
+        at = min((self.edge_mm[1] - middle + self.web_mm) / length, 1.0)
+        layer = torque / (2.0 * self.half_angle_rad * self.radius_mm**2 * length * sin(pi / 2.0 * at))
+        return max(BESIDE_WEB * even, UNEVEN * layer)
 
     def twist_urad_Nm(self, material: Isotropic, start_mm: float, end_mm: float) -> float:
         """Twist from ``start_mm`` to ``end_mm`` along the axis.

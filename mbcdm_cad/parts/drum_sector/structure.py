@@ -58,6 +58,9 @@ def hub(d: DrumDims, set_screw_thread_mm: float) -> Hub:
         face_holes=len(d.payload_places),
         face_circle_mm=d.payload_circle_radius,
         face_depth_mm=d.payload_depth,
+        edge_mm=(d.web_start_y, d.web_end_y + d.root_mm),
+        web_mm=d.web_end_y - d.web_start_y,
+        half_angle_rad=radians(d.half_angle_deg),
     )
 
 

@@ -5,6 +5,7 @@ Solid finite elements of the drawn STEP are compared in tests/acceptance/test_dr
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 from math import pi
@@ -17,6 +18,7 @@ from mbcdm_cad.layouts.loader import load_design, load_text, new_design_text
 from mbcdm_cad.model.block_rows import many_meshes, solve_mesh
 from mbcdm_cad.model.structure.drum_sector import (
     STIFFENED,
+    UNEVEN,
     Hub,
     Isotropic,
     LandPull,
@@ -33,7 +35,7 @@ from mbcdm_cad.report.analysis_report import analyse_design
 
 METAL = Isotropic(71_700.0, 0.33)
 PARAMS = Path(__file__).parents[3] / "params"
-HUB = Hub(10.0, 4.0, 0.0, 10.0, 5.0, 0.0, 0, 0.0, 0, 7.0, 0.0)
+HUB = Hub(10.0, 4.0, 0.0, 10.0, 5.0, 0.0, 0, 0.0, 0, 7.0, 0.0, (0.0, 2.0), 2.0, pi)
 
 
 # The windows of the drum whose STEP two independent programs of finite elements measured: inner and outer radius, ends.
@@ -123,7 +125,7 @@ def test_a_web_all_round_turns_on_its_hub_as_a_body_of_revolution(
 ) -> None:
     """Torsion of the whole body by finite differences; the model: twist of its hub, its edge, shear of its web."""
     outer, face = 2.0 * radius, back + thick + 10.0
-    exact = twist_of_revolution(radius, bore, outer, (0.0, back, back + thick, face), thick / 6.0)
+    exact, _ = revolved(radius, bore, outer, (0.0, back, back + thick, face), thick / 6.0)
     hub_ = replace(HUB, radius_mm=radius, bore_mm=bore, face_mm=face, set_mm=0.0)
     root, _ = hub_.root_mm2_N(METAL, (back, back + thick))
     start = back + thick * (0.5 + STIFFENED)
@@ -132,9 +134,23 @@ def test_a_web_all_round_turns_on_its_hub_as_a_body_of_revolution(
     assert found == pytest.approx(exact / METAL.shear_MPa * 1e9, rel=0.04), f"{found:.2f} urad/N m"
 
 
-def twist_of_revolution(radius: float, bore: float, outer: float, heights: tuple[float, ...], cell: float) -> float:
-    """Turn for a torque and a shear modulus of one, 1/mm^3: a hub from the first height to the last, which is held,
-    with a web between the other two, whose outer edge carries the torque. Rings whose torques balance."""
+@pytest.mark.parametrize(("radius", "bore", "length"), [(40.0, 2.5, 7.0), (26.0, 2.5, 9.0)])
+def test_a_wide_hub_passes_its_torque_on_under_its_outside(radius: float, bore: float, length: float) -> None:
+    """The same body of revolution, sheared a web's thickness beside the web."""
+    thick, torque = 2.0, 5.0
+    face = thick / 2.0 + length
+    _, shear = revolved(radius, bore, 1.2 * radius, (0.0, 0.0, thick, face), thick / 4.0)
+    hub_ = replace(HUB, radius_mm=radius, bore_mm=bore, face_mm=face, edge_mm=(0.0, thick), web_mm=thick)
+    found, exact = hub_.shear_MPa(torque) / UNEVEN, shear(2.0 * thick) * torque * 1e3
+    assert found == pytest.approx(exact, rel=0.1), f"{found:.3f} MPa, rings {exact:.3f}"
+
+
+def revolved(
+    radius: float, bore: float, outer: float, heights: tuple[float, ...], cell: float
+) -> tuple[float, Callable[[float], float]]:
+    """Turn for a torque and a shear modulus of one, 1/mm^3, and by height the shear on the hub's outside: a hub from
+    the first height to the last, which is held, with a web between the other two, whose outer edge carries the torque.
+    Rings whose torques balance."""
 
     def lines(ends: tuple[float, ...]) -> np.ndarray:
         parts = [np.linspace(a, b, max(1, round((b - a) / cell)) + 1)[1:] for a, b in pairwise(ends) if b > a]
@@ -157,7 +173,10 @@ def twist_of_revolution(radius: float, bore: float, outer: float, heights: tuple
     held, load = number[:, -1], np.zeros(len(stiffness))
     stiffness[held[held >= 0], held[held >= 0]] += polar[held >= 0] / (np.diff(y)[-1] / 2.0)
     load[number[-1, web]] = np.diff(y)[web] / (heights[2] - heights[1])
-    return float(load @ np.linalg.solve(stiffness, load))
+    turned = np.linalg.solve(stiffness, load)
+    outside = turned[number[np.flatnonzero(r_in < radius)[-1]]]
+    slope, between = np.diff(outside) / np.diff(y_in), (y_in[1:] + y_in[:-1]) / 2.0
+    return float(load @ turned), lambda y: radius * abs(float(np.interp(y, between, slope)))
 
 
 @pytest.mark.parametrize(("bore", "torque", "shear"), [(4.0, 0.5, 190.0), (4.0, 8.0, 7.7), (15.0, 150.0, 20.0)])

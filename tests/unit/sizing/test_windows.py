@@ -116,3 +116,18 @@ def test_a_printed_hub_is_as_wide_as_its_torsion_asks(configuration: str, transm
     assert isinstance(narrower, SectorLayout)
     refused = drum_stress(narrower)
     assert "the hub" in refused.subject and not refused.holds, refused
+
+
+def test_a_printed_web_bears_its_stress_beside_the_slot_of_a_thick_pin() -> None:
+    file = {
+        "configuration": "miso_bevel",
+        "travel": {"half_angle_deg": 50.2},
+        "transmission": {"ratio": 6.94, "drum_radius_mm": 31.4, "centre_distance_mm": 34.0},
+        "loads": {"peak_torque_Nm": 1.89},
+        "rope": {"type": "7x7-0.45"},
+        **dict.fromkeys(("drum", "guide", "support"), {"material": "pa12"}),
+    }
+    drive = load_text(yaml.safe_dump(file)).drive
+    layout = drive.layout
+    assert isinstance(layout, SectorLayout)
+    assert drive.drum.stop_pin_mm == 6.0 and drum_stress(layout).holds, drum_stress(layout)

@@ -15,7 +15,7 @@ from mbcdm_cad.checks.drum_sector import (
     SPIGOT_MM,
 )
 from mbcdm_cad.checks.drum_wraps import LEAST_WRAP_DEG, wrap_left
-from mbcdm_cad.checks.fixings import STRESS_SAFETY, at_stop_Nm, lasting_MPa
+from mbcdm_cad.checks.fixings import STRESS_SAFETY, at_stop_Nm, lasting_MPa, stop_pin
 from mbcdm_cad.checks.terminals import LUG_SAFETY, terminal_angles
 from mbcdm_cad.checks.transfer import EDGE_BREAK_MM
 from mbcdm_cad.design.blocks import NO_PAYLOAD
@@ -62,8 +62,8 @@ MORE_SCREWS = (5, 8)
 BORE_SHARE, BORE_WALL_MM = 0.7, 1.25
 # Stress of the web beside the hub over that of even shear over half a turn there (estimate; a check computes it).
 WEB_STRESS = 1.6
-# Web of plastic over what a trial with this stop pin asks, whose own thickness is found later.
-WEB_SPARE, PLASTIC_STOP_PIN_MM = 1.1, 5.0
+# Web of plastic over what a trial asks, with the first of these stop pins that holds; the pin's own rule comes later.
+WEB_SPARE, PLASTIC_STOP_PINS_MM = 1.1, (5.0, 6.0, 8.0, 10.0, 12.0)
 # Rim under the deepest pocket as a share of the radius of step 1 (estimate; the limit of the check is lower).
 RIM_SHARE = 0.08
 # Wrap left at the end of travel over the limit of its check: reserve for the slip zone at small loads (estimate).
@@ -109,9 +109,12 @@ def _stressed_web(given: BevelKnown, usual: Found, load_Nm: float, bears_MPa: fl
                 # The hub is at least so long; a longer one has a longer root, which bears more.
                 "drum__hub_face_y_mm": face_mm,
                 "drum__web_thickness_mm": found.value,
-                "drum__stop_pin_mm": PLASTIC_STOP_PIN_MM,
             }
-            stress = drum_stress_MPa(BevelLayout(given.trial(**{**LATER, **places})), load_Nm)
+            for pin_mm in PLASTIC_STOP_PINS_MM:
+                trial = BevelLayout(given.trial(**{**LATER, **places, "drum__stop_pin_mm": pin_mm}))
+                if stop_pin(trial).holds:
+                    break
+            stress = drum_stress_MPa(trial, load_Nm)
             needed = rounded_up(WEB_SPARE * found.value * stress / bears_MPa, 0.1)
             if needed <= found.value:
                 break
