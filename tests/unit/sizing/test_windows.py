@@ -125,7 +125,7 @@ def test_a_printed_web_bears_its_stress_beside_the_slot_of_a_thick_pin() -> None
         "transmission": {"ratio": 6.94, "drum_radius_mm": 31.4, "centre_distance_mm": 34.0},
         "loads": {"peak_torque_Nm": 1.89},
         "rope": {"type": "7x7-0.45"},
-        **dict.fromkeys(("drum", "guide", "support"), {"material": "pa12"}),
+        **{part: {"material": "pa12"} for part in ("drum", "guide", "support")},
     }
     drive = load_text(yaml.safe_dump(file)).drive
     layout = drive.layout
