@@ -334,11 +334,11 @@ def _holds(given: BevelKnown, angle_deg: float, *checks: Callable[[BevelLayout],
 
 def _windows_cost(given: BevelKnown) -> bool:
     """Whether a thin stop pin leaves windows beside which a web of plastic, judged without them, bears too little."""
-    if not _material(given).printed or given["drum.stop_pin_mm"] >= PLASTIC_STOP_PIN_MM:
+    if not _material(given).printed or given["drum.stop_pin_mm"] >= PLASTIC_STOP_PINS_MM[0]:
         return False
     with suppress(NoFigureError, ValueError):
         drive = given.trial()
-        judged = replace(drive, drum=replace(drive.drum, stop_pin_mm=PLASTIC_STOP_PIN_MM))
+        judged = replace(drive, drum=replace(drive.drum, stop_pin_mm=PLASTIC_STOP_PINS_MM[0]))
         layout = BevelLayout(drive)
         if layout.drum.windows and not BevelLayout(judged).drum.windows:
             return drum_stress_MPa(layout, _load_Nm(given)) > lasting_MPa(_material(given)) / STRESS_SAFETY
