@@ -443,12 +443,16 @@ class Layout(ABC):
                 f"({carried:.4g} N m): cables go slack far below it; raise rope.preload_N or lower the load"
             )
         try:
-            si = to_si(drive)
+            si = self.as_set(to_si(drive))
             if self.before is not None and self.before.loads.are_those_of(drive, si):
                 return self.before.loads
             return CableTensions(drive, si)
         except ModelError as error:
             raise NoFigureError(f"the model has no answer: {error}") from None
+
+    def as_set(self, si: DriveSI) -> DriveSI:
+        """``si`` with the least favourable preloads that tightening leaves, which :attr:`loads` has."""
+        return si
 
     @property
     def has_loads(self) -> bool:

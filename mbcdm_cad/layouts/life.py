@@ -182,11 +182,10 @@ def ropes_in_use(layout: Layout, si: DriveSI) -> Iterator[RopeInUse]:
     rope = RopeKind(spec.construction, spec.diameter_mm, spec.material, "oiled", spec.life_anchor)
     wound = layout.wraps_rad(0.0)[0]
     stiff = tensioned_rope(layout.drive).loose_N_m2
-    through: dict[str, list[int]] = {}
-    for j, route in enumerate(routes.cables):
-        key = route.input_name if route.wraps[0].may_slip_through else route.cable
-        through.setdefault(key, []).append(j)
-    for name, sides in through.items():
+    ropes: dict[str, tuple[int, ...]] = {route.cable: (j,) for j, route in enumerate(routes.cables)}
+    if si.through_sides:
+        ropes = dict(zip(si.through_names, si.through_sides, strict=True))
+    for name, sides in ropes.items():
         points: list[Tangent] = []
         for j, along in zip(sides, (1, -1), strict=False):
             points += _tangents(layout, routes, j, float(wound[j]), along, len(points))

@@ -202,6 +202,11 @@ class SectorLayout(Layout):
         """Heights along an input's axis from its gearhead to its encoder, as the dimensions of its pulley have them."""
         return self.levels
 
+    @property
+    def hubs_in_line(self) -> int:
+        """Number of equal sectors, hub bonded on hub, of which the last one's face is the output."""
+        return 1
+
     def levels_of(self, index: int) -> InputLevels:
         """Heights along the axis of the input with this index; here all inputs have the same."""
         return self.levels

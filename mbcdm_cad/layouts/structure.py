@@ -292,6 +292,10 @@ def _drum(layout: SectorLayout, unit: Floats) -> tuple[list[Cause], Callable[[fl
     pulls = land_pulls(
         dims, {name: share / own for name, share in shares.items()}, {c.name: c.preload_N for c in drive.cables}
     )
+    # Hubs in line pass the torque on, each a share more.
+    count = layout.hubs_in_line
+    passed = sum((k / count) ** 2 for k in range(1, count))
+    whole = own if count == 1 else 1.0
     thread = drive.screw(dims.set_screw).thread_mm
     study = sector_study(sector_shape(dims), hub(dims, thread), pulls, elastic(drive.drum_material))
 
@@ -300,9 +304,14 @@ def _drum(layout: SectorLayout, unit: Floats) -> tuple[list[Cause], Callable[[fl
 
     return [
         Cause("drum: web and rim", study.web_urad_Nm * own, in_drum=True, stiffer=f"drum.web_thickness_mm and {_HUB}"),
-        Cause("drum: hub to the set screws", study.hub_to_screws_urad_Nm * own, in_drum=True, stiffer=_HUB),
         Cause(
-            "drum: hub to the payload", study.hub_to_face_urad_Nm * own, at_encoder=False, in_drum=True, stiffer=_HUB
+            "drum: hub to the set screws",
+            study.hub_to_screws_urad_Nm * (whole + passed) + study.hub_to_face_urad_Nm * passed,
+            in_drum=True,
+            stiffer=_HUB,
+        ),
+        Cause(
+            "drum: hub to the payload", study.hub_to_face_urad_Nm * whole, at_encoder=False, in_drum=True, stiffer=_HUB
         ),
     ], stress_MPa
 

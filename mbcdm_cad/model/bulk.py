@@ -198,7 +198,7 @@ def _peak_torque(d: DriveSI, need: Requirements, idle: Equilibrium, way: int) ->
             part = _taken(d, over)
             weight = d.column(d.sigma * (np.arange(d.n_cables) == j), 2) * np.ones(over.size)
             _put(at, over, solve_weighted(part, weight, way * strength[over]))
-    for i in range(d.n_inputs if d.through_wrap_rad is not None else 0):
+    for i in range(len(d.through_sides)):
         over = everything[way * (slip_weight(d, i, way) * at.tension_N).sum(axis=0) > 0.0]
         if over.size:
             part = _taken(d, over)

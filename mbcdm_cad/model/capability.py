@@ -192,7 +192,7 @@ def _poses(d: DriveSI, ends: Sequence[Wraps]) -> list[DriveSI]:
 
 
 def slip_weight(d: DriveSI, index: int, direction: int | NDArray[np.int_]) -> Floats:
-    """Weights w (n_cables, *batch) with sum w_j T_j = 0 where the cable begins to slip on input ``index``.
+    """Weights w (n_cables, *batch) with sum w_j T_j = 0 where cable ``index`` begins to slip on its input.
 
     Over a wrap angle theta friction holds at most T_h = T_l e^(mu theta) (capstan equation of Euler and Eytelwein).
     With equal linear sides this is a difference of 2 T_pre tanh(mu theta/2). Raises ``ModelError`` where the cables are
@@ -202,12 +202,12 @@ def slip_weight(d: DriveSI, index: int, direction: int | NDArray[np.int_]) -> Fl
         raise ModelError("cables are anchored on their inputs: none slips there")
     ndim = 1 + len(d.batch_shape)
     ratio = np.exp(np.minimum(d.friction_coefficient * d.through_wrap_rad[index], _LARGEST_EXPONENT))
-    own = d.column(d.sigma * d.of_input(index), ndim)
+    own = d.column(d.sigma * np.isin(np.arange(d.n_cables), d.through_sides[index]), ndim)
     return np.asarray(own * np.where(own * direction > 0.0, 1.0, ratio))
 
 
 def torque_at_slip_of_Nm(d: DriveSI, index: int, direction: int | NDArray[np.int_]) -> Floats:
-    """Load (N m, shape (*batch)) at which the cable begins to slip on input ``index``.
+    """Load (N m, shape (*batch)) at which cable ``index`` begins to slip on its input.
 
     ``direction``: one for all designs of the batch, or one for each.
     """
@@ -216,12 +216,14 @@ def torque_at_slip_of_Nm(d: DriveSI, index: int, direction: int | NDArray[np.int
 
 
 def torque_at_slip_Nm(d: DriveSI, direction: int, ends: Sequence[Wraps] = ()) -> Floats:
-    """Load (N m, shape (n_inputs, *batch)) at which the cable begins to slip on each input.
+    """Load (N m, shape (n, *batch)) at which each cable that friction alone holds begins to slip on its input.
 
     ``ends``: as in :func:`torque_at_slack_Nm`. A short wrap stretches less, so that the slackened side loses more
     tension.
     """
-    found = [[torque_at_slip_of_Nm(pose, i, direction) for i in range(d.n_inputs)] for pose in _poses(d, ends)]
+    found = [
+        [torque_at_slip_of_Nm(pose, i, direction) for i in range(len(d.through_sides))] for pose in _poses(d, ends)
+    ]
     return np.asarray(np.min(found, axis=0))
 
 
@@ -269,7 +271,7 @@ def torque_limits(
         if d.through_wrap_rad is not None:
             loads = torque_at_slip_Nm(d, direction, ends)
             first = int(np.argmin(loads))
-            found.append(TorqueLimit(SLIP, d.input_names[first], direction, float(loads[first])))
+            found.append(TorqueLimit(SLIP, d.through_names[first], direction, float(loads[first])))
     return tuple(found)
 
 

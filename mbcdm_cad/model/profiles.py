@@ -106,10 +106,8 @@ class _Wraps(NamedTuple):
 
 
 def _pairs(d: DriveSI, through_rad: float | None) -> Any:
-    """The two sides of each cable, (n_inputs, 2), if they share a wrap; else (0, 2)."""
-    inputs = range(d.n_inputs) if through_rad is not None else ()
-    sides = [[j for j in range(d.n_cables) if d.input_of[j] == i] for i in inputs]
-    return np.array(sides, dtype=np.int64).reshape(-1, 2)
+    """The two sides of each cable, (n, 2), if they share a wrap; else (0, 2)."""
+    return np.array(d.through_sides if through_rad is not None else (), dtype=np.int64).reshape(-1, 2)
 
 
 class _Series(NamedTuple):

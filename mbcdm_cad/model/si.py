@@ -210,8 +210,22 @@ class DriveSI:
 
     @cached_property
     def through_wrap_rad(self) -> Floats | None:
-        """Wrap over each input that friction alone holds, (n_inputs, *batch); None where cables are anchored."""
+        """Wrap of each cable over its input that friction alone holds, (n, *batch); None where cables are anchored."""
         return self.geometry.through_wrap_rad(self.parameters)
+
+    @cached_property
+    def through_sides(self) -> tuple[tuple[int, int], ...]:
+        """Both sides of each cable of :attr:`through_wrap_rad`; they follow each other."""
+        n = 0 if self.through_wrap_rad is None else len(self.through_wrap_rad)
+        return tuple((2 * k, 2 * k + 1) for k in range(n))
+
+    @cached_property
+    def through_names(self) -> tuple[str, ...]:
+        """Names of these cables: that of the input, with a number where several cables lie side by side on it."""
+        of = [self.input_of[one] for one, _ in self.through_sides]
+        return tuple(
+            self.input_names[i] + (f"_{of[:k].count(i) + 1}" if of.count(i) > 1 else "") for k, i in enumerate(of)
+        )
 
     @property
     def kappa(self) -> Floats:

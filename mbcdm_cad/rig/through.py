@@ -28,10 +28,8 @@ _LEAST_N = 1e-9
 
 
 def pairs_of(cables: tuple[RigCable, ...]) -> NDArray[np.int64]:
-    """The two sides of each cable that friction alone holds on its input, (n, 2)."""
-    inputs = sorted({c.input_index for c in cables if c.own_wrap_rad > 0.0})
-    sides = [[j for j, c in enumerate(cables) if c.input_index == i] for i in inputs]
-    return np.array(sides, dtype=np.int64).reshape(-1, 2)
+    """The two sides of each cable that friction alone holds on its input, (n, 2); they are neighbours."""
+    return np.array([j for j, c in enumerate(cables) if c.own_wrap_rad > 0.0], dtype=np.int64).reshape(-1, 2)
 
 
 @compiled

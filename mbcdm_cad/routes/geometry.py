@@ -75,7 +75,7 @@ class Geometry(Protocol):
         """Wrap of each cable on each passed body, (n_cables, *batch); 0 where it does not run on it."""
 
     def through_wrap_rad(self, parameters: Mapping[str, Floats]) -> Floats | None:
-        """Wrap over each input of one cable that friction alone holds there, (n_inputs, *batch).
+        """Wrap of each cable over its input that friction alone holds there, (n, *batch); its two sides are neighbours.
 
         None where cables are anchored on their inputs. A cable without an anchor counts as two, one for each sense,
         from the point at which it sticks on the input; the ratio of their tensions is at most e^(mu wrap).

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
 from mbcdm_cad.layouts.miso_spur.path_figures import plan
 from mbcdm_cad.layouts.siso_spur.assembly_order import (
@@ -12,12 +10,11 @@ from mbcdm_cad.layouts.siso_spur.assembly_order import (
     ends_words,
     idler_steps,
     input_steps,
-    key,
-    numbered,
+    sector_steps,
 )
 from mbcdm_cad.parts.bill import AssemblyStep
-from mbcdm_cad.parts.terminal.instructions import making_words, setting_steps, spring_words, terminal_items
-from mbcdm_cad.parts.threads import insert_items, insert_words
+from mbcdm_cad.parts.terminal.instructions import making_words, setting_steps
+from mbcdm_cad.parts.threads import insert_items
 
 
 def assembly_order(layout: RoundDrumLayout) -> tuple[AssemblyStep, ...]:
@@ -43,7 +40,7 @@ def assembly_order(layout: RoundDrumLayout) -> tuple[AssemblyStep, ...]:
             f"Screw the frame to its base with {len(layout.frame.mounts) * drive.n_inputs} {layout.mounting.name} from "
             "behind, into the plate's threads."
         ),
-        *_drum(layout),
+        *sector_steps(layout),
         *setting_steps(drive, plan(layout)),
     )
 
@@ -61,39 +58,3 @@ def _cut(layout: RoundDrumLayout) -> AssemblyStep:
         f"bill of materials together, and end each in a threaded terminal ({drive.tensioner.name}) on either side, "
         f"{drive.termination.name}.{making_words(drive)} Mark its middle."
     )
-
-
-def _drum(layout: RoundDrumLayout) -> Iterator[AssemblyStep]:
-    """The sectors are pushed onto the shaft one after the other; the terminals of each are put into its lugs before."""
-    drive, d = layout.drive, layout.drum
-    places, names = len(d.payload_places), drive.input_names
-    each = "each of its cables" if drive.anchored else "each end of its cable"
-    for k, (unit, name) in enumerate(zip(layout.units, names, strict=True)):
-        first, last = k == 0, k == len(names) - 1
-        text = insert_words(d.payload_insert, places, "the holes in the hub's face") if last else ""
-        text += (
-            f"Push the sector of {name} on to the shaft, but not to its end, take off the tape and lay {each} "
-            "over the rim to its own side, the one that leaves the input in front to the front. With nut and lock nut "
-            "run on to the stud's end, drop both terminals sideways into the slotted lugs from behind. "
-        )
-        if first:
-            text += "Push the sector further until its spigot touches the front bearing, and press the stop pin "
-            text += "through the slot of its web into the plate. "
-        else:
-            text += f"Push it further until its spigot touches the hub of {names[k - 1]}, on both dowels. "
-        text += spring_words(drive).strip() + " " if drive.spring else ""
-        items = [f"drum_{name}", *terminal_items(unit.drive)]
-        if first:
-            items.append("stop_pin")
-        if last:
-            screw = d.set_screw
-            text += (
-                "To preload the bearings, draw shaft and hubs together until the shaft's end is flush with the face of "
-                f"the last hub, which presses the spring with {layout.preload_spring.force_N:g} N, and tighten its two "
-                f"set screws ({screw}, {key(unit, screw)}, radially, in front of the web)."
-            )
-            items += [*numbered("hub_set_screw", 2), *insert_items("payload_insert", d.payload_insert, places)]
-        else:
-            text += "Press two dowels into the face of its hub for the next one."
-            items += numbered(f"hub_dowel_{name}", 2)
-        yield AssemblyStep(text, tuple(items))

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 from math import degrees, radians
 
-from mbcdm_cad.layouts.miso_spur.drive import RoundDrumDrive
 from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
 from mbcdm_cad.layouts.miso_spur.support.parts import Star
 from mbcdm_cad.layouts.siso_spur.bill import (
@@ -14,6 +13,7 @@ from mbcdm_cad.layouts.siso_spur.bill import (
     add_idlers,
     add_own_input,
     add_own_stage,
+    add_sectors,
     add_stop_pin,
     idler_bodies,
     input_bodies,
@@ -21,11 +21,9 @@ from mbcdm_cad.layouts.siso_spur.bill import (
 )
 from mbcdm_cad.parts.bill import Bill, BillBuilder, MovingBody
 from mbcdm_cad.parts.bought.train import add_horn
-from mbcdm_cad.parts.drum_sector.items import add_cables, add_drum_encoder, add_output, add_terminals, drilled_drum
-from mbcdm_cad.parts.drum_sector.part import DrumSector
+from mbcdm_cad.parts.drum_sector.items import add_cables, add_drum_encoder
 from mbcdm_cad.parts.input_pulley.items import add_input_pulley
 from mbcdm_cad.parts.placement import Placement
-from mbcdm_cad.parts.ring import Dowel
 
 _Y = (0.0, 1.0, 0.0)
 
@@ -37,36 +35,6 @@ def moving_bodies(lay: RoundDrumLayout) -> tuple[MovingBody, ...]:
     for unit, angle in zip(lay.units, drive.angles_rad, strict=True):
         bodies += [*idler_bodies(unit, angle), *input_bodies(unit.drive, unit.drive.input_names[0], angle)]
     return tuple(bodies)
-
-
-def _sectors(b: BillBuilder, lay: RoundDrumLayout, drive: RoundDrumDrive, turns: list[Placement]) -> None:
-    """Add the sectors, hub on hub, the dowels between them, and the shaft, which the last hub holds."""
-    d, steel = lay.drum, drive.material("steel")
-    screw = drive.screw(d.set_screw)
-    stands = [turn @ Placement.translation(0.0, level, 0.0) for turn, level in zip(turns, drive.levels_mm, strict=True)]
-    for unit, stand, name in zip(lay.units, stands, drive.input_names, strict=True):
-        b.add(
-            f"drum_{name}",
-            DrumSector(d, screw.thread_mm),
-            part="drum",
-            drilled=drilled_drum(d, screw),
-            material=drive.drum_material,
-            group="drum",
-            place=stand,
-        )
-        add_terminals(b, drive, unit.drum, stand)
-    pins = lay.dowels
-    for stand, name in zip(stands[:-1], drive.input_names[:-1], strict=True):
-        for n, (x, z) in enumerate(pins.places(pins.face_angles_deg), 1):
-            b.standard(
-                f"hub_dowel_{name}_{n}",
-                Dowel(pins.radius, pins.length),
-                part="hub_dowel",
-                material=steel,
-                group="drum",
-                place=stand @ Placement.translation(x, d.hub_face_y - pins.face_depth, z) @ ALONG_Y,
-            )
-    add_output(b, drive, d, lay.drum_shaft, stands[-1])
 
 
 def bill(lay: RoundDrumLayout, drum_angle_deg: float = 0.0) -> Bill:
@@ -83,7 +51,7 @@ def bill(lay: RoundDrumLayout, drum_angle_deg: float = 0.0) -> Bill:
         add_own_input(b, unit, turn, f"_{unit.drive.input_names[0]}")
         if drive.idlers:
             add_idlers(b, unit, turn, f"_{unit.drive.input_names[0]}")
-    _sectors(b, lay, drive, turns)
+    add_sectors(b, lay, turns)
     for pulley, turn in zip(lay.inputs, turns, strict=True):
         add_input_pulley(b, drive, pulley, lay.collar, drive.frame_material, turn @ ALONG_Y)
     for unit, turn in zip(lay.units, turns, strict=True):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from math import tau
 
 from mbcdm_cad.checks.bearings import stage_torque_Nm
@@ -17,7 +18,13 @@ from mbcdm_cad.parts.bill import AssemblyStep, cable_item
 from mbcdm_cad.parts.bought.train import train_items, train_words
 from mbcdm_cad.parts.input_pulley.dims import SET_SCREWS_DEG
 from mbcdm_cad.parts.motor_head.dims import flange_screw
-from mbcdm_cad.parts.terminal.instructions import making_words, terminal_steps
+from mbcdm_cad.parts.terminal.instructions import (
+    making_words,
+    setting_steps,
+    spring_words,
+    terminal_items,
+    terminal_steps,
+)
 from mbcdm_cad.parts.threads import insert_items, insert_words
 
 
@@ -27,13 +34,16 @@ def assembly_order(layout: SpurLayout) -> tuple[AssemblyStep, ...]:
     A first stage comes first, as a whole; what it is screwed on holds it in place of a base.
     """
     before: tuple[AssemblyStep, ...] = ()
+    drum = _drum(layout)
+    if layout.drive.parallel > 1:
+        drum = (*sector_steps(layout), *setting_steps(layout.drive, plan(layout)))
     if layout.first_stage is not None:
         first = layout.first_stage
         steps = (*_frame(first), *input_steps(first), *_drum(first))
         before = tuple(
             AssemblyStep(f"First stage: {s.text}", tuple(first_name(name) for name in s.items)) for s in steps
         )
-    return (*before, *_frame(layout), *input_steps(layout), *idler_steps(layout), _base(layout), *_drum(layout))
+    return (*before, *_frame(layout), *input_steps(layout), *idler_steps(layout), _base(layout), *drum)
 
 
 def idler_steps(layout: SpurLayout, mark: str = "") -> tuple[AssemblyStep, ...]:
@@ -94,10 +104,12 @@ def ends_words(drive: SpurDrive) -> str:
 
 def _cut_words(layout: SpurLayout) -> str:
     drive, rope = layout.drive, layout.drive.cable
-    cut = sum(setting.cut_length_m for setting in plan(layout).cables) * 1e3
+    # Cables in parallel are equal.
+    cut = sum(setting.cut_length_m for setting in plan(layout).cables[:2]) * 1e3
+    count, it = ("one cable", "it") if drive.parallel == 1 else (f"{drive.parallel} cables", "each")
     return (
-        f"Cut one cable ({rope.name}, {rope.diameter_mm:g} mm) {cut:.1f} mm long, both halves of the bill of "
-        f"materials together, and end it in a threaded terminal ({drive.tensioner.name}) on either side, "
+        f"Cut {count} ({rope.name}, {rope.diameter_mm:g} mm) {cut:.1f} mm long, both halves of the bill of "
+        f"materials together, and end {it} in a threaded terminal ({drive.tensioner.name}) on either side, "
         f"{drive.termination.name}.{making_words(drive)} Mark its middle."
     )
 
@@ -279,10 +291,11 @@ def _winding_step(drive: SpurDrive) -> AssemblyStep:
         how = "in the groove" if drive.input_pulleys.grooved else "side by side"
         under = "" if drive.overhung else "under the bridge, "
         way = "not crossed" if drive.open_spans else "crossed"
+        the = "the cable" if drive.parallel == 1 else "each cable in its own length of the land"
         return AssemblyStep(
-            f"Lead the cable round the input from its middle out, {drive.turns} turns {how}, "
+            f"Lead {the} round the input from its middle out, {drive.turns} turns {how}, "
             f"{under}and hold it with tape; its ends lie on both sides of the plate, {way}.",
-            (cable_item(drive.input_names[0]),),
+            tuple(cable_item(name) for name in drive.cable_names),
         )
     how = "in its groove" if drive.input_pulleys.grooved else "side by side"
     return AssemblyStep(
@@ -320,3 +333,43 @@ def _drum(layout: SpurLayout) -> tuple[AssemblyStep, ...]:
         ),
         *terminal_steps(drive, plan(layout)),
     )
+
+
+def sector_steps(layout: SpurLayout) -> Iterator[AssemblyStep]:
+    """Several sectors are pushed onto the shaft one by one; the terminals of each are put into its lugs before."""
+    drive, d = layout.drive, layout.drum
+    places, names = len(d.payload_places), drive.sector_names
+    each = "each of its cables" if drive.anchored else "each end of its cable"
+    faces = "their open side" if drive.whole_drum else "behind"
+    for k, (unit, name) in enumerate(zip(layout.units, names, strict=True)):
+        first, last = k == 0, k == len(names) - 1
+        before = f"sector {names[k - 1]}" if drive.parallel > 1 else names[k - 1]
+        sector = f"sector {name}, counted from the back," if drive.parallel > 1 else f"the sector of {name}"
+        text = insert_words(d.payload_insert, places, "the holes in the hub's face") if last else ""
+        text += (
+            f"Push {sector} on to the shaft, but not to its end, take off the tape and lay {each} "
+            "over the rim to its own side, the one that leaves the input in front to the front. With nut and lock nut "
+            f"run on to the stud's end, drop both terminals sideways into the slotted lugs from {faces}. "
+        )
+        if first:
+            text += "Push the sector further until its spigot touches the front bearing, and press the stop pin "
+            text += "through the slot of its web into the plate. "
+        else:
+            text += f"Push it further until its spigot touches the hub of {before}, on both dowels. "
+        text += spring_words(drive).strip() + " " if drive.spring else ""
+        items = [f"drum_{name}", *terminal_items(unit.drive)]
+        if first:
+            items.append("stop_pin")
+        if last:
+            screw = d.set_screw
+            text += (
+                "To preload the bearings, draw shaft and hubs together until the shaft's end is flush with the face of "
+                f"the last hub, which presses the spring with {layout.preload_spring.force_N:g} N, and tighten its two "
+                f"set screws ({screw}, {key(unit, screw)}, radially, in front of the web)."
+            )
+            items += [*numbered("hub_set_screw", 2), *insert_items("payload_insert", d.payload_insert, places)]
+        else:
+            text += "Press two dowels into the face of its hub for the next one."
+            text += " Wet face and dowels with retaining compound." * (drive.parallel > 1)
+            items += numbered(f"hub_dowel_{name}", 2)
+        yield AssemblyStep(text, tuple(items))

@@ -17,7 +17,16 @@ from mbcdm_cad.layouts.siso_spur.support.parts import Yoke
 from mbcdm_cad.parts.axle import Axle, Spacer
 from mbcdm_cad.parts.bill import CABLE, FIXED, Bill, BillBuilder, MovingBody, PartSpec
 from mbcdm_cad.parts.bought.train import add_horn
-from mbcdm_cad.parts.drum_sector.items import add_cables, add_drum, add_drum_encoder, add_preload_spring
+from mbcdm_cad.parts.drum_sector.items import (
+    add_cables,
+    add_drum,
+    add_drum_encoder,
+    add_output,
+    add_preload_spring,
+    add_terminals,
+    drilled_drum,
+)
+from mbcdm_cad.parts.drum_sector.part import DrumSector
 from mbcdm_cad.parts.idler_pulley import IdlerPulley
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 from mbcdm_cad.parts.input_pulley.items import add_input_pulley
@@ -31,7 +40,7 @@ from mbcdm_cad.parts.motor_head.items import (
     add_motor_head,
 )
 from mbcdm_cad.parts.placement import Placement, Vector
-from mbcdm_cad.parts.ring import Pin
+from mbcdm_cad.parts.ring import Dowel, Pin
 from mbcdm_cad.parts.stage import Belt, Wheel, belt_bottom_mm
 
 _X, _Y, _Z, _BACK = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0)
@@ -241,6 +250,38 @@ def add_first_stage(b: BillBuilder, lay: SpurLayout, first: SpurLayout, drum_ang
         )
 
 
+def add_sectors(b: BillBuilder, lay: SpurLayout, turns: list[Placement]) -> None:
+    """Add several sectors, hub on hub, the dowels between them, and the shaft, which the last hub holds.
+
+    ``turns``: of each sector about the drum's axis.
+    """
+    drive, d, pins = lay.drive, lay.drum, lay.dowels
+    screw, names = drive.screw(d.set_screw), drive.sector_names
+    stands = [turn @ _at(0.0, level, 0.0) for turn, level in zip(turns, drive.levels_mm, strict=True)]
+    for unit, stand, name in zip(lay.units, stands, names, strict=True):
+        b.add(
+            f"drum_{name}",
+            DrumSector(d, screw.thread_mm),
+            part="drum",
+            drilled=drilled_drum(d, screw),
+            material=drive.drum_material,
+            group="drum",
+            place=stand,
+        )
+        add_terminals(b, drive, unit.drum, stand)
+    for stand, name in zip(stands[:-1], names[:-1], strict=True):
+        for n, (x, z) in enumerate(pins.places(pins.face_angles_deg), 1):
+            b.standard(
+                f"hub_dowel_{name}_{n}",
+                Dowel(pins.radius, pins.length),
+                part="hub_dowel",
+                material=drive.material("steel"),
+                group="drum",
+                place=stand @ _at(x, d.hub_face_y - pins.face_depth, z) @ ALONG_Y,
+            )
+    add_output(b, drive, d, lay.drum_shaft, stands[-1])
+
+
 def first_name(name: str) -> str:
     """Name of an item or a part of the first stage; parts of a standard, and cables, keep their beginning."""
     if name.startswith(CABLE):
@@ -259,7 +300,10 @@ def bill(lay: SpurLayout, drum_angle_deg: float = 0.0) -> Bill:
     if drive.idlers:
         add_idlers(b, lay, Placement.identity())
     add_drum_encoder(b, drive, f.boss.encoder_pocket_floor_y, f.boss.screw_circle)
-    add_drum(b, drive, lay.drum, lay.drum_shaft)
+    if drive.parallel == 1:
+        add_drum(b, drive, lay.drum, lay.drum_shaft)
+    else:
+        add_sectors(b, lay, [Placement.identity()] * drive.parallel)
     for pulley in lay.inputs:
         add_input_pulley(b, drive, pulley, lay.collar, drive.frame_material, ALONG_Y)
         add_own_stage(b, lay, pulley, Placement.identity())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from math import acos, hypot, inf, pi, radians, sqrt, tan, tau
 from typing import ClassVar, Literal, TypeVar
@@ -34,6 +34,9 @@ RING_WRAP_DEG = 5.0
 MOST_STOP_DEG = 165.0
 # Most turns on an input (estimate: a winding some ten times as long as the input is thick).
 MOST_TURNS = 100
+# Half the range of the preloads of parallel cables, over their mean (estimate: by the pitch of a span, 5 % of which are
+# 10 % of the tension).
+PARALLEL_SPREAD = 0.1
 # Land of the input between two anchored cables, their walk included (estimate: a crest that can be turned).
 BETWEEN_MM = 0.3
 
@@ -188,7 +191,9 @@ class SpurDrive(HeadedDrive):
     angle round the drum's axis in which this input's part of the frame lies. ``idlers``: those that lead the cable to
     an input away from the drum; None where it runs straight to the drum. ``first``: the drive of a first cable stage,
     whose drum's shaft turns the input; the gearhead is then what that is to this stage. ``open_spans``: the spans do
-    not cross, so that the input turns with the drum.
+    not cross, so that the input turns with the drum. ``parallel``: equal cables side by side round the input, each with
+    a sector of its own; ``cables`` has both sides of each, one cable after the other. After tightening, their preloads
+    differ from the stated one by up to ``parallel_spread`` of it.
     """
 
     cables: tuple[SpurRun, ...]
@@ -206,6 +211,81 @@ class SpurDrive(HeadedDrive):
     idlers: IdlerBlock | None = None
     first: SpurDrive | None = None
     open_spans: bool = False
+    parallel: int = 1
+    parallel_spread: float = 0.0
+
+    @property
+    def angles_rad(self) -> tuple[float, ...]:
+        """Angles of the sectors and of their inputs about Y, from +Z towards +X."""
+        return (0.0,) * self.parallel
+
+    @cached_property
+    def pitch_mm(self) -> float:
+        """Distance between sectors along the axis, hub on hub."""
+        return self.drum.hub_face_y_mm - boss_front_y_mm(self)
+
+    @property
+    def levels_mm(self) -> tuple[float, ...]:
+        """Distance of each sector and its cable from ``level_mm`` along the axis."""
+        return tuple(k * self.pitch_mm for k in range(len(self.angles_rad)))
+
+    @property
+    def band_mm(self) -> float:
+        """Distance along an input from its first cable to its last one."""
+        return (self.parallel - 1) * self.pitch_mm if self.parallel > 1 else 0.0
+
+    @property
+    def sector_names(self) -> tuple[str, ...]:
+        """Names of the sectors, each of which has one cable: its number, from the back."""
+        return tuple(str(k + 1) for k in range(self.parallel))
+
+    @property
+    def between_hubs_Nm(self) -> float:
+        """Largest torque between the last two hubs, motors stalled: that of all other sectors."""
+        stalled = self.motor.rated_torque_mNm * 1e-3 * self.reduction.ratio * len(self.input_names) * self.total_ratio
+        count = len(self.angles_rad)
+        return max(self.loads.peak_torque_Nm, stalled) * (count - 1) / count
+
+    @cached_property
+    def _units(self) -> dict[int, SpurDrive]:
+        return {}
+
+    def unit(self, index: int) -> SpurDrive:
+        """The cable with this index, its sector and its input as a separate drive, the input above the drum."""
+        if len(self.angles_rad) == 1:
+            return self
+        if index not in self._units:
+            self._units[index] = self._made_unit(index)
+        return self._units[index]
+
+    def _made_unit(self, index: int) -> SpurDrive:
+        own = {field.name: getattr(self, field.name) for field in fields(SpurDrive)}
+        places = (2 * index, 2 * index + 1)
+        cables = [self.cables[j] for j in places]
+        level = self.level_mm + self.levels_mm[index]
+        return SpurDrive(
+            **own
+            | {
+                "configuration": "siso_spur",
+                "input_names": (cables[0].input_name,),
+                "cables": tuple(replace(c, terminal_y_mm=level + c.outward * self.terminal_mm) for c in cables),
+                "sigmas": self.sigmas.of_cables(places),
+                "level_mm": level,
+                "frame_angle_rad": self.unit_frame_angle_rad,
+                "parallel": 1,
+            }
+        )
+
+    @property
+    def unit_frame_angle_rad(self) -> float:
+        """Angle round the drum's axis in which the part of the frame at one input lies."""
+        return self.frame_angle_rad
+
+    @property
+    def cable_names(self) -> tuple[str, ...]:
+        """Names of the continuous cables: their input's, with their number where several lie side by side."""
+        numbers = [""] if self.parallel == 1 else [f"_{k + 1}" for k in range(self.parallel)]
+        return tuple(f"{name}{number}" for name in self.input_names for number in numbers)
 
     @property
     def leading(self) -> IdlerBlock:
@@ -435,6 +515,16 @@ class SpurDrive(HeadedDrive):
     def stretched(self) -> float:
         """Ratio of the length of a turn of the helix to that of its circle."""
         return hypot(1.0, self.slope)
+
+
+def drum_inner_y_mm(drive: SpurDrive) -> float:
+    """Inner face of the drum's rim along y."""
+    return -drive.on_drum_mm - drive.cable.diameter_mm / 2 - drive.clearances.land_edge_mm
+
+
+def boss_front_y_mm(drive: SpurDrive) -> float:
+    """Front of the drum's boss along y, on which the hub stands."""
+    return drum_inner_y_mm(drive) - 3 * drive.clearances.running_mm
 
 
 def laid(drive: _Spur) -> _Spur:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from math import atan2, ceil, degrees, floor, inf
-from typing import TYPE_CHECKING
+from math import atan2, ceil, degrees, floor, inf, pi
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from mbcdm_cad.checks.design_variables import (
     field,
     radii,
 )
+from mbcdm_cad.checks.fixings import STRESS_SAFETY
 from mbcdm_cad.layouts.base import Conventions, dimensions
 from mbcdm_cad.layouts.sector import HeadLayout
 from mbcdm_cad.layouts.siso_spur.cable_path import cable_paths, input_wrap_rad, longest_mm, side_length_mm
@@ -32,7 +33,7 @@ from mbcdm_cad.layouts.siso_spur.support.idlers import axle, idlers
 from mbcdm_cad.parts.axle import AxleDims
 from mbcdm_cad.parts.collar import CollarDims, collar, collar_over_shelf_mm, collar_width_mm
 from mbcdm_cad.parts.drum_sector.design import SectorRun
-from mbcdm_cad.parts.drum_sector.dims import DrumDims
+from mbcdm_cad.parts.drum_sector.dims import SET_SCREW_ANGLES_DEG, DrumDims, HubDowels
 from mbcdm_cad.parts.drum_sector.sizes import TerminalWay, drum, furthest_anchor_rad
 from mbcdm_cad.parts.drum_shaft import DrumShaftDims
 from mbcdm_cad.parts.idler_pulley import IdlerDims
@@ -41,7 +42,9 @@ from mbcdm_cad.parts.motor_head.dims import Flange, HeadDims, head
 from mbcdm_cad.parts.mounting import MOUNT_SCREWS, MountScrew, MountThread
 from mbcdm_cad.parts.placement import Placement
 from mbcdm_cad.parts.stage import HUB_EDGE_MM, StageDims, stage_dims
+from mbcdm_cad.parts.terminal.part import Tensioner
 from mbcdm_cad.parts.terminal.take_up import terminal_travel_mm
+from mbcdm_cad.parts.threads import SHEAR_SHARE
 from mbcdm_cad.routes.cable_path import CablePath
 from mbcdm_cad.routes.curves import Helix, carried
 
@@ -51,6 +54,12 @@ if TYPE_CHECKING:
     from mbcdm_cad.model.losses.train import BearingPair
     from mbcdm_cad.model.si import DriveSI
     from mbcdm_cad.routes import Floats
+
+
+# Dowels between the hubs, beside the payload's threads: radii, depth in a face over the radius, play at their ends.
+DOWEL_RADII_MM, DOWEL_RADII, DOWEL_PLAY_MM = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0), 3.0, 0.5
+# Opposite the set screws.
+_FACE_DEG = (225.0, 315.0)
 
 
 def _turns(drive: SpurDrive, value: float) -> SpurDrive:
@@ -109,7 +118,8 @@ VARIABLES: dict[str, DesignVariable] = by_path(
 class SpurLayout(HeadLayout):
     """One design; heights of pulley and collar are along +Y.
 
-    The drum is that of a cable at level 0, for any ``level_mm`` of the drive.
+    The drum is that of a cable at level 0, for any ``level_mm`` of the drive. Of several sectors, which are equal, it
+    is the first, ``steps`` are the runs on it, and most checks use it.
     """
 
     name = "siso_spur"
@@ -121,6 +131,21 @@ class SpurLayout(HeadLayout):
 
     drive: SpurDrive
     steps: tuple[SpurRun, ...]
+
+    def __init__(self, drive: SpurDrive, **given: Any) -> None:
+        super().__init__(drive, **given)
+        self.steps = tuple(cable for cable in self.steps if cable in drive.cables[:2])
+
+    @cached_property
+    def first(self) -> SpurLayout:
+        """The first cable with its sector and its input, as a drive of one cable."""
+        unit = self.drive.unit(0)
+        return self if unit is self.drive else SpurLayout(unit)
+
+    @dimensions
+    def units(self) -> tuple[SpurLayout, ...]:
+        """Each cable with its sector as a drive of one cable, the input above the drum; few checks need them."""
+        return self.first, *(SpurLayout(self.drive.unit(k)) for k in range(1, len(self.drive.angles_rad)))
 
     @property
     def arms(self) -> tuple[SpurLayout, ...]:
@@ -153,8 +178,22 @@ class SpurLayout(HeadLayout):
 
     @dimensions
     def drum(self) -> DrumDims:
-        """Drum sector."""
-        return drum(_at_level_0(self.drive), self.levels, self.frame.stop_pin_z, self.terminal_way)
+        """One drum sector."""
+        if self.first is self:
+            return drum(_at_level_0(self.drive), self.levels, self.frame.stop_pin_z, self.terminal_way)
+        one, angles = self.first.drum, self.drive.angles_rad
+        return replace(one, dowels=_dowels(self.drive, one, degrees(angles[1] - angles[0])))
+
+    @property
+    def hubs_in_line(self) -> int:
+        """See the base class."""
+        return self.drive.parallel
+
+    @dimensions
+    def dowels(self) -> HubDowels:
+        """Dowels between neighbouring hubs."""
+        assert self.drum.dowels is not None
+        return self.drum.dowels
 
     @dimensions
     def inputs(self) -> tuple[InputPulleyDims, ...]:
@@ -163,9 +202,19 @@ class SpurLayout(HeadLayout):
 
     @dimensions
     def drum_shaft(self) -> DrumShaftDims:
-        """Shaft of the drum, with the end that stands out behind the frame, if it has one."""
-        shaft = super().drum_shaft
-        return replace(shaft, y_start=shaft.y_start - self.drive.drum.shaft_end_mm)
+        """Shaft of the drum, with the end that stands out behind the frame, if it has one.
+
+        It ends in the last hub, whose set screws hold all of them.
+        """
+        shaft, (near, far) = super().drum_shaft, SET_SCREW_ANGLES_DEG
+        last, turned = self.drive.levels_mm[-1], degrees(self.drive.angles_rad[-1])
+        return replace(
+            shaft,
+            y_start=shaft.y_start - self.drive.drum.shaft_end_mm,
+            y_end=shaft.y_end + last,
+            flat_y=shaft.flat_y + last,
+            flat_angles_deg=(near + turned, far + turned),
+        )
 
     @dimensions
     def collar(self) -> CollarDims:
@@ -235,11 +284,29 @@ class SpurLayout(HeadLayout):
     @property
     def anchors(self) -> dict[str, tuple[float, float]]:
         """Angle at which each side leaves its land, drum centred, and straight length from there, by its name."""
-        return {t.cable_name: (t.anchor_rad, t.cable_end) for t in self.drum.tensioners}
+        return {t.cable_name: (t.anchor_rad, t.cable_end) for t in self.terminals}
+
+    @property
+    def terminals(self) -> tuple[Tensioner, ...]:
+        """See the base class."""
+        if self.first is self:
+            return self.drum.tensioners
+        return tuple(t for unit in self.units for t in unit.drum.tensioners)
+
+    def terminal_of(self, cable: SectorRun) -> Tensioner:
+        """See the base class; those of the first cable are known before the others."""
+        on_first = (t for t in self.drum.tensioners if t.cable_name == cable.name)
+        return next(on_first, None) or super().terminal_of(cable)
 
     def cable_paths(self, drum_angle_rad: float) -> tuple[CablePath, ...]:
         """Centre line of each cable at a drum angle, to the bottom of the bore of each swage."""
-        return cable_paths(self.drive, self.anchors, drum_angle_rad)
+        if self.first is self:
+            return cable_paths(self.drive, self.anchors, drum_angle_rad)
+        paths = [path for unit in self.units for path in unit.cable_paths(drum_angle_rad)]
+        return tuple(
+            replace(path, cable=replace(path.cable, name=name))
+            for path, name in zip(paths, self.drive.cable_names, strict=True)
+        )
 
     @cached_property
     def first_stage(self) -> SpurLayout | None:
@@ -351,8 +418,15 @@ class SpurLayout(HeadLayout):
 
     def tensioned_lengths_mm(self) -> Sequence[float]:
         """Length that each terminal tensions: half of the one cable, or its own cable."""
-        anchors = self.anchors
-        return [side_length_mm(self.drive, c, *anchors[c.name]) for c in self.drive.cables]
+        return [side_length_mm(unit.drive, c, *unit.anchors[c.name]) for unit in self.units for c in unit.drive.cables]
+
+    def as_set(self, si: DriveSI) -> DriveSI:
+        """See the base class: of cables in parallel the first is as tight, the last as loose as the spread allows."""
+        drive = self.drive
+        if drive.parallel == 1:
+            return si
+        spread = np.repeat(np.linspace(drive.parallel_spread, -drive.parallel_spread, drive.parallel), 2)
+        return self.once("as set", lambda _: si.with_(preload_N=si.preload_N * (1.0 + spread)))
 
     @property
     def passing_deg(self) -> tuple[float, ...]:
@@ -374,6 +448,27 @@ class SpurLayout(HeadLayout):
     def input_wrap_rad(self, cable: SectorRun, drum_angle_rad: float) -> float:
         """See the base class; of each side."""
         return input_wrap_rad(self.drive, cable, drum_angle_rad)
+
+
+def _dowels(drive: SpurDrive, sector: DrumDims, between_deg: float) -> HubDowels:
+    """The next sector is turned about the axis by ``between_deg``, so its holes are turned back in its own frame."""
+    circle = sector.payload_circle_radius
+    radius, steel = DOWEL_RADII_MM[0], drive.material("steel").yield_MPa
+    if drive.parallel > 1:
+        force = drive.between_hubs_Nm * 1e3 / circle / len(_FACE_DEG)
+        holds = (r for r in DOWEL_RADII_MM if force * STRESS_SAFETY <= SHEAR_SHARE * steel * pi * r**2)
+        radius = next(holds, DOWEL_RADII_MM[-1])
+    pressed = DOWEL_RADII * radius
+    return HubDowels(
+        radius=radius,
+        length=2 * pressed,
+        circle_radius=circle,
+        face_depth=pressed,
+        # The hub begins behind the spigot, which rests on the face of the next hub.
+        back_depth=pressed - (sector.hub_start_y - sector.spigot_y) + DOWEL_PLAY_MM,
+        face_angles_deg=_FACE_DEG,
+        back_angles_deg=tuple((a - between_deg) % 360.0 for a in _FACE_DEG),
+    )
 
 
 def _at_level_0(drive: SpurDrive) -> SpurDrive:

@@ -65,7 +65,7 @@ def path_figures(layout: SpurLayout) -> SpurFigures:
     posed = [layout.cable_paths(float(angle)) for angle in np.radians(angles)]
     centred = layout.cable_paths(0.0)
     # Both sides of a continuous cable share one path.
-    at = [min(k, len(centred) - 1) for k in range(len(drive.cables))]
+    at = [k * len(centred) // len(drive.cables) for k in range(len(drive.cables))]
     share = len(centred) / len(drive.cables)
     cables = tuple(
         SideFigures(
@@ -93,7 +93,7 @@ def path_figures(layout: SpurLayout) -> SpurFigures:
 def _ends(layout: SpurLayout) -> Iterator[EndOfTravel]:
     drive = layout.drive
     half = radians(drive.half_travel_deg)
-    terminals = {t.cable_name: t for t in layout.drum.tensioners}
+    terminals = {t.cable_name: t for t in layout.terminals}
     stop = drive.half_travel_deg + drive.stop_clearance_deg
     yield from (EndOfTravel(way * stop, "hard stop") for way in (1, -1))
     for run in drive.cables:
@@ -134,7 +134,7 @@ def plan(layout: SpurLayout) -> TensioningPlan:
 def tensioned_sides(layout: SpurLayout) -> list[TensionedCable]:
     """Both sides of the cable in the order of the drive, with the length of a half each, or of one of two cables."""
     drive = layout.drive
-    terminals = {t.cable_name: t for t in layout.drum.tensioners}
+    terminals = {t.cable_name: t for t in layout.terminals}
     stops = {slot.cable_name: slot.stop_start - slot.stop_end for pulley in layout.inputs for slot in pulley.slots}
     # Spans and, between them, wraps on idlers, which turn freely.
     led = tuple(length * drive.stretched * 1e-3 for length in drive.led_mm)

@@ -2,7 +2,8 @@
 
     gearhead's shaft in a slit journal |neck|  land with its groove  |neck|journal| encoder
 
-Each of two anchored cables has its own groove, and a slot for its stop in the end face next to the end of its winding.
+Each of several cables in parallel has its own groove. Each of two anchored ones has it too, and a slot for its stop in
+the end face next to the end of its winding.
 
 In the assembly the part is turned about X by a quarter turn: (x, y, z) of the part are (x, z, -y) there.
 """
@@ -28,7 +29,7 @@ from mbcdm_cad.parts.input_pulley.dims import (
 from mbcdm_cad.parts.input_pulley.stop import anchored_groove, neck_radius_mm, stop_slot
 
 
-def _through_groove(drive: SpurDrive) -> Groove:
+def _through_groove(drive: SpurDrive, name: str, level_mm: float) -> Groove:
     """Groove of a continuous cable: its turns, the walk in both directions, and the run-out at both spans.
 
     Right-handed, left-handed with open spans, so that the turns walk along the input as the cable does on the drum.
@@ -37,14 +38,14 @@ def _through_groove(drive: SpurDrive) -> Groove:
     start = contact_rad(drive, 1) - pi / 2
     per_rad = drive.input_radius_mm * drive.slope
     return Groove(
-        cable_name=drive.input_names[0],
+        cable_name=name,
         root_radius=drive.input_radius_mm - drive.cable.diameter_mm / 2,
         radius=GROOVE_RADIUS * drive.cable.diameter_mm,
         depth=groove_depth_mm(drive),
         start_angle_rad=start - drive.input_sense * beyond,
         end_angle_rad=start + drive.input_sense * (drive.wrap_rad + beyond),
-        start_z=drive.level_mm - drive.leave_mm - per_rad * beyond,
-        end_z=drive.level_mm + drive.leave_mm + per_rad * beyond,
+        start_z=level_mm - drive.leave_mm - per_rad * beyond,
+        end_z=level_mm + drive.leave_mm + per_rad * beyond,
     )
 
 
@@ -67,7 +68,8 @@ def _grooves(drive: SpurDrive, slots: tuple[StopSlot, ...]) -> tuple[Groove, ...
     if not drive.input_pulleys.grooved:
         return ()
     if not drive.anchored:
-        return (_through_groove(drive),)
+        levels = (drive.level_mm + level for level in drive.levels_mm)
+        return tuple(_through_groove(drive, *each) for each in zip(drive.cable_names, levels, strict=True))
     most = drive.wound_rad + drive.input_travel_rad / 2
     runs = sorted(drive.cables, key=lambda c: c.step)
     return tuple(anchored_groove(drive, slot, stop_of(drive, c), most) for c, slot in zip(runs, slots, strict=True))

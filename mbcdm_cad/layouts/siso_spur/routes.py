@@ -37,7 +37,8 @@ _Y, _Z, _BACK = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0)
 class SpurGeometry:
     """Spans from radii and centre distance. ``drum_side`` and ``outward`` (n_cables,) are those of the runs.
 
-    ``angle_rad`` and ``level_m`` (n_inputs,): position of each input, about Y from +Z towards +X, and along Y.
+    ``angle_rad`` (n_inputs,): position of each input about Y, from +Z towards +X. ``level_m``: position along Y of each
+    pair of runs, which are the sides of one continuous cable and follow each other.
     ``apart_m``: half the distance along Y at which two anchored cables leave an input; None for a continuous cable.
     ``input_sense``: -1 where the spans do not cross.
     ``idlers``: x and z in m of those of the side +x from the input on, with that input at +Z.
@@ -113,18 +114,16 @@ class SpurGeometry:
         return tuple(found)
 
     def through_wrap_rad(self, parameters: Mapping[str, Floats]) -> Floats | None:
-        """N turns less the angles from the line of centres to both spans; (n_inputs, *batch). None if anchored."""
+        """N turns less the angles from the line of centres to both spans; (n_cables / 2, *batch). None if anchored."""
         if self.apart_m is not None:
             return None
-        of = np.array(self.input_of)
         with np.errstate(invalid="ignore"):
             if self.idlers:
                 leaving = self.strand(parameters).leaving_rad
             else:
                 landing = np.arccos(self._tangent_m(parameters) / parameters[DISTANCE])
                 leaving = landing if self.input_sense > 0 else np.pi - landing
-            left = [2 * np.pi * self.turns - leaving[of == i].sum(axis=0) for i in range(len(self.input_names))]
-        return np.array(left)
+            return np.asarray(2 * np.pi * self.turns - (leaving[::2] + leaving[1::2]))
 
     def fault(self, parameters: Mapping[str, Floats]) -> str:
         """Message if the pulleys overlap, or the cable does not touch an idler, else empty."""
@@ -171,13 +170,13 @@ class SpurGeometry:
     def _led_side(self, parameters: Mapping[str, Floats], j: int, found: Strand) -> CableRoute:
         """A side over its idlers; it rises along Y by its slope, on all its way."""
         side, cable = self.drum_side[j], self.cable_names[j]
-        input_name, level = self.input_names[self.input_of[j]], self.level_m[self.input_of[j]]
+        input_name, level = self.input_names[self.input_of[j]], self.level_m[j // 2]
         r_i, r_o, r_k = (float(parameters[name][j]) for name in (INPUT_RADIUS, DRUM_RADIUS, IDLER_RADIUS))
         through = self.through_wrap_rad(parameters)
         if through is None:
             apart, rises = self.apart_m or 0.0, -self.outward[j]
         else:
-            apart, rises = self.lead_m * float(through[self.input_of[j]]) / (4 * np.pi), self.outward[j]
+            apart, rises = self.lead_m * float(through[j // 2]) / (4 * np.pi), self.outward[j]
         slope, at = rises * self.lead_m / (2 * np.pi * r_i), level + self.outward[j] * apart
         name = input_body(input_name)
         pieces: list[Piece] = [
@@ -205,7 +204,7 @@ class SpurGeometry:
 
     def _side(self, parameters: Mapping[str, Floats], j: int, free_m: float) -> CableRoute:
         i, side = self.input_of[j], self.drum_side[j]
-        input_name, level, angle = self.input_names[i], self.level_m[i], self.angle_rad[i]
+        input_name, level, angle = self.input_names[i], self.level_m[j // 2], self.angle_rad[i]
         name = input_body(input_name)
         r_i, r_o = float(parameters[INPUT_RADIUS][j]), float(parameters[DRUM_RADIUS][j])
         distance = float(parameters[DISTANCE])
@@ -214,7 +213,7 @@ class SpurGeometry:
         if through is None:
             apart, rises = self.apart_m or 0.0, -self.outward[j]
         else:
-            apart, rises = self.lead_m * float(through[i]) / (4 * np.pi), self.outward[j]
+            apart, rises = self.lead_m * float(through[j // 2]) / (4 * np.pi), self.outward[j]
         leave = level + self.outward[j] * apart
         land = leave + rises * self.lead_m / (2 * np.pi * r_i) * free_m
         # Towards the drum from an input at z = L, turned about Y to where this one stands.
@@ -245,7 +244,7 @@ def turned(angle_rad: float, x: float, z: float) -> tuple[float, float, float]:
 
 def routed(drive: SpurDrive) -> RoutedDrive:
     """The routes of ``drive``, and the lengths that follow from its file."""
-    return routed_round(drive, (0.0,), (drive.level_mm,))
+    return routed_round(drive, (0.0,), tuple(drive.level_mm + level for level in drive.levels_mm))
 
 
 def routed_round(drive: SpurDrive, angle_rad: tuple[float, ...], level_mm: tuple[float, ...]) -> RoutedDrive:
@@ -283,7 +282,8 @@ def inertias_kg_m2(drive: SpurDrive) -> dict[str, float]:
     wheels = 0.0 if drive.stage is None else drive.stage.inertia_kg_m2
     if drive.cable_stage is not None:
         wheels = drive.cable_stage.inertia_kg_m2
-    found = {DRUM: drum_inertia_kg_m2(drive, v.drum_inner_y), input_body(drive.input_names[0]): pulley + wheels}
+    sectors = drive.parallel * drum_inertia_kg_m2(drive.unit(0), v.drum_inner_y)
+    found = {DRUM: sectors, input_body(drive.input_names[0]): pulley + wheels}
     for body, idler, _ in idlers(drive):
         found[body] = idler_inertia_kg_m2(drive, idler)
     return found

@@ -13,7 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf
 
-from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, run_out_mm
+from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, boss_front_y_mm, drum_inner_y_mm, run_out_mm
 from mbcdm_cad.layouts.siso_spur.overhung import hub_length_mm
 from mbcdm_cad.parts.drum_sector.sizes import nut_corner_radius_mm
 from mbcdm_cad.parts.input_pulley.stop import helix_stop_land_mm
@@ -65,20 +65,12 @@ def idlers_back_mm(drive: SpurDrive) -> float:
     return min((-abs(level) - half for level in drive.idler_levels_mm), default=inf)
 
 
-def drum_inner_y_mm(drive: SpurDrive) -> float:
-    """Inner face of the drum's rim along y."""
-    return -drive.on_drum_mm - drive.cable.diameter_mm / 2 - drive.clearances.land_edge_mm
-
-
-def boss_front_y_mm(drive: SpurDrive) -> float:
-    """Front of the drum's boss along y, on which the hub stands."""
-    return drum_inner_y_mm(drive) - 3 * drive.clearances.running_mm
-
-
 def spur_stack(drive: SpurDrive) -> SpurStack:
     """Compute the levels of a design, without validation: the checks find levels that are impossible."""
     running, s = drive.clearances.running_mm, drive.support
     land = reach_mm(drive) + (helix_stop_land_mm(drive) if drive.anchored else BAND_MARGIN_MM)
+    # The last of several cables side by side.
+    last = drive.level_mm + drive.band_mm + land
     plane = abs(drive.terminal_mm)
     drum_inner = drum_inner_y_mm(drive)
     hub = hub_length_mm(drive) if drive.overhung else 0.0
@@ -90,7 +82,7 @@ def spur_stack(drive: SpurDrive) -> SpurStack:
         # The motor's face lies on the back of the plate; nothing is in front of the pulley.
         bearing_bottom = motor_bottom = plate_back
         motor_top = plate_back + s.motor_shelf_mm
-        end = drive.level_mm + land
+        end = last
         if drive.servo is None:
             end = max(end, plate_back + drive.gearhead.shaft_length_mm)
         shelf_bottom = shelf_top = end
@@ -98,7 +90,7 @@ def spur_stack(drive: SpurDrive) -> SpurStack:
         bearing_bottom = plate_back - s.bearing_shelf_mm
         motor_top = bearing_bottom - s.coupling_space_mm
         motor_bottom = motor_top - s.motor_shelf_mm
-        shelf_bottom = drive.level_mm + land + SHOULDER_MM + END_PLAY_MM
+        shelf_bottom = last + SHOULDER_MM + END_PLAY_MM
         shelf_top = shelf_bottom + s.encoder_shelf_mm
     # The motor of a first stage is not behind it.
     motor = drive.motor.length_mm if drive.cable_stage is None else 0.0
@@ -110,7 +102,7 @@ def spur_stack(drive: SpurDrive) -> SpurStack:
         bearing_shelf_bottom_z=bearing_bottom,
         bearing_shelf_top_z=plate_back,
         land_bottom_z=drive.level_mm - land,
-        land_top_z=drive.level_mm + land,
+        land_top_z=last,
         top_plate_bottom_z=shelf_bottom,
         top_plate_top_z=shelf_top,
         encoder_top_z=shelf_top + drive.encoder.length_mm,

@@ -171,8 +171,8 @@ class InputCreep(RigEffect):
         if self.wrap_deg is not None:
             wraps[:] = radians(self.wrap_deg)
         bench.cables = tuple(
-            replace(c, own_wrap_rad=float(wraps[c.input_index]) / 2.0) if slips else c
-            for c, slips in zip(bench.cables, free, strict=True)
+            replace(c, own_wrap_rad=float(wraps[j // 2]) / 2.0) if slips else c
+            for j, (c, slips) in enumerate(zip(bench.cables, free, strict=True))
         )
         bench.tell("input_creep", parameters={"wrap_rad": float(wraps.min())})
 

@@ -7,15 +7,11 @@ from math import atan2, hypot, pi, tan
 from typing import NamedTuple
 
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
-from mbcdm_cad.checks.design_variables import Adjustment, down, up
-from mbcdm_cad.checks.fixings import STRESS_SAFETY
+from mbcdm_cad.checks.design_variables import Adjustment, up
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM
-from mbcdm_cad.checks.strength import rated_input_Nm
 from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
+from mbcdm_cad.layouts.siso_spur.checks.room import APART, DOWELS
 from mbcdm_cad.parts.drum_sector.sizes import nut_corner_radius_mm
-
-# Shear strength over yield (von Mises).
-SHEAR_SHARE = 0.577
 
 
 class Zone(NamedTuple):
@@ -26,15 +22,6 @@ class Zone(NamedTuple):
     to_y_mm: float
     inner_mm: float
     half_width_mm: float
-
-
-def sectors_apart(s: RoundDrumLayout) -> Comparison:
-    """Rims, terminals and the stop pin of a sector stay behind the rim of the next."""
-    d, pitch = s.drum, s.drive.pitch_mm
-    nut, lug = nut_corner_radius_mm(s.drive), d.lug_half_width
-    next_rear = pitch + min(d.lands[0].y_start, d.web_start_y, *(t.y_mm - max(nut, lug) for t in d.tensioners))
-    front = max(d.lands[-1].y_end, d.web_end_y + 0.5, *(t.y_mm + nut for t in d.tensioners))
-    return at_least("a sector from the next on the shaft", next_rear - front, s.drive.clearances.running_mm, "mm")
 
 
 def _shelf(s: RoundDrumLayout, index: int) -> Iterator[Zone]:
@@ -125,56 +112,9 @@ def heads_apart(s: RoundDrumLayout) -> Comparison:
     return worst(found)
 
 
-def hub_dowels(s: RoundDrumLayout) -> Comparison:
-    """The dowels between the last two hubs transmit the torque of all other sectors, motors stalled."""
-    drive, pins, metal = s.drive, s.dowels, s.drive.drum_material
-    share = (drive.n_inputs - 1) / drive.n_inputs
-    torque = max(drive.loads.peak_torque_Nm, drive.n_inputs * rated_input_Nm(s) * drive.total_ratio) * share
-    force = torque * 1e3 / pins.circle_radius / len(pins.face_angles_deg)
-    shear, pressed = force / (pi * pins.radius**2), force / (2 * pins.radius * min(pins.face_depth, pins.back_depth))
-    steel = drive.material("steel").yield_MPa
-    what = f"at {torque:.4g} N m"
-    return worst(
-        (
-            at_least(
-                f"shear strength over the hub dowels' {shear:.4g} MPa {what}",
-                SHEAR_SHARE * steel / shear,
-                STRESS_SAFETY,
-                "times",
-            ),
-            at_least(
-                f"yield of {metal.name} over the {pressed:.4g} MPa in the dowels' holes {what}",
-                metal.yield_MPa / pressed,
-                STRESS_SAFETY,
-                "times",
-            ),
-        )
-    )
-
-
-def dowel_holes(s: RoundDrumLayout) -> Comparison:
-    """Walls from the dowels' holes to bore, rim of the hub, payload's threads and set screws.
-
-    In the face the holes are opposite the set screws.
-    """
-    d, pins = s.drum, s.dowels
-    near = pins.circle_radius - pins.radius
-    screw = s.drive.screw(d.set_screw).thread_mm / 2
-    # The nearest payload hole, an eighth of a turn away.
-    payload = 2 * pins.circle_radius * 0.3826834 - pins.radius - d.payload_hole / 2
-    rooms = (
-        ("bore", near - d.bore_radius),
-        ("outside of the hub", d.hub_radius - pins.circle_radius - pins.radius),
-        ("payload's thread", payload),
-        ("set screw", d.set_screw_y - screw - d.hub_start_y - pins.back_depth),
-    )
-    return worst(at_least(f"hub dowel from the {name}", room, HOLE_WEB_MM, "mm") for name, room in rooms)
-
-
-_APART: tuple[Adjustment, ...] = (up("drum.hub_face_y_mm"), down("drum.outer_face_y_mm"))
 _OUT: tuple[Adjustment, ...] = (up("transmission.centre_distance_mm"),)
 CHECKS = (
-    Check("sectors_apart", "Gap between sectors on the shaft", "clearances.running_mm", sectors_apart, adjust=_APART),
+    APART,
     Check(
         "sectors_clear_inputs",
         "Sectors clear the other inputs",
@@ -190,18 +130,5 @@ CHECKS = (
         adjust=(up("drum.hub_face_y_mm"), *_OUT),
     ),
     Check("heads_apart", "Gap between motor heads", "derived", heads_apart, adjust=_OUT),
-    Check(
-        "hub_dowels",
-        "Stress in the dowels between the hubs",
-        "material: yield_MPa; 1.5: usual rule",
-        hub_dowels,
-        adjust=(down("loads.peak_torque_Nm"), up("drum.hub_diameter_mm")),
-    ),
-    Check(
-        "dowel_holes",
-        "Walls round the dowels in the hub",
-        "usual rule",
-        dowel_holes,
-        adjust=(up("drum.hub_diameter_mm"), up("drum.hub_face_y_mm")),
-    ),
+    *DOWELS,
 )

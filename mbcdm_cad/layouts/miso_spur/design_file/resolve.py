@@ -50,6 +50,10 @@ def broken_rules(design: RoundDrumDesign) -> Iterator[Broken]:
             )
     yield from broken_way(design)
     yield from broken_sector(design.drum.sector_half_angle_deg)
+    if design.transmission.parallel > 1:
+        remedy = "set it to 1, or take configuration siso_spur"
+        value = str(design.transmission.parallel)
+        yield Broken(("transmission", "parallel"), "each input has one cable", value, "1", remedy)
     if design.transmission.spans == "open":
         remedy = "set it to crossed, or take configuration siso_spur"
         yield Broken(("transmission", "spans"), "the inputs turn against the drum", "open", "crossed", remedy)

@@ -18,6 +18,5 @@ class RoundDrumKnown(SpurKnown):
     own_checks: Mapping[str, tuple[str, ...]] = {
         **SpurKnown.own_checks,
         "transmission.centre_distance_mm": ("sectors_clear_inputs", "heads_apart"),
-        "drum.hub_diameter_mm": ("dowel_holes", "hub_dowels"),
         "drum.hub_face_y_mm": ("sectors_apart", "sectors_clear_shelves", "dowel_holes"),
     }

@@ -1,24 +1,35 @@
-"""Gaps between turning and fixed parts, and the box compared with its target."""
+"""Gaps between turning and fixed parts, several sectors on one shaft, and the box compared with its target."""
 
 from __future__ import annotations
+
+from math import pi
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
+from mbcdm_cad.checks.cable_gaps import CABLE_GAP_MM
+from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.drum_outline import drum_zones, rim_points, wrap_points
+from mbcdm_cad.checks.fixings import STRESS_SAFETY
+from mbcdm_cad.checks.geometry import HOLE_WEB_MM
 from mbcdm_cad.checks.size import box_checks, mass_check
 from mbcdm_cad.checks.terminals import bodies_of
 from mbcdm_cad.layouts.siso_spur.bill import bill
+from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
+from mbcdm_cad.layouts.siso_spur.stack import reach_mm
 from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims
 from mbcdm_cad.parts.bought.bodies import RING_ENCODER_FLATS
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
+from mbcdm_cad.parts.drum_sector.sizes import nut_corner_radius_mm
 from mbcdm_cad.parts.motor_head.dims import body_radius_mm
+from mbcdm_cad.parts.threads import SHEAR_SHARE
 
 # Points on a full circle of the outline.
 _CORNERS = 72
+# Least turn of a nut that a spanner sets: a quarter of a flat (estimate).
+NUT_TURN = 1.0 / 24.0
 
 
 def frame_front(s: SpurLayout) -> Comparison:
@@ -99,7 +110,95 @@ def box_mm(s: SpurLayout) -> tuple[float, float, float]:
     v = s.levels
     cloud = outline(s, s.frame, s.drum)
     wide, high = cloud.max(axis=0) - cloud.min(axis=0)
-    return float(wide), float(high), max(v.hub_face_y, v.encoder_top_z) - min(v.motor_bottom_z, v.back_y)
+    front = max(v.hub_face_y + s.drive.band_mm, v.encoder_top_z)
+    return float(wide), float(high), front - min(v.motor_bottom_z, v.back_y)
+
+
+def has_sectors(drive: SpurDrive) -> bool:
+    """Whether several sectors are on the drum's shaft."""
+    return len(drive.angles_rad) > 1
+
+
+def is_parallel(drive: SpurDrive) -> bool:
+    """Whether several cables share the load of one input."""
+    return drive.parallel > 1
+
+
+def sectors_apart(s: SpurLayout) -> Comparison:
+    """Rims, terminals and the stop pin of a sector stay behind the rim of the next; so do cables on a common input."""
+    d, pitch = s.drum, s.drive.pitch_mm
+    nut, lug = nut_corner_radius_mm(s.drive), d.lug_half_width
+    next_rear = pitch + min(d.lands[0].y_start, d.web_start_y, *(t.y_mm - max(nut, lug) for t in d.tensioners))
+    front = max(d.lands[-1].y_end, d.web_end_y + 0.5, *(t.y_mm + nut for t in d.tensioners))
+    apart = at_least("a sector from the next on the shaft", next_rear - front, s.drive.clearances.running_mm, "mm")
+    if s.drive.parallel == 1:
+        return apart
+    own = 2 * reach_mm(s.drive)
+    return worst((apart, at_least("a cable on the input from the next", pitch - own, CABLE_GAP_MM, "mm")))
+
+
+def hub_dowels(s: SpurLayout) -> Comparison:
+    """The dowels between the last two hubs transmit the torque of all other sectors, motors stalled."""
+    drive, pins, metal = s.drive, s.dowels, s.drive.drum_material
+    torque = drive.between_hubs_Nm
+    force = torque * 1e3 / pins.circle_radius / len(pins.face_angles_deg)
+    shear, pressed = force / (pi * pins.radius**2), force / (2 * pins.radius * min(pins.face_depth, pins.back_depth))
+    steel = drive.material("steel").yield_MPa
+    what = f"at {torque:.4g} N m"
+    return worst(
+        (
+            at_least(
+                f"shear strength over the hub dowels' {shear:.4g} MPa {what}",
+                SHEAR_SHARE * steel / shear,
+                STRESS_SAFETY,
+                "times",
+            ),
+            at_least(
+                f"yield of {metal.name} over the {pressed:.4g} MPa in the dowels' holes {what}",
+                metal.yield_MPa / pressed,
+                STRESS_SAFETY,
+                "times",
+            ),
+        )
+    )
+
+
+def dowel_holes(s: SpurLayout) -> Comparison:
+    """Walls from the dowels' holes to bore, rim of the hub, payload's threads and set screws.
+
+    In the face the holes are opposite the set screws.
+    """
+    d, pins = s.drum, s.dowels
+    near = pins.circle_radius - pins.radius
+    screw = s.drive.screw(d.set_screw).thread_mm / 2
+    # The nearest payload hole, an eighth of a turn away.
+    payload = 2 * pins.circle_radius * 0.3826834 - pins.radius - d.payload_hole / 2
+    rooms = [
+        ("bore", near - d.bore_radius),
+        ("outside of the hub", d.hub_radius - pins.circle_radius - pins.radius),
+        ("payload's thread", payload),
+        ("set screw", d.set_screw_y - screw - d.hub_start_y - pins.back_depth),
+    ]
+    if pins.face_angles_deg == pins.back_angles_deg:
+        rooms.append(("next one", d.hub_face_y - pins.face_depth - d.hub_start_y - pins.back_depth))
+    return worst(at_least(f"hub dowel from the {name}", room, HOLE_WEB_MM, "mm") for name, room in rooms)
+
+
+def spread(s: SpurLayout) -> Comparison:
+    """What the least turn of a nut changes of a preload, over it: the spread must leave room for it both ways."""
+    plan, drive = s.tensioning, s.drive
+    assert plan is not None
+    steps = [NUT_TURN / (c.turns_per_N * c.preload_N) for c in plan.cables]
+    k = max(range(len(steps)), key=lambda k: steps[k])
+    tight = s.loads.peak_forward[s.loads.si.sigma > 0]
+    return at_most(
+        f"preload of {plan.cables[k].name} by a quarter of a flat of its nut, over it",
+        steps[k],
+        drive.parallel_spread,
+        "of preload",
+        f"the tightest of {drive.parallel} cables carries {tight.max() / tight.mean() - 1:.1%} more than their mean at "
+        "peak torque",
+    )
 
 
 _X: tuple[Adjustment, ...] = (down("drum.sector_half_angle_deg"), up("drum.sector_half_angle_deg"))
@@ -129,8 +228,48 @@ ROOM = (
         adjust=(up("transmission.centre_distance_mm"), up("support.coupling_space_mm")),
     ),
 )
+_APART: tuple[Adjustment, ...] = (up("drum.hub_face_y_mm"), down("drum.outer_face_y_mm"))
+APART = Check(
+    "sectors_apart",
+    "Gap between sectors on the shaft",
+    "clearances.running_mm",
+    sectors_apart,
+    adjust=_APART,
+    applies=has_sectors,
+)
+DOWELS = (
+    Check(
+        "hub_dowels",
+        "Stress in the dowels between the hubs",
+        "material: yield_MPa; 1.5: usual rule",
+        hub_dowels,
+        adjust=(down("loads.peak_torque_Nm"), up("drum.hub_diameter_mm")),
+        applies=has_sectors,
+    ),
+    Check(
+        "dowel_holes",
+        "Walls round the dowels in the hub",
+        "usual rule",
+        dowel_holes,
+        adjust=(up("drum.hub_diameter_mm"), up("drum.hub_face_y_mm")),
+        applies=has_sectors,
+    ),
+)
+SPREAD = Check(
+    "parallel_spread",
+    "Nuts can set parallel cables as alike as stated",
+    "model: EA, length and pitch of the stud; a quarter of a flat: estimate",
+    spread,
+    "warn",
+    adjust=(up("rope.preload_N"),),
+    advice="choose a drum.spring under the nuts, or state a larger transmission.parallel_spread",
+    applies=is_parallel,
+)
 CHECKS = (
     *ROOM,
+    APART,
+    *DOWELS,
+    SPREAD,
     *box_checks(box_mm, "targets.envelope_mm", BOX_ADJUSTMENTS),
     mass_check(bill),
 )

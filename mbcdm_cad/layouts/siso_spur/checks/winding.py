@@ -64,12 +64,12 @@ def slip(s: SpurLayout) -> Comparison:
 
 
 def _slip_angles_deg(s: SpurLayout) -> float:
-    """Sum of the slip angles at both ends of a wrap at peak torque, for the worst direction and input."""
-    preload, most = np.array([c.preload_N for c in s.drive.cables]), 0.0
+    """Sum of the slip angles at both ends of a wrap at peak torque, for the worst direction and cable."""
+    preload, most = s.loads.si.preload_N, 0.0
     for tension in (s.loads.peak_forward, s.loads.peak_back):
         ratio = np.abs(np.log(np.maximum(tension, 1e-9) / preload))
-        of_inputs = [s.loads.si.of_input(i) @ ratio for i in range(s.loads.si.n_inputs)]
-        most = max(most, float(max(of_inputs)) / s.drive.friction_coefficient)
+        of_cables = [ratio[list(sides)].sum() for sides in s.loads.si.through_sides]
+        most = max(most, float(max(of_cables)) / s.drive.friction_coefficient)
     return degrees(most)
 
 
@@ -121,7 +121,7 @@ def on_land(s: SpurLayout) -> Comparison:
     """The walk of both spans stays on the input's land."""
     pulley, drive = s.inputs[0], s.drive
     reach = (drive.dead_end_mm if drive.anchored else drive.leave_mm + drive.walk_mm / 2) + s.flank_mm
-    room = min(pulley.land_top_z, -pulley.land_bottom_z) - reach
+    room = min(pulley.land_top_z - drive.band_mm, -pulley.land_bottom_z) - reach
     note = f"{drive.helix_lead_mm:g} x {drive.total_ratio:.4g} x travel / 360 deg = {drive.walk_mm:.3g} mm of walk"
     return at_least("land of the input beyond the cable at the ends of its walk", room, LAND_EDGE_MM, "mm", note)
 

@@ -16,6 +16,7 @@ from mbcdm_cad.layouts.siso_spur import drive as d
 from mbcdm_cad.layouts.siso_spur.design_file.schema import SpurBlocks, SpurDesign, SpurTransmission
 from mbcdm_cad.layouts.siso_spur.first_stage import broken_first_stage, of_design
 from mbcdm_cad.parts.drum_sector.dims import WHOLE_DEG
+from mbcdm_cad.parts.drum_sector.payload import SCREWS
 from mbcdm_cad.parts.drum_sector.resolve import sector_entries, sector_values, terminal_angle_rad
 
 _SIGN = {"-x": -1, "+x": 1}
@@ -38,12 +39,13 @@ def drive(design: SpurDesign, catalogue: Catalogue, sigmas: Mapping[FieldPath, f
 def spur_values(design: SpurBlocks, catalogue: Catalogue, sigmas: Mapping[FieldPath, float]) -> dict[str, Any]:
     """The fields of :class:`~mbcdm_cad.layouts.siso_spur.drive.SpurDrive`, still without planes of terminals.
 
-    Sides are in the order of the inputs, then of y.
+    Sides are in the order of the inputs, then of the cables, then of y.
     """
     order, step = [item.name for item in design.inputs], _STEP[design.transmission.cables]
+    sides = [(cable.input, cable.drum_side) for cable in design.cables]
     places = sorted(
-        range(len(design.cables)),
-        key=lambda k: (order.index(design.cables[k].input), step[design.cables[k].drum_side]),
+        range(len(sides)),
+        key=lambda k: (order.index(sides[k][0]), sides[:k].count(sides[k]), step[sides[k][1]]),
     )
     transmission, pulleys = design.transmission, design.input_pulleys
     radius = input_radius_mm(transmission)
@@ -79,6 +81,8 @@ def spur_values(design: SpurBlocks, catalogue: Catalogue, sigmas: Mapping[FieldP
             "turns": transmission.turns,
             "anchored": transmission.cables == "two_anchored",
             "open_spans": transmission.spans == "open",
+            "parallel": transmission.parallel,
+            "parallel_spread": transmission.parallel_spread,
             "radii_explicit": transmission.input_to_drum is None,
             "idlers": design.idlers,
             "bearings": d.SpurBearings(
@@ -110,9 +114,12 @@ def broken_rules(design: SpurDesign) -> Iterator[Broken]:
     """The rules of this configuration that the design breaks, in the order of the file's blocks."""
     yield from broken_radius(design.transmission)
     yield from counted(design, "inputs", 1, "give exactly one input")
-    yield from counted(design, "cables", 2, "give the two sides of the cable, one for each sense of the drum")
-    if len(design.cables) == 2 and design.cables[0].drum_side == design.cables[1].drum_side:
-        yield on_one_side(1, design.cables[1].drum_side, "sides")
+    count = 2 * design.transmission.parallel
+    yield from counted(design, "cables", count, "give the two sides of each cable, one for each sense of the drum")
+    for k in range(1, count if len(design.cables) == count else 0, 2):
+        if design.cables[k].drum_side == design.cables[k - 1].drum_side:
+            yield on_one_side(k, design.cables[k].drum_side, "sides")
+    yield from _broken_parallel(design)
     yield from broken_way(design)
     yield from _broken_drum(design)
     yield from _broken_spans(design)
@@ -133,6 +140,19 @@ def _broken_drum(design: SpurDesign) -> Iterator[Broken]:
     elif design.idlers is not None:
         count = len(design.idlers.places)
         yield Broken(("idlers",), "no whole drum beside idlers", f"{count}", "none", f"remove them, or {sector}")
+
+
+def _broken_parallel(design: SpurDesign) -> Iterator[Broken]:
+    """Parallel cables are continuous, run straight to the drum and have four screws between the dowels of its hubs."""
+    count, where = design.transmission.parallel, ("transmission", "parallel")
+    beside = {
+        "transmission.cables: two_anchored": design.transmission.cables == "two_anchored",
+        "idlers": design.idlers is not None,
+        "first_stage": design.first_stage is not None,
+        f"drum.output_screws other than {SCREWS}": design.drum.output_screws != SCREWS,
+    }
+    for name in (name for name, given in beside.items() if given and count > 1):
+        yield Broken(where, f"not beside {name}", str(count), "1", f"set it to 1, or remove {name}")
 
 
 def _broken_spans(design: SpurDesign) -> Iterator[Broken]:

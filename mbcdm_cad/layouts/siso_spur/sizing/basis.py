@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import degrees, inf, log
+from typing import Any
 
 from mbcdm_cad.checks.bending import ANCHOR_RATIO
 from mbcdm_cad.checks.input_pulley import SHOULDER_MM
@@ -38,6 +39,13 @@ NECK_MM = 2.5
 LANDINGS_DEG, OPEN_LANDINGS_DEG, STICKING_DEG = 50.0, 280.0, 20.0
 # Step of the search for the smallest input that takes the stops of anchored cables, mm.
 _RADIUS_STEP_MM = 0.05
+
+
+def _cables(given: SpurKnown) -> list[dict[str, Any]]:
+    """Both sides of each cable."""
+    if given.parallel == 1:
+        return list(REFERENCE.cables)
+    return [one | {"name": f"{one['name']}_{k + 1}"} for k in range(given.parallel) for one in REFERENCE.cables]
 
 
 def _input_needs_mm(given: SpurKnown, d_mm: float, bend_ratio: float) -> dict[str, float]:
@@ -101,8 +109,10 @@ def _rope(given: SpurKnown) -> Found:
             share = given.half_torque_N
         else:
             needs = _input_needs_mm(given, d_mm, given.get("limits.bend_ratio_min") or least_bend_ratio(given))
-            share = given.input_peak_Nm * 1e3 / (2 * rounded_up(max(needs.values()) * given.ratio, 0.5))
-        return wanted_preload_N(given, _usual_preload_N(given, share), breaking_N) + share
+            radius = rounded_up(max(needs.values()) * given.ratio, 0.5)
+            share = given.input_peak_Nm * 1e3 / (2 * radius * given.parallel)
+        wanted = wanted_preload_N(given, _usual_preload_N(given, share), breaking_N)
+        return wanted * (1.0 + given.parallel_spread) + share
 
     return thinnest_rope_by(given, tension_N)
 
@@ -162,7 +172,7 @@ def _lead(given: SpurKnown) -> Found:
 LAND_EDGE = (constant("clearances.land_edge_mm", 0.3, "a broken edge and the run-out of the cutter", "rim_width"),)
 NAMES = (
     constant("inputs", REFERENCE.inputs, "one", "the configuration"),
-    constant("cables", REFERENCE.cables, "two sides of one cable", "the configuration"),
+    Rule("cables", "two sides of each cable", "the configuration", _cables),
 )
 RATIO = (
     Rule(

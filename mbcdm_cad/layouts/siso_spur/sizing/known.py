@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from mbcdm_cad.design.bought import Gearhead
 from mbcdm_cad.layouts.base import Layout
-from mbcdm_cad.layouts.siso_spur.drive import MOST_SECTOR_TRAVEL_DEG
+from mbcdm_cad.layouts.siso_spur.drive import MOST_SECTOR_TRAVEL_DEG, PARALLEL_SPREAD
 from mbcdm_cad.layouts.siso_spur.first_stage import FirstStage, of_data
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.trial_sizing import TrialKnown
@@ -22,6 +22,7 @@ class SpurKnown(TrialKnown):
         "loads.peak_torque_Nm",
         "transmission.drum_radius_mm",
         "transmission.input_to_drum",
+        "transmission.parallel",
         "rope.type",
         "rope.preload_N",
         "drive.motor",
@@ -30,12 +31,14 @@ class SpurKnown(TrialKnown):
 
     # The neck between the stop slots of anchored cables can be too small for the shoulder of a bearing that fits it.
     own_checks: Mapping[str, tuple[str, ...]] = {
+        # Several sectors on one shaft.
+        "drum.hub_diameter_mm": ("dowel_holes", "hub_dowels"),
         "input_pulleys.lower_bearing": ("bearing_shoulders",),
         "input_pulleys.upper_bearing": ("bearing_shoulders",),
         # A shaft that stands out as the output.
         "drum.bearing": ("shaft_end_stress", "shaft_end_twist", "shaft_end_flange"),
         "drum.shaft_bore_mm": ("shaft_end_stress", "shaft_end_twist"),
-        "drum.hub_face_y_mm": ("shaft_end_bond",),
+        "drum.hub_face_y_mm": ("shaft_end_bond", "sectors_apart", "dowel_holes"),
     }
 
     most_sector_travel_deg = MOST_SECTOR_TRAVEL_DEG
@@ -66,6 +69,21 @@ class SpurKnown(TrialKnown):
     def anchored(self) -> bool:
         """Whether two cables end on each input."""
         return bool(self.get("transmission.cables", "continuous") == "two_anchored")
+
+    @property
+    def parallel(self) -> int:
+        """Number of cables side by side."""
+        return int(self.get("transmission.parallel", 1))
+
+    @property
+    def parallel_spread(self) -> float:
+        """How far the preload of one of several parallel cables may be from the stated one, over it."""
+        return float(self.get("transmission.parallel_spread", PARALLEL_SPREAD)) if self.parallel > 1 else 0.0
+
+    @property
+    def half_torque_N(self) -> float:
+        """See the base class; parallel cables share it."""
+        return super().half_torque_N / self.parallel
 
     @property
     def ratio(self) -> float:

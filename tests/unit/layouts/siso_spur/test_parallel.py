@@ -1,0 +1,163 @@
+"""Cables in parallel: each is the plain drive's with its share; unequal preloads, hubs in line, as drawn, messages."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import degrees
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from mbcdm_cad.checks.cable_gaps import CABLE_GAP_MM, in_pieces, nearest_mm
+from mbcdm_cad.checks.run import run_all, run_check
+from mbcdm_cad.errors import InputError
+from mbcdm_cad.layouts.check_design import checks_of
+from mbcdm_cad.layouts.life import ropes_in_use
+from mbcdm_cad.layouts.loader import load_text
+from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, laid
+from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
+from mbcdm_cad.model.capability import torque_at_slip_Nm
+from mbcdm_cad.model.equilibrium import bearing_loads, solve_equilibrium
+from mbcdm_cad.model.si import to_si
+from mbcdm_cad.model.stiffness import sticking_stiffness_Nm_rad
+from mbcdm_cad.rig.cables import cables_of
+from mbcdm_cad.rig.through import pairs_of
+from tests.support.sliced_cables import stretch_m
+
+TEXT = """name: parallel
+configuration: siso_spur
+travel: {half_angle_deg: 35.0}
+transmission: {input_to_drum: 9.0, parallel: 2}
+loads: {peak_torque_Nm: 4.0}
+"""
+
+
+def beside(drive: SpurDrive, count: int, spread: float = 0.0) -> SpurDrive:
+    """``drive`` with ``count`` of its cable side by side."""
+    cables = tuple(replace(c, name=f"{c.name}_{k + 1}") for k in range(count) for c in drive.cables)
+    sigmas = drive.sigmas.of_cables([0, 1] * count)
+    return laid(replace(drive, parallel=count, parallel_spread=spread, cables=cables, sigmas=sigmas))
+
+
+@pytest.fixture(scope="module")
+def two() -> SpurLayout:
+    """Two cables as the rules give them."""
+    layout = load_text(TEXT).drive.layout
+    assert isinstance(layout, SpurLayout)
+    return layout
+
+
+@settings(max_examples=20, deadline=None)
+@given(count=st.integers(2, 4), load=st.floats(-2.0, 2.0))
+def test_each_cable_is_the_plain_drive_s_with_its_share(drive: SpurDrive, count: int, load: float) -> None:
+    """n cables under n M turn as far as one under M, at its tensions; stiffness and torque at slip are n times its."""
+    one, all_ = to_si(drive), to_si(beside(drive, count))
+    alone, together = solve_equilibrium(one, load), solve_equilibrium(all_, count * load)
+    assert float(together.drum_angle_rad) == pytest.approx(float(alone.drum_angle_rad), rel=1e-9, abs=1e-15)
+    assert together.tension_N.reshape(count, 2) == pytest.approx(np.tile(alone.tension_N, (count, 1)), rel=1e-9)
+    assert float(sticking_stiffness_Nm_rad(all_)) == pytest.approx(count * float(sticking_stiffness_Nm_rad(one)))
+    assert torque_at_slip_Nm(all_, 1) == pytest.approx([count * float(torque_at_slip_Nm(one, 1)[0])] * count)
+    own, its = bearing_loads(one, alone.tension_N).inputs[0], bearing_loads(all_, together.tension_N).inputs[0]
+    assert its.force_N == pytest.approx(count * own.force_N, rel=1e-9)
+
+
+def test_unequal_preloads_load_one_cable_more_and_another_slips_first(drive: SpurDrive) -> None:
+    """Checks see the spread. When the loosest slips, wraps summed up in slices stretch alike, as one drum turns all."""
+    spread, three = 0.2, beside(drive, 3, 0.2)
+    layout, equal = SpurLayout(three), SpurLayout(beside(drive, 3))
+    si, preload = layout.loads.si, drive.cables[0].preload_N
+    assert si.preload_N == pytest.approx(preload * np.repeat([1 + spread, 1.0, 1 - spread], 2))
+    assert to_si(three).preload_N == pytest.approx([preload] * 6)
+    assert layout.loads.highest_N == pytest.approx(equal.loads.highest_N + spread * preload, rel=0.02)
+    at = solve_equilibrium(si, torque_at_slip_Nm(si, 1).min())
+    ratios = (at.tension_N[::2] / at.tension_N[1::2]) ** si.sigma[::2]
+    holds = np.exp(drive.friction_coefficient * drive.wrap_rad)
+    assert ratios[2] == pytest.approx(holds, rel=1e-6) and ratios[0] < ratios[1] < 0.8 * holds, (ratios, holds)
+    rope, spans = drive.cable.axial_stiffness_N, (drive.free_span_mm, drive.input_radius_mm, drive.drum_radius_mm)
+    for run, tension, own in zip(three.cables, at.tension_N, si.preload_N, strict=True):
+        along = stretch_m(tension, own, tuple(1e-3 * x for x in spans), rope, drive.friction_coefficient)
+        turned = -run.sense * float(at.drum_angle_rad) * drive.drum_radius_mm * 1e-3
+        assert along == pytest.approx(turned, rel=1e-3), run.name
+    check = next(c for c in checks_of(three) if c.id == "input_slip")
+    lower = [run_check(check, one).actual for one in (equal, layout)]
+    # A loose cable's slip zones are longer, so that it takes less than its share.
+    assert 1 - spread < lower[1] / lower[0] < 0.9, lower
+
+
+def test_the_rules_share_the_load_and_pass(two: SpurLayout) -> None:
+    found = run_all(checks_of(two.drive), two)
+    assert not [r.id for r in found if r.status == "fail"]
+    assert {"sectors_apart", "hub_dowels", "dowel_holes", "parallel_spread"} <= {r.id for r in found}
+    check = next(c for c in checks_of(two.drive) if c.id == "parallel_spread")
+    told = run_check(check, two)
+    # A nut's turn over the length that it draws: EA pitch / L, a twenty-fourth of it.
+    rope, length = two.drive.cable.axial_stiffness_N, min(two.tensioned_lengths_mm())
+    assert told.actual == pytest.approx(rope * two.drive.tensioner.pitch_mm / 24 / length / 60.0, rel=1e-6)
+    tight = SpurLayout(replace(two.drive, parallel_spread=0.9 * told.actual))
+    assert run_check(check, tight).status == "warn"
+    assert [rope.name for rope in ropes_in_use(two, two.loads.si)] == list(two.drive.cable_names)
+    assert {slot.cable_name for slot in two.inputs[0].grooves} == set(two.drive.cable_names)
+
+
+def test_cables_as_drawn_lie_side_by_side_in_their_grooves(two: SpurLayout) -> None:
+    drive, pulley = two.drive, two.inputs[0]
+    for angle in np.linspace(-1.0, 1.0, 5) * two.half_travel_rad:
+        one, other = two.cable_paths(float(angle))
+        for (_, piece), (_, next_) in zip(one.pieces, other.pieces, strict=True):
+            shift = next_.points(np.linspace(0.0, 1.0, 5)) - piece.points(np.linspace(0.0, 1.0, 5))
+            assert shift == pytest.approx(np.tile([0.0, drive.pitch_mm, 0.0], (5, 1)), abs=1e-9)
+        first, second = (in_pieces(path.sample(0.5)) for path in (one, other))
+        assert nearest_mm(first, second, 0.5) - drive.cable.diameter_mm > CABLE_GAP_MM
+        for path, groove in zip((one, other), pulley.grooves, strict=True):
+            ends = dict(path.pieces)["wound"].points(np.array([0.0, 1.0]))[:, 1]
+            low, high = sorted((groove.start_z, groove.end_z))
+            assert low < ends.min() and ends.max() < high, (degrees(angle), ends, low, high)
+    heights = [route.wraps[-1].height_m * 1e3 for route in to_si(drive).routes.cables]
+    assert np.subtract(heights[2:], heights[:2]) == pytest.approx([drive.pitch_mm] * 2)
+    places = {item.name: item.location.shift_mm for item in two.bill().items}
+    for side in (1, 2):
+        apart = np.subtract(places[f"terminal_side_{side}_2"], places[f"terminal_side_{side}_1"])
+        assert apart == pytest.approx([0.0, drive.pitch_mm, 0.0], abs=1e-9)
+
+
+def test_every_item_joins_once_and_each_cable_has_its_parts(two: SpurLayout) -> None:
+    joined = [name for step in two.assembly_order for name in step.items]
+    items = {item.name for item in two.bill().items}
+    assert sorted(joined) == sorted(items)
+    assert {"cable_main_1", "cable_main_2", "drum_1", "drum_2", "hub_dowel_1_1", "terminal_side_2_2"} <= items
+
+
+def test_hubs_in_line_turn_by_the_torque_that_each_passes_on(two: SpurLayout) -> None:
+    """The mean turn of the webs, hub after hub from the payload, each with the torque of those behind it."""
+    causes, alone = ({c.name: c.urad_Nm for c in one.structure.causes} for one in (two, SpurLayout(two.drive.unit(0))))
+    hub = alone["drum: hub to the set screws"] + alone["drum: hub to the payload"]
+    last = 1.0 * hub
+    first = last + 0.5 * hub
+    mean = 0.5 * (first + last)
+    told = causes["drum: hub to the set screws"] + causes["drum: hub to the payload"]
+    assert told == pytest.approx(mean, rel=1e-6), (told, mean)
+    assert causes["drum: web and rim"] == pytest.approx(alone["drum: web and rim"] / 2, rel=0.05)
+
+
+def test_the_rig_pairs_the_sides_of_each_cable(two: SpurLayout) -> None:
+    wound = tuple(replace(cable, own_wrap_rad=1.0) for cable in cables_of(two.drive))
+    assert pairs_of(wound).tolist() == [[0, 1], [2, 3]]
+
+
+@pytest.mark.parametrize(
+    ("line", "what"),
+    [
+        ("transmission: {input_to_drum: 9.0, parallel: 2, cables: two_anchored}", "two_anchored"),
+        ("idlers: {pairs: 1}", "idlers"),
+        ("drum: {output_screws: 6}", "output_screws"),
+        ("first_stage: {total_ratio: 40.0}", "first_stage"),
+        ("configuration: miso_spur", "each input has one cable"),
+    ],
+)
+def test_what_parallel_cables_cannot_be_beside(line: str, what: str) -> None:
+    key = line.split(":")[0]
+    kept = [one for one in TEXT.splitlines() if not one.startswith(f"{key}:")]
+    with pytest.raises(InputError, match=what):
+        load_text("\n".join([*kept, line]) + "\n")
