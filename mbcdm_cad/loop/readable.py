@@ -39,6 +39,7 @@ _SIZES: tuple[tuple[str, tuple[tuple[float, str], ...]], ...] = (
     ("_m", ((1e-3, "mm"), (1e-6, "um"))),
     ("_N", ((1.0, "N"),)),
     ("_s", ((1.0, "s"), (1e-3, "ms"))),
+    ("_Hz", ((1.0, "Hz"),)),
     ("share", ((1e-2, "%"),)),
 )
 # Angles that are a place or a phase, not a size.

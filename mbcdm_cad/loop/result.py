@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from mbcdm_cad.loop.own import Differing
 from mbcdm_cad.loop.readable import Value, readable, share_text, size_of
-from mbcdm_cad.routes import Floats
+from mbcdm_cad.routes import Complex, Floats
 
 if TYPE_CHECKING:
     from mbcdm_cad.loop.correction import Correction
@@ -198,6 +198,57 @@ class ReadingsPicture:
 
 
 @dataclass(frozen=True, eq=False)
+class BodePicture:
+    """A frequency response (n,) of output over inputs as a Bode plot: as measured, and as the declared model and the
+    model with what was found predict it."""
+
+    source: str
+    frequency_Hz: Floats
+    measured: Complex
+    coherence: Floats
+    before: Complex
+    after: Complex
+
+
+@dataclass(frozen=True)
+class TorsionalMode:
+    """The first mode with the inputs held, of one run, as that of a linear drive.
+
+    Frequency and damping ratio of the response as measured, with the amplitude of the torque in the cables at the mode;
+    and of the response that the design has at the same amplitudes, damped by its wraps alone. None without a design.
+    """
+
+    source: str
+    frequency_Hz: Value
+    damping_share: Value
+    torque_Nm: float | None
+    declared_Hz: float | None
+    declared_damping: float | None
+
+    @property
+    def words(self) -> str:
+        """In one sentence."""
+        f, damping = self.frequency_Hz, self.damping_share
+        text = (
+            f"mode of {self.source}: {f.value:.4g} Hz ({f.low:.4g} to {f.high:.4g}), damping ratio "
+            f"{100.0 * damping.value:.2g} % ({100.0 * damping.low:.2g} to {100.0 * damping.high:.2g} %)"
+        )
+        if self.torque_Nm is None or self.declared_Hz is None or self.declared_damping is None:
+            return text
+        return (
+            f"{text}, at {self.torque_Nm:.2g} N m in the cables; the design has {self.declared_Hz:.4g} Hz there, and "
+            f"{100.0 * self.declared_damping:.2g} % by the slip of its wraps"
+        )
+
+    def to_json(self) -> dict[str, Any]:
+        """As the result file has it."""
+        return asdict(self) | {
+            "frequency_Hz": self.frequency_Hz.to_json(),
+            "damping_share": self.damping_share.to_json(),
+        }
+
+
+@dataclass(frozen=True, eq=False)
 class LoopResult:
     """The result of the loop; ``one_of`` holds sets of effects of which the data cannot say which one is present.
 
@@ -205,7 +256,8 @@ class LoopResult:
     fitted values that the data make doubtful. ``helpful`` are effects that certainly lower the error and are not named.
     ``within_class`` says by what the torque sensor is wrong within its class; empty if nothing of it is in the fit.
     ``correction`` computes a table for the controller when it is called. ``own``: what runs that differ have each for
-    itself; the declared model is then that with these values. ``pictures`` in place of ``traces`` for few readings.
+    itself; the declared model is then that with these values. ``pictures`` in place of ``traces`` for few readings and
+    frequency responses; the latter have ``modes``.
     """
 
     verdict: str
@@ -226,7 +278,8 @@ class LoopResult:
     within_class: str = ""
     correction: Callable[[], Correction] | None = field(repr=False, default=None)
     own: tuple[Differing, ...] = ()
-    pictures: tuple[ReadingsPicture, ...] = field(repr=False, default=())
+    pictures: tuple[ReadingsPicture | BodePicture, ...] = field(repr=False, default=())
+    modes: tuple[TorsionalMode, ...] = ()
 
     def to_json(self) -> dict[str, Any]:
         """The result file."""
@@ -249,6 +302,7 @@ class LoopResult:
             "helpful": [one.to_json() for one in self.helpful],
             "within_class": self.within_class,
             "own": [one.to_json() for one in self.own],
+            **({"modes": [mode.to_json() for mode in self.modes]} if self.modes else {}),
         }
 
     @property
@@ -309,6 +363,7 @@ def result_text(result: LoopResult, doubts: Sequence[str] = ()) -> str:
         f"{'noise floor':<24}{e.floor_rad / size:>10.3g}" + (f"  ({result.noise.source})" if result.noise else ""),
         f"{_explained(e)}; held out: {e.held_out}",
     ]
+    lines += ["", *(mode.words for mode in result.modes)] if result.modes else []
     for differing in result.own:
         lines += ["", *differing.lines()]
     for named in result.effects:

@@ -20,8 +20,16 @@ from mbcdm_cad.measurement.datafile import DECIMALS, MOST_BROKEN, DataTable, rea
 from mbcdm_cad.measurement.file import MeasurementFile, load_file
 from mbcdm_cad.measurement.known_load import pendulum_load_Nm
 from mbcdm_cad.measurement.logformat import Format, find_format, line_with
-from mbcdm_cad.measurement.run import KNOWN_LOAD, Run, Sensors, StatedMotors, TorqueClass
-from mbcdm_cad.measurement.schema import BY_HAND, CREEP, CURRENT, TURNING_POINTS, Column, SensorFigures
+from mbcdm_cad.measurement.run import KNOWN_LOAD, Run, Sensors, StatedMotors, StatedPlate, TorqueClass
+from mbcdm_cad.measurement.schema import (
+    BY_HAND,
+    CREEP,
+    CURRENT,
+    FREQUENCY_RESPONSE,
+    TURNING_POINTS,
+    Column,
+    SensorFigures,
+)
 from mbcdm_cad.measurement.units import ISO_CLOCK, Unit, unit_of
 from mbcdm_cad.routes import Floats
 
@@ -80,7 +88,7 @@ def refuse_unusable(file: MeasurementFile, run: Run, table: DataTable, data: Pat
         if back.size > MOST_BACK * count and not every_second:
             remedy = f"so do {back.size} of {count} steps: is this column the time? Correct columns.time, or {remedy}"
         raise InputError([Problem(str(data), table.line_of(row), "", what, f"step {step:.6g} s", "over 0", remedy)])
-    if by_hand:
+    if by_hand or run.kind == FREQUENCY_RESPONSE:  # a resonance is far from all else, and few steps of an encoder do
         problems = _nothing_read(file, run)
     else:
         problems = _startup(run, table, data) or _far_off(file, run, table, data) or _not_moved(file, run)
@@ -140,6 +148,9 @@ def _nothing_read(file: MeasurementFile, run: Run) -> list[Problem]:
     if not np.ptp(run.output_rad):
         remedy = "read it to more digits, or check column and unit"
         problems.append(file.problem(("columns", "output"), "one figure in all rows", remedy=remedy))
+    if run.kind == FREQUENCY_RESPONSE and not np.ptp(run.input_rad, axis=1).any():
+        remedy = "let the drive's own motors excite it, and log the angle of each input"
+        problems.append(file.problem(("columns",), "no input moves", remedy=remedy))
     if run.kind == TURNING_POINTS and not inputs_move(run):
         if run.load_Nm is None:
             remedy = "give the inputs' angles, or the load under which each row was read"
@@ -435,6 +446,8 @@ def _in_si(file: MeasurementFile, asked: dict[str, Column], table: DataTable, so
         else None,
         motor=motor,
         kind=file.content.kind,
+        excitation=rows.get("excitation"),
+        plate=StatedPlate(**plate.model_dump()) if (plate := file.content.inertia_plate) else StatedPlate(),
     )
 
 

@@ -112,6 +112,7 @@ def measurement_page() -> str:
             ("torque", "load_torque"),
             ("temperature", "temperature"),
             ("current", "current"),
+            ("excitation", "excitation"),
         )
     ]
     lines += ["", "## sensors", "", *_table(schema["properties"]["sensors"]["properties"], {})]
@@ -119,6 +120,8 @@ def measurement_page() -> str:
     parts = schema["properties"]["parts"]
     lines += ["## parts", "", f"{parts['description'].capitalize()}.", "", *_table(parts["properties"], {})]
     lines += ["## load", "", "`load: none`, or `load: {pendulum: {...}}` with", "", *_table(load["properties"], load)]
+    plate = schema["properties"]["inertia_plate"]
+    lines += ["## inertia_plate", "", f"{plate['description'].capitalize()}.", "", *_table(plate["properties"], plate)]
     motor = schema["properties"]["motor"]["properties"]
     lines += ["## motor", "", f"{schema['properties']['motor']['description'].capitalize()}; columns `current` or "]
     lines[-1] += (

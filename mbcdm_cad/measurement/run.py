@@ -103,6 +103,14 @@ class PartsSeen:
 
 
 @dataclass(frozen=True)
+class StatedPlate:
+    """What the bench makes the output turn besides the design's payload, and how well all of it is known."""
+
+    inertia_kg_m2: float = 0.0
+    inertia_share: float = 0.02
+
+
+@dataclass(frozen=True)
 class ZerosFound:
     """Zeros of the inputs that were taken from the data, rad: largest difference between two inputs that was removed,
     how wrong that may be, and the angle of all inputs that was removed."""
@@ -125,7 +133,8 @@ class Run:
     ``current_A`` (n_inputs, n) are the motors' currents, ``motor`` their figures: the load follows from them where the
     run is compared with a design, or with its ratio. ``kind`` is what the rows are; where inputs stand still and have
     no columns, they are at zero. ``expected_creep``: of a run at rest, the creep of the rope for each decade of time
-    by its catalogue entry, over its elastic stretch.
+    by its catalogue entry, over its elastic stretch. ``excitation`` (n,), in any unit, and ``plate``: of a frequency
+    response what excites it, and what the output turns.
     """
 
     time_s: Floats
@@ -146,6 +155,8 @@ class Run:
     motor: StatedMotors | None = None
     kind: Kind = MOTION
     expected_creep: float = 0.0
+    excitation: Floats | None = None
+    plate: StatedPlate = StatedPlate()
 
     @cached_property
     def step_s(self) -> float:

@@ -125,13 +125,21 @@ class Columns(Block):
         default=None,
     )
 
+    excitation: Column | None = choice(
+        "what excites the drive in a run of kind frequency_response, in any unit: the command of angle, current or "
+        "torque; with it, noise of the input does not bias the response",
+        source=LOGGER,
+        example="{column: command, unit: rad}",
+        default=None,
+    )
+
     def given(self) -> dict[str, Column]:
         """The columns given, in the order in which a table holds them: time, inputs, output, the rest."""
         extra = self.__pydantic_extra__ or {}
         named = {key: column for key, column in extra.items() if not key.startswith(CURRENT)}
         currents = {key: column for key, column in extra.items() if key.startswith(CURRENT)} | {CURRENT: self.current}
         inputs = {key: getattr(self, key) for key in ("input_left", "input_right")} | named | {"input": self.input}
-        rest = {key: getattr(self, key) for key in ("output", "load_torque", "temperature")}
+        rest = {key: getattr(self, key) for key in ("output", "load_torque", "temperature", "excitation")}
         found: dict[str, Column | None] = {"time": self.time, **inputs, **rest, **currents}
         return {key: column for key, column in found.items() if column is not None}
 
@@ -309,8 +317,24 @@ class CountedParts(Block):
     )
 
 
-Kind = Literal["motion", "turning_points", "creep"]
-MOTION, TURNING_POINTS, CREEP = get_args(Kind)
+class InertiaPlate(Block):
+    """What the bench makes the output turn besides the design's payload."""
+
+    inertia_kg_m2: Number = _of_bench(
+        "moment of inertia of plate and coupling about the axis", "kg m2", 0.02, ge=0.0, le=1e4
+    )
+    inertia_share: Number = _of_bench(
+        "standard deviation of all that the output turns, as a share; within two of them an error is no effect",
+        "-",
+        0.01,
+        0.02,
+        ge=0.0,
+        le=0.5,
+    )
+
+
+Kind = Literal["motion", "turning_points", "creep", "frequency_response"]
+MOTION, TURNING_POINTS, CREEP, FREQUENCY_RESPONSE = get_args(Kind)
 # Kinds of which a person may have written the few rows, and whose inputs may stand still.
 BY_HAND: tuple[Kind, ...] = (TURNING_POINTS, CREEP)
 
@@ -358,7 +382,8 @@ class Measurement(Block):
     )
     kind: Kind = choice(
         "what the rows are: motion, samples of a drive that moves; turning_points, one row where the motion or the "
-        "load turns round, as written by hand; creep, readings at rest since a load was put on, at time 0",
+        "load turns round, as written by hand; creep, readings at rest since a load was put on, at time 0; "
+        "frequency_response, a log of a chirp, a multisine or noise by the drive's own motors",
         source=BENCH,
         example="turning_points",
         default="motion",
@@ -375,6 +400,11 @@ class Measurement(Block):
     parts: CountedParts | None = choice(
         "what else than the cables the prediction counts; left out, all else is rigid and without friction, as in "
         "files from before this field",
+        source=BENCH,
+        default=None,
+    )
+    inertia_plate: InertiaPlate | None = choice(
+        "what the output turns besides the design's payload, in a run of kind frequency_response",
         source=BENCH,
         default=None,
     )

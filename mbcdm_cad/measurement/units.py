@@ -84,6 +84,7 @@ KINDS = {
     "load_torque": TORQUE,
     "temperature": TEMPERATURE,
     "current": CURRENT,
+    "excitation": ANGLE | TORQUE | CURRENT | {"V": Unit(1.0), "-": Unit(1.0)},
     "peak_torque": TORQUE,
     "mass": MASS,
     "backlash": ANGLE,

@@ -19,6 +19,7 @@ from mbcdm_cad.measurement.file import MeasurementFile
 from mbcdm_cad.measurement.motor_load import figures_of, with_motors_load
 from mbcdm_cad.measurement.parts import parts_seen
 from mbcdm_cad.measurement.reading import read_run
+from mbcdm_cad.measurement.response import response_findings
 from mbcdm_cad.measurement.run import (
     SPEED_WINDOW_S,
     Run,
@@ -30,7 +31,7 @@ from mbcdm_cad.measurement.run import (
     half_sweeps,
     smoothed,
 )
-from mbcdm_cad.measurement.schema import BY_HAND, CREEP, MOTION
+from mbcdm_cad.measurement.schema import BY_HAND, CREEP, FREQUENCY_RESPONSE, MOTION
 from mbcdm_cad.measurement.vet_columns import column_findings, robust_slope
 from mbcdm_cad.measurement.vet_signals import FEWEST_HALF_SWEEPS, reach_findings, signal_findings
 from mbcdm_cad.model.creep import creep_a_decade
@@ -170,6 +171,8 @@ def vet(run: Run, drive: Drive | None) -> list[VettingNote]:
         return (
             creep_findings(run) if run.kind == CREEP else readings_findings(run, known.ratio, known.travel_rad, known.d)
         )
+    if run.kind == FREQUENCY_RESPONSE:
+        return response_findings(run, known.ratio)
     thin = _thinned(run)
     found = signal_findings(run, known.ratio)
     if not refusals(found):  # an angle that jumps has no meaningful slope

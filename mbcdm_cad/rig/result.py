@@ -18,7 +18,8 @@ class SimulatedRun:
     """Truth and readings of a run, SI, arrays over n samples.
 
     ``input_rad`` (n_inputs, n) are the pulleys, ``tension_N`` (n_cables, n); ``load_Nm`` is the torque at the sensor.
-    ``drum_rad`` is the drum's angle at its encoder, ``payload_rad`` that of the payload.
+    ``drum_rad`` is the drum's angle at its encoder, ``payload_rad`` that of the payload; ``excitation_rad`` (n,) the
+    command, on the dynamic rig.
     """
 
     time_s: Floats
@@ -32,3 +33,4 @@ class SimulatedRun:
     measured_load_Nm: Floats | None
     measured_temperature_C: Floats | None
     truth: list[dict[str, Any]]
+    excitation_rad: Floats | None = None

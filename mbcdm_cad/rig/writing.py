@@ -39,6 +39,10 @@ def run_files(
     if isinstance(experiment, Experiment) and experiment.record != "samples":
         rows, kind = experiment.rows(run.time_s), {"kind": experiment.record}
         table = [column[rows] for column in table]
+    if isinstance(experiment, DynamicExperiment) and experiment.motion.shape == "chirp":
+        kind = {"kind": "frequency_response", "inertia_plate": {"inertia_kg_m2": experiment.load.inertia_kg_m2}}
+        columns["excitation"] = {"column": "command", "unit": "rad"}
+        table, header = [*table, run.excitation_rad], [*header, "command"]
     measurement: dict[str, Any] = {
         "data": f"{name}.csv",
         **kind,

@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Floats"]
+__all__ = ["Complex", "Floats"]
 
 Floats = NDArray[np.float64]
+Complex = NDArray[np.complex128]

@@ -9,10 +9,11 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator
 from scipy.ndimage import uniform_filter1d
 
 from mbcdm_cad.loop.readable import size_of
-from mbcdm_cad.loop.result import ReadingsPicture, Traces
+from mbcdm_cad.loop.result import BodePicture, ReadingsPicture, Traces
 from mbcdm_cad.measurement.vet_signals import GAP_STEPS
 from mbcdm_cad.routes import Floats
 
@@ -62,6 +63,28 @@ def readings_png(p: ReadingsPicture) -> bytes:
             )
         axes.set(xlabel=p.axis, ylabel=f"{p.title} ({unit})", xscale="log" if p.logarithmic else "linear")
         _legend(axes)
+        return _png(figure)
+
+
+def bode_png(p: BodePicture) -> bytes:
+    """Gain, phase and coherence over frequency, measured and predicted."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(WIDTH_IN, 6.4), layout="constrained")
+        FigureCanvasAgg(figure)
+        gain, phase, coherence = figure.subplots(3, 1, sharex=True, height_ratios=(3, 2, 1))
+        for axes, of in ((gain, np.abs), (phase, lambda row: np.degrees(np.unwrap(np.angle(row))))):
+            axes.plot(p.frequency_Hz, of(p.measured), ls="", marker=".", ms=3.0, color=MEASURED, label="measured")
+            axes.plot(p.frequency_Hz, of(p.before), color=BEFORE, lw=1.0, label="declared model")
+            axes.plot(p.frequency_Hz, of(p.after), color=AFTER, lw=1.0, label="with what was found")
+        coherence.plot(p.frequency_Hz, p.coherence, color=MEASURED, lw=0.8)
+        gain.set(ylabel="gain", xscale="log", yscale="log")
+        for axis in (gain.yaxis, coherence.xaxis):
+            axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+            axis.set_major_formatter("{x:g}")
+            axis.set_minor_formatter("")
+        phase.set(ylabel="phase (deg)")
+        coherence.set(xlabel="frequency (Hz)", ylabel="coherence", ylim=(0.0, 1.05))
+        _legend(gain)
         return _png(figure)
 
 

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from mbcdm_cad.loop.page import plain
-from mbcdm_cad.loop.page.pictures import loop_png, orders_chart, readings_png, scatter_png, time_charts
+from mbcdm_cad.loop.page.pictures import bode_png, loop_png, orders_chart, readings_png, scatter_png, time_charts
 from mbcdm_cad.loop.readable import readable, share_text
-from mbcdm_cad.loop.result import Evidence, LoopResult, Named, ReadingsPicture, Traces, windows_words
+from mbcdm_cad.loop.result import BodePicture, Evidence, LoopResult, Named, ReadingsPicture, Traces, windows_words
 from mbcdm_cad.measurement.run import Run, VettingNote, doubts
 from mbcdm_cad.report.page.template import page_environment
 
@@ -46,6 +46,12 @@ ORDERS = (
     "shaft; a peak on one of them, or on a multiple, points at that shaft. Grey: too few cycles over this travel."
 )
 
+BODE = (
+    "Output over inputs, as angles of the output",
+    "Gain, phase and coherence over the frequency of the excitation. The peak is the first mode with the inputs held; "
+    "a phase that falls in proportion to the frequency beside it is a delay of the bench.",
+)
+
 JudgedRun = tuple[Run, Sequence[VettingNote], Sequence[str]]
 
 
@@ -53,7 +59,10 @@ def report_page(result: LoopResult, design: dict[str, str] | None, runs: Sequenc
     """The page as HTML. ``design``: name, file and sha256, None where only the ratio is known."""
     plots = list(zip(runs, result.traces, strict=True))[:MOST_PLOTTED] if result.traces else []
     drawn = [_plots(judged[0], trace, result.chain_orders) for judged, trace in plots]
-    drawn += [_readings(picture) for picture in result.pictures[:MOST_PLOTTED]]
+    drawn += [
+        _bode(picture) if isinstance(picture, BodePicture) else _readings(picture)
+        for picture in result.pictures[:MOST_PLOTTED]
+    ]
     page = (
         page_environment(("mbcdm_cad.loop.page", "."))
         .get_template("report.html.j2")
@@ -65,6 +74,7 @@ def report_page(result: LoopResult, design: dict[str, str] | None, runs: Sequenc
             finding=_micro(plain.finding(result)),
             certainty=_micro(plain.certainty(result)),
             sentence=_micro(result.sentence),
+            modes=[mode.words for mode in result.modes],
             doubts=[f"{run.source}: {words}" for run, findings, notes in runs for words in doubts(notes, findings)]
             + [_micro(words) for words in result.doubts],
             helpful=[_effect(one.named) | {"odds": f"{min(one.odds, 9999.0):.0f}"} for one in result.helpful],
@@ -185,6 +195,11 @@ def _plots(run: Run, trace: Traces, chain_orders: dict[str, float]) -> dict[str,
 def _readings(picture: ReadingsPicture) -> dict[str, Any]:
     data = b64encode(readings_png(picture)).decode()
     return {"source": picture.source, "images": [{"title": picture.title, "text": picture.words, "data": data}]}
+
+
+def _bode(picture: BodePicture) -> dict[str, Any]:
+    image = {"title": BODE[0], "text": BODE[1], "data": b64encode(bode_png(picture)).decode()}
+    return {"source": picture.source, "images": [image]}
 
 
 def _micro(text: str) -> str:

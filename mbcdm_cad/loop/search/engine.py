@@ -30,13 +30,14 @@ from mbcdm_cad.loop.search.exchange import Group
 from mbcdm_cad.loop.search.few import judged_by_hand
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.loop.search.own import begun, differing, own_effects
+from mbcdm_cad.loop.search.response import ResponseLoop
 from mbcdm_cad.loop.search.scatter import Scatter, hangs_on
 from mbcdm_cad.loop.search.select import Search
 from mbcdm_cad.loop.search.timing import time_interval_s
 from mbcdm_cad.loop.search.trial_fits import located
 from mbcdm_cad.loop.search.verdict import ZERO_CHANCE, Judge
 from mbcdm_cad.measurement.run import Run
-from mbcdm_cad.measurement.schema import MOTION
+from mbcdm_cad.measurement.schema import FREQUENCY_RESPONSE, MOTION
 from mbcdm_cad.measurement.vet import arranged
 from mbcdm_cad.measurement.vet_signals import friction_alike
 from mbcdm_cad.model.si import DriveSI, to_si
@@ -67,6 +68,8 @@ def close_loop(drive: Drive | None, runs: Sequence[Run], differs: Sequence[Seque
     with threadpool_limits(1, "blas"):
         ready = runs if drive is None else [arranged(run, drive) for run in runs]
         known = () if drive is None else drive.as_built
+        if runs[0].kind == FREQUENCY_RESPONSE:
+            return ResponseLoop(drive, ratio, ready).result()
         if runs[0].kind != MOTION:
             return judged_by_hand(d, ratio, ready, known)
         prepared = prepare_all(ready, ratio)

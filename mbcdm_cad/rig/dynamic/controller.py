@@ -6,10 +6,14 @@ from dataclasses import dataclass
 from math import exp, pi
 
 import numpy as np
+from scipy.signal.windows import tukey
 
 from mbcdm_cad.rig.dynamic.train import require_positive
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.storage.compiled import compiled
+
+# Share of a chirp in which it fades in, and out.
+FADE_SHARE = 0.02
 
 
 def standstill(duration_s: float, rate_Hz: float) -> Floats:
@@ -29,6 +33,21 @@ def sine(amplitude_rad: float, frequency_Hz: float, cycles: float, rate_Hz: floa
     wave, wave_1 = amplitude_rad * np.sin(omega * time), amplitude_rad * omega * np.cos(omega * time)
     acceleration = -(omega**2) * wave * fade + 2.0 * wave_1 * fade_1 + wave * fade_2
     return np.stack([wave * fade, wave_1 * fade + wave * fade_1, acceleration], axis=1)
+
+
+def chirp(acceleration_rad_s2: float, from_Hz: float, to_Hz: float, duration_s: float, rate_Hz: float) -> Floats:
+    """A sweep of the drum's angle, (n, 3): its acceleration of one size, its frequency rising evenly.
+
+    It fades in and out over ``FADE_SHARE`` of the time each.
+    """
+    time = np.arange(round(duration_s * rate_Hz)) / rate_Hz
+    phase = 2.0 * pi * (from_Hz + 0.5 * (to_Hz - from_Hz) * time / duration_s) * time
+    wave = acceleration_rad_s2 * np.sin(phase) * tukey(time.size, 2.0 * FADE_SHARE)
+    rate = 2j * pi * np.fft.rfftfreq(time.size, 1.0 / rate_Hz)
+    # Nothing below the sweep: an angle that wanders off would be integrated from the fades.
+    spectrum = np.where(np.abs(rate) > pi * from_Hz, np.fft.rfft(wave), 0.0)
+    rate[0] = 1.0
+    return np.stack([np.fft.irfft(spectrum / rate**k, time.size) for k in (2, 1, 0)], axis=1)
 
 
 # Columns of a row of gains.

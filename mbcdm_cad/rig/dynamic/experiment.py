@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import AliasChoices, Field
 
 from mbcdm_cad.rig.block import ExperimentBlock, PhysicsBlock
-from mbcdm_cad.rig.dynamic.controller import sine, standstill
+from mbcdm_cad.rig.dynamic.controller import chirp, sine, standstill
 from mbcdm_cad.rig.effects.registry import AnyEffect
 from mbcdm_cad.rig.sensors import Delay, Noise, Resolution
 from mbcdm_cad.routes import Floats
@@ -18,16 +18,22 @@ Friction = Annotated[float, Field(ge=0.0, le=10.0)]
 
 
 class DynamicMotion(ExperimentBlock):
-    """A sine of the drum's angle that starts from rest, or standstill."""
+    """A sine of the drum's angle that starts from rest, standstill, or a chirp: a sweep of the frequency with one size
+    of the acceleration, for a frequency response."""
 
-    shape: Literal["sine", "hold"] = "sine"
+    shape: Literal["sine", "hold", "chirp"] = "sine"
     amplitude_mrad: Annotated[float, Field(gt=0.0, le=1200.0)] = 50.0
     frequency_Hz: Annotated[float, Field(ge=1e-3, le=20.0)] = 0.1
+    acceleration_rad_s2: Annotated[float, Field(gt=0.0, le=1e4)] = 10.0
+    from_Hz: Annotated[float, Field(ge=0.5, le=400.0)] = 5.0
+    to_Hz: Annotated[float, Field(ge=0.5, le=400.0)] = 150.0
 
     def reference(self, duration_s: float, rate_Hz: float) -> Floats:
         """Angle, speed and acceleration of the drum at each period of the loops, (n, 3)."""
         if self.shape == "hold":
             return standstill(duration_s, rate_Hz)
+        if self.shape == "chirp":
+            return chirp(self.acceleration_rad_s2, self.from_Hz, self.to_Hz, duration_s, rate_Hz)
         return sine(self.amplitude_mrad * 1e-3, self.frequency_Hz, duration_s * self.frequency_Hz, rate_Hz)
 
 

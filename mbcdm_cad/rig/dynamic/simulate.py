@@ -173,5 +173,6 @@ def as_logged(run: DynamicRun, truth: list[dict[str, Any]]) -> SimulatedRun:
         measured_output_rad=run.measured_drum_rad,
         measured_load_Nm=run.measured_torque_Nm,
         measured_temperature_C=None,
+        excitation_rad=run.reference_rad,
         truth=truth,
     )

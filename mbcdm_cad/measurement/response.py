@@ -1,0 +1,202 @@
+"""Frequency responses: estimated from a log of a chirp, a multisine or noise, or read from an analyser's table.
+
+Spectra of the whole log are averaged over ``AVERAGED`` neighbouring lines, so that a single chirp has as many averages
+as repeated ones, and no window hides how many there are. With a column of the excitation the response is the ratio of
+the cross-spectra with it (instrumental variable), to which noise of the input does not matter; without one it is H1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import uniform_filter1d
+from scipy.signal import detrend, stft
+from scipy.signal.windows import tukey
+
+from mbcdm_cad.measurement.run import Run, VettingNote, gravest_first
+from mbcdm_cad.routes import Complex, Floats
+
+# Lines of the spectrum in each average, and averages over which the scatter of the response is smoothed.
+AVERAGED, SMOOTHED = 8, 5
+# Coherence below which an average says nothing, and from which a response is good.
+LEAST_COHERENCE, GOOD_COHERENCE = 0.5, 0.9
+# Deviation of what says nothing.
+NO_WEIGHT = 1e9
+# Averages that a mode needs, and share of the log that is faded in and out.
+FEWEST_AVERAGES, FADED = 24, 0.02
+# Time steps that differ by this share of their median are uneven; share of the sample rate up to which is looked.
+UNEVEN, HIGHEST = 0.01, 0.45
+# Periods of the middle of the band in each part of the log whose amplitude is taken.
+PERIODS = 16
+# Error of the first harmonic of a sine that is counted, as a share: times (step / amplitude)^1.5, RMS over where the
+# counts lie. Of the fundamental of the sawtooth's series, 2 q / (pi A) J1(2 pi A / q).
+COUNTED = np.sqrt(2.0) / np.pi**2
+# Bias of H1 by the counts of the input from which it is doubtful.
+DOUBTFUL_BIAS = 0.02
+
+
+@dataclass(frozen=True, eq=False)
+class Quotient:
+    """One response (n,): ``value`` with ``sigma``, the standard deviation of each of its two parts, and coherence."""
+
+    value: Complex
+    sigma: Floats
+    coherence: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class FrequencyResponse:
+    """What a log shows, at ``frequency_Hz`` (n,), rising.
+
+    ``output``: output over inputs, both as angles of the output. ``twist``: turn of the output behind the inputs over
+    the torque that it carries, rad/(N m), None where no torque was measured. ``acceleration_rad_s2``: amplitude of the
+    output's acceleration while it is excited at each frequency, ``input_rad`` that of inputs; ``input_power_rad2``:
+    mean square of the inputs' spectrum over the number of samples, which for white noise is its mean square.
+    """
+
+    frequency_Hz: Floats
+    output: Quotient
+    twist: Quotient | None
+    acceleration_rad_s2: Floats
+    input_rad: Floats
+    input_power_rad2: Floats
+
+
+def response_of(run: Run, ratio: float) -> FrequencyResponse:
+    """The response of a run of kind frequency_response; ``ratio`` of inputs to output."""
+    step, n = run.step_s, run.time_s.size
+    if _uneven(run):
+        n = int(np.floor((run.time_s[-1] - run.time_s[0]) / step)) + 1
+    even = run.time_s[0] + step * np.arange(n)
+    fade = tukey(n - 1, 2.0 * FADED)
+
+    def spectrum(values: Floats) -> Complex:
+        at = np.interp(even, run.time_s, values) if _uneven(run) else values
+        # Differences whiten drifts, whose jump from end to beginning would leak into all lines; quotients stay.
+        return np.asarray(np.fft.rfft(detrend(np.diff(at)) * fade))
+
+    u, y = spectrum(run.input_rad.mean(axis=0) / ratio), spectrum(run.output_rad)
+    drive = u if run.excitation is None else spectrum(run.excitation)
+    lines: Floats = np.asarray(np.fft.rfftfreq(n - 1, step), dtype=float)
+    differences = 2.0 * np.sin(np.pi * lines * step)
+    differences[0] = np.inf
+    count = int(np.searchsorted(lines, HIGHEST / step)) // AVERAGED * AVERAGED
+
+    def averaged(values: Any) -> Any:
+        return np.asarray(values[:count].reshape(-1, AVERAGED).mean(axis=1))
+
+    frequency = np.asarray(averaged(lines).real)
+    output, twist = _quotient(averaged, drive, u, y), None
+    counts = run.sensors.input_resolution_rad or 0.0
+    if run.load_Nm is not None and np.ptp(run.load_Nm) > 0.0:
+        twist = _quotient(averaged, drive, spectrum(run.load_Nm), u - y)
+    kept = output.coherence > LEAST_COHERENCE
+    kept[0] = False  # offsets and drifts
+    if not kept.any():
+        none = np.zeros(0)
+        return FrequencyResponse(none, Quotient(none.astype(complex), none, none), None, none, none, none)
+    acceleration = _acceleration(
+        frequency,
+        kept,
+        np.asarray(np.where(_near(lines, frequency, kept), y, 0j) / differences * lines**2),
+        n - 1,
+        step,
+    )
+    twist = None if twist is None else _only(twist, kept)
+    if twist is not None:
+        blind = twist.coherence < LEAST_COHERENCE
+        twist = None if blind.mean() > 0.5 else replace(twist, sigma=np.where(blind, NO_WEIGHT, twist.sigma))
+    output, acceleration = _only(output, kept), acceleration[kept]
+    amplitude = acceleration / (np.abs(output.value) * (2.0 * np.pi * frequency[kept]) ** 2)
+    counted = COUNTED * (counts / ratio / amplitude) ** 1.5 / np.sqrt(run.input_rad.shape[0])
+    output = replace(output, sigma=np.hypot(output.sigma, counted * np.abs(output.value)))
+    if twist is not None:
+        # What the inputs are wrong by is a twist.
+        counted *= np.abs(twist.value / (1.0 - output.value) * output.value)
+        twist = replace(twist, sigma=np.hypot(twist.sigma, counted))
+    power = averaged(np.abs(u / differences) ** 2)[kept].real / n
+    return FrequencyResponse(frequency[kept], output, twist, acceleration, amplitude, power)
+
+
+def _uneven(run: Run) -> bool:
+    return bool(np.ptp(np.diff(run.time_s)) > UNEVEN * run.step_s)
+
+
+def _quotient(averaged: Callable[[Any], Any], drive: Complex, below: Complex, above: Complex) -> Quotient:
+    """``above`` over ``below`` by their cross-spectra with ``drive``."""
+
+    def power(values: Complex) -> Floats:
+        return np.asarray(averaged(np.abs(values) ** 2).real) + 1e-300
+
+    cross, square = averaged(drive.conj() * below), power(drive)
+    value = averaged(drive.conj() * above) / (cross + 1e-300)
+    both = averaged(below.conj() * above)
+    left = power(above) - 2.0 * (value.conj() * both).real + np.abs(value) ** 2 * power(below)
+    left, total = (uniform_filter1d(np.maximum(row, 0.0), SMOOTHED) for row in (left, power(above)))
+    sigma = np.sqrt(0.5 * left * square / (AVERAGED - 1)) / (np.abs(cross) + 1e-300)
+    return Quotient(np.asarray(value), sigma, np.clip(1.0 - left / total, 0.0, 1.0))
+
+
+def _only(one: Quotient, kept: NDArray[np.bool_]) -> Quotient:
+    return Quotient(one.value[kept], one.sigma[kept], one.coherence[kept])
+
+
+def _near(lines: Floats, frequency: Floats, kept: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Lines in averages that are kept."""
+    return np.asarray(np.interp(lines, frequency, kept.astype(float), right=0.0) > 0.5)
+
+
+def _acceleration(frequency: Floats, kept: NDArray[np.bool_], spectrum: Complex, n: int, step: float) -> Floats:
+    """Amplitude of a sine with the mean square that the acceleration has while it is excited at each frequency, (m,),
+    from its ``spectrum`` over (2 pi)^2: of a chirp that of the moment, of a steady noise that of the whole."""
+    values = (2.0 * np.pi) ** 2 * np.fft.irfft(spectrum, n)
+    middle = float(np.average(frequency[kept]))
+    length = int(np.clip(PERIODS / middle / step, 16, n))
+    at, _, parts = stft(values, 1.0 / step, nperseg=length)
+    square = np.abs(parts) ** 2
+    of_time = square.sum(axis=0)
+    of_time *= float(np.mean(values**2)) / float(np.mean(of_time))
+    mean = (square * of_time).sum(axis=1) / (square.sum(axis=1) + 1e-300)
+    return np.asarray(np.sqrt(2.0 * np.interp(frequency, at, mean)))
+
+
+def response_findings(run: Run, ratio: float) -> list[VettingNote]:
+    """What a frequency response can show, and what makes it doubtful."""
+    found, seen = list[VettingNote](), response_of(run, ratio)
+    f, n = seen.frequency_Hz, seen.frequency_Hz.size
+    if n < FEWEST_AVERAGES:
+        text = f"coherence of inputs and output above {LEAST_COHERENCE:g} in {n} averages of {AVERAGED} lines"
+        remedy = "excite the drive longer or harder, log faster, and check that the columns belong together"
+        return [VettingNote("coherence", "refused", f"{text}, {FEWEST_AVERAGES} are needed", remedy, ("columns",))]
+    width = AVERAGED / (run.step_s * run.time_s.size)
+    by = "of the inputs (H1)" if run.excitation is None else "of the cross-spectra with the excitation"
+    good = float(np.mean(seen.output.coherence > GOOD_COHERENCE))
+    text = (
+        f"frequency response {by}, {f[0]:.3g} to {f[-1]:.4g} Hz in {n} averages of {width:.2g} Hz, coherence above "
+        f"{GOOD_COHERENCE:g} in {good:.0%} of them"
+    )
+    found.append(VettingNote("frequency_response", "fact", text))
+    if _uneven(run):
+        steps = np.diff(run.time_s)
+        text = f"time steps of {1e3 * steps.min():.3g} to {1e3 * steps.max():.3g} ms, interpolated: the highest suffer"
+        found.append(VettingNote("uneven_steps", "doubt", text, "log at an even rate"))
+    step = run.sensors.input_resolution_rad
+    if run.excitation is None and step:
+        counts = (step / ratio) ** 2 / 12.0 / run.input_rad.shape[0]
+        bias = float(np.quantile(counts / seen.input_power_rad2, 0.9))
+        if bias > DOUBTFUL_BIAS:
+            text = f"counts of the inputs may lower the gain by {min(bias, 1.0):.0%}, as no excitation was logged"
+            found.append(VettingNote("input_counts", "doubt", text, "log the command as excitation, or excite harder"))
+    if run.load_Nm is not None and seen.twist is None:
+        text = f"coherence of the torque below {LEAST_COHERENCE:g} in most averages: it is not used"
+        found.append(
+            VettingNote("torque_coherence", "doubt", text, "check its column, filter it less, or excite harder")
+        )
+    if run.load_Nm is None:
+        text = "no torque: an inertia and a stiffness that are wrong look alike"
+        found.append(VettingNote("no_torque", "fact", text, "log the torque between drum and what it turns"))
+    return gravest_first(found)
