@@ -16,10 +16,9 @@ if TYPE_CHECKING:
     from mbcdm_cad.optimising.wishes import Effort
     from mbcdm_cad.paper.reproduce import PaperTable
     from mbcdm_cad.report.catalogue_list import CatalogueList
+    from mbcdm_cad.report.design_columns import SizedDesigns, Sweep
     from mbcdm_cad.report.machine import Machine
-    from mbcdm_cad.report.sized_designs import SizedDesigns
     from mbcdm_cad.report.solve_report import SolveReport
-    from mbcdm_cad.report.sweep import Sweep
     from mbcdm_cad.solving.question import Question
 
 # Content of a new design file.
@@ -180,7 +179,7 @@ def analyse_many(design: DriveDesign, ranges: Mapping[str, Any], *, grid: bool =
     is an array of 1000 backlashes. With ``grid`` all combinations of the values are analysed. Raises ``InputError`` for
     a value that is not valid in a design file, ``MbcdmError`` for arrays of different lengths.
     """
-    from mbcdm_cad.report.sweep import sweep
+    from mbcdm_cad.report.design_columns import sweep
 
     return sweep(design.loaded, ranges, grid=grid)
 
@@ -194,7 +193,7 @@ def size_many(design: DriveDesign, ranges: Mapping[str, Any], *, grid: bool = Fa
     distance, preload), up to ten thousand designs in a second; the other layouts are sized one by one with all fields,
     about twenty in a second. Raises as :func:`analyse_many`.
     """
-    from mbcdm_cad.report.sized_designs import size_designs
+    from mbcdm_cad.report.design_columns import size_designs
 
     return size_designs(design.loaded, ranges, grid=grid)
 

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mbcdm_cad.checks.comparison import Comparison, at_least, worst
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
 from mbcdm_cad.parts.drum_sector.sizes import nut_corner_radius_mm
@@ -88,3 +89,15 @@ def drum_zones(s: SectorLayout) -> list[Ring]:
 
 def _disc(name: str, inner: float, outer: float, y: float) -> Ring:
     return Ring(name, inner, outer, y, outer)
+
+
+def before_frame(s: SectorLayout, front: str, boss_radius_mm: float) -> Comparison:
+    """Gap from all parts that turn with the drum to frame and boss behind them; ``front``: the frame's name."""
+    v, running, found = s.levels, s.drive.clearances.running_mm, []
+    for ring in drum_zones(s):
+        if ring.name != "drum's hub":
+            found.append(at_least(f"{ring.name} from the front of the {front}", ring.y - v.front_y, running, "mm"))
+        if ring.inner < boss_radius_mm and ring.name != "drum's hub":
+            found.append(at_least(f"{ring.name} from the front of the boss", ring.y - v.boss_front_y, running, "mm"))
+    found.append(at_least("hub from the front of the boss", s.drum.hub_start_y - v.boss_front_y, running, "mm"))
+    return worst(found)

@@ -220,7 +220,11 @@ def lug_stress(s: SectorLayout) -> Comparison:
         back, front = d.lug_y(t)
         width = (t.y_mm - back if t.front else front - t.y_mm) - d.stud_hole_radius
         if width <= 0.0:
-            raise NoFigureError(f"the rim ends before the lug of {t.cable_name} has any metal (width {width:.4g} mm)")
+            slot = t.y_mm - d.stud_hole_radius if t.front else t.y_mm + d.stud_hole_radius
+            raise NoFigureError(
+                f"the rim ends before the lug of {t.cable_name} has any metal: at y = {d.lands[-1].y_end:.4g} mm, "
+                f"and the slot for the stud reaches to {slot:.4g} mm"
+            )
         root = d.lug_root(t)
         least = min(root, d.flat_wall + LUG_ROOT_MM)
         per_mm2 = max(least / width, root / (front - back)) if d.whole else root / width

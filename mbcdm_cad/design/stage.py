@@ -73,8 +73,8 @@ BELT_PLAY_MM, GEAR_PLAY_MM, GEAR_PLAY_MODULES = 0.01, 0.02, 0.04
 # Mesh of two steel gears, N per mm of width and mm of deflection (ISO 6336-1: 20 N/(mm um)), and the share of it that
 # wheels, bores and shafts of small gears leave (estimate).
 MESH_N_MM2, MESH_SHARE = 20e3, 0.25
-# One standard deviation of an estimated stiffness, and of an estimated play, as factors.
-STIFFNESS_FACTOR, PLAY_FACTOR = 1.5, 2.0
+# One standard deviation of an estimated stiffness, as a factor.
+STIFFNESS_FACTOR = 1.5
 # Tension that a belt is set to, over its effective tension at the peak torque: the slack side keeps a tenth of it.
 SET_TENSION = 0.6
 PRESSURE_ANGLE = radians(20.0)

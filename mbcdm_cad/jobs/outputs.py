@@ -11,9 +11,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from mbcdm_cad.build.bodies import bodies, is_cable
 from mbcdm_cad.build.drawings import drawings_folder, drawings_of
 from mbcdm_cad.build.made_parts import drawn
+from mbcdm_cad.build.scene import bodies, is_cable
 from mbcdm_cad.build.store import Progress
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import LoadedDesign

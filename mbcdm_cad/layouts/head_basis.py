@@ -65,13 +65,11 @@ STAGE_LOSSES = 1.25
 _KNEE_STEPS = 9
 
 
-def thinnest_rope(given: TrialKnown, tension_N: float) -> Found:
-    """The thinnest rope of the construction that holds a tension with its safety factor."""
-    return thinnest_rope_by(given, lambda diameter_mm, breaking_N: tension_N)
-
-
 def thinnest_rope_by(given: TrialKnown, tension_N: Callable[[float, float], float]) -> Found:
-    """As :func:`thinnest_rope`, for a tension that depends on the rope's diameter in mm and its breaking load in N."""
+    """The thinnest rope of the construction that holds a tension with its safety factor.
+
+    The tension depends on the rope's diameter in mm and its breaking load in N.
+    """
     needed, ropes = given["limits.tension_safety_factor"] / end_share(given, END_SHARE), ropes_to_choose(given)
     strong = (name for diameter_mm, name, breaking in ropes if breaking >= needed * tension_N(diameter_mm, breaking))
     return Found(next(strong, ropes[-1][1]), "tension", "next size of the catalogue")

@@ -5,18 +5,25 @@ from __future__ import annotations
 import math
 from abc import abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import fields
+from dataclasses import dataclass, fields
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mbcdm_cad.errors import MbcdmError, did_you_mean
-from mbcdm_cad.model.bulk import BulkFigures
+from mbcdm_cad.layouts.changes import changed_drives, sized_many
+from mbcdm_cad.model.bulk import BulkFigures, analyse_many, merged, stack_designs
+from mbcdm_cad.model.capability import Requirements, requirements
+from mbcdm_cad.model.si import DriveSI, to_si
 from mbcdm_cad.report.table import ReportTable, data_frame
+from mbcdm_cad.sizing.bulk import Alike, gathered
 
 if TYPE_CHECKING:
     import pandas
+
+    from mbcdm_cad.design.loaded import LoadedDesign
 
 Values = NDArray[Any]
 # Figures with a row for a load that opposes positive rotation, and one for the other direction.
@@ -131,3 +138,140 @@ def _paired(names: Sequence[str], arrays: Sequence[Values]) -> list[Values]:
 
 def _combined(arrays: Sequence[Values]) -> list[Values]:
     return [mesh.ravel() for mesh in np.meshgrid(*arrays, indexing="ij")] if arrays else []
+
+
+@dataclass(frozen=True, eq=False)
+class Sweep(DesignColumns):
+    """Figures of n designs: ``varied`` fields by name, ``figures`` in SI, ``cable_names`` of their rows.
+
+    Iterating and indexing goes over columns: the varied fields, then the figures in mm, N, N m, deg and, of backlash,
+    mrad. A design that has no free span has ``valid`` False and NaN in its figures. ``reversal_swing_mrad`` is the
+    backlash that a bench measures when the load changes sign; ``cable_backlash_mrad[NAME]`` is Eq. (14) of one cable.
+    """
+
+    name: str
+    varied: Mapping[str, Values]
+    figures: BulkFigures
+    cable_names: tuple[str, ...]
+
+    @cached_property
+    def columns(self) -> dict[str, Values]:
+        """All columns by name, each (n,)."""
+        return {**self.varied, **figure_columns(self.figures, self.cable_names)}
+
+    def __len__(self) -> int:
+        """Number of designs."""
+        return len(self.figures.valid)
+
+    def summary(self) -> str:
+        """How many designs there are, and how many have a free span."""
+        return f"{self.name}: {len(self)} designs, {int(np.sum(self.figures.valid))} with a free span"
+
+
+def sweep(loaded: LoadedDesign, ranges: Mapping[str, Any], *, grid: bool = False) -> Sweep:
+    """Analyse the designs that ``ranges`` describe: for each field an array of values, one a design, or one for all.
+
+    ``grid`` makes all combinations of the values instead, the last field varying fastest. Fields are named and
+    validated as in :func:`mbcdm_cad.layouts.changes.with_changes`; what the file leaves out is sized again for
+    each design, which takes 10 to 60 ms each. Errors: ``InputError`` for a value that the file could not hold,
+    ``MbcdmError`` for arrays of different lengths or none.
+    """
+    varied = varied_columns(ranges, grid=grid)
+    rows = [dict(zip(varied, row, strict=True)) for row in zip(*varied.values(), strict=True)]
+    drives = list(changed_drives(loaded, rows))
+    asked = [requirements(drive) for drive in drives]
+    designs, groups = [to_si(drive) for drive in drives], list[tuple[list[int], BulkFigures]]()
+    for members in _routed_alike(designs):
+        need = Requirements(*(np.array([getattr(asked[k], f.name) for k in members]) for f in fields(Requirements)))
+        groups.append((members, analyse_many(stack_designs([designs[k] for k in members]), need)))
+    cables = tuple(cable.name for cable in drives[0].cables)
+    return Sweep(loaded.drive.name, varied, merged(groups, len(rows)), cables)
+
+
+def _routed_alike(designs: Sequence[DriveSI]) -> list[list[int]]:
+    """Indices of the designs in groups with the same routes; sizing rules may choose other arrangements for some."""
+    groups: list[list[int]] = []
+    for k, design in enumerate(designs):
+        own = next((group for group in groups if designs[group[0]].geometry == design.geometry), None)
+        if own is None:
+            groups.append([k])
+        else:
+            own.append(k)
+    return groups
+
+
+# Wraps on passed bodies depend on the inputs' setback, which depends on the frame.
+_NEEDS_FRAME = "passed_wrap_deg"
+
+
+@dataclass(frozen=True, eq=False)
+class SizedDesigns(DesignColumns):
+    """Sized fields and figures of the cables of n designs.
+
+    Columns are the varied fields, the sized ones by their dotted names (radii by step, ``...drum_radii_mm[1]``; parts
+    by their catalogue names) and the figures as in :class:`Sweep`. Where the rules work on columns
+    (:mod:`mbcdm_cad.sizing.bulk`) they go as far as no frame is needed. ``refused`` gives for a design the reason why
+    no rule can fill one of its fields; its other columns are NaN or None.
+    """
+
+    name: str
+    varied: Mapping[str, Values]
+    sized: Mapping[str, Values]
+    refused: Values
+    figures: BulkFigures | None
+    cable_names: tuple[str, ...]
+
+    @cached_property
+    def columns(self) -> dict[str, Values]:
+        """All columns by name, each (n,)."""
+        figures = {} if self.figures is None else figure_columns(self.figures, self.cable_names)
+        shown = {name: column for name, column in figures.items() if not name.startswith(_NEEDS_FRAME)}
+        return {**self.varied, **self.sized, "refused": self.refused, **shown}
+
+    def __len__(self) -> int:
+        """Number of designs."""
+        return len(self.refused)
+
+    def summary(self) -> str:
+        """How many designs there are, and how many of them the rules fill."""
+        return f"{self.name}: {len(self)} designs, {sum(not why for why in self.refused)} sized"
+
+
+def size_designs(loaded: LoadedDesign, ranges: Mapping[str, Any], *, grid: bool = False) -> SizedDesigns:
+    """Size the designs that ``ranges`` describe, as in :func:`mbcdm_cad.report.design_columns.sweep`.
+
+    Values are validated one by one; checks are not evaluated, and rules between fields only where designs are sized one
+    by one. Errors: ``InputError`` for a value that the file could not hold, ``MbcdmError`` for arrays of different
+    lengths.
+    """
+    varied = varied_columns(ranges, grid=grid)
+    n = len(next(iter(varied.values())))
+    many = sized_many(loaded, varied)
+    sized: dict[str, Values] = {}
+    for field in many.fields:
+        if field not in varied:
+            sized |= _by_step(field, gathered(many.groups, field, n))
+    refused = np.full(n, "", dtype=object)
+    for group in many.groups:
+        refused[group.rows] = group.refused
+    parts = [
+        (group.rows.tolist(), _figures(group, many.drive_of(group, loaded.drive)))
+        for group in many.groups
+        if not group.refused
+    ]
+    cables = tuple(cable.name for cable in loaded.drive.cables)
+    return SizedDesigns(loaded.drive.name, varied, sized, refused, merged(parts, n) if parts else None, cables)
+
+
+def _figures(group: Alike, drive: Any) -> BulkFigures:
+    """Figures of a group; its drive holds columns, or numbers if it is one design."""
+    n, need = len(group.rows), requirements(drive)
+    wide = Requirements(*(np.broadcast_to(np.asarray(getattr(need, f.name), float), (n,)) for f in fields(need)))
+    return analyse_many(to_si(drive).spread(n), wide)
+
+
+def _by_step(field: str, values: Values) -> dict[str, Values]:
+    """Columns of a field; none for lists of blocks, such as cables, which are the same for all designs."""
+    if values.ndim == 2:
+        return {f"{field}[{k + 1}]": values[:, k] for k in range(values.shape[1])}
+    return {} if isinstance(values[0], list) else {field: values}

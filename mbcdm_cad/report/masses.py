@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.build.bodies import bodies
 from mbcdm_cad.build.mass import MassProperties, combined, item_mass
+from mbcdm_cad.build.scene import bodies
 from mbcdm_cad.build.store import StoredPart
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.base import Layout

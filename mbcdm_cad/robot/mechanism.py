@@ -10,9 +10,9 @@ from xml.etree import ElementTree as ET
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.build.bodies import MovingGroup, bodies, is_cable
 from mbcdm_cad.build.mass import MassProperties, combined, item_mass
 from mbcdm_cad.build.partfiles import PartFiles
+from mbcdm_cad.build.scene import MovingGroup, bodies, is_cable
 from mbcdm_cad.build.trianglemesh import TriangleMesh
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.lumped import axis_friction

@@ -14,8 +14,8 @@ from vtkmodules.vtkCommonCore import vtkLogger
 from vtkmodules.vtkCommonMath import vtkMatrix4x4
 from vtkmodules.vtkRenderingCore import vtkActor, vtkCamera, vtkRenderer, vtkRenderWindow, vtkWindowToImageFilter
 
-from mbcdm_cad.build.bodies import MovingGroup
 from mbcdm_cad.build.export import picture
+from mbcdm_cad.build.scene import MovingGroup
 from mbcdm_cad.build.trianglemesh import TriangleMesh
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.parts.placement import Placement, Vector

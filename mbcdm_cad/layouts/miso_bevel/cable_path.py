@@ -172,27 +172,6 @@ def fleet_angle_deg(drive: BevelDrive, cable: BevelRun) -> float:
     return abs(fleet_angle_at_deg(drive, cable, radians(drive.half_travel_deg)))
 
 
-def self_clearance_mm(drive: BevelDrive, cable: BevelRun, drum_angle_rad: float) -> float:
-    """Centre-line distance less d between the leaving span and the turn wound just before it (negative: they overlap).
-
-    The fleet angle leads the span back over its own last turn, most at the fully wound end.
-    """
-    path = cable_path(drive, cable, 1.0, 1.0, drum_angle_rad)
-    helix = path.piece("helix")
-    assert isinstance(helix, Helix)
-    per_turn = tau / abs(helix.angle_end - helix.angle_start)
-    span = path.only(("span_in",)).sample(0.02)
-    line = path.piece("span")
-    span = np.concatenate([span, line.points(np.linspace(0.0, min(1.0, 8.0 / line.length_mm), 400))])
-    span = np.concatenate([helix.points(np.linspace(1.0 - per_turn / 4, 1.0, 200)), span])
-    turn = helix.points(np.linspace(max(0.0, 1.0 - 1.5 * per_turn), 1.0 - 0.5 * per_turn, 2000))
-    best = np.inf
-    for chunk in np.array_split(span, 8):
-        gap = np.linalg.norm(chunk[:, None, :] - turn[None, :, :], axis=2).min()
-        best = min(best, float(gap))
-    return best - drive.cable.diameter_mm
-
-
 def guide_landing_walk_mm(drive: BevelDrive, cable: BevelRun) -> float:
     """Largest offset of the landing point on the guide from its step plane in a full sweep towards the drum (mm).
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import tau
 
-from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
 
 
@@ -36,10 +35,3 @@ class RoundDrumDrive(SpurDrive):
     def unit_frame_angle_rad(self) -> float:
         """See the base class."""
         return tau / self.n_inputs
-
-
-def round_drum(drive: Drive) -> RoundDrumDrive:
-    """``drive`` as one of this configuration. Raises ``TypeError`` for a drive of another."""
-    if not isinstance(drive, RoundDrumDrive):
-        raise TypeError(f"{drive.name}: a drive of configuration {drive.configuration}, not of miso_spur")
-    return drive

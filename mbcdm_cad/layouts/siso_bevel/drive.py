@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 from mbcdm_cad.design.bought import Bearing
-from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.fields import ESTIMATE, EntryName, Number, PlainBlock, choice, quantity
 from mbcdm_cad.design.sector_blocks import TransferClearances
 from mbcdm_cad.parts.drum_sector.design import SectorRun
@@ -122,10 +121,3 @@ class DirectDrive(HeadedDrive):
     def total_ratio(self) -> float:
         """i = r_o / r_m of the first step."""
         return self.cables[0].drum_radius_mm / self.cables[0].input_radius_mm
-
-
-def direct(drive: Drive) -> DirectDrive:
-    """``drive`` as one of this configuration. Raises ``TypeError`` for a drive of another."""
-    if not isinstance(drive, DirectDrive):
-        raise TypeError(f"{drive.name}: a drive of configuration {drive.configuration}, not of siso_bevel")
-    return drive

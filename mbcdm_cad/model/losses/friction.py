@@ -61,12 +61,6 @@ def backward_efficiency(efficiency: float) -> float:
     return max(1.0 - gearhead_share(efficiency), 0.0)
 
 
-def partial_load_efficiency(torque_Nm: Floats | float, efficiency: float, idle_Nm: float) -> Floats:
-    """Efficiency at a torque at the output, M/(M/eta + M_0), with ``efficiency`` eta the largest one."""
-    torque = np.asarray(torque_Nm, float)
-    return np.asarray(torque / (torque / efficiency + idle_Nm))
-
-
 def motor_idle_mNm(rated_mNm: float, stated_mNm: float | None) -> float:
     """Friction of a motor without current: what the catalogue states, else a share of its continuous torque."""
     return MOTOR_IDLE_SHARE * rated_mNm if stated_mNm is None else stated_mNm

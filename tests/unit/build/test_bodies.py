@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mbcdm_cad.build.bodies import MovingGroup, bodies, is_cable
+from mbcdm_cad.build.scene import MovingGroup, bodies, is_cable
 from mbcdm_cad.layouts.loader import load_design
 
 DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive

@@ -19,11 +19,11 @@ from mbcdm_cad.checks.result import CheckResult
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.checks.strength import balanced_preloads, rated_input_Nm
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.layouts.miso_bevel.cable_path import self_clearance_mm
 from mbcdm_cad.layouts.miso_bevel.checks import CHECKS
 from mbcdm_cad.layouts.miso_bevel.checks.guide import guide_forces_N
 from mbcdm_cad.layouts.miso_bevel.checks.spans import straight_span_clearance_mm
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
+from tests.support.smooth_path import self_clearance_mm
 
 BY_ID = {check.id: check for check in CHECKS}
 

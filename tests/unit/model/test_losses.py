@@ -18,7 +18,6 @@ from mbcdm_cad.model.losses.friction import (
     backward_efficiency,
     bearing_torque_Nm,
     gearhead_share,
-    partial_load_efficiency,
     tangent_share,
 )
 from mbcdm_cad.model.losses.train import BEARINGS, ROPE, Train
@@ -46,13 +45,6 @@ def test_the_same_torque_is_lost_forward_and_backward(efficiency: float, output_
     backward = output_Nm - output_Nm * backward_efficiency(efficiency)
     assert forward == pytest.approx(backward, rel=1e-9, abs=1e-12)
     assert gearhead_share(efficiency) * output_Nm == pytest.approx(forward, rel=1e-9, abs=1e-12)
-
-
-def test_partial_load_reaches_its_limits() -> None:
-    assert partial_load_efficiency(1e9, 0.7, 0.01) == pytest.approx(0.7)
-    # At a load equal to the torque that turns it unloaded: M/(M/eta + M).
-    assert partial_load_efficiency(0.01, 0.7, 0.01) == pytest.approx(0.7 / 1.7)
-    assert partial_load_efficiency(0.0, 0.7, 0.01) == 0.0
 
 
 def test_a_sheave_of_common_size_loses_what_rope_makers_say() -> None:

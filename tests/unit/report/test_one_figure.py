@@ -18,9 +18,9 @@ from mbcdm_cad.layouts.turns import plain_modes, turns_of
 from mbcdm_cad.model.bulk import preload_table
 from mbcdm_cad.optimising.figures import Facts, figure
 from mbcdm_cad.report.data import design_figures
+from mbcdm_cad.report.design_columns import sweep
 from mbcdm_cad.report.page.content import derived
 from mbcdm_cad.report.page.studies import charts_under_load, studies
-from mbcdm_cad.report.sweep import sweep
 from tests.support.checked import results
 
 PARAMS = Path(__file__).parents[3] / "params"

@@ -13,8 +13,8 @@ import pytest
 
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.report.page import content
-from mbcdm_cad.report.page.page import LICENCE, THREE, THREE_SHA256
 from mbcdm_cad.report.page.scene import CHORD_ERROR_MM, POSE_ERROR_MM, _Binary, cable_lines
+from mbcdm_cad.report.page.stage import LICENCE, THREE, THREE_SHA256
 from mbcdm_cad.report.page.template import _figure, _json
 
 DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive

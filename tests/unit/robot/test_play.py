@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mbcdm_cad.build.bodies import MovingGroup
+from mbcdm_cad.build.scene import MovingGroup
 from mbcdm_cad.build.trianglemesh import TriangleMesh
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.layouts.turns import turns_of

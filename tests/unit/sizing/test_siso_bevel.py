@@ -10,7 +10,6 @@ import yaml
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.layouts.siso_bevel.checks.input_turn import highest_ratio
-from mbcdm_cad.layouts.siso_bevel.drive import direct
 from tests.support.checked import failing
 
 
@@ -60,7 +59,7 @@ def test_far_corners_of_the_space_pass_every_check(asked: dict[str, Any]) -> Non
 
 def test_a_free_ratio_fills_the_turn_that_a_long_travel_leaves() -> None:
     """At +-60 degrees 120 i + 18 + slot <= 360: the check's own figure is met, and a step of 0.05 more is too much."""
-    drive = direct(load_text(yaml.safe_dump(short(60.0, 90.0, 0.9))).drive)
+    drive = load_text(yaml.safe_dump(short(60.0, 90.0, 0.9))).drive
     most = highest_ratio(drive)
     assert most - 0.05 < drive.total_ratio <= most, f"{drive.total_ratio} of {most}"
 
@@ -68,10 +67,10 @@ def test_a_free_ratio_fills_the_turn_that_a_long_travel_leaves() -> None:
 def test_a_stated_ratio_that_needs_it_takes_from_the_reserve() -> None:
     """Two hundredths over the highest ratio that 18 degrees of reserve leave, some of them go; below it they stay."""
     data = short(60.0, 90.0, 0.9)
-    most = highest_ratio(direct(load_text(yaml.safe_dump(data)).drive))
+    most = highest_ratio(load_text(yaml.safe_dump(data)).drive)
     for ratio, least, above in ((most - 0.01, 18.0, 18.1), (most + 0.02, 15.0, 17.5)):
         data["transmission"]["input_to_drum"] = round(ratio, 3)
-        drive = direct(load_text(yaml.safe_dump(data)).drive)
+        drive = load_text(yaml.safe_dump(data)).drive
         assert least <= drive.reserve_deg < above, f"{ratio}: {drive.reserve_deg} deg"
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from mbcdm_cad.checks.cable_gaps import CABLE_GAP_MM, cables_apart, in_pieces, nearest_mm, step_mm
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
-from mbcdm_cad.checks.drum_outline import Ring, drum_zones, rim_points, wrap_points
+from mbcdm_cad.checks.drum_outline import Ring, before_frame, drum_zones, rim_points, wrap_points
 from mbcdm_cad.checks.geometry import corner_gap
 from mbcdm_cad.checks.size import box_checks, mass_check
 from mbcdm_cad.checks.terminals import bodies_of
@@ -98,15 +98,7 @@ def drum_sweep(s: BevelLayout) -> Comparison:
 
 def frame_front(s: BevelLayout) -> Comparison:
     """Gap from all parts that turn with the drum to shelves, plate and boss behind them."""
-    v, running = s.levels, s.drive.clearances.running_mm
-    found = []
-    for ring in drum_zones(s):
-        if ring.name != "drum's hub":
-            found.append(at_least(f"{ring.name} from the front of the frame", ring.y - v.front_y, running, "mm"))
-        if ring.inner < s.frame.boss_radius and ring.name != "drum's hub":
-            found.append(at_least(f"{ring.name} from the front of the boss", ring.y - v.boss_front_y, running, "mm"))
-    found.append(at_least("hub from the front of the boss", s.drum.hub_start_y - v.boss_front_y, running, "mm"))
-    return worst(found)
+    return before_frame(s, "frame", s.frame.boss_radius)
 
 
 def collar_space(s: BevelLayout) -> Comparison:

@@ -9,7 +9,7 @@ import numpy as np
 from mbcdm_cad.checks.cable_gaps import cables_apart
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
-from mbcdm_cad.checks.drum_outline import drum_zones, rim_points, wrap_points
+from mbcdm_cad.checks.drum_outline import before_frame, drum_zones, rim_points, wrap_points
 from mbcdm_cad.checks.size import box_checks, mass_check
 from mbcdm_cad.checks.terminals import bodies_of
 from mbcdm_cad.layouts.siso_bevel.bill import bill
@@ -19,14 +19,7 @@ from mbcdm_cad.parts.bought.bodies import RING_ENCODER_FLATS
 
 def frame_front(s: DirectLayout) -> Comparison:
     """Gap from all parts that turn with the drum to frame, motor head and boss behind them."""
-    v, running, found = s.levels, s.drive.clearances.running_mm, []
-    for ring in drum_zones(s):
-        if ring.name != "drum's hub":
-            found.append(at_least(f"{ring.name} from the front of the frame", ring.y - v.front_y, running, "mm"))
-        if ring.inner < s.frame.boss.radius and ring.name != "drum's hub":
-            found.append(at_least(f"{ring.name} from the front of the boss", ring.y - v.boss_front_y, running, "mm"))
-    found.append(at_least("hub from the front of the boss", s.drum.hub_start_y - v.boss_front_y, running, "mm"))
-    return worst(found)
+    return before_frame(s, "frame", s.frame.boss.radius)
 
 
 def bought_parts_clear(s: DirectLayout) -> Comparison:

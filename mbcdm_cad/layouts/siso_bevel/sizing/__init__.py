@@ -13,7 +13,6 @@ from mbcdm_cad.layouts.common_rules import HALF_TRAVEL, missing_travel, needed
 from mbcdm_cad.layouts.head_basis import LIMITS, METALS, ROPE_LIMITS, TRAIN
 from mbcdm_cad.layouts.head_parts import PARTS
 from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
-from mbcdm_cad.layouts.siso_bevel.sizing.known import DirectKnown
 from mbcdm_cad.layouts.siso_bevel.sizing.rules import (
     BACK,
     DRUM,
@@ -26,6 +25,7 @@ from mbcdm_cad.layouts.siso_bevel.sizing.rules import (
     RESERVE_DEG,
     ROPE,
     TRANSFER,
+    DirectKnown,
 )
 from mbcdm_cad.layouts.stiff_sizing import SHARED, stiffened, walls
 from mbcdm_cad.layouts.trial_sizing import MIDDLE_SIZE, repeated

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from mbcdm_cad.checks.cable_gaps import CABLE_GAP_MM
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
-from mbcdm_cad.checks.drum_outline import drum_zones, rim_points, wrap_points
+from mbcdm_cad.checks.drum_outline import before_frame, rim_points, wrap_points
 from mbcdm_cad.checks.fixings import STRESS_SAFETY
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM
 from mbcdm_cad.checks.size import box_checks, mass_check
@@ -34,14 +34,7 @@ NUT_TURN = 1.0 / 24.0
 
 def frame_front(s: SpurLayout) -> Comparison:
     """Gap from all parts that turn with the drum to plate and boss behind them."""
-    v, running, found = s.levels, s.drive.clearances.running_mm, []
-    for ring in drum_zones(s):
-        if ring.name != "drum's hub":
-            found.append(at_least(f"{ring.name} from the front of the plate", ring.y - v.front_y, running, "mm"))
-        if ring.inner < s.frame.boss.radius and ring.name != "drum's hub":
-            found.append(at_least(f"{ring.name} from the front of the boss", ring.y - v.boss_front_y, running, "mm"))
-    found.append(at_least("hub from the front of the boss", s.drum.hub_start_y - v.boss_front_y, running, "mm"))
-    return worst(found)
+    return before_frame(s, "plate", s.frame.boss.radius)
 
 
 def drum_and_input(s: SpurLayout) -> Comparison:

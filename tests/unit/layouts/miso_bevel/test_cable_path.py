@@ -15,7 +15,6 @@ from mbcdm_cad.layouts.miso_bevel.cable_path import (
     cable_path,
     fleet_angle_deg,
     guide_landing_walk_mm,
-    self_clearance_mm,
     stop_of,
     winding,
 )
@@ -23,6 +22,7 @@ from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.stack import band, outward_of
 from mbcdm_cad.routes.curves import Arc, Helix, Line
+from tests.support.smooth_path import self_clearance_mm
 
 # name, landing on the guide, wrap on the guide, sense there, free span, fleet angle: derived from Table 2, p = 0.87.
 ROUTING = [

@@ -8,21 +8,21 @@ from dataclasses import replace
 import pytest
 
 from mbcdm_cad.layouts.loader import load_text, new_design_text
-from mbcdm_cad.layouts.miso_spur.drive import RoundDrumDrive, round_drum
+from mbcdm_cad.layouts.miso_spur.drive import RoundDrumDrive
 from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
 
 
 @pytest.fixture(scope="session")
 def drive() -> RoundDrumDrive:
     """Its drive, two inputs."""
-    return round_drum(load_text(new_design_text("miso_spur", "miso_spur")).drive)
+    return load_text(new_design_text("miso_spur", "miso_spur")).drive
 
 
 @pytest.fixture(scope="session")
 def anchored() -> RoundDrumLayout:
     """The same with two anchored cables for each input."""
     text = new_design_text("miso_spur", "miso_spur").replace("cables: continuous", "cables: two_anchored")
-    return RoundDrumLayout(round_drum(load_text(text).drive))
+    return RoundDrumLayout(load_text(text).drive)
 
 
 @pytest.fixture(scope="session")

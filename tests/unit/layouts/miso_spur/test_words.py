@@ -13,7 +13,6 @@ from mbcdm_cad.build.kernel import location
 from mbcdm_cad.build.validate import validate_solid
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.loader import load_text
-from mbcdm_cad.layouts.miso_spur.drive import round_drum
 from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
 from mbcdm_cad.layouts.miso_spur.support.stiffness import frame_compliance
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
@@ -47,7 +46,7 @@ FILES = {
 
 @cache
 def made(word: str) -> RoundDrumLayout:
-    return RoundDrumLayout(round_drum(load_text(FILES[word], f"{word}.yaml").drive))
+    return RoundDrumLayout(load_text(FILES[word], f"{word}.yaml").drive)
 
 
 @pytest.mark.parametrize("word", FILES)

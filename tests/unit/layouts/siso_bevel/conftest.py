@@ -5,14 +5,14 @@ from __future__ import annotations
 import pytest
 
 from mbcdm_cad.layouts.loader import load_text, new_design_text
-from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive, direct
+from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
 from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
 
 
 @pytest.fixture(scope="session")
 def drive() -> DirectDrive:
     """Its drive."""
-    return direct(load_text(new_design_text("siso_bevel", "siso_bevel")).drive)
+    return load_text(new_design_text("siso_bevel", "siso_bevel")).drive
 
 
 @pytest.fixture(scope="session")
