@@ -77,6 +77,11 @@ def close_loop(drive: Drive | None, runs: Sequence[Run], differs: Sequence[Seque
         return result if drive is None else friction.beside_design(result, drive)
 
 
+# What is too small to be named is in the figures of what is named: so much of it, RMS over the floor, each parameter
+# may stand for. Found on runs of the rig (docs/loop-benches.md).
+UNNAMED_SHARE = 0.03
+
+
 class _Loop:
     """One pass of the loop: it searches on the shortened run that ``prepare`` returns, and judges on the whole run."""
 
@@ -215,7 +220,9 @@ class _Loop:
     def _named(self, effect: Effect, fit: Fit, whole: Fit, windows: Sequence[Floats]) -> Named:
         """An effect with its figures from all data and the fall of the held-out error that it causes."""
         k = whole.effects.index(effect)
+        own = whole.columns_of(effect)
         block = self.judge.spread(whole, effect, self.whole) + np.diag((windows[k] / INTERVAL) ** 2)
+        block = block + self._unnamed(whole)[own, own]
         less = self.search.without(fit, effect)
         fall = np.sqrt(max(0.0, self.search.held_rms(less) ** 2 - self.search.held_rms(fit) ** 2))
         share = self._least_share(whole, k)
@@ -226,6 +233,25 @@ class _Loop:
         opened = {name: replace(value, low=value.value, high=np.inf) for name, value in named.parameters.items()}
         return replace(named, parameters=opened)
 
+    def _unnamed(self, whole: Fit) -> Floats:
+        """Covariance of the values of a fit by effects that are in the run and too small to be named.
+
+        They are slow in angle, load and speed, so that a line does not stand for them.
+        """
+        lines = [whole.columns_of(effect) for effect in whole.effects if effect.order_index is not None]
+        slow = whole.has_slope
+        for own in lines:
+            slow[own] = False
+        kept = np.flatnonzero(slow)
+        columns = self.whole.centred_on(self.whole.used, whole.jacobian[:, kept])
+        size = np.sqrt(np.mean(columns**2, axis=0))
+        size[size == 0.0] = 1.0
+        scaled = columns / size
+        inverse = np.linalg.pinv(scaled.T @ scaled / scaled.shape[0], rcond=1e-9, hermitian=True)
+        found = np.zeros((whole.jacobian.shape[1],) * 2)
+        found[np.ix_(kept, kept)] = (UNNAMED_SHARE * self.search.floor_rad) ** 2 * inverse / np.outer(size, size)
+        return found
+
     def _with_correlations(
         self, named: Sequence[Named], effects: Sequence[Effect], whole: Fit, fit: Fit, windows: Sequence[Floats]
     ) -> list[Named]:
@@ -233,7 +259,7 @@ class _Loop:
 
         What the smoothing windows add to the variance of each value, as in its interval, is taken as its own.
         """
-        covariance = self.judge.covariance(whole, self.whole).copy()
+        covariance = self.judge.covariance(whole, self.whole) + self._unnamed(whole)
         for effect in effects:
             own = np.arange(covariance.shape[0])[whole.columns_of(effect)]
             covariance[own, own] += (windows[fit.effects.index(effect)] / INTERVAL) ** 2

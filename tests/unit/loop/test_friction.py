@@ -56,6 +56,7 @@ def test_terms_are_those_of_bam() -> None:
     at = np.array([0.2]), np.array([0.2]), np.array([3.0])
     stribeck = np.array([0.1, 0.5, 0.3]) @ friction.bases((0, 1, 2), np.ones(1), at[0], at[2], 0.1)
     assert stribeck[0] == pytest.approx(0.1 + 0.5 * 0.2 + 0.3 * np.exp(-4.0))
+    assert friction.bases((2,), np.ones(1), at[0], at[2], 0.1, 1.0) == pytest.approx(np.exp(-np.abs(at[0]) / 0.1)[None])
     driving, driven = friction.bases((4, 5), np.ones(1), at[0], at[2], 1.0)
     assert driving[0] == pytest.approx(3.0, rel=1e-3) and abs(driven[0]) < 3e-3
     named = {name[-3:-1] for name in FORMS if "BAM" in name}

@@ -87,5 +87,9 @@ def test_the_loop_writes_the_correlations_of_what_it_found() -> None:
     table, other = one.correlated[two.words], two.correlated[one.words]
     assert one.correlated[one.words] == pytest.approx(1.0) and two.correlated[two.words] == pytest.approx(1.0)
     assert table.shape == (1, 1) and table == pytest.approx(other.T) and abs(table[0, 0]) <= 1.0
+    # What is too small to be named may stand in the figures: 0.03 of the floor along each.
+    share = next(named for named in result.effects if named.name == "ratio_error").parameters["share"]
+    least = 1.96 * 0.03 * result.errors.floor_rad / float(np.std(angle))
+    assert least < 0.5 * (share.high - share.low) < 3.0 * least
     text = as_built_text(load_design(DESIGN), result)
     assert ("correlated:" in text) == (abs(table[0, 0]) >= 0.01), (table, text)
