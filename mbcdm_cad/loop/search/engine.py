@@ -129,13 +129,11 @@ class _Loop:
             whole = self.whole.fit(
                 judged.effects, judged.values, judged.offsets, mask=self.whole.used, slopes=judged.jacobian, fresh=False
             )
-            windows = self.judge.shift_by_window(fit) if groups else []
+            windows = self._wider(fit, whole) if groups else []
             open_ = next((g for g in groups if self._may_be_zero(g.effect, fit, whole, windows)), None)
             if open_ is None:
                 break
             fit, groups, unknown = self.judge.taken_back(open_, fit, groups)
-        if groups:
-            windows = [np.hypot(w, s) for w, s in zip(windows, self.judge.shift_by_shape(fit), strict=True)]
         named, sets = [], []
         for group in groups:
             first = self._named(group.effect, fit, whole, windows)
@@ -220,9 +218,7 @@ class _Loop:
     def _named(self, effect: Effect, fit: Fit, whole: Fit, windows: Sequence[Floats]) -> Named:
         """An effect with its figures from all data and the fall of the held-out error that it causes."""
         k = whole.effects.index(effect)
-        own = whole.columns_of(effect)
         block = self.judge.spread(whole, effect, self.whole) + np.diag((windows[k] / INTERVAL) ** 2)
-        block = block + self._unnamed(whole)[own, own]
         less = self.search.without(fit, effect)
         fall = np.sqrt(max(0.0, self.search.held_rms(less) ** 2 - self.search.held_rms(fit) ** 2))
         share = self._least_share(whole, k)
@@ -232,6 +228,16 @@ class _Loop:
         named = self._as_named(effect, _scaled(effect, whole.values[k], share), block, float(fall))
         opened = {name: replace(value, low=value.value, high=np.inf) for name, value in named.parameters.items()}
         return replace(named, parameters=opened)
+
+    def _wider(self, fit: Fit, whole: Fit) -> list[Floats]:
+        """By how much the interval of each value of the search's fit is wider than its scatter, to either side: other
+        smoothing windows, other shapes of laws, and what is too small to be named."""
+        unnamed = np.diag(self._unnamed(whole))
+        parts = (self.judge.shift_by_window(fit), self.judge.shift_by_shape(fit))
+        return [
+            np.sqrt(one**2 + other**2 + INTERVAL**2 * unnamed[whole.columns_of(effect)])
+            for effect, one, other in zip(fit.effects, *parts, strict=True)
+        ]
 
     def _unnamed(self, whole: Fit) -> Floats:
         """Covariance of the values of a fit by effects that are in the run and too small to be named.
@@ -257,9 +263,10 @@ class _Loop:
     ) -> list[Named]:
         """The named effects, each with the correlations of its values with each other and with those of the others.
 
-        What the smoothing windows add to the variance of each value, as in its interval, is taken as its own.
+        What smoothing windows and shapes add to the variance of each value, as in its interval, is taken as its own.
         """
-        covariance = self.judge.covariance(whole, self.whole) + self._unnamed(whole)
+        unnamed = self._unnamed(whole)
+        covariance = self.judge.covariance(whole, self.whole) + unnamed - np.diag(np.diag(unnamed))
         for effect in effects:
             own = np.arange(covariance.shape[0])[whole.columns_of(effect)]
             covariance[own, own] += (windows[fit.effects.index(effect)] / INTERVAL) ** 2
