@@ -16,6 +16,7 @@ from mbcdm_cad.measurement.schema import MOTION, CountedParts, Kind
 from mbcdm_cad.rig.bench_limits import BenchLimits
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
 from mbcdm_cad.rig.quasistatic.load import Load
+from mbcdm_cad.rig.quasistatic.motion import WIDEST_MRAD
 from mbcdm_cad.rig.quasistatic.simulate import simulate
 from mbcdm_cad.rig.writing import counted_parts
 
@@ -28,8 +29,6 @@ SLOW_SWEEPS, FAST_SWEEPS = 10, 32
 LEAST_DURATION_S = 60.0
 # On a triangle the speed has one size, so what grows with the speed looks like what has its sign; on a sine it varies.
 SHAPES = ("triangle", "sine")
-# Widest motion that an experiment file takes, mrad.
-WIDEST_MRAD = 1200.0
 
 
 def candidates(drive: Drive, limits: BenchLimits) -> list[Experiment]:

@@ -24,7 +24,7 @@ class BenchLimits(ExperimentBlock):
     """Limits of a bench; defaults: the travel of the design, no load, no limit of the speed."""
 
     format: Literal["mbcdm-bench-1"] = "mbcdm-bench-1"
-    half_travel_deg: Annotated[float, Field(gt=0.0, le=180.0)] | None = None
+    half_travel_deg: Annotated[float, Field(gt=0.0, le=1080.0)] | None = None
     duration_s: Annotated[float, Field(ge=60.0, le=20000.0)] = 160.0
     sample_rate_Hz: Annotated[float, Field(ge=1.0, le=5000.0)] = 100.0
     drum_speed_max_deg_s: Annotated[float, Field(gt=0.0, le=1e5)] | None = None

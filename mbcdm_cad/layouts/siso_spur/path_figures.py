@@ -95,7 +95,8 @@ def _ends(layout: SpurLayout) -> Iterator[EndOfTravel]:
     half = radians(drive.half_travel_deg)
     terminals = {t.cable_name: t for t in layout.terminals}
     stop = drive.half_travel_deg + drive.stop_clearance_deg
-    yield from (EndOfTravel(way * stop, "hard stop") for way in (1, -1))
+    cause = "hard stop" if drive.stopped else "something else must stop it: the drum has no stop"
+    yield from (EndOfTravel(way * stop, cause) for way in (1, -1))
     for run in drive.cables:
         terminal, off = terminals[run.name], -run.drum_side
 

@@ -9,6 +9,7 @@ from pydantic import AliasChoices, Field
 from mbcdm_cad.rig.block import ExperimentBlock, PhysicsBlock
 from mbcdm_cad.rig.dynamic.controller import chirp, sine, standstill
 from mbcdm_cad.rig.effects.registry import AnyEffect
+from mbcdm_cad.rig.quasistatic.motion import WIDEST_MRAD
 from mbcdm_cad.rig.sensors import Delay, Noise, Resolution
 from mbcdm_cad.routes import Floats
 
@@ -22,7 +23,7 @@ class DynamicMotion(ExperimentBlock):
     of the acceleration, for a frequency response."""
 
     shape: Literal["sine", "hold", "chirp"] = "sine"
-    amplitude_mrad: Annotated[float, Field(gt=0.0, le=1200.0)] = 50.0
+    amplitude_mrad: Annotated[float, Field(gt=0.0, le=WIDEST_MRAD)] = 50.0
     frequency_Hz: Annotated[float, Field(ge=1e-3, le=20.0)] = 0.1
     acceleration_rad_s2: Annotated[float, Field(gt=0.0, le=1e4)] = 10.0
     from_Hz: Annotated[float, Field(ge=0.5, le=400.0)] = 5.0

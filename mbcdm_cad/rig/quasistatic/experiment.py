@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from mbcdm_cad.rig.block import ExperimentBlock, PhysicsBlock
+from mbcdm_cad.rig.chain import DRUM_WRAP_RAD, INPUT_WRAP_RAD
 from mbcdm_cad.rig.effects.registry import AnyEffect
 from mbcdm_cad.rig.quasistatic.load import Load
 from mbcdm_cad.rig.quasistatic.motion import Motion
@@ -16,14 +17,23 @@ from mbcdm_cad.rig.sensors import BenchSensors
 from mbcdm_cad.routes import Floats
 
 MAX_SAMPLES = 2_000_000
+# Wrap that is left on pulleys of many turns at the end of the motion.
+LEFT_RAD = 0.1
 
 
 class Physics(PhysicsBlock):
     """Choices of the physics. Wraps are those of rope on pulley at the centre, from anchor to tangent point."""
 
     substeps: Annotated[int, Field(ge=1, le=100)] = 1
-    input_wrap_rad: Annotated[float, Field(gt=0.0, le=200.0)] = 16.0
-    drum_wrap_rad: Annotated[float, Field(gt=0.0, le=6.3)] = 3.0
+    # Left out: 16 rad and 3 rad, or what a longer travel winds off and LEFT_RAD.
+    input_wrap_rad: Annotated[float, Field(gt=0.0, le=700.0)] | None = None
+    drum_wrap_rad: Annotated[float, Field(gt=0.0, le=25.0)] | None = None
+
+    def wraps_rad(self, reach_rad: float, turns: float) -> tuple[float, float]:
+        """Wraps of each cable on input and drum, in a run of this largest angle of the drum and this ratio."""
+        wound = reach_rad * turns if self.cable_transport else 0.0
+        usual = max(INPUT_WRAP_RAD, wound + LEFT_RAD), max(DRUM_WRAP_RAD, reach_rad + LEFT_RAD)
+        return self.input_wrap_rad or usual[0], self.drum_wrap_rad or usual[1]
 
 
 class Experiment(ExperimentBlock):

@@ -11,12 +11,15 @@ from pydantic import Field
 from mbcdm_cad.rig.block import ExperimentBlock
 from mbcdm_cad.routes import Floats
 
+# Widest motion of a drum from its centre, mrad: the three turns that a whole drum may have.
+WIDEST_MRAD = 19000.0
+
 
 class Motion(ExperimentBlock):
     """Triangle or sine about the centre, or a hold after a quarter of a period. Angles are the drum's."""
 
     shape: Literal["triangle", "sine", "hold"] = "triangle"
-    amplitude_mrad: Annotated[float, Field(gt=0.0, le=1200.0)]
+    amplitude_mrad: Annotated[float, Field(gt=0.0, le=WIDEST_MRAD)]
     period_s: Annotated[float, Field(gt=0.0, le=1e4)]
     # Time over which a corner of the triangle is rounded: a position loop cannot reverse instantly.
     corner_s: Annotated[float, Field(ge=0.0, le=10.0)] = 0.2

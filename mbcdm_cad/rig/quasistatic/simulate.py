@@ -59,14 +59,16 @@ def balance(bench: Bench, experiment: Experiment, load_Nm: Floats) -> tuple[Floa
     """Angles of the pulleys (n_inputs, n) and the drum (n,), tensions (n_cables, n). Raises RigError."""
     physics = experiment.physics
     reach = 1.05 * float(np.abs(bench.drum_rad).max()) + 1e-3
+    turns = max(c.drum_radius_m / c.input_radius_m for c in bench.cables)
+    on_input, on_drum = physics.wraps_rad(reach, turns)
     try:
         chains = chain.chains(
             bench.cables,
             piece_rad=physics.piece_mrad * 1e-3,
             transport=physics.cable_transport,
             passed_slip=bench.passed_slip,
-            input_wrap_rad=physics.input_wrap_rad,
-            drum_wrap_rad=physics.drum_wrap_rad,
+            input_wrap_rad=on_input,
+            drum_wrap_rad=on_drum,
             reach_rad=reach,
         )
     except ValueError as error:

@@ -114,6 +114,17 @@ def test_the_drum_balances_its_load_at_every_sample(project):
     assert np.abs(pull - run.load_Nm).max() < 1e-9
 
 
+def test_a_motion_of_more_than_a_turn_has_the_wraps_that_it_winds_off():
+    physics = Experiment.model_validate(
+        {"name": "turns", "motion": {"amplitude_mrad": 9000.0, "period_s": 50.0}}
+    ).physics
+    on_input, on_drum = physics.wraps_rad(9.0, 6.0)
+    assert on_input > 54.0 and 9.0 < on_drum < 9.2
+    # What the rig had before for the travel of a sector, and what a file states.
+    assert physics.wraps_rad(1.2, 6.0) == (16.0, 3.0)
+    assert physics.model_copy(update={"drum_wrap_rad": 0.5}).wraps_rad(9.0, 6.0) == (on_input, 0.5)
+
+
 def test_the_rig_uses_nothing_of_the_model():
     """Only the design room, the errors' and the rig's own modules; no code of model, checks, layout or loop."""
     folder = Path(mbcdm_cad.rig.__path__[0])
