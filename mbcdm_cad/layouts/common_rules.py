@@ -14,6 +14,9 @@ from mbcdm_cad.sizing.rule import Found, Rule, constant, driver_of
 
 # Least D/d in the rope makers' tables of wire rope; they state no life below it.
 LEAST_WIRE_RATIO = 10.0
+# The same on a whole drum: where the data of a 7x7 rope's life begin (docs/life.md), since a cable of many turns is
+# bent on all its length, and that of a first stage behind the second one is not seen to wear.
+LEAST_LONG_RATIO = 14.2
 # Constructions of ropes that rules choose: the most flexible wire rope of the catalogue in all sizes, and one with
 # thinner wires, which lasts longer, with one of its entries.
 CONSTRUCTION, FINER, FINER_ROPE = "7x7", "7x19", "7x19-1.0"
@@ -83,11 +86,14 @@ def wanted_preload_N(given: KnownFields, usual_N: float, breaking_N: float) -> f
 
 
 def least_bend_ratio(given: RopeKnown) -> float:
-    """Least D/d of a rope: a fibre rope's minimum; what the maker recommends where the file asks for a life."""
+    """Least D/d of a rope: a fibre rope's minimum; what the maker recommends where the file asks for a life.
+
+    Else that of makers' tables, on a whole drum that at which a life can be told.
+    """
     if _is_braid(given):
         return float(given.rope["bend_ratio_minimum"])
     if not wants_life(given):
-        return LEAST_WIRE_RATIO
+        return LEAST_LONG_RATIO if given.whole_drum else LEAST_WIRE_RATIO
     known = given.has("rope.type") or given.has("rope.inline")
     rope = given.rope if known else given.entries("ropes")[FINER_ROPE]
     return float(rope["bend_ratio_desired"])
@@ -95,6 +101,8 @@ def least_bend_ratio(given: RopeKnown) -> float:
 
 def _bend_ratio(given: RopeKnown) -> Found:
     least = least_bend_ratio(given)
+    if least == LEAST_LONG_RATIO:
+        return Found(least, "the data of life begin there; for a sector, rope makers' tables at 10")
     if least != LEAST_WIRE_RATIO:
         return Found(least, "the rope's own minimum" if _is_braid(given) else "life")
     return Found(least, "rope makers' tables of wire rope begin at 10")

@@ -227,11 +227,15 @@ def _tangents(
 
 
 def _fleet_deg(route: CableRoute) -> float:
-    """Fleet angle of the first span for a rad of the drum, deg: the walk of its helix on the input over its length."""
-    first, span = route.wraps[0], route.spans[0].length_m
+    """Fleet angle of the first span for a rad of the drum, deg: the walk of its helix on the input over its length.
+
+    None where the cable walks as far along the drum, on a helix of the same slope.
+    """
+    first, last, span = route.wraps[0], route.wraps[-1], route.spans[0].length_m
     if span == 0.0 or first.lead_m == 0.0:
         return 0.0
-    return degrees(float(fleet_angle_rad(axial_walk_m(route.drum_radius_m / first.radius_m, first.lead_m), span)))
+    walk = axial_walk_m(route.drum_radius_m / first.radius_m, first.lead_m) - axial_walk_m(1.0, last.lead_m)
+    return degrees(float(fleet_angle_rad(walk, span)))
 
 
 def _helps(layout: Layout, first: RopeLife) -> Iterator[Help]:

@@ -138,11 +138,6 @@ class TrialKnown(RopeKnown):
         return least_wall_mm(metal["process"], float(metal["min_wall_mm"]), nozzle)
 
     @property
-    def whole_drum(self) -> bool:
-        """Whether the drum is closed all round."""
-        return False
-
-    @property
     def overhung(self) -> bool:
         """Whether the shaft of motor or gearhead alone carries each input pulley."""
         return bool(self.get("input_pulleys.carried_by") == "motor")

@@ -144,6 +144,11 @@ class RopeKnown(KnownFields):
     """Adds the rope."""
 
     @property
+    def whole_drum(self) -> bool:
+        """Whether the drum is closed all round."""
+        return False
+
+    @property
     def rope(self) -> dict[str, Any]:
         """The rope's entry."""
         inline = self.get("rope.inline")

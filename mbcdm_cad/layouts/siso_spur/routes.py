@@ -193,7 +193,7 @@ class SpurGeometry:
         last = float(found.length[-1, j])
         pieces += [
             Span(last, self._direction(side, found, -1, j)),
-            Wrap(DRUM, r_o, np.inf, at + slope * last, side),
+            Wrap(DRUM, r_o, np.inf, at + slope * last, side, lead_m=self.lead_m * r_o / r_i),
             Terminal(DRUM),
         ]
         return CableRoute(cable, input_name, self.sense[j], tuple(pieces))
@@ -231,7 +231,7 @@ class SpurGeometry:
                 lead_m=self.lead_m,
             ),
             Span(free_m, along),
-            Wrap(DRUM, r_o, np.inf, land, side),
+            Wrap(DRUM, r_o, np.inf, land, side, lead_m=self.lead_m * r_o / r_i),
             Terminal(DRUM),
         )
         return CableRoute(self.cable_names[j], input_name, self.sense[j], pieces)

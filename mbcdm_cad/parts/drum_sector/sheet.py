@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import cos, degrees, radians, sin
+from math import cos, degrees, radians, sin, tau
 
 from mbcdm_cad.parts.drum_sector.dims import CHAMFER_MM, POCKET_LEAD_MM, SET_SCREW_ANGLES_DEG, DrumDims
 from mbcdm_cad.parts.fits import FITS
@@ -67,7 +67,8 @@ def _terminals(d: DrumDims) -> Table:
         columns.append(
             (
                 t.cable_name,
-                mm(t.side * degrees(t.anchor_rad), 3),
+                # On a whole drum it may lie more than a turn further.
+                mm(t.side * degrees(t.anchor_rad % tau), 3),
                 mm3(t.radius_mm),
                 mm3(depth),
                 mm3(t.slack_start - POCKET_LEAD_MM),
@@ -270,7 +271,7 @@ def drum_sheet(part: str, d: DrumDims, set_screw_thread: float) -> Sheet:
             hole_table(holes),
             position_table(holes, (0, 2), "Positions from the axis"),
             _lands(d),
-            _windows(d),
+            *((_windows(d),) if d.windows else ()),
             _shape(d),
             _terminals(d),
         ),
@@ -282,7 +283,8 @@ def drum_sheet(part: str, d: DrumDims, set_screw_thread: float) -> Sheet:
         ),
         notes=(
             "Lands Ra 0.8. Terminals: s along the tangent, n outward, both from the point of "
-            "the pitch circle at the given angle; pockets from behind (face A's side).",
+            "the pitch circle at the given angle; pockets from behind (face A's side)"
+            + (", on a whole drum from the face that the table names." if d.whole else "."),
             "Q: two set screws at 45 and 135 degrees from Z.",
         ),
     )

@@ -87,7 +87,11 @@ def with_room(size: Callable[..., Sizing], data: dict[str, Any], similar: Sizing
         layout = _under_test(found)
         if layout is None or DISTANCE in own:
             break
-        first, miss = layout.first_stage, motor_beside_mm(layout, layout.first_stage)
+        first = layout.first_stage
+        try:
+            miss = motor_beside_mm(layout, first)
+        except NoFigureError:
+            break  # what the file states leaves one of the stages no geometry; its checks say so
         wrapped = WRAP_LEFT.measure(first).holds
         if miss <= 0.0 and (wrapped or RADIUS in words or not words):
             break
