@@ -16,7 +16,7 @@ BillOf = Callable[[Any], Bill]
 
 def estimated_mass_g(bill: Bill) -> float:
     """Mass of all items, g: bought parts as in the catalogue, made ones by closed forms of their volume."""
-    volumes = {name: part.volume_mm3() for name, part in bill.made.items()}
+    volumes = bill.volumes_mm3
     return sum(
         volumes[item.part] * item.material.density_g_cm3 * 1e-3 if item.mass_g is None else item.mass_g
         for item in bill.items

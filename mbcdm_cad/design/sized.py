@@ -11,6 +11,9 @@ from mbcdm_cad.design.rules import Broken
 # What a search makes of the value that a rule finds, by field.
 Moved = Mapping[str, Callable[[Any], Any]]
 
+# The driver of a ratio that is that of the lightest drive.
+LIGHTEST = "the lightest drive"
+
 
 @dataclass(frozen=True)
 class SizedValue:

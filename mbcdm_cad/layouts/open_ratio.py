@@ -14,7 +14,7 @@ from typing import Any, Protocol
 
 from mbcdm_cad.checks.size import kept_mass_g
 from mbcdm_cad.design.rules import Broken
-from mbcdm_cad.design.sized import Moved, Sizing, SizingError
+from mbcdm_cad.design.sized import LIGHTEST, Moved, Sizing, SizingError
 from mbcdm_cad.layouts.base import Layout, NoFigureError
 from mbcdm_cad.layouts.stiff_sizing import layout_of, misses
 from mbcdm_cad.sizing.known import KnownFields
@@ -22,8 +22,6 @@ from mbcdm_cad.sizing.rule import Found, Rule
 
 # Below the first no drive is built with a capstan; above the last the input of a thin rope outgrows any usual drum.
 RATIOS = (2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 15.0, 20.0)
-# What the ratio of the lightest drive serves.
-LIGHTEST = "the lightest drive"
 # Wishes that choose a train.
 _WISHES = ("peak_torque_Nm", "continuous_torque_Nm", "speed_deg_s", "backdrive_Nm", "duty", "payload")
 

@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
+from mbcdm_cad.design.sized import LIGHTEST
 from mbcdm_cad.errors import InputError, MbcdmError
-from mbcdm_cad.layouts.open_ratio import LIGHTEST
 from mbcdm_cad.optimising.wishes import Freed, Wishes
 from mbcdm_cad.solving.question import Fixed, Point, Question, Setting, Times
 from mbcdm_cad.solving.trials import choices, setting_of

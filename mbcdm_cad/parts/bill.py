@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Literal
 
 from mbcdm_cad.design.bought import Bearing, InsertSpec, Material, Screw
@@ -70,6 +71,11 @@ class Bill:
         names = dict.fromkeys(item.part for item in self.items if item.kind == "made")
         found = {name: self.parts[name].part for name in names}
         return {name: part for name, part in found.items() if isinstance(part, MadePart)}
+
+    @cached_property
+    def volumes_mm3(self) -> dict[str, float]:
+        """Volume of each made part by its name, in closed form."""
+        return {name: part.volume_mm3() for name, part in self.made.items()}
 
     def holes(self) -> dict[str, list[dict[str, Any]]]:
         """The holes of each made part that has some, as its sheet's table gives them, by the part's name."""

@@ -15,13 +15,11 @@ class NoPriceError(Exception):
 
 def material_cost_EUR(bill: Bill) -> float:
     """Material in the made parts, waste and work left out. Raises :class:`NoPriceError`."""
-    made = bill.made
-    masses = {name: part.volume_mm3() for name, part in made.items()}
 
     def cost(item: Item) -> float:
-        return masses[item.part] * item.material.density_g_cm3 * 1e-6 * _price_EUR(item.material)
+        return bill.volumes_mm3[item.part] * item.material.density_g_cm3 * 1e-6 * _price_EUR(item.material)
 
-    return _sum([item for item in bill.items if item.part in made], cost)
+    return _sum([item for item in bill.items if item.part in bill.volumes_mm3], cost)
 
 
 def bought_cost_EUR(bill: Bill, rope: CableSpec) -> float:

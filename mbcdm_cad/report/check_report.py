@@ -12,9 +12,9 @@ from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
 
 from mbcdm_cad.checks.result import CheckResult, failed, figures
+from mbcdm_cad.design.sized import LIGHTEST
 from mbcdm_cad.errors import MbcdmError, did_you_mean
 from mbcdm_cad.layouts.check_design import advised_checks
-from mbcdm_cad.layouts.open_ratio import LIGHTEST
 from mbcdm_cad.report.as_built_chances import Chance, chance_lines, chances_of
 from mbcdm_cad.report.table import ReportTable
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
-from functools import cache
+from functools import cache, cached_property
 from typing import Any, Self, TypeVar
 
 from mbcdm_cad.design.blocks import NO_PAYLOAD, Payload
@@ -163,8 +163,12 @@ class RopeKnown(KnownFields):
     def termination(self) -> TerminationSpec:
         """How the rope's ends are made: as named, else the strongest that fits."""
         rope = CableSpec(name="rope", **{key: value for key, value in self.rope.items() if key != "name"})
-        known = [
+        return termination(self.get("rope.termination"), self._terminations, rope)
+
+    @cached_property
+    def _terminations(self) -> list[TerminationSpec]:
+        """All of the catalogue, to which no rule adds any."""
+        return [
             TerminationSpec(name=name, **{**entry, "constructions": tuple(entry["constructions"])})
             for name, entry in self.entries("terminations").items()
         ]
-        return termination(self.get("rope.termination"), known, rope)

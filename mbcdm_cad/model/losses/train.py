@@ -250,7 +250,7 @@ class Train:
         tension = np.broadcast_to(idle[:, None], (d.n_cables, n, output.size))
         # The friction of the bearings follows the tensions, which it hardly changes: two steps are enough.
         for _ in range(2):
-            limit = output - np.stack([self._bearings_at_inputs(tension[:, i])[i] for i in range(n)])
+            limit = output - self._bearings_at_inputs(tension)[range(n), range(n)]
             moves = limit > spent
             tension = solve_weighted(wide, weight, direction * np.where(moves, limit, spent)).tension_N
         load = direction * (lever * tension).sum(axis=0)

@@ -238,9 +238,9 @@ def _cut(shape: SectorShape, r: Floats, a: Floats, corner: Ints) -> tuple[Ints, 
         middle = _depth(o, r[corner[cells]].mean(axis=1), a[corner[cells]].mean(axis=1)) > 0.0
         halved = (count == 1) & middle
         metal[cells] = (count == 0) & ~middle | halved | (count == 1) & ~middle
-        for cell, gone in zip(cells[halved], np.argmax(inside[halved], axis=1), strict=True):
-            left = np.roll(corner[cell], -int(gone))[1:]
-            corner[cell] = [*left, left[-1]]
+        # The three corners after the one that is gone, the last of them twice.
+        left = (np.argmax(inside[halved], axis=1)[:, None] + np.array([1, 2, 3, 3])) % 4
+        corner[cells[halved]] = np.take_along_axis(corner[cells[halved]], left, axis=1)
     return corner, metal
 
 
