@@ -16,7 +16,8 @@ from scipy.stats import ncf, norm
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.loop.effect import Effect
-from mbcdm_cad.loop.search.few import CHANCE, ODDS, PLAY, FewReadings, prepared_by_hand
+from mbcdm_cad.loop.search.few import ODDS, PLAY, FewReadings, prepared_by_hand
+from mbcdm_cad.loop.search.few_words import CHANCE
 from mbcdm_cad.loop.search.select import LEAST_FALL
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.measurement.vet import arranged

@@ -9,11 +9,10 @@ that fit all readings nearly as well form a set.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import exp, log
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import f as f_distribution
 from scipy.stats import t as t_distribution
 
@@ -21,25 +20,31 @@ from mbcdm_cad.design.blocks import AsBuilt
 from mbcdm_cad.loop.effect import Effect
 from mbcdm_cad.loop.effects import library
 from mbcdm_cad.loop.effects.load_sensor import within_class, within_prior
-from mbcdm_cad.loop.prepare.noise import Noise, doubt_of, runs_of
+from mbcdm_cad.loop.prepare.noise import doubt_of, runs_of
 from mbcdm_cad.loop.prepare.prepared import Prepared
 from mbcdm_cad.loop.prepare.readings import prepare_creep, prepare_readings
-from mbcdm_cad.loop.readable import readable
-from mbcdm_cad.loop.result import Evidence, LoopResult, Named, ReadingsPicture
+from mbcdm_cad.loop.result import Evidence, LoopResult, Named
 from mbcdm_cad.loop.search.account import INTERVAL, as_named, chain_orders, errors, next_steps
 from mbcdm_cad.loop.search.class_of_sensor import WithinClass
 from mbcdm_cad.loop.search.evidence import TOLD_APART
+from mbcdm_cad.loop.search.few_noise import noise_of, since
+from mbcdm_cad.loop.search.few_words import (
+    CHANCE,
+    HIDDEN_PLAY,
+    LOST_TRACK,
+    LeftOver,
+    hangs_on,
+    not_testable,
+    pictures_of,
+)
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.loop.search.select import LEAST_FALL
-from mbcdm_cad.loop.search.unknown import Unknown
-from mbcdm_cad.measurement.by_hand import inputs_move, loadings, path_of
+from mbcdm_cad.measurement.by_hand import path_of
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.measurement.schema import CREEP
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
 
-# Chance of a name where nothing is lacking, over all candidates together; and of an unknown part where none is left.
-CHANCE = 0.01
 MOST_EFFECTS = 3
 # Candidates of each round that are tested, best first.
 MOST_TESTED = 4
@@ -47,43 +52,14 @@ MOST_TESTED = 4
 MOST_PAIRED = 3
 # Fits of a candidate, each from where the last one ended.
 REFITS = 2
-# Readings repeat each other if inputs and load differ by less than this share of their range. So many degrees of
-# freedom tell their scatter; with fewer it is taken from what lines over load and angle leave.
-REPEATS_SHARE, FEWEST_REPEATS = 0.05, 4
 # Levels of which each is left out once, and the share of its size by which an effect may then change.
 LEVELS, STEADY_SHARE = 4, 0.5
 # A form is taken in place of a later one of the library unless the odds against it are higher.
 SAME_FORM = 10.0
 # A parameter that changes no reading by this share of the floor, by its typical size, is not known.
 FLAT = 1e-3
-# Degree of the curve over the logarithm of time beside which readings at rest scatter.
-CURVE = 3
-# Degrees of freedom of a noise that is known from the steps of the figures alone.
-KNOWN = 30
 ODDS = 1.0 / TOLD_APART - 1.0
 PLAY = "lash"
-LOST_TRACK = (
-    "the inputs turn round under a load that is made smaller before the next row: until then it had its old size, "
-    "which no row says and the friction of the cables remembers; write a row before the load is made smaller, go from "
-    "small loads to large ones, or log the motion"
-)
-HIDDEN_PLAY = (
-    "its errors look like a play, but the load changes its sign between the rows, and where the pulleys of several "
-    "inputs then come to rest within a play does not show in them: neither its place and size nor a stiffness beside "
-    "it is told; log the motion instead, or keep the load on one side with a weight to read a stiffness alone"
-)
-
-
-@dataclass(frozen=True, eq=False)
-class LeftOver(Unknown):
-    """What no effect explains in few readings; ``hangs_on`` says on what it hangs, in words."""
-
-    hangs_on: str = ""
-
-    def sentence(self) -> str:
-        """For people."""
-        _, (rms, peak) = readable("_rad", [self.rms_rad, self.peak_rad])
-        return f"{rms} RMS, {peak} at most; {self.hangs_on}"
 
 
 class FewReadings:
@@ -99,7 +75,7 @@ class FewReadings:
         labels = [{e.label for e in one} for one in offered]
         self.library = [e for e in offered[0] if all(e.label in one for one in labels)]
         self.bare = self.fitter.fit()
-        self.noise, self.noise_freedom = self._noise()
+        self.noise, self.noise_freedom = noise_of(self.fitter, self.bare.residual, self.at_rest)
         self.doubts: list[str] = []
 
     @property
@@ -144,18 +120,18 @@ class FewReadings:
             found,
             tuple(steps),
             () if allowed else tuple(small),
-            (untold,) if untold else self._not_testable(),
+            (untold,) if untold else not_testable(self.fitter, self.d is not None, self.at_rest),
             next_steps(named, sets, None),
             chain_orders(self.d, self.ratio),
             noise=self.noise,
-            pictures=self._pictures(whole),
+            pictures=pictures_of(self.fitter, self.ratio, whole, self.at_rest),
             doubts=tuple(self.doubts)
             + ((doubt_of(self.noise, runs_of(self.prepared)),) if self.noise.far_above and not untold else ()),
             within_class=WithinClass(
                 tuple((f"{e.name} {e.parameters[0].name}", float(v[0])) for e, v in sizes),
                 self.prepared[0].run.sensors.torque_class,
             ).sentence
-            if allowed and not untold and named == []
+            if allowed and not untold
             else "",
         )
 
@@ -177,53 +153,6 @@ class FewReadings:
         several = max(len(self.d.input_names) if self.d else 1, *(p.angle_rad.shape[0] for p in self.prepared)) > 1
         crosses = any(p.load_Nm is not None and p.load_Nm.min() < 0.0 < p.load_Nm.max() for p in self.prepared)
         return several and crosses and not self.at_rest
-
-    # Noise.
-
-    def _noise(self) -> tuple[Noise, int]:
-        """Scatter of readings that repeat each other, and its degrees of freedom; never below the figures' steps."""
-        f, declared = self.fitter, max(p.floor_rad for p in self.prepared)
-        squares, freedom = 0.0, 0
-        for part, p in [] if self.at_rest else zip(f.parts, f.runs, strict=True):
-            at = np.flatnonzero(p.used)
-            residual, alike = self.bare.residual[part][at], _groups(p, at)
-            for group in np.unique(alike):
-                mine = residual[alike == group]
-                squares, freedom = squares + float(np.sum((mine - mine.mean()) ** 2)), freedom + mine.size - 1
-        source = f"{freedom} repeated readings"
-        if freedom < FEWEST_REPEATS:
-            left = self._curve if self.at_rest else self._lines
-            rows = [left(part, p) for part, p in zip(f.parts, f.runs, strict=True)]
-            squares, freedom = sum(one[0] for one in rows), sum(one[1] for one in rows)
-            source = (
-                "what a smooth curve over the logarithm of time leaves"
-                if self.at_rest
-                else "what lines over load, angle and direction leave, as too few readings repeat"
-            )
-        scatter = float(np.sqrt(squares / freedom)) if freedom > 0 else 0.0
-        if scatter < declared:
-            return Noise(declared, declared, 0.0, 0.0, declared, "the steps of the figures"), KNOWN
-        return Noise(scatter, scatter, 0.0, 0.0, declared, source), max(freedom, 1)
-
-    def _lines(self, part: slice, p: Prepared) -> tuple[float, int]:
-        """Sum of squares that lines over load, angle and direction leave, and its degrees of freedom."""
-        at = np.flatnonzero(p.used)
-        columns = [np.ones(at.size), p.mean_rad[at], p.sense[at], *([] if p.load_Nm is None else [p.load_Nm[at]])]
-        x, y = np.stack(columns, axis=1), self.bare.residual[part][at]
-        solved, _, rank, _ = np.linalg.lstsq(x, y, rcond=1e-9)
-        return float(np.sum((y - x @ solved) ** 2)), max(0, at.size - int(rank))
-
-    def _curve(self, part: slice, p: Prepared) -> tuple[float, int]:
-        """The same for a cubic over the logarithm of the time since each step of the load."""
-        squares, freedom, x, course = 0.0, 0, _since(p), _course(p)
-        for one in np.unique(course[p.used]):
-            at = p.used & (course == one)
-            degree = min(CURVE, int(at.sum()) - 3)
-            if degree > 0:
-                y = self.bare.residual[part][at]
-                curve = np.polynomial.Polynomial.fit(x[at], y, degree)
-                squares, freedom = squares + float(np.sum((y - curve(x[at])) ** 2)), freedom + y.size - degree - 1
-        return squares, freedom
 
     # Selection.
 
@@ -328,7 +257,7 @@ class FewReadings:
         """What the readings differ by, (n,): the size of the load, or the angle where no load was read; the time."""
         runs = self.fitter.runs
         if self.at_rest:
-            return np.concatenate([_since(p) for p in runs])
+            return np.concatenate([since(p) for p in runs])
         return np.concatenate([np.abs(p.output_rad) if p.load_Nm is None else np.abs(p.load_Nm) for p in runs])
 
     def _by_chance(self, less: Fit, more: Fit) -> float:
@@ -454,45 +383,6 @@ class FewReadings:
                 figures |= {p.name: bound} if p.role == "size" else {}
         return replace(named, parameters=figures)
 
-    def _pictures(self, whole: Fit) -> tuple[ReadingsPicture, ...]:
-        """Each run's readings over the load, or over the angle where none was read."""
-        found, bare = [], self.fitter.fit(mask=self.fitter.used)
-        for part, p in zip(self.fitter.parts, self.prepared, strict=True):
-            if self.at_rest:
-                at = np.maximum(p.time_s - min(0.0, float(p.run.time_s[0])), 0.0)[p.used]
-                read = (p.output_rad - p.mean_rad / self.ratio)[p.used]
-                read = read - read[0]
-                words = "Dots are the readings, of a logger their means; lines the model at their times."
-                found.append(
-                    ReadingsPicture(
-                        p.run.source,
-                        "output - inputs / ratio",
-                        words,
-                        "time since loading (s)",
-                        at,
-                        read,
-                        p.held[p.used].astype(float),
-                        at,
-                        read - bare.residual[part][p.used],
-                        read - whole.residual[part][p.used],
-                        True,
-                    )
-                )
-                continue
-            moves = inputs_move(p.run)
-            base = p.mean_rad / self.ratio if moves else np.zeros_like(p.output_rad)
-            at, axis = (1e3 * base, "inputs / ratio (mrad)") if p.load_Nm is None else (p.load_Nm, "load torque (N m)")
-            title = "output - inputs / ratio" if moves else "output"
-            read = p.output_rad - base
-            read = read - np.median(read[p.used])
-            words = "Dots are the rows of the table, lines the model on its way from row to row."
-            before, after = (read - one.residual[part] for one in (bare, whole))
-            used = p.used
-            held = p.held[used].astype(float)
-            shown = at[used], read[used], held, at, before, after
-            found.append(ReadingsPicture(p.run.source, title, words, axis, *shown))
-        return tuple(found)
-
     def _left(self, whole: Fit) -> LeftOver | None:
         """What is left of all readings, with all of them fitted; None if it is no more than the noise. Where nothing
         was found, the declared model must also foretell the readings held back as well as that."""
@@ -507,56 +397,7 @@ class FewReadings:
         if min(chances) > CHANCE / len(each):
             return None
         rms, peak = float(np.sqrt(np.mean(r**2))), float(np.abs(r).max())
-        return LeftOver(rms, peak, self.floor_rad, (), (), 0.0, (), self._hangs_on(r))
-
-    def _hangs_on(self, r: Floats) -> str:
-        """On what a residual of the used readings hangs, in words."""
-        runs, used = self.fitter.runs, self.fitter.used
-
-        def of(values: Sequence[Floats]) -> Floats:
-            return np.asarray(np.concatenate(values)[used])
-
-        variables = {
-            "the direction": of([p.sense for p in runs]),
-            "the angle": of([p.mean_rad for p in runs]),
-            "the order of the rows": of([np.arange(p.time_s.size, dtype=float) for p in runs]),
-        }
-        if self.at_rest:
-            variables = {
-                "the logarithm of time": of([_since(p) for p in runs]),
-                "the time": of([p.time_s for p in runs]),
-            }
-            if all(p.temperature_C is not None for p in runs):
-                variables["the temperature"] = of([p.temperature_C for p in runs if p.temperature_C is not None])
-        elif all(p.load_Nm is not None for p in runs):
-            variables["the load"] = of([p.load_Nm for p in runs if p.load_Nm is not None])
-        found = {}
-        for name, x in variables.items():
-            if np.ptp(x) and r.size > 4:
-                rho = float(np.corrcoef(x, r)[0, 1])
-                t = abs(rho) * np.sqrt((r.size - 2) / max(1.0 - rho**2, 1e-12))
-                if 2.0 * t_distribution.sf(t, r.size - 2) < CHANCE:
-                    found[name] = abs(rho)
-        if not found:
-            return f"no dependence is certain in {r.size} readings"
-        return "it goes with " + " or ".join(sorted(found, key=lambda name: -found[name])[:2])
-
-    def _not_testable(self) -> tuple[str, ...]:
-        """What such readings cannot show."""
-        if self.at_rest:
-            words = ["the inputs rest: errors of angle, friction, and all that needs motion"]
-            loads = [p.run for p in self.prepared if p.run.load_Nm is not None and p.run.load_Nm.any()]
-            if loads and all(len(loadings(run)) < 2 for run in loads):
-                words.append("the load stays on: whether the creep goes back")
-            return tuple(words)
-        words = ["one value a half cycle: ripple, delays, and what happens within a half cycle"]
-        if not self.fitter.test.any():
-            words.append("too few half cycles: none can be held back to judge a fit on the others")
-        if any(p.load_Nm is None for p in self.prepared):
-            words.append("no load: stiffness, preload and friction of the cables; a play and a friction look alike")
-        if self.d is None:
-            words.append("only the ratio is known: pulleys, preload and ropes")
-        return tuple(words)
+        return LeftOver(rms, peak, self.floor_rad, (), (), 0.0, (), hangs_on(self.fitter, r, self.at_rest))
 
 
 def prepared_by_hand(run: Run, ratio: float) -> Prepared:
@@ -583,28 +424,3 @@ def _shows(effect: Effect) -> bool:
 def _shows_at_rest(effect: Effect) -> bool:
     """Whether readings at rest can show an effect: one of time or temperature."""
     return effect.hangs_on in ("time", "temperature") and not (effect.once or effect.base)
-
-
-def _since(p: Prepared) -> Floats:
-    """Logarithm of the time since the last step of the load, (n,)."""
-    times = np.array([at for at, _ in loadings(p.run)])
-    since = p.time_s - times[np.maximum(_course(p) - 1, 0)]
-    return np.asarray(np.log10(np.maximum(since, 1e-9)))
-
-
-def _course(p: Prepared) -> NDArray[np.int64]:
-    """Number of steps of the load before each sample, (n,)."""
-    return np.searchsorted([at for at, _ in loadings(p.run)], p.time_s, side="left")
-
-
-def _groups(p: Prepared, at: NDArray[np.int64]) -> NDArray[np.int64]:
-    """A number for each of the samples ``at``, the same for readings that repeat each other."""
-    columns = [p.mean_rad[at], p.sense[at], *([] if p.load_Nm is None else [p.load_Nm[at]])]
-    groups = np.zeros(at.size, dtype=np.int64)
-    for values in columns:
-        order = np.argsort(values)
-        apart = np.diff(values[order], prepend=values[order][0]) > REPEATS_SHARE * max(float(np.ptp(values)), 1e-30)
-        level = np.empty(at.size, dtype=np.int64)
-        level[order] = np.cumsum(apart)
-        groups = groups * (at.size + 1) + level
-    return groups

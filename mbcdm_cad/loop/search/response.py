@@ -27,7 +27,8 @@ from mbcdm_cad.loop.prepare.noise import Noise
 from mbcdm_cad.loop.readable import Value, readable
 from mbcdm_cad.loop.result import BodePicture, Errors, Evidence, LoopResult, Named, TorsionalMode
 from mbcdm_cad.loop.search.account import INTERVAL, next_steps
-from mbcdm_cad.loop.search.few import CHANCE, MOST_EFFECTS, ODDS, LeftOver
+from mbcdm_cad.loop.search.few import MOST_EFFECTS, ODDS
+from mbcdm_cad.loop.search.few_words import CHANCE, LeftOver
 from mbcdm_cad.loop.search.select import LEAST_FALL
 from mbcdm_cad.measurement.response import FrequencyResponse, response_of
 from mbcdm_cad.measurement.run import Run

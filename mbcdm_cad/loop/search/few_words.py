@@ -1,0 +1,133 @@
+"""What a search on few readings says: what is left and on what it hangs, what cannot be tested, pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import t as t_distribution
+
+from mbcdm_cad.loop.readable import readable
+from mbcdm_cad.loop.result import ReadingsPicture
+from mbcdm_cad.loop.search.few_noise import since
+from mbcdm_cad.loop.search.fit import Fit, Fitter
+from mbcdm_cad.loop.search.unknown import Unknown
+from mbcdm_cad.measurement.by_hand import inputs_move, loadings
+from mbcdm_cad.routes import Floats
+
+# Chance of a name where nothing is lacking, over all candidates together; and of an unknown part where none is left.
+CHANCE = 0.01
+LOST_TRACK = (
+    "the inputs turn round under a load that is made smaller before the next row: until then it had its old size, "
+    "which no row says and the friction of the cables remembers; write a row before the load is made smaller, go from "
+    "small loads to large ones, or log the motion"
+)
+HIDDEN_PLAY = (
+    "its errors look like a play, but the load changes its sign between the rows, and where the pulleys of several "
+    "inputs then come to rest within a play does not show in them: neither its place and size nor a stiffness beside "
+    "it is told; log the motion instead, or keep the load on one side with a weight to read a stiffness alone"
+)
+
+
+@dataclass(frozen=True, eq=False)
+class LeftOver(Unknown):
+    """What no effect explains in few readings; ``hangs_on`` says on what it hangs, in words."""
+
+    hangs_on: str = ""
+
+    def sentence(self) -> str:
+        """For people."""
+        _, (rms, peak) = readable("_rad", [self.rms_rad, self.peak_rad])
+        return f"{rms} RMS, {peak} at most; {self.hangs_on}"
+
+
+def hangs_on(fitter: Fitter, r: Floats, at_rest: bool) -> str:
+    """On what a residual of the used readings hangs, in words."""
+    runs, used = fitter.runs, fitter.used
+
+    def of(values: Sequence[Floats]) -> Floats:
+        return np.asarray(np.concatenate(values)[used])
+
+    variables = {
+        "the direction": of([p.sense for p in runs]),
+        "the angle": of([p.mean_rad for p in runs]),
+        "the order of the rows": of([np.arange(p.time_s.size, dtype=float) for p in runs]),
+    }
+    if at_rest:
+        variables = {
+            "the logarithm of time": of([since(p) for p in runs]),
+            "the time": of([p.time_s for p in runs]),
+        }
+        if all(p.temperature_C is not None for p in runs):
+            variables["the temperature"] = of([p.temperature_C for p in runs if p.temperature_C is not None])
+    elif all(p.load_Nm is not None for p in runs):
+        variables["the load"] = of([p.load_Nm for p in runs if p.load_Nm is not None])
+    found = {}
+    for name, x in variables.items():
+        if np.ptp(x) and r.size > 4:
+            rho = float(np.corrcoef(x, r)[0, 1])
+            t = abs(rho) * np.sqrt((r.size - 2) / max(1.0 - rho**2, 1e-12))
+            if 2.0 * t_distribution.sf(t, r.size - 2) < CHANCE:
+                found[name] = abs(rho)
+    if not found:
+        return f"no dependence is certain in {r.size} readings"
+    return "it goes with " + " or ".join(sorted(found, key=lambda name: -found[name])[:2])
+
+
+def not_testable(fitter: Fitter, declared: bool, at_rest: bool) -> tuple[str, ...]:
+    """What such readings cannot show; ``declared``: a design is known, not only a ratio."""
+    if at_rest:
+        words = ["the inputs rest: errors of angle, friction, and all that needs motion"]
+        loads = [p.run for p in fitter.runs if p.run.load_Nm is not None and p.run.load_Nm.any()]
+        if loads and all(len(loadings(run)) < 2 for run in loads):
+            words.append("the load stays on: whether the creep goes back")
+        return tuple(words)
+    words = ["one value a half cycle: ripple, delays, and what happens within a half cycle"]
+    if not fitter.test.any():
+        words.append("too few half cycles: none can be held back to judge a fit on the others")
+    if any(p.load_Nm is None for p in fitter.runs):
+        words.append("no load: stiffness, preload and friction of the cables; a play and a friction look alike")
+    if not declared:
+        words.append("only the ratio is known: pulleys, preload and ropes")
+    return tuple(words)
+
+
+def pictures_of(fitter: Fitter, ratio: float, whole: Fit, at_rest: bool) -> tuple[ReadingsPicture, ...]:
+    """Each run's readings over the load, or over the angle where none was read."""
+    found, bare = [], fitter.fit(mask=fitter.used)
+    for part, p in zip(fitter.parts, fitter.runs, strict=True):
+        if at_rest:
+            at = np.maximum(p.time_s - min(0.0, float(p.run.time_s[0])), 0.0)[p.used]
+            read = (p.output_rad - p.mean_rad / ratio)[p.used]
+            read = read - read[0]
+            words = "Dots are the readings, of a logger their means; lines the model at their times."
+            found.append(
+                ReadingsPicture(
+                    p.run.source,
+                    "output - inputs / ratio",
+                    words,
+                    "time since loading (s)",
+                    at,
+                    read,
+                    p.held[p.used].astype(float),
+                    at,
+                    read - bare.residual[part][p.used],
+                    read - whole.residual[part][p.used],
+                    True,
+                )
+            )
+            continue
+        moves = inputs_move(p.run)
+        base = p.mean_rad / ratio if moves else np.zeros_like(p.output_rad)
+        at, axis = (1e3 * base, "inputs / ratio (mrad)") if p.load_Nm is None else (p.load_Nm, "load torque (N m)")
+        title = "output - inputs / ratio" if moves else "output"
+        read = p.output_rad - base
+        read = read - np.median(read[p.used])
+        words = "Dots are the rows of the table, lines the model on its way from row to row."
+        before, after = (read - one.residual[part] for one in (bare, whole))
+        used = p.used
+        held = p.held[used].astype(float)
+        shown = at[used], read[used], held, at, before, after
+        found.append(ReadingsPicture(p.run.source, title, words, axis, *shown))
+    return tuple(found)
