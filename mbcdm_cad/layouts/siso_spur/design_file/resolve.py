@@ -158,14 +158,14 @@ def _broken_parallel(design: SpurDesign) -> Iterator[Broken]:
 def _broken_spans(design: SpurDesign) -> Iterator[Broken]:
     """Open spans are those of one cable that runs straight from the input, in a drive of one stage."""
     beside = {
-        "two_anchored": design.transmission.cables == "two_anchored",
-        "idlers": design.idlers is not None,
-        "first_stage": design.first_stage is not None,
+        "two_anchored": (design.transmission.cables == "two_anchored", "the spans of two anchored cables cross"),
+        "idlers": (design.idlers is not None, "idlers lead spans that cross"),
+        "first_stage": (design.first_stage is not None, "behind a first stage the spans cross"),
     }
-    for name in (name for name, given in beside.items() if given and design.transmission.spans == "open"):
-        yield Broken(
-            ("transmission", "spans"), f"not beside {name}", "open", "crossed", f"set it to crossed, or remove {name}"
-        )
+    for name, (given, why) in beside.items():
+        if given and design.transmission.spans == "open":
+            remedy = f"set it to crossed, or remove {name}"
+            yield Broken(("transmission", "spans"), f"{why}: not beside {name}", "open", "crossed", remedy)
 
 
 def broken_sector(angle_deg: float) -> Iterator[Broken]:
