@@ -181,8 +181,7 @@ class SpurLayout(HeadLayout):
         """One drum sector."""
         if self.first is self:
             return drum(_at_level_0(self.drive), self.levels, self.frame.stop_pin_z, self.terminal_way)
-        one, angles = self.first.drum, self.drive.angles_rad
-        return replace(one, dowels=_dowels(self.drive, one, degrees(angles[1] - angles[0])))
+        return replace(self.first.drum, dowels=_dowels(self.drive, self.first.drum))
 
     @property
     def hubs_in_line(self) -> int:
@@ -450,8 +449,9 @@ class SpurLayout(HeadLayout):
         return input_wrap_rad(self.drive, cable, drum_angle_rad)
 
 
-def _dowels(drive: SpurDrive, sector: DrumDims, between_deg: float) -> HubDowels:
-    """The next sector is turned about the axis by ``between_deg``, so its holes are turned back in its own frame."""
+def _dowels(drive: SpurDrive, sector: DrumDims) -> HubDowels:
+    """The next sector may be turned about the axis, so its holes are turned back in its own frame."""
+    between_deg = 0.0 if drive.parallel > 1 else 360.0 / len(drive.angles_rad)
     circle = sector.payload_circle_radius
     radius, steel = DOWEL_RADII_MM[0], drive.material("steel").yield_MPa
     if drive.parallel > 1:
