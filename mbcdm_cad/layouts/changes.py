@@ -3,21 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import yaml
 
 from mbcdm_cad.design import yamltree
+from mbcdm_cad.design.design_file import DesignFile
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.fieldpath import FieldPath, dotted
 from mbcdm_cad.design.loaded import LoadedDesign
-from mbcdm_cad.design.loader import open_data
+from mbcdm_cad.design.loader import open_data, resolved
 from mbcdm_cad.design.sigmas import SIGMA, VALUE
+from mbcdm_cad.design.yamltree import Tree
 from mbcdm_cad.errors import InputError, MbcdmError, Problem, shortened
 from mbcdm_cad.layouts.loader import design_file_of, load_for_reader, resolve_tree
-from mbcdm_cad.layouts.one_by_one import sized_one_by_one
-from mbcdm_cad.sizing.bulk import Alike
+from mbcdm_cad.sizing.bulk import Alike, Rows
+from mbcdm_cad.sizing.known import KnownFields
 
 SEPARATOR = "__"
 
@@ -152,3 +156,29 @@ def _merged(there: Any, value: Any) -> Any:
     if isinstance(there, dict) and set(there) == {VALUE, SIGMA} and isinstance(value, int | float):
         return {VALUE: value, SIGMA: there[SIGMA]}
     return value
+
+
+@dataclass(frozen=True)
+class Alone(Alike):
+    """A group of one design, with its drive and the names of its sized fields; neither if the design is refused."""
+
+    drive: Drive | None = None
+    fields: tuple[str, ...] = ()
+
+
+def sized_one_by_one(trees: Iterable[Tree], path: Path, file: DesignFile) -> list[Alone]:
+    """The designs of some files' values, each sized alone. Lists of blocks, such as cables, are left out."""
+    return [_sized(np.array([row]), tree, path, file) for row, tree in enumerate(trees)]
+
+
+def _sized(rows: Rows, tree: Tree, path: Path, file: DesignFile) -> Alone:
+    known = KnownFields({})
+    try:
+        found = resolved(tree, path, file)
+    except InputError as error:
+        first = error.problems[0]
+        return Alone(rows, known, f"{first.field}: {first.what} (value {first.value})")
+    values = [one for one in found.sized if not (isinstance(one.value, list) and isinstance(one.value[0], dict))]
+    for one in values:
+        known.put(one.field, one.value)
+    return Alone(rows, known, drive=found.drive, fields=tuple(one.field for one in values))

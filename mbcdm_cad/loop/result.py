@@ -141,11 +141,6 @@ class Errors:
         """Whether no more than the noise is left: the error is at most NEAR_FLOOR times the floor."""
         return self.after.value <= NEAR_FLOOR * self.floor_rad
 
-    @property
-    def begins_near_floor(self) -> bool:
-        """Whether that holds of the declared model alone."""
-        return self.before.value <= NEAR_FLOOR * self.floor_rad
-
     def to_json(self) -> dict[str, Any]:
         """As the result file has it."""
         return {

@@ -170,13 +170,3 @@ def _corners(variables: Sequence[Variable], start: Values, most: int) -> list[di
     if prod(len(values) for values in ends.values()) > most:
         return []
     return [{**start, **dict(zip(ends, row, strict=True))} for row in product(*ends.values())]
-
-
-def freedom_text(question: Question, variable: Variable) -> str:
-    """What a variable may do to its field, in words."""
-    if variable.options:
-        names = ", ".join(str(option) for option in variable.options if option != RULE)
-        return f"by its rule, or one of {names}" if RULE in variable.options else f"one of {names}"
-    if variable.ruled:
-        return f"the value of its rule times {variable.low:g} to {variable.high:g}"
-    return f"{variable.low:g} to {variable.high:g}"

@@ -12,11 +12,9 @@ import pytest
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.model import analyse
 from mbcdm_cad.report.masses import inertias, masses_by_item
-from mbcdm_cad.robot import coarse
-from mbcdm_cad.robot.coarse import LARGEST_FACES, within_faces
 from mbcdm_cad.robot.elastic import elastic_drive
 from mbcdm_cad.robot.formats import robot_files
-from mbcdm_cad.robot.mechanism import Mechanism, mechanism
+from mbcdm_cad.robot.mechanism import LARGEST_FACES, Mechanism, mechanism, within_faces
 
 REFERENCE = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 G_MM2 = 1e-9
@@ -89,7 +87,7 @@ def test_a_mesh_too_fine_for_simulators_is_coarsened(parts: Any, monkeypatch: py
     shown = ["drum", "nut", "nut"]
     fine = {name: len(files[name].mesh.triangles) for name in shown}
     limit = fine["drum"] * 2 // 3
-    monkeypatch.setattr(coarse, "LARGEST_FACES", limit)
+    monkeypatch.setattr("mbcdm_cad.robot.mechanism.LARGEST_FACES", limit)
     found = within_faces("drum", shown, files, 0.01)
     assert sum(len(found[name].triangles) for name in shown) < limit, (fine, limit)
     assert found["nut"] is files["nut"].mesh, "a part of few faces is left as it is"
@@ -98,7 +96,7 @@ def test_a_mesh_too_fine_for_simulators_is_coarsened(parts: Any, monkeypatch: py
 
 
 def test_a_body_that_no_mesh_makes_small_enough_is_refused(parts: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(coarse, "LARGEST_FACES", 10)
+    monkeypatch.setattr("mbcdm_cad.robot.mechanism.LARGEST_FACES", 10)
     with pytest.raises(MbcdmError, match=r"mesh of drum has too many faces for simulators .*limit 9"):
         within_faces("drum", ["nut"], {"nut": parts["nut"].files}, 0.01)
 
