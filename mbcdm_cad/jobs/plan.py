@@ -14,6 +14,7 @@ from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.planning.best_run import BestRun, best_run
 from mbcdm_cad.planning.candidates import run_of
 from mbcdm_cad.planning.plan import RunPlan, noise_from, plan_of
+from mbcdm_cad.rig.dynamic.experiment import DynamicExperiment
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
 from mbcdm_cad.rig.reading import read_bench, read_experiment
 
@@ -28,7 +29,7 @@ def plan_run(drive: Drive, experiment: Path, pilot: Path | None) -> RunPlan:
         noise = None if measured is None else noise_from(drive, measured)
         # The load of the planned run is known as well as that of the pilot.
         known = None if measured is None else measured.sensors.torque_class
-        return plan_of(drive, run_of(drive, _quasistatic(experiment), known), noise)
+        return plan_of(drive, run_of(drive, _plannable(experiment), known), noise)
 
 
 def plan_within(
@@ -47,6 +48,12 @@ def _followed(path: Path) -> Iterator[None]:
         yield
     except ModelError as error:
         raise MbcdmError(f"{path}: the model cannot follow the run: {error}") from None
+
+
+def _plannable(path: Path) -> Experiment | DynamicExperiment:
+    wanted = read_experiment(path)
+    chirped = isinstance(wanted, DynamicExperiment) and wanted.motion.shape == "chirp"
+    return wanted if chirped else _quasistatic(path)
 
 
 def _quasistatic(path: Path) -> Experiment:

@@ -60,22 +60,28 @@ def _correlated(named: Named, earlier: Sequence[Named], first: int) -> dict[str,
 
 
 def _lasting(effects: Sequence[Named]) -> list[Named]:
-    """What the drive has after the runs: of a change what it left behind, which is in place of what was before."""
+    """What the drive has after the runs, as far as a design file holds it: of a change what it left behind, which is in
+    place of what was before."""
     changed = [named.after for named in effects if named.after]
     gone = {(one.name, one.form, one.stage, one.cables) for one in changed}
-    kept = [named for named in effects if not named.after]
+    kept = [named for named in effects if not named.after and named.fitted]
     return [named for named in kept if (named.name, named.form, named.stage, named.cables) not in gone] + changed
 
 
 def applied_words(result: LoopResult) -> str:
     """What :func:`as_built_text` wrote, for the terminal."""
-    words = [f"{', '.join(named.words for named in result.effects)} in force"] if result.effects else []
+    held = [named for named in result.effects if named.fitted or named.after]
+    words = [f"{', '.join(named.words for named in held)} in force"] if held else []
     words += [
         f"undecided, as comments: {' or '.join(named.words for named in group)} "
         "(remove the comment marks of the one that the bench confirms)"
         for group in result.one_of
     ]
-    return "; ".join(words) or "no effect was named, so the design is unchanged"
+    return "; ".join(words) or (
+        "nothing was named that a design file holds, so the design is unchanged"
+        if result.effects
+        else "no effect was named, so the design is unchanged"
+    )
 
 
 def _undecided(group: Sequence[Named], number: int, count: int, source: str) -> list[str]:
@@ -87,7 +93,8 @@ def _undecided(group: Sequence[Named], number: int, count: int, source: str) -> 
     ]
     for k, named in enumerate(group, 1):
         lines.append(f"  ## {k}. {named.words} ({named.form}); look at: {named.where_to_look}".rstrip())
-        lines += [f"  # {line[2:]}" for line in _written(_entry(named, source))]
+        if named.fitted:
+            lines += [f"  # {line[2:]}" for line in _written(_entry(named, source))]
     return lines
 
 

@@ -1,4 +1,4 @@
-"""What readings by hand could find: the smallest size of each effect, by the tests of the loop on few readings.
+"""What readings by hand, or a chirp, could find: the smallest size of each effect, by the tests of the loop on them.
 
 The slopes are those at size zero, so valid for small effects. The F test on the readings that are not held back must
 find the effect with the plan's power, and the readings held back must show it as the loop asks.
@@ -11,13 +11,14 @@ from math import log
 
 import numpy as np
 from scipy.optimize import brentq
+from scipy.stats import chi2, ncf, norm
 from scipy.stats import f as f_distribution
-from scipy.stats import ncf, norm
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.loop.effect import Effect
 from mbcdm_cad.loop.search.few import ODDS, PLAY, FewReadings, prepared_by_hand
 from mbcdm_cad.loop.search.few_words import CHANCE
+from mbcdm_cad.loop.search.response import ResponseLoop, Suspect
 from mbcdm_cad.loop.search.select import LEAST_FALL
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.measurement.vet import arranged
@@ -103,3 +104,43 @@ def sizes_by_hand(
         ]
         found.append((effect, least, sorted(rivals, key=lambda rival: -rival[1])))
     return found
+
+
+def sizes_of_response(loop: ResponseLoop, power: float) -> Sequence[tuple[Suspect, float, list[tuple[str, float]]]]:
+    """Each suspect of a frequency response with its smallest size, and the size from which it is told from each other
+    one and from what the design's structure and the declared inertia may be wrong by, largest first."""
+    free, columns = loop.slopes()
+    basis, sure = np.linalg.qr(free)[0], float(norm.isf(1.0 - power))
+    left = {name: column - basis @ (basis.T @ column) for name, column in columns.items()}
+    found = float(np.sqrt(chi2.isf(CHANCE / len(loop.suspects), 1))) + sure
+    apart, scale = np.sqrt(2.0 * log(ODDS)) + sure, float(np.sqrt(loop.together))
+    result = []
+    for one in loop.suspects:
+        mine = left[one.parameter]
+        # Named by the F test, and by the error that is held back; beyond what the law, the slip and the sensors may do.
+        bare = max(found * scale, LEAST_FALL * float(np.sqrt(mine.size))) / float(np.linalg.norm(mine) + 1e-300)
+        least = max(_beside(mine, left[name], bare, 2.0 * sigma) for name, sigma in loop.prior.items())
+        rivals = []
+        for name, (_, _, most) in loop.priors().items():
+            if name == one.parameter:
+                least += most
+            else:
+                rivals.append((f"{name} within its figures", _beside(mine, left[name], bare, most)))
+        for other in loop.suspects:
+            if other.name != one.name:
+                alone = _without(mine, left[other.parameter])
+                rivals.append((other.label, apart * scale / float(np.linalg.norm(alone) + 1e-300)))
+        result.append((one, least, sorted(rivals, key=lambda rival: -rival[1])))
+    return result
+
+
+def _without(mine: Floats, its: Floats) -> Floats:
+    """What another slope leaves of one."""
+    return np.asarray(mine - its * float(its @ mine) / (float(its @ its) + 1e-300))
+
+
+def _beside(mine: Floats, its: Floats, bare: float, most: float) -> float:
+    """The size beside a figure that may be wrong by ``most``, or by anything that the response itself shows; ``bare``
+    that without it."""
+    square, alone = float(mine @ mine) + 1e-300, float(np.linalg.norm(_without(mine, its))) + 1e-300
+    return min(bare + most * abs(float(its @ mine)) / square, bare * float(np.sqrt(square)) / alone)

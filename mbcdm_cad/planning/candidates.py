@@ -7,13 +7,16 @@ from itertools import product
 from math import inf, pi, radians, sin
 from typing import Any
 
+import numpy as np
 import yaml
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.measurement.motor_load import weighed
-from mbcdm_cad.measurement.run import Run, Sensors, TorqueClass
-from mbcdm_cad.measurement.schema import MOTION, CountedParts, Kind
+from mbcdm_cad.measurement.run import Run, Sensors, StatedPlate, TorqueClass
+from mbcdm_cad.measurement.schema import FREQUENCY_RESPONSE, MOTION, CountedParts
 from mbcdm_cad.rig.bench_limits import BenchLimits
+from mbcdm_cad.rig.dynamic.experiment import DynamicExperiment
+from mbcdm_cad.rig.dynamic.simulate import simulate as simulate_dynamic
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
 from mbcdm_cad.rig.quasistatic.load import Load
 from mbcdm_cad.rig.quasistatic.motion import WIDEST_MRAD
@@ -107,15 +110,20 @@ def class_of_load(limits: BenchLimits, load: Load) -> TorqueClass:
     return TorqueClass.of_motors(weighed(current.torque_constant_share, by_weight)[1])
 
 
-def run_of(drive: Drive, wanted: Experiment, torque_class: TorqueClass | None = None) -> Run:
+def run_of(drive: Drive, wanted: Experiment | DynamicExperiment, torque_class: TorqueClass | None = None) -> Run:
     """The run as the bench would log it for the declared drive. Raises ``RigError`` if the rig stops.
 
-    ``torque_class``: how well its load is known, as a usual sensor's if left out.
+    ``torque_class``: how well its load is known, as a usual sensor's if left out. Of the dynamic rig it is a chirp.
     """
     plain = wanted.physics.model_copy(update={"cable_transport": False})
-    run = simulate(drive, wanted.model_copy(update={"effects": (), "physics": plain}))
-    s, rows = wanted.sensors, wanted.rows(run.time_s)
-    kind: Kind = MOTION if wanted.record == "samples" else wanted.record
+    wanted, kind = wanted.model_copy(update={"effects": (), "physics": plain}), FREQUENCY_RESPONSE
+    s, quasistatic = wanted.sensors, isinstance(wanted, Experiment)
+    if isinstance(wanted, Experiment):
+        run, kind = simulate(drive, wanted), MOTION if wanted.record == "samples" else wanted.record
+        rows = wanted.rows(run.time_s)
+    else:
+        run = simulate_dynamic(drive, wanted)
+        rows = np.arange(run.time_s.size)
     sensors = Sensors(
         s.input_resolution_rad or None,
         s.output_resolution_rad or None,
@@ -135,4 +143,6 @@ def run_of(drive: Drive, wanted: Experiment, torque_class: TorqueClass | None = 
         wanted.name,
         counted=CountedParts.model_validate(counted) if (counted := counted_parts(wanted)) else None,
         kind=kind,
+        excitation=None if quasistatic else run.excitation_rad,
+        plate=StatedPlate() if quasistatic else StatedPlate(wanted.load.inertia_kg_m2),
     )

@@ -20,10 +20,13 @@ from mbcdm_cad.loop.prepare.noise import Noise, noise_of
 from mbcdm_cad.loop.prepare.quiet import signal_noise
 from mbcdm_cad.loop.readable import readable
 from mbcdm_cad.loop.search.fit import Fit, Fitter
+from mbcdm_cad.loop.search.response import ResponseLoop
 from mbcdm_cad.measurement.run import Run
-from mbcdm_cad.measurement.schema import CREEP, MOTION, TURNING_POINTS
+from mbcdm_cad.measurement.schema import CREEP, FREQUENCY_RESPONSE, MOTION, TURNING_POINTS
+from mbcdm_cad.measurement.vet import arranged
 from mbcdm_cad.measurement.vet_signals import friction_alike, friction_words
-from mbcdm_cad.planning.by_hand import PlannedReadings, sizes_by_hand
+from mbcdm_cad.model.si import to_si
+from mbcdm_cad.planning.by_hand import PlannedReadings, sizes_by_hand, sizes_of_response
 from mbcdm_cad.planning.detectable import NEVER, PlannedEffects, Tried, planned_fitter
 from mbcdm_cad.planning.prediction_noise import coloured
 
@@ -133,6 +136,10 @@ def plan_of(drive: Drive, run: Run, noise: Noise | None = None, power: float = P
 
     ``power`` is the probability with which an effect of the smallest size is to be named.
     """
+    if run.kind == FREQUENCY_RESPONSE:
+        return _of_response(
+            ResponseLoop(drive, float(np.mean(to_si(drive).total_ratio)), [arranged(run, drive)]), power
+        )
     if run.kind != MOTION:
         return _by_hand(PlannedReadings(drive, run), noise, power)
     fitter = planned_fitter(drive, run)
@@ -173,6 +180,16 @@ def _by_hand(planned: PlannedReadings, noise: Noise | None, power: float) -> Run
         worse = [Rival(e.label, at if at <= ANY_SIZE * size else None) for e, at in near]
         found.append(Foreseen(effect.label, name, size, tuple(worse[:MOST_RIVALS])))
     return RunPlan(noise, tuple(found), power, moves=False)
+
+
+def _of_response(loop: ResponseLoop, power: float) -> RunPlan:
+    """What a chirp can find, by the response of a run that was made or simulated."""
+    found = []
+    for one, size, rivals in sizes_of_response(loop, power):
+        near = tuple(Rival(label, at if at <= ANY_SIZE * size else None) for label, at in rivals if at > size)
+        seen = size <= NEVER * one.size
+        found.append(Foreseen(one.label, one.figure, size if seen else None, near[:MOST_RIVALS] if seen else ()))
+    return RunPlan(loop.noise, tuple(found), power, moves=False)
 
 
 def _foreseen(effects: PlannedEffects, one: Tried, power: float) -> Foreseen:

@@ -50,8 +50,8 @@ ESTIMATE_SHARE, LINEAR_SHARE = 0.005, 0.05
 AMPLITUDES, LEAST_AMPLITUDE, MOST_AMPLITUDE = 32, 1e-3, 2.5
 # Sizes from which a fit begins, the best of the grid.
 TRIED = 2
-# Suspects of the bench, and the name of a mode of which no design says where it should be.
-BENCH, MODE = ("delay", "lag", "gain"), "torsional_mode"
+# Step of a difference quotient, of the typical size.
+SLOPE = 1e-2
 # Steps in which amplitude and frequency of a mode settle.
 SETTLED = 12
 # A mode lies in the band if its frequency is this far inside.
@@ -115,22 +115,18 @@ def behind_inputs(drive: Drive, run: Run, most_rad_s2: float) -> BehindInputs:
 class Suspect:
     """What may be wrong, by one ``figure`` that is 0 where nothing is; ``grid`` are the sizes at which a fit may begin.
 
-    ``as_built``: whether a design file can hold it. Words as of :class:`mbcdm_cad.loop.result.Named`.
+    ``words``: physics, where to look, what separates it, plain; as of :class:`mbcdm_cad.loop.result.Named`.
     """
 
     name: str
     form: str
     parameter: str
     figure: str
+    words: tuple[str, str, str, str]
     grid: Floats
-    physics: str
-    where_to_look: str
-    separate_by: str
-    plain: str
-    as_built: bool = True
-    size: float = 0.01
-    low: float = -np.inf
-    high: float = np.inf
+    size: float
+    low: float
+    high: float
 
     @property
     def label(self) -> str:
@@ -138,149 +134,102 @@ class Suspect:
         return f"{self.name} ({self.form})"
 
 
-_SHARES = np.concatenate([-np.geomspace(0.7, 0.01, 16), np.geomspace(0.01, 3.0, 20)])
 _LEVELS = "runs of a third and three times the amplitude: slip of the wraps goes with it"
 _TORQUE = "log the torque between drum and what it turns, or repeat with another known inertia at the output"
 _LATE = "an output sensor of known latency; both sensors on one shaft"
+# Suspects of the bench, and the name of a mode of which no design says where it should be.
+BENCH, MODE = ("delay", "lag", "gain"), "torsional_mode"
+# Those that no design file holds.
+NOT_DESIGNED = ("lag", "behind", "inertia")
+# Name, form, parameter and figure; then the words.
+_SUSPECTS = (
+    ("delay", "late sensor", "delay", "delay_s"),
+    (
+        "the bench, not the drive: the output is read later than the input, a phase in proportion to frequency",
+        "filter of the output encoder, time stamps of the logger",
+        _LATE,
+        "the bench reads the output {delay_s} later than the input",
+    ),
+    ("delay", "low-pass of the output", "lag", "lag_s"),
+    (
+        "a filter of first order lags and weakens the output: it is of the bench and not of the drive",
+        "filter of the output encoder",
+        _LATE,
+        "the bench filters the output with a time constant of {lag_s}",
+    ),
+    ("ratio_error", "pitch radius or encoder scale", "gain", "share"),
+    (
+        "output over input differs from the declared ratio at all frequencies",
+        "counts per turn and units of the encoders; pitch radii",
+        "a full turn of each encoder against a reference",
+        "the ratio of output to inputs is {share} {way_share} than declared",
+    ),
+    (MODE, "inputs held", "mode", "natural_frequency_Hz"),
+    (
+        "behind the inputs the output swings on what gives between",
+        "stiffness and inertia, against the design",
+        "give the design file: it says what the mode should be",
+        "the output swings at {natural_frequency_Hz}",
+    ),
+    ("stiffness_error", "modulus of the rope", "modulus", "share"),
+    (
+        "E A of the rope or its free length differs: stiffness and slip scale",
+        "a pull test of the rope after bedding in",
+        _TORQUE,
+        "the rope's stiffness is {share} {way_share} than the design file says",
+    ),
+    ("stiffness_error", "compliance in series", "series", "compliance_rad_Nm"),
+    (
+        "drum, shafts, bearings or frame give more than computed, or less if below zero",
+        "screws of hub and frame, bearings, shafts",
+        f"{_TORQUE}; {_LEVELS}",
+        "the structure of the drive gives {compliance_rad_Nm} {way_compliance_rad_Nm} than computed",
+    ),
+    ("stiffness_error", "compliance behind the output encoder", "behind", "compliance_rad_Nm"),
+    (
+        "hub, coupling or payload gives behind the encoder",
+        "hub clamp and coupling, between the output encoder and what it turns",
+        _TORQUE,
+        "between the output encoder and what it turns something gives {compliance_rad_Nm}",
+    ),
+    ("payload_inertia", "all that the output turns", "inertia", "share"),
+    (
+        "what the output turns is heavier or lighter than declared",
+        "weigh the payload and swing it as a pendulum; inertia_plate and loads.payload",
+        _TORQUE,
+        "what the output turns has an inertia {share} {way_share} than declared",
+    ),
+    ("preload_error", "all cables", "preload", "share"),
+    (
+        "the tension set at all tensioners differs, or the friction of the wraps: slip goes with 1/(mu T)",
+        "tension of each cable by plucking or a gauge",
+        _LEVELS,
+        "the tension of all cables is {share} {way_share} than the design file says",
+    ),
+)
 
 
 def suspects(d: DriveSI | None, held: BehindInputs, highest_Hz: float) -> tuple[Suspect, ...]:
     """Everything that a frequency response can show of a drive."""
     turn = 0.45 / highest_Hz
-    delays = np.linspace(-8.0 * turn, 8.0 * turn, 97)
-    lags = np.geomspace(0.02 * turn, 4.0 * turn, 24)
-    bench = (
-        Suspect(
-            "delay",
-            "late sensor",
-            "delay",
-            "delay_s",
-            delays,
-            "the bench, not the drive: the output is read later than the input, a phase in proportion to frequency",
-            "filter of the output encoder, time stamps of the logger",
-            _LATE,
-            "the bench reads the output {delay_s} later than the input",
-            size=1e-4,
-        ),
-        Suspect(
-            "delay",
-            "low-pass of the output",
-            "lag",
-            "lag_s",
-            lags,
-            "a filter of first order lags and weakens the output: it is of the bench and not of the drive",
-            "filter of the output encoder",
-            _LATE,
-            "the bench filters the output with a time constant of {lag_s}",
-            False,
-            1e-4,
-            0.0,
-        ),
-        Suspect(
-            "ratio_error",
-            "pitch radius or encoder scale",
-            "gain",
-            "share",
-            np.array([-0.1, -0.01, 0.01, 0.1]),
-            "output over input differs from the declared ratio at all frequencies",
-            "counts per turn and units of the encoders; pitch radii",
-            "a full turn of each encoder against a reference",
-            "the ratio of output to inputs is {share} {way_share} than declared",
-            size=1e-3,
-            low=-0.5,
-            high=0.5,
-        ),
-    )
+    shares = np.concatenate([-np.geomspace(0.7, 0.01, 16), np.geomspace(0.01, 3.0, 20)])
     stiff = float(held.cables_rad_Nm[0]) + held.before_drum
-    if d is None:
-        gives = (2.0 * np.pi * highest_Hz * np.geomspace(0.03, 1.0, 96)) ** -2.0
-        return (
-            *bench,
-            Suspect(
-                MODE,
-                "inputs held",
-                "series",
-                "natural_frequency_Hz",
-                gives,
-                "behind the inputs the output swings on what gives between",
-                "stiffness and inertia, against the design",
-                "give the design file: it says what the mode should be",
-                "the output swings at {natural_frequency_Hz}",
-                False,
-                float(gives[48]),
-                0.0,
-            ),
-        )
-    return (
-        *bench,
-        Suspect(
-            "stiffness_error",
-            "modulus of the rope",
-            "modulus",
-            "share",
-            _SHARES,
-            "E A of the rope or its free length differs: stiffness and slip scale",
-            "a pull test of the rope after bedding in",
-            _TORQUE,
-            "the rope's stiffness is {share} {way_share} than the design file says",
-            low=-0.8,
-            high=4.0,
-        ),
-        Suspect(
-            "stiffness_error",
-            "compliance in series",
-            "series",
-            "compliance_rad_Nm",
-            stiff * _SHARES,
-            "drum, shafts, bearings or frame give more than computed, or less if below zero",
-            "screws of hub and frame, bearings, shafts",
-            _TORQUE + "; " + _LEVELS,
-            "the structure of the drive gives {compliance_rad_Nm} {way_compliance_rad_Nm} than computed",
-            size=0.01 * stiff,
-            low=-0.95 * stiff,
-        ),
-        Suspect(
-            "stiffness_error",
-            "compliance behind the output encoder",
-            "behind",
-            "compliance_rad_Nm",
-            stiff * np.geomspace(0.01, 2.0, 20),
-            "hub, coupling or payload gives behind the encoder",
-            "hub clamp and coupling, between the output encoder and what it turns",
-            _TORQUE,
-            "between the output encoder and what it turns something gives {compliance_rad_Nm}",
-            False,
-            0.01 * stiff,
-            0.0,
-        ),
-        Suspect(
-            "payload_inertia",
-            "all that the output turns",
-            "inertia",
-            "share",
-            _SHARES,
-            "what the output turns is heavier or lighter than declared",
-            "weigh the payload and swing it as a pendulum; inertia_plate and loads.payload",
-            _TORQUE,
-            "what the output turns has an inertia {share} {way_share} than declared",
-            False,
-            low=-0.9,
-            high=9.0,
-        ),
-        Suspect(
-            "preload_error",
-            "all cables",
-            "preload",
-            "share",
-            _SHARES,
-            "the tension set at all tensioners differs, or the friction of the wraps: slip goes with 1/(mu T)",
-            "tension of each cable by plucking or a gauge",
-            _LEVELS,
-            "the tension of all cables is {share} {way_share} than the design file says",
-            low=-0.6,
-            high=9.0,
-        ),
-    )
+    gives = (2.0 * np.pi * highest_Hz * np.geomspace(0.03, 1.0, 96)) ** -2.0
+    # Grid, typical size and bounds of each parameter.
+    shapes = {
+        "delay": (np.linspace(-8.0 * turn, 8.0 * turn, 97), 1e-4, -np.inf, np.inf),
+        "lag": (np.geomspace(0.02 * turn, 4.0 * turn, 24), 1e-4, 0.0, np.inf),
+        "gain": (np.array([-0.1, -0.01, 0.01, 0.1]), 1e-3, -0.5, 0.5),
+        "mode": (gives, float(gives[48]), 0.0, np.inf),
+        "modulus": (shares, 0.01, -0.8, 4.0),
+        "series": (stiff * shares, 0.01 * stiff, -0.95 * stiff, np.inf),
+        "behind": (stiff * np.geomspace(0.01, 2.0, 20), 0.01 * stiff, 0.0, np.inf),
+        "inertia": (shares, 0.01, -0.9, 9.0),
+        "preload": (shares, 0.01, -0.6, 9.0),
+    }
+    offered = (*BENCH, "mode") if d is None else tuple(name for name in shapes if name != "mode")
+    rows = zip(_SUSPECTS[::2], _SUSPECTS[1::2], strict=True)
+    return tuple(Suspect(*row, words, *shapes[row[2]]) for row, words in rows if row[2] in offered)
 
 
 Values = Mapping[str, float]
@@ -317,7 +266,7 @@ def _gives(held: BehindInputs, v: Values, torque_Nm: Floats, rate_rad_s: Floats)
     slip = np.interp(torque_Nm / (1.0 + of("preload")), held.torque_Nm, held.cables_rad_Nm) - sticking
     slip = slip * (1.0 + of("slip")) + of("softening") * torque_Nm
     cables = sticking * lossy + slip * (1.0 - 1j * HYSTERESIS)
-    before = cables / (1.0 + of("modulus")) + (held.before_drum + of("series") + of("structure")) * lossy
+    before = cables / (1.0 + of("modulus")) + (held.before_drum + of("series") + of("structure") + of("mode")) * lossy
     before = before * (1.0 + of("law"))
     behind = (held.behind_drum + of("behind")) * lossy
     return before, np.asarray(behind), np.asarray(held.seen * lossy)
@@ -446,6 +395,13 @@ class ResponseLoop:
         self.floor_rad = self.input_rad * float(np.sqrt(1.0 / np.mean(np.concatenate(outputs) ** -2.0)))
         self.bare = self.fit(())
 
+    @property
+    def noise(self) -> Noise:
+        """The noise floor."""
+        n = sum(one.frequency_Hz.size for one in self.seen)
+        source = f"scatter of the response in {n} averages, and what averaging and the linear law leave"
+        return Noise(self.floor_rad, self.floor_rad, 0.0, 0.0, 0.0, source)
+
     # Fits.
 
     def weighted(self, v: Values) -> Complex:
@@ -529,6 +485,21 @@ class ResponseLoop:
         extra = worse.width - better.width
         return exp(min(0.5 * ((worse.square - better.square) / variance + extra * log(n)), 700.0))
 
+    def slopes(self) -> tuple[Floats, dict[str, Floats]]:
+        """Derivatives of all averages over their noise at the declared figures: by what is always free, (n, k), and by
+        each suspect and each figure that is known within bounds, (n,)."""
+        at, base = self.bare.values, self.weighted(self.bare.values)
+        sizes = {one.parameter: one.size for one in self.suspects}
+        sizes |= {name: size for name, (size, *_) in (self.nuisances | self.priors()).items()}
+
+        def slope(name: str) -> Floats:
+            moved = {**at, name: at.get(name, 0.0) + SLOPE * sizes[name]}
+            change = (self.weighted(moved) - base) / (SLOPE * sizes[name])
+            return np.concatenate([change.real, change.imag])
+
+        free = [name for name in self.nuisances if name not in self.prior]
+        return np.stack([slope(name) for name in free], axis=1), {k: slope(k) for k in sizes if k not in free}
+
     # Selection.
 
     def _selected(self) -> tuple[ResponseFit, list[Evidence], list[Evidence]]:
@@ -567,7 +538,7 @@ class ResponseLoop:
         start = {**fit.values, suspect.parameter: self.declared.get(suspect.parameter, 0.0)}
         return self.fit([one for one in fit.suspects if one is not suspect], start, mask)
 
-    def _priors(self) -> dict[str, tuple[float, float, float]]:
+    def priors(self) -> dict[str, tuple[float, float, float]]:
         """Size and bounds of what the design's structure and the declared inertia may be wrong by."""
         if self.d is None:
             return {}
@@ -576,7 +547,7 @@ class ResponseLoop:
 
     def _allowed(self, fit: ResponseFit) -> tuple[ResponseFit, str]:
         """``fit``, or one without suspects of the drive where its figures may be wrong by as much; words for that."""
-        bench, more = [one for one in fit.suspects if one.parameter in BENCH], self._priors()
+        bench, more = [one for one in fit.suspects if one.parameter in BENCH], self.priors()
         if len(bench) == len(fit.suspects) or not more:
             return fit, ""
         start = {one.parameter: fit.values[one.parameter] for one in bench}
@@ -599,7 +570,7 @@ class ResponseLoop:
         if within:
             steps, small = [], []
         whole = self.fit(
-            fit.suspects, fit.values, np.ones(self.test.size, dtype=bool), self._priors() if within else None
+            fit.suspects, fit.values, np.ones(self.test.size, dtype=bool), self.priors() if within else None
         )
         named, sets = list[Named](), list[tuple[Named, ...]]()
         for one in whole.suspects:
@@ -616,8 +587,6 @@ class ResponseLoop:
             verdict = "explained" if left is None else "partly_explained"
         else:
             verdict = "none" if left is None else "unknown"
-        n = sum(one.frequency_Hz.size for one in self.seen)
-        source = f"scatter of the response in {n} averages, and what averaging and the linear law leave"
         return LoopResult(
             verdict,
             tuple(named),
@@ -629,7 +598,7 @@ class ResponseLoop:
             self._not_testable(),
             next_steps(named, sets, None),
             {},
-            noise=Noise(self.floor_rad, self.floor_rad, 0.0, 0.0, 0.0, source),
+            noise=self.noise,
             within_class=within,
             pictures=self._pictures(whole),
             modes=tuple(mode for k in range(len(self.runs)) if (mode := self._mode(k, whole)) is not None),
@@ -661,9 +630,11 @@ class ResponseLoop:
             )
             figures = {one.figure: Value(middle, low, high)}
         cables = self.d.cable_names if self.d is not None and one.name == "preload_error" else ()
-        fitted = {one.figure: value} if one.as_built else {}
-        words = (one.where_to_look, one.separate_by, one.physics)
-        return Named(one.name, one.form, None, cables, figures, {}, (), *words, fall_rad, fitted, plain=one.plain)
+        fitted = {} if one.parameter in NOT_DESIGNED else {one.figure: value}
+        physics, look, separate, plain = one.words
+        return Named(
+            one.name, one.form, None, cables, figures, {}, (), look, separate, physics, fall_rad, fitted, plain=plain
+        )
 
     def _errors(self, fit: ResponseFit) -> Errors:
         before, after = (self._interval(one.weighted[self.test]) for one in (self.bare, fit))
@@ -725,7 +696,7 @@ class ResponseLoop:
             """The mode of a response as one of a linear drive."""
             alone.measured = response
             free = [one for one in self.suspects if one.parameter in ("delay", "gain")]
-            free += [one for one in self.suspects if one.parameter == ("series" if self.d is None else "inertia")]
+            free += [one for one in self.suspects if one.parameter in ("mode", "inertia")]
             size = free[-1].parameter
             fit = alone.fit(free, {**whole.values, "loss": 0.1, "softening": 0.0}, np.ones(response.size, dtype=bool))
             found, damping = first_mode(alone.held[0], fit.values, amplitude)

@@ -19,6 +19,7 @@ from mbcdm_cad.loop.judge import LoopReport
 from mbcdm_cad.loop.result import LoopResult
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.model.stiffness import sticking_stiffness_Nm_rad
+from mbcdm_cad.planning.plan import plan_of
 
 ROOT = Path(__file__).parents[3]
 DESIGN, EXPERIMENT = ROOT / "params/mbcdm.yaml", ROOT / "params/experiments/response/chirp-plate.yaml"
@@ -148,12 +149,31 @@ def test_inertia_and_stiffness_are_a_set_until_the_torque_is_logged(tmp_path: Pa
     alike = judged(tmp_path, heavy, "tau", design=True).result
     assert {"payload_inertia", "stiffness_error"} <= forms(alike), alike.sentence
     assert not alike.effects
-    told = judged(tmp_path, heavy, design=True).result
+    report = judged(tmp_path, heavy, design=True)
+    assert "as_built: []" in report.as_built_text()  # no field of a design file holds it
+    told = report.result
     (one,) = told.effects
     assert one.name == "payload_inertia", told.sentence
     assert one.parameters["share"].value == pytest.approx(0.2, abs=0.02)
     softer = judged(tmp_path, soft, design=True).result
     assert forms(softer) == {"stiffness_error"}, softer.sentence
+
+
+def test_the_plan_says_from_which_delay_on_it_is_named(tmp_path: Path) -> None:
+    """And that without a torque stiffness and inertia are not told apart at any size near the smallest."""
+    (one,) = judged(tmp_path, designed(), design=True).runs
+    drive = mc.load(DESIGN).loaded.drive
+    foreseen = {each.label: each for each in plan_of(drive, one.run).effects}
+    least = foreseen["delay (late sensor)"].smallest
+    assert least is not None
+    for size, named in ((2.0 * least, True), (0.3 * least, False)):
+        found = judged(tmp_path, replace(designed(), delay_s=size), design=True).result
+        assert ("delay" in forms(found)) == named, (size, found.sentence)
+    blind = {each.label: each for each in plan_of(drive, replace(one.run, load_Nm=None)).effects}
+    for plan, apart in ((foreseen, True), (blind, False)):
+        inertia = plan["payload_inertia (all that the output turns)"]
+        rivals = [rival.label for rival in inertia.rivals if rival.label.startswith("stiffness_error")]
+        assert (not rivals) == apart, inertia
 
 
 def test_responses_that_say_nothing(tmp_path: Path) -> None:
