@@ -76,7 +76,10 @@ def by_both(name: str, layout: SectorLayout) -> DriveByBoth:
         twist = pulley_torsion_urad_Nm(layout, Path(folder))
     model = {c.name: c.urad_Nm for c in structure.causes}
     in_drum = [name for name in model if name.startswith("drum: ")]
-    drum_model, drum_solid = sum(model[k] for k in in_drum), drum.turn_urad_Nm * own
+    # One sector is drawn in solid elements; what hubs in line turn by the others' torque is the model's in both.
+    hubs, line = sum(model[k] for k in in_drum if "hub" in k), layout.hubs_in_line
+    passed = hubs * (1.0 - own / sum((k / line) ** 2 for k in range(1, line + 1)))
+    drum_model, drum_solid = sum(model[k] for k in in_drum), drum.turn_urad_Nm * own + passed
     parts = {
         "frame": (model["frame"], frame),
         "drum": (drum_model, drum_solid),

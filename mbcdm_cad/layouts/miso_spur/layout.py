@@ -47,6 +47,11 @@ class RoundDrumLayout(SpurLayout):
         """See the base class."""
         return self.units
 
+    @property
+    def hubs_in_line(self) -> int:
+        """See the base class."""
+        return self.drive.n_inputs
+
     @dimensions
     def idlers(self) -> tuple[tuple[str, IdlerDims, tuple[SpurRun, int]], ...]:
         """Those of all inputs."""

@@ -369,7 +369,7 @@ def sector_steps(layout: SpurLayout) -> Iterator[AssemblyStep]:
             )
             items += [*numbered("hub_set_screw", 2), *insert_items("payload_insert", d.payload_insert, places)]
         else:
-            text += "Press two dowels into the face of its hub for the next one."
-            text += " Wet face and dowels with retaining compound." * (drive.parallel > 1)
+            text += "Press two dowels into the face of its hub for the next one. "
+            text += "Wet face and dowels with retaining compound."
             items += numbered(f"hub_dowel_{name}", 2)
         yield AssemblyStep(text, tuple(items))
