@@ -32,8 +32,8 @@ FEWEST_AVERAGES, FADED = 24, 0.02
 UNEVEN, HIGHEST = 0.01, 0.45
 # Periods of the middle of the band in each part of the log whose amplitude is taken.
 PERIODS = 16
-# Error of the first harmonic of a sine that is counted, as a share: times (step / amplitude)^1.5, RMS over where the
-# counts lie. Of the fundamental of the sawtooth's series, 2 q / (pi A) J1(2 pi A / q).
+# Error of the first harmonic of a sine that is counted, as a share: times (step / amplitude)^1.5. RMS over amplitudes A
+# of the first term of the sawtooth's series, 2 q / (pi A) J1(2 pi A / q), of a sine about the middle of a count.
 COUNTED = np.sqrt(2.0) / np.pi**2
 # Bias of H1 by the counts of the input from which it is doubtful.
 DOUBTFUL_BIAS = 0.02
@@ -64,6 +64,11 @@ class FrequencyResponse:
     acceleration_rad_s2: Floats
     input_rad: Floats
     input_power_rad2: Floats
+
+    @property
+    def quotients(self) -> tuple[Quotient, ...]:
+        """Output over inputs, and the twist over the torque where there is one."""
+        return (self.output,) if self.twist is None else (self.output, self.twist)
 
 
 def response_of(run: Run, ratio: float) -> FrequencyResponse:
@@ -182,8 +187,8 @@ def response_findings(run: Run, ratio: float) -> list[VettingNote]:
     found.append(VettingNote("frequency_response", "fact", text))
     if _uneven(run):
         steps = np.diff(run.time_s)
-        text = f"time steps of {1e3 * steps.min():.3g} to {1e3 * steps.max():.3g} ms, interpolated: the highest suffer"
-        found.append(VettingNote("uneven_steps", "doubt", text, "log at an even rate"))
+        text = f"time steps of {1e3 * steps.min():.3g} to {1e3 * steps.max():.3g} ms, interpolated"
+        found.append(VettingNote("uneven_steps", "doubt", f"{text}: high frequencies suffer", "log at an even rate"))
     step = run.sensors.input_resolution_rad
     if run.excitation is None and step:
         counts = (step / ratio) ** 2 / 12.0 / run.input_rad.shape[0]

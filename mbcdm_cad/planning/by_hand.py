@@ -121,7 +121,7 @@ def sizes_of_response(loop: ResponseLoop, power: float) -> Sequence[tuple[Suspec
         bare = max(found * scale, LEAST_FALL * float(np.sqrt(mine.size))) / float(np.linalg.norm(mine) + 1e-300)
         least = max(_beside(mine, left[name], bare, 2.0 * sigma) for name, sigma in loop.prior.items())
         rivals = []
-        for name, (_, _, most) in loop.priors().items():
+        for name, (_, _, most) in loop.tolerances.items():
             if name == one.parameter:
                 least += most
             else:

@@ -23,20 +23,16 @@ TRACE_POINTS = 4000
 
 def errors(fitter: Fitter, bare: Fit, fit: Fit, floor_rad: float) -> Errors:
     """Held-out error before and after; intervals from the scatter between held-out sweeps."""
+    first, last = (float(np.abs(one.residual[fitter.test]).max()) for one in (bare, fit))
     before, after = _rms_interval(fitter, bare), _rms_interval(fitter, fit)
-    test = fitter.test
-    could = before.value**2 - floor_rad**2
-    did = before.value**2 - after.value**2
+    return errors_of(before, after, first, last, floor_rad, held_out(fitter.runs))
+
+
+def errors_of(before: Value, after: Value, first: float, last: float, floor_rad: float, held: str) -> Errors:
+    """Errors before and after, RMS and the largest, with the share of what lies above the floor that went."""
+    could, did = before.value**2 - floor_rad**2, before.value**2 - after.value**2
     share = float(np.clip(did / could, 0.0, 1.0)) if could > 0.0 else 1.0
-    return Errors(
-        before,
-        after,
-        float(np.abs(bare.residual[test]).max()),
-        float(np.abs(fit.residual[test]).max()),
-        floor_rad,
-        share,
-        held_out(fitter.runs),
-    )
+    return Errors(before, after, first, last, floor_rad, share, held)
 
 
 def _rms_interval(fitter: Fitter, fit: Fit) -> Value:

@@ -36,6 +36,7 @@ from mbcdm_cad.loop.search.few_words import (
     hangs_on,
     not_testable,
     pictures_of,
+    verdict_of,
 )
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.loop.search.select import LEAST_FALL
@@ -105,15 +106,10 @@ class FewReadings:
         if untold:
             fit, whole, steps, small, named, sets, left = self.bare, self.bare, [], [], [], [], None
         found = errors(self.fitter, self.bare, fit, self.floor_rad)
-        if untold or not self.fitter.test.any():
-            verdict = "not_testable"
-        elif named or sets:
-            verdict = "explained" if left is None else "partly_explained"
-        else:
-            verdict = "none" if left is None else "unknown"
+        untested = untold or not self.fitter.test.any()
         sizes = zip(fit.effects, fit.values, strict=True)
         return LoopResult(
-            verdict,
+            "not_testable" if untested else verdict_of([*named, *sets], left),
             tuple(named),
             tuple(sets),
             left,
@@ -306,8 +302,7 @@ class FewReadings:
         n = int(used.sum())
         squares = [float(np.sum(self.fitter.centred(one.residual, used)[used] ** 2)) for one in (worse, better)]
         variance = max(squares[1] / max(n - free, 1), self.floor_rad**2)
-        exponent = 0.5 * ((squares[0] - squares[1]) / variance + (worse.width - better.width) * log(n))
-        return exp(min(exponent, 700.0))
+        return odds_of((squares[0] - squares[1]) / variance, worse.width - better.width, n)
 
     def _best_forms(self, whole: Fit) -> Fit:
         """The fit of all readings with each effect in the first form of the library that fits them as well as any."""
@@ -398,6 +393,12 @@ class FewReadings:
             return None
         rms, peak = float(np.sqrt(np.mean(r**2))), float(np.abs(r).max())
         return LeftOver(rms, peak, self.floor_rad, (), (), 0.0, (), hangs_on(self.fitter, r, self.at_rest))
+
+
+def odds_of(rise: float, more: int, n: int) -> float:
+    """Odds against a fit of n values whose squares, over their variance, are larger by ``rise``, with ``more`` figures,
+    by Bayes' criterion."""
+    return exp(min(0.5 * (rise + more * log(n)), 700.0))
 
 
 def prepared_by_hand(run: Run, ratio: float) -> Prepared:

@@ -42,6 +42,13 @@ class LeftOver(Unknown):
         return f"{rms} RMS, {peak} at most; {self.hangs_on}"
 
 
+def verdict_of(found: Sequence[object], left: LeftOver | None) -> str:
+    """The verdict on what was found and what is left."""
+    if found:
+        return "explained" if left is None else "partly_explained"
+    return "none" if left is None else "unknown"
+
+
 def hangs_on(fitter: Fitter, r: Floats, at_rest: bool) -> str:
     """On what a residual of the used readings hangs, in words."""
     runs, used = fitter.runs, fitter.used
