@@ -30,7 +30,7 @@ class Travel(Block):
 
     ORDER: ClassVar[tuple[str, ...]] = ("half_angle_deg", "stop_clearance_deg")
 
-    half_angle_deg: Number = quantity("travel from the centre to each side", unit="deg", ge=1.0, le=120.0)
+    half_angle_deg: Number = quantity("travel each way; more: configuration siso_spur", unit="deg", ge=1.0, le=120.0)
     from_deg: Number | None = quantity(
         "angle of the output at the lower end of the travel, in place of half_angle_deg; all other angles of the drum "
         "are counted from the middle of the travel",

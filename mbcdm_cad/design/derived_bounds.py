@@ -40,7 +40,8 @@ def _told(problem: Problem, tree: Tree, sizing: Sizing, fits: Fits) -> Problem:
     asked = dict.fromkeys(_requirements(problem.field, tree, sizing))
     if not asked:
         return problem
-    field, own = next(iter(asked)), f"give {problem.field} a value within its limit"
+    _, bracket, meaning = problem.remedy.partition(" (")
+    field, own = next(iter(asked)), f"give {problem.field} a value within its limit{bracket}{meaning}"
     remedy = f"change {' or '.join(asked)}, or {own}"
     # Each trial sizes the whole drive, so that the first requirement that helps is taken.
     works = next(((name, value) for name in asked for value in _works(tree, name, fits)), None)

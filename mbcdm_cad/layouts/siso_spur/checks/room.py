@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import pi
+from math import exp, hypot, pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,7 @@ from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims
 from mbcdm_cad.parts.bought.bodies import RING_ENCODER_FLATS
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
 from mbcdm_cad.parts.drum_sector.sizes import nut_corner_radius_mm
+from mbcdm_cad.parts.making import land_band_mm
 from mbcdm_cad.parts.motor_head.dims import body_radius_mm
 from mbcdm_cad.parts.threads import SHEAR_SHARE
 
@@ -178,7 +179,32 @@ def dowel_holes(s: SpurLayout) -> Comparison:
 
 
 def spread(s: SpurLayout) -> Comparison:
-    """What the least turn of a nut changes of a preload, over it: the spread must leave room for it both ways."""
+    """What the least turn of a nut, or lands of unequal radii, change of a preload, over it: the spread holds it."""
+    return worst((by_nut(s), by_radii(s)))
+
+
+def by_radii(s: SpurLayout) -> Comparison:
+    """Cables whose ratios differ wind against each other, since one input and one drum turn them all.
+
+    A ratio off by e of the mean strains a span of length L by e (1 - exp(-R theta / L)) when the drum has turned by
+    theta, since the rope that leaves the span takes its strain along (derived; slip on the wraps makes it less).
+    """
+    drive, cable = s.drive, s.drive.cables[0]
+    bands = (land_band_mm(drive, r) / r for r in (cable.drum_radius_mm, cable.input_radius_mm))
+    off = hypot(*bands) * sqrt(1.0 - 1.0 / drive.parallel)
+    strain = off * (1.0 - exp(-cable.drum_radius_mm * s.half_travel_rad / drive.free_span_mm))
+    least = min(c.preload_N for c in drive.cables)
+    return at_most(
+        "preload by lands of unequal radii at the end of the travel, over it",
+        drive.cable.axial_stiffness_N * strain / least,
+        drive.parallel_spread,
+        "of preload",
+        "tolerances of the lands (RSS), ropes cut from one length",
+    )
+
+
+def by_nut(s: SpurLayout) -> Comparison:
+    """What the least turn of a nut changes of a preload, over it."""
     plan, drive = s.tensioning, s.drive
     assert plan is not None
     steps = [NUT_TURN / (c.turns_per_N * c.preload_N) for c in plan.cables]
@@ -250,12 +276,12 @@ DOWELS = (
 )
 SPREAD = Check(
     "parallel_spread",
-    "Nuts can set parallel cables as alike as stated",
-    "model: EA, length and pitch of the stud; a quarter of a flat: estimate",
+    "Parallel cables are as alike as stated",
+    "model: EA, length, pitch of the stud, fits of the lands; a quarter of a flat: estimate",
     spread,
     "warn",
     adjust=(up("rope.preload_N"),),
-    advice="choose a drum.spring under the nuts, or state a larger transmission.parallel_spread",
+    advice="state a larger transmission.parallel_spread, or, for nuts, choose a drum.spring under them",
     applies=is_parallel,
 )
 CHECKS = (
