@@ -121,7 +121,7 @@ def response_of(run: Run, ratio: float) -> FrequencyResponse:
     output = replace(output, sigma=np.hypot(output.sigma, counted * np.abs(output.value)))
     if twist is not None:
         # What the inputs are wrong by is a twist.
-        counted *= np.abs(twist.value / (1.0 - output.value) * output.value)
+        counted *= np.abs(twist.value / (1.0 - output.value))
         twist = replace(twist, sigma=np.hypot(twist.sigma, counted))
     power = averaged(np.abs(u / differences) ** 2)[kept].real / n
     return FrequencyResponse(frequency[kept], output, twist, acceleration, amplitude, power)

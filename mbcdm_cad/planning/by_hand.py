@@ -112,7 +112,8 @@ def sizes_of_response(loop: ResponseLoop, power: float) -> Sequence[tuple[Suspec
     free, columns = loop.slopes()
     basis, sure = np.linalg.qr(free)[0], float(norm.isf(1.0 - power))
     left = {name: column - basis @ (basis.T @ column) for name, column in columns.items()}
-    found = float(np.sqrt(chi2.isf(CHANCE / len(loop.suspects), 1))) + sure
+    # The F test has the averages that are not held back, the odds have all.
+    found = (float(np.sqrt(chi2.isf(CHANCE / len(loop.suspects), 1))) + sure) / float(np.sqrt(np.mean(~loop.test)))
     apart, scale = np.sqrt(2.0 * log(ODDS)) + sure, float(np.sqrt(loop.together))
     result = []
     for one in loop.suspects:

@@ -217,8 +217,9 @@ class ResponseLoop:
         if drive is not None:
             self.prior["law"] = LAW_SHARE
         if any(one.twist is not None for one in self.seen):
-            sensor = runs[0].sensors.torque_class
-            self.prior |= {"load_gain": 0.5 * sensor.share + 1e-6, "load_lag": 0.5 * sensor.lag_s + 1e-6}
+            classes = [run.sensors.torque_class for run in runs]
+            self.prior["load_gain"] = 0.5 * max(one.share for one in classes) + 1e-6
+            self.prior["load_lag"] = 0.5 * max(one.lag_s for one in classes) + 1e-6
         # Size and bounds of what is always free, and of what the structure and the declared inertia may be wrong by.
         self.nuisances = {"loss": (0.02, 0.0, 1.0), "viscous_s": (1e-4, 0.0, 0.1)} | _within_two(self.prior)
         self.tolerances: dict[str, tuple[float, float, float]] = {}
@@ -226,7 +227,9 @@ class ResponseLoop:
             self.nuisances["softening"] = (0.1 * (2.0 * np.pi * self.highest_Hz) ** -2.0 / max(most), 0.0, np.inf)
         else:
             structure = max(held.sigma_rad_Nm for held in self.held)
-            self.tolerances = _within_two({"structure": structure, "inertia": runs[0].plate.inertia_share})
+            self.tolerances = _within_two(
+                {"structure": structure, "inertia": max(run.plate.inertia_share for run in runs)}
+            )
         quotients = [one for seen in self.seen for one in seen.quotients]
         self.measured = np.concatenate([one.value for one in quotients])
         self.scatter = np.concatenate([one.sigma for one in quotients])

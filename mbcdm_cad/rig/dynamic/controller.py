@@ -36,7 +36,7 @@ def sine(amplitude_rad: float, frequency_Hz: float, cycles: float, rate_Hz: floa
 
 
 def chirp(acceleration_rad_s2: float, from_Hz: float, to_Hz: float, duration_s: float, rate_Hz: float) -> Floats:
-    """A sweep of the drum's angle, (n, 3): its acceleration of one size, its frequency rising evenly.
+    """A sweep of the drum's angle, (n, 3): its acceleration of one size, its frequency rising or falling evenly.
 
     It fades in and out over ``FADE_SHARE`` of the time each.
     """
@@ -45,7 +45,7 @@ def chirp(acceleration_rad_s2: float, from_Hz: float, to_Hz: float, duration_s: 
     wave = acceleration_rad_s2 * np.sin(phase) * tukey(time.size, 2.0 * FADE_SHARE)
     rate = 2j * pi * np.fft.rfftfreq(time.size, 1.0 / rate_Hz)
     # Nothing below the sweep: an angle that wanders off would be integrated from the fades.
-    spectrum = np.where(np.abs(rate) > pi * from_Hz, np.fft.rfft(wave), 0.0)
+    spectrum = np.where(np.abs(rate) > pi * min(from_Hz, to_Hz), np.fft.rfft(wave), 0.0)
     rate[0] = 1.0
     return np.stack([np.fft.irfft(spectrum / rate**k, time.size) for k in (2, 1, 0)], axis=1)
 
