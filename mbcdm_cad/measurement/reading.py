@@ -20,12 +20,13 @@ from mbcdm_cad.measurement.datafile import DECIMALS, MOST_BROKEN, DataTable, rea
 from mbcdm_cad.measurement.file import MeasurementFile, load_file
 from mbcdm_cad.measurement.known_load import pendulum_load_Nm
 from mbcdm_cad.measurement.logformat import Format, find_format, line_with
-from mbcdm_cad.measurement.run import KNOWN_LOAD, Run, Sensors, StatedMotors, StatedPlate, TorqueClass
+from mbcdm_cad.measurement.run import KNOWN_LOAD, Run, Sensors, StatedMotors, TorqueClass
 from mbcdm_cad.measurement.schema import (
     BY_HAND,
     CREEP,
     CURRENT,
     FREQUENCY_RESPONSE,
+    NO_PLATE,
     TURNING_POINTS,
     Column,
     SensorFigures,
@@ -447,7 +448,7 @@ def _in_si(file: MeasurementFile, asked: dict[str, Column], table: DataTable, so
         motor=motor,
         kind=file.content.kind,
         excitation=rows.get("excitation"),
-        plate=StatedPlate(**plate.model_dump()) if (plate := file.content.inertia_plate) else StatedPlate(),
+        plate=file.content.inertia_plate or NO_PLATE,
     )
 
 

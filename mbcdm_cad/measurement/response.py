@@ -104,13 +104,8 @@ def response_of(run: Run, ratio: float) -> FrequencyResponse:
     if not kept.any():
         none = np.zeros(0)
         return FrequencyResponse(none, Quotient(none.astype(complex), none, none), None, none, none, none)
-    acceleration = _acceleration(
-        frequency,
-        kept,
-        np.asarray(np.where(_near(lines, frequency, kept), y, 0j) / differences * lines**2),
-        n - 1,
-        step,
-    )
+    near = np.pad(np.repeat(kept, AVERAGED), (0, lines.size - count))
+    acceleration = _acceleration(frequency, kept, near * y / differences * lines**2, n - 1, step)
     twist = None if twist is None else _only(twist, kept)
     if twist is not None:
         blind = twist.coherence < LEAST_COHERENCE
@@ -148,11 +143,6 @@ def _quotient(averaged: Callable[[Any], Any], drive: Complex, below: Complex, ab
 
 def _only(one: Quotient, kept: NDArray[np.bool_]) -> Quotient:
     return Quotient(one.value[kept], one.sigma[kept], one.coherence[kept])
-
-
-def _near(lines: Floats, frequency: Floats, kept: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Lines in averages that are kept."""
-    return np.asarray(np.interp(lines, frequency, kept.astype(float), right=0.0) > 0.5)
 
 
 def _acceleration(frequency: Floats, kept: NDArray[np.bool_], spectrum: Complex, n: int, step: float) -> Floats:

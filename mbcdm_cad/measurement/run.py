@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
 from mbcdm_cad.design.fieldpath import FieldPath
-from mbcdm_cad.measurement.schema import MOTION, CountedParts, Kind
+from mbcdm_cad.measurement.schema import MOTION, NO_PLATE, CountedParts, InertiaPlate, Kind
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.storage.compiled import compiled
 
@@ -103,14 +103,6 @@ class PartsSeen:
 
 
 @dataclass(frozen=True)
-class StatedPlate:
-    """What the bench makes the output turn besides the design's payload, and how well all of it is known."""
-
-    inertia_kg_m2: float = 0.0
-    inertia_share: float = 0.02
-
-
-@dataclass(frozen=True)
 class ZerosFound:
     """Zeros of the inputs that were taken from the data, rad: largest difference between two inputs that was removed,
     how wrong that may be, and the angle of all inputs that was removed."""
@@ -156,7 +148,7 @@ class Run:
     kind: Kind = MOTION
     expected_creep: float = 0.0
     excitation: Floats | None = None
-    plate: StatedPlate = StatedPlate()
+    plate: InertiaPlate = NO_PLATE
 
     @cached_property
     def step_s(self) -> float:

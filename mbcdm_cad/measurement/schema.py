@@ -333,6 +333,10 @@ class InertiaPlate(Block):
     )
 
 
+# Nothing besides the design's payload, known as well as usual.
+NO_PLATE = InertiaPlate.model_construct(inertia_kg_m2=0.0)
+
+
 Kind = Literal["motion", "turning_points", "creep", "frequency_response"]
 MOTION, TURNING_POINTS, CREEP, FREQUENCY_RESPONSE = get_args(Kind)
 # Kinds of which a person may have written the few rows, and whose inputs may stand still.

@@ -12,8 +12,8 @@ import yaml
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.measurement.motor_load import weighed
-from mbcdm_cad.measurement.run import Run, Sensors, StatedPlate, TorqueClass
-from mbcdm_cad.measurement.schema import FREQUENCY_RESPONSE, MOTION, CountedParts
+from mbcdm_cad.measurement.run import Run, Sensors, TorqueClass
+from mbcdm_cad.measurement.schema import FREQUENCY_RESPONSE, MOTION, NO_PLATE, CountedParts, InertiaPlate
 from mbcdm_cad.rig.bench_limits import BenchLimits
 from mbcdm_cad.rig.dynamic.experiment import DynamicExperiment
 from mbcdm_cad.rig.dynamic.simulate import simulate as simulate_dynamic
@@ -144,5 +144,5 @@ def run_of(drive: Drive, wanted: Experiment | DynamicExperiment, torque_class: T
         counted=CountedParts.model_validate(counted) if (counted := counted_parts(wanted)) else None,
         kind=kind,
         excitation=None if quasistatic else run.excitation_rad,
-        plate=StatedPlate() if quasistatic else StatedPlate(wanted.load.inertia_kg_m2),
+        plate=NO_PLATE if quasistatic else InertiaPlate(inertia_kg_m2=wanted.load.inertia_kg_m2),
     )
