@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from math import log
 from typing import Any
 
 
@@ -15,6 +16,11 @@ def scaled(value: Any, factor: float) -> Any:
     if isinstance(value, list):
         return [round(value[0] + factor * (item - value[0]), 3) for item in value]
     return float(f"{value * factor:.4g}")
+
+
+def to_a_size_of(sizes: Sequence[float]) -> Callable[[float, float], float]:
+    """A number times a factor, to the nearest (by ratio) of the ``sizes`` in which its part is bought."""
+    return lambda value, factor: min(sizes, key=lambda size: abs(log(size / (value * factor))))
 
 
 def nothing_instead(data: Mapping[str, Any]) -> dict[str, Any]:

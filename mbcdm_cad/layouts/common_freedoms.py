@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from mbcdm_cad.checks.design_variables import ROPE_DIAMETER
-from mbcdm_cad.design.freedom import Freedom
-from mbcdm_cad.layouts.common_rules import COLLAR_SCREWS
+from mbcdm_cad.design.freedom import Freedom, to_a_size_of
+from mbcdm_cad.layouts.common_rules import COLLAR_SCREWS, STOP_PINS_MM
 
 DRIVE: tuple[Freedom, ...] = (
     Freedom("rope.type", kind="ropes", order="diameter_mm", mends=((ROPE_DIAMETER, 1),)),
@@ -16,6 +16,7 @@ DRIVE: tuple[Freedom, ...] = (
     Freedom("drive.gearhead", kind="gearheads", order="max_torque_mNm"),
     Freedom("drum.tensioner", kind="tensioners", order="stud_length_mm"),
     Freedom("drum.bearing", kind="bearings", order="bore_mm"),
+    Freedom("drum.stop_pin_mm", 0.5, 2.0, to_a_size_of(STOP_PINS_MM)),
 )
 INPUTS: tuple[Freedom, ...] = (
     Freedom("input_pulleys.lower_bearing", kind="bearings", order="bore_mm"),

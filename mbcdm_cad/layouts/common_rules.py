@@ -22,6 +22,8 @@ LEAST_LONG_RATIO = 14.2
 CONSTRUCTION, FINER, FINER_ROPE = "7x7", "7x19", "7x19-1.0"
 # Screws of the clamp collars, by size.
 COLLAR_SCREWS = ("M1.6x6", "M2x8", "M2.5x10", "M3x12", "M4x16", "M5x20", "M6x25")
+# Usual diameters of stop pins, from that of small drives upwards, mm.
+STOP_PINS_MM = (3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0)
 # Share of the peak torque at which backlash is stated, if the file has no test torque.
 TEST_SHARE = 0.3
 

@@ -9,6 +9,7 @@ from typing import Any
 
 from mbcdm_cad.checks.fixings import STRESS_SAFETY, lasting_MPa, stalled_Nm
 from mbcdm_cad.layouts.base import NoFigureError
+from mbcdm_cad.layouts.common_rules import STOP_PINS_MM
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.layouts.structure import drum_turn_urad_Nm
 from mbcdm_cad.layouts.trial_sizing import TrialKnown
@@ -213,7 +214,7 @@ def _rim(given: TrialKnown) -> Found:
 
 def _stop_pin(given: TrialKnown) -> Found:
     """Diameter of the stop pin."""
-    return given.first("drum.stop_pin_mm", (3.0, 4.0, 5.0, 6.0, 8.0, 10.0), ("stop_pin",))
+    return given.first("drum.stop_pin_mm", STOP_PINS_MM, ("stop_pin",))
 
 
 def _hub_face(given: TrialKnown) -> Found:

@@ -24,7 +24,7 @@ from mbcdm_cad.report.table import ReportTable
 from mbcdm_cad.solving.question import read_question
 from mbcdm_cad.storage.files import write_whole
 
-DESIGNS = ("paper-box-01", "paper-box-06", "paper-box-10", "paper-rope-01")
+DESIGNS = ("paper-box-01", "paper-box-12", "paper-box-47", "paper-rope-01")
 _ROWS = (
     (
         "torque to weight without losses, N m/kg",
@@ -38,12 +38,13 @@ _ROWS = (
     ("swing of the drum by the cables at 0.91 N m, mrad", "cable_swing_mrad", "0.33"),
     ("swing of the payload, structure counted, mrad", "swing_mrad", ""),
     ("least D/d", "bend_ratio", "14.8"),
+    ("cycles at which half of the cables that break first have broken", "life_cycles", ""),
     ("box along X, mm", "box_x_mm", "126"),
     ("box along Z, mm", "box_z_mm", "97"),
     ("box along Y, mm", "box_y_mm", "34.8"),
 )
 # The designs that are drawn with CAD, and beside what each stands; the first of each group is the file as given.
-BUILT = ("paper-box-06", "leg-aluminium-01", "capstan-printed-01")
+BUILT = ("paper-box-01", "leg-aluminium-01", "capstan-printed-01")
 OTHERS = (
     "leg-aluminium",
     "leg-aluminium-01",
@@ -65,16 +66,23 @@ _OTHER_ROWS = (
     ("box along Y, mm", "box_y_mm"),
 )
 _WORDS = """\
-By torque to weight the paper's drive can be beaten in its own box: {best:.4g} N m/kg without losses in the weaker
-direction, against {own:.4g} of the same model for the paper's own dimensions, and {lossy:.4g} with all losses. It comes
-from a larger ratio on thinner ropes; these swing {further:.1f} times as far under the test torque. With the paper's
-rope and peak torque (`paper-rope`) the front reaches {stiff:.4g} N m/kg with a swing of {stiff_swing:.3g} mrad, beside
-{own:.4g} and {own_swing:.3g} of the model of the paper's drive.
+By torque to weight the paper's drive can be beaten in its own box: {best:.4g} N m/kg without losses in the
+weaker direction, against {own:.4g} of the same model for the paper's own dimensions, and {lossy:.4g} with all
+losses. It comes from a larger ratio on thinner ropes; these swing {further:.1f} times as far under the test
+torque. For {less:.0f} % less torque to weight `paper-box-12` swings {middle:.1f} times as far. With the paper's
+rope and peak torque (`paper-rope`) the front reaches {stiff:.4g} N m/kg with a swing of {stiff_swing:.3g} mrad,
+beside {own:.4g} and {own_swing:.3g} of the model of the paper's drive.
 
-What this does not say: life is not counted, since the files state no cycles; thin ropes at the same D/d are the first
-to ask about. The searches were short, so that better designs are likely; each command prints how many designs it tried,
-how many passed, and what stopped it. The first three come from an earlier state of the search, and its command may end
-at other designs now; each design is checked again with the present program.
+The peak torque here is that at which a motor, a gearhead or a cable is at its limit or a cable goes slack; the
+strength of drum and frame is checked at `loads.peak_torque_Nm` of the file. `paper-box-01` and `-12` pass every
+check with the paper's 3.9 N m there too. Life is that of oiled ropes for 0.91 N m over the whole travel, to and
+fro, by a generic figure with a factor of 5 to 6 either way: thin ropes under less preload do not live shorter
+than the paper's.
+
+The search of `paper-box` tried 5,000 designs, of which 2,141 passed; its last tenth let the front's hypervolume
+grow by 2 %, so that a little better ones are likely. Stop pins of 2.9 mm that it chose were left to the rule (3
+mm), as a search does by now. That of `paper-rope` was short. Each design is checked again with the present
+program.
 """
 _OTHER_WORDS = """\
 Ratio, rope, motor where none is stated, and all dimensions are free. The first column of each group is the file as its
@@ -176,12 +184,14 @@ def _page(reference: Evaluated, found: dict[str, Evaluated]) -> Iterator[str]:
         lossy=best["torque_to_weight_with_losses_Nm_kg"],
         own=own[name],
         further=best[swing] / own[swing],
+        less=100 * (1 - found[DESIGNS[1]].figures[name] / best[name]),
+        middle=found[DESIGNS[1]].figures[swing] / own[swing],
         stiff=stiff[name],
         stiff_swing=stiff[swing],
         own_swing=own[swing],
     )
     yield "```"
-    yield _SEARCH.format(name="paper-box", more="--evaluations 1100")
+    yield _SEARCH.format(name="paper-box", more="--evaluations 5000 --growth 0")
     yield _SEARCH.format(name="paper-rope", more="--free rope.preload_N=40..110 --time 330s")
     yield "```"
 

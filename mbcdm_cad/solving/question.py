@@ -78,7 +78,14 @@ class Question:
         """Fields that may change if the file leaves them to their rules: choices first, then derived dimensions."""
         named = {freedom.field: freedom for freedom in self.file.freedoms()}
         derived = [field for field in self.file.derived() if field not in named]
-        return {**named, **{field: Freedom(field, DERIVED_LOW, DERIVED_HIGH) for field in derived}}
+        found = {**named, **{field: Freedom(field, DERIVED_LOW, DERIVED_HIGH) for field in derived}}
+        return {field: freedom for field, freedom in found.items() if self._has_block_of(field)}
+
+    def _has_block_of(self, field: str) -> bool:
+        """Whether the drive has the part that a field's block describes: idlers and stages are there only if stated."""
+        block = field.split(".")[0]
+        default = self.file.schema.model_fields[block].default
+        return default is not None or block in self.data
 
     @cached_property
     def unruled(self) -> frozenset[str]:

@@ -62,3 +62,18 @@ def test_a_trial_that_begins_at_a_similar_design_is_that_of_its_own_file(layout:
     ]
     assert near.many(points) == alone.many(points)
     assert [near.confirmed(point) for point in points] == [alone(point).passes for point in points]
+
+
+def test_sizes_that_are_bought_stay_bought_and_blocks_that_a_drive_lacks_are_not_free() -> None:
+    rest = (
+        "travel: {half_angle_deg: 30.0}\ntransmission: {input_to_drum: 6.0, drum_radius_mm: 60.0}\n"
+        "loads: {peak_torque_Nm: 1.0}\n"
+    )
+    plain, led = (
+        question_of(f"name: asked\nconfiguration: siso_spur\n{rest}{more}").freedoms
+        for more in ("", "idlers: {pairs: 1}\n")
+    )
+    pin = plain["drum.stop_pin_mm"]
+    assert [pin.stretch(3.0, factor) for factor in (0.5, 0.9, 1.2, 1.45, 2.0)] == [3.0, 3.0, 4.0, 4.0, 6.0]
+    assert led["idlers.bearing"].is_choice and "idlers.width_mm" in led, "a bearing's name cannot be multiplied"
+    assert not [field for field in plain if field.split(".")[0] in ("idlers", "stage", "first_stage")]

@@ -7,6 +7,7 @@ from contextlib import suppress
 from mbcdm_cad.checks.fixings import stop_pin
 from mbcdm_cad.checks.input_pulley import GRIP_DIAMETERS, PASSAGE_MM
 from mbcdm_cad.layouts.base import NoFigureError
+from mbcdm_cad.layouts.common_rules import STOP_PINS_MM
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.plate_screws import PLATE_SCREWS
 from mbcdm_cad.layouts.miso_bevel.sizing.boxes import box_mm, raised, side_wall
@@ -32,8 +33,6 @@ SHELF_SPARE_MM = 0.2
 # Collar above the heads of the gearhead's screws, and journal above them.
 COLLAR_LIFT_MM, SLIT_ABOVE_MM, JOURNAL_LIFT_MM = 0.8, 1.0, 0.5
 SPACE_SPARE_MM = 0.1
-# Usual diameters of pins, from that of small drives upwards.
-STOP_PINS_MM = (3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0)
 # Pins thinner than this share of the diameter that the previous trial required are not tried.
 PIN_SPARE = 0.75
 

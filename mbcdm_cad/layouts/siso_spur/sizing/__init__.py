@@ -88,6 +88,7 @@ FREEDOMS: tuple[Freedom, ...] = (
     Freedom("transmission.drum_radius_mm", 0.7, 2.0, mends=((ALL_RADII, 1),)),
     Freedom("transmission.input_to_drum", 0.7, 1.5),
     Freedom("stage.ratio", 0.5, 2.0),
+    Freedom("idlers.bearing", kind="bearings", order="bore_mm"),
 )
 
 
