@@ -250,7 +250,8 @@ class Train:
         tension = np.broadcast_to(idle[:, None], (d.n_cables, n, output.size))
         # The friction of the bearings follows the tensions, which it hardly changes: two steps are enough.
         for _ in range(2):
-            limit = output - self._bearings_at_inputs(tension)[range(n), range(n)]
+            # Input by input: in a batch of drives, tensions of all inputs at once have an axis that turns do not have.
+            limit = output - np.stack([self._bearings_at_inputs(tension[:, i])[i] for i in range(n)])
             moves = limit > spent
             tension = solve_weighted(wide, weight, direction * np.where(moves, limit, spent)).tension_N
         load = direction * (lever * tension).sum(axis=0)
