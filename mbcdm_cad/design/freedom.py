@@ -18,9 +18,9 @@ def scaled(value: Any, factor: float) -> Any:
     return float(f"{value * factor:.4g}")
 
 
-def to_a_size_of(sizes: Sequence[float]) -> Callable[[float, float], float]:
+def to_a_size(sizes: Sequence[float], value: float, factor: float) -> float:
     """A number times a factor, to the nearest (by ratio) of the ``sizes`` in which its part is bought."""
-    return lambda value, factor: min(sizes, key=lambda size: abs(log(size / (value * factor))))
+    return min(sizes, key=lambda size: abs(log(size / (value * factor))))
 
 
 def nothing_instead(data: Mapping[str, Any]) -> dict[str, Any]:

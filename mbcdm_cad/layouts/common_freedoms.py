@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 from mbcdm_cad.checks.design_variables import ROPE_DIAMETER
-from mbcdm_cad.design.freedom import Freedom, to_a_size_of
+from mbcdm_cad.design.freedom import Freedom, to_a_size
 from mbcdm_cad.layouts.common_rules import COLLAR_SCREWS, STOP_PINS_MM
 
 DRIVE: tuple[Freedom, ...] = (
@@ -16,7 +17,7 @@ DRIVE: tuple[Freedom, ...] = (
     Freedom("drive.gearhead", kind="gearheads", order="max_torque_mNm"),
     Freedom("drum.tensioner", kind="tensioners", order="stud_length_mm"),
     Freedom("drum.bearing", kind="bearings", order="bore_mm"),
-    Freedom("drum.stop_pin_mm", 0.5, 2.0, to_a_size_of(STOP_PINS_MM)),
+    Freedom("drum.stop_pin_mm", 0.5, 2.0, partial(to_a_size, STOP_PINS_MM)),
 )
 INPUTS: tuple[Freedom, ...] = (
     Freedom("input_pulleys.lower_bearing", kind="bearings", order="bore_mm"),
