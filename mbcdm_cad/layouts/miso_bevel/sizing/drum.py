@@ -22,6 +22,7 @@ from mbcdm_cad.design.blocks import NO_PAYLOAD
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.bevel_transfer import terminals_clear
+from mbcdm_cad.layouts.common_rules import STOP_PINS_MM
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.pulleys import STOP_PIN_WALL_MM
 from mbcdm_cad.layouts.miso_bevel.sizing.known import LATER, BevelKnown
@@ -63,14 +64,14 @@ BORE_SHARE, BORE_WALL_MM = 0.7, 1.25
 # Stress of the web beside the hub over that of even shear over half a turn there (estimate; a check computes it).
 WEB_STRESS = 1.6
 # Web of plastic over what a trial asks, with the first of these stop pins that holds; the pin's own rule comes later.
-WEB_SPARE, PLASTIC_STOP_PINS_MM = 1.1, (5.0, 6.0, 8.0, 10.0, 12.0)
+WEB_SPARE, PLASTIC_STOP_PINS_MM = 1.1, tuple(size for size in STOP_PINS_MM if size >= 5.0)
 # Rim under the deepest pocket as a share of the radius of step 1 (estimate; the limit of the check is lower).
 RIM_SHARE = 0.08
 # Wrap left at the end of travel over the limit of its check: reserve for the slip zone at small loads (estimate).
 WRAP_SPARE_DEG = 6.0
 # Reserve of the gap between terminal and guide over the running clearance.
 GUIDE_SPARE_MM = 0.3
-THINNEST_STOP_PIN_MM = 3.0
+THINNEST_STOP_PIN_MM = STOP_PINS_MM[0]
 WIDEST_DEG = 170.0
 # Strength of the lug over the limit of its check.
 LUG_SPARE = 1.1
