@@ -16,6 +16,8 @@ from mbcdm_cad.errors import InputError, Problem, did_you_mean, shortened
 from mbcdm_cad.measurement.schema import (
     BY_HAND,
     CURRENT,
+    FREQUENCY_RESPONSE,
+    MOTION,
     TURNING_POINTS,
     Column,
     Columns,
@@ -143,7 +145,7 @@ def _broken_rules(file: MeasurementFile) -> list[Problem]:
         remedy = "keep one of the two: the measured torque, or what is known of the load"
         told = content.load if isinstance(content.load, str) else "pendulum"
         problems.append(file.problem(("load",), f"given beside columns.{LOAD}", told, remedy=remedy))
-    problems += [*_broken_times(file), *_broken_currents(file, asked)]
+    problems += [*_broken_times(file), *_broken_currents(file, asked), *_of_another_kind(file)]
     named = [key for key in asked if key.startswith("input_")]
     remedy = "give input for a drive that has one, else input_<name> for each input of the design, or left and right"
     if "input" in asked and named:
@@ -186,17 +188,33 @@ def _broken_rules(file: MeasurementFile) -> list[Problem]:
     return problems + _asked_twice(file, asked)
 
 
+def _of_another_kind(file: MeasurementFile) -> list[Problem]:
+    """Problems with fields that have no effect on a run of this kind."""
+    content = file.content
+    if content.columns is None or content.kind == FREQUENCY_RESPONSE:
+        return []
+    fields: dict[FieldPath, object] = {
+        ("inertia_plate",): content.inertia_plate,
+        ("columns", "excitation"): content.columns.excitation,
+    }
+    remedy = f"say kind: {FREQUENCY_RESPONSE} of a chirp, a multisine or noise; else leave it out"
+    what = f"has no effect on a run of kind {content.kind}"
+    return [file.problem(where, what, remedy=remedy) for where, given in fields.items() if given is not None]
+
+
 def _broken_currents(file: MeasurementFile, asked: dict[str, Column]) -> list[Problem]:
-    """Problems with the motors' currents: one for each input, in place of a measured load; not of a weight."""
+    """Problems with the motors' currents: one for each input, in place of a measured load or beside it."""
     currents = [key for key in asked if kind_of(key) == CURRENT]
     if not currents:
         return []
     first: FieldPath = ("columns", currents[0])
     problems = []
-    if LOAD in asked or file.content.load == "none":
-        other = f"columns.{LOAD}" if LOAD in asked else "load: none"
+    if file.content.load == "none":
         remedy = "keep one of the two; beside the currents a load of a weight on an arm may be stated, pendulum"
-        problems.append(file.problem(first, f"given beside {other}", remedy=remedy))
+        problems.append(file.problem(first, "given beside load: none", remedy=remedy))
+    if LOAD in asked and file.content.kind != MOTION:
+        remedy = f"keep one of the two: only a run of kind {MOTION} compares them"
+        problems.append(file.problem(first, f"given beside columns.{LOAD}", remedy=remedy))
     inputs = sorted(key.removeprefix("input").lstrip("_") for key in asked if kind_of(key) == "input")
     if inputs != sorted(key.removeprefix(CURRENT).lstrip("_") for key in currents):
         remedy = "give the current of each input's motor, current_<name> for input_<name>"

@@ -13,13 +13,25 @@ Source: derived; the loss is that of a gearhead whose friction grows with the to
 from __future__ import annotations
 
 from dataclasses import replace
-from math import inf, sqrt
+from math import hypot, inf, sqrt
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.lumped import axis_friction
 from mbcdm_cad.measurement.known_load import motion_of
-from mbcdm_cad.measurement.run import KNOWN_LOAD, Run, StatedMotors, TorqueClass, smoothed
+from mbcdm_cad.measurement.run import (
+    KNOWN_LOAD,
+    MOTORS_CURRENT,
+    BesideSensor,
+    Run,
+    StatedMotors,
+    TorqueClass,
+    half_sweeps,
+    smoothed,
+)
+from mbcdm_cad.measurement.schema import MOTION
 from mbcdm_cad.routes import Floats
 
 # Below this share of its RMS the sense of the speed is not sharp.
@@ -28,6 +40,9 @@ STANDSTILL_SHARE = 0.1
 SLOW_SHARE = 0.3
 # What the fit of a known weight may leave, as a share of the weight's load, both RMS; without noise, by a mean over s.
 REST_SHARE, REST_S = 0.05, 0.2
+# Weight from which the currents' gain is used beside a sensor's, and the share of the sensor's torque that must not go
+# with the motion for a gain to be told from losses.
+LEAST_USED, LEAST_TOLD = 0.1, 0.2
 
 
 def motors_load_Nm(
@@ -57,12 +72,15 @@ def motors_load_Nm(
 def with_motors_load(run: Run, drive: Drive | None, turns_per_drum: Floats) -> Run:
     """The run with the load of its motors' currents, unchanged without them; its angles are behind the gearhead.
 
-    Where the load is known too, a weight on an arm, it gives the torque constant.
+    Where the load is known too, a weight on an arm, it gives the torque constant; a torque sensor stays the load.
     """
     weight = run.load_Nm if run.sensors.torque_class.what == KNOWN_LOAD else None
-    if run.current_A is None or run.motor is None or (run.load_Nm is not None and weight is None):
+    done = run.load_Nm is not None and run.sensors.torque_class.what == MOTORS_CURRENT
+    if run.current_A is None or run.motor is None or run.kind != MOTION or done or run.beside is not None:
         return run
     figures = run.motor if drive is None else figures_of(run.motor, drive)
+    if run.load_Nm is not None and weight is None:
+        return beside_sensor(run, figures, turns_per_drum, run.load_Nm, drive)
     if weight is None:
         load = motors_load_Nm(figures, run.current_A, run.input_rad, run.time_s, turns_per_drum)
         return replace(run, load_Nm=load)
@@ -78,10 +96,7 @@ def beside_weight(run: Run, figures: StatedMotors, turns_per_drum: Floats, weigh
     load is its standard deviation, and it is weighed with the stated constant by theirs. Where the fit leaves little,
     it stands in place of the currents: these do not show the load where the motion turns, which is where it is extreme.
     """
-    speed = motion_of(run.output_rad, run.time_s)[0]
-    sense = np.sign(speed)
-    table = np.stack([weight_Nm, sense, sense * np.abs(weight_Nm), speed, np.ones_like(speed)], axis=1)
-    moving = np.abs(speed) > SLOW_SHARE * float(np.std(speed))
+    table, moving = _carried_by(run, weight_Nm)
     share, sigma = weighed(figures.torque_constant_share, 0.5 * run.sensors.torque_class.share)
     assert run.current_A is not None and figures.torque_constant_Nm_A is not None
     constant = figures.torque_constant_Nm_A
@@ -98,6 +113,55 @@ def beside_weight(run: Run, figures: StatedMotors, turns_per_drum: Floats, weigh
     rest = smoothed(load - fitted, REST_S, run.step_s)[moving]
     little = float(np.std(rest)) < REST_SHARE * float(np.std(weight_Nm))
     return fitted if little else load, sigma
+
+
+def _carried_by(run: Run, load_Nm: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+    """What motors carry that turn a load (n,): the load, a friction with the sense of the motion, one that grows with
+    the load and one with the speed, and a zero (n, 5); the samples at which they move (n,)."""
+    speed = motion_of(run.output_rad, run.time_s)[0]
+    sense = np.sign(speed)
+    table = np.stack([load_Nm, sense, sense * np.abs(load_Nm), speed, np.ones_like(speed)], axis=1)
+    return table, np.abs(speed) > SLOW_SHARE * float(np.std(speed))
+
+
+def beside_sensor(
+    run: Run, figures: StatedMotors, turns_per_drum: Floats, measured_Nm: Floats, drive: Drive | None
+) -> Run:
+    """The run with what its currents say beside its torque sensor.
+
+    A gain is the same in both senses of power, a loss is not. The sensor's torque stays the load; where the torque
+    constant is known well beside the sensor's class, its gain is moved towards that of the currents, by their
+    standard deviations.
+    """
+    assert run.current_A is not None
+    table, moving = _carried_by(run, measured_Nm)
+    table = table[moving]
+    load = motors_load_Nm(figures, run.current_A, run.input_rad, run.time_s, turns_per_drum)[moving]
+    factors, square = np.linalg.lstsq(table, load, rcond=1e-9)[:2]
+    rest = table[:, 1:]
+    alone = table[:, 0] - rest @ np.linalg.lstsq(rest, table[:, 0], rcond=1e-9)[0]
+    told = float(np.linalg.norm(alone) / (np.linalg.norm(table[:, 0]) + 1e-300))
+    # What the fit leaves goes together over half sweeps: each counts once.
+    halves = max(int(half_sweeps(run.output_rad).max()), 1)
+    spread = float(np.sqrt(square.sum() / load.size / halves) / (np.std(alone) + 1e-300))
+    gain, constant_sigma = float(factors[0]), hypot(figures.torque_constant_share, spread)
+    of_design = None
+    if drive is not None:
+        axis = axis_friction(drive)
+        of_design = axis.drum_Nm + float(np.dot(axis.inputs_Nm, np.abs(turns_per_drum)))
+    speed = float(np.sqrt(np.mean(table[:, 3] ** 2)))
+    given = run.sensors.torque_class
+    used, sigma = weighed(0.5 * given.share, constant_sigma)
+    found = BesideSensor(
+        gain, constant_sigma, float(factors[1]), float(factors[2]), float(factors[3]) * speed, told, of_design
+    )
+    if used < LEAST_USED or told < LEAST_TOLD or gain <= 0.0:
+        return replace(run, beside=found)
+    sensors = replace(
+        run.sensors, torque_class=replace(given, share=2.0 * sigma, gain_sigma=sigma, zero_share=given.zero)
+    )
+    load_Nm = measured_Nm * (1.0 + used * (gain - 1.0))
+    return replace(run, load_Nm=load_Nm, sensors=sensors, beside=replace(found, used=used))
 
 
 def weighed(stated: float, by_weight: float) -> tuple[float, float]:

@@ -427,7 +427,7 @@ def _in_si(file: MeasurementFile, asked: dict[str, Column], table: DataTable, so
         given.torque_noise_Nm,
         given.input_noise_rad,
         given.output_noise_rad,
-        _torque_class(given, file.content.load is not None, motor),
+        _torque_class(given, file.content.load is not None, motor if "load_torque" not in rows else None),
     )
     return Run(
         rows["time"],

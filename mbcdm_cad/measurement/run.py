@@ -75,6 +75,25 @@ class TorqueClass:
 
 
 @dataclass(frozen=True)
+class BesideSensor:
+    """What motors carry beside a torque sensor: ``gain`` times its torque (with standard deviation), and by the sense
+    of the motion a constant, a share of its size, and at the usual speed what is viscous.
+
+    ``told``: the share of the sensor's torque that does not go with the motion; ``of_design_Nm``: the constant by the
+    design's figures, None without one; ``used``: how much the loop weighs the currents' gain beside the sensor's.
+    """
+
+    gain: float
+    gain_sigma: float
+    dry_Nm: float
+    share: float
+    viscous_Nm: float
+    told: float
+    of_design_Nm: float | None = None
+    used: float = 0.0
+
+
+@dataclass(frozen=True)
 class Sensors:
     """Resolution and noise of the sensors; None where the measurement file does not state them."""
 
@@ -123,10 +142,10 @@ class Run:
     ``zeros``: those of the inputs that the file does not give (:mod:`mbcdm_cad.measurement.vet`). ``counted``: what the
     file lets the prediction count besides the cables; ``parts``: its figures, once the run is compared with a design.
     ``current_A`` (n_inputs, n) are the motors' currents, ``motor`` their figures: the load follows from them where the
-    run is compared with a design, or with its ratio. ``kind`` is what the rows are; where inputs stand still and have
-    no columns, they are at zero. ``expected_creep``: of a run at rest, the creep of the rope for each decade of time
-    by its catalogue entry, over its elastic stretch. ``excitation`` (n,), in any unit, and ``plate``: of a frequency
-    response what excites it, and what the output turns.
+    run is compared with a design, or with its ratio, and is ``beside`` a sensor's where there is one. ``kind`` is what
+    the rows are; where inputs stand still and have no columns, they are at zero. ``expected_creep``: of a run at rest,
+    the creep of the rope for each decade of time by its catalogue entry, over its elastic stretch. ``excitation`` (n,),
+    in any unit, and ``plate``: of a frequency response what excites it, and what the output turns.
     """
 
     time_s: Floats
@@ -145,6 +164,7 @@ class Run:
     parts: PartsSeen | None = None
     current_A: Floats | None = None
     motor: StatedMotors | None = None
+    beside: BesideSensor | None = None
     kind: Kind = MOTION
     expected_creep: float = 0.0
     excitation: Floats | None = None

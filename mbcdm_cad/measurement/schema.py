@@ -120,7 +120,8 @@ class Columns(Block):
     )
     temperature: Column | None = choice("temperature at the drive", source=LOGGER, default=None)
     current: Column | None = choice(
-        "current of the motor, in place of load_torque; current_<name>, as the inputs, where there are several",
+        "current of the motor, in place of load_torque, or beside it: the losses between both are then told from the "
+        "gain of the sensor; current_<name>, as the inputs, where there are several",
         source=LOGGER,
         default=None,
     )

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from math import hypot
 
 import numpy as np
 from scipy.linalg import LinAlgError, eigh
 
 from mbcdm_cad.design.fieldpath import FieldPath
+from mbcdm_cad.measurement.motor_load import LEAST_TOLD
 from mbcdm_cad.measurement.run import (
     KNOWN_LOAD,
     MOTORS_CURRENT,
     SPEED_WINDOW_S,
+    BesideSensor,
     Run,
     VettingNote,
     column_of,
@@ -309,7 +312,42 @@ def _source_of_load(run: Run) -> list[VettingNote]:
         weighed = run.motor is not None and (allowed.gain_sigma or 1.0) < run.motor.torque_constant_share
         remedy = "turn a known weight on an arm and state it as load, pendulum: it gives the torque constant"
         return [VettingNote("motors_current", "fact", text, "" if weighed else remedy)]
-    return []
+    return [] if run.beside is None else [_beside(run, run.beside)]
+
+
+# Standard deviation of the gain of currents over a sensor from which they say nothing.
+MOST_SCATTER = 0.3
+
+
+def _beside(run: Run, found: BesideSensor) -> VettingNote:
+    """What the motors' currents say beside a torque sensor, and what the loop uses of them."""
+    allowed = run.sensors.torque_class
+    if found.told < LEAST_TOLD:
+        text = (
+            "motors' currents beside the torque sensor: the load goes with the motion, so that a gain and losses look "
+            "alike, and the currents are not used"
+        )
+        return VettingNote("currents_beside", "fact", text, "add a load that does not, as a weight on an arm")
+    if found.gain_sigma > MOST_SCATTER:
+        text = "motors' currents do not follow the torque sensor: no loss is told, and they are not used"
+        remedy = "check the signs of currents and torque, and that the columns belong together"
+        return VettingNote("currents_beside", "doubt", text, remedy)
+    design = "" if found.of_design_Nm is None else f" (by the design {found.of_design_Nm:.2g})"
+    text = (
+        f"the motors' currents carry {found.gain:.3g} times (sigma {found.gain_sigma:.2g}) what the torque sensor "
+        f"shows, and with the sense of the motion {found.dry_Nm:.2g} N m{design}, {100.0 * found.share:.2g} % of the "
+        f"load and {found.viscous_Nm:.2g} N m that grow with the speed: losses between motors and sensor, told from a "
+        "gain, which is the same in both senses of power"
+    )
+    if found.used:
+        text += f"; the load is the sensor's with its gain moved by {found.used:.0%} of the way to the currents'"
+    else:
+        text += f"; the load is the sensor's alone, whose gain is known to {0.5 * allowed.share:.2g}"
+    bound = 2.0 * hypot(found.gain_sigma, 0.5 * allowed.share)
+    if not found.used and abs(found.gain - 1.0) > bound:
+        remedy = "check the gain of the sensor, the torque constant (phase or bus current?) and the gear ratio"
+        return VettingNote("currents_beside", "doubt", f"{text}; they differ by more than {bound:.2g}", remedy)
+    return VettingNote("currents_beside", "fact", text)
 
 
 def load_levels(load_Nm: Floats) -> list[float]:

@@ -18,6 +18,7 @@ from mbcdm_cad.measurement.reading import load_measurement
 from mbcdm_cad.measurement.run import KNOWN_LOAD, MOTORS_CURRENT, Run, Sensors, StatedMotors, TorqueClass
 from mbcdm_cad.measurement.schema import Pendulum
 from mbcdm_cad.measurement.vet import vetted_runs
+from mbcdm_cad.measurement.vet_signals import reach_findings
 
 DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
 T = np.arange(0.0, 20.0, 0.005)
@@ -114,9 +115,60 @@ def test_a_weight_on_an_arm_gives_the_torque_constant(wrong: float) -> None:
 
 
 @pytest.mark.parametrize(
+    ("gain", "constant", "share", "level"),
+    [(1.0, 0.05, 0.01, "fact"), (1.3, 0.03, 0.01, "doubt"), (1.04, 0.005, 0.06, "fact")],
+)
+def test_currents_beside_a_torque_sensor_tell_losses_from_its_gain(
+    gain: float, constant: float, share: float, level: str
+) -> None:
+    """Friction worked out by hand: 0.1 N m and 5 % of the load, by the sense of motion."""
+    angle = 0.4 * np.sin(2.0 * np.pi * T / 6.0)
+    speed, acceleration = np.gradient(9.0 * angle, T), np.gradient(np.gradient(9.0 * angle, T), T)
+    load = 0.8 * np.sin(2.0 * np.pi * T / 4.3) + 0.2
+    amperes = current(load + (0.1 + 0.05 * np.abs(load)) * np.sign(speed), speed, acceleration)
+    rng = np.random.default_rng(3)
+    measured = gain * load + 0.01 * rng.normal(size=T.size)
+    run = Run(
+        T,
+        9.0 * angle[None],
+        angle,
+        measured,
+        sensors=Sensors(torque_class=TorqueClass(share)),
+        current_A=(amperes + 1e-3 * rng.normal(size=T.size))[None],
+        motor=replace(FIGURES, torque_constant_share=constant),
+    )
+    found = with_motors_load(run, None, TURNS)
+    beside = found.beside
+    assert beside is not None and beside.gain == pytest.approx(1.0 / gain, abs=0.01), beside
+    assert beside.dry_Nm == pytest.approx(0.1, abs=0.01) and beside.share == pytest.approx(0.05 / gain, abs=0.012), (
+        beside
+    )
+    (note,) = (one for one in reach_findings(found, float(TURNS[0]), None) if one.kind == "currents_beside")
+    assert note.level == level, note
+    assert found.load_Nm is not None and found.sensors.torque_class.what == "torque sensor"
+    if share > 0.05:  # a good torque constant beside a poor sensor: its gain is mended
+        assert np.std(found.load_Nm) == pytest.approx(np.std(load), rel=0.01)
+        assert found.sensors.torque_class.share < 0.025
+    else:
+        np.testing.assert_array_equal(found.load_Nm, measured)
+    assert with_motors_load(found, None, TURNS) is found
+    # A brake goes with the motion: no gain is told from losses.
+    braked = replace(run, load_Nm=0.5 * np.sign(speed))
+    (note,) = (one for one in reach_findings(with_motors_load(braked, None, TURNS), 9.0, None) if "beside" in one.kind)
+    assert "look alike" in note.text, note
+
+
+@pytest.mark.parametrize(
     ("columns", "rest", "words"),
     [
         (BOTH, "load: none\n", "given beside load"),
+        (BOTH + "  load_torque: {column: il, unit: N*m}\n", "kind: creep\n", "only a run of kind motion"),
+        (
+            "",
+            "inertia_plate: {inertia_kg_m2: 0.02}\n",
+            "inertia_plate: has no effect on a run of kind motion; say kind",
+        ),
+        ("  excitation: {column: il, unit: A}\n", "", "excitation: has no effect"),
         (BOTH.split("\n")[0] + "\n", "", "currents are not those of the inputs"),
         (BOTH, "ratio: 9\n", "lacks torque_constant_Nm_A"),
         ("  current_left: {column: il, unit: V}\n", "", "no unit of current"),
