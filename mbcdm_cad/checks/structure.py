@@ -7,6 +7,7 @@ from math import hypot, pi
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, noted, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.fixings import FRICTION, STRESS_SAFETY, lasting_MPa, stalled_Nm
+from mbcdm_cad.layouts.base import PRINTED_WINDUP
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.layouts.structure import Structure
 from mbcdm_cad.parts.drum_sector.payload import (
@@ -124,8 +125,18 @@ def frame_windup(s: SectorLayout) -> Comparison:
 
 
 def _stiffer_frame(s: SectorLayout) -> str:
-    study = s.frame_study
-    return study.advice if study is not None else ""
+    """The walls that give most, the fields that thicken them, and where the limit comes from if no file states it."""
+    study, found = s.frame_study, s.frame_compliance
+    if study is None or found is None:
+        return ""
+    most = sorted(found.shares_urad_Nm.items(), key=lambda share: -share[1])[:3]
+    told = ", ".join(f"{name} {turn / found.windup_urad_Nm:.0%}" for name, turn in most)
+    times = f"{PRINTED_WINDUP:g} times the cables' turn" if s.printed_frame else "the cables' turn"
+    stated = f" or state limits.frame_windup_max_mrad, left out {times}"
+    return (
+        f"thicken the walls that bend most{f' ({told})' if told else ''}: {', '.join(study.walls)}"
+        f"{stated if s.drive.limits.frame_windup_max_mrad is None else ''}"
+    )
 
 
 def stiffness(s: SectorLayout) -> Comparison:

@@ -76,14 +76,14 @@ class FrameCompliance:
 class FrameStudy:
     """The computation of the frame's compliance and all that it depends on, so that its result can be cached.
 
-    ``module`` is the one whose code computes it, ``inputs`` are plain data, complete for the cache key. ``advice`` says
-    how to make the frame stiffer.
+    ``module`` is the one whose code computes it, ``inputs`` are plain data, complete for the cache key. ``walls`` are
+    the fields of the design file that make the frame stiffer.
     """
 
     module: str
     inputs: Any
     compliance: Callable[[], FrameCompliance]
-    advice: str = "thicken the walls that bend most"
+    walls: tuple[str, ...]
 
 
 class PathFigures(Protocol):

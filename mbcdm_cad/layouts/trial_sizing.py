@@ -13,6 +13,7 @@ from dataclasses import replace
 from math import ceil, floor, inf, pi
 from typing import Any
 
+from mbcdm_cad.checks.comparison import TOLERANCE
 from mbcdm_cad.design.bought import (
     NO_BEARING,
     NO_ENCODER,
@@ -223,7 +224,7 @@ class TrialKnown(RopeKnown):
         if before is not None:
             found, tried, _ = self._searched(way, before.checks, before.failing)
             if found is not None and len(tried) == (1 if before.failing is None else 2):
-                return _without(found, checks, before.checks)
+                return self._without(field, found, checks, before.checks)
         found, tried, failing = self._searched(way, checks)
         within = checks if found is not None else _within_reach(checks, tried)
         if found is None and within and len(within) < len(checks):
@@ -232,7 +233,16 @@ class TrialKnown(RopeKnown):
             nearest, margins = max(tried, key=_worst_margin)
             return Found(nearest, min(margins, key=lambda name: margins[name][0]), "no value passes: the nearest")
         self.drives.ends[way] = End(within, failing)
-        return _without(found, checks, within)
+        return self._without(field, found, checks, within)
+
+    def _without(self, field: str, found: Found, checks: Sequence[str], within: Sequence[str]) -> Found:
+        """The result with a note of the checks that were left out and still fail with it.
+
+        Those left out in an earlier pass may hold now that other fields are known.
+        """
+        left = [name for name in checks if name not in within]
+        missed = [name for name in left if self.margins(field, found.value, (name,))[name][0] < -TOLERANCE]
+        return replace(found, rounding=f"{found.rounding}; no value meets {', '.join(missed)}") if missed else found
 
     def _searched(
         self, way: Way, checks: tuple[str, ...], begin: At | None = None
@@ -298,13 +308,6 @@ class TrialKnown(RopeKnown):
 def _within_reach(checks: Iterable[str], tried: Sequence[Trial]) -> tuple[str, ...]:
     """The checks that hold in any of the trials: this field can meet them."""
     return tuple(name for name in checks if any(margins[name][0] >= 0.0 for _, margins in tried))
-
-
-def _without(found: Found, checks: Sequence[str], within: Sequence[str]) -> Found:
-    """The result with a note of the checks that were left out."""
-    if len(within) == len(checks):
-        return found
-    return replace(found, rounding=f"{found.rounding}; no value meets {_others(checks, within)}")
 
 
 def _others(checks: Iterable[str], within: Sequence[str]) -> str:

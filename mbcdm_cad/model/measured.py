@@ -21,3 +21,8 @@ MOTOR_TORQUE_MNM = 2.9  # section 4.1
 GEAR_RATIO = 76.0  # section 4.1
 RMSE_SHARE = 0.0414  # section 5.3
 FLAT_FRICTION = 0.3  # section 4.2: the backlash flattens out from here on
+
+
+def papers_test(load_Nm: float) -> bool:
+    """Whether a turn or swing under ``load_Nm`` may stand beside the paper's: only the same load compares."""
+    return abs(load_Nm - BACKLASH_TORQUE_NM) < 1e-9

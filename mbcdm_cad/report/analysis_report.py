@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from mbcdm_cad.layouts.turns import plain_modes
 from mbcdm_cad.model import Analysis, analyse
 from mbcdm_cad.model.figures import ShaftTurns
+from mbcdm_cad.model.measured import papers_test
 from mbcdm_cad.report.as_built_chances import Chance, chance_lines, chances_of
 from mbcdm_cad.report.duty import DutyReport, duty_report
 from mbcdm_cad.report.life import LifeReport, life_report
@@ -298,10 +299,11 @@ def analyse_design(drive: Drive, found: Sequence[AsBuilt] = ()) -> AnalysisRepor
 
 
 def _model_notes(a: Analysis, structure: StructureReport | None) -> Iterator[str]:
-    readings = ", ".join(f"{r.modulus_GPa:.1f} GPa ({r.reading}, {r.route})" for r in a.implied_modulus)
-    yield f"  the paper's {a.measured_backlash_mrad:g} mrad at 70 N, 0.91 N m implies E = {readings}"
-    if structure is not None:
-        yield f"  {structure.modulus_words()}"
+    if papers_test(a.test[0].load_Nm):
+        readings = ", ".join(f"{r.modulus_GPa:.1f} GPa ({r.reading}, {r.route})" for r in a.implied_modulus)
+        yield f"  the paper's {a.measured_backlash_mrad:g} mrad at 70 N, 0.91 N m implies E = {readings}"
+        if structure is not None:
+            yield f"  {structure.modulus_words()}"
     inputs = ", ".join(dict.fromkeys(c.input_name for c in a.cables))
     yield (
         f"  largest deviation from Eq. (1) {a.eq1_worst_residual:.3g}; over the travel the cables of a pair differ by "
@@ -365,9 +367,14 @@ def mode_words(m: Modes) -> str:
     )
 
 
+def speed_shown(speed_deg_s: float) -> str:
+    """A speed of the drum, deg/s: whole degrees from 100 on, three digits below."""
+    return f"{speed_deg_s:.0f}" if speed_deg_s >= 100.0 else f"{speed_deg_s:.3g}"
+
+
 def curve_table(m: Mapping[str, Any]) -> ReportTable:
     """Torque at the drum over its speed."""
     rows = tuple(
-        (f"{p['drum_speed_deg_s']:.0f}", f"{p['continuous_Nm']:.3f}", f"{p['peak_Nm']:.3f}") for p in m["curve"]
+        (speed_shown(p["drum_speed_deg_s"]), f"{p['continuous_Nm']:.3f}", f"{p['peak_Nm']:.3f}") for p in m["curve"]
     )
     return ReportTable(("drum deg/s", "continuous N m", "short-time N m"), rows)

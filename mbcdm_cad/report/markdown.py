@@ -6,8 +6,10 @@ from typing import Any
 
 import jinja2
 
+from mbcdm_cad.checks.comparison import shown
 from mbcdm_cad.design.describe import flow
-from mbcdm_cad.report.analysis_report import motor_lines
+from mbcdm_cad.model.measured import papers_test
+from mbcdm_cad.report.analysis_report import motor_lines, speed_shown
 from mbcdm_cad.report.duty import duty_shown
 from mbcdm_cad.report.life import life_shown
 from mbcdm_cad.report.losses import losses_shown
@@ -18,7 +20,7 @@ _AT_DRUM = "_at_drum"
 
 def _figure(value: Any) -> str:
     if isinstance(value, float):
-        return f"{value:.4g}"
+        return shown(value)
     if isinstance(value, list | tuple):
         return ", ".join(_figure(v) for v in value)
     return "none" if value is None else str(value)
@@ -35,6 +37,7 @@ def report_markdown(data: dict[str, Any], paths_template: str) -> str:
     environment.filters["figure"] = _figure
     environment.filters["figures"] = _figure
     environment.filters["flow"] = flow
+    environment.filters["speed"] = speed_shown
     paths = environment.from_string(paths_template).render(r=data)
     moving = data["inertia_moving_g_mm2"]
     passed = {
@@ -46,6 +49,7 @@ def report_markdown(data: dict[str, Any], paths_template: str) -> str:
     return environment.get_template("report.md.j2").render(
         r=data,
         a=data["analysis"],
+        papers_test=papers_test(data["analysis"]["test"][0]["load_Nm"]),
         paths=paths,
         passed=passed,
         losses=losses_shown(data["losses"]),

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from mbcdm_cad.model.measured import papers_test
+
 _RANK = {"fail": 0, "warn": 1, "pass": 2}
 # Tolerance for rounding: a wall exactly at its limit may be computed as 1e-15 below it.
 _ROUNDING = 1e-9
@@ -159,7 +161,7 @@ def _turn_rows(report: Mapping[str, Any]) -> list[tuple[str, str, str]]:
                 (f"stiffness {name}, secant", f"{at['stiffness_Nm_rad']:.4g} N m/rad", torque),
                 (f"stiffness {name}, small motion", f"{at['sticking_stiffness_Nm_rad']:.4g} N m/rad", "wraps sticking"),
             ]
-    if found:
+    if found and papers_test(a["test"][0]["load_Nm"]):
         words = ", ".join(
             f"{x:.1f} GPa ({name})" if x else f"none ({name})" for name, x in found["implied_moduli_GPa"].items()
         )

@@ -34,6 +34,15 @@ def test_moved(checks: tuple[str, ...], value: float, words: str) -> None:
     assert found.value == pytest.approx(value) and words in found.rounding, found
 
 
+def test_a_check_left_out_in_a_pass_before_is_not_named_when_it_holds() -> None:
+    """What no value met in the first pass may hold once the fields it depends on are known."""
+    known = Margins({}, {})
+    assert "no value meets never" in known.moved("drum.hub_diameter_mm", 1.0, 0.1, ("near", "never")).rounding
+    known.margins = lambda field, value, checks, to_first_miss=False: dict.fromkeys(checks, (value - 3.0, "mm"))  # type: ignore[method-assign,misc]
+    found = known.moved("drum.hub_diameter_mm", 1.0, 0.1, ("near", "never"))
+    assert found.value == pytest.approx(3.0) and "never" not in found.rounding, found
+
+
 @pytest.mark.parametrize(
     ("checks", "value", "words"),
     [

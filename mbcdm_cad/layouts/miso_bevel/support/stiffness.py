@@ -131,8 +131,9 @@ def frame_study(layout: BevelLayout) -> FrameStudy:
     # Only the positions of the drum shaft's bearings, so that other changes of the shaft do not repeat the study.
     seats = (layout.drum_shaft.rear_bearing_y, layout.drum_shaft.front_bearing_y)
     inputs = (layout.frame, layout.top_plate, seats, drive.support, drive.bearings, cables)
-    walls = "support.rib_mm, support.back_plate_mm, support.motor_shelf_mm"
-    return FrameStudy(__name__, inputs, compliance, f"thicken the walls that bend most: {walls}")
+    return FrameStudy(
+        __name__, inputs, compliance, ("support.rib_mm", "support.back_plate_mm", "support.motor_shelf_mm")
+    )
 
 
 def panels(layout: BevelLayout) -> list[Wall]:

@@ -286,4 +286,4 @@ def frame_study_of(module: str, layouts: Sequence[SpurLayout], compliance: Calla
         )
         for layout in layouts
     )
-    return FrameStudy(module, inputs, found)
+    return FrameStudy(module, inputs, found, ("support.bridge_mm", "support.plate_mm", "support.side_wall_mm"))
