@@ -18,6 +18,12 @@ settings.register_profile("without a clock", deadline=None)
 settings.load_profile("without a clock")
 
 
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """Where only slow tests run, files without one are not imported: that takes as long as many tests."""
+    only_slow = config.getoption("markexpr") == "slow" and collection_path.match("test_*.py")
+    return True if only_slow and "mark.slow" not in collection_path.read_text("utf-8") else None
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Files with slow tests first, then those with many: at the end, when a worker may be alone, they are short."""
     slow = {item.path for item in items if item.get_closest_marker("slow")}

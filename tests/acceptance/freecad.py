@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 VOLUME_LIMIT = 1e-6  # relative
-_TIMEOUT_S = 300
+_TIMEOUT_S = 600
 _PROGRAMS = ("freecadcmd", "FreeCADCmd", "freecad.cmd")
 
 

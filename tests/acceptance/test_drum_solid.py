@@ -28,7 +28,9 @@ def test_plane_elements_agree_with_solid_ones(file: str) -> None:
 
 
 @pytest.mark.slow
-def test_plane_elements_agree_with_solid_ones_on_a_random_drum_of_each_layout() -> None:
-    found = [by_both(loaded) for loaded in islice(drums(), 4)]
+def test_plane_elements_agree_with_solid_ones_on_random_drums_of_the_other_layouts() -> None:
+    others = [d for d in islice(drums(), 4) if d.drive.configuration in ("siso_bevel", "miso_spur")]
+    found = [by_both(loaded) for loaded in others]
+    assert len(found) == 2
     held = (abs(drum.off) <= ALLOWED and abs(drum.web_off) <= ALLOWED_STRESS for drum in found)
     assert all(held), "\n".join(map(str, found))

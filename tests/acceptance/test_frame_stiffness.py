@@ -31,9 +31,7 @@ AGREEMENT = 0.20
 WALLS = {
     "reference": {},
     "back plate 2.6": {"back_plate_mm": 2.6},
-    "back plate 6.5": {"back_plate_mm": 6.5},
     "ribs 2": {"rib_mm": 2.0},
-    "ribs 4": {"rib_mm": 4.0},
     "side walls 4": {"side_wall_mm": 4.0},
     "motor shelf 3": {"motor_shelf_mm": 3.0},
     "all thin": {"back_plate_mm": 2.6, "rib_mm": 3.0, "side_wall_mm": 4.0, "motor_shelf_mm": 3.0},

@@ -21,7 +21,7 @@ def test_runs_and_shows_something_in_its_last_cell(path: Path, tmp_path: Path, m
     # The command stands beside the interpreter; a shell need not have that folder on its path.
     monkeypatch.setenv("PATH", f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}")
     notebook = nbformat.read(path, as_version=4)
-    NotebookClient(notebook, timeout=240, resources={"metadata": {"path": str(tmp_path)}}).execute()
+    NotebookClient(notebook, timeout=600, resources={"metadata": {"path": str(tmp_path)}}).execute()
     assert notebook.cells[-1].outputs, f"{path.name}: nothing is shown at its end"
 
 

@@ -18,7 +18,7 @@ CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shuti
 REFERENCE = Path(__file__).parents[2] / "params" / "mbcdm.yaml"
 # No GPU is needed: the browser draws in software.
 FLAGS = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox")
-READY_MS = 60_000
+READY_MS = 600_000
 
 
 @dataclass
@@ -84,12 +84,13 @@ def _show(browser: Any, built: Path, width: int, height: int, scheme: str) -> Op
     context = browser.new_context(
         viewport={"width": width, "height": height}, color_scheme=scheme, offline=True, reduced_motion="reduce"
     )
+    context.set_default_timeout(READY_MS)
     one = Opened(context.new_page())
     one.page.on("console", lambda m: one.problems.append(m.text) if m.type in ("error", "warning") else None)
     one.page.on("pageerror", lambda error: one.problems.append(str(error)))
     one.page.on("request", lambda r: one.requests.append(r.url))
     one.page.goto((built / "report.html").as_uri())
-    one.page.wait_for_function("performance.getEntriesByName('first-picture').length", timeout=READY_MS)
+    one.page.wait_for_function("performance.getEntriesByName('first-picture').length")
     return one
 
 

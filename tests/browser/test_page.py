@@ -162,7 +162,7 @@ def test_choosing_a_field_shows_what_it_rests_on(shared: Any, report: dict[str, 
 def test_steps_of_assembly_get_their_pictures(used: Any, report: dict[str, Any], artefacts: Path) -> None:
     one = used
     one.page.evaluate("() => document.getElementById('assembly').scrollIntoView()")
-    one.page.wait_for_function("document.documentElement.dataset.pictured === 'yes'", timeout=60_000)
+    one.page.wait_for_function("document.documentElement.dataset.pictured === 'yes'")
     joined = [items for items in report["assembly_items"] if items]
     pictures = one.page.locator("#assembly li img")
     assert pictures.count() == len(joined)

@@ -116,6 +116,6 @@ def test_two_hundred_mutants(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_six_thousand_more_mutants(tmp_path: Path) -> None:
-    loaded, refused = run(tmp_path / "f.yaml", range(200, 6200))
-    assert loaded > 600 and refused > 1800, f"{loaded} loaded and {refused} refused"
+def test_two_thousand_more_mutants(tmp_path: Path) -> None:
+    loaded, refused = run(tmp_path / "f.yaml", range(200, 2200))
+    assert loaded > 200 and refused > 600, f"{loaded} loaded and {refused} refused"

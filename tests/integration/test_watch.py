@@ -16,7 +16,7 @@ from typing import Any
 import pytest
 
 REFERENCE = Path(__file__).parents[2] / "params" / "mbcdm.yaml"
-WAIT_S = 240.0
+WAIT_S = 600.0
 
 pytestmark = pytest.mark.slow
 
@@ -47,12 +47,12 @@ class Watching:
 
     def state(self) -> dict[str, Any]:
         """What an open page is told."""
-        with urllib.request.urlopen(self.address + "events", timeout=30) as answer:
+        with urllib.request.urlopen(self.address + "events", timeout=600) as answer:
             found: dict[str, Any] = json.loads(answer.readline().removeprefix(b"data: "))
         return found
 
     def page(self) -> str:
-        with urllib.request.urlopen(self.address, timeout=30) as answer:
+        with urllib.request.urlopen(self.address, timeout=600) as answer:
             text: str = answer.read().decode()
         return text
 
@@ -68,7 +68,7 @@ def watching(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Watching]:
     running = Watching(tmp_path_factory.mktemp("watch"))
     yield running
     running.process.send_signal(signal.SIGTERM)
-    assert running.process.wait(timeout=20) == 0, running.log.read_text()
+    assert running.process.wait(timeout=600) == 0, running.log.read_text()
 
 
 def test_a_saved_edit_is_checked_drawn_and_built(watching: Watching) -> None:

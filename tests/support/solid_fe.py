@@ -208,7 +208,7 @@ class Solid:
         stress = 2.0 * mu * strain
         for k in range(3):
             stress[k, k] += lam * (strain[0, 0] + strain[1, 1] + strain[2, 2])
-        return stress.reshape(3, 3, -1), points.global_coordinates().value.reshape(3, -1), points.dx.ravel()
+        return stress.reshape(3, 3, -1), np.asarray(points.global_coordinates()).reshape(3, -1), points.dx.ravel()
 
 
 def about_y_Nmm(solid: Solid, load: Floats) -> float:

@@ -196,7 +196,7 @@ class SectorStudy:
 def sector_study(
     shape: SectorShape, hub: Hub, pulls: Sequence[LandPull], material: Isotropic, cells: float = CELLS
 ) -> SectorStudy:
-    """Solve one sector. Raises ``ValueError`` if no metal joins rim and hub."""
+    """Solve one sector. Raises ``ValueError`` if no metal joins rim and hub, or a cable's land has none."""
     mesh = sector_mesh(shape, shape.rings[-1].outer_mm / cells)
     parts = elements(mesh.node_mm, mesh.corner, mesh.thickness_mm, material.modulus_MPa, material.poisson)
     web = shape.rings[0].start_mm, shape.rings[0].end_mm
@@ -323,8 +323,13 @@ def _root_springs(mesh: SectorMesh, held_mm: float, give: tuple[float, float]) -
 
 
 def _land(mesh: SectorMesh, pull: LandPull) -> Ints:
-    """Nodes of the land's surface in the order of their angles, from the transfer to the anchor's side."""
+    """Nodes of the land's surface in the order of their angles, from the transfer to the anchor's side.
+
+    Raises ``ValueError`` for a land without metal: a sum over none would call the drum free of stress.
+    """
     on = np.flatnonzero(np.abs(mesh.radius_mm - pull.surface_mm) < 1e-6)
+    if not on.size:
+        raise ValueError(f"drum: no metal under the cable on the land of radius {pull.surface_mm:.4g} mm")
     return np.asarray(on[np.argsort(pull.side * mesh.angle_rad[on])])
 
 

@@ -24,5 +24,5 @@ print("the same", kernel.__name__)
 
 @pytest.mark.slow
 def test_a_forked_process_draws_after_its_parent_has_drawn() -> None:
-    done = subprocess.run([sys.executable, "-c", SCRIPT], capture_output=True, text=True, timeout=120, check=False)
+    done = subprocess.run([sys.executable, "-c", SCRIPT], capture_output=True, text=True, timeout=600, check=False)
     assert done.returncode == 0 and "the same" in done.stdout, done.stderr

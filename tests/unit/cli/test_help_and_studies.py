@@ -160,7 +160,7 @@ def test_the_shell_can_complete_commands_and_views() -> None:
             env=environment,
             capture_output=True,
             text=True,
-            timeout=60,
+            timeout=600,
             check=False,
         )
         assert expected in done.stdout.replace("plain,", "").split(), done.stdout + done.stderr

@@ -157,7 +157,7 @@ def test_librecad_draws_the_written_numbers(sheet: tuple[cq.Solid, dict[str, byt
             env=os.environ | {"QT_QPA_PLATFORM": "offscreen", "HOME": str(tmp_path)},
             capture_output=True,
             check=True,
-            timeout=120,
+            timeout=600,
         )
         pictures.append(re.sub(rb"/CreationDate.*|/ID.*", b"", (tmp_path / f"{name}.pdf").read_bytes()))
     assert len(pictures[0]) > 50_000 and pictures[0] == pictures[1]

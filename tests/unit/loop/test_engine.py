@@ -94,7 +94,6 @@ def test_a_candidate_that_cannot_be_simulated_drops_out(monkeypatch: pytest.Monk
 
 
 @pytest.mark.slow
-@pytest.mark.slow
 def test_nothing_impossible_is_named() -> None:
     stiff = close_loop(LOADED.drive, [measured(added=lambda angle, load: 6e-5 * load)])
     figures = [figure for named in stiff.effects for figure in named.parameters.items()]
@@ -115,7 +114,6 @@ def test_noise_beyond_the_data_sheet_is_told_and_not_explained() -> None:
     assert result.to_json()["noise"]["declared_rad"] < 5e-6, result.to_json()["noise"]
 
 
-@pytest.mark.slow
 @pytest.mark.slow
 def test_a_bump_in_one_place_is_unknown_and_described() -> None:
     def bump(angle: Floats, _: Floats) -> Floats:

@@ -247,6 +247,16 @@ def test_windows_make_the_reference_soft_as_solid_elements_found() -> None:
     assert 25.0 < full < slot < 70.0, f"{full:.0f} urad/N m without windows, {slot:.0f} with the stop's slot"
 
 
+def test_a_drum_without_metal_under_a_cable_has_no_figure() -> None:
+    """A file whose outer face lies below its lands: a trial of ``explain`` has such drums."""
+    drum = load_design(PARAMS / "mbcdm.yaml").drive.layout.drum
+    dims = replace(drum, lands=tuple(replace(land, y_end=land.y_start - 1.0) for land in drum.lands))
+    names = [t.cable_name for t in dims.tensioners]
+    pulls = land_pulls(dims, dict.fromkeys(names, 0.25), dict.fromkeys(names, 70.0))
+    with pytest.raises(ValueError, match="drum: no metal under the cable on the land of radius"):
+        sector_study(sector_shape(dims), hub(dims, 2.5), pulls, METAL, 14.0)
+
+
 def test_a_finer_mesh_changes_little() -> None:
     coarse, fine = study().web_urad_Nm, study(56.0).web_urad_Nm
     assert fine == pytest.approx(coarse, rel=0.02), f"{coarse:.1f} and {fine:.1f} urad/N m"

@@ -15,8 +15,8 @@ import pytest
 import mbcdm_cad as mc
 from tests.support.loopback import PATIENCE_S, Loopback
 
-# Enough that the search is in the middle whenever it is stopped, on a fast machine too.
-ENDED_AT = 96
+# More than one generation, and enough that the search is in the middle whenever it is stopped, on a fast machine too.
+ENDED_AT = 64
 
 
 def command(folder: Path, out: str, *more: str) -> list[str]:
@@ -30,9 +30,18 @@ def hashes(folder: Path) -> dict[str, str]:
     return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
 
 
+def started(words: list[str]) -> subprocess.Popen[str]:
+    """A command that Ctrl-C reaches, also where the tests run as a shell's background job, whose children ignore it."""
+    heard = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        return subprocess.Popen(words, stderr=subprocess.PIPE, text=True)
+    finally:
+        signal.signal(signal.SIGINT, heard)
+
+
 def stopped(words: list[str], journal: Path, lines: int, how: signal.Signals) -> tuple[int, str]:
     """Run a command, end it by a signal once its journal has so many lines; exit code and standard error."""
-    running = subprocess.Popen(words, stderr=subprocess.PIPE, text=True)
+    running = started(words)
     _wait_for(running, journal, lines)
     running.send_signal(how)
     said = running.communicate(timeout=PATIENCE_S)[1]
@@ -84,7 +93,7 @@ def test_a_cluster_whose_workers_die_come_late_or_have_another_version_ends_with
         words = command(tmp_path, "many", "--scheduler", many.address)
         many.worker(path=tmp_path / "other")
         first = many.worker()
-        running = subprocess.Popen(words, stderr=subprocess.PIPE, text=True)
+        running = started(words)
         _wait_for(running, journal, ENDED_AT // 4)
         first.kill()
         first.wait()

@@ -133,14 +133,14 @@ def test_a_worker_that_does_not_show_its_state_is_refused_and_a_late_one_does_th
         ThreadPoolExecutor(1) as aside,
     ):
         waits = aside.submit(list, found.results(range(3)))
-        end = time.monotonic() + 20.0
+        end = time.monotonic() + PATIENCE_S
         while "waiting for one with" not in caplog.text and time.monotonic() < end:
             time.sleep(0.01)
         assert "gets no work: it was started without --preload mbcdm_cad.parallel.worker" in caplog.text
         assert not waits.done()
         many.new_spec["options"]["preload"] = PRELOAD
         many.scale(2)
-        assert waits.result(20.0) == [0, 1, 4]
+        assert waits.result(PATIENCE_S) == [0, 1, 4]
     assert caplog.text.count("waiting for one with") == 1
 
 
@@ -151,7 +151,7 @@ def test_a_scheduler_that_ends_is_told(own: None) -> None:
             waits = aside.submit(list, found.results(range(3)))
             time.sleep(0.2)
         with pytest.raises(MbcdmError, match="the connection was lost"):
-            waits.result(20.0)
+            waits.result(PATIENCE_S)
         found.__exit__(None, None, None)
 
 

@@ -91,7 +91,7 @@ def test_nothing_to_do() -> None:
 
 def test_forked_work_goes_on_while_this_process_does_something_else(tmp_path: Path) -> None:
     with forked(lambda k: (tmp_path / str(k)).write_text(str(os.getpid())), range(3), 2) as results:
-        end = time.monotonic() + 10.0
+        end = time.monotonic() + PATIENCE_S
         while len(list(tmp_path.iterdir())) < 3:  # before anybody has asked for the results
             assert time.monotonic() < end, list(tmp_path.iterdir())
             time.sleep(0.01)
@@ -103,7 +103,7 @@ def test_forked_work_goes_on_while_this_process_does_something_else(tmp_path: Pa
 def test_first_results_are_there_before_the_others(jobs: int, tmp_path: Path) -> None:
     def work(k: int) -> int:
         if k == 2:
-            end = time.monotonic() + 10.0
+            end = time.monotonic() + PATIENCE_S
             while not (tmp_path / "go").exists() and time.monotonic() < end:
                 time.sleep(0.01)
         (tmp_path / f"done-{k}").touch()
@@ -122,7 +122,7 @@ def test_who_waits_for_forked_work_may_give_up_and_ends_it(jobs: int) -> None:
         raise InterruptedError
 
     began = time.monotonic()
-    with pytest.raises(InterruptedError), forked(lambda _: time.sleep(30.0), range(4), jobs) as results:
+    with pytest.raises(InterruptedError), forked(lambda _: time.sleep(PATIENCE_S), range(4), jobs) as results:
         results(stop)
-    assert time.monotonic() - began < 10.0
+    assert time.monotonic() - began < PATIENCE_S / 2
     assert fork_map(abs, [-1, 2], jobs) == [1, 2]

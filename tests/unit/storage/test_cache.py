@@ -170,7 +170,7 @@ def worker(folder: Path, turns: int) -> subprocess.Popen[str]:
 def test_several_processes_at_once(tmp_path: Path) -> None:
     processes = [worker(tmp_path, 40) for _ in range(4)]
     for process in processes:
-        _, errors = process.communicate(timeout=60)
+        _, errors = process.communicate(timeout=600)
         assert process.returncode == 0, errors
     assert entries(tmp_path) == [key(n) for n in range(8)]
 

@@ -285,7 +285,7 @@ def test_two_builds_at_once(tmp_path: Path) -> None:
     target = tmp_path / "out"
     processes = [start(target, tag, 1, 15) for tag in "ab"]
     for process in processes:
-        process.communicate(timeout=60)
+        process.communicate(timeout=600)
         assert process.returncode == 0
     assert assert_whole(target) in ("a15", "b15")
     assert leftovers(target) == []
