@@ -1,4 +1,5 @@
-"""Binary logs: MCAP, bags of ROS 1 and 2, Parquet, MATLAB's files, TDMS and HDF5, read by their own libraries.
+"""Logs that are no tables: MCAP, bags of ROS 1 and 2, Parquet, MATLAB's files, TDMS, HDF5, by their own libraries, and
+JSON lines.
 
 The libraries are those of the extra ``mbcdm-cad[logs]``; each is imported where a file of its kind is read. What a file
 holds becomes columns by name: ``/joint_states/position[shoulder]`` of a message, ``group/channel`` of TDMS,
@@ -310,6 +311,27 @@ def _bag(path: Path) -> Iterator[Series]:
     yield from messages.series()
 
 
+def _json_lines(path: Path) -> Iterator[Series]:
+    """The fields of a log with one object a line, from the lines that have those of most."""
+    with open(path, encoding="utf-8", errors="replace") as file:
+        rows = [_figures_of_line(line) for line in file if line.strip()]
+    names, often = Counter(frozenset(row) for row in rows).most_common(1)[0]
+    if often < (1.0 - LEAST_OF_FULLEST) * len(rows):
+        odd = len(rows) - often
+        raise ValueError(f"{odd} of {len(rows)} lines have other fields than most; write all in each line")
+    kept = [row for row in rows if frozenset(row) == names]
+    for name in kept[0] if kept else ():
+        yield Series(name, np.array([row[name] for row in kept]))
+
+
+def _figures_of_line(line: str) -> dict[str, float]:
+    """The figures of one line by their names; none of a line that was cut."""
+    try:
+        return {name.lstrip("/"): value for name, value in _flat("", json.loads(line))}
+    except ValueError:
+        return {}
+
+
 class _Messages:
     """Figures of messages by topic and field, with the times of the log and of the messages' headers, in ns."""
 
@@ -387,6 +409,7 @@ KINDS: dict[bytes, Kind] = {
     b"MATLAB 5.0": ("a file of MATLAB", _matlab),
     b"PAR1": ("a Parquet file", _parquet),
     b"TDSm": ("a TDMS file of LabVIEW", _tdms),
+    b'{"': ("a log of JSON lines", _json_lines),
     b"\x89MCAP0": ("an MCAP log", _mcap),
     b"#ROSBAG": ("a bag of ROS 1", _bag),
     b"SQLite format 3": ("a bag of ROS 2", _bag),

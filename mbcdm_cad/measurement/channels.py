@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from mbcdm_cad.errors import InputError, Problem
 from mbcdm_cad.measurement.datafile import DataTable, clock_s
-from mbcdm_cad.measurement.logformat import Format
+from mbcdm_cad.measurement.logformat import Format, figure_of
 from mbcdm_cad.routes import Floats
 
 # A quantity that was not logged for so many of its usual steps is not interpolated there.
@@ -43,13 +43,15 @@ def read_channels(
     channels: Sequence[Channel],
     named_by: int | None = None,
     clock: bool = False,
+    time_wraps_at: float | None = None,
 ) -> DataTable:
     """Time and channels as rows of a table, on the times of the channel called output, else of the one with most.
 
-    ``named_by`` is the column with the names of the channels, None for a table with empty cells. Raises InputError
-    for a channel without samples.
+    ``named_by`` is the column with the names of the channels, None for a table with empty cells. ``time_wraps_at``:
+    where the time begins again, from row to row of the file whatever their channels. Raises InputError for a channel
+    without samples.
     """
-    lines, times, values = _series(path, layout, (time, named_by, clock), channels)
+    lines, times, values = _series(path, layout, (time, named_by, clock), channels, time_wraps_at)
     return aligned(path, channels, lines, times, values, layout.begin_line)
 
 
@@ -94,11 +96,12 @@ def aligned(
 
 
 def _series(
-    path: Path, layout: Format, place: tuple[int, int | None, bool], channels: Sequence[Channel]
+    path: Path, layout: Format, place: tuple[int, int | None, bool], channels: Sequence[Channel], wraps: float | None
 ) -> tuple[list[NDArray[np.int64]], list[Floats], list[Floats]]:
     """Lines, times and figures of each channel, as they stand in the file."""
     time, named_by, clock = place
     found: list[list[tuple[float, float, int]]] = [[] for _ in channels]
+    begun, last = 0.0, -np.inf
     with open(path, encoding="utf-8", errors="replace") as file:
         for number, line in enumerate(file, 1):
             if number < layout.begin_line or not line.strip() or line.lstrip().startswith(layout.comment):
@@ -110,12 +113,15 @@ def _series(
                 at = clock_s(cells[time]) if clock else float(cells[time])
             except (ValueError, IndexError):
                 continue
+            if wraps is not None:
+                begun += wraps if at + begun < last - 0.5 * wraps else 0.0
+                last = at = at + begun
             for k, channel in enumerate(channels):
                 if named_by is not None and (named_by >= len(cells) or cells[named_by] != channel.name):
                     continue
                 cell = cells[channel.column] if channel.column < len(cells) else ""
                 try:
-                    value = float(cell)
+                    value = figure_of(cell)
                 except ValueError:
                     continue
                 if np.isfinite(value):

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mbcdm_cad.errors import InputError, Problem, shortened
-from mbcdm_cad.measurement.logformat import ARROW, LONGEST_LINE, Format, too_long
+from mbcdm_cad.measurement.logformat import ARROW, LONGEST_LINE, Format, figure_of, too_long
 from mbcdm_cad.measurement.units import ISO_CLOCK
 from mbcdm_cad.routes import Floats
 
@@ -195,7 +195,8 @@ class _Reader:
                     raise
                 self.broken += 1
                 self.skipped.append(number)
-                self.first_fault = self.first_fault or error.problems[0].what
+                first = error.problems[0]
+                self.first_fault = self.first_fault or f"{first.what}{f' ({first.value})' if first.value else ''}"
                 self.empty_cells += error.problems[0].value == EMPTY_CELL
                 if len(self.broken_lines) < LISTED_LINES:
                     self.broken_lines.append(number)
@@ -215,7 +216,7 @@ class _Reader:
         try:
             if index == self.clock:
                 return clock_s(cell)
-            value = float(cell) if "_" not in cell else None  # float() accepts 1_000, which no logger writes
+            value = figure_of(cell) if "_" not in cell else None  # float() accepts 1_000, which no logger writes
         except ValueError:
             value = None
         if value is None:

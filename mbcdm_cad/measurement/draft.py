@@ -19,7 +19,7 @@ from mbcdm_cad.errors import InputError, Problem
 from mbcdm_cad.measurement.binarylog import opened
 from mbcdm_cad.measurement.channels import Channel, read_channels
 from mbcdm_cad.measurement.datafile import clock_s, read_table
-from mbcdm_cad.measurement.logformat import Format, find_format, title_lines
+from mbcdm_cad.measurement.logformat import Format, figure_of, find_format, title_lines
 from mbcdm_cad.measurement.reading import FULL_SENSE
 from mbcdm_cad.measurement.roles import COUNTS_SOLD, MET, TIME_WORDS, Expected, Guess, assign, stated_unit, ways
 from mbcdm_cad.measurement.units import ANGLE, COUNTS, FORCE, ISO_CLOCK, LENGTH, TEMPERATURE, TIME, TORQUE, Unit
@@ -37,6 +37,10 @@ LEAST_TRAVEL = 0.02
 # In place of a figure that only its owner knows.
 UNKNOWN = "'?'"
 _NO_TIME = f"sample_rate_Hz: {UNKNOWN}    # no column looks like the time: put the samples a second in place of ?"
+_NO_LOAD = (
+    "# load: no torque is logged; say load: none if there was none, or of a weight on an arm\n"
+    "#   load: {pendulum: {mass_kg: ?, arm_mm: ?, vertical_deg: ?}}"
+)
 # Figures of one second in ms, us and ns.
 SECONDS = (1e3, 1e6, 1e9)
 # Times counted from 1970 are above these in each unit, and steps of a logger below those.
@@ -93,17 +97,20 @@ def _columns(data: Path) -> tuple[_Table, list[Guess]]:
             return _Table(log.layout, 0, (), None), [Guess(one.name, one.unit, one.values) for one in log.drafted()]
         # Whole numbers are figures with either decimal sign: the right one gives more columns of figures.
         found_table = max((_table(data, decimal) for decimal in ("point", "comma")), key=lambda t: len(t.chosen))
-        layout, chosen = found_table.layout, found_table.chosen
+        layout = found_table.layout
         rows = _tried_rows(data, layout)
+        figures = found_table.chosen
+        found_table = _without_whole_seconds(found_table, rows)
+        chosen = found_table.chosen
         if len(chosen) < 3 and len(chosen) > 0:
-            named = _named_by(rows, layout, chosen)
+            named = _named_by(rows, layout, figures)
             if named is not None:
                 return _one_channel_a_row(data, found_table, rows, named)
             if _empty_share(rows) > LEAST_EMPTY:
                 found_table = _with_empty_cells(found_table, rows)
                 chosen = found_table.chosen
         if len(chosen) < 2:
-            remedy = "give the logger's CSV: a header and rows of figures"
+            remedy = "give the logger's CSV, a header and rows of figures, or a log of JSON, an object a line"
             raise InputError([Problem(str(data), 1, "", "fewer than two columns of figures", remedy=remedy)])
         if found_table.own_times:
             channels = [Channel(str(k), k) for k in chosen[1:]]
@@ -150,7 +157,9 @@ def _one_channel_a_row(data: Path, table: _Table, rows: list[list[str]], named_b
     layout, time, value = table.layout, table.chosen[0], table.chosen[-1]
     names = sorted({row[named_by] for row in rows if named_by < len(row)})
     channels = [Channel(name, value, name) for name in names]
-    found = read_channels(data, layout, time, channels, named_by, table.clock is not None)
+    at = [] if table.clock is not None else [row[time] for row in rows if time < len(row)]
+    begins_again = _begins_again(np.array([float(cell) for cell in at if _is_read([cell], 0, layout, float)]))
+    found = read_channels(data, layout, time, channels, named_by, table.clock is not None, begins_again)
 
     def called(index: int) -> str | int:
         return layout.names[index] if index < len(layout.names) else index + 1
@@ -159,14 +168,41 @@ def _one_channel_a_row(data: Path, table: _Table, rows: list[list[str]], named_b
     for name, row in zip(names, found.values[1:], strict=True):
         guesses.append(Guess(name, "", row))
         guesses[-1].fields |= {"_column": called(value), "channel": name}
+    if begins_again:
+        guesses[0].fields["wraps_at"] = begins_again
+        guesses[0].reasons.append(f"begins again after {begins_again:g}")
     return replace(table, named_by=called(named_by)), guesses
+
+
+def _without_whole_seconds(table: _Table, rows: list[list[str]]) -> _Table:
+    """The table without a column of whole seconds beside which another has what is over them, as ROS's sec, nanosec."""
+    read = [k for k in table.chosen if k != table.clock]
+    whole = [row for row in rows if all(_is_read(row, k, table.layout, float) for k in read)]
+    figures = {k: np.array([float(row[k].replace(",", ".")) for row in whole]) for k in read}
+    for sec in read:
+        steps = np.diff(figures[sec])
+        if not steps.any() or not np.all((steps == 0.0) | (steps == 1.0)):
+            continue
+        for over in read:
+            if _begins_again(figures[over]) and np.array_equal(np.diff(figures[over]) < 0.0, steps == 1.0):
+                return replace(table, chosen=tuple(k for k in table.chosen if k != sec))
+    return table
+
+
+def _begins_again(values: Floats) -> float | None:
+    """Where a time of less than a second begins again; None for any other column."""
+    if values.size < 2 or values.min() < 0.0 or not np.any(np.diff(values) < 0.0):
+        return None
+    begins_again = next((r for r in SECONDS if r > float(values.max())), 0.0)
+    counted = np.unwrap(values, period=begins_again) if begins_again else values
+    return begins_again if begins_again and bool(np.all(np.diff(counted) >= 0.0)) else None
 
 
 def _table(data: Path, decimal: str) -> _Table:
     skipped = title_lines(data, decimal, "#")
     layout = find_format(data, "auto", decimal, "#", skipped, "auto")
     rows = _tried_rows(data, layout)
-    figures = [k for k in range(layout.fields) if _share(rows, k, layout, float) >= LEAST_FIGURES]
+    figures = [k for k in range(layout.fields) if _share(rows, k, layout, figure_of) >= LEAST_FIGURES]
     dates = (k for k in range(layout.fields) if k not in figures and _share(rows, k, layout, clock_s) >= LEAST_FIGURES)
     clock = next(dates, None)
     return _Table(layout, skipped, tuple(figures if clock is None else sorted([*figures, clock])), clock)
@@ -285,8 +321,8 @@ def _input(column: Guess, out_rad: Floats, expected: Expected) -> None:
         column.fields["side"] = "motor"
     if slope < 0.0:
         column.fields["scale"] = -1
-    where = "after the gearhead" if best.side == "drive" else f"before the gearhead of {expected.gearhead_ratio:g}"
-    column.reasons.append(f"turns {abs(slope):.6g} a rad of the output: {where}")
+    where = "" if best.side == "drive" else f": before the gearhead of {expected.gearhead_ratio:g}"
+    column.reasons.append(f"{abs(slope):.6g} of its figures to a rad of the output{where}")
     if best.miss > MET:
         column.reasons.append(f"no unit gives the ratio {expected.ratio:g} to a few percent: check")
 
@@ -359,7 +395,7 @@ def _written(data: Path, table: _Table, columns: list[Guess], expected: Expected
         f"data: {data.name}",
         *([f"ratio: {expected.ratio:g}"] if expected.travel_rad is None else []),
         *(["decimal: comma    # guessed"] if table.layout.decimal_comma else []),
-        *([f"skip_rows: {table.skip_rows}    # guessed: shorter than the table"] if table.skip_rows else []),
+        *([f"skip_rows: {table.skip_rows}    # guessed: what stands above the table"] if table.skip_rows else []),
         *(["rows: own_times    # guessed: empty cells"] if table.own_times else []),
         *([f"channel_column: {_quoted(table.named_by)}    # guessed: few words"] if table.named_by is not None else []),
         *([] if any(c.role == "time" for c in columns) else [_NO_TIME]),
@@ -382,5 +418,7 @@ def _written(data: Path, table: _Table, columns: list[Guess], expected: Expected
     unused = [str(c.name) for c in columns if not c.role]
     if unused:
         lines.append(f"# not used: {', '.join(unused)}")
+    if all(c.role != "load_torque" for c in columns):
+        lines.append(_NO_LOAD)
     lines += ["# sensors: the steps of the encoders and the noise of the torque, from the data sheets"]
     return "\n".join([*lines, ""])

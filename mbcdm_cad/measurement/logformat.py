@@ -24,6 +24,8 @@ FEWEST_LABELLED = 10
 LONGEST_UNIT = 12
 # Serial monitors write a time of day and this before what the device sent.
 ARROW = " -> "
+# A line of candump: (1436509052.249713) can0 044#2A366C2BBA, with or without -l.
+_CAN_FRAME = re.compile(rb"\s*(\([\d.:\s-]+\)\s+)?v?s?l?can\d+\s+[0-9A-Fa-f]{3,8}(#|\s+\[\d+\])")
 # A cell with its name, as motor:1.25.
 _LABEL = re.compile(r"[A-Za-z_][^:]*:\s*[-+]?[\d.]")
 SIGNS = {"comma": ",", "semicolon": ";", "tab": "\t", "space": None}
@@ -219,6 +221,9 @@ def _refuse_no_text(path: Path, raw: bytes) -> None:
         what, remedy = "UTF-16 text", "save the file as UTF-8 or plain text"
     elif raw.count(0) or sum(byte < 32 and byte not in b"\t\r\n\f\x1a" for byte in raw[:1000]) > 20:
         what = "not a text file"
+    elif _CAN_FRAME.match(raw):
+        what = "frames of a CAN bus, whose bytes are not decoded"
+        remedy = "decode them with the bus's DBC file (cantools, python-can), and write time, name and figure as CSV"
     elif raw.count(b"\r") > 1 + raw.count(b"\n"):
         what, remedy = "line ends of CR alone", "save the file with line ends of LF or CR LF"
     if what:
@@ -276,9 +281,14 @@ def _names(
     return (), 0
 
 
+def figure_of(cell: str) -> float:
+    """The figure of a cell, also of counts in hexadecimal digits, 0x0FF3. Raises ValueError for other text."""
+    return float(int(cell, 16)) if cell[:2] in ("0x", "0X") else float(cell)
+
+
 def _is_figure(cell: str, decimal_comma: bool) -> bool:
     try:
-        float(cell.replace(",", ".") if decimal_comma else cell)
+        figure_of(cell.replace(",", ".") if decimal_comma else cell)
     except ValueError:
         return False
     return True

@@ -295,7 +295,8 @@ def _of_channels(file: MeasurementFile, layout: Format, data: Path, indices: lis
                 where: FieldPath = ("columns", quantity)
                 remedy = "give channel: the name of its rows in channel_column"
                 raise InputError([file.problem(where, "no channel, where rows hold one each", remedy=remedy)])
-    return read_channels(data, layout, indices[0], _channels(file, indices), named_by, clock)
+    time = file.asked["time"]
+    return read_channels(data, layout, indices[0], _channels(file, indices), named_by, clock, time.wraps_at)
 
 
 def _channels(file: MeasurementFile, indices: Sequence[int]) -> list[Channel]:
@@ -401,6 +402,8 @@ def _count_turns(file: MeasurementFile, quantity: str, column: Column, row: Floa
         field: FieldPath = ("columns", quantity, "wraps_at")
         raise InputError([file.problem(field, what, f"{column.wraps_at:g}", limit, remedy=remedy)])
     passes = int(np.count_nonzero(np.abs(np.diff(row) - np.diff(before)) > 0.5 * column.wraps_at))
+    if not passes and quantity == "time":  # counted where the rows were read
+        return ""
     counted = "whole ranges" if quantity == "time" else "whole turns"
     return f"{quantity} begins again {passes} time(s), after every {column.wraps_at:g}: {counted} are counted"
 

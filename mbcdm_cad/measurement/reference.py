@@ -65,7 +65,13 @@ ASCII matter only in names. A row of units below the names is left out. Where th
 another unit than the measurement file, the loop reports a doubt.
 
 A table without a column of times needs `sample_rate_Hz`. Rows as serial plotters take them, `motor:1.25,joint:0.16`,
-with or without a time of day and an arrow before them, have the names before the colons.
+with or without a time of day and an arrow before them, have the names before the colons. Counts in hexadecimal digits
+are written with 0x: 0x0FF3.
+
+Logs with a JSON object a line (`{{"ts": 0.01, "motor": {{"count": 2089}}}}`) are read too; names inside others are
+divided by `/`: `motor/count`. Frames of a CAN bus are not: decode them with the bus's DBC file, to a row a figure
+(time, name, figure), which `channel_column` reads. Where ROS writes the time in two columns, take the one of the rest:
+`time: {{column: nanosec, unit: ns, wraps_at: 1000000000}}`.
 
 Binary logs are read too, by the libraries of `pip install 'mbcdm-cad[logs]'`: MCAP (messages in JSON or of ROS), bags
 of ROS 1 and 2 (a bag of ROS 2 is a folder), Parquet, files of MATLAB, TDMS and HDF5. Their columns have names such as

@@ -245,7 +245,8 @@ class Pendulum(Block):
         le=1e4,
     )
     vertical_deg: Number = _of_bench(
-        "angle of the output, as its column reads, at which the weight hangs straight down",
+        "angle of the output, as its column reads after zero and scale, at which the weight hangs straight down; of a "
+        "column in counts: counts / counts_per_turn * 360",
         "deg",
         0.0,
         0.0,

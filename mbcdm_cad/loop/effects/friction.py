@@ -26,7 +26,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mbcdm_cad.loop.effect import Effect, Figure, Parameter, Words
-from mbcdm_cad.loop.prepare.prepared import Prepared, slid
+from mbcdm_cad.loop.prepare.prepared import Prepared, played, slid
 from mbcdm_cad.loop.prepare.setup import Setup, Simulator
 from mbcdm_cad.loop.readable import readable
 from mbcdm_cad.model.si import DriveSI
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from mbcdm_cad.design.drive import Drive
     from mbcdm_cad.loop.result import LoopResult, Named
 
-NAME = "friction"
+NAME, WOUND = "friction", "what is soft winds up"
 # Terms in the order of their parameters. The speed at which a term fades comes last where one of FADING is there.
 CONSTANT, VISCOUS, STRIBECK, LOAD, DRIVING, DRIVEN, SLOW_LOAD, SQUARE, BUILT_UP = range(9)
 FADING = {STRIBECK, SLOW_LOAD, SQUARE}
@@ -285,13 +285,38 @@ def _shapes(place: FrictionPlace, terms: Terms, p: Prepared) -> list[Effect]:
     return [friction(place, terms, p, exponent) for exponent in EXPONENTS]
 
 
+def _wound_up(shift: Effect) -> Effect:
+    """The same friction behind what is soft, which winds up and unwinds: as a play that motion takes up."""
+    return replace(
+        shift,
+        form=WOUND,
+        physics="friction holds the output until what is soft has wound up; half width over compliance is its torque",
+        where_to_look="bearings and seals at the output, and what is soft before them",
+        apply=_wind,
+        starts=_half_width,
+        plain="friction holds the output back by {half_width_rad}, until what is soft has wound up",
+        richer=None,
+    )
+
+
+def _wind(setup: Setup, values: Floats, _: Simulator) -> Setup:
+    drum = setup.drum_rad
+    return setup.with_added(played(drum, abs(float(values[0]))) - drum)
+
+
+def _half_width(setup: Setup, residual: Floats) -> list[list[float]]:
+    return [[0.5 * float(np.ptp(np.quantile(residual, [0.05, 0.95])))]]
+
+
 def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
     """Through the cables' stiffness where it is known, else as a shift with the sense of motion.
 
     Without a torque column a friction is no more than a torque that was not measured.
     """
     if d is None:
-        return [friction(SHIFT, (CONSTANT,), p)]
+        shift = friction(SHIFT, (CONSTANT,), p)
+        # Under a load a play rests on one flank, so that an output which stays behind the motion may be wound up.
+        return [shift, _wound_up(shift)] if p.load_Nm is not None and p.load_Nm.any() else [shift]
     if p.load_Nm is None:
         return [
             Effect(

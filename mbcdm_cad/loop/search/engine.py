@@ -80,6 +80,8 @@ def close_loop(drive: Drive | None, runs: Sequence[Run], differs: Sequence[Seque
 # What is too small to be named is in the figures of what is named: so much of it, RMS over the floor, each parameter
 # may stand for. Found on runs of the rig (docs/loop-benches.md).
 UNNAMED_SHARE = 0.03
+# A size that may be zero or so many times as large is open.
+ANY = 3.0
 
 
 class _Loop:
@@ -134,6 +136,8 @@ class _Loop:
             if open_ is None:
                 break
             fit, groups, unknown = self.judge.taken_back(open_, fit, groups)
+        if unknown is not None and groups:
+            windows = self._wider(fit, whole, unknown.rms_rad)
         named, sets = [], []
         for group in groups:
             first = self._named(group.effect, fit, whole, windows)
@@ -229,10 +233,11 @@ class _Loop:
         opened = {name: replace(value, low=value.value, high=np.inf) for name, value in named.parameters.items()}
         return replace(named, parameters=opened)
 
-    def _wider(self, fit: Fit, whole: Fit) -> list[Floats]:
+    def _wider(self, fit: Fit, whole: Fit, unknown_rad: float = 0.0) -> list[Floats]:
         """By how much the interval of each value of the search's fit is wider than its scatter, to either side: other
-        smoothing windows, other shapes of laws, and what is too small to be named."""
-        unnamed = np.diag(self._unnamed(whole))
+        smoothing windows, other shapes of laws, what is too small to be named, and an unknown part, rad RMS, of which
+        a fit hides as much in the values as it leaves."""
+        unnamed = np.diag(self._unnamed(whole)) * (1.0 + (unknown_rad / (UNNAMED_SHARE * self.search.floor_rad)) ** 2)
         parts = (self.judge.shift_by_window(fit), self.judge.shift_by_shape(fit))
         return [
             np.sqrt(one**2 + other**2 + INTERVAL**2 * unnamed[whole.columns_of(effect)])
@@ -326,6 +331,12 @@ class _Loop:
         """An alternative that fits as well, from the training samples."""
         effect = fit.effects[-1]
         named = self._as_named(effect, fit.values[-1], self.judge.spread(fit, effect, self.fitter), 0.0)
+        open_ = {
+            p.name: replace(own, low=p.low, high=np.inf)
+            for p in effect.parameters
+            if p.low == 0.0 and (own := named.parameters.get(p.name)) and own.low < 0.0 and own.high > ANY * own.value
+        }
+        named = replace(named, parameters={**named.parameters, **open_})
         return self._before_and_after(named, effect, fit, self.fitter) if effect.base else named
 
     def _as_named(self, effect: Effect, values: Floats, block: Floats, fall: float) -> Named:

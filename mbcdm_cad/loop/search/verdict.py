@@ -71,6 +71,8 @@ MOST_OF = 0.75
 CANCELS, SURE = 3.0, 6.0
 # The time of an event is open if another time, this share of the run away or farther, explains the run as well.
 AWAY, TIMES = 0.1, 24
+# A wave that a weight on an arm makes of a compliance.
+WAVE, SOFT, SERIES = ("once_per_rev", "drum"), ("stiffness_error", None), "compliance in series"
 # A size counts as possibly zero if it is zero with this probability.
 ZERO_CHANCE = 0.05
 
@@ -101,6 +103,7 @@ class Judge(ClassOfSensor):
         fit, groups = self.settled()
         fit, groups = self._certain(fit, groups)
         fit, groups = self._bounded(fit, groups)
+        groups = tuple(self._beside_a_soft_shaft(fit, group) for group in groups)
         fit, groups = self.beyond_class(fit, groups)
         unknown = self.left(fit)
         if unknown is not None:
@@ -273,6 +276,32 @@ class Judge(ClassOfSensor):
             fit = self.search.without(fit, worst.effect)
             groups = tuple(group for group in groups if group is not worst)
         return fit, groups
+
+    def _beside_a_soft_shaft(self, fit: Fit, group: Group) -> Group:
+        """A wave of the drum as a set with a compliance where any share of it may be the load's.
+
+        Where all loads are one wave of the drum's angle, as of one weight on an arm, a compliance beside a smaller or a
+        larger wave is as good, whatever its size; no exchange of one effect for another shows that.
+        """
+        effect = group.effect
+        soft = next((e for e in self.search.library if e.key[:2] == SOFT and e.form == SERIES), None)
+        taken = [e.key[:2] for e in fit.effects] + [one.effects[-1].key[:2] for one in group.alike]
+        if effect.key[:2] != WAVE or soft is None or SOFT in taken:
+            return group
+        f, own = self.fitter, fit.columns_of(effect)
+        load = np.concatenate([p.load_Nm[p.used] for p in f.runs if p.load_Nm is not None])
+        size = float(np.hypot(*fit.values_of(effect)[:2])) / max(0.5 * float(np.ptp(load)), 1e-30)
+        # Begun where the wave makes up for the compliance: a fit does not move along what the runs do not tell.
+        before = f.output - fit.residual
+        bent = f.centred_on(
+            f.used, f.predict((*fit.effects, soft), (*fit.values, np.array([size])), fit.offsets) - before
+        )
+        back = np.linalg.lstsq(f.centred_on(f.used, fit.jacobian[:, own]), -bent, rcond=1e-9)[0]
+        values = [v + back if e is effect else v for e, v in zip(fit.effects, fit.values, strict=True)] + [[size]]
+        other = self.fitter.tried((*fit.effects, soft), values, fit.offsets)
+        if other is None or not self.alike(other, fit):
+            return group
+        return replace(group, alike=(*group.alike, other))
 
     def chance_of_zero(self, fit: Fit, effect: Effect, shift: Floats | float, fitter: Fitter) -> float:
         """Probability of such sizes of an effect if they are zero; ``fit`` is one of ``fitter``."""

@@ -95,3 +95,65 @@ def test_a_table_with_one_channel_a_row_is_told_as_such(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="each holds one channel with its own time"):
         read(path)
     assert "rows: own_times" in draft_text(tmp_path / "run.csv", Expected.of_ratio(8.0))
+
+
+def _counts(angle_rad: np.ndarray, per_turn: int) -> np.ndarray:
+    return np.round(angle_rad / (2.0 * np.pi) * per_turn).astype(int) % per_turn
+
+
+def _drafted(log: Path) -> Run:
+    """The run of a log by its draft alone, whose entries are the reader's and not a person's."""
+    file = log.with_suffix(".yaml")
+    file.write_text(draft_text(log, Expected.of_ratio(8.0)))
+    return load_measurement(file)
+
+
+def _is_the_run(run: Run, step: float) -> None:
+    assert run.time_s.size >= TIME.size - 2
+    at = run.time_s - run.time_s[0]
+    assert np.allclose(run.output_rad - run.output_rad[0], np.interp(at, TIME, OUTPUT - OUTPUT[0]), atol=step)
+    assert np.std(run.input_rad[0] - 8.0 * run.output_rad) < 8.0 * step
+
+
+def test_a_log_of_ros_with_one_topic_a_row_and_its_time_in_two_columns(tmp_path: Path) -> None:
+    lines, begun = ["sec,nanosec,topic,data"], 1795000000 * 10**9
+    for t, angle in zip(TIME, OUTPUT, strict=True):
+        for late, topic, figure in ((0, "/stepper/angle_rad", 8.0 * angle), (1_500_000, "/arm/angle_rad", angle)):
+            at = begun + round(t * 1e9) + late
+            lines.append(f"{at // 10**9},{at % 10**9},{topic},{figure:.9f}")
+    (tmp_path / "topics.csv").write_text("\n".join(lines) + "\n")
+    _is_the_run(_drafted(tmp_path / "topics.csv"), 4e-4)
+
+
+def test_a_log_of_json_lines_is_read_but_for_its_greeting_and_a_line_that_was_cut(tmp_path: Path) -> None:
+    lines = ['{"event": "boot", "firmware": "2.1"}']
+    lines += [
+        f'{{"ts": {1795000000 + t:.3f}, "motor": {{"count": {motor}, "ok": true}}, "joint": {{"count": {joint}}}}}'
+        for t, motor, joint in zip(TIME, _counts(8.0 * OUTPUT, 4096), _counts(OUTPUT, 16384), strict=True)
+    ]
+    log = tmp_path / "run.jsonl"
+    log.write_text("\n".join([*lines, lines[-1][:30]]) + "\n")
+    _is_the_run(_drafted(log), 2.0 * np.pi / 16384)
+    log.write_text("\n".join([*lines[1:], *('{"motor": 1, "ts": 2}' for _ in lines)]) + "\n")
+    with pytest.raises(InputError, match="4000 of 8001 lines have other fields than most"):
+        _drafted(log)
+
+
+def test_counts_in_hexadecimal_digits_are_figures_and_frames_of_a_can_bus_are_told(tmp_path: Path) -> None:
+    motor, joint = _counts(8.0 * OUTPUT, 4096), _counts(OUTPUT, 16384)
+    lines = [f"{t:.3f},0x{a:04X},0x{b:04X}" for t, a, b in zip(TIME, motor, joint, strict=True)]
+    (tmp_path / "hex.csv").write_text("\n".join(["Time,Motor_Pos,Arm_Pos", *lines]) + "\n")
+    _is_the_run(_drafted(tmp_path / "hex.csv"), 2.0 * np.pi / 16384)
+    for frame in ("(1795000000.010400) can0 102#0D6F", "  can0  102   [2]  0D 6F"):
+        (tmp_path / "candump.log").write_text("\n".join([frame] * 200) + "\n")
+        with pytest.raises(InputError, match=r"frames of a CAN bus.*DBC"):
+            draft_text(tmp_path / "candump.log", Expected.of_ratio(8.0))
+
+
+def test_too_many_broken_rows_are_told_with_what_the_first_holds(tmp_path: Path) -> None:
+    path = write(tmp_path, rows(), broken_rows="skip")
+    lines = (tmp_path / "run.csv").read_text().split("\n")
+    lines[7:-1:9] = [line.rpartition(",")[0] + ",OVERRANGE" for line in lines[7:-1:9]]
+    (tmp_path / "run.csv").write_text("\n".join(lines))
+    with pytest.raises(InputError, match="the first has no number in 'joint' \\('OVERRANGE'\\)"):
+        read(path)

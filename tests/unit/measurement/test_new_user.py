@@ -99,12 +99,38 @@ def test_another_weight_tells_the_compliance_from_the_magnet(tmp_path: Path) -> 
         files[-1].write_text(mc.draft_measurement(data, ratio=RATIO) + load(mass_kg))
     alone = mc.close_loop(None, files[0])
     assert "a compliance in series looks like once_per_rev drum" in alone.text()
+    # So neither is named alone, and nothing bounds the compliance from above.
+    (either,) = (group for group in alone.result.one_of if group[0].stage == "drum")
+    assert [one.name for one in either] == ["once_per_rev", "stiffness_error"], alone.result.sentence
+    bound = either[1].parameters["compliance_rad_Nm"]
+    assert bound.low == 0.0 and bound.high == np.inf, bound
     both = mc.close_loop(None, files).result
     named = {(one.name, one.stage): one for one in both.effects}
     magnet = named["once_per_rev", "drum"].parameters["amplitude_rad"]
     soft = named["stiffness_error", None].parameters["compliance_rad_Nm"]
     assert magnet.value == pytest.approx(MAGNET, abs=2e-4), both.sentence
     assert soft.value == pytest.approx(COMPLIANCE, rel=0.05), both.sentence
+
+
+def test_what_is_soft_and_wound_up_by_friction_is_not_named_a_play(tmp_path: Path) -> None:
+    """Without a sensor of the torque the two differ in nothing that a run of one bench shows."""
+    rng = np.random.default_rng(2)
+    t = np.arange(0.0, 100.0, 0.03)
+    arm = np.radians(60.0) * np.sin(2.0 * np.pi * t / 12.0)
+    held, half = np.zeros(t.size), 1.5e-3
+    for k in range(1, t.size):  # the output waits until the spring has turned to the friction's torque
+        held[k] = min(max(held[k - 1], arm[k] - half), arm[k] + half)
+    step = 2.0 * np.pi / 16384
+    read = np.round((held + step * rng.normal(0.0, 0.4, t.size)) / step) * step
+    rows = [f"{a:.3f},{RATIO * b:.6f},{c:.6f}" for a, b, c in zip(t, arm, read, strict=True)]
+    (tmp_path / "run.csv").write_text("\n".join(["t_s,motor_rad,arm_rad", *rows]) + "\n")
+    file = tmp_path / "run.yaml"
+    file.write_text(mc.draft_measurement(tmp_path / "run.csv", ratio=RATIO) + load().replace("68.755", "0.0"))
+    result = mc.close_loop(None, file).result
+    ((first, second),) = result.one_of
+    assert {first.name, second.name} == {"friction", "lash"} and not result.effects, result.sentence
+    friction = next(one for one in (first, second) if one.name == "friction").parameters["half_width_rad"]
+    assert friction.low < half < friction.high, friction
 
 
 def test_a_ratio_in_place_of_the_design(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
