@@ -11,7 +11,6 @@ import json
 import re
 import secrets
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -19,6 +18,7 @@ from typing import Any
 from aiohttp import web
 
 from mbcdm_cad.errors import MbcdmError
+from mbcdm_cad.records import asdict, dataclass, field
 from mbcdm_cad.report.check_report import CheckReport
 
 _WAITING = (

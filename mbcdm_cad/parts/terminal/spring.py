@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import cos, sin
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +9,7 @@ from mbcdm_cad.design.bought import SpringSpec
 from mbcdm_cad.parts.part import BoughtPart, StandardPart
 from mbcdm_cad.parts.shapes import one_solid, turned
 from mbcdm_cad.parts.volume import ring_mm3
+from mbcdm_cad.records import dataclass
 
 if TYPE_CHECKING:
     import cadquery as cq
