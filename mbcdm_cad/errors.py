@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+from dataclasses import dataclass
 from math import inf
-
-from mbcdm_cad.records import dataclass
 
 
 class MbcdmError(Exception):

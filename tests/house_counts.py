@@ -23,7 +23,6 @@ import networkx as nx
 
 # The order of the rooms: a room may import from those before it and from itself.
 ROOMS = (
-    "records",
     "errors",
     "storage",
     "parallel",

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from mbcdm_cad.errors import MbcdmError
-from mbcdm_cad.records import dataclass
 
 if TYPE_CHECKING:
     import cadquery

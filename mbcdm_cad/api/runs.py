@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mbcdm_cad.api.design import DriveDesign
-from mbcdm_cad.records import dataclass
 
 if TYPE_CHECKING:
     import pandas

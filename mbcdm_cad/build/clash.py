@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from itertools import combinations
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes.cable_path import CablePath
 
 Points = NDArray[np.float64]

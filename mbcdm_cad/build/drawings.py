@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -26,7 +27,6 @@ from mbcdm_cad.parts.bought.bodies import CableRod
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.parts.part import MadePart, Part, StandardPart
 from mbcdm_cad.parts.sheets.description import Label, Linear, Sheet, Table, Vector, View, X, Y, Z, minus
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.storage.keys import content_key, source_hash
 from mbcdm_cad.storage.manifest import versions

@@ -10,6 +10,7 @@ booleans fail on rods that touch. There is no list of exceptions.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -20,7 +21,6 @@ from mbcdm_cad.parallel.forks import fork_map
 from mbcdm_cad.parts.bill import cable_item
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.parts.placement import Placement
-from mbcdm_cad.records import dataclass, field
 from mbcdm_cad.routes.cable_path import CablePath, Stretch
 
 

@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.parts.placement import Placement, Vector
-from mbcdm_cad.records import asdict, dataclass
 from mbcdm_cad.routes.curves import Piece
 
 Matrix = tuple[Vector, Vector, Vector]

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -19,7 +20,6 @@ from mbcdm_cad.build.clash import cable_overlaps
 from mbcdm_cad.build.trianglemesh import TriangleMesh
 from mbcdm_cad.errors import GeometryError
 from mbcdm_cad.parts.placement import Placement, Row
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes.cable_path import CablePath
 from mbcdm_cad.routes.curves import Piece, cut
 

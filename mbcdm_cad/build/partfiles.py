@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cached_property
 
 from mbcdm_cad.build.export.stl import stl_bytes
 from mbcdm_cad.build.mass import ShapeProperties
 from mbcdm_cad.build.trianglemesh import TriangleMesh
-from mbcdm_cad.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from math import radians
 from typing import Literal
 
@@ -12,7 +13,6 @@ from mbcdm_cad.layouts.base import Layout
 from mbcdm_cad.parts.bill import CABLE, FIXED, Bill, MovingBody
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.parts.placement import Placement, Vector
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes.cable_path import CablePath, Stretch
 
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import io
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mbcdm_cad.parts.placement import Placement
-from mbcdm_cad.records import dataclass
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int32]

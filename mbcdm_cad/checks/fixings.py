@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import suppress
+from dataclasses import dataclass
 from math import hypot, pi, sqrt
 
 import numpy as np
@@ -19,7 +20,6 @@ from mbcdm_cad.model.equilibrium import BearingLoads, bearing_loads, solve_equil
 from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.parts.collar import CollarDims
 from mbcdm_cad.parts.threads import PLASTIC_SHARE, clamp_force_N
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 
 # Steel on steel, dry (usual value).

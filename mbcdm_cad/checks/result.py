@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Literal
 
 from mbcdm_cad.checks.comparison import shown
-from mbcdm_cad.records import dataclass
 
 Status = Literal["pass", "warn", "fail"]
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import click
@@ -19,7 +20,6 @@ from mbcdm_cad.loop.judge import drive_of, json_bytes
 from mbcdm_cad.loop.study import is_study, load_study
 from mbcdm_cad.measurement.file import MeasurementFile, load_file, with_ratio
 from mbcdm_cad.measurement.schema import MOTION
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.storage.files import write_whole
 
 REPORT_PAGE, REPORT_JSON = REPORT_FILES = ("report.html", "result.json")

@@ -9,6 +9,7 @@ fields are in :mod:`mbcdm_cad.design.rules` and in the configuration's rules.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Annotated, ClassVar, Literal
 
 from pydantic import ConfigDict, Field
@@ -18,7 +19,6 @@ from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.entries import OwnEntries
 from mbcdm_cad.design.fields import Block, CheckId, EntryName, Integer, Number, PlainBlock, Slug, Text, choice, quantity
 from mbcdm_cad.design.stage import StageBlock
-from mbcdm_cad.records import dataclass
 
 # Standard acceleration of gravity (CGPM 1901).
 STANDARD_GRAVITY_M_S2 = 9.80665

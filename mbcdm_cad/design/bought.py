@@ -7,6 +7,7 @@ object made in Python is not validated. Units are those of the files: mm, N, gra
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass, field
 from math import tau
 from typing import Annotated, Any, Literal
 
@@ -15,7 +16,6 @@ from pydantic.json_schema import SkipJsonSchema
 from pydantic_core import PydanticCustomError
 
 from mbcdm_cad.design.fields import EntryName, Integer, Number, PlainBlock, Text, entry_field
-from mbcdm_cad.records import dataclass, field
 
 
 def _no_field_of_files(value: Any) -> Any:

@@ -6,6 +6,7 @@ import copy
 import json
 import re
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 from pydantic import BaseModel
@@ -13,7 +14,6 @@ from pydantic.json_schema import GenerateJsonSchema
 
 from mbcdm_cad.design.fieldpath import FieldPath
 from mbcdm_cad.design.fields import PATTERN_WORDS
-from mbcdm_cad.records import dataclass
 
 Node = dict[str, Any]
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from importlib import import_module
 from pathlib import Path
@@ -17,7 +18,6 @@ from mbcdm_cad.design.freedom import Freedom
 from mbcdm_cad.design.lookup import Catalogue
 from mbcdm_cad.design.rules import Broken, NamedEntry
 from mbcdm_cad.design.sized import Moved, Sizing
-from mbcdm_cad.records import dataclass
 
 __all__ = ["DesignFile", "Given"]
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
@@ -28,7 +29,6 @@ from mbcdm_cad.design.bought import (
     shortest_insert,
 )
 from mbcdm_cad.design.stage import Stage
-from mbcdm_cad.records import dataclass, field, replace
 
 if TYPE_CHECKING:
     from mbcdm_cad.layouts.base import Layout

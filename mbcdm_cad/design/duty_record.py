@@ -9,6 +9,7 @@ from __future__ import annotations
 import csv
 import io
 import re
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import degrees, isfinite
 from pathlib import Path
@@ -17,7 +18,6 @@ from typing import Any
 from mbcdm_cad.design.blocks import DutyBlock, Loads
 from mbcdm_cad.design.source import read_text
 from mbcdm_cad.errors import InputError, Problem, shortened
-from mbcdm_cad.records import dataclass, replace
 
 # Units of each column, as factors to s, deg and N m.
 UNITS = {

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from math import log
 from typing import Any
-
-from mbcdm_cad.records import dataclass
 
 
 def scaled(value: Any, factor: float) -> Any:

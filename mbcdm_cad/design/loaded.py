@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -13,7 +14,6 @@ from mbcdm_cad.design.blocks import Design
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.fieldpath import FieldPath, nearest_line
 from mbcdm_cad.design.sized import SizedValue
-from mbcdm_cad.records import asdict, dataclass, field
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from math import inf
 from typing import Any
 
@@ -14,7 +15,6 @@ from mbcdm_cad.design.describe import Node
 from mbcdm_cad.design.fieldpath import FieldPath, dotted
 from mbcdm_cad.design.yamltree import Tree
 from mbcdm_cad.errors import InputError, Problem, shortened
-from mbcdm_cad.records import dataclass
 
 LOW, HIGH = "min", "max"
 NodeAt = Callable[[FieldPath], Node | None]

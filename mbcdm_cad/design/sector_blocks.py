@@ -5,11 +5,11 @@ As in :mod:`mbcdm_cad.design.blocks`, the reference values with their sources ar
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 from mbcdm_cad.design.blocks import Cable
 from mbcdm_cad.design.fields import EntryName, Integer, Number, PlainBlock, choice, quantity
-from mbcdm_cad.records import dataclass
 
 # Largest half angle of a sector: beyond, no gap is left.
 MOST_SECTOR_DEG = 175.0

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 from mbcdm_cad.design.rules import Broken
-from mbcdm_cad.records import dataclass, field
 
 # What a search makes of the value that a rule finds, by field.
 Moved = Mapping[str, Callable[[Any], Any]]

@@ -7,12 +7,12 @@ at the driven wheel, which sits on the input pulley's shaft.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cached_property
 from math import asin, ceil, cos, hypot, pi, radians, sin
 from typing import Literal
 
 from mbcdm_cad.design.fields import Integer, Number, PlainBlock, choice, quantity
-from mbcdm_cad.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any
 
 import yaml
@@ -16,7 +17,6 @@ import yaml
 from mbcdm_cad.design.fieldpath import FieldPath, dotted, nearest_line
 from mbcdm_cad.design.source import NEW_DESIGN
 from mbcdm_cad.errors import InputError, Problem, shortened
-from mbcdm_cad.records import dataclass
 
 MAX_DEPTH = 16
 MAX_NODES = 5000  # the reference design has about 150; every use of an alias counts what it stands for

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from math import hypot, inf
 
 from mbcdm_cad.drawings.levels import DimensionSpan, Place, placed
@@ -18,7 +19,6 @@ from mbcdm_cad.drawings.style import (
 )
 from mbcdm_cad.parts.fits import limits
 from mbcdm_cad.parts.sheets.description import CuttingLine, Linear, Radius, Sheet, View
-from mbcdm_cad.records import dataclass, replace
 
 PAPERS = {"A4": (297.0, 210.0), "A3": (420.0, 297.0), "A2": (594.0, 420.0), "A1": (841.0, 594.0)}
 # Frame (ISO 5457): 20 mm at the left for filing, 10 mm elsewhere.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from dataclasses import dataclass, replace
 from typing import Any
 
 import cadquery as cq
@@ -37,7 +38,6 @@ from mbcdm_cad.drawings.titleblock import (
     wrapped,
 )
 from mbcdm_cad.parts.sheets.description import POSITION, Sheet, Table
-from mbcdm_cad.records import dataclass, replace
 
 _NOTES_LEFT_OVER_MM = 8.0
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from mbcdm_cad.drawings.style import ARROW_MM, GAP_MM
-from mbcdm_cad.records import dataclass
 
 # Space for an arrow from outside with its tail.
 _OUTSIDE_MM = 2 * ARROW_MM

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any
 
 import cadquery as cq
@@ -21,7 +22,6 @@ from OCP.TopoDS import TopoDS
 
 from mbcdm_cad.drawings.strokes import Point, Stroke, cleaned, fitted
 from mbcdm_cad.parts.sheets.description import Vector, View
-from mbcdm_cad.records import dataclass
 
 # Largest distance of a polyline from the curve that it approximates, mm on the part.
 _DEFLECTION_MM = 0.005

@@ -9,6 +9,7 @@ from __future__ import annotations
 import random
 import zlib
 from collections.abc import Iterable
+from dataclasses import dataclass, field
 from typing import Any
 
 from ezdxf.addons.drawing.backend import BackendInterface
@@ -19,7 +20,6 @@ from ezdxf.document import Drawing
 from ezdxf.path import Command
 
 from mbcdm_cad.drawings.texts import PlacedText, font_object, text_operators
-from mbcdm_cad.records import dataclass, field
 
 _POINTS_PER_MM = 72.0 / 25.4
 _LIGHTEST_MM = 0.09

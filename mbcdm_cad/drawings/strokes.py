@@ -5,9 +5,8 @@ from __future__ import annotations
 import itertools
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from math import atan2, cos, degrees, hypot, pi, radians, sin
-
-from mbcdm_cad.records import dataclass
 
 Point = tuple[float, float]
 _SAME = 1e-4

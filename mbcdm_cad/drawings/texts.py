@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from functools import cache
 from math import cos, radians, sin
 from typing import Any
@@ -10,7 +11,6 @@ from typing import Any
 from ezdxf.document import Drawing
 
 from mbcdm_cad.drawings.style import plain, text_width_mm
-from mbcdm_cad.records import dataclass
 
 # Height of a capital letter over the size of the font that the outlines are from, DejaVu Sans.
 _CAP_HEIGHT = 0.729

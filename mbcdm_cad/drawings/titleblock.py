@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from ezdxf.document import Drawing
 from ezdxf.enums import TextEntityAlignment
 from ezdxf.layouts.blocklayout import BlockLayout
@@ -12,7 +14,6 @@ from mbcdm_cad.drawings.document import TEXT_STYLE
 from mbcdm_cad.drawings.style import ROW_MM, TEXT_MM, TITLE_MM, text_width_mm
 from mbcdm_cad.parts.fits import limits
 from mbcdm_cad.parts.sheets.description import FitLine, Table
-from mbcdm_cad.records import dataclass
 
 GENERAL_TOLERANCE = "ISO 2768-mK"
 

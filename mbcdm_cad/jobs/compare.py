@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +12,6 @@ from mbcdm_cad.build.store import Progress
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.jobs.build import build
-from mbcdm_cad.records import dataclass, replace
 from mbcdm_cad.report.comparison import (
     ComparedDesign,
     compared,

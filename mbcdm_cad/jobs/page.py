@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
 from mbcdm_cad.build.drawings import drawings_folder
@@ -9,7 +10,6 @@ from mbcdm_cad.build.made_parts import drawn
 from mbcdm_cad.build.store import Progress
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.jobs.build import build
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.report.build_report import BuildReport
 from mbcdm_cad.report.page import PAGE
 from mbcdm_cad.report.page.stage import page_figures, page_of

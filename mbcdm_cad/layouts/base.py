@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property, wraps
 from importlib import import_module
 from importlib.resources import files
@@ -19,7 +20,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.records import dataclass
 
 if TYPE_CHECKING:
     from mbcdm_cad.checks.comparison import Check, Family

@@ -6,6 +6,7 @@ The transfer point of a cable is (0, r, r_o), r its radius on the body before th
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from functools import partial
 from math import asin, atan2, cos, degrees, hypot, sin, tau
 from typing import Any
@@ -17,7 +18,6 @@ from mbcdm_cad.model.tensioning_plan import TensionedCable
 from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.terminal.part import Tensioner
 from mbcdm_cad.parts.terminal.take_up import highest_preload_N
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes.cable_path import CablePath, EndOfTravel
 
 # Drum angles over the travel at which paths have figures.

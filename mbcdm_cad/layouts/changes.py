@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -19,7 +20,6 @@ from mbcdm_cad.design.sigmas import SIGMA, VALUE
 from mbcdm_cad.design.yamltree import Tree
 from mbcdm_cad.errors import InputError, MbcdmError, Problem, shortened
 from mbcdm_cad.layouts.loader import design_file_of, load_for_reader, resolve_tree
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.sizing.bulk import Alike, Rows
 from mbcdm_cad.sizing.known import KnownFields
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import degrees, radians
 from typing import TYPE_CHECKING
@@ -17,7 +18,6 @@ from mbcdm_cad.model.life.zones import Level, RopeInUse, RopeLife, Tangent, rope
 from mbcdm_cad.model.si import DriveSI, ModelError
 from mbcdm_cad.model.tensioning import WIRES
 from mbcdm_cad.parts.terminal.take_up import tensioned_rope
-from mbcdm_cad.records import dataclass, replace
 from mbcdm_cad.routes.curves import axial_walk_m, fleet_angle_rad
 from mbcdm_cad.routes.route import CableRoute, DriveRoutes
 

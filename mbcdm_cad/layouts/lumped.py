@@ -6,13 +6,13 @@ The compliance of each part is that of ``Layout.structure``, the shares and torq
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import inf
 
 import numpy as np
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.structure import sticking, urad_Nm
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 
 _URAD = 1e-6

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import radians
 from typing import TYPE_CHECKING
 
@@ -17,7 +18,6 @@ from mbcdm_cad.model.losses.train import BEARINGS, ROPE
 from mbcdm_cad.model.preload_ramp import HeldDrive, MeasuredPreloads, Ramp, SampleNoise
 from mbcdm_cad.model.si import DriveSI, ModelError, to_si
 from mbcdm_cad.model.tensioning import influence
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 
 if TYPE_CHECKING:

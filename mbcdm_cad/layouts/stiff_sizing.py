@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from math import inf
 from typing import Any, Protocol
@@ -24,7 +25,6 @@ from mbcdm_cad.design.lookup import Catalogue
 from mbcdm_cad.design.sized import Moved, SizedValue, Sizing, SizingError
 from mbcdm_cad.layouts.base import Layout, NoFigureError
 from mbcdm_cad.layouts.structure import Cause, Structure, urad_Nm
-from mbcdm_cad.records import dataclass, replace
 from mbcdm_cad.sizing.known import KnownFields
 from mbcdm_cad.sizing.rule import rounded_up
 

@@ -9,6 +9,7 @@ what.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from math import hypot, log, radians
 from typing import TYPE_CHECKING, Any
 
@@ -28,7 +29,6 @@ from mbcdm_cad.model.structure.shafts import (
     torsion_urad_Nm,
 )
 from mbcdm_cad.parts.drum_sector.structure import hub, land_pulls, sector_shape
-from mbcdm_cad.records import dataclass, field, replace
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.loads import BodyLoad, body_load
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from mbcdm_cad.checks.comparison import Check
@@ -21,7 +22,6 @@ from mbcdm_cad.design.fieldpath import put
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.loader import load_tree
-from mbcdm_cad.records import dataclass
 
 ROUNDS = 3
 # Trials that the remedies of a later round may take: a failing check must not take long.

@@ -8,6 +8,7 @@ The one place where cables and structure are put together. Cables as in
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
 from math import inf
 from typing import TYPE_CHECKING, Any
 
@@ -20,7 +21,6 @@ from mbcdm_cad.model.backlash import Reading, drum_backlash, implied_modulus_Pa
 from mbcdm_cad.model.measured import BACKLASH_RAD, BACKLASH_TORQUE_NM
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.model.stiffness import RIGID, TurningInertias, sticking_stiffness_Nm_rad, torsional_modes_Hz
-from mbcdm_cad.records import asdict, dataclass, replace
 
 if TYPE_CHECKING:
     from mbcdm_cad.layouts.base import Layout

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from mbcdm_cad.build.makefiles import drawn_part
@@ -19,7 +20,6 @@ from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.parallel.forks import forked
 from mbcdm_cad.parts.bill import CABLE, PartSpec
 from mbcdm_cad.parts.bought.bodies import CableRod
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.report.data import Tested, checks_data, design_figures, report_data
 from mbcdm_cad.report.explain import fields_data
 from mbcdm_cad.report.page import PAGE

@@ -11,6 +11,7 @@ import json
 import re
 import secrets
 from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -18,7 +19,6 @@ from typing import Any
 from aiohttp import web
 
 from mbcdm_cad.errors import MbcdmError
-from mbcdm_cad.records import asdict, dataclass, field
 from mbcdm_cad.report.check_report import CheckReport
 
 _WAITING = (

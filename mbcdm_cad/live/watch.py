@@ -14,6 +14,7 @@ import signal
 import sys
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
 
@@ -25,7 +26,6 @@ from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.live.server import Server, WatchState
 from mbcdm_cad.live.worker import Drawn, Job, work
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.report.check_report import check_design
 
 # Changes within this time, ms, count as one save: some editors save in several steps.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
 
@@ -10,7 +11,6 @@ from mbcdm_cad.checks.result import CheckResult
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.parallel.forks import allow_processes
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.storage.cache import Cache, cache_folder
 
 # The browser loads the new page meanwhile, for which it needs a core.

@@ -12,13 +12,13 @@ that were named and depend on these are subtracted from the data first, and list
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mbcdm_cad.loop.prepare.prepared import held_out
 from mbcdm_cad.loop.search.fit import Fit, Fitter
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.storage.compiled import compiled
 

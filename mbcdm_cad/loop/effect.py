@@ -7,6 +7,7 @@ one file of ``effects/``. Shapes that several effects share stand below.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -14,7 +15,6 @@ import numpy as np
 from mbcdm_cad.loop.prepare.prepared import Prepared
 from mbcdm_cad.loop.prepare.setup import Setup, Simulator
 from mbcdm_cad.model.si import DriveSI
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 
 Starts = Callable[[Setup, Floats], list[list[float]]]

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from math import exp, log
 from typing import Any
 
 from mbcdm_cad.loop.readable import Value, readable
-from mbcdm_cad.records import dataclass, field
 from mbcdm_cad.routes import Floats
 
 # Odds from which a change, or that there was none, is said without reserve.

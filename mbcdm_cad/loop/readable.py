@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
-
-from mbcdm_cad.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from mbcdm_cad.loop.own import Differing
 from mbcdm_cad.loop.readable import Value, readable, share_text, size_of
-from mbcdm_cad.records import asdict, dataclass, field
 from mbcdm_cad.routes import Complex, Floats
 
 if TYPE_CHECKING:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime
+from dataclasses import dataclass
 from pathlib import Path
 
 from pydantic import ValidationError
@@ -13,7 +14,6 @@ from mbcdm_cad.design.problems import schema_problems
 from mbcdm_cad.design.source import read_text
 from mbcdm_cad.errors import InputError, Problem
 from mbcdm_cad.measurement.file import MeasurementFile, load_file
-from mbcdm_cad.records import dataclass
 
 _KIND = ("study file", "; docs/loop.md shows one")
 MOST_RUNS, MOST_NAMES = 200, 8

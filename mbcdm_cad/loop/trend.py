@@ -11,6 +11,7 @@ from __future__ import annotations
 import datetime
 import io
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from math import log
 from typing import Any
@@ -28,7 +29,6 @@ from mbcdm_cad.loop.readable import Value, readable
 from mbcdm_cad.loop.search.own import FIELDS
 from mbcdm_cad.loop.study import Study
 from mbcdm_cad.model.si import ModelError
-from mbcdm_cad.records import dataclass, field
 from mbcdm_cad.routes import Floats
 
 DAY_S = 86400.0

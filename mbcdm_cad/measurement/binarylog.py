@@ -15,6 +15,7 @@ import importlib
 import json
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +25,6 @@ from mbcdm_cad.errors import InputError, Problem
 from mbcdm_cad.measurement.channels import Channel, aligned
 from mbcdm_cad.measurement.datafile import DataTable, left_out
 from mbcdm_cad.measurement.logformat import Format
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 
 # Names of the times of messages and waveforms, in a place that no quantity of a log has.

@@ -13,13 +13,14 @@ is made smaller between two rows, no row has this extreme, and the friction of t
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
 from mbcdm_cad.measurement.run import Run, VettingNote, gravest_first
 from mbcdm_cad.measurement.vet_columns import column_findings
 from mbcdm_cad.model.si import DriveSI
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 
 # A row that differs from the one before by less than this share of the usual difference, and of its distance from the

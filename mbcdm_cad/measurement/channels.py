@@ -8,6 +8,7 @@ logged for long, the samples there are left out.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +17,6 @@ from numpy.typing import NDArray
 from mbcdm_cad.errors import InputError, Problem
 from mbcdm_cad.measurement.datafile import DataTable, clock_s
 from mbcdm_cad.measurement.logformat import Format, figure_of
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 
 # A quantity that was not logged for so many of its usual steps is not interpolated there.

@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 import warnings
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime, time
 from pathlib import Path
 
@@ -18,7 +19,6 @@ from numpy.typing import NDArray
 from mbcdm_cad.errors import InputError, Problem, shortened
 from mbcdm_cad.measurement.logformat import ARROW, LONGEST_LINE, Format, figure_of, too_long
 from mbcdm_cad.measurement.units import ISO_CLOCK
-from mbcdm_cad.records import dataclass, replace
 from mbcdm_cad.routes import Floats
 
 BLOCK_BYTES = 8 << 20

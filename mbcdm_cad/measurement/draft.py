@@ -10,6 +10,7 @@ import math
 import re
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +24,6 @@ from mbcdm_cad.measurement.reading import FULL_SENSE
 from mbcdm_cad.measurement.roles import COUNTS_SOLD, MET, TIME_WORDS, Expected, Guess, assign, stated_unit, ways
 from mbcdm_cad.measurement.units import ANGLE, COUNTS, FORCE, ISO_CLOCK, LENGTH, TEMPERATURE, TIME, TORQUE, Unit
 from mbcdm_cad.measurement.vet_columns import robust_slope
-from mbcdm_cad.records import dataclass, replace
 from mbcdm_cad.routes import Floats
 
 # Rows that are tested for figures, and the share of them that must have one.

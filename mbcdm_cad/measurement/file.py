@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from pydantic import ValidationError
@@ -25,7 +26,6 @@ from mbcdm_cad.measurement.schema import (
     node_at,
 )
 from mbcdm_cad.measurement.units import COUNTS, ENCODERS, FORCE, LENGTH, LOAD, kind_of, known_units, unit_of
-from mbcdm_cad.records import dataclass, replace
 
 _KIND = ("measurement file", "; docs/measurement-file.md shows how one is written")
 

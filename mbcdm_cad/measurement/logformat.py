@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import re
 from collections import Counter
+from dataclasses import dataclass
 from pathlib import Path
 
 from mbcdm_cad.errors import InputError, Problem
 from mbcdm_cad.measurement.units import ANGLE, COUNTS, FORCE, TEMPERATURE, TIME, TORQUE
-from mbcdm_cad.records import dataclass
 
 # Longest line of a logger's file: a file without a line end within this length is not a table.
 LONGEST_LINE = 1 << 16

@@ -6,6 +6,7 @@ import hashlib
 import math
 import re
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -31,7 +32,6 @@ from mbcdm_cad.measurement.schema import (
     SensorFigures,
 )
 from mbcdm_cad.measurement.units import ISO_CLOCK, Unit, unit_of
-from mbcdm_cad.records import dataclass, replace
 from mbcdm_cad.routes import Floats
 
 # Fewer samples than this cannot contain the sweeps that any statement needs.

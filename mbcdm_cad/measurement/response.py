@@ -8,6 +8,7 @@ the cross-spectra with it (instrumental variable), to which noise of the input d
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,6 @@ from scipy.signal import detrend, stft
 from scipy.signal.windows import tukey
 
 from mbcdm_cad.measurement.run import Run, VettingNote, gravest_first
-from mbcdm_cad.records import dataclass, replace
 from mbcdm_cad.routes import Complex, Floats
 
 # Lines of the spectrum in each average, and averages over which the scatter of the response is smoothed.

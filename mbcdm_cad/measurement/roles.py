@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from itertools import permutations
 from math import inf, log, pi, radians
 
@@ -17,7 +18,6 @@ import numpy as np
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.measurement.units import ANGLE, FORCE, TEMPERATURE, TIME, TORQUE, Unit
 from mbcdm_cad.measurement.vet_columns import LEAST_AGREEMENT, robust_slope
-from mbcdm_cad.records import dataclass, field
 from mbcdm_cad.routes import Floats
 
 # Relative miss of a ratio or a number of counts up to which it counts as met, and up to which it is still near.

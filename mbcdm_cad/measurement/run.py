@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from dataclasses import field as with_default
 from functools import cached_property
 from typing import Literal, get_args
@@ -13,7 +14,6 @@ from scipy.ndimage import uniform_filter1d
 
 from mbcdm_cad.design.fieldpath import FieldPath
 from mbcdm_cad.measurement.schema import MOTION, NO_PLATE, CountedParts, InertiaPlate, Kind
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.storage.compiled import compiled
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 from mbcdm_cad.design.blocks import STANDARD_GRAVITY_M_S2
-from mbcdm_cad.records import dataclass
 
 COUNTS = "counts"
 

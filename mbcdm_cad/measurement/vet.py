@@ -8,6 +8,7 @@ share of the preload from a cable, or the angle lies outside the travel, it is t
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -35,7 +36,6 @@ from mbcdm_cad.measurement.vet_columns import column_findings, robust_slope
 from mbcdm_cad.measurement.vet_signals import FEWEST_HALF_SWEEPS, reach_findings, signal_findings
 from mbcdm_cad.model.creep import creep_a_decade
 from mbcdm_cad.model.si import DriveSI, to_si
-from mbcdm_cad.records import dataclass, replace
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.route import input_body
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -44,7 +45,6 @@ from mbcdm_cad.model.sensitivity import intervals
 from mbcdm_cad.model.si import DriveSI, routed, to_si
 from mbcdm_cad.model.stiffness import secant_stiffness_Nm_rad, sticking_stiffness_Nm_rad, tangent_stiffness_Nm_rad
 from mbcdm_cad.model.wrap import slip_angle_rad
-from mbcdm_cad.records import dataclass
 
 if TYPE_CHECKING:
     from mbcdm_cad.design.drive import Drive

@@ -6,6 +6,7 @@ The paper never prints E, so every E used here is calibrated on a measured backl
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -13,7 +14,6 @@ import numpy as np
 from mbcdm_cad.model import equations as eq
 from mbcdm_cad.model.equilibrium import Equilibrium, solve_equilibrium
 from mbcdm_cad.model.si import DriveSI, ModelError
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 
 

@@ -10,6 +10,7 @@ shows the effect. All preloads are lowered by the same share.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -22,7 +23,6 @@ from mbcdm_cad.model.kinematics import eq1_residuals
 from mbcdm_cad.model.si import PER_CABLE, PER_DESIGN, DriveSI, ModelError, to_si
 from mbcdm_cad.model.wrap import slip_angle_rad
 from mbcdm_cad.parallel.crew import Crew
-from mbcdm_cad.records import dataclass, fields
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.curves import axial_walk_m, fleet_angle_rad
 

@@ -7,6 +7,7 @@ limit differs by direction; preloads with T ~ 1/r within a pair remove the bias.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,7 +15,6 @@ from numpy.typing import NDArray
 
 from mbcdm_cad.model.equilibrium import Equilibrium, solve_equilibrium, solve_weighted
 from mbcdm_cad.model.si import GPA, MM, MM2, DriveSI, ModelError, routed
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 
 if TYPE_CHECKING:

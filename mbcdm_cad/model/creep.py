@@ -15,10 +15,10 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections.abc import Iterable
+from dataclasses import dataclass
 from math import expm1, log, log1p
 
 from mbcdm_cad.design.bought import CableSpec
-from mbcdm_cad.records import dataclass
 
 HOUR_S, DAY_S, YEAR_S = 3600.0, 86400.0, 365.25 * 86400.0
 START_S = HOUR_S

@@ -13,13 +13,13 @@ inside a bracket, which is slow but always converges.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from mbcdm_cad.model.si import DriveSI, ModelError, content_of
 from mbcdm_cad.model.wrap import slack_stretch_m, stretch_after_reversal, stretch_first_loading
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.loads import BodyLoad, body_load, two_bearing_reactions_N
 

@@ -7,11 +7,12 @@ shared by all plates that meet there. Units: mm, N, MPa, rad.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
 from mbcdm_cad.model.block_rows import Ints, by_bands, solve_mesh
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 
 # Corners of an element in its own (u, v), and the Gauss points.

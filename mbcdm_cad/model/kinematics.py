@@ -6,12 +6,12 @@ theta_i = +(r_o/r_i) theta_o; a body that the cable passes turns by +-(r_o/r) th
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from mbcdm_cad.model.si import DriveSI, ModelError
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 
 

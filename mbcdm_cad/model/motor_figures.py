@@ -11,13 +11,13 @@ that the speed at high load is an upper bound.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mbcdm_cad.model.capability import torque_at_input_limit_Nm
 from mbcdm_cad.model.si import DriveSI
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 
 if TYPE_CHECKING:

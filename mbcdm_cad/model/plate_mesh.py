@@ -6,6 +6,7 @@ Only the half x >= 0 is meshed. Panels lie at mid-thickness and meet at their mi
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from math import pi, sqrt
 
@@ -15,7 +16,6 @@ from numpy.typing import NDArray
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.model.block_rows import Ints, by_bands
 from mbcdm_cad.model.folded_plates import Plates, freedoms, sides, solve, stiffness
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 
 # Elements longer than this are split. Elements of 3 mm raise the reference frame's windup by 3 % and cost five times as

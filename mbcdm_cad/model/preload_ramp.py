@@ -18,13 +18,14 @@ friction but g F, and sets the scale.
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
+
 import numpy as np
 
 from mbcdm_cad.model.equilibrium import tension_of_stretch
 from mbcdm_cad.model.losses.friction import FIBRE_SIGMA, GEARHEAD_IDLE_SIGMA, GEARHEAD_SIGMA, ROPE_SIGMA
 from mbcdm_cad.model.losses.train import Train
 from mbcdm_cad.model.si import DriveSI, ModelError
-from mbcdm_cad.records import dataclass, replace
 from mbcdm_cad.routes import Floats
 
 # What the design does not know of stiffness and friction: standard deviations of their logarithms (estimates).

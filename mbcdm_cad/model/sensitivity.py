@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from string import ascii_lowercase
 from typing import Any
 
@@ -13,7 +14,6 @@ from mbcdm_cad.model.capability import Requirements
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.si import DriveSI, ModelError
 from mbcdm_cad.parallel.crew import Crew
-from mbcdm_cad.records import dataclass, replace
 from mbcdm_cad.routes import Floats
 
 # Parameters that may have a sigma besides the geometry's lengths, and the field of the drive or requirements of each.

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from mbcdm_cad.model.si import DriveSI, ModelError
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 
 

@@ -8,13 +8,13 @@ both without a loop. How the cables run is the configuration's matter (:mod:`mbc
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from mbcdm_cad.errors import MbcdmError
-from mbcdm_cad.records import dataclass, replace
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.geometry import DRUM_RADIUS, INPUT_RADIUS, Geometry, RoutedDrive
 from mbcdm_cad.routes.route import DriveRoutes

@@ -14,12 +14,11 @@ Any unit, the same throughout. Plain numbers: ``check`` calls it.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 from math import isfinite, sqrt
 from typing import Any
 
 import numpy as np
-
-from mbcdm_cad.records import dataclass
 
 # Share of drives beyond three sigma on one side of a normal law.
 BEYOND_THREE_SIGMA = 0.00135

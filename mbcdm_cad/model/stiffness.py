@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,6 @@ import numpy as np
 from mbcdm_cad.model.equilibrium import solve_equilibrium, sum_per_input
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.model.wrap import stretch_first_loading
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 
 

@@ -9,12 +9,12 @@ tensioned.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from math import cos, cosh, exp, pi, sin, sinh, sqrt
 from typing import Any
 
 import numpy as np
 
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 
 # Wires of a rope and its diameter over theirs (ISO 2408 geometry); a braid's fibres bend freely.

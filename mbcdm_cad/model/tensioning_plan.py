@@ -6,6 +6,7 @@ Works on plain data of each cable; a configuration says what they are. SI throug
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -23,7 +24,6 @@ from mbcdm_cad.model.tensioning import (
     tension_from_pitch_N,
     untensioned_length_m,
 )
-from mbcdm_cad.records import dataclass
 
 # If one pitch corresponds to a range of tensions wider than this, the pitch alone cannot set the preload.
 USABLE_SPREAD = 0.25

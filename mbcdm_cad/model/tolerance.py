@@ -7,12 +7,12 @@ wrap sticks; the Monte Carlo runs the whole time-series model with friction over
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from mbcdm_cad.model.si import DriveSI, ModelError
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.displaced import path_slope
 

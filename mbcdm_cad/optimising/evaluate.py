@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,6 @@ from mbcdm_cad.model.block_rows import many_meshes
 from mbcdm_cad.optimising.figures import BY_ELEMENTS, FIGURES, Facts, figure
 from mbcdm_cad.optimising.spread import percentile_of
 from mbcdm_cad.optimising.wishes import Keep
-from mbcdm_cad.records import dataclass, field
 from mbcdm_cad.solving.question import Point, Question, stated
 from mbcdm_cad.solving.trials import LAST, missed, must_hold
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +18,6 @@ from mbcdm_cad.model.analysis import PeakTorques, peak_torques, reversal_swing_m
 from mbcdm_cad.model.capability import torque_to_weight_Nm_kg
 from mbcdm_cad.optimising.spread import Spread, percentile_of
 from mbcdm_cad.parts.cost import NoPriceError, bought_cost_EUR, material_cost_EUR
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.report.structure import StructureReport, structure_report
 from mbcdm_cad.solving.trials import checks_by_id
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from mbcdm_cad.design.fieldpath import leaves
@@ -11,7 +12,6 @@ from mbcdm_cad.optimising.evaluate import Evaluated, evaluate
 from mbcdm_cad.optimising.figures import refuse_unknown
 from mbcdm_cad.optimising.wishes import Effort
 from mbcdm_cad.parallel.crew import crew
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.report.table import ReportTable
 from mbcdm_cad.solving.question import ASIDE, Fixed, Question
 from mbcdm_cad.solving.repair import repair

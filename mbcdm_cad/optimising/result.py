@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from math import isfinite
 from pathlib import Path
@@ -18,7 +19,6 @@ from mbcdm_cad.optimising.figures import FIGURES, Facts, figure
 from mbcdm_cad.optimising.search import INTERRUPTED, ROUNDS, Searched, TriedPoint, counted
 from mbcdm_cad.optimising.sketch import sketch
 from mbcdm_cad.optimising.wishes import Keep, Wishes
-from mbcdm_cad.records import dataclass, field
 from mbcdm_cad.report.table import ReportTable, filled
 from mbcdm_cad.solving.patch import difference, patched
 from mbcdm_cad.solving.question import Question

@@ -9,6 +9,7 @@ from __future__ import annotations
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,6 @@ from mbcdm_cad.optimising.journal import Journal, Record
 from mbcdm_cad.optimising.variables import Values, Variable, point_of
 from mbcdm_cad.optimising.wishes import Effort, Keep, Wishes
 from mbcdm_cad.parallel.crew import Crew, crew
-from mbcdm_cad.records import asdict, dataclass, field
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.solving.question import Question
 

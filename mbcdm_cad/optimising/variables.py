@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from itertools import product
 from math import exp, log, prod
 from typing import Any
@@ -17,7 +18,6 @@ import numpy as np
 from mbcdm_cad.design.sized import LIGHTEST
 from mbcdm_cad.errors import InputError, MbcdmError
 from mbcdm_cad.optimising.wishes import Freed, Wishes
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.solving.question import Fixed, Point, Question, Setting, Times
 from mbcdm_cad.solving.trials import choices, setting_of
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from mbcdm_cad.errors import MbcdmError
-from mbcdm_cad.records import dataclass
 
 SENSES = ("min", "max")
 MOST_AIMS = 4

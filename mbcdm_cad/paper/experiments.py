@@ -11,12 +11,12 @@ controllers, inertia of the plate, ripple of the motor. Nothing is fitted to the
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.records import dataclass, replace
 from mbcdm_cad.rig.dynamic.controller import sine, standstill
 from mbcdm_cad.rig.dynamic.rig import DynamicRig, input_turns, rig_of
 from mbcdm_cad.rig.dynamic.run import DynamicRun, run_dynamic

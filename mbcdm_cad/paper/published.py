@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import jinja2
@@ -14,7 +15,6 @@ from mbcdm_cad.measurement.file import MeasurementFile
 from mbcdm_cad.measurement.units import Unit, unit_of
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.paper.published_causes import JUDGES, Judged, together
-from mbcdm_cad.records import asdict, dataclass
 
 # Ending of a name from which `readable` takes the unit.
 ENDINGS = {"rad": "_rad", "N m": "_Nm"}

@@ -6,6 +6,7 @@ Candidates marked ``+`` are plausible (within the bounds below, estimates); a si
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import brentq
@@ -22,7 +23,6 @@ from mbcdm_cad.model.capability import (
 )
 from mbcdm_cad.model.profiles import simulate_profiles
 from mbcdm_cad.model.si import DriveSI
-from mbcdm_cad.records import dataclass
 
 # Plausible relative deviation of preload, modulus and friction from the declared values (estimates).
 PRELOAD_SHARE, MODULUS_SHARE, FRICTION_SHARE = 0.3, 0.15, 0.5

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -26,7 +27,6 @@ from mbcdm_cad.model.capability import (
 )
 from mbcdm_cad.model.kinematics import eq1_residuals
 from mbcdm_cad.model.si import DriveSI, to_si
-from mbcdm_cad.records import asdict, dataclass
 
 if TYPE_CHECKING:
     from mbcdm_cad.design.drive import Drive

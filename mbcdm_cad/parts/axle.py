@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from mbcdm_cad.parts.fits import FITS
@@ -12,7 +13,6 @@ from mbcdm_cad.parts.sheets.description import FitLine, Sheet
 from mbcdm_cad.parts.sheets.tolerances import Datum, GeometricTolerance
 from mbcdm_cad.parts.sheets.turned import ALONG_Z, MAIN
 from mbcdm_cad.parts.volume import ring_mm3
-from mbcdm_cad.records import dataclass
 
 if TYPE_CHECKING:
     import cadquery as cq

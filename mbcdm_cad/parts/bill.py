@@ -6,6 +6,7 @@ This module needs no CAD kernel: if all parts are in the cache, a build draws no
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Literal
 
@@ -14,7 +15,6 @@ from mbcdm_cad.parts.bought.bodies import BearingBody, InsertBody, ScrewBody
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.parts.part import MadePart, Part, StandardPart
 from mbcdm_cad.parts.placement import Placement, Vector
-from mbcdm_cad.records import dataclass
 
 CABLE = "cable_"
 FIXED = "fixed"

@@ -5,6 +5,7 @@ Seen along the axis: the slit points to the right, the screw crosses it from top
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import hypot, pi, sqrt
 from typing import TYPE_CHECKING, Protocol
 
@@ -18,7 +19,6 @@ from mbcdm_cad.parts.sheets.description import FitLine, Holes, Linear, Sheet, Vi
 from mbcdm_cad.parts.sheets.holes import hole_labels, hole_table
 from mbcdm_cad.parts.threads import thread
 from mbcdm_cad.parts.volume import ring_mm3
-from mbcdm_cad.records import dataclass
 
 if TYPE_CHECKING:
     import cadquery as cq

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import cos, radians, sin
 from typing import TYPE_CHECKING
 
@@ -11,7 +12,6 @@ from mbcdm_cad.parts.shapes import cut, turned_about_y
 from mbcdm_cad.parts.sheets.description import FitLine, Linear, Sheet, Vector, View, Y, minus
 from mbcdm_cad.parts.sheets.turned import ALONG_Y
 from mbcdm_cad.parts.volume import ring_mm3, segment_mm2
-from mbcdm_cad.records import dataclass
 
 if TYPE_CHECKING:
     import cadquery as cq

@@ -9,8 +9,7 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_left
-
-from mbcdm_cad.records import dataclass
+from dataclasses import dataclass
 
 SMALLEST_MM, LARGEST_MM = 1.0, 500.0
 # Upper ends of the ranges of nominal sizes; a size that is an end belongs to the range below it.

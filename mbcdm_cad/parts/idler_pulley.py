@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -11,7 +12,6 @@ from mbcdm_cad.parts.shapes import Point2, turned
 from mbcdm_cad.parts.sheets.description import FitLine, Label, Sheet, Table, mm3
 from mbcdm_cad.parts.sheets.turned import ALONG_Z, MAIN
 from mbcdm_cad.parts.volume import ring_mm3
-from mbcdm_cad.records import dataclass
 
 if TYPE_CHECKING:
     import cadquery as cq

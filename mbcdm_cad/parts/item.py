@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Sequence
+from dataclasses import dataclass
 from typing import Literal
 
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.parts.placement import Placement
-from mbcdm_cad.records import dataclass
 
 # Names are used as file stems, STEP products and nodes of the GLB, so only characters valid in all three are allowed.
 # Long enough for a name of the design file (64) with a word before and a number after it.

@@ -7,8 +7,9 @@ that the screws are no parts of the drive.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from mbcdm_cad.design.bought import InsertSpec
-from mbcdm_cad.records import dataclass
 
 
 @dataclass(frozen=True)

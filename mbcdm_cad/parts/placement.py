@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-
-from mbcdm_cad.records import dataclass
 
 Row = tuple[float, float, float, float]
 Vector = tuple[float, float, float]

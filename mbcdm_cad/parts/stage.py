@@ -10,13 +10,13 @@ on the shaft of motor or gearhead, which stands beside the input, away from the 
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import cos, pi, sin
 from typing import TYPE_CHECKING
 
 from mbcdm_cad.design.stage import BELT_SIDE_MM, DENSITY_G_CM3, FLANGE_MM, FLANGE_WIDTH_MM, Stage
 from mbcdm_cad.parts.part import BoughtPart
 from mbcdm_cad.parts.shapes import block, cut, turned
-from mbcdm_cad.records import dataclass
 
 if TYPE_CHECKING:
     import cadquery as cq

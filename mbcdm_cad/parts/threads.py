@@ -5,10 +5,10 @@ No kernel here.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import inf, pi, sqrt
 
 from mbcdm_cad.design.bought import InsertSpec, Material
-from mbcdm_cad.records import dataclass
 
 # Coarse pitch and drill for tapping, mm, by nominal diameter.
 _COARSE_MM = {

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from math import exp, inf, log
 
 from mbcdm_cad.design.drive import Drive
@@ -12,7 +13,6 @@ from mbcdm_cad.measurement.run import TorqueClass
 from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.planning.candidates import candidates, class_of_load, experiment_text, run_of
 from mbcdm_cad.planning.plan import Foreseen, RunPlan, plan_of
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.rig.bench_limits import BenchLimits
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
 from mbcdm_cad.rig.result import RigError

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -23,7 +24,6 @@ from mbcdm_cad.measurement.vet import arranged
 from mbcdm_cad.model.si import ModelError, to_si
 from mbcdm_cad.planning.power import Draws, Shown, draws_of, shown, smallest, worst_phase
 from mbcdm_cad.planning.prediction_noise import along, friction_errors
-from mbcdm_cad.records import dataclass, replace
 from mbcdm_cad.routes import Floats
 
 # t^2 (1 - rho) from which a wrong choice between two effects is less likely than 1 %.

@@ -10,6 +10,7 @@ Travel and load stay within those of the design and of the runs so far; motion a
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from math import degrees, radians
 from typing import Any
 
@@ -28,7 +29,6 @@ from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.planning.candidates import LEAST_DURATION_S, TRAVEL_SHARE, candidates, experiment_text, run_of
 from mbcdm_cad.planning.detectable import planned_fitter, without_offsets
 from mbcdm_cad.planning.prediction_noise import along
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.rig.bench_limits import BenchLimits
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
 from mbcdm_cad.rig.result import RigError

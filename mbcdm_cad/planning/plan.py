@@ -9,6 +9,7 @@ their size; all else, the rivals too, is linear in the sizes, so valid for small
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -28,7 +29,6 @@ from mbcdm_cad.model.si import to_si
 from mbcdm_cad.planning.by_hand import PlannedReadings, sizes_by_hand, sizes_of_response
 from mbcdm_cad.planning.detectable import NEVER, PlannedEffects, Tried, planned_fitter
 from mbcdm_cad.planning.prediction_noise import coloured
-from mbcdm_cad.records import asdict, dataclass, replace
 
 POWER = 0.9
 # A rival is listed if the effect can be confused with it up to so many times its smallest named size; worst first.

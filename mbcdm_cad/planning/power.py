@@ -4,6 +4,7 @@ of the noise."""
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -18,7 +19,6 @@ from mbcdm_cad.loop.prepare.noise import Noise
 from mbcdm_cad.loop.prepare.prepared import SECTORS, Prepared
 from mbcdm_cad.loop.search.evidence import ALPHA, jackknifed
 from mbcdm_cad.loop.search.select import LEAST_FALL
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 
 # Draws of the noise: the error of a probability of 0.5 is 0.02. Fewer for a long run, which has so many samples in all.

@@ -16,6 +16,8 @@ the smoothed signals, they are smoothed again, and the prediction is made anew.
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
@@ -29,7 +31,6 @@ from mbcdm_cad.loop.prepare.setup import Setup
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.model.si import ModelError
-from mbcdm_cad.records import dataclass, replace
 from mbcdm_cad.routes import Floats
 
 # Samples that the colour is found on.

@@ -6,13 +6,13 @@ The command line prints it, the Python API returns it.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
 from mbcdm_cad.layouts.turns import plain_modes
 from mbcdm_cad.model import Analysis, analyse
 from mbcdm_cad.model.figures import ShaftTurns
 from mbcdm_cad.model.measured import papers_test
-from mbcdm_cad.records import asdict, dataclass, field, fields
 from mbcdm_cad.report.as_built_chances import Chance, chance_lines, chances_of
 from mbcdm_cad.report.duty import DutyReport, duty_report
 from mbcdm_cad.report.life import LifeReport, life_report

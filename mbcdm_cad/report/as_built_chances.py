@@ -8,6 +8,7 @@ draws the values at random instead.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from math import erf, sqrt
 
 import numpy as np
@@ -18,7 +19,6 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.model.si import ModelError
-from mbcdm_cad.records import dataclass, replace
 from mbcdm_cad.routes import Floats
 
 # Probabilities beyond these are told as certain, and only counted.

@@ -5,10 +5,10 @@ The command line prints it, the Python API returns it.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.report.check_report import CheckReport
 from mbcdm_cad.report.table import preformatted
 

@@ -8,13 +8,13 @@ from __future__ import annotations
 import textwrap
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
 
 from mbcdm_cad.checks.result import CheckResult, failed, figures
 from mbcdm_cad.design.sized import LIGHTEST
 from mbcdm_cad.errors import MbcdmError, did_you_mean
 from mbcdm_cad.layouts.check_design import advised_checks
-from mbcdm_cad.records import asdict, dataclass, field
 from mbcdm_cad.report.as_built_chances import Chance, chance_lines, chances_of
 from mbcdm_cad.report.table import ReportTable
 

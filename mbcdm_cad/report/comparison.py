@@ -10,12 +10,12 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.turns import turns_of
-from mbcdm_cad.records import asdict, dataclass
 from mbcdm_cad.report.table import ReportTable
 
 # Units for which the margin over the limit is a reserve of load.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,6 @@ from mbcdm_cad.model.stack_up import stack_data
 from mbcdm_cad.model.stiffness import sticking_stiffness_Nm_rad
 from mbcdm_cad.model.tensioning_plan import TensioningPlan
 from mbcdm_cad.parts.bill import Bill
-from mbcdm_cad.records import asdict, dataclass
 from mbcdm_cad.report.duty import duty_report
 from mbcdm_cad.report.life import life_report
 from mbcdm_cad.report.losses import losses_report

@@ -7,6 +7,7 @@ Layers and positions come from networkx; within a column fields are ordered by t
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
@@ -14,7 +15,6 @@ import jinja2
 import networkx as nx
 
 from mbcdm_cad.design.describe import flow
-from mbcdm_cad.records import dataclass
 
 # Sweeps over all columns in both directions; more change nothing for designs of some sixty fields.
 _SWEEPS = 24

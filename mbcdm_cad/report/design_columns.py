@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from abc import abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +17,6 @@ from mbcdm_cad.layouts.changes import changed_drives, sized_many
 from mbcdm_cad.model.bulk import BulkFigures, analyse_many, merged, stack_designs
 from mbcdm_cad.model.capability import Requirements, requirements
 from mbcdm_cad.model.si import DriveSI, to_si
-from mbcdm_cad.records import dataclass, fields
 from mbcdm_cad.report.table import ReportTable, data_frame
 from mbcdm_cad.sizing.bulk import Alike, gathered
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from math import inf, isfinite
 from typing import TYPE_CHECKING, Any
@@ -12,7 +13,6 @@ import numpy as np
 from mbcdm_cad.model.duty.cycle import Duty
 from mbcdm_cad.model.duty.heat import STANDSTILL_SHARE
 from mbcdm_cad.model.duty.motors import MotorDay
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.report.table import ReportTable, filled
 
 if TYPE_CHECKING:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import copy
 import textwrap
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any
 
 from mbcdm_cad.design.describe import flow
@@ -16,7 +17,6 @@ from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.design.sized import SizedValue, SizingError
 from mbcdm_cad.errors import MbcdmError, did_you_mean
 from mbcdm_cad.layouts.loader import design_file
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.report.table import filled
 
 # Blocks whose entries have names chosen by the user.

@@ -11,13 +11,13 @@ from __future__ import annotations
 import re
 import sys
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from mbcdm_cad.build.made_parts import drawn
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.report.data import Tested, report_data
 from mbcdm_cad.report.table import ReportTable
 from mbcdm_cad.storage.cache import Cache, cache_folder

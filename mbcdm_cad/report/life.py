@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
 from math import isnan
 from typing import TYPE_CHECKING, Any
 
 from mbcdm_cad.layouts.base import NoFigureError
-from mbcdm_cad.records import asdict, dataclass
 from mbcdm_cad.report.table import ReportTable
 
 if TYPE_CHECKING:

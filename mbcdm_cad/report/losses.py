@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from mbcdm_cad.model.losses.train import Backdrive, MovingLosses, Train
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.report.table import ReportTable
 from mbcdm_cad.routes import Floats
 

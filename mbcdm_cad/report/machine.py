@@ -13,11 +13,11 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 from mbcdm_cad import __version__
-from mbcdm_cad.records import asdict, dataclass
 from mbcdm_cad.report.table import ReportTable
 from mbcdm_cad.storage.cache import ENVIRONMENT_VARIABLE, cache_folder
 

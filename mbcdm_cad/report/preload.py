@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
 from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -16,7 +17,6 @@ from mbcdm_cad.layouts import preload
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.preload import AtPreload, PreloadRule
 from mbcdm_cad.model.si import ModelError
-from mbcdm_cad.records import asdict, dataclass, field
 from mbcdm_cad.report.table import ReportTable, filled
 
 if TYPE_CHECKING:

@@ -7,11 +7,11 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 from mbcdm_cad.design.describe import flow
-from mbcdm_cad.records import asdict, dataclass
 from mbcdm_cad.solving.conflict import Conflict, Give
 from mbcdm_cad.solving.patch import difference, patched
 from mbcdm_cad.solving.question import Out, Question, Times

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import asdict, dataclass
 from math import isfinite
 
 from mbcdm_cad.layouts.base import Layout, NoFigureError
 from mbcdm_cad.layouts.structure import urad_Nm
 from mbcdm_cad.model.losses.train import GEARHEAD, GEARHEAD_IDLE, MOTOR
-from mbcdm_cad.records import asdict, dataclass
 from mbcdm_cad.report.table import ReportTable, filled
 
 # Kinds of the losses of a first stage in a whole drive, where it stands in place of a gearhead.

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 from mbcdm_cad.layouts.turns import implied_moduli_GPa
 from mbcdm_cad.model.measured import BACKLASH_RAD
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.report.table import ReportTable
 
 if TYPE_CHECKING:

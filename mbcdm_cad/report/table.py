@@ -5,10 +5,10 @@ from __future__ import annotations
 import html
 import textwrap
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from mbcdm_cad.errors import MbcdmError
-from mbcdm_cad.records import dataclass
 
 if TYPE_CHECKING:
     import pandas

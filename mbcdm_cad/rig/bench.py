@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,6 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.lumped import Compliance, PartsFriction, compliance_of, friction_of
 from mbcdm_cad.layouts.structure import input_play_rad
-from mbcdm_cad.records import dataclass, field, replace
 from mbcdm_cad.rig.block import PhysicsBlock
 from mbcdm_cad.rig.cables import RigCable, cables_of, routes_of
 from mbcdm_cad.routes import Floats

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes.route import CableRoute, DriveRoutes, Wrap
 
 

@@ -9,6 +9,7 @@ difference in transmission error to the same run without any effect, with perfec
 from __future__ import annotations
 
 import argparse
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, get_args
 
@@ -18,7 +19,6 @@ from matplotlib.figure import Figure
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.rig.effects.registry import AnyEffect
 from mbcdm_cad.rig.plot import transmission_error_urad
 from mbcdm_cad.rig.quasistatic.experiment import Experiment

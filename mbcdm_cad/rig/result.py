@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 from mbcdm_cad.errors import MbcdmError
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import inf
 
 from mbcdm_cad.design.drive import Drive
@@ -10,7 +11,6 @@ from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.lumped import Compliance, axis_friction, compliance_of
 from mbcdm_cad.layouts.structure import input_play_rad
 from mbcdm_cad.model.duty.heat import COPPER_PER_K, RATED_AT_C, motor_heat
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.robot.stage import CableStage, cable_stages
 
 # Torque constant of a motor whose entry has none, N m/A: a scale of the current, without effect on torque and heat.

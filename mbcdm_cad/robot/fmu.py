@@ -15,13 +15,13 @@ import tempfile
 import uuid
 import zipfile
 from collections.abc import Iterable
+from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.robot.elastic import ElasticDrive
 from mbcdm_cad.robot.mechanism import document
 

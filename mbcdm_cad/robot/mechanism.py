@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from math import radians
 from xml.etree import ElementTree as ET
 
@@ -19,7 +20,6 @@ from mbcdm_cad.layouts.lumped import axis_friction
 from mbcdm_cad.model.analysis import analyse
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.parts.placement import Vector
-from mbcdm_cad.records import dataclass, replace
 
 MM = 1e-3
 G = 1e-3

@@ -8,6 +8,7 @@ twice the curve of first loading (Masing). The limits are chosen, the stiffnesse
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -15,7 +16,6 @@ import numpy as np
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.si import DriveSI, to_si
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 
 # Twist at which each element slips, over the turn under the test torque.

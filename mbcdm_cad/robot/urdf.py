@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from dataclasses import dataclass
 from xml.etree import ElementTree as ET
 
 import numpy as np
 
 from mbcdm_cad.errors import MbcdmError
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.robot.mechanism import Joint, Link, Mechanism, document, numbers, triangle
 
 # The root has no mass, because KDL ignores the inertia of a root; the drive's base hangs on it.

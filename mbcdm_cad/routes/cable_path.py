@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cached_property
 from math import ceil
 
 import numpy as np
 
 from mbcdm_cad.design.drive import CableRun
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes.curves import Piece, Vector
 
 

@@ -7,6 +7,7 @@ Every piece is parametrised by a fraction 0..1, knows its exact length and its e
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import cache
 from math import ceil, dist, hypot
 from typing import Any
@@ -14,7 +15,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.records import dataclass, replace
 from mbcdm_cad.routes import Floats
 
 Vector = NDArray[np.float64]

@@ -7,11 +7,11 @@ in a few lengths; for these the configuration's :class:`Geometry` gives spans an
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 
 if TYPE_CHECKING:

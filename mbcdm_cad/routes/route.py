@@ -8,12 +8,12 @@ the sense s (+1 right-handed about a) at the axis point plus ``height_m`` a - s 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
 
 import numpy as np
 
-from mbcdm_cad.records import dataclass, replace
 from mbcdm_cad.routes import Floats
 
 Triple = tuple[float, float, float]

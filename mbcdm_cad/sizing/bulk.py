@@ -7,6 +7,7 @@ do not agree (:class:`~mbcdm_cad.sizing.arithmetic.Split`), it runs again on eac
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,6 @@ from numpy.typing import NDArray
 
 from mbcdm_cad.design.fieldpath import dotted
 from mbcdm_cad.design.sized import SizingError
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.sizing.arithmetic import PerDesign, Split, per_design
 from mbcdm_cad.sizing.known import KnownFields
 from mbcdm_cad.sizing.rule import Found, Rule

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from math import ceil, floor
 from typing import Any
 
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.sizing.arithmetic import PerDesign, greatest, least
 from mbcdm_cad.sizing.known import KnownFields
 

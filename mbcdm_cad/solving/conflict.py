@@ -9,12 +9,12 @@ relaxed first, and the search is repeated for the others.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from math import log
 from typing import Any
 
 from mbcdm_cad.design.fieldpath import leaves
 from mbcdm_cad.errors import InputError
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.solving.question import ASIDE, Fixed, Out, Point, Question
 from mbcdm_cad.solving.repair import repair, stuck
 from mbcdm_cad.solving.trials import Trials, messages

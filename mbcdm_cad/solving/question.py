@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
@@ -19,7 +20,6 @@ from mbcdm_cad.design.yamltree import Tree, parse
 from mbcdm_cad.errors import InputError, MbcdmError
 from mbcdm_cad.layouts.loader import design_file_of, reference_data
 from mbcdm_cad.layouts.pins import FEW
-from mbcdm_cad.records import dataclass, replace
 
 # Factors within which a number that a rule gives may be changed, unless the configuration states others.
 DERIVED_LOW, DERIVED_HIGH = 0.5, 2.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from math import ceil, exp, log
 from typing import Any
 
@@ -10,7 +11,6 @@ import numpy as np
 
 from mbcdm_cad.design.fieldpath import leaves
 from mbcdm_cad.design.freedom import Freedom
-from mbcdm_cad.records import dataclass, field, replace
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.solving.conflict import Conflict, conflict
 from mbcdm_cad.solving.nearest import taken_back, towards_aims, written_out

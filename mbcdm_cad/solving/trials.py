@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from math import inf, isfinite, log
 
@@ -21,7 +22,6 @@ from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.registry import layout_named
 from mbcdm_cad.parallel.forks import fork_map
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.solving.question import Fixed, Out, Point, Question, Times
 
 # Checks that take as long as all others together: run only if all others pass.

@@ -5,11 +5,11 @@ from __future__ import annotations
 import hashlib
 import json
 import platform
+from dataclasses import asdict, dataclass, field
 from importlib import metadata
 from pathlib import Path
 
 import mbcdm_cad
-from mbcdm_cad.records import asdict, dataclass, field
 
 MANIFEST_NAME = "manifest.json"
 _GENERATOR = "mbcdm_cad"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -32,7 +33,6 @@ from mbcdm_cad.build.trianglemesh import FloatArray, IntArray, TriangleMesh
 from mbcdm_cad.errors import OutputError
 from mbcdm_cad.parts.item import Item, sorted_items
 from mbcdm_cad.parts.placement import Placement, Vector
-from mbcdm_cad.records import dataclass
 
 # Direction from the model to the camera; z points up in the picture (y in those from above and below).
 VIEWS: dict[str, Vector] = {

@@ -8,6 +8,7 @@ dimensional note that goes with the diameter.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any
 
 import cadquery as cq
@@ -35,7 +36,6 @@ from mbcdm_cad.parts.fits import limits
 from mbcdm_cad.parts.sheets.description import Holes, Linear, Sheet
 from mbcdm_cad.parts.sheets.tolerances import Vector
 from mbcdm_cad.parts.threads import THREAD_CLASS
-from mbcdm_cad.records import dataclass
 
 _KINDS = {
     "run-out": XCAFDimTolObjects_GeomToleranceType.XCAFDimTolObjects_GeomToleranceType_CircularRunout,

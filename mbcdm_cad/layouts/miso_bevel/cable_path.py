@@ -10,6 +10,7 @@ pulley; `guide_landing_walk_mm` gives how far it moves in a full sweep.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import acos, atan2, cos, degrees, exp, hypot, log, pi, radians, sin, sqrt, tau
 
 import numpy as np
@@ -17,7 +18,6 @@ import numpy as np
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.input_pulley.stop import STOP_PIECES, StopGeometry, stop_geometry, stop_pieces
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes.cable_path import CablePath, Stretch
 from mbcdm_cad.routes.curves import Arc, Helix, Line, Parabola, Piece, Triple, Vector
 

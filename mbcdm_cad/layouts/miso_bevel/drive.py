@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import asin, cos
 from typing import Literal
 
@@ -12,7 +13,6 @@ from mbcdm_cad.design.fields import ESTIMATE, EntryName, Number, PlainBlock, cho
 from mbcdm_cad.design.sector_blocks import TransferClearances, WoundPulleys
 from mbcdm_cad.parts.drum_sector.design import SectorDrive, SectorRun
 from mbcdm_cad.parts.mounting import MOUNT_SCREWS, MountScrew
-from mbcdm_cad.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ And the plan by which the preloads are set.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from math import degrees, pi, radians, tan, tau
 from typing import Any
 
@@ -17,7 +18,6 @@ from mbcdm_cad.layouts.miso_bevel.drive import BevelRun
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.model.tensioning_plan import TensioningPlan, tensioning_plan
 from mbcdm_cad.parts.terminal.take_up import tensioned_rope
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes.cable_path import CablePath, EndOfTravel
 from mbcdm_cad.routes.curves import Arc, Helix, Piece, Triple
 

@@ -10,6 +10,7 @@ is turned about Y by half a turn: (x, y, z) of the part are (-x, y, -z) there, a
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import hypot, pi, radians, tau
 
@@ -37,7 +38,6 @@ from mbcdm_cad.parts.input_pulley.stop import (
     stop_slot,
 )
 from mbcdm_cad.parts.terminal.take_up import terminal_travel_mm
-from mbcdm_cad.records import dataclass, replace
 
 
 def smallest_lead_mm(drive: BevelDrive) -> float:

@@ -8,6 +8,7 @@ span is an internal tangent: seen along Z it leaves the line of centres by beta 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 from math import cos, sin
 
@@ -16,7 +17,6 @@ import numpy as np
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive
 from mbcdm_cad.parts.drum_sector.inertia import drum_inertia_kg_m2
 from mbcdm_cad.parts.volume import disc_kg_m2
-from mbcdm_cad.records import dataclass, field
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.geometry import (
     DRUM_RADIUS,

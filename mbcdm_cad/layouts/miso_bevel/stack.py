@@ -16,6 +16,7 @@ pulleys, the drives from the shelves. All mm.
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from math import radians, sqrt
 
 from mbcdm_cad.layouts.miso_bevel.cable_path import axial_walk_mm, guide_landing_walk_mm
@@ -24,7 +25,6 @@ from mbcdm_cad.layouts.miso_bevel.plate_screws import Edges, beside_box_mm
 from mbcdm_cad.parts.collar import collar_sweep_mm
 from mbcdm_cad.parts.drum_sector.sizes import nut_corner_radius_mm
 from mbcdm_cad.parts.input_pulley.stop import helix_stop_land_mm
-from mbcdm_cad.records import dataclass, replace
 
 # Gap between a pulley's end face and a shelf or plate; the inner ring's shoulder bridges it.
 SHOULDER_MM = 0.6

@@ -6,10 +6,10 @@ with its input above the drum, each sector is that of siso_spur.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import tau
 
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
-from mbcdm_cad.records import dataclass
 
 
 @dataclass(frozen=True)

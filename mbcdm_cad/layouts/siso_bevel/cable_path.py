@@ -7,6 +7,7 @@ leave this plane.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import acos, atan2, cos, degrees, hypot, pi, radians, sin
 
 import numpy as np
@@ -14,7 +15,6 @@ import numpy as np
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive, DirectRun
 from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.input_pulley.dims import SLOT_PLAY_MM, WEDGE_MM
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes.cable_path import CablePath, Stretch
 from mbcdm_cad.routes.curves import Arc, Line, Piece, Triple, Vector
 

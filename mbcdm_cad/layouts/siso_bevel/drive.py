@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Literal
 
 from mbcdm_cad.design.bought import Bearing
@@ -10,7 +11,6 @@ from mbcdm_cad.design.sector_blocks import TransferClearances
 from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.motor_head.dims import HeadedDrive
 from mbcdm_cad.parts.mounting import MOUNT_SCREWS, MountScrew
-from mbcdm_cad.records import dataclass
 
 # Source of the walls that stiffen the frame.
 CHOSEN = "for limits.frame_windup_max_mrad"

@@ -6,6 +6,7 @@ And the plan by which the preloads are set.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from math import degrees, radians
 from typing import Any
 
@@ -16,7 +17,6 @@ from mbcdm_cad.layouts.siso_bevel.cable_path import full_input_turn_deg, input_w
 from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
 from mbcdm_cad.model.tensioning_plan import TensioningPlan, tensioning_plan
 from mbcdm_cad.parts.terminal.take_up import tensioned_rope
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes.cable_path import EndOfTravel
 
 

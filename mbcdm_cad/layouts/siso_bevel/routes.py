@@ -10,6 +10,7 @@ its curvature decaying as e^(-s sqrt(T/EI))), so that a length 2 sqrt(EI/T) touc
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from math import sqrt
 
 import numpy as np
@@ -19,7 +20,6 @@ from mbcdm_cad.layouts.siso_bevel.stack import direct_stack
 from mbcdm_cad.parts.drum_sector.inertia import drum_inertia_kg_m2
 from mbcdm_cad.parts.terminal.take_up import tensioned_rope
 from mbcdm_cad.parts.volume import disc_kg_m2
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.geometry import DRUM_RADIUS, INPUT_RADIUS, RoutedDrive, Varied
 from mbcdm_cad.routes.route import Anchor, Body, CableRoute, DriveRoutes, Span, Terminal, Wrap, input_body

@@ -11,13 +11,13 @@ shelves follow from the pulley, the drive from the shelves. All mm.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import sqrt
 
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
 from mbcdm_cad.parts.drum_sector.sizes import nut_corner_radius_mm
 from mbcdm_cad.parts.input_pulley.stop import stop_land_mm
 from mbcdm_cad.parts.motor_head.dims import TOOL_SLENDERNESS, flange_screw, inner_half_width_mm
-from mbcdm_cad.records import dataclass
 
 # Between the heads of the flange's screws and the motor head's wall.
 HEAD_ROOM_MM = 0.1

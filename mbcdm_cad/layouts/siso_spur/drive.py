@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from math import acos, hypot, inf, pi, radians, sqrt, tan, tau
 from typing import ClassVar, Literal, TypeVar
@@ -18,7 +19,6 @@ from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.drum_sector.dims import WHOLE_DEG
 from mbcdm_cad.parts.input_pulley.dims import GROOVE_DEPTH, GROOVE_RADIUS
 from mbcdm_cad.parts.motor_head.dims import HeadedDrive
-from mbcdm_cad.records import dataclass, fields, replace
 
 # Screws of the catalogue by their thread; their length depends on the base.
 MOUNT_BOLTS = {"M3": "M3x8", "M4": "M4x10", "M5": "M5x16", "M6": "M6x25"}

@@ -11,6 +11,7 @@ import copy
 import json
 from collections import OrderedDict
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import asdict, dataclass
 from importlib import import_module
 from math import ceil, floor, pi, sqrt
 from pathlib import Path
@@ -27,7 +28,6 @@ from mbcdm_cad.design.fields import Number, PlainBlock, choice, quantity
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import SizedValue, SizingError
 from mbcdm_cad.errors import InputError, shortened
-from mbcdm_cad.records import asdict, dataclass
 
 if TYPE_CHECKING:
     from mbcdm_cad.layouts.sector import SectorLayout

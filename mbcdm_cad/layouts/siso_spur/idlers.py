@@ -13,13 +13,13 @@ the tangent has the length L = sqrt(D^2 - R^2) and the direction t = (L D + R J 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
 from mbcdm_cad.design.fields import EntryName, Integer, Number, PlainBlock, choice, quantity
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 
 # Sense about +Y in which the cable turns on an idler of the side +x, which it passes at the line of centres.

@@ -11,6 +11,7 @@ In section, y to the right (front):
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import pi
 from typing import Protocol
@@ -20,7 +21,6 @@ from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, groove_depth_mm
 from mbcdm_cad.parts.bought.bodies import screw_places
 from mbcdm_cad.parts.input_pulley.dims import HornFlange, InputPulleyDims, SetHub
 from mbcdm_cad.parts.motor_head.dims import Flange, HeadLevels, Places, body_radius_mm
-from mbcdm_cad.records import dataclass, replace
 
 # Metal before and behind the set screws in the hub.
 HUB_EDGE_MM = 1.0

@@ -6,6 +6,7 @@ And the plan by which the preloads are set.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from math import atan2, degrees, pi, radians, tau
 from typing import Any
 
@@ -15,7 +16,6 @@ from mbcdm_cad.layouts.siso_spur.cable_path import input_wrap_rad, side_length_m
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.model.tensioning_plan import TensionedCable, TensioningPlan, tensioning_plan
 from mbcdm_cad.parts.terminal.take_up import highest_preload_N, tensioned_rope
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes.cable_path import EndOfTravel
 
 STATIONS = 9

@@ -11,6 +11,7 @@ along Y.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from math import cos, sin
 
 import numpy as np
@@ -21,7 +22,6 @@ from mbcdm_cad.layouts.siso_spur.stack import spur_stack
 from mbcdm_cad.layouts.siso_spur.support.idlers import idler_inertia_kg_m2, idlers
 from mbcdm_cad.parts.drum_sector.inertia import drum_inertia_kg_m2
 from mbcdm_cad.parts.volume import disc_kg_m2
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.geometry import DRUM_RADIUS, INPUT_RADIUS, RoutedDrive, Varied, tangent_length_m
 from mbcdm_cad.routes.route import Anchor, Body, CableRoute, DriveRoutes, Piece, Span, Terminal, Wrap, input_body

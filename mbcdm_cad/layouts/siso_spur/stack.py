@@ -10,13 +10,13 @@ Along the input's axis y counts as height from the gearhead (names in ``_z``), b
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import inf
 
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, boss_front_y_mm, drum_inner_y_mm, run_out_mm
 from mbcdm_cad.layouts.siso_spur.overhung import hub_length_mm
 from mbcdm_cad.parts.drum_sector.sizes import nut_corner_radius_mm
 from mbcdm_cad.parts.input_pulley.stop import helix_stop_land_mm
-from mbcdm_cad.records import dataclass
 
 # Land beyond the cable at each end of its walk.
 BAND_MARGIN_MM = 0.5

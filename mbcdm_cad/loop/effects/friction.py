@@ -17,6 +17,7 @@ The search has c alone; the other forms are tried in its place once it has ended
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
 from math import exp
@@ -29,7 +30,6 @@ from mbcdm_cad.loop.prepare.prepared import Prepared, played, slid
 from mbcdm_cad.loop.prepare.setup import Setup, Simulator
 from mbcdm_cad.loop.readable import readable
 from mbcdm_cad.model.si import DriveSI
-from mbcdm_cad.records import dataclass, replace
 from mbcdm_cad.routes import Floats
 
 if TYPE_CHECKING:

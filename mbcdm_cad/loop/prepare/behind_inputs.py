@@ -10,6 +10,7 @@ softening and hysteresis are one figure.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -21,7 +22,6 @@ from mbcdm_cad.measurement.response import FrequencyResponse
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.model.backlash import drum_backlash
 from mbcdm_cad.model.si import to_si
-from mbcdm_cad.records import dataclass, replace
 from mbcdm_cad.routes import Complex, Floats
 
 # Part of the slip's compliance out of phase with the torque.

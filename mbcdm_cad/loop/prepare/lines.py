@@ -8,6 +8,7 @@ search could have chosen. Then each sector must show the line at the phase of th
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
@@ -16,7 +17,6 @@ from numpy.typing import NDArray
 from scipy.stats import f as f_distribution
 
 from mbcdm_cad.loop.prepare.setup import Setup
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 
 # The lowest order in the search makes this many cycles over the travel; a lower one is a trend.

@@ -9,6 +9,7 @@ is noise, white or coloured. The declared steps of the sensors are its lower bou
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,6 @@ from mbcdm_cad.loop.prepare.prepared import Prepared
 from mbcdm_cad.loop.prepare.quiet import SignalNoise
 from mbcdm_cad.loop.prepare.setup import Setup
 from mbcdm_cad.measurement.run import smoothed
-from mbcdm_cad.records import dataclass, replace
 from mbcdm_cad.routes import Floats
 
 # Knots of the curves over angle, load and speed.

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -25,7 +26,6 @@ from mbcdm_cad.loop.prepare.quiet import (
 )
 from mbcdm_cad.loop.prepare.samples import Cut, held_sweeps, held_words, search_cut, whole_cut
 from mbcdm_cad.measurement.run import MOTORS_CURRENT, SPEED_WINDOW_S, Run, half_sweeps, smoothed, smoothed_at
-from mbcdm_cad.records import dataclass, replace
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.storage.compiled import compiled
 

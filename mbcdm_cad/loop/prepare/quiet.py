@@ -6,6 +6,7 @@ Every window follows from the data.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +14,6 @@ from scipy.fft import irfft, next_fast_len, rfft
 from scipy.ndimage import uniform_filter1d
 
 from mbcdm_cad.measurement.run import SPEED_WINDOW_S, Run, smoothed, smoothed_at
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 
 # Longest window of the load's smoothing, s; the window in use follows from the data.

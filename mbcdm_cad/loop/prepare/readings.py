@@ -4,6 +4,7 @@ rows are compared; of creep at rest the course of time."""
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +14,6 @@ from mbcdm_cad.loop.prepare.quiet import input_step_rad
 from mbcdm_cad.loop.prepare.samples import Cut, held_sweeps
 from mbcdm_cad.measurement.by_hand import loadings, path_of, since_loading, written_step
 from mbcdm_cad.measurement.run import Run
-from mbcdm_cad.records import dataclass, replace
 from mbcdm_cad.routes import Floats
 
 # Samples from one row to the next: load and inputs go straight, so the cables are simulated on few of them.

@@ -15,12 +15,12 @@ stretch, so the turning points of the part that is left out are simulated before
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 
 # One half sweep of so many is held back.

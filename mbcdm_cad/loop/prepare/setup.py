@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,7 +15,6 @@ from mbcdm_cad.model.play import faces, lags
 from mbcdm_cad.model.profiles import simulate_profiles
 from mbcdm_cad.model.series import Response
 from mbcdm_cad.model.si import DriveSI
-from mbcdm_cad.records import dataclass, replace
 from mbcdm_cad.routes import Floats
 
 # Simulations in the cache: as many as one Jacobian needs, so that effects on the reading alone need no simulation.

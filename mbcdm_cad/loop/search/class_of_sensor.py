@@ -9,6 +9,7 @@ and the losses that the design states are treated alike, within their standard d
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,7 +19,6 @@ from mbcdm_cad.loop.readable import readable
 from mbcdm_cad.loop.search.exchange import Exchanges, Group
 from mbcdm_cad.loop.search.fit import Fit
 from mbcdm_cad.measurement.run import TorqueClass
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 
 # An effect that does more than this many times what the class can do is none of the sensor.

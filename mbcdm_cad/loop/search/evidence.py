@@ -19,6 +19,7 @@ In that case the fit changes when one sector, or one sweep, is left out.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +31,6 @@ from mbcdm_cad.loop.prepare.lines import line_of
 from mbcdm_cad.loop.prepare.noise import Noise, noise_of
 from mbcdm_cad.loop.prepare.prepared import SECTORS
 from mbcdm_cad.loop.search.fit import Fit, Fitter
-from mbcdm_cad.records import dataclass, replace
 from mbcdm_cad.routes import Floats
 
 # Samples multiplied at one time, so that the copy stays small for a run of any length.

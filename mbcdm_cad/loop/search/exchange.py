@@ -9,6 +9,7 @@ that are present.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import partial, reduce
 from itertools import combinations
 from math import log
@@ -22,7 +23,6 @@ from mbcdm_cad.loop.search.evidence import TOLD_APART, Estimate, Separation, clu
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.loop.search.forms import in_best_form
 from mbcdm_cad.loop.search.select import Search
-from mbcdm_cad.records import dataclass, replace
 from mbcdm_cad.routes import Floats
 
 # Two fits are alike if their errors differ by less than this share of the floor in quadrature: so small a difference

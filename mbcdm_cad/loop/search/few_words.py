@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.stats import t as t_distribution
@@ -13,7 +14,6 @@ from mbcdm_cad.loop.search.few_noise import since
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.loop.search.unknown import Unknown
 from mbcdm_cad.measurement.by_hand import inputs_move, loadings
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 
 # Chance of a name where nothing is lacking, over all candidates together; and of an unknown part where none is left.

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from copy import copy
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
@@ -21,7 +22,6 @@ from mbcdm_cad.loop.effects import known_effects
 from mbcdm_cad.loop.prepare.prepared import Prepared
 from mbcdm_cad.loop.prepare.setup import Setup, Simulator, declared
 from mbcdm_cad.model.si import DriveSI, ModelError
-from mbcdm_cad.records import dataclass, replace
 from mbcdm_cad.routes import Floats
 
 # Largest offset between two input encoders, in counts (each starts anywhere within one).

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from copy import copy
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +27,6 @@ from mbcdm_cad.loop.search.select import LEAST_FALL
 from mbcdm_cad.measurement.response import FrequencyResponse, response_of
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.model.si import DriveSI, to_si
-from mbcdm_cad.records import dataclass, replace
 from mbcdm_cad.routes import Complex, Floats
 
 # Standard deviations as shares: of the slip, by the friction of the wraps; of all compliance, by lumped inertias and

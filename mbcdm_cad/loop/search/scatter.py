@@ -8,11 +8,12 @@ stamps that jitter have noise that hangs on the speed.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from mbcdm_cad.loop.prepare.prepared import Prepared
 from mbcdm_cad.loop.readable import readable
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 
 # Least ratio of the noise between the two ends, and least slope over its error.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import combinations
 from queue import Queue
@@ -15,7 +16,6 @@ import numpy as np
 from mbcdm_cad.loop.effect import Effect
 from mbcdm_cad.loop.search.fit import DIFFERENCE, Fit, Fitter
 from mbcdm_cad.model.si import ModelError
-from mbcdm_cad.records import dataclass, replace
 from mbcdm_cad.routes import Floats
 
 MOST_THREADS = 4

@@ -7,6 +7,7 @@ accepted only if the RMS on held-out samples falls by a stated share of the nois
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import partial
 from math import log
 
@@ -18,7 +19,6 @@ from mbcdm_cad.loop.search.evidence import log_odds, noise_left, supported
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.loop.search.screening import Screened
 from mbcdm_cad.loop.search.trial_fits import MOST_REFITS, TrialFits, both_plays
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 
 # Least fall of the held-out RMS, in quadrature, over the noise floor (trial study: closed-loop notes).

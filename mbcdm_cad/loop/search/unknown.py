@@ -8,6 +8,7 @@ not count. A time does not occur twice: for a drift in time, sectors of angle ar
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,6 @@ from numpy.typing import NDArray
 from mbcdm_cad.loop.prepare.lines import order_spectrum
 from mbcdm_cad.loop.prepare.prepared import Prepared
 from mbcdm_cad.loop.readable import readable
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 
 # Shapes within this of the best one's share are listed too.

@@ -12,6 +12,7 @@ if they may only resemble an unknown error, or if one plain curve of load or spe
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import reduce
 
 import numpy as np
@@ -30,7 +31,6 @@ from mbcdm_cad.loop.search.select import LEAST_FALL, Search
 from mbcdm_cad.loop.search.unknown import Unknown, describe_unknown
 from mbcdm_cad.measurement.run import smoothed
 from mbcdm_cad.model.si import ModelError
-from mbcdm_cad.records import dataclass, replace
 from mbcdm_cad.routes import Floats
 
 

@@ -6,13 +6,13 @@ A cycle is pieces of constant load and speed. A load above zero opposes positive
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from math import ceil
 
 import numpy as np
 
 from mbcdm_cad.design.blocks import DutyRow
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 
 # What a design file that states no duty is taken to do: over the whole travel and back in so many seconds, under a

@@ -11,13 +11,13 @@ are in it.
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import inf, pi, sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mbcdm_cad.records import dataclass, replace
 from mbcdm_cad.routes import Floats
 
 if TYPE_CHECKING:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from math import inf, sqrt
 
@@ -12,7 +13,6 @@ from mbcdm_cad.model.duty.cycle import Duty
 from mbcdm_cad.model.duty.heat import STANDSTILL_SHARE, MotorHeat, Temperatures
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.losses.train import Train
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 
 # Temperature of a seat beside the housing's, a standard deviation of the estimate, K.

@@ -11,12 +11,12 @@ found. A test of one's own (an anchor) replaces all of it but the exponents.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Literal, Protocol
 
 import numpy as np
 
 from mbcdm_cad.model.tensioning import WIRES
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 
 BASE, BASE_X, BASE_LOAD = 3.0e4, 15.0, 0.13

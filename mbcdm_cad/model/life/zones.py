@@ -8,6 +8,7 @@ angle. What a pulley never gives up does not bend.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 from statistics import NormalDist
@@ -24,7 +25,6 @@ from mbcdm_cad.model.life.rope_bendings import (
     sigmas,
     too_hard,
 )
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 
 # A bend the other way round next counts for this many (1 to 4: estimate).

@@ -12,6 +12,7 @@ and passed bodies is shared by the inputs evenly.
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -21,7 +22,6 @@ from mbcdm_cad.design.stage import EFFICIENCY_SIGMA
 from mbcdm_cad.model.equilibrium import Equilibrium, solve_equilibrium, solve_weighted, sum_per_input
 from mbcdm_cad.model.losses import friction
 from mbcdm_cad.model.si import DriveSI
-from mbcdm_cad.records import dataclass, replace
 from mbcdm_cad.routes import Floats
 
 # Kinds of friction; the causes of one kind are known or wrong together.

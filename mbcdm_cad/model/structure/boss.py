@@ -6,12 +6,12 @@ block. Units: mm, N, MPa.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import pi
 
 import numpy as np
 
 from mbcdm_cad.model.structure.drum_sector import Isotropic
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 
 _SHEAR_FACTOR = 5.0 / 6.0

@@ -12,6 +12,7 @@ Units: mm, N, MPa; results in urad per N m and MPa.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from math import ceil, log, pi, sin
 
 import numpy as np
@@ -21,7 +22,6 @@ from mbcdm_cad.model.structure import plane_stress
 from mbcdm_cad.model.structure.plane_stress import elements, plane_law, solve, stresses_MPa, von_mises_MPa
 from mbcdm_cad.model.structure.plate_bending import FREEDOMS, LEAN, LEANS, bend, eccentric, freedoms, plate_elements
 from mbcdm_cad.model.structure.sector_mesh import SectorMesh, SectorShape, sector_mesh
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 
 # Cells from the axis to the rim's surface. With twice as many, the turn of the references rises by 1 % or less.

@@ -6,12 +6,12 @@ element across a spoke bend as a beam does. Units: mm, N, MPa.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from mbcdm_cad.model.block_rows import Ints, solve_mesh
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 
 # Elements that are set up together: with more the arrays leave the processor's cache and take twice the time.

@@ -7,13 +7,13 @@ fibres lean (a, b): a point at the height h above the plane moves in it by (u, v
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from mbcdm_cad.model.block_rows import Ints, solve_mesh
 from mbcdm_cad.model.structure.plane_stress import GAUSS, jacobian, plane_law
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 
 _SHEAR_FACTOR = 5.0 / 6.0

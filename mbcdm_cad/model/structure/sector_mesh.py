@@ -9,6 +9,7 @@ Angles are from +Z towards +X, lengths in mm.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from math import ceil, inf, pi, sqrt
 
@@ -17,7 +18,6 @@ from numpy.typing import NDArray
 
 from mbcdm_cad.model.block_rows import Ints
 from mbcdm_cad.model.structure.plane_stress import AT_GAUSS
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 
 Bools = NDArray[np.bool_]

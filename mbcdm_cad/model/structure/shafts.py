@@ -8,13 +8,13 @@ per N m.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from math import floor, pi, radians, sin
 
 import numpy as np
 
 from mbcdm_cad.model.structure.drum_sector import Isotropic
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 
 # Twice the energy in N mm under the loads of 1 N m -> urad per N m.

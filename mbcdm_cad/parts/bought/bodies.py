@@ -6,6 +6,7 @@ seat at z = 0.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import cos, pi, sin
 from typing import TYPE_CHECKING
 
@@ -13,7 +14,6 @@ from mbcdm_cad.design.bought import Bearing, Encoder, Gearhead, InsertSpec, Moto
 from mbcdm_cad.parts.drum_shaft import PreloadSpringDims
 from mbcdm_cad.parts.part import BoughtPart, Part
 from mbcdm_cad.parts.shapes import block, cut, cylinder_z, fuse, hexagon_z, one_solid, turned
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes.curves import Piece
 
 if TYPE_CHECKING:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import inf
 from typing import Protocol
 
 from mbcdm_cad.design.bought import Bearing, Material, SpringSpec, TensionerSpec
 from mbcdm_cad.design.drive import CableRun, Drive
 from mbcdm_cad.design.sector_blocks import Clearances, SectorDrum, SteppedPulleys
-from mbcdm_cad.records import dataclass
 
 # Washers between springs, lug and nut: thickness over the springs' outside, and least thickness, mm (estimate).
 SEAT_SHARE, LEAST_SEAT_MM = 0.1, 0.5

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import cos, radians, sin, sqrt
 
 from mbcdm_cad.design.bought import InsertSpec
 from mbcdm_cad.parts.terminal.part import Tensioner
-from mbcdm_cad.records import dataclass
 
 # Directions of the hub's two set screws, from +Z towards +X.
 SET_SCREW_ANGLES_DEG = (45.0, 135.0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from math import cos, pi, radians, sin
 from typing import TYPE_CHECKING
 
@@ -23,7 +24,6 @@ from mbcdm_cad.parts.shapes import (
 )
 from mbcdm_cad.parts.terminal.part import Tensioner
 from mbcdm_cad.parts.volume import CORNER, ring_mm3
-from mbcdm_cad.records import dataclass
 
 if TYPE_CHECKING:
     import cadquery as cq

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import cache, cached_property
 from math import cos, inf, radians, sin
 
 from mbcdm_cad.design.blocks import Payload
 from mbcdm_cad.design.bought import InsertSpec, Material
 from mbcdm_cad.parts.threads import ScrewHold, screw_hold
-from mbcdm_cad.records import dataclass
 
 # Number of screws where the design does not say.
 SCREWS = 4

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import acos, degrees, hypot, sqrt, tau
 
 from mbcdm_cad.parts.volume import segment_mm2
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes.curves import Helix
 
 ENCODER_INSERTION_MM = 10.0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import suppress
+from dataclasses import dataclass, replace
 from math import ceil, cos, radians, sin, sqrt, tau
 
 import cadquery as cq
@@ -18,7 +19,6 @@ from mbcdm_cad.parts.input_pulley.dims import (
 )
 from mbcdm_cad.parts.rod import edge_of
 from mbcdm_cad.parts.shapes import Point2, block, cut, cylinder, cylinder_z, fuse, one_solid, turned
-from mbcdm_cad.records import dataclass, replace
 
 
 @dataclass(frozen=True)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from math import asin, pi, sqrt
 from typing import TYPE_CHECKING
 
 from mbcdm_cad.parts.input_pulley.dims import STOP_PLAY_MM, InputPulleyDims, StopSlot
 from mbcdm_cad.parts.part import MadePart
 from mbcdm_cad.parts.volume import ring_mm3
-from mbcdm_cad.records import dataclass, replace
 
 if TYPE_CHECKING:
     import cadquery as cq

@@ -6,6 +6,7 @@ a radius and ends in a pocket that the stop cannot leave.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import acos, atan2, cos, pi, sin, sqrt, tau
 
 from mbcdm_cad.design.bought import TerminationSpec
@@ -20,7 +21,6 @@ from mbcdm_cad.parts.input_pulley.dims import (
     Groove,
     StopSlot,
 )
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes.curves import Arc, Line, Piece, Triple, Vector
 from mbcdm_cad.sizing import arithmetic
 

@@ -13,6 +13,7 @@ in the opposite direction, from the gearhead.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from math import sqrt
 from typing import Any, Protocol
 
@@ -23,7 +24,6 @@ from mbcdm_cad.parts.bought.bodies import screw_places
 from mbcdm_cad.parts.collar import collar_over_shelf_mm, collar_sweep_mm
 from mbcdm_cad.parts.drum_sector.design import SectorBearings, SectorDrive
 from mbcdm_cad.parts.stage import hub_radius_mm
-from mbcdm_cad.records import dataclass
 
 # Thread of the flange's screws, by the widest body that they carry (estimate).
 FLANGE_THREADS_MM = ((22.0, 2.0), (100.0, 3.0), (200.0, 4.0))

@@ -5,6 +5,8 @@ All in the head's frame: Z along the input's axis, from the encoder towards the 
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
+
 from mbcdm_cad.design.bought import InsertSpec
 from mbcdm_cad.parts.bill import BillBuilder
 from mbcdm_cad.parts.bought.bodies import EncoderBody
@@ -15,7 +17,6 @@ from mbcdm_cad.parts.motor_head.dims import HeadDims, HeadedDrive, dowel_length_
 from mbcdm_cad.parts.motor_head.part import MotorHead
 from mbcdm_cad.parts.placement import Placement
 from mbcdm_cad.parts.ring import Dowel
-from mbcdm_cad.records import dataclass, replace
 
 _TURNED = Placement.about((1.0, 0.0, 0.0), 180.0)
 

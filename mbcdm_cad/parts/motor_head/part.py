@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from mbcdm_cad.parts.fits import FITS
@@ -12,7 +13,6 @@ from mbcdm_cad.parts.sheets.description import CuttingLine, Holes, Linear, Radiu
 from mbcdm_cad.parts.sheets.holes import THROUGH, hole_labels, hole_table, outside_bore, position_table
 from mbcdm_cad.parts.sheets.tolerances import FACE_MM, REST, SHOULDER_MM, Datum, level, shoulder_place
 from mbcdm_cad.parts.volume import CORNER, pocket_corner_mm, pocket_mm3, ring_mm3
-from mbcdm_cad.records import dataclass
 
 if TYPE_CHECKING:
     import cadquery as cq

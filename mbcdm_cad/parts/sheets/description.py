@@ -8,12 +8,12 @@ engine refuses a sheet in which value and points disagree.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any, Literal
 
 from mbcdm_cad.design.bought import InsertSpec
 from mbcdm_cad.parts.sheets.tolerances import Datum, GeometricTolerance
 from mbcdm_cad.parts.threads import thread
-from mbcdm_cad.records import dataclass
 
 Vector = tuple[float, float, float]
 Side = Literal["above", "below", "left", "right"]

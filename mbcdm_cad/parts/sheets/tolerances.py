@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import cos, radians, sin
 from typing import Literal
-
-from mbcdm_cad.records import dataclass
 
 Vector = tuple[float, float, float]
 Characteristic = Literal["run-out", "perpendicularity", "parallelism", "coaxiality"]

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from mbcdm_cad.parts.sheets.description import FitLine, Linear, Radius, Side, Vector, View, X, Y, Z
 from mbcdm_cad.parts.sheets.tolerances import GeometricTolerance as Tolerance
-from mbcdm_cad.records import dataclass
 
 MAIN = "main"
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import cos, sin
 from typing import TYPE_CHECKING, Any
 
@@ -9,7 +10,6 @@ from mbcdm_cad.design.bought import SpringSpec
 from mbcdm_cad.parts.part import BoughtPart, StandardPart
 from mbcdm_cad.parts.shapes import one_solid, turned
 from mbcdm_cad.parts.volume import ring_mm3
-from mbcdm_cad.records import dataclass
 
 if TYPE_CHECKING:
     import cadquery as cq

@@ -7,6 +7,7 @@ configuration. Lengths in mm, in the frame of the mechanism.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from math import ceil, radians, sqrt
 from typing import Any
 
@@ -21,7 +22,6 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.parts.bill import Bill, cable_item
 from mbcdm_cad.parts.bought.bodies import CableRod
 from mbcdm_cad.parts.item import Item
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes.cable_path import CablePath
 from mbcdm_cad.routes.curves import Piece
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import json
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +14,6 @@ import markupsafe
 from mbcdm_cad.build.drawings import ASSEMBLY
 from mbcdm_cad.model.capability import requirements
 from mbcdm_cad.model.si import to_si
-from mbcdm_cad.records import asdict, dataclass
 from mbcdm_cad.report.dependencies import dependency_graph, dependency_svg
 from mbcdm_cad.report.duty import duty_shown
 from mbcdm_cad.report.life import life_shown

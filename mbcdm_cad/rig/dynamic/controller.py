@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import exp, pi
 
 import numpy as np
 from scipy.signal.windows import tukey
 
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.rig.dynamic.train import require_positive
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.storage.compiled import compiled

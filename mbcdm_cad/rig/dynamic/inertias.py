@@ -5,8 +5,9 @@ At the input the rotor counts with the square of the gearhead's ratio, which is 
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.rig.cables import routes_of
 from mbcdm_cad.routes.route import DriveRoutes
 

@@ -5,9 +5,10 @@ SI throughout; inputs are positive when they drive the drum positive, a load tor
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
+
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.lumped import Compliance, PartsFriction
-from mbcdm_cad.records import dataclass, field
 from mbcdm_cad.rig.bench import PathOf
 from mbcdm_cad.rig.cables import RigCable, cables_of, routes_of
 from mbcdm_cad.rig.chain import PIECE_RAD

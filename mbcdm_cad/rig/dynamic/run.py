@@ -5,9 +5,10 @@ Equations are in :mod:`mbcdm_cad.rig.dynamic.plant`, the loop over time in :mod:
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.rig.chain import chains
 from mbcdm_cad.rig.dynamic import kernel, plant, tables
 from mbcdm_cad.rig.dynamic.rig import DynamicRig, EncoderSpec

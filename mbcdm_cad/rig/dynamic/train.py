@@ -22,10 +22,10 @@ The load: an inertia, a brake that can stick, a torque motor without a control l
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import radians
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.storage.compiled import compiled
 
 _G_CM2 = 1e-7  # kg m2

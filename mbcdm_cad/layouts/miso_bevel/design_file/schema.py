@@ -6,6 +6,7 @@ blocks that all configurations share are in ``reference.json``.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar, Literal
 
@@ -14,7 +15,6 @@ from mbcdm_cad.design.design_file import reference_of
 from mbcdm_cad.design.fields import ESTIMATE, Block, EntryName, Integer, Number, choice, quantity
 from mbcdm_cad.design.sector_blocks import SectorCable, SectorDrum, TransferClearances, WoundPulleys
 from mbcdm_cad.layouts.miso_bevel.drive import Support
-from mbcdm_cad.records import dataclass
 
 REFERENCE = reference_of(Path(__file__).parent)
 

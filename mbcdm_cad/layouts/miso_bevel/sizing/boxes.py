@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from mbcdm_cad.design.bought import Gearhead, Material, Motor, Screw
 from mbcdm_cad.design.sector_blocks import Clearances
 from mbcdm_cad.layouts.miso_bevel.plate_screws import HEAD_PLAY_MM, PLATE_SCREWS
 from mbcdm_cad.layouts.miso_bevel.sizing.known import BevelKnown
 from mbcdm_cad.parts.motor_head.dims import outer_half_width_mm
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.sizing.rule import Found, largest
 
 

@@ -24,6 +24,8 @@ shelf in the two lower pockets:
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
+
 from mbcdm_cad.design.bought import InsertSpec
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive
 from mbcdm_cad.layouts.miso_bevel.plate_screws import Edges, counterbore_radius_mm, plate_screw_of
@@ -32,7 +34,6 @@ from mbcdm_cad.layouts.miso_bevel.stack import Stack, milled_corner_mm
 from mbcdm_cad.parts.bought.bodies import screw_places
 from mbcdm_cad.parts.drum_sector.sizes import SPRING_HEIGHT_MM, drum_shaft
 from mbcdm_cad.parts.motor_head.dims import KEY_PLAY_MM, CouplingBox, coupling_box
-from mbcdm_cad.records import dataclass, replace
 
 BEARING_WALL_MM = 3.0
 EAR_WALL_MM = 1.2

@@ -7,6 +7,7 @@ coupling box for each gearhead, in one piece with the plate.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import pi, sqrt
 from typing import TYPE_CHECKING
 
@@ -15,7 +16,6 @@ from mbcdm_cad.parts.motor_head.part import box_body, box_tools, coupling_box_mm
 from mbcdm_cad.parts.part import MadePart
 from mbcdm_cad.parts.shapes import block, cut, cylinder, cylinder_y, cylinder_z, fuse, pocket_y
 from mbcdm_cad.parts.volume import CORNER, pocket_mm3, ring_mm3, segment_mm2
-from mbcdm_cad.records import dataclass
 
 if TYPE_CHECKING:
     import cadquery as cq

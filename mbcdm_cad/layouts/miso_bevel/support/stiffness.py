@@ -19,6 +19,7 @@ On the whole it stays within 12 % of finite elements for ribs, back plate and si
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import pi
 
 import numpy as np
@@ -46,7 +47,6 @@ from mbcdm_cad.model.plate_mesh import (
 from mbcdm_cad.model.si import MM, to_si
 from mbcdm_cad.model.stiffness import unit_tensions_N
 from mbcdm_cad.model.structure.boss import BossRing
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 
 

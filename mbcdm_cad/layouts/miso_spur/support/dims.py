@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import cos, radians, sin
 
 from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims
 from mbcdm_cad.parts.motor_head.dims import Places
-from mbcdm_cad.records import dataclass
 
 
 @dataclass(frozen=True)

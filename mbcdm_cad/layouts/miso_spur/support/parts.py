@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from math import inf, pi, tan
 from typing import TYPE_CHECKING
 
@@ -21,7 +22,6 @@ from mbcdm_cad.parts.part import MadePart
 from mbcdm_cad.parts.shapes import cut, fuse
 from mbcdm_cad.parts.sheets.description import CuttingLine, FitLine, Holes, Sheet, Table, X, minus, mm, mm3
 from mbcdm_cad.parts.sheets.holes import hole_labels, hole_table, position_table
-from mbcdm_cad.records import dataclass, replace
 
 if TYPE_CHECKING:
     import cadquery as cq

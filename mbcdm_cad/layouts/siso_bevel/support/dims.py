@@ -17,6 +17,7 @@ Seen from the front (x across, z up), heights as in the assembly:
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import sqrt
 
 from mbcdm_cad.design.bought import InsertSpec
@@ -26,7 +27,6 @@ from mbcdm_cad.parts.boss import BossDims, boss
 from mbcdm_cad.parts.drum_shaft import DrumShaftDims
 from mbcdm_cad.parts.motor_head.dims import DOWEL_MM, Flange, dowel_length_mm
 from mbcdm_cad.parts.motor_head.dims import flange_screw as screw_of_flange
-from mbcdm_cad.records import dataclass
 
 # Where the drum leaves less height, down to what the walls over and under its pin need.
 STOP_SHELF_MM = 6.0

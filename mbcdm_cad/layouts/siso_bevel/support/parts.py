@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import pi, sqrt
 from typing import TYPE_CHECKING
 
@@ -29,7 +30,6 @@ from mbcdm_cad.parts.sheets.description import (
 from mbcdm_cad.parts.sheets.holes import THROUGH, hole_labels, hole_table, position_table
 from mbcdm_cad.parts.sheets.tolerances import DRUM_AXIS, one_axis, square
 from mbcdm_cad.parts.volume import CORNER, pocket_corner_mm, pocket_mm3, ring_mm3, segment_mm2
-from mbcdm_cad.records import dataclass
 
 if TYPE_CHECKING:
     import cadquery as cq

@@ -5,6 +5,7 @@ Reference values of shared blocks are in ``reference.json``.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar, Literal
 
@@ -15,7 +16,6 @@ from mbcdm_cad.design.sector_blocks import Clearances, SectorCable, WoundPulleys
 from mbcdm_cad.layouts.siso_spur.drive import MOST_TURNS, PARALLEL_SPREAD, SpurDrum, SpurLimits, YokeSupport
 from mbcdm_cad.layouts.siso_spur.first_stage import FirstStageBlock
 from mbcdm_cad.layouts.siso_spur.idlers import IdlerBlock
-from mbcdm_cad.records import dataclass
 
 REFERENCE = reference_of(Path(__file__).parent)
 

@@ -15,6 +15,7 @@ In section, y to the right (front), z up:
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from math import ceil, pi, tan
 
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM
@@ -36,7 +37,6 @@ from mbcdm_cad.parts.motor_head.dims import (
     flange_screw,
     inner_half_width_mm,
 )
-from mbcdm_cad.records import dataclass, replace
 
 # Thread of the encoder's screws in its housing, in diameters.
 ENCODER_GRIP = 1.25

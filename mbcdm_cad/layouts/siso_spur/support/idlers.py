@@ -12,6 +12,7 @@ In section through the axis of a pair, y to the right (front), z up; the cables 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from mbcdm_cad.design.bought import Screw
@@ -26,7 +27,6 @@ from mbcdm_cad.parts.shapes import block, cut, cylinder_y
 from mbcdm_cad.parts.sheets.description import FitLine, Holes, Linear, Sheet, View, X, Y, Z, minus
 from mbcdm_cad.parts.sheets.holes import THROUGH, hole_labels, hole_table, position_table
 from mbcdm_cad.parts.volume import CORNER, disc_kg_m2, ring_mm3
-from mbcdm_cad.records import dataclass
 
 if TYPE_CHECKING:
     import cadquery as cq

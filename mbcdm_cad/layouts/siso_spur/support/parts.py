@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import asin, pi, sqrt
 from typing import TYPE_CHECKING, Any
 
@@ -32,7 +33,6 @@ from mbcdm_cad.parts.sheets.description import (
 from mbcdm_cad.parts.sheets.holes import THROUGH, hole_labels, hole_table, position_table
 from mbcdm_cad.parts.sheets.tolerances import DRUM_AXIS, TO_AXIS_MM, GeometricTolerance, one_axis
 from mbcdm_cad.parts.volume import CORNER, ring_mm3
-from mbcdm_cad.records import dataclass
 
 if TYPE_CHECKING:
     import cadquery as cq

@@ -14,6 +14,7 @@ drum and one below, form one mesh.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from math import pi
 
 import numpy as np
@@ -40,7 +41,6 @@ from mbcdm_cad.model.plate_mesh import (
 from mbcdm_cad.model.si import MM, to_si
 from mbcdm_cad.model.stiffness import unit_tensions_N
 from mbcdm_cad.model.structure.boss import BossRing
-from mbcdm_cad.records import dataclass
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.loads import body_load
 
