@@ -70,9 +70,16 @@ def thinnest_rope_by(given: TrialKnown, tension_N: Callable[[float, float], floa
 
     The tension depends on the rope's diameter in mm and its breaking load in N.
     """
-    needed, ropes = given["limits.tension_safety_factor"] / end_share(given, END_SHARE), ropes_to_choose(given)
-    strong = (name for diameter_mm, name, breaking in ropes if breaking >= needed * tension_N(diameter_mm, breaking))
+    ropes = ropes_to_choose(given)
+    strong = (one[1] for one in ropes if one[2] >= holding_N(given, tension_N, one))
     return Found(next(strong, ropes[-1][1]), "tension", "next size of the catalogue")
+
+
+def holding_N(given: TrialKnown, tension_N: Callable[[float, float], float], one: tuple[float, str, float]) -> float:
+    """Breaking load that a rope (diameter in mm, name, breaking load) needs for its tension, safety factor and ends."""
+    diameter_mm, _, breaking_N = one
+    needed = float(given["limits.tension_safety_factor"]) / end_share(given, END_SHARE)
+    return needed * tension_N(diameter_mm, breaking_N)
 
 
 def taut_rope(given: TrialKnown) -> Found:

@@ -29,6 +29,8 @@ CLOSED_GAIN = 1.3
 _OUTER, _WEIGHED = "drum.windows: outer", "drum.windows: weighed"
 # Peak torque from which the stress of a metal web is computed: hubs for less leave far more than it needs (estimate).
 STRESSED_NM = 10.0
+# The same of a whole drum, whose wide rim bends the web (estimate).
+WHOLE_NM = 5.0
 # A wall takes this share of the frame's windup where it cannot meet the limit alone, and grows to this multiple of its
 # usual thickness for it (choices).
 WALL_SHARE, MOST_WALL, WINDUP = 0.2, 5.0, "frame_windup"
@@ -57,19 +59,27 @@ def stiff_wall(
     """
     usual = given.moved(field, start, step, checks) if checks else Found(rounded_up(start, step), "")
     value, most = float(usual.value), MOST_WALL * start
+
+    def over(value: float) -> float:
+        """Its strain over its share; 1 where the frame gives no figure."""
+        trial = given.trial(field, value)
+        compliance, torque = trial.frame_compliance, trial.drive.loads.test_torque_Nm
+        if compliance is None:
+            return 1.0
+        limit = trial.windup_limit_mrad / torque * 1e3
+        own = sum(urad for panel, urad in compliance.shares_urad_Nm.items() if panel.startswith(panels))
+        return float(own / max(limit - (compliance.windup_urad_Nm - own), WALL_SHARE * limit))
+
     with suppress(NoFigureError, ValueError):
+        # Where the pass before ended at the thickest, one trial tells whether this one does.
+        if given.drives.passes and given.guesses.get(field) == most and 1.0 < over(round(most - step, 9)) < inf:
+            value = most
         while value < most and given.drives.passes:
-            trial = given.trial(field, value)
-            compliance, torque = trial.frame_compliance, trial.drive.loads.test_torque_Nm
-            if compliance is None:
-                break
-            limit = trial.windup_limit_mrad / torque * 1e3
-            own = sum(urad for panel, urad in compliance.shares_urad_Nm.items() if panel.startswith(panels))
-            over = own / max(limit - (compliance.windup_urad_Nm - own), WALL_SHARE * limit)
-            if not 1.0 < over < inf:
+            by = over(value)
+            if not 1.0 < by < inf:
                 break
             # Bending falls with the cube of the thickness, the rest with the thickness.
-            value = min(max(rounded_up(value * over ** (1.0 / 3.0), step), round(value + step, 9)), most)
+            value = min(max(rounded_up(value * by ** (1.0 / 3.0), step), round(value + step, 9)), most)
     if value == usual.value or any(margin < 0.0 for margin, _ in given.margins(field, value, checks).values()):
         return usual
     return Found(value, WINDUP, f"up to {step:g}")
@@ -137,12 +147,12 @@ def _shaft_bore(given: TrialKnown) -> Found:
 
 
 def _web(given: TrialKnown) -> Found | float:
-    """Web of the drum; one of plastic, or one with much torque, is as thick as its stress asks.
+    """Web of the drum; one of plastic, in a wide whole drum, or with much torque, is as thick as its stress asks.
 
     The stress of most metal webs is far from the limit, and to compute it takes longer than all other rules of a drum.
     """
     usual = either(given, "drum", WEB_MM)
-    if not given.printed("drum") and given["loads.peak_torque_Nm"] < STRESSED_NM:
+    if not given.printed("drum") and given["loads.peak_torque_Nm"] < (WHOLE_NM if given.whole_drum else STRESSED_NM):
         return usual
     return given.moved("drum.web_thickness_mm", usual, 0.5, ("drum_stress",))
 

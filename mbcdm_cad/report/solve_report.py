@@ -117,17 +117,14 @@ def solve_design(
 
 
 def _conflict_lines(conflict: Conflict, name: str, trials: int) -> Iterator[str]:
-    yield f"{name}: no design passes every check ({trials} designs tried)"
+    yield f"{name}: no design was found that passes every check ({trials} designs tried)"
     if conflict.first:
         yield "These requirements were relaxed first, one after the other:"
         yield from (f"  {_give(way)}" for way in conflict.first)
     if conflict.exclude:
-        several = (
-            "these exclude each other"
-            if len(conflict.exclude) > 1
-            else "this cannot be met together with the rest of the file"
-        )
-        sure = several if conflict.proved else f"{several}, perhaps with others"
+        many = "these" if len(conflict.exclude) > 1 else "this"
+        missed = f"no design was found that meets {many} together with the rest of the file"
+        sure = "these exclude each other" if conflict.proved else missed
         yield f"{'Then ' if conflict.first else ''}{sure}: {', '.join(conflict.exclude)}"
         yield "To relax one of them is enough; each of these was tried and passes:"
         yield from (f"  {_give(way)}" for way in conflict.either)

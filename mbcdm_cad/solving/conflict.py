@@ -17,7 +17,7 @@ from mbcdm_cad.design.fieldpath import leaves
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.solving.question import ASIDE, Fixed, Out, Point, Question
 from mbcdm_cad.solving.repair import repair, stuck
-from mbcdm_cad.solving.trials import Trials, messages
+from mbcdm_cad.solving.trials import TrialResult, Trials, messages
 
 # Factors by which a requirement is relaxed, in both directions.
 SHARES = (1.05, 1.15, 1.4, 2.0, 4.0, 12.0)
@@ -25,7 +25,7 @@ BISECTIONS = 4
 # Trials to make a design pass at one value of a requirement, and how many values of one requirement are repaired.
 TRIALS, VALUES = 40, 2
 # Trials after which no further requirement is relaxed: once one is known that is enough, and in all.
-ENOUGH_KNOWN, MOST = 120, 420
+ENOUGH_KNOWN, MOST = 80, 200
 # Largest number of requirements that are relaxed one after the other.
 MOST_GIVING = 3
 
@@ -48,8 +48,9 @@ class Conflict:
     """Why no design passes.
 
     ``first``: requirements that were relaxed first, one after the other; then any one of ``either`` is enough.
-    ``exclude``: the smallest set of requirements found that exclude each other; ``proved``: no design passes even when
-    all others are dropped, so that it is such a set. ``nearest``: the checks that fail on the nearest design.
+    ``exclude``: the smallest set of requirements that no design was found to meet together; ``proved``: a failing check
+    is moved by nothing that is free, and no design passes even when all others are dropped, so that they exclude each
+    other. ``nearest``: the checks that fail on the nearest design.
     ``not_tried``: requirements that were left when the trials were spent.
     """
 
@@ -68,8 +69,8 @@ def conflict(trials: Trials, miss: Point) -> Conflict:
     spent = 0
     left: list[str] = []
     for _ in range(MOST_GIVING):
-        before = trials.count
         fixed = stuck(trials, {}) if trials({}).failing else frozenset[str]()
+        before = trials.count
         found: list[Give | Miss | None] = []
         enough: list[Give] = []
         left = _requirements_in_order(trials, miss)
@@ -80,7 +81,8 @@ def conflict(trials: Trials, miss: Point) -> Conflict:
         if enough:
             exclude = tuple(sorted(way.field for way in enough))
             # One alone belongs to several sets, each with another partner: no set is found then.
-            proved = len(exclude) > 1 and not left and _rest_is_idle(trials, exclude, miss)
+            # What a search does not find may exist, unless a failing check is moved by nothing that is free.
+            proved = len(exclude) > 1 and not left and bool(fixed) and _rest_is_idle(trials, exclude, miss)
             ways = tuple(sorted(enough, key=_size))
             return Conflict(exclude, ways, tuple(first), nearest, proved, tuple(left))
         least = min((way for way in found if isinstance(way, tuple)), default=None, key=lambda way: (way[0], way[1]))
@@ -140,8 +142,7 @@ def _given_way(trials: Trials, name: str, miss: Point, fixed: frozenset[str]) ->
     None if no value of the requirement lowers the violation, or if one of the ``fixed`` checks, which no move changes,
     misses by the same amount.
     """
-    starts: list[Point] = [{name: _setting(value)} for value in _values(trials.question, name)]
-    before, outcomes = trials({}), trials.many(starts)
+    before, (starts, outcomes) = trials({}), _tried(trials, name)
     order = sorted(range(len(starts)), key=lambda k: (round(outcomes[k].violation, 9), k))
     best: Point | None = None
     for k in order[:VALUES]:
@@ -163,22 +164,35 @@ def _given_way(trials: Trials, name: str, miss: Point, fixed: frozenset[str]) ->
     return trials(best).violation, name, value, best
 
 
-def _values(question: Question, name: str) -> Iterator[Any]:
-    """Values of a requirement that are tried: None for leaving it out."""
+def _tried(trials: Trials, name: str) -> tuple[list[Point], list[TrialResult]]:
+    """Values of a requirement with their results; those of a sense in which the first two do not help are left out."""
+    starts: list[list[Point]] = [[{name: _setting(value)} for value in way] for way in _values(trials.question, name)]
+    first = [values if len(values) == 1 else values[1:4:2] for values in starts]
+    points = [point for values in first for point in values]
+    outcomes, before = trials.many(points), trials({}).violation
+    for values, few in zip(starts, first, strict=True):
+        rest = [point for point in values if point not in few]
+        if rest and min(trials(point).violation for point in few) < before:
+            points, outcomes = points + rest, outcomes + trials.many(rest)
+    return points, outcomes
+
+
+def _values(question: Question, name: str) -> Iterator[list[Any]]:
+    """Values of a requirement that may be tried, by the sense in which they lie: None for leaving it out."""
     if name in question.ranges:
         found = question.ranges[name]
-        yield from (round_to(found.low / share) for share in SHARES if found.low > 0.0)
-        yield from (round_to(found.high * share) for share in SHARES)
+        yield [round_to(found.low / share) for share in SHARES] if found.low > 0.0 else []
+        yield [round_to(found.high * share) for share in SHARES]
         return
     value = dict(leaves(question.data))[name]
     if _has_rule(question, name):
-        yield None
+        yield [None]
     if isinstance(value, int | float):
-        for share in SHARES:
-            yield from (round_to(value * share), round_to(value / share))
+        yield [round_to(value * share) for share in SHARES]
+        yield [round_to(value / share) for share in SHARES]
     elif isinstance(value, list):
-        for share in SHARES:
-            yield from (tuple(round_to(v * share) for v in value), tuple(round_to(v / share) for v in value))
+        yield [tuple(round_to(v * share) for v in value) for share in SHARES]
+        yield [tuple(round_to(v / share) for v in value) for share in SHARES]
 
 
 def _has_rule(question: Question, name: str) -> bool:

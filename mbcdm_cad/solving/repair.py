@@ -8,7 +8,16 @@ from itertools import chain
 from mbcdm_cad.design.fieldpath import value_at
 from mbcdm_cad.design.freedom import Freedom
 from mbcdm_cad.solving.question import Fixed, Out, Point, Setting, Times
-from mbcdm_cad.solving.trials import NO_FIGURE, SLOW, TrialResult, Trials, choices, over_limit, setting_of
+from mbcdm_cad.solving.trials import (
+    NO_FIGURE,
+    SLOW,
+    TrialResult,
+    Trials,
+    choices,
+    entries_of,
+    over_limit,
+    setting_of,
+)
 
 # Size of one step of a number as a share of its value, and of a range as a share of its width.
 STEPS = (0.02, 0.08, 0.25, 0.7)
@@ -19,7 +28,9 @@ SIZES = (-1, 1, 2, 4)
 FIRST_CHECKS, MOST_MOVES = 6, 90
 # Improvements that are also tried together.
 TOGETHER = 4
-ROUNDS = 8
+ROUNDS = 12
+# Trials after which a round looks whether one of them passes or comes far: the moves that help are among the first.
+BATCH = 12
 GAIN = 1e-3
 # If a check misses by the same amount in at least ENOUGH trials, no free field affects it. SAME: tolerance of the miss.
 ENOUGH, SAME = 20, 1e-6
@@ -28,7 +39,8 @@ ENOUGH, SAME = 20, 1e-6
 def repair(trials: Trials, start: Point, most: int, at_once: int = MOST_MOVES) -> Point:
     """The best point found by some rounds of changes from ``start``, with at most about ``most`` trials.
 
-    ``at_once``: changes after which a round ends if one of them passes, or if they do not affect some check.
+    A round ends after a batch of trials of which one passes or comes far. ``at_once``: changes after which it also ends
+    if they do not affect some check.
     """
     best, limit = dict(start), trials.count + most
     for _ in range(ROUNDS):
@@ -37,12 +49,13 @@ def repair(trials: Trials, start: Point, most: int, at_once: int = MOST_MOVES) -
             break
         moves = list(_Moves(trials, best, now))[: max(min(MOST_MOVES, limit - trials.count), 4)]
         points = [{**best, field: setting} for field, setting in moves]
-        outcomes = list[TrialResult]()
-        for first in range(0, len(points), at_once):
-            outcomes += trials.many(points[first : first + at_once])
-            if _unmoved(now, outcomes) or any(outcome.passes for outcome in outcomes):
+        outcomes, far = list[TrialResult](), False
+        for first in range(0, len(points), min(BATCH, at_once)):
+            outcomes += trials.many(points[first : first + min(BATCH, at_once)])
+            far = any(_comes_far(now, outcome) for outcome in outcomes)
+            if far or (len(outcomes) >= at_once and _unmoved(now, outcomes)):
                 break
-        if _unmoved(now, outcomes):
+        if not far and _unmoved(now, outcomes):
             break
         better = sorted((o.violation, k) for k, o in enumerate(outcomes) if o.violation < now.violation - GAIN)
         if not better:
@@ -55,10 +68,23 @@ def repair(trials: Trials, start: Point, most: int, at_once: int = MOST_MOVES) -
                 fields.add(field)
                 joined = {**joined, field: setting}
                 combined.append(joined)
+        if any(outcome.passes for outcome in outcomes):
+            combined = [points[k] for k, outcome in enumerate(outcomes) if outcome.passes]
         best = dict(trials.best(combined))
         if creeps(now, trials(best)):
             break
     return best
+
+
+def _comes_far(before: TrialResult, after: TrialResult) -> bool:
+    """Whether fewer checks fail, or the same ones by at most half as much altogether."""
+    if after.refused or len(after.failing) > len(before.failing):
+        return False
+    if before.refused or len(after.failing) < len(before.failing):
+        return True
+    return sum(over_limit(miss) for _, miss in after.failing) <= 0.5 * sum(
+        over_limit(miss) for _, miss in before.failing
+    )
 
 
 def creeps(before: TrialResult, after: TrialResult) -> bool:
@@ -76,7 +102,12 @@ def stuck(trials: Trials, point: Point) -> frozenset[str]:
     """The checks that fail at a point and that no single move from there changes."""
     now = trials(point)
     moves = list(_Moves(trials, point, now))[:MOST_MOVES]
-    return _unmoved(now, trials.many([{**point, field: setting} for field, setting in moves]))
+    outcomes = list[TrialResult]()
+    for first in range(0, len(moves), BATCH):
+        outcomes += trials.many([{**point, field: setting} for field, setting in moves[first : first + BATCH]])
+        if len(outcomes) >= ENOUGH and not _unmoved(now, outcomes):
+            return frozenset()
+    return _unmoved(now, outcomes)
 
 
 def _unmoved(now: TrialResult, outcomes: Sequence[TrialResult]) -> frozenset[str]:
@@ -118,7 +149,8 @@ class _Moves:
         for freedom in self.freedoms.values():
             names |= {alias: (freedom.field, sense) for alias, sense in freedom.mends}
         for check, _ in sorted(self.now.failing, key=lambda item: -item[1])[:FIRST_CHECKS]:
-            for path, sense in self.trials.checks[check].adjust:
+            # A check of a first stage has no place here: its remedies are words of another design.
+            for path, sense in self.trials.checks[check].adjust if check in self.trials.checks else ():
                 field, way = names.get(path, ("", 0))
                 if field in self.question.unruled:
                     yield from self._within(field, way * sense)
@@ -148,14 +180,42 @@ class _Moves:
                 yield freedom.field, Times(float(f"{moved:.4g}"))
 
     def _sized(self, freedom: Freedom, sizes: Sequence[int]) -> Iterator[tuple[str, Setting]]:
-        """A choice moved by some places in the order of sizes; of words, the first holds if no rule gave one."""
+        """A choice moved by some places in the order of sizes; of words, the first holds if no rule gave one.
+
+        A rope is moved among those of its construction.
+        """
         names, now = choices(self.question, freedom), value_at(self.values, freedom.field)
         if now is None and freedom.words:
             now = freedom.words[0]
+        if freedom.kind == "ropes":
+            names = self._ropes(names).get(self._construction(now), names)
         for size in sizes:
             at = names.index(now) + size if now in names else -1
             if 0 <= at < len(names):
                 yield freedom.field, Fixed(names[at])
+
+    def _construction(self, rope: object) -> str:
+        entry = entries_of(self.question, "ropes").get(rope) if isinstance(rope, str) else None
+        return str((entry or {}).get("construction"))
+
+    def _ropes(self, names: Sequence[str]) -> dict[str, list[str]]:
+        """The ropes of each construction, thin before thick."""
+        found: dict[str, list[str]] = {}
+        for name in names:
+            found.setdefault(self._construction(name), []).append(name)
+        return found
+
+    def _other_ropes(self, freedom: Freedom) -> Iterator[tuple[str, Setting]]:
+        """Of each other construction the rope of the nearest diameter, and the next thinner one."""
+        now = value_at(self.values, freedom.field)
+        ropes, entries = self._ropes(choices(self.question, freedom)), entries_of(self.question, "ropes")
+        if now not in entries:
+            return
+        wanted = entries[now]["diameter_mm"]
+        for kind, names in sorted(ropes.items()):
+            if kind != self._construction(now):
+                nearest = min(range(len(names)), key=lambda k: abs(entries[names[k]]["diameter_mm"] - wanted))
+                yield from ((freedom.field, Fixed(names[k])) for k in (nearest, nearest - 1) if k >= 0)
 
     def _sizes(self) -> Iterator[tuple[str, Setting]]:
         """Choices some sizes up and down, the nearest of all choices first."""
@@ -163,6 +223,8 @@ class _Moves:
             for freedom in self.freedoms.values():
                 if freedom.is_choice:
                     yield from self._sized(freedom, [size])
+            if size == SIZES[1] and "rope.type" in self.freedoms:
+                yield from self._other_ropes(self.freedoms["rope.type"])
 
     def _along_ranges(self) -> Iterator[tuple[str, Setting]]:
         for field in sorted(self.question.unruled):

@@ -19,9 +19,9 @@ from mbcdm_cad.solving.repair import creeps, repair, stuck
 from mbcdm_cad.solving.trials import Trials, choices, cost, outcome, setting_of
 
 # Trials of the guided search and of the evolution after it: numbers, not times, so that the result is reproducible.
-DIRECTED, EVOLVED = 200, 168
+DIRECTED, EVOLVED = 140, 96
 # Most searches, conflicts included, end before this number of trials: the full length of the progress bar.
-MOST_TRIALS = 600
+MOST_TRIALS = 400
 # Number of values tried before the search for a range that has an aim and no rule.
 GRID = 9
 

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf, isfinite, log
+from typing import Any
 
 import numpy as np
 
@@ -227,11 +228,15 @@ def choices(question: Question, freedom: Freedom) -> list[str]:
     """The names of which a choice takes one, small before large."""
     if freedom.words:
         return list(freedom.words)
+    entries = entries_of(question, freedom.kind)
+    return sorted(entries, key=lambda name: (entries[name].get(freedom.order, 0.0), name))
+
+
+def entries_of(question: Question, kind: str) -> dict[str, Any]:
+    """The catalogue's entries of a kind, with the file's own."""
     from mbcdm_cad.design.catalogue import package_entries
 
-    own = (question.data.get("catalogue") or {}).get(freedom.kind) or {}
-    entries = {**package_entries(freedom.kind), **own}
-    return sorted(entries, key=lambda name: (entries[name].get(freedom.order, 0.0), name))
+    return {**package_entries(kind), **((question.data.get("catalogue") or {}).get(kind) or {})}
 
 
 def setting_of(value: object) -> Fixed:

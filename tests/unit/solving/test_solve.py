@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from mbcdm_cad import cli
+from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.fieldpath import leaves
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.report.check_report import check_design
@@ -15,7 +16,7 @@ from mbcdm_cad.solving.conflict import conflict
 from mbcdm_cad.solving.nearest import taken_back
 from mbcdm_cad.solving.patch import patched
 from mbcdm_cad.solving.question import Fixed, Point, Question, Times, question_of
-from mbcdm_cad.solving.repair import creeps
+from mbcdm_cad.solving.repair import BATCH, _Moves, creeps, repair
 from mbcdm_cad.solving.solve import solve
 from mbcdm_cad.solving.trials import MOST, TrialResult, Trials, outcome
 
@@ -189,3 +190,40 @@ def test_one_requirement_alone_is_not_called_a_set() -> None:
     trials.also = True
     found = conflict(trials, {})
     assert found.exclude == ("loads.peak_torque_Nm",) and not found.proved
+
+
+SHORT = PINNED.partition("drum:\n")[0]
+
+
+def test_a_round_ends_with_the_batch_in_which_a_trial_passes() -> None:
+    """A remedy of the failing check comes first, so that a batch is enough; rounds of all moves tried ninety."""
+    seen: list[int] = []
+
+    class Counting(Threshold):
+        def many(self, points: list[Point]) -> list[TrialResult]:  # type: ignore[override]
+            seen.append(len(points))
+            far = [isinstance(p.get("transmission.centre_distance_mm"), Times) for p in points]
+            return [TrialResult(() if f else (("fleet_angle", 1.1),)) for f in far]
+
+    trials = Counting(question_of(SHORT), jobs=1)
+    assert trials(repair(trials, {}, 200)).passes
+    assert sum(seen) <= 2 * BATCH < 90, seen
+
+
+def test_a_check_of_a_first_stage_offers_no_remedy_of_this_one() -> None:
+    class FirstStage(Trials):
+        def many(self, points: list[Point]) -> list[TrialResult]:  # type: ignore[override]
+            return [TrialResult((("first_stage_bend_ratio", 1.1),)) for _ in points]
+
+    assert repair(FirstStage(question_of(SHORT), jobs=1), {}, 30) == {}
+
+
+def test_ropes_are_tried_within_their_construction_before_others() -> None:
+    trials = Threshold(question_of(SHORT), jobs=1)
+    moves = [
+        how.value for name, how in _Moves(trials, {}, trials({})) if name == "rope.type" and isinstance(how, Fixed)
+    ]
+    kinds = [package_entries("ropes")[name]["construction"] for name in moves]
+    own = kinds[0]
+    first_other = next(k for k, kind in enumerate(kinds) if kind != own)
+    assert first_other >= 2 and set(kinds) == {"7x7", "7x19", "1x19", "braid"}, list(zip(moves, kinds, strict=True))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from math import degrees, inf, log
 from typing import Any
 
@@ -10,11 +11,12 @@ from mbcdm_cad.checks.bending import ANCHOR_RATIO
 from mbcdm_cad.checks.input_pulley import SHOULDER_MM
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import SizingError
-from mbcdm_cad.layouts.common_rules import least_bend_ratio, wanted_preload_N
+from mbcdm_cad.layouts.common_rules import least_bend_ratio, ropes_to_choose, wanted_preload_N
 from mbcdm_cad.layouts.head_basis import (
     PRELOAD_FACTOR,
     counts_losses,
     held_preload,
+    holding_N,
     needed_ratio,
     preload,
     rope,
@@ -102,19 +104,33 @@ def _usual_preload_N(given: SpurKnown, half_torque_N: float) -> float:
 
 
 def _rope(given: SpurKnown) -> Found:
-    """The thinnest rope; if the drum's radius is open, each rope is checked on the drum that follows from it."""
+    """The thinnest rope; if the drum's radius is open, each rope is checked on the drum that follows from it.
 
-    def tension_N(d_mm: float, breaking_N: float) -> float:
+    On an input that bends it too sharply, the thickest that bends there, if it holds with the least preload that is
+    tried.
+    """
+
+    def tension_N(d_mm: float, breaking_N: float, preload_share: float = 1.0) -> float:
         if given.has("transmission.drum_radius_mm"):
             share = given.half_torque_N
         else:
             needs = _input_needs_mm(given, d_mm, given.get("limits.bend_ratio_min") or least_bend_ratio(given))
             radius = rounded_up(max(needs.values()) * given.ratio, 0.5)
             share = given.input_peak_Nm * 1e3 / (2 * radius * given.parallel)
-        wanted = wanted_preload_N(given, _usual_preload_N(given, share), breaking_N)
+        usual = preload_share * _usual_preload_N(given, share)
+        wanted = wanted_preload_N(given, usual, breaking_N) if preload_share == 1.0 else usual
         return wanted * (1.0 + given.parallel_spread) + share
 
-    return thinnest_rope_by(given, tension_N)
+    found = thinnest_rope_by(given, tension_N)
+    if given.anchored or not given.has("transmission.drum_radius_mm"):
+        return found
+    least = given.get("limits.bend_ratio_min") or least_bend_ratio(given)
+    bending = [rope for rope in ropes_to_choose(given) if rope[0] * least <= 2.0 * given.input_mm]
+    if bending and found.value not in [name for _, name, _ in bending]:
+        _, thickest, breaking = bending[-1]
+        if holding_N(given, partial(tension_N, preload_share=PRELOAD_SHARES[-1]), bending[-1]) <= breaking:
+            return Found(thickest, "bend_ratio", "thickest that bends on the input; less preload")
+    return found
 
 
 def _preload(given: SpurKnown) -> Found:

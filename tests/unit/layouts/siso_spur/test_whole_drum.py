@@ -182,3 +182,38 @@ def test_what_a_whole_drum_cannot_have(more: str, what: str) -> None:
         text = text.replace("{input_to_drum: 6.0}", "{input_to_drum: 6.0, cables: two_anchored}")
     with pytest.raises(InputError, match=what):
         load_text(text)
+
+
+def stated(half_deg: float, ratio: float, radius_mm: float, torque_Nm: float, more: str = "") -> SpurDrive:
+    text = TEXT.replace("HALF", str(half_deg)).replace("drive: {", "#").replace("2.0}", f"{torque_Nm}}}")
+    drive = load_text(text.replace("6.0}", f"{ratio}, drum_radius_mm: {radius_mm}}}") + more).drive
+    assert isinstance(drive, SpurDrive)
+    return drive
+
+
+@pytest.mark.parametrize(
+    ("asked", "rope", "thicker"),
+    [((300.0, 6.0, 40.0, 3.0), "FF-081", "7x7-1.0"), ((130.0, 15.0, 70.0, 2.0), "7x7-0.61", "FF-081")],
+)
+def test_a_stated_radius_takes_the_thickest_rope_that_bends_on_its_input(
+    asked: tuple[float, float, float, float], rope: str, thicker: str
+) -> None:
+    """The thinnest rope for the usual preload bent too sharply; with less preload a thinner one holds."""
+    drive = stated(*asked)
+    assert drive.cable.name == rope
+    assert not [r.id for r in run_all(checks_of(drive), drive.layout) if r.status == "fail"]
+    assert "bend_ratio" in {
+        r.id
+        for r in run_all(
+            [check for check in checks_of(drive) if check.id == "bend_ratio"],
+            stated(*asked, f"rope: {{type: {thicker}}}\n").layout,
+        )
+        if r.status == "fail"
+    }
+
+
+@pytest.mark.slow
+def test_the_web_of_a_wide_rim_bears_its_stress() -> None:
+    drive = stated(150.0, 12.0, 90.0, 8.0)
+    assert drive.drum.web_thickness_mm > 2.0
+    assert not [r.id for r in run_all(checks_of(drive), drive.layout) if r.status == "fail"]
