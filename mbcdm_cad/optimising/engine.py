@@ -1,5 +1,7 @@
 """The engine that proposes points: NSGA-II of pymoo for numbers and choices together, by ask and tell.
 
+It proposes ten times the points of a generation; a surrogate model preselects those that are evaluated.
+
 A proposal depends on the seed and on what the engine was told, and on nothing else.
 """
 
@@ -10,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from mbcdm_cad.optimising.surrogate import Surrogate
 from mbcdm_cad.optimising.variables import Values, Variable, first_values
 from mbcdm_cad.routes import Floats
 
@@ -17,6 +20,12 @@ from mbcdm_cad.routes import Floats
 MOST, LEAST, EACH = 40, 8, 4
 # Fields that a mutation changes on average, and the index of its distribution for numbers: the smaller, the wider.
 CHANGED, WIDTH = 1.5, 6.0
+# Points that are proposed for each that is evaluated.
+POOL = 10
+# Share of a generation that is taken as it is proposed, since the surrogate may be wrong.
+UNSCREENED = 0.4
+# Times that it is asked for them, where most are equal.
+TIMES = 20
 
 
 class Engine:
@@ -25,7 +34,8 @@ class Engine:
     def __init__(self, variables: Sequence[Variable], aims: int, seed: int) -> None:
         # Imported here: it takes as long as a hundred checks.
         from pymoo.algorithms.moo.nsga2 import NSGA2, binary_tournament
-        from pymoo.core.mixed import MixedVariableDuplicateElimination, MixedVariableMating
+        from pymoo.core.duplicate import DuplicateElimination
+        from pymoo.core.mixed import MixedVariableMating
         from pymoo.core.population import Population
         from pymoo.core.problem import Problem
         from pymoo.core.termination import NoTermination
@@ -45,7 +55,20 @@ class Engine:
         first = np.empty(len(drawn), dtype=object)
         first[:] = drawn
         problem = Problem(vars=space, n_obj=aims, n_ieq_constr=1)
-        unlike = MixedVariableDuplicateElimination()
+
+        class Unlike(DuplicateElimination):  # type: ignore[misc]
+            """As pymoo's own for mixed variables, which compares all pairs and takes longer than all else."""
+
+            def _do(self, pop: Any, other: Any, is_duplicate: Any) -> Any:
+                seen = set() if other is None else {tuple(one.X.values()) for one in other}
+                for k, one in enumerate(pop):
+                    values = tuple(one.X.values())
+                    is_duplicate[k] = values in seen
+                    if other is None:
+                        seen.add(values)
+                return is_duplicate
+
+        unlike = Unlike()
         self._algorithm = NSGA2(
             pop_size=population,
             sampling=Population.new("X", first),
@@ -53,22 +76,33 @@ class Engine:
                 selection=TournamentSelection(func_comp=binary_tournament),
                 mutation={Real: PM(prob=1.0, prob_var=share, eta=WIDTH), Choice: ChoiceRandomMutation(1.0, share)},
                 eliminate_duplicates=unlike,
+                n_max_iterations=TIMES,
             ),
+            n_offsprings=POOL * population,
             eliminate_duplicates=unlike,
         )
+        self._surrogate, self._population = Surrogate(variables, aims), population
         self._algorithm.setup(problem, termination=NoTermination(), seed=seed, verbose=False)
         self._asked: Any = None
 
     def ask(self) -> list[Values]:
         """The points of the next generation; empty if the engine finds none that it has not proposed before."""
         self._asked = self._algorithm.ask()
-        return [] if self._asked is None else [_plain(one.X) for one in self._asked]
+        if self._asked is None:
+            return []
+        proposed = [_plain(one.X) for one in self._asked]
+        unscreened = min(len(proposed), round(UNSCREENED * self._population))
+        best = self._surrogate.preselected(proposed[unscreened:], self._population - unscreened)
+        chosen = [*range(unscreened), *(unscreened + k for k in best)]
+        self._asked = self._asked[chosen]
+        return [proposed[k] for k in chosen]
 
     def tell(self, aims: Floats, violation: Floats) -> None:
         """Results of all points of the last :meth:`ask`: aims (n, k), of which less is better; violation (n,).
 
         Where the violation is above zero, the aims do not count.
         """
+        self._surrogate.add([_plain(one.X) for one in self._asked], aims, violation <= 0.0)
         self._asked.set("F", aims, "G", violation[:, None], "H", np.zeros((len(aims), 0)))
         self._algorithm.tell(infills=self._asked)
 
