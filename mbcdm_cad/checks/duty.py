@@ -19,8 +19,10 @@ from mbcdm_cad.model.equilibrium import solve_equilibrium
 
 def continuous_torque(s: Layout) -> Comparison:
     """Drum torque that motors and gearheads keep up without end, worse direction, against what the file asks."""
-    wanted = float(s.drive.loads.lasting_Nm or 0.0)
-    return worst(found._replace(limit=wanted) for found in continuous_limits(s))
+    loads = s.drive.loads
+    wanted, stated = float(loads.lasting_Nm or 0.0), float(loads.continuous_torque_Nm or 0.0)
+    note = "loads.continuous_torque_Nm" if stated >= wanted else "the payload's weight beside the axis"
+    return worst(found._replace(limit=wanted, note=note) for found in continuous_limits(s))
 
 
 def _longer(s: Layout) -> str:

@@ -242,7 +242,7 @@ CHECKS = (
         "gearhead catalogue; cubic mean of loads.duty: gearhead makers",
         gearhead_continuous,
         "warn",
-        applies=lambda drive: drive.loads.lasting_Nm is None,
+        applies=lambda drive: drive.loads.continuous_torque_Nm is None,
         advice=_less_often,
     ),
     Check(

@@ -125,16 +125,18 @@ def frame_windup(s: SectorLayout) -> Comparison:
 
 
 def _stiffer_frame(s: SectorLayout) -> str:
-    """The walls that give most, the fields that thicken them, and where the limit comes from if no file states it."""
+    """The walls that give most, the fields that thicken them as they are, and what else there is."""
     study, found = s.frame_study, s.frame_compliance
     if study is None or found is None:
         return ""
     most = sorted(found.shares_urad_Nm.items(), key=lambda share: -share[1])[:3]
     told = ", ".join(f"{name} {turn / found.windup_urad_Nm:.0%}" for name, turn in most)
+    walls = ", ".join(f"support.{wall} ({thick:g})" for wall, thick in study.walls.items())
     times = f"{PRINTED_WINDUP:g} times the cables' turn" if s.printed_frame else "the cables' turn"
+    metal = " or choose a metal support.material" if s.printed_frame else ""
     stated = f" or state limits.frame_windup_max_mrad, left out {times}"
     return (
-        f"thicken the walls that bend most{f' ({told})' if told else ''}: {', '.join(study.walls)}"
+        f"thicken the walls that bend most{f' ({told})' if told else ''}: {walls}{metal}"
         f"{stated if s.drive.limits.frame_windup_max_mrad is None else ''}"
     )
 

@@ -16,7 +16,15 @@ import click
 
 from mbcdm_cad import api
 from mbcdm_cad.cli.group import DESIGN, FILE, SCHEDULER, TIME, WORKERS, examples, mbcdm, out_folder
-from mbcdm_cad.cli.screen import coloured, progress, progress_of_search, progress_of_trials, screen_width
+from mbcdm_cad.cli.screen import (
+    coloured,
+    load,
+    progress,
+    progress_of_search,
+    progress_of_trials,
+    screen_width,
+    sign_of_life,
+)
 from mbcdm_cad.design.template import slug
 from mbcdm_cad.errors import InputError, MbcdmError, Problem
 from mbcdm_cad.optimising.wishes import GROWTH
@@ -63,8 +71,9 @@ def check(designs: tuple[Path, ...], only_failed: bool, show_all: bool, as_json:
     reports, unread = [], []
     for path in designs:
         try:
-            loaded = api.load(path)
-            reports.append((path, loaded.check()))
+            with sign_of_life(f"{path}: sizing and checking"):
+                loaded = api.load(path)
+                reports.append((path, loaded.check()))
         except MbcdmError as error:
             unread.append(str(path))
             click.echo(str(error), err=True)
@@ -125,7 +134,7 @@ def explain(design: Path, field: str | None, as_json: bool, graph: Path | None) 
     """
     if graph is not None and (field or as_json):
         raise click.UsageError("--graph draws all fields; leave out FIELD and --json")
-    loaded = api.load(design)
+    loaded = load(design)
     if graph is not None:
         click.echo(loaded.explain_graph(graph))
     elif as_json:

@@ -13,7 +13,7 @@ import click
 from mbcdm_cad import api
 from mbcdm_cad.cli.commands_on_designs import print_json, write_new
 from mbcdm_cad.cli.group import DESIGN, FILE, SCHEDULER, WORKERS, examples, mbcdm, out_folder
-from mbcdm_cad.cli.screen import progress, screen_width
+from mbcdm_cad.cli.screen import load, progress, screen_width, sign_of_life
 from mbcdm_cad.errors import InputError, MbcdmError, Problem
 from mbcdm_cad.storage.files import refuse_missing_folder, write_whole
 
@@ -29,7 +29,8 @@ RATIO = click.option(
 @click.option("--json", "as_json", is_flag=True, help="Print the results as JSON.")
 def analyse(design: Path, as_json: bool) -> int:
     """Compute tensions, backlash, load sharing, torque limits."""
-    report = api.load(design).analyse()
+    with sign_of_life(f"{design}: sizing and analysing"):
+        report = api.load(design).analyse()
     if as_json:
         print_json(report.to_dict())
     else:
@@ -60,7 +61,7 @@ def preload(design: Path, logs: tuple[str, ...], as_json: bool, out: Path) -> in
         if not (name and equals and path):
             raise click.BadParameter(f"{log!r} is not INPUT=FILE, such as left=left.csv", param_hint="--log")
         named[name] = path
-    report = api.load(design).preload(out, logs=named)
+    report = load(design).preload(out, logs=named)
     if as_json:
         print_json(report.to_dict())
     else:
@@ -81,7 +82,7 @@ def sensitivity(design: Path, workers: int | None, scheduler: str | None, out: P
     Writes plots and CSV: the panels of the paper's figure 5, global indices, the tolerance stack over the travel, and
     95 % intervals.
     """
-    found = api.load(design).sensitivity(out, workers=workers, scheduler=scheduler)
+    found = load(design).sensitivity(out, workers=workers, scheduler=scheduler)
     click.echo(found.text(screen_width()))
     return 0
 
@@ -93,7 +94,7 @@ def reproduce(design: Path | None) -> int:
 
     For DESIGN, or for the reference design. Exit code 1 if a figure is outside its tolerance.
     """
-    found = api.reproduce(None if design is None else api.load(design))
+    found = api.reproduce(None if design is None else load(design))
     click.echo(found.text(), nl=False)
     for figure in found.outside:
         click.echo(
@@ -159,7 +160,7 @@ def loop(
     elif not measurements:
         raise click.UsageError("give the measurement files after the design, or --ratio in place of a design")
     else:
-        loaded = api.load(design)  # before the other imports, so that bad input is reported at once
+        loaded = load(design)  # before the other imports, so that bad input is reported at once
     from mbcdm_cad.cli.loop import Outputs, loop_command
 
     return loop_command(loaded, measurements, ratio, Outputs(json_path, as_built, report, correction, next_path))
@@ -220,7 +221,7 @@ def plan(
     For each effect: the smallest size that the loop would name, and each effect with which it could be confused, with
     the size up to which this happens.
     """
-    loaded = api.load(design)
+    loaded = load(design)
     if experiment is None and within is None:
         raise MbcdmError(
             "plan: give an experiment file, --within BENCH.yaml, or both; docs/measure-your-drive.md shows them"
@@ -258,7 +259,7 @@ def simulate(design: Path, experiment: Path, out: Path) -> None:
 
     Writes the measured run for 'mbcdm loop', and in a separate file the truth, which the loop does not read.
     """
-    click.echo(api.load(design).simulate(experiment, out))
+    click.echo(load(design).simulate(experiment, out))
 
 
 @mbcdm.command(
@@ -284,7 +285,7 @@ def measurement_init(data: Path, design: Path | None, ratio: float | None, out: 
         raise click.UsageError("give a design file or --ratio, one of the two")
     path = out or data.with_suffix(".yaml")
     refuse_missing_folder(path)
-    text = api.draft_measurement(data, None if design is None else api.load(design), ratio=ratio)
+    text = api.draft_measurement(data, None if design is None else load(design), ratio=ratio)
     if path.parent.resolve() != data.parent.resolve():
         remedy = "write it into the folder of the data, because it names the data relative to itself"
         raise InputError([Problem(str(path), 1, "", "in another folder than the data", remedy=remedy)])

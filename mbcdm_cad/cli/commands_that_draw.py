@@ -14,7 +14,7 @@ import click
 
 from mbcdm_cad import api
 from mbcdm_cad.cli.group import ANGLE, DESIGN, FILE, JOBS, NO_CACHE, examples, mbcdm, out_folder
-from mbcdm_cad.cli.screen import progress
+from mbcdm_cad.cli.screen import load, progress
 from mbcdm_cad.report.page import PAGE
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ def build(design: Path, angle_deg: float, force: bool, out: Path, no_cache: bool
 
     Writes STEP and STL of each part, STEP and GLB of the assembly, and the report. Exit code 1 if a check fails.
     """
-    loaded = api.load(design)
+    loaded = load(design)
     with progress() as note:
         report = loaded.build(out, angle_deg=angle_deg, force=force, jobs=jobs, cache=not no_cache, progress=note)
     if report.cache_problem:
@@ -115,7 +115,7 @@ def compare(
 @NO_CACHE
 def picture(design: Path, png: Path, angle_deg: float, travel: bool, view: str, no_cache: bool) -> int:
     """Draw a design into a PNG or GIF file; needs no display."""
-    loaded = api.load(design)
+    loaded = load(design)
     with progress() as note:
         if travel:
             done = loaded.moving_picture(png, view=view, cache=not no_cache, progress=note)
@@ -135,7 +135,7 @@ def page(design: Path, force: bool, out: Path, no_cache: bool) -> int:
 
     Builds the design and writes report.html: checks, figures, plots and lists in one file that needs no network.
     """
-    loaded = api.load(design)
+    loaded = load(design)
     with progress() as note:
         found = loaded.page(out, force=force, cache=not no_cache, progress=note)
     _print_failures(found.build)
@@ -199,7 +199,7 @@ def export(
         raise click.UsageError("--elastic: URDF has no springs between joints, an FMU always; give --format mjcf")
     if form != "urdf" and (package is not None or xacro or ros2_control):
         raise click.UsageError("--package, --xacro, --ros2-control: they belong to ROS; give --format urdf")
-    loaded = api.load(design)
+    loaded = load(design)
     with progress() as note:
         written = loaded.export(
             form,
@@ -224,7 +224,7 @@ def pictures(design: Path, out: Path, no_cache: bool) -> int:
 
     One for each step of the order of assembly, an exploded view, a section through the transfer to the drum.
     """
-    loaded = api.load(design)
+    loaded = load(design)
     with progress() as note:
         click.echo(loaded.pictures(out, cache=not no_cache, progress=note))
     return 0
@@ -240,7 +240,7 @@ def prints(design: Path, every_made_part: bool, out: Path, no_cache: bool) -> in
 
     One file for each part, in millimetres, with its name, lying on its largest flat face.
     """
-    loaded = api.load(design)
+    loaded = load(design)
     with progress() as note:
         click.echo(loaded.prints(out, every_made_part=every_made_part, cache=not no_cache, progress=note))
     return 0
@@ -257,7 +257,7 @@ def drawings(design: Path, out: Path, part: str | None, no_cache: bool, jobs: in
 
     One sheet for each part, as DXF with real dimensions, as PDF and as SVG.
     """
-    loaded = api.load(design)
+    loaded = load(design)
     with progress() as note:
         click.echo(loaded.drawings(out, part=part, jobs=jobs, cache=not no_cache, progress=note))
     return 0

@@ -5,8 +5,12 @@ from __future__ import annotations
 import os
 import shutil
 import sys
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
+
+from mbcdm_cad import api
 
 
 def screen_width() -> int | None:
@@ -19,6 +23,39 @@ def screen_width() -> int | None:
 def coloured() -> bool:
     """Whether to use colours: on a terminal that has some, unless NO_COLOR is set (see no-color.org)."""
     return sys.stdout.isatty() and "NO_COLOR" not in os.environ and os.environ.get("TERM") != "dumb"
+
+
+@contextmanager
+def sign_of_life(what: str) -> Iterator[None]:
+    """A line on a terminal's standard error while ``what`` takes longer than two seconds; gone at the end."""
+    if not sys.stderr.isatty():
+        yield
+        return
+    shown = threading.Event()
+
+    def show() -> None:
+        shown.set()
+        print(f"{what} ...", end="\r", file=sys.stderr, flush=True)
+
+    timer = threading.Timer(_PATIENCE_S, show)
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
+        timer.join()
+        if shown.is_set():
+            print("\r\x1b[K", end="", file=sys.stderr, flush=True)
+
+
+_PATIENCE_S = 2.0
+
+
+def load(path: Path) -> api.DriveDesign:
+    """The design of a file, with a sign of life while its rules size it."""
+    with sign_of_life(f"{path}: sizing"):
+        return api.load(path)
 
 
 @contextmanager

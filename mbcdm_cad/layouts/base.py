@@ -77,13 +77,14 @@ class FrameStudy:
     """The computation of the frame's compliance and all that it depends on, so that its result can be cached.
 
     ``module`` is the one whose code computes it, ``inputs`` are plain data, complete for the cache key. ``walls`` are
-    the fields of the design file that make the frame stiffer.
+    the fields of
+    ``support`` that make the frame stiffer, with their values in mm.
     """
 
     module: str
     inputs: Any
     compliance: Callable[[], FrameCompliance]
-    walls: tuple[str, ...]
+    walls: Mapping[str, float]
 
 
 class PathFigures(Protocol):

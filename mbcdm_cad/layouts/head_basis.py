@@ -34,7 +34,14 @@ from mbcdm_cad.layouts.common_rules import (
     wanted_preload_N,
 )
 from mbcdm_cad.layouts.trial_sizing import TrialKnown
-from mbcdm_cad.model.duty.cycle import DEFAULT_PERIOD_S, Duty, default_duty, of_rows
+from mbcdm_cad.model.duty.cycle import (
+    DEFAULT_PEAK_SHARE,
+    DEFAULT_PERIOD_S,
+    DEFAULT_TORQUE_SHARE,
+    Duty,
+    default_duty,
+    of_rows,
+)
 from mbcdm_cad.model.duty.heat import RATED_AT_C, STANDSTILL_SHARE, motor_heat
 from mbcdm_cad.model.losses.friction import (
     GEARHEAD_IDLE_SHARE,
@@ -185,15 +192,17 @@ def lasting_share(given: KnownFields) -> float:
 def gearhead_share(given: KnownFields) -> float:
     """Torque over the peak torque that a gearhead must keep up: as stated, else the cubic mean of the duty.
 
-    Without a stated duty that of the assumed one; 0 for files that count no losses.
+    Without a stated duty that of the assumed one; 0 for files that count no losses. A payload's weight counts whole.
     """
-    if given.get("loads.continuous_torque_Nm") is not None or given.payload.weight_torque_Nm > 0.0:
-        return lasting_share(given)
-    if not counts_losses(given):
-        return 0.0
-    if not has_rows(given):
+    lasting = lasting_share(given)
+    if given.get("loads.continuous_torque_Nm") is not None or not counts_losses(given):
+        return lasting
+    if has_rows(given):
+        return greatest(lasting, number(duty_of(given).lasting_torque_Nm / given["loads.peak_torque_Nm"]))
+    if given.payload.weight_torque_Nm == 0.0:
         return default_duty(1.0, 1.0, RATED_AT_C).lasting_torque_Nm
-    return number(duty_of(given).lasting_torque_Nm / given["loads.peak_torque_Nm"])
+    carried = greatest(lasting, DEFAULT_TORQUE_SHARE)
+    return number(np.cbrt(DEFAULT_PEAK_SHARE + (1.0 - DEFAULT_PEAK_SHARE) * carried**3))
 
 
 def has_rows(given: KnownFields) -> bool:

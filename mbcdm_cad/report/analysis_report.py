@@ -21,7 +21,7 @@ from mbcdm_cad.report.paths import path_data_or_reason, path_lines
 from mbcdm_cad.report.preload import PreloadShares, preload_shares
 from mbcdm_cad.report.stages import stage_figures, stage_lines
 from mbcdm_cad.report.structure import StructureReport, structure_report
-from mbcdm_cad.report.table import ReportTable, filled
+from mbcdm_cad.report.table import ReportTable, filled, speed_shown
 
 if TYPE_CHECKING:
     import pandas
@@ -365,11 +365,6 @@ def mode_words(m: Modes) -> str:
         f"Torsional modes with {payload}: lowest {m.lowest_inputs_held_Hz:.4g} Hz with the inputs held, by the cables "
         f"alone {m.cables_alone_Hz:.4g}; {free} Hz against the free rotors; inertias of plain bodies"
     )
-
-
-def speed_shown(speed_deg_s: float) -> str:
-    """A speed of the drum, deg/s: whole degrees from 100 on, three digits below."""
-    return f"{speed_deg_s:.0f}" if speed_deg_s >= 100.0 else f"{speed_deg_s:.3g}"
 
 
 def curve_table(m: Mapping[str, Any]) -> ReportTable:

@@ -11,12 +11,15 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
 
+from mbcdm_cad.checks.duty import speed
 from mbcdm_cad.checks.result import CheckResult, failed, figures
 from mbcdm_cad.design.sized import LIGHTEST
 from mbcdm_cad.errors import MbcdmError, did_you_mean
+from mbcdm_cad.layouts.base import Layout, NoFigureError
 from mbcdm_cad.layouts.check_design import advised_checks
+from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.report.as_built_chances import Chance, chance_lines, chances_of
-from mbcdm_cad.report.table import ReportTable
+from mbcdm_cad.report.table import ReportTable, speed_shown
 
 if TYPE_CHECKING:
     import pandas
@@ -48,6 +51,8 @@ class CheckReport:
     chances: tuple[Chance, ...] = ()
     # Ratio, motor and gearhead of the lightest drive, by field; empty where the file states the ratio.
     chosen: Mapping[str, Any] = field(default_factory=dict)
+    # Speed of that drive where the file asks for none: the lightest is a slow one.
+    chosen_speed: str = ""
 
     @property
     def passed(self) -> bool:
@@ -104,7 +109,8 @@ class CheckReport:
         lines += _wrapped(self.advice, _INDENT, _INDENT, width)
         lines += [line for text in chance_lines(self.chances) for line in _wrapped(text, "", _INDENT, width)]
         told = ", ".join(f"{name} {value}" for name, value in self.chosen.items())
-        lines += _wrapped(f"chosen for the lightest drive: {told}" if told else "", "", _INDENT, width)
+        told = f"chosen for the lightest drive: {told}{self.chosen_speed}" if told else ""
+        lines += _wrapped(told, "", _INDENT, width)
         return "\n".join([*lines, *_wrapped(self._summary(), "", "", width)])
 
     def _summary(self) -> str:
@@ -149,7 +155,18 @@ def check_design(loaded: LoadedDesign) -> CheckReport:
     results, together = advised_checks(loaded)
     advice = together.words(loaded.path.name) if together else ""
     chances = chances_of(loaded.drive, loaded.design.as_built)
-    return CheckReport(loaded.drive.name, loaded.sha256, results, advice, chances, _chosen(loaded))
+    chosen = _chosen(loaded)
+    told = _speed(loaded.drive.layout) if chosen and loaded.drive.loads.speed_deg_s is None else ""
+    return CheckReport(loaded.drive.name, loaded.sha256, results, advice, chances, chosen, told)
+
+
+def _speed(layout: Layout) -> str:
+    """Speed of the drum under load as words, with the field that asks for another; empty without a figure."""
+    try:
+        found = speed(layout)
+    except (NoFigureError, ModelError):
+        return ""
+    return f"; {found.subject} {speed_shown(found.actual)} deg/s (loads.speed_deg_s asks for more)"
 
 
 def _chosen(loaded: LoadedDesign) -> dict[str, Any]:

@@ -9,11 +9,12 @@ import jinja2
 from mbcdm_cad.checks.comparison import shown
 from mbcdm_cad.design.describe import flow
 from mbcdm_cad.model.measured import papers_test
-from mbcdm_cad.report.analysis_report import motor_lines, speed_shown
+from mbcdm_cad.report.analysis_report import motor_lines
 from mbcdm_cad.report.duty import duty_shown
 from mbcdm_cad.report.life import life_shown
 from mbcdm_cad.report.losses import losses_shown
 from mbcdm_cad.report.preload import preload_shown
+from mbcdm_cad.report.table import speed_shown
 
 _AT_DRUM = "_at_drum"
 

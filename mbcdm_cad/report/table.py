@@ -110,3 +110,8 @@ def _is_number(cell: object) -> bool:
     except ValueError:
         return False
     return True
+
+
+def speed_shown(speed_deg_s: float) -> str:
+    """A speed of the drum, deg/s: whole degrees from 100 on, three digits below."""
+    return f"{speed_deg_s:.0f}" if speed_deg_s >= 100.0 else f"{speed_deg_s:.3g}"

@@ -87,10 +87,24 @@ def test_the_joint_slips_by_torque_and_force_and_opens_by_tilt() -> None:
 def test_weight_must_be_held_without_end() -> None:
     arm = Payload(mass_kg=2.0, distance_mm=120.0)
     s = carrying(arm)
-    assert continuous_torque(s).limit == pytest.approx(arm.weight_torque_Nm)
-    assert [r.id for r in results(s) if r.id in ("continuous_torque", "gearhead_continuous")] == ["continuous_torque"]
+    found = continuous_torque(s)
+    assert found.limit == pytest.approx(arm.weight_torque_Nm) and found.note == "the payload's weight beside the axis"
+    # The duty stays: a drive that carries something does no less all day than one that carries nothing.
+    asked = [r.id for r in results(s) if r.id in ("continuous_torque", "gearhead_continuous")]
+    assert sorted(asked) == ["continuous_torque", "gearhead_continuous"]
     assert s.drive.loads.lasting_Nm == pytest.approx(arm.weight_torque_Nm)
     assert carrying(None).drive.loads.lasting_Nm is None
+
+
+def test_a_light_payload_does_not_take_the_duty_from_the_gearhead() -> None:
+    """The gearhead is chosen for the stated duty whether the drive carries 0.1 kg or nothing."""
+    loads = (
+        "peak_torque_Nm: 25, duty: {rows: [{torque_Nm: 22.5, share: 0.8, range_deg: 60}, {torque_Nm: 1, share: 0.2}]}"
+    )
+    text = f"name: leg\nconfiguration: siso_spur\n{LEGS['siso_spur'].replace('8.0', '6.0')}loads: {{{loads}}}\n"
+    free = load_text(text).drive
+    light = load_text(text.replace("}]}}", "}]}, payload: {mass_kg: 0.1, distance_mm: 50}}")).drive
+    assert light.loads.payload is not None and light.gearhead == free.gearhead, f"{light.gearhead} {free.gearhead}"
 
 
 def test_weight_warms_motors_and_bends_cables_where_the_file_states_no_duty() -> None:

@@ -182,7 +182,8 @@ def test_a_limit_that_is_left_out_is_the_turn_of_the_cables() -> None:
     # The walls with the largest shares, the fields that thicken them, and the limit that nobody stated.
     assert s.frame_compliance is not None
     most = max(s.frame_compliance.shares_urad_Nm.items(), key=lambda share: share[1])[0]
-    for word in (f"({most} ", "support.bridge_mm", "limits.frame_windup_max_mrad, left out the cables' turn"):
+    bridge = f"support.bridge_mm ({s.drive.support.bridge_mm:g})"  # type: ignore[attr-defined]
+    for word in (f"({most} ", bridge, "limits.frame_windup_max_mrad, left out the cables' turn"):
         assert word in advice(s), advice(s)
 
 

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import sys
+from io import StringIO
 from pathlib import Path
+from time import sleep
 
 import pytest
 
 from mbcdm_cad import cli
-from mbcdm_cad.cli.screen import coloured
+from mbcdm_cad.cli import screen
+from mbcdm_cad.cli.screen import coloured, sign_of_life
 
 SHORT = Path(__file__).parents[3] / "params" / "mbcdm-short.yaml"
 
@@ -27,6 +30,31 @@ def test_a_terminal_without_colours_gets_none(monkeypatch: pytest.MonkeyPatch, t
     monkeypatch.delenv("NO_COLOR", raising=False)
     monkeypatch.setenv("TERM", term)
     assert coloured() is expected
+
+
+class Paper(StringIO, Terminal):  # type: ignore[misc]
+    """A terminal that keeps what it shows."""
+
+    isatty = Terminal.isatty
+
+
+def test_what_takes_long_says_so_on_a_terminal_and_nowhere_else(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The line comes after the patience, and goes with the answer; what is quick or piped shows nothing."""
+    monkeypatch.setattr(screen, "_PATIENCE_S", 0.0)
+    for stream, shows in ((Paper(), True), (StringIO(), False)):
+        monkeypatch.setattr(sys, "stderr", stream)
+        with sign_of_life("leg.yaml: sizing"):
+            for _ in range(1000):
+                if not shows or stream.getvalue():
+                    break
+                sleep(0.01)
+        assert ("leg.yaml: sizing ..." in stream.getvalue()) is shows
+        assert stream.getvalue().endswith("\x1b[K" if shows else "")
+    monkeypatch.setattr(screen, "_PATIENCE_S", 1000.0)
+    monkeypatch.setattr(sys, "stderr", quick := Paper())
+    with sign_of_life("leg.yaml: sizing"):
+        pass
+    assert quick.getvalue() == ""
 
 
 @pytest.mark.parametrize("field", [(), ("support.back_y_mm",)])

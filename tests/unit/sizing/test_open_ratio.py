@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from math import inf
 from pathlib import Path
 from typing import Any
@@ -79,6 +80,8 @@ def test_a_file_that_states_what_was_chosen_is_the_same_drive() -> None:
     assert stated.drive == found.drive
     told, motor = check_design(found).text(), found.drive.motor.name
     assert f"chosen for the lightest drive: transmission.input_to_drum {_ratio(found)}, drive.motor {motor}, " in told
+    # The lightest drive is a slow one, which a file that asks for no speed would not learn.
+    assert re.search(r"N m [0-9.]+ deg/s \(loads.speed_deg_s asks for more\)", told), told
     assert "chosen" not in check_design(stated).text()
 
 

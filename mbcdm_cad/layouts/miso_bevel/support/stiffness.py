@@ -131,9 +131,8 @@ def frame_study(layout: BevelLayout) -> FrameStudy:
     # Only the positions of the drum shaft's bearings, so that other changes of the shaft do not repeat the study.
     seats = (layout.drum_shaft.rear_bearing_y, layout.drum_shaft.front_bearing_y)
     inputs = (layout.frame, layout.top_plate, seats, drive.support, drive.bearings, cables)
-    return FrameStudy(
-        __name__, inputs, compliance, ("support.rib_mm", "support.back_plate_mm", "support.motor_shelf_mm")
-    )
+    walls = ("rib_mm", "back_plate_mm", "motor_shelf_mm")
+    return FrameStudy(__name__, inputs, compliance, {w: getattr(drive.support, w) for w in walls})
 
 
 def panels(layout: BevelLayout) -> list[Wall]:

@@ -170,4 +170,5 @@ def frame_study(layout: DirectLayout) -> FrameStudy:
     # Only the positions of the drum shaft's bearings, so that other changes of the shaft do not repeat the study.
     seats = (layout.drum_shaft.rear_bearing_y, layout.drum_shaft.front_bearing_y)
     inputs = (layout.frame, layout.head, seats, drive.support, drive.bearings, cables)
-    return FrameStudy(__name__, inputs, compliance, ("support.back_plate_mm", "support.rib_mm", "support.side_wall_mm"))
+    walls = ("back_plate_mm", "rib_mm", "side_wall_mm")
+    return FrameStudy(__name__, inputs, compliance, {w: getattr(drive.support, w) for w in walls})

@@ -286,4 +286,5 @@ def frame_study_of(module: str, layouts: Sequence[SpurLayout], compliance: Calla
         )
         for layout in layouts
     )
-    return FrameStudy(module, inputs, found, ("support.bridge_mm", "support.plate_mm", "support.side_wall_mm"))
+    walls = ("bridge_mm", "plate_mm", "encoder_shelf_mm", "side_wall_mm")
+    return FrameStudy(module, inputs, found, {w: getattr(layouts[0].drive.support, w) for w in walls})
