@@ -100,7 +100,7 @@ def close_loop(
 def trend(study: str | Path, design: DriveDesign | None = None) -> TrendReport:
     """How what differs from run to run changes from date to date, as ``mbcdm trend``: courses, odds, day at a limit.
 
-    ``study``: the study file with the dates of its runs; ``design``: in place of the one that it names. Raises
+    ``study``: the study file with the dates of its runs; ``design``: in place of the one that it names, if any. Raises
     ``InputError`` with all mistakes in the files, ``MbcdmError`` where dates, runs or figures that differ are missing.
     """
     from mbcdm_cad.api.designs import load
@@ -111,10 +111,12 @@ def trend(study: str | Path, design: DriveDesign | None = None) -> TrendReport:
     found = load_study(study)
     refuse_no_trend(found)
     if design is None:
-        if found.content.design is None:
-            raise found.problem((), "no design", remedy="add design: my_drive.yaml, its path from the study file")
-        design = load(found.path.parent / found.content.design)
-    return trends_of(found, judge(design.loaded, found.files, found.differs))
+        if found.content.design is not None:
+            design = load(found.path.parent / found.content.design)
+        elif any(file.content.ratio is None for file in found.files):
+            remedy = "add design: my_drive.yaml, its path from the study file, or ratio to each measurement file"
+            raise found.problem((), "no design", remedy=remedy)
+    return trends_of(found, judge(None if design is None else design.loaded, found.files, found.differs))
 
 
 def next_run(report: LoopReport) -> NextRun | None:

@@ -173,8 +173,9 @@ def loop(
 def trend(study: Path, picture: Path | None, json_path: Path | None) -> int:
     """Show how a drive changes from date to date.
 
-    STUDY (YAML) names the design, lists the runs with their dates, and says what differs from run to run. Prints each
-    figure with its course, the odds that it changed, and the day on which a limit of the design is reached.
+    STUDY (YAML) names the design (unless its runs state a ratio), lists the runs with their dates, and says what
+    differs from run to run. Prints each figure with its course, the odds that it changed, and the day on which a limit
+    of the design is reached.
     """
     for path in filter(None, (picture, json_path)):
         refuse_missing_folder(path)

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 # A run is explained if its held-out error is at most this many times the noise floor.
 NEAR_FLOOR = 1.25
+# What is not testable without a design, for which no next run is planned either.
+ONLY_RATIO = "only the ratio is known: pulleys, preload and ropes"
 # Odds below which an effect is not said to lower the error of unseen half sweeps.
 LEAST_ODDS = 20.0
 
@@ -339,7 +341,7 @@ class LoopResult:
         for name, value in named.parameters.items():
             word, (middle, low, high) = readable(name, [value.value, value.low, value.high])
             bounded = f"{middle} ({low.split(' ')[0]} to {high})"
-            figures.append(f"{word} {bounded if math.isfinite(value.high) else f'{low} or more'}")
+            figures.append(f"{word} {bounded if math.isfinite(value.high) else _unbounded(value, low)}")
         return f"{named.words} [{named.form}: {', '.join(figures)}]"
 
 
@@ -393,13 +395,18 @@ def _explained(e: Errors) -> str:
     return f"explained: {share_text(e.explained_share)} of what lies above the floor"
 
 
+def _unbounded(value: Value, low: str) -> str:
+    """A figure without an upper end; ``low`` is its lower end as text."""
+    return "of any size" if value.low <= 0.0 else f"{low} or more"
+
+
 def named_lines(named: Named) -> list[str]:
     """An effect with its figures, one on each line."""
     lines = [f"{named.words} ({named.form}): {named.physics}"]
     for name, value in named.parameters.items():
         word, (middle, low, high) = readable(name, [value.value, value.low, value.high])
         bounded = f"{middle} (95 %: {low} to {high})"
-        lines.append(f"  {word} {bounded if math.isfinite(value.high) else f'{low} or more'}")
+        lines.append(f"  {word} {bounded if math.isfinite(value.high) else _unbounded(value, low)}")
     for name, figure in named.physical.items():
         if name not in named.parameters:
             lines.append("  {} {}".format(*_one(name, figure)))

@@ -37,7 +37,9 @@ class StudyRun(Block):
 class StudyContent(Block):
     """Runs of one drive."""
 
-    design: Text | None = choice("design file, relative to the study file; for mbcdm trend", default=None)
+    design: Text | None = choice(
+        "design file, relative to the study file; for mbcdm trend, unless the runs state a ratio", default=None
+    )
     differs: tuple[Text, ...] = choice(
         "the same for every run", default=(), max_length=MOST_NAMES, example="[rope.preload_N]"
     )

@@ -46,6 +46,9 @@ COURSES: dict[str, Callable[[Floats], Floats]] = {
 }
 
 
+MENDED = "if it was put right between the runs, give those since then in a study of their own"
+
+
 @dataclass(frozen=True)
 class Limit:
     """The value at which a figure reaches a limit, and what says so."""
@@ -57,7 +60,8 @@ class Limit:
 @dataclass(frozen=True, eq=False)
 class Trend:
     """The course of one figure: ``values`` with 95 % intervals at ``dates``, its course in words, and the day at a
-    limit with the earliest and the latest day, 95 %; a day beyond the look ahead is None."""
+    limit with the earliest and the latest day, 95 %; a day beyond the look ahead is None. ``changed``: that the runs
+    certainly differ, in words."""
 
     name: str
     figure: str
@@ -72,10 +76,14 @@ class Trend:
     day: datetime.datetime | None = None
     earliest: datetime.datetime | None = None
     latest: datetime.datetime | None = None
+    changed: str = ""
 
     @property
     def sentence(self) -> str:
         """What it did, in one sentence."""
+        if self.changed and self.log_odds <= log(CLEAR_ODDS):
+            said = f"{self.name} {self.changed}, but on no course over the dates: {MENDED}"
+            return said + self._reached
         said = odds_words(self.log_odds, f"{self.name} changes {self.course}", f"{self.name} does not change with time")
         if self.slope_a_day is not None and self.log_odds > 0.0:
             word, (middle, low, high) = readable(self.figure, _three(self.slope_a_day))
@@ -220,7 +228,20 @@ def trend_of(one: Differing, dates: Sequence[datetime.datetime], study: Study, d
         found = [None if d is None else dates[0] + datetime.timedelta(days=d) for d in reached]
     names = tuple(run.run for run in one.runs)
     return Trend(
-        one.name, figure, tuple(dates), names, values, course.name, course.log_odds, slope, line, limit, *found
+        one.name,
+        figure,
+        tuple(dates),
+        names,
+        values,
+        course.name,
+        course.log_odds,
+        slope,
+        line,
+        limit,
+        day=found[0],
+        earliest=found[1],
+        latest=found[2],
+        changed=one.changed if one.log_odds > log(CLEAR_ODDS) else "",
     )
 
 

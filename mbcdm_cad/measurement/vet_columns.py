@@ -20,6 +20,8 @@ LEAST_AGREEMENT = 0.8
 LEAST_COUNTS = 90.0
 # Pairs of samples this share of the record apart give the slopes.
 LAGS = (0.005, 0.02, 0.08)
+# A lag at which the samples moved by less than this share of the most at any lag shows noise.
+LEAST_MOVED = 0.02
 # A load of this many times the load at which the cables go slack has a wrong unit.
 MOST_LOAD = 3.0
 # Limits of the drum's deflection over the least possible one; simulated runs of all effects have 1.3 to 3.
@@ -42,11 +44,12 @@ def robust_slope(x: Floats, y: Floats) -> tuple[float, float]:
 
     Lost motion and noise affect only pairs around a reversal. Returns (0, 0) if ``x`` does not change.
     """
-    slopes = []
-    for lag in LAGS:
-        step = max(1, int(lag * x.size))
+    slopes, steps = [], [max(1, int(lag * x.size)) for lag in LAGS]
+    moved = [float(np.abs(x[step:] - x[:-step]).max(initial=0.0)) for step in steps]
+    for step, most in zip(steps, moved, strict=True):
         dx, dy = x[step:] - x[:-step], y[step:] - y[:-step]
-        wide = np.abs(dx) > 0.5 * np.abs(dx).max(initial=0.0)
+        # After whole periods of the motion, as in a run of 100 of them, there is noise alone.
+        wide = np.abs(dx) > max(0.5 * most, LEAST_MOVED * max(moved))
         slopes.append(dy[wide] / dx[wide])
     slope = np.concatenate(slopes)
     if slope.size == 0:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 
 from mbcdm_cad.loop.readable import Value, size_of
-from mbcdm_cad.loop.result import LEAST_ODDS, LoopResult, Named, ways_apart
+from mbcdm_cad.loop.result import LEAST_ODDS, ONLY_RATIO, LoopResult, Named, ways_apart
 
 
 def finding(result: LoopResult) -> str:
@@ -60,7 +60,8 @@ def steps(result: LoopResult) -> list[str]:
     found = [_sentence(f"look at: {named.where_to_look}") for named in result.effects]
     for group in result.one_of:
         ways = ways_apart(group)
-        plan = "" if result.pictures else ", or let 'mbcdm loop --next' plan the run"
+        unplanned = result.pictures or ONLY_RATIO in result.not_testable
+        plan = "" if unplanned else ", or let 'mbcdm loop --next' plan the run"
         found.append(_sentence(f"to find out which it is: {ways}{plan}"))
     found += [_sentence(f"look at: {one.named.where_to_look}") for one in result.helpful]
     if result.unknown is not None:
@@ -83,6 +84,8 @@ def rounded(name: str, value: Value) -> str:
     """The size of a figure with its unit, rounded to the digits that its interval supports."""
     factor, unit = size_of(name, [value.value, value.low, value.high])
     if math.isinf(value.high):
+        if value.low <= 0.0:
+            return "a size that these runs leave open"
         return f"at least {value.low / factor:.2g} {unit}".strip()
     size, half = abs(value.value) / factor, 0.5 * abs(value.high - value.low) / factor
     return f"{_to_place(size, half)} {unit}".strip()

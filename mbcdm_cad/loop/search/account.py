@@ -10,7 +10,7 @@ from mbcdm_cad.loop.effect import Effect, Figure
 from mbcdm_cad.loop.prepare.lines import order_spectrum
 from mbcdm_cad.loop.prepare.prepared import Prepared, held_out
 from mbcdm_cad.loop.readable import Value
-from mbcdm_cad.loop.result import Errors, Named, Traces, ways_apart
+from mbcdm_cad.loop.result import ONLY_RATIO, Errors, Named, Traces, ways_apart
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.loop.search.unknown import Unknown
 from mbcdm_cad.model.si import DriveSI
@@ -93,7 +93,7 @@ def not_testable(d: DriveSI | None, runs: Sequence[Prepared]) -> tuple[str, ...]
     if any(p.load_Nm is None for p in runs):
         words.append("no torque column: stiffness, preload, friction of the cables, lash and winding history")
     if d is None:
-        words.append("only the ratio is known: pulleys, preload and ropes")
+        words.append(ONLY_RATIO)
     if all(p.few for p in runs):
         words.append("too few half sweeps: none can be held back to judge a fit on the others")
     if all(p.temperature_C is None for p in runs):

@@ -29,7 +29,7 @@ from mbcdm_cad.loop.search.account import (
 from mbcdm_cad.loop.search.exchange import Group
 from mbcdm_cad.loop.search.few import judged_by_hand
 from mbcdm_cad.loop.search.fit import Fit, Fitter
-from mbcdm_cad.loop.search.own import begun, differing, own_effects
+from mbcdm_cad.loop.search.own import begun, differing, in_best_forms, own_effects
 from mbcdm_cad.loop.search.response import ResponseLoop
 from mbcdm_cad.loop.search.scatter import Scatter, hangs_on
 from mbcdm_cad.loop.search.select import Search
@@ -99,10 +99,11 @@ class _Loop:
         self.prepared = tuple(part for part, _ in prepared)
         self.known, self.differs = tuple(known), tuple(differs)
         offered = [library(d, p) for p in self.prepared]
-        own = [
+        forms = [
             own_effects(names, one, p.run.source)
             for names, one, p in zip(self.differs or [()] * len(offered), offered, self.prepared, strict=True)
         ]
+        own = in_best_forms(d, ratio, self.prepared, forms)
         self.fitter = Fitter(d, ratio, self.prepared, self.known, own)
         cut = any(part is not whole for part, whole in prepared)
         self.whole = Fitter(d, ratio, [whole for _, whole in prepared], self.known, own) if cut else self.fitter

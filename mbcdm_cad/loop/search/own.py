@@ -9,8 +9,10 @@ import numpy as np
 from mbcdm_cad.errors import MbcdmError, did_you_mean
 from mbcdm_cad.loop.effect import Effect
 from mbcdm_cad.loop.own import Differing, OwnValue
+from mbcdm_cad.loop.prepare.prepared import Prepared
 from mbcdm_cad.loop.search.account import INTERVAL, interval
 from mbcdm_cad.loop.search.fit import Fit, Fitter
+from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
 
 # Fields of the design that an effect changes, by the effect's name and form.
@@ -25,8 +27,9 @@ LIKELY_SIZES = 5.0
 WINDOWS, ANY = (0.5, 2.0), 1e8
 
 
-def own_effects(names: Sequence[str], offered: Sequence[Effect], run: str) -> list[Effect]:
-    """The effects that ``names`` mean: fields of the design, or effects with their stage. Raises MbcdmError."""
+def own_effects(names: Sequence[str], offered: Sequence[Effect], run: str) -> list[list[Effect]]:
+    """The effects that ``names`` mean, each in its forms: fields of the design, or effects with their stage. Raises
+    MbcdmError."""
     found = []
     for name in names:
         key = FIELDS.get(name)
@@ -36,8 +39,37 @@ def own_effects(names: Sequence[str], offered: Sequence[Effect], run: str) -> li
             known = [*(f for f, key in FIELDS.items() if any((e.name, e.form) == key for e in offered))]
             known += sorted({_called(e) for e in offered if not e.once and e.base is None and e.order_index is None})
             raise MbcdmError(f"{run}: nothing called {name!r} can differ in this run; {did_you_mean(name, known)}")
-        found.append(same[0])
+        found.append(same)
     return found
+
+
+def in_best_forms(
+    d: DriveSI | None,
+    ratio: float,
+    runs: Sequence[Prepared],
+    forms: Sequence[Sequence[Sequence[Effect]]],
+) -> list[list[Effect]]:
+    """For each run its own effects: of a design in the first form, else in that which leaves least of the runs that
+    have it, each fitted alone."""
+    if d is not None:
+        return [[same[0] for same in one] for one in forms]
+
+    def left(run: Prepared, effect: Effect) -> float:
+        alone = Fitter(d, ratio, [run], (), [[effect]])
+        return alone.fit(offsets=begun(alone)).square
+
+    best: dict[tuple[str, ...], str] = {}
+    for every in {tuple(e.label for e in same): same for one in forms for same in one if len(same) > 1}:
+        sums = dict.fromkeys(every, 0.0)
+        for run, one in zip(runs, forms, strict=True):
+            for same in (same for same in one if tuple(e.label for e in same) == every):
+                for effect in same:
+                    sums[effect.label] += left(run, effect)
+        best[every] = min(every, key=sums.__getitem__)
+    return [
+        [next(e for e in same if e.label == best.get(tuple(e.label for e in same), e.label)) for same in one]
+        for one in forms
+    ]
 
 
 def _called(effect: Effect) -> str:

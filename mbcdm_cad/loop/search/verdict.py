@@ -73,6 +73,7 @@ CANCELS, SURE = 3.0, 6.0
 AWAY, TIMES = 0.1, 24
 # A wave that a weight on an arm makes of a compliance.
 WAVE, SOFT, SERIES = ("once_per_rev", "drum"), ("stiffness_error", None), "compliance in series"
+OTHER_WEIGHT = "a run with another weight on the arm, or none, judged with this one: what is soft goes with the weight"
 # A size counts as possibly zero if it is zero with this probability.
 ZERO_CHANCE = 0.05
 
@@ -288,6 +289,7 @@ class Judge(ClassOfSensor):
         taken = [e.key[:2] for e in fit.effects] + [one.effects[-1].key[:2] for one in group.alike]
         if effect.key[:2] != WAVE or soft is None or SOFT in taken:
             return group
+        soft = replace(soft, separate_by=OTHER_WEIGHT)
         f, own = self.fitter, fit.columns_of(effect)
         load = np.concatenate([p.load_Nm[p.used] for p in f.runs if p.load_Nm is not None])
         size = float(np.hypot(*fit.values_of(effect)[:2])) / max(0.5 * float(np.ptp(load)), 1e-30)

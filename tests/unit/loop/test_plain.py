@@ -84,3 +84,8 @@ def test_the_finding_says_what_how_sure_and_what_to_do() -> None:
     assert finding(replace(result("unknown"), unknown=left)) == "Something unknown is left, 8 urad RMS."
     partly = replace(single, unknown=left, verdict="partly_explained")
     assert finding(partly).endswith("the design file says; something unknown is left, 8 urad RMS.")
+
+
+def test_a_size_without_bounds_is_not_told_as_at_least_nothing() -> None:
+    open_ = Value(1e-4, 0.0, np.inf)
+    assert rounded("compliance_rad_Nm", open_) == "a size that these runs leave open"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -115,6 +116,31 @@ def test_a_trend_has_table_picture_day_and_sentence(tmp_path: Path, capsys: pyte
     assert cli.run(["trend", str(path), "--json", str(tmp_path / "t.json")]) == 0
     printed = capsys.readouterr().out
     assert trend.sentence in printed and "r3.csv" in printed and (tmp_path / "t.json").exists(), printed
+
+
+def test_what_was_put_right_between_the_runs_has_changed_and_follows_no_course(tmp_path: Path) -> None:
+    """Of a drive of which only the ratio is known, too."""
+    path = study(tmp_path, (1e-3, 2.5e-3, 4e-3, 1e-3, 2.5e-3, 4e-3))
+    path.write_text(path.read_text().replace("design: design.yaml\n", ""))
+    (trend,) = mc.trend(path).trends
+    assert "changed between the runs, odds over 1e6 to 1, but on no course over the dates" in trend.sentence
+    assert "put right between the runs" in trend.sentence, trend.sentence
+
+
+def test_an_own_value_has_the_form_that_explains_its_runs() -> None:
+    """Friction behind what is soft winds up first: at once in its place it would be beside a play of all runs."""
+    halves, runs = (1e-3, 2e-3), []
+    for k, half in enumerate(halves):
+        held = np.zeros(T.size)
+        for i in range(1, T.size):
+            held[i] = min(max(held[i - 1], ANGLE[i] - half), ANGLE[i] + half)
+        noise = NOISE_RAD * np.random.default_rng(k).normal(size=T.size)
+        runs.append(replace(run(0.0, k), output_rad=held + noise, load_Nm=np.sin(ANGLE)))
+    result = close_loop(None, runs, [("friction",)] * 2)
+    (own,) = result.own
+    assert own.form == "what is soft winds up" and not result.effects, (own.form, result.sentence)
+    for half, one in zip(halves, own.runs, strict=True):
+        assert one.figures["half_width_rad"].value == pytest.approx(half, rel=0.05), own.lines()
 
 
 @pytest.mark.parametrize(

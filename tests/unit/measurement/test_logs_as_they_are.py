@@ -86,6 +86,15 @@ def test_an_input_that_counts_backwards_is_told_so_also_at_ratio_1(tmp_path: Pat
     assert "scale: -1" in note.remedy, note
 
 
+@pytest.mark.parametrize("cycles", [50, 100])
+def test_a_run_of_whole_periods_has_a_slope(tmp_path: Path, cycles: int) -> None:
+    """Pairs of samples that are whole periods apart show noise alone, and once hid the slope of 100 cycles."""
+    made = rows()
+    made[:, 2] = 0.4 * np.sin(2.0 * np.pi * cycles * np.arange(4000) / 4000) + 1e-3 * _random.standard_normal(4000)
+    made[:, 1] = 8.0 * made[:, 2] + 8e-3 * _random.standard_normal(4000)
+    assert refusals(vet(read(write(tmp_path, made)), None)) == []
+
+
 def test_a_table_with_one_channel_a_row_is_told_as_such(tmp_path: Path) -> None:
     lines = []
     for t, motor, joint in rows():
