@@ -119,12 +119,7 @@ class _Assembly:
         source = source_hash("mbcdm_cad.build.drawings", "mbcdm_cad.drawings.draw")
         with_libraries = versions() | {name: metadata.version(name) for name in _LIBRARIES}
         keys = {item.part: self.parts[item.part].key for item in self.posed.items}
-        return content_key(
-            "assembly drawing",
-            (self.posed.items, keys, *_stated(self.drive)),
-            source,
-            with_libraries,
-        )
+        return content_key("assembly drawing", (self.posed.items, keys, *_stated(self.drive)), source, with_libraries)
 
     def make(self) -> dict[str, bytes]:
         """The sheet's files by extension."""

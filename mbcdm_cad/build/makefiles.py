@@ -37,11 +37,7 @@ def drawn_part(
 
 
 def make_part_files(
-    name: str,
-    solid: Shape,
-    material: Material,
-    mesh_tolerance_mm: float | None,
-    on_step: OnStep = _nothing,
+    name: str, solid: Shape, material: Material, mesh_tolerance_mm: float | None, on_step: OnStep = _nothing
 ) -> PartFiles:
     """Validate, translate, mesh (where a tolerance is given) and measure one solid.
 

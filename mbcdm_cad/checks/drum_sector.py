@@ -92,12 +92,7 @@ def hub_length(s: SectorLayout) -> Comparison:
     over = "the shaft's diameter" if least < HUB_MOST_MM else f"{HUB_MOST_MM:g} mm"
     return worst(
         (
-            at_least(
-                f"hub's length over {over}",
-                d.hub_face_y - d.hub_start_y - least,
-                0.0,
-                "mm",
-            ),
+            at_least(f"hub's length over {over}", d.hub_face_y - d.hub_start_y - least, 0.0, "mm"),
             at_least(
                 f"hub beyond the web, over set screws{where} and walls",
                 beyond - 2 * behind - screw.thread_mm - 2 * s.drive.drum_material.min_wall_mm,

@@ -42,12 +42,7 @@ def stop_pocket_wall(s: SectorLayout) -> Comparison:
     """Wall between the corner of a stop's pocket and the surface of the land."""
     limit = s.drive.pulley_material.min_wall_mm
     return worst(
-        at_least(
-            f"wall outside the stop of {slot.cable_name}",
-            surface - slot.pocket_reach,
-            limit,
-            "mm",
-        )
+        at_least(f"wall outside the stop of {slot.cable_name}", surface - slot.pocket_reach, limit, "mm")
         for _, slot, surface in _slots(s)
     )
 

@@ -47,12 +47,7 @@ def pair_mismatch(s: Layout) -> Comparison:
     length = np.abs(pair_mismatch_m(si, poses)).max() * 1e3
     cable = s.drive.cables[k]
     what = f"over the travel {cable.name} changes by {shown(change[k])} N (pair mismatch {shown(length)} mm):"
-    return at_most(
-        what,
-        change[k] / cable.preload_N,
-        MISMATCH_SHARE,
-        "of T_pre",
-    )
+    return at_most(what, change[k] / cable.preload_N, MISMATCH_SHARE, "of T_pre")
 
 
 # Thinnest stub that is still turned between journals of this size (estimate).

@@ -133,11 +133,7 @@ def _rope_of(drive: Drive, sense: int, diameter_mm: float) -> str:
 
 
 def passing_value(
-    variable: DesignVariable,
-    sense: int,
-    design: Layout,
-    measure: Callable[[Layout], Comparison],
-    budget: Budget,
+    variable: DesignVariable, sense: int, design: Layout, measure: Callable[[Layout], Comparison], budget: Budget
 ) -> float | None:
     """The rounded value nearest to the present one, in the given direction, at which ``measure`` holds, or None."""
 

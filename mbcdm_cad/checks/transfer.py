@@ -41,10 +41,7 @@ def radii_rise(s: SectorLayout) -> Comparison:
     return worst(
         at_least(f"{body} radius of step {b.step} over step {a.step}", rise, EDGE_BREAK_MM, "mm")
         for a, b in zip(s.steps[:-1], s.steps[1:], strict=True)
-        for body, rise in (
-            (s.before_drum, b.land_y_mm - a.land_y_mm),
-            ("drum", b.drum_radius_mm - a.drum_radius_mm),
-        )
+        for body, rise in ((s.before_drum, b.land_y_mm - a.land_y_mm), ("drum", b.drum_radius_mm - a.drum_radius_mm))
     )
 
 

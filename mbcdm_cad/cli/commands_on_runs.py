@@ -125,10 +125,7 @@ def reproduce(design: Path | None) -> int:
 )
 @click.option("--report", type=FILE, metavar="FOLDER", help="Write a page with plots to this folder.")
 @click.option(
-    "--correction",
-    type=FILE,
-    metavar="FOLDER",
-    help="Write a correction table for the controller to this folder.",
+    "--correction", type=FILE, metavar="FOLDER", help="Write a correction table for the controller to this folder."
 )
 @click.option(
     "--next",
@@ -270,12 +267,7 @@ def simulate(design: Path, experiment: Path, out: Path) -> None:
 @click.argument("data", type=FILE)
 @click.argument("design", type=FILE, required=False)
 @RATIO
-@click.option(
-    "--out",
-    type=FILE,
-    metavar="FILE",
-    help="Measurement file; by default with the name of the data.",
-)
+@click.option("--out", type=FILE, metavar="FILE", help="Measurement file; by default with the name of the data.")
 def measurement_init(data: Path, design: Path | None, ratio: float | None, out: Path | None) -> int:
     """Draft the measurement file of a logger's CSV.
 

@@ -404,11 +404,7 @@ class Printing(PlainBlock):
     """Settings for parts of printed materials; other parts do not use them."""
 
     hole_allowance_mm: Number = quantity(
-        "added to the diameter of round holes in the 3MF files",
-        unit="mm",
-        default=0.2,
-        ge=0.0,
-        le=1.0,
+        "added to the diameter of round holes in the 3MF files", unit="mm", default=0.2, ge=0.0, le=1.0
     )
     nozzle_mm: Number = quantity(
         "width of a line of filament; no wall is thinner than two lines", unit="mm", default=0.4, ge=0.1, le=2.0
@@ -460,11 +456,7 @@ class Targets(PlainBlock):
         "cycles of the output, to and fro, that the cables must last", unit="-", default=None, gt=0.0, le=1e9
     )
     life_h: Number | None = quantity(
-        "hours of loads.duty that the cables must last, in place of life_cycles",
-        unit="h",
-        default=None,
-        gt=0.0,
-        le=1e6,
+        "hours of loads.duty that the cables must last, in place of life_cycles", unit="h", default=None, gt=0.0, le=1e6
     )
 
 

@@ -27,11 +27,7 @@ NodeAt = Callable[[FieldPath], Node | None]
 
 
 def schema_problems(
-    error: ValidationError,
-    tree: Tree,
-    file: str,
-    node_at: NodeAt,
-    wanted: Callable[[Any], bool] = lambda item: True,
+    error: ValidationError, tree: Tree, file: str, node_at: NodeAt, wanted: Callable[[Any], bool] = lambda item: True
 ) -> list[Problem]:
     """All findings by line, at most ``MAX_LISTED`` with the number of further ones.
 

@@ -102,10 +102,7 @@ def wrap_checks(body: str) -> tuple[Check, ...]:
 
 
 def tensioned(
-    layout: SectorLayout,
-    path: CablePath,
-    before_drum: tuple[tuple[float, float], ...],
-    spans_m: tuple[float, ...] = (),
+    layout: SectorLayout, path: CablePath, before_drum: tuple[tuple[float, float], ...], spans_m: tuple[float, ...] = ()
 ) -> TensionedCable:
     """A cable as its preload is set: from the nut its straight end, the drum, and the pieces ``before_drum``."""
     drive = layout.drive
@@ -119,11 +116,7 @@ def tensioned(
         length_m=path.length_mm * 1e-3,
         ends_m=(slot.stop_start - slot.stop_end + t.cable_end - t.swage_start) * 1e-3,
         lever_m=c.sense * c.drum_radius_mm * 1e-3,
-        pieces=(
-            (t.swage_start * 1e-3, 0.0),
-            (c.drum_radius_mm * t.anchor_rad * 1e-3, t.anchor_rad),
-            *before_drum,
-        ),
+        pieces=((t.swage_start * 1e-3, 0.0), (c.drum_radius_mm * t.anchor_rad * 1e-3, t.anchor_rad), *before_drum),
         spans_m=spans_m,
         travel_m=t.travel * 1e-3,
     )

@@ -141,11 +141,7 @@ def _aims(loads: Mapping[str, Any]) -> Iterator[_Aim]:
             lambda found: 1e6 / wanted,
         )
     if isinstance(share, int | float):
-        yield _Aim(
-            "loads.structure_share",
-            lambda found: found.at_payload,
-            lambda found: share * found.cables_urad_Nm,
-        )
+        yield _Aim("loads.structure_share", lambda found: found.at_payload, lambda found: share * found.cables_urad_Nm)
 
 
 def walls(*fields: str) -> tuple[Stiffener, ...]:

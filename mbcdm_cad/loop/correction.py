@@ -183,12 +183,7 @@ def _too_fast(fitter: Fitter, fit: Fit, k: int) -> bool:
 
 
 def _fitted(
-    grid: Floats,
-    load_grid: Floats,
-    at: Sequence[Floats],
-    errors: Floats,
-    run: NDArray[np.int64],
-    fitter: Fitter,
+    grid: Floats, load_grid: Floats, at: Sequence[Floats], errors: Floats, run: NDArray[np.int64], fitter: Fitter
 ) -> tuple[Floats, float]:
     """The table by least squares on the samples that are not held back, and the mean square that it leaves of them."""
     train = fitter.train

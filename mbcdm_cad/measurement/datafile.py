@@ -107,13 +107,7 @@ def read_table(
 
 
 def left_out(
-    path: Path,
-    broken: int,
-    of: int,
-    lines: Sequence[int],
-    fault: str,
-    remedy: str = "",
-    most: float = MOST_BROKEN,
+    path: Path, broken: int, of: int, lines: Sequence[int], fault: str, remedy: str = "", most: float = MOST_BROKEN
 ) -> None:
     """Raise InputError where so many rows are broken that the format is another one; ``most``: share of the rows."""
     if broken > most * of:

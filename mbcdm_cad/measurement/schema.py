@@ -157,22 +157,10 @@ class SensorFigures(Block):
     """
 
     input_resolution_rad: Number | None = figure(
-        "one step of the input encoders",
-        unit="rad",
-        source=SENSORS,
-        example=1.9175e-4,
-        default=None,
-        gt=0.0,
-        le=1.0,
+        "one step of the input encoders", unit="rad", source=SENSORS, example=1.9175e-4, default=None, gt=0.0, le=1.0
     )
     output_resolution_rad: Number | None = figure(
-        "one step of the output encoder",
-        unit="rad",
-        source=SENSORS,
-        example=1.3635e-6,
-        default=None,
-        gt=0.0,
-        le=1.0,
+        "one step of the output encoder", unit="rad", source=SENSORS, example=1.3635e-6, default=None, gt=0.0, le=1.0
     )
     input_noise_rad: Number | None = figure(
         "RMS noise of the input encoders in addition to their steps",
@@ -193,13 +181,7 @@ class SensorFigures(Block):
         le=1.0,
     )
     torque_noise_Nm: Number | None = figure(
-        "RMS noise of the torque sensor",
-        unit="N m",
-        source=SENSORS,
-        example=0.005,
-        default=None,
-        ge=0.0,
-        le=1e6,
+        "RMS noise of the torque sensor", unit="N m", source=SENSORS, example=0.005, default=None, ge=0.0, le=1e6
     )
     torque_class_share: Number | None = figure(
         "class of the torque sensor: largest error of its gain, and of its zero as a share of the largest load; within "

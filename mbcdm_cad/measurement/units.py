@@ -56,14 +56,7 @@ TORQUE = _scaled(
     ("lbf*ft", 0.45359237 * 0.3048 * _KGF),
 )
 # A force with its lever arm gives a torque.
-FORCE = _scaled(
-    ("N", 1.0),
-    ("mN", 1e-3),
-    ("kN", 1e3),
-    ("kgf", _KGF),
-    ("gf", 1e-3 * _KGF),
-    ("lbf", 0.45359237 * _KGF),
-)
+FORCE = _scaled(("N", 1.0), ("mN", 1e-3), ("kN", 1e3), ("kgf", _KGF), ("gf", 1e-3 * _KGF), ("lbf", 0.45359237 * _KGF))
 # A length at a radius gives an angle.
 LENGTH = _scaled(("mm", 1e-3), ("um µm", 1e-6), ("m", 1.0), ("in", 0.0254))
 # Temperatures stay in degC: the effects use only their differences.

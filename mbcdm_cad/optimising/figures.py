@@ -167,9 +167,7 @@ FIGURES: dict[str, DesignFigure] = {
         "turn of the structure over that of the cables", "-", lambda f: f.structure.structure.over_cables
     ),
     "torque_Nm": DesignFigure(
-        "peak torque in the weaker direction, losses as limits.losses says",
-        "N m",
-        lambda f: min(f.torques.counted_Nm),
+        "peak torque in the weaker direction, losses as limits.losses says", "N m", lambda f: min(f.torques.counted_Nm)
     ),
     "torque_lossless_Nm": DesignFigure(
         "peak torque in the weaker direction without losses", "N m", lambda f: min(f.torques.lossless_Nm)
@@ -201,11 +199,7 @@ FIGURES: dict[str, DesignFigure] = {
         "material in the made parts, no waste, no work", "EUR", lambda f: f.material_cost_EUR
     ),
     "cost_EUR": DesignFigure("material, and bought parts with an entry", "EUR", lambda f: f.cost_EUR),
-    "bend_ratio": DesignFigure(
-        "least D/d of all bends",
-        "-",
-        _bend_ratio,
-    ),
+    "bend_ratio": DesignFigure("least D/d of all bends", "-", _bend_ratio),
     "box_x_mm": DesignFigure("box along X, drum centred", "mm", lambda f: f.box_mm[0]),
     "box_z_mm": DesignFigure("box along Z, drum centred", "mm", lambda f: f.box_mm[1]),
     "box_y_mm": DesignFigure("box along Y, drum centred", "mm", lambda f: f.box_mm[2]),

@@ -45,7 +45,7 @@ class PublishedResult:
         """The result as text."""
         lines = [
             f"{self.source}: {len(self.figures)} published figures. A scalar cannot be tested on held-out data: the "
-            "causes below are possible, not confirmed.",
+            "causes below are possible, not confirmed."
         ]
         for figure in self.figures:
             lines += ["", *_lines(figure)]

@@ -103,8 +103,7 @@ class Spacer(MadePart):
         dims = self.dims
         low, high = dims.spacer_bottom_z, dims.spacer_top_z
         return turned(
-            [(dims.radius, low), (dims.collar_radius, low), (dims.collar_radius, high), (dims.radius, high)],
-            "spacer",
+            [(dims.radius, low), (dims.collar_radius, low), (dims.collar_radius, high), (dims.radius, high)], "spacer"
         )
 
     def volume_mm3(self) -> float:

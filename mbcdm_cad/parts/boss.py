@@ -109,9 +109,7 @@ def boss_bodies(d: BossDims) -> list[cq.Solid]:
     if not d.has_encoder:
         return [body]
     ears = block(
-        (-d.ear_reach, d.ear_reach),
-        (d.encoder_pocket_floor_y, d.ear_front_y),
-        (-d.ear_half_height, d.ear_half_height),
+        (-d.ear_reach, d.ear_reach), (d.encoder_pocket_floor_y, d.ear_front_y), (-d.ear_half_height, d.ear_half_height)
     )
     return [body, ears]
 

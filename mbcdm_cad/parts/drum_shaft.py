@@ -158,8 +158,5 @@ class DrumShaft(MadePart):
             ),
             tolerances=(ALONG_Y.square((r, dims.flange_radius), (dims.flange_end_y, dims.flange_start_y), 0.01, "D"),),
             fits=(FitLine(2 * r, fit, "bearings, encoder, hub"),),
-            notes=(
-                "Outside ground, Ra 0.4.",
-                "Flats for the hub's set screws at a right angle to each other.",
-            ),
+            notes=("Outside ground, Ra 0.4.", "Flats for the hub's set screws at a right angle to each other."),
         )

@@ -10,11 +10,7 @@ from collections.abc import Sequence
 from math import hypot, inf
 
 import numpy as np
-from OCP.BRepBuilderAPI import (
-    BRepBuilderAPI_MakeEdge,
-    BRepBuilderAPI_MakeWire,
-    BRepBuilderAPI_RightCorner,
-)
+from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge, BRepBuilderAPI_MakeWire, BRepBuilderAPI_RightCorner
 from OCP.BRepLib import BRepLib
 from OCP.BRepOffsetAPI import BRepOffsetAPI_MakePipeShell
 from OCP.GC import GC_MakeArcOfCircle

@@ -66,10 +66,7 @@ def chance_lines(chances: Sequence[Chance]) -> Iterator[str]:
         return
     low, high = UNSURE
     unsure = [one for one in chances if low < one.probability < high]
-    passing, failing = (
-        sum(one.probability >= high for one in chances),
-        sum(one.probability <= low for one in chances),
-    )
+    passing, failing = (sum(one.probability >= high for one in chances), sum(one.probability <= low for one in chances))
     yield (
         f"as built, within what the loop knows: {passing} checks pass and {failing} fail with a probability over "
         f"{high:.1%}" + ("; of the others:" if unsure else "")

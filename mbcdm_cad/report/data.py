@@ -206,10 +206,7 @@ def report_data(
             "tolerance_mm": drive.targets.envelope_tolerance_mm,
             "swept_xyz_mm": _swept_box(boxes[1:]),
         },
-        "interference": {
-            "poses_deg": list(tested.poses_deg),
-            "clashes": [asdict(c) for c in tested.clashes],
-        },
+        "interference": {"poses_deg": list(tested.poses_deg), "clashes": [asdict(c) for c in tested.clashes]},
         "frame": _frame(tested.frame, layout) if tested.frame else None,
         "torque": {
             "peak_positive_Nm": figures.analysis.peak_torque_Nm[0],

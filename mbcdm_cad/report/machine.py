@@ -25,16 +25,7 @@ from mbcdm_cad.storage.cache import ENVIRONMENT_VARIABLE, cache_folder
 _IMPORT_TIMEOUT_S = 120.0
 _LIBGL_REMEDY = "Debian, Ubuntu: apt-get install libgl1"
 _FREECAD = ("freecadcmd", "FreeCADCmd", "freecad", "FreeCAD")
-_BROWSERS = (
-    "chromium",
-    "chromium-browser",
-    "google-chrome",
-    "chrome",
-    "firefox",
-    "microsoft-edge",
-    "xdg-open",
-    "open",
-)
+_BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome", "firefox", "microsoft-edge", "xdg-open", "open")
 
 
 @dataclass(frozen=True)

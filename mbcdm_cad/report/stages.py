@@ -56,13 +56,7 @@ def stage_figures(layout: Layout) -> tuple[StageFigures, ...]:
     lives = _life(first), _life(layout)
     known = [cycles for cycles, _ in lives if cycles is not None]
     one = StageFigures(
-        "first",
-        ratios[0],
-        first.drive.half_travel_deg,
-        first.drive.loads.peak_torque_Nm,
-        before,
-        lost[True],
-        *lives[0],
+        "first", ratios[0], first.drive.half_travel_deg, first.drive.loads.peak_torque_Nm, before, lost[True], *lives[0]
     )
     two = StageFigures(
         "second", abs(ratios[1]), drive.half_travel_deg, drive.loads.peak_torque_Nm, own, lost[False], *lives[1]

@@ -62,11 +62,7 @@ def run_files(
     if not measurement["sensors"]:
         del measurement["sensors"]
     truth = {"experiment": name, "effects": run.truth}
-    return {
-        f"{name}.csv": _csv(header, table),
-        f"{name}.yaml": _yaml(measurement),
-        f"{name}.truth.yaml": _yaml(truth),
-    }
+    return {f"{name}.csv": _csv(header, table), f"{name}.yaml": _yaml(measurement), f"{name}.truth.yaml": _yaml(truth)}
 
 
 def counted_parts(experiment: Experiment | DynamicExperiment) -> dict[str, Any]:

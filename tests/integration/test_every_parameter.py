@@ -78,12 +78,8 @@ COUPLED: dict[str, dict[Path, Any]] = {
     "gearheads turned": {("drive", "gearhead_angle_deg"): 1.0},
     "a modulus found on the built drive": {
         ("as_built",): [
-            {
-                "name": "stiffness_error",
-                "form": "modulus of the rope",
-                "values": [{"name": "share", "value": 0.01}],
-            }
-        ],
+            {"name": "stiffness_error", "form": "modulus of the rope", "values": [{"name": "share", "value": 0.01}]}
+        ]
     },
     "a cable's own preload": {("cables", 1, "preload_N"): 66.0},
     "a terminal's angle": {("cables", 1, "terminal_angle_deg"): 55.0},
@@ -95,7 +91,7 @@ COUPLED: dict[str, dict[Path, Any]] = {
         ("rope", "inline"): {**package_entries("ropes")["FF-081"], "breaking_load_N": 531.0},
     },
     "a catalogue entry of its own": {
-        ("catalogue",): {"motors": {MOTOR: {**package_entries("motors")[MOTOR], "mass_g": 19.0}}},
+        ("catalogue",): {"motors": {MOTOR: {**package_entries("motors")[MOTOR], "mass_g": 19.0}}}
     },
 }
 

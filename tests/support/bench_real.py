@@ -13,19 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from bench_cases import CASES, Case
 from bench_data import Simulated, drum_angle, stream
-from bench_effects import (
-    ALL,
-    Draw,
-    Effect,
-    both,
-    input_encoder,
-    nothing,
-    output_encoder,
-    pulley,
-    ripple,
-    shares,
-    size,
-)
+from bench_effects import ALL, Draw, Effect, both, input_encoder, nothing, output_encoder, pulley, ripple, shares, size
 from bench_geometry import Chain, chain_of
 from bench_motion import INPUT_STEP_RAD, OUTPUT_STEP_RAD, RATE_HZ, TORQUE_NOISE_NM, Bench, Plan, bench_run
 from scipy.interpolate import CubicSpline

@@ -112,10 +112,7 @@ REPORTED: dict[str, tuple[tuple[str, tuple[str, ...]], ...]] = {
     "latency": (("delay_s", ("delay_s",)),),
     "input_play": (("play_rad", ("play_rad",)),),
     "output_play": (("play_rad", ("play_rad",)),),
-    "division": (
-        ("cycles_per_output_rev", ("cycles_per_output_rev",)),
-        ("amplitude_rad", ("amplitude_rad",)),
-    ),
+    "division": (("cycles_per_output_rev", ("cycles_per_output_rev",)), ("amplitude_rad", ("amplitude_rad",))),
     "warming": (("turn_rad_K", ("turn_rad_K",)),),
     "mount_jump": (("step_rad", ("step_rad",)), ("at_s", ("at_s",))),
 }

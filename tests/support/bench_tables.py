@@ -16,13 +16,7 @@ AIMS: tuple[tuple[str, tuple[str, ...], tuple[str, ...], str, float], ...] = (
     ("single effect for which a set is acceptable, named exactly", ("fair",), ("exact",), ">=", 0.85),
     ("the same, named exactly or in a set", ("fair",), ("exact", "set"), ">=", 0.95),
     ("pair named exactly", ("pair",), ("exact",), ">=", 0.90),
-    (
-        "wrong name, all runs with effects of the library",
-        ("single", "fair", "alike", "pair"),
-        ("wrong",),
-        "<=",
-        0.02,
-    ),
+    ("wrong name, all runs with effects of the library", ("single", "fair", "alike", "pair"), ("wrong",), "<=", 0.02),
     ("cause outside the library for which an effect of the library is named", ("outside",), ("wrong",), "<=", 0.05),
 )
 

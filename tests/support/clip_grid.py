@@ -59,14 +59,7 @@ def simulate_on_grid(
             f"the wraps hold {start[0]:g} and {start[1]:g} rad; give longer wraps or a shorter travel"
         )
     cells = int((start + reserve + 0.5).max() / cell_rad) + 4
-    columns = (
-        d.free_span_m,
-        d.axial_stiffness_N,
-        d.preload_N,
-        d.drum_radius_m,
-        d.input_radius_m,
-        d.sigma,
-    )
+    columns = (d.free_span_m, d.axial_stiffness_N, d.preload_N, d.drum_radius_m, d.input_radius_m, d.sigma)
     table = np.ascontiguousarray(np.stack(np.broadcast_arrays(*columns), axis=1))
     last = np.arange(load.size)
     if winding:

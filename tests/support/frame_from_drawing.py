@@ -151,11 +151,7 @@ def frame(doc: Drawing, dims: list[ReadDimension]) -> cq.Shape:
     corners = {row[0]: float(row[1]) for row in table(doc, "Corners of the pockets")[1:]}
     beside = corners["beside the web"]
     tables = {along: f"Positions from A and the drum axis, along {along}" for along in "ZY"}
-    shelves = {
-        "bearing shelf": (shelf, shelf + s.shelf),
-        "motor shelf": (s.low, s.low + s.motor),
-        "top": (0.0, s.top),
-    }
+    shelves = {"bearing shelf": (shelf, shelf + s.shelf), "motor shelf": (s.low, s.low + s.motor), "top": (0.0, s.top)}
     faces = {"front": s.depth, "pocket floor": s.floor, "encoder pocket": s.encoder}
     upper_z = (shelf + s.shelf, s.top + 2 * s.corner + _OUT)
     tools = [

@@ -10,13 +10,7 @@ import re
 import cadquery as cq
 from ezdxf.document import Drawing
 
-from tests.support.drawing_reader import (
-    DoubledDimensionError,
-    MissingDimensionError,
-    ReadDimension,
-    note_number,
-    table,
-)
+from tests.support.drawing_reader import DoubledDimensionError, MissingDimensionError, ReadDimension, note_number, table
 from tests.support.milled_from_drawing import cylinder, one
 
 _OPEN = 300.0

@@ -94,9 +94,7 @@ def _support(b: _Builder) -> None:
     )
     b.add("frame", Frame(lay.frame), drilled=Frame(tapped), material=metal)
     b.add(
-        "top_plate",
-        TopPlate(lay.top_plate, head.head_diameter_mm / 2 + 0.1, head.head_height_mm + 0.2),
-        material=metal,
+        "top_plate", TopPlate(lay.top_plate, head.head_diameter_mm / 2 + 0.1, head.head_height_mm + 0.2), material=metal
     )
     steel = drive.axle_material
     b.add("guide_axle", Axle(lay.axle), material=steel)
@@ -190,12 +188,7 @@ def _stand(drive: BevelDrive) -> Placement:
 
 def _pulleys(b: _Builder) -> None:
     lay, drive = b.layout, b.drive
-    b.add(
-        "guide",
-        IdlerPulley(lay.guide),
-        material=drive.guide_material,
-        group="guide",
-    )
+    b.add("guide", IdlerPulley(lay.guide), material=drive.guide_material, group="guide")
     for p in lay.inputs:
         add_input_pulley(b, drive, p, lay.collar, drive.frame_material, _stand(drive))
 

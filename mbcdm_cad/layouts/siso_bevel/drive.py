@@ -91,10 +91,7 @@ class ColumnSupport(PlainBlock):
     rib_mm: Number = quantity("side walls of the column", unit="mm", source=CHOSEN, reference=5.0, ge=0.3, le=50.0)
 
     mount_screw: Literal["M3", "M4", "M5", "M6"] = choice(
-        "screws that hold the frame on its base",
-        source=ESTIMATE,
-        reference="M3",
-        default="M3",
+        "screws that hold the frame on its base", source=ESTIMATE, reference="M3", default="M3"
     )
 
     @property

@@ -281,8 +281,7 @@ def _pulley_step(drive: SpurDrive) -> AssemblyStep:
     into = "into the bearing." if drive.encoder.absent else "through the bearing into the encoder, and tighten the "
     into += "encoder's own clamp." * (not drive.encoder.absent)
     return AssemblyStep(
-        f"{hook}Push the input pulley{led} through the opening from behind, {into}",
-        (f"input_pulley_{name}", *stops),
+        f"{hook}Push the input pulley{led} through the opening from behind, {into}", (f"input_pulley_{name}", *stops)
     )
 
 

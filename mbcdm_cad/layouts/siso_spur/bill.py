@@ -182,10 +182,7 @@ def add_own_stage(b: BillBuilder, lay: SpurLayout, pulley: InputPulleyDims, turn
         return
     metal = drive.material("aluminium-7075" if dims.stage.is_belt else "steel")
     along, up = turn @ ALONG_Y, Placement.translation(0.0, 0.0, dims.bottom_z)
-    for part, spec, group in (
-        ("driven", dims.driven, f"input_{name}"),
-        ("driver", dims.driver, f"driver_{name}"),
-    ):
+    for part, spec, group in (("driven", dims.driven, f"input_{name}"), ("driver", dims.driver, f"driver_{name}")):
         b.add(
             f"stage_{part}_{name}",
             Wheel(spec),

@@ -212,10 +212,7 @@ def words(get: Get, own: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
         "drive": {**train, "encoder": NO_ENCODER, "drum_encoder": NO_ENCODER},
         "drum": {"material": get("drum.material"), "shaft_end_mm": SHELF_MM + COLLAR_MM},
         "support": {"material": get("support.material")},
-        "printing": {
-            "nozzle_mm": _or(get("printing.nozzle_mm"), 0.4),
-            "threads": _or(get("printing.threads"), "cut"),
-        },
+        "printing": {"nozzle_mm": _or(get("printing.nozzle_mm"), 0.4), "threads": _or(get("printing.threads"), "cut")},
         "catalogue": {kind: {name: _entry(entry) for name, entry in entries.items()} for kind, entries in own.items()},
     }
     for block, fields in given.items():

@@ -248,11 +248,7 @@ def _on_horn(drive: SpurDrive, servo: Servo, levels: PulleyLevels, plain: InputP
         bore_top_z=bottom + centre.head_height_mm + RECESS_MM,
         slit_width=0.0,
         slit_top_z=bottom,
-        horn=HornFlange(
-            screw.name,
-            screw.clearance_mm / 2,
-            screw_places(servo.horn_screws, servo.horn_circle_mm / 2),
-        ),
+        horn=HornFlange(screw.name, screw.clearance_mm / 2, screw_places(servo.horn_screws, servo.horn_circle_mm / 2)),
     )
 
 

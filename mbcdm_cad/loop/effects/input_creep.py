@@ -42,10 +42,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
             "the travel carries the part of the rope that sticks off the input, so that the cable creeps over it",
             "turns of the cable round the input, grease on them, preload",
             "the same load at a shorter travel, or with a turn more round the input: the drum stays where it is",
-            (
-                Parameter("strength", 0.2, 0.0),
-                Parameter("wrap_rad", 0.05, SHORTEST_RAD, 1.5 * wrap, role="place"),
-            ),
+            (Parameter("strength", 0.2, 0.0), Parameter("wrap_rad", 0.05, SHORTEST_RAD, 1.5 * wrap, role="place")),
             _apply,
             starts=lambda setup, residual: [[1.0, max(share * wrap, SHORTEST_RAD)] for share in STARTS],
             figures=(

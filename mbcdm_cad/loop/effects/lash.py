@@ -17,10 +17,7 @@ SEPARATE = "a constant bias torque keeps one side in contact: lash vanishes, fri
 # Range of torque at the drum in which the contact changes sides: a few times the sensor's noise.
 DRUM_CHANGE_NM = 0.01
 # An encoder before the play may have been set to zero with the pulley anywhere in it, so where its zero lies is fitted.
-INPUT_PLAY = (
-    Parameter("play_rad", 1e-4, 0.0),
-    Parameter("zero_rad", 1e-4, -0.01, 0.01, role="place", default=0.0),
-)
+INPUT_PLAY = (Parameter("play_rad", 1e-4, 0.0), Parameter("zero_rad", 1e-4, -0.01, 0.01, role="place", default=0.0))
 
 
 def _output(setup: Setup, values: Floats, _: Simulator) -> Setup:

@@ -34,13 +34,9 @@ class _Sums:
         whole = self.running[:, -1]
         c, cc, rc = whole[:, None] - self.running[:, np.searchsorted(self.time_s, times)]
         n, one = float(self.time_s.size), np.ones_like(c)
-        gram = np.array(
-            [
-                [n * one, whole[0] * one, c],
-                [whole[0] * one, whole[1] * one, cc],
-                [c, cc, cc],
-            ]
-        ).transpose(2, 0, 1)
+        gram = np.array([[n * one, whole[0] * one, c], [whole[0] * one, whole[1] * one, cc], [c, cc, cc]]).transpose(
+            2, 0, 1
+        )
         side = np.stack([self.residual * one, whole[2] * one, rc], axis=1)
         solved = (np.linalg.pinv(gram, rcond=1e-10, hermitian=True) @ side[..., None])[..., 0]
         return float(times[int(np.argmax(np.sum(side * solved, axis=1)))])

@@ -135,11 +135,7 @@ class OrderVerdict:
 
 
 def line_of(
-    order: float,
-    angle_rad: Floats,
-    residual: Floats,
-    sweep: NDArray[np.int64],
-    most_order: float = MOST_ORDER,
+    order: float, angle_rad: Floats, residual: Floats, sweep: NDArray[np.int64], most_order: float = MOST_ORDER
 ) -> OrderVerdict:
     """Test one order (cycles a turn of the drum); arrays (n,), samples in use only.
 

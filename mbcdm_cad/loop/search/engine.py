@@ -17,15 +17,7 @@ from mbcdm_cad.loop.own import Differing
 from mbcdm_cad.loop.prepare.noise import doubt_of, runs_of
 from mbcdm_cad.loop.prepare.prepared import Prepared, prepare_all
 from mbcdm_cad.loop.result import Evidence, Helpful, LoopResult, Named
-from mbcdm_cad.loop.search.account import (
-    INTERVAL,
-    as_named,
-    chain_orders,
-    errors,
-    next_steps,
-    not_testable,
-    traces,
-)
+from mbcdm_cad.loop.search.account import INTERVAL, as_named, chain_orders, errors, next_steps, not_testable, traces
 from mbcdm_cad.loop.search.exchange import Group
 from mbcdm_cad.loop.search.few import judged_by_hand
 from mbcdm_cad.loop.search.fit import Fit, Fitter

@@ -62,10 +62,7 @@ def hangs_on(fitter: Fitter, r: Floats, at_rest: bool) -> str:
         "the order of the rows": of([np.arange(p.time_s.size, dtype=float) for p in runs]),
     }
     if at_rest:
-        variables = {
-            "the logarithm of time": of([since(p) for p in runs]),
-            "the time": of([p.time_s for p in runs]),
-        }
+        variables = {"the logarithm of time": of([since(p) for p in runs]), "the time": of([p.time_s for p in runs])}
         if all(p.temperature_C is not None for p in runs):
             variables["the temperature"] = of([p.temperature_C for p in runs if p.temperature_C is not None])
     elif all(p.load_Nm is not None for p in runs):

@@ -196,10 +196,6 @@ def _classed(strokes: Sequence[Stroke]) -> tuple[Stroke, ...]:
         key = ceil(s.range_deg / span * _CLASSES), ceil(s.torque_Nm / load * _CLASSES)
         classes.setdefault(key, []).append(s)
     return tuple(
-        Stroke(
-            max(s.range_deg for s in each),
-            max((s.torque_Nm for s in each), key=abs),
-            sum(s.per_h for s in each),
-        )
+        Stroke(max(s.range_deg for s in each), max((s.torque_Nm for s in each), key=abs), sum(s.per_h for s in each))
         for each in classes.values()
     )

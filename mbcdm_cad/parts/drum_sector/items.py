@@ -66,12 +66,7 @@ def add_output(
         for n, (x, z) in enumerate(d.payload_places, 1):
             place = stand @ Placement.translation(x, d.hub_face_y, z) @ _ALONG_Y
             b.insert(f"payload_insert_{n}", d.payload_insert, drive.material("brass"), place, "drum")
-    b.add(
-        "drum_shaft",
-        DrumShaft(shaft),
-        material=drive.shaft_material,
-        group="drum",
-    )
+    b.add("drum_shaft", DrumShaft(shaft), material=drive.shaft_material, group="drum")
     for n, deg in enumerate(SET_SCREW_ANGLES_DEG, 1):
         out = d.set_screw_radius + set_screw.length_mm
         place = Placement.translation(

@@ -178,10 +178,7 @@ def _end_view(d: InputPulleyDims, lower: bool) -> View:
     right: Vector = Y if lower else minus(Y)
     radius = d.lower_land_radius if lower else d.upper_land_radius
     z = d.land_bottom_z if lower else d.land_top_z
-    axes: list[tuple[Vector, Vector]] = [
-        ((-radius, 0.0, z), (radius, 0.0, z)),
-        ((0.0, -radius, z), (0.0, radius, z)),
-    ]
+    axes: list[tuple[Vector, Vector]] = [((-radius, 0.0, z), (radius, 0.0, z)), ((0.0, -radius, z), (0.0, radius, z))]
     for slot in d.slots:
         if (slot.face_z < slot.end_z) == lower:
             u, v = _directions(slot, radius)
@@ -196,10 +193,7 @@ def _end_view(d: InputPulleyDims, lower: bool) -> View:
 
 def _directions(slot: StopSlot, reach: float) -> tuple[tuple[float, float], tuple[float, float]]:
     a = slot.end_angle_rad
-    return (
-        (reach * cos(a), reach * sin(a)),
-        (-slot.away * reach * sin(a), slot.away * reach * cos(a)),
-    )
+    return ((reach * cos(a), reach * sin(a)), (-slot.away * reach * sin(a), slot.away * reach * cos(a)))
 
 
 def _tolerances(d: InputPulleyDims) -> tuple[GeometricTolerance, ...]:

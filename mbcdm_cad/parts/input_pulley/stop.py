@@ -122,10 +122,7 @@ def stop_pieces(start: Vector, radial: Vector, back: Vector, radius_mm: float, s
     centre = start - rho * radial
     bend_end = centre + rho * back
     chord_end = bend_end - radial * ((radius_mm - rho) - stop.stop_end_mm)
-    return [
-        Line(_t(chord_end), _t(bend_end)),
-        Arc(_t(centre), _t(radial), _t(back), rho, pi / 2, 0.0),
-    ]
+    return [Line(_t(chord_end), _t(bend_end)), Arc(_t(centre), _t(radial), _t(back), rho, pi / 2, 0.0)]
 
 
 def _t(v: Vector) -> Triple:

@@ -37,13 +37,7 @@ def _at(stand: Placement, x: float, y: float, z: float) -> Placement:
 
 def add_motor_head(b: BillBuilder, drive: HeadedDrive, head: HeadDims, stand: Placement, mark: str = "") -> None:
     """Add the head. ``mark`` in the names distinguishes its items from those of other heads."""
-    b.add(
-        f"motor_head{mark}",
-        MotorHead(head),
-        part="motor_head",
-        material=drive.frame_material,
-        place=stand,
-    )
+    b.add(f"motor_head{mark}", MotorHead(head), part="motor_head", material=drive.frame_material, place=stand)
 
 
 def add_flange_fixings(

@@ -98,11 +98,7 @@ def derived(report: Mapping[str, Any], bodies: Sequence[Mapping[str, Any]]) -> l
             f"{torsion['lowest_inputs_held_Hz']:.4g} Hz",
             "cables, structure, and the inertia of what turns",
         ),
-        (
-            "lowest mode by the cables alone",
-            f"{torsion['cables_alone_Hz']:.4g} Hz",
-            "all else rigid, no payload",
-        ),
+        ("lowest mode by the cables alone", f"{torsion['cables_alone_Hz']:.4g} Hz", "all else rigid, no payload"),
         (
             "modes, inputs free",
             ", ".join(f"{f:.4g}" for f in torsion["inputs_free_Hz"]) + " Hz",

@@ -50,11 +50,7 @@ def studies(drive: Drive) -> dict[str, Any]:
             panel.preload_N,
             [(f"{value:.4g}{unit}", line * 1e3) for value, line in zip(panel.value, panel.backlash_rad, strict=True)],
         )
-    return {
-        "charts": charts,
-        "elasticities": _rounded(elasticities(d, need)),
-        "tolerance_sources": _sources(stack),
-    }
+    return {"charts": charts, "elasticities": _rounded(elasticities(d, need)), "tolerance_sources": _sources(stack)}
 
 
 def charts_under_load(drives: Sequence[tuple[str, Drive]]) -> dict[str, Any]:

@@ -25,13 +25,7 @@ def load_row(rig: DynamicRig) -> Floats:
     """The load's constants, in the order of :mod:`mbcdm_cad.rig.dynamic.kernel`."""
     load = rig.load
     return np.array(
-        [
-            load.inertia_kg_m2,
-            load.static_ratio,
-            load.static_speed_rad_s,
-            load.unbalance_Nm,
-            load.unbalance_angle_rad,
-        ]
+        [load.inertia_kg_m2, load.static_ratio, load.static_speed_rad_s, load.unbalance_Nm, load.unbalance_angle_rad]
     )
 
 

@@ -59,11 +59,7 @@ def test_rounded_rectangle() -> None:
 
 
 def test_webs_leave_out_holes_on_one_axis_and_at_other_depths() -> None:
-    holes = [
-        ("a", 0.0, 0.0, 1.0, 0.0, 2.0),
-        ("b", 0.0, 0.0, 2.0, 0.0, 1.0),
-        ("c", 5.0, 0.0, 1.0, 1.5, 3.0),
-    ]
+    holes = [("a", 0.0, 0.0, 1.0, 0.0, 2.0), ("b", 0.0, 0.0, 2.0, 0.0, 1.0), ("c", 5.0, 0.0, 1.0, 1.5, 3.0)]
     assert web_between(holes) == [("a to c", 3.0)]
 
 

@@ -15,19 +15,7 @@ from mbcdm_cad.layouts.loader import load_text, new_design_text
 from mbcdm_cad.layouts.miso_bevel.checks import CHECKS
 from mbcdm_cad.report.check_report import CheckReport
 
-FIELDS = {
-    "id",
-    "title",
-    "status",
-    "actual",
-    "limit",
-    "unit",
-    "margin",
-    "message",
-    "remedy",
-    "source",
-    "waived_reason",
-}
+FIELDS = {"id", "title", "status", "actual", "limit", "unit", "margin", "message", "remedy", "source", "waived_reason"}
 # Checks of requirements that the reference design does not state are left out.
 ASKED = sum(check.asked_of(load_text(new_design_text("sound")).drive) for check in CHECKS)
 LAST = f"0 fail, 0 waived, of {ASKED} checks"

@@ -131,12 +131,7 @@ def test_another_configuration_is_read_by_its_own_schema_and_rules(belt: DesignF
     [
         ("belt", "pitch_mm", 9.0, "belt.pitch_mm: out of bounds (value 9.0, limit 1 to 5 mm)"),
         ("travel", "half_angle_deg", 1.5, "belt.pitch_mm: too long (value 2, limit the travel); shorten it"),
-        (
-            "belt",
-            "pulley_material",
-            "stel",
-            "belt.pulley_material: not in the catalogue of materials (value 'stel')",
-        ),
+        ("belt", "pulley_material", "stel", "belt.pulley_material: not in the catalogue of materials (value 'stel')"),
         ("drive", "motor", "none", "drive.motor: not in the catalogue of motors"),
         ("travel", "guide", 1.0, "travel.guide: unknown field"),
     ],

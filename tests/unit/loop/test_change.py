@@ -58,9 +58,7 @@ def test_play_that_grows_during_the_run_is_told_from_play() -> None:
 
 
 @pytest.mark.parametrize(
-    "drift",
-    [0.0 * T, 3e-4 * (1.0 - np.exp(-T / 20.0)), 1e-4 * np.log1p(T / 0.5)],
-    ids=["nothing", "warming", "creep"],
+    "drift", [0.0 * T, 3e-4 * (1.0 - np.exp(-T / 20.0)), 1e-4 * np.log1p(T / 0.5)], ids=["nothing", "warming", "creep"]
 )
 def test_nothing_has_changed_in_a_run_that_only_drifts(drift: Floats) -> None:
     result = found(ANGLE + drift, 3)

@@ -11,15 +11,7 @@ from hypothesis import strategies as st
 
 from mbcdm_cad.design.bought import CableSpec
 from mbcdm_cad.design.catalogue import package_entries
-from mbcdm_cad.model.creep import (
-    DAY_S,
-    START_S,
-    YEAR_S,
-    creeps,
-    preload_left,
-    relaxation,
-    steady_rate_per_s,
-)
+from mbcdm_cad.model.creep import DAY_S, START_S, YEAR_S, creeps, preload_left, relaxation, steady_rate_per_s
 
 
 def rope(name: str = "uhmwpe-2", **changed: float) -> CableSpec:

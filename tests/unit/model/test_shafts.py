@@ -67,10 +67,7 @@ def test_a_couple_at_one_support_bends_the_span() -> None:
     couple, length, radius = 100.0, 30.0, 3.0
     reaction = couple / length
     # About y: a force along x at z adds z x F = (0, z Fx, 0).
-    acting = [
-        Acting(0.0, along_x(reaction), np.array([0.0, couple, 0.0])),
-        Acting(length, along_x(-reaction), NONE),
-    ]
+    acting = [Acting(0.0, along_x(reaction), np.array([0.0, couple, 0.0])), Acting(length, along_x(-reaction), NONE)]
     found = bending_urad_Nm(Z, acting, [Section(0.0, length, radius)], STEEL)
     table = couple**2 * length / (3.0 * STEEL_MPA * pi / 4.0 * radius**4) * URAD_NM
     table += reaction**2 * length / (STEEL.shear_MPa * ROUND * pi * radius**2) * URAD_NM

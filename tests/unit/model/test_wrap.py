@@ -15,12 +15,7 @@ from mbcdm_cad.model.backlash import drum_backlash
 from mbcdm_cad.model.equilibrium import solve_equilibrium, tension_of_stretch
 from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.si import ModelError
-from mbcdm_cad.model.wrap import (
-    excess_minus_log,
-    slack_stretch_m,
-    stretch_after_reversal,
-    stretch_first_loading,
-)
+from mbcdm_cad.model.wrap import excess_minus_log, slack_stretch_m, stretch_after_reversal, stretch_first_loading
 
 FINITE = {"input_wrap_rad": np.full(4, 9.0), "drum_wrap_rad": np.full(4, 0.43)}
 GUIDE = {"passed_wrap_rad": [np.radians([25.7, 207.5, 29.4, 211.3])]}

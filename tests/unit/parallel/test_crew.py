@@ -127,11 +127,7 @@ def test_a_cluster_gives_the_same(own: None) -> None:
 def test_a_worker_that_does_not_show_its_state_is_refused_and_a_late_one_does_the_work(
     own: None, caplog: pytest.LogCaptureFixture
 ) -> None:
-    with (
-        cluster_of(1) as many,
-        crew(square, scheduler=many.scheduler_address) as found,
-        ThreadPoolExecutor(1) as aside,
-    ):
+    with cluster_of(1) as many, crew(square, scheduler=many.scheduler_address) as found, ThreadPoolExecutor(1) as aside:
         waits = aside.submit(list, found.results(range(3)))
         end = time.monotonic() + PATIENCE_S
         while "waiting for one with" not in caplog.text and time.monotonic() < end:

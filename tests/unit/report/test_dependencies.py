@@ -102,11 +102,7 @@ def test_bytes_do_not_depend_on_the_process() -> None:
 
 
 @pytest.mark.parametrize(
-    ("design", "target", "words"),
-    [
-        (FULL, "why.png", "graphs are SVG files"),
-        (SHORT, "nowhere/why.svg", "nowhere"),
-    ],
+    ("design", "target", "words"), [(FULL, "why.png", "graphs are SVG files"), (SHORT, "nowhere/why.svg", "nowhere")]
 )
 def test_what_cannot_be_drawn_is_one_sentence(
     design: Path, target: str, words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -26,10 +26,7 @@ from tests.support.checked import results
 PARAMS = Path(__file__).parents[3] / "params"
 DESIGNS = ("mbcdm", "siso_spur", "miso_spur", "siso_bevel", "built-by-others/printed-capstan")
 # Names that mean another thing in each block, and which.
-OTHER_MEANING = {
-    "load_Nm": "each load case and curve has its own",
-    "temperature_C": "each row of a table has its own",
-}
+OTHER_MEANING = {"load_Nm": "each load case and curve has its own", "temperature_C": "each row of a table has its own"}
 
 
 def leaves(value: Any, name: str = "") -> Iterator[tuple[str, float]]:
@@ -125,10 +122,7 @@ def test_turns_swings_and_stiffness_are_the_same_everywhere(design: DriveDesign,
             outputs["analyse: structure"]["stiffness_at_payload_Nm_rad"],
             figure(facts, "stiffness_Nm_rad"),
         ],
-        "stiffness of the cables": [
-            turns.cables.sticking_stiffness_Nm_rad,
-            analysis["sticking_stiffness_Nm_rad"],
-        ],
+        "stiffness of the cables": [turns.cables.sticking_stiffness_Nm_rad, analysis["sticking_stiffness_Nm_rad"]],
         "structure at the drum's encoder": [
             turns.drum_encoder.structure_urad_Nm,
             outputs["report: structure"]["structure_at_drum_encoder_urad_Nm"],

@@ -68,10 +68,7 @@ def ramped(name: str, index: int, angle: Floats, built: Built, at_motor: bool = 
     parts, gear = friction_of(drive), gearhead_of(drive)
     cables = tuple(
         replace(
-            c,
-            preload_N=c.preload_N * f,
-            stiffness_N=c.stiffness_N * built.stiffness,
-            friction=c.friction * built.wraps,
+            c, preload_N=c.preload_N * f, stiffness_N=c.stiffness_N * built.stiffness, friction=c.friction * built.wraps
         )
         for c, f in zip(cables_of(drive), built.preload, strict=False)
     )

@@ -38,10 +38,7 @@ def masses(loaded: Any, parts: Any) -> dict[str, Any]:
 def folder(robot: Mechanism, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """urdf/ and mjcf/, written out."""
     out = tmp_path_factory.mktemp("robot")
-    for name, files in {
-        "urdf": robot_files(robot, "urdf"),
-        "mjcf": robot_files(robot, "mjcf"),
-    }.items():
+    for name, files in {"urdf": robot_files(robot, "urdf"), "mjcf": robot_files(robot, "mjcf")}.items():
         for path, content in files.items():
             (out / name / path).parent.mkdir(parents=True, exist_ok=True)
             (out / name / path).write_bytes(content)

@@ -33,8 +33,7 @@ def short(peak_Nm: float, inputs: int | None = None, **more: Any) -> dict[str, A
 
 
 @pytest.mark.parametrize(
-    ("peak_Nm", "inputs", "more"),
-    [(4.0, None, {}), (6.0, 3, {}), (6.0, 4, {"rope": {"type": "uhmwpe-1.5"}})],
+    ("peak_Nm", "inputs", "more"), [(4.0, None, {}), (6.0, 3, {}), (6.0, 4, {"rope": {"type": "uhmwpe-1.5"}})]
 )
 def test_a_short_file_passes_every_check(peak_Nm: float, inputs: int | None, more: dict[str, Any]) -> None:
     drive = load_text(yaml.safe_dump(short(peak_Nm, inputs, **more))).drive

@@ -222,13 +222,7 @@ def box_mm(s: BevelLayout) -> tuple[float, float, float]:
             points.append(outline)
             ys.append(high)
     cloud = np.concatenate(points)
-    widest = max(
-        v.side_outer_x,
-        f.ear_reach,
-        drive.drum_encoder.diameter_mm / 2,
-        pitch + body,
-        pitch + on_input,
-    )
+    widest = max(v.side_outer_x, f.ear_reach, drive.drum_encoder.diameter_mm / 2, pitch + body, pitch + on_input)
     outermost = s.steps[-1].drum_radius_mm + s.flank_mm
     encoder_half = drive.drum_encoder.diameter_mm / 2 * RING_ENCODER_FLATS
     left = min(float(cloud[:, 0].min()), -widest)
@@ -253,7 +247,4 @@ _Z: tuple[Adjustment, ...] = (
     up("support.top_plate_mm"),
 )
 _Y: tuple[Adjustment, ...] = (down("drum.hub_face_y_mm"), up("drum.hub_face_y_mm"), up("support.back_y_mm"))
-ENVELOPE = (
-    *box_checks(box_mm, _SOURCE, (_X, _Z, _Y)),
-    mass_check(bill),
-)
+ENVELOPE = (*box_checks(box_mm, _SOURCE, (_X, _Z, _Y)), mass_check(bill))

@@ -10,12 +10,7 @@ from mbcdm_cad.checks.cable_gaps import CABLE_GAP_MM
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, noted, worst
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.input_pulley import dead_turns_check
-from mbcdm_cad.layouts.miso_bevel.cable_path import (
-    BLEND_DIAMETERS,
-    fleet_angle_deg,
-    guide_landing_walk_mm,
-    winding,
-)
+from mbcdm_cad.layouts.miso_bevel.cable_path import BLEND_DIAMETERS, fleet_angle_deg, guide_landing_walk_mm, winding
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.pulleys import smallest_lead_mm
@@ -186,11 +181,7 @@ def _grooves(s: BevelLayout) -> str:
     return f"set input_pulleys.surface: grooved, which allows {limit:g} deg" if angle <= limit else ""
 
 
-_SHORTER_WALK = (
-    up("transmission.centre_distance_mm"),
-    down("rope.helix_lead_mm"),
-    down("travel.half_angle_deg"),
-)
+_SHORTER_WALK = (up("transmission.centre_distance_mm"), down("rope.helix_lead_mm"), down("travel.half_angle_deg"))
 CHECKS = (
     Check(
         "centre_distance",

@@ -11,11 +11,7 @@ from mbcdm_cad.layouts.miso_bevel.checks.support_walls import HOLE_WEB_MM
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.plate_screws import key_gap_mm, plate_screw_of
 from mbcdm_cad.layouts.miso_bevel.stack import band, outward_of
-from mbcdm_cad.layouts.miso_bevel.support.dims import (
-    AXLE_SCREW,
-    HEAD_ROOM_MM,
-    dowel_length_mm,
-)
+from mbcdm_cad.layouts.miso_bevel.support.dims import AXLE_SCREW, HEAD_ROOM_MM, dowel_length_mm
 from mbcdm_cad.parts.motor_head.dims import CouplingBox
 from mbcdm_cad.parts.volume import pocket_corner_mm
 
@@ -52,10 +48,7 @@ def engagement(s: BevelLayout) -> Comparison:
 def dowel_engagement(s: BevelLayout) -> Comparison:
     """Depth of the dowels in the frame: at least one diameter."""
     return at_least(
-        "dowel in the frame",
-        dowel_length_mm(s.drive) - s.drive.support.top_plate_mm,
-        2 * s.frame.dowel_radius,
-        "mm",
+        "dowel in the frame", dowel_length_mm(s.drive) - s.drive.support.top_plate_mm, 2 * s.frame.dowel_radius, "mm"
     )
 
 

@@ -48,14 +48,7 @@ def guide_gap(s: BevelLayout) -> list[StackUp]:
     ]
 
 
-_STACKS: tuple[Stacks, ...] = (
-    self_clearance,
-    _GUIDE.gap,
-    _GUIDE.bodies_clear,
-    _GUIDE.land_edge,
-    flank_gap,
-    guide_gap,
-)
+_STACKS: tuple[Stacks, ...] = (self_clearance, _GUIDE.gap, _GUIDE.bodies_clear, _GUIDE.land_edge, flank_gap, guide_gap)
 
 
 def stacks(s: BevelLayout) -> Iterator[StackUp]:

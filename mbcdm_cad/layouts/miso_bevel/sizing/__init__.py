@@ -51,18 +51,7 @@ BEFORE_FRAME: tuple[Rule, ...] = (
 )
 RATIO = "transmission.ratio"
 # Then frame and drum.
-FROM_FRAME: tuple[Rule, ...] = (
-    *FRAME,
-    *HUB,
-    *WEB,
-    *STOP_PIN,
-    *DRUM,
-    *SETBACK,
-    *BACK,
-    *TURN,
-    *HUB_FACE,
-    *WINDOWS,
-)
+FROM_FRAME: tuple[Rule, ...] = (*FRAME, *HUB, *WEB, *STOP_PIN, *DRUM, *SETBACK, *BACK, *TURN, *HUB_FACE, *WINDOWS)
 
 # Derived dimensions: fields that are neither a requirement nor a choice of part, screw, material or arrangement.
 DERIVED = tuple(

@@ -9,11 +9,7 @@ from functools import partial
 from math import asin, atan2, degrees, hypot, pi, sqrt
 
 from mbcdm_cad.checks.comparison import Comparison
-from mbcdm_cad.checks.drum_sector import (
-    HUB_DIAMETERS,
-    RIM_WALLS,
-    SPIGOT_MM,
-)
+from mbcdm_cad.checks.drum_sector import HUB_DIAMETERS, RIM_WALLS, SPIGOT_MM
 from mbcdm_cad.checks.drum_wraps import LEAST_WRAP_DEG, wrap_left
 from mbcdm_cad.checks.fixings import STRESS_SAFETY, at_stop_Nm, lasting_MPa, stop_pin
 from mbcdm_cad.checks.terminals import LUG_SAFETY, terminal_angles
@@ -304,10 +300,7 @@ def _sector(given: BevelKnown) -> Found:
         )
         / (0.25 * radii[0])
     )
-    needs = {
-        driver: max(staggered, single) + SECTOR_MARGIN_DEG,
-        "stop_slot": slot + stop,
-    }
+    needs = {driver: max(staggered, single) + SECTOR_MARGIN_DEG, "stop_slot": slot + stop}
     stated = [float(c["terminal_angle_deg"]) for c in given["cables"] if c.get("terminal_angle_deg") is not None]
     if stated:
         needs["terminal_angles"] = max(stated) + degrees(atan2(tip, radii[0])) + SECTOR_MARGIN_DEG

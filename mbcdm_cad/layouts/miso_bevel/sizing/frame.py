@@ -169,12 +169,7 @@ def _mount_screw(given: BevelKnown) -> Found:
 
 
 FRAME = (
-    Rule(
-        "support.mount_screw",
-        "the thinnest that holds the peak torque by friction",
-        "mounting_screws",
-        _mount_screw,
-    ),
+    Rule("support.mount_screw", "the thinnest that holds the peak torque by friction", "mounting_screws", _mount_screw),
     Rule(
         "support.motor_shelf_mm",
         "thickness that leaves enough engagement for the gearhead's screws and shaft",

@@ -9,13 +9,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from mbcdm_cad.design.bought import (
-    Gearhead,
-    InsertSpec,
-    Screw,
-    least_wall_mm,
-    shortest_insert,
-)
+from mbcdm_cad.design.bought import Gearhead, InsertSpec, Screw, least_wall_mm, shortest_insert
 from mbcdm_cad.design.lookup import Catalogue
 from mbcdm_cad.design.rules import every_broken_rule
 from mbcdm_cad.design.sized import SizingError

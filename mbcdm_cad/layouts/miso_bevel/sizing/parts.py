@@ -129,16 +129,10 @@ def _motor_margins(given: BevelKnown, motor: Entry, gearhead: Entry, geared: boo
         "continuous_torque": gearhead["rated_torque_mNm"] / needed - given.once(gearhead_share),
         "speed": speed_margin(given, motor, gearhead["ratio"], total, (lasting or 1.0) * asked),
         "duty": heat_margin(
-            given,
-            motor,
-            head,
-            HEAT_SPARE * needed,
-            HEAT_SPARE * given["loads.peak_torque_Nm"] * 1e3 / (2 * total),
+            given, motor, head, HEAT_SPARE * needed, HEAT_SPARE * given["loads.peak_torque_Nm"] * 1e3 / (2 * total)
         ),
         "backdrive": backdrive_margin(
-            given,
-            turns_back_Nm(motor, head, total, 2),
-            2 * total * given.once(_lost_at_input_Nm),
+            given, turns_back_Nm(motor, head, total, 2), 2 * total * given.once(_lost_at_input_Nm)
         ),
         # A motor wider than its gearhead has no room behind the shelf.
         "drives_apart": 1.0 - motor["diameter_mm"] / (gearhead["diameter_mm"] + 1.0),
@@ -304,9 +298,7 @@ def _payload_margins(given: BevelKnown, bearing: Entry, load_N: float) -> Margin
     apart, before = 2.0 * bearing["width_mm"] + SPRING_HEIGHT_MM, FACE_BORES * bore
     bent_Nmm = payload.across_N * before + payload.tilt_Nm * 1e3
     bears_MPa = given.entry("materials", "drum.shaft_material")["yield_MPa"] / STRESS_SAFETY
-    margins = {
-        "drum_bearings": bearing["static_rating_N"] / (load_N + payload.across_N + bent_Nmm / apart) - 1.0,
-    }
+    margins = {"drum_bearings": bearing["static_rating_N"] / (load_N + payload.across_N + bent_Nmm / apart) - 1.0}
     if payload != NO_PAYLOAD:
         # With half its diameter as its bore.
         margins["shaft_stress"] = bears_MPa * pi / 32.0 * bore**3 * (1.0 - 0.5**4) / (SHAFT_SPARE * bent_Nmm) - 1.0

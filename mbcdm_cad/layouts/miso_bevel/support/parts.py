@@ -107,9 +107,7 @@ def _body(d: FrameDims) -> cq.Solid:
     column = block((-d.boss_radius, d.boss_radius), (v.back_y, v.front_y), (0.0, v.shelf_bottom_z))
     boss = cylinder_y(d.boss_radius, 0.0, 0.0, d.encoder_pocket_floor_y, v.boss_front_y)
     ears = block(
-        (-d.ear_reach, d.ear_reach),
-        (d.encoder_pocket_floor_y, d.ear_front_y),
-        (-d.ear_half_height, d.ear_half_height),
+        (-d.ear_reach, d.ear_reach), (d.encoder_pocket_floor_y, d.ear_front_y), (-d.ear_half_height, d.ear_half_height)
     )
     return fuse([upper, column, boss, ears], "frame")
 

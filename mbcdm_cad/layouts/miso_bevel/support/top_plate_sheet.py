@@ -156,11 +156,7 @@ def boxed_plate_sheet(part: str, d: TopPlateDims, box: CouplingBox) -> Sheet:
             deep(back, " boxes"),
             deep(v.back_y, " front of boxes"),
             Radius(
-                "top",
-                (r - x, v.front_y - r, high),
-                (r - x - half * r, v.front_y - r + half * r, high),
-                r,
-                prefix="4x ",
+                "top", (r - x, v.front_y - r, high), (r - x - half * r, v.front_y - r + half * r, high), r, prefix="4x "
             ),
             Radius(
                 "top",
@@ -265,10 +261,7 @@ def top_plate_sheet(part: str, d: TopPlateDims, encoder_head_radius: float, enco
             level("section", (0.5 * max(d.input_x), 0.0, high), FACE_MM),
         ),
         cutting_lines=(CuttingLine("top", (-x - 4.0, 0.0, high), (x + 4.0, 0.0, high), "A", Y),),
-        tables=(
-            hole_table(holes),
-            position_table(holes, (0, 1), "Positions from the axis of hole A"),
-        ),
+        tables=(hole_table(holes), position_table(holes, (0, 1), "Positions from the axis of hole A")),
         holes=holes,
         fits=tuple(line for group in holes for line in group.fit_lines()),
         notes=("Bearing seats Ra 0.8, faces Ra 1.6.",),

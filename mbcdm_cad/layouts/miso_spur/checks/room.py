@@ -29,8 +29,4 @@ def box_mm(s: RoundDrumLayout) -> tuple[float, float, float]:
     return float(wide), float(high), front - min(v.motor_bottom_z, v.back_y)
 
 
-CHECKS = (
-    *ROOM,
-    *box_checks(box_mm, "targets.envelope_mm", BOX_ADJUSTMENTS),
-    mass_check(bill),
-)
+CHECKS = (*ROOM, *box_checks(box_mm, "targets.envelope_mm", BOX_ADJUSTMENTS), mass_check(bill))

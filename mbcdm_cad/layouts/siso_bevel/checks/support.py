@@ -16,14 +16,7 @@ from mbcdm_cad.parts.motor_head.dims import dowel_length_mm, flange_screw
 def walls(s: DirectLayout) -> Comparison:
     """The thinnest wall of frame and motor head, against the minimum of the material."""
     support, f = s.drive.support, s.frame
-    names = (
-        "back_plate_mm",
-        "side_wall_mm",
-        "motor_shelf_mm",
-        "bearing_shelf_mm",
-        "encoder_shelf_mm",
-        "rib_mm",
-    )
+    names = ("back_plate_mm", "side_wall_mm", "motor_shelf_mm", "bearing_shelf_mm", "encoder_shelf_mm", "rib_mm")
     limit = s.drive.frame_material.min_wall_mm
     found = [at_least(f"support.{name}", getattr(support, name), limit, "mm") for name in names]
     pin = (f.stop_shelf_top_z - f.stop_shelf_bottom_z) / 2 - f.stop_pin_radius

@@ -138,12 +138,7 @@ PRELOAD = (
     ),
 )
 TRANSFER = (
-    Rule(
-        "clearances.land_edge_mm",
-        "a broken edge and the run-out, or less for a thin rope",
-        "land_edge",
-        _land_edge,
-    ),
+    Rule("clearances.land_edge_mm", "a broken edge and the run-out, or less for a thin rope", "land_edge", _land_edge),
     TRANSFER_GAP,
     Rule(
         "transmission.drum_radii_mm",
@@ -185,12 +180,7 @@ FRAME = (
     ),
 )
 MOUNT = (
-    Rule(
-        "support.mount_screw",
-        "the thinnest that holds the peak torque by friction",
-        "mounting_screws",
-        _mount_screw,
-    ),
+    Rule("support.mount_screw", "the thinnest that holds the peak torque by friction", "mounting_screws", _mount_screw),
 )
 DRUM = (
     WINDOWS,

@@ -44,8 +44,7 @@ def spur_values(design: SpurBlocks, catalogue: Catalogue, sigmas: Mapping[FieldP
     order, step = [item.name for item in design.inputs], _STEP[design.transmission.cables]
     sides = [(cable.input, cable.drum_side) for cable in design.cables]
     places = sorted(
-        range(len(sides)),
-        key=lambda k: (order.index(sides[k][0]), sides[:k].count(sides[k]), step[sides[k][1]]),
+        range(len(sides)), key=lambda k: (order.index(sides[k][0]), sides[:k].count(sides[k]), step[sides[k][1]])
     )
     transmission, pulleys = design.transmission, design.input_pulleys
     radius = input_radius_mm(transmission)

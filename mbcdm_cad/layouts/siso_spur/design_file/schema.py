@@ -24,11 +24,7 @@ class SpurTransmission(Block):
     """Pitch radii (to the cable's centre line), centre distance, and how the cable is wound on the input."""
 
     drum_radius_mm: Length = quantity(
-        "drum pitch radius r_o",
-        unit="mm",
-        uncertain=True,
-        source="the mean of the paper's Table 2",
-        reference=59.4,
+        "drum pitch radius r_o", unit="mm", uncertain=True, source="the mean of the paper's Table 2", reference=59.4
     )
     input_to_drum: Number | None = quantity(
         "drum radius over input radius; leave it out if the input radius is explicit, or to have it chosen with the "

@@ -20,15 +20,7 @@ from mbcdm_cad.layouts.head_basis import LIMITS, METALS, ROPE_LIMITS, TRAIN
 from mbcdm_cad.layouts.head_parts import PARTS
 from mbcdm_cad.layouts.open_ratio import lightest
 from mbcdm_cad.layouts.siso_spur.drive import MOUNT_BOLTS
-from mbcdm_cad.layouts.siso_spur.sizing.basis import (
-    LAND_EDGE,
-    NAMES,
-    PRELOAD,
-    RADIUS,
-    RATIO,
-    ROPE,
-    WINDING,
-)
+from mbcdm_cad.layouts.siso_spur.sizing.basis import LAND_EDGE, NAMES, PRELOAD, RADIUS, RATIO, ROPE, WINDING
 from mbcdm_cad.layouts.siso_spur.sizing.dims import BACK, DISTANCE, DRUM, FRAME, IDLERS, MOUNT, WIDTH, idler_guesses
 from mbcdm_cad.layouts.siso_spur.sizing.first_stage import FIRST, with_room
 from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
@@ -102,11 +94,7 @@ def size(data: dict[str, Any], moved: Moved | None = None, similar: Sizing | Non
 
 
 def sized(
-    data: dict[str, Any],
-    known: type[SpurKnown],
-    names: Sequence[Rule],
-    moved: Moved | None,
-    similar: Sizing | None,
+    data: dict[str, Any], known: type[SpurKnown], names: Sequence[Rule], moved: Moved | None, similar: Sizing | None
 ) -> Sizing:
     """As :func:`size`, with the ``known`` of the configuration and its rules for the ``names`` of inputs and cables."""
     missing = list(_missing(SpurKnown(data, {})))

@@ -55,10 +55,7 @@ def _input_needs_mm(given: SpurKnown, d_mm: float, bend_ratio: float) -> dict[st
     if given.servo is not None:
         return {"bend_ratio": bend_ratio * d_mm / 2}
     shaft = JOURNAL_MM if given.has("stage.kind") else given.gearhead.shaft_diameter_mm
-    return {
-        "bend_ratio": bend_ratio * d_mm / 2,
-        "bearing_shoulders": shaft / 2 + NECK_MM + d_mm / 2,
-    }
+    return {"bend_ratio": bend_ratio * d_mm / 2, "bearing_shoulders": shaft / 2 + NECK_MM + d_mm / 2}
 
 
 def _drum_radius(given: SpurKnown) -> Found:

@@ -186,12 +186,7 @@ DISTANCE = (
     ),
 )
 MOUNT = (
-    Rule(
-        "support.mount_screw",
-        "the thinnest that holds the peak torque by friction",
-        "mounting_screws",
-        _mount_screw,
-    ),
+    Rule("support.mount_screw", "the thinnest that holds the peak torque by friction", "mounting_screws", _mount_screw),
 )
 DRUM = (
     WINDOWS,

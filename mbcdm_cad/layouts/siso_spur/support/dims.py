@@ -196,10 +196,7 @@ def yoke(drive: SpurDrive, levels: SpurStack, shaft: DrumShaftDims, head: Flange
     """Dimensions of the frame; ``head``: the flange of the motor head."""
     s, encoder, upper = drive.support, drive.encoder, drive.bearings.input_upper
     encoder_screw, screw = drive.screw(encoder.screw), flange_screw(drive)
-    round_boss = replace(
-        boss(drive, shaft, levels.back_y, levels.boss_front_y),
-        flange=boss_flange(drive),
-    )
+    round_boss = replace(boss(drive, shaft, levels.back_y, levels.boss_front_y), flange=boss_flange(drive))
     z = drive.centre_distance_mm
     circle, head_radius = encoder.bolt_circle_mm / 2, encoder_screw.head_diameter_mm / 2 + 0.1
     bridge = z + drive.input_radius_mm + drive.cable.diameter_mm / 2 + WINDING_ROOM_MM

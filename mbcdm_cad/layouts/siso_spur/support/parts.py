@@ -471,15 +471,9 @@ class Yoke(MadePart):
             cutting_lines=(
                 CuttingLine("rear", (0.0, y, -d.half_width - 2.0), (0.0, y, d.plate_top_z + 2.0), "A", minus(X)),
             ),
-            tolerances=(
-                one_axis("section", seats_mm(b), DRUM_AXIS),
-                *_input_axis(d),
-            ),
+            tolerances=(one_axis("section", seats_mm(b), DRUM_AXIS), *_input_axis(d)),
             holes=holes,
-            tables=(
-                hole_table(holes),
-                position_table(holes, (0, 2), "Positions from the drum's axis"),
-            ),
+            tables=(hole_table(holes), position_table(holes, (0, 2), "Positions from the drum's axis")),
             fits=(
                 FitLine(2 * b.seat_radius, FITS["drum_seat"].code, "drum bearing seats"),
                 *(line for group in holes for line in group.fit_lines()),

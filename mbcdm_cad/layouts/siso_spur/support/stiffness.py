@@ -218,11 +218,7 @@ def arms_compliance(arms: Sequence[Arm], share: float) -> FrameCompliance:
     f, v, screw = first.frame, first.levels, first.drive.screw(first.drive.support.mount_bolt)
     places = [(arm.way * x, arm.way * z) for arm in arms for x, z in f.mounts]
     held = Mounts(
-        places,
-        screw.head_diameter_mm / 2,
-        f.mount_radius,
-        v.front_y - v.plate_back_y,
-        (v.plate_back_y + v.front_y) / 2,
+        places, screw.head_diameter_mm / 2, f.mount_radius, v.front_y - v.plate_back_y, (v.plate_back_y + v.front_y) / 2
     )
     mesh = plate_mesh(walls(arms), held)
     material = first.drive.frame_material

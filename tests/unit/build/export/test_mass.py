@@ -37,13 +37,7 @@ CLOSED_FORMS = {
     "box": (cq.Solid.makeBox(2, 3, 5), 30.0, 62.0, (4 + 9) / 12, (9 + 25) / 12),
     "cylinder": (cq.Solid.makeCylinder(3, 8), 72 * PI, 66 * PI, 9 / 2, (27 + 64) / 12),
     "ball": (_ball(4), 256 * PI / 3, 64 * PI, 2 * 16 / 5, 2 * 16 / 5),
-    "torus": (
-        cq.Solid.makeTorus(20, 3),
-        2 * PI**2 * 20 * 9,
-        4 * PI**2 * 60,
-        400 + 3 * 9 / 4,
-        400 / 2 + 5 * 9 / 8,
-    ),
+    "torus": (cq.Solid.makeTorus(20, 3), 2 * PI**2 * 20 * 9, 4 * PI**2 * 60, 400 + 3 * 9 / 4, 400 / 2 + 5 * 9 / 8),
     "cone": (cq.Solid.makeCone(6, 0, 8), 96 * PI, 96 * PI, 3 * 36 / 10, 3 * 36 / 20 + 3 * 64 / 80),
 }
 

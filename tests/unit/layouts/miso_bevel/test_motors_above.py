@@ -198,11 +198,7 @@ REFUSED: dict[str, tuple[str, Any, str]] = {
         lambda d: with_support(d, back_y_mm=d.support.back_y_mm + 4.0),
         "encoder from back plate",
     ),
-    "boxes stand behind the base": (
-        "drives_apart",
-        lambda d: with_support(d, side_wall_mm=20.0),
-        "coupling boxes",
-    ),
+    "boxes stand behind the base": ("drives_apart", lambda d: with_support(d, side_wall_mm=20.0), "coupling boxes"),
     "boxes touch the axle": (
         "drives_apart",
         lambda d: with_support(d, side_wall_mm=38.0, back_y_mm=-60.0),

@@ -239,11 +239,7 @@ def test_an_idlers_bearings_drag_by_the_pull_of_both_spans() -> None:
 
 
 @pytest.mark.parametrize(
-    ("field", "value", "check"),
-    [
-        ("width_mm", 4.0, "idler_walk"),
-        ("radius_mm", 40.0, "idler_room"),
-    ],
+    ("field", "value", "check"), [("width_mm", 4.0, "idler_walk"), ("radius_mm", 40.0, "idler_room")]
 )
 def test_what_does_not_fit_fails_with_a_remedy(field: str, value: float, check: str) -> None:
     changed = replace(led(), idlers=replace(led().leading, **{field: value}))

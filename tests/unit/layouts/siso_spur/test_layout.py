@@ -50,9 +50,7 @@ def test_the_stop_pin_stands_outside_hub_and_boss(drive: SpurDrive, hub_mm: floa
     """Its slot leaves a web beside the hub, and the boss that stands out of the plate does not meet it."""
     bearing = replace(drive.bearings.drum, outer_diameter_mm=66.0)
     changed = replace(
-        drive,
-        drum=replace(drive.drum, hub_diameter_mm=hub_mm),
-        bearings=replace(drive.bearings, drum=bearing),
+        drive, drum=replace(drive.drum, hub_diameter_mm=hub_mm), bearings=replace(drive.bearings, drum=bearing)
     )
     dims = SpurLayout(changed)
     pin, slot = dims.frame.stop_pin_radius, dims.drum.stop_slot_width / 2

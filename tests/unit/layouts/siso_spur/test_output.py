@@ -76,12 +76,7 @@ def test_set_screws_stand_behind_holes_that_would_come_near_them(drum: str, behi
     r = screw.thread_mm / 2
     aside = r * np.cos(turn)
     set_screw = np.stack(
-        [
-            out * np.sin(a) + aside * np.cos(a),
-            d.set_screw_y + r * np.sin(turn),
-            out * np.cos(a) - aside * np.sin(a),
-        ],
-        -1,
+        [out * np.sin(a) + aside * np.cos(a), d.set_screw_y + r * np.sin(turn), out * np.cos(a) - aside * np.sin(a)], -1
     )
     wall = np.linalg.norm(hole.reshape(-1, 1, 3) - set_screw.reshape(1, -1, 3), axis=-1).min()
     assert wall >= layout.drive.drum_material.min_wall_mm - 1e-6, wall
