@@ -83,8 +83,15 @@ class FrameStudy:
 
     module: str
     inputs: Any
-    compliance: Callable[[], FrameCompliance]
+    compute: Callable[[], FrameCompliance]
     walls: Mapping[str, float]
+
+    def compliance(self) -> FrameCompliance:
+        """The compliance; infinite if the frame has no metal that carries the load."""
+        try:
+            return self.compute()
+        except (ValueError, ArithmeticError):
+            return FrameCompliance(float("inf"), {})
 
 
 class PathFigures(Protocol):

@@ -1,17 +1,22 @@
-"""The work of ``mbcdm simulate`` for both rigs: run the experiment, write its folder, print a summary."""
+"""The work of ``mbcdm simulate`` for both rigs: run the experiment, write its folder and picture, print a summary."""
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.rig.cables import routes_of
 from mbcdm_cad.rig.dynamic.experiment import DynamicExperiment
-from mbcdm_cad.rig.plot import run_picture, transmission_error_urad
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
 from mbcdm_cad.rig.quasistatic.simulate import simulate
 from mbcdm_cad.rig.result import SimulatedRun
 from mbcdm_cad.rig.writing import run_files, write_run
+from mbcdm_cad.routes import Floats
 
 
 def simulated(drive: Drive, experiment: Experiment | DynamicExperiment) -> SimulatedRun:
@@ -40,3 +45,34 @@ def simulate_command(drive: Drive, experiment: Experiment | DynamicExperiment, o
         f"tensions {run.tension_N.min():.2f} to {run.tension_N.max():.2f} N\n"
         f"beyond the declared model (in the truth file): {named}"
     )
+
+
+def transmission_error_urad(run: SimulatedRun, turns: list[float]) -> Floats:
+    """Mean of the inputs over their ratio minus the output, from the readings: Eq. (2) of the paper; (n,) in urad."""
+    ideal = np.mean([angle / turn for angle, turn in zip(run.measured_input_rad, turns, strict=True)], axis=0)
+    return np.asarray((ideal - run.measured_output_rad) * 1e6)
+
+
+def run_picture(run: SimulatedRun, title: str, turns: list[float]) -> bytes:
+    """The run as a PNG; no display needed, the same run gives the same bytes."""
+    figure = Figure(figsize=(10, 7), layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.subplots(2, 2)
+    error = transmission_error_urad(run, turns)
+    axes[0, 0].plot(run.time_s, run.drum_rad * 1e3, lw=0.8)
+    axes[0, 0].set(xlabel="time (s)", ylabel="drum angle (mrad)")
+    twin = axes[0, 0].twinx()
+    twin.plot(run.time_s, run.load_Nm, color="tab:red", lw=0.6)
+    twin.set_ylabel("load torque (N m)", color="tab:red")
+    axes[0, 1].plot(run.time_s, error, lw=0.5)
+    axes[0, 1].set(xlabel="time (s)", ylabel="transmission error (µrad)")
+    axes[1, 0].plot(run.drum_rad * 1e3, error, lw=0.5)
+    axes[1, 0].set(xlabel="drum angle (mrad)", ylabel="transmission error (µrad)")
+    for j, tension in enumerate(run.tension_N):
+        axes[1, 1].plot(run.time_s, tension, lw=0.7, label=f"cable {j + 1}")
+    axes[1, 1].set(xlabel="time (s)", ylabel="tension (N)")
+    axes[1, 1].legend(fontsize=8)
+    figure.suptitle(title)
+    target = io.BytesIO()
+    figure.savefig(target, format="png", dpi=100, metadata={"Software": None})
+    return target.getvalue()

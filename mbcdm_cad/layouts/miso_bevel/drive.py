@@ -11,7 +11,7 @@ from mbcdm_cad.design.bought import Bearing, Material
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.fields import ESTIMATE, EntryName, Number, PlainBlock, choice, quantity
 from mbcdm_cad.design.sector_blocks import TransferClearances, WoundPulleys
-from mbcdm_cad.parts.drum_sector.design import SectorDrive, SectorRun
+from mbcdm_cad.parts.drum_sector.design import SectorBearings, SectorDrive, SectorRun
 from mbcdm_cad.parts.mounting import MOUNT_SCREWS, MountScrew
 
 
@@ -28,14 +28,11 @@ class BevelRun(SectorRun):
         return self.guide_radius_mm
 
 
-@dataclass(frozen=True)
-class Bearings:
-    """The bearing chosen for each role."""
+@dataclass(frozen=True, kw_only=True)
+class BevelBearings(SectorBearings):
+    """The bearing chosen for each role, the guide's too."""
 
-    drum: Bearing
     guide: Bearing
-    input_lower: Bearing  # next to the gearhead
-    input_upper: Bearing  # next to the encoder
 
     def all(self) -> tuple[Bearing, ...]:
         """The four roles in the order drum, guide, input lower, input upper (types may repeat)."""
@@ -111,7 +108,7 @@ class BevelDrive(SectorDrive):
     motors_above: bool  # on the top plate, the encoders then under the bearing shelf
     guide_slips: bool  # the rope creeps on the guide's wraps
     radii_explicit: bool
-    bearings: Bearings
+    bearings: BevelBearings
     guide_material: Material
     axle_material: Material
     clearances: TransferClearances

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from mbcdm_cad.design.bought import Bearing
 from mbcdm_cad.design.fields import ESTIMATE, EntryName, Number, PlainBlock, choice, quantity
 from mbcdm_cad.design.sector_blocks import TransferClearances
 from mbcdm_cad.parts.drum_sector.design import SectorRun
@@ -24,19 +23,6 @@ class DirectRun(SectorRun):
     def land_y_mm(self) -> float:
         """y of the cable on the drum, mm: the transfer point is (0, r_m, r_o)."""
         return self.input_radius_mm
-
-
-@dataclass(frozen=True)
-class DirectBearings:
-    """The bearing chosen for each role."""
-
-    drum: Bearing
-    input_lower: Bearing  # next to the gearhead
-    input_upper: Bearing  # next to the encoder
-
-    def all(self) -> tuple[Bearing, ...]:
-        """The three roles in the order drum, gearhead's end, encoder's end (types may repeat)."""
-        return (self.drum, self.input_lower, self.input_upper)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -111,7 +97,6 @@ class DirectDrive(HeadedDrive):
     clearances: TransferClearances
     reserve_deg: float
     radii_explicit: bool
-    bearings: DirectBearings
     support: ColumnSupport
 
     @property

@@ -15,7 +15,7 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.fields import ESTIMATE, EntryName, Number, PlainBlock, choice, quantity
 from mbcdm_cad.design.sector_blocks import SectorDrum, WoundPulleys
 from mbcdm_cad.layouts.siso_spur.idlers import SENSE, Circle, IdlerBlock, IdlerPlace, Strand, flange_radius_mm, taut
-from mbcdm_cad.parts.drum_sector.design import SectorRun
+from mbcdm_cad.parts.drum_sector.design import SectorBearings, SectorRun
 from mbcdm_cad.parts.drum_sector.dims import WHOLE_DEG
 from mbcdm_cad.parts.input_pulley.dims import GROOVE_DEPTH, GROOVE_RADIUS
 from mbcdm_cad.parts.motor_head.dims import HeadedDrive
@@ -61,18 +61,11 @@ class SpurRun(SectorRun):
         return 1 if self.step == 2 else -1
 
 
-@dataclass(frozen=True)
-class SpurBearings:
-    """The bearing chosen for each role."""
+@dataclass(frozen=True, kw_only=True)
+class SpurBearings(SectorBearings):
+    """The bearing chosen for each role, that of idlers too."""
 
-    drum: Bearing
-    input_lower: Bearing  # next to the gearhead
-    input_upper: Bearing  # next to the encoder
     idler: Bearing | None = None  # in both ends of each idler
-
-    def all(self) -> tuple[Bearing, ...]:
-        """Bearings of the drum, of the input at the gearhead and at the encoder, in this order (types may repeat)."""
-        return (self.drum, self.input_lower, self.input_upper)
 
 
 @dataclass(frozen=True, kw_only=True)

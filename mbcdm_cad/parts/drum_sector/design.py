@@ -38,23 +38,17 @@ class SectorRun(CableRun):
         return -self.drum_side
 
 
-class SectorBearings(Protocol):
-    """The bearings that every drive with a drum sector has."""
+@dataclass(frozen=True, kw_only=True)
+class SectorBearings:
+    """The bearing chosen for each role that every drive with a drum sector has."""
 
-    @property
-    def drum(self) -> Bearing:
-        """Both bearings of the drum's shaft."""
-
-    @property
-    def input_lower(self) -> Bearing:
-        """Bearing of an input pulley, next to the gearhead."""
-
-    @property
-    def input_upper(self) -> Bearing:
-        """Bearing of an input pulley, next to its encoder."""
+    drum: Bearing
+    input_lower: Bearing  # next to the gearhead
+    input_upper: Bearing  # next to the encoder
 
     def all(self) -> tuple[Bearing, ...]:
-        """All roles; types may repeat."""
+        """Those of the drum, of an input at the gearhead and at the encoder, in this order (types may repeat)."""
+        return (self.drum, self.input_lower, self.input_upper)
 
 
 @dataclass(frozen=True)

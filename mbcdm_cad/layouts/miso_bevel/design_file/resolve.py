@@ -31,7 +31,7 @@ def drive(design: BevelDesign, catalogue: Catalogue, sigmas: Mapping[FieldPath, 
         motors_above=design.drive.motor_side == "above",
         guide_slips=guide.slip == "counted",
         radii_explicit=design.transmission.ratios is None,
-        bearings=d.Bearings(
+        bearings=d.BevelBearings(
             drum=catalogue.bearing(drum.bearing),
             guide=catalogue.bearing(guide.bearing),
             input_lower=catalogue.bearing(pulleys.lower_bearing),

@@ -5,7 +5,20 @@ from __future__ import annotations
 from mbcdm_cad.layouts.miso_bevel.support.dims import TopPlateDims
 from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.motor_head.dims import CouplingBox
-from mbcdm_cad.parts.sheets.description import CuttingLine, Holes, Linear, Radius, Sheet, Side, View, X, Y, Z, mm
+from mbcdm_cad.parts.sheets.description import (
+    CuttingLine,
+    Holes,
+    Linear,
+    Radius,
+    Sheet,
+    Side,
+    Vector,
+    View,
+    X,
+    Y,
+    Z,
+    mm,
+)
 from mbcdm_cad.parts.sheets.holes import THROUGH, hole_labels, hole_table, outside_bore, position_table
 from mbcdm_cad.parts.sheets.tolerances import (
     FACE_MM,
@@ -101,17 +114,35 @@ def _tolerances(d: TopPlateDims, seat: float, depth: float, shoulder: float) -> 
     return (level("section", first, SHOULDER_MM, tuple(rest)),)
 
 
+def _marks(holes: tuple[Holes, ...], z: float | None = None) -> tuple[tuple[Vector, Vector], ...]:
+    """Centre marks of all holes; at the height ``z``, or each at that of its hole."""
+    marks = []
+    for group in holes:
+        reach = group.reach + 0.8
+        for x, y, own in group.places:
+            at = own if z is None else z
+            marks += [((x - reach, y, at), (x + reach, y, at)), ((x, y - reach, at), (x, y + reach, at))]
+    return tuple(marks)
+
+
+def _outline(d: TopPlateDims) -> tuple[Linear, ...]:
+    """Width and depth of the plate, and where the axis of hole A is in it."""
+    v, high, x, r = d.levels, d.levels.top_plate_top_z, d.levels.side_outer_x, d.corner_radius
+    left, right = (-x, v.back_y + r, high), x - r
+    return (
+        Linear("top", left, (x, v.back_y + r, high), 2 * x, "below"),
+        Linear("top", left, (0.0, 0.0, high), x, "below"),
+        Linear("top", (right, v.back_y, high), (right, v.front_y, high), v.front_y - v.back_y, "right", decimals=3),
+        Linear("top", (0.0, 0.0, high), (right, v.front_y, high), v.front_y, "right", decimals=3),
+    )
+
+
 def boxed_plate_sheet(part: str, d: TopPlateDims, box: CouplingBox) -> Sheet:
     """From above, and a section through the inputs' axes with all heights from the lower face."""
     v, holes = d.levels, _boxed_holes(d, box)
     low, high, x, r = v.top_plate_bottom_z, v.top_plate_top_z, v.side_outer_x, d.corner_radius
     at, y, edge, half = max(d.input_x), d.input_y, box.corner_radius, 0.5**0.5
     inner_corner = pocket_corner_mm(box.corner_radius, 2 * box.inner_x, box.shelf_bottom_z - box.flange_top_z)
-    marks = []
-    for group in holes:
-        reach = group.reach + 0.8
-        for px, py, pz in group.places:
-            marks += [((px - reach, py, pz), (px + reach, py, pz)), ((px, py - reach, pz), (px, py + reach, pz))]
 
     def tall(top: float, start_x: float) -> Linear:
         return Linear("section", (-x, y, low), (start_x, y, top), top - low, "left", decimals=3)
@@ -141,7 +172,7 @@ def boxed_plate_sheet(part: str, d: TopPlateDims, box: CouplingBox) -> Sheet:
                 cut=(0.0, y, 0.0),
                 axes=tuple(((px, y, low), (px, y, box.top_z)) for px in d.input_x),
             ),
-            View("top", right=X, up=Y, hidden=True, axes=tuple(marks)),
+            View("top", right=X, up=Y, hidden=True, axes=_marks(holes)),
         ),
         dimensions=(
             tall(high, -x),
@@ -149,10 +180,7 @@ def boxed_plate_sheet(part: str, d: TopPlateDims, box: CouplingBox) -> Sheet:
             tall(box.top_z, -at - box.outer_x),
             wide(box.outer_x, box.top_z, "above", " box"),
             wide(box.inner_x, box.shelf_bottom_z, "above", " pocket"),
-            Linear("top", (-x, v.back_y + r, high), (x, v.back_y + r, high), 2 * x, "below"),
-            Linear("top", (-x, v.back_y + r, high), (0.0, 0.0, high), x, "below"),
-            Linear("top", (x - r, v.back_y, high), (x - r, v.front_y, high), v.front_y - v.back_y, "right", decimals=3),
-            Linear("top", (0.0, 0.0, high), (x - r, v.front_y, high), v.front_y, "right", decimals=3),
+            *_outline(d),
             deep(back, " boxes"),
             deep(v.back_y, " front of boxes"),
             Radius(
@@ -220,15 +248,7 @@ def top_plate_sheet(part: str, d: TopPlateDims, encoder_head_radius: float, enco
     v = d.levels
     low, high, x, r = v.top_plate_bottom_z, v.top_plate_top_z, v.side_outer_x, d.corner_radius
     holes = _holes(d, encoder_head_radius, encoder_head_depth)
-    marks = []
-    for group in holes:
-        reach = group.reach + 0.8
-        for px, py, _ in group.places:
-            marks += [
-                ((px - reach, py, high), (px + reach, py, high)),
-                ((px, py - reach, high), (px, py + reach, high)),
-            ]
-    top = View("top", right=X, up=Y, hidden=True, axes=tuple(marks))
+    top = View("top", right=X, up=Y, hidden=True, axes=_marks(holes, high))
     section = View(
         "section",
         right=X,
@@ -246,10 +266,7 @@ def top_plate_sheet(part: str, d: TopPlateDims, encoder_head_radius: float, enco
         views=(section, top),
         dimensions=(
             Linear("section", (x, 0.0, low), (x, 0.0, high), high - low, "right"),
-            Linear("top", (-x, v.back_y + r, high), (x, v.back_y + r, high), 2 * x, "below"),
-            Linear("top", (-x, v.back_y + r, high), (0.0, 0.0, high), x, "below"),
-            Linear("top", (x - r, v.back_y, high), (x - r, v.front_y, high), v.front_y - v.back_y, "right", decimals=3),
-            Linear("top", (0.0, 0.0, high), (x - r, v.front_y, high), v.front_y, "right", decimals=3),
+            *_outline(d),
             Radius(
                 "top", (r - x, v.front_y - r, high), (r - x - corner, v.front_y - r + corner, high), r, prefix="4x "
             ),

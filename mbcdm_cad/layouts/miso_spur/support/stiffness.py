@@ -30,5 +30,5 @@ def frame_compliance(layout: RoundDrumLayout) -> FrameCompliance:
 
 
 def frame_study(layout: RoundDrumLayout) -> FrameStudy:
-    """The compliance as a study for the cache; infinite if the frame has no metal that carries the load."""
+    """The compliance as a study for the cache."""
     return frame_study_of(__name__, layout.units, lambda: frame_compliance(layout))

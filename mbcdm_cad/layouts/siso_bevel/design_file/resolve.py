@@ -11,6 +11,7 @@ from mbcdm_cad.design.resolve import by_step, preload_N, shared_sigmas, shared_v
 from mbcdm_cad.design.rules import Broken, NamedEntry, counted, encoders_needed, in_line_only, on_one_side, unique
 from mbcdm_cad.layouts.siso_bevel import drive as d
 from mbcdm_cad.layouts.siso_bevel.design_file.schema import DirectDesign, DirectTransmission
+from mbcdm_cad.parts.drum_sector.design import SectorBearings
 from mbcdm_cad.parts.drum_sector.resolve import sector_entries, sector_values, terminal_angle_rad
 
 _SIGN = {"-x": -1, "+x": 1}
@@ -45,7 +46,7 @@ def drive(design: DirectDesign, catalogue: Catalogue, sigmas: Mapping[FieldPath,
         ),
         reserve_deg=design.transmission.reserve_deg,
         radii_explicit=design.transmission.input_to_drum is None,
-        bearings=d.DirectBearings(
+        bearings=SectorBearings(
             drum=catalogue.bearing(design.drum.bearing),
             input_lower=catalogue.bearing(design.input_pulleys.lower_bearing),
             input_upper=catalogue.bearing(design.input_pulleys.upper_bearing),

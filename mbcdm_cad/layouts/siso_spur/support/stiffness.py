@@ -255,19 +255,12 @@ def arms_compliance(arms: Sequence[Arm], share: float) -> FrameCompliance:
 
 
 def frame_study(layout: SpurLayout) -> FrameStudy:
-    """The compliance as a study for the cache; infinite if the frame has no metal that carries the load."""
+    """The compliance as a study for the cache."""
     return frame_study_of(__name__, [layout], lambda: frame_compliance(layout))
 
 
 def frame_study_of(module: str, layouts: Sequence[SpurLayout], compliance: Callable[[], FrameCompliance]) -> FrameStudy:
     """The study that ``module`` computes from the layouts of all inputs."""
-
-    def found() -> FrameCompliance:
-        try:
-            return compliance()
-        except (ValueError, ArithmeticError):
-            return FrameCompliance(float("inf"), {})
-
     # Of the drum's shaft only the positions of its bearings: other changes of it must not make the study run again.
     inputs = tuple(
         (
@@ -283,4 +276,4 @@ def frame_study_of(module: str, layouts: Sequence[SpurLayout], compliance: Calla
         for layout in layouts
     )
     walls = ("bridge_mm", "plate_mm", "encoder_shelf_mm", "side_wall_mm")
-    return FrameStudy(module, inputs, found, {w: getattr(layouts[0].drive.support, w) for w in walls})
+    return FrameStudy(module, inputs, compliance, {w: getattr(layouts[0].drive.support, w) for w in walls})
