@@ -12,8 +12,6 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from bench_study import judge
 
 SLOW = [
-    # Two plays do not repeat: they stand in the noise floor, and a soft rope explains the rest.
-    ("lash_left+lash_right", 3006, "exact"),
     # The pulley does not reach the far face of its play, so that the size of the play has no scatter.
     ("lash_left", 3003, "exact"),
     # 2000 samples a second: the search uses a part of the run, and the load that moves the pulley occurs only once.
