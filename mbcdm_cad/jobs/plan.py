@@ -9,7 +9,9 @@ from pathlib import Path
 from mbcdm_cad.build.store import Progress
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError, MbcdmError, Problem
+from mbcdm_cad.measurement.file import describes_runs, load_file
 from mbcdm_cad.measurement.reading import load_measurement
+from mbcdm_cad.measurement.vet import vetted_runs
 from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.planning.best_run import BestRun, best_run
 from mbcdm_cad.planning.candidates import run_of
@@ -20,11 +22,15 @@ from mbcdm_cad.rig.reading import read_bench, read_experiment
 
 
 def plan_run(drive: Drive, experiment: Path, pilot: Path | None) -> RunPlan:
-    """What the run of an experiment file could find; with the noise of a measured run ``pilot``, if one is given.
+    """What the run of an experiment file could find, or a measured run by its measurement file; with the noise of a
+    measured run ``pilot``, if one is given.
 
     Raises ``InputError`` for mistakes in the files, ``MbcdmError`` for a run that the model cannot follow.
     """
     with _followed(experiment):
+        if describes_runs(experiment):
+            (one,) = vetted_runs([load_file(experiment)], drive)
+            return plan_of(drive, one.run)
         measured = None if pilot is None else load_measurement(pilot)
         noise = None if measured is None else noise_from(drive, measured)
         # The load of the planned run is known as well as that of the pilot.

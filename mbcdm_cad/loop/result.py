@@ -196,8 +196,8 @@ class ReadingsPicture:
 
 @dataclass(frozen=True, eq=False)
 class BodePicture:
-    """A frequency response (n,) of output over inputs as a Bode plot: as measured, and as the declared model and the
-    model with what was found predict it."""
+    """A frequency response (n,) of output over inputs, or over a torque on it in rad/(N m), as a Bode plot: as
+    measured, and as the declared model and the model with what was found predict it."""
 
     source: str
     frequency_Hz: Floats
@@ -205,6 +205,7 @@ class BodePicture:
     coherence: Floats
     before: Complex
     after: Complex
+    over_torque: bool = False
 
 
 @dataclass(frozen=True)
@@ -230,8 +231,10 @@ class TorsionalMode:
             f"mode of {self.source}: {f.value:.4g} Hz ({f.low:.4g} to {f.high:.4g}), damping ratio "
             f"{100.0 * damping.value:.2g} % ({100.0 * damping.low:.2g} to {100.0 * damping.high:.2g} %)"
         )
-        if self.torque_Nm is None or self.declared_Hz is None or self.declared_damping is None:
+        if self.declared_Hz is None or self.declared_damping is None:
             return text
+        if self.torque_Nm is None:
+            return f"{text}; the design has {self.declared_Hz:.4g} Hz where nothing slips"
         return (
             f"{text}, at {self.torque_Nm:.2g} N m in the cables; the design has {self.declared_Hz:.4g} Hz there, and "
             f"{100.0 * self.declared_damping:.2g} % by the slip of its wraps"

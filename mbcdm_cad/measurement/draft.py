@@ -21,8 +21,32 @@ from mbcdm_cad.measurement.channels import Channel, read_channels
 from mbcdm_cad.measurement.datafile import clock_s, read_table
 from mbcdm_cad.measurement.logformat import Format, figure_of, find_format, title_lines
 from mbcdm_cad.measurement.reading import FULL_SENSE
-from mbcdm_cad.measurement.roles import COUNTS_SOLD, MET, TIME_WORDS, Expected, Guess, assign, stated_unit, ways
-from mbcdm_cad.measurement.units import ANGLE, COUNTS, FORCE, ISO_CLOCK, LENGTH, TEMPERATURE, TIME, TORQUE, Unit
+from mbcdm_cad.measurement.roles import (
+    COUNTS_SOLD,
+    MET,
+    TIME_WORDS,
+    Expected,
+    Guess,
+    assign,
+    response_columns,
+    stated_unit,
+    ways,
+)
+from mbcdm_cad.measurement.schema import FREQUENCY_RESPONSE
+from mbcdm_cad.measurement.units import (
+    ANGLE,
+    COUNTS,
+    DECIBEL,
+    FORCE,
+    FREQUENCY,
+    GIVE,
+    ISO_CLOCK,
+    LENGTH,
+    TEMPERATURE,
+    TIME,
+    TORQUE,
+    Unit,
+)
 from mbcdm_cad.measurement.vet_columns import robust_slope
 from mbcdm_cad.routes import Floats
 
@@ -64,6 +88,8 @@ class _Table:
 def draft_text(data: Path, expected: Expected) -> str:
     """The measurement file's text for ``data``. Raises InputError if the data are not a table or nothing turned."""
     table, columns = _columns(data)
+    if (found := response_columns(columns)) is not None:
+        return _response_text(data, table, columns, found, expected)
     for column in columns:
         _time_begun_again(column)
         _wrapped(column)
@@ -87,6 +113,43 @@ def draft_text(data: Path, expected: Expected) -> str:
         if role in by_role:
             _plain(by_role[role], units, unit)
     return _written(data, table, columns, expected)
+
+
+def _response_text(data: Path, table: _Table, columns: list[Guess], found: dict[str, Guess], expected: Expected) -> str:
+    """The measurement file of an analyser's table; what its gain is over by its size at the lowest frequencies."""
+    gain, phase = found["gain"], found["phase"]
+    dB = gain.unit == DECIBEL or "db" in str(gain.name).lower() or float(gain.values.min()) <= 0.0
+    deg = stated_unit(phase, ANGLE)[0] or ("deg" if float(np.ptp(phase.values)) > 2.0 * math.pi else "rad")
+    f_unit = stated_unit(found["frequency"], FREQUENCY)[0] or "Hz"
+    low = float(np.median(gain.values[np.argsort(found["frequency"].values)[:5]]))
+    low = 10.0 ** (low / 20.0) if dB else low
+    ratio, motors = expected.ratio, expected.ratio * (expected.gearhead_ratio or 1.0)
+    turns = min((ratio, 1.0, motors), key=lambda n: abs(math.log(low * n)))
+    over, why = "inputs", f"a gain of {low:.4g} at the lowest frequencies is one over {turns:.6g} turns"
+    if gain.unit in GIVE or abs(math.log(low * turns)) > math.log(1.5):
+        over, why = "torque", f"a gain of {low:.4g} at the lowest frequencies is no ratio of this drive"
+    units = {
+        "frequency": f_unit,
+        "gain": DECIBEL if dB else gain.unit if gain.unit in GIVE else "'-'" if over == "inputs" else "rad/(N*m)",
+        "phase": deg,
+        "coherence": "'%'" if "coherence" in found and float(found["coherence"].values.max()) > 1.5 else "'-'",
+    }
+    block = f"{{over: {over}" + (f", turns: {turns:.6g}" if over == "inputs" and turns != ratio else "") + "}"
+    level = "amplitude_Nm" if over == "torque" else "amplitude_rad"
+    lines = [
+        *_head(data, table, expected),
+        f"kind: {FREQUENCY_RESPONSE}    # guessed: a table of gain and phase over frequency",
+        "columns:",
+        *(f"  {key}: {{column: {_quoted(one.name)}, unit: {units[key]}}}    # guessed" for key, one in found.items()),
+        f"response: {block}    # guessed: {why}",
+        f"  # add {level}: the amplitude at which it was measured",
+    ]
+    if expected.travel_rad is not None:
+        lines += ["parts: {structure: true}    # output_at: payload, if its encoder is there"]
+        lines += ["# inertia_plate: {inertia_kg_m2: ...}, of what the output turned besides the design's payload"]
+    unused = [str(c.name) for c in columns if all(c is not one for one in found.values())]
+    lines += [f"# not used: {', '.join(unused)}"] if unused else []
+    return "\n".join([*lines, ""])
 
 
 def _columns(data: Path) -> tuple[_Table, list[Guess]]:
@@ -389,13 +452,20 @@ def _quoted(name: object) -> str:
     return str(name) if isinstance(name, int) else f'"{name}"'
 
 
-def _written(data: Path, table: _Table, columns: list[Guess], expected: Expected) -> str:
-    lines = [
+def _head(data: Path, table: _Table, expected: Expected) -> list[str]:
+    """The first lines of a measurement file."""
+    return [
         f"# Drafted from {data.name} and {expected.known_from}. Check every line marked 'guessed'.",
         f"data: {data.name}",
         *([f"ratio: {expected.ratio:g}"] if expected.travel_rad is None else []),
         *(["decimal: comma    # guessed"] if table.layout.decimal_comma else []),
         *([f"skip_rows: {table.skip_rows}    # guessed: what stands above the table"] if table.skip_rows else []),
+    ]
+
+
+def _written(data: Path, table: _Table, columns: list[Guess], expected: Expected) -> str:
+    lines = [
+        *_head(data, table, expected),
         *(["rows: own_times    # guessed: empty cells"] if table.own_times else []),
         *([f"channel_column: {_quoted(table.named_by)}    # guessed: few words"] if table.named_by is not None else []),
         *([] if any(c.role == "time" for c in columns) else [_NO_TIME]),

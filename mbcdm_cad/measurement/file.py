@@ -18,14 +18,29 @@ from mbcdm_cad.measurement.schema import (
     CURRENT,
     FREQUENCY_RESPONSE,
     MOTION,
+    TABLE,
     TURNING_POINTS,
     Column,
     Columns,
     Measurement,
+    ResponseBlock,
     is_column,
     node_at,
 )
-from mbcdm_cad.measurement.units import COUNTS, ENCODERS, FORCE, LENGTH, LOAD, kind_of, known_units, unit_of
+from mbcdm_cad.measurement.units import (
+    ANGLE,
+    COUNTS,
+    ENCODERS,
+    FORCE,
+    GIVE,
+    LENGTH,
+    LOAD,
+    RATIO,
+    TORQUE,
+    kind_of,
+    known_units,
+    unit_of,
+)
 
 _KIND = ("measurement file", "; docs/measurement-file.md shows how one is written")
 
@@ -141,6 +156,10 @@ def _broken_rules(file: MeasurementFile) -> list[Problem]:
     if content.columns is None:
         return problems
     asked = file.asked
+    if "frequency" in asked:
+        return [*problems, *_broken_table(file, asked), *_broken_columns(file, asked)]
+    if "output" not in asked:
+        problems.append(file.problem(("columns", "output"), "missing", remedy="give the column of the output's angle"))
     if content.load is not None and LOAD in asked:
         remedy = "keep one of the two: the measured torque, or what is known of the load"
         told = content.load if isinstance(content.load, str) else "pendulum"
@@ -154,6 +173,12 @@ def _broken_rules(file: MeasurementFile) -> list[Problem]:
         pass  # the inputs stand still
     elif "input" not in asked and (not named or named in (["input_left"], ["input_right"])):
         problems.append(file.problem(("columns",), "an input is missing", remedy=remedy))
+    return [*problems, *_broken_columns(file, asked)]
+
+
+def _broken_columns(file: MeasurementFile, asked: dict[str, Column]) -> list[Problem]:
+    """Problems with the fields of each column."""
+    content, problems = file.content, list[Problem]()
     for quantity, column in asked.items():
         where: FieldPath = ("columns", quantity)
         if column.side == "motor" and kind_of(quantity) != "input":
@@ -189,17 +214,61 @@ def _broken_rules(file: MeasurementFile) -> list[Problem]:
 
 
 def _of_another_kind(file: MeasurementFile) -> list[Problem]:
-    """Problems with fields that have no effect on a run of this kind."""
+    """Problems with fields that have no effect on a log of this kind."""
     content = file.content
-    if content.columns is None or content.kind == FREQUENCY_RESPONSE:
-        return []
-    fields: dict[FieldPath, object] = {
-        ("inertia_plate",): content.inertia_plate,
-        ("columns", "excitation"): content.columns.excitation,
+    given = [("columns", key) for key in ("excitation", *TABLE) if key in file.asked]
+    given += [(key,) for key in ("inertia_plate", "response") if getattr(content, key) is not None]
+    of_logs = [("inertia_plate",), ("columns", "excitation")] if content.kind == FREQUENCY_RESPONSE else []
+    remedies = {
+        True: "give columns.frequency of an analyser's table; else leave it out",
+        False: f"say kind: {FREQUENCY_RESPONSE} of a chirp, noise or an analyser's table; else leave it out",
     }
-    remedy = f"say kind: {FREQUENCY_RESPONSE} of a chirp, a multisine or noise; else leave it out"
-    what = f"has no effect on a run of kind {content.kind}"
-    return [file.problem(where, what, remedy=remedy) for where, given in fields.items() if given is not None]
+    remedy = remedies[content.kind == FREQUENCY_RESPONSE]
+    what = f"has no effect on a run of kind {content.kind}" + " that is a log" * (content.kind == FREQUENCY_RESPONSE)
+    return [file.problem(where, what, remedy=remedy) for where in given if where not in of_logs]
+
+
+def _broken_table(file: MeasurementFile, asked: dict[str, Column]) -> list[Problem]:
+    """Problems with an analyser's table: fields that a log has in place of it, and what its gain is over."""
+    content, problems = file.content, list[Problem]()
+    if content.kind != FREQUENCY_RESPONSE:
+        remedy = f"say kind: {FREQUENCY_RESPONSE}"
+        problems.append(
+            file.problem(("kind",), "a table over frequency is of another kind", content.kind, remedy=remedy)
+        )
+    for key in ("gain", "phase"):
+        if key not in asked:
+            remedy = f"give its column: a table of an analyser has frequency, {key} and more"
+            problems.append(file.problem(("columns", key), "missing", remedy=remedy))
+    other: list[FieldPath] = [("columns", key) for key in asked if key not in TABLE]
+    stated = content.model_fields_set & {"load", "motor", "sample_rate_Hz", "rows", "channel_column"}
+    remedy = "keep one of the two: a table over frequency, or a log over time"
+    for where in [*other, *((key,) for key in sorted(stated))]:
+        problems.append(file.problem(where, "given beside columns.frequency", remedy=remedy))
+    block = content.response or ResponseBlock.model_construct()
+    over_torque = block.over == "torque"
+    if over_torque and content.ratio is not None:
+        remedy = "give the design file: of a ratio alone nothing says what the torque turns"
+        problems.append(
+            file.problem(("response", "over"), "torque, of a drive whose ratio alone is known", remedy=remedy)
+        )
+    wrong = ("amplitude_rad", "turns") if over_torque else ("amplitude_Nm",)
+    problems += [
+        file.problem(("response", key), f"given beside over: {block.over}", remedy="leave it out, or correct over")
+        for key in wrong
+        if getattr(block, key) is not None
+    ]
+    kinds = {"gain": RATIO if over_torque else GIVE, "amplitude": ANGLE if over_torque else TORQUE}
+    for key, units in kinds.items():
+        if key in asked and asked[key].unit.strip() in units:
+            remedy = "correct it, or response.over: inputs or torque"
+            what = f"not of a gain over {block.over}"
+            problems.append(file.problem(("columns", key, "unit"), what, asked[key].unit, remedy=remedy))
+    given = [key for key in ("amplitude_rad", "amplitude_Nm") if getattr(block, key) is not None]
+    if given and "amplitude" in asked:
+        remedy = "keep one of the two"
+        problems.append(file.problem(("response", given[0]), "given beside columns.amplitude", remedy=remedy))
+    return problems
 
 
 def _broken_currents(file: MeasurementFile, asked: dict[str, Column]) -> list[Problem]:

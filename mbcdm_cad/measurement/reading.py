@@ -20,7 +20,8 @@ from mbcdm_cad.measurement.datafile import DECIMALS, MOST_BROKEN, DataTable, rea
 from mbcdm_cad.measurement.file import MeasurementFile, load_file
 from mbcdm_cad.measurement.known_load import pendulum_load_Nm
 from mbcdm_cad.measurement.logformat import Format, find_format, line_with
-from mbcdm_cad.measurement.run import KNOWN_LOAD, Run, Sensors, StatedMotors, TorqueClass
+from mbcdm_cad.measurement.response import FEWEST_AVERAGES
+from mbcdm_cad.measurement.run import KNOWN_LOAD, ResponseTable, Run, Sensors, StatedMotors, TorqueClass
 from mbcdm_cad.measurement.schema import (
     BY_HAND,
     CREEP,
@@ -29,9 +30,10 @@ from mbcdm_cad.measurement.schema import (
     NO_PLATE,
     TURNING_POINTS,
     Column,
+    ResponseBlock,
     SensorFigures,
 )
-from mbcdm_cad.measurement.units import ISO_CLOCK, Unit, unit_of
+from mbcdm_cad.measurement.units import DECIBEL, ISO_CLOCK, Unit, unit_of
 from mbcdm_cad.routes import Floats
 
 # Fewer samples than this cannot contain the sweeps that any statement needs.
@@ -58,6 +60,9 @@ def refuse_unusable(file: MeasurementFile, run: Run, table: DataTable, data: Pat
     Raises InputError, with the line of the data if the problem has one.
     """
     count = run.time_s.size
+    if run.table is not None:
+        _refuse_table(file, run.table, data)
+        return
     by_hand = run.kind in BY_HAND
     fewest = FEWEST_ROWS if by_hand else FEWEST_SAMPLES
     if count < fewest:
@@ -93,6 +98,29 @@ def refuse_unusable(file: MeasurementFile, run: Run, table: DataTable, data: Pat
         problems = _nothing_read(file, run)
     else:
         problems = _startup(run, table, data) or _far_off(file, run, table, data) or _not_moved(file, run)
+    if problems:
+        raise InputError(problems)
+
+
+def _refuse_table(file: MeasurementFile, table: ResponseTable, data: Path) -> None:
+    """Refuse an analyser's table with too few rows or impossible figures."""
+    count, problems = np.unique(table.frequency_Hz).size, list[Problem]()
+    if count < FEWEST_AVERAGES:
+        remedy = "measure at more frequencies, most of them around the first mode"
+        what = "too few rows of different frequencies"
+        problems.append(Problem(str(data), 1, "", what, str(count), f"{FEWEST_AVERAGES}", remedy))
+    if not np.all(np.isfinite(table.value)) or not np.all(np.abs(table.value) > 0.0):
+        remedy = "set unit: dB if the figures are decibels, and leave rows without a figure out"
+        problems.append(
+            file.problem(("columns", "gain"), "no gain: zero, below zero or out of all bounds", remedy=remedy)
+        )
+    if not np.all(table.frequency_Hz > 0.0):
+        problems.append(file.problem(("columns", "frequency"), "not above zero", remedy="leave that row out"))
+    if table.coherence is not None and not np.all((table.coherence >= 0.0) & (table.coherence <= 1.001)):
+        remedy = "set unit: '%' if the figures are percent, or leave it out"
+        problems.append(file.problem(("columns", "coherence"), "not between 0 and 1", remedy=remedy))
+    if table.amplitude is not None and not np.all(table.amplitude > 0.0):
+        problems.append(file.problem(("columns", "amplitude"), "not above zero", remedy="check column and unit"))
     if problems:
         raise InputError(problems)
 
@@ -419,6 +447,8 @@ def _in_si(file: MeasurementFile, asked: dict[str, Column], table: DataTable, so
         rows[quantity] = row
     names = tuple(name.removeprefix("input_") for name in rows if name.startswith("input"))
     inputs = table.values[1 : 1 + len(names)]
+    if "frequency" in rows:
+        inputs = np.zeros((0, rows["time"].size))
     if not names and file.content.ratio is not None:
         names, inputs = ("input",), np.zeros((1, rows["time"].size))
     currents = [rows[name] for name in rows if name.startswith(CURRENT)]
@@ -426,7 +456,7 @@ def _in_si(file: MeasurementFile, asked: dict[str, Column], table: DataTable, so
     given = file.content.sensors
     sensors = Sensors(
         given.input_resolution_rad or _step_of_counts(asked, [name for name in asked if name.startswith("input")]),
-        given.output_resolution_rad or _step_of_counts(asked, ["output"]),
+        given.output_resolution_rad or _step_of_counts(asked, [name for name in asked if name == "output"]),
         given.torque_noise_Nm,
         given.input_noise_rad,
         given.output_noise_rad,
@@ -435,7 +465,7 @@ def _in_si(file: MeasurementFile, asked: dict[str, Column], table: DataTable, so
     return Run(
         rows["time"],
         inputs,
-        rows["output"],
+        rows.get("output", np.zeros_like(rows["time"])),
         _load_Nm(file, rows),
         rows.get("temperature"),
         sensors,
@@ -452,7 +482,22 @@ def _in_si(file: MeasurementFile, asked: dict[str, Column], table: DataTable, so
         kind=file.content.kind,
         excitation=rows.get("excitation"),
         plate=file.content.inertia_plate or NO_PLATE,
+        table=_response_table(file, asked, rows) if "frequency" in rows else None,
     )
+
+
+def _response_table(file: MeasurementFile, asked: dict[str, Column], rows: dict[str, Floats]) -> ResponseTable:
+    """An analyser's table, by rising frequency."""
+    block = file.content.response or ResponseBlock.model_construct()
+    gain = rows["gain"]
+    if asked["gain"].unit.strip() == DECIBEL:
+        gain = 10.0 ** (np.clip(gain, -1e3, 1e3) / 20.0)
+    order = np.unique(rows["frequency"], return_index=True)[1]
+    value = (np.maximum(gain, 0.0) * np.exp(1j * rows["phase"]))[order]
+    stated = block.amplitude_Nm if block.over == "torque" else block.amplitude_rad
+    amplitude = rows.get("amplitude", None if stated is None else np.full(gain.size, stated))
+    coherence, amplitude = (None if row is None else row[order] for row in (rows.get("coherence"), amplitude))
+    return ResponseTable(rows["frequency"][order], value, block.over, block.turns, coherence, amplitude)
 
 
 def _unit(quantity: str, column: Column) -> Unit | None:

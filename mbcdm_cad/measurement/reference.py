@@ -104,7 +104,7 @@ def measurement_page() -> str:
     lines = [_INTRO, "## Top level", "", *_table(top, schema)]
     lines += ["## columns", "", "| quantity | needed | meaning |", "| --- | --- | --- |"]
     for key, node in columns["properties"].items():
-        yes = key in ("time", *columns["required"])
+        yes = key in ("time", "output")
         needed = "yes" if yes else "one for each input" if key.startswith("input") else "no"
         lines.append(f"| `{key}` | {needed} | {node.get('description', '')} |")
     lines += ["", "Each is a block of these fields:", ""]
@@ -119,6 +119,9 @@ def measurement_page() -> str:
             ("temperature", "temperature"),
             ("current", "current"),
             ("excitation", "excitation"),
+            ("frequency", "frequency"),
+            ("gain", "gain"),
+            ("amplitude", "amplitude"),
         )
     ]
     lines += ["", "## sensors", "", *_table(schema["properties"]["sensors"]["properties"], {})]
@@ -128,6 +131,8 @@ def measurement_page() -> str:
     lines += ["## load", "", "`load: none`, or `load: {pendulum: {...}}` with", "", *_table(load["properties"], load)]
     plate = schema["properties"]["inertia_plate"]
     lines += ["## inertia_plate", "", f"{plate['description'].capitalize()}.", "", *_table(plate["properties"], plate)]
+    table = schema["properties"]["response"]
+    lines += ["## response", "", f"{table['description'].capitalize()}.", "", *_table(table["properties"], table)]
     motor = schema["properties"]["motor"]["properties"]
     lines += ["## motor", "", f"{schema['properties']['motor']['description'].capitalize()}; columns `current` or "]
     lines[-1] += (

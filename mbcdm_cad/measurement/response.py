@@ -9,19 +9,22 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import permutations
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import uniform_filter1d
+from scipy.ndimage import median_filter, uniform_filter1d
 from scipy.signal import detrend, stft
 from scipy.signal.windows import tukey
 
-from mbcdm_cad.measurement.run import Run, VettingNote, gravest_first
+from mbcdm_cad.measurement.run import ResponseTable, Run, VettingNote, gravest_first
 from mbcdm_cad.routes import Complex, Floats
 
 # Lines of the spectrum in each average, and averages over which the scatter of the response is smoothed.
 AVERAGED, SMOOTHED = 8, 5
+# Rows of a table around each over which its scatter is taken.
+AROUND = 15
 # Coherence below which an average says nothing, and from which a response is good.
 LEAST_COHERENCE, GOOD_COHERENCE = 0.5, 0.9
 # Deviation of what says nothing.
@@ -56,6 +59,9 @@ class FrequencyResponse:
     the torque that it carries, rad/(N m), None where no torque was measured. ``acceleration_rad_s2``: amplitude of the
     output's acceleration while it is excited at each frequency, ``input_rad`` that of inputs; ``input_power_rad2``:
     mean square of the inputs' spectrum over the number of samples, which for white noise is its mean square.
+
+    Of an analyser's table ``output`` may be over a torque on the output, in rad/(N m), and ``input_rad`` is then the
+    amplitude of that, N m. Where none is stated (not ``levelled``) it is 1 mrad or 1 N m, and the acceleration 1.
     """
 
     frequency_Hz: Floats
@@ -64,6 +70,8 @@ class FrequencyResponse:
     acceleration_rad_s2: Floats
     input_rad: Floats
     input_power_rad2: Floats
+    over_torque: bool = False
+    levelled: bool = True
 
     @property
     def quotients(self) -> tuple[Quotient, ...]:
@@ -73,6 +81,8 @@ class FrequencyResponse:
 
 def response_of(run: Run, ratio: float) -> FrequencyResponse:
     """The response of a run of kind frequency_response; ``ratio`` of inputs to output."""
+    if run.table is not None:
+        return _of_table(run.table, ratio)
     step, n = run.step_s, run.time_s.size
     if _uneven(run):
         n = int(np.floor((run.time_s[-1] - run.time_s[0]) / step)) + 1
@@ -122,6 +132,44 @@ def response_of(run: Run, ratio: float) -> FrequencyResponse:
     return FrequencyResponse(frequency[kept], output, twist, acceleration, amplitude, power)
 
 
+def _of_table(table: ResponseTable, ratio: float) -> FrequencyResponse:
+    """The response of an analyser's table. Its noise is the scatter of each row about its neighbours."""
+    f, turns = table.frequency_Hz, ratio if table.turns is None else table.turns
+    over_torque = table.over == "torque"
+    value = table.value if over_torque else table.value * turns
+    coherence = np.full(f.size, np.nan) if table.coherence is None else table.coherence
+    nominal = 1.0 if over_torque else 1e-3
+    amplitude = np.full(f.size, nominal)
+    if table.amplitude is not None:
+        amplitude = table.amplitude if over_torque else table.amplitude / turns
+    acceleration = amplitude * np.abs(value) * (2.0 * np.pi * f) ** 2
+    if table.amplitude is None:
+        acceleration = np.ones(f.size)
+    kept = np.asarray(~(coherence <= LEAST_COHERENCE))
+    # What the rows scatter by, or what the coherence says of as many averages: neighbours may share a window.
+    gamma = np.clip(np.nan_to_num(coherence, nan=1.0), LEAST_COHERENCE, 1.0)
+    share = np.maximum(_scatter(f, value), np.sqrt((1.0 - gamma) / (2.0 * gamma * AVERAGED)))
+    output = _only(Quotient(value, np.abs(value) * share, coherence), kept)
+    power = np.zeros(int(kept.sum()))
+    levelled = table.amplitude is not None
+    return FrequencyResponse(f[kept], output, None, acceleration[kept], amplitude[kept], power, over_torque, levelled)
+
+
+def _scatter(frequency_Hz: Floats, value: Complex) -> Floats:
+    """Standard deviation of each part of a response, (n,), as a share of it: what a cubic through the two neighbours on
+    each side leaves of its logarithm, the median of those around, so that a peak of few rows does not count."""
+    x, z = np.log(frequency_Hz), np.log(np.abs(value)) + 1j * np.unwrap(np.angle(value))
+    at = np.arange(2, x.size - 2)
+    nodes = at + np.array([-2, -1, 1, 2])[:, None]
+    weights = np.ones(nodes.shape)
+    for j, m in permutations(range(4), 2):
+        weights[j] *= (x[at] - x[nodes[m]]) / (x[nodes[j]] - x[nodes[m]])
+    left = np.abs(z[at] - (weights * z[nodes]).sum(axis=0)) ** 2 / (1.0 + (weights**2).sum(axis=0))
+    # The median of a sum of two squares is 2 ln 2 of the square of each.
+    around = median_filter(np.pad(left, 2, mode="edge"), AROUND, mode="reflect")
+    return np.asarray(np.sqrt(around / (2.0 * np.log(2.0))))
+
+
 def _uneven(run: Run) -> bool:
     return bool(np.ptp(np.diff(run.time_s)) > UNEVEN * run.step_s)
 
@@ -159,8 +207,58 @@ def _acceleration(frequency: Floats, kept: NDArray[np.bool_], spectrum: Complex,
     return np.asarray(np.sqrt(2.0 * np.interp(frequency, at, mean)))
 
 
-def response_findings(run: Run, ratio: float) -> list[VettingNote]:
-    """What a frequency response can show, and what makes it doubtful."""
+# Rows of a table at its lowest frequencies that say what its gain is over, and how near a factor must be.
+LOWEST, NEAR = 5, 1.25
+
+
+def _table_findings(run: Run, table: ResponseTable, ratio: float, gearhead: float | None) -> list[VettingNote]:
+    """What an analyser's table can show, and whether its gain and phase begin as they must."""
+    seen = _of_table(table, ratio)
+    f, n = seen.frequency_Hz, seen.frequency_Hz.size
+    if n < FEWEST_AVERAGES:
+        text = f"coherence above {LEAST_COHERENCE:g} in {n} rows, {FEWEST_AVERAGES} are needed"
+        remedy = "excite the drive harder, or let the analyser average longer"
+        return [VettingNote("coherence", "refused", text, remedy, ("columns", "coherence"))]
+    what = "a torque on it, inputs held" if seen.over_torque else "the inputs"
+    scatter = float(np.median(seen.output.sigma / np.abs(seen.output.value)))
+    text = (
+        f"frequency response of a table, output over {what}, {f[0]:.3g} to {f[-1]:.4g} Hz in {n} rows, which scatter "
+        f"by {100.0 * scatter:.2g} % about their neighbours"
+    )
+    found = [VettingNote("frequency_response", "fact", text)]
+    begin = complex(np.mean(seen.output.value[:LOWEST]))
+    gain, turns = abs(begin), ratio if table.turns is None else table.turns
+    if begin.real < 0.0:
+        text = (
+            f"phase of {np.degrees(np.angle(begin)):.3g} deg at the lowest frequencies: output and {what} are opposed"
+        )
+        found.append(VettingNote("reversed_gain", "refused", text, "set zero: 180 on phase", ("columns", "phase")))
+    if not seen.over_torque and not 1.0 / NEAR < gain < NEAR:
+        likely = {"angles of the output": 1.0, "the inputs' encoders": ratio}
+        likely |= {} if gearhead is None else {"encoders on the motors": ratio * gearhead}
+        text = f"gain of {gain / turns:.4g} at the lowest frequencies, {1.0 / turns:.4g} is that of a rigid drive"
+        near = {word: one for word, one in likely.items() if 1.0 / NEAR < gain * one / turns < NEAR}
+        remedy = "measure from well below the first mode; check the unit of gain, and response.over and turns"
+        for word, one in near.items():
+            text, remedy = f"{text}: it is over {word}", f"set response.turns: {one:.6g}"
+        found.append(VettingNote("gain", "refused" if near else "doubt", text, remedy, ("response", "turns")))
+    if table.coherence is None:
+        found.append(VettingNote("no_coherence", "fact", "no coherence: its noise is the scatter of the rows alone"))
+    if not seen.levelled:
+        text = "no amplitude: that the wraps slip the more the larger it is may look like a soft rope"
+        remedy = "give response.amplitude_Nm" if seen.over_torque else "give response.amplitude_rad"
+        found.append(VettingNote("no_amplitude", "doubt", text, remedy, ("response",)))
+    if not seen.over_torque:
+        text = "no torque: an inertia and a stiffness that are wrong look alike"
+        remedy = "give a table over a torque on the output with the inputs held beside it"
+        found.append(VettingNote("no_torque", "fact", text, remedy))
+    return gravest_first(found)
+
+
+def response_findings(run: Run, ratio: float, gearhead: float | None = None) -> list[VettingNote]:
+    """What a frequency response can show, and what makes it doubtful; ``gearhead``: its ratio, if it is known."""
+    if run.table is not None:
+        return _table_findings(run, run.table, ratio, gearhead)
     found, seen = list[VettingNote](), response_of(run, ratio)
     f, n = seen.frequency_Hz, seen.frequency_Hz.size
     if n < FEWEST_AVERAGES:

@@ -8,7 +8,7 @@ the rate of another column, is an angle only if nothing else is left.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import permutations
 from math import inf, log, pi, radians
@@ -16,7 +16,7 @@ from math import inf, log, pi, radians
 import numpy as np
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.measurement.units import ANGLE, FORCE, TEMPERATURE, TIME, TORQUE, Unit
+from mbcdm_cad.measurement.units import ANGLE, DECIBEL, FORCE, FREQUENCY, GIVE, TEMPERATURE, TIME, TORQUE, Unit
 from mbcdm_cad.measurement.vet_columns import LEAST_AGREEMENT, robust_slope
 from mbcdm_cad.routes import Floats
 
@@ -62,7 +62,16 @@ _INPUT = _words("in input mot motor m servo first primary actuator drive driving
 _INSIDE = {"motor": _INPUT, "antrieb": _INPUT, "abtrieb": _OUTPUT, "winkel": _ANGLE, "moment": _LOAD, "torque": _LOAD}
 
 
-@dataclass
+# Roles in an analyser's table, in the order in which they are looked for, with words of their names and units.
+_RESPONSE: tuple[tuple[str, frozenset[str], Collection[str]], ...] = (
+    ("phase", _words("phase ph phi arg argument phasengang"), ()),
+    ("coherence", _words("coherence coh coherency kohärenz gamma"), ()),
+    ("frequency", _words("frequency freq frequenz f omega"), tuple(FREQUENCY)),
+    ("gain", _words("gain mag magnitude amplitude betrag abs h amp"), (DECIBEL, *GIVE)),
+)
+
+
+@dataclass(eq=False)
 class Guess:
     """A column of figures with its role, the fields of its entry in the measurement file, and the reasons for them."""
 
@@ -155,6 +164,22 @@ def sold(counts: float) -> float:
     """The nearest number of counts a turn that encoders are sold with; the figure itself where none is near."""
     near = min(COUNTS_SOLD, key=lambda n: abs(log(counts / n)))
     return float(near) if abs(log(counts / near)) < MET else float(max(round(counts), 1))
+
+
+def response_columns(columns: Sequence[Guess]) -> dict[str, Guess] | None:
+    """Frequency, gain, phase and coherence of an analyser's table, by name and unit; None if it is none."""
+    found = dict[str, Guess]()
+    for role, words, units in _RESPONSE:
+        for column in columns:
+            steps = np.diff(column.values)
+            one_way = bool(np.all(steps > 0.0) or np.all(steps < 0.0))
+            fits = column.unit in units or column.says(words) or any(str(column.name).endswith(f"_{u}") for u in units)
+            # Of several gains the first that is not that of a reference channel; phases have a gain's word too.
+            if fits and np.ptp(column.values) and (role != "frequency" or one_way) and column not in found.values():
+                found.setdefault(role, column)
+    if not {"frequency", "gain", "phase"} <= set(found):
+        return None
+    return {role: found[role] for role in ("frequency", "gain", "phase", "coherence") if role in found}
 
 
 def assign(columns: Sequence[Guess], expected: Expected, output_rad: Callable[[Guess], float]) -> None:

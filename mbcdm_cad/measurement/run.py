@@ -14,7 +14,7 @@ from scipy.ndimage import uniform_filter1d
 
 from mbcdm_cad.design.fieldpath import FieldPath
 from mbcdm_cad.measurement.schema import MOTION, NO_PLATE, CountedParts, InertiaPlate, Kind
-from mbcdm_cad.routes import Floats
+from mbcdm_cad.routes import Complex, Floats
 from mbcdm_cad.storage.compiled import compiled
 
 Level = Literal["refused", "doubt", "fact"]
@@ -93,6 +93,22 @@ class BesideSensor:
     used: float = 0.0
 
 
+@dataclass(frozen=True, eq=False)
+class ResponseTable:
+    """An analyser's table, (n,) each: the angle of the output over ``over``, "inputs" as their encoders read or
+    "torque", and the amplitude of that.
+
+    ``turns`` of the inputs for one of the output, None for the drive's ratio; coherence, amplitude: None if not given.
+    """
+
+    frequency_Hz: Floats
+    value: Complex
+    over: str
+    turns: float | None
+    coherence: Floats | None
+    amplitude: Floats | None
+
+
 @dataclass(frozen=True)
 class Sensors:
     """Resolution and noise of the sensors; None where the measurement file does not state them."""
@@ -145,7 +161,8 @@ class Run:
     run is compared with a design, or with its ratio, and is ``beside`` a sensor's where there is one. ``kind`` is what
     the rows are; where inputs stand still and have no columns, they are at zero. ``expected_creep``: of a run at rest,
     the creep of the rope for each decade of time by its catalogue entry, over its elastic stretch. ``excitation`` (n,),
-    in any unit, and ``plate``: of a frequency response what excites it, and what the output turns.
+    in any unit, and ``plate``: of a frequency response what excites it, and what the output turns; ``table``: of one
+    that an analyser wrote, and ``time_s`` then counts its rows.
     """
 
     time_s: Floats
@@ -169,6 +186,7 @@ class Run:
     expected_creep: float = 0.0
     excitation: Floats | None = None
     plate: InertiaPlate = NO_PLATE
+    table: ResponseTable | None = None
 
     @cached_property
     def step_s(self) -> float:

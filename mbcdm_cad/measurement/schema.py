@@ -20,6 +20,9 @@ CURRENT = "current"
 CURRENT_COLUMN = INPUT_COLUMN.replace("input", CURRENT)
 SENSORS = "data sheet"
 LOGGER = "the logger's file"
+ANALYSER = "the analyser's table"
+# Columns of an analyser's table.
+TABLE = ("frequency", "gain", "phase", "coherence", "amplitude")
 
 
 class Column(Block):
@@ -112,7 +115,12 @@ class Columns(Block):
     input_left: Column | None = choice("angle of the input at -x", source=LOGGER, default=None)
     input_right: Column | None = choice("angle of the input at +x", source=LOGGER, default=None)
     input: Column | None = choice("angle of the input of a drive with one input", source=LOGGER, default=None)
-    output: Column = choice("angle of the drum", source=LOGGER, example="{column: q_out, unit: rad}")
+    output: Column | None = choice(
+        "angle of the drum; needed but in an analyser's table",
+        source=LOGGER,
+        example="{column: q_out, unit: rad}",
+        default=None,
+    )
     load_torque: Column | None = choice(
         "load on the drum, > 0 where it opposes positive rotation; without it, effects of the load cannot be tested",
         source=LOGGER,
@@ -133,6 +141,31 @@ class Columns(Block):
         example="{column: command, unit: rad}",
         default=None,
     )
+    frequency: Column | None = choice(
+        "frequency of an analyser's table, in a run of kind frequency_response; the table then has gain and "
+        "phase in place of time, inputs and output",
+        source=ANALYSER,
+        example="{column: f, unit: Hz}",
+        default=None,
+    )
+    gain: Column | None = choice(
+        "gain of the output's angle over what response.over says, as a figure or in dB",
+        source=ANALYSER,
+        example="{column: mag, unit: dB}",
+        default=None,
+    )
+    phase: Column | None = choice(
+        "phase of the same, 0 where the output goes with it",
+        source=ANALYSER,
+        example="{column: ph, unit: deg}",
+        default=None,
+    )
+    coherence: Column | None = choice("its coherence; rows below 0.5 are left out", source=ANALYSER, default=None)
+    amplitude: Column | None = choice(
+        "amplitude of what the gain is over at each frequency: of the inputs as their encoders read, or of the torque",
+        source=ANALYSER,
+        default=None,
+    )
 
     def given(self) -> dict[str, Column]:
         """The columns given, in the order in which a table holds them: time, inputs, output, the rest."""
@@ -140,7 +173,7 @@ class Columns(Block):
         named = {key: column for key, column in extra.items() if not key.startswith(CURRENT)}
         currents = {key: column for key, column in extra.items() if key.startswith(CURRENT)} | {CURRENT: self.current}
         inputs = {key: getattr(self, key) for key in ("input_left", "input_right")} | named | {"input": self.input}
-        rest = {key: getattr(self, key) for key in ("output", "load_torque", "temperature", "excitation")}
+        rest = {key: getattr(self, key) for key in ("output", "load_torque", "temperature", "excitation", *TABLE)}
         found: dict[str, Column | None] = {"time": self.time, **inputs, **rest, **currents}
         return {key: column for key, column in found.items() if column is not None}
 
@@ -317,6 +350,46 @@ class InertiaPlate(Block):
     )
 
 
+class ResponseBlock(Block):
+    """What the gain of an analyser's table is over."""
+
+    over: Literal["inputs", "torque"] = choice(
+        "inputs: angle of the output over that of the inputs; torque: over a torque on it, inputs held, "
+        "as of a hammer, a shaker or a motor there",
+        source=BENCH,
+        example="torque",
+        default="inputs",
+    )
+    turns: Number | None = figure(
+        "turns of the inputs' encoders for one of the output; left out, the drive's ratio; 1 if the analyser "
+        "divided by it, times the gearhead's ratio of encoders on the motors",
+        unit="-",
+        source=BENCH,
+        example=1.0,
+        default=None,
+        gt=0.0,
+        le=1e7,
+    )
+    amplitude_rad: Number | None = figure(
+        "amplitude of the inputs as their encoders read, the same at all frequencies",
+        unit="rad",
+        source=BENCH,
+        example=0.01,
+        default=None,
+        gt=0.0,
+        le=1e3,
+    )
+    amplitude_Nm: Number | None = figure(
+        "amplitude of the torque on the output, the same at all frequencies",
+        unit="N m",
+        source=BENCH,
+        example=0.1,
+        default=None,
+        gt=0.0,
+        le=1e6,
+    )
+
+
 # Nothing besides the design's payload, known as well as usual.
 NO_PLATE = InertiaPlate.model_construct(inertia_kg_m2=0.0)
 
@@ -396,6 +469,7 @@ class Measurement(Block):
         source=BENCH,
         default=None,
     )
+    response: ResponseBlock | None = choice("what the gain of an analyser's table is over", source=BENCH, default=None)
     motor: MotorBlock = choice("the motors, where their currents are the load", source=SENSORS, default=MotorBlock())
     ratio: Number | None = figure(
         "total ratio, for a drive of which nothing else is known; the design file is then not used",

@@ -70,6 +70,17 @@ CURRENT = _scaled(("A", 1.0), ("mA", 1e-3), ("uA µA", 1e-6))
 MASS = _scaled(("kg", 1.0), ("g", 1e-3), ("lb", 0.45359237))
 ORDER = _scaled(("cycle/rad cycles/rad 1/rad", 1.0), ("cycle/turn cycles/turn 1/turn", 0.5 / math.pi))
 
+FREQUENCY = _scaled(("Hz 1/s", 1.0), ("kHz", 1e3), ("rad/s", 0.5 / math.pi), ("rpm", 1.0 / 60.0))
+# A gain in decibels is no multiple of one; the others are ratios of angles, or angles over a torque.
+DECIBEL = "dB"
+RATIO = _scaled(("- rad/rad deg/deg", 1.0))
+GIVE = _scaled(
+    ("rad/(N*m) rad/Nm", 1.0),
+    ("mrad/(N*m) mrad/Nm", 1e-3),
+    ("urad/(N*m) urad/Nm", 1e-6),
+    ("deg/(N*m) deg/Nm", math.pi / 180),
+)
+
 KINDS = {
     "time": TIME,
     "input": ANGLE,
@@ -78,6 +89,11 @@ KINDS = {
     "temperature": TEMPERATURE,
     "current": CURRENT,
     "excitation": ANGLE | TORQUE | CURRENT | {"V": Unit(1.0), "-": Unit(1.0)},
+    "frequency": FREQUENCY,
+    "gain": {DECIBEL: Unit(1.0)} | RATIO | GIVE,
+    "phase": ANGLE,
+    "coherence": _scaled(("-", 1.0), ("%", 0.01)),
+    "amplitude": ANGLE | TORQUE,
     "peak_torque": TORQUE,
     "mass": MASS,
     "backlash": ANGLE,

@@ -172,7 +172,7 @@ def vet(run: Run, drive: Drive | None) -> list[VettingNote]:
             creep_findings(run) if run.kind == CREEP else readings_findings(run, known.ratio, known.travel_rad, known.d)
         )
     if run.kind == FREQUENCY_RESPONSE:
-        return response_findings(run, known.ratio)
+        return response_findings(run, known.ratio, known.gearhead_ratio)
     thin = _thinned(run)
     found = signal_findings(run, known.ratio)
     if not refusals(found):  # an angle that jumps has no meaningful slope

@@ -77,7 +77,7 @@ def bode_png(p: BodePicture) -> bytes:
             axes.plot(p.frequency_Hz, of(p.before), color=BEFORE, lw=1.0, label="declared model")
             axes.plot(p.frequency_Hz, of(p.after), color=AFTER, lw=1.0, label="with what was found")
         coherence.plot(p.frequency_Hz, p.coherence, color=MEASURED, lw=0.8)
-        gain.set(ylabel="gain", xscale="log", yscale="log")
+        gain.set(ylabel="rad/(N m)" if p.over_torque else "gain", xscale="log", yscale="log")
         for axis in (gain.yaxis, coherence.xaxis):
             axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
             axis.set_major_formatter("{x:g}")

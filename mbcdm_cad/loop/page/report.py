@@ -198,7 +198,8 @@ def _readings(picture: ReadingsPicture) -> dict[str, Any]:
 
 
 def _bode(picture: BodePicture) -> dict[str, Any]:
-    image = {"title": BODE[0], "text": BODE[1], "data": b64encode(bode_png(picture)).decode()}
+    title = "Output over a torque on it, inputs held" if picture.over_torque else BODE[0]
+    image = {"title": title, "text": BODE[1], "data": b64encode(bode_png(picture)).decode()}
     return {"source": picture.source, "images": [image]}
 
 

@@ -87,21 +87,34 @@ def behind_inputs(drive: Drive, run: Run, most_rad_s2: float) -> BehindInputs:
 
 
 def predicted(held: BehindInputs, v: Values, seen: FrequencyResponse) -> tuple[Complex, Complex]:
-    """Output over inputs, and twist over torque in rad/(N m), with figures ``v`` of suspects and nuisances."""
+    """Output over inputs, or over a torque on it, and twist over torque in rad/(N m); ``v``: figures of suspects and
+    nuisances."""
 
     def of(name: str) -> float:
         return v.get(name, 0.0)
 
     s = 2j * np.pi * seen.frequency_Hz
     payload, drum = held.payload_kg_m2 * (1.0 + of("inertia")), held.drum_kg_m2
-    torque = (payload + drum) * seen.acceleration_rad_s2
+    torque = carried_Nm(seen, payload + drum)
     before, behind, inside = _gives(held, v, torque, np.asarray(s.imag, dtype=float))
     hub = 1.0 / (1.0 + behind * payload * s**2)
     land = 1.0 / (1.0 + before * (drum + payload * hub) * s**2)
     read = land * (1.0 - inside * payload * hub * s**2)
+    sensor = np.exp(-s * of("load_lag")) * (1.0 + of("load_gain"))
+    if seen.over_torque:
+        # What the drum gives for a torque from behind it; the payload's own inertia carries the rest of it.
+        drum_gives = before / (1.0 + before * drum * s**2)
+        read = (drum_gives + inside) / (1.0 + (drum_gives + behind) * payload * s**2) / sensor
     read = read * (1.0 + of("gain") + of("scale")) * np.exp(-s * of("delay")) / (1.0 + s * of("lag"))
-    carried = payload * s**2 * hub * land * np.exp(-s * of("load_lag")) * (1.0 + of("load_gain"))
-    return read, (1.0 - read) / carried
+    return read, (1.0 - read) / (payload * s**2 * hub * land * sensor)
+
+
+def carried_Nm(seen: FrequencyResponse, inertia_kg_m2: float) -> Floats:
+    """Amplitude of the torque in the cables at each frequency, (n,), behind which the output turns this inertia."""
+    if not (seen.over_torque and seen.levelled):
+        return inertia_kg_m2 * seen.acceleration_rad_s2
+    turned = 1.0 + inertia_kg_m2 * (2.0 * np.pi * seen.frequency_Hz) ** 2 * seen.output.value
+    return np.asarray(seen.input_rad * np.abs(turned))
 
 
 def _gives(held: BehindInputs, v: Values, torque_Nm: Floats, rate_rad_s: Floats) -> tuple[Complex, Complex, Complex]:

@@ -16,7 +16,15 @@ from scipy.optimize import least_squares
 from scipy.stats import f as f_distribution
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.loop.prepare.behind_inputs import RIGID_DRIVE, BehindInputs, Values, behind_inputs, first_mode, predicted
+from mbcdm_cad.loop.prepare.behind_inputs import (
+    RIGID_DRIVE,
+    BehindInputs,
+    Values,
+    behind_inputs,
+    carried_Nm,
+    first_mode,
+    predicted,
+)
 from mbcdm_cad.loop.prepare.noise import Noise
 from mbcdm_cad.loop.readable import Value, readable
 from mbcdm_cad.loop.result import BodePicture, Errors, Evidence, LoopResult, Named, TorsionalMode
@@ -180,11 +188,13 @@ class ResponseFit:
 def _sigmas(seen: FrequencyResponse, held: BehindInputs, v: Values) -> list[Floats]:
     """Noise of each quotient: its scatter, what averaging leaves, and what the linear law of the slip leaves."""
     inertia, gain = held.payload_kg_m2 + held.drum_kg_m2, np.abs(seen.output.value)
-    torque = inertia * seen.acceleration_rad_s2
+    torque = carried_Nm(seen, inertia)
     slip = np.interp(torque, held.torque_Nm, held.cables_rad_Nm) - held.cables_rad_Nm[0]
     slip = LINEAR_SHARE * (slip + v.get("softening", 0.0) * torque)
     # By how much the quotients change with the compliance.
     slopes = ((gain * 2.0 * np.pi * seen.frequency_Hz) ** 2 * inertia, 1.0)
+    if seen.over_torque:
+        slopes = ((gain / (held.cables_rad_Nm[0] + held.before_drum + held.behind_drum)) ** 2, 1.0)
     pairs = zip(seen.quotients, slopes, strict=False)
     return [np.sqrt(q.sigma**2 + (ESTIMATE_SHARE * np.abs(q.value)) ** 2 + (slope * slip) ** 2) for q, slope in pairs]
 
@@ -200,8 +210,15 @@ class ResponseLoop:
         most = [float(one.acceleration_rad_s2.max()) for one in self.seen]
         pairs = zip(runs, most, strict=True)
         self.held = [RIGID_DRIVE if drive is None else behind_inputs(drive, *pair) for pair in pairs]
+        # Of a table without an amplitude nothing says how much the wraps slip.
+        self.held = [held if one.levelled else held.at(0.0) for held, one in zip(self.held, self.seen, strict=True)]
+        levelled, by_torque = (
+            all(row) for row in zip(*((one.levelled, one.over_torque) for one in self.seen), strict=True)
+        )
         self.highest_Hz = max(float(one.frequency_Hz[-1]) for one in self.seen)
         self.suspects = suspects(self.d, self.held[0], self.highest_Hz)
+        if by_torque:  # nothing is over the inputs
+            self.suspects = tuple(one for one in self.suspects if one.parameter != "gain")
         # What an earlier loop found is declared.
         self.declared = {
             one.parameter: value.value
@@ -216,7 +233,7 @@ class ResponseLoop:
             self.prior["slip"] = SLIP_SHARE
         if drive is not None:
             self.prior["law"] = LAW_SHARE
-        if any(one.twist is not None for one in self.seen):
+        if any(one.twist is not None or one.over_torque for one in self.seen):
             classes = [run.sensors.torque_class for run in runs]
             self.prior["load_gain"] = 0.5 * max(one.share for one in classes) + 1e-6
             self.prior["load_lag"] = 0.5 * max(one.lag_s for one in classes) + 1e-6
@@ -225,7 +242,11 @@ class ResponseLoop:
         self.tolerances: dict[str, tuple[float, float, float]] = {}
         if drive is None:  # slip of wraps that nothing is known of
             self.nuisances["softening"] = (0.1 * (2.0 * np.pi * self.highest_Hz) ** -2.0 / max(most), 0.0, np.inf)
-        else:
+        elif not levelled:
+            held = self.held[0]
+            size = 0.1 * float(held.cables_rad_Nm[0]) / (max(most) * (held.payload_kg_m2 + held.drum_kg_m2))
+            self.nuisances["softening"] = (size, 0.0, np.inf)
+        if drive is not None:
             structure = max(held.sigma_rad_Nm for held in self.held)
             self.tolerances = _within_two(
                 {"structure": structure, "inertia": max(run.plate.inertia_share for run in runs)}
@@ -235,8 +256,12 @@ class ResponseLoop:
         self.scatter = np.concatenate([one.sigma for one in quotients])
         self.test: Mask = np.concatenate([np.arange(one.value.size) % 3 == 1 for one in quotients])
         self.every: Mask = np.ones(self.test.size, dtype=bool)
-        # Amplitude of the inputs for which errors are stated: the usual one.
-        self.input_rad = float(np.median(np.concatenate([one.input_rad for one in self.seen])))
+        # Amplitude of the inputs, and of a torque, for which errors are stated: the usual one.
+        levels = {
+            one.over_torque: [other.input_rad for other in self.seen if other.over_torque == one.over_torque]
+            for one in self.seen
+        }
+        self.amplitude = {over: float(np.median(np.concatenate(rows))) for over, rows in levels.items()}
         self._weigh({})
 
     def _weigh(self, v: Values) -> None:
@@ -247,8 +272,9 @@ class ResponseLoop:
         gains = [np.abs(one.output.value) for one in self.seen]
         together = max(int(np.sum(gain > np.sqrt(0.5) * gain.max())) for gain in gains)
         self.together = 1.0 + (together - 1.0) * float(np.mean(1.0 - (self.scatter / self.sigma) ** 2))
-        outputs = np.concatenate([rows[0] for rows in sigmas])
-        self.floor_rad = self.input_rad / float(np.sqrt(np.mean(outputs**-2.0)))
+        pairs = zip(sigmas, self.seen, strict=True)
+        outputs = np.concatenate([rows[0] * self.amplitude[seen.over_torque] for rows, seen in pairs])
+        self.floor_rad = 1.0 / float(np.sqrt(np.mean(outputs**-2.0)))
         self.bare = self.fit(())
 
     @property
@@ -461,8 +487,9 @@ class ResponseLoop:
     def _errors(self, fit: ResponseFit) -> Errors:
         rows = [one.weighted[self.test] for one in (self.bare, fit)]
         first, last = (self.floor_rad * float(np.abs(row).max()) for row in rows)
-        _, (size,) = readable("_rad", [self.input_rad])
-        held = f"every third average; errors of the output for inputs of {size} at all frequencies, by their certainty"
+        sizes = {over: readable("_Nm" if over else "_rad", [size])[1][0] for over, size in self.amplitude.items()}
+        of = " and ".join(f"{'torques' if over else 'inputs'} of {size}" for over, size in sizes.items())
+        held = f"every third average; errors of the output for {of} at all frequencies, by their certainty"
         return errors_of(self._interval(rows[0]), self._interval(rows[1]), first, last, self.floor_rad, held)
 
     def _interval(self, weighted: Complex) -> Value:
@@ -491,7 +518,11 @@ class ResponseLoop:
                 f"the first mode of the design, {lowest:.4g} Hz, is not within {self.highest_Hz:.4g} Hz: log faster, "
                 "or let the output turn more inertia"
             )
-        if all(one.twist is None for one in self.seen):
+        if not all(one.levelled for one in self.seen):
+            words.append(
+                "no amplitude: preload, and slip of the wraps, which is told from a soft rope by its damping alone"
+            )
+        if all(one.twist is None and not one.over_torque for one in self.seen):
             words.append("no torque: which of stiffness and inertia differs, if all runs have one inertia")
         return tuple(words)
 
@@ -502,23 +533,24 @@ class ResponseLoop:
         amplitude = 0.0
         for _ in range(SETTLED):
             frequency = first_mode(held, whole.values, amplitude)[0]
-            now = inertia * float(np.interp(frequency, seen.frequency_Hz, seen.acceleration_rad_s2))
+            now = float(np.interp(frequency, seen.frequency_Hz, carried_Nm(seen, inertia)))
             amplitude += 0.5 * (now - amplitude)
         if not seen.frequency_Hz[0] * INSIDE < frequency < seen.frequency_Hz[-1] / INSIDE:
             return None
         alone = copy(self)
         alone.seen, alone.held, alone.prior = [replace(seen, twist=None)], [held.at(amplitude)], {}
-        alone.nuisances = {"loss": self.nuisances["loss"]}
+        alone.nuisances = {"load_gain": (0.01, -0.9, 9.0)} if seen.over_torque else {}
+        alone.nuisances["loss"] = self.nuisances["loss"]
         alone.sigma = _sigmas(seen, held, whole.values)[0]
         size = "mode" if self.d is None else "inertia"
         free = [one for one in self.suspects if one.parameter in ("delay", "gain", size)]
         (turned,) = (one for one in free if one.parameter == size)
 
-        def linear(response: Complex) -> tuple[Value, Value]:
+        def linear(response: Complex, values: Values) -> tuple[Value, Value]:
             """Frequency and damping ratio of a response as that of a linear drive."""
             alone.measured = response
             every = np.ones(response.size, dtype=bool)
-            fit = alone.fit(free, {**whole.values, "loss": 0.1, "softening": 0.0}, every)
+            fit = alone.fit(free, {**values, "loss": 0.1, "softening": 0.0}, every)
             found, damping = first_mode(alone.held[0], fit.values, amplitude)
             half = 0.5 * fit.half(turned) / (fit.values[size] + (0.0 if self.d is None else 1.0)) * found
             spread = 0.5 * INTERVAL * float(np.sqrt(fit.covariance[-1, -1]))
@@ -527,11 +559,13 @@ class ResponseLoop:
                 Value(damping, max(damping - spread, 0.0), damping + spread),
             )
 
-        mode = TorsionalMode(self.runs[k].source, *linear(seen.output.value), None, None, None)
+        mode = TorsionalMode(self.runs[k].source, *linear(seen.output.value, whole.values), None, None, None)
         if self.d is None:
             return mode
-        declared, damping = linear(predicted(held, self.declared, seen)[0])
-        return replace(mode, torque_Nm=amplitude, declared_Hz=declared.value, declared_damping=damping.value)
+        # The design has no damping but that of its wraps.
+        declared, damping = linear(predicted(held, self.declared, seen)[0], {**whole.values, "viscous_s": 0.0})
+        torque = amplitude if seen.levelled else None
+        return replace(mode, torque_Nm=torque, declared_Hz=declared.value, declared_damping=damping.value)
 
     def _pictures(self, whole: ResponseFit) -> tuple[BodePicture, ...]:
         found = []
@@ -540,7 +574,8 @@ class ResponseLoop:
         for run, seen, held in zip(self.runs, self.seen, self.held, strict=True):
             before, after = (predicted(held, v, seen)[0] for v in (declared, whole.values))
             output = seen.output
-            found.append(BodePicture(run.source, seen.frequency_Hz, output.value, output.coherence, before, after))
+            rows = output.value, output.coherence, before, after
+            found.append(BodePicture(run.source, seen.frequency_Hz, *rows, seen.over_torque))
         return tuple(found)
 
 

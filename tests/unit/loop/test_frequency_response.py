@@ -10,11 +10,12 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
-from scipy.signal import chirp, cont2discrete, lfilter
+from scipy.signal import chirp, cont2discrete, csd, detrend, lfilter
 
 import mbcdm_cad as mc
 from mbcdm_cad.cli import run as mbcdm
 from mbcdm_cad.errors import InputError
+from mbcdm_cad.jobs.plan import plan_run
 from mbcdm_cad.layouts.lumped import compliance_of
 from mbcdm_cad.loop.judge import LoopReport
 from mbcdm_cad.loop.result import LoopResult
@@ -107,6 +108,46 @@ def designed(give: float = 1.0, inertia: float = 1.0) -> TwoMasses:
     return TwoMasses(1.0 / np.sqrt(give * whole * payload) / (2.0 * np.pi), inertia_kg_m2=payload)
 
 
+def tabled(folder: Path, bench: TwoMasses, design: bool = True, seed: int = 1, **how: Any) -> LoopReport:
+    """Judge an analyser's table of the bench, beside others where they are given."""
+    files = [table_of(folder, bench, design, seed, **how), *how.get("beside", [])]
+    return mc.close_loop(reference() if design else None, files)
+
+
+def table_of(folder: Path, bench: TwoMasses, design: bool, seed: int = 1, **how: Any) -> Path:
+    """An analyser's table of the bench in closed form, with 1 % of noise in the gain that nothing declares.
+
+    ``how``: over, rows, and more of the block response.
+    """
+    rng, over, n = np.random.default_rng(seed), how.get("over", "inputs"), how.get("rows", 180)
+    f = np.geomspace(4.0, 150.0, n)
+    s, w = 2j * np.pi * f, 2.0 * np.pi * bench.frequency_Hz
+    damper = 2.0 * bench.damping * w * s
+    value = (damper + w**2) / (s**2 + damper + w**2) / RATIO
+    if over == "torque":
+        value = 1.0 / (s**2 + damper + w**2) / bench.inertia_kg_m2
+    value = value * np.exp(-s * bench.delay_s)
+    value = value * (1.0 + 0.01 * (rng.normal(size=n) + 1j * rng.normal(size=n)))
+    name = f"{over}-{n}-{seed}"
+    table = [f, 20.0 * np.log10(np.abs(value)), np.degrees(np.angle(value)), np.full(n, 0.999)]
+    np.savetxt(folder / f"{name}.csv", np.stack(table, axis=1), "%.9g", ",", header="f,mag,ph,coh", comments="")
+    units = {"frequency": "Hz", "gain": "dB", "phase": "deg", "coherence": "-"}
+    columns = {key: {"column": at, "unit": units[key]} for at, key in enumerate(units, 1)}
+    block = {"over": over} | {key: how[key] for key in ("turns", "amplitude_rad", "amplitude_Nm") if key in how}
+    content: dict[str, Any] = {
+        "data": f"{name}.csv",
+        "kind": "frequency_response",
+        "columns": columns,
+        "response": block,
+    }
+    if design:
+        content |= {"parts": {"output_at": "payload"}, "inertia_plate": {"inertia_kg_m2": PLATE_KG_M2}}
+    else:
+        content["ratio"] = RATIO
+    (folder / f"{name}.yaml").write_text(yaml.safe_dump(content))
+    return folder / f"{name}.yaml"
+
+
 def forms(result: LoopResult) -> set[str]:
     """Names of what was found, with the members of sets."""
     return {one.name for one in (*result.effects, *(one for group in result.one_of for one in group))}
@@ -165,6 +206,73 @@ def test_inertia_and_stiffness_are_a_set_until_the_torque_is_logged(tmp_path: Pa
     assert forms(softer) == {"stiffness_error"}, softer.sentence
 
 
+SMALL, PUSHED = {"amplitude_rad": 1e-6}, {"over": "torque", "amplitude_Nm": 1e-5}
+
+
+def test_a_table_of_an_analyser(tmp_path: Path) -> None:
+    """In closed form, with a noise that only its rows show: mode, damping and delay."""
+    report = tabled(tmp_path, TwoMasses(delay_s=0.0004), design=False)
+    found = {one.name: next(iter(one.parameters.values())) for one in report.result.effects}
+    assert found["torsional_mode"].value == pytest.approx(47.3, rel=0.003), report.result.sentence
+    assert found["delay"].value == pytest.approx(0.0004, abs=3e-5), report.result.sentence
+    (mode,) = report.result.modes
+    assert mode.frequency_Hz.low - 0.05 < 47.3 < mode.frequency_Hz.high + 0.05, mode.words
+    assert mode.damping_share.value == pytest.approx(0.05, rel=0.06), mode.words
+    assert "scatter by 1 %" in report.text() and "no amplitude" in report.text(), report.text()
+
+
+@pytest.mark.slow
+def test_tables_of_an_analyser_beside_a_design(tmp_path: Path) -> None:
+    """As designed, soft, heavy; what the plan says of a table: a delay is named at twice its least size."""
+    for how in (SMALL, PUSHED, {}):
+        sound = tabled(tmp_path, designed(), seed=3, **how)
+        assert sound.result.verdict == "none", sound.result.sentence
+        (mode,) = sound.result.modes
+        assert mode.declared_Hz == pytest.approx(mode.frequency_Hz.value, rel=0.01), mode.words
+        assert mode.declared_damping is not None and mode.declared_damping < 0.005, mode.words  # nothing slips
+    soft = tabled(tmp_path, designed(give=1.5), **PUSHED).result
+    assert forms(soft) == {"stiffness_error"}, soft.sentence
+    alike = tabled(tmp_path, designed(inertia=1.2), **SMALL).result
+    assert {"payload_inertia", "stiffness_error"} <= forms(alike) and not alike.effects, alike.sentence
+    told = tabled(tmp_path, designed(inertia=1.2), beside=[tmp_path / "inputs-180-1.yaml"], **PUSHED)
+    (one,) = told.result.effects
+    assert one.name == "payload_inertia", told.result.sentence
+    assert one.parameters["share"].low < 0.2 < one.parameters["share"].high, told.result.sentence
+    assert b"data:image/png" in told.page()
+    plan = plan_run(reference().loaded.drive, table_of(tmp_path, designed(), True, **SMALL), None)
+    least = next(one.smallest for one in plan.effects if one.label == "delay (late sensor)")
+    assert least is not None and 1e-6 < least < 5e-4, least
+    for size, named in ((2.0 * least, True), (0.3 * least, False)):
+        found = tabled(tmp_path, replace(designed(), delay_s=size), seed=2, **SMALL).result
+        assert ("delay" in forms(found)) == named, (size, found.sentence)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"kind": "motion"}, "a table over frequency is of another kind"),
+        ({"ratio": 9.0, "response": {"over": "torque"}}, "of a ratio alone nothing says what the torque turns"),
+        ({"response": {"amplitude_Nm": 1.0}}, "amplitude_Nm: given beside over: inputs"),
+        ({"response": {"over": "torque", "turns": 9}}, "turns: given beside over: torque"),
+        ({"response": {"turns": 1.0}}, "it is over the inputs' encoders; set response.turns: 9"),
+        ({"sample_rate_Hz": 100.0}, "sample_rate_Hz: given beside columns.frequency"),
+        ({"columns": {"load_torque": {"column": 2, "unit": "N*m"}}}, "load_torque: given beside columns.frequency"),
+        ({"columns": {"gain": {"column": 2, "unit": "-"}}}, "set unit: dB if the figures are decibels"),
+        ({"columns": {"gain": {"column": 2, "unit": "rad/Nm"}}}, "not of a gain over inputs"),
+        ({"columns": {"phase": {"column": 3, "unit": "deg", "zero": 180}}}, "set zero: 180 on phase"),
+        ({"columns": {"phase": None}}, "columns.phase: missing"),
+    ],
+)
+def test_mistakes_in_a_table_are_told(change: dict[str, Any], words: str, tmp_path: Path) -> None:
+    path = table_of(tmp_path, TwoMasses(), False, rows=60)
+    content = yaml.safe_load(path.read_text())
+    columns = content["columns"] | change.get("columns", {})
+    content |= change | {"columns": {key: one for key, one in columns.items() if one is not None}}
+    path.write_text(yaml.safe_dump(content))
+    with pytest.raises(InputError, match=words):
+        mc.close_loop(None, path)
+
+
 def test_the_plan_says_from_which_delay_on_it_is_named(tmp_path: Path) -> None:
     """And that without a torque stiffness and inertia are not told apart at any size near the smallest."""
     (one,) = judged(tmp_path, designed(), design=True).runs
@@ -194,6 +302,31 @@ def test_responses_that_say_nothing(tmp_path: Path) -> None:
     assert "ratio_error" in forms(slow) or slow.unknown is not None, slow.sentence
 
 
+def tabled_by_scipy(log: Path) -> None:
+    """Write an analyser's table of a rig's log beside it: cross-spectra over 8 lines, with coherence."""
+    given = yaml.safe_load(log.read_text())
+    data = np.genfromtxt(log.parent / given["data"], delimiter=",", names=True)
+    at = {key: data[column["column"]] for key, column in given["columns"].items()}
+    rate = 1.0 / float(np.median(np.diff(at["time"])))
+    inputs = 0.5 * (at["input_left"] + at["input_right"])
+    inputs, output = (detrend(row) for row in (inputs, at["output"]))
+    how = {"fs": rate, "nperseg": inputs.size, "window": ("tukey", 0.04)}
+    pairs = ((inputs, inputs), (output, output), (inputs, output))
+    n = inputs.size // 16 * 8
+    f = np.fft.rfftfreq(inputs.size, 1.0 / rate)[:n].reshape(-1, 8).mean(axis=1)
+    below, above, cross = (csd(*pair, **how)[1][:n].reshape(-1, 8).mean(axis=1) for pair in pairs)
+    value, gamma, kept = cross / below, np.abs(cross) ** 2 / (below * above).real, (f > 8.0) & (f < 140.0)
+    # A chirp that crosses k hertz a second has the spectrum of its amplitude over 2 sqrt(k).
+    duration = inputs.size / rate
+    amplitude = 2.0 * np.sqrt(145.0 / duration * below.real[kept] * duration / 2.0)
+    rows = [f[kept], np.abs(value[kept]), np.angle(value[kept]), gamma[kept], amplitude]
+    np.savetxt(log.parent / "table.csv", np.stack(rows, axis=1), "%.9g", ",", header="f,g,p,c,a", comments="")
+    units = {"frequency": "Hz", "gain": "-", "phase": "rad", "coherence": "-", "amplitude": "rad"}
+    columns = {key: {"column": k, "unit": unit} for k, (key, unit) in enumerate(units.items(), 1)}
+    content = {"data": "table.csv", "columns": columns} | {k: given[k] for k in ("kind", "parts", "inertia_plate")}
+    (log.parent / "table.yaml").write_text(yaml.safe_dump(content))
+
+
 @pytest.mark.slow
 def test_the_rig_s_chirps_at_two_amplitudes(tmp_path: Path) -> None:
     """The mode falls with the amplitude as the design says; less preload lowers it more at the larger one."""
@@ -215,6 +348,13 @@ def test_the_rig_s_chirps_at_two_amplitudes(tmp_path: Path) -> None:
     assert small.frequency_Hz.value > 1.05 * large.frequency_Hz.value
     for mode in sound.modes:
         assert mode.frequency_Hz.value == pytest.approx(mode.declared_Hz, rel=0.015), mode.words
+    for name in ("sound-4", "sound-16"):
+        tabled_by_scipy(tmp_path / name / f"{name}.yaml")
+    files = [tmp_path / name / "table.yaml" for name in ("sound-4", "sound-16")]
+    table = mc.close_loop(reference(), files).result
+    assert table.verdict == "none", table.sentence
+    for mode, of_log in zip(table.modes, sound.modes, strict=True):
+        assert mode.frequency_Hz.value == pytest.approx(of_log.frequency_Hz.value, rel=0.01), (mode.words, of_log.words)
     loose = runs("loose", effects=[{"effect": "preload", "share": -0.4}])
     (one,) = loose.effects
     assert one.name == "preload_error", loose.sentence

@@ -155,3 +155,37 @@ def test_dates_are_a_time(tmp_path: Path) -> None:
     run = arranged(load_measurement(tmp_path / "run.yaml"), DRIVE)
     np.testing.assert_allclose(run.time_s - run.time_s[0], RUN.time_s - RUN.time_s[0], atol=1.1e-6)
     same(run)
+
+
+@pytest.mark.parametrize(
+    ("head", "sign", "expected"),
+    [
+        ("Frequency (Hz),Channel 1 Magnitude (dB),Channel 2 Magnitude (dB),Channel 2 Phase (deg)", ",", "turns: 1}"),
+        ("# Bode\n% Frequency (Hz), Gain (dB), Phase (deg)", ",", "response: {over: inputs}"),
+        ("freq_rad/s\tmag\tphase_deg\tcoherence", "\t", "unit: rad/s}"),
+        ("Frequenz [Hz];Betrag [dB];Phase [°]", ";", "over: torque"),
+    ],
+)
+def test_a_table_of_gain_and_phase_is_one_of_an_analyser(head: str, sign: str, expected: str, tmp_path: Path) -> None:
+    """As analysers and control suites write it: a reference channel, rad/s, falling frequencies, decimal commas."""
+    f = np.geomspace(5.0, 200.0, 60)
+    s, w = 2j * np.pi * f, 2.0 * np.pi * 70.0
+    value = w**2 / (s**2 + 30.0 * s + w**2)
+    gain, phase = 20.0 * np.log10(np.abs(value)), np.degrees(np.unwrap(np.angle(value)))
+    columns = {
+        "Frequency (Hz)": [f, 0.0 * f, gain, phase],
+        "# Bode": [f, gain - 20.0 * np.log10(9.0), phase],
+        "freq_rad/s\tmag": [2.0 * np.pi * f, np.abs(value) / 9.0, phase, 1.0 - 1e-4 * f],
+        "Frequenz": [f[::-1], gain[::-1] - 80.0, phase[::-1]],
+    }
+    table = next(rows for begin, rows in columns.items() if head.startswith(begin))
+    lines = [sign.join(f"{v:.7g}" for v in row) for row in np.stack(table, axis=1)]
+    text = "\n".join([head, *((line.replace(".", ",") if sign == ";" else line) for line in lines)])
+    (tmp_path / "bode.csv").write_text(text + "\n", encoding="utf-8")
+    draft = draft_text(tmp_path / "bode.csv", Expected.of_drive(DRIVE))
+    assert expected in draft and "kind: frequency_response" in draft, draft
+    (tmp_path / "bode.yaml").write_text(draft, encoding="utf-8")
+    read = load_measurement(tmp_path / "bode.yaml").table
+    assert read is not None
+    np.testing.assert_allclose(read.frequency_Hz, f, rtol=1e-5)
+    np.testing.assert_allclose(read.value / np.abs(read.value[0]), value / np.abs(value[0]), rtol=1e-4)
