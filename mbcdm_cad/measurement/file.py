@@ -114,11 +114,16 @@ def _has_fields(text: str) -> bool:
 
 
 def _strange_columns(path: Path, tree: yamltree.Tree) -> list[Problem]:
-    """Columns that are neither a quantity nor an input."""
+    """Columns that are neither a quantity nor an input, and the one of the output where it is missing."""
     columns = tree.data.get("columns") if isinstance(tree.data, dict) else None
     strange = [key for key in columns if not is_column(str(key))] if isinstance(columns, dict) else []
     known = [*Columns.model_fields, "input_<name of an input of the design>"]
-    return [
+    missing = []
+    if isinstance(columns, dict) and not {"output", "frequency"} & set(columns):
+        remedy = "add it, for example output: {column: q_out, unit: rad}; or frequency, of an analyser's table"
+        where: FieldPath = ("columns", "output")
+        missing = [Problem(str(path), tree.line_of(where), dotted(where), "missing", remedy=remedy)]
+    return missing + [
         Problem(
             str(path),
             tree.line_of(("columns", key)),
@@ -158,8 +163,6 @@ def _broken_rules(file: MeasurementFile) -> list[Problem]:
     asked = file.asked
     if "frequency" in asked:
         return [*problems, *_broken_table(file, asked), *_broken_columns(file, asked)]
-    if "output" not in asked:
-        problems.append(file.problem(("columns", "output"), "missing", remedy="give the column of the output's angle"))
     if content.load is not None and LOAD in asked:
         remedy = "keep one of the two: the measured torque, or what is known of the load"
         told = content.load if isinstance(content.load, str) else "pendulum"
