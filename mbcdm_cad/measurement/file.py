@@ -219,9 +219,11 @@ def _broken_columns(file: MeasurementFile, asked: dict[str, Column]) -> list[Pro
 def _of_another_kind(file: MeasurementFile) -> list[Problem]:
     """Problems with fields that have no effect on a log of this kind."""
     content = file.content
-    given = [("columns", key) for key in ("excitation", *TABLE) if key in file.asked]
+    given: list[FieldPath] = [("columns", key) for key in ("excitation", *TABLE) if key in file.asked]
     given += [(key,) for key in ("inertia_plate", "response") if getattr(content, key) is not None]
-    of_logs = [("inertia_plate",), ("columns", "excitation")] if content.kind == FREQUENCY_RESPONSE else []
+    of_logs: list[FieldPath] = (
+        [("inertia_plate",), ("columns", "excitation")] if content.kind == FREQUENCY_RESPONSE else []
+    )
     remedies = {
         True: "give columns.frequency of an analyser's table; else leave it out",
         False: f"say kind: {FREQUENCY_RESPONSE} of a chirp, noise or an analyser's table; else leave it out",
