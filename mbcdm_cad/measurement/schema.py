@@ -240,9 +240,11 @@ class SensorFigures(Block):
 BENCH = "bench"
 
 
-def _of_bench(meaning: str, unit: str, example: float, default: float | None = None, **bounds: Any) -> Any:
-    """A figure of the bench; one without a default is needed."""
-    given: dict[str, Any] = {} if default is None else {"default": default}
+def _of_bench(
+    meaning: str, unit: str, example: float, default: float | None = None, optional: bool = False, **bounds: Any
+) -> Any:
+    """A figure of the bench; one without a default is needed, unless it is ``optional``."""
+    given: dict[str, Any] = {} if default is None and not optional else {"default": default}
     return figure(meaning, unit=unit, source=BENCH, example=example, **given, **bounds)
 
 
@@ -350,6 +352,10 @@ class InertiaPlate(Block):
     )
 
 
+# A figure above zero that may be left out.
+_LEFT_OUT: dict[str, Any] = {"optional": True, "gt": 0.0, "le": 1e7}
+
+
 class ResponseBlock(Block):
     """What the gain of an analyser's table is over."""
 
@@ -360,33 +366,18 @@ class ResponseBlock(Block):
         example="torque",
         default="inputs",
     )
-    turns: Number | None = figure(
+    turns: Number | None = _of_bench(
         "turns of the inputs' encoders for one of the output; left out, the drive's ratio; 1 if the analyser "
         "divided by it, times the gearhead's ratio of encoders on the motors",
-        unit="-",
-        source=BENCH,
-        example=1.0,
-        default=None,
-        gt=0.0,
-        le=1e7,
+        "-",
+        1.0,
+        **_LEFT_OUT,
     )
-    amplitude_rad: Number | None = figure(
-        "amplitude of the inputs as their encoders read, the same at all frequencies",
-        unit="rad",
-        source=BENCH,
-        example=0.01,
-        default=None,
-        gt=0.0,
-        le=1e3,
+    amplitude_rad: Number | None = _of_bench(
+        "amplitude of the inputs as their encoders read, the same at all frequencies", "rad", 0.01, **_LEFT_OUT
     )
-    amplitude_Nm: Number | None = figure(
-        "amplitude of the torque on the output, the same at all frequencies",
-        unit="N m",
-        source=BENCH,
-        example=0.1,
-        default=None,
-        gt=0.0,
-        le=1e6,
+    amplitude_Nm: Number | None = _of_bench(
+        "amplitude of the torque on the output, the same at all frequencies", "N m", 0.1, **_LEFT_OUT
     )
 
 
