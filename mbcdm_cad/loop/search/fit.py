@@ -99,6 +99,24 @@ class _Point:
         return np.concatenate([*self.values, self.offsets])
 
 
+def _bounded_step(normal: Floats, slope: Floats, damping: float, bounds: Floats) -> Floats:
+    """The damped step of least squares, (k,), within ``bounds`` (2, k): parameters that would pass a bound stop there,
+    and the others make the best of it.
+
+    To clip the step of all would spoil it: the zero of two input encoders is bounded and resembles many effects.
+    """
+    step, free = np.zeros(slope.size), np.ones(slope.size, dtype=np.bool_)
+    while free.any():
+        inner = normal[np.ix_(free, free)] + damping * np.eye(int(free.sum()))
+        step[free] = np.linalg.solve(inner, (slope - normal @ np.where(free, 0.0, step))[free])
+        beyond = free & ((step < bounds[0]) | (step > bounds[1]))
+        if not beyond.any():
+            break
+        step[beyond] = np.clip(step, *bounds)[beyond]
+        free &= ~beyond
+    return step
+
+
 class Fitter:
     """Fits sets of effects to one or more runs of one drive; ``known`` effects (``Drive.as_built``) are always
     applied."""
@@ -322,22 +340,25 @@ class Fitter:
         size[size == 0.0] = 1.0
         columns /= size
         normal, slope = columns.T @ columns, columns.T @ now.residual[mask]
+        bounds = self._bounds(effects, now) * size
         for _ in range(6):
-            scaled = np.linalg.solve(normal + damping * np.eye(slope.size), slope)
+            scaled = _bounded_step(normal, slope, damping, bounds)
             promised = float(2.0 * slope @ scaled - scaled @ normal @ scaled) / (now.square * int(mask.sum()))
             if promised < 0.5 * settled:
                 return None, damping
-            step = scaled / size
-            better = self._tried(effects, now, step, mask)
-            if better is None and self.free.any() and effects:
-                # An offset that reaches its bound spoils the step of the other parameters: keep the offsets fixed.
-                kept = slope.size - int(self.free.sum())
-                short = np.linalg.solve(normal[:kept, :kept] + damping * np.eye(kept), slope[:kept]) / size[:kept]
-                better = self._tried(effects, now, np.concatenate([short, np.zeros(slope.size - kept)]), mask)
+            better = self._tried(effects, now, scaled / size, mask)
             if better is not None:
                 return better, max(damping / 30.0, 1e-9)
             damping = max(30.0 * damping, 1e-6)
         return None, damping
+
+    def _bounds(self, effects: Sequence[Effect], at: _Point) -> Floats:
+        """The least and the greatest step of each value and free offset that stays within its bounds, (2, k)."""
+        own = [p for effect in effects for p in effect.parameters]
+        low = np.concatenate([[p.low for p in own], self.least[self.free]])
+        high = np.concatenate([[p.high for p in own], self.limit[self.free]])
+        theta = np.concatenate([*at.values, at.offsets[self.free]])
+        return np.stack([low - theta, high - theta])
 
     def _tried(self, effects: Sequence[Effect], now: _Point, step: Floats, mask: NDArray[np.bool_]) -> _Point | None:
         """The point after a step; None if that is no better, or cannot be simulated."""

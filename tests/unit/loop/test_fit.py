@@ -7,13 +7,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.optimize import lsq_linear
 
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.loop.effect import Effect
 from mbcdm_cad.loop.effects import library
 from mbcdm_cad.loop.prepare import setup
 from mbcdm_cad.loop.prepare.prepared import prepare
-from mbcdm_cad.loop.search.fit import Fitter
+from mbcdm_cad.loop.search.fit import Fitter, _bounded_step
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.si import to_si
@@ -107,6 +108,21 @@ def test_slopes_from_elsewhere_end_at_the_same_values() -> None:
     assert exact.values[0][0] == pytest.approx(0.1, rel=0.03)
     assert exact.values[1][0] == pytest.approx(2e-4, rel=0.03)
     assert max(apart) < 2e-2, apart
+
+
+def test_a_step_that_meets_a_bound_is_the_best_within_it() -> None:
+    rng = np.random.default_rng(5)
+    stopped = 0
+    for _ in range(200):
+        columns, aim = rng.normal(size=(30, 4)), rng.normal(size=30)
+        columns[:, 1] = columns[:, 0] + 0.05 * columns[:, 1]  # as an offset of two encoders resembles an effect
+        bounds = np.full((2, 4), np.inf) * [[-1.0], [1.0]]
+        bounds[:, 0] = -rng.random(), rng.random()
+        step = _bounded_step(columns.T @ columns, columns.T @ aim, 0.0, bounds)
+        best = lsq_linear(columns, aim, bounds, tol=1e-12)
+        assert step == pytest.approx(best.x, abs=1e-5), (step, best.x)
+        stopped += bool(best.active_mask[0])
+    assert stopped > 20, f"only {stopped} steps met the bound"
 
 
 def test_columns_go_with_their_effects() -> None:
