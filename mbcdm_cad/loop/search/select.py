@@ -18,7 +18,7 @@ from mbcdm_cad.loop.prepare.noise import Noise
 from mbcdm_cad.loop.search.evidence import log_odds, noise_left, supported
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.loop.search.screening import Screened
-from mbcdm_cad.loop.search.trial_fits import MOST_REFITS, TrialFits, both_plays
+from mbcdm_cad.loop.search.trial_fits import CABLES_SLIP, MOST_REFITS, TrialFits, both_plays
 from mbcdm_cad.routes import Floats
 
 # Least fall of the held-out RMS, in quadrature, over the noise floor (trial study: closed-loop notes).
@@ -35,8 +35,6 @@ FEWER_LOG_ODDS = log(1e5)
 MOST_FIRST = 3
 # Number of other forms of accepted effects from which the search is begun again.
 MOST_FORMS = 2
-# It is begun again too where one of these is in the fit: what sets the slip of the cables may stand for a wrong form.
-CABLES_SLIP = ("preload_error", "cable_friction", "passed_slip")
 # Largest error beyond the floor that such a pair may leave, over the error that it explains.
 MOST_LEFT = 0.1
 # Fall of the held-out RMS, over the floor, from which an effect supported by one place only is accepted if it leaves
@@ -106,6 +104,7 @@ class Search(TrialFits):
         now = self._from_inside(now)
         if self.too_much(now):
             now = self._gone_on(now)
+        # What sets the slip of the cables may stand for a wrong form.
         if self.too_much(now) or any(effect.name in CABLES_SLIP for effect in now.effects):
             now = self._in_other_forms(now)
         if self._plays_suspected(now):
@@ -141,10 +140,10 @@ class Search(TrialFits):
         self.note("play at both inputs at once", found.effects[-1], now, found)
         return self.taken(found)
 
-    def _grown(self, now: Fit) -> Fit:
-        """``now`` with all effects that can be accepted."""
+    def _grown(self, now: Fit, again: bool = False) -> Fit:
+        """``now`` with all effects that can be accepted; ``again``: the search was done once from another beginning."""
         while len(now.effects) < MOST_EFFECTS:
-            better = self._best(now)
+            better = self._best(now, again)
             if better is None:
                 break
             self.note("accepted", better.effects[-1], now, better)
@@ -203,7 +202,7 @@ class Search(TrialFits):
                 self.note("leaves only noise", one.effects[-1], now, one)
                 return self.backward(one)
         for one in self._promising(now)[:MOST_FIRST]:
-            grown = self._grown(one)
+            grown = self._grown(one, again=True)
             explained = self.held_rms(now) ** 2 - self.held_rms(grown) ** 2
             beyond = self.held_rms(grown) ** 2 - self.floor_rad**2
             if self.too_much(grown) and beyond > MOST_LEFT**2 * explained:
@@ -222,7 +221,7 @@ class Search(TrialFits):
         or form leads to the right ones.
         """
         for one in sorted(self._other_forms, key=lambda one: one.square)[:MOST_FORMS]:
-            grown = self._grown(one)
+            grown = self._grown(one, again=True)
             fewer = len(grown.effects) < len(now.effects) and not self.enough(grown, now)
             if self.enough(now, grown) or (fewer and log_odds(self.fitter, grown, now) < FEWER_LOG_ODDS):
                 self.note("begun again with another form", one.effects[-1], now, grown)
@@ -258,11 +257,12 @@ class Search(TrialFits):
     def _borne_out(self, fit: Fit, effect: Effect) -> bool:
         return supported(self.fitter, self.without(fit, effect), fit.with_last(effect), len(self.library))
 
-    def _best(self, now: Fit) -> Fit | None:
+    def _best(self, now: Fit, again: bool) -> Fit | None:
         """``now`` with the best effect that can be accepted; None if there is none.
 
         If all close candidates are rejected, those with a smaller predicted fall are refitted too: for a large preload
-        error a linear step predicts little, although the refit may explain everything.
+        error a linear step predicts little, although the refit may explain everything. A search that is begun again
+        leaves out those that can only end far behind the best one that was rejected.
         """
         done = list[Screened]()
         tried = list[Fit]()
@@ -273,7 +273,11 @@ class Search(TrialFits):
                 floor = self.floor_rad if first else self.least_floor_rad
                 chosen = [c for c in chosen if c.fall > PROMISED_SHARE * (LEAST_FALL * floor) ** 2]
             done += chosen
-            new = self.refits(now, chosen)
+            needed = -np.inf
+            if again and first:
+                causes = [one.square for one in tried if not one.effects[-1].last]
+                needed = RUNNER_UP * (now.square - min(causes, default=now.square))
+            new = self.refits(now, chosen, needed=needed)
             tried += new
             found = self._first_acceptable(now, new, [one for one in tried if not one.effects[-1].last])
             if found is not None or not self.too_much(now):

@@ -63,9 +63,14 @@ def _begun(pair: tuple[Effect, Effect], widths: tuple[float, float], bare: Fit, 
     return fitter.fit(pair, starts, bare.offsets, settled=1e-4)
 
 
+# What sets the slip of the cables.
+CABLES_SLIP = ("preload_error", "cable_friction", "passed_slip")
 # Candidates whose screened fall of the sum of squares is this share of the best's are refitted, up to a number.
 CLOSE_SHARE = 0.3
 MOST_REFITS = 7
+# Candidates are not refitted if their predicted fall is less than this share of the fall that is needed (calibrated:
+# docs/loop-benches.md).
+HOPEFUL_SHARE = 0.25
 # A refit that reaches less than this share of its predicted fall is begun again, if that is near the greatest one.
 LOST_SHARE = 0.5
 # Alternatives to an effect, the best first, that are fitted again beside a line or an event, or if a shared effect has
@@ -95,8 +100,14 @@ class TrialFits:
         names = {name, *(other for c in chosen[:1] for other in c.effect.after)}
         return chosen + [c for c in screened if c.effect.name in names and c not in chosen]
 
-    def refits(self, fit: Fit, chosen: Sequence[Screened], share: float = CLOSE_SHARE) -> list[Fit]:
-        """``fit`` with one effect more, for each of ``chosen``; best training mean square first."""
+    def refits(
+        self, fit: Fit, chosen: Sequence[Screened], share: float = CLOSE_SHARE, needed: float = -np.inf
+    ) -> list[Fit]:
+        """``fit`` with one effect more, for each of ``chosen``; best training mean square first.
+
+        ``needed``: the fall of the mean square below which a candidate is of no use, shapes of the rest apart.
+        """
+        chosen = [c for c in chosen if _may_do_more(c.effect) or c.fall >= HOPEFUL_SHARE * needed]
         own = fit.width
         greatest = self.screening.screen(fit)[0].fall if chosen else 0.0
 
@@ -120,6 +131,7 @@ class TrialFits:
         # Fits that are far behind after a few steps cannot win; only the others are continued.
         least = min(one.square for one in begun) if begun else 0.0
         near = [one for one in begun if fit.square - one.square >= share * (fit.square - least)]
+        near = [one for one in near if _may_do_more(one.effects[-1]) or fit.square - one.square >= share * needed]
         ended = self.each(
             [
                 partial(Fitter.fit, effects=one.effects, values=one.values, offsets=one.offsets, settled=1e-5)
@@ -166,6 +178,11 @@ class TrialFits:
         if not any(effect.once for effect in one.effects):
             return best
         return min(filter(None, (best, located(fitter, best))), key=lambda each: each.square)
+
+
+def _may_do_more(effect: Effect) -> bool:
+    """Whether a fit may explain far more than a linear step of it promises, or the effect is a shape of the rest."""
+    return effect.last or effect.saturates or effect.order_index is not None or effect.name in CABLES_SLIP
 
 
 def _moved(fit: Fit, one: Fit) -> bool:
