@@ -39,18 +39,29 @@ def lags(
         # It turns with the drum and never floats: the sign of its torque gives the flank.
         carried = simulate(d, input_angle_rad, load_Nm, path_m).input_torque_Nm(d)
         return np.asarray(half[:, None] * np.where(carried == 0.0, faces(d)[:, None], np.sign(carried)))
+    return lags_and_drum_rad(d, input_angle_rad, load_Nm, path_m, play_rad)[0]
+
+
+def lags_and_drum_rad(
+    d: DriveSI, input_angle_rad: Floats, load_Nm: Floats, path_m: Floats | None, play_rad: Sequence[float]
+) -> tuple[Floats, Floats]:
+    """The same for a drive of several inputs, and with it the drum angle that this balances, rad (n,).
+
+    The drum angle is that of :func:`mbcdm_cad.model.hysteresis.simulate` with the pulleys in these positions.
+    """
+    half = 0.5 * np.asarray(play_rad, dtype=float)
     angle, load = checked_series(d, input_angle_rad, load_Nm)
     lever = d.sigma * d.input_radius_m
     begun = half * faces(d)
     offset = lever[:, None] * angle[list(d.input_of)] + path_offset_m(d, path_m, load.size)
     offset += (lever * begun[list(d.input_of)])[:, None]
-    found = np.empty((d.n_inputs, load.size))
+    found = np.empty((d.n_inputs + 1, load.size))
     turns = np.empty((d.n_cables, load.size + 2, 2))
     pulleys = np.stack([lever, np.array(d.input_of, dtype=float)], axis=1)
     failed = _run(constants(d), pulleys, np.stack([half, begun], axis=1), offset, load, turns, found)
     if failed >= 0:
         raise ModelError(f"sample {failed}: no drum angle balances a load of {load[failed]:.6g} N m with this play")
-    return found
+    return found[:-1], found[-1]
 
 
 def faces(d: DriveSI) -> Floats:
@@ -63,7 +74,7 @@ def faces(d: DriveSI) -> Floats:
 def _run(
     table: Floats, pulleys: Floats, faces: Floats, offsets: Floats, load: Floats, turns: Floats, found: Floats
 ) -> int:
-    """Fill ``found``; the first sample that cannot be balanced, or -1.
+    """Fill ``found``, the lag of each pulley and last the drum angle; the first sample that cannot be balanced, or -1.
 
     ``pulleys`` (n_cables, 2): lever of each cable at its input, and that input; ``faces`` (n_inputs, 2): half the play,
     and where the pulley begins; ``offsets`` (n_cables, n): stretch with all pulleys in the middle of their play.
@@ -116,6 +127,7 @@ def _run(
         if not balanced:
             return k
         settle(table, state, turns, offset, theta, pulled)
+        found[n_inputs, k] = theta
         for j in range(n_cables):
             before[j] = offset[j]
         for i in range(n_inputs):

@@ -12,7 +12,7 @@ from mbcdm_cad.loop.prepare.prepared import Prepared
 from mbcdm_cad.loop.prepare.readings import under_load
 from mbcdm_cad.model.creep import START_S
 from mbcdm_cad.model.hysteresis import simulate
-from mbcdm_cad.model.play import faces, lags
+from mbcdm_cad.model.play import faces, lags, lags_and_drum_rad
 from mbcdm_cad.model.profiles import simulate_profiles
 from mbcdm_cad.model.series import Response
 from mbcdm_cad.model.si import DriveSI
@@ -204,8 +204,13 @@ def respond(s: Setup, winding: bool = False, through: bool = False) -> Floats:
     The elastic part changes slowly and is interpolated. The common motion of the inputs is added on every sample, and
     the noise that was removed from the inputs is added back linearly.
     """
-    p, s = s.p, taken_up(s)
-    elastic = _simulated(s, winding, through).drum_angle_rad - p.coarse_common_rad / s.ratio
+    p, d = s.p, s.drive
+    if any(s.play_rad) and d.n_inputs > 1 and d.endless_wraps and not (winding or through or d.slips_on_passed):
+        drum = lags_and_drum_rad(d, *_worked(s), s.play_rad)[1]
+    else:
+        s = taken_up(s)
+        drum = _simulated(s, winding, through).drum_angle_rad
+    elastic = drum - p.coarse_common_rad / s.ratio
     noise = input_shares(s.drive) @ p.removed_rad
     return np.asarray((p.mean_rad + noise) / s.ratio + _between(p, elastic))
 

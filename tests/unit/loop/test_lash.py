@@ -56,6 +56,14 @@ def test_on_a_face_or_without_torque(index: int) -> None:
     assert (torque[lag < -0.499 * PLAY] < 1e-3).all()
 
 
+def test_drum_with_play_is_that_of_the_pulleys_where_they_are() -> None:
+    p = run(0.9)
+    changed = at_input(D.input_names[0], p).apply(declared(D, 9.0, p), np.array([PLAY, 2e-4]), Simulator())
+    changed = at_input(D.input_names[1], p).apply(changed, np.array([0.5 * PLAY, 0.0]), Simulator())
+    away = np.abs(respond(changed) - respond(taken_up(changed))).max()
+    assert away < 1e-12, f"{away:.2e} rad from the angle that the cables give with the pulleys in these places"
+
+
 def test_bias_holds_one_face_under_a_small_load() -> None:
     p = run(0.05)
     setup = declared(D, 9.0, p)
