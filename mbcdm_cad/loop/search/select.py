@@ -35,6 +35,8 @@ FEWER_LOG_ODDS = log(1e5)
 MOST_FIRST = 3
 # Number of other forms of accepted effects from which the search is begun again.
 MOST_FORMS = 2
+# A search from there with as many effects and so many times the error of the one before tries only what is close.
+FAR_BEHIND = 2.0
 # Largest error beyond the floor that such a pair may leave, over the error that it explains.
 MOST_LEFT = 0.1
 # Fall of the held-out RMS, over the floor, from which an effect supported by one place only is accepted if it leaves
@@ -140,10 +142,10 @@ class Search(TrialFits):
         self.note("play at both inputs at once", found.effects[-1], now, found)
         return self.taken(found)
 
-    def _grown(self, now: Fit, again: bool = False) -> Fit:
-        """``now`` with all effects that can be accepted; ``again``: the search was done once from another beginning."""
+    def _grown(self, now: Fit, against: Fit | None = None) -> Fit:
+        """``now`` with all effects that can be accepted; ``against``: where the search ended from another beginning."""
         while len(now.effects) < MOST_EFFECTS:
-            better = self._best(now, again)
+            better = self._best(now, against)
             if better is None:
                 break
             self.note("accepted", better.effects[-1], now, better)
@@ -202,7 +204,7 @@ class Search(TrialFits):
                 self.note("leaves only noise", one.effects[-1], now, one)
                 return self.backward(one)
         for one in self._promising(now)[:MOST_FIRST]:
-            grown = self._grown(one, again=True)
+            grown = self._grown(one, against=now)
             explained = self.held_rms(now) ** 2 - self.held_rms(grown) ** 2
             beyond = self.held_rms(grown) ** 2 - self.floor_rad**2
             if self.too_much(grown) and beyond > MOST_LEFT**2 * explained:
@@ -221,7 +223,7 @@ class Search(TrialFits):
         or form leads to the right ones.
         """
         for one in sorted(self._other_forms, key=lambda one: one.square)[:MOST_FORMS]:
-            grown = self._grown(one, again=True)
+            grown = self._grown(one, against=now)
             fewer = len(grown.effects) < len(now.effects) and not self.enough(grown, now)
             if self.enough(now, grown) or (fewer and log_odds(self.fitter, grown, now) < FEWER_LOG_ODDS):
                 self.note("begun again with another form", one.effects[-1], now, grown)
@@ -257,12 +259,13 @@ class Search(TrialFits):
     def _borne_out(self, fit: Fit, effect: Effect) -> bool:
         return supported(self.fitter, self.without(fit, effect), fit.with_last(effect), len(self.library))
 
-    def _best(self, now: Fit, again: bool) -> Fit | None:
+    def _best(self, now: Fit, against: Fit | None) -> Fit | None:
         """``now`` with the best effect that can be accepted; None if there is none.
 
         If all close candidates are rejected, those with a smaller predicted fall are refitted too: for a large preload
         error a linear step predicts little, although the refit may explain everything. A search that is begun again
-        leaves out those that can only end far behind the best one that was rejected.
+        leaves out those that can only end far behind the best one that was rejected, and all of them where it is itself
+        far behind the one before.
         """
         done = list[Screened]()
         tried = list[Fit]()
@@ -274,19 +277,24 @@ class Search(TrialFits):
                 chosen = [c for c in chosen if c.fall > PROMISED_SHARE * (LEAST_FALL * floor) ** 2]
             done += chosen
             needed = -np.inf
-            if again and first:
+            if against and first:
                 causes = [one.square for one in tried if not one.effects[-1].last]
                 needed = RUNNER_UP * (now.square - min(causes, default=now.square))
             new = self.refits(now, chosen, needed=needed)
             tried += new
             found = self._first_acceptable(now, new, [one for one in tried if not one.effects[-1].last])
-            if found is not None or not self.too_much(now):
+            if found is not None or not self.too_much(now) or (against and self._far_behind(now, against)):
                 break
         if found is None:
             self._tried[now] = tried
             shapes = sorted((one for one in tried if one.effects[-1].last), key=lambda one: one.square)
             found = self._first_acceptable(now, shapes, shapes)
         return found
+
+    def _far_behind(self, now: Fit, against: Fit) -> bool:
+        """Whether ``now`` has as many effects as another fit and leaves far more."""
+        as_many = len(now.effects) >= len(against.effects)
+        return as_many and self.held_rms(now) > FAR_BEHIND * self.held_rms(against)
 
     def _first_acceptable(self, now: Fit, new: Sequence[Fit], among: Sequence[Fit]) -> Fit | None:
         """The first of ``new`` that can be accepted and that is not far behind the best of ``among``."""
