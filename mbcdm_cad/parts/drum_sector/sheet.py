@@ -8,6 +8,7 @@ from mbcdm_cad.parts.drum_sector.dims import CHAMFER_MM, POCKET_LEAD_MM, SET_SCR
 from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.sheets.description import (
     Angle,
+    CuttingLine,
     FitLine,
     Holes,
     Label,
@@ -29,8 +30,8 @@ from mbcdm_cad.parts.sheets.holes import hole_labels, hole_table, position_table
 from mbcdm_cad.parts.sheets.tolerances import GeometricTolerance
 
 _REAR, _SECTION, _HUB = "rear", "section", "hub"
-# How far beyond the rim the sector's angle is drawn.
-_ANGLE_BEYOND_MM = 9.0
+# How far beyond the rim the sector's angle is drawn, over the rim's radius: the cutting line ends below it.
+_ANGLE_BEYOND = 0.15
 
 
 def _polar(radius: float, deg: float, y: float) -> Vector:
@@ -165,7 +166,7 @@ def _views(d: DrumDims) -> tuple[View, ...]:
             minus(Y),
             Z,
             column=1,
-            title="A-A",
+            title="B-B",
             cut=(0.0, 0.0, 0.0),
             axes=(((0.0, d.spigot_y, 0.0), (0.0, d.hub_face_y, 0.0)),),
         ),
@@ -238,7 +239,7 @@ def drum_sheet(part: str, d: DrumDims, set_screw_thread: float) -> Sheet:
                 _polar(outer, half, face),
                 _polar(outer, -half, face),
                 2 * half,
-                outer + _ANGLE_BEYOND_MM,
+                outer * (1.0 + _ANGLE_BEYOND),
             )
         ]
     )
@@ -259,6 +260,10 @@ def drum_sheet(part: str, d: DrumDims, set_screw_thread: float) -> Sheet:
                 "below",
                 "%%c",
             ),
+        ),
+        # B, since A is the face from which depths are measured.
+        cutting_lines=(
+            CuttingLine(_REAR, (0.0, face, -(outer if d.whole else d.hub_radius) - 2.0), (0.0, face, outer), "B", X),
         ),
         tolerances=(GeometricTolerance(_SECTION, lands[0], "run-out", 0.02, ("D",), tuple(lands[1:])),),
         labels=(
@@ -282,6 +287,7 @@ def drum_sheet(part: str, d: DrumDims, set_screw_thread: float) -> Sheet:
             *(line for group in _dowel_holes(d) for line in group.fit_lines()),
         ),
         notes=(
+            "The large view is from behind (face A's side), X to the right, Z up.",
             "Lands Ra 0.8. Terminals: s along the tangent, n outward, both from the point of "
             "the pitch circle at the given angle; pockets from behind (face A's side)"
             + (", on a whole drum from the face that the table names." if d.whole else "."),
