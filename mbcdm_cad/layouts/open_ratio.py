@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import copy
 import marshal
+from collections.abc import Mapping
 from dataclasses import replace
 from math import inf
 from typing import Any, Protocol
@@ -16,7 +17,7 @@ from mbcdm_cad.checks.size import kept_mass_g
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import LIGHTEST, Moved, Sizing, SizingError
 from mbcdm_cad.layouts.base import Layout, NoFigureError
-from mbcdm_cad.layouts.stiff_sizing import layout_of, misses
+from mbcdm_cad.layouts.stiff_sizing import BY_ELEMENTS, layout_of, misses
 from mbcdm_cad.sizing.known import KnownFields
 from mbcdm_cad.sizing.rule import Found, Rule
 
@@ -66,15 +67,22 @@ _REMEMBERED = 64
 
 
 def _lightest(size: SizeWith, field: str, data: dict[str, Any], layout: type[Layout]) -> float:
-    ranked: list[tuple[tuple[int, float, float], float]] = []
+    drives: list[_Drive] = []
     refused: list[NoFigureError | SizingError] = []
     for ratio in RATIOS:
         try:
-            ranked.append((_rank(layout, _with(size, field, data, None, None, ratio)), ratio))
+            drives.append(_Drive(ratio, layout_of(layout, _with(size, field, data, None, None, ratio))))
         except (NoFigureError, SizingError) as error:
             refused.append(error)
-    if ranked:
-        return min(ranked)[1]
+    best: tuple[_Rank, float] | None = None
+    # Finite elements add misses at most, so that a drive behind the best without them stays there.
+    for drive in sorted(drives, key=lambda one: (one.rank, one.ratio)):
+        if best is not None and best <= (drive.rank, drive.ratio):
+            break
+        whole = drive.whole_rank(), drive.ratio
+        best = whole if best is None else min(best, whole)
+    if best is not None:
+        return best[1]
     if isinstance(refused[0], SizingError) and len({str(error) for error in refused}) == 1:
         raise refused[0]  # a fault of the file, whatever the ratio
     what = f"missing, and no ratio from {RATIOS[0]:g} to {RATIOS[-1]:g} gives a drive: {refused[0]}"
@@ -102,12 +110,25 @@ def _rule(field: str, ratio: float) -> Rule:
     )
 
 
-def _rank(layout: type[Layout], sizing: Sizing) -> tuple[int, float, float]:
-    """Number of failing checks, what they miss over their limits, mass in g."""
-    found = layout_of(layout, sizing)
-    missed = misses(found)
-    try:
-        mass_g = kept_mass_g(found, layout.bill)
-    except (ValueError, ZeroDivisionError):
-        mass_g = inf
-    return len(missed), sum(missed.values()), mass_g
+# Number of failing checks, what they miss over their limits, mass in g.
+_Rank = tuple[int, float, float]
+
+
+class _Drive:
+    """A sized drive at one ratio; ``rank``: without the checks that need finite elements."""
+
+    def __init__(self, ratio: float, found: Layout) -> None:
+        self.ratio, self._found = ratio, found
+        self._missed = misses(found, without=BY_ELEMENTS)
+        try:
+            self._mass_g = kept_mass_g(found, type(found).bill)
+        except (ValueError, ZeroDivisionError):
+            self._mass_g = inf
+        self.rank = self._ranked(self._missed)
+
+    def whole_rank(self) -> _Rank:
+        """The rank by all checks."""
+        return self._ranked(self._missed | misses(self._found, only=BY_ELEMENTS))
+
+    def _ranked(self, missed: Mapping[str, float]) -> _Rank:
+        return len(missed), sum(missed.values()), self._mass_g

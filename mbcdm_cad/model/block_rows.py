@@ -22,7 +22,10 @@ _many = ContextVar("many meshes", default=False)
 
 
 @cache
-def _linear_algebra() -> ThreadpoolController:
+def _linear_algebra(bands: bool) -> ThreadpoolController:
+    """The libraries of linear algebra that are loaded, with ``bands`` that of scipy too: it has one of its own."""
+    if bands:
+        import scipy.linalg.lapack  # noqa: F401  see solve_by_bands
     return ThreadpoolController()
 
 
@@ -47,10 +50,11 @@ def solve_mesh(row: Ints, where: Ints, stiffness: Floats, load: Floats, ground: 
     ``where`` (n, f): the freedoms of each element, below zero for those that are held; ``stiffness`` (n, f, f);
     ``ground`` (m,): springs to the base. Raises ``numpy.linalg.LinAlgError`` if the mesh is not held.
     """
-    if by_bands():
-        return solve_by_bands(where, stiffness, load, ground)
-    # On two threads the last digits differ, and blocks this small take longer.
-    with _linear_algebra().limit(limits=1, user_api="blas"):
+    bands = by_bands()
+    # On two threads the last digits differ, and meshes this small take several times the processor time.
+    with _linear_algebra(bands).limit(limits=1, user_api="blas"):
+        if bands:
+            return solve_by_bands(where, stiffness, load, ground)
         return solve_by_rows(row, where, stiffness, load, ground)
 
 

@@ -13,6 +13,7 @@ from mbcdm_cad.checks.comparison import Check
 from mbcdm_cad.checks.size import kept_mass_g
 from mbcdm_cad.design.fieldpath import value_at
 from mbcdm_cad.errors import MbcdmError, did_you_mean
+from mbcdm_cad.layouts import stiff_sizing
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.model.analysis import PeakTorques, peak_torques, reversal_swing_mrad
 from mbcdm_cad.model.capability import torque_to_weight_Nm_kg
@@ -30,12 +31,7 @@ if TYPE_CHECKING:
 # last ones, and a search that goes on elsewhere shall end with the same bytes.
 DIGITS = 10
 # Figures and checks that follow from finite elements of drum or frame.
-BY_ELEMENTS = frozenset(
-    {
-        *("swing_mrad", "stiffness_Nm_rad", "structure_over_cables"),
-        *("drum_stress", "frame_windup", "stiffness", "structure_share", "servo_lash"),
-    }
-)
+BY_ELEMENTS = stiff_sizing.BY_ELEMENTS | {"swing_mrad", "stiffness_Nm_rad", "structure_over_cables"}
 
 
 class Facts:

@@ -209,7 +209,7 @@ def _ends(tangent: Tangent, level: Level) -> tuple[float, float]:
 
 
 def _borders(rope: RopeInUse, levels: Sequence[Level]) -> Floats:
-    ends = np.unique([end for tangent in rope.tangents for level in levels for end in _ends(tangent, level)])
+    ends = np.sort([end for tangent in rope.tangents for level in levels for end in _ends(tangent, level)])
     return ends[np.concatenate([[True], np.diff(ends) > 10.0 * _EDGE])] if len(ends) else ends
 
 

@@ -117,7 +117,7 @@ class SectorMesh:
         met = np.abs(self.radius_mm[first[place]] - self.radius_mm[last]) < 1e-9
         stands[last[met]] = first[place[met]]
         row = np.minimum(self.line % lines, lines - self.line % lines)
-        kept = np.unique(stands)
+        kept = np.flatnonzero(np.bincount(stands))
         order = kept[np.argsort(row[kept], kind="stable")]
         number = np.zeros(count, dtype=int)
         number[order] = np.arange(len(order))
@@ -173,9 +173,10 @@ def sector_mesh(shape: SectorShape, cell_mm: float, corner_pieces: int = CORNER_
     corner, thick, end, cell = corner[kept], thick[kept], end[kept], np.stack([j, i], axis=1)[kept]
     if not (r[corner] < shape.held_mm + 1e-9).any():
         raise ValueError("drum: its windows leave no web at the hub")
-    used, number = np.unique(corner, return_inverse=True)
+    among = np.bincount(corner.ravel(), minlength=len(r)) > 0
+    used, number = np.flatnonzero(among), np.cumsum(among) - 1
     node = np.stack([r[used] * np.sin(a[used]), r[used] * np.cos(a[used])], axis=1)
-    corner, middle, line = number.reshape(-1, 4), end - thick / 2.0, used // count
+    corner, middle, line = number[corner], end - thick / 2.0, used // count
     return SectorMesh(node, corner, thick, middle, line, r[used], a[used], (radii, angles), cell)
 
 

@@ -13,8 +13,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
+from threadpoolctl import threadpool_info, threadpool_limits
 
 from mbcdm_cad.layouts.loader import load_design, load_text, new_design_text
+from mbcdm_cad.model import block_rows
 from mbcdm_cad.model.block_rows import many_meshes, solve_mesh
 from mbcdm_cad.model.structure.drum_sector import (
     STIFFENED,
@@ -76,6 +79,20 @@ def test_bands_and_rows_give_one_solution() -> None:
     ):
         apart = float(np.abs(np.subtract(one, other)).max() / np.abs(other).max())
         assert apart < 1e-9, f"{name}: {apart:.2g} of the largest apart"
+
+
+def test_a_mesh_is_solved_by_bands_on_one_thread(monkeypatch: pytest.MonkeyPatch) -> None:
+    """scipy has linear algebra of its own, loaded with the first mesh; two threads take five times as long."""
+    seen: list[int] = []
+
+    def threads(*_: object) -> NDArray[np.float64]:
+        seen.extend(one["num_threads"] for one in threadpool_info() if one["user_api"] == "blas")
+        return np.zeros((1, 1))
+
+    monkeypatch.setattr(block_rows, "solve_by_bands", threads)
+    with many_meshes(), threadpool_limits(2):
+        solve_mesh(np.zeros(1, dtype=int), np.zeros((0, 1), dtype=int), np.zeros((0, 1, 1)), np.zeros((1, 1)))
+    assert set(seen) == {1}, seen
 
 
 def test_a_mesh_that_nothing_holds_is_refused_by_bands() -> None:
