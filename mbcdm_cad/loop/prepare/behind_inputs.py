@@ -18,6 +18,7 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.lumped import compliance_of
 from mbcdm_cad.layouts.structure import sigma_urad_Nm
+from mbcdm_cad.layouts.turns import plain_modes
 from mbcdm_cad.measurement.response import FrequencyResponse
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.model.backlash import drum_backlash
@@ -93,20 +94,50 @@ def predicted(held: BehindInputs, v: Values, seen: FrequencyResponse) -> tuple[C
     def of(name: str) -> float:
         return v.get(name, 0.0)
 
-    s = 2j * np.pi * seen.frequency_Hz
+    s: Complex = np.asarray(2j * np.pi * seen.frequency_Hz, dtype=complex)
     payload, drum = held.payload_kg_m2 * (1.0 + of("inertia")), held.drum_kg_m2
     torque = carried_Nm(seen, payload + drum)
     before, behind, inside = _gives(held, v, torque, np.asarray(s.imag, dtype=float))
-    hub = 1.0 / (1.0 + behind * payload * s**2)
-    land = 1.0 / (1.0 + before * (drum + payload * hub) * s**2)
-    read = land * (1.0 - inside * payload * hub * s**2)
+    arm, front, share = _swing(v, "arm", s), _swing(v, "front", s), 1.0 - of("front_share")
+    swung = payload * (1.0 - of("arm_share") * arm / (1.0 + arm))
+    hub = 1.0 / (1.0 + behind * swung * s**2)
+    turned = before * (drum + swung * hub) * s**2
+    land = 1.0 / (1.0 + turned + front * (1.0 / share + turned))
+    read = land * (1.0 - inside * swung * hub * s**2)
     sensor = np.exp(-s * of("load_lag")) * (1.0 + of("load_gain"))
     if seen.over_torque:
         # What the drum gives for a torque from behind it; the payload's own inertia carries the rest of it.
+        before = before * (share + (1.0 - share) / (1.0 + front / share))
         drum_gives = before / (1.0 + before * drum * s**2)
-        read = (drum_gives + inside) / (1.0 + (drum_gives + behind) * payload * s**2) / sensor
+        read = (drum_gives + inside) / (1.0 + (drum_gives + behind) * swung * s**2) / sensor
     read = read * (1.0 + of("gain") + of("scale")) * np.exp(-s * of("delay")) / (1.0 + s * of("lag"))
-    return read, (1.0 - read) / (payload * s**2 * hub * land * sensor)
+    return read, (1.0 - read) / (swung * s**2 * hub * land * sensor)
+
+
+# What may swing on its own besides: a part of what the output turns, and a mass between encoders of inputs and drum.
+SECOND = ("arm", "front")
+
+
+def _swing(v: Values, what: str, s: Complex) -> Complex:
+    """Torque of a mass over that of the spring that holds it, at its frequency ``what``_Hz; 0 where there is none.
+
+    Of an arm ``arm_share`` is its part of the payload. The frame that carries the drive gives the same form: its
+    inertia swings against all that the output turns. Of a mass in front of the drum ``front_share`` is the part of the
+    compliance in front of it.
+    """
+    rate = 2.0 * np.pi * v.get(f"{what}_Hz", 0.0)
+    return np.asarray(s**2 / (rate**2 + 2.0 * v[f"{what}_damping"] * rate * s) if rate else 0.0 * s)
+
+
+def own_modes_Hz(held: BehindInputs, drive: Drive) -> list[float]:
+    """Modes that the design has besides the first: payload against drum, and those with the rotors free."""
+    payload, behind = held.payload_kg_m2, held.behind_drum
+    before = float(held.cables_rad_Nm[0]) + held.before_drum
+    roots = np.roots(
+        [behind * payload * before * held.drum_kg_m2, -(behind * payload + before * (held.drum_kg_m2 + payload)), 1.0]
+    )
+    found = [float(np.sqrt(max(abs(roots)))) / (2.0 * np.pi)] if roots.size > 1 else []
+    return sorted([*found, *plain_modes(drive.layout).inputs_free_Hz])
 
 
 def carried_Nm(seen: FrequencyResponse, inertia_kg_m2: float) -> Floats:

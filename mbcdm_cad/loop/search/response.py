@@ -18,16 +18,18 @@ from scipy.stats import f as f_distribution
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.loop.prepare.behind_inputs import (
     RIGID_DRIVE,
+    SECOND,
     BehindInputs,
     Values,
     behind_inputs,
     carried_Nm,
     first_mode,
+    own_modes_Hz,
     predicted,
 )
 from mbcdm_cad.loop.prepare.noise import Noise
 from mbcdm_cad.loop.readable import Value, readable
-from mbcdm_cad.loop.result import BodePicture, Errors, Evidence, LoopResult, Named, TorsionalMode
+from mbcdm_cad.loop.result import NEAR_FLOOR, BodePicture, Errors, Evidence, LoopResult, Named, TorsionalMode
 from mbcdm_cad.loop.search.account import INTERVAL, errors_of, next_steps
 from mbcdm_cad.loop.search.few import MOST_EFFECTS, ODDS, odds_of
 from mbcdm_cad.loop.search.few_words import CHANCE, LeftOver, verdict_of
@@ -48,6 +50,9 @@ TRIED = 2
 SLOPE = 1e-2
 # Steps in which amplitude and frequency of a mode settle.
 SETTLED = 12
+# Places and sizes at which the fit of a second mode begins; it lies this far from the first, and leaves at most this
+# share of what was above the floor.
+PLACES, SHARES, APART, MOST_LEFT, REFITS = 40, (0.03, 0.15, 0.5), 1.15, 0.5, 4
 # A mode lies in the band if its frequency is this far inside.
 INSIDE = 1.05
 
@@ -143,6 +148,24 @@ _SUSPECTS = {
 }
 
 
+# What a second mode may be: form, physics, where to look, plain.
+_SECOND = {
+    "arm": (
+        "arm or frame",
+        "a part of what the output turns, or the frame that carries the drive, swings on its own: at {own} the output "
+        "stands still, and a second mode is beside it; no cause of the drive",
+        "the payload's arm and its coupling; the frame, its feet and what it stands on",
+        "the output has a second mode at {natural_frequency_Hz}, in payload or frame",
+    ),
+    "front": (
+        "mass in front of the drum",
+        "a mass between the inputs' encoders and the drum swings on its own, at {own} with both held",
+        "encoders on the motors: the pulley on its gearhead; guide pulleys and shafts in front of the drum",
+        "the output has a second mode at {natural_frequency_Hz}, in front of the drum",
+    ),
+}
+
+
 def suspects(d: DriveSI | None, held: BehindInputs, highest_Hz: float) -> tuple[Suspect, ...]:
     """Everything that a frequency response can show of a drive."""
     turn = 0.45 / highest_Hz
@@ -178,10 +201,11 @@ class ResponseFit:
     covariance: Floats
     square: float
     width: int
+    free: tuple[str, ...]
 
-    def half(self, suspect: Suspect) -> float:
-        """Half width of the interval of one of the suspects, by the scatter that is left."""
-        at = self.suspects.index(suspect)
+    def half(self, parameter: str) -> float:
+        """Half width of the interval of a figure that was free, by the scatter that is left."""
+        at = self.free.index(parameter)
         return INTERVAL * float(np.sqrt(self.covariance[at, at]))
 
 
@@ -203,7 +227,7 @@ class ResponseLoop:
     """The loop on frequency responses of one drive."""
 
     def __init__(self, drive: Drive | None, ratio: float, runs: Sequence[Run]) -> None:
-        self.runs, self.d = tuple(runs), None if drive is None else to_si(drive)
+        self.runs, self.drive, self.d = tuple(runs), drive, None if drive is None else to_si(drive)
         self.seen = [response_of(run, ratio) for run in runs]
         if drive is None:  # nothing says what the torque turns
             self.seen = [replace(one, twist=None) for one in self.seen]
@@ -262,6 +286,7 @@ class ResponseLoop:
             for one in self.seen
         }
         self.amplitude = {over: float(np.median(np.concatenate(rows))) for over, rows in levels.items()}
+        self.second: dict[str, float] = {}  # figures of a second mode, once there is one
         self._weigh({})
 
     def _weigh(self, v: Values) -> None:
@@ -275,7 +300,7 @@ class ResponseLoop:
         pairs = zip(sigmas, self.seen, strict=True)
         outputs = np.concatenate([rows[0] * self.amplitude[seen.over_torque] for rows, seen in pairs])
         self.floor_rad = 1.0 / float(np.sqrt(np.mean(outputs**-2.0)))
-        self.bare = self.fit(())
+        self.bare = self.before = self.fit(())
 
     @property
     def noise(self) -> Noise:
@@ -308,7 +333,7 @@ class ResponseLoop:
         ``more``: further figures, with size and bounds."""
         used = ~self.test if mask is None else mask
         free = {one.parameter: (one.size, one.low, one.high) for one in chosen} | self.nuisances | dict(more or {})
-        begin = {**self.declared, **dict.fromkeys(self.nuisances, 0.0), "loss": 0.02, **(start or {})}
+        begin = {**self.declared, **dict.fromkeys(self.nuisances, 0.0), "loss": 0.02, **self.second, **(start or {})}
         size, low, high = np.array(list(free.values())).T
         x0 = np.clip([begin.get(name, 0.0) for name in free], low + 1e-9 * size, high - 1e-9 * size)
 
@@ -318,11 +343,21 @@ class ResponseLoop:
         def residual(x: Floats) -> Floats:
             return self._residual(figures(x), used)
 
-        found = least_squares(residual, x0, x_scale=size, bounds=(low, high), max_nfev=40, ftol=1e-4, xtol=1e-4)
+        found = least_squares(
+            residual,
+            x0,
+            x_scale=size,
+            bounds=(low, high),
+            max_nfev=40 + 40 * bool(more or self.second),
+            ftol=1e-4,
+            xtol=1e-4,
+        )
         scatter = max(1.0, 2.0 * found.cost / max(found.fun.size - len(free), 1))
         covariance = np.linalg.pinv(found.jac.T @ found.jac) * scatter * self.together
         values = figures(found.x)
-        return ResponseFit(tuple(chosen), values, self.weighted(values), covariance, 2.0 * found.cost, len(free))
+        return ResponseFit(
+            tuple(chosen), values, self.weighted(values), covariance, 2.0 * found.cost, len(free), tuple(free)
+        )
 
     def best(self, fit: ResponseFit, suspect: Suspect, mask: Mask | None = None) -> ResponseFit:
         """The best fit with one suspect more, over its starts."""
@@ -366,7 +401,7 @@ class ResponseLoop:
         scatter = max(more.square / freedom, 1.0) * self.together
         chance = float(f_distribution.sf((less.square - more.square) / scatter, 1, freedom))
         size = abs(more.values[suspect.parameter] - self.declared.get(suspect.parameter, 0.0))
-        clear = self._fall(less, more) >= LEAST_FALL * self.floor_rad and size > more.half(suspect)
+        clear = self._fall(less, more) >= LEAST_FALL * self.floor_rad and size > more.half(suspect.parameter)
         return clear and chance < CHANCE / len(self.suspects)
 
     def _odds(self, worse: ResponseFit, better: ResponseFit) -> float:
@@ -427,6 +462,10 @@ class ResponseLoop:
         if self.d is None:
             self._weigh(fit.values)
             fit, steps, small = self._selected()
+        second = self._second(fit)
+        if second is not None:
+            less = fit
+            fit, steps, small = self._selected()
         fit, within = self._allowed(fit)
         whole = self.fit(fit.suspects, fit.values, self.every, self.tolerances if within else None)
         named, sets = list[Named](), list[tuple[Named, ...]]()
@@ -437,6 +476,8 @@ class ResponseLoop:
                 sets.append((first, *others))
             else:
                 named.append(first)
+        if second is not None:
+            named.append(self._second_named(second, whole, self._fall(less, fit)))
         found = self._errors(fit)
         left = None if found.near_floor else self._left(whole)
         modes = [self._mode(k, whole) for k in range(len(self.runs))]
@@ -457,6 +498,75 @@ class ResponseLoop:
             modes=tuple(mode for mode in modes if mode is not None),
         )
 
+    def _second(self, fit: ResponseFit) -> str | None:
+        """What swings on its own in the band, "arm" or "front", where that does better than what was found; it is then
+        fitted beside every cause, so that none of the drive stands for it."""
+        if not (fit.suspects or self._held(fit) > NEAR_FLOOR * self.floor_rad) or (self.d is None and not fit.suspects):
+            return None
+        plain = (
+            self.bare if self.d is not None else self.best(self.bare, next(s for s in self.suspects if s.name == MODE))
+        )
+        first = first_mode(self.held[0], plain.values, 0.0)[0]
+        low, high = min(float(one.frequency_Hz[0]) for one in self.seen) * INSIDE, self.highest_Hz / INSIDE
+        grid = [at for at in np.geomspace(low, high, PLACES).tolist() if abs(np.log(at / first)) > np.log(APART)]
+        trials = []
+        for base in {id(one): one for one in (plain, fit)}.values():
+            for what in SECOND:
+                names = [f"{what}_{figure}" for figure in ("Hz", "share", "damping")]
+                starts = [
+                    {**base.values, **dict(zip(names, (at, share, 0.02), strict=True))}
+                    for at in grid
+                    for share in SHARES
+                ]
+                cost = [float(np.sum(self._residual(start, ~self.test) ** 2)) for start in starts]
+                for k in np.argsort(cost)[:TRIED]:
+                    shapes = ((0.01 * starts[k][names[0]], low, high), (0.02, 0.0, 0.95), (0.01, 0.0, 0.5))
+                    more = dict(zip(names, shapes, strict=True))
+                    trials.append((what, more, self.fit(base.suspects, starts[k], None, more)))
+        if not trials:
+            return None
+        least = min((trial[2] for trial in trials), key=lambda one: one.square)
+        # Of fits that are alike the one with the fewest causes.
+        what, more, best = min(trials, key=lambda trial: self._odds(trial[2], least))
+        floor, held, left = self.floor_rad**2, self._held(fit) ** 2, self._held(best) ** 2
+        clear = held - left >= LEAST_FALL**2 * floor and left - floor <= MOST_LEFT * max(held - floor, floor)
+        if not clear or self._odds(fit, best) < ODDS or best.values[f"{what}_share"] <= best.half(f"{what}_share"):
+            return None
+        self.second = {name: best.values[name] for name in more}
+        self.nuisances |= more
+        for _ in range(REFITS):  # its fit goes slowly
+            self.bare = self.fit(())
+            self.second = {name: self.bare.values[name] for name in more}
+        return what
+
+    def _second_named(self, what: str, whole: ResponseFit, fall_rad: float) -> Named:
+        """A second mode: its frequency, where the peak of the fitted response is, and what it may be."""
+        own, half = whole.values[f"{what}_Hz"], whole.half(f"{what}_Hz")
+        near = np.geomspace(0.5 * own, 2.0 * own, 2000)
+        level = np.interp(near, self.seen[0].frequency_Hz, self.seen[0].acceleration_rad_s2)
+        fine = replace(self.seen[0], frequency_Hz=near, acceleration_rad_s2=level, twist=None, over_torque=False)
+        beside, without = (
+            predicted(self.held[0], {**whole.values, **more}, fine)[0] for more in ({}, {f"{what}_Hz": 0.0})
+        )
+        peak = float(near[np.argmax(np.abs(beside / without))])
+        figures = {"natural_frequency_Hz": Value(peak, *(peak * (1.0 + sign * half / own) for sign in (-1.0, 1.0)))}
+        if what == "arm":
+            share, spread = whole.values["arm_share"], whole.half("arm_share")
+            figures["share"] = Value(share, share - spread, share + spread)
+        form, physics, look, plain = _SECOND[what]
+        physics = physics.format(own=f"{own:.4g} Hz")
+        if self.drive is not None:
+            modes = own_modes_Hz(self.held[0], self.drive)
+            same = [f"{one:.4g}" for one in modes if abs(np.log(one / peak)) < np.log(APART)]
+            shown = ", ".join(same or [f"{one:.4g}" for one in modes])
+            physics += (
+                f"; the design has a mode near it, {shown} Hz"
+                if same
+                else f"; the design has no mode near it, but {shown} Hz"
+            )
+        words = look, "repeat without the payload, and with the frame clamped", physics
+        return Named("second_mode", form, None, (), figures, {}, (), *words, fall_rad, {}, plain=plain)
+
     def _alike(self, whole: ResponseFit, one: Suspect) -> tuple[tuple[str, ...], list[Named]]:
         """Other forms of a suspect, and other suspects in its place, that fit nearly as well."""
         rest = self._without(whole, one, self.every)
@@ -471,7 +581,7 @@ class ResponseLoop:
         return tuple(forms), others
 
     def _named(self, one: Suspect, fit: ResponseFit, fall_rad: float) -> Named:
-        value, half = fit.values[one.parameter], fit.half(one)
+        value, half = fit.values[one.parameter], fit.half(one.parameter)
         ends = np.array([value, value - half, value + half])
         if one.name == MODE:
             ends = np.maximum(ends[[0, 2, 1]], 1e-30) ** -0.5 / (2.0 * np.pi)
@@ -485,7 +595,7 @@ class ResponseLoop:
         )
 
     def _errors(self, fit: ResponseFit) -> Errors:
-        rows = [one.weighted[self.test] for one in (self.bare, fit)]
+        rows = [one.weighted[self.test] for one in (self.before, fit)]
         first, last = (self.floor_rad * float(np.abs(row).max()) for row in rows)
         sizes = {over: readable("_Nm" if over else "_rad", [size])[1][0] for over, size in self.amplitude.items()}
         of = " and ".join(f"{'torques' if over else 'inputs'} of {size}" for over, size in sizes.items())
@@ -544,7 +654,6 @@ class ResponseLoop:
         alone.sigma = _sigmas(seen, held, whole.values)[0]
         size = "mode" if self.d is None else "inertia"
         free = [one for one in self.suspects if one.parameter in ("delay", "gain", size)]
-        (turned,) = (one for one in free if one.parameter == size)
 
         def linear(response: Complex, values: Values) -> tuple[Value, Value]:
             """Frequency and damping ratio of a response as that of a linear drive."""
@@ -552,7 +661,7 @@ class ResponseLoop:
             every = np.ones(response.size, dtype=bool)
             fit = alone.fit(free, {**values, "loss": 0.1, "softening": 0.0}, every)
             found, damping = first_mode(alone.held[0], fit.values, amplitude)
-            half = 0.5 * fit.half(turned) / (fit.values[size] + (0.0 if self.d is None else 1.0)) * found
+            half = 0.5 * fit.half(size) / (fit.values[size] + (0.0 if self.d is None else 1.0)) * found
             spread = 0.5 * INTERVAL * float(np.sqrt(fit.covariance[-1, -1]))
             return (
                 Value(found, found - half, found + half),
@@ -562,8 +671,9 @@ class ResponseLoop:
         mode = TorsionalMode(self.runs[k].source, *linear(seen.output.value, whole.values), None, None, None)
         if self.d is None:
             return mode
-        # The design has no damping but that of its wraps.
-        declared, damping = linear(predicted(held, self.declared, seen)[0], {**whole.values, "viscous_s": 0.0})
+        # The design has no damping but that of its wraps, and no second mode.
+        no_more = {"viscous_s": 0.0} | {f"{what}_Hz": 0.0 for what in SECOND}
+        declared, damping = linear(predicted(held, self.declared, seen)[0], {**whole.values, **no_more})
         torque = amplitude if seen.levelled else None
         return replace(mode, torque_Nm=torque, declared_Hz=declared.value, declared_damping=damping.value)
 
