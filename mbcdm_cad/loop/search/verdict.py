@@ -71,6 +71,8 @@ MOST_OF = 0.75
 CANCELS, SURE = 3.0, 6.0
 # The time of an event is open if another time, this share of the run away or farther, explains the run as well.
 AWAY, TIMES = 0.1, 24
+# A change ends below its bound if it does by this share of itself.
+PAST = 0.25
 # A wave that a weight on an arm makes of a compliance.
 WAVE, SOFT, SERIES = ("once_per_rev", "drum"), ("stiffness_error", None), "compliance in series"
 OTHER_WEIGHT = "a run with another weight on the arm, or none, judged with this one: what is soft goes with the weight"
@@ -269,14 +271,24 @@ class Judge(ClassOfSensor):
             worst = groups[int(np.argmax(cancelled))]
             why = "cancelled by another effect"
             if max(cancelled) <= CANCELS:
-                open_times = [g for g in groups if g.effect.once and self._time_is_open(fit, g.effect)]
+                below = [g for g in groups if self._ends_below_its_bound(fit, g.effect)]
+                open_times = below or [g for g in groups if g.effect.once and self._time_is_open(fit, g.effect)]
                 if not open_times:
                     break
-                worst, why = open_times[0], "its time is open"
+                worst, why = open_times[0], "no part can have this value" if below else "its time is open"
             self.search.give_back(why, worst.effect, fit)
             fit = self.search.without(fit, worst.effect)
             groups = tuple(group for group in groups if group is not worst)
         return fit, groups
+
+    def _ends_below_its_bound(self, fit: Fit, effect: Effect) -> bool:
+        """Whether a change ends at a value that no part can have, as a compliance below zero, by more than noise."""
+        base, change = effect.base, float(fit.values_of(effect)[0])
+        if base is None or base.parameters[0].name.endswith("share"):
+            return False
+        before = [fit.values_of(e)[0] for e in fit.effects if (e.key, e.form) == (base.key, base.form)]
+        after = float(before[0] if before else base.parameters[0].default or 0.0) + change
+        return after < base.parameters[0].low - PAST * abs(change)
 
     def _beside_a_soft_shaft(self, fit: Fit, group: Group) -> Group:
         """A wave of the drum as a set with a compliance where any share of it may be the load's.

@@ -17,7 +17,7 @@ from mbcdm_cad.loop.search.engine import close_loop
 from mbcdm_cad.loop.search.own import log_odds_of_change
 from mbcdm_cad.loop.study import is_study, load_study
 from mbcdm_cad.loop.trend import best_course
-from mbcdm_cad.measurement.run import Run, Sensors
+from mbcdm_cad.measurement.run import KNOWN_LOAD, Run, Sensors, TorqueClass
 
 RATIO, NOISE_RAD, STEP_RAD = 8.0, 3e-5, 2e-5
 T = np.arange(0.0, 60.0, 0.02)
@@ -141,6 +141,22 @@ def test_an_own_value_has_the_form_that_explains_its_runs() -> None:
     assert own.form == "what is soft winds up" and not result.effects, (own.form, result.sentence)
     for half, one in zip(halves, own.runs, strict=True):
         assert one.figures["half_width_rad"].value == pytest.approx(half, rel=0.05), own.lines()
+
+
+@pytest.mark.slow
+def test_loads_of_two_runs_that_were_exchanged_name_no_compliance_below_zero() -> None:
+    """One that changes at the start of a run to less than none once explained them."""
+    runs = []
+    for k, (load, stated) in enumerate(((1.57, 0.59), (0.59, 1.57))):
+        true = 1.3 / 0.6 * ANGLE
+        noise = 1.5e-4 * np.random.default_rng(k).normal(size=T.size)
+        read = true - 2.86e-3 * load * np.sin(true - 0.1) + 2.1e-3 * np.cos(true + 1.0) + noise
+        sensors = Sensors(STEP_RAD, STEP_RAD, torque_class=TorqueClass(lag_s=0.0, what=KNOWN_LOAD))
+        one = replace(run(0.0, k), input_rad=RATIO * true[None], output_rad=read, sensors=sensors)
+        runs.append(replace(one, load_Nm=stated * np.sin(true - 0.1)))
+    result = close_loop(None, runs)
+    changed = [one for one in result.effects if one.name.startswith("change")]
+    assert not changed and result.unknown is not None, result.sentence
 
 
 @pytest.mark.parametrize(
