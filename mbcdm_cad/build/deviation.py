@@ -100,17 +100,32 @@ _CLOSED_FORMS = {
 }
 
 
-def _distances_to_surface(surface: BRepAdaptor_Surface, places: FloatArray, uv: FloatArray) -> FloatArray:
-    """Distances from places (n, 3) to the surface near uv (n, 2): upper bounds that Gauss-Newton steps bring down."""
+def has_closed_form(face: TopoDS_Face) -> bool:
+    """Whether the surface of a face is a plane, or one to which a distance is exact."""
+    kind = BRepAdaptor_Surface(face, False).GetType()
+    return kind == GeomAbs_SurfaceType.GeomAbs_Plane or kind in _CLOSED_FORMS
+
+
+def surface_jets(face: TopoDS_Face, uv: FloatArray) -> list[FloatArray]:
+    """Points of the surface of a face at uv (n, 2), and its derivatives along u and v, each (n, 3), mm."""
+    return _jets(BRepAdaptor_Surface(face, False), uv)
+
+
+def _jets(surface: BRepAdaptor_Surface, uv: FloatArray) -> list[FloatArray]:
     point, along_u, along_v = gp_Pnt(), gp_Vec(), gp_Vec()
 
     def jet(u: float, v: float) -> tuple[float, ...]:
         surface.D1(u, v, point, along_u, along_v)
         return (*point.Coord(), *along_u.Coord(), *along_v.Coord())
 
+    return np.split(np.array([jet(u, v) for u, v in uv.tolist()]).reshape(-1, 9), 3, axis=1)
+
+
+def _distances_to_surface(surface: BRepAdaptor_Surface, places: FloatArray, uv: FloatArray) -> FloatArray:
+    """Distances from places (n, 3) to the surface near uv (n, 2): upper bounds that Gauss-Newton steps bring down."""
     nearest = np.full(len(places), np.inf)
     for _ in range(_NEWTON_STEPS + 1):
-        at, du, dv = np.split(np.array([jet(u, v) for u, v in uv.tolist()]), 3, axis=1)
+        at, du, dv = _jets(surface, uv)
         gap = places - at
         nearest = np.minimum(nearest, np.linalg.norm(gap, axis=1))
         uu, uv_, vv = _dots(du, du), _dots(du, dv), _dots(dv, dv)

@@ -121,10 +121,18 @@ class RodShape:
         """The short parts of the line at which the rod is not proven apart from a body, by the body's finer mesh."""
         from mbcdm_cad.build.separation import Surface
 
-        def near(piece: Piece) -> bool:
-            return not _apart(Surface.of_rod((piece,), self.radius_mm), body.fine_surface, placement)
+        def near(piece: Piece, crossed_only: bool) -> bool:
+            return not _apart(Surface.of_rod((piece,), self.radius_mm), body.fine_surface, placement, crossed_only)
 
-        return [part for piece in self.pieces if near(piece) for part in cut(piece, _PART_MM) if near(part)]
+        found: list[Piece] = []
+        for piece in self.pieces:
+            if not near(piece, False):
+                continue
+            # Whether a short part lies inside takes long to tell, and need not be told: where its piece enters the
+            # body, other parts are near, and where the piece does not, all of it lies inside.
+            parts = [part for part in cut(piece, _PART_MM) if near(part, True)]
+            found += parts or [piece]
+        return found
 
     def is_near(self, box: Box) -> bool:
         """Whether the rod may reach into a box."""
@@ -263,10 +271,10 @@ def digest(*content: Any) -> str:
     return hashlib.blake2b(repr(content).encode(), digest_size=16).hexdigest()
 
 
-def _apart(first: Surface | None, second: Surface | None, placement: Placement) -> bool:
+def _apart(first: Surface | None, second: Surface | None, placement: Placement, crossed_only: bool = False) -> bool:
     from mbcdm_cad.build.separation import apart
 
-    return first is not None and second is not None and apart(first, second, placement)
+    return first is not None and second is not None and apart(first, second, placement, crossed_only)
 
 
 def _shared(first: Any, second: Any, placement: Placement) -> Found:

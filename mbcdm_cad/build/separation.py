@@ -94,24 +94,26 @@ def _morton_code(middles: FloatArray) -> NDArray[np.int64]:
     return code
 
 
-def apart(first: Surface, second: Surface, placement: Placement) -> bool:
+def apart(first: Surface, second: Surface, placement: Placement, crossed_only: bool = False) -> bool:
     """Whether the two bodies are proven not to touch; ``placement`` leads from the second's frame to the first's.
 
-    ``second`` must be the mesh of a closed surface; ``first`` may be a rod. False also where nothing is proven.
+    ``second`` must be the mesh of a closed surface; ``first`` may be a rod. False also where nothing is proven. With
+    ``crossed_only`` one may lie inside the other.
     """
     if not COMPILED:  # in plain Python the proof takes longer than the boolean that it avoids
         return False
     corners, boxes = first.tree
     others, other_boxes = second.tree
-    rotation, shift = placement.rotation, placement.shift_mm
-    moved = np.ascontiguousarray(others @ rotation.T + shift)
+    rotation, shift = np.ascontiguousarray(placement.rotation), placement.shift_mm
     limit = first.within_mm + second.within_mm
-    if _near(corners, boxes, moved, other_boxes, rotation, shift, limit, first.wire):
+    if _near(corners, boxes, others, other_boxes, rotation, shift, limit, first.wire):
         return False
+    if crossed_only:
+        return True
     # The surfaces are apart: one body lies completely outside or completely inside the other, as any point of it shows.
     if _winds_round(second.corners_mm, rotation.T @ (first.corners_mm[0, 0] - shift)):
         return False
-    return first.wire or not _winds_round(first.corners_mm, moved[0, 0])
+    return first.wire or not _winds_round(first.corners_mm, rotation @ others[0, 0] + shift)
 
 
 @compiled
@@ -264,38 +266,45 @@ def _near(
     limit: float,
     wire: bool,
 ) -> bool:
-    """Whether any two triangles come nearer than ``limit``. ``others`` are moved already, ``other_boxes`` are not."""
-    # The other's boxes as middle and half width in the first's frame: an axis-parallel box around the rotated one.
-    count = len(other_boxes)
-    low, high = np.empty((count, 3)), np.empty((count, 3))
-    for k in range(count):
-        for axis in range(3):
-            middle, half = shift[axis], limit
-            for m in range(3):
-                middle += rotation[axis, m] * (other_boxes[k, 0, m] + other_boxes[k, 1, m]) / 2.0
-                half += abs(rotation[axis, m]) * (other_boxes[k, 1, m] - other_boxes[k, 0, m]) / 2.0
-            low[k, axis], high[k, axis] = middle - half, middle + half
-    inner, other_inner = len(boxes) // 2, count // 2
+    """Whether any two triangles come nearer than ``limit``. ``others`` and ``other_boxes`` are in their own frame.
+
+    Only what the traversal meets is moved, so that a short rod beside a large mesh takes no longer than beside a small.
+    """
+    inner, other_inner = len(boxes) // 2, len(other_boxes) // 2
+    moved, low, high = np.empty((LEAF, 3, 3)), np.empty(3), np.empty(3)
     stack = np.empty((512, 2), np.int64)
     stack[0, 0], stack[0, 1] = 0, 0
     size = 1
     while size:
         size -= 1
         i, j = stack[size, 0], stack[size, 1]
+        # The other's box as middle and half width in the first's frame: an axis-parallel box around the rotated one.
+        for axis in range(3):
+            middle, half = shift[axis], limit
+            for m in range(3):
+                middle += rotation[axis, m] * (other_boxes[j, 0, m] + other_boxes[j, 1, m]) / 2.0
+                half += abs(rotation[axis, m]) * (other_boxes[j, 1, m] - other_boxes[j, 0, m]) / 2.0
+            low[axis], high[axis] = middle - half, middle + half
         if (
-            boxes[i, 0, 0] > high[j, 0]
-            or boxes[i, 1, 0] < low[j, 0]
-            or boxes[i, 0, 1] > high[j, 1]
-            or boxes[i, 1, 1] < low[j, 1]
-            or boxes[i, 0, 2] > high[j, 2]
-            or boxes[i, 1, 2] < low[j, 2]
+            boxes[i, 0, 0] > high[0]
+            or boxes[i, 1, 0] < low[0]
+            or boxes[i, 0, 1] > high[1]
+            or boxes[i, 1, 1] < low[1]
+            or boxes[i, 0, 2] > high[2]
+            or boxes[i, 1, 2] < low[2]
         ):
             continue
         leaf, other_leaf = i >= inner, j >= other_inner
         if leaf and other_leaf:
+            for n in range(LEAF):
+                for k in range(3):
+                    for axis in range(3):
+                        moved[n, k, axis] = shift[axis]
+                        for m in range(3):
+                            moved[n, k, axis] += rotation[axis, m] * others[(j - other_inner) * LEAF + n, k, m]
             for m in range((i - inner) * LEAF, (i - inner + 1) * LEAF):
-                for n in range((j - other_inner) * LEAF, (j - other_inner + 1) * LEAF):
-                    if _triangles_near(corners[m], others[n], limit, wire):
+                for n in range(LEAF):
+                    if _triangles_near(corners[m], moved[n], limit, wire):
                         return True
             continue
         wider = _width(boxes, i) >= _width(other_boxes, j)

@@ -34,9 +34,11 @@ RING_WRAP_DEG = 5.0
 MOST_STOP_DEG = 165.0
 # Most turns on an input (estimate: a winding some ten times as long as the input is thick).
 MOST_TURNS = 100
-# Half the range of the preloads of parallel cables, over their mean (estimate: by the pitch of a span, 5 % of which are
-# 10 % of the tension).
-PARALLEL_SPREAD = 0.1
+# Half the range of the preloads of parallel cables that are set by the pitch of a span, over their mean (estimate: 5 %
+# of the pitch are 10 % of the tension).
+PITCH_SPREAD = 0.1
+# The largest spread that a file may state.
+MOST_SPREAD = 0.5
 # Land of the input between two anchored cables, their walk included (estimate: a crest that can be turned).
 BETWEEN_MM = 0.3
 
@@ -186,7 +188,7 @@ class SpurDrive(HeadedDrive):
     whose drum's shaft turns the input; the gearhead is then what that is to this stage. ``open_spans``: the spans do
     not cross, so that the input turns with the drum. ``parallel``: equal cables side by side round the input, each with
     a sector of its own; ``cables`` has both sides of each, one cable after the other. After tightening, their preloads
-    differ from the stated one by up to ``parallel_spread`` of it.
+    differ from the stated one by up to ``parallel_spread`` of it, or by what :attr:`SpurLayout.preload_spread` finds.
     """
 
     cables: tuple[SpurRun, ...]
@@ -205,7 +207,7 @@ class SpurDrive(HeadedDrive):
     first: SpurDrive | None = None
     open_spans: bool = False
     parallel: int = 1
-    parallel_spread: float = 0.0
+    parallel_spread: float | None = None
 
     @property
     def angles_rad(self) -> tuple[float, ...]:

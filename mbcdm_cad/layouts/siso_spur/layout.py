@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from math import atan2, ceil, degrees, floor, inf, pi
+from math import atan2, ceil, degrees, exp, floor, hypot, inf, pi, sqrt
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,7 +24,7 @@ from mbcdm_cad.checks.fixings import STRESS_SAFETY
 from mbcdm_cad.layouts.base import Conventions, dimensions
 from mbcdm_cad.layouts.sector import HeadLayout
 from mbcdm_cad.layouts.siso_spur.cable_path import cable_paths, input_wrap_rad, longest_mm, side_length_mm
-from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, SpurRun, laid, spur
+from mbcdm_cad.layouts.siso_spur.drive import MOST_SPREAD, PITCH_SPREAD, SpurDrive, SpurRun, laid, spur
 from mbcdm_cad.layouts.siso_spur.idlers import no_strand
 from mbcdm_cad.layouts.siso_spur.pulley import input_pulley
 from mbcdm_cad.layouts.siso_spur.stack import SpurStack, spur_stack
@@ -38,12 +38,13 @@ from mbcdm_cad.parts.drum_sector.sizes import TerminalWay, drum, furthest_anchor
 from mbcdm_cad.parts.drum_shaft import DrumShaftDims
 from mbcdm_cad.parts.idler_pulley import IdlerDims
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
+from mbcdm_cad.parts.making import land_band_mm
 from mbcdm_cad.parts.motor_head.dims import Flange, HeadDims, head
 from mbcdm_cad.parts.mounting import MOUNT_SCREWS, MountScrew, MountThread
 from mbcdm_cad.parts.placement import Placement
 from mbcdm_cad.parts.stage import HUB_EDGE_MM, StageDims, stage_dims
 from mbcdm_cad.parts.terminal.part import Tensioner
-from mbcdm_cad.parts.terminal.take_up import terminal_travel_mm
+from mbcdm_cad.parts.terminal.take_up import tensioned_rope, terminal_travel_mm
 from mbcdm_cad.parts.threads import SHEAR_SHARE
 from mbcdm_cad.routes.cable_path import CablePath
 from mbcdm_cad.routes.curves import Helix, carried
@@ -56,6 +57,8 @@ if TYPE_CHECKING:
     from mbcdm_cad.routes import Floats
 
 
+# Least turn of a nut that a spanner sets: a quarter of a flat (estimate).
+NUT_TURN = 1.0 / 24.0
 # Dowels between the hubs, beside the payload's threads: radii, depth in a face over the radius, play at their ends.
 DOWEL_RADII_MM, DOWEL_RADII, DOWEL_PLAY_MM = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0), 3.0, 0.5
 # Opposite the set screws.
@@ -421,11 +424,42 @@ class SpurLayout(HeadLayout):
 
     def as_set(self, si: DriveSI) -> DriveSI:
         """See the base class: of cables in parallel the first is as tight, the last as loose as the spread allows."""
-        drive = self.drive
-        if drive.parallel == 1:
+        if self.drive.parallel == 1:
             return si
-        spread = np.repeat(np.linspace(drive.parallel_spread, -drive.parallel_spread, drive.parallel), 2)
+        off = self.preload_spread
+        spread = np.repeat(np.linspace(off, -off, self.drive.parallel), 2)
         return self.once("as set", lambda _: si.with_(preload_N=si.preload_N * (1.0 + spread)))
+
+    @property
+    def preload_spread(self) -> float:
+        """How far the preloads of parallel cables are from the stated one, over it: as stated, or as is to be expected.
+
+        Nuts and lands are independent (RSS); a nut is turned until the pitch of the span is right.
+        """
+        if self.drive.parallel_spread is not None:
+            return self.drive.parallel_spread
+        return min(hypot(max(self.by_nut, PITCH_SPREAD), self.by_lands), MOST_SPREAD)
+
+    @cached_property
+    def by_nut(self) -> float:
+        """What the least turn of a nut changes of a preload, over it; rope and spring give way."""
+        rope, pitch_m = tensioned_rope(self.drive), self.drive.tensioner.pitch_mm * 1e-3
+        give = min(self.tensioned_lengths_mm()) * 1e-3 / rope.axial_stiffness_N + rope.anchor_m_N
+        return NUT_TURN * pitch_m / give / min(c.preload_N for c in self.drive.cables)
+
+    @cached_property
+    def by_lands(self) -> float:
+        """What lands of unequal radii change of a preload at the end of the travel, over it.
+
+        Cables whose ratios differ wind against each other, since one input and one drum turn them all. A ratio off by e
+        of the mean strains a span of length L by e (1 - exp(-R theta / L)) when the drum has turned by theta, since the
+        rope that leaves the span takes its strain along (derived; slip on the wraps makes it less).
+        """
+        drive, cable = self.drive, self.drive.cables[0]
+        bands = (land_band_mm(drive, r) / r for r in (cable.drum_radius_mm, cable.input_radius_mm))
+        off = hypot(*bands) * sqrt(1.0 - 1.0 / drive.parallel)
+        strain = off * (1.0 - exp(-cable.drum_radius_mm * self.half_travel_rad / drive.strand_mm))
+        return drive.cable.axial_stiffness_N * strain / min(c.preload_N for c in drive.cables)
 
     @property
     def passing_deg(self) -> tuple[float, ...]:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import cadquery as cq
 import numpy as np
@@ -25,6 +26,7 @@ from mbcdm_cad.build.pairs import Rod, RodShape
 from mbcdm_cad.build.separation import Surface, apart
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.parts.placement import Placement
+from mbcdm_cad.routes.cable_path import CablePath
 from mbcdm_cad.routes.curves import Arc, Helix, Line
 
 TOLERANCE_MM = 0.01
@@ -153,6 +155,17 @@ def test_a_wound_cable_is_proven_off_its_land_and_what_overlaps_is_found_as_with
     assert ("Helix" in drawn) == (off_mm > 0.0), drawn
     assert with_mesh == Rod(shape, body(name, solids[name], None), place).test()
     assert bool(with_mesh) == (off_mm > 0.0)
+
+
+@pytest.mark.parametrize(("shift_mm", "inside_mm"), [(0.0, 20.0), (20.0, 5.0), (26.0, 0.0)])
+def test_a_rod_inside_a_body_or_partly_inside_is_found(shift_mm: float, inside_mm: float) -> None:
+    """No short part of a rod wholly inside is near the surface; where it enters, some are."""
+    line = Line((-10.0, 0.0, 0.0), (10.0, 0.0, 0.0))
+    path = SimpleNamespace(line=(line,), length_mm=20.0, sample=lambda step: line.points(np.linspace(0.0, 1.0, 41)))
+    shape = RodShape(cast(CablePath, path), 1.02)
+    block = body("block", cq.Workplane().box(30.0, 30.0, 30.0).val(), TOLERANCE_MM)
+    found = Rod(shape, block, Placement.translation(shift_mm, 0.0, 0.0)).test()
+    assert sum(volume for _, _, volume, *_ in found) == pytest.approx(np.pi * shape.radius_mm**2 * inside_mm, rel=1e-4)
 
 
 def _location(placement: Placement) -> cq.Location:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import exp, hypot, pi, sqrt
+from math import hypot, pi
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,21 +16,18 @@ from mbcdm_cad.checks.geometry import HOLE_WEB_MM
 from mbcdm_cad.checks.size import box_checks, mass_check
 from mbcdm_cad.checks.terminals import bodies_of
 from mbcdm_cad.layouts.siso_spur.bill import bill
-from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
+from mbcdm_cad.layouts.siso_spur.drive import MOST_SPREAD, SpurDrive
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.stack import reach_mm
 from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims
 from mbcdm_cad.parts.bought.bodies import RING_ENCODER_FLATS
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
 from mbcdm_cad.parts.drum_sector.sizes import nut_corner_radius_mm
-from mbcdm_cad.parts.making import land_band_mm
 from mbcdm_cad.parts.motor_head.dims import body_radius_mm
 from mbcdm_cad.parts.threads import SHEAR_SHARE
 
 # Points on a full circle of the outline.
 _CORNERS = 72
-# Least turn of a nut that a spanner sets: a quarter of a flat (estimate).
-NUT_TURN = 1.0 / 24.0
 
 
 def frame_front(s: SpurLayout) -> Comparison:
@@ -179,44 +176,17 @@ def dowel_holes(s: SpurLayout) -> Comparison:
 
 
 def spread(s: SpurLayout) -> Comparison:
-    """What the least turn of a nut, or lands of unequal radii, change of a preload, over it: the spread holds it."""
-    return worst((by_nut(s), by_radii(s)))
-
-
-def by_radii(s: SpurLayout) -> Comparison:
-    """Cables whose ratios differ wind against each other, since one input and one drum turn them all.
-
-    A ratio off by e of the mean strains a span of length L by e (1 - exp(-R theta / L)) when the drum has turned by
-    theta, since the rope that leaves the span takes its strain along (derived; slip on the wraps makes it less).
-    """
-    drive, cable = s.drive, s.drive.cables[0]
-    bands = (land_band_mm(drive, r) / r for r in (cable.drum_radius_mm, cable.input_radius_mm))
-    off = hypot(*bands) * sqrt(1.0 - 1.0 / drive.parallel)
-    strain = off * (1.0 - exp(-cable.drum_radius_mm * s.half_travel_rad / drive.free_span_mm))
-    least = min(c.preload_N for c in drive.cables)
+    """What the least turn of a nut and lands of unequal radii change of a preload, over it: the spread holds it."""
+    drive, tight = s.drive, s.loads.peak_forward[s.loads.si.sigma > 0]
+    stated = drive.parallel_spread
     return at_most(
-        "preload by lands of unequal radii at the end of the travel, over it",
-        drive.cable.axial_stiffness_N * strain / least,
-        drive.parallel_spread,
+        "preloads off by a quarter of a flat of a nut and lands of unequal radii, over the preload",
+        hypot(s.by_nut, s.by_lands),
+        MOST_SPREAD if stated is None else stated,
         "of preload",
-        "tolerances of the lands (RSS), ropes cut from one length",
-    )
-
-
-def by_nut(s: SpurLayout) -> Comparison:
-    """What the least turn of a nut changes of a preload, over it."""
-    plan, drive = s.tensioning, s.drive
-    assert plan is not None
-    steps = [NUT_TURN / (c.turns_per_N * c.preload_N) for c in plan.cables]
-    k = max(range(len(steps)), key=lambda k: steps[k])
-    tight = s.loads.peak_forward[s.loads.si.sigma > 0]
-    return at_most(
-        f"preload of {plan.cables[k].name} by a quarter of a flat of its nut, over it",
-        steps[k],
-        drive.parallel_spread,
-        "of preload",
-        f"the tightest of {drive.parallel} cables carries {tight.max() / tight.mean() - 1:.1%} more than their mean at "
-        "peak torque",
+        f"nut {s.by_nut:.1%}, lands {s.by_lands:.1%} at the end of the travel (RSS, tolerances of the drawings); "
+        f"checks count {s.preload_spread:.1%}, with which the tightest of {drive.parallel} cables carries "
+        f"{tight.max() / tight.mean() - 1:.1%} more than their mean at peak torque",
     )
 
 
@@ -281,7 +251,7 @@ SPREAD = Check(
     spread,
     "warn",
     adjust=(up("rope.preload_N"),),
-    advice="state a larger transmission.parallel_spread, or, for nuts, choose a drum.spring under them",
+    advice="leave transmission.parallel_spread out; a drum.spring under the nuts, less travel or less ratio lower it",
     applies=is_parallel,
 )
 CHECKS = (

@@ -13,7 +13,7 @@ from mbcdm_cad.design.blocks import Design, Input, Length, Rope, Travel
 from mbcdm_cad.design.design_file import reference_of
 from mbcdm_cad.design.fields import Block, Integer, Number, choice, quantity
 from mbcdm_cad.design.sector_blocks import Clearances, SectorCable, WoundPulleys
-from mbcdm_cad.layouts.siso_spur.drive import MOST_TURNS, PARALLEL_SPREAD, SpurDrum, SpurLimits, YokeSupport
+from mbcdm_cad.layouts.siso_spur.drive import MOST_SPREAD, MOST_TURNS, SpurDrum, SpurLimits, YokeSupport
 from mbcdm_cad.layouts.siso_spur.first_stage import FirstStageBlock
 from mbcdm_cad.layouts.siso_spur.idlers import IdlerBlock
 
@@ -72,13 +72,13 @@ class SpurTransmission(Block):
         ge=1,
         le=4,
     )
-    parallel_spread: Number = quantity(
-        "how far the preload of each of several parallel cables may be from the stated one after tightening, over it: "
-        "no equaliser shares the load; used with parallel",
+    parallel_spread: Number | None = quantity(
+        "how far the preload of each of several parallel cables may be from the stated one, over it, since no "
+        "equaliser shares the load; worked out from nuts, lands and the pitch of a span if left out",
         unit="-",
-        default=PARALLEL_SPREAD,
+        default=None,
         ge=0.0,
-        le=0.5,
+        le=MOST_SPREAD,
     )
     turns: Integer = quantity(
         "turns of the cable on the input, counted at the line of centres; of two anchored cables at the end of the "

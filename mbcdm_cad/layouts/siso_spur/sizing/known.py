@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from mbcdm_cad.design.bought import Gearhead
 from mbcdm_cad.layouts.base import Layout
-from mbcdm_cad.layouts.siso_spur.drive import MOST_SECTOR_TRAVEL_DEG, PARALLEL_SPREAD
+from mbcdm_cad.layouts.siso_spur.drive import MOST_SECTOR_TRAVEL_DEG, PITCH_SPREAD
 from mbcdm_cad.layouts.siso_spur.first_stage import FirstStage, of_data
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.trial_sizing import TrialKnown
@@ -77,8 +77,9 @@ class SpurKnown(TrialKnown):
 
     @property
     def parallel_spread(self) -> float:
-        """How far the preload of one of several parallel cables may be from the stated one, over it."""
-        return float(self.get("transmission.parallel_spread", PARALLEL_SPREAD)) if self.parallel > 1 else 0.0
+        """How far the preload of one of several parallel cables may be from the stated one, over it, at least."""
+        stated = self.get("transmission.parallel_spread")
+        return 0.0 if self.parallel == 1 else PITCH_SPREAD if stated is None else float(stated)
 
     @property
     def half_torque_N(self) -> float:

@@ -64,6 +64,14 @@ def test_faces_that_cut_each_other_are_found_apart() -> None:
         validate_faces("drum", _crossing())
 
 
+def test_edges_find_them_in_parts_of_many_swept_faces(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Three grooves of many turns: all their faces against each other would take minutes."""
+    monkeypatch.setattr("mbcdm_cad.build.validate._MOST_SWEPT", -1)
+    validate_faces("block", cq.Workplane().box(4, 4, 4).cut(cq.Workplane().box(1, 1, 9)).val())
+    with pytest.raises(GeometryError, match=r"drum: .*SelfIntersect"):
+        validate_faces("drum", _crossing())
+
+
 def test_the_interference_run_looks_for_them() -> None:
     shape = _crossing()
     with pytest.raises(GeometryError, match=r"drum: .*SelfIntersect"):

@@ -16,7 +16,6 @@ from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.life import ropes_in_use
 from mbcdm_cad.layouts.loader import load_text
-from mbcdm_cad.layouts.siso_spur.checks.room import by_nut, by_radii
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, laid
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.model.capability import torque_at_slip_Nm
@@ -93,18 +92,21 @@ def test_the_rules_share_the_load_and_pass(two: SpurLayout) -> None:
     assert not [r.id for r in found if r.status == "fail"]
     assert {"sectors_apart", "hub_dowels", "dowel_holes", "parallel_spread"} <= {r.id for r in found}
     check = next(c for c in checks_of(two.drive) if c.id == "parallel_spread")
-    told, nut, radii = run_check(check, two), by_nut(two), by_radii(two)
+    told = run_check(check, two)
+    cable = two.drive.cables[0]
     # A nut's turn over the length that it draws: EA pitch / L, a twenty-fourth of it.
-    rope, length = two.drive.cable.axial_stiffness_N, min(two.tensioned_lengths_mm())
-    assert nut.actual == pytest.approx(rope * two.drive.tensioner.pitch_mm / 24 / length / 60.0, rel=1e-6)
+    rope, length, preload = two.drive.cable.axial_stiffness_N, min(two.tensioned_lengths_mm()), cable.preload_N
+    assert two.by_nut == pytest.approx(rope * two.drive.tensioner.pitch_mm / 24 / length / preload, rel=1e-6)
     # Two ratios, apart by the tolerances of their lands: the strain of a span as rope runs on to the drum, in steps.
-    cable, strain, steps = two.drive.cables[0], 0.0, 4000
+    strain, steps = 0.0, 4000
     bands = [land_band_mm(two.drive, r) / r for r in (cable.drum_radius_mm, cable.input_radius_mm)]
     for _ in range(steps):
         way = cable.drum_radius_mm * two.half_travel_rad / steps
         strain += way * (float(np.hypot(*bands)) / 2**0.5 - strain) / two.drive.free_span_mm
-    assert radii.actual == pytest.approx(rope * strain / 60.0, rel=1e-3)
-    assert told.actual == max(nut.actual, radii.actual)
+    assert two.by_lands == pytest.approx(rope * strain / preload, rel=1e-3)
+    assert told.actual == pytest.approx(float(np.hypot(two.by_nut, two.by_lands)))
+    # Left out, the spread is what nuts, lands and the pitch of a span leave, without a warning; a smaller one warns.
+    assert told.actual < two.preload_spread < 0.5 and told.status == "pass", told
     tight = SpurLayout(replace(two.drive, parallel_spread=0.9 * told.actual))
     assert run_check(check, tight).status == "warn"
     assert [rope.name for rope in ropes_in_use(two, two.loads.si)] == list(two.drive.cable_names)
