@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from functools import partial
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from OCP.BRep import BRep_Tool
 from OCP.BRepBuilderAPI import BRepBuilderAPI_Copy
 from OCP.BRepLib import BRepLib_ToolTriangulatedShape
@@ -203,7 +205,7 @@ def _halved(points: FloatArray, triangles: IntArray, middles: IntArray) -> IntAr
     order = (turn[:, None] + np.arange(3)) % 3
     (a, b, c), (ab, bc, ca) = (np.take_along_axis(rows, order, 1).T for rows in (triangles, middles))
 
-    def add(which: IntArray, *corners: IntArray) -> None:
+    def add(which: NDArray[Any], *corners: IntArray) -> None:
         found.append(np.column_stack([corner[which] for corner in corners]).astype(triangles.dtype))
 
     one, two, three = (np.flatnonzero(count == k) for k in (1, 2, 3))
