@@ -110,9 +110,12 @@ class _Loop:
         # What every run has for itself is not shared; and a change within a run is not looked for beside it.
         everywhere = set.intersection(*({e.label for e in one} for one in own))
         self.library = [e for e in self.library if e.label not in everywhere and not (any(own) and e.base)]
+        # The same motion as a play that motion takes up: the search has one, the judge puts the other beside it.
+        wound = next((e for e in self.library if (e.name, e.form) == (friction.NAME, friction.WOUND)), None)
+        self.library = [e for e in self.library if e is not wound]
         self.bare = self.fitter.fit(offsets=begun(self.fitter))
         self.search = Search(self.fitter, self.library, self.bare)
-        self.judge = Judge(self.search)
+        self.judge = Judge(self.search, wound)
 
     def result(self) -> LoopResult:
         """Search, try alternatives, judge."""

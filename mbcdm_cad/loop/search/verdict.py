@@ -76,6 +76,8 @@ PAST = 0.25
 # A wave that a weight on an arm makes of a compliance.
 WAVE, SOFT, SERIES = ("once_per_rev", "drum"), ("stiffness_error", None), "compliance in series"
 OTHER_WEIGHT = "a run with another weight on the arm, or none, judged with this one: what is soft goes with the weight"
+# A play of the same motion as friction that winds up what is soft.
+TAKEN_UP = ("lash", "play taken up by motion")
 # A size counts as possibly zero if it is zero with this probability.
 ZERO_CHANCE = 0.05
 
@@ -95,8 +97,10 @@ class TakenBack:
 class Judge(ClassOfSensor):
     """Judges the fits of one search."""
 
-    def __init__(self, search: Search) -> None:
+    def __init__(self, search: Search, wound: Effect | None = None) -> None:
+        """``wound``: a friction that winds up what is soft, where the runs cannot tell it from a play."""
         super().__init__(search)
+        self.wound = wound
         self.helpful: list[TakenBack] = []
         # Names withdrawn because a quantity that the runs did not measure explains the error as well.
         self.unmeasured: list[str] = []
@@ -106,7 +110,7 @@ class Judge(ClassOfSensor):
         fit, groups = self.settled()
         fit, groups = self._certain(fit, groups)
         fit, groups = self._bounded(fit, groups)
-        groups = tuple(self._beside_a_soft_shaft(fit, group) for group in groups)
+        groups = tuple(self._or_wound_up(fit, self._beside_a_soft_shaft(fit, group)) for group in groups)
         fit, groups = self.beyond_class(fit, groups)
         unknown = self.left(fit)
         if unknown is not None:
@@ -316,6 +320,20 @@ class Judge(ClassOfSensor):
         if other is None or not self.alike(other, fit):
             return group
         return replace(group, alike=(*group.alike, other))
+
+    def _or_wound_up(self, fit: Fit, group: Group) -> Group:
+        """A play that motion takes up as a set with a friction behind what is soft: both are the same motion."""
+        members = [(fit, group.effect), *((one, one.effects[-1]) for one in group.alike)]
+        if self.wound is None or any(effect.name == self.wound.name for _, effect in members):
+            return group
+        for one, effect in members:
+            if (effect.name, effect.form) == TAKEN_UP:
+                others = [(e, v) for e, v in zip(one.effects, one.values, strict=True) if e is not effect]
+                effects, values = [e for e, _ in others], [v for _, v in others]
+                found = self.fitter.tried([*effects, self.wound], [*values, 0.5 * one.values_of(effect)], fit.offsets)
+                if found is not None and self.alike(found, fit):
+                    return replace(group, alike=(*group.alike, found))
+        return group
 
     def chance_of_zero(self, fit: Fit, effect: Effect, shift: Floats | float, fitter: Fitter) -> float:
         """Probability of such sizes of an effect if they are zero; ``fit`` is one of ``fitter``."""

@@ -80,11 +80,14 @@ def test_the_loop_finds_the_lost_motion_seen_by_hand(
 
 
 @pytest.mark.slow
-def test_three_runs_together_name_the_lost_motion_of_the_cable_outright(tmp_path: Path) -> None:
+def test_three_runs_together_tell_the_lost_motion_of_the_cable(tmp_path: Path) -> None:
     from mbcdm_cad.loop.search.engine import close_loop
 
     result = close_loop(None, [real_run(f"run_{run}_cable", tmp_path) for run in ("00", "05", "20")])
-    assert [named.name for named in result.effects] == ["lash"] and not result.one_of, result.sentence
-    play = result.effects[0].parameters["play_rad"]
+    # Under their load a play and a friction that winds up what is soft are the same motion.
+    assert not result.effects and len(result.one_of) == 1, result.sentence
+    found = {named.name: named for named in result.one_of[0]}
+    assert set(found) == {"lash", "friction"}, result.sentence
+    play = found["lash"].parameters["play_rad"]
     assert abs(play.value - 0.052) < 0.006, (play, result.sentence)
     assert play.low < 0.052 < play.high and result.verdict == "partly_explained", result.sentence
