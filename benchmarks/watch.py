@@ -37,11 +37,7 @@ EDITS: dict[str, tuple[str, Callable[[float], str], str]] = {
         lambda share: f"input_to_guide: {1.495 + 0.004 * share:.6f} ",
         "input_pulley_left",
     ),
-    "web of the drum": (
-        "web_thickness_mm: 2.0 ",
-        lambda share: f"web_thickness_mm: {2.1 + 0.4 * share:.6f} ",
-        "drum",
-    ),
+    "web of the drum": ("web_thickness_mm: 2.0 ", lambda share: f"web_thickness_mm: {2.1 + 0.4 * share:.6f} ", "drum"),
 }
 WAIT_S = 900.0
 POLLING_MS = 100.0

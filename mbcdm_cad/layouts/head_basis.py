@@ -43,12 +43,7 @@ from mbcdm_cad.model.duty.cycle import (
     of_rows,
 )
 from mbcdm_cad.model.duty.heat import RATED_AT_C, STANDSTILL_SHARE, motor_heat
-from mbcdm_cad.model.losses.friction import (
-    GEARHEAD_IDLE_SHARE,
-    motor_idle_mNm,
-    tangent_share,
-    turned_back_mNm,
-)
+from mbcdm_cad.model.losses.friction import GEARHEAD_IDLE_SHARE, motor_idle_mNm, tangent_share, turned_back_mNm
 from mbcdm_cad.model.losses.train import BEARINGS, ROPE
 from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.sizing.arithmetic import greatest, number
@@ -238,11 +233,7 @@ def speed_margin(
 
 
 def heat_margin(
-    given: KnownFields,
-    motor: Mapping[str, Any],
-    head: Mapping[str, Any] | None,
-    moving_mNm: float,
-    still_mNm: float,
+    given: KnownFields, motor: Mapping[str, Any], head: Mapping[str, Any] | None, moving_mNm: float, still_mNm: float
 ) -> float:
     """Rise of the winding that a motor stands over that of the stated duty, less 1; infinite without a stated duty.
 

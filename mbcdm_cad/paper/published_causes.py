@@ -15,12 +15,7 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.measurement.schema import Published
 from mbcdm_cad.measurement.units import Unit, unit_of
 from mbcdm_cad.model.backlash import drum_backlash
-from mbcdm_cad.model.capability import (
-    MOTOR,
-    balanced_preload_N,
-    input_ratings_Nm,
-    torque_at_input_limit_Nm,
-)
+from mbcdm_cad.model.capability import MOTOR, balanced_preload_N, input_ratings_Nm, torque_at_input_limit_Nm
 from mbcdm_cad.model.profiles import simulate_profiles
 from mbcdm_cad.model.si import DriveSI
 

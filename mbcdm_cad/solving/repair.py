@@ -8,16 +8,7 @@ from itertools import chain
 from mbcdm_cad.design.fieldpath import value_at
 from mbcdm_cad.design.freedom import Freedom
 from mbcdm_cad.solving.question import Fixed, Out, Point, Setting, Times
-from mbcdm_cad.solving.trials import (
-    NO_FIGURE,
-    SLOW,
-    TrialResult,
-    Trials,
-    choices,
-    entries_of,
-    over_limit,
-    setting_of,
-)
+from mbcdm_cad.solving.trials import NO_FIGURE, SLOW, TrialResult, Trials, choices, entries_of, over_limit, setting_of
 
 # Size of one step of a number as a share of its value, and of a range as a share of its width.
 STEPS = (0.02, 0.08, 0.25, 0.7)

@@ -18,13 +18,7 @@ from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive
 from mbcdm_cad.parts.drum_sector.inertia import drum_inertia_kg_m2
 from mbcdm_cad.parts.volume import disc_kg_m2
 from mbcdm_cad.routes import Floats
-from mbcdm_cad.routes.geometry import (
-    DRUM_RADIUS,
-    INPUT_RADIUS,
-    RoutedDrive,
-    Varied,
-    tangent_length_m,
-)
+from mbcdm_cad.routes.geometry import DRUM_RADIUS, INPUT_RADIUS, RoutedDrive, Varied, tangent_length_m
 from mbcdm_cad.routes.route import Anchor, Body, CableRoute, DriveRoutes, Span, Terminal, Wrap, input_body
 
 GUIDE_RADIUS, DISTANCE = "guide_radius_m", "centre_distance_m"

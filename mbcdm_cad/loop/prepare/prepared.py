@@ -17,13 +17,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.loop.prepare.quiet import (
-    input_step_rad,
-    noise_of_signal,
-    quiet_load,
-    slow_difference,
-    speed_window,
-)
+from mbcdm_cad.loop.prepare.quiet import input_step_rad, noise_of_signal, quiet_load, slow_difference, speed_window
 from mbcdm_cad.loop.prepare.samples import Cut, held_sweeps, held_words, search_cut, whole_cut
 from mbcdm_cad.measurement.run import MOTORS_CURRENT, SPEED_WINDOW_S, Run, half_sweeps, smoothed, smoothed_at
 from mbcdm_cad.routes import Floats

@@ -44,10 +44,7 @@ def own_effects(names: Sequence[str], offered: Sequence[Effect], run: str) -> li
 
 
 def in_best_forms(
-    d: DriveSI | None,
-    ratio: float,
-    runs: Sequence[Prepared],
-    forms: Sequence[Sequence[Sequence[Effect]]],
+    d: DriveSI | None, ratio: float, runs: Sequence[Prepared], forms: Sequence[Sequence[Sequence[Effect]]]
 ) -> list[list[Effect]]:
     """For each run its own effects: of a design in the first form, else in that which leaves least of the runs that
     have it, each fitted alone."""

@@ -9,11 +9,7 @@ from mbcdm_cad.optimising.surrogate import Surrogate
 from mbcdm_cad.optimising.variables import Variable
 from mbcdm_cad.routes import Floats
 
-VARIABLES = [
-    Variable("a", ruled=False),
-    Variable("b", (), 0.5, 2.0),
-    Variable("steel", ("soft", "hard", "rust")),
-]
+VARIABLES = [Variable("a", ruled=False), Variable("b", (), 0.5, 2.0), Variable("steel", ("soft", "hard", "rust"))]
 COST = {"soft": 0.0, "hard": 0.3, "rust": 0.1}
 
 

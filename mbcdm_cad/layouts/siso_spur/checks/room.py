@@ -202,13 +202,7 @@ ROOM = (
         frame_front,
         advice="choose a smaller drum.tensioner",
     ),
-    Check(
-        "drum_and_input",
-        "Drum and input clear each other",
-        "clearances.running_mm",
-        drum_and_input,
-        adjust=_Z[1:],
-    ),
+    Check("drum_and_input", "Drum and input clear each other", "clearances.running_mm", drum_and_input, adjust=_Z[1:]),
     Check(
         "bodies_behind",
         "Motor clears the drum's boss and encoder",
@@ -254,11 +248,4 @@ SPREAD = Check(
     advice="leave transmission.parallel_spread out; a drum.spring under the nuts, less travel or less ratio lower it",
     applies=is_parallel,
 )
-CHECKS = (
-    *ROOM,
-    APART,
-    *DOWELS,
-    SPREAD,
-    *box_checks(box_mm, "targets.envelope_mm", BOX_ADJUSTMENTS),
-    mass_check(bill),
-)
+CHECKS = (*ROOM, APART, *DOWELS, SPREAD, *box_checks(box_mm, "targets.envelope_mm", BOX_ADJUSTMENTS), mass_check(bill))
