@@ -19,12 +19,12 @@ LIMITS = {
     "files of siso_bevel": 25,
     "files of siso_spur": 38,
     "files of miso_spur": 21,
-    "files": 627,
-    "imports, share of lines in %": 7.6,
+    "files": 619,
+    "imports, share of lines in %": 7.5,
     "circles": 1,
     "arrows back": 0,
-    "repeating pairs": 167,
-    "lines": 98600,
+    "repeating pairs": 164,
+    "lines": 98460,
 }
 
 
