@@ -342,11 +342,14 @@ class Fitter:
         normal, slope = columns.T @ columns, columns.T @ now.residual[mask]
         bounds = self._bounds(effects, now) * size
         for _ in range(6):
-            scaled = _bounded_step(normal, slope, damping, bounds)
+            scaled = np.linalg.solve(normal + damping * np.eye(slope.size), slope)
             promised = float(2.0 * slope @ scaled - scaled @ normal @ scaled) / (now.square * int(mask.sum()))
             if promised < 0.5 * settled:
                 return None, damping
             better = self._tried(effects, now, scaled / size, mask)
+            if better is None and ((scaled < bounds[0]) | (scaled > bounds[1])).any():
+                within = _bounded_step(normal, slope, damping, bounds)
+                better = self._tried(effects, now, within / size, mask)
             if better is not None:
                 return better, max(damping / 30.0, 1e-9)
             damping = max(30.0 * damping, 1e-6)

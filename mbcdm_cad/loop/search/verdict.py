@@ -76,6 +76,8 @@ PAST = 0.25
 # A wave that a weight on an arm makes of a compliance.
 WAVE, SOFT, SERIES = ("once_per_rev", "drum"), ("stiffness_error", None), "compliance in series"
 OTHER_WEIGHT = "a run with another weight on the arm, or none, judged with this one: what is soft goes with the weight"
+# A compliance is left open if a fit leaves so much of what it began with.
+LEFT_OPEN = 0.5
 # A play of the same motion as friction that winds up what is soft.
 TAKEN_UP = ("lash", "play taken up by motion")
 # A size counts as possibly zero if it is zero with this probability.
@@ -317,7 +319,8 @@ class Judge(ClassOfSensor):
         back = np.linalg.lstsq(f.centred_on(f.used, fit.jacobian[:, own]), -bent, rcond=1e-9)[0]
         values = [v + back if e is effect else v for e, v in zip(fit.effects, fit.values, strict=True)] + [[size]]
         other = self.fitter.tried((*fit.effects, soft), values, fit.offsets)
-        if other is None or not self.alike(other, fit):
+        # Where the runs tell the compliance, the fit brings it back.
+        if other is None or float(other.values[-1][0]) < LEFT_OPEN * size or not self.alike(other, fit):
             return group
         return replace(group, alike=(*group.alike, other))
 
