@@ -310,7 +310,9 @@ class Judge(ClassOfSensor):
         soft = replace(soft, separate_by=OTHER_WEIGHT)
         f, own = self.fitter, fit.columns_of(effect)
         load = np.concatenate([p.load_Nm[p.used] for p in f.runs if p.load_Nm is not None])
-        size = float(np.hypot(*fit.values_of(effect)[:2])) / max(0.5 * float(np.ptp(load)), 1e-30)
+        if not np.ptp(load) > 0.0:
+            return group
+        size = float(np.hypot(*fit.values_of(effect)[:2])) / (0.5 * float(np.ptp(load)))
         # Begun where the wave makes up for the compliance: a fit does not move along what the runs do not tell.
         before = f.output - fit.residual
         bent = f.centred_on(

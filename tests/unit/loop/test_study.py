@@ -183,3 +183,11 @@ def test_dates_run_forward(tmp_path: Path) -> None:
     path.write_text(path.read_text().replace("2026-03-11", "2026-02-11"))
     with pytest.raises(InputError, match="before the run above"):
         load_study(path)
+
+
+def test_a_wave_of_the_drum_without_a_load_is_named_alone() -> None:
+    """Beside a load that never moves no compliance can take part in it."""
+    wave = 1e-3 * np.sin(ANGLE + 0.5) + NOISE_RAD * np.random.default_rng(3).normal(size=T.size)
+    result = close_loop(None, [replace(run(0.0, 0), output_rad=ANGLE + wave, load_Nm=np.zeros(T.size))])
+    assert [(one.name, one.stage) for one in result.effects] == [("once_per_rev", "drum")], result.sentence
+    assert not result.one_of, result.sentence
