@@ -211,7 +211,7 @@ def _acceleration(frequency: Floats, kept: NDArray[np.bool_], spectrum: Complex,
 LOWEST, NEAR = 5, 1.25
 
 
-def _table_findings(run: Run, table: ResponseTable, ratio: float, gearhead: float | None) -> list[VettingNote]:
+def _table_findings(table: ResponseTable, ratio: float, gearhead: float | None) -> list[VettingNote]:
     """What an analyser's table can show, and whether its gain and phase begin as they must."""
     seen = _of_table(table, ratio)
     f, n = seen.frequency_Hz, seen.frequency_Hz.size
@@ -258,7 +258,7 @@ def _table_findings(run: Run, table: ResponseTable, ratio: float, gearhead: floa
 def response_findings(run: Run, ratio: float, gearhead: float | None = None) -> list[VettingNote]:
     """What a frequency response can show, and what makes it doubtful; ``gearhead``: its ratio, if it is known."""
     if run.table is not None:
-        return _table_findings(run, run.table, ratio, gearhead)
+        return _table_findings(run.table, ratio, gearhead)
     found, seen = list[VettingNote](), response_of(run, ratio)
     f, n = seen.frequency_Hz, seen.frequency_Hz.size
     if n < FEWEST_AVERAGES:

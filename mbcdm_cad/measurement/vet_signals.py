@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from math import hypot
 
 import numpy as np
 from scipy.linalg import LinAlgError, eigh
@@ -343,7 +342,7 @@ def _beside(run: Run, found: BesideSensor) -> VettingNote:
         text += f"; the load is the sensor's with its gain moved by {found.used:.0%} of the way to the currents'"
     else:
         text += f"; the load is the sensor's alone, whose gain is known to {0.5 * allowed.share:.2g}"
-    bound = 2.0 * hypot(found.gain_sigma, 0.5 * allowed.share)
+    bound = 2.0 * math.hypot(found.gain_sigma, 0.5 * allowed.share)
     if not found.used and abs(found.gain - 1.0) > bound:
         remedy = "check the gain of the sensor, the torque constant (phase or bus current?) and the gear ratio"
         return VettingNote("currents_beside", "doubt", f"{text}; they differ by more than {bound:.2g}", remedy)

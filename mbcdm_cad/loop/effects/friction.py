@@ -26,7 +26,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mbcdm_cad.loop.effect import Effect, Figure, Parameter, Words
-from mbcdm_cad.loop.prepare.prepared import Prepared, played, slid
+from mbcdm_cad.loop.effects import lash
+from mbcdm_cad.loop.prepare.prepared import Prepared, slid
 from mbcdm_cad.loop.prepare.setup import Setup, Simulator
 from mbcdm_cad.loop.readable import readable
 from mbcdm_cad.model.si import DriveSI
@@ -299,13 +300,12 @@ def _wound_up(shift: Effect) -> Effect:
     )
 
 
-def _wind(setup: Setup, values: Floats, _: Simulator) -> Setup:
-    drum = setup.drum_rad
-    return setup.with_added(played(drum, abs(float(values[0]))) - drum)
+def _wind(setup: Setup, values: Floats, simulator: Simulator) -> Setup:
+    return lash.by_motion(setup, 2.0 * values, simulator)
 
 
 def _half_width(setup: Setup, residual: Floats) -> list[list[float]]:
-    return [[0.5 * float(np.ptp(np.quantile(residual, [0.05, 0.95])))]]
+    return [[0.5 * size for size in start] for start in lash.width(setup, residual)]
 
 
 def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:

@@ -13,6 +13,7 @@ from mbcdm_cad.measurement.schema import MOTION
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
 
+NAME, BY_MOTION = "lash", "play taken up by motion"
 SEPARATE = "a constant bias torque keeps one side in contact: lash vanishes, friction does not"
 # Range of torque at the drum in which the contact changes sides: a few times the sensor's noise.
 DRUM_CHANGE_NM = 0.01
@@ -39,12 +40,14 @@ def _input(index: int, setup: Setup, values: Floats, _: Simulator) -> Setup:
     return setup.with_play(index, float(values[0])).with_shift(index, rest)
 
 
-def _operator(setup: Setup, values: Floats, _: Simulator) -> Setup:
+def by_motion(setup: Setup, values: Floats, _: Simulator) -> Setup:
+    """The drum as it follows the motion behind a play of the first of ``values``, rad."""
     drum = setup.drum_rad
     return setup.with_added(played(drum, 0.5 * abs(float(values[0]))) - drum)
 
 
-def _width(setup: Setup, residual: Floats) -> list[list[float]]:
+def width(setup: Setup, residual: Floats) -> list[list[float]]:
+    """A start: the play that would cause the whole residual."""
     return [[float(np.ptp(np.quantile(residual, [0.05, 0.95])))]]
 
 
@@ -65,7 +68,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
         most = 0.5 * float(np.abs(p.load_Nm).max())
         found.append(
             Effect(
-                "lash",
+                NAME,
                 "play at the output",
                 "a coupling or gearhead rests on one flank or the other, by the load's sign",
                 "coupling and key between drum and load; where the contact changes sides off zero, zero of the torque "
@@ -85,7 +88,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
     if d is not None and p.load_Nm is not None:
         found += [
             Effect(
-                "lash",
+                NAME,
                 "play at an input",
                 "play between input encoder and pulley; the torque from the preload holds one side in contact",
                 f"gearhead and collar of input {name}",
@@ -104,14 +107,14 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
     if d is None or idle or (p.load_Nm is None and p.run.kind != MOTION):
         found.append(
             Effect(
-                "lash",
-                "play taken up by motion",
+                NAME,
+                BY_MOTION,
                 "friction holds the output until the play is taken up",
                 "gears and couplings between input and output",
                 SEPARATE,
                 (play,),
-                _operator,
-                starts=_width,
+                by_motion,
+                starts=width,
                 generic=True,
                 plain="there is {play_rad} of play between input and output",
             )

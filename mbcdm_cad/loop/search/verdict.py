@@ -20,6 +20,7 @@ from scipy.stats import chi2
 from scipy.stats import t as t_distribution
 
 from mbcdm_cad.loop.effect import Effect, Parameter
+from mbcdm_cad.loop.effects import lash
 from mbcdm_cad.loop.prepare.setup import Setup, Simulator
 from mbcdm_cad.loop.result import LEAST_ODDS
 from mbcdm_cad.loop.search.account import INTERVAL
@@ -78,8 +79,6 @@ WAVE, SOFT, SERIES = ("once_per_rev", "drum"), ("stiffness_error", None), "compl
 OTHER_WEIGHT = "a run with another weight on the arm, or none, judged with this one: what is soft goes with the weight"
 # A compliance is left open if a fit leaves so much of what it began with.
 LEFT_OPEN = 0.5
-# A play of the same motion as friction that winds up what is soft.
-TAKEN_UP = ("lash", "play taken up by motion")
 # A size counts as possibly zero if it is zero with this probability.
 ZERO_CHANCE = 0.05
 
@@ -332,7 +331,7 @@ class Judge(ClassOfSensor):
         if self.wound is None or any(effect.name == self.wound.name for _, effect in members):
             return group
         for one, effect in members:
-            if (effect.name, effect.form) == TAKEN_UP:
+            if (effect.name, effect.form) == (lash.NAME, lash.BY_MOTION):
                 others = [(e, v) for e, v in zip(one.effects, one.values, strict=True) if e is not effect]
                 effects, values = [e for e, _ in others], [v for _, v in others]
                 found = self.fitter.tried([*effects, self.wound], [*values, 0.5 * one.values_of(effect)], fit.offsets)
