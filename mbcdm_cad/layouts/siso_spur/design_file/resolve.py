@@ -147,7 +147,6 @@ def _broken_parallel(design: SpurDesign) -> Iterator[Broken]:
     beside = {
         "transmission.cables: two_anchored": design.transmission.cables == "two_anchored",
         "idlers": design.idlers is not None,
-        "first_stage": design.first_stage is not None,
         f"drum.output_screws other than {SCREWS}": design.drum.output_screws != SCREWS,
     }
     for name in (name for name, given in beside.items() if given and count > 1):

@@ -69,20 +69,26 @@ physics: {cable_transport: false, structure: true}
 """
 
 
+# Cables of the second stage side by side.
+PARALLEL = pytest.mark.parametrize("parallel", [1, pytest.param(2, marks=pytest.mark.slow)])
+
+
 @cache
-def series() -> SpurDrive:
-    return spur(load_text(TEXT, "series.yaml").drive)
+def series(parallel: int = 1) -> SpurDrive:
+    text = TEXT.replace("60.0}", f"60.0, parallel: {parallel}}}") if parallel > 1 else TEXT
+    return spur(load_text(text, "series.yaml").drive)
 
 
-def both() -> tuple[SpurLayout, SpurLayout]:
+def both(parallel: int = 1) -> tuple[SpurLayout, SpurLayout]:
     """The whole and its first stage."""
-    whole = series().layout
+    whole = series(parallel).layout
     assert isinstance(whole, SpurLayout) and whole.first_stage is not None
     return whole, whole.first_stage
 
 
-def test_a_short_file_passes_and_names_the_stage_of_each_check() -> None:
-    found = results(series())
+@PARALLEL
+def test_a_short_file_passes_and_names_the_stage_of_each_check(parallel: int) -> None:
+    found = results(series(parallel))
     assert [r.id for r in found if r.status == "fail"] == []
     ids = [r.id for r in found]
     assert len(ids) == len(set(ids))
@@ -112,8 +118,9 @@ def test_ratio_is_the_product_and_the_motor_turns_as_the_input() -> None:
     assert whole.drive.motor_turns == pytest.approx(-first.drive.total_ratio)
 
 
-def test_ends_of_the_first_cable_move_with_the_input_and_its_length_stays() -> None:
-    whole, first = both()
+@PARALLEL
+def test_ends_of_the_first_cable_move_with_the_input_and_its_length_stays(parallel: int) -> None:
+    whole, first = both(parallel)
     body = next(b for b in whole.moving_bodies if b.kind == "input")
     centred = whole.all_cable_paths(0.0)[-1]
     assert centred.cable.name.startswith("first_") and centred.diameter_mm == first.drive.cable.diameter_mm
@@ -126,9 +133,10 @@ def test_ends_of_the_first_cable_move_with_the_input_and_its_length_stays() -> N
         assert np.allclose([motion.apply(end) for end in ends], now, atol=1e-6)
 
 
-def test_stages_give_as_springs_in_series() -> None:
+@PARALLEL
+def test_stages_give_as_springs_in_series(parallel: int) -> None:
     """The energy in both under one load: that of each stage alone under its own torque, by its own figures."""
-    whole, first = both()
+    whole, first = both(parallel)
     load, ratio = whole.drive.loads.test_torque_Nm, whole.drive.total_ratio
     alone = first.turns.motors_held
     assert alone is not None and first.drive.loads.test_torque_Nm == pytest.approx(load / ratio)
@@ -198,9 +206,10 @@ def test_play_before_the_first_stage_turns_the_drum_by_it_over_both_ratios() -> 
     assert np.ptp(_drum_rad(found, load) - _drum_rad(tight, load)) == pytest.approx(play, rel=2e-3)
 
 
-def test_rig_of_both_turns_as_the_rigs_of_each() -> None:
+@PARALLEL
+def test_rig_of_both_turns_as_the_rigs_of_each(parallel: int) -> None:
     """The first stage in a rig of its own, slip on its wraps counted, at the torque that the second one gives it."""
-    whole, first = both()
+    whole, first = both(parallel)
     load, ratio, spring = whole.drive.loads.test_torque_Nm, whole.drive.total_ratio, whole.drive.cable_stage
     assert spring is not None
     rigid = replace(whole.drive, gearhead=replace(spring, stiffness_Nm_rad=1e9))

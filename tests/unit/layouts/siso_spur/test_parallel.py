@@ -164,7 +164,6 @@ def test_the_rig_pairs_the_sides_of_each_cable(two: SpurLayout) -> None:
         ("transmission: {input_to_drum: 9.0, parallel: 2, cables: two_anchored}", "two_anchored"),
         ("idlers: {pairs: 1}", "idlers"),
         ("drum: {output_screws: 6}", "output_screws"),
-        ("first_stage: {total_ratio: 40.0}", "first_stage"),
         ("configuration: miso_spur", "each input has one cable"),
     ],
 )
