@@ -30,25 +30,18 @@ class Travel(Block):
 
     ORDER: ClassVar[tuple[str, ...]] = ("half_angle_deg", "stop_clearance_deg")
 
-    half_angle_deg: Number = quantity("travel each way; more: configuration siso_spur", unit="deg", ge=1.0, le=120.0)
+    half_angle_deg: Number = quantity("travel each way; more: configuration siso_spur", ge=1.0, le=120.0)
     from_deg: Number | None = quantity(
         "angle of the output at the lower end of the travel, in place of half_angle_deg; all other angles of the drum "
         "are counted from the middle of the travel",
-        unit="deg",
         default=None,
         ge=-2160.0,
         le=2160.0,
     )
     to_deg: Number | None = quantity(
-        "angle of the output at the upper end of the travel; goes with from_deg",
-        unit="deg",
-        default=None,
-        ge=-2160.0,
-        le=2160.0,
+        "angle of the output at the upper end of the travel; goes with from_deg", default=None, ge=-2160.0, le=2160.0
     )
-    stop_clearance_deg: Number = quantity(
-        "angle from the end of the travel to the hard stops", unit="deg", ge=0.0, le=5.0
-    )
+    stop_clearance_deg: Number = quantity("angle from the end of the travel to the hard stops", ge=0.0, le=5.0)
 
 
 class Input(Block):
@@ -63,12 +56,7 @@ class Cable(Block):
     name: Slug = choice("name, used in part names")
     input: Slug = choice("the input pulley on which it ends")
     preload_N: Number | None = quantity(
-        "preload of this cable alone, in place of the rope's",
-        unit="N",
-        uncertain=True,
-        default=None,
-        ge=0.1,
-        le=20000.0,
+        "preload of this cable alone, in place of the rope's", uncertain=True, default=None, ge=0.1, le=20000.0
     )
 
 
@@ -82,7 +70,7 @@ class Rope(Block):
         default=None,
     )
     modulus_GPa: Number | None = quantity(
-        "effective modulus in place of the catalogue's", unit="GPa", uncertain=True, default=None, ge=1.0, le=250.0
+        "effective modulus in place of the catalogue's", uncertain=True, default=None, ge=1.0, le=250.0
     )
     modulus_area: Literal["metallic", "nominal"] | None = choice(
         "area that modulus_GPa refers to: metallic (the wires) or nominal (pi d^2 / 4)", default=None
@@ -93,10 +81,10 @@ class Rope(Block):
         default=None,
     )
     friction_coefficient: Number = quantity(
-        "friction coefficient mu of the rope on a pulley", unit="-", uncertain=True, ge=0.01, le=1.0
+        "friction coefficient mu of the rope on a pulley", uncertain=True, ge=0.01, le=1.0
     )
     preload_N: Number = quantity(
-        "tension of each cable with the drum centred and unloaded", unit="N", uncertain=True, ge=0.1, le=20000.0
+        "tension of each cable with the drum centred and unloaded", uncertain=True, ge=0.1, le=20000.0
     )
     preload_by: Literal["slack", "knee"] | None = choice(
         "what the rules choose preload_N by: slack, the least that holds the cables with its factor, or knee, beyond "
@@ -105,11 +93,7 @@ class Rope(Block):
         default=None,
     )
     cut_tolerance_mm: Number = quantity(
-        "tolerance of the length of a finished cable from stop to terminal, plus or minus",
-        unit="mm",
-        default=0.5,
-        ge=0.0,
-        le=20.0,
+        "tolerance of the length of a finished cable from stop to terminal, plus or minus", default=0.5, ge=0.0, le=20.0
     )
 
 
@@ -131,12 +115,9 @@ class WoundRope(Rope):
     )
 
     helix_lead_mm: Number = quantity(
-        "axial distance from turn to turn on the input pulley; more than the rope's diameter",
-        unit="mm",
-        ge=0.2,
-        le=10.0,
+        "axial distance from turn to turn on the input pulley; more than the rope's diameter", ge=0.2, le=10.0
     )
-    dead_turns: Number = quantity("turns that stay on the input pulley at the unwound end", unit="-", ge=0.0, le=10.0)
+    dead_turns: Number = quantity("turns that stay on the input pulley at the unwound end", ge=0.0, le=10.0)
 
 
 class DriveTrain(Block):
@@ -148,14 +129,12 @@ class DriveTrain(Block):
         "gearheads turned with their motors about their axes, from where two screws are beside the axis, one of three "
         "is at the back, or four are on the diagonals; anticlockwise seen against the shaft, and of two inputs that "
         "mirror each other the one at -x clockwise",
-        unit="deg",
         default=0.0,
         ge=-180.0,
         le=180.0,
     )
     bus_voltage_V: Number | None = quantity(
         "voltage of the supply, for motors with a torque constant; if left out, the voltage that the motor is made for",
-        unit="V",
         default=None,
         gt=0.0,
         le=1000.0,
@@ -171,19 +150,17 @@ class DutyRow(PlainBlock):
     """A part of the duty's cycle: a load on the drum, at rest or while the drum moves back and forth."""
 
     torque_Nm: Number = quantity(
-        "load on the drum, which opposes positive rotation where it is above zero", unit="N m", ge=-1000.0, le=1000.0
+        "load on the drum, which opposes positive rotation where it is above zero", ge=-1000.0, le=1000.0
     )
-    share: Number = quantity("share of the time; shares count relative to their sum", unit="-", gt=0.0, le=1.0)
+    share: Number = quantity("share of the time; shares count relative to their sum", gt=0.0, le=1.0)
     speed_deg_s: Number | None = quantity(
         "speed of the drum while it moves back and forth; 0, or neither speed nor range: it holds",
-        unit="deg/s",
         default=None,
         ge=0.0,
         le=10000.0,
     )
     range_deg: Number | None = quantity(
         "angle from end to end that it moves over, there and back; left out at a speed: the whole travel",
-        unit="deg",
         default=None,
         gt=0.0,
         le=240.0,
@@ -205,11 +182,9 @@ class DutyBlock(PlainBlock):
         default=None,
         example="a-day.csv",
     )
-    period_s: Number | None = quantity(
-        "time of one cycle of rows; 10 if left out", unit="s", default=None, gt=0.0, le=1e6
-    )
+    period_s: Number | None = quantity("time of one cycle of rows; 10 if left out", default=None, gt=0.0, le=1e6)
     ambient_C: Number | None = quantity(
-        "temperature of the air round the motors; 25 if left out", unit="C", default=None, ge=-60.0, le=120.0
+        "temperature of the air round the motors; 25 if left out", default=None, ge=-60.0, le=120.0
     )
 
 
@@ -217,37 +192,27 @@ class DutyBlock(PlainBlock):
 class Payload(PlainBlock):
     """What the hub's face carries, with the drum's axis level, so that its weight turns the drum."""
 
-    mass_kg: Number = quantity("mass", unit="kg", default=0.0, ge=0.0, le=1000.0)
+    mass_kg: Number = quantity("mass", default=0.0, ge=0.0, le=1000.0)
     distance_mm: Number = quantity(
-        "centre of mass from the drum's axis, where its weight turns the drum most",
-        unit="mm",
-        default=0.0,
-        ge=0.0,
-        le=1e4,
+        "centre of mass from the drum's axis, where its weight turns the drum most", default=0.0, ge=0.0, le=1e4
     )
     ahead_mm: Number = quantity(
-        "centre of mass, and place of radial_N, in front of the hub's face", unit="mm", default=0.0, ge=0.0, le=1e4
+        "centre of mass, and place of radial_N, in front of the hub's face", default=0.0, ge=0.0, le=1e4
     )
     inertia_kg_m2: Number | None = quantity(
         "moment of inertia about the drum's axis; left out, that of the mass as a point at distance_mm",
-        unit="kg m2",
         default=None,
         ge=0.0,
         le=1e6,
     )
     radial_N: Number = quantity(
         "largest force across the drum's axis besides the weight, such as that of a foot or a hand",
-        unit="N",
         default=0.0,
         ge=0.0,
         le=1e6,
     )
     moment_Nm: Number = quantity(
-        "largest moment that tilts the drum's axis, besides those of weight and radial_N",
-        unit="N m",
-        default=0.0,
-        ge=0.0,
-        le=1e4,
+        "largest moment that tilts the drum's axis, besides those of weight and radial_N", default=0.0, ge=0.0, le=1e4
     )
 
     @property
@@ -278,14 +243,11 @@ NO_PAYLOAD = Payload()
 class Loads(PlainBlock):
     """External torques on the drum at which the design is checked."""
 
-    test_torque_Nm: Number = quantity("torque of the backlash test", unit="N m", uncertain=True, gt=0.0, le=1000.0)
-    peak_torque_Nm: Number = quantity(
-        "torque that the design must hold in both directions", unit="N m", gt=0.0, le=1000.0
-    )
+    test_torque_Nm: Number = quantity("torque of the backlash test", uncertain=True, gt=0.0, le=1000.0)
+    peak_torque_Nm: Number = quantity("torque that the design must hold in both directions", gt=0.0, le=1000.0)
     continuous_torque_Nm: Number | None = quantity(
         "torque that the design must hold continuously, gearheads included, besides that of the payload's weight; not "
         "checked if left out",
-        unit="N m",
         default=None,
         gt=0.0,
         le=1000.0,
@@ -293,7 +255,6 @@ class Loads(PlainBlock):
     speed_deg_s: Number | None = quantity(
         "speed that the drum must reach against the continuous torque, or the peak torque where that is left out; not "
         "checked if left out",
-        unit="deg/s",
         default=None,
         gt=0.0,
         le=10000.0,
@@ -301,7 +262,6 @@ class Loads(PlainBlock):
     stiffness_Nm_rad: Number | None = quantity(
         "least stiffness at the payload at the test torque, the inputs held: cables and all parts; rules raise what "
         "gives most until it holds or other checks refuse; not checked if left out",
-        unit="N m/rad",
         default=None,
         gt=0.0,
         le=1e7,
@@ -310,14 +270,12 @@ class Loads(PlainBlock):
         "largest turn of the payload by all parts besides the cables, over that by the cables, at the test torque, the "
         "inputs held; 0.25 is a usual aim; rules raise what gives most until it holds or other checks refuse; not "
         "checked if left out",
-        unit="-",
         default=None,
         gt=0.0,
         le=100.0,
     )
     backdrive_Nm: Number | None = quantity(
         "largest torque at the drum that may be needed to turn it, motors without current; not checked if left out",
-        unit="N m",
         default=None,
         gt=0.0,
         le=1000.0,
@@ -350,14 +308,13 @@ class Limits(PlainBlock):
     """Limits of this design, which the checks use."""
 
     bend_ratio_min: Number = quantity(
-        "smallest D/d on any pulley; the rope's own minimum is a warning", unit="-", ge=1.0, le=200.0
+        "smallest D/d on any pulley; the rope's own minimum is a warning", ge=1.0, le=200.0
     )
-    tension_safety_factor: Number = quantity("breaking load over largest tension", unit="-", ge=1.0, le=100.0)
-    preload_share_max: Number = quantity("preload over breaking load", unit="-", gt=0.0, le=1.0)
+    tension_safety_factor: Number = quantity("breaking load over largest tension", ge=1.0, le=100.0)
+    preload_share_max: Number = quantity("preload over breaking load", gt=0.0, le=1.0)
     frame_windup_max_mrad: Number | None = quantity(
         "turn of the drum from the frame's deflection at the test torque; left out, the turn of the cables there, or "
         "six times that for a printed frame",
-        unit="mrad",
         default=None,
         gt=0.0,
         le=100.0,
@@ -378,24 +335,16 @@ class Making(PlainBlock):
     """Tolerances of the parts, each half of its band; a gap smaller than their sum gives a warning."""
 
     rope_diameter_share: Number = quantity(
-        "rope's diameter, plus or minus, over the diameter", unit="-", default=0.03, ge=0.0, le=0.2
+        "rope's diameter, plus or minus, over the diameter", default=0.03, ge=0.0, le=0.2
     )
     run_out_mm: Number = quantity(
-        "run-out of a turned surface to its bearing seats, full indicator reading",
-        unit="mm",
-        default=0.02,
-        ge=0.0,
-        le=1.0,
+        "run-out of a turned surface to its bearing seats, full indicator reading", default=0.02, ge=0.0, le=1.0
     )
     bearing_play_mm: Number = quantity(
-        "radial play of a bearing that carries no preload, from one side to the other",
-        unit="mm",
-        default=0.008,
-        ge=0.0,
-        le=0.2,
+        "radial play of a bearing that carries no preload, from one side to the other", default=0.008, ge=0.0, le=0.2
     )
     position_mm: Number = quantity(
-        "place of a bore, a face or a step from its datum, plus or minus", unit="mm", default=0.02, ge=0.0, le=1.0
+        "place of a bore, a face or a step from its datum, plus or minus", default=0.02, ge=0.0, le=1.0
     )
 
 
@@ -404,10 +353,10 @@ class Printing(PlainBlock):
     """Settings for parts of printed materials; other parts do not use them."""
 
     hole_allowance_mm: Number = quantity(
-        "added to the diameter of round holes in the 3MF files", unit="mm", default=0.2, ge=0.0, le=1.0
+        "added to the diameter of round holes in the 3MF files", default=0.2, ge=0.0, le=1.0
     )
     nozzle_mm: Number = quantity(
-        "width of a line of filament; no wall is thinner than two lines", unit="mm", default=0.4, ge=0.1, le=2.0
+        "width of a line of filament; no wall is thinner than two lines", default=0.4, ge=0.1, le=2.0
     )
     threads: Literal["cut", "inserts"] = choice(
         "threads of the payload and of the screws that close the frame: cut in the plastic, or brass inserts set in "
@@ -429,10 +378,9 @@ class SpanLimits(Limits):
         "frame_windup_max_mrad",
     )
 
-    fleet_angle_max_deg: Number = quantity("largest fleet angle on a smooth pulley", unit="deg", gt=0.0, le=20.0)
+    fleet_angle_max_deg: Number = quantity("largest fleet angle on a smooth pulley", gt=0.0, le=20.0)
     fleet_angle_grooved_max_deg: Number = quantity(
         "largest fleet angle on a grooved pulley; wire rope handbooks recommend 2, and 4 at most",
-        unit="deg",
         default=2.0,
         gt=0.0,
         le=20.0,
@@ -443,20 +391,18 @@ class SpanLimits(Limits):
 class Targets(PlainBlock):
     """Mass and box to reach; a target that is left out is not checked."""
 
-    mass_g: Number | None = quantity("mass of the whole", unit="g", default=None, gt=0.0, le=1e6)
-    mass_tolerance_g: Number = quantity("how far it may differ", unit="g", default=10.0, gt=0.0, le=1e6)
+    mass_g: Number | None = quantity("mass of the whole", default=None, gt=0.0, le=1e6)
+    mass_tolerance_g: Number = quantity("how far it may differ", default=10.0, gt=0.0, le=1e6)
     prototype_mass_g: Number | None = quantity(
-        "measured mass of the prototype, for comparison", unit="g", default=None, gt=0.0, le=1e6
+        "measured mass of the prototype, for comparison", default=None, gt=0.0, le=1e6
     )
-    envelope_mm: tuple[Length, Length, Length] | None = quantity(
-        "box with the drum centred, X, Z, Y", unit="mm", default=None
-    )
-    envelope_tolerance_mm: Number = quantity("how far each side may differ", unit="mm", default=0.5, gt=0.0, le=100.0)
+    envelope_mm: tuple[Length, Length, Length] | None = quantity("box with the drum centred, X, Z, Y", default=None)
+    envelope_tolerance_mm: Number = quantity("how far each side may differ", default=0.5, gt=0.0, le=100.0)
     life_cycles: Number | None = quantity(
-        "cycles of the output, to and fro, that the cables must last", unit="-", default=None, gt=0.0, le=1e9
+        "cycles of the output, to and fro, that the cables must last", default=None, gt=0.0, le=1e9
     )
     life_h: Number | None = quantity(
-        "hours of loads.duty that the cables must last, in place of life_cycles", unit="h", default=None, gt=0.0, le=1e6
+        "hours of loads.duty that the cables must last, in place of life_cycles", default=None, gt=0.0, le=1e6
     )
 
 
@@ -464,7 +410,7 @@ class Targets(PlainBlock):
 class Export(PlainBlock):
     """Settings of the files written."""
 
-    mesh_tolerance_mm: Number = quantity("largest distance of a mesh from its surface", unit="mm", ge=0.001, le=1.0)
+    mesh_tolerance_mm: Number = quantity("largest distance of a mesh from its surface", ge=0.001, le=1.0)
     threads: Literal["major", "tap_drill"] = choice(
         "tapped holes in the files of single parts: at the thread's major diameter, or as drilled for tapping",
         default="major",

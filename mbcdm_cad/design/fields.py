@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, field
+from dataclasses import Field as DataclassField
 from typing import Annotated, Any, ClassVar, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, Strict, StringConstraints, TypeAdapter
@@ -25,8 +26,44 @@ EntryName = Annotated[str, StringConstraints(pattern=ENTRY_NAME)]
 CheckId = Annotated[str, StringConstraints(pattern=CHECK_ID)]
 Text = Annotated[str, StringConstraints(min_length=1, max_length=400, strip_whitespace=True)]
 
+# Units by the end of a field's name, the longest first; a name with none of these ends has no unit.
+_ONE_WORD = ("mm", "mm2", "deg", "rad", "mrad", "urad", "arcmin", "g", "kg", "N", "s", "h", "Hz", "GPa", "MPa")
+_UNITS = {
+    "g_cm2": "g cm2",
+    "g_cm3": "g/cm3",
+    "g_m": "g/m",
+    "kg_m2": "kg m2",
+    "N_mm": "N/mm",
+    "Nm": "N m",
+    "mNm": "mN m",
+    "Nm_rad": "N m/rad",
+    "Nm_A": "N m/A",
+    "mNm_A": "mN m/A",
+    "deg_s": "deg/s",
+    "K_W": "K/W",
+    "kJ_mol": "kJ/mol",
+} | {word: word for word in (*_ONE_WORD, "A", "V", "ohm", "C", "EUR")}
 
-class Block(BaseModel):
+
+def unit_in(name: str) -> str:
+    """The unit that a field's name ends with; ``-`` for none."""
+    words = name.split("_")
+    ends = ("_".join(words[k:]) for k in range(1, len(words)))
+    return next((_UNITS[end] for end in ends if end in _UNITS), "-")
+
+
+class _UnitsInNames:
+    """A class whose fields have the units that their names tell, unless a field states one."""
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        for name, declaration in vars(cls).items():
+            if isinstance(declaration, DataclassField):
+                extra = declaration.metadata.get("json_schema_extra", {"unit": "-"})
+                extra["unit"] = extra["unit"] or unit_in(name)
+
+
+class Block(_UnitsInNames, BaseModel):
     """A block of a file from which other values follow: unknown keys refused, values fixed once read."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
@@ -36,7 +73,7 @@ class Block(BaseModel):
 
 
 @dataclass(frozen=True, kw_only=True)
-class PlainBlock:
+class PlainBlock(_UnitsInNames):
     """A block of a file that all rooms read as it is: a frozen dataclass with its fields declared as in :class:`Block`.
 
     pydantic validates it when it is read from a file; an object made in Python is not validated.
@@ -78,15 +115,16 @@ def declared(meaning: str, extra: dict[str, Any], default: Any, bounds: Mapping[
 def quantity(
     meaning: str,
     *,
-    unit: str,
+    unit: str = "",
     source: str = "-",
     reference: Any = None,
     example: Any = None,
     uncertain: bool = False,
     **bounds: Any,
 ) -> Any:
-    """A field with its meaning, unit, source and bounds in one place.
+    """A field with its meaning, source and bounds in one place.
 
+    ``unit`` is needed only where the end of its name, such as ``_mm``, does not tell it.
     ``reference`` is the value of the reference design, from which ``mbcdm init --reference`` writes a file, and
     ``source`` says where it comes from; both are given elsewhere for a block that several configurations share. A field
     with ``example`` instead is written there as a comment. Either is shown to the user as an example. ``uncertain``
@@ -109,6 +147,6 @@ def choice(meaning: str, *, source: str = "-", reference: Any = None, example: A
     return quantity(meaning, unit="-", source=source, reference=reference, example=example, **bounds)
 
 
-def entry_field(meaning: str, unit: str, default: Any = MISSING, uncertain: bool = False, **bounds: Any) -> Any:
+def entry_field(meaning: str, *, default: Any = MISSING, uncertain: bool = False, **bounds: Any) -> Any:
     """As :func:`quantity`, of an entry of the catalogue, whose source is that of the whole entry."""
-    return declared(meaning, {"unit": unit} | ({"uncertain": True} if uncertain else {}), default, bounds)
+    return declared(meaning, {"unit": ""} | ({"uncertain": True} if uncertain else {}), default, bounds)

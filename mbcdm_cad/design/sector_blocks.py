@@ -19,10 +19,8 @@ MOST_SECTOR_DEG = 175.0
 class Clearances(PlainBlock):
     """Gaps between finished surfaces."""
 
-    land_edge_mm: Number = quantity("edge of a drum land to the next cable's contact line", unit="mm", ge=0.0, le=5.0)
-    running_mm: Number = quantity(
-        "gap between any moving part and any fixed part elsewhere", unit="mm", ge=0.01, le=5.0
-    )
+    land_edge_mm: Number = quantity("edge of a drum land to the next cable's contact line", ge=0.0, le=5.0)
+    running_mm: Number = quantity("gap between any moving part and any fixed part elsewhere", ge=0.01, le=5.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,7 +31,6 @@ class TransferClearances(Clearances):
 
     transfer_gap_mm: Number = quantity(
         "surface of step 1 at the transfer to the drum's inner face; under half a rope, so that none slips in",
-        unit="mm",
         ge=0.01,
         le=5.0,
     )
@@ -47,7 +44,6 @@ class SectorCable(Cable):
     terminal_angle_deg: Number | None = quantity(
         "angle on the centred drum, from the direction of the pulley before it, at which the cable leaves its land for "
         "its terminal; left out: as far out as the sector allows",
-        unit="deg",
         default=None,
         ge=1.0,
         le=355.0,
@@ -60,29 +56,25 @@ class SectorDrum(PlainBlock):
 
     material: EntryName = choice("material of the sector")
     sector_half_angle_deg: Number = quantity(
-        "half angle of the sector, from the transfer point", unit="deg", ge=20.0, le=MOST_SECTOR_DEG
+        "half angle of the sector, from the transfer point", ge=20.0, le=MOST_SECTOR_DEG
     )
-    rim_inner_radius_mm: Number = quantity(
-        "inner radius of the rim that carries the lands", unit="mm", ge=2.0, le=500.0
-    )
-    outer_face_y_mm: Number = quantity("outer face of the rim", unit="mm", ge=0.0, le=200.0)
-    web_thickness_mm: Number = quantity("web between rim and hub", unit="mm", ge=0.3, le=50.0)
+    rim_inner_radius_mm: Number = quantity("inner radius of the rim that carries the lands", ge=2.0, le=500.0)
+    outer_face_y_mm: Number = quantity("outer face of the rim", ge=0.0, le=200.0)
+    web_thickness_mm: Number = quantity("web between rim and hub", ge=0.3, le=50.0)
     windows: Literal["outer", "none"] = choice(
         "two windows in the web outside the stop's slot, for mass; or none: a full web, stiffer and stronger",
         default="outer",
     )
-    hub_diameter_mm: Number = quantity("hub outside diameter", unit="mm", ge=2.0, le=200.0)
-    hub_face_y_mm: Number = quantity("face of the hub, where the output is taken", unit="mm", ge=0.0, le=300.0)
+    hub_diameter_mm: Number = quantity("hub outside diameter", ge=2.0, le=200.0)
+    hub_face_y_mm: Number = quantity("face of the hub, where the output is taken", ge=0.0, le=300.0)
     output_circle_mm: Number | None = quantity(
         "diameter of the circle of the payload's screws on the hub's face; left out: midway between shaft and edge",
-        unit="mm",
         default=None,
         ge=5.0,
         le=300.0,
     )
     output_screws: Integer = quantity(
         "number of the payload's screws, evenly on their circle; their thread follows from the peak torque",
-        unit="-",
         default=4,
         ge=3,
         le=12,
@@ -90,7 +82,6 @@ class SectorDrum(PlainBlock):
     bearing: EntryName = choice("both bearings of the drum shaft")
     shaft_bore_mm: Number = quantity(
         "bore of the drum shaft, 0 for a solid one; stated: a hollow centre, for which spur layouts choose bearings",
-        unit="mm",
         ge=0.0,
         le=100.0,
     )
@@ -103,13 +94,12 @@ class SectorDrum(PlainBlock):
     )
     spring_count: Integer = quantity(
         "springs one behind the other on each stud, discs turned against each other; used with spring",
-        unit="-",
         default=1,
         ge=1,
         le=40,
     )
     stop_pin_mm: Number = quantity(
-        "pin in the frame that stops the drum at both ends of its travel", unit="mm", default=3.0, ge=1.0, le=20.0
+        "pin in the frame that stops the drum at both ends of its travel", default=3.0, ge=1.0, le=20.0
     )
 
 

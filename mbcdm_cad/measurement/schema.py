@@ -31,17 +31,10 @@ class Column(Block):
     column: Text | Integer = choice("name in the header, or number from 1", source=LOGGER, example="q_left")
     unit: Text = choice("unit of the numbers, after zero and scale are applied", source=LOGGER, example="rad")
     scale: Number = figure(
-        "factor on the numbers; -1 reverses the sign",
-        unit="-",
-        source=LOGGER,
-        example=-1.0,
-        default=1.0,
-        ge=-1e12,
-        le=1e12,
+        "factor on the numbers; -1 reverses the sign", source=LOGGER, example=-1.0, default=1.0, ge=-1e12, le=1e12
     )
     zero: Number = figure(
         "value that the sensor shows at zero; it is subtracted before scale is applied",
-        unit="-",
         source=LOGGER,
         example=338.56,
         default=0.0,
@@ -50,7 +43,6 @@ class Column(Block):
         "figure at which an angle begins again at zero, as the sensor shows it: 360 for degrees, counts_per_turn "
         "of an absolute encoder, 65536 for a counter of 16 bits; whole turns are then counted. For a time that begins "
         "again every second, as the microseconds beside a column of seconds: 1000000",
-        unit="-",
         source=SENSORS,
         example=16384.0,
         default=None,
@@ -65,7 +57,6 @@ class Column(Block):
     )
     lever_arm_mm: Number | None = figure(
         "arm of a load cell on the drum, for a load torque in a unit of force",
-        unit="mm",
         source="drawing of the bench",
         example=120.0,
         default=None,
@@ -75,7 +66,6 @@ class Column(Block):
     radius_mm: Number | None = figure(
         "radius at which the length is measured, for an angle in a unit of length: that of a linear encoder's track, "
         "of a tape on the drum, or the arm of a dial gauge; angle = length / radius",
-        unit="mm",
         source="drawing of the bench",
         example=60.0,
         default=None,
@@ -190,14 +180,13 @@ class SensorFigures(Block):
     """
 
     input_resolution_rad: Number | None = figure(
-        "one step of the input encoders", unit="rad", source=SENSORS, example=1.9175e-4, default=None, gt=0.0, le=1.0
+        "one step of the input encoders", source=SENSORS, example=1.9175e-4, default=None, gt=0.0, le=1.0
     )
     output_resolution_rad: Number | None = figure(
-        "one step of the output encoder", unit="rad", source=SENSORS, example=1.3635e-6, default=None, gt=0.0, le=1.0
+        "one step of the output encoder", source=SENSORS, example=1.3635e-6, default=None, gt=0.0, le=1.0
     )
     input_noise_rad: Number | None = figure(
         "RMS noise of the input encoders in addition to their steps",
-        unit="rad",
         source=SENSORS,
         example=5e-5,
         default=None,
@@ -206,7 +195,6 @@ class SensorFigures(Block):
     )
     output_noise_rad: Number | None = figure(
         "RMS noise of the output encoder in addition to its steps",
-        unit="rad",
         source=SENSORS,
         example=2e-6,
         default=None,
@@ -214,12 +202,11 @@ class SensorFigures(Block):
         le=1.0,
     )
     torque_noise_Nm: Number | None = figure(
-        "RMS noise of the torque sensor", unit="N m", source=SENSORS, example=0.005, default=None, ge=0.0, le=1e6
+        "RMS noise of the torque sensor", source=SENSORS, example=0.005, default=None, ge=0.0, le=1e6
     )
     torque_class_share: Number | None = figure(
         "class of the torque sensor: largest error of its gain, and of its zero as a share of the largest load; within "
         "it an error is no effect of the drive; a usual class of 0.01 if left out",
-        unit="-",
         source=SENSORS,
         example=0.005,
         default=None,
@@ -228,7 +215,6 @@ class SensorFigures(Block):
     )
     torque_lag_s: Number | None = figure(
         "largest lag of the torque sensor behind the encoders, by its filter; 0.011 s, a filter of 15 Hz, if left out",
-        unit="s",
         source=SENSORS,
         example=0.003,
         default=None,
@@ -240,22 +226,19 @@ class SensorFigures(Block):
 BENCH = "bench"
 
 
-def _of_bench(
-    meaning: str, unit: str, example: float, default: float | None = None, optional: bool = False, **bounds: Any
-) -> Any:
+def _of_bench(meaning: str, example: float, default: float | None = None, optional: bool = False, **bounds: Any) -> Any:
     """A figure of the bench; one without a default is needed, unless it is ``optional``."""
     given: dict[str, Any] = {} if default is None and not optional else {"default": default}
-    return figure(meaning, unit=unit, source=BENCH, example=example, **given, **bounds)
+    return figure(meaning, source=BENCH, example=example, **given, **bounds)
 
 
 class Pendulum(Block):
     """A weight on an arm at the output."""
 
-    mass_kg: Number = _of_bench("mass of the weight", "kg", 2.0, gt=0.0, le=1e4)
-    arm_mm: Number = _of_bench("distance of the weight's centre from the axis", "mm", 150.0, gt=0.0, le=1e5)
+    mass_kg: Number = _of_bench("mass of the weight", 2.0, gt=0.0, le=1e4)
+    arm_mm: Number = _of_bench("distance of the weight's centre from the axis", 150.0, gt=0.0, le=1e5)
     inertia_kg_m2: Number = _of_bench(
         "moment of inertia of arm, drum and coupling about the axis, without the weight at its arm",
-        "kg m2",
         0.002,
         0.0,
         ge=0.0,
@@ -264,7 +247,6 @@ class Pendulum(Block):
     vertical_deg: Number = _of_bench(
         "angle of the output, as its column reads after zero and scale, at which the weight hangs straight down; of a "
         "column in counts: counts / counts_per_turn * 360",
-        "deg",
         0.0,
         0.0,
         ge=-1e4,
@@ -276,17 +258,10 @@ class MotorBlock(Block):
     """The motors whose currents are the load. What is left out is that of the design's catalogue entries."""
 
     torque_constant_Nm_A: Number | None = figure(
-        "torque over current at the motor's shaft",
-        unit="N m/A",
-        source=SENSORS,
-        example=0.0182,
-        default=None,
-        gt=0.0,
-        le=1e3,
+        "torque over current at the motor's shaft", source=SENSORS, example=0.0182, default=None, gt=0.0, le=1e3
     )
     torque_constant_share: Number = _of_bench(
         "standard deviation of the torque constant as a share; within two of them an error of the load is no effect",
-        "-",
         0.05,
         0.05,
         ge=0.0,
@@ -294,7 +269,6 @@ class MotorBlock(Block):
     )
     gear_ratio: Number | None = figure(
         "ratio of the gearhead between the motor and the input's encoder, 1 for none",
-        unit="-",
         source=SENSORS,
         example=76.0,
         default=None,
@@ -302,12 +276,12 @@ class MotorBlock(Block):
         le=1e4,
     )
     efficiency: Number | None = figure(
-        "efficiency of the gearhead", unit="-", source=SENSORS, example=0.65, default=None, gt=0.5, le=1.0
+        "efficiency of the gearhead", source=SENSORS, example=0.65, default=None, gt=0.5, le=1.0
     )
     rotor_inertia_kg_m2: Number | None = figure(
-        "moment of inertia of the rotor", unit="kg m2", source=SENSORS, example=1e-7, default=None, ge=0.0, le=10.0
+        "moment of inertia of the rotor", source=SENSORS, example=1e-7, default=None, ge=0.0, le=10.0
     )
-    friction_Nm: Number = _of_bench("friction of the motor at its shaft", "N m", 1e-4, 0.0, ge=0.0, le=100.0)
+    friction_Nm: Number = _of_bench("friction of the motor at its shaft", 1e-4, 0.0, ge=0.0, le=100.0)
 
 
 class KnownLoad(Block):
@@ -339,12 +313,9 @@ class CountedParts(Block):
 class InertiaPlate(Block):
     """What the bench makes the output turn besides the design's payload."""
 
-    inertia_kg_m2: Number = _of_bench(
-        "moment of inertia of plate and coupling about the axis", "kg m2", 0.02, ge=0.0, le=1e4
-    )
+    inertia_kg_m2: Number = _of_bench("moment of inertia of plate and coupling about the axis", 0.02, ge=0.0, le=1e4)
     inertia_share: Number = _of_bench(
         "standard deviation of all that the output turns, as a share; within two of them an error is no effect",
-        "-",
         0.01,
         0.02,
         ge=0.0,
@@ -369,15 +340,14 @@ class ResponseBlock(Block):
     turns: Number | None = _of_bench(
         "turns of the inputs' encoders for one of the output; left out, the drive's ratio; 1 if the analyser "
         "divided by it, times the gearhead's ratio of encoders on the motors",
-        "-",
         1.0,
         **_LEFT_OUT,
     )
     amplitude_rad: Number | None = _of_bench(
-        "amplitude of the inputs as their encoders read, the same at all frequencies", "rad", 0.01, **_LEFT_OUT
+        "amplitude of the inputs as their encoders read, the same at all frequencies", 0.01, **_LEFT_OUT
     )
     amplitude_Nm: Number | None = _of_bench(
-        "amplitude of the torque on the output, the same at all frequencies", "N m", 0.1, **_LEFT_OUT
+        "amplitude of the torque on the output, the same at all frequencies", 0.1, **_LEFT_OUT
     )
 
 
@@ -397,13 +367,13 @@ class Conditions(Block):
     """Conditions of a published measurement."""
 
     preload_N: Number | None = figure(
-        "tension in every cable", unit="N", source="paper", example=70.0, default=None, gt=0.0, le=1e5
+        "tension in every cable", source="paper", example=70.0, default=None, gt=0.0, le=1e5
     )
     load_torque_Nm: Number | None = figure(
-        "load on the drum", unit="N m", source="paper", example=0.91, default=None, gt=0.0, le=1e5
+        "load on the drum", source="paper", example=0.91, default=None, gt=0.0, le=1e5
     )
     half_travel_rad: Number | None = figure(
-        "amplitude of the drum's motion", unit="rad", source="paper", example=0.05, default=None, gt=0.0, le=100.0
+        "amplitude of the drum's motion", source="paper", example=0.05, default=None, gt=0.0, le=100.0
     )
 
 
@@ -411,16 +381,10 @@ class Published(Block):
     """One figure that was printed instead of a run."""
 
     quantity: Quantity = choice("what was measured", source="paper", example="backlash")
-    value: Number = figure("measured value", unit="-", source="paper", example=0.33, gt=0.0, le=1e12)
+    value: Number = figure("measured value", source="paper", example=0.33, gt=0.0, le=1e12)
     unit: Text = choice("unit of the value", source="paper", example="mrad")
     stated_theory: Number | None = figure(
-        "value that the authors expected, in the same unit",
-        unit="-",
-        source="paper",
-        example=3.9,
-        default=None,
-        gt=0.0,
-        le=1e12,
+        "value that the authors expected, in the same unit", source="paper", example=3.9, default=None, gt=0.0, le=1e12
     )
     conditions: Conditions = choice("conditions of the measurement", source="paper", default=Conditions())
     where: Text = choice("page, section or figure", source="paper", example="section 5.3")
@@ -464,7 +428,6 @@ class Measurement(Block):
     motor: MotorBlock = choice("the motors, where their currents are the load", source=SENSORS, default=MotorBlock())
     ratio: Number | None = figure(
         "total ratio, for a drive of which nothing else is known; the design file is then not used",
-        unit="-",
         source="data sheet of the drive",
         example=35.0,
         default=None,
@@ -493,7 +456,6 @@ class Measurement(Block):
     )
     sample_rate_Hz: Number | None = figure(
         "samples a second of a table without a column of times, each row one step later than the row before",
-        unit="Hz",
         source=LOGGER,
         example=100.0,
         default=None,

@@ -77,35 +77,21 @@ class YokeSupport(PlainBlock):
     material: EntryName = choice("material of frame and motor head", source=ESTIMATE, reference="aluminium-7075")
     back_y_mm: Number = quantity(
         "end of the drum's encoder behind the frame",
-        unit="mm",
         source="distance between the drum's bearings",
         reference=-25.5,
         ge=-300.0,
         le=-1.0,
     )
-    plate_mm: Number = quantity("plate thickness", unit="mm", source=ESTIMATE, reference=5.0, ge=0.3, le=50.0)
+    plate_mm: Number = quantity("plate thickness", source=ESTIMATE, reference=5.0, ge=0.3, le=50.0)
     bridge_mm: Number = quantity(
-        "bridge from the plate to the encoder shelf, over the input",
-        unit="mm",
-        source=ESTIMATE,
-        reference=4.0,
-        ge=0.3,
-        le=50.0,
+        "bridge from the plate to the encoder shelf, over the input", source=ESTIMATE, reference=4.0, ge=0.3, le=50.0
     )
-    side_wall_mm: Number = quantity(
-        "twice the wall of the motor head", unit="mm", source=ESTIMATE, reference=4.0, ge=0.3, le=50.0
-    )
+    side_wall_mm: Number = quantity("twice the wall of the motor head", source=ESTIMATE, reference=4.0, ge=0.3, le=50.0)
     motor_shelf_mm: Number = quantity(
-        "shelf that carries the gearhead",
-        unit="mm",
-        source="gearhead screws engage one diameter",
-        reference=4.0,
-        ge=0.5,
-        le=50.0,
+        "shelf that carries the gearhead", source="gearhead screws engage one diameter", reference=4.0, ge=0.5, le=50.0
     )
     coupling_space_mm: Number = quantity(
         "length between the shelves: coupling collar, gearhead screws and the tools for both",
-        unit="mm",
         source=ESTIMATE,
         reference=9.6,
         ge=2.0,
@@ -113,14 +99,13 @@ class YokeSupport(PlainBlock):
     )
     bearing_shelf_mm: Number = quantity(
         "shelf of the bearing next to the gearhead, the motor head's flange",
-        unit="mm",
         source=ESTIMATE,
         reference=4.0,
         ge=0.5,
         le=50.0,
     )
     encoder_shelf_mm: Number = quantity(
-        "shelf of the bearing next to the encoder", unit="mm", source=ESTIMATE, reference=4.0, ge=0.5, le=50.0
+        "shelf of the bearing next to the encoder", source=ESTIMATE, reference=4.0, ge=0.5, le=50.0
     )
     mount_screw: Literal["M3", "M4", "M5", "M6"] = choice(
         "screws that hold the frame on its base, in threads of the plate", source=ESTIMATE, reference="M3", default="M3"
@@ -139,14 +124,12 @@ class SpurDrum(SectorDrum):
     sector_half_angle_deg: Number = quantity(
         "half angle of the sector, from the line of centres, up to 175; 180: a whole drum, on which a cable may lie in "
         "more than one turn",
-        unit="deg",
         ge=20.0,
         le=WHOLE_DEG,
     )
     shaft_end_mm: Number = quantity(
         "length of the drum's shaft that stands out behind the frame and is the output there; the frame's boss then "
         "ends in a flange to be screwed on, and drive.drum_encoder is none; 0: the hub alone is the output",
-        unit="mm",
         default=0.0,
         ge=0.0,
         le=60.0,
@@ -167,7 +150,6 @@ class SpurLimits(Limits):
 
     slip_margin_min: Number = quantity(
         "torque at which a continuous cable slips on the input over the peak torque",
-        unit="-",
         source="estimate: friction is known to a factor of two",
         reference=2.0,
         default=2.0,

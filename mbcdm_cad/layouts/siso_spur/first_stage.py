@@ -73,7 +73,6 @@ class FirstStageBlock(PlainBlock):
 
     total_ratio: Number | None = quantity(
         "turns of the first stage's input for one of the drum; a rule splits it between the stages",
-        unit="-",
         example=24.0,
         default=None,
         ge=2.0,
@@ -81,7 +80,6 @@ class FirstStageBlock(PlainBlock):
     )
     ratio: Number | None = quantity(
         "drum radius over input radius of the first stage; left out: from total_ratio, else what the motor needs",
-        unit="-",
         example=6.0,
         default=None,
         ge=1.0,

@@ -35,9 +35,9 @@ class IdlerPlace(PlainBlock):
     The cables pass between the two.
     """
 
-    x_mm: Number = quantity("axis of the idler, from the line of centres", unit="mm", example=14.0, gt=0.0, le=2000.0)
+    x_mm: Number = quantity("axis of the idler, from the line of centres", example=14.0, gt=0.0, le=2000.0)
     z_mm: Number = quantity(
-        "axis of the idler, from the drum's axis towards the input", unit="mm", example=90.0, gt=0.0, le=2000.0
+        "axis of the idler, from the drum's axis towards the input", example=90.0, gt=0.0, le=2000.0
     )
 
 
@@ -47,15 +47,14 @@ class IdlerBlock(PlainBlock):
 
     pairs: Integer | None = quantity(
         "number of pairs that the rule places; left out, that of places, or else one",
-        unit="-",
         example=1,
         default=None,
         ge=1,
         le=1,
     )
-    radius_mm: Number = quantity("pitch radius of all idlers", unit="mm", example=14.0, gt=0.0, le=500.0)
+    radius_mm: Number = quantity("pitch radius of all idlers", example=14.0, gt=0.0, le=500.0)
     width_mm: Number = quantity(
-        "land of an idler along its axis, on which the cable walks", unit="mm", example=15.0, gt=0.0, le=300.0
+        "land of an idler along its axis, on which the cable walks", example=15.0, gt=0.0, le=300.0
     )
     bearing: EntryName = choice("bearing in both ends of each idler", example="624")
     places: tuple[IdlerPlace, ...] = choice(

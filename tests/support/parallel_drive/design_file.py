@@ -19,9 +19,9 @@ from mbcdm_cad.design.rules import Broken, NamedEntry
 class Transmission(Block):
     """Pitch radii and where the input stands."""
 
-    centre_distance_mm: Length = quantity("drum axis to input axis", unit="mm", source="test")
-    drum_radius_mm: Length = quantity("pitch radius of the drum", unit="mm", source="test")
-    input_radius_mm: Length = quantity("pitch radius of the input", unit="mm", source="test")
+    centre_distance_mm: Length = quantity("drum axis to input axis", source="test")
+    drum_radius_mm: Length = quantity("pitch radius of the drum", source="test")
+    input_radius_mm: Length = quantity("pitch radius of the input", source="test")
 
 
 class ParallelCable(Cable):

@@ -25,7 +25,7 @@ BEVEL = design_file()
 class Belt(Block):
     """What only this configuration has."""
 
-    pitch_mm: Number = quantity("pitch", unit="mm", uncertain=True, source="a test", reference=2.0, ge=1.0, le=5.0)
+    pitch_mm: Number = quantity("pitch", uncertain=True, source="a test", reference=2.0, ge=1.0, le=5.0)
     pulley_material: str = choice("material of the pulley", source="a test", reference="steel")
 
 

@@ -25,10 +25,10 @@ class Ratios(Block):
     """Reductions, large radius over small; every cable then satisfies Eq. (1) exactly."""
 
     input_to_guide: Number = quantity(
-        "guide radius over input radius", unit="-", source="Table 2: 9/6", reference=1.5, ge=0.2, le=20.0
+        "guide radius over input radius", source="Table 2: 9/6", reference=1.5, ge=0.2, le=20.0
     )
     guide_to_drum: Number = quantity(
-        "drum radius over guide radius", unit="-", source="Table 2: 54/9", reference=6.0, ge=0.5, le=50.0
+        "drum radius over guide radius", source="Table 2: 54/9", reference=6.0, ge=0.5, le=50.0
     )
 
 
@@ -36,18 +36,11 @@ class Transmission(Block):
     """Pitch radii (to the cable's centre line), by step 1 to 4, and where the pulleys stand."""
 
     centre_distance_mm: Number = quantity(
-        "input pulley axis to guide axis, L",
-        unit="mm",
-        uncertain=True,
-        source="Table 2",
-        reference=34.6,
-        ge=2.0,
-        le=500.0,
+        "input pulley axis to guide axis, L", uncertain=True, source="Table 2", reference=34.6, ge=2.0, le=500.0
     )
     ratio: Number | None = quantity(
         "drum radius over input radius; sizing divides it between guide and inputs if ratios and radii are left "
         "out, and chooses it with the motor if it is left out too",
-        unit="-",
         source="Table 2: 54/6",
         example=9.0,
         default=None,
@@ -56,7 +49,6 @@ class Transmission(Block):
     )
     drum_radius_mm: Number | None = quantity(
         "drum pitch radius of step 1; sizing adds the steps if drum_radii_mm is left out",
-        unit="mm",
         source="Table 2",
         example=54.0,
         default=None,
@@ -65,14 +57,12 @@ class Transmission(Block):
     )
     input_setback_mm: Number = quantity(
         "input axes behind the guide's axis, away from the drum, so that drives and collars clear the drum's terminals",
-        unit="mm",
         default=0.0,
         ge=0.0,
         le=100.0,
     )
     drum_radii_mm: tuple[Length, ...] = quantity(
         "drum pitch radii r_o of steps 1 to 4",
-        unit="mm",
         uncertain=True,
         source="Table 2",
         reference=[54.0, 57.6, 61.2, 64.8],
@@ -81,14 +71,12 @@ class Transmission(Block):
     )
     ratios: Ratios | None = quantity(
         "reductions that give guide and input radii; leave out when the radii are explicit",
-        unit="-",
         source="Table 2",
         reference={},
         default=None,
     )
     guide_radii_mm: tuple[Length, ...] | None = quantity(
         "explicit guide pitch radii r_g of steps 1 to 4, in place of ratios; Eq. (1) is then checked",
-        unit="mm",
         uncertain=True,
         source="Table 2",
         example=[9.0, 9.6, 10.2, 10.8],
@@ -98,7 +86,6 @@ class Transmission(Block):
     )
     input_radii_mm: tuple[Length, ...] | None = quantity(
         "explicit input pitch radii r_m of steps 1 to 4, in place of ratios",
-        unit="mm",
         uncertain=True,
         source="Table 2",
         example=[6.0, 6.4, 6.8, 7.2],
@@ -113,10 +100,7 @@ class BevelClearances(TransferClearances):
     """Gaps between finished surfaces."""
 
     transfer_gap_mm: Number = quantity(
-        "gap from guide step 1 to the drum's inner face; under half a rope, so that no rope slips in",
-        unit="mm",
-        ge=0.01,
-        le=5.0,
+        "gap from guide step 1 to the drum's inner face; under half a rope, so that no rope slips in", ge=0.01, le=5.0
     )
 
 

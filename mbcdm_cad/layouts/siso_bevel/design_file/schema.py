@@ -22,7 +22,6 @@ class DirectTransmission(Block):
 
     drum_radius_mm: Number | None = quantity(
         "drum pitch radius of step 1; sizing adds step 2 if drum_radii_mm is left out",
-        unit="mm",
         source="the paper's Table 2",
         default=None,
         ge=5.0,
@@ -30,7 +29,6 @@ class DirectTransmission(Block):
     )
     drum_radii_mm: tuple[Length, ...] = quantity(
         "drum pitch radii r_o of steps 1 and 2",
-        unit="mm",
         uncertain=True,
         source="their mean is that of the paper's Table 2",
         reference=[58.05, 60.75],
@@ -39,7 +37,6 @@ class DirectTransmission(Block):
     )
     input_to_drum: Number | None = quantity(
         "drum radius over input radius, the same for both steps; leave it out if the input radii are explicit",
-        unit="-",
         source="highest ratio with which travel, reserve and stop slot fit on one turn of the input",
         reference=4.5,
         default=None,
@@ -48,7 +45,6 @@ class DirectTransmission(Block):
     )
     input_radii_mm: tuple[Length, ...] | None = quantity(
         "explicit input pitch radii r_m of steps 1 and 2, in place of input_to_drum",
-        unit="mm",
         uncertain=True,
         example=[12.9, 13.5],
         default=None,
@@ -57,7 +53,6 @@ class DirectTransmission(Block):
     )
     reserve_deg: Number = quantity(
         "wrap that stays on the input at the unwound end of the travel, before the stop's bend",
-        unit="deg",
         source=ESTIMATE,
         reference=18.0,
         ge=0.0,

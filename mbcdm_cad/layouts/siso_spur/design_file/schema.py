@@ -24,12 +24,11 @@ class SpurTransmission(Block):
     """Pitch radii (to the cable's centre line), centre distance, and how the cable is wound on the input."""
 
     drum_radius_mm: Length = quantity(
-        "drum pitch radius r_o", unit="mm", uncertain=True, source="the mean of the paper's Table 2", reference=59.4
+        "drum pitch radius r_o", uncertain=True, source="the mean of the paper's Table 2", reference=59.4
     )
     input_to_drum: Number | None = quantity(
         "drum radius over input radius; leave it out if the input radius is explicit, or to have it chosen with the "
         "motor",
-        unit="-",
         source="input radius 6 mm, the smallest of miso_bevel's reference",
         reference=9.9,
         default=None,
@@ -37,15 +36,10 @@ class SpurTransmission(Block):
         le=60.0,
     )
     input_radius_mm: Length | None = quantity(
-        "explicit input pitch radius r_i, in place of input_to_drum",
-        unit="mm",
-        uncertain=True,
-        example=6.0,
-        default=None,
+        "explicit input pitch radius r_i, in place of input_to_drum", uncertain=True, example=6.0, default=None
     )
     centre_distance_mm: Length = quantity(
         "drum axis to input axis",
-        unit="mm",
         uncertain=True,
         source="estimate: space between rim and pulley to insert the cable",
         reference=70.0,
@@ -67,7 +61,6 @@ class SpurTransmission(Block):
     parallel: Integer = quantity(
         "equal continuous cables side by side round the input, which share the load, each on a sector of its own with "
         "its own terminals; cables then names both sides of each, from the back on (siso_spur)",
-        unit="-",
         default=1,
         ge=1,
         le=4,
@@ -75,7 +68,6 @@ class SpurTransmission(Block):
     parallel_spread: Number | None = quantity(
         "how far the preload of each of several parallel cables may be from the stated one, over it, since no "
         "equaliser shares the load; worked out from nuts, lands and the pitch of a span if left out",
-        unit="-",
         default=None,
         ge=0.0,
         le=MOST_SPREAD,
@@ -83,7 +75,6 @@ class SpurTransmission(Block):
     turns: Integer = quantity(
         "turns of the cable on the input, counted at the line of centres; of two anchored cables at the end of the "
         "travel that winds each up",
-        unit="-",
         source="a part of the cable stays on the input over the whole travel",
         reference=3,
         ge=1,
@@ -109,7 +100,6 @@ class SpurRope(Rope):
 
     helix_lead_mm: Number = quantity(
         "axial lead of the turns on the input; larger than the rope's diameter",
-        unit="mm",
         source="rope makers' tables for grooves, rounded up",
         reference=0.9,
         ge=0.2,
@@ -121,8 +111,8 @@ class SpurRope(Rope):
 class SpurClearances(Clearances):
     """Gaps between finished surfaces."""
 
-    land_edge_mm: Number = quantity("flank of the cable to the inner face of the drum's rim", unit="mm", ge=0.0, le=5.0)
-    running_mm: Number = quantity("any moving solid to any fixed one", unit="mm", ge=0.01, le=5.0)
+    land_edge_mm: Number = quantity("flank of the cable to the inner face of the drum's rim", ge=0.0, le=5.0)
+    running_mm: Number = quantity("any moving solid to any fixed one", ge=0.01, le=5.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -176,7 +166,7 @@ class SpurTravel(Travel):
 
     # A whole drum may turn more than once.
 
-    half_angle_deg: Number = quantity("travel from the centre to each side", unit="deg", ge=1.0, le=1080.0)
+    half_angle_deg: Number = quantity("travel from the centre to each side", ge=1.0, le=1080.0)
 
 
 class SpurDesign(SpurBlocks):
