@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from math import exp, tau
+from collections.abc import Callable
+from math import ceil, exp, tau
 
 import numpy as np
 
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
 from mbcdm_cad.checks.design_variables import down, up
-from mbcdm_cad.checks.remedies import floored
+from mbcdm_cad.checks.remedies import floored, rounded
+from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.layouts.base import Layout, NoFigureError
 from mbcdm_cad.model.capability import SLACK_SHARE, balanced_preload_N, torque_at_input_limit_Nm
 from mbcdm_cad.model.equilibrium import solve_equilibrium
@@ -98,6 +100,24 @@ def cable_ends(s: Layout) -> Comparison:
     )
 
 
+def _stronger_rope(measure: Callable[[Layout], Comparison], more: str = "") -> Callable[[Layout], str]:
+    """Advice with the breaking load at which ``measure`` holds at these tensions, and the weakest rope that has it."""
+
+    def advice(s: Layout) -> str:
+        found, rope = measure(s), s.drive.cable
+        least_N = rope.breaking_load_N * max(found.limit / found.actual, found.actual / found.limit)
+        fitting = (
+            (entry["breaking_load_N"], name)
+            for name, entry in package_entries("ropes").items()
+            if entry["construction"] == rope.construction and entry["breaking_load_N"] >= least_N
+        )
+        weakest = min(fitting, default=None)
+        such = f" (such as {weakest[1]})" if weakest else ""
+        return f"choose a rope that breaks at {rounded(least_N, ceil)} N or more{such}{more}"
+
+    return advice
+
+
 def rated_input_Nm(s: Layout) -> float:
     """Motor's rated torque through the gearhead, lossless as the paper counts."""
     return s.drive.motor.rated_torque_mNm * 1e-3 * s.drive.reduction.ratio
@@ -154,7 +174,7 @@ CHECKS = (
         "limits.tension_safety_factor; rope makers: 5 to 10",
         tension,
         adjust=(down("loads.peak_torque_Nm"), down("rope.preload_N")),
-        advice="choose a stronger rope",
+        advice=_stronger_rope(tension),
     ),
     Check(
         "preload_share",
@@ -162,7 +182,7 @@ CHECKS = (
         "limits.preload_share_max; rope makers: under half",
         preload_share,
         adjust=(down("rope.preload_N"),),
-        advice="choose a stronger rope",
+        advice=_stronger_rope(preload_share),
     ),
     Check(
         "termination_fits",
@@ -177,7 +197,7 @@ CHECKS = (
         "limits.tension_safety_factor; strength share in the catalogue of terminations",
         cable_ends,
         adjust=(up("rope.dead_turns"), down("loads.peak_torque_Nm"), down("rope.preload_N")),
-        advice="choose a stronger rope or a stronger rope.termination",
+        advice=_stronger_rope(cable_ends, " or a stronger rope.termination"),
     ),
     Check(
         "preload_bias",

@@ -72,10 +72,18 @@ def progress() -> Iterator[Callable[[str], None]]:
 
 
 @contextmanager
-def progress_of_trials() -> Iterator[Callable[[str, int], None] | None]:
-    """A function that is told the stage of a search and its trials, as a bar on a terminal; None if piped."""
+def progress_of_trials() -> Iterator[Callable[[str, int], None]]:
+    """A function that is told the stage of a search and its trials: a bar on a terminal, some lines if piped."""
     if not sys.stderr.isatty():
-        yield None
+        last: tuple[str, int] = ("", -_TRIALS)
+
+        def told(stage: str, count: int) -> None:
+            nonlocal last
+            if stage != last[0] or count >= last[1] + _TRIALS:
+                last = stage, count
+                print(f"{count} trials: {stage}", file=sys.stderr, flush=True)
+
+        yield told
         return
     from rich.console import Console  # only where a terminal shows it
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
@@ -113,3 +121,5 @@ def progress_of_search() -> Iterator[Callable[[str, int], None]]:
 
 # Designs between two lines of progress, where it is piped.
 _EVERY = 100
+# Trials of a search between two, at least: each sizes and checks a design.
+_TRIALS = 20

@@ -347,7 +347,8 @@ def _gearhead(given: TrialKnown) -> Found:
             and _has_key_room(given, motor, output_mNm(given, motor, None))
         ]
     if not pairs:
-        return Found(NO_GEARHEAD, "no gearhead with a motor of the catalogue reaches the torque")
+        asked = "the torque" if given.get("loads.speed_deg_s") is None else "the torque at the speed"
+        return Found(NO_GEARHEAD, f"no gearhead with a motor of the catalogue reaches {asked}")
     pairs.sort(key=itemgetter(0, 1))
     lightest = pairs[0][1]
     trains = [(name, motor, heads.get(name)) for _, name, motor in pairs]

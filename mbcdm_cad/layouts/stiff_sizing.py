@@ -22,6 +22,7 @@ from mbcdm_cad.checks.comparison import Check
 from mbcdm_cad.design.blocks import Design
 from mbcdm_cad.design.drive import met
 from mbcdm_cad.design.lookup import Catalogue
+from mbcdm_cad.design.rules import every_broken_rule
 from mbcdm_cad.design.sized import Moved, SizedValue, Sizing, SizingError
 from mbcdm_cad.layouts.base import Layout, NoFigureError
 from mbcdm_cad.layouts.structure import Cause, Structure, urad_Nm
@@ -382,7 +383,11 @@ def layout_of(layout: type[Layout], sizing: Sizing) -> Layout:
         design: Design = file.schema.model_validate(sizing.data)
     except ValidationError as error:
         raise NoFigureError(str(error)) from None
-    return met(file.drive(design, Catalogue(design), {})).layout
+    catalogue = Catalogue(design)
+    broken = next(every_broken_rule(design, catalogue, file.rules(design), file.named(design)), None)
+    if broken is not None:
+        raise NoFigureError(broken.what)
+    return met(file.drive(design, catalogue, {})).layout
 
 
 def misses(found: Layout, without: Collection[str] = (), only: Collection[str] | None = None) -> dict[str, float]:

@@ -39,7 +39,7 @@ from mbcdm_cad.model.figures import (
     readable_figure,
 )
 from mbcdm_cad.model.kinematics import eq1_residuals, pair_mismatch_m, shaft_angles
-from mbcdm_cad.model.measured import BACKLASH_RAD, BACKLASH_TORQUE_NM
+from mbcdm_cad.model.measured import BACKLASH_RAD, BACKLASH_TORQUE_NM, papers_test
 from mbcdm_cad.model.motor_figures import motor_figures
 from mbcdm_cad.model.sensitivity import intervals
 from mbcdm_cad.model.si import DriveSI, routed, to_si
@@ -278,10 +278,15 @@ def modulus_readings(d: DriveSI) -> tuple[ModulusReading, ...]:
 
 def notes(drive: Drive, d: DriveSI) -> tuple[str, ...]:
     """Notes that a reader must know before using the figures."""
+    origin = (
+        f"is calibrated: the paper prints no modulus, and its backlash of {BACKLASH_RAD * 1e3:g} mrad implies a "
+        "different one under each reading, and another where the structure counts"
+        if papers_test(drive.loads.test_torque_Nm)
+        else "is a table value or the file's, not measured on this rope: what the cables stretch goes with 1/E"
+    )
     return (
         f"E = {drive.cable.modulus_GPa:g} GPa on the {drive.cable.modulus_area} area {drive.cable.area_mm2:.4f} mm^2 "
-        f"is calibrated: the paper prints no modulus, and its backlash of {BACKLASH_RAD * 1e3:g} mrad implies a "
-        "different one under each reading, and another where the structure counts.",
+        f"{origin}.",
         *_train(drive),
         _losses(drive, d),
     )

@@ -15,6 +15,7 @@ from designs import put, reference, with_cable
 from mbcdm_cad.checks.built import BUILD_IDS
 from mbcdm_cad.checks.result import CheckResult, failed
 from mbcdm_cad.design.blocks import Waiver
+from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.check_design import known_ids, run_checks
@@ -97,6 +98,18 @@ def test_a_load_beyond_all_reason_is_refused_by_the_model_in_a_sentence(drive: D
     results = by_id(run_checks(put(drive, "loads.peak_torque_Nm", 1000.0)))
     found = results["tension"]
     assert found.status == "fail" and "1000 N m is more than 4 times what the preload can carry" in found.message, found
+
+
+def test_a_weak_rope_is_told_which_of_the_catalogue_is_strong_enough(drive: Drive) -> None:
+    """The named rope holds at the same tensions, and the next weaker one of its kind does not."""
+    tight = replace(drive, cables=tuple(replace(cable, preload_N=300.0) for cable in drive.cables))
+    found = by_id(run_checks(tight))["tension"]
+    told = re.search(r"choose a rope that breaks at ([\d.]+) N or more \(such as (\S+)\)", found.remedy)
+    assert told is not None and found.actual is not None and found.limit is not None, found
+    ropes = {k: v["breaking_load_N"] for k, v in package_entries("ropes").items() if v["construction"] == "7x7"}
+    needed = found.limit / found.actual * drive.cable.breaking_load_N
+    assert float(told[1]) == pytest.approx(needed, rel=1e-3)
+    assert ropes[told[2]] == min(load for load in ropes.values() if load >= needed), (needed, ropes)
 
 
 def test_frame_below_the_drum_axis_is_told(drive: Drive) -> None:

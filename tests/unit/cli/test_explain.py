@@ -74,6 +74,23 @@ def test_a_pin_is_told_beside_what_its_rule_gives(short: Path, capsys: pytest.Ca
     assert "drum.outer_face_y_mm = 30.0" in out and "given in the file" in out and "its rule gives 1" in out, out
 
 
+def test_a_pulley_on_the_motors_shaft_beside_a_stiffness_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+    """Its rules are tried without ``carried_by`` too, where bearings called none are no drive."""
+    path = Path(__file__).parents[3] / "params" / "built-by-others" / "wooden-haptics.yaml"
+    assert cli.run(["explain", str(path)]) == 0
+    assert re.search(r"^transmission.input_to_drum +16.0 +given; its rule gives ", capsys.readouterr().out, re.M)
+
+
+@pytest.mark.parametrize(("more", "said"), [("", "lightest of"), (", speed_deg_s: 172.0", "the torque at the speed")])
+def test_no_gearhead_is_told_with_the_speed_that_refused_it(more: str, said: str) -> None:
+    text = (
+        "configuration: siso_spur\ntravel: {half_angle_deg: 45.0}\ntransmission: {input_to_drum: 11.12}\n"
+        f"loads: {{peak_torque_Nm: 15.0{more}}}\n"
+    )
+    found = next(value for value in load_text(text, "drive.yaml").sized if value.field == "drive.gearhead")
+    assert (found.value == "none") is bool(more) and said in f"{found.driver} {found.rounding}", found
+
+
 def test_an_unknown_field_is_one_sentence(short: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.run(["explain", str(short), "drum.outer_face"]) == 2
     assert "no such field; did you mean drum.outer_face_y_mm?" in capsys.readouterr().err

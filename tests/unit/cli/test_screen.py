@@ -11,7 +11,7 @@ import pytest
 
 from mbcdm_cad import cli
 from mbcdm_cad.cli import screen
-from mbcdm_cad.cli.screen import coloured, sign_of_life
+from mbcdm_cad.cli.screen import coloured, progress_of_trials, sign_of_life
 
 SHORT = Path(__file__).parents[3] / "params" / "mbcdm-short.yaml"
 
@@ -55,6 +55,14 @@ def test_what_takes_long_says_so_on_a_terminal_and_nowhere_else(monkeypatch: pyt
     with sign_of_life("leg.yaml: sizing"):
         pass
     assert quick.getvalue() == ""
+
+
+def test_a_search_that_is_piped_says_its_stages_and_how_far_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "stderr", piped := StringIO())
+    with progress_of_trials() as told:
+        for stage, count in (("searching", 1), ("searching", 13), ("searching", 21), ("reducing", 22)):
+            told(stage, count)
+    assert piped.getvalue().splitlines() == ["1 trials: searching", "21 trials: searching", "22 trials: reducing"]
 
 
 @pytest.mark.parametrize("field", [(), ("support.back_y_mm",)])
