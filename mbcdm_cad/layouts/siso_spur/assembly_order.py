@@ -351,6 +351,8 @@ def sector_steps(layout: SpurLayout) -> Iterator[AssemblyStep]:
             f"run on to the stud's end, drop both terminals sideways into the slotted lugs from {faces}. "
         )
         if first:
+            if drive.matched_lands_mm is not None:
+                text = "Keep the sectors in the order in which their lands were cut. " + text
             text += "Push the sector further until its spigot touches the front bearing, and press the stop pin "
             text += "through the slot of its web into the plate. "
         else:

@@ -171,6 +171,7 @@ class SpurDrive(HeadedDrive):
     not cross, so that the input turns with the drum. ``parallel``: equal cables side by side round the input, each with
     a sector of its own; ``cables`` has both sides of each, one cable after the other. After tightening, their preloads
     differ from the stated one by up to ``parallel_spread`` of it, or by what :attr:`SpurLayout.preload_spread` finds.
+    ``matched_lands_mm``: largest difference of their lands' diameters, where those are cut in one setting.
     """
 
     cables: tuple[SpurRun, ...]
@@ -190,6 +191,7 @@ class SpurDrive(HeadedDrive):
     open_spans: bool = False
     parallel: int = 1
     parallel_spread: float | None = None
+    matched_lands_mm: float | None = None
 
     @property
     def angles_rad(self) -> tuple[float, ...]:

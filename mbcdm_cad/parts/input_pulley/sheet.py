@@ -39,6 +39,11 @@ _SLOTS = "Slots after turning and grooving, edges that the cable touches rounded
 _SLOTS_FROM = "X of the slots is the direction of the slit."
 
 
+def _matched(d: InputPulleyDims) -> tuple[str, ...]:
+    what = "Floors of all grooves" if d.grooves else "Land, over its length"
+    return (f"{what}: diameters within {d.matched_mm:g} of each other, cut in one setting.",) if d.matched_mm else ()
+
+
 def _land_lengths(d: InputPulleyDims) -> tuple[Linear, ...]:
     """Of both steps, or of the one land."""
     lower, upper = d.lower_land_radius, d.upper_land_radius
@@ -171,7 +176,7 @@ def _groove_table(d: InputPulleyDims) -> Table:
 
     columns = [column(groove) for groove in d.grooves]
     rows = tuple((head, *(c[n] for c in columns)) for n, head in enumerate(heads))
-    return Table("Helical grooves", ("", *("G1", "G2")[: len(columns)]), rows)
+    return Table("Helical grooves", ("", *(f"G{n}" for n in range(1, len(columns) + 1))), rows)
 
 
 def _end_view(d: InputPulleyDims, lower: bool) -> View:
@@ -261,6 +266,7 @@ def input_pulley_sheet(part: str, d: InputPulleyDims) -> Sheet:
         fits=tuple(FitLine(round(x.value, 6), x.fit, named[x.fit]) for x in diameters if x.fit),
         notes=(
             *((_GROOVES,) if d.grooves else ()),
+            *_matched(d),
             "Lands Ra 0.8.",
             *((_SLOTS, _SLOTS_FROM) if d.slots else ()),
             "+Z points from the slit's end, the lower one, to the upper. Slit along X, sawn through both sides of it."
@@ -336,6 +342,7 @@ def overhung_pulley_sheet(part: str, d: InputPulleyDims) -> Sheet:
         fits=tuple(FitLine(round(x.value, 6), x.fit, {bore: "bore"}.get(x.fit, "land")) for x in diameters if x.fit),
         notes=(
             *((_GROOVES,) if d.grooves else ()),
+            *_matched(d),
             "Land Ra 0.8. +Z points from the lower end to the land."
             + (
                 " Set screws along +X and +Y." if d.hub is not None else " Recess for the head of the horn's own screw."

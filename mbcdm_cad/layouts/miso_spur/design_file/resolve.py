@@ -9,7 +9,13 @@ from mbcdm_cad.design.lookup import Catalogue
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.layouts.miso_spur.design_file.schema import RoundDrumDesign
 from mbcdm_cad.layouts.miso_spur.drive import RoundDrumDrive
-from mbcdm_cad.layouts.siso_spur.design_file.resolve import broken_radius, broken_sector, broken_way, spur_values
+from mbcdm_cad.layouts.siso_spur.design_file.resolve import (
+    broken_lands,
+    broken_radius,
+    broken_sector,
+    broken_way,
+    spur_values,
+)
 from mbcdm_cad.layouts.siso_spur.drive import laid
 from mbcdm_cad.parts.drum_sector.payload import SCREWS
 
@@ -50,6 +56,7 @@ def broken_rules(design: RoundDrumDesign) -> Iterator[Broken]:
             )
     yield from broken_way(design)
     yield from broken_sector(design.drum.sector_half_angle_deg)
+    yield from broken_lands(design)
     if design.transmission.parallel > 1:
         remedy = "set it to 1, or take configuration siso_spur"
         value = str(design.transmission.parallel)

@@ -178,13 +178,14 @@ def dowel_holes(s: SpurLayout) -> Comparison:
 def spread(s: SpurLayout) -> Comparison:
     """What the least turn of a nut and lands of unequal radii change of a preload, over it: the spread holds it."""
     drive, tight = s.drive, s.loads.peak_forward[s.loads.si.sigma > 0]
-    stated = drive.parallel_spread
+    stated, matched = drive.parallel_spread, drive.matched_lands_mm
+    lands = "tolerances of the drawings" if matched is None else f"diameters within {matched:g} mm of each other"
     return at_most(
         "preloads off by a quarter of a flat of a nut and lands of unequal radii, over the preload",
         hypot(s.by_nut, s.by_lands),
         MOST_SPREAD if stated is None else stated,
         "of preload",
-        f"nut {s.by_nut:.1%}, lands {s.by_lands:.1%} at the end of the travel (RSS, tolerances of the drawings); "
+        f"nut {s.by_nut:.1%}, lands {s.by_lands:.1%} at the end of the travel (RSS, {lands}); "
         f"checks count {s.preload_spread:.1%}, with which the tightest of {drive.parallel} cables carries "
         f"{tight.max() / tight.mean() - 1:.1%} more than their mean at peak torque",
     )
@@ -245,7 +246,8 @@ SPREAD = Check(
     spread,
     "warn",
     adjust=(up("rope.preload_N"),),
-    advice="leave transmission.parallel_spread out; a drum.spring under the nuts, less travel or less ratio lower it",
+    advice="leave transmission.parallel_spread out; transmission.matched_lands_mm, a drum.spring under the nuts, a "
+    "longer span, less travel or less ratio lower it",
     applies=is_parallel,
 )
 CHECKS = (*ROOM, APART, *DOWELS, SPREAD, *box_checks(box_mm, "targets.envelope_mm", BOX_ADJUSTMENTS), mass_check(bill))

@@ -82,6 +82,7 @@ def spur_values(design: SpurBlocks, catalogue: Catalogue, sigmas: Mapping[FieldP
             "open_spans": transmission.spans == "open",
             "parallel": transmission.parallel,
             "parallel_spread": transmission.parallel_spread,
+            "matched_lands_mm": transmission.matched_lands_mm,
             "radii_explicit": transmission.input_to_drum is None,
             "idlers": design.idlers,
             "bearings": d.SpurBearings(
@@ -151,6 +152,15 @@ def _broken_parallel(design: SpurDesign) -> Iterator[Broken]:
     }
     for name in (name for name, given in beside.items() if given and count > 1):
         yield Broken(where, f"not beside {name}", str(count), "1", f"set it to 1, or remove {name}")
+    yield from broken_lands(design)
+
+
+def broken_lands(design: SpurBlocks) -> Iterator[Broken]:
+    """Only lands of several cables have something to be equal to."""
+    given = design.transmission.matched_lands_mm
+    if given is not None and design.transmission.parallel == 1:
+        what, remedy = "one cable has no lands to be matched", "remove it, or raise transmission.parallel (siso_spur)"
+        yield Broken(("transmission", "matched_lands_mm"), what, f"{given:g}", "none", remedy)
 
 
 def _broken_spans(design: SpurDesign) -> Iterator[Broken]:

@@ -72,6 +72,14 @@ class SpurTransmission(Block):
         ge=0.0,
         le=MOST_SPREAD,
     )
+    matched_lands_mm: Number | None = quantity(
+        "largest difference of the diameters of the lands of parallel cables, of those on the drums and of those on "
+        "the input, if cut in one setting and measured; left out: what their tolerances allow (siso_spur)",
+        unit="mm",
+        default=None,
+        ge=0.001,
+        le=0.1,
+    )
     turns: Integer = quantity(
         "turns of the cable on the input, counted at the line of centres; of two anchored cables at the end of the "
         "travel that winds each up",
