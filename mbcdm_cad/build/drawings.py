@@ -6,13 +6,10 @@ The kernel and the drawing libraries are imported inside: sheets from the cache 
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-
-import numpy as np
 
 import mbcdm_cad
 from mbcdm_cad.build.made_parts import drawn
@@ -26,7 +23,6 @@ from mbcdm_cad.parts.bill import Bill
 from mbcdm_cad.parts.bought.bodies import CableRod
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.parts.part import MadePart, Part, StandardPart
-from mbcdm_cad.parts.sheets.description import Label, Linear, Sheet, Table, Vector, View, X, Y, Z, minus
 from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.storage.keys import content_key, source_hash
 from mbcdm_cad.storage.manifest import versions
@@ -116,7 +112,7 @@ class _Assembly:
     @property
     def key(self) -> str:
         """Names all that the sheet follows from."""
-        source = source_hash("mbcdm_cad.build.drawings", "mbcdm_cad.drawings.draw")
+        source = source_hash("mbcdm_cad.build.drawings", "mbcdm_cad.build.assembly_sheet", "mbcdm_cad.drawings.draw")
         with_libraries = versions() | {name: metadata.version(name) for name in _LIBRARIES}
         keys = {item.part: self.parts[item.part].key for item in self.posed.items}
         return content_key("assembly drawing", (self.posed.items, keys, *_stated(self.drive)), source, with_libraries)
@@ -125,21 +121,37 @@ class _Assembly:
         """The sheet's files by extension."""
         import cadquery as cq
 
+        from mbcdm_cad.build.assembly_sheet import Body, assembly_sheet, numbers
         from mbcdm_cad.build.kernel import location
         from mbcdm_cad.drawings.draw import draw_sheet
 
         shapes = {name: made.files.shape for name, made in self.parts.items()}
-        boxes = {name: (shape.low_mm, shape.high_mm) for name, shape in shapes.items()}
-        names = {item.part for item in self.items}
-        solids = {name: cq.Shape.cast(_shown(self.posed.parts[name].part, self.parts[name])) for name in names}
-        whole = cq.Compound.makeCompound(
-            [cq.Shape.cast(solids[i.part].wrapped.Moved(location(i.location))) for i in self.items]
-        )
-        box = whole.BoundingBox()
+        solids = {
+            name: cq.Shape.cast(_shown(self.posed.parts[name].part, self.parts[name])) for name in numbers(self.items)
+        }
+
+        def together(cut: bool) -> cq.Compound:
+            chosen = [i for i in self.items if self.posed.parts[i.part].part.cut_in_sections == cut]
+            return cq.Compound.makeCompound(
+                [cq.Shape.cast(solids[i.part].wrapped.Moved(location(i.location))) for i in chosen]
+            )
+
+        whole = together(cut=False)
+        cut = together(cut=True)
+        box = cq.Compound.makeCompound([whole, cut]).BoundingBox()
         envelope = ((box.xmin, box.ymin, box.zmin), (box.xmax, box.ymax, box.zmax))
-        sheet = assembly_sheet(ASSEMBLY, self.items, boxes, envelope, _designations(self.posed))
+        number = numbers(self.items)
+        bodies = [
+            Body(
+                number[i.part],
+                i.location.apply(self.parts[i.part].files.mesh.corners_mm.reshape(-1, 3)).reshape(-1, 3, 3),
+                not self.posed.parts[i.part].part.cut_in_sections,
+            )
+            for i in self.items
+        ]
+        sheet = assembly_sheet(ASSEMBLY, self.items, bodies, envelope, _designations(self.posed))
         mass = assembly_mass(self.posed.items, shapes).mass_g
-        return draw_sheet(sheet, whole, _facts(self.drive, "see list of parts", mass))
+        return draw_sheet(sheet, cut, _facts(self.drive, "see list of parts", mass), whole)
 
 
 def _designations(bill: Bill) -> dict[str, str]:
@@ -193,62 +205,3 @@ def drawings_of(
             cache.put(wanted[name].key, files)
             sheets[name] = files
     return {f"{name}.{kind}": found[kind] for name, found in sheets.items() if found is not None for kind in found}
-
-
-Box = tuple[Vector, Vector]
-
-
-def _placed_box(item: Item, box: Box) -> Box:
-    """Box of an item at its place, from the corners of its part's own box."""
-    low, high = box
-    corners = np.array([(x, y, z) for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
-    points = item.location.apply(corners)
-    return _vector(points.min(axis=0)), _vector(points.max(axis=0))
-
-
-def _vector(values: Sequence[float]) -> Vector:
-    x, y, z = (float(v) for v in values)
-    return x, y, z
-
-
-def assembly_sheet(
-    name: str, items: Sequence[Item], boxes: Mapping[str, Box], envelope: Box, names: Mapping[str, str]
-) -> Sheet:
-    """Views from the front, the left and above. ``boxes``: each part's box in its own frame; ``envelope``: that of the
-    whole; ``names``: what to order, by part, where a standard says it.
-
-    Parts are numbered in the order of the bill; a number points to the part's first instance."""
-    parts: dict[str, list[Item]] = {}
-    for item in items:
-        parts.setdefault(item.part, []).append(item)
-    (left, back, low), (right, front, high) = envelope
-    rows, labels = [], []
-    for number, (part, instances) in enumerate(parts.items(), 1):
-        first = instances[0]
-        kind = first.material.name if first.kind == "made" else names.get(part, "bought")
-        rows.append((str(number), part, str(len(instances)), kind))
-        a, b = _placed_box(first, boxes[part])
-        middle = _vector([(p + q) / 2 for p, q in zip(a, b, strict=True)])
-        labels.append(Label("front", middle, str(number), clear_mm=3.0, leader=True))
-    middle_x = (left + right) / 2
-    return Sheet(
-        part=name,
-        title="Assembly",
-        paper="A2",
-        views=(
-            View("front", minus(X), Z, axes=(((middle_x, 0.0, low), (middle_x, 0.0, high)),)),
-            View("left", Y, Z, column=1),
-            View("top", minus(X), minus(Y), row=-1),
-        ),
-        dimensions=(
-            Linear("front", (right, front, low), (left, front, low), right - left, "below"),
-            Linear("front", (right, front, low), (right, front, high), high - low, "left"),
-            Linear("left", (middle_x, back, low), (middle_x, front, low), front - back, "below"),
-        ),
-        labels=tuple(labels),
-        tables=(Table("Parts", ("No.", "Part", "Pieces", "Material or standard"), tuple(rows)),),
-        notes=(
-            "Drum centred. Cables are not drawn; their lengths stand in the report.",
-            "Order of assembly: see the report.",
-        ),
-    )

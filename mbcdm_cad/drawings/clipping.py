@@ -18,12 +18,13 @@ def clipped(picture: Picture, view: View) -> Picture:
     low, high = (u - half_width, v - half_height), (u + half_width, v + half_height)
     visible = tuple(s for stroke in picture.visible for s in _strokes(stroke, low, high))
     hidden = tuple(s for stroke in picture.hidden for s in _strokes(stroke, low, high))
-    faces = []
-    for loops in picture.faces:
+    faces, bodies = [], []
+    for loops, body in zip(picture.faces, picture.bodies, strict=True):
         kept = [_polygon(loop, low, high) for loop in loops]
         if len(kept[0]) > 2:
             faces.append(tuple(loop for loop in kept if len(loop) > 2))
-    return replace(picture, visible=visible, hidden=hidden, faces=tuple(faces))
+            bodies.append(body)
+    return replace(picture, visible=visible, hidden=hidden, faces=tuple(faces), bodies=tuple(bodies))
 
 
 def _strokes(stroke: Stroke, low: Point, high: Point) -> list[Stroke]:

@@ -86,9 +86,11 @@ def _picture(doc: Drawing, placed: PlacedView, picture: Picture) -> None:
     for layer, strokes in zip(_VIEW_LAYERS, (picture.visible, picture.hidden), strict=True):
         for stroke in strokes:
             _stroke(block, stroke, placed.scale, layer)
-    for loops in picture.faces:
+    for loops, body in zip(picture.faces, picture.bodies, strict=True):
         hatch = block.add_hatch(dxfattribs={"layer": "HATCH"})
-        hatch.set_pattern_fill("ANSI31", scale=_HATCH_APART)
+        # Bodies beside each other differ: the other way, or further apart.
+        apart = _HATCH_APART * (1.0, 1.6, 0.6)[body // 2 % 3]
+        hatch.set_pattern_fill("ANSI31", scale=apart, angle=90.0 * (body % 2))
         for n, loop in enumerate(loops):
             points = [(u * placed.scale, v * placed.scale) for u, v in loop]
             hatch.paths.add_polyline_path(points, is_closed=True, flags=1 if n == 0 else 16)

@@ -53,14 +53,14 @@ class PartFacts:
     position_mm: float
 
 
-def draw_sheet(sheet: Sheet, solid: Any, facts: PartFacts) -> dict[str, bytes]:
-    """The sheet's files by extension: ``dxf``, ``svg``, ``pdf``.
+def draw_sheet(sheet: Sheet, solid: Any, facts: PartFacts, whole: cq.Shape | None = None) -> dict[str, bytes]:
+    """The sheet's files by extension: ``dxf``, ``svg``, ``pdf``. Sections do not cut the bodies of ``whole``.
 
     Raises ``ValueError`` with the part's name if a dimension does not agree with its points, or if no paper is large
     enough.
     """
     shape = cq.Shape.cast(getattr(solid, "wrapped", solid))
-    pictures = {view.name: picture(shape, view) for view in sheet.views}
+    pictures = {view.name: picture(shape, view, whole) for view in sheet.views}
     limits = fits_table(sheet.fits)
     tables = (*(_with_positions(table, facts) for table in sheet.tables), *((limits,) if limits else ()))
     size = tables_size_mm(tables)

@@ -26,26 +26,48 @@ from mbcdm_cad.parts.sheets.description import Vector, View
 # Largest distance of a polyline from the curve that it approximates, mm on the part.
 _DEFLECTION_MM = 0.005
 _HALF_SPACE_MM = 2000.0
+# The box of a body is larger than the body by the kernel's tolerance.
+_AT_PLANE_MM = 0.01
+Loops = tuple[tuple[Point, ...], ...]
 
 
 @dataclass(frozen=True)
 class Picture:
-    """Content of a view: visible strokes, hidden strokes, and the loops of each cut face (outer loop first)."""
+    """Content of a view: visible strokes, hidden strokes, and the loops of each cut face (outer loop first).
+
+    ``bodies``: the number of the body that each face cuts.
+    """
 
     visible: tuple[Stroke, ...]
     hidden: tuple[Stroke, ...]
-    faces: tuple[tuple[tuple[Point, ...], ...], ...]
+    faces: tuple[Loops, ...]
+    bodies: tuple[int, ...] = ()
 
 
-def picture(solid: cq.Shape, view: View) -> Picture:
-    """Project ``solid``; for a section with its cut faces."""
-    shape = solid
-    faces: tuple[tuple[tuple[Point, ...], ...], ...] = ()
+def picture(solid: cq.Shape, view: View, whole: cq.Shape | None = None) -> Picture:
+    """Project ``solid``, of one or more bodies; for a section with its cut faces.
+
+    Bodies of ``whole`` are not cut; those whose middle lies before the section plane are left out.
+    """
+    bodies: list[cq.Shape] = [*solid.Solids()] or [solid]
+    uncut: list[cq.Shape] = [*whole.Solids()] if whole is not None else []
+    faces: list[tuple[Loops, int]] = []
     if view.cut is not None:
-        shape = solid.cut(_half_space(view, view.cut))
-        faces = _section(solid, view, view.cut)
+        plane = cq.Vector(*view.cut).dot(cq.Vector(*view.toward))
+        space, cut = _half_space(view, view.cut), []
+        for number, body in enumerate(bodies):
+            low, high = _depths(body, view)
+            if low < plane - _AT_PLANE_MM:
+                # Few bodies of an assembly reach through the plane; a boolean of the others takes time for nothing.
+                through = high > plane + _AT_PLANE_MM
+                cut.append(body.cut(space) if through else body)
+                if through:
+                    faces += [(loops, number) for loops in _section(body, view, view.cut)]
+        bodies, uncut = cut, [b for b in uncut if sum(_depths(b, view)) / 2 < plane + _AT_PLANE_MM]
     algorithm = HLRBRep_Algo()
-    algorithm.Add(shape.wrapped)
+    # As one shape: the kernel takes many times as long for bodies one by one.
+    together = [*bodies, *uncut]
+    algorithm.Add((together[0] if len(together) == 1 else cq.Compound.makeCompound(together)).wrapped)
     algorithm.Projector(HLRAlgo_Projector(gp_Ax2(gp_Pnt(0, 0, 0), gp_Dir(*view.toward), gp_Dir(*view.right))))
     algorithm.Update()
     algorithm.Hide()
@@ -53,7 +75,16 @@ def picture(solid: cq.Shape, view: View) -> Picture:
     visible = [*_strokes(shapes.VCompound()), *_strokes(shapes.OutLineVCompound())]
     hidden = [*_strokes(shapes.HCompound()), *_strokes(shapes.OutLineHCompound())] if view.hidden else []
     seen, behind = cleaned(visible, hidden)
-    return Picture(tuple(seen), tuple(behind), faces)
+    faces.sort()
+    return Picture(tuple(seen), tuple(behind), tuple(f for f, _ in faces), tuple(n for _, n in faces))
+
+
+def _depths(body: cq.Shape, view: View) -> tuple[float, float]:
+    """Least and greatest distance of a body's box towards the reader, mm from the origin."""
+    box = body.BoundingBox()
+    sides = zip((box.xmin, box.ymin, box.zmin), (box.xmax, box.ymax, box.zmax), view.toward, strict=True)
+    ends = [sorted((low * t, high * t)) for low, high, t in sides]
+    return sum(e[0] for e in ends), sum(e[1] for e in ends)
 
 
 def _half_space(view: View, at: Vector) -> cq.Solid:
@@ -64,7 +95,7 @@ def _half_space(view: View, at: Vector) -> cq.Solid:
     return cq.Solid(BRepPrimAPI_MakeBox(axes, _HALF_SPACE_MM, _HALF_SPACE_MM, _HALF_SPACE_MM).Shape())
 
 
-def _section(solid: cq.Shape, view: View, at: Vector) -> tuple[tuple[tuple[Point, ...], ...], ...]:
+def _section(solid: cq.Shape, view: View, at: Vector) -> tuple[Loops, ...]:
     plane = cq.Face.makePlane(_HALF_SPACE_MM, _HALF_SPACE_MM, cq.Vector(*at), cq.Vector(*view.toward))
     found = []
     for face in plane.intersect(solid).Faces():

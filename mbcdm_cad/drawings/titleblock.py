@@ -71,7 +71,7 @@ def draw_title_block(doc: Drawing, fields: TitleFields, width: float) -> None:
     cell(first, 3, "Material", fields.material)
     cell(first, 2, "Mass", fields.mass)
     cell(first, 1, "General tolerances", GENERAL_TOLERANCE)
-    cell(first, 0, "Edges (ISO 13715)", "outside -0.1/-0.3  inside +0.1/+0.3", 2.2)
+    cell(first, 0, "Edges (ISO 13715)", "outside -0.1/-0.3  inside +0.1/+0.3", 2.0)
     cell(second, 3, "Made by", fields.made_by)
     cell(second, 2, "Scale", fields.scale, 3.5)
     cell(second + 27.0, 2, "Paper", fields.paper)

@@ -39,6 +39,8 @@ class AxleDims:
 class Axle(MadePart):
     """Axle where it stands in the assembly, axis Z."""
 
+    cut_in_sections = False
+
     dims: AxleDims
     title: str = "Guide axle"
 

@@ -15,7 +15,7 @@ from mbcdm_cad.design.bought import Gearhead, Screw
 from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.part import MadePart
 from mbcdm_cad.parts.shapes import block, cut, cylinder, turned
-from mbcdm_cad.parts.sheets.description import FitLine, Holes, Linear, Sheet, View, X, Y, Z, minus, mm
+from mbcdm_cad.parts.sheets.description import CuttingLine, FitLine, Holes, Linear, Sheet, View, X, Y, Z, minus, mm
 from mbcdm_cad.parts.sheets.holes import hole_labels, hole_table
 from mbcdm_cad.parts.threads import thread
 from mbcdm_cad.parts.volume import ring_mm3
@@ -240,6 +240,7 @@ class Collar(MadePart):
             tables=(hole_table((above, below)),),
             holes=(above, below),
             fits=(FitLine(2 * d.bore_radius, fit, "bore"),),
+            cutting_lines=(CuttingLine("end", (0.0, -r, high), (0.0, r, high), "A", X),),
             notes=(
                 "Both holes on one axis, half way up the width.",
                 "The flat is open towards the slit's side and over the whole width.",

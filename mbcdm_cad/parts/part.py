@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -16,6 +16,9 @@ class Part(ABC):
 
     ``solid`` imports the kernel inside, so that checks and analysis start without it.
     """
+
+    # Fasteners, pins and axles are drawn whole in sections of an assembly (ISO 128-3).
+    cut_in_sections: ClassVar[bool] = True
 
     @abstractmethod
     def solid(self) -> cq.Solid:

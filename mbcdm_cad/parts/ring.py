@@ -58,6 +58,8 @@ class Sleeve(MadePart):
 class Nut(StandardPart):
     """Hexagon nut; sizes in mm, the thread a plain bore at its diameter."""
 
+    cut_in_sections = False
+
     across_flats: float
     height: float
     thread: float
@@ -82,6 +84,8 @@ class Nut(StandardPart):
 @dataclass(frozen=True)
 class PlainPin(Part):
     """Pin with chamfered ends; sizes in mm."""
+
+    cut_in_sections = False
 
     radius: float
     length: float

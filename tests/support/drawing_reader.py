@@ -162,3 +162,39 @@ def note_number(doc: Drawing, pattern: str) -> float:
     if len(found) != 1:
         raise (DoubledDimensionError if found else MissingDimensionError)(f"{pattern}: {found}")
     return float(found[0])
+
+
+def leader_ends(doc: Drawing) -> list[tuple[float, float]]:
+    """Where leaders end on what they name: their dots."""
+    ends = []
+    for hatch in doc.modelspace().query("HATCH"):
+        for path in hatch.paths.paths:
+            ends += [(edge.center.x, edge.center.y) for edge in getattr(path, "edges", []) if hasattr(edge, "radius")]
+    return ends
+
+
+def leaders_at_one_point(doc: Drawing, apart_mm: float) -> list[tuple[float, float]]:
+    """Ends of leaders that are nearer than ``apart_mm`` (in the model space) to the end of another."""
+    pairs = combinations(leader_ends(doc), 2)
+    return [a for a, b in pairs if (a[0] - b[0]) ** 2 + (a[1] - b[1]) ** 2 < apart_mm**2]
+
+
+def sections_without_line(doc: Drawing) -> list[str]:
+    """Sections titled A-A whose cutting line has not its two letters in another view."""
+    texts = [text.dxf.text for text in doc.modelspace().query("TEXT")]
+    titles = [match[1] for text in texts if (match := re.match(r"([A-Z])-\1(?: |$)", text))]
+    return [letter for letter in titles if texts.count(letter) < 2]
+
+
+def texts_over_their_cells(doc: Drawing) -> list[str]:
+    """Texts of the title block that cross one of its upright lines."""
+    walls = [
+        (line.dxf.start.x, *sorted((line.dxf.start.y, line.dxf.end.y)))
+        for line in doc.modelspace().query("LINE")
+        if line.dxf.layer == "TITLE" and abs(line.dxf.start.x - line.dxf.end.x) < 1e-6
+    ]
+    return [
+        text
+        for text, (left, low, right, top) in text_boxes(doc)
+        if any(left < x < right and a < top and low < b for x, a, b in walls)
+    ]

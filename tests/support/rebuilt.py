@@ -100,10 +100,43 @@ def pulley(doc: Drawing, dims: list[ReadDimension]) -> float:
         cq.Solid.makeCylinder(bore, blind, cq.Vector(0, 0, 0)),
         cq.Solid.makeBox(2 * reach, slit, slit_depth, cq.Vector(-reach, -slit / 2, 0.0)),
         *slot_tools(doc, {"lower": places[2], "upper": places[4]}, {"lower": -1.0, "upper": 1.0}),
+        *_rings(doc, reach + max(radii)),
     ]
     for tool in tools:
         solid = solid.cut(tool)
     return float(solid.Volume())
+
+
+def _rings(doc: Drawing, reach: float) -> list[cq.Shape]:
+    """Half a ring for each turn of the grooves of the table, as the section along X shows them."""
+    try:
+        rows = {row[0]: row[1:] for row in table(doc, "Helical grooves")}
+    except MissingDimensionError:
+        return []
+    tools: list[cq.Shape] = []
+    for n in range(len(rows["lead"])):
+        root, floor, first, last, start, turns = (
+            float(rows[head][n])
+            for head in (
+                "root Ø",
+                "radius of the floor",
+                "middle of the groove at one end, from the lower end",
+                "middle of the groove at its other end, from the lower end",
+                "there at deg from X (seen from +Z, anticlockwise)",
+                "turns",
+            )
+        )
+        sense = 1.0 if (rows["hand of the helix"][n] == "right") == (last > first) else -1.0
+        for side in (0.0, 180.0):
+            # Turns from the groove's start to where it passes this side for the first time.
+            there = (sense * (side - start) / 360.0) % 1.0
+            while there <= turns:
+                at = cq.Vector(0, 0, first + (last - first) * there / turns)
+                ring = cq.Solid.makeTorus(root / 2 + floor, floor, at, cq.Vector(0, 0, 1))
+                low = cq.Vector(0.0 if side == 0.0 else -reach, -reach, at.z - 2 * floor)
+                tools.append(ring.intersect(cq.Solid.makeBox(reach, 2 * reach, 4 * floor, low)))
+                there += 1.0
+    return tools
 
 
 def plate(doc: Drawing, dims: list[ReadDimension]) -> cq.Shape:

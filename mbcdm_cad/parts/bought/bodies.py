@@ -266,6 +266,8 @@ class RingEncoderBody(BoughtPart):
 class ScrewBody(BoughtPart):
     """Screw, its head's seat at z = 0."""
 
+    cut_in_sections = False
+
     entry: Screw
 
     def solid(self) -> cq.Solid:

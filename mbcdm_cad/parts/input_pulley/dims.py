@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import acos, degrees, hypot, sqrt, tau
+from math import acos, ceil, degrees, floor, hypot, sqrt, tau
 
 from mbcdm_cad.parts.volume import segment_mm2
 from mbcdm_cad.routes.curves import Helix
@@ -103,6 +103,13 @@ class Groove:
     def helix(self, radius_mm: float) -> Helix:
         """The centre line of the groove at a radius."""
         return Helix((0.0, 0.0), radius_mm, self.start_angle_rad, self.end_angle_rad, self.start_z, self.end_z)
+
+    def crossings_z(self, angle_rad: float) -> list[float]:
+        """Heights at which its middle passes the half plane through the axis at an angle."""
+        a, turned = self.start_angle_rad, self.end_angle_rad - self.start_angle_rad
+        low, high = sorted((a, a + turned))
+        turns = range(ceil((low - angle_rad) / tau), floor((high - angle_rad) / tau) + 1)
+        return [self.start_z + (angle_rad + tau * n - a) / turned * (self.end_z - self.start_z) for n in turns]
 
     @property
     def volume_mm3(self) -> float:

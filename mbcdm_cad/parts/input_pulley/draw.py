@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from math import ceil, cos, radians, sin, sqrt, tau
+from math import ceil, cos, degrees, pi, radians, sin, sqrt, tau
 
 import cadquery as cq
 
@@ -93,23 +93,23 @@ def _lands(d: InputPulleyDims) -> list[InputLand]:
     ]
 
 
-def _body(d: InputPulleyDims) -> cq.Solid:
-    """The pulley without bore, slit and slots.
+def _body(d: InputPulleyDims, rings: bool) -> cq.Solid:
+    """The pulley without bore, slit and slots; with ``rings`` in place of its helical grooves.
 
     Grooves are cut into the plain cylinder of their land, which is then joined to the rest: the kernel takes less
     than half the time of a cut into the whole body, and that cut often fails.
     """
     name = f"input pulley {d.name}"
-    lands = _lands(d)
+    lands, land_of = _lands(d), _ringed if rings else _grooved
     if d.hub is not None or d.horn is not None:
         below = turned([*_below(d), (0.0, d.land_bottom_z)], name)
-        return fuse([below, *(_grooved(land, d, name) for land in lands)], name)
+        return fuse([below, *(land_of(land, d, name) for land in lands)], name)
     if not d.grooves:
         steps = [point for land in lands for point in ((land.radius, land.bottom_z), (land.radius, land.top_z))]
         return turned([*_below(d), *steps, *_above(d)], name)
     below = turned([*_below(d), (0.0, d.land_bottom_z)], name)
     above = turned([(0.0, d.land_top_z), *_above(d)], name)
-    return fuse([below, *(_grooved(land, d, name) for land in lands), above], name)
+    return fuse([below, *(land_of(land, d, name) for land in lands), above], name)
 
 
 def _groove_tool(groove: Groove) -> cq.Solid:
@@ -133,15 +133,34 @@ def _groove_tool(groove: Groove) -> cq.Solid:
     return one_solid(cq.Solid.sweep(profile, [], path, True, True, None, "right"), f"groove of {groove.cable_name}")
 
 
+def _ringed(land: InputLand, dims: InputPulleyDims, name: str) -> cq.Solid:
+    """A land as its section along X shows it: for each half a ring where a groove passes X, in place of the helix.
+
+    The groove's profile lies in the plane of the axis, so this section is the true one; its hidden lines take no time.
+    """
+    up, halves = cq.Vector(0, 0, 1), []
+    for angle in (0.0, pi):
+        half = cq.Solid.makeCylinder(land.radius, land.top_z - land.bottom_z, cq.Vector(0, 0, land.bottom_z), up, 180.0)
+        rings = [
+            cq.Solid.makeTorus(groove.root_radius + groove.radius, groove.radius, cq.Vector(0, 0, z), up)
+            for groove in _on(land, dims)
+            for z in groove.crossings_z(angle)
+        ]
+        halves.append(cut(half.rotate(cq.Vector(0, 0, 0), up, degrees(angle) - 90.0), rings, name))
+    return fuse(halves, name)
+
+
+def _on(land: InputLand, dims: InputPulleyDims) -> list[Groove]:
+    return [g for g in dims.grooves if land.bottom_z <= (g.start_z + g.end_z) / 2 <= land.top_z]
+
+
 def _grooved(land: InputLand, dims: InputPulleyDims, name: str) -> cq.Solid:
     """A land with its grooves, each cut in short pieces, and in shorter ones if the kernel cuts those incompletely.
 
     Raises ValueError if none of these removes the volume that follows from the groove's cross section and length.
     """
     body = cylinder_z(land.radius, 0, 0, land.bottom_z, land.top_z)
-    for groove in dims.grooves:
-        if not land.bottom_z <= (groove.start_z + groove.end_z) / 2 <= land.top_z:
-            continue
+    for groove in _on(land, dims):
         wanted = groove.volume_mm3
         for turns in _PIECE_TURNS:
             left = body
@@ -235,9 +254,12 @@ def _slot_tools(slot: StopSlot, surface: float) -> list[cq.Solid]:
     ]
 
 
-def create_input_pulley(dims: InputPulleyDims) -> cq.Solid:
-    """Input pulley about its own axis (x = y = 0), heights as in the assembly, turned as with the drum centred."""
-    body = _body(dims)
+def create_input_pulley(dims: InputPulleyDims, rings: bool = False) -> cq.Solid:
+    """Input pulley about its own axis (x = y = 0), heights as in the assembly, turned as with the drum centred.
+
+    With ``rings`` as the views of its sheet show it.
+    """
+    body = _body(dims, rings)
     tools: list[cq.Shape] = []
     reach = dims.lower_journal_radius + 1.0
     if dims.bore_radius > 0.0:

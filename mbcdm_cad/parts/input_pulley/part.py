@@ -37,12 +37,14 @@ class InputPulley(MadePart):
     """Input pulley about its own axis, heights as in the assembly, turned as with the drum centred."""
 
     dims: InputPulleyDims
+    # With a ring for each turn of its helical grooves, as the views of its sheet show them.
+    rings: bool = False
 
     def solid(self) -> cq.Solid:
         """Drawn by ``draw.py`` beside this module."""
         from mbcdm_cad.parts.input_pulley.draw import create_input_pulley
 
-        return create_input_pulley(self.dims)
+        return create_input_pulley(self.dims, self.rings)
 
     def volume_mm3(self) -> float:
         """Journals, necks and steps less bore, slit, slots and grooves."""
@@ -67,12 +69,8 @@ class InputPulley(MadePart):
         return body - bore - slit - sum(map(_slot_mm3, d.slots)) - sum(groove.volume_mm3 for groove in d.grooves)
 
     def in_views(self) -> InputPulley:
-        """With plain lands as wide as the crests: hidden lines of a helical groove take minutes to compute."""
-        d = self.dims
-        if not d.grooves:
-            return self
-        lower, upper = d.lower_land_radius, d.upper_land_radius
-        return InputPulley(replace(d, grooves=(), lower_surface_radius=lower, upper_surface_radius=upper))
+        """With rings in place of helical grooves, whose hidden lines take minutes to compute."""
+        return replace(self, rings=bool(self.dims.grooves))
 
     def sheet(self, part: str) -> Sheet:
         """Described by ``sheet.py`` beside this module."""

@@ -14,7 +14,15 @@ import pytest
 from mbcdm_cad.drawings.draw import PartFacts, draw_sheet
 from mbcdm_cad.drawings.style import plain
 from mbcdm_cad.layouts.loader import load_design
-from tests.support.drawing_reader import document, table, texts_on_texts, texts_outside
+from tests.support.drawing_reader import (
+    document,
+    leaders_at_one_point,
+    sections_without_line,
+    table,
+    texts_on_texts,
+    texts_outside,
+    texts_over_their_cells,
+)
 
 pytestmark = pytest.mark.slow
 ROOT = Path(__file__).parents[3]
@@ -62,6 +70,15 @@ def test_no_text_stands_on_another(drawn: Drawn, name: str) -> None:
 @pytest.mark.parametrize("name", MADE)
 def test_all_texts_are_inside_the_frame(drawn: Drawn, name: str) -> None:
     assert not texts_outside(document(drawn[name][1]["dxf"]))
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_leaders_sections_and_cells(drawn: Drawn, name: str) -> None:
+    """No two leaders end at one point, each section has its cutting line, no text leaves its cell."""
+    doc = document(drawn[name][1]["dxf"])
+    assert not leaders_at_one_point(doc, 1e-3)
+    assert not sections_without_line(doc)
+    assert not texts_over_their_cells(doc)
 
 
 def test_a_radius_is_drawn_where_its_sheet_puts_it_wherever_its_text_finds_room(drawn: Drawn) -> None:

@@ -189,12 +189,34 @@ def test_terminals_of_a_wide_sector_stand_at_its_ends(reference: BevelDrive) -> 
     assert {after[name] for name in ("wrap_left", "terminal_clears_guide", "spans_clear", "drum_sweep")} == {"pass"}
 
 
-def test_the_sheet_of_a_grooved_pulley_gives_grooves_as_a_table_and_draws_none(reference: BevelDrive) -> None:
+@pytest.mark.slow
+def test_the_section_of_a_grooved_pulley_is_that_of_its_helices(reference: BevelDrive) -> None:
+    """The views have rings in place of helices: cut along X, where the section lies, both give the same face."""
+    import cadquery as cq
+
+    from mbcdm_cad.build.validate import validate_solid
+    from mbcdm_cad.drawings.draw import PartFacts, draw_sheet
+    from tests.support.drawing_reader import dimensions, document
+    from tests.support.rebuilt import pulley
+
+    plane = cq.Face.makePlane(200.0, 200.0, cq.Vector(0, 0, 0), cq.Vector(0, 1, 0))
     plain, cut = (BevelLayout(drive).inputs[0] for drive in (reference, grooved(reference)))
     assert InputPulley(plain).in_views() == InputPulley(plain)
-    sheet, shown = InputPulley(cut).sheet("p"), InputPulley(cut).in_views().dims
-    assert shown.grooves == ()
-    assert shown.lower_land_radius == cut.lower_land_radius > plain.lower_land_radius
+    part = InputPulley(cut)
+    true, drawn = (plane.intersect(p.solid()) for p in (part, part.in_views()))
+    validate_solid("input_pulley", part.in_views().solid())
+    smooth = replace(cut, grooves=(), lower_surface_radius=cut.lower_land_radius)
+    smooth = replace(smooth, upper_surface_radius=cut.upper_land_radius)
+    grooves = plane.intersect(InputPulley(smooth).solid()).Area() - true.Area()
+    assert grooves > 1.0, "mm2 of grooves"
+    assert true.cut(drawn).Area() + drawn.cut(true).Area() < 0.01 * grooves, (true.Area(), drawn.Area(), grooves)
+    shown = part.in_views().solid()
+    doc = document(draw_sheet(part.sheet("p"), shown, PartFacts("d", "m", 1.0, "0", 0.02))["dxf"])
+    assert pulley(doc, dimensions(doc)) == pytest.approx(shown.Volume(), rel=2e-3), "made from its sheet"
+
+
+def test_the_sheet_of_a_grooved_pulley_gives_grooves_as_a_table(reference: BevelDrive) -> None:
+    sheet = InputPulley(BevelLayout(grooved(reference)).inputs[0]).sheet("p")
     table = {row[0]: row[1:] for row in next(t for t in sheet.tables if t.title == "Helical grooves").rows}
     assert table["lead"] == ("0.89", "0.89") and table["root %%c"] == ("11.19", "11.99")
     assert table["hand of the helix"] == ("right", "right")
