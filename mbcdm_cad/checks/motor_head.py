@@ -8,9 +8,9 @@ from mbcdm_cad.checks.bearings import carried
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM, corner_gap, web_between
-from mbcdm_cad.design.bought import Screw
+from mbcdm_cad.design.bought import Encoder, Screw
 from mbcdm_cad.layouts.sector import HeadLayout
-from mbcdm_cad.parts.boss import EAR_WALL_MM
+from mbcdm_cad.parts.boss import EAR_WALL_MM, BossDims
 from mbcdm_cad.parts.collar import collar_sweep_mm
 
 # Numbers of holes in the parts: for the encoders' screws, one on each side, and for those of motor or gearhead.
@@ -136,25 +136,30 @@ def boss_walls(s: HeadLayout) -> Iterator[Comparison]:
     yield at_least("shoulder between the drum's bearings", b.front_seat_start_y - b.rear_seat_end_y, 2 * limit, "mm")
     if encoder.absent:
         return
-    for name, wall, least in (
-        ("boss beyond the ears of the drum encoder's screws", b.front_y - b.ear_front_y, 0.0),
-        (
-            "drum encoder's threads from the bearing's seat",
-            b.screw_circle - b.screw_radius - b.seat_radius,
-            HOLE_WEB_MM,
-        ),
-        (
-            "drum encoder's threads inside its housing",
-            encoder.diameter_mm / 2 - b.screw_circle - b.screw_radius,
-            HOLE_WEB_MM,
-        ),
-        (
-            "ear round the drum encoder's threads",
-            max(b.ear_reach, b.radius) - b.screw_circle - b.screw_radius,
-            EAR_WALL_MM,
-        ),
-    ):
-        yield at_least(name, wall, least, "mm")
+    yield at_least("boss beyond the ears of the drum encoder's screws", b.front_y - b.ear_front_y, 0.0, "mm")
+    yield from encoder_threads(b, encoder)
+
+
+def encoder_threads(b: BossDims, encoder: Encoder) -> Iterator[Comparison]:
+    """Walls round the threads for the drum encoder's screws."""
+    yield at_least(
+        "drum encoder's threads from the bearing's seat",
+        b.screw_circle - b.screw_radius - b.seat_radius,
+        HOLE_WEB_MM,
+        "mm",
+    )
+    yield at_least(
+        "drum encoder's threads inside its housing",
+        encoder.diameter_mm / 2 - b.screw_circle - b.screw_radius,
+        HOLE_WEB_MM,
+        "mm",
+    )
+    yield at_least(
+        "ear round the drum encoder's threads",
+        max(b.ear_reach, b.radius) - b.screw_circle - b.screw_radius,
+        EAR_WALL_MM,
+        "mm",
+    )
 
 
 ENCODER_SHELF = Check(

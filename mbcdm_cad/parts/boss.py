@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import pi, sqrt
 from typing import TYPE_CHECKING
 
 from mbcdm_cad.parts.drum_sector.design import SectorDrive
 from mbcdm_cad.parts.drum_sector.sizes import SPRING_HEIGHT_MM
 from mbcdm_cad.parts.drum_shaft import DrumShaftDims
+from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.shapes import block, cylinder_y
-from mbcdm_cad.parts.volume import ring_mm3
+from mbcdm_cad.parts.sheets.description import Linear
+from mbcdm_cad.parts.sheets.tolerances import DRUM_AXIS
+from mbcdm_cad.parts.volume import ring_mm3, segment_mm2
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -19,6 +23,8 @@ BEARING_WALL_MM = 3.0
 EAR_WALL_MM = 1.2
 # Thread of the encoder's screws that its housing takes.
 ENCODER_GRIP_MM = 2.0
+# Wall beside the encoder's pocket where a column as wide as the boss begins.
+COLUMN_WALL_MM = 1.2
 
 
 @dataclass(frozen=True)
@@ -99,6 +105,39 @@ def seats_mm(d: BossDims) -> tuple[tuple[float, float, float], ...]:
     """A point on the wall of each of the two seats, the front one first."""
     ends = ((d.front_seat_start_y, d.front_y), (d.end_y, d.rear_seat_end_y))
     return tuple((0.0, (low + high) / 2, -d.seat_radius) for low, high in ends)
+
+
+def boss_bores(d: BossDims) -> tuple[Linear, Linear]:
+    """Diameters of seats and shoulder in a section along the drum's axis."""
+
+    def bore(radius: float, y: float, count: str = "", fit: str = "", datum: str = "") -> Linear:
+        ends = ((0.0, y, -radius), (0.0, y, radius))
+        return Linear("section", *ends, 2 * radius, "right", f"{count}%%c", fit=fit, datum=datum)
+
+    seats = bore(d.seat_radius, d.front_y, "2x ", FITS["drum_seat"].code, DRUM_AXIS)
+    return seats, bore(d.shoulder_radius, d.front_seat_start_y)
+
+
+def column_start_mm(d: BossDims) -> float:
+    """Lowest z behind the boss of a column as wide as it: below, the encoder's pocket leaves less than a wall."""
+    return sqrt(max(0.0, d.encoder_pocket_radius**2 - (d.radius - COLUMN_WALL_MM) ** 2))
+
+
+def boss_below_column_mm3(d: BossDims, front_y: float) -> float:
+    """Volume of boss and ears outside a column as wide as the boss, up from the axis, whose front is at ``front_y``."""
+    half_disc, h = pi * d.radius**2 / 2, d.ear_half_height
+    # Below the axis the ears stand out of the boss, above it out of the column.
+    chord = (d.radius + sqrt(max(d.radius**2 - h**2, 0.0))) / 2
+    out = max(d.ear_reach - d.radius, 0.0) + max(d.ear_reach - chord, 0.0)
+    ears = 2 * out * h * max(d.ear_front_y - d.encoder_pocket_floor_y, 0.0)
+    return half_disc * (d.front_y - d.encoder_pocket_floor_y) + half_disc * (d.front_y - front_y) + ears
+
+
+def column_bores_mm3(d: BossDims) -> float:
+    """Volume of the bores, and of what is open behind the boss below a column as wide as it."""
+    start = column_start_mm(d)
+    open_below = 2 * d.radius * start + segment_mm2(d.encoder_pocket_radius, start)
+    return open_below * (d.encoder_pocket_floor_y - d.back_y) + boss_bores_mm3(d)
 
 
 def boss_bodies(d: BossDims) -> list[cq.Solid]:

@@ -44,8 +44,8 @@ def seats(layout: BevelLayout) -> tuple[Seat, ...]:
     width = layout.drive.bearings.drum.width_mm
     shelf, plate = v.bearing_shelf_top_z - v.bearing_shelf_bottom_z, v.top_plate_top_z - v.top_plate_bottom_z
     found = [
-        Seat("drum_rear", (0.0, s.rear_bearing_y + width / 2, 0.0), 1, f.drum_seat_radius, width),
-        Seat("drum_front", (0.0, s.front_bearing_y + width / 2, 0.0), 1, f.drum_seat_radius, width),
+        Seat("drum_rear", (0.0, s.rear_bearing_y + width / 2, 0.0), 1, f.boss.seat_radius, width),
+        Seat("drum_front", (0.0, s.front_bearing_y + width / 2, 0.0), 1, f.boss.seat_radius, width),
         Seat("axle_lower", (0.0, 0.0, v.bearing_shelf_bottom_z + shelf / 2), 2, f.axle_radius, shelf),
         Seat("axle_upper", (0.0, 0.0, v.top_plate_bottom_z + plate / 2), 2, t.axle_radius, plate),
     ]
@@ -81,25 +81,25 @@ def _lines(faces: list[float], wished: list[float], cell: float, least: dict[tup
 def grid(layout: BevelLayout, cell_mm: float) -> tuple[Floats, Floats, Floats]:
     """Grid lines in x, y, z through all flat faces; three cells through the back plate, two through the shelves."""
     v, f = layout.levels, layout.frame
-    inner = f.boss_radius - f.rib_thickness
+    inner = f.boss.radius - f.rib_thickness
     pads = [(x + s * r, z + s * r) for x, z in f.mounts for r in (f.mount_radius, MOUNT_PAD_MM) for s in (-1, 1)]
-    xs = [v.side_inner_x, v.side_outer_x, f.boss_radius, inner, f.web_half_width, f.ear_reach]
+    xs = [v.side_inner_x, v.side_outer_x, f.boss.radius, inner, f.web_half_width, f.boss.ear_reach]
     boxes = layout.top_plate.boxes
     xs += [at + s * w for at, box in boxes for w in (box.inner_x, box.outer_x) for s in (-1, 1) if at > 0.0]
     x = _lines(
         [0.0, *xs, *(-p for p in xs)],
         [p for p, _ in pads],
         cell_mm,
-        {(inner, f.boss_radius): 2, (-f.boss_radius, -inner): 2},
+        {(inner, f.boss.radius): 2, (-f.boss.radius, -inner): 2},
     )
-    ys = [v.back_y, f.upper_floor_y, v.pocket_floor_y, f.encoder_pocket_floor_y, f.rear_seat_end_y, 0.0]
-    ys += [f.front_seat_start_y, v.front_y, v.boss_front_y, f.ear_front_y]
+    ys = [v.back_y, f.upper_floor_y, v.pocket_floor_y, f.boss.encoder_pocket_floor_y, f.boss.rear_seat_end_y, 0.0]
+    ys += [f.boss.front_seat_start_y, v.front_y, v.boss_front_y, f.boss.ear_front_y]
     ys += [f.input_y + to for _, box in boxes for to in (box.back_y, -box.inner_x, box.front_y)]
     y = _lines(ys, [f.mount_seat_y], cell_mm, {(v.back_y, v.pocket_floor_y): 3})
-    zs = [-f.boss_radius, 0.0, f.column_pocket_bottom_z, v.shelf_bottom_z, v.shelf_top_z]
+    zs = [-f.boss.radius, 0.0, f.column_pocket_bottom_z, v.shelf_bottom_z, v.shelf_top_z]
     zs += [v.bearing_shelf_bottom_z]
     zs += [v.bearing_shelf_top_z, v.top_plate_bottom_z, v.top_plate_top_z, v.bearing_shelf_top_z - f.seat_depth]
-    zs += [v.top_plate_bottom_z + layout.top_plate.seat_depth, -f.ear_half_height, f.ear_half_height]
+    zs += [v.top_plate_bottom_z + layout.top_plate.seat_depth, -f.boss.ear_half_height, f.boss.ear_half_height]
     zs += [z for _, box in boxes for z in (box.shelf_bottom_z, box.top_z)]
     shelves = {
         (v.shelf_bottom_z, v.shelf_top_z): 2,

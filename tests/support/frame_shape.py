@@ -40,13 +40,15 @@ def in_frame(d: FrameDims, x: Floats, y: Floats, z: Floats) -> Mask:
     outline = (-v.side_outer_x, v.side_outer_x, v.back_y, v.front_y)
     solid = _rounded_box(x, y, outline, d.corner_radius) & _between(z, v.shelf_bottom_z, v.top_plate_bottom_z)
     depth = _between(y, v.back_y, v.front_y)
-    solid = solid | (_between(x, -d.boss_radius, d.boss_radius) & depth & _between(z, 0.0, v.shelf_bottom_z))
-    solid = solid | (_disc(x, z, 0, 0, d.boss_radius) & _between(y, d.encoder_pocket_floor_y, v.boss_front_y))
-    ears = _between(x, -d.ear_reach, d.ear_reach) & _between(z, -d.ear_half_height, d.ear_half_height)
-    solid = solid | (ears & _between(y, d.encoder_pocket_floor_y, d.ear_front_y))
+    solid = solid | (_between(x, -d.boss.radius, d.boss.radius) & depth & _between(z, 0.0, v.shelf_bottom_z))
+    solid = solid | (_disc(x, z, 0, 0, d.boss.radius) & _between(y, d.boss.encoder_pocket_floor_y, v.boss_front_y))
+    ears = _between(x, -d.boss.ear_reach, d.boss.ear_reach) & _between(
+        z, -d.boss.ear_half_height, d.boss.ear_half_height
+    )
+    solid = solid | (ears & _between(y, d.boss.encoder_pocket_floor_y, d.boss.ear_front_y))
 
     r, side, web = d.corner_radius, v.side_inner_x, d.web_half_width
-    inner = d.boss_radius - d.rib_thickness
+    inner = d.boss.radius - d.rib_thickness
     pockets = [
         (-side, side, v.bearing_shelf_top_z, v.top_plate_bottom_z + 2 * r + 1.0, d.upper_floor_y),
         (web, side, v.shelf_top_z, v.bearing_shelf_bottom_z, v.pocket_floor_y),
@@ -57,13 +59,13 @@ def in_frame(d: FrameDims, x: Floats, y: Floats, z: Floats) -> Mask:
         solid = solid & ~((y > floor) & _rounded_box(x, z, (x0, x1, z0, z1), r))
 
     # Beside the encoder's pocket the column starts where it is a wall thick.
-    low = max(0.0, d.encoder_pocket_radius**2 - (d.boss_radius - COLUMN_WALL_MM) ** 2) ** 0.5
-    solid = solid & ~((y < d.encoder_pocket_floor_y) & (z < low))
+    low = max(0.0, d.boss.encoder_pocket_radius**2 - (d.boss.radius - COLUMN_WALL_MM) ** 2) ** 0.5
+    solid = solid & ~((y < d.boss.encoder_pocket_floor_y) & (z < low))
     for radius, low, high in (
-        (d.encoder_pocket_radius, v.back_y, d.encoder_pocket_floor_y),
-        (d.drum_seat_radius, v.back_y, d.rear_seat_end_y),
-        (d.drum_shoulder_radius, d.rear_seat_end_y, d.front_seat_start_y),
-        (d.drum_seat_radius, d.front_seat_start_y, v.boss_front_y),
+        (d.boss.encoder_pocket_radius, v.back_y, d.boss.encoder_pocket_floor_y),
+        (d.boss.seat_radius, v.back_y, d.boss.rear_seat_end_y),
+        (d.boss.shoulder_radius, d.boss.rear_seat_end_y, d.boss.front_seat_start_y),
+        (d.boss.seat_radius, d.boss.front_seat_start_y, v.boss_front_y),
     ):
         solid = solid & ~(_disc(x, z, 0, 0, radius) & _between(y, low, high))
     shelf = _between(z, v.bearing_shelf_bottom_z, v.bearing_shelf_top_z)

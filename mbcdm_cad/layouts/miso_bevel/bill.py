@@ -90,7 +90,7 @@ def _support(b: _Builder) -> None:
         lay.frame,
         axle_screw_radius=drive.screw(AXLE_SCREW).tap_drill_mm / 2,
         plate_screw_radius=lay.frame.plate_screw_radius if insert else plate_screw_of(drive).tap_drill_mm / 2,
-        encoder_screw_radius=drive.screw(drive.drum_encoder.screw).tap_drill_mm / 2,
+        boss=replace(lay.frame.boss, screw_radius=drive.screw(drive.drum_encoder.screw).tap_drill_mm / 2),
     )
     b.add("frame", Frame(lay.frame), drilled=Frame(tapped), material=metal)
     b.add(
@@ -178,7 +178,7 @@ def _drives(b: _Builder) -> None:
                 x, y = encoder_places[n]
                 place = at_input @ _at(x, y, v.top_plate_bottom_z + head_depth) @ _UPSIDE_DOWN
                 b.steel_screw(f"encoder_screw_{p.name}_{n + 1}", encoder_screw, place)
-    add_drum_encoder(b, drive, lay.frame.encoder_pocket_floor_y, lay.frame.encoder_screw_circle)
+    add_drum_encoder(b, drive, lay.frame.boss.encoder_pocket_floor_y, lay.frame.boss.screw_circle)
 
 
 def _stand(drive: BevelDrive) -> Placement:

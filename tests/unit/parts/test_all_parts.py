@@ -65,7 +65,7 @@ def boxes(dims: BevelLayout) -> dict[str, tuple[tuple[float, float, float], tupl
     corner = nut.nut_across_flats_mm / 3**0.5
     assert outermost < d.lands[-1].y_end
     return {
-        "frame": ((-side, v.back_y, -f.boss_radius), (side, v.boss_front_y, v.top_plate_bottom_z)),
+        "frame": ((-side, v.back_y, -f.boss.radius), (side, v.boss_front_y, v.top_plate_bottom_z)),
         "top_plate": ((-side, v.back_y, v.top_plate_bottom_z), (side, v.front_y, v.top_plate_top_z)),
         "guide": (
             (-dims.guide.surface_radii[-1], -dims.guide.surface_radii[-1], v.guide_bottom_z),

@@ -98,7 +98,7 @@ def drum_sweep(s: BevelLayout) -> Comparison:
 
 def frame_front(s: BevelLayout) -> Comparison:
     """Gap from all parts that turn with the drum to shelves, plate and boss behind them."""
-    return before_frame(s, "frame", s.frame.boss_radius)
+    return before_frame(s, "frame", s.frame.boss.radius)
 
 
 def collar_space(s: BevelLayout) -> Comparison:
@@ -222,13 +222,13 @@ def box_mm(s: BevelLayout) -> tuple[float, float, float]:
             points.append(outline)
             ys.append(high)
     cloud = np.concatenate(points)
-    widest = max(v.side_outer_x, f.ear_reach, drive.drum_encoder.diameter_mm / 2, pitch + body, pitch + on_input)
+    widest = max(v.side_outer_x, f.boss.ear_reach, drive.drum_encoder.diameter_mm / 2, pitch + body, pitch + on_input)
     outermost = s.steps[-1].drum_radius_mm + s.flank_mm
     encoder_half = drive.drum_encoder.diameter_mm / 2 * RING_ENCODER_FLATS
     left = min(float(cloud[:, 0].min()), -widest)
     right = max(float(cloud[:, 0].max()), widest)
     bottom = min(
-        float(cloud[:, 1].min()), v.motor_bottom_z, v.encoder_bottom_z, -f.boss_radius, -d.hub_radius, -encoder_half
+        float(cloud[:, 1].min()), v.motor_bottom_z, v.encoder_bottom_z, -f.boss.radius, -d.hub_radius, -encoder_half
     )
     top = max(v.encoder_top_z, v.motor_top_z, outermost)
     return right - left, top - bottom, max(ys) - min(ys)

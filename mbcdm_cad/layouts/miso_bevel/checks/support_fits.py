@@ -161,7 +161,7 @@ def mounts(s: BevelLayout) -> Comparison:
         (f"height of the {pockets} pockets", height / 2 - head),
         ("outer mount to the side wall", v.side_inner_x - x - head),
         ("outer to inner mount", x - inner_x - 2 * head),
-        *(("width of the column's pocket", f.boss_radius - f.rib_thickness - head) for _ in in_column),
+        *(("width of the column's pocket", f.boss.radius - f.rib_thickness - head) for _ in in_column),
     ]
     return worst(at_least(f"mounting screw's head: {name}", room, HEAD_ROOM_MM, "mm") for name, room in rooms)
 
@@ -170,7 +170,7 @@ def drives_apart(s: BevelLayout) -> Comparison:
     """Gaps between gearheads, motors and encoders, and from these to column, boss and drum encoder, or guide axle."""
     drive, f, box = s.drive, s.frame, s.top_plate.box
     body = max(drive.gearhead.diameter_mm, drive.motor.diameter_mm) / 2
-    centre = max(f.boss_radius, f.ear_reach, drive.drum_encoder.diameter_mm / 2)
+    centre = max(f.boss.radius, f.boss.ear_reach, drive.drum_encoder.diameter_mm / 2)
     gap = drive.clearances.running_mm
     behind = drive.input_y_mm - body - s.levels.back_y
     found = [at_least("gearheads and motors from what the frame is bolted to", behind, gap, "mm")]

@@ -4,18 +4,11 @@ from __future__ import annotations
 
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
-from mbcdm_cad.checks.geometry import inside_rounded_rectangle, web_between
+from mbcdm_cad.checks.geometry import HOLE_WEB_MM, inside_rounded_rectangle, web_between
+from mbcdm_cad.checks.motor_head import encoder_threads
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.plate_screws import plate_screw_of
-from mbcdm_cad.layouts.miso_bevel.support.dims import (
-    AXLE_SCREW,
-    EAR_WALL_MM,
-    ENCODER_HEAD_PLAY_MM,
-    ENCODER_HEAD_SUNK_MM,
-)
-
-# Metal between two drilled holes in solid plate, or between a hole and the part's edge (estimate).
-HOLE_WEB_MM = 0.5
+from mbcdm_cad.layouts.miso_bevel.support.dims import AXLE_SCREW, ENCODER_HEAD_PLAY_MM, ENCODER_HEAD_SUNK_MM
 
 
 def walls(s: BevelLayout) -> Comparison:
@@ -222,9 +215,16 @@ def boss(s: BevelLayout) -> Comparison:
     lowest = "motor" if f.carries_drives else "lowest"
     return worst(
         (
-            at_least("shoulder between the drum's bearings", f.front_seat_start_y - f.rear_seat_end_y, 2 * limit, "mm"),
-            at_least("boss beyond the ears of the drum encoder's screws", v.boss_front_y - f.ear_front_y, 0.0, "mm"),
-            at_least(f"{lowest} shelf above the boss", v.shelf_bottom_z - f.boss_radius, limit, "mm"),
+            at_least(
+                "shoulder between the drum's bearings",
+                f.boss.front_seat_start_y - f.boss.rear_seat_end_y,
+                2 * limit,
+                "mm",
+            ),
+            at_least(
+                "boss beyond the ears of the drum encoder's screws", v.boss_front_y - f.boss.ear_front_y, 0.0, "mm"
+            ),
+            at_least(f"{lowest} shelf above the boss", v.shelf_bottom_z - f.boss.radius, limit, "mm"),
             at_least("stop pin's hole in front of the back plate", f.stop_pin_start_y - v.back_y, limit, "mm"),
         )
     )
@@ -232,29 +232,7 @@ def boss(s: BevelLayout) -> Comparison:
 
 def encoder_screws(s: BevelLayout) -> Comparison:
     """The drum encoder's screws lie outside the seat of the rear bearing and inside the encoder."""
-    f, encoder = s.frame, s.drive.drum_encoder
-    return worst(
-        (
-            at_least(
-                "drum encoder's threads from the bearing's seat",
-                f.encoder_screw_circle - f.encoder_screw_radius - f.drum_seat_radius,
-                HOLE_WEB_MM,
-                "mm",
-            ),
-            at_least(
-                "drum encoder's threads inside its housing",
-                encoder.diameter_mm / 2 - f.encoder_screw_circle - f.encoder_screw_radius,
-                HOLE_WEB_MM,
-                "mm",
-            ),
-            at_least(
-                "ear round the drum encoder's threads",
-                max(f.ear_reach, f.boss_radius) - f.encoder_screw_circle - f.encoder_screw_radius,
-                EAR_WALL_MM,
-                "mm",
-            ),
-        )
-    )
+    return worst(encoder_threads(s.frame.boss, s.drive.drum_encoder))
 
 
 def corner_radii(s: BevelLayout) -> Comparison:

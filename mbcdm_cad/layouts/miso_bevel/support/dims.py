@@ -31,12 +31,11 @@ from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive
 from mbcdm_cad.layouts.miso_bevel.plate_screws import Edges, counterbore_radius_mm, plate_screw_of
 from mbcdm_cad.layouts.miso_bevel.pulleys import stop_pin_z
 from mbcdm_cad.layouts.miso_bevel.stack import Stack, milled_corner_mm
+from mbcdm_cad.parts.boss import BossDims, boss, column_start_mm
 from mbcdm_cad.parts.bought.bodies import screw_places
-from mbcdm_cad.parts.drum_sector.sizes import SPRING_HEIGHT_MM, drum_shaft
+from mbcdm_cad.parts.drum_sector.sizes import drum_shaft
 from mbcdm_cad.parts.motor_head.dims import KEY_PLAY_MM, CouplingBox, coupling_box
 
-BEARING_WALL_MM = 3.0
-EAR_WALL_MM = 1.2
 STOP_WEB_MM = 7.0
 AXLE_SCREW = "M2x3-set"
 # Play of a mounting screw's head in its bore, on the radius.
@@ -46,7 +45,6 @@ MOUNT_ROOM_MM, HEAD_ROOM_MM = 1.0, 0.5
 # From the bore of a head to the walls of its pocket, in front of which the pocket's corners are (estimate).
 MOUNT_WALL_MM = 1.3
 MOUNT_GRIP_MM = 2.6
-COLUMN_WALL_MM = 1.2
 STOP_PIN_DEPTH_MM = 12.0
 DOWEL_MM = 2.0
 # Counterbore of the encoders' screws over their heads: play on the radius, and depth.
@@ -73,25 +71,12 @@ class FrameDims:
     """Frame dimensions (mm)."""
 
     levels: Stack
-    boss_radius: float
-    ear_reach: float  # ears of the boss that take the drum encoder's screws: |x| up to here
-    ear_half_height: float
-    ear_front_y: float
+    boss: BossDims
     rib_thickness: float
     web_half_width: float
     upper_floor_y: float  # floor of the upper pocket, deeper where the guide's cables need it
     column_pocket_bottom_z: float
     corner_radius: float
-    encoder_pocket_radius: float
-    encoder_pocket_floor_y: float
-    drum_seat_radius: float
-    rear_seat_end_y: float
-    front_seat_start_y: float
-    drum_shoulder_radius: float
-    encoder_screw_radius: float
-    encoder_screw_circle: float
-    encoder_screw_depth: float
-    encoder_screw_count: int
     input_x: tuple[float, ...]
     input_y: float
     pilot_radius: float
@@ -148,8 +133,12 @@ class FrameDims:
     @property
     def column_start_z(self) -> float:
         """Lowest z of the column behind the boss: below it the encoder's pocket leaves less than a wall."""
-        beside = self.boss_radius - COLUMN_WALL_MM
-        return float((max(0.0, self.encoder_pocket_radius**2 - beside**2)) ** 0.5)
+        return column_start_mm(self.boss)
+
+    @property
+    def encoder_screw_depth(self) -> float:
+        """Depth of the threads for the drum encoder's screws."""
+        return self.boss.screw_depth
 
 
 @dataclass(frozen=True)
@@ -211,25 +200,19 @@ def pocket_corner_radius_mm(drive: BevelDrive, levels: Stack) -> float:
 
 def frame(drive: BevelDrive, levels: Stack) -> FrameDims:
     """Dimensions of the frame."""
-    shaft = drum_shaft(drive, levels)
-    drum_bearing, in_shelf = drive.bearings.drum, drive.shelf_bearing
-    gear, encoder = drive.gearhead, drive.drum_encoder
-    gear_screw, encoder_screw = drive.screw(gear.screw), drive.screw(encoder.screw)
+    round_boss = boss(drive, drum_shaft(drive, levels), levels.back_y, levels.boss_front_y)
+    in_shelf, gear = drive.shelf_bearing, drive.gearhead
+    gear_screw = drive.screw(gear.screw)
     plate_screw = plate_screw_of(drive)
     plate_insert = drive.insert(drive.frame_material, plate_screw.thread_mm)
-    boss = drum_bearing.outer_diameter_mm / 2 + BEARING_WALL_MM
-    encoder_pocket = encoder.diameter_mm / 2 + drive.clearances.running_mm
+    column_z = max(round_boss.radius, round_boss.encoder_pocket_radius) + drive.support.rib_mm
     pocket_z = (levels.shelf_top_z + levels.bearing_shelf_bottom_z) / 2
     screw, printed = drive.support.mount, drive.frame_material.printed
     head = screw.seat_mm(printed) / 2 + MOUNT_HEAD_PLAY_MM
-    mounts, pocket_bottom_z = _mounts(levels, pocket_z, max(boss, encoder_pocket) + drive.support.rib_mm, head)
-    grip = 2.0
+    mounts, pocket_bottom_z = _mounts(levels, pocket_z, column_z, head)
     return FrameDims(
         levels=levels,
-        boss_radius=boss,
-        ear_reach=encoder.bolt_circle_mm / 2 + encoder_screw.thread_mm / 2 + EAR_WALL_MM,
-        ear_half_height=encoder_screw.thread_mm / 2 + 2 * EAR_WALL_MM,
-        ear_front_y=levels.back_y + encoder.length_mm + encoder_screw.length_mm - grip + 1.0,
+        boss=round_boss,
         rib_thickness=drive.support.rib_mm,
         web_half_width=STOP_WEB_MM / 2,
         upper_floor_y=min(
@@ -238,16 +221,6 @@ def frame(drive: BevelDrive, levels: Stack) -> FrameDims:
         ),
         column_pocket_bottom_z=pocket_bottom_z,
         corner_radius=pocket_corner_radius_mm(drive, levels),
-        encoder_pocket_radius=encoder_pocket,
-        encoder_pocket_floor_y=levels.back_y + encoder.length_mm,
-        drum_seat_radius=drum_bearing.outer_diameter_mm / 2,
-        rear_seat_end_y=shaft.rear_bearing_y + drum_bearing.width_mm + SPRING_HEIGHT_MM,
-        front_seat_start_y=shaft.front_bearing_y,
-        drum_shoulder_radius=drum_bearing.outer_shoulder_mm / 2,
-        encoder_screw_radius=encoder_screw.thread_mm / 2,
-        encoder_screw_circle=encoder.bolt_circle_mm / 2,
-        encoder_screw_depth=encoder_screw.length_mm - grip + 0.5,
-        encoder_screw_count=encoder.screw_count,
         input_x=tuple(side * drive.input_x_mm for side in drive.input_sides),
         input_y=drive.input_y_mm,
         pilot_radius=gear.pilot_diameter_mm / 2,

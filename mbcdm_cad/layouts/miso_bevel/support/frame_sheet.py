@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from mbcdm_cad.layouts.miso_bevel.support.dims import FrameDims
+from mbcdm_cad.parts.boss import boss_bores, seats_mm
 from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.sheets.description import (
     CuttingLine,
@@ -123,7 +124,7 @@ def _from_front(d: FrameDims) -> tuple[Holes, ...]:
     v = d.levels
     shelf_z = (v.bearing_shelf_bottom_z + v.bearing_shelf_top_z) / 2
     sunk = v.pocket_floor_y - d.mount_seat_y
-    encoder = tuple((s * d.encoder_screw_circle, d.encoder_pocket_floor_y, 0.0) for s in (-1, 1))
+    encoder = tuple((s * d.boss.screw_circle, d.boss.encoder_pocket_floor_y, 0.0) for s in (-1, 1))
     groups = [
         Holes(
             "H", 2 * d.axle_screw_radius, "to A", ((0.0, v.front_y, shelf_z),), "front", "axle set screw", threaded=True
@@ -148,7 +149,7 @@ def _from_front(d: FrameDims) -> tuple[Holes, ...]:
         ),
         Holes(
             "L",
-            2 * d.encoder_screw_radius,
+            2 * d.boss.screw_radius,
             d.encoder_screw_depth,
             encoder,
             "encoder pocket",
@@ -179,7 +180,7 @@ def _views(d: FrameDims, above: tuple[Holes, ...], behind: tuple[Holes, ...]) ->
     low_shelf = tuple(g for g in above if g.letter in "FG")
     high = tuple(g for g in above if g.letter not in "FG")
     middle = (v.shelf_top_z + v.bearing_shelf_bottom_z) / 2
-    reach = max(d.encoder_pocket_radius, d.ear_reach) + 1.5
+    reach = max(d.boss.encoder_pocket_radius, d.boss.ear_reach) + 1.5
     axle = (((0.0, v.back_y, 0.0), (0.0, v.boss_front_y, 0.0)),)
     return (
         View(
@@ -188,8 +189,8 @@ def _views(d: FrameDims, above: tuple[Holes, ...], behind: tuple[Holes, ...]) ->
             Z,
             axes=(
                 *_marks(front_seen, X, Z),
-                ((0.0, v.front_y, -d.boss_radius), (0.0, v.front_y, v.top_plate_bottom_z)),
-                ((-d.ear_reach, v.front_y, 0.0), (d.ear_reach, v.front_y, 0.0)),
+                ((0.0, v.front_y, -d.boss.radius), (0.0, v.front_y, v.top_plate_bottom_z)),
+                ((-d.boss.ear_reach, v.front_y, 0.0), (d.boss.ear_reach, v.front_y, 0.0)),
             ),
         ),
         View("section", Y, Z, column=1, title="A-A", cut=(0.0, 0.0, 0.0), axes=axle),
@@ -204,7 +205,7 @@ def _views(d: FrameDims, above: tuple[Holes, ...], behind: tuple[Holes, ...]) ->
             window=((0.0, v.back_y, 1.0), reach, reach),
             axes=(
                 *_marks(tuple(g for g in behind if g.letter == "L"), X, Z),
-                ((0.0, v.back_y, -d.encoder_pocket_radius), (0.0, v.back_y, d.encoder_pocket_radius)),
+                ((0.0, v.back_y, -d.boss.encoder_pocket_radius), (0.0, v.back_y, d.boss.encoder_pocket_radius)),
             ),
         ),
         View("top", minus(X), minus(Y), row=-1, axes=_marks(high, X, Y)),
@@ -216,7 +217,7 @@ def _in_front(d: FrameDims) -> tuple[Linear, ...]:
     """Widths and heights, from the middle plane and the drum's axis."""
     v = d.levels
     y, top, low = v.front_y, v.top_plate_bottom_z, v.shelf_bottom_z
-    inner = d.boss_radius - d.rib_thickness
+    inner = d.boss.radius - d.rib_thickness
     x_out, r = v.side_outer_x, d.corner_radius
     coupling = (v.shelf_top_z + v.bearing_shelf_bottom_z) / 2
 
@@ -228,9 +229,9 @@ def _in_front(d: FrameDims) -> tuple[Linear, ...]:
 
     ear = Linear(
         "front",
-        (-d.ear_reach, y, -d.ear_half_height),
-        (-d.ear_reach, y, d.ear_half_height),
-        2 * d.ear_half_height,
+        (-d.boss.ear_reach, y, -d.boss.ear_half_height),
+        (-d.boss.ear_reach, y, d.boss.ear_half_height),
+        2 * d.boss.ear_half_height,
         "right",
         suffix=" ears",
     )
@@ -242,8 +243,8 @@ def _in_front(d: FrameDims) -> tuple[Linear, ...]:
         wide(x_out, top, "above"),
         wide(v.side_inner_x, top, "above", " pockets"),
         wide(d.web_half_width, coupling, "above", " web"),
-        wide(d.boss_radius, d.column_start_z, "below", " column = %%c boss"),
-        wide(d.ear_reach, 0.0, "below", " ears"),
+        wide(d.boss.radius, d.column_start_z, "below", " column = %%c boss"),
+        wide(d.boss.ear_reach, 0.0, "below", " ears"),
         tall(0.0, low, x_out, "left"),
         tall(0.0, top, x_out, "left"),
         tall(low, v.shelf_top_z, -x_out + r, "right"),
@@ -257,15 +258,11 @@ def _in_front(d: FrameDims) -> tuple[Linear, ...]:
 def _in_section(d: FrameDims) -> tuple[Linear, ...]:
     """Depths from the back face and the bores of the drum's shaft."""
     v = d.levels
-    back, seat = v.back_y, FITS["drum_seat"].code
-    high, low = v.top_plate_bottom_z, -d.boss_radius
+    back = v.back_y
+    high, low = v.top_plate_bottom_z, -d.boss.radius
 
     def deep(y: float, z: float, side: Side, start: float, what: str = "") -> Linear:
         return Linear("section", (0.0, back, start), (0.0, y, z), y - back, side, suffix=what, decimals=3)
-
-    def bore(radius: float, y: float, side: Side, fit: str = "", count: str = "", datum: str = "") -> Linear:
-        ends = ((0.0, y, -radius), (0.0, y, radius))
-        return Linear("section", *ends, 2 * radius, side, f"{count}%%c", fit=fit, datum=datum)
 
     column_back = d.column_start_z
     return (
@@ -273,24 +270,23 @@ def _in_section(d: FrameDims) -> tuple[Linear, ...]:
         deep(v.pocket_floor_y, v.bearing_shelf_bottom_z, "above", high, " pockets"),
         deep(d.upper_floor_y, high, "above", high, " top pocket"),
         deep(0.0, v.bearing_shelf_top_z, "above", high, " axis of A"),
-        deep(d.encoder_pocket_floor_y, low, "below", column_back),
-        deep(d.rear_seat_end_y, -d.drum_seat_radius, "below", column_back),
-        deep(d.front_seat_start_y, -d.drum_seat_radius, "below", column_back),
+        deep(d.boss.encoder_pocket_floor_y, low, "below", column_back),
+        deep(d.boss.rear_seat_end_y, -d.boss.seat_radius, "below", column_back),
+        deep(d.boss.front_seat_start_y, -d.boss.seat_radius, "below", column_back),
         deep(v.boss_front_y, low, "below", column_back),
-        deep(d.ear_front_y, -d.ear_half_height, "below", column_back, " ears"),
-        bore(d.drum_seat_radius, v.boss_front_y, "right", seat, "2x ", DRUM_AXIS),
-        bore(d.drum_shoulder_radius, d.front_seat_start_y, "right"),
+        deep(d.boss.ear_front_y, -d.boss.ear_half_height, "below", column_back, " ears"),
+        *boss_bores(d.boss),
     )
 
 
 def _behind(d: FrameDims) -> tuple[Linear | Radius, ...]:
     v = d.levels
-    r, y = d.encoder_pocket_radius, v.back_y
+    r, y = d.boss.encoder_pocket_radius, v.back_y
     return (
         Linear(
             "rear",
-            (d.boss_radius, y, 0.0),
-            (d.boss_radius, y, d.column_start_z),
+            (d.boss.radius, y, 0.0),
+            (d.boss.radius, y, d.column_start_z),
             d.column_start_z,
             "right",
             suffix=" column",
@@ -303,7 +299,7 @@ def _behind(d: FrameDims) -> tuple[Linear | Radius, ...]:
 def _pockets(d: FrameDims) -> Table:
     """Corners of each pocket: the cutter's, or less where the pocket is narrow."""
     v, r = d.levels, d.corner_radius
-    inner = d.boss_radius - d.rib_thickness
+    inner = d.boss.radius - d.rib_thickness
     sizes = (
         ("top pocket", 2 * v.side_inner_x, 2 * r + v.top_plate_bottom_z - v.bearing_shelf_top_z),
         ("beside the web", v.side_inner_x - d.web_half_width, v.bearing_shelf_bottom_z - v.shelf_top_z),
@@ -317,11 +313,9 @@ def _tolerances(d: FrameDims) -> tuple[GeometricTolerance, ...]:
     """Seats of the drum on one axis; bores of guide and inputs square to it."""
     v, depth = d.levels, d.seat_depth / 2
     shelf = (v.bearing_shelf_bottom_z + v.bearing_shelf_top_z) / 2
-    ends = ((d.front_seat_start_y, v.boss_front_y), (d.encoder_pocket_floor_y, d.rear_seat_end_y))
-    seats = tuple((0.0, (low + high) / 2, -d.drum_seat_radius) for low, high in ends)
     first, *rest = ((x, d.input_y - d.seat_radius, v.bearing_shelf_top_z - depth) for x in d.input_x)
     return (
-        one_axis("section", seats, DRUM_AXIS),
+        one_axis("section", seats_mm(d.boss), DRUM_AXIS),
         square("section", (0.0, -d.axle_radius, shelf), DRUM_AXIS, "A"),
         square("top", first, DRUM_AXIS, "B", tuple(rest)),
     )
@@ -352,7 +346,7 @@ def frame_sheet(part: str, d: FrameDims) -> Sheet:
         ),
         tolerances=_tolerances(d),
         cutting_lines=(
-            CuttingLine("front", (0.0, y, -d.boss_radius - 2.0), (0.0, y, v.top_plate_bottom_z + 2.0), "A", minus(X)),
+            CuttingLine("front", (0.0, y, -d.boss.radius - 2.0), (0.0, y, v.top_plate_bottom_z + 2.0), "A", minus(X)),
             CuttingLine("front", (x + 2.0, y, middle), (-x - 2.0, y, middle), "B", minus(Z)),
         ),
         tables=(
@@ -363,7 +357,7 @@ def frame_sheet(part: str, d: FrameDims) -> Sheet:
         ),
         holes=(*above, *behind),
         fits=(
-            FitLine(2 * d.drum_seat_radius, FITS["drum_seat"].code, "drum bearing seats"),
+            FitLine(2 * d.boss.seat_radius, FITS["drum_seat"].code, "drum bearing seats"),
             *(line for group in (*above, *behind) for line in group.fit_lines()),
         ),
         notes=(

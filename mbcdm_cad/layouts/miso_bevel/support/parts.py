@@ -8,14 +8,14 @@ coupling box for each gearhead, in one piece with the plate.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import pi, sqrt
 from typing import TYPE_CHECKING
 
 from mbcdm_cad.layouts.miso_bevel.support.dims import EncoderHoles, FrameDims, TopPlateDims
+from mbcdm_cad.parts.boss import boss_below_column_mm3, boss_bodies, boss_tools, column_bores_mm3
 from mbcdm_cad.parts.motor_head.part import box_body, box_tools, coupling_box_mm3, rounded
 from mbcdm_cad.parts.part import MadePart
 from mbcdm_cad.parts.shapes import block, cut, cylinder, cylinder_y, cylinder_z, fuse, pocket_y
-from mbcdm_cad.parts.volume import CORNER, pocket_mm3, ring_mm3, segment_mm2
+from mbcdm_cad.parts.volume import CORNER, pocket_mm3, ring_mm3
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -26,39 +26,20 @@ if TYPE_CHECKING:
 def _body_mm3(d: FrameDims) -> float:
     v, depth = d.levels, d.levels.front_y - d.levels.back_y
     upper = 2 * v.side_outer_x * depth - 4 * CORNER * d.corner_radius**2
-    column = 2 * d.boss_radius * depth * v.shelf_bottom_z
-    disc = pi * d.boss_radius**2 / 2
-    boss = disc * (v.boss_front_y - d.encoder_pocket_floor_y) + disc * (v.boss_front_y - v.front_y)
-    h = d.ear_half_height
-    # Below the axis the ears stand out of the boss, above it out of the column.
-    chord = (d.boss_radius + sqrt(max(d.boss_radius**2 - h**2, 0.0))) / 2
-    out = max(d.ear_reach - d.boss_radius, 0.0) + max(d.ear_reach - chord, 0.0)
-    ears = 2 * out * h * max(d.ear_front_y - d.encoder_pocket_floor_y, 0.0)
-    return upper * (v.top_plate_bottom_z - v.shelf_bottom_z) + column + boss + ears
+    column = 2 * d.boss.radius * depth * v.shelf_bottom_z
+    return upper * (v.top_plate_bottom_z - v.shelf_bottom_z) + column + boss_below_column_mm3(d.boss, v.front_y)
 
 
 def _pockets_mm3(d: FrameDims) -> float:
     v, r, side = d.levels, d.corner_radius, d.levels.side_inner_x
     depth = v.front_y - v.pocket_floor_y
     coupling = v.bearing_shelf_bottom_z - v.shelf_top_z
-    inner = d.boss_radius - d.rib_thickness
+    inner = d.boss.radius - d.rib_thickness
     column = v.shelf_bottom_z - d.column_pocket_bottom_z
     return (
         pocket_mm3(2 * side, v.front_y - d.upper_floor_y, v.top_plate_bottom_z - v.bearing_shelf_top_z, r, 2)
         + 2 * pocket_mm3(side - d.web_half_width, depth, coupling, r)
         + (pocket_mm3(2 * inner, depth, column, r) if d.has_column_pocket else 0.0)
-    )
-
-
-def _drum_bores_mm3(d: FrameDims) -> float:
-    v, behind = d.levels, d.encoder_pocket_floor_y - d.levels.back_y
-    open_below = 2 * d.boss_radius * d.column_start_z + segment_mm2(d.encoder_pocket_radius, d.column_start_z)
-    seats = d.rear_seat_end_y - d.encoder_pocket_floor_y + v.boss_front_y - d.front_seat_start_y
-    return (
-        open_below * behind
-        + ring_mm3(d.drum_seat_radius, 0.0, seats)
-        + ring_mm3(d.drum_shoulder_radius, 0.0, d.front_seat_start_y - d.rear_seat_end_y)
-        + ring_mm3(d.encoder_screw_radius, 0.0, 2 * d.encoder_screw_depth)
     )
 
 
@@ -104,12 +85,8 @@ def _body(d: FrameDims) -> cq.Solid:
     v = d.levels
     upper = block((-v.side_outer_x, v.side_outer_x), (v.back_y, v.front_y), (v.shelf_bottom_z, v.top_plate_bottom_z))
     upper = cq.Workplane(obj=upper).edges("|Z").fillet(d.corner_radius).val()  # type: ignore[assignment]
-    column = block((-d.boss_radius, d.boss_radius), (v.back_y, v.front_y), (0.0, v.shelf_bottom_z))
-    boss = cylinder_y(d.boss_radius, 0.0, 0.0, d.encoder_pocket_floor_y, v.boss_front_y)
-    ears = block(
-        (-d.ear_reach, d.ear_reach), (d.encoder_pocket_floor_y, d.ear_front_y), (-d.ear_half_height, d.ear_half_height)
-    )
-    return fuse([upper, column, boss, ears], "frame")
+    column = block((-d.boss.radius, d.boss.radius), (v.back_y, v.front_y), (0.0, v.shelf_bottom_z))
+    return fuse([upper, column, *boss_bodies(d.boss)], "frame")
 
 
 def _pockets(d: FrameDims) -> list[cq.Shape]:
@@ -126,26 +103,17 @@ def _pockets(d: FrameDims) -> list[cq.Shape]:
         pocket_y((-side, -d.web_half_width), y, (v.shelf_top_z, v.bearing_shelf_bottom_z), r),
     ]
     if d.has_column_pocket:
-        inner = d.boss_radius - d.rib_thickness
+        inner = d.boss.radius - d.rib_thickness
         tools.append(pocket_y((-inner, inner), y, (d.column_pocket_bottom_z, v.shelf_bottom_z), r))
     return tools
 
 
 def _drum_bores(d: FrameDims) -> list[cq.Shape]:
-    v = d.levels
-    across = d.boss_radius + 1.0
-    tools: list[cq.Shape] = [
-        block((-across, across), (v.back_y - 1.0, d.encoder_pocket_floor_y), (-across, d.column_start_z)),
-        cylinder_y(d.encoder_pocket_radius, 0, 0, v.back_y - 1.0, d.encoder_pocket_floor_y),
-        cylinder_y(d.drum_seat_radius, 0, 0, v.back_y - 1.0, d.rear_seat_end_y),
-        cylinder_y(d.drum_shoulder_radius, 0, 0, d.rear_seat_end_y - 1.0, d.front_seat_start_y + 1.0),
-        cylinder_y(d.drum_seat_radius, 0, 0, d.front_seat_start_y, v.boss_front_y + 1.0),
-    ]
-    for sign in (-1, 1):
-        x = sign * d.encoder_screw_circle
-        start = d.encoder_pocket_floor_y - 1.0
-        tools.append(cylinder_y(d.encoder_screw_radius, x, 0, start, start + 1.0 + d.encoder_screw_depth))
-    return tools
+    across = d.boss.radius + 1.0
+    below = block(
+        (-across, across), (d.levels.back_y - 1.0, d.boss.encoder_pocket_floor_y), (-across, d.column_start_z)
+    )
+    return [below, *boss_tools(d.boss)]
 
 
 def _input_holes(d: FrameDims) -> list[cq.Shape]:
@@ -208,7 +176,7 @@ class Frame(MadePart):
     def volume_mm3(self) -> float:
         """Block, column and boss less pockets, bores and holes."""
         d = self.dims
-        return _body_mm3(d) - _pockets_mm3(d) - _drum_bores_mm3(d) - _holes_mm3(d)
+        return _body_mm3(d) - _pockets_mm3(d) - column_bores_mm3(d.boss) - _holes_mm3(d)
 
     def sheet(self, part: str) -> Sheet:
         """Described by ``frame_sheet.py`` beside this module."""

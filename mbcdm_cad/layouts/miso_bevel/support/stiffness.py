@@ -96,8 +96,8 @@ def _seat_of_gearheads(layout: BevelLayout) -> tuple[str, float, float]:
 def boss_ring(layout: BevelLayout) -> BossRing:
     """The ring round the drum's bearings, under the column."""
     f = layout.frame
-    ends = f.encoder_pocket_floor_y, layout.levels.boss_front_y
-    return BossRing(f.drum_seat_radius, f.boss_radius, f.column_pocket_bottom_z, *ends)
+    ends = f.boss.encoder_pocket_floor_y, layout.levels.boss_front_y
+    return BossRing(f.boss.seat_radius, f.boss.radius, f.column_pocket_bottom_z, *ends)
 
 
 def frame_compliance(layout: BevelLayout) -> FrameCompliance:
@@ -131,7 +131,7 @@ def frame_study(layout: BevelLayout) -> FrameStudy:
 def panels(layout: BevelLayout) -> list[Wall]:
     """The walls of the half x >= 0."""
     v, f, t = layout.levels, layout.frame, layout.top_plate
-    x_wall, x_rib = (v.side_inner_x + v.side_outer_x) / 2, f.boss_radius - f.rib_thickness / 2
+    x_wall, x_rib = (v.side_inner_x + v.side_outer_x) / 2, f.boss.radius - f.rib_thickness / 2
     y_back, y_front = (v.back_y + v.pocket_floor_y) / 2, v.front_y
     z_end = f.column_pocket_bottom_z - f.rib_thickness / 2
     z_low = (v.shelf_bottom_z + v.shelf_top_z) / 2
@@ -149,10 +149,10 @@ def panels(layout: BevelLayout) -> list[Wall]:
     upper_seat = Hole(at, f.input_y, pi * (t.seat_radius**2 * depth + t.shoulder_radius**2 * (top_t - depth)))
     deep, wide, narrow = (y_back, y_front), (0.0, x_wall), (0.0, x_rib)
     # Above the drum's bearings the boss is solid from the seat to the column's pocket.
-    block_t = f.column_pocket_bottom_z - f.drum_seat_radius
+    block_t = f.column_pocket_bottom_z - f.boss.seat_radius
     ends = ((Z, z_end, f.column_pocket_bottom_z), (Z, v.shelf_bottom_z, z_low))
-    in_rib = (X, f.boss_radius - f.rib_thickness, x_rib)
-    on_rib = (X, f.boss_radius - f.rib_thickness, f.boss_radius)
+    in_rib = (X, f.boss.radius - f.rib_thickness, x_rib)
+    on_rib = (X, f.boss.radius - f.rib_thickness, f.boss.radius)
     wall_t = v.side_outer_x - v.side_inner_x
     lowest = (
         Wall("motor shelf", Z, z_low, (wide, deep), low_t, (pilot,), (on_rib,))
@@ -162,8 +162,8 @@ def panels(layout: BevelLayout) -> list[Wall]:
     return [
         Wall("column ribs", X, x_rib, (deep, (z_end, z_low)), f.rib_thickness, embedded=ends),
         Wall("column back", Y, y_back, (narrow, (z_end, z_low)), back_t, embedded=(*ends, in_rib)),
-        Wall("boss end wall", Z, z_end, (narrow, (y_back, f.encoder_pocket_floor_y)), f.rib_thickness),
-        Wall("boss block", Z, z_end, (narrow, (f.encoder_pocket_floor_y, y_front)), block_t),
+        Wall("boss end wall", Z, z_end, (narrow, (y_back, f.boss.encoder_pocket_floor_y)), f.rib_thickness),
+        Wall("boss block", Z, z_end, (narrow, (f.boss.encoder_pocket_floor_y, y_front)), block_t),
         lowest,
         Wall("bearing shelf", Z, z_bearing, (wide, deep), bearing_t, (seat,)),
         Wall("top plate", Z, z_top, (wide, deep), top_t, (upper_seat,)),

@@ -18,12 +18,11 @@ Seen from the front (x across, z up), heights as in the assembly:
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import sqrt
 
 from mbcdm_cad.design.bought import InsertSpec
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
 from mbcdm_cad.layouts.siso_bevel.stack import DirectStack, pocket_corner_radius_mm
-from mbcdm_cad.parts.boss import BossDims, boss
+from mbcdm_cad.parts.boss import BossDims, boss, column_start_mm
 from mbcdm_cad.parts.drum_shaft import DrumShaftDims
 from mbcdm_cad.parts.motor_head.dims import DOWEL_MM, Flange, dowel_length_mm
 from mbcdm_cad.parts.motor_head.dims import flange_screw as screw_of_flange
@@ -120,7 +119,6 @@ def column(drive: DirectDrive, levels: DirectStack, shaft: DrumShaftDims) -> Col
     # The encoder's end must clear the rounded corner of the pocket.
     pocket = encoder.diameter_mm / 2 + drive.clearances.running_mm + radius
     head_flange = flange(levels)
-    beside = round_boss.radius - 1.2
     mount_x = pocket - mount.head_mm / 2 - MOUNT_ROOM_MM
     return ColumnDims(
         levels=levels,
@@ -134,7 +132,7 @@ def column(drive: DirectDrive, levels: DirectStack, shaft: DrumShaftDims) -> Col
         post_bottom_z=low - drive.support.rib_mm,
         column_half_width=pocket + drive.support.rib_mm,
         pocket_half_width=pocket,
-        column_start_z=sqrt(max(0.0, round_boss.encoder_pocket_radius**2 - beside**2)),
+        column_start_z=column_start_mm(round_boss),
         corner_radius=radius,
         seat_radius=upper.outer_diameter_mm / 2,
         seat_depth=upper.width_mm,

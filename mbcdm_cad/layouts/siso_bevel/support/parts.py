@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import pi, sqrt
 from typing import TYPE_CHECKING
 
 from mbcdm_cad.layouts.siso_bevel.support.dims import ColumnDims
-from mbcdm_cad.parts.boss import boss_bodies, boss_bores_mm3, boss_tools, seats_mm
+from mbcdm_cad.parts.boss import boss_below_column_mm3, boss_bodies, boss_bores, boss_tools, column_bores_mm3, seats_mm
 from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.part import MadePart
 from mbcdm_cad.parts.shapes import block, cut, cylinder_y, cylinder_z, fuse, pocket_y
@@ -29,25 +28,18 @@ from mbcdm_cad.parts.sheets.description import (
 )
 from mbcdm_cad.parts.sheets.holes import THROUGH, hole_labels, hole_table, position_table
 from mbcdm_cad.parts.sheets.tolerances import DRUM_AXIS, one_axis, square
-from mbcdm_cad.parts.volume import CORNER, pocket_corner_mm, pocket_mm3, ring_mm3, segment_mm2
+from mbcdm_cad.parts.volume import CORNER, pocket_corner_mm, pocket_mm3, ring_mm3
 
 if TYPE_CHECKING:
     import cadquery as cq
 
 
 def _body_mm3(d: ColumnDims) -> float:
-    v, boss, depth = d.levels, d.boss, d.levels.front_y - d.levels.back_y
+    v, depth = d.levels, d.levels.front_y - d.levels.back_y
     box = 2 * v.side_outer_x * depth - 4 * CORNER * d.corner_radius**2
     post = 2 * d.column_half_width * depth * (d.encoder_shelf_bottom_z - d.post_bottom_z)
-    foot = 2 * boss.radius * depth * d.post_bottom_z
-    disc = pi * boss.radius**2 / 2
-    # Below the axis the ears stand out of the boss, above it out of the column.
-    h = boss.ear_half_height
-    chord = (boss.radius + sqrt(max(boss.radius**2 - h**2, 0.0))) / 2
-    out = max(boss.ear_reach - boss.radius, 0.0) + max(boss.ear_reach - chord, 0.0)
-    ears = 2 * out * h * max(boss.ear_front_y - boss.encoder_pocket_floor_y, 0.0)
-    round_boss = disc * (boss.front_y - boss.encoder_pocket_floor_y) + disc * (boss.front_y - v.front_y)
-    return box * (d.top_z - d.encoder_shelf_bottom_z) + post + foot + round_boss + ears
+    foot = 2 * d.boss.radius * depth * d.post_bottom_z
+    return box * (d.top_z - d.encoder_shelf_bottom_z) + post + foot + boss_below_column_mm3(d.boss, v.front_y)
 
 
 def _pockets_mm3(d: ColumnDims) -> float:
@@ -58,13 +50,6 @@ def _pockets_mm3(d: ColumnDims) -> float:
         + pocket_mm3(inner, depth, d.encoder_shelf_bottom_z - d.stop_shelf_top_z, r)
         + pocket_mm3(inner, depth, d.stop_shelf_bottom_z - d.low_pocket_bottom_z, r)
     )
-
-
-def _boss_bores_mm3(d: ColumnDims) -> float:
-    boss = d.boss
-    behind = boss.encoder_pocket_floor_y - boss.back_y
-    open_below = 2 * boss.radius * d.column_start_z + segment_mm2(boss.encoder_pocket_radius, d.column_start_z)
-    return open_below * behind + boss_bores_mm3(boss)
 
 
 def _holes_mm3(d: ColumnDims) -> float:
@@ -207,10 +192,6 @@ def _in_section(d: ColumnDims) -> tuple[Linear, ...]:
     def deep(y: float, z: float, side: Side, from_z: float, what: str = "") -> Linear:
         return Linear("section", (0.0, back, from_z), (0.0, y, z), y - back, side, suffix=what, decimals=3)
 
-    def bore(radius: float, y: float, fit: str = "", count: str = "", datum: str = "") -> Linear:
-        ends = ((0.0, y, -radius), (0.0, y, radius))
-        return Linear("section", *ends, 2 * radius, "right", f"{count}%%c", fit=fit, datum=datum)
-
     return (
         deep(v.front_y, d.encoder_shelf_bottom_z, "above", d.top_z),
         deep(v.pocket_floor_y, d.encoder_shelf_top_z, "above", d.top_z, " pockets"),
@@ -220,8 +201,7 @@ def _in_section(d: ColumnDims) -> tuple[Linear, ...]:
         deep(b.front_seat_start_y, -b.seat_radius, "below", start),
         deep(b.front_y, -b.radius, "below", start),
         deep(b.ear_front_y, -b.ear_half_height, "below", start, " ears"),
-        bore(b.seat_radius, b.front_y, FITS["drum_seat"].code, "2x ", DRUM_AXIS),
-        bore(b.shoulder_radius, b.front_seat_start_y),
+        *boss_bores(b),
     )
 
 
@@ -253,7 +233,7 @@ class ColumnFrame(MadePart):
     def volume_mm3(self) -> float:
         """Block, column and boss less pockets, bores and holes."""
         d = self.dims
-        return _body_mm3(d) - _pockets_mm3(d) - _boss_bores_mm3(d) - _holes_mm3(d)
+        return _body_mm3(d) - _pockets_mm3(d) - column_bores_mm3(d.boss) - _holes_mm3(d)
 
     def sheet(self, part: str) -> Sheet:
         """Front, middle section and top."""

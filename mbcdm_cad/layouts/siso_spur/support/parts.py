@@ -10,7 +10,7 @@ from mbcdm_cad.design.bought import InsertSpec
 from mbcdm_cad.layouts.siso_spur.overhung import MotorSeat, pocket_mm3
 from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims
 from mbcdm_cad.layouts.siso_spur.support.idlers import StandDims
-from mbcdm_cad.parts.boss import boss_bodies, boss_bores_mm3, boss_tools, flange_mm3, seats_mm
+from mbcdm_cad.parts.boss import boss_bodies, boss_bores, boss_bores_mm3, boss_tools, flange_mm3, seats_mm
 from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.motor_head.dims import Places
 from mbcdm_cad.parts.part import MadePart
@@ -377,10 +377,6 @@ def _in_section(d: YokeDims) -> tuple[Linear, ...]:
     def over(y: float, z: float) -> Linear:
         return Linear("section", (0.0, back, top), (0.0, y, z), y - back, "above", decimals=3)
 
-    def bore(radius: float, y: float, fit: str = "", count: str = "", datum: str = "") -> Linear:
-        ends = ((0.0, y, -radius), (0.0, y, radius))
-        return Linear("section", *ends, 2 * radius, "right", f"{count}%%c", fit=fit, datum=datum)
-
     return (
         deep(b.rear_seat_end_y, -b.seat_radius),
         deep(back, -d.half_width),
@@ -402,8 +398,7 @@ def _in_section(d: YokeDims) -> tuple[Linear, ...]:
             if d.motor is None
             else (over(v.front_y, top),)
         ),
-        bore(b.seat_radius, b.front_y, FITS["drum_seat"].code, "2x ", DRUM_AXIS),
-        bore(b.shoulder_radius, b.front_seat_start_y),
+        *boss_bores(b),
     )
 
 

@@ -158,9 +158,11 @@ def test_windows_outside_the_slot_leave_spokes_and_a_rim(drive: BevelDrive, dims
 def test_shaft_stack_fills_the_boss(drive: BevelDrive, dims: BevelLayout) -> None:
     s, f, width = dims.drum_shaft, dims.frame, drive.bearings.drum.width_mm
     spring = dims.preload_spring.height
-    assert s.rear_bearing_y == s.flange_end_y and f.rear_seat_end_y == pytest.approx(s.rear_bearing_y + width + spring)
-    assert f.front_seat_start_y == s.front_bearing_y
+    assert s.rear_bearing_y == s.flange_end_y and f.boss.rear_seat_end_y == pytest.approx(
+        s.rear_bearing_y + width + spring
+    )
+    assert f.boss.front_seat_start_y == s.front_bearing_y
     assert s.front_bearing_y + width == pytest.approx(dims.levels.boss_front_y)
-    assert s.front_bearing_y - f.rear_seat_end_y > width, "bearings closer than their own width"
-    assert f.drum_shoulder_radius < f.drum_seat_radius
-    assert s.flange_start_y >= f.encoder_pocket_floor_y, "flange in the encoder"
+    assert s.front_bearing_y - f.boss.rear_seat_end_y > width, "bearings closer than their own width"
+    assert f.boss.shoulder_radius < f.boss.seat_radius
+    assert s.flange_start_y >= f.boss.encoder_pocket_floor_y, "flange in the encoder"

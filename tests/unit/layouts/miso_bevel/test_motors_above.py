@@ -135,7 +135,7 @@ def test_every_check_passes_as_with_motors_below() -> None:
 
 def test_box_reaches_from_the_hub_to_the_motors(drive: BevelDrive, dims: BevelLayout) -> None:
     x, z, _ = box_mm(BevelLayout(drive))
-    low = max(dims.frame.boss_radius, dims.drum.hub_radius)
+    low = max(dims.frame.boss.radius, dims.drum.hub_radius)
     assert z >= dims.levels.motor_top_z + low - 1e-9
     below = box_mm(BevelLayout(drive_of(motor_side="below")))
     assert below[1] < z and x >= 2 * dims.levels.side_outer_x

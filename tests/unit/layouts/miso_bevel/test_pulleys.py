@@ -158,7 +158,7 @@ def test_stop_pin_has_metal_round_it(drive: BevelDrive, dims: BevelLayout) -> No
 
 def test_column_pocket_and_encoder_pocket_keep_a_wall_between_them(drive: BevelDrive, dims: BevelLayout) -> None:
     f = dims.frame
-    assert f.column_pocket_bottom_z - max(f.encoder_pocket_radius, f.boss_radius) >= drive.support.rib_mm - 1e-12
+    assert f.column_pocket_bottom_z - max(f.boss.encoder_pocket_radius, f.boss.radius) >= drive.support.rib_mm - 1e-12
     assert dims.levels.motor_shelf_bottom_z - f.column_pocket_bottom_z > 2 * f.corner_radius
 
 
