@@ -108,22 +108,22 @@ def _motor_shelf(given: TrialKnown) -> Found:
     return Found(found.value, found.driver or driver, found.rounding)
 
 
-def _bearing_shelf(given: TrialKnown) -> Found:
-    """Shelf of the bearing next to the motor."""
+def _shelf(given: TrialKnown, field: str, bearing: str, checks: tuple[str, ...]) -> Found:
+    """Shelf of a bearing of the input."""
     if given.overhung:
         return Found(LEAST_SHELF_MM, UNUSED)
-    width = given.entry("bearings", "input_pulleys.lower_bearing")["width_mm"]
-    start = max(width + given.wall_mm("support"), LEAST_SHELF_MM)
-    return given.moved("support.bearing_shelf_mm", start, 0.1, ("bearing_seats", "walls"))
+    width = given.entry("bearings", f"input_pulleys.{bearing}")["width_mm"]
+    return given.moved(f"support.{field}", max(width + given.wall_mm("support"), LEAST_SHELF_MM), 0.1, checks)
+
+
+def _bearing_shelf(given: TrialKnown) -> Found:
+    """Shelf of the bearing next to the motor."""
+    return _shelf(given, "bearing_shelf_mm", "lower_bearing", ("bearing_seats", "walls"))
 
 
 def _encoder_shelf(given: TrialKnown) -> Found:
     """Shelf of the bearing next to the encoder."""
-    if given.overhung:
-        return Found(LEAST_SHELF_MM, UNUSED)
-    width = given.entry("bearings", "input_pulleys.upper_bearing")["width_mm"]
-    start = max(width + given.wall_mm("support"), LEAST_SHELF_MM)
-    return given.moved("support.encoder_shelf_mm", start, 0.1, ("encoder_shelf",))
+    return _shelf(given, "encoder_shelf_mm", "upper_bearing", ("encoder_shelf",))
 
 
 def _coupling_space(given: TrialKnown) -> Found:

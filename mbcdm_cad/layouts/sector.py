@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from math import tau
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from mbcdm_cad.layouts.base import Layout, NoFigureError, dimensions
 from mbcdm_cad.parts.collar import CollarDims
-from mbcdm_cad.parts.drum_sector.design import SectorDrive, SectorLevels, SectorRun
+from mbcdm_cad.parts.drum_sector.design import SectorDrive, SectorRun
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
 from mbcdm_cad.parts.drum_sector.sizes import drum_shaft, preload_spring
 from mbcdm_cad.parts.drum_shaft import DrumShaftDims, PreloadSpringDims
@@ -32,32 +33,28 @@ if TYPE_CHECKING:
     from mbcdm_cad.model.si import DriveSI
 
 
-class InputLevels(SectorLevels, Protocol):
-    """Heights along an input pulley's axis, from the gearhead towards its encoder, and the frame's front; mm."""
+@dataclass(frozen=True, kw_only=True)
+class InputLevels:
+    """Levels in mm: ``_z`` along an input's axis, from motor to encoder, ``_y`` along the drum's.
 
-    @property
-    def motor_shelf_bottom_z(self) -> float:
-        """Face of the gearhead."""
+    The named body lies just before (``_top``) or behind (``_bottom``) the level.
+    """
 
-    @property
-    def motor_shelf_top_z(self) -> float:
-        """Beginning of the coupling space."""
-
-    @property
-    def bearing_shelf_bottom_z(self) -> float:
-        """End of the coupling space."""
-
-    @property
-    def bearing_shelf_top_z(self) -> float:
-        """Shelf of the bearing next to the gearhead, on the pulley's side."""
-
-    @property
-    def top_plate_bottom_z(self) -> float:
-        """Plate of the bearing next to the encoder, on the pulley's side."""
-
-    @property
-    def front_y(self) -> float:
-        """Front of shelves and plates."""
+    motor_bottom_z: float
+    gearhead_bottom_z: float
+    motor_shelf_bottom_z: float  # the gearhead's face
+    motor_shelf_top_z: float
+    bearing_shelf_bottom_z: float
+    bearing_shelf_top_z: float
+    top_plate_bottom_z: float  # or the encoder shelf
+    top_plate_top_z: float
+    encoder_top_z: float
+    back_y: float
+    front_y: float  # of shelves and plates
+    drum_inner_y: float
+    drum_outer_y: float
+    hub_face_y: float
+    boss_front_y: float
 
 
 class SectorLayout(Layout):
@@ -309,3 +306,8 @@ class HeadLayout(SectorLayout):
     def motor_shelf_mm(self) -> float:
         """See the base class."""
         return self.drive.support.motor_shelf_mm
+
+
+def key(layout: SectorLayout, screw: str) -> str:
+    """The key that fits a screw, for instructions."""
+    return f"{layout.drive.screw(screw).key_mm:g} mm key"

@@ -17,7 +17,8 @@ import numpy as np
 
 from mbcdm_cad.design.stage import STIFFNESS_FACTOR
 from mbcdm_cad.layouts.base import NoFigureError
-from mbcdm_cad.model.equilibrium import sum_per_input, two_bearing_reactions_N
+from mbcdm_cad.model.equilibrium import bearing_loads, sum_per_input, two_bearing_reactions_N
+from mbcdm_cad.model.si import MM, to_si
 from mbcdm_cad.model.stiffness import Chain, unit_tensions_N
 from mbcdm_cad.model.structure.drum_sector import Isotropic, sector_study
 from mbcdm_cad.model.structure.shafts import (
@@ -246,6 +247,32 @@ def drum_stress_MPa(layout: SectorLayout, torque_Nm: float) -> float:
 def drum_turn_urad_Nm(layout: SectorLayout) -> float:
     """Turn of web, rim and hub for 1 N m, for a layout whose frame is not known yet."""
     return sum(cause.urad_Nm for cause in _drum(layout, unit_tensions_N(layout.loads.si))[0])
+
+
+@dataclass(frozen=True)
+class InputLoads:
+    """Forces along x on the bearings of a drive with one input, and the torque about it that the motor holds."""
+
+    lower_N: float
+    upper_N: float
+    rear_N: float
+    front_N: float
+    torque_Nm: float
+
+
+def one_input_loads(layout: SectorLayout, tension_N: Floats, height_sign: int = 1) -> InputLoads:
+    """Loads by the tensions; ``height_sign``: -1 where the bearings' heights count against the input's axis."""
+    d = to_si(layout.drive)
+    loads = bearing_loads(d, tension_N)
+    pulley, axis = loads.inputs[0], d.routes.inputs[0].axis
+    lower, upper = (height_sign * at * MM for at in layout.input_bearings_mm(0))
+    pair = two_bearing_reactions_N(pulley.force_N, pulley.moment_Nm, pulley.height_m, lower, upper, axis)
+    rear, front = layout.drum_bearings_mm
+    # The drum's bearings share force and couple along x by their distances; the moment about its axis is not theirs.
+    on_drum = float(loads.drum.force_N[0])
+    on_front = (-float(loads.drum.moment_Nm[2]) - rear * MM * on_drum) / ((front - rear) * MM)
+    torque = float((d.sigma * np.asarray(tension_N) * d.input_radius_m).sum())
+    return InputLoads(-float(pair[0, 0]), -float(pair[1, 0]), on_drum - on_front, on_front, torque)
 
 
 def elastic(material: Material) -> Isotropic:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from math import ceil
+from typing import Any
 
 import numpy as np
 
@@ -26,6 +28,32 @@ class EndOfTravel:
 
     angle_deg: float
     cause: str
+
+
+@dataclass(frozen=True)
+class CableWraps:
+    """One cable without a guide, or one side of a continuous one, over the travel: tuples over drum angles.
+
+    ``length_um`` is the change of the whole cable's length from the centred drum: 0 except for rounding, since the
+    length that leaves the drum on one side is wound on the input, or on the drum's other side.
+    """
+
+    name: str
+    length_mm: float
+    input_wrap_deg: tuple[float, ...]
+    drum_wrap_deg: tuple[float, ...]
+    length_um: tuple[float, ...]
+
+
+def wrap_lines(c: dict[str, Any]) -> Iterator[str]:
+    """:class:`CableWraps` as a dict, for a terminal."""
+    middle = len(c["drum_wrap_deg"]) // 2
+    wound, on_drum = c["input_wrap_deg"], c["drum_wrap_deg"]
+    yield (
+        f"  {c['name']:<10} length {c['length_mm']:.2f} mm; wrap on the input {wound[middle]:.0f} "
+        f"({wound[0]:.0f}, {wound[-1]:.0f}), on the drum {on_drum[middle]:.1f} "
+        f"({on_drum[0]:.1f}, {on_drum[-1]:.1f}) deg"
+    )
 
 
 @dataclass(frozen=True)

@@ -224,10 +224,10 @@ def carried(piece: Line | Arc | Coil | Parabola, rotation: Vector, shift_mm: Vec
     """The piece turned by a rotation (3, 3) and then moved by a shift (3,)."""
 
     def turned(v: Triple) -> Triple:
-        return _triple(rotation @ np.array(v) + 0.0)
+        return triple(rotation @ np.array(v) + 0.0)
 
     def moved(v: Triple) -> Triple:
-        return _triple(rotation @ np.array(v) + shift_mm)
+        return triple(rotation @ np.array(v) + shift_mm)
 
     return _mapped(piece, moved, turned)
 
@@ -266,13 +266,13 @@ def between(piece: Piece, start: float, end: float) -> Piece:
         return first + start * (last - first), first + end * (last - first)
 
     if isinstance(piece, Line | Parabola):
-        first, last = (_triple(point) for point in piece.points(np.array([start, end])))
+        first, last = (triple(point) for point in piece.points(np.array([start, end])))
         if isinstance(piece, Line):
             return Line(first, last)
         # The tangents at both ends of a parabola meet at its middle point.
         p0, p1, p2 = _v(piece.start), _v(piece.middle), _v(piece.end)
         middle = (1 - start) * ((1 - end) * p0 + end * p1) + start * ((1 - end) * p1 + end * p2)
-        return Parabola(first, _triple(middle), last)
+        return Parabola(first, triple(middle), last)
     angle_start, angle_end = at(piece.angle_start, piece.angle_end)
     turned = replace(piece, angle_start=angle_start, angle_end=angle_end)
     if isinstance(turned, Helix):
@@ -290,7 +290,8 @@ def cut(piece: Piece, length_mm: float) -> list[Piece]:
     return [between(piece, k / count, (k + 1) / count) for k in range(count)]
 
 
-def _triple(point: Vector) -> Triple:
+def triple(point: Vector) -> Triple:
+    """A point or direction as plain numbers."""
     x, y, z = (float(value) for value in point)
     return x, y, z
 

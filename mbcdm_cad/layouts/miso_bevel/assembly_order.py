@@ -10,8 +10,9 @@ from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.path_figures import plan
 from mbcdm_cad.layouts.miso_bevel.plate_screws import plate_screw_of
 from mbcdm_cad.layouts.miso_bevel.support.dims import AXLE_SCREW
+from mbcdm_cad.layouts.sector import key
 from mbcdm_cad.parts.bill import AssemblyStep, cable_item
-from mbcdm_cad.parts.terminal.instructions import making_words, terminal_steps
+from mbcdm_cad.parts.terminal.instructions import ends_words, numbered, terminal_steps
 from mbcdm_cad.parts.terminal.part import Tensioner
 from mbcdm_cad.parts.threads import insert_items, insert_words
 
@@ -23,18 +24,10 @@ def assembly_order(layout: BevelLayout) -> tuple[AssemblyStep, ...]:
     return (*_bench(layout), *_drives(layout), *_pulleys(layout), *_plate(layout), *_drum(layout))
 
 
-def _key(layout: BevelLayout, screw: str) -> str:
-    return f"{layout.drive.screw(screw).key_mm:g} mm key"
-
-
 def _each(stem: str, layout: BevelLayout, count: int = 0) -> tuple[str, ...]:
     """Items ``stem_<input>``, or ``stem_<input>_1`` to ``_<count>``, of both inputs."""
     ends = [f"_{n}" for n in range(1, count + 1)] or [""]
     return tuple(f"{stem}_{p.name}{end}" for p in layout.inputs for end in ends)
-
-
-def _numbered(stem: str, count: int) -> tuple[str, ...]:
-    return tuple(f"{stem}_{n}" for n in range(1, count + 1))
 
 
 def _behind_the_guide(layout: BevelLayout) -> tuple[str, ...]:
@@ -44,21 +37,17 @@ def _behind_the_guide(layout: BevelLayout) -> tuple[str, ...]:
 
 def _bench(layout: BevelLayout) -> tuple[AssemblyStep, ...]:
     drive = layout.drive
-    rope, ring, spring = drive.cable, drive.drum_encoder, layout.preload_spring
+    ring, spring = drive.drum_encoder, layout.preload_spring
     screw, printed = drive.support.mount, drive.frame_material.printed
     insert = layout.frame.plate_insert
     return (
-        AssemblyStep(
-            f"End each cable ({rope.name}, {rope.diameter_mm:g} mm) in a stop on one side and a threaded terminal "
-            f"({drive.tensioner.name}) on the other, both {drive.termination.name}, to the cut lengths of the bill of "
-            f"materials.{making_words(drive)}"
-        ),
+        AssemblyStep(ends_words(drive)),
         AssemblyStep(
             insert_words(insert, len(layout.frame.plate_screws), "the top of the frame's side walls")
             + f"Press the front drum bearing ({drive.bearings.drum.name}) into the frame's boss from the front. From "
             f"behind, lay the wave spring ({spring.force_N:g} N at {spring.height:g} mm) on the shoulder, slide the "
             "rear bearing in, push the drum shaft in until its flange rests on the rear bearing, and screw the "
-            f"ring encoder on behind it ({ring.screw_count} x {ring.screw}, {_key(layout, ring.screw)}). "
+            f"ring encoder on behind it ({ring.screw_count} x {ring.screw}, {key(layout, ring.screw)}). "
             "The base closes this side in the next step.",
             (
                 *(
@@ -69,7 +58,7 @@ def _bench(layout: BevelLayout) -> tuple[AssemblyStep, ...]:
                     "drum_shaft",
                     "drum_encoder",
                 ),
-                *_numbered("drum_encoder_screw", 2),
+                *numbered("drum_encoder_screw", 2),
                 *insert_items("plate_insert", insert, len(layout.frame.plate_screws)),
             ),
         ),
@@ -87,7 +76,7 @@ def _drives(layout: BevelLayout) -> tuple[AssemblyStep, ...]:
         AssemblyStep(
             f"Screw the {train} under the motor shelf "
             f"({gear.screw_count} x {gear.screw} each). The screws go in through the open front of the coupling space; "
-            f"the {_key(layout, gear.screw)} reaches their heads from above, through the key holes in the shoulder of "
+            f"the {key(layout, gear.screw)} reaches their heads from above, through the key holes in the shoulder of "
             "the empty lower bearing seats.",
             (() if gear.absent else _each("gearhead", layout))
             + _each("motor", layout)
@@ -108,7 +97,7 @@ def _encoders_below(layout: BevelLayout) -> tuple[AssemblyStep, ...]:
     return (
         AssemblyStep(
             "Slide the encoders into the lower pockets from the front and screw them to the bearing shelf from above "
-            f"({encoder.screw_count} x {encoder.screw} each, {_key(layout, encoder.screw)}), before their bearings "
+            f"({encoder.screw_count} x {encoder.screw} each, {key(layout, encoder.screw)}), before their bearings "
             f"({drive.bearings.input_upper.name}) are pressed into the shelf from above.",
             _each("encoder", layout) + _each("encoder_screw", layout, 2) + _each("input_bearing_upper", layout),
         ),
@@ -124,7 +113,7 @@ def _pulleys(layout: BevelLayout) -> tuple[AssemblyStep, ...]:
         "Lower the pulleys through the bearings into the bores of the encoders."
         if drive.motors_above
         else f"Lower the pulleys through bearing and collar onto the {drive.mounted} shafts and close the collars from "
-        f"the front ({_key(layout, collar_screw)})."
+        f"the front ({key(layout, collar_screw)})."
     )
     return (
         AssemblyStep(
@@ -136,7 +125,7 @@ def _pulleys(layout: BevelLayout) -> tuple[AssemblyStep, ...]:
         ),
         AssemblyStep(
             f"Set the guide axle into the bearing shelf and fix it with its set screw ({AXLE_SCREW}, "
-            f"{_key(layout, AXLE_SCREW)}, from the front). {loop}"
+            f"{key(layout, AXLE_SCREW)}, from the front). {loop}"
             f"Slide on the guide with its two bearings ({bearings.guide.name}), then the spacer.",
             ("guide_axle", "axle_set_screw", "guide", "guide_bearing_lower", "guide_bearing_upper", "guide_spacer"),
         ),
@@ -150,16 +139,16 @@ def _plate(layout: BevelLayout) -> tuple[AssemblyStep, ...]:
         AssemblyStep(
             "Press the two dowels into the side walls. On the bench, press the upper bearings "
             f"({bearings.input_upper.name}) into the top plate from below and screw the encoders to it from below "
-            f"({encoder.screw_count} x {encoder.screw} each, {_key(layout, encoder.screw)}). Lower the "
-            f"plate over journals, axle and dowels, tighten four {screw} ({_key(layout, screw)}), then "
+            f"({encoder.screw_count} x {encoder.screw} each, {key(layout, encoder.screw)}). Lower the "
+            f"plate over journals, axle and dowels, tighten four {screw} ({key(layout, screw)}), then "
             "the encoders' own clamps.",
             (
-                *_numbered("dowel", 2),
+                *numbered("dowel", 2),
                 "top_plate",
                 *_each("input_bearing_upper", layout),
                 *_each("encoder", layout),
                 *_each("encoder_screw", layout, 2),
-                *_numbered("plate_screw", len(layout.frame.plate_screws)),
+                *numbered("plate_screw", len(layout.frame.plate_screws)),
             ),
         ),
     )
@@ -172,7 +161,7 @@ def _drives_above(layout: BevelLayout) -> tuple[AssemblyStep, ...]:
     return (
         AssemblyStep(
             f"On the bench, screw the {train} onto the top plate's boxes ({gear.screw_count} x {gear.screw} each). The "
-            f"screws go in through the open front of the boxes; the {_key(layout, gear.screw)} reaches their heads "
+            f"screws go in through the open front of the boxes; the {key(layout, gear.screw)} reaches their heads "
             "from below, through the key holes in the shoulder of the empty bearing seats. Pass the clamp collars, "
             f"their screws ({collar_screw}) loose, over the {mounted} shafts through the open front, and press the "
             f"bearings ({drive.bearings.input_lower.name}) into the plate from below.",
@@ -187,9 +176,9 @@ def _drives_above(layout: BevelLayout) -> tuple[AssemblyStep, ...]:
         AssemblyStep(
             "Press the two dowels into the side walls. Lower the plate with its motors over axle and dowels, the "
             f"pulleys' journals through bearings and collars onto the {mounted} shafts. Tighten four {screw} "
-            f"({_key(layout, screw)}, beside the motors), then from the front the collars "
-            f"({_key(layout, collar_screw)}) and the encoders' own clamps.",
-            (*_numbered("dowel", 2), *_numbered("plate_screw", len(layout.frame.plate_screws))),
+            f"({key(layout, screw)}, beside the motors), then from the front the collars "
+            f"({key(layout, collar_screw)}) and the encoders' own clamps.",
+            (*numbered("dowel", 2), *numbered("plate_screw", len(layout.frame.plate_screws))),
         ),
     )
 
@@ -205,9 +194,9 @@ def _drum(layout: BevelLayout) -> tuple[AssemblyStep, ...]:
             "shaft's flats, until its spigot touches the front bearing, then press the stop pin through the slot into "
             "the web between the shelves. To preload the bearings, draw shaft and hub together until the shaft's end "
             f"is flush with the hub's face, which presses the spring with {layout.preload_spring.force_N:g} N, and "
-            f"tighten the hub's two set screws ({hub_screw}, {_key(layout, hub_screw)}, radially, in front of the "
+            f"tighten the hub's two set screws ({hub_screw}, {key(layout, hub_screw)}, radially, in front of the "
             "web). The drum then has no play along its axis.",
-            ("drum", "stop_pin", *_numbered("hub_set_screw", 2), *insert_items("payload_insert", insert, places)),
+            ("drum", "stop_pin", *numbered("hub_set_screw", 2), *insert_items("payload_insert", insert, places)),
         ),
         *_terminals(layout),
     )

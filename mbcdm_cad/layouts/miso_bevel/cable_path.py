@@ -19,7 +19,7 @@ from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.input_pulley.stop import STOP_PIECES, StopGeometry, stop_geometry, stop_pieces
 from mbcdm_cad.routes.cable_path import CablePath, Stretch
-from mbcdm_cad.routes.curves import Arc, Helix, Line, Parabola, Piece, Triple, Vector
+from mbcdm_cad.routes.curves import Arc, Helix, Line, Parabola, Piece, triple
 
 # The rope's bending stiffness rounds the change of slope between span and pulley over a few sqrt(EI/T), about 0.7 mm
 # for 49 free wires of 0.09 mm at 70 N; this transition is drawn 2.5 diameters long.
@@ -97,10 +97,6 @@ def axial_walk_mm(drive: BevelDrive, cable: BevelRun, drum_angle_rad: float) -> 
     return -w.payout * w.reduction * drum_angle_rad * drive.helix_lead_mm / tau
 
 
-def _t(v: Vector) -> Triple:
-    return (float(v[0]), float(v[1]), float(v[2]))
-
-
 def cable_path(
     drive: BevelDrive, cable: BevelRun, anchor_rad: float, tail_mm: float, drum_angle_rad: float
 ) -> CablePath:
@@ -146,9 +142,9 @@ def cable_path(
     chord_rate = chord / hypot(chord[0], chord[1])
     first_end = first_mid + blend / 2 * chord_rate
     last_start = last_mid - blend / 2 * chord_rate
-    pieces.append(("span_in", Parabola(_t(contact), _t(first_mid), _t(first_end))))
-    pieces.append(("span", Line(_t(first_end), _t(last_start))))
-    pieces.append(("span_out", Parabola(_t(last_start), _t(last_mid), _t(landing))))
+    pieces.append(("span_in", Parabola(triple(contact), triple(first_mid), triple(first_end))))
+    pieces.append(("span", Line(triple(first_end), triple(last_start))))
+    pieces.append(("span_out", Parabola(triple(last_start), triple(last_mid), triple(landing))))
     a_transfer = a_land + w.guide_sense * w.guide_wrap_rad
     pieces.append(("guide", Arc((0.0, 0.0, z_step), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), r_g, a_land, a_transfer)))
 
@@ -157,7 +153,7 @@ def cable_path(
     pieces.append(("drum", Arc((0.0, r_g, 0.0), (0.0, 0.0, 1.0), (float(side), 0.0, 0.0), r_o, 0.0, drum_end)))
     leave = np.array([side * r_o * sin(drum_end), r_g, r_o * cos(drum_end)])
     along = np.array([side * cos(drum_end), 0.0, -sin(drum_end)])
-    pieces.append(("tail", Line(_t(leave), _t(leave + tail_mm * along))))
+    pieces.append(("tail", Line(triple(leave), triple(leave + tail_mm * along))))
     stretches = (Stretch(f"input_{cable.input_name}", WOUND), Stretch(None, FREE), Stretch("drum", ON_DRUM))
     return CablePath(cable, drum_angle_rad, tuple(pieces), stretches)
 

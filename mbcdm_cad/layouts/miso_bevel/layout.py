@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -94,6 +94,7 @@ class BevelLayout(SectorLayout):
 
     name = "miso_bevel"
     title = "two inputs, a guide and a bevel transfer to the drum (Fig. 1 d)"
+    variables = VARIABLES
     conventions = Conventions(
         frame="Frame: origin where drum axis (Y) and guide axis (Z) meet; input pulleys at x = -L and +L; "
         "lengths in mm.",
@@ -201,11 +202,6 @@ class BevelLayout(SectorLayout):
         """Centre lines of all cables at a drum angle, from the stop in the pulley to the bottom of the swage's bore."""
         ends = [(c, self.terminal_of(c)) for c in self.drive.cables]
         return tuple(cable_path(self.drive, c, t.anchor_rad, t.cable_end, drum_angle_rad) for c, t in ends)
-
-    @property
-    def variables(self) -> Mapping[str, DesignVariable]:
-        """See the base class."""
-        return VARIABLES
 
     def bends_mm(self) -> Sequence[tuple[str, str, float]]:
         """Input pulley, guide and drum of each cable."""

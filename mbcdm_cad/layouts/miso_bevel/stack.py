@@ -22,6 +22,7 @@ from math import radians, sqrt
 from mbcdm_cad.layouts.miso_bevel.cable_path import axial_walk_mm, guide_landing_walk_mm
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.layouts.miso_bevel.plate_screws import Edges, beside_box_mm
+from mbcdm_cad.layouts.sector import InputLevels
 from mbcdm_cad.parts.collar import collar_sweep_mm
 from mbcdm_cad.parts.drum_sector.sizes import nut_corner_radius_mm
 from mbcdm_cad.parts.input_pulley.stop import helix_stop_land_mm
@@ -54,28 +55,13 @@ def band(drive: BevelDrive, cable: BevelRun, outward: int) -> Band:
     return Band(min(dead_end, other) - flank, max(dead_end, other) + flank, dead_end)
 
 
-@dataclass(frozen=True)
-class Stack:
-    """Levels along Z and Y, mm. The named body lies just below (``_top``) or above (``_bottom``) the level."""
+@dataclass(frozen=True, kw_only=True)
+class Stack(InputLevels):
+    """Levels along Z and Y; the gearhead's face is ``motor_shelf_bottom_z`` with motors below."""
 
-    motor_bottom_z: float
-    gearhead_bottom_z: float
-    motor_shelf_bottom_z: float  # the gearhead's face, with motors below
-    motor_shelf_top_z: float
-    bearing_shelf_bottom_z: float
-    bearing_shelf_top_z: float
     guide_bottom_z: float
     guide_top_z: float
-    top_plate_bottom_z: float
-    top_plate_top_z: float
-    encoder_top_z: float
-    back_y: float
     pocket_floor_y: float  # front surface of the back plate
-    front_y: float  # front of shelves and plates
-    drum_inner_y: float
-    drum_outer_y: float
-    hub_face_y: float
-    boss_front_y: float
     side_inner_x: float
     side_outer_x: float
     motor_top_z: float

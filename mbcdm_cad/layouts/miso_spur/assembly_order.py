@@ -4,16 +4,9 @@ from __future__ import annotations
 
 from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
 from mbcdm_cad.layouts.miso_spur.path_figures import plan
-from mbcdm_cad.layouts.siso_spur.assembly_order import (
-    boss_step,
-    encoder_step,
-    ends_words,
-    idler_steps,
-    input_steps,
-    sector_steps,
-)
+from mbcdm_cad.layouts.siso_spur.assembly_order import boss_step, encoder_step, idler_steps, input_steps, sector_steps
 from mbcdm_cad.parts.bill import AssemblyStep
-from mbcdm_cad.parts.terminal.instructions import making_words, setting_steps
+from mbcdm_cad.parts.terminal.instructions import ends_words, making_words, setting_steps
 from mbcdm_cad.parts.threads import insert_items
 
 

@@ -16,7 +16,7 @@ from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive, DirectRun
 from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.input_pulley.dims import SLOT_PLAY_MM, WEDGE_MM
 from mbcdm_cad.routes.cable_path import CablePath, Stretch
-from mbcdm_cad.routes.curves import Arc, Line, Piece, Triple, Vector
+from mbcdm_cad.routes.curves import Arc, Line, Piece, triple
 
 # The bend before the stop, D/d: the sharpest usual static bend, so that the slot uses a small angle of the turn.
 STOP_BEND_RATIO = 8.0
@@ -86,10 +86,6 @@ WOUND = ("chord", "bend", "wound")
 ON_DRUM = ("drum", "tail")
 
 
-def _t(v: Vector) -> Triple:
-    return (float(v[0]), float(v[1]), float(v[2]))
-
-
 def cable_path(
     drive: DirectDrive, cable: DirectRun, anchor_rad: float, tail_mm: float, drum_angle_rad: float
 ) -> CablePath:
@@ -111,11 +107,11 @@ def cable_path(
     leave = np.array([side * r_o * sin(drum_end), r_m, r_o * cos(drum_end)])
     along = np.array([side * cos(drum_end), 0.0, -sin(drum_end)])
     pieces: tuple[tuple[str, Piece], ...] = (
-        ("chord", Line(_t(chord_end), _t(bend_end))),
-        ("bend", Arc(_t(centre), _t(radial), _t(onward), rho, pi / 2, 0.0)),
+        ("chord", Line(triple(chord_end), triple(bend_end))),
+        ("bend", Arc(triple(centre), triple(radial), triple(onward), rho, pi / 2, 0.0)),
         ("wound", Arc((0.0, 0.0, r_o), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), r_m, end, TRANSFER_RAD)),
         ("drum", Arc((0.0, r_m, 0.0), (0.0, 0.0, 1.0), (float(side), 0.0, 0.0), r_o, 0.0, drum_end)),
-        ("tail", Line(_t(leave), _t(leave + tail_mm * along))),
+        ("tail", Line(triple(leave), triple(leave + tail_mm * along))),
     )
     stretches = (Stretch(f"input_{cable.input_name}", WOUND), Stretch("drum", ON_DRUM))
     return CablePath(cable, drum_angle_rad, pieces, stretches)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
 
@@ -68,6 +68,7 @@ class DirectLayout(HeadLayout):
 
     name = "siso_bevel"
     title = "one input straight onto the drum by a bevel transfer (Fig. 1 c)"
+    variables = VARIABLES
     conventions = Conventions(
         frame="Frame: origin where drum axis (Y) and input axis (Z) meet; the motor stands above; lengths in mm.",
         cables="Cables are round rods at the nominal diameter; on the input each lies in the plane of its step.",
@@ -125,11 +126,6 @@ class DirectLayout(HeadLayout):
         """Centre lines of all cables at a drum angle, from the stop in the pulley to the bottom of the swage's bore."""
         ends = [(c, self.terminal_of(c)) for c in self.drive.cables]
         return tuple(cable_path(self.drive, c, t.anchor_rad, t.cable_end, drum_angle_rad) for c, t in ends)
-
-    @property
-    def variables(self) -> Mapping[str, DesignVariable]:
-        """See the base class."""
-        return VARIABLES
 
     def bends_mm(self) -> Sequence[tuple[str, str, float]]:
         """Input pulley and drum of each cable."""

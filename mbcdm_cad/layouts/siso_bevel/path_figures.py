@@ -6,9 +6,7 @@ And the plan by which the preloads are set.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from math import degrees, radians
-from typing import Any
 
 import numpy as np
 
@@ -17,22 +15,7 @@ from mbcdm_cad.layouts.siso_bevel.cable_path import full_input_turn_deg, input_w
 from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
 from mbcdm_cad.model.tensioning_plan import TensioningPlan, tensioning_plan
 from mbcdm_cad.parts.terminal.take_up import tensioned_rope
-from mbcdm_cad.routes.cable_path import EndOfTravel
-
-
-@dataclass(frozen=True)
-class DirectCableFigures:
-    """One cable. Tuples over the angles of :class:`TravelFigures`.
-
-    ``length_um`` is the change of the length between the anchors from the centred drum: 0 except for rounding, since
-    the length that leaves the input lands on the drum.
-    """
-
-    name: str
-    length_mm: float
-    input_wrap_deg: tuple[float, ...]
-    drum_wrap_deg: tuple[float, ...]
-    length_um: tuple[float, ...]
+from mbcdm_cad.routes.cable_path import CableWraps, EndOfTravel, wrap_lines
 
 
 def path_figures(layout: DirectLayout) -> TravelFigures:
@@ -42,7 +25,7 @@ def path_figures(layout: DirectLayout) -> TravelFigures:
     posed = [layout.cable_paths(float(angle)) for angle in np.radians(angles)]
     centred = layout.cable_paths(0.0)
     cables = tuple(
-        DirectCableFigures(
+        CableWraps(
             name=run.name,
             length_mm=centred[k].length_mm,
             input_wrap_deg=tuple(degrees(input_wrap_rad(drive, run, float(a))) for a in np.radians(angles)),
@@ -68,15 +51,7 @@ def _ends(layout: DirectLayout) -> Iterator[EndOfTravel]:
         yield EndOfTravel(off * degrees(half + full), f"the input has taken up a whole turn of {run.name}")
 
 
-def path_lines(c: dict[str, Any]) -> Iterator[str]:
-    """One cable's figures for a terminal."""
-    middle = len(c["drum_wrap_deg"]) // 2
-    wound, on_drum = c["input_wrap_deg"], c["drum_wrap_deg"]
-    yield (
-        f"  {c['name']:<10} length {c['length_mm']:.2f} mm; wrap on the input {wound[middle]:.0f} "
-        f"({wound[0]:.0f}, {wound[-1]:.0f}), on the drum {on_drum[middle]:.1f} "
-        f"({on_drum[0]:.1f}, {on_drum[-1]:.1f}) deg"
-    )
+path_lines = wrap_lines
 
 
 def plan(layout: DirectLayout) -> TensioningPlan:

@@ -14,6 +14,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import sqrt
 
+from mbcdm_cad.layouts.sector import InputLevels
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
 from mbcdm_cad.parts.drum_sector.sizes import nut_corner_radius_mm
 from mbcdm_cad.parts.input_pulley.stop import stop_land_mm
@@ -30,28 +31,13 @@ SHOULDER_MM = 0.6
 END_PLAY_MM = 0.1
 
 
-@dataclass(frozen=True)
-class DirectStack:
-    """Levels along -Z (names in ``_z``) and along Y, mm; in those along -Z the named body lies just below or above."""
+@dataclass(frozen=True, kw_only=True)
+class DirectStack(InputLevels):
+    """Levels; ``_z`` along -Z."""
 
-    motor_bottom_z: float
-    gearhead_bottom_z: float
-    motor_shelf_bottom_z: float  # the gearhead's face
-    motor_shelf_top_z: float
-    bearing_shelf_bottom_z: float
-    bearing_shelf_top_z: float
     land_bottom_z: float
     land_top_z: float
-    top_plate_bottom_z: float  # the encoder shelf
-    top_plate_top_z: float
-    encoder_top_z: float
-    back_y: float
     pocket_floor_y: float  # front surface of the back plate
-    front_y: float
-    drum_inner_y: float
-    drum_outer_y: float
-    hub_face_y: float
-    boss_front_y: float
     side_inner_x: float
     side_outer_x: float
     head_inner_x: float

@@ -8,6 +8,7 @@ from math import tau
 from mbcdm_cad.checks.bearings import stage_torque_Nm
 from mbcdm_cad.design.bought import Servo
 from mbcdm_cad.design.stage import SET_TENSION, Stage
+from mbcdm_cad.layouts.sector import key
 from mbcdm_cad.layouts.siso_spur.bill import first_name
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
@@ -19,7 +20,9 @@ from mbcdm_cad.parts.bought.train import train_items, train_words
 from mbcdm_cad.parts.input_pulley.dims import SET_SCREWS_DEG
 from mbcdm_cad.parts.motor_head.dims import flange_screw
 from mbcdm_cad.parts.terminal.instructions import (
+    ends_words,
     making_words,
+    numbered,
     setting_steps,
     spring_words,
     terminal_items,
@@ -69,16 +72,6 @@ def idler_steps(layout: SpurLayout, mark: str = "") -> tuple[AssemblyStep, ...]:
     return tuple(found)
 
 
-def key(layout: SpurLayout, screw: str) -> str:
-    """The key that fits a screw."""
-    return f"{layout.drive.screw(screw).key_mm:g} mm key"
-
-
-def numbered(stem: str, count: int) -> tuple[str, ...]:
-    """Names of items of one kind."""
-    return tuple(f"{stem}_{n}" for n in range(1, count + 1))
-
-
 def _frame(layout: SpurLayout) -> tuple[AssemblyStep, ...]:
     drive, f = layout.drive, layout.frame
     inserts = (
@@ -89,16 +82,6 @@ def _frame(layout: SpurLayout) -> tuple[AssemblyStep, ...]:
         AssemblyStep(ends_words(drive) if drive.anchored else _cut_words(layout)),
         boss_step(layout, 1, inserts),
         *(() if drive.overhung else (encoder_step(layout),)),
-    )
-
-
-def ends_words(drive: SpurDrive) -> str:
-    """Instruction to make the ends of anchored cables."""
-    rope = drive.cable
-    return (
-        f"End each cable ({rope.name}, {rope.diameter_mm:g} mm) in a stop on one side and a threaded terminal "
-        f"({drive.tensioner.name}) on the other, both {drive.termination.name}, to the cut lengths of the bill of "
-        f"materials.{making_words(drive)}"
     )
 
 

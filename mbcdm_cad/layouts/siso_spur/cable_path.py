@@ -20,7 +20,7 @@ from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.drum_sector.sizes import SWAGE_START_MM
 from mbcdm_cad.parts.input_pulley.stop import STOP_PIECES, StopGeometry, stop_geometry, stop_pieces
 from mbcdm_cad.routes.cable_path import CablePath, Stretch
-from mbcdm_cad.routes.curves import Arc, Coil, Line, Parabola, Piece, Triple, Vector, reverse
+from mbcdm_cad.routes.curves import Arc, Coil, Line, Parabola, Piece, Triple, reverse, triple
 
 # Way of a terminal that a whole drum's cable counts as drawn in (estimate: more than any of the catalogue has).
 DRAWN_IN_MM = 10.0
@@ -46,10 +46,6 @@ def input_wrap_rad(drive: SpurDrive, cable: SectorRun, drum_angle_rad: float) ->
 def walked_mm(drive: SpurDrive, drum_angle_rad: float) -> float:
     """Movement of turns, spans and landing points along y since the centred drum."""
     return drive.input_radius_mm * drive.slope * drive.total_ratio * drum_angle_rad
-
-
-def _t(v: Vector) -> Triple:
-    return (float(v[0]), float(v[1]), float(v[2]))
 
 
 def side_pieces(drive: SpurDrive, cable: SpurRun, anchor_rad: float, tail_mm: float, angle_rad: float) -> list[Piece]:
@@ -83,7 +79,7 @@ def side_pieces(drive: SpurDrive, cable: SpurRun, anchor_rad: float, tail_mm: fl
         Coil((0.0, 0.0, 0.0), _Y, _Z, r_o, side * landing, side * start, land, start_y),
         Parabola(on_drum(start, start_y), on_drum(last, plane, r_o / cos(CHANGE_RAD)), on_drum(end, plane)),
         Arc((0.0, plane, 0.0), _Z, (float(side), 0.0, 0.0), r_o, end, anchor),
-        Line(_t(leaving), _t(leaving + tail_mm * along)),
+        Line(triple(leaving), triple(leaving + tail_mm * along)),
     ]
 
 

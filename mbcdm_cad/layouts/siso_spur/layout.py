@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import cached_property
 from math import atan2, ceil, degrees, floor, hypot, inf, pi, sqrt
@@ -127,6 +127,7 @@ class SpurLayout(HeadLayout):
 
     name = "siso_spur"
     title = "one input beside the drum, one cable round it, axes parallel (Fig. 1 a)"
+    variables = VARIABLES
     conventions = Conventions(
         frame="Frame: origin on the drum axis (Y), in the middle of the cable; the input stands at +Z; lengths in mm.",
         cables="The cable is a round rod at the nominal diameter; its turns walk along the input as the drum turns.",
@@ -352,11 +353,6 @@ class SpurLayout(HeadLayout):
             return ()
         found: tuple[Check, ...] = self._module("checks.first_stage").checks_of_first(self.first_stage)
         return found
-
-    @property
-    def variables(self) -> Mapping[str, DesignVariable]:
-        """See the base class."""
-        return VARIABLES
 
     def bends_mm(self) -> Sequence[tuple[str, str, float]]:
         """Input pulley, idlers and drum."""

@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from math import atan2, degrees, pi, radians, tau
-from typing import Any
 
 import numpy as np
 
@@ -16,25 +15,9 @@ from mbcdm_cad.layouts.siso_spur.cable_path import input_wrap_rad, side_length_m
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.model.tensioning_plan import TensionedCable, TensioningPlan, tensioning_plan
 from mbcdm_cad.parts.terminal.take_up import highest_preload_N, tensioned_rope
-from mbcdm_cad.routes.cable_path import EndOfTravel
+from mbcdm_cad.routes.cable_path import CableWraps, EndOfTravel, wrap_lines
 
 STATIONS = 9
-
-
-@dataclass(frozen=True)
-class SideFigures:
-    """One side of the cable, from its middle to its terminal, or one of two anchored cables, from the end of its stop.
-
-    The tuples are over the angles of :class:`SpurFigures`. ``length_um`` is the change of the whole cable's length
-    since the centred drum: 0 except for rounding, because the length that leaves the drum on one side is wound on its
-    other side, or on the input.
-    """
-
-    name: str
-    length_mm: float
-    input_wrap_deg: tuple[float, ...]
-    drum_wrap_deg: tuple[float, ...]
-    length_um: tuple[float, ...]
 
 
 @dataclass(frozen=True)
@@ -46,7 +29,7 @@ class SpurFigures:
     """
 
     drum_angle_deg: tuple[float, ...]
-    cables: tuple[SideFigures, ...]
+    cables: tuple[CableWraps, ...]
     wrap_deg: float | None
     walk_mm: tuple[float, ...]
     limits_positive: tuple[EndOfTravel, ...]
@@ -68,7 +51,7 @@ def path_figures(layout: SpurLayout) -> SpurFigures:
     at = [k * len(centred) // len(drive.cables) for k in range(len(drive.cables))]
     share = len(centred) / len(drive.cables)
     cables = tuple(
-        SideFigures(
+        CableWraps(
             name=run.name,
             length_mm=centred[k].length_mm * share,
             input_wrap_deg=tuple(degrees(input_wrap_rad(drive, run, float(a))) for a in np.radians(angles)),
@@ -115,15 +98,7 @@ def _ends(layout: SpurLayout) -> Iterator[EndOfTravel]:
             yield end(-half - tau * drive.dead_turns / drive.total_ratio, f"{run.name} is all off the input")
 
 
-def path_lines(c: dict[str, Any]) -> Iterator[str]:
-    """Figures of one side as text."""
-    middle = len(c["drum_wrap_deg"]) // 2
-    wound, on_drum = c["input_wrap_deg"], c["drum_wrap_deg"]
-    yield (
-        f"  {c['name']:<10} length {c['length_mm']:.2f} mm; wrap on the input {wound[middle]:.0f} "
-        f"({wound[0]:.0f}, {wound[-1]:.0f}), on the drum {on_drum[middle]:.1f} "
-        f"({on_drum[0]:.1f}, {on_drum[-1]:.1f}) deg"
-    )
+path_lines = wrap_lines
 
 
 def plan(layout: SpurLayout) -> TensioningPlan:

@@ -13,6 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf
 
+from mbcdm_cad.layouts.sector import InputLevels
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, boss_front_y_mm, drum_inner_y_mm, run_out_mm
 from mbcdm_cad.layouts.siso_spur.overhung import hub_length_mm
 from mbcdm_cad.parts.drum_sector.sizes import nut_corner_radius_mm
@@ -28,28 +29,13 @@ END_PLAY_MM = 0.1
 FLANGE_MM, COLLAR_MM = 1.0, 1.0
 
 
-@dataclass(frozen=True)
-class SpurStack:
-    """Levels along Y, mm; those in ``_z`` are named after the part next to them."""
+@dataclass(frozen=True, kw_only=True)
+class SpurStack(InputLevels):
+    """Levels, all along Y: ``bearing_shelf_top_z`` is the plate's back, ``back_y`` the end of the drum's encoder."""
 
-    motor_bottom_z: float
-    gearhead_bottom_z: float
-    motor_shelf_bottom_z: float  # the gearhead's face
-    motor_shelf_top_z: float
-    bearing_shelf_bottom_z: float
-    bearing_shelf_top_z: float  # back of the plate, where the motor head's flange lies
     land_bottom_z: float
     land_top_z: float
-    top_plate_bottom_z: float  # the encoder shelf
-    top_plate_top_z: float
-    encoder_top_z: float
-    back_y: float  # end of the drum's encoder
     plate_back_y: float
-    front_y: float  # front of the plate
-    drum_inner_y: float
-    drum_outer_y: float
-    hub_face_y: float
-    boss_front_y: float
 
 
 def reach_mm(drive: SpurDrive) -> float:

@@ -17,9 +17,10 @@ from dataclasses import dataclass
 from math import sqrt
 from typing import Any, Protocol
 
-from mbcdm_cad.design.bought import CableStageOutput, Gearhead, Material, Motor, Screw
+from mbcdm_cad.design.bought import CableStageOutput, Gearhead, InsertSpec, Material, Motor, Screw
 from mbcdm_cad.design.sector_blocks import Clearances
 from mbcdm_cad.design.stage import Stage
+from mbcdm_cad.parts.boss import BossDims
 from mbcdm_cad.parts.bought.bodies import screw_places
 from mbcdm_cad.parts.collar import collar_over_shelf_mm, collar_sweep_mm
 from mbcdm_cad.parts.drum_sector.design import SectorBearings, SectorDrive
@@ -199,6 +200,36 @@ class HeadDims(CouplingBox):
     flange: Flange
     screw_clearance: float
     dowel_radius: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class HeadFrameDims:
+    """What a frame with a motor head has whatever its shape, mm: boss, encoder shelf, stop pin, and all its threads."""
+
+    boss: BossDims
+    corner_radius: float
+    seat_radius: float
+    seat_depth: float
+    seat_shoulder_radius: float
+    encoder_screw_clearance: float
+    encoder_head_radius: float
+    encoder_head_depth: float
+    encoder_circle_radius: float
+    stop_pin_radius: float
+    stop_pin_z: float
+    flange_screw_radius: float
+    flange_insert: InsertSpec | None
+    flange_screws: Places  # in the plane of the motor head's flange, as the dowels
+    dowels: Places
+    dowel_radius: float
+    dowel_depth: float
+    mounts: Places  # (x, z)
+    mount_radius: float
+
+    @property
+    def encoder_screw_depth(self) -> float:
+        """Depth of the threads for the drum encoder's screws."""
+        return self.boss.screw_depth
 
 
 def flange_screw(drive: HeadedDrive) -> Screw:

@@ -22,6 +22,21 @@ def terminal_steps(drive: SectorDrive, plan: TensioningPlan) -> tuple[AssemblySt
     )
 
 
+def ends_words(drive: SectorDrive) -> str:
+    """The first step: ends of cables that each lead from a stop to a terminal."""
+    rope = drive.cable
+    return (
+        f"End each cable ({rope.name}, {rope.diameter_mm:g} mm) in a stop on one side and a threaded terminal "
+        f"({drive.tensioner.name}) on the other, both {drive.termination.name}, to the cut lengths of the bill of "
+        f"materials.{making_words(drive)}"
+    )
+
+
+def numbered(stem: str, count: int) -> tuple[str, ...]:
+    """Names of items of one kind."""
+    return tuple(f"{stem}_{n}" for n in range(1, count + 1))
+
+
 def making_words(drive: SectorDrive) -> str:
     """How the ends are made, after the sentence that names them; nothing for ends whose entry does not say it."""
     making = drive.termination.making

@@ -6,8 +6,7 @@ from math import hypot
 
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
 from mbcdm_cad.checks.design_variables import down, up
-from mbcdm_cad.checks.geometry import corner_gap
-from mbcdm_cad.layouts.miso_bevel.checks.support_walls import HOLE_WEB_MM
+from mbcdm_cad.checks.geometry import HOLE_WEB_MM, corner_gap
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.plate_screws import key_gap_mm, plate_screw_of
 from mbcdm_cad.layouts.miso_bevel.stack import band, outward_of

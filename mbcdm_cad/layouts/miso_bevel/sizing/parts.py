@@ -8,6 +8,7 @@ from math import pi, sqrt
 from operator import itemgetter
 
 from mbcdm_cad.checks.fixings import CLAMP_SAFETY, FRICTION, STRESS_SAFETY, grip_Nmm
+from mbcdm_cad.checks.geometry import HOLE_WEB_MM
 from mbcdm_cad.checks.input_pulley import FIT_MM, SHOULDER_MM
 from mbcdm_cad.checks.springs import LEAST_PLAY_MM, MOST_PLAY_MM
 from mbcdm_cad.checks.take_up import THREAD_OUT_PITCHES
@@ -26,7 +27,6 @@ from mbcdm_cad.layouts.head_basis import (
     speed_margin,
     turns_back_Nm,
 )
-from mbcdm_cad.layouts.miso_bevel.checks.support_walls import HOLE_WEB_MM
 from mbcdm_cad.layouts.miso_bevel.sizing.known import BevelKnown
 from mbcdm_cad.layouts.miso_bevel.sizing.picking import (
     LIGHTEST,

@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 
 from mbcdm_cad.checks.cable_gaps import CABLE_GAP_MM
+from mbcdm_cad.checks.geometry import HOLE_WEB_MM
 from mbcdm_cad.checks.terminals import TERMINAL_GAP_MM
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import SizingError
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.miso_bevel.cable_path import BLEND_DIAMETERS
 from mbcdm_cad.layouts.miso_bevel.checks.room import MOVING_GAP_MM, drum_sweep
-from mbcdm_cad.layouts.miso_bevel.checks.support_walls import HOLE_WEB_MM
 from mbcdm_cad.layouts.miso_bevel.design_file.resolve import MOST_SETBACK
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.sizing.boxes import box_mm

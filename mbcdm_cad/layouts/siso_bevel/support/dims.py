@@ -19,12 +19,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from mbcdm_cad.design.bought import InsertSpec
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
 from mbcdm_cad.layouts.siso_bevel.stack import DirectStack, pocket_corner_radius_mm
-from mbcdm_cad.parts.boss import BossDims, boss, column_start_mm
+from mbcdm_cad.parts.boss import boss, column_start_mm
 from mbcdm_cad.parts.drum_shaft import DrumShaftDims
-from mbcdm_cad.parts.motor_head.dims import DOWEL_MM, Flange, dowel_length_mm
+from mbcdm_cad.parts.motor_head.dims import DOWEL_MM, Flange, HeadFrameDims, dowel_length_mm
 from mbcdm_cad.parts.motor_head.dims import flange_screw as screw_of_flange
 
 # Where the drum leaves less height, down to what the walls over and under its pin need.
@@ -41,12 +40,11 @@ MOUNT_HEAD_ROOM_MM = 0.5
 MOUNT_ROOM_MM = 0.6
 
 
-@dataclass(frozen=True)
-class ColumnDims:
-    """The frame (mm), heights as in the assembly."""
+@dataclass(frozen=True, kw_only=True)
+class ColumnDims(HeadFrameDims):
+    """The frame (mm), heights as in the assembly; flange screws and dowels at (x, y)."""
 
     levels: DirectStack
-    boss: BossDims
     top_z: float
     encoder_shelf_top_z: float
     encoder_shelf_bottom_z: float
@@ -57,31 +55,8 @@ class ColumnDims:
     column_half_width: float
     pocket_half_width: float
     column_start_z: float  # behind the boss: the encoder's pocket leaves less than a wall beside it below
-    corner_radius: float
-    seat_radius: float
-    seat_depth: float
-    seat_shoulder_radius: float
-    encoder_screw_clearance: float
-    encoder_head_radius: float
-    encoder_head_depth: float
-    encoder_circle_radius: float
-    stop_pin_radius: float
-    stop_pin_z: float
     stop_pin_start_y: float
-    flange_screw_radius: float
     flange_screw_depth: float
-    flange_insert: InsertSpec | None
-    flange_screws: tuple[tuple[float, float], ...]  # (x, y)
-    dowels: tuple[tuple[float, float], ...]  # (x, y)
-    dowel_radius: float
-    dowel_depth: float
-    mounts: tuple[tuple[float, float], ...]  # (x, z)
-    mount_radius: float
-
-    @property
-    def encoder_screw_depth(self) -> float:
-        """Depth of the threads for the drum encoder's screws."""
-        return self.boss.screw_depth
 
 
 def corner_radius_mm(drive: DirectDrive, levels: DirectStack) -> float:

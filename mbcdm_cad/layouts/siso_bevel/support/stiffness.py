@@ -15,8 +15,7 @@ import numpy as np
 
 from mbcdm_cad.layouts.base import FrameCompliance, FrameStudy
 from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
-from mbcdm_cad.layouts.structure import elastic
-from mbcdm_cad.model.equilibrium import bearing_loads, two_bearing_reactions_N
+from mbcdm_cad.layouts.structure import elastic, one_input_loads
 from mbcdm_cad.model.plate_mesh import URAD_PER_MRAD, Hole, Mounts, Wall, X, Y, Z, centred_load, plate_mesh, shares_urad
 from mbcdm_cad.model.si import MM, to_si
 from mbcdm_cad.model.stiffness import unit_tensions_N
@@ -105,24 +104,14 @@ def mounts(layout: DirectLayout) -> Mounts:
 
 def seat_forces(layout: DirectLayout, tension_N: Floats) -> list[tuple[str, tuple[float, float, float], float, float]]:
     """(panel, point in mm, force along x in N, couple about z in N mm) on the frame's seats by the tensions."""
-    d, h = to_si(layout.drive), layout.head
-    loads = bearing_loads(d, tension_N)
-    pulley = loads.inputs[0]
-    lower, upper = layout.input_bearings_mm(0)
-    axis = d.routes.inputs[0].axis
-    pair = two_bearing_reactions_N(pulley.force_N, pulley.moment_Nm, pulley.height_m, lower * MM, upper * MM, axis)
-    rear, front = layout.drum_bearings_mm
-    # Except for the moment about the drum's axis, its bearings carry force and couple along x by their distances.
-    on_drum = float(loads.drum.force_N[0])
-    on_front = (-float(loads.drum.moment_Nm[2]) - rear * MM * on_drum) / ((front - rear) * MM)
-    # Torque that the gearhead holds: the moment of the tensions about the input's axis, -Z.
-    torque = float((d.sigma * np.asarray(tension_N) * d.input_radius_m).sum())
+    (lower, upper), (rear, front) = layout.input_bearings_mm(0), layout.drum_bearings_mm
+    on = one_input_loads(layout, tension_N)
     return [
-        ("motor head's flange", (0.0, 0.0, -lower), -float(pair[0, 0]), 0.0),
-        ("encoder shelf", (0.0, 0.0, -upper), -float(pair[1, 0]), 0.0),
-        ("motor shelf", (0.0, 0.0, h.top_z), 0.0, torque / MM),
-        ("foot", (0.0, rear, 0.0), on_drum - on_front, 0.0),
-        ("foot", (0.0, front, 0.0), on_front, 0.0),
+        ("motor head's flange", (0.0, 0.0, -lower), on.lower_N, 0.0),
+        ("encoder shelf", (0.0, 0.0, -upper), on.upper_N, 0.0),
+        ("motor shelf", (0.0, 0.0, layout.head.top_z), 0.0, on.torque_Nm / MM),
+        ("foot", (0.0, rear, 0.0), on.rear_N, 0.0),
+        ("foot", (0.0, front, 0.0), on.front_N, 0.0),
     ]
 
 

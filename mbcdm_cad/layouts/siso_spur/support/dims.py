@@ -24,13 +24,14 @@ from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, groove_depth_mm
 from mbcdm_cad.layouts.siso_spur.overhung import MotorSeat, motor_seat, seat_flange
 from mbcdm_cad.layouts.siso_spur.stack import SpurStack, least_wall_z_mm
 from mbcdm_cad.layouts.siso_spur.support.idlers import StandDims, stands
-from mbcdm_cad.parts.boss import BEARING_WALL_MM, BossDims, BossFlange, boss
+from mbcdm_cad.parts.boss import BEARING_WALL_MM, BossFlange, boss
 from mbcdm_cad.parts.bought.bodies import screw_places
 from mbcdm_cad.parts.drum_sector.sizes import SLOT_WALLS, STOP_SLOT_PLAY_MM
 from mbcdm_cad.parts.drum_shaft import DrumShaftDims
 from mbcdm_cad.parts.motor_head.dims import (
     DOWEL_MM,
     Flange,
+    HeadFrameDims,
     body_radius_mm,
     dowel_length_mm,
     flange_front_mm,
@@ -62,12 +63,11 @@ FLANGE_SCREW, FLANGE_SCREWS = "M3x8", 4
 FLANGE_HEAD_PLAY_MM, FLANGE_THICK_MM, FLANGE_PILOT_MM = 0.3, 5.0, 2.0
 
 
-@dataclass(frozen=True)
-class YokeDims:
-    """Dimensions of the frame in mm, in the position that it has in the assembly."""
+@dataclass(frozen=True, kw_only=True)
+class YokeDims(HeadFrameDims):
+    """Dimensions of the frame in mm, in the position that it has in the assembly; all screws and dowels at (x, z)."""
 
     levels: SpurStack
-    boss: BossDims
     axis_z: float  # of the input
     half_width: float
     shelf_half_width: float
@@ -76,24 +76,6 @@ class YokeDims:
     top_z: float  # of the bridge
     plate_top_z: float  # above the bridge behind a wide wheel of a stage, else the same
     opening_radius: float
-    corner_radius: float
-    seat_radius: float
-    seat_depth: float
-    seat_shoulder_radius: float
-    encoder_screw_clearance: float
-    encoder_head_radius: float
-    encoder_head_depth: float
-    encoder_circle_radius: float
-    stop_pin_radius: float
-    stop_pin_z: float
-    flange_screw_radius: float
-    flange_insert: InsertSpec | None
-    flange_screws: tuple[tuple[float, float], ...]  # (x, z)
-    dowels: tuple[tuple[float, float], ...]  # (x, z)
-    dowel_radius: float
-    dowel_depth: float
-    mounts: tuple[tuple[float, float], ...]  # (x, z)
-    mount_radius: float
     mount_insert: InsertSpec | None
     stands: tuple[StandDims, ...] = ()
     motor: MotorSeat | None = None  # on the plate, without a yoke; None: the motor is on a head of its own
@@ -102,11 +84,6 @@ class YokeDims:
     def has_encoder(self) -> bool:
         """Whether an encoder is screwed on the shelf."""
         return self.encoder_circle_radius > 0.0
-
-    @property
-    def encoder_screw_depth(self) -> float:
-        """Depth of the threads for the drum encoder's screws."""
-        return self.boss.screw_depth
 
     @property
     def encoder_shelf_bottom_z(self) -> float:

@@ -22,9 +22,9 @@ import numpy as np
 from mbcdm_cad.layouts.base import FrameCompliance, FrameStudy
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.overhung import MotorSeat, pocket_mm3
-from mbcdm_cad.layouts.structure import elastic
+from mbcdm_cad.layouts.structure import elastic, one_input_loads
 from mbcdm_cad.model.block_rows import Ints
-from mbcdm_cad.model.equilibrium import bearing_loads, two_bearing_reactions_N
+from mbcdm_cad.model.equilibrium import two_bearing_reactions_N
 from mbcdm_cad.model.plate_mesh import (
     URAD_PER_MRAD,
     Hole,
@@ -154,31 +154,20 @@ def _head(arm: Arm, y_plate: float) -> Iterator[Wall]:
 
 def seat_forces(layout: SpurLayout, tension_N: Floats) -> list[tuple[str, tuple[float, float, float], float, float]]:
     """(panel, point in mm, force along x in N, couple about y in N mm) on the frame's seats due to the tensions."""
-    d, z = to_si(layout.drive), layout.frame.axis_z
-    loads = bearing_loads(d, tension_N)
-    pulley = loads.inputs[0]
-    lower, upper = layout.input_bearings_mm(0)
+    z, (lower, upper), (rear, front) = layout.frame.axis_z, layout.input_bearings_mm(0), layout.drum_bearings_mm
     # Heights of the routes count along the axis of the input, which points to the back.
-    axis = d.routes.inputs[0].axis
-    pair = two_bearing_reactions_N(pulley.force_N, pulley.moment_Nm, pulley.height_m, -lower * MM, -upper * MM, axis)
-    rear, front = layout.drum_bearings_mm
-    # The drum's bearings share force and couple along x by their distances; the moment about its axis is not theirs.
-    on_drum = float(loads.drum.force_N[0])
-    on_front = (-float(loads.drum.moment_Nm[2]) - rear * MM * on_drum) / ((front - rear) * MM)
-    # The gearhead holds the torque of the tensions about the input's axis, -Y, and loads the plate with it.
-    torque = float((d.sigma * np.asarray(tension_N) * d.input_radius_m).sum())
-    on_lower, on_upper = -float(pair[0, 0]), -float(pair[1, 0])
+    on = one_input_loads(layout, tension_N, height_sign=-1)
     seats = [
-        ("motor head's flange", (0.0, lower, z), on_lower, 0.0),
-        ("motor shelf", (0.0, layout.levels.motor_shelf_bottom_z, z), 0.0, torque / MM),
-        ("encoder shelf", (0.0, upper, z), on_upper, 0.0),
+        ("motor head's flange", (0.0, lower, z), on.lower_N, 0.0),
+        ("motor shelf", (0.0, layout.levels.motor_shelf_bottom_z, z), 0.0, on.torque_Nm / MM),
+        ("encoder shelf", (0.0, upper, z), on.upper_N, 0.0),
     ]
     if layout.frame.motor is not None:
-        seats = [("plate", (0.0, lower, z), on_lower, torque / MM), ("plate", (0.0, upper, z), on_upper, 0.0)]
+        seats = [("plate", (0.0, lower, z), on.lower_N, on.torque_Nm / MM), ("plate", (0.0, upper, z), on.upper_N, 0.0)]
     return [
         *seats,
-        ("plate", (0.0, rear, 0.0), on_drum - on_front, 0.0),
-        ("plate", (0.0, front, 0.0), on_front, 0.0),
+        ("plate", (0.0, rear, 0.0), on.rear_N, 0.0),
+        ("plate", (0.0, front, 0.0), on.front_N, 0.0),
         *_idler_forces(layout, tension_N),
     ]
 
