@@ -272,10 +272,41 @@ def climbing(bench: Bench, rng: Rng, run: Run, drum: Floats) -> Floats:
     return np.asarray(np.tanh((drum - at + lag) / width))
 
 
+def rubbing(bench: Bench, rng: Rng, run: Run, drum: Floats) -> Floats:
+    """A cable rubs on an edge over part of the travel."""
+    at, sense = rng.uniform(-0.3, 0.5) * np.abs(drum).max(), np.gradient(drum, run.time_s)
+    return np.asarray(-np.tanh(sense / (0.05 * np.abs(sense).max())) * (drum > at))
+
+
+def slipping(bench: Bench, rng: Rng, run: Run, drum: Floats) -> Floats:
+    """A coupling slips while the load is above what it holds, more one way than the other."""
+    over = np.abs(run.load_Nm) - rng.uniform(0.6, 0.85) * np.abs(run.load_Nm).max()
+    way = np.where(run.load_Nm > 0.0, 1.0, rng.uniform(0.2, 0.9))
+    return np.asarray(np.cumsum(np.maximum(over, 0.0) * way * np.sign(run.load_Nm)))
+
+
+def joint_opens(bench: Bench, rng: Rng, run: Run, drum: Floats) -> Floats:
+    """A bolted joint gives once its preload is overcome, one way."""
+    return np.asarray(np.maximum(run.load_Nm - rng.uniform(0.2, 0.6) * run.load_Nm.max(), 0.0))
+
+
+def rubber_mount(bench: Bench, rng: Rng, run: Run, drum: Floats) -> Floats:
+    """A mount that gives to the load with some seconds of delay."""
+    return filtered(run.load_Nm, run, float(rng.uniform(1.5, 6.0)))
+
+
+def fan(bench: Bench, rng: Rng, run: Run, drum: Floats) -> Floats:
+    """The mount of an encoder is warmed by the motor, and cooled while a fan runs."""
+    on = np.sin(2.0 * np.pi * run.time_s / rng.uniform(25.0, 60.0) + rng.uniform(0.0, 6.28)) > 0.0
+    return filtered(on.astype(float), run, float(rng.uniform(5.0, 20.0)))
+
+
 def crosstalk(bench: Bench, rng: Rng, run: Run) -> Done:
     """The torque sensor's reading hangs on its angle too."""
-    wave = np.sin(run.output_rad * rng.uniform(4.0, 9.0) + rng.uniform(0.0, 6.28))
-    return replace(run, load_Nm=run.load_Nm + 0.15 * bench.most_Nm * wave), _unnamed("torque crosstalk")
+    waves, size = rng.uniform(4.0, 9.0), 0.15 * bench.most_Nm
+    wave = np.sin(run.output_rad * waves + rng.uniform(0.0, 6.28))
+    told = _told("load_crosstalk", amplitude_Nm=size, waves=float(waves))
+    return replace(run, load_Nm=run.load_Nm + size * wave), told
 
 
 def torque_hysteresis(bench: Bench, rng: Rng, run: Run) -> Done:
@@ -284,7 +315,7 @@ def torque_hysteresis(bench: Bench, rng: Rng, run: Run) -> Done:
     for k, load in enumerate(run.load_Nm):
         now = min(max(now, load - width), load + width)
         out[k] = now
-    return replace(run, load_Nm=out), _unnamed("torque hysteresis")
+    return replace(run, load_Nm=out), _told("load_hysteresis", half_width_Nm=width)
 
 
 MODULUS, PRELOAD = effect("modulus", share=(-0.3, -0.15)), effect("preload", share=(-0.6, -0.4))
@@ -358,6 +389,11 @@ GROUPS: dict[str, dict[str, Case]] = {
         "torque hysteresis": of_rig(after=torque_hysteresis),
         "bent frame": of_rig(after=output_adds("bent frame", bent_frame)),
         "climbing": of_rig(after=output_adds("climbing", climbing)),
+        "rubbing": of_rig(after=output_adds("rubbing", rubbing)),
+        "slipping": of_rig(after=output_adds("slipping", slipping)),
+        "joint opens": of_rig(after=output_adds("joint opens", joint_opens)),
+        "rubber mount": of_rig(after=output_adds("rubber mount", rubber_mount)),
+        "fan": of_rig(after=output_adds("fan", fan)),
     },
 }
 # Of 16 runs 4 without an effect, 6 with one, 4 with two, 2 with a cause that has no name.

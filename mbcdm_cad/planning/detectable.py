@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.loop.effect import Effect
 from mbcdm_cad.loop.effects import library
-from mbcdm_cad.loop.effects.load_sensor import within_class
+from mbcdm_cad.loop.effects.load_sensor import UNPLANNED, within_class
 from mbcdm_cad.loop.prepare.noise import Noise
 from mbcdm_cad.loop.prepare.prepared import prepare
 from mbcdm_cad.loop.prepare.quiet import signal_noise
@@ -101,7 +101,8 @@ class PlannedEffects:
         if not signals.load_Nm:  # a pilot run without a torque sensor says nothing of the noise of one
             signals = replace(signals, load_Nm=signal_noise(p.run).load_Nm)
         self.draws: Draws = draws_of(noise, p, bare.jacobian[fitter.used], friction_errors(fitter, bare, signals))
-        self.offered = [effect for effect in library(fitter.d, p) if not effect.inside and effect.base is None]
+        offered = [effect for effect in library(fitter.d, p) if not effect.inside and effect.base is None]
+        self.offered = [effect for effect in offered if effect.name not in UNPLANNED]
         self.tried = [found for effect in self.offered for found in self._tried(effect)]
         # What a load from motors' currents may be wrong by is as good an explanation as an effect, within its bound.
         allowed = p.run.sensors.torque_class

@@ -1,8 +1,8 @@
-"""Errors of the torque sensor: gain, zero, lag and sign. Within the sensor's class they are no effect of the drive.
+"""Errors of the torque sensor: gain, zero, lag, sign, hysteresis, cross talk. Within its class no effect of the drive.
 
 A class of 1 % allows 1 % of gain and a zero of 1 % of the range. What lies within it is never named: the judge tries it
 in place of every effect of the load (:mod:`mbcdm_cad.loop.search.class_of_sensor`). A gain beyond the class looks like
-another stiffness of the whole drive, so only zero, lag and sign are candidates of the search.
+another stiffness of the whole drive, so only the others are candidates of the search.
 """
 
 from __future__ import annotations
@@ -12,17 +12,26 @@ from dataclasses import replace
 
 import numpy as np
 
-from mbcdm_cad.loop.effect import Effect, Parameter
-from mbcdm_cad.loop.prepare.prepared import Prepared
+from mbcdm_cad.loop.effect import Effect, Figure, Parameter, length
+from mbcdm_cad.loop.prepare.prepared import Prepared, played
 from mbcdm_cad.loop.prepare.setup import Setup, Simulator
-from mbcdm_cad.measurement.run import KNOWN_LOAD, TorqueClass
+from mbcdm_cad.measurement.run import KNOWN_LOAD, MOTORS_CURRENT, TorqueClass
+from mbcdm_cad.measurement.schema import MOTION
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
 
 SENSOR = "an error of the torque sensor"
 LOOK = "torque sensor and amplifier: "
-# Bounds of the search: a zero of this share of the largest load, a lag in s.
-MOST_ZERO, MOST_LAG_S = 0.5, 0.5
+# What weights at rest show, or the drum turned by hand, and no run is planned for.
+UNPLANNED = ("load_hysteresis", "load_crosstalk")
+# Bounds of the search: a zero of this share of the largest load, a lag in s; half a width and an amplitude as shares.
+MOST_ZERO, MOST_LAG_S, MOST_WIDTH, MOST_WAVE = 0.5, 0.5, 0.12, 0.3
+# Cross talk has so many waves a turn of the output; the step in which its beginning is looked for.
+WAVES, WAVE_STEP = (1.0, 12.0), 0.25
+# A load rises or falls where it moves by more than twice this share of the largest.
+DEAD = 0.01
+# A reading that rests leaves the load open: it turns back as a power of the time, up to this one.
+STEEPEST = 1e4
 
 
 def _gain(setup: Setup, values: Floats, _: Simulator) -> Setup:
@@ -40,6 +49,53 @@ def _late(setup: Setup, values: Floats, _: Simulator) -> Setup:
 
 def _filtered(setup: Setup, values: Floats, _: Simulator) -> Setup:
     return replace(setup, load_Nm=setup.load + values[0] * np.gradient(setup.load, setup.p.time_s))
+
+
+def _lagging(setup: Setup, values: Floats, _: Simulator) -> Setup:
+    dead = DEAD * float(np.abs(setup.load).max())
+    return replace(setup, load_Nm=setup.load + values[0] * _sides(setup.load, setup.p.time_s, float(values[0]), dead))
+
+
+def _sides(load: Floats, time_s: Floats, half: float, dead: float) -> Floats:
+    """Share of half a width by which the true load is above a reading that follows it within that width, (n,).
+
+    1 where the reading rises, -1 where it falls. While it rests the load goes from one side to the other: with the
+    power of the time that ends at the rate at which the reading goes on: a sine keeps its crest, a step stays
+    a step.
+    """
+    moves = np.diff(played(load, dead))
+    at = np.flatnonzero(moves) + 1
+    if not at.size:
+        return np.zeros_like(load)
+    way = np.sign(moves[at - 1])
+    sides = np.interp(np.arange(load.size), at, way)
+    for k in np.flatnonzero(np.diff(way)):
+        first, last = at[k], at[k + 1]
+        gone = np.abs(load[last:] - load[last - 1]) > 2.0 * dead
+        on = last + int(np.argmax(gone))
+        rate = abs(load[on] - load[last - 1]) / max(time_s[on] - time_s[last - 1], 1e-9)
+        rest_s = time_s[last] - time_s[first]
+        power = float(np.clip(rate * rest_s / max(2.0 * abs(half), 1e-12), 1.0, STEEPEST))
+        x = (time_s[first : last + 1] - time_s[first]) / max(rest_s, 1e-9)
+        sides[first : last + 1] = way[k] * (1.0 - 2.0 * x**power)
+    return sides
+
+
+def _crossed(setup: Setup, values: Floats, _: Simulator) -> Setup:
+    phase = values[2] * setup.drum_rad
+    return replace(setup, load_Nm=setup.load - values[0] * np.cos(phase) - values[1] * np.sin(phase))
+
+
+def _waves(setup: Setup, residual: Floats) -> list[list[float]]:
+    """The number of waves a turn that explains most of the residual, without a size: that is a linear step."""
+    angle, y = setup.drum_rad[setup.p.used], residual[setup.p.used]
+    best, least = WAVES[0], np.inf
+    for waves in np.arange(WAVES[0] + WAVE_STEP, WAVES[1], WAVE_STEP):
+        columns = np.column_stack([np.ones_like(angle), angle, np.cos(waves * angle), np.sin(waves * angle)])
+        left = y - columns @ np.linalg.solve(columns.T @ columns + 1e-9 * np.eye(4), columns.T @ y)
+        if (square := float(left @ left)) < least:
+            best, least = float(waves), square
+    return [[0.0, 0.0, best]]
 
 
 def _reversed(setup: Setup, values: Floats, _: Simulator) -> Setup:
@@ -100,14 +156,53 @@ def lag(most_s: float) -> tuple[Effect, Effect]:
     )
 
 
+def hysteresis(most_Nm: float) -> Effect:
+    """A hysteresis with half a width within ``most_Nm``."""
+    return Effect(
+        "load_hysteresis",
+        "hysteresis of the torque sensor",
+        "the torque sensor shows less while the load rises than while it falls: its spring, or play in its mount",
+        LOOK + "screws and clamps on both of its sides, rising and falling column of its calibration sheet",
+        "weights put on and taken off one by one, with the drive at rest",
+        (Parameter("half_width_Nm", 0.01 * most_Nm, 0.0, most_Nm),),
+        _lagging,
+        hangs_on=SENSOR,
+        generic=True,
+        plain="the torque sensor stays {half_width_Nm} behind the load, whether it rises or falls",
+    )
+
+
+def crosstalk(most_Nm: float) -> Effect:
+    """Cross talk: the sensor shows a side load or a bending, which turns with the shaft, as a torque."""
+    wave = Parameter("cosine_Nm", 0.01 * most_Nm, -most_Nm, most_Nm)
+    return Effect(
+        "load_crosstalk",
+        "cross talk of the torque sensor",
+        "the torque sensor shows a torque that hangs on the angle alone: a side load that turns with the shaft",
+        LOOK + "alignment of its couplings, weight that hangs on it, its axis against that of the drum",
+        "turn the drum by hand without a load: the torque goes with the angle",
+        (wave, replace(wave, name="sine_Nm"), Parameter("waves", 0.1, *WAVES, role="place")),
+        _crossed,
+        hangs_on=SENSOR,
+        starts=_waves,
+        figures=(
+            Figure("amplitude_Nm", length),
+            Figure("waves", lambda v: float(v[2]), "waves in a turn of the output"),
+        ),
+        plain="the torque sensor shows a torque of {amplitude_Nm} that goes with the angle, {waves} waves a turn",
+    )
+
+
 def within_class(runs: tuple[Prepared, ...]) -> list[Effect]:
-    """Gain, zero and lag within the class of the torque sensor; empty for runs without a load."""
+    """Gain, zero, hysteresis and lag within the class of the torque sensor; empty for runs without a load."""
     loads = [p.run.load_Nm for p in runs]
     most = max((float(np.abs(load).max()) for load in loads if load is not None), default=0.0)
     if any(load is None for load in loads) or most == 0.0:
         return []
     allowed: TorqueClass = runs[0].run.sensors.torque_class
     found = [gain(allowed.share), zero(allowed.zero * most)]
+    if allowed.lag_s and runs[0].run.kind == MOTION:
+        found.append(hysteresis(allowed.share * most))
     return [*found, lag(allowed.lag_s)[1]] if allowed.lag_s else found
 
 
@@ -144,14 +239,17 @@ def _of_parts(name: str, parameters: tuple[Parameter, ...], apply: Callable[...,
 
 
 def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
-    """With a torque sensor: zero, lag, and the sign where the stiffness is not known (else it is refused before).
+    """With a torque sensor: all but the gain; the sign where the stiffness is not known (else it is refused before).
 
     A weight on an arm has none of them.
     """
     if p.load_Nm is None or not np.ptp(p.load_Nm) or p.run.sensors.torque_class.what == KNOWN_LOAD:
         return []
-    most = MOST_ZERO * float(np.abs(p.load_Nm).max())
-    found = [zero(most), *lag(MOST_LAG_S)]
+    most = float(np.abs(p.load_Nm).max())
+    found = [zero(MOST_ZERO * most), *lag(MOST_LAG_S)]
+    if p.run.kind == MOTION and p.run.sensors.torque_class.what != MOTORS_CURRENT:
+        found.append(hysteresis(MOST_WIDTH * most))
+        found += [crosstalk(MOST_WAVE * most)] if d is not None else []
     if d is None:
         found.append(
             Effect(

@@ -23,7 +23,7 @@ from mbcdm_cad.routes import Floats
 
 # An effect that does more than this many times what the class can do is none of the sensor.
 REACH = 2.0
-SENSORS = ("load_gain", "load_zero", "load_lag")
+SENSORS = ("load_gain", "load_zero", "load_hysteresis", "load_lag")
 PARTS = ("structure", "losses")
 
 

@@ -92,12 +92,28 @@ class Exchanges:
                 possible = [o for o in same if not self.search.impossible(o.effects[-1], o.values[-1])]
                 groups.append(Group(effect, self._by_name(alike, effect), tuple(_forms(possible))))
             if better is None:
-                better = self._other_pair(fit)
+                better = self._with_one_less(fit) or self._other_pair(fit)
             if better is None:
                 return fit, tuple(groups)
             # Beside another effect the search may accept one that it withdrew before, and one may no longer be needed.
             fit = self.search.needed(self.search.taken(better) if self.search.too_much(better) else better)
         return fit, tuple(groups)
+
+    def _with_one_less(self, fit: Fit) -> Fit | None:
+        """``fit`` with one effect less, where another form of a second one makes up for it.
+
+        A reading that walks one way beside a wrong ratio is one that walks both ways. Of what only adds to the reading.
+        """
+        for effect in fit.effects if len(fit.effects) > 1 else ():
+            forms = [e for e in self.search.library if e.key == effect.key and e.form != effect.form]
+            for form in (e for e in forms if e.parameters == effect.parameters and self.fitter.kind(e) == 2):
+                for gone in (e for e in fit.effects if e is not effect):
+                    kept = [e for e in fit.effects if e not in (effect, gone)]
+                    values = [*map(fit.values_of, kept), fit.values_of(effect)]
+                    found = self.fitter.tried((*kept, form), values, fit.offsets)
+                    if found is not None and not self.search.enough(found, fit) and self.alike(found, fit):
+                        return found
+        return None
 
     def _other_pair(self, fit: Fit) -> Fit | None:
         """The best fit with two other effects in place of one or two of ``fit``, if the data separate the two fits."""
@@ -157,8 +173,9 @@ class Exchanges:
         deviation s is s / sqrt(2 pi) as likely as the simpler effect itself, times the odds of the two fits (Bayes
         factor).
         """
-        values = fit.values_of(wave)
-        deviation = np.sqrt(np.diag(self.spread(fit, wave, self.fitter))[:2].max()) / np.hypot(*values[:2])
+        sizes = np.array([parameter.size for parameter in wave.parameters[:2]])
+        values, spread = fit.values_of(wave)[:2] / sizes, np.diag(self.spread(fit, wave, self.fitter))[:2] / sizes**2
+        deviation = np.sqrt(spread.max()) / np.hypot(*values)
         return float(deviation / np.sqrt(2.0 * np.pi))
 
     def apart(self, worse: Fit, better: Fit) -> Separation:

@@ -14,6 +14,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import reduce
+from math import log
 
 import numpy as np
 from scipy.stats import chi2
@@ -25,9 +26,10 @@ from mbcdm_cad.loop.prepare.setup import Setup, Simulator
 from mbcdm_cad.loop.result import LEAST_ODDS
 from mbcdm_cad.loop.search.account import INTERVAL
 from mbcdm_cad.loop.search.class_of_sensor import ClassOfSensor
-from mbcdm_cad.loop.search.evidence import chance_without_slope
+from mbcdm_cad.loop.search.evidence import chance_without_slope, log_odds
 from mbcdm_cad.loop.search.exchange import Group
 from mbcdm_cad.loop.search.fit import Fit, Fitter
+from mbcdm_cad.loop.search.scatter import hangs_on
 from mbcdm_cad.loop.search.select import LEAST_FALL, Search
 from mbcdm_cad.loop.search.unknown import Unknown, describe_unknown
 from mbcdm_cad.measurement.run import smoothed
@@ -55,6 +57,8 @@ def regressors(loaded: bool) -> tuple[Effect, ...]:
     return (
         _regressor("square of the load with its sign", "rad_Nm2", 1e-6, lambda s: s.load * np.abs(s.load)),
         _regressor("square of the load", "rad_Nm2", 1e-6, lambda s: s.load**2),
+        _regressor("square of the positive load", "rad_Nm2", 1e-6, lambda s: np.maximum(s.load, 0.0) ** 2),
+        _regressor("square of the negative load", "rad_Nm2", 1e-6, lambda s: np.minimum(s.load, 0.0) ** 2),
         *of_speed,
     )
 
@@ -117,6 +121,7 @@ class Judge(ClassOfSensor):
         if unknown is not None:
             fit, groups, unknown = self._unblamed(fit, groups, unknown)
         fit, groups, unknown = self._not_generic(fit, groups, unknown)
+        fit, groups, unknown = self._not_beside_more(fit, groups, unknown)
         return fit, self._measured(fit, groups), unknown
 
     def _measured(self, fit: Fit, groups: tuple[Group, ...]) -> tuple[Group, ...]:
@@ -271,7 +276,7 @@ class Judge(ClassOfSensor):
     def _bounded(self, fit: Fit, groups: tuple[Group, ...]) -> tuple[Fit, tuple[Group, ...]]:
         """Withdraw names that another of the effects cancels, and events whose time the data do not tell."""
         while groups:
-            unsure = [self._strength(fit, g.effect, 0.0, self.fitter) < SURE**2 for g in groups]
+            unsure = [self._size_over_error(fit, g.effect) < SURE for g in groups]
             cancelled = [self._cancelled(fit, g.effect) if u else 0.0 for g, u in zip(groups, unsure, strict=True)]
             worst = groups[int(np.argmax(cancelled))]
             why = "cancelled by another effect"
@@ -353,6 +358,13 @@ class Judge(ClassOfSensor):
         inverse = np.linalg.pinv(block[np.ix_(sizes, sizes)], hermitian=True)
         return float(values[sizes] @ inverse @ values[sizes])
 
+    def _size_over_error(self, fit: Fit, effect: Effect) -> float:
+        """An effect's size over its standard error: of a wave the amplitude, whose phase may be known far better."""
+        unit = np.array([p.size for p in effect.parameters])
+        own = fit.values_of(effect) / unit * np.array([p.role == "size" for p in effect.parameters])
+        block = self.spread(fit, effect, self.fitter) / np.outer(unit, unit)
+        return float(own @ own / np.sqrt(max(own @ block @ own, 1e-300)))
+
     def _cancelled(self, fit: Fit, effect: Effect) -> float:
         """What one effect changes, over what all effects together change."""
         if len(fit.effects) == 1:
@@ -383,7 +395,9 @@ class Judge(ClassOfSensor):
     def _not_generic(
         self, fit: Fit, groups: tuple[Group, ...], unknown: Unknown | None
     ) -> tuple[Fit, tuple[Group, ...], Unknown | None]:
-        """Withdraw names of load and speed if one generic regressor explains more than one, or as much as several."""
+        """Withdraw names of load and speed if one generic regressor explains more than one, or as much as several; and
+        waves and bows that have by chance the phase at which they look like one."""
+        fit, groups, unknown = self._not_by_chance(fit, groups, unknown)
         mistaken = [group for group in groups if group.effect.generic]
         if not mistaken:
             return fit, groups, unknown
@@ -398,6 +412,47 @@ class Judge(ClassOfSensor):
             if better or (len(mistaken) > 1 and self.alike(trial, fit)):
                 less = self.fitter.fit(effects, values, fit.offsets)
                 return less, kept, self.left(less) or unknown
+        return fit, groups, unknown
+
+    def _not_beside_more(
+        self, fit: Fit, groups: tuple[Group, ...], unknown: Unknown | None
+    ) -> tuple[Fit, tuple[Group, ...], Unknown | None]:
+        """Withdraw names beside a larger error that does not repeat and is no sensor's noise, since it hangs on load,
+        time, place or speed: they may resemble a part of its cause.
+        """
+        noise, f = self.search.noise, self.fitter
+        if unknown is not None or not groups or not noise.far_above:
+            return fit, groups, unknown
+        explained = self._without_all(fit, groups) ** 2 - self.search.held_rms(fit) ** 2
+        if noise.coloured_rad**2 < explained or not any(
+            hangs_on(p, fit.residual[part]) for p, part in zip(f.runs, f.parts, strict=True)
+        ):
+            return fit, groups, unknown
+        for group in groups:
+            self.search.give_back("beside a larger error that hangs on more", group.effect, fit)
+        less = reduce(self.search.without, (g.effect for g in groups), fit)
+        return less, (), self.largest(less, f)
+
+    def _not_by_chance(
+        self, fit: Fit, groups: tuple[Group, ...], unknown: Unknown | None
+    ) -> tuple[Fit, tuple[Group, ...], Unknown | None]:
+        """Withdraw names of two sizes where a plain curve of one explains the run as well: on a sine the square of the
+        speed is a parabola of the angle. All directions of the two sizes are equally likely before.
+        """
+        for group in groups:
+            members = [group.effect, *(one.effects[-1] for one in group.alike)]
+            if any([p.role for p in member.parameters] != ["size", "size"] for member in members):
+                continue
+            rest = [e for e in fit.effects if e is not group.effect]
+            values = [fit.values_of(e) for e in rest]
+            likely = log(self._phase_likelihood(fit, group.effect))
+            for regressor in regressors(all(p.load_Nm is not None for p in self.fitter.runs)) if likely < 0.0 else ():
+                trial = self.fitter.tried((*rest, regressor), (*values, [0.0]), fit.offsets)
+                if trial is None or self._failed(trial, fit) or log_odds(self.fitter, trial, fit) + likely >= 0.0:
+                    continue
+                self.search.give_back(f"by chance like the {regressor.form}", group.effect, fit)
+                less = self.search.without(fit, group.effect)
+                return less, tuple(one for one in groups if one is not group), self.left(less) or unknown
         return fit, groups, unknown
 
     def shift_by_window(self, fit: Fit) -> list[Floats]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,7 @@ from bench_effects import Effect
 from bench_torque import TorqueSensor, torque_bench
 
 from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.loop.effects.load_sensor import _sides
 from mbcdm_cad.loop.page.plain import finding
 from mbcdm_cad.loop.result import LoopResult
 from mbcdm_cad.loop.search.engine import close_loop
@@ -122,3 +124,49 @@ def test_a_torque_from_the_motors_current_contains_its_friction() -> None:
     (found,) = result.effects
     assert (found.name, found.form) == ("friction", "friction in the measured torque"), result.sentence
     assert found.parameters["torque_Nm"].value == pytest.approx(0.05, rel=0.1), result.sentence
+
+
+def within(load_Nm: np.ndarray, half_Nm: float) -> np.ndarray:
+    """What a sensor shows that follows a load within so much to either side."""
+    out, now = np.empty_like(load_Nm), 0.0
+    for k, one in enumerate(load_Nm):
+        now = min(max(now, one - half_Nm), one + half_Nm)
+        out[k] = now
+    return out
+
+
+@pytest.mark.parametrize("wave", ["sine", "steps"])
+def test_the_load_behind_a_hysteresis_comes_back_from_its_reading(wave: str) -> None:
+    t = np.arange(0.0, 40.0, 0.01)
+    load = 1.5 * np.sin(2.0 * np.pi * t / 9.0)
+    load = load if wave == "sine" else np.interp(np.round(t / 5.0), range(9), [0, 1, -1, 0.4, 1.2, -1.3, 0, 1, 0])
+    shown = within(load, 0.1)
+    late = t > 10.0
+    back = shown + 0.1 * _sides(shown, t, 0.1, 0.01)
+    assert np.sqrt(np.mean((back - load)[late] ** 2)) < 0.1 * np.sqrt(np.mean((shown - load)[late] ** 2))
+
+
+def test_a_hysteresis_is_named_beside_what_is_soft() -> None:
+    rng = np.random.default_rng(5)
+    t = np.arange(0.0, 100.0, 0.02)
+    angle = 0.5 * np.sin(2.0 * np.pi * t / 17.0)
+    load = 0.3 * np.sin(2.0 * np.pi * t / 5.3) + 0.2 * np.sin(2.0 * np.pi * t / 2.9)
+    out = angle - 0.01 * load + 3e-5 * rng.standard_normal(t.size)
+    shown = within(load, 0.025) + 5e-4 * rng.standard_normal(t.size)
+    result = close_loop(None, [Run(t, (5.0 * angle)[None], out, shown, input_names=("input",), ratio=5.0)])
+    assert sorted(said(result)) == ["load_hysteresis", "stiffness_error"], result.sentence
+    (found,) = (one for one in result.effects if one.name == "load_hysteresis")
+    assert found.parameters["half_width_Nm"].value == pytest.approx(0.025, rel=0.1), result.sentence
+
+
+@pytest.mark.slow
+def test_cross_talk_is_no_runout_of_the_drive() -> None:
+    drive = load_design(Path(__file__).parents[3] / "params" / "siso_bevel.yaml").drive
+    run = torque_bench(drive, TorqueSensor())
+    assert run.load_Nm is not None
+    shown = run.load_Nm + 0.1 * np.sin(6.0 * run.output_rad + 1.0)
+    result = close_loop(drive, [replace(run, load_Nm=shown)])
+    assert said(result) == ["load_crosstalk"], result.sentence
+    figures = result.effects[0].parameters
+    assert figures["amplitude_Nm"].value == pytest.approx(0.1, rel=0.1), result.sentence
+    assert figures["waves"].value == pytest.approx(6.0, abs=0.2), result.sentence
