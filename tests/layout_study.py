@@ -26,6 +26,7 @@ from typing import Any
 
 import numpy as np
 from scipy.interpolate import CubicSpline
+from scipy.ndimage import uniform_filter1d
 from scipy.stats import chi2
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -312,10 +313,12 @@ def crosstalk(bench: Bench, rng: Rng, run: Run) -> Done:
 def torque_hysteresis(bench: Bench, rng: Rng, run: Run) -> Done:
     """The torque sensor lags behind the load by a width, as one with play in its clamps."""
     width, out, now = 0.06 * bench.most_Nm, np.empty(run.time_s.size), 0.0
-    for k, load in enumerate(run.load_Nm):
+    # The noise of the reading comes after the play, which it would make narrower.
+    quiet = uniform_filter1d(run.load_Nm, 15)
+    for k, load in enumerate(quiet):
         now = min(max(now, load - width), load + width)
         out[k] = now
-    return replace(run, load_Nm=out), _told("load_hysteresis", half_width_Nm=width)
+    return replace(run, load_Nm=out + run.load_Nm - quiet), _told("load_hysteresis", half_width_Nm=width)
 
 
 MODULUS, PRELOAD = effect("modulus", share=(-0.3, -0.15)), effect("preload", share=(-0.6, -0.4))
