@@ -306,7 +306,7 @@ def crosstalk(bench: Bench, rng: Rng, run: Run) -> Done:
     """The torque sensor's reading hangs on its angle too."""
     waves, size = rng.uniform(4.0, 9.0), 0.15 * bench.most_Nm
     wave = np.sin(run.output_rad * waves + rng.uniform(0.0, 6.28))
-    told = _told("load_crosstalk", amplitude_Nm=size, waves=float(waves))
+    told = _told("load_crosstalk", amplitude_Nm=size, cycles_per_output_rev=float(waves))
     return replace(run, load_Nm=run.load_Nm + size * wave), told
 
 

@@ -181,15 +181,12 @@ def crosstalk(most_Nm: float) -> Effect:
         "the torque sensor shows a torque that hangs on the angle alone: a side load that turns with the shaft",
         LOOK + "alignment of its couplings, weight that hangs on it, its axis against that of the drum",
         "turn the drum by hand without a load: the torque goes with the angle",
-        (wave, replace(wave, name="sine_Nm"), Parameter("waves", 0.1, *WAVES, role="place")),
+        (wave, replace(wave, name="sine_Nm"), Parameter("cycles_per_output_rev", 0.1, *WAVES, role="place")),
         _crossed,
         hangs_on=SENSOR,
         starts=_waves,
-        figures=(
-            Figure("amplitude_Nm", length),
-            Figure("waves", lambda v: float(v[2]), "waves in a turn of the output"),
-        ),
-        plain="the torque sensor shows a torque of {amplitude_Nm} that goes with the angle, {waves} waves a turn",
+        figures=(Figure("amplitude_Nm", length), Figure("cycles_per_output_rev", lambda v: float(v[2]))),
+        plain="the torque sensor shows {amplitude_Nm} that go with the angle, {cycles_per_output_rev} times a turn",
     )
 
 
