@@ -60,9 +60,9 @@ benchmark: setup
 	  $(BIN)/python benchmarks/speed.py params/$$layout.yaml && $(BIN)/python benchmarks/model.py params/$$layout.yaml \
 	    || exit 1; done
 
-# The drives of params/built-by-others beside what is published of them.
+# The drives of params/built-by-others beside what is published of them; DRIVES="NAME ...": only those anew.
 built-by-others: setup
-	$(BIN)/python tests/built_by_others.py params/built-by-others docs
+	$(BIN)/python tests/built_by_others.py params/built-by-others docs $(DRIVES)
 
 # The docs as a site that needs no network; a dead link or a page that nothing leads to fails.
 docs-site: setup

@@ -1,10 +1,10 @@
 """Drives that people built, from short files: the figures of each stand beside what is published.
 
-    python tests/built_by_others.py params/built-by-others docs
+    python tests/built_by_others.py params/built-by-others docs [NAME ...]
 
 writes ``docs/built-by-others.md`` and, below ``docs/pictures/built-by-others``, a picture of each drive that passes and
-is not too large. The comments of a file say what the drive is, what is published of it, what differs here and why,
-and what a look at the drawn drive shows.
+is not too large; with names, those drives anew, and the others stay on the page as they are. The comments of a file say
+what the drive is, what is published of it, what differs here and why, and what a look at the drawn drive shows.
 """
 
 from __future__ import annotations
@@ -127,31 +127,48 @@ def built_drive(path: Path, cache: Cache) -> BuiltDrive:
     return BuiltDrive(loaded, checks, mass_g, picture_png(items, meshes, "output", _PICTURE_PX))
 
 
-def page(drives: Sequence[BuiltDrive], folder: str) -> Iterator[str]:
-    """Lines of the page; ``folder``: that of the pictures, relative to the page."""
-    yield _HEAD
-    yield from ReportTable(_COLUMNS, tuple(one.row() for one in drives)).markdown()
-    for one in drives:
-        name, said = one.loaded.drive.name, told(one.loaded.text)
-        yield f"\n## {name}\n"
-        yield f"`params/built-by-others/{one.loaded.path.name}`: {said['']}\n"
-        yield from (f"{label}: {said[label]}\n" for label in ("Published", "Differs", "Seen") if label in said)
-        yield from (f"- `{check.id}` fails: {check.message}" for check in failed(one.checks))
-        if one.png is not None:
-            yield f"![{name}, drum centred, seen from its output side]({folder}/{name}.png)"
+def section(one: BuiltDrive, folder: str) -> Iterator[str]:
+    """Lines of one drive below the table; ``folder``: that of the pictures, relative to the page."""
+    name, said = one.loaded.drive.name, told(one.loaded.text)
+    yield f"\n## {name}\n"
+    yield f"`params/built-by-others/{one.loaded.path.name}`: {said['']}\n"
+    yield from (f"{label}: {said[label]}\n" for label in ("Published", "Differs", "Seen") if label in said)
+    yield from (f"- `{check.id}` fails: {check.message}" for check in failed(one.checks))
+    if one.png is not None:
+        yield f"![{name}, drum centred, seen from its output side]({folder}/{name}.png)"
 
 
-def main(designs: Path, docs: Path) -> None:
-    """Write page and pictures."""
+def parts_of(page: str) -> tuple[dict[str, str], dict[str, str]]:
+    """Rows of the table and sections of a written page, by the drives' names."""
+    table, *sections = page.split("\n\n## ")
+    rows = {line.split(" | ")[0].removeprefix("| "): line for line in table.splitlines() if line.startswith("| ")}
+    del rows["drive"], rows["---"]
+    return rows, {text.split("\n", 1)[0]: f"\n## {text.rstrip()}" for text in sections}
+
+
+def page(drives: Sequence[BuiltDrive], folder: str, before: str = "") -> str:
+    """The page with these drives, and with those that only ``before``, the page so far, has."""
+    head = ReportTable(_COLUMNS, tuple(one.row() for one in drives)).markdown()
+    rows, sections = parts_of(before) if before else ({}, {})
+    for one, row in zip(drives, head[2:], strict=True):
+        rows[one.loaded.drive.name] = row
+        sections[one.loaded.drive.name] = "\n".join(section(one, folder)).rstrip()
+    order = sorted(rows)
+    return "\n".join([_HEAD, *head[:2], *(rows[k] for k in order), *(sections[k] for k in order)]) + "\n"
+
+
+def main(designs: Path, docs: Path, *names: str) -> None:
+    """Write page and pictures; with ``names`` those drives only, the others as the page has them."""
     cache, drives = Cache(cache_folder()), []
     for path in sorted(designs.glob("*.yaml")):
-        print(f"drawing {path.stem}", file=sys.stderr, flush=True)
-        drives.append(built_drive(path, cache))
-    folder = Path("pictures", "built-by-others")
+        if not names or path.stem in names:
+            print(f"drawing {path.stem}", file=sys.stderr, flush=True)
+            drives.append(built_drive(path, cache))
+    folder, to = Path("pictures", "built-by-others"), docs / "built-by-others.md"
     files = {docs / folder / f"{one.loaded.drive.name}.png": one.png for one in drives if one.png is not None}
-    text = "\n".join(page(drives, folder.as_posix())) + "\n"
-    write_whole({docs / "built-by-others.md": text.encode(), **files})
+    text = page(drives, folder.as_posix(), to.read_text("utf-8") if names else "")
+    write_whole({to: text.encode(), **files})
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), Path(sys.argv[2]))
+    main(Path(sys.argv[1]), Path(sys.argv[2]), *sys.argv[3:])

@@ -16,6 +16,7 @@ import numpy as np
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.design.bought import Bearing
+from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.layouts.structure import pulley_sections
@@ -232,10 +233,17 @@ def quiet(measure: Callable[[Any], Comparison]) -> Check:
 def _rating_needed(measure: Callable[[Any], Comparison], s: SectorLayout) -> str:
     finding, rated = measure(s), s.drive.bearings.all()
     name = finding.subject.split(",")[0].split(": ")[1]
-    rating = next(b.static_rating_N for b in rated if b.name == name)
+    chosen = next(b for b in rated if b.name == name)
     if finding.actual <= 0.0:
         return "lower the load on it: no bearing carries one that has no bound"
-    return f"choose a bearing of static rating {rating / finding.actual * QUIET_SAFETY:.4g} N or more in its place"
+    needed = chosen.static_rating_N / finding.actual * QUIET_SAFETY
+    same = [
+        (entry["mass_g"], other)
+        for other, entry in package_entries("bearings").items()
+        if entry["bore_mm"] == chosen.bore_mm and entry["static_rating_N"] >= needed
+    ]
+    such = f", such as {min(same)[1]} of the same bore," if same else ""
+    return f"choose a bearing of static rating {needed:.4g} N or more{such} in its place"
 
 
 def _input_and_drum(s: SectorLayout) -> Comparison:

@@ -242,7 +242,7 @@ CHECKS = (
     Check(
         "stop_within_half_degree",
         "Stops engage within half a degree",
-        "derived: 35.0 to 35.5 deg",
+        "derived: the reference's 35.0 to 35.5 deg",
         stop_early,
         adjust=(down("travel.stop_clearance_deg"),),
         applies=is_stopped,

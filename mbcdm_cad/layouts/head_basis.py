@@ -348,7 +348,7 @@ def _gearhead(given: TrialKnown) -> Found:
         ]
     if not pairs:
         asked = "the torque" if given.get("loads.speed_deg_s") is None else "the torque at the speed"
-        return Found(NO_GEARHEAD, f"no gearhead with a motor of the catalogue reaches {asked}")
+        return Found(NO_GEARHEAD, f"no gearhead with a motor of the catalogue is sure to reach {asked}")
     pairs.sort(key=itemgetter(0, 1))
     lightest = pairs[0][1]
     trains = [(name, motor, heads.get(name)) for _, name, motor in pairs]

@@ -112,6 +112,15 @@ def test_a_weak_rope_is_told_which_of_the_catalogue_is_strong_enough(drive: Driv
     assert ropes[told[2]] == min(load for load in ropes.values() if load >= needed), (needed, ropes)
 
 
+def test_a_loud_bearing_is_told_which_of_the_same_bore_runs_quietly(drive: Drive) -> None:
+    found = by_id(run_checks(put(drive, "bearings.guide.static_rating_N", 100.0)))["quiet_running"]
+    told = re.search(r"of static rating ([\d.]+) N or more, such as (\S+) of the same bore,", found.remedy)
+    assert told is not None, found
+    entries = package_entries("bearings")
+    assert entries[told[2]]["bore_mm"] == drive.bearings.guide.bore_mm, told
+    assert entries[told[2]]["static_rating_N"] >= float(told[1]) * (1.0 - 1e-3), told
+
+
 def test_frame_below_the_drum_axis_is_told(drive: Drive) -> None:
     results = by_id(run_checks(put(drive, "support.coupling_space_mm", 60.0)))
     assert "below the drum's axis" in results["stop_slot"].message, results["stop_slot"]

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.built_by_others import told
+from tests.built_by_others import page, told
 
 ROOT = Path(__file__).parents[3]
 FILES = sorted((ROOT / "params" / "built-by-others").glob("*.yaml"))
@@ -19,8 +19,14 @@ def test_comments_are_what_it_is_what_is_published_and_what_differs() -> None:
     assert told(text) == {"": "An arm.", "Published": "8:1 and 3 N m.", "Differs": "one stage."}
 
 
-def test_there_are_ten_drives_and_the_printed_capstan() -> None:
-    assert len(FILES) == 11, FILES
+def test_there_are_ten_drives_the_printed_capstan_and_two_of_a_new_user() -> None:
+    assert len(FILES) == 13, FILES
+
+
+def test_a_drive_that_is_not_drawn_anew_stays_on_the_page() -> None:
+    """The page of no new drive is the page."""
+    text = PAGE.read_text("utf-8")
+    assert page([], "pictures", text) == text
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
@@ -32,10 +38,10 @@ def test_a_file_is_short_and_says_what_is_published_and_what_differs(path: Path)
 
 
 def test_the_page_has_every_drive_and_a_picture_of_those_that_pass_and_are_not_large() -> None:
-    page = PAGE.read_text("utf-8")
-    sections = dict(re.findall(r"^## ([\w-]+)\n(.*?)(?=^## |\Z)", page, re.M | re.S))
+    written = PAGE.read_text("utf-8")
+    sections = dict(re.findall(r"^## ([\w-]+)\n(.*?)(?=^## |\Z)", written, re.M | re.S))
     assert sorted(sections) == [path.stem for path in FILES]
-    assert len(re.findall(r"\]\((pictures/[^)]+)\)", page)) >= 6
+    assert len(re.findall(r"\]\((pictures/[^)]+)\)", written)) >= 6
     for name, text in sections.items():
         pictures = re.findall(r"\]\((pictures/[^)]+)\)", text)
         fails = re.findall(r"^- `\w+` fails: ", text, re.M)
