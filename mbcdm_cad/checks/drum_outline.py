@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import cos, hypot, radians, sin
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbcdm_cad.checks.comparison import Comparison, at_least, worst
+from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
 from mbcdm_cad.parts.drum_sector.sizes import nut_corner_radius_mm
@@ -91,13 +92,19 @@ def _disc(name: str, inner: float, outer: float, y: float) -> Ring:
     return Ring(name, inner, outer, y, outer)
 
 
-def before_frame(s: SectorLayout, front: str, boss_radius_mm: float) -> Comparison:
+def before_frame(s: SectorLayout, front: str) -> Comparison:
     """Gap from all parts that turn with the drum to frame and boss behind them; ``front``: the frame's name."""
     v, running, found = s.levels, s.drive.clearances.running_mm, []
     for ring in drum_zones(s):
         if ring.name != "drum's hub":
             found.append(at_least(f"{ring.name} from the front of the {front}", ring.y - v.front_y, running, "mm"))
-        if ring.inner < boss_radius_mm and ring.name != "drum's hub":
+        if ring.inner < s.frame.boss.radius and ring.name != "drum's hub":
             found.append(at_least(f"{ring.name} from the front of the boss", ring.y - v.boss_front_y, running, "mm"))
     found.append(at_least("hub from the front of the boss", s.drum.hub_start_y - v.boss_front_y, running, "mm"))
     return worst(found)
+
+
+def frame_front_check(measure: Callable[[Any], Comparison]) -> Check:
+    """The check of :func:`before_frame`."""
+    title, source, advice = "Drum clears the frame", "clearances.running_mm", "choose a smaller drum.tensioner"
+    return Check("frame_front", title, source, measure, advice=advice)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 from mbcdm_cad.design.blocks import Cable
-from mbcdm_cad.design.fields import EntryName, Integer, Number, PlainBlock, choice, quantity
+from mbcdm_cad.design.fields import ESTIMATE, EntryName, Integer, Number, PlainBlock, choice, quantity
 
 # Largest half angle of a sector: beyond, no gap is left.
 MOST_SECTOR_DEG = 175.0
@@ -125,6 +125,25 @@ class SteppedPulleys(PlainBlock):
     def overhung(self) -> bool:
         """Whether the shaft of motor or gearhead alone carries each pulley, without bearings of its own."""
         return False
+
+
+@dataclass(frozen=True, kw_only=True)
+class HeadSupport(PlainBlock):
+    """Walls of a support with a motor head, along the input's axis."""
+
+    motor_shelf_mm: Number = quantity(
+        "shelf that carries the gearhead", source="gearhead screws engage one diameter", reference=4.0, ge=0.5, le=50.0
+    )
+    bearing_shelf_mm: Number = quantity(
+        "shelf of the bearing next to the gearhead, the motor head's flange",
+        source=ESTIMATE,
+        reference=4.0,
+        ge=0.5,
+        le=50.0,
+    )
+    encoder_shelf_mm: Number = quantity(
+        "shelf of the bearing next to the encoder", source=ESTIMATE, reference=4.0, ge=0.5, le=50.0
+    )
 
 
 @dataclass(frozen=True, kw_only=True)

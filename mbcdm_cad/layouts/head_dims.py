@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
 from math import inf
@@ -290,3 +291,15 @@ SECTOR = Rule(
 STOP_PIN = Rule("drum.stop_pin_mm", "the thinnest pin that holds the stalled motor", "stop_pin", _stop_pin)
 RIM = Rule("drum.rim_inner_radius_mm", "the thinnest rim that the terminals' pockets allow", "rim_height", _rim)
 HUB_FACE = Rule("drum.hub_face_y_mm", "least length for set screws and payload threads", "hub_length", _hub_face)
+
+
+def drum_rules(outer_face: str, outer_face_value: Callable[[Any], Found]) -> tuple[Rule, ...]:
+    """Rules of a drum sector, of which layouts have that of its outer face of their own."""
+    rule = Rule("drum.outer_face_y_mm", outer_face, "outer_face", outer_face_value)
+    return (WINDOWS, WEB, SHAFT_BORE, HUB, SECTOR, STOP_PIN, RIM, rule, HUB_FACE)
+
+
+def mount_rules(value: Callable[[Any], Found]) -> tuple[Rule]:
+    """Rule of the mounting screws."""
+    text = "the thinnest that holds the peak torque by friction"
+    return (Rule("support.mount_screw", text, "mounting_screws", value),)

@@ -6,6 +6,7 @@ Units are in the names. Angles of backlash are in mrad, torques on inputs in mN 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -169,7 +170,7 @@ class Analysis:
         for turns in found["shaft_turns"]:
             turns |= {f"{shaft}_deg": angle for shaft, angle in turns.pop("turned_deg").items()}
         found["bearings"] = [_with_passed_bodies(bearing) for bearing in found["bearings"]]
-        plain = _plain(found)
+        plain = with_floats(found, lambda number: number if math.isfinite(number) else None)
         assert isinstance(plain, dict)
         return plain
 
@@ -183,11 +184,10 @@ def _with_passed_bodies(bearing: dict[str, Any]) -> dict[str, Any]:
     return bearing | {"drum_radial_N": drum}
 
 
-def _plain(value: Any) -> Any:
+def with_floats(value: Any, write: Callable[[float], Any]) -> Any:
+    """Plain data, tuples as lists, with each float as ``write`` gives it."""
     if isinstance(value, dict):
-        return {key: _plain(item) for key, item in value.items()}
+        return {key: with_floats(item, write) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
+        return [with_floats(item, write) for item in value]
+    return write(value) if isinstance(value, float) else value

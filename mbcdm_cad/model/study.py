@@ -22,6 +22,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from mbcdm_cad.model.capability import requirements, sigmas_si
+from mbcdm_cad.model.figures import with_floats
 from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.sensitivity import GlobalIndices, Panel, elasticities, figure_5, global_indices, intervals
 from mbcdm_cad.model.si import DriveSI, to_si
@@ -182,7 +183,7 @@ def write_study(
         "intervals": {name: asdict(one) for name, one in intervals(d, need, sigma, workers=workers).items()},
     }
     # Eight digits: further digits depend on the mathematics library, not on the design.
-    text = json.dumps(_rounded(summary), indent=2, sort_keys=True)
+    text = json.dumps(with_floats(summary, lambda number: float(f"{number:.8g}")), indent=2, sort_keys=True)
     (folder / "sensitivity.json").write_text(text + "\n", encoding="utf-8")
     return summary
 
@@ -192,13 +193,3 @@ def _write_csv(path: Path, header: list[str], rows: list[list[float]]) -> None:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(header)
         writer.writerows([f"{value:.6g}" for value in row] for row in rows)
-
-
-def _rounded(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _rounded(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_rounded(item) for item in value]
-    if isinstance(value, float):
-        return float(f"{value:.8g}")
-    return value

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -133,31 +133,34 @@ def comparison_data(designs: Sequence[ComparedDesign]) -> list[dict[str, Any]]:
 
 def comparison_table(designs: Sequence[ComparedDesign]) -> ReportTable:
     """One column a design."""
-    rows: tuple[tuple[str, Any], ...] = (
-        ("configuration", lambda d: d.configuration),
-        ("total ratio", lambda d: d.total_ratio),
-        ("travel, deg", lambda d: d.travel_deg),
-        ("torque at the drum, +, N m", lambda d: d.torque_positive_Nm),
-        ("torque at the drum, -, N m", lambda d: d.torque_negative_Nm),
-        ("mass, g", lambda d: d.mass_g),
-        ("torque to weight, N m/kg", lambda d: d.torque_to_weight_Nm_kg),
+    rows: tuple[tuple[str, str | Callable[[ComparedDesign], Any]], ...] = (
+        ("configuration", "configuration"),
+        ("total ratio", "total_ratio"),
+        ("travel, deg", "travel_deg"),
+        ("torque at the drum, +, N m", "torque_positive_Nm"),
+        ("torque at the drum, -, N m", "torque_negative_Nm"),
+        ("mass, g", "mass_g"),
+        ("torque to weight, N m/kg", "torque_to_weight_Nm_kg"),
         ("box X x Z x Y, mm", lambda d: " x ".join(f"{side:.1f}" for side in d.box_mm)),
-        ("box, cm3", lambda d: d.box_cm3),
-        ("torque per volume of the box, N m/l", lambda d: d.torque_per_volume_Nm_l),
-        ("swing of the payload at a reversal, mrad", lambda d: d.swing_mrad),
-        ("  by the cables alone", lambda d: d.cable_swing_mrad),
-        ("  at the load, N m", lambda d: d.swing_load_Nm),
-        ("stiffness at the payload, small motion, N m/rad", lambda d: d.stiffness_Nm_rad),
-        ("  of the cables alone", lambda d: d.cable_stiffness_Nm_rad),
-        ("lowest mode, inputs held, Hz", lambda d: d.lowest_mode_Hz),
+        ("box, cm3", "box_cm3"),
+        ("torque per volume of the box, N m/l", "torque_per_volume_Nm_l"),
+        ("swing of the payload at a reversal, mrad", "swing_mrad"),
+        ("  by the cables alone", "cable_swing_mrad"),
+        ("  at the load, N m", "swing_load_Nm"),
+        ("stiffness at the payload, small motion, N m/rad", "stiffness_Nm_rad"),
+        ("  of the cables alone", "cable_stiffness_Nm_rad"),
+        ("lowest mode, inputs held, Hz", "lowest_mode_Hz"),
         ("made parts (kinds)", lambda d: f"{d.made_parts} ({d.made_kinds})"),
-        ("bought parts", lambda d: d.bought_parts),
+        ("bought parts", "bought_parts"),
         ("toleranced fits on the drawings", _fit_words),
         ("tightest check of strength and torque", lambda d: f"{d.tightest_check} {d.tightest_margin_share:+.1%}"),
     )
     return ReportTable(
         ("", *(design.name for design in designs)),
-        tuple((label, *(figure(design) for design in designs)) for label, figure in rows),
+        tuple(
+            (label, *(getattr(design, of) if isinstance(of, str) else of(design) for design in designs))
+            for label, of in rows
+        ),
     )
 
 

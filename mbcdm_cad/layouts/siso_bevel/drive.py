@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 
-from mbcdm_cad.design.fields import ESTIMATE, EntryName, Number, PlainBlock, choice, quantity
-from mbcdm_cad.design.sector_blocks import TransferClearances
+from mbcdm_cad.design.fields import ESTIMATE, EntryName, Number, choice, quantity
+from mbcdm_cad.design.sector_blocks import HeadSupport, TransferClearances
 from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.motor_head.dims import HeadedDrive
 from mbcdm_cad.parts.mounting import MOUNT_SCREWS, MountScrew
@@ -26,8 +26,13 @@ class DirectRun(SectorRun):
 
 
 @dataclass(frozen=True, kw_only=True)
-class ColumnSupport(PlainBlock):
+class ColumnSupport(HeadSupport):
     """Frame with the drum's bearings and the pulley's box, and the motor head on top of it."""
+
+    ORDER: ClassVar[tuple[str, ...]] = (
+        *("material", "back_y_mm", "back_plate_mm", "side_wall_mm"),
+        *("motor_shelf_mm", "coupling_space_mm", "bearing_shelf_mm", "encoder_shelf_mm"),
+    )
 
     material: EntryName = choice("material of frame and motor head", source=ESTIMATE, reference="aluminium-7075")
     back_y_mm: Number = quantity(
@@ -41,25 +46,12 @@ class ColumnSupport(PlainBlock):
         ge=0.3,
         le=50.0,
     )
-    motor_shelf_mm: Number = quantity(
-        "shelf that carries the gearhead", source="gearhead screws engage one diameter", reference=4.0, ge=0.5, le=50.0
-    )
     coupling_space_mm: Number = quantity(
         "height between the shelves: coupling collar, gearhead screws and the tools for both",
         source=ESTIMATE,
         reference=9.6,
         ge=2.0,
         le=100.0,
-    )
-    bearing_shelf_mm: Number = quantity(
-        "shelf of the bearing next to the gearhead, the motor head's flange",
-        source=ESTIMATE,
-        reference=4.0,
-        ge=0.5,
-        le=50.0,
-    )
-    encoder_shelf_mm: Number = quantity(
-        "shelf of the bearing next to the encoder", source=ESTIMATE, reference=4.0, ge=0.5, le=50.0
     )
     rib_mm: Number = quantity("side walls of the column", source=CHOSEN, reference=5.0, ge=0.3, le=50.0)
 

@@ -12,8 +12,8 @@ import numpy as np
 from mbcdm_cad.design.blocks import Limits
 from mbcdm_cad.design.bought import Bearing
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.design.fields import ESTIMATE, EntryName, Number, PlainBlock, choice, quantity
-from mbcdm_cad.design.sector_blocks import SectorDrum, WoundPulleys
+from mbcdm_cad.design.fields import ESTIMATE, EntryName, Number, choice, quantity
+from mbcdm_cad.design.sector_blocks import HeadSupport, SectorDrum, WoundPulleys
 from mbcdm_cad.layouts.siso_spur.idlers import SENSE, Circle, IdlerBlock, IdlerPlace, Strand, flange_radius_mm, taut
 from mbcdm_cad.parts.drum_sector.design import SectorBearings, SectorRun
 from mbcdm_cad.parts.drum_sector.dims import WHOLE_DEG
@@ -71,8 +71,13 @@ class SpurBearings(SectorBearings):
 
 
 @dataclass(frozen=True, kw_only=True)
-class YokeSupport(PlainBlock):
+class YokeSupport(HeadSupport):
     """Frame: a plate with the drum's boss and a yoke over the input, and the motor head behind it."""
+
+    ORDER: ClassVar[tuple[str, ...]] = (
+        *("material", "back_y_mm", "plate_mm", "bridge_mm", "side_wall_mm"),
+        *("motor_shelf_mm", "coupling_space_mm", "bearing_shelf_mm", "encoder_shelf_mm"),
+    )
 
     material: EntryName = choice("material of frame and motor head", source=ESTIMATE, reference="aluminium-7075")
     back_y_mm: Number = quantity(
@@ -87,25 +92,12 @@ class YokeSupport(PlainBlock):
         "bridge from the plate to the encoder shelf, over the input", source=ESTIMATE, reference=4.0, ge=0.3, le=50.0
     )
     side_wall_mm: Number = quantity("twice the wall of the motor head", source=ESTIMATE, reference=4.0, ge=0.3, le=50.0)
-    motor_shelf_mm: Number = quantity(
-        "shelf that carries the gearhead", source="gearhead screws engage one diameter", reference=4.0, ge=0.5, le=50.0
-    )
     coupling_space_mm: Number = quantity(
         "length between the shelves: coupling collar, gearhead screws and the tools for both",
         source=ESTIMATE,
         reference=9.6,
         ge=2.0,
         le=100.0,
-    )
-    bearing_shelf_mm: Number = quantity(
-        "shelf of the bearing next to the gearhead, the motor head's flange",
-        source=ESTIMATE,
-        reference=4.0,
-        ge=0.5,
-        le=50.0,
-    )
-    encoder_shelf_mm: Number = quantity(
-        "shelf of the bearing next to the encoder", source=ESTIMATE, reference=4.0, ge=0.5, le=50.0
     )
     mount_screw: Literal["M3", "M4", "M5", "M6"] = choice(
         "screws that hold the frame on its base, in threads of the plate", source=ESTIMATE, reference="M3", default="M3"

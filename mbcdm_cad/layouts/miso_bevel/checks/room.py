@@ -15,7 +15,7 @@ import numpy as np
 from mbcdm_cad.checks.cable_gaps import CABLE_GAP_MM, cables_apart, in_pieces, nearest_mm, step_mm
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
-from mbcdm_cad.checks.drum_outline import Ring, before_frame, drum_zones, rim_points, wrap_points
+from mbcdm_cad.checks.drum_outline import Ring, before_frame, drum_zones, frame_front_check, rim_points, wrap_points
 from mbcdm_cad.checks.geometry import corner_gap
 from mbcdm_cad.checks.size import box_checks, mass_check
 from mbcdm_cad.checks.terminals import bodies_of
@@ -98,7 +98,7 @@ def drum_sweep(s: BevelLayout) -> Comparison:
 
 def frame_front(s: BevelLayout) -> Comparison:
     """Gap from all parts that turn with the drum to shelves, plate and boss behind them."""
-    return before_frame(s, "frame", s.frame.boss.radius)
+    return before_frame(s, "frame")
 
 
 def collar_space(s: BevelLayout) -> Comparison:
@@ -160,13 +160,7 @@ SWEEPS = (
             up("drum.rim_inner_radius_mm"),
         ),
     ),
-    Check(
-        "frame_front",
-        "Drum clears the frame",
-        "clearances.running_mm",
-        frame_front,
-        advice="choose a smaller drum.tensioner",
-    ),
+    frame_front_check(frame_front),
     Check(
         "collar_space",
         "Clamp collars turn freely",

@@ -121,9 +121,7 @@ def frame_study(layout: BevelLayout) -> FrameStudy:
     """The compliance as a study for the cache."""
     drive = layout.drive
     cables = [(c.input_side, c.drum_side, c.input_radius_mm, c.guide_radius_mm, c.drum_radius_mm) for c in drive.cables]
-    # Only the positions of the drum shaft's bearings, so that other changes of the shaft do not repeat the study.
-    seats = (layout.drum_shaft.rear_bearing_y, layout.drum_shaft.front_bearing_y)
-    inputs = (layout.frame, layout.top_plate, seats, drive.support, drive.bearings, cables)
+    inputs = (layout.frame, layout.top_plate, layout.drum_bearings_mm, drive.support, drive.bearings, cables)
     walls = ("rib_mm", "back_plate_mm", "motor_shelf_mm")
     return FrameStudy(__name__, inputs, lambda: frame_compliance(layout), {w: getattr(drive.support, w) for w in walls})
 

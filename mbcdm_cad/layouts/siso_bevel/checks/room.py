@@ -9,7 +9,7 @@ import numpy as np
 from mbcdm_cad.checks.cable_gaps import cables_apart
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
-from mbcdm_cad.checks.drum_outline import before_frame, drum_zones, rim_points, wrap_points
+from mbcdm_cad.checks.drum_outline import before_frame, drum_zones, frame_front_check, rim_points, wrap_points
 from mbcdm_cad.checks.size import box_checks, mass_check
 from mbcdm_cad.checks.terminals import bodies_of
 from mbcdm_cad.layouts.siso_bevel.bill import bill
@@ -19,7 +19,7 @@ from mbcdm_cad.parts.bought.bodies import RING_ENCODER_FLATS
 
 def frame_front(s: DirectLayout) -> Comparison:
     """Gap from all parts that turn with the drum to frame, motor head and boss behind them."""
-    return before_frame(s, "frame", s.frame.boss.radius)
+    return before_frame(s, "frame")
 
 
 def bought_parts_clear(s: DirectLayout) -> Comparison:
@@ -68,13 +68,7 @@ _X: tuple[Adjustment, ...] = (down("drum.sector_half_angle_deg"), up("drum.secto
 _Z: tuple[Adjustment, ...] = (down("support.coupling_space_mm"), up("support.coupling_space_mm"))
 _Y: tuple[Adjustment, ...] = (down("drum.hub_face_y_mm"), up("drum.hub_face_y_mm"), up("support.back_y_mm"))
 CHECKS = (
-    Check(
-        "frame_front",
-        "Drum clears the frame",
-        "clearances.running_mm",
-        frame_front,
-        advice="choose a smaller drum.tensioner",
-    ),
+    frame_front_check(frame_front),
     Check(
         "drum_sweep",
         "Drum clears motor and gearhead",

@@ -149,8 +149,6 @@ def frame_study(layout: DirectLayout) -> FrameStudy:
     """The compliance as a study for the cache."""
     drive = layout.drive
     cables = [(c.drum_side, c.input_radius_mm, c.drum_radius_mm, c.preload_N) for c in drive.cables]
-    # Only the positions of the drum shaft's bearings, so that other changes of the shaft do not repeat the study.
-    seats = (layout.drum_shaft.rear_bearing_y, layout.drum_shaft.front_bearing_y)
-    inputs = (layout.frame, layout.head, seats, drive.support, drive.bearings, cables)
+    inputs = (layout.frame, layout.head, layout.drum_bearings_mm, drive.support, drive.bearings, cables)
     walls = ("back_plate_mm", "rib_mm", "side_wall_mm")
     return FrameStudy(__name__, inputs, lambda: frame_compliance(layout), {w: getattr(drive.support, w) for w in walls})

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from mbcdm_cad.checks.cable_gaps import CABLE_GAP_MM
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
-from mbcdm_cad.checks.drum_outline import before_frame, rim_points, wrap_points
+from mbcdm_cad.checks.drum_outline import before_frame, frame_front_check, rim_points, wrap_points
 from mbcdm_cad.checks.fixings import STRESS_SAFETY
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM
 from mbcdm_cad.checks.size import box_checks, mass_check
@@ -32,7 +32,7 @@ _CORNERS = 72
 
 def frame_front(s: SpurLayout) -> Comparison:
     """Gap from all parts that turn with the drum to plate and boss behind them."""
-    return before_frame(s, "plate", s.frame.boss.radius)
+    return before_frame(s, "plate")
 
 
 def drum_and_input(s: SpurLayout) -> Comparison:
@@ -196,13 +196,7 @@ _Z: tuple[Adjustment, ...] = (down("transmission.centre_distance_mm"), up("trans
 _Y: tuple[Adjustment, ...] = (down("support.coupling_space_mm"), up("support.coupling_space_mm"))
 BOX_ADJUSTMENTS = (_X, _Z, _Y)
 ROOM = (
-    Check(
-        "frame_front",
-        "Drum clears the frame",
-        "clearances.running_mm",
-        frame_front,
-        advice="choose a smaller drum.tensioner",
-    ),
+    frame_front_check(frame_front),
     Check("drum_and_input", "Drum and input clear each other", "clearances.running_mm", drum_and_input, adjust=_Z[1:]),
     Check(
         "bodies_behind",

@@ -9,17 +9,11 @@ from mbcdm_cad.layouts.head_dims import (
     BEARING_SHELF,
     COUPLING_SPACE,
     ENCODER_SHELF,
-    HUB,
-    HUB_FACE,
     MOTOR_SHELF,
-    RIM,
-    SECTOR,
-    SHAFT_BORE,
-    STOP_PIN,
     UNUSED,
-    WEB,
-    WINDOWS,
+    drum_rules,
     either,
+    mount_rules,
     side_wall,
     stiff_wall,
 )
@@ -185,20 +179,8 @@ DISTANCE = (
         _centre_distance,
     ),
 )
-MOUNT = (
-    Rule("support.mount_screw", "the thinnest that holds the peak torque by friction", "mounting_screws", _mount_screw),
-)
-DRUM = (
-    WINDOWS,
-    WEB,
-    SHAFT_BORE,
-    HUB,
-    SECTOR,
-    STOP_PIN,
-    RIM,
-    Rule("drum.outer_face_y_mm", "least width for cable and terminals", "outer_face", _outer_face),
-    HUB_FACE,
-)
+MOUNT = mount_rules(_mount_screw)
+DRUM = drum_rules("least width for cable and terminals", _outer_face)
 BACK = (
     Rule(
         "support.back_y_mm",
