@@ -33,7 +33,7 @@ NOTHING = -1
 
 
 @dataclass(frozen=True)
-class Body:
+class SeenBody:
     """A body at its place: the corners of its triangles, mm, shape (m, 3, 3); the number of its part.
 
     ``whole``: sections do not cut it, as fasteners and axles; it is left out where its middle lies before the plane.
@@ -79,10 +79,10 @@ class Sight:
         return x, y, z
 
 
-class Scene:
+class SeenBodies:
     """Bodies as points, which serve all sections that look the same way."""
 
-    def __init__(self, bodies: Sequence[Body], view: View) -> None:
+    def __init__(self, bodies: Sequence[SeenBody], view: View) -> None:
         self._bodies, axes = bodies, np.array([view.right, view.up, view.toward])
         flat = [body.corners_mm @ axes.T for body in bodies]
         self._low = np.min([f.min(axis=(0, 1)) for f in flat], axis=0)[:2]
@@ -145,7 +145,7 @@ class Pointers:
     hidden: tuple[int, ...]
 
 
-def pointers(bodies: Sequence[Body], envelope: Box) -> Pointers:
+def pointers(bodies: Sequence[SeenBody], envelope: Box) -> Pointers:
     """Front and top, sections where those hide parts, else the left; where each part is seen best.
 
     A section is across X through the middle of a hidden part, where most of the hidden ones are seen. A part that no
@@ -156,11 +156,11 @@ def pointers(bodies: Sequence[Body], envelope: Box) -> Pointers:
     front = View("front", minus(X), Z, axes=(((middle_x, 0.0, low), (middle_x, 0.0, high)),))
     top, side = View("top", minus(X), minus(Y), row=-1), View("left", Y, Z, column=1)
     numbers = sorted({body.number for body in bodies})
-    scene = Scene(bodies, front)
-    sights = [scene.sight(front), Scene(bodies, top).sight(top)]
+    scene = SeenBodies(bodies, front)
+    sights = [scene.sight(front), SeenBodies(bodies, top).sight(top)]
     found = _pointed(sights, numbers)
     sections: list[View] = []
-    aside = Scene(bodies, side)
+    aside = SeenBodies(bodies, side)
     while len(found) < len(numbers) and len(sections) < _MOST_SECTIONS:
         hidden = [body for body in bodies if body.number not in found]
         # Through what is turned, rather than through the screws beside it.
@@ -202,7 +202,7 @@ def _pointed(sights: Sequence[Sight], numbers: Iterable[int]) -> dict[int, tuple
 
 
 def assembly_sheet(
-    name: str, items: Sequence[Item], bodies: Sequence[Body], envelope: Box, names: Mapping[str, str]
+    name: str, items: Sequence[Item], bodies: Sequence[SeenBody], envelope: Box, names: Mapping[str, str]
 ) -> Sheet:
     """Views, envelope, numbers and list of parts. ``bodies`` are numbered by :func:`numbers`; ``envelope``: box of the
     whole; ``names``: what to order, by part, where a standard says it. Each number points to where its part is seen."""

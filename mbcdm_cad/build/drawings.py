@@ -121,7 +121,7 @@ class _Assembly:
         """The sheet's files by extension."""
         import cadquery as cq
 
-        from mbcdm_cad.build.assembly_sheet import Body, assembly_sheet, numbers
+        from mbcdm_cad.build.assembly_sheet import SeenBody, assembly_sheet, numbers
         from mbcdm_cad.build.kernel import location
         from mbcdm_cad.drawings.draw import draw_sheet
 
@@ -142,7 +142,7 @@ class _Assembly:
         envelope = ((box.xmin, box.ymin, box.zmin), (box.xmax, box.ymax, box.zmax))
         number = numbers(self.items)
         bodies = [
-            Body(
+            SeenBody(
                 number[i.part],
                 i.location.apply(self.parts[i.part].files.mesh.corners_mm.reshape(-1, 3)).reshape(-1, 3, 3),
                 not self.posed.parts[i.part].part.cut_in_sections,

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from mbcdm_cad.build.export.step import part_step
 from mbcdm_cad.build.kernel import Shape, brep_bytes, measure
 from mbcdm_cad.build.meshing import mesh_solid
 from mbcdm_cad.build.partfiles import PartFiles
-from mbcdm_cad.build.trianglemesh import TriangleMesh
+from mbcdm_cad.build.trianglemesh import TriangleMesh, rod_mesh
 from mbcdm_cad.build.validate import validate_solid
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.errors import GeometryError
 from mbcdm_cad.parts.bill import PartSpec
+from mbcdm_cad.parts.bought.bodies import ROD_MESH_RADII, CableRod
 
 # Called with a part's name and its STEP file as soon as the file exists, before its mesh is made.
 OnStep = Callable[[str, bytes], None]
@@ -33,7 +35,11 @@ def drawn_part(
         solid = spec.part.solid()
     except Exception as error:  # the kernel raises its own types, with texts such as StdFail_NotDone
         raise GeometryError(f"{spec.name}: cannot be drawn with these dimensions") from error
-    return make_part_files(spec.name, solid, material, mesh_tolerance_mm, on_step)
+    if mesh_tolerance_mm is None or not isinstance(rope := spec.part, CableRod):
+        return make_part_files(spec.name, solid, material, mesh_tolerance_mm, on_step)
+    files = make_part_files(spec.name, solid, material, None, on_step)
+    tolerance_mm = max(mesh_tolerance_mm, ROD_MESH_RADII * rope.radius)
+    return replace(files, mesh=rod_mesh(rope.pieces, rope.radius, tolerance_mm))
 
 
 def make_part_files(

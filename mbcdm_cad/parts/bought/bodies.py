@@ -295,6 +295,11 @@ class WaveSpring(BoughtPart):
         return turned([(inner, 0.0), (outer, 0.0), (outer, height), (inner, height)], "wave spring")
 
 
+# Distance of a rope's mesh from the rod that it is drawn as, over the radius. A rope is no smooth rod: between six
+# strands round a seventh are valleys of 0.4 radii.
+ROD_MESH_RADII = 0.05
+
+
 @dataclass(frozen=True)
 class CableRod(Part):
     """Rod along ``pieces`` of a centre line, in the frame of the assembly at the path's drum angle; radius in mm."""

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mbcdm_cad.build.assembly_sheet import Body, assembly_sheet, numbers, pointers
+from mbcdm_cad.build.assembly_sheet import SeenBody, assembly_sheet, numbers, pointers
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.parts.sheets.description import Linear, Vector
 from tests.support.drawing_reader import document, leaders_at_one_point, sections_without_line
@@ -19,12 +19,12 @@ ROOT = Path(__file__).parents[3]
 _FACES = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))
 
 
-def _block(number: int, middle: Vector, half: Vector, whole: bool = False, inward: bool = False) -> Body:
+def _block(number: int, middle: Vector, half: Vector, whole: bool = False, inward: bool = False) -> SeenBody:
     """A box; with ``inward`` a hollow of the body of that number."""
     signs = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
     corners = np.array(middle) + signs * np.array(half)
     quads = [quad[::-1] if inward else quad for quad in _FACES]
-    return Body(number, np.array([corners[list(q)] for a, b, c, d in quads for q in ((a, b, c), (a, c, d))]), whole)
+    return SeenBody(number, np.array([corners[list(q)] for a, b, c, d in quads for q in ((a, b, c), (a, c, d))]), whole)
 
 
 # A housing with a bearing and a screw inside it, a shaft through both, and two plates behind each other.
@@ -39,12 +39,12 @@ _MADE = {
 }
 
 
-def _bodies() -> list[Body]:
+def _bodies() -> list[SeenBody]:
     hollow = np.concatenate(
         [_block(1, *_MADE[1]).corners_mm, _block(1, (-2.0, 0, 0), (14.0, 12.0, 8.0), inward=True).corners_mm]
     )
     others = [_block(n, *place, whole=n in (_SHAFT, _SCREW)) for n, place in _MADE.items() if n != _HOUSING]
-    return [Body(_HOUSING, hollow), *others]
+    return [SeenBody(_HOUSING, hollow), *others]
 
 
 def test_numbers_point_to_where_their_parts_are_seen() -> None:

@@ -10,8 +10,10 @@ import pytest
 
 from mbcdm_cad.build.kernel import bounding_box
 from mbcdm_cad.build.meshing import mesh_solid
+from mbcdm_cad.build.trianglemesh import rod_mesh
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.parts.bought.bodies import CableRod
+from mbcdm_cad.parts.placement import Placement
 from mbcdm_cad.routes.curves import Arc, Coil, Line
 
 
@@ -63,3 +65,21 @@ def test_a_long_winding_is_drawn_in_parts_that_can_be_meshed() -> None:
     assert len(walls) == 4, f"{len(walls)} faces along {winding.length_mm:.0f} mm"
     volume = mesh_solid("cable", rod, 0.02).volume_mm3
     assert volume == pytest.approx(pi * 0.405**2 * winding.length_mm, rel=0.03)
+
+
+@pytest.mark.slow
+def test_the_mesh_of_a_rope_is_as_coarse_as_a_rope_is_rough(dims: BevelLayout) -> None:
+    """Closed, at the kernel's solid within a twentieth of the radius, and a small share of the kernel's triangles."""
+    radius, (path, *_) = dims.drive.cable.diameter_mm / 2, dims.cable_paths(0.0)
+    mesh, solid = rod_mesh(path.line, radius, 0.05 * radius), CableRod(path.line, radius).solid()
+    assert len(mesh.open_edges_mm()) == 0
+    assert mesh.deviation_mm <= 0.05 * radius
+    assert 0.95 < mesh.volume_mm3 / solid.Volume() < 1.0, "chords lie inside"
+    fine = mesh_solid("cable", solid.wrapped, 0.01)
+    low, high = mesh.box_mm(Placement.identity())
+    for mine, others in ((low, fine.points_mm.min(axis=0)), (high, fine.points_mm.max(axis=0))):
+        assert np.abs(mine - others).max() < 0.05 * radius + 0.01
+    assert len(mesh.triangles) < 0.35 * len(fine.triangles), (len(mesh.triangles), len(fine.triangles))
+    edges = mesh.points_mm[mesh.triangles]
+    outward = np.cross(edges[:, 1] - edges[:, 0], edges[:, 2] - edges[:, 0])
+    assert np.all((outward * mesh.normals[mesh.triangles].mean(axis=1)).sum(axis=1) > 0.0), "normals point outward"
