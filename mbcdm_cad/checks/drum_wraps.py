@@ -94,7 +94,7 @@ def _turn_with_real_wraps(s: SectorLayout, first: int, load_Nm: float, states: t
     """
     endless, real = (turn[first : first + 2] for turn in s.once("turns with real wraps", _turns))
     further = float((real / endless[:, None] - 1.0).max())
-    what = f"with the wraps that are there the drum turns at {load_Nm:g} N m further than with endless ones by"
+    what = f"what the wraps that are there, in place of endless ones, change in the drum's turn at {load_Nm:g} N m"
     return noted(what, 100.0 * further, "%", _slip_beside_wrap(s, states))
 
 

@@ -65,6 +65,12 @@ def test_one_e_in_all_places(drive: Drive) -> None:
     assert f"E = {stiff.cable.modulus_GPa:g} GPa" in two.notes[0]
 
 
+def test_e_is_called_calibrated_at_the_papers_test_alone(drive: Drive) -> None:
+    assert "is calibrated: the paper" in analyse(drive).notes[0]
+    other = analyse(replace(drive, loads=replace(drive.loads, test_torque_Nm=2.0))).notes[0]
+    assert "not measured on this rope" in other and "the paper" not in other, other
+
+
 def test_shafts_turn_as_the_ratios_say(drive: Drive) -> None:
     for turns in analyse(drive).shaft_turns:
         angles = tuple(turns.turned_deg[name] for name in ("drum", "guide", "input", "motor"))
