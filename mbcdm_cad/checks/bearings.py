@@ -8,7 +8,6 @@ ends.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -180,14 +179,46 @@ def _slope_N(s: SectorLayout, index: int) -> float:
 
 LESS: tuple[Adjustment, ...] = (down("rope.preload_N"), down("loads.peak_torque_Nm"))
 RATING = "bearing catalogue; static safety 1: bearing makers, normal running"
-LARGER = "choose a larger bearing"
+_LARGER_BORE = "choose an input_pulleys.lower_bearing of larger bore, which makes the pulley's journal stiffer"
+# By the first word of a finding: the bearing's name in the drive, and the field of the file that states it.
+_NAMED = {
+    "lower": ("input_lower", "input_pulleys.lower_bearing"),
+    "upper": ("input_upper", "input_pulleys.upper_bearing"),
+    "rear": ("drum", "drum.bearing"),
+    "front": ("drum", "drum.bearing"),
+    "bearings": ("idler", "idlers.bearing"),
+}
+
+
+def larger(measure: Callable[[Any], Comparison], limit: float) -> Callable[[SectorLayout], str]:
+    """Advice: the field of the bearing that ``measure`` finds, and the rating that gives it the safety ``limit``."""
+
+    def advice(s: SectorLayout) -> str:
+        finding = measure(s)
+        if finding.actual <= 0.0:
+            return "lower the load on it: no bearing carries one that has no bound"
+        word = finding.subject.split()[0].rstrip(":")
+        own, field = _NAMED.get(word, (word, f"{word}.bearing"))
+        chosen = getattr(s.drive.bearings, own)
+        needed = chosen.static_rating_N / finding.actual * limit
+        same = [
+            (entry["mass_g"], other)
+            for other, entry in package_entries("bearings").items()
+            if entry["bore_mm"] == chosen.bore_mm and entry["static_rating_N"] >= needed
+        ]
+        such = f", such as {min(same)[1]} of the same bore" if same else ""
+        return f"choose a {field} of static rating {needed:.4g} N or more{such}"
+
+    return advice
+
+
 INPUT_BEARINGS = Check(
     "input_bearings",
     "Input pulleys' bearings carry the cables",
     RATING,
     input_bearings,
     adjust=LESS,
-    advice=LARGER,
+    advice=larger(input_bearings, STATIC_SAFETY),
     applies=carried,
 )
 DRUM_BEARINGS = Check(
@@ -196,7 +227,7 @@ DRUM_BEARINGS = Check(
     RATING,
     drum_bearings,
     adjust=(*LESS, down("support.back_y_mm")),
-    advice=LARGER,
+    advice=larger(drum_bearings, STATIC_SAFETY),
 )
 BEARING_SPACING = Check(
     "drum_bearing_spacing",
@@ -212,7 +243,7 @@ COUPLING_RUNOUT = Check(
     coupling_runout,
     "warn",
     (*LESS, up("all radii of transmission")),
-    LARGER,
+    _LARGER_BORE,
     # A wheel on the journal gives with it.
     applies=lambda drive: drive.stage is None and carried(drive),
 )
@@ -226,24 +257,8 @@ def quiet(measure: Callable[[Any], Comparison]) -> Check:
         "static safety 2: bearing makers, quiet running",
         measure,
         "warn",
-        advice=partial(_rating_needed, measure),
+        advice=larger(measure, QUIET_SAFETY),
     )
-
-
-def _rating_needed(measure: Callable[[Any], Comparison], s: SectorLayout) -> str:
-    finding, rated = measure(s), s.drive.bearings.all()
-    name = finding.subject.split(",")[0].split(": ")[1]
-    chosen = next(b for b in rated if b.name == name)
-    if finding.actual <= 0.0:
-        return "lower the load on it: no bearing carries one that has no bound"
-    needed = chosen.static_rating_N / finding.actual * QUIET_SAFETY
-    same = [
-        (entry["mass_g"], other)
-        for other, entry in package_entries("bearings").items()
-        if entry["bore_mm"] == chosen.bore_mm and entry["static_rating_N"] >= needed
-    ]
-    such = f", such as {min(same)[1]} of the same bore," if same else ""
-    return f"choose a bearing of static rating {needed:.4g} N or more{such} in its place"
 
 
 def _input_and_drum(s: SectorLayout) -> Comparison:

@@ -73,6 +73,6 @@ CHECKS = (
         retension,
         "warn",
         adjust=(up("rope.preload_N"), down("loads.peak_torque_Nm")),
-        advice="choose a rope that creeps less, or a thicker one",
+        advice="choose a rope.type that creeps less, or a thicker one",
     ),
 )

@@ -112,14 +112,22 @@ def set_screw_tips(s: SectorLayout) -> Comparison:
 
 
 def hub_spigot(s: SectorLayout) -> Comparison:
-    """The spigot presses on the inner ring of the front bearing only, and stays inside the hub."""
-    d = s.drum
-    return worst(
-        (
-            at_least("hub's spigot over the shaft", d.spigot_radius - d.bore_radius, SPIGOT_MM, "mm"),
-            at_least("hub over its spigot", d.hub_radius - d.spigot_radius, SPIGOT_MM, "mm"),
+    """The spigot presses on the inner ring of the front bearing only, and stays inside the hub.
+
+    A printed one widens towards the hub up to the thinnest wall of its material.
+    """
+    d, drum = s.drum, s.drive.drum_material
+    found = [
+        at_least("hub's spigot over the shaft", d.spigot_radius - d.bore_radius, SPIGOT_MM, "mm"),
+        at_least("hub over its spigot", d.hub_radius - d.spigot_radius, SPIGOT_MM, "mm"),
+    ]
+    if drum.printed:
+        found.append(
+            at_least(
+                "wall of the printed spigot, at the hub", d.spigot_root_radius - d.bore_radius, drum.min_wall_mm, "mm"
+            )
         )
-    )
+    return worst(found)
 
 
 def shaft_wall(s: SectorLayout) -> Comparison:
@@ -202,7 +210,7 @@ CHECKS = (
     Check(
         "hub_spigot",
         "Hub bears on the front bearing",
-        "bearing catalogue; 0.3 mm: estimate",
+        "bearing catalogue; 0.3 mm: estimate; material: min_wall_mm",
         hub_spigot,
         adjust=(up("drum.hub_diameter_mm"),),
         advice="choose another drum.bearing",

@@ -226,7 +226,7 @@ CHECKS = (
         "mu N d; class 8.8 at 0.7 of yield, mu 0.15: usual values",
         collar_grip,
         adjust=_LESS,
-        advice="choose a gearhead with a thicker shaft",
+        advice="choose a drive.gearhead with a thicker shaft",
         applies=carried,
     ),
     Check(
@@ -250,7 +250,7 @@ CHECKS = (
         "beam theory; 1.5 on yield: usual rule",
         pulley_stress,
         adjust=(*_LESS, down("rope.preload_N")),
-        advice="choose larger bearings",
+        advice="choose an input_pulleys.lower_bearing and upper_bearing of larger bore",
         applies=carried,
     ),
     Check(

@@ -224,7 +224,7 @@ def _of_thinner_walls(s: SectorLayout) -> str:
     return "choose steel or brass for input_pulleys.material" if own.min_wall_mm > steel.min_wall_mm else ""
 
 
-_CHOOSE = "choose another bearing or gearhead, or a material of thinner walls"
+_CHOOSE = "choose another input_pulleys.lower_bearing or drive.gearhead, or an input_pulleys.material of thinner walls"
 
 
 def pulley_checks(wider: tuple[Adjustment, ...]) -> tuple[Check, ...]:
@@ -277,7 +277,7 @@ def coupling_checks(wider: tuple[Adjustment, ...]) -> tuple[Check, ...]:
             "bearing catalogue; 0.3 mm: estimate",
             bearing_shoulders,
             adjust=wider,
-            advice="choose a smaller bearing",
+            advice="choose a smaller input_pulleys.lower_bearing or upper_bearing",
             applies=carried,
         ),
         Check(
@@ -285,7 +285,8 @@ def coupling_checks(wider: tuple[Adjustment, ...]) -> tuple[Check, ...]:
             "Encoders fit their shafts",
             "encoder and bearing catalogue",
             encoder_fit,
-            advice="choose encoder and bearing of one bore",
+            advice="choose drive.encoder and input_pulleys.upper_bearing, or drive.drum_encoder and drum.bearing, "
+            "of one bore",
         ),
         Check(
             "bought_depth",
@@ -293,7 +294,7 @@ def coupling_checks(wider: tuple[Adjustment, ...]) -> tuple[Check, ...]:
             "catalogue; 1 mm: estimate",
             bought_depth,
             adjust=(up("support.motor_shelf_mm"), up("support.top_plate_mm")),
-            advice="choose a shorter screw",
+            advice="choose a drive.gearhead or drive.encoder with a shorter screw",
         ),
         Check(
             "shaft_grip",
@@ -301,7 +302,7 @@ def coupling_checks(wider: tuple[Adjustment, ...]) -> tuple[Check, ...]:
             "one diameter: usual rule",
             shaft_grip,
             adjust=(down("support.motor_shelf_mm"),),
-            advice="choose a gearhead with a longer shaft",
+            advice="choose a drive.gearhead with a longer shaft",
             applies=carried,
         ),
         Check(

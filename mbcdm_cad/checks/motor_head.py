@@ -177,14 +177,14 @@ CHECKS = (
         "usual rule: one diameter",
         engagement,
         adjust=(down("support.motor_shelf_mm"), up("drum.hub_diameter_mm")),
-        advice="choose longer screws",
+        advice="choose a drive.gearhead or drive.encoder with longer screws",
     ),
     Check(
         "screw_counts",
         "Gearhead has two to four screws, encoders have two",
         "the parts are drilled for them",
         screw_counts,
-        advice="choose a gearhead, or motor, of two to four screws and encoders of two",
+        advice="choose a drive.gearhead, or drive.motor, of two to four screws and a drive.encoder of two",
     ),
     Check(
         "key_access",

@@ -22,9 +22,9 @@ from mbcdm_cad.model.losses.train import BEARINGS, MOTOR, ROPE, Train
 _RATING_CAP = 60.0
 COUNT_THEM = (
     "set limits.losses to counted, so that the rules choose motor, gearhead and ratio for it where the file leaves "
-    "them open, or choose a motor of higher rated torque"
+    "them open, or choose a drive.motor of higher rated torque"
 )
-STRONGER_GEARHEAD = "choose a stronger gearhead, state what the drive does all day as loads.duty,"
+STRONGER_GEARHEAD = "choose a stronger drive.gearhead, state what the drive does all day as loads.duty,"
 _WORDS = {1: "+", -1: "-"}
 
 
@@ -225,7 +225,7 @@ CHECKS = (
         "gearhead catalogue",
         gearhead_maximum,
         adjust=_LESS,
-        advice="choose a stronger gearhead",
+        advice="choose a stronger drive.gearhead",
     ),
     Check(
         "motor_losses",

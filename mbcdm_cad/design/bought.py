@@ -351,12 +351,11 @@ class CableStageOutput(Gearhead):
     """A first cable stage in place of a gearhead: its drum's shaft turns the input, its frame's boss is the face.
 
     Ratio, losses and stiffness are those from the motor's shaft, its own gearhead included, to the end of that shaft.
-    ``idle_torque_Nm``: friction at its output without load, apart from the motor's own; ``inertia_kg_m2``: of what
-    turns with its drum and input, at its output, without the rotor; ``lash_rad``: play there with the motor held.
+    ``idle_torque_Nm``: friction at its output without load, apart from the motor's own; ``lash_rad``: play there
+    with the motor held.
     """
 
     idle_torque_Nm: float
-    inertia_kg_m2: float
     lash_rad: float
 
 

@@ -269,16 +269,6 @@ class Stage:
         play = BELT_PLAY_MM if self.is_belt else GEAR_PLAY_MM + GEAR_PLAY_MODULES * self.module_mm
         return play / self.driven_mm
 
-    @property
-    def inertia_kg_m2(self) -> float:
-        """Both wheels at the input, as solid discs of their pitch circles."""
-
-        def disc(radius_mm: float) -> float:
-            mass_kg = DENSITY_G_CM3[self.kind] * 1e-6 * pi * radius_mm**2 * self.wheel_width_mm
-            return mass_kg * (radius_mm * 1e-3) ** 2 / 2
-
-        return disc(self.driven_mm) + disc(self.driver_mm) * self.ratio**2
-
     def force_N(self, input_Nm: float) -> float:
         """Effective tension of the belt, or force along the line of the teeth's pitch circles."""
         return abs(input_Nm) * 1e3 / self.driven_mm

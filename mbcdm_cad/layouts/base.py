@@ -139,7 +139,7 @@ class Layout(ABC):
     """One design of one kind of drive. A layout is a subclass in a package of its own, ``LAYOUT`` of its ``layout.py``.
 
     What is long has a module of its own beside that file, found by its name: ``design_file`` (``DESIGN_FILE``),
-    ``routes`` (``routed``, ``inertias_kg_m2``), ``bill`` (``bill``, ``moving_bodies``), ``assembly_order``,
+    ``routes`` (``routed``), ``bill`` (``bill``, ``moving_bodies``), ``assembly_order``,
     ``path_figures`` (``path_figures``, ``path_lines``, ``plan`` of the preloads), ``checks`` (``FAMILIES``),
     ``support.stiffness`` (``frame_study``), and ``paths.md.j2``. A small layout overrides the methods below instead.
 
@@ -216,8 +216,24 @@ class Layout(ABC):
 
     @cached_property
     def inertias_kg_m2(self) -> Mapping[str, float]:
-        """Moment of inertia of each body of the routes about its own axis, without CAD."""
-        found: dict[str, float] = self._module("routes").inertias_kg_m2(self.drive)
+        """Moment of inertia of each body of the routes with all that turns with it, about its own axis, without CAD.
+
+        That of an input contains what stands before it, up to the rotor. ``NoFigureError`` where a part has no form.
+        """
+        self.require_geometry()
+        try:
+            bill = self.bill()
+            each = [(body, bill.inertia_g_mm2(body) * 1e-9) for body in self.moving_bodies]
+        except (ValueError, ZeroDivisionError) as error:
+            raise _no_solution(error) from None
+        found: dict[str, float] = {}
+        own: MovingBody | None = None
+        for body, inertia in each:
+            if body.kind == "stage":
+                assert own is not None, "the input that a stage turns comes before it"
+                found[own.name] += inertia * (body.turns_per_drum / own.turns_per_drum) ** 2
+            else:
+                found[body.name], own = inertia, body
         return found
 
     # Its parts.

@@ -7,7 +7,6 @@ The one place where cables and structure are put together. Cables as in
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from math import inf
 from typing import TYPE_CHECKING, Any
@@ -135,12 +134,14 @@ class Modes:
     payload_kg_m2: float
 
 
-def modes_of(layout: Layout, drum_kg_m2: float, pulleys_kg_m2: Sequence[float]) -> Modes:
-    """Modes of a design with its payload, whose structure counts where it has figures.
+def modes_of(layout: Layout) -> Modes:
+    """Modes of a design with its payload; its structure counts where it has figures, bodies passed turn with the drum.
 
-    ``drum_kg_m2``: of the drum with all bodies that turn with it; ``pulleys_kg_m2``: of each input about its own axis,
-    without its rotor.
+    ``NoFigureError`` where its parts have no form.
     """
+    bodies, routes = layout.inertias_kg_m2, layout.routed.routes
+    drum_kg_m2 = bodies[routes.drum.name] + sum(bodies[b.name] * b.turns_per_drum**2 for b in routes.passed)
+    pulleys_kg_m2 = [bodies[body.name] for body in routes.inputs]
     drive, d = layout.drive, to_si(layout.drive)
     payload_kg_m2 = drive.loads.carried.about_axis_kg_m2
     try:
@@ -157,10 +158,3 @@ def modes_of(layout: Layout, drum_kg_m2: float, pulleys_kg_m2: Sequence[float]) 
         inputs_free_Hz=tuple(float(f) for f in torsional_modes_Hz(d, free, chain) if f > 0.0),
         payload_kg_m2=payload_kg_m2,
     )
-
-
-def plain_modes(layout: Layout) -> Modes:
-    """The modes with the inertias of plain bodies, without CAD."""
-    bodies, routes = layout.inertias_kg_m2, layout.routed.routes
-    passed = sum(bodies[body.name] * body.turns_per_drum**2 for body in routes.passed)
-    return modes_of(layout, bodies[routes.drum.name] + passed, [bodies[body.name] for body in routes.inputs])

@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Literal
 
+import numpy as np
+
 from mbcdm_cad.design.bought import Bearing, InsertSpec, Material, Screw
 from mbcdm_cad.parts.bought.bodies import BearingBody, InsertBody, ScrewBody
 from mbcdm_cad.parts.item import Item
@@ -76,6 +78,22 @@ class Bill:
     def volumes_mm3(self) -> dict[str, float]:
         """Volume of each made part by its name, in closed form."""
         return {name: part.volume_mm3() for name, part in self.made.items()}
+
+    def inertia_g_mm2(self, body: MovingBody) -> float:
+        """Moment of inertia about the axis of ``body`` of all items that turn with it, in closed form."""
+        axis, origin, total = np.array(body.axis), np.array(body.origin_mm), 0.0
+        for item in self.items:
+            if item.group != body.name:
+                continue
+            own = self.parts[item.part].part.gyration()
+            mass_g = item.mass_g
+            if mass_g is None:
+                mass_g = self.volumes_mm3[item.part] * item.material.density_g_cm3 * 1e-3
+            offset = item.location.apply(np.array(own.along) * own.centre_mm) - origin
+            share = float(item.location.rotation @ own.along @ axis) ** 2
+            apart = float(offset @ offset - (offset @ axis) ** 2)
+            total += mass_g * (apart + share * own.about_mm2 + (1.0 - share) * own.across_mm2)
+        return total
 
     def holes(self) -> dict[str, list[dict[str, Any]]]:
         """The holes of each made part that has some, as its sheet's table gives them, by the part's name."""

@@ -18,7 +18,7 @@ from mbcdm_cad.parts.shapes import block, cut, cylinder, turned
 from mbcdm_cad.parts.sheets.description import CuttingLine, FitLine, Holes, Linear, Sheet, View, X, Y, Z, minus, mm
 from mbcdm_cad.parts.sheets.holes import hole_labels, hole_table
 from mbcdm_cad.parts.threads import thread
-from mbcdm_cad.parts.volume import ring_mm3
+from mbcdm_cad.parts.volume import Ring, rings_mm3
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -152,6 +152,10 @@ class Collar(MadePart):
             "collar",
         )
 
+    def rings(self) -> tuple[Ring, ...]:
+        """Its ring, whole."""
+        return ((self.dims.radius, self.dims.bore_radius, self.dims.bottom_z, self.dims.top_z),)
+
     def volume_mm3(self) -> float:
         """Clamp collar: ring less slit, screw and the flat of the screw's head."""
         d = self.dims
@@ -168,7 +172,7 @@ class Collar(MadePart):
         flat = float(np.maximum(np.sqrt(np.maximum(d.radius**2 - x**2, 0.0)) - d.head_seat, 0.0).mean()) * (
             d.radius - edge
         )
-        return ring_mm3(d.radius, d.bore_radius, width) - slit - hole - max(flat, 0.0) * width
+        return rings_mm3(self.rings()) - slit - hole - max(flat, 0.0) * width
 
     def sheet(self, part: str) -> Sheet:
         """View along the axis, section through the bore, and a view onto the screw's seat."""

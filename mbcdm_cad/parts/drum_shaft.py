@@ -11,7 +11,7 @@ from mbcdm_cad.parts.part import MadePart
 from mbcdm_cad.parts.shapes import cut, turned_about_y
 from mbcdm_cad.parts.sheets.description import FitLine, Linear, Sheet, Vector, View, Y, minus
 from mbcdm_cad.parts.sheets.turned import ALONG_Y
-from mbcdm_cad.parts.volume import ring_mm3, segment_mm2
+from mbcdm_cad.parts.volume import Gyration, Ring, gyration, rings_mm3, segment_mm2
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -127,12 +127,19 @@ class DrumShaft(MadePart):
         origin, y = cq.Vector(0.0, 0.0, 0.0), cq.Vector(0.0, 1.0, 0.0)
         return cut(body, [box.rotate(origin, y, deg) for deg in dims.flat_angles_deg], "drum shaft")
 
+    def rings(self) -> tuple[Ring, ...]:
+        """Hollow shaft with its flange, without its flats."""
+        d = self.dims
+        flange = (d.flange_radius, d.radius, d.flange_start_y, d.flange_end_y)
+        return ((d.radius, d.bore_radius, d.y_start, d.y_end), flange)
+
+    def gyration(self) -> Gyration:
+        """About Y."""
+        return gyration(self.rings(), (0.0, 1.0, 0.0))
+
     def volume_mm3(self) -> float:
         """Hollow shaft with its flange."""
-        d = self.dims
-        flange = ring_mm3(d.flange_radius, d.radius, d.flange_end_y - d.flange_start_y)
-        flats = 2 * segment_mm2(d.radius, d.flat) * d.flat_length
-        return ring_mm3(d.radius, d.bore_radius, d.y_end - d.y_start) + flange - flats
+        return rings_mm3(self.rings()) - 2 * segment_mm2(self.dims.radius, self.dims.flat) * self.dims.flat_length
 
     def sheet(self, part: str) -> Sheet:
         """Section along the axis, and the side with the flats."""

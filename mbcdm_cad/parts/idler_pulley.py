@@ -11,7 +11,7 @@ from mbcdm_cad.parts.part import MadePart
 from mbcdm_cad.parts.shapes import Point2, turned
 from mbcdm_cad.parts.sheets.description import FitLine, Label, Sheet, Table, mm3
 from mbcdm_cad.parts.sheets.turned import ALONG_Z, MAIN
-from mbcdm_cad.parts.volume import ring_mm3
+from mbcdm_cad.parts.volume import Ring, rings_mm3
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -66,13 +66,22 @@ class IdlerPulley(MadePart):
         ]
         return turned(outside + inside, "idler pulley")
 
-    def volume_mm3(self) -> float:
-        """Idler pulley: its steps less seats and bore."""
+    def rings(self) -> tuple[Ring, ...]:
+        """Its steps less seats and bore."""
         d = self.dims
         levels = [d.bottom_z, *d.walls_z, d.top_z]
-        steps = sum(ring_mm3(r, 0.0, b - a) for r, a, b in zip(d.surface_radii, levels[:-1], levels[1:], strict=True))
-        seats = 2 * ring_mm3(d.seat_radius, 0.0, d.seat_depth)
-        return steps - seats - ring_mm3(d.shoulder_radius, 0.0, d.top_z - d.bottom_z - 2 * d.seat_depth)
+        steps = zip(d.surface_radii, levels[:-1], levels[1:], strict=True)
+        low, high = d.bottom_z + d.seat_depth, d.top_z - d.seat_depth
+        return (
+            *((r, 0.0, a, b) for r, a, b in steps),
+            (0.0, d.seat_radius, d.bottom_z, low),
+            (0.0, d.shoulder_radius, low, high),
+            (0.0, d.seat_radius, high, d.top_z),
+        )
+
+    def volume_mm3(self) -> float:
+        """Idler pulley: its steps less seats and bore."""
+        return rings_mm3(self.rings())
 
     def sheet(self, part: str) -> Sheet:
         """Section along the axis; the steps as a table from end A, the lower end."""

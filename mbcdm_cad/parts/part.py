@@ -5,6 +5,8 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
+from mbcdm_cad.parts.volume import Gyration, Ring, gyration
+
 if TYPE_CHECKING:
     import cadquery as cq
 
@@ -23,6 +25,14 @@ class Part(ABC):
     @abstractmethod
     def solid(self) -> cq.Solid:
         """One solid in the part's own frame, mm. Raises ``ValueError`` where the dimensions give none."""
+
+    def rings(self) -> tuple[Ring, ...]:
+        """Its volume as rings on its axis, Z unless :meth:`gyration` says another; of a part that turns with others."""
+        return ()
+
+    def gyration(self) -> Gyration:
+        """How its volume lies about its axis, within 1 % of the solid's where the part is large in its group."""
+        return gyration(self.rings())
 
 
 class HasSource(Protocol):

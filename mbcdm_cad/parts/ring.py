@@ -12,7 +12,7 @@ from mbcdm_cad.parts.shapes import cut, cylinder_z, hexagon_z, turned
 from mbcdm_cad.parts.sheets.description import FitLine, Sheet
 from mbcdm_cad.parts.sheets.turned import ALONG_Z
 from mbcdm_cad.parts.threads import thread
-from mbcdm_cad.parts.volume import ring_mm3
+from mbcdm_cad.parts.volume import Ring, ring_mm3, rings_mm3
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -33,10 +33,13 @@ class Sleeve(MadePart):
         bore_radius, radius, length = self.bore_radius, self.radius, self.length
         return turned([(bore_radius, 0.0), (radius, 0.0), (radius, length), (bore_radius, length)], "sleeve")
 
+    def rings(self) -> tuple[Ring, ...]:
+        """Sleeve."""
+        return ((self.radius, self.bore_radius, 0.0, self.length),)
+
     def volume_mm3(self) -> float:
         """Sleeve."""
-        bore_radius, radius, length = self.bore_radius, self.radius, self.length
-        return ring_mm3(radius, bore_radius, length)
+        return rings_mm3(self.rings())
 
     def sheet(self, part: str) -> Sheet:
         """Stop, after it is swaged on the cable's end."""
@@ -69,6 +72,10 @@ class Nut(StandardPart):
         across_flats, height, thread = self.across_flats, self.height, self.thread
         return cut(hexagon_z(across_flats, 0.0, height), [cylinder_z(thread / 2, 0, 0, -1.0, height + 1.0)], "nut")
 
+    def rings(self) -> tuple[Ring, ...]:
+        """As round as a circle that is wider than its flats by a twentieth: of the hexagon's area."""
+        return ((1.05 * self.across_flats / 2, self.thread / 2, 0.0, self.height),)
+
     def volume_mm3(self) -> float:
         """Hexagon nut."""
         across_flats, height, thread = self.across_flats, self.height, self.thread
@@ -98,6 +105,10 @@ class PlainPin(Part):
             [(0.0, 0.0), (radius - c, 0.0), (radius, c), (radius, length - c), (radius - c, length), (0.0, length)],
             "pin",
         )
+
+    def rings(self) -> tuple[Ring, ...]:
+        """Pin without its chamfers."""
+        return ((self.radius, 0.0, 0.0, self.length),)
 
     def volume_mm3(self) -> float:
         """Pin with chamfered ends."""

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 from mbcdm_cad.design.stage import BELT_SIDE_MM, DENSITY_G_CM3, FLANGE_MM, FLANGE_WIDTH_MM, Stage
 from mbcdm_cad.parts.part import BoughtPart
 from mbcdm_cad.parts.shapes import block, cut, turned
+from mbcdm_cad.parts.volume import Ring, rings_mm3
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -49,12 +50,17 @@ class WheelSpec:
         """What to buy; the mass is that of the volume."""
         return f"{self.name}; mass: estimate from its volume"
 
+    def rings(self) -> tuple[Ring, ...]:
+        """Body and hub less the bore; teeth count by the drawn radius."""
+        top, edge = self.width, FLANGE_WIDTH_MM
+        rims = ((self.flange, self.drawn, 0.0, edge), (self.flange, self.drawn, top - edge, top))
+        hub = (self.hub_radius, self.bore, top, top + self.hub_length)
+        return ((self.drawn, self.bore, 0.0, top), *(rims if self.flange else ()), hub)
+
     @property
     def volume_mm3(self) -> float:
-        """Body and hub less the bore; teeth count by the drawn radius."""
-        ring = pi * (self.drawn**2 - self.bore**2) * self.width
-        rims = 2 * pi * (self.flange**2 - self.drawn**2) * FLANGE_WIDTH_MM if self.flange else 0.0
-        return ring + rims + pi * (self.hub_radius**2 - self.bore**2) * self.hub_length
+        """Of its rings."""
+        return rings_mm3(self.rings())
 
 
 @dataclass(frozen=True)
@@ -62,6 +68,10 @@ class Wheel(BoughtPart):
     """A belt pulley or a gear from z = 0, its split hub above; the slit points to +X as the collar's does."""
 
     entry: WheelSpec
+
+    def rings(self) -> tuple[Ring, ...]:
+        """Those of its body."""
+        return self.entry.rings()
 
     def solid(self) -> cq.Solid:
         """Turned body; teeth are not drawn."""

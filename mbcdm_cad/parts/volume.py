@@ -6,7 +6,9 @@ drum within 3 %.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from math import acos, pi, sqrt
+from typing import NamedTuple
 
 # Metal that remains in each rounded corner, as a share of the radius squared: 1 - pi/4.
 CORNER = 1.0 - pi / 4
@@ -39,16 +41,38 @@ def pocket_corner_mm(radius_mm: float, width_mm: float, height_mm: float) -> flo
     return min(radius_mm, _SHARE * min(width_mm, height_mm))
 
 
-_MM = 1e-3
-_G_CM3 = 1e3  # kg/m3
+# Radius outside and inside, start and end along the axis, mm; one with the larger radius inside is taken away.
+Ring = tuple[float, float, float, float]
 
 
-def disc_kg_m2(density_g_cm3: float, length_mm: float, outer_mm: float, inner_mm: float = 0.0) -> float:
-    """Disc or ring about its axis, kg m2; radii in mm."""
-    return sector_kg_m2(density_g_cm3, length_mm, outer_mm, inner_mm, pi)
+def rings_mm3(rings: Iterable[Ring]) -> float:
+    """Volume of rings on one axis."""
+    return sum(pi * (outer**2 - inner**2) * max(end - start, 0.0) for outer, inner, start, end in rings)
 
 
-def sector_kg_m2(density_g_cm3: float, length_mm: float, outer_mm: float, inner_mm: float, half_rad: float) -> float:
-    """Sector of a ring about the ring's axis, kg m2; ``half_rad`` is half of the angle it spans."""
-    fourth = (outer_mm * _MM) ** 4 - (inner_mm * _MM) ** 4
-    return half_rad / 2.0 * density_g_cm3 * _G_CM3 * length_mm * _MM * fourth
+class Gyration(NamedTuple):
+    """How a body's volume lies about an axis of its own frame, ``along``: with its density the inertia follows.
+
+    ``centre_mm``: its centre on that axis; mean squares of the distances from the axis, and from a line across it
+    through the centre, mm2.
+    """
+
+    along: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    centre_mm: float = 0.0
+    about_mm2: float = 0.0
+    across_mm2: float = 0.0
+
+
+def gyration(rings: Iterable[Ring], along: tuple[float, float, float] = (0.0, 0.0, 1.0)) -> Gyration:
+    """That of rings on one axis; of no ring that of a point in the origin."""
+    found = [
+        (pi * (outer**2 - inner**2) * max(end - start, 0.0), (outer**2 + inner**2) / 2, (start + end) / 2, end - start)
+        for outer, inner, start, end in rings
+    ]
+    whole = sum(volume for volume, *_ in found)
+    if not whole > 0.0:
+        return Gyration(along)
+    centre = sum(volume * middle for volume, _, middle, _ in found) / whole
+    about = sum(volume * square for volume, square, *_ in found) / whole
+    lengthwise = sum(v * (high**2 / 12 + (middle - centre) ** 2) for v, _, middle, high in found) / whole
+    return Gyration(along, centre, about, about / 2 + lengthwise)

@@ -9,7 +9,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
-from mbcdm_cad.layouts.turns import plain_modes
+from mbcdm_cad.layouts.base import NoFigureError
+from mbcdm_cad.layouts.turns import modes_of
 from mbcdm_cad.model import Analysis, analyse
 from mbcdm_cad.model.figures import ShaftTurns
 from mbcdm_cad.model.measured import papers_test
@@ -50,8 +51,7 @@ _LIMITS = {
 class AnalysisReport:
     """``figures`` of the analytic model; ``paths`` of the cables as plain data, None where ``no_paths`` says why.
 
-    ``structure``: what turns the payload besides the cables; None where ``no_structure`` says why. ``modes``: with the
-    inertias of plain bodies; a report of drawn parts has theirs.
+    ``structure``: what turns the payload besides the cables; None where ``no_structure`` says why; ``modes`` as well.
     ``losses``: friction between motors and payload. ``life``: of the cables; None where ``no_life`` says why.
     ``preload``: what it is made of; None where ``no_preload`` says why. ``duty``: what the drive does all day, how warm
     its motors get.
@@ -62,7 +62,8 @@ class AnalysisReport:
     no_paths: str
     structure: StructureReport | None
     no_structure: str
-    modes: Modes
+    modes: Modes | None
+    no_modes: str
     losses: LossesReport
     life: LifeReport | None
     no_life: str
@@ -79,7 +80,7 @@ class AnalysisReport:
         blocks: dict[str, Any] = {
             "paths": self.paths,
             "structure": structure,
-            "modes": asdict(self.modes),
+            "modes": None if self.modes is None else asdict(self.modes),
             "losses": self.losses.to_dict(),
             "duty": self.duty.to_dict(),
             "life": life,
@@ -209,7 +210,7 @@ class AnalysisReport:
         both = list(stage_lines(self.layout, width))
         if both:
             yield both
-        yield filled(mode_words(self.modes), width)
+        yield filled(f"No modes: {self.no_modes}" if self.modes is None else mode_words(self.modes), width)
         yield [
             "Losses while the drum moves, N m at the drum, by cause, under a load +:",
             *self.losses.causes().text(width, "  "),
@@ -288,7 +289,7 @@ def analyse_design(drive: Drive, found: Sequence[AsBuilt] = ()) -> AnalysisRepor
         paths,
         reason,
         *structure_report(layout),
-        plain_modes(layout),
+        *_modes(layout),
         losses_report(layout),
         *life_report(layout),
         *preload_shares(layout),
@@ -296,6 +297,13 @@ def analyse_design(drive: Drive, found: Sequence[AsBuilt] = ()) -> AnalysisRepor
         layout,
         chances_of(drive, found),
     )
+
+
+def _modes(layout: Layout) -> tuple[Modes | None, str]:
+    try:
+        return modes_of(layout), ""
+    except NoFigureError as missing:
+        return None, str(missing)
 
 
 def _model_notes(a: Analysis, structure: StructureReport | None) -> Iterator[str]:
@@ -317,12 +325,39 @@ def _torque_notes(a: Analysis) -> Iterator[str]:
         f"{_list(a.peak_torque_with_losses_Nm, 3)} N m with all losses; limits.losses puts the "
         f"{'second' if a.losses_counted else 'first'} in force"
     )
+    for called, peaks in (
+        ("peak torque without losses", a.peak_torque_lossless_Nm),
+        ("peak torque with losses", a.peak_torque_with_losses_Nm),
+    ):
+        yield from (f"  {text}" for text in above_gearhead(a.limits, called, peaks))
+    if min(a.peak_torque_Nm) > (asked := a.peak[0].load_Nm):
+        yield f"  motor and cables allow these; the checks judge all other parts at the {asked:g} N m asked for"
     yield (
         f"  with preloads T ~ 1/r ({_list(a.balanced_preload_N)} N): {_list(a.balanced_peak_torque_Nm, 3)} N m; the "
         f"preload alone loads the inputs by {_list(a.input_bias_mNm, 1)} mN m"
     )
     if a.torque_to_weight_Nm_kg is not None:
         yield f"  torque to weight at the target mass: {a.torque_to_weight_Nm_kg:.3f} N m/kg"
+
+
+def above_gearhead(limits: Sequence[TorqueLimit], called: str, peaks_Nm: tuple[float, float]) -> Iterator[str]:
+    """Sentences on a peak torque (+, -), which motor and cables allow, that is above a rating of the gearhead.
+
+    Limits that count losses stand beside a lossless peak where only these were worked out.
+    """
+    for cause, why in (
+        ("gearhead_maximum", "which forbids it"),
+        ("gearhead_rated", "so hold it for a short time only"),
+    ):
+        low = [
+            (limit.torque_Nm, peaks_Nm[limit.direction < 0])
+            for limit in limits
+            if limit.cause == cause and limit.torque_Nm < peaks_Nm[limit.direction < 0] * (1.0 - 1e-9)
+        ]
+        if low:
+            limit_Nm, peak_Nm = min(low)
+            yield f"the {called}, {peak_Nm:.3f} N m, is above {_LIMITS[cause]}, {limit_Nm:.3f} N m, {why}"
+            return
 
 
 def _creep_table(a: Analysis) -> ReportTable:
@@ -363,7 +398,7 @@ def mode_words(m: Modes) -> str:
     free = ", ".join(f"{f:.4g}" for f in m.inputs_free_Hz)
     return (
         f"Torsional modes with {payload}: lowest {m.lowest_inputs_held_Hz:.4g} Hz with the inputs held, by the cables "
-        f"alone {m.cables_alone_Hz:.4g}; {free} Hz against the free rotors; inertias of plain bodies"
+        f"alone {m.cables_alone_Hz:.4g}; {free} Hz against the free rotors"
     )
 
 

@@ -14,25 +14,15 @@ from mbcdm_cad.build.store import StoredPart
 from mbcdm_cad.checks.result import CheckResult
 from mbcdm_cad.layouts.base import Conventions, FrameCompliance, Layout
 from mbcdm_cad.layouts.turns import modes_of
-from mbcdm_cad.model import Analysis, analyse, measured, to_si
+from mbcdm_cad.model import Analysis, analyse, measured
 from mbcdm_cad.model.bulk import preload_table
 from mbcdm_cad.model.stack_up import stack_data
-from mbcdm_cad.model.stiffness import sticking_stiffness_Nm_rad
 from mbcdm_cad.model.tensioning_plan import TensioningPlan
 from mbcdm_cad.parts.bill import Bill
 from mbcdm_cad.report.duty import duty_report
 from mbcdm_cad.report.life import life_report
 from mbcdm_cad.report.losses import losses_report
-from mbcdm_cad.report.masses import (
-    Box,
-    ReflectedInertias,
-    bill_lines,
-    boxes_mm,
-    cable_boxes_mm,
-    inertias,
-    masses_by_item,
-    total_sigma_g,
-)
+from mbcdm_cad.report.masses import Box, bill_lines, boxes_mm, cable_boxes_mm, inertias, masses_by_item, total_sigma_g
 from mbcdm_cad.report.paths import path_data
 from mbcdm_cad.report.preload import preload_shares
 from mbcdm_cad.report.stages import stage_figures
@@ -138,6 +128,7 @@ def design_figures(layout: Layout, centred: Bill) -> DesignFigures:
         "analysis": analysis.to_dict(),
         "paths": path_data(layout),
         "structure": _structure(layout),
+        "torsion": asdict(modes_of(layout)),
         "losses": losses_report(layout).to_dict(),
         "life": None if life is None else life.to_dict(),
         "preload": None if preload is None else preload.to_dict(),
@@ -196,7 +187,6 @@ def report_data(
             "prototype_measured_g": drive.targets.prototype_mass_g,
         },
         "inertia_moving_g_mm2": moving.to_dict(),
-        "torsion": torsion_data(layout, moving),
         "envelope": {
             "axes": ["X", "Z", "Y"],
             "size_mm": [float(size[0]), float(size[2]), float(size[1])],
@@ -237,25 +227,3 @@ def report_data(
     plain = _rounded(data)
     assert isinstance(plain, dict)
     return plain
-
-
-_KG_M2 = 1e-9  # of a g mm^2
-
-
-def torsion_data(layout: Layout, moving: ReflectedInertias) -> dict[str, Any]:
-    """Frequencies (Hz) with every wrap sticking: inputs held, and inputs free with pulley and rotor.
-
-    Bodies that cables pass are assumed to turn with the drum. The rigid rotation at 0 Hz of free inputs is left out.
-    """
-    drum = moving.drum_group + sum(moving.passed_at_drum.values())
-    found = modes_of(layout, drum * _KG_M2, [shaft * _KG_M2 for shaft in moving.input_shafts])
-    return {
-        "_and_".join(["drum", *moving.passed_at_drum]) + "_g_mm2": drum,
-        "input_shafts_g_mm2": list(moving.input_shafts),
-        "rotor_at_input_g_mm2": layout.drive.rotor_at_input_kg_m2 / _KG_M2,
-        "payload_g_mm2": found.payload_kg_m2 / _KG_M2,
-        "stiffness_Nm_rad": float(sticking_stiffness_Nm_rad(to_si(layout.drive))),
-        "lowest_inputs_held_Hz": found.lowest_inputs_held_Hz,
-        "cables_alone_Hz": found.cables_alone_Hz,
-        "inputs_free_Hz": list(found.inputs_free_Hz),
-    }

@@ -16,10 +16,7 @@ from math import sqrt
 import numpy as np
 
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
-from mbcdm_cad.layouts.siso_bevel.stack import direct_stack
-from mbcdm_cad.parts.drum_sector.inertia import drum_inertia_kg_m2
 from mbcdm_cad.parts.terminal.take_up import tensioned_rope
-from mbcdm_cad.parts.volume import disc_kg_m2
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.geometry import DRUM_RADIUS, INPUT_RADIUS, RoutedDrive, Varied
 from mbcdm_cad.routes.route import Anchor, Body, CableRoute, DriveRoutes, Span, Terminal, Wrap, input_body
@@ -123,12 +120,3 @@ def routed(drive: DirectDrive) -> RoutedDrive:
         STRETCH: np.asarray(stretch * _MM),
     }
     return RoutedDrive(geometry, parameters, {"transfer_stretch_mm": stretch})
-
-
-def inertias_kg_m2(drive: DirectDrive) -> dict[str, float]:
-    """Inertia of each body of the routes about its own axis, kg m2."""
-    v, flank, density = direct_stack(drive), drive.cable.diameter_mm / 2, drive.pulley_material.density_g_cm3
-    # The wall between the steps stands in the middle of the land.
-    width = (v.land_top_z - v.land_bottom_z) / 2
-    pulley = sum(disc_kg_m2(density, width, c.input_radius_mm - flank) for c in drive.cables)
-    return {DRUM: drum_inertia_kg_m2(drive, v.drum_inner_y), input_body(drive.input_names[0]): pulley}

@@ -2,7 +2,7 @@
 
 The first stage is a whole drive of this layout. The shaft of its drum stands out behind its frame and turns the input
 of the second stage, on whose motor head the boss of that frame is screwed, as a gearhead would be. To the second stage
-it is a gearhead with the ratio, losses, stiffness and inertia of that drive (:class:`CableStageOutput`).
+it is a gearhead with the ratio, losses and stiffness of that drive (:class:`CableStageOutput`).
 """
 
 from __future__ import annotations
@@ -345,7 +345,6 @@ def output_of(first: SpurDrive) -> CableStageOutput:
         screw_count=FLANGE_SCREWS,
         mass_g=0.0,
         idle_torque_Nm=idle,
-        inertia_kg_m2=inertia_kg_m2(layout),
         lash_rad=lash_rad(first, motors_held=True),
     )
 
@@ -390,13 +389,6 @@ def shaft_urad_Nm(layout: SectorLayout, length_mm: float) -> float:
     shear_MPa = metal.youngs_modulus_GPa * 1e3 / (2.0 * (1.0 + metal.poisson_ratio))
     polar_mm4 = pi / 2.0 * (shaft.radius**4 - shaft.bore_radius**4)
     return 1e9 * length_mm / (shear_MPa * polar_mm4)
-
-
-def inertia_kg_m2(layout: SectorLayout) -> float:
-    """Inertia at the drum of all that turns with it and with its input, without the rotor."""
-    bodies, routes = layout.inertias_kg_m2, layout.routed.routes
-    turning = (routes.drum, *routes.passed, *routes.inputs)
-    return float(sum(bodies[body.name] * body.turns_per_drum**2 for body in turning))
 
 
 def broken_first_stage(design: Any) -> Iterator[Broken]:

@@ -18,10 +18,6 @@ import numpy as np
 
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
 from mbcdm_cad.layouts.siso_spur.idlers import SENSE, Circle, Strand, idler_body, no_strand, taut
-from mbcdm_cad.layouts.siso_spur.stack import spur_stack
-from mbcdm_cad.layouts.siso_spur.support.idlers import idler_inertia_kg_m2, idlers
-from mbcdm_cad.parts.drum_sector.inertia import drum_inertia_kg_m2
-from mbcdm_cad.parts.volume import disc_kg_m2
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.geometry import DRUM_RADIUS, INPUT_RADIUS, RoutedDrive, Varied, tangent_length_m
 from mbcdm_cad.routes.route import Anchor, Body, CableRoute, DriveRoutes, Piece, Span, Terminal, Wrap, input_body
@@ -271,19 +267,3 @@ def routed_round(drive: SpurDrive, angle_rad: tuple[float, ...], level_mm: tuple
     if drive.idlers:
         parameters[IDLER_RADIUS] = np.full(len(drive.cables), drive.idlers.radius_mm * _MM)
     return RoutedDrive(geometry, parameters, {"centre_distance_mm": drive.centre_distance_mm})
-
-
-def inertias_kg_m2(drive: SpurDrive) -> dict[str, float]:
-    """Inertia of each body of the routes about its own axis, kg m2."""
-    v = spur_stack(drive)
-    surface = drive.input_radius_mm - drive.cable.diameter_mm / 2
-    density = drive.pulley_material.density_g_cm3
-    pulley = disc_kg_m2(density, v.land_top_z - v.land_bottom_z, surface)
-    wheels = 0.0 if drive.stage is None else drive.stage.inertia_kg_m2
-    if drive.cable_stage is not None:
-        wheels = drive.cable_stage.inertia_kg_m2
-    sectors = drive.parallel * drum_inertia_kg_m2(drive.unit(0), v.drum_inner_y)
-    found = {DRUM: sectors, input_body(drive.input_names[0]): pulley + wheels}
-    for body, idler, _ in idlers(drive):
-        found[body] = idler_inertia_kg_m2(drive, idler)
-    return found

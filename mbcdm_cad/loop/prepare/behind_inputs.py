@@ -18,11 +18,11 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.lumped import compliance_of
 from mbcdm_cad.layouts.structure import sigma_urad_Nm
-from mbcdm_cad.layouts.turns import plain_modes
+from mbcdm_cad.layouts.turns import modes_of
 from mbcdm_cad.measurement.response import FrequencyResponse
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.model.backlash import drum_backlash
-from mbcdm_cad.model.si import to_si
+from mbcdm_cad.model.si import ModelError, to_si
 from mbcdm_cad.routes import Complex, Floats
 
 # Part of the slip's compliance out of phase with the torque.
@@ -64,7 +64,10 @@ RIGID_DRIVE = BehindInputs(np.zeros(1), np.zeros(1))
 def behind_inputs(drive: Drive, run: Run, most_rad_s2: float) -> BehindInputs:
     """The design behind the inputs of a run whose output accelerates by ``most_rad_s2`` at most."""
     d, layout = to_si(drive), drive.layout
-    bodies, routes = layout.inertias_kg_m2, layout.routed.routes
+    try:
+        bodies, routes = layout.inertias_kg_m2, layout.routed.routes
+    except NoFigureError as error:
+        raise ModelError(f"no inertia of {layout.name}: {error}") from None
     drum = bodies[routes.drum.name] + sum(bodies[b.name] * b.turns_per_drum**2 for b in routes.passed)
     payload = drive.loads.carried.about_axis_kg_m2 + run.plate.inertia_kg_m2
     torque = np.geomspace(LEAST_AMPLITUDE, MOST_AMPLITUDE, AMPLITUDES) * most_rad_s2 * (drum + payload)
@@ -137,7 +140,7 @@ def own_modes_Hz(held: BehindInputs, drive: Drive) -> list[float]:
         [behind * payload * before * held.drum_kg_m2, -(behind * payload + before * (held.drum_kg_m2 + payload)), 1.0]
     )
     found = [float(np.sqrt(max(abs(roots)))) / (2.0 * np.pi)] if roots.size > 1 else []
-    return sorted([*found, *plain_modes(drive.layout).inputs_free_Hz])
+    return sorted([*found, *modes_of(drive.layout).inputs_free_Hz])
 
 
 def carried_Nm(seen: FrequencyResponse, inertia_kg_m2: float) -> Floats:

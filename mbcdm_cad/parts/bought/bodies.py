@@ -14,6 +14,7 @@ from mbcdm_cad.design.bought import Bearing, Encoder, Gearhead, InsertSpec, Moto
 from mbcdm_cad.parts.drum_shaft import PreloadSpringDims
 from mbcdm_cad.parts.part import BoughtPart, Part
 from mbcdm_cad.parts.shapes import block, cut, cylinder_z, fuse, hexagon_z, one_solid, turned
+from mbcdm_cad.parts.volume import Ring
 from mbcdm_cad.routes.curves import Piece
 
 if TYPE_CHECKING:
@@ -76,6 +77,13 @@ class BearingBody(BoughtPart):
     """Bearing from z = 0, both rings in one body."""
 
     entry: Bearing
+
+    def rings(self) -> tuple[Ring, ...]:
+        """Both rings and what is between them."""
+        b = self.entry
+        shield, back = (b.inner_shoulder_mm / 2, b.outer_shoulder_mm / 2), min(0.2, b.width_mm / 8)
+        whole = (b.outer_diameter_mm / 2, b.bore_mm / 2, 0.0, b.width_mm)
+        return (whole, (*shield, 0.0, back), (*shield, b.width_mm - back, b.width_mm))
 
     def solid(self) -> cq.Solid:
         """Both rings in one body, the shield set back between them."""
@@ -269,6 +277,12 @@ class ScrewBody(BoughtPart):
     cut_in_sections = False
 
     entry: Screw
+
+    def rings(self) -> tuple[Ring, ...]:
+        """Thread and head."""
+        screw = self.entry
+        head = (screw.head_diameter_mm / 2, 0.0, 0.0, screw.head_height_mm)
+        return ((screw.thread_mm / 2, 0.0, -screw.length_mm, 0.0), head)
 
     def solid(self) -> cq.Solid:
         """Socket screw: head's seat at z = 0, head above, thread below (a plain cylinder). Set screws lie at z <= 0."""

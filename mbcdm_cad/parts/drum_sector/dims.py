@@ -75,6 +75,7 @@ class DrumDims:
     hub_start_y: float
     hub_face_y: float
     spigot_radius: float
+    spigot_root_radius: float  # at the hub; a printed spigot widens to it
     spigot_y: float
     bore_radius: float
     windows: tuple[Window, ...]

@@ -23,7 +23,7 @@ from mbcdm_cad.parts.shapes import (
     turned_about_y,
 )
 from mbcdm_cad.parts.terminal.part import Tensioner
-from mbcdm_cad.parts.volume import CORNER, ring_mm3
+from mbcdm_cad.parts.volume import CORNER, Gyration, ring_mm3
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -34,8 +34,16 @@ if TYPE_CHECKING:
 _RIM_RADII, _RIM_ANGLES = 80, 500
 
 
-def _pockets_mm3(d: DrumDims) -> float:
-    """Volume that the terminals' pockets remove from the rim, lugs included."""
+# A part of the volume, mm3, and the mean square of its distance from the drum's axis, mm2.
+_Term = tuple[float, float]
+
+
+def _ring(outer: float, inner: float, height: float) -> _Term:
+    return ring_mm3(outer, inner, height), (outer**2 + inner**2) / 2
+
+
+def _pockets(d: DrumDims) -> _Term:
+    """What the terminals' pockets remove from the rim, lugs included."""
     outer = d.lands[-1].surface_radius_mm
     half = radians(d.half_angle_deg)
     radii = d.rim_inner_radius + (np.arange(_RIM_RADII) + 0.5) * (outer - d.rim_inner_radius) / _RIM_RADII
@@ -58,17 +66,20 @@ def _pockets_mm3(d: DrumDims) -> float:
             depth = np.maximum(last - np.maximum(low, first), 0.0)[:, None]
             taken = np.maximum(taken, np.where(inside, depth, 0.0))
     cell = (outer - d.rim_inner_radius) / _RIM_RADII * 2 * half / _RIM_ANGLES
-    return float((taken * radii[:, None]).sum() * cell)
+    at = taken.sum(axis=1) * radii * cell
+    volume = float(at.sum())
+    return volume, float(at @ radii**2) / volume if volume else 0.0
 
 
-def _lug_mm3(d: DrumDims, t: Tensioner) -> float:
-    """Volume of a lug minus the stud's slot, which remains in a pocket."""
+def _lug(d: DrumDims, t: Tensioner) -> _Term:
+    """A lug minus the stud's slot, which remains in a pocket."""
     length, r = t.lug_end - t.lug_start, d.stud_hole_radius
     (first, last), (low, high) = d.pocket_y(t, d.swage_pocket), d.lug_y(t)
     # Behind the face to which the pocket is open it stands in the open.
     depth = high - max(first, low) if t.front else min(last, high) - low
     slot = 2 * r * d.lug_half_width + pi / 2 * r**2
-    return length * ((d.flat_wall + d.lug_half_width) * depth - slot)
+    out, along = t.radius_mm + (d.lug_half_width - d.flat_wall) / 2, (t.lug_start + t.lug_end) / 2
+    return length * ((d.flat_wall + d.lug_half_width) * depth - slot), out**2 + along**2
 
 
 def _sector(dims: DrumDims) -> cq.Solid:
@@ -99,7 +110,7 @@ def _sector(dims: DrumDims) -> cq.Solid:
     hub_profile = [
         (dims.bore_radius, dims.spigot_y),
         (dims.spigot_radius, dims.spigot_y),
-        (dims.spigot_radius, dims.hub_start_y),
+        (dims.spigot_root_radius, dims.hub_start_y),
         (dims.hub_radius, dims.hub_start_y),
         (dims.hub_radius, dims.hub_face_y - CHAMFER_MM),
         (dims.hub_radius - CHAMFER_MM, dims.hub_face_y),
@@ -140,7 +151,7 @@ def _pocket(dims: DrumDims, t: Tensioner) -> cq.Solid:
     return fuse(rooms, f"pocket of {t.cable_name}")
 
 
-def _lug(dims: DrumDims, t: Tensioner) -> cq.Solid:
+def _lug_body(dims: DrumDims, t: Tensioner) -> cq.Solid:
     return _box(
         t,
         (t.lug_start, t.lug_end),
@@ -225,38 +236,55 @@ class DrumSector(MadePart):
         tools: list[cq.Shape] = []
         if dims.tensioners:
             body = body.cut(*(_pocket(dims, t) for t in dims.tensioners))
-            body = body.fuse(*(_lug(dims, t) for t in dims.tensioners)).clean()
+            body = body.fuse(*(_lug_body(dims, t) for t in dims.tensioners)).clean()
         tools += [_stud_slot(dims, t) for t in dims.tensioners]
         tools += _hub_holes(dims, set_screw_thread)
         return cut(body, tools, "drum")
 
-    def volume_mm3(self) -> float:
+    def _terms(self) -> list[_Term]:
         """Rim, web and hub less windows, slot and holes; pockets by a sum over a grid of the rim."""
-        d, set_screw_thread = self.dims, self.set_screw_thread
-        share = d.half_angle_deg / 180.0
-        rim = share * sum(
-            ring_mm3(land.surface_radius_mm, d.rim_inner_radius, land.y_end - land.y_start) for land in d.lands
-        )
-        thickness = d.web_end_y - d.web_start_y
-        web = share * ring_mm3(d.rim_inner_radius, d.hub_radius, thickness)
-        web += share * ring_mm3(d.root_radius, d.hub_radius, d.root_mm)
-        hub = ring_mm3(d.hub_radius, d.bore_radius, d.hub_face_y - d.hub_start_y)
-        hub += ring_mm3(d.spigot_radius, d.bore_radius, d.hub_start_y - d.spigot_y)
-        windows = sum(
-            (w.r_outer**2 - w.r_inner**2) / 2 * radians(w.end_deg - w.start_deg) - 4 * CORNER * d.corner_radius**2
-            for w in d.windows
-        )
-        slot = 2 * radians(d.stop_slot_end_deg) * d.stop_radius * d.stop_slot_width + pi / 4 * d.stop_slot_width**2
+        d, inner = self.dims, self.dims.rim_inner_radius
+        thickness, slot = d.web_end_y - d.web_start_y, d.stop_slot_width
+        sector = [
+            *(_ring(land.surface_radius_mm, inner, land.y_end - land.y_start) for land in d.lands),
+            _ring(inner, d.hub_radius, thickness),
+            _ring(d.root_radius, d.hub_radius, d.root_mm),
+        ]
+        hub = [
+            _ring(d.hub_radius, d.bore_radius, d.hub_face_y - d.hub_start_y),
+            _ring((d.spigot_radius + d.spigot_root_radius) / 2, d.bore_radius, d.hub_start_y - d.spigot_y),
+        ]
+        taken = [_pockets(d)]
+        for w in d.windows:
+            flat = (w.r_outer**2 - w.r_inner**2) / 2 * radians(w.end_deg - w.start_deg)
+            flat -= 4 * CORNER * d.corner_radius**2
+            taken.append((flat * thickness, (w.r_outer**2 + w.r_inner**2) / 2))
+        flat = 2 * radians(d.stop_slot_end_deg) * d.stop_radius * slot + pi / 4 * slot**2
+        taken.append((flat * thickness, d.stop_radius**2 + slot**2 / 4))
         holes = ring_mm3(d.payload_hole / 2, 0.0, len(d.payload_places) * d.payload_depth)
-        holes += ring_mm3(set_screw_thread / 2, 0.0, 2 * (d.hub_radius - d.bore_radius))
+        taken.append((holes, d.payload_circle_radius**2))
+        screws = ring_mm3(self.set_screw_thread / 2, 0.0, 2 * (d.hub_radius - d.bore_radius))
+        taken.append((screws, (d.hub_radius**2 + d.hub_radius * d.bore_radius + d.bore_radius**2) / 3))
         if d.dowels is not None:
-            deep = (
-                len(d.dowels.face_angles_deg) * d.dowels.face_depth
-                + len(d.dowels.back_angles_deg) * d.dowels.back_depth
-            )
-            holes += ring_mm3(d.dowels.radius, 0.0, deep)
-        lugs = sum(_lug_mm3(d, t) for t in d.tensioners)
-        return rim + web + hub - (windows + slot) * thickness - holes - _pockets_mm3(d) + lugs
+            pins = d.dowels
+            deep = len(pins.face_angles_deg) * pins.face_depth + len(pins.back_angles_deg) * pins.back_depth
+            taken.append((ring_mm3(pins.radius, 0.0, deep), pins.circle_radius**2))
+        share = d.half_angle_deg / 180.0
+        return [
+            *((share * volume, at) for volume, at in sector),
+            *hub,
+            *(_lug(d, t) for t in d.tensioners),
+            *((-volume, at) for volume, at in taken),
+        ]
+
+    def volume_mm3(self) -> float:
+        """Rim, web and hub less windows, slot and holes."""
+        return sum(volume for volume, _ in self._terms())
+
+    def gyration(self) -> Gyration:
+        """About the drum's axis, Y, on which all of it counts."""
+        terms = self._terms()
+        return Gyration((0.0, 1.0, 0.0), 0.0, sum(v * at for v, at in terms) / sum(v for v, _ in terms))
 
     def sheet(self, part: str) -> Sheet:
         """Described by ``sheet.py`` beside this module."""

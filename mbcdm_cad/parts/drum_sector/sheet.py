@@ -114,6 +114,11 @@ def _shape(d: DrumDims) -> Table:
         ("stud slot of the lug, width, round end", mm3(2 * d.stud_hole_radius)),
         ("pocket corners R", mm3(d.pocket_radius)),
         *(slot if d.has_slot else ()),
+        *(
+            (("spigot: cone, at the hub %%c", mm3(2 * d.spigot_root_radius)),)
+            if d.spigot_root_radius > d.spigot_radius
+            else ()
+        ),
         ("web thicker up to R", mm3(d.root_radius)),
         ("web thicker, in front up to", mm3(d.root_end_y - d.spigot_y)),
     )

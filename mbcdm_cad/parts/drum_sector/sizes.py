@@ -11,7 +11,7 @@ from __future__ import annotations
 from math import asin, atan2, degrees, hypot, radians, sin, sqrt, tan
 
 from mbcdm_cad.parts.drum_sector.design import SectorDrive, SectorLevels, SectorRun
-from mbcdm_cad.parts.drum_sector.dims import POCKET_LEAD_MM, SET_SCREW_ANGLES_DEG, DrumDims, Land, Window
+from mbcdm_cad.parts.drum_sector.dims import CHAMFER_MM, POCKET_LEAD_MM, SET_SCREW_ANGLES_DEG, DrumDims, Land, Window
 from mbcdm_cad.parts.drum_sector.payload import (
     SCREWS,
     PayloadJoint,
@@ -36,6 +36,8 @@ SPRING_N_MM = 5.0
 SWAGE_START_MM = 0.5
 # Solid end of the swage behind the cable's bore.
 SWAGE_FLOOR_MM = 0.5
+# Spigot between front bearing and hub.
+SPIGOT_HEIGHT_MM = 0.5
 # Swage to the pocket's corner with the terminal drawn in all the way.
 END_GAP_MM = 0.1
 # Play of the swage's flat at the pocket's inner wall, which keeps the terminal from turning with its nut.
@@ -73,6 +75,19 @@ def furthest_anchor_rad(drive: SectorDrive) -> float:
     if drive.ring_anchor_rad is not None:
         return drive.ring_anchor_rad
     return radians(drive.drum.sector_half_angle_deg - SECTOR_MARGIN_DEG)
+
+
+def _spigot_root_mm(drive: SectorDrive, spigot_mm: float) -> float:
+    """Radius of the spigot at the hub: a printed one, too thin as a ring, is a cone of at least 45 degrees."""
+    if not drive.drum_material.printed:
+        return spigot_mm
+    wanted = max(spigot_mm + SPIGOT_HEIGHT_MM, drive.bearings.drum.bore_mm / 2 + drive.drum_material.min_wall_mm)
+    return max(spigot_mm, min(wanted, drive.drum.hub_diameter_mm / 2 - CHAMFER_MM))
+
+
+def _lug_wall_mm(drive: SectorDrive) -> float:
+    metal = drive.drum_material
+    return max(LUG_WALL_MM, metal.min_wall_mm) if metal.printed else LUG_WALL_MM
 
 
 def lands(drive: SectorDrive, levels: SectorLevels) -> tuple[Land, ...]:
@@ -188,7 +203,10 @@ def tensioners(drive: SectorDrive, way: TerminalWay) -> tuple[Tensioner, ...]:
             floor = drive.drum.outer_face_y_mm - cable.land_y_mm - nut - drive.clearances.running_mm
             # Turns beside a terminal of a whole drum leave no room for pockets that cross them.
             ring = drive.ring_anchor_rad is not None
-            through = floor < MIN_FLOOR_MM and not ring
+            least, metal = MIN_FLOOR_MM, drive.drum_material
+            if metal.printed:
+                floor, least = floor - metal.min_internal_radius_mm, max(least, metal.min_wall_mm)
+            through = floor < least and not ring
             pocket_end = _pocket_end(drive, cable, limit, tip)
             moved = drawn_in[cable.name]
             inner = Tensioner(
@@ -304,7 +322,7 @@ def drum(drive: SectorDrive, levels: SectorLevels, stop_radius: float, way: Term
     slot_end = drive.half_travel_deg + drive.stop_clearance_deg - play_deg if drive.stopped else 0.0
     shaft_radius = drive.bearings.drum.bore_mm / 2
     screw = drive.screw(HUB_SCREW)
-    hub_radius = d.hub_diameter_mm / 2
+    hub_radius, spigot = d.hub_diameter_mm / 2, drive.bearings.drum.inner_shoulder_mm / 2
     web_start = _web_start_y(drive, levels)
     placed = tensioners(drive, way)
     joint, circle = _payload(drive)
@@ -317,9 +335,10 @@ def drum(drive: SectorDrive, levels: SectorLevels, stop_radius: float, way: Term
         web_start_y=web_start,
         web_end_y=web_start + d.web_thickness_mm,
         hub_radius=hub_radius,
-        hub_start_y=levels.boss_front_y + 0.5,
+        hub_start_y=levels.boss_front_y + SPIGOT_HEIGHT_MM,
         hub_face_y=d.hub_face_y_mm,
-        spigot_radius=drive.bearings.drum.inner_shoulder_mm / 2,
+        spigot_radius=spigot,
+        spigot_root_radius=_spigot_root_mm(drive, spigot),
         spigot_y=levels.boss_front_y,
         bore_radius=shaft_radius,
         windows=_windows(drive, stop_radius, slot_end),
@@ -330,7 +349,8 @@ def drum(drive: SectorDrive, levels: SectorLevels, stop_radius: float, way: Term
         stud_hole_radius=drive.tensioner.clearance_mm / 2,
         # As wide as the springs that sit on it.
         lug_half_width=max(
-            drive.tensioner.clearance_mm / 2 + LUG_WALL_MM, 0.0 if drive.spring is None else drive.spring.outside_mm / 2
+            drive.tensioner.clearance_mm / 2 + _lug_wall_mm(drive),
+            0.0 if drive.spring is None else drive.spring.outside_mm / 2,
         ),
         swage_pocket=drive.tensioner.swage_diameter_mm / 2 + drive.clearances.running_mm,
         flat_wall=flat_wall,

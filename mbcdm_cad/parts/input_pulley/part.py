@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 from math import asin, pi, sqrt
 from typing import TYPE_CHECKING
 
-from mbcdm_cad.parts.input_pulley.dims import STOP_PLAY_MM, InputPulleyDims, StopSlot
+from mbcdm_cad.parts.input_pulley.dims import STOP_PLAY_MM, Groove, InputPulleyDims, StopSlot
 from mbcdm_cad.parts.part import MadePart
-from mbcdm_cad.parts.volume import ring_mm3
+from mbcdm_cad.parts.volume import Ring, ring_mm3, rings_mm3
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -32,6 +32,12 @@ def _slot_mm3(slot: StopSlot) -> float:
     return slot.width * depth * (pi / 2 * slot.bend_radius + straight) + 2 * reach * length * pocket
 
 
+def _groove_ring(groove: Groove) -> Ring:
+    inner, outer = groove.root_radius, groove.root_radius + groove.depth
+    half, middle = groove.volume_mm3 / (2 * pi * (outer**2 - inner**2)), (groove.start_z + groove.end_z) / 2
+    return (inner, outer, middle - half, middle + half)
+
+
 @dataclass(frozen=True)
 class InputPulley(MadePart):
     """Input pulley about its own axis, heights as in the assembly, turned as with the drum centred."""
@@ -46,18 +52,23 @@ class InputPulley(MadePart):
 
         return create_input_pulley(self.dims, self.rings)
 
+    def rings(self) -> tuple[Ring, ...]:
+        """Journals, necks and steps less bore and grooves; a groove is as long as a ring of its depth and volume."""
+        d = self.dims
+        return (
+            (d.lower_journal_radius, 0.0, d.journal_bottom_z, d.lower_neck_bottom_z),
+            (d.lower_neck_radius, 0.0, d.lower_neck_bottom_z, d.land_bottom_z),
+            (d.lower_land_radius, 0.0, d.land_bottom_z, d.wall_z),
+            (d.upper_land_radius, 0.0, d.wall_z, d.land_top_z),
+            (d.upper_neck_radius, 0.0, d.land_top_z, d.upper_neck_top_z),
+            (d.upper_journal_radius, 0.0, d.upper_neck_top_z, d.journal_top_z),
+            (0.0, d.bore_radius, d.journal_bottom_z, d.bore_top_z),
+            *(_groove_ring(groove) for groove in d.grooves),
+        )
+
     def volume_mm3(self) -> float:
         """Journals, necks and steps less bore, slit, slots and grooves."""
         d = self.dims
-        body = (
-            ring_mm3(d.lower_journal_radius, 0.0, d.lower_neck_bottom_z - d.journal_bottom_z)
-            + ring_mm3(d.lower_neck_radius, 0.0, d.land_bottom_z - d.lower_neck_bottom_z)
-            + ring_mm3(d.lower_land_radius, 0.0, d.wall_z - d.land_bottom_z)
-            + ring_mm3(d.upper_land_radius, 0.0, d.land_top_z - d.wall_z)
-            + ring_mm3(d.upper_neck_radius, 0.0, d.upper_neck_top_z - d.land_top_z)
-            + ring_mm3(d.upper_journal_radius, 0.0, d.journal_top_z - d.upper_neck_top_z)
-        )
-        bore = ring_mm3(d.bore_radius, 0.0, d.bore_top_z - d.journal_bottom_z)
         both = _strip_mm2(d.lower_journal_radius, d.slit_width)
         slit = both * (d.slit_top_z - d.journal_bottom_z)
         slit -= _strip_mm2(d.bore_radius, d.slit_width) * max(d.bore_top_z - d.journal_bottom_z, 0.0)
@@ -66,7 +77,7 @@ class InputPulley(MadePart):
             slit = len(d.horn.places) * ring_mm3(d.horn.clearance, 0.0, thick)
         if d.hub is not None:
             slit = ring_mm3(d.hub.thread / 2, 0.0, 2 * (d.lower_journal_radius - d.bore_radius))
-        return body - bore - slit - sum(map(_slot_mm3, d.slots)) - sum(groove.volume_mm3 for groove in d.grooves)
+        return rings_mm3(self.rings()) - slit - sum(map(_slot_mm3, d.slots))
 
     def in_views(self) -> InputPulley:
         """With rings in place of helical grooves, whose hidden lines take minutes to compute."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import cos, pi, sin
+from math import cos, sin
 from typing import TYPE_CHECKING
 
 from mbcdm_cad.parts.part import MadePart
@@ -11,7 +11,7 @@ from mbcdm_cad.parts.shapes import cut, turned
 from mbcdm_cad.parts.sheets.description import Linear, Sheet, View, X, Y, minus, mm
 from mbcdm_cad.parts.sheets.turned import ALONG_Z
 from mbcdm_cad.parts.threads import thread
-from mbcdm_cad.parts.volume import ring_mm3, segment_mm2
+from mbcdm_cad.parts.volume import Ring, rings_mm3, segment_mm2
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -133,12 +133,19 @@ class ThreadedTerminal(MadePart):
         ]
         return cut(body, sides, "terminal")
 
+    def rings(self) -> tuple[Ring, ...]:
+        """Swage with its bore, without its flats, and the stud."""
+        d = self.dims
+        swage, bore = (
+            (d.swage_radius, 0.0, d.swage_start, d.swage_end),
+            (0.0, d.bore_radius, d.swage_start, d.cable_end),
+        )
+        return (swage, bore, (d.stud_radius, 0.0, d.swage_end, d.tip))
+
     def volume_mm3(self) -> float:
         """Swage with its bore and flats, and the stud."""
         d = self.dims
-        swage = pi * d.swage_radius**2 - 2 * segment_mm2(d.swage_radius, d.flat)
-        bore = ring_mm3(d.bore_radius, 0.0, d.cable_end - d.swage_start)
-        return swage * (d.swage_end - d.swage_start) + ring_mm3(d.stud_radius, 0.0, d.tip - d.swage_end) - bore
+        return rings_mm3(self.rings()) - 2 * segment_mm2(d.swage_radius, d.flat) * (d.swage_end - d.swage_start)
 
     def sheet(self, part: str) -> Sheet:
         """Section along the axis, and the end with the flats."""

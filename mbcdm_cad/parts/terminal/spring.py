@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from mbcdm_cad.design.bought import SpringSpec
 from mbcdm_cad.parts.part import BoughtPart, StandardPart
 from mbcdm_cad.parts.shapes import one_solid, turned
-from mbcdm_cad.parts.volume import ring_mm3
+from mbcdm_cad.parts.volume import Ring, rings_mm3
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -33,9 +33,13 @@ class SeatWasher(StandardPart):
         inner, outer, high = self.inside / 2, self.outside / 2, self.thickness
         return turned([(inner, 0.0), (outer, 0.0), (outer, high), (inner, high)], "washer")
 
+    def rings(self) -> tuple[Ring, ...]:
+        """A plain ring."""
+        return ((self.outside / 2, self.inside / 2, 0.0, self.thickness),)
+
     def volume_mm3(self) -> float:
         """A plain ring."""
-        return ring_mm3(self.outside / 2, self.inside / 2, self.thickness)
+        return rings_mm3(self.rings())
 
     @property
     def designation(self) -> str:
@@ -49,6 +53,10 @@ class TerminalSpring(BoughtPart):
 
     entry: SpringSpec
     height: float
+
+    def rings(self) -> tuple[Ring, ...]:
+        """Its space between hole and outside."""
+        return ((self.entry.outside_mm / 2, self.entry.inside_mm / 2, 0.0, self.height),)
 
     def solid(self) -> cq.Solid:
         """A cone of even thickness, or wire along its helix."""

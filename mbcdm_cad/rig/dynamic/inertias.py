@@ -1,4 +1,4 @@
-"""Moments of inertia of the rotating parts: rotors from the catalogue, bodies of the routes from the configuration.
+"""Moments of inertia of the rotating parts: rotors from the catalogue, bodies of the routes from their parts.
 
 At the input the rotor counts with the square of the gearhead's ratio, which is far more than the pulleys.
 """
@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.rig.cables import routes_of
 from mbcdm_cad.routes.route import DriveRoutes
 
@@ -47,7 +48,10 @@ class Inertias:
 
 
 def inertias(drive: Drive) -> Inertias:
-    """Inertias of the moving parts of ``drive``."""
+    """Inertias of the moving parts of ``drive``. Raises ValueError where they have no form."""
     rotor = drive.motor.rotor_inertia_g_cm2 * _G_CM2
-    bodies = dict(drive.layout.inertias_kg_m2)
+    try:
+        bodies = dict(drive.layout.inertias_kg_m2)
+    except NoFigureError as error:
+        raise ValueError(str(error)) from None
     return Inertias(rotor, drive.reduction.ratio, bodies, routes_of(drive))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import pi, sqrt
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from mbcdm_cad.build.meshing import mesh_solid
 from mbcdm_cad.build.printability import overhang_mm2, thinnest_wall
 from mbcdm_cad.build.wider_holes import round_holes, with_wider_holes
 from mbcdm_cad.checks.built import overhang_check, printed_walls_check
+from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.loader import load_design, load_text
 from tests.support.checked import failing
 
@@ -73,6 +75,22 @@ def test_thinnest_wall_is_found_where_it_is() -> None:
     assert 0.0 <= wall.at_mm[0] <= 6.0
     tube = cq.Workplane("XY").circle(8.0).circle(7.1).extrude(12).val()
     assert thinnest_wall(_mesh(tube)).thickness_mm == pytest.approx(0.9, rel=0.02)  # type: ignore[union-attr]
+
+
+def test_no_wall_of_a_printed_drum_is_too_thin(printed) -> None:
+    """Its spigot on the bearing's inner ring is a cone: a ring beside the shaft would be 0.75 mm thick."""
+    drive, layout, bill = printed
+    d, least = layout.drum, drive.drum_material.min_wall_mm
+    assert d.spigot_radius - d.bore_radius < least <= d.spigot_root_radius - d.bore_radius
+    drum = bill.made["drum"]
+    solid = drum.solid()
+    assert drum.volume_mm3() == pytest.approx(solid.Volume(), rel=0.01)
+    wall = thinnest_wall(mesh_solid("drum", solid.wrapped, 0.05))
+    assert wall is None or wall.thickness_mm >= least - 1e-6, wall
+    narrow = replace(drive, drum=replace(drive.drum, hub_diameter_mm=2 * (d.bore_radius + least + 0.2)))
+    check = next(check for check in checks_of(narrow) if check.id == "hub_spigot")
+    found = check.measure(narrow.layout)
+    assert not found.holds and found.subject.startswith("wall of the printed spigot"), found
 
 
 def test_overhang_is_the_area_below_forty_five_degrees() -> None:

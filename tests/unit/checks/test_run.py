@@ -7,18 +7,20 @@ from dataclasses import replace
 from math import isfinite
 from pathlib import Path
 from textwrap import dedent
+from typing import Any
 
 import pytest
 import yaml
 from designs import put, reference, with_cable
 
+import mbcdm_cad
 from mbcdm_cad.checks.built import BUILD_IDS
 from mbcdm_cad.checks.result import CheckResult, failed
 from mbcdm_cad.design.blocks import Waiver
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError
-from mbcdm_cad.layouts.check_design import known_ids, run_checks
+from mbcdm_cad.layouts.check_design import checks_of, known_ids, run_checks
 from mbcdm_cad.layouts.loader import load_design, load_text, reference_data
 from mbcdm_cad.layouts.miso_bevel.checks import CHECKS
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
@@ -188,3 +190,35 @@ def test_remedies_stop_looking_for_figures_where_everything_fails(drive: Drive) 
     for text in unsearched:
         fields = [way.split()[-1] for way in text.split(" or ")]
         assert len(set(fields)) == len(fields), text
+
+
+@pytest.mark.parametrize("layout", ["miso_bevel", "siso_bevel", "siso_spur", "miso_spur"])
+def test_advice_names_fields_that_the_design_file_has(layout: str) -> None:
+    """What to choose is told by the field that states it; a check that no field corrects says nothing of choosing."""
+    schema = mbcdm_cad.schema(layout)
+    blocks = {name: _fields_of(schema, node) for name, node in schema["properties"].items()}
+    drive = mbcdm_cad.new_design("own", layout).loaded.drive
+    told = {c.id: c.advice for c in checks_of(drive) if isinstance(c.advice, str) and c.advice}
+    named = {check: re.findall(r"\b([a-z_]+)\.([a-z_]\w+)", text) for check, text in told.items()}
+    assert len(told) > 15, told
+    for check, fields in named.items():
+        assert fields or "choose" not in told[check], (check, told[check])
+        assert all(name in blocks.get(block, ()) for block, name in fields), (check, told[check])
+
+
+def _fields_of(schema: dict[str, Any], node: dict[str, Any]) -> set[str]:
+    """Names of the fields of a block of a JSON Schema."""
+    if "$ref" in node:
+        return _fields_of(schema, schema["$defs"][node["$ref"].rsplit("/", 1)[1]])
+    inner = [_fields_of(schema, one) for key in ("anyOf", "allOf", "oneOf") for one in node.get(key, ())]
+    return set(node.get("properties", ())).union(*inner)
+
+
+def test_bearings_are_named_by_the_field_that_states_them(drive: Drive) -> None:
+    """The bearing chosen as told passes."""
+    found = next(r for r in run_checks(drive) if r.id == "quiet_running")
+    rating = float(re.match(r"choose a guide.bearing of static rating ([\d.]+) N or more", found.remedy)[1])  # type: ignore[index]
+    stronger = replace(drive.bearings, guide=replace(drive.bearings.guide, static_rating_N=rating))
+    after = next(r for r in run_checks(replace(drive, bearings=stronger)) if r.id == "quiet_running")
+    assert after.actual is not None and found.actual is not None
+    assert (after.actual > found.actual and "guide" not in after.message.split(":")[0]) or after.status == "pass", after

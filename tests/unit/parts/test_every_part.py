@@ -8,6 +8,8 @@ from pathlib import Path
 import cadquery as cq
 import pytest
 
+from mbcdm_cad.build.kernel import measure
+from mbcdm_cad.build.mass import combined, item_mass
 from mbcdm_cad.build.meshing import mesh_solid
 from mbcdm_cad.build.validate import validate_solid
 from mbcdm_cad.layouts import registry
@@ -25,6 +27,12 @@ def bill_of(layout: str) -> Bill:
     """Bill of the reference design of a layout."""
     found: Bill = load_design(PARAMS / f"{FILES[layout]}.yaml").drive.layout.bill()
     return found
+
+
+@cache
+def solid_of(layout: str, name: str) -> cq.Solid:
+    """Solid of a part of that design."""
+    return bill_of(layout).parts[name].part.solid()
 
 
 def test_every_layout_has_its_reference_here() -> None:
@@ -46,7 +54,7 @@ def test_every_part_is_made_or_bought_as_its_items_say(layout: str) -> None:
 @pytest.mark.parametrize(("layout", "name"), EVERY)
 def test_a_made_part_is_what_it_says_of_itself(layout: str, name: str) -> None:
     part = bill_of(layout).made[name]
-    solid = part.solid()
+    solid = solid_of(layout, name)
     validate_solid(name, solid)
     drawn, said = solid.Volume(), part.volume_mm3()
     assert said == pytest.approx(drawn, rel=0.01), f"{name}: {said:.2f} mm^3, drawn {drawn:.2f}"
@@ -63,6 +71,17 @@ def test_a_made_part_is_what_it_says_of_itself(layout: str, name: str) -> None:
             f"{name}: {at} is {away:.4g} mm from the nearest face"
         )
         assert not axis or near.geomType() == "CYLINDER", f"{name}: {at} is on a {near.geomType()}"
+
+
+@pytest.mark.parametrize("layout", FILES)
+def test_what_turns_together_has_the_inertia_of_its_solids(layout: str) -> None:
+    """About each moving body's axis, of all parts but the smallest by their solids: `analyse` draws none of them."""
+    bill = bill_of(layout)
+    for body in load_design(PARAMS / f"{FILES[layout]}.yaml").drive.layout.moving_bodies:
+        items = [item for item in bill.items if item.group == body.name]
+        drawn = {item.part: measure(solid_of(layout, item.part)) for item in items}
+        solids = combined(item_mass(item, drawn[item.part]) for item in items).about_axis(body.axis, body.origin_mm)
+        assert bill.inertia_g_mm2(body) == pytest.approx(solids, rel=0.015), body.name
 
 
 @pytest.mark.parametrize(("layout", "name"), EVERY)

@@ -14,9 +14,10 @@ import pytest
 import mbcdm_cad
 from mbcdm_cad.api.design import DriveDesign
 from mbcdm_cad.layouts.check_design import checks_of
-from mbcdm_cad.layouts.turns import plain_modes, turns_of
+from mbcdm_cad.layouts.turns import modes_of, turns_of
 from mbcdm_cad.model.bulk import preload_table
 from mbcdm_cad.optimising.figures import Facts, figure
+from mbcdm_cad.report.analysis_report import above_gearhead
 from mbcdm_cad.report.data import design_figures
 from mbcdm_cad.report.design_columns import sweep
 from mbcdm_cad.report.page.content import derived
@@ -67,7 +68,7 @@ def outputs(design: DriveDesign) -> dict[str, Any]:
     }
     blocks["analyse"] = analysed
     blocks["report: analysis"] = report.pop("analysis")
-    blocks |= {f"report: {name}": report[name] for name in ("structure", "losses", "duty", "life", "paths")}
+    blocks |= {f"report: {name}": report[name] for name in ("structure", "torsion", "losses", "duty", "life", "paths")}
     found: dict[str, Any] = json.loads(json.dumps(blocks))
     return found
 
@@ -78,7 +79,7 @@ def test_a_name_that_stands_in_several_blocks_has_one_value(outputs: dict[str, A
         for name, value in lonely(block).items():
             seen.setdefault(name, []).append((where, value))
     shared = {name: places for name, places in seen.items() if len(places) > 1 and name not in OTHER_MEANING}
-    assert len(shared) > 20, sorted(shared)
+    assert len(shared) > 20 and "lowest_inputs_held_Hz" in shared, sorted(shared)
     differ = {n: places for n, places in shared.items() if max(v for _, v in places) != min(v for _, v in places)}
     wrong = {n: p for n, p in differ.items() if p[0][1] != pytest.approx(p[1][1], rel=1e-8)}
     assert not wrong, wrong
@@ -146,6 +147,28 @@ def test_slip_of_a_continuous_cable_is_one_figure(design: DriveDesign, outputs: 
     assert f"{min(limits):.3f} N m" in design.analyse().text()
 
 
+def test_a_peak_torque_above_a_rating_of_the_gearhead_is_told(design: DriveDesign) -> None:
+    """What motor and cables allow may be more than the gearhead holds."""
+    report = design.analyse()
+    limits, text = report.figures.limits, " ".join(report.text().split())
+    for called, peaks in (
+        ("without losses", report.figures.peak_torque_lossless_Nm),
+        ("with losses", report.figures.peak_torque_with_losses_Nm),
+    ):
+        own = {
+            x.direction: peak for x in limits for way, peak in zip((1, -1), peaks, strict=True) if x.direction == way
+        }
+        above = [x for x in limits if x.cause.startswith("gearhead") and x.torque_Nm < own[x.direction] * (1 - 1e-9)]
+        assert (f"the peak torque {called}, " in text) == bool(above), (called, above)
+    half = [replace(x, torque_Nm=x.torque_Nm / 2) if x.cause == "gearhead_maximum" else x for x in limits]
+    maximum = [x.torque_Nm for x in half if x.cause == "gearhead_maximum"]
+    if maximum:
+        told = list(above_gearhead(half, "peak torque", (9e9, 9e9)))
+        assert told == [
+            f"the peak torque, {9e9:.3f} N m, is above gearhead, intermittent, {min(maximum):.3f} N m, which forbids it"
+        ]
+
+
 def test_slack_is_one_figure(design: DriveDesign, outputs: dict[str, Any]) -> None:
     """The limit of analyse is the peak torque at which the check begins to fail, with the wraps that are there."""
     drive = design.loaded.drive
@@ -172,7 +195,7 @@ def test_the_page_prints_these_figures(design: DriveDesign, outputs: dict[str, A
     """Its derived values, and the curves of a comparison."""
     drive = design.loaded.drive
     layout = drive.layout
-    modes = plain_modes(layout)
+    modes = modes_of(layout)
     torsion = {"inputs_free_Hz": list(modes.inputs_free_Hz)} | {
         name: getattr(modes, name) for name in ("lowest_inputs_held_Hz", "cables_alone_Hz")
     }

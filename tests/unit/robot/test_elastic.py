@@ -13,7 +13,7 @@ import pytest
 from mbcdm_cad.design.as_built import with_as_built
 from mbcdm_cad.design.blocks import AsBuilt, AsBuiltValue, Payload
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.layouts.turns import plain_modes
+from mbcdm_cad.layouts.turns import modes_of
 from mbcdm_cad.model import analyse
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
 from mbcdm_cad.rig.quasistatic.simulate import simulate
@@ -155,7 +155,7 @@ def test_a_payload_rings_at_the_mode_of_cables_and_parts(model: Any, soft: Elast
     rotors = 81.0 * sum(model.dof_armature[model.joint(f"input_{side}").dofadr[0]] for side in ("left", "right"))
     expected = np.sqrt((1.0 / heavy + 1.0 / rotors) / give) / 2.0 / np.pi
     assert found == pytest.approx(expected, rel=0.03), (found, expected)
-    page = plain_modes(carrying(loaded.drive, heavy).layout).inputs_free_Hz
+    page = modes_of(carrying(loaded.drive, heavy).layout).inputs_free_Hz
     assert min(abs(found / mode - 1.0) for mode in page) < 0.03, (found, page)
 
 

@@ -14,7 +14,7 @@ import pytest
 
 from mbcdm_cad.design.blocks import Payload
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.layouts.turns import plain_modes
+from mbcdm_cad.layouts.turns import modes_of
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
 from mbcdm_cad.rig.quasistatic.simulate import simulate
 from mbcdm_cad.robot.elastic import ElasticDrive, elastic_drive
@@ -202,7 +202,7 @@ def test_the_payload_rings_at_the_mode_of_cables_and_parts(reference: Exported) 
     assert found == pytest.approx(expected, rel=0.05), (found, expected)
     drive = reference.drive
     loads = replace(drive.loads, payload=Payload(inertia_kg_m2=heavy))
-    page = plain_modes(replace(drive, loads=loads).layout).inputs_free_Hz
+    page = modes_of(replace(drive, loads=loads).layout).inputs_free_Hz
     assert min(abs(found / mode - 1.0) for mode in page) < 0.03, (found, page)
 
 
@@ -219,5 +219,5 @@ def test_two_rotors_swing_against_each_other_at_the_lowest_mode_of_the_page(refe
     seen = left - right
     spectrum = np.abs(np.fft.rfft((seen - seen.mean()) * np.hanning(seen.size), 1 << 16))
     found = float(np.fft.rfftfreq(1 << 16, STEP_S)[spectrum.argmax()])
-    lowest = plain_modes(reference.drive.layout).inputs_free_Hz[0]
+    lowest = modes_of(reference.drive.layout).inputs_free_Hz[0]
     assert found == pytest.approx(lowest, rel=0.05), (found, lowest)

@@ -15,13 +15,13 @@ from mbcdm_cad.checks.bearings import (
     COUPLING_RUNOUT,
     DRUM_BEARINGS,
     INPUT_BEARINGS,
-    LARGER,
     LESS,
     QUIET_SAFETY,
     RATING,
     STATIC_SAFETY,
     drum_safety,
     input_safety,
+    larger,
     quiet,
     safety,
 )
@@ -69,7 +69,14 @@ def quiet_running(s: BevelLayout) -> Comparison:
 
 BEARINGS = (
     INPUT_BEARINGS,
-    Check("guide_bearings", "Guide's bearings carry the cables", RATING, guide_bearings, adjust=LESS, advice=LARGER),
+    Check(
+        "guide_bearings",
+        "Guide's bearings carry the cables",
+        RATING,
+        guide_bearings,
+        adjust=LESS,
+        advice=larger(guide_bearings, STATIC_SAFETY),
+    ),
     DRUM_BEARINGS,
     quiet(quiet_running),
     BEARING_SPACING,

@@ -263,7 +263,7 @@ CHECKS = (
             up("support.top_plate_mm"),
             up("drum.hub_diameter_mm"),
         ),
-        advice="choose longer screws",
+        advice="choose a drive.gearhead or drive.encoder with longer screws",
     ),
     Check(
         "dowel_engagement",
@@ -277,7 +277,7 @@ CHECKS = (
         "Gearhead has two to four screws, encoders two",
         "what frame and plate are drilled for",
         screw_counts,
-        advice="choose a gearhead of two to four screws and encoders of two",
+        advice="choose a drive.gearhead of two to four screws and a drive.encoder of two",
     ),
     Check(
         "key_access",

@@ -275,7 +275,7 @@ CHECKS = (
         _WALL,
         front_wall,
         adjust=(up("all radii of transmission"),),
-        advice="choose smaller bearings",
+        advice="choose a smaller input_pulleys.lower_bearing or drum.bearing",
     ),
     Check(
         "side_wall", "Side walls carry the plate screws' heads", _WALL, side_wall, adjust=(up("support.side_wall_mm"),)
@@ -319,6 +319,6 @@ CHECKS = (
         _WALL.replace("wall", "internal_radius"),
         corner_radii,
         adjust=(down("support.back_y_mm"),),
-        advice="choose a material of smaller internal radius",
+        advice="choose a support.material of smaller internal radius",
     ),
 )

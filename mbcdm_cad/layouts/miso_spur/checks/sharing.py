@@ -43,6 +43,6 @@ CHECKS = (
         sharing,
         "warn",
         adjust=(up("rope.preload_N"), down("loads.peak_torque_Nm")),
-        advice="give all cables the same preload",
+        advice="leave out preload_N of single entries of cables, so that rope.preload_N is that of all",
     ),
 )

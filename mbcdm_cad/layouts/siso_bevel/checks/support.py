@@ -174,7 +174,7 @@ CHECKS = (
         "clearances.running_mm",
         encoder_room,
         adjust=_DEEPER,
-        advice="choose a smaller encoder",
+        advice="choose a smaller drive.encoder",
     ),
     Check(
         "mounts",
@@ -182,7 +182,7 @@ CHECKS = (
         "heads of ISO 4762; 0.5 mm: estimate",
         mounts,
         adjust=(up("all radii of transmission"),),
-        advice="choose a shorter encoder",
+        advice="choose a shorter drive.encoder",
     ),
     Check(
         "flange",

@@ -12,7 +12,7 @@ from math import exp, hypot
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.checks.bearings import LARGER, LESS, RATING, STATIC_SAFETY, safety
+from mbcdm_cad.checks.bearings import LESS, RATING, STATIC_SAFETY, larger, safety
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.drum_outline import drum_zones
@@ -211,7 +211,7 @@ CHECKS = (
         RATING,
         bearings,
         adjust=LESS,
-        advice=LARGER,
+        advice=larger(bearings, STATIC_SAFETY),
         applies=has_idlers,
     ),
     Check(

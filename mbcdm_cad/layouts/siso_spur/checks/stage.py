@@ -216,8 +216,8 @@ CHECKS = (
         "Shaft of motor or gearhead carries belt or teeth",
         "gearhead or motor catalogue: radial_load_N",
         shaft_load,
-        advice="raise stage.driver_teeth, which pulls less for the same torque, or choose a gearhead with a larger "
-        "radial_load_N",
+        advice="raise stage.driver_teeth, which pulls less for the same torque, or choose a drive.gearhead with a "
+        "larger radial_load_N",
         applies=_has_stage,
     ),
     Check(

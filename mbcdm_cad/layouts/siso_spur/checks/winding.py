@@ -9,7 +9,7 @@ this creep does not accumulate. If the travel unwinds that part, the cable moves
 from __future__ import annotations
 
 from itertools import pairwise
-from math import acos, ceil, degrees, log, tau
+from math import asin, ceil, degrees, log, tau
 
 import numpy as np
 
@@ -155,7 +155,8 @@ def fleet_angle(s: SpurLayout) -> Comparison:
             if not (free.startswith("span") and wound.startswith(_WOUND)):
                 continue
             along = span.tangent(0.5)
-            off = acos(min(1.0, abs(float(along @ wrap.tangent(end)))))
+            # By the sine, which is exact where both run the same way.
+            off = asin(min(1.0, float(np.linalg.norm(np.cross(along, wrap.tangent(end))))))
             # On a smooth input only friction holds the turns at their helix angle.
             turned = off if grooved or wound != ON_INPUT[0] else float(np.arcsin(abs(along[1])))
             found.append(

@@ -26,7 +26,7 @@ from mbcdm_cad.parts.part import MadePart
 from mbcdm_cad.parts.shapes import block, cut, cylinder_y
 from mbcdm_cad.parts.sheets.description import FitLine, Holes, Linear, Sheet, View, X, Y, Z, minus
 from mbcdm_cad.parts.sheets.holes import THROUGH, hole_labels, hole_table, position_table
-from mbcdm_cad.parts.volume import CORNER, disc_kg_m2, ring_mm3
+from mbcdm_cad.parts.volume import CORNER, ring_mm3
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -148,16 +148,6 @@ def axle(drive: SpurDrive, stand: StandDims, levels: SpurStack, own: IdlerDims) 
         collar_top_z=own.bottom_z,
         spacer_bottom_z=own.top_z,
         spacer_top_z=stand.strap_back_y - END_PLAY_MM,
-    )
-
-
-def idler_inertia_kg_m2(drive: SpurDrive, own: IdlerDims) -> float:
-    """Inertia of one idler about its axis, bored for its bearings over the whole length, kg m2."""
-    ends = (own.bottom_z, *own.walls_z, own.top_z)
-    density = drive.drum_material.density_g_cm3
-    return sum(
-        disc_kg_m2(density, high - low, radius, own.seat_radius)
-        for radius, low, high in zip(own.surface_radii, ends[:-1], ends[1:], strict=True)
     )
 
 
