@@ -152,7 +152,7 @@ class Collar(MadePart):
             "collar",
         )
 
-    def rings(self) -> tuple[Ring, ...]:
+    def in_rings(self) -> tuple[Ring, ...]:
         """Its ring, whole."""
         return ((self.dims.radius, self.dims.bore_radius, self.dims.bottom_z, self.dims.top_z),)
 
@@ -172,7 +172,7 @@ class Collar(MadePart):
         flat = float(np.maximum(np.sqrt(np.maximum(d.radius**2 - x**2, 0.0)) - d.head_seat, 0.0).mean()) * (
             d.radius - edge
         )
-        return rings_mm3(self.rings()) - slit - hole - max(flat, 0.0) * width
+        return rings_mm3(self.in_rings()) - slit - hole - max(flat, 0.0) * width
 
     def sheet(self, part: str) -> Sheet:
         """View along the axis, section through the bore, and a view onto the screw's seat."""

@@ -127,7 +127,7 @@ class DrumShaft(MadePart):
         origin, y = cq.Vector(0.0, 0.0, 0.0), cq.Vector(0.0, 1.0, 0.0)
         return cut(body, [box.rotate(origin, y, deg) for deg in dims.flat_angles_deg], "drum shaft")
 
-    def rings(self) -> tuple[Ring, ...]:
+    def in_rings(self) -> tuple[Ring, ...]:
         """Hollow shaft with its flange, without its flats."""
         d = self.dims
         flange = (d.flange_radius, d.radius, d.flange_start_y, d.flange_end_y)
@@ -135,11 +135,11 @@ class DrumShaft(MadePart):
 
     def gyration(self) -> Gyration:
         """About Y."""
-        return gyration(self.rings(), (0.0, 1.0, 0.0))
+        return gyration(self.in_rings(), (0.0, 1.0, 0.0))
 
     def volume_mm3(self) -> float:
         """Hollow shaft with its flange."""
-        return rings_mm3(self.rings()) - 2 * segment_mm2(self.dims.radius, self.dims.flat) * self.dims.flat_length
+        return rings_mm3(self.in_rings()) - 2 * segment_mm2(self.dims.radius, self.dims.flat) * self.dims.flat_length
 
     def sheet(self, part: str) -> Sheet:
         """Section along the axis, and the side with the flats."""

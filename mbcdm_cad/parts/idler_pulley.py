@@ -66,7 +66,7 @@ class IdlerPulley(MadePart):
         ]
         return turned(outside + inside, "idler pulley")
 
-    def rings(self) -> tuple[Ring, ...]:
+    def in_rings(self) -> tuple[Ring, ...]:
         """Its steps less seats and bore."""
         d = self.dims
         levels = [d.bottom_z, *d.walls_z, d.top_z]
@@ -81,7 +81,7 @@ class IdlerPulley(MadePart):
 
     def volume_mm3(self) -> float:
         """Idler pulley: its steps less seats and bore."""
-        return rings_mm3(self.rings())
+        return rings_mm3(self.in_rings())
 
     def sheet(self, part: str) -> Sheet:
         """Section along the axis; the steps as a table from end A, the lower end."""

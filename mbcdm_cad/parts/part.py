@@ -26,13 +26,13 @@ class Part(ABC):
     def solid(self) -> cq.Solid:
         """One solid in the part's own frame, mm. Raises ``ValueError`` where the dimensions give none."""
 
-    def rings(self) -> tuple[Ring, ...]:
+    def in_rings(self) -> tuple[Ring, ...]:
         """Its volume as rings on its axis, Z unless :meth:`gyration` says another; of a part that turns with others."""
         return ()
 
     def gyration(self) -> Gyration:
         """How its volume lies about its axis, within 1 % of the solid's where the part is large in its group."""
-        return gyration(self.rings())
+        return gyration(self.in_rings())
 
 
 class HasSource(Protocol):

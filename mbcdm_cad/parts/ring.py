@@ -33,13 +33,13 @@ class Sleeve(MadePart):
         bore_radius, radius, length = self.bore_radius, self.radius, self.length
         return turned([(bore_radius, 0.0), (radius, 0.0), (radius, length), (bore_radius, length)], "sleeve")
 
-    def rings(self) -> tuple[Ring, ...]:
+    def in_rings(self) -> tuple[Ring, ...]:
         """Sleeve."""
         return ((self.radius, self.bore_radius, 0.0, self.length),)
 
     def volume_mm3(self) -> float:
         """Sleeve."""
-        return rings_mm3(self.rings())
+        return rings_mm3(self.in_rings())
 
     def sheet(self, part: str) -> Sheet:
         """Stop, after it is swaged on the cable's end."""
@@ -72,7 +72,7 @@ class Nut(StandardPart):
         across_flats, height, thread = self.across_flats, self.height, self.thread
         return cut(hexagon_z(across_flats, 0.0, height), [cylinder_z(thread / 2, 0, 0, -1.0, height + 1.0)], "nut")
 
-    def rings(self) -> tuple[Ring, ...]:
+    def in_rings(self) -> tuple[Ring, ...]:
         """As round as a circle that is wider than its flats by a twentieth: of the hexagon's area."""
         return ((1.05 * self.across_flats / 2, self.thread / 2, 0.0, self.height),)
 
@@ -106,7 +106,7 @@ class PlainPin(Part):
             "pin",
         )
 
-    def rings(self) -> tuple[Ring, ...]:
+    def in_rings(self) -> tuple[Ring, ...]:
         """Pin without its chamfers."""
         return ((self.radius, 0.0, 0.0, self.length),)
 

@@ -50,7 +50,7 @@ class WheelSpec:
         """What to buy; the mass is that of the volume."""
         return f"{self.name}; mass: estimate from its volume"
 
-    def rings(self) -> tuple[Ring, ...]:
+    def in_rings(self) -> tuple[Ring, ...]:
         """Body and hub less the bore; teeth count by the drawn radius."""
         top, edge = self.width, FLANGE_WIDTH_MM
         rims = ((self.flange, self.drawn, 0.0, edge), (self.flange, self.drawn, top - edge, top))
@@ -60,7 +60,7 @@ class WheelSpec:
     @property
     def volume_mm3(self) -> float:
         """Of its rings."""
-        return rings_mm3(self.rings())
+        return rings_mm3(self.in_rings())
 
 
 @dataclass(frozen=True)
@@ -69,9 +69,9 @@ class Wheel(BoughtPart):
 
     entry: WheelSpec
 
-    def rings(self) -> tuple[Ring, ...]:
+    def in_rings(self) -> tuple[Ring, ...]:
         """Those of its body."""
-        return self.entry.rings()
+        return self.entry.in_rings()
 
     def solid(self) -> cq.Solid:
         """Turned body; teeth are not drawn."""

@@ -78,7 +78,7 @@ class BearingBody(BoughtPart):
 
     entry: Bearing
 
-    def rings(self) -> tuple[Ring, ...]:
+    def in_rings(self) -> tuple[Ring, ...]:
         """Both rings and what is between them."""
         b = self.entry
         shield, back = (b.inner_shoulder_mm / 2, b.outer_shoulder_mm / 2), min(0.2, b.width_mm / 8)
@@ -278,7 +278,7 @@ class ScrewBody(BoughtPart):
 
     entry: Screw
 
-    def rings(self) -> tuple[Ring, ...]:
+    def in_rings(self) -> tuple[Ring, ...]:
         """Thread and head."""
         screw = self.entry
         head = (screw.head_diameter_mm / 2, 0.0, 0.0, screw.head_height_mm)

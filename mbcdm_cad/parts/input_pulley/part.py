@@ -52,7 +52,7 @@ class InputPulley(MadePart):
 
         return create_input_pulley(self.dims, self.rings)
 
-    def rings(self) -> tuple[Ring, ...]:
+    def in_rings(self) -> tuple[Ring, ...]:
         """Journals, necks and steps less bore and grooves; a groove is as long as a ring of its depth and volume."""
         d = self.dims
         return (
@@ -77,7 +77,7 @@ class InputPulley(MadePart):
             slit = len(d.horn.places) * ring_mm3(d.horn.clearance, 0.0, thick)
         if d.hub is not None:
             slit = ring_mm3(d.hub.thread / 2, 0.0, 2 * (d.lower_journal_radius - d.bore_radius))
-        return rings_mm3(self.rings()) - slit - sum(map(_slot_mm3, d.slots))
+        return rings_mm3(self.in_rings()) - slit - sum(map(_slot_mm3, d.slots))
 
     def in_views(self) -> InputPulley:
         """With rings in place of helical grooves, whose hidden lines take minutes to compute."""

@@ -133,7 +133,7 @@ class ThreadedTerminal(MadePart):
         ]
         return cut(body, sides, "terminal")
 
-    def rings(self) -> tuple[Ring, ...]:
+    def in_rings(self) -> tuple[Ring, ...]:
         """Swage with its bore, without its flats, and the stud."""
         d = self.dims
         swage, bore = (
@@ -145,7 +145,7 @@ class ThreadedTerminal(MadePart):
     def volume_mm3(self) -> float:
         """Swage with its bore and flats, and the stud."""
         d = self.dims
-        return rings_mm3(self.rings()) - 2 * segment_mm2(d.swage_radius, d.flat) * (d.swage_end - d.swage_start)
+        return rings_mm3(self.in_rings()) - 2 * segment_mm2(d.swage_radius, d.flat) * (d.swage_end - d.swage_start)
 
     def sheet(self, part: str) -> Sheet:
         """Section along the axis, and the end with the flats."""

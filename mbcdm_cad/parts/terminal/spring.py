@@ -33,13 +33,13 @@ class SeatWasher(StandardPart):
         inner, outer, high = self.inside / 2, self.outside / 2, self.thickness
         return turned([(inner, 0.0), (outer, 0.0), (outer, high), (inner, high)], "washer")
 
-    def rings(self) -> tuple[Ring, ...]:
+    def in_rings(self) -> tuple[Ring, ...]:
         """A plain ring."""
         return ((self.outside / 2, self.inside / 2, 0.0, self.thickness),)
 
     def volume_mm3(self) -> float:
         """A plain ring."""
-        return rings_mm3(self.rings())
+        return rings_mm3(self.in_rings())
 
     @property
     def designation(self) -> str:
@@ -54,7 +54,7 @@ class TerminalSpring(BoughtPart):
     entry: SpringSpec
     height: float
 
-    def rings(self) -> tuple[Ring, ...]:
+    def in_rings(self) -> tuple[Ring, ...]:
         """Its space between hole and outside."""
         return ((self.entry.outside_mm / 2, self.entry.inside_mm / 2, 0.0, self.height),)
 
