@@ -34,6 +34,8 @@ _SLOWER = LAST | NOTED | LONG | BOX
 STAGE = 200.0
 # Violation of a point that gives no drive.
 NO_DRIVE = 1000.0
+# Between the name of an aim and the reason why a design cannot be compared with others.
+NO_FIGURE = ": no figure, "
 # Beginning of the reason of a point that shows a fault of this program.
 FAULT = "fault of the program: "
 
@@ -42,8 +44,9 @@ FAULT = "fault of the program: "
 class Evaluated:
     """One evaluated point, plain data.
 
-    ``failing``: the checks and keeps that it misses, each with its share of ``violation``; ``refused``: why it is no
-    drive; ``figures`` and ``fields`` (of its file, by dotted name) of a design that passes.
+    ``failing``: the checks and keeps that it misses, and the aims of which it has no figure, each with its share of
+    ``violation``; ``refused``: why it is no drive; ``figures`` and ``fields`` (of its file, by dotted name) of a design
+    that passes.
     """
 
     failing: tuple[tuple[str, float], ...] = ()
@@ -66,7 +69,7 @@ class Evaluated:
 
 
 def _stage(name: str) -> int:
-    """The stage of a check, or of a keep as text."""
+    """The stage of a check, of a keep as text, or of an aim without a figure."""
     figure, _, limit = name.partition(":")
     if figure in BY_ELEMENTS or percentile_of(figure) is not None:
         return ELEMENTS
@@ -85,19 +88,20 @@ def evaluate(question: Question, point: Point, keeps: Sequence[Keep], names: Seq
         try:
             data, moved = question.trial(point)
             found = question.resolve(data, moved, first=True)
-            failing = _missed_early(found, keeps)
+            facts = facts_of(found)
+            failing = _missed_early(facts, keeps, names)
             if failing:
                 return Evaluated(failing)
             if moved or (question.file.sizing is not None and question.file.sizing.has_first):
                 data = stated(data, moved, found)
                 as_stated = question.resolve(data, {})
                 if as_stated.design != found.design:
-                    found = as_stated
-                    failing = _missed_early(found, keeps)
-            failing = failing or _missed(found, keeps, ELEMENTS)
+                    facts = facts_of(as_stated)
+                    failing = _missed_early(facts, keeps, names)
+            failing = failing or _missed(facts, keeps, names, ELEMENTS)
             if failing:
                 return Evaluated(failing)
-            return _figures(found, data, names, keeps)
+            return _figures(facts, data, names, keeps)
         except InputError as error:
             return Evaluated(refused=str(error.problems[0].what))
         except (MbcdmError, NoFigureError) as error:
@@ -106,23 +110,31 @@ def evaluate(question: Question, point: Point, keeps: Sequence[Keep], names: Seq
             return Evaluated(refused=f"{FAULT}{type(error).__name__}: {error}")
 
 
-def _missed_early(found: Resolved, keeps: Sequence[Keep]) -> tuple[tuple[str, float], ...]:
-    return _missed(found, keeps, QUICK) or _missed(found, keeps, SLOWER)
+_Missed = tuple[tuple[str, float], ...]
 
 
-def _missed(found: Resolved, keeps: Sequence[Keep], stage: int) -> tuple[tuple[str, float], ...]:
-    """The checks of a stage that fail and are not waived; if there are none, its keeps that are missed."""
-    drive = found.drive
+def _missed_early(facts: Facts, keeps: Sequence[Keep], names: Sequence[str]) -> _Missed:
+    return _missed(facts, keeps, names, QUICK) or _missed(facts, keeps, names, SLOWER)
+
+
+def _missed(facts: Facts, keeps: Sequence[Keep], names: Sequence[str], stage: int) -> _Missed:
+    """The checks of a stage that fail and are not waived; if there are none, its keeps that are missed.
+
+    A design without a figure of an aim cannot be compared with others: that counts as a keep that is missed.
+    """
+    drive = facts.drive
     asked = [
         check
-        for check in checks_of(drive)
+        for check in facts.checks.values()
         if _stage(check.id) == stage and must_hold(check) and drive.waiver(check.id) is None
     ]
     misses = [(check.id, missed(check, drive.layout)) for check in asked]
     own = [keep for keep in keeps if _stage(str(keep)) == stage]
-    if own and not any(miss for _, miss in misses):
-        facts = facts_of(found)
+    aims = [name for name in names if _stage(name + NO_FIGURE) == stage]
+    if not any(miss for _, miss in misses):
         misses = [(str(keep), _short(keep, figure(facts, keep.figure))) for keep in own]
+        lacking = [name for name in aims if not np.isfinite(figure(facts, name))]
+        misses += [(name + NO_FIGURE + facts.reasons.get(name, "the file has no such number"), 1.0) for name in lacking]
     return tuple((name, float(f"{miss:.9g}")) for name, miss in misses if miss)
 
 
@@ -140,12 +152,7 @@ def facts_of(found: Resolved) -> Facts:
     return Facts(drive, checks, found.sizing.data if found.sizing is not None else found.design.model_dump())
 
 
-def _figures(found: Resolved, data: Mapping[str, Any], names: Sequence[str], keeps: Sequence[Keep]) -> Evaluated:
-    facts = facts_of(found)
+def _figures(facts: Facts, data: Mapping[str, Any], names: Sequence[str], keeps: Sequence[Keep]) -> Evaluated:
     figures = {name: figure(facts, name) for name in dict.fromkeys([*FIGURES, *names, *(k.figure for k in keeps)])}
     known = {name: value for name, value in figures.items() if np.isfinite(value)}
-    missing = [name for name in names if name not in known]
-    if missing:
-        reason = facts.reasons.get(missing[0], "this design has no such figure")
-        return Evaluated(refused=f"{missing[0]}: {reason}")
     return Evaluated((), "", known, dict(leaves(data)))

@@ -172,6 +172,8 @@ class Optimum:
                 fails = f" (fails {', '.join(other.failing)})" if other.failing else ""
                 yield from filled(f"  beside it {other.name}{fails}: {', '.join(shown)}", width)
             yield from self._binding_lines(width)
+        for reason, count in s.left_out.items():
+            yield from filled(f"{count} designs left out for an aim that they do not have: {reason}", width)
         if s.faults:
             yield from filled(f"{len(s.faults)} points ended in a fault, the first: {s.faults[0]}", width)
 
@@ -216,6 +218,7 @@ class Optimum:
             "beside": [{"name": o.name, "figures": dict(o.figures), "failing": list(o.failing)} for o in self.beside],
             "binding": self.binding(),
             "failing": dict(s.failing),
+            "left_out": dict(s.left_out),
             "hypervolume": [{"evaluated": count, "volume": float(f"{volume:.9g}")} for count, volume in s.curve],
             "faults": list(s.faults),
         }

@@ -16,7 +16,7 @@ import numpy as np
 
 from mbcdm_cad.errors import OutputError
 from mbcdm_cad.optimising.engine import Engine
-from mbcdm_cad.optimising.evaluate import FAULT, Evaluated, evaluate
+from mbcdm_cad.optimising.evaluate import FAULT, NO_FIGURE, Evaluated, evaluate
 from mbcdm_cad.optimising.front import front_of, hypervolume, reference_of
 from mbcdm_cad.optimising.journal import Journal, Record
 from mbcdm_cad.optimising.variables import Values, Variable, point_of
@@ -47,7 +47,8 @@ class Searched:
     """All points in order, the rows of the front, and why the search ended.
 
     ``curve``: (points evaluated, hypervolume of the front) after each round, against one reference point; ``grown``:
-    the share by which it grew in the last :data:`ROUNDS` rounds, None while there are fewer.
+    the share by which it grew in the last :data:`ROUNDS` rounds, None while there are fewer. ``failing``: how often
+    each check failed and each keep was missed; ``left_out``: why an aim had no figure, and of how many designs.
     """
 
     wishes: Wishes
@@ -60,6 +61,7 @@ class Searched:
     refused: Mapping[str, int] = field(default_factory=dict)
     faults: tuple[str, ...] = ()
     grown: float | None = None
+    left_out: Mapping[str, int] = field(default_factory=dict)
 
     @property
     def passing(self) -> int:
@@ -238,7 +240,7 @@ class FrontSearch:
         rounds = [*self._fronts]
         if not rounds or rounds[-1][0] < len(self.tried):
             rounds.append((len(self.tried), front))
-        failing = counted(name for one in self.tried for name, _ in one.result.failing)
+        missed = counted(name for one in self.tried for name, _ in one.result.failing)
         refused = counted(one.result.refused for one in self.tried if one.result.refused)
         faults = dict.fromkeys(one.result.refused for one in self.tried if one.result.refused.startswith(FAULT))
         return Searched(
@@ -248,10 +250,11 @@ class FrontSearch:
             tuple(self._curve(rounds)),
             stopped,
             stopped not in (INTERRUPTED, TIME),
-            failing,
+            {name: count for name, count in missed.items() if NO_FIGURE not in name},
             refused,
             tuple(faults),
             self._grown,
+            {name: count for name, count in missed.items() if NO_FIGURE in name},
         )
 
 

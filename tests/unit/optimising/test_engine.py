@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from mbcdm_cad.optimising.front import front_of, hypervolume
 from mbcdm_cad.optimising.variables import RULE, Variable, first_values, point_of, variables_of
 from mbcdm_cad.optimising.wishes import wishes_of
 from mbcdm_cad.routes import Floats
-from mbcdm_cad.solving.question import Fixed, Times, question_of
+from mbcdm_cad.solving.question import Fixed, Times, question_of, read_question
 
 
 def run(
@@ -87,6 +88,10 @@ def test_what_needs_no_mesh_is_judged_before_any(monkeypatch: pytest.MonkeyPatch
     small = evaluate(question, {}, wishes_of(["mass_g:min"], ["box_x_mm:<=50"]).keeps, named)
     assert [name for name, _ in small.failing] == ["box_x_mm:<=50"], small
     assert "a mesh is solved" in evaluate(question, {}, (), named).refused
+    # A strand that no test tells the life of: it passes every check, and is left out with the reason all the same.
+    strand = read_question(Path(__file__).parents[3] / "params" / "optimum" / "paper-stiff-42.yaml")
+    (lacking,) = evaluate(strand, {}, (), ("mass_g", "life_cycles")).failing
+    assert lacking[0].startswith("life_cycles: no figure, ") and "D/d" in lacking[0], lacking
     stages = [Evaluated((("swing_mrad:<=0.1", 0.9), ("drum_stress", 4.0))), small, Evaluated((("bend_ratio", 1.0),))]
     violations = [one.violation for one in stages]
     assert violations == sorted(violations), violations

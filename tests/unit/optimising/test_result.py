@@ -30,6 +30,14 @@ def test_warnings_of_the_front_are_named() -> None:
     assert "warnings" not in without.text()
 
 
+def test_why_designs_were_left_out_is_said_in_text_page_and_plain_data() -> None:
+    reason = "life_cycles: no figure, no test of this rope is known"
+    found = replace(optimum(), searched=replace(optimum().searched, left_out={reason: 4}))
+    told = f"4 designs left out for an aim that they do not have: {reason}"
+    assert told in found.text() and told in optimum_page(found).decode()
+    assert found.to_dict()["left_out"] == {reason: 4}
+
+
 def test_plain_data_holds_the_front_with_patches() -> None:
     data = json.loads(json.dumps(optimum().to_dict(), allow_nan=False))
     assert [point["figures"] for point in data["front"]] == FIGURES

@@ -89,6 +89,21 @@ def test_more_evaluations_go_on_from_those_before(tmp_path: Path) -> None:
     assert len(longer.tried) == 150 and (tmp_path / "a.jsonl").read_bytes().startswith(before)
 
 
+def test_designs_without_a_figure_of_an_aim_are_left_out_and_counted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    reason = "swing: no figure, no answer"
+
+    def lacks(question: Question, point: Point, *rest: object) -> Evaluated:
+        found = stand_in(question, point, (), ())
+        return Evaluated(((reason, 1.0),)) if found.passes and point.get("kind") == Fixed("x") else found
+
+    monkeypatch.setattr(searching, "evaluate", lacks)
+    found = searched(tmp_path / "a.jsonl", 60)
+    assert found.left_out[reason] == sum(one.result.failing == ((reason, 1.0),) for one in found.tried) > 0
+    assert reason not in found.failing and {found.tried[row].values["kind"] for row in found.front} == {"y"}
+
+
 def test_it_ends_when_the_front_no_longer_grows(tmp_path: Path) -> None:
     found = searched(tmp_path / "a.jsonl", None)
     assert "(limit 0.5%)" in found.stopped and found.finished, found.stopped
