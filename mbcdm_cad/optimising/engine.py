@@ -1,6 +1,7 @@
 """The engine that proposes points: NSGA-II of pymoo for numbers and choices together, by ask and tell.
 
-It proposes ten times the points of a generation; a surrogate model preselects those that are evaluated.
+It proposes ten times the points of a generation; a surrogate model preselects those that are evaluated. A quarter of a
+generation are scouts, which try options that no good design has.
 
 A proposal depends on the seed and on what the engine was told, and on nothing else.
 """
@@ -12,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from mbcdm_cad.optimising.scouts import Scouts
 from mbcdm_cad.optimising.surrogate import Surrogate
 from mbcdm_cad.optimising.variables import Values, Variable, first_values
 from mbcdm_cad.routes import Floats
@@ -24,6 +26,8 @@ CHANGED, WIDTH = 1.5, 6.0
 POOL = 10
 # Share of a generation that is taken as it is proposed, since the surrogate may be wrong.
 UNSCREENED = 0.4
+# Share of a generation for scouts, which take the place of some of these, where there are options to try.
+SCOUTS = 0.25
 # Times that it is asked for them, where most are equal.
 TIMES = 20
 
@@ -81,28 +85,48 @@ class Engine:
             n_offsprings=POOL * population,
             eliminate_duplicates=unlike,
         )
-        self._surrogate, self._population = Surrogate(variables, aims), population
+        self._surrogate, self._scouts, self._population = (
+            Surrogate(variables, aims),
+            Scouts(variables, seed),
+            population,
+        )
         self._algorithm.setup(problem, termination=NoTermination(), seed=seed, verbose=False)
         self._asked: Any = None
 
     def ask(self) -> list[Values]:
         """The points of the next generation; empty if the engine finds none that it has not proposed before."""
+        from pymoo.core.population import Population
+
         self._asked = self._algorithm.ask()
         if self._asked is None:
             return []
         proposed = [_plain(one.X) for one in self._asked]
-        unscreened = min(len(proposed), round(UNSCREENED * self._population))
-        best = self._surrogate.preselected(proposed[unscreened:], self._population - unscreened)
+        scouts = self._scouted()
+        unscreened = min(len(proposed), round(UNSCREENED * self._population) - len(scouts))
+        screened = self._population - unscreened - len(scouts)
+        best = self._surrogate.preselected(proposed[unscreened:], screened)
         chosen = [*range(unscreened), *(unscreened + k for k in best)]
-        self._asked = self._asked[chosen]
-        return [proposed[k] for k in chosen]
+        also = np.empty(len(scouts), dtype=object)
+        also[:] = scouts
+        self._asked = Population.merge(self._asked[chosen], Population.new("X", also))
+        return [*(proposed[k] for k in chosen), *scouts]
+
+    def _scouted(self) -> list[Values]:
+        """The scouts of the next generation; none before anything is known."""
+        known = self._algorithm.pop
+        if known is None or not len(known):
+            return []
+        good = [_plain(one.X) for one in known if one.G[0] <= 0.0] or [_plain(one.X) for one in known]
+        return self._scouts.proposed(round(SCOUTS * self._population), good, self._surrogate)
 
     def tell(self, aims: Floats, violation: Floats) -> None:
         """Results of all points of the last :meth:`ask`: aims (n, k), of which less is better; violation (n,).
 
         Where the violation is above zero, the aims do not count.
         """
-        self._surrogate.add([_plain(one.X) for one in self._asked], aims, violation <= 0.0)
+        points = [_plain(one.X) for one in self._asked]
+        self._surrogate.add(points, aims, violation)
+        self._scouts.add(points, violation)
         self._asked.set("F", aims, "G", violation[:, None], "H", np.zeros((len(aims), 0)))
         self._algorithm.tell(infills=self._asked)
 

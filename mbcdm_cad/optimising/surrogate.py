@@ -7,6 +7,7 @@ products of the numbers that have no rule. It only chooses among proposals; ever
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -26,6 +27,8 @@ LEAST_CHANCE = 0.02
 SOFT = 0.05
 # Strength of the ridge, in points.
 RIDGE = 1.0
+# Weight of a point with another option, where the violation of one option is modelled.
+OTHERS = 0.3
 # Digits of a score: what a matrix library rounds otherwise on another machine must not change a choice.
 DIGITS = 6
 
@@ -35,16 +38,22 @@ class Surrogate:
 
     def __init__(self, variables: Sequence[Variable], aims: int) -> None:
         self._variables = tuple(variables)
-        self._rows, self._aims, self._passes = np.empty((0, 0)), np.empty((0, aims)), np.empty(0, dtype=bool)
+        # The column of each option among the features.
+        self._columns: dict[tuple[str, Any], int] = {}
+        column = 1
+        for v in self._variables:
+            self._columns |= {(v.field, option): column + k for k, option in enumerate(v.options)}
+            column += len(v.options) or 3 * v.ruled
+        self._rows, self._aims, self._violation = np.empty((0, 0)), np.empty((0, aims)), np.empty(0)
 
-    def add(self, points: Sequence[Values], aims: Floats, passes: np.ndarray) -> None:
-        """Results of points: aims (n, k), of which less is better, which count where ``passes`` (n,)."""
+    def add(self, points: Sequence[Values], aims: Floats, violation: Floats) -> None:
+        """Results of points: aims (n, k), of which less is better, which count where ``violation`` (n,) is zero."""
         rows = self._features(points)
         if self._rows.size:
             rows = np.vstack([self._rows, rows])
         self._rows = rows[-NEWEST:]
         self._aims = np.vstack([self._aims, aims])[-NEWEST:]
-        self._passes = np.concatenate([self._passes, passes])[-NEWEST:]
+        self._violation = np.concatenate([self._violation, violation])[-NEWEST:]
 
     def preselected(self, points: Sequence[Values], count: int) -> list[int]:
         """Indices of ``count`` of the points, in their order.
@@ -52,7 +61,7 @@ class Surrogate:
         One after the other, the one with the most probable gain over the front and over those taken before; before
         the first design that passes, simply the first ones.
         """
-        passes = self._passes
+        passes = self._violation <= 0.0
         if count >= len(points) or not passes.any():
             return list(range(min(count, len(points))))
         rows = self._features(points)
@@ -75,6 +84,18 @@ class Surrogate:
             chosen.append(one)
             gain = np.minimum(gain, _gains(found, found[one : one + 1]))
         return sorted(chosen)
+
+    def nearest(self, points: Sequence[Values], field: str, option: Any) -> int:
+        """Index of the one of ``points``, which all have this option, that is the nearest to a pass, as modelled.
+
+        The model is that of :meth:`preselected`, of the violation by its rank; points with the option count most.
+        """
+        weight = np.where(self._rows[:, self._columns[field, option]] > 0.0, 1.0, OTHERS)
+        rank = np.searchsorted(np.sort(self._violation), self._violation) / len(self._violation)
+        rows = self._rows * weight[:, None]
+        rank = (rank - np.average(rank, weights=weight**2)) * weight
+        found = np.linalg.solve(rows.T @ rows + RIDGE * np.eye(rows.shape[1]), rows.T @ rank)
+        return int(np.argmin(np.round(self._features(points) @ found, DIGITS)))
 
     def _features(self, points: Sequence[Values]) -> Floats:
         """The points as rows of the regression."""

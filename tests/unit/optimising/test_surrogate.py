@@ -31,7 +31,8 @@ def known() -> Surrogate:
     """A surrogate that was told of 120 points."""
     points = drawn(np.random.default_rng(5), 120)
     surrogate = Surrogate(VARIABLES, 2)
-    surrogate.add(points, *judged(points))
+    aims, passes = judged(points)
+    surrogate.add(points, aims, np.where(passes, 0.0, 1.0))
     return surrogate
 
 
@@ -50,7 +51,7 @@ def test_the_preselected_points_are_near_the_front_and_pass(known: Surrogate) ->
 def test_without_a_design_that_passes_the_first_ones_are_taken() -> None:
     surrogate, points = Surrogate(VARIABLES, 2), drawn(np.random.default_rng(7), 20)
     assert surrogate.preselected(points, 6) == list(range(6))
-    surrogate.add(points, np.zeros((20, 2)), np.zeros(20, dtype=bool))
+    surrogate.add(points, np.zeros((20, 2)), np.ones(20))
     assert surrogate.preselected(points, 6) == list(range(6))
     assert surrogate.preselected(points, 40) == list(range(20))
 
@@ -58,7 +59,7 @@ def test_without_a_design_that_passes_the_first_ones_are_taken() -> None:
 def test_one_aim_that_is_the_same_everywhere_still_has_a_choice(known: Surrogate) -> None:
     surrogate, points = Surrogate(VARIABLES, 1), drawn(np.random.default_rng(8), 60)
     passes = np.array([one["steel"] == "hard" for one in points])
-    surrogate.add(points, np.full((60, 1), 2.5), passes)
+    surrogate.add(points, np.full((60, 1), 2.5), np.where(passes, 0.0, 1.0))
     more = drawn(np.random.default_rng(9), 60)
     chosen = surrogate.preselected(more, 10)
     assert len(set(chosen)) == 10 and all(more[k]["steel"] == "hard" for k in chosen), [more[k] for k in chosen]
