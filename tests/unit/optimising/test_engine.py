@@ -142,7 +142,7 @@ def test_an_open_ratio_is_stated_by_every_point_around_that_of_the_lightest_driv
 
 
 def geared(x: dict[str, float]) -> tuple[Floats, float]:
-    """Torque and swing of a drive whose rope of d mm wants a ratio of its own: the thick ones pass at a low one only."""
+    """Torque and swing of a drive whose rope wants a ratio of its own: thick ones pass at a low one only."""
     d, ratio, radius = THICK[x["rope"]], 6.0 + 9.0 * x["ratio"], 40.0 + 20.0 * x["radius"]  # type: ignore[index]
     short = [1.0 - radius / ratio / d / 10.0, (1.5 * radius + 8.0 * d) / 96.0 - 1.0]
     short += [abs(x[f"n{k}"] - 0.04 * k) - 0.3 for k in range(8)]
