@@ -210,16 +210,19 @@ def at_preload(table: Floats) -> Floats:
 def _run(table: Floats, offsets: Floats, load: Floats, drum: Floats, tension: Floats, turns: Floats) -> int:
     """Fill ``drum`` and ``tension``; the first sample that cannot be balanced, or -1."""
     n_cables = table.shape[0]
-    state, theta = at_preload(table), 0.0
+    state, theta, carried = at_preload(table), 0.0, 0.0
     offset, before, found = np.empty(n_cables), np.zeros(n_cables), np.empty((n_cables, 2))
+    for j in range(n_cables):
+        found[j, 1] = 1.0 / table[j, FREE]
     for k in range(load.size):
-        # Prediction: the drum follows the mean of the inputs, weighted by the stiffness of their sticking cables.
-        push, grip = 0.0, 0.0
+        # Prediction: the cables are as stiff as they were at the sample before.
+        push, grip = carried - load[k], 0.0
         for j in range(n_cables):
             offset[j] = offsets[j, k]
-            push += table[j, SIGMA] * table[j, DRUM] / table[j, FREE] * (offset[j] - before[j])
-            grip += table[j, DRUM] ** 2 / table[j, FREE]
+            push += table[j, SIGMA] * table[j, DRUM] * found[j, 1] * (offset[j] - before[j])
+            grip += table[j, DRUM] ** 2 * found[j, 1]
             before[j] = offset[j]
+        carried = load[k]
         theta, balanced = balance(table, state, turns, offset, load[k], theta + push / grip, found)
         if not balanced:
             return k

@@ -36,6 +36,8 @@ def known_effects(d: DriveSI, p: Prepared, found: Sequence[AsBuilt]) -> list[tup
     An effect that the run cannot show (no torque column, a run of another kind) is left out. Raises ModelError for a
     form or figure that the loop does not have for this drive.
     """
+    if not found:
+        return []
     offered = library(d, p)
     offered += [form for effect in offered if effect.richer for form in effect.richer() if form.form != effect.form]
     known = []

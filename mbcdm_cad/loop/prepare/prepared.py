@@ -44,9 +44,11 @@ MOST_BLIND = 0.5
 # The first half sweep is left out if at least so many follow.
 FEWEST_SWEEPS = 3
 # Between simulated samples, load and difference of the inputs may deviate from a straight line by this share of their
-# range, the load by this share of its sensor's noise.
+# range, the load by this share of its sensor's noise; of a run too long to use every sample, the difference by that of
+# what a step of the encoders makes.
 BENT_SHARE = 0.001
 BENT_NOISE = 0.05
+BENT_STEP = 0.01
 # A play or a friction changes sides within a jump of the load or a reversal: the load and the sense of motion change by
 # at most this share of their range between simulated samples.
 JUMP_SHARE = 0.1
@@ -212,7 +214,9 @@ class Prepared:
     def _works_the_cables(self) -> list[tuple[Floats, float]]:
         """Signals that drive the friction, and the deviation from a straight line that each may have between
         samples."""
-        found = [(row, BENT_SHARE * float(np.ptp(row))) for row in self.apart_rad]
+        long = self.time_s.size < self.run.time_s.size
+        least = BENT_STEP * self.input_step_rad / math.sqrt(12.0) if long else 0.0
+        found = [(row, max(BENT_SHARE * float(np.ptp(row)), least)) for row in self.apart_rad]
         if self.load_Nm is not None:
             noise = 0.0 if self.run.load_Nm is None else noise_of_signal(self.run.load_Nm)
             found.append((self.load_Nm, max(BENT_SHARE * float(np.ptp(self.load_Nm)), BENT_NOISE * noise)))

@@ -15,6 +15,7 @@ from scipy.ndimage import uniform_filter1d
 
 from mbcdm_cad.measurement.run import SPEED_WINDOW_S, Run, smoothed, smoothed_at
 from mbcdm_cad.routes import Floats
+from mbcdm_cad.storage.compiled import compiled
 
 # Longest window of the load's smoothing, s; the window in use follows from the data.
 LONGEST_LOAD_S = 2.6
@@ -65,39 +66,38 @@ def locally_fitted(values: Floats, noise: float, longest: int) -> tuple[Floats, 
     side, which keep a step: V. Katkovnik, IEEE Trans. Signal Process. 47 (1999)), up to ``longest`` samples. The value
     of least variance is used.
     """
-    fitted, chosen = values.copy(), np.zeros(values.size, dtype=np.int64)
-    least = np.full(values.size, np.inf)
+    # At each sample the value taken, the width of its window, and its variance.
+    taken = np.stack([values, np.zeros(values.size), np.full(values.size, np.inf)])
     for side in (0, -1, 1):
-        straight, bent = _Agreement(values.size), _Agreement(values.size)
+        # The least and the greatest value that agrees with all intervals so far, of means and of lines or parabolas.
+        straight, bent = np.full((2, 2, values.size), [[[-np.inf], [np.inf]]])
         width, mean, moment = NARROWEST, np.empty(0), 0.0
         while width <= max(longest, NARROWEST):
             few, narrow, before = (width + 1) // 2, mean, moment
             mean = uniform_filter1d(values, width, mode="reflect", origin=-side * (width // 2))
             # The moment by which the mean of a bent or, to one side, a sloping signal is wrong.
             moment = (width**2 - 1.0) / 12.0 if side == 0 else (width - 1.0) / 2.0
-            found = [(straight, mean, 1.0 / width)]
+            found = [(straight, mean, 0.0, 1.0 / width)]
             if narrow.size:
                 share = moment / (moment - before)
-                variance = share**2 / few + (1.0 - share**2) / width
-                found.append((bent, share * narrow + (1.0 - share) * mean, variance))
-            for kind, value, variance in found:
-                better = kind.narrowed(value, APART_ERRORS * noise * math.sqrt(variance)) & (variance < least)
-                fitted[better], chosen[better], least[better] = value[better], width, variance
+                found.append((bent, narrow, share, share**2 / few + (1.0 - share**2) / width))
+            for agreed, other, share, variance in found:
+                _narrow(agreed, mean, other, share, APART_ERRORS * noise * math.sqrt(variance), width, variance, taken)
             width = 2 * width - 1
-    return fitted, chosen
+    return taken[0], taken[1].astype(np.int64)
 
 
-class _Agreement:
-    """The values that agree with all confidence intervals so far, at each of n samples."""
-
-    def __init__(self, n: int) -> None:
-        self.low, self.high = np.full(n, -np.inf), np.full(n, np.inf)
-
-    def narrowed(self, value: Floats, reach: float) -> NDArray[np.bool_]:
-        """Where there still are such values (n,) after one more interval, ``value`` (n,) give or take ``reach``."""
-        np.maximum(self.low, value - reach, out=self.low)
-        np.minimum(self.high, value + reach, out=self.high)
-        return np.asarray(self.low <= self.high)
+@compiled
+def _narrow(
+    agreed: Floats, wide: Floats, narrow: Floats, share: float, reach: float, width: int, variance: float, taken: Floats
+) -> None:
+    """Narrow ``agreed`` (2, n) by one more interval; take its middle where a value is left and its variance is less."""
+    for k in range(wide.size):
+        value = share * narrow[k] + (1.0 - share) * wide[k] if share else wide[k]
+        agreed[0, k] = max(agreed[0, k], value - reach)
+        agreed[1, k] = min(agreed[1, k], value + reach)
+        if agreed[0, k] <= agreed[1, k] and variance < taken[2, k]:
+            taken[0, k], taken[1, k], taken[2, k] = value, width, variance
 
 
 def told_from_noise(
