@@ -53,6 +53,8 @@ SETTLED = 12
 # Places and sizes at which the fit of a second mode begins; it lies this far from the first, and leaves at most this
 # share of what was above the floor.
 PLACES, SHARES, APART, MOST_LEFT, REFITS = 40, (0.03, 0.15, 0.5), 1.15, 0.5, 4
+# Averages of which a second mode must not hang on the most telling.
+FEW = 2
 # A mode lies in the band if its frequency is this far inside.
 INSIDE = 1.05
 
@@ -287,6 +289,7 @@ class ResponseLoop:
         }
         self.amplitude = {over: float(np.median(np.concatenate(rows))) for over, rows in levels.items()}
         self.second: dict[str, float] = {}  # figures of a second mode, once there is one
+        self.begun: ResponseFit | None = None  # where the selection begins, if not without causes
         self._weigh({})
 
     def _weigh(self, v: Values) -> None:
@@ -353,7 +356,8 @@ class ResponseLoop:
             xtol=1e-4,
         )
         scatter = max(1.0, 2.0 * found.cost / max(found.fun.size - len(free), 1))
-        covariance = np.linalg.pinv(found.jac.T @ found.jac) * scatter * self.together
+        scaled = found.jac * size  # else what has large figures, as a frequency, would count as known
+        covariance = np.linalg.pinv(scaled.T @ scaled) * np.outer(size, size) * scatter * self.together
         values = figures(found.x)
         return ResponseFit(
             tuple(chosen), values, self.weighted(values), covariance, 2.0 * found.cost, len(free), tuple(free)
@@ -421,7 +425,7 @@ class ResponseLoop:
 
     def _selected(self) -> tuple[ResponseFit, list[Evidence], list[Evidence]]:
         """The fit with what the responses support; what was accepted, and what was too small."""
-        now, steps, small = self.bare, list[Evidence](), list[Evidence]()
+        now, steps, small = self.begun or self.bare, list[Evidence](), list[Evidence]()
 
         def evidence(trial: ResponseFit, words: str) -> Evidence:
             return Evidence(trial.suspects[-1].label, self._held(trial), self._fall(now, trial), words)
@@ -515,11 +519,13 @@ class ResponseLoop:
                 names = [f"{what}_{figure}" for figure in ("Hz", "share", "damping")]
                 starts = [
                     {**base.values, **dict(zip(names, (at, share, 0.02), strict=True))}
-                    for at in grid
                     for share in SHARES
+                    for at in grid
                 ]
-                cost = [float(np.sum(self._residual(start, ~self.test) ** 2)) for start in starts]
-                for k in np.argsort(cost)[:TRIED]:
+                cost = np.array([float(np.sum(self._residual(start, ~self.test) ** 2)) for start in starts])
+                # The best of all, and of each share: one share too many may draw all starts to a wrong place.
+                each = np.arange(len(SHARES)) * len(grid) + cost.reshape(len(SHARES), -1).argmin(axis=1)
+                for k in {*np.argsort(cost)[:TRIED].tolist(), *each.tolist()}:
                     shapes = ((0.01 * starts[k][names[0]], low, high), (0.02, 0.0, 0.95), (0.01, 0.0, 0.5))
                     more = dict(zip(names, shapes, strict=True))
                     trials.append((what, more, self.fit(base.suspects, starts[k], None, more)))
@@ -528,27 +534,46 @@ class ResponseLoop:
         least = min((trial[2] for trial in trials), key=lambda one: one.square)
         # Of fits that are alike the one with the fewest causes.
         what, more, best = min(trials, key=lambda trial: self._odds(trial[2], least))
-        floor, held, left = self.floor_rad**2, self._held(fit) ** 2, self._held(best) ** 2
+        # What a few averages alone speak for is no mode: they are wrong.
+        gained = np.abs(fit.weighted) ** 2 - np.abs(best.weighted) ** 2
+        few = np.argsort(gained)[-FEW:]
+        rest = self.test.copy()
+        rest[few] = False
+        floor = self.floor_rad**2
+        held, left = (self._rms(one.weighted[rest]) ** 2 for one in (fit, best))
         clear = held - left >= LEAST_FALL**2 * floor and left - floor <= MOST_LEFT * max(held - floor, floor)
-        if not clear or self._odds(fit, best) < ODDS or best.values[f"{what}_share"] <= best.half(f"{what}_share"):
+        plainer = replace(fit, square=fit.square - float(gained[few[~self.test[few]]].sum()))
+        at, half = best.values[f"{what}_Hz"], best.half(f"{what}_Hz")
+        bounded = low < at < high and low < self._peak_Hz(what, best.values) < high and half < at
+        if not clear or not bounded or self._odds(plainer, best) < ODDS:
+            return None
+        if what == "arm" and best.values["arm_share"] <= best.half("arm_share"):  # in front a share of 0 is no absence
             return None
         self.second = {name: best.values[name] for name in more}
         self.nuisances |= more
-        for _ in range(REFITS):  # its fit goes slowly
-            self.bare = self.fit(())
-            self.second = {name: self.bare.values[name] for name in more}
+        known = {name: best.values[name] for name in self.nuisances}
+        if self.d is None:  # without its first mode the drive is rigid, and the second would take its place
+            known["mode"] = best.values.get("mode", 0.0)
+            self.begun = self.fit([one for one in self.suspects if one.name == MODE], known)
+            return what
+        for _ in range(REFITS):  # its fit goes slowly, and from where the causes were it may go astray
+            self.bare = min((self.fit((), at) for at in (known, self.second)), key=lambda one: one.square)
+            known = {name: self.bare.values[name] for name in self.nuisances}
+        self.second = {name: known[name] for name in more}
         return what
+
+    def _peak_Hz(self, what: str, v: Values) -> float:
+        """Where a second mode raises the response the most."""
+        near = v[f"{what}_Hz"] * np.geomspace(0.5, 2.0, 2000)
+        level = np.interp(near, self.seen[0].frequency_Hz, self.seen[0].acceleration_rad_s2)
+        fine = replace(self.seen[0], frequency_Hz=near, acceleration_rad_s2=level, twist=None, over_torque=False)
+        beside, without = (predicted(self.held[0], {**v, **more}, fine)[0] for more in ({}, {f"{what}_Hz": 0.0}))
+        return float(near[np.argmax(np.abs(beside / without))])
 
     def _second_named(self, what: str, whole: ResponseFit, fall_rad: float) -> Named:
         """A second mode: its frequency, where the peak of the fitted response is, and what it may be."""
         own, half = whole.values[f"{what}_Hz"], whole.half(f"{what}_Hz")
-        near = np.geomspace(0.5 * own, 2.0 * own, 2000)
-        level = np.interp(near, self.seen[0].frequency_Hz, self.seen[0].acceleration_rad_s2)
-        fine = replace(self.seen[0], frequency_Hz=near, acceleration_rad_s2=level, twist=None, over_torque=False)
-        beside, without = (
-            predicted(self.held[0], {**whole.values, **more}, fine)[0] for more in ({}, {f"{what}_Hz": 0.0})
-        )
-        peak = float(near[np.argmax(np.abs(beside / without))])
+        peak = self._peak_Hz(what, whole.values)
         figures = {"natural_frequency_Hz": Value(peak, *(peak * (1.0 + sign * half / own) for sign in (-1.0, 1.0)))}
         if what == "arm":
             share, spread = whole.values["arm_share"], whole.half("arm_share")
