@@ -48,6 +48,8 @@ GEARHEAD_NM_RAD_40 = 3.4e3
 # gearheads; of springs in the terminals, which friction on the drum shields.
 BY_PARTS, BY_FRAME, BY_BEARINGS, BY_GEARHEADS, BY_SPRINGS = 1.1, 1.15, 1.3, 2.0, 1.3
 SPRINGS = "springs of the terminals"
+# Radius that a neck without metal counts with, mm.
+LEAST_RADIUS_MM = 0.1
 _SOFT_SPRINGS = "drum.spring or fewer of them, or a longer wrap by drum.sector_half_angle_deg"
 _HUB, _PULLEYS, _SHAFTS = "drum.hub_diameter_mm", "the bearings of input_pulleys", "drive.motor and drive.gearhead"
 
@@ -482,7 +484,11 @@ def overhung_sag_mm(layout: SectorLayout) -> float:
 
 
 def pulley_sections(pulley: InputPulleyDims) -> list[Section]:
-    """Each length of a pulley with its radius and bore, the grooves counted as cut away all round."""
+    """Each length of a pulley with its radius and bore, the grooves counted as cut away all round.
+
+    A neck to which its cable leaves no metal (``bearing_shoulders`` fails then) has a radius of ``LEAST_RADIUS_MM``:
+    the figures of such a drive are those of a pulley that holds nothing, and all its checks are still told.
+    """
     lengths = (
         Section(pulley.journal_bottom_z, pulley.lower_neck_bottom_z, pulley.lower_journal_radius),
         Section(pulley.lower_neck_bottom_z, pulley.land_bottom_z, pulley.lower_neck_radius),
@@ -491,7 +497,8 @@ def pulley_sections(pulley: InputPulleyDims) -> list[Section]:
         Section(pulley.land_top_z, pulley.upper_neck_top_z, pulley.upper_neck_radius),
         Section(pulley.upper_neck_top_z, pulley.journal_top_z, pulley.upper_journal_radius),
     )
-    return [s for length in lengths for s in _bored(length, pulley.bore_radius, pulley.bore_top_z)]
+    solid = [replace(s, radius_mm=max(s.radius_mm, LEAST_RADIUS_MM)) for s in lengths]
+    return [s for length in solid for s in _bored(length, pulley.bore_radius, pulley.bore_top_z)]
 
 
 def _bored(section: Section, bore_mm: float, to_mm: float) -> Iterator[Section]:
