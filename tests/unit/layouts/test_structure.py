@@ -27,6 +27,17 @@ def layout_of(name: str) -> SectorLayout:
     return layout
 
 
+def test_a_rope_that_leaves_no_metal_to_a_neck_is_analysed_and_its_checks_fail(tmp_path: Path) -> None:
+    text = (PARAMS / "mbcdm.yaml").read_text()
+    assert "type: FF-081" in text
+    thick = tmp_path / "thick.yaml"
+    thick.write_text(text.replace("type: FF-081", "type: 7x19-3.0"))
+    design = DriveDesign(load_design(thick))
+    assert layout_of(str(thick.with_suffix(""))).structure.motor_urad_Nm > 1e6
+    assert "input pulleys, torsion" in str(design.analyse())
+    assert not design.check()["bearing_shoulders"].passed
+
+
 @pytest.mark.parametrize("name", REFERENCES)
 def test_every_cause_gives_and_the_sums_are_those_of_their_causes(name: str) -> None:
     s = layout_of(name).structure
