@@ -24,7 +24,7 @@ from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.layouts.miso_bevel.plate_screws import Edges, beside_box_mm
 from mbcdm_cad.layouts.sector import InputLevels
 from mbcdm_cad.parts.collar import collar_sweep_mm
-from mbcdm_cad.parts.drum_sector.sizes import nut_corner_radius_mm
+from mbcdm_cad.parts.drum_sector.sizes import terminal_half_mm
 from mbcdm_cad.parts.input_pulley.stop import helix_stop_land_mm
 
 # Gap between a pulley's end face and a shelf or plate; the inner ring's shoulder bridges it.
@@ -162,7 +162,7 @@ def stack(drive: BevelDrive) -> Stack:
     plate_bottom = max(pulleys_high, guide_top) + SHOULDER_MM + END_PLAY_MM
     plate_top = plate_bottom + s.top_plate_mm
 
-    low_nut = min(c.guide_radius_mm for c in drive.cables) - nut_corner_radius_mm(drive)
+    low_nut = min(c.guide_radius_mm for c in drive.cables) - terminal_half_mm(drive)
     drum_inner = min(c.guide_radius_mm for c in drive.cables) - flank + drive.clearances.transfer_gap_mm
     front = min(low_nut, drum_inner) - drive.clearances.running_mm
     corner = milled_corner_mm(drive, front - s.back_y_mm - s.back_plate_mm)

@@ -16,7 +16,7 @@ from math import sqrt
 
 from mbcdm_cad.layouts.sector import InputLevels
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
-from mbcdm_cad.parts.drum_sector.sizes import nut_corner_radius_mm
+from mbcdm_cad.parts.drum_sector.sizes import terminal_half_mm
 from mbcdm_cad.parts.input_pulley.stop import stop_land_mm
 from mbcdm_cad.parts.motor_head.dims import TOOL_SLENDERNESS, flange_screw, inner_half_width_mm
 
@@ -70,7 +70,7 @@ def direct_stack(drive: DirectDrive) -> DirectStack:
 
     smallest, largest = (f(c.input_radius_mm for c in drive.cables) for f in (min, max))
     drum_inner = smallest - flank + drive.clearances.transfer_gap_mm
-    front = min(smallest - nut_corner_radius_mm(drive), drum_inner) - running
+    front = min(smallest - terminal_half_mm(drive), drum_inner) - running
     head_inner = inner_half_width_mm(drive)
     head_outer = head_inner + s.side_wall_mm / 2
     # The flange's screws are in the middle of the side walls, with their heads clear of the motor head.

@@ -16,7 +16,7 @@ from math import inf
 from mbcdm_cad.layouts.sector import InputLevels
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, boss_front_y_mm, drum_inner_y_mm, run_out_mm
 from mbcdm_cad.layouts.siso_spur.overhung import hub_length_mm
-from mbcdm_cad.parts.drum_sector.sizes import nut_corner_radius_mm
+from mbcdm_cad.parts.drum_sector.sizes import terminal_half_mm
 from mbcdm_cad.parts.input_pulley.stop import helix_stop_land_mm
 
 # Land beyond the cable at each end of its walk.
@@ -62,7 +62,7 @@ def spur_stack(drive: SpurDrive) -> SpurStack:
     hub = hub_length_mm(drive) if drive.overhung else 0.0
     # Heads on the flange of a servo's horn stay behind the rim too.
     land_or_rim = min(-land, drum_inner - running) if drive.servo is not None else -land
-    front = min(-plane - nut_corner_radius_mm(drive), drum_inner, land_or_rim - hub, idlers_back_mm(drive)) - running
+    front = min(-plane - terminal_half_mm(drive), drum_inner, land_or_rim - hub, idlers_back_mm(drive)) - running
     plate_back = front - s.plate_mm
     if drive.overhung:
         # The motor's face lies on the back of the plate; nothing is in front of the pulley.

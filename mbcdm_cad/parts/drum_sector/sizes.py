@@ -85,9 +85,16 @@ def _spigot_root_mm(drive: SectorDrive, spigot_mm: float) -> float:
     return max(spigot_mm, min(wanted, drive.drum.hub_diameter_mm / 2 - CHAMFER_MM))
 
 
-def _lug_wall_mm(drive: SectorDrive) -> float:
-    metal = drive.drum_material
-    return max(LUG_WALL_MM, metal.min_wall_mm) if metal.printed else LUG_WALL_MM
+def lug_half_width_mm(drive: SectorDrive) -> float:
+    """Half the width of a lug along the drum's axis: the stud's hole and a wall, or as wide as the springs on it."""
+    metal, spring = drive.drum_material, drive.spring
+    wall = max(LUG_WALL_MM, metal.min_wall_mm) if metal.printed else LUG_WALL_MM
+    return max(drive.tensioner.clearance_mm / 2 + wall, 0.0 if spring is None else spring.outside_mm / 2)
+
+
+def terminal_half_mm(drive: SectorDrive) -> float:
+    """How far a terminal with its lug reaches from its axis: nut across corners, springs, or a printed lug's wall."""
+    return max(nut_corner_radius_mm(drive), lug_half_width_mm(drive))
 
 
 def lands(drive: SectorDrive, levels: SectorLevels) -> tuple[Land, ...]:
@@ -347,11 +354,7 @@ def drum(drive: SectorDrive, levels: SectorLevels, stop_radius: float, way: Term
         stop_slot_end_deg=slot_end,
         tensioners=placed,
         stud_hole_radius=drive.tensioner.clearance_mm / 2,
-        # As wide as the springs that sit on it.
-        lug_half_width=max(
-            drive.tensioner.clearance_mm / 2 + _lug_wall_mm(drive),
-            0.0 if drive.spring is None else drive.spring.outside_mm / 2,
-        ),
+        lug_half_width=lug_half_width_mm(drive),
         swage_pocket=drive.tensioner.swage_diameter_mm / 2 + drive.clearances.running_mm,
         flat_wall=flat_wall,
         nut_pocket=nut_pocket_mm(drive),

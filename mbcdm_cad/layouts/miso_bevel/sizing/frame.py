@@ -141,7 +141,7 @@ def _back(given: BevelKnown) -> Found:
     bearing = given.entry("bearings", "drum.bearing")["width_mm"]
     encoder = given.entry("encoders", "drive.drum_encoder")
     boss = given.drum_inner_mm - 3 * running
-    front = min(given.guide_mm[0] - given.nut_mm, given.drum_inner_mm) - running
+    front = min(given.guide_mm[0] - given.terminal_mm, given.drum_inner_mm) - running
     journal = given.entry("bearings", "input_pulleys.lower_bearing")["bore_mm"]
     collar = collar_sweep_mm(given, journal, given.wall_mm("support"), given["input_pulleys.collar_screw"])
     in_pocket, part = ("collar_space", collar + setback)

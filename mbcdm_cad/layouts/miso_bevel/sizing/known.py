@@ -21,6 +21,7 @@ from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive
 from mbcdm_cad.layouts.miso_bevel.stack import stack
 from mbcdm_cad.layouts.miso_bevel.support.dims import MOUNT_HEAD_PLAY_MM
 from mbcdm_cad.parts.drum_sector.design import seat_mm
+from mbcdm_cad.parts.drum_sector.sizes import LUG_WALL_MM
 from mbcdm_cad.parts.input_pulley.dims import GROOVE_LEAD, GROOVE_RADIUS
 from mbcdm_cad.parts.mounting import MOUNT_SCREWS, MountScrew
 from mbcdm_cad.sizing.arithmetic import atan, greatest, hypot, number, radians, tan
@@ -161,6 +162,14 @@ class BevelKnown(RopeKnown):
         """Half the tensioner's nut across its corners, or the radius of wider springs."""
         nut = float(self.entry("tensioners", "drum.tensioner")["nut_across_flats_mm"] / sqrt(3.0))
         return nut if self.spring is None else max(nut, self.spring["outside_mm"] / 2)
+
+    @property
+    def terminal_mm(self) -> float:
+        """How far a terminal with its lug reaches from its axis: see ``terminal_half_mm`` of the drum."""
+        hole = self.entry("tensioners", "drum.tensioner")["clearance_mm"] / 2
+        printed = self.entry("materials", "drum.material")["process"] in ("printed", "sintered")
+        wall = max(LUG_WALL_MM, self.wall_mm("drum")) if printed else LUG_WALL_MM
+        return greatest(self.nut_mm, hole + wall)
 
     @property
     def spring(self) -> dict[str, Any] | None:

@@ -116,7 +116,7 @@ def _drum_radii(given: BevelKnown) -> Found:
 def _guide_wanted(given: BevelKnown, step_mm: float) -> tuple[str, float]:
     """(check, least guide radius of step 1) where only the total ratio is given."""
     d, running = given.d_mm, given["clearances.running_mm"]
-    nut, gap = given.nut_mm, given["clearances.transfer_gap_mm"]
+    nut, gap = given.terminal_mm, given["clearances.transfer_gap_mm"]
     outer_input = given.first_drum_mm * _steps_ratio(given, step_mm) / given.total_ratio
     guide, lower = given.entry("bearings", "guide.bearing"), given.entry("bearings", "input_pulleys.lower_bearing")
     needs = {
@@ -262,8 +262,8 @@ def _expected_setback_mm(given: BevelKnown) -> float:
 
 
 def _lowest_mm(given: BevelKnown) -> float:
-    """Lowest y of the parts that turn with the drum: its inner face or a terminal's nut."""
-    return least(given.guide_mm[0] - given.nut_mm, given.drum_inner_mm)
+    """Lowest y of the parts that turn with the drum: its inner face or a terminal."""
+    return least(given.guide_mm[0] - given.terminal_mm, given.drum_inner_mm)
 
 
 def _front_wall_mm(given: BevelKnown) -> float:
