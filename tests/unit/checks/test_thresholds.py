@@ -180,7 +180,7 @@ WAYS: dict[str, Way] = {
     "drives_apart": Way(to("centre_distance_mm"), 34.6, 19.0),
     "screwdriver": Way(to("encoder.diameter_mm"), 17.0, 30.0),
     "drum_sweep": Way(to("gearhead.diameter_mm"), 16.0, 20.0),
-    "frame_front": Way(to("tensioner.clearance_mm"), 1.7, 4.0),
+    "frame_front": Way(to("tensioner.swage_diameter_mm"), 2.5, 6.0),
     "collar_space": Way(to("support.back_plate_mm"), 2.6, 9.0),
     "cables_apart": Way(radius_of(1, "drum_radius_mm"), 57.6, 54.2),
     "spans_clear": Way(to("half_travel_deg"), 35.0, 60.0),
