@@ -20,7 +20,6 @@ from mbcdm_cad.design.bought import (
     NO_GEARHEAD,
     Gearhead,
     Motor,
-    Screw,
     Servo,
     ServoOutput,
     least_wall_mm,
@@ -123,14 +122,6 @@ class TrialKnown(RopeKnown):
         """What the motor has as a bought servo; None for a plain motor."""
         gear = self.gearhead
         return gear.servo if isinstance(gear, ServoOutput) else None
-
-    def screw(self, name: str) -> Screw:
-        """A screw of the catalogue."""
-        return Screw(name=name, **self.entries("screws")[name])
-
-    def printed(self, part: str) -> bool:
-        """Whether a part is 3D printed."""
-        return bool(self.entry("materials", f"{part}.material")["process"] in ("printed", "sintered"))
 
     def wall_mm(self, part: str) -> float:
         """Thinnest wall of the material of a part, ``"drum"``."""

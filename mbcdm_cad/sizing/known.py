@@ -12,6 +12,7 @@ from mbcdm_cad.design.bought import (
     NO_GEARHEAD,
     CableSpec,
     Motor,
+    Screw,
     TerminationSpec,
     missing_face_fields,
     without_gearhead,
@@ -141,12 +142,20 @@ class KnownFields:
 
 
 class RopeKnown(KnownFields):
-    """Adds the rope."""
+    """Adds the rope, screws, and how parts are made."""
 
     @property
     def whole_drum(self) -> bool:
         """Whether the drum is closed all round."""
         return False
+
+    def screw(self, name: str) -> Screw:
+        """A screw of the catalogue."""
+        return Screw(name=name, **self.entries("screws")[name])
+
+    def printed(self, part: str) -> bool:
+        """Whether a part is 3D printed."""
+        return bool(self.entry("materials", f"{part}.material")["process"] in ("printed", "sintered"))
 
     @property
     def rope(self) -> dict[str, Any]:

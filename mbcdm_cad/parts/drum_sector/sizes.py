@@ -85,10 +85,15 @@ def _spigot_root_mm(drive: SectorDrive, spigot_mm: float) -> float:
     return max(spigot_mm, min(wanted, drive.drum.hub_diameter_mm / 2 - CHAMFER_MM))
 
 
+def lug_wall_mm(printed: bool, min_wall_mm: float) -> float:
+    """Wall of a lug beside the stud's hole; ``min_wall_mm``: the thinnest that a printed drum's material allows."""
+    return max(LUG_WALL_MM, min_wall_mm) if printed else LUG_WALL_MM
+
+
 def lug_half_width_mm(drive: SectorDrive) -> float:
     """Half the width of a lug along the drum's axis: the stud's hole and a wall, or as wide as the springs on it."""
     metal, spring = drive.drum_material, drive.spring
-    wall = max(LUG_WALL_MM, metal.min_wall_mm) if metal.printed else LUG_WALL_MM
+    wall = lug_wall_mm(metal.printed, metal.min_wall_mm)
     return max(drive.tensioner.clearance_mm / 2 + wall, 0.0 if spring is None else spring.outside_mm / 2)
 
 

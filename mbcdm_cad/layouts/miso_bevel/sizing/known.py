@@ -9,7 +9,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from mbcdm_cad.design.bought import Gearhead, InsertSpec, Screw, least_wall_mm, shortest_insert
+from mbcdm_cad.design.bought import Gearhead, InsertSpec, least_wall_mm, shortest_insert
 from mbcdm_cad.design.lookup import Catalogue
 from mbcdm_cad.design.rules import every_broken_rule
 from mbcdm_cad.design.sized import SizingError
@@ -21,7 +21,7 @@ from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive
 from mbcdm_cad.layouts.miso_bevel.stack import stack
 from mbcdm_cad.layouts.miso_bevel.support.dims import MOUNT_HEAD_PLAY_MM
 from mbcdm_cad.parts.drum_sector.design import seat_mm
-from mbcdm_cad.parts.drum_sector.sizes import LUG_WALL_MM
+from mbcdm_cad.parts.drum_sector.sizes import lug_wall_mm
 from mbcdm_cad.parts.input_pulley.dims import GROOVE_LEAD, GROOVE_RADIUS
 from mbcdm_cad.parts.mounting import MOUNT_SCREWS, MountScrew
 from mbcdm_cad.sizing.arithmetic import atan, greatest, hypot, number, radians, tan
@@ -92,7 +92,7 @@ class BevelKnown(RopeKnown):
     @property
     def printed_frame(self) -> bool:
         """Whether the frame is 3D printed."""
-        return self.entry("materials", "support.material")["process"] in ("printed", "sintered")
+        return self.printed("support")
 
     @property
     def mount(self) -> MountScrew:
@@ -167,9 +167,7 @@ class BevelKnown(RopeKnown):
     def terminal_mm(self) -> float:
         """How far a terminal with its lug reaches from its axis: see ``terminal_half_mm`` of the drum."""
         hole = self.entry("tensioners", "drum.tensioner")["clearance_mm"] / 2
-        printed = self.entry("materials", "drum.material")["process"] in ("printed", "sintered")
-        wall = max(LUG_WALL_MM, self.wall_mm("drum")) if printed else LUG_WALL_MM
-        return greatest(self.nut_mm, hole + wall)
+        return greatest(self.nut_mm, hole + lug_wall_mm(self.printed("drum"), self.wall_mm("drum")))
 
     @property
     def spring(self) -> dict[str, Any] | None:
@@ -197,14 +195,9 @@ class BevelKnown(RopeKnown):
 
     def insert(self, part: str, thread_mm: float) -> InsertSpec | None:
         """The insert that a thread gets in a part, as :meth:`mbcdm_cad.design.drive.Drive.insert` has it."""
-        process = self.entry("materials", f"{part}.material")["process"]
-        if process not in ("printed", "sintered") or self.get("printing.threads") != "inserts":
+        if not self.printed(part) or self.get("printing.threads") != "inserts":
             return None
         return shortest_insert((InsertSpec(name=n, **e) for n, e in self.entries("inserts").items()), thread_mm)
-
-    def screw(self, name: str) -> Screw:
-        """A screw of the catalogue."""
-        return Screw(name=name, **self.entries("screws")[name])
 
     @property
     def gearhead(self) -> Gearhead:
