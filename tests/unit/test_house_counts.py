@@ -17,14 +17,14 @@ LIMITS = {
     "fields declared twice": 3,
     "files of miso_bevel": 42,
     "files of siso_bevel": 25,
-    "files of siso_spur": 38,
+    "files of siso_spur": 40,
     "files of miso_spur": 21,
-    "files": 619,
+    "files": 626,
     "imports, share of lines in %": 7.5,
     "circles": 1,
     "arrows back": 0,
-    "repeating pairs": 118,
-    "lines": 98976,
+    "repeating pairs": 124,
+    "lines": 100600,
 }
 
 
