@@ -15,6 +15,10 @@ Moved = Mapping[str, Callable[[Any], Any]]
 LIGHTEST = "the lightest drive"
 
 
+# Begins the driver of a field that the design has no use for.
+NOT_USED = "not used: "
+
+
 @dataclass(frozen=True)
 class SizedValue:
     """A field that the file leaves out and a rule filled. Values are plain data, in the units of the field's name.
@@ -29,6 +33,11 @@ class SizedValue:
     driver: str
     rests_on: Mapping[str, Any]
     rounding: str
+
+    @property
+    def reason(self) -> str:
+        """What set the value, and by which rule; of a field that is not used only why."""
+        return self.driver if self.driver.startswith(NOT_USED) else f"{self.driver}: {self.text}"
 
 
 @dataclass(frozen=True)

@@ -47,7 +47,7 @@ def with_derived(text: str, values: Iterable[SizedValue]) -> str:
             shown = inner.setdefault((block, sub), {})
             shown[name], name = value.value, sub
         pad = "  " if block else ""
-        rows.setdefault(block, {})[name] = f"{pad}# {name}: {flow(shown)}  # {value.driver}: {value.text}"
+        rows.setdefault(block, {})[name] = f"{pad}# {name}: {flow(shown)}  # {value.reason}"
     lines = text.splitlines()
     for block in list(rows):
         if f"{block}:" in lines:

@@ -9,6 +9,7 @@ from math import inf
 from typing import Any
 
 from mbcdm_cad.checks.fixings import STRESS_SAFETY, lasting_MPa, stalled_Nm
+from mbcdm_cad.design.sized import NOT_USED
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.common_rules import STOP_PINS_MM
 from mbcdm_cad.layouts.sector import SectorLayout
@@ -36,7 +37,7 @@ WHOLE_NM = 5.0
 # usual thickness for it (choices).
 WALL_SHARE, MOST_WALL, WINDUP = 0.2, 5.0, "frame_windup"
 # Fields that a pulley on the motor's shaft does not use; a shelf is at least so high, and the first space is tried.
-UNUSED, LEAST_SHELF_MM, COUPLING_MM = "not used: the motor's shaft carries the pulley", 3.0, 5.0
+UNUSED, LEAST_SHELF_MM, COUPLING_MM = NOT_USED + "the motor's shaft carries the pulley", 3.0, 5.0
 # Engaged thread of a face's screws, in diameters.
 ENGAGED = 1.25
 # Bore of the drum's shaft over the bore of its bearings.
@@ -90,7 +91,7 @@ def _motor_shelf(given: TrialKnown) -> Found:
     """Screw length minus the needed thread, mm; at least what wall and pilot need."""
     gear = given.gearhead
     if given.servo is not None:
-        return Found(LEAST_SHELF_MM, "not used: a servo's ears lie on the plate")
+        return Found(LEAST_SHELF_MM, NOT_USED + "a servo's ears lie on the plate")
     screw = given.screw(gear.screw)
     # The shelf of a pulley on the motor's shaft is part of the plate, which the cables tilt: as thick as screws allow.
     spare = 0.0 if given.overhung else 0.75 * screw.thread_mm

@@ -8,7 +8,9 @@ from typing import Any
 
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM
 from mbcdm_cad.design.bought import NO_BEARING, NO_ENCODER
+from mbcdm_cad.design.sized import NOT_USED
 from mbcdm_cad.layouts.common_rules import COLLAR_SCREWS
+from mbcdm_cad.layouts.head_dims import UNUSED
 from mbcdm_cad.layouts.trial_sizing import TrialKnown
 from mbcdm_cad.sizing.rule import Found, Rule
 
@@ -76,12 +78,9 @@ def _drum_bearing(given: TrialKnown) -> Found:
     return Found(strongest, "drum_bearings", "no candidate does yet: the strongest")
 
 
-_ON_SHAFT = "the motor's shaft carries the pulley"
-
-
 def _lower(given: TrialKnown) -> Found:
     if given.overhung:
-        return Found(NO_BEARING, _ON_SHAFT)
+        return Found(NO_BEARING, UNUSED)
     wall, wheel = given.wall_mm("input_pulleys"), given.has("stage.kind")
     least = JOURNAL_MM if wheel else given.gearhead.shaft_diameter_mm + 2 * wall
     names = _by_mass(given, "bearings", lambda _, entry: entry["bore_mm"] >= least)
@@ -92,7 +91,7 @@ def _lower(given: TrialKnown) -> Found:
 
 def _upper(given: TrialKnown) -> Found:
     if given.overhung:
-        return Found(NO_BEARING, _ON_SHAFT)
+        return Found(NO_BEARING, UNUSED)
     bores, any_will_do = _bores(given), _left_out(given, "drive.encoder")
     names = _by_mass(given, "bearings", lambda _, entry: any_will_do or entry["bore_mm"] in bores)
     return given.first("input_pulleys.upper_bearing", names, ("input_bearings",))
@@ -100,7 +99,7 @@ def _upper(given: TrialKnown) -> Found:
 
 def _encoder(given: TrialKnown) -> Found:
     if given.overhung:
-        return Found(NO_ENCODER, _ON_SHAFT)
+        return Found(NO_ENCODER, UNUSED)
     bore = given.entry("bearings", "input_pulleys.upper_bearing")["bore_mm"]
     names = _by_mass(given, "encoders", lambda name, entry: _RING not in name and entry["bore_mm"] == bore)
     return given.first("drive.encoder", names, ("encoder_shelf",))
@@ -126,7 +125,7 @@ def _tensioner(given: TrialKnown) -> Found:
 
 def _collar_screw(given: TrialKnown) -> Found:
     if given.overhung:
-        return Found(COLLAR_SCREWS[0], "not used: set screws hold the pulley")
+        return Found(COLLAR_SCREWS[0], NOT_USED + "set screws hold the pulley")
     # The shaft of a first stage is thick, and the collar round it wide for the screw that holds it.
     wide = ("engagement",) if given.has("first_stage") else ()
     return given.first("input_pulleys.collar_screw", COLLAR_SCREWS, ("collar_grip", *wide))

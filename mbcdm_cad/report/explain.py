@@ -174,7 +174,7 @@ def table_lines(loaded: LoadedDesign, width: int | None = None) -> Iterator[str]
 
 def _reason(entry: Explained, rule: SizedValue) -> str:
     rounding = f", rounded {rule.rounding}" if rule.rounding.startswith(("up", "down", "to ")) else ""
-    reason = f"{rule.driver}: {rule.text}{rounding}"
+    reason = f"{rule.reason}{rounding}"
     return f"given; its rule gives {_short(rule.value)} ({reason})" if entry.given else reason
 
 
@@ -194,7 +194,7 @@ def _chain(loaded: LoadedDesign, field: str) -> Iterator[str]:
         yield "  given in the file"
         if entry.record is None:
             return
-        yield f"  its rule gives {_short(entry.record.value)} ({entry.record.driver}: {entry.record.text})"
+        yield f"  its rule gives {_short(entry.record.value)} ({entry.record.reason})"
     sized = {value.field: value for value in loaded.sized}
     if entry.record is not None:
         yield from _below(entry.record, sized, 1, set())

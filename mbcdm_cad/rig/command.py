@@ -43,8 +43,16 @@ def simulate_command(drive: Drive, experiment: Experiment | DynamicExperiment, o
         f"{folder / (experiment.name + '.yaml')}: {run.time_s.size} samples{ended}\n"
         f"transmission error {error.min():.1f} to {error.max():.1f} urad, "
         f"tensions {run.tension_N.min():.2f} to {run.tension_N.max():.2f} N\n"
-        f"beyond the declared model (in the truth file): {named}"
+        f"beyond the declared model (in the truth file): {named}{_overload(drive, run)}"
     )
+
+
+def _overload(drive: Drive, run: SimulatedRun) -> str:
+    """A line that says so if the load is more than the drive is made for."""
+    most, made_for = float(np.abs(run.load_Nm).max()), drive.loads.peak_torque_Nm
+    if most <= 1.001 * made_for:
+        return ""
+    return f"\nnote: the load reaches {most:.3g} N m, the design is made for loads.peak_torque_Nm: {made_for:.3g}"
 
 
 def transmission_error_urad(run: SimulatedRun, turns: list[float]) -> Floats:

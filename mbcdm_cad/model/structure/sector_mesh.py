@@ -152,7 +152,11 @@ def sector_mesh(shape: SectorShape, cell_mm: float, corner_pieces: int = CORNER_
     """
     steps = [shape.held_mm, *(ring.outer_mm for ring in shape.rings)]
     if steps[1] <= steps[0] or any(outer < inner for inner, outer in pairwise(steps)):
-        raise ValueError(f"drum: hub, rim and lands must ascend: radii {', '.join(f'{r:.4g}' for r in steps)} mm")
+        outwards = ", ".join(f"{r:.4g}" for r in steps)
+        raise ValueError(
+            f"no web is left between the drum's hub and its lands (radii outwards {outwards} mm): "
+            "choose a larger drum radius, or a smaller drum.bearing"
+        )
     radii, angles = _grid(shape, cell_mm, corner_pieces)
     count = len(radii)
     r = np.tile(radii, len(angles))

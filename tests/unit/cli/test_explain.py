@@ -78,7 +78,10 @@ def test_a_pulley_on_the_motors_shaft_beside_a_stiffness_is_told(capsys: pytest.
     """Its rules are tried without ``carried_by`` too, where bearings called none are no drive."""
     path = Path(__file__).parents[3] / "params" / "built-by-others" / "wooden-haptics.yaml"
     assert cli.run(["explain", str(path)]) == 0
-    assert re.search(r"^transmission.input_to_drum +16.0 +given; its rule gives ", capsys.readouterr().out, re.M)
+    out = capsys.readouterr().out
+    assert re.search(r"^transmission.input_to_drum +16.0 +given; its rule gives ", out, re.M)
+    # A rule that had nothing to choose is not told.
+    assert re.search(r"^drive.encoder +none +not used: the motor's shaft carries the pulley$", out, re.M)
 
 
 @pytest.mark.parametrize(("more", "said"), [("", "lightest of"), (", speed_deg_s: 172.0", "the torque at the speed")])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ import mbcdm_cad.rig
 from mbcdm_cad.cli import run as cli
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.rig.command import _overload
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
 from mbcdm_cad.rig.quasistatic.simulate import simulate
 from mbcdm_cad.rig.reading import read_experiment
@@ -55,6 +57,13 @@ def test_same_seed_same_bytes_and_another_seed_others(files, tmp_path):
     assert first == made("b")
     Path(files[1]).write_text(SHORT + "seed: 2\n")
     assert made("c")["short.csv"] != first["short.csv"]
+
+
+@pytest.mark.parametrize(("load_Nm", "said"), [(3.15, ""), (-3.2, "note: the load reaches 3.2 N m")])
+def test_a_load_beyond_what_the_design_is_made_for_is_said(load_Nm, said, project):
+    run = SimpleNamespace(load_Nm=np.array([0.0, load_Nm]))
+    found = _overload(load_design(project / "params" / "mbcdm.yaml").drive, run)
+    assert bool(found) is bool(said) and said in found
 
 
 def test_a_folder_of_something_else_is_left_alone(files, tmp_path, capsys):
