@@ -13,8 +13,8 @@ from mbcdm_cad.checks.design_variables import Adjustment
 TOLERANCE = 1e-9
 
 
-# A figure below this is the rounding error of an exact zero.
-NOTHING = 1e-11
+# A figure below this is the rounding error of an exact zero, and one below this share of its limit as well.
+NOTHING, SHARE_OF_NOTHING = 1e-11, 1e-6
 
 
 def shown(value: float) -> str:
@@ -38,6 +38,12 @@ class Comparison(NamedTuple):
         if not isfinite(self.actual):
             return -inf
         return self.sense * (self.actual - self.limit)
+
+    @property
+    def shown(self) -> Comparison:
+        """The same with 0 in place of a figure that differs from it only by rounding."""
+        nothing = 0.0 < abs(self.actual) < SHARE_OF_NOTHING * abs(self.limit)
+        return self._replace(actual=0.0) if nothing else self
 
     @property
     def holds(self) -> bool:

@@ -40,6 +40,7 @@ def judged(check: Check, found: Comparison, drive: Drive, remedy_of: Callable[[]
     if not isfinite(found.actual) or not isfinite(found.limit):
         return _unevaluated(check, f"{found.subject} is not a finite number", found.unit)
     status: Status = "pass" if found.holds else ("warn" if check.severity == "warn" else "fail")
+    found = found.shown
     limit, margin = (found.limit, found.margin) if found.sense else (None, None)
     waiver = drive.waiver(check.id) if status == "fail" else None
     return CheckResult(

@@ -28,6 +28,7 @@ from mbcdm_cad.cli.screen import (
 from mbcdm_cad.design.template import slug
 from mbcdm_cad.errors import InputError, MbcdmError, Problem
 from mbcdm_cad.optimising.wishes import GROWTH
+from mbcdm_cad.report.table import designs_shown
 from mbcdm_cad.storage.files import refuse_missing_folder
 
 # Copy of mbcdm_cad.design.entries.KINDS, which takes long to import; a test compares them.
@@ -112,7 +113,7 @@ def _summary(count: int, failing: Sequence[str], unread: Sequence[str]) -> str:
     """One line about all designs: their number, and those that fail."""
     words = [f"{len(failing)} fail: {', '.join(failing)}"] if failing else []
     words += [f"{len(unread)} cannot be read: {', '.join(unread)}"] if unread else []
-    return f"{count} designs: " + ("; ".join(words) or "all pass")
+    return f"{designs_shown(count)}: " + ("; ".join(words) or "all pass")
 
 
 @mbcdm.command(

@@ -16,6 +16,7 @@ from mbcdm_cad import api
 from mbcdm_cad.cli.group import ANGLE, DESIGN, FILE, JOBS, NO_CACHE, examples, mbcdm, out_folder
 from mbcdm_cad.cli.screen import load, progress
 from mbcdm_cad.report.page import PAGE
+from mbcdm_cad.report.table import designs_shown
 
 if TYPE_CHECKING:
     from mbcdm_cad.report.build_report import BuildReport
@@ -91,7 +92,7 @@ def compare(
     with progress() as note:
         found = api.compare(designs, out, page=page, jobs=jobs, cache=not no_cache, progress=note)
     if page is not None:
-        click.echo(f"{page}: {len(designs)} designs side by side, opens in any browser", err=True)
+        click.echo(f"{page}: {designs_shown(len(designs))} side by side, opens in any browser", err=True)
     if as_json:
         click.echo(json.dumps(found.to_dict(), indent=1))
     else:

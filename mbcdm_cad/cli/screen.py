@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from mbcdm_cad import api
+from mbcdm_cad.report.table import designs_shown
 
 
 def screen_width() -> int | None:
@@ -108,7 +109,7 @@ def progress_of_search() -> Iterator[Callable[[str, int], None]]:
 
         def told(words: str, count: int) -> None:
             if count % _EVERY == 0:
-                print(f"{count} designs: {words}", file=sys.stderr, flush=True)
+                print(f"{designs_shown(count)}: {words}", file=sys.stderr, flush=True)
 
         yield told
         return
@@ -116,7 +117,7 @@ def progress_of_search() -> Iterator[Callable[[str, int], None]]:
 
     console = Console(stderr=True)
     with console.status("searching") as status:
-        yield lambda words, count: status.update(f"{count} designs: {words}")
+        yield lambda words, count: status.update(f"{designs_shown(count)}: {words}")
 
 
 # Designs between two lines of progress, where it is piped.

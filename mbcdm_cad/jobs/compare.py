@@ -19,6 +19,7 @@ from mbcdm_cad.report.comparison import (
     comparison_table,
     distinct_labels,
     own_folder,
+    torque_notes,
 )
 from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.storage.files import refuse_missing_folder, write_whole
@@ -37,11 +38,12 @@ class ComparisonReport:
 
     def text(self) -> str:
         """What ``mbcdm compare`` prints: one column a design."""
-        return "\n".join(comparison_table(self.designs).text())
+        return "\n".join([*comparison_table(self.designs).text(), *torque_notes(self.designs)])
 
     def markdown(self) -> str:
         """The same table in Markdown."""
-        return "\n".join(comparison_table(self.designs).markdown())
+        notes = [f"\n{note}" for note in torque_notes(self.designs)]
+        return "\n".join([*comparison_table(self.designs).markdown(), *notes])
 
     def __str__(self) -> str:
         """As :meth:`text`."""

@@ -13,6 +13,7 @@ from threadpoolctl import threadpool_limits
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.design.template import slug
 from mbcdm_cad.design.yamltree import parse
+from mbcdm_cad.errors import OutputError
 from mbcdm_cad.optimising.figures import refuse_unknown
 from mbcdm_cad.optimising.journal import Journal, sole_search
 from mbcdm_cad.optimising.page import optimum_page
@@ -76,12 +77,15 @@ def _request(files: Sequence[tuple[str, Path]], wishes: Wishes) -> dict[str, Any
 
 def _write(found: Optimum, questions: Sequence[Question], request: dict[str, Any]) -> None:
     key = content_key("optimum", request, package_hash(), versions())
-    with output_folder(found.folder, Manifest(key, key), design=questions[0].path) as folder:
-        folder.write("optimum.json", json.dumps(found.to_dict(), indent=1, allow_nan=False) + "\n")
-        folder.write("front.csv", _csv(found))
-        folder.write("optimum.html", optimum_page(found))
-        for point in found.points:
-            folder.write(f"front/{point.name}.yaml", point.text)
+    try:
+        with output_folder(found.folder, Manifest(key, key), design=questions[0].path) as folder:
+            folder.write("optimum.json", json.dumps(found.to_dict(), indent=1, allow_nan=False) + "\n")
+            folder.write("front.csv", _csv(found))
+            folder.write("optimum.html", optimum_page(found))
+            for point in found.points:
+                folder.write(f"front/{point.name}.yaml", point.text)
+    except OutputError as error:
+        raise OutputError(f"{error}; the evaluated points are kept: go on with --resume") from error
 
 
 def _csv(found: Optimum) -> str:

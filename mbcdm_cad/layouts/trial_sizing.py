@@ -22,7 +22,6 @@ from mbcdm_cad.design.bought import (
     Motor,
     Servo,
     ServoOutput,
-    least_wall_mm,
     without_gearhead,
 )
 from mbcdm_cad.design.lookup import Catalogue
@@ -34,8 +33,6 @@ from mbcdm_cad.sizing.engine import fill
 from mbcdm_cad.sizing.known import KnownFields, RopeKnown
 from mbcdm_cad.sizing.rule import Found, Rule, rounded_up
 
-# Diameter of the printer's nozzle, as in the schema.
-NOZZLE_MM = 0.4
 # Largest number of trials of one field: each moves it by the missing margin, so that a few are enough.
 _MOST_TRIALS = 40
 # If so many trials in a row miss the same check by the same amount, the field does not affect it.
@@ -122,12 +119,6 @@ class TrialKnown(RopeKnown):
         """What the motor has as a bought servo; None for a plain motor."""
         gear = self.gearhead
         return gear.servo if isinstance(gear, ServoOutput) else None
-
-    def wall_mm(self, part: str) -> float:
-        """Thinnest wall of the material of a part, ``"drum"``."""
-        metal = self.entry("materials", f"{part}.material")
-        nozzle = self.get("printing.nozzle_mm", NOZZLE_MM)
-        return least_wall_mm(metal["process"], float(metal["min_wall_mm"]), nozzle)
 
     @property
     def overhung(self) -> bool:

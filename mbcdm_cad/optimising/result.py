@@ -20,7 +20,7 @@ from mbcdm_cad.optimising.figures import FIGURES, Facts, figure
 from mbcdm_cad.optimising.search import INTERRUPTED, ROUNDS, Searched, TriedPoint, counted
 from mbcdm_cad.optimising.sketch import sketch
 from mbcdm_cad.optimising.wishes import Keep, Wishes
-from mbcdm_cad.report.table import ReportTable, filled
+from mbcdm_cad.report.table import ReportTable, designs_shown, filled
 from mbcdm_cad.solving.patch import difference, patched
 from mbcdm_cad.solving.question import Question
 
@@ -148,7 +148,7 @@ class Optimum:
     def _lines(self, width: int | None) -> Iterator[str]:
         s = self.searched
         yield from filled(
-            f"{len(s.tried)} designs evaluated, {s.passing} pass every check"
+            f"{designs_shown(len(s.tried))} evaluated, {s.passing} pass every check"
             + (" and keep what was asked" if self.wishes.keeps else "")
             + f"; ended: {s.stopped}",
             width,
@@ -165,7 +165,7 @@ class Optimum:
                 yield from filled(f"no drive, {count} times: {reason}", width)
         else:
             aims = ", ".join(map(str, self.wishes.aims))
-            yield f"Front of {aims}: {len(self.points)} designs in {self.folder}/front"
+            yield f"Front of {aims}: {designs_shown(len(self.points))} in {self.folder}/front"
             yield from self.table.text(width, "  ")
             for other in self.beside:
                 shown = (f"{name} {other.figures[name]:.4g}" for name in self.shown if name in other.figures)
@@ -173,7 +173,7 @@ class Optimum:
                 yield from filled(f"  beside it {other.name}{fails}: {', '.join(shown)}", width)
             yield from self._binding_lines(width)
         for reason, count in s.left_out.items():
-            yield from filled(f"{count} designs left out for an aim that they do not have: {reason}", width)
+            yield from filled(f"{designs_shown(count)} left out for an aim that they do not have: {reason}", width)
         if s.faults:
             yield from filled(f"{len(s.faults)} points ended in a fault, the first: {s.faults[0]}", width)
 

@@ -236,7 +236,7 @@ class AnalysisReport:
         yield [
             "Torque at the drum at which a limit is reached first:",
             *self._limits().text(width, "  "),
-            *(line for text in _torque_notes(a) for line in filled(text, width)),
+            *(line for text in _torque_notes(a, self.layout.drive.mounted) for line in filled(text, width)),
         ]
         yield self.duty.text(width)
         if a.creep:
@@ -319,7 +319,7 @@ def _model_notes(a: Analysis, structure: StructureReport | None) -> Iterator[str
     )
 
 
-def _torque_notes(a: Analysis) -> Iterator[str]:
+def _torque_notes(a: Analysis, mounted: str) -> Iterator[str]:
     yield (
         f"  peak torque + / -: {_list(a.peak_torque_lossless_Nm, 3)} N m without losses, as in the paper, "
         f"{_list(a.peak_torque_with_losses_Nm, 3)} N m with all losses; limits.losses puts the "
@@ -329,7 +329,8 @@ def _torque_notes(a: Analysis) -> Iterator[str]:
         ("peak torque without losses", a.peak_torque_lossless_Nm),
         ("peak torque with losses", a.peak_torque_with_losses_Nm),
     ):
-        yield from (f"  {text}" for text in above_gearhead(a.limits, called, peaks))
+        if above := above_gearhead(a.limits, mounted, called, peaks):
+            yield f"  {above}"
     if min(a.peak_torque_Nm) > (asked := a.peak[0].load_Nm):
         yield f"  motor and cables allow these; the checks judge all other parts at the {asked:g} N m asked for"
     yield (
@@ -340,14 +341,14 @@ def _torque_notes(a: Analysis) -> Iterator[str]:
         yield f"  torque to weight at the target mass: {a.torque_to_weight_Nm_kg:.3f} N m/kg"
 
 
-def above_gearhead(limits: Sequence[TorqueLimit], called: str, peaks_Nm: tuple[float, float]) -> Iterator[str]:
-    """Sentences on a peak torque (+, -), which motor and cables allow, that is above a rating of the gearhead.
+def above_gearhead(limits: Sequence[TorqueLimit], mounted: str, called: str, peaks_Nm: tuple[float, float]) -> str:
+    """A sentence on a peak torque (+, -), which motor and cables allow, above a rating of what is ``mounted``, or "".
 
     Limits that count losses stand beside a lossless peak where only these were worked out.
     """
-    for cause, why in (
-        ("gearhead_maximum", "which forbids it"),
-        ("gearhead_rated", "so hold it for a short time only"),
+    for cause, holds, why in (
+        ("gearhead_maximum", "at most", "which forbids it"),
+        ("gearhead_rated", "continuously", "so hold it for a short time only"),
     ):
         low = [
             (limit.torque_Nm, peaks_Nm[limit.direction < 0])
@@ -356,8 +357,10 @@ def above_gearhead(limits: Sequence[TorqueLimit], called: str, peaks_Nm: tuple[f
         ]
         if low:
             limit_Nm, peak_Nm = min(low)
-            yield f"the {called}, {peak_Nm:.3f} N m, is above {_LIMITS[cause]}, {limit_Nm:.3f} N m, {why}"
-            return
+            return (
+                f"the {called}, {peak_Nm:.3f} N m, is above what the {mounted} holds {holds}, {limit_Nm:.3f} N m, {why}"
+            )
+    return ""
 
 
 def _creep_table(a: Analysis) -> ReportTable:

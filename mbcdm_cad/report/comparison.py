@@ -26,6 +26,7 @@ _LOADS = ("times", "N m", "of breaking load")
 class ComparedDesign:
     """Figures of one design. ``tightest_check``: of the checks of strength and torque, and its margin over its limit.
 
+    ``above_gearhead``: a sentence where the torque is above a rating of the gearhead, else "".
     ``toleranced_fits`` counts the fits on the drawings of its made parts, ``undrawn`` the made parts without one.
     """
 
@@ -33,6 +34,7 @@ class ComparedDesign:
     configuration: str
     torque_positive_Nm: float
     torque_negative_Nm: float
+    above_gearhead: str
     mass_g: float
     torque_to_weight_Nm_kg: float
     box_mm: tuple[float, float, float]
@@ -84,6 +86,7 @@ def compared(drive: Drive, report: dict[str, Any], load_Nm: float) -> ComparedDe
         configuration=drive.configuration,
         torque_positive_Nm=torque[0],
         torque_negative_Nm=torque[1],
+        above_gearhead=report["torque"]["above_gearhead"],
         mass_g=mass,
         torque_to_weight_Nm_kg=min(torque) / mass * 1e3,
         box_mm=(box[0], box[1], box[2]),
@@ -162,6 +165,11 @@ def comparison_table(designs: Sequence[ComparedDesign]) -> ReportTable:
             for label, of in rows
         ),
     )
+
+
+def torque_notes(designs: Sequence[ComparedDesign]) -> list[str]:
+    """Sentences on torques of the table that are above a rating of the gearhead."""
+    return [f"{design.name}: {design.above_gearhead}" for design in designs if design.above_gearhead]
 
 
 def _fit_words(d: ComparedDesign) -> str:

@@ -19,6 +19,7 @@ from mbcdm_cad.model.bulk import preload_table
 from mbcdm_cad.model.stack_up import stack_data
 from mbcdm_cad.model.tensioning_plan import TensioningPlan
 from mbcdm_cad.parts.bill import Bill
+from mbcdm_cad.report.analysis_report import above_gearhead
 from mbcdm_cad.report.duty import duty_report
 from mbcdm_cad.report.life import life_report
 from mbcdm_cad.report.losses import losses_report
@@ -201,6 +202,9 @@ def report_data(
         "torque": {
             "peak_positive_Nm": figures.analysis.peak_torque_Nm[0],
             "peak_negative_Nm": figures.analysis.peak_torque_Nm[1],
+            "above_gearhead": above_gearhead(
+                figures.analysis.limits, drive.mounted, "peak torque", figures.analysis.peak_torque_Nm
+            ),
             "torque_to_weight_Nm_kg": min(figures.analysis.peak_torque_Nm) / kilograms,
             "paper_design_Nm_kg": measured.DESIGN_TORQUE_TO_WEIGHT_NM_KG,
             "paper_measured_Nm_kg": measured.TORQUE_TO_WEIGHT_NM_KG,

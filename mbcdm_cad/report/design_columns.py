@@ -17,7 +17,7 @@ from mbcdm_cad.layouts.changes import changed_drives, sized_many
 from mbcdm_cad.model.bulk import BulkFigures, analyse_many, merged, stack_designs
 from mbcdm_cad.model.capability import Requirements, requirements
 from mbcdm_cad.model.si import DriveSI, to_si
-from mbcdm_cad.report.table import ReportTable, data_frame
+from mbcdm_cad.report.table import ReportTable, data_frame, designs_shown
 from mbcdm_cad.sizing.bulk import Alike, gathered
 
 if TYPE_CHECKING:
@@ -165,7 +165,7 @@ class Sweep(DesignColumns):
 
     def summary(self) -> str:
         """How many designs there are, and how many have a free span."""
-        return f"{self.name}: {len(self)} designs, {int(np.sum(self.figures.valid))} with a free span"
+        return f"{self.name}: {designs_shown(len(self))}, {int(np.sum(self.figures.valid))} with a free span"
 
 
 def sweep(loaded: LoadedDesign, ranges: Mapping[str, Any], *, grid: bool = False) -> Sweep:
@@ -234,7 +234,7 @@ class SizedDesigns(DesignColumns):
 
     def summary(self) -> str:
         """How many designs there are, and how many of them the rules fill."""
-        return f"{self.name}: {len(self)} designs, {sum(not why for why in self.refused)} sized"
+        return f"{self.name}: {designs_shown(len(self))}, {sum(not why for why in self.refused)} sized"
 
 
 def size_designs(loaded: LoadedDesign, ranges: Mapping[str, Any], *, grid: bool = False) -> SizedDesigns:

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from mbcdm_cad.design.describe import flow
+from mbcdm_cad.report.table import designs_shown
 from mbcdm_cad.solving.conflict import Conflict, Give
 from mbcdm_cad.solving.patch import difference, patched
 from mbcdm_cad.solving.question import Out, Question, Times
@@ -74,7 +75,8 @@ class SolveReport:
             yield f"{name}: passes every check as it is"
             return
         count = len(found.changes)
-        yield f"{name}: {count} change{'s' * (count > 1)} and it passes every check ({found.trials} designs tried)"
+        tried = designs_shown(found.trials)
+        yield f"{name}: {count} change{'s' * (count > 1)} and it passes every check ({tried} tried)"
         for change in found.changes:
             yield f"  {change.field}: {_word(change.before)} -> {_word(change.after)}  ({change.note})"
         yield ""
@@ -117,7 +119,7 @@ def solve_design(
 
 
 def _conflict_lines(conflict: Conflict, name: str, trials: int) -> Iterator[str]:
-    yield f"{name}: no design was found that passes every check ({trials} designs tried)"
+    yield f"{name}: no design was found that passes every check ({designs_shown(trials)} tried)"
     if conflict.first:
         yield "These requirements were relaxed first, one after the other:"
         yield from (f"  {_give(way)}" for way in conflict.first)
@@ -131,7 +133,7 @@ def _conflict_lines(conflict: Conflict, name: str, trials: int) -> Iterator[str]
     else:
         yield "No requirement was found that gives a passing design when it alone is relaxed."
     if conflict.not_tried:
-        yield f"The search ended after {trials} designs; not relaxed yet: {', '.join(conflict.not_tried)}"
+        yield f"The search ended after {designs_shown(trials)}; not relaxed yet: {', '.join(conflict.not_tried)}"
     yield "Checks that fail on the design that came nearest:"
     yield from (f"  {check}: {message}" for check, message in conflict.nearest)
 

@@ -112,6 +112,11 @@ def _is_number(cell: object) -> bool:
     return True
 
 
+def designs_shown(count: int) -> str:
+    """``1 design``, ``7 designs``."""
+    return f"{count} design{'s' * (count != 1)}"
+
+
 def speed_shown(speed_deg_s: float) -> str:
     """A speed of the drum, deg/s: whole degrees from 100 on, three digits below."""
     return f"{speed_deg_s:.0f}" if speed_deg_s >= 100.0 else f"{speed_deg_s:.3g}"

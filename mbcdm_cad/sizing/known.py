@@ -14,6 +14,7 @@ from mbcdm_cad.design.bought import (
     Motor,
     Screw,
     TerminationSpec,
+    least_wall_mm,
     missing_face_fields,
     without_gearhead,
 )
@@ -23,6 +24,8 @@ from mbcdm_cad.design.rules import Broken, unknown_entry
 from mbcdm_cad.design.sized import SizingError
 
 Value = TypeVar("Value")
+# Diameter of the printer's nozzle, as in the schema.
+NOZZLE_MM = 0.4
 
 
 @cache
@@ -156,6 +159,12 @@ class RopeKnown(KnownFields):
     def printed(self, part: str) -> bool:
         """Whether a part is 3D printed."""
         return bool(self.entry("materials", f"{part}.material")["process"] in ("printed", "sintered"))
+
+    def wall_mm(self, part: str) -> float:
+        """Thinnest wall of the material of a part, ``"drum"``."""
+        metal = self.entry("materials", f"{part}.material")
+        nozzle = self.get("printing.nozzle_mm", NOZZLE_MM) if metal["process"] == "printed" else 0.0
+        return least_wall_mm(metal["process"], float(metal["min_wall_mm"]), nozzle)
 
     @property
     def rope(self) -> dict[str, Any]:

@@ -16,7 +16,7 @@ from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.sensitivity import elasticities, figure_5
 from mbcdm_cad.model.si import DriveSI, to_si
 from mbcdm_cad.model.tolerance import Tolerances, ToleranceStack, tolerance_stack
-from mbcdm_cad.report.comparison import ComparedDesign, comparison_table
+from mbcdm_cad.report.comparison import ComparedDesign, comparison_table, torque_notes
 from mbcdm_cad.report.page.template import page_environment
 from mbcdm_cad.report.paths import path_data_or_reason
 
@@ -180,6 +180,7 @@ def comparison_page(designs: Sequence[ComparedDesign], drives: Sequence[Drive], 
             designs=designs,
             pictures=[base64.b64encode(png).decode() for png in pictures],
             rows=[_row(label.strip(), cells) for label, *cells in comparison_table(designs).rows],
+            notes=torque_notes(designs),
             charts=charts_under_load([(design.name, drive) for design, drive in zip(designs, drives, strict=True)]),
         )
     )

@@ -12,6 +12,7 @@ import markupsafe
 
 from mbcdm_cad.design.describe import flow
 from mbcdm_cad.report.page import content
+from mbcdm_cad.report.table import designs_shown
 
 
 @cache
@@ -28,7 +29,7 @@ def page_environment(*more: tuple[str, str]) -> jinja2.Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    words = {"words": lambda text: text.replace("_", " "), "flow": flow}
+    words: dict[str, Any] = {"words": lambda text: text.replace("_", " "), "flow": flow, "designs": designs_shown}
     environment.filters |= {"figure": _figure, "json": _json, **words}
     environment.globals |= {"asset": _asset, "table_of": content.legend_table}
     return environment

@@ -32,6 +32,8 @@ def test_warnings_of_the_front_are_named() -> None:
 
 def test_why_designs_were_left_out_is_said_in_text_page_and_plain_data() -> None:
     reason = "life_cycles: no figure, no test of this rope is known"
+    one = replace(optimum(), searched=replace(optimum().searched, left_out={reason: 1}))
+    assert f"\n1 design left out for an aim that they do not have: {reason}" in one.text()
     found = replace(optimum(), searched=replace(optimum().searched, left_out={reason: 4}))
     told = f"4 designs left out for an aim that they do not have: {reason}"
     assert told in found.text() and told in optimum_page(found).decode()

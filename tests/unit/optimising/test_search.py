@@ -6,6 +6,7 @@ import errno
 import os
 import signal
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import BinaryIO
@@ -23,7 +24,9 @@ from mbcdm_cad.optimising.search import FrontSearch, Searched
 from mbcdm_cad.optimising.variables import Variable
 from mbcdm_cad.optimising.wishes import Effort, Keep, wishes_of
 from mbcdm_cad.parallel import forks
-from mbcdm_cad.solving.question import Fixed, Point, Question
+from mbcdm_cad.solving.question import Fixed, Point, Question, question_of
+from mbcdm_cad.storage.folders import OutputFolder
+from tests.support.optimum import optimum
 
 VARIABLES = [Variable("a", ruled=False), Variable("b", ruled=False), Variable("kind", ("x", "y"))]
 WISHES = wishes_of(["mass:min", "swing:min"])
@@ -186,3 +189,15 @@ def test_the_time_ends_it_where_it_can_go_on(tmp_path: Path) -> None:
     whole = searched(tmp_path / "b.jsonl")
     assert searched(tmp_path / "a.jsonl", resume=True).front == whole.front
     assert (tmp_path / "a.jsonl").read_bytes() == (tmp_path / "b.jsonl").read_bytes()
+
+
+def test_a_full_disk_at_the_result_says_how_to_go_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(self: object, name: str, data: bytes | str) -> None:
+        raise OutputError(f"{tmp_path}: cannot write: {os.strerror(errno.ENOSPC)}")
+
+    monkeypatch.setattr(OutputFolder, "write", full)
+    asked = mc.new_design("drive", "siso_spur")
+    question = question_of(asked.loaded.text, tmp_path / "drive.yaml")
+    with pytest.raises(OutputError, match=r"No space left on device; the evaluated points are kept: go on with --res"):
+        job._write(replace(optimum(), folder=tmp_path / "drive-optimum"), [question], {})
+    assert not list(tmp_path.iterdir())

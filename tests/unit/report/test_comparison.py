@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from mbcdm_cad.jobs.compare import ComparisonReport
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.model.backlash import drum_backlash
 from mbcdm_cad.model.si import to_si
@@ -20,7 +21,7 @@ PARAMS = Path(__file__).parents[3] / "params"
 def report(**changes: Any) -> dict[str, Any]:
     """What of a report counts."""
     data: dict[str, Any] = {
-        "torque": {"peak_positive_Nm": 3.7, "peak_negative_Nm": 3.2},
+        "torque": {"peak_positive_Nm": 3.7, "peak_negative_Nm": 3.2, "above_gearhead": "the peak torque is above"},
         "mass": {"mass_g": 400.0},
         "envelope": {"size_mm": [100.0, 50.0, 40.0]},
         "torsion": {"lowest_inputs_held_Hz": 1234.0},
@@ -67,6 +68,9 @@ def test_table_has_a_column_a_design_and_json_is_plain() -> None:
     assert rows["configuration"] == ("miso_bevel", "siso_bevel")
     assert rows["total ratio"] == (pytest.approx(9.0), pytest.approx(4.5))
     assert len({len(line.split("|")) for line in table.markdown()}) == 1
+    compared_both = ComparisonReport(tuple(designs))
+    for text in (compared_both.text(), compared_both.markdown()):
+        assert "mbcdm: the peak torque is above" in text and "siso_bevel: the peak torque is above" in text
     plain = json.loads(json.dumps(comparison_data(designs)))
     assert [design["name"] for design in plain] == ["mbcdm", "siso_bevel"]
     assert plain[1]["box_mm"] == [100.0, 50.0, 40.0]

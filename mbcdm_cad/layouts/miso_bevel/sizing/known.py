@@ -9,7 +9,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from mbcdm_cad.design.bought import Gearhead, InsertSpec, least_wall_mm, shortest_insert
+from mbcdm_cad.design.bought import Gearhead, InsertSpec, shortest_insert
 from mbcdm_cad.design.lookup import Catalogue
 from mbcdm_cad.design.rules import every_broken_rule
 from mbcdm_cad.design.sized import SizingError
@@ -55,8 +55,6 @@ _SHELF_RESTS_ON = (
     "support.motor_shelf_mm",
     "drive",
 )
-# The schema's own.
-NOZZLE_MM = 0.4
 # Largest fleet angle on grooves where the file names none: the schema's own.
 GROOVED_FLEET_DEG = 2.0
 # A lead that just clears the turn before it is raised by this share of the rope's diameter: stacked tolerances.
@@ -186,12 +184,6 @@ class BevelKnown(RopeKnown):
         """Half width of the nuts' pocket: the cutter's corner does not lift the nut."""
         corner = self.entry("materials", "drum.material")["min_internal_radius_mm"]
         return number(self.nut_mm + self["clearances.running_mm"] + corner)
-
-    def wall_mm(self, part: str) -> float:
-        """Thinnest wall of the material of a part, ``"drum"``."""
-        metal = self.entry("materials", f"{part}.material")
-        nozzle = self.get("printing.nozzle_mm", NOZZLE_MM) if metal["process"] == "printed" else 0.0
-        return least_wall_mm(metal["process"], float(metal["min_wall_mm"]), nozzle)
 
     def insert(self, part: str, thread_mm: float) -> InsertSpec | None:
         """The insert that a thread gets in a part, as :meth:`mbcdm_cad.design.drive.Drive.insert` has it."""
