@@ -18,18 +18,27 @@ from mbcdm_cad.build.trianglemesh import TriangleMesh
 from mbcdm_cad.layouts.base import Layout
 
 # As builds mesh a part; one test compares a run with meshes to one without.
-_MESH_TOLERANCE_MM = 0.01
+MESH_TOLERANCE_MM = 0.01
 # By content of the solid and tolerance: the tests move a few solids and keep the others.
 _MESHES: dict[tuple[str, float], TriangleMesh] = {}
 
 
 def body(name: str, solid: Any, mesh_tolerance_mm: float | None = None) -> PartShape:
     """A solid for the run; without a mesh tolerance every pair whose boxes meet is left to a boolean."""
-    key = hashlib.sha256(brep_bytes(solid)).hexdigest()
-    if mesh_tolerance_mm is not None and (key, mesh_tolerance_mm) not in _MESHES:
-        _MESHES[key, mesh_tolerance_mm] = mesh_solid(name, solid, mesh_tolerance_mm)
-    mesh = None if mesh_tolerance_mm is None else _MESHES[key, mesh_tolerance_mm]
-    return PartShape(key, np.array(bounding_box(solid)), lambda: solid, mesh)
+    mesh = None if mesh_tolerance_mm is None else mesh_of(name, solid, mesh_tolerance_mm)
+    return PartShape(_key(solid), np.array(bounding_box(solid)), lambda: solid, mesh)
+
+
+def mesh_of(name: str, solid: Any, tolerance_mm: float = MESH_TOLERANCE_MM) -> TriangleMesh:
+    """The mesh of a solid, made once."""
+    key = (_key(solid), tolerance_mm)
+    if key not in _MESHES:
+        _MESHES[key] = mesh_solid(name, solid, tolerance_mm)
+    return _MESHES[key]
+
+
+def _key(solid: Any) -> str:
+    return hashlib.sha256(brep_bytes(solid)).hexdigest()
 
 
 def run_of(dims: Layout, bodies: Mapping[str, PartShape], poses_deg: Sequence[float]) -> InterferenceRun:
@@ -51,7 +60,7 @@ def interferences(
     Pairs whose answer is in ``known`` are not tested again, and answers are added to it; without it every pair is
     tested.
     """
-    bodies = {name: body(name, solid, _MESH_TOLERANCE_MM) for name, solid in solids.items()}
+    bodies = {name: body(name, solid, MESH_TOLERANCE_MM) for name, solid in solids.items()}
     run = run_of(dims, bodies, poses_deg)
     found = answers(run, known or {}, jobs)
     if known is not None:

@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 import pytest
 from designs import Change, preloaded, put, radius_of, reference, scaled, to
 
-from mbcdm_cad.checks.comparison import Check
+from mbcdm_cad.checks.comparison import TOLERANCE, Check
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.design.bought import SpringSpec
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.miso_bevel.checks import CHECKS
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
+from mbcdm_cad.model.block_rows import many_meshes
 
 BY_ID = {check.id: check for check in CHECKS}
 BISECTIONS = 60
+# Margins that differ by less are those of one design.
+SAME = 5e-9
 
 
 class Way(NamedTuple):
@@ -206,12 +210,42 @@ def test_every_check_has_its_border_tried() -> None:
     assert set(WAYS) | OTHERS == set(BY_ID), set(WAYS) ^ (set(BY_ID) - OTHERS)
 
 
-def _holds(check: Check, drive: Drive) -> bool:
+def _margin(check: Check, drive: Drive) -> float:
+    """Of the figure from its limit; none where it is only told."""
     with np.errstate(all="ignore"):
-        return check.measure(BevelLayout(drive)).holds
+        found = check.measure(BevelLayout(drive))
+    return found.margin if found.sense else np.inf
+
+
+def _border(margin: Callable[[float], float], passing: float, failing: float) -> tuple[float, float]:
+    """Both ends moved together until the margins differ by rounding, or the ends do where the margin jumps.
+
+    By secants that aim a little beyond the border, further where the same end stays twice, and by halves where these do
+    not close in.
+    """
+    inside, outside, stays, stretch = margin(passing), margin(failing), 0, 1.0
+    for step in range(BISECTIONS):
+        if inside - outside < SAME:
+            break
+        share = 0.5
+        if step % 3 < 2 and np.isfinite(inside - outside):
+            stretch = 4.0 * stretch if abs(stays) > 1 else 1.0
+            to_border, whole = inside + TOLERANCE, inside - outside
+            if stays < 0:
+                share = max(0.5, 1.0 - stretch * (whole - to_border + SAME / 3.0) / whole)
+            else:
+                share = min(0.5, stretch * (to_border + SAME / 3.0) / whole)
+        middle = passing + share * (failing - passing)
+        found = margin(middle)
+        if found >= -TOLERANCE:
+            passing, inside, stays = middle, found, max(stays, 0) + 1
+        else:
+            failing, outside, stays = middle, found, min(stays, 0) - 1
+    return passing, failing
 
 
 @pytest.mark.parametrize("name", WAYS)
+@many_meshes()
 def test_one_design_just_passes_and_one_just_fails(name: str) -> None:
     check, way = BY_ID[name], WAYS[name]
 
@@ -219,11 +253,9 @@ def test_one_design_just_passes_and_one_just_fails(name: str) -> None:
         return way.change(reference(), value)
 
     passing, failing = way.passing, way.failing
-    assert _holds(check, design(passing)), check.measure(BevelLayout(design(passing)))
-    assert not _holds(check, design(failing)), check.measure(BevelLayout(design(failing)))
-    for _ in range(BISECTIONS):
-        middle = 0.5 * (passing + failing)
-        passing, failing = (middle, failing) if _holds(check, design(middle)) else (passing, middle)
+    assert _margin(check, design(passing)) >= -TOLERANCE, check.measure(BevelLayout(design(passing)))
+    assert _margin(check, design(failing)) < -TOLERANCE, check.measure(BevelLayout(design(failing)))
+    passing, failing = _border(lambda value: _margin(check, design(value)), passing, failing)
     good, bad = (run_check(check, BevelLayout(design(value))) for value in (passing, failing))
     assert good.status == "pass" and good.remedy == "", good
     assert bad.status == check.severity, bad
