@@ -257,13 +257,22 @@ def statically(points: Floats, at: Floats, force: Floats, moment: Floats) -> Flo
 
 
 def centred_load(
-    mesh: PlateMesh, nodes: Ints, point: Floats, force_x: float, couple_z: float = 0.0, couple_y: float = 0.0
+    mesh: PlateMesh,
+    nodes: Ints,
+    point: Floats,
+    force_x: float,
+    couple_z: float = 0.0,
+    couple_y: float = 0.0,
+    force_z: float = 0.0,
 ) -> Floats:
-    """Forces (n, 3) on ``nodes`` of this half by a force along x, couples about z and y (N mm), in the mirror plane."""
+    """Forces (n, 3) on ``nodes`` of this half by a force along x, couples about z and y (N mm), in the mirror plane.
+
+    Or by a force along z, alone, for :func:`pulled`.
+    """
     node = mesh.plates.node_mm
     off_plane = nodes[~mesh.middle[nodes]]
     both = np.concatenate([node[nodes], node[off_plane] * (-1.0, 1.0, 1.0)])
-    spread = statically(both, point, np.array([force_x, 0.0, 0.0]), np.array([0.0, couple_y, couple_z]))[: len(nodes)]
+    spread = statically(both, point, np.array([force_x, 0.0, force_z]), np.array([0.0, couple_y, couple_z]))[: len(nodes)]
     # Half of the force on a node in the mirror plane belongs to each side.
     return np.asarray(spread * np.where(mesh.middle[nodes], 0.5, 1.0)[:, None])
 
@@ -286,6 +295,30 @@ def shares_urad(mesh: PlateMesh, material: Material, load: Floats, ground: Float
 
 def _shares_urad(mesh: PlateMesh, material: Material, load: Floats, ground: Floats) -> dict[str, float]:
     plates = mesh.plates
+    # A field that changes sign in the mirror: u_y, u_z and the turn about x vanish in its plane.
+    displacement, element = _moved(mesh, material, load, ground, (1, 2, 3))
+    local = displacement[freedoms(plates)]
+    work = 2.0 * ((element @ local[:, :, None])[:, :, 0] * local).sum(axis=1)
+    by_panel = np.bincount(plates.panel, work, len(mesh.names))
+    shares = {name: float(w) * URAD_PER_MRAD for name, w in zip(mesh.names, by_panel, strict=True)}
+    shares["mounts"] = 2.0 * float(ground @ displacement**2) * URAD_PER_MRAD
+    return shares
+
+
+def pulled(mesh: PlateMesh, material: Material, load: Floats, ground: Floats) -> Floats:
+    """Displacements and turns (m, 6) of the nodes under a load (6 m,) on this half that both halves bear alike.
+
+    Raises ``ValueError`` if the walls are not connected.
+    """
+    # A field that is its own mirror image: u_x and the turns about y and z vanish in the mirror plane.
+    return _moved(mesh, material, load, ground, (0, 4, 5))[0].reshape(-1, 6)
+
+
+def _moved(
+    mesh: PlateMesh, material: Material, load: Floats, ground: Floats, held_middle: tuple[int, int, int]
+) -> tuple[Floats, Floats]:
+    """Displacements (6 m,), and the stiffness of the elements; ``held_middle``: freedoms held in the mirror plane."""
+    plates = mesh.plates
     modulus = material.youngs_modulus_GPa * GPA_TO_MPA
     # Many elements are identical, so each different stiffness matrix is computed once.
     shape = np.column_stack([sides(plates), plates.thickness_mm])
@@ -293,15 +326,8 @@ def _shares_urad(mesh: PlateMesh, material: Material, load: Floats, ground: Floa
     unlike = stiffness(kinds[:, :2], kinds[:, 2], modulus, material.poisson_ratio)
     element = unlike[kind.ravel()] * mesh.weight[:, None, None]
     held = np.zeros((len(plates.node_mm), 6), dtype=bool)
-    # A field that changes sign in the mirror: u_y, u_z and the turn about x vanish in its plane.
-    held[mesh.middle, 1:4] = True
+    held[np.ix_(mesh.middle, held_middle)] = True
     try:
-        displacement = solve(plates, element, held.ravel(), ground, load)
+        return solve(plates, element, held.ravel(), ground, load), element
     except np.linalg.LinAlgError:
         raise ValueError("frame: its walls are hardly connected, so their deflection cannot be computed") from None
-    local = displacement[freedoms(plates)]
-    work = 2.0 * ((element @ local[:, :, None])[:, :, 0] * local).sum(axis=1)
-    by_panel = np.bincount(plates.panel, work, len(mesh.names))
-    shares = {name: float(w) * URAD_PER_MRAD for name, w in zip(mesh.names, by_panel, strict=True)}
-    shares["mounts"] = 2.0 * float(ground @ displacement**2) * URAD_PER_MRAD
-    return shares

@@ -2,19 +2,26 @@
 
 from __future__ import annotations
 
-from mbcdm_cad.checks.bearings import carried
-from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
+from contextlib import suppress
+
+from mbcdm_cad.checks.bearings import carried, input_reactions
+from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM, web_between
 from mbcdm_cad.checks.motor_head import ENCODER_SHELF, boss_walls
 from mbcdm_cad.design.bought import InsertSpec
+from mbcdm_cad.layouts.base import PRINTED_WINDUP, NoFigureError
+from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
+from mbcdm_cad.layouts.siso_spur.support.stiffness import out_of_line_mrad
 from mbcdm_cad.parts.motor_head.dims import dowel_length_mm, flange_screw
 
 # Space above the pulley that is needed to lead the cable round it (estimate).
 WINDING_ROOM_MM = 2.0
 # Depth of a mounting screw's thread over its diameter (usual rule).
 MOUNT_DIAMETERS = 1.0
+# Angle between the rings of a deep-groove ball bearing: makers allow 2 to 10 minutes of arc, by play and load.
+OUT_OF_LINE_MRAD = 2.9
 
 
 def walls(s: SpurLayout) -> Comparison:
@@ -153,6 +160,29 @@ def boss(s: SpurLayout) -> Comparison:
     return worst((around, behind, *boss_walls(s)))
 
 
+def _long_yoke(s: SpurLayout) -> bool:
+    """Whether the yoke reaches further in front of the plate than it is wide; only such a one bends much."""
+    f = s.frame
+    return f.motor is None and f.levels.top_plate_top_z - f.levels.front_y > 2 * f.shelf_half_width
+
+
+def _asked_of_yoke(drive: SpurDrive) -> bool:
+    with suppress(NoFigureError):
+        return _long_yoke(drive.layout)
+    return False
+
+
+def bearing_line(s: SpurLayout) -> Comparison:
+    """Angle between the rings of the input's bearings where the pull of the cables bends plate and yoke."""
+    limit = OUT_OF_LINE_MRAD * (PRINTED_WINDUP if s.printed_frame else 1.0)
+    if not _long_yoke(s):
+        return at_most("rings of the input's bearings: a short yoke holds them in line", 0.0, limit, "mrad")
+    _, *loads = (max(each) for each in zip(*s.once("input_reactions", input_reactions), strict=True))
+    turns = zip(("lower", "upper"), out_of_line_mrad(s.arms[0], *loads), strict=True)
+    what = "the cables' pull on plate and yoke turns the rings of the input's {} bearing apart by"
+    return worst(at_most(what.format(end), turn, limit, "mrad") for end, turn in turns)
+
+
 _WALL = "material: min_wall_mm"
 _SHELVES: tuple[Adjustment, ...] = (up("support.bearing_shelf_mm"), up("support.encoder_shelf_mm"))
 CHECKS = (
@@ -172,6 +202,15 @@ CHECKS = (
     ),
     Check("bearing_seats", "Shelves take the input's bearings", _WALL, bearing_seats, adjust=_SHELVES, applies=carried),
     ENCODER_SHELF,
+    Check(
+        "bearing_line",
+        "Input's bearings stay in line",
+        "bearing makers: 2 to 10 minutes of arc, six times that in plastic: estimate; folded plates; long yokes only",
+        bearing_line,
+        "warn",
+        adjust=(up("support.bridge_mm"), up("support.plate_mm")),
+        applies=_asked_of_yoke,
+    ),
     Check(
         "input_room",
         "Input and drum turn freely in the frame",

@@ -9,6 +9,7 @@ from mbcdm_cad.layouts.head_dims import (
     BEARING_SHELF,
     COUPLING_SPACE,
     ENCODER_SHELF,
+    MOST_WALL,
     MOTOR_SHELF,
     UNUSED,
     drum_rules,
@@ -51,7 +52,11 @@ def _bridge(given: SpurKnown) -> Found:
     if given.overhung:
         return Found(either(given, "support", BRIDGE_MM), UNUSED)
     start = max(either(given, "support", BRIDGE_MM), given.wall_mm("support"))
-    return stiff_wall(given, "support.bridge_mm", start, 0.5, ("bridge",))
+    stiff = stiff_wall(given, "support.bridge_mm", start, 0.5, ("bridge",))
+    if not given.drives.passes:
+        return stiff
+    lean = given.moved("support.bridge_mm", float(stiff.value), 0.5, ("bearing_line",))
+    return lean if stiff.value < lean.value <= MOST_WALL * start else stiff
 
 
 def _centre_distance(given: SpurKnown) -> Found:
@@ -157,7 +162,7 @@ FRAME = (
     ),
     Rule(
         "support.bridge_mm",
-        "usual thickness for making it in its material, more where the frame winds up",
+        "usual thickness for making it in its material, more where the frame winds up or its bearings lean",
         "frame_windup",
         _bridge,
     ),

@@ -45,6 +45,9 @@ ENCODER_GRIP = 1.25
 SHELF_MARGIN_MM = 0.5
 # Width of shelf and bridge beyond the plate's opening on each side, where no encoder stands on the shelf (estimate).
 BRIDGE_BESIDE_MM = 4.0
+# Width of shelf and bridge over their reach in front of the plate, as far as the plate is so wide: an arm of the
+# proportions of a bracket, not of a bar (choice).
+YOKE_SHARE = 0.6
 # Space above the pulley for the fingers that lead the cable round it.
 WINDING_ROOM_MM = 3.0
 # Wall beside a flange screw's thread, in its diameters.
@@ -190,21 +193,23 @@ def yoke(drive: SpurDrive, levels: SpurStack, shaft: DrumShaftDims, head: Flange
         # Clear of the threads of the next arm.
         lowest = max(lowest, (beside + thread + HOLE_WEB_MM) / tan(drive.frame_angle_rad / 2))
     held = stands(drive, levels)
-    shelf = max(
+    needed = max(
         encoder.diameter_mm / 2 + SHELF_MARGIN_MM,
         circle + head_radius + drive.frame_material.min_wall_mm,
         upper.outer_diameter_mm / 2 + drive.frame_material.min_wall_mm,
         # No encoder says how wide the bridge must be to be stiff.
         opening_radius_mm(drive) + BRIDGE_BESIDE_MM if encoder.absent else 0.0,
     )
+    half_width = max(head.half_x, *(stand.half_width for stand in held)) if held else head.half_x
+    reach = levels.top_plate_top_z - levels.front_y
     whole = YokeDims(
         levels=levels,
         boss=round_boss,
         axis_z=z,
-        half_width=max(head.half_x, *(stand.half_width for stand in held)) if held else head.half_x,
-        shelf_half_width=shelf,
+        half_width=half_width,
+        shelf_half_width=max(needed, min(YOKE_SHARE * reach / 2, half_width)),
         # Down to the drum's rim; with idlers between, or terminals that come by, no lower than the bearing needs.
-        shelf_bottom_z=max(least_wall_z_mm(drive), z - shelf) if held or drive.whole_drum else least_wall_z_mm(drive),
+        shelf_bottom_z=max(least_wall_z_mm(drive), z - needed) if held or drive.whole_drum else least_wall_z_mm(drive),
         bridge_bottom_z=bridge,
         top_z=bridge + s.bridge_mm,
         plate_top_z=max(bridge + s.bridge_mm, z + head.front_y),

@@ -36,6 +36,7 @@ from mbcdm_cad.model.plate_mesh import (
     Z,
     centred_load,
     plate_mesh,
+    pulled,
     shares_urad,
 )
 from mbcdm_cad.model.si import MM, to_si
@@ -204,13 +205,8 @@ def frame_compliance(layout: SpurLayout) -> FrameCompliance:
 def arms_compliance(arms: Sequence[Arm], share: float) -> FrameCompliance:
     """As :func:`frame_compliance`, for a frame with one arm or two, each with this share of the torque."""
     first = arms[0].layout
-    f, v, screw = first.frame, first.levels, first.drive.screw(first.drive.support.mount_bolt)
-    places = [(arm.way * x, arm.way * z) for arm in arms for x, z in f.mounts]
-    held = Mounts(
-        places, screw.head_diameter_mm / 2, f.mount_radius, v.front_y - v.plate_back_y, (v.plate_back_y + v.front_y) / 2
-    )
-    mesh = plate_mesh(walls(arms), held)
-    material = first.drive.frame_material
+    f, material = first.frame, first.drive.frame_material
+    mesh, held = _mesh(arms)
     total = np.zeros((len(mesh.plates.node_mm), 6))
     on_boss: dict[float, float] = {}
     for arm in arms:
@@ -241,6 +237,35 @@ def arms_compliance(arms: Sequence[Arm], share: float) -> FrameCompliance:
     at, force = (np.array(tuple(values)) for values in (on_boss.keys(), on_boss.values()))
     shares["boss ring"] = ring.work_Nmm(at, force, elastic(material)) * URAD_PER_MRAD
     return FrameCompliance(sum(shares.values()), shares)
+
+
+def _mesh(arms: Sequence[Arm]) -> tuple[PlateMesh, Mounts]:
+    first = arms[0].layout
+    f, v, screw = first.frame, first.levels, first.drive.screw(first.drive.support.mount_bolt)
+    places = [(arm.way * x, arm.way * z) for arm in arms for x, z in f.mounts]
+    held = Mounts(
+        places, screw.head_diameter_mm / 2, f.mount_radius, v.front_y - v.plate_back_y, (v.plate_back_y + v.front_y) / 2
+    )
+    return plate_mesh(walls(arms), held), held
+
+
+def out_of_line_mrad(layout: SpurLayout, lower_N: float, upper_N: float) -> tuple[float, float]:
+    """Angles between seats and shaft at an input's (lower, upper) bearing, whose loads pull towards the drum.
+
+    The shaft counts as straight. Raises ``ValueError`` if the dimensions leave no frame to compute.
+    """
+    f, ends = layout.frame, layout.input_bearings_mm(0)
+    mesh, held = _mesh([Arm(layout)])
+    reach = _SPREAD * max(f.seat_radius, layout.head.seat_radius)
+    load, seats = np.zeros((len(mesh.plates.node_mm), 6)), []
+    for panel, y, force in zip(("motor head's flange", "encoder shelf"), ends, (lower_N, upper_N), strict=True):
+        point = np.array([0.0, y, f.axis_z])
+        seats.append(mesh.near(panel, tuple(point), (reach, 1e3, reach)))
+        load[seats[-1], :3] += centred_load(mesh, seats[-1], point, 0.0, force_z=-force)
+    moved = pulled(mesh, layout.drive.frame_material, load.ravel(), held.springs(mesh, layout.drive.frame_material))
+    lower, upper = (moved[nodes].mean(axis=0) for nodes in seats)
+    tilt = (upper[2] - lower[2]) / (ends[1] - ends[0])
+    return abs(float(lower[3] - tilt)) * 1e3, abs(float(upper[3] - tilt)) * 1e3
 
 
 def frame_study(layout: SpurLayout) -> FrameStudy:
