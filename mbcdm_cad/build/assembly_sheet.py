@@ -27,6 +27,9 @@ _TOUCH_MM = 0.02
 _AT_PLANE_MM = 0.01
 # A part is seen, or seen well, if so many points lie between the end of its leader and its edge.
 _SEEN, _WELL_SEEN = 1.5, 4.0
+# A part that is too thin for the points is looked for once more, so many points round where it comes nearest to the
+# eye, with points so many times as close.
+_ROUND, _CLOSER = 6.0, 8
 _MOST_SECTIONS = 2
 _MOST_PLACES = 8
 NOTHING = -1
@@ -84,7 +87,7 @@ class SeenBodies:
 
     def __init__(self, bodies: Sequence[SeenBody], view: View) -> None:
         self._bodies, axes = bodies, np.array([view.right, view.up, view.toward])
-        flat = [body.corners_mm @ axes.T for body in bodies]
+        self._flat = flat = [body.corners_mm @ axes.T for body in bodies]
         self._low = np.min([f.min(axis=(0, 1)) for f in flat], axis=0)[:2]
         size = np.max([f.max(axis=(0, 1)) for f in flat], axis=0)[:2] - self._low
         self._step = float(size.max()) / _ACROSS
@@ -98,7 +101,7 @@ class SeenBodies:
 
     def sight(self, view: View, only: int | None = None) -> Sight:
         """What a view or a section shows, of one part if ``only`` that is there."""
-        plane = np.inf if view.cut is None else float(np.dot(view.cut, view.toward)) + _AT_PLANE_MM
+        plane = _plane(view)
         nearest = np.full(self._rows * self._columns, -np.inf)
         numbers = np.full(len(nearest), NOTHING)
         for body, middle, (at, depth) in zip(self._bodies, self._middles, self._points, strict=True):
@@ -112,6 +115,62 @@ class SeenBodies:
         shape = (self._rows, self._columns)
         corner = (float(self._low[0]), float(self._low[1]))
         return Sight(view, numbers.reshape(shape), self._step, corner, nearest.reshape(shape))
+
+    def closer(self, seen: Sight, number: int) -> tuple[Vector, float] | None:
+        """As :meth:`Sight.best`, by closer points round where the part comes nearest to the eye."""
+        alone = self.sight(seen.view, number)
+        there = alone.numbers == number
+        if not there.any():
+            return None
+        behind = np.full(there.shape, np.inf)
+        behind[there] = seen.depth_mm[there] - alone.depth_mm[there]
+        row, column = np.unravel_index(int(behind.argmin()), behind.shape)
+        side, plane = int(2 * _ROUND * _CLOSER), _plane(seen.view)
+        step = seen.step_mm / _CLOSER
+        low = self._low + (np.array([column, row]) + 0.5 - _ROUND) * seen.step_mm
+        shape = (side, side)
+        numbers, nearest = np.full(shape, NOTHING), np.full(shape, -np.inf)
+        for body, middle, flat in zip(self._bodies, self._middles, self._flat, strict=True):
+            if body.whole and middle > plane:
+                continue
+            own = _depths(flat, low, step, side, np.inf if body.whole else plane)
+            nearer = own > nearest
+            nearest[nearer], numbers[nearer] = own[nearer], body.number
+        found = Sight(seen.view, numbers, step, (float(low[0]), float(low[1])), nearest).best(number)
+        return found if found is not None and found[1] > _SEEN * step else None
+
+
+def _plane(view: View) -> float:
+    """How far along the way to the eye bodies are kept."""
+    return np.inf if view.cut is None else float(np.dot(view.cut, view.toward)) + _AT_PLANE_MM
+
+
+def _depths(corners: FloatArray, low: FloatArray, step: float, side: int, plane: float) -> FloatArray:
+    """Depth (side, side) of the foremost triangle up to a plane at points ``step`` apart from ``low`` on; -inf at none.
+
+    ``corners``: (m, 3, 3), of which the third coordinate is the depth.
+    """
+    high = low + side * step
+    most, least = corners.max(axis=1), corners.min(axis=1)
+    met = (most[:, :2] >= low).all(axis=1) & (least[:, :2] <= high).all(axis=1) & (least[:, 2] <= plane)
+    depth = np.full((side, side), -np.inf)
+    at = (np.arange(side) + 0.5) * step
+    for a, b, c in corners[met]:
+        d, e = b - a, c - a
+        area = d[0] * e[1] - d[1] * e[0]
+        if abs(area) < 1e-12:
+            continue
+        ends = np.array([a, b, c])[:, :2] - low
+        (left, down), (right, top) = ends.min(axis=0), ends.max(axis=0)
+        columns = slice(*np.searchsorted(at, (left, right)))
+        rows = slice(*np.searchsorted(at, (down, top)))
+        u, v = at[columns][None, :] + low[0] - a[0], at[rows][:, None] + low[1] - a[1]
+        s, t = (u * e[1] - v * e[0]) / area, (v * d[0] - u * d[1]) / area
+        # As in sampling: where two bodies touch, the one that is cut is seen.
+        here = a[2] + s * d[2] + t * e[2] + (_TOUCH_MM if area < 0.0 else 0.0)
+        inside = (s >= 0.0) & (t >= 0.0) & (s + t <= 1.0) & (here <= plane + _TOUCH_MM)
+        np.maximum(depth[rows, columns], np.where(inside, here, -np.inf), out=depth[rows, columns])
+    return depth
 
 
 def _sampled(corners: FloatArray, step: float) -> FloatArray:
@@ -156,8 +215,8 @@ def pointers(bodies: Sequence[SeenBody], envelope: Box) -> Pointers:
     front = View("front", minus(X), Z, axes=(((middle_x, 0.0, low), (middle_x, 0.0, high)),))
     top, side = View("top", minus(X), minus(Y), row=-1), View("left", Y, Z, column=1)
     numbers = sorted({body.number for body in bodies})
-    scene = SeenBodies(bodies, front)
-    sights = [scene.sight(front), SeenBodies(bodies, top).sight(top)]
+    scene, above = SeenBodies(bodies, front), SeenBodies(bodies, top)
+    sights = [scene.sight(front), above.sight(top)]
     found = _pointed(sights, numbers)
     sections: list[View] = []
     aside = SeenBodies(bodies, side)
@@ -182,6 +241,11 @@ def pointers(bodies: Sequence[SeenBody], envelope: Box) -> Pointers:
     if not sections:
         sights.append(aside.sight(side))
         found = _pointed(sights, numbers)
+    scenes = (scene, above, *[aside] * len(sights))
+    for number in numbers:
+        if number not in found:
+            thin = ((of.closer(seen, number), seen) for of, seen in zip(scenes, sights, strict=False))
+            found |= next(({number: (seen.view.name, at[0])} for at, seen in thin if at is not None), {})
     unseen = tuple(number for number in numbers if number not in found)
     for number in unseen:
         taken = [point for view, point in found.values() if view == front.name]

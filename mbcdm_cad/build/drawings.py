@@ -120,6 +120,7 @@ class _Assembly:
     def make(self) -> dict[str, bytes]:
         """The sheet's files by extension."""
         import cadquery as cq
+        import numpy as np
 
         from mbcdm_cad.build.assembly_sheet import SeenBody, assembly_sheet, numbers
         from mbcdm_cad.build.kernel import location
@@ -138,8 +139,6 @@ class _Assembly:
 
         whole = together(cut=False)
         cut = together(cut=True)
-        box = cq.Compound.makeCompound([whole, cut]).BoundingBox()
-        envelope = ((box.xmin, box.ymin, box.zmin), (box.xmax, box.ymax, box.zmax))
         number = numbers(self.items)
         bodies = [
             SeenBody(
@@ -149,6 +148,10 @@ class _Assembly:
             )
             for i in self.items
         ]
+        # The box of the report: that of the meshes.
+        ends = np.array([(b.corners_mm.min(axis=(0, 1)), b.corners_mm.max(axis=(0, 1))) for b in bodies])
+        low, high = ends[:, 0].min(axis=0), ends[:, 1].max(axis=0)
+        envelope = ((low[0], low[1], low[2]), (high[0], high[1], high[2]))
         sheet = assembly_sheet(ASSEMBLY, self.items, bodies, envelope, _designations(self.posed))
         mass = assembly_mass(self.posed.items, shapes).mass_g
         return draw_sheet(sheet, cut, _facts(self.drive, "see list of parts", mass), whole)

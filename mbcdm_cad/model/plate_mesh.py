@@ -272,7 +272,9 @@ def centred_load(
     node = mesh.plates.node_mm
     off_plane = nodes[~mesh.middle[nodes]]
     both = np.concatenate([node[nodes], node[off_plane] * (-1.0, 1.0, 1.0)])
-    spread = statically(both, point, np.array([force_x, 0.0, force_z]), np.array([0.0, couple_y, couple_z]))[: len(nodes)]
+    spread = statically(both, point, np.array([force_x, 0.0, force_z]), np.array([0.0, couple_y, couple_z]))[
+        : len(nodes)
+    ]
     # Half of the force on a node in the mirror plane belongs to each side.
     return np.asarray(spread * np.where(mesh.middle[nodes], 0.5, 1.0)[:, None])
 

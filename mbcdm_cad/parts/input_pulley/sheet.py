@@ -152,6 +152,7 @@ def _groove_table(d: InputPulleyDims) -> Table:
         "hand of the helix",
         "lead",
         "root %%c",
+        "fit of the root %%c",
         "radius of the floor",
         "depth from land",
         "middle of the groove at one end, from the lower end",
@@ -166,6 +167,7 @@ def _groove_table(d: InputPulleyDims) -> Table:
             "right" if g.right_handed else "left",
             mm3(g.lead),
             mm3(2 * g.root_radius),
+            FITS["land"].code,
             mm3(g.radius),
             mm3(g.depth),
             mm3(g.start_z - d.journal_bottom_z),
@@ -177,6 +179,12 @@ def _groove_table(d: InputPulleyDims) -> Table:
     columns = [column(groove) for groove in d.grooves]
     rows = tuple((head, *(c[n] for c in columns)) for n, head in enumerate(heads))
     return Table("Helical grooves", ("", *(f"G{n}" for n in range(1, len(columns) + 1))), rows)
+
+
+def _fits(diameters: tuple[Linear, ...], names: dict[str, str], d: InputPulleyDims) -> tuple[FitLine, ...]:
+    """Those of the drawn diameters, by the names of their codes, and of the grooves' roots, which set the ratio."""
+    roots = (FitLine(round(2 * g.root_radius, 6), FITS["land"].code, "root of the grooves") for g in d.grooves)
+    return (*(FitLine(round(x.value, 6), x.fit, names[x.fit]) for x in diameters if x.fit), *roots)
 
 
 def _end_view(d: InputPulleyDims, lower: bool) -> View:
@@ -263,7 +271,7 @@ def input_pulley_sheet(part: str, d: InputPulleyDims) -> Sheet:
         labels=tuple(labels),
         tolerances=_tolerances(d),
         tables=(*([_slot_table(d)] if d.slots else ()), *([_groove_table(d)] if d.grooves else ())),
-        fits=tuple(FitLine(round(x.value, 6), x.fit, named[x.fit]) for x in diameters if x.fit),
+        fits=_fits(diameters, named, d),
         notes=(
             *((_GROOVES,) if d.grooves else ()),
             *_matched(d),
@@ -339,7 +347,7 @@ def overhung_pulley_sheet(part: str, d: InputPulleyDims) -> Sheet:
             *([_groove_table(d)] if d.grooves else ()),
         ),
         holes=holes,
-        fits=tuple(FitLine(round(x.value, 6), x.fit, {bore: "bore"}.get(x.fit, "land")) for x in diameters if x.fit),
+        fits=_fits(diameters, {FITS["land"].code: "land", bore: "bore"}, d),
         notes=(
             *((_GROOVES,) if d.grooves else ()),
             *_matched(d),

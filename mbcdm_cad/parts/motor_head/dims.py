@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import sqrt
+from math import floor, sqrt
 from typing import Any, Protocol
 
 from mbcdm_cad.design.bought import CableStageOutput, Gearhead, InsertSpec, Material, Motor, Screw
@@ -351,8 +351,9 @@ def beside_mm(drive: Boxed) -> float:
 
 
 def key_hole_mm(drive: Boxed) -> float:
-    """Radius of the holes for the key of the gearhead's screws."""
-    return float(drive.screw(drive.gearhead.screw).key_mm) / 3**0.5 + KEY_PLAY_MM
+    """Radius of the holes for the key of the gearhead's screws; drills come in tenths of a millimetre."""
+    wide = 2.0 * (drive.screw(drive.gearhead.screw).key_mm / 3**0.5 + KEY_PLAY_MM)
+    return floor(10.0 * wide) / 20.0
 
 
 def flange_front_mm(drive: BoxDrive) -> float:

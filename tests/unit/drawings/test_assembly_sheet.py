@@ -71,6 +71,17 @@ def test_a_part_that_no_view_shows_is_said_to_be_hidden() -> None:
     assert pointers(hull, ((-40.0, -40.0, -40.0), (40.0, 40.0, 40.0))).hidden == (8,)
 
 
+@pytest.mark.parametrize("thick_mm", [0.2, 0.6])
+def test_a_part_thinner_than_the_points_is_found(thick_mm: float) -> None:
+    """A shim between blocks of 100 mm, whose points are a third of a millimetre apart; one behind them is hidden."""
+    blocks = [_block(n, (0.0, 0.0, s * (25.0 + thick_mm / 2)), (50.0, 10.0, 25.0)) for n, s in ((1, 1), (2, -1))]
+    shims = [_block(3, (0.0, 2.0, 0.0), (6.0, 8.0, thick_mm / 2)), _block(4, (20.0, -2.0, 0.0), (4.0, 6.0, 0.01))]
+    seen = pointers([*blocks, *shims], ((-50.0, -10.0, -50.0), (50.0, 10.0, 50.0)))
+    view, point = seen.places[3]
+    assert 3 not in seen.hidden and abs(point[2]) <= thick_mm / 2 and abs(point[0]) <= 6.0, (view, point, seen.hidden)
+    assert 4 in seen.hidden, seen
+
+
 def test_list_of_parts_is_the_bill() -> None:
     drive = load_design(ROOT / "params" / "mbcdm.yaml").drive
     items = drive.layout.bill().items

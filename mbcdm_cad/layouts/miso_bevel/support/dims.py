@@ -34,7 +34,7 @@ from mbcdm_cad.layouts.miso_bevel.stack import Stack, milled_corner_mm
 from mbcdm_cad.parts.boss import BossDims, boss, column_start_mm
 from mbcdm_cad.parts.bought.bodies import screw_places
 from mbcdm_cad.parts.drum_sector.sizes import drum_shaft
-from mbcdm_cad.parts.motor_head.dims import KEY_PLAY_MM, CouplingBox, coupling_box
+from mbcdm_cad.parts.motor_head.dims import CouplingBox, coupling_box, key_hole_mm
 
 STOP_WEB_MM = 7.0
 AXLE_SCREW = "M2x3-set"
@@ -228,7 +228,7 @@ def frame(drive: BevelDrive, levels: Stack) -> FrameDims:
         gear_bolt_circle=gear.bolt_circle_mm / 2,
         gear_screw_count=gear.screw_count,
         # The hexagon key passes through the bearing shelf to the gearhead's screws before the bearing is inserted.
-        key_hole_radius=gear_screw.key_mm / 3**0.5 + KEY_PLAY_MM,
+        key_hole_radius=key_hole_mm(drive),
         seat_radius=in_shelf.outer_diameter_mm / 2,
         seat_depth=in_shelf.width_mm,
         seat_shoulder_radius=in_shelf.outer_shoulder_mm / 2,

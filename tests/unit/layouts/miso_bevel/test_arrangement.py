@@ -15,7 +15,9 @@ from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, bevel
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.routes import GUIDE, routed
 from mbcdm_cad.parts.bought.bodies import screw_places
+from mbcdm_cad.parts.fits import limits
 from mbcdm_cad.parts.input_pulley.part import InputPulley
+from mbcdm_cad.parts.making import land_band_mm
 from mbcdm_cad.routes.curves import Arc, Line
 from mbcdm_cad.routes.route import Span, Wrap
 from tests.support.checked import result, statuses
@@ -216,7 +218,12 @@ def test_the_section_of_a_grooved_pulley_is_that_of_its_helices(reference: Bevel
 
 
 def test_the_sheet_of_a_grooved_pulley_gives_grooves_as_a_table(reference: BevelDrive) -> None:
-    sheet = InputPulley(BevelLayout(grooved(reference)).inputs[0]).sheet("p")
+    drive = grooved(reference)
+    sheet = InputPulley(BevelLayout(drive).inputs[0]).sheet("p")
     table = {row[0]: row[1:] for row in next(t for t in sheet.tables if t.title == "Helical grooves").rows}
     assert table["lead"] == ("0.89", "0.89") and table["root %%c"] == ("11.19", "11.99")
     assert table["hand of the helix"] == ("right", "right")
+    radii = {c.input_radius_mm for c in drive.cables if c.input_name == drive.input_names[0]}
+    bands = {f.nominal_mm: limits(f.nominal_mm, f.code).upper_mm / 2 for f in sheet.fits if f.what.startswith("root")}
+    counted = {round(2 * r - drive.cable.diameter_mm, 6): land_band_mm(drive, r) for r in radii}
+    assert bands == pytest.approx(counted), "the sheet's roots and what the model counts"

@@ -22,7 +22,7 @@ from mbcdm_cad.layouts.siso_spur.checks.winding import CHECKS as WINDING
 from mbcdm_cad.layouts.siso_spur.checks.winding import turn_distance_mm
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, laid
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
-from mbcdm_cad.layouts.siso_spur.support.stiffness import frame_compliance, seat_forces
+from mbcdm_cad.layouts.siso_spur.support.stiffness import frame_compliance, out_of_line_mrad, seat_forces
 from mbcdm_cad.model.si import ModelError, to_si
 from mbcdm_cad.model.stiffness import unit_tensions_N
 from mbcdm_cad.parts.input_pulley.part import InputPulley
@@ -287,3 +287,19 @@ def test_the_shelf_has_a_wall_beside_the_heads_of_the_encoder_screws(drive: Spur
         f = SpurLayout(replace(drive, frame_material=material)).frame
         beside = f.shelf_half_width - f.encoder_circle_radius - f.encoder_head_radius
         assert beside >= wall - 1e-9, f"{beside} mm of {wall}"
+
+
+def test_the_pull_of_the_cables_bends_the_yoke_as_a_cantilever(drive: SpurDrive) -> None:
+    """Seat against shaft: F l^2 / 2EI less F l^3 / 3EI over the bearings' distance; the plate turns both alike."""
+    pull_N, thick_mm, turns = 50.0, (1.0, 1.5), []
+    for bridge_mm in thick_mm:
+        s = SpurLayout(replace(drive, support=replace(drive.support, bridge_mm=bridge_mm)))
+        turns.append(out_of_line_mrad(s, 0.0, pull_N)[1])
+    f, (lower, upper), material = s.frame, s.input_bearings_mm(0), drive.frame_material
+    v = s.levels
+    long, wide = (v.top_plate_bottom_z + v.top_plate_top_z) / 2 - v.front_y, 2 * f.shelf_half_width
+    # The bridge is wider than long, so that it bends as a plate.
+    modulus = material.youngs_modulus_GPa * 1e3 / (1.0 - material.poisson_ratio**2)
+    give = [12.0 / (modulus * wide * thick**3) for thick in thick_mm]
+    beams = [pull_N * each * (long**2 / 2 - long**3 / 3 / abs(upper - lower)) * 1e3 for each in give]
+    assert turns[0] - turns[1] == pytest.approx(beams[0] - beams[1], rel=0.15), f"{turns} mrad, beams {beams} mrad"
