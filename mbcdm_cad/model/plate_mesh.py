@@ -328,7 +328,7 @@ def _moved(
     unlike = stiffness(kinds[:, :2], kinds[:, 2], modulus, material.poisson_ratio)
     element = unlike[kind.ravel()] * mesh.weight[:, None, None]
     held = np.zeros((len(plates.node_mm), 6), dtype=bool)
-    held[np.ix_(mesh.middle, held_middle)] = True
+    held[np.ix_(mesh.middle, np.array(held_middle))] = True
     try:
         return solve(plates, element, held.ravel(), ground, load), element
     except np.linalg.LinAlgError:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import suppress
+from typing import Any
 
 from mbcdm_cad.checks.bearings import carried, input_reactions
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
@@ -167,8 +168,9 @@ def _long_yoke(s: SpurLayout) -> bool:
 
 
 def _asked_of_yoke(drive: SpurDrive) -> bool:
+    layout: Any = drive.layout
     with suppress(NoFigureError):
-        return _long_yoke(drive.layout)
+        return _long_yoke(layout)
     return False
 
 
