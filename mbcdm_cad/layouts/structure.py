@@ -447,7 +447,10 @@ def _overhung(layout: SectorLayout, unit: Floats, torques_Nm: Floats) -> Iterato
 
 
 def _shaft_sections(layout: SectorLayout, index: int) -> list[Section]:
-    """The shaft from its rear bearing on, and the pulley with the shaft in it, as one shaft of steel."""
+    """The shaft from its rear bearing on, and the pulley with the shaft in it, as one shaft of steel.
+
+    A pulley thinner than its bore, and one without metal beyond the shaft, hold nothing, as in :func:`pulley_sections`.
+    """
     drive, pulley, (rear, face) = layout.drive, layout.inputs[index], layout.input_bearings_mm(index)
     radius, end = drive.gearhead.shaft_diameter_mm / 2.0, face + drive.gearhead.shaft_length_mm
     if drive.servo is not None:
@@ -463,7 +466,8 @@ def _shaft_sections(layout: SectorLayout, index: int) -> list[Section]:
             if high > low:
                 bore = pulley.bore_radius if low < pulley.bore_top_z else 0.0
                 inside = radius if high <= end else 0.0
-                found.append(Section(low, high, (share * (outside**4 - bore**4) + inside**4) ** 0.25))
+                metal = share * (max(outside, bore) ** 4 - bore**4) + inside**4
+                found.append(Section(low, high, max(metal**0.25, LEAST_RADIUS_MM)))
     return found
 
 

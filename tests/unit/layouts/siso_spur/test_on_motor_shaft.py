@@ -198,3 +198,9 @@ def test_what_it_has_no_place_for_is_refused(line: str, said: str) -> None:
     text = "\n".join(line if old.startswith(block) else old for old in TEXT.splitlines())
     with pytest.raises(InputError, match=said):
         load_text(text + "\n")
+
+
+def test_a_pulley_thinner_than_its_shaft_holds_nothing(direct: SpurDrive) -> None:
+    """Its metal had a negative moment of area, and the radius of both as one shaft was a complex number."""
+    thin = replace(direct, cables=tuple(replace(c, input_radius_mm=0.7) for c in direct.cables))
+    assert 0.0 < SpurLayout(thin).structure.stiffness_Nm_rad < SpurLayout(direct).structure.stiffness_Nm_rad
