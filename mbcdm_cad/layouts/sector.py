@@ -85,21 +85,21 @@ class SectorLayout(Layout):
     @property
     def softer_ends(self) -> float:
         """See the base class; the longest cable is softest by itself, so that a spring adds least to it."""
-        if self.drive.spring is None:
+        if self.drive.anchor_m_N == 0.0:
             return 1.0
         longest = max(self.tensioned_lengths_mm()) * 1e-3
         return 1.0 + self.drive.anchor_m_N * self.drive.cable.axial_stiffness_N / longest
 
     @property
     def spring_urad_Nm(self) -> float:
-        """Further turn of the drum by the terminals' springs at the test torque, over that torque; 0 without springs.
+        """Further turn of the drum by the terminals' give at the test torque, over that torque; 0 for stiff ones.
 
         The largest at both ends of the travel: friction on the drum keeps small loads from the terminals. Raises
         ``NoFigureError`` where the model has no answer.
         """
         from mbcdm_cad.layouts.springs import spring_turn_urad_Nm
 
-        return 0.0 if self.drive.spring is None else self.once("springs", spring_turn_urad_Nm)
+        return 0.0 if self.drive.anchor_m_N == 0.0 else self.once("springs", spring_turn_urad_Nm)
 
     @property
     def spring_start_Nm(self) -> float:

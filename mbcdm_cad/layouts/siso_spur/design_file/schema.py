@@ -66,8 +66,8 @@ class SpurTransmission(Block):
         le=4,
     )
     parallel_spread: Number | None = quantity(
-        "how far the preload of each of several parallel cables may be from the stated one, over it, since no "
-        "equaliser shares the load; worked out from nuts, lands and the pitch of a span if left out",
+        "how far the preload of each of several parallel cables may be from the stated one, over it; "
+        "worked out from nuts, lands and the pitch of a span if left out",
         default=None,
         ge=0.0,
         le=MOST_SPREAD,
@@ -79,6 +79,18 @@ class SpurTransmission(Block):
         default=None,
         ge=0.001,
         le=0.1,
+    )
+    equaliser: Literal["none", "rocker"] = choice(
+        "rocker: on each side a bar that turns on a dowel between the nuts of two parallel cables, so that their ends "
+        "pull alike; for parallel: 2 on a sector (siso_spur)",
+        default="none",
+    )
+    rocker_mm: Number | None = quantity(
+        "thickness of the rocker's bar and of the bridge under it (siso_spur)",
+        example=3.0,
+        default=None,
+        ge=0.5,
+        le=30.0,
     )
     turns: Integer = quantity(
         "turns of the cable on the input, counted at the line of centres; of two anchored cables at the end of the "

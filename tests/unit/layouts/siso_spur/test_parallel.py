@@ -5,11 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 from math import degrees, radians
 
+import cadquery as cq
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from mbcdm_cad.build.kernel import location
 from mbcdm_cad.checks.cable_gaps import CABLE_GAP_MM, in_pieces, nearest_mm
 from mbcdm_cad.checks.run import run_all, run_check
 from mbcdm_cad.errors import InputError
@@ -23,6 +25,7 @@ from mbcdm_cad.model.equilibrium import bearing_loads, solve_equilibrium
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.model.stiffness import sticking_stiffness_Nm_rad
 from mbcdm_cad.parts.making import land_band_mm
+from mbcdm_cad.parts.part import MadePart, StandardPart
 from mbcdm_cad.rig.cables import cables_of
 from mbcdm_cad.rig.through import pairs_of
 from mbcdm_cad.storage.compiled import compiled
@@ -34,6 +37,7 @@ travel: {half_angle_deg: 35.0}
 transmission: {input_to_drum: 9.0, parallel: 2}
 loads: {peak_torque_Nm: 4.0}
 """
+ROCKER = "transmission: {input_to_drum: 9.0, parallel: 2, equaliser: rocker}"
 
 
 def beside(drive: SpurDrive, count: int, spread: float = 0.0) -> SpurDrive:
@@ -130,13 +134,17 @@ CYCLES, STEP_DEG = 6, 3.5
 
 
 @compiled
-def _settle(rope: np.ndarray, at: int, span: float, drum: float, pulley: float, rocker: bool) -> None:
-    """Let nodes of both cables slip until friction holds them all; a rocker gives both ends on the drum one tension."""
+def _settle(rope: np.ndarray, at: int, span: float, drum: float, pulley: float, rocker: float) -> None:
+    """Let nodes of both cables slip until friction holds them all.
+
+    A ``rocker`` lets the ends on the drum pull unequally by no more than so much of their mean; below 0 there is none.
+    """
     moved = 1.0
     while moved > 1e-6:
         moved = 0.0
-        if rocker:
-            half = (rope[0, 0] - rope[1, 0]) / 2
+        if rocker >= 0.0:
+            half, held = (rope[0, 0] - rope[1, 0]) / 2, rocker * (rope[0, 0] + rope[1, 0]) / 2
+            half = max(half - held, 0.0) + min(half + held, 0.0)
             moved = abs(half)
             rope[0, 0] -= half
             rope[1, 0] += half
@@ -156,7 +164,7 @@ def _settle(rope: np.ndarray, at: int, span: float, drum: float, pulley: float, 
 
 @compiled
 def _half_range(
-    cells: tuple[int, int, float], drum: float, pulley: float, e: float, off: float, load: float, rocker: bool
+    cells: tuple[int, int, float], drum: float, pulley: float, e: float, off: float, load: float, rocker: float
 ) -> float:
     """Half of what the tensions of two spans differ by, over their mean, at most in the last cycle of the drum.
 
@@ -188,7 +196,7 @@ def _half_range(
     return largest
 
 
-def _simulated(lay: SpurLayout, off_mm: float, off: float = 0.0, load: float = 0.0, rocker: bool = False) -> float:
+def _simulated(lay: SpurLayout, off_mm: float, off: float = 0.0, load: float = 0.0, rocker: float = -1.0) -> float:
     """The same of a drive whose lands differ by ``off_mm`` in diameter; ``load``: what it changes of a preload."""
     drive, cable = lay.drive, lay.drive.cables[0]
     radii, step, mu = (cable.drum_radius_mm, cable.input_radius_mm), radians(STEP_DEG), lay.drive.friction_coefficient
@@ -214,10 +222,79 @@ def test_lands_off_wind_the_cables_against_each_other_and_a_rocker_helps_only_un
             assert 0.75 < _simulated(lay, off_mm) / law < 1.3, (off_mm, law)
     lands, nut, cable = _band_mm(two), two.by_nut, two.drive.cables[0]
     peak = two.drive.loads.peak_torque_Nm * 1e3 / (4.0 * cable.drum_radius_mm) / cable.preload_N
-    assert _simulated(two, lands, rocker=True) > 0.85 * _simulated(two, lands)
-    assert 0.9 * nut < _simulated(two, 0.0, nut, rocker=True) < nut
+    assert _simulated(two, lands, rocker=0.0) > 0.85 * _simulated(two, lands)
+    assert 0.9 * nut < _simulated(two, 0.0, nut, rocker=0.0) < nut
     assert _simulated(two, lands, load=peak) < 0.7 * _simulated(two, lands)
-    assert _simulated(two, lands, load=peak, rocker=True) < 0.03
+    assert _simulated(two, lands, load=peak, rocker=0.0) < 0.03
+    assert 0.04 < _simulated(two, lands, load=peak, rocker=0.05) < 0.08
+    # How much remains by the law, at loads whose slip reaches the end in no, a part and all of the travel.
+    cases = ((two, lands, (0.1, 0.2, 0.3)), (two, 0.2 * lands, (0.05, 0.15)), (slow, _band_mm(slow), (0.1,)))
+    for lay, off_mm, loads in cases:
+        matched = SpurLayout(replace(lay.drive, matched_lands_mm=off_mm))
+        for share in loads:
+            torque = share * 4e-3 * lay.drive.drum_radius_mm * lay.drive.cables[0].preload_N
+            law = (matched.spread_under(torque) ** 2 - matched.by_setting**2) ** 0.5
+            remains = _simulated(lay, off_mm, load=share, rocker=0.0)
+            assert 0.45 * law < remains < 1.15 * law + 0.03, (off_mm, share, law, remains)
+
+
+@pytest.fixture(scope="module")
+def equalised() -> SpurLayout:
+    """The same with rockers."""
+    layout = load_text(TEXT.replace("parallel: 2", "parallel: 2, equaliser: rocker")).drive.layout
+    assert isinstance(layout, SpurLayout)
+    return layout
+
+
+def test_a_rocker_replaces_the_nut_in_the_spread(two: SpurLayout, equalised: SpurLayout) -> None:
+    found = {r.id: r for r in run_all(checks_of(equalised.drive), equalised)}
+    assert not [name for name, r in found.items() if r.status == "fail"]
+    bars, drive = equalised.drive.equaliser, equalised.drive
+    assert bars is not None and bars.arm == pytest.approx(drive.pitch_mm / 2)
+    # Balance of a rocker whose dowel holds by friction, its arms as unequal as the sheet allows, tipped by the way.
+    friction, tipped = 0.15 * bars.dowel_radius, bars.crown_radius * equalised.rocker_way_mm / drive.pitch_mm
+    arms = [bars.arm + sign * (0.05 + tipped) for sign in (1, -1)]
+    low = (arms[1] - friction) / (arms[0] + friction)
+    assert equalised.by_setting == pytest.approx((1 - low) / (1 + low), rel=1e-6)
+    assert equalised.by_setting < two.by_nut < equalised.preload_spread < two.preload_spread
+    # The peak torque reaches the rockers at every angle, a small one at none.
+    assert equalised.spread_under(drive.loads.peak_torque_Nm) == pytest.approx(equalised.by_setting)
+    assert equalised.spread_under(0.01) == pytest.approx(equalised.preload_spread)
+    assert found["equaliser_way"].actual > 2 * found["equaliser_way"].limit
+    assert found["equaliser_bars"].actual == pytest.approx(355 / bars.bending_MPa(equalised.loads.highest_N))
+    # Both bars are a part of the give of the ends, as in a spring.
+    assert to_si(drive).anchor_m_N == pytest.approx(1e-3 * bars.give_mm_N(210e3))
+    causes = {c.name: c.urad_Nm for c in equalised.structure.causes}
+    assert 0.0 < causes["equaliser of the terminals"] < 0.05 * equalised.loads.test_urad_Nm
+
+
+def test_a_rocker_as_drawn_lies_between_lugs_and_nuts(equalised: SpurLayout) -> None:
+    bill, bars = equalised.bill(), equalised.drive.equaliser
+    assert bars is not None
+    items = {item.name: item for item in bill.items}
+    joined = [name for step in equalised.assembly_order for name in step.items]
+    assert sorted(joined) == sorted(items)
+    solids = {}
+    for n, side in ((1, "side_1"), (2, "side_2")):
+        for what in ("bridge", "dowel", "rocker"):
+            item = items[f"equaliser_{what}_{n}"]
+            part = bill.parts[item.part].part
+            solid = part.solid()
+            assert isinstance(part, MadePart | StandardPart)
+            assert part.volume_mm3() == pytest.approx(solid.Volume(), rel=0.01), what
+            solids[what, n] = solid.moved(cq.Location(location(item.location)))
+        studs = [items[f"terminal_{side}_{k}"].location.shift_mm for k in (1, 2)]
+        middle = np.mean([solids[what, n].Center().toTuple() for what in ("bridge", "rocker")], axis=0)
+        assert middle[1] == pytest.approx(np.mean(studs, axis=0)[1])
+        # From the lug to the nut, whose faces the bars touch.
+        nut, lug = (
+            np.array(items[f"nut_{side}_1_1"].location.shift_mm),
+            items[f"equaliser_bridge_{n}"].location.shift_mm,
+        )
+        assert np.linalg.norm((nut - lug)[[0, 2]]) == pytest.approx(bars.height)
+        assert solids["bridge", n].distance(solids["rocker", n]) == pytest.approx(bars.gap, abs=1e-6)
+        for one, other in (("bridge", "rocker"), ("bridge", "dowel"), ("rocker", "dowel")):
+            assert solids[one, n].intersect(solids[other, n]).Volume() < 1e-6, (one, other)
 
 
 def test_cables_as_drawn_lie_side_by_side_in_their_grooves(two: SpurLayout) -> None:
@@ -273,10 +350,15 @@ def test_the_rig_pairs_the_sides_of_each_cable(two: SpurLayout) -> None:
         ("drum: {output_screws: 6}", "output_screws"),
         ("configuration: miso_spur", "each input has one cable"),
         ("transmission: {input_to_drum: 9.0, matched_lands_mm: 0.005}", "no lands to be matched"),
+        ("transmission: {input_to_drum: 9.0, equaliser: rocker}", "two arms, not 1"),
+        ("transmission: {input_to_drum: 9.0, parallel: 3, equaliser: rocker}", "set transmission.parallel to 2"),
+        ("transmission: {input_to_drum: 9.0, parallel: 2, rocker_mm: 3.0}", "no equaliser is stated"),
+        (f"{ROCKER}\ndrum: {{spring: disc-6x3.2x0.3}}", "drum.spring"),
+        (f"{ROCKER}\ntravel: {{half_angle_deg: 150.0}}", "a whole drum"),
     ],
 )
 def test_what_parallel_cables_cannot_be_beside(line: str, what: str) -> None:
-    key = line.split(":")[0]
-    kept = [one for one in TEXT.splitlines() if not one.startswith(f"{key}:")]
+    keys = [one.split(":")[0] for one in line.splitlines()]
+    kept = [one for one in TEXT.splitlines() if one.split(":")[0] not in keys]
     with pytest.raises(InputError, match=what):
         load_text("\n".join([*kept, line]) + "\n")
