@@ -459,6 +459,17 @@ class SpurLayout(HeadLayout):
         return hypot(self.by_setting, left * self.by_lands)
 
     @property
+    def shared_words(self) -> str:
+        """See the base class."""
+        if self.drive.equaliser is None:
+            return ""
+        peak = self.drive.loads.peak_torque_Nm
+        return (
+            f"the preloads of both cables differ by {self.preload_spread:.1%} of it to either side without load, as "
+            f"checks count them, by {self.spread_under(peak):.1%} where {peak:g} N m act to and fro at every angle"
+        )
+
+    @property
     def rocker_way_mm(self) -> float:
         """How much further one end of two cables may have to move than the other, from a level rocker."""
         drive = self.drive

@@ -183,10 +183,9 @@ def spread(s: SpurLayout) -> Comparison:
     drive, tight = s.drive, s.loads.peak_forward[s.loads.si.sigma > 0]
     stated, matched = drive.parallel_spread, drive.matched_lands_mm
     lands = "tolerances of the drawings" if matched is None else f"diameters within {matched:g} mm of each other"
-    what, by, under = "a quarter of a flat of a nut", "nut", ""
+    what, by = "a quarter of a flat of a nut", "nut"
     if drive.equaliser is not None:
-        what, by, peak = "the rockers' friction", "rocker", drive.loads.peak_torque_Nm
-        under = f"; {s.spread_under(peak):.1%} where {peak:g} N m act to and fro at every angle"
+        what, by = "the rockers' friction", "rocker"
     return at_most(
         f"preloads off by {what} and lands of unequal radii, over the preload",
         hypot(s.by_setting, s.by_lands),
@@ -194,7 +193,9 @@ def spread(s: SpurLayout) -> Comparison:
         "of preload",
         f"{by} {s.by_setting:.1%}, lands {s.by_lands:.1%} at the end of the travel (RSS, {lands}); "
         f"checks count {s.preload_spread:.1%}, with which the tightest of {drive.parallel} cables carries "
-        f"{tight.max() / tight.mean() - 1:.1%} more than their mean at peak torque{under}",
+        f"{tight.max() / tight.mean() - 1:.1%} more than their mean at peak torque"
+        + "; " * bool(s.shared_words)
+        + s.shared_words,
     )
 
 
