@@ -35,16 +35,17 @@ def spring_start_Nm(layout: SectorLayout) -> float:
 
     Found between no load and the limit, ten times the peak torque, by halving.
     """
-    least = np.inf
+    limit = 10.0 * layout.drive.loads.peak_torque_Nm
+    least, below = np.inf, limit
     for wound in _at_ends(layout):
         for way in (1.0, -1.0):
-            low, high = 0.0, 10.0 * layout.drive.loads.peak_torque_Nm
-            if not _moves(wound, way * high):
-                continue
+            if not _moves(wound, way * below):
+                continue  # no terminal moves here before those that were found
+            low, high = 0.0, limit
             for _ in range(_HALVINGS):
                 middle = 0.5 * (low + high)
                 low, high = (low, middle) if _moves(wound, way * middle) else (middle, high)
-            least = min(least, high)
+            least, below = high, low
     return float(least)
 
 

@@ -10,7 +10,8 @@ import pytest
 from mbcdm_cad.checks.remedies import Budget
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.layouts.check_design import checks_of
-from mbcdm_cad.layouts.loader import load_design, load_text, short_design_text
+from mbcdm_cad.layouts.loader import load_text, short_design_text
+from tests.support.checked import of_params
 
 GALLERY = sorted((Path(__file__).parents[2] / "params" / "gallery").glob("*.yaml"))
 
@@ -27,7 +28,7 @@ def test_there_is_a_gallery() -> None:
 def test_a_short_file_gives_a_drive_that_passes(path: Path) -> None:
     lines = [line for line in path.read_text("utf-8").splitlines() if line and not line.startswith("#")]
     assert len(lines) <= 10, lines
-    drive = load_design(path).drive
+    drive = of_params(f"gallery/{path.stem}").drive
     subject = drive.layout
     with np.errstate(all="ignore"):
         found = [run_check(check, subject, Budget(0)) for check in checks_of(drive)]

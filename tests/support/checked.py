@@ -1,6 +1,9 @@
-"""Results of all checks on a design, without the search for remedies, which takes longest."""
+"""Designs of params/, sized once, and results of all checks without the search for remedies, which takes longest."""
 
 from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
 
 import numpy as np
 
@@ -11,6 +14,15 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.layouts.base import Layout
 from mbcdm_cad.layouts.check_design import checks_of
+from mbcdm_cad.layouts.loader import load_design
+
+PARAMS = Path(__file__).parents[2] / "params"
+
+
+@cache
+def of_params(name: str) -> LoadedDesign:
+    """The design of a file of params/: short files take seconds to size, and many tests look at the same."""
+    return load_design(PARAMS / f"{name}.yaml")
 
 
 def _layout(design: Layout | Drive | LoadedDesign) -> Layout:

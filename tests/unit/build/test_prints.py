@@ -15,6 +15,7 @@ from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.parts.part import StandardPart
 from mbcdm_cad.storage.cache import Cache, cache_folder
+from tests.support.checked import of_params
 
 PARAMS = Path(__file__).parents[3] / "params"
 # Nominal lengths of ISO 2338 to 30 mm; greatest height and width across flats of ISO 4032 by thread.
@@ -42,7 +43,7 @@ def test_only_the_printed_parts_get_a_file(metal: Drive) -> None:
 
 @pytest.mark.parametrize("name", ["mbcdm", "siso_bevel", "siso_spur", "miso_spur", "gallery/hip", "gallery/capstan"])
 def test_nuts_and_dowels_are_bought_in_sizes_that_their_standards_have(name: str) -> None:
-    drive = load_design(PARAMS / f"{name}.yaml").drive
+    drive = of_params(name).drive
     bill = drive.layout.bill()
     standard = {n: spec.part for n, spec in bill.parts.items() if isinstance(spec.part, StandardPart)}
     assert {"nut", "dowel"} <= set(standard), set(standard)

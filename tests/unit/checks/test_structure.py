@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from itertools import pairwise
 from math import hypot, pi, sqrt
 from pathlib import Path
@@ -23,7 +24,7 @@ from mbcdm_cad.layouts.structure import pulley_sections
 from mbcdm_cad.parts.drum_sector.dims import SET_SCREW_ANGLES_DEG
 from mbcdm_cad.parts.drum_sector.payload import SLIP_SAFETY, JointLoad, PayloadJoint, joints, payload_joint
 from mbcdm_cad.parts.threads import clamp_force_N, screw_hold
-from tests.support.checked import failing, result
+from tests.support.checked import failing, of_params, result
 
 PARAMS = Path(__file__).parents[3] / "params"
 REFERENCES = ("mbcdm", "siso_spur", "miso_spur", "siso_bevel")
@@ -86,9 +87,14 @@ limits: {losses: counted, frame_windup_max_mrad: 2.5}
 """
 
 
+@cache
+def leg(more: str = "") -> SectorLayout:
+    return sector(load_text(LEG + more).drive)
+
+
 def test_a_leg_of_pa12_holds_with_inserts_only() -> None:
     """Cut threads creep: inserts let the base press on brass, and bear in the plastic across."""
-    cut, inserts = (sector(load_text(LEG + more).drive) for more in ("", "printing: {threads: inserts}"))
+    cut, inserts = leg(), leg("printing: {threads: inserts}")
     assert set(failing(cut)) == {"mounting_screws"}
     remedy = result(cut, "mounting_screws").remedy
     assert "set printing.threads to inserts" in remedy, remedy
@@ -96,7 +102,7 @@ def test_a_leg_of_pa12_holds_with_inserts_only() -> None:
 
 
 def test_threads_cut_in_a_printed_plate_hold_what_creep_leaves() -> None:
-    s = sector(load_text(LEG).drive)
+    s = leg()
     thread, plate = s.mounting.thread_mm, s.drive.support.plate_mm
     # Three quarters of the thread's cylinder sheared, 0.4 of the yield stress over the root of three.
     clamp = 0.4 * 45.0 / sqrt(3.0) * 0.75 * pi * thread * min(2.0 * thread, plate)
@@ -106,7 +112,7 @@ def test_threads_cut_in_a_printed_plate_hold_what_creep_leaves() -> None:
 
 
 def test_an_insert_is_clamped_on_brass_and_bears_in_the_plastic() -> None:
-    drive = load_text(LEG + "printing: {threads: inserts}").drive
+    drive = leg("printing: {threads: inserts}").drive
     insert = drive.insert(drive.frame_material, 4.0)
     assert insert is not None
     held = screw_hold(4.0, drive.frame_material, insert, 8.0)
@@ -135,7 +141,7 @@ def test_a_thin_hub_is_judged_by_torsion() -> None:
 
 @pytest.mark.parametrize("name", ["gallery/hip", "gallery/printed", "how-to/leg"])
 def test_shaft_and_journals_count_stalled_motors_as_a_peak_torque_of_that_size(name: str) -> None:
-    drive = load_design(PARAMS / f"{name}.yaml").drive
+    drive = of_params(name).drive
     stalled = stalled_Nm(sector(drive))
     assert stalled > 1.5 * drive.loads.peak_torque_Nm, stalled
     asked = replace(drive, loads=replace(drive.loads, peak_torque_Nm=stalled))
@@ -167,7 +173,7 @@ def test_set_screws_hold_by_the_forces_on_the_shaft() -> None:
 
 @pytest.mark.parametrize("name", REFERENCES)
 def test_the_references_hold_with_their_stated_margin(name: str) -> None:
-    s = sector(load_design(PARAMS / f"{name}.yaml").drive)
+    s = sector(of_params(name).drive)
     for check in (drum_stress, payload_screws, mounting_screws, frame_windup):
         assert check(s).holds, check(s)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from math import inf
 from pathlib import Path
 
@@ -16,11 +17,13 @@ from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.turns import implied_moduli_GPa
 from mbcdm_cad.model.backlash import drum_backlash
 from mbcdm_cad.model.si import to_si
+from tests.support.checked import of_params
 
 PARAMS = Path(__file__).parents[3] / "params"
 REFERENCES = ("mbcdm", "siso_spur", "miso_spur", "siso_bevel")
 
 
+@cache
 def layout_of(name: str) -> SectorLayout:
     layout = load_design(PARAMS / f"{name}.yaml").drive.layout
     assert isinstance(layout, SectorLayout)
@@ -54,7 +57,7 @@ def test_the_frame_is_the_frame_study_and_the_cables_are_those_of_the_analysis()
     assert layout.frame_study is not None
     frame = next(c.urad_Nm for c in layout.structure.causes if c.name == "frame")
     assert frame == pytest.approx(layout.frame_study.compliance().windup_urad_Nm)
-    report = load_design(PARAMS / "mbcdm.yaml").drive
+    report = of_params("mbcdm").drive
     case = analysis(report).figures.test[0]
     assert layout.structure.cables_urad_Nm == pytest.approx(abs(case.turn_mrad) / case.load_Nm * 1e3, rel=1e-6)
 

@@ -22,6 +22,7 @@ from mbcdm_cad.model.study import HATCHES, _style, write_study
 from mbcdm_cad.model.tolerance import Tolerances, eccentric_path_m, sources, tolerance_stack
 from mbcdm_cad.parallel import forks
 from mbcdm_cad.parallel.crew import crew
+from tests.support.checked import of_params
 
 NEED = Requirements(
     load_Nm=0.91,
@@ -37,7 +38,7 @@ STACKS = (StackUp("gap, mm", 0.1, (Contribution("bore", 0.03), Contribution("fac
 
 @pytest.mark.parametrize("path", sorted((REFERENCE.parent / "gallery").glob("*.yaml")), ids=lambda path: path.stem)
 def test_figure_5_has_lines_where_the_papers_distances_leave_no_span(path: Path) -> None:
-    drive = load_design(path).drive
+    drive = of_params(f"gallery/{path.stem}").drive
     panels = figure_5(to_si(drive), drive.loads.test_torque_Nm, points=3)
     assert panels[0].preload_N[0] <= drive.cables[0].preload_N <= panels[0].preload_N[-1]
     assert panels[0].value[0] <= drive.loads.test_torque_Nm <= panels[0].value[-1]

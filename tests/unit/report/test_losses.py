@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
+from functools import cache
 
 import numpy as np
 import pytest
 
-import mbcdm_cad
 from mbcdm_cad.api.design import DriveDesign
 from mbcdm_cad.report.losses import losses_shown
+from tests.support.checked import of_params
 
-PARAMS = Path(__file__).parents[3] / "params"
 
-
+@cache
 def report_of(name: str):  # type: ignore[no-untyped-def]
-    design: DriveDesign = mbcdm_cad.load(PARAMS / f"{name}.yaml")
-    return design.analyse()
+    return DriveDesign(of_params(name)).analyse()
 
 
 @pytest.mark.parametrize("name", ["mbcdm", "siso_spur", "gallery/capstan"])
@@ -89,7 +87,7 @@ def test_page_and_report_show_every_cause_and_their_sum() -> None:
 def test_the_motors_tell_a_load_to_half_of_what_they_give_more_on_the_way_against_it(name: str) -> None:
     report = report_of(name).to_dict()
     found, (against, _, along, _) = report["losses"]["transparency"], report["losses"]["motions"]
-    drive = mbcdm_cad.load(PARAMS / f"{name}.yaml").drive
+    drive = of_params(name).drive
     turns = drive.layout.losses.d.input_turns * drive.gearhead.ratio
     # Each in the direction of motion, and the two move in opposite ones.
     more = np.array([*against["motor_mNm"].values()]) + np.array([*along["motor_mNm"].values()])

@@ -13,12 +13,12 @@ import pytest
 
 from mbcdm_cad.design.blocks import DutyBlock, DutyRow
 from mbcdm_cad.errors import MbcdmError
-from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.model import analyse
 from mbcdm_cad.report.masses import inertias, masses_by_item
 from mbcdm_cad.robot.formats import robot_files
 from mbcdm_cad.robot.mechanism import SPEED_WITHOUT_FIGURES_RAD_S, Mechanism, _limits
 from mbcdm_cad.robot.urdf import UrdfOptions
+from tests.support.checked import of_params
 
 PARAMS = Path(__file__).parents[3] / "params"
 POSES = np.linspace(-1.0, 1.0, 9)
@@ -128,7 +128,7 @@ def test_a_stated_duty_sets_the_effort_by_the_heat_of_its_motors(loaded: Any) ->
 
 @pytest.mark.parametrize("name", ["mbcdm", "gallery/capstan"])
 def test_the_speed_is_one_at_which_the_voltage_still_gives_the_torque(name: str) -> None:
-    drive = load_design(PARAMS / f"{name}.yaml").drive
+    drive = of_params(name).drive
     _, speed = _limits(drive)
     motor = drive.motor
     if motor.torque_constant_mNm_A is None:

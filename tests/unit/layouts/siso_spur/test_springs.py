@@ -214,8 +214,9 @@ def test_weak_loose_and_few_springs_are_told(sprung: SpurDrive) -> None:
     short = found(sprung)
     assert short["spring_hold"][0] == "warn" and "drum.sector_half_angle_deg" in short["spring_hold"][1], short
     longer = replace(sprung, drum=replace(sprung.drum, sector_half_angle_deg=142.0))
-    assert found(longer)["spring_hold"][0] == "pass"
-    assert "spring_hold" not in found(longer)["spring_keeps"][1] and "spring_hold then" in short["spring_keeps"][1]
+    held = found(longer)
+    assert held["spring_hold"][0] == "pass"
+    assert "spring_hold" not in held["spring_keeps"][1] and "spring_hold then" in short["spring_keeps"][1]
     few = short["spring_keeps"]
     assert few[0] == "warn" and "spring_count to" in few[1], few
     wanted = int(few[1].split("spring_count to ")[1].split(";")[0])
