@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from math import hypot, pi, sqrt
@@ -46,13 +47,15 @@ def round_shaft_MPa(radius_mm: float, bending_Nmm: float, torque_Nmm: float = 0.
     return sqrt((bending_Nmm / modulus) ** 2 + 3 * (torque_Nmm / (2 * modulus)) ** 2)
 
 
-def bent_axle_Nmm(forces_N: Floats, at_mm: tuple[float, float], ends_mm: tuple[float, float]) -> tuple[float, Floats]:
-    """Largest moment in an axle on two ends under forces (2, 3) at two places, and the force (3,) on its far end."""
-    (near, far), (start, end) = at_mm, ends_mm
-    on_far = (forces_N[0] * (near - start) + forces_N[1] * (far - start)) / (end - start)
-    on_near = forces_N[0] + forces_N[1] - on_far
-    moments = np.linalg.norm(on_near) * (near - start), np.linalg.norm(on_far) * (end - far)
-    return float(max(moments)), on_far
+def bent_axle_Nmm(forces_N: Floats, at_mm: Sequence[float], ends_mm: tuple[float, float]) -> tuple[float, Floats]:
+    """Largest moment in an axle on two ends under forces (n, 3) at n places, and the force (3,) on its far end."""
+    (start, end), at = ends_mm, np.asarray(at_mm)
+    on_far = (at - start) @ forces_N / (end - start)
+    on_near = forces_N.sum(axis=0) - on_far
+    # The moment at each force: that of the near end less those of the forces before it.
+    before = np.maximum(at[:, None] - at, 0.0) @ forces_N
+    moments = np.linalg.norm(on_near * (at - start)[:, None] - before, axis=1)
+    return float(moments.max()), on_far
 
 
 def grip_Nmm(collar: CollarDims, screw: Screw, shaft_mm: float) -> float:

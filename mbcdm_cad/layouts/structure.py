@@ -8,7 +8,7 @@ what.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import hypot, log, radians
 from typing import TYPE_CHECKING, Any
@@ -518,24 +518,30 @@ def _bored(section: Section, bore_mm: float, to_mm: float) -> Iterator[Section]:
 
 def axle_causes(
     layout: SectorLayout,
-    body: str,
+    bodies: Mapping[str, tuple[float, float]],
     unit: Floats,
     supports_mm: tuple[float, float],
-    bearings: tuple[Bearing, tuple[float, float]],
+    spec: Bearing,
     axle: Section,
     material: Isotropic,
 ) -> Iterator[Cause]:
-    """Bending of a fixed axle between its supports and give of the two bearings on it, for a body that cables pass.
+    """Bending of a fixed axle between its supports and give of the two bearings on it in each body that cables pass.
 
-    ``bearings``: their entry, and the middles of both along the axis.
+    ``bodies``: the middles of both bearings along the axis, by the body's name. The axle bends by all of them at once.
     """
-    spec, middles = bearings
-    routes = layout.loads.si.routes
-    axis = np.array(routes.body(body).axis)
-    changed, rest = (
-        [replace(a, force_N=-a.force_N) for a in _supported([_acting(body_load(routes, body, tension))], middles, axis)]
-        for tension in (unit, layout.loads.idle)
-    )
-    ends = _supported(changed, supports_mm, axis)
-    yield Cause(f"{body}'s axle", bending_urad_Nm(axis, [*changed, *ends], [axle], material))
-    yield Cause(f"{body}'s bearings", _bearings_urad_Nm((spec, spec), changed, rest), factor=BY_BEARINGS)
+    routes, on_axle, found = layout.loads.si.routes, list[Acting](), list[Cause]()
+    for body, middles in bodies.items():
+        axis = np.array(routes.body(body).axis)
+        changed, rest = (
+            [
+                replace(a, force_N=-a.force_N)
+                for a in _supported([_acting(body_load(routes, body, tension))], middles, axis)
+            ]
+            for tension in (unit, layout.loads.idle)
+        )
+        on_axle += changed
+        give = _bearings_urad_Nm((spec, spec), changed, rest)
+        found.append(Cause(f"{body}'s bearings", give, factor=BY_BEARINGS))
+    acting = [*on_axle, *_supported(on_axle, supports_mm, axis)]
+    yield Cause(f"{' and '.join(bodies)}'s axle", bending_urad_Nm(axis, acting, [axle], material))
+    yield from found

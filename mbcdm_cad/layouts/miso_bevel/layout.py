@@ -164,10 +164,10 @@ class BevelLayout(SectorLayout):
         from mbcdm_cad.layouts.structure import axle_causes, elastic
         from mbcdm_cad.model.structure.shafts import Section
 
-        bearings = (self.drive.bearings.guide, self.guide_bearings_mm)
+        spec, guide = self.drive.bearings.guide, {GUIDE: self.guide_bearings_mm}
         section = Section(*self.axle_supports_mm, self.axle.radius)
         material = elastic(self.drive.axle_material)
-        return axle_causes(self, GUIDE, unit_tension_N, self.axle_supports_mm, bearings, section, material)
+        return axle_causes(self, guide, unit_tension_N, self.axle_supports_mm, spec, section, material)
 
     @property
     def guide_bearings_mm(self) -> tuple[float, float]:

@@ -56,23 +56,33 @@ def idler_steps(layout: SpurLayout, mark: str = "") -> tuple[AssemblyStep, ...]:
     """Each pair on its axles, the cables led between, and the strap over both; ``mark`` as in the bill."""
     drive, screw, found = layout.drive, strap_screw(layout.drive).name, []
     for n in range(len(layout.frame.stands)):
-        tags = [body.removeprefix("idler_") for body, _, (_, number) in layout.idlers if number == n]
-        kinds = ("idler_axle", "idler", "idler_bearing_rear", "idler_bearing_front", "idler_spacer")
+        held = [[body.removeprefix("idler_") for body in pin.bodies] for pin in layout.pins if pin.number == n]
+        led = (
+            "slide the idlers on; lead both ends of the cable down between the two idlers and round the one on the "
+            "side of the drum where it ends. Slide the spacers on"
+            if drive.parallel == 1
+            else "from the rear cable to the front one slide the two idlers of a cable on, lead both its ends down "
+            "between them and round the one on the side of the drum where it ends, and slide a spacer on before each"
+        )
         found.append(
             AssemblyStep(
                 f"Press a bearing ({drive.idler_bearing.name}) into both ends of the idlers of pair {n + 1}, counted "
-                "from the input. From the front, push the axles into the plate as far as their collars and slide the "
-                "idlers on; lead both ends of the cable down between the two idlers and round the one on the side of "
-                "the drum where it ends. Slide the spacers on, lay the strap over both axles and screw it on the posts "
+                f"from the input. From the front, push the axles into the plate as far as their collars and {led}, "
+                "lay the strap over both axles and screw it on the posts "
                 f"(2 x {screw}, {key(layout, screw)}). The idlers turn freely, with a little play along the axle.",
                 (
-                    *(f"{kind}_{tag}" for tag in tags for kind in kinds),
+                    *(name for tags in held for name in (f"idler_axle_{tags[0]}", *_on_axle(tags))),
                     f"idler_strap{mark}_{n + 1}",
                     *numbered(f"idler_strap_screw{mark}_{n + 1}", 2),
                 ),
             )
         )
     return tuple(found)
+
+
+def _on_axle(tags: list[str]) -> Iterator[str]:
+    kinds = ("idler", "idler_bearing_rear", "idler_bearing_front", "idler_spacer")
+    return (f"{kind}_{tag}" for tag in tags for kind in kinds)
 
 
 def _frame(layout: SpurLayout) -> tuple[AssemblyStep, ...]:

@@ -214,15 +214,27 @@ def add_idlers(b: BillBuilder, lay: SpurLayout, turn: Placement, mark: str = "")
     """
     drive, spec, steel = lay.drive, lay.drive.idler_bearing, lay.drive.material("steel")
     screw, ring = strap_screw(drive), drive.material("bearing-steel")
-    for body, own, (cable, n) in lay.idlers:
-        x, _, z = _idler_axis(drive, cable, n)
-        axle, where = lay.axle_of(own, n), turn @ _at(x, 0.0, z) @ ALONG_Y
-        tag = body.removeprefix("idler_")
-        b.add(f"idler_axle_{tag}", Axle(axle, "Idler axle"), material=drive.shaft_material, place=where)
-        b.add(body, IdlerPulley(own, "Idler"), material=drive.drum_material, group=body, place=ALONG_Y)
-        b.bearing(f"idler_bearing_rear_{tag}", spec, ring, _at(0.0, own.bottom_z, 0.0) @ ALONG_Y, body)
-        b.bearing(f"idler_bearing_front_{tag}", spec, ring, _at(0.0, own.top_z - spec.width_mm, 0.0) @ ALONG_Y, body)
-        b.add(f"idler_spacer_{tag}", Spacer(axle, "Idler spacer"), material=drive.shaft_material, place=where)
+    for pin in lay.pins:
+        place = drive.idler_places[pin.number]
+        where = turn @ _at(pin.side * place.x_mm, 0.0, place.z_mm)
+        tags = [body.removeprefix("idler_") for body in pin.bodies]
+        pulley, between, metal = IdlerPulley(pin.idlers[0], "Idler"), lay.axle_of(pin, 0), drive.shaft_material
+        b.add(f"idler_axle_{tags[0]}", Axle(between, "Idler axle"), material=metal, place=where @ ALONG_Y)
+        for k, (tag, body, own) in enumerate(zip(tags, pin.bodies, pin.idlers, strict=True)):
+            # Those of one axle are equal, and so are the spacers between them.
+            level, last = _at(0.0, drive.levels_mm[k], 0.0), k == len(tags) - 1
+            b.add(body, pulley, part=pin.bodies[0], material=drive.drum_material, group=body, place=level @ ALONG_Y)
+            b.bearing(f"idler_bearing_rear_{tag}", spec, ring, _at(0.0, own.bottom_z, 0.0) @ ALONG_Y, body)
+            b.bearing(
+                f"idler_bearing_front_{tag}", spec, ring, _at(0.0, own.top_z - spec.width_mm, 0.0) @ ALONG_Y, body
+            )
+            b.add(
+                f"idler_spacer_{tag}",
+                Spacer(lay.axle_of(pin, k) if last else between, "Idler spacer"),
+                part=f"idler_spacer_{tag if last else tags[0]}",
+                material=metal,
+                place=where @ ALONG_Y if last else where @ level @ ALONG_Y,
+            )
     for n, stand in enumerate(lay.frame.stands, 1):
         b.add(f"idler_strap{mark}_{n}", Strap(stand), material=drive.frame_material, place=turn)
         for k, side in enumerate((-1, 1), 1):

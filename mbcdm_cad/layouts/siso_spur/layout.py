@@ -29,7 +29,7 @@ from mbcdm_cad.layouts.siso_spur.idlers import no_strand
 from mbcdm_cad.layouts.siso_spur.pulley import input_pulley
 from mbcdm_cad.layouts.siso_spur.stack import SpurStack, spur_stack
 from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims, flange, yoke
-from mbcdm_cad.layouts.siso_spur.support.idlers import axle, idlers
+from mbcdm_cad.layouts.siso_spur.support.idlers import IdlerPin, axle, idlers, pins
 from mbcdm_cad.parts.axle import AxleDims
 from mbcdm_cad.parts.collar import CollarDims, collar, collar_over_shelf_mm, collar_width_mm
 from mbcdm_cad.parts.drum_sector.design import SectorRun
@@ -389,9 +389,14 @@ class SpurLayout(HeadLayout):
         """Each idler: its body in the routes, its dimensions, its cable and its number from 0 on."""
         return tuple(idlers(self.drive))
 
-    def axle_of(self, own: IdlerDims, number: int) -> AxleDims:
-        """Axle of an idler."""
-        return axle(self.drive, self.frame.stands[number], self.levels, own)
+    @dimensions
+    def pins(self) -> tuple[IdlerPin, ...]:
+        """The idlers by the axles on which they turn."""
+        return tuple(pins(self.idlers))
+
+    def axle_of(self, pin: IdlerPin, index: int) -> AxleDims:
+        """Axle of the idlers, with the spacer before the one with this index."""
+        return axle(self.drive, self.frame.stands[pin.number], self.levels, pin, index)
 
     def axle_supports_mm(self, number: int) -> tuple[float, float]:
         """Middles of plate and strap along y, which hold the axles of a pair."""
@@ -413,11 +418,12 @@ class SpurLayout(HeadLayout):
 
         material = elastic(self.drive.shaft_material)
         spec = self.drive.idler_bearing if self.drive.idlers else None
-        for arm, (body, own, (_, n)) in ((one, each) for one in self.arms for each in one.idlers):
+        for arm, pin in ((one, each) for one in self.arms for each in one.pins):
             assert spec is not None
-            supports = arm.axle_supports_mm(n)
-            section = Section(*supports, arm.frame.stands[n].axle_radius)
-            yield from axle_causes(self, body, unit_tension_N, supports, (spec, own.bearings_mm), section, material)
+            supports = arm.axle_supports_mm(pin.number)
+            section = Section(*supports, arm.frame.stands[pin.number].axle_radius)
+            on_it = {body: own.bearings_mm for body, own in zip(pin.bodies, pin.idlers, strict=True)}
+            yield from axle_causes(self, on_it, unit_tension_N, supports, spec, section, material)
 
     def tensioned_lengths_mm(self) -> Sequence[float]:
         """Length that each terminal tensions: half of the one cable, or its own cable."""

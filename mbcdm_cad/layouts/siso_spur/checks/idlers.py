@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from itertools import combinations
 from math import exp, hypot
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +24,6 @@ from mbcdm_cad.layouts.siso_spur.stack import FLANGE_MM
 from mbcdm_cad.layouts.siso_spur.support.idlers import StandDims, strap_screw
 from mbcdm_cad.model.losses.friction import BEARING_START, bearing_torque_Nm
 from mbcdm_cad.model.tensioning import plucked_Hz
-from mbcdm_cad.parts.idler_pulley import IdlerDims
 from mbcdm_cad.parts.terminal.take_up import tensioned_rope
 from mbcdm_cad.parts.threads import clamp_force_N
 
@@ -78,22 +78,41 @@ def walk(s: SpurLayout) -> Comparison:
     )
 
 
-def bearing_forces_N(s: SpurLayout) -> list[tuple[str, IdlerDims, StandDims, list[NDArray[np.float64]]]]:
-    """Each idler with its stand and the forces (2, 3) on its axle at the (rear, front) bearing.
+class LoadedPin(NamedTuple):
+    """Idlers on one axle, its stand, and in each state the forces (2 n, 3) at its bearings, which are ``at_mm``."""
 
-    In each state of the loads, the cable at either end of its walk.
-    """
+    bodies: tuple[str, ...]
+    at_mm: tuple[float, ...]
+    stand: StandDims
+    states_N: list[NDArray[np.float64]]
+
+    @property
+    def ends_mm(self) -> tuple[float, float]:
+        """Where plate and strap hold the axle."""
+        return self.stand.front_y, self.stand.strap_back_y
+
+    @property
+    def name(self) -> str:
+        """The idlers on it."""
+        return " and ".join(self.bodies)
+
+
+def bearing_forces_N(s: SpurLayout) -> list[LoadedPin]:
+    """The axles under the pull of their cables: in each state of the loads, the cables at either end of their walk."""
     found = []
-    for arm, (body, own, (_, n)) in ((one, each) for one in s.arms for each in one.idlers):
-        rear, front = own.bearings_mm
-        middle = (own.bottom_z + own.top_z) / 2
+    for arm, pin in ((one, each) for one in s.arms for each in one.pins):
         states = []
         for loads in s.loads.on_bodies:
-            force = loads.bodies[body].force_N
-            for at in (middle - s.drive.walk_mm / 2, middle + s.drive.walk_mm / 2):
-                on_front = force * (at - rear) / max(front - rear, 1e-9)
-                states.append(np.stack([force - on_front, on_front]))
-        found.append((body, own, arm.frame.stands[n], states))
+            for walked in (-s.drive.walk_mm / 2, s.drive.walk_mm / 2):
+                forces = list[NDArray[np.float64]]()
+                for body, own in zip(pin.bodies, pin.idlers, strict=True):
+                    rear, front = own.bearings_mm
+                    force, at = loads.bodies[body].force_N, (own.bottom_z + own.top_z) / 2 + walked
+                    on_front = force * (at - rear) / max(front - rear, 1e-9)
+                    forces += [force - on_front, on_front]
+                states.append(np.stack(forces))
+        places = tuple(at for own in pin.idlers for at in own.bearings_mm)
+        found.append(LoadedPin(pin.bodies, places, arm.frame.stands[pin.number], states))
     return found
 
 
@@ -104,42 +123,49 @@ def bearings(s: SpurLayout) -> Comparison:
         safety(
             spec,
             f"bearings of {body}",
-            max(float(np.linalg.norm(pair, axis=1).max()) for pair in states),
+            max(float(np.linalg.norm(forces[2 * k : 2 * k + 2], axis=1).max()) for forces in pin.states_N),
             STATIC_SAFETY,
         )
-        for body, _, _, states in s.once("idler_forces", bearing_forces_N)
+        for pin in s.once("idler_forces", bearing_forces_N)
+        for k, body in enumerate(pin.bodies)
     )
 
 
 def axle_stress(s: SpurLayout) -> Comparison:
     """Bending stress of the axles under their idlers' bearings, as beams on plate and strap."""
     strength, found = s.drive.shaft_material.yield_MPa, []
-    for body, own, stand, states in s.once("idler_forces", bearing_forces_N):
-        ends = s.levels.front_y, stand.strap_back_y
-        stress = round_shaft_MPa(
-            stand.axle_radius, max(bent_axle_Nmm(pair, own.bearings_mm, ends)[0] for pair in states)
-        )
-        what = f"yield {strength:g} MPa over the bending stress {stress:.4g} MPa of the axle of {body}"
+    for pin in s.once("idler_forces", bearing_forces_N):
+        bent = max(bent_axle_Nmm(forces, pin.at_mm, pin.ends_mm)[0] for forces in pin.states_N)
+        stress = round_shaft_MPa(pin.stand.axle_radius, bent)
+        what = f"yield {strength:g} MPa over the bending stress {stress:.4g} MPa of the axle of {pin.name}"
         found.append(at_least(what, strength / max(stress, 1e-12), STRESS_SAFETY, "times"))
     return worst(found)
 
 
 def strap(s: SpurLayout) -> Comparison:
-    """Friction of a strap's screws on the posts, over the pull of both axles on it."""
-    thread = strap_screw(s.drive).thread_mm
+    """Friction of a strap's screws on the posts, and the posts' strength, over the pull of both axles on the strap.
+
+    Each post counts as a cantilever under half of the pull.
+    """
+    thread, metal = strap_screw(s.drive).thread_mm, s.drive.frame_material
     holds, found = 2 * FRICTION * clamp_force_N(thread), []
-    forces = s.once("idler_forces", bearing_forces_N)
+    pins = s.once("idler_forces", bearing_forces_N)
     for arm, n in ((one, n) for one in s.arms for n in range(len(one.frame.stands))):
         stand, of_input = arm.frame.stands[n], f" of {arm.drive.input_names[0]}" * (len(s.arms) > 1)
-        ends = s.levels.front_y, stand.strap_back_y
         on_strap = [
-            np.array([bent_axle_Nmm(pair, dims.bearings_mm, ends)[1] for pair in states])
-            for _, dims, held, states in forces
-            if held is stand
+            np.array([bent_axle_Nmm(forces, pin.at_mm, pin.ends_mm)[1] for forces in pin.states_N])
+            for pin in pins
+            if pin.stand is stand
         ]
-        pull = float(np.linalg.norm(sum(on_strap), axis=1).max())
+        pulls = sum(on_strap)
+        pull = float(np.linalg.norm(pulls, axis=1).max())
         what = f"two screws of the strap of pair {n + 1}{of_input} hold {holds:.4g} N over {pull:.4g} N"
         found.append(at_least(what, holds / max(pull, 1e-9), SLIP_SAFETY, "times"))
+        wide, deep = np.ptp(stand.post_x), np.ptp(stand.post_z)
+        sections = wide * deep / 6.0 * np.array([wide, deep])
+        bent = float((np.abs(pulls[:, ::2]) * (stand.strap_back_y - stand.front_y) / 2.0 / sections).sum(axis=1).max())
+        what = f"yield of {metal.name} over the {bent:.4g} MPa in the posts of pair {n + 1}{of_input}"
+        found.append(at_least(what, metal.yield_MPa / max(bent, 1e-12), STRESS_SAFETY, "times"))
     return worst(found)
 
 
@@ -158,9 +184,10 @@ def room(s: SpurLayout) -> Comparison:
         found.append(at_least(f"idlers from the {swept.name}, as it turns", to_drum, running, "mm"))
         to_input = hypot(place.x_mm, drive.centre_distance_mm - place.z_mm) - flange - pulley
         found.append(at_least("idlers from the input pulley", to_input, running, "mm"))
+    # One of each axle; those on it are one pitch apart, as their sectors are.
     stand = [
-        (body, c.drum_side * drive.idler_places[n].x_mm, drive.idler_places[n].z_mm)
-        for body, _, (c, n) in s.arms[0].idlers
+        (pin.bodies[0], pin.side * drive.idler_places[pin.number].x_mm, drive.idler_places[pin.number].z_mm)
+        for pin in s.arms[0].pins
     ]
     for (one, x, z), (two, other_x, other_z) in combinations(stand, 2):
         gap = hypot(x - other_x, z - other_z) - 2 * flange
@@ -225,8 +252,8 @@ CHECKS = (
     ),
     Check(
         "idler_strap",
-        "Strap of the idlers holds by friction",
-        "clamp force x 0.15; 1.2: usual rule",
+        "Strap of the idlers holds on its posts",
+        "clamp force x 0.15; 1.2: usual rule; posts: beam theory, 1.5 on yield",
         strap,
         adjust=LESS,
         advice="choose a larger support.mount_screw",

@@ -18,7 +18,7 @@ from mbcdm_cad.checks.terminals import LUG_SAFETY, bodies_of
 from mbcdm_cad.layouts.siso_spur.bill import bill
 from mbcdm_cad.layouts.siso_spur.drive import MOST_SPREAD, SpurDrive
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
-from mbcdm_cad.layouts.siso_spur.stack import reach_mm
+from mbcdm_cad.layouts.siso_spur.stack import FLANGE_MM, reach_mm
 from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims
 from mbcdm_cad.parts.bought.bodies import RING_ENCODER_FLATS
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
@@ -119,7 +119,10 @@ def is_parallel(drive: SpurDrive) -> bool:
 
 
 def sectors_apart(s: SpurLayout) -> Comparison:
-    """Rims, terminals and the stop pin of a sector stay behind the rim of the next; so do cables on a common input."""
+    """Rims, terminals and the stop pin of a sector stay behind the rim of the next.
+
+    So do cables on a common input, and idlers on a common axle.
+    """
     d, pitch = s.drum, s.drive.pitch_mm
     nut, lug = nut_corner_radius_mm(s.drive), d.lug_half_width
     next_rear = pitch + min(d.lands[0].y_start, d.web_start_y, *(t.y_mm - max(nut, lug) for t in d.tensioners))
@@ -127,8 +130,11 @@ def sectors_apart(s: SpurLayout) -> Comparison:
     apart = at_least("a sector from the next on the shaft", next_rear - front, s.drive.clearances.running_mm, "mm")
     if s.drive.parallel == 1:
         return apart
-    own = 2 * reach_mm(s.drive)
-    return worst((apart, at_least("a cable on the input from the next", pitch - own, CABLE_GAP_MM, "mm")))
+    own, found = 2 * reach_mm(s.drive), [apart]
+    if s.drive.idlers is not None:
+        gap = pitch - s.drive.idlers.width_mm - 2 * FLANGE_MM
+        found.append(at_least("an idler from the next on its axle", gap, s.drive.clearances.running_mm, "mm"))
+    return worst((*found, at_least("a cable on the input from the next", pitch - own, CABLE_GAP_MM, "mm")))
 
 
 def hub_dowels(s: SpurLayout) -> Comparison:

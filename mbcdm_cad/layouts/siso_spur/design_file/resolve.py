@@ -144,14 +144,17 @@ def _broken_drum(design: SpurDesign) -> Iterator[Broken]:
 
 
 def _broken_parallel(design: SpurDesign) -> Iterator[Broken]:
-    """Parallel cables are continuous, run straight to the drum and have four screws between the dowels of its hubs."""
+    """Parallel cables are continuous (decision 0049) and have four screws between the dowels of their hubs."""
     count, where = design.transmission.parallel, ("transmission", "parallel")
-    beside = {
-        "transmission.cables: two_anchored": design.transmission.cables == "two_anchored",
-        "idlers": design.idlers is not None,
-        f"drum.output_screws other than {SCREWS}": design.drum.output_screws != SCREWS,
-    }
-    for name in (name for name, given in beside.items() if given and count > 1):
+    if count > 1 and design.transmission.cables == "two_anchored":
+        what = "the stops of anchored cables are milled into the input's end faces, which inner cables do not reach"
+        remedy = (
+            "set transmission.cables to continuous, with more transmission.turns if input_slip fails, or parallel to 1 "
+            "and choose a stronger rope.type"
+        )
+        yield Broken(where, what, str(count), "1 beside two_anchored", remedy)
+    if count > 1 and design.drum.output_screws != SCREWS:
+        name = f"drum.output_screws other than {SCREWS}"
         yield Broken(where, f"not beside {name}", str(count), "1", f"set it to 1, or remove {name}")
     yield from broken_lands(design)
 

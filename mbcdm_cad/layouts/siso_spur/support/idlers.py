@@ -7,13 +7,15 @@ In section through the axis of a pair, y to the right (front), z up; the cables 
       | |  collar               | |
       |=|===| idler      |=====||=|  axle
       | |                       | |
+
+Idlers of cables in parallel follow each other on one longer axle, with a spacer between two.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from mbcdm_cad.design.bought import Screw
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, SpurRun
@@ -70,12 +72,30 @@ class StandDims:
         return (self.post_z[0] + self.post_z[1]) / 2
 
 
+class IdlerPin(NamedTuple):
+    """The idlers on one axle, one for each cable, from the back: their bodies in the routes and their dimensions."""
+
+    side: int
+    number: int  # of the pair, from 0 on
+    bodies: tuple[str, ...]
+    idlers: tuple[IdlerDims, ...]
+
+
 def idlers(drive: SpurDrive) -> Iterator[tuple[str, IdlerDims, tuple[SpurRun, int]]]:
     """Each idler: its body in the routes, its dimensions along y, its cable and its number from 0 on."""
     for n, level in enumerate(drive.idler_levels_mm):
-        for cable in drive.cables:
-            middle = drive.level_mm + cable.outward * level
+        for k, cable in enumerate(drive.cables):
+            middle = drive.level_mm + drive.levels_mm[k // 2] + cable.outward * level
             yield idler_body(n + 1, cable.name), idler(drive, middle), (cable, n)
+
+
+def pins(found: Iterable[tuple[str, IdlerDims, tuple[SpurRun, int]]]) -> Iterator[IdlerPin]:
+    """The idlers by the axles on which they turn."""
+    by_axle: dict[tuple[int, int], list[tuple[str, IdlerDims]]] = {}
+    for body, own, (cable, n) in found:
+        by_axle.setdefault((cable.drum_side, n), []).append((body, own))
+    for (side, n), each in by_axle.items():
+        yield IdlerPin(side, n, tuple(body for body, _ in each), tuple(own for _, own in each))
 
 
 def idler(drive: SpurDrive, middle_mm: float) -> IdlerDims:
@@ -111,7 +131,7 @@ def stands(drive: SpurDrive, levels: SpurStack) -> tuple[StandDims, ...]:
     flange, wide = flange_radius_mm(led.radius_mm, d), POST_DIAMETERS * screw.thread_mm
     found = []
     for place, level in zip(led.places, drive.idler_levels_mm, strict=True):
-        back = drive.level_mm + abs(level) + led.width_mm / 2 + FLANGE_MM + END_PLAY_MM + running
+        back = drive.level_mm + drive.band_mm + abs(level) + led.width_mm / 2 + FLANGE_MM + END_PLAY_MM + running
         # Beside the cables, which run between the posts towards the input.
         inner = max(abs(place.x_mm - led.radius_mm), drive.input_radius_mm) + d / 2 + 2 * running
         outer = max(place.x_mm + flange, inner + wide)
@@ -136,18 +156,21 @@ def stands(drive: SpurDrive, levels: SpurStack) -> tuple[StandDims, ...]:
     return tuple(found)
 
 
-def axle(drive: SpurDrive, stand: StandDims, levels: SpurStack, own: IdlerDims) -> AxleDims:
-    """Axle of one idler from the back of the plate to the front of the strap, with collar and spacer."""
-    bearing = drive.idler_bearing
+def axle(drive: SpurDrive, stand: StandDims, levels: SpurStack, pin: IdlerPin, index: int = 0) -> AxleDims:
+    """Axle from the back of the plate to the front of the strap, with its collar; the spacer is that before one idler.
+
+    ``index``: of that idler, which the spacer holds away from the next one, or from the strap.
+    """
+    bearing, before = drive.idler_bearing, pin.idlers[index + 1 :]
     return AxleDims(
         radius=stand.axle_radius,
         bottom_z=levels.plate_back_y,
         top_z=stand.strap_front_y,
         collar_radius=bearing.inner_shoulder_mm / 2,
         collar_bottom_z=levels.front_y,
-        collar_top_z=own.bottom_z,
-        spacer_bottom_z=own.top_z,
-        spacer_top_z=stand.strap_back_y - END_PLAY_MM,
+        collar_top_z=pin.idlers[0].bottom_z,
+        spacer_bottom_z=pin.idlers[index].top_z,
+        spacer_top_z=before[0].bottom_z if before else stand.strap_back_y - END_PLAY_MM,
     )
 
 

@@ -17,10 +17,11 @@ from shapely.ops import unary_union
 
 from mbcdm_cad.build.kernel import location
 from mbcdm_cad.build.validate import validate_solid
+from mbcdm_cad.checks.fixings import bent_axle_Nmm
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts.loader import load_text
-from mbcdm_cad.layouts.siso_spur.checks.idlers import CHECKS
+from mbcdm_cad.layouts.siso_spur.checks.idlers import CHECKS, LoadedPin, bearing_forces_N
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, spur
 from mbcdm_cad.layouts.siso_spur.idlers import Circle, Strand, taut
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
@@ -29,7 +30,11 @@ from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.losses.friction import bearing_torque_Nm, tangent_share
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.model.stiffness import unit_tensions_N
+from mbcdm_cad.model.structure.drum_sector import Isotropic
+from mbcdm_cad.model.structure.shafts import Acting, Section, bending_urad_Nm
+from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.loads import body_load
+from mbcdm_cad.routes.route import Span, Wrap
 from tests.support.checked import failing, result, results
 from tests.support.smooth_path import assert_joined
 
@@ -43,14 +48,20 @@ loads: {peak_torque_Nm: 2.0}
 LED = TEXT + "idlers: {pairs: 1}\n"
 
 
-@cache
 def led() -> SpurDrive:
-    return spur(load_text(LED, "led.yaml").drive)
+    return in_parallel(1)
 
 
 @cache
 def straight() -> SpurDrive:
     return spur(load_text(TEXT, "led.yaml").drive)
+
+
+@cache
+def in_parallel(count: int) -> SpurDrive:
+    """With so many equal cables on its idlers' axles, as the rules size it."""
+    text = LED if count == 1 else LED.replace("200.0}", f"200.0, parallel: {count}}}")
+    return spur(load_text(text, "led.yaml").drive)
 
 
 def shortest(circles: list[Circle]) -> float:
@@ -153,6 +164,16 @@ def test_without_an_idler_the_strand_is_eq_11() -> None:
     assert float(found.landing_rad) == pytest.approx(float(found.leaving_rad)) == pytest.approx(drive.landing_rad)
 
 
+def test_two_cables_over_idlers_pass() -> None:
+    """With idlers, rim and hub as wide as their levels need; too wide an idler meets the next one on its axle."""
+    drive = in_parallel(2)
+    failed = failing(drive)
+    assert not failed, failed
+    wide = replace(drive, idlers=replace(drive.leading, width_mm=drive.pitch_mm - 2.0))
+    found = result(SpurLayout(wide), "sectors_apart")
+    assert found.status == "fail" and "an idler from the next" in found.message and found.remedy, found
+
+
 def test_a_design_with_idlers_passes_and_lands_nearer_the_middle() -> None:
     """They leave the drum a longer wrap: a plain drive with the motor that far away has none left at +-115 degrees."""
     failed = failing(led())
@@ -186,10 +207,10 @@ def test_the_cable_walks_on_the_idler_without_sliding_along_it() -> None:
     assert np.ptp([y for _, _, y, _ in marks]) < 2e-3 and np.ptp([z for *_, z in marks]) > 10.0, marks
 
 
-@pytest.mark.parametrize("load_Nm", [0.0, 2.0, -2.0])
-def test_the_pulls_on_all_bodies_balance_the_torques(load_Nm: float) -> None:
-    """Static balance of the whole cable: bodies' forces add up to nothing, their moments to the shafts' torques."""
-    d = to_si(led())
+@pytest.mark.parametrize(("load_Nm", "count"), [(0.0, 1), (2.0, 1), (-2.0, 1), (5.0, 2)])
+def test_the_pulls_on_all_bodies_balance_the_torques(load_Nm: float, count: int) -> None:
+    """Static balance of all cables: bodies' forces add up to nothing, their moments to the shafts' torques."""
+    d = to_si(in_parallel(count))
     tension = solve_equilibrium(d, load_Nm).tension_N
     force, moment = np.zeros(3), 0.0
     for body in d.routes.bodies:
@@ -203,10 +224,54 @@ def test_the_pulls_on_all_bodies_balance_the_torques(load_Nm: float) -> None:
     assert moment + at_drum + at_input == pytest.approx(0.0, abs=1e-9)
 
 
-def test_the_frame_is_in_balance_with_the_load() -> None:
+def on_strap_N(pin: LoadedPin, state: int) -> Floats:
+    """The force of an axle on the strap with the cables in the middle of their walk."""
+    rows = pin.states_N[2 * state : 2 * state + 2]
+    return np.mean([bent_axle_Nmm(forces, pin.at_mm, pin.ends_mm)[1] for forces in rows], axis=0)
+
+
+def test_a_shared_axle_carries_the_vector_sum_of_its_spans() -> None:
+    """The strap holds what the spans of all its idlers pull, by their levers from the plate."""
+    layout = SpurLayout(in_parallel(2))
+    d, loads = layout.loads.si, layout.loads.on_bodies
+    for pin in bearing_forces_N(layout):
+        for state, (_, tension) in enumerate(layout.loads.states):
+            lever = np.zeros(3)
+            for body in pin.bodies:
+                route = next(route for route in d.routes.cables if route.cable == body.removeprefix("idler_1_"))
+                pull = float(tension[d.cable_names.index(route.cable)])
+                # The rope pulls an idler towards both spans, from the input to it and from it to the drum.
+                before, after = (np.array(piece.direction) for piece in route.pieces if isinstance(piece, Span))
+                force = pull * (after - before)
+                assert loads[state].bodies[body].force_N == pytest.approx(force, abs=1e-9 * pull)
+                wrap = next(piece for piece in route.pieces if isinstance(piece, Wrap) and piece.body == body)
+                lever += force * (wrap.height_m * 1e3 - pin.ends_mm[0])
+            strap = on_strap_N(pin, state)
+            assert strap == pytest.approx(lever / (pin.ends_mm[1] - pin.ends_mm[0]), abs=1e-9 * pull)
+
+
+def test_an_axle_bends_as_seen_from_its_other_end() -> None:
+    """Moments from the far end, and the turn by its bending and shear with the textbook's influence coefficients."""
+    rng, at, ends = np.random.default_rng(7), np.array([6.0, 11.0, 30.0, 37.0, 52.0, 58.0]), (0.0, 70.0)
+    forces = rng.normal(0.0, 50.0, (6, 3)) * (1.0, 0.0, 1.0)
+    most, far = bent_axle_Nmm(forces, at, ends)
+    beyond = [far * (70.0 - a) - forces.T @ np.maximum(at - a, 0.0) for a in at]
+    assert most == pytest.approx(max(np.linalg.norm(beyond, axis=1)))
+    section, metal = Section(*ends, 4.0), Isotropic(2.1e5, 0.3)
+    near = forces.sum(axis=0) - far
+    loads = [(a, f) for a, f in zip(at, forces, strict=True)] + [(0.0, -near), (70.0, -far)]
+    found = bending_urad_Nm(np.array([0.0, 1.0, 0.0]), [Acting(a, f, np.zeros(3)) for a, f in loads], [section], metal)
+    low, high = np.minimum.outer(at, at), 70.0 - np.maximum.outer(at, at)
+    bent = low * high * (70.0**2 - low**2 - high**2) / (6.0 * 70.0 * metal.modulus_MPa * section.second_moment_mm4)
+    sheared = low * high / (70.0 * metal.shear_MPa * section.shear_area_mm2(metal.poisson))
+    assert found == pytest.approx(1e3 * float(np.einsum("ia,ij,ja->", forces, bent + sheared, forces)), rel=2e-3)
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_the_frame_is_in_balance_with_the_load(count: int) -> None:
     """Forces on its seats, idlers included, by 1 N m on the drum: none left across, and 1 N m about the drum's axis."""
-    layout = SpurLayout(led())
-    forces = seat_forces(layout, unit_tensions_N(to_si(led())))
+    layout = SpurLayout(in_parallel(count))
+    forces = seat_forces(layout, unit_tensions_N(to_si(layout.drive)))
     assert len(forces) == 7
     across = sum(force for _, _, force, _ in forces)
     about = sum(couple + at[2] * force for _, at, force, couple in forces)
@@ -287,10 +352,12 @@ def test_a_part_is_one_solid_of_the_volume_it_says(name: str) -> None:
     assert {d.view for d in sheet.dimensions} | {x.view for x in sheet.labels} <= {view.name for view in sheet.views}
 
 
-@pytest.mark.parametrize("angle_deg", [-60.0, 0.0, 60.0])
-def test_nothing_near_the_idlers_meets(angle_deg: float) -> None:
+@pytest.mark.parametrize(
+    ("angle_deg", "count"), [(-60.0, 1), (0.0, 1), (60.0, 1), pytest.param(60.0, 2, marks=pytest.mark.slow)]
+)
+def test_nothing_near_the_idlers_meets(angle_deg: float, count: int) -> None:
     """Common volume of idlers, axles, spacers, strap and frame, and of the cable with all but what it lies on."""
-    bill = led().layout.bill(angle_deg)
+    bill = in_parallel(count).layout.bill(angle_deg)
     solids = {
         item.name: bill.parts[item.part].part.solid().moved(cq.Location(location(item.location)))
         for item in bill.items
@@ -301,8 +368,9 @@ def test_nothing_near_the_idlers_meets(angle_deg: float) -> None:
         assert common < 0.05, f"{one} and {two} share {common:.3f} mm^3"
 
 
-def test_the_order_of_assembly_adds_each_part_once() -> None:
-    layout = led().layout
+@pytest.mark.parametrize("count", [1, 2])
+def test_the_order_of_assembly_adds_each_part_once(count: int) -> None:
+    layout = in_parallel(count).layout
     joined = [name for step in layout.assembly_order for name in step.items]
     assert sorted(joined) == sorted(item.name for item in layout.bill().items)
 
