@@ -59,15 +59,16 @@ def idler_steps(layout: SpurLayout, mark: str = "") -> tuple[AssemblyStep, ...]:
         held = [[body.removeprefix("idler_") for body in pin.bodies] for pin in layout.pins if pin.number == n]
         led = (
             "slide the idlers on; lead both ends of the cable down between the two idlers and round the one on the "
-            "side of the drum where it ends. Slide the spacers on"
+            "side of the drum where it ends. Slide the spacers on, "
             if drive.parallel == 1
             else "from the rear cable to the front one slide the two idlers of a cable on, lead both its ends down "
-            "between them and round the one on the side of the drum where it ends, and slide a spacer on before each"
+            "between them and round the one on the side of the drum where it ends, and slide a spacer on before each. "
+            "Then "
         )
         found.append(
             AssemblyStep(
                 f"Press a bearing ({drive.idler_bearing.name}) into both ends of the idlers of pair {n + 1}, counted "
-                f"from the input. From the front, push the axles into the plate as far as their collars and {led}, "
+                f"from the input. From the front, push the axles into the plate as far as their collars and {led}"
                 "lay the strap over both axles and screw it on the posts "
                 f"(2 x {screw}, {key(layout, screw)}). The idlers turn freely, with a little play along the axle.",
                 (
