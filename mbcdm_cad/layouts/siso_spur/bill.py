@@ -215,8 +215,8 @@ def add_idlers(b: BillBuilder, lay: SpurLayout, turn: Placement, mark: str = "")
     drive, spec, steel = lay.drive, lay.drive.idler_bearing, lay.drive.material("steel")
     screw, ring = strap_screw(drive), drive.material("bearing-steel")
     for pin in lay.pins:
-        place = drive.idler_places[pin.number]
-        where = turn @ _at(pin.side * place.x_mm, 0.0, place.z_mm)
+        at = drive.idler_places[pin.number]
+        where = turn @ _at(pin.side * at.x_mm, 0.0, at.z_mm)
         tags = [body.removeprefix("idler_") for body in pin.bodies]
         pulley, between, metal = IdlerPulley(pin.idlers[0], "Idler"), lay.axle_of(pin, 0), drive.shaft_material
         b.add(f"idler_axle_{tags[0]}", Axle(between, "Idler axle"), material=metal, place=where @ ALONG_Y)

@@ -157,7 +157,7 @@ def strap(s: SpurLayout) -> Comparison:
             for pin in pins
             if pin.stand is stand
         ]
-        pulls = sum(on_strap)
+        pulls = np.sum(on_strap, axis=0)
         pull = float(np.linalg.norm(pulls, axis=1).max())
         what = f"two screws of the strap of pair {n + 1}{of_input} hold {holds:.4g} N over {pull:.4g} N"
         found.append(at_least(what, holds / max(pull, 1e-9), SLIP_SAFETY, "times"))
