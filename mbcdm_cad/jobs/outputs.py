@@ -172,13 +172,15 @@ def write_robot(
 
     ``elastic`` in MJCF and ``options`` in URDF only.
     """
-    from mbcdm_cad.robot.elastic import elastic_drive
+    from mbcdm_cad.robot.elastic import elastic_drive, left_out
     from mbcdm_cad.robot.formats import robot_files
     from mbcdm_cad.robot.mechanism import mechanism
 
     _, parts = drawn(loaded.drive, 0.0, cache, progress)
     robot = mechanism(loaded.drive, {name: part.files for name, part in parts.items()})
-    files = robot_files(robot, form, elastic=elastic_drive(loaded.drive) if elastic else None, options=options)
+    missing = _not_in_file(left_out(loaded.drive, "elastic" if elastic else form))
+    soft = elastic_drive(loaded.drive) if elastic else None
+    files = robot_files(replace(robot, note=missing), form, elastic=soft, options=options)
     target = out / f"{loaded.drive.name}-{form}"
     inputs = content_key("export", (loaded.sha256, form, elastic, options), package_hash(), versions())
     with output_folder(target, Manifest(loaded.sha256, inputs), design=loaded.path) as folder:
@@ -188,12 +190,16 @@ def write_robot(
     size = sum(map(len, files.values())) / 1e6
     first, *_ = paths = tuple(target / name for name in files)
     words = f"{first}: {len(robot.joints)} joints, {mass * 1e3:.1f} g, {size:.1f} MB with meshes"
-    return Written(target, paths, words)
+    return Written(target, paths, "\n".join(filter(None, (words, missing))))
+
+
+def _not_in_file(found: tuple[str, ...]) -> str:
+    return f"found on the built drive, but not in this file: {'; '.join(found)}" if found else ""
 
 
 def write_fmu(loaded: LoadedDesign, out: Path) -> Written:
     """Write ``out/<name>-fmu/<name>.fmu``: the drive for co-simulation (FMI 2.0)."""
-    from mbcdm_cad.robot.elastic import elastic_drive
+    from mbcdm_cad.robot.elastic import elastic_drive, left_out
     from mbcdm_cad.robot.fmu import fmu_file
 
     content, platform = fmu_file(loaded.drive, elastic_drive(loaded.drive))
@@ -203,7 +209,9 @@ def write_fmu(loaded: LoadedDesign, out: Path) -> Written:
     with output_folder(target, Manifest(loaded.sha256, inputs), design=loaded.path) as folder:
         folder.write(path.name, content)
     library = f"library for {platform}" if platform else "no library: no C compiler 'cc' here; compile the sources"
-    return Written(target, (path,), f"{path}: FMI 2.0 for co-simulation, {len(content) / 1e3:.0f} kB, {library}")
+    words = f"{path}: FMI 2.0 for co-simulation, {len(content) / 1e3:.0f} kB, {library}"
+    missing = _not_in_file(left_out(loaded.drive, "fmu"))
+    return Written(target, (path,), "\n".join(filter(None, (words, missing))))
 
 
 @dataclass(frozen=True)

@@ -50,6 +50,7 @@ static const double START[N_VALUES] = VALUES;
 static const double PRELOAD[N_INPUTS] = PRELOADS;
 static const double TURN[N_INPUTS] = TURNS;
 static const double PULLEY_INERTIA[N_INPUTS] = PULLEY_INERTIAS;
+static const double SHARES[2] = DRUM_SHARES; /* of a load that the drive moves against, and of one that moves it */
 static const double CABLES[N_CABLES][3] = CABLE_ELEMENTS; /* input, stiffness, limit */
 
 static void reset(Drive *d) {
@@ -134,8 +135,11 @@ static void step(Drive *d, double h) {
   for (int i = 0; i < N_PULLEYS; i++) mass[PULLEY(i)] = PULLEY_INERTIA[i], torque[PULLEY(i)] = 0.0;
   for (int i = 0; i < N_INPUTS; i++) torque[DRUM] += PRELOAD[i], torque[PULLEY(i)] -= PRELOAD[i];
   torque[PAYLOAD] = -d->v[LOAD_TORQUE];
-  d->element[N_INPUTS].limit = d->v[DRUM_FRICTION];
-  d->element[N_INPUTS].stiffness = d->v[DRUM_FRICTION] / PRESLIDING;
+  double turning = d->speed[DRUM], load = d->element[N_INPUTS + 1].stiffness * d->element[N_INPUTS + 1].deflection;
+  double crawl = turning / DRUM_FADES, rubs = d->v[DRUM_FRICTION] + DRUM_STRIBECK * exp(-crawl * crawl);
+  rubs = fmax(rubs + SHARES[turning * load < 0.0] * fabs(load), 0.0);
+  d->element[N_INPUTS].limit = rubs;
+  d->element[N_INPUTS].stiffness = rubs / PRESLIDING;
   d->element[N_INPUTS + 1].stiffness = 1.0 / d->v[COMPLIANCE];
   for (int e = 0; e < N_ELEMENTS; e++) {
     limit[e] = d->element[e].limit;
@@ -148,6 +152,7 @@ static void step(Drive *d, double h) {
       A[i][i] = mass[i];
       v[i] = mass[i] * d->speed[i] + h * torque[i];
     }
+    A[DRUM][DRUM] += h * DRUM_VISCOUS;
     for (int e = 0; e < N_ELEMENTS; e++) {
       const Element *el = &d->element[e];
       /* One with play is a spring beyond its gap; the others are springs until they slip. */

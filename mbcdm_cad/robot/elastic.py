@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf
 
+from mbcdm_cad.design.blocks import AsBuilt
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts.base import NoFigureError
@@ -39,15 +40,87 @@ class RobotMotor:
     ambient_C: float
 
 
+# What each kind of file holds of a friction at the drum that was found on the built drive.
+_RIGID_HAS = {"torque_Nm", "drag_Nm_s"}
+_HAS = {
+    "urdf": _RIGID_HAS,
+    "mjcf": _RIGID_HAS,
+    "elastic": _RIGID_HAS | {"stribeck_Nm", "fades_rad_s", "built_up_rad"},
+    "fmu": _RIGID_HAS | {"stribeck_Nm", "fades_rad_s", "load_share", "driving_share", "driven_share"},
+}
+
+
+@dataclass(frozen=True)
+class DrumFriction:
+    """Friction at the drum that the built drive was found to have besides its design's, as ``as_built`` states it, SI.
+
+    With the drum's speed w: constant + viscous |w| + stribeck exp(-(w/fades)^2) + a share of the load, one where the
+    drive moves against it and one where it moves the drive; ``built_up_rad``: path after a reversal in which 63 % of
+    the change of constant and Stribeck part are there, 0 for at once. The constant is negative where less rubs.
+    """
+
+    constant_Nm: float = 0.0
+    viscous_Nm_s: float = 0.0
+    stribeck_Nm: float = 0.0
+    fades_rad_s: float = 1.0
+    driving_share: float = 0.0
+    driven_share: float = 0.0
+    built_up_rad: float = 0.0
+
+    @property
+    def slow_Nm(self) -> float:
+        """The part of the constant that builds up."""
+        return max(self.constant_Nm, 0.0) if self.built_up_rad > 0.0 else 0.0
+
+
+def drum_friction(drive: Drive) -> DrumFriction:
+    """The sum of all entries of ``as_built`` that are a friction at the drum; none is all zero."""
+    values = [value for entry in drive.as_built if _at_drum(entry) for value in entry.values]
+    last = {value.name: value.value for value in values}
+
+    def of(name: str) -> float:
+        return sum(value.value for value in values if value.name == name)
+
+    return DrumFriction(
+        of("torque_Nm"),
+        of("drag_Nm_s"),
+        of("stribeck_Nm"),
+        last.get("fades_rad_s", 1.0),
+        of("load_share") + of("driving_share"),
+        of("load_share") + of("driven_share"),
+        last.get("built_up_rad", 0.0),
+    )
+
+
+def left_out(drive: Drive, kind: str) -> tuple[str, ...]:
+    """What the built drive was found to have and a file does not hold, with its figures in SI.
+
+    ``kind``: ``urdf``, ``mjcf``, ``elastic`` (MJCF) or ``fmu``. Effects that change values of the design are in all.
+    """
+    found = []
+    for entry in drive.as_built:
+        kept = _HAS[kind] if _at_drum(entry) else set()
+        missing = [f"{value.name} {value.value:.4g}" for value in entry.values if value.name not in kept]
+        if missing:
+            found.append(f"{entry.name} ({entry.form}): {', '.join(missing)}")
+    return tuple(found)
+
+
+def _at_drum(entry: AsBuilt) -> bool:
+    place, _, _ = entry.form.partition(":")
+    return (entry.name, place) in {("friction", "bearing torque"), ("delay", "viscous drag")}
+
+
 @dataclass(frozen=True)
 class ElasticDrive:
     """All that a simulator needs besides masses and joints.
 
     ``turns``: of each input for one of the drum. ``drum_friction_Nm`` and ``input_friction_Nm`` at each axis, that of
-    the motors apart; ``gear_share``: loss of a gearhead over the torque at its output, besides. ``payload_kg_m2``:
-    inertia of the design's payload about the drum's axis. ``play_rad``: of each input, from one side to the other, by a
-    belt or gear stage and by a servo's gears; where there is any, the stages are the cables alone, and what is before
-    the inputs stands between motor and input, with the play.
+    the motors apart; ``built``: what was found at the drum besides, its constant counted in the former. ``gear_share``:
+    loss of a gearhead over the torque at its output, besides. ``payload_kg_m2``: inertia of the design's payload about
+    the drum's axis. ``play_rad``: of each input, from one side to the other, by a belt or gear stage and by a servo's
+    gears; where there is any, the stages are the cables alone, and what is before the inputs stands between motor and
+    input, with the play.
     """
 
     stages: tuple[CableStage, ...]
@@ -60,6 +133,7 @@ class ElasticDrive:
     input_friction_Nm: tuple[float, ...]
     payload_kg_m2: float
     play_rad: float = 0.0
+    built: DrumFriction = DrumFriction()
 
     @property
     def contact_Nm_rad(self) -> float:
@@ -89,7 +163,7 @@ def elastic_drive(drive: Drive) -> ElasticDrive:
 
     Raises ``ModelError`` where the model has no answer, ``MbcdmError`` where a part has no metal that carries the load.
     """
-    rubs, train = axis_friction(drive), drive.layout.losses
+    rubs, train, built = axis_friction(drive), drive.layout.losses, drum_friction(drive)
     try:
         compliance = compliance_of(drive)
     except (NoFigureError, ValueError) as error:
@@ -103,10 +177,11 @@ def elastic_drive(drive: Drive) -> ElasticDrive:
         motor=_motor(drive, train.motor_idle_Nm),
         gear_ratio=drive.reduction.ratio,
         gear_share=train.gear_share,
-        drum_friction_Nm=rubs.drum_Nm,
+        drum_friction_Nm=max(rubs.drum_Nm + built.constant_Nm, 0.0),
         input_friction_Nm=rubs.inputs_Nm,
         payload_kg_m2=drive.loads.carried.about_axis_kg_m2,
         play_rad=play,
+        built=built,
     )
 
 

@@ -159,6 +159,10 @@ def _parameters(drive: Drive, e: ElasticDrive, listed: tuple[FmuVariable, ...]) 
         "RATED_AT": _number(e.motor.rated_at_C),
         "HEAT_K_W": _number(e.motor.heat_K_W),
         "HEAT_J_K": _number(e.motor.heat_J_K),
+        "DRUM_VISCOUS": _number(e.built.viscous_Nm_s),
+        "DRUM_STRIBECK": _number(e.built.stribeck_Nm),
+        "DRUM_FADES": _number(e.built.fades_rad_s),
+        "DRUM_SHARES": _braced([e.built.driving_share, e.built.driven_share]),
     }
     return "\n".join([*lines, *(f"#define {name} {value}" for name, value in defined.items())]) + "\n"
 

@@ -31,7 +31,7 @@ def robot_files(
     meshes = {f"meshes/{link.name}.stl": _stl(link) for link in (mechanism.base, *mechanism.links)}
     if form == "urdf":
         return {**urdf_files(mechanism, options or UrdfOptions()), **meshes}
-    return {f"{mechanism.name}.xml": document(mjcf(mechanism, elastic)), **meshes}
+    return {f"{mechanism.name}.xml": document(mjcf(mechanism, elastic), mechanism.note), **meshes}
 
 
 def _stl(link: Link) -> bytes:

@@ -20,6 +20,7 @@ from mbcdm_cad.layouts.lumped import axis_friction
 from mbcdm_cad.model.analysis import analyse
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.parts.placement import Vector
+from mbcdm_cad.robot.elastic import drum_friction
 
 MM = 1e-3
 G = 1e-3
@@ -53,7 +54,8 @@ class Joint:
     Its zero is that of the output; the links are drawn at ``drawn_rad``, where the drum is in the middle of its travel.
     ``effort_Nm`` and ``speed_rad_s``: the largest torque that it holds continuously, and speed that goes with it.
     ``friction_Nm``: dry friction under the preload, at the drum that of the bodies that cables pass too, at an input
-    that of gearhead and motor; the part in proportion to a load is in ``effort_Nm``. ``leader``: the input that turns
+    that of gearhead and motor; the part in proportion to a load is in ``effort_Nm``. ``damping_Nm_s``: at the drum, if
+    one was found on the built drive. ``leader``: the input that turns
     it by belt or gears; empty where it follows the drum.
     """
 
@@ -67,13 +69,14 @@ class Joint:
     speed_rad_s: float
     friction_Nm: float
     leader: str = ""
+    damping_Nm_s: float = 0.0
 
 
 @dataclass(frozen=True)
 class Mechanism:
     """The whole drive. ``base`` is fixed and includes the mass of the cables; ``drum`` is the joint that leads.
 
-    ``inputs``: links of the inputs in the design's order.
+    ``inputs``: links of the inputs in the design's order. ``note``: what the file says first, for those who read it.
     """
 
     name: str
@@ -82,6 +85,7 @@ class Mechanism:
     joints: tuple[Joint, ...]
     drum: str
     inputs: tuple[str, ...]
+    note: str = ""
 
     def link(self, name: str) -> Link:
         """The moving link with this name."""
@@ -100,11 +104,12 @@ def mechanism(drive: Drive, parts: Mapping[str, PartFiles]) -> Mechanism:
     still, *turning = (_named(body) for body in bodies(layout.moving_bodies, centred))
     drum = next(body for body in turning if body.kind == "drum")
     drum_effort, drum_speed = _limits(drive)
-    rubs = axis_friction(drive)
+    rubs, built = axis_friction(drive), drum_friction(drive)
     of_motor = drive.layout.losses.motor_idle_Nm * drive.reduction.ratio
     inputs = [body.name for body in turning if body.kind == "input"]
-    friction = {drum.name: rubs.drum_Nm}
+    friction = {drum.name: max(rubs.drum_Nm + built.constant_Nm, 0.0)}
     friction |= {name: own + of_motor for name, own in zip(inputs, rubs.inputs_Nm, strict=True)}
+    damping = {drum.name: max(built.viscous_Nm_s, 0.0)}
     links = tuple(_link(body, [items[name] for name in body.items], parts, drive) for body in turning)
     fixed = [items[name] for name in still.items]
     base = _link(still, fixed, parts, drive, extra=[item for item in centred.items if is_cable(item)])
@@ -112,7 +117,13 @@ def mechanism(drive: Drive, parts: Mapping[str, PartFiles]) -> Mechanism:
         name=drive.name,
         base=base,
         links=links,
-        joints=tuple(_joint(body, drive, (drum_effort, drum_speed), friction.get(body.name, 0.0)) for body in turning),
+        joints=tuple(
+            replace(
+                _joint(body, drive, (drum_effort, drum_speed), friction.get(body.name, 0.0)),
+                damping_Nm_s=damping.get(body.name, 0.0),
+            )
+            for body in turning
+        ),
         drum=drum.name,
         inputs=tuple(inputs),
     )
@@ -233,8 +244,10 @@ def _vector(values: NDArray[np.float64]) -> Vector:
     return x, y, z
 
 
-def document(root: ET.Element) -> bytes:
-    """The file, indented; the same tree gives the same bytes."""
+def document(root: ET.Element, note: str = "") -> bytes:
+    """The file, indented, with a note as its first comment; the same tree gives the same bytes."""
+    if note:
+        root.insert(0, ET.Comment(f" {note.replace('--', '-')} "))
     ET.indent(root)
     return bytes(ET.tostring(root, encoding="utf-8", xml_declaration=True)) + b"\n"
 

@@ -6,8 +6,8 @@ Elastic, all at the drum, g the drum's angle less that of an input over its rati
   the input, which slips at its ``frictionloss``, and a spring from it to the drum.
 - The parts behind the cables are a joint between drum and payload; encoders are tendons that take their share of its
   twist. The input's joint is that of the motor, over the gearhead's ratio.
-- Play between motor and input makes the motor a joint of its own in the base, and the parts before the input a tendon
-  between both that carries nothing within the play.
+- Play between motor and input makes the motor a joint of its own in the base, and the parts before the input the soft
+  limits of a tendon between both: a spring would need a damping that rubs within the play too.
 - Motors are ``dcmotor`` through the gearhead's ratio, commanded by torque; ``frictionloss`` of the joints is the
   friction of bearings, cables and gearheads under the preload.
 
@@ -22,6 +22,8 @@ from collections.abc import Mapping
 from math import copysign
 from xml.etree import ElementTree as ET
 
+import numpy as np
+
 from mbcdm_cad.parts.placement import Vector
 from mbcdm_cad.robot.elastic import ElasticDrive
 from mbcdm_cad.robot.mechanism import Joint, Link, Mechanism, numbers, triangle
@@ -34,16 +36,20 @@ _TIMESTEP_S = 0.0005
 # Dry friction holds as firmly as MuJoCo's solver can.
 _FIRM = {"solreffriction": "0.001 1", "solimpfriction": "0.9999 0.9999 0.001"}
 _NOSLIP_ITERATIONS = 4
+# Between these MuJoCo keeps the impedance of a constraint.
+_IMPEDANCES = (0.0001, 0.9999)
 # Inertia of a slip element over h^2 k: its own mode is then well below the step's.
 _SLIP_INERTIA = 10.0
-# The same of a pulley behind play; stable from 1 on.
-_PULLEY_INERTIA = 2.0
+# Least inertia of a pulley behind play over h^2 k, k the sum of its springs: limits do not see the springs' damping.
+_PULLEY_INERTIA = 1.0
 # A joint's body needs a mass; this one is that of nothing.
 _NOTHING_KG, _NOTHING_KG_M2 = 1e-9, 1e-12
 # A payload's joint without a payload must not be lighter than MuJoCo can accelerate: a tenth of the reference's drum.
 _PAYLOAD_KG_M2 = 1e-5
 # Motor's own friction: turn of its shaft, rad, over which it is elastic before it slides.
 _PRESLIDING_RAD = 0.01
+# Stiffness of what a drum rubs more at a crawl, before it slides, over that of the cables.
+_BRISTLES = 1.0
 PAYLOAD = "payload"
 
 
@@ -83,6 +89,8 @@ def _jointed(base: ET.Element, m: Mechanism, joint: Joint, elastic: ElasticDrive
     link = m.link(joint.link)
     body = ET.SubElement(base, "body", name=link.name, pos=numbers(link.origin))
     friction, armature = joint.friction_Nm, joint.armature
+    if elastic and joint.link == m.drum:
+        friction = max(friction - elastic.built.slow_Nm, 0.0)
     if elastic and joint.link in m.inputs:
         friction = _input_friction_Nm(m, elastic, joint)
         if elastic.play_rad > 0.0:
@@ -98,6 +106,8 @@ def _jointed(base: ET.Element, m: Mechanism, joint: Joint, elastic: ElasticDrive
         frictionloss=numbers([friction]),
         attrib={"ref": numbers([joint.drawn_rad])} if joint.drawn_rad else {},
     )
+    if joint.damping_Nm_s:
+        node.set("damping", numbers([joint.damping_Nm_s]))
     if elastic:
         node.attrib.update(_FIRM)
     _body(body, link)
@@ -111,9 +121,10 @@ def _input_friction_Nm(m: Mechanism, e: ElasticDrive, joint: Joint) -> float:
 
 
 def _pulley_kg_m2(m: Mechanism, e: ElasticDrive, joint: Joint) -> float:
-    """Inertia of an input without its rotor, which MuJoCo's step needs between two springs; the rotor has less then."""
+    """What the inertia of an input without its rotor lacks for MuJoCo's step."""
     cables = e.stages[m.inputs.index(joint.link)].sticking_Nm_rad / joint.ratio**2
-    return _PULLEY_INERTIA * _TIMESTEP_S**2 * (e.contact_Nm_rad + cables)
+    least = _PULLEY_INERTIA * _TIMESTEP_S**2 * (e.contact_Nm_rad + cables)
+    return max(least - _about(joint.axis, m.link(joint.link)), 0.0)
 
 
 def _body(body: ET.Element, link: Link) -> None:
@@ -165,10 +176,14 @@ def _elastic(root: ET.Element, m: Mechanism, e: ElasticDrive, bodies: dict[str, 
         if e.play_rad > 0.0:
             _behind_play(root, tendons, m, e, joint)
         _motor(actuators, e, joint)
+    _stribeck(actuators, e, m.drum)
     _sensors(root, tendons, m, e)
     # What the gearheads lose with the load follows from these, by a line of the program that steps the model.
     custom = ET.SubElement(root, "custom")
     ET.SubElement(custom, "numeric", name="gear_share", data=numbers([e.gear_share]))
+    if e.built.driving_share or e.built.driven_share:
+        shares = numbers([e.built.driving_share, e.built.driven_share, drum.friction_Nm])
+        ET.SubElement(custom, "numeric", name="drum_load_shares", data=shares)
     for own, name in zip(e.input_friction_Nm, m.inputs, strict=True):
         ET.SubElement(custom, "numeric", name=f"{name}_friction", data=numbers([own]))
     keys = ET.SubElement(root, "keyframe")
@@ -207,13 +222,31 @@ def _behind_play(root: ET.Element, tendons: ET.Element, m: Mechanism, e: Elastic
     assert base is not None
     friction = numbers([_input_friction_Nm(m, e, joint)])
     drawn = {"ref": numbers([joint.drawn_rad])} if joint.drawn_rad else {}
-    rotor = max(joint.armature - _pulley_kg_m2(m, e, joint), 0.5 * joint.armature)
-    name, turned = f"{joint.link}_rotor", {"armature": numbers([rotor]), "frictionloss": friction}
+    name, turned = f"{joint.link}_rotor", {"armature": numbers([joint.armature]), "frictionloss": friction}
     _within(base, name, joint.axis, {**turned, **_FIRM, **drawn}, m.link(joint.link).origin)
-    band = {"springlength": numbers([-0.5 * e.play_rad, 0.5 * e.play_rad])}
-    tendon = ET.SubElement(tendons, "fixed", name=f"{joint.link}_play", attrib={**_spring(e.contact_Nm_rad), **band})
+    half = 0.5 * e.play_rad
+    ends = {"range": numbers([-half, half]), **_soft_end(m, e, joint)}
+    tendon = ET.SubElement(tendons, "fixed", name=f"{joint.link}_play", attrib=ends)
     ET.SubElement(tendon, "joint", joint=name, coef="1")
     ET.SubElement(tendon, "joint", joint=joint.link, coef="-1")
+
+
+def _soft_end(m: Mechanism, e: ElasticDrive, joint: Joint) -> dict[str, str]:
+    """A limit that is a spring k at the end of each step: its torque is -(a + v/h + r/h^2)/R with R = 1/(k h^2).
+
+    MuJoCo's R is (1 - d)/d times the inverse inertia of the tendon; a, v, r are its acceleration, speed, way beyond.
+    """
+    pulley = _about(joint.axis, m.link(joint.link)) + _pulley_kg_m2(m, e, joint)
+    d = 1.0 / (1.0 + 1.0 / (e.contact_Nm_rad * _TIMESTEP_S**2 * (1.0 / joint.armature + 1.0 / pulley)))
+    d = min(max(d, _IMPEDANCES[0]), _IMPEDANCES[1])
+    reference = numbers([-d / _TIMESTEP_S**2, -d / _TIMESTEP_S])
+    return {"solreflimit": reference, "solimplimit": numbers([d, d, 1.0])}
+
+
+def _about(axis: Vector, link: Link) -> float:
+    """Moment of inertia of a link about its joint's axis."""
+    along, cog = np.array(axis), np.array(link.cog)
+    return float(along @ np.array(link.inertia) @ along + link.mass * (cog @ cog - (along @ cog) ** 2))
 
 
 def _motor(actuators: ET.Element, e: ElasticDrive, joint: Joint) -> None:
@@ -233,6 +266,28 @@ def _motor(actuators: ET.Element, e: ElasticDrive, joint: Joint) -> None:
         controller=numbers([0.0] * 5 + [motor.voltage_V or 0.0]),
         thermal=numbers([motor.heat_K_W, motor.heat_J_K, 0.0, motor.copper_per_K, motor.rated_at_C, motor.ambient_C]),
         lugre=numbers([bristle, damping, motor.friction_Nm, motor.friction_Nm, 1.0]),
+    )
+
+
+def _stribeck(actuators: ET.Element, e: ElasticDrive, drum: str) -> None:
+    """What a built drum rubs more at a crawl, as a motor without current, whose LuGre friction fades with the speed."""
+    built = e.built
+    most = built.slow_Nm + built.stribeck_Nm
+    if most <= 0.0:
+        return
+    # Stiffer than the cables it would be unstable at this step.
+    bristle = _BRISTLES * sum(stage.sticking_Nm_rad for stage in e.stages)
+    if built.built_up_rad > 0.0:
+        bristle = min(bristle, most / built.built_up_rad)
+    ET.SubElement(
+        actuators,
+        "dcmotor",
+        name=f"{drum}_stribeck",
+        joint=drum,
+        input="none",
+        motorconst="0 0",
+        resistance="1",
+        lugre=numbers([bristle, 0.0, max(built.slow_Nm, 1e-6 * most), most, built.fades_rad_s]),
     )
 
 

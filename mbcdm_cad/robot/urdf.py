@@ -50,7 +50,7 @@ def urdf_files(m: Mechanism, options: UrdfOptions) -> dict[str, bytes]:
         parts.append(_ros2_control(m, prefix))
     if not options.xacro:
         robot.extend([ET.Element("link", name=ROOT_LINK), _fixed(ROOT_LINK, BASE_LINK, "base_fixed"), *parts])
-        return {f"{m.name}.urdf": document(robot)}
+        return {f"{m.name}.urdf": document(robot, m.note)}
     robot.set("xmlns:xacro", _XACRO)
     macro = ET.SubElement(
         robot, "xacro:macro", name=f"drive_{m.name.replace('-', '_')}", params="parent prefix:='' *origin"
@@ -58,7 +58,7 @@ def urdf_files(m: Mechanism, options: UrdfOptions) -> dict[str, bytes]:
     stand = _fixed("${parent}", f"{prefix}{BASE_LINK}", f"{prefix}base_fixed")
     stand.append(ET.Element("xacro:insert_block", name="origin"))
     macro.extend([stand, *parts])
-    return {f"{m.name}.urdf.xacro": document(robot)}
+    return {f"{m.name}.urdf.xacro": document(robot, m.note)}
 
 
 def _fixed(parent: str, child: str, name: str) -> ET.Element:
@@ -124,7 +124,7 @@ def _joints(m: Mechanism, prefix: str) -> list[ET.Element]:
             effort=numbers([joint.effort_Nm]),
             velocity=numbers([joint.speed_rad_s]),
         )
-        ET.SubElement(node, "dynamics", damping="0", friction=numbers([joint.friction_Nm]))
+        ET.SubElement(node, "dynamics", damping=numbers([joint.damping_Nm_s]), friction=numbers([joint.friction_Nm]))
         if joint.link != m.drum:
             follows = {"joint": f"{prefix}{m.drum}", "multiplier": numbers([joint.ratio]), "offset": "0"}
             ET.SubElement(node, "mimic", attrib=follows)

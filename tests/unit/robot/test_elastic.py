@@ -9,18 +9,23 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from mbcdm_cad.design.as_built import with_as_built
 from mbcdm_cad.design.blocks import AsBuilt, AsBuiltValue, Payload
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.layouts.turns import modes_of
+from mbcdm_cad.loop.effects.friction import BEYOND, CONSTANT, DRIVEN, DRIVING, STRIBECK, VISCOUS, bases
 from mbcdm_cad.model import analyse
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
 from mbcdm_cad.rig.quasistatic.simulate import simulate
-from mbcdm_cad.robot.elastic import ElasticDrive, elastic_drive
+from mbcdm_cad.robot.elastic import ElasticDrive, elastic_drive, left_out
+from mbcdm_cad.robot.fmu import fmu_file
 from mbcdm_cad.robot.formats import robot_files
 from mbcdm_cad.robot.mechanism import Mechanism
 from mbcdm_cad.robot.stage import slipping
+from tests.unit.robot.test_play import _mechanism as light
+from tests.unit.robot.test_play import drive as staged
 
 PARAMS = Path(__file__).parents[3] / "params"
 mujoco = pytest.importorskip("mujoco", minversion="4.0")
@@ -265,3 +270,63 @@ def test_motors_lift_with_the_torque_that_analyse_states_once_gears_lose_with_th
     counted = _lifts_at(model, loaded.drive, load, _with_losses())
     assert counted == pytest.approx(1.0, abs=0.05), (counted, plain)
     assert plain < 0.92, (counted, plain)
+
+
+FADES, LOAD_NM = 0.1, 0.6
+_FOUND = {"torque_Nm": 0.04, "drag_Nm_s": 3.0, "stribeck_Nm": 0.1, "driving_share": 0.3, "driven_share": 0.2}
+
+
+def as_found(drive: Any, **values: float) -> Any:
+    """The drive with a friction at its drum, as the loop writes it."""
+    listed = tuple(AsBuiltValue(name=name, value=value) for name, value in values.items())
+    return with_as_built(drive, (AsBuilt(name="friction", form=f"{BEYOND.form}: Stribeck", values=listed),))
+
+
+def steady_rad_s(own_Nm: float, load_Nm: float) -> float:
+    """Speed to which a load that moves the drive brings it: there the loop's formula takes the whole of it."""
+    terms = (CONSTANT, VISCOUS, STRIBECK, DRIVING, DRIVEN)
+
+    def left(speed: float) -> float:
+        rows = bases(terms, np.ones(1), np.array([speed]), np.array([-load_Nm]), FADES)[:, 0]
+        return load_Nm - own_Nm - float(np.dot(list(_FOUND.values()), rows))
+
+    return float(brentq(left, 0.01, 10.0))
+
+
+@pytest.mark.slow
+def test_a_friction_found_on_the_drum_takes_what_the_loops_formula_says(tmp_path: Path) -> None:
+    """Constant, speed and Stribeck part by the file alone; the part in proportion to the load with the page's lines."""
+    soft = elastic_drive(as_found(staged(0.0), **_FOUND, fades_rad_s=FADES))
+    plain = light()
+    drum = replace(plain.joint("drum"), friction_Nm=soft.drum_friction_Nm, damping_Nm_s=soft.built.viscous_Nm_s)
+    for name, content in robot_files(replace(plain, joints=(drum, plain.joints[1])), "mjcf", elastic=soft).items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_bytes(content)
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "staged.xml"))
+    model.opt.gravity[:] = 0.0
+    model.dof_frictionloss[model.joint("input_main").dofadr[0]] = 0.0
+    model.actuator("input_main_motor").gear[:] = 1e-9
+    for name in ("gear_share", "input_main_friction"):
+        model.numeric(name).data[:] = 0.0
+    data, step = started(model), _with_losses()
+    at = [model.joint(name).dofadr[0] for name in ("drum", "payload")]
+    wanted = steady_rad_s(soft.drum_friction_Nm - _FOUND["torque_Nm"], LOAD_NM)
+    for joint in plain.joints:
+        data.qvel[model.joint(joint.link).dofadr[0]] = 0.8 * wanted * joint.ratio
+    for _ in range(1500):
+        data.qfrc_applied[at] = LOAD_NM
+        step(model, data)
+    assert float(data.qvel[at[0]]) == pytest.approx(wanted, rel=0.005), (data.qvel[at[0]], wanted)
+    fmpy, (content, _) = pytest.importorskip("fmpy"), fmu_file(staged(0.0), soft)
+    (tmp_path / "staged.fmu").write_bytes(content)
+    free = {"input_friction_main": 0.0, "motor_friction": 0.0, "gear_share": 0.0, "load_torque": -LOAD_NM}
+    seen = fmpy.simulate_fmu(str(tmp_path / "staged.fmu"), stop_time=2.0, step_size=1e-3, start_values=free)
+    assert seen["payload_speed"][-1] == pytest.approx(wanted, rel=0.005), (seen["payload_speed"][-1], wanted)
+
+
+def test_what_a_file_lacks_is_named_with_its_figure(loaded: Any) -> None:
+    shift = AsBuilt(name="once_per_rev", form="drum", values=(AsBuiltValue(name="amplitude_rad", value=6e-5),))
+    built = with_as_built(as_found(loaded.drive, torque_Nm=0.01, load_share=0.03), (shift,))
+    assert left_out(built, "fmu") == ("once_per_rev (drum): amplitude_rad 6e-05",)
+    assert left_out(built, "elastic")[0].endswith(": load_share 0.03") and len(left_out(built, "elastic")) == 2
+    assert left_out(loaded.drive, "urdf") == ()
