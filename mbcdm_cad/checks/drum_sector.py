@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from math import asin, degrees, radians
 
-from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
+from mbcdm_cad.checks.comparison import TOLERANCE, Check, Comparison, at_least, at_most, worst
 from mbcdm_cad.checks.design_variables import down, up
+from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.parts.drum_sector.design import SectorDrive
@@ -138,6 +139,26 @@ def shaft_wall(s: SectorLayout) -> Comparison:
     )
 
 
+def _wider_bearing(s: SectorLayout) -> str:
+    """The lightest bearing of the package in whose bore a shaft with this bore and its wall fits.
+
+    Where a ring encoder sits on the shaft, one that has a ring of its bore; if there is none, a drive without a ring.
+    """
+    least = 2.0 * (s.drum_shaft.bore_radius + s.drive.shaft_material.min_wall_mm)
+    fitting = {
+        name: entry for name, entry in package_entries("bearings").items() if entry["bore_mm"] >= least - TOLERANCE
+    }
+    rings = {entry["bore_mm"] for name, entry in package_entries("encoders").items() if "ring" in name}
+    with_ring = {name: entry for name, entry in fitting.items() if entry["bore_mm"] in rings}
+    found = fitting if s.drive.drum_encoder.absent else with_ring
+    if found:
+        lightest = min(found, key=lambda name: (found[name]["mass_g"], name))
+        return f"choose a drum.bearing of {least:.4g} mm bore or more (such as {lightest})"
+    if fitting:
+        return f"set drive.drum_encoder to none (no ring encoder has a bore of {least:.4g} mm or more; spur layouts)"
+    return ""
+
+
 def stop_slot(s: SectorLayout) -> Comparison:
     """The slot for the stop pin lies in the web between hub and rim, inside the ends of the sector."""
     d = s.drum
@@ -223,7 +244,14 @@ CHECKS = (
         advice="choose a larger drum.bearing",
         applies=lambda drive: drive.bearings.drum.bore_mm < THIN_SHAFT_MM,
     ),
-    Check("shaft_wall", "Wall of the drum shaft", _WALL, shaft_wall, adjust=(down("drum.shaft_bore_mm"),)),
+    Check(
+        "shaft_wall",
+        "Wall of the drum shaft",
+        _WALL,
+        shaft_wall,
+        adjust=(down("drum.shaft_bore_mm"),),
+        advice=_wider_bearing,
+    ),
     Check(
         "stop_slot",
         "Stop slot lies in the web",

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection
 from functools import cached_property
-from math import ceil, floor, log10
+from math import ceil, floor, inf, log10
 from typing import NamedTuple
 
 from mbcdm_cad.checks.comparison import Check, Comparison
@@ -99,7 +99,7 @@ def offers(check: Check, design: Layout, budget: Budget) -> tuple[list[str], lis
         variable = variables.get(path)
         # Shared families list variables that not every configuration has.
         if variable is not None and variable.applies(drive):
-            value = passing_value(variable, sense, design, check.measure, budget)
+            value = passing_value(variable, sense, design, check.measure, budget, bounds(design, path))
             if value is not None:
                 kept.append(Offer(path, sense, value, asked[path]))
                 (required if asked[path] else free).append(_offer(variable, sense, drive, value, budget.asked))
@@ -132,12 +132,28 @@ def _rope_of(drive: Drive, sense: int, diameter_mm: float) -> str:
     return f" (such as {min(fitting)[1]})" if fitting else ""
 
 
+def bounds(design: Layout, path: str) -> tuple[float, float]:
+    """Least and largest value that a design file may have for a field; endless for what is no number of a file."""
+    node = design.design_file().node_at(tuple(path.split("."))) or {}
+    return node.get("minimum", -inf), node.get("maximum", inf)
+
+
 def passing_value(
-    variable: DesignVariable, sense: int, design: Layout, measure: Callable[[Layout], Comparison], budget: Budget
+    variable: DesignVariable,
+    sense: int,
+    design: Layout,
+    measure: Callable[[Layout], Comparison],
+    budget: Budget,
+    within: tuple[float, float] = (-inf, inf),
 ) -> float | None:
-    """The rounded value nearest to the present one, in the given direction, at which ``measure`` holds, or None."""
+    """The rounded value nearest to the present one, in the given direction, at which ``measure`` holds, or None.
+
+    ``within``: least and largest value that may be.
+    """
 
     def holds(value: float) -> bool:
+        if not within[0] <= value <= within[1]:
+            return False
         budget.left -= 1
         try:
             return measure(design.with_drive(variable.put(design.drive, value))).holds
@@ -147,7 +163,8 @@ def passing_value(
     now = variable.get(design.drive)
     size = abs(now) or 1.0
     step, before = size * 1e-3, now
-    limit = size * (REACH - 1.0) if sense * (now or 1.0) > 0 else size * (1.0 - 1.0 / REACH)
+    reach = size * (REACH - 1.0) if sense * (now or 1.0) > 0 else size * (1.0 - 1.0 / REACH)
+    limit = min(reach, sense * (within[sense > 0] - now))
     while not holds(now + sense * min(step, limit)):
         if step >= limit:
             return None

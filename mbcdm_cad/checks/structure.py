@@ -186,6 +186,8 @@ def _softest(structure: Structure, turns: dict[str, float]) -> str:
     )
 
 
+# A material is no number, so that remedies offer none: a search alone takes a stiffer one.
+_METALS = (up("support.material"), up("drum.material"))
 _LESS: tuple[Adjustment, ...] = (down("loads.peak_torque_Nm"),)
 CHECKS = (
     Check(
@@ -217,6 +219,7 @@ CHECKS = (
         "Frame stiff against the test torque",
         "limits.frame_windup_max_mrad; folded plates on the mounting screws",
         frame_windup,
+        adjust=_METALS[:1],
         advice=_stiffer_frame,
     ),
     Check(
@@ -229,6 +232,7 @@ CHECKS = (
             up("drum.hub_diameter_mm"),
             up("all radii of transmission"),
             up("rope.preload_N"),
+            *_METALS,
         ),
         advice=_stiffer,
     ),
@@ -237,7 +241,7 @@ CHECKS = (
         "Structure's turn over the cables' turn",
         "loads.structure_share; compliance by cause",
         structure_share,
-        adjust=(up("drum.web_thickness_mm"), up("drum.hub_diameter_mm")),
+        adjust=(up("drum.web_thickness_mm"), up("drum.hub_diameter_mm"), *_METALS),
         advice=_stiffer_parts,
         applies=lambda drive: drive.loads.structure_share is not None,
     ),

@@ -35,8 +35,8 @@ class Freedom:
     A number is moved by a factor between ``low`` and ``high``: ``stretch(value, factor)`` is the moved value. A choice
     is one of ``words``, the schema's own first, or of the catalogue's entries of ``kind``, which ``order`` sorts by
     size. ``mends`` names design variables of the checks' remedies that this field stands for, +1 where both rise
-    together. ``instead``: the requirements that take the field's place where it is taken out of a file, from the
-    file's data.
+    together. ``only_named``: tried only where a failing check names it. ``instead``: the requirements that take the
+    field's place where it is taken out of a file, from the file's data.
     """
 
     field: str
@@ -47,6 +47,7 @@ class Freedom:
     order: str = ""
     words: tuple[str, ...] = ()
     mends: tuple[tuple[str, int], ...] = ()
+    only_named: bool = False
     instead: Callable[[Mapping[str, Any]], dict[str, Any]] = nothing_instead
 
     @property

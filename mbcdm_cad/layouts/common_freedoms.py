@@ -29,7 +29,11 @@ ENCODERS: tuple[Freedom, ...] = (
     Freedom("drive.encoder", kind="encoders", order="bore_mm"),
     Freedom("drive.drum_encoder", kind="encoders", order="bore_mm"),
 )
-PARTS = (*DRIVE, *INPUTS, *ENCODERS)
+# A metal frame or drum that the file leaves to its rule is of aluminium; steel is three times as stiff, and as heavy.
+METALS: tuple[Freedom, ...] = tuple(
+    Freedom(f"{part}.material", words=("aluminium-7075", "steel"), only_named=True) for part in ("drum", "support")
+)
+PARTS = (*DRIVE, *INPUTS, *ENCODERS, *METALS)
 
 
 def first_radius(data: Mapping[str, Any]) -> dict[str, Any]:

@@ -109,6 +109,8 @@ def _stated_within(field: str, others: Mapping[str, Variable]) -> bool:
 
 def _ruled(question: Question) -> Iterator[Variable]:
     for freedom in question.open_fields({}):
+        if freedom.only_named:
+            continue
         if freedom.is_choice:
             yield Variable(freedom.field, (RULE, *choices(question, freedom)))
         elif freedom.low < freedom.high:

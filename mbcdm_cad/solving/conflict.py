@@ -9,6 +9,7 @@ relaxed first, and the search is repeated for the others.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from math import log
 from typing import Any
@@ -17,7 +18,7 @@ from mbcdm_cad.design.fieldpath import leaves
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.solving.question import ASIDE, Fixed, Out, Point, Question
 from mbcdm_cad.solving.repair import repair, stuck
-from mbcdm_cad.solving.trials import TrialResult, Trials, messages
+from mbcdm_cad.solving.trials import SpentError, TrialResult, Trials, messages
 
 # Factors by which a requirement is relaxed, in both directions.
 SHARES = (1.05, 1.15, 1.4, 2.0, 4.0, 12.0)
@@ -66,32 +67,35 @@ def conflict(trials: Trials, miss: Point) -> Conflict:
     """The conflict of a question whose best point is ``miss``."""
     question, first = trials.question, list[Give]()
     nearest = tuple(messages(question, miss))
+    left = list(_requirements(question))
     spent = 0
-    left: list[str] = []
-    for _ in range(MOST_GIVING):
-        fixed = stuck(trials, {}) if trials({}).failing else frozenset[str]()
-        before = trials.count
-        found: list[Give | Miss | None] = []
-        enough: list[Give] = []
-        left = _requirements_in_order(trials, miss)
-        while left and spent + trials.count - before < (ENOUGH_KNOWN if enough else MOST):
-            found.append(_given_way(trials, left.pop(0), miss, fixed))
-            enough = [way for way in found if isinstance(way, Give)]
-        spent += trials.count - before
-        if enough:
-            exclude = tuple(sorted(way.field for way in enough))
-            # One alone belongs to several sets, each with another partner: no set is found then.
-            # What a search does not find may exist, unless a failing check is moved by nothing that is free.
-            proved = len(exclude) > 1 and not left and bool(fixed) and _rest_is_idle(trials, exclude, miss)
-            ways = tuple(sorted(enough, key=_size))
-            return Conflict(exclude, ways, tuple(first), nearest, proved, tuple(left))
-        least = min((way for way in found if isinstance(way, tuple)), default=None, key=lambda way: (way[0], way[1]))
-        if left or least is None or least[0] >= trials(miss).violation:
-            break
-        _, name, value, miss = least
-        first.append(Give(name, _shown(trials.question, name), value, {}))
-        trials = _on(trials, name, value)
-        miss = {field: setting for field, setting in miss.items() if field != name}
+    with suppress(SpentError):
+        for _ in range(MOST_GIVING):
+            fixed = stuck(trials, {}) if trials({}).failing else frozenset[str]()
+            before = trials.count
+            found: list[Give | Miss | None] = []
+            enough: list[Give] = []
+            left = _requirements_in_order(trials, miss)
+            with suppress(SpentError):
+                while left and spent + trials.count - before < (ENOUGH_KNOWN if enough else MOST):
+                    found.append(_given_way(trials, left[0], miss, fixed))
+                    left.pop(0)
+                    enough = [way for way in found if isinstance(way, Give)]
+            spent += trials.count - before
+            if enough:
+                exclude = tuple(sorted(way.field for way in enough))
+                # One alone belongs to several sets, each with another partner: no set is found then.
+                # What a search does not find may exist, unless a failing check is moved by nothing that is free.
+                proved = len(exclude) > 1 and not left and bool(fixed) and _rest_is_idle(trials, exclude, miss)
+                ways = tuple(sorted(enough, key=_size))
+                return Conflict(exclude, ways, tuple(first), nearest, proved, tuple(left))
+            least = min((way for way in found if isinstance(way, tuple)), default=None, key=lambda way: way[:2])
+            if left or least is None or least[0] >= trials(miss).violation:
+                break
+            _, name, value, miss = least
+            first.append(Give(name, _shown(trials.question, name), value, {}))
+            trials = _on(trials, name, value)
+            miss = {field: setting for field, setting in miss.items() if field != name}
     return Conflict((), (), tuple(first), nearest, proved=False, not_tried=tuple(left))
 
 
@@ -111,7 +115,7 @@ def _size(way: Give) -> tuple[float, str]:
 def _on(trials: Trials, name: str, value: Any) -> Trials:
     """The same question with one requirement set to ``value``, or left out."""
     question = trials.question.relaxed({name: Out() if value is None else Fixed(value)})
-    return Trials(question, trials.jobs, trials.told)
+    return Trials(question, trials.jobs, trials.told, trials.most - trials.count)
 
 
 def _requirements(question: Question) -> Iterator[str]:
@@ -252,7 +256,10 @@ def _rest_is_idle(trials: Trials, exclude: tuple[str, ...], miss: Point) -> bool
     if not dropped:
         return True
     start = {**{field: how for field, how in miss.items() if field not in dropped}, **dropped}
-    return not trials(repair(trials, start, TRIALS * 2)).passes
+    try:
+        return not trials(repair(trials, start, TRIALS * 2)).passes
+    except SpentError:
+        return False
 
 
 def round_to(value: float) -> float:

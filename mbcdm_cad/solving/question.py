@@ -205,7 +205,7 @@ def _of_the_template(question: Question) -> dict[str, int]:
     same = [field for field, value in leaves(question.data) if value_at(reference, field) == value]
     found = {}
     for freedom in question.file.freedoms():
-        value = value_at(question.data, freedom.field)
+        value = None if freedom.only_named else value_at(question.data, freedom.field)
         if value is not None and value == value_at(reference, freedom.field) and freedom.field not in _KEPT:
             found[freedom.field] = ASKED if freedom.field.split(".")[0] in _ASKED else CHOICE
     for field in same:

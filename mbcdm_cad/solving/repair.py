@@ -212,7 +212,7 @@ class _Moves:
         """Choices some sizes up and down, the nearest of all choices first."""
         for size in SIZES:
             for freedom in self.freedoms.values():
-                if freedom.is_choice:
+                if freedom.is_choice and not freedom.only_named:
                     yield from self._sized(freedom, [size])
             if size == SIZES[1] and "rope.type" in self.freedoms:
                 yield from self._other_ropes(self.freedoms["rope.type"])

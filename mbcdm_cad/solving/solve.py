@@ -16,12 +16,14 @@ from mbcdm_cad.solving.conflict import Conflict, conflict
 from mbcdm_cad.solving.nearest import taken_back, towards_aims, written_out
 from mbcdm_cad.solving.question import ASKED, CHOICE, PIN, WISH, Fixed, Out, Point, Question, Setting, Times
 from mbcdm_cad.solving.repair import creeps, repair, stuck
-from mbcdm_cad.solving.trials import Trials, choices, cost, outcome, setting_of
+from mbcdm_cad.solving.trials import SpentError, Trials, choices, cost, outcome, setting_of
 
 # Trials of the guided search and of the evolution after it: numbers, not times, so that the result is reproducible.
 DIRECTED, EVOLVED = 140, 96
 # Most searches, conflicts included, end before this number of trials: the full length of the progress bar.
 MOST_TRIALS = 400
+# All searches end by these numbers: that for a design, and all of it, with its changes reduced or the conflict found.
+MOST_FOR_A_DESIGN, MOST_IN_ALL = 500, 1000
 # Number of values tried before the search for a range that has an aim and no rule.
 GRID = 9
 
@@ -51,9 +53,10 @@ def solve(question: Question, told: Callable[[str, int], None] | None = None, jo
     """Search for the nearest passing design. ``told`` is called with the present stage and the number of trials."""
     stage = ["searching"]
     hears = told or (lambda name, count: None)
-    trials = Trials(question, jobs, lambda count: hears(stage[0], count))
+    trials = Trials(question, jobs, lambda count: hears(stage[0], count), MOST_FOR_A_DESIGN)
     point = _found(trials)
-    while trials(point).passes:
+    trials.most = MOST_IN_ALL
+    while _passes(trials, point):
         stage[0] = "reducing the changes"
         data = question.as_written(_nearest(trials, point))
         if passes_as_written(question, data):
@@ -67,8 +70,23 @@ def solve(question: Question, told: Callable[[str, int], None] | None = None, jo
     return Solution(question, None, (), trials.count, found)
 
 
+def _passes(trials: Trials, point: Point) -> bool:
+    """Whether a point is known to pass before the trials are spent."""
+    try:
+        return trials(point).passes
+    except SpentError:
+        return False
+
+
 def _found(trials: Trials) -> Point:
-    """A passing point, or the best that was found."""
+    """A passing point, or the best that was found before the trials were spent."""
+    try:
+        return _searched(trials)
+    except SpentError:
+        return trials.nearest
+
+
+def _searched(trials: Trials) -> Point:
     starts = list(_starts(trials.question))
     for start, found in zip(starts, trials.many(starts), strict=True):
         if found.passes:
@@ -100,6 +118,14 @@ def _starts(question: Question) -> Iterator[Point]:
 
 
 def _nearest(trials: Trials, point: Point) -> Point:
+    """A passing point with as few changes as are found before the trials are spent."""
+    try:
+        return _reduced(trials, point)
+    except SpentError:
+        return point
+
+
+def _reduced(trials: Trials, point: Point) -> Point:
     fixed = written_out(trials, point)
     if not trials(fixed).passes:  # some rules use a stated value, so that stating it can change others
         fixed = repair(trials, fixed, DIRECTED // 4)
@@ -149,7 +175,8 @@ def evolve(trials: Trials, start: Point, most: int) -> Point:
 
     held = dict(start)
     trials.begin_at(start)
-    variables = [_variable(trials, f) for f in trials.question.open_fields(start) if f.is_choice or f.low < f.high]
+    free = (f for f in trials.question.open_fields(start) if not f.only_named and (f.is_choice or f.low < f.high))
+    variables = [_variable(trials, freedom) for freedom in free]
     variables += [_along_range(trials, field) for field in sorted(trials.question.unruled)]
     if not variables:
         return start

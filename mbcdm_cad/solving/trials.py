@@ -61,17 +61,26 @@ class TrialResult:
         return not self.failing and not self.refused
 
 
+class SpentError(Exception):
+    """As many trials were evaluated as a search may take."""
+
+
 class Trials:
     """Evaluates trials of one question, each once; ``told`` is called after each batch with their number.
+
+    After ``most`` trials each new one raises :class:`SpentError`.
 
     The rules that search begin at the design of :meth:`begin_at`, so that the sizing of a trial takes a third of the
     time. :meth:`confirmed` sizes the trial from its file alone, as every other command does.
     """
 
-    def __init__(self, question: Question, jobs: int | None = None, told: Callable[[int], None] | None = None) -> None:
+    def __init__(
+        self, question: Question, jobs: int | None = None, told: Callable[[int], None] | None = None, most: float = inf
+    ) -> None:
         self.question = question
         self.jobs = jobs or len(os.sched_getaffinity(0))
         self.told = told or (lambda count: None)
+        self.most = most
         self._similar: Sizing | None = None
         self.from_files = False
         self._known: dict[tuple[frozenset[tuple[str, object]], bool], TrialResult] = {}
@@ -117,6 +126,8 @@ class Trials:
         """Several trials, in parallel on all cores."""
         keys = [self._key(point) for point in points]
         new = {key: point for key, point in zip(keys, points, strict=True) if key not in self._known}
+        if len(self._known) + len(new) > self.most:
+            raise SpentError
         if new:
             jobs = self.jobs if len(new) >= FEW_TRIALS else 1
             outcomes = fork_map(lambda point: outcome(self.question, point, self._similar), list(new.values()), jobs)
@@ -128,6 +139,12 @@ class Trials:
         """The point, and whether it is sized from its file alone; a known result of this kind is always used."""
         from_file = frozenset(point.items()), True
         return from_file if self._similar is None or from_file in self._known else (from_file[0], False)
+
+    @property
+    def nearest(self) -> Point:
+        """The point with the smallest violation of all that were tried, the first of equal ones."""
+        key, _ = min(self._known.items(), key=lambda item: round(item[1].violation, 9))
+        return dict(key[0])
 
     def best(self, points: Iterable[Point]) -> Point:
         """The point with the smallest violation; of equal ones the one with the smallest cost, then the first."""

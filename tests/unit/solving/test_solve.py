@@ -12,6 +12,8 @@ from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.fieldpath import leaves
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.report.check_report import check_design
+from mbcdm_cad.solving import solve as solving
+from mbcdm_cad.solving import trials as trying
 from mbcdm_cad.solving.conflict import conflict
 from mbcdm_cad.solving.nearest import taken_back
 from mbcdm_cad.solving.patch import patched
@@ -227,3 +229,23 @@ def test_ropes_are_tried_within_their_construction_before_others() -> None:
     own = kinds[0]
     first_other = next(k for k, kind in enumerate(kinds) if kind != own)
     assert first_other >= 2 and set(kinds) == {"7x7", "7x19", "1x19", "braid"}, list(zip(moves, kinds, strict=True))
+
+
+def test_a_stiffer_metal_is_tried_where_a_failing_check_asks_for_it() -> None:
+    trials = Trials(question_of(SHORT), jobs=1)
+    moves = _Moves(trials, {}, TrialResult((("frame_windup", 1.5),)))
+    asked = [how for field, how in moves if field == "support.material"]
+    assert asked == [Fixed("steel")]
+    others = {field for field, _ in _Moves(trials, {}, TrialResult((("tension", 1.5),)))}
+    assert not others & {"support.material", "drum.material"} and "drum.bearing" in others
+
+
+def test_a_search_ends_when_its_trials_are_spent(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With the nearest design that it found, and the requirements that it did not come to."""
+    monkeypatch.setattr(solving, "MOST_FOR_A_DESIGN", 4)
+    monkeypatch.setattr(solving, "MOST_IN_ALL", 8)
+    monkeypatch.setattr(trying, "outcome", lambda *_: TrialResult((("tension", 1.5),)))
+    asked = SHORT.replace("peak_torque_Nm: 1.5", "peak_torque_Nm: 60.0")
+    found = solve(question_of(asked), jobs=1)
+    assert found.data is None and found.conflict is not None and found.trials <= 8, found
+    assert found.conflict.nearest and "loads.peak_torque_Nm" in found.conflict.not_tried, found.conflict

@@ -94,6 +94,7 @@ FREEDOMS: tuple[Freedom, ...] = (
     *common_freedoms.INPUTS,
     common_freedoms.SURFACE,
     *common_freedoms.ENCODERS,
+    *common_freedoms.METALS,
     Freedom("transmission.centre_distance_mm", 0.7, 2.5),
     Freedom(
         "transmission.drum_radii_mm", 0.8, 2.5, _steps, mends=((ALL_RADII, 1),), instead=common_freedoms.first_radius

@@ -208,7 +208,8 @@ CHECKS = (
         "derived: otherwise the cable creeps on in every cycle",
         stays_on,
         "warn",
-        adjust=(down("travel.half_angle_deg"), *_LESS),
+        # Not a lower torque: the rules then choose a lower preload for it, and the same share of the wrap creeps.
+        adjust=(down("travel.half_angle_deg"), up("rope.preload_N")),
         advice=_turns_that_hold,
         applies=is_continuous,
     ),
