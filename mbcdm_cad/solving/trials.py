@@ -23,7 +23,7 @@ from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.registry import layout_named
 from mbcdm_cad.parallel.forks import fork_map
-from mbcdm_cad.solving.question import Fixed, Out, Point, Question, Times
+from mbcdm_cad.solving.question import Fixed, Out, Point, Question, Setting, Times
 
 # Checks that take as long as all others together: run only if all others pass.
 SLOW = frozenset({"cables_apart", "spans_clear", "terminals_apart", "no_slack"})
@@ -83,7 +83,7 @@ class Trials:
         self.most = most
         self._similar: Sizing | None = None
         self.from_files = False
-        self._known: dict[tuple[frozenset[tuple[str, object]], bool], TrialResult] = {}
+        self._known: dict[tuple[frozenset[tuple[str, Setting]], bool], TrialResult] = {}
 
     @property
     def count(self) -> int:
@@ -135,7 +135,7 @@ class Trials:
             self.told(self.count)
         return [self._known[key] for key in keys]
 
-    def _key(self, point: Point) -> tuple[frozenset[tuple[str, object]], bool]:
+    def _key(self, point: Point) -> tuple[frozenset[tuple[str, Setting]], bool]:
         """The point, and whether it is sized from its file alone; a known result of this kind is always used."""
         from_file = frozenset(point.items()), True
         return from_file if self._similar is None or from_file in self._known else (from_file[0], False)
