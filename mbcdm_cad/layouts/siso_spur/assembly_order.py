@@ -383,10 +383,10 @@ def _equaliser_step(drive: SpurDrive, bars: EqualiserDims) -> AssemblyStep:
     return AssemblyStep(
         "Bond a dowel into the groove of each rocker with retaining compound. On each side slide from the sectors' end "
         "over both studs: the bridge, its feet on the lugs; the rocker, its dowel greased and in the bridge's groove; "
-        f"then on each stud nut and lock nut ({flats:g} mm spanner). Run the nuts up until both cables are taut and "
-        f"the rocker is level: the gap between the bars, {bars.gap:.2f} mm, is the same beside both studs within "
-        f"{level:.2f} mm (feeler gauge). In the steps that follow the name of a cable stands for both nuts of its "
-        "side, turned by the same angle.",
+        f"then on each stud nut and lock nut of class A2-70 ({flats:g} mm spanner). Run the nuts up until both cables "
+        f"are taut and the rocker is level: the gap between the bars, {bars.gap:.2f} mm, is the same beside both studs "
+        f"within {level:.2f} mm (feeler gauge). In the steps that follow the name of a cable stands for both nuts of "
+        "its side, turned by the same angle.",
         (
             *(f"equaliser_{what}_{n}" for n in (1, 2) for what in ("bridge", "rocker", "dowel")),
             *(f"nut_{c.name}_{n}" for c in drive.cables for n in (1, 2)),

@@ -38,7 +38,7 @@ _LENGTHS = (4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 14.0, 16.0, 18.0, 20.0)
 # over the bar's face, in radii: the groove holds it, and the bars may tip until they touch.
 DOWEL_SHARE, OVER = 0.5, 0.3
 # Radius of the crowned ends over the nut's width across flats (estimate: a check says whether the nut dents them).
-CROWN = 3.0
+CROWN = 2.5
 # How far the feet stand out at least, mm.
 LEAST_FOOT_MM = 0.2
 # Give of a bar over that of the beam that it is: the groove, and the places where dowel, nuts and lugs press (solid
