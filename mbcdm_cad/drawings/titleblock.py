@@ -13,7 +13,7 @@ from mbcdm_cad.drawings.arrangement import FRAME_LEFT_MM, FRAME_MM, TITLE_BLOCK,
 from mbcdm_cad.drawings.document import TEXT_STYLE
 from mbcdm_cad.drawings.style import ROW_MM, TEXT_MM, TITLE_MM, text_width_mm
 from mbcdm_cad.parts.fits import limits
-from mbcdm_cad.parts.sheets.description import FitLine, Table
+from mbcdm_cad.parts.sheets.description import FitLine, Table, mm
 
 GENERAL_TOLERANCE = "ISO 2768-mK"
 
@@ -115,7 +115,7 @@ def fits_table(fits: tuple[FitLine, ...]) -> Table | None:
         found = limits(nominal, code)
         lines.append(
             (
-                f"{nominal:g} {code}",
+                f"{mm(nominal, 3)} {code}",
                 f"{found.upper_mm * 1e3:+.4g}" if found.upper_mm else "0",
                 f"{found.lower_mm * 1e3:+.4g}" if found.lower_mm else "0",
                 f"{found.largest_mm:.4f}".rstrip("0") if found.upper_mm * 1e4 % 10 else f"{found.largest_mm:.3f}",
