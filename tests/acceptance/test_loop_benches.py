@@ -35,8 +35,6 @@ SLOW = [
     # A viscous drag is accepted before the late sensor, and beside it a wrong friction: friction of the cables stays in
     # the set with the preload.
     ("preload_low+ratio_encoder+delay", 19004, "set"),
-    # A ripple that moves the cables would do without the modulus, against large odds.
-    ("stiffness_modulus+ripple_fast+delay", 19006, "exact"),
     # The odds are 670 to 1 for a wave of the drum in place of the ratio, but only at one phase.
     ("pulley_guide+ratio_encoder", 19004, "set"),
     # The odds are above 99 to 1 for the wrong input, but such runs confuse the two in 8 %.

@@ -9,6 +9,7 @@ from __future__ import annotations
 import signal
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import gmsh
@@ -199,9 +200,13 @@ class Solid:
             found.append(answer)
         return np.array(found).T.reshape(load.shape)
 
+    @cached_property
+    def _points(self) -> Basis:
+        return Basis(self.mesh, ElementVector(ElementTetP2()), intorder=5)
+
     def stress_MPa(self, moved: Floats) -> tuple[Floats, Floats, Floats]:
         """Stress (3, 3, n) at fifteen points of each element, their places (3, n) and volumes (n,)."""
-        points = Basis(self.mesh, ElementVector(ElementTetP2()), intorder=5)
+        points = self._points
         gradient = points.interpolate(moved).grad
         strain = (gradient + np.swapaxes(gradient, 0, 1)) / 2.0
         lam, mu = lame_parameters(self.modulus_MPa, self.poisson)

@@ -111,7 +111,7 @@ def test_a_line_of_chords_is_within_the_sagitta_of_its_curve() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("angle_deg", [-35.0, 12.0])
+@pytest.mark.parametrize("angle_deg", [-35.0])
 def test_a_run_with_meshes_finds_what_one_without_finds(
     dims: BevelLayout, solids: dict[str, Any], angle_deg: float
 ) -> None:
