@@ -41,7 +41,7 @@ from mbcdm_cad.checks.size import estimated_mass_g
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.miso_bevel.checks import room as miso_bevel_room
-from mbcdm_cad.layouts.miso_spur.checks import room as round_room
+from mbcdm_cad.layouts.miso_spur import checks as round_checks
 from mbcdm_cad.layouts.siso_bevel.checks import room as bevel_room
 from mbcdm_cad.layouts.siso_spur.checks import room
 from mbcdm_cad.parts.bill import CABLE, Bill, PartSpec
@@ -59,7 +59,7 @@ SPACES = {**LAYOUTS, USUAL.configuration: USUAL}
 BOXES: dict[str, Any] = {
     "miso_bevel": miso_bevel_room.box_mm,
     "siso_spur": room.box_mm,
-    "miso_spur": round_room.box_mm,
+    "miso_spur": round_checks.box_mm,
     "siso_bevel": bevel_room.box_mm,
 }
 

@@ -140,8 +140,9 @@ class Layout(ABC):
 
     What is long has a module of its own beside that file, found by its name: ``design_file`` (``DESIGN_FILE``),
     ``routes`` (``routed``), ``bill`` (``bill``, ``moving_bodies``), ``assembly_order``,
-    ``path_figures`` (``path_figures``, ``path_lines``, ``plan`` of the preloads), ``checks`` (``FAMILIES``),
-    ``support.stiffness`` (``frame_study``), and ``paths.md.j2``. A small layout overrides the methods below instead.
+    ``path_figures`` (``path_figures``, ``path_lines``, ``plan`` of the preloads), ``checks`` (``FAMILIES``,
+    ``stacks``), ``support.stiffness`` (``frame_study``), and ``paths.md.j2``. A small layout overrides the methods
+    below instead.
 
     Every figure raises :class:`NoFigureError` if it does not exist for this design.
     """
@@ -411,7 +412,7 @@ class Layout(ABC):
     @cached_property
     def tolerance_stacks(self) -> tuple[StackUp, ...]:
         """Tolerance stacks of each gap and ratio; may be empty."""
-        return tuple(self._module("checks.tolerances").stacks(self))
+        return tuple(self._module("checks").stacks(self))
 
     @cached_property
     def tensioning(self) -> TensioningPlan | None:

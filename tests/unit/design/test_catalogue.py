@@ -10,8 +10,7 @@ import pytest
 
 from mbcdm_cad.design.bought import Entry
 from mbcdm_cad.design.catalogue import package_entries
-from mbcdm_cad.design.entries import KINDS
-from mbcdm_cad.design.entry_rules import entry_orders
+from mbcdm_cad.design.entries import KINDS, entry_orders
 from mbcdm_cad.design.fields import validated
 from mbcdm_cad.design.lookup import Catalogue
 from mbcdm_cad.errors import InputError

@@ -30,6 +30,8 @@ _WIDER = (
     down("transmission.ratios.input_to_guide"),
     up("all radii of transmission"),
 )
+# Tolerance stacks of each gap and ratio.
+stacks = tolerances.stacks
 # First the checks of the mechanism, then those of the parts.
 FAMILIES = families(
     Family("Eq. (1) row by row, equal total ratio of both inputs, and the tension that a difference causes", RATIOS),

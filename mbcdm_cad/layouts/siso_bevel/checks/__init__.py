@@ -25,6 +25,8 @@ from mbcdm_cad.layouts.bevel_transfer import wrap_checks
 from mbcdm_cad.layouts.siso_bevel.checks import input_turn, ratios, room, support, tolerances
 
 _WIDER = (up("transmission.input_radii_mm"), down("transmission.input_to_drum"), up("all radii of transmission"))
+# Tolerance stacks of each gap and ratio.
+stacks = tolerances.stacks
 # First the checks of the mechanism, then those of the parts.
 FAMILIES = families(
     ratios,

@@ -35,6 +35,8 @@ PULLEY = Family(
     "Input pulley, the stops of two cables anchored on it, and its coupling: walls, bores and space round it",
     ratios.PULLEY_FITS,
 )
+# Tolerance stacks of each gap and ratio.
+stacks = tolerances.stacks
 # First the checks of the mechanism, then those of the parts.
 FAMILIES = families(
     ratios,

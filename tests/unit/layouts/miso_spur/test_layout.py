@@ -14,7 +14,7 @@ from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.layouts.loader import load_text, new_design_text
 from mbcdm_cad.layouts.miso_spur.assembly_order import assembly_order
 from mbcdm_cad.layouts.miso_spur.bill import bill
-from mbcdm_cad.layouts.miso_spur.checks.sectors import CHECKS as SECTORS
+from mbcdm_cad.layouts.miso_spur.checks import SECTORS
 from mbcdm_cad.layouts.miso_spur.drive import RoundDrumDrive
 from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
 from mbcdm_cad.layouts.miso_spur.support.stiffness import frame_compliance

@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 
 from mbcdm_cad.checks.bearings import input_reactions
 from mbcdm_cad.checks.run import run_check
-from mbcdm_cad.layouts.miso_spur.checks.sharing import CHECKS as SHARING
-from mbcdm_cad.layouts.miso_spur.checks.sharing import load_shares
+from mbcdm_cad.layouts.miso_spur.checks import SHARING, load_shares
 from mbcdm_cad.layouts.miso_spur.drive import RoundDrumDrive
 from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
 from mbcdm_cad.model.backlash import drum_backlash

@@ -2,15 +2,31 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from math import inf
 from typing import Any
 
 from mbcdm_cad.design.sized import Moved, Sizing
-from mbcdm_cad.layouts.miso_spur.design_file.schema import REFERENCE
-from mbcdm_cad.layouts.miso_spur.sizing.known import RoundDrumKnown
+from mbcdm_cad.layouts.miso_spur.design_file import REFERENCE
+from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
 from mbcdm_cad.layouts.siso_spur.sizing import DERIVED, FREEDOMS, sized
+from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
 from mbcdm_cad.sizing.rule import Rule, constant
 
 __all__ = ["DERIVED", "FREEDOMS", "size"]
+
+
+class RoundDrumKnown(SpurKnown):
+    """As for siso_spur, with results of checks on several sectors on one shaft and on inputs round the drum."""
+
+    layout = RoundDrumLayout
+    most_sector_travel_deg = inf
+    asked = (*SpurKnown.asked, "inputs")
+    own_checks: Mapping[str, tuple[str, ...]] = {
+        **SpurKnown.own_checks,
+        "transmission.centre_distance_mm": ("sectors_clear_inputs", "heads_apart"),
+        "drum.hub_face_y_mm": ("sectors_apart", "sectors_clear_shelves", "dowel_holes"),
+    }
 
 
 def _cables(given: RoundDrumKnown) -> list[dict[str, str]]:

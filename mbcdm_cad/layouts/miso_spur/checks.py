@@ -1,4 +1,4 @@
-"""Sectors side by side on one shaft: apart from each other, past the inputs of the others, and pinned hub to hub."""
+"""The checks of this layout: those of siso_spur for each input with its cable and sector, and those of all together."""
 
 from __future__ import annotations
 
@@ -6,12 +6,60 @@ from collections.abc import Callable, Iterator
 from math import atan2, hypot, pi, tan
 from typing import NamedTuple
 
-from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
-from mbcdm_cad.checks.design_variables import Adjustment, up
+import numpy as np
+
+from mbcdm_cad.checks.comparison import Check, Comparison, Family, at_least, at_most, families, worst
+from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM
+from mbcdm_cad.checks.size import box_checks, mass_check
+from mbcdm_cad.layouts.miso_spur.bill import bill
 from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
-from mbcdm_cad.layouts.siso_spur.checks.room import APART, DOWELS
+from mbcdm_cad.layouts.siso_spur.checks import FAMILIES as OF_ONE_INPUT
+from mbcdm_cad.layouts.siso_spur.checks import room, support, winding
+from mbcdm_cad.layouts.siso_spur.checks.room import APART, BOX_ADJUSTMENTS, DOWELS, ROOM, outline
+from mbcdm_cad.layouts.siso_spur.checks.tolerances import stacks
 from mbcdm_cad.parts.drum_sector.sizes import nut_corner_radius_mm
+
+__all__ = ["FAMILIES", "stacks"]
+
+# Largest torque of an input over the mean (a choice: reserve of its motor compared with the others).
+LARGEST_OVER_MEAN = 1.1
+
+
+def load_shares(s: RoundDrumLayout) -> np.ndarray:
+    """Share (2, n_inputs) of the peak torque, each direction, that every input takes besides its bias torque."""
+    idle, forward, back, *_ = s.loads.input_torque_Nm
+    taken = np.stack([forward - idle, back - idle])
+    return np.asarray(taken / taken.sum(axis=1, keepdims=True))
+
+
+def sharing(s: RoundDrumLayout) -> Comparison:
+    """Torque of the most loaded input at peak torque over the mean of all inputs."""
+    shares = load_shares(s)
+    listed = ", ".join(f"{name} {share:.1%}" for name, share in zip(s.drive.input_names, shares[0], strict=True))
+    return worst(
+        at_most(
+            f"torque of the {s.drive.input_names[int(way.argmax())]} input over the mean of all at peak torque",
+            float(way.max()) * s.drive.n_inputs,
+            LARGEST_OVER_MEAN,
+            "times",
+            f"shares {listed}, by the stiffness of the cables while the inputs are held",
+        )
+        for way in shares
+    )
+
+
+SHARING = (
+    Check(
+        "load_sharing",
+        "Shares of the inputs in the load",
+        "model; 1.1: a choice",
+        sharing,
+        "warn",
+        adjust=(up("rope.preload_N"), down("loads.peak_torque_Nm")),
+        advice="leave out preload_N of single entries of cables, so that rope.preload_N is that of all",
+    ),
+)
 
 
 class Zone(NamedTuple):
@@ -113,7 +161,7 @@ def heads_apart(s: RoundDrumLayout) -> Comparison:
 
 
 _OUT: tuple[Adjustment, ...] = (up("transmission.centre_distance_mm"),)
-CHECKS = (
+SECTORS = (
     APART,
     Check(
         "sectors_clear_inputs",
@@ -132,3 +180,50 @@ CHECKS = (
     Check("heads_apart", "Gap between motor heads", "derived", heads_apart, adjust=_OUT),
     *DOWELS,
 )
+
+
+def box_mm(s: RoundDrumLayout) -> tuple[float, float, float]:
+    """Box (X, Z, Y) of all parts with the drum centred, computed from the layout; mm."""
+    drive = s.drive
+    # All sectors have the terminals of the first, except for their take-up.
+    own = outline(s, s.frame, s.drum)
+    cloud = np.concatenate(
+        [
+            np.stack(
+                [own[:, 0] * np.cos(a) + own[:, 1] * np.sin(a), own[:, 1] * np.cos(a) - own[:, 0] * np.sin(a)], axis=1
+            )
+            for a in drive.angles_rad
+        ]
+    )
+    wide, high = cloud.max(axis=0) - cloud.min(axis=0)
+    v, levels = s.levels, drive.levels_mm
+    front = max(v.hub_face_y + levels[-1], v.encoder_top_z + levels[-1])
+    return float(wide), float(high), front - min(v.motor_bottom_z, v.back_y)
+
+
+OF_ALL = (*ROOM, *box_checks(box_mm, "targets.envelope_mm", BOX_ADJUSTMENTS), mass_check(bill))
+
+
+# The checks of several inputs stand before or after those of one: the shares behind the winding, the sectors before
+# the support, the room of all in place of the room of one.
+_WINDING, _SUPPORT, _ROOM = families(winding, support, room)
+_PLACES = {
+    _WINDING: (
+        _WINDING,
+        Family(
+            "Shares of the inputs in the load of the drum, which follow from the stiffness of their cables.", SHARING
+        ),
+    ),
+    _SUPPORT: (
+        Family(
+            "Sectors side by side on one shaft: apart from each other, past the inputs of the others, "
+            "and pinned hub to hub.",
+            SECTORS,
+        ),
+        _SUPPORT,
+    ),
+    _ROOM: (
+        Family("Gaps between turning and fixed parts, and the box of all inputs compared with its target.", OF_ALL),
+    ),
+}
+FAMILIES = tuple(family for one in OF_ONE_INPUT for family in _PLACES.get(one, (one,)))
