@@ -23,7 +23,7 @@ import yaml
 
 sys.path.insert(0, str(Path(__file__).parents[1]))  # the tests, however this file is run
 
-from mbcdm_cad.checks.result import failed
+from mbcdm_cad.checks.comparison import failed
 from mbcdm_cad.design.fieldpath import put, take_out
 from mbcdm_cad.layouts.check_design import advised_checks
 from mbcdm_cad.layouts.loader import load_text

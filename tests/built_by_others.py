@@ -20,8 +20,8 @@ import numpy as np
 
 from mbcdm_cad.build.made_parts import drawn
 from mbcdm_cad.build.mass import combined
+from mbcdm_cad.checks.comparison import CheckResult, failed
 from mbcdm_cad.checks.remedies import Budget
-from mbcdm_cad.checks.result import CheckResult, failed
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.checks.size import estimated_mass_g
 from mbcdm_cad.design.drive import Drive

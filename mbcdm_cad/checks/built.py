@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, noted, worst
-from mbcdm_cad.checks.result import CheckResult
+from mbcdm_cad.checks.comparison import Check, CheckResult, Comparison, at_least, at_most, noted, worst
 from mbcdm_cad.checks.run import judged
 from mbcdm_cad.design.drive import Drive
 

@@ -8,9 +8,8 @@ from math import isfinite
 
 import numpy as np
 
-from mbcdm_cad.checks.comparison import Check, Comparison, shown
+from mbcdm_cad.checks.comparison import Check, CheckResult, Comparison, Status, shown
 from mbcdm_cad.checks.remedies import Budget, remedy
-from mbcdm_cad.checks.result import CheckResult, Status
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.base import Layout, NoFigureError
 

@@ -16,7 +16,7 @@ from mbcdm_cad.build.printability import overhang_mm2, thinnest_wall
 from mbcdm_cad.build.scene import travel_poses
 from mbcdm_cad.build.store import Progress, Store, StoredPart
 from mbcdm_cad.checks.built import envelope_check, interference_check, mass_check, overhang_check, printed_walls_check
-from mbcdm_cad.checks.result import CheckResult, failed
+from mbcdm_cad.checks.comparison import CheckResult, failed
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import GeometryError

@@ -7,9 +7,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from mbcdm_cad.checks.built import BUILD_IDS
-from mbcdm_cad.checks.comparison import Check
+from mbcdm_cad.checks.comparison import Check, CheckResult, failed
 from mbcdm_cad.checks.remedies import Budget
-from mbcdm_cad.checks.result import CheckResult, failed
 from mbcdm_cad.checks.run import run_all
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.fieldpath import dotted

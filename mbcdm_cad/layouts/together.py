@@ -12,9 +12,8 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from mbcdm_cad.checks.comparison import Check
+from mbcdm_cad.checks.comparison import Check, failed
 from mbcdm_cad.checks.remedies import Budget, Offer
-from mbcdm_cad.checks.result import failed
 from mbcdm_cad.checks.run import run_all
 from mbcdm_cad.design import yamltree
 from mbcdm_cad.design.describe import flow

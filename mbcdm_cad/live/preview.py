@@ -14,7 +14,7 @@ from mbcdm_cad.build.partfiles import PartFiles
 from mbcdm_cad.build.store import Store, StoredPart
 from mbcdm_cad.build.trianglemesh import TriangleMesh
 from mbcdm_cad.checks.built import envelope_check, mass_check
-from mbcdm_cad.checks.result import CheckResult
+from mbcdm_cad.checks.comparison import CheckResult
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.parallel.forks import forked

@@ -20,7 +20,7 @@ from pathlib import Path
 
 import watchfiles
 
-from mbcdm_cad.checks.result import CheckResult
+from mbcdm_cad.checks.comparison import CheckResult
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts.loader import load_text

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
 
-from mbcdm_cad.checks.result import CheckResult
+from mbcdm_cad.checks.comparison import CheckResult
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.parallel.forks import allow_processes

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from mbcdm_cad.checks.result import figures as check_figures
+from mbcdm_cad.checks.comparison import figures as check_figures
 from mbcdm_cad.optimising.figures import FIGURES, unit_of
 from mbcdm_cad.optimising.result import FrontPoint, Optimum
 from mbcdm_cad.report.page.template import page_environment

@@ -9,23 +9,60 @@ from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from mbcdm_cad.checks.comparison import CheckResult, failed
 from mbcdm_cad.checks.remedies import Budget
-from mbcdm_cad.checks.result import CheckResult, failed
 from mbcdm_cad.checks.run import run_all
+from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.model.block_rows import many_meshes
 from mbcdm_cad.optimising.figures import FIGURES, Facts, figure
 from mbcdm_cad.optimising.search import INTERRUPTED, ROUNDS, Searched, TriedPoint, counted
-from mbcdm_cad.optimising.sketch import sketch
 from mbcdm_cad.optimising.wishes import Keep, Wishes
 from mbcdm_cad.report.table import ReportTable, designs_shown, filled
+from mbcdm_cad.routes import Floats
 from mbcdm_cad.solving.patch import difference, patched
 from mbcdm_cad.solving.question import Question
 
 if TYPE_CHECKING:
     import pandas
+
+# Points of a cable and of a circle, about: a page of a hundred designs stays below 2 MB.
+_LINE, _CIRCLE = 90, 48
+
+
+def sketch(drive: Drive) -> dict[str, Any]:
+    """Lines by kind, each a list of points (x, y, z) in mm, drum centred: ``cables``, ``bodies``."""
+    layout = drive.layout
+    paths = layout.cable_paths(0.0)
+    return {
+        "cables": [_points(path.sample(max(path.length_mm / _LINE, 0.5))) for path in paths],
+        "bodies": [_points(circle) for circle in _circles(drive)],
+    }
+
+
+def _circles(drive: Drive) -> list[Floats]:
+    """One circle for each wrap of a cable, about the body's axis."""
+    routes = drive.layout.loads.si.routes
+    turn = np.linspace(0.0, 2.0 * np.pi, _CIRCLE + 1)[:, None]
+    found = []
+    for cable in routes.cables:
+        for wrap in cable.wraps:
+            body = routes.body(wrap.body)
+            axis, first = np.array(body.axis), np.array(body.reference)
+            middle = np.array(body.point_m) + wrap.height_m * axis
+            around = np.cos(turn) * first + np.sin(turn) * np.cross(axis, first)
+            found.append((middle + wrap.radius_m * around) * 1e3)
+    return found
+
+
+def _points(line: Floats) -> list[list[float]]:
+    rounded: list[list[float]] = np.asarray(line).round(1).tolist()
+    return rounded
+
 
 # A check binds where its margin is below this share of its limit.
 BINDS = 0.02
@@ -36,7 +73,7 @@ class FrontPoint:
     """One design of the front: its ``name``, file content ``text``, ``figures``, ``patch`` from the file given.
 
     ``checks``: all of its checks, without advice; ``sketch``: it in space, see
-    :func:`mbcdm_cad.optimising.sketch.sketch`.
+    :func:`mbcdm_cad.optimising.result.sketch`.
     """
 
     name: str

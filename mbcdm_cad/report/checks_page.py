@@ -9,8 +9,7 @@ from collections.abc import Iterator, Sequence
 from functools import partial
 
 from mbcdm_cad.checks.built import BUILD_IDS
-from mbcdm_cad.checks.comparison import Check
-from mbcdm_cad.checks.result import figures
+from mbcdm_cad.checks.comparison import Check, figures
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.design.drive import Drive
 

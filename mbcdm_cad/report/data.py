@@ -11,7 +11,7 @@ import numpy as np
 from mbcdm_cad.build.clash import Clash
 from mbcdm_cad.build.mass import MassProperties, combined
 from mbcdm_cad.build.store import StoredPart
-from mbcdm_cad.checks.result import CheckResult
+from mbcdm_cad.checks.comparison import CheckResult
 from mbcdm_cad.layouts.base import Conventions, FrameCompliance, Layout
 from mbcdm_cad.layouts.turns import modes_of
 from mbcdm_cad.model import Analysis, analyse, measured

@@ -11,10 +11,10 @@ from mbcdm_cad.design import yamltree
 from mbcdm_cad.design.fieldpath import dotted
 from mbcdm_cad.design.source import read_text
 from mbcdm_cad.errors import InputError, Problem, shortened
-from mbcdm_cad.rig.bench_limits import BenchLimits
 from mbcdm_cad.rig.block import ExperimentBlock
 from mbcdm_cad.rig.dynamic.experiment import DynamicExperiment
 from mbcdm_cad.rig.quasistatic.experiment import MAX_SAMPLES, Experiment
+from mbcdm_cad.rig.sensors import BenchLimits
 
 Block = TypeVar("Block", bound=ExperimentBlock)
 

@@ -1,4 +1,7 @@
-"""The sensors of the bench: place, resolution, noise and delay."""
+"""The sensors of the bench: place, resolution, noise and delay; and the bench file.
+
+The bench file has the limits of a bench, within which ``mbcdm plan --within`` proposes runs.
+"""
 
 from __future__ import annotations
 
@@ -44,3 +47,28 @@ def counted(angle_rad: Floats, resolution_rad: float, noise_rad: float, rng: np.
 def late(time_s: Floats, value: Floats, delay_s: float) -> Floats:
     """The value ``delay_s`` earlier; before the start it is constant."""
     return value if delay_s == 0.0 else np.interp(time_s - delay_s, time_s, value)
+
+
+LoadKind = Literal["brake", "weight", "torque_motor"]
+
+
+class MotorCurrent(ExperimentBlock):
+    """Motors' currents in place of a torque sensor: spread of the torque constant, one standard deviation as a share,
+    and noise of the load that follows from them, at the drum."""
+
+    torque_constant_share: Annotated[float, Field(ge=0.0, le=0.25)] = 0.05
+    noise_Nm: Annotated[float, Field(ge=0.0, le=5.0)] = 0.02
+
+
+class BenchLimits(ExperimentBlock):
+    """Limits of a bench; defaults: the travel of the design, no load, no limit of the speed."""
+
+    format: Literal["mbcdm-bench-1"] = "mbcdm-bench-1"
+    half_travel_deg: Annotated[float, Field(gt=0.0, le=1080.0)] | None = None
+    duration_s: Annotated[float, Field(ge=60.0, le=20000.0)] = 160.0
+    sample_rate_Hz: Annotated[float, Field(ge=1.0, le=5000.0)] = 100.0
+    drum_speed_max_deg_s: Annotated[float, Field(gt=0.0, le=1e5)] | None = None
+    loads: Annotated[tuple[LoadKind, ...], Field(max_length=3, strict=False)] = ()
+    torque_Nm: Annotated[float, Field(gt=0.0, le=50.0)] | None = None
+    sensors: BenchSensors = BenchSensors()
+    motor_current: MotorCurrent | None = None

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
+from mbcdm_cad.checks.comparison import CheckResult
 from mbcdm_cad.checks.remedies import Budget
-from mbcdm_cad.checks.result import CheckResult
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import LoadedDesign

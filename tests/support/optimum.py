@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from mbcdm_cad.checks.result import CheckResult, Status
+from mbcdm_cad.checks.comparison import CheckResult, Status
 from mbcdm_cad.optimising.evaluate import Evaluated
 from mbcdm_cad.optimising.result import BesideDesign, FrontPoint, Optimum
 from mbcdm_cad.optimising.search import Searched, TriedPoint

@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
+from mbcdm_cad.checks.comparison import CheckResult
 from mbcdm_cad.checks.duty import CHECKS
-from mbcdm_cad.checks.result import CheckResult
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.design.blocks import DutyBlock, DutyRow
 from mbcdm_cad.design.drive import Drive

@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 
 from mbcdm_cad.checks.bearings import drum_reactions_N
 from mbcdm_cad.checks.bending import strength_efficiency
+from mbcdm_cad.checks.comparison import CheckResult
 from mbcdm_cad.checks.motors import saturation_Nm
 from mbcdm_cad.checks.ratios import ratio_if_cut_as_surface
-from mbcdm_cad.checks.result import CheckResult
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.checks.strength import balanced_preloads, rated_input_Nm
 from mbcdm_cad.design.drive import Drive

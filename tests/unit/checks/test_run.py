@@ -15,8 +15,7 @@ from designs import put, reference, with_cable
 
 import mbcdm_cad
 from mbcdm_cad.checks.built import BUILD_IDS
-from mbcdm_cad.checks.comparison import at_most
-from mbcdm_cad.checks.result import CheckResult, failed
+from mbcdm_cad.checks.comparison import CheckResult, at_most, failed
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.design.blocks import Waiver
 from mbcdm_cad.design.catalogue import package_entries

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 from designs import reference
 
-from mbcdm_cad.checks.result import CheckResult
+from mbcdm_cad.checks.comparison import CheckResult
 from mbcdm_cad.checks.run import run_all
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.drive import Drive

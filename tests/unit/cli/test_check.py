@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from mbcdm_cad import cli
-from mbcdm_cad.checks.result import CheckResult
+from mbcdm_cad.checks.comparison import CheckResult
 from mbcdm_cad.layouts.loader import load_text, new_design_text
 from mbcdm_cad.layouts.miso_bevel.checks import CHECKS
 from mbcdm_cad.report.check_report import CheckReport

@@ -6,7 +6,7 @@ from typing import Any
 
 import yaml
 
-from mbcdm_cad.checks.result import failed
+from mbcdm_cad.checks.comparison import failed
 from mbcdm_cad.layouts.check_design import run_checks
 from mbcdm_cad.layouts.loader import load_text, reference_data
 

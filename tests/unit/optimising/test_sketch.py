@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import mbcdm_cad as mc
-from mbcdm_cad.optimising.sketch import sketch
+from mbcdm_cad.optimising.result import sketch
 
 
 @pytest.mark.parametrize("layout", ["mbcdm", "siso_spur", "siso_bevel"])

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from mbcdm_cad.layouts.siso_bevel.sizing.rules import DirectKnown
+from mbcdm_cad.layouts.siso_bevel.sizing import DirectKnown
 
 
 class Margins(DirectKnown):

@@ -14,15 +14,13 @@ from mbcdm_cad.design.sized import Moved, Sizing, SizingError
 from mbcdm_cad.layouts import common_freedoms
 from mbcdm_cad.layouts.common_rules import FRICTION, HALF_TRAVEL, missing_travel, needed
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-from mbcdm_cad.layouts.miso_bevel.sizing.basis import CLEARANCES, LIMITS, METALS, NAMES
+from mbcdm_cad.layouts.miso_bevel.sizing.basis import CLEARANCES, LEAD, LIMITS, METALS, NAMES, PRELOAD, ROPE
 from mbcdm_cad.layouts.miso_bevel.sizing.drum import DRUM, HUB, HUB_FACE, WEB, WINDOWS
-from mbcdm_cad.layouts.miso_bevel.sizing.frame import BACK, FRAME, STOP_PIN
+from mbcdm_cad.layouts.miso_bevel.sizing.frame import BACK, FRAME, STOP_PIN, TURN
 from mbcdm_cad.layouts.miso_bevel.sizing.frame_start import MOUNT_SCREW, with_strong_frame
 from mbcdm_cad.layouts.miso_bevel.sizing.known import BevelKnown, FrameStart
 from mbcdm_cad.layouts.miso_bevel.sizing.parts import DRIVES, PARTS, TENSIONER
 from mbcdm_cad.layouts.miso_bevel.sizing.radii import DISTANCE, MOTOR_SIDE, RADII, RATIOS, SETBACK, SURFACE
-from mbcdm_cad.layouts.miso_bevel.sizing.rope import LEAD, PRELOAD, ROPE
-from mbcdm_cad.layouts.miso_bevel.sizing.turn import TURN
 from mbcdm_cad.layouts.open_ratio import lightest
 from mbcdm_cad.layouts.stiff_sizing import SHARED, Stiffener, stiffened, walls
 from mbcdm_cad.sizing.engine import fill

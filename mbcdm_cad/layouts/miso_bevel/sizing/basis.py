@@ -1,11 +1,20 @@
-"""The first rules: names and order of cables, limits, clearances, materials."""
+"""The first rules: names and order of cables, limits, clearances, materials; the rope, its preload and its lead."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from itertools import pairwise
+
+from mbcdm_cad.checks.bending import ANCHOR_RATIO
+from mbcdm_cad.checks.cable_gaps import CABLE_GAP_MM
+from mbcdm_cad.checks.input_pulley import SHOULDER_MM
 from mbcdm_cad.checks.transfer import EDGE_BREAK_MM, RUN_OUT_MM
+from mbcdm_cad.design.blocks import Making
+from mbcdm_cad.design.bought import TerminationSpec
 from mbcdm_cad.layouts.common_rules import (
     BEND_RATIO,
     DRUM_MATERIAL,
+    LEAST_WIRE_RATIO,
     MESH_TOLERANCE,
     PRELOAD_SHARE,
     RUNNING,
@@ -16,11 +25,17 @@ from mbcdm_cad.layouts.common_rules import (
     TENSION_SAFETY,
     TEST_TORQUE,
     TRANSFER_GAP,
+    by_knee,
+    end_share,
+    ropes_to_choose,
+    wanted_preload_N,
 )
+from mbcdm_cad.layouts.head_basis import counts_losses
 from mbcdm_cad.layouts.miso_bevel.design_file.schema import REFERENCE
-from mbcdm_cad.layouts.miso_bevel.sizing.known import BevelKnown
-from mbcdm_cad.sizing.arithmetic import greatest, least
-from mbcdm_cad.sizing.rule import Found, Rule, constant, driver_of, rounded_down
+from mbcdm_cad.layouts.miso_bevel.sizing.known import LEAD_STEP_MM, STEPS, UNEVEN, BevelKnown
+from mbcdm_cad.parts.input_pulley.stop import neck_mm, widest_bend_mm
+from mbcdm_cad.sizing.arithmetic import greatest, least, number, radians, significant, sqrt, tan
+from mbcdm_cad.sizing.rule import Found, Rule, constant, driver_of, rounded_down, rounded_up
 
 
 def _land_edge(given: BevelKnown) -> Found:
@@ -75,4 +90,129 @@ CLEARANCES = (
         _land_edge,
     ),
     TRANSFER_GAP,
+)
+
+
+# Preload over the least at which no cable goes slack at peak torque, cables assumed equal.
+PRELOAD_FACTOR = 2.0
+# The same if a rope for that preload is too thick: with this factor the longest cable is still taut.
+LEAST_PRELOAD_FACTOR = 1.3
+# Termination of a rope that the rule chooses, and the thinnest wall of the input pulleys' steel.
+USUAL_END, WALL_MM = "swaged", 0.5
+# Strength of a swaged end over the rope's, before rope and ends are chosen.
+SWAGED_SHARE = 0.9
+# Strength over the safety factor, because steps and ends are not known yet when the rope is chosen.
+STRENGTH_SPARE = 1.01
+# The same if the rope's strength limits the preload: the tension added by the peak torque is an estimate.
+HELD_SPARE = 1.02
+# What the tolerance of the rope's diameter adds to the lead, over that tolerance: a span gains 0.85 of the lead, other
+# tolerances add a little, and the spare of the clearing lead is in it.
+THICKER_SPARE = 0.9
+# Mean drum radius over that of step 1, before the steps are known.
+MEAN_OVER_FIRST = 1.1
+
+
+def _share_N(given: BevelKnown) -> float:
+    """Tension that the peak torque adds to a cable, N, shared by four cables."""
+    return number(given["loads.peak_torque_Nm"] * 1e3 / (STEPS * MEAN_OVER_FIRST * given.first_drum_mm))
+
+
+def _rope(given: BevelKnown) -> Found:
+    """The thinnest rope of the construction that holds preload and peak torque.
+
+    If the input pulleys are too thin for it, the thickest that they allow, provided that it holds a smaller preload.
+    """
+    ropes = ropes_to_choose(given)
+
+    def strong(preload_N: Callable[[float], float]) -> list[tuple[float, str]]:
+        held = end_share(given, SWAGED_SHARE)
+        share, spare = _share_N(given), STRENGTH_SPARE * given["limits.tension_safety_factor"] / held
+        return [(d, name) for d, name, breaking in ropes if breaking >= (UNEVEN * share + preload_N(breaking)) * spare]
+
+    wanted = strong(lambda breaking: wanted_preload_N(given, PRELOAD_FACTOR * _share_N(given), breaking))
+    least = strong(lambda breaking: LEAST_PRELOAD_FACTOR * _share_N(given))
+    if not wanted:
+        return Found(ropes[-1][1], "tension", "the thickest of the catalogue")
+    thin = [name for d, name in least if d < wanted[0][0] and _bends(given, d)]
+    if thin and not _bends(given, wanted[0][0]):
+        return Found(thin[-1], "anchor_bend", "next smaller size of the catalogue")
+    return Found(wanted[0][1], "tension", "next size of the catalogue")
+
+
+def _bends(given: BevelKnown, d_mm: float) -> bool:
+    """Whether the smallest input pulley has room for a wire rope's bend, its stop, and a neck round the shaft."""
+    radius = given.first_drum_mm / given.total_ratio
+    needed = given["loads.peak_torque_Nm"] * 1e3 / (2 * given.total_ratio)
+    shafts = [head["shaft_diameter_mm"] for head in given.entries("gearheads").values()]
+    shaft = min(
+        (h["shaft_diameter_mm"] for h in given.entries("gearheads").values() if h["max_torque_mNm"] >= needed),
+        default=max(shafts),
+    )
+    name = given.get("rope.termination") or USUAL_END
+    entry = given.entries("terminations")[name]
+    end = TerminationSpec(name=name, **{**entry, "constructions": tuple(entry["constructions"])})
+    return bool(
+        2 * radius >= LEAST_WIRE_RATIO * d_mm
+        and 2 * widest_bend_mm(d_mm, end, WALL_MM, radius) >= ANCHOR_RATIO * d_mm
+        and neck_mm(d_mm, end, WALL_MM, radius) >= shaft / 2 + WALL_MM + SHOULDER_MM
+    )
+
+
+def _preload(given: BevelKnown) -> Found:
+    share = _share_N(given)
+    most = given["limits.preload_share_max"] * given.rope["breaking_load_N"]
+    ends = given.rope["breaking_load_N"] * given.termination.strength_share
+    held = ends / (given["limits.tension_safety_factor"] * HELD_SPARE) - UNEVEN * share
+    usual = PRELOAD_FACTOR * share
+    wanted = wanted_preload_N(given, usual, given.rope["breaking_load_N"])
+    driver = driver_of({"rope.preload_by" if by_knee(given) else "no_slack": wanted, "tension": least(most, held)}, min)
+    return Found(significant(greatest(least(wanted, most, held), 0.5 * usual), 2), driver, "two digits")
+
+
+def _lead(given: BevelKnown) -> Found:
+    """Room for a rope as thick as its tolerance allows, as far as the steps and a stated centre distance leave it."""
+    largest_input = greatest(*given.input_mm)
+    clearing = given.clearing_lead_mm(largest_input)
+    lead = rounded_up(clearing, LEAD_STEP_MM)
+    # Files that reckon as the paper does keep its lead.
+    if given.get("input_pulleys.surface", "smooth") == "grooved" or not counts_losses(given):
+        return Found(lead, "self_clearance", f"up to {LEAD_STEP_MM:g}")
+    thicker = given.get("making.rope_diameter_share", Making.rope_diameter_share) * given.d_mm
+    wanted = rounded_up(clearing + THICKER_SPARE * thicker, LEAD_STEP_MM)
+    step = least(*(b - a for a, b in pairwise(given.drum_mm)))
+    room = ((step - given.d_mm) / 2 - CABLE_GAP_MM) / given.walk_mm(1.0)
+    wanted = greatest(lead, least(wanted, rounded_down(room, LEAD_STEP_MM)))
+    if given.has("transmission.centre_distance_mm"):
+        across = greatest(*given.guide_mm) + largest_input
+        span = sqrt(greatest(given["transmission.centre_distance_mm"] ** 2 - across**2, 1e-6))
+        most = span * tan(radians(given.fleet_limit_deg)) / given.walk_mm(1.0)
+        wanted = greatest(lead, least(wanted, rounded_down(most, LEAD_STEP_MM)))
+    return Found(wanted, "self_clearance_stack", f"up to {LEAD_STEP_MM:g}")
+
+
+ROPE = (
+    Rule(
+        "rope.type",
+        "the thinnest wire rope that holds preload and peak torque with its safety factor",
+        "tension",
+        _rope,
+        applies=lambda given: not given.has("rope.inline"),
+    ),
+)
+PRELOAD = (
+    Rule(
+        "rope.preload_N",
+        "twice the preload that keeps every cable taut at peak torque, or the knee (preload_by)",
+        "no_slack",
+        _preload,
+    ),
+)
+LEAD = (
+    Rule(
+        "rope.helix_lead_mm",
+        "the least lead at which a span clears the turn wound before it at the largest fleet angle; room for a thicker "
+        "rope where steps and centre distance leave it",
+        "self_clearance",
+        _lead,
+    ),
 )

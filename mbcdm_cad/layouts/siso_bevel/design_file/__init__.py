@@ -1,10 +1,195 @@
-"""The design file of siso_bevel: what the loader needs to read it, and a short file to start from."""
+"""The design file of siso_bevel: its own blocks, each field with its source, its rules, and a short file to start from.
+
+Reference values of shared blocks are in ``reference.json``.
+"""
 
 from __future__ import annotations
 
-from mbcdm_cad.design.design_file import DesignFile, LazySizing
-from mbcdm_cad.layouts.siso_bevel.design_file.resolve import broken_rules, drive, named_entries
-from mbcdm_cad.layouts.siso_bevel.design_file.schema import REFERENCE, DirectDesign
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Literal
+
+from mbcdm_cad.design.blocks import Design, Input, Length
+from mbcdm_cad.design.design_file import DesignFile, LazySizing, reference_of
+from mbcdm_cad.design.drive import Sigmas
+from mbcdm_cad.design.fieldpath import FieldPath
+from mbcdm_cad.design.fields import ESTIMATE, Block, Integer, Number, choice, quantity
+from mbcdm_cad.design.lookup import Catalogue
+from mbcdm_cad.design.resolve import by_step, preload_N, shared_sigmas, shared_values
+from mbcdm_cad.design.rules import Broken, NamedEntry, counted, encoders_needed, in_line_only, on_one_side, unique
+from mbcdm_cad.design.sector_blocks import SectorCable, SectorDrum, SteppedPulleys, TransferClearances
+from mbcdm_cad.layouts.siso_bevel import drive as d
+from mbcdm_cad.layouts.siso_bevel.drive import ColumnSupport
+from mbcdm_cad.parts.drum_sector.design import SectorBearings
+from mbcdm_cad.parts.drum_sector.resolve import sector_entries, sector_values, terminal_angle_rad
+
+REFERENCE = reference_of(Path(__file__).parent)
+
+
+class DirectTransmission(Block):
+    """Pitch radii (to the cable's centre line) of steps 1 and 2, and the wrap that stays on the input."""
+
+    drum_radius_mm: Number | None = quantity(
+        "drum pitch radius of step 1; sizing adds step 2 if drum_radii_mm is left out",
+        source="the paper's Table 2",
+        default=None,
+        ge=5.0,
+        le=500.0,
+    )
+    drum_radii_mm: tuple[Length, ...] = quantity(
+        "drum pitch radii r_o of steps 1 and 2",
+        uncertain=True,
+        source="their mean is that of the paper's Table 2",
+        reference=[58.05, 60.75],
+        min_length=2,
+        max_length=2,
+    )
+    input_to_drum: Number | None = quantity(
+        "drum radius over input radius, the same for both steps; leave it out if the input radii are explicit",
+        source="highest ratio with which travel, reserve and stop slot fit on one turn of the input",
+        reference=4.5,
+        default=None,
+        ge=0.5,
+        le=60.0,
+    )
+    input_radii_mm: tuple[Length, ...] | None = quantity(
+        "explicit input pitch radii r_m of steps 1 and 2, in place of input_to_drum",
+        uncertain=True,
+        example=[12.9, 13.5],
+        default=None,
+        min_length=2,
+        max_length=2,
+    )
+    reserve_deg: Number = quantity(
+        "wrap that stays on the input at the unwound end of the travel, before the stop's bend",
+        source=ESTIMATE,
+        reference=18.0,
+        ge=0.0,
+        le=360.0,
+    )
+
+
+class DirectCable(SectorCable):
+    """A cable from the input pulley to the drum."""
+
+    step: Integer = choice("step of input and drum, 1 the smaller", ge=1, le=2)
+    drum_side: Literal["-x", "+x"] = choice("side of the drum, from the transfer point")
+
+
+class DirectDesign(Design):
+    """A cable drive."""
+
+    configuration: Literal["siso_bevel"] = choice(
+        "layout: siso_bevel is (c) of Fig. 1, one input straight onto the drum", source="Fig. 1", reference="siso_bevel"
+    )
+    transmission: DirectTransmission
+    inputs: tuple[Input, ...] = choice(
+        "the input pulley", source="Fig. 1", reference=REFERENCE.inputs, min_length=1, max_length=8
+    )
+    cables: tuple[DirectCable, ...] = choice(
+        "cables, each with its step and its side of the drum; each may have a preload_N and a terminal_angle_deg",
+        source="Fig. 1",
+        reference=REFERENCE.cables,
+        min_length=1,
+        max_length=16,
+    )
+    clearances: TransferClearances
+    drum: SectorDrum
+    input_pulleys: SteppedPulleys
+    support: ColumnSupport
+
+
+_SIGN = {"-x": -1, "+x": 1}
+
+
+def drive(design: DirectDesign, catalogue: Catalogue, sigmas: Mapping[FieldPath, float]) -> d.DirectDrive:
+    """The drive of a valid design; its cables are in the order of their steps."""
+    places = by_step(design.cables)
+    pulleys = input_radii_mm(design.transmission)
+
+    def radii(name: str) -> tuple[float, ...]:
+        return tuple(sigmas.get(("transmission", name, design.cables[k].step - 1), 0.0) for k in places)
+
+    return d.DirectDrive(
+        **shared_values(design, catalogue),
+        **sector_values(design, catalogue),
+        # The cable stays in its plane; the reserve is given as an angle.
+        helix_lead_mm=0.0,
+        dead_turns=design.transmission.reserve_deg / 360.0,
+        cables=tuple(
+            d.DirectRun(
+                name=cable.name,
+                input_name=cable.input,
+                drum_side=_SIGN[cable.drum_side],
+                step=cable.step,
+                input_radius_mm=pulleys[cable.step - 1],
+                drum_radius_mm=design.transmission.drum_radii_mm[cable.step - 1],
+                preload_N=preload_N(design, cable),
+                terminal_angle_rad=terminal_angle_rad(cable),
+            )
+            for cable in (design.cables[k] for k in places)
+        ),
+        reserve_deg=design.transmission.reserve_deg,
+        radii_explicit=design.transmission.input_to_drum is None,
+        bearings=SectorBearings(
+            drum=catalogue.bearing(design.drum.bearing),
+            input_lower=catalogue.bearing(design.input_pulleys.lower_bearing),
+            input_upper=catalogue.bearing(design.input_pulleys.upper_bearing),
+        ),
+        sigmas=Sigmas(
+            **shared_sigmas(design, catalogue, sigmas, places),
+            lengths_mm={"input_radius_mm": radii("input_radii_mm"), "drum_radius_mm": radii("drum_radii_mm")},
+        ),
+    )
+
+
+def input_radii_mm(transmission: DirectTransmission) -> tuple[float, ...]:
+    """Input pitch radii by step, from the ratio or as given; those from the ratio are rounded to 1e-9 mm."""
+    if transmission.input_to_drum is None:
+        return transmission.input_radii_mm or ()
+    return tuple(round(radius / transmission.input_to_drum, 9) for radius in transmission.drum_radii_mm)
+
+
+def broken_rules(design: DirectDesign) -> Iterator[Broken]:
+    """The rules of this configuration that the design breaks, in the order of the file's blocks."""
+    yield from _transmission(design)
+    yield from encoders_needed(design)
+    yield from in_line_only(design)
+    yield from counted(design, "inputs", 1, "give exactly one input; miso_bevel has two")
+    yield from counted(design, "cables", 2, "give one cable for each sense of the drum")
+    yield from unique("cables", "step", [cable.step for cable in design.cables])
+    if len(design.cables) == 2 and design.cables[0].drum_side == design.cables[1].drum_side:
+        yield on_one_side(1, design.cables[1].drum_side, "cables")
+
+
+def named_entries(design: DirectDesign) -> Iterator[NamedEntry]:
+    """Entries of the catalogue that the blocks of this configuration name."""
+    yield from sector_entries(design)
+    yield NamedEntry(("support", "material"), "materials", design.support.material)
+
+
+def _transmission(design: DirectDesign) -> Iterator[Broken]:
+    block = design.transmission
+    if block.input_to_drum is not None and block.input_radii_mm is not None:
+        where, remedy = ("transmission", "input_radii_mm"), "remove input_to_drum, or remove input_radii_mm"
+        yield Broken(where, "given beside input_to_drum", "", "input_to_drum or explicit radii", remedy)
+    elif block.input_to_drum is None and block.input_radii_mm is None:
+        what, remedy = "radii of the input pulley are not given", "add input_to_drum, or input_radii_mm"
+        yield Broken(("transmission",), what, "", "input_to_drum or explicit radii", remedy)
+    small, large = block.drum_radii_mm
+    if block.drum_radius_mm is not None and block.drum_radius_mm != small:
+        yield Broken(
+            ("transmission", "drum_radius_mm"),
+            "contradicts drum_radii_mm",
+            f"{block.drum_radius_mm:g} mm",
+            f"{small:g} mm, the first of drum_radii_mm",
+            "leave one of the two out, so that it follows",
+        )
+    if large <= small:
+        remedy = "order the radii from step 1, the smaller, to step 2"
+        step = ("transmission", "drum_radii_mm", 1)
+        yield Broken(step, "steps do not grow", f"{large:g} mm", f"over {small:g} mm", remedy)
+
 
 STARTING = """\
 # Requirements of a cable drive; every other field follows from them by a rule ('mbcdm explain FILE' says how).
