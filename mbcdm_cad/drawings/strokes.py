@@ -134,13 +134,18 @@ def _less(spans: list[Interval], taken: list[Interval]) -> list[Interval]:
 Key = tuple[int, ...]
 
 
+def _direction(start: Point, end: Point) -> Point:
+    """Direction of the line through two points, to the right or up, whichever of the two comes first."""
+    (ax, ay), (bx, by) = start, end
+    length = hypot(bx - ax, by - ay)
+    ux, uy = (bx - ax) / length, (by - ay) / length
+    return (-ux, -uy) if ux < -1e-9 or (abs(ux) <= 1e-9 and uy < 0) else (ux, uy)
+
+
 def _carrier(stroke: LineStroke) -> tuple[Key, Interval]:
     """The infinite line of a stroke (direction, offset), and the interval of the stroke along it."""
     (ax, ay), (bx, by) = stroke.start, stroke.end
-    length = hypot(bx - ax, by - ay)
-    ux, uy = (bx - ax) / length, (by - ay) / length
-    if ux < -1e-9 or (abs(ux) <= 1e-9 and uy < 0):
-        ux, uy = -ux, -uy
+    ux, uy = _direction(stroke.start, stroke.end)
     offset = ax * -uy + ay * ux
     along = sorted((ax * ux + ay * uy, bx * ux + by * uy))
     return (round(ux * 1e5), round(uy * 1e5), round(offset * 1e3)), (along[0], along[1])
@@ -182,11 +187,7 @@ def cleaned(visible: Iterable[Stroke], hidden: Iterable[Stroke]) -> tuple[list[S
 
 
 def _line_on(through: tuple[Point, Point], span: Interval) -> LineStroke:
-    (ax, ay), (bx, by) = through
-    length = hypot(bx - ax, by - ay)
-    ux, uy = (bx - ax) / length, (by - ay) / length
-    if ux < -1e-9 or (abs(ux) <= 1e-9 and uy < 0):
-        ux, uy = -ux, -uy
+    (ax, ay), (ux, uy) = through[0], _direction(*through)
     at = ax * ux + ay * uy
     return LineStroke(
         (ax + (span[0] - at) * ux, ay + (span[0] - at) * uy), (ax + (span[1] - at) * ux, ay + (span[1] - at) * uy)

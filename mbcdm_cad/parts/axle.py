@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.part import MadePart
 from mbcdm_cad.parts.ring import Pin
-from mbcdm_cad.parts.shapes import turned
+from mbcdm_cad.parts.shapes import stepped, turned
 from mbcdm_cad.parts.sheets.description import FitLine, Sheet
 from mbcdm_cad.parts.sheets.tolerances import Datum, GeometricTolerance
 from mbcdm_cad.parts.sheets.turned import ALONG_Z, MAIN
@@ -46,23 +46,13 @@ class Axle(MadePart):
 
     def solid(self) -> cq.Solid:
         """Axle where it stands in the assembly, axis Z."""
-        dims = self.dims
-        c = CHAMFER_MM
-        return turned(
-            [
-                (0.0, dims.bottom_z),
-                (dims.radius - c, dims.bottom_z),
-                (dims.radius, dims.bottom_z + c),
-                (dims.radius, dims.collar_bottom_z),
-                (dims.collar_radius, dims.collar_bottom_z),
-                (dims.collar_radius, dims.collar_top_z),
-                (dims.radius, dims.collar_top_z),
-                (dims.radius, dims.top_z - c),
-                (dims.radius - c, dims.top_z),
-                (0.0, dims.top_z),
-            ],
-            "axle",
+        d = self.dims
+        steps = (
+            (d.radius, d.bottom_z, d.collar_bottom_z),
+            (d.collar_radius, d.collar_bottom_z, d.collar_top_z),
+            (d.radius, d.collar_top_z, d.top_z),
         )
+        return turned([(0.0, d.bottom_z), *stepped(steps, CHAMFER_MM), (0.0, d.top_z)], "axle")
 
     def volume_mm3(self) -> float:
         """Axle of an idler with its collar."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.part import MadePart
-from mbcdm_cad.parts.shapes import cut, turned_about_y
+from mbcdm_cad.parts.shapes import cut, stepped, turned_about_y
 from mbcdm_cad.parts.sheets.description import FitLine, Linear, Sheet, Vector, View, Y, minus
 from mbcdm_cad.parts.sheets.turned import ALONG_Y
 from mbcdm_cad.parts.volume import Gyration, Ring, gyration, rings_mm3, segment_mm2
@@ -105,24 +105,14 @@ class DrumShaft(MadePart):
         import cadquery as cq
 
         dims = self.dims
-        c, r = CHAMFER_MM, dims.radius
-        body = turned_about_y(
-            [
-                (dims.bore_radius, dims.y_start),
-                (dims.radius - c, dims.y_start),
-                (dims.radius, dims.y_start + c),
-                (dims.radius, dims.flange_start_y),
-                (dims.flange_radius, dims.flange_start_y),
-                (dims.flange_radius, dims.flange_end_y),
-                (dims.radius, dims.flange_end_y),
-                (dims.radius, dims.y_end - c),
-                (dims.radius - c, dims.y_end),
-                (dims.bore_radius, dims.y_end),
-            ],
-            0.0,
-            360.0,
-            "drum shaft",
+        r, bore = dims.radius, dims.bore_radius
+        steps = (
+            (r, dims.y_start, dims.flange_start_y),
+            (dims.flange_radius, dims.flange_start_y, dims.flange_end_y),
+            (r, dims.flange_end_y, dims.y_end),
         )
+        profile = [(bore, dims.y_start), *stepped(steps, CHAMFER_MM), (bore, dims.y_end)]
+        body = turned_about_y(profile, 0.0, 360.0, "drum shaft")
         box = cq.Solid.makeBox(2 * r, dims.flat_length, r, cq.Vector(-r, dims.flat_y - dims.flat_length / 2, dims.flat))
         origin, y = cq.Vector(0.0, 0.0, 0.0), cq.Vector(0.0, 1.0, 0.0)
         return cut(body, [box.rotate(origin, y, deg) for deg in dims.flat_angles_deg], "drum shaft")

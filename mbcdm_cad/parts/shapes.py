@@ -29,6 +29,13 @@ def _distinct(profile: Sequence[Point2]) -> list[Point2]:
     return [p for before, p in zip([None, *profile], profile, strict=False) if p != before]
 
 
+def stepped(steps: Sequence[tuple[float, float, float]], chamfer_mm: float) -> list[Point2]:
+    """Half the outside of a turned body: cylinders (radius, start, end) in a row, the edges at both ends broken."""
+    points = [point for radius, start, end in steps for point in ((radius, start), (radius, end))]
+    (first, start), (last, end), c = points[0], points[-1], chamfer_mm
+    return [(first - c, start), (first, start + c), *points[1:-1], (last, end - c), (last - c, end)]
+
+
 def turned(profile: Sequence[Point2], name: str) -> cq.Solid:
     """Solid of revolution about Z of a closed polygon of (radius, z) points, mm."""
     import cadquery as cq

@@ -80,13 +80,10 @@ def _sunk_mm3(d: EncoderHoles, thick: float) -> float:
 
 
 def _body(d: FrameDims) -> cq.Solid:
-    import cadquery as cq
-
     v = d.levels
     upper = block((-v.side_outer_x, v.side_outer_x), (v.back_y, v.front_y), (v.shelf_bottom_z, v.top_plate_bottom_z))
-    upper = cq.Workplane(obj=upper).edges("|Z").fillet(d.corner_radius).val()  # type: ignore[assignment]
     column = block((-d.boss.radius, d.boss.radius), (v.back_y, v.front_y), (0.0, v.shelf_bottom_z))
-    return fuse([upper, column, *boss_bodies(d.boss)], "frame")
+    return fuse([rounded(upper, d.corner_radius), column, *boss_bodies(d.boss)], "frame")
 
 
 def _pockets(d: FrameDims) -> list[cq.Shape]:

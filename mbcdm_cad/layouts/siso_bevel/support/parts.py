@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from mbcdm_cad.layouts.siso_bevel.support.dims import ColumnDims
 from mbcdm_cad.parts.boss import boss_below_column_mm3, boss_bodies, boss_bores, boss_tools, column_bores_mm3, seats_mm
 from mbcdm_cad.parts.fits import FITS
+from mbcdm_cad.parts.motor_head.part import rounded
 from mbcdm_cad.parts.part import MadePart
 from mbcdm_cad.parts.shapes import block, cut, cylinder_y, cylinder_z, fuse, pocket_y
 from mbcdm_cad.parts.sheets.description import (
@@ -68,15 +69,12 @@ def _holes_mm3(d: ColumnDims) -> float:
 
 
 def _body(d: ColumnDims) -> cq.Solid:
-    import cadquery as cq
-
     v = d.levels
     box = block((-v.side_outer_x, v.side_outer_x), (v.back_y, v.front_y), (d.encoder_shelf_bottom_z, d.top_z))
-    box = cq.Workplane(obj=box).edges("|Z").fillet(d.corner_radius).val()  # type: ignore[assignment]
     wide = d.column_half_width
     post = block((-wide, wide), (v.back_y, v.front_y), (d.post_bottom_z, d.encoder_shelf_bottom_z))
     foot = block((-d.boss.radius, d.boss.radius), (v.back_y, v.front_y), (0.0, d.post_bottom_z))
-    return fuse([box, post, foot, *boss_bodies(d.boss)], "frame")
+    return fuse([rounded(box, d.corner_radius), post, foot, *boss_bodies(d.boss)], "frame")
 
 
 def _pockets(d: ColumnDims) -> list[cq.Shape]:
