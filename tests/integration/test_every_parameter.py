@@ -25,7 +25,7 @@ NODES = design_file().nodes
 # Not numbers of the mechanism: the file's version, its free names and the only configuration there is so far.
 FREE = {("schema_version",), ("name",), ("configuration",), ("waivers",), ("as_built",), ("catalogue",)}
 # Seen in the report or in files alone, or in printed parts alone, each with its own test: below, in
-# unit/build/test_threads_in_files.py and in unit/build/test_printing.py.
+# unit/build/test_bodies.py and in unit/build/test_printing.py.
 REPORTED = {
     ("targets", "prototype_mass_g"),
     ("targets", "mass_g"),

@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mbcdm_cad.build.clash import Clash, cable_overlaps, centre_line_distance
+from mbcdm_cad.build.scene import travel_poses
 from mbcdm_cad.layouts.miso_bevel.cable_path import cable_path
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.routes.cable_path import CablePath
@@ -107,3 +108,12 @@ def test_no_overlap_is_missed_between_samples(
         assert distance == pytest.approx(min(heights), abs=1e-4)
     else:
         assert distance > 0.81 - 1e-9
+
+
+# Poses of the interference run.
+
+
+def test_nine_poses_hold_both_ends_and_the_centre() -> None:
+    poses = travel_poses(35.0, 9)
+    assert poses == pytest.approx((-35, -26.25, -17.5, -8.75, 0, 8.75, 17.5, 26.25, 35), abs=1e-12)
+    assert poses[0] == -35.0 and poses[-1] == 35.0 and poses[4] == 0.0

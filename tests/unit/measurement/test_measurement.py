@@ -13,6 +13,7 @@ from mbcdm_cad.errors import InputError
 from mbcdm_cad.measurement import datafile
 from mbcdm_cad.measurement.file import load_file
 from mbcdm_cad.measurement.reading import load_measurement, read_run
+from mbcdm_cad.measurement.run import smoothed, smoothed_at
 from mbcdm_cad.rig.reading import read_experiment
 
 
@@ -325,3 +326,19 @@ def test_dates_and_times_of_day(write: Write, text: str, broken_rows: str) -> No
 def test_what_is_no_date_is_refused_with_its_line(write: Write) -> None:
     text = refused(write(table(signals()), with_column("time", unit="iso8601")))
     assert "write dates as 2026-03-01T12:00:00.010" in text and "run.csv:2" in text, text
+
+
+# Smoothing of a moving signal whose samples are not evenly spaced.
+
+
+def test_jitter_and_gaps_of_the_logger_do_not_move_the_mean() -> None:
+    rng = np.random.default_rng(5)
+    step = 0.02
+    times = (np.arange(2000) + 0.2 * rng.uniform(-0.5, 0.5, 2000)) * step
+    times = times[(times < 12.0) | (times > 12.3)]
+    angle = 0.5 * np.sin(0.8 * times)
+    before = np.abs(smoothed(angle, 0.05, step) - angle).max()
+    after = np.abs(smoothed_at(angle, times, 0.05, step) - angle)
+    # A window of 0.05 s blurs a sine of this speed by 0.5 0.8^2 s^2 / 2 with s^2 = 5.3e-4 s^2 for two means of three.
+    blur = 0.5 * 0.8**2 * 5.3e-4 / 2.0
+    assert before > 5e-4 and np.quantile(after, 0.99) < 2.0 * blur and after.max() < 0.2 * before, (before, after.max())

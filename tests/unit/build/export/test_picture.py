@@ -14,6 +14,7 @@ from export_samples import material
 from matplotlib import image
 
 from mbcdm_cad.build.export import picture
+from mbcdm_cad.build.export.moving import tube_mesh
 from mbcdm_cad.build.export.picture import VIEWS, picture_png
 from mbcdm_cad.build.meshing import mesh_solid
 from mbcdm_cad.build.trianglemesh import TriangleMesh
@@ -156,3 +157,25 @@ def test_a_cut_takes_away_what_stands_before_it_and_shows_the_face(
     assert not ((pixels[..., 2] > 0.5) & (pixels[..., 0] < 0.3)).any(), "blue stands before the cut"
     rows = np.flatnonzero((pixels[..., 1] < 0.2).any(axis=1))
     assert (rows[-1] - rows[0]) / SIZE[1] == pytest.approx(0.5, abs=0.03)
+
+
+# Cables of the moving picture: round tubes about their centre lines.
+
+
+@pytest.mark.parametrize("radius", [0.2, 0.4])
+def test_a_tube_keeps_its_radius_about_a_helix(radius: float) -> None:
+    angle = np.linspace(0.0, 12.0, 400)
+    line = np.column_stack([6.0 * np.cos(angle), 6.0 * np.sin(angle), 0.14 * angle])
+    mesh = tube_mesh(line, radius)
+    rings = mesh.points_mm.reshape(len(line), -1, 3)
+    far = np.linalg.norm(rings - line[:, None, :], axis=2)
+    assert np.abs(far - radius).max() < 1e-9, np.abs(far - radius).max()
+    steps = np.gradient(line, axis=0)
+    slant = np.abs(np.einsum("kij,kj->ki", mesh.normals.reshape(rings.shape), steps)).max()
+    assert slant < 1e-6, slant
+
+
+def test_a_line_with_a_double_point_gives_no_broken_ring() -> None:
+    line = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 1.0, 0.0]])
+    mesh = tube_mesh(line, 0.3)
+    assert np.isfinite(mesh.points_mm).all() and np.isfinite(mesh.normals).all()

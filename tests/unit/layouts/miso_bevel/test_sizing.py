@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import copy
+from pathlib import Path
 from typing import Any
 
 import pytest
 import yaml
 
+from mbcdm_cad.design.fieldpath import leaves
 from mbcdm_cad.design.sized import SizedValue
 from mbcdm_cad.errors import InputError
-from mbcdm_cad.layouts.loader import load_text, reference_data
+from mbcdm_cad.layouts.loader import load_design, load_text, reference_data
 from mbcdm_cad.layouts.miso_bevel.sizing import size
+from mbcdm_cad.solving.question import question_of
 from tests.support.checked import failing
 
 REFERENCE = reference_data()
@@ -175,3 +178,23 @@ def test_a_requirement_cannot_be_left_out(field: str, said: str) -> None:
     with pytest.raises(InputError) as refused:
         load_text(yaml.safe_dump(data), "f.yaml")
     assert said in str(refused.value), refused.value
+
+
+# The reference design from its requirements and pins is the same as the one with all values stated.
+
+
+PARAMS = Path(__file__).parents[4] / "params"
+
+
+def test_tables_and_pins_give_the_whole_reference_design() -> None:
+    short, whole = load_design(PARAMS / "mbcdm-short.yaml"), load_design(PARAMS / "mbcdm.yaml")
+    assert short.drive == whole.drive
+    # The digest of the design and all that is made from it: the same files byte for byte.
+    assert short.sha256 == whole.sha256
+    assert not whole.sized and len(short.sized) > 40, len(short.sized)
+
+
+def test_one_dimension_is_held_by_hand() -> None:
+    question = question_of((PARAMS / "mbcdm-short.yaml").read_text("utf-8"))
+    assert list(question.releases) == ["support.back_y_mm"]
+    assert len(list(leaves(question.data))) <= 20
