@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import combinations, product
+from math import inf
 from typing import Literal
 
 import numpy as np
@@ -40,14 +41,6 @@ class Clash:
         return f"{self.first} and {self.second} overlap: {size} {where}"
 
 
-def _squared(first: Points, second: Points) -> Points:
-    # |a - b|^2 = |a|^2 + |b|^2 - 2 a.b: one matrix product instead of a three-dimensional array of differences.
-    middle = first.mean(axis=0)
-    a, b = first - middle, second - middle
-    squared: Points = (a * a).sum(axis=1)[:, None] + (b * b).sum(axis=1)[None, :] - 2.0 * (a @ b.T)
-    return squared
-
-
 def _along(points: Points) -> NDArray[np.float64]:
     return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
 
@@ -63,7 +56,7 @@ def _refined(first: Points, second: Points, i: int, j: int) -> tuple[float, Poin
         return np.stack([np.interp(at, s, stretch[:, axis]) for axis in range(3)], axis=1)
 
     a, b = fine(first, i), fine(second, j)
-    m, n = divmod(int(np.argmin(_squared(a, b))), len(b))
+    m, n = divmod(int(np.argmin(np.linalg.norm(a[:, None] - b, axis=2))), len(b))
     return float(np.linalg.norm(a[m] - b[n])), (a[m] + b[n]) / 2
 
 
@@ -75,22 +68,47 @@ def centre_line_distance(first: CablePath, second: CablePath, diameter_mm: float
     """
     a = first.sample(_COARSE_MM)
     b = a if first is second else second.sample(_COARSE_MM)
-    squared = _squared(a, b)
-    if first is second:
-        s = _along(a)
-        squared[np.abs(s[:, None] - s[None, :]) <= _OWN_STRETCH_DIAMETERS * diameter_mm] = np.inf
-    i, j = divmod(int(np.argmin(squared)), len(b))
-    best = _refined(a, b, i, j)
     # Two samples half a step from the closest points are further apart by up to this, so others may be nearer.
-    rows, columns = np.nonzero(squared < diameter_mm**2 + _COARSE_MM**2 / 2)
-    done = np.zeros_like(squared, dtype=bool) if len(rows) else None
-    for k in np.argsort(squared[rows, columns], kind="stable"):
-        i, j = int(rows[k]), int(columns[k])
-        assert done is not None
-        if not done[i, j]:
+    near = (diameter_mm**2 + _COARSE_MM**2 / 2) ** 0.5
+    pairs = _own_turns(a, diameter_mm, near) if first is second else _between(a, b, near)
+    best, done = (inf, a[0]), set[tuple[int, int]]()
+    for i, j in pairs.tolist():
+        if (i, j) not in done:
             best = min(best, _refined(a, b, i, j), key=lambda found: found[0])
-            done[max(0, i - 1) : i + 2, max(0, j - 1) : j + 2] = True
+            done.update(product(range(i - 1, i + 2), range(j - 1, j + 2)))
     return best
+
+
+def _between(a: Points, b: Points, near_mm: float) -> NDArray[np.int64]:
+    """Indices (n, 2) of the samples of two cables nearer than this, the nearest first; without one, the nearest two.
+
+    By trees: a table of all distances takes gigabytes for cables with some turns.
+    """
+    from scipy.spatial import cKDTree  # its import takes longer than reading answers that are known
+
+    tree = cKDTree(b)
+    distance, nearest = tree.query(a)
+    if distance.min() >= near_mm:
+        return np.array([[k := int(np.argmin(distance)), nearest[k]]])
+    found = cKDTree(a).sparse_distance_matrix(tree, near_mm, output_type="ndarray")
+    order = np.lexsort((found["j"], found["i"], found["v"]))
+    return np.column_stack((found["i"], found["j"]))[order]
+
+
+def _own_turns(a: Points, diameter_mm: float, near_mm: float) -> NDArray[np.int64]:
+    """As :func:`_between`, of one cable's stretches that do not follow each other; none of a cable without them."""
+    from scipy.spatial import cKDTree
+
+    tree, s, own_mm = cKDTree(a), _along(a), _OWN_STRETCH_DIAMETERS * diameter_mm
+    # The stretches next to the own one are no further away than along the cable.
+    for within_mm, count in ((near_mm, None), (own_mm + 2.0 * _COARSE_MM, 1)):
+        pairs: NDArray[np.int64] = tree.query_pairs(within_mm, output_type="ndarray")
+        pairs = pairs[s[pairs[:, 1]] - s[pairs[:, 0]] > own_mm]
+        if len(pairs):
+            distance = np.linalg.norm(a[pairs[:, 0]] - a[pairs[:, 1]], axis=1)
+            pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0], distance))][:count]
+            break
+    return pairs
 
 
 def cable_overlaps(paths: Sequence[CablePath], diameter_mm: float) -> Iterator[tuple[int, int, float, Place]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tracemalloc
 from dataclasses import replace
 from math import radians
 
@@ -15,7 +16,7 @@ from mbcdm_cad.build.scene import travel_poses
 from mbcdm_cad.layouts.miso_bevel.cable_path import cable_path
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.routes.cable_path import CablePath
-from mbcdm_cad.routes.curves import Line
+from mbcdm_cad.routes.curves import Helix, Line
 
 
 def brute(first: CablePath, second: CablePath) -> float:
@@ -49,6 +50,20 @@ def test_neighbouring_turns_lie_a_lead_apart(dims: BevelLayout) -> None:
         around = 2 * np.pi * cable.input_radius_mm
         expected = drive.helix_lead_mm * around / np.hypot(around, drive.helix_lead_mm)
         assert distance == pytest.approx(expected, abs=2e-4), f"{cable.name}: {distance:.5f}, {expected:.5f} mm"
+
+
+def test_a_long_cable_is_compared_with_itself_in_little_memory(dims: BevelLayout) -> None:
+    """Nine turns of 2.5 m altogether, as on the drum of a first stage: a table of all distances took 4 GB."""
+    turns, radius, lead = 9.0, 45.0, 1.2
+    wound = Helix((0.0, 0.0), radius, 0.0, turns * 2 * np.pi, 0.0, turns * lead)
+    path = CablePath(dims.drive.cables[0], 0.0, (("helix", wound),))
+    tracemalloc.start()
+    distance, _ = centre_line_distance(path, path, 1.0)
+    taken_MB = tracemalloc.get_traced_memory()[1] / 1e6
+    tracemalloc.stop()
+    around = 2 * np.pi * radius
+    assert distance == pytest.approx(lead * around / np.hypot(around, lead), abs=2e-4)
+    assert taken_MB < 200.0, f"{taken_MB:.0f} MB"
 
 
 def test_reference_cables_clear_each_other_and_themselves(dims: BevelLayout) -> None:
