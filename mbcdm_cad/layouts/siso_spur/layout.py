@@ -455,7 +455,7 @@ class SpurLayout(HeadLayout):
         The torque changes a tension from T (1 - a) to T (1 + a); slip between them reaches ln((1 + a)/(1 - a))/(2 mu)
         into the wrap on the drum (Euler). Where that is the whole wrap, the rocker sees the span. What lands do remains
         in as large a share as that of the travel in which the wrap is longer (fitted to a simulation in cells of rope,
-        which leaves 0.45 to 1.15 of it, and up to 3 % of the preload where the share is 0).
+        which leaves 0.43 to 1.26 of it, and up to 3 % of the preload where the share is 0).
         """
         drive = self.drive
         a = torque_Nm * 1e3 / (2 * drive.parallel * drive.drum_radius_mm * min(c.preload_N for c in drive.cables))

@@ -41,16 +41,17 @@ def frame_front(s: SpurLayout) -> Comparison:
 
 
 def drum_and_input(s: SpurLayout) -> Comparison:
-    """Gap between rim and pulley with their cables."""
-    drive, pulley = s.drive, s.inputs[0]
+    """Gap between rim and pulley with their cables, and between the rim and the encoder, below or beside it."""
+    drive, pulley, running = s.drive, s.inputs[0], s.drive.clearances.running_mm
     rim = drive.drum_radius_mm + s.flank_mm
     own = max(pulley.lower_land_radius, drive.input_radius_mm + s.flank_mm)
-    return at_least(
-        "drum's rim from the input pulley, cables on",
-        drive.centre_distance_mm - rim - own,
-        drive.clearances.running_mm,
-        "mm",
-    )
+    gap = at_least("drum's rim from the input pulley, cables on", drive.centre_distance_mm - rim - own, running, "mm")
+    if drive.encoder.absent:
+        return gap
+    below = drive.centre_distance_mm - drive.encoder.diameter_mm / 2 - rim
+    # The rim of the last of several sectors.
+    beside = s.levels.top_plate_top_z - drive.band_mm - s.drum.lands[-1].y_end
+    return worst((gap, at_least("drum's rim from the encoder, below or beside it", max(below, beside), running, "mm")))
 
 
 def bodies_behind(s: SpurLayout) -> Comparison:

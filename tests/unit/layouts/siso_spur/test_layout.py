@@ -18,6 +18,7 @@ from mbcdm_cad.layouts.loader import load_text, new_design_text
 from mbcdm_cad.layouts.siso_spur.assembly_order import assembly_order
 from mbcdm_cad.layouts.siso_spur.bill import bill, moving_bodies
 from mbcdm_cad.layouts.siso_spur.cable_path import cable_path
+from mbcdm_cad.layouts.siso_spur.checks.room import drum_and_input
 from mbcdm_cad.layouts.siso_spur.checks.winding import CHECKS as WINDING
 from mbcdm_cad.layouts.siso_spur.checks.winding import turn_distance_mm
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, laid
@@ -43,6 +44,17 @@ def test_params_file_is_what_the_schema_writes() -> None:
 def test_reference_design_fails_no_check(drive: SpurDrive) -> None:
     failed = failing(drive)
     assert not failed, failed
+
+
+def test_a_wide_rim_below_the_encoder_is_told(drive: SpurDrive) -> None:
+    """A printed drum of two cables met the encoder at every pose, and no check knew."""
+    large = replace(drive.encoder, diameter_mm=40.0)
+    assert drum_and_input(replace(drive, encoder=large).layout).actual > 0.25
+    wide = replace(drive, encoder=large, drum=replace(drive.drum, outer_face_y_mm=60.0))
+    found = drum_and_input(wide.layout)
+    assert "encoder" in found.subject and found.actual == pytest.approx(
+        drive.centre_distance_mm - 20.0 - drive.drum_radius_mm - drive.layout.flank_mm
+    ), found
 
 
 @pytest.mark.parametrize("hub_mm", [20.0, 70.0])
