@@ -5,7 +5,7 @@ The transfer point of a cable is (0, r, r_o), r its radius on the body before th
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 from math import asin, atan2, cos, degrees, hypot, sin, tau
@@ -19,9 +19,6 @@ from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.terminal.part import Tensioner
 from mbcdm_cad.parts.terminal.take_up import highest_preload_N
 from mbcdm_cad.routes.cable_path import CablePath, EndOfTravel
-
-# Drum angles over the travel at which paths have figures.
-STATIONS = 9
 
 
 @dataclass(frozen=True)
@@ -37,17 +34,6 @@ class TravelFigures:
     def usable_deg(self) -> tuple[float, float]:
         """(lowest, highest) drum angle of the usable travel, deg."""
         return self.limits_negative[0].angle_deg, self.limits_positive[0].angle_deg
-
-
-def travel_figures(angles_deg: Iterable[float], cables: tuple[Any, ...], ends: Iterable[EndOfTravel]) -> TravelFigures:
-    """The figures, with the ends of the travel sorted."""
-    nearest = sorted(ends, key=lambda end: abs(end.angle_deg))
-    return TravelFigures(
-        tuple(float(a) for a in angles_deg),
-        cables,
-        tuple(end for end in nearest if end.angle_deg > 0.0),
-        tuple(end for end in nearest if end.angle_deg <= 0.0),
-    )
 
 
 def ends_at_drum(layout: SectorLayout, run: SectorRun, body: str) -> Iterator[EndOfTravel]:

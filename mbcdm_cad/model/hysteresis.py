@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from mbcdm_cad.model.profiles import simulate_profiles
+from mbcdm_cad.model.profiles import next_angle, simulate_profiles
 from mbcdm_cad.model.series import Response, checked_series, path_offset_m
 from mbcdm_cad.model.si import DriveSI, ModelError
 from mbcdm_cad.routes import Floats
@@ -176,13 +176,7 @@ def balance(
             slope += lever * lever * rate
         if abs(miss) <= 1e-13 * scale:
             break
-        if miss > 0.0:
-            low = theta
-        else:
-            high = theta
-        following = theta + miss / slope
-        if not (low < following < high):
-            following = 0.5 * (low + high)
+        low, high, following = next_angle(low, high, theta, miss, slope)
         if following == theta or not math.isfinite(following):
             break
         theta = following

@@ -119,6 +119,22 @@ class _Series(NamedTuple):
 
 
 @inlined
+def next_angle(low: float, high: float, theta: float, miss: float, slope: float) -> Any:
+    """The bounds of the drum angle narrowed at ``theta``, which misses the load by ``miss``, and the angle to try next.
+
+    That of Newton's step, or the middle of the bounds where it lies beyond them.
+    """
+    if miss > 0.0:
+        low = theta
+    else:
+        high = theta
+    following = theta + miss / slope
+    if not (low < following < high):
+        following = 0.5 * (low + high)
+    return low, high, following
+
+
+@inlined
 def _pull(
     c: Floats, radius: Floats, stacks: Floats, counts: Any, ends: Floats, mu: float, stretch: float, guess: float
 ) -> tuple[float, float]:
@@ -206,13 +222,7 @@ def _run(wound: _Wraps, series: _Series, drum: Floats, tension: Floats) -> tuple
                 slope += lever * lever * table[j, PRELOAD] * rates[j]
             if abs(miss) <= 1e-13 * scale:
                 break
-            if miss > 0.0:
-                low = theta
-            else:
-                high = theta
-            following = theta + miss / slope
-            if not (low < following < high):
-                following = 0.5 * (low + high)
+            low, high, following = next_angle(low, high, theta, miss, slope)
             if following == theta or not math.isfinite(following):
                 break
             theta = following

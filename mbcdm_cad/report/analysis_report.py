@@ -5,7 +5,7 @@ The command line prints it, the Python API returns it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
@@ -201,30 +201,20 @@ class AnalysisReport:
         if self.structure is None:
             yield filled(f"No figures of the structure: {self.no_structure}", width)
         else:
-            yield [
-                "Turn of the payload by cause, for a torque on it:",
-                *self.structure.table().text(width, "  "),
-                *self.structure.places().text(width, "  "),
-                *(line for text in self.structure.lines() for line in filled(f"  {text}", width)),
-            ]
+            tables = self.structure.table(), self.structure.places()
+            yield _part("Turn of the payload by cause, for a torque on it:", tables, self.structure.lines(), width)
         both = list(stage_lines(self.layout, width))
         if both:
             yield both
         yield filled(f"No modes: {self.no_modes}" if self.modes is None else mode_words(self.modes), width)
-        yield [
-            "Losses while the drum moves, N m at the drum, by cause, under a load +:",
-            *self.losses.causes().text(width, "  "),
-            *self.losses.efficiencies().text(width, "  "),
-            *(line for text in self.losses.lines() for line in filled(f"  {text}", width)),
-        ]
+        tables = self.losses.causes(), self.losses.efficiencies()
+        title = "Losses while the drum moves, N m at the drum, by cause, under a load +:"
+        yield _part(title, tables, self.losses.lines(), width)
         if self.life is None:
             yield filled(f"No life of the cables: {self.no_life}", width)
         else:
-            yield [
-                "Bendings of each cable's weakest point in a cycle, and cycles until it breaks:",
-                *self.life.table().text(width, "  "),
-                *(line for text in self.life.lines() for line in filled(f"  {text}", width)),
-            ]
+            title = "Bendings of each cable's weakest point in a cycle, and cycles until it breaks:"
+            yield _part(title, (self.life.table(),), self.life.lines(), width)
         if self.preload is None:
             yield filled(f"No shares of the preload: {self.no_preload}", width)
         else:
@@ -267,6 +257,15 @@ class AnalysisReport:
                 *ReportTable(("figure", "unit", "value", "low", "high", "sigma"), rows).text(width, "  "),
             ]
         yield [line for note in a.notes for line in filled(f"note: {note}", width)]
+
+
+def _part(title: str, tables: Iterable[ReportTable], notes: Iterable[str], width: int) -> list[str]:
+    """A part of the text: its title, its tables, and sentences on them."""
+    return [
+        title,
+        *(line for table in tables for line in table.text(width, "  ")),
+        *(line for text in notes for line in filled(f"  {text}", width)),
+    ]
 
 
 def _turned(t: ShaftTurns, shaft: str) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from math import ceil
@@ -12,6 +12,9 @@ import numpy as np
 
 from mbcdm_cad.design.drive import CableRun
 from mbcdm_cad.routes.curves import Piece, Vector
+
+# Drum angles over the travel at which paths have figures.
+STATIONS = 9
 
 
 @dataclass(frozen=True)
@@ -95,3 +98,17 @@ class CablePath:
         return np.concatenate(
             [p.points(np.linspace(0.0, 1.0, n)) for (_, p), n in zip(self.pieces, counts, strict=True)]
         )
+
+
+def over_travel(
+    paths_at: Callable[[float], tuple[CablePath, ...]], half_travel_deg: float
+) -> tuple[tuple[float, ...], list[tuple[CablePath, ...]]]:
+    """``STATIONS`` drum angles (deg) evenly over the travel, and all cables at each; ``paths_at`` gets it in rad."""
+    angles = np.linspace(-half_travel_deg, half_travel_deg, STATIONS)
+    return tuple(angles.tolist()), [paths_at(float(angle)) for angle in np.radians(angles)]
+
+
+def by_sense(ends: Iterable[EndOfTravel]) -> tuple[tuple[EndOfTravel, ...], tuple[EndOfTravel, ...]]:
+    """Ends of the travel at positive drum angles, and at the others, the nearest first."""
+    nearest = sorted(ends, key=lambda end: abs(end.angle_deg))
+    return tuple(e for e in nearest if e.angle_deg > 0.0), tuple(e for e in nearest if e.angle_deg <= 0.0)

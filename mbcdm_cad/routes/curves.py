@@ -44,6 +44,11 @@ def _v(a: Sequence[float]) -> Vector:
     return np.asarray(a, dtype=np.float64)
 
 
+def _linear(start: float, end: float, fraction: Vector) -> Vector:
+    """Values that run linearly from one to another."""
+    return np.asarray(start + fraction * (end - start))
+
+
 @dataclass(frozen=True)
 class Line:
     """Straight piece from ``start`` to ``end``."""
@@ -115,8 +120,7 @@ class Helix:
     def points(self, fraction: Vector) -> Vector:
         """Points, shape (n, 3), at ``fraction`` (n,) of the piece."""
         f = np.asarray(fraction, dtype=np.float64)
-        a = self.angle_start + f * (self.angle_end - self.angle_start)
-        z = self.z_start + f * (self.z_end - self.z_start)
+        a, z = _linear(self.angle_start, self.angle_end, f), _linear(self.z_start, self.z_end, f)
         return np.stack(
             [self.centre[0] + self.radius_mm * np.cos(a), self.centre[1] + self.radius_mm * np.sin(a), z], axis=-1
         )
@@ -153,8 +157,7 @@ class Coil:
     def points(self, fraction: Vector) -> Vector:
         """Points, shape (n, 3), at ``fraction`` (n,) of the piece."""
         f = np.asarray(fraction, dtype=np.float64)
-        a = self.angle_start + f * (self.angle_end - self.angle_start)
-        along = self.along_start + f * (self.along_end - self.along_start)
+        a, along = _linear(self.angle_start, self.angle_end, f), _linear(self.along_start, self.along_end, f)
         second = np.cross(self.axis, self.first)
         ring = np.multiply.outer(np.cos(a), _v(self.first)) + np.multiply.outer(np.sin(a), second)
         return np.asarray(_v(self.centre) + self.radius_mm * ring + np.multiply.outer(along, _v(self.axis)))

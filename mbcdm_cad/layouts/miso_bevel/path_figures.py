@@ -12,13 +12,13 @@ from typing import Any
 
 import numpy as np
 
-from mbcdm_cad.layouts.bevel_transfer import STATIONS, TravelFigures, ends_at_drum, tensioned, travel_figures
+from mbcdm_cad.layouts.bevel_transfer import TravelFigures, ends_at_drum, tensioned
 from mbcdm_cad.layouts.miso_bevel.cable_path import axial_walk_mm, fleet_angle_at_deg, input_wrap_rad, winding
 from mbcdm_cad.layouts.miso_bevel.drive import BevelRun
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.model.tensioning_plan import TensioningPlan, tensioning_plan
 from mbcdm_cad.parts.terminal.take_up import tensioned_rope
-from mbcdm_cad.routes.cable_path import CablePath, EndOfTravel
+from mbcdm_cad.routes.cable_path import CablePath, EndOfTravel, by_sense, over_travel
 from mbcdm_cad.routes.curves import Arc, Helix, Piece, Triple
 
 
@@ -47,14 +47,12 @@ class CablePathFigures:
 
 def path_figures(layout: BevelLayout) -> TravelFigures:
     """The figures of one design at ``STATIONS`` drum angles over its travel."""
-    half = layout.drive.half_travel_deg
-    angles = tuple(float(v) for v in np.linspace(-half, half, STATIONS))
-    posed = [layout.cable_paths(radians(angle)) for angle in angles]
+    angles, posed = over_travel(layout.cable_paths, layout.drive.half_travel_deg)
     centred = layout.cable_paths(0.0)
     cables = tuple(
         _cable_figures(layout, centred[k], [paths[k] for paths in posed]) for k in range(len(layout.drive.cables))
     )
-    return travel_figures(angles, cables, _limits(layout))
+    return TravelFigures(angles, cables, *by_sense(_limits(layout)))
 
 
 def _cable_figures(layout: BevelLayout, centred: CablePath, posed: list[CablePath]) -> CablePathFigures:

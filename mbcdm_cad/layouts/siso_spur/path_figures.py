@@ -9,15 +9,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from math import atan2, degrees, pi, radians, tau
 
-import numpy as np
-
 from mbcdm_cad.layouts.siso_spur.cable_path import input_wrap_rad, side_length_mm, walked_mm
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.model.tensioning_plan import TensionedCable, TensioningPlan, tensioning_plan
 from mbcdm_cad.parts.terminal.take_up import highest_preload_N, tensioned_rope
-from mbcdm_cad.routes.cable_path import CableWraps, EndOfTravel, wrap_lines
-
-STATIONS = 9
+from mbcdm_cad.routes.cable_path import CableWraps, EndOfTravel, by_sense, over_travel, wrap_lines
 
 
 @dataclass(frozen=True)
@@ -44,8 +40,7 @@ class SpurFigures:
 def path_figures(layout: SpurLayout) -> SpurFigures:
     """The figures of one design at ``STATIONS`` drum angles over its travel."""
     drive = layout.drive
-    angles = np.linspace(-drive.half_travel_deg, drive.half_travel_deg, STATIONS)
-    posed = [layout.cable_paths(float(angle)) for angle in np.radians(angles)]
+    angles, posed = over_travel(layout.cable_paths, drive.half_travel_deg)
     centred = layout.cable_paths(0.0)
     # Both sides of a continuous cable share one path.
     at = [k * len(centred) // len(drive.cables) for k in range(len(drive.cables))]
@@ -54,22 +49,20 @@ def path_figures(layout: SpurLayout) -> SpurFigures:
         CableWraps(
             name=run.name,
             length_mm=centred[k].length_mm * share,
-            input_wrap_deg=tuple(degrees(input_wrap_rad(drive, run, float(a))) for a in np.radians(angles)),
+            input_wrap_deg=tuple(degrees(input_wrap_rad(drive, run, radians(a))) for a in angles),
             drum_wrap_deg=tuple(
-                degrees(layout.anchors[run.name][0] - drive.landing_rad) + run.drum_side * float(a) for a in angles
+                degrees(layout.anchors[run.name][0] - drive.landing_rad) + run.drum_side * a for a in angles
             ),
             length_um=tuple((paths[k].length_mm - centred[k].length_mm) * 1e3 for paths in posed),
         )
         for k, run in zip(at, drive.cables, strict=True)
     )
-    ends = sorted(_ends(layout), key=lambda end: abs(end.angle_deg))
     return SpurFigures(
-        tuple(float(a) for a in angles),
+        angles,
         cables,
         None if drive.anchored else degrees(drive.wrap_rad),
-        tuple(walked_mm(drive, float(a)) for a in np.radians(angles)),
-        tuple(end for end in ends if end.angle_deg > 0.0),
-        tuple(end for end in ends if end.angle_deg <= 0.0),
+        tuple(walked_mm(drive, radians(a)) for a in angles),
+        *by_sense(_ends(layout)),
     )
 
 

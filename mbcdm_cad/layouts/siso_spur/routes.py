@@ -168,17 +168,13 @@ class SpurGeometry:
         side, cable = self.drum_side[j], self.cable_names[j]
         input_name, level = self.input_names[self.input_of[j]], self.level_m[j // 2]
         r_i, r_o, r_k = (float(parameters[name][j]) for name in (INPUT_RADIUS, DRUM_RADIUS, IDLER_RADIUS))
-        through = self.through_wrap_rad(parameters)
-        if through is None:
-            apart, rises = self.apart_m or 0.0, -self.outward[j]
-        else:
-            apart, rises = self.lead_m * float(through[j // 2]) / (4 * np.pi), self.outward[j]
+        through, apart, rises = self._winding(parameters, j)
         slope, at = rises * self.lead_m / (2 * np.pi * r_i), level + self.outward[j] * apart
         name = input_body(input_name)
         pieces: list[Piece] = [
             Anchor(name),
             # Heights count along the input's own axis, -Y.
-            Wrap(name, r_i, np.inf, -at, side, may_slip_through=through is not None, lead_m=self.lead_m),
+            Wrap(name, r_i, np.inf, -at, side, may_slip_through=through, lead_m=self.lead_m),
         ]
         for n in range(1, len(self.idlers) + 1):
             span, wrap = float(found.length[n - 1, j]), float(found.wraps[n - 1, j])
@@ -194,6 +190,14 @@ class SpurGeometry:
         ]
         return CableRoute(cable, input_name, self.sense[j], tuple(pieces))
 
+    def _winding(self, parameters: Mapping[str, Floats], j: int) -> tuple[bool, float, int]:
+        """Whether a cable may slip through on its input; how far a side leaves it from the cable's middle, m; and the
+        sense along Y in which the side goes on from there."""
+        through = self.through_wrap_rad(parameters)
+        if through is None:
+            return False, self.apart_m or 0.0, -self.outward[j]
+        return True, self.lead_m * float(through[j // 2]) / (4 * np.pi), self.outward[j]
+
     def _direction(self, side: int, found: Strand, span: int, j: int) -> tuple[float, float, float]:
         heading = float(found.heading[span, j])
         return turned(self.angle_rad[self.input_of[j]], side * sin(heading), cos(heading))
@@ -205,11 +209,7 @@ class SpurGeometry:
         r_i, r_o = float(parameters[INPUT_RADIUS][j]), float(parameters[DRUM_RADIUS][j])
         distance = float(parameters[DISTANCE])
         cosine, sine = (r_o + self.input_sense * r_i) / distance, free_m / distance
-        through = self.through_wrap_rad(parameters)
-        if through is None:
-            apart, rises = self.apart_m or 0.0, -self.outward[j]
-        else:
-            apart, rises = self.lead_m * float(through[j // 2]) / (4 * np.pi), self.outward[j]
+        through, apart, rises = self._winding(parameters, j)
         leave = level + self.outward[j] * apart
         land = leave + rises * self.lead_m / (2 * np.pi * r_i) * free_m
         # Towards the drum from an input at z = L, turned about Y to where this one stands.
@@ -217,15 +217,7 @@ class SpurGeometry:
         pieces = (
             Anchor(name),
             # Heights count along the input's own axis, -Y, or Y with open spans.
-            Wrap(
-                name,
-                r_i,
-                np.inf,
-                -self.input_sense * leave,
-                side,
-                may_slip_through=through is not None,
-                lead_m=self.lead_m,
-            ),
+            Wrap(name, r_i, np.inf, -self.input_sense * leave, side, may_slip_through=through, lead_m=self.lead_m),
             Span(free_m, along),
             Wrap(DRUM, r_o, np.inf, land, side, lead_m=self.lead_m * r_o / r_i),
             Terminal(DRUM),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from math import pi, radians
 from typing import Annotated, Literal
 
@@ -80,8 +81,10 @@ class EccentricPulley(RigEffect):
         )
 
 
-def _raise_land(bench: Bench, cable: str, height_m: float, shape_integral: Callable[[Floats], Floats]) -> None:
-    """Let the path of a cable grow by a height times the integral of its shape over the drum's surface angle.
+def _raise_land(
+    bench: Bench, effect: str, cable: str, height_m: float, shape: Callable[[Floats], Floats], **figures: float
+) -> None:
+    """Let the path of a cable grow by a height times the integral ``shape`` over the drum's surface angle, and tell it.
 
     Surface angle x = -sigma theta_o counts from the tangent point at the centre, growing as rope is wound on; the
     wrap's length is the integral of the radius.
@@ -91,10 +94,11 @@ def _raise_land(bench: Bench, cable: str, height_m: float, shape_integral: Calla
 
     def path(inputs: Floats, drum: Floats) -> Floats:
         longer = np.zeros((len(bench.cables), drum.size))
-        longer[j] = height_m * (shape_integral(-sigma * drum) - shape_integral(np.zeros(1)))
+        longer[j] = height_m * (shape(-sigma * drum) - shape(np.zeros(1)))
         return longer
 
     bench.paths.append(path)
+    bench.tell(effect, in_vocabulary=False, cables=[cable], parameters=figures)
 
 
 class StepClimb(RigEffect):
@@ -112,13 +116,9 @@ class StepClimb(RigEffect):
 
     def apply(self, bench: Bench) -> None:
         begin, over = radians(self.from_deg), radians(self.over_deg)
-        _raise_land(bench, self.cable, self.height_um * 1e-6, lambda x: rise_integral(x, begin, over))
-        bench.tell(
-            "step_climb",
-            in_vocabulary=False,
-            cables=[self.cable],
-            parameters={"height_m": self.height_um * 1e-6, "from_rad": begin},
-        )
+        height = self.height_um * 1e-6
+        shape = partial(rise_integral, begin=begin, over=over)
+        _raise_land(bench, self.effect, self.cable, height, shape, height_m=height, from_rad=begin)
 
 
 class LandWear(RigEffect):
@@ -141,13 +141,9 @@ class LandWear(RigEffect):
 
     def apply(self, bench: Bench) -> None:
         begin, end = radians(self.from_deg), radians(self.to_deg)
-        _raise_land(bench, self.cable, -self.depth_um * 1e-6, lambda x: hump_integral(x, begin, end))
-        bench.tell(
-            "land_wear",
-            in_vocabulary=False,
-            cables=[self.cable],
-            parameters={"depth_m": self.depth_um * 1e-6, "from_rad": begin, "to_rad": end},
-        )
+        depth = self.depth_um * 1e-6
+        shape = partial(hump_integral, begin=begin, end=end)
+        _raise_land(bench, self.effect, self.cable, -depth, shape, depth_m=depth, from_rad=begin, to_rad=end)
 
 
 class InputCreep(RigEffect):
