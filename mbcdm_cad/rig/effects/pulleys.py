@@ -82,7 +82,7 @@ class EccentricPulley(RigEffect):
 
 
 def _raise_land(
-    bench: Bench, effect: str, cable: str, height_m: float, shape: Callable[[Floats], Floats], **figures: float
+    bench: Bench, effect: str, cable: str, raised_m: float, shape: Callable[[Floats], Floats], **figures: float
 ) -> None:
     """Let the path of a cable grow by a height times the integral ``shape`` over the drum's surface angle, and tell it.
 
@@ -94,7 +94,7 @@ def _raise_land(
 
     def path(inputs: Floats, drum: Floats) -> Floats:
         longer = np.zeros((len(bench.cables), drum.size))
-        longer[j] = height_m * (shape(-sigma * drum) - shape(np.zeros(1)))
+        longer[j] = raised_m * (shape(-sigma * drum) - shape(np.zeros(1)))
         return longer
 
     bench.paths.append(path)
