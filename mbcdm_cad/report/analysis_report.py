@@ -259,7 +259,7 @@ class AnalysisReport:
         yield [line for note in a.notes for line in filled(f"note: {note}", width)]
 
 
-def _part(title: str, tables: Iterable[ReportTable], notes: Iterable[str], width: int) -> list[str]:
+def _part(title: str, tables: Iterable[ReportTable], notes: Iterable[str], width: int | None) -> list[str]:
     """A part of the text: its title, its tables, and sentences on them."""
     return [
         title,
