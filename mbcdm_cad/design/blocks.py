@@ -22,6 +22,9 @@ from mbcdm_cad.design.stage import StageBlock
 
 # Standard acceleration of gravity (CGPM 1901).
 STANDARD_GRAVITY_M_S2 = 9.80665
+# The most that a design may state: torque and stiffness at the drum, the payload's inertia, travel to each side (three
+# turns of a whole drum). Bounds against slips of units; the rig's follow from them, so that it can run each drive.
+TORQUE_MAX_NM, STIFFNESS_MAX_NM_RAD, INERTIA_MAX_KG_M2, TRAVEL_MAX_DEG = 1000.0, 1e7, 1e6, 1080.0
 Length = Annotated[Number, Field(ge=0.5, le=500.0)]
 
 
@@ -150,7 +153,7 @@ class DutyRow(PlainBlock):
     """A part of the duty's cycle: a load on the drum, at rest or while the drum moves back and forth."""
 
     torque_Nm: Number = quantity(
-        "load on the drum, which opposes positive rotation where it is above zero", ge=-1000.0, le=1000.0
+        "load on the drum, which opposes positive rotation where it is above zero", ge=-TORQUE_MAX_NM, le=TORQUE_MAX_NM
     )
     share: Number = quantity("share of the time; shares count relative to their sum", gt=0.0, le=1.0)
     speed_deg_s: Number | None = quantity(
@@ -163,7 +166,7 @@ class DutyRow(PlainBlock):
         "angle from end to end that it moves over, there and back; left out at a speed: the whole travel",
         default=None,
         gt=0.0,
-        le=240.0,
+        le=2.0 * TRAVEL_MAX_DEG,
     )
 
 
@@ -203,7 +206,7 @@ class Payload(PlainBlock):
         "moment of inertia about the drum's axis; left out, that of the mass as a point at distance_mm",
         default=None,
         ge=0.0,
-        le=1e6,
+        le=INERTIA_MAX_KG_M2,
     )
     radial_N: Number = quantity(
         "largest force across the drum's axis besides the weight, such as that of a foot or a hand",
@@ -243,14 +246,14 @@ NO_PAYLOAD = Payload()
 class Loads(PlainBlock):
     """External torques on the drum at which the design is checked."""
 
-    test_torque_Nm: Number = quantity("torque of the backlash test", uncertain=True, gt=0.0, le=1000.0)
-    peak_torque_Nm: Number = quantity("torque that the design must hold in both directions", gt=0.0, le=1000.0)
+    test_torque_Nm: Number = quantity("torque of the backlash test", uncertain=True, gt=0.0, le=TORQUE_MAX_NM)
+    peak_torque_Nm: Number = quantity("torque that the design must hold in both directions", gt=0.0, le=TORQUE_MAX_NM)
     continuous_torque_Nm: Number | None = quantity(
         "torque that the design must hold continuously, gearheads included, besides that of the payload's weight; not "
         "checked if left out",
         default=None,
         gt=0.0,
-        le=1000.0,
+        le=TORQUE_MAX_NM,
     )
     speed_deg_s: Number | None = quantity(
         "speed that the drum must reach against the continuous torque, or the peak torque where that is left out; not "
@@ -264,7 +267,7 @@ class Loads(PlainBlock):
         "gives most until it holds or other checks refuse; not checked if left out",
         default=None,
         gt=0.0,
-        le=1e7,
+        le=STIFFNESS_MAX_NM_RAD,
     )
     structure_share: Number | None = quantity(
         "largest turn of the payload by all parts besides the cables, over that by the cables, at the test torque, the "
@@ -278,7 +281,7 @@ class Loads(PlainBlock):
         "largest torque at the drum that may be needed to turn it, motors without current; not checked if left out",
         default=None,
         gt=0.0,
-        le=1000.0,
+        le=TORQUE_MAX_NM,
     )
     duty: DutyBlock | None = choice(
         "what the drive does all day, from which the temperatures of its motors follow; an assumed one if left out",

@@ -8,6 +8,7 @@ from typing import Any, Literal, get_args
 
 from pydantic import ConfigDict
 
+from mbcdm_cad.design.blocks import INERTIA_MAX_KG_M2
 from mbcdm_cad.design.describe import Node
 from mbcdm_cad.design.fieldpath import FieldPath
 from mbcdm_cad.design.fields import Block, Integer, Number, Text, choice
@@ -242,7 +243,7 @@ class Pendulum(Block):
         0.002,
         0.0,
         ge=0.0,
-        le=1e4,
+        le=INERTIA_MAX_KG_M2,
     )
     vertical_deg: Number = _of_bench(
         "angle of the output, as its column reads after zero and scale, at which the weight hangs straight down; of a "
@@ -313,7 +314,9 @@ class CountedParts(Block):
 class InertiaPlate(Block):
     """What the bench makes the output turn besides the design's payload."""
 
-    inertia_kg_m2: Number = _of_bench("moment of inertia of plate and coupling about the axis", 0.02, ge=0.0, le=1e4)
+    inertia_kg_m2: Number = _of_bench(
+        "moment of inertia of plate and coupling about the axis", 0.02, ge=0.0, le=INERTIA_MAX_KG_M2
+    )
     inertia_share: Number = _of_bench(
         "standard deviation of all that the output turns, as a share; within two of them an error is no effect",
         0.01,

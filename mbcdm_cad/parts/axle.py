@@ -89,6 +89,7 @@ class Spacer(MadePart):
 
     dims: AxleDims
     title: str = "Guide spacer"
+    note: str = "Ground to the length that leaves the guide's bearings free of play."
 
     def solid(self) -> cq.Solid:
         """Spacer above the upper bearing's inner ring, where it stands in the assembly, axis Z."""
@@ -120,5 +121,5 @@ class Spacer(MadePart):
             fits=(FitLine(2 * dims.radius, fit, "bore"),),
             datums=(Datum(MAIN, ALONG_Z.point(middle, low), "E"),),
             tolerances=(GeometricTolerance(MAIN, ALONG_Z.point(middle, high), "parallelism", 0.01, ("E",)),),
-            notes=("Ground to the length that leaves the guide's bearings free of play.",),
+            notes=(self.note,),
         )

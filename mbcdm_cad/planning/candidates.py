@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import product
-from math import inf, pi, radians, sin
+from math import floor, inf, log10, pi, radians, sin
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,7 @@ from mbcdm_cad.rig.dynamic.experiment import DynamicExperiment
 from mbcdm_cad.rig.dynamic.simulate import simulate as simulate_dynamic
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
 from mbcdm_cad.rig.quasistatic.load import Load
-from mbcdm_cad.rig.quasistatic.motion import WIDEST_MRAD
+from mbcdm_cad.rig.quasistatic.motion import LONGEST_PERIOD_S, WIDEST_MRAD
 from mbcdm_cad.rig.quasistatic.simulate import simulate
 from mbcdm_cad.rig.sensors import BenchLimits
 from mbcdm_cad.rig.writing import counted_parts
@@ -50,6 +50,8 @@ def candidates(drive: Drive, limits: BenchLimits) -> list[Experiment]:
             if limits.drum_speed_max_deg_s is not None:
                 # The period of a sine whose largest speed is within the limit; a slower run is allowed.
                 period = max(period, round(2.0 * pi * amplitude / radians(limits.drum_speed_max_deg_s), 3))
+            if period > LONGEST_PERIOD_S:
+                continue
             motion = {"amplitude_mrad": round(min(1e3 * amplitude, WIDEST_MRAD), 2), "period_s": period}
             for shape, (name, load) in product(SHAPES, _loads(limits, amplitude)):
                 found.append(
@@ -75,8 +77,9 @@ def _loads(limits: BenchLimits, amplitude: float) -> Iterator[tuple[str, dict[st
     if most is None:
         yield "no load", {"kind": "none"}
         return
-    levels = [round(share * most, 3) for share in (0.15, 0.4, 0.7, 1.0)]
-    bias, kinds = round(0.5 * most, 3), limits.loads
+    digits = max(3, 2 - floor(log10(most)))
+    levels = [round(share * most, digits) for share in (0.15, 0.4, 0.7, 1.0)]
+    bias, kinds = round(0.5 * most, digits), limits.loads
     motor = {"kind": "torque_motor", "levels_Nm": levels[-1:]}
     if "brake" in kinds:
         yield "a brake at four levels", {"kind": "brake", "levels_Nm": levels, "periods_per_level": 1.0}
@@ -84,7 +87,7 @@ def _loads(limits: BenchLimits, amplitude: float) -> Iterator[tuple[str, dict[st
         yield "a brake at half the load and a weight", {"kind": "brake", "levels_Nm": [bias], "bias_Nm": bias}
     if "weight" in kinds and limits.motor_current is not None:
         # On an arm that hangs at the centre: its torque is known at each angle, and gives the torque constant.
-        moment = round(most / sin(min(amplitude, 0.5 * pi)), 3)
+        moment = round(most / sin(min(amplitude, 0.5 * pi)), digits)
         yield "a weight on an arm", {"kind": "inertia_plate", "unbalance_Nm": moment}
     elif "weight" in kinds:
         yield "a weight alone", {"kind": "none", "bias_Nm": levels[-1]}

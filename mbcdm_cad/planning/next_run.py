@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from scipy.stats import norm
 
+from mbcdm_cad.design.blocks import TORQUE_MAX_NM, TRAVEL_MAX_DEG
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.loop.effect import Effect
 from mbcdm_cad.loop.effects import library
@@ -31,7 +32,7 @@ from mbcdm_cad.planning.detectable import planned_fitter, without_offsets
 from mbcdm_cad.planning.prediction_noise import along
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
 from mbcdm_cad.rig.result import RigError
-from mbcdm_cad.rig.sensors import BenchLimits
+from mbcdm_cad.rig.sensors import MOST_DURATION_S, BenchLimits
 from mbcdm_cad.routes import Floats
 
 
@@ -166,11 +167,11 @@ def _limits(drive: Drive, runs: Sequence[Run], step_s: float) -> BenchLimits:
     """Limits of the bench, taken from what these runs reached."""
     seen = max(0.5 * float(np.ptp(run.output_rad)) for run in runs)
     torques = [float(np.abs(run.load_Nm).max()) for run in runs if run.load_Nm is not None]
-    most = max(max(torques), drive.loads.test_torque_Nm) if torques else None
+    most = min(max(*torques, drive.loads.test_torque_Nm), TORQUE_MAX_NM) if torques else None
     return BenchLimits.model_validate(
         {
-            "half_travel_deg": degrees(max(seen, TRAVEL_SHARE * radians(drive.half_travel_deg))),
-            "duration_s": max(LEAST_DURATION_S, max(float(np.ptp(run.time_s)) for run in runs)),
+            "half_travel_deg": min(degrees(max(seen, TRAVEL_SHARE * radians(drive.half_travel_deg))), TRAVEL_MAX_DEG),
+            "duration_s": float(np.clip(max(np.ptp(run.time_s) for run in runs), LEAST_DURATION_S, MOST_DURATION_S)),
             "sample_rate_Hz": float(np.clip(round(1.0 / step_s, 3), 1.0, 5000.0)),
             "loads": ("brake", "weight", "torque_motor") if torques else (),
             "torque_Nm": most,

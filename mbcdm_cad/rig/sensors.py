@@ -10,11 +10,13 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from mbcdm_cad.rig.block import ExperimentBlock
+from mbcdm_cad.design.blocks import TORQUE_MAX_NM, TRAVEL_MAX_DEG
+from mbcdm_cad.rig.block import ExperimentBlock, Friction
 from mbcdm_cad.routes import Floats
 
-Resolution = Annotated[float, Field(ge=0.0, le=1e-2)]
-Noise = Annotated[float, Field(ge=0.0, le=1e-2)]
+# As a measurement file may state them.
+Resolution = Annotated[float, Field(ge=0.0, le=1.0)]
+Noise = Annotated[float, Field(ge=0.0, le=1.0)]
 Delay = Annotated[float, Field(ge=0.0, le=1.0)]
 
 
@@ -29,7 +31,7 @@ class BenchSensors(ExperimentBlock):
     input_noise_rad: Noise = 0.0
     output_resolution_rad: Resolution = 1.3635e-6
     output_noise_rad: Noise = 0.0
-    torque_noise_Nm: Annotated[float, Field(ge=0.0, le=5.0)] = 0.005
+    torque_noise_Nm: Friction = 0.005
     torque_delay_s: Delay = 0.0
     temperature_noise_K: Annotated[float, Field(ge=0.0, le=5.0)] = 0.05
     log_torque: bool = True
@@ -57,18 +59,22 @@ class MotorCurrent(ExperimentBlock):
     and noise of the load that follows from them, at the drum."""
 
     torque_constant_share: Annotated[float, Field(ge=0.0, le=0.25)] = 0.05
-    noise_Nm: Annotated[float, Field(ge=0.0, le=5.0)] = 0.02
+    noise_Nm: Friction = 0.02
+
+
+# Longest run, s.
+MOST_DURATION_S = 20000.0
 
 
 class BenchLimits(ExperimentBlock):
     """Limits of a bench; defaults: the travel of the design, no load, no limit of the speed."""
 
     format: Literal["mbcdm-bench-1"] = "mbcdm-bench-1"
-    half_travel_deg: Annotated[float, Field(gt=0.0, le=1080.0)] | None = None
-    duration_s: Annotated[float, Field(ge=60.0, le=20000.0)] = 160.0
+    half_travel_deg: Annotated[float, Field(ge=0.01, le=TRAVEL_MAX_DEG)] | None = None
+    duration_s: Annotated[float, Field(ge=60.0, le=MOST_DURATION_S)] = 160.0
     sample_rate_Hz: Annotated[float, Field(ge=1.0, le=5000.0)] = 100.0
     drum_speed_max_deg_s: Annotated[float, Field(gt=0.0, le=1e5)] | None = None
     loads: Annotated[tuple[LoadKind, ...], Field(max_length=3, strict=False)] = ()
-    torque_Nm: Annotated[float, Field(gt=0.0, le=50.0)] | None = None
+    torque_Nm: Annotated[float, Field(gt=0.0, le=TORQUE_MAX_NM)] | None = None
     sensors: BenchSensors = BenchSensors()
     motor_current: MotorCurrent | None = None

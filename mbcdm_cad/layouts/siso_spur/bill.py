@@ -12,7 +12,7 @@ from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.overhung import MotorSeat
 from mbcdm_cad.layouts.siso_spur.routes import turned
 from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims
-from mbcdm_cad.layouts.siso_spur.support.idlers import Strap, strap_screw
+from mbcdm_cad.layouts.siso_spur.support.idlers import SPACER_NOTE, Strap, strap_screw
 from mbcdm_cad.layouts.siso_spur.support.parts import Yoke
 from mbcdm_cad.parts.axle import Axle, Spacer
 from mbcdm_cad.parts.bill import CABLE, FIXED, Bill, BillBuilder, MovingBody, PartSpec
@@ -230,7 +230,7 @@ def add_idlers(b: BillBuilder, lay: SpurLayout, turn: Placement, mark: str = "")
             )
             b.add(
                 f"idler_spacer_{tag}",
-                Spacer(lay.axle_of(pin, k) if last else between, "Idler spacer"),
+                Spacer(lay.axle_of(pin, k) if last else between, "Idler spacer", SPACER_NOTE),
                 part=f"idler_spacer_{tag if last else tags[0]}",
                 material=metal,
                 place=where @ ALONG_Y if last else where @ level @ ALONG_Y,

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import AliasChoices, Field
 
-from mbcdm_cad.rig.block import ExperimentBlock, PhysicsBlock
+from mbcdm_cad.rig.block import Drag, ExperimentBlock, Friction, Inertia, Moment, PhysicsBlock, Torque
 from mbcdm_cad.rig.dynamic.controller import chirp, sine, standstill
 from mbcdm_cad.rig.effects.registry import AnyEffect
 from mbcdm_cad.rig.quasistatic.motion import WIDEST_MRAD
@@ -14,8 +14,6 @@ from mbcdm_cad.rig.sensors import Delay, Noise, Resolution
 from mbcdm_cad.routes import Floats
 
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
-Torque = Annotated[float, Field(ge=-50.0, le=50.0)]
-Friction = Annotated[float, Field(ge=0.0, le=10.0)]
 
 
 class DynamicMotion(ExperimentBlock):
@@ -46,8 +44,8 @@ class DynamicLoad(ExperimentBlock):
     static_speed_rad_s: Annotated[float, Field(gt=0.0, le=1.0)] = 1e-3
     torque_Nm: Torque = 0.0
     ramp_Nm_s: Torque = 0.0
-    inertia_kg_m2: Annotated[float, Field(ge=0.0, le=10.0)] = 0.0
-    unbalance_Nm: Torque = 0.0
+    inertia_kg_m2: Inertia = 0.0
+    unbalance_Nm: Moment = 0.0
 
 
 class Drives(ExperimentBlock):
@@ -72,7 +70,7 @@ class BearingDrag(ExperimentBlock):
     input_Nm: Friction = 0.0
     passed_Nm: Annotated[Friction, Field(validation_alias=AliasChoices("passed_Nm", "guide_Nm"))] = 0.0
     drum_Nm: Friction = 0.0
-    viscous_Nms: Annotated[float, Field(ge=0.0, le=100.0)] = 0.0
+    viscous_Nms: Drag = 0.0
     stribeck_Nm: Friction = 0.0
     stribeck_rad_s: Annotated[float, Field(gt=0.0, le=100.0)] = 0.05
     driving_share: Share = 0.0
@@ -88,7 +86,7 @@ class DynamicSensors(ExperimentBlock):
     output_resolution_rad: Resolution = 1.3635e-6
     output_noise_rad: Noise = 0.0
     output_delay_s: Delay = 0.0
-    torque_noise_Nm: Annotated[float, Field(ge=0.0, le=5.0)] = 0.005
+    torque_noise_Nm: Friction = 0.005
 
     @property
     def log_torque(self) -> bool:

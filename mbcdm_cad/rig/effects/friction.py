@@ -8,6 +8,7 @@ import numpy as np
 from pydantic import AliasChoices, Field
 
 from mbcdm_cad.rig.bench import Bench
+from mbcdm_cad.rig.block import Drag, FrictionMilli, Stiffness
 from mbcdm_cad.rig.effects.base import RigEffect
 from mbcdm_cad.rig.quasistatic.load import brake
 
@@ -25,10 +26,10 @@ class BearingFriction(RigEffect):
     """
 
     effect: Literal["bearing_friction"]
-    drum_mNm: Annotated[float, Field(ge=0.0, le=5000.0)] = 0.0
-    passed_mNm: Annotated[float, Field(ge=0.0, le=500.0, validation_alias=PASSED)] = 0.0
+    drum_mNm: FrictionMilli = 0.0
+    passed_mNm: Annotated[FrictionMilli, Field(validation_alias=PASSED)] = 0.0
     presliding_urad: Annotated[float, Field(gt=0.0, le=1e4)] = 100.0
-    stribeck_mNm: Annotated[float, Field(ge=0.0, le=5000.0)] = 0.0
+    stribeck_mNm: FrictionMilli = 0.0
     stribeck_mrad_s: Annotated[float, Field(gt=0.0, le=1e5)] = 50.0
 
     def apply(self, bench: Bench) -> None:
@@ -48,7 +49,7 @@ class ViscousDrag(RigEffect):
     """
 
     effect: Literal["viscous_drag"]
-    drag_Nms: Annotated[float, Field(ge=0.0, le=100.0)]
+    drag_Nms: Drag
 
     def apply(self, bench: Bench) -> None:
         bench.hidden_Nm.append(self.drag_Nms * np.gradient(bench.drum_rad, bench.time_s))
@@ -66,7 +67,7 @@ class BrakeStickSlip(RigEffect):
     effect: Literal["brake_stick_slip"]
     static_share: Annotated[float, Field(gt=1.0, lt=2.0)] = 1.2
     scatter: Annotated[float, Field(ge=0.0, le=0.2)] = 0.03
-    stiffness_Nm_rad: Annotated[float, Field(gt=0.0, le=1e5)] = 500.0
+    stiffness_Nm_rad: Stiffness = 500.0
 
     def apply(self, bench: Bench) -> None:
         n = bench.time_s.size

@@ -9,6 +9,7 @@ import numpy as np
 from pydantic import Field
 
 from mbcdm_cad.rig.bench import Bench
+from mbcdm_cad.rig.block import FrictionMilli, Stiffness
 from mbcdm_cad.rig.effects.base import Phase, RigEffect, Stage
 
 
@@ -27,7 +28,7 @@ class GearheadLash(RigEffect):
     stage: Stage
     play_urad: Annotated[float, Field(ge=0.0, le=1e5)]
     # A stiff shaft by default, so that only the lash has an effect.
-    stiffness_Nm_rad: Annotated[float, Field(ge=1.0, le=1e6)] = 5000.0
+    stiffness_Nm_rad: Stiffness = 5000.0
 
     def apply(self, bench: Bench) -> None:
         i = bench.input_index(self.stage)
@@ -85,9 +86,9 @@ class MotorCogging(RigEffect):
 
     effect: Literal["motor_cogging"]
     stage: Stage
-    torque_mNm: Annotated[float, Field(ge=0.0, le=100.0)]
+    torque_mNm: FrictionMilli
     cycles_per_motor_turn: Annotated[float, Field(gt=0.0, le=200.0)] = 6.0
-    loop_stiffness_mNm_rad: Annotated[float, Field(gt=0.0, le=1e5)] = 2.0
+    loop_stiffness_mNm_rad: Annotated[float, Field(gt=0.0, le=1e7)] = 2.0
 
     def apply(self, bench: Bench) -> None:
         i, ratio = bench.input_index(self.stage), bench.drive.reduction.ratio
@@ -127,7 +128,7 @@ class ShaftCompliance(RigEffect):
     """
 
     effect: Literal["shaft_compliance"]
-    compliance_urad_Nm: Annotated[float, Field(ge=0.0, le=1e5)]
+    compliance_urad_Nm: Annotated[float, Field(ge=0.0, le=1e8)]
 
     def apply(self, bench: Bench) -> None:
         bench.output_twist_rad_Nm += self.compliance_urad_Nm * 1e-6

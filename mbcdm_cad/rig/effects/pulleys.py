@@ -12,6 +12,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from mbcdm_cad.rig.bench import Bench
+from mbcdm_cad.rig.block import SurfaceAngle
 from mbcdm_cad.rig.effects.base import CableNames, Phase, RigEffect, Stage
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.displaced import offset_m, path_change_m
@@ -111,7 +112,7 @@ class StepClimb(RigEffect):
     effect: Literal["step_climb"]
     cable: str
     height_um: Annotated[float, Field(ge=0.0, le=2000.0)]
-    from_deg: Annotated[float, Field(ge=-180.0, le=180.0)]
+    from_deg: SurfaceAngle
     over_deg: Annotated[float, Field(gt=0.0, le=90.0)] = 2.0
 
     def apply(self, bench: Bench) -> None:
@@ -130,8 +131,8 @@ class LandWear(RigEffect):
     effect: Literal["land_wear"]
     cable: str
     depth_um: Annotated[float, Field(ge=0.0, le=1000.0)]
-    from_deg: Annotated[float, Field(ge=-180.0, le=180.0)]
-    to_deg: Annotated[float, Field(ge=-180.0, le=180.0)]
+    from_deg: SurfaceAngle
+    to_deg: SurfaceAngle
 
     @model_validator(mode="after")
     def _in_order(self) -> LandWear:
@@ -156,7 +157,7 @@ class InputCreep(RigEffect):
     """
 
     effect: Literal["input_creep"]
-    wrap_deg: Annotated[float, Field(ge=90.0, le=20000.0)] | None = None
+    wrap_deg: Annotated[float, Field(ge=90.0, le=5e5)] | None = None
 
     def apply(self, bench: Bench) -> None:
         free = [c.route.wraps[0].may_slip_through for c in bench.cables]

@@ -117,7 +117,7 @@ class StrandDamage(RigEffect):
     cable: str
     height_um: Annotated[float, Field(ge=0.0, le=1000.0)]
     length_mm: Annotated[float, Field(gt=0.0, le=50.0)] = 2.0
-    position_mm: Annotated[float, Field(ge=-500.0, le=500.0)]
+    position_mm: Annotated[float, Field(ge=-2e4, le=2e4)]
 
     def apply(self, bench: Bench) -> None:
         (j,) = bench.which((self.cable,))

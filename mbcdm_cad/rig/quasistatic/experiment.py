@@ -13,7 +13,7 @@ from mbcdm_cad.rig.chain import DRUM_WRAP_RAD, INPUT_WRAP_RAD
 from mbcdm_cad.rig.effects.registry import AnyEffect
 from mbcdm_cad.rig.quasistatic.load import Load
 from mbcdm_cad.rig.quasistatic.motion import Motion
-from mbcdm_cad.rig.sensors import BenchSensors
+from mbcdm_cad.rig.sensors import MOST_DURATION_S, BenchSensors
 from mbcdm_cad.routes import Floats
 
 MAX_SAMPLES = 2_000_000
@@ -26,7 +26,7 @@ class Physics(PhysicsBlock):
 
     substeps: Annotated[int, Field(ge=1, le=100)] = 1
     # Left out: 16 rad and 3 rad, or what a longer travel winds off and LEFT_RAD.
-    input_wrap_rad: Annotated[float, Field(gt=0.0, le=700.0)] | None = None
+    input_wrap_rad: Annotated[float, Field(gt=0.0, le=1e4)] | None = None
     drum_wrap_rad: Annotated[float, Field(gt=0.0, le=25.0)] | None = None
 
     def wraps_rad(self, reach_rad: float, turns: float) -> tuple[float, float]:
@@ -45,7 +45,7 @@ class Experiment(ExperimentBlock):
     about: Annotated[str, Field(max_length=500)] = ""
     format: Literal["mbcdm-experiment-1"] = "mbcdm-experiment-1"
     seed: Annotated[int, Field(ge=0, le=2**31 - 1)] = 1
-    duration_s: Annotated[float, Field(gt=0.0, le=20000.0)] = 160.0
+    duration_s: Annotated[float, Field(gt=0.0, le=MOST_DURATION_S)] = 160.0
     sample_rate_Hz: Annotated[float, Field(ge=1.0, le=5000.0)] = 100.0
     motion: Motion
     load: Load = Load()

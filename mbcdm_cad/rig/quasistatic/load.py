@@ -12,11 +12,9 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from mbcdm_cad.rig.block import ExperimentBlock
+from mbcdm_cad.rig.block import ExperimentBlock, Inertia, Moment, Torque
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.storage.compiled import compiled
-
-Torque = Annotated[float, Field(ge=-50.0, le=50.0)]
 
 
 class Load(ExperimentBlock):
@@ -32,8 +30,8 @@ class Load(ExperimentBlock):
     # Brake: drum angle over which its torque changes sign.
     flank_mrad: Annotated[float, Field(gt=0.0, le=50.0)] = 0.5
     # Inertia plate.
-    inertia_kg_m2: Annotated[float, Field(ge=0.0, le=10.0)] = 0.0
-    unbalance_Nm: Torque = 0.0
+    inertia_kg_m2: Inertia = 0.0
+    unbalance_Nm: Moment = 0.0
     unbalance_angle_deg: Annotated[float, Field(ge=-360.0, le=360.0)] = 0.0
 
     def torque_Nm(self, time_s: Floats, drum_rad: Floats, period_s: float, stick_slip: Floats | None = None) -> Floats:

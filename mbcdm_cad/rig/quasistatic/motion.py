@@ -13,6 +13,8 @@ from mbcdm_cad.routes import Floats
 
 # Widest motion of a drum from its centre, mrad: the three turns that a whole drum may have.
 WIDEST_MRAD = 19000.0
+# Longest period of a motion.
+LONGEST_PERIOD_S = 1e4
 
 
 class Motion(ExperimentBlock):
@@ -20,7 +22,7 @@ class Motion(ExperimentBlock):
 
     shape: Literal["triangle", "sine", "hold"] = "triangle"
     amplitude_mrad: Annotated[float, Field(gt=0.0, le=WIDEST_MRAD)]
-    period_s: Annotated[float, Field(gt=0.0, le=1e4)]
+    period_s: Annotated[float, Field(gt=0.0, le=LONGEST_PERIOD_S)]
     # Time over which a corner of the triangle is rounded: a position loop cannot reverse instantly.
     corner_s: Annotated[float, Field(ge=0.0, le=10.0)] = 0.2
     # Slow difference (30 to 90 s) between left and right position loops, at the input pulleys.

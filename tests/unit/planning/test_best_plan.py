@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from math import inf, sqrt
+from types import SimpleNamespace
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from mbcdm_cad.design.blocks import TORQUE_MAX_NM
 from mbcdm_cad.loop.prepare.noise import Noise
 from mbcdm_cad.planning.best_run import BLIND, alone_from, rated
+from mbcdm_cad.planning.candidates import candidates
 from mbcdm_cad.planning.plan import Foreseen, Rival, RunPlan
+from mbcdm_cad.rig.sensors import BenchLimits, MotorCurrent
 
 NOISE = Noise(0.0, 0.0, 0.0, 0.0, 0.0, "test")
 
@@ -46,3 +50,16 @@ def test_rating_does_not_hang_on_units_and_is_never_under_one(sizes: list[list[f
     for one, other in zip(rated(plans), rated(scaled), strict=True):
         assert one.mean_multiple >= 1.0 - 1e-12, one
         assert other.mean_multiple == pytest.approx(one.mean_multiple, rel=1e-9)
+
+
+@pytest.mark.parametrize("most", [1e-3, 0.91, TORQUE_MAX_NM])
+def test_the_smallest_and_the_largest_load_have_runs_on_the_shortest_travel(most: float) -> None:
+    loads = ("brake", "weight", "torque_motor")
+    bench = BenchLimits(torque_Nm=most, half_travel_deg=0.01, loads=loads, motor_current=MotorCurrent())
+    runs = candidates(SimpleNamespace(half_travel_deg=1.0), bench)
+    levels = next(run.load.levels_Nm for run in runs if len(run.load.levels_Nm) == 4)
+    assert levels == pytest.approx([0.15 * most, 0.4 * most, 0.7 * most, most], rel=0.004)
+
+
+def test_a_bench_too_slow_for_the_travel_has_no_runs() -> None:
+    assert not candidates(SimpleNamespace(half_travel_deg=1000.0), BenchLimits(drum_speed_max_deg_s=0.01))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+from dataclasses import fields
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -12,13 +13,20 @@ import yaml
 
 import mbcdm_cad.rig
 from mbcdm_cad.cli import run as cli
+from mbcdm_cad.design.blocks import TRAVEL_MAX_DEG, Loads, Payload
+from mbcdm_cad.design.bought import Encoder
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.measurement.schema import InertiaPlate
 from mbcdm_cad.rig.command import _overload
+from mbcdm_cad.rig.dynamic.experiment import DynamicExperiment
+from mbcdm_cad.rig.effects.friction import BearingFriction
+from mbcdm_cad.rig.effects.motor import GearheadLash
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
 from mbcdm_cad.rig.quasistatic.simulate import simulate
 from mbcdm_cad.rig.reading import read_experiment
 from mbcdm_cad.rig.result import RigError
+from mbcdm_cad.rig.sensors import BenchLimits, BenchSensors
 
 SHORT = """\
 name: short
@@ -100,6 +108,25 @@ def test_bad_experiments_are_told_with_line_and_remedy(tmp_path, change, words):
     text = str(caught.value)
     assert all(word in text for word in words), text
     assert f"{path}:" in text and ";" in text
+
+
+def most_of(block, field):
+    """The upper bound of a field of the design file."""
+    return next(f.metadata["le"] for f in fields(block) if f.name == field)
+
+
+def test_the_largest_drive_that_a_design_file_accepts_can_be_loaded_and_measured():
+    for most in (most_of(Loads, "peak_torque_Nm"), most_of(Loads, "test_torque_Nm")):
+        load = {"kind": "brake", "levels_Nm": [most]}
+        Experiment.model_validate({"name": "x", "motion": {"amplitude_mrad": 1.0, "period_s": 9.0}, "load": load})
+        dynamic = {"brake_Nm": most, "torque_Nm": -most, "inertia_kg_m2": most_of(Payload, "inertia_kg_m2")}
+        DynamicExperiment.model_validate({"name": "x", "rig": "dynamic", "load": dynamic})
+        BenchLimits(torque_Nm=most, half_travel_deg=TRAVEL_MAX_DEG)
+        BearingFriction(effect="bearing_friction", drum_mNm=1e3 * most)
+        GearheadLash(effect="gearhead_lash", stage="x", play_urad=0.0, stiffness_Nm_rad=1e-3)
+    coarse = 1e-6 * most_of(Encoder, "resolution_urad")
+    BenchSensors(input_resolution_rad=coarse, output_resolution_rad=coarse)
+    InertiaPlate(inertia_kg_m2=most_of(Payload, "inertia_kg_m2"))
 
 
 def test_what_cannot_be_run_is_refused_in_words(project):

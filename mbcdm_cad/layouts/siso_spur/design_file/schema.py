@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar, Literal
 
-from mbcdm_cad.design.blocks import Design, Input, Length, Rope, Travel
+from mbcdm_cad.design.blocks import TRAVEL_MAX_DEG, Design, Input, Length, Rope, Travel
 from mbcdm_cad.design.design_file import reference_of
 from mbcdm_cad.design.fields import Block, Integer, Number, choice, quantity
 from mbcdm_cad.design.sector_blocks import Clearances, SectorCable, WoundPulleys
@@ -186,7 +186,7 @@ class SpurTravel(Travel):
 
     # A whole drum may turn more than once.
 
-    half_angle_deg: Number = quantity("travel from the centre to each side", ge=1.0, le=1080.0)
+    half_angle_deg: Number = quantity("travel from the centre to each side", ge=1.0, le=TRAVEL_MAX_DEG)
 
 
 class SpurDesign(SpurBlocks):

@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 
 # Gap between the spacer on an axle and the strap.
 END_PLAY_MM = 0.1
+SPACER_NOTE = f"The idlers on the axle keep a play of {END_PLAY_MM:g} mm along it."
 # Depth and least width of a post in diameters of its screw: the wall round the thread.
 POST_DIAMETERS = 2.4
 # Radius of a strap's corners.
