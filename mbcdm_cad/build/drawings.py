@@ -15,6 +15,7 @@ import mbcdm_cad
 from mbcdm_cad.build.made_parts import drawn
 from mbcdm_cad.build.mass import assembly_mass
 from mbcdm_cad.build.store import Progress, StoredPart
+from mbcdm_cad.design.blocks import Making
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError, did_you_mean
@@ -22,6 +23,7 @@ from mbcdm_cad.parallel.forks import fork_map
 from mbcdm_cad.parts.bill import Bill
 from mbcdm_cad.parts.bought.bodies import CableRod
 from mbcdm_cad.parts.item import Item
+from mbcdm_cad.parts.making import accuracy, sheet_as_printed
 from mbcdm_cad.parts.part import MadePart, Part, StandardPart
 from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.storage.keys import content_key, source_hash
@@ -50,15 +52,16 @@ def _shown(part: Part, made: StoredPart) -> Any:
     return made.solid()
 
 
-def _stated(drive: Drive) -> tuple[str, float]:
-    """Texts about the whole design that every sheet contains."""
-    return drive.name, drive.making.position_mm
+def _stated(drive: Drive) -> tuple[str, Making]:
+    """What every sheet states of the whole design."""
+    return drive.name, drive.making
 
 
-def _facts(drive: Drive, material: str, mass_g: float) -> PartFacts:
+def _facts(drive: Drive, material: str, mass_g: float, printed: bool = False) -> PartFacts:
     from mbcdm_cad.drawings.draw import PartFacts
 
-    return PartFacts(drive.name, material, mass_g, mbcdm_cad.__version__, drive.making.position_mm)
+    place = accuracy(drive.making, printed).position_mm
+    return PartFacts(drive.name, material, mass_g, mbcdm_cad.__version__, place, printed)
 
 
 @dataclass(frozen=True)
@@ -74,7 +77,7 @@ class _Job:
     @property
     def key(self) -> str:
         """Names all that the sheet follows from."""
-        code = ("mbcdm_cad.drawings.draw", "mbcdm_cad.build.export.step_pmi")
+        code = ("mbcdm_cad.parts.making", "mbcdm_cad.drawings.draw", "mbcdm_cad.build.export.step_pmi")
         source = source_hash(type(self.part).__module__, *code)
         with_libraries = versions() | {name: metadata.version(name) for name in _LIBRARIES}
         return content_key(
@@ -90,8 +93,10 @@ class _Job:
         from mbcdm_cad.drawings.draw import draw_sheet
 
         mass = self.material.density_g_cm3 * self.made.files.shape.volume_mm3 / 1e3
-        facts = _facts(self.drive, self.material.name, mass)
+        facts = _facts(self.drive, self.material.name, mass, self.material.printed)
         sheet = self.part.sheet(self.name)
+        if self.material.printed:
+            sheet = sheet_as_printed(sheet, accuracy(self.drive.making, True))
         step = part_step_ap242(self.name, self.made.solid(), self.material, sheet)
         return draw_sheet(sheet, _shown(self.part, self.made), facts) | {WITH_TOLERANCES: step}
 

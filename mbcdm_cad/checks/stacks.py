@@ -18,7 +18,7 @@ from mbcdm_cad.layouts.base import Layout
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.model.stack_up import Contribution, StackUp, tightest
 from mbcdm_cad.parts.drum_sector.design import SectorDrive, SectorRun
-from mbcdm_cad.parts.making import land_band_mm, model_tolerances, rope_band_mm
+from mbcdm_cad.parts.making import Body, body_accuracy, land_band_mm, model_tolerances, rope_band_mm
 
 # Its argument is a configuration's design under test.
 Stacks = Callable[[Any], list[StackUp]]
@@ -34,15 +34,16 @@ class TransferStacks(NamedTuple):
 
     def contributions(self, drive: SectorDrive, cable: SectorRun, per_rope: float = 0.0) -> tuple[Contribution, ...]:
         """Distance along y between the body's surface and the wall of a drum land, and ``per_rope`` of the rope."""
-        making = drive.making
+        own: Body = "guide" if self.body == "guide" else "pulley"
+        body, drum, frame = (body_accuracy(drive, part) for part in (own, "drum", "frame"))
         bodies = (
-            Contribution(f"radius of the {self.body}'s step", land_band_mm(drive, cable.land_y_mm)),
-            Contribution(f"run-out of the {self.body}", making.run_out_mm, 0.5),
-            Contribution(f"play of the {self.body}'s bearings", making.bearing_play_mm, 0.5),
-            Contribution(f"place of the {self.body}'s {self.place}", making.position_mm),
-            Contribution("place of the drum's bearings in the frame", making.position_mm),
-            Contribution("place of the land's wall on the drum", making.position_mm),
-            Contribution("run-out of the drum's faces", making.run_out_mm, 0.5),
+            Contribution(f"radius of the {self.body}'s step", land_band_mm(drive, cable.land_y_mm, own)),
+            Contribution(f"run-out of the {self.body}", body.run_out_mm, 0.5),
+            Contribution(f"play of the {self.body}'s bearings", body.bearing_play_mm, 0.5),
+            Contribution(f"place of the {self.body}'s {self.place}", frame.position_mm),
+            Contribution("place of the drum's bearings in the frame", frame.position_mm),
+            Contribution("place of the land's wall on the drum", drum.position_mm),
+            Contribution("run-out of the drum's faces", drum.run_out_mm, 0.5),
         )
         return (*bodies, Contribution("rope's diameter", rope_band_mm(drive), per_rope)) if per_rope else bodies
 
@@ -80,8 +81,8 @@ def ratio_contributions(drive: SectorDrive, cable: SectorRun) -> tuple[Contribut
     """Contributions to the total ratio r_o / r_m, relative to it."""
     r_o, r_m = cable.drum_radius_mm, cable.input_radius_mm
     return (
-        Contribution("drum radius", land_band_mm(drive, r_o), 1.0 / r_o),
-        Contribution("input radius", land_band_mm(drive, r_m), -1.0 / r_m),
+        Contribution("drum radius", land_band_mm(drive, r_o, "drum"), 1.0 / r_o),
+        Contribution("input radius", land_band_mm(drive, r_m, "pulley"), -1.0 / r_m),
         Contribution("rope's diameter", rope_band_mm(drive), (1.0 / r_o - 1.0 / r_m) / 2.0),
     )
 

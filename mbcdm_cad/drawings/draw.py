@@ -27,6 +27,8 @@ from mbcdm_cad.drawings.projection import picture
 from mbcdm_cad.drawings.rendering import pdf_bytes, shapes_of, svg_bytes
 from mbcdm_cad.drawings.texts import texts_of
 from mbcdm_cad.drawings.titleblock import (
+    GENERAL_TOLERANCE,
+    PRINTED_GENERAL_TOLERANCE,
     TitleFields,
     draw_border,
     draw_notes,
@@ -51,6 +53,7 @@ class PartFacts:
     mass_g: float
     version: str
     position_mm: float
+    printed: bool = False
 
 
 def draw_sheet(sheet: Sheet, solid: Any, facts: PartFacts, whole: cq.Shape | None = None) -> dict[str, bytes]:
@@ -111,6 +114,7 @@ def _fields(sheet: Sheet, facts: PartFacts, arrangement: Arrangement) -> TitleFi
         paper=arrangement.paper,
         revision=revision,
         made_by=f"mbcdm_cad {facts.version}",
+        general=PRINTED_GENERAL_TOLERANCE if facts.printed else GENERAL_TOLERANCE,
     )
 
 

@@ -15,7 +15,8 @@ from mbcdm_cad.drawings.style import ROW_MM, TEXT_MM, TITLE_MM, text_width_mm
 from mbcdm_cad.parts.fits import limits
 from mbcdm_cad.parts.sheets.description import FitLine, Table, mm
 
-GENERAL_TOLERANCE = "ISO 2768-mK"
+# A printer holds the coarse class.
+GENERAL_TOLERANCE, PRINTED_GENERAL_TOLERANCE = "ISO 2768-mK", "ISO 2768-cL"
 
 
 @dataclass(frozen=True)
@@ -31,6 +32,7 @@ class TitleFields:
     paper: str
     revision: str
     made_by: str
+    general: str
 
 
 def draw_border(doc: Drawing, width: float, height: float) -> None:
@@ -70,7 +72,7 @@ def draw_title_block(doc: Drawing, fields: TitleFields, width: float) -> None:
     cell(left, 0, "Design", fields.design)
     cell(first, 3, "Material", fields.material)
     cell(first, 2, "Mass", fields.mass)
-    cell(first, 1, "General tolerances", GENERAL_TOLERANCE)
+    cell(first, 1, "General tolerances", fields.general)
     cell(first, 0, "Edges (ISO 13715)", "outside -0.1/-0.3  inside +0.1/+0.3", 2.0)
     cell(second, 3, "Made by", fields.made_by)
     cell(second, 2, "Scale", fields.scale, 3.5)

@@ -160,6 +160,9 @@ FITS = {
     "pilot": RoleFit("H8", "spigot of the gearhead centres, its screws hold", "ISO 286 hole-basis practice"),
     "collar_bore": RoleFit("H7", "slides on the slit journal and closes it", "ISO 286 hole-basis practice"),
     "land": RoleFit("js7", "the land's radius sets the ratio: both signs alike", "tolerance of the ratio"),
+    "printed_land": RoleFit(
+        "js12", "as printed: some 0.1 mm on 20 mm, 0.2 mm on 150 mm", "estimate: printing services"
+    ),
     "pin": RoleFit("m6", "parallel pin", _PINS),
     "pin_press": RoleFit("H7", "pin m6 stays in this part", _PINS),
     "pin_slide": RoleFit("G7", "pin m6 comes out of this part by hand", _PINS),

@@ -2,16 +2,95 @@
 
 from __future__ import annotations
 
+import re
+from dataclasses import replace
 from math import sqrt
+from typing import Literal
 
+from mbcdm_cad.design.blocks import Making
+from mbcdm_cad.design.bought import Material
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.model.tolerance import Tolerances
-from mbcdm_cad.parts.fits import radius_band_mm
+from mbcdm_cad.parts.fits import FITS, radius_band_mm
+from mbcdm_cad.parts.sheets.description import Linear, Sheet, Table, mm3
+
+# What has a material of its own; a drive without a guide has none for it.
+Body = Literal["drum", "guide", "pulley", "frame"]
 
 # Axial over radial play of a deep-groove bearing (bearing makers: 8 to 15, the closer the osculation the less).
 AXIAL_OVER_RADIAL = 10.0
 # Error of a preload set by hand, over the preload (estimate).
 PRELOAD_SHARE = 0.05
+# Run-out and place, plus or minus, that a printer holds, mm (estimate: printing services state 0.1 to 0.3).
+PRINTED_MM = 0.1
+
+
+def _printed(drive: Drive, body: Body) -> bool:
+    found: Material | None = getattr(drive, f"{body}_material", None)
+    return found is not None and found.printed
+
+
+def accuracy(making: Making, printed: bool) -> Making:
+    """The design's ``making`` for one part: run-out and place of a printed one are not below what a printer holds."""
+    if not printed:
+        return making
+    run_out, place = (max(value, PRINTED_MM) for value in (making.run_out_mm, making.position_mm))
+    return replace(making, run_out_mm=run_out, position_mm=place)
+
+
+def body_accuracy(drive: Drive, body: Body) -> Making:
+    """:func:`accuracy` of drum, guide, input pulley or frame."""
+    return accuracy(drive.making, _printed(drive, body))
+
+
+def sheet_as_printed(sheet: Sheet, making: Making) -> Sheet:
+    """The sheet of a printed part: what a printer holds, with bores and journals cut after printing to their fits.
+
+    Lands have the printer's class, frames the run-out and place of ``making`` as :func:`accuracy` gives it for a
+    printed part; roughnesses are left out.
+    """
+    turned, printed = FITS["land"].code, FITS["printed_land"].code
+
+    def fit(code: str) -> str:
+        return printed if code == turned else code
+
+    def rows(table: Table) -> Table:
+        return replace(table, rows=tuple(tuple(map(fit, row)) for row in table.rows))
+
+    place, codes = mm3(making.position_mm), {fit(line.code) for line in sheet.fits} - {""}
+    notes = [re.sub(r"within 0\.02", f"within {place}", _as_printed(note)) for note in sheet.notes]
+    made = ["Printed."]
+    if printed in codes:
+        made.append("Lands as printed.")
+    if any(code[0].isupper() for code in codes):
+        made.append("Bores with a fit are printed smaller, then reamed or bored to it.")
+    if any(code[0].islower() for code in codes - {printed}):
+        made.append("Journals are printed larger, then turned to their fit.")
+    return replace(
+        sheet,
+        dimensions=tuple(replace(d, fit=fit(d.fit)) if isinstance(d, Linear) else d for d in sheet.dimensions),
+        tolerances=tuple(
+            replace(t, value_mm=making.run_out_mm if t.characteristic == "run-out" else making.position_mm)
+            for t in sheet.tolerances
+        ),
+        tables=tuple(map(rows, sheet.tables)),
+        fits=tuple(replace(line, code=fit(line.code)) for line in sheet.fits),
+        notes=(*filter(None, notes), " ".join(made)),
+    )
+
+
+def _as_printed(note: str) -> str:
+    """The note without what it says of roughness and milling."""
+    kept = []
+    note = note.replace("Milled from one block.", "One piece.")
+    for sentence in re.split(r"(?<=\.) (?=[A-Z+(])", note):
+        if not re.search(r"\bRa \d", sentence):
+            kept.append(sentence)
+        elif rest := [
+            part for part in re.split(r"[,;] ", sentence.rstrip(".")) if not re.search(r"\bRa \d|ground", part)
+        ]:
+            kept.append(", ".join(rest)[:1].upper() + ", ".join(rest)[1:] + ".")
+    return " ".join(kept)
 
 
 def rope_band_mm(drive: Drive) -> float:
@@ -19,9 +98,10 @@ def rope_band_mm(drive: Drive) -> float:
     return drive.making.rope_diameter_share * drive.cable.diameter_mm
 
 
-def land_band_mm(drive: Drive, pitch_radius_mm: float) -> float:
-    """Plus or minus on the radius of the surface that carries a cable at ``pitch_radius_mm``."""
-    return radius_band_mm(pitch_radius_mm - drive.cable.diameter_mm / 2, "land")
+def land_band_mm(drive: Drive, pitch_radius_mm: float, body: Body) -> float:
+    """Plus or minus on the radius of the surface of a body that carries a cable at ``pitch_radius_mm``."""
+    role = "printed_land" if _printed(drive, body) else "land"
+    return radius_band_mm(pitch_radius_mm - drive.cable.diameter_mm / 2, role)
 
 
 def axial_play_mm(drive: Drive) -> float:
@@ -34,17 +114,17 @@ def model_tolerances(drive: Drive) -> Tolerances:
 
     A point anywhere in a disc of radius e has e/2 in each component, a size anywhere in +-t has t/sqrt(3).
     """
-    eccentricity = drive.making.run_out_mm / 4.0 * 1e-3
-    bands = [
-        max(land_band_mm(drive, radius) for radius in radii)
-        for radii in ([c.drum_radius_mm for c in drive.cables], [c.input_radius_mm for c in drive.cables])
-    ]
-    drum, pulley = (band / sqrt(3.0) * 1e-3 for band in bands)
+
+    def eccentricity_m(body: Body) -> float:
+        return body_accuracy(drive, body).run_out_mm / 4.0 * 1e-3
+
+    drum = max(land_band_mm(drive, c.drum_radius_mm, "drum") for c in drive.cables) / sqrt(3.0) * 1e-3
+    pulley = max(land_band_mm(drive, c.input_radius_mm, "pulley") for c in drive.cables) / sqrt(3.0) * 1e-3
     preload = PRELOAD_SHARE * sum(c.preload_N for c in drive.cables) / len(drive.cables)
     return Tolerances(
-        drum_eccentricity_m=eccentricity,
-        passed_eccentricity_m=eccentricity,
-        input_eccentricity_m=eccentricity,
+        drum_eccentricity_m=eccentricity_m("drum"),
+        passed_eccentricity_m=eccentricity_m("guide"),
+        input_eccentricity_m=eccentricity_m("pulley"),
         drum_radius_m=drum,
         input_radius_m=pulley,
         preload_N=preload,

@@ -14,19 +14,19 @@ from mbcdm_cad.layouts.miso_bevel.cable_path import fleet_angle_deg, winding
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.layouts.miso_bevel.stack import END_PLAY_MM
 from mbcdm_cad.model.stack_up import Contribution
-from mbcdm_cad.parts.making import axial_play_mm, land_band_mm, rope_band_mm
+from mbcdm_cad.parts.making import axial_play_mm, body_accuracy, land_band_mm, rope_band_mm
 
 _NEWTON_STEPS = 12
 
 
 def guide_wall_contributions(drive: BevelDrive, cable: BevelRun) -> tuple[Contribution, ...]:
     """Contributions to the gap from a cable's flank to the walls of its step of the guide, along z."""
-    making = drive.making
+    drum, guide, frame = (body_accuracy(drive, part) for part in ("drum", "guide", "frame"))
     return (
-        Contribution("radius of the drum's land", land_band_mm(drive, cable.drum_radius_mm)),
-        Contribution("run-out of the drum", making.run_out_mm, 0.5),
-        Contribution("place of the guide's shelf over the drum's axis", making.position_mm),
-        Contribution("place of the walls on the guide", making.position_mm),
+        Contribution("radius of the drum's land", land_band_mm(drive, cable.drum_radius_mm, "drum")),
+        Contribution("run-out of the drum", drum.run_out_mm, 0.5),
+        Contribution("place of the guide's shelf over the drum's axis", frame.position_mm),
+        Contribution("place of the walls on the guide", guide.position_mm),
         Contribution("axial play of the guide's bearings", axial_play_mm(drive), 0.5),
         # The centre line lies half a rope over the drum's surface, the flank half a rope beside it.
         Contribution("rope's diameter", rope_band_mm(drive), 1.0),
@@ -51,15 +51,15 @@ def self_clearance(drive: BevelDrive, cable: BevelRun) -> tuple[float, tuple[Con
     distance = ((r * a**2 / 2.0) ** 2 + above**2) ** 0.5
     per_slope = -above * r * a / distance
     per_radius = (r * a**4 / 4.0 - above * slope * a) / distance
-    making = drive.making
+    pulley, guide, frame = (body_accuracy(drive, part) for part in ("pulley", "guide", "frame"))
     heights = 1.0 / span
     return distance - drive.cable.diameter_mm, (
         Contribution("rope's diameter", rope_band_mm(drive), per_radius / 2.0 - 1.0),
-        Contribution("radius of the input pulley", land_band_mm(drive, r), per_radius),
-        Contribution("run-out of the input pulley", making.run_out_mm, per_radius / 2.0),
+        Contribution("radius of the input pulley", land_band_mm(drive, r, "pulley"), per_radius),
+        Contribution("run-out of the input pulley", pulley.run_out_mm, per_radius / 2.0),
         Contribution("end play of the input pulley", END_PLAY_MM, per_slope * heights / 2.0),
-        Contribution("height of the guide's step over the pulley's", making.position_mm, per_slope * heights),
-        Contribution("centre distance", making.position_mm, -per_slope * slope * drive.centre_distance_mm / span**2),
+        Contribution("height of the guide's step over the pulley's", guide.position_mm, per_slope * heights),
+        Contribution("centre distance", frame.position_mm, -per_slope * slope * drive.centre_distance_mm / span**2),
     )
 
 
@@ -74,8 +74,8 @@ def pair_path_contributions(drive: BevelDrive, pair: tuple[BevelRun, BevelRun]) 
     for sign, c in zip((1.0, -1.0), pair, strict=True):
         ratio = c.drum_radius_mm / c.input_radius_mm
         found += [
-            Contribution(f"drum radius of {c.name}", land_band_mm(drive, c.drum_radius_mm), half),
-            Contribution(f"input radius of {c.name}", land_band_mm(drive, c.input_radius_mm), half * ratio),
+            Contribution(f"drum radius of {c.name}", land_band_mm(drive, c.drum_radius_mm, "drum"), half),
+            Contribution(f"input radius of {c.name}", land_band_mm(drive, c.input_radius_mm, "pulley"), half * ratio),
         ]
         shift += sign * half * (1.0 - ratio) / 2.0
     return (*found, Contribution("rope's diameter", rope_band_mm(drive), shift))

@@ -518,7 +518,8 @@ class SpurLayout(HeadLayout):
         drive = self.drive
         radii = (drive.drum_radius_mm, drive.input_radius_mm)
         if drive.matched_lands_mm is None:
-            return hypot(*(land_band_mm(drive, r) / r for r in radii)) * sqrt(1.0 - 1.0 / drive.parallel)
+            drum, pulley = (land_band_mm(drive, radii[0], "drum"), land_band_mm(drive, radii[1], "pulley"))
+            return hypot(drum / radii[0], pulley / radii[1]) * sqrt(1.0 - 1.0 / drive.parallel)
         # Radii lie within a quarter of it on both sides of their middle.
         return hypot(*(drive.matched_lands_mm / 4.0 / r for r in radii))
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from math import pi, sqrt
 from pathlib import Path
@@ -17,6 +18,8 @@ from mbcdm_cad.build.wider_holes import round_holes, with_wider_holes
 from mbcdm_cad.checks.built import overhang_check, printed_walls_check
 from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.loader import load_design, load_text
+from mbcdm_cad.parts.fits import limits
+from mbcdm_cad.parts.making import PRINTED_MM, body_accuracy, land_band_mm, model_tolerances, sheet_as_printed
 from tests.support.checked import failing
 
 ROOT = Path(__file__).parents[3]
@@ -146,6 +149,30 @@ def _location(item) -> cq.Location:
     from mbcdm_cad.build.kernel import location
 
     return cq.Location(location(item.location))
+
+
+@pytest.mark.parametrize("file", ["gallery/printed.yaml", "gallery/capstan.yaml"])
+def test_sheets_of_printed_parts_ask_what_the_model_counts_and_a_printer_holds(file: str) -> None:
+    drive, _, bill = _bill((ROOT / "params" / file).read_text("utf-8"))
+    material = {item.part: item.material for item in bill.items}
+    printed = {name: part for name, part in bill.made.items() if material[name].printed}
+    assert {"drum", "frame"} <= set(printed)
+    making = body_accuracy(drive, "drum")
+    assert making.position_mm >= PRINTED_MM and body_accuracy(drive, "pulley") == drive.making
+    for name, part in printed.items():
+        sheet = sheet_as_printed(part.sheet(name), making)
+        assert not [note for note in sheet.notes if re.search(r"\bRa \d|ground|[Mm]illed", note)], sheet.notes
+        assert sheet.notes[-1].startswith("Printed.")
+        for frame in sheet.tolerances:
+            assert frame.value_mm == (making.run_out_mm if frame.characteristic == "run-out" else making.position_mm)
+        assert not {"js7"} & {cell for table in sheet.tables for row in table.rows for cell in row}
+    lands = [line for line in sheet_as_printed(printed["drum"].sheet("drum"), making).fits if line.code == "js12"]
+    counted = {land_band_mm(drive, c.drum_radius_mm, "drum") for c in drive.cables}
+    stated = {(b.upper_mm - b.lower_mm) / 4.0 for b in (limits(line.nominal_mm, line.code) for line in lands)}
+    assert len(lands) >= 2 and sorted(stated) == pytest.approx(sorted(counted)), (stated, counted)
+    stack = model_tolerances(drive)
+    assert stack.drum_eccentricity_m == pytest.approx(making.run_out_mm / 4e3)
+    assert stack.input_eccentricity_m == pytest.approx(drive.making.run_out_mm / 4e3)
 
 
 def test_walls_round_inserts_are_checked() -> None:

@@ -9,7 +9,7 @@ from mbcdm_cad.checks.stacks import TRANSMISSION_ERROR, stack_check
 from mbcdm_cad.layouts.siso_spur.checks.winding import turn_distance_mm
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.model.stack_up import Contribution, StackUp, tightest
-from mbcdm_cad.parts.making import axial_play_mm, land_band_mm, rope_band_mm
+from mbcdm_cad.parts.making import axial_play_mm, body_accuracy, land_band_mm, rope_band_mm
 
 
 def turn_gap(s: SpurLayout) -> list[StackUp]:
@@ -23,7 +23,7 @@ def turn_gap(s: SpurLayout) -> list[StackUp]:
             (
                 # Half a rope on each side of the gap: together one diameter.
                 Contribution("rope's diameter", rope_band_mm(drive)),
-                Contribution("lead of the groove over a turn", drive.making.position_mm),
+                Contribution("lead of the groove over a turn", body_accuracy(drive, "pulley").position_mm),
             ),
         )
     ]
@@ -31,17 +31,18 @@ def turn_gap(s: SpurLayout) -> list[StackUp]:
 
 def rim_edge(s: SpurLayout) -> list[StackUp]:
     """The cable on the drum and the nearer face of its rim."""
-    drive, making = s.drive, s.drive.making
+    drive = s.drive
+    frame, drum = body_accuracy(drive, "frame"), body_accuracy(drive, "drum")
     plane, (low, *_, high) = drive.on_drum_mm + s.flank_mm, s.drum.lands
     return [
         StackUp(
             "flank of the cable from the rim's face, mm",
             min(-plane - low.y_start, high.y_end - plane),
             (
-                Contribution("place of the input's bearings along y", making.position_mm),
+                Contribution("place of the input's bearings along y", frame.position_mm),
                 Contribution("axial play of the input", axial_play_mm(drive), 0.5),
-                Contribution("place of the drum's bearings in the frame", making.position_mm),
-                Contribution("place of the rim's face on the drum", making.position_mm),
+                Contribution("place of the drum's bearings in the frame", frame.position_mm),
+                Contribution("place of the rim's face on the drum", drum.position_mm),
                 Contribution("rope's diameter", rope_band_mm(drive), 0.5),
             ),
         )
@@ -57,8 +58,8 @@ def stacks(s: SpurLayout) -> Iterator[StackUp]:
         "total ratio, relative",
         inf,
         (
-            Contribution("drum radius", land_band_mm(s.drive, r_o), 1.0 / r_o),
-            Contribution("input radius", land_band_mm(s.drive, r_i), -1.0 / r_i),
+            Contribution("drum radius", land_band_mm(s.drive, r_o, "drum"), 1.0 / r_o),
+            Contribution("input radius", land_band_mm(s.drive, r_i, "pulley"), -1.0 / r_i),
             Contribution("rope's diameter", rope_band_mm(s.drive), (1.0 / r_o - 1.0 / r_i) / 2.0),
         ),
     )

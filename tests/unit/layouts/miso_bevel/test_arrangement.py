@@ -225,5 +225,5 @@ def test_the_sheet_of_a_grooved_pulley_gives_grooves_as_a_table(reference: Bevel
     assert table["hand of the helix"] == ("right", "right")
     radii = {c.input_radius_mm for c in drive.cables if c.input_name == drive.input_names[0]}
     bands = {f.nominal_mm: limits(f.nominal_mm, f.code).upper_mm / 2 for f in sheet.fits if f.what.startswith("root")}
-    counted = {round(2 * r - drive.cable.diameter_mm, 6): land_band_mm(drive, r) for r in radii}
+    counted = {round(2 * r - drive.cable.diameter_mm, 6): land_band_mm(drive, r, "pulley") for r in radii}
     assert bands == pytest.approx(counted), "the sheet's roots and what the model counts"

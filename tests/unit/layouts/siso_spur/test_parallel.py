@@ -126,7 +126,9 @@ def test_the_rules_share_the_load_and_pass(two: SpurLayout) -> None:
 def _band_mm(lay: SpurLayout) -> float:
     """Difference of diameters, the same on drum and input, that leaves what the tolerances of both leave."""
     radii = (lay.drive.drum_radius_mm, lay.drive.input_radius_mm)
-    off = np.hypot(*(land_band_mm(lay.drive, r) / r for r in radii)) / 2**0.5
+    off = (
+        np.hypot(*(land_band_mm(lay.drive, r, b) / r for b, r in zip(("drum", "pulley"), radii, strict=True))) / 2**0.5
+    )
     return float(4.0 * off / np.hypot(*(1.0 / r for r in radii)))
 
 
