@@ -34,7 +34,7 @@ class TransferStacks(NamedTuple):
 
     def contributions(self, drive: SectorDrive, cable: SectorRun, per_rope: float = 0.0) -> tuple[Contribution, ...]:
         """Distance along y between the body's surface and the wall of a drum land, and ``per_rope`` of the rope."""
-        own: Body = "guide" if self.body == "guide" else "pulley"
+        own: Body = "pulley" if drive.passed_material is None else "passed"
         body, drum, frame = (body_accuracy(drive, part) for part in (own, "drum", "frame"))
         bodies = (
             Contribution(f"radius of the {self.body}'s step", land_band_mm(drive, cable.land_y_mm, own)),

@@ -14,8 +14,8 @@ from mbcdm_cad.model.tolerance import Tolerances
 from mbcdm_cad.parts.fits import FITS, radius_band_mm
 from mbcdm_cad.parts.sheets.description import Linear, Sheet, Table, mm3
 
-# What has a material of its own; a drive without a guide has none for it.
-Body = Literal["drum", "guide", "pulley", "frame"]
+# What has a material of its own; passed: the body that cables pass on the way to the drum, where there is one.
+Body = Literal["drum", "passed", "pulley", "frame"]
 
 # Axial over radial play of a deep-groove bearing (bearing makers: 8 to 15, the closer the osculation the less).
 AXIAL_OVER_RADIAL = 10.0
@@ -39,7 +39,7 @@ def accuracy(making: Making, printed: bool) -> Making:
 
 
 def body_accuracy(drive: Drive, body: Body) -> Making:
-    """:func:`accuracy` of drum, guide, input pulley or frame."""
+    """:func:`accuracy` of one body."""
     return accuracy(drive.making, _printed(drive, body))
 
 
@@ -123,7 +123,7 @@ def model_tolerances(drive: Drive) -> Tolerances:
     preload = PRELOAD_SHARE * sum(c.preload_N for c in drive.cables) / len(drive.cables)
     return Tolerances(
         drum_eccentricity_m=eccentricity_m("drum"),
-        passed_eccentricity_m=eccentricity_m("guide"),
+        passed_eccentricity_m=eccentricity_m("passed"),
         input_eccentricity_m=eccentricity_m("pulley"),
         drum_radius_m=drum,
         input_radius_m=pulley,

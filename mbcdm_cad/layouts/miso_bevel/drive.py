@@ -104,6 +104,11 @@ class BevelDrive(SectorDrive):
     support: Support
 
     @property
+    def passed_material(self) -> Material:
+        """See the base class: the guide's."""
+        return self.guide_material
+
+    @property
     def input_turn_rad(self) -> float:
         """Angle, rad, between the X axis and the line from the guide's axis to an input's, positive away from the drum.
 

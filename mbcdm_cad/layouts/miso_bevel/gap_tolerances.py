@@ -21,7 +21,7 @@ _NEWTON_STEPS = 12
 
 def guide_wall_contributions(drive: BevelDrive, cable: BevelRun) -> tuple[Contribution, ...]:
     """Contributions to the gap from a cable's flank to the walls of its step of the guide, along z."""
-    drum, guide, frame = (body_accuracy(drive, part) for part in ("drum", "guide", "frame"))
+    drum, guide, frame = (body_accuracy(drive, part) for part in ("drum", "passed", "frame"))
     return (
         Contribution("radius of the drum's land", land_band_mm(drive, cable.drum_radius_mm, "drum")),
         Contribution("run-out of the drum", drum.run_out_mm, 0.5),
@@ -51,7 +51,7 @@ def self_clearance(drive: BevelDrive, cable: BevelRun) -> tuple[float, tuple[Con
     distance = ((r * a**2 / 2.0) ** 2 + above**2) ** 0.5
     per_slope = -above * r * a / distance
     per_radius = (r * a**4 / 4.0 - above * slope * a) / distance
-    pulley, guide, frame = (body_accuracy(drive, part) for part in ("pulley", "guide", "frame"))
+    pulley, guide, frame = (body_accuracy(drive, part) for part in ("pulley", "passed", "frame"))
     heights = 1.0 / span
     return distance - drive.cable.diameter_mm, (
         Contribution("rope's diameter", rope_band_mm(drive), per_radius / 2.0 - 1.0),

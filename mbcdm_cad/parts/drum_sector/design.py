@@ -73,6 +73,11 @@ class SectorDrive(Drive):
     frame_material: Material
 
     @property
+    def passed_material(self) -> Material | None:
+        """Material of the body that the cables pass between input pulley and drum; None without."""
+        return None
+
+    @property
     def anchor_m_N(self) -> float:
         """How far a terminal gives way for each newton at its end of the rope: its springs."""
         return 0.0 if self.spring is None else self.drum.spring_count * 1e-3 / self.spring.stiffness_N_mm
