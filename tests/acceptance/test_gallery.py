@@ -16,8 +16,9 @@ from tests.support.checked import of_params
 GALLERY = sorted((Path(__file__).parents[2] / "params" / "gallery").glob("*.yaml"))
 
 
-# Two by default: half of the gallery has one or none. "twice" names its rope, too thick for its radii.
-MOST_WARNINGS = {"twice": 3}
+# Two by default: half of the gallery has one or none. "twice" names its rope, too thick for its radii. A
+# printer holds 0.1 mm, more than four gaps of a bevel drive allow: "printed" needs its parts selected or turned.
+MOST_WARNINGS = {"twice": 3, "printed": 4}
 
 
 def test_there_is_a_gallery() -> None:
