@@ -247,6 +247,7 @@ def _radius(paper: Modelspace, placed: PlacedView, d: Radius, room: Room) -> Non
     )
     # Set only now: if the text's position is known earlier, the library turns the arrow towards it.
     made.user_location_override(leg)
+    room.add_line(np.array([at, leg]))
     made.render()
     made.dimension.set_xdata(APPLICATION, [(1000, d.view)])
 
@@ -280,12 +281,17 @@ def _label(paper: Modelspace, placed: PlacedView, label: Label, room: Room) -> N
     at = placed.paper(*placed.view.project(label.at))
     width = text_width_mm(label.text)
     clear = label.clear_mm * placed.scale + (3.0 if label.leader else 0.0)
-    middle = room.place(at, width, TEXT_MM, clear)
+
+    def from_edge(middle: Point) -> Point:
+        edge = min(max(at[0], middle[0] - width / 2 - 0.5), middle[0] + width / 2 + 0.5)
+        return edge, min(max(at[1], middle[1] - TEXT_MM / 2 - 0.5), middle[1] + TEXT_MM / 2 + 0.5)
+
+    middle = room.place(at, width, TEXT_MM, clear, leader=from_edge if label.leader else None)
     _text(paper, label.text, middle)
     if label.leader:
-        edge = min(max(at[0], middle[0] - width / 2 - 0.5), middle[0] + width / 2 + 0.5)
-        up = min(max(at[1], middle[1] - TEXT_MM / 2 - 0.5), middle[1] + TEXT_MM / 2 + 0.5)
-        paper.add_line(at, (edge, up), dxfattribs={"layer": "DIMENSION"})
+        start = from_edge(middle)
+        paper.add_line(at, start, dxfattribs={"layer": "DIMENSION"})
+        room.add_line(np.array([at, start]))
         dot = paper.add_hatch(color=256, dxfattribs={"layer": "DIMENSION"})
         dot.paths.add_edge_path().add_arc(at, 0.35, 0.0, 360.0)
 
@@ -304,7 +310,11 @@ def _cutting_line(paper: Modelspace, placed: PlacedView, cutting: CuttingLine, r
         _arrow(paper, tail, tip)
         room.add_line(np.array([end, corner]))
         room.add_line(np.array([tail, tip]))
-        middle = tuple(tail + out * 3.2 + looks * 2.0)
+        places: list[Point] = [
+            tuple(tail + out * 3.2 + looks * on) for on in (2.0, 1.0, 0.0, -1.0, -2.0, -3.0, 3.0, 4.0)
+        ]
+        size = LABEL_MM + 0.4
+        middle = next((place for place in places if room.is_free(_box(place, size, size))), places[0])
         _text(paper, cutting.letter, middle, LABEL_MM)
         room.add_box(_box(middle, LABEL_MM + 1.0, LABEL_MM + 1.0))
 

@@ -44,8 +44,16 @@ def draw_tolerance(paper: Modelspace, placed: PlacedView, tolerance: GeometricTo
     count = " ".join(filter(None, (f"{len(tolerance.places)}x" if tolerance.others else "", tolerance.of)))
     high = _HIGH_MM + (TEXT_MM + 1.0 if count else 0.0)
     tip = placed.paper(*placed.view.project(tolerance.at))
-    x, y = room.place(tip, sum(widths), high, 6.0)
-    left, low = x - sum(widths) / 2, y - high / 2
+    wide = sum(widths)
+
+    def from_side(middle: Point) -> Point:
+        left, low = middle[0] - wide / 2, middle[1] - high / 2
+        if left < tip[0] < left + wide:
+            return tip[0], low if tip[1] < low else low + high
+        return left if tip[0] < left else left + wide, low + _HIGH_MM / 2
+
+    middle = room.place(tip, wide, high, 6.0, leader=from_side)
+    left, low = middle[0] - wide / 2, middle[1] - high / 2
     _cells(paper, left, low, widths)
     for sign in _SIGNS[tolerance.characteristic]:
         points = [(left + _HIGH_MM * u, low + _HIGH_MM * v) for u, v in sign]
@@ -58,13 +66,10 @@ def draw_tolerance(paper: Modelspace, placed: PlacedView, tolerance: GeometricTo
         at += width
     if count:
         _middle(paper, count, (left + text_width_mm(count) / 2, low + _HIGH_MM + 0.7 + TEXT_MM / 2))
-    right = left + sum(widths)
-    from_side = (left if tip[0] < x else right, low + _HIGH_MM / 2)
-    if left < tip[0] < right:
-        from_side = (tip[0], low if tip[1] < low else low + high)
-    paper.add_line(from_side, tip, dxfattribs=_THIN)
-    _arrow_head(paper, from_side, tip, ARROW_MM)
-    room.add_line(np.array([from_side, tip]))
+    start = from_side(middle)
+    paper.add_line(start, tip, dxfattribs=_THIN)
+    _arrow_head(paper, start, tip, ARROW_MM)
+    room.add_line(np.array([start, tip]))
 
 
 def draw_axis_datum(paper: Modelspace, placed: PlacedView, shown: PlacedDimension, room: Room) -> None:
@@ -94,7 +99,7 @@ def draw_axis_datum(paper: Modelspace, placed: PlacedView, shown: PlacedDimensio
     paper.add_line((end, line) if across else (line, end), base, dxfattribs=_THIN)
     _indicator(paper, base, (sign, 0.0) if across else (0.0, sign), at, shown.dimension.datum)
     room.add_box(taken)
-    room.add_line(np.array([base, at]))
+    room.add_line(np.array([(end, line) if across else (line, end), at]))
 
 
 def draw_face_datum(paper: Modelspace, placed: PlacedView, datum: Datum, room: Room) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from math import cos, radians, sin
 
 import numpy as np
@@ -57,14 +57,27 @@ class Room:
             return False
         if self._together is None:
             self._together = np.concatenate(self._segments) if self._segments else np.zeros((0, 4))
-        return not _crossed(self._together, wanted)
+        return not crossed(self._together, wanted)
 
-    def place(self, at: Point, width: float, height: float, clear: float, beside: bool = False) -> Point:
+    def _over_text(self, start: Point, end: Point) -> bool:
+        line = np.array([(*start, *end)])
+        return any(crossed(line, taken) for taken in self._boxes)
+
+    def place(
+        self,
+        at: Point,
+        width: float,
+        height: float,
+        clear: float,
+        beside: bool = False,
+        leader: Callable[[Point], Point] | None = None,
+    ) -> Point:
         """Middle of a text near ``at``, at least ``clear`` away from it; its box is added to the used space.
 
-        ``beside``: the whole text is to the left or to the right of ``at``.
+        ``beside``: the whole text is to the left or to the right of ``at``. ``leader``: where the line to ``at`` begins
+        for a middle; it crosses no other text, if there is such a place.
         """
-        best: Point | None = None
+        best: tuple[Point, Box] | None = None
         for step in range(_STEPS):
             for deg in _DIRECTIONS:
                 away = clear + 0.6 + 1.2 * step
@@ -79,15 +92,20 @@ class Room:
                     x + width / 2 + _AROUND_MM,
                     y + height / 2 + _AROUND_MM,
                 )
-                if self.is_free(wanted):
-                    best = (x, y)
+                if not self.is_free(wanted):
+                    continue
+                best = best or ((x, y), wanted)
+                if leader is None or not self._over_text(leader((x, y)), at):
                     self.add_box(wanted)
-                    return best
+                    return x, y
+        if best is not None:
+            self.add_box(best[1])
+            return best[0]
         # No free place: a test of the sheet finds the overlap, the text is drawn anyway.
         return at[0] + clear + width, at[1] + clear + height
 
 
-def _crossed(segments: NDArray[np.float64], wanted: Box) -> bool:
+def crossed(segments: NDArray[np.float64], wanted: Box) -> bool:
     """Whether any segment (n, 4) meets the box (separating axes: x, y and the segment's normal)."""
     left, bottom, right, top = wanted
     ax, ay, bx, by = segments.T

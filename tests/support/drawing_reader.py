@@ -8,8 +8,10 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import ezdxf
+import numpy as np
 from ezdxf.document import Drawing
 
+from mbcdm_cad.drawings.labels import crossed
 from mbcdm_cad.drawings.style import text_width_mm
 
 _TEXT = re.compile(r"(?:(\d+)x )?(Ø|M|AF |R)?(\d+(?:\.\d+)?)(.*)")
@@ -142,6 +144,19 @@ def texts_on_texts(doc: Drawing) -> list[tuple[str, str]]:
         (one, other)
         for (one, a), (other, b) in combinations(text_boxes(doc), 2)
         if a[0] < b[2] - 0.1 and b[0] < a[2] - 0.1 and a[1] < b[3] - 0.1 and b[1] < a[3] - 0.1
+    ]
+
+
+def texts_on_lines(doc: Drawing) -> list[str]:
+    """Texts that a dimension line, an extension line or a leader meets, in the model space 0.1 mm within their box."""
+    paper = doc.modelspace()
+    lines = [line for line in paper.query("LINE") if line.dxf.layer == "DIMENSION"]
+    lines += [line for d in paper.query("DIMENSION") for line in doc.blocks.get(d.dxf.geometry).query("LINE")]
+    segments = np.array([(*line.dxf.start.vec2, *line.dxf.end.vec2) for line in lines]).reshape(-1, 4)
+    return [
+        text
+        for text, (left, low, right, top) in text_boxes(doc)
+        if crossed(segments, (left + 0.1, low + 0.1, right - 0.1, top - 0.1))
     ]
 
 

@@ -123,8 +123,11 @@ def drum(doc: Drawing, dims: list[ReadDimension]) -> cq.Shape:
         raise MissingDimensionError(f"lengths {plain}, diameters {bores}")
     (hub_start, web_start, face), (bore, spigot, hub) = plain, bores
     circle = one(dims, "hub", "Ø").value / 2
-    terminals = len(_rows(doc, "Terminals", 12)[0]) - 1  # each stands on a land of its own
-    lands = [(float(r), float(a), float(b)) for _, r, _, a, b in _rows(doc, "Lands", terminals)]
+    terminals = len(_rows(doc, "Terminals", 12)[0]) - 1  # each stands on a step of its own
+    rows = _rows(doc, "Lands", 1)
+    if (steps := sum(row[0].count(",") + 1 for row in rows)) != terminals:
+        raise MissingDimensionError(f"Lands: {steps} steps for {terminals} terminals")
+    lands = [(float(r), float(a), float(b)) for _, r, _, a, b in rows]
     reach, outer = max(r for r, _, _ in lands), lands[-1][2]
     wedge = _wedge(half, reach + 1.0, (-1.0, face))
     body: cq.Shape = _ring(hub, bore, (hub_start, face - chamfer))

@@ -38,11 +38,23 @@ def _polar(radius: float, deg: float, y: float) -> Vector:
     return (radius * sin(radians(deg)), y, radius * cos(radians(deg)))
 
 
+def _turned(d: DrumDims) -> list[tuple[str, float, float, float]]:
+    """Steps, radius, start and end of each surface that is turned: lands of one radius side by side are one."""
+    found: list[tuple[str, float, float, float]] = []
+    for land in d.lands:
+        steps, start = str(land.step), land.y_start
+        if found and (found[-1][1], found[-1][3]) == (land.surface_radius_mm, start):
+            before, _, start, _ = found.pop()
+            steps = f"{before}, {steps}"
+        found.append((steps, land.surface_radius_mm, start, land.y_end))
+    return found
+
+
 def _lands(d: DrumDims) -> Table:
     fit = FITS["land"].code
     rows = tuple(
-        (str(land.step), mm3(land.surface_radius_mm), fit, mm3(land.y_start - d.spigot_y), mm3(land.y_end - d.spigot_y))
-        for land in d.lands
+        (steps, mm3(radius), fit, mm3(start - d.spigot_y), mm3(end - d.spigot_y))
+        for steps, radius, start, end in _turned(d)
     )
     return Table("Lands (fit for the diameter), depths from face A", ("Step", "R", "Fit", "from", "to"), rows)
 
@@ -224,7 +236,8 @@ def drum_sheet(part: str, d: DrumDims, set_screw_thread: float) -> Sheet:
     outer, face, half = d.lands[-1].surface_radius_mm, d.spigot_y, d.half_angle_deg
     holes = _holes(d, set_screw_thread)
     land, bore = FITS["land"].code, FITS["drum_bore"].code
-    lands = [(0.0, (x.y_start + x.y_end) / 2, x.surface_radius_mm) for x in d.lands]
+    turned = _turned(d)
+    lands = [(0.0, (start + end) / 2, radius) for _, radius, start, end in turned]
     labels = [
         Label(_REAR, (*_at(t.at(t.lug_end)),), f"T{n}", clear_mm=2.0, leader=True)
         for n, t in enumerate(d.tensioners, 1)
@@ -288,7 +301,7 @@ def drum_sheet(part: str, d: DrumDims, set_screw_thread: float) -> Sheet:
         holes=holes,
         fits=(
             FitLine(2 * d.bore_radius, bore, "bore"),
-            *(FitLine(round(2 * x.surface_radius_mm, 6), land, f"step {x.step}") for x in d.lands),
+            *(FitLine(round(2 * radius, 6), land, f"step {steps}") for steps, radius, *_ in turned),
             *(line for group in _dowel_holes(d) for line in group.fit_lines()),
         ),
         notes=(

@@ -9,9 +9,11 @@ from pathlib import Path
 
 import cadquery as cq
 import ezdxf
+import numpy as np
 import pytest
 
 from mbcdm_cad.drawings.draw import PartFacts, draw_sheet
+from mbcdm_cad.drawings.labels import Room
 from mbcdm_cad.drawings.style import plain
 from mbcdm_cad.layouts.loader import load_design
 from tests.support.drawing_reader import (
@@ -19,6 +21,7 @@ from tests.support.drawing_reader import (
     leaders_at_one_point,
     sections_without_line,
     table,
+    texts_on_lines,
     texts_on_texts,
     texts_outside,
     texts_over_their_cells,
@@ -72,11 +75,20 @@ def test_all_texts_are_inside_the_frame(drawn: Drawn, name: str) -> None:
     assert not texts_outside(document(drawn[name][1]["dxf"]))
 
 
+def test_a_place_is_taken_whose_leader_crosses_no_text() -> None:
+    room = Room((-50.0, -50.0, 50.0, 50.0))
+    room.add_line(np.array([(0.0, -40.0), (0.0, -41.0)]))
+    room.add_box((1.0, 1.0, 3.0, 9.0))
+    straight = room.place((0.0, 5.0), 8.0, 2.0, 3.5, leader=lambda middle: middle)
+    assert straight[0] < 0.0, straight
+
+
 @pytest.mark.parametrize("name", MADE)
 def test_leaders_sections_and_cells(drawn: Drawn, name: str) -> None:
-    """No two leaders end at one point, each section has its cutting line, no text leaves its cell."""
+    """No two leaders end at one point or cross a text, each section has its cutting line, no text leaves its cell."""
     doc = document(drawn[name][1]["dxf"])
     assert not leaders_at_one_point(doc, 1e-3)
+    assert not texts_on_lines(doc)
     assert not sections_without_line(doc)
     assert not texts_over_their_cells(doc)
 
