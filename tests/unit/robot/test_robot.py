@@ -155,13 +155,15 @@ class TestMujoco:
         assert worst < 20e-6, (worst, reached)
 
 
+@pytest.fixture(scope="module")
+def shifted(loaded: Any, parts: Any) -> Mechanism:
+    """The mechanism of a drive whose travel is not the same both ways."""
+    drive = replace(loaded.drive, travel_from_deg=-50.0)
+    return mechanism(drive, {name: part.files for name, part in parts.items()})
+
+
 class TestTravelFromTo:
     """Joints count from the zero of the output; the links are drawn in the middle of the travel."""
-
-    @pytest.fixture(scope="class")
-    def shifted(self, loaded: Any, parts: Any) -> Mechanism:
-        drive = replace(loaded.drive, travel_from_deg=-50.0)
-        return mechanism(drive, {name: part.files for name, part in parts.items()})
 
     def test_limits_are_the_ends_with_the_stops(self, shifted: Mechanism, loaded: Any) -> None:
         drum = next(joint for joint in shifted.joints if joint.link == "drum")
