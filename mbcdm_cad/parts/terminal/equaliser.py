@@ -50,6 +50,11 @@ FRICTION, MIDDLE_MM = 0.15, 0.05
 _FRONT, _TOP = "front", "top"
 
 
+def _sag_mm(radius: float, reach: float) -> float:
+    """Height that a crown loses at ``reach`` from its crest."""
+    return radius - sqrt(radius**2 - reach**2)
+
+
 @dataclass(frozen=True)
 class EqualiserDims:
     """Rocker and bridge of the terminals of one side, mm."""
@@ -116,7 +121,7 @@ def equaliser(t: TensionerSpec, arm_mm: float, bar_mm: float) -> EqualiserDims:
     radius, least = next((d for d in _DOWELS if 2 * d[0] >= DOWEL_SHARE * bar_mm), _DOWELS[-1])
     crown = CROWN * flats
     bridge_hole = t.clearance_mm
-    foot = max(LEAST_FOOT_MM, crown - sqrt(crown**2 - reach**2))
+    foot = max(LEAST_FOOT_MM, _sag_mm(crown, reach))
     tilt = 2 * OVER * radius / (arm_mm + reach)
     return EqualiserDims(
         arm=arm_mm,
@@ -152,8 +157,7 @@ class EqualiserBar(MadePart):
     @property
     def _sag(self) -> float:
         """Height that a crowned end has lost at its edge."""
-        d = self.dims
-        return d.crown_radius - sqrt(d.crown_radius**2 - d.reach**2) if self.rocker else 0.0
+        return _sag_mm(self.dims.crown_radius, self.dims.reach) if self.rocker else 0.0
 
     def solid(self) -> cq.Solid:
         """A prism along X less groove and holes."""
@@ -203,12 +207,8 @@ class EqualiserBar(MadePart):
 
     def sheet(self, part: str) -> Sheet:
         """From the side, with the profile, and from the face with the groove."""
-        d, half, outer, inner = (
-            self.dims,
-            self.dims.width / 2,
-            self.dims.arm + self.dims.reach,
-            self.dims.arm - self.dims.reach,
-        )
+        d = self.dims
+        half, outer, inner = d.width / 2, d.arm + d.reach, d.arm - d.reach
         places = tuple((0.0, y, self.top) for y in (-d.arm, d.arm))
         holes = (Holes("A", self.hole, THROUGH, places, "grooved face", "studs"),)
         crowned = f"Ends crowned R{mm(d.crown_radius)}, crests over holes A. " if self.rocker else "Feet flat. "
