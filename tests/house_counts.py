@@ -1,6 +1,6 @@
-"""Count what makes the code large or hard to change; the limits are held by tests/unit/test_house_counts.py.
+"""Count what makes the code large or hard to change; tests/unit/test_house_counts.py holds tests/house_limits.json.
 
-    python tests/house_counts.py [TREE] [--pairs] [--twice] [--circles]
+    python tests/house_counts.py [TREE] [--pairs] [--twice] [--circles] [--helpers]
 
 ``TREE`` is the folder of a checkout, by default this one. The options list what was counted.
 """
@@ -13,7 +13,7 @@ import io
 import keyword
 import re
 import tokenize
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
@@ -66,6 +66,23 @@ FACE = (
 )
 # Ends of the names of classes that describe a whole design of one layout.
 ROLES = ("Design", "Drive", "Layout", "UnderTest", "Known", "Geometry", "Figures")
+# Rooms whose lines are limited one by one.
+SIZED_ROOMS = ("layouts", "loop", "planning", "measurement", "report", "checks", "parts", "design", "paper")
+# Pages of docs/ that a command writes.
+WRITTEN_PAGES = (
+    "design-file",
+    "measurement-file",
+    "catalogue",
+    "checks",
+    "gallery",
+    "built-by-others",
+    "real-drives",
+    "optimum",
+)
+# A private function that is used once is counted up to this number of lines.
+SHORT_LINES = 8
+# Numbers in comparisons that are no thresholds: signs, counts and dimensions.
+NO_THRESHOLDS = (0, 1, 2)
 # Two classes hold the same fields from this number of common names on.
 COMMON_FIELDS = 3
 # Length of a repeated place, in tokens and in lines of code.
@@ -334,6 +351,79 @@ def repeating_pairs(house: House) -> int:
     return len(repeats(house))
 
 
+def tests_lines(house: House) -> int:
+    """Lines of all Python files below tests/."""
+    return sum(path.read_text("utf-8").count("\n") for path in (house.tree / "tests").rglob("*.py"))
+
+
+def docs_lines_by_hand(house: House) -> int:
+    """Lines of the Markdown pages of docs/ but for those that a command writes, ``WRITTEN_PAGES``."""
+    pages = (path for path in (house.tree / "docs").rglob("*.md") if path.stem not in WRITTEN_PAGES)
+    return sum(page.read_text("utf-8").count("\n") for page in pages)
+
+
+def short_helpers(house: House) -> list[tuple[str, str]]:
+    """Private functions of at most ``SHORT_LINES`` lines whose name stands at one other place: (module, name)."""
+    uses: Counter[str] = Counter()
+    for tree in house.trees.values():
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Name):
+                uses[node.id] += 1
+            elif isinstance(node, ast.Attribute):
+                uses[node.attr] += 1
+    return [
+        (module, node.name)
+        for module, tree in house.trees.items()
+        for node in ast.walk(tree)
+        if isinstance(node, ast.FunctionDef)
+        and re.match("_[^_]", node.name)
+        and uses[node.name] == 1
+        and (node.end_lineno or 0) - node.lineno < SHORT_LINES
+    ]
+
+
+def field_path_strings(house: House) -> int:
+    """Strings that are a path of the design file, such as ``"drum.hub_diameter_mm"``.
+
+    The first part is a block of a file of params/ (top level of a design file, with an indented line below it).
+    """
+    texts = (path.read_text("utf-8") for path in (house.tree / "params").rglob("*.yaml"))
+    blocks = {name for text in texts for name in re.findall(r"^([a-z_]+):\s*(?:#.*)?\n[ #]", text, re.MULTILINE)}
+    return sum(
+        isinstance(node, ast.Constant)
+        and isinstance(node.value, str)
+        and bool(found := re.fullmatch(r"([a-z_]+)(\.\w+)+", node.value))
+        and found[1] in blocks
+        for tree in house.trees.values()
+        for node in ast.walk(tree)
+    )
+
+
+def _numbers(node: ast.AST) -> list[float]:
+    inside = (one.value for one in ast.walk(node) if isinstance(one, ast.Constant))
+    return [value for value in inside if isinstance(value, int | float) and not isinstance(value, bool)]
+
+
+def search_thresholds(house: House) -> int:
+    """Numbers by which loop/search decides: its module constants that hold one, and those written in comparisons."""
+    found = 0
+    for module, tree in house.trees.items():
+        if module.startswith("loop.search"):
+            constants = (node for node in tree.body if isinstance(node, ast.Assign | ast.AnnAssign))
+            found += sum(bool(node.value and _numbers(node.value)) for node in constants)
+            compared = (node for node in ast.walk(tree) if isinstance(node, ast.Compare))
+            found += sum(value not in NO_THRESHOLDS for node in compared for value in _numbers(node))
+    return found
+
+
+def room_lines(house: House) -> dict[str, int]:
+    """Lines of each room of ``SIZED_ROOMS``."""
+    sums = Counter(dict.fromkeys(SIZED_ROOMS, 0))
+    for module, text in house.texts.items():
+        sums[module.partition(".")[0]] += text.count("\n")
+    return {name: sums[name] for name in SIZED_ROOMS}
+
+
 def counts(house: House) -> dict[str, float]:
     """All counts by name."""
     per_layout = {f"files of {name}": float(count) for name, count in files_of_layouts(house).items()}
@@ -349,6 +439,12 @@ def counts(house: House) -> dict[str, float]:
         "arrows back": arrows_back(house),
         "repeating pairs": repeating_pairs(house),
         "lines": lines(house),
+        "tests lines": tests_lines(house),
+        "docs lines by hand": docs_lines_by_hand(house),
+        "private functions used once, at most 8 lines": len(short_helpers(house)),
+        "field paths as string literals": field_path_strings(house),
+        "thresholds in loop/search": search_thresholds(house),
+        **{f"lines of {name}": count for name, count in room_lines(house).items()},
     }
 
 
@@ -359,15 +455,18 @@ def main() -> None:
     parser.add_argument("--pairs", action="store_true", help="places that repeat each other")
     parser.add_argument("--twice", action="store_true", help="classes that declare the same fields")
     parser.add_argument("--circles", action="store_true", help="modules in circles, and arrows back")
+    parser.add_argument("--helpers", action="store_true", help="short private functions that are used once")
     given = parser.parse_args()
     house = House(given.tree)
     for name, count in counts(house).items():
-        print(f"{name:32} {count:>8g}")
+        print(f"{name:46} {count:>8g}")
     if given.twice:
         print(*(f"{common:3d}  {read}  {used}" for read, used, common in twice_declared(house)), sep="\n")
     if given.circles:
         print(*(" <-> ".join(group) for group in circle_members(house)), sep="\n")
         print(*(f"{module} -> {other}" for module, other in back_arrows(house)), sep="\n")
+    if given.helpers:
+        print(*(f"{module}:{name}" for module, name in short_helpers(house)), sep="\n")
     if given.pairs:
         print(*(f"{size:5d}  {a}:{i}  {b}:{j}" for a, i, b, j, size in repeats(house)), sep="\n")
 
