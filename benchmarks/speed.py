@@ -97,8 +97,8 @@ def prepare_bare_build(design: Path, built: Path, target: Path) -> None:
     """From a finished output: one BREP a part, and the plan that bare_build.py follows."""
     import cadquery as cq
 
-    from mbcdm_cad.build.meshing import kernel_tolerances
     from mbcdm_cad.layouts.loader import load_design
+    from mbcdm_cad.workshop.meshing import kernel_tolerances
 
     drive = load_design(design).drive
     assembly = drive.layout.bill()

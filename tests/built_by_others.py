@@ -18,8 +18,6 @@ from typing import Any
 
 import numpy as np
 
-from mbcdm_cad.build.made_parts import drawn
-from mbcdm_cad.build.mass import combined
 from mbcdm_cad.checks.comparison import CheckResult, failed
 from mbcdm_cad.checks.remedies import Budget
 from mbcdm_cad.checks.run import run_check
@@ -34,6 +32,8 @@ from mbcdm_cad.report.masses import masses_by_item
 from mbcdm_cad.report.table import ReportTable
 from mbcdm_cad.storage.cache import Cache, cache_folder
 from mbcdm_cad.storage.files import write_whole
+from mbcdm_cad.workshop.made_parts import drawn
+from mbcdm_cad.workshop.mass import combined
 
 _PICTURE_PX = (360, 280)
 # A drum of a larger radius is not drawn here: its parts take many minutes.
@@ -113,7 +113,7 @@ def told(text: str) -> dict[str, str]:
 
 def built_drive(path: Path, cache: Cache) -> BuiltDrive:
     """One drive, drawn if it passes. Raises as ``load_design`` and ``drawn`` do."""
-    from mbcdm_cad.build.export.picture import picture_png  # loads the drawing library
+    from mbcdm_cad.workshop.export.picture import picture_png  # loads the drawing library
 
     loaded = load_design(path)
     drive, layout = loaded.drive, loaded.drive.layout

@@ -36,7 +36,7 @@ ROOMS = (
     "layouts",
     "solving",
     "drawings",
-    "build",
+    "workshop",
     "report",
     "optimising",
     "robot",

@@ -33,10 +33,6 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from interference_of_solids import MESH_TOLERANCE_MM, interferences, mesh_of
 from random_generator import LAYOUTS, USUAL, Passing, load, passing
 
-from mbcdm_cad.build.kernel import bounding_box
-from mbcdm_cad.build.makefiles import drawn_part, make_part_files
-from mbcdm_cad.build.partfiles import PartFiles
-from mbcdm_cad.build.scene import travel_poses
 from mbcdm_cad.checks.size import estimated_mass_g
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.errors import InputError
@@ -45,6 +41,10 @@ from mbcdm_cad.layouts.miso_spur import checks as round_checks
 from mbcdm_cad.layouts.siso_bevel.checks import room as bevel_room
 from mbcdm_cad.layouts.siso_spur.checks import room
 from mbcdm_cad.parts.bill import CABLE, Bill, PartSpec
+from mbcdm_cad.workshop.kernel import bounding_box
+from mbcdm_cad.workshop.makefiles import drawn_part, make_part_files
+from mbcdm_cad.workshop.partfiles import PartFiles
+from mbcdm_cad.workshop.scene import travel_poses
 from tests.support.many import add_workers, run_many
 from tests.support.workshop import at_rest, forced, forced_parts, workshop
 

@@ -21,7 +21,7 @@ from mbcdm_cad.report.table import designs_shown
 if TYPE_CHECKING:
     from mbcdm_cad.report.build_report import BuildReport
 
-# Copy of the names of VIEWS in mbcdm_cad.build.export.picture, which needs the drawing library; a test compares them.
+# Copy of the names of VIEWS in mbcdm_cad.workshop.export.picture, which needs the drawing library; a test compares.
 VIEW_NAMES = ("output", "iso", "iso_rear", "front", "rear", "left", "right", "top", "bottom")
 
 

@@ -9,12 +9,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from mbcdm_cad.build.export.step_text import with_description
-from mbcdm_cad.build.export.stl import with_note
-from mbcdm_cad.build.made_parts import exported_parts, made_parts, refuse_angle
-from mbcdm_cad.build.printability import overhang_mm2, thinnest_wall
-from mbcdm_cad.build.scene import travel_poses
-from mbcdm_cad.build.store import Progress, Store, StoredPart
 from mbcdm_cad.checks.built import envelope_check, interference_check, mass_check, overhang_check, printed_walls_check
 from mbcdm_cad.checks.comparison import CheckResult, failed
 from mbcdm_cad.design.drive import Drive
@@ -29,6 +23,12 @@ from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.storage.folders import output_folder, refuse_other_origin
 from mbcdm_cad.storage.keys import content_key, package_hash
 from mbcdm_cad.storage.manifest import Manifest, altered_files, read_manifest, versions
+from mbcdm_cad.workshop.export.step_text import with_description
+from mbcdm_cad.workshop.export.stl import with_note
+from mbcdm_cad.workshop.made_parts import exported_parts, made_parts, refuse_angle
+from mbcdm_cad.workshop.printability import overhang_mm2, thinnest_wall
+from mbcdm_cad.workshop.scene import travel_poses
+from mbcdm_cad.workshop.store import Progress, Store, StoredPart
 
 POSES = 9
 
@@ -72,7 +72,7 @@ def build(
     figures: DesignFigures | None = None
 
     def prepared() -> None:
-        from mbcdm_cad.build.separation import prepare
+        from mbcdm_cad.workshop.separation import prepare
 
         nonlocal figures
         prepare()

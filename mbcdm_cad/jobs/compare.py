@@ -7,8 +7,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from mbcdm_cad.build.made_parts import drawn
-from mbcdm_cad.build.store import Progress
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.jobs.build import build
@@ -23,6 +21,8 @@ from mbcdm_cad.report.comparison import (
 )
 from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.storage.files import refuse_missing_folder, write_whole
+from mbcdm_cad.workshop.made_parts import drawn
+from mbcdm_cad.workshop.store import Progress
 
 if TYPE_CHECKING:
     import pandas
@@ -100,8 +100,8 @@ def compare(
 
 def _page(designs: Sequence[LoadedDesign], found: Sequence[ComparedDesign], cache: Cache, progress: Progress) -> bytes:
     # Imported here because they load the drawing libraries, which the table does not need.
-    from mbcdm_cad.build.export.picture import picture_png
     from mbcdm_cad.report.page.studies import comparison_page
+    from mbcdm_cad.workshop.export.picture import picture_png
 
     pictures = []
     for design in designs:

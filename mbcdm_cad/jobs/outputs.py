@@ -11,10 +11,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from mbcdm_cad.build.drawings import drawings_folder, drawings_of
-from mbcdm_cad.build.made_parts import drawn
-from mbcdm_cad.build.scene import bodies, is_cable
-from mbcdm_cad.build.store import Progress
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import InputError, MbcdmError, Problem
@@ -23,6 +19,10 @@ from mbcdm_cad.storage.files import refuse_missing_folder, write_whole
 from mbcdm_cad.storage.folders import output_folder, refuse_other_origin, write_from
 from mbcdm_cad.storage.keys import content_key, package_hash
 from mbcdm_cad.storage.manifest import Manifest, versions
+from mbcdm_cad.workshop.drawings import drawings_folder, drawings_of
+from mbcdm_cad.workshop.made_parts import drawn
+from mbcdm_cad.workshop.scene import bodies, is_cable
+from mbcdm_cad.workshop.store import Progress
 
 if TYPE_CHECKING:
     from mbcdm_cad.report.preload import PreloadReport
@@ -86,7 +86,7 @@ def write_prints(
 
     Raises ``MbcdmError`` if no part is printed.
     """
-    from mbcdm_cad.build.prints import prints_of
+    from mbcdm_cad.workshop.prints import prints_of
 
     folder = out / f"{loaded.drive.name}-prints"
     refuse_other_origin(folder, loaded.path)
@@ -98,7 +98,7 @@ def write_prints(
 
 def write_pictures(loaded: LoadedDesign, out: Path, cache: Cache, progress: Progress) -> Written:
     """Write the pictures for the assembly: each step, an exploded view, a section, as PNG."""
-    from mbcdm_cad.build.pictures import pictures_of
+    from mbcdm_cad.workshop.pictures import pictures_of
 
     folder = out / f"{loaded.drive.name}-pictures"
     refuse_other_origin(folder, loaded.path)
@@ -112,7 +112,7 @@ def write_picture(
     """Draw the assembly into one PNG, without a display. Raises ``InputError`` for a file that cannot be a PNG."""
     _refuse_other_kind(png, ".png", "pictures are PNG files")
     refuse_missing_folder(png)
-    from mbcdm_cad.build.export.picture import picture_png
+    from mbcdm_cad.workshop.export.picture import picture_png
 
     _refuse_other_view(view)
     items, parts = drawn(loaded.drive, angle_deg, cache, progress)
@@ -123,7 +123,7 @@ def write_picture(
 def write_moving_picture(loaded: LoadedDesign, gif: Path, cache: Cache, *, view: str, progress: Progress) -> Written:
     """Draw the travel into one GIF, without a display. Raises ``InputError`` for a file that cannot be a GIF."""
     _refuse_other_kind(gif, ".gif", "moving pictures are GIF files")
-    from mbcdm_cad.build.export.moving import travel_gif
+    from mbcdm_cad.workshop.export.moving import travel_gif
 
     _refuse_other_view(view)
     drive = loaded.drive
@@ -152,7 +152,7 @@ def _refuse_other_kind(path: Path, suffix: str, what: str) -> None:
 
 
 def _refuse_other_view(view: str) -> None:
-    from mbcdm_cad.build.export.picture import VIEWS
+    from mbcdm_cad.workshop.export.picture import VIEWS
 
     if view not in VIEWS:
         raise MbcdmError(f"view: no such view (value {view}, limit one of {', '.join(VIEWS)}); choose one of them")

@@ -5,9 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from mbcdm_cad.build.drawings import drawings_folder
-from mbcdm_cad.build.made_parts import drawn
-from mbcdm_cad.build.store import Progress
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.jobs.build import build
 from mbcdm_cad.report.build_report import BuildReport
@@ -15,6 +12,9 @@ from mbcdm_cad.report.page import PAGE
 from mbcdm_cad.report.page.stage import page_figures, page_of
 from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.storage.files import write_whole
+from mbcdm_cad.workshop.drawings import drawings_folder
+from mbcdm_cad.workshop.made_parts import drawn
+from mbcdm_cad.workshop.store import Progress
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from mbcdm_cad.build.store import Progress
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError, MbcdmError, Problem
 from mbcdm_cad.measurement.file import describes_runs, load_file
@@ -19,6 +18,7 @@ from mbcdm_cad.planning.plan import RunPlan, noise_from, plan_of
 from mbcdm_cad.rig.dynamic.experiment import DynamicExperiment
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
 from mbcdm_cad.rig.reading import read_bench, read_experiment
+from mbcdm_cad.workshop.store import Progress
 
 
 def plan_run(drive: Drive, experiment: Path, pilot: Path | None) -> RunPlan:

@@ -8,11 +8,6 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from mbcdm_cad.build.makefiles import drawn_part
-from mbcdm_cad.build.mass import rod_shape
-from mbcdm_cad.build.partfiles import PartFiles
-from mbcdm_cad.build.store import Store, StoredPart
-from mbcdm_cad.build.trianglemesh import TriangleMesh
 from mbcdm_cad.checks.built import envelope_check, mass_check
 from mbcdm_cad.checks.comparison import CheckResult
 from mbcdm_cad.design.bought import Material
@@ -26,6 +21,11 @@ from mbcdm_cad.report.page import PAGE
 from mbcdm_cad.report.page.stage import PageFigures, page_figures, page_of
 from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.storage.files import write_whole
+from mbcdm_cad.workshop.makefiles import drawn_part
+from mbcdm_cad.workshop.mass import rod_shape
+from mbcdm_cad.workshop.partfiles import PartFiles
+from mbcdm_cad.workshop.store import Store, StoredPart
+from mbcdm_cad.workshop.trianglemesh import TriangleMesh
 
 
 @dataclass(frozen=True)

@@ -8,9 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from mbcdm_cad.build.clash import Clash
-from mbcdm_cad.build.mass import MassProperties, combined
-from mbcdm_cad.build.store import StoredPart
 from mbcdm_cad.checks.comparison import CheckResult
 from mbcdm_cad.layouts.base import Conventions, FrameCompliance, Layout
 from mbcdm_cad.layouts.turns import modes_of
@@ -28,6 +25,9 @@ from mbcdm_cad.report.paths import path_data
 from mbcdm_cad.report.preload import preload_shares
 from mbcdm_cad.report.stages import stage_figures
 from mbcdm_cad.report.structure import structure_report
+from mbcdm_cad.workshop.clash import Clash
+from mbcdm_cad.workshop.mass import MassProperties, combined
+from mbcdm_cad.workshop.store import StoredPart
 
 REPORT_FORMAT = 1
 _SWEPT_POSES = 29

@@ -15,13 +15,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from mbcdm_cad.build.made_parts import drawn
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.report.data import Tested, report_data
 from mbcdm_cad.report.table import ReportTable
 from mbcdm_cad.storage.cache import Cache, cache_folder
 from mbcdm_cad.storage.files import write_whole
+from mbcdm_cad.workshop.made_parts import drawn
 
 _PICTURE_PX = (560, 440)
 _COLUMNS = (
@@ -95,7 +95,7 @@ class GalleryDrive:
 
 def gallery_drive(path: Path, cache: Cache) -> GalleryDrive:
     """One drive, drawn. Raises as :func:`~mbcdm_cad.layouts.loader.load_design` and ``drawn`` do."""
-    from mbcdm_cad.build.export.picture import picture_png  # loads the drawing library
+    from mbcdm_cad.workshop.export.picture import picture_png  # loads the drawing library
 
     loaded = load_design(path)
     items, parts = drawn(loaded.drive, 0.0, cache, lambda name: None)

@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.build.mass import MassProperties, combined, item_mass
-from mbcdm_cad.build.scene import bodies
-from mbcdm_cad.build.store import StoredPart
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.base import Layout
 from mbcdm_cad.parts.bill import CABLE, Bill
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.parts.part import BoughtPart, StandardPart
+from mbcdm_cad.workshop.mass import MassProperties, combined, item_mass
+from mbcdm_cad.workshop.scene import bodies
+from mbcdm_cad.workshop.store import StoredPart
 
 # One sigma of a mass that the catalogue calls an estimate, of one with a maker's figure, and of a machined part
 # (density of the alloy and machining tolerances). Parts of one kind have the same error, different kinds independent

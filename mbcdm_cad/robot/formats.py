@@ -9,11 +9,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from mbcdm_cad.build.export.stl import stl_bytes
 from mbcdm_cad.robot.elastic import ElasticDrive
 from mbcdm_cad.robot.mechanism import MM, Link, Mechanism, document
 from mbcdm_cad.robot.mjcf import mjcf
 from mbcdm_cad.robot.urdf import UrdfOptions, urdf_files
+from mbcdm_cad.workshop.export.stl import stl_bytes
 
 FORMATS = ("urdf", "mjcf")
 

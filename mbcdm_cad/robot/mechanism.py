@@ -10,10 +10,6 @@ from xml.etree import ElementTree as ET
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.build.mass import MassProperties, combined, item_mass
-from mbcdm_cad.build.partfiles import PartFiles
-from mbcdm_cad.build.scene import MovingGroup, bodies, is_cable
-from mbcdm_cad.build.trianglemesh import TriangleMesh
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts.lumped import axis_friction
@@ -21,6 +17,10 @@ from mbcdm_cad.model.analysis import analyse
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.parts.placement import Vector
 from mbcdm_cad.robot.elastic import drum_friction
+from mbcdm_cad.workshop.mass import MassProperties, combined, item_mass
+from mbcdm_cad.workshop.partfiles import PartFiles
+from mbcdm_cad.workshop.scene import MovingGroup, bodies, is_cable
+from mbcdm_cad.workshop.trianglemesh import TriangleMesh
 
 MM = 1e-3
 G = 1e-3
@@ -299,7 +299,7 @@ def _faces(shown: Sequence[str], meshes: Mapping[str, TriangleMesh]) -> int:
 
 
 def _coarser(name: str, part: PartFiles, tolerance_mm: float) -> TriangleMesh:
-    from mbcdm_cad.build.kernel import shape_from_brep
-    from mbcdm_cad.build.meshing import mesh_solid
+    from mbcdm_cad.workshop.kernel import shape_from_brep
+    from mbcdm_cad.workshop.meshing import mesh_solid
 
     return mesh_solid(name, shape_from_brep(part.brep), tolerance_mm)

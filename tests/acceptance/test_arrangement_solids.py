@@ -6,8 +6,6 @@ from dataclasses import replace
 
 import pytest
 
-from mbcdm_cad.build.interference import answers
-from mbcdm_cad.build.validate import validate_faces, validate_solid
 from mbcdm_cad.checks.size import estimated_mass_g
 from mbcdm_cad.layouts.loader import load_text, new_design_text
 from mbcdm_cad.layouts.miso_bevel.bill import bill
@@ -15,6 +13,8 @@ from mbcdm_cad.layouts.miso_bevel.checks.room import box_mm
 from mbcdm_cad.layouts.miso_bevel.drive import bevel
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.parts.bill import CABLE
+from mbcdm_cad.workshop.interference import answers
+from mbcdm_cad.workshop.validate import validate_faces, validate_solid
 from tests.support.interference_of_solids import body, run_of
 
 MESH_MM = 0.05

@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from mbcdm_cad.build.kernel import kernel_shape, location
 from mbcdm_cad.design.bought import Screw
 from mbcdm_cad.layouts.loader import load_design, load_text
 from mbcdm_cad.layouts.miso_bevel.assembly_order import assembly_order
@@ -23,6 +22,7 @@ from mbcdm_cad.layouts.miso_bevel.drive import bevel
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.parts.bill import CABLE, AssemblyStep, cable_item
 from mbcdm_cad.parts.bought.bodies import CableRod
+from mbcdm_cad.workshop.kernel import kernel_shape, location
 from tests.support.motors_above import ABOVE
 
 pytestmark = pytest.mark.slow

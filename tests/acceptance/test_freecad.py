@@ -8,10 +8,10 @@ from pathlib import Path
 import cadquery as cq
 import pytest
 
-from mbcdm_cad.build.export.step import assembly_step
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.parts.placement import Placement
+from mbcdm_cad.workshop.export.step import assembly_step
 
 sys.path.insert(0, str(Path(__file__).parent))
 

@@ -25,7 +25,7 @@ NODES = design_file().nodes
 # Not numbers of the mechanism: the file's version, its free names and the only configuration there is so far.
 FREE = {("schema_version",), ("name",), ("configuration",), ("waivers",), ("as_built",), ("catalogue",)}
 # Seen in the report or in files alone, or in printed parts alone, each with its own test: below, in
-# unit/build/test_bodies.py and in unit/build/test_printing.py.
+# unit/workshop/test_bodies.py and in unit/workshop/test_printing.py.
 REPORTED = {
     ("targets", "prototype_mass_g"),
     ("targets", "mass_g"),
@@ -291,7 +291,7 @@ def test_windup_limit_is_held_against_the_windup() -> None:
 
 
 def test_mesh_tolerance_changes_the_mesh() -> None:
-    from mbcdm_cad.build.makefiles import drawn_part
+    from mbcdm_cad.workshop.makefiles import drawn_part
 
     counts = []
     for tolerance in (0.01, 0.04):
@@ -315,10 +315,10 @@ def test_a_waiver_passes_a_failing_check_with_its_reason() -> None:
 
 @pytest.mark.slow
 def test_prototype_mass_stands_in_the_report() -> None:
-    from mbcdm_cad.build.store import Store
     from mbcdm_cad.layouts.miso_bevel.support.stiffness import frame_compliance
     from mbcdm_cad.report.data import Tested, report_data
     from mbcdm_cad.storage.cache import Cache, cache_folder
+    from mbcdm_cad.workshop.store import Store
 
     drive = load_text(edited({("targets", "prototype_mass_g"): 341.0})).drive
     dims = BevelLayout(drive)

@@ -136,7 +136,7 @@ def solid_of(layout: SectorLayout, folder: Path, size: float = SIZE) -> Solid:
     """The frame's parts as drawn, in their places, meshed together."""
     import cadquery as cq
 
-    from mbcdm_cad.build.kernel import location
+    from mbcdm_cad.workshop.kernel import location
 
     bill = layout.bill(0.0)
     steps, extent = [], 0.0

@@ -12,11 +12,6 @@ from typing import Any
 import cadquery as cq
 import trimesh
 
-from mbcdm_cad.build.export.threemf import threemf_bytes
-from mbcdm_cad.build.kernel import location
-from mbcdm_cad.build.makefiles import drawn_part
-from mbcdm_cad.build.meshing import mesh_solid
-from mbcdm_cad.build.wider_holes import RoundHole, round_holes, with_wider_holes
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.drawings.draw import PartFacts, draw_sheet
 from mbcdm_cad.errors import MbcdmError
@@ -25,6 +20,11 @@ from mbcdm_cad.parts.part import MadePart
 from mbcdm_cad.parts.placement import Placement
 from mbcdm_cad.parts.shapes import cylinder
 from mbcdm_cad.parts.sheets.description import Linear, Sheet
+from mbcdm_cad.workshop.export.threemf import threemf_bytes
+from mbcdm_cad.workshop.kernel import location
+from mbcdm_cad.workshop.makefiles import drawn_part
+from mbcdm_cad.workshop.meshing import mesh_solid
+from mbcdm_cad.workshop.wider_holes import RoundHole, round_holes, with_wider_holes
 from tests.support.drawing_reader import dimensions, document, texts_on_texts, texts_outside
 from tests.support.rebuilt import LARGE, OTHERS, SMALL, pulley
 

@@ -14,16 +14,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.build.mass import item_mass
-from mbcdm_cad.build.partfiles import PartFiles
-from mbcdm_cad.build.scene import MovingGroup, bodies, is_cable
-from mbcdm_cad.build.trianglemesh import TriangleMesh
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.parts.bill import Bill, cable_item
 from mbcdm_cad.parts.bought.bodies import CableRod
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.routes.cable_path import CablePath
 from mbcdm_cad.routes.curves import Piece
+from mbcdm_cad.workshop.mass import item_mass
+from mbcdm_cad.workshop.partfiles import PartFiles
+from mbcdm_cad.workshop.scene import MovingGroup, bodies, is_cable
+from mbcdm_cad.workshop.trianglemesh import TriangleMesh
 
 # Largest deviation of the chords of a centre line from the curve, and largest error of the linear interpolation between
 # two drum angles. Both are too small to be visible on a screen.

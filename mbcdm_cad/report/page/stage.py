@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 
 import markupsafe
 
-from mbcdm_cad.build.drawings import ASSEMBLY
 from mbcdm_cad.model.capability import requirements
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.report.dependencies import dependency_graph, dependency_svg
@@ -25,11 +24,12 @@ from mbcdm_cad.report.page.template import page_environment
 from mbcdm_cad.report.preload import preload_shown
 from mbcdm_cad.storage.keys import content_key, package_hash
 from mbcdm_cad.storage.manifest import versions
+from mbcdm_cad.workshop.drawings import ASSEMBLY
 
 if TYPE_CHECKING:
-    from mbcdm_cad.build.store import StoredPart
     from mbcdm_cad.design.drive import Drive
     from mbcdm_cad.storage.cache import Cache
+    from mbcdm_cad.workshop.store import StoredPart
 
 
 @dataclass(frozen=True)

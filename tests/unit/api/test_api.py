@@ -275,7 +275,7 @@ def test_every_instance_has_its_place_and_a_name_of_its_own(
     design: mc.DriveDesign, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Boxes stand in for the solids, so that nothing is drawn; a design may be called after one of its parts."""
-    from mbcdm_cad.build import solids
+    from mbcdm_cad.workshop import solids
 
     cq = pytest.importorskip("cadquery")
 

@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mbcdm_cad.build.assembly_sheet import SeenBody, assembly_sheet, numbers, pointers
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.parts.sheets.description import Linear, Vector
+from mbcdm_cad.workshop.assembly_sheet import SeenBody, assembly_sheet, numbers, pointers
 from tests.support.drawing_reader import document, leaders_at_one_point, sections_without_line
 
 ROOT = Path(__file__).parents[3]

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import cadquery as cq
 
-from mbcdm_cad.build.makefiles import make_part_files
-from mbcdm_cad.build.store import StoredPart
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.live.preview import Previewer
 from mbcdm_cad.storage.cache import Cache
+from mbcdm_cad.workshop.makefiles import make_part_files
+from mbcdm_cad.workshop.store import StoredPart
 
 REFERENCE = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 import trimesh
 
-from mbcdm_cad.build.kernel import bounding_box
-from mbcdm_cad.build.validate import validate_faces, validate_solid
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.parts.bill import CABLE, Bill
+from mbcdm_cad.workshop.kernel import bounding_box
+from mbcdm_cad.workshop.validate import validate_faces, validate_solid
 
 from .golden import golden_volumes
 

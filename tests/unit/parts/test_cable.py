@@ -8,13 +8,13 @@ import cadquery as cq
 import numpy as np
 import pytest
 
-from mbcdm_cad.build.kernel import bounding_box
-from mbcdm_cad.build.meshing import mesh_solid
-from mbcdm_cad.build.trianglemesh import rod_mesh
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.parts.bought.bodies import CableRod
 from mbcdm_cad.parts.placement import Placement
 from mbcdm_cad.routes.curves import Arc, Coil, Line
+from mbcdm_cad.workshop.kernel import bounding_box
+from mbcdm_cad.workshop.meshing import mesh_solid
+from mbcdm_cad.workshop.trianglemesh import rod_mesh
 
 
 @pytest.mark.parametrize("angle_deg", [-35.0, 0.0, 35.0])

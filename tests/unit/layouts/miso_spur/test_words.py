@@ -9,8 +9,6 @@ import cadquery as cq
 import numpy as np
 import pytest
 
-from mbcdm_cad.build.kernel import location
-from mbcdm_cad.build.validate import validate_solid
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
@@ -22,6 +20,8 @@ from mbcdm_cad.model.si import to_si
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
 from mbcdm_cad.rig.quasistatic.simulate import simulate
 from mbcdm_cad.routes.loads import body_load
+from mbcdm_cad.workshop.kernel import location
+from mbcdm_cad.workshop.validate import validate_solid
 from tests.support.checked import failing, result
 
 TEXT = """\

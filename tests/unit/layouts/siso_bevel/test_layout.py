@@ -11,7 +11,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mbcdm_cad.build.kernel import bounding_box
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.checks.terminals import bodies_of
 from mbcdm_cad.layouts.loader import new_design_text
@@ -27,6 +26,7 @@ from mbcdm_cad.layouts.siso_bevel.stack import pocket_corner_radius_mm
 from mbcdm_cad.layouts.siso_bevel.support.stiffness import frame_compliance, seat_forces
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.model.stiffness import unit_tensions_N
+from mbcdm_cad.workshop.kernel import bounding_box
 from tests.support.checked import failing
 from tests.support.smooth_path import assert_joined
 

@@ -15,8 +15,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import mbcdm_cad as mc
-from mbcdm_cad.build.kernel import location
-from mbcdm_cad.build.validate import validate_solid
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.jobs.outputs import write_experiment
@@ -32,6 +30,8 @@ from mbcdm_cad.report.analysis_report import analyse_design
 from mbcdm_cad.report.stages import stage_figures
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
 from mbcdm_cad.rig.quasistatic.simulate import simulate
+from mbcdm_cad.workshop.kernel import location
+from mbcdm_cad.workshop.validate import validate_solid
 from tests.support.checked import failing, results
 
 TEXT = """\

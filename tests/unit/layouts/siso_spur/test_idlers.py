@@ -15,8 +15,6 @@ from scipy.sparse.csgraph import dijkstra
 from shapely.geometry import Point
 from shapely.ops import unary_union
 
-from mbcdm_cad.build.kernel import location
-from mbcdm_cad.build.validate import validate_solid
 from mbcdm_cad.checks.fixings import bent_axle_Nmm
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.errors import MbcdmError
@@ -35,6 +33,8 @@ from mbcdm_cad.model.structure.shafts import Acting, Section, bending_urad_Nm
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.loads import body_load
 from mbcdm_cad.routes.route import Span, Wrap
+from mbcdm_cad.workshop.kernel import location
+from mbcdm_cad.workshop.validate import validate_solid
 from tests.support.checked import failing, result, results
 from tests.support.smooth_path import assert_joined
 

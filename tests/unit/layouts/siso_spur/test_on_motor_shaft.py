@@ -11,8 +11,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mbcdm_cad.build.kernel import location
-from mbcdm_cad.build.validate import validate_solid
 from mbcdm_cad.design.bought import MOTOR_SPAN
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.loader import load_text
@@ -25,6 +23,8 @@ from mbcdm_cad.model.structure.drum_sector import Isotropic
 from mbcdm_cad.model.structure.shafts import Acting, Section, bending_urad_Nm
 from mbcdm_cad.rig.dynamic.rig import rig_of
 from mbcdm_cad.routes.curves import Line
+from mbcdm_cad.workshop.kernel import location
+from mbcdm_cad.workshop.validate import validate_solid
 from tests.support.checked import statuses
 
 TEXT = """\

@@ -8,7 +8,6 @@ from math import degrees, radians, tau
 import numpy as np
 import pytest
 
-from mbcdm_cad.build.validate import validate_solid
 from mbcdm_cad.checks.fixings import stalled_Nm
 from mbcdm_cad.design.bought import Motor, Servo, ServoOutput
 from mbcdm_cad.design.catalogue import package_entries
@@ -22,6 +21,7 @@ from mbcdm_cad.parts.shapes import cylinder_z
 from mbcdm_cad.report.catalogue_list import CatalogueList
 from mbcdm_cad.rig.dynamic.rig import rig_of
 from mbcdm_cad.rig.dynamic.train import shaft_torque
+from mbcdm_cad.workshop.validate import validate_solid
 from tests.support.checked import statuses
 
 TEXT = """\

@@ -11,7 +11,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mbcdm_cad.build.kernel import location
 from mbcdm_cad.checks.cable_gaps import CABLE_GAP_MM, in_pieces, nearest_mm
 from mbcdm_cad.checks.run import run_all, run_check
 from mbcdm_cad.errors import InputError
@@ -29,6 +28,7 @@ from mbcdm_cad.parts.part import MadePart, StandardPart
 from mbcdm_cad.rig.cables import cables_of
 from mbcdm_cad.rig.through import pairs_of
 from mbcdm_cad.storage.compiled import compiled
+from mbcdm_cad.workshop.kernel import location
 from tests.support.sliced_cables import stretch_m
 
 TEXT = """name: parallel

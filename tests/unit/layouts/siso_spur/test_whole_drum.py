@@ -8,7 +8,6 @@ from math import atan2, hypot, pi, tau
 import numpy as np
 import pytest
 
-from mbcdm_cad.build.validate import validate_solid
 from mbcdm_cad.checks.run import run_all, run_check
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.check_design import checks_of
@@ -20,6 +19,7 @@ from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.structure.plane_stress import elements, solve
 from mbcdm_cad.model.structure.sector_mesh import RimStep, SectorShape, sector_mesh
 from mbcdm_cad.parts.drum_sector.part import DrumSector
+from mbcdm_cad.workshop.validate import validate_solid
 
 TEXT = """name: turns
 configuration: siso_spur

@@ -1,0 +1,280 @@
+"""Pictures of an assembly without a display: parallel projection, shaded, with the edges of the solids drawn."""
+
+from __future__ import annotations
+
+import ctypes
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import vtkmodules.vtkRenderingFreeType  # registers how text is drawn
+import vtkmodules.vtkRenderingOpenGL2  # noqa: F401  registers how everything else is
+from numpy.typing import NDArray
+from vtkmodules.util.numpy_support import numpy_to_vtk
+from vtkmodules.vtkCommonCore import VTK_ID_TYPE, vtkDataArray, vtkLogger, vtkPoints
+from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPlane, vtkPolyData
+from vtkmodules.vtkCommonMath import vtkMatrix4x4
+from vtkmodules.vtkIOImage import vtkPNGWriter
+from vtkmodules.vtkRenderingCore import (
+    vtkActor,
+    vtkCamera,
+    vtkLightKit,
+    vtkPolyDataMapper,
+    vtkProperty,
+    vtkRenderer,
+    vtkRenderWindow,
+    vtkTextActor,
+    vtkWindowToImageFilter,
+)
+
+from mbcdm_cad.errors import OutputError
+from mbcdm_cad.parts.item import Item, sorted_items
+from mbcdm_cad.parts.placement import Placement, Vector
+from mbcdm_cad.workshop.trianglemesh import FloatArray, IntArray, TriangleMesh
+
+# Direction from the model to the camera; z points up in the picture (y in those from above and below).
+VIEWS: dict[str, Vector] = {
+    "output": (0.6, 1.2, 0.65),
+    "iso": (1.0, -1.2, 0.8),
+    "iso_rear": (-1.0, 1.2, 0.8),
+    "front": (0.0, -1.0, 0.0),
+    "rear": (0.0, 1.0, 0.0),
+    "left": (-1.0, 0.0, 0.0),
+    "right": (1.0, 0.0, 0.0),
+    "top": (0.0, 0.0, 1.0),
+    "bottom": (0.0, 0.0, -1.0),
+}
+# Cut faces are shown by the inner sides of the surfaces behind the cut, without lighting and darker than the outside.
+_CUT_SHADE = 0.55
+_LARGEST_PIXELS = 8192
+_MARGIN = 1.06
+_SAMPLES = 8
+_EDGE_COLOUR = (0.08, 0.09, 0.1)
+_BACKGROUND = (1.0, 1.0, 1.0)
+_OSMESA = ("libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so")
+
+
+@dataclass(frozen=True)
+class CutPlane:
+    """A section: everything on the side of ``normal`` is removed; the view is perpendicular to the plane.
+
+    ``half_height_mm`` of the plane above and below ``centre`` fill the picture.
+    """
+
+    centre: Vector
+    normal: Vector
+    half_height_mm: float
+
+
+def picture_png(
+    items: Sequence[Item],
+    meshes: Mapping[str, TriangleMesh],
+    view: str = "iso",
+    size: tuple[int, int] = (1600, 1200),
+    note: str = "",
+    colour_of: Callable[[Item], Vector] = lambda item: item.material.colour,
+    cut: CutPlane | None = None,
+) -> bytes:
+    """A PNG of the assembly, ``size`` (width, height) in pixels, from one of ``VIEWS``; ``note`` is written below.
+
+    ``meshes`` maps each part to its mesh in the part's own frame; ``colour_of`` gives an item's linear RGB, its
+    material's if left out. ``cut`` takes the place of the view. Raises ``ValueError`` for an unknown view or a
+    invalid size, ``OutputError`` if the machine cannot draw without a display.
+    """
+    if view not in VIEWS:
+        raise ValueError(f"unknown view {view!r}; there are {', '.join(VIEWS)}")
+    if not all(1 <= pixels <= _LARGEST_PIXELS for pixels in size):
+        raise ValueError(f"picture of {size[0]} x {size[1]} pixels: each must be 1 to {_LARGEST_PIXELS}")
+    items = sorted_items(items, meshes)
+    renderer = vtkRenderer()
+    bodies = {part: (_surface(meshes[part]), _lines(meshes[part])) for part in {item.part for item in items}}
+    for item in items:
+        surface, lines = bodies[item.part]
+        pieces = (_body(surface, item.location, colour_of(item)), _edges(lines, item.location))
+        for actor in pieces if cut is None else _cut(pieces, cut, colour_of(item)):
+            renderer.AddActor(actor)
+    renderer.AutomaticLightCreationOff()
+    _lights().AddLightsToRenderer(renderer)
+    renderer.SetBackground(*_BACKGROUND)
+    camera = _camera(_placed_points(items, meshes), VIEWS[view] if cut is None else cut.normal, size)
+    if cut is not None:
+        aside = np.array(camera.GetPosition()) - np.array(camera.GetFocalPoint())
+        camera.SetFocalPoint(*cut.centre)
+        camera.SetPosition(*(np.array(cut.centre) + aside))
+        camera.SetParallelScale(cut.half_height_mm)
+    renderer.SetActiveCamera(camera)
+    renderer.ResetCameraClippingRange()
+    if note:
+        renderer.AddViewProp(_text(note, size))
+    return _drawn(renderer, size)
+
+
+def _cut(actors: tuple[vtkActor, vtkActor], cut: CutPlane, colour: Vector) -> tuple[vtkActor, vtkActor]:
+    """Surface and edges behind the plane; the surface's inner side represents the cut face."""
+    plane = vtkPlane()
+    plane.SetOrigin(*cut.centre)
+    plane.SetNormal(*(-value for value in cut.normal))
+    for actor in actors:
+        actor.GetMapper().AddClippingPlane(plane)
+    face = vtkProperty()
+    face.SetColor(*(_CUT_SHADE * _display(channel) for channel in colour))
+    face.SetAmbient(1.0)
+    face.SetDiffuse(0.0)
+    face.SetSpecular(0.0)
+    actors[0].SetBackfaceProperty(face)
+    return actors
+
+
+def _placed_points(items: Iterable[Item], meshes: Mapping[str, TriangleMesh]) -> FloatArray:
+    return np.concatenate([item.location.apply(meshes[item.part].points_mm) for item in items])
+
+
+def _camera(points: FloatArray, towards: Vector, size: tuple[int, int]) -> vtkCamera:
+    """A camera with a field of view that the points just fill."""
+    back = np.array(towards) / np.linalg.norm(towards)
+    up_hint = np.array((0.0, 1.0, 0.0) if abs(back[2]) > 0.99 else (0.0, 0.0, 1.0))
+    right = np.cross(up_hint, back)
+    right /= np.linalg.norm(right)
+    axes = np.array((right, np.cross(back, right), back))
+    seen = points @ axes.T
+    low, high = seen.min(axis=0), seen.max(axis=0)
+    width, height, depth = high - low
+    middle = (low + high) / 2.0 @ axes
+    camera = vtkCamera()
+    camera.ParallelProjectionOn()
+    camera.SetFocalPoint(*middle)
+    camera.SetPosition(*(middle + back * (depth + 1.0)))
+    camera.SetViewUp(*axes[1])
+    camera.SetParallelScale(_MARGIN * max(height, width * size[1] / size[0]) / 2.0)
+    return camera
+
+
+def _surface(mesh: TriangleMesh) -> vtkPolyData:
+    data = _polydata(mesh.points_mm)
+    data.SetPolys(_cells(mesh.triangles))
+    data.GetPointData().SetNormals(_array(mesh.normals))
+    return data
+
+
+def _lines(mesh: TriangleMesh) -> vtkPolyData:
+    data = _polydata(mesh.points_mm)
+    data.SetLines(_cells(mesh.edges))
+    return data
+
+
+def _polydata(points_mm: FloatArray) -> vtkPolyData:
+    points = vtkPoints()
+    points.SetData(_array(points_mm))
+    data = vtkPolyData()
+    data.SetPoints(points)
+    return data
+
+
+def _cells(corners: IntArray) -> vtkCellArray:
+    count, each = corners.shape
+    cells = vtkCellArray()
+    cells.SetData(_array(np.arange(count + 1, dtype=np.int64) * each), _array(corners.ravel().astype(np.int64)))
+    return cells
+
+
+def _array(values: NDArray[Any]) -> vtkDataArray:
+    kind = VTK_ID_TYPE if values.dtype.kind == "i" else None
+    plain = np.ascontiguousarray(values)
+    array: vtkDataArray = numpy_to_vtk(plain, deep=True, array_type=kind)  # type: ignore[no-untyped-call]
+    return array
+
+
+def _actor(data: vtkPolyData, placement: Placement) -> vtkActor:
+    mapper = vtkPolyDataMapper()
+    mapper.SetInputData(data)
+    mapper.SetResolveCoincidentTopologyToPolygonOffset()  # so that edges lie on the surface, not half in it
+    matrix = vtkMatrix4x4()
+    for row, values in enumerate(placement.rows):
+        for column, value in enumerate(values):
+            matrix.SetElement(row, column, value)
+    actor = vtkActor()
+    actor.SetMapper(mapper)
+    actor.SetUserMatrix(matrix)
+    return actor
+
+
+def _body(data: vtkPolyData, placement: Placement, colour: Vector) -> vtkActor:
+    actor = _actor(data, placement)
+    surface = actor.GetProperty()
+    surface.SetColor(*(_display(channel) for channel in colour))
+    surface.SetInterpolationToPhong()
+    surface.SetAmbient(0.1)
+    surface.SetDiffuse(0.9)
+    surface.SetSpecular(0.2)
+    surface.SetSpecularPower(25.0)
+    return actor
+
+
+def _edges(data: vtkPolyData, placement: Placement) -> vtkActor:
+    actor = _actor(data, placement)
+    line = actor.GetProperty()
+    line.SetColor(*_EDGE_COLOUR)
+    line.SetLineWidth(1.3)
+    line.LightingOff()
+    return actor
+
+
+def _display(linear: float) -> float:
+    """A linear colour channel converted to sRGB."""
+    return 12.92 * linear if linear <= 0.0031308 else 1.055 * math.pow(linear, 1.0 / 2.4) - 0.055
+
+
+def _lights() -> vtkLightKit:
+    """A bright light above the camera, and a weaker one at the camera for the faces that it sees directly."""
+    lights = vtkLightKit()
+    lights.SetKeyLightIntensity(0.85)
+    lights.SetKeyToFillRatio(2.5)
+    lights.SetKeyToHeadRatio(1.8)
+    lights.SetKeyToBackRatio(3.0)
+    return lights
+
+
+def _text(note: str, size: tuple[int, int]) -> vtkTextActor:
+    text = vtkTextActor()
+    text.SetInput(note)
+    text.SetPosition(0.02 * size[0], 0.02 * size[1])
+    text.GetTextProperty().SetFontSize(max(10, size[1] // 40))
+    text.GetTextProperty().SetColor(0.7, 0.05, 0.05)
+    return text
+
+
+def _drawn(renderer: vtkRenderer, size: tuple[int, int]) -> bytes:
+    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)  # it warns of every way to draw that it tries in vain
+    window = vtkRenderWindow()
+    if window.GetClassName() == "vtkOSOpenGLRenderWindow" and not _loadable(_OSMESA):
+        raise OutputError(
+            "cannot draw a picture: there is no display, and neither EGL nor OSMesa to do without one; install one "
+            "of them (Debian: apt-get install libegl1, or libosmesa6)"
+        )
+    window.OffScreenRenderingOn()
+    window.SetMultiSamples(_SAMPLES)
+    window.SetSize(*size)
+    window.AddRenderer(renderer)
+    window.Render()
+    image = vtkWindowToImageFilter()
+    image.SetInput(window)
+    image.ReadFrontBufferOff()
+    image.ShouldRerenderOff()  # otherwise VTK draws the whole scene again before it reads the image
+    image.Update()
+    writer = vtkPNGWriter()
+    writer.SetInputConnection(image.GetOutputPort())
+    writer.WriteToMemoryOn()
+    writer.Write()
+    return bytes(memoryview(writer.GetResult()))
+
+
+def _loadable(libraries: Iterable[str]) -> bool:
+    for library in libraries:
+        try:
+            ctypes.CDLL(library)
+        except OSError:
+            continue
+        return True
+    return False

@@ -1,0 +1,140 @@
+"""The interference run: test all pairs of bodies for overlap over the whole travel.
+
+Solids are tested by booleans; a cable is tested as a rod that is slightly thinner than the cable. The run lists the
+pairs at each pose and the tests that they need, each test once: pairs with the same relative position at many poses
+share one test, and after an edit only the changed pairs are tested. Bodies that move together are tested with the drum
+centred. Cables are tested against each other and against their own turns by the distance of their centre lines, because
+booleans fail on rods that touch. There is no list of exceptions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from mbcdm_cad.parallel.forks import fork_map
+from mbcdm_cad.parts.bill import cable_item
+from mbcdm_cad.parts.item import Item
+from mbcdm_cad.parts.placement import Placement
+from mbcdm_cad.routes.cable_path import CablePath, Stretch
+from mbcdm_cad.workshop.clash import Clash
+from mbcdm_cad.workshop.pairs import Box, Cables, Faces, Found, Pair, PartShape, Rod, RodShape, Test, rounded
+from mbcdm_cad.workshop.scene import Pose, is_longest
+
+
+@dataclass(frozen=True)
+class Look:
+    """One pair of bodies at one pose: the test whose answer applies, and the placement of the answer at this pose."""
+
+    key: str
+    kind: str
+    names: tuple[str, ...]
+    drum_angle_deg: float
+    placement: Placement
+
+    def clashes(self, found: Found) -> Iterator[Clash]:
+        """The test's answer with the names of the bodies, in the frame of the assembly."""
+        for i, j, size, *place in found:
+            x, y, z = (float(value) for value in self.placement.apply(np.array(place)))
+            first, second, where = self.names[i], self.names[j], (x, y, z)
+            if self.kind == "cables":
+                yield Clash(first, second, "cables", self.drum_angle_deg, where, overlap_mm=size)
+            else:
+                kind = "solids" if self.kind == "solids" else "cable and solid"
+                yield Clash(first, second, kind, self.drum_angle_deg, where, volume_mm3=size)  # type: ignore[arg-type]
+
+
+@dataclass
+class InterferenceRun:
+    """The pairs in the order of the result, and the tests by key."""
+
+    looks: list[Look] = field(default_factory=list)
+    tests: dict[str, Test] = field(default_factory=dict)
+
+    def add(self, test: Test, kind: str, names: tuple[str, ...], angle_deg: float, placement: Placement) -> None:
+        """Add a test of bodies at one pose; ``placement`` leads from the test's frame to the assembly's."""
+        key = test.key
+        self.tests.setdefault(key, test)
+        self.looks.append(Look(key, kind, names, angle_deg, placement))
+
+    def missing(self, known: Mapping[str, Found]) -> list[str]:
+        """Keys of the tests whose answers are not known, the longest tests first."""
+        return sorted((key for key in self.tests if key not in known), key=lambda key: -self.tests[key].work)
+
+    def clashes(self, known: Mapping[str, Found]) -> tuple[Clash, ...]:
+        """All overlaps, from the answers to all tests."""
+        return tuple(clash for look in self.looks for clash in look.clashes(known[look.key]))
+
+
+def interference_run(
+    scenes: Mapping[float, Pose],
+    bodies: Mapping[str, PartShape],
+    poses_deg: Sequence[float],
+    half_travel_deg: float,
+    diameter_mm: float,
+) -> InterferenceRun:
+    """All pairs and tests over ``poses_deg``. ``scenes`` by drum angle: the poses, the centre, both ends.
+
+    ``bodies`` by part; items whose part is not among them are left out. The faces of each body are tested against each
+    other too.
+    """
+    run = InterferenceRun()
+    for part, body in bodies.items():
+        faces = Faces(part, body)
+        run.tests.setdefault(faces.key, faces)
+    placed = {
+        angle: [(item, bodies[item.part].box_at(item.location)) for item in scene.bodies if item.part in bodies]
+        for angle, scene in scenes.items()
+    }
+
+    def solids(angle_deg: float, together: bool) -> None:
+        for first, second in _meeting(placed[angle_deg]):
+            if (first.group == second.group) == together:
+                placement = rounded(first.location.inverse @ second.location)
+                pair = Pair(bodies[first.part], bodies[second.part], placement)
+                run.add(pair, "solids", (first.name, second.name), angle_deg, first.location)
+
+    def rods(angle_deg: float, path: CablePath, stretch: Stretch, own: bool) -> None:
+        rod = RodShape(path.only(stretch.pieces), path.diameter_mm or diameter_mm)
+        for item, box in placed[angle_deg]:
+            if (item.group == stretch.body) == own and rod.is_near(box):
+                test = Rod(rod, bodies[item.part], rounded(item.location))
+                names = (cable_item(path.cable.name), item.name)
+                run.add(test, "cable and solid", names, angle_deg, Placement.identity())
+
+    solids(0.0, together=True)
+    ends = (-half_travel_deg, half_travel_deg)
+    for end in ends:
+        for k, path in enumerate(scenes[end].cables):
+            for stretch in path.stretches:
+                # A cable is tested against the body that carries it at the pose at which most of the cable lies on it.
+                if stretch.body is not None and is_longest(path, stretch, [scenes[other].cables[k] for other in ends]):
+                    rods(end, path, stretch, own=True)
+    for angle in poses_deg:
+        solids(angle, together=False)
+        paths = scenes[angle].cables
+        names = tuple(cable_item(path.cable.name) for path in paths)
+        run.add(Cables(paths, diameter_mm), "cables", names, angle, Placement.identity())
+        for path in paths:
+            for stretch in path.stretches:
+                rods(angle, path, stretch, own=False)
+    return run
+
+
+def answers(run: InterferenceRun, known: Mapping[str, Found], jobs: int) -> dict[str, Found]:
+    """Answers to all tests of ``run``: those in ``known``, and the others computed; the same for any ``jobs``."""
+    missing = run.missing(known)
+    worked_out = fork_map(lambda key: run.tests[key].test(), missing, jobs)
+    return {**{key: known[key] for key in run.tests if key in known}, **dict(zip(missing, worked_out, strict=True))}
+
+
+def _meeting(placed: Sequence[tuple[Item, Box]]) -> Iterator[tuple[Item, Item]]:
+    """The pairs whose boxes meet, in the order of the items."""
+    if not placed:
+        return
+    low, high = (np.array([box[k] for _, box in placed]) for k in (0, 1))
+    meet = np.all((low[:, None] < high[None, :]) & (low[None, :] < high[:, None]), axis=2)
+    for i, j in np.argwhere(np.triu(meet, 1)):
+        yield placed[i][0], placed[j][0]

@@ -1,0 +1,289 @@
+"""Parts, assembly files and the interference run: read from the cache, or made and stored in it.
+
+The kernel is imported only when something has to be made.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from mbcdm_cad.design.bought import Material
+from mbcdm_cad.layouts.base import FrameCompliance, Layout
+from mbcdm_cad.parallel.forks import fork_map, forked
+from mbcdm_cad.parts.bill import CABLE, PartSpec
+from mbcdm_cad.parts.item import Item
+from mbcdm_cad.storage.cache import Cache
+from mbcdm_cad.storage.keys import content_key, package_hash, source_hash
+from mbcdm_cad.storage.manifest import versions
+from mbcdm_cad.workshop.clash import Clash
+from mbcdm_cad.workshop.interference import InterferenceRun, interference_run
+from mbcdm_cad.workshop.pairs import Found, PartShape
+from mbcdm_cad.workshop.partfiles import PartFiles
+from mbcdm_cad.workshop.scene import scenes
+
+Progress = Callable[[str], None]
+# The progress message names at most this many parts; more are only counted.
+_MOST_NAMED = 6
+
+
+@dataclass(frozen=True)
+class StoredPart:
+    """One part's files; ``key`` identifies their content."""
+
+    key: str
+    files: PartFiles
+
+    def solid(self) -> Any:
+        """The kernel's shape."""
+        from mbcdm_cad.workshop.kernel import shape_from_brep
+
+        return shape_from_brep(self.files.brep)
+
+
+class Store:
+    """Makes what is not in the cache. ``progress`` gets the name of each item while it is made."""
+
+    def __init__(self, cache: Cache, progress: Progress) -> None:
+        self._cache = cache
+        self._progress = progress
+        self._solids: dict[str, Any] = {}
+        self._held: dict[str, StoredPart] = {}
+        self._assemblies: dict[str, dict[str, bytes]] = {}
+        self._sources: dict[str, str] | None = None
+        self.made: list[str] = []
+
+    def parts(
+        self,
+        specs: Mapping[str, PartSpec],
+        materials: Mapping[str, Material],
+        mesh_tolerance_mm: float,
+        jobs: int,
+        meanwhile: Callable[[], None] | None = None,
+    ) -> dict[str, StoredPart]:
+        """All parts; only those that the cache lacks for these dimensions, material and code are drawn.
+
+        ``meanwhile`` is called, if anything is drawn, while other processes draw; an error in drawing comes before one
+        in it.
+        """
+        keys = self.keys(specs, materials, mesh_tolerance_mm)
+        found = self.known(keys)
+        missing = [name for name in specs if name not in found]
+        if missing:
+            from mbcdm_cad.workshop.makefiles import drawn_part
+
+            self._note(*missing)
+            with forked(lambda n: drawn_part(specs[n], materials[n], mesh_tolerance_mm), missing, jobs) as results:
+                try:
+                    if meanwhile is not None:
+                        meanwhile()
+                finally:
+                    drawn = results()
+            found |= self.keep(keys, drawn)
+        return {name: found[name] for name in specs}
+
+    def keys(
+        self, specs: Mapping[str, PartSpec], materials: Mapping[str, Material], mesh_tolerance_mm: float
+    ) -> dict[str, str]:
+        """The cache key of each part, from dimensions, material, tolerance and code."""
+        keys = {}
+        for name, spec in specs.items():
+            source = self._source(type(spec.part).__module__, "mbcdm_cad.workshop.makefiles")
+            keys[name] = content_key("part", (spec, materials[name], mesh_tolerance_mm), source, versions())
+        return keys
+
+    def known(self, keys: Mapping[str, str]) -> dict[str, StoredPart]:
+        """The parts by name that need not be drawn; the last ones read stay in memory."""
+        found: dict[str, StoredPart] = {}
+        for name, key in keys.items():
+            if key in self._held:
+                found[name] = self._held[key]
+            elif (blobs := self._cache.get(key)) is not None:
+                found[name] = StoredPart(key, PartFiles.from_blobs(name, blobs))
+        self._held = {part.key: part for part in found.values()}
+        return found
+
+    def keep(self, keys: Mapping[str, str], drawn: Iterable[PartFiles]) -> dict[str, StoredPart]:
+        """Store the parts that were drawn."""
+        made = {files.name: StoredPart(keys[files.name], files) for files in drawn}
+        for part in made.values():
+            self._cache.put(part.key, part.files.to_blobs())
+            self._held[part.key] = part
+        return made
+
+    def assembly(
+        self, items: tuple[Item, ...], parts: dict[str, StoredPart], name: str, note: str = ""
+    ) -> dict[str, bytes]:
+        """STEP and GLB of the assembly, by these names; both carry ``note``."""
+        key, make = self._assembly(items, parts, name, note)
+        if key not in self._assemblies:
+            self._note("assembly")
+            self._hold(key, make())
+        return self._assemblies[key]
+
+    def _hold(self, key: str, files: dict[str, bytes]) -> None:
+        self._assemblies[key] = files
+        self._cache.put(key, files)
+
+    def _assembly(
+        self, items: tuple[Item, ...], parts: dict[str, StoredPart], name: str, note: str
+    ) -> tuple[str, Callable[[], dict[str, bytes]]]:
+        """The key of an assembly's files, which are read if the cache has them, and the function that makes them."""
+        source = self._source("mbcdm_cad.workshop.export.step", "mbcdm_cad.workshop.export.glb")
+        key = content_key("assembly", (name, note, items, _keys(parts)), source, versions())
+        if key not in self._assemblies and (blobs := self._cache.get(key)) is not None:
+            self._assemblies[key] = blobs
+
+        def make() -> dict[str, bytes]:
+            from mbcdm_cad.workshop.export.glb import glb_bytes
+            from mbcdm_cad.workshop.export.step import assembly_step
+
+            return {
+                "step": assembly_step(name, items, self.solids(parts), note),
+                "glb": glb_bytes(name, items, {n: p.files.mesh for n, p in parts.items()}, note),
+            }
+
+        return key, make
+
+    def judged(
+        self,
+        layout: Layout,
+        parts: dict[str, StoredPart],
+        poses_deg: tuple[float, ...],
+        jobs: int,
+        assembly: tuple[Item, ...] = (),
+    ) -> tuple[tuple[Clash, ...], FrameCompliance | None]:
+        """Interference run over ``poses_deg`` and compliance of the frame, in parallel if both must be computed.
+
+        With the items of the ``assembly`` its files are made beside them, for :meth:`assembly` without a note.
+        """
+        run, known = _interference_run(layout, parts, poses_deg), KnownTests(self._cache, self._source(*TEST_MODULES))
+        missing = run.missing(known)
+        study = layout.frame_study
+        frame_key = content_key("frame", study.inputs, self._source(study.module), versions()) if study else ""
+        frame = self._cache.get(frame_key) if study else None
+        pending: dict[str, Callable[[], Any]] = {}  # the longest first
+        if study and frame is None:
+            pending[frame_key] = study.compliance
+            self._note("stiffness of the frame")
+        assembly_key = ""
+        if assembly:
+            assembly_key, make = self._assembly(assembly, parts, layout.drive.name, "")
+            if assembly_key not in self._assemblies:
+                pending[assembly_key] = make
+                self._note("assembly")
+        if missing:
+            from mbcdm_cad.workshop.separation import prepare
+
+            prepare()
+            self._note(f"interference at {len(poses_deg)} poses")
+            pending |= {key: run.tests[key].test for key in missing}
+        found = dict(zip(pending, fork_map(lambda key: pending[key](), list(pending), jobs), strict=True))
+        if frame_key in found:
+            frame = {"compliance": json.dumps(asdict(found[frame_key])).encode()}
+            self._cache.put(frame_key, frame)
+        if assembly_key in found:
+            self._hold(assembly_key, found[assembly_key])
+        known.add({key: found[key] for key in missing}, run.tests)
+        return run.clashes(known), FrameCompliance(**json.loads(frame["compliance"])) if frame else None
+
+    def solids(self, parts: dict[str, StoredPart]) -> dict[str, Any]:
+        """Kernel shapes of ``parts``, each read once."""
+        for name, part in parts.items():
+            if name not in self._solids:
+                self._solids[name] = part.solid()
+        return {name: self._solids[name] for name in parts}
+
+    def _source(self, *modules: str) -> str:
+        """Hash of the code of ``modules`` and of all that they import.
+
+        Finding their imports takes half a second in all, so the result is kept as long as no file of the program
+        changes.
+        """
+        key = content_key("sources", (), package_hash(), {})
+        if self._sources is None:
+            stored = self._cache.get(key)
+            self._sources = json.loads(stored["sources"]) if stored else {}
+        name = " ".join(modules)
+        if name not in self._sources:
+            self._sources[name] = source_hash(*modules)
+            self._cache.put(key, {"sources": json.dumps(self._sources).encode()})
+        return self._sources[name]
+
+    def _note(self, *names: str) -> None:
+        self.made += names
+        few = len(names) <= _MOST_NAMED
+        self._progress(", ".join(names) if few else f"{len(names)} parts, {names[0]} to {names[-1]}")
+
+
+def _interference_run(layout: Layout, parts: dict[str, StoredPart], poses_deg: tuple[float, ...]) -> InterferenceRun:
+    bodies = {name: _body(part) for name, part in parts.items() if not name.startswith(CABLE)}
+    half = layout.drive.half_travel_deg
+    seen = scenes(layout, (0.0, -half, half, *poses_deg))
+    return interference_run(seen, bodies, poses_deg, half, layout.drive.cable.diameter_mm)
+
+
+def _body(part: StoredPart) -> PartShape:
+    """A part for the interference run. Its key depends on the solid only, so a new material or mesh repeats no test."""
+    shape = part.files.shape
+    key = hashlib.sha256(part.files.brep).hexdigest()
+    return PartShape(key, np.array([shape.low_mm, shape.high_mm]), part.solid, part.files.mesh)
+
+
+def _keys(parts: dict[str, StoredPart]) -> dict[str, str]:
+    return {name: part.key for name, part in parts.items()}
+
+
+# A design has about a thousand tests; beyond this number the answers that were not used for longest are removed.
+MOST_ANSWERS = 30_000
+_KEY_DIGITS = 32
+# What a test's answer depends on besides the bodies: drawing of the rods, booleans and proofs.
+TEST_MODULES = ("mbcdm_cad.workshop.pairs",)
+
+
+class KnownTests(Mapping[str, Found]):
+    """Answers by the key of the test.
+
+    Almost all tests find no overlap: of these only the keys are stored. If two processes write at the same time, the
+    answers of one are lost and are computed again later. ``source`` is the hash of ``TEST_MODULES``.
+    """
+
+    def __init__(self, cache: Cache, source: str) -> None:
+        self._cache = cache
+        self._key = content_key("interference answers", (), source, versions())
+        self._found = self._stored()
+
+    def __getitem__(self, key: str) -> Found:
+        return self._found[key]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._found)
+
+    def __len__(self) -> int:
+        return len(self._found)
+
+    def add(self, answers: Mapping[str, Found], used: Iterable[str]) -> None:
+        """Add new answers and store all; ``used`` are the keys of this run, which are removed last."""
+        self._found |= answers
+        if not answers:
+            return
+        # Answers that other processes stored since this run began are kept too, in the order of the last use.
+        latest = {**self._stored(), **self._found}
+        for key in used:
+            latest[key] = latest.pop(key)
+        kept = dict(list(latest.items())[-MOST_ANSWERS:])
+        hits = {key: found for key, found in kept.items() if found}
+        self._cache.put(self._key, {"keys": "".join(kept).encode(), "found": json.dumps(hits).encode()})
+
+    def _stored(self) -> dict[str, Found]:
+        blobs = self._cache.get(self._key)
+        if blobs is None:
+            return {}
+        keys, found = blobs["keys"].decode(), json.loads(blobs["found"])
+        every = (keys[start : start + _KEY_DIGITS] for start in range(0, len(keys), _KEY_DIGITS))
+        return {key: found.get(key, []) for key in every}
