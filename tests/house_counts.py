@@ -362,6 +362,11 @@ def docs_lines_by_hand(house: House) -> int:
     return sum(page.read_text("utf-8").count("\n") for page in pages)
 
 
+def decisions(house: House) -> int:
+    """Pages of docs/decisions."""
+    return len(list((house.tree / "docs" / "decisions").glob("[0-9]*.md")))
+
+
 def short_helpers(house: House) -> list[tuple[str, str]]:
     """Private functions of at most ``SHORT_LINES`` lines whose name stands at one other place: (module, name)."""
     uses: Counter[str] = Counter()
@@ -441,6 +446,7 @@ def counts(house: House) -> dict[str, float]:
         "lines": lines(house),
         "tests lines": tests_lines(house),
         "docs lines by hand": docs_lines_by_hand(house),
+        "decisions": decisions(house),
         "private functions used once, at most 8 lines": len(short_helpers(house)),
         "field paths as string literals": field_path_strings(house),
         "thresholds in loop/search": search_thresholds(house),

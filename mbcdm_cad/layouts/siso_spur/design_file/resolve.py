@@ -144,7 +144,7 @@ def _broken_drum(design: SpurDesign) -> Iterator[Broken]:
 
 
 def _broken_parallel(design: SpurDesign) -> Iterator[Broken]:
-    """Parallel cables are continuous (decision 0049) and have four screws between the dowels of their hubs."""
+    """Parallel cables are continuous (decision 0011) and have four screws between the dowels of their hubs."""
     count, where = design.transmission.parallel, ("transmission", "parallel")
     if count > 1 and design.transmission.cables == "two_anchored":
         what = "the stops of anchored cables are milled into the input's end faces, which inner cables do not reach"
