@@ -4,14 +4,14 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 DESIGN ?= params/mbcdm.yaml
 
-.PHONY: build test test-slow solids lint setup picture docs gallery built-by-others docs-site benchmark lock clean
+.PHONY: build test test-slow judge solids lint setup picture docs gallery built-by-others docs-site benchmark lock clean
 
 build: setup
 	$(BIN)/mbcdm build $(DESIGN)
 	$(BIN)/mbcdm page $(DESIGN)
 
 # Each worker computes on its own core: threads of the matrix library under them only wait for each other.
-test test-slow: export OPENBLAS_NUM_THREADS = 1
+test test-slow judge: export OPENBLAS_NUM_THREADS = 1
 # A file's tests share its fixtures, so they stay on one worker; tests/conftest.py has the order of the files.
 PYTEST := $(BIN)/pytest -q -n auto --dist loadfile --no-loadscope-reorder
 
@@ -20,6 +20,10 @@ test: setup
 
 test-slow: setup
 	$(PYTEST) -m slow
+
+# Runs with known truth: fails where a class of them is worse than benchmarks/judge.jsonl says. ALL=--all: not a part.
+judge: setup
+	$(BIN)/python benchmarks/judge.py --check --workers 2 $(ALL)
 
 lint: setup
 	$(BIN)/ruff check .

@@ -78,6 +78,7 @@ WRITTEN_PAGES = (
     "built-by-others",
     "real-drives",
     "optimum",
+    "validation",
 )
 # A private function that is used once is counted up to this number of lines.
 SHORT_LINES = 8

@@ -33,7 +33,7 @@ from mbcdm_cad.measurement.run import KNOWN_LOAD, Run, Sensors, StatedMotors, To
 from mbcdm_cad.measurement.schema import Pendulum  # noqa: E402
 from mbcdm_cad.rig.dynamic.experiment import DynamicExperiment  # noqa: E402
 from mbcdm_cad.rig.dynamic.simulate import simulate_dynamic  # noqa: E402
-from tests.support.bench_page import interval  # noqa: E402
+from tests.support.bench_score import interval  # noqa: E402
 from tests.support.many import add_workers, run_many  # noqa: E402
 
 # A low preload and more friction in the cables are nearly alike: either, or both as a set, is right.

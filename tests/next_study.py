@@ -26,9 +26,8 @@ sys.path[:0] = [str(ROOT / "tests" / "support"), str(ROOT)]
 from bench_data import Simulated, drum_angle, stream, through_files  # noqa: E402
 from bench_effects import Effect  # noqa: E402
 from bench_motion import RATE_HZ, Bench, stray, warming_air  # noqa: E402
-from bench_page import interval  # noqa: E402
 from bench_real import Truth, logged, simulate_real, tracked, truth_of  # noqa: E402
-from bench_score import outcome_of, said_of, same  # noqa: E402
+from bench_score import interval, outcome_of, said_of, same  # noqa: E402
 from scipy.ndimage import uniform_filter1d  # noqa: E402
 
 from mbcdm_cad.layouts.loader import load_design  # noqa: E402
@@ -89,10 +88,11 @@ def judged(task: tuple[str, int]) -> dict[str, Any]:
     """The first run, the proposed one, and what the loop says of both."""
     case, seed = task
     truth = truth_of(DRIVE, case, seed)
+    entries = [effect.as_truth() for effect in truth.effects]
     first = through_files(simulate_real(DRIVE, case, seed), DRIVE.input_names)
     found = close_loop(DRIVE, [first])
     row: dict[str, Any] = {"case": case, "seed": seed, "first": said_of(found.to_json()), "settled": None}
-    if outcome_of(found.to_json(), truth.effects) != "set":
+    if outcome_of(found.to_json(), entries) != "set":
         return row
     following = next_run(DRIVE, [first], found)
     assert following is not None
@@ -107,12 +107,12 @@ def judged(task: tuple[str, int]) -> dict[str, Any]:
         return row
     second = through_files(made(truth, following.experiment, case, seed), DRIVE.input_names)
     members = [{"name": one.name, "stage": one.stage, "cables": one.cables} for one in following.members]
-    asked = next((effect for effect in truth.effects if any(same(one, effect) for one in members)), None)
+    asked = next((entry for entry in entries if any(same(one, entry) for one in members)), None)
     result = close_loop(DRIVE, [first, second]).to_json()
     return row | {
-        "asked": None if asked is None else asked.name,
+        "asked": None if asked is None else asked["name"],
         "both": said_of(result),
-        "outcome": outcome_of(result, truth.effects),
+        "outcome": outcome_of(result, entries),
         "settled": asked is not None and any(same(one, asked) for one in result["effects"]),
     }
 

@@ -31,9 +31,8 @@ from bench_data import Simulated, drum_angle, stream, through_files  # noqa: E40
 from bench_effects import ALL, Effect  # noqa: E402
 from bench_geometry import chain_of  # noqa: E402
 from bench_motion import Bench, Plan, bench_run  # noqa: E402
-from bench_page import interval  # noqa: E402
 from bench_real import Traits, draw_traits, logged, tracked  # noqa: E402
-from bench_score import outcome_of, said_of  # noqa: E402
+from bench_score import interval, outcome_of, said_of  # noqa: E402
 
 from mbcdm_cad.layouts.loader import load_design  # noqa: E402
 from mbcdm_cad.loop.search.engine import close_loop  # noqa: E402
@@ -154,7 +153,7 @@ def _judged(number: int, wanted: list[tuple[str, float]]) -> Iterator[dict[str, 
             "power": power,
             "size": sign * size,
             "floor_rad": noise.total_rad,
-            "outcome": outcome_of(result, (effect,)),
+            "outcome": outcome_of(result, [effect.as_truth()]),
             "said": said_of(result),
             "seconds": time.process_time() - start,
         }

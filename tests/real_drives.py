@@ -45,7 +45,7 @@ HEAD = """\
 
 Written by `MBCDM_SHARED_DATA=... python tests/real_drives.py docs/real-drives.md`; do not edit by hand. Slow tests hold
 the main figures (`tests/unit/measurement/test_real_runs.py`). Runs of the loop on benches in software are in
-[loop-benches.md](loop-benches.md).
+[validation.md](validation.md).
 
 ## The runs
 Three runs of a da Vinci tool on a test stand, 1 kHz for 20 s each, recorded by the Medical Robotics and Devices Lab of

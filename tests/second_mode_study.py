@@ -27,7 +27,7 @@ sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "unit" / "loop")]
 from test_frequency_response import DESIGN, PLATE_KG_M2, RATIO, ThreeMasses, designed, forms  # noqa: E402
 
 import mbcdm_cad as mc  # noqa: E402
-from tests.support.bench_page import interval  # noqa: E402
+from tests.support.bench_score import interval  # noqa: E402
 
 Floats, Complex, Rng = np.ndarray, np.ndarray, np.random.Generator
 Rows = tuple[Floats, Complex, Floats | None]

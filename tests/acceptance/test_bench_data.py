@@ -18,10 +18,7 @@ from bench_chain import run_chain
 from bench_data import simulate_case, write_case
 from bench_effects import Effect
 from bench_geometry import chain_of
-from bench_page import interval, page
-from bench_real import DECLARED_FLOOR_RAD, draw_traits, truth_of
-from bench_score import outcome_of
-from bench_separable import EVERY, noise_along, separability
+from bench_score import interval, outcome_of, score_of
 
 ROOT = Path(__file__).resolve().parents[2]
 DRIVE = load_design(ROOT / "params" / "mbcdm.yaml").drive
@@ -117,43 +114,17 @@ def test_scoring(named: list, sets: list, verdict: str, true: tuple[Effect, ...]
         "effects": [entry(*one) for one in named],
         "one_of": [[entry(*one) for one in group] for group in sets],
     }
-    assert outcome_of(result, true) == outcome
+    truth = [effect.as_truth() for effect in true]
+    assert outcome_of(result, truth) == outcome
+    unknown = result | {"unknown": {} if verdict == "unknown" else None}
+    right = {"exact": "right", "set": "set", "none": "right", "unknown": "right", "partial": "missed"}
+    assert score_of(unknown, truth, []) == right.get(outcome, "false")
+    # What is too small may be named or not; a wrong name stays one.
+    small = {"partial": "right", "exact": "right", "set": "set", "none": "right", "unknown": "missed"}
+    assert score_of(unknown, truth, truth) == small.get(outcome, "false")
 
 
-def test_noise_along_a_signature_is_that_of_the_covariance() -> None:
-    rate = 100.0 / EVERY  # one sample of the logger for each value
-    traits = replace(draw_traits(np.random.default_rng(3)), rate_hz=rate, drift_rad=3e-6, coloured_rad=5e-6)
-    values, times = np.random.default_rng(4).normal(size=300), np.arange(300) / rate
-    memory = np.exp(-np.abs(times[:, None] - times) / traits.memory_s)
-    ramp = np.linspace(-0.5, 0.5, 300)
-    covariance = (traits.white_rad**2 + DECLARED_FLOOR_RAD**2) * np.eye(300)
-    covariance += traits.coloured_rad**2 * memory + traits.drift_rad**2 * np.outer(ramp, ramp)
-    assert noise_along(values, traits, 1.0) == pytest.approx(values @ covariance @ values, rel=1e-9)
-
-
-@pytest.mark.slow
-def test_what_counts_follows_from_the_truth() -> None:
-    truth = truth_of(DRIVE, "pulley_guide", 1)
-    guide = separability(truth, DRIVE.input_names)
-    assert guide.large and guide.separable, guide
-    # To second order only the product of friction and preload counts.
-    preload = separability(truth_of(DRIVE, "preload_all", 1), DRIVE.input_names)
-    assert preload.rival == "cable_friction" and not preload.separable, preload
-    # Half the preload is far from where the rival starts, and a straight line leads beyond its bound.
-    low = separability(truth_of(DRIVE, "preload_low", 3004), DRIVE.input_names)
-    assert low.rival == "cable_friction" and not low.separable, low
-    tiny = replace(truth.effects[0], size=truth.effects[0].size | {"eccentricity_m": 1e-7})
-    small = separability(replace(truth, effects=(tiny,)), DRIVE.input_names)
-    share = 1e-7 / truth.effects[0].size["eccentricity_m"]
-    assert not small.large and small.gain_rad == pytest.approx(share * guide.gain_rad, rel=0.1), small
-
-
-def test_the_page_counts_and_keeps_what_was_written_by_hand() -> None:
-    row = {"case": "a", "seed": 1, "group": "null", "outcome": "none", "said": "none", "load": "brake", "rate_hz": 50.0}
-    row |= {"noise": 2.0, "half_travel_rad": 0.3, "wave": "sine", "gaps": 0, "true": "none"}
-    wrong = row | {"seed": 2, "outcome": "wrong", "said": "delay"}
-    text = page([row, wrong], "command", "# Old\n\n## What falls short\n\nKept.\n")
-    assert "| effect-free: no name | 98 % | 1 | 2 | 50.0% | 1.3% to 98.7% |" in text, text
-    assert text.endswith("## What falls short\n\nKept.\n") and "# Old" not in text
+def test_intervals_are_those_of_clopper_and_pearson() -> None:
     # The rule of three: none wrong of 300 leaves 1.2 % at most.
     assert interval(300, 300)[0] == pytest.approx(0.025 ** (1 / 300), rel=1e-9)
+    assert interval(0, 300)[1] == pytest.approx(1.0 - 0.025 ** (1 / 300), rel=1e-9) and interval(0, 300)[0] == 0.0

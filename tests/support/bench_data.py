@@ -1,6 +1,7 @@
 """Measured runs that are independent of the project's model: a CSV, its measurement file, and the truth.
 
-    write_case(folder, "once_per_rev_guide", seed=3, drive=load_design(...).drive)
+    write_case(folder, "pulley_guide", seed=3, drive=load_design(...).drive)
+    python tests/support/bench_data.py out/story out_square 0
 
 The physics is in bench_chain.py, the geometry in bench_geometry.py, motion and sensors in bench_motion.py; of the
 project only the design file is used. Sizes and phases of the effects come from the seed, within ranges that the motion
@@ -10,6 +11,7 @@ of the case can separate. ``truth.yaml`` is never read by the loop.
 from __future__ import annotations
 
 import dataclasses
+import sys
 import tempfile
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -24,6 +26,7 @@ from bench_geometry import Chain, chain_of, path_of_eccentric
 from bench_motion import INPUT_STEP_RAD, OUTPUT_STEP_RAD, TORQUE_NOISE_NM, Bench, Plan, bench_run, read_sensors
 
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.measurement.reading import load_measurement
 from mbcdm_cad.measurement.run import Run
 
@@ -210,3 +213,14 @@ def truth(run: Simulated) -> dict[str, Any]:
     """The truth file's content."""
     plan = dataclasses.asdict(run.plan)
     return {"plan": plan, "effects": [effect.as_truth() for effect in run.effects]}
+
+
+def main() -> None:
+    """Write the run of a case and a seed of the reference design into a folder."""
+    folder, name, seed = sys.argv[1:]
+    design = Path(__file__).resolve().parents[2] / "params" / "mbcdm.yaml"
+    print(write_case(Path(folder), name, int(seed), load_design(design).drive))
+
+
+if __name__ == "__main__":
+    main()

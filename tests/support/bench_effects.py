@@ -37,16 +37,13 @@ class Effect:
         return self.name in VOCABULARY
 
     def as_truth(self) -> dict[str, Any]:
-        """For the truth file. Cables are counted from 1."""
-        found: dict[str, Any] = {"name": self.name, "cause": self.kind}
+        """As the rig's truth files have it: cables by name, counted from 1."""
+        found: dict[str, Any] = {"name": self.name, "cause": self.kind, "in_vocabulary": self.in_vocabulary}
         if self.stage:
             found["stage"] = self.stage
         if self.cables:
-            found["cables"] = [j + 1 for j in self.cables]
-        found["parameters"] = {key: float(value) for key, value in self.size.items()}
-        if not self.in_vocabulary:
-            found["in_vocabulary"] = False
-        return found
+            found["cables"] = [f"cable_{j + 1}" for j in self.cables]
+        return found | {"parameters": {key: float(value) for key, value in self.size.items()}}
 
 
 VOCABULARY = (

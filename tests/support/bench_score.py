@@ -1,141 +1,115 @@
-"""Compare the loop's result for a run with the truth, by the rules of the project's aims."""
+"""Compare a result file of the loop with the truth of its run.
+
+A truth is a list of entries as in the rig's truth files: ``name``, ``in_vocabulary``, ``parameters``, where it has them
+``stage`` and ``cables`` (none: all of them), and ``changes`` for an effect that begins in mid-run.
+"""
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from bench_effects import Effect
+from scipy.stats import beta
 
 # Outcomes from best to worst. For runs without an effect "none" is right, for causes outside the vocabulary "unknown".
 OUTCOMES = ("exact", "set", "partial", "none", "unknown", "not_testable", "wrong set", "wrong", "error")
+Entry = dict[str, Any]
+# What a change may be taken for: to second order only the product of friction and preload counts.
+ALIKE = {"cable_friction": "preload_error", "preload_error": "cable_friction"}
+# Effects that are told apart by the stage they sit on.
+STAGED = ("once_per_rev", "twice_per_rev", "lash")
 
 
-@dataclass
-class Score:
-    """One run judged. ``values`` holds (what, true, found, low, high) of the effects named rightly."""
-
-    case: str
-    seed: int
-    group: str
-    outcome: str
-    said: str
-    true: str
-    before_rad: float | None = None
-    after_rad: float | None = None
-    floor_rad: float | None = None
-    knowing_rad: float | None = None
-    values: list[tuple[str, float, float, float | None, float | None]] = field(default_factory=list)
-    seconds: float = 0.0
-    note: str = ""
-
-    def as_dict(self) -> dict[str, Any]:
-        """For the store."""
-        return asdict(self)
-
-
-def label(effect: dict[str, Any] | Effect) -> str:
+def label(one: Entry) -> str:
     """Short name with stage and cables, as in the tables."""
-    if isinstance(effect, Effect):
-        effect = effect.as_truth()
-    parts = [str(effect["name"])]
-    if effect.get("stage"):
-        parts.append(str(effect["stage"]))
-    cables = effect.get("cables")
-    if cables and len(cables) < 4:
-        parts.append("cable " + ",".join(str(c).removeprefix("cable_") for c in cables))
-    return " ".join(parts)
+    cables = [str(cable).removeprefix("cable_") for cable in one.get("cables") or ()]
+    words = ["change" if one.get("changes") else "", str(one["name"]), one.get("stage") or ""]
+    return " ".join(filter(None, [*words, "cable " + ",".join(cables) if 0 < len(cables) < 4 else ""]))
 
 
 def said_of(result: dict[str, Any]) -> str:
     """One line: names, sets in braces, or the verdict."""
     names = sorted(label(e) for e in result["effects"])
-    names += sorted("{" + " | ".join(sorted(label(e) for e in one)) + "}" for one in result["one_of"])
+    names += sorted("{" + " or ".join(sorted(label(e) for e in one)) + "}" for one in result["one_of"])
     if result["verdict"] == "partly_explained" or (names and result["verdict"] == "unknown"):
         names.append("(+ unknown)")
     return " + ".join(names) if names else str(result["verdict"])
 
 
-def same(said: dict[str, Any], effect: Effect) -> bool:
+def same(said: Entry, true: Entry) -> bool:
     """True when a name the loop gave is the effect. An eccentric pulley and an encoder of one stage share a name."""
-    if said["name"] != effect.name:
+    if true.get("changes"):
+        return said["name"] == "change" and said.get("stage") in (true["name"], ALIKE.get(true["name"]))
+    if said["name"] != true["name"]:
         return False
-    if effect.name == "once_per_rev":
-        return bool(said.get("stage") == effect.stage)
-    if effect.name == "preload_error":
-        cables = sorted(int(str(c).removeprefix("cable_")) for c in said.get("cables") or (1, 2, 3, 4))
-        return cables == sorted(j + 1 for j in effect.cables)
-    # Play at the output has no stage of its own in the vocabulary.
-    if effect.name == "lash" and effect.stage and said.get("stage"):
-        return bool(said["stage"] == effect.stage)
-    return True
+    if said["name"] == "preload_error":
+        numbers = [sorted(one.get("cables") or ()) for one in (said, true)]
+        return numbers[0] == numbers[1] or all(len(some) in (0, 4) for some in numbers)
+    # Play at the output has no stage of its own in the vocabulary, the one input of a drive has no name.
+    stages = (said.get("stage"), true.get("stage"))
+    return said["name"] not in STAGED or stages[0] == stages[1] or stages[0] in (None, "input") or stages[1] is None
 
 
-def outcome_of(result: dict[str, Any], effects: tuple[Effect, ...]) -> str:
-    """The outcome of a run with the effects that the vocabulary has; see OUTCOMES."""
-    known = [effect for effect in effects if effect.in_vocabulary]
-    left = list(known)
-    for said in result["effects"]:
-        hit = next((effect for effect in left if same(said, effect)), None)
+def outcome_of(result: dict[str, Any], truth: list[Entry], small: list[Entry] | None = None) -> str:
+    """The outcome of a run with the effects that the vocabulary has; see OUTCOMES. ``small`` ones may be left out."""
+    left = [entry for entry in truth if entry["in_vocabulary"]]
+    groups = [[said] for said in result["effects"]] + list(result["one_of"])
+    for members in groups:
+        hit = next((entry for entry in left if any(same(said, entry) for said in members)), None)
         if hit is None:
-            return "wrong"
+            return "wrong" if len(members) == 1 else "wrong set"
         left.remove(hit)
-    named = len(result["effects"])
-    in_sets = 0
-    for one in result["one_of"]:
-        hit = next((effect for effect in left if any(same(said, effect) for said in one)), None)
-        if hit is None:
-            return "wrong set"
-        left.remove(hit)
-        in_sets += 1
-    if known and not left:
-        return "set" if in_sets else "exact"
-    if named or in_sets:
+    if groups and all(entry in (small or ()) for entry in left):
+        return "set" if result["one_of"] else "exact"
+    if groups:
         return "partial"
     return {"none": "none", "not_testable": "not_testable"}.get(str(result["verdict"]), "unknown")
 
 
-# Where the loop reports what a cause's size is: (key of the truth, keys of the result in order of preference).
-REPORTED: dict[str, tuple[tuple[str, tuple[str, ...]], ...]] = {
-    "pulley": (("eccentricity_m", ("eccentricity_m",)),),
-    "input_encoder": (("amplitude_rad", ("encoder_error_rad",)),),
-    "output_encoder": (("amplitude_rad", ("amplitude_rad",)),),
-    "radii": (("share", ("share",)),),
-    "output_scale": (("share", ("share",)),),
-    "modulus": (("share", ("share",)),),
-    "preload": (("share", ("share",)),),
-    "mu": (("share", ("share",)),),
-    "shaft_compliance": (("compliance_rad_Nm", ("compliance_rad_Nm",)),),
-    "bearing": (("torque_Nm", ("torque_Nm",)),),
-    "viscous": (("drag_Nm_s", ("drag_Nm_s",)),),
-    "anchor": (("slip_m", ("slip_m",)),),
-    "latency": (("delay_s", ("delay_s",)),),
-    "input_play": (("play_rad", ("play_rad",)),),
-    "output_play": (("play_rad", ("play_rad",)),),
-    "division": (("cycles_per_output_rev", ("cycles_per_output_rev",)), ("amplitude_rad", ("amplitude_rad",))),
-    "warming": (("turn_rad_K", ("turn_rad_K",)),),
-    "mount_jump": (("step_rad", ("step_rad",)), ("at_s", ("at_s",))),
-}
+def score_of(result: dict[str, Any], truth: list[Entry], small: list[Entry]) -> str:
+    """right, set (that holds the truth), missed, false, or unseen: all that is true is too small to be named."""
+    outcome = outcome_of(result, truth, small)
+    if outcome.startswith("wrong"):
+        return "false"
+    seen = [entry for entry in truth if entry not in small]
+    if outcome in ("none", "not_testable"):
+        return "right" if not truth else "missed" if seen else "unseen"
+    if not all(entry["in_vocabulary"] for entry in seen):
+        return "right" if outcome != "partial" and result["unknown"] is not None else "missed"
+    return {"exact": "right", "set": "set"}.get(outcome, "missed")
 
 
-def values_of(
-    result: dict[str, Any], effects: tuple[Effect, ...]
-) -> list[tuple[str, float, float, float | None, float | None]]:
-    """True and found sizes, with the interval where one is given, of the effects named rightly."""
+def values_of(result: dict[str, Any], truth: list[Entry]) -> list[tuple[str, float, float, float, float]]:
+    """What, true, found, ends of the 95 % interval: of effects named outright, where the truth has the figure."""
     found = []
-    for effect in effects:
-        said = next((e for e in result["effects"] if same(e, effect)), None)
-        if said is None:
-            continue
-        figures = {**(said.get("physical") or {}), **(said.get("parameters") or {})}
-        for key, names in REPORTED.get(effect.kind, ()):
-            name = next((n for n in names if n in figures), None)
-            if name is None:
-                continue
-            value = figures[name]
-            low = high = None
-            if isinstance(value, dict):
-                low, high = value.get("ci95") or (None, None)
-                value = value["value"]
-            found.append((f"{effect.kind}.{key}", float(effect.size[key]), float(value), low, high))
+    for entry in truth:
+        said = next((e for e in result["effects"] if e["name"] == entry["name"] and same(e, entry)), None)
+        for key, true in entry["parameters"].items():
+            # The error of an input's encoder is found at the drum.
+            at_input = key == "amplitude_rad" and str(entry.get("stage")).startswith("input")
+            figure = None if said is None or at_input else said["parameters"].get(key)
+            if figure is not None and None not in figure["ci95"]:
+                found.append((f"{label(entry)}.{key}", float(true), figure["value"], *figure["ci95"]))
     return found
+
+
+def odds_of(result: dict[str, Any], truth: list[Entry]) -> list[tuple[float, bool]]:
+    """Probabilities that the result states of its names, and whether each is true."""
+    return [
+        (float(said["probability"]), any(same(said, entry) for entry in truth))
+        for said in [*result["effects"], *(one for group in result["one_of"] for one in group)]
+        if "probability" in said
+    ]
+
+
+def interval(right: int, of: int) -> tuple[float, float]:
+    """95 % interval of a share (Clopper and Pearson)."""
+    low = float(beta.ppf(0.025, right, of - right + 1)) if right else 0.0
+    return low, float(beta.ppf(0.975, right + 1, of - right)) if right < of else 1.0
+
+
+def share(right: int, of: int) -> str:
+    """A share with its interval, as a cell."""
+    if not of:
+        return "-"
+    low, high = interval(right, of)
+    return f"{right / of:.0%} ({low:.0%} to {high:.0%})"

@@ -70,7 +70,7 @@ def close_loop(drive: Drive | None, runs: Sequence[Run], differs: Sequence[Seque
 
 
 # What is too small to be named is in the figures of what is named: so much of it, RMS over the floor, each parameter
-# may stand for. Found on runs of the rig (docs/loop-benches.md).
+# may stand for. Found on runs of the rig.
 UNNAMED_SHARE = 0.03
 # A size that may be zero or so many times as large is open.
 ANY = 3.0

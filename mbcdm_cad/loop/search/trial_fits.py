@@ -68,8 +68,8 @@ CABLES_SLIP = ("preload_error", "cable_friction", "passed_slip")
 # Candidates whose screened fall of the sum of squares is this share of the best's are refitted, up to a number.
 CLOSE_SHARE = 0.3
 MOST_REFITS = 7
-# Candidates are not refitted if their predicted fall is less than this share of the fall that is needed (calibrated:
-# docs/loop-benches.md).
+# Candidates are not refitted if their predicted fall is less than this share of the fall that is needed (calibrated
+# on benches).
 HOPEFUL_SHARE = 0.25
 # A refit that reaches less than this share of its predicted fall is begun again, if that is near the greatest one.
 LOST_SHARE = 0.5

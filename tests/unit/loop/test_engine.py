@@ -1,7 +1,7 @@
 """The engine end to end on small runs: what is there is named, what is not is not, and a second run finds nothing left.
 
 The runs are made with the package's own model, so they show that the engine works, not that it is right: that is for
-the study of runs made by other means (tests/confusion.py).
+the judge of runs made by other means (benchmarks/judge.py).
 """
 
 from __future__ import annotations

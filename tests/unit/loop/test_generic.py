@@ -2,27 +2,13 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
-import pytest
 
 from mbcdm_cad.loop.result import LoopResult
 from mbcdm_cad.loop.search.engine import close_loop
 from mbcdm_cad.measurement.run import Run
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
-
-from confusion import judge
-
-
-@pytest.mark.slow
-def test_a_shape_of_load_without_a_name_is_unknown() -> None:
-    """Another one, the square of the load: tests/acceptance/test_worked_examples.py."""
-    score = judge("out_hardening", 0)
-    assert score.outcome == "unknown", score.said
 
 
 def found(error: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> LoopResult:

@@ -11,11 +11,10 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
-
 from bench_effects import Effect
+from bench_layouts import made
+from bench_score import outcome_of, values_of
 from bench_torque import TorqueSensor, torque_bench
-from layout_study import judge
 
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.loop.effects.load_sensor import _sides
@@ -163,9 +162,11 @@ def test_a_hysteresis_is_named_beside_what_is_soft() -> None:
 
 @pytest.mark.slow
 def test_cross_talk_is_no_runout_of_the_drive() -> None:
-    """A run of the rig, which had a set of stiffness, friction and preload (docs/loop-benches.md)."""
-    row = judge("outside", "torque crosstalk", 200402)
-    assert row["outcome"] == "exact", row["said"]
-    true = {what: at for what, at, *_ in row["values"]}
-    shown = {what: value for what, _, value, *_ in row["values"]}
-    assert shown == pytest.approx(true, rel=0.15), row["values"]
+    """A run of the rig, which had a set of stiffness, friction and preload."""
+    drive, run, truth = made("outside", "torque crosstalk", 200402)
+    result = close_loop(drive, [run]).to_json()
+    assert outcome_of(result, truth) == "exact", result["sentence"]
+    values = values_of(result, truth)
+    true = {what: at for what, at, *_ in values}
+    shown = {what: value for what, _, value, *_ in values}
+    assert len(shown) == 2 and shown == pytest.approx(true, rel=0.15), values

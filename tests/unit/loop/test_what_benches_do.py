@@ -12,7 +12,6 @@ import yaml
 from mbcdm_cad.loop.judge import LoopReport, judge
 from mbcdm_cad.loop.page.plain import finding
 from mbcdm_cad.measurement.file import load_file
-from tests.layout_study import judge as judge_of_layouts
 
 DESIGN = {
     "name": "bench",
@@ -21,12 +20,6 @@ DESIGN = {
     "transmission": {"input_to_drum": 3.0},
     "loads": {"peak_torque_Nm": 2.0},
 }
-
-
-@pytest.mark.slow
-def test_a_soft_shaft_is_no_soft_rope_with_more_friction() -> None:
-    row = judge_of_layouts("pair", "shaft + drum disc", 60252)
-    assert row["outcome"] == "exact", (row["said"], row["true"])
 
 
 def followed(x: np.ndarray, play: float) -> np.ndarray:

@@ -1,24 +1,15 @@
-"""How often the loop is right on benches of all layouts whose own sensors err, or whose drive changes in mid-run.
+"""Benches of all layouts whose own sensors err, whose drive changes in mid-run, or that have causes without a name.
 
-    python tests/layout_study.py --store out/layouts.jsonl --runs 120 --first-seed 71000
-    python tests/layout_study.py --store out/layouts.jsonl      # what it has so far
+    drive, run, truth = made("single", "modulus", seed=90_000)
 
 Runs of the quasi-static rig, which shares no code with the loop's model, on the four reference designs in turn. What
 the rig does not have is done to its readings here: sensors of the bench that err, noise beyond the declared steps,
 and causes that the loop has no name for. A run that changes is two runs of the same seed, with the effect from a time
-on. "exact": all that is true is named and nothing else; "set": it is named or in sets; "not seen": one effect, the
-declared model leaves no more than ``SEEN`` times the floor, and nothing is named: the run does not show it.
-
-The file of rows can be continued; a study that was stopped is a smaller study of the same kind.
+on.
 """
 
 from __future__ import annotations
 
-import argparse
-import json
-import sys
-import time
-from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -27,34 +18,23 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.ndimage import uniform_filter1d
-from scipy.stats import chi2
 
-ROOT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(ROOT / "tests" / "support"), str(ROOT)]
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.measurement.run import KNOWN_LOAD, Run, Sensors, TorqueClass
+from mbcdm_cad.measurement.schema import CountedParts
+from mbcdm_cad.model.si import to_si
+from mbcdm_cad.rig.quasistatic.experiment import Experiment
+from mbcdm_cad.rig.quasistatic.simulate import simulate
+from mbcdm_cad.rig.writing import counted_parts
 
-from bench_page import SHARES_HEAD, share_row  # noqa: E402
-
-from mbcdm_cad.design.drive import Drive  # noqa: E402
-from mbcdm_cad.layouts.loader import load_design  # noqa: E402
-from mbcdm_cad.measurement.run import KNOWN_LOAD, Run, Sensors, TorqueClass  # noqa: E402
-from mbcdm_cad.measurement.schema import CountedParts  # noqa: E402
-from mbcdm_cad.model.si import to_si  # noqa: E402
-from mbcdm_cad.rig.quasistatic.experiment import Experiment  # noqa: E402
-from mbcdm_cad.rig.quasistatic.simulate import simulate  # noqa: E402
-from mbcdm_cad.rig.result import RigError  # noqa: E402
-from mbcdm_cad.rig.writing import counted_parts  # noqa: E402
-
+ROOT = Path(__file__).resolve().parents[2]
 Floats = np.ndarray
 Rng = np.random.Generator
 DESIGNS = ("mbcdm", "siso_spur", "siso_bevel", "miso_spur")
 # Largest load as a share of what the preloads would carry at the drum if all acted one way.
 LOAD_SHARE = 0.1
 STEPS_RAD, TORQUE_NOISE_SHARE = (1.9175e-4, 1.3635e-6), 0.005
-SEEN = 1.1
-# Hysteresis and cross talk of the torque sensor have names, the other causes of their group none.
-OUTSIDE = ("none", "unknown", "partly_explained", "exact", "set")
-# What an effect is taken for rightly: to second order only mu T_pre counts.
-ALIKE = {"cable_friction": {"preload_error"}, "preload_error": {"cable_friction"}}
 
 
 @dataclass(frozen=True)
@@ -314,13 +294,43 @@ def crosstalk(bench: Bench, rng: Rng, run: Run) -> Done:
 
 def torque_hysteresis(bench: Bench, rng: Rng, run: Run) -> Done:
     """The torque sensor lags behind the load by a width, as one with play in its clamps."""
-    width, out, now = 0.06 * bench.most_Nm, np.empty(run.time_s.size), 0.0
+    width = 0.06 * bench.most_Nm
+    return replace(run, load_Nm=played(run, width)), _told("load_hysteresis", half_width_Nm=width)
+
+
+def played(run: Run, width: float) -> Floats:
+    """The reading of the load behind a play of half a width ``width``, N m."""
+    out, now = np.empty(run.time_s.size), 0.0
     # The noise of the reading comes after the play, which it would make narrower.
     quiet = uniform_filter1d(run.load_Nm, 15)
     for k, load in enumerate(quiet):
         now = min(max(now, load - width), load + width)
         out[k] = now
-    return replace(run, load_Nm=out + run.load_Nm - quiet), _told("load_hysteresis", half_width_Nm=width)
+    return np.asarray(out + run.load_Nm - quiet)
+
+
+def all_within(bench: Bench, rng: Rng, run: Run) -> Done:
+    """A torque sensor wrong in all it can be wrong by, each within a usual class: no effect."""
+    wave = np.sin(run.output_rad * rng.uniform(1.0, 9.0) + rng.uniform(0.0, 6.28))
+    load = run.load_Nm + float(rng.uniform(0.002, 0.005)) * bench.most_Nm * wave
+    load = played(replace(run, load_Nm=load), float(rng.uniform(0.001, 0.004)) * bench.most_Nm)
+    return torque_within(bench, rng, replace(run, load_Nm=load))
+
+
+def broken_strand(bench: Bench, rng: Rng, run: Run, drum: Floats) -> Floats:
+    """A strand breaks half way through the run: a thick place of the cable from then on."""
+    return np.asarray(bump(bench, rng, run, drum) * (run.time_s > rng.uniform(0.4, 0.6) * run.time_s[-1]))
+
+
+def wear(bench: Bench, rng: Rng, run: Run, drum: Floats) -> Floats:
+    """A stretch of a land wears while the drive runs: the drum turns further there with every pass."""
+    at, length = rng.uniform(-0.5, 0.1) * np.abs(drum).max(), rng.uniform(0.1, 0.3) * np.ptp(drum)
+    return np.asarray(np.clip(drum - at, 0.0, length) * run.time_s)
+
+
+def one_soft_mount(bench: Bench, rng: Rng, run: Run, drum: Floats) -> Floats:
+    """One of three rubber mounts is soft: what the frame gives to the load depends on where the payload stands."""
+    return np.asarray(filtered(run.load_Nm * np.cos(drum + rng.uniform(0.0, 6.28)), run, 1.0))
 
 
 MODULUS, PRELOAD = effect("modulus", share=(-0.3, -0.15)), effect("preload", share=(-0.6, -0.4))
@@ -399,215 +409,28 @@ GROUPS: dict[str, dict[str, Case]] = {
         "joint opens": of_rig(after=output_adds("joint opens", joint_opens)),
         "rubber mount": of_rig(after=output_adds("rubber mount", rubber_mount)),
         "fan": of_rig(after=output_adds("fan", fan)),
+        "broken strand": of_rig(after=output_adds("broken strand", broken_strand)),
+        "wear": of_rig(after=output_adds("wear", wear)),
+        "one soft mount": of_rig(after=output_adds("one soft mount", one_soft_mount)),
+    },
+    "sensors": {
+        "nothing": of_rig(after=all_within),
+        "modulus": of_rig(MODULUS, after=all_within),
+        "scale": of_rig(SCALE, after=all_within),
+        "friction": of_rig(FRICTION, after=all_within),
+        "shaft": of_rig(SHAFT, after=all_within),
+        "drum disc": of_rig(DRUM_DISC, after=all_within),
+        "delay": of_rig(DELAY, after=all_within),
+        "preload": of_rig(PRELOAD, after=all_within),
+        "lines": of_rig(LINES, after=all_within),
     },
 }
-# Of 16 runs 4 without an effect, 6 with one, 4 with two, 2 with a cause that has no name.
-TURN = ("null", "single", "pair", "single", "outside", "single", "null", "pair")
 
 
-def tasks(runs: int, first_seed: int, turns: tuple[str, ...] = TURN) -> list[tuple[str, str, int]]:
-    """(group, case, seed); each seed's remainder by four is the layout, so that all meet."""
-    found, turn = [], Counter[str]()
-    for k in range(runs):
-        group = turns[k % len(turns)]
-        names = list(GROUPS[group])
-        # Within a group the layouts go round with every other step, so that each case meets each of them.
-        n = turn[group]
-        turn[group] += 1
-        layout = (n + n // len(names)) % 4 if len(names) % 2 == 0 else n % 4
-        found.append((group, names[n % len(names)], first_seed - first_seed % 4 + 4 * k + layout))
-    return found
-
-
-def judge(group: str, case: str, seed: int, given: bool = False) -> dict[str, Any]:
-    """Make the run, give it to the loop, compare. ``given``: the loop has no other effects than the true ones."""
-    from mbcdm_cad.loop.search import engine
-
+def made(group: str, case: str, seed: int) -> tuple[Drive, Run, list[dict[str, Any]]]:
+    """Drive, readings and truth of one case; the seed's remainder by four is the layout. Raises ``RigError``."""
     free = ("motor", "square") if group in ("single", "pair") else ("motor", "square", "brake")
     bench, rng = bench_of(seed, ("none",) if "no load" in case else free, "structure" in case)
-    row: dict[str, Any] = {"group": group, "case": case, "seed": seed, "layout": DESIGNS[seed % 4]}
-    row |= {"noise": bench.noise, "load": bench.experiment["load"]["kind"]}
     if case == "lash":  # behind the encoders it would be in the readings
         bench.experiment["sensors"]["input_at"] = "motor"
-    try:
-        run, truth = GROUPS[group][case](bench, rng)
-    except RigError as fault:
-        return row | {"outcome": "not made", "said": str(fault)[:200]}
-    start = time.process_time()
-    try:
-        names = {entry["name"] for entry in truth}
-        offered = engine.library
-        engine.library = lambda d, p: [e for e in offered(d, p) if not given or (e.name in names and not e.base)]
-        try:
-            result = engine.close_loop(bench.drive, [run])
-        finally:
-            engine.library = offered
-    except Exception as fault:  # a study goes on and reports the fault
-        return row | {"outcome": "error", "said": f"{type(fault).__name__}: {fault}"[:300]}
-    row["cpu_s"] = time.process_time() - start
-    seen = [entry for entry in truth if entry.get("seen", True)]
-    groups = [[one] for one in result.effects] + [list(one) for one in result.one_of]
-    left, odd = [entry for entry in seen if entry["in_vocabulary"]], []
-    for members in groups:
-        hit = next((entry for entry in left if any(_same(one, entry) for one in members)), None)
-        if hit is None:
-            odd.append(" or ".join(one.words for one in members))
-        else:
-            left.remove(hit)
-    known = [entry for entry in seen if entry["in_vocabulary"]]
-    if odd:
-        outcome = "wrong"
-    elif known and not left:
-        outcome = "exact" if not result.one_of else "set"
-    else:
-        outcome = "partial" if groups else result.verdict
-    error = result.errors
-    if len(known) == 1 and outcome == "none" and error.before.value < SEEN * error.floor_rad:
-        outcome = "not seen"
-    row |= {"outcome": outcome, "odd": odd, "verdict": result.verdict, "true": [_words(entry) for entry in seen]}
-    row |= {"said": " + ".join(" or ".join(one.words for one in members) for members in groups)}
-    row |= {"sentence": result.sentence[:400], "values": _values(result, known), "joint": _joint(result, known)}
-    return row | {"urad": [1e6 * v for v in (error.before.value, error.after.value, error.floor_rad)]}
-
-
-def _words(entry: dict[str, Any]) -> str:
-    stage = entry.get("stage")
-    sizes = ", ".join(f"{key} {value:.3g}" for key, value in entry["parameters"].items())
-    return f"{entry['name']}{f' {stage}' if stage else ''} ({sizes})"
-
-
-def _same(said: Any, entry: dict[str, Any]) -> bool:
-    name = said.name
-    if entry.get("changes"):
-        return name == "change" and (said.stage == entry["name"] or said.stage in ALIKE.get(entry["name"], ()))
-    if name in ALIKE.get(entry["name"], ()):
-        return True
-    if name != entry["name"]:
-        return False
-    return name not in ("once_per_rev", "twice_per_rev", "lash") or said.stage in (entry.get("stage"), None, "input")
-
-
-def _values(result: Any, known: list[dict[str, Any]]) -> list[tuple[str, float, float, float | None, float | None]]:
-    """What, true, found, ends of the 95 % interval: of the figures of effects named outright that the truth states."""
-    found = []
-    for one in result.effects:
-        entry = next((entry for entry in known if _same(one, entry) and one.name == entry["name"]), None)
-        for key, true in (entry or {"parameters": {}})["parameters"].items():
-            value = one.parameters.get(key)
-            # The amplitude of an input's encoder is found at the drum.
-            at_input = key == "amplitude_rad" and str(one.stage).startswith("input")
-            if value is not None and not at_input:
-                found.append((f"{one.words}.{key}", float(true), value.value, value.low, value.high))
-    return found
-
-
-def _joint(result: Any, known: list[dict[str, Any]]) -> tuple[float, int] | None:
-    """Square of the distance of the truth, in standard deviations of the joint covariance, and its number of figures.
-
-    Of the effects named outright one figure each; None for fewer than two.
-    """
-    found: list[tuple[Any, int, float]] = []
-    for one in result.effects:
-        entry = next((entry for entry in known if _same(one, entry) and one.name == entry["name"]), None)
-        for key, true in (entry or {"parameters": {}})["parameters"].items():
-            value, names = one.parameters.get(key), list(one.fitted)
-            if key in names and value is not None and np.isfinite(value.high):
-                found.append(
-                    (one, names.index(key), (float(true) - value.value) * 2.0 * 1.96 / (value.high - value.low))
-                )
-                break
-    if len(found) < 2:
-        return None
-    table = np.eye(len(found))
-    for k, (one, i, _) in enumerate(found):
-        for m, (other, j, _) in enumerate(found):
-            if m != k:
-                table[k, m] = one.correlated[other.words][i, j]
-    away = np.array([z for *_, z in found])
-    return float(away @ np.linalg.pinv(table, hermitian=True) @ away), len(found)
-
-
-def summary(rows: list[dict[str, Any]]) -> str:
-    """Each aim with its share and 95 % interval, and every run that missed."""
-    lines = list(SHARES_HEAD)
-
-    def share(what: str, aim: str, hits: list[bool]) -> None:
-        lines.extend(share_row(what, aim, hits))
-
-    made = [row for row in rows if row["outcome"] not in ("not made", "not seen")]
-    lines += [
-        f"| of {len(rows)} runs not made by the rig, or not seen | - | {len(rows) - len(made)} | {len(rows)} | | |"
-    ]
-    for group, words, aim, good in (
-        ("null", "effect-free: no name", "98 %", ("none", "not_testable", "unknown")),
-        ("single", "single: named outright", "-", ("exact",)),
-        ("single", "single: named or in a set", "95 %", ("exact", "set")),
-        ("pair", "pair: both named or in sets", "90 %", ("exact", "set")),
-        ("outside", "cause outside the library: no false name", "95 %", OUTSIDE),
-    ):
-        share(words, aim, [row["outcome"] in good for row in made if row["group"] == group])
-    share("any run: no wrong name or set", "98 %", [row["outcome"] not in ("wrong", "error") for row in made])
-    for layout in DESIGNS:
-        mine = [row for row in made if row["layout"] == layout and row["group"] != "outside"]
-        right = [
-            row["outcome"] in (("none", "not_testable") if row["group"] == "null" else ("exact", "set")) for row in mine
-        ]
-        share(f"{layout}: right, or in a set that holds the truth", "-", right)
-    inside = [
-        low <= true <= high for r in made for _, true, _, low, high in r.get("values", []) if None not in (low, high)
-    ]
-    share("95 % intervals that hold the truth", "85 to 99 %", inside)
-    joint = [chi2.cdf(*row["joint"]) <= 0.95 for row in made if row.get("joint")]
-    share("joint 95 % regions that hold the truth", "85 to 99 %", joint)
-    seconds = [row["cpu_s"] for row in made if "cpu_s" in row]
-    if seconds:
-        lines += [
-            "",
-            f"CPU time of the loop: median {np.median(seconds):.1f} s, 95 % below {np.quantile(seconds, 0.95):.1f} s.",
-        ]
-    lines += ["", "| case | layout | seed | true | said |", "| --- | --- | --- | --- | --- |"]
-    for row in made:
-        good = {"null": ("none", "not_testable"), "outside": OUTSIDE}
-        if row["outcome"] not in good.get(row["group"], ("exact", "set")):
-            told = row["said"] or row["outcome"]
-            true = "; ".join(row.get("true", []))
-            lines.append(f"| {row['case']} | {row['layout']} | {row['seed']} | {true} | {told} |")
-    return "\n".join(lines)
-
-
-def main() -> None:
-    """Judge the runs that the file does not have yet; print what is in it."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--store", type=Path, default=ROOT / "out" / "layouts.jsonl")
-    parser.add_argument("--runs", type=int, default=0)
-    parser.add_argument("--first-seed", type=int, default=0)
-    parser.add_argument("--only", default="", help="beginnings of cases, with commas")
-    parser.add_argument("--given", action="store_true", help="the loop's library has the true effects alone")
-    parser.add_argument("--groups", default=",".join(TURN), help="groups in turn, with commas")
-    options = parser.parse_args()
-    options.store.parent.mkdir(parents=True, exist_ok=True)
-    rows = [json.loads(line) for line in options.store.read_text().splitlines()] if options.store.exists() else []
-    done = {(row["case"], row["seed"]) for row in rows}
-    for group, case, seed in tasks(options.runs, options.first_seed, tuple(options.groups.split(","))):
-        if (case, seed) in done or not case.startswith(tuple(options.only.split(","))):
-            continue
-        rows.append(judge(group, case, seed, options.given))
-        with options.store.open("a", encoding="utf-8") as file:
-            file.write(json.dumps(rows[-1]) + "\n")
-        row = rows[-1]
-        print(
-            row["case"],
-            row["layout"],
-            seed,
-            row["outcome"],
-            row.get("true"),
-            "->",
-            row["said"],
-            row.get("urad"),
-            flush=True,
-        )
-    print(summary(rows))
-
-
-if __name__ == "__main__":
-    main()
+    return bench.drive, *GROUPS[group][case](bench, rng)
