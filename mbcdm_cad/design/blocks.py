@@ -89,12 +89,6 @@ class Rope(Block):
     preload_N: Number = quantity(
         "tension of each cable with the drum centred and unloaded", uncertain=True, ge=0.1, le=20000.0
     )
-    preload_by: Literal["slack", "knee"] | None = choice(
-        "what the rules choose preload_N by: slack, the least that holds the cables with its factor, or knee, beyond "
-        "which more preload buys little backlash; if left out, slack",
-        example="knee",
-        default=None,
-    )
     cut_tolerance_mm: Number = quantity(
         "tolerance of the length of a finished cable from stop to terminal, plus or minus", default=0.5, ge=0.0, le=20.0
     )
@@ -111,7 +105,6 @@ class WoundRope(Rope):
         "termination",
         "friction_coefficient",
         "preload_N",
-        "preload_by",
         "helix_lead_mm",
         "dead_turns",
         "cut_tolerance_mm",

@@ -68,6 +68,8 @@ def _problem(item: Any, tree: Tree, file: str, node_at: NodeAt) -> Problem:
         number, block = _before_comma(tree, path), dotted(path[:-1])
         remedy = f"the decimal sign is a point: write {number}" if number else "the decimal sign is a point"
         return Problem(file, line, block, "a decimal comma, which ends the value", str(path[-1]), remedy=remedy)
+    if kind in _UNKNOWN_FIELD and path in _REMOVED:
+        return Problem(file, line, where, "removed field", remedy=_REMOVED[path])
     if kind in _UNKNOWN_FIELD:
         return Problem(file, line, where, "unknown field", remedy=_unknown_remedy(path, node_at))
     if kind == "string_pattern_mismatch":
@@ -131,6 +133,17 @@ _WITH_PARALLEL_AXES: dict[FieldPath, str] = {
     ("input_pulleys", "carried_by"): "where axes cross, the pulley's step must stay on the pitch line, within the "
     "tolerance of its transfer points, and a motor's shaft that bends would take it away: it has a bearing at both "
     "ends; choose configuration: siso_spur or miso_spur",
+}
+
+
+# Fields that files may still have, and what to do instead.
+_REMOVED: dict[FieldPath, str] = {
+    ("transmission", "equaliser"): "remove it; a drum.spring under the nuts, a longer span, less travel or less ratio "
+    "keep the preloads of parallel cables more alike",
+    ("transmission", "rocker_mm"): "remove it, with transmission.equaliser",
+    ("transmission", "matched_lands_mm"): "remove it; checks count what the tolerances of the lands allow",
+    ("transmission", "parallel_spread"): "remove it; it is worked out from nuts, lands and the pitch of a span",
+    ("rope", "preload_by"): "remove it; for the knee, state as preload_N the one that 'mbcdm preload' names",
 }
 
 

@@ -353,11 +353,6 @@ class Layout(ABC):
         return ()
 
     @property
-    def shared_words(self) -> str:
-        """How far an equaliser leaves the preloads of parallel cables apart, in words; nothing without."""
-        return ""
-
-    @property
     def softer_ends(self) -> float:
         """Give of a cable with the spring at its end over that of its rope alone, least of all cables; 1 without."""
         return 1.0

@@ -8,7 +8,7 @@ from typing import Any
 from mbcdm_cad.checks.drum_sector import STOP_WINDOW_DEG
 from mbcdm_cad.checks.transfer import EDGE_BREAK_MM, RUN_OUT_MM
 from mbcdm_cad.design.rules import Broken, broken_ends
-from mbcdm_cad.sizing.arithmetic import greatest, significant, sqrt
+from mbcdm_cad.sizing.arithmetic import greatest, significant
 from mbcdm_cad.sizing.known import KnownFields, RopeKnown
 from mbcdm_cad.sizing.rule import Found, Rule, constant, driver_of
 
@@ -67,24 +67,6 @@ def ropes_to_choose(given: KnownFields) -> list[tuple[float, str, float]]:
     if end is None:
         return ropes
     return [rope for rope in ropes if end["smallest_mm"] <= rope[0] <= end["largest_mm"]] or ropes
-
-
-def by_knee(given: KnownFields) -> bool:
-    """Whether the file wants the preload at the knee of backlash over preload."""
-    return bool(given.get("rope.preload_by") == "knee")
-
-
-def wanted_preload_N(given: KnownFields, usual_N: float, breaking_N: float) -> float:
-    """The usual preload, twice or so the least that keeps the cables taut, or the knee where the file wants it, N.
-
-    The swing at a reversal is that of the taut cables and a part that falls with 1/preload. From the least preload T_0
-    to the most that the limits allow, T_1, such a curve is furthest from its chord at sqrt(T_0 T_1). T_0 is taken as
-    half the usual preload.
-    """
-    if not by_knee(given):
-        return usual_N
-    knee = sqrt(usual_N / 2.0 * given["limits.preload_share_max"] * breaking_N)
-    return greatest(usual_N, knee)
 
 
 def least_bend_ratio(given: RopeKnown) -> float:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from math import inf, pi
 from operator import itemgetter
 from typing import Any
@@ -28,10 +27,8 @@ from mbcdm_cad.layouts.common_rules import (
     SUPPORT_MATERIAL,
     TENSION_SAFETY,
     TEST_TORQUE,
-    by_knee,
     end_share,
     ropes_to_choose,
-    wanted_preload_N,
 )
 from mbcdm_cad.layouts.trial_sizing import TrialKnown
 from mbcdm_cad.model.duty.cycle import (
@@ -58,56 +55,38 @@ PRELOAD_FACTOR = 2.0
 TORQUE_SPARE = 1.02
 # The same of the torque that heats it: losses of the drive that follows are not known yet.
 HEAT_SPARE = 1.05
-# Tensions of the two cables of an input over the pull of the peak torque on the drum: the usual preload where friction
-# holds the cable, and that at the knee. What they lose on the drum and in the bearings besides the input (estimate).
-PRELOADS, KNEE_PRELOADS, LOST_SPARE = 2.7, 4.0, 1.2
+# Tensions of the two cables of an input over the pull of the peak torque on the drum, at the preload by which friction
+# holds the cable; what they lose on the drum and in the bearings besides the input (estimate).
+PRELOADS, LOST_SPARE = 2.7, 1.2
 # Torque on an input with a stage over its share of the peak torque, for what cables and bearings lose (estimate).
 STAGE_LOSSES = 1.25
-# Preloads that are tried from the knee down to the usual one.
-_KNEE_STEPS = 9
 
 
-def thinnest_rope_by(given: TrialKnown, tension_N: Callable[[float, float], float]) -> Found:
+def thinnest_rope_by(given: TrialKnown, tension_N: Callable[[float], float]) -> Found:
     """The thinnest rope of the construction that holds a tension with its safety factor.
 
-    The tension depends on the rope's diameter in mm and its breaking load in N.
+    The tension depends on the rope's diameter, mm.
     """
     ropes = ropes_to_choose(given)
     strong = (one[1] for one in ropes if one[2] >= holding_N(given, tension_N, one))
     return Found(next(strong, ropes[-1][1]), "tension", "next size of the catalogue")
 
 
-def holding_N(given: TrialKnown, tension_N: Callable[[float, float], float], one: tuple[float, str, float]) -> float:
+def holding_N(given: TrialKnown, tension_N: Callable[[float], float], one: tuple[float, str, float]) -> float:
     """Breaking load that a rope (diameter in mm, name, breaking load) needs for its tension, safety factor and ends."""
-    diameter_mm, _, breaking_N = one
     needed = float(given["limits.tension_safety_factor"]) / end_share(given, END_SHARE)
-    return needed * tension_N(diameter_mm, breaking_N)
+    return needed * tension_N(one[0])
 
 
 def taut_rope(given: TrialKnown) -> Found:
     """The thinnest rope for the preload that keeps every cable taut at peak torque."""
     share = given.half_torque_N
-    return thinnest_rope_by(
-        given, lambda d_mm, breaking_N: wanted_preload_N(given, PRELOAD_FACTOR * share, breaking_N) + share
-    )
+    return thinnest_rope_by(given, lambda d_mm: PRELOAD_FACTOR * share + share)
 
 
 def taut_preload(given: TrialKnown) -> Found:
     """The preload that keeps every cable taut at peak torque, or the highest that the rope may have."""
-    return held_preload(given, PRELOAD_FACTOR * given.half_torque_N, "no_slack")
-
-
-def held_preload(given: TrialKnown, usual_N: float, driver: str) -> Found:
-    """The usual preload, or with ``rope.preload_by`` the knee; then less, down to the usual, as rope and ends hold."""
-    usual = preload(given, usual_N, driver)
-    if not by_knee(given):
-        return usual
-    wanted = preload(given, wanted_preload_N(given, usual_N, given.rope["breaking_load_N"]), "rope.preload_by")
-    if wanted.value <= usual.value:
-        return usual
-    tried = [float(f"{value:.2g}") for value in np.linspace(wanted.value, usual.value, _KNEE_STEPS)]
-    found = given.first("rope.preload_N", tried, ("cable_ends", "tension"))
-    return wanted if found.value == wanted.value else replace(found, rounding="two digits")
+    return preload(given, PRELOAD_FACTOR * given.half_torque_N, "no_slack")
 
 
 def preload(given: TrialKnown, wanted_N: float, driver: str) -> Found:
@@ -173,7 +152,7 @@ def input_needs_mNm(given: TrialKnown) -> float:
     if not counts_losses(given):
         return needed
     lost = float(tangent_share(1.0, max(given.get("limits.bend_ratio_min", LEAST_WIRE_RATIO), 1.0)))
-    return needed * (1.0 + LOST_SPARE * (KNEE_PRELOADS if by_knee(given) else PRELOADS) * lost)
+    return needed * (1.0 + LOST_SPARE * PRELOADS * lost)
 
 
 def lasting_share(given: KnownFields) -> float:

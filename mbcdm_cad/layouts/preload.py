@@ -53,7 +53,7 @@ class PreloadRule:
     """The design's largest preload among the preloads that its limits would allow, N.
 
     ``slack_N``: the least that keeps all cables taut at the peak torque; ``knee_N``: beyond it more preload buys
-    little; ``most_N``: what ``limits.preload_share_max`` allows. ``shared``: what an equaliser leaves, in words.
+    little; ``most_N``: what ``limits.preload_share_max`` allows.
     """
 
     preload_N: float
@@ -61,7 +61,6 @@ class PreloadRule:
     knee_N: float
     most_N: float
     table: tuple[AtPreload, ...]
-    shared: str = ""
 
 
 @dataclass(frozen=True)
@@ -82,7 +81,7 @@ def preload_rule(layout: Layout) -> PreloadRule:
     most = layout.drive.limits.preload_share_max * layout.drive.cable.breaking_load_N
     slack = needed * own
     try:
-        return PreloadRule(own, slack, _knee_N(layout, si, slack, most), most, _table(layout, si), layout.shared_words)
+        return PreloadRule(own, slack, _knee_N(layout, si, slack, most), most, _table(layout, si))
     except ModelError as error:
         raise NoFigureError(f"the model has no answer: {error}") from None
 

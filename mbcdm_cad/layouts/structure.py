@@ -47,7 +47,7 @@ GEARHEAD_NM_RAD_40 = 3.4e3
 # tolerances of walls and moduli; of the frame, with its mount; of bearings, whose balls have a usual size; of
 # gearheads; of springs in the terminals, which friction on the drum shields.
 BY_PARTS, BY_FRAME, BY_BEARINGS, BY_GEARHEADS, BY_SPRINGS = 1.1, 1.15, 1.3, 2.0, 1.3
-SPRINGS, BARS = "springs of the terminals", "equaliser of the terminals"
+SPRINGS = "springs of the terminals"
 # Radius that a neck without metal counts with, mm.
 LEAST_RADIUS_MM = 0.1
 _SOFT_SPRINGS = "drum.spring or fewer of them, or a longer wrap by drum.sector_half_angle_deg"
@@ -199,9 +199,8 @@ def structure_of(layout: SectorLayout) -> Structure:
         *_drum_shaft(layout, unit),
     ]
     if layout.drive.anchor_m_N > 0.0:
-        bars = layout.drive.spring is None
-        name, stiffer = (BARS, "transmission.rocker_mm") if bars else (SPRINGS, _SOFT_SPRINGS)
-        causes.append(Cause(name, layout.spring_urad_Nm, factor=BY_SPRINGS, after_slip=True, stiffer=stiffer))
+        springs = Cause(SPRINGS, layout.spring_urad_Nm, factor=BY_SPRINGS, after_slip=True, stiffer=_SOFT_SPRINGS)
+        causes.append(springs)
     frame = layout.frame_compliance
     if frame is not None:
         if not np.isfinite(frame.windup_urad_Nm):

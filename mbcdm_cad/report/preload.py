@@ -41,8 +41,7 @@ class PreloadShares:
 
     def to_dict(self) -> dict[str, Any]:
         """Everything, ready for JSON."""
-        found = asdict(self.rule)
-        return found if self.rule.shared else {name: value for name, value in found.items() if name != "shared"}
+        return asdict(self.rule)
 
     def sentence(self) -> str:
         """Where the preload stands among its limits."""
@@ -51,7 +50,7 @@ class PreloadShares:
         return (
             f"Preload {rule.preload_N:.4g} N: {rule.slack_N:.3g} N keep all cables taut at the peak torque, beyond the "
             f"knee at {rule.knee_N:.3g} N more buys little backlash (it stands {where} it), "
-            f"limits.preload_share_max allows {rule.most_N:.4g} N{'; ' * bool(rule.shared)}{rule.shared}"
+            f"limits.preload_share_max allows {rule.most_N:.4g} N"
         )
 
     def table(self) -> ReportTable:

@@ -131,12 +131,7 @@ RATIO = (
 )
 ROPE = (rope(taut_rope),)
 PRELOAD = (
-    Rule(
-        "rope.preload_N",
-        "twice the preload that keeps both cables taut at peak torque, or the knee (preload_by)",
-        "no_slack",
-        taut_preload,
-    ),
+    Rule("rope.preload_N", "twice the preload that keeps both cables taut at peak torque", "no_slack", taut_preload),
 )
 TRANSFER = (
     Rule("clearances.land_edge_mm", "a broken edge and the run-out, or less for a thin rope", "land_edge", _land_edge),

@@ -11,7 +11,7 @@ from mbcdm_cad.design.stage import SET_TENSION, Stage
 from mbcdm_cad.layouts.sector import key
 from mbcdm_cad.layouts.siso_spur.bill import first_name
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
-from mbcdm_cad.layouts.siso_spur.layout import LEVEL_TURN, SpurLayout
+from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.overhung import set_screw
 from mbcdm_cad.layouts.siso_spur.path_figures import plan
 from mbcdm_cad.layouts.siso_spur.support.idlers import strap_screw
@@ -19,7 +19,6 @@ from mbcdm_cad.parts.bill import AssemblyStep, cable_item
 from mbcdm_cad.parts.bought.train import train_items, train_words
 from mbcdm_cad.parts.input_pulley.dims import SET_SCREWS_DEG
 from mbcdm_cad.parts.motor_head.dims import flange_screw
-from mbcdm_cad.parts.terminal.equaliser import EqualiserDims
 from mbcdm_cad.parts.terminal.instructions import (
     ends_words,
     making_words,
@@ -40,9 +39,7 @@ def assembly_order(layout: SpurLayout) -> tuple[AssemblyStep, ...]:
     before: tuple[AssemblyStep, ...] = ()
     drum = _drum(layout)
     if layout.drive.parallel > 1:
-        # Of cables that share rockers the first stands for both.
-        told = layout if layout.drive.equaliser is None else layout.first
-        drum = (*sector_steps(layout), *setting_steps(told.drive, plan(told)))
+        drum = (*sector_steps(layout), *setting_steps(layout.drive, plan(layout)))
     if layout.first_stage is not None:
         first = layout.first_stage
         steps = (*_frame(first), *input_steps(first), *_drum(first))
@@ -337,8 +334,6 @@ def sector_steps(layout: SpurLayout) -> Iterator[AssemblyStep]:
     places, names = len(d.payload_places), drive.sector_names
     each = "each of its cables" if drive.anchored else "each end of its cable"
     faces = "their open side" if drive.whole_drum else "behind"
-    bars = drive.equaliser
-    nuts = "With nut and lock nut run on to the stud's end, d" if bars is None else "D"
     for k, (unit, name) in enumerate(zip(layout.units, names, strict=True)):
         first, last = k == 0, k == len(names) - 1
         before = f"sector {names[k - 1]}" if drive.parallel > 1 else names[k - 1]
@@ -346,18 +341,16 @@ def sector_steps(layout: SpurLayout) -> Iterator[AssemblyStep]:
         text = insert_words(d.payload_insert, places, "the holes in the hub's face") if last else ""
         text += (
             f"Push {sector} on to the shaft, but not to its end, take off the tape and lay {each} "
-            "over the rim to its own side, the one that leaves the input in front to the front. "
-            f"{nuts}rop both terminals sideways into the slotted lugs from {faces}. "
+            "over the rim to its own side, the one that leaves the input in front to the front. With nut and lock nut "
+            f"run on to the stud's end, drop both terminals sideways into the slotted lugs from {faces}. "
         )
         if first:
-            if drive.matched_lands_mm is not None:
-                text = "Keep the sectors in the order in which their lands were cut. " + text
             text += "Push the sector further until its spigot touches the front bearing, and press the stop pin "
             text += "through the slot of its web into the plate. "
         else:
             text += f"Push it further until its spigot touches the hub of {before}, on both dowels. "
         text += spring_words(drive).strip() + " " if drive.spring else ""
-        items = [f"drum_{name}", *terminal_items(unit.drive, nuts=bars is None)]
+        items = [f"drum_{name}", *terminal_items(unit.drive)]
         if first:
             items.append("stop_pin")
         if last:
@@ -373,22 +366,3 @@ def sector_steps(layout: SpurLayout) -> Iterator[AssemblyStep]:
             text += "Wet face and dowels with retaining compound."
             items += numbered(f"hub_dowel_{name}", 2)
         yield AssemblyStep(text, tuple(items))
-    if bars is not None:
-        yield _equaliser_step(drive, bars)
-
-
-def _equaliser_step(drive: SpurDrive, bars: EqualiserDims) -> AssemblyStep:
-    """Bridge, rocker with its dowel and nuts over both studs of each side, from the sectors' ends."""
-    flats, level = drive.tensioner.nut_across_flats_mm, LEVEL_TURN * drive.tensioner.pitch_mm
-    return AssemblyStep(
-        "Bond a dowel into the groove of each rocker with retaining compound. On each side slide from the sectors' end "
-        "over both studs: the bridge, its feet on the lugs; the rocker, its dowel greased and in the bridge's groove; "
-        f"then on each stud nut and lock nut of class A2-70 ({flats:g} mm spanner). Run the nuts up until both cables "
-        f"are taut and the rocker is level: the gap between the bars, {bars.gap:.2f} mm, is the same beside both studs "
-        f"within {level:.2f} mm (feeler gauge). In the steps that follow the name of a cable stands for both nuts of "
-        "its side, turned by the same angle.",
-        (
-            *(f"equaliser_{what}_{n}" for n in (1, 2) for what in ("bridge", "rocker", "dowel")),
-            *(f"nut_{c.name}_{n}" for c in drive.cables for n in (1, 2)),
-        ),
-    )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from math import atan2, cos, degrees, radians, sin
+from math import radians
 
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, SpurRun
 from mbcdm_cad.layouts.siso_spur.idlers import SENSE
@@ -17,7 +17,6 @@ from mbcdm_cad.layouts.siso_spur.support.parts import Yoke
 from mbcdm_cad.parts.axle import Axle, Spacer
 from mbcdm_cad.parts.bill import CABLE, FIXED, Bill, BillBuilder, MovingBody, PartSpec
 from mbcdm_cad.parts.bought.train import add_horn
-from mbcdm_cad.parts.drum_sector.dims import DrumDims
 from mbcdm_cad.parts.drum_sector.items import (
     add_cables,
     add_drum,
@@ -43,7 +42,6 @@ from mbcdm_cad.parts.motor_head.items import (
 from mbcdm_cad.parts.placement import Placement, Vector
 from mbcdm_cad.parts.ring import Dowel, Pin
 from mbcdm_cad.parts.stage import Belt, Wheel, belt_bottom_mm
-from mbcdm_cad.parts.terminal.equaliser import EqualiserBar, EqualiserDims
 
 _X, _Y, _Z, _BACK = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0)
 FIRST = "first_"
@@ -290,24 +288,7 @@ def add_sectors(b: BillBuilder, lay: SpurLayout, turns: list[Placement]) -> None
                 group="drum",
                 place=stand @ _at(x, d.hub_face_y - pins.face_depth, z) @ ALONG_Y,
             )
-    if drive.equaliser is not None:
-        add_equalisers(b, drive, drive.equaliser, lay.units[0].drum, stands[0])
     add_output(b, drive, d, lay.drum_shaft, stands[-1])
-
-
-def add_equalisers(b: BillBuilder, drive: SpurDrive, bars: EqualiserDims, d: DrumDims, stand: Placement) -> None:
-    """Bridge, dowel and rocker of each side, over the lugs of a sector that stands at ``stand`` and of the next one."""
-    steel, dowel = drive.material("steel"), Dowel(bars.dowel_radius, bars.width)
-    for n, t in enumerate(d.tensioners, 1):
-        (x, z), y = t.at(t.lug_end), t.y_mm + bars.arm
-        lug = stand @ _at(x, y, z) @ Placement.about(_Y, degrees(atan2(t.side * cos(t.anchor_rad), -sin(t.anchor_rad))))
-        over = lug @ _at(0.0, 0.0, bars.height) @ Placement.about(_Y, 180.0)
-        for what, place in (("bridge", lug), ("rocker", over)):
-            part = EqualiserBar(bars, what == "rocker")
-            name = f"equaliser_{what}"
-            b.add(f"{name}_{n}", part, part=name, material=steel, group="drum", place=place)
-        place = lug @ _at(-bars.width / 2, 0.0, bars.height / 2) @ Placement.about(_Y, 90.0)
-        b.standard(f"equaliser_dowel_{n}", dowel, part="equaliser_dowel", material=steel, group="drum", place=place)
 
 
 def first_name(name: str) -> str:

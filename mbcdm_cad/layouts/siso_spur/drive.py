@@ -19,7 +19,6 @@ from mbcdm_cad.parts.drum_sector.design import SectorBearings, SectorRun
 from mbcdm_cad.parts.drum_sector.dims import WHOLE_DEG
 from mbcdm_cad.parts.input_pulley.dims import GROOVE_DEPTH, GROOVE_RADIUS
 from mbcdm_cad.parts.motor_head.dims import HeadedDrive
-from mbcdm_cad.parts.terminal.equaliser import EqualiserDims, equaliser
 
 # Screws of the catalogue by their thread; their length depends on the base.
 MOUNT_BOLTS = {"M3": "M3x8", "M4": "M4x10", "M5": "M5x16", "M6": "M6x25"}
@@ -163,9 +162,7 @@ class SpurDrive(HeadedDrive):
     whose drum's shaft turns the input; the gearhead is then what that is to this stage. ``open_spans``: the spans do
     not cross, so that the input turns with the drum. ``parallel``: equal cables side by side round the input, each with
     a sector of its own; ``cables`` has both sides of each, one cable after the other. After tightening, their preloads
-    differ from the stated one by up to ``parallel_spread`` of it, or by what :attr:`SpurLayout.preload_spread` finds.
-    ``matched_lands_mm``: largest difference of their lands' diameters, where those are cut in one setting.
-    ``rocker_mm``: thickness of the bars of the equaliser of two cables; None without.
+    differ from the stated one by up to :attr:`SpurLayout.preload_spread` of it.
     """
 
     cables: tuple[SpurRun, ...]
@@ -184,25 +181,6 @@ class SpurDrive(HeadedDrive):
     first: SpurDrive | None = None
     open_spans: bool = False
     parallel: int = 1
-    parallel_spread: float | None = None
-    matched_lands_mm: float | None = None
-    rocker_mm: float | None = None
-
-    @property
-    def equaliser(self) -> EqualiserDims | None:
-        """See the base class; the dowel is in the middle between both studs."""
-        return None if self.rocker_mm is None else equaliser(self.tensioner, self.pitch_mm / 2, self.rocker_mm)
-
-    @property
-    def bars_m_N(self) -> float:
-        """How far both bars of the equaliser give way for each newton of a cable."""
-        bars = self.equaliser
-        return 0.0 if bars is None else 1e-3 * bars.give_mm_N(self.material("steel").youngs_modulus_GPa * 1e3)
-
-    @property
-    def anchor_m_N(self) -> float:
-        """See the base class; springs, or the bars of an equaliser."""
-        return super().anchor_m_N + self.bars_m_N
 
     @property
     def angles_rad(self) -> tuple[float, ...]:

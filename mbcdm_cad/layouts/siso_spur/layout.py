@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import cached_property
-from math import atan2, ceil, degrees, floor, hypot, inf, log, pi, sqrt
+from math import atan2, ceil, degrees, floor, hypot, inf, pi, sqrt
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -59,9 +59,6 @@ if TYPE_CHECKING:
 
 # Least turn of a nut that a spanner sets: a quarter of a flat (estimate).
 NUT_TURN = 1.0 / 24.0
-# Way of a rocker that nuts leave level within a flat of them, and the share of a rope's bedding-in by which two ropes
-# differ (estimates).
-LEVEL_TURN, BEDS_APART = 1.0 / 6.0, 0.5
 # Dowels between the hubs, beside the payload's threads: radii, depth in a face over the radius, play at their ends.
 DOWEL_RADII_MM, DOWEL_RADII, DOWEL_PLAY_MM = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0), 3.0, 0.5
 # Opposite the set screws.
@@ -107,7 +104,6 @@ VARIABLES: dict[str, DesignVariable] = by_path(
         DesignVariable("transmission.turns", lambda drive: float(drive.turns), _turns),
         field("rope.helix_lead_mm", "helix_lead_mm"),
         field("clearances.land_edge_mm"),
-        field("transmission.rocker_mm", "rocker_mm")._replace(applies=lambda d: d.equaliser is not None),
         *DRUM,
         *(field(f"support.{name}") for name in _SUPPORT),
         field("stage.width_mm")._replace(applies=lambda d: d.stage is not None),
@@ -189,8 +185,7 @@ class SpurLayout(HeadLayout):
         """One drum sector."""
         if self.first is self:
             return drum(_at_level_0(self.drive), self.levels, self.frame.stop_pin_z, self.terminal_way)
-        matched = self.drive.matched_lands_mm or 0.0
-        return replace(self.first.drum, dowels=_dowels(self.drive, self.first.drum), matched_mm=matched)
+        return replace(self.first.drum, dowels=_dowels(self.drive, self.first.drum))
 
     @property
     def hubs_in_line(self) -> int:
@@ -437,57 +432,13 @@ class SpurLayout(HeadLayout):
         spread = np.repeat(np.linspace(off, -off, self.drive.parallel), 2)
         return self.once("as set", lambda _: si.with_(preload_N=si.preload_N * (1.0 + spread)))
 
-    @property
-    def preload_spread(self) -> float:
-        """How far the preloads of parallel cables are from the stated one, over it: as stated, or as is to be expected.
-
-        Nuts and lands are independent (RSS); a nut is turned until the pitch of the span is right. That is of a drive
-        without load, in which friction on the drum keeps a rocker from what lands do (:meth:`spread_under`).
-        """
-        if self.drive.parallel_spread is not None:
-            return self.drive.parallel_spread
-        set_to = self.by_setting if self.drive.equaliser is not None else max(self.by_setting, PITCH_SPREAD)
-        return min(hypot(set_to, self.by_lands), MOST_SPREAD)
-
-    def spread_under(self, torque_Nm: float) -> float:
-        """The same of a drive with a rocker in which this torque acts to and fro at every angle of the travel.
-
-        The torque changes a tension from T (1 - a) to T (1 + a); slip between them reaches ln((1 + a)/(1 - a))/(2 mu)
-        into the wrap on the drum (Euler). Where that is the whole wrap, the rocker sees the span. What lands do remains
-        in as large a share as that of the travel in which the wrap is longer (fitted to a simulation in cells of rope,
-        which leaves 0.43 to 1.26 of it, and up to 3 % of the preload where the share is 0).
-        """
-        drive = self.drive
-        a = torque_Nm * 1e3 / (2 * drive.parallel * drive.drum_radius_mm * min(c.preload_N for c in drive.cables))
-        slips = log((1.0 + a) / (1.0 - a)) / (2.0 * drive.friction_coefficient) if a < 1.0 else inf
-        longest = max(self.first.anchor_rad(c) for c in self.first.drive.cables) + self.half_travel_rad
-        left = min(max((longest - slips) / (2.0 * self.half_travel_rad), 0.0), 1.0)
-        return hypot(self.by_setting, left * self.by_lands)
-
-    @property
-    def shared_words(self) -> str:
-        """See the base class."""
-        if self.drive.equaliser is None:
-            return ""
-        peak = self.drive.loads.peak_torque_Nm
-        return (
-            f"the preloads of both cables differ by {self.preload_spread:.1%} of it to either side without load, as "
-            f"checks count them, by {self.spread_under(peak):.1%} where {peak:g} N m act to and fro at every angle"
-        )
-
-    @property
-    def rocker_way_mm(self) -> float:
-        """How much further one end of two cables may have to move than the other, from a level rocker."""
-        drive = self.drive
-        lands = 2.0 * self._lands_off * drive.drum_radius_mm * self.half_travel_rad
-        beds = BEDS_APART * drive.cable.bedding_in_share * max(self.tensioned_lengths_mm())
-        return lands + beds + LEVEL_TURN * drive.tensioner.pitch_mm
-
     @cached_property
-    def by_setting(self) -> float:
-        """What setting leaves between preloads, over them: the least turn of a nut, or the rocker."""
-        bars = self.drive.equaliser
-        return self.by_nut if bars is None else bars.unequal(self.rocker_way_mm)
+    def preload_spread(self) -> float:
+        """How far the preloads of parallel cables are to be expected from the stated one, over it, without load.
+
+        Nuts and lands are independent (RSS); a nut is turned until the pitch of the span is right.
+        """
+        return min(hypot(max(self.by_nut, PITCH_SPREAD), self.by_lands), MOST_SPREAD)
 
     @cached_property
     def by_nut(self) -> float:
@@ -507,21 +458,18 @@ class SpurLayout(HeadLayout):
         (fitted to a simulation in cells of rope, which gives 0.8 to 1.2 of the result).
         """
         drive, span = self.drive, self.drive.strand_mm
-        strain = self._lands_off * drive.drum_radius_mm * self.half_travel_rad / span
+        strain = self.lands_off * drive.drum_radius_mm * self.half_travel_rad / span
         sticking = drive.cable.axial_stiffness_N * strain / min(c.preload_N for c in drive.cables)
         slip = (drive.drum_radius_mm + drive.input_radius_mm) / (2.0 * drive.friction_coefficient * span) / 3.0
         return 2.0 * sticking / (1.0 + sqrt(1.0 + 4.0 * slip * sticking))
 
-    @property
-    def _lands_off(self) -> float:
+    @cached_property
+    def lands_off(self) -> float:
         """How far the ratio of a cable may be from the mean of all, over it."""
         drive = self.drive
         radii = (drive.drum_radius_mm, drive.input_radius_mm)
-        if drive.matched_lands_mm is None:
-            drum, pulley = (land_band_mm(drive, radii[0], "drum"), land_band_mm(drive, radii[1], "pulley"))
-            return hypot(drum / radii[0], pulley / radii[1]) * sqrt(1.0 - 1.0 / drive.parallel)
-        # Radii lie within a quarter of it on both sides of their middle.
-        return hypot(*(drive.matched_lands_mm / 4.0 / r for r in radii))
+        drum, pulley = (land_band_mm(drive, radii[0], "drum"), land_band_mm(drive, radii[1], "pulley"))
+        return hypot(drum / radii[0], pulley / radii[1]) * sqrt(1.0 - 1.0 / drive.parallel)
 
     @property
     def passing_deg(self) -> tuple[float, ...]:

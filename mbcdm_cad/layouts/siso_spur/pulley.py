@@ -117,6 +117,5 @@ def input_pulley(drive: SpurDrive, levels: SpurStack) -> InputPulleyDims:
         else journal_bottom + collar_width_mm(drive, drive.input_pulleys.collar_screw) + 1.0,
         slots=slots,
         grooves=_grooves(drive, slots),
-        matched_mm=drive.matched_lands_mm or 0.0,
     )
     return overhung_pulley(drive, levels, plain) if drive.overhung else plain

@@ -9,7 +9,6 @@ from typing import Protocol
 from mbcdm_cad.design.bought import Bearing, Material, SpringSpec, TensionerSpec
 from mbcdm_cad.design.drive import CableRun, Drive
 from mbcdm_cad.design.sector_blocks import Clearances, SectorDrum, SteppedPulleys
-from mbcdm_cad.parts.terminal.equaliser import EqualiserDims
 
 # Washers between springs, lug and nut: thickness over the springs' outside, and least thickness, mm (estimate).
 SEAT_SHARE, LEAST_SEAT_MM = 0.1, 0.5
@@ -81,16 +80,6 @@ class SectorDrive(Drive):
     def anchor_m_N(self) -> float:
         """How far a terminal gives way for each newton at its end of the rope: its springs."""
         return 0.0 if self.spring is None else self.drum.spring_count * 1e-3 / self.spring.stiffness_N_mm
-
-    @property
-    def equaliser(self) -> EqualiserDims | None:
-        """Between the lugs and the nuts of two terminals side by side; None without."""
-        return None
-
-    @property
-    def equaliser_mm(self) -> float:
-        """Height of the equaliser between lug and nut; 0 without."""
-        return 0.0 if self.equaliser is None else self.equaliser.height
 
     @property
     def spring_seat_mm(self) -> float:

@@ -104,7 +104,6 @@ class DrumDims:
     # How far lugs of a whole drum reach along y beyond the pockets' floor, from the terminal's axis.
     lug_reach: float = 0.0
     dowels: HubDowels | None = None
-    matched_mm: float = 0.0  # largest difference of the lands of all sectors of a drive; 0: only by their tolerances
 
     @property
     def whole(self) -> bool:

@@ -310,14 +310,6 @@ def drum_sheet(part: str, d: DrumDims, set_screw_thread: float) -> Sheet:
             "the pitch circle at the given angle; pockets from behind (face A's side)"
             + (", on a whole drum from the face that the table names." if d.whole else "."),
             "Q: two set screws at 45 and 135 degrees from Z.",
-            *(
-                (
-                    f"Lands of all drums of a drive: diameters within {d.matched_mm:g} of each other, cut in one "
-                    "setting on one arbor; number the drums in their order.",
-                )
-                if d.matched_mm
-                else ()
-            ),
         ),
     )
 

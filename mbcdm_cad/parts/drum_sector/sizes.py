@@ -65,10 +65,9 @@ TerminalWay = tuple[float, dict[str, float]]
 
 
 def nut_corner_radius_mm(drive: SectorDrive) -> float:
-    """Half the width across corners of the tensioner's hexagon nut, AF / sqrt(3), or of a wider spring or equaliser."""
+    """Half the width across corners of the tensioner's hexagon nut, AF / sqrt(3), or of a wider spring."""
     spring = 0.0 if drive.spring is None else drive.spring.outside_mm / 2
-    bar = 0.0 if drive.equaliser is None else drive.equaliser.width / 2
-    return max(drive.tensioner.nut_across_flats_mm / 3**0.5, spring, bar)
+    return max(drive.tensioner.nut_across_flats_mm / 3**0.5, spring)
 
 
 def furthest_anchor_rad(drive: SectorDrive) -> float:
@@ -152,8 +151,7 @@ def _pocket_end(drive: SectorDrive, cable: SectorRun, anchor_rad: float, tip: fl
     if drive.ring_anchor_rad is not None:
         return end
     left = radians(drive.drum.sector_half_angle_deg) - anchor_rad - atan2(end, cable.drum_radius_mm)
-    # An equaliser is slid over the studs from the sector's end.
-    return end if left * cable.drum_radius_mm > MIN_GUARD_MM and drive.equaliser is None else end + BEYOND_MM
+    return end if left * cable.drum_radius_mm > MIN_GUARD_MM else end + BEYOND_MM
 
 
 def nut_pocket_mm(drive: SectorDrive) -> float:
@@ -193,8 +191,8 @@ def tensioners(drive: SectorDrive, way: TerminalWay) -> tuple[Tensioner, ...]:
     lug_start = swage_end + travel + _end_gap_mm(drive)
     lug_end = lug_start + t.lug_thickness_mm
     # Before the cable is tensioned the springs under the nut have their free height.
-    nuts_end = lug_end + drive.spring_free_mm + drive.equaliser_mm + 2 * t.nut_height_mm
-    slack_tip = SWAGE_START_MM + t.stud_length_mm + drive.spring_free_mm + drive.equaliser_mm
+    nuts_end = lug_end + drive.spring_free_mm + 2 * t.nut_height_mm
+    slack_tip = SWAGE_START_MM + t.stud_length_mm + drive.spring_free_mm
     # With the terminal drawn in completely.
     tip = slack_tip + travel
     nut = nut_corner_radius_mm(drive)
@@ -220,7 +218,7 @@ def tensioners(drive: SectorDrive, way: TerminalWay) -> tuple[Tensioner, ...]:
             least, metal = MIN_FLOOR_MM, drive.drum_material
             if metal.printed:
                 floor, least = floor - metal.min_internal_radius_mm, max(least, metal.min_wall_mm)
-            through = (floor < least or drive.equaliser is not None) and not ring
+            through = floor < least and not ring
             pocket_end = _pocket_end(drive, cable, limit, tip)
             moved = drawn_in[cable.name]
             inner = Tensioner(
@@ -236,7 +234,7 @@ def tensioners(drive: SectorDrive, way: TerminalWay) -> tuple[Tensioner, ...]:
                 lug_start=lug_start,
                 lug_end=lug_end,
                 nuts_end=nuts_end,
-                spring=drive.spring_height_mm(cable.preload_N) + drive.equaliser_mm,
+                spring=drive.spring_height_mm(cable.preload_N),
                 tip=slack_tip + moved,
                 pocket_end=pocket_end,
                 # A pocket through the whole rim must be open outwards, else the metal above it would be loose.

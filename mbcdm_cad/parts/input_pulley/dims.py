@@ -181,7 +181,6 @@ class InputPulleyDims:
     slots: tuple[StopSlot, ...]
     y: float = 0.0
     grooves: tuple[Groove, ...] = ()
-    matched_mm: float = 0.0  # largest difference of the diameters under parallel cables; 0: only by their tolerances
     hub: SetHub | None = None
     horn: HornFlange | None = None
 

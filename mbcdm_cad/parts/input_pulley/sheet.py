@@ -39,11 +39,6 @@ _SLOTS = "Slots after turning and grooving, edges that the cable touches rounded
 _SLOTS_FROM = "X of the slots is the direction of the slit."
 
 
-def _matched(d: InputPulleyDims) -> tuple[str, ...]:
-    what = "Floors of all grooves" if d.grooves else "Land, over its length"
-    return (f"{what}: diameters within {d.matched_mm:g} of each other, cut in one setting.",) if d.matched_mm else ()
-
-
 def _land_lengths(d: InputPulleyDims) -> tuple[Linear, ...]:
     """Of both steps, or of the one land."""
     lower, upper = d.lower_land_radius, d.upper_land_radius
@@ -274,7 +269,6 @@ def input_pulley_sheet(part: str, d: InputPulleyDims) -> Sheet:
         fits=_fits(diameters, named, d),
         notes=(
             *((_GROOVES,) if d.grooves else ()),
-            *_matched(d),
             "Lands Ra 0.8.",
             *((_SLOTS, _SLOTS_FROM) if d.slots else ()),
             "+Z points from the slit's end, the lower one, to the upper. Slit along X, sawn through both sides of it."
@@ -350,7 +344,6 @@ def overhung_pulley_sheet(part: str, d: InputPulleyDims) -> Sheet:
         fits=_fits(diameters, {FITS["land"].code: "land", bore: "bore"}, d),
         notes=(
             *((_GROOVES,) if d.grooves else ()),
-            *_matched(d),
             "Land Ra 0.8. +Z points from the lower end to the land."
             + (
                 " Set screws along +X and +Y." if d.hub is not None else " Recess for the head of the horn's own screw."

@@ -43,16 +43,12 @@ def making_words(drive: SectorDrive) -> str:
     return "" if making is None else f" {making}"
 
 
-def terminal_items(drive: SectorDrive, nuts: bool = True) -> tuple[str, ...]:
-    """The terminals of all cables with springs and, if they come with them, ``nuts``."""
+def terminal_items(drive: SectorDrive) -> tuple[str, ...]:
+    """The terminals of all cables with springs and nuts."""
     return tuple(
         item
         for c in drive.cables
-        for item in (
-            f"terminal_{c.name}",
-            *spring_items(drive, c.name),
-            *((f"nut_{c.name}_1", f"nut_{c.name}_2") if nuts else ()),
-        )
+        for item in (f"terminal_{c.name}", *spring_items(drive, c.name), f"nut_{c.name}_1", f"nut_{c.name}_2")
     )
 
 

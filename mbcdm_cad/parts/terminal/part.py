@@ -58,7 +58,7 @@ class Tensioner:
     lug_start: float
     lug_end: float
     nuts_end: float
-    spring: float  # height between lug and nut at the preload, of springs or an equaliser; 0 without
+    spring: float  # height between lug and nut at the preload, of springs; 0 without
     tip: float
     pocket_end: float  # behind the tip; beyond the sector if the wall there would be too thin
     pocket_top: float  # outward; open to the outside if the wall below a land's surface would be too thin

@@ -81,9 +81,6 @@ def test_a_lower_preload_turns_more_easily_where_motor_and_ratio_are_stated() ->
     assert back is not None
     asked = load_text(text.replace("0.05}", f"{0.99 * back.start_Nm:.4g}}}")).drive
     assert asked.cables[0].preload_N < usual.cables[0].preload_N
-    # It comes before the knee, where the file asks for both.
-    both = load_text(text.replace("0.05}", f"{0.99 * back.start_Nm:.4g}}}") + "rope: {preload_by: knee}\n").drive
-    assert run_check(CHECK, both.layout).status == "pass", both.cables[0].preload_N
     assert run_check(CHECK, asked.layout).status == "pass"
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from itertools import pairwise
 
 from mbcdm_cad.checks.bending import ANCHOR_RATIO
@@ -25,10 +24,8 @@ from mbcdm_cad.layouts.common_rules import (
     TENSION_SAFETY,
     TEST_TORQUE,
     TRANSFER_GAP,
-    by_knee,
     end_share,
     ropes_to_choose,
-    wanted_preload_N,
 )
 from mbcdm_cad.layouts.head_basis import counts_losses
 from mbcdm_cad.layouts.miso_bevel.design_file.schema import REFERENCE
@@ -124,13 +121,13 @@ def _rope(given: BevelKnown) -> Found:
     """
     ropes = ropes_to_choose(given)
 
-    def strong(preload_N: Callable[[float], float]) -> list[tuple[float, str]]:
+    def strong(preload_N: float) -> list[tuple[float, str]]:
         held = end_share(given, SWAGED_SHARE)
         share, spare = _share_N(given), STRENGTH_SPARE * given["limits.tension_safety_factor"] / held
-        return [(d, name) for d, name, breaking in ropes if breaking >= (UNEVEN * share + preload_N(breaking)) * spare]
+        return [(d, name) for d, name, breaking in ropes if breaking >= (UNEVEN * share + preload_N) * spare]
 
-    wanted = strong(lambda breaking: wanted_preload_N(given, PRELOAD_FACTOR * _share_N(given), breaking))
-    least = strong(lambda breaking: LEAST_PRELOAD_FACTOR * _share_N(given))
+    wanted = strong(PRELOAD_FACTOR * _share_N(given))
+    least = strong(LEAST_PRELOAD_FACTOR * _share_N(given))
     if not wanted:
         return Found(ropes[-1][1], "tension", "the thickest of the catalogue")
     thin = [name for d, name in least if d < wanted[0][0] and _bends(given, d)]
@@ -164,9 +161,8 @@ def _preload(given: BevelKnown) -> Found:
     ends = given.rope["breaking_load_N"] * given.termination.strength_share
     held = ends / (given["limits.tension_safety_factor"] * HELD_SPARE) - UNEVEN * share
     usual = PRELOAD_FACTOR * share
-    wanted = wanted_preload_N(given, usual, given.rope["breaking_load_N"])
-    driver = driver_of({"rope.preload_by" if by_knee(given) else "no_slack": wanted, "tension": least(most, held)}, min)
-    return Found(significant(greatest(least(wanted, most, held), 0.5 * usual), 2), driver, "two digits")
+    driver = driver_of({"no_slack": usual, "tension": least(most, held)}, min)
+    return Found(significant(greatest(least(usual, most, held), 0.5 * usual), 2), driver, "two digits")
 
 
 def _lead(given: BevelKnown) -> Found:
@@ -200,12 +196,7 @@ ROPE = (
     ),
 )
 PRELOAD = (
-    Rule(
-        "rope.preload_N",
-        "twice the preload that keeps every cable taut at peak torque, or the knee (preload_by)",
-        "no_slack",
-        _preload,
-    ),
+    Rule("rope.preload_N", "twice the preload that keeps every cable taut at peak torque", "no_slack", _preload),
 )
 LEAD = (
     Rule(

@@ -15,7 +15,6 @@ from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.layouts.miso_spur.drive import RoundDrumDrive
 from mbcdm_cad.layouts.siso_spur.design_file import starting
 from mbcdm_cad.layouts.siso_spur.design_file.resolve import (
-    broken_lands,
     broken_radius,
     broken_sector,
     broken_way,
@@ -92,7 +91,6 @@ def broken_rules(design: RoundDrumDesign) -> Iterator[Broken]:
             )
     yield from broken_way(design)
     yield from broken_sector(design.drum.sector_half_angle_deg)
-    yield from broken_lands(design)
     if design.transmission.parallel > 1:
         remedy = "set it to 1, or take configuration siso_spur"
         value = str(design.transmission.parallel)

@@ -14,7 +14,7 @@ from mbcdm_cad.checks.drum_outline import before_frame, frame_front_check, rim_p
 from mbcdm_cad.checks.fixings import STRESS_SAFETY
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM
 from mbcdm_cad.checks.size import box_checks, mass_check
-from mbcdm_cad.checks.terminals import LUG_SAFETY, bodies_of
+from mbcdm_cad.checks.terminals import bodies_of
 from mbcdm_cad.layouts.siso_spur.bill import bill
 from mbcdm_cad.layouts.siso_spur.drive import MOST_SPREAD, SpurDrive
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
@@ -24,15 +24,10 @@ from mbcdm_cad.parts.bought.bodies import RING_ENCODER_FLATS
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
 from mbcdm_cad.parts.drum_sector.sizes import nut_corner_radius_mm
 from mbcdm_cad.parts.motor_head.dims import body_radius_mm
-from mbcdm_cad.parts.terminal.equaliser import EqualiserDims
 from mbcdm_cad.parts.threads import SHEAR_SHARE
 
 # Points on a full circle of the outline.
 _CORNERS = 72
-# Mean pressure over yield at which a cylinder dents a flat face all over (Johnson, Contact Mechanics, 6.3).
-DENT = 2.8
-# Yield stress of a nut of class A2-70, which the order of assembly asks for on crowns, MPa (ISO 3506).
-NUT_YIELD_MPA = 450.0
 
 
 def frame_front(s: SpurLayout) -> Comparison:
@@ -188,74 +183,17 @@ def dowel_holes(s: SpurLayout) -> Comparison:
 
 
 def spread(s: SpurLayout) -> Comparison:
-    """What setting by nuts or rocker and lands of unequal radii change of a preload, over it: the spread holds it."""
-    drive, tight = s.drive, s.loads.peak_forward[s.loads.si.sigma > 0]
-    stated, matched = drive.parallel_spread, drive.matched_lands_mm
-    lands = "tolerances of the drawings" if matched is None else f"diameters within {matched:g} mm of each other"
-    what, by = "a quarter of a flat of a nut", "nut"
-    if drive.equaliser is not None:
-        what, by = "the rockers' friction", "rocker"
+    """What setting by nuts and lands of unequal radii change of a preload, over it."""
+    tight = s.loads.peak_forward[s.loads.si.sigma > 0]
     return at_most(
-        f"preloads off by {what} and lands of unequal radii, over the preload",
-        hypot(s.by_setting, s.by_lands),
-        MOST_SPREAD if stated is None else stated,
+        "preloads off by a quarter of a flat of a nut and lands of unequal radii, over the preload",
+        hypot(s.by_nut, s.by_lands),
+        MOST_SPREAD,
         "of preload",
-        f"{by} {s.by_setting:.1%}, lands {s.by_lands:.1%} at the end of the travel (RSS, {lands}); "
-        f"checks count {s.preload_spread:.1%}, with which the tightest of {drive.parallel} cables carries "
-        f"{tight.max() / tight.mean() - 1:.1%} more than their mean at peak torque"
-        + "; " * bool(s.shared_words)
-        + s.shared_words,
+        f"nut {s.by_nut:.1%}, lands {s.by_lands:.1%} at the end of the travel (RSS, tolerances of the drawings); "
+        f"checks count {s.preload_spread:.1%}, with which the tightest of {s.drive.parallel} cables carries "
+        f"{tight.max() / tight.mean() - 1:.1%} more than their mean at peak torque",
     )
-
-
-def has_equaliser(drive: SpurDrive) -> bool:
-    """Whether a rocker equalises the ends of two cables."""
-    return drive.equaliser is not None
-
-
-def _bars(s: SpurLayout) -> EqualiserDims:
-    bars = s.drive.equaliser
-    assert bars is not None
-    return bars
-
-
-def equaliser_bars(s: SpurLayout) -> Comparison:
-    """Bending stress of rocker and bridge at the largest tension of both cables, against the yield stress of steel."""
-    stress, metal = _bars(s).bending_MPa(s.loads.highest_N), s.drive.material("steel")
-    what = f"yield {metal.yield_MPa:g} MPa of {metal.name} over the bars' bending stress {stress:.4g} MPa"
-    return at_least(what, metal.yield_MPa / stress, LUG_SAFETY, "times")
-
-
-def equaliser_pressed(s: SpurLayout) -> Comparison:
-    """Pressure of the dowel in its groove, and of a nut on the crown of the rocker's end, a line beside the hole.
-
-    A line under the force F for each mm presses with sqrt(F E* / (pi R)) at most, pi / 4 of it in the mean (Hertz).
-    """
-    bars, pull, nut = _bars(s), s.loads.highest_N, s.drive.tensioner
-    bar, other = s.drive.material("steel"), s.drive.material(nut.material)
-    groove = pull / (bars.dowel_radius * bars.width)
-    line = max(min(bars.width, nut.nut_across_flats_mm) - bars.rocker_hole, 0.01)
-    soft = sum((1.0 - m.poisson_ratio**2) / (m.youngs_modulus_GPa * 1e3) for m in (bar, other))
-    crown = pi / 4 * (pull / line / soft / pi / bars.crown_radius) ** 0.5
-    dents = DENT * min(bar.yield_MPa, NUT_YIELD_MPA)
-    return worst(
-        (
-            at_least(
-                f"yield of {bar.name} over the {groove:.4g} MPa of the dowel in its groove",
-                bar.yield_MPa / groove,
-                STRESS_SAFETY,
-                "times",
-            ),
-            at_least(
-                f"pressure that dents crown or nut over the {crown:.4g} MPa on its crown", dents / crown, 1.0, "times"
-            ),
-        )
-    )
-
-
-def equaliser_way(s: SpurLayout) -> Comparison:
-    """Way of a cable's end against the other's before the bars touch: lands, bedding-in, nuts a flat apart."""
-    return at_least("way of the rocker to either side", _bars(s).stroke, s.rocker_way_mm, "mm")
 
 
 _X: tuple[Adjustment, ...] = (down("drum.sector_half_angle_deg"), up("drum.sector_half_angle_deg"))
@@ -302,49 +240,12 @@ DOWELS = (
 )
 SPREAD = Check(
     "parallel_spread",
-    "Parallel cables are as alike as stated",
+    "Parallel cables share the load",
     "model: EA, length, pitch of the stud, fits of the lands; a quarter of a flat: estimate",
     spread,
     "warn",
     adjust=(up("rope.preload_N"),),
-    advice="leave transmission.parallel_spread out; transmission.matched_lands_mm, transmission.equaliser, a "
-    "drum.spring under the nuts, a longer span, less travel or less ratio lower it",
+    advice="a drum.spring under the nuts, a longer span, less travel or less ratio lower it",
     applies=is_parallel,
 )
-_THICKER = (up("transmission.rocker_mm"),)
-EQUALISER = (
-    Check(
-        "equaliser_bars",
-        "Stress in the equaliser's bars",
-        "material: yield_MPa; 2: usual rule",
-        equaliser_bars,
-        adjust=_THICKER,
-        applies=has_equaliser,
-    ),
-    Check(
-        "equaliser_pressed",
-        "Pressure on dowel and crowns of the equaliser",
-        "Hertz; yield of nuts of class A2-70: ISO 3506; 1.5: usual rule",
-        equaliser_pressed,
-        adjust=(*_THICKER, down("rope.preload_N"), down("loads.peak_torque_Nm")),
-        advice="choose a larger drum.tensioner",
-        applies=has_equaliser,
-    ),
-    Check(
-        "equaliser_way",
-        "The rocker turns far enough",
-        "derived; level within a flat of a nut, half of the bedding-in: estimates",
-        equaliser_way,
-        adjust=_THICKER,
-        applies=has_equaliser,
-    ),
-)
-CHECKS = (
-    *ROOM,
-    APART,
-    *DOWELS,
-    SPREAD,
-    *EQUALISER,
-    *box_checks(box_mm, "targets.envelope_mm", BOX_ADJUSTMENTS),
-    mass_check(bill),
-)
+CHECKS = (*ROOM, APART, *DOWELS, SPREAD, *box_checks(box_mm, "targets.envelope_mm", BOX_ADJUSTMENTS), mass_check(bill))

@@ -81,9 +81,6 @@ def spur_values(design: SpurBlocks, catalogue: Catalogue, sigmas: Mapping[FieldP
             "anchored": transmission.cables == "two_anchored",
             "open_spans": transmission.spans == "open",
             "parallel": transmission.parallel,
-            "parallel_spread": transmission.parallel_spread,
-            "matched_lands_mm": transmission.matched_lands_mm,
-            "rocker_mm": transmission.rocker_mm,
             "radii_explicit": transmission.input_to_drum is None,
             "idlers": design.idlers,
             "bearings": d.SpurBearings(
@@ -156,40 +153,6 @@ def _broken_parallel(design: SpurDesign) -> Iterator[Broken]:
     if count > 1 and design.drum.output_screws != SCREWS:
         name = f"drum.output_screws other than {SCREWS}"
         yield Broken(where, f"not beside {name}", str(count), "1", f"set it to 1, or remove {name}")
-    yield from broken_lands(design)
-
-
-def broken_lands(design: SpurBlocks) -> Iterator[Broken]:
-    """Only lands of several cables have something to be equal to."""
-    given = design.transmission.matched_lands_mm
-    if given is not None and design.transmission.parallel == 1:
-        what, remedy = "one cable has no lands to be matched", "remove it, or raise transmission.parallel (siso_spur)"
-        yield Broken(("transmission", "matched_lands_mm"), what, f"{given:g}", "none", remedy)
-    yield from _broken_equaliser(design)
-
-
-def _broken_equaliser(design: SpurBlocks) -> Iterator[Broken]:
-    """A rocker is over both ends of two cables on sectors, whose studs stand side by side at the sectors' ends."""
-    block, where = design.transmission, ("transmission", "equaliser")
-    if block.equaliser == "none":
-        if block.rocker_mm is not None:
-            what, remedy = "no equaliser is stated", "remove it, or set transmission.equaliser to rocker (siso_spur)"
-            yield Broken(("transmission", "rocker_mm"), what, f"{block.rocker_mm:g}", "none", remedy)
-        return
-    if block.parallel != 2:
-        remedy = "set transmission.parallel to 2 (siso_spur), or remove it"
-        yield Broken(where, f"a rocker has two arms, not {block.parallel}", block.equaliser, "none", remedy)
-    beside = {
-        "cables: two_anchored": block.cables == "two_anchored",
-        "a whole drum, on which turns lie between the terminals": design.drum.sector_half_angle_deg >= WHOLE_DEG,
-        "drum.spring, which needs a flat seat": design.drum.spring is not None,
-        "terminal_angle_deg, as it is slid on from the sector's end": any(
-            cable.terminal_angle_deg is not None for cable in design.cables
-        ),
-    }
-    for name in (name for name, given in beside.items() if given):
-        remedy = "remove it, or what is named"
-        yield Broken(where, f"no rocker beside {name}", block.equaliser, "none", remedy)
 
 
 def _broken_spans(design: SpurDesign) -> Iterator[Broken]:

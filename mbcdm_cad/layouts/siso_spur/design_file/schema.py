@@ -13,7 +13,7 @@ from mbcdm_cad.design.blocks import TRAVEL_MAX_DEG, Design, Input, Length, Rope,
 from mbcdm_cad.design.design_file import reference_of
 from mbcdm_cad.design.fields import Block, Integer, Number, choice, quantity
 from mbcdm_cad.design.sector_blocks import Clearances, SectorCable, WoundPulleys
-from mbcdm_cad.layouts.siso_spur.drive import MOST_SPREAD, MOST_TURNS, SpurDrum, SpurLimits, YokeSupport
+from mbcdm_cad.layouts.siso_spur.drive import MOST_TURNS, SpurDrum, SpurLimits, YokeSupport
 from mbcdm_cad.layouts.siso_spur.first_stage import FirstStageBlock
 from mbcdm_cad.layouts.siso_spur.idlers import IdlerBlock
 
@@ -65,33 +65,6 @@ class SpurTransmission(Block):
         ge=1,
         le=4,
     )
-    parallel_spread: Number | None = quantity(
-        "how far the preload of each of several parallel cables may be from the stated one, over it; "
-        "worked out from nuts, lands and the pitch of a span if left out",
-        default=None,
-        ge=0.0,
-        le=MOST_SPREAD,
-    )
-    matched_lands_mm: Number | None = quantity(
-        "largest difference of the diameters of the lands of parallel cables, of those on the drums and of those on "
-        "the input, if cut in one setting and measured; left out: what their tolerances allow (siso_spur)",
-        unit="mm",
-        default=None,
-        ge=0.001,
-        le=0.1,
-    )
-    equaliser: Literal["none", "rocker"] = choice(
-        "rocker: on each side a bar that turns on a dowel between the nuts of two parallel cables, so that their ends "
-        "pull alike; for parallel: 2 on a sector (siso_spur)",
-        default="none",
-    )
-    rocker_mm: Number | None = quantity(
-        "thickness of the rocker's bar and of the bridge under it (siso_spur)",
-        example=3.0,
-        default=None,
-        ge=0.5,
-        le=30.0,
-    )
     turns: Integer = quantity(
         "turns of the cable on the input, counted at the line of centres; of two anchored cables at the end of the "
         "travel that winds each up",
@@ -113,7 +86,6 @@ class SpurRope(Rope):
         "termination",
         "friction_coefficient",
         "preload_N",
-        "preload_by",
         "helix_lead_mm",
         "cut_tolerance_mm",
     )

@@ -21,17 +21,7 @@ from mbcdm_cad.layouts.head_parts import PARTS
 from mbcdm_cad.layouts.open_ratio import lightest
 from mbcdm_cad.layouts.siso_spur.drive import MOUNT_BOLTS
 from mbcdm_cad.layouts.siso_spur.sizing.basis import LAND_EDGE, NAMES, PRELOAD, RADIUS, RATIO, ROPE, WINDING
-from mbcdm_cad.layouts.siso_spur.sizing.dims import (
-    BACK,
-    DISTANCE,
-    DRUM,
-    EQUALISER,
-    FRAME,
-    IDLERS,
-    MOUNT,
-    WIDTH,
-    idler_guesses,
-)
+from mbcdm_cad.layouts.siso_spur.sizing.dims import BACK, DISTANCE, DRUM, FRAME, IDLERS, MOUNT, WIDTH, idler_guesses
 from mbcdm_cad.layouts.siso_spur.sizing.first_stage import FIRST, with_room
 from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
 from mbcdm_cad.layouts.siso_spur.sizing.stage import GUESSES, STAGE, STAGE_RATIO
@@ -42,7 +32,7 @@ from mbcdm_cad.sizing.rule import Rule
 
 DERIVED = tuple(
     rule.field
-    for rule in (*WINDING, *WIDTH, *FRAME, *DISTANCE, *DRUM, *EQUALISER, *BACK)
+    for rule in (*WINDING, *WIDTH, *FRAME, *DISTANCE, *DRUM, *BACK)
     if rule.field not in ("transmission.turns", "drum.windows")
 )
 
@@ -70,7 +60,6 @@ RULES: tuple[Rule, ...] = (
     *DISTANCE,
     *MOUNT,
     *DRUM,
-    *EQUALISER,
     *BACK,
 )
 
@@ -145,7 +134,6 @@ def _first_guesses(data: dict[str, Any]) -> dict[str, Any]:
         "support.bridge_mm": 4.0,
         "support.plate_mm": 8.0,
         "support.mount_screw": "M3",
-        **({"transmission.rocker_mm": 3.0} if given.equalised else {}),
         **idler_guesses(given, radius),
     }
 

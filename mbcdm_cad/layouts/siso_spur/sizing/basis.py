@@ -11,11 +11,10 @@ from mbcdm_cad.checks.bending import ANCHOR_RATIO
 from mbcdm_cad.checks.input_pulley import SHOULDER_MM
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import SizingError
-from mbcdm_cad.layouts.common_rules import least_bend_ratio, ropes_to_choose, wanted_preload_N
+from mbcdm_cad.layouts.common_rules import least_bend_ratio, ropes_to_choose
 from mbcdm_cad.layouts.head_basis import (
     PRELOAD_FACTOR,
     counts_losses,
-    held_preload,
     holding_N,
     needed_ratio,
     preload,
@@ -107,7 +106,7 @@ def _rope(given: SpurKnown) -> Found:
     tried.
     """
 
-    def tension_N(d_mm: float, breaking_N: float, preload_share: float = 1.0) -> float:
+    def tension_N(d_mm: float, preload_share: float = 1.0) -> float:
         if given.has("transmission.drum_radius_mm"):
             share = given.half_torque_N
         else:
@@ -115,8 +114,7 @@ def _rope(given: SpurKnown) -> Found:
             radius = rounded_up(max(needs.values()) * given.ratio, 0.5)
             share = given.input_peak_Nm * 1e3 / (2 * radius * given.parallel)
         usual = preload_share * _usual_preload_N(given, share)
-        wanted = wanted_preload_N(given, usual, breaking_N) if preload_share == 1.0 else usual
-        return wanted * (1.0 + given.parallel_spread) + share
+        return usual * (1.0 + given.parallel_spread) + share
 
     found = thinnest_rope_by(given, tension_N)
     if given.anchored or not given.has("transmission.drum_radius_mm"):
@@ -139,12 +137,9 @@ def _preload(given: SpurKnown) -> Found:
     driver = "no_slack" if given.anchored else "input_slip"
     wanted = _usual_preload_N(given, given.half_torque_N)
     if given.anchored:
-        return held_preload(given, wanted, driver)
-    at_knee = wanted_preload_N(given, wanted, given.rope["breaking_load_N"])
-    usual = preload(given, at_knee, "rope.preload_by" if at_knee > wanted else driver)
-    # Below the knee come the preloads that are tried without it.
-    from_N = [usual.value] if at_knee <= wanted else [usual.value, wanted]
-    tried = sorted({float(f"{share * start:.2g}") for start in from_N for share in PRELOAD_SHARES}, reverse=True)
+        return preload(given, wanted, driver)
+    usual = preload(given, wanted, driver)
+    tried = sorted({float(f"{share * usual.value:.2g}") for share in PRELOAD_SHARES}, reverse=True)
     counted = ("motor_torque_forward", "motor_torque_back") if counts_losses(given) else ()
     easy = () if given.get("loads.backdrive_Nm") is None else ("backdrive",)
     shaft = ("motor_shaft_load",) if given.overhung else ()
@@ -208,8 +203,7 @@ RADIUS = (
 PRELOAD = (
     Rule(
         "rope.preload_N",
-        "least preload for the slip margin at peak torque; with anchored cables twice the one that keeps them taut; or "
-        "the knee (preload_by)",
+        "least preload for the slip margin at peak torque; with anchored cables twice the one that keeps them taut",
         "input_slip",
         _preload,
     ),

@@ -97,10 +97,6 @@ def _outer_face(given: SpurKnown) -> Found:
     return given.moved("drum.outer_face_y_mm", 2.0, 0.1, checks)
 
 
-def _rocker(given: SpurKnown) -> Found:
-    return given.moved("transmission.rocker_mm", 1.0, 0.1, ("equaliser_bars", "equaliser_pressed", "equaliser_way"))
-
-
 def _has_idlers(given: SpurKnown) -> bool:
     return given.peek("idlers") is not None
 
@@ -190,15 +186,6 @@ DISTANCE = (
 )
 MOUNT = mount_rules(_mount_screw)
 DRUM = drum_rules("least width for cable and terminals", _outer_face)
-EQUALISER = (
-    Rule(
-        "transmission.rocker_mm",
-        "least thickness for both cables' pull at the dowel; the dowel, and so the rocker's way, grows with it",
-        "equaliser_bars",
-        _rocker,
-        applies=lambda given: given.equalised,
-    ),
-)
 BACK = (
     Rule(
         "support.back_y_mm",

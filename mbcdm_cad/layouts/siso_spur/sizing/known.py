@@ -76,15 +76,9 @@ class SpurKnown(TrialKnown):
         return int(self.get("transmission.parallel", 1))
 
     @property
-    def equalised(self) -> bool:
-        """Whether rockers equalise two parallel cables."""
-        return bool(self.get("transmission.equaliser", "none") != "none")
-
-    @property
     def parallel_spread(self) -> float:
         """How far the preload of one of several parallel cables may be from the stated one, over it, at least."""
-        stated = self.get("transmission.parallel_spread")
-        return 0.0 if self.parallel == 1 else PITCH_SPREAD if stated is None else float(stated)
+        return 0.0 if self.parallel == 1 else PITCH_SPREAD
 
     @property
     def half_torque_N(self) -> float:
