@@ -267,7 +267,7 @@ class Layout(ABC):
         return self.cable_paths(drum_angle_rad)
 
     @property
-    def first_stage(self) -> Layout | None:
+    def first_stage_unit(self) -> Layout | None:
         """The drive that turns the input of this one, in the same file; None for a drive of one stage."""
         return None
 

@@ -86,9 +86,9 @@ class AnalysisReport:
             "life": life,
             "preload": None if self.preload is None else self.preload.to_dict(),
         }
-        if self.layout.first_stage is not None:
+        if self.layout.first_stage_unit is not None:
             blocks["stages"] = [asdict(one) for one in stage_figures(self.layout)]
-            blocks["first_stage"] = analyse_design(self.layout.first_stage.drive).to_dict()
+            blocks["first_stage"] = analyse_design(self.layout.first_stage_unit.drive).to_dict()
         if self.chances:
             blocks["as_built"] = {one.check: one.probability for one in self.chances}
         return self.figures.to_dict() | blocks
@@ -144,7 +144,7 @@ class AnalysisReport:
 
     def _limits(self) -> ReportTable:
         names, left_out = _LIMITS, ""
-        if self.layout.first_stage is not None:
+        if self.layout.first_stage_unit is not None:
             names, left_out = _LIMITS | {"gearhead_rated": "first stage, torque it is made for"}, "gearhead_maximum"
         causes = [c for c in dict.fromkeys(limit.cause for limit in self.figures.limits) if c != left_out]
         ways = [[x for x in self.figures.limits if x.direction == way] for way in (1, -1)]

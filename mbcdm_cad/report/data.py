@@ -144,7 +144,7 @@ def design_figures(layout: Layout, centred: Bill) -> DesignFigures:
         "assembly_items": [list(step.items) for step in order],
         "conventions": _conventions(layout.conventions, drive.export.threads),
     }
-    if layout.first_stage is not None:
+    if layout.first_stage_unit is not None:
         data["stages"] = [asdict(one) for one in stage_figures(layout)]
     return DesignFigures(analysis, data, angles, tuple(cable_boxes_mm(layout, angles)))
 

@@ -36,7 +36,7 @@ class StageFigures:
 
 def stage_figures(layout: Layout) -> tuple[StageFigures, ...]:
     """The first stage, the second, and both; empty for a drive of one stage."""
-    first, drive = layout.first_stage, layout.drive
+    first, drive = layout.first_stage_unit, layout.drive
     if first is None:
         return ()
     lost = {True: 0.0, False: 0.0}

@@ -47,10 +47,10 @@ class RoundDrumLayout(SpurLayout):
 
     def refuse_impossible(self) -> None:
         """Refuses pulleys that overlap."""
-        self.first.refuse_impossible()
+        self.unit.refuse_impossible()
 
     @property
-    def arms(self) -> tuple[SpurLayout, ...]:
+    def input_units(self) -> tuple[SpurLayout, ...]:
         """See the base class."""
         return self.units
 
@@ -72,12 +72,12 @@ class RoundDrumLayout(SpurLayout):
     @cached_property
     def levels(self) -> SpurStack:
         """Levels of the first input."""
-        return self.first.levels
+        return self.unit.levels
 
     @dimensions
     def preload_spring(self) -> PreloadSpringDims:
         """Wave spring of the drum's bearings."""
-        return self.first.preload_spring
+        return self.unit.preload_spring
 
     @dimensions
     def inputs(self) -> tuple[InputPulleyDims, ...]:
@@ -87,17 +87,17 @@ class RoundDrumLayout(SpurLayout):
     @dimensions
     def collar(self) -> CollarDims:
         """Clamp collar of each pulley."""
-        return self.first.collar
+        return self.unit.collar
 
     @dimensions
     def frame(self) -> YokeDims:
         """Boss, and the arm of the frame at the first input."""
-        return self.first.frame
+        return self.unit.frame
 
     @dimensions
     def head(self) -> HeadDims:
         """Motor head of each input."""
-        return self.first.head
+        return self.unit.head
 
     def cable_paths(self, drum_angle_rad: float) -> tuple[CablePath, ...]:
         """Centre line of each input's cable at a drum angle."""

@@ -40,8 +40,8 @@ def assembly_order(layout: SpurLayout) -> tuple[AssemblyStep, ...]:
     drum = _drum(layout)
     if layout.drive.parallel > 1:
         drum = (*sector_steps(layout), *setting_steps(layout.drive, plan(layout)))
-    if layout.first_stage is not None:
-        first = layout.first_stage
+    if layout.first_stage_unit is not None:
+        first = layout.first_stage_unit
         steps = (*_frame(first), *input_steps(first), *_drum(first))
         before = tuple(
             AssemblyStep(f"First stage: {s.text}", tuple(first_name(name) for name in s.items)) for s in steps

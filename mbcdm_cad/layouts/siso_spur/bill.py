@@ -80,9 +80,9 @@ def input_bodies(drive: SpurDrive, name: str, angle_rad: float) -> tuple[MovingB
     ratio, distance, stage = (drive.drum_radius_mm, drive.input_radius_mm), drive.centre_distance_mm, drive.stage
     axis = _Y if drive.open_spans else _BACK
     body = MovingBody(f"input_{name}", "input", at(distance), axis, *ratio)
-    if drive.first is not None:
+    if drive.first_stage is not None:
         # The first stage stands back to back, so that its input turns about +Y.
-        first = drive.first
+        first = drive.first_stage
         both = ratio[0] * first.drum_radius_mm, ratio[1] * first.input_radius_mm
         z = distance + first.centre_distance_mm
         return body, MovingBody(f"driver_{name}", "stage", at(z), _Y, *both)
@@ -319,6 +319,6 @@ def bill(lay: SpurLayout, drum_angle_deg: float = 0.0) -> Bill:
         if drive.servo is not None:
             add_horn(b, drive, drive.servo, pulley.name, ALONG_Y, lay.levels.motor_shelf_bottom_z)
     add_cables(b, drive, lay.cable_paths(radians(drum_angle_deg)))
-    if lay.first_stage is not None:
-        add_first_stage(b, lay, lay.first_stage, drum_angle_deg)
+    if lay.first_stage_unit is not None:
+        add_first_stage(b, lay, lay.first_stage_unit, drum_angle_deg)
     return b.bill()

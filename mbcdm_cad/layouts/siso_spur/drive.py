@@ -158,11 +158,12 @@ class SpurDrive(HeadedDrive):
     ``anchored`` cables does at the end of the travel where it is wound up. ``level_mm``: position of the middle of the
     winding along y; input pulley and encoder shelf are that much further from the frame's plate. ``frame_angle_rad``:
     angle round the drum's axis in which this input's part of the frame lies. ``idlers``: those that lead the cable to
-    an input away from the drum; None where it runs straight to the drum. ``first``: the drive of a first cable stage,
-    whose drum's shaft turns the input; the gearhead is then what that is to this stage. ``open_spans``: the spans do
-    not cross, so that the input turns with the drum. ``parallel``: equal cables side by side round the input, each with
-    a sector of its own; ``cables`` has both sides of each, one cable after the other. After tightening, their preloads
-    differ from the stated one by up to :attr:`SpurLayout.preload_spread` of it.
+    an input away from the drum; None where it runs straight to the drum. ``first_stage``: the drive of a first
+    cable stage, whose drum's shaft turns the input; the gearhead is then what that is to this stage.
+    ``open_spans``: the spans do not cross, so that the input turns with the drum. ``parallel``: equal cables side
+    by side round the input, each with a sector of its own; ``cables`` has both sides of each, one cable after the
+    other. After tightening, their preloads differ from the stated one by up to :attr:`SpurLayout.preload_spread` of
+    it.
     """
 
     cables: tuple[SpurRun, ...]
@@ -178,7 +179,7 @@ class SpurDrive(HeadedDrive):
     level_mm: float = 0.0
     frame_angle_rad: float = tau
     idlers: IdlerBlock | None = None
-    first: SpurDrive | None = None
+    first_stage: SpurDrive | None = None
     open_spans: bool = False
     parallel: int = 1
 

@@ -122,7 +122,8 @@ class SpurLayout(HeadLayout):
     """One design; heights of pulley and collar are along +Y.
 
     The drum is that of a cable at level 0, for any ``level_mm`` of the drive. Of several sectors, which are equal, it
-    is the first, ``steps`` are the runs on it, and most checks use it.
+    is the first, ``steps`` are the runs on it, and most checks use it. A unit is a layout inside this one: of one of
+    its cables (``units``, the first of them ``unit``), of one of its inputs, or of its first stage.
     """
 
     name = "siso_spur"
@@ -141,7 +142,7 @@ class SpurLayout(HeadLayout):
         self.steps = tuple(cable for cable in self.steps if cable in drive.cables[:2])
 
     @cached_property
-    def first(self) -> SpurLayout:
+    def unit(self) -> SpurLayout:
         """The first cable with its sector and its input, as a drive of one cable."""
         unit = self.drive.unit(0)
         return self if unit is self.drive else SpurLayout(unit)
@@ -149,10 +150,10 @@ class SpurLayout(HeadLayout):
     @dimensions
     def units(self) -> tuple[SpurLayout, ...]:
         """Each cable with its sector as a drive of one cable, the input above the drum; few checks need them."""
-        return self.first, *(SpurLayout(self.drive.unit(k)) for k in range(1, len(self.drive.angles_rad)))
+        return self.unit, *(SpurLayout(self.drive.unit(k)) for k in range(1, len(self.drive.angles_rad)))
 
     @property
-    def arms(self) -> tuple[SpurLayout, ...]:
+    def input_units(self) -> tuple[SpurLayout, ...]:
         """Each input with its cable and sector as a drive of this layout, the input above the drum."""
         return (self,)
 
@@ -183,9 +184,9 @@ class SpurLayout(HeadLayout):
     @dimensions
     def drum(self) -> DrumDims:
         """One drum sector."""
-        if self.first is self:
+        if self.unit is self:
             return drum(_at_level_0(self.drive), self.levels, self.frame.stop_pin_z, self.terminal_way)
-        return replace(self.first.drum, dowels=_dowels(self.drive, self.first.drum))
+        return replace(self.unit.drum, dowels=_dowels(self.drive, self.unit.drum))
 
     @property
     def hubs_in_line(self) -> int:
@@ -292,7 +293,7 @@ class SpurLayout(HeadLayout):
     @property
     def terminals(self) -> tuple[Tensioner, ...]:
         """See the base class."""
-        if self.first is self:
+        if self.unit is self:
             return self.drum.tensioners
         return tuple(t for unit in self.units for t in unit.drum.tensioners)
 
@@ -303,7 +304,7 @@ class SpurLayout(HeadLayout):
 
     def cable_paths(self, drum_angle_rad: float) -> tuple[CablePath, ...]:
         """Centre line of each cable at a drum angle, to the bottom of the bore of each swage."""
-        if self.first is self:
+        if self.unit is self:
             return cable_paths(self.drive, self.anchors, drum_angle_rad)
         paths = [path for unit in self.units for path in unit.cable_paths(drum_angle_rad)]
         return tuple(
@@ -312,9 +313,9 @@ class SpurLayout(HeadLayout):
         )
 
     @cached_property
-    def first_stage(self) -> SpurLayout | None:
+    def first_stage_unit(self) -> SpurLayout | None:
         """The first cable stage as a design of its own; None without."""
-        return None if self.drive.first is None else SpurLayout(self.drive.first)
+        return None if self.drive.first_stage is None else SpurLayout(self.drive.first_stage)
 
     @cached_property
     def first_place(self) -> Placement:
@@ -322,14 +323,14 @@ class SpurLayout(HeadLayout):
 
         Its input is turned away from the drum.
         """
-        first = self.first_stage
+        first = self.first_stage_unit
         assert first is not None
         y = self.levels.motor_shelf_bottom_z + first.levels.back_y
         return Placement.translation(0.0, y, self.drive.centre_distance_mm) @ Placement.about((0.0, 0.0, 1.0), 180.0)
 
     def all_cable_paths(self, drum_angle_rad: float) -> tuple[CablePath, ...]:
         """See the base class."""
-        first, own = self.first_stage, self.cable_paths(drum_angle_rad)
+        first, own = self.first_stage_unit, self.cable_paths(drum_angle_rad)
         if first is None:
             return own
         place, name = self.first_place, self.drive.input_names[0]
@@ -348,9 +349,9 @@ class SpurLayout(HeadLayout):
     @property
     def further_checks(self) -> tuple[Check, ...]:
         """See the base class."""
-        if self.first_stage is None:
+        if self.first_stage_unit is None:
             return ()
-        found: tuple[Check, ...] = self._module("checks.first_stage").checks_of_first(self.first_stage)
+        found: tuple[Check, ...] = self._module("checks.first_stage").checks_of_first(self.first_stage_unit)
         return found
 
     def bends_mm(self) -> Sequence[tuple[str, str, float]]:
@@ -413,10 +414,10 @@ class SpurLayout(HeadLayout):
 
         material = elastic(self.drive.shaft_material)
         spec = self.drive.idler_bearing if self.drive.idlers else None
-        for arm, pin in ((one, each) for one in self.arms for each in one.pins):
+        for unit, pin in ((one, each) for one in self.input_units for each in one.pins):
             assert spec is not None
-            supports = arm.axle_supports_mm(pin.number)
-            section = Section(*supports, arm.frame.stands[pin.number].axle_radius)
+            supports = unit.axle_supports_mm(pin.number)
+            section = Section(*supports, unit.frame.stands[pin.number].axle_radius)
             on_it = {body: own.bearings_mm for body, own in zip(pin.bodies, pin.idlers, strict=True)}
             yield from axle_causes(self, on_it, unit_tension_N, supports, spec, section, material)
 
@@ -479,8 +480,8 @@ class SpurLayout(HeadLayout):
             at = -t.side * degrees(t.anchor_rad + atan2(t.tip, t.radius_mm))
             passes = np.arange(ceil((-half - at) / 360.0), floor((half - at) / 360.0) + 1)
             found |= {float(at + 360.0 * k) for k in (passes[0], passes[-1])} if len(passes) else set()
-        if self.first_stage is not None:
-            found |= {angle / self.drive.total_ratio for angle in self.first_stage.passing_deg}
+        if self.first_stage_unit is not None:
+            found |= {angle / self.drive.total_ratio for angle in self.first_stage_unit.passing_deg}
         return tuple(sorted(found))
 
     @property

@@ -108,7 +108,7 @@ def _behind(s: SpurLayout, first: SpurLayout) -> Iterator[tuple[str, float]]:
 
 def first_stage_room(s: SpurLayout) -> Comparison:
     """Room of both stages beside each other: motor and plate of the first one from the frame of the second."""
-    first = s.first_stage
+    first = s.first_stage_unit
     assert first is not None
     running = s.drive.clearances.running_mm
     return worst(at_least(what, gap, running, "mm") for what, gap in (*_beside(s, first), *_behind(s, first)))
@@ -127,7 +127,7 @@ def checks_of_first(first: SpurLayout) -> tuple[Check, ...]:
         return check._replace(
             id=f"first_stage_{check.id}",
             title=f"First stage: {check.title}",
-            measure=lambda s: check.measure(s.first_stage),
+            measure=lambda s: check.measure(s.first_stage_unit),
             adjust=(),
             advice=partial(_advice, check),
         )
@@ -136,8 +136,8 @@ def checks_of_first(first: SpurLayout) -> tuple[Check, ...]:
 
 
 def _advice(check: Check, s: SpurLayout) -> str:
-    assert s.first_stage is not None
-    text = remedy(check, s.first_stage, Budget())
+    assert s.first_stage_unit is not None
+    text = remedy(check, s.first_stage_unit, Budget())
     return f"in first_stage.design: {text}" if text else ""
 
 
@@ -146,7 +146,7 @@ def _has_end(drive: Any) -> bool:
 
 
 def _has_first(drive: Any) -> bool:
-    return drive.first is not None
+    return drive.first_stage is not None
 
 
 CHECKS = (

@@ -100,7 +100,7 @@ class LoadedPin(NamedTuple):
 def bearing_forces_N(s: SpurLayout) -> list[LoadedPin]:
     """The axles under the pull of their cables: in each state of the loads, the cables at either end of their walk."""
     found = []
-    for arm, pin in ((one, each) for one in s.arms for each in one.pins):
+    for unit, pin in ((one, each) for one in s.input_units for each in one.pins):
         states = []
         for loads in s.loads.on_bodies:
             for walked in (-s.drive.walk_mm / 2, s.drive.walk_mm / 2):
@@ -112,7 +112,7 @@ def bearing_forces_N(s: SpurLayout) -> list[LoadedPin]:
                     forces += [force - on_front, on_front]
                 states.append(np.stack(forces))
         places = tuple(at for own in pin.idlers for at in own.bearings_mm)
-        found.append(LoadedPin(pin.bodies, places, arm.frame.stands[pin.number], states))
+        found.append(LoadedPin(pin.bodies, places, unit.frame.stands[pin.number], states))
     return found
 
 
@@ -150,8 +150,8 @@ def strap(s: SpurLayout) -> Comparison:
     thread, metal = strap_screw(s.drive).thread_mm, s.drive.frame_material
     holds, found = 2 * FRICTION * clamp_force_N(thread), []
     pins = s.once("idler_forces", bearing_forces_N)
-    for arm, n in ((one, n) for one in s.arms for n in range(len(one.frame.stands))):
-        stand, of_input = arm.frame.stands[n], f" of {arm.drive.input_names[0]}" * (len(s.arms) > 1)
+    for unit, n in ((one, n) for one in s.input_units for n in range(len(one.frame.stands))):
+        stand, of_input = unit.frame.stands[n], f" of {unit.drive.input_names[0]}" * (len(s.input_units) > 1)
         on_strap = [
             np.array([bent_axle_Nmm(forces, pin.at_mm, pin.ends_mm)[1] for forces in pin.states_N])
             for pin in pins
@@ -187,7 +187,7 @@ def room(s: SpurLayout) -> Comparison:
     # One of each axle; those on it are one pitch apart, as their sectors are.
     stand = [
         (pin.bodies[0], pin.side * drive.idler_places[pin.number].x_mm, drive.idler_places[pin.number].z_mm)
-        for pin in s.arms[0].pins
+        for pin in s.input_units[0].pins
     ]
     for (one, x, z), (two, other_x, other_z) in combinations(stand, 2):
         gap = hypot(x - other_x, z - other_z) - 2 * flange

@@ -180,7 +180,7 @@ def bearing_line(s: SpurLayout) -> Comparison:
     if not _long_yoke(s):
         return at_most("rings of the input's bearings: a short yoke holds them in line", 0.0, limit, "mrad")
     _, *loads = (max(each) for each in zip(*s.once("input_reactions", input_reactions), strict=True))
-    turns = zip(("lower", "upper"), out_of_line_mrad(s.arms[0], *loads), strict=True)
+    turns = zip(("lower", "upper"), out_of_line_mrad(s.input_units[0], *loads), strict=True)
     what = "the cables' pull on plate and yoke turns the rings of the input's {} bearing apart by"
     return worst(at_most(what.format(end), turn, limit, "mrad") for end, turn in turns)
 

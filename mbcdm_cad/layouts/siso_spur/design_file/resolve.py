@@ -30,7 +30,7 @@ def drive(design: SpurDesign, catalogue: Catalogue, sigmas: Mapping[FieldPath, f
     values = spur_values(design, catalogue, sigmas)
     first = of_design(design)
     if first is not None:
-        values |= {"first": first.drive, "gearhead": first.output, "motor": first.drive.motor}
+        values |= {"first_stage": first.drive, "gearhead": first.output, "motor": first.drive.motor}
         if design.drive.encoder == NO_ENCODER:
             values["encoder"] = without_encoder(first.output, first.output.ratio)
     return d.laid(d.SpurDrive(**values))

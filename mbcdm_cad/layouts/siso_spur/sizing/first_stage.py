@@ -87,7 +87,7 @@ def with_room(size: Callable[..., Sizing], data: dict[str, Any], similar: Sizing
         layout = _under_test(found)
         if layout is None or DISTANCE in own:
             break
-        first = layout.first_stage
+        first = layout.first_stage_unit
         try:
             miss = motor_beside_mm(layout, first)
         except NoFigureError:

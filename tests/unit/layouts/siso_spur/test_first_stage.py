@@ -82,8 +82,8 @@ def series(parallel: int = 1) -> SpurDrive:
 def both(parallel: int = 1) -> tuple[SpurLayout, SpurLayout]:
     """The whole and its first stage."""
     whole = series(parallel).layout
-    assert isinstance(whole, SpurLayout) and whole.first_stage is not None
-    return whole, whole.first_stage
+    assert isinstance(whole, SpurLayout) and whole.first_stage_unit is not None
+    return whole, whole.first_stage_unit
 
 
 @PARALLEL
@@ -197,8 +197,8 @@ def test_play_before_the_first_stage_turns_the_drum_by_it_over_both_ratios() -> 
     """By hand: the play of the servo's gears over the product of both ratios, as the file states it."""
     found = spur(load_text(SERVO, "series.yaml").drive)
     spring = found.cable_stage
-    assert found.first is not None and found.first.servo is not None and spring is not None
-    play, load = radians(found.first.servo.lash_deg) / 6.0, found.loads.test_torque_Nm
+    assert found.first_stage is not None and found.first_stage.servo is not None and spring is not None
+    play, load = radians(found.first_stage.servo.lash_deg) / 6.0, found.loads.test_torque_Nm
     tight = replace(found, gearhead=replace(spring, lash_rad=0.0))
     loose, held = found.layout.turns.motors_held, tight.layout.turns.motors_held
     assert loose is not None and held is not None and play > 1e-3
@@ -388,5 +388,5 @@ def test_three_ratios_that_disagree_are_refused() -> None:
 def test_a_file_without_any_ratio_gets_a_first_stage_and_a_motor_by_rule() -> None:
     text = _with("first_stage: {}", TEXT.replace("drive: {gearhead: none}\n", ""))
     found = spur(load_text(text, "series.yaml").drive)
-    assert found.first is not None and found.motor == found.first.motor
+    assert found.first_stage is not None and found.motor == found.first_stage.motor
     assert failing(found) == {}
