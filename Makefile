@@ -23,7 +23,7 @@ test-slow: setup
 
 # Runs with known truth: fails where a class of them is worse than benchmarks/judge.jsonl says. ALL=--all: not a part.
 judge: setup
-	$(BIN)/python benchmarks/judge.py --check --workers 2 $(ALL)
+	$(BIN)/python -m benchmarks.judge --check --workers 2 $(ALL)
 
 lint: setup
 	$(BIN)/ruff check .
@@ -66,7 +66,7 @@ benchmark: setup
 
 # The drives of params/built-by-others beside what is published of them; DRIVES="NAME ...": only those anew.
 built-by-others: setup
-	$(BIN)/python tests/built_by_others.py params/built-by-others docs $(DRIVES)
+	$(BIN)/python -m benchmarks.studies.built_by_others params/built-by-others docs $(DRIVES)
 
 # The docs as a site that needs no network; a dead link or a page that nothing leads to fails.
 docs-site: setup

@@ -1,9 +1,9 @@
 """How often the loop is right, on runs whose truth is known: one table, scored the same way for everybody.
 
-    python benchmarks/judge.py --check --workers 2          # the part of the table that continuous integration judges
-    python benchmarks/judge.py --check --all --workers 2    # all of it
-    python benchmarks/judge.py --write --workers 2          # write the table and docs/validation.md anew
-    python benchmarks/judge.py --only "rig one,chain several: lash"
+    python -m benchmarks.judge --check --workers 2          # the part of the table that continuous integration judges
+    python -m benchmarks.judge --check --all --workers 2    # all of it
+    python -m benchmarks.judge --write --workers 2          # write the table and docs/validation.md anew
+    python -m benchmarks.judge --only "rig one,chain several: lash"
 
 The cases are in benchmarks/judge_cases.py, the table in benchmarks/judge.jsonl, one line a case. ``--check`` fails
 where a class of cases (its source and kind) has fewer runs right or in a set than the same cases in the table, or more
@@ -24,10 +24,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from judge_cases import ROOT, Case, cases
 
+from benchmarks.judge_cases import Case, cases
+from benchmarks.study import ROOT, Row, add_workers, read_rows, run_many
 from tests.support.bench_score import label, odds_of, outcome_of, said_of, score_of, share, values_of
-from tests.support.many import add_workers, run_many
 
 TABLE, PAGE = ROOT / "benchmarks" / "judge.jsonl", ROOT / "docs" / "validation.md"
 SCORES = ("right", "set", "missed", "false", "unseen", "error")
@@ -38,11 +38,12 @@ SOURCES = {
     "rig": "experiments of params/experiments on the rig",
     "chain": "benches of other physics: cables as chains of pieces, servos that hunt, noise beyond what is declared",
     "layouts": "four layouts on the rig, with sensors that err and causes outside the library",
+    "plan": "effects of the smallest size of which `mbcdm plan` promises that 0.9 of them are found",
     "hard": "runs of these benches, and of quiet ones, that an earlier loop had wrong",
 }
 HEAD = """# How often the loop is right
 
-Written by `python benchmarks/judge.py --write`: {runs} runs with fixed seeds whose truth is known, by the version of
+Written by `python -m benchmarks.judge --write`: {runs} runs with fixed seeds whose truth is known, by the version of
 the loop that this page comes with. Continuous integration judges every second run of each class and all hard ones, and
 fails where a class is worse than here.
 
@@ -62,7 +63,6 @@ Error on data held back, RMS: of the declared model, with what was found, and th
 
 | class | case | true | finding | before (urad) | after | floor | |
 | --- | --- | --- | --- | --- | --- | --- | --- |"""
-Row = dict[str, Any]
 
 
 def judge(case: Case) -> Row:
@@ -182,10 +182,6 @@ def _odds_lines(rows: Sequence[Row]) -> list[str]:
     ]
 
 
-def read(path: Path) -> list[Row]:
-    return [json.loads(line) for line in path.read_text("utf-8").splitlines()] if path.exists() else []
-
-
 def main() -> int:
     """Parse and do; 1 where a class is worse."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -194,16 +190,16 @@ def main() -> int:
     parser.add_argument("--page", action="store_true", help="write the page from the table, judge nothing")
     parser.add_argument("--all", action="store_true", help="all cases, not the part of continuous integration")
     parser.add_argument("--only", default="", help="beginnings of 'source kind: name', with commas")
-    parser.add_argument("--store", type=Path, help="rows of a run that was stopped; those in it are not judged again")
+    parser.add_argument("--rows", type=Path, help="rows of a run that was stopped; those in it are not judged again")
     add_workers(parser)
     options = parser.parse_args()
     if options.page:
-        PAGE.write_text(page(read(TABLE)), "utf-8")
+        PAGE.write_text(page(read_rows(TABLE)), "utf-8")
         return 0
     known = cases() if options.all or options.write or options.only else part_of(cases())
     words = tuple(options.only.split(","))
     chosen = [case for case in known if f"{case.source} {case.kind}: {case.name}".startswith(words)]
-    rows = read(options.store) if options.store else []
+    rows = read_rows(options.rows)
     done = {key_of(row) for row in rows}
     for row in run_many(judge, [case for case in chosen if astuple(case) not in done], options):
         rows.append(row)
@@ -212,8 +208,8 @@ def main() -> int:
             f"{row['said']}",
             flush=True,
         )
-        if options.store:
-            with options.store.open("a", encoding="utf-8") as kept:
+        if options.rows:
+            with options.rows.open("a", encoding="utf-8") as kept:
                 kept.write(json.dumps(row) + "\n")
     for name, counted in count(rows).items():
         print(f"{name:20}" + "".join(f"{score} {counted[score]:3}  " for score in SCORES))
@@ -222,7 +218,7 @@ def main() -> int:
         rows.sort(key=lambda row: order[key_of(row)])
         TABLE.write_text("".join(json.dumps(row) + "\n" for row in rows), "utf-8")
         PAGE.write_text(page(rows), "utf-8")
-    problems = worse(read(TABLE), rows) if options.check else []
+    problems = worse(read_rows(TABLE), rows) if options.check else []
     for problem in problems:
         print("worse: " + problem)
     return int(bool(problems))

@@ -7,7 +7,6 @@ developed.
 
 from __future__ import annotations
 
-import sys
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -19,29 +18,30 @@ from typing import Any
 import numpy as np
 import yaml
 
-ROOT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(ROOT / "tests" / "support"), str(ROOT)]
-
-import bench_layouts  # noqa: E402
-from bench_cases import CASES  # noqa: E402
-from bench_change import CHANGES, simulate_change  # noqa: E402
-from bench_data import drum_angle, simulate_case, stream, through_files  # noqa: E402
-from bench_effects import Effect  # noqa: E402
-from bench_real import DECLARED_FLOOR_RAD, REAL_CASES, SMALL, draw_traits, simulate_real, truth_of  # noqa: E402
-
-from mbcdm_cad.design.drive import Drive  # noqa: E402
-from mbcdm_cad.layouts.loader import load_design  # noqa: E402
-from mbcdm_cad.measurement.reading import load_measurement  # noqa: E402
-from mbcdm_cad.measurement.run import Run  # noqa: E402
-from mbcdm_cad.rig.quasistatic.experiment import Experiment  # noqa: E402
-from mbcdm_cad.rig.quasistatic.simulate import simulate  # noqa: E402
-from mbcdm_cad.rig.reading import read_experiment  # noqa: E402
-from mbcdm_cad.rig.writing import run_files, write_run  # noqa: E402
+from benchmarks.studies.plan import EFFECTS, promised
+from benchmarks.study import ROOT
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.measurement.reading import load_measurement
+from mbcdm_cad.measurement.run import Run
+from mbcdm_cad.rig.quasistatic.experiment import Experiment
+from mbcdm_cad.rig.quasistatic.simulate import simulate
+from mbcdm_cad.rig.reading import read_experiment
+from mbcdm_cad.rig.result import RigError
+from mbcdm_cad.rig.writing import run_files, write_run
+from tests.support import bench_layouts
+from tests.support.bench_cases import CASES
+from tests.support.bench_change import CHANGES, simulate_change
+from tests.support.bench_data import drum_angle, simulate_case, stream, through_files
+from tests.support.bench_effects import Effect
+from tests.support.bench_real import DECLARED_FLOOR_RAD, REAL_CASES, SMALL, draw_traits, simulate_real, truth_of
 
 LIBRARY = ROOT / "params" / "experiments"
 Truth = list[dict[str, Any]]
 # First seeds of the benches; the seed of a bench of all layouts has the layout as its remainder by four.
-CHAIN_SEED, LAYOUTS_SEED = 4000, 90_000
+CHAIN_SEED, LAYOUTS_SEED, PLAN_SEED = 4000, 90_000, 900
+# Probability with which the sizes of a plan are found.
+PROMISED = 0.9
 # Benches are as short as their kind allows, so that a table takes minutes: no logger above this rate, no long run.
 MOST_RATE_HZ, DURATION_S = 200.0, 100.0
 # An effect that changes the reading by less than this share of the noise is not to be named.
@@ -110,7 +110,7 @@ class Made:
 
 @dataclass(frozen=True)
 class Case:
-    """One run to judge. ``kind``: none, one, several, change, sensors err (within their class), outside."""
+    """One run to judge. ``kind``: none, one, several, change, sensors err (within their class), outside, promised."""
 
     source: str
     kind: str
@@ -139,8 +139,9 @@ def cases() -> list[Case]:
         Case("layouts", _kind("layouts", f"{group}: {name}"), f"{group}: {name}", LAYOUTS_SEED + k)
         for k, (group, name) in enumerate(names)
     ]
+    plan = [Case("plan", "promised", label, PLAN_SEED) for label in EFFECTS]
     hard = [Case("hard", _kind(source, name), f"{source} {name}", seed) for source, name, seed in HARD]
-    return sorted([*rig, *chain, *layouts, *hard], key=lambda case: (case.source, case.kind, case.name))
+    return sorted([*rig, *chain, *layouts, *plan, *hard], key=lambda case: (case.source, case.kind, case.name))
 
 
 def _kind(source: str, name: str) -> str:
@@ -218,7 +219,14 @@ def _entries(case: Case, effects: tuple[Effect, ...]) -> Truth:
     return [] if case.kind == "none" else [effect.as_truth() for effect in effects]
 
 
-MAKERS = {"rig": _of_rig, "chain": _of_chain, "quiet": _of_quiet, "layouts": _of_layouts}
+def _of_plan(case: Case) -> Made:
+    made = promised((case.seed, case.name, PROMISED))
+    if made is None:
+        raise RigError(f"{case.name}: the planned motion cannot show it")
+    return Made(reference(), made[0], [made[1].as_truth()])
+
+
+MAKERS = {"rig": _of_rig, "chain": _of_chain, "quiet": _of_quiet, "layouts": _of_layouts, "plan": _of_plan}
 
 
 def _seed(name: str) -> int:

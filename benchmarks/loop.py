@@ -25,7 +25,6 @@ from typing import Any
 import numpy as np
 from timing import ROOT, Figure, finish
 
-sys.path.insert(0, str(ROOT / "tests" / "support"))
 DESIGN = ROOT / "params" / "mbcdm.yaml"
 BLOCK = 1_000_000  # samples simulated; longer runs repeat them with fresh sensor noise
 LIMIT_S, LIMIT_ADDITIVE_S, LIMIT_MIB = 12.0, 3.0, 1536.0
@@ -33,12 +32,11 @@ LIMIT_S, LIMIT_ADDITIVE_S, LIMIT_MIB = 12.0, 3.0, 1536.0
 
 def write_series(folder: Path, samples: int, effects: str) -> Path:
     """A measured run of ``samples`` with the effects in it; the path of its measurement file."""
-    from bench_data import Simulated, drum_angle, write_run
-    from bench_effects import Effect
-    from bench_geometry import chain_of
-    from bench_motion import RATE_HZ, Bench, Plan, bench_run, read_sensors
-
     from mbcdm_cad.layouts.loader import load_design
+    from tests.support.bench_data import Simulated, drum_angle, write_run
+    from tests.support.bench_effects import Effect
+    from tests.support.bench_geometry import chain_of
+    from tests.support.bench_motion import RATE_HZ, Bench, Plan, bench_run, read_sensors
 
     drive = load_design(DESIGN).drive
     chain = chain_of(drive)
@@ -91,13 +89,13 @@ def loop_once(path: Path) -> dict[str, Any]:
 
 def plain_once(path: Path, effects: str) -> dict[str, Any]:
     """The same effects fitted by scipy.optimize.least_squares on the model's series."""
-    from bench_geometry import chain_of, path_of_eccentric
     from scipy.optimize import least_squares
 
     from mbcdm_cad.layouts.loader import load_design
     from mbcdm_cad.measurement.reading import load_measurement
     from mbcdm_cad.model.hysteresis import simulate
     from mbcdm_cad.model.si import to_si
+    from tests.support.bench_geometry import chain_of, path_of_eccentric
 
     drive = load_design(DESIGN).drive
     run = load_measurement(path)

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from timing import Figure, arguments, finish, least
 
 import mbcdm_cad as mc
 from mbcdm_cad.design.drive import Drive
@@ -23,10 +24,7 @@ from mbcdm_cad.model.bulk import analyse_many
 from mbcdm_cad.model.capability import requirements
 from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.si import DriveSI, to_si
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "support"))
-from clip_grid import simulate_on_grid
-from timing import Figure, arguments, finish, least
+from tests.support.clip_grid import simulate_on_grid
 
 SAMPLES = 1_000_000
 SERIES_LIMIT_S = 3.0

@@ -21,8 +21,6 @@ from pathlib import Path
 
 from timing import ROOT, Figure, arguments, finish, in_turns
 
-sys.path.insert(0, str(ROOT))
-
 CHECK_RATIO_LIMIT = 3.0
 FAILING_LIMIT_S = 1.0
 BUILD_RATIO_LIMIT = 2.0

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
+# The helpers of tests/, however a benchmark is run.
+sys.path.insert(0, str(ROOT))
 
 
 @dataclass(frozen=True)

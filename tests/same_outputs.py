@@ -53,7 +53,7 @@ for layout, space in (LAYOUTS | {"miso_bevel": USUAL}).items():
 
 
 def _environment(tree: Path, cache: Path) -> dict[str, str]:
-    path = os.pathsep.join((str(tree), str(tree / "tests")))
+    path = os.pathsep.join(str(tree / place) for place in (".", "tests", "tests/support"))
     return {**os.environ, "PYTHONPATH": path, "MBCDM_CACHE_DIR": str(cache)}
 
 

@@ -1,10 +1,10 @@
-"""A part of ``tests/advice.py``: after one edit the advice of ``check`` leads to a pass or states what still fails."""
+"""A part of benchmarks/studies/advice.py: after one edit the advice leads to a pass or states what still fails."""
 
 from __future__ import annotations
 
 import pytest
 
-from tests.advice import PASSES, STAYS, follow, start
+from benchmarks.studies.advice import PASSES, STAYS, follow, start
 
 # Edits of the complete reference file, and of its requirements alone.
 COMPLETE = ("L 38", "scale 1.05", "guide_to_drum 5")

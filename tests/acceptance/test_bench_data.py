@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,15 +9,12 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.layouts.loader import load_design
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-
-from bench_cases import CASES
-from bench_chain import run_chain
-from bench_data import simulate_case, write_case
-from bench_effects import Effect
-from bench_geometry import chain_of
-from bench_score import interval, outcome_of, score_of
+from tests.support.bench_cases import CASES
+from tests.support.bench_chain import run_chain
+from tests.support.bench_data import simulate_case, write_case
+from tests.support.bench_effects import Effect
+from tests.support.bench_geometry import chain_of
+from tests.support.bench_score import interval, outcome_of, score_of
 
 ROOT = Path(__file__).resolve().parents[2]
 DRIVE = load_design(ROOT / "params" / "mbcdm.yaml").drive

@@ -1,7 +1,7 @@
 """The drum's own turn and its web's stress against solid finite elements of its STEP, which share only the drawing.
 
 Needs gmsh and scikit-fem (tests/requirements-solids.lock, which CI installs); gmsh is under the GPL and so is no
-dependency. Half a minute a drum; thirty random ones: ``python tests/random_drums.py --count 30``.
+dependency. Half a minute a drum; thirty random ones: ``python -m benchmarks.studies.random_drums --runs 30``.
 """
 
 from __future__ import annotations
@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks.studies.random_drums import ALLOWED, ALLOWED_STRESS, by_both, drums
 from mbcdm_cad.layouts.loader import load_design
-from tests.random_drums import ALLOWED, ALLOWED_STRESS, by_both, drums
 
 pytest.importorskip("gmsh", reason="solid elements: pip install --require-hashes -r tests/requirements-solids.lock")
 pytest.importorskip("skfem", reason="solid elements: pip install --require-hashes -r tests/requirements-solids.lock")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -16,11 +15,8 @@ from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.support.stiffness import frame_compliance, seat_loads
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.model.stiffness import unit_tensions_N
+from tests.support.frame_fe import SupportFE, brick_stiffness, seats
 from tests.support.motors_above import ABOVE
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
-
-from frame_fe import SupportFE, brick_stiffness, seats
 
 REFERENCE = Path(__file__).parents[2] / "params" / "mbcdm.yaml"
 COARSE_MM, FINE_MM = 2.0, 1.6

@@ -6,23 +6,19 @@ The runs for the loop are made by tests/support/belt_bench.py, which is independ
 from __future__ import annotations
 
 import json
-import sys
 from math import radians
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-
-from belt_bench import belt_of, run_belt, write_belt_run
-from bench_motion import Plan
-
 from mbcdm_cad import cli
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, spur
 from mbcdm_cad.rig.quasistatic.simulate import simulate
 from mbcdm_cad.rig.reading import read_experiment
+from tests.support.belt_bench import belt_of, run_belt, write_belt_run
+from tests.support.bench_motion import Plan
 
 PARAMS = Path(__file__).parents[2] / "params"
 DESIGN = PARAMS / "siso_spur.yaml"

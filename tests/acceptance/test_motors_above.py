@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
 from typing import Any
 
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parents[1]))  # the tests are no package: this is how they find the generator
-
-import random_designs
-from random_generator import PRINTED, Passing, failing, load, requirements
-
+from benchmarks.studies import random_designs
 from mbcdm_cad.errors import InputError
 from tests.acceptance.test_single_edits import EDITS, EXCLUDED
 from tests.acceptance.test_single_edits import failing as failing_edit
 from tests.acceptance.test_single_edits import requirements as reference
+from tests.support.random_generator import PRINTED, Passing, failing, load, requirements
 
 POSES = 3
 

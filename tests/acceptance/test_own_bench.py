@@ -7,21 +7,17 @@ measurement file is the draft of ``mbcdm measurement-init`` with the one figure 
 from __future__ import annotations
 
 import json
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-
-from bench_data import drum_angle
-from bench_effects import Effect
-from bench_geometry import chain_of
-from bench_motion import Bench
-
 from mbcdm_cad.cli import run as mbcdm
 from mbcdm_cad.layouts.loader import load_design
+from tests.support.bench_data import drum_angle
+from tests.support.bench_effects import Effect
+from tests.support.bench_geometry import chain_of
+from tests.support.bench_motion import Bench
 
 DESIGN = Path(__file__).resolve().parents[2] / "params" / "mbcdm.yaml"
 DRIVE = load_design(DESIGN).drive

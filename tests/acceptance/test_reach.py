@@ -1,13 +1,13 @@
 """A part of the reach study: the share of random short files whose design passes every check.
 
-The whole study: ``python tests/reach.py --count 300 --seed 1``; its figures: docs/reach.md.
+The whole study: ``python -m benchmarks.studies.reach --count 300 --seed 1``; its figures: docs/reach.md.
 """
 
 from __future__ import annotations
 
 import pytest
 
-from tests.random_generator import WHOLE, Passing, passing, requirements
+from tests.support.random_generator import WHOLE, Passing, passing, requirements
 from tests.support.reach_bound import asked, excluding
 
 # Of seeds 1 to 40: files that pass, and files that do or whose requirements are proved to exclude each other.

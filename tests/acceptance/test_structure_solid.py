@@ -1,7 +1,7 @@
 """Frames and input pulleys against solid finite elements of their STEP, routes that share only drawing and supports.
 
 Needs gmsh and scikit-fem, as test_drum_solid.py; some ten seconds a part. Ten whole drives, part by part:
-``python tests/random_structures.py``.
+``python -m benchmarks.studies.random_structures``.
 """
 
 from __future__ import annotations

@@ -19,7 +19,6 @@ from mbcdm_cad.measurement.reading import load_measurement
 
 ROOT = Path(__file__).parents[2]
 DESIGN = ROOT / "params" / "mbcdm.yaml"
-sys.path.insert(0, str(ROOT / "tests" / "support"))
 pytestmark = pytest.mark.slow
 
 # How far a figure may lie from what the docs print: they have two or three digits, and fits differ a little.
@@ -80,7 +79,7 @@ def effect_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[P
 
 
 def test_an_effect_kept_out_is_unknown_until_its_file_is_there(folder: Path, effect_folder: Path) -> None:
-    from bench_data import write_case
+    from tests.support.bench_data import write_case
 
     path = write_case(folder, "out_square", 0, load_design(DESIGN).drive)
     before = closed(DESIGN, path)

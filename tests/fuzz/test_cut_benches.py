@@ -5,16 +5,10 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
 import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-
-from bench_cut import ending
-
 from mbcdm_cad.loop.result import VERDICTS
+from tests.support.bench_cut import ending
 
 # Causes that a message may name; all others would be a failure of the loop.
 CAUSES = ("wrong sign", "cannot follow the run: ")

@@ -1,23 +1,18 @@
-"""A few random designs that pass the checks are built; more of them: ``python tests/random_designs.py --count 200``."""
+"""A few random designs that pass the checks are built; more of them: benchmarks/studies/random_designs.py."""
 
 from __future__ import annotations
 
-import sys
 from dataclasses import replace
 from functools import cache
 from itertools import islice
-from pathlib import Path
 
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parents[1]))  # the tests are no package: this is how they find the generator
-
-import random_designs
-from random_generator import Passing, passing, requirements
-
+from benchmarks.studies import random_designs
 from mbcdm_cad.layouts.check_design import run_checks
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
+from tests.support.random_generator import Passing, passing, requirements
 
 SEEDS = range(1, 25)
 # All that draw are slow: finding one design that passes and building it takes half a minute.
@@ -49,7 +44,7 @@ def test_a_design_that_passes_the_checks_builds(number: int) -> None:
 
 @pytest.mark.slow
 def test_the_workshop_can_make_a_random_design() -> None:
-    """A hundred: ``python tests/random_designs.py --count 100 --workshop``, with the drum's drawing, the longest."""
+    """A hundred: ``python -m benchmarks.studies.random_designs --count 100 --workshop``, with the longest drawing."""
     (found,) = found_first(1)
     failures = list(random_designs.exercise_workshop(found, ("drum",)))
     assert not failures, "\n".join(f"seed {f.seed}, {f.stage}: {f.what}" for f in failures)

@@ -15,11 +15,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from bench_data import Simulated, stream, write_run
-from bench_motion import Plan, bench_run, read_sensors
 from numba import njit
 
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
+from tests.support.bench_data import Simulated, stream, write_run
+from tests.support.bench_motion import Plan, bench_run, read_sensors
 
 MARK_M = 0.25e-3
 DRUM_WRAP_RAD = 2.2

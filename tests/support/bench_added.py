@@ -9,8 +9,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from bench_motion import Bench
 from scipy.interpolate import CubicSpline
+
+from tests.support.bench_motion import Bench
 
 Sizes = dict[str, float]
 Added = Callable[[Sizes, Bench, np.ndarray, np.random.Generator], np.ndarray]

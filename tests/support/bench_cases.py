@@ -6,7 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from bench_effects import (
+
+from tests.support.bench_effects import (
     ALL,
     Draw,
     amount,
@@ -24,7 +25,7 @@ from bench_effects import (
     size,
     wear,
 )
-from bench_motion import Plan
+from tests.support.bench_motion import Plan
 
 
 def motion(

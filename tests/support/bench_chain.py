@@ -15,8 +15,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from bench_geometry import Chain
 from numba import njit
+
+from tests.support.bench_geometry import Chain
 
 PIECE_RAD = 4e-3
 INPUT_WRAP_RAD = 18.0

@@ -10,10 +10,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from bench_data import Simulated, stream
-from bench_real import simulate_real
 
 from mbcdm_cad.design.drive import Drive
+from tests.support.bench_data import Simulated, stream
+from tests.support.bench_real import simulate_real
 
 # Cases whose effect begins in mid-run, and the name of the effect that changes.
 CHANGES = {

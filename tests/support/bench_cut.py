@@ -1,6 +1,6 @@
 """Runs of benches cut anywhere, with wrong zeros, load cells of a wrong gain, zero and sign, and columns left out.
 
-    python tests/support/bench_cut.py --count 300 --workers 2
+    python -m tests.support.bench_cut --count 300 --workers 2
 
 Each run is one of tests/support/bench_real.py, changed by its seed. A run must end in a verdict, or in a message that
 says what is wrong and where; the table lists how many ended in each, and every message.
@@ -9,7 +9,6 @@ says what is wrong and where; the table lists how many ended in each, and every 
 from __future__ import annotations
 
 import argparse
-import sys
 import tempfile
 from collections import Counter
 from dataclasses import replace
@@ -17,18 +16,14 @@ from pathlib import Path
 
 import numpy as np
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT / "tests" / "support"), str(ROOT)]
-
-from bench_data import Simulated, write_run  # noqa: E402
-from bench_motion import Bench  # noqa: E402
-from bench_real import REAL_CASES, simulate_real  # noqa: E402
-
-from mbcdm_cad.errors import MbcdmError  # noqa: E402
-from mbcdm_cad.layouts.loader import load_design  # noqa: E402
-from mbcdm_cad.loop.judge import judge  # noqa: E402
-from mbcdm_cad.measurement.file import load_file  # noqa: E402
-from tests.support.many import add_workers, run_many  # noqa: E402
+from benchmarks.study import ROOT, add_workers, run_many
+from mbcdm_cad.errors import MbcdmError
+from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.loop.judge import judge
+from mbcdm_cad.measurement.file import load_file
+from tests.support.bench_data import Simulated, write_run
+from tests.support.bench_motion import Bench
+from tests.support.bench_real import REAL_CASES, simulate_real
 
 LOADED = load_design(ROOT / "params" / "mbcdm.yaml")
 # Shortest piece that is cut from a run, s.

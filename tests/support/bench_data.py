@@ -1,7 +1,7 @@
 """Measured runs that are independent of the project's model: a CSV, its measurement file, and the truth.
 
     write_case(folder, "pulley_guide", seed=3, drive=load_design(...).drive)
-    python tests/support/bench_data.py out/story out_square 0
+    python -m tests.support.bench_data out/story out_square 0
 
 The physics is in bench_chain.py, the geometry in bench_geometry.py, motion and sensors in bench_motion.py; of the
 project only the design file is used. Sizes and phases of the effects come from the seed, within ranges that the motion
@@ -19,16 +19,24 @@ from typing import Any
 
 import numpy as np
 import yaml
-from bench_cases import CASES, Case
-from bench_chain import PIECE_RAD, run_chain
-from bench_effects import Effect
-from bench_geometry import Chain, chain_of, path_of_eccentric
-from bench_motion import INPUT_STEP_RAD, OUTPUT_STEP_RAD, TORQUE_NOISE_NM, Bench, Plan, bench_run, read_sensors
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.measurement.reading import load_measurement
 from mbcdm_cad.measurement.run import Run
+from tests.support.bench_cases import CASES, Case
+from tests.support.bench_chain import PIECE_RAD, run_chain
+from tests.support.bench_effects import Effect
+from tests.support.bench_geometry import Chain, chain_of, path_of_eccentric
+from tests.support.bench_motion import (
+    INPUT_STEP_RAD,
+    OUTPUT_STEP_RAD,
+    TORQUE_NOISE_NM,
+    Bench,
+    Plan,
+    bench_run,
+    read_sensors,
+)
 
 
 @dataclass(frozen=True)

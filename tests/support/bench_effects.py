@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from bench_added import ADDED
-from bench_motion import Bench, Plan
+
+from tests.support.bench_added import ADDED
+from tests.support.bench_motion import Bench, Plan
 
 ALL = (0, 1, 2, 3)
 

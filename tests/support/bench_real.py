@@ -11,14 +11,26 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from bench_cases import CASES, Case
-from bench_data import Simulated, drum_angle, stream
-from bench_effects import ALL, Draw, Effect, both, input_encoder, nothing, output_encoder, pulley, ripple, shares, size
-from bench_geometry import Chain, chain_of
-from bench_motion import INPUT_STEP_RAD, OUTPUT_STEP_RAD, RATE_HZ, TORQUE_NOISE_NM, Bench, Plan, bench_run
 from scipy.interpolate import CubicSpline
 
 from mbcdm_cad.design.drive import Drive
+from tests.support.bench_cases import CASES, Case
+from tests.support.bench_data import Simulated, drum_angle, stream
+from tests.support.bench_effects import (
+    ALL,
+    Draw,
+    Effect,
+    both,
+    input_encoder,
+    nothing,
+    output_encoder,
+    pulley,
+    ripple,
+    shares,
+    size,
+)
+from tests.support.bench_geometry import Chain, chain_of
+from tests.support.bench_motion import INPUT_STEP_RAD, OUTPUT_STEP_RAD, RATE_HZ, TORQUE_NOISE_NM, Bench, Plan, bench_run
 
 LOADS = ("brake", "levels", "bias", "steps", "pendulum", "spring", "hand", "motor")
 # Loads that do not follow the motion, on which effects of the load are told from each other.

@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from bench_data import drum_angle
-from bench_effects import Effect
-from bench_geometry import chain_of
-from bench_motion import Plan, bench_run
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.measurement.run import Run, Sensors
+from tests.support.bench_data import drum_angle
+from tests.support.bench_effects import Effect
+from tests.support.bench_geometry import chain_of
+from tests.support.bench_motion import Plan, bench_run
 
 NOISE_RAD, STEP_RAD, TORQUE_NOISE_NM = 5e-7, 2e-7, 1e-3
 EVERY = 2

@@ -13,10 +13,10 @@ from itertools import pairwise
 import numpy as np
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
-from frame_shape import in_support
 from numpy.typing import NDArray
 
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
+from tests.support.frame_shape import in_support
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -3,7 +3,7 @@
 Every field that the file leaves open may be drawn: parts of the whole catalogue, rope, preload, radii of guide and drum
 (also with unequal steps), centre distance, setback, and every derived dimension by a factor on the value of its rule. A
 start draws some of them and leaves the others to their rules. A missing requirement that no rule can fill is drawn from
-the same range as the files of :mod:`tests.reach`.
+the same range as the files of :mod:`benchmarks.studies.reach`.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.loader import design_file
-from tests.random_generator import WHOLE
+from tests.support.random_generator import WHOLE
 
 # Random starts of a search, how many of them are followed, and by how many mutations each.
 STARTS, FOLLOWED, MUTATIONS = 200, 8, 12

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import astuple
-from pathlib import Path
 from typing import Any
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
-
-from judge import PAGE, TABLE, key_of, page, part_of, read, worse
-from judge_cases import cases
+from benchmarks.judge import PAGE, TABLE, key_of, page, part_of, worse
+from benchmarks.judge_cases import cases
+from benchmarks.study import read_rows
 
 ROW = {"source": "rig", "kind": "one", "seed": 0, "true": "delay", "said": "delay", "cpu_s": 1.0}
 
@@ -20,10 +17,10 @@ def rows(*scores: str) -> list[dict[str, Any]]:
 
 
 def test_table_and_page_are_of_the_cases() -> None:
-    known, table = cases(), read(TABLE)
+    known, table = cases(), read_rows(TABLE)
     judged = {key_of(row) for row in table}
     assert [key_of(row) for row in table] == [astuple(case) for case in known if astuple(case) in judged]
-    assert PAGE.read_text("utf-8") == page(table), "python benchmarks/judge.py --page"
+    assert PAGE.read_text("utf-8") == page(table), "python -m benchmarks.judge --page"
     assert {f"{case.source} {case.kind}" for case in part_of(known)} == {f"{c.source} {c.kind}" for c in known}
 
 

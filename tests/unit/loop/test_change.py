@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,10 +16,8 @@ from mbcdm_cad.loop.result import LoopResult
 from mbcdm_cad.loop.search.engine import close_loop
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.routes import Floats
-
-sys.path.insert(0, str(Path(__file__).parents[2] / "support"))
-from bench_change import simulate_change
-from bench_data import through_files
+from tests.support.bench_change import simulate_change
+from tests.support.bench_data import through_files
 
 DESIGN = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 RATIO, NOISE_RAD, STEP_RAD = 8.0, 3e-5, 2e-5

@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-
-from bench_data import friction_run, through_files
 
 from mbcdm_cad.design.blocks import AsBuilt, AsBuiltValue
 from mbcdm_cad.layouts.loader import load_design
@@ -23,6 +18,7 @@ from mbcdm_cad.loop.search.engine import close_loop
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.measurement.vet_signals import friction_alike
 from mbcdm_cad.model.si import to_si
+from tests.support.bench_data import friction_run, through_files
 
 DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
 T = np.arange(0.0, 40.0, 0.05)

@@ -3,18 +3,10 @@
 from __future__ import annotations
 
 import re
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-
-from bench_effects import Effect
-from bench_layouts import made
-from bench_score import outcome_of, values_of
-from bench_torque import TorqueSensor, torque_bench
 
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.loop.effects.load_sensor import _sides
@@ -22,6 +14,10 @@ from mbcdm_cad.loop.page.plain import finding
 from mbcdm_cad.loop.result import LoopResult
 from mbcdm_cad.loop.search.engine import close_loop
 from mbcdm_cad.measurement.run import Run, Sensors, TorqueClass
+from tests.support.bench_effects import Effect
+from tests.support.bench_layouts import made
+from tests.support.bench_score import outcome_of, values_of
+from tests.support.bench_torque import TorqueSensor, torque_bench
 
 DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
 

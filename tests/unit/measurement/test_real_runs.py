@@ -44,7 +44,7 @@ def test_both_drives_of_each_run_are_read_and_vetted(name: str, tmp_path: Path) 
 
 def test_friction_of_the_cable_grows_with_the_load_and_not_with_the_speed(tmp_path: Path) -> None:
     """From the torques on both sides of it, by the terms of the loop's friction: as an expert saw by hand."""
-    from tests.real_drives import friction_of_cable
+    from benchmarks.studies.real_drives import friction_of_cable
 
     pairs = [(real_run(f"run_{r}_gearbox", tmp_path), real_run(f"run_{r}_cable", tmp_path)) for r in ("00", "05", "20")]
     found, left = friction_of_cable(pairs)

@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from bench_data import CASES, simulate_case, write_run
 
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.measurement.reading import load_measurement
 from mbcdm_cad.measurement.vet import vet
+from tests.support.bench_data import CASES, simulate_case, write_run
 
 ROOT = Path(__file__).parents[3]
 FEW = ("null", "ratio_radii", "lash_input_left", "slip_anchor", "drum_short")

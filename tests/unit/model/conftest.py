@@ -10,6 +10,5 @@ from pathlib import Path
 from hypothesis import settings
 
 sys.path.insert(0, str(Path(__file__).parent))
-sys.path.insert(0, str(Path(__file__).parents[2] / "support"))
 settings.register_profile("model", deadline=None)
 settings.load_profile("model")

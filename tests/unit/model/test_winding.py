@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from clip_grid import simulate_on_grid
 from hypothesis import given
 from hypothesis import strategies as st
 from paper_case import paper_drive
@@ -15,6 +14,7 @@ from mbcdm_cad.model.analysis import pair_mismatch
 from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.kinematics import eq1_residuals, shaft_angles, transmission_error
 from mbcdm_cad.model.si import ModelError
+from tests.support.clip_grid import simulate_on_grid
 
 
 def brake(amplitude_rad: float, per_cycle: int = 400, cycles: int = 3) -> tuple[Any, Any, Any]:

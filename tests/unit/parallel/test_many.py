@@ -8,8 +8,8 @@ from dataclasses import replace
 
 import pytest
 
+from benchmarks.study import Named, run_many
 from mbcdm_cad.errors import MbcdmError
-from tests.support.many import Named, run_many
 
 
 def double(k: int) -> int:

@@ -11,7 +11,7 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.miso_bevel.bill import bill
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, bevel
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-from tests.random_generator import Passing, passing
+from tests.support.random_generator import Passing, passing
 
 MASS_SHARE = 0.01
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.built_by_others import page, told
+from benchmarks.studies.built_by_others import page, told
 
 ROOT = Path(__file__).parents[3]
 FILES = sorted((ROOT / "params" / "built-by-others").glob("*.yaml"))

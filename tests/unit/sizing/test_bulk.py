@@ -18,7 +18,7 @@ from mbcdm_cad.sizing.bulk import fill_many, gathered
 from mbcdm_cad.sizing.engine import fill
 from mbcdm_cad.sizing.known import KnownFields
 from mbcdm_cad.sizing.rule import Found, Rule, largest
-from tests.random_generator import WHOLE, requirements
+from tests.support.random_generator import WHOLE, requirements
 
 FIELDS = {
     "travel.half_angle_deg": lambda data: data["travel"]["half_angle_deg"],

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tests.random_generator import requirements
+from tests.support.random_generator import requirements
 from tests.support.random_search import Draw, missed, search
 
 

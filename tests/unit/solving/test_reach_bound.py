@@ -9,7 +9,7 @@ import yaml
 
 from mbcdm_cad.layouts.loader import load_text
 from tests.acceptance.test_gallery import GALLERY
-from tests.random_generator import WHOLE, failing, requirements
+from tests.support.random_generator import WHOLE, failing, requirements
 from tests.support.reach_bound import Asked, asked, excluding
 
 # 68 mm across at a ratio of 20: the input pulleys are 3.4 mm across, no journal goes round a 3 mm shaft in them.

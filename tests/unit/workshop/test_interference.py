@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from dataclasses import replace
 from math import acos, pi, sqrt
-from pathlib import Path
 from typing import Any
 
 import cadquery as cq
@@ -26,10 +24,7 @@ from mbcdm_cad.workshop.clash import Clash
 from mbcdm_cad.workshop.interference import InterferenceRun, answers
 from mbcdm_cad.workshop.pairs import CABLE_UNDERSIZE_MM, Found
 from mbcdm_cad.workshop.scene import travel_poses
-
-sys.path.insert(0, str(Path(__file__).parents[2] / "support"))
-
-from interference_of_solids import body, interferences, run_of
+from tests.support.interference_of_solids import body, interferences, run_of
 
 Move = Callable[[dict[str, Placement]], None]
 

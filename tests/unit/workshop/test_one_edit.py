@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Any
 
 import cadquery as cq
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parents[2] / "support"))
-
-from interference_of_solids import body, run_of
 
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.parallel import forks
@@ -21,6 +16,7 @@ from mbcdm_cad.workshop.clash import Clash
 from mbcdm_cad.workshop.interference import answers
 from mbcdm_cad.workshop.pairs import Faces, Pair, PartShape, Rod
 from mbcdm_cad.workshop.store import KnownTests
+from tests.support.interference_of_solids import body, run_of
 
 POSES = (-35.0, 4.0)
 PARTS = ("drum", "guide", "drum_shaft", "terminal", "nut", "frame")

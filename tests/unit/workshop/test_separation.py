@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -13,10 +11,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-sys.path.insert(0, str(Path(__file__).parents[2] / "support"))
-
-from interference_of_solids import body, run_of
 
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.parts.placement import Placement
@@ -28,6 +22,7 @@ from mbcdm_cad.workshop.meshing import mesh_solid
 from mbcdm_cad.workshop.overlap import common, rod
 from mbcdm_cad.workshop.pairs import Rod, RodShape
 from mbcdm_cad.workshop.separation import Surface, apart
+from tests.support.interference_of_solids import body, run_of
 
 TOLERANCE_MM = 0.01
 ANGLE = st.floats(-180.0, 180.0)

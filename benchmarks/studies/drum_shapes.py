@@ -1,6 +1,6 @@
 """Shapes of a drum's web compared by mass, turn and stress, with the plane elements of the model.
 
-    python tests/drum_shapes.py params/mbcdm.yaml
+    python -m benchmarks.studies.drum_shapes params/mbcdm.yaml
 
 Each shape is the drum of the design with another web; its mass is that of the drum with the web's volume exchanged.
 "Cost" counts the settings and cutters that the web needs: 1 turned, 2 with milled windows, 3 with small corners too.
@@ -13,9 +13,6 @@ from collections.abc import Iterator
 from dataclasses import replace
 from itertools import pairwise
 from math import degrees, pi, radians
-from pathlib import Path
-
-sys.path.insert(0, str(Path(__file__).parents[1]))  # the package, however this file is run
 
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.layouts.sector import SectorLayout

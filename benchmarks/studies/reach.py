@@ -1,10 +1,10 @@
 """Which short files give a drive: random requirements, sized and checked.
 
-    python tests/reach.py --count 300 --seed 1
-    python tests/reach.py --only 17 --save DIR
-    python tests/reach.py --edits
-    python tests/reach.py --prove all
-    python tests/reach.py --layout siso_bevel --count 50 --prove bound
+    python -m benchmarks.studies.reach --count 300 --seed 1
+    python -m benchmarks.studies.reach --only 17 --save DIR
+    python -m benchmarks.studies.reach --edits
+    python -m benchmarks.studies.reach --prove all
+    python -m benchmarks.studies.reach --layout siso_bevel --count 50 --prove bound
 
 Each seed is one file of about ten lines, drawn from the whole range of a layout (:data:`LAYOUTS`). Printed are the
 share that passes every check, the failures by the first check that fails, and their requirements.
@@ -30,14 +30,10 @@ from typing import Any
 
 import yaml
 
-sys.path.insert(0, str(Path(__file__).parents[1]))  # the tests and their support, however this file is run
-sys.path.insert(0, str(Path(__file__).parent))
-
-from random_generator import LAYOUTS, failing, load, requirements
-
+from benchmarks.study import add_workers, run_many
 from mbcdm_cad.errors import InputError
 from tests.support import layout_bound
-from tests.support.many import add_workers, run_many
+from tests.support.random_generator import LAYOUTS, failing, load, requirements
 from tests.support.reach_proof import Proof, proof, summary
 
 # Requirements that are numbers: (block, field).
@@ -92,8 +88,8 @@ def judged(seed: int, data: dict[str, Any]) -> Reached:
 
 def built(reached: Reached) -> Iterator[str]:
     """What goes wrong when a file that passes is built."""
-    from random_designs import exercise  # draws solids: only where it is asked for
-    from random_generator import Passing
+    from benchmarks.studies.random_designs import exercise  # draws solids: only where it is asked for
+    from tests.support.random_generator import Passing
 
     found = Passing(reached.seed, reached.data, load(reached.data))
     yield from (f"{fault.stage}: {fault.what}" for fault in exercise(found, 3))

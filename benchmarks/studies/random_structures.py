@@ -1,33 +1,28 @@
 """The turn of whole drives by the model and with drum, input pulleys and frame as solid elements of their STEP.
 
-    python tests/random_structures.py --rows out/structures.jsonl
+    python -m benchmarks.studies.random_structures --rows out/structures.jsonl
 
 Of each layout the first random short file with a metal and the first with a printed frame that pass every check, and
 two references. Part by part, with the supports that the model assumes; bearings, gearheads, shafts and axle, whose
 figures are estimates or beams, are the model's in both sums. Needs gmsh and scikit-fem
-(tests/requirements-solids.lock); half a minute a drive. Exit 1 if a sum differs by more than 10 %.
+(tests/requirements-solids.lock); half a minute a drive. A sum may differ by 10 %.
 """
 
 from __future__ import annotations
 
-import argparse
-import json
-import sys
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from itertools import count
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-sys.path.insert(0, str(Path(__file__).parents[1]))  # the tests and their support, however this file is run
-sys.path.insert(0, str(Path(__file__).parent))
-
 import numpy as np
-from random_generator import LAYOUTS, Passing, passing
 
+from benchmarks.study import ROOT, Row, Study, parser
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.model.stiffness import unit_tensions_N
+from tests.support.random_generator import LAYOUTS, Passing, passing
 
 ALLOWED = 0.10
 REFERENCES = ("mbcdm", "siso_spur")
@@ -115,29 +110,23 @@ def drives() -> Iterator[tuple[str, SectorLayout]]:
             if not wanted:
                 break
     for name in REFERENCES:
-        layout = load_design(Path(__file__).parents[1] / "params" / f"{name}.yaml").drive.layout
+        layout = load_design(ROOT / "params" / f"{name}.yaml").drive.layout
         assert isinstance(layout, SectorLayout)
         yield name, layout
 
 
-def main() -> int:
-    """Print every drive, and the largest difference of a sum."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--rows", type=Path, help="file of the drives computed so far, one a line; a new run goes on")
-    given = parser.parse_args()
-    kept: list[str] = given.rows.read_text("utf-8").splitlines() if given.rows and given.rows.exists() else []
-    done = {row["name"]: DriveByBoth(**row) for row in map(json.loads, kept)}
-    worst = 0.0
-    for name, layout in drives():
-        drive = done.get(name) or by_both(name, layout)
-        if given.rows and name not in done:
-            with given.rows.open("a", encoding="utf-8") as file:
-                file.write(json.dumps(asdict(drive)) + "\n")
-        print(drive, flush=True)
-        worst = max([worst, *(a / b - 1.0 for a, b in drive.sums.values())], key=abs)
-    print(f"largest difference of a sum {worst:+.1%}, allowed {ALLOWED:.0%}")
-    return int(abs(worst) > ALLOWED)
+def table(rows: list[Row]) -> str:
+    """Every drive, and the largest difference of a sum."""
+    found = [DriveByBoth(**{key: value for key, value in row.items() if key != "task"}) for row in rows]
+    worst = max((a / b - 1.0 for drive in found for a, b in drive.sums.values()), key=abs)
+    return "\n".join([*map(str, found), f"largest difference of a sum {worst:+.1%}, allowed {ALLOWED:.0%}"])
+
+
+def main() -> None:
+    """Parse and do."""
+    given, designs = parser(__doc__).parse_args(), dict(drives())
+    Study(lambda task: asdict(by_both(task[0], designs[task[0]])), table).run([(name,) for name in designs], given)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

@@ -1,6 +1,6 @@
 """Follow the advice of ``mbcdm check`` after one edit of the reference, until it ends.
 
-    python tests/advice.py [--short] [--only "L 38"] [--solve]
+    python -m benchmarks.studies.advice [--short] [--only "L 38"] [--solve]
 
 Each start is one of the single edits of ``tests/acceptance/test_single_edits.py``, written into the complete reference
 file (box and mass open, 1.0 N m and D/d 10 required), or with ``--short`` into the file of its requirements alone. In
@@ -21,8 +21,7 @@ from typing import Any
 
 import yaml
 
-sys.path.insert(0, str(Path(__file__).parents[1]))  # the tests, however this file is run
-
+from benchmarks.study import add_workers, run_many
 from mbcdm_cad.checks.comparison import failed
 from mbcdm_cad.design.fieldpath import put, take_out
 from mbcdm_cad.layouts.check_design import advised_checks
@@ -30,9 +29,8 @@ from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.solving.question import question_of
 from mbcdm_cad.solving.solve import solve
 from tests.acceptance.test_single_edits import EDITS, requirements
-from tests.support.many import add_workers, run_many
 
-REFERENCE = Path(__file__).parents[1] / "params" / "mbcdm.yaml"
+REFERENCE = Path(__file__).parents[2] / "params" / "mbcdm.yaml"
 ROUNDS = 8
 PASSES, STAYS, CYCLE, BROKEN = "passes", "says what stays", "cycle", "advice does not hold"
 

@@ -1,6 +1,6 @@
 """How often the loop names a second mode, where there is none and where there is one: tables with odd noise.
 
-    python tests/second_mode_study.py --rows rows.jsonl --runs 48 [--second] --first-seed 1000
+    python -m benchmarks.studies.second_mode --rows out/modes.jsonl --runs 48 [--second] --first-seed 1000
 
 Tables of two masses in closed form, or of three with ``--second``: as designed, soft, heavy or late, with or without
 the design. Their noise in turn is what the loop does not expect: see ``KINDS``. A row of the file is a table.
@@ -8,9 +8,6 @@ the design. Their noise in turn is what the loop does not expect: see ``KINDS``.
 
 from __future__ import annotations
 
-import argparse
-import json
-import sys
 import tempfile
 import time
 from dataclasses import replace
@@ -21,13 +18,10 @@ import numpy as np
 import yaml
 from scipy.signal import coherence, csd, welch
 
-ROOT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "unit" / "loop")]
-
-from test_frequency_response import DESIGN, PLATE_KG_M2, RATIO, ThreeMasses, designed, forms  # noqa: E402
-
-import mbcdm_cad as mc  # noqa: E402
-from tests.support.bench_score import interval  # noqa: E402
+import mbcdm_cad as mc
+from benchmarks.study import Row, Study, parser
+from tests.support.bench_score import interval
+from tests.unit.loop.test_frequency_response import DESIGN, PLATE_KG_M2, RATIO, ThreeMasses, designed, forms
 
 Floats, Complex, Rng = np.ndarray, np.ndarray, np.random.Generator
 Rows = tuple[Floats, Complex, Floats | None]
@@ -130,8 +124,9 @@ def wandering(bench: Any, rng: Rng) -> Rows:
 KINDS = {one.__name__: one for one in (averaged, windowed, leaning, rounded, mains, smooth, fading, wandering)}
 
 
-def judged_table(seed: int, second: bool) -> dict[str, Any]:
+def judged(task: tuple[int, bool]) -> Row:
     """What the loop says of one table."""
+    seed, second = task
     rng = np.random.default_rng([seed, 46])
     kind = list(KINDS)[seed % len(KINDS)]
     design = bool(rng.random() < 0.67)
@@ -139,7 +134,7 @@ def judged_table(seed: int, second: bool) -> dict[str, Any]:
     two = designed(give, inertia)
     bench: Any = replace(two, damping=float(np.exp(rng.uniform(np.log(0.008), np.log(0.06)))))
     true = ({"stiffness_error", "payload_inertia"} if give != inertia else set()) if design else {"torsional_mode"}
-    row: dict[str, Any] = {"seed": seed, "kind": kind, "design": design, "second": second}
+    row: Row = {"kind": kind, "design": design, "second": second}
     if second:
         what, far = str(rng.choice(["arm", "frame", "front"])), rng.uniform(1.4, 2.6)
         own = two.frequency_Hz * (1.0 / far if what == "arm" and rng.random() < 0.4 else far)
@@ -187,7 +182,7 @@ def said(design: Any, files: list[Path], true: set[str]) -> dict[str, Any]:
     }
 
 
-def summary(rows: list[dict[str, Any]]) -> str:
+def summary(rows: list[Row]) -> str:
     """Shares with their 95 % intervals, by kind of noise."""
     found = []
     for second in (False, True):
@@ -203,22 +198,12 @@ def summary(rows: list[dict[str, Any]]) -> str:
 
 
 def main() -> None:
-    """Judge the tables that the file does not have yet; print what is in it."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--rows", type=Path, required=True, help="JSON lines, a table each; none is made twice")
-    parser.add_argument("--runs", type=int, default=0)
-    parser.add_argument("--first-seed", type=int, default=0)
-    parser.add_argument("--second", action="store_true", help="tables of three masses")
-    options = parser.parse_args()
-    text = options.rows.read_text() if options.rows.exists() else ""
-    rows = [json.loads(line) for line in text.splitlines()]
-    done = {(row["seed"], row["second"]) for row in rows}
-    for seed in range(options.first_seed, options.first_seed + options.runs):
-        if (seed, options.second) not in done:
-            rows.append(judged_table(seed, options.second))
-            with open(options.rows, "a", encoding="utf-8") as file:
-                file.write(json.dumps(rows[-1]) + "\n")
-    print(summary(rows))
+    """Parse and do."""
+    options = parser(__doc__)
+    options.add_argument("--second", action="store_true", help="tables of three masses")
+    given = options.parse_args()
+    seeds = range(given.first_seed, given.first_seed + given.runs)
+    Study(judged, summary).run([(seed, given.second) for seed in seeds], given)
 
 
 if __name__ == "__main__":

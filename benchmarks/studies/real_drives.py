@@ -1,6 +1,6 @@
 """What the loop says of runs that others recorded on real drives, beside what is seen by hand: docs/real-drives.md.
 
-    MBCDM_SHARED_DATA=... python tests/real_drives.py docs/real-drives.md
+    MBCDM_SHARED_DATA=... python -m benchmarks.studies.real_drives docs/real-drives.md
 
 The data are not part of the project; without them the script says where it looked. Reading by hand was done before the
 loop was written, on plots of the output over the input and of the load.
@@ -43,9 +43,9 @@ CASES = (
 HEAD = """\
 # Real drives: what the loop says, and what an expert says
 
-Written by `MBCDM_SHARED_DATA=... python tests/real_drives.py docs/real-drives.md`; do not edit by hand. Slow tests hold
-the main figures (`tests/unit/measurement/test_real_runs.py`). Runs of the loop on benches in software are in
-[validation.md](validation.md).
+Written by `MBCDM_SHARED_DATA=... python -m benchmarks.studies.real_drives docs/real-drives.md`; do not edit by hand.
+Slow tests hold the main figures (`tests/unit/measurement/test_real_runs.py`). Runs of the loop on benches in software
+are in [validation.md](validation.md).
 
 ## The runs
 Three runs of a da Vinci tool on a test stand, 1 kHz for 20 s each, recorded by the Medical Robotics and Devices Lab of

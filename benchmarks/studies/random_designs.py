@@ -1,8 +1,8 @@
 """Build designs that pass the checks: every part must be one valid solid with a watertight mesh, without interference.
 
-    python tests/random_designs.py --count 200 --seed 1 --workers 2
-    python tests/random_designs.py --count 100 --workshop
-    python tests/random_designs.py --count 50 --configuration siso_spur
+    python -m benchmarks.studies.random_designs --count 200 --seed 1 --workers 2
+    python -m benchmarks.studies.random_designs --count 100 --workshop
+    python -m benchmarks.studies.random_designs --count 50 --configuration siso_spur
 
 ``--workshop`` also tests the take-up on solids, the 3MF files, the parts rebuilt from their drawings, the tables of
 holes against the solids, and that a forced build with odd sizes never ends with a kernel message.
@@ -26,13 +26,7 @@ import numpy as np
 import trimesh
 import yaml
 
-sys.path.insert(0, str(Path(__file__).parent))  # beside this file, however it is run
-sys.path.insert(0, str(Path(__file__).parent / "support"))
-sys.path.insert(0, str(Path(__file__).parents[1]))
-
-from interference_of_solids import MESH_TOLERANCE_MM, interferences, mesh_of
-from random_generator import LAYOUTS, USUAL, Passing, load, passing
-
+from benchmarks.study import add_workers, run_many
 from mbcdm_cad.checks.size import estimated_mass_g
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.errors import InputError
@@ -45,7 +39,8 @@ from mbcdm_cad.workshop.kernel import bounding_box
 from mbcdm_cad.workshop.makefiles import drawn_part, make_part_files
 from mbcdm_cad.workshop.partfiles import PartFiles
 from mbcdm_cad.workshop.scene import travel_poses
-from tests.support.many import add_workers, run_many
+from tests.support.interference_of_solids import MESH_TOLERANCE_MM, interferences, mesh_of
+from tests.support.random_generator import LAYOUTS, USUAL, Passing, load, passing
 from tests.support.workshop import at_rest, forced, forced_parts, workshop
 
 STAGES = ("draw", "sound", "mesh", "interference", "box", "mass", "take-up", "drawing", "print", "holes", "forced")

@@ -1,9 +1,6 @@
 """How often the loop finds a low preload and a bearing's friction with motor currents in place of a torque sensor.
 
-    python tests/motor_current_study.py --rows rows.jsonl --runs 20 --first-seed 100
-    python tests/motor_current_study.py --rows rows.jsonl      # what it has so far
-
-It may be stopped and started again.
+    python -m benchmarks.studies.motor_currents --rows out/currents.jsonl --runs 20 --first-seed 100
 
 Runs of the dynamic rig: a weight's torque and inertia at the drum, a sine of the drum, currents logged with noise, no
 torque sensor. The torque constant is wrong by 2 % (one standard deviation, as drawn), the preload is 20 % low, and each
@@ -13,28 +10,21 @@ file states the weight on its arm, wrong by 0.5 % (one standard deviation, as dr
 
 from __future__ import annotations
 
-import argparse
-import json
-import sys
 import time
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
-ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT))
-
-from mbcdm_cad.design.blocks import STANDARD_GRAVITY_M_S2  # noqa: E402
-from mbcdm_cad.design.drive import Drive  # noqa: E402
-from mbcdm_cad.layouts.loader import load_design  # noqa: E402
-from mbcdm_cad.measurement.known_load import pendulum_load_Nm  # noqa: E402
-from mbcdm_cad.measurement.run import KNOWN_LOAD, Run, Sensors, StatedMotors, TorqueClass  # noqa: E402
-from mbcdm_cad.measurement.schema import Pendulum  # noqa: E402
-from mbcdm_cad.rig.dynamic.experiment import DynamicExperiment  # noqa: E402
-from mbcdm_cad.rig.dynamic.simulate import simulate_dynamic  # noqa: E402
-from tests.support.bench_score import interval  # noqa: E402
-from tests.support.many import add_workers, run_many  # noqa: E402
+from benchmarks.study import ROOT, Row, Study, parser
+from mbcdm_cad.design.blocks import STANDARD_GRAVITY_M_S2
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.measurement.known_load import pendulum_load_Nm
+from mbcdm_cad.measurement.run import KNOWN_LOAD, Run, Sensors, StatedMotors, TorqueClass
+from mbcdm_cad.measurement.schema import Pendulum
+from mbcdm_cad.rig.dynamic.experiment import DynamicExperiment
+from mbcdm_cad.rig.dynamic.simulate import simulate_dynamic
+from tests.support.bench_score import interval
 
 # A low preload and more friction in the cables are nearly alike: either, or both as a set, is right.
 WANTED = ({"preload_error", "cable_friction"}, {"friction"})
@@ -91,7 +81,7 @@ def measured(
     return replace(logged, load_Nm=known, sensors=sensors)
 
 
-def judged(asked: tuple[int, bool, bool]) -> dict[str, object]:
+def judged(asked: tuple[int, bool, bool]) -> Row:
     """What the loop says of one run (seed, with effects, weight stated), as a row of the study's file."""
     from mbcdm_cad.loop.search.engine import close_loop
 
@@ -102,7 +92,6 @@ def judged(asked: tuple[int, bool, bool]) -> dict[str, object]:
     sets = [{one.name} for one in result.effects] + [{one.name for one in group} for group in result.one_of]
     wanted = WANTED if effects else []
     return {
-        "seed": seed,
         "effects": effects,
         "cpu_s": time.process_time() - begun,
         "found": [any(names & want for names in sets) for want in wanted],
@@ -113,14 +102,14 @@ def judged(asked: tuple[int, bool, bool]) -> dict[str, object]:
     }
 
 
-def summary(rows: list[dict[str, object]]) -> str:
+def summary(rows: list[Row]) -> str:
     """Shares with their 95 % intervals."""
     lines = []
     for effects, what in ((True, "with both effects"), (False, "without effects")):
         mine = [row for row in rows if row["effects"] == effects]
         if not mine:
             continue
-        counts = [("all found", sum(all(row["found"]) for row in mine))] if effects else []  # type: ignore[arg-type]
+        counts = [("all found", sum(all(row["found"]) for row in mine))] if effects else []
         counts.append(("a wrong name", sum(bool(row["odd"]) for row in mine)))
         for words, count in counts:
             low, high = interval(count, len(mine))
@@ -129,26 +118,13 @@ def summary(rows: list[dict[str, object]]) -> str:
 
 
 def main() -> None:
-    """Judge the seeds that the file does not have yet; print what is in it."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--rows", type=Path, required=True, help="JSON lines, a run each; none is made twice")
-    parser.add_argument("--runs", type=int, default=0)
-    parser.add_argument("--first-seed", type=int, default=0)
-    parser.add_argument("--without", action="store_true", help="the twins without effects")
-    parser.add_argument("--unstated", action="store_true", help="the measurement file does not state the weight")
-    add_workers(parser)
-    options = parser.parse_args()
-    text = options.rows.read_text() if options.rows.exists() else ""
-    rows = [json.loads(line) for line in text.splitlines()]
-    done = {(row["seed"], row["effects"]) for row in rows}
-    effects, stated = not options.without, not options.unstated
-    seeds = range(options.first_seed, options.first_seed + options.runs)
-    asked = [(seed, effects, stated) for seed in seeds if (seed, effects) not in done]
-    for row in run_many(judged, asked, options):
-        rows.append(row)
-        with open(options.rows, "a", encoding="utf-8") as file:
-            file.write(json.dumps(row) + "\n")
-    print(summary(rows))
+    """Parse and do."""
+    options = parser(__doc__)
+    options.add_argument("--without", action="store_true", help="the twins without effects")
+    options.add_argument("--unstated", action="store_true", help="the measurement file does not state the weight")
+    given = options.parse_args()
+    seeds = range(given.first_seed, given.first_seed + given.runs)
+    Study(judged, summary).run([(seed, not given.without, not given.unstated) for seed in seeds], given)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """Drives that people built, from short files: the figures of each stand beside what is published.
 
-    python tests/built_by_others.py params/built-by-others docs [NAME ...]
+    python -m benchmarks.studies.built_by_others params/built-by-others docs [NAME ...]
 
 writes ``docs/built-by-others.md`` and, below ``docs/pictures/built-by-others``, a picture of each drive that passes and
 is not too large; with names, those drives anew, and the others stay on the page as they are. The comments of a file say

@@ -1,6 +1,6 @@
 """Which form of friction the loop finds: benches with laws, presliding and noise of their own.
 
-    python tests/friction_study.py --runs 48 --rows out/friction.jsonl     prints the table of docs/loop.md
+    python -m benchmarks.studies.friction --runs 48 --first-seed 100 --rows out/friction.jsonl
 
 Laws are drawn by seed: sizes, an exponent of the Stribeck part between 1 and 3, a presliding of 30 to 1000 urad, and a
 noise of the output encoder of up to two floors that no file declares. Rows that are there already are not run again.
@@ -8,22 +8,14 @@ noise of the output encoder of up to two floors that no file declares. Rows that
 
 from __future__ import annotations
 
-import argparse
-import json
-import sys
 import time
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-ROOT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(ROOT / "tests" / "support"), str(ROOT)]
-
-from bench_data import friction_run, through_files  # noqa: E402
-
-from mbcdm_cad.layouts.loader import load_design  # noqa: E402
-from mbcdm_cad.loop.search.engine import close_loop  # noqa: E402
+from benchmarks.study import ROOT, Row, Study, parser
+from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.loop.search.engine import close_loop
+from tests.support.bench_data import friction_run, through_files
 
 # Sizes of each law, ranges; a share of its own for the load that drives is drawn apart.
 SIZES = {
@@ -49,8 +41,9 @@ LAWS: dict[str, tuple[str, ...]] = {
 }
 
 
-def judged(name: str, seed: int) -> dict[str, Any]:
+def judged(task: tuple[str, int]) -> Row:
     """One run: its law, what the loop says, and whether the intervals hold the truth."""
+    name, seed = task
     rng = np.random.default_rng([seed, *map(ord, name)])
     law = {key: float(rng.uniform(*SIZES[key])) for key in LAWS[name]}
     real = {key: value for key, value in law.items() if key != "load_share"}
@@ -71,7 +64,6 @@ def judged(name: str, seed: int) -> dict[str, Any]:
     others += [" | ".join(sorted(one.name for one in group)) for group in result.one_of]
     return {
         "law": name,
-        "seed": seed,
         "true": law,
         "said": {key: [v.value, v.low, v.high] for key, v in sizes.items()},
         "others": others,
@@ -81,7 +73,7 @@ def judged(name: str, seed: int) -> dict[str, Any]:
     }
 
 
-def table(rows: list[dict[str, Any]]) -> str:
+def table(rows: list[Row]) -> str:
     """Rows by law: form exact, terms missing, terms too many, another name; share of intervals that hold the truth."""
     lines = [
         "| law | runs | this form | fewer terms | other terms | another name | within 95 % | CPU s |",
@@ -108,23 +100,10 @@ def table(rows: list[dict[str, Any]]) -> str:
 
 
 def main() -> None:
-    options = argparse.ArgumentParser(description=__doc__)
-    options.add_argument("--runs", type=int, default=44)
-    options.add_argument("--first-seed", type=int, default=100)
-    options.add_argument("--rows", type=Path, default=ROOT / "out" / "friction.jsonl")
-    given = options.parse_args()
-    given.rows.parent.mkdir(parents=True, exist_ok=True)
-    rows = [json.loads(line) for line in given.rows.read_text().splitlines()] if given.rows.exists() else []
-    done = {(row["law"], row["seed"]) for row in rows}
-    for k in range(given.runs):
-        name, seed = list(LAWS)[k % len(LAWS)], given.first_seed + k // len(LAWS)
-        if (name, seed) in done:
-            continue
-        rows.append(judged(name, seed))
-        with given.rows.open("a") as out:
-            out.write(json.dumps(rows[-1]) + "\n")
-        print(name, seed, f"{rows[-1]['cpu_s']:.0f} s", *rows[-1]["said"], *rows[-1]["others"], flush=True)
-    print(table(rows))
+    """Parse and do."""
+    given = parser(__doc__, runs=44).parse_args()
+    tasks = [(name, seed) for seed in range(given.first_seed, given.first_seed + given.runs) for name in LAWS]
+    Study(judged, table).run(tasks[: given.runs], given)
 
 
 if __name__ == "__main__":
