@@ -19,8 +19,7 @@ from typing import Any
 import numpy as np
 
 from mbcdm_cad.checks.comparison import CheckResult, failed
-from mbcdm_cad.checks.remedies import Budget
-from mbcdm_cad.checks.run import run_check
+from mbcdm_cad.checks.run import Budget, run_check
 from mbcdm_cad.checks.size import estimated_mass_g
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import LoadedDesign

@@ -32,7 +32,7 @@ from mbcdm_cad.design.bought import Material
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.miso_bevel.checks import room as miso_bevel_room
 from mbcdm_cad.layouts.miso_spur import checks as round_checks
-from mbcdm_cad.layouts.siso_bevel.checks import room as bevel_room
+from mbcdm_cad.layouts.siso_bevel import checks as bevel_checks
 from mbcdm_cad.layouts.siso_spur.checks import room
 from mbcdm_cad.parts.bill import CABLE, Bill, PartSpec
 from mbcdm_cad.workshop.kernel import bounding_box
@@ -55,7 +55,7 @@ BOXES: dict[str, Any] = {
     "miso_bevel": miso_bevel_room.box_mm,
     "siso_spur": room.box_mm,
     "miso_spur": round_checks.box_mm,
-    "siso_bevel": bevel_room.box_mm,
+    "siso_bevel": bevel_checks.box_mm,
 }
 
 

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
+from mbcdm_cad.checks.comparison import Check, Comparison, Findings, at_least, at_most, check
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.design.bought import Bearing
 from mbcdm_cad.design.catalogue import package_entries
@@ -29,6 +29,10 @@ BEARING_PLAY_MM = 0.01
 GEARHEAD_PLAY_MM = 0.02
 # Lengths of a pulley between its bearings whose bending is added up.
 _PLACES = 400
+
+
+LESS: tuple[Adjustment, ...] = (down("rope.preload_N"), down("loads.peak_torque_Nm"))
+RATING = "bearing catalogue; static safety 1: bearing makers, normal running"
 
 
 def carried(drive: Any) -> bool:
@@ -124,16 +128,60 @@ def drum_safety(s: SectorLayout, limit: float) -> list[Comparison]:
     ]
 
 
-def input_bearings(s: SectorLayout) -> Comparison:
+# By the first word of a finding: the bearing's name in the drive, and the field of the file that states it.
+_NAMED = {
+    "lower": ("input_lower", "input_pulleys.lower_bearing"),
+    "upper": ("input_upper", "input_pulleys.upper_bearing"),
+    "rear": ("drum", "drum.bearing"),
+    "front": ("drum", "drum.bearing"),
+    "bearings": ("idler", "idlers.bearing"),
+}
+
+
+def larger(s: SectorLayout, finding: Comparison) -> str:
+    """Advice: the field of the bearing that is found, and the rating that gives it the safety asked for."""
+    if finding.actual <= 0.0:
+        return "lower the load on it: no bearing carries one that has no bound"
+    word = finding.subject.split()[0].rstrip(":")
+    own, field = _NAMED.get(word, (word, f"{word}.bearing"))
+    chosen = getattr(s.drive.bearings, own)
+    needed = chosen.static_rating_N / finding.actual * finding.limit
+    same = [
+        (entry["mass_g"], other)
+        for other, entry in package_entries("bearings").items()
+        if entry["bore_mm"] == chosen.bore_mm and entry["static_rating_N"] >= needed
+    ]
+    such = f", such as {min(same)[1]} of the same bore" if same else ""
+    return f"choose a {field} of static rating {needed:.4g} N or more{such}"
+
+
+def quiet(measure: Callable[[Any], Findings]) -> Check:
+    """The check that all bearings run quietly, of the function that yields all bearings of the layout."""
+    source = "static safety 2: bearing makers, quiet running"
+    return check("All bearings run quietly", source, advice_on=larger, warn=True)(measure)
+
+
+@check("Input pulleys' bearings carry the cables", RATING, *LESS, advice_on=larger, applies=carried)
+def input_bearings(s: SectorLayout) -> Findings:
     """Static safety of the bearings at both ends of the input pulleys."""
-    return worst(input_safety(s, STATIC_SAFETY))
+    yield from input_safety(s, STATIC_SAFETY)
 
 
-def drum_bearings(s: SectorLayout) -> Comparison:
+@check("Drum's bearings carry cables and payload", RATING, *LESS, down("support.back_y_mm"), advice_on=larger)
+def drum_bearings(s: SectorLayout) -> Findings:
     """Static safety of the bearings of the drum's shaft."""
-    return worst(drum_safety(s, STATIC_SAFETY))
+    yield from drum_safety(s, STATIC_SAFETY)
 
 
+@quiet
+def quiet_running(s: SectorLayout) -> Findings:
+    """All bearings of a drive that has bearings only at its inputs and its drum; not a motor's own."""
+    if not s.drive.overhung:
+        yield from input_safety(s, QUIET_SAFETY)
+    yield from drum_safety(s, QUIET_SAFETY)
+
+
+@check("Distance between the drum's bearings", "usual rule: one bearing width", down("support.back_y_mm"))
 def drum_bearing_spacing(s: SectorLayout) -> Comparison:
     """Distance between the drum's bearings, without the spring between them: at least one bearing width."""
     shaft = s.drum_shaft
@@ -142,17 +190,25 @@ def drum_bearing_spacing(s: SectorLayout) -> Comparison:
     return at_least("space between the drum's bearings", between, width, "mm")
 
 
-def coupling_runout(s: SectorLayout) -> Comparison:
+@check(
+    "Deflection of the input pulleys at the coupling",
+    "play of gearheads: 0.02 mm, estimate",
+    *LESS,
+    up("all radii of transmission"),
+    advice="choose an input_pulleys.lower_bearing of larger bore, which makes the pulley's journal stiffer",
+    applies=lambda drive: drive.stage is None and carried(drive),
+    warn=True,
+)
+def coupling_runout(s: SectorLayout) -> Findings:
     """Sideways movement of the pulley at the coupling from the cables; beyond its play it loads the gearhead."""
-    drive, found = s.drive, []
+    drive = s.drive
     for i, p in enumerate(s.inputs):
         lower = s.input_bearings_mm(i)[0]
         overhang = lower - (s.collar.bottom_z + s.collar.top_z) / 2
         pull = max(float(np.linalg.norm(loads.inputs[i].force_N)) for loads in s.loads.on_bodies)
         moved = BEARING_PLAY_MM / 2 + pull * _slope_N(s, i) * max(overhang, 0.0)
         note = f"its bearings carry {pull:.4g} N; the {drive.mounted} may carry {drive.gearhead.radial_load_N:g} N"
-        found.append(at_most(f"{p.name} pulley pushed aside at the coupling", moved, GEARHEAD_PLAY_MM, "mm", note))
-    return worst(found)
+        yield at_most(f"{p.name} pulley pushed aside at the coupling", moved, GEARHEAD_PLAY_MM, "mm", note)
 
 
 def _slope_N(s: SectorLayout, index: int) -> float:
@@ -175,97 +231,3 @@ def _slope_N(s: SectorLayout, index: int) -> float:
     bent -= bent[-1] * np.arange(1, _PLACES + 1) / _PLACES
     on_land = (middle >= pulley.land_bottom_z) & (middle <= pulley.land_top_z)
     return float(np.abs(bent[on_land]).max(initial=0.0))
-
-
-LESS: tuple[Adjustment, ...] = (down("rope.preload_N"), down("loads.peak_torque_Nm"))
-RATING = "bearing catalogue; static safety 1: bearing makers, normal running"
-_LARGER_BORE = "choose an input_pulleys.lower_bearing of larger bore, which makes the pulley's journal stiffer"
-# By the first word of a finding: the bearing's name in the drive, and the field of the file that states it.
-_NAMED = {
-    "lower": ("input_lower", "input_pulleys.lower_bearing"),
-    "upper": ("input_upper", "input_pulleys.upper_bearing"),
-    "rear": ("drum", "drum.bearing"),
-    "front": ("drum", "drum.bearing"),
-    "bearings": ("idler", "idlers.bearing"),
-}
-
-
-def larger(measure: Callable[[Any], Comparison], limit: float) -> Callable[[SectorLayout], str]:
-    """Advice: the field of the bearing that ``measure`` finds, and the rating that gives it the safety ``limit``."""
-
-    def advice(s: SectorLayout) -> str:
-        finding = measure(s)
-        if finding.actual <= 0.0:
-            return "lower the load on it: no bearing carries one that has no bound"
-        word = finding.subject.split()[0].rstrip(":")
-        own, field = _NAMED.get(word, (word, f"{word}.bearing"))
-        chosen = getattr(s.drive.bearings, own)
-        needed = chosen.static_rating_N / finding.actual * limit
-        same = [
-            (entry["mass_g"], other)
-            for other, entry in package_entries("bearings").items()
-            if entry["bore_mm"] == chosen.bore_mm and entry["static_rating_N"] >= needed
-        ]
-        such = f", such as {min(same)[1]} of the same bore" if same else ""
-        return f"choose a {field} of static rating {needed:.4g} N or more{such}"
-
-    return advice
-
-
-INPUT_BEARINGS = Check(
-    "input_bearings",
-    "Input pulleys' bearings carry the cables",
-    RATING,
-    input_bearings,
-    adjust=LESS,
-    advice=larger(input_bearings, STATIC_SAFETY),
-    applies=carried,
-)
-DRUM_BEARINGS = Check(
-    "drum_bearings",
-    "Drum's bearings carry cables and payload",
-    RATING,
-    drum_bearings,
-    adjust=(*LESS, down("support.back_y_mm")),
-    advice=larger(drum_bearings, STATIC_SAFETY),
-)
-BEARING_SPACING = Check(
-    "drum_bearing_spacing",
-    "Distance between the drum's bearings",
-    "usual rule: one bearing width",
-    drum_bearing_spacing,
-    adjust=(down("support.back_y_mm"),),
-)
-COUPLING_RUNOUT = Check(
-    "coupling_runout",
-    "Deflection of the input pulleys at the coupling",
-    "play of gearheads: 0.02 mm, estimate",
-    coupling_runout,
-    "warn",
-    (*LESS, up("all radii of transmission")),
-    _LARGER_BORE,
-    # A wheel on the journal gives with it.
-    applies=lambda drive: drive.stage is None and carried(drive),
-)
-
-
-def quiet(measure: Callable[[Any], Comparison]) -> Check:
-    """The check that all bearings run quietly; ``measure`` returns the worst of the configuration's bearings."""
-    return Check(
-        "quiet_running",
-        "All bearings run quietly",
-        "static safety 2: bearing makers, quiet running",
-        measure,
-        "warn",
-        advice=larger(measure, QUIET_SAFETY),
-    )
-
-
-def _input_and_drum(s: SectorLayout) -> Comparison:
-    """All bearings of a drive that has bearings only at its inputs and its drum; not a motor's own."""
-    inputs = [] if s.drive.overhung else input_safety(s, QUIET_SAFETY)
-    return worst([*inputs, *drum_safety(s, QUIET_SAFETY)])
-
-
-# Of a drive with bearings at its inputs and its drum alone.
-CHECKS = (INPUT_BEARINGS, DRUM_BEARINGS, quiet(_input_and_drum), BEARING_SPACING, COUPLING_RUNOUT)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import wraps
 from math import inf, isfinite
 from types import ModuleType
 from typing import Any, Literal, NamedTuple
@@ -72,9 +73,15 @@ def worst(findings: Iterable[Comparison]) -> Comparison:
     return min(findings, key=lambda finding: finding.margin)
 
 
-class Check(NamedTuple):
-    """One check. ``measure`` may raise :class:`~mbcdm_cad.layouts.base.NoFigureError`.
+# What a measure yields: comparisons, or (subject, actual, least) with or without a note, in the unit of its check.
+Findings = Iterator[Comparison | tuple[str, float, float] | tuple[str, float, float, str]]
 
+
+@dataclass(frozen=True)
+class Check:
+    """One check, which compares the design that it is called with; :func:`check` makes it.
+
+    ``measure`` may raise :class:`~mbcdm_cad.layouts.base.NoFigureError`.
     ``severity``: status if the limit is not kept. ``adjust``: design variables that may correct it, tried in this
     order. ``advice``: other changes that help. ``measure`` and ``advice`` get the design under test of the
     configuration that the check belongs to, a :class:`~mbcdm_cad.layouts.base.Layout`.
@@ -90,9 +97,49 @@ class Check(NamedTuple):
     advice: str | Callable[[Any], str] = ""
     applies: Callable[[Any], bool] | None = None
 
+    def __call__(self, design: Any) -> Comparison:
+        """The comparison that decides on this design."""
+        return self.measure(design)
+
     def asked_of(self, drive: Any) -> bool:
         """Whether the check applies to this drive of its configuration."""
         return self.applies is None or self.applies(drive)
+
+    def but(self, **changes: Any) -> Check:
+        """The same check with other fields."""
+        return replace(self, **changes)
+
+
+def check(
+    title: str,
+    source: str,
+    *adjust: Adjustment,
+    advice: str | Callable[[Any], str] = "",
+    advice_on: Callable[[Any, Comparison], str] | None = None,
+    warn: bool = False,
+    applies: Callable[[Any], bool] | None = None,
+    unit: str = "mm",
+    none: Comparison | None = None,
+) -> Callable[[Callable[[Any], Comparison | Findings]], Check]:
+    """Make a check, whose id is the function's name, of a function that gives one comparison or yields several.
+
+    The worst counts; ``none``: what stands where nothing is found. ``advice_on``: advice that reads what is found.
+    """
+
+    def made(measure: Callable[[Any], Comparison | Findings]) -> Check:
+        @wraps(measure)
+        def compared(design: Any) -> Comparison:
+            found = measure(design)
+            if isinstance(found, Comparison):
+                return found
+            each = [f if isinstance(f, Comparison) else at_least(*f[:3], unit, *f[3:]) for f in found]
+            return none if none is not None and not each else worst(each)
+
+        severity = "warn" if warn else "fail"
+        told = advice if advice_on is None else lambda design: advice_on(design, compared(design))
+        return Check(measure.__name__, title, source, compared, severity, adjust, told, applies)
+
+    return made
 
 
 class Family(NamedTuple):
@@ -103,11 +150,18 @@ class Family(NamedTuple):
 
 
 def families(*found: Family | ModuleType) -> tuple[Family, ...]:
-    """Families in their order; a module is one by the first line of its docstring and its ``CHECKS``."""
+    """Families in their order; a module gives its ``FAMILIES``, or is one of the checks that are written in it."""
     return tuple(
-        one if isinstance(one, Family) else Family((one.__doc__ or "").strip().split("\n")[0], one.CHECKS)
+        family
         for one in found
+        for family in ((one,) if isinstance(one, Family) else getattr(one, "FAMILIES", None) or (_own(one),))
     )
+
+
+def _own(module: ModuleType) -> Family:
+    """The checks of a module in its order, under the first line of its docstring."""
+    own = tuple(c for c in vars(module).values() if isinstance(c, Check) and c.measure.__module__ == module.__name__)
+    return Family((module.__doc__ or "").strip().split("\n")[0], getattr(module, "CHECKS", own))
 
 
 Status = Literal["pass", "warn", "fail"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import asin, degrees, radians
 
-from mbcdm_cad.checks.comparison import TOLERANCE, Check, Comparison, at_least, at_most, worst
+from mbcdm_cad.checks.comparison import TOLERANCE, Comparison, Findings, at_least, at_most, check, worst
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.layouts.base import NoFigureError
@@ -25,11 +25,15 @@ THIN_SHAFT_MM = 5.0
 SPIGOT_MM = 0.3
 
 
+_WALL = "material: min_wall_mm"
+
+
 def is_stopped(drive: SectorDrive) -> bool:
     """Whether a pin stops the drum."""
     return drive.stopped
 
 
+@check("Rim under pockets and lands", _WALL + " x 1.5: estimate", down("drum.rim_inner_radius_mm"))
 def rim_height(s: SectorLayout) -> Comparison:
     """Height of the rim below the deepest pocket and the smallest land."""
     d = s.drum
@@ -40,31 +44,35 @@ def rim_height(s: SectorLayout) -> Comparison:
     return worst(at_least(f"rim under the {name}", floor - d.rim_inner_radius, limit, "mm") for name, floor in floors)
 
 
-def web_inside_rim(s: SectorLayout) -> Comparison:
+@check(
+    "Web lies within the rim",
+    _WALL,
+    up("drum.outer_face_y_mm"),
+    down("drum.web_thickness_mm"),
+    up("drum.web_thickness_mm"),
+)
+def web_in_rim(s: SectorLayout) -> Findings:
     """The web lies within the width of the rim and is at least as thick as the material allows."""
     d = s.drum
-    return worst(
-        (
-            at_least("rim's outer face beyond the web", s.drive.drum.outer_face_y_mm - d.web_end_y, 0.0, "mm"),
-            at_least(
-                "web's thickness over the thinnest wall",
-                d.web_end_y - d.web_start_y - s.drive.drum_material.min_wall_mm,
-                0.0,
-                "mm",
-            ),
-        )
-    )
+    yield "rim's outer face beyond the web", s.drive.drum.outer_face_y_mm - d.web_end_y, 0.0
+    yield "web's thickness over the thinnest wall", d.web_end_y - d.web_start_y - s.drive.drum_material.min_wall_mm, 0.0
 
 
-def land_thickness(s: SectorLayout) -> Comparison:
+@check(
+    "Every land is half a cable wide",
+    "derived",
+    down("clearances.land_edge_mm"),
+    up("all radii of transmission"),
+    up("drum.outer_face_y_mm"),
+)
+def land_thickness(s: SectorLayout) -> Findings:
     """Width of every land along y, at least half a cable."""
-    return worst(
-        at_least(f"width of the land of step {land.step}", land.y_end - land.y_start, s.flank_mm, "mm")
-        for land in s.drum.lands
-    )
+    for land in s.drum.lands:
+        yield f"width of the land of step {land.step}", land.y_end - land.y_start, s.flank_mm
 
 
-def hub_walls(s: SectorLayout) -> Comparison:
+@check("Hub's walls round threads and screws", _WALL, up("drum.hub_diameter_mm"))
+def hub_walls(s: SectorLayout) -> Findings:
     """Walls of the hub round the payload's threads and round the threads of its set screws."""
     d = s.drum
     screw = s.drive.screw(d.set_screw)
@@ -72,14 +80,12 @@ def hub_walls(s: SectorLayout) -> Comparison:
     what = "inserts" if insert else "threads"
     least = insert.wall_mm if insert else s.drive.drum_material.min_wall_mm
     beside = min(d.hub_radius - d.payload_circle_radius, d.payload_circle_radius - d.bore_radius) - d.payload_hole / 2
-    found = [
-        at_least(f"wall beside the payload's {what}", beside, least, "mm"),
-        at_least("hub outside the set screws", d.hub_radius - d.set_screw_radius - screw.length_mm, 0.0, "mm"),
-    ]
-    return worst(found)
+    yield f"wall beside the payload's {what}", beside, least
+    yield "hub outside the set screws", d.hub_radius - d.set_screw_radius - screw.length_mm, 0.0
 
 
-def hub_length(s: SectorLayout) -> Comparison:
+@check("Hub is long enough", "usual rule: one shaft diameter", up("drum.hub_face_y_mm"), down("drum.web_thickness_mm"))
+def hub_length(s: SectorLayout) -> Findings:
     """The hub holds the shaft over at least one diameter, and has room for the set screws in front of the web.
 
     Where more than four of the payload's screws come near the set screws, these stand behind their holes.
@@ -91,52 +97,44 @@ def hub_length(s: SectorLayout) -> Comparison:
     where = " behind the payload's holes" if behind > 0.0 else ""
     least = min(HUB_DIAMETERS * 2 * d.bore_radius, HUB_MOST_MM)
     over = "the shaft's diameter" if least < HUB_MOST_MM else f"{HUB_MOST_MM:g} mm"
-    return worst(
-        (
-            at_least(f"hub's length over {over}", d.hub_face_y - d.hub_start_y - least, 0.0, "mm"),
-            at_least(
-                f"hub beyond the web, over set screws{where} and walls",
-                beyond - 2 * behind - screw.thread_mm - 2 * s.drive.drum_material.min_wall_mm,
-                0.0,
-                "mm",
-            ),
-            at_least("hub beyond the web, over the payload's threads", beyond - d.payload_depth, 0.0, "mm"),
-        )
+    yield f"hub's length over {over}", d.hub_face_y - d.hub_start_y - least, 0.0
+    yield (
+        f"hub beyond the web, over set screws{where} and walls",
+        beyond - 2 * behind - screw.thread_mm - 2 * s.drive.drum_material.min_wall_mm,
+        0.0,
     )
+    yield "hub beyond the web, over the payload's threads", beyond - d.payload_depth, 0.0
 
 
-def set_screw_tips(s: SectorLayout) -> Comparison:
-    """The two set screws, at right angles to each other, do not meet in a thin shaft."""
-    screw = s.drive.screw(s.drum.set_screw)
-    gap = s.drum.set_screw_radius - screw.thread_mm / 2
-    return at_least("end of a set screw from the side of the other", gap, 0.0, "mm")
-
-
-def hub_spigot(s: SectorLayout) -> Comparison:
+@check(
+    "Hub bears on the front bearing",
+    "bearing catalogue; 0.3 mm: estimate; material: min_wall_mm",
+    up("drum.hub_diameter_mm"),
+    advice="choose another drum.bearing",
+)
+def hub_spigot(s: SectorLayout) -> Findings:
     """The spigot presses on the inner ring of the front bearing only, and stays inside the hub.
 
     A printed one widens towards the hub up to the thinnest wall of its material.
     """
     d, drum = s.drum, s.drive.drum_material
-    found = [
-        at_least("hub's spigot over the shaft", d.spigot_radius - d.bore_radius, SPIGOT_MM, "mm"),
-        at_least("hub over its spigot", d.hub_radius - d.spigot_radius, SPIGOT_MM, "mm"),
-    ]
+    yield "hub's spigot over the shaft", d.spigot_radius - d.bore_radius, SPIGOT_MM
+    yield "hub over its spigot", d.hub_radius - d.spigot_radius, SPIGOT_MM
     if drum.printed:
-        found.append(
-            at_least(
-                "wall of the printed spigot, at the hub", d.spigot_root_radius - d.bore_radius, drum.min_wall_mm, "mm"
-            )
-        )
-    return worst(found)
+        yield "wall of the printed spigot, at the hub", d.spigot_root_radius - d.bore_radius, drum.min_wall_mm
 
 
-def shaft_wall(s: SectorLayout) -> Comparison:
-    """Wall thickness of the hollow drum shaft."""
-    shaft = s.drum_shaft
-    return at_least(
-        "wall of the drum shaft", shaft.radius - shaft.bore_radius, s.drive.shaft_material.min_wall_mm, "mm"
-    )
+@check(
+    "Hub's set screws do not meet in the shaft",
+    "derived",
+    advice="choose a larger drum.bearing",
+    applies=lambda drive: drive.bearings.drum.bore_mm < THIN_SHAFT_MM,
+)
+def set_screw_tips(s: SectorLayout) -> Comparison:
+    """The two set screws, at right angles to each other, do not meet in a thin shaft."""
+    screw = s.drive.screw(s.drum.set_screw)
+    gap = s.drum.set_screw_radius - screw.thread_mm / 2
+    return at_least("end of a set screw from the side of the other", gap, 0.0, "mm")
 
 
 def _wider_bearing(s: SectorLayout) -> str:
@@ -159,24 +157,37 @@ def _wider_bearing(s: SectorLayout) -> str:
     return ""
 
 
-def stop_slot(s: SectorLayout) -> Comparison:
+@check("Wall of the drum shaft", _WALL, down("drum.shaft_bore_mm"), advice=_wider_bearing)
+def shaft_wall(s: SectorLayout) -> Findings:
+    """Wall thickness of the hollow drum shaft."""
+    shaft = s.drum_shaft
+    yield "wall of the drum shaft", shaft.radius - shaft.bore_radius, s.drive.shaft_material.min_wall_mm
+
+
+@check(
+    "Stop slot lies in the web",
+    _WALL + " x 2: estimate",
+    up("drum.rim_inner_radius_mm"),
+    down("drum.hub_diameter_mm"),
+    up("drum.sector_half_angle_deg"),
+    down("travel.half_angle_deg"),
+    down("travel.stop_clearance_deg"),
+    down("support.coupling_space_mm"),
+    applies=is_stopped,
+)
+def stop_slot(s: SectorLayout) -> Findings:
     """The slot for the stop pin lies in the web between hub and rim, inside the ends of the sector."""
     d = s.drum
     half, limit = d.stop_slot_width / 2, SLOT_WALLS * s.drive.drum_material.min_wall_mm
     if d.stop_radius <= 0.0:
         raise NoFigureError("the stop pin would lie beyond the drum's axis: a larger drum makes room for it")
     end = d.stop_slot_end_deg + degrees(asin(min(1.0, half / d.stop_radius)))
-    return worst(
-        (
-            at_least("web between stop slot and rim", d.rim_inner_radius - d.stop_radius - half, limit, "mm"),
-            at_least("web between stop slot and hub", d.stop_radius - half - d.hub_radius, limit, "mm"),
-            at_least(
-                "web between both ends of the stop slot" if d.whole else "web between stop slot and the sector's end",
-                radians(d.half_angle_deg - end) * (d.stop_radius - half) * (2.0 if d.whole else 1.0),
-                limit,
-                "mm",
-            ),
-        )
+    yield "web between stop slot and rim", d.rim_inner_radius - d.stop_radius - half, limit
+    yield "web between stop slot and hub", d.stop_radius - half - d.hub_radius, limit
+    yield (
+        "web between both ends of the stop slot" if d.whole else "web between stop slot and the sector's end",
+        radians(d.half_angle_deg - end) * (d.stop_radius - half) * (2.0 if d.whole else 1.0),
+        limit,
     )
 
 
@@ -187,100 +198,18 @@ def _stop_angle_deg(s: SectorLayout) -> float:
     return float(d.stop_slot_end_deg + degrees(play / d.stop_radius) - s.drive.half_travel_deg)
 
 
-def stop_late(s: SectorLayout) -> Comparison:
+@check("Stops engage after the travel", "derived", up("travel.stop_clearance_deg"), applies=is_stopped)
+def stop_after_travel(s: SectorLayout) -> Comparison:
     """Angle between the end of the travel and the stop: not less than zero."""
     return at_least("stops engage beyond the travel by", _stop_angle_deg(s), 0.0, "deg")
 
 
-def stop_early(s: SectorLayout) -> Comparison:
+@check(
+    "Stops engage within half a degree",
+    "derived: the reference's 35.0 to 35.5 deg",
+    down("travel.stop_clearance_deg"),
+    applies=is_stopped,
+)
+def stop_within_half_degree(s: SectorLayout) -> Comparison:
     """Angle between the end of the travel and the stop: at most half a degree."""
     return at_most("stops engage beyond the travel by", _stop_angle_deg(s), STOP_WINDOW_DEG, "deg")
-
-
-_WALL = "material: min_wall_mm"
-CHECKS = (
-    Check(
-        "rim_height",
-        "Rim under pockets and lands",
-        _WALL + " x 1.5: estimate",
-        rim_height,
-        adjust=(down("drum.rim_inner_radius_mm"),),
-    ),
-    Check(
-        "web_in_rim",
-        "Web lies within the rim",
-        _WALL,
-        web_inside_rim,
-        adjust=(up("drum.outer_face_y_mm"), down("drum.web_thickness_mm"), up("drum.web_thickness_mm")),
-    ),
-    Check(
-        "land_thickness",
-        "Every land is half a cable wide",
-        "derived",
-        land_thickness,
-        adjust=(down("clearances.land_edge_mm"), up("all radii of transmission"), up("drum.outer_face_y_mm")),
-    ),
-    Check("hub_walls", "Hub's walls round threads and screws", _WALL, hub_walls, adjust=(up("drum.hub_diameter_mm"),)),
-    Check(
-        "hub_length",
-        "Hub is long enough",
-        "usual rule: one shaft diameter",
-        hub_length,
-        adjust=(up("drum.hub_face_y_mm"), down("drum.web_thickness_mm")),
-    ),
-    Check(
-        "hub_spigot",
-        "Hub bears on the front bearing",
-        "bearing catalogue; 0.3 mm: estimate; material: min_wall_mm",
-        hub_spigot,
-        adjust=(up("drum.hub_diameter_mm"),),
-        advice="choose another drum.bearing",
-    ),
-    Check(
-        "set_screw_tips",
-        "Hub's set screws do not meet in the shaft",
-        "derived",
-        set_screw_tips,
-        advice="choose a larger drum.bearing",
-        applies=lambda drive: drive.bearings.drum.bore_mm < THIN_SHAFT_MM,
-    ),
-    Check(
-        "shaft_wall",
-        "Wall of the drum shaft",
-        _WALL,
-        shaft_wall,
-        adjust=(down("drum.shaft_bore_mm"),),
-        advice=_wider_bearing,
-    ),
-    Check(
-        "stop_slot",
-        "Stop slot lies in the web",
-        _WALL + " x 2: estimate",
-        stop_slot,
-        applies=is_stopped,
-        adjust=(
-            up("drum.rim_inner_radius_mm"),
-            down("drum.hub_diameter_mm"),
-            up("drum.sector_half_angle_deg"),
-            down("travel.half_angle_deg"),
-            down("travel.stop_clearance_deg"),
-            down("support.coupling_space_mm"),
-        ),
-    ),
-    Check(
-        "stop_after_travel",
-        "Stops engage after the travel",
-        "derived",
-        stop_late,
-        adjust=(up("travel.stop_clearance_deg"),),
-        applies=is_stopped,
-    ),
-    Check(
-        "stop_within_half_degree",
-        "Stops engage within half a degree",
-        "derived: the reference's 35.0 to 35.5 deg",
-        stop_early,
-        adjust=(down("travel.stop_clearance_deg"),),
-        applies=is_stopped,
-    ),
-)

@@ -10,7 +10,7 @@ from math import hypot, pi, sqrt
 import numpy as np
 
 from mbcdm_cad.checks.bearings import carried, drum_reactions_N, reactions
-from mbcdm_cad.checks.comparison import Check, Comparison, at_least, noted, worst
+from mbcdm_cad.checks.comparison import Comparison, Findings, check, noted
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.drum_sector import is_stopped
 from mbcdm_cad.checks.strength import rated_input_Nm
@@ -34,6 +34,9 @@ CLAMP_SAFETY = 1.8
 STRESS_SAFETY = 1.5
 # Friction of a greased small bearing, of its mean diameter (bearing makers).
 BEARING_FRICTION = 0.0015
+
+
+_LESS: tuple[Adjustment, ...] = (down("loads.peak_torque_Nm"),)
 
 
 def lasting_MPa(material: Material) -> float:
@@ -64,7 +67,15 @@ def grip_Nmm(collar: CollarDims, screw: Screw, shaft_mm: float) -> float:
     return FRICTION * clamp_force_N(screw.thread_mm) * (1 + collar.screw_offset / hinge) * shaft_mm
 
 
-def collar_grip(s: SectorLayout) -> Comparison:
+@check(
+    "Clamp collars hold the torque",
+    "mu N d; class 8.8 at 0.7 of yield, mu 0.15: usual values",
+    *_LESS,
+    advice="choose a drive.gearhead with a thicker shaft",
+    applies=carried,
+    unit="times",
+)
+def collar_grip(s: SectorLayout) -> Findings:
     """Torque that a clamp collar holds, over the largest torque of an input.
 
     The ring bends like a hinge opposite its slit, so that the screw presses the bore with F (1 + a/h), a and h the
@@ -74,11 +85,10 @@ def collar_grip(s: SectorLayout) -> Comparison:
     drive, collar = s.drive, s.collar
     holds = grip_Nmm(collar, drive.screw(collar.screw), drive.clamped_mm)
     needed = s.loads.highest_input_Nm * 1e3
-    return at_least(
+    yield (
         f"clamp collar holds {holds:.4g} N mm over the input's {needed:.4g} N mm",
         holds / max(needed, 1e-9),
         CLAMP_SAFETY,
-        "times",
     )
 
 
@@ -88,17 +98,22 @@ def set_screws_hold_Nmm(screw: Screw, shaft_radius_mm: float) -> float:
     return FRICTION * SET_SCREW_SHARE * clamp_force_N(screw.thread_mm) * (2.0 + sqrt(2.0)) * shaft_radius_mm
 
 
-def hub_set_screws(s: SectorLayout) -> Comparison:
+@check(
+    "Hub's set screws hold the shaft",
+    "mu F r (2 + sqrt 2), screws at right angles; half of a cap screw's force: estimate",
+    advice="choose a smaller drum.bearing",
+    unit="times",
+)
+def hub_set_screws(s: SectorLayout) -> Findings:
     """The set screws turn the drum's shaft against bearing friction only; the load does not pass through the shaft."""
     holds = set_screws_hold_Nmm(s.drive.screw(s.drum.set_screw), s.drum_shaft.radius)
     needed = (
         BEARING_FRICTION * sum(s.once("drum_reactions", drum_reactions_N)) * s.drive.bearings.drum.outer_diameter_mm / 2
     )
-    return at_least(
+    yield (
         f"two set screws hold {holds:.4g} N mm over bearing friction of {needed:.3g} N mm",
         holds / max(needed, 1e-3),
         SLIP_SAFETY,
-        "times",
         "output is taken at the hub",
     )
 
@@ -143,28 +158,45 @@ def strongest(s: SectorLayout) -> Strongest:
     return Strongest(s.loads.on_bodies, s.loads.highest_input_Nm, 1.0)
 
 
-def stop_pin(s: SectorLayout) -> Comparison:
+@check(
+    "Stop pin holds stalled motors",
+    "beam theory; 1.5 on yield: usual rule",
+    down("drum.web_thickness_mm"),
+    down("loads.peak_torque_Nm"),
+    up("all radii of transmission"),
+    applies=is_stopped,
+    unit="times",
+)
+def stop_pin(s: SectorLayout) -> Findings:
     """Bending of the pin between the frame's front and the web, with both motors stalled against it."""
     stall = stalled_Nm(s)
     lever = (s.drum.web_start_y + s.drum.web_end_y) / 2 - s.levels.front_y
     stress = round_shaft_MPa(s.frame.stop_pin_radius, stall * 1e3 / s.drum.stop_radius * lever)
     strength = s.drive.material("steel").yield_MPa
-    return at_least(
+    yield (
         f"yield {strength:g} MPa over the stop pin's {stress:.4g} MPa at {stall:.4g} N m",
         strength / max(stress, 1e-9),
         STRESS_SAFETY,
-        "times",
     )
 
 
-def pulley_stress(s: SectorLayout) -> Comparison:
+@check(
+    "Stress in the input pulleys' necks",
+    "beam theory; 1.5 on yield: usual rule",
+    *_LESS,
+    down("rope.preload_N"),
+    advice="choose an input_pulleys.lower_bearing and upper_bearing of larger bore",
+    applies=carried,
+    unit="times",
+)
+def pulley_stress(s: SectorLayout) -> Findings:
     """Stress in the input pulley's necks from bending and torsion, against the yield stress.
 
     At no load, at the peak torque and with the motors stalled at the stop. Printed pulleys count with the strength that
     creep leaves.
     """
     strength, most = lasting_MPa(s.drive.pulley_material), s.once("strongest", strongest)
-    torque, found = most.input_Nm * 1e3, []
+    torque = most.input_Nm * 1e3
     carried_N = reactions(s, most.on_bodies, most.over_peak)
     for i, (p, (name, low, high)) in enumerate(zip(s.inputs, carried_N, strict=True)):
         lower, upper = s.input_bearings_mm(i)
@@ -177,11 +209,19 @@ def pulley_stress(s: SectorLayout) -> Comparison:
                 raise NoFigureError(f"nothing is left of the {end} neck of {name} (radius {radius:.4g} mm)")
             stress = round_shaft_MPa(radius, bending, twist)
             what = f"yield {strength:g} MPa over {stress:.4g} MPa in the {end} neck of {name}"
-            found.append(at_least(what, strength / max(stress, 1e-9), STRESS_SAFETY, "times"))
-    return worst(found)
+            yield what, strength / max(stress, 1e-9), STRESS_SAFETY
 
 
-def shaft_stress(s: SectorLayout) -> Comparison:
+@check(
+    "Stress in the drum's shaft",
+    "beam theory; 1.5 on yield: usual rule",
+    down("drum.shaft_bore_mm"),
+    *_LESS,
+    down("rope.preload_N"),
+    advice="choose a larger drum.bearing, whose bore the shaft has",
+    unit="times",
+)
+def shaft_stress(s: SectorLayout) -> Findings:
     """Bending of the drum's shaft at its front bearing, by the cables and the payload, against the yield stress.
 
     At no load, at the peak torque and with the motors stalled at the stop. The shaft only carries forces across its
@@ -197,15 +237,15 @@ def shaft_stress(s: SectorLayout) -> Comparison:
     by_payload = payload.across_N * (s.levels.hub_face_y - front) + payload.tilt_Nm * 1e3
     modulus = pi / 4 * (shaft.radius**4 - shaft.bore_radius**4) / shaft.radius
     stress = (cables + by_payload) / max(modulus, 1e-9)
-    return at_least(
+    yield (
         f"yield {strength:g} MPa over {stress:.4g} MPa in the drum's shaft at its front bearing, bent by "
         f"{cables * 1e-3:.3g} N m of the cables and {by_payload * 1e-3:.3g} of the payload:",
         strength / max(stress, 1e-9),
         STRESS_SAFETY,
-        "times",
     )
 
 
+@check("Twist of the drum's shaft", "derived: torsion of a tube")
 def shaft_twist(s: SectorLayout) -> Comparison:
     """Twist of the drum's shaft for a load at its far end."""
     shaft, metal = s.drum_shaft, s.drive.shaft_material
@@ -219,50 +259,3 @@ def shaft_twist(s: SectorLayout) -> Comparison:
         "mrad per N m",
         "which would add to the backlash: the output is taken at the hub",
     )
-
-
-_LESS: tuple[Adjustment, ...] = (down("loads.peak_torque_Nm"),)
-CHECKS = (
-    Check(
-        "collar_grip",
-        "Clamp collars hold the torque",
-        "mu N d; class 8.8 at 0.7 of yield, mu 0.15: usual values",
-        collar_grip,
-        adjust=_LESS,
-        advice="choose a drive.gearhead with a thicker shaft",
-        applies=carried,
-    ),
-    Check(
-        "hub_set_screws",
-        "Hub's set screws hold the shaft",
-        "mu F r (2 + sqrt 2), screws at right angles; half of a cap screw's force: estimate",
-        hub_set_screws,
-        advice="choose a smaller drum.bearing",
-    ),
-    Check(
-        "stop_pin",
-        "Stop pin holds stalled motors",
-        "beam theory; 1.5 on yield: usual rule",
-        stop_pin,
-        applies=is_stopped,
-        adjust=(down("drum.web_thickness_mm"), down("loads.peak_torque_Nm"), up("all radii of transmission")),
-    ),
-    Check(
-        "pulley_stress",
-        "Stress in the input pulleys' necks",
-        "beam theory; 1.5 on yield: usual rule",
-        pulley_stress,
-        adjust=(*_LESS, down("rope.preload_N")),
-        advice="choose an input_pulleys.lower_bearing and upper_bearing of larger bore",
-        applies=carried,
-    ),
-    Check(
-        "shaft_stress",
-        "Stress in the drum's shaft",
-        "beam theory; 1.5 on yield: usual rule",
-        shaft_stress,
-        adjust=(down("drum.shaft_bore_mm"), *_LESS, down("rope.preload_N")),
-        advice="choose a larger drum.bearing, whose bore the shaft has",
-    ),
-    Check("shaft_twist", "Twist of the drum's shaft", "derived: torsion of a tube", shaft_twist),
-)

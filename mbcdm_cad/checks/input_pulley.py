@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mbcdm_cad.checks.bearings import carried
-from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, noted, worst
+from mbcdm_cad.checks.comparison import Check, Comparison, Findings, at_least, at_most, check, noted
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.parts.collar import collar_width_mm
@@ -23,11 +23,15 @@ DEAD_TURNS = 0.5
 PASSAGE_MM = 0.1
 
 
+_CHOOSE = "choose another input_pulleys.lower_bearing or drive.gearhead, or an input_pulleys.material of thinner walls"
+
+
 def _slots(s: SectorLayout) -> list[tuple[InputPulleyDims, StopSlot, float]]:
     """(pulley, slot, surface radius of the land round it)."""
     return [(p, slot, slot.pitch_radius - s.flank_mm) for p in s.inputs for slot in p.slots]
 
 
+@check("Dead turns protect the stop", "half a turn: estimate")
 def dead_turns(s: SectorLayout) -> Comparison:
     """Number of turns that stay on the input pulley at the unwound end of the travel."""
     return at_least("dead turns on the input pulleys", s.drive.dead_turns, DEAD_TURNS, "turns")
@@ -35,187 +39,7 @@ def dead_turns(s: SectorLayout) -> Comparison:
 
 def dead_turns_check(adjust: tuple[Adjustment, ...]) -> Check:
     """The check; ``adjust``: the configuration's variables that leave more on the pulley."""
-    return Check("dead_turns", "Dead turns protect the stop", "half a turn: estimate", dead_turns, adjust=adjust)
-
-
-def stop_pocket_wall(s: SectorLayout) -> Comparison:
-    """Wall between the corner of a stop's pocket and the surface of the land."""
-    limit = s.drive.pulley_material.min_wall_mm
-    return worst(
-        at_least(f"wall outside the stop of {slot.cable_name}", surface - slot.pocket_reach, limit, "mm")
-        for _, slot, surface in _slots(s)
-    )
-
-
-def stop_pocket_floor(s: SectorLayout) -> Comparison:
-    """Wall between the pockets that are milled from both end faces of a pulley."""
-    limit = s.drive.pulley_material.min_wall_mm
-    found = []
-    for p in s.inputs:
-        low, high = sorted(p.slots, key=lambda slot: slot.face_z)
-        deep = low.stop_radius + STOP_PLAY_MM
-        found.append(
-            at_least(f"metal between the stops of {p.name}", high.chord_z - deep - (low.chord_z + deep), limit, "mm")
-        )
-    return worst(found)
-
-
-def stop_pocket_bore(s: SectorLayout) -> Comparison:
-    """Wall between a stop's pocket and the bore for the gearhead's shaft, or between the pockets and the bore's end."""
-    limit = s.drive.pulley_material.min_wall_mm
-    found = []
-    for p, slot, _ in _slots(s):
-        beside = slot.pocket_inner - p.bore_radius
-        below = min(slot.face_z, slot.chord_z - slot.stop_radius) - p.bore_top_z
-        found.append(at_least(f"stop of {slot.cable_name} from the shaft's bore", max(beside, below), limit, "mm"))
-    return worst(found)
-
-
-def bore_wall(s: SectorLayout) -> Comparison:
-    """Wall of the slit journal round the gearhead's shaft."""
-    p = s.inputs[0]
-    limit = s.drive.pulley_material.min_wall_mm
-    return at_least(
-        f"journal's wall round the {s.drive.mounted}'s shaft", p.lower_journal_radius - p.bore_radius, limit, "mm"
-    )
-
-
-def bearing_shoulders(s: SectorLayout) -> Comparison:
-    """The necks are higher than the journals, so that the bearings' inner rings rest on them."""
-    return worst(
-        at_least(f"{end} neck of {p.name} over its journal", neck - journal, SHOULDER_MM, "mm")
-        for p in s.inputs
-        for end, neck, journal in (
-            ("lower", p.lower_neck_radius, p.lower_journal_radius),
-            ("upper", p.upper_neck_radius, p.upper_journal_radius),
-        )
-    )
-
-
-def encoder_fit(s: SectorLayout) -> Comparison:
-    """The bore of each encoder equals the diameter of the shaft that it sits on."""
-    drive = s.drive
-    pairs = (
-        ("input encoder's bore from the upper journal", drive.encoder, drive.bearings.input_upper),
-        ("drum encoder's bore from the drum's shaft", drive.drum_encoder, drive.bearings.drum),
-    )
-    found = [
-        at_most(name, abs(encoder.bore_mm - bearing.bore_mm), FIT_MM, "mm")
-        for name, encoder, bearing in pairs
-        if not encoder.absent
-    ]
-    return worst(found) if found else noted("no encoder: bore", 0.0, "mm")
-
-
-def bought_depth(s: SectorLayout) -> Comparison:
-    """Material behind the threaded holes that the drive uses in bought parts."""
-    drive = s.drive
-    gear_screw, encoder_screw = drive.screw(drive.gearhead.screw), drive.screw(drive.encoder.screw)
-    ring_screw = drive.screw(drive.drum_encoder.screw)
-    in_gear = gear_screw.length_mm - s.motor_shelf_mm + 1.0
-    in_encoder = encoder_screw.length_mm - (s.encoder_plate_mm - encoder_screw.head_height_mm - 0.2) + 0.5
-    grip = ring_screw.length_mm - s.frame.encoder_screw_depth + 0.5
-    found = []
-    if drive.servo is None:
-        found.append(at_least(f"{drive.mounted} behind its screws", drive.face_depth_mm - in_gear, FLOOR_MM, "mm"))
-    if not drive.encoder.absent:
-        above = drive.encoder.length_mm - ENCODER_INSERTION_MM - 0.5
-        found += [
-            at_least("encoder above its screws", drive.encoder.length_mm - in_encoder, FLOOR_MM, "mm"),
-            at_least("encoder above its shaft", above, FLOOR_MM / 2, "mm"),
-        ]
-    if not drive.drum_encoder.absent:
-        over = drive.drum_encoder.length_mm - grip - ring_screw.head_height_mm
-        found.append(at_least("drum encoder over its screws' heads", over, 0.0, "mm"))
-    return worst(found) if found else noted("no threaded holes in bought parts: depth", 0.0, "mm")
-
-
-def shaft_grip(s: SectorLayout) -> Comparison:
-    """Length over which the collar clamps journal and shaft."""
-    gear, stage = s.drive.gearhead, s.stage
-    end = s.input_levels.motor_shelf_bottom_z + gear.shaft_length_mm
-    if stage is not None:
-        return at_least(
-            f"{s.drive.mounted} shaft inside its {'pulley' if stage.stage.is_belt else 'gear'}",
-            min(end, stage.top_z) - stage.bottom_z,
-            GRIP_DIAMETERS * gear.shaft_diameter_mm,
-            "mm",
-        )
-    start = max(s.collar.bottom_z, max(p.journal_bottom_z for p in s.inputs))
-    return at_least(
-        f"{s.drive.mounted} shaft inside the clamp collar",
-        min(end, s.collar.top_z) - start,
-        GRIP_DIAMETERS * gear.shaft_diameter_mm,
-        "mm",
-    )
-
-
-def pilot_room(s: SectorLayout) -> Comparison:
-    """Gap between the gearhead's centring boss and the pulley's journal, the shelf and the screws' heads."""
-    gear, running = s.drive.gearhead, s.drive.clearances.running_mm
-    top = s.input_levels.motor_shelf_bottom_z + gear.pilot_height_mm
-    bottom = min(p.journal_bottom_z for p in s.inputs)
-    head = s.drive.screw(gear.screw).head_diameter_mm
-    beside = (gear.bolt_circle_mm - head - gear.pilot_diameter_mm) / 2
-    inside = s.motor_shelf_mm - gear.pilot_height_mm
-    return worst(
-        (
-            at_least(f"journal above the {s.drive.mounted}'s pilot", bottom - top, running, "mm"),
-            at_least(
-                f"{s.drive.mounted}'s pilot under the shelf's top, or beside the screws' heads",
-                max(inside, beside),
-                0.0,
-                "mm",
-            ),
-        )
-    )
-
-
-def coupling_height(s: SectorLayout) -> Comparison:
-    """The coupling space has room for collar and slit below the bearing, and to insert gearhead screws and collar."""
-    v, drive = s.input_levels, s.drive
-    shaft_end = v.motor_shelf_bottom_z + drive.gearhead.shaft_length_mm
-    screw = drive.screw(drive.gearhead.screw)
-    bearing_bottom = v.bearing_shelf_top_z - drive.bearings.input_lower.width_mm
-    gap, slit_top = drive.clearances.running_mm, max(p.slit_top_z for p in s.inputs)
-    space = v.bearing_shelf_bottom_z - v.motor_shelf_top_z
-    if s.stage is not None:
-        return worst(
-            (
-                at_least(
-                    "bearing shelf above the driven wheel's hub",
-                    v.bearing_shelf_bottom_z - s.stage.hub_top_z,
-                    gap,
-                    "mm",
-                ),
-                at_least(
-                    f"bearing shelf above the end of the {drive.mounted}'s shaft",
-                    v.bearing_shelf_bottom_z - shaft_end,
-                    gap,
-                    "mm",
-                ),
-            )
-        )
-    return worst(
-        (
-            at_least("bearing shelf above the clamp collar", v.bearing_shelf_bottom_z - s.collar.top_z, gap, "mm"),
-            at_least("lower bearing above the journal's slit", bearing_bottom - slit_top, gap, "mm"),
-            at_least(
-                f"coupling space beyond the length of a {screw.name} with its head",
-                space - screw.length_mm - screw.head_height_mm,
-                gap,
-                "mm",
-            ),
-            at_least(
-                f"coupling space for the clamp collar on its way over the end of the {drive.mounted}'s shaft",
-                v.bearing_shelf_bottom_z
-                - max(shaft_end, v.motor_shelf_top_z)
-                - collar_width_mm(drive, drive.input_pulleys.collar_screw),
-                PASSAGE_MM,
-                "mm",
-            ),
-        )
-    )
+    return dead_turns.but(adjust=adjust)
 
 
 def _of_thinner_walls(s: SectorLayout) -> str:
@@ -224,7 +48,188 @@ def _of_thinner_walls(s: SectorLayout) -> str:
     return "choose steel or brass for input_pulleys.material" if own.min_wall_mm > steel.min_wall_mm else ""
 
 
-_CHOOSE = "choose another input_pulleys.lower_bearing or drive.gearhead, or an input_pulleys.material of thinner walls"
+@check("Wall outside the stops' pockets", "material: min_wall_mm", advice=_of_thinner_walls)
+def stop_pocket_wall(s: SectorLayout) -> Findings:
+    """Wall between the corner of a stop's pocket and the surface of the land."""
+    limit = s.drive.pulley_material.min_wall_mm
+    for _, slot, surface in _slots(s):
+        yield f"wall outside the stop of {slot.cable_name}", surface - slot.pocket_reach, limit
+
+
+@check(
+    "Metal between the stops' pockets",
+    "material: min_wall_mm",
+    up("rope.helix_lead_mm"),
+    up("rope.dead_turns"),
+    up("all radii of transmission"),
+)
+def stop_pocket_floor(s: SectorLayout) -> Findings:
+    """Wall between the pockets that are milled from both end faces of a pulley."""
+    limit = s.drive.pulley_material.min_wall_mm
+    for p in s.inputs:
+        low, high = sorted(p.slots, key=lambda slot: slot.face_z)
+        deep = low.stop_radius + STOP_PLAY_MM
+        yield f"metal between the stops of {p.name}", high.chord_z - deep - (low.chord_z + deep), limit
+
+
+@check("Metal between stops and shaft bore", "material: min_wall_mm")
+def stop_pocket_bore(s: SectorLayout) -> Findings:
+    """Wall between a stop's pocket and the bore for the gearhead's shaft, or between the pockets and the bore's end."""
+    limit = s.drive.pulley_material.min_wall_mm
+    for p, slot, _ in _slots(s):
+        beside = slot.pocket_inner - p.bore_radius
+        below = min(slot.face_z, slot.chord_z - slot.stop_radius) - p.bore_top_z
+        yield f"stop of {slot.cable_name} from the shaft's bore", max(beside, below), limit
+
+
+@check(
+    "Journal's wall round the gearhead's shaft",
+    "material: min_wall_mm",
+    advice=_CHOOSE,
+    applies=lambda drive: drive.stage is None and carried(drive),
+)
+def bore_wall(s: SectorLayout) -> Findings:
+    """Wall of the slit journal round the gearhead's shaft."""
+    p = s.inputs[0]
+    limit = s.drive.pulley_material.min_wall_mm
+    yield f"journal's wall round the {s.drive.mounted}'s shaft", p.lower_journal_radius - p.bore_radius, limit
+
+
+@check(
+    "Shoulders for the input pulleys' bearings",
+    "bearing catalogue; 0.3 mm: estimate",
+    advice="choose a smaller input_pulleys.lower_bearing or upper_bearing",
+    applies=carried,
+)
+def bearing_shoulders(s: SectorLayout) -> Findings:
+    """The necks are higher than the journals, so that the bearings' inner rings rest on them."""
+    for p in s.inputs:
+        for end, neck, journal in (
+            ("lower", p.lower_neck_radius, p.lower_journal_radius),
+            ("upper", p.upper_neck_radius, p.upper_journal_radius),
+        ):
+            yield f"{end} neck of {p.name} over its journal", neck - journal, SHOULDER_MM
+
+
+@check(
+    "Encoders fit their shafts",
+    "encoder and bearing catalogue",
+    advice="choose drive.encoder and input_pulleys.upper_bearing, or drive.drum_encoder and drum.bearing, of one bore",
+    none=noted("no encoder: bore", 0.0, "mm"),
+)
+def encoder_fit(s: SectorLayout) -> Findings:
+    """The bore of each encoder equals the diameter of the shaft that it sits on."""
+    drive = s.drive
+    pairs = (
+        ("input encoder's bore from the upper journal", drive.encoder, drive.bearings.input_upper),
+        ("drum encoder's bore from the drum's shaft", drive.drum_encoder, drive.bearings.drum),
+    )
+    for name, encoder, bearing in pairs:
+        if not encoder.absent:
+            yield at_most(name, abs(encoder.bore_mm - bearing.bore_mm), FIT_MM, "mm")
+
+
+@check(
+    "Bought parts are deep enough for their holes",
+    "catalogue; 1 mm: estimate",
+    up("support.motor_shelf_mm"),
+    up("support.top_plate_mm"),
+    advice="choose a drive.gearhead or drive.encoder with a shorter screw",
+    none=noted("no threaded holes in bought parts: depth", 0.0, "mm"),
+)
+def bought_depth(s: SectorLayout) -> Findings:
+    """Material behind the threaded holes that the drive uses in bought parts."""
+    drive = s.drive
+    gear_screw, encoder_screw = drive.screw(drive.gearhead.screw), drive.screw(drive.encoder.screw)
+    ring_screw = drive.screw(drive.drum_encoder.screw)
+    in_gear = gear_screw.length_mm - s.motor_shelf_mm + 1.0
+    in_encoder = encoder_screw.length_mm - (s.encoder_plate_mm - encoder_screw.head_height_mm - 0.2) + 0.5
+    grip = ring_screw.length_mm - s.frame.encoder_screw_depth + 0.5
+    if drive.servo is None:
+        yield f"{drive.mounted} behind its screws", drive.face_depth_mm - in_gear, FLOOR_MM
+    if not drive.encoder.absent:
+        above = drive.encoder.length_mm - ENCODER_INSERTION_MM - 0.5
+        yield "encoder above its screws", drive.encoder.length_mm - in_encoder, FLOOR_MM
+        yield "encoder above its shaft", above, FLOOR_MM / 2
+    if not drive.drum_encoder.absent:
+        over = drive.drum_encoder.length_mm - grip - ring_screw.head_height_mm
+        yield "drum encoder over its screws' heads", over, 0.0
+
+
+@check(
+    "Clamp collar grips the gearhead's shaft",
+    "one diameter: usual rule",
+    down("support.motor_shelf_mm"),
+    advice="choose a drive.gearhead with a longer shaft",
+    applies=carried,
+)
+def shaft_grip(s: SectorLayout) -> Findings:
+    """Length over which the collar clamps journal and shaft."""
+    gear, stage = s.drive.gearhead, s.stage
+    end = s.input_levels.motor_shelf_bottom_z + gear.shaft_length_mm
+    if stage is not None:
+        yield (
+            f"{s.drive.mounted} shaft inside its {'pulley' if stage.stage.is_belt else 'gear'}",
+            min(end, stage.top_z) - stage.bottom_z,
+            GRIP_DIAMETERS * gear.shaft_diameter_mm,
+        )
+        return
+    start = max(s.collar.bottom_z, max(p.journal_bottom_z for p in s.inputs))
+    yield (
+        f"{s.drive.mounted} shaft inside the clamp collar",
+        min(end, s.collar.top_z) - start,
+        GRIP_DIAMETERS * gear.shaft_diameter_mm,
+    )
+
+
+@check(
+    "Gearhead's pilot clears pulley and screws", "clearances.running_mm", up("support.motor_shelf_mm"), applies=carried
+)
+def pilot_room(s: SectorLayout) -> Findings:
+    """Gap between the gearhead's centring boss and the pulley's journal, the shelf and the screws' heads."""
+    gear, running = s.drive.gearhead, s.drive.clearances.running_mm
+    top = s.input_levels.motor_shelf_bottom_z + gear.pilot_height_mm
+    bottom = min(p.journal_bottom_z for p in s.inputs)
+    head = s.drive.screw(gear.screw).head_diameter_mm
+    beside = (gear.bolt_circle_mm - head - gear.pilot_diameter_mm) / 2
+    inside = s.motor_shelf_mm - gear.pilot_height_mm
+    yield f"journal above the {s.drive.mounted}'s pilot", bottom - top, running
+    yield f"{s.drive.mounted}'s pilot under the shelf's top, or beside the screws' heads", max(inside, beside), 0.0
+
+
+@check(
+    "Coupling space is high enough",
+    "clearances.running_mm; 0.1 mm: estimate",
+    up("support.coupling_space_mm"),
+    up("support.motor_shelf_mm"),
+    applies=carried,
+)
+def coupling_height(s: SectorLayout) -> Findings:
+    """The coupling space has room for collar and slit below the bearing, and to insert gearhead screws and collar."""
+    v, drive = s.input_levels, s.drive
+    shaft_end = v.motor_shelf_bottom_z + drive.gearhead.shaft_length_mm
+    screw = drive.screw(drive.gearhead.screw)
+    bearing_bottom = v.bearing_shelf_top_z - drive.bearings.input_lower.width_mm
+    gap, slit_top = drive.clearances.running_mm, max(p.slit_top_z for p in s.inputs)
+    space = v.bearing_shelf_bottom_z - v.motor_shelf_top_z
+    if s.stage is not None:
+        yield "bearing shelf above the driven wheel's hub", v.bearing_shelf_bottom_z - s.stage.hub_top_z, gap
+        yield f"bearing shelf above the end of the {drive.mounted}'s shaft", v.bearing_shelf_bottom_z - shaft_end, gap
+        return
+    yield "bearing shelf above the clamp collar", v.bearing_shelf_bottom_z - s.collar.top_z, gap
+    yield "lower bearing above the journal's slit", bearing_bottom - slit_top, gap
+    yield (
+        f"coupling space beyond the length of a {screw.name} with its head",
+        space - screw.length_mm - screw.head_height_mm,
+        gap,
+    )
+    yield (
+        f"coupling space for the clamp collar on its way over the end of the {drive.mounted}'s shaft",
+        v.bearing_shelf_bottom_z
+        - max(shaft_end, v.motor_shelf_top_z)
+        - collar_width_mm(drive, drive.input_pulleys.collar_screw),
+        PASSAGE_MM,
+    )
 
 
 def pulley_checks(wider: tuple[Adjustment, ...]) -> tuple[Check, ...]:
@@ -234,91 +239,17 @@ def pulley_checks(wider: tuple[Adjustment, ...]) -> tuple[Check, ...]:
 
 def stop_checks(wider: tuple[Adjustment, ...]) -> tuple[Check, ...]:
     """Those of the stops' pockets."""
-    return (
-        Check(
-            "stop_pocket_wall",
-            "Wall outside the stops' pockets",
-            "material: min_wall_mm",
-            stop_pocket_wall,
-            adjust=wider,
-            advice=_of_thinner_walls,
-        ),
-        Check(
-            "stop_pocket_floor",
-            "Metal between the stops' pockets",
-            "material: min_wall_mm",
-            stop_pocket_floor,
-            adjust=(up("rope.helix_lead_mm"), up("rope.dead_turns"), up("all radii of transmission")),
-        ),
-        Check(
-            "stop_pocket_bore",
-            "Metal between stops and shaft bore",
-            "material: min_wall_mm",
-            stop_pocket_bore,
-            adjust=wider,
-        ),
-    )
+    return (stop_pocket_wall.but(adjust=wider), stop_pocket_floor, stop_pocket_bore.but(adjust=wider))
 
 
 def coupling_checks(wider: tuple[Adjustment, ...]) -> tuple[Check, ...]:
     """The checks of a pulley without stops: journals, bearings, encoder and coupling."""
     return (
-        Check(
-            "bore_wall",
-            "Journal's wall round the gearhead's shaft",
-            "material: min_wall_mm",
-            bore_wall,
-            advice=_CHOOSE,
-            applies=lambda drive: drive.stage is None and carried(drive),
-        ),
-        Check(
-            "bearing_shoulders",
-            "Shoulders for the input pulleys' bearings",
-            "bearing catalogue; 0.3 mm: estimate",
-            bearing_shoulders,
-            adjust=wider,
-            advice="choose a smaller input_pulleys.lower_bearing or upper_bearing",
-            applies=carried,
-        ),
-        Check(
-            "encoder_fit",
-            "Encoders fit their shafts",
-            "encoder and bearing catalogue",
-            encoder_fit,
-            advice="choose drive.encoder and input_pulleys.upper_bearing, or drive.drum_encoder and drum.bearing, "
-            "of one bore",
-        ),
-        Check(
-            "bought_depth",
-            "Bought parts are deep enough for their holes",
-            "catalogue; 1 mm: estimate",
-            bought_depth,
-            adjust=(up("support.motor_shelf_mm"), up("support.top_plate_mm")),
-            advice="choose a drive.gearhead or drive.encoder with a shorter screw",
-        ),
-        Check(
-            "shaft_grip",
-            "Clamp collar grips the gearhead's shaft",
-            "one diameter: usual rule",
-            shaft_grip,
-            adjust=(down("support.motor_shelf_mm"),),
-            advice="choose a drive.gearhead with a longer shaft",
-            applies=carried,
-        ),
-        Check(
-            "pilot_room",
-            "Gearhead's pilot clears pulley and screws",
-            "clearances.running_mm",
-            pilot_room,
-            adjust=(up("support.motor_shelf_mm"),),
-            applies=carried,
-        ),
-        Check(
-            "coupling_height",
-            "Coupling space is high enough",
-            "clearances.running_mm; 0.1 mm: estimate",
-            coupling_height,
-            adjust=(up("support.coupling_space_mm"), up("support.motor_shelf_mm")),
-            applies=carried,
-        ),
+        bore_wall,
+        bearing_shoulders.but(adjust=wider),
+        encoder_fit,
+        bought_depth,
+        shaft_grip,
+        pilot_room,
+        coupling_height,
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from mbcdm_cad.checks.bearings import carried
-from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
+from mbcdm_cad.checks.comparison import Comparison, Findings, at_least, at_most, check
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM, corner_gap, web_between
 from mbcdm_cad.design.bought import Encoder, Screw
@@ -18,7 +18,14 @@ SCREWS_DRAWN = 2
 FACE_SCREWS = (2, 3, 4)
 
 
-def engagement(s: HeadLayout) -> Comparison:
+@check(
+    "Screws engage over their diameter",
+    "usual rule: one diameter",
+    down("support.motor_shelf_mm"),
+    up("drum.hub_diameter_mm"),
+    advice="choose a drive.gearhead or drive.encoder with longer screws",
+)
+def engagement(s: HeadLayout) -> Findings:
     """Engaged thread of every screw minus its diameter."""
     drive, f = s.drive, s.frame
     gear, encoder, ring = (drive.screw(item.screw) for item in (drive.gearhead, drive.encoder, drive.drum_encoder))
@@ -37,10 +44,8 @@ def engagement(s: HeadLayout) -> Comparison:
         ("hub's set screw", hub, min(hub.length_mm, s.drum.hub_radius - s.drum.set_screw_radius)),
         *(_in_collar(s) for _ in range(not drive.overhung)),
     )
-    return worst(
-        at_least(f"engaged length of the {name} over its diameter", length - screw.thread_mm, 0.0, "mm")
-        for name, screw, length in engaged
-    )
+    for name, screw, length in engaged:
+        yield f"engaged length of the {name} over its diameter", length - screw.thread_mm, 0.0
 
 
 def _in_collar(s: HeadLayout) -> tuple[str, Screw, float]:
@@ -48,25 +53,31 @@ def _in_collar(s: HeadLayout) -> tuple[str, Screw, float]:
     return "collar's screw", screw, screw.length_mm - c.head_seat - c.slit_width / 2
 
 
-def screw_counts(s: HeadLayout) -> Comparison:
+@check(
+    "Gearhead has two to four screws, encoders have two",
+    "the parts are drilled for them",
+    advice="choose a drive.gearhead, or drive.motor, of two to four screws and a drive.encoder of two",
+    unit="screws",
+)
+def screw_counts(s: HeadLayout) -> Findings:
     """Gearhead or motor, and encoders, are held by as many screws as the parts can be drilled for."""
     drive, count = s.drive, s.drive.gearhead.screw_count
     items = (("encoder", drive.encoder), ("drum encoder", drive.drum_encoder))
-    return worst(
-        (
-            *(
-                at_most(
-                    f"screws of the {name}, off the two drilled", abs(item.screw_count - SCREWS_DRAWN), 0.0, "screws"
-                )
-                for name, item in items
-                if not item.absent
-            ),
-            at_least(f"screws of the {drive.mounted}", count, min(FACE_SCREWS), "screws"),
-            at_most(f"screws of the {drive.mounted}", count, max(FACE_SCREWS), "screws"),
-        )
-    )
+    for name, item in items:
+        if not item.absent:
+            yield at_most(
+                f"screws of the {name}, off the two drilled", abs(item.screw_count - SCREWS_DRAWN), 0.0, "screws"
+            )
+    yield f"screws of the {drive.mounted}", count, min(FACE_SCREWS)
+    yield at_most(f"screws of the {drive.mounted}", count, max(FACE_SCREWS), "screws")
 
 
+@check(
+    "Key holes for the gearhead's screws",
+    "derived: assembly order",
+    advice="choose a larger input_pulleys.lower_bearing, or a gearhead of smaller bolt circle",
+    applies=carried,
+)
 def key_access(s: HeadLayout) -> Comparison:
     """The holes for the key of the gearhead's screws lie completely inside the bearing's seat, or outside it."""
     h = s.head
@@ -99,17 +110,27 @@ def collar_gaps(s: HeadLayout) -> Iterator[tuple[str, float]]:
         yield from beside("wheel", wheel, s.stage.bottom_z, s.stage.top_z)
 
 
-def collar_space(s: HeadLayout) -> Comparison:
+@check("Clamp collar turns freely", "clearances.running_mm", up("support.coupling_space_mm"), applies=carried)
+def collar_space(s: HeadLayout) -> Findings:
     """Collar and gearhead screws' heads stand clear of the coupling space's walls and rounded corners."""
-    return worst(at_least(name, gap, s.drive.clearances.running_mm, "mm") for name, gap in collar_gaps(s))
+    for name, gap in collar_gaps(s):
+        yield name, gap, s.drive.clearances.running_mm
 
 
-def encoder_shelf(s: HeadLayout) -> Comparison:
+@check(
+    "Encoder shelf takes bearing and screws",
+    "material: min_wall_mm",
+    up("support.bearing_shelf_mm"),
+    up("support.encoder_shelf_mm"),
+    applies=carried,
+)
+def encoder_shelf(s: HeadLayout) -> Findings:
     """The encoder's screws have metal under their heads and enough thread in its housing."""
     f, drive = s.frame, s.drive
     if drive.encoder.absent:
         rest = drive.support.encoder_shelf_mm - f.seat_depth
-        return at_least("shelf behind the far bearing", rest, drive.frame_material.min_wall_mm, "mm")
+        yield "shelf behind the far bearing", rest, drive.frame_material.min_wall_mm
+        return
     screw, limit = drive.screw(drive.encoder.screw), drive.frame_material.min_wall_mm
     shelf = drive.support.encoder_shelf_mm
     low, high = f.encoder_shelf_bottom_z, f.encoder_shelf_top_z
@@ -121,85 +142,27 @@ def encoder_shelf(s: HeadLayout) -> Comparison:
         x = sign * f.encoder_circle_radius
         holes.append(("screw", x, 0.0, f.encoder_screw_clearance, low, high))
         holes.append(("screw head", x, 0.0, f.encoder_head_radius, high - f.encoder_head_depth, high))
-    found = [at_least(f"encoder shelf, {name}", web, HOLE_WEB_MM, "mm") for name, web in web_between(holes)]
-    found += [
-        at_least("metal under the encoder's screw heads", shelf - f.encoder_head_depth, limit, "mm"),
-        at_least("encoder's screw heads sunk", f.encoder_head_depth - screw.head_height_mm, 0.0, "mm"),
-    ]
-    return worst(found)
+    for name, web in web_between(holes):
+        yield f"encoder shelf, {name}", web, HOLE_WEB_MM
+    yield "metal under the encoder's screw heads", shelf - f.encoder_head_depth, limit
+    yield "encoder's screw heads sunk", f.encoder_head_depth - screw.head_height_mm, 0.0
 
 
-def boss_walls(s: HeadLayout) -> Iterator[Comparison]:
+def boss_walls(s: HeadLayout) -> Findings:
     """The boss has room for both drum bearings and a shoulder between them, its ears for the encoder's screws."""
     b, encoder = s.frame.boss, s.drive.drum_encoder
     limit = s.drive.frame_material.min_wall_mm
-    yield at_least("shoulder between the drum's bearings", b.front_seat_start_y - b.rear_seat_end_y, 2 * limit, "mm")
+    yield "shoulder between the drum's bearings", b.front_seat_start_y - b.rear_seat_end_y, 2 * limit
     if encoder.absent:
         return
-    yield at_least("boss beyond the ears of the drum encoder's screws", b.front_y - b.ear_front_y, 0.0, "mm")
+    yield "boss beyond the ears of the drum encoder's screws", b.front_y - b.ear_front_y, 0.0
     yield from encoder_threads(b, encoder)
 
 
-def encoder_threads(b: BossDims, encoder: Encoder) -> Iterator[Comparison]:
+def encoder_threads(b: BossDims, encoder: Encoder) -> Findings:
     """Walls round the threads for the drum encoder's screws."""
-    yield at_least(
-        "drum encoder's threads from the bearing's seat",
-        b.screw_circle - b.screw_radius - b.seat_radius,
-        HOLE_WEB_MM,
-        "mm",
-    )
-    yield at_least(
-        "drum encoder's threads inside its housing",
-        encoder.diameter_mm / 2 - b.screw_circle - b.screw_radius,
-        HOLE_WEB_MM,
-        "mm",
-    )
-    yield at_least(
-        "ear round the drum encoder's threads",
-        max(b.ear_reach, b.radius) - b.screw_circle - b.screw_radius,
-        EAR_WALL_MM,
-        "mm",
-    )
-
-
-ENCODER_SHELF = Check(
-    "encoder_shelf",
-    "Encoder shelf takes bearing and screws",
-    "material: min_wall_mm",
-    encoder_shelf,
-    adjust=(up("support.bearing_shelf_mm"), up("support.encoder_shelf_mm")),
-    applies=carried,
-)
-CHECKS = (
-    Check(
-        "engagement",
-        "Screws engage over their diameter",
-        "usual rule: one diameter",
-        engagement,
-        adjust=(down("support.motor_shelf_mm"), up("drum.hub_diameter_mm")),
-        advice="choose a drive.gearhead or drive.encoder with longer screws",
-    ),
-    Check(
-        "screw_counts",
-        "Gearhead has two to four screws, encoders have two",
-        "the parts are drilled for them",
-        screw_counts,
-        advice="choose a drive.gearhead, or drive.motor, of two to four screws and a drive.encoder of two",
-    ),
-    Check(
-        "key_access",
-        "Key holes for the gearhead's screws",
-        "derived: assembly order",
-        key_access,
-        advice="choose a larger input_pulleys.lower_bearing, or a gearhead of smaller bolt circle",
-        applies=carried,
-    ),
-    Check(
-        "collar_space",
-        "Clamp collar turns freely",
-        "clearances.running_mm",
-        collar_space,
-        adjust=(up("support.coupling_space_mm"),),
-        applies=carried,
-    ),
-)
+    yield "drum encoder's threads from the bearing's seat", b.screw_circle - b.screw_radius - b.seat_radius, HOLE_WEB_MM
+    housing = encoder.diameter_mm / 2 - b.screw_circle - b.screw_radius
+    yield "drum encoder's threads inside its housing", housing, HOLE_WEB_MM
+    ear = max(b.ear_reach, b.radius) - b.screw_circle - b.screw_radius
+    yield "ear round the drum encoder's threads", ear, EAR_WALL_MM

@@ -1,17 +1,20 @@
-"""Ratios that all cables of an input must share, and the change of tension by a difference.
+"""Ratios that all cables of an input must share, surfaces that can be cut, and bends that the rope allows.
 
-The checks use nominal radii, with a tolerance far below that of machining: they find errors of the design, not of
-parts.
+The checks of ratios use nominal radii, with a tolerance far below that of machining: they find errors of the design,
+not of parts. The paper's design (D/d 14.8 at its smallest pulley) is below every rope maker's minimum for 7x7.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
+from functools import partial
+from typing import Any
 
 import numpy as np
 
-from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, shown, worst
-from mbcdm_cad.checks.design_variables import down, up
+from mbcdm_cad.checks.comparison import Check, Comparison, Findings, at_least, at_most, check, shown, worst
+from mbcdm_cad.checks.design_variables import Adjustment, down, up
+from mbcdm_cad.checks.run import floored
 from mbcdm_cad.design.drive import CableRun
 from mbcdm_cad.layouts.base import Layout
 from mbcdm_cad.layouts.sector import SectorLayout
@@ -34,6 +37,7 @@ def spread(name: str, ratios: Sequence[float], cables: Sequence[CableRun], note:
     return at_most(f"{name} = {listed}: {cables[k].name} off", off[k], RATIO_TOLERANCE, "relative", note)
 
 
+@check("Cables of one input agree over the travel", "derived; a tenth of the preload: estimate")
 def pair_mismatch(s: Layout) -> Comparison:
     """Tension that the two cables of an input cause in each other over the travel, from the model."""
 
@@ -61,21 +65,111 @@ def ratio_if_cut_as_surface(s: SectorLayout, cable: SectorRun) -> float:
     return (cable.drum_radius_mm + s.flank_mm) / (cable.input_radius_mm + s.flank_mm)
 
 
-def smallest_surface(s: SectorLayout) -> Comparison:
+@check(
+    "Surfaces r - d/2 can be machined",
+    "derived from paper Table 2, which gives pitch radii",
+    down("rope diameter_mm"),
+    up("all radii of transmission"),
+)
+def surface_radius(s: SectorLayout) -> Findings:
     """Every surface radius r - d/2 can be machined."""
     ratios = "/".join(f"{ratio_if_cut_as_surface(s, c):.4g}" for c in s.steps)
     meant = "/".join(f"{c.drum_radius_mm / c.input_radius_mm:.4g}" for c in s.steps)
     note = f"radii are pitch radii; cut as surface radii the total ratios would be {ratios} instead of {meant}"
-    return worst(
-        at_least(f"r - d/2 of {cable} on the {body}", radius - s.flank_mm, SMALLEST_SURFACE_MM, "mm", note)
-        for cable, body, radius in s.bends_mm()
+    for cable, body, radius in s.bends_mm():
+        yield f"r - d/2 of {cable} on the {body}", radius - s.flank_mm, SMALLEST_SURFACE_MM, note
+
+
+# Strength efficiency of wire rope bent over D/d, from rope makers' tables.
+EFFICIENCY_RATIO = (10.0, 15.0, 20.0, 40.0)
+EFFICIENCY = (0.86, 0.89, 0.91, 0.95)
+# Below this rope makers call the life "relatively low".
+LOW_LIFE_RATIO = 16.0
+# A static cable bent round a pin keeps about four fifths of its strength at D/d = 6 (rope makers' tables).
+ANCHOR_RATIO = 6.0
+
+
+_EFFICIENCY = "rope catalogue; efficiency 95/91/89/86 % at D/d 40/20/15/10"
+
+
+def strength_efficiency(ratio: float) -> float:
+    """Share of the breaking load left when bent over D/d = ``ratio``, interpolated; constant outside 10 to 40."""
+    return float(np.interp(ratio, EFFICIENCY_RATIO, EFFICIENCY))
+
+
+def _ratios(s: Layout) -> list[tuple[str, float]]:
+    d = s.drive.cable.diameter_mm
+    return [(f"D/d of {cable} on the {pulley}", 2 * radius / d) for cable, pulley, radius in s.bends_mm()]
+
+
+def _cost(ratio: float) -> str:
+    life = "; life 'relatively low' under 16" if ratio < LOW_LIFE_RATIO else ""
+    return f"{strength_efficiency(ratio):.1%} of the breaking load left{life}"
+
+
+@check("Bend ratio at every pulley", "limits.bend_ratio_min; paper Table 1")
+def bend_ratio(s: Layout) -> Comparison:
+    """Pitch diameter over cable diameter is compared with the limit of the design."""
+    limit = s.drive.limits.bend_ratio_min
+    return worst(at_least(name, ratio, limit, "D/d") for name, ratio in _ratios(s))
+
+
+def _thinner_or_larger(s: Layout, found: Comparison) -> str:
+    """Advice for a bend ratio below the catalogue: a thinner rope or larger radii."""
+    share = found.limit / found.actual
+    return (
+        f"a rope of at most {floored(s.drive.cable.diameter_mm / share)} mm, or all radii {share:.4g} times as large; "
+        "else inspect the cables often"
     )
 
 
-SURFACE_RADIUS = Check(
-    "surface_radius",
-    "Surfaces r - d/2 can be machined",
-    "derived from paper Table 2, which gives pitch radii",
-    smallest_surface,
-    adjust=(down("rope diameter_mm"), up("all radii of transmission")),
+@check("Bend ratio against the catalogue's minimum", _EFFICIENCY, advice_on=_thinner_or_larger, warn=True)
+def bend_ratio_minimum(s: Layout) -> Comparison:
+    """Pitch diameter over cable diameter is compared with the minimum in the rope's catalogue."""
+    limit = s.drive.cable.bend_ratio_minimum
+    return worst(at_least(name, ratio, limit, "D/d", _cost(ratio)) for name, ratio in _ratios(s))
+
+
+def _desired(drive: Any) -> bool:
+    """Whether the file asks for a life, and the ratio is above the least, below which that check says it."""
+    targets = drive.targets
+    wanted = targets.life_cycles is not None or targets.life_h is not None
+    return wanted and bool(drive.layout.smallest_bend_ratio >= drive.cable.bend_ratio_minimum)
+
+
+@check(
+    "Bend ratio against the catalogue's recommendation",
+    f"{_EFFICIENCY}; only where targets ask for a life",
+    advice_on=_thinner_or_larger,
+    applies=_desired,
+    warn=True,
 )
+def bend_ratio_desired(s: Layout) -> Comparison:
+    """Pitch diameter over cable diameter is compared with the value that the catalogue recommends."""
+    limit = s.drive.cable.bend_ratio_desired
+    return worst(at_least(name, ratio, limit, "D/d", _cost(ratio)) for name, ratio in _ratios(s))
+
+
+def anchor_bend(bends_mm: Callable[[Any], Iterable[tuple[str, float]]], s: Layout) -> Comparison:
+    """The constant bend of the cable before the swaged stop inside the input pulley."""
+    d = s.drive.cable.diameter_mm
+    return worst(
+        at_least(f"D/d of the bend at the stop of {cable}", 2 * radius / d, ANCHOR_RATIO, "D/d")
+        for cable, radius in bends_mm(s)
+    )
+
+
+def anchor_check(bends_mm: Callable[[Any], Iterable[tuple[str, float]]], adjust: tuple[Adjustment, ...]) -> Check:
+    """The check; ``bends_mm``: of a design under test, (cable, radius of the bend before its stop) of each cable."""
+    return Check(
+        "anchor_bend",
+        "Standing bend at the cable's stop",
+        "rope makers' tables, interpolated: estimate",
+        partial(anchor_bend, bends_mm),
+        adjust=adjust,
+    )
+
+
+def bending_checks(adjust: tuple[Adjustment, ...]) -> tuple[Check, ...]:
+    """The checks; ``adjust``: the configuration's variables that increase the bending radii."""
+    return (bend_ratio.but(adjust=adjust), bend_ratio_minimum, bend_ratio_desired)

@@ -7,7 +7,7 @@ from contextlib import suppress
 
 import numpy as np
 
-from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
+from mbcdm_cad.checks.comparison import Comparison, Findings, at_least, at_most, check, worst
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.design.bought import SpringSpec
 from mbcdm_cad.design.catalogue import package_entries
@@ -47,6 +47,13 @@ def _spring(s: SectorLayout) -> SpringSpec:
     return spring
 
 
+def _fitting(s: SectorLayout) -> str:
+    """Terminals of the package that lead this spring."""
+    names = [name for name, e in package_entries("tensioners").items() if led(_spring(s), e["thread_mm"])]
+    return f"choose drum.tensioner: {' or '.join(names)}, or leave it out" if names else "choose another drum.spring"
+
+
+@check("Springs fit on their studs", "catalogue of springs", advice=_fitting, applies=has_springs)
 def spring_fits(s: SectorLayout) -> Comparison:
     """The stud passes through the springs with play and leads them."""
     spring, stud = _spring(s), s.drive.tensioner
@@ -54,26 +61,48 @@ def spring_fits(s: SectorLayout) -> Comparison:
     return worst((at_least(what, play, LEAST_PLAY_MM, "mm"), at_most(what, play, MOST_PLAY_MM, "mm")))
 
 
-def spring_flat(s: SectorLayout) -> Comparison:
+def _strong(s: SectorLayout) -> str:
+    """Springs of the catalogue that carry the largest tension; the rules choose a terminal that leads them."""
+    strong = sorted((e.usable_N, e.name) for e in s.drive.springs if e.usable_N >= s.loads.highest_N)
+    if not strong:
+        return "add a stronger spring to catalogue: springs:, or leave drum.spring out"
+    return f"choose drum.spring: {' or '.join(name for _, name in strong[:4])}, and leave drum.tensioner to the rules"
+
+
+@check(
+    "Springs are not pressed flat at peak torque",
+    "catalogue of springs: usable share of their travel",
+    down("loads.peak_torque_Nm"),
+    down("rope.preload_N"),
+    advice=_strong,
+    applies=has_springs,
+    unit="times",
+)
+def spring_flat(s: SectorLayout) -> Findings:
     """Usable force of a spring over the largest tension at peak torque.
 
     That is of the span: what friction on the drum keeps from the terminal does not count, since it may be low.
     """
     spring, highest = _spring(s), s.loads.highest_N
-    return at_least(
+    yield (
         f"usable force of {spring.name}, {spring.usable_N:.4g} N, over the largest tension {highest:.4g} N",
         spring.usable_N / highest,
         1.0,
-        "times",
     )
 
 
-def spring_free(s: SectorLayout) -> Comparison:
+@check(
+    "Springs stay pressed at peak torque",
+    "model with wraps that end; a twentieth of the preload: estimate",
+    up("rope.preload_N"),
+    down("loads.peak_torque_Nm"),
+    applies=has_springs,
+    unit="of preload",
+)
+def spring_free(s: SectorLayout) -> Findings:
     """Lowest tension at the terminals at peak torque, at both ends of the travel: a free spring holds no nut."""
-    return worst(
-        at_least(f"lowest tension at the spring of {name} over its preload", low, LEFT_SHARE, "of preload")
-        for name, low in _lowest_shares(s)
-    )
+    for name, low in _lowest_shares(s):
+        yield f"lowest tension at the spring of {name} over its preload", low, LEFT_SHARE
 
 
 def _lowest_shares(s: SectorLayout) -> list[tuple[str, float]]:
@@ -93,6 +122,23 @@ def _lowest_shares(s: SectorLayout) -> list[tuple[str, float]]:
     return found
 
 
+def _stiffer(s: SectorLayout) -> str:
+    """How few springs may be taken: fewer turn the drum less, and keep less of the preload."""
+    least = max(int(np.ceil(_give_wanted_mm_N(s) * _spring(s).stiffness_N_mm)), 1)
+    if s.drive.drum.spring_count > least:
+        return f"lower drum.spring_count, to no less than {least}, with which the preload is kept"
+    return ""
+
+
+@check(
+    "Turn by springs that move",
+    "model with wraps that end; a quarter of the cables' turn: estimate",
+    up("rope.preload_N"),
+    up("drum.sector_half_angle_deg"),
+    advice=_stiffer,
+    applies=has_springs,
+    warn=True,
+)
 def spring_hold(s: SectorLayout) -> Comparison:
     """Further turn by springs at the test torque, where the wraps on the drum are shortest, over that of the cables."""
     _spring(s)
@@ -101,24 +147,6 @@ def spring_hold(s: SectorLayout) -> Comparison:
     note = f"the first terminal moves at {start:.3g} N m" if np.isfinite(start) else "no terminal moves at any torque"
     what = f"turn by springs at {s.drive.loads.test_torque_Nm:g} N m over that of the cables"
     return at_most(what, moved, 100.0 * MOVED_SHARE, "%", note)
-
-
-def spring_keeps(s: SectorLayout) -> Comparison:
-    """Share of the preload left after the rope has bedded in and its ends have set, nuts untouched."""
-    _spring(s)
-    rope, found = s.drive.cable, []
-    for c, length, lost in _bedded_in_mm(s):
-        give = length / rope.axial_stiffness_N + s.drive.anchor_m_N * 1e3
-        # A rope that grows by more than rope and springs gave way is loose.
-        left = max(1.0 - lost / give / c.preload_N, 0.0)
-        found.append(at_least(f"preload of {c.name} left after bedding-in", left, KEPT_SHARE, "of preload"))
-    return worst(found)
-
-
-def _bedded_in_mm(s: SectorLayout) -> Iterator[tuple[CableRun, float, float]]:
-    """(cable, its length under tension, what the rope's bedding-in and the setting of its ends add to it)."""
-    for c, length in zip(s.drive.cables, s.tensioned_lengths_mm(), strict=True):
-        yield c, length, s.drive.cable.bedding_in_share * length + s.drive.setting_mm
 
 
 def _more(s: SectorLayout) -> str:
@@ -142,6 +170,31 @@ def _more(s: SectorLayout) -> str:
     return "; ".join((" or ".join(ways), *_told_by_hold(s, most), "else tighten again after the first runs"))
 
 
+@check(
+    "Preload that springs keep while the rope beds in",
+    "catalogue: bedding_in_share and setting_ratio; a half: estimate",
+    advice=_more,
+    applies=has_springs,
+    warn=True,
+    unit="of preload",
+)
+def spring_keeps(s: SectorLayout) -> Findings:
+    """Share of the preload left after the rope has bedded in and its ends have set, nuts untouched."""
+    _spring(s)
+    rope = s.drive.cable
+    for c, length, lost in _bedded_in_mm(s):
+        give = length / rope.axial_stiffness_N + s.drive.anchor_m_N * 1e3
+        # A rope that grows by more than rope and springs gave way is loose.
+        left = max(1.0 - lost / give / c.preload_N, 0.0)
+        yield f"preload of {c.name} left after bedding-in", left, KEPT_SHARE
+
+
+def _bedded_in_mm(s: SectorLayout) -> Iterator[tuple[CableRun, float, float]]:
+    """(cable, its length under tension, what the rope's bedding-in and the setting of its ends add to it)."""
+    for c, length in zip(s.drive.cables, s.tensioned_lengths_mm(), strict=True):
+        yield c, length, s.drive.cable.bedding_in_share * length + s.drive.setting_mm
+
+
 def _told_by_hold(s: SectorLayout, give_mm_N: float) -> Iterator[str]:
     """What :func:`spring_hold` says of springs that give so much, where it warns."""
     with suppress(NoFigureError):
@@ -157,79 +210,9 @@ def _give_wanted_mm_N(s: SectorLayout) -> float:
     return max(lost / ((1.0 - KEPT_SHARE) * c.preload_N) - length / stiffness_N for c, length, lost in _bedded_in_mm(s))
 
 
-def _stiffer(s: SectorLayout) -> str:
-    """How few springs may be taken: fewer turn the drum less, and keep less of the preload."""
-    least = max(int(np.ceil(_give_wanted_mm_N(s) * _spring(s).stiffness_N_mm)), 1)
-    if s.drive.drum.spring_count > least:
-        return f"lower drum.spring_count, to no less than {least}, with which the preload is kept"
-    return ""
-
-
 _NO_SPRING = "tighten again after the first runs: no springs of the catalogue that this terminal leads keep so much"
 
 
 def led(spring: SpringSpec, thread_mm: float) -> bool:
     """Whether a stud leads the spring."""
     return LEAST_PLAY_MM <= spring.inside_mm - thread_mm <= MOST_PLAY_MM
-
-
-def _strong(s: SectorLayout) -> str:
-    """Springs of the catalogue that carry the largest tension; the rules choose a terminal that leads them."""
-    strong = sorted((e.usable_N, e.name) for e in s.drive.springs if e.usable_N >= s.loads.highest_N)
-    if not strong:
-        return "add a stronger spring to catalogue: springs:, or leave drum.spring out"
-    return f"choose drum.spring: {' or '.join(name for _, name in strong[:4])}, and leave drum.tensioner to the rules"
-
-
-def _fitting(s: SectorLayout) -> str:
-    """Terminals of the package that lead this spring."""
-    names = [name for name, e in package_entries("tensioners").items() if led(_spring(s), e["thread_mm"])]
-    return f"choose drum.tensioner: {' or '.join(names)}, or leave it out" if names else "choose another drum.spring"
-
-
-CHECKS = (
-    Check(
-        "spring_fits",
-        "Springs fit on their studs",
-        "catalogue of springs",
-        spring_fits,
-        advice=_fitting,
-        applies=has_springs,
-    ),
-    Check(
-        "spring_flat",
-        "Springs are not pressed flat at peak torque",
-        "catalogue of springs: usable share of their travel",
-        spring_flat,
-        adjust=(down("loads.peak_torque_Nm"), down("rope.preload_N")),
-        advice=_strong,
-        applies=has_springs,
-    ),
-    Check(
-        "spring_free",
-        "Springs stay pressed at peak torque",
-        "model with wraps that end; a twentieth of the preload: estimate",
-        spring_free,
-        adjust=(up("rope.preload_N"), down("loads.peak_torque_Nm")),
-        applies=has_springs,
-    ),
-    Check(
-        "spring_hold",
-        "Turn by springs that move",
-        "model with wraps that end; a quarter of the cables' turn: estimate",
-        spring_hold,
-        "warn",
-        adjust=(up("rope.preload_N"), up("drum.sector_half_angle_deg")),
-        advice=_stiffer,
-        applies=has_springs,
-    ),
-    Check(
-        "spring_keeps",
-        "Preload that springs keep while the rope beds in",
-        "catalogue: bedding_in_share and setting_ratio; a half: estimate",
-        spring_keeps,
-        "warn",
-        advice=_more,
-        applies=has_springs,
-    ),
-)

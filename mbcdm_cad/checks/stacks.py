@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbcdm_cad.checks.comparison import Check, Comparison, at_least, noted
+from mbcdm_cad.checks.comparison import Check, Comparison, at_least, check, noted
 from mbcdm_cad.checks.transfer import EDGE_BREAK_MM, body_gaps_mm
 from mbcdm_cad.layouts.base import Layout
 from mbcdm_cad.layouts.sector import SectorLayout
@@ -94,6 +94,7 @@ def _against_stack(of: Stacks, s: Any) -> Comparison:
     return at_least(stack.figure.removesuffix(", mm"), stack.margin, stack.rss, "mm", note)
 
 
+@check("Transmission error by the tolerances", "linear theory, two sigma")
 def transmission_error(s: Layout) -> Comparison:
     """Largest error of the drum's angle over the travel that the tolerances cause: linear theory, two sigma."""
     from mbcdm_cad.model.tolerance import linear_error
@@ -120,8 +121,3 @@ def stack_check(name: str, title: str, of: Stacks, advice: str | Callable[[Any],
         "warn",
         advice=advice,
     )
-
-
-TRANSMISSION_ERROR = Check(
-    "transmission_error", "Transmission error by the tolerances", "linear theory, two sigma", transmission_error
-)

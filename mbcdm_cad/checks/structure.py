@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import hypot, pi
 
-from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, noted, worst
+from mbcdm_cad.checks.comparison import Comparison, Findings, at_least, at_most, check, noted, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.fixings import FRICTION, STRESS_SAFETY, lasting_MPa, stalled_Nm
 from mbcdm_cad.layouts.base import PRINTED_WINDUP
@@ -14,13 +14,32 @@ from mbcdm_cad.parts.drum_sector.payload import DEPTH_DIAMETERS, LEAST_DEPTH_MM,
 from mbcdm_cad.parts.drum_sector.structure import hub
 from mbcdm_cad.parts.threads import SHEAR_SHARE, ScrewHold, clamp_force_N, screw_hold
 
+_LESS: tuple[Adjustment, ...] = (down("loads.peak_torque_Nm"),)
+
+
+# A material is no number, so that remedies offer none: a search alone takes a stiffer one.
+_METALS = (up("support.material"), up("drum.material"))
+
 
 def _stress(what: str, strength_MPa: float, stress_MPa: float, load_Nm: float) -> Comparison:
     subject = f"{strength_MPa:.4g} MPa over {stress_MPa:.4g} MPa in {what} at {load_Nm:.4g} N m:"
     return at_least(subject, strength_MPa / max(stress_MPa, 1e-9), STRESS_SAFETY, "times")
 
 
-def drum_stress(s: SectorLayout) -> Comparison:
+def _stronger(s: SectorLayout) -> str:
+    closed = "set drum.windows to none, or " if s.drum.windows else ""
+    return f"{closed}choose a stronger drum.material"
+
+
+@check(
+    "Stress in the drum",
+    "plane elements and plates, torsion of a tube; 1.5 on yield, 0.4 of it for plastics: usual rule, estimate",
+    up("drum.web_thickness_mm"),
+    up("drum.hub_diameter_mm"),
+    *_LESS,
+    advice=_stronger,
+)
+def drum_stress(s: SectorLayout) -> Findings:
     """Stress of web and rim, of the hub in torsion, and of the web at the stop pin, against the yield stress.
 
     At the larger of peak torque and stalled motors: web and rim by plane elements, corners as drawn, the web with its
@@ -31,21 +50,20 @@ def drum_stress(s: SectorLayout) -> Comparison:
     material = drive.drum_material
     strength, load = lasting_MPa(material), max(drive.loads.peak_torque_Nm, stalled_Nm(s))
     torsion = hub(d, drive.screw(d.set_screw).thread_mm).shear_MPa(load)
-    found = [
-        _stress("web and rim", strength, structure.stress_MPa(load), load),
-        _stress("the hub", strength * SHEAR_SHARE, torsion, load),
-    ]
+    yield _stress("web and rim", strength, structure.stress_MPa(load), load)
+    yield _stress("the hub", strength * SHEAR_SHARE, torsion, load)
     if d.has_slot:
         pressed = load * 1e3 / d.stop_radius / (2.0 * s.frame.stop_pin_radius * (d.web_end_y - d.web_start_y))
-        found.append(_stress("the web under the stop pin", strength, pressed, load))
-    return worst(found)
+        yield _stress("the web under the stop pin", strength, pressed, load)
 
 
-def _stronger(s: SectorLayout) -> str:
-    closed = "set drum.windows to none, or " if s.drum.windows else ""
-    return f"{closed}choose a stronger drum.material"
-
-
+@check(
+    "Payload's screws hold peak torque and payload",
+    "mu F r; class 8.8 at 0.7 of yield, mu 0.15, 1.5 on slip: usual values",
+    up("drum.hub_diameter_mm"),
+    *_LESS,
+    advice="choose a stronger drum.material",
+)
 def payload_screws(s: SectorLayout) -> Comparison:
     """The payload neither slips on the hub's face nor opens its joint, under the peak torque and its own load."""
     joint, circle = (
@@ -70,19 +88,36 @@ def payload_screws(s: SectorLayout) -> Comparison:
     return worst((slips, at_least(what, joint.opens_times(load, circle), SLIP_SAFETY, "times")))
 
 
-def mounting_screws(s: SectorLayout) -> Comparison:
+def _mount_advice(s: SectorLayout) -> str:
+    """Dowels or a shoulder; where the frame is printed and has the screws' threads, inserts before that."""
+    inserts = (
+        "set printing.threads to inserts, flush with the face that lies on the base, whose holes must be smaller than "
+        "they are, or "
+        if s.mount_thread is not None and s.mount_thread.insert is None and s.printed_frame
+        else ""
+    )
+    return f"{inserts}let dowels or a shoulder of what the frame stands on carry the torque, and waive this check"
+
+
+@check(
+    "Mounting screws hold the peak torque",
+    "mu F r; class 8.8 at 0.7 of yield, mu 0.15, 1.5 on slip: usual values; inserts: base bears on the brass",
+    *_LESS,
+    advice=_mount_advice,
+    unit="times",
+)
+def mounting_screws(s: SectorLayout) -> Findings:
     """Torque at which the frame slips on what it is mounted on, over the peak torque."""
     hold, places = _mount_hold(s), s.frame.mounts
     middle = [sum(place[k] for place in places) / len(places) for k in (0, 1)]
     arms = sum(hypot(x - middle[0], z - middle[1]) for x, z in places)
     slips, peak = hold.slips_N(FRICTION) * arms * 1e-3, s.drive.loads.peak_torque_Nm
     inserts = " in inserts" if s.mount_thread is not None and s.mount_thread.insert else ""
-    return at_least(
+    yield (
         f"{len(places)} x {s.mounting.words(s.mount_washers)}{inserts} at {hold.clamp_N:.4g} N hold the frame against "
         f"{slips:.4g} N m by friction, over the peak torque of {peak:g} N m",
         slips / peak,
         SLIP_SAFETY,
-        "times",
     )
 
 
@@ -95,27 +130,6 @@ def _mount_hold(s: SectorLayout) -> ScrewHold:
     ring = pi / 4.0 * (screw.seat_mm(s.mount_washers) ** 2 - (2.0 * s.frame.mount_radius) ** 2)
     clamp = min(clamp_force_N(screw.thread_mm), lasting_MPa(material) * ring)
     return ScrewHold(clamp, clamp)
-
-
-def _mount_advice(s: SectorLayout) -> str:
-    """Dowels or a shoulder; where the frame is printed and has the screws' threads, inserts before that."""
-    inserts = (
-        "set printing.threads to inserts, flush with the face that lies on the base, whose holes must be smaller than "
-        "they are, or "
-        if s.mount_thread is not None and s.mount_thread.insert is None and s.printed_frame
-        else ""
-    )
-    return f"{inserts}let dowels or a shoulder of what the frame stands on carry the torque, and waive this check"
-
-
-def frame_windup(s: SectorLayout) -> Comparison:
-    """Turn of the drum by the frame's deflection at the test torque."""
-    torque = s.drive.loads.test_torque_Nm
-    found = s.frame_compliance
-    if found is None:
-        return noted("the frame counts as rigid: turn of the drum by it", 0.0, "mrad")
-    what = f"the frame's deflection turns the drum at {torque:g} N m by"
-    return at_most(what, found.windup_mrad(torque), s.windup_limit_mrad, "mrad")
 
 
 def _stiffer_frame(s: SectorLayout) -> str:
@@ -135,6 +149,39 @@ def _stiffer_frame(s: SectorLayout) -> str:
     )
 
 
+@check(
+    "Frame stiff against the test torque",
+    "limits.frame_windup_max_mrad; folded plates on the mounting screws",
+    *_METALS[:1],
+    advice=_stiffer_frame,
+)
+def frame_windup(s: SectorLayout) -> Comparison:
+    """Turn of the drum by the frame's deflection at the test torque."""
+    torque = s.drive.loads.test_torque_Nm
+    found = s.frame_compliance
+    if found is None:
+        return noted("the frame counts as rigid: turn of the drum by it", 0.0, "mrad")
+    what = f"the frame's deflection turns the drum at {torque:g} N m by"
+    return at_most(what, found.windup_mrad(torque), s.windup_limit_mrad, "mrad")
+
+
+def _stiffer(s: SectorLayout) -> str:
+    """What gives most, cables too, with the fields that stiffen it: rules raise those that the file leaves open."""
+    structure = s.structure
+    cables = f"the cables ({structure.cables_urad_Nm:.3g} urad/N m: thicker or stiffer rope)"
+    return _softest(structure, {cables: structure.cables_urad_Nm})
+
+
+@check(
+    "Stiffness at the payload",
+    "loads.stiffness_Nm_rad; compliance by cause",
+    up("drum.web_thickness_mm"),
+    up("drum.hub_diameter_mm"),
+    up("all radii of transmission"),
+    up("rope.preload_N"),
+    *_METALS,
+    advice=_stiffer,
+)
 def stiffness(s: SectorLayout) -> Comparison:
     """Stiffness at the payload at the test torque: cables, drum, shafts, bearings and frame, the inputs held."""
     structure, torque = s.structure, s.drive.loads.test_torque_Nm
@@ -150,6 +197,20 @@ def stiffness(s: SectorLayout) -> Comparison:
     return at_least(what, found, wanted, "N m/rad", note)
 
 
+def _stiffer_parts(s: SectorLayout) -> str:
+    """As :func:`_stiffer`, without the cables."""
+    return _softest(s.structure, {})
+
+
+@check(
+    "Structure's turn over the cables' turn",
+    "loads.structure_share; compliance by cause",
+    up("drum.web_thickness_mm"),
+    up("drum.hub_diameter_mm"),
+    *_METALS,
+    advice=_stiffer_parts,
+    applies=lambda drive: drive.loads.structure_share is not None,
+)
 def structure_share(s: SectorLayout) -> Comparison:
     """Turn of the payload by all parts besides the cables over that by the cables, the inputs held."""
     structure, wanted = s.structure, s.drive.loads.structure_share
@@ -164,18 +225,6 @@ def structure_share(s: SectorLayout) -> Comparison:
     return at_most(what, structure.over_cables, wanted, "", note)
 
 
-def _stiffer(s: SectorLayout) -> str:
-    """What gives most, cables too, with the fields that stiffen it: rules raise those that the file leaves open."""
-    structure = s.structure
-    cables = f"the cables ({structure.cables_urad_Nm:.3g} urad/N m: thicker or stiffer rope)"
-    return _softest(structure, {cables: structure.cables_urad_Nm})
-
-
-def _stiffer_parts(s: SectorLayout) -> str:
-    """As :func:`_stiffer`, without the cables."""
-    return _softest(s.structure, {})
-
-
 def _softest(structure: Structure, turns: dict[str, float]) -> str:
     for cause in structure.at_payload:
         turns[f"{cause.name} ({cause.urad_Nm:.3g}: {cause.stiffer})"] = cause.urad_Nm
@@ -184,65 +233,3 @@ def _softest(structure: Structure, turns: dict[str, float]) -> str:
         f"stiffen what gives most, {first}; the rules raise what the file leaves to them as far as the other checks "
         "allow: leave more of it to them, widen the box or radii, or choose stiffer materials"
     )
-
-
-# A material is no number, so that remedies offer none: a search alone takes a stiffer one.
-_METALS = (up("support.material"), up("drum.material"))
-_LESS: tuple[Adjustment, ...] = (down("loads.peak_torque_Nm"),)
-CHECKS = (
-    Check(
-        "drum_stress",
-        "Stress in the drum",
-        "plane elements and plates, torsion of a tube; 1.5 on yield, 0.4 of it for plastics: usual rule, estimate",
-        drum_stress,
-        adjust=(up("drum.web_thickness_mm"), up("drum.hub_diameter_mm"), *_LESS),
-        advice=_stronger,
-    ),
-    Check(
-        "payload_screws",
-        "Payload's screws hold peak torque and payload",
-        "mu F r; class 8.8 at 0.7 of yield, mu 0.15, 1.5 on slip: usual values",
-        payload_screws,
-        adjust=(up("drum.hub_diameter_mm"), *_LESS),
-        advice="choose a stronger drum.material",
-    ),
-    Check(
-        "mounting_screws",
-        "Mounting screws hold the peak torque",
-        "mu F r; class 8.8 at 0.7 of yield, mu 0.15, 1.5 on slip: usual values; inserts: base bears on the brass",
-        mounting_screws,
-        adjust=_LESS,
-        advice=_mount_advice,
-    ),
-    Check(
-        "frame_windup",
-        "Frame stiff against the test torque",
-        "limits.frame_windup_max_mrad; folded plates on the mounting screws",
-        frame_windup,
-        adjust=_METALS[:1],
-        advice=_stiffer_frame,
-    ),
-    Check(
-        "stiffness",
-        "Stiffness at the payload",
-        "loads.stiffness_Nm_rad; compliance by cause",
-        stiffness,
-        adjust=(
-            up("drum.web_thickness_mm"),
-            up("drum.hub_diameter_mm"),
-            up("all radii of transmission"),
-            up("rope.preload_N"),
-            *_METALS,
-        ),
-        advice=_stiffer,
-    ),
-    Check(
-        "structure_share",
-        "Structure's turn over the cables' turn",
-        "loads.structure_share; compliance by cause",
-        structure_share,
-        adjust=(up("drum.web_thickness_mm"), up("drum.hub_diameter_mm"), *_METALS),
-        advice=_stiffer_parts,
-        applies=lambda drive: drive.loads.structure_share is not None,
-    ),
-)

@@ -1,17 +1,25 @@
-"""The transfer point: step planes on one pitch line, lands wide enough, bodies close but not touching.
+"""The transfer to the drum, and the wrap on it over the travel.
 
 Step k's transfer point is (0, +r_k, r_ok), r_k the radius of the pulley before the drum: its step is the plane
 z = r_ok, the drum's step the plane y = r_k. By Eq. (1) all lie on a line through the apex, the pitch line of a bevel
 pair. Gaps are computed in the half planes x = 0, where the two round bodies are nearest.
+
+Both ends of a cable are anchored, so a wrap shorter than the slip zone is allowed. Eq. (5) and (6), for endless wraps,
+then give another turn than the model with the wraps that are there.
 """
 
 from __future__ import annotations
 
-from math import hypot
+from math import atan2, degrees, hypot
 
-from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
-from mbcdm_cad.checks.design_variables import down, up
+import numpy as np
+
+from mbcdm_cad.checks.comparison import Check, Comparison, Findings, at_least, at_most, check, noted, worst
+from mbcdm_cad.checks.design_variables import Adjustment, down, up
+from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.sector import SectorLayout
+from mbcdm_cad.model.equilibrium import solve_equilibrium
+from mbcdm_cad.model.si import ModelError
 
 # A tenth of the tolerance of good turning on a step plane: allows for rounding of nominal dimensions only.
 PITCH_LINE_MM = 0.001
@@ -21,66 +29,72 @@ EDGE_BREAK_MM = 0.1
 RUN_OUT_MM = 0.05
 
 
-def pitch_line(s: SectorLayout) -> Comparison:
+@check("Transfer points on one pitch line", "derived from paper Eq. (1): pitch cone")
+def pitch_line(s: SectorLayout) -> Findings:
     """Distance of each transfer point from the line through the apex and the outermost transfer point."""
     outer = s.steps[-1]
     length = hypot(outer.land_y_mm, outer.drum_radius_mm)
-    return worst(
-        at_most(
+    for c in s.steps[:-1]:
+        yield at_most(
             f"transfer point of step {c.step} (y {c.land_y_mm:g}, z {c.drum_radius_mm:g}) off the pitch line",
             abs(c.land_y_mm * outer.drum_radius_mm - c.drum_radius_mm * outer.land_y_mm) / length,
             PITCH_LINE_MM,
             "mm",
         )
-        for c in s.steps[:-1]
-    )
 
 
-def radii_rise(s: SectorLayout) -> Comparison:
+@check("", "derived: pitch cone", advice="order the radii from step 1, the smallest, upwards")
+def radii_rise(s: SectorLayout) -> Findings:
     """From step to step the radii of both bodies increase together."""
-    return worst(
-        at_least(f"{body} radius of step {b.step} over step {a.step}", rise, EDGE_BREAK_MM, "mm")
-        for a, b in zip(s.steps[:-1], s.steps[1:], strict=True)
-        for body, rise in ((s.before_drum, b.land_y_mm - a.land_y_mm), ("drum", b.drum_radius_mm - a.drum_radius_mm))
-    )
+    for a, b in zip(s.steps[:-1], s.steps[1:], strict=True):
+        for body, rise in ((s.before_drum, b.land_y_mm - a.land_y_mm), ("drum", b.drum_radius_mm - a.drum_radius_mm)):
+            yield f"{body} radius of step {b.step} over step {a.step}", rise, EDGE_BREAK_MM
 
 
-def land_width(s: SectorLayout) -> Comparison:
+@check(
+    "Drum lands wide enough for half a cable and the edge",
+    "",
+    down("rope diameter_mm"),
+    down("clearances.land_edge_mm"),
+    up("all radii of transmission"),
+)
+def land_width(s: SectorLayout) -> Findings:
     """The radius increases from step to step by at least half a cable plus the edge margin; the rest is a gap.
 
     The land's edge must lie between a cable's flank and the next cable's contact line: delta r_k >= d/2 + edge margin.
     """
     need = s.flank_mm + s.drive.clearances.land_edge_mm
-    return worst(
-        at_least(
+    for a, b in zip(s.steps[:-1], s.steps[1:], strict=True):
+        yield (
             f"drum land of step {a.step}: delta r_{s.before_drum[0]}",
             b.land_y_mm - a.land_y_mm,
             need,
-            "mm",
             f"d/2 {s.flank_mm:g} + edge margin {s.drive.clearances.land_edge_mm:g}; flank gap "
             f"{b.land_y_mm - a.land_y_mm - need:.4g} mm along the whole wrap",
         )
-        for a, b in zip(s.steps[:-1], s.steps[1:], strict=True)
-    )
 
 
-def land_edge(s: SectorLayout) -> Comparison:
+@check(
+    "Contact lines clear of the lands' edges",
+    "derived: edges broken by up to 0.1 mm",
+    up("clearances.land_edge_mm"),
+    down("clearances.transfer_gap_mm"),
+)
+def land_edge(s: SectorLayout) -> Findings:
     """Distance from the contact line of every cable to the broken edge of its land."""
     lands = s.drum.lands
-    return worst(
-        at_least(f"contact line of {c.name} from its land's edge", c.land_y_mm - land.y_start, EDGE_BREAK_MM, "mm")
-        for c, land in zip(s.steps, lands, strict=True)
-    )
+    for c, land in zip(s.steps, lands, strict=True):
+        yield f"contact line of {c.name} from its land's edge", c.land_y_mm - land.y_start, EDGE_BREAK_MM
 
 
-def outermost_land(s: SectorLayout) -> Comparison:
+@check("Outermost land carries its cable", "derived", up("drum.outer_face_y_mm"))
+def outermost_land(s: SectorLayout) -> Findings:
     """The outermost land is wide enough for its cable up to the drum's outer face."""
     c = s.steps[-1]
-    return at_least(
+    yield (
         f"drum's outer face beyond the flank of {c.name}",
         s.drive.drum.outer_face_y_mm - c.land_y_mm - s.flank_mm,
         EDGE_BREAK_MM,
-        "mm",
     )
 
 
@@ -100,74 +114,150 @@ def body_gaps_mm(s: SectorLayout) -> list[tuple[str, int, float]]:
     ]
 
 
+@check(
+    "",
+    "paper section 2.2 (placed closely); run-out of 0.05 mm: estimate",
+    up("clearances.transfer_gap_mm"),
+    down("clearances.land_edge_mm"),
+    up("rope diameter_mm"),
+    up("all radii of transmission"),
+)
 def bodies_clear(s: SectorLayout) -> Comparison:
     """The smallest gap between the two bodies, including the walls of their steps."""
     return worst(at_least(name, gap, RUN_OUT_MM, "mm") for name, _, gap in body_gaps_mm(s))
 
 
-def transfer_gap(s: SectorLayout) -> Comparison:
+@check(
+    "",
+    "derived: a wider gap lets a cable slip in",
+    down("clearances.transfer_gap_mm"),
+    up("clearances.land_edge_mm"),
+    up("rope diameter_mm"),
+)
+def transfer_gap(s: SectorLayout) -> Findings:
     """At every transfer point the gap between the bodies is less than half a cable, so that no cable slips into it."""
-    return worst(
-        at_most(f"gap at the transfer of step {land.step}", land.y_start - surface, s.flank_mm, "mm")
-        for land, (surface, _) in zip(s.drum.lands, s.steps_before_drum, strict=True)
-    )
+    for land, (surface, _) in zip(s.drum.lands, s.steps_before_drum, strict=True):
+        yield at_most(f"gap at the transfer of step {land.step}", land.y_start - surface, s.flank_mm, "mm")
 
 
 def transfer_checks(body: str, keep_on_line: str) -> tuple[Check, ...]:
     """The family; ``body``: the body before the drum, ``keep_on_line``: how its radii stay on the pitch line."""
     return (
-        Check(
-            "pitch_line",
-            "Transfer points on one pitch line",
-            "derived from paper Eq. (1): pitch cone",
-            pitch_line,
-            advice=keep_on_line,
-        ),
-        Check(
-            "radii_rise",
-            f"Radii of {body} and drum rise together",
-            "derived: pitch cone",
-            radii_rise,
-            advice="order the radii from step 1, the smallest, upwards",
-        ),
-        Check(
-            "land_width",
-            "Drum lands wide enough for half a cable and the edge",
-            f"derived: delta r_{body[0]} >= d/2 + edge margin",
-            land_width,
-            adjust=(down("rope diameter_mm"), down("clearances.land_edge_mm"), up("all radii of transmission")),
-        ),
-        Check(
-            "land_edge",
-            "Contact lines clear of the lands' edges",
-            "derived: edges broken by up to 0.1 mm",
-            land_edge,
-            adjust=(up("clearances.land_edge_mm"), down("clearances.transfer_gap_mm")),
-        ),
-        Check(
-            "outermost_land",
-            "Outermost land carries its cable",
-            "derived",
-            outermost_land,
-            adjust=(up("drum.outer_face_y_mm"),),
-        ),
-        Check(
-            "bodies_clear",
-            f"{body.capitalize()} and drum do not touch",
-            "paper section 2.2 (placed closely); run-out of 0.05 mm: estimate",
-            bodies_clear,
-            adjust=(
-                up("clearances.transfer_gap_mm"),
-                down("clearances.land_edge_mm"),
-                up("rope diameter_mm"),
-                up("all radii of transmission"),
-            ),
-        ),
-        Check(
-            "transfer_gap",
-            f"{body.capitalize()} and drum closer than half a cable",
-            "derived: a wider gap lets a cable slip in",
-            transfer_gap,
-            adjust=(down("clearances.transfer_gap_mm"), up("clearances.land_edge_mm"), up("rope diameter_mm")),
-        ),
+        pitch_line.but(advice=keep_on_line),
+        radii_rise.but(title=f"Radii of {body} and drum rise together"),
+        land_width.but(source=f"derived: delta r_{body[0]} >= d/2 + edge margin"),
+        land_edge,
+        outermost_land,
+        bodies_clear.but(title=f"{body.capitalize()} and drum do not touch"),
+        transfer_gap.but(title=f"{body.capitalize()} and drum closer than half a cable"),
     )
+
+
+# Remaining land under the cable between transfer point and terminal at the end of travel (estimate).
+LEAST_WRAP_DEG = 2.0
+FULL_TURN_DEG = 360.0
+
+
+MORE_WRAP: tuple[Adjustment, ...] = (down("travel.half_angle_deg"), up("drum.sector_half_angle_deg"))
+
+
+def _larger_angle(s: SectorLayout) -> str:
+    """Remedy for a cable whose wrap ends too early because the file states where its terminal is."""
+    least = degrees(s.half_travel_rad) + LEAST_WRAP_DEG
+    asked = [
+        c.name for c in s.steps if c.terminal_angle_rad is not None and degrees(s.smallest_wrap_rad(c)) < LEAST_WRAP_DEG
+    ]
+    return (
+        f"state a terminal_angle_deg of at least {least:.4g} for {', '.join(asked)}, or leave it out" if asked else ""
+    )
+
+
+@check(
+    "Wrap left on the drum at both ends of travel",
+    "derived; 2 deg: estimate",
+    *MORE_WRAP,
+    advice=_larger_angle,
+    unit="deg",
+)
+def wrap_left(s: SectorLayout) -> Findings:
+    """The cable still wraps the drum at both ends of the travel."""
+    for c in s.steps:
+        yield (
+            f"wrap left of {c.name} (anchor at {degrees(s.anchor_rad(c)):.4g} deg)",
+            degrees(s.smallest_wrap_rad(c)),
+            LEAST_WRAP_DEG,
+        )
+
+
+@check(
+    "Wrap on the drum stays under a turn",
+    "paper section 2.1",
+    down("drum.sector_half_angle_deg"),
+    down("travel.half_angle_deg"),
+)
+def wrap_under_turn(s: SectorLayout) -> Findings:
+    """Cable and terminal take less than a full turn; otherwise they would reach the transfer point a second time."""
+    for t in s.drum.tensioners:
+        yield at_most(
+            f"largest wrap of {t.cable_name}, terminal included",
+            degrees(t.anchor_rad + s.half_travel_rad + atan2(t.last_tip, t.radius_mm)),
+            FULL_TURN_DEG,
+            "deg",
+        )
+
+
+def _slip_beside_wrap(s: SectorLayout, states: tuple[np.ndarray, ...]) -> str:
+    """The cable whose slip angle exceeds its smallest wrap most, in words."""
+    friction, found = s.drive.friction_coefficient, []
+    for k, c in enumerate(s.drive.cables):
+        slip = max(abs(np.log(max(float(state[k]), 1e-9) / c.preload_N)) for state in states) / friction
+        found.append((degrees(s.smallest_wrap_rad(c)), degrees(slip), c.name))
+    wrap, slip, name = min(found, key=lambda row: row[0] - row[1])
+    return f"{name} slips over {slip:.3g} deg of drum and has {wrap:.3g} deg at an end of the travel"
+
+
+def _turns(s: SectorLayout) -> tuple[np.ndarray, np.ndarray]:
+    """Turn of the drum under the loads (4,) of ``s.loads`` beside none, with endless wraps (4,) and with real (4, 3).
+
+    Real ones are those in the middle and at both ends of the travel.
+    """
+    loads, angles = s.loads, (-s.half_travel_rad, 0.0, s.half_travel_rad)
+    try:
+        wraps = [np.stack(side, axis=1) for side in zip(*(s.wraps_rad(angle) for angle in angles), strict=True)]
+        real = loads.si.spread(len(angles)).with_(input_wrap_rad=wraps[0], drum_wrap_rad=wraps[1])
+        turned = solve_equilibrium(real, loads.torques_Nm[:, None]).drum_angle_rad
+    except ModelError as error:
+        raise NoFigureError(f"the model has no answer: {error}") from None
+    endless = loads.equilibrium.drum_angle_rad
+    return endless[1:] - endless[0], turned[1:] - turned[0]
+
+
+def _turn_with_real_wraps(s: SectorLayout, first: int, load_Nm: float, states: tuple[np.ndarray, ...]) -> Comparison:
+    """How much further the drum turns with wraps that end at anchors and stops than with endless ones.
+
+    The largest share over the travel and both ways, loads ``first`` and the next one of :func:`_turns`. It is not above
+    zero, since what is beyond an anchor does not stretch: figures for endless wraps are on the safe side, so that
+    nothing is judged here.
+    """
+    endless, real = (turn[first : first + 2] for turn in s.once("turns with real wraps", _turns))
+    further = float((real / endless[:, None] - 1.0).max())
+    what = f"what the wraps that are there, in place of endless ones, change in the drum's turn at {load_Nm:g} N m"
+    return noted(what, 100.0 * further, "%", _slip_beside_wrap(s, states))
+
+
+@check("Wraps that end, at the test torque", "paper Eq. (5), (6); solved with the wraps over the travel")
+def wrap_slip_test(s: SectorLayout) -> Comparison:
+    """How far the turn at the test torque hangs on where the wraps end."""
+    loads = s.loads
+    return _turn_with_real_wraps(s, 2, s.drive.loads.test_torque_Nm, (loads.test_forward, loads.test_back))
+
+
+@check("Wraps that end, at the peak torque", "paper Eq. (5), (6); solved with the wraps over the travel")
+def wrap_slip_peak(s: SectorLayout) -> Comparison:
+    """How far the turn at the peak torque hangs on where the wraps end."""
+    loads = s.loads
+    return _turn_with_real_wraps(s, 0, s.drive.loads.peak_torque_Nm, (loads.peak_forward, loads.peak_back))
+
+
+WRAPS = (wrap_left, wrap_under_turn)
+SLIPS = (wrap_slip_test, wrap_slip_peak)

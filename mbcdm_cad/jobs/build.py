@@ -9,8 +9,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from mbcdm_cad.checks.built import envelope_check, interference_check, mass_check, overhang_check, printed_walls_check
 from mbcdm_cad.checks.comparison import CheckResult, failed
+from mbcdm_cad.checks.size import envelope_check, interference_check, mass_check, overhang_check, printed_walls_check
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import GeometryError

@@ -12,7 +12,7 @@ from math import asin, atan2, cos, degrees, hypot, sin, tau
 from typing import Any
 
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
-from mbcdm_cad.checks.drum_wraps import MORE_WRAP, SLIPS, WRAPS
+from mbcdm_cad.checks.transfer import MORE_WRAP, SLIPS, WRAPS
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.model.tensioning_plan import TensionedCable
 from mbcdm_cad.parts.drum_sector.design import SectorRun

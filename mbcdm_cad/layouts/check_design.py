@@ -6,10 +6,9 @@ import re
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from mbcdm_cad.checks.built import BUILD_IDS
 from mbcdm_cad.checks.comparison import Check, CheckResult, failed
-from mbcdm_cad.checks.remedies import Budget
-from mbcdm_cad.checks.run import run_all
+from mbcdm_cad.checks.run import Budget, run_all
+from mbcdm_cad.checks.size import BUILD_IDS
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.fieldpath import dotted
 from mbcdm_cad.design.loaded import LoadedDesign

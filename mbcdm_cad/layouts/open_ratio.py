@@ -121,7 +121,7 @@ class _Drive:
         self.ratio, self._found = ratio, found
         self._missed = misses(found, without=BY_ELEMENTS)
         try:
-            self._mass_g = kept_mass_g(found, type(found).bill)
+            self._mass_g = kept_mass_g(found)
         except (ValueError, ZeroDivisionError):
             self._mass_g = inf
         self.rank = self._ranked(self._missed)

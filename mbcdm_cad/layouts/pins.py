@@ -10,8 +10,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from mbcdm_cad.checks.comparison import Check
-from mbcdm_cad.checks.remedies import Budget
-from mbcdm_cad.checks.run import run_check
+from mbcdm_cad.checks.run import Budget, run_check
 from mbcdm_cad.design import yamltree
 from mbcdm_cad.design.describe import flow
 from mbcdm_cad.design.loaded import LoadedDesign

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mbcdm_cad.checks.creep import needed_share
+from mbcdm_cad.checks.strength import needed_share
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.life import life_with
 from mbcdm_cad.model import preload_ramp

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import tau
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -61,6 +61,8 @@ class SectorLayout(Layout):
     """A design with a drum sector, its terminals, and an input pulley in two bearings for each input."""
 
     drive: SectorDrive
+    # The part that the drum turns in front of.
+    frame_name: ClassVar[str] = "frame"
 
     def __init__(self, drive: SectorDrive, **given: Any) -> None:
         super().__init__(drive, **given)

@@ -13,8 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from mbcdm_cad.checks.comparison import Check, failed
-from mbcdm_cad.checks.remedies import Budget, Offer
-from mbcdm_cad.checks.run import run_all
+from mbcdm_cad.checks.run import Budget, Offer, run_all
 from mbcdm_cad.design import yamltree
 from mbcdm_cad.design.describe import flow
 from mbcdm_cad.design.fieldpath import put

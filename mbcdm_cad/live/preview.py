@@ -8,8 +8,8 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from mbcdm_cad.checks.built import envelope_check, mass_check
 from mbcdm_cad.checks.comparison import CheckResult
+from mbcdm_cad.checks.size import envelope_check, mass_check
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.parallel.forks import forked

@@ -63,7 +63,7 @@ class Facts:
     @cached_property
     def mass_g(self) -> float:
         """The estimated mass, from closed forms."""
-        return kept_mass_g(self.layout, lambda _: self.bill)
+        return kept_mass_g(self.layout)
 
     @cached_property
     def structure(self) -> StructureReport:

@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mbcdm_cad.checks.comparison import CheckResult, failed
-from mbcdm_cad.checks.remedies import Budget
-from mbcdm_cad.checks.run import run_all
+from mbcdm_cad.checks.run import Budget, run_all
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.layouts.check_design import checks_of

@@ -12,7 +12,7 @@ from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
 
 from mbcdm_cad.checks.comparison import CheckResult, failed, figures
-from mbcdm_cad.checks.duty import speed
+from mbcdm_cad.checks.motors import speed
 from mbcdm_cad.design.sized import LIGHTEST
 from mbcdm_cad.errors import MbcdmError, did_you_mean
 from mbcdm_cad.layouts.base import Layout, NoFigureError

@@ -8,9 +8,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from functools import partial
 
-from mbcdm_cad.checks.built import BUILD_IDS
 from mbcdm_cad.checks.comparison import Check, figures
 from mbcdm_cad.checks.run import run_check
+from mbcdm_cad.checks.size import BUILD_IDS
 from mbcdm_cad.design.drive import Drive
 
 _HEAD = """\

@@ -13,8 +13,7 @@ from typing import Any
 import numpy as np
 
 from mbcdm_cad.checks.comparison import Check
-from mbcdm_cad.checks.remedies import Budget
-from mbcdm_cad.checks.run import run_check
+from mbcdm_cad.checks.run import Budget, run_check
 from mbcdm_cad.design.freedom import Freedom
 from mbcdm_cad.design.loader import Resolved
 from mbcdm_cad.design.sized import Sizing

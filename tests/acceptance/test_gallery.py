@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mbcdm_cad.checks.remedies import Budget
-from mbcdm_cad.checks.run import run_check
+from mbcdm_cad.checks.run import Budget, run_check
 from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.loader import load_text, short_design_text
 from tests.support.checked import of_params

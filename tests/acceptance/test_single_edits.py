@@ -12,8 +12,7 @@ import numpy as np
 import pytest
 import yaml
 
-from mbcdm_cad.checks.remedies import Budget
-from mbcdm_cad.checks.run import run_check
+from mbcdm_cad.checks.run import Budget, run_check
 from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.loader import load_text
 

@@ -273,7 +273,7 @@ def test_materials_change_masses_not_dimensions() -> None:
 
 
 def test_mass_targets_are_held_against_the_mass() -> None:
-    from mbcdm_cad.checks.built import mass_check
+    from mbcdm_cad.checks.size import mass_check
 
     drive = load_text(edited({})).drive
     base = asdict(mass_check(drive, 345.0, 1.0))

@@ -8,8 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from mbcdm_cad.checks.comparison import CheckResult
-from mbcdm_cad.checks.remedies import Budget
-from mbcdm_cad.checks.run import run_check
+from mbcdm_cad.checks.run import Budget, run_check
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.layouts.base import Layout

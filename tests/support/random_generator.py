@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 import yaml
 
-from mbcdm_cad.checks.remedies import Budget
-from mbcdm_cad.checks.run import run_check
+from mbcdm_cad.checks.run import Budget, run_check
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import InputError

@@ -14,8 +14,8 @@ from itertools import combinations
 from math import hypot, inf, pi, radians, tan
 from typing import Any, Protocol, Self, TypeVar
 
-from mbcdm_cad.checks.bending import ANCHOR_RATIO
 from mbcdm_cad.checks.input_pulley import SHOULDER_MM
+from mbcdm_cad.checks.ratios import ANCHOR_RATIO
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.parts.input_pulley.stop import STOP_WALL_MM
 

@@ -8,11 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mbcdm_cad.checks.comparison import Check, Comparison, Family, at_least, at_most, families, worst
+from mbcdm_cad.checks.comparison import Family, Findings, at_most, check, families
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM
-from mbcdm_cad.checks.size import box_checks, mass_check
-from mbcdm_cad.layouts.miso_spur.bill import bill
+from mbcdm_cad.checks.size import box_checks, mass_estimate
 from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
 from mbcdm_cad.layouts.siso_spur.checks import FAMILIES as OF_ONE_INPUT
 from mbcdm_cad.layouts.siso_spur.checks import room, support, winding
@@ -26,6 +25,9 @@ __all__ = ["FAMILIES", "stacks"]
 LARGEST_OVER_MEAN = 1.1
 
 
+_OUT: tuple[Adjustment, ...] = (up("transmission.centre_distance_mm"),)
+
+
 def load_shares(s: RoundDrumLayout) -> np.ndarray:
     """Share (2, n_inputs) of the peak torque, each direction, that every input takes besides its bias torque."""
     idle, forward, back, *_ = s.loads.input_torque_Nm
@@ -33,33 +35,26 @@ def load_shares(s: RoundDrumLayout) -> np.ndarray:
     return np.asarray(taken / taken.sum(axis=1, keepdims=True))
 
 
-def sharing(s: RoundDrumLayout) -> Comparison:
+@check(
+    "Shares of the inputs in the load",
+    "model; 1.1: a choice",
+    up("rope.preload_N"),
+    down("loads.peak_torque_Nm"),
+    advice="leave out preload_N of single entries of cables, so that rope.preload_N is that of all",
+    warn=True,
+)
+def load_sharing(s: RoundDrumLayout) -> Findings:
     """Torque of the most loaded input at peak torque over the mean of all inputs."""
     shares = load_shares(s)
     listed = ", ".join(f"{name} {share:.1%}" for name, share in zip(s.drive.input_names, shares[0], strict=True))
-    return worst(
-        at_most(
+    for way in shares:
+        yield at_most(
             f"torque of the {s.drive.input_names[int(way.argmax())]} input over the mean of all at peak torque",
             float(way.max()) * s.drive.n_inputs,
             LARGEST_OVER_MEAN,
             "times",
             f"shares {listed}, by the stiffness of the cables while the inputs are held",
         )
-        for way in shares
-    )
-
-
-SHARING = (
-    Check(
-        "load_sharing",
-        "Shares of the inputs in the load",
-        "model; 1.1: a choice",
-        sharing,
-        "warn",
-        adjust=(up("rope.preload_N"), down("loads.peak_torque_Nm")),
-        advice="leave out preload_N of single entries of cables, so that rope.preload_N is that of all",
-    ),
-)
 
 
 class Zone(NamedTuple):
@@ -115,9 +110,8 @@ def _passes(s: RoundDrumLayout, sector: int, index: int, half_width: float) -> l
     return found
 
 
-def _gaps(s: RoundDrumLayout, zones: Callable[[RoundDrumLayout, int], Iterator[Zone]]) -> Comparison:
+def _gaps(s: RoundDrumLayout, zones: Callable[[RoundDrumLayout, int], Iterator[Zone]]) -> Findings:
     """Gaps between each sector and zones at the other inputs."""
-    running, found = s.drive.clearances.running_mm, []
     for index in range(s.drive.n_inputs):
         for zone in zones(s, index):
             for sector in range(s.drive.n_inputs):
@@ -125,61 +119,42 @@ def _gaps(s: RoundDrumLayout, zones: Callable[[RoundDrumLayout, int], Iterator[Z
                     continue
                 for name, low, high, outer in _passes(s, sector, index, zone.half_width_mm):
                     along = max(low - zone.to_y_mm, zone.from_y_mm - high)
-                    found.append(at_least(f"{name} from {zone.name}", max(along, zone.inner_mm - outer), running, "mm"))
-    return worst(found)
+                    gap = max(along, zone.inner_mm - outer)
+                    yield f"{name} from {zone.name}", gap, s.drive.clearances.running_mm
 
 
-def sectors_clear_inputs(s: RoundDrumLayout) -> Comparison:
+@check("Sectors clear the other inputs", "clearances.running_mm", *_OUT)
+def sectors_clear_inputs(s: RoundDrumLayout) -> Findings:
     """Gap between each sector and the pulleys and encoders of the other inputs."""
     return _gaps(s, _on_axis)
 
 
-def sectors_clear_shelves(s: RoundDrumLayout) -> Comparison:
+@check(
+    "Sectors clear the encoder shelves of the other inputs", "clearances.running_mm", up("drum.hub_face_y_mm"), *_OUT
+)
+def sectors_clear_shelves(s: RoundDrumLayout) -> Findings:
     """Gap between each sector and the encoder shelves of the other inputs."""
     return _gaps(s, _shelf)
 
 
-def heads_apart(s: RoundDrumLayout) -> Comparison:
+@check("Gap between motor heads", "derived", *_OUT)
+def heads_apart(s: RoundDrumLayout) -> Findings:
     """Gaps between motor heads of neighbouring inputs, and between the mounting threads near the frame's middle."""
     f, half = s.frame, pi / s.drive.n_inputs
     flange_low = f.axis_z + s.head.flange.back_y
     # Two opposite heads have the drum's axis between them.
     heads = flange_low if half >= pi / 2 else flange_low * tan(half) - f.half_width
-    found = [at_least("motor heads of neighbours, half the way between them", heads, 0.0, "mm")]
+    yield "motor heads of neighbours, half the way between them", heads, 0.0
     if half < pi / 2:
         what, running = "idlers from those of the next arm, half the way between them", s.drive.clearances.running_mm
         for stand in f.stands:
-            found.append(at_least(what, stand.low_z * tan(half) - stand.half_width, running / 2, "mm"))
+            yield what, stand.low_z * tan(half) - stand.half_width, running / 2
     for x, z in f.mounts:
         room = hypot(x, z) if half >= pi / 2 else z * tan(half) - abs(x)
-        found.append(
-            at_least(
-                "mounting thread from that of the next arm, half way", room - f.mount_radius, HOLE_WEB_MM / 2, "mm"
-            )
-        )
-    return worst(found)
+        yield "mounting thread from that of the next arm, half way", room - f.mount_radius, HOLE_WEB_MM / 2
 
 
-_OUT: tuple[Adjustment, ...] = (up("transmission.centre_distance_mm"),)
-SECTORS = (
-    APART,
-    Check(
-        "sectors_clear_inputs",
-        "Sectors clear the other inputs",
-        "clearances.running_mm",
-        sectors_clear_inputs,
-        adjust=_OUT,
-    ),
-    Check(
-        "sectors_clear_shelves",
-        "Sectors clear the encoder shelves of the other inputs",
-        "clearances.running_mm",
-        sectors_clear_shelves,
-        adjust=(up("drum.hub_face_y_mm"), *_OUT),
-    ),
-    Check("heads_apart", "Gap between motor heads", "derived", heads_apart, adjust=_OUT),
-    *DOWELS,
-)
+SECTORS = (APART, sectors_clear_inputs, sectors_clear_shelves, heads_apart, *DOWELS)
 
 
 def box_mm(s: RoundDrumLayout) -> tuple[float, float, float]:
@@ -201,7 +176,7 @@ def box_mm(s: RoundDrumLayout) -> tuple[float, float, float]:
     return float(wide), float(high), front - min(v.motor_bottom_z, v.back_y)
 
 
-OF_ALL = (*ROOM, *box_checks(box_mm, "targets.envelope_mm", BOX_ADJUSTMENTS), mass_check(bill))
+OF_ALL = (*ROOM, *box_checks(box_mm, "targets.envelope_mm", BOX_ADJUSTMENTS), mass_estimate)
 
 
 # The checks of several inputs stand before or after those of one: the shares behind the winding, the sectors before
@@ -211,7 +186,8 @@ _PLACES = {
     _WINDING: (
         _WINDING,
         Family(
-            "Shares of the inputs in the load of the drum, which follow from the stiffness of their cables.", SHARING
+            "Shares of the inputs in the load of the drum, which follow from the stiffness of their cables.",
+            (load_sharing,),
         ),
     ),
     _SUPPORT: (

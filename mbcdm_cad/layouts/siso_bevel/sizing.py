@@ -27,7 +27,7 @@ from mbcdm_cad.layouts.head_dims import (
     stiff_wall,
 )
 from mbcdm_cad.layouts.head_parts import PARTS
-from mbcdm_cad.layouts.siso_bevel.checks.input_turn import LEAST_RESERVE_DEG, highest_ratio
+from mbcdm_cad.layouts.siso_bevel.checks import LEAST_RESERVE_DEG, highest_ratio
 from mbcdm_cad.layouts.siso_bevel.design_file import REFERENCE
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
 from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout

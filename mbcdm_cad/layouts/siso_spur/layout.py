@@ -129,6 +129,7 @@ class SpurLayout(HeadLayout):
     name = "siso_spur"
     title = "one input beside the drum, one cable round it, axes parallel (Fig. 1 a)"
     variables = VARIABLES
+    frame_name = "plate"
     conventions = Conventions(
         frame="Frame: origin on the drum axis (Y), in the middle of the cable; the input stands at +Z; lengths in mm.",
         cables="The cable is a round rod at the nominal diameter; its turns walk along the input as the drum turns.",

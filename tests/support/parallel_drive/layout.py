@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mbcdm_cad.checks import motors, strength
-from mbcdm_cad.checks.bending import bending_checks
-from mbcdm_cad.checks.comparison import Check, Comparison, Family, at_most, worst
+from mbcdm_cad.checks.comparison import Family, Findings, at_most, check
 from mbcdm_cad.checks.design_variables import SHARED, DesignVariable, by_path, down, field
+from mbcdm_cad.checks.ratios import bending_checks
 from mbcdm_cad.design.design_file import DesignFile
 from mbcdm_cad.layouts.base import Conventions, Layout
 from mbcdm_cad.parts.bill import AssemblyStep, Bill, MovingBody
@@ -139,21 +139,18 @@ class ParallelLayout(Layout):
         ]
 
 
-def under_a_turn(design: ParallelLayout) -> Comparison:
+@check("Wrap on the input under a turn", "derived", down("travel.half_angle_deg"))
+def input_wrap(design: ParallelLayout) -> Findings:
     """The cable stays in its plane, so that its wrap on the input is under a turn."""
     ends = (-design.half_travel_rad, design.half_travel_rad)
-    return worst(
-        at_most("largest wrap on the input", degrees(float(design.wraps_rad(angle)[0].max())), 350.0, "deg")
-        for angle in ends
-    )
+    for angle in ends:
+        yield at_most("largest wrap on the input", degrees(float(design.wraps_rad(angle)[0].max())), 350.0, "deg")
 
 
 CHECKS = (
     *bending_checks((down("rope diameter_mm"),)),
-    *strength.CHECKS,
-    *motors.CHECKS,
-    Check(
-        "input_wrap", "Wrap on the input under a turn", "derived", under_a_turn, adjust=(down("travel.half_angle_deg"),)
-    ),
+    *strength.FAMILIES[0].checks,
+    *motors.FAMILIES[0].checks,
+    input_wrap,
 )
 LAYOUT = ParallelLayout

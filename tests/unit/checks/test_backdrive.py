@@ -5,12 +5,11 @@ from __future__ import annotations
 import pytest
 from designs import put, reference
 
-from mbcdm_cad.checks.motors import CHECKS, backdrive
+from mbcdm_cad.checks.motors import backdrive
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.layouts.loader import design_file, load_text
 from tests.support.checked import failing, results
 
-CHECK = next(check for check in CHECKS if check.id == "backdrive")
 HANDLE = """name: handle
 configuration: siso_spur
 travel: {half_angle_deg: 45}
@@ -28,8 +27,8 @@ def test_a_design_that_asks_for_none_is_told_the_torque() -> None:
 
 def test_gearheads_that_lock_fail_only_where_back_driving_is_asked() -> None:
     locked = put(reference(), "gearhead.efficiency", 0.5)
-    assert run_check(CHECK, locked.layout).status == "pass"
-    asked = run_check(CHECK, put(locked, "loads.backdrive_Nm", 1.0).layout)
+    assert run_check(backdrive, locked.layout).status == "pass"
+    asked = run_check(backdrive, put(locked, "loads.backdrive_Nm", 1.0).layout)
     assert asked.status == "fail" and "0.5 or below" in asked.message, asked
 
 
@@ -37,7 +36,7 @@ GEARED = HANDLE + "drive: {motor: motor-4.5mNm-17, gearhead: gearhead-76-22}\n"
 
 
 def test_a_handle_learns_what_resists_most() -> None:
-    found = run_check(CHECK, load_text(GEARED).drive.layout)
+    found = run_check(backdrive, load_text(GEARED).drive.layout)
     assert found.status == "fail" and found.actual is not None and found.actual > 0.05, found
     assert "gearhead" in found.remedy, found.remedy
 
@@ -81,7 +80,7 @@ def test_a_lower_preload_turns_more_easily_where_motor_and_ratio_are_stated() ->
     assert back is not None
     asked = load_text(text.replace("0.05}", f"{0.99 * back.start_Nm:.4g}}}")).drive
     assert asked.cables[0].preload_N < usual.cables[0].preload_N
-    assert run_check(CHECK, asked.layout).status == "pass"
+    assert run_check(backdrive, asked.layout).status == "pass"
 
 
 @pytest.mark.parametrize(

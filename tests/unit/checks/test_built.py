@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from mbcdm_cad.checks.built import envelope_check, interference_check, mass_check
+from mbcdm_cad.checks.size import envelope_check, interference_check, mass_check
 from mbcdm_cad.design.blocks import Waiver
 from mbcdm_cad.design.drive import Drive
 

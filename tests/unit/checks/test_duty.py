@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from mbcdm_cad.checks.comparison import CheckResult
-from mbcdm_cad.checks.duty import CHECKS
+from mbcdm_cad.checks.motors import FAMILIES
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.design.blocks import DutyBlock, DutyRow
 from mbcdm_cad.design.drive import Drive
@@ -17,7 +17,7 @@ from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.loader import load_text
 
-BY_ID = {check.id: check for check in CHECKS}
+BY_ID = {check.id: check for check in FAMILIES[1].checks}
 # Motor without a gearhead, printed.
 LEG = """name: leg
 configuration: siso_spur

@@ -9,8 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mbcdm_cad.checks.drum_outline import Ring
-from mbcdm_cad.checks.geometry import corner_gap, inside_rounded_rectangle, polygon_gap, web_between
+from mbcdm_cad.checks.geometry import Ring, corner_gap, inside_rounded_rectangle, polygon_gap, web_between
 from mbcdm_cad.layouts.miso_bevel.checks.room import Upright, ring_gap
 
 coordinate = st.floats(-10.0, 10.0)

@@ -12,16 +12,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mbcdm_cad.checks.bearings import drum_reactions_N
-from mbcdm_cad.checks.bending import strength_efficiency
 from mbcdm_cad.checks.comparison import CheckResult
 from mbcdm_cad.checks.motors import saturation_Nm
-from mbcdm_cad.checks.ratios import ratio_if_cut_as_surface
+from mbcdm_cad.checks.ratios import ratio_if_cut_as_surface, strength_efficiency
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.checks.strength import balanced_preloads, rated_input_Nm
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.miso_bevel.checks import CHECKS
-from mbcdm_cad.layouts.miso_bevel.checks.guide import guide_forces_N
 from mbcdm_cad.layouts.miso_bevel.checks.spans import straight_span_clearance_mm
+from mbcdm_cad.layouts.miso_bevel.checks.transmission import guide_forces_N
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from tests.support.smooth_path import self_clearance_mm
 

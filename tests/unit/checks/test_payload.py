@@ -9,8 +9,8 @@ import pytest
 from designs import reference
 
 from mbcdm_cad.checks.bearings import drum_bearings, drum_reactions_N
-from mbcdm_cad.checks.duty import continuous_torque
 from mbcdm_cad.checks.fixings import shaft_stress
+from mbcdm_cad.checks.motors import continuous_torque
 from mbcdm_cad.checks.structure import payload_screws
 from mbcdm_cad.design.blocks import Payload
 from mbcdm_cad.design.drive import Drive
@@ -136,6 +136,6 @@ def test_rules_follow_the_payload(configuration: str) -> None:
     hit = leg(configuration, f"peak_torque_Nm: 2.0, payload: {{{FOOT}}}")
     payload = hit.drive.loads.payload
     kept = carrying(payload, free.drive)
-    found = {check.__name__: (check(kept), check(hit)) for check in (drum_bearings, shaft_stress, payload_screws)}
+    found = {check.id: (check(kept), check(hit)) for check in (drum_bearings, shaft_stress, payload_screws)}
     assert not found["drum_bearings"][0].holds, found
     assert all(sized.holds for _, sized in found.values()), found

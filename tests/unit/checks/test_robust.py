@@ -87,7 +87,7 @@ def test_a_remedy_names_the_catalogues_rope() -> None:
 def test_no_remedy_leaves_the_bounds_of_its_field(least: float, offered: bool) -> None:
     """A bridge may be 50 mm thick; the limit of the remedies' own search lies beyond."""
     layout = load_design(PARAMS / "siso_spur.yaml").drive.layout
-    stub = BY_ID["walls"]._replace(
+    stub = BY_ID["walls"].but(
         measure=lambda s: at_least("bridge", s.drive.support.bridge_mm * 3.0, least * 3.0, "mm"),
         adjust=(up("support.bridge_mm"),),
         advice="",

@@ -14,9 +14,9 @@ import yaml
 from designs import put, reference, with_cable
 
 import mbcdm_cad
-from mbcdm_cad.checks.built import BUILD_IDS
 from mbcdm_cad.checks.comparison import CheckResult, at_most, failed
 from mbcdm_cad.checks.run import run_check
+from mbcdm_cad.checks.size import BUILD_IDS
 from mbcdm_cad.design.blocks import Waiver
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.drive import Drive
@@ -219,7 +219,7 @@ def _fields_of(schema: dict[str, Any], node: dict[str, Any]) -> set[str]:
 
 def test_a_figure_that_is_zero_but_for_rounding_is_zero() -> None:
     """The sine of an angle of 0 is found as 1.5e-8, and ratios agree within 1e-11."""
-    angle = CHECKS[0]._replace(measure=lambda s: at_most("fleet angle", 8.5e-7, 1.5, "deg"))
+    angle = CHECKS[0].but(measure=lambda s: at_most("fleet angle", 8.5e-7, 1.5, "deg"))
     found = run_check(angle, reference().layout)
     assert (found.actual, found.margin, found.message) == (0.0, 1.5, "fleet angle 0 deg (limit at most 1.5)")
     for result in run_checks(load_design(PARAMS.parent / "siso_spur.yaml")):

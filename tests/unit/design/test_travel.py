@@ -7,8 +7,7 @@ from typing import Any
 
 import pytest
 
-from mbcdm_cad.checks.remedies import Budget, offers
-from mbcdm_cad.checks.run import run_check
+from mbcdm_cad.checks.run import Budget, offers, run_check
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.loader import load_text

@@ -9,7 +9,7 @@ import yaml
 
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.loader import load_text
-from mbcdm_cad.layouts.siso_bevel.checks.input_turn import highest_ratio
+from mbcdm_cad.layouts.siso_bevel.checks import highest_ratio
 from tests.support.checked import failing
 
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from mbcdm_cad.checks.built import overhang_check, printed_walls_check
+from mbcdm_cad.checks.size import overhang_check, printed_walls_check
 from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.loader import load_design, load_text
 from mbcdm_cad.parts.fits import limits

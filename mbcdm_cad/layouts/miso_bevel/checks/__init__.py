@@ -2,36 +2,24 @@
 
 from __future__ import annotations
 
-from mbcdm_cad.checks import (
-    creep,
-    drum_sector,
-    duty,
-    fixings,
-    life,
-    motors,
-    springs,
-    strength,
-    structure,
-    take_up,
-    terminals,
-)
+from mbcdm_cad.checks import drum_sector, fixings, motors, springs, strength, structure, terminals
 from mbcdm_cad.checks.comparison import Check, Family, families
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.input_pulley import pulley_checks
 from mbcdm_cad.checks.transfer import transfer_checks
 from mbcdm_cad.layouts.bevel_transfer import wrap_checks
-from mbcdm_cad.layouts.miso_bevel.checks import spans, support_fits, support_walls, tolerances
-from mbcdm_cad.layouts.miso_bevel.checks.guide import BEARINGS, GUIDE_FITS
-from mbcdm_cad.layouts.miso_bevel.checks.ratios import BENDING, RATIOS, SURFACES
+from mbcdm_cad.layouts.miso_bevel.checks import support_fits, support_walls
 from mbcdm_cad.layouts.miso_bevel.checks.room import ENVELOPE, SWEEPS
+from mbcdm_cad.layouts.miso_bevel.checks.spans import SPANS, STACKS, stacks
+from mbcdm_cad.layouts.miso_bevel.checks.transmission import BEARINGS, BENDING, GUIDE_FITS, RATIOS, SURFACES
+
+__all__ = ["CHECKS", "FAMILIES", "stacks"]
 
 _WIDER = (
     up("transmission.input_radii_mm"),
     down("transmission.ratios.input_to_guide"),
     up("all radii of transmission"),
 )
-# Tolerance stacks of each gap and ratio.
-stacks = tolerances.stacks
 # First the checks of the mechanism, then those of the parts.
 FAMILIES = families(
     Family("Eq. (1) row by row, equal total ratio of both inputs, and the tension that a difference causes", RATIOS),
@@ -45,17 +33,20 @@ FAMILIES = families(
         "guide and drum close but not touching",
         transfer_checks("guide", "keep r_o/r_g equal for all steps, as transmission.ratios does"),
     ),
-    spans,
-    tolerances,
+    Family(
+        "Free spans between input pulleys and guide: distance, fleet angle, and gap between a span and its last turn.",
+        SPANS,
+    ),
+    Family(
+        "Gaps against the sum of the tolerances of the parts: a gap smaller than this sum may vanish in a built drive.",
+        STACKS,
+    ),
     Family(
         "Wrap on the drum over the travel: more than zero, less than a turn, and compared with the model's slip zones.",
         wrap_checks("guide"),
     ),
     strength,
-    creep,
-    life,
     motors,
-    duty,
     Family(
         "Bearing loads against static ratings, and the deflection at the gearhead that the pulley's own bearings leave",
         BEARINGS,
@@ -69,7 +60,6 @@ FAMILIES = families(
     drum_sector,
     structure,
     terminals,
-    take_up,
     springs,
     support_walls,
     support_fits,

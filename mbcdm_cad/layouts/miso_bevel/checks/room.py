@@ -12,14 +12,23 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mbcdm_cad.checks.cable_gaps import CABLE_GAP_MM, cables_apart, in_pieces, nearest_mm, step_mm
-from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
+from mbcdm_cad.checks.comparison import Findings, check
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
-from mbcdm_cad.checks.drum_outline import Ring, before_frame, drum_zones, frame_front_check, rim_points, wrap_points
-from mbcdm_cad.checks.geometry import corner_gap
-from mbcdm_cad.checks.size import box_checks, mass_check
+from mbcdm_cad.checks.geometry import (
+    CABLE_GAP_MM,
+    Ring,
+    cables_apart,
+    corner_gap,
+    drum_zones,
+    frame_front,
+    in_pieces,
+    nearest_mm,
+    rim_points,
+    step_mm,
+    wrap_points,
+)
+from mbcdm_cad.checks.size import box_checks, mass_estimate
 from mbcdm_cad.checks.terminals import bodies_of
-from mbcdm_cad.layouts.miso_bevel.bill import bill
 from mbcdm_cad.layouts.miso_bevel.cable_path import FREE
 from mbcdm_cad.layouts.miso_bevel.checks.support_fits import in_pocket
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
@@ -85,39 +94,49 @@ def ring_gap(ring: Ring, body: Upright, want: float) -> float:
     return max(along_y, ring.inner - furthest, hypot(near_x, near_z) - ring.outer)
 
 
-def drum_sweep(s: BevelLayout) -> Comparison:
+@check(
+    "Drum clears drives and pulleys",
+    "clearances.running_mm; 0.1 mm between turning bodies: estimate",
+    up("transmission.input_setback_mm"),
+    down("transmission.centre_distance_mm"),
+    up("transmission.centre_distance_mm"),
+    up("all radii of transmission"),
+    up("support.coupling_space_mm"),
+    down("support.coupling_space_mm"),
+    up("drum.rim_inner_radius_mm"),
+)
+def drum_sweep(s: BevelLayout) -> Findings:
     """Gap from drum, terminals and wound cables to drives and pulleys over the whole travel."""
     running = s.drive.clearances.running_mm
-    found = []
     for body in uprights(s):
         for ring in drum_zones(s):
             want = min(MOVING_GAP_MM, running) if body.moves else running
-            found.append(at_least(f"{ring.name} to the {body.name}", ring_gap(ring, body, want), want, "mm"))
-    return worst(found)
+            yield f"{ring.name} to the {body.name}", ring_gap(ring, body, want), want
 
 
-def frame_front(s: BevelLayout) -> Comparison:
-    """Gap from all parts that turn with the drum to shelves, plate and boss behind them."""
-    return before_frame(s, "frame")
-
-
-def collar_space(s: BevelLayout) -> Comparison:
+@check(
+    "Clamp collars turn freely",
+    "clearances.running_mm",
+    up("transmission.centre_distance_mm"),
+    down("support.back_plate_mm"),
+    down("support.back_y_mm"),
+)
+def collar_space(s: BevelLayout) -> Findings:
     """Gap from the clamp collars to web, side walls, back plate and the mounting screws' heads, or to their boxes."""
     v, running = s.levels, s.drive.clearances.running_mm
     reach, box, c = _collar_reach_mm(s), s.top_plate.box, s.collar
     if box is None:
-        return worst(in_pocket(s, "clamp collar", reach))
+        yield from in_pocket(s, "clamp collar", reach)
+        return
     low, high = v.from_gearhead.motor_shelf_top_z, v.from_gearhead.bearing_shelf_bottom_z
     corner = pocket_corner_mm(box.corner_radius, 2 * box.inner_x, high - low)
     heads = box.gear_bolt_circle + s.drive.screw(s.drive.gearhead.screw).head_diameter_mm / 2
-    return worst(
-        at_least(what, gap, running, "mm")
-        for what, gap in (
-            ("clamp collar from walls and motor shelf", corner_gap(reach, c.bottom_z, box.inner_x, low, corner)),
-            ("clamp collar from walls and top plate", corner_gap(reach, -c.top_z, box.inner_x, -high, corner)),
-            (f"{s.drive.mounted} screws' heads from the corner", box.inner_x - corner - heads),
-        )
-    )
+    for what, gap in (
+        ("clamp collar from walls and motor shelf", corner_gap(reach, c.bottom_z, box.inner_x, low, corner)),
+        ("clamp collar from walls and top plate", corner_gap(reach, -c.top_z, box.inner_x, -high, corner)),
+        (f"{s.drive.mounted} screws' heads from the corner", box.inner_x - corner - heads),
+    ):
+        yield what, gap, running
 
 
 def _free(s: BevelLayout) -> list[tuple[float, np.ndarray]]:
@@ -129,9 +148,16 @@ def _free(s: BevelLayout) -> list[tuple[float, np.ndarray]]:
     ]
 
 
-def spans_clear(s: BevelLayout) -> Comparison:
+@check(
+    "Free spans clear the terminals",
+    "derived; 0.1 mm: estimate",
+    down("travel.half_angle_deg"),
+    up("drum.sector_half_angle_deg"),
+    up("all radii of transmission"),
+)
+def spans_clear(s: BevelLayout) -> Findings:
     """Gap from free spans and cables on the guide to the terminals, drum centred and at both ends of travel."""
-    d, step, found = s.drum, step_mm(s), []
+    d, step = s.drum, step_mm(s)
     keep = hypot(d.lug_half_width, max(d.nut_pocket, d.lug_half_width)) + s.flank_mm
     for angle, free in _free(s):
         lines, cosine, sine = in_pieces(free), np.cos(np.radians(angle)), np.sin(np.radians(angle))
@@ -140,53 +166,22 @@ def spans_clear(s: BevelLayout) -> Comparison:
             along = np.linspace(t.slack_start, t.last_tip, int(t.last_tip / step) + 2)
             axis = np.array([(x, t.y_mm, z) for x, z in (t.at(a) for a in along)]) @ turn.T
             what = f"terminal of {t.cable_name} from the free spans with the drum at {angle:+.4g} deg"
-            found.append(at_least(what, nearest_mm(lines, in_pieces(axis), step) - keep, CABLE_GAP_MM, "mm"))
-    return worst(found)
+            yield what, nearest_mm(lines, in_pieces(axis), step) - keep, CABLE_GAP_MM
 
 
 SWEEPS = (
-    Check(
-        "drum_sweep",
-        "Drum clears drives and pulleys",
-        "clearances.running_mm; 0.1 mm between turning bodies: estimate",
-        drum_sweep,
-        adjust=(
-            up("transmission.input_setback_mm"),
-            down("transmission.centre_distance_mm"),
-            up("transmission.centre_distance_mm"),
-            up("all radii of transmission"),
-            up("support.coupling_space_mm"),
-            down("support.coupling_space_mm"),
-            up("drum.rim_inner_radius_mm"),
-        ),
-    ),
-    frame_front_check(frame_front),
-    Check(
-        "collar_space",
-        "Clamp collars turn freely",
-        "clearances.running_mm",
-        collar_space,
-        adjust=(up("transmission.centre_distance_mm"), down("support.back_plate_mm"), down("support.back_y_mm")),
-    ),
-    Check(
-        "cables_apart",
-        "Gaps between cables",
-        "derived; 0.1 mm: estimate",
-        cables_apart,
+    drum_sweep,
+    frame_front,
+    collar_space,
+    cables_apart.but(
         adjust=(
             up("transmission.centre_distance_mm"),
             up("all radii of transmission"),
             down("travel.half_angle_deg"),
             down("rope diameter_mm"),
-        ),
+        )
     ),
-    Check(
-        "spans_clear",
-        "Free spans clear the terminals",
-        "derived; 0.1 mm: estimate",
-        spans_clear,
-        adjust=(down("travel.half_angle_deg"), up("drum.sector_half_angle_deg"), up("all radii of transmission")),
-    ),
+    spans_clear,
 )
 
 
@@ -241,4 +236,4 @@ _Z: tuple[Adjustment, ...] = (
     up("support.top_plate_mm"),
 )
 _Y: tuple[Adjustment, ...] = (down("drum.hub_face_y_mm"), up("drum.hub_face_y_mm"), up("support.back_y_mm"))
-ENVELOPE = (*box_checks(box_mm, _SOURCE, (_X, _Z, _Y)), mass_check(bill))
+ENVELOPE = (*box_checks(box_mm, _SOURCE, (_X, _Z, _Y)), mass_estimate)

@@ -1,20 +1,29 @@
-"""Free spans between input pulleys and guide: distance, fleet angle, and gap between a span and its last turn."""
+"""Free spans between input pulleys and guide; and gaps against the sum of the tolerances of the parts.
+
+A gap smaller than this sum may vanish in a built drive.
+"""
 
 from __future__ import annotations
 
-from math import tau
+from collections.abc import Iterator
+from functools import partial
+from math import ceil, floor, tau
 
 import numpy as np
 
-from mbcdm_cad.checks.cable_gaps import CABLE_GAP_MM
-from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, noted, worst
+from mbcdm_cad.checks.comparison import Check, Comparison, Findings, at_least, at_most, check, noted, worst
 from mbcdm_cad.checks.design_variables import down, up
+from mbcdm_cad.checks.geometry import CABLE_GAP_MM
 from mbcdm_cad.checks.input_pulley import dead_turns_check
+from mbcdm_cad.checks.run import rounded
+from mbcdm_cad.checks.stacks import Stacks, TransferStacks, ratio_contributions, stack_check, transmission_error
+from mbcdm_cad.layouts.miso_bevel import gap_tolerances as gaps
 from mbcdm_cad.layouts.miso_bevel.cable_path import BLEND_DIAMETERS, fleet_angle_deg, guide_landing_walk_mm, winding
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.pulleys import smallest_lead_mm
 from mbcdm_cad.layouts.miso_bevel.stack import band, outward_of
+from mbcdm_cad.model.stack_up import StackUp, tightest
 from mbcdm_cad.sizing.arithmetic import cos, hypot, radians, sin, sqrt, tan
 
 # Least crest between two grooves, in rope diameters: a thinner one is a sharp edge that cuts the rope (estimate).
@@ -23,37 +32,63 @@ GROOVE_CREST = 0.05
 _NEWTON_STEPS = 6
 
 
-def centre_distance(s: BevelLayout) -> Comparison:
+_SHORTER_WALK = (up("transmission.centre_distance_mm"), down("rope.helix_lead_mm"), down("travel.half_angle_deg"))
+
+
+@check(
+    "Centre distance leaves a free span",
+    "paper Eq. (11)",
+    up("transmission.centre_distance_mm"),
+    down("all radii of transmission"),
+    down("rope diameter_mm"),
+)
+def centre_distance(s: BevelLayout) -> Findings:
     """L is larger than r_g + r_m, so that a straight span exists, with room for the curved transitions at both ends."""
     blends = 2 * BLEND_DIAMETERS * s.drive.cable.diameter_mm
 
     def reach(c: BevelRun) -> float:
         return float(np.hypot(c.guide_radius_mm + c.input_radius_mm, blends))
 
-    return worst(
-        at_least(
+    for c in s.steps:
+        yield (
             f"centre distance for {c.name}",
             s.drive.centre_distance_mm,
             reach(c),
-            "mm",
             f"r_g + r_m {c.guide_radius_mm + c.input_radius_mm:.4g} mm and a free span of {blends:.4g} mm",
         )
-        for c in s.steps
-    )
 
 
-def pulley_gap(s: BevelLayout) -> Comparison:
+@check(
+    "Guide and input pulleys clear each other",
+    "clearances.running_mm",
+    up("transmission.centre_distance_mm"),
+    down("all radii of transmission"),
+)
+def pulley_gap(s: BevelLayout) -> Findings:
     """Gap between guide and input pulleys with their cables, at any height."""
     d = s.drive.cable.diameter_mm
     guide, pulley = max(c.guide_radius_mm for c in s.steps), max(c.input_radius_mm for c in s.steps)
-    return at_least(
+    yield (
         "gap between guide and input pulley, cables on both",
         s.drive.centre_distance_mm - guide - pulley - d,
         s.drive.clearances.running_mm,
-        "mm",
     )
 
 
+def _grooves(s: BevelLayout) -> str:
+    """Advice to use grooved pulleys, if they alone are enough."""
+    if s.drive.input_pulleys.grooved:
+        return ""
+    angle, limit = max(fleet_angle_deg(s.drive, c) for c in s.steps), s.drive.limits.fleet_angle_grooved_max_deg
+    return f"set input_pulleys.surface: grooved, which allows {limit:g} deg" if angle <= limit else ""
+
+
+@check(
+    "Fleet angle on the input pulleys",
+    "limits.fleet_angle_max_deg; usual limit for smooth drums; for grooved: limits.fleet_angle_grooved_max_deg",
+    *_SHORTER_WALK,
+    advice=_grooves,
+)
 def fleet_angle(s: BevelLayout) -> Comparison:
     """Largest fleet angle at both ends of the travel."""
     s.levels  # noqa: B018 - without levels there is no winding
@@ -61,6 +96,12 @@ def fleet_angle(s: BevelLayout) -> Comparison:
     return worst(at_most(f"fleet angle of {c.name}", fleet_angle_deg(s.drive, c), limit, "deg") for c in s.steps)
 
 
+@check(
+    "Turns on the input pulley lie side by side",
+    "derived: lead > d; grooves: rope makers",
+    up("rope.helix_lead_mm"),
+    down("rope diameter_mm"),
+)
 def helix_lead(s: BevelLayout) -> Comparison:
     """The lead is larger than the cable's diameter, or than 2.065 groove radii if the turns lie in a groove."""
     return at_least("lead of the helix on the input pulleys", s.drive.helix_lead_mm, smallest_lead_mm(s.drive), "mm")
@@ -102,31 +143,38 @@ def _slant(fall_mm: float, slope: float, radius_mm: float, cosine: float) -> flo
     return fall_mm - slope * radius_mm * cosine
 
 
-def self_clearance(s: BevelLayout) -> Comparison:
+@check(
+    "Free span clears its own last turn",
+    "derived: straight span, no credit for the rope's stiffness",
+    up("rope.helix_lead_mm"),
+    up("transmission.centre_distance_mm"),
+    down("travel.half_angle_deg"),
+)
+def self_clearance(s: BevelLayout) -> Findings:
     """Gap between the free span and the turn that was wound just before it, with the cable fully wound on."""
     s.levels  # noqa: B018 - without levels there is no winding
-    return worst(
-        at_least(f"{c.name} from its own last turn, fully wound", straight_span_clearance_mm(s.drive, c), 0.0, "mm")
-        for c in s.steps
-    )
+    for c in s.steps:
+        yield f"{c.name} from its own last turn, fully wound", straight_span_clearance_mm(s.drive, c), 0.0
 
 
-def input_walk(s: BevelLayout) -> Comparison:
+@check(
+    "Axial walk fits the steps of the input pulleys",
+    "derived; 0.1 mm: estimate",
+    down("rope.helix_lead_mm"),
+    down("travel.half_angle_deg"),
+    up("all radii of transmission"),
+)
+def input_walk(s: BevelLayout) -> Findings:
     """The two cables of an input pulley walk along it over the travel without reaching the wall between their steps."""
     s.levels  # noqa: B018 - without levels there are no bands
-    found = []
     for name in s.drive.input_names:
         low, high = (c for c in s.steps if c.input_name == name)
         bands = [band(s.drive, c, outward_of(s.drive, c)) for c in (low, high)]
-        found.append(
-            at_least(
-                f"{name} input pulley: flanks of {low.name} and {high.name} from the wall between them",
-                (bands[1].low_mm - bands[0].high_mm) / 2,
-                CABLE_GAP_MM,
-                "mm",
-            )
+        yield (
+            f"{name} input pulley: flanks of {low.name} and {high.name} from the wall between them",
+            (bands[1].low_mm - bands[0].high_mm) / 2,
+            CABLE_GAP_MM,
         )
-    return worst(found)
 
 
 def guide_wall_gaps_mm(s: BevelLayout) -> list[tuple[BevelRun, float]]:
@@ -140,112 +188,216 @@ def guide_wall_gaps_mm(s: BevelLayout) -> list[tuple[BevelRun, float]]:
     return found
 
 
-def guide_walk(s: BevelLayout) -> Comparison:
+@check(
+    "Landing point's walk fits the steps of the guide",
+    "derived; 0.1 mm: estimate",
+    down("rope.helix_lead_mm"),
+    down("travel.half_angle_deg"),
+    up("all radii of transmission"),
+)
+def guide_walk(s: BevelLayout) -> Findings:
     """The landing point on the guide moves with the walk on the input and does not reach the walls of its step."""
-    return worst(
-        at_least(f"{c.name} on the guide from its walls", gap, CABLE_GAP_MM, "mm")
-        for c, gap in s.once("guide_walls", guide_wall_gaps_mm)
-    )
+    for c, gap in s.once("guide_walls", guide_wall_gaps_mm):
+        yield f"{c.name} on the guide from its walls", gap, CABLE_GAP_MM
 
 
-def landing_angle(s: BevelLayout) -> Comparison:
+@check(
+    "Every cable wraps the guide",
+    "derived from the figure-eight span; a degree: estimate",
+    down("all radii of transmission"),
+    up("transmission.centre_distance_mm"),
+    unit="deg",
+)
+def guide_wrap(s: BevelLayout) -> Findings:
     """Every cable lands on the guide before the transfer point, and less than a turn before it."""
     s.levels  # noqa: B018 - without levels there is no winding
-    return worst(
-        at_least(f"wrap of {c.name} on the guide", np.degrees(winding(s.drive, c).guide_wrap_rad), 1.0, "deg")
-        for c in s.steps
-    )
+    for c in s.steps:
+        yield f"wrap of {c.name} on the guide", np.degrees(winding(s.drive, c).guide_wrap_rad), 1.0
 
 
-def groove_walls(s: BevelLayout) -> Comparison:
+@check(
+    "Crests between the grooves",
+    "0.05 d: estimate",
+    up("rope.helix_lead_mm"),
+    down("rope.helix_lead_mm"),
+    down("travel.half_angle_deg"),
+)
+def groove_walls(s: BevelLayout) -> Findings:
     """Width of the crest between neighbouring grooves of an input pulley, and from the last groove to the next step."""
     grooved = [(p, groove) for p in s.inputs for groove in p.grooves]
     if not grooved:
-        return noted("no grooves: crest", 0.0, "mm")
+        yield noted("no grooves: crest", 0.0, "mm")
+        return
     limit = GROOVE_CREST * s.drive.cable.diameter_mm
-    found = []
     for p, groove in grooved:
-        found.append(
-            at_least(f"crest between grooves of {groove.cable_name}", groove.lead - 2 * groove.half_width, limit, "mm")
-        )
+        yield f"crest between grooves of {groove.cable_name}", groove.lead - 2 * groove.half_width, limit
         to_wall = abs(p.wall_z - groove.end_z) - groove.half_width
-        found.append(at_least(f"groove of {groove.cable_name} from the step beside it", to_wall, limit, "mm"))
-    return worst(found)
+        yield f"groove of {groove.cable_name} from the step beside it", to_wall, limit
 
 
-def _grooves(s: BevelLayout) -> str:
-    """Advice to use grooved pulleys, if they alone are enough."""
-    if s.drive.input_pulleys.grooved:
-        return ""
-    angle, limit = max(fleet_angle_deg(s.drive, c) for c in s.steps), s.drive.limits.fleet_angle_grooved_max_deg
-    return f"set input_pulleys.surface: grooved, which allows {limit:g} deg" if angle <= limit else ""
-
-
-_SHORTER_WALK = (up("transmission.centre_distance_mm"), down("rope.helix_lead_mm"), down("travel.half_angle_deg"))
-CHECKS = (
-    Check(
-        "centre_distance",
-        "Centre distance leaves a free span",
-        "paper Eq. (11)",
-        centre_distance,
-        adjust=(up("transmission.centre_distance_mm"), down("all radii of transmission"), down("rope diameter_mm")),
-    ),
-    Check(
-        "pulley_gap",
-        "Guide and input pulleys clear each other",
-        "clearances.running_mm",
-        pulley_gap,
-        adjust=(up("transmission.centre_distance_mm"), down("all radii of transmission")),
-    ),
-    Check(
-        "guide_wrap",
-        "Every cable wraps the guide",
-        "derived from the figure-eight span; a degree: estimate",
-        landing_angle,
-        adjust=(down("all radii of transmission"), up("transmission.centre_distance_mm")),
-    ),
-    Check(
-        "fleet_angle",
-        "Fleet angle on the input pulleys",
-        "limits.fleet_angle_max_deg; usual limit for smooth drums; for grooved: limits.fleet_angle_grooved_max_deg",
-        fleet_angle,
-        adjust=_SHORTER_WALK,
-        advice=_grooves,
-    ),
-    Check(
-        "helix_lead",
-        "Turns on the input pulley lie side by side",
-        "derived: lead > d; grooves: rope makers",
-        helix_lead,
-        adjust=(up("rope.helix_lead_mm"), down("rope diameter_mm")),
-    ),
-    Check(
-        "groove_walls",
-        "Crests between the grooves",
-        "0.05 d: estimate",
-        groove_walls,
-        adjust=(up("rope.helix_lead_mm"), down("rope.helix_lead_mm"), down("travel.half_angle_deg")),
-    ),
-    Check(
-        "self_clearance",
-        "Free span clears its own last turn",
-        "derived: straight span, no credit for the rope's stiffness",
-        self_clearance,
-        adjust=(up("rope.helix_lead_mm"), up("transmission.centre_distance_mm"), down("travel.half_angle_deg")),
-    ),
-    Check(
-        "input_walk",
-        "Axial walk fits the steps of the input pulleys",
-        "derived; 0.1 mm: estimate",
-        input_walk,
-        adjust=(down("rope.helix_lead_mm"), down("travel.half_angle_deg"), up("all radii of transmission")),
-    ),
-    Check(
-        "guide_walk",
-        "Landing point's walk fits the steps of the guide",
-        "derived; 0.1 mm: estimate",
-        guide_walk,
-        adjust=(down("rope.helix_lead_mm"), down("travel.half_angle_deg"), up("all radii of transmission")),
-    ),
+SPANS = (
+    centre_distance,
+    pulley_gap,
+    guide_wrap,
+    fleet_angle,
+    helix_lead,
+    groove_walls,
+    self_clearance,
+    input_walk,
+    guide_walk,
     dead_turns_check((up("rope.dead_turns"),)),
+)
+
+
+_GUIDE = TransferStacks("guide", "axle in the frame")
+# Least gain of the self-clearance for a longer lead: the span also leaves more steeply (derived, rounded down).
+LEAD_GAIN = 0.85
+
+
+def own_turn(s: BevelLayout) -> list[StackUp]:
+    """Leaving span over its own last turn."""
+    s.levels  # noqa: B018 - without levels there is no winding
+    return [StackUp(f"{c.name} from its own last turn, mm", *gaps.self_clearance(s.drive, c)) for c in s.steps]
+
+
+def flank_gap(s: BevelLayout) -> list[StackUp]:
+    """Flanks on the drum from the wall of the next land."""
+    lands = s.drum.lands
+    return [
+        StackUp(
+            f"flank of {c.name} on the drum from the next land's wall, mm",
+            above.y_start - c.guide_radius_mm - s.flank_mm,
+            _GUIDE.contributions(s.drive, c, 1.0),
+        )
+        for c, above in zip(s.steps[:-1], lands[1:], strict=True)
+    ]
+
+
+def guide_gap(s: BevelLayout) -> list[StackUp]:
+    """Cables on the guide from the walls of their steps."""
+    return [
+        StackUp(f"{c.name} on the guide from its walls, mm", gap, gaps.guide_wall_contributions(s.drive, c))
+        for c, gap in s.once("guide_walls", guide_wall_gaps_mm)
+    ]
+
+
+_STACKS: tuple[Stacks, ...] = (own_turn, _GUIDE.gap, _GUIDE.bodies_clear, _GUIDE.land_edge, flank_gap, guide_gap)
+
+
+def stacks(s: BevelLayout) -> Iterator[StackUp]:
+    """The tightest stack of each gap, and that of each ratio, whose margin is the mismatch that a pair may have."""
+    for of in _STACKS:
+        yield tightest(of(s))
+    yield tightest(
+        StackUp(f"total ratio of {c.name}, relative", np.inf, ratio_contributions(s.drive, c)) for c in s.steps
+    )
+
+
+def _tighter(s: BevelLayout, found: Comparison) -> str:
+    """The preload that is larger by what the loosest cable lacks."""
+    most = max(c.preload_N for c in s.drive.cables)
+    return (
+        f"raise rope.preload_N to about {rounded(most * (1.0 - found.limit + found.actual), ceil)}, or turn the "
+        "lands of the input pulleys to a closer fit"
+    )
+
+
+@check(
+    "Cables of one input agree with tolerances",
+    "root sum of squares of the radii's fits; no cable slack at the peak torque",
+    advice_on=_tighter,
+    warn=True,
+)
+def pair_mismatch_stack(s: BevelLayout) -> Comparison:
+    """Tension that radii within their tolerances may cause in a pair of cables over the travel, from the model."""
+    from mbcdm_cad.model.equilibrium import solve_equilibrium
+
+    pairs = [[c for c in s.steps if c.input_name == name] for name in s.drive.input_names]
+    found = [StackUp("", 0.0, gaps.pair_path_contributions(s.drive, (pair[0], pair[1]))) for pair in pairs]
+    si, idle = s.loads.si, s.loads.idle
+    # One pair at a time has an error: half its RSS on each of its cables, both longer or both shorter.
+    path = np.array(
+        [
+            [stack.rss / 2e3 if c in pair else 0.0 for pair, stack in zip(pairs, found, strict=True)]
+            for c in s.drive.cables
+        ]
+    )
+    moved = solve_equilibrium(si, np.zeros(len(pairs)), path_m=path).tension_N
+    change = np.abs(moved - idle[:, None]).max(axis=1)
+    k = int(np.argmax(change / [c.preload_N for c in s.drive.cables]))
+    cable = s.drive.cables[k]
+    stack = found[s.drive.input_names.index(cable.input_name)]
+    peak, left = s.drive.loads.peak_torque_Nm, []
+    for angle in (s.half_travel_rad, -s.half_travel_rad):
+        on_input, on_drum = s.wraps_rad(angle)
+        wound = si.with_(input_wrap_rad=on_input, drum_wrap_rad=on_drum)
+        left.append(solve_equilibrium(wound, np.array([peak, -peak])).tension_N.min(axis=1))
+    spare = float((np.min(left, axis=0) / si.preload_N).min())
+    return at_most(
+        f"by radii within their tolerances (RSS {stack.rss:.3g} mm, worst case {stack.worst_case:.3g} mm) "
+        f"{cable.name} changes by {change[k]:.3g} N over the travel:",
+        change[k] / cable.preload_N,
+        spare,
+        "of T_pre",
+        f"what the peak torque leaves in the loosest cable; largest share: {stack.costliest.name}",
+    )
+
+
+def _wider_or_closer(of: Stacks, widen: str, gain: float, s: BevelLayout) -> str:
+    """Advice: the increase of the gap, or the closer tolerance of the costliest part; no search, as all is linear."""
+    stack = tightest(of(s))
+    most = stack.costliest
+    others = stack.rss**2 - most.shift**2
+    room = f"{widen} by {ceil(-stack.spare / gain * 1e4) / 1e4:g} mm"
+    left = stack.margin**2 - others if stack.margin > 0.0 else -1.0
+    if left <= 0.0:
+        return f"{room}; no single tolerance held closer is enough"
+    closer = floor(sqrt(left) / abs(most.per_unit) * 1e4) / 1e4
+    return f"{room} or hold the {most.name} to {closer:g} mm instead of {most.tolerance:.4g}"
+
+
+def _stack_check(name: str, title: str, of: Stacks, widen: str, gain: float = 1.0) -> Check:
+    return stack_check(name, title, of, partial(_wider_or_closer, of, widen, gain))
+
+
+STACKS = (
+    _stack_check(
+        "self_clearance",
+        "Free span clears its own last turn with tolerances",
+        own_turn,
+        "raise rope.helix_lead_mm",
+        LEAD_GAIN,
+    ),
+    _stack_check(
+        "transfer_gap",
+        "Transfer gap stays under half a cable with tolerances",
+        _GUIDE.gap,
+        "lower clearances.transfer_gap_mm, or raise clearances.land_edge_mm,",
+    ),
+    _stack_check(
+        "bodies_clear",
+        "Guide and drum do not touch with tolerances",
+        _GUIDE.bodies_clear,
+        "raise clearances.transfer_gap_mm, or lower clearances.land_edge_mm,",
+    ),
+    _stack_check(
+        "land_edge",
+        "Contact lines stay on their lands with tolerances",
+        _GUIDE.land_edge,
+        "raise clearances.land_edge_mm, or lower clearances.transfer_gap_mm,",
+    ),
+    _stack_check(
+        "flank",
+        "Cables on the drum clear the next land with tolerances",
+        flank_gap,
+        "lower clearances.land_edge_mm, or widen the steps of the guide's radii,",
+    ),
+    _stack_check(
+        "guide_walk",
+        "Cables on the guide clear its walls with tolerances",
+        guide_gap,
+        "widen half the steps of the drum's radii",
+    ),
+    pair_mismatch_stack,
+    transmission_error,
 )

@@ -2,77 +2,80 @@
 
 from __future__ import annotations
 
-from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
-from mbcdm_cad.checks.design_variables import Adjustment, down, up
+from mbcdm_cad.checks.comparison import Findings, check
+from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM, inside_rounded_rectangle, web_between
 from mbcdm_cad.checks.motor_head import encoder_threads
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.plate_screws import plate_screw_of
 from mbcdm_cad.layouts.miso_bevel.support.dims import AXLE_SCREW, ENCODER_HEAD_PLAY_MM, ENCODER_HEAD_SUNK_MM
 
+_WALL = "material: min_wall_mm"
 
-def walls(s: BevelLayout) -> Comparison:
+
+_WEB = "0.5 mm between holes: estimate"
+
+
+@check(
+    "Walls of frame and plate are thick enough",
+    _WALL,
+    up("support.back_plate_mm"),
+    up("support.side_wall_mm"),
+    up("support.motor_shelf_mm"),
+    up("support.bearing_shelf_mm"),
+    up("support.top_plate_mm"),
+    up("support.rib_mm"),
+    down("support.back_y_mm"),
+    up("support.coupling_space_mm"),
+)
+def walls(s: BevelLayout) -> Findings:
     """The thinnest wall of frame and top plate, against the minimum of the material."""
     support = s.drive.support
     names = ("back_plate_mm", "side_wall_mm", "motor_shelf_mm", "bearing_shelf_mm", "top_plate_mm", "rib_mm")
     limit = s.drive.frame_material.min_wall_mm
-    found = [at_least(f"support.{name}", getattr(support, name), limit, "mm") for name in names]
+    for name in names:
+        yield f"support.{name}", getattr(support, name), limit
     frame = s.frame
-    found.append(at_least("back plate behind the guide", frame.upper_floor_y - s.levels.back_y, limit, "mm"))
-    found.append(
-        at_least(
-            "web over the stop pin",
-            s.levels.bearing_shelf_bottom_z - frame.stop_pin_z - frame.stop_pin_radius,
-            limit,
-            "mm",
-        )
-    )
-    return worst(found)
+    yield "back plate behind the guide", frame.upper_floor_y - s.levels.back_y, limit
+    yield "web over the stop pin", s.levels.bearing_shelf_bottom_z - frame.stop_pin_z - frame.stop_pin_radius, limit
 
 
-def bearing_shelf(s: BevelLayout) -> Comparison:
+@check("Bearing shelf takes bearings and set screw", _WALL, up("support.bearing_shelf_mm"))
+def bearing_shelf(s: BevelLayout) -> Findings:
     """The shelf has room for its bearings, a shoulder below them, and the axle's set screw with its walls."""
     drive, limit = s.drive, s.drive.frame_material.min_wall_mm
     holes, shelf = s.frame.encoder_holes, drive.support.bearing_shelf_mm
-    under_heads = (
-        ()
-        if holes is None
-        else (at_least("shelf under the encoders' screw heads", shelf - holes.head_depth, limit, "mm"),)
-    )
     bearings = "upper" if drive.motors_above else "lower"
-    return worst(
-        (
-            *under_heads,
-            at_least(f"shoulder under the {bearings} bearings", shelf - drive.shelf_bearing.width_mm, limit, "mm"),
-            at_least(
-                "walls over and under the axle's set screw",
-                (drive.support.bearing_shelf_mm - drive.screw(AXLE_SCREW).thread_mm) / 2,
-                limit,
-                "mm",
-            ),
-        )
+    if holes is not None:
+        yield "shelf under the encoders' screw heads", shelf - holes.head_depth, limit
+    yield f"shoulder under the {bearings} bearings", shelf - drive.shelf_bearing.width_mm, limit
+    yield (
+        "walls over and under the axle's set screw",
+        (drive.support.bearing_shelf_mm - drive.screw(AXLE_SCREW).thread_mm) / 2,
+        limit,
     )
 
 
-def top_plate(s: BevelLayout) -> Comparison:
+@check("Top plate takes bearings and heads", _WALL, up("support.top_plate_mm"))
+def top_plate(s: BevelLayout) -> Findings:
     """The plate has room for its bearings and encoder screws from below, and for its own screws from above."""
     drive, limit = s.drive, s.drive.frame_material.min_wall_mm
     plate = drive.support.top_plate_mm
     sunk = drive.screw(drive.encoder.screw).head_height_mm + ENCODER_HEAD_SUNK_MM
-    over_heads = (
-        () if drive.motors_above else (at_least("plate over the encoders' screw heads", plate - sunk, limit, "mm"),)
-    )
     bearings = "lower" if drive.motors_above else "upper"
-    return worst(
-        (
-            at_least(f"shoulder over the {bearings} bearings", plate - drive.plate_bearing.width_mm, limit, "mm"),
-            *over_heads,
-            at_least("plate under its screws' heads", plate - plate_screw_of(drive).head_height_mm, limit, "mm"),
-        )
-    )
+    yield f"shoulder over the {bearings} bearings", plate - drive.plate_bearing.width_mm, limit
+    if not drive.motors_above:
+        yield "plate over the encoders' screw heads", plate - sunk, limit
+    yield "plate under its screws' heads", plate - plate_screw_of(drive).head_height_mm, limit
 
 
-def front_wall(s: BevelLayout) -> Comparison:
+@check(
+    "Front walls beside the bearing seats",
+    _WALL,
+    up("all radii of transmission"),
+    advice="choose a smaller input_pulleys.lower_bearing or drum.bearing",
+)
+def front_wall(s: BevelLayout) -> Findings:
     """Wall between the bearing seats and the front of shelf and plate, or of the coupling boxes' motor shelf."""
     drive = s.drive
     box, front = s.top_plate.box, s.levels.front_y - drive.input_y_mm
@@ -86,27 +89,24 @@ def front_wall(s: BevelLayout) -> Comparison:
     )
     forward = max(screws)
     limit = drive.frame_material.min_wall_mm
-    return worst(
-        at_least(f"front wall beside the {name}", edge - radius, limit, "mm")
-        for name, edge, radius in (
-            (f"{in_shelf} bearings", front, s.frame.seat_radius),
-            (f"{in_plate} bearings", front, s.top_plate.seat_radius),
-            ("gearheads' pilots", shelf, holes.pilot_radius),
-            ("encoders' screw heads", front, head),
-            ("gearheads' screws", shelf, forward + holes.gear_screw_clearance),
-            ("gearheads' key holes", front, forward + holes.key_hole_radius),
-        )
-    )
+    for name, edge, radius in (
+        (f"{in_shelf} bearings", front, s.frame.seat_radius),
+        (f"{in_plate} bearings", front, s.top_plate.seat_radius),
+        ("gearheads' pilots", shelf, holes.pilot_radius),
+        ("encoders' screw heads", front, head),
+        ("gearheads' screws", shelf, forward + holes.gear_screw_clearance),
+        ("gearheads' key holes", front, forward + holes.key_hole_radius),
+    ):
+        yield f"front wall beside the {name}", edge - radius, limit
 
 
-def side_wall(s: BevelLayout) -> Comparison:
+@check("Side walls carry the plate screws' heads", _WALL, up("support.side_wall_mm"))
+def side_wall(s: BevelLayout) -> Findings:
     """Wall of the top plate on both sides of the counterbores for its screws, above the side walls."""
     sunk = 2 * s.top_plate.screw_head_radius
     wall = s.drive.frame_material.min_wall_mm
     width = s.drive.support.side_wall_mm
-    return at_least(
-        f"side wall under the {plate_screw_of(s.drive).name} heads, sunk in {sunk:g} mm", width, sunk + 2 * wall, "mm"
-    )
+    yield f"side wall under the {plate_screw_of(s.drive).name} heads, sunk in {sunk:g} mm", width, sunk + 2 * wall
 
 
 _Hole = tuple[str, float, float, float, float, float]
@@ -142,24 +142,31 @@ def _shelf_holes(s: BevelLayout) -> tuple[str, list[_Hole]]:
     return "bearing shelf", holes
 
 
-def _box_webs(s: BevelLayout) -> list[Comparison]:
+def _box_webs(s: BevelLayout) -> Findings:
     """Webs in the motor shelf of a coupling box, and from its screws to its sides."""
     box = s.top_plate.box
     if box is None:
-        return []
+        return
     holes: list[_Hole] = [("pilot", 0.0, 0.0, box.pilot_radius, 0.0, 1.0)]
     holes += [("gearhead screw", x, y, box.gear_screw_clearance, 0.0, 1.0) for x, y in box.gear_screws]
     edges = [
         inside_rounded_rectangle(x, y, box.outer_x, box.back_y, box.front_y, box.corner_radius) - radius
         for _, x, y, radius, _, _ in holes
     ]
-    return [
-        *(at_least(f"motor shelf, {name}", web, HOLE_WEB_MM, "mm") for name, web in web_between(holes)),
-        at_least("motor shelf, holes to its edge", min(edges), HOLE_WEB_MM, "mm"),
-    ]
+    for name, web in web_between(holes):
+        yield f"motor shelf, {name}", web, HOLE_WEB_MM
+    yield "motor shelf, holes to its edge", min(edges), HOLE_WEB_MM
 
 
-def hole_webs(s: BevelLayout) -> Comparison:
+@check(
+    "Metal between the holes of plate and shelf",
+    _WEB,
+    up("support.side_wall_mm"),
+    up("transmission.centre_distance_mm"),
+    up("support.top_plate_mm"),
+    down("support.back_y_mm"),
+)
+def hole_webs(s: BevelLayout) -> Findings:
     """Wall between neighbouring holes of top plate and shelf, and from the holes to the plate's edge."""
     v = s.levels
     p, box = s.top_plate, s.top_plate.box
@@ -177,148 +184,70 @@ def hole_webs(s: BevelLayout) -> Comparison:
     for x, y in p.dowels:
         plate.append(("dowel", x, y, p.dowel_radius, low, high))
     shelf_name, shelf = _shelf_holes(s)
-    found = [at_least(f"top plate, {name}", web, HOLE_WEB_MM, "mm") for name, web in web_between(plate)]
-    found += [at_least(f"{shelf_name}, {name}", web, HOLE_WEB_MM, "mm") for name, web in web_between(shelf)]
-    found += _box_webs(s)
+    for part, holes in (("top plate", plate), (shelf_name, shelf)):
+        for name, web in web_between(holes):
+            yield f"{part}, {name}", web, HOLE_WEB_MM
+    yield from _box_webs(s)
     for name, x, y, radius, _, _ in plate:
         edge = inside_rounded_rectangle(x, y, v.side_outer_x, v.back_y, v.front_y, p.corner_radius)
-        found.append(at_least(f"top plate, {name} to the plate's edge", edge - radius, HOLE_WEB_MM, "mm"))
-    return worst(found)
+        yield f"top plate, {name} to the plate's edge", edge - radius, HOLE_WEB_MM
 
 
-def wall_holes(s: BevelLayout) -> Comparison:
+@check("Threads and dowels inside the side walls", _WALL, up("support.side_wall_mm"), down("support.back_y_mm"))
+def wall_holes(s: BevelLayout) -> Findings:
     """Wall round the threads and dowels in the side walls, and between them."""
     f, wall = s.frame, s.drive.support.side_wall_mm
     limit = s.drive.frame_material.min_wall_mm
     (_, front), _, (_, back), _ = f.plate_screws
     dowel_y = f.dowels[0][1]
     gap = f.plate_screw_radius + f.dowel_radius
-    return worst(
-        (
-            at_least(
-                f"side wall beside a plate screw's {'insert' if f.plate_insert else 'thread'}",
-                wall / 2 - f.plate_screw_radius,
-                f.plate_insert.wall_mm if f.plate_insert else limit,
-                "mm",
-            ),
-            at_least("side wall beside a dowel", wall / 2 - f.dowel_radius, limit, "mm"),
-            at_least("metal between front plate screw and dowel", front - dowel_y - gap, limit, "mm"),
-            at_least("metal between dowel and back plate screw", dowel_y - back - gap, limit, "mm"),
-        )
+    yield (
+        f"side wall beside a plate screw's {'insert' if f.plate_insert else 'thread'}",
+        wall / 2 - f.plate_screw_radius,
+        f.plate_insert.wall_mm if f.plate_insert else limit,
     )
+    yield "side wall beside a dowel", wall / 2 - f.dowel_radius, limit
+    yield "metal between front plate screw and dowel", front - dowel_y - gap, limit
+    yield "metal between dowel and back plate screw", dowel_y - back - gap, limit
 
 
-def boss(s: BevelLayout) -> Comparison:
+@check(
+    "Boss takes both drum bearings",
+    _WALL,
+    down("support.back_y_mm"),
+    up("all radii of transmission"),
+    down("support.coupling_space_mm"),
+)
+def boss(s: BevelLayout) -> Findings:
     """The boss has room for both drum bearings with a shoulder between them; ears and column lie behind its front."""
     v, f = s.levels, s.frame
     limit = s.drive.frame_material.min_wall_mm
     lowest = "motor" if f.carries_drives else "lowest"
-    return worst(
-        (
-            at_least(
-                "shoulder between the drum's bearings",
-                f.boss.front_seat_start_y - f.boss.rear_seat_end_y,
-                2 * limit,
-                "mm",
-            ),
-            at_least(
-                "boss beyond the ears of the drum encoder's screws", v.boss_front_y - f.boss.ear_front_y, 0.0, "mm"
-            ),
-            at_least(f"{lowest} shelf above the boss", v.shelf_bottom_z - f.boss.radius, limit, "mm"),
-            at_least("stop pin's hole in front of the back plate", f.stop_pin_start_y - v.back_y, limit, "mm"),
-        )
-    )
+    yield "shoulder between the drum's bearings", f.boss.front_seat_start_y - f.boss.rear_seat_end_y, 2 * limit
+    yield "boss beyond the ears of the drum encoder's screws", v.boss_front_y - f.boss.ear_front_y, 0.0
+    yield f"{lowest} shelf above the boss", v.shelf_bottom_z - f.boss.radius, limit
+    yield "stop pin's hole in front of the back plate", f.stop_pin_start_y - v.back_y, limit
 
 
-def encoder_screws(s: BevelLayout) -> Comparison:
+@check(
+    "Metal round the drum encoder's screws",
+    _WEB,
+    advice="choose a drum encoder of larger bolt circle, or a smaller drum.bearing",
+)
+def encoder_screws(s: BevelLayout) -> Findings:
     """The drum encoder's screws lie outside the seat of the rear bearing and inside the encoder."""
-    return worst(encoder_threads(s.frame.boss, s.drive.drum_encoder))
+    yield from encoder_threads(s.frame.boss, s.drive.drum_encoder)
 
 
-def corner_radii(s: BevelLayout) -> Comparison:
+@check(
+    "Corners fit frame and pockets",
+    _WALL.replace("wall", "internal_radius"),
+    down("support.back_y_mm"),
+    advice="choose a support.material of smaller internal radius",
+)
+def corner_radii(s: BevelLayout) -> Findings:
     """Frame and plate are larger than the rounded corners that the milling cutter leaves in their pockets."""
     v, f = s.levels, s.frame
-    return worst(
-        (
-            at_least("frame's depth over two corner radii", v.front_y - v.back_y - 2 * f.corner_radius, 0.1, "mm"),
-            at_least("upper pocket's width over two corner radii", 2 * v.side_inner_x - 2 * f.corner_radius, 0.1, "mm"),
-            at_least("depth of the pockets", v.front_y - v.pocket_floor_y, 0.1, "mm"),
-        )
-    )
-
-
-_SHELF: tuple[Adjustment, ...] = (up("support.bearing_shelf_mm"),)
-_WALL = "material: min_wall_mm"
-_WEB = "0.5 mm between holes: estimate"
-CHECKS = (
-    Check(
-        "walls",
-        "Walls of frame and plate are thick enough",
-        _WALL,
-        walls,
-        adjust=(
-            up("support.back_plate_mm"),
-            up("support.side_wall_mm"),
-            up("support.motor_shelf_mm"),
-            up("support.bearing_shelf_mm"),
-            up("support.top_plate_mm"),
-            up("support.rib_mm"),
-            down("support.back_y_mm"),
-            up("support.coupling_space_mm"),
-        ),
-    ),
-    Check("bearing_shelf", "Bearing shelf takes bearings and set screw", _WALL, bearing_shelf, adjust=_SHELF),
-    Check("top_plate", "Top plate takes bearings and heads", _WALL, top_plate, adjust=(up("support.top_plate_mm"),)),
-    Check(
-        "front_wall",
-        "Front walls beside the bearing seats",
-        _WALL,
-        front_wall,
-        adjust=(up("all radii of transmission"),),
-        advice="choose a smaller input_pulleys.lower_bearing or drum.bearing",
-    ),
-    Check(
-        "side_wall", "Side walls carry the plate screws' heads", _WALL, side_wall, adjust=(up("support.side_wall_mm"),)
-    ),
-    Check(
-        "hole_webs",
-        "Metal between the holes of plate and shelf",
-        _WEB,
-        hole_webs,
-        adjust=(
-            up("support.side_wall_mm"),
-            up("transmission.centre_distance_mm"),
-            up("support.top_plate_mm"),
-            down("support.back_y_mm"),
-        ),
-    ),
-    Check(
-        "wall_holes",
-        "Threads and dowels inside the side walls",
-        _WALL,
-        wall_holes,
-        adjust=(up("support.side_wall_mm"), down("support.back_y_mm")),
-    ),
-    Check(
-        "boss",
-        "Boss takes both drum bearings",
-        _WALL,
-        boss,
-        adjust=(down("support.back_y_mm"), up("all radii of transmission"), down("support.coupling_space_mm")),
-    ),
-    Check(
-        "encoder_screws",
-        "Metal round the drum encoder's screws",
-        _WEB,
-        encoder_screws,
-        advice="choose a drum encoder of larger bolt circle, or a smaller drum.bearing",
-    ),
-    Check(
-        "corner_radii",
-        "Corners fit frame and pockets",
-        _WALL.replace("wall", "internal_radius"),
-        corner_radii,
-        adjust=(down("support.back_y_mm"),),
-        advice="choose a support.material of smaller internal radius",
-    ),
-)
+    yield "frame's depth over two corner radii", v.front_y - v.back_y - 2 * f.corner_radius, 0.1
+    yield "upper pocket's width over two corner radii", 2 * v.side_inner_x - 2 * f.corner_radius, 0.1
+    yield "depth of the pockets", v.front_y - v.pocket_floor_y, 0.1

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from itertools import pairwise
 
-from mbcdm_cad.checks.bending import ANCHOR_RATIO
-from mbcdm_cad.checks.cable_gaps import CABLE_GAP_MM
+from mbcdm_cad.checks.geometry import CABLE_GAP_MM
 from mbcdm_cad.checks.input_pulley import SHOULDER_MM
+from mbcdm_cad.checks.ratios import ANCHOR_RATIO
 from mbcdm_cad.checks.transfer import EDGE_BREAK_MM, RUN_OUT_MM
 from mbcdm_cad.design.blocks import Making
 from mbcdm_cad.design.bought import TerminationSpec

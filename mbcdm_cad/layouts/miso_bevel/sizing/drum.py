@@ -10,10 +10,9 @@ from math import asin, atan2, degrees, hypot, pi, sqrt
 
 from mbcdm_cad.checks.comparison import Comparison
 from mbcdm_cad.checks.drum_sector import HUB_DIAMETERS, RIM_WALLS, SPIGOT_MM
-from mbcdm_cad.checks.drum_wraps import LEAST_WRAP_DEG, wrap_left
 from mbcdm_cad.checks.fixings import STRESS_SAFETY, at_stop_Nm, lasting_MPa, stop_pin
 from mbcdm_cad.checks.terminals import LUG_SAFETY, terminal_angles
-from mbcdm_cad.checks.transfer import EDGE_BREAK_MM
+from mbcdm_cad.checks.transfer import EDGE_BREAK_MM, LEAST_WRAP_DEG, wrap_left
 from mbcdm_cad.design.blocks import NO_PAYLOAD
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.layouts.base import NoFigureError

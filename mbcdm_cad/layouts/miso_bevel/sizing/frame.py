@@ -232,7 +232,7 @@ def _failing(drive: BevelDrive | None, turn_deg: float) -> str:
         return ""
     try:
         design = BevelLayout(replace(drive, gearhead_angle_deg=turn_deg))
-        found = {check.__name__: check(design) for check in (head_seats, key_access, front_wall)}
+        found = {check.id: check(design) for check in (head_seats, key_access, front_wall)}
     except NoFigureError:
         return ""
     return next((name for name, comparison in found.items() if not comparison.holds), "")

@@ -11,8 +11,7 @@ from mbcdm_cad.checks.fixings import CLAMP_SAFETY, FRICTION, STRESS_SAFETY, grip
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM
 from mbcdm_cad.checks.input_pulley import FIT_MM, SHOULDER_MM
 from mbcdm_cad.checks.springs import LEAST_PLAY_MM, MOST_PLAY_MM
-from mbcdm_cad.checks.take_up import THREAD_OUT_PITCHES
-from mbcdm_cad.checks.terminals import STUD_SAFETY
+from mbcdm_cad.checks.terminals import STUD_SAFETY, THREAD_OUT_PITCHES
 from mbcdm_cad.design.blocks import NO_PAYLOAD
 from mbcdm_cad.design.bought import NO_GEARHEAD
 from mbcdm_cad.layouts.common_rules import COLLAR_SCREWS

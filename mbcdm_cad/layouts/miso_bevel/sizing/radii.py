@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from mbcdm_cad.checks.cable_gaps import CABLE_GAP_MM
-from mbcdm_cad.checks.geometry import HOLE_WEB_MM
+from mbcdm_cad.checks.geometry import CABLE_GAP_MM, HOLE_WEB_MM
 from mbcdm_cad.checks.terminals import TERMINAL_GAP_MM
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import SizingError

@@ -2,21 +2,7 @@
 
 from __future__ import annotations
 
-from mbcdm_cad.checks import (
-    bearings,
-    creep,
-    drum_sector,
-    duty,
-    fixings,
-    life,
-    motor_head,
-    motors,
-    springs,
-    strength,
-    structure,
-    take_up,
-    terminals,
-)
+from mbcdm_cad.checks import bearings, drum_sector, fixings, motor_head, motors, springs, strength, structure, terminals
 from mbcdm_cad.checks.comparison import Family, families
 from mbcdm_cad.layouts.siso_spur.checks import (
     first_stage,
@@ -45,10 +31,7 @@ FAMILIES = families(
     tolerances,
     wraps,
     strength,
-    creep,
-    life,
     motors,
-    duty,
     bearings,
     fixings,
     PULLEY,
@@ -58,7 +41,6 @@ FAMILIES = families(
     drum_sector,
     structure,
     terminals,
-    take_up,
     springs,
     support,
     motor_head,

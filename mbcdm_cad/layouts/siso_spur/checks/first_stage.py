@@ -9,9 +9,9 @@ from typing import Any
 
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
 from mbcdm_cad.checks.design_variables import down
-from mbcdm_cad.checks.drum_outline import drum_zones
 from mbcdm_cad.checks.fixings import FRICTION, SLIP_SAFETY, STRESS_SAFETY, stalled_Nm
-from mbcdm_cad.checks.remedies import Budget, remedy
+from mbcdm_cad.checks.geometry import drum_zones
+from mbcdm_cad.checks.run import Budget, remedy
 from mbcdm_cad.layouts.siso_spur.checks.stage import BOND_MPA
 from mbcdm_cad.layouts.siso_spur.first_stage import shaft_urad_Nm
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
@@ -124,7 +124,7 @@ def checks_of_first(first: SpurLayout) -> tuple[Check, ...]:
     from mbcdm_cad.layouts.check_design import checks_of
 
     def as_whole(check: Check) -> Check:
-        return check._replace(
+        return check.but(
             id=f"first_stage_{check.id}",
             title=f"First stage: {check.title}",
             measure=lambda s: check.measure(s.first_stage_unit),

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from mbcdm_cad.checks.bearings import LESS, RATING, STATIC_SAFETY, larger, safety
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
 from mbcdm_cad.checks.design_variables import down, up
-from mbcdm_cad.checks.drum_outline import drum_zones
 from mbcdm_cad.checks.fixings import FRICTION, SLIP_SAFETY, STRESS_SAFETY, bent_axle_Nmm, round_shaft_MPa
+from mbcdm_cad.checks.geometry import drum_zones
 from mbcdm_cad.layouts.siso_spur.idlers import flange_radius_mm
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.stack import FLANGE_MM
@@ -238,7 +238,7 @@ CHECKS = (
         RATING,
         bearings,
         adjust=LESS,
-        advice=larger(bearings, STATIC_SAFETY),
+        advice=lambda s: larger(s, bearings(s)),
         applies=has_idlers,
     ),
     Check(

@@ -254,7 +254,7 @@ _SHAFT = (
     "choose a motor, gearhead or servo with a stronger shaft, or, without a servo, input_pulleys.carried_by: bearings"
 )
 CHECKS = tuple(
-    check._replace(applies=_APPLIES.get(check.id, is_overhung))
+    check.but(applies=_APPLIES.get(check.id, is_overhung))
     for check in (
         Check(
             "motor_shaft_load",

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from mbcdm_cad.checks.bending import anchor_check, bending_checks
 from mbcdm_cad.checks.comparison import Check, Comparison, at_most, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.input_pulley import coupling_checks, dead_turns_check, stop_checks
-from mbcdm_cad.checks.ratios import SURFACE_RADIUS, SURFACE_TOLERANCE_MM
+from mbcdm_cad.checks.ratios import SURFACE_TOLERANCE_MM, anchor_check, bending_checks, surface_radius
 from mbcdm_cad.layouts.siso_spur.cable_path import stop_of
 from mbcdm_cad.layouts.siso_spur.drive import is_anchored
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
@@ -36,7 +35,7 @@ WIDER: tuple[Adjustment, ...] = (
     up("all radii of transmission"),
 )
 CHECKS = (
-    SURFACE_RADIUS,
+    surface_radius,
     Check(
         "cut_at_pitch",
         "Surfaces are cut half a cable inside the pitch radii",
@@ -45,10 +44,10 @@ CHECKS = (
         advice="the layout cuts at r - d/2; this fails only if that is changed",
     ),
     *bending_checks(WIDER),
-    anchor_check(_stop_bends_mm, WIDER)._replace(applies=is_anchored),
+    anchor_check(_stop_bends_mm, WIDER).but(applies=is_anchored),
 )
 _STOPS = (
     dead_turns_check((up("transmission.turns"), down("transmission.input_to_drum"), down("travel.half_angle_deg"))),
     *stop_checks(WIDER),
 )
-PULLEY_FITS = (*(check._replace(applies=is_anchored) for check in _STOPS), *coupling_checks(WIDER))
+PULLEY_FITS = (*(check.but(applies=is_anchored) for check in _STOPS), *coupling_checks(WIDER))

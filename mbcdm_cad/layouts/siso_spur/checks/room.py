@@ -7,15 +7,12 @@ from math import hypot, pi
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.checks.cable_gaps import CABLE_GAP_MM
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
-from mbcdm_cad.checks.drum_outline import before_frame, frame_front_check, rim_points, wrap_points
 from mbcdm_cad.checks.fixings import STRESS_SAFETY
-from mbcdm_cad.checks.geometry import HOLE_WEB_MM
-from mbcdm_cad.checks.size import box_checks, mass_check
+from mbcdm_cad.checks.geometry import CABLE_GAP_MM, HOLE_WEB_MM, frame_front, rim_points, wrap_points
+from mbcdm_cad.checks.size import box_checks, mass_estimate
 from mbcdm_cad.checks.terminals import bodies_of
-from mbcdm_cad.layouts.siso_spur.bill import bill
 from mbcdm_cad.layouts.siso_spur.drive import MOST_SPREAD, SpurDrive
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.stack import FLANGE_MM, reach_mm
@@ -28,11 +25,6 @@ from mbcdm_cad.parts.threads import SHEAR_SHARE
 
 # Points on a full circle of the outline.
 _CORNERS = 72
-
-
-def frame_front(s: SpurLayout) -> Comparison:
-    """Gap from all parts that turn with the drum to plate and boss behind them."""
-    return before_frame(s, "plate")
 
 
 def drum_and_input(s: SpurLayout) -> Comparison:
@@ -201,7 +193,7 @@ _Z: tuple[Adjustment, ...] = (down("transmission.centre_distance_mm"), up("trans
 _Y: tuple[Adjustment, ...] = (down("support.coupling_space_mm"), up("support.coupling_space_mm"))
 BOX_ADJUSTMENTS = (_X, _Z, _Y)
 ROOM = (
-    frame_front_check(frame_front),
+    frame_front,
     Check("drum_and_input", "Drum and input clear each other", "clearances.running_mm", drum_and_input, adjust=_Z[1:]),
     Check(
         "bodies_behind",
@@ -248,4 +240,4 @@ SPREAD = Check(
     advice="a drum.spring under the nuts, a longer span, less travel or less ratio lower it",
     applies=is_parallel,
 )
-CHECKS = (*ROOM, APART, *DOWELS, SPREAD, *box_checks(box_mm, "targets.envelope_mm", BOX_ADJUSTMENTS), mass_check(bill))
+CHECKS = (*ROOM, APART, *DOWELS, SPREAD, *box_checks(box_mm, "targets.envelope_mm", BOX_ADJUSTMENTS), mass_estimate)

@@ -12,7 +12,7 @@ from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, no
 from mbcdm_cad.checks.design_variables import up
 from mbcdm_cad.checks.fixings import STRESS_SAFETY, round_shaft_MPa
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM
-from mbcdm_cad.checks.remedies import rounded
+from mbcdm_cad.checks.run import rounded
 from mbcdm_cad.design.stage import SERVICE, TEETH_IN_MESH, WHEEL_WALL_MM
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.structure import input_play_rad, lash_rad

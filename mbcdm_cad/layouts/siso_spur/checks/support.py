@@ -6,10 +6,10 @@ from contextlib import suppress
 from typing import Any
 
 from mbcdm_cad.checks.bearings import carried, input_reactions
-from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
+from mbcdm_cad.checks.comparison import Comparison, Findings, at_least, at_most, check, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM, web_between
-from mbcdm_cad.checks.motor_head import ENCODER_SHELF, boss_walls
+from mbcdm_cad.checks.motor_head import boss_walls, encoder_shelf
 from mbcdm_cad.design.bought import InsertSpec
 from mbcdm_cad.layouts.base import PRINTED_WINDUP, NoFigureError
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
@@ -25,6 +25,20 @@ MOUNT_DIAMETERS = 1.0
 OUT_OF_LINE_MRAD = 2.9
 
 
+_WALL = "material: min_wall_mm"
+_SHELVES: tuple[Adjustment, ...] = (up("support.bearing_shelf_mm"), up("support.encoder_shelf_mm"))
+
+
+@check(
+    "Walls of frame and motor head are thick enough",
+    _WALL,
+    up("support.plate_mm"),
+    up("support.bridge_mm"),
+    up("support.side_wall_mm"),
+    up("support.motor_shelf_mm"),
+    *_SHELVES,
+    up("transmission.centre_distance_mm"),
+)
 def walls(s: SpurLayout) -> Comparison:
     """The thinnest wall of frame and motor head, against the minimum of the material."""
     support, f = s.drive.support, s.frame
@@ -43,19 +57,23 @@ def walls(s: SpurLayout) -> Comparison:
     return worst(found)
 
 
-def bearing_seats(s: SpurLayout) -> Comparison:
+@check("Shelves take the input's bearings", _WALL, *_SHELVES, applies=carried)
+def bearing_seats(s: SpurLayout) -> Findings:
     """Shoulders of the shelves behind their bearings."""
     support, bearings, limit = s.drive.support, s.drive.bearings, s.drive.frame_material.min_wall_mm
-    return worst(
-        at_least(f"shoulder of the bearing next to the {end}", shelf - bearing.width_mm, limit, "mm")
-        for end, shelf, bearing in (
-            ("gearhead", support.bearing_shelf_mm, bearings.input_lower),
-            ("encoder", support.encoder_shelf_mm, bearings.input_upper),
-        )
-    )
+    for end, shelf, bearing in (
+        ("gearhead", support.bearing_shelf_mm, bearings.input_lower),
+        ("encoder", support.encoder_shelf_mm, bearings.input_upper),
+    ):
+        yield f"shoulder of the bearing next to the {end}", shelf - bearing.width_mm, limit
 
 
-def input_room(s: SpurLayout) -> Comparison:
+@check(
+    "Input and drum turn freely in the frame",
+    "clearances.running_mm; 2 mm: estimate",
+    up("transmission.centre_distance_mm"),
+)
+def input_room(s: SpurLayout) -> Findings:
     """Pulley and front bearing fit through the plate, the drum clears the shelf, fingers reach round the pulley."""
     drive, f = s.drive, s.frame
     pulley, running = s.inputs[0], drive.clearances.running_mm
@@ -65,28 +83,24 @@ def input_room(s: SpurLayout) -> Comparison:
         servo, plate = drive.servo, drive.support.plate_mm
         before = servo.horn_face_mm - servo.horn_thickness_mm - plate
         beside = f.motor.reach - servo.horn_mm / 2 if f.motor else 0.0
-        return at_least("servo's horn before the plate, or inside its window", max(before, beside), running, "mm")
+        yield "servo's horn before the plate, or inside its window", max(before, beside), running
+        return
     if f.motor is not None:
-        return at_least(
+        yield (
             "pocket of the plate round the hub of the input pulley",
             f.motor.pocket_radius - pulley.lower_journal_radius,
             running,
-            "mm",
         )
+        return
     over = f.bridge_bottom_z - f.axis_z - max(pulley.lower_land_radius, drive.input_radius_mm + s.flank_mm)
-    return worst(
-        (
-            at_least(
-                "opening of the plate round the input pulley",
-                f.opening_radius - pulley.lower_land_radius,
-                0.1 + (drive.cable.diameter_mm if drive.anchored else 0.0),
-                "mm",
-            ),
-            at_least("opening of the plate round the far bearing", f.opening_radius - f.seat_radius, 0.1, "mm"),
-            at_least("encoder shelf over the drum's rim and its cable", f.shelf_bottom_z - rim, running, "mm"),
-            at_least("bridge over the cable on the pulley", over, WINDING_ROOM_MM, "mm"),
-        )
+    yield (
+        "opening of the plate round the input pulley",
+        f.opening_radius - pulley.lower_land_radius,
+        0.1 + (drive.cable.diameter_mm if drive.anchored else 0.0),
     )
+    yield "opening of the plate round the far bearing", f.opening_radius - f.seat_radius, 0.1
+    yield "encoder shelf over the drum's rim and its cable", f.shelf_bottom_z - rim, running
+    yield "bridge over the cable on the pulley", over, WINDING_ROOM_MM
 
 
 def _wall(insert: InsertSpec | None) -> float:
@@ -94,7 +108,15 @@ def _wall(insert: InsertSpec | None) -> float:
     return insert.wall_mm if insert else HOLE_WEB_MM
 
 
-def flange(s: SpurLayout) -> Comparison:
+@check(
+    "Motor head is held and located",
+    "usual rule: one diameter",
+    up("support.plate_mm"),
+    down("support.bearing_shelf_mm"),
+    up("support.side_wall_mm"),
+    applies=carried,
+)
+def flange(s: SpurLayout) -> Findings:
     """Screws and dowels of the motor head engage by their diameter in the plate, with enough metal round them."""
     f, drive, head = s.frame, s.drive, s.head
     screw, shelf, plate = flange_screw(drive), drive.support.bearing_shelf_mm, drive.support.plate_mm
@@ -109,29 +131,24 @@ def flange(s: SpurLayout) -> Comparison:
     for stand in f.stands:
         bores = (v.plate_back_y, v.front_y)
         holes += [("idler's axle", side * stand.x, stand.z, stand.axle_radius, *bores) for side in (-1, 1)]
-    found = [at_least(f"plate, {name}", web, HOLE_WEB_MM, "mm") for name, web in web_between(holes)]
+    for name, web in web_between(holes):
+        yield f"plate, {name}", web, HOLE_WEB_MM
     into = screw.length_mm - shelf
     reach = max(abs(x) for x, _ in f.flange_screws)
     grip = min(into, f.flange_insert.length_mm) if f.flange_insert else into
-    found += [
-        at_least("engaged length of a flange screw over its diameter", grip - screw.thread_mm, 0.0, "mm"),
-        at_least("plate behind the flange screws", plate - into, 0.0, "mm"),
-        at_least(
-            "engaged length of a dowel over its diameter",
-            dowel_length_mm(drive) - shelf - 2 * f.dowel_radius,
-            0.0,
-            "mm",
-        ),
-        at_least(
-            "plate beside a flange screw", f.half_width - reach - f.flange_screw_radius, _wall(f.flange_insert), "mm"
-        ),
-        at_least(
-            "flange beyond its bearing's seat", min(-head.back_y, head.front_y) - head.seat_radius, HOLE_WEB_MM, "mm"
-        ),
-    ]
-    return worst(found)
+    yield "engaged length of a flange screw over its diameter", grip - screw.thread_mm, 0.0
+    yield "plate behind the flange screws", plate - into, 0.0
+    yield "engaged length of a dowel over its diameter", dowel_length_mm(drive) - shelf - 2 * f.dowel_radius, 0.0
+    yield "plate beside a flange screw", f.half_width - reach - f.flange_screw_radius, _wall(f.flange_insert)
+    yield "flange beyond its bearing's seat", min(-head.back_y, head.front_y) - head.seat_radius, HOLE_WEB_MM
 
 
+@check(
+    "Mounting threads have metal round them",
+    "usual rule: one diameter",
+    up("support.plate_mm"),
+    up("transmission.centre_distance_mm"),
+)
 def mounts(s: SpurLayout) -> Comparison:
     """Mounting threads are deep enough and clear of boss, motor head, stop pin and the edge of the plate."""
     f, plate = s.frame, s.drive.support.plate_mm
@@ -149,16 +166,15 @@ def mounts(s: SpurLayout) -> Comparison:
     return worst(at_least(f"mounting thread: {name}", room, limit, "mm") for name, room, limit in rooms)
 
 
-def boss(s: SpurLayout) -> Comparison:
+@check("Boss takes drum bearings and encoder", _WALL, down("support.back_y_mm"))
+def boss(s: SpurLayout) -> Findings:
     """Boss of the drum's bearings: the metal of the plate round it, its walls, its ears."""
-    f, limit = s.frame, s.drive.frame_material.min_wall_mm
+    f = s.frame
     # The boss of a wide bearing is wider than the plate, which it passes through.
     round_seat = max(f.half_width, f.boss.radius) - f.boss.seat_radius
-    around = at_least("plate round the boss", round_seat, limit, "mm")
-    behind = at_least(
-        "plate before the end of the boss", s.levels.plate_back_y - f.boss.encoder_pocket_floor_y, 0.0, "mm"
-    )
-    return worst((around, behind, *boss_walls(s)))
+    yield "plate round the boss", round_seat, s.drive.frame_material.min_wall_mm
+    yield "plate before the end of the boss", s.levels.plate_back_y - f.boss.encoder_pocket_floor_y, 0.0
+    yield from boss_walls(s)
 
 
 def _long_yoke(s: SpurLayout) -> bool:
@@ -174,6 +190,14 @@ def _asked_of_yoke(drive: SpurDrive) -> bool:
     return False
 
 
+@check(
+    "Input's bearings stay in line",
+    "bearing makers: 2 to 10 minutes of arc, six times that in plastic: estimate; folded plates; long yokes only",
+    up("support.bridge_mm"),
+    up("support.plate_mm"),
+    applies=_asked_of_yoke,
+    warn=True,
+)
 def bearing_line(s: SpurLayout) -> Comparison:
     """Angle between the rings of the input's bearings where the pull of the cables bends plate and yoke."""
     limit = OUT_OF_LINE_MRAD * (PRINTED_WINDUP if s.printed_frame else 1.0)
@@ -185,55 +209,4 @@ def bearing_line(s: SpurLayout) -> Comparison:
     return worst(at_most(what.format(end), turn, limit, "mrad") for end, turn in turns)
 
 
-_WALL = "material: min_wall_mm"
-_SHELVES: tuple[Adjustment, ...] = (up("support.bearing_shelf_mm"), up("support.encoder_shelf_mm"))
-CHECKS = (
-    Check(
-        "walls",
-        "Walls of frame and motor head are thick enough",
-        _WALL,
-        walls,
-        adjust=(
-            up("support.plate_mm"),
-            up("support.bridge_mm"),
-            up("support.side_wall_mm"),
-            up("support.motor_shelf_mm"),
-            *_SHELVES,
-            up("transmission.centre_distance_mm"),
-        ),
-    ),
-    Check("bearing_seats", "Shelves take the input's bearings", _WALL, bearing_seats, adjust=_SHELVES, applies=carried),
-    ENCODER_SHELF,
-    Check(
-        "bearing_line",
-        "Input's bearings stay in line",
-        "bearing makers: 2 to 10 minutes of arc, six times that in plastic: estimate; folded plates; long yokes only",
-        bearing_line,
-        "warn",
-        adjust=(up("support.bridge_mm"), up("support.plate_mm")),
-        applies=_asked_of_yoke,
-    ),
-    Check(
-        "input_room",
-        "Input and drum turn freely in the frame",
-        "clearances.running_mm; 2 mm: estimate",
-        input_room,
-        adjust=(up("transmission.centre_distance_mm"),),
-    ),
-    Check(
-        "flange",
-        "Motor head is held and located",
-        "usual rule: one diameter",
-        flange,
-        adjust=(up("support.plate_mm"), down("support.bearing_shelf_mm"), up("support.side_wall_mm")),
-        applies=carried,
-    ),
-    Check(
-        "mounts",
-        "Mounting threads have metal round them",
-        "usual rule: one diameter",
-        mounts,
-        adjust=(up("support.plate_mm"), up("transmission.centre_distance_mm")),
-    ),
-    Check("boss", "Boss takes drum bearings and encoder", _WALL, boss, adjust=(down("support.back_y_mm"),)),
-)
+CHECKS = (walls, bearing_seats, encoder_shelf, bearing_line, input_room, flange, mounts, boss)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from math import inf
 
-from mbcdm_cad.checks.stacks import TRANSMISSION_ERROR, stack_check
+from mbcdm_cad.checks.stacks import stack_check, transmission_error
 from mbcdm_cad.layouts.siso_spur.checks.winding import turn_distance_mm
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.model.stack_up import Contribution, StackUp, tightest
@@ -70,5 +70,5 @@ CHECKS = (
     stack_check(
         "rim_edge", "The cable stays within the rim with tolerances", rim_edge, "raise clearances.land_edge_mm"
     ),
-    TRANSMISSION_ERROR,
+    transmission_error,
 )

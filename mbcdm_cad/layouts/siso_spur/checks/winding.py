@@ -13,9 +13,9 @@ from math import asin, ceil, degrees, log, tau
 
 import numpy as np
 
-from mbcdm_cad.checks.cable_gaps import CABLE_GAP_MM, cables_apart
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, noted, worst
 from mbcdm_cad.checks.design_variables import down, up
+from mbcdm_cad.checks.geometry import CABLE_GAP_MM, cables_apart
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.siso_spur.cable_path import ON_INPUT
 from mbcdm_cad.layouts.siso_spur.drive import is_anchored, is_continuous

@@ -10,11 +10,11 @@ from math import cos, hypot, inf, sin
 
 import numpy as np
 
-from mbcdm_cad.checks.cable_gaps import CABLE_GAP_MM
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, noted, worst
 from mbcdm_cad.checks.design_variables import up
-from mbcdm_cad.checks.drum_wraps import MORE_WRAP, SLIPS, WRAPS, wrap_under_a_turn
+from mbcdm_cad.checks.geometry import CABLE_GAP_MM
 from mbcdm_cad.checks.terminals import bodies_of
+from mbcdm_cad.checks.transfer import MORE_WRAP, SLIPS, WRAPS, wrap_under_turn
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.overhung import hub_radius_mm
@@ -96,9 +96,7 @@ def _whole_drum(s: SpurLayout) -> str:
 
 CHECKS = (
     *(
-        check._replace(applies=lambda drive: not drive.whole_drum, advice=_whole_drum)
-        if check.measure is wrap_under_a_turn
-        else check
+        check.but(applies=lambda drive: not drive.whole_drum, advice=_whole_drum) if check is wrap_under_turn else check
         for check in WRAPS
     ),
     Check(

@@ -7,8 +7,8 @@ from functools import partial
 from math import degrees, inf, log
 from typing import Any
 
-from mbcdm_cad.checks.bending import ANCHOR_RATIO
 from mbcdm_cad.checks.input_pulley import SHOULDER_MM
+from mbcdm_cad.checks.ratios import ANCHOR_RATIO
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import SizingError
 from mbcdm_cad.layouts.common_rules import least_bend_ratio, ropes_to_choose

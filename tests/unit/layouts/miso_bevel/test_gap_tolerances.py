@@ -12,8 +12,7 @@ from hypothesis import assume, given, settings
 from mbcdm_cad.checks.stacks import TransferStacks, ratio_contributions
 from mbcdm_cad.layouts.miso_bevel import gap_tolerances as gaps
 from mbcdm_cad.layouts.miso_bevel.cable_path import fleet_angle_deg
-from mbcdm_cad.layouts.miso_bevel.checks.spans import straight_span_clearance_mm
-from mbcdm_cad.layouts.miso_bevel.checks.tolerances import stacks
+from mbcdm_cad.layouts.miso_bevel.checks.spans import stacks, straight_span_clearance_mm
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.model.kinematics import pair_mismatch_m

@@ -184,7 +184,7 @@ def margins(drive: BevelDrive) -> dict[str, Comparison]:
         *(drives_apart, head_seats, key_access, screwdriver, bearing_shelf, front_wall),
         *(hole_webs, top_plate, collar_space, drum_sweep),
     )
-    return {check.__name__: check(s) for check in checks}
+    return {check.id: check(s) for check in checks}
 
 
 def with_support(drive: BevelDrive, **fields: float) -> BevelDrive:

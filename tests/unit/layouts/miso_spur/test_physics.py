@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from mbcdm_cad.checks.bearings import input_reactions
 from mbcdm_cad.checks.run import run_check
-from mbcdm_cad.layouts.miso_spur.checks import SHARING, load_shares
+from mbcdm_cad.layouts.miso_spur.checks import load_shares, load_sharing
 from mbcdm_cad.layouts.miso_spur.drive import RoundDrumDrive
 from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
 from mbcdm_cad.model.backlash import drum_backlash
@@ -127,12 +127,12 @@ def test_shares_follow_the_stiffness_of_the_cables_alone(drive: RoundDrumDrive, 
 def test_check_of_sharing_warns_of_one_slack_cable(drive: RoundDrumDrive) -> None:
     even = RoundDrumLayout(drive)
     assert load_shares(even) == pytest.approx(np.full((2, 2), 0.5))
-    assert run_check(SHARING[0], even).status == "pass"
+    assert run_check(load_sharing, even).status == "pass"
     cables = tuple(replace(c, preload_N=35.0 if c.input_name == "lower" else 70.0) for c in drive.cables)
     uneven = RoundDrumLayout(replace(drive, cables=cables))
     shares = load_shares(uneven)
     assert shares[0, 0] > 0.55 and shares.sum(axis=1) == pytest.approx([1.0, 1.0]), shares
-    assert run_check(SHARING[0], uneven).status == "warn"
+    assert run_check(load_sharing, uneven).status == "warn"
 
 
 def test_backlash_is_that_of_the_plain_drive_at_the_share(drive: RoundDrumDrive) -> None:

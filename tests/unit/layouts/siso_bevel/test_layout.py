@@ -17,9 +17,7 @@ from mbcdm_cad.layouts.loader import new_design_text
 from mbcdm_cad.layouts.siso_bevel.assembly_order import assembly_order
 from mbcdm_cad.layouts.siso_bevel.bill import bill
 from mbcdm_cad.layouts.siso_bevel.cable_path import full_input_turn_deg, stop_bend
-from mbcdm_cad.layouts.siso_bevel.checks.input_turn import CHECKS as TURN_CHECKS
-from mbcdm_cad.layouts.siso_bevel.checks.input_turn import highest_ratio
-from mbcdm_cad.layouts.siso_bevel.checks.room import CHECKS as ROOM_CHECKS
+from mbcdm_cad.layouts.siso_bevel.checks import drum_sweep, highest_ratio, input_under_turn
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
 from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
 from mbcdm_cad.layouts.siso_bevel.stack import pocket_corner_radius_mm
@@ -92,7 +90,7 @@ def test_end_of_a_full_winding_lets_the_leaving_cable_pass(drive: DirectDrive, r
 
 def test_one_turn_limits_the_ratio_and_the_remedy_names_it(drive: DirectDrive) -> None:
     """i x 70 + 18 + slot <= 360: just over 4.5 here, and a ratio of 9 as in (d) is refused with the figure."""
-    check, most = TURN_CHECKS[0], highest_ratio(drive)
+    check, most = input_under_turn, highest_ratio(drive)
     assert 4.5 < most < 4.6
     for ratio, status in ((most * 0.999, "pass"), (most * 1.001, "fail"), (9.0, "fail")):
         result = run_check(check, DirectLayout(with_ratio(drive, ratio)))
@@ -105,10 +103,9 @@ def test_one_turn_limits_the_ratio_and_the_remedy_names_it(drive: DirectDrive) -
 
 def test_what_turns_passes_the_encoder_and_stays_below_the_motor(drive: DirectDrive) -> None:
     """A motor of any width finds room over the drum; an encoder wider than the drum's distance does not."""
-    check = next(c for c in ROOM_CHECKS if c.id == "drum_sweep")
 
     def status(changed: DirectDrive) -> str:
-        return run_check(check, DirectLayout(changed)).status
+        return run_check(drum_sweep, DirectLayout(changed)).status
 
     wide = replace(drive.motor, diameter_mm=90.0)
     assert status(replace(drive, motor=wide)) == "pass"

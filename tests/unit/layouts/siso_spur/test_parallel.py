@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mbcdm_cad.checks.cable_gaps import CABLE_GAP_MM, in_pieces, nearest_mm
+from mbcdm_cad.checks.geometry import CABLE_GAP_MM, in_pieces, nearest_mm
 from mbcdm_cad.checks.run import run_all, run_check
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.check_design import checks_of
