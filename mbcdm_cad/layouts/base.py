@@ -139,7 +139,7 @@ class Layout(ABC):
     """One design of one kind of drive. A layout is a subclass in a package of its own, ``LAYOUT`` of its ``layout.py``.
 
     What is long has a module of its own beside that file, found by its name: ``design_file`` (``DESIGN_FILE``),
-    ``routes`` (``routed``), ``bill`` (``bill``, ``moving_bodies``), ``assembly_order``,
+    ``routes`` (``routed``), ``bill`` (``bill``, ``moving_bodies``), ``assembly_order`` (with ``assembly.md.j2``),
     ``path_figures`` (``path_figures``, ``path_lines``, ``plan`` of the preloads), ``checks`` (``FAMILIES``,
     ``stacks``), ``support.stiffness`` (``frame_study``), and ``paths.md.j2``. A small layout overrides the methods
     below instead.

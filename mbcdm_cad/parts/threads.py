@@ -131,18 +131,3 @@ def screw_hold(thread_mm: float, material: Material, insert: InsertSpec | None, 
     ring = pi / 4.0 * max(insert.hole_mm**2 - CLEARANCE_MM[thread_mm] ** 2, 0.0)
     clamp = min(clamp_force_N(thread_mm), BRASS_MPA * ring)
     return ScrewHold(clamp, min(clamp, strips), share * material.yield_MPa * across * along)
-
-
-def insert_items(stem: str, insert: InsertSpec | None, count: int) -> tuple[str, ...]:
-    """Names of the items, none where the threads are cut."""
-    return tuple(f"{stem}_{n}" for n in range(1, count + 1)) if insert else ()
-
-
-def insert_words(insert: InsertSpec | None, count: int, where: str) -> str:
-    """A sentence for the step in which the part joins, empty where its threads are cut."""
-    if insert is None:
-        return ""
-    return (
-        f"Before anything else, set {count} inserts {insert.name} into {where} with a hot tip of their thread's size, "
-        "square to the face and flush with it or up to 0.1 mm below, and let them cool. "
-    )

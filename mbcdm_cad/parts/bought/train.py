@@ -89,18 +89,6 @@ def add_horn(b: BillBuilder, drive: Drive, servo: Servo, name: str, stand: Place
     b.screw(f"horn_screw_{name}", centre, drive.material("steel"), top, group)
 
 
-def train_items(drive: Drive, name: str) -> tuple[str, ...]:
-    """Names of the items of one input: gearhead and motor, the motor alone, a servo with its horn and its screw.
-
-    None behind a first cable stage, whose items are those of a drive.
-    """
-    if drive.cable_stage is not None:
-        return ()
-    if drive.servo is not None:
-        return f"servo_{name}", f"horn_{name}", f"horn_screw_{name}"
-    return (f"motor_{name}",) if drive.gearhead.absent else (f"gearhead_{name}", f"motor_{name}")
-
-
 def train_words(drive: Drive) -> str:
     """Name of the assembly that is screwed on for one input, for texts."""
     return "gearhead with its motor" if drive.mounted == "gearhead" else drive.mounted

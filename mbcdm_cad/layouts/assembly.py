@@ -1,0 +1,74 @@
+"""The order of assembly, from the template ``assembly.md.j2`` of a layout.
+
+Each line that begins with ``1.`` begins a step. Lines that begin with ``+`` name the items of the bill that join in it,
+in their order: ``#`` stands for all numbers, ``@`` for each input in turn. A name that the bill does not have is an
+error, so that a part that is renamed is renamed here too.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+import jinja2
+
+from mbcdm_cad.parts.bill import AssemblyStep, cable_item
+from mbcdm_cad.parts.bought.train import train_words
+
+if TYPE_CHECKING:
+    from mbcdm_cad.layouts.sector import SectorLayout
+
+
+def steps(layout: SectorLayout, **more: Any) -> tuple[AssemblyStep, ...]:
+    """Steps with the sizes of this design. Raises ``LookupError`` for an item that the bill does not have."""
+    drive = layout.drive
+    text = (
+        _environment(type(layout).__module__.rpartition(".")[0])
+        .get_template("assembly.md.j2")
+        .render(
+            layout=layout,
+            drive=drive,
+            plan=layout.tensioning,
+            **more,
+            key=lambda screw: f"{drive.screw(screw).key_mm:g} mm key",
+        )
+    )
+    names = tuple(item.name for item in layout.bill().items)
+    return tuple(_step(part, drive.input_names, names) for part in re.split(r"^1\. ", text, flags=re.M)[1:])
+
+
+@lru_cache
+def _environment(package: str) -> jinja2.Environment:
+    """Templates of a layout's package, and those that layouts share."""
+    loaders = [jinja2.PackageLoader(name, ".") for name in (package, __package__ or "")]
+    environment = jinja2.Environment(
+        loader=jinja2.ChoiceLoader(loaders), undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    environment.filters |= {"g": "{:g}".format, "each": _each, "cable_item": cable_item, "train": train_words}
+    return environment
+
+
+def _each(values: Iterable[Any], words: str, between: str = ", ") -> str:
+    """The values in words, each in place of ``{0}``."""
+    return between.join(words.format(value) for value in values)
+
+
+def _step(part: str, inputs: tuple[str, ...], names: tuple[str, ...]) -> AssemblyStep:
+    words, items = list[str](), list[str]()
+    for line in part.splitlines():
+        if line.startswith("+ "):
+            items += (item for name in line.split()[1:] for item in _named(name, inputs, names))
+        elif line.strip():
+            words.append(line.strip())
+    return AssemblyStep(" ".join(words), tuple(items))
+
+
+def _named(name: str, inputs: tuple[str, ...], names: tuple[str, ...]) -> Iterator[str]:
+    for one in [name.replace("@", of) for of in inputs] if "@" in name else [name]:
+        pattern = re.compile(re.escape(one).replace(r"\#", r"\d+"))
+        found = [item for item in names if pattern.fullmatch(item)]
+        if not found:
+            raise LookupError(f"the order of assembly has {one}, which the bill has not")
+        yield from found
