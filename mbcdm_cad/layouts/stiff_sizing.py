@@ -335,7 +335,7 @@ class _Run:
         if frame is not None:
             turns["frame"] -= sum(frame.shares_urad_Nm.values())
             turns |= {f"frame: {wall}": urad for wall, urad in frame.shares_urad_Nm.items()}
-        return turns, kept_mass_g(found, type(found).bill)
+        return turns, kept_mass_g(found)
 
     def ways(self, drive: _Drive, end: _End) -> _Ways | None:
         """Fields that can be raised, or lowered again, and what each does with the others as they are; None: none."""
