@@ -47,13 +47,14 @@ $(VENV)/.ready: requirements.lock pyproject.toml
 picture: setup
 	$(BIN)/mbcdm picture $(DESIGN) docs/pictures/assembly.png
 
-# Pages written from the package: both references, the list of catalogue entries, the checks.
+# Pages written from the package: both references, the list of catalogue entries, the checks, the loop's effects.
 docs: setup
 	$(BIN)/mbcdm schema --reference > docs/design-file.md
 	$(BIN)/mbcdm schema --reference --measurement > docs/measurement-file.md
 	$(BIN)/mbcdm catalogue --markdown > docs/catalogue.md
 	$(BIN)/python -m mbcdm_cad.report.checks_page params/mbcdm.yaml params/siso_bevel.yaml params/siso_spur.yaml \
 	  params/miso_spur.yaml > docs/checks.md
+	$(BIN)/python -m tests.effects_page > docs/loop-effects.md
 
 # The drives of params/gallery with their pictures and key figures.
 gallery: setup

@@ -43,9 +43,8 @@ SOURCES = {
 }
 HEAD = """# How often the loop is right
 
-Written by `python -m benchmarks.judge --write`: {runs} runs with fixed seeds whose truth is known, by the version of
-the loop that this page comes with. Continuous integration judges every second run of each class and all hard ones, and
-fails where a class is worse than here.
+Written by `python -m benchmarks.judge --write`: {runs} runs with fixed seeds whose truth is known. Continuous
+integration judges every second run of each class and all hard ones, and fails where a class is worse than here.
 
 {sources}
 

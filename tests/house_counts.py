@@ -79,6 +79,7 @@ WRITTEN_PAGES = (
     "real-drives",
     "optimum",
     "validation",
+    "loop-effects",
 )
 # A private function that is used once is counted up to this number of lines.
 SHORT_LINES = 8

@@ -65,11 +65,11 @@ FRICTION = """\
 ## Friction of the cable, from the torques on both its sides
 Torque was measured before the cable and behind it, so that its friction can be read without any angle: the difference
 of the two, as a sum of a constant, a viscous part and one in proportion to the load (the forms of
-[loop.md](loop.md)), beside a gain and a zero of each run; intervals are of 95 %. One run has one load, and does not
-tell a constant from a share of the load. All three together do: the friction grows with the load, as the expert says,
-and does not depend on the speed between 0.2 and 1 rad/s. The loop, which sees angles and the load behind the cable,
-calls this friction a play taken up by motion: without a stiffness the two move the angle alike, and it says nothing
-of the share of the load.
+[loop-method.md](loop-method.md)), beside a gain and a zero of each run; intervals are of 95 %. One run has one load,
+and does not tell a constant from a share of the load. All three together do: the friction grows with the load, as the
+expert says, and does not depend on the speed between 0.2 and 1 rad/s. The loop, which sees angles and the load behind
+the cable, calls this friction a play taken up by motion: without a stiffness the two move the angle alike, and it says
+nothing of the share of the load.
 """
 
 

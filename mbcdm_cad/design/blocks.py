@@ -445,7 +445,7 @@ class AsBuiltCorrelation(PlainBlock):
 class AsBuilt(PlainBlock):
     """An effect that the built drive was found to have, written by 'mbcdm loop --apply'."""
 
-    name: Slug = choice("name of the effect, as in docs/loop.md")
+    name: Slug = choice("name of the effect, as in docs/loop-effects.md")
     form: Text = choice("physical form of the effect")
     stage: Slug | None = choice("shaft on which the effect acts", default=None)
     cables: tuple[Slug, ...] = choice("the cables that have it; all where none is named", default=())

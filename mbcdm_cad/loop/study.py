@@ -15,7 +15,7 @@ from mbcdm_cad.design.source import read_text
 from mbcdm_cad.errors import InputError, Problem
 from mbcdm_cad.measurement.file import MeasurementFile, load_file
 
-_KIND = ("study file", "; docs/loop.md shows one")
+_KIND = ("study file", "; docs/how-to/close-the-loop.md shows one")
 MOST_RUNS, MOST_NAMES = 200, 8
 
 

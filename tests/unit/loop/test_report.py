@@ -14,16 +14,12 @@ import matplotlib.image
 import numpy as np
 import pytest
 
-from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.loop.effect import Effect
-from mbcdm_cad.loop.effects import library
 from mbcdm_cad.loop.page.pictures import AFTER, BEFORE, orders_chart, scatter_png, time_charts
 from mbcdm_cad.loop.page.report import report_page
-from mbcdm_cad.loop.prepare.prepared import prepare
 from mbcdm_cad.loop.readable import Value, readable, share_text
 from mbcdm_cad.loop.result import VERDICTS, Errors, Evidence, LoopResult, Named, Traces, result_text
 from mbcdm_cad.measurement.run import Run, VettingNote, half_sweeps
-from mbcdm_cad.model.si import to_si
+from tests.effects_page import page as effects_page
 
 TIME = np.linspace(0.0, 60.0, 3000)
 DRUM = 0.4 * np.sin(TIME)
@@ -257,30 +253,13 @@ def test_figures_come_in_units_that_a_person_reads(name: str, values: list[float
     assert readable(name, values) == said
 
 
-# docs/loop.md speaks of every effect, form and figure that the library has.
-
-
 ROOT = Path(__file__).parents[3]
-PAGE = (ROOT / "docs" / "loop.md").read_text("utf-8")
 
 
-def offered() -> list[Effect]:
-    t = np.arange(0.0, 40.0, 0.05)
-    angle = 0.45 * np.sin(2.0 * np.pi * t / 8.0)
-    run = Run(t, np.stack([9.0 * angle, 9.0 * angle]), angle, 0.5 * np.cos(t), 20.0 + 0.1 * t)
-    d = to_si(load_design(ROOT / "params" / "mbcdm.yaml").drive)
-    ways = [(d, run), (d, replace(run, temperature_C=None)), (None, replace(run, load_Nm=None))]
-    return [effect for drive, one in ways for effect in library(drive, prepare(one, 9.0)[1])]
-
-
-def test_every_name_stage_and_figure_is_there() -> None:
-    for effect in offered():
-        rows = [line for line in PAGE.split("\n") if line.startswith(f"| `{effect.name}`")]
-        assert len(rows) == 1, effect.label
-        assert effect.stage is None or effect.stage in rows[0] or effect.name == "lash", effect.label
-        for figure in effect.reported():
-            assert f"`{figure.name}`" in rows[0], (effect.label, figure.name)
+def test_the_page_of_effects_is_that_of_the_library() -> None:
+    assert (ROOT / "docs/loop-effects.md").read_text("utf-8") == effects_page(), "make docs"
 
 
 def test_every_verdict_is_there() -> None:
-    assert [v for v in VERDICTS if f"| `{v}` |" not in PAGE] == []
+    page = (ROOT / "docs/how-to/close-the-loop.md").read_text("utf-8")
+    assert [v for v in VERDICTS if f"| `{v}` |" not in page] == []
