@@ -7,6 +7,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+# Standard deviations on both sides that hold 95 %.
+INTERVAL = 1.96
+
 
 @dataclass(frozen=True)
 class Value:

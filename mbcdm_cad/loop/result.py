@@ -349,13 +349,14 @@ class LoopResult:
 
 
 def result_text(result: LoopResult, doubts: Sequence[str] = ()) -> str:
-    """The finding in one sentence, doubts of the runs right below, then the tables.
+    """The finding in one sentence, doubts of the runs right below, what to do next, the errors, then the tables.
 
     Angles are in the unit that suits the error of the declared model.
     """
     e = result.errors
     size, unit = size_of("_rad", [e.before.value])
-    lines = [result.sentence, *doubts, *(f"doubt: {words}" for words in result.doubts), ""]
+    lines = [result.sentence, *doubts, *(f"doubt: {words}" for words in result.doubts)]
+    lines += [*(f"next: {words}" for words in result.next_steps), ""]
     lines += [
         f"{'error on held-out data':<24}{'RMS':>10}{'95 % from':>12}{'to':>10}{'peak':>10}  {unit}",
         _error_line("declared model", size, e.before.value, e.before.low, e.before.high, e.peak_before_rad),
@@ -386,9 +387,7 @@ def result_text(result: LoopResult, doubts: Sequence[str] = ()) -> str:
             for c, rms in zip(candidates, held, strict=True)
         ]
     lines += [f"smoothing of run {k + 1}: {windows_words(one)}" for k, one in enumerate(result.windows)]
-    lines += [f"not testable: {words}" for words in result.not_testable]
-    lines += [f"next: {words}" for words in result.next_steps]
-    return "\n".join(lines)
+    return "\n".join([*lines, *(f"not testable: {words}" for words in result.not_testable)])
 
 
 def _explained(e: Errors) -> str:

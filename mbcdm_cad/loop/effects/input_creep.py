@@ -14,6 +14,7 @@ from math import degrees, pi
 import numpy as np
 
 from mbcdm_cad.loop.effect import Effect, Figure, Parameter
+from mbcdm_cad.loop.effects.passed_slip import MOST
 from mbcdm_cad.loop.prepare.prepared import Prepared
 from mbcdm_cad.loop.prepare.setup import Setup, Simulator
 from mbcdm_cad.model.si import DriveSI
@@ -34,7 +35,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
     """With torque, for cables that run through over their inputs."""
     if d is None or p.load_Nm is None or d.through_wrap_rad is None or np.ptp(p.common_rad) < LEAST_TRAVEL_RAD:
         return []
-    wrap = float(np.min(d.through_wrap_rad))
+    wrap, strength = float(np.min(d.through_wrap_rad)), Parameter("strength", 0.2, 0.0, MOST)
     return [
         Effect(
             "input_creep",
@@ -42,7 +43,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
             "the travel carries the part of the rope that sticks off the input, so that the cable creeps over it",
             "turns of the cable round the input, grease on them, preload",
             "the same load at a shorter travel, or with a turn more round the input: the drum stays where it is",
-            (Parameter("strength", 0.2, 0.0), Parameter("wrap_rad", 0.05, SHORTEST_RAD, 1.5 * wrap, role="place")),
+            (strength, Parameter("wrap_rad", 0.05, SHORTEST_RAD, 1.5 * wrap, role="place")),
             _apply,
             starts=lambda setup, residual: [[1.0, max(share * wrap, SHORTEST_RAD)] for share in STARTS],
             figures=(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from mbcdm_cad.loop.effect import Effect, Parameter
+from mbcdm_cad.loop.effects.passed_slip import MOST
 from mbcdm_cad.loop.prepare.prepared import Prepared
 from mbcdm_cad.loop.prepare.setup import Setup, Simulator
 from mbcdm_cad.model.si import DriveSI
@@ -26,7 +27,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
             "the tension profiles on the wraps travel with the pulleys; strength 1 is the whole effect",
             "no part of the bench: the paper's model leaves it out",
             "the same load at a shorter travel, or a bias load",
-            (Parameter("strength", 0.5, 0.0),),
+            (Parameter("strength", 0.5, 0.0, MOST),),
             _apply,
             plain="rope wound on under load keeps its tension and brings it back: {strength} times the full effect",
         )

@@ -9,22 +9,20 @@ import numpy as np
 from mbcdm_cad.loop.effect import Effect, Figure
 from mbcdm_cad.loop.prepare.lines import order_spectrum
 from mbcdm_cad.loop.prepare.prepared import Prepared, held_out
-from mbcdm_cad.loop.readable import Value
+from mbcdm_cad.loop.readable import INTERVAL, Value
 from mbcdm_cad.loop.result import ONLY_RATIO, Errors, Named, Traces, ways_apart
 from mbcdm_cad.loop.search.fit import Fit, Fitter
-from mbcdm_cad.loop.search.unknown import Unknown
+from mbcdm_cad.loop.search.unknown import Unknown, rms_value
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
 
-# Standard deviations on both sides that hold 95 %.
-INTERVAL = 1.96
 TRACE_POINTS = 4000
 
 
 def errors(fitter: Fitter, bare: Fit, fit: Fit, floor_rad: float) -> Errors:
     """Held-out error before and after; intervals from the scatter between held-out sweeps."""
     first, last = (float(np.abs(one.residual[fitter.test]).max()) for one in (bare, fit))
-    before, after = _rms_interval(fitter, bare), _rms_interval(fitter, fit)
+    before, after = (rms_value(one.residual[fitter.test], fitter.sweep[fitter.test]) for one in (bare, fit))
     return errors_of(before, after, first, last, floor_rad, held_out(fitter.runs))
 
 
@@ -33,16 +31,6 @@ def errors_of(before: Value, after: Value, first: float, last: float, floor_rad:
     could, did = before.value**2 - floor_rad**2, before.value**2 - after.value**2
     share = float(np.clip(did / could, 0.0, 1.0)) if could > 0.0 else 1.0
     return Errors(before, after, first, last, floor_rad, share, held)
-
-
-def _rms_interval(fitter: Fitter, fit: Fit) -> Value:
-    test = fitter.test
-    sweep = np.unique(fitter.sweep[test], return_inverse=True)[1]
-    squares = np.bincount(sweep, fit.residual[test] ** 2) / np.bincount(sweep)
-    square = float(np.mean(fit.residual[test] ** 2))
-    spread = INTERVAL * float(np.std(squares, ddof=1)) / np.sqrt(squares.size) if squares.size > 1 else square
-    low, high = max(0.0, square - spread), square + spread
-    return Value(float(np.sqrt(square)), float(np.sqrt(low)), float(np.sqrt(high)))
 
 
 def interval(figure: Figure, values: Floats, covariance: Floats, effect: Effect) -> Value:

@@ -13,11 +13,11 @@ from threadpoolctl import threadpool_limits
 from mbcdm_cad.loop.correction import correction_of
 from mbcdm_cad.loop.effect import Effect
 from mbcdm_cad.loop.effects import friction, library
-from mbcdm_cad.loop.own import Differing
 from mbcdm_cad.loop.prepare.noise import doubt_of, runs_of
 from mbcdm_cad.loop.prepare.prepared import Prepared, prepare_all
+from mbcdm_cad.loop.readable import INTERVAL
 from mbcdm_cad.loop.result import Evidence, Helpful, LoopResult, Named
-from mbcdm_cad.loop.search.account import INTERVAL, as_named, chain_orders, errors, next_steps, not_testable, traces
+from mbcdm_cad.loop.search.account import as_named, chain_orders, errors, next_steps, not_testable, traces
 from mbcdm_cad.loop.search.exchange import Group
 from mbcdm_cad.loop.search.few import judged_by_hand
 from mbcdm_cad.loop.search.fit import Fit, Fitter
@@ -180,7 +180,9 @@ class _Loop:
             ),
             within_class=self.judge.within.sentence if self.judge.within else "",
             correction=partial(correction_of, self.whole, judged, self.search.floor_rad),
-            own=self._own(fit, whole),
+            own=differing(
+                self.whole, whole, self.judge.covariance(whole, self.whole), (self.fitter, fit), self.differs
+            ),
         )
 
     def _on_all(self, fit: Fit) -> tuple[Fit, Fit]:
@@ -207,13 +209,6 @@ class _Loop:
         loads = [p.load_Nm for p in self.prepared if p.load_Nm is not None]
         speed = np.concatenate([p.speed_rad_s for p in self.prepared])
         return friction_alike(speed, np.concatenate(loads) if len(loads) == len(self.prepared) else None)
-
-    def _own(self, fit: Fit, whole: Fit) -> tuple[Differing, ...]:
-        """What runs have for themselves."""
-        if not any(self.differs):
-            return ()
-        covariance = self.judge.covariance(whole, self.whole)
-        return differing(self.whole, whole, covariance, (self.fitter, fit), self.differs)
 
     def _named(self, effect: Effect, fit: Fit, whole: Fit, windows: Sequence[Floats]) -> Named:
         """An effect with its figures from all data and the fall of the held-out error that it causes."""

@@ -18,7 +18,7 @@ import numpy as np
 from scipy.stats import t as t_distribution
 
 from mbcdm_cad.loop.effect import Effect
-from mbcdm_cad.loop.search.account import INTERVAL
+from mbcdm_cad.loop.readable import INTERVAL
 from mbcdm_cad.loop.search.evidence import TOLD_APART, Estimate, Separation, cluster_estimate, log_odds, separation_of
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.loop.search.forms import in_best_form
@@ -51,15 +51,6 @@ class Group:
     forms: tuple[str, ...] = ()
 
 
-def _square(fit: Fit) -> float:
-    return fit.square
-
-
-def _forms(fits: Sequence[Fit]) -> list[str]:
-    """Forms of the last effects, each once, without those inside the drive."""
-    return list(dict.fromkeys(one.effects[-1].form for one in fits if not one.effects[-1].inside))
-
-
 class Exchanges:
     """Compares the effects of a search's fit with others, and exchanges them."""
 
@@ -76,7 +67,7 @@ class Exchanges:
                 every = self.search.alternatives(fit, effect)
                 # The search chose the form of an effect before it knew the effects that it accepted later.
                 forms = [o for o in every if self._in_better_form(o, fit, effect)]
-                better = min(forms, key=self.search.held_rms if effect.once else _square, default=None)
+                better = min(forms, key=self.search.held_rms if effect.once else lambda one: one.square, default=None)
                 if better is not None:
                     break
                 others = [o for o in every if o.effects[-1].key != effect.key]
@@ -90,7 +81,8 @@ class Exchanges:
                 alike = [o for o in alike if not self._coincidence(fit, effect, o, o.effects[-1])]
                 same = [o for o in every if o.effects[-1].key == effect.key and self.alike(o, fit)]
                 possible = [o for o in same if not self.search.impossible(o.effects[-1], o.values[-1])]
-                groups.append(Group(effect, self._by_name(alike, effect), tuple(_forms(possible))))
+                also = dict.fromkeys(o.effects[-1].form for o in possible if not o.effects[-1].inside)
+                groups.append(Group(effect, self._by_name(alike, effect), tuple(also)))
             if better is None:
                 better = self._with_one_less(fit) or self._other_pair(fit)
             if better is None:

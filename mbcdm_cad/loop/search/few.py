@@ -23,8 +23,9 @@ from mbcdm_cad.loop.effects.load_sensor import within_class, within_prior
 from mbcdm_cad.loop.prepare.noise import doubt_of, runs_of
 from mbcdm_cad.loop.prepare.prepared import Prepared
 from mbcdm_cad.loop.prepare.readings import prepare_creep, prepare_readings
+from mbcdm_cad.loop.readable import INTERVAL
 from mbcdm_cad.loop.result import Evidence, LoopResult, Named
-from mbcdm_cad.loop.search.account import INTERVAL, as_named, chain_orders, errors, next_steps
+from mbcdm_cad.loop.search.account import as_named, chain_orders, errors, next_steps
 from mbcdm_cad.loop.search.class_of_sensor import WithinClass
 from mbcdm_cad.loop.search.evidence import TOLD_APART
 from mbcdm_cad.loop.search.few_noise import noise_of, since
@@ -392,7 +393,7 @@ class FewReadings:
         if min(chances) > CHANCE / len(each):
             return None
         rms, peak = float(np.sqrt(np.mean(r**2))), float(np.abs(r).max())
-        return LeftOver(rms, peak, self.floor_rad, (), (), 0.0, (), hangs_on(self.fitter, r, self.at_rest))
+        return LeftOver(rms, peak, self.floor_rad, (), (), 0.0, (), hangs_on=hangs_on(self.fitter, r, self.at_rest))
 
 
 def odds_of(rise: float, more: int, n: int) -> float:

@@ -10,7 +10,8 @@ from mbcdm_cad.errors import MbcdmError, did_you_mean
 from mbcdm_cad.loop.effect import Effect
 from mbcdm_cad.loop.own import Differing, OwnValue
 from mbcdm_cad.loop.prepare.prepared import Prepared
-from mbcdm_cad.loop.search.account import INTERVAL, interval
+from mbcdm_cad.loop.readable import INTERVAL
+from mbcdm_cad.loop.search.account import interval
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
@@ -98,9 +99,9 @@ def differing(
 ) -> tuple[Differing, ...]:
     """What each run has for itself, by name. ``whole`` is the fit with its ``covariance``; ``search`` the search's
     fitter and fit, which is smoothed in other windows; ``names`` are those of the effects of each run."""
-    shift = _by_window(*search)
-    first = whole.width
-    column = np.cumsum(fitter.free) - 1 + first
+    if not any(names):
+        return ()
+    shift, column = _by_window(*search), np.cumsum(fitter.free) - 1 + whole.width
     found = []
     for name in dict.fromkeys(name for one in names for name in one):
         values, places = [], []

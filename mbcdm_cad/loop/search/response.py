@@ -28,9 +28,9 @@ from mbcdm_cad.loop.prepare.behind_inputs import (
     predicted,
 )
 from mbcdm_cad.loop.prepare.noise import Noise
-from mbcdm_cad.loop.readable import Value, readable
+from mbcdm_cad.loop.readable import INTERVAL, Value, readable
 from mbcdm_cad.loop.result import NEAR_FLOOR, BodePicture, Errors, Evidence, LoopResult, Named, TorsionalMode
-from mbcdm_cad.loop.search.account import INTERVAL, errors_of, next_steps
+from mbcdm_cad.loop.search.account import errors_of, next_steps
 from mbcdm_cad.loop.search.few import MOST_EFFECTS, ODDS, odds_of
 from mbcdm_cad.loop.search.few_words import CHANCE, LeftOver, verdict_of
 from mbcdm_cad.loop.search.select import LEAST_FALL
@@ -641,7 +641,7 @@ class ResponseLoop:
         low, high = (float(at[order][np.searchsorted(share, end)]) for end in (0.25, 0.75))
         peak = self.floor_rad * float(np.sqrt(squares.max()))
         words = f"half of it between {low:.3g} and {high:.3g} Hz"
-        return LeftOver(self._rms(whole.weighted), peak, self.floor_rad, (), (), 0.0, (), words)
+        return LeftOver(self._rms(whole.weighted), peak, self.floor_rad, (), (), 0.0, (), hangs_on=words)
 
     def _not_testable(self) -> tuple[str, ...]:
         words = ["friction, play, ripple and all that goes with angle or lasts: a response is for small fast motion"]

@@ -104,8 +104,7 @@ class Search(TrialFits):
         """Accept effects while the held-out RMS falls by enough, and withdraw those that are no longer needed."""
         now = self._grown(self.bare)
         now = self._from_inside(now)
-        if self.too_much(now):
-            now = self._gone_on(now)
+        now = self._gone_on(now)
         # What sets the slip of the cables may stand for a wrong form.
         if self.too_much(now) or any(effect.name in CABLES_SLIP for effect in now.effects):
             now = self._in_other_forms(now)
@@ -191,27 +190,31 @@ class Search(TrialFits):
         return now
 
     def _gone_on(self, now: Fit) -> Fit:
-        """``now``, or the fit with a pair of effects of which the first is not supported without the second.
+        """``now``, or the fit that a beginning leads to which was refused alone.
 
-        A pair is accepted only if both, fitted jointly, are supported and leave little more than the floor.
+        Where more than the floor is left, the beginnings are pairs of which the first is not supported without the
+        second. And what a wrong effect leaves seems not to repeat, so the floor rises with it and cannot tell that it
+        is wrong: a candidate that was refused though it leaves less than all of ``now`` is a beginning too.
         """
-        for one in sorted(self._leaning.get(now, []), key=lambda one: one.square):
-            # One effect with a large fall that leaves nothing above the noise is accepted: no other explanation is
-            # left. What it does may not repeat and stand in the floor, so the noise that it leaves counts where that is
-            # less.
+        much = self.too_much(now)
+        for one in sorted(self._leaning.get(now, []), key=lambda one: one.square) if much else ():
+            # With a large fall and nothing left above the noise no other explanation is left. What the effect does may
+            # not repeat and stand in the floor, so the noise that it leaves counts where that is less.
             floor = min(self.floor_rad, self.noise_left(one).total_rad)
             if self.explained_by(one, now, floor):
                 self.note("leaves only noise", one.effects[-1], now, one)
                 return self.backward(one)
-        for one in self._promising(now)[:MOST_FIRST]:
-            grown = self._grown(one, against=now)
+        refused = [one for each in self._leaning.values() for one in each if self.held_rms(one) < self.held_rms(now)]
+        refused = sorted(refused, key=lambda one: one.square)[:MOST_FORMS]
+        for one in self._promising(now)[:MOST_FIRST] if much else refused:
+            noise, grown = self.noise, self._grown(one, against=now)
             explained = self.held_rms(now) ** 2 - self.held_rms(grown) ** 2
-            beyond = self.held_rms(grown) ** 2 - self.floor_rad**2
-            if self.too_much(grown) and beyond > MOST_LEFT**2 * explained:
-                continue
-            if all(self._borne_out(grown, effect) or self._explains_much(grown, effect) for effect in grown.effects):
+            leaves = self.too_much(grown) and self.held_rms(grown) ** 2 - self.floor_rad**2 > MOST_LEFT**2 * explained
+            borne = (self._borne_out(grown, e) or self._explains_much(grown, e) for e in grown.effects)
+            if self.enough(now, grown) and not leaves and all(borne):
                 self.note("supported together with the others", one.effects[-1], now, grown)
                 return grown
+            self.noise = self.noise if much else noise
         return now
 
     def _in_other_forms(self, now: Fit) -> Fit:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from mbcdm_cad.loop.prepare.lines import order_spectrum
 from mbcdm_cad.loop.prepare.prepared import Prepared
-from mbcdm_cad.loop.readable import readable
+from mbcdm_cad.loop.readable import INTERVAL, Value, readable
 from mbcdm_cad.routes import Floats
 
 # Shapes within this of the best one's share are listed too.
@@ -144,9 +144,10 @@ class Pattern:
 class Unknown:
     """A residual that no effect of the library explains.
 
-    ``patterns`` that repeat, largest first; none if it does not repeat. ``alike``: further variables that describe it
-    about as well. ``memory_s``: correlation time of the residual. ``lines``: (cycles a turn of the drum, amplitude) of
-    the highest peaks of the order spectrum, which show errors too fast for the bins. All sizes in rad.
+    ``rms_rad`` is what stands above the noise floor, ``ci95_rad`` its interval; ``patterns`` that repeat, largest
+    first; none if it does not repeat. ``alike``: further variables that describe it about as well. ``memory_s``:
+    correlation time of the residual. ``lines``: (cycles a turn of the drum, amplitude) of the highest peaks of the
+    order spectrum, which show errors too fast for the bins. All sizes in rad.
     """
 
     rms_rad: float
@@ -156,6 +157,7 @@ class Unknown:
     alike: tuple[str, ...]
     memory_s: float
     lines: tuple[tuple[float, float], ...]
+    ci95_rad: tuple[float, float] = (0.0, np.inf)
 
     @property
     def repeatable(self) -> bool:
@@ -165,12 +167,13 @@ class Unknown:
     def sentence(self) -> str:
         """For people."""
         repeats_rad = self.patterns[0].rms_rad if self.patterns else 0.0
-        _, (rms, peak, repeats) = readable("_rad", [self.rms_rad, self.peak_rad, repeats_rad])
-        size = f"{rms} RMS, {peak} at most"
+        figures = [self.rms_rad, *self.ci95_rad, self.peak_rad, repeats_rad]
+        _, (rms, low, high, peak, repeats) = readable("_rad", figures)
+        size = f"{rms} RMS above the noise ({low.split(' ')[0]} to {high}), {peak} at most"
         if not self.patterns:
             return f"{size}; does not repeat in angle, load, speed or time; correlation time {self.memory_s:.2g} s"
         best = self.patterns[0]
-        words = f"{size}; repeats in {best.variable}: {repeats} RMS, {best.share:.0%} of it"
+        words = f"{size}; repeats in {best.variable}: {repeats} RMS, {best.share:.0%} of what is left"
         if best.shapes:
             words += f"; {best.shapes[0].words}"
         if self.alike:
@@ -183,6 +186,7 @@ class Unknown:
             "description": self.sentence(),
             "repeatable": self.repeatable,
             "rms_rad": self.rms_rad,
+            "rms_ci95_rad": list(self.ci95_rad),
             "peak_rad": self.peak_rad,
             "memory_s": self.memory_s,
             "order_spectrum_peaks": [{"cycles_per_output_rev": n, "amplitude_rad": a} for n, a in self.lines],
@@ -234,7 +238,18 @@ def describe_unknown(p: Prepared, residual_rad: Floats, floor_rad: float) -> Unk
     alike = tuple(one.variable for one in patterns[1:] if one.share >= ALIKE * patterns[0].share)
     peak = float(np.quantile(np.abs(r), 0.999))
     lines = _lines(p.output_rad[use], r)
-    return Unknown(float(np.sqrt(square)), peak, floor_rad, tuple(patterns), alike, memory_s(r, sweep, p.step_s), lines)
+    memory, size = memory_s(r, sweep, p.step_s), rms_value(r, sweep, floor_rad)
+    return Unknown(size.value, peak, floor_rad, tuple(patterns), alike, memory, lines, (size.low, size.high))
+
+
+def rms_value(r: Floats, sweep: NDArray[np.int64], floor_rad: float = 0.0) -> Value:
+    """RMS of ``r`` (rad, (n,)) above a floor in quadrature, with the interval of its scatter between half sweeps."""
+    number = np.unique(sweep, return_inverse=True)[1]
+    squares = np.bincount(number, r**2) / np.bincount(number)
+    square = float(np.mean(r**2))
+    half = INTERVAL * float(np.std(squares, ddof=1)) / np.sqrt(squares.size) if squares.size > 1 else square
+    ends = (square + way * half - floor_rad**2 for way in (0.0, -1.0, 1.0))
+    return Value(*(float(np.sqrt(max(0.0, end))) for end in ends))
 
 
 def _lines(angle_rad: Floats, r: Floats, most: int = 3) -> tuple[tuple[float, float], ...]:

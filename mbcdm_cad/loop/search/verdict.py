@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import reduce
+from functools import partial, reduce
 from math import log
 
 import numpy as np
@@ -23,8 +23,8 @@ from scipy.stats import t as t_distribution
 from mbcdm_cad.loop.effect import Effect, Parameter
 from mbcdm_cad.loop.effects import lash
 from mbcdm_cad.loop.prepare.setup import Setup, Simulator
+from mbcdm_cad.loop.readable import INTERVAL
 from mbcdm_cad.loop.result import LEAST_ODDS
-from mbcdm_cad.loop.search.account import INTERVAL
 from mbcdm_cad.loop.search.class_of_sensor import ClassOfSensor
 from mbcdm_cad.loop.search.evidence import chance_without_slope, log_odds
 from mbcdm_cad.loop.search.exchange import Group
@@ -37,30 +37,29 @@ from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.routes import Floats
 
 
-def _regressor(form: str, unit: str, size: float, shape: Callable[[Setup], Floats]) -> Effect:
-    def apply(setup: Setup, values: Floats, _: Simulator) -> Setup:
-        return setup.with_added(values[0] * shape(setup))
+def regressors(loaded: bool) -> list[Effect]:
+    """Curves without a name, one coefficient each: of load, where it was measured, and of speed."""
 
-    return Effect("unknown", form, f"goes with the {form}", "", "", (Parameter(f"coefficient_{unit}", size),), apply)
+    def curve(form: str, unit: str, size: float, shape: Callable[[Setup], Floats]) -> Effect:
+        def apply(setup: Setup, values: Floats, _: Simulator) -> Setup:
+            return setup.with_added(values[0] * shape(setup))
 
+        return Effect(
+            "unknown", form, f"goes with the {form}", "", "", (Parameter(f"coefficient_{unit}", size),), apply
+        )
 
-def regressors(loaded: bool) -> tuple[Effect, ...]:
-    """The regressors: of speed always, of load if it was measured."""
-    of_speed = (
-        _regressor("square of the speed", "rad_s2", 1e-4, lambda s: s.p.speed_rad_s**2),
-        _regressor(
-            "square of the speed with its sign", "rad_s2", 1e-4, lambda s: np.abs(s.p.speed_rad_s) * s.p.speed_rad_s
-        ),
-    )
-    if not loaded:
-        return of_speed
-    return (
-        _regressor("square of the load with its sign", "rad_Nm2", 1e-6, lambda s: s.load * np.abs(s.load)),
-        _regressor("square of the load", "rad_Nm2", 1e-6, lambda s: s.load**2),
-        _regressor("square of the positive load", "rad_Nm2", 1e-6, lambda s: np.maximum(s.load, 0.0) ** 2),
-        _regressor("square of the negative load", "rad_Nm2", 1e-6, lambda s: np.minimum(s.load, 0.0) ** 2),
-        *of_speed,
-    )
+    load, speed = partial(curve, unit="rad_Nm2", size=1e-6), partial(curve, unit="rad_s2", size=1e-4)
+    of_load = [
+        load("square of the load with its sign", shape=lambda s: s.load * np.abs(s.load)),
+        load("square of the load", shape=lambda s: s.load**2),
+        load("square of the positive load", shape=lambda s: np.maximum(s.load, 0.0) ** 2),
+        load("square of the negative load", shape=lambda s: np.minimum(s.load, 0.0) ** 2),
+    ]
+    return [
+        *(of_load if loaded else ()),
+        speed("square of the speed", shape=lambda s: s.p.speed_rad_s**2),
+        speed("square of the speed with its sign", shape=lambda s: np.abs(s.p.speed_rad_s) * s.p.speed_rad_s),
+    ]
 
 
 # An effect is not named if the unexplained error is at least this share of the error that the effect explains.

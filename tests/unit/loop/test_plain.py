@@ -80,7 +80,7 @@ def test_the_finding_says_what_how_sure_and_what_to_do() -> None:
     assert "38 to 42 %" in certainty(single) and "plucking" in steps(single)[0], (certainty(single), steps(single))
     assert finding(either).startswith("Either the tension of cable 4") and " or the friction" in finding(either)
     assert "cannot show" in certainty(either) and "re-tension" in steps(either)[0], (certainty(either), steps(either))
-    left = Unknown(8e-6, 2e-5, 5e-6, (), (), 0.1, ())
+    left = Unknown(8e-6, 2e-5, 5e-6, (), (), 0.1, (), (7e-6, 9e-6))
     assert finding(replace(result("unknown"), unknown=left)) == "Something unknown is left, 8 urad RMS."
     partly = replace(single, unknown=left, verdict="partly_explained")
     assert finding(partly).endswith("the design file says; something unknown is left, 8 urad RMS.")
