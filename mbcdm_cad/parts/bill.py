@@ -141,9 +141,11 @@ class BillBuilder:
     ) -> None:
         """An instance of ``what``, called ``name``, with files called ``part`` (as the instance if not given).
 
-        It is bought where it has a mass; ``drilled`` as in :class:`PartSpec`.
+        It is bought where it has a mass; ``drilled`` as in :class:`PartSpec`, where the part does not know it.
         """
         stem = part or name
+        if drilled is None and isinstance(what, MadePart):
+            drilled = what.tapped()
         self.parts.setdefault(stem, PartSpec(stem, what, drilled))
         location = self.motions[group] @ (place or Placement.identity())
         self.items.append(Item(name, stem, material, "made" if mass_g is None else "bought", location, group, mass_g))

@@ -10,8 +10,10 @@ from mbcdm_cad.parts.drum_sector.design import SectorDrive
 from mbcdm_cad.parts.drum_sector.sizes import SPRING_HEIGHT_MM
 from mbcdm_cad.parts.drum_shaft import DrumShaftDims
 from mbcdm_cad.parts.fits import FITS
+from mbcdm_cad.parts.milled import Bores, Form
 from mbcdm_cad.parts.shapes import block, cylinder_y
-from mbcdm_cad.parts.sheets.description import Linear
+from mbcdm_cad.parts.sheets.description import Linear, Y
+from mbcdm_cad.parts.sheets.holes import THROUGH
 from mbcdm_cad.parts.sheets.tolerances import DRUM_AXIS
 from mbcdm_cad.parts.volume import ring_mm3, segment_mm2
 
@@ -107,7 +109,7 @@ def seats_mm(d: BossDims) -> tuple[tuple[float, float, float], ...]:
     return tuple((0.0, (low + high) / 2, -d.seat_radius) for low, high in ends)
 
 
-def boss_bores(d: BossDims) -> tuple[Linear, Linear]:
+def seat_diameters(d: BossDims) -> tuple[Linear, Linear]:
     """Diameters of seats and shoulder in a section along the drum's axis."""
 
     def bore(radius: float, y: float, count: str = "", fit: str = "", datum: str = "") -> Linear:
@@ -123,21 +125,26 @@ def column_start_mm(d: BossDims) -> float:
     return sqrt(max(0.0, d.encoder_pocket_radius**2 - (d.radius - COLUMN_WALL_MM) ** 2))
 
 
-def boss_below_column_mm3(d: BossDims, front_y: float) -> float:
-    """Volume of boss and ears outside a column as wide as the boss, up from the axis, whose front is at ``front_y``."""
+def boss_of_column(d: BossDims, front_y: float) -> Form:
+    """The boss, its volume outside a column as wide as it, up from the axis, whose front is at ``front_y``."""
     half_disc, h = pi * d.radius**2 / 2, d.ear_half_height
     # Below the axis the ears stand out of the boss, above it out of the column.
     chord = (d.radius + sqrt(max(d.radius**2 - h**2, 0.0))) / 2
     out = max(d.ear_reach - d.radius, 0.0) + max(d.ear_reach - chord, 0.0)
     ears = 2 * out * h * max(d.ear_front_y - d.encoder_pocket_floor_y, 0.0)
-    return half_disc * (d.front_y - d.encoder_pocket_floor_y) + half_disc * (d.front_y - front_y) + ears
+    lengths = d.front_y - d.encoder_pocket_floor_y + d.front_y - front_y
+    return Form(half_disc * lengths + ears, lambda: boss_bodies(d))
 
 
-def column_bores_mm3(d: BossDims) -> float:
-    """Volume of the bores, and of what is open behind the boss below a column as wide as it."""
-    start = column_start_mm(d)
-    open_below = 2 * d.radius * start + segment_mm2(d.encoder_pocket_radius, start)
-    return open_below * (d.encoder_pocket_floor_y - d.back_y) + boss_bores_mm3(d)
+def open_behind(d: BossDims, from_z: float) -> Form:
+    """What is open behind the boss below a column as wide as it, the encoder's pocket there included.
+
+    Its tool begins at ``from_z``, below the column.
+    """
+    start, beside = column_start_mm(d), d.radius + 1.0
+    area = 2 * d.radius * start + segment_mm2(d.encoder_pocket_radius, start)
+    y = (d.back_y - 1.0, d.encoder_pocket_floor_y)
+    return Form(area * (d.encoder_pocket_floor_y - d.back_y), lambda: [block((-beside, beside), y, (from_z, start))])
 
 
 def boss_bodies(d: BossDims) -> list[cq.Solid]:
@@ -147,43 +154,35 @@ def boss_bodies(d: BossDims) -> list[cq.Solid]:
         return [body, cylinder_y(d.flange.radius, 0.0, 0.0, d.back_y, d.back_y + d.flange.thickness)]
     if not d.has_encoder:
         return [body]
-    ears = block(
-        (-d.ear_reach, d.ear_reach), (d.encoder_pocket_floor_y, d.ear_front_y), (-d.ear_half_height, d.ear_half_height)
-    )
-    return [body, ears]
+    reach, high = d.ear_reach, d.ear_half_height
+    return [body, block((-reach, reach), (d.encoder_pocket_floor_y, d.ear_front_y), (-high, high))]
 
 
-def boss_tools(d: BossDims) -> list[cq.Shape]:
-    """Encoder's pocket from behind, seats and shoulder of the bearings, threads for the encoder's screws."""
-    back, floor = d.end_y - 1.0 if d.flange else d.back_y - 1.0, d.encoder_pocket_floor_y
-    tools: list[cq.Shape] = [
-        cylinder_y(d.seat_radius, 0, 0, back, d.rear_seat_end_y),
-        cylinder_y(d.shoulder_radius, 0, 0, d.rear_seat_end_y - 1.0, d.front_seat_start_y + 1.0),
-        cylinder_y(d.seat_radius, 0, 0, d.front_seat_start_y, d.front_y + 1.0),
+def boss_bores(d: BossDims) -> Form:
+    """Seats and shoulder of the bearings; the encoder's pocket, from behind, lies outside the boss."""
+    back = (d.end_y if d.flange else d.back_y) - 1.0
+    steps = [
+        (d.seat_radius, back, d.rear_seat_end_y),
+        (d.shoulder_radius, d.rear_seat_end_y - 1.0, d.front_seat_start_y + 1.0),
+        (d.seat_radius, d.front_seat_start_y, d.front_y + 1.0),
+        *([(d.encoder_pocket_radius, back, d.encoder_pocket_floor_y)] if d.has_encoder else []),
     ]
-    if d.has_encoder:
-        tools.append(cylinder_y(d.encoder_pocket_radius, 0, 0, back, floor))
-        for x in (-d.screw_circle, d.screw_circle):
-            tools.append(cylinder_y(d.screw_radius, x, 0, floor - 1.0, floor + d.screw_depth))
-    if d.flange is not None:
-        end = d.back_y + d.flange.thickness + 1.0
-        tools += [cylinder_y(d.flange.screw_radius, x, z, d.back_y - 1.0, end) for x, z in d.flange.screws]
-    return tools
-
-
-def boss_bores_mm3(d: BossDims) -> float:
-    """Volume of the bearings' seats, the shoulder between them and the encoder's threads."""
     seats = d.rear_seat_end_y - d.end_y + d.front_y - d.front_seat_start_y
-    return (
-        ring_mm3(d.seat_radius, 0.0, seats)
-        + ring_mm3(d.shoulder_radius, 0.0, d.front_seat_start_y - d.rear_seat_end_y)
-        + (2 * ring_mm3(d.screw_radius, 0.0, d.screw_depth) if d.has_encoder else 0.0)
+    shoulder = ring_mm3(d.shoulder_radius, 0.0, d.front_seat_start_y - d.rear_seat_end_y)
+    return Form(
+        ring_mm3(d.seat_radius, 0.0, seats) + shoulder,
+        lambda: [cylinder_y(radius, 0, 0, start, end) for radius, start, end in steps],
     )
 
 
-def flange_mm3(d: BossDims) -> float:
-    """Volume of the flange outside the boss, less its threads; 0 without one."""
-    f = d.flange
-    if f is None:
-        return 0.0
-    return ring_mm3(f.radius, d.radius, f.thickness) - len(f.screws) * ring_mm3(f.screw_radius, 0.0, f.thickness)
+def boss_threads(d: BossDims, letter: str, from_face: str = "encoder pocket") -> tuple[Bores, ...]:
+    """Threads of the drum encoder's screws in the ears, or of what the shaft turns in the flange."""
+    if d.flange is not None:
+        f = d.flange
+        places = tuple((x, d.back_y, z) for x, z in f.screws)
+        of = (letter, 2 * f.screw_radius, THROUGH, places, "flange", "what the shaft turns")
+        return (Bores(*of, threaded=True, into=Y, metal=f.thickness),)
+    if not d.has_encoder:
+        return ()
+    beside = tuple((s * d.screw_circle, d.encoder_pocket_floor_y, 0.0) for s in (-1, 1))
+    return (Bores(letter, 2 * d.screw_radius, d.screw_depth, beside, from_face, "drum encoder", threaded=True, into=Y),)

@@ -73,6 +73,10 @@ class MadePart(Part):
     def sheet(self, part: str) -> Sheet:
         """Content of its drawing under the name ``part``."""
 
+    def tapped(self) -> MadePart | None:
+        """It with its tapped holes at their tap drills; None if it has none, or does not know them."""
+        return None
+
     def in_views(self) -> MadePart:
         """What the views of its sheet show: the part itself, or without a feature that only the tables state."""
         return self

@@ -13,7 +13,8 @@ from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.plate_screws import plate_screw_of
 from mbcdm_cad.layouts.miso_bevel.support.dims import AXLE_SCREW, ENCODER_HEAD_SUNK_MM, dowel_length_mm
-from mbcdm_cad.layouts.miso_bevel.support.parts import Frame, TopPlate
+from mbcdm_cad.layouts.miso_bevel.support.parts import Frame
+from mbcdm_cad.layouts.miso_bevel.support.top_plate import TopPlate
 from mbcdm_cad.parts.axle import Axle, Spacer
 from mbcdm_cad.parts.bill import FIXED, Bill, BillBuilder, MovingBody
 from mbcdm_cad.parts.bought.bodies import EncoderBody, screw_places
@@ -86,13 +87,7 @@ def _support(b: _Builder) -> None:
     metal = drive.frame_material
     head = drive.screw(drive.encoder.screw)
     insert = lay.frame.plate_insert
-    tapped = replace(
-        lay.frame,
-        axle_screw_radius=drive.screw(AXLE_SCREW).tap_drill_mm / 2,
-        plate_screw_radius=lay.frame.plate_screw_radius if insert else plate_screw_of(drive).tap_drill_mm / 2,
-        boss=replace(lay.frame.boss, screw_radius=drive.screw(drive.drum_encoder.screw).tap_drill_mm / 2),
-    )
-    b.add("frame", Frame(lay.frame), drilled=Frame(tapped), material=metal)
+    b.add("frame", Frame(lay.frame), material=metal)
     b.add(
         "top_plate", TopPlate(lay.top_plate, head.head_diameter_mm / 2 + 0.1, head.head_height_mm + 0.2), material=metal
     )

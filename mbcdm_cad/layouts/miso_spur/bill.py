@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from math import degrees, radians
 
 from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
@@ -17,7 +16,6 @@ from mbcdm_cad.layouts.siso_spur.bill import (
     add_stop_pin,
     idler_bodies,
     input_bodies,
-    tapped,
 )
 from mbcdm_cad.parts.bill import Bill, BillBuilder, MovingBody
 from mbcdm_cad.parts.bought.train import add_horn
@@ -42,8 +40,7 @@ def bill(lay: RoundDrumLayout, drum_angle_deg: float = 0.0) -> Bill:
     drive, star, frame = lay.drive, lay.star, lay.frame
     b = BillBuilder(moving_bodies(lay), drum_angle_deg)
     turns = [Placement.about(_Y, degrees(angle)) for angle in drive.angles_rad]
-    with_drills = replace(star, arms=tuple(tapped(drive, arm) for arm in star.arms))
-    b.add("frame", Star(star), drilled=Star(with_drills), material=drive.frame_material)
+    b.add("frame", Star(star), material=drive.frame_material)
     add_stop_pin(b, lay.units[0])
     add_drum_bearings(b, lay.units[0])
     add_drum_encoder(b, drive, frame.boss.encoder_pocket_floor_y, frame.boss.screw_circle)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from math import radians
 
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
@@ -11,7 +10,6 @@ from mbcdm_cad.layouts.siso_bevel.support.parts import ColumnFrame
 from mbcdm_cad.parts.bill import Bill, BillBuilder, MovingBody
 from mbcdm_cad.parts.drum_sector.items import add_cables, add_drum, add_drum_encoder, add_preload_spring
 from mbcdm_cad.parts.input_pulley.items import UPRIGHT, add_input_pulley
-from mbcdm_cad.parts.motor_head.dims import flange_screw
 from mbcdm_cad.parts.motor_head.items import (
     EncoderShelf,
     add_flange_fixings,
@@ -49,13 +47,7 @@ def _shelf(lay: DirectLayout) -> EncoderShelf:
 
 def _support(b: BillBuilder, lay: DirectLayout, drive: DirectDrive) -> None:
     steel, metal, frame = drive.material("steel"), drive.frame_material, lay.frame
-    insert = frame.flange_insert
-    tapped = replace(
-        frame,
-        flange_screw_radius=frame.flange_screw_radius if insert else flange_screw(drive).tap_drill_mm / 2,
-        boss=replace(frame.boss, screw_radius=drive.screw(drive.drum_encoder.screw).tap_drill_mm / 2),
-    )
-    b.add("frame", ColumnFrame(frame), drilled=ColumnFrame(tapped), material=metal)
+    b.add("frame", ColumnFrame(frame), material=metal)
     add_motor_head(b, drive, lay.head, UPRIGHT)
     b.add(
         "stop_pin",

@@ -9,9 +9,7 @@ from math import radians
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, SpurRun
 from mbcdm_cad.layouts.siso_spur.idlers import SENSE
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
-from mbcdm_cad.layouts.siso_spur.overhung import MotorSeat
 from mbcdm_cad.layouts.siso_spur.routes import turned
-from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims
 from mbcdm_cad.layouts.siso_spur.support.idlers import SPACER_NOTE, Strap, strap_screw
 from mbcdm_cad.layouts.siso_spur.support.parts import Yoke
 from mbcdm_cad.parts.axle import Axle, Spacer
@@ -30,7 +28,6 @@ from mbcdm_cad.parts.drum_sector.part import DrumSector
 from mbcdm_cad.parts.idler_pulley import IdlerPulley
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 from mbcdm_cad.parts.input_pulley.items import add_input_pulley
-from mbcdm_cad.parts.motor_head.dims import flange_screw
 from mbcdm_cad.parts.motor_head.items import (
     EncoderShelf,
     add_flange_fixings,
@@ -99,29 +96,6 @@ def _idler_axis(drive: SpurDrive, cable: SpurRun, number: int) -> tuple[float, f
 
 def _at(x: float, y: float, z: float) -> Placement:
     return Placement.translation(x, y, z)
-
-
-def _tapped_seat(drive: SpurDrive, seat: MotorSeat | None) -> MotorSeat | None:
-    """With the tap drills of the threads for a servo's ears."""
-    if seat is None or seat.window is None:
-        return seat
-    return replace(seat, screw_clearance=drive.screw(drive.gearhead.screw).tap_drill_mm / 2)
-
-
-def tapped(drive: SpurDrive, frame: YokeDims) -> YokeDims:
-    """The frame with the tap drill diameters of its threads."""
-    return replace(
-        frame,
-        stands=tuple(replace(stand, thread_radius=strap_screw(drive).tap_drill_mm / 2) for stand in frame.stands),
-        flange_screw_radius=(
-            frame.flange_screw_radius if frame.flange_insert else flange_screw(drive).tap_drill_mm / 2
-        ),
-        mount_radius=frame.mount_radius
-        if frame.mount_insert
-        else drive.screw(drive.support.mount_bolt).tap_drill_mm / 2,
-        motor=_tapped_seat(drive, frame.motor),
-        boss=replace(frame.boss, screw_radius=drive.screw(drive.drum_encoder.screw).tap_drill_mm / 2),
-    )
 
 
 def add_stop_pin(b: BillBuilder, lay: SpurLayout) -> None:
@@ -302,7 +276,7 @@ def bill(lay: SpurLayout, drum_angle_deg: float = 0.0) -> Bill:
     """All parts and instances with the drum at ``drum_angle_deg``."""
     drive, f = lay.drive, lay.frame
     b = BillBuilder(moving_bodies(lay), drum_angle_deg)
-    b.add("frame", Yoke(f), drilled=Yoke(tapped(drive, f)), material=drive.frame_material)
+    b.add("frame", Yoke(f), material=drive.frame_material)
     add_stop_pin(b, lay)
     add_drum_bearings(b, lay)
     add_own_input(b, lay, Placement.identity())

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from math import pi
 from typing import Protocol
 
 from mbcdm_cad.design.bought import Screw, Servo
@@ -250,13 +249,3 @@ def _on_horn(drive: SpurDrive, servo: Servo, levels: PulleyLevels, plain: InputP
         slit_top_z=bottom,
         horn=HornFlange(screw.name, screw.clearance_mm / 2, screw_places(servo.horn_screws, servo.horn_circle_mm / 2)),
     )
-
-
-def pocket_mm3(seat: MotorSeat, plate_mm: float) -> float:
-    """Volume of the seat's pocket, or window, and holes in a plate of this thickness."""
-    if seat.window is not None:
-        half, low, high = seat.window
-        return (2 * half * (high - low) + len(seat.screws) * pi * seat.screw_clearance**2) * plate_mm
-    pocket = pi * seat.pocket_radius**2 * max(plate_mm - seat.shelf, 0.0)
-    holes = pi * (seat.pilot_radius**2 + len(seat.screws) * seat.screw_clearance**2)
-    return pocket + holes * min(seat.shelf, plate_mm)

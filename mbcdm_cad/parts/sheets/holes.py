@@ -12,11 +12,6 @@ FREE_POSITION_MM = 0.1
 COLUMNS = ("Hole", "No.", "%%c", "Thread", "Depth", "Fit", "Counterbore", "From")
 
 
-def outside_bore(places: tuple[Vector, ...], reach_mm: float, bore_mm: float) -> tuple[Vector, ...]:
-    """``places``, or none if the bore of radius ``bore_mm`` includes holes that reach ``reach_mm`` from its axis."""
-    return places if reach_mm > bore_mm else ()
-
-
 def hole_table(groups: Sequence[Holes], title: str = "Holes") -> Table:
     """One line for each group of equal holes."""
     return Table(title, COLUMNS, tuple(group.row() for group in groups))
@@ -48,3 +43,18 @@ def hole_labels(groups: Sequence[Holes], view: str) -> tuple[Label, ...]:
         for group in groups
         for name, place in zip(group.names, group.places, strict=True)
     )
+
+
+def hole_marks(
+    groups: Sequence[Holes], across: Vector, up: Vector, z: float | None = None
+) -> tuple[tuple[Vector, Vector], ...]:
+    """Centre lines of holes seen from their end: at the height ``z``, or each at that of its hole."""
+    marks = []
+    for group in groups:
+        reach = group.reach + 0.8
+        for x, y, own in group.places:
+            place = (x, y, own if z is None else z)
+            for way in (across, up):
+                low, high = (tuple(p + s * reach * q for p, q in zip(place, way, strict=True)) for s in (-1, 1))
+                marks.append(((low[0], low[1], low[2]), (high[0], high[1], high[2])))
+    return tuple(marks)

@@ -10,7 +10,7 @@ import numpy as np
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-from mbcdm_cad.layouts.miso_bevel.support.parts import TopPlate
+from mbcdm_cad.layouts.miso_bevel.support.top_plate import TopPlate
 from mbcdm_cad.parts.drum_sector.part import DrumSector
 from mbcdm_cad.parts.input_pulley.draw import create_input_pulley
 

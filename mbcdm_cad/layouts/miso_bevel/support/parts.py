@@ -1,245 +1,248 @@
-"""Frame and top plate of the support.
-
-The frame is one block, milled from the front in four pockets, bored for the drum's shaft along Y. The plate holds the
-upper bearings of the input pulleys from below, located by dowels; on it are the encoders or, with motors above, a
-coupling box for each gearhead, in one piece with the plate.
-"""
+"""Frame: one block, milled from the front in four pockets, bored for the drum's shaft along Y; its sheet."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-from mbcdm_cad.layouts.miso_bevel.support.dims import EncoderHoles, FrameDims, TopPlateDims
-from mbcdm_cad.parts.boss import boss_below_column_mm3, boss_bodies, boss_tools, column_bores_mm3
-from mbcdm_cad.parts.motor_head.part import box_body, box_tools, coupling_box_mm3, rounded
-from mbcdm_cad.parts.part import MadePart
-from mbcdm_cad.parts.shapes import block, cut, cylinder, cylinder_y, cylinder_z, fuse, pocket_y
-from mbcdm_cad.parts.volume import CORNER, pocket_mm3, ring_mm3
-
-if TYPE_CHECKING:
-    import cadquery as cq
-
-    from mbcdm_cad.parts.sheets.description import Sheet
+from mbcdm_cad.layouts.miso_bevel.support.dims import FrameDims
+from mbcdm_cad.parts.boss import boss_bores, boss_of_column, boss_threads, open_behind, seat_diameters, seats_mm
+from mbcdm_cad.parts.fits import FITS
+from mbcdm_cad.parts.milled import Block, Bores, Feature, Milled, Pocket, corner_table, rounding, span, wide
+from mbcdm_cad.parts.sheets.description import CuttingLine, FitLine, Holes, Linear, Radius, Sheet, View, X, Y, Z, minus
+from mbcdm_cad.parts.sheets.holes import THROUGH, hole_labels, hole_marks, hole_table, position_table
+from mbcdm_cad.parts.sheets.tolerances import DRUM_AXIS, GeometricTolerance, one_axis, square
 
 
-def _body_mm3(d: FrameDims) -> float:
-    v, depth = d.levels, d.levels.front_y - d.levels.back_y
-    upper = 2 * v.side_outer_x * depth - 4 * CORNER * d.corner_radius**2
-    column = 2 * d.boss.radius * depth * v.shelf_bottom_z
-    return upper * (v.top_plate_bottom_z - v.shelf_bottom_z) + column + boss_below_column_mm3(d.boss, v.front_y)
-
-
-def _pockets_mm3(d: FrameDims) -> float:
-    v, r, side = d.levels, d.corner_radius, d.levels.side_inner_x
-    depth = v.front_y - v.pocket_floor_y
-    coupling = v.bearing_shelf_bottom_z - v.shelf_top_z
-    inner = d.boss.radius - d.rib_thickness
-    column = v.shelf_bottom_z - d.column_pocket_bottom_z
+def _pockets(d: FrameDims) -> tuple[Pocket, ...]:
+    """From the front; the last one, in the column, only where there is room."""
+    v, r, side, inner = d.levels, d.corner_radius, d.levels.side_inner_x, d.boss.radius - d.rib_thickness
+    y, top = (v.pocket_floor_y, v.front_y), (v.bearing_shelf_top_z, v.top_plate_bottom_z)
+    beside, column = (v.shelf_top_z, v.bearing_shelf_bottom_z), (d.column_pocket_bottom_z, v.shelf_bottom_z)
     return (
-        pocket_mm3(2 * side, v.front_y - d.upper_floor_y, v.top_plate_bottom_z - v.bearing_shelf_top_z, r, 2)
-        + 2 * pocket_mm3(side - d.web_half_width, depth, coupling, r)
-        + (pocket_mm3(2 * inner, depth, column, r) if d.has_column_pocket else 0.0)
+        Pocket(name="top pocket", x=(-side, side), y=(d.upper_floor_y, y[1]), z=top, radius=r, open_top=True),
+        Pocket(name="", x=(-side, -d.web_half_width), y=y, z=beside, radius=r),
+        Pocket(name="beside the web", x=(d.web_half_width, side), y=y, z=beside, radius=r),
+        Pocket(name="column", x=(-inner, inner), y=y, z=column, radius=r),
     )
 
 
-def _holes_mm3(d: FrameDims) -> float:
-    v = d.levels
-    lowest, bearing = v.shelf_top_z - v.shelf_bottom_z, v.bearing_shelf_top_z - v.bearing_shelf_bottom_z
-    back = v.pocket_floor_y - v.back_y
-    if d.encoder_holes is None:
-        at_input = (
-            ring_mm3(d.pilot_radius, 0.0, lowest)
-            + d.gear_screw_count * ring_mm3(d.gear_screw_clearance, 0.0, lowest)
-            + ring_mm3(d.seat_radius, 0.0, d.seat_depth)
-            + ring_mm3(d.seat_shoulder_radius, 0.0, bearing - d.seat_depth)
-            # About half of each key hole lies outside the shoulder's bore.
-            + d.gear_screw_count * ring_mm3(d.key_hole_radius, 0.0, bearing - d.seat_depth) / 2
-        )
-    else:
-        at_input = (
-            ring_mm3(d.seat_radius, 0.0, d.seat_depth)
-            + ring_mm3(d.seat_shoulder_radius, 0.0, bearing - d.seat_depth)
-            + len(d.encoder_holes.places(0.0)) * _sunk_mm3(d.encoder_holes, bearing)
-        )
+def _at_inputs(d: FrameDims) -> tuple[Bores, ...]:
+    """Bearing seats and what is beside them: holes for the key of the gearheads' screws, or the encoders' screws.
+
+    The gearheads hang from the lowest shelf.
+    """
+    v, down, y = d.levels, minus(Z), d.input_y
+    high, low = v.bearing_shelf_top_z, v.shelf_top_z
+    bearing, lowest = high - v.bearing_shelf_bottom_z, low - v.shelf_bottom_z
+    seat = (2 * d.seat_radius, d.seat_depth, FITS["input_seat"].code)
+    axes, screws = tuple((x, y, high) for x in d.input_x), 2 * d.gear_screw_clearance
+    shoulder = ("B", 2 * d.seat_shoulder_radius, THROUGH, axes, "bearing shelf", "bearing seats")
+    seats = Bores(*shoulder, counterbore=seat, into=down, metal=bearing)
+    if d.encoder_holes is not None:
+        e = d.encoder_holes
+        places = tuple((at, y, high) for x in d.input_x for at in e.places(x))
+        of = ("C", 2 * e.clearance, THROUGH, places, "bearing shelf", "encoder screws")
+        return seats, Bores(*of, counterbore=(2 * e.head_radius, e.head_depth, ""), into=down, metal=bearing)
+    # About half of each key hole lies outside the shoulder's bore, or nothing: then it is not drilled.
+    share = max(bearing - d.seat_depth, 0.0) / bearing / 2
+    keyed = "C" if d.gear_bolt_circle + d.key_hole_radius > d.seat_shoulder_radius else ""
+    keys, through = (tuple((*place, z) for place in d.gear_screws) for z in (high, low))
+    pilots, pilot = tuple((x, y, low) for x in d.input_x), 2 * d.pilot_radius
+    key = (keyed, 2 * d.key_hole_radius, THROUGH, keys, "bearing shelf", "key for gearhead screws")
+    centred = ("F", pilot, THROUGH, pilots, "motor shelf", "gearheads")
     return (
-        len(d.input_x) * at_input
-        + ring_mm3(d.axle_radius, 0.0, bearing)
-        + ring_mm3(d.axle_screw_radius, 0.0, v.front_y - d.axle_radius)
-        + ring_mm3(d.stop_pin_radius, 0.0, v.front_y - d.stop_pin_start_y)
-        + len(d.plate_screws) * ring_mm3(d.plate_screw_radius, 0.0, d.plate_screw_depth)
-        + len(d.dowels) * ring_mm3(d.dowel_radius, 0.0, d.dowel_depth)
-        + len(d.mounts) * ring_mm3(d.mount_radius, 0.0, back)
-        + len(d.mounts) * ring_mm3(d.mount_head_radius, d.mount_radius, v.pocket_floor_y - d.mount_seat_y)
+        seats,
+        Bores(*key, into=down, metal=bearing, share=share),
+        Bores(*centred, fit=FITS["pilot"].code, into=down, metal=lowest),
+        Bores("G", screws, THROUGH, through, "motor shelf", "gearhead screws", into=down, metal=lowest),
     )
 
 
-def _sunk_mm3(d: EncoderHoles, thick: float) -> float:
-    """One hole of an encoder's screw with its counterbore."""
-    return ring_mm3(d.clearance, 0.0, thick) + ring_mm3(d.head_radius, d.clearance, d.head_depth)
+def _fixings(d: FrameDims) -> tuple[Bores, ...]:
+    """Holes for the guide's axle, the top plate, the stop pin and the mounting screws."""
+    v, down, back, pressed = d.levels, minus(Z), minus(Y), FITS["pin_press"].code
+    shelf, top, floor = v.bearing_shelf_top_z, v.top_plate_bottom_z, v.pocket_floor_y
+    thick, sunk = shelf - v.bearing_shelf_bottom_z, floor - d.mount_seat_y
+    screws, dowels = (tuple((x, y, top) for x, y in at) for at in (d.plate_screws, d.dowels))
+    mounts, pin = tuple((x, floor, z) for x, z in d.mounts), ((0.0, v.front_y, d.stop_pin_z),)
+    set_screw = ((0.0, v.front_y, (v.bearing_shelf_bottom_z + shelf) / 2),)
+    heads = (2 * d.mount_head_radius, sunk, "") if sunk > 0.0 else None
+    axle = ("A", 2 * d.axle_radius, THROUGH, ((0.0, 0.0, shelf),), "bearing shelf", "guide axle")
+    to_plate = ("D", d.plate_screw_radius * 2, d.plate_screw_depth, screws, "top", "top plate")
+    to_axle = ("H", 2 * d.axle_screw_radius, "to A", set_screw, "front", "axle set screw")
+    stop = ("J", 2 * d.stop_pin_radius, v.front_y - d.stop_pin_start_y, pin, "front", "stop pin")
+    mount = ("K", 2 * d.mount_radius, THROUGH, mounts, "pocket floor", "mounting screws")
+    insert = d.plate_insert
+    return (
+        # It ends on the shelf's lower face.
+        Bores(*axle, fit=FITS["axle_bore"].code, into=down, metal=thick, beyond=0.0),
+        Bores(*to_plate, threaded=insert is None, insert=insert, into=down),
+        Bores("E", 2 * d.dowel_radius, d.dowel_depth, dowels, "top", "dowels", fit=pressed, into=down),
+        Bores(*to_axle, threaded=True, into=back, metal=v.front_y - d.axle_radius, beyond=d.axle_radius),
+        Bores(*stop, fit=pressed, into=back),
+        Bores(*mount, counterbore=heads, into=back, metal=floor - v.back_y),
+    )
 
 
-def _body(d: FrameDims) -> cq.Solid:
+def _views(d: FrameDims, above: tuple[Holes, ...], behind: tuple[Holes, ...]) -> tuple[View, ...]:
     v = d.levels
-    upper = block((-v.side_outer_x, v.side_outer_x), (v.back_y, v.front_y), (v.shelf_bottom_z, v.top_plate_bottom_z))
-    column = block((-d.boss.radius, d.boss.radius), (v.back_y, v.front_y), (0.0, v.shelf_bottom_z))
-    return fuse([rounded(upper, d.corner_radius), column, *boss_bodies(d.boss)], "frame")
-
-
-def _pockets(d: FrameDims) -> list[cq.Shape]:
-    v = d.levels
-    y = (v.pocket_floor_y, v.front_y + 1.0)
-    r = d.corner_radius
-    side = v.side_inner_x
-    tools: list[cq.Shape] = [
-        # Open at the top: the rounded corners there fall outside the block.
-        pocket_y(
-            (-side, side), (d.upper_floor_y, y[1]), (v.bearing_shelf_top_z, v.top_plate_bottom_z + 2 * r + 1.0), r
+    front_seen = tuple(g for g in behind if g.letter != "L")
+    low_shelf = tuple(g for g in above if g.letter in "FG")
+    high = tuple(g for g in above if g.letter not in "FG")
+    middle = (v.shelf_top_z + v.bearing_shelf_bottom_z) / 2
+    reach = max(d.boss.encoder_pocket_radius, d.boss.ear_reach) + 1.5
+    axle = (((0.0, v.back_y, 0.0), (0.0, v.boss_front_y, 0.0)),)
+    return (
+        View(
+            "front",
+            minus(X),
+            Z,
+            axes=(
+                *hole_marks(front_seen, X, Z),
+                ((0.0, v.front_y, -d.boss.radius), (0.0, v.front_y, v.top_plate_bottom_z)),
+                ((-d.boss.ear_reach, v.front_y, 0.0), (d.boss.ear_reach, v.front_y, 0.0)),
+            ),
         ),
-        pocket_y((d.web_half_width, side), y, (v.shelf_top_z, v.bearing_shelf_bottom_z), r),
-        pocket_y((-side, -d.web_half_width), y, (v.shelf_top_z, v.bearing_shelf_bottom_z), r),
-    ]
-    if d.has_column_pocket:
-        inner = d.boss.radius - d.rib_thickness
-        tools.append(pocket_y((-inner, inner), y, (d.column_pocket_bottom_z, v.shelf_bottom_z), r))
-    return tools
-
-
-def _drum_bores(d: FrameDims) -> list[cq.Shape]:
-    across = d.boss.radius + 1.0
-    below = block(
-        (-across, across), (d.levels.back_y - 1.0, d.boss.encoder_pocket_floor_y), (-across, d.column_start_z)
+        View("section", Y, Z, column=1, title="A-A", cut=(0.0, 0.0, 0.0), axes=axle),
+        View(
+            "rear",
+            X,
+            Z,
+            column=1,
+            row=-1,
+            title="Boss from behind",
+            magnify=1.0 + 1e-9,
+            window=((0.0, v.back_y, 1.0), reach, reach),
+            axes=(
+                *hole_marks(tuple(g for g in behind if g.letter == "L"), X, Z),
+                ((0.0, v.back_y, -d.boss.encoder_pocket_radius), (0.0, v.back_y, d.boss.encoder_pocket_radius)),
+            ),
+        ),
+        View("top", minus(X), minus(Y), row=-1, axes=hole_marks(high, X, Y)),
+        View(
+            "shelf", minus(X), minus(Y), row=-2, title="B-B", cut=(0.0, 0.0, middle), axes=hole_marks(low_shelf, X, Y)
+        ),
     )
-    return [below, *boss_tools(d.boss)]
 
 
-def _input_holes(d: FrameDims) -> list[cq.Shape]:
-    v = d.levels
-    tools: list[cq.Shape] = []
-    below, above = v.shelf_bottom_z - 1.0, v.shelf_top_z + 1.0
-    for x in d.input_x:
-        y = d.input_y
-        if d.carries_drives:
-            tools.append(cylinder_z(d.pilot_radius, x, y, below, above))
-        tools.append(cylinder_z(d.seat_shoulder_radius, x, y, v.bearing_shelf_bottom_z - 1.0, v.bearing_shelf_top_z))
-        tools.append(cylinder_z(d.seat_radius, x, y, v.bearing_shelf_top_z - d.seat_depth, v.bearing_shelf_top_z + 1.0))
-        if d.encoder_holes is not None:
-            tools += _encoder_holes(d, d.encoder_holes, x)
-            continue
-        for at in d.gear_screws_at(x):
-            tools.append(cylinder_z(d.gear_screw_clearance, *at, below, above))
-            tools.append(cylinder_z(d.key_hole_radius, *at, v.bearing_shelf_bottom_z - 1.0, v.bearing_shelf_top_z))
-    return tools
+def _dimensions(d: FrameDims) -> tuple[Linear | Radius, ...]:
+    """In front from the middle plane and the drum's axis, in the section from the back face; the boss from behind."""
+    v, b, r, back, start = d.levels, d.boss, d.corner_radius, d.levels.back_y, d.column_start_z
+    y, top, low, x, side = v.front_y, v.top_plate_bottom_z, v.shelf_bottom_z, v.side_outer_x, v.side_inner_x
+    inner, shelf, under = b.radius - d.rib_thickness, v.bearing_shelf_top_z, v.bearing_shelf_bottom_z
+    left = [(low, x), (top, x), *([(d.column_pocket_bottom_z, inner)] if d.has_column_pocket else [])]
+    right = ((low, v.shelf_top_z, r - x), (v.shelf_top_z, under, -side), (under, shelf, -side))
+    above = (
+        (v.front_y, top, ""),
+        (v.pocket_floor_y, under, " pockets"),
+        (d.upper_floor_y, top, " top pocket"),
+        (0.0, shelf, " axis of A"),
+    )
+    below = (
+        (b.encoder_pocket_floor_y, -b.radius, ""),
+        (b.rear_seat_end_y, -b.seat_radius, ""),
+        (b.front_seat_start_y, -b.seat_radius, ""),
+        (b.front_y, -b.radius, ""),
+        (b.ear_front_y, -b.ear_half_height, " ears"),
+    )
+    ears = ((-b.ear_reach, y, -b.ear_half_height), (-b.ear_reach, y, b.ear_half_height))
+    pocket_r = b.encoder_pocket_radius
+    pocket = (wide("front", inner, (y, d.column_pocket_bottom_z), "below", " pocket"),)
+    tall = [span(2, "front", (at, y, 0.0), (at, y, z), "left") for z, at in left]
+    return (
+        wide("front", x, (y, top), "above"),
+        wide("front", side, (y, top), "above", " pockets"),
+        wide("front", d.web_half_width, (y, (v.shelf_top_z + under) / 2), "above", " web"),
+        wide("front", b.radius, (y, start), "below", " column = %%c boss"),
+        wide("front", b.ear_reach, (y, 0.0), "below", " ears"),
+        *tall[:2],
+        *(span(2, "front", (at, y, from_z), (at, y, z), "right") for from_z, z, at in right),
+        span(2, "front", *ears, "right", " ears", decimals=2),
+        *(pocket if d.has_column_pocket else ()),
+        *tall[2:],
+        *(span(1, "section", (0.0, back, top), (0.0, *at), "above", what) for *at, what in above),
+        *(span(1, "section", (0.0, back, start), (0.0, *at), "below", what) for *at, what in below),
+        *seat_diameters(b),
+        span(2, "rear", (b.radius, back, 0.0), (b.radius, back, start), "right", " column"),
+        Radius("rear", (0.0, back, 0.0), (-pocket_r * 0.6, back, pocket_r * 0.8), pocket_r),
+        rounding((-x, y, top), r, "4x "),
+    )
 
 
-def _encoder_holes(d: FrameDims, holes: EncoderHoles, x: float) -> list[cq.Shape]:
-    """In the bearing shelf, heads sunk from above."""
-    low, high = d.levels.bearing_shelf_bottom_z - 1.0, d.levels.bearing_shelf_top_z
-    tools: list[cq.Shape] = []
-    for at in holes.places(x):
-        tools.append(cylinder_z(holes.clearance, at, d.input_y, low, high + 1.0))
-        tools.append(cylinder_z(holes.head_radius, at, d.input_y, high - holes.head_depth, high + 1.0))
-    return tools
-
-
-def _fixing_holes(d: FrameDims) -> list[cq.Shape]:
-    v = d.levels
-    shelf_z = (v.bearing_shelf_bottom_z + v.bearing_shelf_top_z) / 2
-    tools: list[cq.Shape] = [
-        cylinder_z(d.axle_radius, 0, 0, v.bearing_shelf_bottom_z, v.bearing_shelf_top_z + 1.0),
-        cylinder(d.axle_screw_radius, (0, 0, shelf_z), (0, 1, 0), v.front_y + 1.0),
-        cylinder_y(d.stop_pin_radius, 0, d.stop_pin_z, d.stop_pin_start_y, v.front_y + 1.0),
-    ]
-    top = v.top_plate_bottom_z
-    tools += [cylinder_z(d.plate_screw_radius, x, y, top - d.plate_screw_depth, top + 1.0) for x, y in d.plate_screws]
-    tools += [cylinder_z(d.dowel_radius, x, y, top - d.dowel_depth, top + 1.0) for x, y in d.dowels]
-    for x, z in d.mounts:
-        tools.append(cylinder_y(d.mount_radius, x, z, v.back_y - 1.0, v.pocket_floor_y + 1.0))
-        tools.append(cylinder_y(d.mount_head_radius, x, z, d.mount_seat_y, v.pocket_floor_y + 1.0))
-    return tools
+def _tolerances(d: FrameDims) -> tuple[GeometricTolerance, ...]:
+    """Seats of the drum on one axis; bores of guide and inputs square to it."""
+    v, depth = d.levels, d.seat_depth / 2
+    shelf = (v.bearing_shelf_bottom_z + v.bearing_shelf_top_z) / 2
+    first, *rest = ((x, d.input_y - d.seat_radius, v.bearing_shelf_top_z - depth) for x in d.input_x)
+    return (
+        one_axis("section", seats_mm(d.boss), DRUM_AXIS),
+        square("section", (0.0, -d.axle_radius, shelf), DRUM_AXIS, "A"),
+        square("top", first, DRUM_AXIS, "B", tuple(rest)),
+    )
 
 
 @dataclass(frozen=True)
-class Frame(MadePart):
+class Frame(Milled):
     """Frame where it stands in the assembly."""
 
     dims: FrameDims
 
-    def solid(self) -> cq.Solid:
-        """Frame in its position in the assembly."""
-        dims = self.dims
-        return cut(_body(dims), _pockets(dims) + _drum_bores(dims) + _input_holes(dims) + _fixing_holes(dims), "frame")
+    def bodies(self) -> Sequence[Feature]:
+        """Block, column and boss."""
+        d, v, b = self.dims, self.dims.levels, self.dims.boss
+        y, x, z = (v.back_y, v.front_y), v.side_outer_x, (v.shelf_bottom_z, v.top_plate_bottom_z)
+        column = Block((-b.radius, b.radius), y, (0.0, v.shelf_bottom_z))
+        return Block((-x, x), y, z, d.corner_radius), column, boss_of_column(b, v.front_y)
 
-    def volume_mm3(self) -> float:
-        """Block, column and boss less pockets, bores and holes."""
+    def taken(self) -> Sequence[Feature]:
+        """Pockets, bores and holes."""
         d = self.dims
-        return _body_mm3(d) - _pockets_mm3(d) - column_bores_mm3(d.boss) - _holes_mm3(d)
+        pockets = _pockets(d) if d.has_column_pocket else _pockets(d)[:-1]
+        boss = (open_behind(d.boss, -d.boss.radius - 1.0), boss_bores(d.boss), *boss_threads(d.boss, "L"))
+        return (*pockets, *boss, *_at_inputs(d), *_fixings(d))
 
     def sheet(self, part: str) -> Sheet:
-        """Described by ``frame_sheet.py`` beside this module."""
-        from mbcdm_cad.layouts.miso_bevel.support.frame_sheet import frame_sheet
-
-        return frame_sheet(part, self.dims)
-
-
-@dataclass(frozen=True)
-class TopPlate(MadePart):
-    """Top plate where it stands in the assembly; counterbores of the encoders' screws in mm."""
-
-    dims: TopPlateDims
-    encoder_head_radius: float
-    encoder_head_depth: float
-
-    def solid(self) -> cq.Solid:
-        """Top plate where it stands in the assembly; the encoders' screws are sunk in its underside."""
-        dims, encoder_head_radius, encoder_head_depth = self.dims, self.encoder_head_radius, self.encoder_head_depth
-        v = dims.levels
-        low, high = v.top_plate_bottom_z, v.top_plate_top_z
-        plate = block((-v.side_outer_x, v.side_outer_x), (v.back_y, v.front_y), (low, high))
-        body = rounded(plate, dims.corner_radius)
-        tools: list[cq.Shape] = [cylinder_z(dims.axle_radius, 0, 0, low - 1.0, high + 1.0)]
-        if dims.boxes:
-            body = fuse(
-                [body, *(box_body(box).translate((x, dims.input_y, 0.0)) for x, box in dims.boxes)], "top plate"
-            )
-            tools += [tool.translate((x, dims.input_y, 0.0)) for x, box in dims.boxes for tool in box_tools(box)]
-        for x in dims.input_x if dims.box is None else ():
-            tools.append(cylinder_z(dims.seat_radius, x, dims.input_y, low - 1.0, low + dims.seat_depth))
-            tools.append(cylinder_z(dims.shoulder_radius, x, dims.input_y, low, high + 1.0))
-            for sign in (-1, 1):
-                hole_x = x + sign * dims.encoder_circle_radius
-                tools.append(cylinder_z(dims.encoder_screw_clearance, hole_x, dims.input_y, low - 1.0, high + 1.0))
-                tools.append(cylinder_z(encoder_head_radius, hole_x, dims.input_y, low - 1.0, low + encoder_head_depth))
-        for x, y in dims.screws:
-            tools.append(cylinder_z(dims.screw_clearance, x, y, low - 1.0, high + 1.0))
-            tools.append(cylinder_z(dims.screw_head_radius, x, y, high - dims.screw_head_depth, high + 1.0))
-        tools += [cylinder_z(dims.dowel_radius, x, y, low - 1.0, high + 1.0) for x, y in dims.dowels]
-        return cut(body, tools, "top plate")
-
-    def volume_mm3(self) -> float:
-        """Plate less seats and holes, with the coupling boxes on it."""
-        d, encoder_head_radius, encoder_head_depth = self.dims, self.encoder_head_radius, self.encoder_head_depth
+        """Front, middle section, rear, top, and a section above the lowest shelf."""
+        d, holes = self.dims, self.bores()
         v = d.levels
-        t = v.top_plate_top_z - v.top_plate_bottom_z
-        area = 2 * v.side_outer_x * (v.front_y - v.back_y) - 4 * CORNER * d.corner_radius**2
-        at_input = ring_mm3(d.shoulder_radius, 0.0, t) + ring_mm3(d.seat_radius, d.shoulder_radius, d.seat_depth)
-        encoder = ring_mm3(d.encoder_screw_clearance, 0.0, t)
-        encoder += ring_mm3(encoder_head_radius, d.encoder_screw_clearance, encoder_head_depth)
-        screw = ring_mm3(d.screw_clearance, 0.0, t) + ring_mm3(
-            d.screw_head_radius, d.screw_clearance, d.screw_head_depth
+        above, behind = (tuple(g for g in holes if (g.into[2] != 0.0) == along_z) for along_z in (True, False))
+        seen = tuple(g for g in behind if g.letter != "L")
+        x, y = v.side_outer_x, v.front_y
+        middle = (v.shelf_top_z + v.bearing_shelf_bottom_z) / 2
+        return Sheet(
+            part=part,
+            title="Frame",
+            paper="A2",
+            views=_views(d, above, behind),
+            dimensions=_dimensions(d),
+            labels=(
+                *hole_labels(seen, "front"),
+                *hole_labels(tuple(g for g in behind if g.letter == "L"), "rear"),
+                *hole_labels(tuple(g for g in above if g.letter not in "FG"), "top"),
+                *hole_labels(tuple(g for g in above if g.letter in "FG"), "shelf"),
+            ),
+            tolerances=_tolerances(d),
+            cutting_lines=(
+                CuttingLine(
+                    "front", (0.0, y, -d.boss.radius - 2.0), (0.0, y, v.top_plate_bottom_z + 2.0), "A", minus(X)
+                ),
+                CuttingLine("front", (x + 2.0, y, middle), (-x - 2.0, y, middle), "B", minus(Z)),
+            ),
+            tables=(
+                hole_table(holes),
+                position_table(above, (0, 1), "Positions from A and the drum axis, along Z"),
+                position_table(behind, (0, 2), "Positions from A and the drum axis, along Y"),
+                corner_table(p for p in _pockets(d) if p.name),
+            ),
+            holes=holes,
+            fits=(
+                FitLine(2 * d.boss.seat_radius, FITS["drum_seat"].code, "drum bearing seats"),
+                *(line for group in holes for line in group.fit_lines()),
+            ),
+            notes=(
+                "One piece. X to the right in the rear view, Y to the front, Z up; Y = 0 at the axis of A.",
+                "The radius in the rear view is that of the encoder's pocket.",
+                "Seats Ra 0.8, elsewhere Ra 3.2.",
+            ),
         )
-        if d.box is not None:
-            at_input = -coupling_box_mm3(d.box)
-        return (
-            area * t
-            - ring_mm3(d.axle_radius, 0.0, t)
-            - len(d.input_x) * (at_input + d.encoder_screw_count * encoder)
-            - len(d.screws) * screw
-            - len(d.dowels) * ring_mm3(d.dowel_radius, 0.0, t)
-        )
-
-    def sheet(self, part: str) -> Sheet:
-        """Described by ``top_plate_sheet.py`` beside this module."""
-        from mbcdm_cad.layouts.miso_bevel.support.top_plate_sheet import top_plate_sheet
-
-        return top_plate_sheet(part, self.dims, self.encoder_head_radius, self.encoder_head_depth)

@@ -2,52 +2,51 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import inf, pi, tan
 from typing import TYPE_CHECKING
 
 from mbcdm_cad.layouts.miso_spur.support.dims import StarDims
-from mbcdm_cad.layouts.siso_spur.support.parts import (
-    Yoke,
-    arm_mm3,
-    boss_mm3,
-    centre_bodies,
-    centre_tools,
-    frame_holes,
-    yoke_bodies,
-    yoke_tools,
-)
+from mbcdm_cad.layouts.siso_spur.support.parts import Yoke, arm_bodies, arm_taken, centre_bodies, centre_taken
 from mbcdm_cad.parts.fits import FITS
-from mbcdm_cad.parts.part import MadePart
-from mbcdm_cad.parts.shapes import cut, fuse
-from mbcdm_cad.parts.sheets.description import CuttingLine, FitLine, Holes, Sheet, Table, X, minus, mm, mm3
+from mbcdm_cad.parts.milled import Bores, Feature, Form, Milled
+from mbcdm_cad.parts.sheets.description import CuttingLine, FitLine, Sheet, Table, X, minus, mm, mm3
 from mbcdm_cad.parts.sheets.holes import hole_labels, hole_table, position_table
 
 if TYPE_CHECKING:
     import cadquery as cq
 
 
-# Holes that exist once, about the drum's axis.
-_IN_THE_MIDDLE = "EH"
 _FROM_BEHIND = "ABCDEH"
 
 
-def _holes(d: StarDims) -> tuple[Holes, ...]:
-    """The holes of all arms, with the letters of the first arm."""
-    groups = []
-    for alike in zip(*(frame_holes(arm) for arm in d.arms), strict=True):
-        first = alike[0]
-        if first.letter not in _IN_THE_MIDDLE:
-            places = tuple(
-                (x, y, z)
-                for k, group in enumerate(alike)
-                for (_, y, _), (x, z) in zip(
-                    group.places, d.turned(k, tuple((x, z) for x, _, z in group.places)), strict=True
-                )
-            )
-            first = replace(first, places=places)
-        groups.append(first)
-    return tuple(groups)
+def _turned(feature: Feature, angle_deg: float) -> Form:
+    """A feature of the arm at Z where another arm has it."""
+
+    def drawn() -> list[cq.Shape]:
+        import cadquery as cq
+
+        origin, y = cq.Vector(0.0, 0.0, 0.0), cq.Vector(0.0, 1.0, 0.0)
+        return [shape.rotate(origin, y, angle_deg) for shape in feature.shapes()]
+
+    return Form(feature.volume_mm3(), drawn)
+
+
+def _arms_taken(d: StarDims) -> list[Feature]:
+    """What is taken from all arms; equal holes are one group, with the letter of the first arm."""
+    found: list[Feature] = []
+    for alike in zip(*(arm_taken(arm) for arm in d.arms), strict=True):
+        places = []
+        for k, feature in enumerate(alike):
+            if isinstance(feature, Bores):
+                turned = d.turned(k, tuple((x, z) for x, _, z in feature.places))
+                places += [(x, y, z) for (_, y, _), (x, z) in zip(feature.places, turned, strict=True)]
+            else:
+                found.append(_turned(feature, d.angles_deg[k]))
+        if isinstance(alike[0], Bores):
+            found.append(replace(alike[0], places=tuple(places)))
+    return found
 
 
 def _arms(d: StarDims) -> Table:
@@ -65,36 +64,34 @@ def _arms(d: StarDims) -> Table:
 
 
 @dataclass(frozen=True)
-class Star(MadePart):
+class Star(Milled):
     """Frame where it stands in the assembly."""
 
     dims: StarDims
 
-    def solid(self) -> cq.Solid:
-        """Frame in its position in the assembly."""
-        import cadquery as cq
-
-        dims, origin, y = self.dims, cq.Vector(0.0, 0.0, 0.0), cq.Vector(0.0, 1.0, 0.0)
-        bodies, tools = centre_bodies(dims.arms[0]), centre_tools(dims.arms[0])
-        for arm, angle in zip(dims.arms, dims.angles_deg, strict=True):
-            bodies += [body.rotate(origin, y, angle) for body in yoke_bodies(arm)]
-            tools += [tool.rotate(origin, y, angle) for tool in yoke_tools(arm)]
-        return cut(fuse(bodies, "frame"), tools, "frame")
-
-    def volume_mm3(self) -> float:
+    def bodies(self) -> Sequence[Feature]:
         """Arms less what neighbours share near the axis, and the boss. The round end lies within the arms."""
-        d = self.dims
-        first, n = d.arms[0], len(d.arms)
+        d, n = self.dims, len(self.dims.arms)
+        first = d.arms[0]
         # Half the angle between two arms; two opposite arms are in line and share nothing.
         slope = tan(pi / n) if n > 2 else inf
         shared = n * first.half_width**2 / slope * (first.levels.front_y - first.levels.plate_back_y)
-        return sum(arm_mm3(arm) for arm in d.arms) - shared + boss_mm3(first)
+        arms = zip(d.arms, d.angles_deg, strict=True)
+        return (
+            centre_bodies(first),
+            Form(-shared, lambda: []),
+            *(_turned(body, angle) for arm, angle in arms for body in arm_bodies(arm)),
+        )
+
+    def taken(self) -> Sequence[Feature]:
+        """Bores and holes of boss and arms."""
+        return *centre_taken(self.dims.arms[0]), *_arms_taken(self.dims)
 
     def sheet(self, part: str) -> Sheet:
         """Rear, middle section and front."""
         d = self.dims
         first = d.arms[0]
-        one, holes = Yoke(first).sheet(part), _holes(d)
+        one, holes = Yoke(first).sheet(part), self.bores()
         behind = tuple(group for group in holes if group.letter in _FROM_BEHIND)
         y, reach = first.levels.plate_back_y, first.plate_top_z + 2.0
         return replace(

@@ -2,236 +2,132 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from mbcdm_cad.layouts.siso_bevel.support.dims import ColumnDims
-from mbcdm_cad.parts.boss import boss_below_column_mm3, boss_bodies, boss_bores, boss_tools, column_bores_mm3, seats_mm
+from mbcdm_cad.parts.boss import boss_bores, boss_of_column, boss_threads, open_behind, seat_diameters, seats_mm
 from mbcdm_cad.parts.fits import FITS
-from mbcdm_cad.parts.motor_head.part import rounded
-from mbcdm_cad.parts.part import MadePart
-from mbcdm_cad.parts.shapes import block, cut, cylinder_y, cylinder_z, fuse, pocket_y
-from mbcdm_cad.parts.sheets.description import (
-    CuttingLine,
-    FitLine,
-    Holes,
-    Linear,
-    Radius,
-    Sheet,
-    Side,
-    Table,
-    View,
-    X,
-    Y,
-    Z,
-    minus,
-    mm,
-)
+from mbcdm_cad.parts.milled import Block, Bores, Feature, Milled, Pocket, corner_table, rounding, span, wide
+from mbcdm_cad.parts.sheets.description import CuttingLine, FitLine, Linear, Sheet, View, X, Y, Z, minus, mm
 from mbcdm_cad.parts.sheets.holes import THROUGH, hole_labels, hole_table, position_table
 from mbcdm_cad.parts.sheets.tolerances import DRUM_AXIS, one_axis, square
-from mbcdm_cad.parts.volume import CORNER, pocket_corner_mm, pocket_mm3, ring_mm3
-
-if TYPE_CHECKING:
-    import cadquery as cq
 
 
-def _body_mm3(d: ColumnDims) -> float:
-    v, depth = d.levels, d.levels.front_y - d.levels.back_y
-    box = 2 * v.side_outer_x * depth - 4 * CORNER * d.corner_radius**2
-    post = 2 * d.column_half_width * depth * (d.encoder_shelf_bottom_z - d.post_bottom_z)
-    foot = 2 * d.boss.radius * depth * d.post_bottom_z
-    return box * (d.top_z - d.encoder_shelf_bottom_z) + post + foot + boss_below_column_mm3(d.boss, v.front_y)
-
-
-def _pockets_mm3(d: ColumnDims) -> float:
-    v, r = d.levels, d.corner_radius
-    depth, inner = v.front_y - v.pocket_floor_y, 2 * d.pocket_half_width
+def _pockets(d: ColumnDims) -> tuple[Pocket, ...]:
+    """All from the front, to one floor."""
+    v, r, x = d.levels, d.corner_radius, (-d.pocket_half_width, d.pocket_half_width)
+    y, box = (v.pocket_floor_y, v.front_y), (-v.side_inner_x, v.side_inner_x)
+    high, over, under = (
+        (d.encoder_shelf_top_z, d.top_z),
+        (d.stop_shelf_top_z, d.encoder_shelf_bottom_z),
+        (d.low_pocket_bottom_z, d.stop_shelf_bottom_z),
+    )
     return (
-        pocket_mm3(2 * v.side_inner_x, depth, d.top_z - d.encoder_shelf_top_z, r, 2)
-        + pocket_mm3(inner, depth, d.encoder_shelf_bottom_z - d.stop_shelf_top_z, r)
-        + pocket_mm3(inner, depth, d.stop_shelf_bottom_z - d.low_pocket_bottom_z, r)
+        Pocket(name="box", x=box, y=y, z=high, radius=r, open_top=True),
+        Pocket(name="over the stop shelf", x=x, y=y, z=over, radius=r),
+        Pocket(name="under the stop shelf", x=x, y=y, z=under, radius=r),
     )
 
 
-def _holes_mm3(d: ColumnDims) -> float:
-    v, shelf = d.levels, d.encoder_shelf_top_z - d.encoder_shelf_bottom_z
-    encoder = ring_mm3(d.encoder_screw_clearance, 0.0, shelf - d.encoder_head_depth)
-    encoder += ring_mm3(d.encoder_head_radius, 0.0, d.encoder_head_depth)
-    return (
-        ring_mm3(d.seat_shoulder_radius, 0.0, shelf - d.seat_depth)
-        + ring_mm3(d.seat_radius, 0.0, d.seat_depth)
-        + 2 * encoder
-        + ring_mm3(d.stop_pin_radius, 0.0, v.front_y - d.stop_pin_start_y)
-        + len(d.flange_screws) * ring_mm3(d.flange_screw_radius, 0.0, d.flange_screw_depth)
-        + len(d.dowels) * ring_mm3(d.dowel_radius, 0.0, d.dowel_depth)
-        + len(d.mounts) * ring_mm3(d.mount_radius, 0.0, v.pocket_floor_y - v.back_y)
-    )
-
-
-def _body(d: ColumnDims) -> cq.Solid:
-    v = d.levels
-    box = block((-v.side_outer_x, v.side_outer_x), (v.back_y, v.front_y), (d.encoder_shelf_bottom_z, d.top_z))
-    wide = d.column_half_width
-    post = block((-wide, wide), (v.back_y, v.front_y), (d.post_bottom_z, d.encoder_shelf_bottom_z))
-    foot = block((-d.boss.radius, d.boss.radius), (v.back_y, v.front_y), (0.0, d.post_bottom_z))
-    return fuse([rounded(box, d.corner_radius), post, foot, *boss_bodies(d.boss)], "frame")
-
-
-def _pockets(d: ColumnDims) -> list[cq.Shape]:
-    v, r = d.levels, d.corner_radius
-    y = (v.pocket_floor_y, v.front_y + 1.0)
-    side, inner = v.side_inner_x, d.pocket_half_width
-    beside = d.boss.radius + 1.0
-    return [
-        # Open at the top: the rounded corners there fall outside the block.
-        pocket_y((-side, side), y, (d.encoder_shelf_top_z, d.top_z + 2 * r + 1.0), r),
-        pocket_y((-inner, inner), y, (d.stop_shelf_top_z, d.encoder_shelf_bottom_z), r),
-        pocket_y((-inner, inner), y, (d.low_pocket_bottom_z, d.stop_shelf_bottom_z), r),
-        # Behind the boss, below the encoder's pocket, the column is removed.
-        block((-beside, beside), (v.back_y - 1.0, d.boss.encoder_pocket_floor_y), (-1.0, d.column_start_z)),
-    ]
-
-
-def _input_holes(d: ColumnDims) -> list[cq.Shape]:
-    low, high = d.encoder_shelf_bottom_z, d.encoder_shelf_top_z
-    tools: list[cq.Shape] = [
-        cylinder_z(d.seat_shoulder_radius, 0, 0, low - 1.0, high),
-        cylinder_z(d.seat_radius, 0, 0, high - d.seat_depth, high + 1.0),
-    ]
-    for sign in (-1, 1):
-        x = sign * d.encoder_circle_radius
-        tools.append(cylinder_z(d.encoder_screw_clearance, x, 0, low - 1.0, high + 1.0))
-        tools.append(cylinder_z(d.encoder_head_radius, x, 0, high - d.encoder_head_depth, high + 1.0))
-    return tools
-
-
-def _fixing_holes(d: ColumnDims) -> list[cq.Shape]:
-    v, top = d.levels, d.top_z
-    tools: list[cq.Shape] = [cylinder_y(d.stop_pin_radius, 0, d.stop_pin_z, d.stop_pin_start_y, v.front_y + 1.0)]
-    for x, y in d.flange_screws:
-        tools.append(cylinder_z(d.flange_screw_radius, x, y, top - d.flange_screw_depth, top + 1.0))
-    tools += [cylinder_z(d.dowel_radius, x, y, top - d.dowel_depth, top + 1.0) for x, y in d.dowels]
-    tools += [cylinder_y(d.mount_radius, x, z, v.back_y - 1.0, v.pocket_floor_y + 1.0) for x, z in d.mounts]
-    return tools
-
-
-def _from_above(d: ColumnDims) -> tuple[Holes, ...]:
+def _from_above(d: ColumnDims) -> tuple[Bores, ...]:
     """Holes along Z; the axis of A is the input's."""
-    shelf, top = d.encoder_shelf_top_z, d.top_z
+    shelf, top, pressed = d.encoder_shelf_top_z, d.top_z, FITS["pin_press"].code
+    thick, down, cut = shelf - d.encoder_shelf_bottom_z, minus(Z), d.flange_insert is None
     seat = (2 * d.seat_radius, d.seat_depth, FITS["input_seat"].code)
     sunk = (2 * d.encoder_head_radius, d.encoder_head_depth, "")
     encoder = tuple((s * d.encoder_circle_radius, 0.0, shelf) for s in (-1, 1))
-    flange = tuple((x, y, top) for x, y in d.flange_screws)
-    dowels = tuple((x, y, top) for x, y in d.dowels)
+    flange, dowels = (tuple((x, y, top) for x, y in places) for places in (d.flange_screws, d.dowels))
+    axis, screw, passing = ((0.0, 0.0, shelf),), 2 * d.flange_screw_radius, 2 * d.encoder_screw_clearance
     return (
-        Holes("A", 2 * d.seat_shoulder_radius, THROUGH, ((0.0, 0.0, shelf),), "shelf", "bearing", counterbore=seat),
-        Holes("B", 2 * d.encoder_screw_clearance, THROUGH, encoder, "shelf", "encoder screws", counterbore=sunk),
-        Holes(
-            "C",
-            2 * d.flange_screw_radius,
-            d.flange_screw_depth,
-            flange,
-            "top",
-            "motor head",
-            threaded=d.flange_insert is None,
-            insert=d.flange_insert,
+        Bores(
+            *("A", 2 * d.seat_shoulder_radius, THROUGH, axis, "shelf", "bearing"),
+            counterbore=seat,
+            into=down,
+            metal=thick,
         ),
-        Holes("D", 2 * d.dowel_radius, d.dowel_depth, dowels, "top", "dowels", fit=FITS["pin_press"].code),
+        Bores(*("B", passing, THROUGH, encoder, "shelf", "encoder screws"), counterbore=sunk, into=down, metal=thick),
+        Bores(
+            *("C", screw, d.flange_screw_depth, flange, "top", "motor head"),
+            threaded=cut,
+            insert=d.flange_insert,
+            into=down,
+        ),
+        Bores("D", 2 * d.dowel_radius, d.dowel_depth, dowels, "top", "dowels", fit=pressed, into=down),
     )
 
 
-def _from_front(d: ColumnDims) -> tuple[Holes, ...]:
+def _from_front(d: ColumnDims) -> tuple[Bores, ...]:
     """Holes along Y, from the front or from behind."""
-    v, b = d.levels, d.boss
-    encoder = tuple((s * b.screw_circle, b.encoder_pocket_floor_y, 0.0) for s in (-1, 1))
-    mounts = tuple((x, v.pocket_floor_y, z) for x, z in d.mounts)
-    pin = ((0.0, v.front_y, d.stop_pin_z),)
-    depth = v.front_y - d.stop_pin_start_y
+    v, back, pressed = d.levels, minus(Y), FITS["pin_press"].code
+    pin, mounts = ((0.0, v.front_y, d.stop_pin_z),), tuple((x, v.pocket_floor_y, z) for x, z in d.mounts)
+    deep, plate = v.front_y - d.stop_pin_start_y, v.pocket_floor_y - v.back_y
     return (
-        Holes("E", 2 * d.stop_pin_radius, depth, pin, "front", "stop pin", fit=FITS["pin_press"].code),
-        Holes("F", 2 * d.mount_radius, THROUGH, mounts, "pocket floor", "mounting screws"),
-        Holes("G", 2 * b.screw_radius, b.screw_depth, encoder, "encoder pocket", "drum encoder", threaded=True),
+        Bores("E", 2 * d.stop_pin_radius, deep, pin, "front", "stop pin", fit=pressed, into=back),
+        Bores("F", 2 * d.mount_radius, THROUGH, mounts, "pocket floor", "mounting screws", into=back, metal=plate),
+        *boss_threads(d.boss, "G"),
     )
 
 
-def _in_front(d: ColumnDims) -> tuple[Linear, ...]:
-    """Widths, and heights from the drum's axis."""
-    v = d.levels
-    y, x = v.front_y, v.side_outer_x
-
-    def wide(half: float, z: float, side: Side, what: str = "") -> Linear:
-        return Linear("front", (-half, y, z), (half, y, z), 2 * half, side, suffix=what)
-
-    def tall(z: float, at: float, side: Side) -> Linear:
-        return Linear("front", (0.0, y, 0.0), (at, y, z), z, side, decimals=3)
-
+def _dimensions(d: ColumnDims) -> tuple[Linear, ...]:
+    """Widths and heights in front, from the drum's axis; depths in the section, from the back."""
+    v, b, x, y, back = d.levels, d.boss, d.levels.side_outer_x, d.levels.front_y, d.levels.back_y
+    inner, column, start, top = d.pocket_half_width, d.column_half_width, d.column_start_z, d.top_z
+    left = ((top, x), (d.encoder_shelf_top_z, x), (d.encoder_shelf_bottom_z, x))
+    right = (
+        (d.stop_shelf_top_z, -inner),
+        (d.stop_shelf_bottom_z, -inner),
+        (d.low_pocket_bottom_z, -inner),
+        (d.post_bottom_z, -column),
+    )
+    above = (
+        (v.front_y, d.encoder_shelf_bottom_z, ""),
+        (v.pocket_floor_y, d.encoder_shelf_top_z, " pockets"),
+        (0.0, d.encoder_shelf_top_z, " axis of A"),
+    )
+    below = (
+        (b.encoder_pocket_floor_y, -b.radius, ""),
+        (b.rear_seat_end_y, -b.seat_radius, ""),
+        (b.front_seat_start_y, -b.seat_radius, ""),
+        (b.front_y, -b.radius, ""),
+        (b.ear_front_y, -b.ear_half_height, " ears"),
+    )
     return (
-        wide(x, d.top_z, "above"),
-        wide(v.side_inner_x, d.top_z, "above", " box"),
-        wide(d.column_half_width, d.post_bottom_z, "below", " column"),
-        wide(d.pocket_half_width, d.low_pocket_bottom_z, "below", " pockets"),
-        wide(d.boss.radius, 0.0, "below", " foot = %%c boss"),
-        wide(d.boss.ear_reach, 0.0, "below", " ears"),
-        tall(d.top_z, x, "left"),
-        tall(d.encoder_shelf_top_z, x, "left"),
-        tall(d.encoder_shelf_bottom_z, x, "left"),
-        tall(d.stop_shelf_top_z, -d.pocket_half_width, "right"),
-        tall(d.stop_shelf_bottom_z, -d.pocket_half_width, "right"),
-        tall(d.low_pocket_bottom_z, -d.pocket_half_width, "right"),
-        tall(d.post_bottom_z, -d.column_half_width, "right"),
+        wide("front", x, (y, top), "above"),
+        wide("front", v.side_inner_x, (y, top), "above", " box"),
+        wide("front", column, (y, d.post_bottom_z), "below", " column"),
+        wide("front", inner, (y, d.low_pocket_bottom_z), "below", " pockets"),
+        wide("front", b.radius, (y, 0.0), "below", " foot = %%c boss"),
+        wide("front", b.ear_reach, (y, 0.0), "below", " ears"),
+        *(span(2, "front", (0.0, y, 0.0), (at, y, z), "left") for z, at in left),
+        *(span(2, "front", (0.0, y, 0.0), (at, y, z), "right") for z, at in right),
+        *(span(1, "section", (0.0, back, top), (0.0, *at), "above", what) for *at, what in above),
+        *(span(1, "section", (0.0, back, start), (0.0, *at), "below", what) for *at, what in below),
+        *seat_diameters(b),
     )
-
-
-def _in_section(d: ColumnDims) -> tuple[Linear, ...]:
-    """Depths from the back face, and the bores of the drum's shaft."""
-    v, b = d.levels, d.boss
-    back, start = v.back_y, d.column_start_z
-
-    def deep(y: float, z: float, side: Side, from_z: float, what: str = "") -> Linear:
-        return Linear("section", (0.0, back, from_z), (0.0, y, z), y - back, side, suffix=what, decimals=3)
-
-    return (
-        deep(v.front_y, d.encoder_shelf_bottom_z, "above", d.top_z),
-        deep(v.pocket_floor_y, d.encoder_shelf_top_z, "above", d.top_z, " pockets"),
-        deep(0.0, d.encoder_shelf_top_z, "above", d.top_z, " axis of A"),
-        deep(b.encoder_pocket_floor_y, -b.radius, "below", start),
-        deep(b.rear_seat_end_y, -b.seat_radius, "below", start),
-        deep(b.front_seat_start_y, -b.seat_radius, "below", start),
-        deep(b.front_y, -b.radius, "below", start),
-        deep(b.ear_front_y, -b.ear_half_height, "below", start, " ears"),
-        *boss_bores(b),
-    )
-
-
-def _pocket_table(d: ColumnDims) -> Table:
-    """Corners of each pocket: the cutter's, or less where the pocket is narrow."""
-    v, r, inner = d.levels, d.corner_radius, 2 * d.pocket_half_width
-    sizes = (
-        ("box", 2 * v.side_inner_x, 2 * r + d.top_z - d.encoder_shelf_top_z),
-        ("over the stop shelf", inner, d.encoder_shelf_bottom_z - d.stop_shelf_top_z),
-        ("under the stop shelf", inner, d.stop_shelf_bottom_z - d.low_pocket_bottom_z),
-    )
-    rows = tuple((name, mm(pocket_corner_mm(r, width, height), 3)) for name, width, height in sizes)
-    return Table("Corners of the pockets", ("Pocket", "R"), rows)
 
 
 @dataclass(frozen=True)
-class ColumnFrame(MadePart):
+class ColumnFrame(Milled):
     """Frame where it stands in the assembly."""
 
     dims: ColumnDims
 
-    def solid(self) -> cq.Solid:
-        """Frame in its position in the assembly."""
-        dims = self.dims
-        return cut(
-            _body(dims), _pockets(dims) + boss_tools(dims.boss) + _input_holes(dims) + _fixing_holes(dims), "frame"
+    def bodies(self) -> Sequence[Feature]:
+        """Box, column, its foot on the boss, and the boss."""
+        d, v, b = self.dims, self.dims.levels, self.dims.boss
+        y, x, post = (v.back_y, v.front_y), v.side_outer_x, d.column_half_width
+        return (
+            Block((-x, x), y, (d.encoder_shelf_bottom_z, d.top_z), d.corner_radius),
+            Block((-post, post), y, (d.post_bottom_z, d.encoder_shelf_bottom_z)),
+            Block((-b.radius, b.radius), y, (0.0, d.post_bottom_z)),
+            boss_of_column(b, v.front_y),
         )
 
-    def volume_mm3(self) -> float:
-        """Block, column and boss less pockets, bores and holes."""
+    def taken(self) -> Sequence[Feature]:
+        """Pockets, bores and holes."""
         d = self.dims
-        return _body_mm3(d) - _pockets_mm3(d) - column_bores_mm3(d.boss) - _holes_mm3(d)
+        return (*_pockets(d), open_behind(d.boss, -1.0), boss_bores(d.boss), *_from_above(d), *_from_front(d))
 
     def sheet(self, part: str) -> Sheet:
         """Front, middle section and top."""
@@ -239,8 +135,7 @@ class ColumnFrame(MadePart):
         v, r, b = d.levels, d.corner_radius, d.boss
         above, behind = _from_above(d), _from_front(d)
         front = tuple(group for group in behind if group.letter != "G")
-        x, y, half = v.side_outer_x, v.front_y, 0.5**0.5 * r
-        corner = Radius("top", (r - x, y - r, d.top_z), (r - x - half, y - r + half, d.top_z), r, prefix="4x ")
+        x, y = v.side_outer_x, v.front_y
         axle = (((0.0, v.back_y, 0.0), (0.0, b.front_y, 0.0)), ((0.0, 0.0, d.stop_shelf_top_z), (0.0, 0.0, d.top_z)))
         return Sheet(
             part=part,
@@ -251,7 +146,7 @@ class ColumnFrame(MadePart):
                 View("section", Y, Z, column=1, title="A-A", cut=(0.0, 0.0, 0.0), axes=axle),
                 View("top", minus(X), minus(Y), row=-1),
             ),
-            dimensions=(*_in_front(d), *_in_section(d), corner),
+            dimensions=(*_dimensions(d), rounding((-x, y, d.top_z), r, "4x ")),
             labels=(*hole_labels(front, "front"), *hole_labels(above, "top")),
             tolerances=(
                 one_axis("section", seats_mm(b), DRUM_AXIS),
@@ -263,7 +158,7 @@ class ColumnFrame(MadePart):
                 hole_table((*above, *behind)),
                 position_table(above, (0, 1), "Positions from A, along Z"),
                 position_table(behind, (0, 2), "Positions from A and the drum axis, along Y"),
-                _pocket_table(d),
+                corner_table(_pockets(d)),
             ),
             fits=(
                 FitLine(2 * b.seat_radius, FITS["drum_seat"].code, "drum bearing seats"),

@@ -13,9 +13,9 @@ Idlers of cables in parallel follow each other on one longer axle, with a spacer
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from mbcdm_cad.design.bought import Screw
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, SpurRun
@@ -24,14 +24,9 @@ from mbcdm_cad.layouts.siso_spur.stack import FLANGE_MM, SpurStack
 from mbcdm_cad.parts.axle import AxleDims
 from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.idler_pulley import IdlerDims
-from mbcdm_cad.parts.part import MadePart
-from mbcdm_cad.parts.shapes import block, cut, cylinder_y
-from mbcdm_cad.parts.sheets.description import FitLine, Holes, Linear, Sheet, View, X, Y, Z, minus
+from mbcdm_cad.parts.milled import Block, Bores, Feature, Milled
+from mbcdm_cad.parts.sheets.description import FitLine, Linear, Sheet, View, X, Y, Z, minus
 from mbcdm_cad.parts.sheets.holes import THROUGH, hole_labels, hole_table, position_table
-from mbcdm_cad.parts.volume import CORNER, ring_mm3
-
-if TYPE_CHECKING:
-    import cadquery as cq
 
 # Gap between the spacer on an axle and the strap.
 END_PLAY_MM = 0.1
@@ -176,43 +171,36 @@ def axle(drive: SpurDrive, stand: StandDims, levels: SpurStack, pin: IdlerPin, i
 
 
 @dataclass(frozen=True)
-class Strap(MadePart):
+class Strap(Milled):
     """Strap where it stands in the assembly."""
+
+    what = "strap"
 
     dims: StandDims
 
-    def solid(self) -> cq.Solid:
-        """Strap where it stands in the assembly."""
-        import cadquery as cq
-
+    def bodies(self) -> Sequence[Feature]:
+        """A plate with rounded corners."""
         d = self.dims
-        back, front = d.strap_back_y, d.strap_front_y
-        body = block((-d.half_width, d.half_width), (back, front), (d.low_z, d.post_z[1]))
-        rounded: cq.Shape = cq.Workplane(obj=body).edges("|Y").fillet(CORNER_MM).val()  # type: ignore[assignment]
-        tools = []
-        for side in (-1, 1):
-            tools.append(cylinder_y(d.axle_radius, side * d.x, d.z, back - 1.0, front + 1.0))
-            tools.append(cylinder_y(d.clearance_radius, side * d.screw_x, d.screw_z, back - 1.0, front + 1.0))
-        return cut(rounded, tools, "strap")
+        y, z = (d.strap_back_y, d.strap_front_y), (d.low_z, d.post_z[1])
+        return (Block((-d.half_width, d.half_width), y, z, CORNER_MM, along="Y"),)
 
-    def volume_mm3(self) -> float:
-        """Plate with rounded corners less its holes."""
-        d = self.dims
-        thick = d.strap_front_y - d.strap_back_y
-        plate = (2 * d.half_width * (d.post_z[1] - d.low_z) - 4 * CORNER * CORNER_MM**2) * thick
-        return plate - 2 * (ring_mm3(d.axle_radius, 0.0, thick) + ring_mm3(d.clearance_radius, 0.0, thick))
+    def taken(self) -> Sequence[Feature]:
+        """Bores of the axles and holes of the screws."""
+        d, back, front = self.dims, minus(Y), self.dims.strap_front_y
+        axles, screws = (
+            tuple((side * x, front, z) for side in (-1, 1)) for x, z in ((d.x, d.z), (d.screw_x, d.screw_z))
+        )
+        thick, bore = front - d.strap_back_y, FITS["axle_bore"].code
+        return (
+            Bores("A", 2 * d.axle_radius, THROUGH, axles, "front", "axles", fit=bore, into=back, metal=thick),
+            Bores("B", 2 * d.clearance_radius, THROUGH, screws, "front", "screws", into=back, metal=thick),
+        )
 
     def sheet(self, part: str) -> Sheet:
         """From the front and from the side; positions from the drum's axis."""
         d = self.dims
         front, high, wide = d.strap_front_y, d.post_z[1], d.half_width
-        bore = FITS["axle_bore"].code
-        axles = tuple((side * d.x, front, d.z) for side in (-1, 1))
-        screws = tuple((side * d.screw_x, front, d.screw_z) for side in (-1, 1))
-        holes = (
-            Holes("A", 2 * d.axle_radius, THROUGH, axles, "front", "axles", fit=bore),
-            Holes("B", 2 * d.clearance_radius, THROUGH, screws, "front", "screws"),
-        )
+        holes = self.bores()
         return Sheet(
             part=part,
             title="Idler strap",
@@ -225,6 +213,6 @@ class Strap(MadePart):
             labels=hole_labels(holes, "front"),
             holes=holes,
             tables=(hole_table(holes), position_table(holes, (0, 2), "Positions from the drum's axis")),
-            fits=(FitLine(2 * d.axle_radius, bore, "axles"),),
+            fits=(FitLine(2 * d.axle_radius, FITS["axle_bore"].code, "axles"),),
             notes=("Corners R2. Bores of the axles together with those of the frame, Ra 1.6.",),
         )

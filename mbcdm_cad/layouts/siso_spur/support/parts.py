@@ -2,27 +2,27 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from math import asin, pi, sqrt
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from mbcdm_cad.design.bought import InsertSpec
-from mbcdm_cad.layouts.siso_spur.overhung import MotorSeat, pocket_mm3
+from mbcdm_cad.layouts.siso_spur.overhung import MotorSeat
 from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims
 from mbcdm_cad.layouts.siso_spur.support.idlers import StandDims
-from mbcdm_cad.parts.boss import boss_bodies, boss_bores, boss_bores_mm3, boss_tools, flange_mm3, seats_mm
+from mbcdm_cad.parts.boss import boss_bodies, boss_bores, boss_threads, seat_diameters, seats_mm
 from mbcdm_cad.parts.fits import FITS
+from mbcdm_cad.parts.milled import Block, Bores, Feature, Form, Milled, rounded, span, wide
 from mbcdm_cad.parts.motor_head.dims import Places
-from mbcdm_cad.parts.part import MadePart
-from mbcdm_cad.parts.shapes import block, cut, cylinder_y, fuse
+from mbcdm_cad.parts.shapes import block, cylinder_y, fuse
 from mbcdm_cad.parts.sheets.description import (
     CuttingLine,
     FitLine,
-    Holes,
     Linear,
     Radius,
     Sheet,
     Side,
+    Vector,
     View,
     X,
     Y,
@@ -41,28 +41,44 @@ if TYPE_CHECKING:
 _STAND_LETTERS = "JKLMNPQRSTUVWXYZ"
 
 
-def arm_mm3(d: YokeDims) -> float:
-    """Plate from the drum's axis upwards, and the yoke on it, less their bores and holes."""
-    v = d.levels
-    plate = (2 * d.half_width * d.plate_top_z - 2 * CORNER * d.corner_radius**2) * (v.front_y - v.plate_back_y)
-    yoke = _yoke_mm3(d) if d.motor is None else 0.0
-    return plate + yoke + sum(_posts_mm3(stand) for stand in d.stands) - _holes_mm3(d)
+def _on(y: float, places: Places) -> tuple[Vector, ...]:
+    return tuple((x, y, z) for x, z in places)
 
 
-def _posts_mm3(stand: StandDims) -> float:
-    """Both posts of a pair of idlers, less their threads."""
-    (near, far), (low, high) = stand.post_x, stand.post_z
-    post = (far - near) * (high - low) * (stand.strap_back_y - stand.front_y)
-    return 2 * (post - ring_mm3(stand.thread_radius, 0.0, stand.thread_depth))
+def arm_bodies(d: YokeDims) -> list[Feature]:
+    """Plate from the drum's axis past the input, the yoke on it, and posts of idlers."""
+    v, x, r, top = d.levels, d.half_width, d.corner_radius, d.plate_top_z
+    corners = 2 * CORNER * r**2
+    plate_mm3 = (2 * x * top - corners) * (v.front_y - v.plate_back_y)
+
+    def plate() -> list[cq.Shape]:
+        return [rounded(block((-x, x), (v.plate_back_y, v.front_y), (0.0, top)), r, "|Y and >Z")]
+
+    found: list[Feature] = [Form(plate_mm3, plate)]
+    if d.motor is None:
+        found.append(_yoke(d))
+    inside = (v.plate_back_y + v.front_y) / 2
+    for stand in d.stands:
+        near, far = stand.post_x
+        # In the plate, which has its volume, the posts begin within.
+        y, z, into = (inside, stand.strap_back_y), stand.post_z, stand.front_y - inside
+        found += [Block(at, y, z, along="Y", into_mm=into) for at in ((-far, -near), (near, far))]
+    return found
 
 
-def _yoke_mm3(d: YokeDims) -> float:
-    """Volume in front of the plate: the bridge, and the shelf under it."""
-    v, wide = d.levels, 2 * d.shelf_half_width
-    rounded = 2 * CORNER * d.corner_radius**2
-    bridge = (wide * (d.top_z - d.bridge_bottom_z) - rounded) * (v.top_plate_top_z - v.front_y)
-    shelf = (wide * (d.bridge_bottom_z - d.shelf_bottom_z) - rounded) * (v.top_plate_top_z - v.top_plate_bottom_z)
-    return bridge + shelf
+def _yoke(d: YokeDims) -> Form:
+    """In front of the plate: the bridge, and the shelf under it."""
+    v, shelf, r = d.levels, d.shelf_half_width, d.corner_radius
+    across, corners, y = 2 * shelf, 2 * CORNER * r**2, (v.plate_back_y, v.top_plate_top_z)
+
+    def drawn() -> list[cq.Shape]:
+        bridge = block((-shelf, shelf), y, (d.bridge_bottom_z, d.top_z))
+        bearing = block((-shelf, shelf), (v.top_plate_bottom_z, v.top_plate_top_z), (d.shelf_bottom_z, d.top_z))
+        return [rounded(fuse([bridge, bearing], "yoke"), r, "|Y", "<Z or >Z")]
+
+    bridge_mm3 = (across * (d.top_z - d.bridge_bottom_z) - corners) * (v.top_plate_top_z - v.front_y)
+    shelf_mm2 = across * (d.bridge_bottom_z - d.shelf_bottom_z) - corners
+    return Form(bridge_mm3 + shelf_mm2 * (v.top_plate_top_z - v.top_plate_bottom_z), drawn)
 
 
 def round_end_mm2(d: YokeDims) -> float:
@@ -71,335 +87,165 @@ def round_end_mm2(d: YokeDims) -> float:
     return pi * r**2 - w * sqrt(r**2 - w**2) - r**2 * asin(w / r)
 
 
-def boss_mm3(d: YokeDims) -> float:
-    """Boss outside the plate, less the bores of both and the hole of the stop pin."""
-    v, b = d.levels, d.boss
-    disc = pi * b.radius**2
-    behind, before = v.plate_back_y - b.end_y, b.front_y - v.front_y
+def centre_bodies(d: YokeDims, end_mm2: float = 0.0) -> Form:
+    """The boss, and about it the plate's round end, which has this area outside the arm."""
+    v, b, f = d.levels, d.boss, d.boss.flange
+    plate = v.front_y - v.plate_back_y
     ears = 4 * max(b.ear_reach - b.radius, 0.0) * b.ear_half_height if b.has_encoder else 0.0
-    return (
-        disc * (behind + before)
+    outside = (
+        pi * b.radius**2 * (v.plate_back_y - b.end_y + b.front_y - v.front_y)
         + ears * max(min(b.ear_front_y, v.plate_back_y) - b.encoder_pocket_floor_y, 0.0)
-        + flange_mm3(b)
-        - boss_bores_mm3(b)
-        - ring_mm3(d.stop_pin_radius, 0.0, v.front_y - v.plate_back_y)
+        + (ring_mm3(f.radius, b.radius, f.thickness) if f else 0.0)
     )
+    end = (d.half_width, 0.0, 0.0, v.plate_back_y, v.front_y)
+    return Form(outside + end_mm2 * plate, lambda: [cylinder_y(*end), *boss_bodies(b)])
 
 
-def _holes_mm3(d: YokeDims) -> float:
-    v, plate = d.levels, d.levels.front_y - d.levels.plate_back_y
-    shelf = v.top_plate_top_z - v.top_plate_bottom_z
-    encoder = 0.0
-    if d.has_encoder:
-        encoder = ring_mm3(d.encoder_screw_clearance, 0.0, shelf - d.encoder_head_depth)
-        encoder += ring_mm3(d.encoder_head_radius, 0.0, d.encoder_head_depth)
-    if d.motor is None:
-        own = ring_mm3(d.opening_radius, 0.0, plate)
-        own += ring_mm3(d.seat_shoulder_radius, 0.0, shelf - d.seat_depth)
-        own += ring_mm3(d.seat_radius, 0.0, d.seat_depth) + 2 * encoder
-    else:
-        own = pocket_mm3(d.motor, plate)
-    return (
-        own
-        + len(d.flange_screws) * ring_mm3(d.flange_screw_radius, 0.0, plate)
-        + len(d.dowels) * ring_mm3(d.dowel_radius, 0.0, d.dowel_depth)
-        + len(d.mounts) * ring_mm3(d.mount_radius, 0.0, plate)
-        + sum(2 * ring_mm3(stand.axle_radius, 0.0, plate) for stand in d.stands)
-    )
+def centre_taken(d: YokeDims) -> tuple[Feature, ...]:
+    """Bores of the boss, the stop pin's hole, and threads in the boss."""
+    v, b = d.levels, d.boss
+    pin = ("E", 2 * d.stop_pin_radius, THROUGH, ((0.0, v.plate_back_y, d.stop_pin_z),), "plate", "stop pin")
+    stop = Bores(*pin, fit=FITS["pin_press"].code, into=Y, metal=v.front_y - v.plate_back_y)
+    return boss_bores(b), *([stop] if d.stop_pin_radius > 0.0 else []), *boss_threads(b, "H", "boss")
 
 
-def yoke_bodies(d: YokeDims) -> list[cq.Shape]:
-    """Plate from the drum's axis past the input, and the yoke on it."""
-    import cadquery as cq
-
-    v, x, shelf = d.levels, d.half_width, d.shelf_half_width
-    plate = block((-x, x), (v.plate_back_y, v.front_y), (0.0, d.plate_top_z))
-    plate = cq.Workplane(obj=plate).edges("|Y and >Z").fillet(d.corner_radius).val()  # type: ignore[assignment]
-    if d.motor is not None:
-        return [plate]
-    bridge = block((-shelf, shelf), (v.plate_back_y, v.top_plate_top_z), (d.bridge_bottom_z, d.top_z))
-    bearing = block((-shelf, shelf), (v.top_plate_bottom_z, v.top_plate_top_z), (d.shelf_bottom_z, d.top_z))
-    rounded = cq.Workplane(obj=fuse([bridge, bearing], "yoke")).edges("|Y").edges("<Z or >Z")
-    inside = (v.plate_back_y + v.front_y) / 2
-    posts = []
-    for stand in d.stands:
-        near, far = stand.post_x
-        posts += [block(x, (inside, stand.strap_back_y), stand.post_z) for x in ((-far, -near), (near, far))]
-    return [plate, rounded.fillet(d.corner_radius).val(), *posts]  # type: ignore[list-item]
-
-
-def centre_bodies(d: YokeDims) -> list[cq.Shape]:
-    """Rounded end of the plate about the drum's axis, and the boss."""
-    return [cylinder_y(d.half_width, 0.0, 0.0, d.levels.plate_back_y, d.levels.front_y), *boss_bodies(d.boss)]
-
-
-def _input_holes(d: YokeDims) -> list[cq.Shape]:
-    v, z = d.levels, d.axis_z
-    if d.motor is not None:
-        behind, shelf = v.plate_back_y - 1.0, v.plate_back_y + d.motor.shelf
-        if d.motor.window is not None:
-            half, low, high = d.motor.window
-            return [
-                block((-half, half), (behind, v.front_y + 1.0), (low, high)),
-                *(cylinder_y(d.motor.screw_clearance, x, at, behind, v.front_y + 1.0) for x, at in d.motor.screws),
-            ]
-        places = [(d.motor.pilot_radius, 0.0, z), *((d.motor.screw_clearance, *at) for at in d.motor.screws)]
-        return [
-            cylinder_y(d.motor.pocket_radius, 0, z, shelf, v.front_y + 1.0),
-            *(cylinder_y(radius, x, height, behind, shelf + 1.0) for radius, x, height in places),
-        ]
-    near, far = v.top_plate_bottom_z, v.top_plate_top_z
-    tools: list[cq.Shape] = [
-        cylinder_y(d.opening_radius, 0, z, v.plate_back_y - 1.0, v.front_y + 1.0),
-        cylinder_y(d.seat_shoulder_radius, 0, z, near, far + 1.0),
-        cylinder_y(d.seat_radius, 0, z, near - 1.0, near + d.seat_depth),
-    ]
-    for x in (-d.encoder_circle_radius, d.encoder_circle_radius) if d.has_encoder else ():
-        tools.append(cylinder_y(d.encoder_screw_clearance, x, z, near, far + 1.0))
-        tools.append(cylinder_y(d.encoder_head_radius, x, z, near - 1.0, near + d.encoder_head_depth))
-    return tools
-
-
-def yoke_tools(d: YokeDims) -> list[cq.Shape]:
-    """Bores for the input, and holes of the parts that are screwed on."""
-    back, front = d.levels.plate_back_y - 1.0, d.levels.front_y + 1.0
-    tools = _input_holes(d)
-    tools += [cylinder_y(d.flange_screw_radius, x, z, back, front) for x, z in d.flange_screws]
-    tools += [cylinder_y(d.dowel_radius, x, z, back, back + 1.0 + d.dowel_depth) for x, z in d.dowels]
-    tools += [cylinder_y(d.mount_radius, x, z, back, front) for x, z in d.mounts]
-    for stand in d.stands:
-        for side in (-1, 1):
-            tools.append(cylinder_y(stand.axle_radius, side * stand.x, stand.z, back, front))
-            end = stand.strap_back_y
-            at = (side * stand.screw_x, stand.screw_z)
-            tools.append(cylinder_y(stand.thread_radius, *at, end - stand.thread_depth, end + 1.0))
-    return tools
-
-
-def centre_tools(d: YokeDims) -> list[cq.Shape]:
-    """Bores of the boss, and the stop pin's hole."""
-    if d.stop_pin_radius <= 0.0:
-        return [*boss_tools(d.boss)]
-    pin = cylinder_y(d.stop_pin_radius, 0, d.stop_pin_z, d.levels.plate_back_y - 1.0, d.levels.front_y + 1.0)
-    return [*boss_tools(d.boss), pin]
-
-
-def _thread(insert: InsertSpec | None) -> dict[str, Any]:
-    """Arguments of a hole for a thread, or for an insert."""
-    return {"threaded": insert is None, "insert": insert}
-
-
-def _head_holes(d: YokeDims) -> tuple[Holes, ...]:
-    """Opening for the pulley, holes of the motor head's flange."""
-    y, screw = d.levels.plate_back_y, 2 * d.flange_screw_radius
-
-    def on(places: Places) -> tuple[tuple[float, float, float], ...]:
-        return tuple((x, y, z) for x, z in places)
-
-    pressed = FITS["pin_press"].code
-    return (
-        Holes("A", 2 * d.opening_radius, THROUGH, on(((0.0, d.axis_z),)), "plate", "input pulley"),
-        Holes("B", screw, THROUGH, on(d.flange_screws), "plate", "motor head", **_thread(d.flange_insert)),
-        Holes("C", 2 * d.dowel_radius, d.dowel_depth, on(d.dowels), "behind", "dowels", fit=pressed),
-    )
-
-
-def _seat_holes(seat: MotorSeat, back_y: float, front_y: float, axis_z: float) -> tuple[Holes, ...]:
-    """Pilot of the motor with the pocket in front of it, and its screws."""
+def motor_seat(d: YokeDims, seat: MotorSeat) -> tuple[Feature, ...]:
+    """Pilot of the motor with the pocket in front of it, and its screws; a window for a servo."""
+    back, plate = d.levels.plate_back_y, d.levels.front_y - d.levels.plate_back_y
+    screws, wide_mm = _on(back, seat.screws), 2 * seat.screw_clearance
     if seat.window is not None:
-        screws = tuple((x, back_y, z) for x, z in seat.screws)
-        return (Holes("B", 2 * seat.screw_clearance, THROUGH, screws, "plate", "servo's screws", threaded=True),)
-    pocket = (2 * seat.pocket_radius, front_y - back_y - seat.shelf, "")
-    fit, screws = FITS["pilot"].code, tuple((x, back_y, z) for x, z in seat.screws)
-    pilot = ((0.0, back_y, axis_z),)
+        half, low, high = seat.window
+        y = (back - 1.0, d.levels.front_y + 1.0)
+        window = Form(2 * half * (high - low) * plate, lambda: [block((-half, half), y, (low, high))])
+        of = ("B", wide_mm, THROUGH, screws, "plate", "servo's screws")
+        return window, Bores(*of, threaded=True, into=Y, metal=plate)
+    shelf, pocket = min(seat.shelf, plate), (2 * seat.pocket_radius, plate - seat.shelf, "")
+    pilot = ("A", 2 * seat.pilot_radius, THROUGH, _on(back, ((0.0, d.axis_z),)), "front", "motor's pilot")
     return (
-        Holes("A", 2 * seat.pilot_radius, THROUGH, pilot, "front", "motor's pilot", fit=fit, counterbore=pocket),
-        Holes("B", 2 * seat.screw_clearance, THROUGH, screws, "pocket", "motor's screws"),
+        # The pocket is in front, the pilot's place behind.
+        FrontPocket(*pilot, fit=FITS["pilot"].code, counterbore=pocket, into=Y, metal=plate),
+        Bores("B", wide_mm, THROUGH, screws, "pocket", "motor's screws", into=Y, metal=shelf),
     )
 
 
-def frame_holes(d: YokeDims) -> tuple[Holes, ...]:
-    """Holes along Y: first those of the plate, from behind, then those of the shelf and of the drum's encoder."""
-    v, b, z = d.levels, d.boss, d.axis_z
-    back, near, floor = v.plate_back_y, v.top_plate_bottom_z, b.encoder_pocket_floor_y
-    pressed = FITS["pin_press"].code
+@dataclass(frozen=True, kw_only=True)
+class FrontPocket(Bores):
+    """Holes from behind, counterbored from the front."""
 
-    def on(y: float, places: Places) -> tuple[tuple[float, float, float], ...]:
-        return tuple((x, y, height) for x, height in places)
+    def shapes(self) -> list[cq.Shape]:
+        """Both tools."""
+        bored = replace(self, counterbore=None)
+        if self.counterbore is None:
+            return bored.shapes()
+        across, deep, _ = self.counterbore
+        front = tuple((x, y + self.metal, z) for x, y, z in self.places)
+        sunk = replace(bored, diameter=across, depth=deep, places=front, into=minus(self.into))
+        return [*sunk.shapes(), *bored.shapes()]
 
-    axis = ((0.0, z),)
-    beside = tuple((s * d.encoder_circle_radius, z) for s in (-1, 1))
-    encoder = tuple((s * b.screw_circle, 0.0) for s in (-1, 1))
+
+def _input_holes(d: YokeDims) -> tuple[Feature, ...]:
+    """Opening for the pulley, bearing and encoder's screws in the shelf, holes of the motor head's flange."""
+    v, near, axis = d.levels, d.levels.top_plate_bottom_z, ((0.0, d.axis_z),)
+    back, plate, shelf = v.plate_back_y, v.front_y - v.plate_back_y, v.top_plate_top_z - near
+    beside = tuple((s * d.encoder_circle_radius, d.axis_z) for s in (-1, 1))
+    insert, pressed = d.flange_insert, FITS["pin_press"].code
+    head = ("B", 2 * d.flange_screw_radius, THROUGH, _on(back, d.flange_screws), "plate", "motor head")
+    bearing = ("F", 2 * d.seat_shoulder_radius, THROUGH, _on(near, axis), "shelf", "bearing")
     seat = (2 * d.seat_radius, d.seat_depth, FITS["input_seat"].code)
-    sunk = (2 * d.encoder_head_radius, d.encoder_head_depth, "")
-    passing = 2 * d.encoder_screw_clearance
-    pin = on(back, ((0.0, d.stop_pin_z),))
+    encoder = ("G", 2 * d.encoder_screw_clearance, THROUGH, _on(near, beside), "shelf", "encoder screws")
+    sunk, dowel = (2 * d.encoder_head_radius, d.encoder_head_depth, ""), 2 * d.dowel_radius
     return (
-        *(_head_holes(d) if d.motor is None else _seat_holes(d.motor, v.plate_back_y, v.front_y, z)),
-        Holes(
-            "D", 2 * d.mount_radius, THROUGH, on(back, d.mounts), "plate", "mounting screws", **_thread(d.mount_insert)
-        ),
-        *(
-            [Holes("E", 2 * d.stop_pin_radius, THROUGH, pin, "plate", "stop pin", fit=pressed)]
-            if d.stop_pin_radius > 0.0
-            else []
-        ),
-        *(
-            [Holes("F", 2 * d.seat_shoulder_radius, THROUGH, on(near, axis), "shelf", "bearing", counterbore=seat)]
-            if d.motor is None
-            else []
-        ),
-        *(
-            [Holes("G", passing, THROUGH, on(near, beside), "shelf", "encoder screws", counterbore=sunk)]
-            if d.has_encoder
-            else []
-        ),
-        *(
-            [Holes("H", 2 * b.screw_radius, b.screw_depth, on(floor, encoder), "boss", "drum encoder", threaded=True)]
-            if b.has_encoder
-            else []
-        ),
-        *(
-            [
-                Holes(
-                    "H",
-                    2 * b.flange.screw_radius,
-                    THROUGH,
-                    on(b.back_y, b.flange.screws),
-                    "flange",
-                    "what the shaft turns",
-                    threaded=True,
-                )
-            ]
-            if b.flange
-            else []
-        ),
-        *(group for stand in d.stands for group in _stand_holes(d, stand)),
+        Bores("A", 2 * d.opening_radius, THROUGH, _on(back, axis), "plate", "input pulley", into=Y, metal=plate),
+        Bores(*head, threaded=insert is None, insert=insert, into=Y, metal=plate),
+        Bores("C", dowel, d.dowel_depth, _on(back, d.dowels), "behind", "dowels", fit=pressed, into=Y),
+        Bores(*bearing, counterbore=seat, into=Y, metal=shelf),
+        *([Bores(*encoder, counterbore=sunk, into=Y, metal=shelf)] if d.has_encoder else []),
     )
 
 
-def _stand_holes(d: YokeDims, stand: StandDims) -> tuple[Holes, Holes]:
+def arm_taken(d: YokeDims) -> tuple[Feature, ...]:
+    """Bores for the input, and holes of the parts that are screwed on."""
+    v, insert, plate = d.levels, d.mount_insert, d.levels.front_y - d.levels.plate_back_y
+    mount = ("D", 2 * d.mount_radius, THROUGH, _on(v.plate_back_y, d.mounts), "plate", "mounting screws")
+    return (
+        *(_input_holes(d) if d.motor is None else motor_seat(d, d.motor)),
+        Bores(*mount, threaded=insert is None, insert=insert, into=Y, metal=plate),
+        *(hole for n, stand in enumerate(d.stands) for hole in _stand_holes(d, stand, _STAND_LETTERS[2 * n :])),
+    )
+
+
+def _stand_holes(d: YokeDims, stand: StandDims, letters: str) -> tuple[Bores, Bores]:
     """Bores of the axles of a pair of idlers, from behind, and the threads of its strap in the posts."""
-    first = 2 * d.stands.index(stand)
-    axles = tuple((side * stand.x, d.levels.plate_back_y, stand.z) for side in (-1, 1))
-    screws = tuple((side * stand.screw_x, stand.strap_back_y, stand.screw_z) for side in (-1, 1))
-    return (
-        Holes(
-            _STAND_LETTERS[first],
-            2 * stand.axle_radius,
-            THROUGH,
-            axles,
-            "plate",
-            "axles of the idlers",
-            fit=FITS["axle_bore"].code,
-        ),
-        Holes(
-            _STAND_LETTERS[first + 1],
-            2 * stand.thread_radius,
-            stand.thread_depth,
-            screws,
-            "posts",
-            "strap",
-            threaded=True,
-        ),
+    back, end = d.levels.plate_back_y, stand.strap_back_y
+    axles, screws = (
+        _on(y, ((-x, z), (x, z))) for x, y, z in ((stand.x, back, stand.z), (stand.screw_x, end, stand.screw_z))
+    )
+    bore = (letters[0], 2 * stand.axle_radius, THROUGH, axles, "plate", "axles of the idlers")
+    thread = (letters[1], 2 * stand.thread_radius, stand.thread_depth, screws, "posts", "strap")
+    fit = FITS["axle_bore"].code
+    return (Bores(*bore, fit=fit, into=Y, metal=d.levels.front_y - back), Bores(*thread, threaded=True, into=minus(Y)))
+
+
+def _dimensions(d: YokeDims) -> tuple[Linear, ...]:
+    """Widths and heights from the drum's axis, from behind and in front; depths in the section."""
+    v, b, x, back, end = d.levels, d.boss, d.half_width, d.levels.plate_back_y, d.boss.end_y
+    f, seat, near, far, under, top = (
+        b.flange,
+        d.motor,
+        v.top_plate_bottom_z,
+        v.top_plate_top_z,
+        d.bridge_bottom_z,
+        d.top_z,
     )
 
+    def tall(view: str, at: Vector, side: Side, what: str = "") -> Linear:
+        return span(2, view, (0.0, at[1], 0.0), at, side, what)
 
-def _from_behind(d: YokeDims) -> tuple[Linear, ...]:
-    """Widths, and heights from the drum's axis."""
-    y, x, b = d.levels.plate_back_y, d.half_width, d.boss
-
-    def wide(half: float, z: float, side: Side, what: str = "") -> Linear:
-        return Linear("rear", (-half, y, z), (half, y, z), 2 * half, side, suffix=what)
-
-    return (
-        wide(x, d.plate_top_z, "above"),
-        wide(b.radius, 0.0, "below", " = %%c boss"),
-        *([wide(b.ear_reach, 0.0, "below", " ears")] if b.has_encoder else []),
-        *([wide(b.flange.radius, 0.0, "below", " = %%c flange")] if b.flange else []),
-        *_window(d),
-        Linear("rear", (0.0, y, 0.0), (x, y, d.plate_top_z), d.plate_top_z, "right", decimals=3),
-        Linear("rear", (0.0, y, 0.0), (0.0, y, d.axis_z), d.axis_z, "left", decimals=3),
-    )
-
-
-def _window(d: YokeDims) -> tuple[Linear, ...]:
-    """Window for a servo's housing, from behind."""
-    if d.motor is None or d.motor.window is None:
-        return ()
-    y, (half, low, high) = d.levels.plate_back_y, d.motor.window
-    return (
-        Linear("rear", (-half, y, high), (half, y, high), 2 * half, "above", suffix=" window"),
-        Linear("rear", (0.0, y, 0.0), (-half, y, low), low, "left", decimals=3),
-        Linear("rear", (0.0, y, 0.0), (-half, y, high), high, "left", decimals=3),
-    )
-
-
-def _in_front(d: YokeDims) -> tuple[Linear, ...]:
-    y, wide = d.levels.top_plate_top_z, d.shelf_half_width
-    if d.motor is not None:
-        return ()
-    return (
-        Linear("front", (-wide, y, d.top_z), (wide, y, d.top_z), 2 * wide, "above", suffix=" yoke"),
-        Linear("front", (0.0, y, 0.0), (wide, y, d.shelf_bottom_z), d.shelf_bottom_z, "left", decimals=3),
-        *(
-            [Linear("front", (0.0, y, 0.0), (wide, y, d.top_z), d.top_z, "right", suffix=" yoke", decimals=3)]
-            if d.plate_top_z > d.top_z
-            else []
-        ),
-    )
-
-
-def _of_posts(d: YokeDims) -> tuple[Linear, ...]:
-    """Sizes and places of the posts of idlers, from the plane of symmetry and the drum's axis."""
-    found = []
-    for stand in d.stands:
-        y, (near, far), (low, high) = stand.strap_back_y, stand.post_x, stand.post_z
+    window: tuple[Linear, ...] = ()
+    if seat is not None and seat.window is not None:
+        half, low, high = seat.window
+        ends = (tall("rear", (-half, back, z), "left") for z in (low, high))
+        window = (wide("rear", half, (back, high), "above", " window"), *ends)
+    deep = [
+        (b.rear_seat_end_y, -b.seat_radius, ""),
+        (back, -x, ""),
+        (b.front_seat_start_y, -b.seat_radius, ""),
+        (v.front_y, -x, ""),
+        (b.front_y, -b.radius, ""),
+        *([(b.ear_front_y, -b.ear_half_height, " ears")] if b.has_encoder else []),
+        *([(b.back_y, -f.radius, " pilot"), (b.back_y + f.thickness, -f.radius, "")] if f else []),
+    ]
+    over = ((near, under), (far, top)) if seat is None else ((v.front_y, top),)
+    found = [
+        wide("rear", x, (back, d.plate_top_z), "above"),
+        wide("rear", b.radius, (back, 0.0), "below", " = %%c boss"),
+        *([wide("rear", b.ear_reach, (back, 0.0), "below", " ears")] if b.has_encoder else []),
+        *([wide("rear", f.radius, (back, 0.0), "below", " = %%c flange")] if f else []),
+        *window,
+        tall("rear", (x, back, d.plate_top_z), "right"),
+        tall("rear", (0.0, back, d.axis_z), "left"),
+        *(span(1, "section", (0.0, end, -b.radius), (0.0, *at), "below", what) for *at, what in deep),
+        *(span(1, "section", (0.0, back, top), (0.0, *at), "above") for at in over),
+    ]
+    if seat is None:
+        found.append(span(2, "section", (0.0, near, under), (0.0, far, top), "right"))
+    found += seat_diameters(b)
+    if seat is None:
         found += [
-            Linear("front", (-near, y, high), (near, y, high), 2 * near, "above", suffix=" between posts"),
-            Linear("front", (-far, y, high), (far, y, high), 2 * far, "above", suffix=" over posts"),
-            Linear("front", (0.0, y, 0.0), (far, y, low), low, "right", decimals=3),
-            Linear("front", (far, y, low), (far, y, high), high - low, "right"),
+            wide("front", d.shelf_half_width, (far, top), "above", " yoke"),
+            tall("front", (d.shelf_half_width, far, d.shelf_bottom_z), "left"),
+        ]
+        if d.plate_top_z > top:
+            found.append(tall("front", (d.shelf_half_width, far, top), "right", " yoke"))
+    for stand in d.stands:
+        y, (inner, outer), (low, high) = stand.strap_back_y, stand.post_x, stand.post_z
+        found += [
+            wide("front", inner, (y, high), "above", " between posts"),
+            wide("front", outer, (y, high), "above", " over posts"),
+            tall("front", (outer, y, low), "right"),
+            span(2, "front", (outer, y, low), (outer, y, high), "right", decimals=2),
         ]
     return tuple(found)
-
-
-def _in_section(d: YokeDims) -> tuple[Linear, ...]:
-    """Depths from the end of the boss and from the plate's back, and the bores of the drum's shaft."""
-    v, b = d.levels, d.boss
-    end, back, top = b.end_y, v.plate_back_y, d.top_z
-    near, far, under = v.top_plate_bottom_z, v.top_plate_top_z, d.bridge_bottom_z
-
-    def deep(y: float, z: float, what: str = "") -> Linear:
-        ends = ((0.0, end, -b.radius), (0.0, y, z))
-        return Linear("section", *ends, y - end, "below", suffix=what, decimals=3)
-
-    def over(y: float, z: float) -> Linear:
-        return Linear("section", (0.0, back, top), (0.0, y, z), y - back, "above", decimals=3)
-
-    return (
-        deep(b.rear_seat_end_y, -b.seat_radius),
-        deep(back, -d.half_width),
-        deep(b.front_seat_start_y, -b.seat_radius),
-        deep(v.front_y, -d.half_width),
-        deep(b.front_y, -b.radius),
-        *([deep(b.ear_front_y, -b.ear_half_height, " ears")] if b.has_encoder else []),
-        *(
-            [deep(b.back_y, -b.flange.radius, " pilot"), deep(b.back_y + b.flange.thickness, -b.flange.radius)]
-            if b.flange
-            else []
-        ),
-        *(
-            (
-                over(near, under),
-                over(far, top),
-                Linear("section", (0.0, near, under), (0.0, far, top), top - under, "right", decimals=3),
-            )
-            if d.motor is None
-            else (over(v.front_y, top),)
-        ),
-        *boss_bores(b),
-    )
 
 
 def _input_axis(d: YokeDims) -> tuple[GeometricTolerance, ...]:
@@ -415,29 +261,24 @@ def _input_axis(d: YokeDims) -> tuple[GeometricTolerance, ...]:
 
 
 @dataclass(frozen=True)
-class Yoke(MadePart):
+class Yoke(Milled):
     """Frame where it stands in the assembly."""
 
     dims: YokeDims
 
-    def solid(self) -> cq.Solid:
-        """Frame in its position in the assembly."""
-        dims = self.dims
-        return cut(
-            fuse([*yoke_bodies(dims), *centre_bodies(dims)], "frame"), [*centre_tools(dims), *yoke_tools(dims)], "frame"
-        )
+    def bodies(self) -> Sequence[Feature]:
+        """Plate, yoke and boss."""
+        return *arm_bodies(self.dims), centre_bodies(self.dims, round_end_mm2(self.dims))
 
-    def volume_mm3(self) -> float:
-        """Plate, boss and yoke less bores and holes."""
-        d = self.dims
-        thick = d.levels.front_y - d.levels.plate_back_y
-        return arm_mm3(d) + round_end_mm2(d) * thick + boss_mm3(d)
+    def taken(self) -> Sequence[Feature]:
+        """Bores and holes."""
+        return *centre_taken(self.dims), *arm_taken(self.dims)
 
     def sheet(self, part: str) -> Sheet:
         """Rear, middle section and front."""
         d = self.dims
         v, b, r = d.levels, d.boss, d.corner_radius
-        holes = frame_holes(d)
+        holes = self.bores()
         behind = tuple(group for group in holes if group.letter in f"ABCDEH{_STAND_LETTERS[::2]}")
         before = tuple(group for group in holes if group.letter in _STAND_LETTERS[1::2])
         half, y = 0.5**0.5 * r, v.plate_back_y
@@ -461,7 +302,7 @@ class Yoke(MadePart):
                 View("section", Y, Z, column=1, title="A-A", cut=(0.0, 0.0, 0.0), axes=axes),
                 View("front", minus(X), Z, column=2),
             ),
-            dimensions=(*_from_behind(d), *_in_section(d), *_in_front(d), *_of_posts(d), corner),
+            dimensions=(*_dimensions(d), corner),
             labels=(*hole_labels(behind, "rear"), *hole_labels(before, "front")),
             cutting_lines=(
                 CuttingLine("rear", (0.0, y, -d.half_width - 2.0), (0.0, y, d.plate_top_z + 2.0), "A", minus(X)),

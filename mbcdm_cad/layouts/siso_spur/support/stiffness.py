@@ -21,7 +21,8 @@ import numpy as np
 
 from mbcdm_cad.layouts.base import FrameCompliance, FrameStudy
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
-from mbcdm_cad.layouts.siso_spur.overhung import MotorSeat, pocket_mm3
+from mbcdm_cad.layouts.siso_spur.overhung import MotorSeat
+from mbcdm_cad.layouts.siso_spur.support.parts import motor_seat
 from mbcdm_cad.layouts.structure import elastic, one_input_loads
 from mbcdm_cad.model.block_rows import Ints
 from mbcdm_cad.model.equilibrium import two_bearing_reactions_N
@@ -90,7 +91,7 @@ def _opening(arm: Arm, plate_mm: float) -> Hole:
     if f.motor is None:
         return Hole(0.0, way * f.axis_z, pi * f.opening_radius**2 * plate_mm)
     if f.motor.window is None:
-        return Hole(0.0, way * f.axis_z, pocket_mm3(f.motor, plate_mm))
+        return Hole(0.0, way * f.axis_z, sum(taken.volume_mm3() for taken in motor_seat(f, f.motor)))
     half, low, high = f.motor.window
     return Hole(0.0, way * (low + high) / 2, 2 * half * (high - low) * plate_mm, (high - low) / (2 * half))
 
