@@ -10,7 +10,7 @@ from mbcdm_cad.checks.fixings import FRICTION, STRESS_SAFETY, lasting_MPa, stall
 from mbcdm_cad.layouts.base import PRINTED_WINDUP
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.layouts.structure import Structure
-from mbcdm_cad.parts.drum_sector.payload import DEPTH_DIAMETERS, LEAST_DEPTH_MM, SLIP_SAFETY, PayloadJoint, joint_load
+from mbcdm_cad.parts.drum_sector.dims import DEPTH_DIAMETERS, LEAST_DEPTH_MM, SLIP_SAFETY, PayloadJoint, joint_load
 from mbcdm_cad.parts.drum_sector.structure import hub
 from mbcdm_cad.parts.threads import SHEAR_SHARE, ScrewHold, clamp_force_N, screw_hold
 

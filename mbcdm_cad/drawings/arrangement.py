@@ -18,7 +18,7 @@ from mbcdm_cad.drawings.style import (
     text_width_mm,
 )
 from mbcdm_cad.parts.fits import limits
-from mbcdm_cad.parts.sheets.description import CuttingLine, Linear, Radius, Sheet, View
+from mbcdm_cad.parts.sheet import CuttingLine, Linear, Radius, Sheet, View
 
 PAPERS = {"A4": (297.0, 210.0), "A3": (420.0, 297.0), "A2": (594.0, 420.0), "A1": (841.0, 594.0)}
 # Frame (ISO 5457): 20 mm at the left for filing, 10 mm elsewhere.

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from mbcdm_cad.drawings.projection import Picture
 from mbcdm_cad.drawings.strokes import LineStroke, Point, PolyStroke, Stroke, points_of
-from mbcdm_cad.parts.sheets.description import View
+from mbcdm_cad.parts.sheet import View
 
 
 def clipped(picture: Picture, view: View) -> Picture:

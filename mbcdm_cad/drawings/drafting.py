@@ -33,7 +33,7 @@ from mbcdm_cad.drawings.style import (
     TEXT_MM,
     text_width_mm,
 )
-from mbcdm_cad.parts.sheets.description import Angle, CuttingLine, Label, Radius, Sheet
+from mbcdm_cad.parts.sheet import Angle, CuttingLine, Label, Radius, Sheet
 
 _HATCH_APART = 0.8
 _VIEW_LAYERS = ("VISIBLE", "HIDDEN")

@@ -39,7 +39,7 @@ from mbcdm_cad.drawings.titleblock import (
     tables_size_mm,
     wrapped,
 )
-from mbcdm_cad.parts.sheets.description import POSITION, Sheet, Table
+from mbcdm_cad.parts.sheet import POSITION, Sheet, Table
 
 _NOTES_LEFT_OVER_MM = 8.0
 

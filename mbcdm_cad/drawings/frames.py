@@ -13,7 +13,7 @@ from mbcdm_cad.drawings.document import TEXT_STYLE
 from mbcdm_cad.drawings.labels import Room
 from mbcdm_cad.drawings.strokes import Point
 from mbcdm_cad.drawings.style import ARROW_MM, TEXT_MM, text_width_mm
-from mbcdm_cad.parts.sheets.tolerances import Characteristic, Datum, GeometricTolerance
+from mbcdm_cad.parts.fits import Characteristic, Datum, GeometricTolerance
 
 _HIGH_MM = 2 * TEXT_MM
 _BESIDE_MM = 1.2

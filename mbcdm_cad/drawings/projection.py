@@ -21,7 +21,7 @@ from OCP.TopExp import TopExp_Explorer
 from OCP.TopoDS import TopoDS
 
 from mbcdm_cad.drawings.strokes import Point, Stroke, cleaned, fitted
-from mbcdm_cad.parts.sheets.description import Vector, View
+from mbcdm_cad.parts.sheet import Vector, View
 
 # Largest distance of a polyline from the curve that it approximates, mm on the part.
 _DEFLECTION_MM = 0.005

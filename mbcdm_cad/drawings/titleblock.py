@@ -13,7 +13,7 @@ from mbcdm_cad.drawings.arrangement import FRAME_LEFT_MM, FRAME_MM, TITLE_BLOCK,
 from mbcdm_cad.drawings.document import TEXT_STYLE
 from mbcdm_cad.drawings.style import ROW_MM, TEXT_MM, TITLE_MM, text_width_mm
 from mbcdm_cad.parts.fits import limits
-from mbcdm_cad.parts.sheets.description import FitLine, Table, mm
+from mbcdm_cad.parts.sheet import FitLine, Table, mm
 
 # A printer holds the coarse class.
 GENERAL_TOLERANCE, PRINTED_GENERAL_TOLERANCE = "ISO 2768-mK", "ISO 2768-cL"

@@ -15,7 +15,7 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import GeometryError
 from mbcdm_cad.layouts.check_design import run_checks
-from mbcdm_cad.parts.item import Item
+from mbcdm_cad.parts.bill import Item
 from mbcdm_cad.report.build_report import BuildReport
 from mbcdm_cad.report.check_report import CheckReport
 from mbcdm_cad.report.explain import fields_data

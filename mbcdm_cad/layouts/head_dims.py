@@ -16,9 +16,8 @@ from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.layouts.structure import drum_turn_urad_Nm
 from mbcdm_cad.layouts.trial_sizing import TrialKnown
 from mbcdm_cad.model.structure.drum_sector import least_hub_mm
-from mbcdm_cad.parts.drum_sector.dims import WHOLE_DEG
+from mbcdm_cad.parts.drum_sector.dims import WHOLE_DEG, joint_load, joints
 from mbcdm_cad.parts.drum_sector.part import DrumSector
-from mbcdm_cad.parts.drum_sector.payload import joint_load, joints
 from mbcdm_cad.parts.threads import SHEAR_SHARE
 from mbcdm_cad.sizing.rule import Found, Rule, rounded_up
 

@@ -14,7 +14,7 @@ from mbcdm_cad.design.bought import Material
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.parallel.forks import forked
 from mbcdm_cad.parts.bill import CABLE, PartSpec
-from mbcdm_cad.parts.bought.bodies import CableRod
+from mbcdm_cad.parts.bodies import CableRod
 from mbcdm_cad.report.data import Tested, checks_data, design_figures, report_data
 from mbcdm_cad.report.explain import fields_data
 from mbcdm_cad.report.page import PAGE

@@ -18,7 +18,7 @@ from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.model.analysis import PeakTorques, peak_torques, reversal_swing_mrad
 from mbcdm_cad.model.capability import torque_to_weight_Nm_kg
 from mbcdm_cad.optimising.spread import Spread, percentile_of
-from mbcdm_cad.parts.cost import NoPriceError, bought_cost_EUR, material_cost_EUR
+from mbcdm_cad.parts.making import NoPriceError, bought_cost_EUR, material_cost_EUR
 from mbcdm_cad.report.structure import StructureReport, structure_report
 from mbcdm_cad.solving.trials import checks_by_id
 

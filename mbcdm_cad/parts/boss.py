@@ -9,13 +9,11 @@ from typing import TYPE_CHECKING
 from mbcdm_cad.parts.drum_sector.design import SectorDrive
 from mbcdm_cad.parts.drum_sector.sizes import SPRING_HEIGHT_MM
 from mbcdm_cad.parts.drum_shaft import DrumShaftDims
-from mbcdm_cad.parts.fits import FITS
-from mbcdm_cad.parts.milled import Bores, Form
-from mbcdm_cad.parts.shapes import block, cylinder_y
-from mbcdm_cad.parts.sheets.description import Linear, Y
-from mbcdm_cad.parts.sheets.holes import THROUGH
-from mbcdm_cad.parts.sheets.tolerances import DRUM_AXIS
-from mbcdm_cad.parts.volume import ring_mm3, segment_mm2
+from mbcdm_cad.parts.fits import DRUM_AXIS, FITS
+from mbcdm_cad.parts.milled import Bores, Form, block, cylinder_y, span
+from mbcdm_cad.parts.part import ring_mm3, segment_mm2
+from mbcdm_cad.parts.sheet import Linear, Y
+from mbcdm_cad.parts.sheet_blocks import THROUGH
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -118,6 +116,22 @@ def seat_diameters(d: BossDims) -> tuple[Linear, Linear]:
 
     seats = bore(d.seat_radius, d.front_y, "2x ", FITS["drum_seat"].code, DRUM_AXIS)
     return seats, bore(d.shoulder_radius, d.front_seat_start_y)
+
+
+def in_section(d: BossDims, start_z: float) -> tuple[Linear, ...]:
+    """Boss of a column in a section along its axis: depths from the back, where the column starts, and diameters."""
+    depths = (
+        (d.encoder_pocket_floor_y, -d.radius),
+        (d.rear_seat_end_y, -d.seat_radius),
+        (d.front_seat_start_y, -d.seat_radius),
+        (d.front_y, -d.radius),
+    )
+    start, ears = (0.0, d.back_y, start_z), (0.0, d.ear_front_y, -d.ear_half_height)
+    return (
+        *(span(1, "section", start, (0.0, y, z), "below") for y, z in depths),
+        span(1, "section", start, ears, "below", " ears"),
+        *seat_diameters(d),
+    )
 
 
 def column_start_mm(d: BossDims) -> float:

@@ -13,12 +13,11 @@ import numpy as np
 
 from mbcdm_cad.design.bought import Gearhead, Screw
 from mbcdm_cad.parts.fits import FITS
-from mbcdm_cad.parts.part import MadePart
-from mbcdm_cad.parts.shapes import block, cut, cylinder, turned
-from mbcdm_cad.parts.sheets.description import CuttingLine, FitLine, Holes, Linear, Sheet, View, X, Y, Z, minus, mm
-from mbcdm_cad.parts.sheets.holes import hole_labels, hole_table
+from mbcdm_cad.parts.milled import block, cut, cylinder, turned
+from mbcdm_cad.parts.part import MadePart, Ring, rings_mm3
+from mbcdm_cad.parts.sheet import CuttingLine, FitLine, Holes, Linear, Sheet, View, X, Y, Z, minus, mm
+from mbcdm_cad.parts.sheet_blocks import hole_labels, hole_table
 from mbcdm_cad.parts.threads import thread
-from mbcdm_cad.parts.volume import Ring, rings_mm3
 
 if TYPE_CHECKING:
     import cadquery as cq

@@ -15,9 +15,8 @@ from math import cos, pi, sin
 from typing import TYPE_CHECKING
 
 from mbcdm_cad.design.stage import BELT_SIDE_MM, DENSITY_G_CM3, FLANGE_MM, FLANGE_WIDTH_MM, Stage
-from mbcdm_cad.parts.part import BoughtPart
-from mbcdm_cad.parts.shapes import block, cut, turned
-from mbcdm_cad.parts.volume import Ring, rings_mm3
+from mbcdm_cad.parts.milled import block, cut, turned
+from mbcdm_cad.parts.part import BoughtPart, Ring, rings_mm3
 
 if TYPE_CHECKING:
     import cadquery as cq

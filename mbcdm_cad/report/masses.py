@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.base import Layout
-from mbcdm_cad.parts.bill import CABLE, Bill
-from mbcdm_cad.parts.item import Item
+from mbcdm_cad.parts.bill import CABLE, Bill, Item
 from mbcdm_cad.parts.part import BoughtPart, StandardPart
 from mbcdm_cad.workshop.mass import MassProperties, combined, item_mass
 from mbcdm_cad.workshop.scene import bodies

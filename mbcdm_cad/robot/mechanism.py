@@ -14,7 +14,7 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts.lumped import axis_friction
 from mbcdm_cad.model.analysis import analyse
-from mbcdm_cad.parts.item import Item
+from mbcdm_cad.parts.bill import Item
 from mbcdm_cad.parts.placement import Vector
 from mbcdm_cad.robot.elastic import drum_friction
 from mbcdm_cad.workshop.mass import MassProperties, combined, item_mass

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 
-from mbcdm_cad.parts.item import Item
-from mbcdm_cad.parts.sheets.description import CuttingLine, Label, Linear, Sheet, Table, Vector, View, X, Y, Z, minus
+from mbcdm_cad.parts.bill import Item
+from mbcdm_cad.parts.sheet import CuttingLine, Label, Linear, Sheet, Table, Vector, View, X, Y, Z, minus
 from mbcdm_cad.workshop.trianglemesh import FloatArray
 
 Box = tuple[Vector, Vector]

@@ -17,9 +17,8 @@ from mbcdm_cad.design.bought import Material
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError, did_you_mean
 from mbcdm_cad.parallel.forks import fork_map
-from mbcdm_cad.parts.bill import Bill
-from mbcdm_cad.parts.bought.bodies import CableRod
-from mbcdm_cad.parts.item import Item
+from mbcdm_cad.parts.bill import Bill, Item
+from mbcdm_cad.parts.bodies import CableRod
 from mbcdm_cad.parts.making import accuracy, sheet_as_printed
 from mbcdm_cad.parts.part import MadePart, Part, StandardPart
 from mbcdm_cad.storage.cache import Cache

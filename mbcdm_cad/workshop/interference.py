@@ -15,8 +15,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from mbcdm_cad.parallel.forks import fork_map
-from mbcdm_cad.parts.bill import cable_item
-from mbcdm_cad.parts.item import Item
+from mbcdm_cad.parts.bill import Item, cable_item
 from mbcdm_cad.parts.placement import Placement
 from mbcdm_cad.routes.cable_path import CablePath, Stretch
 from mbcdm_cad.workshop.clash import Clash

@@ -8,8 +8,7 @@ from collections.abc import Callable
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError
-from mbcdm_cad.parts.bill import Bill, PartSpec
-from mbcdm_cad.parts.item import Item
+from mbcdm_cad.parts.bill import Bill, Item, PartSpec
 from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.workshop.store import Progress, Store, StoredPart
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.errors import GeometryError
 from mbcdm_cad.parts.bill import PartSpec
-from mbcdm_cad.parts.bought.bodies import ROD_MESH_RADII, CableRod
+from mbcdm_cad.parts.bodies import ROD_MESH_RADII, CableRod
 from mbcdm_cad.workshop.export.step import part_step
 from mbcdm_cad.workshop.kernel import Shape, brep_bytes, measure
 from mbcdm_cad.workshop.meshing import mesh_solid

@@ -12,8 +12,7 @@ import numpy as np
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.base import Layout
 from mbcdm_cad.parallel.forks import fork_map
-from mbcdm_cad.parts.bill import CABLE
-from mbcdm_cad.parts.item import Item
+from mbcdm_cad.parts.bill import CABLE, Item
 from mbcdm_cad.parts.placement import Placement, Vector
 from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.storage.keys import content_key, source_hash

@@ -10,8 +10,7 @@ from typing import Literal
 import numpy as np
 
 from mbcdm_cad.layouts.base import Layout
-from mbcdm_cad.parts.bill import CABLE, FIXED, Bill, MovingBody
-from mbcdm_cad.parts.item import Item
+from mbcdm_cad.parts.bill import CABLE, FIXED, Bill, Item, MovingBody
 from mbcdm_cad.parts.placement import Placement, Vector
 from mbcdm_cad.routes.cable_path import CablePath, Stretch
 

@@ -16,8 +16,7 @@ import numpy as np
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.layouts.base import FrameCompliance, Layout
 from mbcdm_cad.parallel.forks import fork_map, forked
-from mbcdm_cad.parts.bill import CABLE, PartSpec
-from mbcdm_cad.parts.item import Item
+from mbcdm_cad.parts.bill import CABLE, Item, PartSpec
 from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.storage.keys import content_key, package_hash, source_hash
 from mbcdm_cad.storage.manifest import versions

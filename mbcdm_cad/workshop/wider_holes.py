@@ -8,7 +8,7 @@ from typing import NamedTuple
 import cadquery as cq
 from OCP.BRepAdaptor import BRepAdaptor_Surface
 
-from mbcdm_cad.parts.shapes import one_solid
+from mbcdm_cad.parts.milled import one_solid
 from mbcdm_cad.workshop.kernel import Shape
 
 # A bore counts as a hole if at least this share of its wall exists: slits and crossing holes may remove the rest.

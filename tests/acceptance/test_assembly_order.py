@@ -21,7 +21,7 @@ from mbcdm_cad.layouts.miso_bevel.cable_path import FREE
 from mbcdm_cad.layouts.miso_bevel.drive import bevel
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.parts.bill import CABLE, AssemblyStep, cable_item
-from mbcdm_cad.parts.bought.bodies import CableRod
+from mbcdm_cad.parts.bodies import CableRod
 from mbcdm_cad.workshop.kernel import kernel_shape, location
 from tests.support.motors_above import ABOVE
 

@@ -15,13 +15,13 @@ from mbcdm_cad.layouts.miso_bevel.pulleys import axle, drum, guide, input_pulley
 from mbcdm_cad.layouts.miso_bevel.stack import Stack, stack
 from mbcdm_cad.layouts.miso_bevel.support.dims import FrameDims, TopPlateDims, frame, top_plate
 from mbcdm_cad.layouts.sector import SectorLayout
-from mbcdm_cad.parts.axle import AxleDims
 from mbcdm_cad.parts.collar import CollarDims, collar
 from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
-from mbcdm_cad.parts.idler_pulley import IdlerDims
+from mbcdm_cad.parts.drum_shaft import AxleDims
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
-from mbcdm_cad.parts.mounting import MountScrew
+from mbcdm_cad.parts.ring import IdlerDims
+from mbcdm_cad.parts.threads import MountScrew
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.cable_path import CablePath
 

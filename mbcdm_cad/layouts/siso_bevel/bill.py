@@ -10,7 +10,7 @@ from mbcdm_cad.layouts.siso_bevel.support.parts import ColumnFrame
 from mbcdm_cad.parts.bill import Bill, BillBuilder, MovingBody
 from mbcdm_cad.parts.drum_sector.items import add_cables, add_drum, add_drum_encoder, add_preload_spring
 from mbcdm_cad.parts.input_pulley.items import UPRIGHT, add_input_pulley
-from mbcdm_cad.parts.motor_head.items import (
+from mbcdm_cad.parts.motor_head.part import (
     EncoderShelf,
     add_flange_fixings,
     add_input_bearings,

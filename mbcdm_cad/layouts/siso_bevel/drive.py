@@ -9,7 +9,7 @@ from mbcdm_cad.design.fields import ESTIMATE, EntryName, Number, choice, quantit
 from mbcdm_cad.design.sector_blocks import HeadSupport, TransferClearances
 from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.motor_head.dims import HeadedDrive
-from mbcdm_cad.parts.mounting import MOUNT_SCREWS, MountScrew
+from mbcdm_cad.parts.threads import MOUNT_SCREWS, MountScrew
 
 # Source of the walls that stiffen the frame.
 CHOSEN = "for limits.frame_windup_max_mrad"

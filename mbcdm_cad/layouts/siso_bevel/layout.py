@@ -29,8 +29,8 @@ from mbcdm_cad.parts.drum_sector.dims import DrumDims
 from mbcdm_cad.parts.drum_sector.sizes import TerminalWay, drum, furthest_anchor_rad
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 from mbcdm_cad.parts.motor_head.dims import HeadDims, head
-from mbcdm_cad.parts.mounting import MountScrew
 from mbcdm_cad.parts.terminal.take_up import terminal_travel_mm
+from mbcdm_cad.parts.threads import MountScrew
 from mbcdm_cad.routes.cable_path import CablePath
 
 

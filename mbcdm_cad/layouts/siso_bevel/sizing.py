@@ -33,7 +33,7 @@ from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
 from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
 from mbcdm_cad.layouts.stiff_sizing import SHARED, stiffened, walls
 from mbcdm_cad.layouts.trial_sizing import MIDDLE_SIZE, TrialKnown, repeated
-from mbcdm_cad.parts.mounting import MOUNT_SCREWS
+from mbcdm_cad.parts.threads import MOUNT_SCREWS
 from mbcdm_cad.sizing.rule import Found, Rule, constant
 
 # Wrap that stays on the input, and estimated angle of the stop's slot before it is known, deg.

@@ -30,22 +30,20 @@ from mbcdm_cad.layouts.siso_spur.pulley import input_pulley
 from mbcdm_cad.layouts.siso_spur.stack import SpurStack, spur_stack
 from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims, flange, yoke
 from mbcdm_cad.layouts.siso_spur.support.idlers import IdlerPin, axle, idlers, pins
-from mbcdm_cad.parts.axle import AxleDims
 from mbcdm_cad.parts.collar import CollarDims, collar, collar_over_shelf_mm, collar_width_mm
 from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.drum_sector.dims import SET_SCREW_ANGLES_DEG, DrumDims, HubDowels
 from mbcdm_cad.parts.drum_sector.sizes import TerminalWay, drum, furthest_anchor_rad
-from mbcdm_cad.parts.drum_shaft import DrumShaftDims
-from mbcdm_cad.parts.idler_pulley import IdlerDims
+from mbcdm_cad.parts.drum_shaft import AxleDims, DrumShaftDims
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 from mbcdm_cad.parts.making import land_band_mm
 from mbcdm_cad.parts.motor_head.dims import Flange, HeadDims, head
-from mbcdm_cad.parts.mounting import MOUNT_SCREWS, MountScrew, MountThread
 from mbcdm_cad.parts.placement import Placement
+from mbcdm_cad.parts.ring import IdlerDims
 from mbcdm_cad.parts.stage import HUB_EDGE_MM, StageDims, stage_dims
 from mbcdm_cad.parts.terminal.part import Tensioner
 from mbcdm_cad.parts.terminal.take_up import tensioned_rope, terminal_travel_mm
-from mbcdm_cad.parts.threads import SHEAR_SHARE
+from mbcdm_cad.parts.threads import MOUNT_SCREWS, SHEAR_SHARE, MountScrew, MountThread
 from mbcdm_cad.routes.cable_path import CablePath
 from mbcdm_cad.routes.curves import Helix, carried
 

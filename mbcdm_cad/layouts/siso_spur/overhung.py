@@ -17,7 +17,7 @@ from typing import Protocol
 
 from mbcdm_cad.design.bought import Screw, Servo
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, groove_depth_mm
-from mbcdm_cad.parts.bought.bodies import screw_places
+from mbcdm_cad.parts.bodies import screw_places
 from mbcdm_cad.parts.input_pulley.dims import HornFlange, InputPulleyDims, SetHub
 from mbcdm_cad.parts.motor_head.dims import Flange, HeadLevels, Places, body_radius_mm
 

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mbcdm_cad.parts.drum_sector.dims import CHAMFER_MM, POCKET_LEAD_MM, SET_SCREW_ANGLES_DEG, DrumDims
-from mbcdm_cad.parts.part import MadePart
-from mbcdm_cad.parts.shapes import (
+from mbcdm_cad.parts.milled import (
     cut,
     cylinder,
     cylinder_y,
@@ -22,13 +21,13 @@ from mbcdm_cad.parts.shapes import (
     sector_outline,
     turned_about_y,
 )
+from mbcdm_cad.parts.part import CORNER, Gyration, MadePart, ring_mm3
 from mbcdm_cad.parts.terminal.part import Tensioner
-from mbcdm_cad.parts.volume import CORNER, Gyration, ring_mm3
 
 if TYPE_CHECKING:
     import cadquery as cq
 
-    from mbcdm_cad.parts.sheets.description import Sheet
+    from mbcdm_cad.parts.sheet import Sheet
 
 # Cells of the grid on which the pockets of the drum's rim are summed: about 0.2 x 0.3 mm on a drum of 65 mm.
 _RIM_RADII, _RIM_ANGLES = 80, 500

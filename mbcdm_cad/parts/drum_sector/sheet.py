@@ -5,8 +5,8 @@ from __future__ import annotations
 from math import cos, degrees, radians, sin, tau
 
 from mbcdm_cad.parts.drum_sector.dims import CHAMFER_MM, POCKET_LEAD_MM, SET_SCREW_ANGLES_DEG, DrumDims
-from mbcdm_cad.parts.fits import FITS
-from mbcdm_cad.parts.sheets.description import (
+from mbcdm_cad.parts.fits import FITS, GeometricTolerance
+from mbcdm_cad.parts.sheet import (
     Angle,
     CuttingLine,
     FitLine,
@@ -26,8 +26,7 @@ from mbcdm_cad.parts.sheets.description import (
     mm,
     mm3,
 )
-from mbcdm_cad.parts.sheets.holes import hole_labels, hole_table, position_table
-from mbcdm_cad.parts.sheets.tolerances import GeometricTolerance
+from mbcdm_cad.parts.sheet_blocks import hole_labels, hole_table, position_table
 
 _REAR, _SECTION, _HUB = "rear", "section", "hub"
 # How far beyond the rim the sector's angle is drawn, over the rim's radius: the cutting line ends below it.

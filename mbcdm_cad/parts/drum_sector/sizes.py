@@ -11,10 +11,15 @@ from __future__ import annotations
 from math import asin, atan2, degrees, hypot, radians, sin, sqrt, tan
 
 from mbcdm_cad.parts.drum_sector.design import SectorDrive, SectorLevels, SectorRun
-from mbcdm_cad.parts.drum_sector.dims import CHAMFER_MM, POCKET_LEAD_MM, SET_SCREW_ANGLES_DEG, DrumDims, Land, Window
-from mbcdm_cad.parts.drum_sector.payload import (
+from mbcdm_cad.parts.drum_sector.dims import (
+    CHAMFER_MM,
+    POCKET_LEAD_MM,
     SCREWS,
+    SET_SCREW_ANGLES_DEG,
+    DrumDims,
+    Land,
     PayloadJoint,
+    Window,
     circle_radius_mm,
     joint_load,
     joints,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import acos, ceil, degrees, floor, hypot, sqrt, tau
 
-from mbcdm_cad.parts.volume import segment_mm2
+from mbcdm_cad.parts.part import segment_mm2
 from mbcdm_cad.routes.curves import Helix
 
 ENCODER_INSERTION_MM = 10.0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import cos, degrees, hypot, sin, tau
 
-from mbcdm_cad.parts.fits import FITS
+from mbcdm_cad.parts.fits import FITS, GeometricTolerance
 from mbcdm_cad.parts.input_pulley.dims import (
     CHAMFER_MM,
     SET_SCREWS_DEG,
@@ -13,25 +13,8 @@ from mbcdm_cad.parts.input_pulley.dims import (
     InputPulleyDims,
     StopSlot,
 )
-from mbcdm_cad.parts.sheets.description import (
-    FitLine,
-    Holes,
-    Label,
-    Linear,
-    Sheet,
-    Table,
-    Vector,
-    View,
-    X,
-    Y,
-    Z,
-    minus,
-    mm,
-    mm3,
-)
-from mbcdm_cad.parts.sheets.holes import THROUGH, hole_labels, hole_table, position_table
-from mbcdm_cad.parts.sheets.tolerances import GeometricTolerance
-from mbcdm_cad.parts.sheets.turned import ALONG_Z, MAIN
+from mbcdm_cad.parts.sheet import FitLine, Holes, Label, Linear, Sheet, Table, Vector, View, X, Y, Z, minus, mm, mm3
+from mbcdm_cad.parts.sheet_blocks import ALONG_Z, MAIN, THROUGH, hole_labels, hole_table, position_table
 
 _NAMES = ("S1", "S2")
 _GROOVES = "Crests of the grooves broken by 0.02, floors Ra 0.8."

@@ -20,8 +20,8 @@ from typing import Any, Protocol
 from mbcdm_cad.design.bought import CableStageOutput, Gearhead, InsertSpec, Material, Motor, Screw
 from mbcdm_cad.design.sector_blocks import Clearances
 from mbcdm_cad.design.stage import Stage
+from mbcdm_cad.parts.bodies import screw_places
 from mbcdm_cad.parts.boss import BossDims
-from mbcdm_cad.parts.bought.bodies import screw_places
 from mbcdm_cad.parts.collar import collar_over_shelf_mm, collar_sweep_mm
 from mbcdm_cad.parts.drum_sector.design import SectorBearings, SectorDrive
 from mbcdm_cad.parts.stage import hub_radius_mm

@@ -15,9 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.parts.bill import Bill, cable_item
-from mbcdm_cad.parts.bought.bodies import CableRod
-from mbcdm_cad.parts.item import Item
+from mbcdm_cad.parts.bill import Bill, Item, cable_item
+from mbcdm_cad.parts.bodies import CableRod
 from mbcdm_cad.routes.cable_path import CablePath
 from mbcdm_cad.routes.curves import Piece
 from mbcdm_cad.workshop.mass import item_mass

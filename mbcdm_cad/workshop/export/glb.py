@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mbcdm_cad.design.bought import Material
-from mbcdm_cad.parts.item import Item, sorted_items
+from mbcdm_cad.parts.bill import Item, sorted_items
 from mbcdm_cad.parts.placement import Placement
 from mbcdm_cad.workshop.trianglemesh import TriangleMesh
 

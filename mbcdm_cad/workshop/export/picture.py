@@ -30,7 +30,7 @@ from vtkmodules.vtkRenderingCore import (
 )
 
 from mbcdm_cad.errors import OutputError
-from mbcdm_cad.parts.item import Item, sorted_items
+from mbcdm_cad.parts.bill import Item, sorted_items
 from mbcdm_cad.parts.placement import Placement, Vector
 from mbcdm_cad.workshop.trianglemesh import FloatArray, IntArray, TriangleMesh
 

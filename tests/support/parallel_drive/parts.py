@@ -7,7 +7,7 @@ from math import radians
 from typing import TYPE_CHECKING
 
 from mbcdm_cad.parts.bill import AssemblyStep, Bill, BillBuilder, MovingBody, cable_item
-from mbcdm_cad.parts.bought.bodies import CableRod, MotorBody
+from mbcdm_cad.parts.bodies import CableRod, MotorBody
 from mbcdm_cad.parts.part import Part
 from mbcdm_cad.parts.placement import Placement
 

@@ -17,7 +17,7 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.layouts.sector import SectorLayout
-from mbcdm_cad.parts.drum_sector.payload import SLIP_SAFETY, JointLoad, PayloadJoint
+from mbcdm_cad.parts.drum_sector.dims import SLIP_SAFETY, JointLoad, PayloadJoint
 from mbcdm_cad.report.analysis_report import analyse_design
 from tests.support.checked import results
 

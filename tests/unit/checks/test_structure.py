@@ -21,8 +21,14 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.loader import load_design, load_text
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.layouts.structure import pulley_sections
-from mbcdm_cad.parts.drum_sector.dims import SET_SCREW_ANGLES_DEG
-from mbcdm_cad.parts.drum_sector.payload import SLIP_SAFETY, JointLoad, PayloadJoint, joints, payload_joint
+from mbcdm_cad.parts.drum_sector.dims import (
+    SET_SCREW_ANGLES_DEG,
+    SLIP_SAFETY,
+    JointLoad,
+    PayloadJoint,
+    joints,
+    payload_joint,
+)
 from mbcdm_cad.parts.threads import clamp_force_N, screw_hold
 from tests.support.checked import failing, of_params, result
 

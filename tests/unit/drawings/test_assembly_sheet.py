@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.parts.sheets.description import Linear, Vector
+from mbcdm_cad.parts.sheet import Linear, Vector
 from mbcdm_cad.workshop.assembly_sheet import SeenBody, assembly_sheet, numbers, pointers
 from tests.support.drawing_reader import document, leaders_at_one_point, sections_without_line
 
@@ -102,7 +102,7 @@ def test_drawn_sections_have_lines_and_leaders_their_own_points() -> None:
     import cadquery as cq
 
     from mbcdm_cad.drawings.draw import PartFacts, draw_sheet
-    from mbcdm_cad.parts.item import Item
+    from mbcdm_cad.parts.bill import Item
     from mbcdm_cad.parts.placement import Placement
 
     metal = next(iter(load_design(ROOT / "params" / "mbcdm.yaml").drive.layout.bill().items)).material

@@ -11,7 +11,7 @@ import mbcdm_cad as mc
 from mbcdm_cad.checks.size import estimated_mass_g
 from mbcdm_cad.design.bought import Entry
 from mbcdm_cad.parts.bill import CABLE
-from mbcdm_cad.parts.cost import NoPriceError, bought_cost_EUR, material_cost_EUR
+from mbcdm_cad.parts.making import NoPriceError, bought_cost_EUR, material_cost_EUR
 
 
 @pytest.fixture(scope="module")

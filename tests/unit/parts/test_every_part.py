@@ -12,7 +12,7 @@ from mbcdm_cad.layouts import registry
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.parts.bill import Bill
 from mbcdm_cad.parts.part import BoughtPart, MadePart
-from mbcdm_cad.parts.sheets.description import Linear
+from mbcdm_cad.parts.sheet import Linear
 from mbcdm_cad.workshop.kernel import measure
 from mbcdm_cad.workshop.mass import combined, item_mass
 from mbcdm_cad.workshop.meshing import mesh_solid

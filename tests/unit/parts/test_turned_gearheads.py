@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from mbcdm_cad.layouts.loader import load_text
-from mbcdm_cad.parts.bought.bodies import screw_places
+from mbcdm_cad.parts.bodies import screw_places
 from mbcdm_cad.parts.motor_head.part import MotorHead
 
 PARAMS = Path(__file__).parents[3] / "params"

@@ -23,7 +23,7 @@ MADE = [
     "terminal",
     "stop",
 ]
-# The blunt end of the wedge where a stop's slot leaves its land (parts/input_pulley/draw.py); other walls are thicker.
+# The blunt end of the wedge where a stop's slot leaves its land (parts/input_pulley/part.py); other walls are thicker.
 THINNEST_MM = 0.3
 SAMPLES = 3000
 

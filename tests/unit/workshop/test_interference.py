@@ -14,12 +14,10 @@ import pytest
 from mbcdm_cad.layouts.miso_bevel.bill import bill
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.parallel import forks
-from mbcdm_cad.parts.bill import CABLE, Bill
-from mbcdm_cad.parts.bought.bodies import ScrewBody
-from mbcdm_cad.parts.idler_pulley import IdlerPulley
-from mbcdm_cad.parts.item import Item
+from mbcdm_cad.parts.bill import CABLE, Bill, Item
+from mbcdm_cad.parts.bodies import ScrewBody
 from mbcdm_cad.parts.placement import Placement
-from mbcdm_cad.parts.ring import Nut, Pin
+from mbcdm_cad.parts.ring import IdlerPulley, Nut, Pin
 from mbcdm_cad.workshop.clash import Clash
 from mbcdm_cad.workshop.interference import InterferenceRun, answers
 from mbcdm_cad.workshop.pairs import CABLE_UNDERSIZE_MM, Found

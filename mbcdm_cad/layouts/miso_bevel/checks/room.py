@@ -32,9 +32,9 @@ from mbcdm_cad.checks.terminals import bodies_of
 from mbcdm_cad.layouts.miso_bevel.cable_path import FREE
 from mbcdm_cad.layouts.miso_bevel.checks.support_fits import in_pocket
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-from mbcdm_cad.parts.bought.bodies import RING_ENCODER_FLATS
+from mbcdm_cad.parts.bodies import RING_ENCODER_FLATS
 from mbcdm_cad.parts.collar import collar_sweep_mm
-from mbcdm_cad.parts.volume import pocket_corner_mm
+from mbcdm_cad.parts.part import pocket_corner_mm
 
 # Gap between two bodies that both turn in bearings (estimate).
 MOVING_GAP_MM = 0.1

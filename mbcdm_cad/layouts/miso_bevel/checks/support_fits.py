@@ -12,7 +12,7 @@ from mbcdm_cad.layouts.miso_bevel.plate_screws import key_gap_mm, plate_screw_of
 from mbcdm_cad.layouts.miso_bevel.stack import band, outward_of
 from mbcdm_cad.layouts.miso_bevel.support.dims import AXLE_SCREW, HEAD_ROOM_MM, dowel_length_mm
 from mbcdm_cad.parts.motor_head.dims import CouplingBox
-from mbcdm_cad.parts.volume import pocket_corner_mm
+from mbcdm_cad.parts.part import pocket_corner_mm
 
 # A screw's head may overlap the pocket's rounded corner by its own edge rounding (ISO 4762: under-head edge).
 HEAD_EDGE_MM = 0.02

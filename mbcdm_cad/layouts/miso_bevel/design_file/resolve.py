@@ -12,7 +12,7 @@ from mbcdm_cad.design.resolve import by_step, preload_N, shared_sigmas, shared_v
 from mbcdm_cad.design.rules import Broken, NamedEntry, counted, encoders_needed, in_line_only, on_one_side, unique
 from mbcdm_cad.layouts.miso_bevel import drive as d
 from mbcdm_cad.layouts.miso_bevel.design_file.schema import BevelDesign, Transmission
-from mbcdm_cad.parts.drum_sector.resolve import sector_entries, sector_values, terminal_angle_rad
+from mbcdm_cad.parts.drum_sector.design import sector_entries, sector_values, terminal_angle_rad
 
 _SIGN = {"-x": -1, "+x": 1}
 

@@ -24,14 +24,15 @@ from mbcdm_cad.layouts.miso_bevel.sizing.known import LATER, BevelKnown
 from mbcdm_cad.layouts.miso_bevel.sizing.radii import take_up_mm
 from mbcdm_cad.layouts.structure import drum_stress_MPa
 from mbcdm_cad.model.structure.drum_sector import least_hub_mm
-from mbcdm_cad.parts.drum_sector.dims import SET_SCREW_ANGLES_DEG, lug_root_mm
-from mbcdm_cad.parts.drum_sector.payload import (
+from mbcdm_cad.parts.drum_sector.dims import (
     SCREWS,
+    SET_SCREW_ANGLES_DEG,
     InsertOf,
     PayloadJoint,
     circle_radius_mm,
     joint_load,
     joints,
+    lug_root_mm,
     payload_joint,
 )
 from mbcdm_cad.parts.drum_sector.sizes import (

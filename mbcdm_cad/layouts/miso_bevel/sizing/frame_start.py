@@ -12,7 +12,7 @@ from mbcdm_cad.design.sized import Sizing, SizingError
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.sizing.known import BevelKnown, FrameStart
-from mbcdm_cad.parts.mounting import MOUNT_SCREWS
+from mbcdm_cad.parts.threads import MOUNT_SCREWS
 
 MOUNT_SCREW, WALLS = "support.mount_screw", ("support.back_plate_mm", "support.rib_mm")
 SPARE = 1.02

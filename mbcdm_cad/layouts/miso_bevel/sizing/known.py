@@ -23,7 +23,7 @@ from mbcdm_cad.layouts.miso_bevel.support.dims import MOUNT_HEAD_PLAY_MM
 from mbcdm_cad.parts.drum_sector.design import seat_mm
 from mbcdm_cad.parts.drum_sector.sizes import lug_wall_mm
 from mbcdm_cad.parts.input_pulley.dims import GROOVE_LEAD, GROOVE_RADIUS
-from mbcdm_cad.parts.mounting import MOUNT_SCREWS, MountScrew
+from mbcdm_cad.parts.threads import MOUNT_SCREWS, MountScrew
 from mbcdm_cad.sizing.arithmetic import atan, greatest, hypot, number, radians, tan
 from mbcdm_cad.sizing.known import RopeKnown
 

@@ -28,8 +28,8 @@ from mbcdm_cad.layouts.miso_bevel.sizing.known import (
     span_for_fleet_mm,
 )
 from mbcdm_cad.layouts.miso_bevel.support.dims import STOP_WEB_MM
+from mbcdm_cad.parts.bodies import screw_places
 from mbcdm_cad.parts.boss import BEARING_WALL_MM, EAR_WALL_MM
-from mbcdm_cad.parts.bought.bodies import screw_places
 from mbcdm_cad.parts.collar import collar_sweep_mm
 from mbcdm_cad.parts.motor_head.dims import KEY_PLAY_MM
 from mbcdm_cad.sizing.arithmetic import greatest, hypot, index_of_greatest, least, number, sqrt

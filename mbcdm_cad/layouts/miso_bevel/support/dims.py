@@ -31,8 +31,8 @@ from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive
 from mbcdm_cad.layouts.miso_bevel.plate_screws import Edges, counterbore_radius_mm, plate_screw_of
 from mbcdm_cad.layouts.miso_bevel.pulleys import stop_pin_z
 from mbcdm_cad.layouts.miso_bevel.stack import Stack, milled_corner_mm
+from mbcdm_cad.parts.bodies import screw_places
 from mbcdm_cad.parts.boss import BossDims, boss, column_start_mm
-from mbcdm_cad.parts.bought.bodies import screw_places
 from mbcdm_cad.parts.drum_sector.sizes import drum_shaft
 from mbcdm_cad.parts.motor_head.dims import CouplingBox, coupling_box, key_hole_mm
 

@@ -6,12 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from mbcdm_cad.layouts.miso_bevel.support.dims import FrameDims
-from mbcdm_cad.parts.boss import boss_bores, boss_of_column, boss_threads, open_behind, seat_diameters, seats_mm
-from mbcdm_cad.parts.fits import FITS
+from mbcdm_cad.parts.boss import boss_bores, boss_of_column, boss_threads, in_section, open_behind, seats_mm
+from mbcdm_cad.parts.fits import DRUM_AXIS, FITS, GeometricTolerance, one_axis, square
 from mbcdm_cad.parts.milled import Block, Bores, Feature, Milled, Pocket, corner_table, rounding, span, wide
-from mbcdm_cad.parts.sheets.description import CuttingLine, FitLine, Holes, Linear, Radius, Sheet, View, X, Y, Z, minus
-from mbcdm_cad.parts.sheets.holes import THROUGH, hole_labels, hole_marks, hole_table, position_table
-from mbcdm_cad.parts.sheets.tolerances import DRUM_AXIS, GeometricTolerance, one_axis, square
+from mbcdm_cad.parts.sheet import CuttingLine, FitLine, Holes, Linear, Radius, Sheet, View, X, Y, Z, minus
+from mbcdm_cad.parts.sheet_blocks import THROUGH, hole_labels, hole_marks, hole_table, position_table
 
 
 def _pockets(d: FrameDims) -> tuple[Pocket, ...]:
@@ -139,13 +138,6 @@ def _dimensions(d: FrameDims) -> tuple[Linear | Radius, ...]:
         (d.upper_floor_y, top, " top pocket"),
         (0.0, shelf, " axis of A"),
     )
-    below = (
-        (b.encoder_pocket_floor_y, -b.radius, ""),
-        (b.rear_seat_end_y, -b.seat_radius, ""),
-        (b.front_seat_start_y, -b.seat_radius, ""),
-        (b.front_y, -b.radius, ""),
-        (b.ear_front_y, -b.ear_half_height, " ears"),
-    )
     ears = ((-b.ear_reach, y, -b.ear_half_height), (-b.ear_reach, y, b.ear_half_height))
     pocket_r = b.encoder_pocket_radius
     pocket = (wide("front", inner, (y, d.column_pocket_bottom_z), "below", " pocket"),)
@@ -161,9 +153,8 @@ def _dimensions(d: FrameDims) -> tuple[Linear | Radius, ...]:
         span(2, "front", *ears, "right", " ears", decimals=2),
         *(pocket if d.has_column_pocket else ()),
         *tall[2:],
-        *(span(1, "section", (0.0, back, top), (0.0, *at), "above", what) for *at, what in above),
-        *(span(1, "section", (0.0, back, start), (0.0, *at), "below", what) for *at, what in below),
-        *seat_diameters(b),
+        *(span(1, "section", (0.0, back, top), (0.0, to, z), "above", what) for to, z, what in above),
+        *in_section(b, start),
         span(2, "rear", (b.radius, back, 0.0), (b.radius, back, start), "right", " column"),
         Radius("rear", (0.0, back, 0.0), (-pocket_r * 0.6, back, pocket_r * 0.8), pocket_r),
         rounding((-x, y, top), r, "4x "),
@@ -198,8 +189,12 @@ class Frame(Milled):
     def taken(self) -> Sequence[Feature]:
         """Pockets, bores and holes."""
         d = self.dims
-        pockets = _pockets(d) if d.has_column_pocket else _pockets(d)[:-1]
-        boss = (open_behind(d.boss, -d.boss.radius - 1.0), boss_bores(d.boss), *boss_threads(d.boss, "L"))
+        pockets: Sequence[Feature] = _pockets(d) if d.has_column_pocket else _pockets(d)[:-1]
+        boss: Sequence[Feature] = (
+            open_behind(d.boss, -d.boss.radius - 1.0),
+            boss_bores(d.boss),
+            *boss_threads(d.boss, "L"),
+        )
         return (*pockets, *boss, *_at_inputs(d), *_fixings(d))
 
     def sheet(self, part: str) -> Sheet:

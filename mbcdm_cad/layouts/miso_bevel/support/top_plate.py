@@ -6,25 +6,16 @@ On it are the encoders or, with motors above, a coupling box for each gearhead, 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from mbcdm_cad.layouts.miso_bevel.support.dims import TopPlateDims
-from mbcdm_cad.parts.fits import FITS
+from mbcdm_cad.parts.fits import FACE_MM, FITS, REST, SHOULDER_MM, Datum, GeometricTolerance, level, shoulder_place
 from mbcdm_cad.parts.milled import Block, Bores, Feature, Milled, rounding
 from mbcdm_cad.parts.motor_head.dims import CouplingBox
 from mbcdm_cad.parts.motor_head.part import box_bodies, box_taken
-from mbcdm_cad.parts.sheets.description import CuttingLine, Linear, Radius, Sheet, Side, View, X, Y, Z, minus, mm
-from mbcdm_cad.parts.sheets.holes import THROUGH, hole_labels, hole_marks, hole_table, position_table
-from mbcdm_cad.parts.sheets.tolerances import (
-    FACE_MM,
-    REST,
-    SHOULDER_MM,
-    Datum,
-    GeometricTolerance,
-    level,
-    shoulder_place,
-)
-from mbcdm_cad.parts.volume import pocket_corner_mm
+from mbcdm_cad.parts.part import pocket_corner_mm
+from mbcdm_cad.parts.sheet import CuttingLine, Linear, Radius, Sheet, Side, View, X, Y, Z, minus, mm
+from mbcdm_cad.parts.sheet_blocks import THROUGH, hole_labels, hole_marks, hole_table, position_table
 
 
 @dataclass(frozen=True)
@@ -142,10 +133,8 @@ class TopPlate(Milled):
             return Linear("top", *ends, front - from_y, "left", suffix=what, decimals=3)
 
         front, back = y + box.front_y, y + box.back_y
-        return Sheet(
-            part=part,
-            title="Top plate",
-            paper="A3",
+        return replace(
+            self._plain(part),
             views=(
                 View(
                     "section",
@@ -183,9 +172,6 @@ class TopPlate(Milled):
                 level("section", (at + 0.5 * (box.inner_x + box.outer_x), y, box.top_z), FACE_MM),
             ),
             cutting_lines=(CuttingLine("top", (-x - 4.0, y, low), (x + 4.0, y, low), "A", Y),),
-            tables=(hole_table(holes), position_table(holes, (0, 1), "Positions from the axis of hole A")),
-            holes=holes,
-            fits=tuple(line for group in holes for line in group.fit_lines()),
             notes=(
                 "Plate and boxes in one piece; each box and its pocket symmetrical to the axis of B.",
                 f"Pockets from the front, {mm(box.inner_x)} behind the axes of B; "

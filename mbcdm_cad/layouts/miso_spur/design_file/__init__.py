@@ -23,7 +23,7 @@ from mbcdm_cad.layouts.siso_spur.design_file.resolve import (
 )
 from mbcdm_cad.layouts.siso_spur.design_file.schema import SpurBlocks, SpurSide
 from mbcdm_cad.layouts.siso_spur.drive import laid
-from mbcdm_cad.parts.drum_sector.payload import SCREWS
+from mbcdm_cad.parts.drum_sector.dims import SCREWS
 
 REFERENCE = reference_of(Path(__file__).parent)
 FEWEST, MOST = 2, 4

@@ -11,8 +11,8 @@ from mbcdm_cad.layouts.miso_spur.support.dims import StarDims
 from mbcdm_cad.layouts.siso_spur.support.parts import Yoke, arm_bodies, arm_taken, centre_bodies, centre_taken
 from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.milled import Bores, Feature, Form, Milled
-from mbcdm_cad.parts.sheets.description import CuttingLine, FitLine, Sheet, Table, X, minus, mm, mm3
-from mbcdm_cad.parts.sheets.holes import hole_labels, hole_table, position_table
+from mbcdm_cad.parts.sheet import CuttingLine, FitLine, Sheet, Table, X, minus, mm, mm3
+from mbcdm_cad.parts.sheet_blocks import hole_labels, hole_table, position_table
 
 if TYPE_CHECKING:
     import cadquery as cq

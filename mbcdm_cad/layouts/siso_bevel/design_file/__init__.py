@@ -20,8 +20,7 @@ from mbcdm_cad.design.rules import Broken, NamedEntry, counted, encoders_needed,
 from mbcdm_cad.design.sector_blocks import SectorCable, SectorDrum, SteppedPulleys, TransferClearances
 from mbcdm_cad.layouts.siso_bevel import drive as d
 from mbcdm_cad.layouts.siso_bevel.drive import ColumnSupport
-from mbcdm_cad.parts.drum_sector.design import SectorBearings
-from mbcdm_cad.parts.drum_sector.resolve import sector_entries, sector_values, terminal_angle_rad
+from mbcdm_cad.parts.drum_sector.design import SectorBearings, sector_entries, sector_values, terminal_angle_rad
 
 REFERENCE = reference_of(Path(__file__).parent)
 

@@ -6,12 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from mbcdm_cad.layouts.siso_bevel.support.dims import ColumnDims
-from mbcdm_cad.parts.boss import boss_bores, boss_of_column, boss_threads, open_behind, seat_diameters, seats_mm
-from mbcdm_cad.parts.fits import FITS
+from mbcdm_cad.parts.boss import boss_bores, boss_of_column, boss_threads, in_section, open_behind, seats_mm
+from mbcdm_cad.parts.fits import DRUM_AXIS, FITS, one_axis, square
 from mbcdm_cad.parts.milled import Block, Bores, Feature, Milled, Pocket, corner_table, rounding, span, wide
-from mbcdm_cad.parts.sheets.description import CuttingLine, FitLine, Linear, Sheet, View, X, Y, Z, minus, mm
-from mbcdm_cad.parts.sheets.holes import THROUGH, hole_labels, hole_table, position_table
-from mbcdm_cad.parts.sheets.tolerances import DRUM_AXIS, one_axis, square
+from mbcdm_cad.parts.sheet import CuttingLine, FitLine, Linear, Sheet, View, X, Y, Z, minus, mm
+from mbcdm_cad.parts.sheet_blocks import THROUGH, hole_labels, hole_table, position_table
 
 
 def _pockets(d: ColumnDims) -> tuple[Pocket, ...]:
@@ -85,13 +84,6 @@ def _dimensions(d: ColumnDims) -> tuple[Linear, ...]:
         (v.pocket_floor_y, d.encoder_shelf_top_z, " pockets"),
         (0.0, d.encoder_shelf_top_z, " axis of A"),
     )
-    below = (
-        (b.encoder_pocket_floor_y, -b.radius, ""),
-        (b.rear_seat_end_y, -b.seat_radius, ""),
-        (b.front_seat_start_y, -b.seat_radius, ""),
-        (b.front_y, -b.radius, ""),
-        (b.ear_front_y, -b.ear_half_height, " ears"),
-    )
     return (
         wide("front", x, (y, top), "above"),
         wide("front", v.side_inner_x, (y, top), "above", " box"),
@@ -101,9 +93,8 @@ def _dimensions(d: ColumnDims) -> tuple[Linear, ...]:
         wide("front", b.ear_reach, (y, 0.0), "below", " ears"),
         *(span(2, "front", (0.0, y, 0.0), (at, y, z), "left") for z, at in left),
         *(span(2, "front", (0.0, y, 0.0), (at, y, z), "right") for z, at in right),
-        *(span(1, "section", (0.0, back, top), (0.0, *at), "above", what) for *at, what in above),
-        *(span(1, "section", (0.0, back, start), (0.0, *at), "below", what) for *at, what in below),
-        *seat_diameters(b),
+        *(span(1, "section", (0.0, back, top), (0.0, to, z), "above", what) for to, z, what in above),
+        *in_section(b, start),
     )
 
 

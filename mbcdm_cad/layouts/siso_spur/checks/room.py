@@ -17,7 +17,7 @@ from mbcdm_cad.layouts.siso_spur.drive import MOST_SPREAD, SpurDrive
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.stack import FLANGE_MM, reach_mm
 from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims
-from mbcdm_cad.parts.bought.bodies import RING_ENCODER_FLATS
+from mbcdm_cad.parts.bodies import RING_ENCODER_FLATS
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
 from mbcdm_cad.parts.drum_sector.sizes import nut_corner_radius_mm
 from mbcdm_cad.parts.motor_head.dims import body_radius_mm

@@ -15,9 +15,8 @@ from mbcdm_cad.design.sector_blocks import MOST_SECTOR_DEG
 from mbcdm_cad.layouts.siso_spur import drive as d
 from mbcdm_cad.layouts.siso_spur.design_file.schema import SpurBlocks, SpurDesign, SpurTransmission
 from mbcdm_cad.layouts.siso_spur.first_stage import broken_first_stage, of_design
-from mbcdm_cad.parts.drum_sector.dims import WHOLE_DEG
-from mbcdm_cad.parts.drum_sector.payload import SCREWS
-from mbcdm_cad.parts.drum_sector.resolve import sector_entries, sector_values, terminal_angle_rad
+from mbcdm_cad.parts.drum_sector.design import sector_entries, sector_values, terminal_angle_rad
+from mbcdm_cad.parts.drum_sector.dims import SCREWS, WHOLE_DEG
 
 _SIGN = {"-x": -1, "+x": 1}
 # Step of a side, by the value of ``transmission.cables``. The side that runs to +x has the smaller y, of two anchored

@@ -24,8 +24,8 @@ from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, groove_depth_mm
 from mbcdm_cad.layouts.siso_spur.overhung import MotorSeat, motor_seat, seat_flange
 from mbcdm_cad.layouts.siso_spur.stack import SpurStack, least_wall_z_mm
 from mbcdm_cad.layouts.siso_spur.support.idlers import StandDims, stands
+from mbcdm_cad.parts.bodies import screw_places
 from mbcdm_cad.parts.boss import BEARING_WALL_MM, BossFlange, boss
-from mbcdm_cad.parts.bought.bodies import screw_places
 from mbcdm_cad.parts.drum_sector.sizes import SLOT_WALLS, STOP_SLOT_PLAY_MM
 from mbcdm_cad.parts.drum_shaft import DrumShaftDims
 from mbcdm_cad.parts.motor_head.dims import (

@@ -11,28 +11,12 @@ from mbcdm_cad.layouts.siso_spur.overhung import MotorSeat
 from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims
 from mbcdm_cad.layouts.siso_spur.support.idlers import StandDims
 from mbcdm_cad.parts.boss import boss_bodies, boss_bores, boss_threads, seat_diameters, seats_mm
-from mbcdm_cad.parts.fits import FITS
-from mbcdm_cad.parts.milled import Block, Bores, Feature, Form, Milled, rounded, span, wide
+from mbcdm_cad.parts.fits import DRUM_AXIS, FITS, TO_AXIS_MM, GeometricTolerance, one_axis
+from mbcdm_cad.parts.milled import Block, Bores, Feature, Form, Milled, block, cylinder_y, fuse, rounded, span, wide
 from mbcdm_cad.parts.motor_head.dims import Places
-from mbcdm_cad.parts.shapes import block, cylinder_y, fuse
-from mbcdm_cad.parts.sheets.description import (
-    CuttingLine,
-    FitLine,
-    Linear,
-    Radius,
-    Sheet,
-    Side,
-    Vector,
-    View,
-    X,
-    Y,
-    Z,
-    minus,
-    mm,
-)
-from mbcdm_cad.parts.sheets.holes import THROUGH, hole_labels, hole_table, position_table
-from mbcdm_cad.parts.sheets.tolerances import DRUM_AXIS, TO_AXIS_MM, GeometricTolerance, one_axis
-from mbcdm_cad.parts.volume import CORNER, ring_mm3
+from mbcdm_cad.parts.part import CORNER, ring_mm3
+from mbcdm_cad.parts.sheet import CuttingLine, FitLine, Linear, Radius, Sheet, Side, Vector, View, X, Y, Z, minus, mm
+from mbcdm_cad.parts.sheet_blocks import THROUGH, hole_labels, hole_table, position_table
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -224,7 +208,7 @@ def _dimensions(d: YokeDims) -> tuple[Linear, ...]:
         *window,
         tall("rear", (x, back, d.plate_top_z), "right"),
         tall("rear", (0.0, back, d.axis_z), "left"),
-        *(span(1, "section", (0.0, end, -b.radius), (0.0, *at), "below", what) for *at, what in deep),
+        *(span(1, "section", (0.0, end, -b.radius), (0.0, to, z), "below", what) for to, z, what in deep),
         *(span(1, "section", (0.0, back, top), (0.0, *at), "above") for at in over),
     ]
     if seat is None:

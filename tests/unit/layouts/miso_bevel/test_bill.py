@@ -11,8 +11,7 @@ import pytest
 
 from mbcdm_cad.layouts.miso_bevel.bill import bill, moving_bodies
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-from mbcdm_cad.parts.bill import cable_item
-from mbcdm_cad.parts.item import Item, sorted_items
+from mbcdm_cad.parts.bill import Item, cable_item, sorted_items
 
 
 def test_counts_of_what_comes_more_than_once(dims: BevelLayout) -> None:

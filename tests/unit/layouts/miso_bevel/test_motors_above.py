@@ -22,7 +22,7 @@ from mbcdm_cad.layouts.miso_bevel.checks.support_walls import bearing_shelf, fro
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, bevel
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.support.stiffness import seat_loads
-from mbcdm_cad.parts.bought.bodies import screw_places
+from mbcdm_cad.parts.bodies import screw_places
 from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM
 from mbcdm_cad.solving.question import question_of
 from mbcdm_cad.solving.solve import solve

@@ -27,7 +27,7 @@ from mbcdm_cad.layouts.siso_spur.support.stiffness import frame_compliance, out_
 from mbcdm_cad.model.si import ModelError, to_si
 from mbcdm_cad.model.stiffness import unit_tensions_N
 from mbcdm_cad.parts.input_pulley.part import InputPulley
-from mbcdm_cad.parts.shapes import cut
+from mbcdm_cad.parts.milled import cut
 from mbcdm_cad.routes.route import Body, Wrap, contact_point_m
 from tests.support.checked import failing
 from tests.support.smooth_path import assert_joined
@@ -93,7 +93,7 @@ def test_a_groove_that_the_kernel_cuts_through_the_pulley_is_cut_turn_by_turn(
             raise ValueError(f"{name}: drawing gave 3 bodies")
         return cut(body, cutters, name)  # type: ignore[arg-type]
 
-    monkeypatch.setattr("mbcdm_cad.parts.input_pulley.draw.cut", cut_through)
+    monkeypatch.setattr("mbcdm_cad.parts.input_pulley.part.cut", cut_through)
     in_turns = pulley.solid().Volume()
     assert len(tools) > 2 and in_turns == pytest.approx(whole, rel=1e-4), f"{in_turns} for {whole} mm^3"
 

@@ -16,8 +16,8 @@ from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, spur
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.turns import turns_of
-from mbcdm_cad.parts.bought.bodies import HornBody, ServoBody
-from mbcdm_cad.parts.shapes import cylinder_z
+from mbcdm_cad.parts.bodies import HornBody, ServoBody
+from mbcdm_cad.parts.milled import cylinder_z
 from mbcdm_cad.report.catalogue_list import CatalogueList
 from mbcdm_cad.rig.dynamic.rig import rig_of
 from mbcdm_cad.rig.dynamic.train import shaft_torque

@@ -10,8 +10,7 @@ import pytest
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
-from mbcdm_cad.parts.drum_sector.dims import SET_SCREW_ANGLES_DEG
-from mbcdm_cad.parts.drum_sector.payload import start_deg
+from mbcdm_cad.parts.drum_sector.dims import SET_SCREW_ANGLES_DEG, start_deg
 from tests.support.checked import failing
 
 SHORT = """\

@@ -8,7 +8,7 @@ from pathlib import Path
 import cadquery as cq
 import pytest
 
-from mbcdm_cad.parts.item import Item
+from mbcdm_cad.parts.bill import Item
 
 sys.path.insert(0, str(Path(__file__).parent))  # the tests are no package: this is how they find their samples
 

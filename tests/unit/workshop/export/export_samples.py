@@ -7,7 +7,7 @@ import math
 import cadquery as cq
 
 from mbcdm_cad.design.bought import Material
-from mbcdm_cad.parts.item import Item
+from mbcdm_cad.parts.bill import Item
 from mbcdm_cad.parts.placement import Placement
 
 

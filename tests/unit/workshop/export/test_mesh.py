@@ -21,7 +21,7 @@ from hypothesis import strategies as st
 
 from mbcdm_cad.errors import GeometryError
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.parts.item import Item
+from mbcdm_cad.parts.bill import Item
 from mbcdm_cad.workshop.export.glb import glb_bytes
 from mbcdm_cad.workshop.export.stl import stl_bytes, with_note
 from mbcdm_cad.workshop.export.threemf import lying, threemf_bytes

@@ -15,7 +15,7 @@ from export_samples import STEEL
 from OCP.Quantity import Quantity_TypeOfColor
 
 from mbcdm_cad.errors import GeometryError
-from mbcdm_cad.parts.item import Item
+from mbcdm_cad.parts.bill import Item
 from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.workshop.export.step import assembly_step, part_step
 from mbcdm_cad.workshop.export.step_text import canonical_step, with_description

@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING
 
 from mbcdm_cad.design.bought import Bearing, Encoder, Gearhead, InsertSpec, Motor, Screw, Servo
 from mbcdm_cad.parts.drum_shaft import PreloadSpringDims
-from mbcdm_cad.parts.part import BoughtPart, Part
-from mbcdm_cad.parts.shapes import block, cut, cylinder_z, fuse, hexagon_z, one_solid, turned
-from mbcdm_cad.parts.volume import Ring
+from mbcdm_cad.parts.milled import block, cut, cylinder_z, fuse, hexagon_z, one_solid, turned
+from mbcdm_cad.parts.part import BoughtPart, Part, Ring
 from mbcdm_cad.routes.curves import Piece
 
 if TYPE_CHECKING:
     import cadquery as cq
+
 
 # Width across the ring encoder's two flats over its diameter.
 RING_ENCODER_FLATS = 22.0 / 24.0

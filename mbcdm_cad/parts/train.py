@@ -7,7 +7,7 @@ from dataclasses import replace
 from mbcdm_cad.design.bought import Servo
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.parts.bill import BillBuilder
-from mbcdm_cad.parts.bought.bodies import GearheadBody, HornBody, MotorBody, MotorWithShaft, ServoBody
+from mbcdm_cad.parts.bodies import GearheadBody, HornBody, MotorBody, MotorWithShaft, ServoBody
 from mbcdm_cad.parts.placement import Placement
 
 # Linear RGB.

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from mbcdm_cad.design.bought import InsertSpec
-from mbcdm_cad.parts.sheets.tolerances import Datum, GeometricTolerance
+from mbcdm_cad.parts.fits import Datum, GeometricTolerance
 from mbcdm_cad.parts.threads import thread
 
 Vector = tuple[float, float, float]

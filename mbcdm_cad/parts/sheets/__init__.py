@@ -1,1 +1,0 @@
-"""Classes that describe the drawing of a part, and the search for the sheet of a part."""
