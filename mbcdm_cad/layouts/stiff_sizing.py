@@ -40,6 +40,8 @@ from mbcdm_cad.sizing.rule import rounded_up
 # Most rounds of measuring and raising where mass and compliance are weighed, and where the file asks for a figure;
 # factor on a number with which its effect is measured, and the largest one of a round.
 _ROUNDS, _ROUNDS_TO_FIGURE, _TRIED, _MOST = 3, 8, 1.1, 2.5
+# Most sizings of either.
+_SIZINGS, _SIZINGS_TO_FIGURE = 12, 24
 # Fields whose causes have less than this share of the turn stay as they are, as do those that promise less of mass
 # times turn; a round that gives what it promised within three hundredths is the last.
 _LEAST_SHARE, _LEAST_GAIN, _AS_PROMISED = 0.03, 0.004, 0.03
@@ -218,7 +220,7 @@ class _Drive:
 
 
 @dataclass(frozen=True)
-class _Ways:
+class Ways:
     """Effect of some fields on a drive, by powers of the factors on their values.
 
     ``urad_Nm`` (c,): turns by cause, which fall with ``powers`` (c, f); ``mass_g``: that of the drive, to which a field
@@ -286,6 +288,7 @@ class _Run:
         # Whether only mass and compliance are weighed, so that no check compares the turn with a figure.
         self.weighs = self.ends[0].price is not None
         self._cells = _COARSE if self.weighs or self.ends[0].mass else CELLS
+        self._left = _SIZINGS if self.weighs else _SIZINGS_TO_FIGURE
         # Largest factors, lower where a larger one was refused.
         self._most = {s.field: s.most for s in stiffeners}
 
@@ -337,7 +340,7 @@ class _Run:
             turns |= {f"frame: {wall}": urad for wall, urad in frame.shares_urad_Nm.items()}
         return turns, kept_mass_g(found)
 
-    def ways(self, drive: _Drive, end: _End) -> _Ways | None:
+    def ways(self, drive: _Drive, end: _End) -> Ways | None:
         """Fields that can be raised, or lowered again, and what each does with the others as they are; None: none."""
         turns, found = drive.counted(end), list[tuple[Any, ...]]()
         for s in self._by_field.values():
@@ -363,7 +366,7 @@ class _Run:
             return None
         of, powers, each_g, bounds = zip(*found, strict=True)
         urad, grows = np.maximum(list(turns.values()), _NO_TURN), np.array([s.grows for s in of])
-        return _Ways(of, urad, np.array(powers).T, drive.mass_g, np.array(each_g), grows, np.array(bounds).T)
+        return Ways(of, urad, np.array(powers).T, drive.mass_g, np.array(each_g), grows, np.array(bounds).T)
 
     def proposed(self, drive: _Drive, end: _End) -> tuple[_End, dict[str, float], float]:
         """The end, factors on fields whose values then change, and what :attr:`_Drive.worth` should change by."""
@@ -393,6 +396,9 @@ class _Run:
         they do not pay.
         """
         found, whole = None, {**drive.factors, **factors}
+        if self._left <= 0:
+            return drive
+        self._left -= 1
         with suppress(SizingError):
             found = self.drive(whole, self.sized(whole, drive.sizing))
         if found is not None and found.failing <= drive.failing:
