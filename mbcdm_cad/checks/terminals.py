@@ -10,7 +10,7 @@ import numpy as np
 
 from mbcdm_cad.checks.comparison import Comparison, Family, Findings, at_most, check, noted
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
-from mbcdm_cad.checks.geometry import Points, polygon_gap
+from mbcdm_cad.checks.geometry import Points, box_gap, polygon_gap
 from mbcdm_cad.checks.springs import led
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.layouts.base import NoFigureError
@@ -102,11 +102,16 @@ def sleeve_fits(s: SectorLayout) -> Findings:
 @check("Terminals of one side do not touch", "derived; 0.1 mm: estimate", *_ROOM, advice=_SMALLER, none=_ALONE)
 def terminals_apart(s: SectorLayout) -> Findings:
     """Gap between neighbouring terminals and lugs on one side, including the corners of the nuts."""
+    nearest = np.inf
     for a, b in _pairs(s.drum):
+        others = bodies_of(s, b)
         for name, outline, low, high in bodies_of(s, a):
-            for other, other_outline, other_low, other_high in bodies_of(s, b):
+            for other, other_outline, other_low, other_high in others:
                 along_y = max(other_low - high, low - other_high)
+                if max(along_y, box_gap(outline, other_outline)) > nearest:
+                    continue
                 gap = along_y if along_y >= TERMINAL_GAP_MM else max(along_y, polygon_gap(outline, other_outline))
+                nearest = min(nearest, gap)
                 what = f"{name} of {a.cable_name} to {other} of {b.cable_name}"
                 yield what, gap, TERMINAL_GAP_MM
 

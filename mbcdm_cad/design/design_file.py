@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from importlib import import_module
@@ -80,20 +80,6 @@ class LazySizing:
 
 
 @dataclass(frozen=True)
-class SizingOfMany:
-    """How a configuration sizes many designs at once, as far as no frame is needed.
-
-    ``size`` fills the open fields of a file's data with the fields of some columns changed row by row, and yields the
-    designs in groups that agree on all choices. ``fields`` are those that its rules fill. ``drive`` is called with a
-    group and a drive of the same file; in the drive that it returns the numbers that the cable model reads are columns.
-    """
-
-    size: Callable[[dict[str, Any], Mapping[str, Sequence[Any]]], Iterator[Any]]
-    fields: tuple[str, ...]
-    drive: Callable[[Any, Drive], Drive]
-
-
-@dataclass(frozen=True)
 class DesignFile:
     """The design files of one configuration.
 
@@ -113,8 +99,6 @@ class DesignFile:
     sizing: LazySizing | None = None
     # Text of a short file of requirements, with a place for the design's ``name``; empty without sizing rules.
     starting: str = ""
-    # Sizing of many designs at once, if the configuration's rules support it; else they are sized one by one.
-    size_many: Callable[[], SizingOfMany] | None = None
 
     def derived(self) -> tuple[str, ...]:
         """Fields that are neither requirement nor choice: given in a file, they are pins."""

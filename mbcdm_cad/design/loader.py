@@ -142,18 +142,6 @@ def _with_blocks(tree: Tree, path: str, file: DesignFile) -> dict[str, Any]:
     return data
 
 
-def open_data(tree: Tree, path: Path, file: DesignFile) -> dict[str, Any]:
-    """The file's data as sizing rules read it: plain values, with the blocks that they will fill.
-
-    Raises InputError if a single field of the file is invalid.
-    """
-    tree, _ = _split(tree, str(path), file)
-    _has_gaps(tree, str(path), file)
-    data = _with_blocks(tree, str(path), file)
-    by_rows(data, path)
-    return data
-
-
 def _has_gaps(tree: Tree, path: str, file: DesignFile) -> bool:
     """Whether fields are missing. Raises InputError if given fields are invalid, or items of a list lack a field."""
     filled = {name: value for name, value in tree.data.items() if value is not None or not _may_be_left_out(name, file)}

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from math import ceil, floor
 from typing import Any
 
-from mbcdm_cad.sizing.arithmetic import PerDesign, greatest, least
 from mbcdm_cad.sizing.known import KnownFields
 
 # Tolerance, so that a figure that is already a multiple of its step is not rounded up.
@@ -49,23 +48,23 @@ def rounded_down(value: float, step: float) -> float:
     return round(floor(value / step + _ON_STEP) * step, 9)
 
 
+def significant(value: float, digits: int) -> float:
+    """The value rounded to significant digits."""
+    return float(f"{value:.{digits}g}")
+
+
 def largest(needs: dict[str, float], step: float) -> Found:
     """The smallest value that meets all needs, rounded up; the need that determines it is the driver."""
-    return Found(rounded_up(greatest(*needs.values()), step), driver_of(needs, max), f"up to {step:g}")
+    return Found(rounded_up(max(needs.values()), step), driver_of(needs, max), f"up to {step:g}")
 
 
 def smallest(needs: dict[str, float], step: float) -> Found:
     """The largest value within all limits, rounded down; the limit that determines it is the driver."""
-    return Found(rounded_down(least(*needs.values()), step), driver_of(needs, min), f"down to {step:g}")
+    return Found(rounded_down(min(needs.values()), step), driver_of(needs, min), f"down to {step:g}")
 
 
 def driver_of(needs: Mapping[str, float], which: Callable[..., str]) -> str:
-    """Name of the largest need (``which`` is ``max``) or of the smallest (``min``).
-
-    Empty for columns, where it would differ from design to design: for many designs no drivers are recorded.
-    """
-    if any(isinstance(need, PerDesign) for need in needs.values()):
-        return ""
+    """Name of the largest need (``which`` is ``max``) or of the smallest (``min``)."""
     return which(needs, key=lambda name: needs[name])
 
 

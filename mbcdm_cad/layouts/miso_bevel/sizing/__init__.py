@@ -26,8 +26,7 @@ from mbcdm_cad.layouts.stiff_sizing import SHARED, bearing, stiffened, walls
 from mbcdm_cad.sizing.engine import fill
 from mbcdm_cad.sizing.rule import Rule
 
-# Rope, parts by load, radii, places of the pulleys. None of these rules runs a check on a drive, so that they also work
-# on many designs at once.
+# Rope, parts by load, radii, places of the pulleys.
 BEFORE_FRAME: tuple[Rule, ...] = (
     HALF_TRAVEL,
     *NAMES,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from math import radians, sqrt, tan
 
 from mbcdm_cad.checks.geometry import CABLE_GAP_MM
 from mbcdm_cad.checks.input_pulley import SHOULDER_MM
@@ -31,8 +32,7 @@ from mbcdm_cad.layouts.head_basis import counts_losses
 from mbcdm_cad.layouts.miso_bevel.design_file.schema import REFERENCE
 from mbcdm_cad.layouts.miso_bevel.sizing.known import LEAD_STEP_MM, STEPS, UNEVEN, BevelKnown
 from mbcdm_cad.parts.input_pulley.stop import neck_mm, widest_bend_mm
-from mbcdm_cad.sizing.arithmetic import greatest, least, number, radians, significant, sqrt, tan
-from mbcdm_cad.sizing.rule import Found, Rule, constant, driver_of, rounded_down, rounded_up
+from mbcdm_cad.sizing.rule import Found, Rule, constant, driver_of, rounded_down, rounded_up, significant
 
 
 def _land_edge(given: BevelKnown) -> Found:
@@ -41,9 +41,9 @@ def _land_edge(given: BevelKnown) -> Found:
     wanted = EDGE_BREAK_MM + RUN_OUT_MM
     if given.has("transmission.drum_radii_mm") and _guide_is_known(given):
         rises = [b - a for a, b in zip(given.guide_mm, given.guide_mm[1:], strict=False)]
-        limit = least(limit, rounded_down(least(*rises) - given.d_mm / 2, 0.001))
+        limit = min(limit, rounded_down(min(rises) - given.d_mm / 2, 0.001))
     driver = driver_of({"land_edge": wanted, "land_width": limit}, min)
-    return Found(round(greatest(least(wanted, limit), EDGE_BREAK_MM), 4), driver)
+    return Found(round(max(min(wanted, limit), EDGE_BREAK_MM), 4), driver)
 
 
 def _guide_is_known(given: BevelKnown) -> bool:
@@ -111,7 +111,7 @@ MEAN_OVER_FIRST = 1.1
 
 def _share_N(given: BevelKnown) -> float:
     """Tension that the peak torque adds to a cable, N, shared by four cables."""
-    return number(given["loads.peak_torque_Nm"] * 1e3 / (STEPS * MEAN_OVER_FIRST * given.first_drum_mm))
+    return float(given["loads.peak_torque_Nm"] * 1e3 / (STEPS * MEAN_OVER_FIRST * given.first_drum_mm))
 
 
 def _rope(given: BevelKnown) -> Found:
@@ -161,13 +161,13 @@ def _preload(given: BevelKnown) -> Found:
     ends = given.rope["breaking_load_N"] * given.termination.strength_share
     held = ends / (given["limits.tension_safety_factor"] * HELD_SPARE) - UNEVEN * share
     usual = PRELOAD_FACTOR * share
-    driver = driver_of({"no_slack": usual, "tension": least(most, held)}, min)
-    return Found(significant(greatest(least(usual, most, held), 0.5 * usual), 2), driver, "two digits")
+    driver = driver_of({"no_slack": usual, "tension": min(most, held)}, min)
+    return Found(significant(max(min(usual, most, held), 0.5 * usual), 2), driver, "two digits")
 
 
 def _lead(given: BevelKnown) -> Found:
     """Room for a rope as thick as its tolerance allows, as far as the steps and a stated centre distance leave it."""
-    largest_input = greatest(*given.input_mm)
+    largest_input = max(given.input_mm)
     clearing = given.clearing_lead_mm(largest_input)
     lead = rounded_up(clearing, LEAD_STEP_MM)
     # Files that reckon as the paper does keep its lead.
@@ -175,14 +175,14 @@ def _lead(given: BevelKnown) -> Found:
         return Found(lead, "self_clearance", f"up to {LEAD_STEP_MM:g}")
     thicker = given.get("making.rope_diameter_share", Making.rope_diameter_share) * given.d_mm
     wanted = rounded_up(clearing + THICKER_SPARE * thicker, LEAD_STEP_MM)
-    step = least(*(b - a for a, b in pairwise(given.drum_mm)))
+    step = min(b - a for a, b in pairwise(given.drum_mm))
     room = ((step - given.d_mm) / 2 - CABLE_GAP_MM) / given.walk_mm(1.0)
-    wanted = greatest(lead, least(wanted, rounded_down(room, LEAD_STEP_MM)))
+    wanted = max(lead, min(wanted, rounded_down(room, LEAD_STEP_MM)))
     if given.has("transmission.centre_distance_mm"):
-        across = greatest(*given.guide_mm) + largest_input
-        span = sqrt(greatest(given["transmission.centre_distance_mm"] ** 2 - across**2, 1e-6))
+        across = max(given.guide_mm) + largest_input
+        span = sqrt(max(given["transmission.centre_distance_mm"] ** 2 - across**2, 1e-6))
         most = span * tan(radians(given.fleet_limit_deg)) / given.walk_mm(1.0)
-        wanted = greatest(lead, least(wanted, rounded_down(most, LEAD_STEP_MM)))
+        wanted = max(lead, min(wanted, rounded_down(most, LEAD_STEP_MM)))
     return Found(wanted, "self_clearance_stack", f"up to {LEAD_STEP_MM:g}")
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
-from math import pi, sqrt
+from math import atan, hypot, pi, radians, sqrt, tan
 from typing import Any
 
 from pydantic import ValidationError
@@ -24,7 +24,6 @@ from mbcdm_cad.parts.drum_sector.design import seat_mm
 from mbcdm_cad.parts.drum_sector.sizes import lug_wall_mm
 from mbcdm_cad.parts.input_pulley.dims import GROOVE_LEAD, GROOVE_RADIUS
 from mbcdm_cad.parts.threads import MOUNT_SCREWS, MountScrew
-from mbcdm_cad.sizing.arithmetic import atan, greatest, hypot, number, radians, tan
 from mbcdm_cad.sizing.known import RopeKnown
 
 STEPS = 4
@@ -105,7 +104,7 @@ class BevelKnown(RopeKnown):
     @property
     def modulus_GPa(self) -> float:
         """The rope's modulus: the design's own, else the catalogue's."""
-        return number(self.get("rope.modulus_GPa", self.rope["modulus_GPa"]))
+        return float(self.get("rope.modulus_GPa", self.rope["modulus_GPa"]))
 
     @property
     def area_mm2(self) -> float:
@@ -124,10 +123,10 @@ class BevelKnown(RopeKnown):
         """Drum radius over input radius."""
         both = ("transmission.ratios.input_to_guide", "transmission.ratios.guide_to_drum")
         if all(self.has(field) for field in both):
-            return number(self[both[0]] * self[both[1]])
+            return float(self[both[0]] * self[both[1]])
         if self.has("transmission.input_radii_mm"):
-            return number(self.drum_mm[0] / self["transmission.input_radii_mm"][0])
-        return number(self["transmission.ratio"])
+            return float(self.drum_mm[0] / self["transmission.input_radii_mm"][0])
+        return float(self["transmission.ratio"])
 
     @property
     def drum_mm(self) -> list[float]:
@@ -139,7 +138,7 @@ class BevelKnown(RopeKnown):
         """Pitch radius of the drum's step 1."""
         if self.has("transmission.drum_radii_mm"):
             return self.drum_mm[0]
-        return number(self["transmission.drum_radius_mm"])
+        return float(self["transmission.drum_radius_mm"])
 
     @property
     def guide_mm(self) -> list[float]:
@@ -165,7 +164,7 @@ class BevelKnown(RopeKnown):
     def terminal_mm(self) -> float:
         """How far a terminal with its lug reaches from its axis: see ``terminal_half_mm`` of the drum."""
         hole = self.entry("tensioners", "drum.tensioner")["clearance_mm"] / 2
-        return greatest(self.nut_mm, hole + lug_wall_mm(self.printed("drum"), self.wall_mm("drum")))
+        return float(max(self.nut_mm, hole + lug_wall_mm(self.printed("drum"), self.wall_mm("drum"))))
 
     @property
     def spring(self) -> dict[str, Any] | None:
@@ -183,7 +182,7 @@ class BevelKnown(RopeKnown):
     def nut_pocket_mm(self) -> float:
         """Half width of the nuts' pocket: the cutter's corner does not lift the nut."""
         corner = self.entry("materials", "drum.material")["min_internal_radius_mm"]
-        return number(self.nut_mm + self["clearances.running_mm"] + corner)
+        return float(self.nut_mm + self["clearances.running_mm"] + corner)
 
     def insert(self, part: str, thread_mm: float) -> InsertSpec | None:
         """The insert that a thread gets in a part, as :meth:`mbcdm_cad.design.drive.Drive.insert` has it."""
@@ -199,7 +198,7 @@ class BevelKnown(RopeKnown):
     @property
     def drum_inner_mm(self) -> float:
         """y of the drum's inner face."""
-        return self.guide_mm[0] - self.d_mm / 2 + number(self["clearances.transfer_gap_mm"])
+        return self.guide_mm[0] - self.d_mm / 2 + float(self["clearances.transfer_gap_mm"])
 
     @property
     def highest_tension_N(self) -> float:
@@ -216,7 +215,7 @@ class BevelKnown(RopeKnown):
         """Largest fleet angle that the input pulleys' surface allows; smooth ones as long as none is chosen."""
         if self.get("input_pulleys.surface", "smooth") == "grooved":
             return self.grooved_fleet_deg
-        return number(self["limits.fleet_angle_max_deg"])
+        return float(self["limits.fleet_angle_max_deg"])
 
     def clearing_lead_mm(self, input_radius_mm: float) -> float:
         """Least lead at which the span clears the turn before it, at the largest fleet angle that is allowed."""
@@ -227,12 +226,12 @@ class BevelKnown(RopeKnown):
     @property
     def grooved_fleet_deg(self) -> float:
         """Largest fleet angle on grooves."""
-        return number(self.get("limits.fleet_angle_grooved_max_deg", GROOVED_FLEET_DEG))
+        return float(self.get("limits.fleet_angle_grooved_max_deg", GROOVED_FLEET_DEG))
 
     def grooved_lead_mm(self, input_radius_mm: float) -> float:
         """The same on grooves, whose crests need room too."""
         lead = clearing_lead_mm(self.d_mm, input_radius_mm, self.grooved_fleet_deg)
-        return greatest(lead, GROOVE_LEAD * GROOVE_RADIUS * self.d_mm)
+        return max(lead, GROOVE_LEAD * GROOVE_RADIUS * self.d_mm)
 
     @property
     def motors_above(self) -> bool:

@@ -45,7 +45,6 @@ from mbcdm_cad.parts.collar import collar
 from mbcdm_cad.parts.drum_sector.sizes import SPRING_HEIGHT_MM, SWAGE_FLOOR_MM
 from mbcdm_cad.parts.input_pulley.stop import neck_mm
 from mbcdm_cad.parts.threads import clamp_force_N
-from mbcdm_cad.sizing.arithmetic import greatest, least, number
 from mbcdm_cad.sizing.rule import Found, Rule, rounded_up
 
 # An input carries half the peak torque, a little more in the direction of the bias of its preload.
@@ -83,22 +82,22 @@ END_ROOM_MM = 0.5
 
 
 def _share_N(given: BevelKnown) -> float:
-    return number(given["loads.peak_torque_Nm"] * 1e3 / (4.4 * given.first_drum_mm))
+    return float(given["loads.peak_torque_Nm"] * 1e3 / (4.4 * given.first_drum_mm))
 
 
 def _tension_N(given: BevelKnown) -> float:
-    return number(given["rope.preload_N"] + _share_N(given))
+    return float(given["rope.preload_N"] + _share_N(given))
 
 
 def _input_torque_Nm(given: BevelKnown) -> float:
     radius = given.first_drum_mm / given.total_ratio
-    step = greatest(LEAST_STEP_MM, least_step_mm(given))
-    share = greatest(BIAS_SHARE, step / given.first_drum_mm)
+    step = max(LEAST_STEP_MM, least_step_mm(given))
+    share = max(BIAS_SHARE, step / given.first_drum_mm)
     bias = share * given["rope.preload_N"] * radius * 1e-3
     needed = TORQUE_SPARE * given["loads.peak_torque_Nm"] / (2 * given.total_ratio) + bias
     if counts_losses(given):
         needed = needed + _lost_at_input_Nm(given)
-    return number(needed)
+    return float(needed)
 
 
 def _lost_at_input_Nm(given: BevelKnown) -> float:
@@ -108,7 +107,7 @@ def _lost_at_input_Nm(given: BevelKnown) -> float:
     """
     radius = given.first_drum_mm / given.total_ratio
     at_input = 0.5 * ROPE_FACTOR * (given.d_mm / (2.0 * radius)) ** ROPE_EXPONENT
-    return number(INPUT_LOSSES * at_input * 2.0 * given["rope.preload_N"] * radius * 1e-3)
+    return float(INPUT_LOSSES * at_input * 2.0 * given["rope.preload_N"] * radius * 1e-3)
 
 
 def _total_ratio(given: BevelKnown) -> float:
@@ -176,13 +175,13 @@ def _gearhead(given: BevelKnown) -> Found:
 def _stud_needed_mm(given: BevelKnown, entry: Entry) -> float:
     """Least length of the stud, mm: through both nuts at the start, and up to the sleeve with the terminal drawn in."""
     fixed = entry["swage_length_mm"] + entry["lug_thickness_mm"] + 2 * entry["nut_height_mm"]
-    needed = greatest(take_up_mm(given), take_up_with_mm(given, entry))
-    return number(fixed + TAKE_UP_SPARE * needed + END_ROOM_MM + THREAD_OUT_PITCHES * entry["pitch_mm"])
+    needed = max(take_up_mm(given), take_up_with_mm(given, entry))
+    return float(fixed + TAKE_UP_SPARE * needed + END_ROOM_MM + THREAD_OUT_PITCHES * entry["pitch_mm"])
 
 
 def _led(play_mm: float) -> float:
     """Margin of a spring's play round its stud."""
-    return least(play_mm - LEAST_PLAY_MM, MOST_PLAY_MM - play_mm)
+    return min(play_mm - LEAST_PLAY_MM, MOST_PLAY_MM - play_mm)
 
 
 def _tensioner(given: BevelKnown) -> Found:
@@ -194,7 +193,7 @@ def _tensioner(given: BevelKnown) -> Found:
         strength = steels[entry["material"]]["yield_MPa"] * entry["stress_area_mm2"]
         return {
             "stud_stress": strength / (STUD_SAFETY * STUD_SPARE * tension) - 1.0,
-            "sleeve_fits": least(
+            "sleeve_fits": min(
                 entry["swage_diameter_mm"] / (ends.sleeve_ratio * d) - 1.0,
                 (entry["swage_length_mm"] - SWAGE_FLOOR_MM) / (ends.grip_ratio * d) - 1.0,
             ),
@@ -207,7 +206,7 @@ def _tensioner(given: BevelKnown) -> Found:
 
 def _smallest_input_mm(given: BevelKnown) -> float:
     if given.has("transmission.drum_radii_mm") and given.has("transmission.ratios.input_to_guide"):
-        return least(*given.input_mm)
+        return min(given.input_mm)
     return given.first_drum_mm / given.total_ratio
 
 

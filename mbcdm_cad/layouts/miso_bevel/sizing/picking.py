@@ -8,7 +8,6 @@ from operator import itemgetter
 from typing import Any
 
 from mbcdm_cad.layouts.miso_bevel.sizing.known import BevelKnown
-from mbcdm_cad.sizing.arithmetic import PerDesign, index_of_greatest, least
 from mbcdm_cad.sizing.rule import Found, driver_of
 
 Entry = Mapping[str, Any]
@@ -19,10 +18,8 @@ LIGHTEST = "lightest of the catalogue"
 
 
 def _kept(margins: Margins) -> bool:
-    """Whether no margin is negative; margins that are equal for all designs are tested first."""
-    return all(m >= 0.0 for m in margins.values() if not isinstance(m, PerDesign)) and bool(
-        least(*margins.values()) >= 0.0
-    )
+    """Whether no margin is negative."""
+    return all(margin >= 0.0 for margin in margins.values())
 
 
 def first(candidates: Iterable[tuple[str, Callable[[], Margins]]]) -> Found:
@@ -37,7 +34,7 @@ def first(candidates: Iterable[tuple[str, Callable[[], Margins]]]) -> Found:
         if _kept(margins):
             return Found(name, driver_of(refused[-1][1], min) if refused else "", LIGHTEST)
         refused.append((name, margins))
-    name, margins = refused[index_of_greatest([least(*margins.values()) for _, margins in refused])]
+    name, margins = max(refused, key=lambda one: min(one[1].values()))
     return Found(name, driver_of(margins, min), "nothing in the catalogue does: the nearest")
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import inf, pi
+from math import hypot, inf, pi, sqrt
 from typing import Any
 
 import numpy as np
@@ -32,7 +32,6 @@ from mbcdm_cad.parts.bodies import screw_places
 from mbcdm_cad.parts.boss import BEARING_WALL_MM, EAR_WALL_MM
 from mbcdm_cad.parts.collar import collar_sweep_mm
 from mbcdm_cad.parts.motor_head.dims import KEY_PLAY_MM
-from mbcdm_cad.sizing.arithmetic import greatest, hypot, index_of_greatest, least, number, sqrt
 from mbcdm_cad.sizing.rule import Found, Rule, driver_of, largest, rounded_down, rounded_up
 
 STEP_MM = 0.1
@@ -72,14 +71,14 @@ def _steps_ratio(given: BevelKnown, step_mm: float) -> float:
 
 
 def _swage_mm(given: BevelKnown) -> float:
-    return number(given.entry("tensioners", "drum.tensioner")["swage_diameter_mm"] / 2)
+    return float(given.entry("tensioners", "drum.tensioner")["swage_diameter_mm"] / 2)
 
 
 def least_step_mm(given: BevelKnown) -> float:
     """Least step for rope, travel and terminals, mm, before lead, gaps and guide are known."""
     d = given.d_mm
     walk = given.walk_mm(d)
-    return greatest(d + 2 * walk, given.nut_pocket_mm - d / 2, given.nut_mm + _swage_mm(given)) + TERMINAL_GAP_MM
+    return max(d + 2 * walk, given.nut_pocket_mm - d / 2, given.nut_mm + _swage_mm(given)) + TERMINAL_GAP_MM
 
 
 def _step_needs(given: BevelKnown, step_mm: float) -> dict[str, float]:
@@ -93,7 +92,7 @@ def _step_needs(given: BevelKnown, step_mm: float) -> dict[str, float]:
         "terminals_apart": given.nut_mm + _swage_mm(given) + TERMINAL_GAP_MM + SLANT_MM,
     }
     if given.has("transmission.ratios.guide_to_drum"):
-        per_mm = number(given["transmission.ratios.guide_to_drum"])
+        per_mm = float(given["transmission.ratios.guide_to_drum"])
     else:
         per_mm = given.first_drum_mm / _guide_wanted(given, step_mm)[1]
     needs["land_width"] = per_mm * (d / 2 + given["clearances.land_edge_mm"] + FLANK_GAP_MM)
@@ -106,7 +105,7 @@ def _drum_radii(given: BevelKnown) -> Found:
     needs: dict[str, float] = {}
     for _ in range(4):
         needs = _step_needs(given, step)
-        step = greatest(*needs.values())
+        step = max(needs.values())
     found = largest(needs, STEP_MM)
     first = given.first_drum_mm
     return Found([round(first + k * found.value, 6) for k in range(STEPS)], found.driver, f"steps {found.rounding}")
@@ -124,13 +123,13 @@ def _guide_wanted(given: BevelKnown, step_mm: float) -> tuple[str, float]:
         "drum_sweep": outer_input + d + MOVING_GAP_MM + max(nut - d / 2, -gap),
         "bend_ratio": given["limits.bend_ratio_min"] * d / 2,
     }
-    radius, room = greatest(*needs.values()), _guide_room_mm(given, outer_input, step_mm)
+    radius, room = max(needs.values()), _guide_room_mm(given, outer_input, step_mm)
     if radius > room:
         # Needs that a setback of the inputs can also meet are ignored if the file gives the centre distance.
-        left = {name: least(need, room) if name in _MENDED_BY_SETBACK else need for name, need in needs.items()}
-        driver = list(left)[index_of_greatest(list(left.values()))]
+        left = {name: min(need, room) if name in _MENDED_BY_SETBACK else need for name, need in needs.items()}
+        driver = max(left, key=lambda name: left[name])
         return "centre_distance" if driver in _MENDED_BY_SETBACK else driver, left[driver]
-    return driver_of(needs, max), number(radius)
+    return driver_of(needs, max), float(radius)
 
 
 _MENDED_BY_SETBACK = ("front_wall", "drum_sweep")
@@ -143,9 +142,9 @@ def _guide_room_mm(given: BevelKnown, outer_input_mm: float, step_mm: float) -> 
         return inf
     d, outer = given.d_mm, _steps_ratio(given, step_mm)
     walk = given.walk_mm(rounded_up(given.grooved_lead_mm(outer_input_mm), LEAD_STEP_MM))
-    span = greatest(span_for_fleet_mm(walk, given.grooved_fleet_deg) * SPAN_SPARE, 2 * BLEND_DIAMETERS * d)
-    across = least(sqrt(greatest(distance**2 - span**2, 0.0)), distance - d - given["clearances.running_mm"])
-    return number((across - outer_input_mm) / outer)
+    span = max(span_for_fleet_mm(walk, given.grooved_fleet_deg) * SPAN_SPARE, 2 * BLEND_DIAMETERS * d)
+    across = min(sqrt(max(distance**2 - span**2, 0.0)), distance - d - given["clearances.running_mm"])
+    return float((across - outer_input_mm) / outer)
 
 
 def _guide_to_drum(given: BevelKnown) -> Found:
@@ -159,13 +158,13 @@ def _guide_to_drum(given: BevelKnown) -> Found:
 
 
 def _input_to_guide(given: BevelKnown) -> float:
-    return number(round(given["transmission.ratio"] / given["transmission.ratios.guide_to_drum"], 9))
+    return float(round(given["transmission.ratio"] / given["transmission.ratios.guide_to_drum"], 9))
 
 
 def _centre_distance(given: BevelKnown) -> Found:
     d, running = given.d_mm, given["clearances.running_mm"]
     fleet = given.fleet_limit_deg
-    guide, pulley = greatest(*given.guide_mm), greatest(*given.input_mm)
+    guide, pulley = max(given.guide_mm), max(given.input_mm)
     span = span_for_fleet_mm(given.walk_mm(given["rope.helix_lead_mm"]), fleet) * SPAN_SPARE
     apart = _apart_mm(given, given.motors_above)
     setback = _expected_setback_mm(given)
@@ -187,10 +186,10 @@ def _apart_mm(given: BevelKnown, above: bool) -> float:
     ring, input_encoder = given.entry("encoders", "drive.drum_encoder"), given.entry("encoders", "drive.encoder")
     encoder = input_encoder["diameter_mm"] / 2
     if above:
-        return number(max(drive_radius_mm(given) + running, box_mm(given) + _axle_mm(given), encoder + _web_mm(given)))
+        return float(max(drive_radius_mm(given) + running, box_mm(given) + _axle_mm(given), encoder + _web_mm(given)))
     ears = ring["bolt_circle_mm"] / 2 + given.screw(ring["screw"]).thread_mm / 2 + EAR_WALL_MM
     column = max(drum_bearing["outer_diameter_mm"] / 2 + BEARING_WALL_MM, ears, ring["diameter_mm"] / 2)
-    return number(max(drive_radius_mm(given) + column, encoder) + running)
+    return float(max(drive_radius_mm(given) + column, encoder) + running)
 
 
 def _crowded_below(given: BevelKnown) -> bool:
@@ -221,7 +220,7 @@ def _surface(given: BevelKnown) -> Found:
     if not given.has("transmission.centre_distance_mm"):
         return Found("smooth", "centre distance follows")
     distance = given["transmission.centre_distance_mm"]
-    across = greatest(*given.guide_mm) + greatest(*given.input_mm)
+    across = max(given.guide_mm) + max(given.input_mm)
     if distance <= across:
         raise SizingError(
             Broken(
@@ -233,8 +232,8 @@ def _surface(given: BevelKnown) -> Found:
                 may_move=True,
             )
         )
-    span = sqrt(greatest(distance**2 - across**2, 1e-6))
-    angle = fleet_deg(given.walk_mm(given.clearing_lead_mm(greatest(*given.input_mm))), span)
+    span = sqrt(max(distance**2 - across**2, 1e-6))
+    angle = fleet_deg(given.walk_mm(given.clearing_lead_mm(max(given.input_mm))), span)
     return Found("smooth" if angle <= given["limits.fleet_angle_max_deg"] else "grooved", "fleet_angle")
 
 
@@ -255,14 +254,14 @@ def _expected_setback_mm(given: BevelKnown) -> float:
     Whether the drum also clears them without a setback is known only after the frame is sized.
     """
     if given.has("transmission.input_setback_mm"):
-        return number(given["transmission.input_setback_mm"])
+        return float(given["transmission.input_setback_mm"])
     needs = (*_passing_needs_mm(given).values(), _front_wall_mm(given))
-    return rounded_up(greatest(0.0, *needs), STEP_MM)
+    return rounded_up(max(0.0, *needs), STEP_MM)
 
 
 def _lowest_mm(given: BevelKnown) -> float:
     """Lowest y of the parts that turn with the drum: its inner face or a terminal."""
-    return least(given.guide_mm[0] - given.terminal_mm, given.drum_inner_mm)
+    return min(given.guide_mm[0] - given.terminal_mm, given.drum_inner_mm)
 
 
 def _front_wall_mm(given: BevelKnown) -> float:
@@ -277,7 +276,7 @@ def _front_wall_mm(given: BevelKnown) -> float:
         seat = max(seat, max(y for _, y in places) + given.screw(gear.screw).key_mm / 3**0.5 + KEY_PLAY_MM)
     else:
         seat = max(seat, gear.pilot_diameter_mm / 2)
-    return number(seat + given.wall_mm("support") - (_lowest_mm(given) - given["clearances.running_mm"]))
+    return float(seat + given.wall_mm("support") - (_lowest_mm(given) - given["clearances.running_mm"]))
 
 
 def _passing_needs_mm(given: BevelKnown) -> dict[str, float]:
@@ -291,7 +290,7 @@ def _passing_needs_mm(given: BevelKnown) -> dict[str, float]:
     return {
         "drum_sweep": drives + given["clearances.running_mm"] - lowest,
         **collars,
-        "input pulleys": greatest(*given.input_mm) + d / 2 + MOVING_GAP_MM - least(lowest, given.guide_mm[0] - d / 2),
+        "input pulleys": max(given.input_mm) + d / 2 + MOVING_GAP_MM - min(lowest, given.guide_mm[0] - d / 2),
     }
 
 
@@ -315,8 +314,8 @@ def take_up_mm(given: BevelKnown) -> float:
     """
     first = given.first_drum_mm
     known = given.has("transmission.drum_radii_mm")
-    outer = greatest(*given.drum_mm) if known else USUAL_OUTER * first
-    distance = number(given.get("transmission.centre_distance_mm", USUAL_DISTANCE * first))
+    outer = max(given.drum_mm) if known else USUAL_OUTER * first
+    distance = float(given.get("transmission.centre_distance_mm", USUAL_DISTANCE * first))
     wound = 2 * outer * given.half_travel_rad + 2 * pi * outer / given.total_ratio * given["rope.dead_turns"]
     return _take_up_of(given, wound + distance + outer * (ANCHOR_SPARE_RAD + USUAL_GUIDE))
 
@@ -329,19 +328,19 @@ def take_up_with_mm(given: BevelKnown, terminal: Mapping[str, Any]) -> float:
     d, first = given.d_mm, given.first_drum_mm
     nut = terminal["nut_across_flats_mm"] / sqrt(3.0)
     walk = given.walk_mm(d)
-    step = greatest(d + 2 * walk, nut + terminal["swage_diameter_mm"] / 2 + SLANT_MM) + TERMINAL_GAP_MM
-    outer = greatest(*given.drum_mm) if given.has("transmission.drum_radii_mm") else first + (STEPS - 1) * step
+    step = max(d + 2 * walk, nut + terminal["swage_diameter_mm"] / 2 + SLANT_MM) + TERMINAL_GAP_MM
+    outer = max(given.drum_mm) if given.has("transmission.drum_radii_mm") else first + (STEPS - 1) * step
     pulley = outer / given.total_ratio
     if given.has("transmission.ratios.guide_to_drum"):
         guide = outer / given["transmission.ratios.guide_to_drum"]
     else:
         beside = pulley + d + MOVING_GAP_MM + nut
-        guide = greatest(beside, given["limits.bend_ratio_min"] * d / 2) * outer / first
+        guide = max(beside, given["limits.bend_ratio_min"] * d / 2) * outer / first
     distance = given.get("transmission.centre_distance_mm")
     if distance is None:
         span = span_for_fleet_mm(walk, given["limits.fleet_angle_max_deg"])
     else:
-        span = sqrt(greatest(distance**2 - (guide + pulley) ** 2, 0.0))
+        span = sqrt(max(distance**2 - (guide + pulley) ** 2, 0.0))
     wound = 2 * outer * given.half_travel_rad + 2 * pi * pulley * given["rope.dead_turns"]
     return _take_up_of(given, wound + span + GUIDE_ARC_RAD * guide + ANCHOR_RAD * outer)
 
@@ -350,7 +349,7 @@ def _take_up_of(given: BevelKnown, length_mm: float) -> float:
     cut = 2 * float(given.get("rope.cut_tolerance_mm", 0.5))
     stretch = given["rope.preload_N"] / (given.modulus_GPa * 1e3 * given.area_mm2)
     setting = 2 * given.termination.setting_ratio * given.d_mm
-    return number(length_mm * (stretch + given.rope["bedding_in_share"]) + cut + setting)
+    return float(length_mm * (stretch + given.rope["bedding_in_share"]) + cut + setting)
 
 
 RADII = (
