@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from mbcdm_cad.checks.design_variables import DesignVariable
     from mbcdm_cad.design.bought import Material
     from mbcdm_cad.design.design_file import DesignFile
+    from mbcdm_cad.layouts.attachment import Attachment
     from mbcdm_cad.layouts.life import Life
     from mbcdm_cad.layouts.structure import Structure
     from mbcdm_cad.layouts.turns import DriveTurns
@@ -151,6 +152,8 @@ class Layout(ABC):
     name: ClassVar[str]
     title: ClassVar[str]
     conventions: ClassVar[Conventions]
+    # Kinds of options that its designs may have.
+    takes: ClassVar[tuple[type[Attachment], ...]] = ()
     _by_id: ClassVar[dict[str, Check]]
 
     def __init__(self, drive: Drive, **given: Any) -> None:
@@ -264,17 +267,23 @@ class Layout(ABC):
 
     def all_cable_paths(self, drum_angle_rad: float) -> tuple[CablePath, ...]:
         """As :meth:`cable_paths`, with the cables of a drive that stands before this one in the assembly."""
-        return self.cable_paths(drum_angle_rad)
+        attached = (path for each in self.attachments for path in each.cable_paths(drum_angle_rad))
+        return (*self.cable_paths(drum_angle_rad), *attached)
+
+    @cached_property
+    def attachments(self) -> tuple[Attachment, ...]:
+        """The options that this design has, of those that its layout takes."""
+        return tuple(kind(self) for kind in self.takes if getattr(self.drive, kind.block) is not None)
 
     @property
     def first_stage_unit(self) -> Layout | None:
         """The drive that turns the input of this one, in the same file; None for a drive of one stage."""
-        return None
+        return next((each.unit for each in self.attachments if each.unit is not None), None)
 
     @property
     def further_checks(self) -> tuple[Check, ...]:
         """Checks of this design besides those of its layout, run after them: of a drive that stands before this one."""
-        return ()
+        return tuple(check for each in self.attachments for check in each.checks)
 
     @cached_property
     def moving_bodies(self) -> tuple[MovingBody, ...]:

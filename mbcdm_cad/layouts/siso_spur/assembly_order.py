@@ -8,7 +8,6 @@ from typing import Any
 from mbcdm_cad.checks.bearings import stage_torque_Nm
 from mbcdm_cad.design.stage import SET_TENSION
 from mbcdm_cad.layouts.assembly import steps
-from mbcdm_cad.layouts.siso_spur.bill import first_name
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.overhung import set_screw
 from mbcdm_cad.layouts.siso_spur.support.idlers import strap_screw
@@ -17,16 +16,14 @@ from mbcdm_cad.parts.motor_head.dims import flange_screw
 
 
 def assembly_order(layout: SpurLayout) -> tuple[AssemblyStep, ...]:
-    """Steps with the sizes of this design. Each item is added in one step; each screw is accessible in its step.
+    """Steps with the sizes of this design. Each item is added in one step; each screw is accessible in its step."""
+    before = (step for each in layout.attachments for step in each.steps_before())
+    return (*before, *own_steps(layout, based=True))
 
-    A first stage comes first, as a whole; what it is screwed on holds it in place of a base.
-    """
-    first = layout.first_stage_unit
-    before = () if first is None else steps(first, based=False, **figures(first))
-    return (
-        *(AssemblyStep(f"First stage: {s.text}", tuple(first_name(name) for name in s.items)) for s in before),
-        *steps(layout, based=True, **figures(layout)),
-    )
+
+def own_steps(layout: SpurLayout, based: bool) -> tuple[AssemblyStep, ...]:
+    """Those without its attachments; ``based``: with the one that screws the frame to a base."""
+    return steps(layout, based=based, **figures(layout))
 
 
 def figures(layout: SpurLayout) -> dict[str, Any]:

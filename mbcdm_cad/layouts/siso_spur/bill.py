@@ -12,7 +12,7 @@ from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.routes import turned
 from mbcdm_cad.layouts.siso_spur.support.idlers import SPACER_NOTE, Strap, strap_screw
 from mbcdm_cad.layouts.siso_spur.support.parts import Yoke
-from mbcdm_cad.parts.bill import CABLE, FIXED, Bill, BillBuilder, MovingBody, PartSpec
+from mbcdm_cad.parts.bill import Bill, BillBuilder, MovingBody
 from mbcdm_cad.parts.drum_sector.items import (
     add_cables,
     add_drum,
@@ -40,9 +40,6 @@ from mbcdm_cad.parts.stage import Belt, Wheel, belt_bottom_mm
 from mbcdm_cad.parts.train import add_horn
 
 _X, _Y, _Z, _BACK = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0)
-FIRST = "first_"
-# Beginnings of the names of parts that are the same in both stages.
-_STANDARD = ("screw_", "insert_", "bearing_")
 # Linear RGB.
 _RUBBER = (0.015, 0.015, 0.017)
 # Parts on the drum's axis and on the input's axis are drawn along Z with the gearhead below.
@@ -54,7 +51,8 @@ def moving_bodies(lay: SpurLayout) -> tuple[MovingBody, ...]:
     """Drum about +Y, idlers about +Y against it, input about -Y, with open spans +Y: theta_i = theta_o r_o/r_i."""
     drive = lay.drive
     inputs = input_bodies(drive, drive.input_names[0], 0.0)
-    return MovingBody("drum", "drum", (0.0, 0.0, 0.0), _Y), *idler_bodies(lay, 0.0), *inputs
+    attached = (body for each in lay.attachments for body in each.moving_bodies())
+    return MovingBody("drum", "drum", (0.0, 0.0, 0.0), _Y), *idler_bodies(lay, 0.0), *inputs, *attached
 
 
 def idler_bodies(lay: SpurLayout, angle_rad: float) -> Iterator[MovingBody]:
@@ -76,12 +74,6 @@ def input_bodies(drive: SpurDrive, name: str, angle_rad: float) -> tuple[MovingB
     ratio, distance, stage = (drive.drum_radius_mm, drive.input_radius_mm), drive.centre_distance_mm, drive.stage
     axis = _Y if drive.open_spans else _BACK
     body = MovingBody(f"input_{name}", "input", at(distance), axis, *ratio)
-    if drive.first_stage is not None:
-        # The first stage stands back to back, so that its input turns about +Y.
-        first = drive.first_stage
-        both = ratio[0] * first.drum_radius_mm, ratio[1] * first.input_radius_mm
-        z = distance + first.centre_distance_mm
-        return body, MovingBody(f"driver_{name}", "stage", at(z), _Y, *both)
     if stage is None:
         return (body,)
     turns = ratio[0] * stage.ratio * stage.sense
@@ -213,25 +205,6 @@ def add_idlers(b: BillBuilder, lay: SpurLayout, turn: Placement, mark: str = "")
             b.screw(f"idler_strap_screw{mark}_{n}_{k}", screw, steel, place)
 
 
-def add_first_stage(b: BillBuilder, lay: SpurLayout, first: SpurLayout, drum_angle_deg: float) -> None:
-    """All parts of the first stage, their names with ``first_`` before them; its drum turns with the input."""
-    name = lay.drive.input_names[0]
-    own = bill(first, drum_angle_deg * lay.drive.total_ratio)
-    groups = {FIXED: FIXED, "drum": f"input_{name}"} | {f"input_{i}": f"driver_{name}" for i in first.drive.input_names}
-    for item in own.items:
-        stem, what = first_name(item.part), own.parts[item.part]
-        b.parts.setdefault(stem, PartSpec(stem, what.part, what.drilled))
-        b.items.append(
-            replace(
-                item,
-                name=first_name(item.name),
-                part=stem,
-                location=lay.first_place @ item.location,
-                group=groups[item.group],
-            )
-        )
-
-
 def add_sectors(b: BillBuilder, lay: SpurLayout, turns: list[Placement]) -> None:
     """Add several sectors, hub on hub, the dowels between them, and the shaft, which the last hub holds.
 
@@ -264,13 +237,6 @@ def add_sectors(b: BillBuilder, lay: SpurLayout, turns: list[Placement]) -> None
     add_output(b, drive, d, lay.drum_shaft, stands[-1])
 
 
-def first_name(name: str) -> str:
-    """Name of an item or a part of the first stage; parts of a standard, and cables, keep their beginning."""
-    if name.startswith(CABLE):
-        return f"{CABLE}{FIRST}{name.removeprefix(CABLE)}"
-    return name if name.startswith(_STANDARD) else FIRST + name
-
-
 def bill(lay: SpurLayout, drum_angle_deg: float = 0.0) -> Bill:
     """All parts and instances with the drum at ``drum_angle_deg``."""
     drive, f = lay.drive, lay.frame
@@ -292,6 +258,6 @@ def bill(lay: SpurLayout, drum_angle_deg: float = 0.0) -> Bill:
         if drive.servo is not None:
             add_horn(b, drive, drive.servo, pulley.name, ALONG_Y, lay.levels.motor_shelf_bottom_z)
     add_cables(b, drive, lay.cable_paths(radians(drum_angle_deg)))
-    if lay.first_stage_unit is not None:
-        add_first_stage(b, lay, lay.first_stage_unit, drum_angle_deg)
+    for each in lay.attachments:
+        each.add_items(b, drum_angle_deg)
     return b.bill()

@@ -25,6 +25,7 @@ from mbcdm_cad.layouts.base import Conventions, dimensions
 from mbcdm_cad.layouts.sector import HeadLayout
 from mbcdm_cad.layouts.siso_spur.cable_path import cable_paths, input_wrap_rad, longest_mm, side_length_mm
 from mbcdm_cad.layouts.siso_spur.drive import MOST_SPREAD, PITCH_SPREAD, SpurDrive, SpurRun, laid, spur
+from mbcdm_cad.layouts.siso_spur.first_stage_unit import FirstStageUnit
 from mbcdm_cad.layouts.siso_spur.idlers import no_strand
 from mbcdm_cad.layouts.siso_spur.pulley import input_pulley
 from mbcdm_cad.layouts.siso_spur.stack import SpurStack, spur_stack
@@ -38,17 +39,14 @@ from mbcdm_cad.parts.drum_shaft import AxleDims, DrumShaftDims
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 from mbcdm_cad.parts.making import land_band_mm
 from mbcdm_cad.parts.motor_head.dims import Flange, HeadDims, head
-from mbcdm_cad.parts.placement import Placement
 from mbcdm_cad.parts.ring import IdlerDims
 from mbcdm_cad.parts.stage import HUB_EDGE_MM, StageDims, stage_dims
 from mbcdm_cad.parts.terminal.part import Tensioner
 from mbcdm_cad.parts.terminal.take_up import tensioned_rope, terminal_travel_mm
 from mbcdm_cad.parts.threads import MOUNT_SCREWS, SHEAR_SHARE, MountScrew, MountThread
 from mbcdm_cad.routes.cable_path import CablePath
-from mbcdm_cad.routes.curves import Helix, carried
 
 if TYPE_CHECKING:
-    from mbcdm_cad.checks.comparison import Check
     from mbcdm_cad.layouts.structure import Cause
     from mbcdm_cad.model.losses.train import BearingPair
     from mbcdm_cad.model.si import DriveSI
@@ -127,6 +125,7 @@ class SpurLayout(HeadLayout):
     name = "siso_spur"
     title = "one input beside the drum, one cable round it, axes parallel (Fig. 1 a)"
     variables = VARIABLES
+    takes = (FirstStageUnit,)
     frame_name = "plate"
     conventions = Conventions(
         frame="Frame: origin on the drum axis (Y), in the middle of the cable; the input stands at +Z; lengths in mm.",
@@ -311,48 +310,6 @@ class SpurLayout(HeadLayout):
             for path, name in zip(paths, self.drive.cable_names, strict=True)
         )
 
-    @cached_property
-    def first_stage_unit(self) -> SpurLayout | None:
-        """The first cable stage as a design of its own; None without."""
-        return None if self.drive.first_stage is None else SpurLayout(self.drive.first_stage)
-
-    @cached_property
-    def first_place(self) -> Placement:
-        """Where the first stage stands: its drum's axis is the input's, its boss on the motor shelf, back to back.
-
-        Its input is turned away from the drum.
-        """
-        first = self.first_stage_unit
-        assert first is not None
-        y = self.levels.motor_shelf_bottom_z + first.levels.back_y
-        return Placement.translation(0.0, y, self.drive.centre_distance_mm) @ Placement.about((0.0, 0.0, 1.0), 180.0)
-
-    def all_cable_paths(self, drum_angle_rad: float) -> tuple[CablePath, ...]:
-        """See the base class."""
-        first, own = self.first_stage_unit, self.cable_paths(drum_angle_rad)
-        if first is None:
-            return own
-        place, name = self.first_place, self.drive.input_names[0]
-        bodies = {"drum": f"input_{name}", **{f"input_{i}": f"driver_{name}" for i in first.drive.input_names}}
-        found = []
-        for path in first.cable_paths(drum_angle_rad * self.drive.total_ratio):
-            pieces = []
-            for piece_name, piece in path.pieces:
-                assert not isinstance(piece, Helix)
-                pieces.append((piece_name, carried(piece, place.rotation, place.shift_mm)))
-            stretches = tuple(replace(s, body=bodies.get(s.body or "")) for s in path.stretches)
-            cable = replace(path.cable, name=f"first_{path.cable.name}")
-            found.append(CablePath(cable, drum_angle_rad, tuple(pieces), stretches, first.drive.cable.diameter_mm))
-        return (*own, *found)
-
-    @property
-    def further_checks(self) -> tuple[Check, ...]:
-        """See the base class."""
-        if self.first_stage_unit is None:
-            return ()
-        found: tuple[Check, ...] = self._module("checks.first_stage").checks_of_first(self.first_stage_unit)
-        return found
-
     def bends_mm(self) -> Sequence[tuple[str, str, float]]:
         """Input pulley, idlers and drum."""
         name, drive = self.drive.input_names[0], self.drive
@@ -479,9 +436,7 @@ class SpurLayout(HeadLayout):
             at = -t.side * degrees(t.anchor_rad + atan2(t.tip, t.radius_mm))
             passes = np.arange(ceil((-half - at) / 360.0), floor((half - at) / 360.0) + 1)
             found |= {float(at + 360.0 * k) for k in (passes[0], passes[-1])} if len(passes) else set()
-        if self.first_stage_unit is not None:
-            found |= {angle / self.drive.total_ratio for angle in self.first_stage_unit.passing_deg}
-        return tuple(sorted(found))
+        return tuple(sorted(found.union(*(each.passing_deg for each in self.attachments))))
 
     @property
     def most_wrap_rad(self) -> float:

@@ -109,7 +109,7 @@ def _behind(s: SpurLayout, first: SpurLayout) -> Iterator[tuple[str, float]]:
 def first_stage_room(s: SpurLayout) -> Comparison:
     """Room of both stages beside each other: motor and plate of the first one from the frame of the second."""
     first = s.first_stage_unit
-    assert first is not None
+    assert isinstance(first, SpurLayout)
     running = s.drive.clearances.running_mm
     return worst(at_least(what, gap, running, "mm") for what, gap in (*_beside(s, first), *_behind(s, first)))
 
