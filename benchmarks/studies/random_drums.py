@@ -23,7 +23,7 @@ from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.layouts.structure import elastic
 from mbcdm_cad.model.structure.drum_sector import sector_study
-from mbcdm_cad.model.structure.plane_stress import AT_GAUSS, GAUSS, jacobian
+from mbcdm_cad.model.structure.quadrilateral import AT_GAUSS, GAUSS, jacobian
 from mbcdm_cad.model.structure.sector_mesh import SectorMesh
 from mbcdm_cad.parts.drum_sector.structure import hub, land_pulls, sector_shape
 from mbcdm_cad.routes import Floats

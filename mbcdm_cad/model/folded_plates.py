@@ -13,15 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mbcdm_cad.model.block_rows import Ints, by_bands, solve_mesh
+from mbcdm_cad.model.structure.quadrilateral import AT_GAUSS, CORNERS, GAUSS, elements, jacobian, plate_elements
 from mbcdm_cad.routes import Floats
 
-# Corners of an element in its own (u, v), and the Gauss points.
-_CORNERS = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
-_GAUSS = _CORNERS / np.sqrt(3.0)
 # Couples the rotation about a plate's normal to its in-plane rotation: a share of G that keeps the matrix regular.
 # Between 0.001 and 1 the windup of the reference frame changes by less than 2 %.
 _DRILLING = 0.1
-_SHEAR_FACTOR = 5.0 / 6.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,38 +34,26 @@ class Plates:
 
 
 def stiffness(sides_mm: Floats, thickness_mm: Floats, modulus_MPa: float, poisson: float) -> Floats:
-    """Stiffness (n, 24, 24) of plates with sides (n, 2), freedoms of a corner in the order (u, v, n, turn u, v, n)."""
-    a, b = sides_mm.T
-    count = len(a)
-    shear = modulus_MPa / (2.0 * (1.0 + poisson))
-    plane = modulus_MPa / (1.0 - poisson**2) * np.array([[1, poisson, 0], [poisson, 1, 0], [0, 0, (1 - poisson) / 2]])
-    su, sv = _CORNERS.T
-    # Nine strains at each Gauss point: three in the plane, three of bending, two across, one of drilling.
-    strain = np.zeros((count, len(_GAUSS), 9, 28))
-    for k, (p, q) in enumerate(_GAUSS):
-        du = (su * (1 + sv * q) / 4.0)[None, :] * 2.0 / a[:, None]
-        dv = (sv * (1 + su * p) / 4.0)[None, :] * 2.0 / b[:, None]
-        at = strain[:, k]
-        at[:, 0, 0:24:6] = at[:, 2, 1:24:6] = du
-        at[:, 1, 1:24:6] = at[:, 2, 0:24:6] = dv
-        at[:, 0, 24] = at[:, 2, 25] = -4.0 * p / a
-        at[:, 1, 27] = at[:, 2, 26] = -4.0 * q / b
-        # Fibres rotate with the corner: u moves by + turn v, v by - turn u, for each mm along the normal.
-        at[:, 3, 4:24:6], at[:, 5, 3:24:6] = du, -du
-        at[:, 5, 4:24:6], at[:, 4, 3:24:6] = dv, -dv
-        at[:, 6, 2:24:6], at[:, 6, 4:24:6] = (su * (1 + sv * q) / 4.0)[None, :] * 2.0 / a[:, None], (1 + sv * q) / 4.0
-        at[:, 7, 2:24:6], at[:, 7, 3:24:6] = (sv * (1 + su * p) / 4.0)[None, :] * 2.0 / b[:, None], -(1 + su * p) / 4.0
-        at[:, 8, 1:24:6], at[:, 8, 0:24:6] = du / 2.0, -dv / 2.0
-        at[:, 8, 5:24:6] = -(1 + su * p) * (1 + sv * q) / 4.0
-    law = np.zeros((count, 1, 9, 9))
-    law[:, 0, 0:3, 0:3] = plane * thickness_mm[:, None, None]
-    law[:, 0, 3:6, 3:6] = plane * (thickness_mm**3 / 12.0)[:, None, None]
-    law[:, 0, 6, 6] = law[:, 0, 7, 7] = shear * _SHEAR_FACTOR * thickness_mm
-    law[:, 0, 8, 8] = shear * _DRILLING * thickness_mm
-    stress = (law * (a * b / 4.0)[:, None, None, None]) @ strain
-    full = strain.reshape(count, -1, 28).transpose(0, 2, 1) @ stress.reshape(count, -1, 28)
-    bow = full[:, 24:, 24:]
-    return np.asarray(full[:, :24, :24] - full[:, :24, 24:] @ np.linalg.solve(bow, full[:, 24:, :24]))
+    """Stiffness (n, 24, 24) of plates with sides (n, 2), freedoms of a corner in the order (u, v, n, turn u, v, n).
+
+    The rotation about the normal is coupled to that of the plate in its own plane.
+    """
+    count = len(sides_mm)
+    corner = np.arange(4 * count).reshape(count, 4)
+    node = (sides_mm[:, None] * (CORNERS + 1.0) / 2.0).reshape(-1, 2)
+    body = node, corner, thickness_mm, modulus_MPa, poisson
+    freedom = np.arange(24).reshape(4, 6)
+    in_plane = freedom[:, :2].ravel()
+    # Fibres lean with the corner: u moves by + turn v, v by - turn u, for each mm along the normal.
+    leaning, sign = freedom[:, [2, 4, 3]].ravel(), np.tile([1.0, 1.0, -1.0], 4)
+    whole = np.zeros((count, 24, 24))
+    whole[:, in_plane[:, None], in_plane] = elements(*body).stiffness
+    whole[:, leaning[:, None], leaning] = plate_elements(*body).stiffness * np.outer(sign, sign)
+    at = jacobian(node[corner], GAUSS)
+    turn = np.zeros((count, 4, 24))
+    turn[:, :, 1::6], turn[:, :, 0::6], turn[:, :, 5::6] = at.gradient_x / 2.0, -at.gradient_y / 2.0, -AT_GAUSS
+    drilling = modulus_MPa / (2.0 * (1.0 + poisson)) * _DRILLING * thickness_mm[:, None] * at.det
+    return np.asarray(whole + turn.transpose(0, 2, 1) @ (turn * drilling[:, :, None]))
 
 
 def freedoms(plates: Plates) -> Ints:

@@ -18,9 +18,18 @@ from math import ceil, log, pi, sin
 import numpy as np
 
 from mbcdm_cad.model.block_rows import Ints
-from mbcdm_cad.model.structure import plane_stress
-from mbcdm_cad.model.structure.plane_stress import elements, plane_law, solve, stresses_MPa, von_mises_MPa
-from mbcdm_cad.model.structure.plate_bending import FREEDOMS, LEAN, LEANS, bend, eccentric, freedoms, plate_elements
+from mbcdm_cad.model.structure.quadrilateral import (
+    FREEDOMS,
+    LEAN,
+    LEANS,
+    eccentric,
+    elements,
+    freedoms,
+    plane_law,
+    plate_elements,
+    stresses_MPa,
+    von_mises_MPa,
+)
 from mbcdm_cad.model.structure.sector_mesh import SectorMesh, SectorShape, sector_mesh
 from mbcdm_cad.routes import Floats
 
@@ -203,10 +212,10 @@ def sector_study(
     stiffness = parts.stiffness + _root_springs(mesh, shape.held_mm, hub.root_mm2_N(material, web))
     load = np.sum([_torque_loads(mesh, pulls), _preloads(mesh, pulls)], axis=1).T
     try:
-        moved = mesh.solved(solve, stiffness, load)
+        moved = mesh.solved(stiffness, load)
     except np.linalg.LinAlgError:
         raise ValueError("drum: nothing joins its rim to its hub") from None
-    in_plane = [stresses_MPa(parts, column[plane_stress.freedoms(mesh.corner)]) for column in moved.T]
+    in_plane = [stresses_MPa(parts, column[freedoms(mesh.corner, 2)]) for column in moved.T]
     bent = _bent(shape, hub, pulls, material, _InPlane(mesh, parts.area_mm2, in_plane))
     start = min((web[0] + web[1]) / 2.0 + STIFFENED * (web[1] - web[0]), hub.face_mm)
     between = min(max(hub.set_mm, start), hub.face_mm)
@@ -252,7 +261,7 @@ def _bent(shape: SectorShape, hub: Hub, pulls: Sequence[LandPull], material: Iso
     coarse = sector_mesh(shape, shape.rings[-1].outer_mm / BENDING_CELLS, BENDING_PIECES)
     body = coarse.node_mm, coarse.corner, coarse.thickness_mm, material.modulus_MPa, material.poisson
     flat, plates = elements(*body), plate_elements(*body)
-    where, quarter = freedoms(coarse.corner), coarse.quarters(mesh)
+    where, quarter = freedoms(coarse.corner, FREEDOMS), coarse.quarters(mesh)
     met = quarter >= 0
     arm = (plane.area_mm2 * (mesh.thickness_mm * (mesh.middle_mm - level))[:, None]).ravel()[met]
     cables = _torque_loads(coarse, pulls), _preloads(coarse, pulls)
@@ -263,22 +272,22 @@ def _bent(shape: SectorShape, hub: Hub, pulls: Sequence[LandPull], material: Iso
         acting = arm * stress.reshape(-1, 3)[met].T
         moment = np.stack([np.bincount(quarter[met], one, 4 * len(where)) for one in acting], axis=1)
         beside = moment.reshape(-1, 1, 12) @ plates.curvature.reshape(-1, 12, 12)
-        load[:, k] -= np.bincount(where.of_plate.ravel(), beside.ravel(), len(load))
+        load[:, k] -= np.bincount(where[:, 8:].ravel(), beside.ravel(), len(load))
     web = first.start_mm, first.end_mm
     held = _root_springs(coarse, shape.held_mm, hub.root_mm2_N(material, web))
     clamp = _clamp(coarse, shape.held_mm, hub, material, web)
     height = coarse.middle_mm - level
     stiffness = eccentric(flat.stiffness, plates.stiffness + clamp, height)
     stiffness[:, :8, :8] += held
-    moved = coarse.solved(bend, stiffness, load)
+    moved = coarse.solved(stiffness, load)
     law = plane_law(material.modulus_MPa, material.poisson)
     in_web = np.repeat(mesh.radius_mm[mesh.corner].mean(axis=1) < shape.rim_mm, 4) & met
     half = np.where(in_web, np.repeat(mesh.thickness_mm / 2.0, 4), 0.0)[:, None]
     middle, front = [], []
     for column in moved.T:
-        leaning = column[where.of_plate]
+        leaning = column[where[:, 8:]]
         curved = (plates.curvature.reshape(-1, 12, 12) @ leaning[:, :, None]).reshape(-1, 3) @ law
-        follows = column[where.in_plane] + height[:, None] * column[where.all[:, LEANS]]
+        follows = column[where[:, :8]] + height[:, None] * column[where[:, LEANS]]
         own = stresses_MPa(flat, follows).reshape(-1, 3)
         middle.append(np.where(in_web[:, None], own[quarter], 0.0).reshape(-1, 4, 3))
         front.append((curved[quarter] * half).reshape(-1, 4, 3))

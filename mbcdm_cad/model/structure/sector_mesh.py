@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mbcdm_cad.model.block_rows import Ints
-from mbcdm_cad.model.structure.plane_stress import AT_GAUSS
+from mbcdm_cad.model.structure.quadrilateral import AT_GAUSS, solve
 from mbcdm_cad.routes import Floats
 
 Bools = NDArray[np.bool_]
@@ -102,15 +102,15 @@ class SectorMesh:
     grid: tuple[Floats, Floats]
     cell: Ints
 
-    def solved(self, solver: Callable[[Ints, Ints, Floats, Floats], Floats], stiffness: Floats, load: Floats) -> Floats:
-        """Displacements (f m, k) by a ``solver`` of corners, rows, stiffness (n, 4 f, 4 f) and load (f m, k).
+    def solved(self, stiffness: Floats, load: Floats) -> Floats:
+        """Freedoms (f m, k) under the loads (f m, k) by the elements' stiffness (n, 4 f, 4 f).
 
         Both ends of a mesh that goes all round are joined there: rows then hold the lines at the same distance from
         the seam on either side, so that elements still reach from one row to the next at most.
         """
         lines = len(self.grid[1]) - 1
         if self.grid[1][-1] - self.grid[1][0] < 2.0 * pi - 1e-9:
-            return solver(self.corner, self.line, stiffness, load)
+            return solve(self.corner, self.line, stiffness, load)
         count, stands = len(self.node_mm), np.arange(len(self.node_mm))
         first, last = (np.flatnonzero(self.line == end) for end in (0, lines))
         place = np.minimum(np.searchsorted(self.radius_mm[first], self.radius_mm[last] - 1e-9), len(first) - 1)
@@ -126,7 +126,7 @@ class SectorMesh:
         freedom = (each * number[:, None] + np.arange(each)).ravel()
         joined = np.zeros((each * len(order), load.shape[1]))
         np.add.at(joined, freedom, load)
-        return solver(number[self.corner], row[order], stiffness, joined)[freedom]
+        return solve(number[self.corner], row[order], stiffness, joined)[freedom]
 
     def quarters(self, other: SectorMesh) -> Ints:
         """Of each Gauss point (4 n,) of ``other`` the quarter of an element here that it lies in: 4 element + corner.

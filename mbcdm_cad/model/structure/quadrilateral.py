@@ -1,7 +1,11 @@
-"""Plane stress on a mesh of quadrilaterals in rows: four-node elements with two bending modes, a direct solution.
+"""Quadrilaterals of plane stress and of plates in bending, and the solution of a mesh of them in rows.
 
-The bending modes (incompatible modes with the gradients of the middle, Taylor, Beresford and Wilson 1976) let one
-element across a spoke bend as a beam does. Units: mm, N, MPa.
+In the plane four-node elements with two bending modes (incompatible modes with the gradients of the middle, Taylor,
+Beresford and Wilson 1976), which let one element across a spoke bend as a beam does. Out of it Reissner-Mindlin with
+shear strains assumed from the middles of the edges (Bathe and Dvorkin 1985), so that neither thin nor stubby plates
+lock. A triangle repeats a corner. Freedoms of a node: (u, v) in the plane, the deflection w along the normal, and how
+fast its fibres lean (a, b): a point at the height h above the plane moves in it by (u, v) + h (a, b). Units: mm, N,
+MPa.
 """
 
 from __future__ import annotations
@@ -20,6 +24,10 @@ CORNERS = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
 GAUSS = CORNERS / np.sqrt(3.0)
 # Weights of the corners (4 points, 4 corners) at the Gauss points.
 AT_GAUSS = (1.0 + CORNERS * GAUSS[:, None]).prod(axis=2) / 4.0
+_SHEAR_FACTOR = 5.0 / 6.0
+# Freedoms of a node (u, v, w, a, b); the first that leans; those that lean of an element's (n, 20).
+FREEDOMS, LEAN = 5, 3
+LEANS = 8 + np.array([1, 2, 4, 5, 7, 8, 10, 11])
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,16 +108,19 @@ def jacobian(xy: Floats, points: Floats) -> Jacobian:
 
 
 def solve(corner: Ints, row: Ints, stiffness: Floats, load: Floats) -> Floats:
-    """Displacements (2 m, k) under the loads (2 m, k). ``row`` (m,) of each node, ascending.
+    """Freedoms (f m, k) under the loads (f m, k) of elements (n, 4 f, 4 f). ``row`` (m,) of each node, ascending.
 
     Elements reach from one row to the next at most. Raises ``numpy.linalg.LinAlgError`` if the mesh is not held.
     """
-    return solve_mesh(np.repeat(row, 2), freedoms(corner), stiffness, load)
+    each = stiffness.shape[1] // 4
+    return solve_mesh(np.repeat(row, each), freedoms(corner, each), stiffness, load)
 
 
-def freedoms(corner: Ints) -> Ints:
-    """Freedoms (n, 8) of the corners."""
-    return (2 * corner[:, :, None] + np.arange(2)).reshape(len(corner), 8)
+def freedoms(corner: Ints, each: int) -> Ints:
+    """Freedoms (n, 4 ``each``) of elements whose nodes have two in the plane, or five: the eight in the plane first."""
+    first = each * corner[:, :, None]
+    groups = (np.arange(LEAN - 1), np.arange(LEAN - 1, each))
+    return np.concatenate([(first + own).reshape(len(corner), -1) for own in groups], axis=1)
 
 
 def stresses_MPa(e: Elements, moved_mm: Floats) -> Floats:
@@ -122,3 +133,61 @@ def von_mises_MPa(stress_MPa: Floats) -> Floats:
     """Equivalent stress of stresses (..., 3)."""
     sx, sy, txy = np.moveaxis(stress_MPa, -1, 0)
     return np.asarray(np.sqrt(sx**2 - sx * sy + sy**2 + 3.0 * txy**2))
+
+
+@dataclass(frozen=True, eq=False)
+class PlateElements:
+    """Stiffness (n, 12, 12), and curvatures (n, 4, 3, 12) at the Gauss points, by the freedoms of an element."""
+
+    stiffness: Floats
+    curvature: Floats
+
+
+def plate_elements(
+    node_mm: Floats, corner: Ints, thickness_mm: Floats, modulus_MPa: float, poisson: float
+) -> PlateElements:
+    """Elements of a mesh: nodes (m, 2), corners (n, 4), thickness (n,). Freedoms (w, a, b) by corner."""
+    count, xy = len(corner), node_mm[corner]
+    at = jacobian(xy, GAUSS)
+    curvature = np.zeros((count, 4, 3, 12))
+    curvature[:, :, 0, 1::3] = curvature[:, :, 2, 2::3] = at.gradient_x
+    curvature[:, :, 1, 2::3] = curvature[:, :, 2, 1::3] = at.gradient_y
+    # Shear along each edge from its first corner to its second, in the parent's coordinates.
+    edges = {}
+    for one, other in ((0, 1), (3, 2), (0, 3), (1, 2)):
+        edge = np.zeros((count, 12))
+        edge[:, 3 * one] += -0.5
+        edge[:, 3 * other] += 0.5
+        step = (xy[:, other] - xy[:, one]) / 4.0
+        for k in (one, other):
+            edge[:, 3 * k + 1 : 3 * k + 3] += step
+        edges[one, other] = edge
+    p, q = GAUSS.T[:, None, :, None]
+    along = (1.0 - q) / 2.0 * edges[0, 1][:, None] + (1.0 + q) / 2.0 * edges[3, 2][:, None]
+    across = (1.0 - p) / 2.0 * edges[0, 3][:, None] + (1.0 + p) / 2.0 * edges[1, 2][:, None]
+    xp, yp, xq, yq = ((k / at.det)[:, :, None] for k in (at.xp, at.yp, at.xq, at.yq))
+    shear = np.stack([yq * along - yp * across, xp * across - xq * along], axis=2)
+    bends = plane_law(modulus_MPa, poisson) * (thickness_mm**3 / 12.0)[:, None, None]
+    shears = _SHEAR_FACTOR * modulus_MPa / (2.0 * (1.0 + poisson)) * thickness_mm
+    stiffness = _product(curvature, bends[:, None] @ curvature * at.det[:, :, None, None])
+    stiffness += _product(shear, shear * (shears[:, None] * at.det)[:, :, None, None])
+    return PlateElements(stiffness, curvature)
+
+
+def _product(left: Floats, right: Floats) -> Floats:
+    """Sum over points and strains of left (n, 4, s, 12) times right."""
+    count = len(left)
+    return np.asarray(left.reshape(count, -1, 12).transpose(0, 2, 1) @ right.reshape(count, -1, 12))
+
+
+def eccentric(flat: Floats, plate: Floats, height_mm: Floats) -> Floats:
+    """Stiffness (n, 20, 20) of elements whose middles lie ``height_mm`` (n,) above the plane of the freedoms.
+
+    From their own in the plane (n, 8, 8) and as plates (n, 12, 12): their middles move by (u, v) + height (a, b).
+    """
+    whole = np.zeros((len(flat), 20, 20))
+    whole[:, :8, :8], whole[:, 8:, 8:] = flat, plate
+    beside = flat * height_mm[:, None, None]
+    whole[:, :8, LEANS], whole[:, LEANS, :8] = beside, beside
+    whole[:, LEANS[:, None], LEANS] += beside * height_mm[:, None, None]
+    return whole
