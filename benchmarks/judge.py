@@ -7,7 +7,7 @@
 
 The cases are in benchmarks/judge_cases.py, the table in benchmarks/judge.jsonl, one line a case. ``--check`` fails
 where a class of cases (its source and kind) has fewer runs right or in a set than the same cases in the table, or more
-false ones. Who changes the loop writes the table anew and shows the difference. The part is every second case of each
+false ones. Who changes the loop writes the table anew and shows the difference. The part is every fourth case of each
 class, from the first on, in the order of their names, and all the hard runs.
 """
 
@@ -44,7 +44,7 @@ SOURCES = {
 HEAD = """# How often the loop is right
 
 Written by `python -m benchmarks.judge --write`: {runs} runs with fixed seeds whose truth is known. Continuous
-integration judges every second run of each class and all hard ones, and fails where a class is worse than here.
+integration judges every fourth run of each class and all hard ones, and fails where a class is worse than here.
 
 {sources}
 
@@ -80,7 +80,9 @@ def judge(case: Case) -> Row:
     if score not in GOOD:
         score = score_of(result, made.truth, made.small())
     error = result["error"]
-    if len(made.truth) == 1 and result["verdict"] == "none" and error["before_rad"] < SEEN * error["floor_rad"]:
+    # Benches of all layouts have no twin without the effect; a cause without a name is never small.
+    known = case.source == "layouts" and [entry["in_vocabulary"] for entry in made.truth] == [True]
+    if known and result["verdict"] == "none" and error["before_rad"] < SEEN * error["floor_rad"]:
         score = "unseen"
     row |= {"true": " + ".join(label(entry) for entry in made.truth) or "none", "said": said_of(result)}
     row |= {"score": score, "outcome": outcome_of(result, made.truth)}
@@ -91,11 +93,11 @@ def judge(case: Case) -> Row:
 
 
 def part_of(known: Sequence[Case]) -> list[Case]:
-    """Every second case of each class, from the first on, and all hard ones."""
+    """Every fourth case of each class, from the first on, and all hard ones."""
     seen: Counter[tuple[str, str]] = Counter()
     chosen = []
     for case in known:
-        if case.source == "hard" or seen[case.source, case.kind] % 2 == 0:
+        if case.source == "hard" or seen[case.source, case.kind] % 4 == 0:
             chosen.append(case)
         seen[case.source, case.kind] += 1
     return chosen
