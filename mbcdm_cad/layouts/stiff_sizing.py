@@ -187,7 +187,7 @@ def _ends(data: Mapping[str, Any]) -> Iterator[_End]:
 
 
 @dataclass(frozen=True)
-class _Drive:
+class _Weighed:
     """A sizing with factors on what its rules gave.
 
     ``turns``: by cause, urad/N m; ``failing``: checks besides those of what is aimed at.
@@ -319,7 +319,7 @@ class _Run:
         text = f"{value.text} ({by_rule}), {how.partition(' ')[0]} for {why}"
         return replace(value, text=text, driver=driver, rests_on={**value.rests_on, **stated}, rounding=how)
 
-    def drive(self, factors: Mapping[str, float], sizing: Sizing) -> _Drive | None:
+    def drive(self, factors: Mapping[str, float], sizing: Sizing) -> _Weighed | None:
         """A sizing with these factors as a drive; None where it is none."""
         try:
             found = layout_of(self._layout, sizing.data)
@@ -327,7 +327,7 @@ class _Run:
             failing = misses(found, BY_ELEMENTS if self._cells == _COARSE else _OWN)
         except (NoFigureError, ValueError, ZeroDivisionError):
             return None
-        return _Drive(sizing, dict(factors), turns, mass_g, frozenset(failing))
+        return _Weighed(sizing, dict(factors), turns, mass_g, frozenset(failing))
 
     def _figures(self, found: Layout) -> tuple[dict[str, float], float]:
         """Turns by cause, that of the frame by its walls, and mass."""
@@ -340,7 +340,7 @@ class _Run:
             turns |= {f"frame: {wall}": urad for wall, urad in frame.shares_urad_Nm.items()}
         return turns, kept_mass_g(found)
 
-    def ways(self, drive: _Drive, end: _End) -> Ways | None:
+    def ways(self, drive: _Weighed, end: _End) -> Ways | None:
         """Fields that can be raised, or lowered again, and what each does with the others as they are; None: none."""
         turns, found = drive.counted(end), list[tuple[Any, ...]]()
         for s in self._by_field.values():
@@ -368,8 +368,8 @@ class _Run:
         urad, grows = np.maximum(list(turns.values()), _NO_TURN), np.array([s.grows for s in of])
         return Ways(of, urad, np.array(powers).T, drive.mass_g, np.array(each_g), grows, np.array(bounds).T)
 
-    def proposed(self, drive: _Drive, end: _End) -> tuple[_End, dict[str, float], float]:
-        """The end, factors on fields whose values then change, and what :attr:`_Drive.worth` should change by."""
+    def proposed(self, drive: _Weighed, end: _End) -> tuple[_End, dict[str, float], float]:
+        """The end, factors on fields whose values then change, and what :attr:`_Weighed.worth` should change by."""
         ways = self.ways(drive, end)
         if ways is None:
             return end, {}, 0.0
@@ -391,7 +391,7 @@ class _Run:
         factors = {field: max(drive.factors.get(field, 1.0) * exp(by), 1.0) for field, by in changed}
         return end, factors, ways.worth(logs, price) - ways.worth(none, price)
 
-    def taken(self, drive: _Drive, factors: Mapping[str, float], end: _End) -> _Drive:
+    def taken(self, drive: _Weighed, factors: Mapping[str, float], end: _End) -> _Weighed:
         """The drive with those of the factors that fail no other check, the others get lower limits; as it was where
         they do not pay.
         """
@@ -413,7 +413,7 @@ class _Run:
             drive = self.taken(drive, {field: factors[field] for field in part}, end)
         return drive
 
-    def stiffer(self, drive: _Drive) -> _Drive:
+    def stiffer(self, drive: _Weighed) -> _Weighed:
         """The drive raised until its ends are reached, or nothing pays any more."""
         for _ in range(_ROUNDS if self.weighs else _ROUNDS_TO_FIGURE):
             steps = (self.proposed(drive, end) for end in self.ends if drive.left(end))
@@ -428,7 +428,7 @@ class _Run:
                 break
         return drive
 
-    def eased(self, drive: _Drive) -> _Drive:
+    def eased(self, drive: _Weighed) -> _Weighed:
         """The drive with the highest preload with which it turns as easily as the file asks.
 
         If there is none, the lowest that fails no other check.

@@ -194,7 +194,7 @@ class Form:
 
 
 @dataclass(frozen=True)
-class Block:
+class Slab:
     """A box whose edges along Z, or along Y, are rounded, mm; from its lower end there ``into_mm`` lie in another."""
 
     x: Point2
@@ -272,7 +272,7 @@ class Bores(Holes):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Pocket:
+class MilledPocket:
     """Pocket milled along Y between two depths, mm; one that is open at the top keeps its two lower corners."""
 
     name: str
@@ -293,7 +293,7 @@ class Pocket:
         return pocket_mm3(wide, deep, high, self.radius, 2 if self.open_top else 4)
 
 
-def corner_table(pockets: Iterable[Pocket]) -> Table:
+def corner_table(pockets: Iterable[MilledPocket]) -> Table:
     """Corners of each pocket: the cutter's, or less where the pocket is narrow."""
     rows = []
     for p in pockets:

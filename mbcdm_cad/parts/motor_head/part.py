@@ -18,12 +18,12 @@ from mbcdm_cad.parts.fits import FACE_MM, FITS, REST, SHOULDER_MM, Datum, level,
 from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM
 from mbcdm_cad.parts.milled import (
     BEYOND_MM,
-    Block,
     Bores,
     Feature,
     Form,
     Milled,
-    Pocket,
+    MilledPocket,
+    Slab,
     block,
     cylinder_z,
     fuse,
@@ -66,10 +66,10 @@ class Slots(Bores):
         return super().volume_mm3() + len(self.places) * 2.0 * self.longer * self.diameter * self.metal
 
 
-def box_bodies(boxes: Sequence[tuple[float, CouplingBox]], y: float, into_plate_mm: float = 0.0) -> tuple[Block, ...]:
+def box_bodies(boxes: Sequence[tuple[float, CouplingBox]], y: float, into_plate_mm: float = 0.0) -> tuple[Slab, ...]:
     """The boxes at their x without pocket and holes; what reaches into the plate counts with it."""
     return tuple(
-        Block(
+        Slab(
             (x - d.outer_x, x + d.outer_x),
             (y + d.back_y, y + d.front_y),
             (d.flange_top_z - into_plate_mm, d.top_z),
@@ -102,7 +102,7 @@ def box_taken(
     )
     return (
         *(
-            Pocket(
+            MilledPocket(
                 name="box",
                 x=(x - inner, x + inner),
                 y=(y - inner, y + d.front_y),
@@ -158,7 +158,7 @@ class MotorHead(Milled):
     def bodies(self) -> Sequence[Feature]:
         """Flange and box."""
         d, f = self.dims, self.dims.flange
-        flange = Block((-f.half_x, f.half_x), (f.back_y, f.front_y), (d.bottom_z, d.flange_top_z), d.corner_radius)
+        flange = Slab((-f.half_x, f.half_x), (f.back_y, f.front_y), (d.bottom_z, d.flange_top_z), d.corner_radius)
         return flange, *box_bodies([(0.0, d)], 0.0, 0.5)
 
     def taken(self) -> Sequence[Feature]:

@@ -8,21 +8,21 @@ from dataclasses import dataclass
 from mbcdm_cad.layouts.miso_bevel.support.dims import FrameDims
 from mbcdm_cad.parts.boss import boss_bores, boss_of_column, boss_threads, in_section, open_behind, seats_mm
 from mbcdm_cad.parts.fits import DRUM_AXIS, FITS, GeometricTolerance, one_axis, square
-from mbcdm_cad.parts.milled import Block, Bores, Feature, Milled, Pocket, corner_table, rounding, span, wide
+from mbcdm_cad.parts.milled import Bores, Feature, Milled, MilledPocket, Slab, corner_table, rounding, span, wide
 from mbcdm_cad.parts.sheet import CuttingLine, FitLine, Holes, Linear, Radius, Sheet, View, X, Y, Z, minus
 from mbcdm_cad.parts.sheet_blocks import THROUGH, hole_labels, hole_marks, hole_table, position_table
 
 
-def _pockets(d: FrameDims) -> tuple[Pocket, ...]:
+def _pockets(d: FrameDims) -> tuple[MilledPocket, ...]:
     """From the front; the last one, in the column, only where there is room."""
     v, r, side, inner = d.levels, d.corner_radius, d.levels.side_inner_x, d.boss.radius - d.rib_thickness
     y, top = (v.pocket_floor_y, v.front_y), (v.bearing_shelf_top_z, v.top_plate_bottom_z)
     beside, column = (v.shelf_top_z, v.bearing_shelf_bottom_z), (d.column_pocket_bottom_z, v.shelf_bottom_z)
     return (
-        Pocket(name="top pocket", x=(-side, side), y=(d.upper_floor_y, y[1]), z=top, radius=r, open_top=True),
-        Pocket(name="", x=(-side, -d.web_half_width), y=y, z=beside, radius=r),
-        Pocket(name="beside the web", x=(d.web_half_width, side), y=y, z=beside, radius=r),
-        Pocket(name="column", x=(-inner, inner), y=y, z=column, radius=r),
+        MilledPocket(name="top pocket", x=(-side, side), y=(d.upper_floor_y, y[1]), z=top, radius=r, open_top=True),
+        MilledPocket(name="", x=(-side, -d.web_half_width), y=y, z=beside, radius=r),
+        MilledPocket(name="beside the web", x=(d.web_half_width, side), y=y, z=beside, radius=r),
+        MilledPocket(name="column", x=(-inner, inner), y=y, z=column, radius=r),
     )
 
 
@@ -180,11 +180,11 @@ class Frame(Milled):
     dims: FrameDims
 
     def bodies(self) -> Sequence[Feature]:
-        """Block, column and boss."""
+        """Slab, column and boss."""
         d, v, b = self.dims, self.dims.levels, self.dims.boss
         y, x, z = (v.back_y, v.front_y), v.side_outer_x, (v.shelf_bottom_z, v.top_plate_bottom_z)
-        column = Block((-b.radius, b.radius), y, (0.0, v.shelf_bottom_z))
-        return Block((-x, x), y, z, d.corner_radius), column, boss_of_column(b, v.front_y)
+        column = Slab((-b.radius, b.radius), y, (0.0, v.shelf_bottom_z))
+        return Slab((-x, x), y, z, d.corner_radius), column, boss_of_column(b, v.front_y)
 
     def taken(self) -> Sequence[Feature]:
         """Pockets, bores and holes."""

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 from mbcdm_cad.layouts.miso_bevel.support.dims import TopPlateDims
 from mbcdm_cad.parts.fits import FACE_MM, FITS, REST, SHOULDER_MM, Datum, GeometricTolerance, level, shoulder_place
-from mbcdm_cad.parts.milled import Block, Bores, Feature, Milled, rounding
+from mbcdm_cad.parts.milled import Bores, Feature, Milled, Slab, rounding
 from mbcdm_cad.parts.motor_head.dims import CouplingBox
 from mbcdm_cad.parts.motor_head.part import box_bodies, box_taken
 from mbcdm_cad.parts.part import pocket_corner_mm
@@ -32,7 +32,7 @@ class TopPlate(Milled):
         """Plate, with the coupling boxes on it."""
         d, v = self.dims, self.dims.levels
         x, y, z = v.side_outer_x, (v.back_y, v.front_y), (v.top_plate_bottom_z, v.top_plate_top_z)
-        return Block((-x, x), y, z, d.corner_radius), *box_bodies(d.boxes, d.input_y)
+        return Slab((-x, x), y, z, d.corner_radius), *box_bodies(d.boxes, d.input_y)
 
     def taken(self) -> Sequence[Feature]:
         """Bearing seats and holes for encoders or gearheads from below, the others from the top."""

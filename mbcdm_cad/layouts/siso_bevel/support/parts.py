@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from mbcdm_cad.layouts.siso_bevel.support.dims import ColumnDims
 from mbcdm_cad.parts.boss import boss_bores, boss_of_column, boss_threads, in_section, open_behind, seats_mm
 from mbcdm_cad.parts.fits import DRUM_AXIS, FITS, one_axis, square
-from mbcdm_cad.parts.milled import Block, Bores, Feature, Milled, Pocket, corner_table, rounding, span, wide
+from mbcdm_cad.parts.milled import Bores, Feature, Milled, MilledPocket, Slab, corner_table, rounding, span, wide
 from mbcdm_cad.parts.sheet import CuttingLine, FitLine, Linear, Sheet, View, X, Y, Z, minus, mm
 from mbcdm_cad.parts.sheet_blocks import THROUGH, hole_labels, hole_table, position_table
 
 
-def _pockets(d: ColumnDims) -> tuple[Pocket, ...]:
+def _pockets(d: ColumnDims) -> tuple[MilledPocket, ...]:
     """All from the front, to one floor."""
     v, r, x = d.levels, d.corner_radius, (-d.pocket_half_width, d.pocket_half_width)
     y, box = (v.pocket_floor_y, v.front_y), (-v.side_inner_x, v.side_inner_x)
@@ -23,9 +23,9 @@ def _pockets(d: ColumnDims) -> tuple[Pocket, ...]:
         (d.low_pocket_bottom_z, d.stop_shelf_bottom_z),
     )
     return (
-        Pocket(name="box", x=box, y=y, z=high, radius=r, open_top=True),
-        Pocket(name="over the stop shelf", x=x, y=y, z=over, radius=r),
-        Pocket(name="under the stop shelf", x=x, y=y, z=under, radius=r),
+        MilledPocket(name="box", x=box, y=y, z=high, radius=r, open_top=True),
+        MilledPocket(name="over the stop shelf", x=x, y=y, z=over, radius=r),
+        MilledPocket(name="under the stop shelf", x=x, y=y, z=under, radius=r),
     )
 
 
@@ -109,9 +109,9 @@ class ColumnFrame(Milled):
         d, v, b = self.dims, self.dims.levels, self.dims.boss
         y, x, post = (v.back_y, v.front_y), v.side_outer_x, d.column_half_width
         return (
-            Block((-x, x), y, (d.encoder_shelf_bottom_z, d.top_z), d.corner_radius),
-            Block((-post, post), y, (d.post_bottom_z, d.encoder_shelf_bottom_z)),
-            Block((-b.radius, b.radius), y, (0.0, d.post_bottom_z)),
+            Slab((-x, x), y, (d.encoder_shelf_bottom_z, d.top_z), d.corner_radius),
+            Slab((-post, post), y, (d.post_bottom_z, d.encoder_shelf_bottom_z)),
+            Slab((-b.radius, b.radius), y, (0.0, d.post_bottom_z)),
             boss_of_column(b, v.front_y),
         )
 

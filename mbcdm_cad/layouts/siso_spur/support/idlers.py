@@ -23,7 +23,7 @@ from mbcdm_cad.layouts.siso_spur.idlers import flange_radius_mm, idler_body
 from mbcdm_cad.layouts.siso_spur.stack import FLANGE_MM, SpurStack
 from mbcdm_cad.parts.drum_shaft import AxleDims
 from mbcdm_cad.parts.fits import FITS
-from mbcdm_cad.parts.milled import Block, Bores, Feature, Milled
+from mbcdm_cad.parts.milled import Bores, Feature, Milled, Slab
 from mbcdm_cad.parts.ring import IdlerDims
 from mbcdm_cad.parts.sheet import FitLine, Linear, Sheet, View, X, Y, Z, minus
 from mbcdm_cad.parts.sheet_blocks import THROUGH, hole_labels, hole_table, position_table
@@ -182,7 +182,7 @@ class Strap(Milled):
         """A plate with rounded corners."""
         d = self.dims
         y, z = (d.strap_back_y, d.strap_front_y), (d.low_z, d.post_z[1])
-        return (Block((-d.half_width, d.half_width), y, z, CORNER_MM, along="Y"),)
+        return (Slab((-d.half_width, d.half_width), y, z, CORNER_MM, along="Y"),)
 
     def taken(self) -> Sequence[Feature]:
         """Bores of the axles and holes of the screws."""

@@ -12,7 +12,7 @@ from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims
 from mbcdm_cad.layouts.siso_spur.support.idlers import StandDims
 from mbcdm_cad.parts.boss import boss_bodies, boss_bores, boss_threads, seat_diameters, seats_mm
 from mbcdm_cad.parts.fits import DRUM_AXIS, FITS, TO_AXIS_MM, GeometricTolerance, one_axis
-from mbcdm_cad.parts.milled import Block, Bores, Feature, Form, Milled, block, cylinder_y, fuse, rounded, span, wide
+from mbcdm_cad.parts.milled import Bores, Feature, Form, Milled, Slab, block, cylinder_y, fuse, rounded, span, wide
 from mbcdm_cad.parts.motor_head.dims import Places
 from mbcdm_cad.parts.part import CORNER, ring_mm3
 from mbcdm_cad.parts.sheet import CuttingLine, FitLine, Linear, Radius, Sheet, Side, Vector, View, X, Y, Z, minus, mm
@@ -46,7 +46,7 @@ def arm_bodies(d: YokeDims) -> list[Feature]:
         near, far = stand.post_x
         # In the plate, which has its volume, the posts begin within.
         y, z, into = (inside, stand.strap_back_y), stand.post_z, stand.front_y - inside
-        found += [Block(at, y, z, along="Y", into_mm=into) for at in ((-far, -near), (near, far))]
+        found += [Slab(at, y, z, along="Y", into_mm=into) for at in ((-far, -near), (near, far))]
     return found
 
 
