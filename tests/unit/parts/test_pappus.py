@@ -12,7 +12,7 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.support.top_plate import TopPlate
 from mbcdm_cad.parts.drum_sector.part import DrumSector
-from mbcdm_cad.parts.input_pulley.part import create_input_pulley
+from mbcdm_cad.parts.input_pulley.draw import create_input_pulley
 
 TOLERANCE = 1e-9
 

@@ -145,7 +145,7 @@ def test_the_cable_lies_along_the_middle_of_its_groove(reference: BevelDrive, an
 @pytest.mark.slow
 def test_grooved_pulleys_are_sound_and_clear_their_cables(reference: BevelDrive) -> None:
     """Metal removed by Pappus' theorem for a helix; the rope's rod and the pulley share nothing."""
-    from mbcdm_cad.parts.input_pulley.part import create_input_pulley
+    from mbcdm_cad.parts.input_pulley.draw import create_input_pulley
     from mbcdm_cad.workshop.overlap import common, rod
     from mbcdm_cad.workshop.pairs import CABLE_UNDERSIZE_MM, VOLUME_LIMIT_MM3
     from mbcdm_cad.workshop.validate import validate_faces, validate_solid
