@@ -15,8 +15,8 @@ from mbcdm_cad.checks.size import box_checks, mass_estimate
 from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
 from mbcdm_cad.layouts.siso_spur.checks import FAMILIES as OF_ONE_INPUT
 from mbcdm_cad.layouts.siso_spur.checks import room, support, winding
-from mbcdm_cad.layouts.siso_spur.checks.room import APART, BOX_ADJUSTMENTS, DOWELS, ROOM, outline
-from mbcdm_cad.layouts.siso_spur.checks.tolerances import stacks
+from mbcdm_cad.layouts.siso_spur.checks.room import BOX_ADJUSTMENTS, DOWELS, ROOM, outline, sectors_apart
+from mbcdm_cad.layouts.siso_spur.checks.wraps import stacks
 from mbcdm_cad.parts.drum_sector.sizes import nut_corner_radius_mm
 
 __all__ = ["FAMILIES", "stacks"]
@@ -154,7 +154,7 @@ def heads_apart(s: RoundDrumLayout) -> Findings:
         yield "mounting thread from that of the next arm, half way", room - f.mount_radius, HOLE_WEB_MM / 2
 
 
-SECTORS = (APART, sectors_clear_inputs, sectors_clear_shelves, heads_apart, *DOWELS)
+SECTORS = (sectors_apart, sectors_clear_inputs, sectors_clear_shelves, heads_apart, *DOWELS)
 
 
 def box_mm(s: RoundDrumLayout) -> tuple[float, float, float]:
@@ -181,7 +181,7 @@ OF_ALL = (*ROOM, *box_checks(box_mm, "targets.envelope_mm", BOX_ADJUSTMENTS), ma
 
 # The checks of several inputs stand before or after those of one: the shares behind the winding, the sectors before
 # the support, the room of all in place of the room of one.
-_WINDING, _SUPPORT, _ROOM = families(winding, support, room)
+_, _WINDING, _SUPPORT, _ROOM = families(winding, support, room)
 _PLACES = {
     _WINDING: (
         _WINDING,

@@ -51,7 +51,7 @@ class FirstStageUnit(Attachment):
     @property
     def checks(self) -> tuple[Check, ...]:
         """See the base class."""
-        from mbcdm_cad.layouts.siso_spur.checks.first_stage import checks_of_first
+        from mbcdm_cad.layouts.siso_spur.checks.stage import checks_of_first
 
         return checks_of_first(self.unit)
 

@@ -4,39 +4,25 @@ from __future__ import annotations
 
 from mbcdm_cad.checks import bearings, drum_sector, fixings, motor_head, motors, springs, strength, structure, terminals
 from mbcdm_cad.checks.comparison import Family, families
-from mbcdm_cad.layouts.siso_spur.checks import (
-    first_stage,
-    idlers,
-    overhung,
-    ratios,
-    room,
-    stage,
-    support,
-    tolerances,
-    winding,
-    wraps,
-)
+from mbcdm_cad.layouts.siso_spur.checks import idlers, overhung, room, stage, support, winding, wraps
+from mbcdm_cad.layouts.siso_spur.checks.wraps import stacks
 
-PULLEY = Family(
-    "Input pulley, the stops of two cables anchored on it, and its coupling: walls, bores and space round it",
-    ratios.PULLEY_FITS,
-)
-# Tolerance stacks of each gap and ratio.
-stacks = tolerances.stacks
+__all__ = ["FAMILIES", "stacks"]
+
 # First the checks of the mechanism, then those of the parts.
 FAMILIES = families(
-    ratios,
     winding,
     idlers,
-    tolerances,
     wraps,
     strength,
     motors,
     bearings,
     fixings,
-    PULLEY,
+    Family(
+        "Input pulley, the stops of two cables anchored on it, and its coupling: walls, bores and space round it",
+        winding.PULLEY_FITS,
+    ),
     stage,
-    first_stage,
     overhung,
     drum_sector,
     structure,

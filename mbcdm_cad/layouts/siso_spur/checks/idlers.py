@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mbcdm_cad.checks.bearings import LESS, RATING, STATIC_SAFETY, larger, safety
-from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
+from mbcdm_cad.checks.comparison import Findings, check
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.fixings import FRICTION, SLIP_SAFETY, STRESS_SAFETY, bent_axle_Nmm, round_shaft_MPa
 from mbcdm_cad.checks.geometry import drum_zones
@@ -42,9 +42,16 @@ def has_idlers(drive: object) -> bool:
     return getattr(drive, "idlers", None) is not None
 
 
-def turned(s: SpurLayout) -> Comparison:
+@check(
+    "Cable turns the idlers",
+    "capstan equation against the bearings' friction; 2: friction is known to a factor of two",
+    advice="move idlers.places across the cable, so that it wraps further",
+    applies=has_idlers,
+    unit="times",
+)
+def idler_turns(s: SpurLayout) -> Findings:
     """Torque by which the rope turns an idler before it slips, over the friction of the idler's bearings."""
-    drive, found = s.drive, []
+    drive = s.drive
     spec, radius = drive.idler_bearing, drive.leading.radius_mm
     tensions = {name: [state[j] for _, state in s.loads.states] for j, name in enumerate(s.loads.si.cable_names)}
     for body, _, (cable, n) in s.idlers:
@@ -54,28 +61,23 @@ def turned(s: SpurLayout) -> Comparison:
             drag = BEARING_START * float(bearing_torque_Nm(pull, 0.0, spec.bore_mm * 1e-3))
             able = float(tension) * (exp(drive.friction_coefficient * wrap) - 1.0) * radius * 1e-3
             note = f"wrap {np.degrees(wrap):.3g} deg; its bearings take {drag / radius * 1e3:.3g} N"
-            found.append(
-                at_least(f"torque of the rope on {body}, over its bearings'", able / drag, TURNED, "times", note)
-            )
-    return worst(found)
+            yield f"torque of the rope on {body}, over its bearings'", able / drag, TURNED, note
 
 
-def walk(s: SpurLayout) -> Comparison:
+@check(
+    "Walk of the cable stays on the idlers",
+    "derived: lead x ratio x travel / 360 deg, and the rise on the wrap; 0.3 mm: estimate",
+    up("idlers.width_mm"),
+    down("travel.half_angle_deg"),
+    applies=has_idlers,
+)
+def idler_walk(s: SpurLayout) -> Findings:
     """The cable stays on the land of each idler over the travel, and two bearings fit inside."""
     drive, wide = s.drive, s.drive.leading.width_mm
     edge = (wide - drive.idler_band_mm) / 2
     note = f"{drive.walk_mm:.3g} mm of walk, {drive.idler_band_mm:.3g} mm with rise and rope"
-    return worst(
-        (
-            at_least("land of an idler beyond the cable at the ends of its walk", edge, EDGE_MM, "mm", note),
-            at_least(
-                "space between the bearings of an idler",
-                wide + 2 * FLANGE_MM - 2 * drive.idler_bearing.width_mm,
-                SPACE_MM,
-                "mm",
-            ),
-        )
-    )
+    yield "land of an idler beyond the cable at the ends of its walk", edge, EDGE_MM, note
+    yield "space between the bearings of an idler", wide + 2 * FLANGE_MM - 2 * drive.idler_bearing.width_mm, SPACE_MM
 
 
 class LoadedPin(NamedTuple):
@@ -116,39 +118,53 @@ def bearing_forces_N(s: SpurLayout) -> list[LoadedPin]:
     return found
 
 
-def bearings(s: SpurLayout) -> Comparison:
+@check("Idlers' bearings carry the cables", RATING, *LESS, advice_on=larger, applies=has_idlers)
+def idler_bearings(s: SpurLayout) -> Findings:
     """Static safety of the idlers' bearings, the cable at either end of its walk."""
     spec = s.drive.idler_bearing
-    return worst(
-        safety(
-            spec,
-            f"bearings of {body}",
-            max(float(np.linalg.norm(forces[2 * k : 2 * k + 2], axis=1).max()) for forces in pin.states_N),
-            STATIC_SAFETY,
-        )
-        for pin in s.once("idler_forces", bearing_forces_N)
-        for k, body in enumerate(pin.bodies)
-    )
+    for pin in s.once("idler_forces", bearing_forces_N):
+        for k, body in enumerate(pin.bodies):
+            yield safety(
+                spec,
+                f"bearings of {body}",
+                max(float(np.linalg.norm(forces[2 * k : 2 * k + 2], axis=1).max()) for forces in pin.states_N),
+                STATIC_SAFETY,
+            )
 
 
-def axle_stress(s: SpurLayout) -> Comparison:
+@check(
+    "Idlers' axles are strong enough",
+    "beam theory; 1.5 on yield: usual rule",
+    *LESS,
+    advice="choose an idlers.bearing of larger bore",
+    applies=has_idlers,
+    unit="times",
+)
+def idler_axles(s: SpurLayout) -> Findings:
     """Bending stress of the axles under their idlers' bearings, as beams on plate and strap."""
-    strength, found = s.drive.shaft_material.yield_MPa, []
+    strength = s.drive.shaft_material.yield_MPa
     for pin in s.once("idler_forces", bearing_forces_N):
         bent = max(bent_axle_Nmm(forces, pin.at_mm, pin.ends_mm)[0] for forces in pin.states_N)
         stress = round_shaft_MPa(pin.stand.axle_radius, bent)
         what = f"yield {strength:g} MPa over the bending stress {stress:.4g} MPa of the axle of {pin.name}"
-        found.append(at_least(what, strength / max(stress, 1e-12), STRESS_SAFETY, "times"))
-    return worst(found)
+        yield what, strength / max(stress, 1e-12), STRESS_SAFETY
 
 
-def strap(s: SpurLayout) -> Comparison:
+@check(
+    "Strap of the idlers holds on its posts",
+    "clamp force x 0.15; 1.2: usual rule; posts: beam theory, 1.5 on yield",
+    *LESS,
+    advice="choose a larger support.mount_screw",
+    applies=has_idlers,
+    unit="times",
+)
+def idler_strap(s: SpurLayout) -> Findings:
     """Friction of a strap's screws on the posts, and the posts' strength, over the pull of both axles on the strap.
 
     Each post counts as a cantilever under half of the pull.
     """
     thread, metal = strap_screw(s.drive).thread_mm, s.drive.frame_material
-    holds, found = 2 * FRICTION * clamp_force_N(thread), []
+    holds = 2 * FRICTION * clamp_force_N(thread)
     pins = s.once("idler_forces", bearing_forces_N)
     for unit, n in ((one, n) for one in s.input_units for n in range(len(one.frame.stands))):
         stand, of_input = unit.frame.stands[n], f" of {unit.drive.input_names[0]}" * (len(s.input_units) > 1)
@@ -160,30 +176,36 @@ def strap(s: SpurLayout) -> Comparison:
         pulls = np.sum(on_strap, axis=0)
         pull = float(np.linalg.norm(pulls, axis=1).max())
         what = f"two screws of the strap of pair {n + 1}{of_input} hold {holds:.4g} N over {pull:.4g} N"
-        found.append(at_least(what, holds / max(pull, 1e-9), SLIP_SAFETY, "times"))
+        yield what, holds / max(pull, 1e-9), SLIP_SAFETY
         wide, deep = np.ptp(stand.post_x), np.ptp(stand.post_z)
         sections = wide * deep / 6.0 * np.array([wide, deep])
         bent = float((np.abs(pulls[:, ::2]) * (stand.strap_back_y - stand.front_y) / 2.0 / sections).sum(axis=1).max())
         what = f"yield of {metal.name} over the {bent:.4g} MPa in the posts of pair {n + 1}{of_input}"
-        found.append(at_least(what, metal.yield_MPa / max(bent, 1e-12), STRESS_SAFETY, "times"))
-    return worst(found)
+        yield what, metal.yield_MPa / max(bent, 1e-12), STRESS_SAFETY
 
 
-def room(s: SpurLayout) -> Comparison:
+@check(
+    "Idlers clear drum, input and each other",
+    "clearances.running_mm; material: min_wall_mm",
+    up("transmission.centre_distance_mm"),
+    down("idlers.radius_mm"),
+    up("idlers.radius_mm"),
+    advice="move idlers.places away from the drum, or leave them out",
+    applies=has_idlers,
+)
+def idler_room(s: SpurLayout) -> Findings:
     """Gaps of the idlers to the drum with its terminals, to the input, and to each other; wall over their bearings."""
     drive, running = s.drive, s.drive.clearances.running_mm
     flange = flange_radius_mm(drive.leading.radius_mm, drive.cable.diameter_mm)
     own = s.idlers[0][1]
-    seat = "wall of an idler over its bearings"
-    wall = at_least(seat, own.surface_radii[1] - own.seat_radius, drive.drum_material.min_wall_mm, "mm")
     pulley = max(s.inputs[0].lower_land_radius, drive.input_radius_mm + s.flank_mm)
     swept = max(drum_zones(s), key=lambda ring: ring.outer)
-    found = [wall]
+    yield "wall of an idler over its bearings", own.surface_radii[1] - own.seat_radius, drive.drum_material.min_wall_mm
     for place in drive.idler_places:
         to_drum = hypot(place.x_mm, place.z_mm) - flange - swept.outer
-        found.append(at_least(f"idlers from the {swept.name}, as it turns", to_drum, running, "mm"))
+        yield f"idlers from the {swept.name}, as it turns", to_drum, running
         to_input = hypot(place.x_mm, drive.centre_distance_mm - place.z_mm) - flange - pulley
-        found.append(at_least("idlers from the input pulley", to_input, running, "mm"))
+        yield "idlers from the input pulley", to_input, running
     # One of each axle; those on it are one pitch apart, as their sectors are.
     stand = [
         (pin.bodies[0], pin.side * drive.idler_places[pin.number].x_mm, drive.idler_places[pin.number].z_mm)
@@ -191,91 +213,24 @@ def room(s: SpurLayout) -> Comparison:
     ]
     for (one, x, z), (two, other_x, other_z) in combinations(stand, 2):
         gap = hypot(x - other_x, z - other_z) - 2 * flange
-        found.append(at_least(f"{one} from {two}", gap, running, "mm"))
-    return worst(found)
+        yield f"{one} from {two}", gap, running
 
 
-def vibration(s: SpurLayout) -> Comparison:
+@check(
+    "Spans between idlers do not swing",
+    "string, f = sqrt(T/m)/(2 l); 50 Hz: estimate",
+    up("rope.preload_N"),
+    advice="give idlers.places with another pair in the longest span",
+    applies=has_idlers,
+    warn=True,
+    unit="Hz",
+)
+def span_mode(s: SpurLayout) -> Findings:
     """Lowest frequency of the longest span, plucked sideways, in the slackest state; its rope without stiffness."""
-    rope, found = tensioned_rope(s.drive), []
+    rope = tensioned_rope(s.drive)
     longest = max(s.drive.led_mm[::2]) * s.drive.stretched * 1e-3
     for state, tension in s.loads.states:
         low = max(float(np.min(tension)), 1e-3)
         sag = 9.81 * rope.mass_kg_m * longest**2 / (8.0 * low) * 1e3
         note = f"{longest * 1e3:.4g} mm, {low:.3g} N; it sags by {sag:.2g} mm under its weight where it lies level"
-        found.append(
-            at_least(
-                f"first mode of the longest span, {state}",
-                plucked_Hz(low, rope.mass_kg_m, longest),
-                SPAN_HZ,
-                "Hz",
-                note,
-            )
-        )
-    return worst(found)
-
-
-CHECKS = (
-    Check(
-        "idler_turns",
-        "Cable turns the idlers",
-        "capstan equation against the bearings' friction; 2: friction is known to a factor of two",
-        turned,
-        advice="move idlers.places across the cable, so that it wraps further",
-        applies=has_idlers,
-    ),
-    Check(
-        "idler_walk",
-        "Walk of the cable stays on the idlers",
-        "derived: lead x ratio x travel / 360 deg, and the rise on the wrap; 0.3 mm: estimate",
-        walk,
-        adjust=(up("idlers.width_mm"), down("travel.half_angle_deg")),
-        applies=has_idlers,
-    ),
-    Check(
-        "idler_bearings",
-        "Idlers' bearings carry the cables",
-        RATING,
-        bearings,
-        adjust=LESS,
-        advice=lambda s: larger(s, bearings(s)),
-        applies=has_idlers,
-    ),
-    Check(
-        "idler_axles",
-        "Idlers' axles are strong enough",
-        "beam theory; 1.5 on yield: usual rule",
-        axle_stress,
-        adjust=LESS,
-        advice="choose an idlers.bearing of larger bore",
-        applies=has_idlers,
-    ),
-    Check(
-        "idler_strap",
-        "Strap of the idlers holds on its posts",
-        "clamp force x 0.15; 1.2: usual rule; posts: beam theory, 1.5 on yield",
-        strap,
-        adjust=LESS,
-        advice="choose a larger support.mount_screw",
-        applies=has_idlers,
-    ),
-    Check(
-        "idler_room",
-        "Idlers clear drum, input and each other",
-        "clearances.running_mm; material: min_wall_mm",
-        room,
-        adjust=(up("transmission.centre_distance_mm"), down("idlers.radius_mm"), up("idlers.radius_mm")),
-        advice="move idlers.places away from the drum, or leave them out",
-        applies=has_idlers,
-    ),
-    Check(
-        "span_mode",
-        "Spans between idlers do not swing",
-        "string, f = sqrt(T/m)/(2 l); 50 Hz: estimate",
-        vibration,
-        "warn",
-        adjust=(up("rope.preload_N"),),
-        advice="give idlers.places with another pair in the longest span",
-        applies=has_idlers,
-    ),
-)
+        yield f"first mode of the longest span, {state}", plucked_Hz(low, rope.mass_kg_m, longest), SPAN_HZ, note

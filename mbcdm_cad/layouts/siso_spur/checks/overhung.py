@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from mbcdm_cad.checks.bearings import LESS, input_reactions
-from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
+from mbcdm_cad.checks.comparison import Comparison, Findings, at_least, at_most, check
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.fixings import FRICTION, SLIP_SAFETY, STRESS_SAFETY, round_shaft_MPa, set_screws_hold_Nmm
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM, web_between
@@ -19,6 +19,18 @@ from mbcdm_cad.parts.threads import clamp_force_N
 
 # Share of the gap between drum and pulley that the shaft's sag may take (estimate).
 SAG_SHARE = 0.5
+_SHAFT = (
+    "choose a motor, gearhead or servo with a stronger shaft, or, without a servo, input_pulleys.carried_by: bearings"
+)
+_SMALLER = "choose a servo with a larger horn"
+
+
+def _has_servo(drive: SpurDrive) -> bool:
+    return drive.servo is not None
+
+
+def _has_plain_shaft(drive: SpurDrive) -> bool:
+    return drive.overhung and drive.servo is None
 
 
 def _pull(s: SpurLayout) -> tuple[float, float, float]:
@@ -33,6 +45,14 @@ def _pull(s: SpurLayout) -> tuple[float, float, float]:
     return max(found, key=lambda pull: pull[2])
 
 
+@check(
+    "Motor's bearings carry the cables",
+    "catalogue: radial load at its distance; statics",
+    *LESS,
+    up("transmission.turns"),
+    advice=_SHAFT,
+    applies=is_overhung,
+)
 def motor_shaft_load(s: SpurLayout) -> Comparison:
     """Radial load that the shaft of motor or gearhead can take at the cables' distance, over their pull."""
     gear = s.drive.gearhead
@@ -43,6 +63,9 @@ def motor_shaft_load(s: SpurLayout) -> Comparison:
     return at_least(f"{what} {force:.4g} N", gear.front_reaction_N / max(front, 1e-9), 1.0, "times", note)
 
 
+@check(
+    "Stress in the motor's shaft", "beam theory; 1.5 on yield: usual rule", *LESS, advice=_SHAFT, applies=is_overhung
+)
 def motor_shaft_stress(s: SpurLayout) -> Comparison:
     """Bending and torsion of the shaft at the face, against the yield stress of steel."""
     force, at, _ = _pull(s)
@@ -52,63 +75,88 @@ def motor_shaft_stress(s: SpurLayout) -> Comparison:
     return at_least(what, strength / max(stress, 1e-9), STRESS_SAFETY, "times")
 
 
+@check(
+    "Sag of the motor's shaft under the cables",
+    "beam theory; half of clearances.running_mm: estimate",
+    *LESS,
+    advice=_SHAFT,
+    warn=True,
+    applies=is_overhung,
+)
 def motor_shaft_sag(s: SpurLayout) -> Comparison:
     """Distance by which the cables bend the shaft aside at the middle of the land, and its bearings give."""
     limit = SAG_SHARE * s.drive.clearances.running_mm
     return at_most("pulley pulled aside on the motor's shaft", overhung_sag_mm(s), limit, "mm")
 
 
-def pulley_set_screws(s: SpurLayout) -> Comparison:
+@check(
+    "Set screws hold the pulley on the motor's shaft",
+    "mu F r (2 + sqrt 2), screws at right angles; half of a cap screw's force: estimate",
+    down("loads.peak_torque_Nm"),
+    down("transmission.input_to_drum"),
+    advice=_SHAFT,
+    unit="times",
+    applies=_has_plain_shaft,
+)
+def pulley_set_screws(s: SpurLayout) -> Findings:
     """Torque that the pulley's two set screws hold on the round shaft, over the largest torque of the input."""
     screw, radius = set_screw(s.drive), s.drive.gearhead.shaft_diameter_mm / 2
     holds = set_screws_hold_Nmm(screw, radius)
     needed = s.loads.highest_input_Nm * 1e3
-    return at_least(
+    yield (
         f"two set screws {screw.name} hold {holds:.4g} N mm over the input's {needed:.4g} N mm",
         holds / max(needed, 1e-9),
         SLIP_SAFETY,
-        "times",
         "they press the shaft on the bore opposite; a flat under one holds more",
     )
 
 
-def hub_walls(s: SpurLayout) -> Comparison:
+@check(
+    "Walls of the pulley on the motor's shaft",
+    "material: min_wall_mm",
+    down("transmission.input_to_drum"),
+    up("all radii of transmission"),
+    applies=_has_plain_shaft,
+)
+def hub_walls_of_pulley(s: SpurLayout) -> Findings:
     """Walls of the pulley round its bore, and whole set screws in the hub."""
     drive, pulley = s.drive, s.inputs[0]
     screw, limit = set_screw(drive), drive.pulley_material.min_wall_mm
     wall = pulley.lower_surface_radius - pulley.bore_radius
-    return worst(
-        (
-            at_least("wall of the land round the bore, or root of its groove", wall, limit, "mm"),
-            at_least(
-                f"hub's wall over the length of an {screw.name}",
-                pulley.lower_journal_radius - pulley.bore_radius - screw.length_mm,
-                0.0,
-                "mm",
-            ),
-        )
+    yield "wall of the land round the bore, or root of its groove", wall, limit
+    yield (
+        f"hub's wall over the length of an {screw.name}",
+        pulley.lower_journal_radius - pulley.bore_radius - screw.length_mm,
+        0.0,
     )
 
 
-def motor_shaft_grip(s: SpurLayout) -> Comparison:
+@check(
+    "Motor's shaft reaches into the pulley",
+    "one diameter: usual rule",
+    down("support.plate_mm"),
+    down("support.motor_shelf_mm"),
+    advice="choose a motor or gearhead with a longer shaft",
+    applies=_has_plain_shaft,
+)
+def motor_shaft_grip(s: SpurLayout) -> Findings:
     """The shaft is in the pulley over its diameter, and past the set screws."""
     drive, pulley = s.drive, s.inputs[0]
     assert pulley.hub is not None
     end = min(shaft_end_z_mm(drive, s.levels), pulley.journal_top_z)
     what = f"{drive.mounted}'s shaft"
-    return worst(
-        (
-            at_least(
-                f"{what} inside the pulley",
-                end - pulley.journal_bottom_z,
-                GRIP_DIAMETERS * drive.gearhead.shaft_diameter_mm,
-                "mm",
-            ),
-            at_least(f"{what} past its set screws", end - pulley.hub.screw_z - pulley.hub.thread / 2, 0.0, "mm"),
-        )
-    )
+    yield f"{what} inside the pulley", end - pulley.journal_bottom_z, GRIP_DIAMETERS * drive.gearhead.shaft_diameter_mm
+    yield f"{what} past its set screws", end - pulley.hub.screw_z - pulley.hub.thread / 2, 0.0
 
 
+@check(
+    "Screws hold the pulley on the servo's horn",
+    "mu F r; class 8.8 at 0.7 of yield, mu 0.15: usual values",
+    down("loads.peak_torque_Nm"),
+    down("transmission.input_to_drum"),
+    advice=_SMALLER,
+    applies=_has_servo,
+)
 def horn_screws(s: SpurLayout) -> Comparison:
     """Torque that the screws hold between flange and horn by friction, over the largest torque of the input."""
     drive, servo = s.drive, _servo(s)
@@ -118,34 +166,40 @@ def horn_screws(s: SpurLayout) -> Comparison:
     return at_least(what, holds / max(wanted, 1e-9), SLIP_SAFETY, "times")
 
 
-def horn_flange(s: SpurLayout) -> Comparison:
+@check(
+    "Pulley's flange fits the servo's horn",
+    "usual rule: one diameter, or the horn's thickness",
+    up("transmission.input_to_drum"),
+    down("all radii of transmission"),
+    advice=_SMALLER,
+    applies=_has_servo,
+)
+def horn_flange(s: SpurLayout) -> Findings:
     """The horn's screws go past the land, engage in the horn and do not reach through it; the flange's walls."""
     drive, servo, pulley = s.drive, _servo(s), s.inputs[0]
     screw, limit = drive.screw(servo.horn_screw), drive.pulley_material.min_wall_mm
     head, circle = screw.head_diameter_mm / 2, servo.horn_circle_mm / 2
     into = screw.length_mm - (pulley.lower_neck_bottom_z - pulley.journal_bottom_z)
     on_land = max(pulley.lower_land_radius, drive.input_radius_mm + s.flank_mm)
-    return worst(
-        (
-            at_least("heads of the horn's screws beside land and cable", circle - head - on_land, 0.1, "mm"),
-            at_least("these heads inside the flange", servo.horn_mm / 2 - circle - head, -head / 2, "mm"),
-            at_least("horn's screws engaged", into, min(servo.horn_thickness_mm, screw.thread_mm), "mm"),
-            at_least(
-                "end of the horn's screws before the servo's housing",
-                servo.horn_face_mm - servo.before_mm - into,
-                drive.clearances.running_mm,
-                "mm",
-            ),
-            at_least(
-                "flange between the horn's screws and the recess",
-                circle - screw.clearance_mm / 2 - pulley.bore_radius,
-                limit,
-                "mm",
-            ),
-        )
+    yield "heads of the horn's screws beside land and cable", circle - head - on_land, 0.1
+    yield "these heads inside the flange", servo.horn_mm / 2 - circle - head, -head / 2
+    yield "horn's screws engaged", into, min(servo.horn_thickness_mm, screw.thread_mm)
+    yield (
+        "end of the horn's screws before the servo's housing",
+        servo.horn_face_mm - servo.before_mm - into,
+        drive.clearances.running_mm,
     )
+    yield "flange between the horn's screws and the recess", circle - screw.clearance_mm / 2 - pulley.bore_radius, limit
 
 
+@check(
+    "Play of the servo's gears",
+    "catalogue; derived: lash over the ratio",
+    up("transmission.input_to_drum"),
+    advice="choose a servo whose sensor is on its horn's shaft",
+    warn=True,
+    applies=_has_servo,
+)
 def servo_lash(s: SpurLayout) -> Comparison:
     """Play of the drum by the servo's own gears that its sensor does not see, against the turn by cables and parts."""
     drive = s.drive
@@ -162,7 +216,7 @@ def _servo(s: SpurLayout) -> Servo:
     return s.drive.servo
 
 
-def _servo_seat(s: SpurLayout, seat: MotorSeat, window: tuple[float, float, float]) -> Comparison:
+def _servo_seat(s: SpurLayout, seat: MotorSeat, window: tuple[float, float, float]) -> Findings:
     """Window, threads for the ears and those of the frame's screws apart from each other and from the plate's edges."""
     drive, f, v, servo = s.drive, s.frame, s.levels, _servo(s)
     limit, screw = drive.frame_material.min_wall_mm, drive.screw(drive.gearhead.screw)
@@ -172,29 +226,31 @@ def _servo_seat(s: SpurLayout, seat: MotorSeat, window: tuple[float, float, floa
         *(("mount", x, z, f.mount_radius, v.plate_back_y, v.front_y) for x, z in f.mounts),
     ]
     into = screw.length_mm - servo.ear_mm
-    rooms = [
-        (
-            "window from the screws of the ears",
-            min(max(low - z, z - high) for _, z in seat.screws) - screw.thread_mm / 2,
-        ),
-        ("window from the frame's own threads", min(abs(x) for x, _ in f.mounts) - half - f.mount_radius),
-        ("window from the edge of the plate", f.half_width - half),
-        ("boss's bearings from the window", min(low, *(z for _, z in seat.screws)) - f.boss.seat_radius),
-    ]
-    return worst(
-        (
-            *(at_least(f"plate, {name}", web, HOLE_WEB_MM, "mm") for name, web in web_between(holes)),
-            *(at_least(f"plate, {name}", room, limit, "mm") for name, room in rooms),
-            at_least("plate behind the ears' screws", drive.support.plate_mm - into, 0.0, "mm"),
-        )
-    )
+    for name, web in web_between(holes):
+        yield f"plate, {name}", web, HOLE_WEB_MM
+    between = min(max(low - z, z - high) for _, z in seat.screws) - screw.thread_mm / 2
+    yield "plate, window from the screws of the ears", between, limit
+    own = min(abs(x) for x, _ in f.mounts) - half - f.mount_radius
+    yield "plate, window from the frame's own threads", own, limit
+    yield "plate, window from the edge of the plate", f.half_width - half, limit
+    below = min(low, *(z for _, z in seat.screws)) - f.boss.seat_radius
+    yield "plate, boss's bearings from the window", below, limit
+    yield "plate behind the ears' screws", drive.support.plate_mm - into, 0.0
 
 
-def motor_seat(s: SpurLayout) -> Comparison:
+@check(
+    "Plate takes the motor's pilot and screws",
+    "material: min_wall_mm",
+    up("support.plate_mm"),
+    up("transmission.centre_distance_mm"),
+    applies=is_overhung,
+)
+def motor_seat(s: SpurLayout) -> Findings:
     """The heads of the motor's screws are sunk in the plate, with metal under them and round all holes."""
     drive, f, v = s.drive, s.frame, s.levels
     if f.motor is not None and f.motor.window is not None:
-        return _servo_seat(s, f.motor, f.motor.window)
+        yield from _servo_seat(s, f.motor, f.motor.window)
+        return
     seat, screw, limit = f.motor, drive.screw(drive.gearhead.screw), drive.frame_material.min_wall_mm
     assert seat is not None
     back, shelf = v.plate_back_y, v.plate_back_y + seat.shelf
@@ -205,22 +261,23 @@ def motor_seat(s: SpurLayout) -> Comparison:
     ]
     pocket = [("pocket", 0.0, f.axis_z, seat.pocket_radius, shelf, v.front_y), *holes[-len(f.mounts) :]]
     boss = f.axis_z - seat.pocket_radius - f.boss.seat_radius
-    return worst(
-        (
-            *(at_least(f"plate, {name}", web, HOLE_WEB_MM, "mm") for name, web in web_between(holes)),
-            *(at_least(f"plate, {name}", web, HOLE_WEB_MM, "mm") for name, web in web_between(pocket)),
-            at_least("plate between pocket and the boss's bearings", boss, limit, "mm"),
-            at_least(
-                "heads of the motor's screws under the plate's front",
-                drive.support.plate_mm - seat.shelf - screw.head_height_mm,
-                0.0,
-                "mm",
-            ),
-            at_least("plate under these heads", seat.shelf, limit, "mm"),
-        )
+    for name, web in (*web_between(holes), *web_between(pocket)):
+        yield f"plate, {name}", web, HOLE_WEB_MM
+    yield "plate between pocket and the boss's bearings", boss, limit
+    yield (
+        "heads of the motor's screws under the plate's front",
+        drive.support.plate_mm - seat.shelf - screw.head_height_mm,
+        0.0,
     )
+    yield "plate under these heads", seat.shelf, limit
 
 
+@check(
+    "Hub of the input pulley clears the drum",
+    "clearances.running_mm",
+    up("transmission.centre_distance_mm"),
+    applies=is_overhung,
+)
 def hub_and_drum(s: SpurLayout) -> Comparison:
     """Gap between the hub with its set screws and the drum's rim with its cables."""
     drive = s.drive
@@ -230,118 +287,3 @@ def hub_and_drum(s: SpurLayout) -> Comparison:
         heads = s.inputs[0].lower_neck_bottom_z + drive.screw(drive.servo.horn_screw).head_height_mm
         gap = max(gap, min(s.levels.drum_inner_y, *(t.y_mm - s.drum.nut_pocket for t in s.drum.tensioners)) - heads)
     return at_least("drum's rim from the hub of the input pulley", gap, drive.clearances.running_mm, "mm")
-
-
-def _has_servo(drive: SpurDrive) -> bool:
-    return drive.servo is not None
-
-
-def _has_plain_shaft(drive: SpurDrive) -> bool:
-    return drive.overhung and drive.servo is None
-
-
-# Those of a pulley on a plain shaft, and of one on a servo's horn; the others apply to both.
-_APPLIES = {
-    "pulley_set_screws": _has_plain_shaft,
-    "hub_walls_of_pulley": _has_plain_shaft,
-    "motor_shaft_grip": _has_plain_shaft,
-    "horn_screws": _has_servo,
-    "horn_flange": _has_servo,
-    "servo_lash": _has_servo,
-}
-_SMALLER = "choose a servo with a larger horn"
-_SHAFT = (
-    "choose a motor, gearhead or servo with a stronger shaft, or, without a servo, input_pulleys.carried_by: bearings"
-)
-CHECKS = tuple(
-    check.but(applies=_APPLIES.get(check.id, is_overhung))
-    for check in (
-        Check(
-            "motor_shaft_load",
-            "Motor's bearings carry the cables",
-            "catalogue: radial load at its distance; statics",
-            motor_shaft_load,
-            adjust=(*LESS, up("transmission.turns")),
-            advice=_SHAFT,
-        ),
-        Check(
-            "motor_shaft_stress",
-            "Stress in the motor's shaft",
-            "beam theory; 1.5 on yield: usual rule",
-            motor_shaft_stress,
-            adjust=LESS,
-            advice=_SHAFT,
-        ),
-        Check(
-            "motor_shaft_sag",
-            "Sag of the motor's shaft under the cables",
-            "beam theory; half of clearances.running_mm: estimate",
-            motor_shaft_sag,
-            "warn",
-            adjust=LESS,
-            advice=_SHAFT,
-        ),
-        Check(
-            "pulley_set_screws",
-            "Set screws hold the pulley on the motor's shaft",
-            "mu F r (2 + sqrt 2), screws at right angles; half of a cap screw's force: estimate",
-            pulley_set_screws,
-            adjust=(down("loads.peak_torque_Nm"), down("transmission.input_to_drum")),
-            advice=_SHAFT,
-        ),
-        Check(
-            "hub_walls_of_pulley",
-            "Walls of the pulley on the motor's shaft",
-            "material: min_wall_mm",
-            hub_walls,
-            adjust=(down("transmission.input_to_drum"), up("all radii of transmission")),
-        ),
-        Check(
-            "motor_shaft_grip",
-            "Motor's shaft reaches into the pulley",
-            "one diameter: usual rule",
-            motor_shaft_grip,
-            adjust=(down("support.plate_mm"), down("support.motor_shelf_mm")),
-            advice="choose a motor or gearhead with a longer shaft",
-        ),
-        Check(
-            "horn_screws",
-            "Screws hold the pulley on the servo's horn",
-            "mu F r; class 8.8 at 0.7 of yield, mu 0.15: usual values",
-            horn_screws,
-            adjust=(down("loads.peak_torque_Nm"), down("transmission.input_to_drum")),
-            advice=_SMALLER,
-        ),
-        Check(
-            "horn_flange",
-            "Pulley's flange fits the servo's horn",
-            "usual rule: one diameter, or the horn's thickness",
-            horn_flange,
-            adjust=(up("transmission.input_to_drum"), down("all radii of transmission")),
-            advice=_SMALLER,
-        ),
-        Check(
-            "servo_lash",
-            "Play of the servo's gears",
-            "catalogue; derived: lash over the ratio",
-            servo_lash,
-            "warn",
-            adjust=(up("transmission.input_to_drum"),),
-            advice="choose a servo whose sensor is on its horn's shaft",
-        ),
-        Check(
-            "motor_seat",
-            "Plate takes the motor's pilot and screws",
-            "material: min_wall_mm",
-            motor_seat,
-            adjust=(up("support.plate_mm"), up("transmission.centre_distance_mm")),
-        ),
-        Check(
-            "hub_and_drum",
-            "Hub of the input pulley clears the drum",
-            "clearances.running_mm",
-            hub_and_drum,
-            adjust=(up("transmission.centre_distance_mm"),),
-        ),
-    )
-)

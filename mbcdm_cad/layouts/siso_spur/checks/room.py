@@ -7,7 +7,7 @@ from math import hypot, pi
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
+from mbcdm_cad.checks.comparison import Comparison, Findings, at_most, check
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.fixings import STRESS_SAFETY
 from mbcdm_cad.checks.geometry import CABLE_GAP_MM, HOLE_WEB_MM, frame_front, rim_points, wrap_points
@@ -25,23 +25,32 @@ from mbcdm_cad.parts.threads import SHEAR_SHARE
 
 # Points on a full circle of the outline.
 _CORNERS = 72
+_Z: tuple[Adjustment, ...] = (down("transmission.centre_distance_mm"), up("transmission.centre_distance_mm"))
+_APART: tuple[Adjustment, ...] = (up("drum.hub_face_y_mm"), down("drum.outer_face_y_mm"))
 
 
-def drum_and_input(s: SpurLayout) -> Comparison:
+@check("Drum and input clear each other", "clearances.running_mm", *_Z[1:])
+def drum_and_input(s: SpurLayout) -> Findings:
     """Gap between rim and pulley with their cables, and between the rim and the encoder, below or beside it."""
     drive, pulley, running = s.drive, s.inputs[0], s.drive.clearances.running_mm
     rim = drive.drum_radius_mm + s.flank_mm
     own = max(pulley.lower_land_radius, drive.input_radius_mm + s.flank_mm)
-    gap = at_least("drum's rim from the input pulley, cables on", drive.centre_distance_mm - rim - own, running, "mm")
+    yield "drum's rim from the input pulley, cables on", drive.centre_distance_mm - rim - own, running
     if drive.encoder.absent:
-        return gap
+        return
     below = drive.centre_distance_mm - drive.encoder.diameter_mm / 2 - rim
     # The rim of the last of several sectors.
     beside = s.levels.top_plate_top_z - drive.band_mm - s.drum.lands[-1].y_end
-    return worst((gap, at_least("drum's rim from the encoder, below or beside it", max(below, beside), running, "mm")))
+    yield "drum's rim from the encoder, below or beside it", max(below, beside), running
 
 
-def bodies_behind(s: SpurLayout) -> Comparison:
+@check(
+    "Motor clears the drum's boss and encoder",
+    "clearances.running_mm",
+    up("transmission.centre_distance_mm"),
+    up("support.coupling_space_mm"),
+)
+def bodies_behind(s: SpurLayout) -> Findings:
     """Gap between motor or gearhead and the parts of the drum behind the plate: boss and encoder."""
     drive, boss = s.drive, s.frame.boss
     beside = max(boss.reach, drive.drum_encoder.diameter_mm / 2)
@@ -49,12 +58,11 @@ def bodies_behind(s: SpurLayout) -> Comparison:
     reach = body_radius_mm(drive) if servo is None else servo.ears_mm / 2 - servo.axis_mm
     gap = drive.centre_distance_mm + s.head.beside_y - reach - beside
     behind = s.levels.back_y - s.levels.motor_shelf_bottom_z
-    found = [at_least("motor from the drum's boss and encoder, beside or behind them", max(gap, behind), running, "mm")]
+    yield "motor from the drum's boss and encoder, beside or behind them", max(gap, behind), running
     if s.stage is not None:
         # The box of the wheels is wider than a motor.
         box = drive.centre_distance_mm + s.head.back_y - beside
-        found.append(at_least("motor head from the drum's boss and encoder", box, running, "mm"))
-    return worst(found)
+        yield "motor head from the drum's boss and encoder", box, running
 
 
 def _head_mm(s: SpurLayout, f: YokeDims) -> tuple[float, float, float]:
@@ -108,7 +116,8 @@ def is_parallel(drive: SpurDrive) -> bool:
     return drive.parallel > 1
 
 
-def sectors_apart(s: SpurLayout) -> Comparison:
+@check("Gap between sectors on the shaft", "clearances.running_mm", *_APART, applies=has_sectors)
+def sectors_apart(s: SpurLayout) -> Findings:
     """Rims, terminals and the stop pin of a sector stay behind the rim of the next.
 
     So do cables on a common input, and idlers on a common axle.
@@ -117,17 +126,24 @@ def sectors_apart(s: SpurLayout) -> Comparison:
     nut, lug = nut_corner_radius_mm(s.drive), d.lug_half_width
     next_rear = pitch + min(d.lands[0].y_start, d.web_start_y, *(t.y_mm - max(nut, lug) for t in d.tensioners))
     front = max(d.lands[-1].y_end, d.web_end_y + 0.5, *(t.y_mm + nut for t in d.tensioners))
-    apart = at_least("a sector from the next on the shaft", next_rear - front, s.drive.clearances.running_mm, "mm")
+    yield "a sector from the next on the shaft", next_rear - front, s.drive.clearances.running_mm
     if s.drive.parallel == 1:
-        return apart
-    own, found = 2 * reach_mm(s.drive), [apart]
+        return
     if s.drive.idlers is not None:
         gap = pitch - s.drive.idlers.width_mm - 2 * FLANGE_MM
-        found.append(at_least("an idler from the next on its axle", gap, s.drive.clearances.running_mm, "mm"))
-    return worst((*found, at_least("a cable on the input from the next", pitch - own, CABLE_GAP_MM, "mm")))
+        yield "an idler from the next on its axle", gap, s.drive.clearances.running_mm
+    yield "a cable on the input from the next", pitch - 2 * reach_mm(s.drive), CABLE_GAP_MM
 
 
-def hub_dowels(s: SpurLayout) -> Comparison:
+@check(
+    "Stress in the dowels between the hubs",
+    "material: yield_MPa; 1.5: usual rule",
+    down("loads.peak_torque_Nm"),
+    up("drum.hub_diameter_mm"),
+    applies=has_sectors,
+    unit="times",
+)
+def hub_dowels(s: SpurLayout) -> Findings:
     """The dowels between the last two hubs transmit the torque of all other sectors, motors stalled."""
     drive, pins, metal = s.drive, s.dowels, s.drive.drum_material
     torque = drive.between_hubs_Nm
@@ -135,25 +151,22 @@ def hub_dowels(s: SpurLayout) -> Comparison:
     shear, pressed = force / (pi * pins.radius**2), force / (2 * pins.radius * min(pins.face_depth, pins.back_depth))
     steel = drive.material("steel").yield_MPa
     what = f"at {torque:.4g} N m"
-    return worst(
-        (
-            at_least(
-                f"shear strength over the hub dowels' {shear:.4g} MPa {what}",
-                SHEAR_SHARE * steel / shear,
-                STRESS_SAFETY,
-                "times",
-            ),
-            at_least(
-                f"yield of {metal.name} over the {pressed:.4g} MPa in the dowels' holes {what}",
-                metal.yield_MPa / pressed,
-                STRESS_SAFETY,
-                "times",
-            ),
-        )
+    yield f"shear strength over the hub dowels' {shear:.4g} MPa {what}", SHEAR_SHARE * steel / shear, STRESS_SAFETY
+    yield (
+        f"yield of {metal.name} over the {pressed:.4g} MPa in the dowels' holes {what}",
+        metal.yield_MPa / pressed,
+        STRESS_SAFETY,
     )
 
 
-def dowel_holes(s: SpurLayout) -> Comparison:
+@check(
+    "Walls round the dowels in the hub",
+    "usual rule",
+    up("drum.hub_diameter_mm"),
+    up("drum.hub_face_y_mm"),
+    applies=has_sectors,
+)
+def dowel_holes(s: SpurLayout) -> Findings:
     """Walls from the dowels' holes to bore, rim of the hub, payload's threads and set screws.
 
     In the face the holes are opposite the set screws.
@@ -171,10 +184,19 @@ def dowel_holes(s: SpurLayout) -> Comparison:
     ]
     if pins.face_angles_deg == pins.back_angles_deg:
         rooms.append(("next one", d.hub_face_y - pins.face_depth - d.hub_start_y - pins.back_depth))
-    return worst(at_least(f"hub dowel from the {name}", room, HOLE_WEB_MM, "mm") for name, room in rooms)
+    for name, room in rooms:
+        yield f"hub dowel from the {name}", room, HOLE_WEB_MM
 
 
-def spread(s: SpurLayout) -> Comparison:
+@check(
+    "Parallel cables share the load",
+    "model: EA, length, pitch of the stud, fits of the lands; a quarter of a flat: estimate",
+    up("rope.preload_N"),
+    advice="a drum.spring under the nuts, a longer span, less travel or less ratio lower it",
+    applies=is_parallel,
+    warn=True,
+)
+def parallel_spread(s: SpurLayout) -> Comparison:
     """What setting by nuts and lands of unequal radii change of a preload, over it."""
     tight = s.loads.peak_forward[s.loads.si.sigma > 0]
     return at_most(
@@ -189,55 +211,15 @@ def spread(s: SpurLayout) -> Comparison:
 
 
 _X: tuple[Adjustment, ...] = (down("drum.sector_half_angle_deg"), up("drum.sector_half_angle_deg"))
-_Z: tuple[Adjustment, ...] = (down("transmission.centre_distance_mm"), up("transmission.centre_distance_mm"))
 _Y: tuple[Adjustment, ...] = (down("support.coupling_space_mm"), up("support.coupling_space_mm"))
 BOX_ADJUSTMENTS = (_X, _Z, _Y)
-ROOM = (
-    frame_front,
-    Check("drum_and_input", "Drum and input clear each other", "clearances.running_mm", drum_and_input, adjust=_Z[1:]),
-    Check(
-        "bodies_behind",
-        "Motor clears the drum's boss and encoder",
-        "clearances.running_mm",
-        bodies_behind,
-        adjust=(up("transmission.centre_distance_mm"), up("support.coupling_space_mm")),
-    ),
-)
-_APART: tuple[Adjustment, ...] = (up("drum.hub_face_y_mm"), down("drum.outer_face_y_mm"))
-APART = Check(
-    "sectors_apart",
-    "Gap between sectors on the shaft",
-    "clearances.running_mm",
+ROOM = (frame_front, drum_and_input, bodies_behind)
+DOWELS = (hub_dowels, dowel_holes)
+CHECKS = (
+    *ROOM,
     sectors_apart,
-    adjust=_APART,
-    applies=has_sectors,
+    *DOWELS,
+    parallel_spread,
+    *box_checks(box_mm, "targets.envelope_mm", BOX_ADJUSTMENTS),
+    mass_estimate,
 )
-DOWELS = (
-    Check(
-        "hub_dowels",
-        "Stress in the dowels between the hubs",
-        "material: yield_MPa; 1.5: usual rule",
-        hub_dowels,
-        adjust=(down("loads.peak_torque_Nm"), up("drum.hub_diameter_mm")),
-        applies=has_sectors,
-    ),
-    Check(
-        "dowel_holes",
-        "Walls round the dowels in the hub",
-        "usual rule",
-        dowel_holes,
-        adjust=(up("drum.hub_diameter_mm"), up("drum.hub_face_y_mm")),
-        applies=has_sectors,
-    ),
-)
-SPREAD = Check(
-    "parallel_spread",
-    "Parallel cables share the load",
-    "model: EA, length, pitch of the stud, fits of the lands; a quarter of a flat: estimate",
-    spread,
-    "warn",
-    adjust=(up("rope.preload_N"),),
-    advice="a drum.spring under the nuts, a longer span, less travel or less ratio lower it",
-    applies=is_parallel,
-)
-CHECKS = (*ROOM, APART, *DOWELS, SPREAD, *box_checks(box_mm, "targets.envelope_mm", BOX_ADJUSTMENTS), mass_estimate)

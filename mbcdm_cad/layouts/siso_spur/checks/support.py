@@ -6,7 +6,7 @@ from contextlib import suppress
 from typing import Any
 
 from mbcdm_cad.checks.bearings import carried, input_reactions
-from mbcdm_cad.checks.comparison import Comparison, Findings, at_least, at_most, check, worst
+from mbcdm_cad.checks.comparison import Comparison, Findings, at_most, check, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM, web_between
 from mbcdm_cad.checks.motor_head import boss_walls, encoder_shelf
@@ -39,22 +39,29 @@ _SHELVES: tuple[Adjustment, ...] = (up("support.bearing_shelf_mm"), up("support.
     *_SHELVES,
     up("transmission.centre_distance_mm"),
 )
-def walls(s: SpurLayout) -> Comparison:
+def walls(s: SpurLayout) -> Findings:
     """The thinnest wall of frame and motor head, against the minimum of the material."""
     support, f = s.drive.support, s.frame
     limit = s.drive.frame_material.min_wall_mm
+    names: tuple[str, ...] = (
+        "plate_mm",
+        "bridge_mm",
+        "side_wall_mm",
+        "motor_shelf_mm",
+        "bearing_shelf_mm",
+        "encoder_shelf_mm",
+    )
     if s.drive.overhung:
-        names: tuple[str, ...] = ("plate_mm",) if s.drive.servo else ("plate_mm", "motor_shelf_mm")
-        return worst(at_least(f"support.{name}", getattr(support, name), limit, "mm") for name in names)
-    head = s.head
-    names = ("plate_mm", "bridge_mm", "side_wall_mm", "motor_shelf_mm", "bearing_shelf_mm", "encoder_shelf_mm")
-    found = [at_least(f"support.{name}", getattr(support, name), limit, "mm") for name in names]
-    found.append(at_least("wall of the motor head", head.outer_x - head.inner_x, limit, "mm"))
-    found.append(at_least("encoder shelf under its bearing", f.seat_edge_z - f.shelf_bottom_z, limit, "mm"))
-    found.append(at_least("encoder shelf beside its bearing", f.shelf_half_width - f.seat_radius, limit, "mm"))
+        names = ("plate_mm",) if s.drive.servo else ("plate_mm", "motor_shelf_mm")
+    for name in names:
+        yield f"support.{name}", getattr(support, name), limit
+    if s.drive.overhung:
+        return
+    yield "wall of the motor head", s.head.outer_x - s.head.inner_x, limit
+    yield "encoder shelf under its bearing", f.seat_edge_z - f.shelf_bottom_z, limit
+    yield "encoder shelf beside its bearing", f.shelf_half_width - f.seat_radius, limit
     heads = f.encoder_circle_radius + f.encoder_head_radius
-    found.append(at_least("encoder shelf beside the heads of its screws", f.shelf_half_width - heads, limit, "mm"))
-    return worst(found)
+    yield "encoder shelf beside the heads of its screws", f.shelf_half_width - heads, limit
 
 
 @check("Shelves take the input's bearings", _WALL, *_SHELVES, applies=carried)
@@ -149,21 +156,20 @@ def flange(s: SpurLayout) -> Findings:
     up("support.plate_mm"),
     up("transmission.centre_distance_mm"),
 )
-def mounts(s: SpurLayout) -> Comparison:
+def mounts(s: SpurLayout) -> Findings:
     """Mounting threads are deep enough and clear of boss, motor head, stop pin and the edge of the plate."""
     f, plate = s.frame, s.drive.support.plate_mm
     flange_low = f.motor.lowest_z(f.axis_z) if f.motor else f.axis_z + s.head.flange.back_y
-    rooms = [("depth over the diameter", plate - MOUNT_DIAMETERS * 2 * f.mount_radius, 0.0)]
+    above = "motor's pocket" if f.motor else "motor head's flange"
+    yield "mounting thread: depth over the diameter", plate - MOUNT_DIAMETERS * 2 * f.mount_radius, 0.0
     for x, z in f.mounts:
-        rooms.append(("plate beside the thread", f.half_width - abs(x) - f.mount_radius, _wall(f.mount_insert)))
-        rooms.append(("drum's boss", (x**2 + z**2) ** 0.5 - f.boss.radius - f.mount_radius, HOLE_WEB_MM))
-        rooms.append(
-            ("motor's pocket" if f.motor else "motor head's flange", flange_low - z - f.mount_radius, HOLE_WEB_MM)
-        )
+        beside = f.half_width - abs(x) - f.mount_radius
+        yield "mounting thread: plate beside the thread", beside, _wall(f.mount_insert)
+        yield "mounting thread: drum's boss", (x**2 + z**2) ** 0.5 - f.boss.radius - f.mount_radius, HOLE_WEB_MM
+        yield f"mounting thread: {above}", flange_low - z - f.mount_radius, HOLE_WEB_MM
         if f.stop_pin_radius > 0.0:
             pin = (x**2 + (z - f.stop_pin_z) ** 2) ** 0.5 - f.stop_pin_radius - f.mount_radius
-            rooms.append(("stop pin", pin, HOLE_WEB_MM))
-    return worst(at_least(f"mounting thread: {name}", room, limit, "mm") for name, room, limit in rooms)
+            yield "mounting thread: stop pin", pin, HOLE_WEB_MM
 
 
 @check("Boss takes drum bearings and encoder", _WALL, down("support.back_y_mm"))

@@ -1,4 +1,4 @@
-"""Cables on the input: load that friction holds, wrap that stays on the input, axial walk of the turns.
+"""Radii, and the cables on the input: load that friction holds, wrap that stays on it, axial walk of the turns.
 
 Friction holds T_h / T_l <= e^(mu theta) over the whole wrap theta; if both sides are linear and equal, this is a
 difference of 2 T_pre tanh(mu theta / 2) (derived). Above it the cable slips through. Below it each end of the wrap
@@ -8,21 +8,64 @@ this creep does not accumulate. If the travel unwinds that part, the cable moves
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import pairwise
 from math import asin, ceil, degrees, log, tau
 
 import numpy as np
 
-from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, noted, worst
-from mbcdm_cad.checks.design_variables import down, up
+from mbcdm_cad.checks.comparison import Comparison, Family, Findings, at_least, at_most, check, noted
+from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.geometry import CABLE_GAP_MM, cables_apart
+from mbcdm_cad.checks.input_pulley import coupling_checks, dead_turns_check, stop_checks
+from mbcdm_cad.checks.ratios import SURFACE_TOLERANCE_MM, anchor_check, bending_checks, surface_radius
 from mbcdm_cad.layouts.base import NoFigureError
-from mbcdm_cad.layouts.siso_spur.cable_path import ON_INPUT
+from mbcdm_cad.layouts.siso_spur.cable_path import ON_INPUT, stop_of
 from mbcdm_cad.layouts.siso_spur.drive import is_anchored, is_continuous
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.model.capability import torque_at_slip_Nm
 from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.parts.input_pulley.dims import GROOVE_LEAD, GROOVE_RADIUS
+
+
+@check(
+    "Surfaces are cut half a cable inside the pitch radii",
+    "derived from paper Table 2, which gives pitch radii",
+    advice="the layout cuts at r - d/2; this fails only if that is changed",
+)
+def cut_at_pitch(s: SpurLayout) -> Findings:
+    """The layout cuts every surface at the pitch radius less d/2."""
+    drive = s.drive
+    cut = [("input pulley", s.inputs[0].lower_surface_radius - drive.input_radius_mm)]
+    cut += [(f"drum, {land.step}", land.surface_radius_mm - drive.drum_radius_mm) for land in s.drum.lands]
+    for name, off in cut:
+        yield at_most(
+            f"surface of {name} from pitch radius less d/2", abs(off + s.flank_mm), SURFACE_TOLERANCE_MM, "mm"
+        )
+
+
+def _stop_bends_mm(s: SpurLayout) -> Iterator[tuple[str, float]]:
+    for c in s.steps:
+        yield c.name, stop_of(s.drive, c).bend_radius_mm
+
+
+WIDER: tuple[Adjustment, ...] = (
+    down("transmission.input_to_drum"),
+    down("rope diameter_mm"),
+    up("all radii of transmission"),
+)
+_RADII = (
+    surface_radius,
+    cut_at_pitch,
+    *bending_checks(WIDER),
+    anchor_check(_stop_bends_mm, WIDER).but(applies=is_anchored),
+)
+_STOPS = (
+    dead_turns_check((up("transmission.turns"), down("transmission.input_to_drum"), down("travel.half_angle_deg"))),
+    *stop_checks(WIDER),
+)
+PULLEY_FITS = (*(check.but(applies=is_anchored) for check in _STOPS), *coupling_checks(WIDER))
+
 
 # Largest fleet angle on a smooth pulley (rope makers); from a groove the cable leaves in line with it.
 SMOOTH_FLEET_DEG = 1.5
@@ -34,6 +77,16 @@ LAND_EDGE_MM = 0.3
 _WOUND = (ON_INPUT[0], "idler")
 
 
+_LESS = (up("rope.preload_N"), down("loads.peak_torque_Nm"))
+_LEAD = (up("rope.helix_lead_mm"), down("rope diameter_mm"))
+
+
+@check(
+    "Centre distance leaves a free span",
+    "paper Eq. (11)",
+    up("transmission.centre_distance_mm"),
+    down("all radii of transmission"),
+)
 def free_span(s: SpurLayout) -> Comparison:
     """Centre distance compared with the sum of the pitch radii."""
     drive = s.drive
@@ -41,7 +94,30 @@ def free_span(s: SpurLayout) -> Comparison:
     return at_least("centre distance over r_o + r_i", drive.centre_distance_mm - reach, CABLE_GAP_MM, "mm")
 
 
-def slip(s: SpurLayout) -> Comparison:
+def _turns_that_hold(s: SpurLayout) -> str:
+    """Remedy: the number of turns with which both checks of the wrap pass."""
+    try:
+        short = max(0.0, -input_sticks(s).margin)
+        tension = max(float(np.max(t)) / max(float(np.min(t)), 1e-9) for t in (s.loads.peak_forward, s.loads.peak_back))
+    except NoFigureError:
+        return ""
+    # Tensions at the slip margin, for linear sides.
+    share = (tension - 1.0) / (tension + 1.0) * s.drive.limits.slip_margin_min
+    if share >= 1.0:
+        return "raise rope.preload_N: at this margin one side would be slack for any number of turns"
+    wrap = log((1.0 + share) / (1.0 - share)) / s.drive.friction_coefficient
+    more = max(short / 360.0, (wrap - s.drive.wrap_rad) / tau)
+    return f"raise transmission.turns to {s.drive.turns + max(1, ceil(more))}"
+
+
+@check(
+    "Friction holds the cable on the input",
+    "T_h/T_l <= e^(mu theta); limits.slip_margin_min",
+    *_LESS,
+    advice=_turns_that_hold,
+    applies=is_continuous,
+)
+def input_slip(s: SpurLayout) -> Comparison:
     """Drum torque at which the cable slips on the input over the peak torque: lowest of all directions and ends.
 
     It depends on the wraps of the pose: a short wrap on the drum stretches less, so that the slackened side loses more
@@ -73,7 +149,16 @@ def _slip_angles_deg(s: SpurLayout) -> float:
     return degrees(most)
 
 
-def stays_on(s: SpurLayout) -> Comparison:
+@check(
+    "Part of the cable never leaves the input",
+    "derived: otherwise the cable creeps on in every cycle",
+    down("travel.half_angle_deg"),
+    up("rope.preload_N"),
+    advice=_turns_that_hold,
+    applies=is_continuous,
+    warn=True,
+)
+def input_sticks(s: SpurLayout) -> Comparison:
     """Part of the wrap that neither creeps at peak torque nor leaves the input over the travel."""
     drive, creeping = s.drive, _slip_angles_deg(s)
     wrap, travel = degrees(drive.wrap_rad), degrees(drive.input_travel_rad)
@@ -81,43 +166,32 @@ def stays_on(s: SpurLayout) -> Comparison:
     return at_least("wrap that sticks on the input over the whole travel", wrap - travel - creeping, 0.0, "deg", note)
 
 
-def _turns_that_hold(s: SpurLayout) -> str:
-    """Remedy: the number of turns with which both checks of the wrap pass."""
-    try:
-        short = max(0.0, -stays_on(s).margin)
-        tension = max(float(np.max(t)) / max(float(np.min(t)), 1e-9) for t in (s.loads.peak_forward, s.loads.peak_back))
-    except NoFigureError:
-        return ""
-    # Tensions at the slip margin, for linear sides.
-    share = (tension - 1.0) / (tension + 1.0) * s.drive.limits.slip_margin_min
-    if share >= 1.0:
-        return "raise rope.preload_N: at this margin one side would be slack for any number of turns"
-    wrap = log((1.0 + share) / (1.0 - share)) / s.drive.friction_coefficient
-    more = max(short / 360.0, (wrap - s.drive.wrap_rad) / tau)
-    return f"raise transmission.turns to {s.drive.turns + max(1, ceil(more))}"
-
-
-def lead(s: SpurLayout) -> Comparison:
+@check("Turns lie side by side", "rope makers' tables for grooves", *_LEAD)
+def helix_lead(s: SpurLayout) -> Comparison:
     """The lead is larger than the cable's diameter, or than 2.065 groove radii if the turns lie in a groove."""
     d = s.drive.cable.diameter_mm
     least = GROOVE_LEAD * GROOVE_RADIUS * d if s.drive.input_pulleys.grooved else d
     return at_least("lead of the helix on the input", s.drive.helix_lead_mm, least, "mm")
 
 
-def crest(s: SpurLayout) -> Comparison:
+@check("Crests between the grooves", "0.05 d: estimate", *_LEAD, none=noted("no groove: crest", 0.0, "mm"))
+def groove_crest(s: SpurLayout) -> Findings:
     """Crest between neighbouring turns of a groove, and between the grooves of two cables."""
     grooves = s.inputs[0].grooves
-    if not grooves:
-        return noted("no groove: crest", 0.0, "mm")
     limit = GROOVE_CREST * s.drive.cable.diameter_mm
-    found = [at_least("crest between turns", g.lead - 2 * g.half_width, limit, "mm") for g in grooves]
+    for g in grooves:
+        yield "crest between turns", g.lead - 2 * g.half_width, limit
     for low, high in pairwise(grooves):
         between = min(high.start_z, high.end_z) - max(low.start_z, low.end_z) - low.half_width - high.half_width
-        found.append(at_least(f"crest between {low.cable_name} and {high.cable_name}", between, limit, "mm"))
-    return worst(found)
+        yield f"crest between {low.cable_name} and {high.cable_name}", between, limit
 
 
-def on_land(s: SpurLayout) -> Comparison:
+@check(
+    "Walk of the cable stays on the input",
+    "derived: lead x ratio x travel / 360 deg; 0.3 mm: estimate",
+    down("travel.half_angle_deg"),
+)
+def input_walk(s: SpurLayout) -> Comparison:
     """The walk of both spans stays on the input's land."""
     pulley, drive = s.inputs[0], s.drive
     reach = (drive.dead_end_mm if drive.anchored else drive.leave_mm + drive.walk_mm / 2) + s.flank_mm
@@ -126,27 +200,38 @@ def on_land(s: SpurLayout) -> Comparison:
     return at_least("land of the input beyond the cable at the ends of its walk", room, LAND_EDGE_MM, "mm", note)
 
 
+@check(
+    "Gap between both sides on the drum",
+    "derived: N leads and the spans' slope; 0.1 mm: estimate",
+    up("transmission.turns"),
+    up("transmission.centre_distance_mm"),
+    down("travel.half_angle_deg"),
+    applies=is_continuous,
+)
 def land_spacing(s: SpurLayout) -> Comparison:
     """Gap along y between the parts of the drum that both sides use over the travel."""
     gap = 2 * (s.drive.land_mm - s.drive.walk_mm / 2) - s.drive.cable.diameter_mm
     return at_least("gap of the two sides on the drum, walk included", gap, CABLE_GAP_MM, "mm")
 
 
-def on_rim(s: SpurLayout) -> Comparison:
+@check("The cable lies within the rim", "clearances.land_edge_mm", up("drum.outer_face_y_mm"))
+def rim_width(s: SpurLayout) -> Findings:
     """The cable's outermost planes lie inside the rim's faces."""
     lands, edge = s.drum.lands, s.drive.clearances.land_edge_mm
     plane = s.drive.on_drum_mm + s.flank_mm
-    return worst(
-        (
-            at_least("rim's inner face beyond the cable", -plane - lands[0].y_start, edge, "mm"),
-            at_least("rim's outer face beyond the cable", lands[-1].y_end - plane, edge, "mm"),
-        )
-    )
+    yield "rim's inner face beyond the cable", -plane - lands[0].y_start, edge
+    yield "rim's outer face beyond the cable", lands[-1].y_end - plane, edge
 
 
-def fleet_angle(s: SpurLayout) -> Comparison:
+@check(
+    "Fleet angle at the input",
+    "1.5 deg: rope makers",
+    down("rope.helix_lead_mm"),
+    up("all radii of transmission"),
+    advice="set input_pulleys.surface: grooved",
+)
+def fleet_angle(s: SpurLayout) -> Findings:
     """Spans against the turns on the input, and against the wraps on idlers: measured on the cable's path."""
-    found = []
     grooved = s.drive.input_pulleys.grooved
     for angle, path in ((angle, path) for angle, paths in s.extreme_paths for path in paths):
         joints = [(one, two, 0.0) for one, two in pairwise(path.pieces)]
@@ -159,12 +244,9 @@ def fleet_angle(s: SpurLayout) -> Comparison:
             off = asin(min(1.0, float(np.linalg.norm(np.cross(along, wrap.tangent(end))))))
             # On a smooth input only friction holds the turns at their helix angle.
             turned = off if grooved or wound != ON_INPUT[0] else float(np.arcsin(abs(along[1])))
-            found.append(
-                at_most(
-                    f"fleet angle with the drum at {degrees(angle):+.3g} deg", degrees(turned), SMOOTH_FLEET_DEG, "deg"
-                )
+            yield at_most(
+                f"fleet angle with the drum at {degrees(angle):+.3g} deg", degrees(turned), SMOOTH_FLEET_DEG, "deg"
             )
-    return worst(found)
 
 
 def turn_distance_mm(radius_mm: float, lead_mm: float) -> float:
@@ -177,81 +259,36 @@ def turn_distance_mm(radius_mm: float, lead_mm: float) -> float:
     return float(np.sqrt(x**2 + (along - y) ** 2 + (slope * along - z) ** 2).min())
 
 
+@check("Spans clear the turns next to them", "derived", *_LEAD)
 def self_clearance(s: SpurLayout) -> Comparison:
     """Gap between each span and the turn beside it on the input."""
     gap = turn_distance_mm(s.drive.input_radius_mm, s.drive.helix_lead_mm) - s.drive.cable.diameter_mm
     return at_least("span from the turn beside it", gap, 0.0, "mm")
 
 
-_LESS = (up("rope.preload_N"), down("loads.peak_torque_Nm"))
-_LEAD = (up("rope.helix_lead_mm"), down("rope diameter_mm"))
-CHECKS = (
-    Check(
-        "free_span",
-        "Centre distance leaves a free span",
-        "paper Eq. (11)",
-        free_span,
-        adjust=(up("transmission.centre_distance_mm"), down("all radii of transmission")),
-    ),
-    Check(
-        "input_slip",
-        "Friction holds the cable on the input",
-        "T_h/T_l <= e^(mu theta); limits.slip_margin_min",
-        slip,
-        adjust=_LESS,
-        advice=_turns_that_hold,
-        applies=is_continuous,
-    ),
-    Check(
-        "input_sticks",
-        "Part of the cable never leaves the input",
-        "derived: otherwise the cable creeps on in every cycle",
-        stays_on,
-        "warn",
-        # Not a lower torque: the rules then choose a lower preload for it, and the same share of the wrap creeps.
-        adjust=(down("travel.half_angle_deg"), up("rope.preload_N")),
-        advice=_turns_that_hold,
-        applies=is_continuous,
-    ),
-    Check("helix_lead", "Turns lie side by side", "rope makers' tables for grooves", lead, adjust=_LEAD),
-    Check("groove_crest", "Crests between the grooves", "0.05 d: estimate", crest, adjust=_LEAD),
-    Check("self_clearance", "Spans clear the turns next to them", "derived", self_clearance, adjust=_LEAD),
-    Check(
-        "input_walk",
-        "Walk of the cable stays on the input",
-        "derived: lead x ratio x travel / 360 deg; 0.3 mm: estimate",
-        on_land,
-        adjust=(down("travel.half_angle_deg"),),
-    ),
-    Check(
-        "fleet_angle",
-        "Fleet angle at the input",
-        "1.5 deg: rope makers",
-        fleet_angle,
-        adjust=(down("rope.helix_lead_mm"), up("all radii of transmission")),
-        advice="set input_pulleys.surface: grooved",
-    ),
-    Check(
-        "land_spacing",
-        "Gap between both sides on the drum",
-        "derived: N leads and the spans' slope; 0.1 mm: estimate",
-        land_spacing,
-        adjust=(up("transmission.turns"), up("transmission.centre_distance_mm"), down("travel.half_angle_deg")),
-        applies=is_continuous,
-    ),
-    Check(
-        "cables_apart",
-        "Gaps between cables",
-        "derived: the spans converge; 0.1 mm: estimate",
-        cables_apart,
+_WINDING = (
+    free_span,
+    input_slip,
+    input_sticks,
+    helix_lead,
+    groove_crest,
+    self_clearance,
+    input_walk,
+    fleet_angle,
+    land_spacing,
+    cables_apart.but(
+        source="derived: the spans converge; 0.1 mm: estimate",
         adjust=(down("transmission.centre_distance_mm"),),
         applies=is_anchored,
     ),
-    Check(
-        "rim_width",
-        "The cable lies within the rim",
-        "clearances.land_edge_mm",
-        on_rim,
-        adjust=(up("drum.outer_face_y_mm"),),
+    rim_width,
+)
+
+
+FAMILIES = (
+    Family("Radii: surfaces that can be machined, bend ratios that the rope allows.", _RADII),
+    Family(
+        "Cables on the input: load that friction holds, wrap that stays on the input, axial walk of the turns.",
+        _WINDING,
     ),
 )

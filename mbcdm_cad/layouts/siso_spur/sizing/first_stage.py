@@ -7,10 +7,10 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
+from mbcdm_cad.checks.transfer import wrap_left
 from mbcdm_cad.design.sized import SizedValue, Sizing, SizingError
 from mbcdm_cad.layouts.base import NoFigureError
-from mbcdm_cad.layouts.siso_spur.checks import wraps
-from mbcdm_cad.layouts.siso_spur.checks.first_stage import motor_beside_mm
+from mbcdm_cad.layouts.siso_spur.checks.stage import motor_beside_mm
 from mbcdm_cad.layouts.siso_spur.first_stage import gearhead_word, last_ratio, split_ratio
 from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
 from mbcdm_cad.sizing.rule import Found, Rule, rounded_up
@@ -19,7 +19,6 @@ from mbcdm_cad.sizing.rule import Found, Rule, rounded_up
 _ROUNDS = 4
 DISTANCE, RADIUS = "centre_distance_mm", "drum_radius_mm"
 _TEXT = "the least at which the motor of the first stage clears the frame of the second"
-WRAP_LEFT = next(check for check in wraps.CHECKS if check.id == "wrap_left")
 
 
 def has_first_stage(given: SpurKnown) -> bool:
@@ -92,7 +91,7 @@ def with_room(size: Callable[..., Sizing], data: dict[str, Any], similar: Sizing
             miss = motor_beside_mm(layout, first)
         except NoFigureError:
             break  # what the file states leaves one of the stages no geometry; its checks say so
-        wrapped = WRAP_LEFT.measure(first).holds
+        wrapped = wrap_left.measure(first).holds
         if miss <= 0.0 and (wrapped or RADIUS in words or not words):
             break
         at = first.drive.centre_distance_mm

@@ -20,7 +20,7 @@ from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.jobs.outputs import write_experiment
 from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.loader import load_text
-from mbcdm_cad.layouts.siso_spur.checks.first_stage import CHECKS, motor_beside_mm
+from mbcdm_cad.layouts.siso_spur.checks.stage import FAMILIES, motor_beside_mm
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, spur
 from mbcdm_cad.layouts.siso_spur.first_stage import MOST_TRAVEL_DEG, split_ratio
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
@@ -275,7 +275,7 @@ def test_inertia_counts_both_stages_by_their_speeds() -> None:
     assert whole.drive.rotor_at_input_kg_m2 == pytest.approx(rotor * first.drive.total_ratio**2)
 
 
-@pytest.mark.parametrize("check", [c for c in CHECKS if c.id.startswith("shaft_end")], ids=lambda c: c.id)
+@pytest.mark.parametrize("check", [c for c in FAMILIES[1].checks if c.id.startswith("shaft_end")], ids=lambda c: c.id)
 def test_checks_of_the_shaft_end_have_their_border(check) -> None:  # type: ignore[no-untyped-def]
     """Torque is raised until each fails; the twist is compared at the test torque, and so by a thin shaft."""
     _, first = both()

@@ -15,11 +15,13 @@ from scipy.sparse.csgraph import dijkstra
 from shapely.geometry import Point
 from shapely.ops import unary_union
 
+from mbcdm_cad.checks.comparison import families
 from mbcdm_cad.checks.fixings import bent_axle_Nmm
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts.loader import load_text
-from mbcdm_cad.layouts.siso_spur.checks.idlers import CHECKS, LoadedPin, bearing_forces_N
+from mbcdm_cad.layouts.siso_spur.checks import idlers
+from mbcdm_cad.layouts.siso_spur.checks.idlers import LoadedPin, bearing_forces_N
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, spur
 from mbcdm_cad.layouts.siso_spur.idlers import Circle, Strand, taut
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
@@ -308,7 +310,7 @@ def test_an_idlers_bearings_drag_by_the_pull_of_both_spans() -> None:
 )
 def test_what_does_not_fit_fails_with_a_remedy(field: str, value: float, check: str) -> None:
     changed = replace(led(), idlers=replace(led().leading, **{field: value}))
-    result = run_check(next(c for c in CHECKS if c.id == check), SpurLayout(changed))
+    result = run_check(getattr(idlers, check), SpurLayout(changed))
     assert result.status == "fail" and result.remedy, result
 
 
@@ -316,7 +318,8 @@ def test_thresholds() -> None:
     """A weak bearing, a short wrap's friction and a slow span each reach their limits."""
     weak = replace(led().idler_bearing, static_rating_N=10.0)
     drive = replace(led(), bearings=replace(led().bearings, idler=weak))
-    by_id = {c.id: c for c in CHECKS}
+    checks = families(idlers)[0].checks
+    by_id = {c.id: c for c in checks}
     assert run_check(by_id["idler_bearings"], SpurLayout(drive)).status == "fail"
     assert run_check(by_id["idler_turns"], SpurLayout(replace(led(), friction_coefficient=1e-5))).status == "fail"
     heavy = replace(led(), cable=replace(led().cable, mass_g_m=2000.0))
@@ -325,14 +328,14 @@ def test_thresholds() -> None:
     assert run_check(by_id["idler_axles"], SpurLayout(thin)).status == "fail"
     tight = replace(led(), cables=tuple(replace(c, preload_N=3000.0) for c in led().cables))
     assert run_check(by_id["idler_strap"], SpurLayout(tight)).status == "fail"
-    for check in CHECKS:
+    for check in checks:
         assert run_check(check, SpurLayout(led())).status == "pass", check.id
         assert not check.asked_of(straight())
 
 
 def test_the_mode_of_a_span_is_that_of_a_string() -> None:
     drive = led()
-    result = run_check(next(c for c in CHECKS if c.id == "span_mode"), SpurLayout(drive))
+    result = run_check(idlers.span_mode, SpurLayout(drive))
     slackest = min(float(t.min()) for _, t in drive.layout.loads.states)
     span = float(drive.strand.length.max()) * 1e-3 * drive.stretched
     assert result.actual == pytest.approx(sqrt(slackest / (drive.cable.mass_g_m * 1e-3)) / (2 * span))

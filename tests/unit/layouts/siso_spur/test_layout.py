@@ -19,8 +19,7 @@ from mbcdm_cad.layouts.siso_spur.assembly_order import assembly_order
 from mbcdm_cad.layouts.siso_spur.bill import bill, moving_bodies
 from mbcdm_cad.layouts.siso_spur.cable_path import cable_path
 from mbcdm_cad.layouts.siso_spur.checks.room import drum_and_input
-from mbcdm_cad.layouts.siso_spur.checks.winding import CHECKS as WINDING
-from mbcdm_cad.layouts.siso_spur.checks.winding import turn_distance_mm
+from mbcdm_cad.layouts.siso_spur.checks.winding import FAMILIES, fleet_angle, input_slip, turn_distance_mm
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, laid
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.support.stiffness import frame_compliance, out_of_line_mrad, seat_forces
@@ -241,20 +240,20 @@ def test_turns_beside_each_other_by_brute_force(drive: SpurDrive) -> None:
     ],
 )
 def test_winding_against_its_limits(drive: SpurDrive, check: str, change: dict[str, float], status: str) -> None:
-    found = next(c for c in WINDING if c.id == check)
+    found = next(c for c in FAMILIES[1].checks if c.id == check)
     result = run_check(found, SpurLayout(laid(replace(drive, **change))))
     assert result.status == status, result.message
 
 
 def test_remedy_of_slip_names_the_turns_that_hold(drive: SpurDrive) -> None:
-    found = next(c for c in WINDING if c.id == "input_slip")
+    found = input_slip
     result = run_check(found, SpurLayout(laid(replace(drive, turns=1))))
     assert "raise transmission.turns to 3" in result.remedy, result.remedy
 
 
 def test_smooth_input_is_refused_a_steep_helix(drive: SpurDrive) -> None:
     smooth = replace(drive, input_pulleys=replace(drive.input_pulleys, surface="smooth"))
-    found = next(c for c in WINDING if c.id == "fleet_angle")
+    found = fleet_angle
     for lead, status in ((0.9, "pass"), (1.1, "fail")):
         result = run_check(found, SpurLayout(laid(replace(smooth, helix_lead_mm=lead))))
         assert result.status == status, result.message

@@ -12,7 +12,7 @@ from mbcdm_cad.checks.run import run_all, run_check
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.loader import load_text
-from mbcdm_cad.layouts.siso_spur.checks.wraps import CHECKS
+from mbcdm_cad.layouts.siso_spur.checks.wraps import turns_on_drum
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.model.equilibrium import solve_equilibrium
@@ -59,7 +59,7 @@ def test_turns_beside_each_other_on_the_drum_as_drawn(turns: SpurLayout) -> None
     drive, d = turns.drive, turns.drum
     lengths = [turns.cable_paths(float(a))[0].length_mm for a in np.linspace(-14.1, 14.1, 7)]
     assert np.ptp(lengths) < 1e-9 * lengths[0], lengths
-    check = next(c for c in CHECKS if c.id == "turns_on_drum")
+    check = turns_on_drum
     pocket_gaps = []
     (path,) = turns.cable_paths(0.0)
     for t, run in zip(d.tensioners, sorted(drive.cables, key=lambda c: c.step), strict=True):
