@@ -61,7 +61,7 @@ def _against_peak(s: Layout, what: str, limit_Nm: float, direction: int, note: s
 
 
 def motor_torque(s: Layout, direction: int) -> Comparison:
-    """The motors hold peak torque in this direction at their rated torque, with losses as ``limits.losses`` says."""
+    """Peak torque in one direction against what the motors hold."""
     if s.drive.limits.counts_losses:
         return _moved(s, direction)
     bias = s.loads.input_torque_Nm[0] * 1e3
@@ -87,13 +87,13 @@ def _stronger(s: Layout, found: Comparison) -> str:
 
 @check("Motors hold peak torque, load +", "model, paper section 5.1; limits.losses", *_LESS, advice_on=_stronger)
 def motor_torque_forward(s: Layout) -> Comparison:
-    """Under a load that opposes positive rotation."""
+    """The motors hold peak torque in this direction at their rated torque, with losses as ``limits.losses`` says."""
     return motor_torque(s, 1)
 
 
 @check("Motors hold peak torque, load -", "model, paper section 5.1; limits.losses", *_LESS, advice_on=_stronger)
 def motor_torque_back(s: Layout) -> Comparison:
-    """Under a load that opposes negative rotation."""
+    """The motors hold peak torque in this direction at their rated torque, with losses as ``limits.losses`` says."""
     return motor_torque(s, -1)
 
 

@@ -268,7 +268,7 @@ def test_inertia_counts_both_stages_by_their_speeds() -> None:
     whole, first = both()
     bodies = first.inertias_kg_m2
     by_hand = bodies["drum"] + bodies["input_main"] * first.drive.total_ratio**2
-    plain = replace(whole.drive, first=None, gearhead=first.drive.gearhead)
+    plain = replace(whole.drive, first_stage=None, gearhead=first.drive.gearhead)
     own = SpurLayout(plain).inertias_kg_m2["input_main"]
     assert whole.inertias_kg_m2["input_main"] - own == pytest.approx(by_hand, rel=0.01), "its collar is another"
     rotor = first.drive.motor.rotor_inertia_g_cm2 * 1e-7
