@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import ceil, cos, degrees, pi, radians, sin, sqrt, tau
-from typing import TYPE_CHECKING
 
 import cadquery as cq
 
@@ -20,9 +19,6 @@ from mbcdm_cad.parts.input_pulley.dims import (
 )
 from mbcdm_cad.parts.milled import Point2, block, cut, cylinder, cylinder_z, fuse, one_solid, turned
 from mbcdm_cad.parts.rod import edge_of
-
-if TYPE_CHECKING:
-    pass
 
 
 @dataclass(frozen=True)
