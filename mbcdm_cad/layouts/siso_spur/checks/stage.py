@@ -320,8 +320,10 @@ def shaft_end_flange(s: SpurLayout) -> Comparison:
     return at_least(f"{what} {load:.4g} N m", holds / max(load, 1e-9), SLIP_SAFETY, "times")
 
 
-def _beside(s: SpurLayout, first: SpurLayout) -> Iterator[tuple[str, float]]:
-    """Gaps between the motor of the first stage, or its head, and what stands round the input; mm."""
+def _beside(s: SpurLayout, first: SpurLayout) -> Iterator[tuple[str, float, float]]:
+    """Gaps between the motor of the first stage, or its head, and what stands round the input, mm: beside each other
+    and along the axes. One of both is enough.
+    """
     v, f, w = s.levels, s.frame, first.levels
     apart, axis = first.drive.centre_distance_mm, s.drive.centre_distance_mm
     # Of the first stage, along its own y: the lowest and the highest level, and the reach towards its drum's axis.
@@ -339,7 +341,7 @@ def _beside(s: SpurLayout, first: SpurLayout) -> Iterator[tuple[str, float]]:
     for name, low, high, reach in ours:
         for other, near, far, out in others:
             along = max(near - (face - low), (face - high) - far)
-            yield f"{name} of the first stage from the {other} of the second", max(apart - reach - out, along)
+            yield f"{name} of the first stage from the {other} of the second", apart - reach - out, along
 
 
 def _behind(s: SpurLayout, first: SpurLayout) -> Iterator[tuple[str, float]]:
@@ -369,13 +371,18 @@ def first_stage_room(s: SpurLayout) -> Findings:
     """Room of both stages beside each other: motor and plate of the first one from the frame of the second."""
     first = s.first_stage_unit
     assert isinstance(first, SpurLayout)
-    for what, gap in (*_beside(s, first), *_behind(s, first)):
+    beside = ((what, max(gaps)) for what, *gaps in _beside(s, first))
+    for what, gap in (*beside, *_behind(s, first)):
         yield what, gap, s.drive.clearances.running_mm
 
 
 def motor_beside_mm(s: SpurLayout, first: SpurLayout) -> float:
     """How much further from its drum the input of the first stage must stand, mm; 0 or less where it has room."""
-    return s.drive.clearances.running_mm - min(gap for _, gap in _beside(s, first))
+    least = s.drive.clearances.running_mm
+    # Standing further away helps only beside, not along the axes.
+    return max(
+        least - (beside if max(beside, along) < least else max(beside, along)) for _, beside, along in _beside(s, first)
+    )
 
 
 def checks_of_first(first: SpurLayout) -> tuple[Check, ...]:

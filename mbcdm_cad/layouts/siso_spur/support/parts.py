@@ -120,11 +120,11 @@ class FrontPocket(Bores):
         """Both tools."""
         bored = replace(self, counterbore=None)
         if self.counterbore is None:
-            return bored.shapes()
+            return Bores.shapes(bored)
         across, deep, _ = self.counterbore
         front = tuple((x, y + self.metal, z) for x, y, z in self.places)
         sunk = replace(bored, diameter=across, depth=deep, places=front, into=minus(self.into))
-        return [*sunk.shapes(), *bored.shapes()]
+        return [*Bores.shapes(sunk), *Bores.shapes(bored)]
 
 
 def _input_holes(d: YokeDims) -> tuple[Feature, ...]:
