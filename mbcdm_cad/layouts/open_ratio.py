@@ -71,7 +71,7 @@ def _lightest(size: SizeWith, field: str, data: dict[str, Any], layout: type[Lay
     refused: list[NoFigureError | SizingError] = []
     for ratio in RATIOS:
         try:
-            drives.append(_Drive(ratio, layout_of(layout, _with(size, field, data, None, None, ratio).data)))
+            drives.append(_Drive(ratio, layout_of(layout, _with(size, field, data, None, None, ratio))))
         except (NoFigureError, SizingError) as error:
             refused.append(error)
     best: tuple[_Rank, float] | None = None

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
 from math import hypot, log, radians
 from typing import TYPE_CHECKING, Any
 
@@ -18,12 +17,10 @@ import numpy as np
 
 from mbcdm_cad.design.stage import STIFFNESS_FACTOR
 from mbcdm_cad.layouts.base import NoFigureError
-from mbcdm_cad.model.block_rows import by_bands
 from mbcdm_cad.model.equilibrium import bearing_loads, sum_per_input, two_bearing_reactions_N
 from mbcdm_cad.model.si import MM, to_si
 from mbcdm_cad.model.stiffness import Chain, unit_tensions_N
-from mbcdm_cad.model.structure.drum_sector import CELLS, Hub, Isotropic, LandPull, SectorStudy, sector_study
-from mbcdm_cad.model.structure.sector_mesh import SectorShape
+from mbcdm_cad.model.structure.drum_sector import Isotropic, sector_study
 from mbcdm_cad.model.structure.shafts import (
     Acting,
     Section,
@@ -184,15 +181,15 @@ def sigma_urad_Nm(causes: Iterable[Cause]) -> float:
     return hypot(*by_factor.values())
 
 
-def structure_of(layout: SectorLayout, cells: float = CELLS) -> Structure:
-    """All causes of one design, that of the drum on a mesh of ``cells`` (:func:`sector_study`).
+def structure_of(layout: SectorLayout) -> Structure:
+    """All causes of one design.
 
     Raises ``NoFigureError`` for a frame, ``ValueError`` for a drum or a shaft, that has no metal to carry the load.
     """
     d = layout.loads.si
     unit = unit_tensions_N(d)
     torques = sum_per_input(d, unit, d.input_radius_m)
-    drum, stress_MPa = _drum(layout, unit, cells)
+    drum, stress_MPa = _drum(layout, unit)
     causes = [
         *_gearheads(layout, torques),
         *_stage(layout, torques),
@@ -311,15 +308,7 @@ def _bearings_urad_Nm(
     )
 
 
-@lru_cache(maxsize=8)
-def _study(
-    shape: SectorShape, tube: Hub, pulls: tuple[LandPull, ...], material: Isotropic, cells: float, bands: bool
-) -> SectorStudy:
-    """The drum's study, kept while its inputs stand; ``bands``: :func:`by_bands`, which changes the last digits."""
-    return sector_study(shape, tube, pulls, material, cells)
-
-
-def _drum(layout: SectorLayout, unit: Floats, cells: float = CELLS) -> tuple[list[Cause], Callable[[float], float]]:
+def _drum(layout: SectorLayout, unit: Floats) -> tuple[list[Cause], Callable[[float], float]]:
     """Web with rim, hub to the set screws and hub to the face; and the largest stress of the web under a torque."""
     drive, dims, d = layout.drive, layout.drum, layout.loads.si
     names = {terminal.cable_name for terminal in dims.tensioners}
@@ -338,7 +327,7 @@ def _drum(layout: SectorLayout, unit: Floats, cells: float = CELLS) -> tuple[lis
     passed = sum((k / count) ** 2 for k in range(1, count))
     whole = own if count == 1 else 1.0
     thread = drive.screw(dims.set_screw).thread_mm
-    study = _study(sector_shape(dims), hub(dims, thread), pulls, elastic(drive.drum_material), cells, by_bands())
+    study = sector_study(sector_shape(dims), hub(dims, thread), pulls, elastic(drive.drum_material))
 
     def stress_MPa(torque_Nm: float) -> float:
         return max(float(study.von_mises_MPa(way * torque_Nm * own).max()) for way in (1.0, -1.0))

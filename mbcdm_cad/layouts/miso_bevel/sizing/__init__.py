@@ -22,7 +22,7 @@ from mbcdm_cad.layouts.miso_bevel.sizing.known import BevelKnown, FrameStart
 from mbcdm_cad.layouts.miso_bevel.sizing.parts import DRIVES, PARTS, TENSIONER
 from mbcdm_cad.layouts.miso_bevel.sizing.radii import DISTANCE, MOTOR_SIDE, RADII, RATIOS, SETBACK, SURFACE
 from mbcdm_cad.layouts.open_ratio import lightest
-from mbcdm_cad.layouts.stiff_sizing import SHARED, bearing, stiffened, walls
+from mbcdm_cad.layouts.stiff_sizing import SHARED, Stiffener, stiffened, walls
 from mbcdm_cad.sizing.engine import fill
 from mbcdm_cad.sizing.rule import Rule
 
@@ -58,7 +58,11 @@ DERIVED = tuple(
 )
 
 
-STIFFENERS = (*SHARED, bearing("guide.bearing", "guide's "), *walls("support.back_plate_mm", "support.rib_mm"))
+STIFFENERS = (
+    *SHARED,
+    Stiffener("guide.bearing", ("guide's ",), 1.0, 3.0, kind="bearings", order="outer_diameter_mm"),
+    *walls("support.back_plate_mm", "support.rib_mm"),
+)
 
 # A setback is changed by adding, since it is often zero: a factor of 2 means this many mm more.
 SETBACK_MM = 20.0
@@ -112,7 +116,7 @@ def size(data: dict[str, Any], moved: Moved | None = None, similar: Sizing | Non
     Raises ``SizingError`` where a requirement is missing.
     """
 
-    return stiffened(_plain, data, BevelLayout, STIFFENERS, moved, similar, weighs=False)
+    return stiffened(_plain, data, BevelLayout, STIFFENERS, moved, similar)
 
 
 def size_first(data: dict[str, Any], moved: Moved | None = None) -> Sizing:
