@@ -167,19 +167,20 @@ class Layout(ABC):
     # What all designs of a layout share.
 
     @classmethod
-    def _module(cls, name: str) -> Any:
+    def module(cls, name: str) -> Any:
+        """A module of the layout's package, by its name there."""
         return import_module(f"{cls.__module__.rpartition('.')[0]}.{name}")
 
     @classmethod
     def design_file(cls) -> DesignFile:
         """Schema, reference values and rules of its design files, and the function that makes a drive from one."""
-        found: DesignFile = cls._module("design_file").DESIGN_FILE
+        found: DesignFile = cls.module("design_file").DESIGN_FILE
         return found
 
     @classmethod
     def check_families(cls) -> tuple[Family, ...]:
         """The checks of its designs, in the order in which they are run and shown."""
-        found: tuple[Family, ...] = cls._module("checks").FAMILIES
+        found: tuple[Family, ...] = cls.module("checks").FAMILIES
         return found
 
     @classmethod
@@ -192,7 +193,7 @@ class Layout(ABC):
     @classmethod
     def path_lines(cls, cable: dict[str, Any]) -> Iterator[str]:
         """One cable's path figures (as a dict) for the terminal."""
-        found: Iterator[str] = cls._module("path_figures").path_lines(cable)
+        found: Iterator[str] = cls.module("path_figures").path_lines(cable)
         return found
 
     @classmethod
@@ -215,7 +216,7 @@ class Layout(ABC):
     @cached_property
     def routed(self) -> RoutedDrive:
         """Routes of the cables, on which model, rig and loop work."""
-        found: RoutedDrive = self._module("routes").routed(self.drive)
+        found: RoutedDrive = self.module("routes").routed(self.drive)
         return found
 
     @cached_property
@@ -288,7 +289,7 @@ class Layout(ABC):
     @cached_property
     def moving_bodies(self) -> tuple[MovingBody, ...]:
         """The moving bodies: the drum, the bodies that cables pass, the inputs in the order of the design's inputs."""
-        found: tuple[MovingBody, ...] = self._module("bill").moving_bodies(self)
+        found: tuple[MovingBody, ...] = self.module("bill").moving_bodies(self)
         return found
 
     def bill(self, drum_angle_deg: float = 0.0) -> Bill:
@@ -296,19 +297,19 @@ class Layout(ABC):
 
         The group of each instance is ``"fixed"`` or the name of a moving body.
         """
-        found: Bill = self._module("bill").bill(self, drum_angle_deg)
+        found: Bill = self.module("bill").bill(self, drum_angle_deg)
         return found
 
     @cached_property
     def assembly_order(self) -> tuple[AssemblyStep, ...]:
         """Steps of the assembly; every item of the bill joins in one of them."""
-        found: tuple[AssemblyStep, ...] = self._module("assembly_order").assembly_order(self)
+        found: tuple[AssemblyStep, ...] = self.module("assembly_order").assembly_order(self)
         return found
 
     @cached_property
     def frame_study(self) -> FrameStudy | None:
         """Study of the drum's rotation by the frame's deflection; None if the frame is assumed to be rigid."""
-        found: FrameStudy | None = self._module("support.stiffness").frame_study(self)
+        found: FrameStudy | None = self.module("support.stiffness").frame_study(self)
         return found
 
     @cached_property
@@ -410,18 +411,18 @@ class Layout(ABC):
     @cached_property
     def path_figures(self) -> PathFigures:
         """Figures of the cables' paths over the travel."""
-        found: PathFigures = self._module("path_figures").path_figures(self)
+        found: PathFigures = self.module("path_figures").path_figures(self)
         return found
 
     @cached_property
     def tolerance_stacks(self) -> tuple[StackUp, ...]:
         """Tolerance stacks of each gap and ratio; may be empty."""
-        return tuple(self._module("checks").stacks(self))
+        return tuple(self.module("checks").stacks(self))
 
     @cached_property
     def tensioning(self) -> TensioningPlan | None:
         """Plan for setting the preloads: cut lengths, nut turns, pitch of the spans, order; None if there is none."""
-        found: TensioningPlan | None = self._module("path_figures").plan(self)
+        found: TensioningPlan | None = self.module("path_figures").plan(self)
         return found
 
     # What its checks read.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from mbcdm_cad.layouts.attachment import Attachment
 from mbcdm_cad.parts.bill import CABLE, FIXED, AssemblyStep, BillBuilder, MovingBody, PartSpec
@@ -15,7 +15,6 @@ from mbcdm_cad.routes.curves import Helix, carried
 
 if TYPE_CHECKING:
     from mbcdm_cad.checks.comparison import Check
-    from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 
 FIRST = "first_"
 # Beginnings of the names of parts that are the same in both stages.
@@ -26,10 +25,9 @@ class FirstStageUnit(Attachment):
     """Stands back to back with the second stage, its drum's axis the input's, its input turned away from the drum."""
 
     block = "first_stage"
-    layout: SpurLayout
 
     @cached_property
-    def unit(self) -> SpurLayout:
+    def unit(self) -> Any:
         """See the base class."""
         first = self.layout.drive.first_stage
         assert first is not None
@@ -51,9 +49,8 @@ class FirstStageUnit(Attachment):
     @property
     def checks(self) -> tuple[Check, ...]:
         """See the base class."""
-        from mbcdm_cad.layouts.siso_spur.checks.stage import checks_of_first
-
-        return checks_of_first(self.unit)
+        found: tuple[Check, ...] = self.layout.module("checks.stage").checks_of_first(self.unit)
+        return found
 
     @property
     def passing_deg(self) -> Iterator[float]:
@@ -90,9 +87,7 @@ class FirstStageUnit(Attachment):
 
     def steps_before(self) -> Iterator[AssemblyStep]:
         """The whole of it; what it is screwed on holds it in place of a base."""
-        from mbcdm_cad.layouts.siso_spur.assembly_order import own_steps
-
-        for step in own_steps(self.unit, based=False):
+        for step in self.unit.module("assembly_order").own_steps(self.unit, based=False):
             yield AssemblyStep(f"First stage: {step.text}", tuple(first_name(name) for name in step.items))
 
 
