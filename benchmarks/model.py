@@ -3,7 +3,7 @@
     python benchmarks/model.py [params/mbcdm.yaml] [--repeat N] [--json FILE]
 
 Processor time of all threads, the smallest of N runs after a short one that compiles. Exit code 1 if a limit is
-exceeded. ``size_many`` sizes the designs of miso_bevel on columns, those of the other layouts one by one.
+exceeded.
 """
 
 from __future__ import annotations
@@ -33,8 +33,7 @@ SERIES_LIMIT_S = 3.0
 DESIGNS = 100_000
 DESIGNS_PER_S_LIMIT = 1e5
 SINGLES = 40
-SIZED = 10_000
-SIZED_PER_S_LIMIT = 1e4
+SIZED = 10
 GRID_SAMPLES = 5_000
 GRID_CELL_RAD = 1e-3
 
@@ -97,46 +96,10 @@ def measured(design: Path, repeat: int) -> list[Figure]:
     analyse_many(designs(d, 1000), need)
     bulk = least(lambda: analyse_many(batch, need), repeat)
     found.append(Figure("analyse_many", DESIGNS / bulk, "designs/s", DESIGNS_PER_S_LIMIT, at_least=True))
-    found += _sized(design, repeat) if drive.configuration == "miso_bevel" else _sized_one_by_one(drive, repeat)
+    found.append(_sized_alone(drive.configuration, repeat))
     one = least(lambda: [analyse(drive) for _ in range(SINGLES)], repeat) / SINGLES
     found.append(Figure("analyse, one design", one * 1e3, "ms"))
     return found
-
-
-def _sized(design: Path, repeat: int) -> list[Figure]:
-    """Designs a second from requirements: about one design, and over random ones in usual proportions; one by one."""
-    short = mc.load(design.with_name("mbcdm-short.yaml"))
-    usual, rng = _usual("miso_bevel", "ratio", 8.0), np.random.default_rng(2)
-    near = {
-        "transmission.centre_distance_mm": rng.uniform(34.0, 40.0, SIZED),
-        "loads.test_torque_Nm": rng.uniform(0.2, 0.9, SIZED),
-    }
-    wide = {
-        "transmission.ratio": rng.uniform(4.0, 12.0, SIZED),
-        "transmission.drum_radius_mm": rng.uniform(55.0, 110.0, SIZED),
-        "travel.half_angle_deg": rng.uniform(12.0, 40.0, SIZED),
-        "loads.peak_torque_Nm": np.exp(rng.uniform(np.log(0.4), np.log(4.0), SIZED)),
-    }
-    found = []
-    for label, of, ranges in (("about one design", short, near), ("of random requirements", usual, wide)):
-        taken = least(partial(mc.size_many, of, ranges), repeat)
-        limit = SIZED_PER_S_LIMIT if of is short else None
-        found.append(Figure(f"size_many, 1e4 {label}", SIZED / taken, "designs/s", limit, at_least=True))
-    return [*found, _sized_alone(usual, wide["transmission.drum_radius_mm"][:SINGLES], repeat)]
-
-
-def _sized_one_by_one(drive: Drive, repeat: int) -> list[Figure]:
-    """Designs a second from requirements in usual proportions, and the time of one."""
-    ratio = 4.0 if drive.configuration == "siso_bevel" else 8.0  # the travel of siso_bevel is less than a turn
-    usual, rng = _usual(drive.configuration, "input_to_drum", ratio), np.random.default_rng(2)
-    wide = {
-        "transmission.input_to_drum": rng.uniform(0.6, 1.0, SINGLES) * ratio,
-        "transmission.drum_radius_mm": rng.uniform(55.0, 110.0, SINGLES),
-        "loads.peak_torque_Nm": np.exp(rng.uniform(np.log(0.4), np.log(1.0), SINGLES)),
-    }
-    taken = least(partial(mc.size_many, usual, wide), repeat)
-    many = Figure(f"size_many, {SINGLES} of random requirements, one by one", SINGLES / taken, "designs/s")
-    return [many, _sized_alone(usual, wide["transmission.drum_radius_mm"], repeat)]
 
 
 def _usual(configuration: str, ratio_field: str, ratio: float) -> mc.DriveDesign:
@@ -146,10 +109,13 @@ def _usual(configuration: str, ratio_field: str, ratio: float) -> mc.DriveDesign
     return mc.DriveDesign(load_text(text))
 
 
-def _sized_alone(usual: mc.DriveDesign, radii: Any, repeat: int) -> Figure:
-    """Mean time of one whole design of some drum radii."""
+def _sized_alone(configuration: str, repeat: int) -> Figure:
+    """Mean time of one whole design in usual proportions, of some drum radii."""
+    key = "ratio" if configuration == "miso_bevel" else "input_to_drum"
+    usual = _usual(configuration, key, 4.0 if configuration == "siso_bevel" else 8.0)
+    radii = np.random.default_rng(2).uniform(55.0, 110.0, SIZED)
     alone = least(lambda: [usual.with_(transmission__drum_radius_mm=float(radius)) for radius in radii], repeat)
-    return Figure("reading and sizing one whole design", alone / len(radii) * 1e3, "ms")
+    return Figure("reading and sizing one whole design", alone / SIZED * 1e3, "ms")
 
 
 def main() -> int:

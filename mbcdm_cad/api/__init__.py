@@ -33,7 +33,6 @@ from mbcdm_cad.api.designs import (
     reproduce,
     schema,
     schema_page,
-    size_many,
     solve,
 )
 from mbcdm_cad.api.runs import MeasuredRun, close_loop, draft_measurement, judge_published, load_run, next_run, trend
@@ -52,7 +51,6 @@ __all__ = [
     "prices",
     "compare",
     "analyse_many",
-    "size_many",
     "load_run",
     "MeasuredRun",
     "close_loop",

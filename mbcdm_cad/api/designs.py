@@ -1,4 +1,4 @@
-"""Designs: read, find and compare them, analyse and size many; and what the package offers for a design file."""
+"""Designs: read, find and compare them, analyse many; and what the package offers for a design file."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from mbcdm_cad.optimising.wishes import Effort
     from mbcdm_cad.paper.reproduce import PaperTable
     from mbcdm_cad.report.catalogue_list import CatalogueList
-    from mbcdm_cad.report.design_columns import SizedDesigns, Sweep
+    from mbcdm_cad.report.design_columns import Sweep
     from mbcdm_cad.report.machine import Machine
     from mbcdm_cad.report.solve_report import SolveReport
     from mbcdm_cad.solving.question import Question
@@ -182,20 +182,6 @@ def analyse_many(design: DriveDesign, ranges: Mapping[str, Any], *, grid: bool =
     from mbcdm_cad.report.design_columns import sweep
 
     return sweep(design.loaded, ranges, grid=grid)
-
-
-def size_many(design: DriveDesign, ranges: Mapping[str, Any], *, grid: bool = False) -> SizedDesigns:
-    """Size many designs from a file of requirements.
-
-    ``size_many(design, {"loads.peak_torque_Nm": np.geomspace(0.5, 20.0, 1000)})["rope.type"]`` is an array of 1000
-    ropes. Columns are the sized fields, and the figures of the cables as in :func:`analyse_many`; no checks run. For
-    miso_bevel the fields are those before the frame (rope, motor, gearhead, bearings, radii, ratios, lead, centre
-    distance, preload), up to ten thousand designs in a second; the other layouts are sized one by one with all fields,
-    about twenty in a second. Raises as :func:`analyse_many`.
-    """
-    from mbcdm_cad.report.design_columns import size_designs
-
-    return size_designs(design.loaded, ranges, grid=grid)
 
 
 def reproduce(design: DriveDesign | None = None) -> PaperTable:

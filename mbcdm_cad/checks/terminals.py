@@ -10,7 +10,7 @@ import numpy as np
 
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, noted, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
-from mbcdm_cad.checks.geometry import Points, polygon_gap
+from mbcdm_cad.checks.geometry import Points, box_gap, polygon_gap
 from mbcdm_cad.checks.springs import led
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.layouts.base import NoFigureError
@@ -102,12 +102,16 @@ def _fitting_tensioner(s: SectorLayout) -> str:
 
 def terminals_apart(s: SectorLayout) -> Comparison:
     """Gap between neighbouring terminals and lugs on one side, including the corners of the nuts."""
-    found = []
+    found, best = [], np.inf
     for a, b in _pairs(s.drum):
+        others = bodies_of(s, b)
         for name, outline, low, high in bodies_of(s, a):
-            for other, other_outline, other_low, other_high in bodies_of(s, b):
+            for other, other_outline, other_low, other_high in others:
                 along_y = max(other_low - high, low - other_high)
+                if max(along_y, box_gap(outline, other_outline)) > best:
+                    continue
                 gap = along_y if along_y >= TERMINAL_GAP_MM else max(along_y, polygon_gap(outline, other_outline))
+                best = min(best, gap)
                 what = f"{name} of {a.cable_name} to {other} of {b.cable_name}"
                 found.append(at_least(what, gap, TERMINAL_GAP_MM, "mm"))
     return worst(found) if found else _ALONE

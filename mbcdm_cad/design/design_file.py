@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from importlib import import_module
@@ -47,12 +47,9 @@ def reference_of(folder: Path) -> Reference:
 class LazySizing:
     """The sizing rules of a layout, a module that is imported when first used: only files with gaps need it."""
 
-    def __init__(self, module: str, *, has_first: bool = False) -> None:
-        """``module``: its name; it has a function ``size`` and the constants ``DERIVED`` and ``FREEDOMS``.
-
-        ``has_first``: whether it has ``size_first`` too, because its rules stiffen a design whose frame bends too much.
-        """
-        self.module, self.has_first = module, has_first
+    def __init__(self, module: str) -> None:
+        """``module``: its name; it has a function ``size`` and the constants ``DERIVED`` and ``FREEDOMS``."""
+        self.module = module
 
     def size(self, data: dict[str, Any], moved: Moved, similar: Sizing | None) -> Sizing:
         """Fill the open fields of the data, which it may change.
@@ -61,11 +58,6 @@ class LazySizing:
         similar design, makes the search for values shorter.
         """
         sized: Sizing = import_module(self.module).size(data, moved, similar)
-        return sized
-
-    def size_first(self, data: dict[str, Any], moved: Moved) -> Sizing:
-        """As :meth:`size` without finite elements: the design that rules stiffen, or leave, where ``has_first``."""
-        sized: Sizing = import_module(self.module).size_first(data, moved)
         return sized
 
     def derived(self) -> tuple[str, ...]:
@@ -77,20 +69,6 @@ class LazySizing:
         """See :meth:`DesignFile.freedoms`."""
         found: tuple[Freedom, ...] = import_module(self.module).FREEDOMS
         return found
-
-
-@dataclass(frozen=True)
-class SizingOfMany:
-    """How a configuration sizes many designs at once, as far as no frame is needed.
-
-    ``size`` fills the open fields of a file's data with the fields of some columns changed row by row, and yields the
-    designs in groups that agree on all choices. ``fields`` are those that its rules fill. ``drive`` is called with a
-    group and a drive of the same file; in the drive that it returns the numbers that the cable model reads are columns.
-    """
-
-    size: Callable[[dict[str, Any], Mapping[str, Sequence[Any]]], Iterator[Any]]
-    fields: tuple[str, ...]
-    drive: Callable[[Any, Drive], Drive]
 
 
 @dataclass(frozen=True)
@@ -113,8 +91,6 @@ class DesignFile:
     sizing: LazySizing | None = None
     # Text of a short file of requirements, with a place for the design's ``name``; empty without sizing rules.
     starting: str = ""
-    # Sizing of many designs at once, if the configuration's rules support it; else they are sized one by one.
-    size_many: Callable[[], SizingOfMany] | None = None
 
     def derived(self) -> tuple[str, ...]:
         """Fields that are neither requirement nor choice: given in a file, they are pins."""

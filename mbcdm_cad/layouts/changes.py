@@ -2,26 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from pathlib import Path
-from typing import Any, NamedTuple
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any
 
-import numpy as np
 import yaml
 
 from mbcdm_cad.design import yamltree
-from mbcdm_cad.design.design_file import DesignFile
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.fieldpath import FieldPath, dotted
 from mbcdm_cad.design.loaded import LoadedDesign
-from mbcdm_cad.design.loader import open_data, resolved
 from mbcdm_cad.design.sigmas import SIGMA, VALUE
-from mbcdm_cad.design.yamltree import Tree
-from mbcdm_cad.errors import InputError, MbcdmError, Problem, shortened
-from mbcdm_cad.layouts.loader import design_file_of, load_for_reader, resolve_tree
-from mbcdm_cad.sizing.bulk import Alike, Rows
-from mbcdm_cad.sizing.known import KnownFields
+from mbcdm_cad.errors import InputError, Problem, shortened
+from mbcdm_cad.layouts.loader import load_for_reader, resolve_tree
 
 SEPARATOR = "__"
 
@@ -45,53 +37,6 @@ def changed_drives(loaded: LoadedDesign, rows: Iterable[Mapping[str, Any]]) -> I
     tree = yamltree.parse(loaded.text, str(loaded.path))
     for changes in rows:
         yield resolve_tree(yamltree.Tree(_changed(tree.data, changes, loaded), tree.lines), loaded.path)
-
-
-class ManySized(NamedTuple):
-    """Designs sized together: the fields that the rules fill, the groups of designs, and the drive of a group.
-
-    ``drive_of`` is called with a group and a drive of the same file.
-    """
-
-    fields: tuple[str, ...]
-    groups: Sequence[Alike]
-    drive_of: Callable[[Any, Drive], Drive]
-
-
-def sized_many(loaded: LoadedDesign, columns: Mapping[str, Any]) -> ManySized:
-    """The designs with the ``columns`` applied, sized; one by one if losses count, if a stiffness is asked for, or if
-    the configuration cannot size them together.
-
-    Columns hold numbers or names, one for each design. Raises ``InputError`` for a value that the file could not hold,
-    ``MbcdmError`` for a field of another kind.
-    """
-    tree = yamltree.parse(loaded.text, str(loaded.path))
-    file = design_file_of(tree, str(loaded.path))
-    for field, values in columns.items():
-        if values.dtype.kind not in "iufU":
-            raise MbcdmError(f"{field}: only numbers and names can differ from design to design; give one of them each")
-
-    def changed(row: Mapping[str, Any]) -> yamltree.Tree:
-        return yamltree.Tree(_changed(tree.data, row, loaded), tree.lines)
-
-    # Limits of single fields hold for all values between the smallest and the largest.
-    for end in (np.min, np.max):
-        row = {field: end(values) for field, values in columns.items() if values.dtype.kind != "U"}
-        data = open_data(changed(row), loaded.path, file)
-    # Losses are those of bearings and gearheads at their places in the frame, which only a whole design has.
-    together = "limits.losses" not in columns and not loaded.drive.limits.counts_losses
-    # So do a stiffness, a share of the structure and an ease of turning.
-    for wish in ("stiffness_Nm_rad", "structure_share", "backdrive_Nm"):
-        together = together and f"loads.{wish}" not in columns and getattr(loaded.drive.loads, wish) is None
-    # A ratio that no file states is that of the lightest of several drives.
-    together = together and not any(value.field == "transmission.ratio" for value in loaded.sized)
-    if file.size_many is not None and together:
-        many = file.size_many()
-        return ManySized(many.fields, list(many.size(data, columns)), many.drive)
-    rows = (dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True))
-    alone = sized_one_by_one(map(changed, rows), loaded.path, file)
-    fields = dict.fromkeys(field for one in alone for field in one.fields)
-    return ManySized(tuple(fields), alone, lambda group, like: group.drive)
 
 
 def _changed(data: Any, changes: Mapping[str, Any], loaded: LoadedDesign) -> Any:
@@ -156,29 +101,3 @@ def _merged(there: Any, value: Any) -> Any:
     if isinstance(there, dict) and set(there) == {VALUE, SIGMA} and isinstance(value, int | float):
         return {VALUE: value, SIGMA: there[SIGMA]}
     return value
-
-
-@dataclass(frozen=True)
-class Alone(Alike):
-    """A group of one design, with its drive and the names of its sized fields; neither if the design is refused."""
-
-    drive: Drive | None = None
-    fields: tuple[str, ...] = ()
-
-
-def sized_one_by_one(trees: Iterable[Tree], path: Path, file: DesignFile) -> list[Alone]:
-    """The designs of some files' values, each sized alone. Lists of blocks, such as cables, are left out."""
-    return [_sized(np.array([row]), tree, path, file) for row, tree in enumerate(trees)]
-
-
-def _sized(rows: Rows, tree: Tree, path: Path, file: DesignFile) -> Alone:
-    known = KnownFields({})
-    try:
-        found = resolved(tree, path, file)
-    except InputError as error:
-        first = error.problems[0]
-        return Alone(rows, known, f"{first.field}: {first.what} (value {first.value})")
-    values = [one for one in found.sized if not (isinstance(one.value, list) and isinstance(one.value[0], dict))]
-    for one in values:
-        known.put(one.field, one.value)
-    return Alone(rows, known, drive=found.drive, fields=tuple(one.field for one in values))

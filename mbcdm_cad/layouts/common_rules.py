@@ -8,9 +8,8 @@ from typing import Any
 from mbcdm_cad.checks.drum_sector import STOP_WINDOW_DEG
 from mbcdm_cad.checks.transfer import EDGE_BREAK_MM, RUN_OUT_MM
 from mbcdm_cad.design.rules import Broken, broken_ends
-from mbcdm_cad.sizing.arithmetic import greatest, significant
 from mbcdm_cad.sizing.known import KnownFields, RopeKnown
-from mbcdm_cad.sizing.rule import Found, Rule, constant, driver_of
+from mbcdm_cad.sizing.rule import Found, Rule, constant, driver_of, significant
 
 # Least D/d in the rope makers' tables of wire rope; they state no life below it.
 LEAST_WIRE_RATIO = 10.0
@@ -104,7 +103,7 @@ def _transfer_gap(given: RopeKnown) -> Found:
     """Half a rope minus the land's edge margin and the chamfer, mm, but at least the run-out."""
     wide = given.d_mm / 2 - given["clearances.land_edge_mm"] - EDGE_BREAK_MM
     driver = driver_of({"bodies_clear": RUN_OUT_MM, "transfer_gap": wide}, max)
-    return Found(round(greatest(wide, RUN_OUT_MM), 4), driver)
+    return Found(round(max(wide, RUN_OUT_MM), 4), driver)
 
 
 def needed(field: str, remedy: str) -> Broken:

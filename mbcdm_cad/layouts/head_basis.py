@@ -43,7 +43,6 @@ from mbcdm_cad.model.duty.heat import RATED_AT_C, STANDSTILL_SHARE, motor_heat
 from mbcdm_cad.model.losses.friction import GEARHEAD_IDLE_SHARE, motor_idle_mNm, tangent_share, turned_back_mNm
 from mbcdm_cad.model.losses.train import BEARINGS, ROPE
 from mbcdm_cad.model.si import ModelError
-from mbcdm_cad.sizing.arithmetic import greatest, number
 from mbcdm_cad.sizing.known import KnownFields
 from mbcdm_cad.sizing.rule import Found, Rule, constant, rounded_up
 
@@ -160,7 +159,7 @@ def lasting_share(given: KnownFields) -> float:
     stated, weight = given.get("loads.continuous_torque_Nm"), given.payload.weight_torque_Nm
     if stated is None and weight == 0.0:
         return 0.0
-    return number(greatest(stated or 0.0, weight) / given["loads.peak_torque_Nm"])
+    return float(max(stated or 0.0, weight) / given["loads.peak_torque_Nm"])
 
 
 def gearhead_share(given: KnownFields) -> float:
@@ -172,11 +171,11 @@ def gearhead_share(given: KnownFields) -> float:
     if given.get("loads.continuous_torque_Nm") is not None or not counts_losses(given):
         return lasting
     if has_rows(given):
-        return greatest(lasting, number(duty_of(given).lasting_torque_Nm / given["loads.peak_torque_Nm"]))
+        return max(lasting, float(duty_of(given).lasting_torque_Nm / given["loads.peak_torque_Nm"]))
     if given.payload.weight_torque_Nm == 0.0:
         return default_duty(1.0, 1.0, RATED_AT_C).lasting_torque_Nm
-    carried = greatest(lasting, DEFAULT_TORQUE_SHARE)
-    return number(np.cbrt(DEFAULT_PEAK_SHARE + (1.0 - DEFAULT_PEAK_SHARE) * carried**3))
+    carried = max(lasting, DEFAULT_TORQUE_SHARE)
+    return float(np.cbrt(DEFAULT_PEAK_SHARE + (1.0 - DEFAULT_PEAK_SHARE) * carried**3))
 
 
 def has_rows(given: KnownFields) -> bool:
@@ -207,8 +206,8 @@ def speed_margin(
     if constant is None or ohms is None or volts is None:
         return -1.0
     turns = gear_ratio * stage_gain(given)[0] * input_to_drum
-    reached = greatest(volts - ohms * torque_mNm / constant, 0.0) / (constant * 1e-3) / turns
-    return number(reached * 180.0 / pi / wanted - 1.0)
+    reached = max(volts - ohms * torque_mNm / constant, 0.0) / (constant * 1e-3) / turns
+    return float(reached * 180.0 / pi / wanted - 1.0)
 
 
 def heat_margin(
@@ -246,7 +245,7 @@ def backdrive_margin(given: KnownFields, turns_back_Nm: float, cables_Nm: float)
     ``turns_back_Nm``: for gearheads and motors, ``cables_Nm``: to start cables and bearings.
     """
     wanted = given.get("loads.backdrive_Nm")
-    return inf if wanted is None else number(wanted / (turns_back_Nm + cables_Nm) - 1.0)
+    return inf if wanted is None else float(wanted / (turns_back_Nm + cables_Nm) - 1.0)
 
 
 def _turning_cables_Nm(given: TrialKnown) -> float:

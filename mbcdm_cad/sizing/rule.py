@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from math import ceil, floor
 from typing import Any
 
-from mbcdm_cad.sizing.arithmetic import PerDesign, greatest, least
 from mbcdm_cad.sizing.known import KnownFields
 
 # Tolerance, so that a figure that is already a multiple of its step is not rounded up.
@@ -39,6 +38,13 @@ class Rule:
     applies: Callable[[Any], bool] = lambda given: True
 
 
+def rule(
+    field: str, text: str, driver: str, applies: Callable[[Any], bool] = lambda given: True
+) -> Callable[..., Rule]:
+    """Makes the function below it the :class:`Rule` of a field; the name is then that of the rule."""
+    return lambda value: Rule(field, text, driver, value, applies)
+
+
 def rounded_up(value: float, step: float) -> float:
     """The value rounded up to a multiple of ``step``, without the noise of binary fractions."""
     return round(ceil(value / step - _ON_STEP) * step, 9)
@@ -49,23 +55,18 @@ def rounded_down(value: float, step: float) -> float:
     return round(floor(value / step + _ON_STEP) * step, 9)
 
 
+def significant(value: float, digits: int) -> float:
+    """The value rounded to significant digits."""
+    return float(f"{value:.{digits}g}")
+
+
 def largest(needs: dict[str, float], step: float) -> Found:
     """The smallest value that meets all needs, rounded up; the need that determines it is the driver."""
-    return Found(rounded_up(greatest(*needs.values()), step), driver_of(needs, max), f"up to {step:g}")
-
-
-def smallest(needs: dict[str, float], step: float) -> Found:
-    """The largest value within all limits, rounded down; the limit that determines it is the driver."""
-    return Found(rounded_down(least(*needs.values()), step), driver_of(needs, min), f"down to {step:g}")
+    return Found(rounded_up(max(needs.values()), step), driver_of(needs, max), f"up to {step:g}")
 
 
 def driver_of(needs: Mapping[str, float], which: Callable[..., str]) -> str:
-    """Name of the largest need (``which`` is ``max``) or of the smallest (``min``).
-
-    Empty for columns, where it would differ from design to design: for many designs no drivers are recorded.
-    """
-    if any(isinstance(need, PerDesign) for need in needs.values()):
-        return ""
+    """Name of the largest need (``which`` is ``max``) or of the smallest (``min``)."""
     return which(needs, key=lambda name: needs[name])
 
 

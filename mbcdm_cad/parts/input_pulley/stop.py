@@ -22,7 +22,6 @@ from mbcdm_cad.parts.input_pulley.dims import (
     StopSlot,
 )
 from mbcdm_cad.routes.curves import Arc, Line, Piece, Triple, Vector
-from mbcdm_cad.sizing import arithmetic
 
 # Wall left between the pocket of a stop and the land.
 STOP_WALL_MM = 0.75
@@ -83,8 +82,8 @@ def widest_bend_mm(d_mm: float, end: TerminationSpec, wall_mm: float, pitch_radi
     inset = cutter / sqrt(2.0)
     along = end.stop_length_ratio * d_mm / 2 + STOP_PLAY_MM - inset
     room = surface - wall_mm - STOP_CORNER_SPARE_MM - cutter
-    deepest = inset + arithmetic.sqrt(arithmetic.greatest(room**2 - along**2, 0.0)) - stop_radius - STOP_PLAY_MM
-    return arithmetic.least(surface - stop_radius - STOP_WALL_MM, deepest)
+    deepest = inset + sqrt(max(room**2 - along**2, 0.0)) - stop_radius - STOP_PLAY_MM
+    return min(surface - stop_radius - STOP_WALL_MM, deepest)
 
 
 def neck_mm(d_mm: float, end: TerminationSpec, wall_mm: float, pitch_radius_mm: float) -> float:

@@ -39,7 +39,6 @@ SIGNATURES = {
     " | None' = None, jobs: 'int | None' = None, cache: 'bool' = True, progress: 'Progress | None' = None) ->"
     " 'ComparisonReport'",
     "analyse_many": "(design: 'DriveDesign', ranges: 'Mapping[str, Any]', *, grid: 'bool' = False) -> 'Sweep'",
-    "size_many": "(design: 'DriveDesign', ranges: 'Mapping[str, Any]', *, grid: 'bool' = False) -> 'SizedDesigns'",
     "load_run": "(path: 'str | Path') -> 'MeasuredRun'",
     "close_loop": "(design: 'DriveDesign | None', runs: 'MeasuredRun | str | Path | Iterable[MeasuredRun | str |"
     " Path]', *, ratio: 'float | None' = None) -> 'LoopReport'",
@@ -103,7 +102,6 @@ NAMES = [
     "prices",
     "compare",
     "analyse_many",
-    "size_many",
     "load_run",
     "MeasuredRun",
     "close_loop",

@@ -4,13 +4,10 @@ from __future__ import annotations
 
 import re
 from math import inf
-from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
-import mbcdm_cad as mc
 from mbcdm_cad.checks.size import kept_mass_g
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.design.rules import Broken
@@ -100,14 +97,6 @@ def test_a_search_moves_the_ratio_from_what_was_chosen() -> None:
     found = asked.resolve(*asked.trial(moved[0]), start.sizing)
     assert found.data["transmission"]["input_to_drum"] == pytest.approx(0.9 * start.sizing.ratio)
     assert near({"transmission.input_to_drum": Fixed(8.0)}).passes
-
-
-def test_many_designs_get_their_ratios_one_by_one(tmp_path: Path) -> None:
-    text, file = _text("miso_bevel", "test_torque_Nm: 0.5") + "limits: {losses: paper}\n", tmp_path / "open.yaml"
-    file.write_text(text)
-    many = mc.size_many(mc.load(file), {"loads.peak_torque_Nm": np.array([1.0, 3.0])})
-    for torque, ratio in zip((1.0, 3.0), many["transmission.ratio"], strict=True):
-        assert ratio == _ratio(load_text(text.replace("peak_torque_Nm: 2", f"peak_torque_Nm: {torque}")))
 
 
 def test_a_fault_of_the_file_is_told_as_such() -> None:

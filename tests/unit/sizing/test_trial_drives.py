@@ -3,31 +3,27 @@
 from __future__ import annotations
 
 import copy
-from pathlib import Path
 from typing import Any
 
 import pytest
 
-from mbcdm_cad.design.loader import open_data
-from mbcdm_cad.design.yamltree import parse
-from mbcdm_cad.layouts.siso_spur.design_file import DESIGN_FILE
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.sizing import size
 from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
 from mbcdm_cad.layouts.trial_drives import TrialDrives
 
-SHORT = """\
-name: short
-configuration: siso_spur
-travel: {half_angle_deg: 35.0}
-transmission: {input_to_drum: 8.0, drum_radius_mm: 60.0}
-loads: {peak_torque_Nm: 2.0}
-"""
+SHORT = {
+    "name": "short",
+    "configuration": "siso_spur",
+    "travel": {"half_angle_deg": 35.0},
+    "transmission": {"input_to_drum": 8.0, "drum_radius_mm": 60.0},
+    "loads": {"peak_torque_Nm": 2.0},
+}
 
 
 @pytest.fixture(scope="module")
 def whole() -> dict[str, Any]:
-    return size(open_data(parse(SHORT, "short.yaml"), Path("short.yaml"), DESIGN_FILE)).data
+    return size(copy.deepcopy(SHORT)).data
 
 
 def trial(whole: dict[str, Any], block: str, **values: Any) -> dict[str, Any]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import tau
+from math import cos, hypot, radians, sin, sqrt, tan, tau
 
 import numpy as np
 
@@ -15,7 +15,6 @@ from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.pulleys import smallest_lead_mm
 from mbcdm_cad.layouts.miso_bevel.stack import band, outward_of
-from mbcdm_cad.sizing.arithmetic import cos, hypot, radians, sin, sqrt, tan
 
 # Least crest between two grooves, in rope diameters: a thinner one is a sharp edge that cuts the rope (estimate).
 GROOVE_CREST = 0.05

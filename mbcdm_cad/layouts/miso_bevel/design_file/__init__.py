@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mbcdm_cad.design.design_file import DesignFile, LazySizing, SizingOfMany
+from mbcdm_cad.design.design_file import DesignFile, LazySizing
 from mbcdm_cad.layouts.miso_bevel.design_file.resolve import broken_rules, drive, named_entries
 from mbcdm_cad.layouts.miso_bevel.design_file.schema import REFERENCE, BevelDesign
 
@@ -28,19 +28,12 @@ limits:
 """
 
 
-def _size_many() -> SizingOfMany:
-    from mbcdm_cad.layouts.miso_bevel.sizing import many
-
-    return SizingOfMany(many.size_many, many.FIELDS, many.drive_of_many)
-
-
 DESIGN_FILE = DesignFile(
     BevelDesign,
     REFERENCE.values,
     broken_rules,
     named_entries,
     drive,
-    LazySizing("mbcdm_cad.layouts.miso_bevel.sizing", has_first=True),
+    LazySizing("mbcdm_cad.layouts.miso_bevel.sizing"),
     STARTING,
-    _size_many,
 )
