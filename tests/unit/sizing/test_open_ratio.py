@@ -42,7 +42,7 @@ def _ratio(found: LoadedDesign) -> Any:
 
 def _mass_g(found: LoadedDesign) -> float:
     layout = found.drive.layout
-    return kept_mass_g(layout, type(layout).bill)
+    return kept_mass_g(layout)
 
 
 def _failing(found: LoadedDesign) -> list[str]:
