@@ -92,7 +92,7 @@ def test_a_groove_that_the_kernel_cuts_through_the_pulley_is_cut_turn_by_turn(
             raise ValueError(f"{name}: drawing gave 3 bodies")
         return cut(body, cutters, name)  # type: ignore[arg-type]
 
-    monkeypatch.setattr("mbcdm_cad.parts.input_pulley.part.cut", cut_through)
+    monkeypatch.setattr("mbcdm_cad.parts.input_pulley.draw.cut", cut_through)
     in_turns = pulley.solid().Volume()
     assert len(tools) > 2 and in_turns == pytest.approx(whole, rel=1e-4), f"{in_turns} for {whole} mm^3"
 
