@@ -14,13 +14,12 @@ from timing import Figure, arguments, finish, least
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.rig.dynamic.controller import sine
 from mbcdm_cad.rig.dynamic.rig import LOOP_RATE_HZ, rig_of
 from mbcdm_cad.rig.dynamic.run import run_dynamic
-from mbcdm_cad.rig.quasistatic.experiment import Experiment
-from mbcdm_cad.rig.quasistatic.load import Load
-from mbcdm_cad.rig.quasistatic.motion import Motion
-from mbcdm_cad.rig.quasistatic.simulate import simulate
+from mbcdm_cad.rig.dynamic.train import sine
+from mbcdm_cad.rig.experiment import Experiment
+from mbcdm_cad.rig.motion import Load, Motion
+from mbcdm_cad.rig.quasistatic import simulate
 
 SIMULATED_S = 160.0
 QUASI_STATIC_LIMIT_S = 10.0

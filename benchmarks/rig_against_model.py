@@ -20,10 +20,9 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.model import capability, hysteresis, stiffness
 from mbcdm_cad.model.si import to_si
-from mbcdm_cad.rig import chain
-from mbcdm_cad.rig.cables import cables_of
-from mbcdm_cad.rig.quasistatic import equilibrium
-from mbcdm_cad.rig.quasistatic.load import brake
+from mbcdm_cad.rig import chain, quasistatic
+from mbcdm_cad.rig.bench import cables_of
+from mbcdm_cad.rig.motion import brake
 
 ROOT = Path(__file__).resolve().parents[1]
 TORQUE_NM = 0.91
@@ -46,7 +45,7 @@ def rig_drum_rad(drive: Drive, inputs_rad: Any, load_Nm: Any, **options: Any) ->
     gears = np.array([[np.inf, 0.0]] * inputs.shape[0])
     zero = np.zeros((n_cables, n))
     input_of = np.array([c.input_index for c in cables])
-    course = equilibrium.QuasistaticCourse(
+    course = quasistatic.QuasistaticCourse(
         input_of,
         gears,
         inputs,
@@ -59,7 +58,7 @@ def rig_drum_rad(drive: Drive, inputs_rad: Any, load_Nm: Any, **options: Any) ->
         np.zeros(n_cables),
         np.zeros(n),
     )
-    failed = equilibrium.run(state, course, pulleys, drum, tension)
+    failed = quasistatic.run(state, course, pulleys, drum, tension)
     if failed >= 0:
         raise RuntimeError(f"no balance at sample {failed}")
     torque = np.zeros_like(inputs)

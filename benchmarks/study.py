@@ -21,8 +21,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from mbcdm_cad.errors import MbcdmError
-from mbcdm_cad.parallel.crew import crew
-from mbcdm_cad.parallel.forks import allow_processes
+from mbcdm_cad.parallel.forks import allow_processes, crew
 
 ROOT = Path(__file__).resolve().parents[1]
 Argument = TypeVar("Argument")

@@ -25,14 +25,14 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.model import analyse
+from mbcdm_cad.model.analysis import analyse
 from mbcdm_cad.report.losses import losses_report
 from mbcdm_cad.report.masses import masses_by_item
 from mbcdm_cad.report.table import ReportTable
 from mbcdm_cad.storage.cache import Cache, cache_folder
 from mbcdm_cad.storage.files import write_whole
-from mbcdm_cad.workshop.made_parts import drawn
 from mbcdm_cad.workshop.mass import combined
+from mbcdm_cad.workshop.store import drawn
 
 _PICTURE_PX = (360, 280)
 # A drum of a larger radius is not drawn here: its parts take many minutes.

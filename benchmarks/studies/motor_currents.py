@@ -19,11 +19,11 @@ from benchmarks.study import ROOT, Row, Study, parser
 from mbcdm_cad.design.blocks import STANDARD_GRAVITY_M_S2
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.measurement.known_load import pendulum_load_Nm
+from mbcdm_cad.measurement.loads import pendulum_load_Nm
 from mbcdm_cad.measurement.run import KNOWN_LOAD, Run, Sensors, StatedMotors, TorqueClass
 from mbcdm_cad.measurement.schema import Pendulum
-from mbcdm_cad.rig.dynamic.experiment import DynamicExperiment
 from mbcdm_cad.rig.dynamic.simulate import simulate_dynamic
+from mbcdm_cad.rig.experiment import DynamicExperiment
 from tests.support.bench_score import interval
 
 # A low preload and more friction in the cables are nearly alike: either, or both as a set, is right.

@@ -20,13 +20,19 @@ from __future__ import annotations
 
 from mbcdm_cad.api.design import DriveDesign
 from mbcdm_cad.api.designs import (
+    MeasuredRun,
     analyse_many,
     catalogue,
+    close_loop,
     compare,
     doctor,
+    draft_measurement,
+    judge_published,
     load,
+    load_run,
     new_design,
     new_design_text,
+    next_run,
     optimise,
     prices,
     reference_design,
@@ -34,8 +40,8 @@ from mbcdm_cad.api.designs import (
     schema,
     schema_page,
     solve,
+    trend,
 )
-from mbcdm_cad.api.runs import MeasuredRun, close_loop, draft_measurement, judge_published, load_run, next_run, trend
 from mbcdm_cad.errors import InputError, MbcdmError
 from mbcdm_cad.optimising.wishes import Effort
 

@@ -19,8 +19,7 @@ if TYPE_CHECKING:
     from mbcdm_cad.planning.best_run import BestRun
     from mbcdm_cad.planning.plan import RunPlan
     from mbcdm_cad.report.analysis_report import AnalysisReport
-    from mbcdm_cad.report.build_report import BuildReport
-    from mbcdm_cad.report.check_report import CheckReport
+    from mbcdm_cad.report.check_report import BuildReport, CheckReport
     from mbcdm_cad.report.explain import Explanation
     from mbcdm_cad.report.preload import PreloadReport
     from mbcdm_cad.storage.cache import Cache
@@ -311,7 +310,7 @@ class DriveDesign:
         ``noise_from``: the measurement file of a run whose noise is taken. Raises ``InputError`` for mistakes in the
         files, ``MbcdmError`` for a run that the model cannot follow.
         """
-        from mbcdm_cad.jobs.plan import plan_run
+        from mbcdm_cad.jobs.searches import plan_run
 
         return plan_run(self.drive, Path(experiment), None if noise_from is None else Path(noise_from))
 
@@ -328,7 +327,7 @@ class DriveDesign:
         ``bench``: file with the limits of the bench; ``experiment``: a run of your own to compare with. Raises as
         :meth:`plan`.
         """
-        from mbcdm_cad.jobs.plan import plan_within
+        from mbcdm_cad.jobs.searches import plan_within
 
         own, pilot = (None if path is None else Path(path) for path in (experiment, noise_from))
         return plan_within(self.drive, Path(bench), experiment=own, pilot=pilot, progress=progress or silent)

@@ -19,8 +19,9 @@ from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.layouts.structure import pulley_sections
-from mbcdm_cad.model.equilibrium import BearingLoads, two_bearing_reactions_N
+from mbcdm_cad.model.equilibrium import BearingLoads
 from mbcdm_cad.routes import Floats
+from mbcdm_cad.routes.route import two_bearing_reactions_N
 
 STATIC_SAFETY = 1.0
 QUIET_SAFETY = 2.0

@@ -19,10 +19,10 @@ from mbcdm_cad.checks.run import floored, rounded
 from mbcdm_cad.checks.strength import balanced_preloads, rated_input_Nm
 from mbcdm_cad.layouts.base import Layout, NoFigureError
 from mbcdm_cad.model.capability import torque_at_input_limit_Nm
-from mbcdm_cad.model.duty.heat import MEANINGLESS_C
-from mbcdm_cad.model.duty.motors import SEAT_SIGMA_K, MotorDay
+from mbcdm_cad.model.duty import SEAT_SIGMA_K, MotorDay
 from mbcdm_cad.model.equilibrium import solve_equilibrium
-from mbcdm_cad.model.losses.train import BEARINGS, MOTOR, ROPE, Train
+from mbcdm_cad.model.heat import MEANINGLESS_C
+from mbcdm_cad.model.losses import BEARINGS, MOTOR, ROPE, Train
 
 # Ratings above this multiple of T_pre r_m are not evaluated: cables are slack long before.
 _RATING_CAP = 60.0

@@ -18,8 +18,8 @@ from mbcdm_cad.checks.run import floored
 from mbcdm_cad.design.drive import CableRun
 from mbcdm_cad.layouts.base import Layout
 from mbcdm_cad.layouts.sector import SectorLayout
+from mbcdm_cad.model.equations import pair_mismatch_m
 from mbcdm_cad.model.equilibrium import solve_equilibrium
-from mbcdm_cad.model.kinematics import pair_mismatch_m
 from mbcdm_cad.parts.drum_sector.design import SectorRun
 
 # 0.6 um on a radius of 6 mm, a tenth of the tolerance of good turning: allows for rounding of nominal radii only.

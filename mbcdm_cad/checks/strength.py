@@ -18,7 +18,7 @@ from mbcdm_cad.layouts.base import Layout, NoFigureError
 from mbcdm_cad.model.capability import SLACK_SHARE, balanced_preload_N, torque_at_input_limit_Nm, torque_at_slip_Nm
 from mbcdm_cad.model.creep import DAY_S, TOLD_C, creeps, relaxation
 from mbcdm_cad.model.equilibrium import solve_equilibrium
-from mbcdm_cad.model.life.rope_bendings import MOST_BENDINGS
+from mbcdm_cad.model.rope_bendings import MOST_BENDINGS
 from mbcdm_cad.model.si import ModelError
 
 # Share of an input's rated torque that the preload alone may take (estimate).

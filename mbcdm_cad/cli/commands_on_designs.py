@@ -15,10 +15,17 @@ from typing import Any, Literal
 import click
 
 from mbcdm_cad import api
-from mbcdm_cad.cli.group import DESIGN, FILE, SCHEDULER, TIME, WORKERS, examples, mbcdm, out_folder
-from mbcdm_cad.cli.screen import (
+from mbcdm_cad.cli.group import (
+    DESIGN,
+    FILE,
+    SCHEDULER,
+    TIME,
+    WORKERS,
     coloured,
+    examples,
     load,
+    mbcdm,
+    out_folder,
     progress,
     progress_of_search,
     progress_of_trials,

@@ -12,8 +12,19 @@ import click
 
 from mbcdm_cad import api
 from mbcdm_cad.cli.commands_on_designs import print_json, write_new
-from mbcdm_cad.cli.group import DESIGN, FILE, SCHEDULER, WORKERS, examples, mbcdm, out_folder
-from mbcdm_cad.cli.screen import load, progress, screen_width, sign_of_life
+from mbcdm_cad.cli.group import (
+    DESIGN,
+    FILE,
+    SCHEDULER,
+    WORKERS,
+    examples,
+    load,
+    mbcdm,
+    out_folder,
+    progress,
+    screen_width,
+    sign_of_life,
+)
 from mbcdm_cad.errors import InputError, MbcdmError, Problem
 from mbcdm_cad.storage.files import refuse_missing_folder, write_whole
 

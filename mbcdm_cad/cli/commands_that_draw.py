@@ -13,13 +13,12 @@ from typing import TYPE_CHECKING, Literal
 import click
 
 from mbcdm_cad import api
-from mbcdm_cad.cli.group import ANGLE, DESIGN, FILE, JOBS, NO_CACHE, examples, mbcdm, out_folder
-from mbcdm_cad.cli.screen import load, progress
+from mbcdm_cad.cli.group import ANGLE, DESIGN, FILE, JOBS, NO_CACHE, examples, load, mbcdm, out_folder, progress
 from mbcdm_cad.report.page import PAGE
 from mbcdm_cad.report.table import designs_shown
 
 if TYPE_CHECKING:
-    from mbcdm_cad.report.build_report import BuildReport
+    from mbcdm_cad.report.check_report import BuildReport
 
 # Copy of the names of VIEWS in mbcdm_cad.workshop.export.picture, which needs the drawing library; a test compares.
 VIEW_NAMES = ("output", "iso", "iso_rear", "front", "rear", "left", "right", "top", "bottom")
@@ -161,9 +160,10 @@ def watch(design: Path, port: int, out: Path, no_cache: bool) -> int:
     Prints the address of a page that is updated at each save. Changed parts are written to DIR/NAME-live at once, the
     complete build to DIR/NAME. Ctrl-C ends the command.
     """
-    from mbcdm_cad.cli.watch import watch_command
+    from mbcdm_cad.live.watch import follow
 
-    return watch_command(design, out=out, port=port, use_cache=not no_cache)
+    follow(design, out=out, port=port, use_cache=not no_cache)
+    return 0
 
 
 @mbcdm.command(

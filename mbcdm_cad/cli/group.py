@@ -1,16 +1,135 @@
-"""The command ``mbcdm``, to which all others belong, and what they share: options, examples on help pages."""
+"""The command ``mbcdm`` and what all commands share: options, examples on help pages, terminal, progress."""
 
 from __future__ import annotations
 
 import math
+import os
 import re
-from collections.abc import Callable
+import shutil
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import click
 
-from mbcdm_cad import __version__
+from mbcdm_cad import __version__, api
+from mbcdm_cad.report.table import designs_shown
+
+
+def screen_width() -> int | None:
+    """Columns to wrap text at; None if the output goes to a file or a pipe and COLUMNS is not set."""
+    if sys.stdout.isatty() or os.environ.get("COLUMNS", "").isdigit():
+        return shutil.get_terminal_size().columns
+    return None
+
+
+def coloured() -> bool:
+    """Whether to use colours: on a terminal that has some, unless NO_COLOR is set (see no-color.org)."""
+    return sys.stdout.isatty() and "NO_COLOR" not in os.environ and os.environ.get("TERM") != "dumb"
+
+
+@contextmanager
+def sign_of_life(what: str) -> Iterator[None]:
+    """A line on a terminal's standard error while ``what`` takes longer than two seconds; gone at the end."""
+    if not sys.stderr.isatty():
+        yield
+        return
+    shown = threading.Event()
+
+    def show() -> None:
+        shown.set()
+        print(f"{what} ...", end="\r", file=sys.stderr, flush=True)
+
+    timer = threading.Timer(_PATIENCE_S, show)
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
+        timer.join()
+        if shown.is_set():
+            print("\r\x1b[K", end="", file=sys.stderr, flush=True)
+
+
+_PATIENCE_S = 2.0
+
+
+def load(path: Path) -> api.DriveDesign:
+    """The design of a file, with a sign of life while its rules size it."""
+    with sign_of_life(f"{path}: sizing"):
+        return api.load(path)
+
+
+@contextmanager
+def progress() -> Iterator[Callable[[str], None]]:
+    """A function that is told each item while it is made: a spinner on a terminal, lines if the output is piped."""
+    if not sys.stderr.isatty():
+        yield lambda name: print(f"making {name}", file=sys.stderr, flush=True)
+        return
+    from rich.console import Console  # only where a terminal shows it
+
+    console = Console(stderr=True)
+    with console.status("reading") as status:
+        yield lambda name: status.update(f"making {name}")
+
+
+@contextmanager
+def progress_of_trials() -> Iterator[Callable[[str, int], None]]:
+    """A function that is told the stage of a search and its trials: a bar on a terminal, some lines if piped."""
+    if not sys.stderr.isatty():
+        last: tuple[str, int] = ("", -_TRIALS)
+
+        def told(stage: str, count: int) -> None:
+            nonlocal last
+            if stage != last[0] or count >= last[1] + _TRIALS:
+                last = stage, count
+                print(f"{count} trials: {stage}", file=sys.stderr, flush=True)
+
+        yield told
+        return
+    from rich.console import Console  # only where a terminal shows it
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    from mbcdm_cad.solving.solve import MOST_TRIALS
+
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TextColumn("{task.completed} trials"),
+        TimeElapsedColumn(),
+    )
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("searching", total=MOST_TRIALS)
+        yield lambda stage, count: bar.update(task, description=stage, completed=count)
+
+
+@contextmanager
+def progress_of_search() -> Iterator[Callable[[str, int], None]]:
+    """A function that is told the best so far and the number of designs: a line on a terminal, some lines if piped."""
+    if not sys.stderr.isatty():
+
+        def told(words: str, count: int) -> None:
+            if count % _EVERY == 0:
+                print(f"{designs_shown(count)}: {words}", file=sys.stderr, flush=True)
+
+        yield told
+        return
+    from rich.console import Console  # only where a terminal shows it
+
+    console = Console(stderr=True)
+    with console.status("searching") as status:
+        yield lambda words, count: status.update(f"{designs_shown(count)}: {words}")
+
+
+# Designs between two lines of progress, where it is piped.
+_EVERY = 100
+# Trials of a search between two, at least: each sizes and checks a design.
+_TRIALS = 20
+
 
 FILE = click.Path(path_type=Path)
 DESIGN = click.argument("design", type=FILE)

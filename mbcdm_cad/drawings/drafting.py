@@ -18,21 +18,21 @@ from mbcdm_cad.drawings.arrangement import (
     scale_text,
     value_text,
 )
-from mbcdm_cad.drawings.clipping import clipped
-from mbcdm_cad.drawings.document import APPLICATION, DIMENSION_STYLE, TEXT_STYLE
-from mbcdm_cad.drawings.frames import draw_axis_datum, draw_face_datum, draw_tolerance
-from mbcdm_cad.drawings.labels import Box, Room
-from mbcdm_cad.drawings.projection import Picture
-from mbcdm_cad.drawings.strokes import ArcStroke, LineStroke, Point, PolyStroke, Stroke
-from mbcdm_cad.drawings.style import (
+from mbcdm_cad.drawings.document import (
+    APPLICATION,
     ARROW_MM,
     AXIS_OVERHANG_MM,
+    DIMENSION_STYLE,
     EXTENSION_OFFSET_MM,
     GAP_MM,
     LABEL_MM,
     TEXT_MM,
+    TEXT_STYLE,
     text_width_mm,
 )
+from mbcdm_cad.drawings.frames import Box, Room, draw_axis_datum, draw_face_datum, draw_tolerance
+from mbcdm_cad.drawings.projection import Picture, clipped
+from mbcdm_cad.drawings.strokes import ArcStroke, LineStroke, Point, PolyStroke, Stroke
 from mbcdm_cad.parts.sheet import Angle, CuttingLine, Label, Radius, Sheet
 
 _HATCH_APART = 0.8

@@ -10,8 +10,7 @@ from ezdxf.layouts.blocklayout import BlockLayout
 from ezdxf.layouts.layout import Modelspace
 
 from mbcdm_cad.drawings.arrangement import FRAME_LEFT_MM, FRAME_MM, TITLE_BLOCK, table_size_mm
-from mbcdm_cad.drawings.document import TEXT_STYLE
-from mbcdm_cad.drawings.style import ROW_MM, TEXT_MM, TITLE_MM, text_width_mm
+from mbcdm_cad.drawings.document import ROW_MM, TEXT_MM, TEXT_STYLE, TITLE_MM, text_width_mm
 from mbcdm_cad.parts.fits import limits
 from mbcdm_cad.parts.sheet import FitLine, Table, mm
 

@@ -16,19 +16,15 @@ from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import GeometryError
 from mbcdm_cad.layouts.check_design import run_checks
 from mbcdm_cad.parts.bill import Item
-from mbcdm_cad.report.build_report import BuildReport
-from mbcdm_cad.report.check_report import CheckReport
+from mbcdm_cad.report.check_report import BuildReport, CheckReport
 from mbcdm_cad.report.explain import fields_data
-from mbcdm_cad.storage.cache import Cache
+from mbcdm_cad.storage.cache import Cache, content_key, package_hash
+from mbcdm_cad.storage.files import Manifest, altered_files, read_manifest, versions
 from mbcdm_cad.storage.folders import output_folder, refuse_other_origin
-from mbcdm_cad.storage.keys import content_key, package_hash
-from mbcdm_cad.storage.manifest import Manifest, altered_files, read_manifest, versions
-from mbcdm_cad.workshop.export.step_text import with_description
-from mbcdm_cad.workshop.export.stl import with_note
-from mbcdm_cad.workshop.made_parts import exported_parts, made_parts, refuse_angle
-from mbcdm_cad.workshop.printability import overhang_mm2, thinnest_wall
-from mbcdm_cad.workshop.scene import travel_poses
-from mbcdm_cad.workshop.store import Progress, Store, StoredPart
+from mbcdm_cad.workshop.export.files import with_description, with_note
+from mbcdm_cad.workshop.interference import travel_poses
+from mbcdm_cad.workshop.prints import overhang_mm2, thinnest_wall
+from mbcdm_cad.workshop.store import Progress, Store, StoredPart, exported_parts, made_parts, refuse_angle
 
 POSES = 9
 
@@ -160,7 +156,7 @@ def _write(
     store: Store,
     data: dict[str, Any],
 ) -> None:
-    from mbcdm_cad.report.markdown import report_markdown  # loads its templates, only needed if something is written
+    from mbcdm_cad.report.data import report_markdown  # loads its templates, only needed if something is written
     from mbcdm_cad.report.page import PAGE
 
     name = loaded.drive.name

@@ -14,15 +14,12 @@ from typing import TYPE_CHECKING, Any
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import InputError, MbcdmError, Problem
-from mbcdm_cad.storage.cache import Cache
-from mbcdm_cad.storage.files import refuse_missing_folder, write_whole
+from mbcdm_cad.storage.cache import Cache, content_key, package_hash
+from mbcdm_cad.storage.files import Manifest, refuse_missing_folder, versions, write_whole
 from mbcdm_cad.storage.folders import output_folder, refuse_other_origin, write_from
-from mbcdm_cad.storage.keys import content_key, package_hash
-from mbcdm_cad.storage.manifest import Manifest, versions
 from mbcdm_cad.workshop.drawings import drawings_folder, drawings_of
-from mbcdm_cad.workshop.made_parts import drawn
-from mbcdm_cad.workshop.scene import bodies, is_cable
-from mbcdm_cad.workshop.store import Progress
+from mbcdm_cad.workshop.interference import bodies, is_cable
+from mbcdm_cad.workshop.store import Progress, drawn
 
 if TYPE_CHECKING:
     from mbcdm_cad.report.preload import PreloadReport
@@ -173,8 +170,8 @@ def write_robot(
     ``elastic`` in MJCF and ``options`` in URDF only.
     """
     from mbcdm_cad.robot.elastic import elastic_drive, left_out
-    from mbcdm_cad.robot.formats import robot_files
     from mbcdm_cad.robot.mechanism import mechanism
+    from mbcdm_cad.robot.mjcf import robot_files
 
     _, parts = drawn(loaded.drive, 0.0, cache, progress)
     robot = mechanism(loaded.drive, {name: part.files for name, part in parts.items()})
@@ -249,7 +246,7 @@ def write_sensitivity(
     """Write the sensitivity study into ``out/<name>-sensitivity``; its draws are shared by the workers."""
     from mbcdm_cad.model.bulk import block_figures
     from mbcdm_cad.model.study import write_study
-    from mbcdm_cad.parallel.crew import crew
+    from mbcdm_cad.parallel.forks import crew
     from mbcdm_cad.parts.making import model_tolerances
 
     target = out / f"{loaded.drive.name}-sensitivity"
@@ -283,7 +280,7 @@ def write_experiment(drive: Drive, experiment: Path, out: Path) -> Written:
 
     Raises ``InputError`` for mistakes in the file, ``RigError`` if the rig stops.
     """
-    from mbcdm_cad.rig.reading import read_experiment
+    from mbcdm_cad.rig.experiment import read_experiment
 
     wanted = read_experiment(experiment)
     from mbcdm_cad.paper.command import experiment_command  # loads compiled code: only for a valid file

@@ -30,13 +30,12 @@ if TYPE_CHECKING:
     from mbcdm_cad.layouts.life import Life
     from mbcdm_cad.layouts.structure import Structure
     from mbcdm_cad.layouts.turns import DriveTurns
-    from mbcdm_cad.model.cable_tensions import CableTensions
-    from mbcdm_cad.model.duty.cycle import Duty
-    from mbcdm_cad.model.duty.motors import MotorDay
-    from mbcdm_cad.model.losses.train import BearingPair, Train
+    from mbcdm_cad.model.duty import Duty, MotorDay
+    from mbcdm_cad.model.equilibrium import CableTensions
+    from mbcdm_cad.model.losses import BearingPair, Train
     from mbcdm_cad.model.si import DriveSI
     from mbcdm_cad.model.stack_up import StackUp
-    from mbcdm_cad.model.tensioning_plan import TensioningPlan
+    from mbcdm_cad.model.tensioning import TensioningPlan
     from mbcdm_cad.parts.bill import AssemblyStep, Bill, MovingBody
     from mbcdm_cad.routes.cable_path import CablePath
     from mbcdm_cad.routes.geometry import RoutedDrive
@@ -466,7 +465,7 @@ class Layout(ABC):
     @cached_property
     def loads(self) -> CableTensions:
         """Tensions by the model."""
-        from mbcdm_cad.model.cable_tensions import CableTensions
+        from mbcdm_cad.model.equilibrium import CableTensions
         from mbcdm_cad.model.si import ModelError, to_si
 
         drive = self.drive

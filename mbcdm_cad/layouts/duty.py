@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mbcdm_cad.design.duty_record import RecordedDuty
-from mbcdm_cad.model.duty.cycle import DEFAULT_PERIOD_S, Duty, default_duty, of_record, of_rows
-from mbcdm_cad.model.duty.heat import RATED_AT_C, motor_heat
-from mbcdm_cad.model.duty.motors import MotorDay, motor_days
+from mbcdm_cad.model.duty import DEFAULT_PERIOD_S, Duty, MotorDay, default_duty, motor_days, of_record, of_rows
+from mbcdm_cad.model.heat import RATED_AT_C, motor_heat
 
 if TYPE_CHECKING:
     from mbcdm_cad.layouts.base import Layout

@@ -31,17 +31,9 @@ from mbcdm_cad.layouts.common_rules import (
     ropes_to_choose,
 )
 from mbcdm_cad.layouts.trial_sizing import TrialKnown
-from mbcdm_cad.model.duty.cycle import (
-    DEFAULT_PEAK_SHARE,
-    DEFAULT_PERIOD_S,
-    DEFAULT_TORQUE_SHARE,
-    Duty,
-    default_duty,
-    of_rows,
-)
-from mbcdm_cad.model.duty.heat import RATED_AT_C, STANDSTILL_SHARE, motor_heat
-from mbcdm_cad.model.losses.friction import GEARHEAD_IDLE_SHARE, motor_idle_mNm, tangent_share, turned_back_mNm
-from mbcdm_cad.model.losses.train import BEARINGS, ROPE
+from mbcdm_cad.model.duty import DEFAULT_PEAK_SHARE, DEFAULT_PERIOD_S, DEFAULT_TORQUE_SHARE, Duty, default_duty, of_rows
+from mbcdm_cad.model.heat import RATED_AT_C, STANDSTILL_SHARE, motor_heat
+from mbcdm_cad.model.losses import BEARINGS, GEARHEAD_IDLE_SHARE, ROPE, motor_idle_mNm, tangent_share, turned_back_mNm
 from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.sizing.known import KnownFields
 from mbcdm_cad.sizing.rule import Found, Rule, constant, rounded_up

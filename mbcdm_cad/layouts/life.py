@@ -13,8 +13,8 @@ import numpy as np
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.model.equilibrium import solve_equilibrium
-from mbcdm_cad.model.life.rope_bendings import GROOVES, RopeKind
-from mbcdm_cad.model.life.zones import Level, RopeInUse, RopeLife, Tangent, rope_life
+from mbcdm_cad.model.rope_bendings import GROOVES, RopeKind
+from mbcdm_cad.model.rope_zones import Level, RopeInUse, RopeLife, Tangent, rope_life
 from mbcdm_cad.model.si import DriveSI, ModelError
 from mbcdm_cad.model.tensioning import WIRES
 from mbcdm_cad.parts.terminal.take_up import tensioned_rope

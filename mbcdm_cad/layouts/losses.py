@@ -9,11 +9,10 @@ import numpy as np
 
 from mbcdm_cad.design.bought import CableStageOutput
 from mbcdm_cad.layouts.base import NoFigureError
-from mbcdm_cad.model.equilibrium import two_bearing_reactions_N
-from mbcdm_cad.model.losses import friction
-from mbcdm_cad.model.losses.train import BearingPair, RopeBend, Train
+from mbcdm_cad.model import losses
+from mbcdm_cad.model.losses import BearingPair, RopeBend, Train
 from mbcdm_cad.model.si import MM, DriveSI, to_si
-from mbcdm_cad.routes.loads import body_load
+from mbcdm_cad.routes.route import body_load, two_bearing_reactions_N
 
 if TYPE_CHECKING:
     from mbcdm_cad.design.bought import Bearing
@@ -34,7 +33,7 @@ def train_of(layout: Layout) -> Train:
         bearings = tuple(layout.bearing_friction(d))
     except NoFigureError:
         bearings = ()
-    idle_at_input = 0.0 if gear.absent else friction.GEARHEAD_IDLE_SHARE * gear.rated_torque_mNm * 1e-3
+    idle_at_input = 0.0 if gear.absent else losses.GEARHEAD_IDLE_SHARE * gear.rated_torque_mNm * 1e-3
     if isinstance(gear, CableStageOutput):
         idle_at_input = gear.idle_torque_Nm
     if stage is not None:
@@ -45,11 +44,11 @@ def train_of(layout: Layout) -> Train:
         bearings=bearings,
         fibre=drive.cable.construction == "braid",
         gear_ratio=drive.reduction.ratio,
-        gear_share=friction.gearhead_share(drive.reduction.efficiency),
+        gear_share=losses.gearhead_share(drive.reduction.efficiency),
         gear_idle_Nm=idle_at_input,
-        motor_idle_Nm=friction.motor_idle_mNm(motor.rated_torque_mNm, idle) * 1e-3,
-        motor_sigma=friction.MOTOR_IDLE_SIGMA if idle is None else friction.MOTOR_STATED_SIGMA,
-        stage_share=0.0 if stage is None else friction.gearhead_share(stage.efficiency),
+        motor_idle_Nm=losses.motor_idle_mNm(motor.rated_torque_mNm, idle) * 1e-3,
+        motor_sigma=losses.MOTOR_IDLE_SIGMA if idle is None else losses.MOTOR_STATED_SIGMA,
+        stage_share=0.0 if stage is None else losses.gearhead_share(stage.efficiency),
         gear_words=drive.mounted if isinstance(gear, CableStageOutput) else "gearheads",
     )
 
@@ -64,7 +63,7 @@ def _rope_bends(routes: DriveRoutes, rope_m: float) -> Iterator[RopeBend]:
             for at in route.contacts():
                 if at.wrap.body in names:
                     points = (at.arriving is not None) + (at.leaving is not None)
-                    share[j] += points * float(friction.tangent_share(rope_m, 2.0 * at.wrap.radius_m))
+                    share[j] += points * float(losses.tangent_share(rope_m, 2.0 * at.wrap.radius_m))
         yield RopeBend(f"cables on the {name}", share, on_input=name == "inputs")
 
 

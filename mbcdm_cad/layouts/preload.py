@@ -12,11 +12,11 @@ from mbcdm_cad.checks.strength import needed_share
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.life import life_with
 from mbcdm_cad.model import preload_ramp
-from mbcdm_cad.model.backlash import drum_backlash
 from mbcdm_cad.model.equilibrium import solve_equilibrium
-from mbcdm_cad.model.losses.train import BEARINGS, ROPE
+from mbcdm_cad.model.losses import BEARINGS, ROPE
 from mbcdm_cad.model.preload_ramp import HeldDrive, MeasuredPreloads, Ramp, SampleNoise
 from mbcdm_cad.model.si import DriveSI, ModelError, to_si
+from mbcdm_cad.model.stiffness import drum_backlash
 from mbcdm_cad.model.tensioning import influence
 from mbcdm_cad.routes import Floats
 

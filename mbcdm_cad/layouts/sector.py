@@ -29,7 +29,7 @@ from mbcdm_cad.routes.route import input_body
 if TYPE_CHECKING:
     from mbcdm_cad.design.bought import Material
     from mbcdm_cad.layouts.structure import Cause, Structure
-    from mbcdm_cad.model.losses.train import BearingPair
+    from mbcdm_cad.model.losses import BearingPair
     from mbcdm_cad.model.si import DriveSI
 
 

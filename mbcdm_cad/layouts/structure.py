@@ -17,7 +17,7 @@ import numpy as np
 
 from mbcdm_cad.design.stage import STIFFNESS_FACTOR
 from mbcdm_cad.layouts.base import NoFigureError
-from mbcdm_cad.model.equilibrium import bearing_loads, sum_per_input, two_bearing_reactions_N
+from mbcdm_cad.model.equilibrium import bearing_loads, sum_per_input
 from mbcdm_cad.model.si import MM, to_si
 from mbcdm_cad.model.stiffness import Chain, unit_tensions_N
 from mbcdm_cad.model.structure.drum_sector import Isotropic, sector_study
@@ -31,7 +31,7 @@ from mbcdm_cad.model.structure.shafts import (
 )
 from mbcdm_cad.parts.drum_sector.structure import hub, land_pulls, sector_shape
 from mbcdm_cad.routes import Floats
-from mbcdm_cad.routes.loads import BodyLoad, body_load
+from mbcdm_cad.routes.route import BodyLoad, body_load, two_bearing_reactions_N
 
 if TYPE_CHECKING:
     from mbcdm_cad.design.bought import Bearing, Material, Servo

@@ -1,7 +1,7 @@
 """How far a load turns the drive, and its modes: by the cables alone, as the drum's encoder sees it, at the payload.
 
 The one place where cables and structure are put together. Cables as in
-:func:`mbcdm_cad.model.backlash.drum_backlash`, with memory of the friction; the structure
+:func:`mbcdm_cad.model.stiffness.drum_backlash`, with memory of the friction; the structure
 (:mod:`mbcdm_cad.layouts.structure`) in series with them, linear.
 """
 
@@ -16,10 +16,17 @@ import numpy as np
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.structure import Cause, lash_rad, sigma_urad_Nm, urad_Nm
 from mbcdm_cad.layouts.structure import sticking as sticking_causes
-from mbcdm_cad.model.backlash import Reading, drum_backlash, implied_modulus_Pa
-from mbcdm_cad.model.measured import BACKLASH_RAD, BACKLASH_TORQUE_NM
+from mbcdm_cad.model.equations import BACKLASH_RAD, BACKLASH_TORQUE_NM
 from mbcdm_cad.model.si import to_si
-from mbcdm_cad.model.stiffness import RIGID, TurningInertias, sticking_stiffness_Nm_rad, torsional_modes_Hz
+from mbcdm_cad.model.stiffness import (
+    RIGID,
+    Reading,
+    TurningInertias,
+    drum_backlash,
+    implied_modulus_Pa,
+    sticking_stiffness_Nm_rad,
+    torsional_modes_Hz,
+)
 
 if TYPE_CHECKING:
     from mbcdm_cad.layouts.base import Layout

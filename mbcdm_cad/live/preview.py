@@ -22,8 +22,7 @@ from mbcdm_cad.report.page.stage import PageFigures, page_figures, page_of
 from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.storage.files import write_whole
 from mbcdm_cad.workshop.makefiles import drawn_part
-from mbcdm_cad.workshop.mass import rod_shape
-from mbcdm_cad.workshop.partfiles import PartFiles
+from mbcdm_cad.workshop.mass import PartFiles, rod_shape
 from mbcdm_cad.workshop.store import Store, StoredPart
 from mbcdm_cad.workshop.trianglemesh import TriangleMesh
 

@@ -22,8 +22,7 @@ from typing import Any
 import numpy as np
 
 from mbcdm_cad.errors import InputError, Problem
-from mbcdm_cad.measurement.channels import Channel, aligned
-from mbcdm_cad.measurement.datafile import DataTable, left_out
+from mbcdm_cad.measurement.datafile import Channel, DataTable, aligned, left_out
 from mbcdm_cad.measurement.logformat import Format
 from mbcdm_cad.routes import Floats
 

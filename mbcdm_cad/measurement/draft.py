@@ -17,9 +17,25 @@ import numpy as np
 
 from mbcdm_cad.errors import InputError, Problem
 from mbcdm_cad.measurement.binarylog import opened
-from mbcdm_cad.measurement.channels import Channel, read_channels
-from mbcdm_cad.measurement.datafile import clock_s, read_table
-from mbcdm_cad.measurement.logformat import Format, figure_of, find_format, title_lines
+from mbcdm_cad.measurement.datafile import Channel, clock_s, read_channels, read_table
+from mbcdm_cad.measurement.logformat import (
+    ANGLE,
+    COUNTS,
+    DECIBEL,
+    FORCE,
+    FREQUENCY,
+    GIVE,
+    ISO_CLOCK,
+    LENGTH,
+    TEMPERATURE,
+    TIME,
+    TORQUE,
+    Format,
+    Unit,
+    figure_of,
+    find_format,
+    title_lines,
+)
 from mbcdm_cad.measurement.reading import FULL_SENSE
 from mbcdm_cad.measurement.roles import (
     COUNTS_SOLD,
@@ -33,20 +49,6 @@ from mbcdm_cad.measurement.roles import (
     ways,
 )
 from mbcdm_cad.measurement.schema import FREQUENCY_RESPONSE
-from mbcdm_cad.measurement.units import (
-    ANGLE,
-    COUNTS,
-    DECIBEL,
-    FORCE,
-    FREQUENCY,
-    GIVE,
-    ISO_CLOCK,
-    LENGTH,
-    TEMPERATURE,
-    TIME,
-    TORQUE,
-    Unit,
-)
 from mbcdm_cad.measurement.vet_columns import robust_slope
 from mbcdm_cad.routes import Floats
 

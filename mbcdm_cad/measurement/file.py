@@ -13,6 +13,20 @@ from mbcdm_cad.design.fieldpath import FieldPath, dotted
 from mbcdm_cad.design.problems import schema_problems
 from mbcdm_cad.design.source import read_text
 from mbcdm_cad.errors import InputError, Problem, did_you_mean, shortened
+from mbcdm_cad.measurement.logformat import (
+    ANGLE,
+    COUNTS,
+    ENCODERS,
+    FORCE,
+    GIVE,
+    LENGTH,
+    LOAD,
+    RATIO,
+    TORQUE,
+    kind_of,
+    known_units,
+    unit_of,
+)
 from mbcdm_cad.measurement.schema import (
     BY_HAND,
     CURRENT,
@@ -26,20 +40,6 @@ from mbcdm_cad.measurement.schema import (
     ResponseBlock,
     is_column,
     node_at,
-)
-from mbcdm_cad.measurement.units import (
-    ANGLE,
-    COUNTS,
-    ENCODERS,
-    FORCE,
-    GIVE,
-    LENGTH,
-    LOAD,
-    RATIO,
-    TORQUE,
-    kind_of,
-    known_units,
-    unit_of,
 )
 
 _KIND = ("measurement file", "; docs/measurement-file.md shows how one is written")

@@ -15,11 +15,10 @@ from mbcdm_cad.design.fieldpath import FieldPath
 from mbcdm_cad.errors import InputError, Problem, did_you_mean, shortened
 from mbcdm_cad.measurement.binarylog import is_bag, opened
 from mbcdm_cad.measurement.by_hand import inputs_move
-from mbcdm_cad.measurement.channels import Channel, read_channels
-from mbcdm_cad.measurement.datafile import DECIMALS, MOST_BROKEN, DataTable, read_table
+from mbcdm_cad.measurement.datafile import DECIMALS, MOST_BROKEN, Channel, DataTable, read_channels, read_table
 from mbcdm_cad.measurement.file import MeasurementFile, load_file
-from mbcdm_cad.measurement.known_load import pendulum_load_Nm
-from mbcdm_cad.measurement.logformat import Format, find_format, line_with
+from mbcdm_cad.measurement.loads import pendulum_load_Nm
+from mbcdm_cad.measurement.logformat import DECIBEL, ISO_CLOCK, Format, Unit, find_format, line_with, unit_of
 from mbcdm_cad.measurement.response import FEWEST_AVERAGES
 from mbcdm_cad.measurement.run import KNOWN_LOAD, ResponseTable, Run, Sensors, StatedMotors, TorqueClass
 from mbcdm_cad.measurement.schema import (
@@ -33,7 +32,6 @@ from mbcdm_cad.measurement.schema import (
     ResponseBlock,
     SensorFigures,
 )
-from mbcdm_cad.measurement.units import DECIBEL, ISO_CLOCK, Unit, unit_of
 from mbcdm_cad.routes import Floats
 
 # Fewer samples than this cannot contain the sweeps that any statement needs.

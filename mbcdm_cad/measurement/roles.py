@@ -16,7 +16,7 @@ from math import inf, log, pi, radians
 import numpy as np
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.measurement.units import ANGLE, DECIBEL, FORCE, FREQUENCY, GIVE, TEMPERATURE, TIME, TORQUE, Unit
+from mbcdm_cad.measurement.logformat import ANGLE, DECIBEL, FORCE, FREQUENCY, GIVE, TEMPERATURE, TIME, TORQUE, Unit
 from mbcdm_cad.measurement.vet_columns import LEAST_AGREEMENT, robust_slope
 from mbcdm_cad.routes import Floats
 

@@ -16,8 +16,7 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError, Problem
 from mbcdm_cad.measurement.by_hand import creep_findings, readings_findings
 from mbcdm_cad.measurement.file import MeasurementFile
-from mbcdm_cad.measurement.motor_load import figures_of, with_motors_load
-from mbcdm_cad.measurement.parts import parts_seen
+from mbcdm_cad.measurement.loads import figures_of, parts_seen, with_motors_load
 from mbcdm_cad.measurement.reading import read_run
 from mbcdm_cad.measurement.response import response_findings
 from mbcdm_cad.measurement.run import (

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.linalg import LinAlgError, eigh
 
 from mbcdm_cad.design.fieldpath import FieldPath
-from mbcdm_cad.measurement.motor_load import LEAST_TOLD
+from mbcdm_cad.measurement.loads import LEAST_TOLD
 from mbcdm_cad.measurement.run import (
     KNOWN_LOAD,
     MOTORS_CURRENT,

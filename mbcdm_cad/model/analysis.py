@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mbcdm_cad.model.backlash import cable_backlash, drum_backlash, implied_modulus_Pa
 from mbcdm_cad.model.capability import (
     GEARHEAD,
     GEARHEAD_PEAK,
@@ -18,6 +17,7 @@ from mbcdm_cad.model.capability import (
     balanced_preload_N,
     input_bias_Nm,
     input_ratings_Nm,
+    motor_figures,
     motor_rating,
     requirements,
     sigmas_si,
@@ -26,6 +26,14 @@ from mbcdm_cad.model.capability import (
     torque_to_weight_Nm_kg,
 )
 from mbcdm_cad.model.creep import preload_left
+from mbcdm_cad.model.equations import (
+    BACKLASH_RAD,
+    BACKLASH_TORQUE_NM,
+    eq1_residuals,
+    pair_mismatch_m,
+    papers_test,
+    shaft_angles,
+)
 from mbcdm_cad.model.equilibrium import bearing_loads, solve_equilibrium
 from mbcdm_cad.model.figures import (
     Analysis,
@@ -38,12 +46,16 @@ from mbcdm_cad.model.figures import (
     UncertainFigure,
     readable_figure,
 )
-from mbcdm_cad.model.kinematics import eq1_residuals, pair_mismatch_m, shaft_angles
-from mbcdm_cad.model.measured import BACKLASH_RAD, BACKLASH_TORQUE_NM, papers_test
-from mbcdm_cad.model.motor_figures import motor_figures
 from mbcdm_cad.model.sensitivity import intervals
 from mbcdm_cad.model.si import DriveSI, routed, to_si
-from mbcdm_cad.model.stiffness import secant_stiffness_Nm_rad, sticking_stiffness_Nm_rad, tangent_stiffness_Nm_rad
+from mbcdm_cad.model.stiffness import (
+    cable_backlash,
+    drum_backlash,
+    implied_modulus_Pa,
+    secant_stiffness_Nm_rad,
+    sticking_stiffness_Nm_rad,
+    tangent_stiffness_Nm_rad,
+)
 from mbcdm_cad.model.wrap import slip_angle_rad
 
 if TYPE_CHECKING:

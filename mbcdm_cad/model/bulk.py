@@ -16,13 +16,13 @@ from typing import Any
 import numpy as np
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.model.backlash import cable_backlash, drum_backlash
 from mbcdm_cad.model.capability import Requirements, requirements, slip_weight, torque_at_slack_Nm
+from mbcdm_cad.model.equations import eq1_residuals
 from mbcdm_cad.model.equilibrium import Equilibrium, solve_equilibrium, solve_weighted
-from mbcdm_cad.model.kinematics import eq1_residuals
 from mbcdm_cad.model.si import PER_CABLE, PER_DESIGN, DriveSI, ModelError, to_si
+from mbcdm_cad.model.stiffness import cable_backlash, drum_backlash
 from mbcdm_cad.model.wrap import slip_angle_rad
-from mbcdm_cad.parallel.crew import Crew
+from mbcdm_cad.parallel.forks import Crew
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.curves import axial_walk_m, fleet_angle_rad
 

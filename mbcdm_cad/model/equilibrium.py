@@ -1,4 +1,4 @@
-"""The equilibrium of all cables while every input is held, its solver, and the loads on the bodies that follow.
+"""The equilibrium of all cables while every input is held, its solver, and the loads that follow, on bodies too.
 
 Cable j stretches by delta_j = sigma_j (r_ij theta_i - r_oj theta_o), and sum_j sigma_j T_j r_oj = M_l (M_l > 0 opposes
 positive rotation).
@@ -14,14 +14,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.model.si import DriveSI, ModelError, content_of
 from mbcdm_cad.model.wrap import slack_stretch_m, stretch_after_reversal, stretch_first_loading
 from mbcdm_cad.routes import Floats
-from mbcdm_cad.routes.loads import BodyLoad, body_load, two_bearing_reactions_N
+from mbcdm_cad.routes.route import BodyLoad, body_load
 
 NEWTON_STEPS = 40
 BRACKETED_STEPS = 300
@@ -273,9 +276,6 @@ def _fixed(found: Floats) -> Floats:
     return found
 
 
-__all__ = ["BearingLoads", "BodyLoad", "bearing_loads", "two_bearing_reactions_N"]
-
-
 @dataclass(frozen=True)
 class BearingLoads:
     """The load on each body, by name."""
@@ -289,3 +289,46 @@ def bearing_loads(d: DriveSI, tension_N: Floats) -> BearingLoads:
     """Loads for the free-span tensions of one design and one load, shape (n_cables,)."""
     loads = {body.name: body_load(d.routes, body.name, tension_N) for body in d.routes.bodies}
     return BearingLoads(loads, tuple(loads[body.name] for body in d.routes.inputs), loads[d.routes.drum.name])
+
+
+class CableTensions:
+    """Cable tensions (N), shape (n_cables,), in the states that the strength checks use."""
+
+    def __init__(self, drive: Drive, si: DriveSI) -> None:
+        peak, test = drive.loads.peak_torque_Nm, drive.loads.test_torque_Nm
+        self.si, self._loads = si, drive.loads
+        self.torques_Nm = np.array([0.0, peak, -peak, test, -test])
+        self.equilibrium = solve_equilibrium(si, self.torques_Nm)
+        tension = self.equilibrium.tension_N
+        self.idle, self.peak_forward, self.peak_back, self.test_forward, self.test_back = tension.T
+        self.input_torque_Nm = self.equilibrium.input_torque_Nm(si).T  # (state, input), states as above
+
+    def are_those_of(self, drive: Drive, si: DriveSI) -> bool:
+        """Whether another drive has the same, because nothing differs that they follow from."""
+        return self._loads == drive.loads and self.si.is_same(si)
+
+    @property
+    def test_urad_Nm(self) -> float:
+        """Turn of the drum by its cables at the test torque, over that torque, urad per N m."""
+        idle, test = self.equilibrium.drum_angle_rad[[0, 3]]
+        return abs(float(test - idle)) / self._loads.test_torque_Nm * 1e6
+
+    @property
+    def states(self) -> tuple[tuple[str, NDArray[np.float64]], ...]:
+        """Unloaded and at peak torque both ways."""
+        return (("no load", self.idle), ("+peak torque", self.peak_forward), ("-peak torque", self.peak_back))
+
+    @cached_property
+    def on_bodies(self) -> tuple[BearingLoads, ...]:
+        """Loads of the cables on every body in these states."""
+        return tuple(bearing_loads(self.si, tension) for _, tension in self.states)
+
+    @property
+    def highest_N(self) -> float:
+        """Largest tension of any cable in these states."""
+        return float(max(tension.max() for _, tension in self.states))
+
+    @property
+    def highest_input_Nm(self) -> float:
+        """Largest torque on an input pulley in these states."""
+        return float(np.abs(self.input_torque_Nm[:3]).max())

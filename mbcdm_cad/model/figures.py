@@ -10,9 +10,8 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from mbcdm_cad.model.capability import TorqueLimit
+from mbcdm_cad.model.capability import MotorFigures, TorqueLimit
 from mbcdm_cad.model.creep import PreloadLeft
-from mbcdm_cad.model.motor_figures import MotorFigures
 
 # Readable unit and factor of an SI figure, by the end of its name.
 _READABLE = {"_rad": ("mrad", 1e3), "_Nm": ("N m", 1.0), "_N": ("N", 1.0), "_m": ("mm", 1e3)}

@@ -23,8 +23,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mbcdm_cad.model.equilibrium import tension_of_stretch
-from mbcdm_cad.model.losses.friction import FIBRE_SIGMA, GEARHEAD_IDLE_SIGMA, GEARHEAD_SIGMA, ROPE_SIGMA
-from mbcdm_cad.model.losses.train import Train
+from mbcdm_cad.model.losses import FIBRE_SIGMA, GEARHEAD_IDLE_SIGMA, GEARHEAD_SIGMA, ROPE_SIGMA, Train
 from mbcdm_cad.model.si import DriveSI, ModelError
 from mbcdm_cad.routes import Floats
 

@@ -13,7 +13,7 @@ from mbcdm_cad.model.bulk import BulkFigures, analyse_many
 from mbcdm_cad.model.capability import Requirements
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.si import DriveSI, ModelError
-from mbcdm_cad.parallel.crew import Crew
+from mbcdm_cad.parallel.forks import Crew
 from mbcdm_cad.routes import Floats
 
 # Parameters that may have a sigma besides the geometry's lengths, and the field of the drive or requirements of each.

@@ -31,7 +31,7 @@ from mbcdm_cad.model.tolerance import Tolerances, ToleranceStack, tolerance_stac
 
 if TYPE_CHECKING:
     from mbcdm_cad.design.drive import Drive
-    from mbcdm_cad.parallel.crew import Crew
+    from mbcdm_cad.parallel.forks import Crew
 
 # Okabe and Ito's palette without its yellow, which is hardly visible on paper.
 COLOURS = ("#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9")

@@ -1,7 +1,7 @@
 """Tolerance stack: eccentricity, radius and preload tolerances of each part -> transmission error at the drum.
 
 A displaced body changes the path of its cable by e . (u_in - u_out), for any wrap
-(:mod:`mbcdm_cad.routes.displaced`). Radii add sigma_j dr theta of their own pulley. Linear theory assumes that every
+(:mod:`mbcdm_cad.routes.route`). Radii add sigma_j dr theta of their own pulley. Linear theory assumes that every
 wrap sticks; the Monte Carlo runs the whole time-series model with friction over a sweep of the travel.
 """
 
@@ -14,7 +14,7 @@ import numpy as np
 
 from mbcdm_cad.model.si import DriveSI, ModelError
 from mbcdm_cad.routes import Floats
-from mbcdm_cad.routes.displaced import path_slope
+from mbcdm_cad.routes.route import path_slope
 
 
 @dataclass(frozen=True)

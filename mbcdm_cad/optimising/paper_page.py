@@ -18,7 +18,7 @@ from typing import Any
 from threadpoolctl import threadpool_limits
 
 from mbcdm_cad.errors import MbcdmError
-from mbcdm_cad.model.measured import DESIGN_TORQUE_TO_WEIGHT_NM_KG, TORQUE_TO_WEIGHT_NM_KG
+from mbcdm_cad.model.equations import DESIGN_TORQUE_TO_WEIGHT_NM_KG, TORQUE_TO_WEIGHT_NM_KG
 from mbcdm_cad.optimising.evaluate import Evaluated, evaluate
 from mbcdm_cad.report.table import ReportTable
 from mbcdm_cad.solving.question import read_question

@@ -8,10 +8,9 @@ from typing import Any
 
 from mbcdm_cad.design.fieldpath import leaves
 from mbcdm_cad.errors import MbcdmError
-from mbcdm_cad.optimising.evaluate import Evaluated, evaluate
-from mbcdm_cad.optimising.figures import refuse_unknown
+from mbcdm_cad.optimising.evaluate import Evaluated, evaluate, refuse_unknown
 from mbcdm_cad.optimising.wishes import Effort
-from mbcdm_cad.parallel.crew import crew
+from mbcdm_cad.parallel.forks import crew
 from mbcdm_cad.report.table import ReportTable
 from mbcdm_cad.solving.question import ASIDE, Fixed, Question
 from mbcdm_cad.solving.repair import repair

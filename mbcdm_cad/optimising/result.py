@@ -1,4 +1,4 @@
-"""The result of a search: the front with a short design file for each of its points, as text, table and plain data."""
+"""The result of a search: the front with a short design file for each point, as text, table, data and page."""
 
 from __future__ import annotations
 
@@ -12,22 +12,24 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mbcdm_cad.checks.comparison import CheckResult, failed
+from mbcdm_cad.checks.comparison import figures as check_figures
 from mbcdm_cad.checks.run import Budget, run_all
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.model.block_rows import many_meshes
-from mbcdm_cad.optimising.figures import FIGURES, Facts, figure
+from mbcdm_cad.optimising.evaluate import FIGURES, Facts, figure, unit_of
 from mbcdm_cad.optimising.search import INTERRUPTED, ROUNDS, Searched, TriedPoint, counted
 from mbcdm_cad.optimising.wishes import Keep, Wishes
+from mbcdm_cad.report.page.template import page_environment
 from mbcdm_cad.report.table import ReportTable, designs_shown, filled
 from mbcdm_cad.routes import Floats
-from mbcdm_cad.solving.patch import difference, patched
-from mbcdm_cad.solving.question import Question
+from mbcdm_cad.solving.question import Question, difference, patched
 
 if TYPE_CHECKING:
     import pandas
+
 
 # Points of a cable and of a circle, about: a page of a hundred designs stays below 2 MB.
 _LINE, _CIRCLE = 90, 48
@@ -119,7 +121,7 @@ class Optimum:
 
     ``beside``: other designs to compare it with.
 
-    ``folder`` has the files of :func:`mbcdm_cad.jobs.optimise.optimise`; ``finished`` is False for a search that was
+    ``folder`` has the files of :func:`mbcdm_cad.jobs.searches.optimise`; ``finished`` is False for a search that was
     interrupted or ran out of time, and that can go on.
     """
 
@@ -323,3 +325,56 @@ def _front_point(question: Question, one: TriedPoint, name: str) -> FrontPoint:
 def checked(loaded: LoadedDesign) -> tuple[CheckResult, ...]:
     """All checks of a design without trying remedies."""
     return run_all(checks_of(loaded.drive), loaded.drive.layout, Budget(0))
+
+
+# Where the page's template lies.
+_PACKAGE = ("mbcdm_cad.optimising", "assets")
+
+
+def optimum_page(found: Optimum) -> bytes:
+    """The page as UTF-8; needs no other file. Raises nothing for a search without a passing design."""
+    names = [name for name in dict.fromkeys([*found.shown, *FIGURES]) if _varies(found, name)]
+    data = {
+        "aims": [{"figure": aim.figure, "sense": aim.sense} for aim in found.wishes.aims],
+        "names": names,
+        "units": {name: unit_of(name) for name in names},
+        "points": [_point(point) for point in found.points],
+        "starts": _marked(found),
+        "curve": [list(step) for step in found.searched.curve],
+    }
+    template = page_environment(_PACKAGE).get_template("optimum.html.j2")
+    return template.render(found=found, data=data, binding=found.binding(), meanings=FIGURES).encode()
+
+
+def _marked(found: Optimum) -> list[dict[str, Any]]:
+    """The designs that are no part of the front: its files as given, and those beside it."""
+    several = len(found.starts) > 1
+    given = [
+        {"name": f"File {k} as given" if several else "File as given", "figures": dict(start.result.figures)}
+        for k, start in enumerate(found.starts, start=1)
+    ]
+    return given + [
+        {
+            "name": f"{one.name} (fails {len(one.failing)} of its checks)" if one.failing else one.name,
+            "figures": dict(one.figures),
+            "beside": True,
+        }
+        for one in found.beside
+    ]
+
+
+def _varies(found: Optimum, name: str) -> bool:
+    values = {point.figures.get(name) for point in found.points}
+    return name in found.shown or len(values) > 1 or (len(found.points) == 1 and values != {None})
+
+
+def _point(point: FrontPoint) -> dict[str, Any]:
+    return {
+        "name": point.name,
+        "layout": point.layout,
+        "figures": dict(point.figures),
+        "patch": point.patch,
+        "binding": list(point.binding),
+        "sketch": dict(point.sketch),
+        "checks": [[c.id, c.title, c.status, check_figures(c)] for c in point.checks],
+    }

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mbcdm_cad.layouts.base import NoFigureError
-from mbcdm_cad.model.backlash import drum_backlash
+from mbcdm_cad.model import losses
 from mbcdm_cad.model.capability import (
     input_ratings_Nm,
     motor_rating,
@@ -27,10 +27,10 @@ from mbcdm_cad.model.capability import (
     torque_at_slip_Nm,
     torque_at_tension_limit_Nm,
 )
-from mbcdm_cad.model.losses import friction
-from mbcdm_cad.model.losses.train import BEARINGS, GEARHEAD, GEARHEAD_IDLE, MOTOR, ROPE, Train
+from mbcdm_cad.model.losses import BEARINGS, GEARHEAD, GEARHEAD_IDLE, MOTOR, ROPE, Train
 from mbcdm_cad.model.sensitivity import by_cable, shifted
 from mbcdm_cad.model.si import DriveSI, to_si
+from mbcdm_cad.model.stiffness import drum_backlash
 from mbcdm_cad.parts.making import model_tolerances
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.geometry import DRUM_RADIUS, INPUT_RADIUS
@@ -128,15 +128,15 @@ class Spread:
     def train(self) -> Train:
         """The train of all drives, each with its own losses."""
         own = self.drive.layout.losses
-        sigma = friction.FIBRE_SIGMA if own.fibre else friction.ROPE_SIGMA
-        rope, bearings = _factor(ROPE, sigma), _factor(BEARINGS, friction.BEARING_SIGMA)
+        sigma = losses.FIBRE_SIGMA if own.fibre else losses.ROPE_SIGMA
+        rope, bearings = _factor(ROPE, sigma), _factor(BEARINGS, losses.BEARING_SIGMA)
         return replace(
             own,
             d=self.d,
             rope=tuple(replace(bend, share=bend.share[:, None] * rope) for bend in own.rope),
             bearings=tuple(replace(pair, factor=pair.factor * bearings) for pair in own.bearings),
-            gear_share=own.gear_share * _factor(GEARHEAD, friction.GEARHEAD_SIGMA),
-            gear_idle_Nm=own.gear_idle_Nm * _factor(GEARHEAD_IDLE, friction.GEARHEAD_IDLE_SIGMA),
+            gear_share=own.gear_share * _factor(GEARHEAD, losses.GEARHEAD_SIGMA),
+            gear_idle_Nm=own.gear_idle_Nm * _factor(GEARHEAD_IDLE, losses.GEARHEAD_IDLE_SIGMA),
             motor_idle_Nm=own.motor_idle_Nm * _factor(MOTOR, own.motor_sigma),
         )
 

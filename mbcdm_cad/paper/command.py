@@ -6,10 +6,8 @@ from pathlib import Path
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.rig.command import simulate_command
-from mbcdm_cad.rig.dynamic.experiment import DynamicExperiment
-from mbcdm_cad.rig.quasistatic.experiment import Experiment
-from mbcdm_cad.rig.result import RigError
-from mbcdm_cad.rig.writing import run_files, write_run
+from mbcdm_cad.rig.experiment import DynamicExperiment, Experiment
+from mbcdm_cad.rig.writing import RigError, run_files, write_run
 
 
 def experiment_command(drive: Drive, experiment: Experiment | DynamicExperiment, out: Path) -> str:

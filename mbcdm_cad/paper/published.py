@@ -12,7 +12,7 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.loop.readable import readable
 from mbcdm_cad.measurement.file import MeasurementFile
-from mbcdm_cad.measurement.units import Unit, unit_of
+from mbcdm_cad.measurement.logformat import Unit, unit_of
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.paper.published_causes import JUDGES, Judged, together
 

@@ -12,12 +12,12 @@ import numpy as np
 from scipy.optimize import brentq
 
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.measurement.logformat import Unit, unit_of
 from mbcdm_cad.measurement.schema import Published
-from mbcdm_cad.measurement.units import Unit, unit_of
-from mbcdm_cad.model.backlash import drum_backlash
 from mbcdm_cad.model.capability import MOTOR, balanced_preload_N, input_ratings_Nm, torque_at_input_limit_Nm
 from mbcdm_cad.model.profiles import simulate_profiles
 from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.model.stiffness import drum_backlash
 
 # Plausible relative deviation of preload, modulus and friction from the declared values (estimates).
 PRELOAD_SHARE, MODULUS_SHARE, FRICTION_SHARE = 0.3, 0.15, 0.5

@@ -14,9 +14,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mbcdm_cad.layouts.turns import implied_moduli_GPa
-from mbcdm_cad.model import measured
+from mbcdm_cad.model import equations
 from mbcdm_cad.model.analysis import lowest_each_way
-from mbcdm_cad.model.backlash import DrumBacklash, drum_backlash, implied_modulus_Pa
 from mbcdm_cad.model.capability import (
     MOTOR,
     balanced_preload_N,
@@ -25,8 +24,9 @@ from mbcdm_cad.model.capability import (
     torque_limits,
     torque_to_weight_Nm_kg,
 )
-from mbcdm_cad.model.kinematics import eq1_residuals
+from mbcdm_cad.model.equations import eq1_residuals
 from mbcdm_cad.model.si import DriveSI, to_si
+from mbcdm_cad.model.stiffness import DrumBacklash, drum_backlash, implied_modulus_Pa
 
 if TYPE_CHECKING:
     from mbcdm_cad.design.drive import Drive
@@ -87,7 +87,7 @@ class PaperTable:
 def reproduce(drive: Drive) -> tuple[PaperFigure, ...]:
     """Every figure of the paper that the model can compute, for ``drive`` with the paper's equal preloads."""
     d = to_si(drive)
-    d = d.with_(preload_N=np.full(d.n_cables, measured.BACKLASH_PRELOAD_N))
+    d = d.with_(preload_N=np.full(d.n_cables, equations.BACKLASH_PRELOAD_N))
     return (*_geometry(drive, d), *_torque(drive, d), *_backlash(drive, d), *_sensing(drive, d))
 
 
@@ -99,7 +99,7 @@ def _geometry(drive: Drive, d: DriveSI) -> tuple[PaperFigure, ...]:
             "radius ratio rho",
             "Table 1",
             "-",
-            measured.BEND_RATIO,
+            equations.BEND_RATIO,
             2 * smallest / drive.cable.diameter_mm,
             5e-3,
             "2 r_min/d; the text of the paper inverts it",
@@ -108,7 +108,7 @@ def _geometry(drive: Drive, d: DriveSI) -> tuple[PaperFigure, ...]:
             "effective area A",
             "Table 1",
             "mm^2",
-            measured.EFFECTIVE_AREA_MM2,
+            equations.EFFECTIVE_AREA_MM2,
             WIRES_7X7 * math.pi / 4 * wire**2,
             1e-3,
             "49 wires of d/9",
@@ -137,7 +137,7 @@ def _torque(drive: Drive, d: DriveSI) -> tuple[PaperFigure, ...]:
             "torque, theoretical",
             "section 5.1",
             "N m",
-            measured.DESIGN_TORQUE_NM,
+            equations.DESIGN_TORQUE_NM,
             ideal,
             0.02,
             "torque of both motors x gearhead x 9, lossless, shared evenly; the paper rounds it down",
@@ -146,8 +146,8 @@ def _torque(drive: Drive, d: DriveSI) -> tuple[PaperFigure, ...]:
             "torque to weight, theoretical",
             "section 4.1",
             "N m/kg",
-            measured.DESIGN_TORQUE_TO_WEIGHT_NM_KG,
-            torque_to_weight_Nm_kg(ideal, measured.DESIGN_MASS_G),
+            equations.DESIGN_TORQUE_TO_WEIGHT_NM_KG,
+            torque_to_weight_Nm_kg(ideal, equations.DESIGN_MASS_G),
             0.02,
             "the same over 350 g; 3.9/0.350 is 11.14",
         ),
@@ -155,7 +155,7 @@ def _torque(drive: Drive, d: DriveSI) -> tuple[PaperFigure, ...]:
             "torque, measured",
             "section 5.1, Fig. 7",
             "N m",
-            measured.PEAK_TORQUE_NM,
+            equations.PEAK_TORQUE_NM,
             with_bias,
             0.05,
             "equal preloads, weaker direction: the bias torque of the preloads saturates one input first; a possible "
@@ -165,8 +165,8 @@ def _torque(drive: Drive, d: DriveSI) -> tuple[PaperFigure, ...]:
             "torque to weight, measured",
             "section 5.1",
             "N m/kg",
-            measured.TORQUE_TO_WEIGHT_NM_KG,
-            torque_to_weight_Nm_kg(with_bias, measured.PROTOTYPE_MASS_G),
+            equations.TORQUE_TO_WEIGHT_NM_KG,
+            torque_to_weight_Nm_kg(with_bias, equations.PROTOTYPE_MASS_G),
             0.05,
             "the same over 342 g",
         ),
@@ -178,8 +178,8 @@ def _with_structure(drive: Drive, drum: DrumBacklash) -> Iterator[PaperFigure]:
     at = drive.layout.turns.drum_encoder
     if at is None:
         return
-    turn = at.structure_urad_Nm * 1e-6 * measured.BACKLASH_TORQUE_NM
-    needs = implied_moduli_GPa(drive.layout, measured.BACKLASH_PRELOAD_N)
+    turn = at.structure_urad_Nm * 1e-6 * equations.BACKLASH_TORQUE_NM
+    needs = implied_moduli_GPa(drive.layout, equations.BACKLASH_PRELOAD_N)
     for reading, words, model in (
         ("reversal", "as a swing at reversal", float(drum.reversal_swing_rad) + 2.0 * turn),
         ("single", "as one-sided turn", float(drum.first_loading_rad) + turn),
@@ -188,7 +188,7 @@ def _with_structure(drive: Drive, drum: DrumBacklash) -> Iterator[PaperFigure]:
             f"backlash, {words}, structure counted",
             "section 5.3",
             "mrad",
-            measured.BACKLASH_RAD * 1e3,
+            equations.BACKLASH_RAD * 1e3,
             model * 1e3,
             None,
             f"at the drum's encoder, with the parts drawn here; this reading needs E = {needs[reading]:.1f} GPa: "
@@ -197,12 +197,12 @@ def _with_structure(drive: Drive, drum: DrumBacklash) -> Iterator[PaperFigure]:
 
 
 def _backlash(drive: Drive, d: DriveSI) -> tuple[PaperFigure, ...]:
-    drum = drum_backlash(d, measured.BACKLASH_TORQUE_NM)
-    theta, load = measured.BACKLASH_RAD, measured.BACKLASH_TORQUE_NM
+    drum = drum_backlash(d, equations.BACKLASH_TORQUE_NM)
+    theta, load = equations.BACKLASH_RAD, equations.BACKLASH_TORQUE_NM
     reversal = implied_modulus_Pa(d, theta, load, "reversal") / 1e9
     single = implied_modulus_Pa(d, theta, load, "single") / 1e9
     mrad = theta * 1e3
-    friction = measured.FLAT_FRICTION
+    friction = equations.FLAT_FRICTION
     low, mid, high = (
         float(drum_backlash(d.with_(friction_coefficient=mu), load).first_loading_rad)
         for mu in (friction / 3, friction, friction * 5 / 3)
@@ -232,7 +232,7 @@ def _backlash(drive: Drive, d: DriveSI) -> tuple[PaperFigure, ...]:
             "difference of Eq. (20) from the test",
             "section 5.3",
             "-",
-            measured.BACKLASH_ERROR,
+            equations.BACKLASH_ERROR,
             abs(float(drum.reversal_swing_rad) / theta - 1),
             None,
             "unexplained: the paper gives neither the sign nor E; winding history alone is large enough "
@@ -251,7 +251,7 @@ def _backlash(drive: Drive, d: DriveSI) -> tuple[PaperFigure, ...]:
             "RMSE of the backlash model",
             "section 5.3",
             "-",
-            measured.RMSE_SHARE,
+            equations.RMSE_SHARE,
             math.nan,
             None,
             "needs data that the paper does not publish",
@@ -266,7 +266,7 @@ def _sensing(drive: Drive, d: DriveSI) -> tuple[PaperFigure, ...]:
             "resolution of encoder A",
             "section 5",
             "urad",
-            measured.ENCODER_A_RAD * 1e6,
+            equations.ENCODER_A_RAD * 1e6,
             2 * math.pi / ENCODER_A_COUNTS * 1e6,
             1e-4,
             "2 pi/2^15",
@@ -275,7 +275,7 @@ def _sensing(drive: Drive, d: DriveSI) -> tuple[PaperFigure, ...]:
             "resolution of encoder B",
             "section 5",
             "urad",
-            measured.ENCODER_B_RAD * 1e6,
+            equations.ENCODER_B_RAD * 1e6,
             2 * math.pi / (ENCODER_B_LINES * ENCODER_B_SUBDIVISION) * 1e6,
             1e-3,
             "18000 lines, divided by 256",
@@ -284,7 +284,7 @@ def _sensing(drive: Drive, d: DriveSI) -> tuple[PaperFigure, ...]:
             "ripple peak, if per radian",
             "section 5.2, Fig. 8 (b)",
             "cycle/rad",
-            measured.RIPPLE_CYCLES_PER_RAD,
+            equations.RIPPLE_CYCLES_PER_RAD,
             motor_per_drum / (2 * math.pi),
             None,
             "unexplained: neither the rotation of the motor nor any other stage has this frequency",
@@ -293,7 +293,7 @@ def _sensing(drive: Drive, d: DriveSI) -> tuple[PaperFigure, ...]:
             "ripple peak, if the axis is per turn",
             "section 5.2, Fig. 8 (b)",
             "cycle/turn",
-            measured.RIPPLE_CYCLES_PER_RAD,
+            equations.RIPPLE_CYCLES_PER_RAD,
             motor_per_drum,
             None,
             "once per turn of the motor, if the axis is mislabelled; not proven",

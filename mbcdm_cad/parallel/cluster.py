@@ -25,7 +25,7 @@ _log = logging.getLogger(__name__)
 
 
 class ClusterCrew:
-    """All workers of the dask scheduler at an address; see :class:`mbcdm_cad.parallel.crew.Crew`.
+    """All workers of the dask scheduler at an address; see :class:`mbcdm_cad.parallel.forks.Crew`.
 
     Function, arguments and results must pickle. A worker that is refused, and a lack of workers, is told by the log.
     """
@@ -37,7 +37,7 @@ class ClusterCrew:
         self._client = _connected(scheduler)
 
     def results(self, arguments: Sequence[Any]) -> Generator[Any, None, None]:
-        """As of :class:`mbcdm_cad.parallel.crew.Crew`; raises ``MbcdmError`` too if the scheduler is lost."""
+        """As of :class:`mbcdm_cad.parallel.forks.Crew`; raises ``MbcdmError`` too if the scheduler is lost."""
         name = f"mbcdm-{uuid4().hex}"
         if not arguments:
             return

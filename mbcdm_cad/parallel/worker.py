@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from mbcdm_cad.storage.keys import content_key, package_hash
-from mbcdm_cad.storage.manifest import versions
+from mbcdm_cad.storage.cache import content_key, package_hash
+from mbcdm_cad.storage.files import versions
 
 # Beginning of the name of the resource by which a worker shows its state.
 MARK = "mbcdm_cad "

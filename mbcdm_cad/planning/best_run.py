@@ -13,9 +13,9 @@ from mbcdm_cad.measurement.run import TorqueClass
 from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.planning.candidates import candidates, class_of_load, experiment_text, run_of
 from mbcdm_cad.planning.plan import Foreseen, RunPlan, plan_of
-from mbcdm_cad.rig.quasistatic.experiment import Experiment
-from mbcdm_cad.rig.result import RigError
-from mbcdm_cad.rig.sensors import BenchLimits
+from mbcdm_cad.rig.bench import BenchLimits
+from mbcdm_cad.rig.experiment import Experiment
+from mbcdm_cad.rig.writing import RigError
 
 # A run that needs an effect this many times larger than the best run does is as bad as one that cannot show it.
 BLIND = 10.0

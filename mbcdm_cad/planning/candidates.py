@@ -11,16 +11,14 @@ import numpy as np
 import yaml
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.measurement.motor_load import weighed
+from mbcdm_cad.measurement.loads import weighed
 from mbcdm_cad.measurement.run import Run, Sensors, TorqueClass
 from mbcdm_cad.measurement.schema import FREQUENCY_RESPONSE, MOTION, NO_PLATE, CountedParts, InertiaPlate
-from mbcdm_cad.rig.dynamic.experiment import DynamicExperiment
+from mbcdm_cad.rig.bench import BenchLimits
 from mbcdm_cad.rig.dynamic.simulate import simulate as simulate_dynamic
-from mbcdm_cad.rig.quasistatic.experiment import Experiment
-from mbcdm_cad.rig.quasistatic.load import Load
-from mbcdm_cad.rig.quasistatic.motion import LONGEST_PERIOD_S, WIDEST_MRAD
-from mbcdm_cad.rig.quasistatic.simulate import simulate
-from mbcdm_cad.rig.sensors import BenchLimits
+from mbcdm_cad.rig.experiment import DynamicExperiment, Experiment
+from mbcdm_cad.rig.motion import LONGEST_PERIOD_S, WIDEST_MRAD, Load
+from mbcdm_cad.rig.quasistatic import simulate
 from mbcdm_cad.rig.writing import counted_parts
 
 # Planned runs are computed at this rate, Hz; the experiment file has the rate of the bench.

@@ -30,9 +30,9 @@ from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.planning.candidates import LEAST_DURATION_S, TRAVEL_SHARE, candidates, experiment_text, run_of
 from mbcdm_cad.planning.detectable import planned_fitter, without_offsets
 from mbcdm_cad.planning.prediction_noise import along
-from mbcdm_cad.rig.quasistatic.experiment import Experiment
-from mbcdm_cad.rig.result import RigError
-from mbcdm_cad.rig.sensors import MOST_DURATION_S, BenchLimits
+from mbcdm_cad.rig.bench import MOST_DURATION_S, BenchLimits
+from mbcdm_cad.rig.experiment import Experiment
+from mbcdm_cad.rig.writing import RigError
 from mbcdm_cad.routes import Floats
 
 

@@ -11,17 +11,14 @@ from typing import TYPE_CHECKING, Any
 
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.turns import modes_of
-from mbcdm_cad.model import Analysis, analyse
-from mbcdm_cad.model.figures import ShaftTurns
-from mbcdm_cad.model.measured import papers_test
-from mbcdm_cad.report.as_built_chances import Chance, chance_lines, chances_of
-from mbcdm_cad.report.duty import DutyReport, duty_report
-from mbcdm_cad.report.life import LifeReport, life_report
-from mbcdm_cad.report.losses import LossesReport, losses_report
-from mbcdm_cad.report.paths import path_data_or_reason, path_lines
+from mbcdm_cad.model.analysis import analyse
+from mbcdm_cad.model.equations import papers_test
+from mbcdm_cad.model.figures import Analysis, ShaftTurns
+from mbcdm_cad.report.check_report import Chance, chance_lines, chances_of
+from mbcdm_cad.report.duty import DutyReport, LifeReport, duty_report, life_report
+from mbcdm_cad.report.losses import LossesReport, losses_report, stage_figures, stage_lines
 from mbcdm_cad.report.preload import PreloadShares, preload_shares
-from mbcdm_cad.report.stages import stage_figures, stage_lines
-from mbcdm_cad.report.structure import StructureReport, structure_report
+from mbcdm_cad.report.structure import StructureReport, path_data_or_reason, path_lines, structure_report
 from mbcdm_cad.report.table import ReportTable, filled, speed_shown
 
 if TYPE_CHECKING:

@@ -1,4 +1,10 @@
-"""All results of the checks on one design: counted, as text for a terminal, as JSON, as a table.
+"""The results of all checks and of a build: counted, as text, JSON and table, with each check's chance as built.
+
+The values that were found (modulus, preload, friction) are normal with their intervals and correlations. The margin of
+each check is taken as straight over one standard deviation to either side of each value. Source: derived; the test
+draws the values at random instead.
+
+The command line prints it, the Python API returns it.
 
 The command line prints it, the Python API returns it.
 """
@@ -8,23 +14,127 @@ from __future__ import annotations
 import textwrap
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
+from math import erf, sqrt
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
 
 from mbcdm_cad.checks.comparison import CheckResult, failed, figures
 from mbcdm_cad.checks.motors import speed
+from mbcdm_cad.design.as_built import CHANGE_VALUES, HALF_95, with_as_built
+from mbcdm_cad.design.blocks import AsBuilt, AsBuiltValue
+from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.sized import LIGHTEST
 from mbcdm_cad.errors import MbcdmError, did_you_mean
 from mbcdm_cad.layouts.base import Layout, NoFigureError
-from mbcdm_cad.layouts.check_design import advised_checks
+from mbcdm_cad.layouts.check_design import advised_checks, checks_of
 from mbcdm_cad.model.si import ModelError
-from mbcdm_cad.report.as_built_chances import Chance, chance_lines, chances_of
-from mbcdm_cad.report.table import ReportTable, speed_shown
+from mbcdm_cad.report.table import ReportTable, preformatted, speed_shown
+from mbcdm_cad.routes import Floats
 
 if TYPE_CHECKING:
     import pandas
 
     from mbcdm_cad.design.loaded import LoadedDesign
+
+
+# Probabilities beyond these are told as certain, and only counted.
+UNSURE = (0.001, 0.999)
+
+
+@dataclass(frozen=True)
+class Chance:
+    """The probability that one check passes."""
+
+    check: str
+    title: str
+    probability: float
+
+
+def chances_of(drive: Drive, found: Sequence[AsBuilt]) -> tuple[Chance, ...]:
+    """Probabilities of all checks; empty where no value with an interval was found. ``drive`` is as built already."""
+    known = [(k, entry) for k, entry in enumerate(found) if _deviation(entry) > 0.0]
+    if not known:
+        return ()
+    middle = _margins(drive)
+    slopes: dict[str, list[float]] = {name: [] for name in middle}
+    for _, entry in known:
+        step = _deviation(entry) / (1.0 + _share(entry).value)
+        up, down = (_margins(_moved(drive, entry, sign * step)) for sign in (1.0, -1.0))
+        for name in slopes:
+            slopes[name].append(0.5 * (up.get(name, np.nan) - down.get(name, np.nan)))
+    correlation = _correlations(known)
+    chances = []
+    for check in checks_of(drive):
+        slope = np.array(slopes.get(check.id, [np.nan]))
+        if check.id not in middle or not np.isfinite(slope).all():
+            continue
+        deviation = float(np.sqrt(max(0.0, slope @ correlation @ slope)))
+        margin = middle[check.id]
+        # The normal distribution by its error function: SciPy would make every check of a design slow to start.
+        passes = float(margin >= 0.0) if deviation == 0.0 else 0.5 * (1.0 + erf(margin / deviation / sqrt(2.0)))
+        chances.append(Chance(check.id, check.title, passes))
+    return tuple(chances)
+
+
+def chance_lines(chances: Sequence[Chance]) -> Iterator[str]:
+    """For a terminal: the checks that neither pass nor fail for certain, and how many do."""
+    if not chances:
+        return
+    low, high = UNSURE
+    unsure = [one for one in chances if low < one.probability < high]
+    passing, failing = (sum(one.probability >= high for one in chances), sum(one.probability <= low for one in chances))
+    yield (
+        f"as built, within what the loop knows: {passing} checks pass and {failing} fail with a probability over "
+        f"{high:.1%}" + ("; of the others:" if unsure else "")
+    )
+    for one in sorted(unsure, key=lambda one: one.probability):
+        yield f"  {one.check} passes with {one.probability:.1%} ({one.title})"
+
+
+def _margins(drive: Drive) -> dict[str, float]:
+    """The margin of each check that has a figure and a limit."""
+    found = {}
+    with np.errstate(all="ignore"):
+        for check in checks_of(drive):
+            try:
+                compared = check.measure(drive.layout)
+            except (NoFigureError, ModelError):
+                continue
+            if compared.sense and np.isfinite(compared.actual) and np.isfinite(compared.limit):
+                found[check.id] = float(compared.margin)
+    return found
+
+
+def _share(entry: AsBuilt) -> AsBuiltValue:
+    return next(value for value in entry.values if value.name == "share")
+
+
+def _deviation(entry: AsBuilt) -> float:
+    """Standard deviation of the share that an entry changes a value of the design by; 0 for other entries."""
+    if entry.form not in CHANGE_VALUES.get(entry.name, ()):
+        return 0.0
+    share = _share(entry)
+    return 0.0 if share.low is None or share.high is None else (share.high - share.low) / (2.0 * HALF_95)
+
+
+def _moved(drive: Drive, entry: AsBuilt, share: float) -> Drive:
+    """The drive with the value of an entry changed by a further share."""
+    return with_as_built(drive, (replace(entry, values=(AsBuiltValue(name="share", value=share),)),))
+
+
+def _correlations(known: Sequence[tuple[int, AsBuilt]]) -> Floats:
+    """Correlations of the shares of the entries, given by their number in the file."""
+    found = np.eye(len(known))
+    at = {number: k for k, (number, _) in enumerate(known)}
+    for k, (_, entry) in enumerate(known):
+        for one in entry.correlated:
+            if one.own == one.other == "share" and one.entry in at:
+                found[k, at[one.entry]] = found[at[one.entry], k] = one.correlation
+    return found
+
 
 Shown = Literal["findings", "failed", "all"]
 WORDS = ("pass", "warn", "fail", "waived")
@@ -236,3 +346,60 @@ def _wrapped(text: str, first: str, rest: str, width: int | None) -> list[str]:
         break_on_hyphens=False,
         break_long_words=False,
     )
+
+
+@dataclass(frozen=True)
+class BuildReport:
+    """Outcome of a build: ``folder`` is None where it was refused, ``data`` is report.json where parts were drawn.
+
+    ``made`` names the parts that had to be drawn; ``unchanged``: the folder already contained everything.
+    ``cache_problem``: why the cache could not be used, in one sentence; else empty.
+    """
+
+    name: str
+    folder: Path | None
+    checks: CheckReport
+    data: dict[str, Any] | None
+    made: tuple[str, ...]
+    unchanged: bool = False
+    cache_problem: str = ""
+
+    @property
+    def passed(self) -> bool:
+        """Whether it was built and no check fails, of the design or of what was built."""
+        return self.folder is not None and self.checks.passed
+
+    def text(self) -> str:
+        """What ``mbcdm build`` prints."""
+        if self.folder is None or self.data is None:
+            failed = ", ".join(check.id for check in self.checks.failed)
+            return f"{self.name}: not built, {len(self.checks.failed)} check(s) fail: {failed}"
+        mass, box, run = (self.data[key] for key in ("mass", "envelope", "interference"))
+        counts = self.checks.counts
+        some = f": {', '.join(self.made)}" if 0 < len(self.made) < 6 else ""
+        drawn = "nothing changed" if self.unchanged else f"{len(self.made)} made{some}"
+        size = " x ".join(f"{v:.2f}" for v in box["size_mm"])
+        heavy = "" if mass["target_g"] is None else f" (target {mass['target_g']:g} +- {mass['tolerance_g']:g})"
+        asked = "" if box["target_mm"] is None else f" (target {' x '.join(f'{v:g}' for v in box['target_mm'])})"
+        lines = [
+            f"{self.folder}: {drawn}",
+            f"  mass {mass['mass_g']:.1f} g +- {mass['sigma_g']:.1f}{heavy}",
+            f"  box X x Z x Y {size} mm{asked}",
+            f"  interference: {len(run['clashes'])} clashes at {len(run['poses_deg'])} poses",
+            f"  checks: {counts['fail']} fail, {counts['warn']} warn, of {len(self.checks)}; see report.md",
+        ]
+        if self.data["forced"]:
+            lines.insert(1, f"  FORCED although these fail: {', '.join(self.data['failed_checks'])}")
+        return "\n".join(lines)
+
+    def __str__(self) -> str:
+        """As :meth:`text`."""
+        return self.text()
+
+    def _repr_html_(self) -> str:
+        """For notebooks: the text, then the checks that do not simply pass."""
+        return preformatted(self.text()) + self.checks._repr_html_()
+
+    def to_dict(self) -> dict[str, Any]:
+        """The content of report.json, ready for JSON; for a refused build only the results of the checks."""
+        return self.data if self.data is not None else {"checks": self.checks.to_dict()["checks"]}

@@ -6,27 +6,30 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
+import jinja2
 import numpy as np
 
-from mbcdm_cad.checks.comparison import CheckResult
+from mbcdm_cad.checks.comparison import CheckResult, shown
+from mbcdm_cad.design.describe import flow
 from mbcdm_cad.layouts.base import Conventions, FrameCompliance, Layout
 from mbcdm_cad.layouts.turns import modes_of
-from mbcdm_cad.model import Analysis, analyse, measured
+from mbcdm_cad.model import equations
+from mbcdm_cad.model.analysis import analyse
 from mbcdm_cad.model.bulk import preload_table
+from mbcdm_cad.model.equations import papers_test
+from mbcdm_cad.model.figures import Analysis
 from mbcdm_cad.model.stack_up import stack_data
-from mbcdm_cad.model.tensioning_plan import TensioningPlan
+from mbcdm_cad.model.tensioning import TensioningPlan
 from mbcdm_cad.parts.bill import Bill
-from mbcdm_cad.report.analysis_report import above_gearhead
-from mbcdm_cad.report.duty import duty_report
-from mbcdm_cad.report.life import life_report
-from mbcdm_cad.report.losses import losses_report
+from mbcdm_cad.report.analysis_report import above_gearhead, motor_lines
+from mbcdm_cad.report.duty import duty_report, duty_shown, life_report, life_shown
+from mbcdm_cad.report.losses import losses_report, losses_shown, stage_figures
 from mbcdm_cad.report.masses import Box, bill_lines, boxes_mm, cable_boxes_mm, inertias, masses_by_item, total_sigma_g
-from mbcdm_cad.report.paths import path_data
-from mbcdm_cad.report.preload import preload_shares
-from mbcdm_cad.report.stages import stage_figures
-from mbcdm_cad.report.structure import structure_report
-from mbcdm_cad.workshop.clash import Clash
+from mbcdm_cad.report.preload import preload_shares, preload_shown
+from mbcdm_cad.report.structure import path_data, structure_report
+from mbcdm_cad.report.table import speed_shown
 from mbcdm_cad.workshop.mass import MassProperties, combined
+from mbcdm_cad.workshop.pairs import Clash
 from mbcdm_cad.workshop.store import StoredPart
 
 REPORT_FORMAT = 1
@@ -206,8 +209,8 @@ def report_data(
                 figures.analysis.limits, drive.mounted, "peak torque", figures.analysis.peak_torque_Nm
             ),
             "torque_to_weight_Nm_kg": min(figures.analysis.peak_torque_Nm) / kilograms,
-            "paper_design_Nm_kg": measured.DESIGN_TORQUE_TO_WEIGHT_NM_KG,
-            "paper_measured_Nm_kg": measured.TORQUE_TO_WEIGHT_NM_KG,
+            "paper_design_Nm_kg": equations.DESIGN_TORQUE_TO_WEIGHT_NM_KG,
+            "paper_measured_Nm_kg": equations.TORQUE_TO_WEIGHT_NM_KG,
         },
         "bill_of_materials": [asdict(line) for line in lines],
         "items": {
@@ -231,3 +234,48 @@ def report_data(
     plain = _rounded(data)
     assert isinstance(plain, dict)
     return plain
+
+
+_AT_DRUM = "_at_drum"
+
+
+def _figure(value: Any) -> str:
+    if isinstance(value, float):
+        return shown(value)
+    if isinstance(value, list | tuple):
+        return ", ".join(_figure(v) for v in value)
+    return "none" if value is None else str(value)
+
+
+def report_markdown(data: dict[str, Any], paths_template: str) -> str:
+    """The report in words and tables; ``paths_template`` is the layout's for its cable paths."""
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("mbcdm_cad.report", "."),
+        undefined=jinja2.StrictUndefined,
+        keep_trailing_newline=True,
+        autoescape=False,  # no HTML escapes in Markdown; all names in it are plain slugs
+    )
+    environment.filters["figure"] = _figure
+    environment.filters["figures"] = _figure
+    environment.filters["flow"] = flow
+    environment.filters["speed"] = speed_shown
+    paths = environment.from_string(paths_template).render(r=data)
+    moving = data["inertia_moving_g_mm2"]
+    passed = {
+        name.removesuffix(_AT_DRUM): value
+        for name, value in moving.items()
+        if name.endswith(_AT_DRUM) and name not in ("inputs_at_drum", "rotors_at_drum")
+    }
+    motor = data["analysis"]["motor"]
+    return environment.get_template("report.md.j2").render(
+        r=data,
+        a=data["analysis"],
+        papers_test=papers_test(data["analysis"]["test"][0]["load_Nm"]),
+        paths=paths,
+        passed=passed,
+        losses=losses_shown(data["losses"]),
+        life=life_shown(data["life"]),
+        preload=preload_shown(data["preload"]),
+        duty=duty_shown(data["duty"]),
+        motor_lines=motor_lines(motor) if motor else (),
+    )

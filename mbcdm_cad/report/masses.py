@@ -14,8 +14,8 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.base import Layout
 from mbcdm_cad.parts.bill import CABLE, Bill, Item
 from mbcdm_cad.parts.part import BoughtPart, StandardPart
+from mbcdm_cad.workshop.interference import bodies
 from mbcdm_cad.workshop.mass import MassProperties, combined, item_mass
-from mbcdm_cad.workshop.scene import bodies
 from mbcdm_cad.workshop.store import StoredPart
 
 # One sigma of a mass that the catalogue calls an estimate, of one with a maker's figure, and of a machined part

@@ -14,8 +14,7 @@ from typing import Any
 from mbcdm_cad.design.describe import flow
 from mbcdm_cad.report.table import designs_shown
 from mbcdm_cad.solving.conflict import Conflict, Give
-from mbcdm_cad.solving.patch import difference, patched
-from mbcdm_cad.solving.question import Out, Question, Times
+from mbcdm_cad.solving.question import Out, Question, Times, difference, patched
 from mbcdm_cad.solving.solve import Change, Solution, solve
 from mbcdm_cad.storage.files import write_whole
 

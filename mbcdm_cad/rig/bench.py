@@ -1,22 +1,185 @@
-"""The bench as built: the drive of the design with all changes by the effects of the experiment."""
+"""The bench as built: cables, sensors, and the drive of the design with all changes by the effects of an experiment.
+
+The bench file has the limits of a bench, within which ``mbcdm plan --within`` proposes runs.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
+from pydantic import AliasChoices, BaseModel, ConfigDict, Field
 from scipy.signal import lfilter
 
+from mbcdm_cad.design.blocks import INERTIA_MAX_KG_M2, STIFFNESS_MAX_NM_RAD, TORQUE_MAX_NM, TRAVEL_MAX_DEG
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.lumped import Compliance, PartsFriction, compliance_of, friction_of
 from mbcdm_cad.layouts.structure import input_play_rad
-from mbcdm_cad.rig.block import PhysicsBlock
-from mbcdm_cad.rig.cables import RigCable, cables_of, routes_of
 from mbcdm_cad.routes import Floats
-from mbcdm_cad.routes.route import Body, DriveRoutes
+from mbcdm_cad.routes.route import Body, CableRoute, DriveRoutes, Wrap
+
+# Bounds of what rig and bench do to a drive and read of it: those of what a design may state.
+Torque = Annotated[float, Field(ge=-TORQUE_MAX_NM, le=TORQUE_MAX_NM)]
+Friction = Annotated[float, Field(ge=0.0, le=TORQUE_MAX_NM)]
+FrictionMilli = Annotated[float, Field(ge=0.0, le=1e3 * TORQUE_MAX_NM)]
+Drag = Annotated[float, Field(ge=0.0, le=1e2 * TORQUE_MAX_NM)]
+Inertia = Annotated[float, Field(ge=0.0, le=INERTIA_MAX_KG_M2)]
+Stiffness = Annotated[float, Field(gt=0.0, le=STIFFNESS_MAX_NM_RAD)]
+SurfaceAngle = Annotated[float, Field(ge=-TRAVEL_MAX_DEG, le=TRAVEL_MAX_DEG)]
+# Moment of a weight that hangs on an arm: on a short travel it loads the drum with a small part of it.
+Moment = Annotated[float, Field(ge=-1e5 * TORQUE_MAX_NM, le=1e5 * TORQUE_MAX_NM)]
+
+
+class ExperimentBlock(BaseModel):
+    """Unknown fields and strings for numbers are refused; units are in the fields' names."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+
+
+class PhysicsBlock(ExperimentBlock):
+    """Choices of the physics that both rigs have."""
+
+    # Rope that is wound on keeps its tension and brings it back; the analytic model assumes this to be off.
+    cable_transport: bool = True
+    # Rope also creeps on the bodies that it passes; left out, as the design counts it.
+    passed_slip: Annotated[bool | None, Field(validation_alias=AliasChoices("passed_slip", "guide_slip"))] = None
+    piece_mrad: Annotated[float, Field(ge=0.5, le=100.0)] = 20.0
+    # Parts besides the cables give: drum, shafts, bearings, frame; gearheads where the rig knows them.
+    structure: bool = False
+    # Cables lose tension where they bend, bearings rub; gearheads and motors as the design states them.
+    losses: bool = False
+
+
+@dataclass(frozen=True)
+class RigCable:
+    """One cable, SI. ``sigma``: sense in which its tension turns the drum; ``input_index``: the input on which it runs.
+
+    ``route`` is its route in the design; the radii of input and drum are those as built. ``own_wrap_rad`` is this
+    side's half of a wrap over the input that only friction holds; 0 where the cable counts as anchored there.
+    ``anchor_m_N``: how far its end on the drum gives way for each newton there, by springs.
+    """
+
+    name: str
+    sigma: int
+    input_index: int
+    input_radius_m: float
+    drum_radius_m: float
+    stiffness_N: float  # E A
+    preload_N: float
+    friction: float
+    route: CableRoute
+    own_wrap_rad: float = 0.0
+    anchor_m_N: float = 0.0
+
+    @property
+    def free_span_m(self) -> float:
+        """Free span L_free of the design, m."""
+        return self.route.free_length_m
+
+    @property
+    def passed(self) -> tuple[Wrap, ...]:
+        """The wraps on bodies between input and drum."""
+        return self.route.passed
+
+
+def routes_of(drive: Drive) -> DriveRoutes:
+    """The routes of the cables of ``drive``. Raises ValueError where the geometry leaves no free span."""
+    found = drive.layout.routed
+    routes = found.routes
+    if any(math.isnan(route.free_length_m) for route in routes.cables):
+        raise ValueError(found.geometry.fault(found.parameters))
+    return routes
+
+
+def cables_of(drive: Drive) -> tuple[RigCable, ...]:
+    """The cables with the values of the design file. Raises ValueError where the geometry leaves no free span."""
+    routes = routes_of(drive)
+    return tuple(
+        RigCable(
+            name=route.cable,
+            sigma=route.sense,
+            input_index=drive.input_names.index(route.input_name),
+            input_radius_m=route.input_radius_m,
+            drum_radius_m=route.drum_radius_m,
+            stiffness_N=drive.cable.axial_stiffness_N,
+            preload_N=run.preload_N,
+            friction=drive.friction_coefficient,
+            route=route,
+            anchor_m_N=drive.anchor_m_N,
+        )
+        for run, route in zip(drive.cables, routes.cables, strict=True)
+    )
+
+
+# As a measurement file may state them.
+Resolution = Annotated[float, Field(ge=0.0, le=1.0)]
+Noise = Annotated[float, Field(ge=0.0, le=1.0)]
+Delay = Annotated[float, Field(ge=0.0, le=1.0)]
+
+
+class BenchSensors(ExperimentBlock):
+    """Encoders and torque sensor. A resolution of 0 means no steps; ``*_delay_s`` is not declared to the loop.
+
+    ``input_at`` says where the input encoders sit: on the pulleys, or behind the motors, read at the gearhead's output.
+    """
+
+    input_at: Literal["pulley", "motor"] = "pulley"
+    input_resolution_rad: Resolution = 1.9175e-4
+    input_noise_rad: Noise = 0.0
+    output_resolution_rad: Resolution = 1.3635e-6
+    output_noise_rad: Noise = 0.0
+    torque_noise_Nm: Friction = 0.005
+    torque_delay_s: Delay = 0.0
+    temperature_noise_K: Annotated[float, Field(ge=0.0, le=5.0)] = 0.05
+    log_torque: bool = True
+
+
+def counted(angle_rad: Floats, resolution_rad: float, noise_rad: float, rng: np.random.Generator) -> Floats:
+    """The angle as an encoder counts it: noise is added, then it is rounded to steps with an arbitrary offset."""
+    offset, noise = rng.random(), rng.standard_normal(angle_rad.size)
+    seen = angle_rad + noise_rad * noise
+    if resolution_rad == 0.0:
+        return seen
+    return np.asarray((np.floor(seen / resolution_rad + offset) - np.floor(offset)) * resolution_rad)
+
+
+def late(time_s: Floats, value: Floats, delay_s: float) -> Floats:
+    """The value ``delay_s`` earlier; before the start it is constant."""
+    return value if delay_s == 0.0 else np.interp(time_s - delay_s, time_s, value)
+
+
+LoadKind = Literal["brake", "weight", "torque_motor"]
+
+
+class MotorCurrent(ExperimentBlock):
+    """Motors' currents in place of a torque sensor: spread of the torque constant, one standard deviation as a share,
+    and noise of the load that follows from them, at the drum."""
+
+    torque_constant_share: Annotated[float, Field(ge=0.0, le=0.25)] = 0.05
+    noise_Nm: Friction = 0.02
+
+
+# Longest run, s.
+MOST_DURATION_S = 20000.0
+
+
+class BenchLimits(ExperimentBlock):
+    """Limits of a bench; defaults: the travel of the design, no load, no limit of the speed."""
+
+    format: Literal["mbcdm-bench-1"] = "mbcdm-bench-1"
+    half_travel_deg: Annotated[float, Field(ge=0.01, le=TRAVEL_MAX_DEG)] | None = None
+    duration_s: Annotated[float, Field(ge=60.0, le=MOST_DURATION_S)] = 160.0
+    sample_rate_Hz: Annotated[float, Field(ge=1.0, le=5000.0)] = 100.0
+    drum_speed_max_deg_s: Annotated[float, Field(gt=0.0, le=1e5)] | None = None
+    loads: Annotated[tuple[LoadKind, ...], Field(max_length=3, strict=False)] = ()
+    torque_Nm: Annotated[float, Field(gt=0.0, le=TORQUE_MAX_NM)] | None = None
+    sensors: BenchSensors = BenchSensors()
+    motor_current: MotorCurrent | None = None
+
 
 # Extra path of every cable in m, (n_cables, n), for pulley angles (n_inputs, n) and drum angles (n,) in rad.
 PathOf = Callable[[Floats, Floats], Floats]

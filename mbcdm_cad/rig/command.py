@@ -10,12 +10,10 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.rig.cables import routes_of
-from mbcdm_cad.rig.dynamic.experiment import DynamicExperiment
-from mbcdm_cad.rig.quasistatic.experiment import Experiment
-from mbcdm_cad.rig.quasistatic.simulate import simulate
-from mbcdm_cad.rig.result import SimulatedRun
-from mbcdm_cad.rig.writing import run_files, write_run
+from mbcdm_cad.rig.bench import routes_of
+from mbcdm_cad.rig.experiment import DynamicExperiment, Experiment
+from mbcdm_cad.rig.quasistatic import simulate
+from mbcdm_cad.rig.writing import SimulatedRun, run_files, write_run
 from mbcdm_cad.routes import Floats
 
 

@@ -19,12 +19,11 @@ from matplotlib.figure import Figure
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.rig.bench import BenchSensors
 from mbcdm_cad.rig.command import transmission_error_urad
-from mbcdm_cad.rig.effects.registry import AnyEffect
-from mbcdm_cad.rig.quasistatic.experiment import Experiment
-from mbcdm_cad.rig.quasistatic.simulate import set_up, simulate
-from mbcdm_cad.rig.reading import read_experiment
-from mbcdm_cad.rig.sensors import BenchSensors
+from mbcdm_cad.rig.effects import AnyEffect
+from mbcdm_cad.rig.experiment import Experiment, read_experiment
+from mbcdm_cad.rig.quasistatic import set_up, simulate
 from mbcdm_cad.routes import Floats
 
 _ACROSS = 8

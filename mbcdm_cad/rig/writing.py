@@ -1,19 +1,46 @@
-"""Files of a simulated run, written completely or not at all."""
+"""The result of a rig (truth and readings, or why there are none) and its files, written completely or not at all."""
 
 from __future__ import annotations
 
 import io
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import yaml
 
-from mbcdm_cad.errors import OutputError
-from mbcdm_cad.rig.dynamic.experiment import DynamicExperiment
-from mbcdm_cad.rig.quasistatic.experiment import Experiment
-from mbcdm_cad.rig.result import SimulatedRun
+from mbcdm_cad.errors import MbcdmError, OutputError
+from mbcdm_cad.rig.experiment import DynamicExperiment, Experiment
+from mbcdm_cad.routes import Floats
 from mbcdm_cad.storage.folders import write_folder
+
+
+class RigError(MbcdmError):
+    """An experiment that cannot be run, though its file is well formed."""
+
+
+@dataclass(frozen=True, eq=False)
+class SimulatedRun:
+    """Truth and readings of a run, SI, arrays over n samples.
+
+    ``input_rad`` (n_inputs, n) are the pulleys, ``tension_N`` (n_cables, n); ``load_Nm`` is the torque at the sensor.
+    ``drum_rad`` is the drum's angle at its encoder, ``payload_rad`` that of the payload; ``excitation_rad`` (n,) the
+    command, on the dynamic rig.
+    """
+
+    time_s: Floats
+    input_rad: Floats
+    drum_rad: Floats
+    payload_rad: Floats
+    load_Nm: Floats
+    tension_N: Floats
+    measured_input_rad: Floats
+    measured_output_rad: Floats
+    measured_load_Nm: Floats | None
+    measured_temperature_C: Floats | None
+    truth: list[dict[str, Any]]
+    excitation_rad: Floats | None = None
 
 
 def run_files(

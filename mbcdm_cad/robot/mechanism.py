@@ -17,9 +17,8 @@ from mbcdm_cad.model.analysis import analyse
 from mbcdm_cad.parts.bill import Item
 from mbcdm_cad.parts.placement import Vector
 from mbcdm_cad.robot.elastic import drum_friction
-from mbcdm_cad.workshop.mass import MassProperties, combined, item_mass
-from mbcdm_cad.workshop.partfiles import PartFiles
-from mbcdm_cad.workshop.scene import MovingGroup, bodies, is_cable
+from mbcdm_cad.workshop.interference import MovingGroup, bodies, is_cable
+from mbcdm_cad.workshop.mass import MassProperties, PartFiles, combined, item_mass
 from mbcdm_cad.workshop.trianglemesh import TriangleMesh
 
 MM = 1e-3

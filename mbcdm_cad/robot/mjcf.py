@@ -1,4 +1,4 @@
-"""MJCF of a mechanism: rigid by the ratios, or elastic with the drive's hysteresis, motors and friction.
+"""MJCF of a mechanism, rigid by the ratios or elastic with the drive's hysteresis, and the files of each format.
 
 Elastic, all at the drum, g the drum's angle less that of an input over its ratio:
 
@@ -14,21 +14,24 @@ Elastic, all at the drum, g the drum's angle less that of an input over its rati
 Springs have a damping of one time step times their stiffness, which makes them implicit: MuJoCo treats springs
 explicitly and damping implicitly, and the drum alone on its cables is faster than a step. Frames: see
 docs/robot-formats.md.
+
+The same mechanism gives the same bytes.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from math import copysign
 from xml.etree import ElementTree as ET
 
 import numpy as np
 
 from mbcdm_cad.parts.placement import Vector
-from mbcdm_cad.robot.elastic import ElasticDrive
-from mbcdm_cad.robot.mechanism import Joint, Link, Mechanism, numbers, triangle
-from mbcdm_cad.robot.stage import CableStage
-from mbcdm_cad.robot.urdf import BASE_LINK
+from mbcdm_cad.robot.elastic import CableStage, ElasticDrive
+from mbcdm_cad.robot.mechanism import MM, Joint, Link, Mechanism, document, numbers, triangle
+from mbcdm_cad.robot.urdf import BASE_LINK, UrdfOptions, urdf_files
+from mbcdm_cad.workshop.export.files import stl_bytes
 
 # Settings that make the ratio a stiff constraint: at 20 mN m it drifts by 6 urad, with default settings by 58 mrad.
 _STIFF = {"solref": "0.001 1", "solimp": "0.9999 0.9999 0.001"}
@@ -328,3 +331,28 @@ def _rest(m: Mechanism, e: ElasticDrive) -> list[float]:
         twist = torque / e.contact_Nm_rad + (copysign(0.5 * e.play_rad, torque) if torque else 0.0)
         found.append(m.joint(name).drawn_rad + twist)
     return found
+
+
+FORMATS = ("urdf", "mjcf")
+
+
+def robot_files(
+    mechanism: Mechanism, form: str, *, elastic: ElasticDrive | None = None, options: UrdfOptions | None = None
+) -> dict[str, bytes]:
+    """All files of an export by path in its folder: the description and ``meshes/<link>.stl``.
+
+    ``elastic`` (MJCF only): cables, parts and motors between inputs and drum instead of a rigid ratio; ``options``
+    (URDF only). Raises ``ValueError`` for an unknown ``form``, or one that has not what is asked.
+    """
+    if form not in FORMATS or (elastic and form != "mjcf") or (options and form != "urdf"):
+        raise ValueError(f"no such form: {form}{', elastic' if elastic else ''}; there are {', '.join(FORMATS)}")
+    meshes = {f"meshes/{link.name}.stl": _stl(link) for link in (mechanism.base, *mechanism.links)}
+    if form == "urdf":
+        return {**urdf_files(mechanism, options or UrdfOptions()), **meshes}
+    return {f"{mechanism.name}.xml": document(mjcf(mechanism, elastic), mechanism.note), **meshes}
+
+
+def _stl(link: Link) -> bytes:
+    """The link's mesh in metres, in the link's frame."""
+    points = link.mesh.points_mm * MM - np.array(link.origin)
+    return stl_bytes(link.name, replace(link.mesh, points_mm=points))

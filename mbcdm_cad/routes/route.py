@@ -3,11 +3,20 @@
 Frame and signs are the project's: lengths in m, angles in rad, right-handed about each body's axis. Pieces are listed
 in the direction from the input to the drum. A span of direction t touches a body of axis a on which the cable turns in
 the sense s (+1 right-handed about a) at the axis point plus ``height_m`` a - s r (a x t).
+
+Displacing a body by e, where the cable arrives along u_in and leaves along u_out, changes its path by
+e . (u_in - u_out) to first order; at an anchored end one of the two is missing. The exact change is a sum over the
+spans. With D the line of centres of its two bodies in their plane, R = s_2 r_2 - s_1 r_1 and beta the turn of the span,
+
+    L = sqrt(D^2 - R^2),  change = L' - L - R beta,
+
+the last term being the rope that both wraps gain. Where the axes are not parallel, or the cable changes to the next
+body at a point, only the first order is used; the second order is the rotation of the span, some nm for 10 um.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
@@ -216,3 +225,115 @@ def contact_point_m(body: Body, wrap: Wrap, direction: Triple) -> Floats:
     axis = np.array(body.axis)
     out = np.cross(axis, direction)
     return np.asarray(np.array(body.point_m) + wrap.height_m * axis - wrap.turning * wrap.radius_m * out)
+
+
+def offset_m(body: Body, eccentricity_m: float, angle_rad: Floats) -> Floats:
+    """Displacement (3, n), m, of a groove's centre at ``angle_rad`` (n,) about the axis from the reference."""
+    first = np.array(body.reference)
+    second = np.cross(body.axis, first)
+    angle = np.asarray(angle_rad, dtype=float)
+    return np.asarray(eccentricity_m * (first[:, None] * np.cos(angle) + second[:, None] * np.sin(angle)))
+
+
+def path_slope(route: CableRoute, body: str) -> Floats:
+    """u_in - u_out (3,): growth of the path per displacement of ``body``; zero if the cable does not run on it."""
+    total = np.zeros(3)
+    for contact in route.contacts():
+        if contact.wrap.body == body:
+            total = total + (0.0 if contact.arriving is None else np.array(contact.arriving))
+            total = total - (0.0 if contact.leaving is None else np.array(contact.leaving))
+    return total
+
+
+def path_change_m(routes: DriveRoutes, route: CableRoute, offsets_m: Mapping[str, Floats]) -> Floats:
+    """Exact change (n,) of the path's length for displacements (3, n) of bodies, by name."""
+    n = next(iter(offsets_m.values())).shape[1]
+    total = np.zeros(n)
+    wraps = route.wraps
+    for k, span in enumerate(route.spans):
+        first, second = wraps[k], wraps[k + 1]
+        apart = np.zeros((3, n))
+        if second.body in offsets_m:
+            apart = apart + offsets_m[second.body]
+        if first.body in offsets_m:
+            apart = apart - offsets_m[first.body]
+        if apart.any():
+            total = total + _span_change_m(routes, (first, second), span, apart)
+    return total
+
+
+def _span_change_m(routes: DriveRoutes, ends: tuple[Wrap, Wrap], span: Span, apart_m: Floats) -> Floats:
+    """Change of one span, and of the rope that its rotation winds on or off at both ends, m (n,)."""
+    one, two = (routes.body(wrap.body) for wrap in ends)
+    axis = np.array(one.axis)
+    parallel = float(np.dot(axis, two.axis))
+    if span.length_m == 0.0 or abs(parallel) < 1.0 - 1e-12:
+        return np.asarray(np.array(span.direction) @ apart_m)
+    x = np.array(one.reference)
+    plane = np.stack([x, np.cross(axis, x)])
+    centres = plane @ (np.array(two.point_m) - np.array(one.point_m))
+    radius = ends[1].turning * np.sign(parallel) * ends[1].radius_m - ends[0].turning * ends[0].radius_m
+    moved = centres[:, None] + plane @ apart_m
+    length = np.sqrt((moved * moved).sum(axis=0) - radius**2)
+    turned = np.arctan2(moved[1], moved[0]) - np.arctan2(centres[1], centres[0])
+    turned = np.arctan2(np.sin(turned), np.cos(turned))
+    inclination = np.arctan2(radius, length) - np.arctan2(radius, span.length_m)
+    return np.asarray(length - span.length_m - radius * (turned - inclination))
+
+
+@dataclass(frozen=True, eq=False)
+class BodyLoad:
+    """Force (3,) in N on a body, and the moment (3,) in N m about the point of its axis at ``height_m``.
+
+    The moment leaves out its component along the axis, which is the torque that the body transmits.
+    """
+
+    force_N: Floats
+    height_m: float
+    moment_Nm: Floats
+
+
+def body_load(routes: DriveRoutes, name: str, tension_N: Floats) -> BodyLoad:
+    """Load on the body ``name`` for free-span tensions (n_cables,), which may be differences and negative.
+
+    The moment is about the height of the pull's line of action on an input, the middle of the steps on a body that is
+    passed, and the origin of the drum's axis.
+    """
+    body = routes.body(name)
+    tension = np.asarray(tension_N, dtype=float).tolist()
+    # Plain numbers: a body has a few contacts, and numpy's calls take several times as long for so few.
+    pulls = [(tension[j], height, [tension[j] * part for part in pull]) for j, height, pull in routes.pulls[name]]
+    if not pulls:
+        return BodyLoad(np.zeros(3), 0.0, np.zeros(3))
+    middle = 0.0
+    if body.kind == "input":
+        weights = [max(pulled, 1e-12) for pulled, _, _ in pulls]
+        middle = sum(at * weight for (_, at, _), weight in zip(pulls, weights, strict=True)) / sum(weights)
+    elif body.kind == "passed":
+        heights = [at for _, at, _ in pulls]
+        middle = 0.5 * (min(heights) + max(heights))
+    moments = []
+    for _, at, (x, y, z) in pulls:
+        ax, ay, az = ((at - middle) * part for part in body.axis)
+        moments.append((ay * z - az * y, az * x - ax * z, ax * y - ay * x))
+    return BodyLoad(_summed([pull for _, _, pull in pulls]), middle, _summed(moments))
+
+
+def _summed(vectors: Sequence[Sequence[float]]) -> Floats:
+    return np.array([sum(parts) for parts in zip(*vectors, strict=True)])
+
+
+def two_bearing_reactions_N(
+    force_N: Floats, moment_Nm: Floats, at_m: float, lower_m: float, upper_m: float, axis: Triple = (0.0, 0.0, 1.0)
+) -> Floats:
+    """Radial reactions (2, 3) of bearings at ``lower_m`` and ``upper_m`` to a force at height ``at_m`` and a moment.
+
+    Heights count along the unit vector ``axis``.
+    """
+    arm = upper_m - lower_m
+    # Equilibrium about the lower bearing: a x R_upper arm + a x F (at - lower) + moment = 0.
+    (ax, ay, az), (mx, my, mz) = axis, moment_Nm
+    # Minus the cross product a x moment, written out: numpy's takes several times as long for one vector.
+    from_moment = np.array([az * my - ay * mz, ax * mz - az * mx, ay * mx - ax * my]) / arm
+    upper = -np.asarray(force_N) * (at_m - lower_m) / arm - from_moment
+    return np.stack([-np.asarray(force_N) - upper, upper])

@@ -13,9 +13,8 @@ from mbcdm_cad.design.fieldpath import leaves
 from mbcdm_cad.design.freedom import Freedom
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.solving.conflict import Conflict, conflict
-from mbcdm_cad.solving.nearest import taken_back, towards_aims, written_out
 from mbcdm_cad.solving.question import ASKED, CHOICE, PIN, WISH, Fixed, Out, Point, Question, Setting, Times
-from mbcdm_cad.solving.repair import creeps, repair, stuck
+from mbcdm_cad.solving.repair import creeps, repair, stuck, taken_back, towards_aims, written_out
 from mbcdm_cad.solving.trials import SpentError, Trials, choices, cost, outcome, setting_of
 
 # Trials of the guided search and of the evolution after it: numbers, not times, so that the result is reproducible.

@@ -14,8 +14,7 @@ from pathlib import Path, PurePosixPath
 import filelock
 
 from mbcdm_cad.errors import OutputError
-from mbcdm_cad.storage.files import aside, is_aside, write_whole
-from mbcdm_cad.storage.manifest import MANIFEST_NAME, Manifest, file_entry, read_manifest
+from mbcdm_cad.storage.files import MANIFEST_NAME, Manifest, aside, file_entry, is_aside, read_manifest, write_whole
 
 _LOCK_TIMEOUT_S = 600.0
 

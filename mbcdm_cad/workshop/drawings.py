@@ -21,12 +21,10 @@ from mbcdm_cad.parts.bill import Bill, Item
 from mbcdm_cad.parts.bodies import CableRod
 from mbcdm_cad.parts.making import accuracy, sheet_as_printed
 from mbcdm_cad.parts.part import MadePart, Part, StandardPart
-from mbcdm_cad.storage.cache import Cache
-from mbcdm_cad.storage.keys import content_key, source_hash
-from mbcdm_cad.storage.manifest import versions
-from mbcdm_cad.workshop.made_parts import drawn
+from mbcdm_cad.storage.cache import Cache, content_key, source_hash
+from mbcdm_cad.storage.files import versions
 from mbcdm_cad.workshop.mass import assembly_mass
-from mbcdm_cad.workshop.store import Progress, StoredPart
+from mbcdm_cad.workshop.store import Progress, StoredPart, drawn
 
 if TYPE_CHECKING:
     from mbcdm_cad.drawings.draw import PartFacts

@@ -10,11 +10,10 @@ from mbcdm_cad.errors import GeometryError
 from mbcdm_cad.parts.bill import PartSpec
 from mbcdm_cad.parts.bodies import ROD_MESH_RADII, CableRod
 from mbcdm_cad.workshop.export.step import part_step
-from mbcdm_cad.workshop.kernel import Shape, brep_bytes, measure
+from mbcdm_cad.workshop.kernel import Shape, brep_bytes, measure, validate_solid
+from mbcdm_cad.workshop.mass import PartFiles
 from mbcdm_cad.workshop.meshing import mesh_solid
-from mbcdm_cad.workshop.partfiles import PartFiles
 from mbcdm_cad.workshop.trianglemesh import TriangleMesh, rod_mesh
-from mbcdm_cad.workshop.validate import validate_solid
 
 # Called with a part's name and its STEP file as soon as the file exists, before its mesh is made.
 OnStep = Callable[[str, bytes], None]

@@ -1,4 +1,4 @@
-"""Mass, centre of gravity and inertia: of a part from its shape, of an assembly from its items. Plain sums, no kernel.
+"""Mass, centre of gravity and inertia, of a part from its shape, of an assembly from its items; a part's cached files.
 
 Masses in g, lengths in mm, inertia in g mm^2 (1 g mm^2 = 1e-9 kg m^2).
 """
@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,8 @@ from numpy.typing import NDArray
 from mbcdm_cad.parts.bill import Item
 from mbcdm_cad.parts.placement import Placement, Vector
 from mbcdm_cad.routes.curves import Piece
+from mbcdm_cad.workshop.export.files import stl_bytes
+from mbcdm_cad.workshop.trianglemesh import TriangleMesh
 
 Matrix = tuple[Vector, Vector, Vector]
 _KG_M2_PER_G_MM2 = 1e-9
@@ -145,3 +148,35 @@ def _vector(values: Iterable[float] | NDArray[np.float64]) -> Vector:
 def _matrix(rows: Iterable[Iterable[float]] | NDArray[np.float64]) -> Matrix:
     first, second, third = (_vector(row) for row in rows)
     return first, second, third
+
+
+@dataclass(frozen=True)
+class PartFiles:
+    """A drawn part: its solid in the kernel's form, STEP file, mesh and measured figures."""
+
+    name: str
+    brep: bytes
+    step: bytes
+    mesh: TriangleMesh
+    shape: ShapeProperties
+
+    @property
+    def stl(self) -> bytes:
+        """The part's STL file."""
+        return stl_bytes(self.name, self.mesh)
+
+    @cached_property
+    def mesh_volume_error(self) -> float:
+        """Volume of the mesh over that of the solid, minus one."""
+        return self.mesh.volume_mm3 / self.shape.volume_mm3 - 1.0
+
+    def to_blobs(self) -> dict[str, bytes]:
+        """The part as data for the cache, by name."""
+        properties = self.shape.to_json().encode()
+        return {"brep": self.brep, "step": self.step, "mesh": self.mesh.to_bytes(), "properties": properties}
+
+    @classmethod
+    def from_blobs(cls, name: str, blobs: Mapping[str, bytes]) -> PartFiles:
+        """The part from :meth:`to_blobs`."""
+        mesh = TriangleMesh.from_bytes(blobs["mesh"])
+        return cls(name, blobs["brep"], blobs["step"], mesh, ShapeProperties.from_json(blobs["properties"]))

@@ -14,11 +14,9 @@ from mbcdm_cad.layouts.base import Layout
 from mbcdm_cad.parallel.forks import fork_map
 from mbcdm_cad.parts.bill import CABLE, Item
 from mbcdm_cad.parts.placement import Placement, Vector
-from mbcdm_cad.storage.cache import Cache
-from mbcdm_cad.storage.keys import content_key, source_hash
-from mbcdm_cad.storage.manifest import versions
-from mbcdm_cad.workshop.made_parts import drawn
-from mbcdm_cad.workshop.store import Progress, StoredPart
+from mbcdm_cad.storage.cache import Cache, content_key, source_hash
+from mbcdm_cad.storage.files import versions
+from mbcdm_cad.workshop.store import Progress, StoredPart, drawn
 from mbcdm_cad.workshop.trianglemesh import FloatArray, TriangleMesh
 
 # Factor on the distance of each part from the middle in the exploded view.

@@ -9,7 +9,7 @@ from mbcdm_cad.errors import MbcdmError, did_you_mean
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.storage.cache import Cache, cache_folder
 from mbcdm_cad.workshop.kernel import location
-from mbcdm_cad.workshop.made_parts import drawn
+from mbcdm_cad.workshop.store import drawn
 
 
 def part_names(drive: Drive) -> tuple[str, ...]:

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
+import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -14,17 +16,16 @@ from typing import Any
 import numpy as np
 
 from mbcdm_cad.design.bought import Material
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts.base import FrameCompliance, Layout
 from mbcdm_cad.parallel.forks import fork_map, forked
-from mbcdm_cad.parts.bill import CABLE, Item, PartSpec
-from mbcdm_cad.storage.cache import Cache
-from mbcdm_cad.storage.keys import content_key, package_hash, source_hash
-from mbcdm_cad.storage.manifest import versions
-from mbcdm_cad.workshop.clash import Clash
-from mbcdm_cad.workshop.interference import InterferenceRun, interference_run
-from mbcdm_cad.workshop.pairs import Found, PartShape
-from mbcdm_cad.workshop.partfiles import PartFiles
-from mbcdm_cad.workshop.scene import scenes
+from mbcdm_cad.parts.bill import CABLE, Bill, Item, PartSpec
+from mbcdm_cad.storage.cache import Cache, content_key, package_hash, source_hash
+from mbcdm_cad.storage.files import versions
+from mbcdm_cad.workshop.interference import InterferenceRun, interference_run, scenes
+from mbcdm_cad.workshop.mass import PartFiles
+from mbcdm_cad.workshop.pairs import Clash, Found, PartShape
 
 Progress = Callable[[str], None]
 # The progress message names at most this many parts; more are only counted.
@@ -133,13 +134,13 @@ class Store:
         self, items: tuple[Item, ...], parts: dict[str, StoredPart], name: str, note: str
     ) -> tuple[str, Callable[[], dict[str, bytes]]]:
         """The key of an assembly's files, which are read if the cache has them, and the function that makes them."""
-        source = self._source("mbcdm_cad.workshop.export.step", "mbcdm_cad.workshop.export.glb")
+        source = self._source("mbcdm_cad.workshop.export.step", "mbcdm_cad.workshop.export.files")
         key = content_key("assembly", (name, note, items, _keys(parts)), source, versions())
         if key not in self._assemblies and (blobs := self._cache.get(key)) is not None:
             self._assemblies[key] = blobs
 
         def make() -> dict[str, bytes]:
-            from mbcdm_cad.workshop.export.glb import glb_bytes
+            from mbcdm_cad.workshop.export.files import glb_bytes
             from mbcdm_cad.workshop.export.step import assembly_step
 
             return {
@@ -286,3 +287,40 @@ class KnownTests(Mapping[str, Found]):
         keys, found = blobs["keys"].decode(), json.loads(blobs["found"])
         every = (keys[start : start + _KEY_DIGITS] for start in range(0, len(keys), _KEY_DIGITS))
         return {key: found.get(key, []) for key in every}
+
+
+def drawn(
+    drive: Drive, angle_deg: float, cache: Cache, progress: Progress
+) -> tuple[tuple[Item, ...], dict[str, StoredPart]]:
+    """Items and parts with the drum at ``angle_deg``, without checks: for pictures."""
+    refuse_angle(drive, angle_deg)
+    posed = drive.layout.bill(angle_deg)
+    return posed.items, made_parts(Store(cache, progress), posed, drive.export.mesh_tolerance_mm, os.cpu_count() or 1)
+
+
+def made_parts(
+    store: Store, posed: Bill, mesh_tolerance_mm: float, jobs: int, meanwhile: Callable[[], None] | None = None
+) -> dict[str, StoredPart]:
+    """All parts of a bill; ``meanwhile`` as in :meth:`Store.parts`."""
+    materials = {item.part: item.material for item in posed.items}
+    return store.parts(posed.parts, materials, mesh_tolerance_mm, jobs, meanwhile)
+
+
+def exported_parts(
+    store: Store, posed: Bill, parts: dict[str, StoredPart], drive: Drive, jobs: int
+) -> dict[str, StoredPart]:
+    """The parts as in their single files: tapped holes according to ``export.threads``."""
+    if drive.export.threads == "major":
+        return parts
+    materials = {item.part: item.material for item in posed.items}
+    drilled = {name: PartSpec(name, spec.drilled) for name, spec in posed.parts.items() if spec.drilled is not None}
+    return parts | store.parts(drilled, materials, drive.export.mesh_tolerance_mm, jobs)
+
+
+def refuse_angle(drive: Drive, angle_deg: float) -> None:
+    """Raise ``MbcdmError`` for an angle of the drum beyond the travel."""
+    if not (math.isfinite(angle_deg) and abs(angle_deg) <= drive.half_travel_deg):
+        raise MbcdmError(
+            f"--angle: beyond the travel (value {angle_deg:g} deg, limit +-{drive.half_travel_deg:g} deg); "
+            "choose an angle within it or widen travel.half_angle_deg"
+        )

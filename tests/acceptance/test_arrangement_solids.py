@@ -14,7 +14,7 @@ from mbcdm_cad.layouts.miso_bevel.drive import bevel
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.parts.bill import CABLE
 from mbcdm_cad.workshop.interference import answers
-from mbcdm_cad.workshop.validate import validate_faces, validate_solid
+from mbcdm_cad.workshop.kernel import validate_faces, validate_solid
 from tests.support.interference_of_solids import body, run_of
 
 MESH_MM = 0.05

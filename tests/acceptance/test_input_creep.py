@@ -15,8 +15,8 @@ import pytest
 from mbcdm_cad import cli
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, spur
-from mbcdm_cad.rig.quasistatic.simulate import simulate
-from mbcdm_cad.rig.reading import read_experiment
+from mbcdm_cad.rig.experiment import read_experiment
+from mbcdm_cad.rig.quasistatic import simulate
 from tests.support.belt_bench import belt_of, run_belt, write_belt_run
 from tests.support.bench_motion import Plan
 

@@ -14,9 +14,9 @@ from mbcdm_cad.loop.page.report import report_page
 from mbcdm_cad.loop.readable import Value
 from mbcdm_cad.loop.result import Errors, LoopResult, Traces
 from mbcdm_cad.measurement.run import Run
-from mbcdm_cad.optimising.page import optimum_page
+from mbcdm_cad.optimising.result import optimum_page
 from mbcdm_cad.report.comparison import compared
-from mbcdm_cad.report.page.studies import comparison_page
+from mbcdm_cad.report.page.stage import comparison_page
 from tests.support.optimum import optimum
 
 REFERENCE = Path(__file__).parents[2] / "params" / "mbcdm.yaml"

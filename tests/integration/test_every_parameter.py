@@ -16,7 +16,7 @@ from mbcdm_cad.design.describe import named_values
 from mbcdm_cad.layouts.loader import design_file, load_text, reference_data
 from mbcdm_cad.layouts.miso_bevel.bill import bill
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-from mbcdm_cad.model import analyse
+from mbcdm_cad.model.analysis import analyse
 from tests.support.checked import results, statuses
 
 Path = tuple[str | int, ...]

@@ -24,8 +24,8 @@ from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.measurement.run import KNOWN_LOAD, Run, Sensors, TorqueClass
 from mbcdm_cad.measurement.schema import CountedParts
 from mbcdm_cad.model.si import to_si
-from mbcdm_cad.rig.quasistatic.experiment import Experiment
-from mbcdm_cad.rig.quasistatic.simulate import simulate
+from mbcdm_cad.rig.experiment import Experiment
+from mbcdm_cad.rig.quasistatic import simulate
 from mbcdm_cad.rig.writing import counted_parts
 
 ROOT = Path(__file__).resolve().parents[2]

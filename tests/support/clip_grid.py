@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from mbcdm_cad.model.series import Response, checked_series
+from mbcdm_cad.model.profiles import Response, checked_series
 from mbcdm_cad.model.si import DriveSI, ModelError
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.storage.compiled import compiled

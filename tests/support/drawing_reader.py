@@ -11,8 +11,8 @@ import ezdxf
 import numpy as np
 from ezdxf.document import Drawing
 
-from mbcdm_cad.drawings.labels import crossed
-from mbcdm_cad.drawings.style import text_width_mm
+from mbcdm_cad.drawings.document import text_width_mm
+from mbcdm_cad.drawings.frames import crossed
 
 _TEXT = re.compile(r"(?:(\d+)x )?(Ø|M|AF |R)?(\d+(?:\.\d+)?)(.*)")
 

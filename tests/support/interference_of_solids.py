@@ -9,12 +9,10 @@ from typing import Any
 import numpy as np
 
 from mbcdm_cad.layouts.base import Layout
-from mbcdm_cad.workshop.clash import Clash
-from mbcdm_cad.workshop.interference import InterferenceRun, answers, interference_run
+from mbcdm_cad.workshop.interference import InterferenceRun, answers, interference_run, scenes
 from mbcdm_cad.workshop.kernel import bounding_box, brep_bytes
 from mbcdm_cad.workshop.meshing import mesh_solid
-from mbcdm_cad.workshop.pairs import Found, PartShape
-from mbcdm_cad.workshop.scene import scenes
+from mbcdm_cad.workshop.pairs import Clash, Found, PartShape
 from mbcdm_cad.workshop.trianglemesh import TriangleMesh
 
 # As builds mesh a part; one test compares a run with meshes to one without.

@@ -20,7 +20,7 @@ from mbcdm_cad.parts.milled import cylinder
 from mbcdm_cad.parts.part import MadePart
 from mbcdm_cad.parts.placement import Placement
 from mbcdm_cad.parts.sheet import Linear, Sheet
-from mbcdm_cad.workshop.export.threemf import threemf_bytes
+from mbcdm_cad.workshop.export.files import threemf_bytes
 from mbcdm_cad.workshop.kernel import location
 from mbcdm_cad.workshop.makefiles import drawn_part
 from mbcdm_cad.workshop.meshing import mesh_solid

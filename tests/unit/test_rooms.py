@@ -13,9 +13,9 @@ from tests.house_counts import ROOMS, House, back_arrows, room
 HOUSE = House(Path(__file__).parents[2])
 # Files outside layouts/ that hold a configuration's name or a guide as an identifier, and why.
 NAMED: dict[str, str] = {
-    "rig.dynamic.experiment": "experiment files of before say guide_mNm and guide_slip; these words stay valid",
-    "rig.effects.friction": "experiment files of before say guide_mNm and guide_slip; these words stay valid",
-    "rig.block": "experiment files of before say guide_mNm and guide_slip; these words stay valid",
+    "rig.experiment": "experiment files of before say guide_mNm and guide_slip; these words stay valid",
+    "rig.effects.machine": "experiment files of before say guide_mNm and guide_slip; these words stay valid",
+    "rig.bench": "experiment files of before say guide_mNm and guide_slip; these words stay valid",
 }
 
 

@@ -27,7 +27,7 @@ from mbcdm_cad.routes.cable_path import CablePath
 
 if TYPE_CHECKING:
     from mbcdm_cad.layouts.structure import Cause
-    from mbcdm_cad.model.losses.train import BearingPair
+    from mbcdm_cad.model.losses import BearingPair
     from mbcdm_cad.model.si import DriveSI
 
 

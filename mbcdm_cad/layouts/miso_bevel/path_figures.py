@@ -16,7 +16,7 @@ from mbcdm_cad.layouts.bevel_transfer import TravelFigures, ends_at_drum, tensio
 from mbcdm_cad.layouts.miso_bevel.cable_path import axial_walk_mm, fleet_angle_at_deg, input_wrap_rad, winding
 from mbcdm_cad.layouts.miso_bevel.drive import BevelRun
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-from mbcdm_cad.model.tensioning_plan import TensioningPlan, tensioning_plan
+from mbcdm_cad.model.tensioning import TensioningPlan, tensioning_plan
 from mbcdm_cad.parts.terminal.take_up import tensioned_rope
 from mbcdm_cad.routes.cable_path import CablePath, EndOfTravel, by_sense, over_travel
 from mbcdm_cad.routes.curves import Arc, Helix, Piece, Triple

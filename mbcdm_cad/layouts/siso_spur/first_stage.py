@@ -363,7 +363,7 @@ def losses_of(layout: SectorLayout) -> tuple[float, float]:
 
     The worse of both directions, from its losses at the peak torque and at a hundredth of it.
     """
-    from mbcdm_cad.model.losses.train import MOTOR
+    from mbcdm_cad.model.losses import MOTOR
 
     peak = layout.drive.loads.peak_torque_Nm
     train = layout.losses.with_drive(layout.loads.si)

@@ -7,7 +7,7 @@ passes the idler.
 
 From a circle to the next, with D the line of their centres, R = s_2 r_2 - s_1 r_1 and J a quarter turn in the plane,
 the tangent has the length L = sqrt(D^2 - R^2) and the direction t = (L D + R J D) / D^2 (derived; as in
-:mod:`mbcdm_cad.routes.displaced`).
+:mod:`mbcdm_cad.routes.route`).
 """
 
 from __future__ import annotations

@@ -353,7 +353,7 @@ def beside_design(result: LoopResult, drive: Drive) -> LoopResult:
     if all(one.name != NAME for one in (*result.effects, *(one for group in result.one_of for one in group))):
         return result
     from mbcdm_cad.layouts.lumped import axis_friction  # loads the layouts' losses: only where a friction was found
-    from mbcdm_cad.measurement.parts import drum_friction_Nm
+    from mbcdm_cad.measurement.loads import drum_friction_Nm
 
     expected, sigma = drum_friction_Nm(drive)
     spread = exp(sigma / expected) if expected else 1.0

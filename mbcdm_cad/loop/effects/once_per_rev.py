@@ -19,7 +19,7 @@ from mbcdm_cad.loop.prepare.prepared import Prepared
 from mbcdm_cad.loop.prepare.setup import Setup, Simulator
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
-from mbcdm_cad.routes.displaced import path_slope
+from mbcdm_cad.routes.route import path_slope
 
 
 def path_change(d: DriveSI, stage: str, x: Floats, y: Floats) -> Floats:

@@ -21,8 +21,8 @@ from mbcdm_cad.layouts.structure import sigma_urad_Nm
 from mbcdm_cad.layouts.turns import modes_of
 from mbcdm_cad.measurement.response import FrequencyResponse
 from mbcdm_cad.measurement.run import Run
-from mbcdm_cad.model.backlash import drum_backlash
 from mbcdm_cad.model.si import ModelError, to_si
+from mbcdm_cad.model.stiffness import drum_backlash
 from mbcdm_cad.routes import Complex, Floats
 
 # Part of the slip's compliance out of phase with the torque.

@@ -11,10 +11,8 @@ from numpy.typing import NDArray
 from mbcdm_cad.loop.prepare.prepared import Prepared
 from mbcdm_cad.loop.prepare.readings import under_load
 from mbcdm_cad.model.creep import START_S
-from mbcdm_cad.model.hysteresis import simulate
-from mbcdm_cad.model.play import faces, lags, lags_and_drum_rad
-from mbcdm_cad.model.profiles import simulate_profiles
-from mbcdm_cad.model.series import Response
+from mbcdm_cad.model.hysteresis import faces, lags, lags_and_drum_rad, simulate
+from mbcdm_cad.model.profiles import Response, simulate_profiles
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.storage.compiled import compiled
@@ -216,7 +214,7 @@ def respond(s: Setup, winding: bool = False, through: bool = False) -> Floats:
 
 
 def taken_up(s: Setup) -> Setup:
-    """The setup with each pulley that has play moved to its position within the play (:mod:`mbcdm_cad.model.play`).
+    """The setup with each pulley that has play at its position within it (:mod:`mbcdm_cad.model.hysteresis`).
 
     The position is computed with the declared wraps and without winding history: both change the torque on a pulley,
     and so its position, only a little.

@@ -19,9 +19,8 @@ from mbcdm_cad.parts.bill import Bill, Item, cable_item
 from mbcdm_cad.parts.bodies import CableRod
 from mbcdm_cad.routes.cable_path import CablePath
 from mbcdm_cad.routes.curves import Piece
-from mbcdm_cad.workshop.mass import item_mass
-from mbcdm_cad.workshop.partfiles import PartFiles
-from mbcdm_cad.workshop.scene import MovingGroup, bodies, is_cable
+from mbcdm_cad.workshop.interference import MovingGroup, bodies, is_cable
+from mbcdm_cad.workshop.mass import PartFiles, item_mass
 from mbcdm_cad.workshop.trianglemesh import TriangleMesh
 
 # Largest deviation of the chords of a centre line from the curve, and largest error of the linear interpolation between

@@ -10,11 +10,11 @@ import numpy as np
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.rig.bench import Bench, bench_of
-from mbcdm_cad.rig.dynamic.experiment import DynamicExperiment
 from mbcdm_cad.rig.dynamic.rig import LOOP_RATE_HZ, DynamicRig, EncoderSpec, rig_of
 from mbcdm_cad.rig.dynamic.run import DynamicRun, run_dynamic
 from mbcdm_cad.rig.dynamic.train import LoadSpec
-from mbcdm_cad.rig.result import RigError, SimulatedRun
+from mbcdm_cad.rig.experiment import DynamicExperiment
+from mbcdm_cad.rig.writing import RigError, SimulatedRun
 
 
 def simulate(drive: Drive, experiment: DynamicExperiment) -> SimulatedRun:

@@ -5,3 +5,66 @@ bench and adds an entry to the truth.
 """
 
 from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field
+
+from mbcdm_cad.rig.effects.cables import (
+    AnchorSlip,
+    Creep,
+    EccentricPulley,
+    InputCreep,
+    LandWear,
+    Modulus,
+    Preload,
+    RadiusError,
+    RopeFriction,
+    RopeLay,
+    StepClimb,
+    StrandDamage,
+    Temperature,
+)
+from mbcdm_cad.rig.effects.machine import (
+    BearingFriction,
+    BrakeStickSlip,
+    EccentricEncoder,
+    EncoderScale,
+    EncoderSubdivision,
+    GearheadLash,
+    GearMesh,
+    MotorCogging,
+    SensorDelay,
+    ShaftCompliance,
+    SlowPart,
+    ViscousDrag,
+)
+
+AnyEffect = Annotated[
+    AnchorSlip
+    | BearingFriction
+    | BrakeStickSlip
+    | Creep
+    | EccentricEncoder
+    | EccentricPulley
+    | EncoderScale
+    | EncoderSubdivision
+    | GearMesh
+    | GearheadLash
+    | InputCreep
+    | LandWear
+    | Modulus
+    | MotorCogging
+    | Preload
+    | RadiusError
+    | RopeFriction
+    | RopeLay
+    | SensorDelay
+    | ShaftCompliance
+    | SlowPart
+    | StepClimb
+    | StrandDamage
+    | Temperature
+    | ViscousDrag,
+    Field(discriminator="effect"),
+]

@@ -18,7 +18,7 @@ from mbcdm_cad.parts.bill import Item
 from mbcdm_cad.parts.placement import Placement, Vector
 from mbcdm_cad.routes.cable_path import CablePath
 from mbcdm_cad.workshop.export import picture
-from mbcdm_cad.workshop.scene import MovingGroup
+from mbcdm_cad.workshop.interference import MovingGroup
 from mbcdm_cad.workshop.trianglemesh import TriangleMesh
 
 _SIDES = 8

@@ -21,7 +21,7 @@ from OCP.XSControl import XSControl_WorkSession
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.errors import GeometryError
 from mbcdm_cad.parts.bill import Item, sorted_items
-from mbcdm_cad.workshop.export.step_text import canonical_step
+from mbcdm_cad.workshop.export.files import canonical_step
 from mbcdm_cad.workshop.kernel import Shape, kernel_shape, location
 
 # The kernel's numbers of the schemas.

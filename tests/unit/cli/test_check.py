@@ -11,7 +11,7 @@ import pytest
 
 from mbcdm_cad import cli
 from mbcdm_cad.checks.comparison import CheckResult
-from mbcdm_cad.cli import screen
+from mbcdm_cad.cli import group
 from mbcdm_cad.layouts.loader import load_text, new_design_text
 from mbcdm_cad.layouts.miso_bevel.checks import CHECKS
 from mbcdm_cad.report.check_report import CheckReport
@@ -197,7 +197,7 @@ def test_a_file_that_states_every_value_gets_a_hint_beside_its_report(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
-    monkeypatch.setattr(screen, "_PATIENCE_S", 3600.0)  # a slow machine says that it is at work
+    monkeypatch.setattr(group, "_PATIENCE_S", 3600.0)  # a slow machine says that it is at work
     whole = write(tmp_path, new_design_text("whole"))
     assert cli.run(["check", str(whole)]) == 0
     said = capsys.readouterr()

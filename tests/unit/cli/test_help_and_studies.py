@@ -138,9 +138,11 @@ def test_catalogue_page_is_up_to_date(capsys: pytest.CaptureFixture[str]) -> Non
 def test_doctor_says_what_is_missing_and_what_it_is_for(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    from mbcdm_cad.report import machine
+    from mbcdm_cad.report import catalogue_list
 
-    monkeypatch.setattr(machine, "_imported", lambda name, *_: machine.Dependency(name, False, True, "no", "x", "do y"))
+    monkeypatch.setattr(
+        catalogue_list, "_imported", lambda name, *_: catalogue_list.Dependency(name, False, True, "no", "x", "do y")
+    )
     monkeypatch.setenv("PATH", "/nowhere")
     monkeypatch.setenv("COLUMNS", "80")
     assert cli.run(["doctor"]) == 1

@@ -13,9 +13,8 @@ from mbcdm_cad.cli import run as mbcdm
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.planning.candidates import candidates, run_of
 from mbcdm_cad.planning.plan import plan_of
-from mbcdm_cad.rig.quasistatic.experiment import Experiment
-from mbcdm_cad.rig.reading import read_experiment
-from mbcdm_cad.rig.sensors import BenchLimits
+from mbcdm_cad.rig.bench import BenchLimits
+from mbcdm_cad.rig.experiment import Experiment, read_experiment
 
 DESIGN = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 DRIVE = load_design(DESIGN).drive

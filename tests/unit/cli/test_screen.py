@@ -10,8 +10,8 @@ from time import sleep
 import pytest
 
 from mbcdm_cad import cli
-from mbcdm_cad.cli import screen
-from mbcdm_cad.cli.screen import coloured, progress_of_trials, sign_of_life
+from mbcdm_cad.cli import group
+from mbcdm_cad.cli.group import coloured, progress_of_trials, sign_of_life
 
 SHORT = Path(__file__).parents[3] / "params" / "mbcdm-short.yaml"
 
@@ -40,7 +40,7 @@ class Paper(StringIO, Terminal):  # type: ignore[misc]
 
 def test_what_takes_long_says_so_on_a_terminal_and_nowhere_else(monkeypatch: pytest.MonkeyPatch) -> None:
     """The line comes after the patience, and goes with the answer; what is quick or piped shows nothing."""
-    monkeypatch.setattr(screen, "_PATIENCE_S", 0.0)
+    monkeypatch.setattr(group, "_PATIENCE_S", 0.0)
     for stream, shows in ((Paper(), True), (StringIO(), False)):
         monkeypatch.setattr(sys, "stderr", stream)
         with sign_of_life("leg.yaml: sizing"):
@@ -50,7 +50,7 @@ def test_what_takes_long_says_so_on_a_terminal_and_nowhere_else(monkeypatch: pyt
                 sleep(0.01)
         assert ("leg.yaml: sizing ..." in stream.getvalue()) is shows
         assert stream.getvalue().endswith("\x1b[K" if shows else "")
-    monkeypatch.setattr(screen, "_PATIENCE_S", 1000.0)
+    monkeypatch.setattr(group, "_PATIENCE_S", 1000.0)
     monkeypatch.setattr(sys, "stderr", quick := Paper())
     with sign_of_life("leg.yaml: sizing"):
         pass

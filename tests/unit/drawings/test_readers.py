@@ -16,8 +16,8 @@ import pytest
 from ezdxf import bbox
 from ezdxf.document import Drawing
 
+from mbcdm_cad.drawings.document import plain
 from mbcdm_cad.drawings.draw import LAYOUT, PartFacts, draw_sheet
-from mbcdm_cad.drawings.style import plain
 from mbcdm_cad.layouts.loader import load_design
 from tests.acceptance.freecad import freecad_program, run_in_freecad
 from tests.support.drawing_reader import document, texts_on_texts, texts_outside

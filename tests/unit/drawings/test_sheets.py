@@ -12,9 +12,9 @@ import ezdxf
 import numpy as np
 import pytest
 
+from mbcdm_cad.drawings.document import plain
 from mbcdm_cad.drawings.draw import PartFacts, draw_sheet
-from mbcdm_cad.drawings.labels import Room
-from mbcdm_cad.drawings.style import plain
+from mbcdm_cad.drawings.frames import Room
 from mbcdm_cad.layouts.loader import load_design
 from tests.support.drawing_reader import (
     document,

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from mbcdm_cad.layouts.loader import design_file, load_design, load_text
-from mbcdm_cad.model import analyse
+from mbcdm_cad.model.analysis import analyse
 from mbcdm_cad.model.bulk import preload_table
 from tests.support.checked import result, results
 

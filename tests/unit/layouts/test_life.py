@@ -13,8 +13,8 @@ from mbcdm_cad.design.blocks import DutyBlock, DutyRow
 from mbcdm_cad.layouts.base import Layout
 from mbcdm_cad.layouts.life import ropes_in_use
 from mbcdm_cad.layouts.loader import load_design, load_text
-from mbcdm_cad.model.life.zones import Level, rope_life
-from mbcdm_cad.report.life import life_report, life_shown
+from mbcdm_cad.model.rope_zones import Level, rope_life
+from mbcdm_cad.report.duty import life_report, life_shown
 
 PARAMS = Path(__file__).parents[3] / "params"
 REFERENCES = ("mbcdm", "siso_spur", "miso_spur", "siso_bevel")

@@ -15,8 +15,8 @@ from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.turns import implied_moduli_GPa
-from mbcdm_cad.model.backlash import drum_backlash
 from mbcdm_cad.model.si import to_si
+from mbcdm_cad.model.stiffness import drum_backlash
 from tests.support.checked import of_params
 
 PARAMS = Path(__file__).parents[3] / "params"

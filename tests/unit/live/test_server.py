@@ -12,7 +12,7 @@ import aiohttp
 import pytest
 
 from mbcdm_cad.errors import MbcdmError
-from mbcdm_cad.live.server import HOST, Server, WatchState
+from mbcdm_cad.live.watch import HOST, Server, WatchState
 
 Ask = Callable[[Server, aiohttp.ClientSession], Awaitable[None]]
 

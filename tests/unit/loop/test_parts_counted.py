@@ -22,14 +22,13 @@ from mbcdm_cad.loop.prepare.setup import Simulator, declared
 from mbcdm_cad.loop.result import LoopResult
 from mbcdm_cad.loop.search.engine import close_loop
 from mbcdm_cad.measurement.file import load_file
-from mbcdm_cad.measurement.parts import parts_seen
+from mbcdm_cad.measurement.loads import parts_seen
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.measurement.schema import CountedParts
 from mbcdm_cad.measurement.vet import arranged
 from mbcdm_cad.model.si import to_si
-from mbcdm_cad.rig.quasistatic.experiment import Experiment
-from mbcdm_cad.rig.quasistatic.simulate import simulate
-from mbcdm_cad.rig.reading import read_experiment
+from mbcdm_cad.rig.experiment import Experiment, read_experiment
+from mbcdm_cad.rig.quasistatic import simulate
 from mbcdm_cad.rig.writing import run_files
 
 ROOT = Path(__file__).parents[3]

@@ -11,7 +11,7 @@ import yaml
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.loop.search.engine import close_loop
 from mbcdm_cad.measurement.file import load_file
-from mbcdm_cad.measurement.known_load import acceleration_rad_s2
+from mbcdm_cad.measurement.loads import acceleration_rad_s2
 from mbcdm_cad.measurement.reading import load_measurement
 from mbcdm_cad.measurement.reference import measurement_page
 

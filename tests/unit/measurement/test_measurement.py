@@ -14,7 +14,7 @@ from mbcdm_cad.measurement import datafile
 from mbcdm_cad.measurement.file import load_file
 from mbcdm_cad.measurement.reading import load_measurement, read_run
 from mbcdm_cad.measurement.run import smoothed, smoothed_at
-from mbcdm_cad.rig.reading import read_experiment
+from mbcdm_cad.rig.experiment import read_experiment
 
 
 def with_column(name: str, **fields: Any) -> dict[str, Any]:

@@ -12,8 +12,7 @@ from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.loop.prepare.prepared import prepare
 from mbcdm_cad.measurement.file import load_file
-from mbcdm_cad.measurement.known_load import pendulum_load_Nm
-from mbcdm_cad.measurement.motor_load import figures_of, motors_load_Nm, with_motors_load
+from mbcdm_cad.measurement.loads import figures_of, motors_load_Nm, pendulum_load_Nm, with_motors_load
 from mbcdm_cad.measurement.reading import load_measurement
 from mbcdm_cad.measurement.run import KNOWN_LOAD, MOTORS_CURRENT, Run, Sensors, StatedMotors, TorqueClass
 from mbcdm_cad.measurement.schema import Pendulum

@@ -17,7 +17,9 @@ from hypothesis import strategies as st
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.model import Analysis, ModelError, analyse, to_si
+from mbcdm_cad.model.analysis import analyse
+from mbcdm_cad.model.figures import Analysis
+from mbcdm_cad.model.si import ModelError, to_si
 
 REFERENCE = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 

@@ -11,13 +11,13 @@ import pytest
 from paper_case import paper_drive, turned_round
 
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.model import analyse
-from mbcdm_cad.model.backlash import cable_backlash, drum_backlash
+from mbcdm_cad.model.analysis import analyse
 from mbcdm_cad.model.bulk import analyse_many, preload_table, stack_designs
 from mbcdm_cad.model.capability import SLACK_SHARE, Requirements, torque_at_slack_Nm, torque_limits
+from mbcdm_cad.model.equations import eq1_residuals
 from mbcdm_cad.model.equilibrium import solve_equilibrium
-from mbcdm_cad.model.kinematics import eq1_residuals
 from mbcdm_cad.model.si import DriveSI, ModelError, to_si
+from mbcdm_cad.model.stiffness import cable_backlash, drum_backlash
 
 NEED = Requirements(
     load_Nm=0.91,

@@ -19,7 +19,7 @@ from mbcdm_cad.model.capability import (
     torque_limits,
     torque_to_weight_Nm_kg,
 )
-from mbcdm_cad.model.equilibrium import bearing_loads, solve_equilibrium, two_bearing_reactions_N
+from mbcdm_cad.model.equilibrium import bearing_loads, solve_equilibrium
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.model.stiffness import (
     Chain,
@@ -30,6 +30,7 @@ from mbcdm_cad.model.stiffness import (
     tangent_stiffness_Nm_rad,
     torsional_modes_Hz,
 )
+from mbcdm_cad.routes.route import two_bearing_reactions_N
 
 PARAMS = Path(__file__).parents[3] / "params"
 

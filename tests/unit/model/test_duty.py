@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.design.blocks import DutyRow
-from mbcdm_cad.model.duty.cycle import default_duty, of_record, of_rows
+from mbcdm_cad.model.duty import default_duty, of_record, of_rows
 
 
 def test_rows_give_mean_square_share_and_movements() -> None:

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from paper_case import paper_drive
 
-from mbcdm_cad.model import measured
-from mbcdm_cad.model.backlash import cable_backlash, drum_backlash, implied_modulus_Pa, mean_radii
+from mbcdm_cad.model import equations
 from mbcdm_cad.model.capability import balanced_preload_N, input_bias_Nm, torque_at_input_limit_Nm
+from mbcdm_cad.model.equations import pair_mismatch_m
 from mbcdm_cad.model.equilibrium import bearing_loads, solve_equilibrium
-from mbcdm_cad.model.kinematics import pair_mismatch_m
+from mbcdm_cad.model.stiffness import cable_backlash, drum_backlash, implied_modulus_Pa, mean_radii
 from mbcdm_cad.model.wrap import slip_angle_rad
 
 TEST_LOAD = 0.91
@@ -65,7 +65,7 @@ def test_modulus_under_each_reading() -> None:
 
     close(implied(0.33, "reversal"), 54.0, 0.1)
     close(implied(0.33, "single"), 27.0, 0.1)
-    spread = [implied(0.33 * (1 + sign * measured.BACKLASH_ERROR), "reversal") for sign in (1, -1)]
+    spread = [implied(0.33 * (1 + sign * equations.BACKLASH_ERROR), "reversal") for sign in (1, -1)]
     close(spread, [49.0, 60.0], 0.5)
 
 

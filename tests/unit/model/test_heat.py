@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from mbcdm_cad.design.bought import Motor
-from mbcdm_cad.model.duty import heat
-from mbcdm_cad.model.duty.heat import COPPER_PER_K, MotorHeat, motor_heat
+from mbcdm_cad.model import heat
+from mbcdm_cad.model.heat import COPPER_PER_K, MotorHeat, motor_heat
 
 # maxon RE 25, 118743, as its data sheet states it: 2.18 ohm, 23.4 mN m/A, 1.24 A continuously.
 RE25 = Motor(

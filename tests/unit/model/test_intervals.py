@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from paper_case import paper_drive
 
 from mbcdm_cad.layouts.loader import load_text, reference_data
-from mbcdm_cad.model import analyse
+from mbcdm_cad.model.analysis import analyse
 from mbcdm_cad.model.capability import Requirements
 from mbcdm_cad.model.sensitivity import intervals
 from mbcdm_cad.model.si import ModelError

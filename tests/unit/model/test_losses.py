@@ -14,8 +14,15 @@ from hypothesis import strategies as st
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.model.hysteresis import simulate
-from mbcdm_cad.model.losses.friction import backward_efficiency, bearing_torque_Nm, gearhead_share, tangent_share
-from mbcdm_cad.model.losses.train import BEARINGS, ROPE, Train
+from mbcdm_cad.model.losses import (
+    BEARINGS,
+    ROPE,
+    Train,
+    backward_efficiency,
+    bearing_torque_Nm,
+    gearhead_share,
+    tangent_share,
+)
 
 PARAMS = Path(__file__).parents[3] / "params"
 REFERENCES = ("mbcdm", "siso_spur", "miso_spur", "siso_bevel")

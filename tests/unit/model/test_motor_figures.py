@@ -14,10 +14,10 @@ from hypothesis import strategies as st
 from mbcdm_cad.design.bought import without_gearhead
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.model import analyse, to_si
-from mbcdm_cad.model.capability import input_ratings_Nm, torque_at_input_limit_Nm
+from mbcdm_cad.model.analysis import analyse
+from mbcdm_cad.model.capability import MotorFigures, input_ratings_Nm, motor_figures, torque_at_input_limit_Nm
 from mbcdm_cad.model.equilibrium import solve_equilibrium
-from mbcdm_cad.model.motor_figures import MotorFigures, motor_figures
+from mbcdm_cad.model.si import to_si
 
 PARAMS = Path(__file__).parents[3] / "params"
 REFERENCE: Drive = load_design(PARAMS / "siso_spur.yaml").drive

@@ -9,10 +9,10 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from paper_case import paper_drive
 
+from mbcdm_cad.model import equations
 from mbcdm_cad.model import equations as eq
-from mbcdm_cad.model import measured
 from mbcdm_cad.model.capability import torque_to_weight_Nm_kg
-from mbcdm_cad.model.kinematics import eq1_residuals
+from mbcdm_cad.model.equations import eq1_residuals
 from mbcdm_cad.model.si import ModelError
 
 Tp, Tl, Th, mu, EA, ro, ri, Lf, M = sp.symbols("T_pre T_l T_h mu EA r_o r_i L_free M_l", positive=True)
@@ -133,12 +133,12 @@ def test_eq20_is_eq19_of_eq7_9_and_11() -> None:
 
 
 def test_the_texts_torque() -> None:
-    two_inputs = 2 * measured.MOTOR_TORQUE_MNM * 1e-3 * measured.GEAR_RATIO * 9
+    two_inputs = 2 * equations.MOTOR_TORQUE_MNM * 1e-3 * equations.GEAR_RATIO * 9
     assert two_inputs == pytest.approx(3.967, abs=5e-4), "the paper rounds it down to 3.9"
-    design = torque_to_weight_Nm_kg(measured.DESIGN_TORQUE_NM, measured.DESIGN_MASS_G)
-    assert design == pytest.approx(measured.DESIGN_TORQUE_TO_WEIGHT_NM_KG, abs=5e-3)
-    prototype = torque_to_weight_Nm_kg(measured.PEAK_TORQUE_NM, measured.PROTOTYPE_MASS_G)
-    assert prototype == pytest.approx(measured.TORQUE_TO_WEIGHT_NM_KG, abs=5e-4)
+    design = torque_to_weight_Nm_kg(equations.DESIGN_TORQUE_NM, equations.DESIGN_MASS_G)
+    assert design == pytest.approx(equations.DESIGN_TORQUE_TO_WEIGHT_NM_KG, abs=5e-3)
+    prototype = torque_to_weight_Nm_kg(equations.PEAK_TORQUE_NM, equations.PROTOTYPE_MASS_G)
+    assert prototype == pytest.approx(equations.TORQUE_TO_WEIGHT_NM_KG, abs=5e-4)
 
 
 # Exact Eq. (14): a root for every load, in its bracket, with the right limits.

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mbcdm_cad.model.life.rope_bendings import (
+from mbcdm_cad.model.rope_bendings import (
     Crossing,
     RopeKind,
     bendings,

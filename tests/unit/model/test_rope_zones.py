@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mbcdm_cad.model.life.rope_bendings import Crossing, RopeKind, bendings
-from mbcdm_cad.model.life.zones import Level, RopeInUse, RopeLife, Tangent, rope_life
+from mbcdm_cad.model.rope_bendings import Crossing, RopeKind, bendings
+from mbcdm_cad.model.rope_zones import Level, RopeInUse, RopeLife, Tangent, rope_life
 
 ROPE = RopeKind("7x7", 1.0, "galvanised", "oiled")
 UP, DOWN = (0.0, 0.0, 1.0), (0.0, 0.0, -1.0)

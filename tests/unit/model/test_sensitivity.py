@@ -11,17 +11,17 @@ import pytest
 from paper_case import paper_drive
 
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.model.backlash import drum_backlash
 from mbcdm_cad.model.bulk import block_figures
 from mbcdm_cad.model.capability import Requirements
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.sensitivity import elasticities, figure_5, global_indices, intervals
 from mbcdm_cad.model.si import DriveSI, ModelError, to_si
 from mbcdm_cad.model.stack_up import Contribution, StackUp
+from mbcdm_cad.model.stiffness import drum_backlash
 from mbcdm_cad.model.study import HATCHES, _style, write_study
 from mbcdm_cad.model.tolerance import Tolerances, eccentric_path_m, sources, tolerance_stack
 from mbcdm_cad.parallel import forks
-from mbcdm_cad.parallel.crew import crew
+from mbcdm_cad.parallel.forks import crew
 from tests.support.checked import of_params
 
 NEED = Requirements(

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from paper_case import paper_drive
 
 from mbcdm_cad.model.analysis import pair_mismatch
+from mbcdm_cad.model.equations import eq1_residuals, shaft_angles, transmission_error
 from mbcdm_cad.model.hysteresis import simulate
-from mbcdm_cad.model.kinematics import eq1_residuals, shaft_angles, transmission_error
 from mbcdm_cad.model.si import ModelError
 from tests.support.clip_grid import simulate_on_grid
 

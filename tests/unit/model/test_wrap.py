@@ -14,11 +14,11 @@ from hypothesis import strategies as st
 from paper_case import paper_drive
 
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.model.backlash import drum_backlash
 from mbcdm_cad.model.equilibrium import solve_equilibrium, tension_of_stretch
 from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.profiles import simulate_profiles
 from mbcdm_cad.model.si import DriveSI, ModelError, to_si
+from mbcdm_cad.model.stiffness import drum_backlash
 from mbcdm_cad.model.wrap import excess_minus_log, slack_stretch_m, stretch_after_reversal, stretch_first_loading
 from mbcdm_cad.routes import Floats
 

@@ -11,9 +11,8 @@ import pytest
 from mbcdm_cad import new_design_text
 from mbcdm_cad.layouts import open_ratio
 from mbcdm_cad.model import block_rows
-from mbcdm_cad.optimising.engine import Engine
+from mbcdm_cad.optimising.engine import Engine, front_of, hypervolume
 from mbcdm_cad.optimising.evaluate import FAULT, Evaluated, evaluate
-from mbcdm_cad.optimising.front import front_of, hypervolume
 from mbcdm_cad.optimising.variables import RULE, Variable, first_values, point_of, variables_of
 from mbcdm_cad.optimising.wishes import wishes_of
 from mbcdm_cad.routes import Floats

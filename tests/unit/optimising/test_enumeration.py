@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import mbcdm_cad as mc
+from mbcdm_cad.optimising.engine import front_of, hypervolume, reference_of
 from mbcdm_cad.optimising.evaluate import evaluate
-from mbcdm_cad.optimising.front import front_of, hypervolume, reference_of
 from mbcdm_cad.optimising.variables import Variable, point_of, variables_of
 from mbcdm_cad.optimising.wishes import wishes_of
 from mbcdm_cad.parallel import forks

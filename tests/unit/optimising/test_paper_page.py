@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from mbcdm_cad.model.measured import DESIGN_TORQUE_NM, DESIGN_TORQUE_TO_WEIGHT_NM_KG
+from mbcdm_cad.model.equations import DESIGN_TORQUE_NM, DESIGN_TORQUE_TO_WEIGHT_NM_KG
 from mbcdm_cad.optimising.evaluate import evaluate
 from mbcdm_cad.optimising.paper_page import DESIGNS, OTHERS
 from mbcdm_cad.solving.question import Fixed, read_question

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 
-from mbcdm_cad.optimising.page import optimum_page
+from mbcdm_cad.optimising.result import optimum_page
 from tests.support.optimum import FIGURES, optimum
 
 

@@ -16,11 +16,10 @@ import pytest
 
 import mbcdm_cad as mc
 from mbcdm_cad.errors import MbcdmError, OutputError
-from mbcdm_cad.jobs import optimise as job
+from mbcdm_cad.jobs import searches as job
 from mbcdm_cad.optimising import search as searching
 from mbcdm_cad.optimising.evaluate import Evaluated
-from mbcdm_cad.optimising.journal import Journal
-from mbcdm_cad.optimising.search import FrontSearch, Searched
+from mbcdm_cad.optimising.search import FrontSearch, Journal, Searched
 from mbcdm_cad.optimising.variables import Variable
 from mbcdm_cad.optimising.wishes import Effort, Keep, wishes_of
 from mbcdm_cad.parallel import forks

@@ -15,8 +15,7 @@ from mbcdm_cad.model.capability import requirements
 from mbcdm_cad.model.sensitivity import intervals
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.optimising import spread as spreading
-from mbcdm_cad.optimising.evaluate import facts_of
-from mbcdm_cad.optimising.figures import Facts, figure, unit_of
+from mbcdm_cad.optimising.evaluate import Facts, facts_of, figure, unit_of
 from mbcdm_cad.optimising.spread import DRAWS, SPREAD, Spread, sigmas_of, unit_draws
 from mbcdm_cad.optimising.wishes import over_tolerances, wishes_of
 from mbcdm_cad.solving.question import read_question

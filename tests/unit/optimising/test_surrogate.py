@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mbcdm_cad.optimising.surrogate import Surrogate
+from mbcdm_cad.optimising.engine import Surrogate
 from mbcdm_cad.optimising.variables import Variable
 from mbcdm_cad.routes import Floats
 

@@ -15,8 +15,8 @@ from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.measurement.file import load_file
 from mbcdm_cad.measurement.reading import read_run
-from mbcdm_cad.model.backlash import drum_backlash
 from mbcdm_cad.model.si import to_si
+from mbcdm_cad.model.stiffness import drum_backlash
 from mbcdm_cad.paper.published import PublishedResult, judge_published, published_page
 from mbcdm_cad.paper.published_causes import Candidate, Judged
 

@@ -17,7 +17,7 @@ from distributed import LocalCluster
 
 from mbcdm_cad.errors import GeometryError, InputError, MbcdmError, Problem
 from mbcdm_cad.parallel import cluster, forks
-from mbcdm_cad.parallel.crew import crew
+from mbcdm_cad.parallel.forks import crew
 from mbcdm_cad.parallel.worker import state
 from tests.support.loopback import PATIENCE_S
 
@@ -67,7 +67,7 @@ def test_results_keep_the_order_of_the_arguments(own: None, workers: int) -> Non
 
 STOPPED = """
 import signal, time
-from mbcdm_cad.parallel.crew import crew
+from mbcdm_cad.parallel.forks import crew
 from mbcdm_cad.parallel.forks import allow_processes
 
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job would ignore it

@@ -11,8 +11,7 @@ import trimesh
 
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.parts.bill import CABLE, Bill
-from mbcdm_cad.workshop.kernel import bounding_box
-from mbcdm_cad.workshop.validate import validate_faces, validate_solid
+from mbcdm_cad.workshop.kernel import bounding_box, validate_faces, validate_solid
 
 from .golden import golden_volumes
 

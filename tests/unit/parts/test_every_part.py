@@ -13,10 +13,9 @@ from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.parts.bill import Bill
 from mbcdm_cad.parts.part import BoughtPart, MadePart
 from mbcdm_cad.parts.sheet import Linear
-from mbcdm_cad.workshop.kernel import measure
+from mbcdm_cad.workshop.kernel import measure, validate_solid
 from mbcdm_cad.workshop.mass import combined, item_mass
 from mbcdm_cad.workshop.meshing import mesh_solid
-from mbcdm_cad.workshop.validate import validate_solid
 
 PARAMS = Path(__file__).parents[3] / "params"
 FILES = {"miso_bevel": "mbcdm", "siso_bevel": "siso_bevel", "siso_spur": "siso_spur", "miso_spur": "miso_spur"}

@@ -14,7 +14,7 @@ from mbcdm_cad.loop.prepare.noise import Noise
 from mbcdm_cad.planning.best_run import BLIND, alone_from, rated
 from mbcdm_cad.planning.candidates import candidates
 from mbcdm_cad.planning.plan import Foreseen, Rival, RunPlan
-from mbcdm_cad.rig.sensors import BenchLimits, MotorCurrent
+from mbcdm_cad.rig.bench import BenchLimits, MotorCurrent
 
 NOISE = Noise(0.0, 0.0, 0.0, 0.0, 0.0, "test")
 

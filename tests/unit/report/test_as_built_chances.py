@@ -16,7 +16,7 @@ from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.loop.as_built import as_built_text
 from mbcdm_cad.loop.search.engine import close_loop
 from mbcdm_cad.measurement.run import Run, Sensors
-from mbcdm_cad.report.as_built_chances import chance_lines, chances_of
+from mbcdm_cad.report.check_report import chance_lines, chances_of
 
 DESIGN = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 MIDDLE, DEVIATION, CORRELATION = np.array([-0.3, -0.2]), np.array([0.03, 0.025]), -0.8

@@ -8,12 +8,12 @@ from typing import Any
 
 import pytest
 
-from mbcdm_cad.jobs.compare import ComparisonReport
+from mbcdm_cad.jobs.page import ComparisonReport
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.model.backlash import drum_backlash
 from mbcdm_cad.model.si import to_si
+from mbcdm_cad.model.stiffness import drum_backlash
 from mbcdm_cad.report.comparison import compared, comparison_data, comparison_table, distinct_labels, own_folder
-from mbcdm_cad.report.page.studies import charts_under_load, comparison_page
+from mbcdm_cad.report.page.stage import charts_under_load, comparison_page
 
 PARAMS = Path(__file__).parents[3] / "params"
 

@@ -16,12 +16,12 @@ from mbcdm_cad.api.design import DriveDesign
 from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.turns import modes_of, turns_of
 from mbcdm_cad.model.bulk import preload_table
-from mbcdm_cad.optimising.figures import Facts, figure
+from mbcdm_cad.optimising.evaluate import Facts, figure
 from mbcdm_cad.report.analysis_report import above_gearhead
 from mbcdm_cad.report.data import design_figures
 from mbcdm_cad.report.design_columns import sweep
-from mbcdm_cad.report.page.content import derived
-from mbcdm_cad.report.page.studies import charts_under_load, studies
+from mbcdm_cad.report.page.stage import charts_under_load, studies
+from mbcdm_cad.report.page.template import derived
 from tests.support.checked import results
 
 PARAMS = Path(__file__).parents[3] / "params"

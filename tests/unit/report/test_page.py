@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.report.page import content
+from mbcdm_cad.report.page import template
 from mbcdm_cad.report.page.scene import CHORD_ERROR_MM, POSE_ERROR_MM, _Binary, cable_lines
 from mbcdm_cad.report.page.stage import LICENCE, THREE, THREE_SHA256
 from mbcdm_cad.report.page.template import _figure, _json
@@ -52,14 +52,14 @@ class TestUsedShare:
     def test_is_one_at_the_limit_and_more_beyond(
         self, actual: float, limit: float, margin: float, share: float
     ) -> None:
-        assert content.used_share(check(actual=actual, limit=limit, margin=margin)) == pytest.approx(share)
+        assert template.used_share(check(actual=actual, limit=limit, margin=margin)) == pytest.approx(share)
 
     @pytest.mark.parametrize("gone", ["actual", "limit", "margin"])
     def test_is_none_without_a_figure(self, gone: str) -> None:
-        assert content.used_share(check(**{gone: None})) is None
+        assert template.used_share(check(**{gone: None})) is None
 
     def test_is_none_against_a_limit_of_nought(self) -> None:
-        assert content.used_share(check(actual=0.0, limit=0.0, margin=0.0)) is None
+        assert template.used_share(check(actual=0.0, limit=0.0, margin=0.0)) is None
 
 
 def test_fails_come_first_then_warnings_then_what_is_tight() -> None:
@@ -70,9 +70,9 @@ def test_fails_come_first_then_warnings_then_what_is_tight() -> None:
         check(id="none", limit=None, margin=None),
         check(id="fail", status="fail", actual=4.0, margin=-2.0),
     ]
-    assert [row["id"] for row in content.sorted_checks(rows)] == ["fail", "warn", "tight", "easy", "none"]
-    assert content.check_counts(rows) == {"fail": 1, "warn": 1, "pass": 3}
-    best = content.tightest(rows)
+    assert [row["id"] for row in template.sorted_checks(rows)] == ["fail", "warn", "tight", "easy", "none"]
+    assert template.check_counts(rows) == {"fail": 1, "warn": 1, "pass": 3}
+    best = template.tightest(rows)
     assert best is not None and best["id"] == "tight"
 
 
@@ -82,7 +82,7 @@ def test_cables_have_a_column_for_each_figure_of_their_paths() -> None:
         "paths": {"drum_angle_deg": [-1.0, 1.0], "cables": [path]},
         "analysis": {"cables": [{"name": "one", "preload_N": 70.0, "total_ratio": 9.0}]},
     }
-    table = content.cable_rows(report)
+    table = template.cable_rows(report)
     assert table["head"] == ["preload N", "total ratio", "length mm", "wrap °"]
     assert table["rows"] == [("one", ["70", "9", "12.35", "10.0 to 20.0"])]
 

@@ -13,11 +13,11 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.loader import load_text, new_design_text
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.turns import Modes, modes_of
-from mbcdm_cad.model import to_si
 from mbcdm_cad.model.equilibrium import solve_equilibrium
+from mbcdm_cad.model.si import to_si
 from mbcdm_cad.model.stiffness import sticking_stiffness_Nm_rad
 from mbcdm_cad.report.analysis_report import analyse_design
-from mbcdm_cad.report.paths import path_data, path_data_or_reason
+from mbcdm_cad.report.structure import path_data, path_data_or_reason
 
 
 @pytest.fixture(scope="module")

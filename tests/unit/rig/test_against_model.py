@@ -11,12 +11,12 @@ import pytest
 
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.model.analysis import reversal_swing_mrad
-from mbcdm_cad.model.backlash import drum_backlash
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.si import to_si
+from mbcdm_cad.model.stiffness import drum_backlash
 from mbcdm_cad.rig.bench import bench_of
-from mbcdm_cad.rig.quasistatic.experiment import Physics
+from mbcdm_cad.rig.experiment import Physics
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ import pytest
 
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.rig import chain
-from mbcdm_cad.rig.cables import cables_of
+from mbcdm_cad.rig.bench import cables_of
 
 
 @pytest.fixture(scope="module")

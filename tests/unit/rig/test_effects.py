@@ -11,10 +11,9 @@ import pytest
 
 from mbcdm_cad.layouts.loader import load_design, load_text
 from mbcdm_cad.rig import effects
-from mbcdm_cad.rig.effects import registry
-from mbcdm_cad.rig.effects.base import RigEffect
-from mbcdm_cad.rig.quasistatic.experiment import Experiment
-from mbcdm_cad.rig.quasistatic.simulate import simulate
+from mbcdm_cad.rig.effects.machine import RigEffect
+from mbcdm_cad.rig.experiment import Experiment
+from mbcdm_cad.rig.quasistatic import simulate
 
 PERFECT = {
     "input_resolution_rad": 0.0,
@@ -286,5 +285,5 @@ def test_many_effects_together_and_each_tells_the_truth(drive):
 def test_every_effect_is_in_the_registry():
     for module in pkgutil.iter_modules(effects.__path__, f"{effects.__name__}."):
         import_module(module.name)
-    listed = set(registry.AnyEffect.__args__[0].__args__)
+    listed = set(effects.AnyEffect.__args__[0].__args__)
     assert set(RigEffect.__subclasses__()) == listed

@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.rig.effects.registry import AnyEffect
+from mbcdm_cad.rig.effects import AnyEffect
+from mbcdm_cad.rig.experiment import Experiment, read_experiment
 from mbcdm_cad.rig.library_page import added, effects_table
-from mbcdm_cad.rig.quasistatic.experiment import Experiment
-from mbcdm_cad.rig.quasistatic.simulate import simulate
-from mbcdm_cad.rig.reading import read_experiment
+from mbcdm_cad.rig.quasistatic import simulate
 
 
 @pytest.fixture(scope="module")

@@ -11,9 +11,9 @@ import pytest
 
 from mbcdm_cad.layouts.life import ropes_in_use
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.model.life.zones import Level, RopeLife, rope_life
+from mbcdm_cad.model.rope_zones import Level, RopeLife, rope_life
 from mbcdm_cad.rig import chain
-from mbcdm_cad.rig.cables import RigCable, cables_of
+from mbcdm_cad.rig.bench import RigCable, cables_of
 
 PARAMS = Path(__file__).parents[3] / "params"
 MARK_M, STEPS = 0.2e-3, 201

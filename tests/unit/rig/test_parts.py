@@ -11,15 +11,14 @@ import pytest
 
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.layouts.lumped import compliance_of
-from mbcdm_cad.model import analyse, hysteresis
+from mbcdm_cad.model import hysteresis
+from mbcdm_cad.model.analysis import analyse
 from mbcdm_cad.model.si import to_si
-from mbcdm_cad.rig.dynamic import plant, tables
-from mbcdm_cad.rig.dynamic.experiment import DynamicExperiment
-from mbcdm_cad.rig.dynamic.inertias import inertias
-from mbcdm_cad.rig.dynamic.rig import rig_of
+from mbcdm_cad.rig.dynamic import plant, run
+from mbcdm_cad.rig.dynamic.rig import inertias, rig_of
 from mbcdm_cad.rig.dynamic.simulate import simulate_dynamic
-from mbcdm_cad.rig.quasistatic.experiment import Experiment
-from mbcdm_cad.rig.quasistatic.simulate import set_up, simulate
+from mbcdm_cad.rig.experiment import DynamicExperiment, Experiment
+from mbcdm_cad.rig.quasistatic import set_up, simulate
 
 PARAMS = Path(__file__).parents[3] / "params"
 REFERENCES = ("mbcdm", "siso_spur", "miso_spur", "siso_bevel")
@@ -208,5 +207,5 @@ class TestDynamicRig:
 
 def test_a_soft_payload_costs_one_coordinate_and_rigid_ones_none() -> None:
     rig = rig_of(drive_of("mbcdm"))
-    assert plant.payload_at(tables.plant(rig)) == 4
-    assert plant.payload_at(tables.plant(replace(rig, compliance=compliance_of(rig.drive)))) == 5
+    assert plant.payload_at(run.plant(rig)) == 4
+    assert plant.payload_at(run.plant(replace(rig, compliance=compliance_of(rig.drive)))) == 5

@@ -11,11 +11,11 @@ import pytest
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.layouts.lumped import friction_of
-from mbcdm_cad.model.losses.train import Train
+from mbcdm_cad.model.losses import Train
 from mbcdm_cad.model.preload_ramp import HeldDrive, Ramp, SampleNoise, expected, fitted
 from mbcdm_cad.model.si import DriveSI, ModelError, to_si
 from mbcdm_cad.rig import chain
-from mbcdm_cad.rig.cables import cables_of
+from mbcdm_cad.rig.bench import cables_of
 from mbcdm_cad.rig.dynamic.train import gearhead_of
 from mbcdm_cad.routes import Floats
 

@@ -18,15 +18,12 @@ from mbcdm_cad.design.bought import Encoder
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.measurement.schema import InertiaPlate
+from mbcdm_cad.rig.bench import BenchLimits, BenchSensors
 from mbcdm_cad.rig.command import _overload
-from mbcdm_cad.rig.dynamic.experiment import DynamicExperiment
-from mbcdm_cad.rig.effects.friction import BearingFriction
-from mbcdm_cad.rig.effects.motor import GearheadLash
-from mbcdm_cad.rig.quasistatic.experiment import Experiment
-from mbcdm_cad.rig.quasistatic.simulate import simulate
-from mbcdm_cad.rig.reading import read_experiment
-from mbcdm_cad.rig.result import RigError
-from mbcdm_cad.rig.sensors import BenchLimits, BenchSensors
+from mbcdm_cad.rig.effects.machine import BearingFriction, GearheadLash
+from mbcdm_cad.rig.experiment import DynamicExperiment, Experiment, read_experiment
+from mbcdm_cad.rig.quasistatic import simulate
+from mbcdm_cad.rig.writing import RigError
 
 SHORT = """\
 name: short

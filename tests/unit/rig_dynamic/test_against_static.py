@@ -13,11 +13,11 @@ from mbcdm_cad.model.capability import torque_at_input_limit_Nm
 from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.paper.experiments import first_saturated_Nm, given_way_Nm
+from mbcdm_cad.rig import quasistatic
 from mbcdm_cad.rig.chain import chains
-from mbcdm_cad.rig.dynamic.controller import sine, standstill
 from mbcdm_cad.rig.dynamic.rig import DynamicRig, EncoderSpec, rig_of
 from mbcdm_cad.rig.dynamic.run import run_dynamic
-from mbcdm_cad.rig.quasistatic import equilibrium
+from mbcdm_cad.rig.dynamic.train import sine, standstill
 
 DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
 
@@ -74,7 +74,7 @@ def test_slow_run_is_the_quasi_static_rig(passed_slip: bool) -> None:
     state = chains(cables, passed_slip=passed_slip)
     of = np.array([c.input_index for c in cables])
     angle = np.ascontiguousarray(run.input_rad)
-    course = equilibrium.QuasistaticCourse(
+    course = quasistatic.QuasistaticCourse(
         of,
         held,
         angle,
@@ -87,7 +87,7 @@ def test_slow_run_is_the_quasi_static_rig(passed_slip: bool) -> None:
         np.zeros(4),
         np.zeros(run.drum_rad.size),
     )
-    failed = equilibrium.run(state, course, pulleys, drum, tension)
+    failed = quasistatic.run(state, course, pulleys, drum, tension)
     assert failed < 0
     still = np.abs(np.gradient(run.torque_Nm, run.time_s)) < 1.0
     error = np.abs(run.drum_rad - drum)[still].max()

@@ -9,9 +9,20 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.rig.dynamic.controller import LAST, SPEED, STATES, SUM, ControllerSpec, control
-from mbcdm_cad.rig.dynamic.inertias import inertias
-from mbcdm_cad.rig.dynamic.train import GearheadSpec, MotorSpec, gearhead_of, motor_of, shaft_torque
+from mbcdm_cad.rig.dynamic.rig import inertias
+from mbcdm_cad.rig.dynamic.train import (
+    LAST,
+    SPEED,
+    STATES,
+    SUM,
+    ControllerSpec,
+    GearheadSpec,
+    MotorSpec,
+    control,
+    gearhead_of,
+    motor_of,
+    shaft_torque,
+)
 
 DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
 

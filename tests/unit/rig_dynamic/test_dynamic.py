@@ -10,10 +10,9 @@ import pytest
 
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.paper.experiments import reversal_swings_rad
-from mbcdm_cad.rig.dynamic.controller import sine, standstill
 from mbcdm_cad.rig.dynamic.rig import DynamicRig, EncoderSpec, rig_of
 from mbcdm_cad.rig.dynamic.run import DynamicRun, run_dynamic
-from mbcdm_cad.rig.dynamic.train import LoadSpec
+from mbcdm_cad.rig.dynamic.train import LoadSpec, sine, standstill
 
 DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
 

@@ -15,10 +15,9 @@ from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.paper.command import experiment_command
 from mbcdm_cad.paper.experiments import Compared, PaperResult
 from mbcdm_cad.paper.experiments_plots import result_json, result_text
-from mbcdm_cad.rig.dynamic.experiment import DynamicExperiment
 from mbcdm_cad.rig.dynamic.simulate import simulate_dynamic, truth_of
-from mbcdm_cad.rig.reading import read_experiment
-from mbcdm_cad.rig.result import RigError
+from mbcdm_cad.rig.experiment import DynamicExperiment, read_experiment
+from mbcdm_cad.rig.writing import RigError
 
 ROOT = Path(__file__).parents[3]
 DRIVE = load_design(ROOT / "params" / "mbcdm.yaml").drive

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mbcdm_cad.rig.dynamic.friction import _descend, solve_friction
+from mbcdm_cad.rig.dynamic.plant import _descend, solve_friction
 
 
 def case(rng: np.random.Generator, n: int = 6) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -10,7 +10,7 @@ import pytest
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.robot.mechanism import Mechanism, mechanism
 from mbcdm_cad.storage.cache import Cache, cache_folder
-from mbcdm_cad.workshop.made_parts import drawn
+from mbcdm_cad.workshop.store import drawn
 
 REFERENCE = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 

@@ -16,14 +16,13 @@ from mbcdm_cad.design.blocks import AsBuilt, AsBuiltValue, Payload
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.layouts.turns import modes_of
 from mbcdm_cad.loop.effects.friction import BEYOND, CONSTANT, DRIVEN, DRIVING, STRIBECK, VISCOUS, bases
-from mbcdm_cad.model import analyse
-from mbcdm_cad.rig.quasistatic.experiment import Experiment
-from mbcdm_cad.rig.quasistatic.simulate import simulate
-from mbcdm_cad.robot.elastic import ElasticDrive, elastic_drive, left_out
+from mbcdm_cad.model.analysis import analyse
+from mbcdm_cad.rig.experiment import Experiment
+from mbcdm_cad.rig.quasistatic import simulate
+from mbcdm_cad.robot.elastic import ElasticDrive, elastic_drive, left_out, slipping
 from mbcdm_cad.robot.fmu import fmu_file
-from mbcdm_cad.robot.formats import robot_files
 from mbcdm_cad.robot.mechanism import Mechanism
-from mbcdm_cad.robot.stage import slipping
+from mbcdm_cad.robot.mjcf import robot_files
 from tests.unit.robot.test_play import _mechanism as light
 from tests.unit.robot.test_play import drive as staged
 

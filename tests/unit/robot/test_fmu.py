@@ -15,8 +15,8 @@ import pytest
 from mbcdm_cad.design.blocks import Payload
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.layouts.turns import modes_of
-from mbcdm_cad.rig.quasistatic.experiment import Experiment
-from mbcdm_cad.rig.quasistatic.simulate import simulate
+from mbcdm_cad.rig.experiment import Experiment
+from mbcdm_cad.rig.quasistatic import simulate
 from mbcdm_cad.robot.elastic import ElasticDrive, elastic_drive
 from mbcdm_cad.robot.fmu import fmu_file
 

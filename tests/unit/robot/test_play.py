@@ -16,9 +16,9 @@ from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.layouts.turns import turns_of
 from mbcdm_cad.robot.elastic import ElasticDrive, elastic_drive
 from mbcdm_cad.robot.fmu import fmu_file
-from mbcdm_cad.robot.formats import robot_files
 from mbcdm_cad.robot.mechanism import Joint, Link, Mechanism, _named
-from mbcdm_cad.workshop.scene import MovingGroup
+from mbcdm_cad.robot.mjcf import robot_files
+from mbcdm_cad.workshop.interference import MovingGroup
 from mbcdm_cad.workshop.trianglemesh import TriangleMesh
 
 ARCMIN, RATIO, PERIOD_S, STEP_S = 20.0, 8.0, 2.0, 1e-3

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.errors import MbcdmError
-from mbcdm_cad.model import analyse
+from mbcdm_cad.model.analysis import analyse
 from mbcdm_cad.report.masses import inertias, masses_by_item
 from mbcdm_cad.robot.elastic import elastic_drive
-from mbcdm_cad.robot.formats import robot_files
 from mbcdm_cad.robot.mechanism import LARGEST_FACES, Mechanism, mechanism, within_faces
+from mbcdm_cad.robot.mjcf import robot_files
 
 REFERENCE = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 G_MM2 = 1e-9

@@ -13,10 +13,10 @@ import pytest
 
 from mbcdm_cad.design.blocks import DutyBlock, DutyRow
 from mbcdm_cad.errors import MbcdmError
-from mbcdm_cad.model import analyse
+from mbcdm_cad.model.analysis import analyse
 from mbcdm_cad.report.masses import inertias, masses_by_item
-from mbcdm_cad.robot.formats import robot_files
 from mbcdm_cad.robot.mechanism import SPEED_WITHOUT_FIGURES_RAD_S, Mechanism, _limits
+from mbcdm_cad.robot.mjcf import robot_files
 from mbcdm_cad.robot.urdf import UrdfOptions
 from tests.support.checked import of_params
 

@@ -13,10 +13,20 @@ from hypothesis import strategies as st
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.layouts.miso_bevel.routes import BevelGeometry, routed
 from mbcdm_cad.routes import Floats
-from mbcdm_cad.routes.displaced import offset_m, path_change_m, path_slope
 from mbcdm_cad.routes.geometry import RoutedDrive
-from mbcdm_cad.routes.loads import body_load
-from mbcdm_cad.routes.route import Anchor, CableRoute, DriveRoutes, Span, Terminal, Wrap, contact_point_m
+from mbcdm_cad.routes.route import (
+    Anchor,
+    CableRoute,
+    DriveRoutes,
+    Span,
+    Terminal,
+    Wrap,
+    body_load,
+    contact_point_m,
+    offset_m,
+    path_change_m,
+    path_slope,
+)
 
 REFERENCE = routed(load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive)
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from mbcdm_cad.design.fieldpath import leaves, put, take_out
 from mbcdm_cad.errors import MbcdmError
-from mbcdm_cad.solving.patch import difference, patched
+from mbcdm_cad.solving.question import difference, patched
 
 TEXT = """\
 # head

@@ -15,10 +15,8 @@ from mbcdm_cad.report.check_report import check_design
 from mbcdm_cad.solving import solve as solving
 from mbcdm_cad.solving import trials as trying
 from mbcdm_cad.solving.conflict import conflict
-from mbcdm_cad.solving.nearest import taken_back
-from mbcdm_cad.solving.patch import patched
-from mbcdm_cad.solving.question import Fixed, Point, Question, Times, question_of
-from mbcdm_cad.solving.repair import BATCH, _Moves, creeps, repair
+from mbcdm_cad.solving.question import Fixed, Point, Question, Times, patched, question_of
+from mbcdm_cad.solving.repair import BATCH, _Moves, creeps, repair, taken_back
 from mbcdm_cad.solving.solve import solve
 from mbcdm_cad.solving.trials import MOST, TrialResult, Trials, outcome
 

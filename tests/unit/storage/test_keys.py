@@ -14,8 +14,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mbcdm_cad.storage import keys
-from mbcdm_cad.storage.keys import canonical_json, content_key, source_hash
+from mbcdm_cad.storage import cache
+from mbcdm_cad.storage.cache import canonical_json, content_key, source_hash
 
 VERSIONS = {"cadquery": "2.8.0"}
 
@@ -73,7 +73,7 @@ def test_what_has_no_lasting_text_is_refused() -> None:
 
 
 def test_key_is_the_same_in_another_process() -> None:
-    code = "from mbcdm_cad.storage.keys import content_key; print(content_key('part', {'b': 1, 'a': [0.1]}, 's', {}))"
+    code = "from mbcdm_cad.storage.cache import content_key; print(content_key('part', {'b': 1, 'a': [0.1]}, 's', {}))"
     root = Path(__file__).parents[3]
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=root)
     assert done.stdout.strip() == content_key("part", {"a": [0.1], "b": 1}, "s", {})
@@ -95,13 +95,13 @@ def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     for name, text in files.items():
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).write_text(text)
-    monkeypatch.setattr(keys, "_ROOT", tmp_path)
+    monkeypatch.setattr(cache, "_ROOT", tmp_path)
     yield tmp_path
     _forget()
 
 
 def _forget() -> None:
-    for cached in (keys.source_hash, keys._imports, keys._path):
+    for cached in (cache.source_hash, cache._imports, cache._path):
         cached.cache_clear()
 
 
@@ -132,7 +132,7 @@ def test_only_what_is_imported_matters(package: Path, changed: str, matters: boo
 
 
 def test_unknown_module_is_refused() -> None:
-    assert len(source_hash("mbcdm_cad.storage.keys")) == 64
+    assert len(source_hash("mbcdm_cad.storage.cache")) == 64
     for name in ("mbcdm_cad.no_such_part", "no_such_package", "no_such_package.part"):
         with pytest.raises(ValueError, match="no module"):
             source_hash(name)

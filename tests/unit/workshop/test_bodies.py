@@ -14,9 +14,8 @@ from hypothesis import strategies as st
 
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.parts.bill import PartSpec
-from mbcdm_cad.workshop.made_parts import exported_parts
-from mbcdm_cad.workshop.scene import MovingGroup, bodies, is_cable
-from mbcdm_cad.workshop.store import Store, StoredPart
+from mbcdm_cad.workshop.interference import MovingGroup, bodies, is_cable
+from mbcdm_cad.workshop.store import Store, StoredPart, exported_parts
 
 DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
 DIMS: Any = DRIVE.layout

@@ -15,8 +15,8 @@ from mbcdm_cad.layouts.miso_bevel.cable_path import cable_path
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.routes.cable_path import CablePath
 from mbcdm_cad.routes.curves import Helix, Line
-from mbcdm_cad.workshop.clash import Clash, cable_overlaps, centre_line_distance
-from mbcdm_cad.workshop.scene import travel_poses
+from mbcdm_cad.workshop.interference import travel_poses
+from mbcdm_cad.workshop.pairs import Clash, cable_overlaps, centre_line_distance
 
 
 def brute(first: CablePath, second: CablePath) -> float:

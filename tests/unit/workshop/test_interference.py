@@ -18,10 +18,8 @@ from mbcdm_cad.parts.bill import CABLE, Bill, Item
 from mbcdm_cad.parts.bodies import ScrewBody
 from mbcdm_cad.parts.placement import Placement
 from mbcdm_cad.parts.ring import IdlerPulley, Nut, Pin
-from mbcdm_cad.workshop.clash import Clash
-from mbcdm_cad.workshop.interference import InterferenceRun, answers
-from mbcdm_cad.workshop.pairs import CABLE_UNDERSIZE_MM, Found
-from mbcdm_cad.workshop.scene import travel_poses
+from mbcdm_cad.workshop.interference import InterferenceRun, answers, travel_poses
+from mbcdm_cad.workshop.pairs import CABLE_UNDERSIZE_MM, Clash, Found
 from tests.support.interference_of_solids import body, interferences, run_of
 
 Move = Callable[[dict[str, Placement]], None]

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from mbcdm_cad.cli.screen import progress
+from mbcdm_cad.cli.group import progress
 from mbcdm_cad.errors import GeometryError
 from mbcdm_cad.jobs import build as job
 from mbcdm_cad.jobs.build import build

@@ -12,9 +12,8 @@ from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.parallel import forks
 from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.workshop import store
-from mbcdm_cad.workshop.clash import Clash
 from mbcdm_cad.workshop.interference import answers
-from mbcdm_cad.workshop.pairs import Faces, Pair, PartShape, Rod
+from mbcdm_cad.workshop.pairs import Clash, Faces, Pair, PartShape, Rod
 from mbcdm_cad.workshop.store import KnownTests
 from tests.support.interference_of_solids import body, run_of
 

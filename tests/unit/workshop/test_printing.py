@@ -18,7 +18,7 @@ from mbcdm_cad.layouts.loader import load_design, load_text
 from mbcdm_cad.parts.fits import limits
 from mbcdm_cad.parts.making import PRINTED_MM, body_accuracy, land_band_mm, model_tolerances, sheet_as_printed
 from mbcdm_cad.workshop.meshing import mesh_solid
-from mbcdm_cad.workshop.printability import overhang_mm2, thinnest_wall
+from mbcdm_cad.workshop.prints import overhang_mm2, thinnest_wall
 from mbcdm_cad.workshop.wider_holes import round_holes, with_wider_holes
 from tests.support.checked import failing
 

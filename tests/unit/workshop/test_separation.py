@@ -16,10 +16,10 @@ from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.parts.placement import Placement
 from mbcdm_cad.routes.cable_path import CablePath
 from mbcdm_cad.routes.curves import Arc, Helix, Line
-from mbcdm_cad.workshop import overlap
+from mbcdm_cad.workshop import kernel
 from mbcdm_cad.workshop.interference import answers
+from mbcdm_cad.workshop.kernel import common, rod
 from mbcdm_cad.workshop.meshing import mesh_solid
-from mbcdm_cad.workshop.overlap import common, rod
 from mbcdm_cad.workshop.pairs import Rod, RodShape
 from mbcdm_cad.workshop.separation import Surface, apart
 from tests.support.interference_of_solids import body, run_of
@@ -143,7 +143,7 @@ def test_a_wound_cable_is_proven_off_its_land_and_what_overlaps_is_found_as_with
     name, place = f"input_pulley_{pulley.name}", Placement.translation(pulley.x + off_mm, 0.0, 0.0)
     drawn: list[str] = []
     monkeypatch.setattr(
-        overlap, "rod", lambda pieces, r: drawn.extend(type(p).__name__ for p in pieces) or rod(pieces, r)
+        kernel, "rod", lambda pieces, r: drawn.extend(type(p).__name__ for p in pieces) or rod(pieces, r)
     )
     shape = RodShape(path.only(stretch.pieces), dims.drive.cable.diameter_mm)
     with_mesh = Rod(shape, body(name, solids[name], TOLERANCE_MM), place).test()

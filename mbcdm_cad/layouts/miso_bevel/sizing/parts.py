@@ -40,7 +40,7 @@ from mbcdm_cad.layouts.miso_bevel.sizing.picking import (
 )
 from mbcdm_cad.layouts.miso_bevel.sizing.radii import least_step_mm, take_up_mm, take_up_with_mm
 from mbcdm_cad.layouts.miso_bevel.support.dims import AXLE_SCREW, DOWEL_LENGTHS_MM, DOWEL_MM
-from mbcdm_cad.model.losses.friction import ROPE_EXPONENT, ROPE_FACTOR
+from mbcdm_cad.model.losses import ROPE_EXPONENT, ROPE_FACTOR
 from mbcdm_cad.parts.collar import collar
 from mbcdm_cad.parts.drum_sector.sizes import SPRING_HEIGHT_MM, SWAGE_FLOOR_MM
 from mbcdm_cad.parts.input_pulley.stop import neck_mm

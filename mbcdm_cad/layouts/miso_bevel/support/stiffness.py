@@ -29,7 +29,7 @@ from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.routes import GUIDE
 from mbcdm_cad.layouts.structure import elastic
 from mbcdm_cad.model.block_rows import Ints
-from mbcdm_cad.model.equilibrium import bearing_loads, two_bearing_reactions_N
+from mbcdm_cad.model.equilibrium import bearing_loads
 from mbcdm_cad.model.plate_mesh import (
     URAD_PER_MRAD,
     Hole,
@@ -46,8 +46,9 @@ from mbcdm_cad.model.plate_mesh import (
 )
 from mbcdm_cad.model.si import MM, to_si
 from mbcdm_cad.model.stiffness import unit_tensions_N
-from mbcdm_cad.model.structure.boss import BossRing
+from mbcdm_cad.model.structure.shafts import BossRing
 from mbcdm_cad.routes import Floats
+from mbcdm_cad.routes.route import two_bearing_reactions_N
 
 
 def _half_load(layout: BevelLayout, mesh: PlateMesh, loads: SeatLoads) -> Floats:

@@ -22,7 +22,7 @@ from mbcdm_cad.layouts.siso_spur.idlers import flange_radius_mm
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.stack import FLANGE_MM
 from mbcdm_cad.layouts.siso_spur.support.idlers import StandDims, strap_screw
-from mbcdm_cad.model.losses.friction import BEARING_START, bearing_torque_Nm
+from mbcdm_cad.model.losses import BEARING_START, bearing_torque_Nm
 from mbcdm_cad.model.tensioning import plucked_Hz
 from mbcdm_cad.parts.terminal.take_up import tensioned_rope
 from mbcdm_cad.parts.threads import clamp_force_N

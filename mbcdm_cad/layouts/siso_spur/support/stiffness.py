@@ -25,7 +25,6 @@ from mbcdm_cad.layouts.siso_spur.overhung import MotorSeat
 from mbcdm_cad.layouts.siso_spur.support.parts import motor_seat
 from mbcdm_cad.layouts.structure import elastic, one_input_loads
 from mbcdm_cad.model.block_rows import Ints
-from mbcdm_cad.model.equilibrium import two_bearing_reactions_N
 from mbcdm_cad.model.plate_mesh import (
     URAD_PER_MRAD,
     Hole,
@@ -42,9 +41,9 @@ from mbcdm_cad.model.plate_mesh import (
 )
 from mbcdm_cad.model.si import MM, to_si
 from mbcdm_cad.model.stiffness import unit_tensions_N
-from mbcdm_cad.model.structure.boss import BossRing
+from mbcdm_cad.model.structure.shafts import BossRing
 from mbcdm_cad.routes import Floats
-from mbcdm_cad.routes.loads import body_load
+from mbcdm_cad.routes.route import body_load, two_bearing_reactions_N
 
 # Radius over which the force on a seat is spread, over the radius of the seat.
 _SPREAD = 1.5

@@ -146,9 +146,8 @@ def test_the_cable_lies_along_the_middle_of_its_groove(reference: BevelDrive, an
 def test_grooved_pulleys_are_sound_and_clear_their_cables(reference: BevelDrive) -> None:
     """Metal removed by Pappus' theorem for a helix; the rope's rod and the pulley share nothing."""
     from mbcdm_cad.parts.input_pulley.draw import create_input_pulley
-    from mbcdm_cad.workshop.overlap import common, rod
+    from mbcdm_cad.workshop.kernel import common, rod, validate_faces, validate_solid
     from mbcdm_cad.workshop.pairs import CABLE_UNDERSIZE_MM, VOLUME_LIMIT_MM3
-    from mbcdm_cad.workshop.validate import validate_faces, validate_solid
 
     drive = grooved(reference)
     dims, d = BevelLayout(drive), drive.cable.diameter_mm
@@ -197,7 +196,7 @@ def test_the_section_of_a_grooved_pulley_is_that_of_its_helices(reference: Bevel
     import cadquery as cq
 
     from mbcdm_cad.drawings.draw import PartFacts, draw_sheet
-    from mbcdm_cad.workshop.validate import validate_solid
+    from mbcdm_cad.workshop.kernel import validate_solid
     from tests.support.drawing_reader import dimensions, document
     from tests.support.rebuilt import pulley
 

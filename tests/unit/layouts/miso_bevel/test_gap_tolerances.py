@@ -15,7 +15,7 @@ from mbcdm_cad.layouts.miso_bevel.cable_path import fleet_angle_deg
 from mbcdm_cad.layouts.miso_bevel.checks.spans import stacks, straight_span_clearance_mm
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-from mbcdm_cad.model.kinematics import pair_mismatch_m
+from mbcdm_cad.model.equations import pair_mismatch_m
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.model.stack_up import Contribution
 from mbcdm_cad.model.tolerance import linear_error, tolerance_stack

@@ -15,11 +15,10 @@ from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.layouts.miso_spur.checks import load_shares, load_sharing
 from mbcdm_cad.layouts.miso_spur.drive import RoundDrumDrive
 from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
-from mbcdm_cad.model.backlash import drum_backlash
 from mbcdm_cad.model.capability import torque_at_slip_Nm
 from mbcdm_cad.model.equilibrium import bearing_loads, solve_equilibrium
 from mbcdm_cad.model.si import to_si
-from mbcdm_cad.model.stiffness import sticking_stiffness_Nm_rad
+from mbcdm_cad.model.stiffness import drum_backlash, sticking_stiffness_Nm_rad
 from mbcdm_cad.routes.route import contact_point_m
 from tests.support.sliced_cables import by_bisection
 

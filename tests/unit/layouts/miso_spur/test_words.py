@@ -17,11 +17,10 @@ from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
 from mbcdm_cad.layouts.siso_spur.support.stiffness import frame_compliance as of_one_arm
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.si import to_si
-from mbcdm_cad.rig.quasistatic.experiment import Experiment
-from mbcdm_cad.rig.quasistatic.simulate import simulate
-from mbcdm_cad.routes.loads import body_load
-from mbcdm_cad.workshop.kernel import location
-from mbcdm_cad.workshop.validate import validate_solid
+from mbcdm_cad.rig.experiment import Experiment
+from mbcdm_cad.rig.quasistatic import simulate
+from mbcdm_cad.routes.route import body_load
+from mbcdm_cad.workshop.kernel import location, validate_solid
 from tests.support.checked import failing, result
 
 TEXT = """\

@@ -25,13 +25,12 @@ from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, spur
 from mbcdm_cad.layouts.siso_spur.first_stage import MOST_TRAVEL_DEG, split_ratio
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.model.equilibrium import solve_equilibrium
-from mbcdm_cad.model.losses.train import MOTOR
+from mbcdm_cad.model.losses import MOTOR
 from mbcdm_cad.report.analysis_report import analyse_design
-from mbcdm_cad.report.stages import stage_figures
-from mbcdm_cad.rig.quasistatic.experiment import Experiment
-from mbcdm_cad.rig.quasistatic.simulate import simulate
-from mbcdm_cad.workshop.kernel import location
-from mbcdm_cad.workshop.validate import validate_solid
+from mbcdm_cad.report.losses import stage_figures
+from mbcdm_cad.rig.experiment import Experiment
+from mbcdm_cad.rig.quasistatic import simulate
+from mbcdm_cad.workshop.kernel import location, validate_solid
 from tests.support.checked import failing, results
 
 TEXT = """\

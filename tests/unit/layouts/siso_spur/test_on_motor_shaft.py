@@ -24,8 +24,7 @@ from mbcdm_cad.model.structure.drum_sector import Isotropic
 from mbcdm_cad.model.structure.shafts import Acting, Section, bending_urad_Nm
 from mbcdm_cad.rig.dynamic.rig import rig_of
 from mbcdm_cad.routes.curves import Line
-from mbcdm_cad.workshop.kernel import location
-from mbcdm_cad.workshop.validate import validate_solid
+from mbcdm_cad.workshop.kernel import location, validate_solid
 from tests.support.checked import statuses
 
 TEXT = """\

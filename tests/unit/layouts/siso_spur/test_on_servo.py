@@ -21,7 +21,7 @@ from mbcdm_cad.parts.milled import cylinder_z
 from mbcdm_cad.report.catalogue_list import CatalogueList
 from mbcdm_cad.rig.dynamic.rig import rig_of
 from mbcdm_cad.rig.dynamic.train import shaft_torque
-from mbcdm_cad.workshop.validate import validate_solid
+from mbcdm_cad.workshop.kernel import validate_solid
 from tests.support.checked import statuses
 
 TEXT = """\

@@ -23,8 +23,8 @@ from mbcdm_cad.model.equilibrium import bearing_loads, solve_equilibrium
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.model.stiffness import sticking_stiffness_Nm_rad
 from mbcdm_cad.parts.making import land_band_mm
-from mbcdm_cad.rig.cables import cables_of
-from mbcdm_cad.rig.through import pairs_of
+from mbcdm_cad.rig.bench import cables_of
+from mbcdm_cad.rig.chain import pairs_of
 from mbcdm_cad.storage.compiled import compiled
 from tests.support.sliced_cables import stretch_m
 

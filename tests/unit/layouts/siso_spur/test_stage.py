@@ -22,12 +22,12 @@ from mbcdm_cad.layouts.siso_spur.checks.stage import SERVICE, lewis_factor
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.turns import turns_of
-from mbcdm_cad.measurement.parts import parts_seen
+from mbcdm_cad.measurement.loads import parts_seen
 from mbcdm_cad.measurement.schema import CountedParts
 from mbcdm_cad.parts.collar import collar_sweep_mm
 from mbcdm_cad.parts.stage import Belt, Wheel
-from mbcdm_cad.rig.quasistatic.experiment import Experiment
-from mbcdm_cad.rig.quasistatic.simulate import simulate
+from mbcdm_cad.rig.experiment import Experiment
+from mbcdm_cad.rig.quasistatic import simulate
 from tests.support.checked import results
 
 TEXT = """\

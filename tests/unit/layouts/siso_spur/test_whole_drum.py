@@ -19,7 +19,7 @@ from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.structure.quadrilateral import elements, solve
 from mbcdm_cad.model.structure.sector_mesh import RimStep, SectorShape, sector_mesh
 from mbcdm_cad.parts.drum_sector.part import DrumSector
-from mbcdm_cad.workshop.validate import validate_solid
+from mbcdm_cad.workshop.kernel import validate_solid
 
 TEXT = """name: turns
 configuration: siso_spur

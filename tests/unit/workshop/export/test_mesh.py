@@ -22,9 +22,7 @@ from hypothesis import strategies as st
 from mbcdm_cad.errors import GeometryError
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.parts.bill import Item
-from mbcdm_cad.workshop.export.glb import glb_bytes
-from mbcdm_cad.workshop.export.stl import stl_bytes, with_note
-from mbcdm_cad.workshop.export.threemf import lying, threemf_bytes
+from mbcdm_cad.workshop.export.files import glb_bytes, lying, stl_bytes, threemf_bytes, with_note
 from mbcdm_cad.workshop.kernel import brep_bytes, shape_from_brep
 from mbcdm_cad.workshop.meshing import angular_tolerance, mesh_solid
 from mbcdm_cad.workshop.trianglemesh import TriangleMesh
@@ -161,9 +159,9 @@ _ELSEWHERE = f"""
 import hashlib, random, sys
 sys.path[:0] = sys.argv[1:]
 from export_samples import make_items, make_solids
-from mbcdm_cad.workshop.export.glb import glb_bytes
+from mbcdm_cad.workshop.export.files import glb_bytes
 from mbcdm_cad.workshop.meshing import mesh_solid
-from mbcdm_cad.workshop.export.stl import stl_bytes
+from mbcdm_cad.workshop.export.files import stl_bytes
 items = make_items()[::-1]
 meshes = {{part: mesh_solid(part, solid, {TOLERANCE_MM}) for part, solid in reversed(make_solids().items())}}
 digest = hashlib.sha256(glb_bytes("model", items, meshes))

@@ -17,11 +17,11 @@ from OCP.Quantity import Quantity_TypeOfColor
 from mbcdm_cad.errors import GeometryError
 from mbcdm_cad.parts.bill import Item
 from mbcdm_cad.storage.cache import Cache
+from mbcdm_cad.workshop.export.files import canonical_step, with_description
 from mbcdm_cad.workshop.export.step import assembly_step, part_step
-from mbcdm_cad.workshop.export.step_text import canonical_step, with_description
 from mbcdm_cad.workshop.kernel import brep_bytes, measure, shape_from_brep
 from mbcdm_cad.workshop.makefiles import make_part_files
-from mbcdm_cad.workshop.partfiles import PartFiles
+from mbcdm_cad.workshop.mass import PartFiles
 
 # Another process: other addresses, another order of items, other exports before.
 _ELSEWHERE = """
@@ -162,9 +162,9 @@ def test_stored_part_is_read_without_the_kernel(solids: dict[str, cq.Solid], tmp
 import sys
 from pathlib import Path
 from mbcdm_cad.storage.cache import Cache
-from mbcdm_cad.workshop.export.glb import glb_bytes
+from mbcdm_cad.workshop.export.files import glb_bytes
 from mbcdm_cad.workshop.mass import item_mass
-from mbcdm_cad.workshop.partfiles import PartFiles
+from mbcdm_cad.workshop.mass import PartFiles
 part = PartFiles.from_blobs("disc", Cache(Path({str(tmp_path)!r})).get({KEY!r}))
 print(len(part.stl), round(part.shape.volume_mm3), [n for n in ("cadquery", "OCP", "vtkmodules") if n in sys.modules])
 """

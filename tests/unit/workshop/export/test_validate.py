@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.errors import GeometryError
+from mbcdm_cad.workshop.kernel import validate_faces, validate_solid
 from mbcdm_cad.workshop.pairs import Faces, PartShape
-from mbcdm_cad.workshop.validate import validate_faces, validate_solid
 
 
 def test_sound_solids_pass(solids: dict[str, cq.Solid]) -> None:
@@ -66,7 +66,7 @@ def test_faces_that_cut_each_other_are_found_apart() -> None:
 
 def test_edges_find_them_in_parts_of_many_swept_faces(monkeypatch: pytest.MonkeyPatch) -> None:
     """Three grooves of many turns: all their faces against each other would take minutes."""
-    monkeypatch.setattr("mbcdm_cad.workshop.validate._MOST_SWEPT", -1)
+    monkeypatch.setattr("mbcdm_cad.workshop.kernel._MOST_SWEPT", -1)
     validate_faces("block", cq.Workplane().box(4, 4, 4).cut(cq.Workplane().box(1, 1, 9)).val())
     with pytest.raises(GeometryError, match=r"drum: .*SelfIntersect"):
         validate_faces("drum", _crossing())

@@ -1,1 +1,0 @@
-"""The quasi-static rig: all torques are in equilibrium at each sample."""
