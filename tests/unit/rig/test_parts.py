@@ -207,5 +207,5 @@ class TestDynamicRig:
 
 def test_a_soft_payload_costs_one_coordinate_and_rigid_ones_none() -> None:
     rig = rig_of(drive_of("mbcdm"))
-    assert plant.payload_at(run.plant(rig)) == 4
-    assert plant.payload_at(run.plant(replace(rig, compliance=compliance_of(rig.drive)))) == 5
+    assert plant.payload_at(run.plant_tables(rig)) == 4
+    assert plant.payload_at(run.plant_tables(replace(rig, compliance=compliance_of(rig.drive)))) == 5

@@ -162,7 +162,7 @@ def test_the_rig_uses_nothing_of_the_model():
     """Only the design room, the errors' and the rig's own modules; no code of model, checks, layout or loop."""
     folder = Path(mbcdm_cad.rig.__path__[0])
     modules = sorted(folder.rglob("*.py"))
-    assert len(modules) > 20
+    assert len(modules) > 10
     for module in modules:
         for node in ast.walk(ast.parse(module.read_text())):
             names = [a.name for a in node.names] if isinstance(node, ast.Import) else []
