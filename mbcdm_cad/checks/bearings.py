@@ -1,8 +1,7 @@
 """Bearing loads against static ratings, and the deflection at the gearhead that the pulley's own bearings leave.
 
-A deep-groove bearing runs normally at a static safety of 1 and quietly at 2 (bearing makers). The cables pull each
-input pulley with well over 100 N, more than a gearhead of this size can carry, so each pulley has a bearing at both
-ends.
+A deep-groove bearing runs normally at a static safety of 1 and quietly at 2 (bearing makers). Each input pulley has
+one at both ends: its cables pull with well over 100 N, more than a gearhead of this size can carry.
 """
 
 from __future__ import annotations

@@ -115,7 +115,9 @@ def test_one_line_of_the_short_file_gives_two_anchored_cables_that_pass(tmp_path
     assert found["dead_turns"]["actual"] >= 0.5 and "input_slip" not in found
 
 
-@pytest.mark.parametrize(("name", "inputs", "ratio"), [("siso_bevel", 1, 4.5), ("siso_spur", 1, 9.9), ("miso_spur", 2, 9.9)])
+@pytest.mark.parametrize(
+    ("name", "inputs", "ratio"), [("siso_bevel", 1, 4.5), ("siso_spur", 1, 9.9), ("miso_spur", 2, 9.9)]
+)
 def test_analyse_gives_the_motors_torque_times_the_ratio_both_ways(name: str, inputs: int, ratio: float) -> None:
     """2.9 mN m through 76:1 and the cables; preloads that balance on a free drum load no input."""
     found = output("analyse", PARAMS / f"{name}.yaml")

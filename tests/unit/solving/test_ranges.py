@@ -1,13 +1,25 @@
-"""Ranges in a design file: valid forms, refusals with line and remedy, and the commands that accept them."""
+"""Ranges in a design file: valid forms, refusals with line and remedy, and the commands that accept them.
+
+The independent search of the reach study, with a few starts instead of some hundred.
+
+The bound that proves that requirements exclude each other: it never excludes an existing design.
+"""
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
+import yaml
 
 from mbcdm_cad.design.freedom import scaled
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.solving.question import question_of
+from tests.acceptance.test_gallery import GALLERY
+from tests.support.random_generator import WHOLE, failing, requirements
+from tests.support.random_search import Draw, missed, search
+from tests.support.reach_bound import Asked, asked, excluding
 
 SHORT = """\
 name: short
@@ -113,3 +125,57 @@ def test_a_requirement_left_out_is_marked_as_missing() -> None:
 def test_moved_steps_keep_their_first_radius() -> None:
     assert scaled([60.0, 63.0], 1.5) == [60.0, 64.5]
     assert scaled(12.0, 1.5) == 18.0
+
+
+def test_a_file_that_passes_needs_no_move() -> None:
+    assert search(requirements(1), starts=1) == {}
+
+
+def test_a_requirement_that_is_left_out_is_drawn_and_the_same_search_ends_alike() -> None:
+    data = requirements(1)
+    del data["loads"]["peak_torque_Nm"]
+    found = search(data, starts=12)
+    assert found is not None and found["loads.peak_torque_Nm"] > 0.0
+    assert search(data, starts=12) == found
+
+
+def test_a_miss_counts_failing_checks_and_stops_at_what_is_bad_enough() -> None:
+    thin = requirements(1) | {"transmission": {"ratio": 20.0, "drum_radius_mm": 34.0}}
+    whole = missed(thin, Draw())
+    assert whole > 3.0
+    assert missed(thin, Draw(), most=0.5) < whole
+
+
+# 68 mm across at a ratio of 20: the input pulleys are 3.4 mm across, no journal goes round a 3 mm shaft in them.
+THIN = Asked(ratio=20.0, radius=34.0, travel=35.0, torque=0.5, rope=None, distance=None)
+
+
+@pytest.mark.parametrize("path", GALLERY, ids=lambda path: path.stem)
+def test_no_drive_of_the_gallery_is_excluded(path) -> None:  # type: ignore[no-untyped-def]
+    assert excluding(asked(yaml.safe_load(path.read_text("utf-8")))) == ()
+
+
+def test_a_set_is_the_smallest() -> None:
+    assert excluding(THIN) == ("ratio", "radius")
+    for name in ("ratio", "radius"):
+        assert excluding(replace(THIN, **{name: None})) == ()
+
+
+@pytest.mark.parametrize(
+    ("found", "names"),
+    [
+        (replace(THIN, ratio=5.0, torque=60.0), ("ratio", "radius", "torque")),
+        (replace(THIN, ratio=5.0, torque=6.0, rope="7x7-0.3"), ("radius", "torque", "rope")),
+        (replace(THIN, ratio=5.0, rope="7x7-3.0"), ("ratio", "radius", "rope")),
+        (replace(THIN, ratio=5.0, distance=8.0), ("radius", "distance")),
+    ],
+    ids=["torque", "thin rope", "thick rope", "distance"],
+)
+def test_each_condition_names_its_requirements(found: Asked, names: tuple[str, ...]) -> None:
+    assert excluding(found) == names
+
+
+def test_what_is_excluded_fails_when_it_is_sized() -> None:
+    data = requirements(2, WHOLE)
+    assert excluding(asked(data)) == ("ratio", "radius")
+    assert "bearing_shoulders" in dict(failing(load_text(yaml.safe_dump(data))))

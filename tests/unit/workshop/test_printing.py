@@ -1,4 +1,7 @@
-"""Printed parts: holes made wider, inserts, thin walls, overhangs."""
+"""Printed parts: holes made wider, inserts, thin walls, overhangs.
+
+Files for a printer are those of printed parts; what a standard names is bought and has neither file nor sheet.
+"""
 
 from __future__ import annotations
 
@@ -13,14 +16,19 @@ import pytest
 import trimesh
 
 from mbcdm_cad.checks.size import overhang_check, printed_walls_check
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.loader import load_design, load_text
 from mbcdm_cad.parts.fits import limits
 from mbcdm_cad.parts.making import PRINTED_MM, body_accuracy, land_band_mm, model_tolerances, sheet_as_printed
+from mbcdm_cad.parts.part import StandardPart
+from mbcdm_cad.storage.cache import Cache, cache_folder
+from mbcdm_cad.workshop.drawings import drawn_parts
 from mbcdm_cad.workshop.meshing import mesh_solid
-from mbcdm_cad.workshop.prints import overhang_mm2, thinnest_wall
+from mbcdm_cad.workshop.prints import overhang_mm2, prints_of, thinnest_wall
 from mbcdm_cad.workshop.wider_holes import round_holes, with_wider_holes
-from tests.support.checked import failing
+from tests.support.checked import failing, of_params
 
 ROOT = Path(__file__).parents[3]
 PRINTED = (ROOT / "params/gallery/printed.yaml").read_text("utf-8")
@@ -207,3 +215,45 @@ def test_wider_parts_are_sound_for_a_printer(printed) -> None:
     assert found.is_watertight
     assert found.volume == pytest.approx(cq.Shape.cast(solid).Volume(), rel=2e-3)
     assert load_design(ROOT / "params/gallery/printed.yaml").drive.printing.hole_allowance_mm == 0.2
+
+
+PARAMS = Path(__file__).parents[3] / "params"
+# Nominal lengths of ISO 2338 to 30 mm; greatest height and width across flats of ISO 4032 by thread.
+PIN_LENGTHS_MM = (2, 3, 4, 5, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30)
+NUTS_MM = {1.6: (1.3, 3.2), 2.0: (1.6, 4.0), 2.5: (2.0, 5.0), 3.0: (2.4, 5.5), 4.0: (3.2, 7.0)}
+
+
+@pytest.fixture(scope="module")
+def metal() -> Drive:
+    drive: Drive = load_design(PARAMS / "siso_spur.yaml").drive
+    return drive
+
+
+def test_a_design_of_metal_prints_nothing_unless_asked(metal: Drive) -> None:
+    with pytest.raises(
+        MbcdmError, match=r"no part is printed \(value milled, turned, limit printed or sintered.*--all"
+    ):
+        prints_of(metal, Cache(cache_folder()))
+
+
+def test_only_the_printed_parts_get_a_file(metal: Drive) -> None:
+    drive = replace(metal, drum_material=metal.material("pla"))
+    assert set(prints_of(drive, Cache(cache_folder()))) == {"drum.3mf"}
+
+
+@pytest.mark.parametrize("name", ["mbcdm", "siso_bevel", "siso_spur", "miso_spur", "gallery/hip", "gallery/capstan"])
+def test_nuts_and_dowels_are_bought_in_sizes_that_their_standards_have(name: str) -> None:
+    drive = of_params(name).drive
+    bill = drive.layout.bill()
+    standard = {n: spec.part for n, spec in bill.parts.items() if isinstance(spec.part, StandardPart)}
+    assert {"nut", "dowel"} <= set(standard), set(standard)
+    assert not set(standard) & set(drawn_parts(drive))
+    for part, body in standard.items():
+        said = body.designation
+        if pin := re.fullmatch(r"ISO 2338 - ([\d.]+) m6 x ([\d.]+)", said):
+            assert float(pin[2]) in PIN_LENGTHS_MM and float(pin[1]) == 2 * body.radius, (part, said)  # type: ignore[attr-defined]
+        else:
+            nut = re.fullmatch(r"ISO 4032 - M([\d.]+)", said)
+            assert nut and NUTS_MM[float(nut[1])] == (body.height, body.across_flats), (part, said)  # type: ignore[attr-defined]
+        (weighed,) = {item.mass_g for item in bill.items if item.part == part}
+        assert weighed == pytest.approx(7.85e-3 * body.volume_mm3(), rel=0.03), (part, weighed)
