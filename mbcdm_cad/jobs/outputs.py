@@ -283,8 +283,8 @@ def write_experiment(drive: Drive, experiment: Path, out: Path) -> Written:
     from mbcdm_cad.rig.experiment import read_experiment
 
     wanted = read_experiment(experiment)
-    from mbcdm_cad.paper.command import experiment_command  # loads compiled code: only for a valid file
+    from mbcdm_cad.rig.command import simulate_command  # loads compiled code: only for a valid file
 
-    words = experiment_command(drive, wanted, out)
+    words = simulate_command(drive, wanted, out)
     folder = out / wanted.name
     return Written(folder, tuple(sorted(folder.iterdir())), words)

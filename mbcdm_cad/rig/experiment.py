@@ -187,13 +187,12 @@ class DynamicPhysics(PhysicsBlock):
 
 
 class DynamicExperiment(ExperimentBlock):
-    """An experiment on the dynamic rig. ``paper`` runs one of the paper's three and needs nothing else."""
+    """An experiment on the dynamic rig."""
 
     rig: Literal["dynamic"]
     name: Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9_-]{0,79}$")]
     about: Annotated[str, Field(max_length=500)] = ""
     seed: Annotated[int, Field(ge=0, le=2**31 - 1)] = 1
-    paper: Literal["driving-capability", "positioning", "backlash"] | None = None
     duration_s: Annotated[float, Field(gt=0.0, le=2000.0)] = 160.0
     sample_rate_Hz: Literal[50, 100, 200, 500, 1000] = 100
     motion: DynamicMotion = DynamicMotion()

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from benchmarks.studies.paper_experiments import EXPERIMENTS, Compared, PaperResult
+from benchmarks.studies.paper_plots import result_files, result_json, result_text
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.paper.experiments import EXPERIMENTS, PaperResult
-from mbcdm_cad.paper.experiments_plots import result_files
 
 DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
 
@@ -57,3 +58,20 @@ def test_driving_capability_both_ways_and_with_a_lossy_gearhead() -> None:
         # Driven backward the motor holds only 2 - 1/efficiency of the load, and its brushes and lag add some percent.
         assert lossy == pytest.approx(lossless / (2.0 - 1.0 / 0.68), rel=0.06), f"{lossless} and {lossy} N m"
     checked_files(result)
+
+
+@pytest.mark.parametrize("name", ["backlash", "positioning"])
+@pytest.mark.slow
+def test_a_drive_too_weak_for_the_experiment_is_told(name: str) -> None:
+    weak = replace(DRIVE, motor=replace(DRIVE.motor, rated_torque_mNm=0.05))
+    with pytest.raises(ValueError, match=r"ended|whole sweep|reversed"):
+        EXPERIMENTS[name](weak, 0)
+
+
+def test_paper_s_figures_stand_beside_the_rig_s() -> None:
+    rows = (Compared("torque", "N m", 3.2, 3.3), Compared("never seen", "N m", float("nan"), None, "a note"))
+    result = PaperResult("driving-capability", "Fig. 7", rows, {}, {"ramp_Nm_s": 0.2})
+    content = json.loads(result_json(result, DRIVE))
+    assert [(row["rig"], row["paper"]) for row in content["compared"]] == [(3.2, 3.3), (None, None)]
+    text = result_text(result)
+    assert "3.2" in text and "3.3" in text and "never  " in text and "ramp_Nm_s 0.2" in text

@@ -7,14 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.paper.experiments import (
+from benchmarks.studies.paper_experiments import (
     angle_spectrum,
     first_saturated_Nm,
     given_way_Nm,
     highest_peak,
     reversal_swings_rad,
 )
+from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.rig.dynamic.run import DynamicRun
 
 DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive

@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.studies.paper_experiments import first_saturated_Nm, given_way_Nm
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.model.capability import torque_at_input_limit_Nm
 from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.si import to_si
-from mbcdm_cad.paper.experiments import first_saturated_Nm, given_way_Nm
 from mbcdm_cad.rig import quasistatic
 from mbcdm_cad.rig.chain import chains
 from mbcdm_cad.rig.dynamic.rig import DynamicRig, EncoderSpec, rig_of

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.studies.paper_experiments import reversal_swings_rad
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.paper.experiments import reversal_swings_rad
 from mbcdm_cad.rig.dynamic.rig import DynamicRig, EncoderSpec, rig_of
 from mbcdm_cad.rig.dynamic.run import DynamicRun, run_dynamic
 from mbcdm_cad.rig.dynamic.train import LoadSpec, sine, standstill

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,9 +10,7 @@ import yaml
 
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.paper.command import experiment_command
-from mbcdm_cad.paper.experiments import Compared, PaperResult
-from mbcdm_cad.paper.experiments_plots import result_json, result_text
+from mbcdm_cad.rig.command import simulate_command
 from mbcdm_cad.rig.dynamic.simulate import simulate_dynamic, truth_of
 from mbcdm_cad.rig.experiment import DynamicExperiment, read_experiment
 from mbcdm_cad.rig.writing import RigError
@@ -39,7 +35,7 @@ def read(text: str, folder: Path) -> DynamicExperiment:
 
 
 def test_files_of_a_run_are_a_measurement_with_its_truth_apart(tmp_path: Path) -> None:
-    said = experiment_command(DRIVE, read(SHORT, tmp_path), tmp_path / "out")
+    said = simulate_command(DRIVE, read(SHORT, tmp_path), tmp_path / "out")
     folder = tmp_path / "out" / "short"
     assert sorted(p.name for p in folder.iterdir()) == ["short.csv", "short.png", "short.truth.yaml", "short.yaml"]
     rows = np.genfromtxt(folder / "short.csv", delimiter=",", names=True)
@@ -52,7 +48,7 @@ def test_files_of_a_run_are_a_measurement_with_its_truth_apart(tmp_path: Path) -
     ]
     assert "200 samples" in said
     before = {p.name: p.read_bytes() for p in folder.iterdir()}
-    experiment_command(DRIVE, read(SHORT, tmp_path), tmp_path / "out")
+    simulate_command(DRIVE, read(SHORT, tmp_path), tmp_path / "out")
     assert {p.name: p.read_bytes() for p in folder.iterdir()} == before, "the same file gave other bytes"
 
 
@@ -106,28 +102,3 @@ def test_what_the_rig_cannot_do_is_said(tmp_path: Path) -> None:
             simulate_dynamic(DRIVE, read(SHORT + f"effects: [{{effect: {effect}}}]\n", tmp_path))
     with pytest.raises(RigError, match="cable_9"):
         simulate_dynamic(DRIVE, read(SHORT + "effects: [{effect: preload, share: 0.1, cables: [cable_9]}]\n", tmp_path))
-
-
-@pytest.mark.parametrize("paper", ["backlash", "positioning"])
-@pytest.mark.slow
-def test_a_drive_too_weak_for_the_paper_s_experiment_is_told(paper: str, tmp_path: Path) -> None:
-    weak = replace(DRIVE, motor=replace(DRIVE.motor, rated_torque_mNm=0.05))
-    experiment = read(f"rig: dynamic\nname: weak\npaper: {paper}\n", tmp_path)
-    with pytest.raises(RigError, match="cannot complete"):
-        experiment_command(weak, experiment, tmp_path / "out")
-    assert not (tmp_path / "out").exists(), "something was written"
-
-
-def test_paper_s_figures_stand_beside_the_rig_s() -> None:
-    rows = (Compared("torque", "N m", 3.2, 3.3), Compared("never seen", "N m", float("nan"), None, "a note"))
-    result = PaperResult("driving-capability", "Fig. 7", rows, {}, {"ramp_Nm_s": 0.2})
-    content = json.loads(result_json(result, DRIVE))
-    assert [(row["rig"], row["paper"]) for row in content["compared"]] == [(3.2, 3.3), (None, None)]
-    text = result_text(result)
-    assert "3.2" in text and "3.3" in text and "never  " in text and "ramp_Nm_s 0.2" in text
-
-
-@pytest.mark.parametrize("path", sorted((ROOT / "params" / "experiments").glob("paper/*.yaml")), ids=lambda p: p.stem)
-def test_the_paper_s_files_read(path: Path) -> None:
-    experiment = read_experiment(path)
-    assert isinstance(experiment, DynamicExperiment) and experiment.paper == path.stem

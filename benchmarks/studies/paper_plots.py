@@ -1,17 +1,22 @@
-"""Files of the paper's experiments: Figs. 7, 8 and 9 from runs of the rig, result as JSON, a short text."""
+"""Files of the paper's experiments: Figs. 7, 8 and 9 from runs of the rig, result as JSON, a short text.
+
+python -m benchmarks.studies.paper_plots [--out out/paper] [driving-capability | positioning | backlash]
+"""
 
 from __future__ import annotations
 
+import argparse
 import io
 import json
 import math
+from pathlib import Path
 
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.paper.experiments import (
+from benchmarks.studies.paper_experiments import (
+    EXPERIMENTS,
     LOWEST_ORDER,
     Compared,
     PaperResult,
@@ -20,6 +25,9 @@ from mbcdm_cad.paper.experiments import (
     given_way_index,
     transmission_error_rad,
 )
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.storage.files import write_whole
 
 _SIZE_IN = (8.0, 6.0)
 _DASHES = ("-", "--", "-.", ":")
@@ -142,3 +150,21 @@ def result_files(result: PaperResult, drive: Drive) -> dict[str, bytes]:
         f"{result.name}.result.json": result_json(result, drive),
         f"{result.name}.txt": result_text(result).encode(),
     }
+
+
+def main() -> None:
+    """Run the experiments on the reference design, write their files, print their tables."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("name", nargs="?", choices=[*EXPERIMENTS, "all"], default="all")
+    parser.add_argument("--out", type=Path, default=Path("out/paper"))
+    parser.add_argument("--seed", type=int, default=1)
+    options = parser.parse_args()
+    drive = load_design(Path(__file__).parents[2] / "params" / "mbcdm.yaml").drive
+    for name in EXPERIMENTS if options.name == "all" else [options.name]:
+        result = EXPERIMENTS[name](drive, options.seed)
+        write_whole({options.out / file: content for file, content in result_files(result, drive).items()})
+        print(result_text(result))
+
+
+if __name__ == "__main__":
+    main()
