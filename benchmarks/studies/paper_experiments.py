@@ -199,6 +199,8 @@ def positioning(drive: Drive, seed: int = 0) -> PaperResult:
     rig = replace(rig, motors=motors)
     run = run_dynamic(rig, sine(0.1, 0.05, 3, rig.loops[0].rate_Hz), seed=seed, log_rate_Hz=FINE_LOG_HZ)
     settled = run.time_s > 20.0
+    if not settled.any():
+        raise ValueError(f"the run ended at {run.time_s[-1]:.2f} s, before the first sweeps were over")
     error = (run.reference_rad - run.measured_drum_rad)[settled]
     order, amplitude = angle_spectrum(run.reference_rad[settled], error)
     at, peak = highest_peak(order, amplitude)
