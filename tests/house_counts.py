@@ -14,7 +14,7 @@ import keyword
 import re
 import tokenize
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -117,6 +117,11 @@ class House:
         return {module: ast.parse(text) for module, text in self.texts.items()}
 
     @cached_property
+    def walked(self) -> dict[str, list[ast.AST]]:
+        """All nodes of each module: a dozen counts look at them."""
+        return {module: list(ast.walk(tree)) for module, tree in self.trees.items()}
+
+    @cached_property
     def layouts(self) -> tuple[str, ...]:
         """Names of the layouts: packages directly below ``layouts/``, which was ``configurations/``."""
         found = (name.split(".") for name, path in self.files.items() if path.name == "__init__.py")
@@ -130,21 +135,21 @@ class House:
     @cached_property
     def imports(self) -> nx.DiGraph:
         """Which module imports which at run time, also inside functions."""
-        return self._graph(_at_run_time)
+        return self._graph({module: _at_run_time(tree) for module, tree in self.trees.items()})
 
     @cached_property
     def needs(self) -> nx.DiGraph:
         """Which module imports which, those for a type checker too: what one reads to understand a module."""
-        return self._graph(ast.walk)
+        return self._graph(self.walked)
 
-    def _graph(self, nodes: Callable[[ast.AST], Iterator[ast.AST]]) -> nx.DiGraph:
+    def _graph(self, nodes: Mapping[str, Iterable[ast.AST]]) -> nx.DiGraph:
         graph = nx.DiGraph()
         graph.add_nodes_from(self.files)
-        for module, tree in self.trees.items():
-            graph.add_edges_from((module, name) for name in self._imported(nodes(tree)) if name != module)
+        for module in self.files:
+            graph.add_edges_from((module, name) for name in self._imported(nodes[module]) if name != module)
         return graph
 
-    def _imported(self, nodes: Iterator[ast.AST]) -> Iterator[str]:
+    def _imported(self, nodes: Iterable[ast.AST]) -> Iterator[str]:
         """Modules of the package that are imported; of ``from a import b`` that is ``a.b`` if it is a module."""
         for node in nodes:
             names: list[tuple[str, ...]] = []
@@ -173,7 +178,7 @@ def class_families(house: House) -> int:
     owners: dict[str, set[str]] = defaultdict(set)
     for layout in house.layouts:
         for module in house.of_layout(layout):
-            for node in ast.walk(house.trees[module]):
+            for node in house.walked[module]:
                 if isinstance(node, ast.ClassDef):
                     owners |= {role: owners[role] | {layout} for role in ROLES if node.name.endswith(role)}
                 elif isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "CONFIGURATION":
@@ -185,8 +190,8 @@ def registry_calls(house: House) -> int:
     """Calls that look a layout up by its name, ``layout_named(name)``, in the whole package."""
     return sum(
         isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "layout_named"
-        for tree in house.trees.values()
-        for node in ast.walk(tree)
+        for nodes in house.walked.values()
+        for node in nodes
     )
 
 
@@ -196,8 +201,8 @@ def maker_strings(house: House) -> int:
         isinstance(node, ast.Constant)
         and isinstance(node.value, str)
         and bool(re.fullmatch(r"(mbcdm_cad|)\.[\w.]+:\w+", node.value))
-        for tree in house.trees.values()
-        for node in ast.walk(tree)
+        for nodes in house.walked.values()
+        for node in nodes
     )
 
 
@@ -209,9 +214,9 @@ def twice_declared(house: House) -> list[tuple[str, str, int]]:
     """
     fields: dict[str, set[str]] = {}
     bases: dict[str, list[str]] = {}
-    for module, tree in house.trees.items():
+    for module, nodes in house.walked.items():
         if module.partition(".")[0] in ("design", "layouts", "configurations", "parts"):
-            for node in ast.walk(tree):
+            for node in nodes:
                 if isinstance(node, ast.ClassDef):
                     name = f"{module}.{node.name}"
                     bases[name] = [ast.unparse(base).partition("[")[0].rpartition(".")[2] for base in node.bases]
@@ -255,8 +260,8 @@ def import_share(house: House) -> float:
     """Lines of import statements, those for a type checker too, as a share of all lines."""
     imports = sum(
         (node.end_lineno or node.lineno) - node.lineno + 1
-        for tree in house.trees.values()
-        for node in ast.walk(tree)
+        for nodes in house.walked.values()
+        for node in nodes
         if isinstance(node, ast.Import | ast.ImportFrom)
     )
     return imports / lines(house)
@@ -292,13 +297,13 @@ def arrows_back(house: House) -> int:
     return len({(module, room(other)) for module, other in back_arrows(house)})
 
 
-def _code_tokens(text: str, tree: ast.Module) -> Iterator[tuple[str, int]]:
+def _code_tokens(text: str, nodes: list[ast.AST]) -> Iterator[tuple[str, int]]:
     """Tokens of the code with their lines; names, numbers and strings as placeholders.
 
     Imports, docstrings and comments are left out.
     """
     left_out: set[int] = set()
-    for node in ast.walk(tree):
+    for node in nodes:
         docstring = isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
         if docstring or isinstance(node, ast.Import | ast.ImportFrom):
             left_out |= set(range(node.lineno, (node.end_lineno or node.lineno) + 1))
@@ -320,7 +325,7 @@ def repeats(house: House) -> list[tuple[str, int, str, int, int]]:
     A place is at least 60 tokens over at least 6 lines. Each is as long as it can be. Of three places that are alike
     the first is paired with the second and the second with the third.
     """
-    tokens = {module: list(_code_tokens(text, house.trees[module])) for module, text in house.texts.items()}
+    tokens = {module: list(_code_tokens(text, house.walked[module])) for module, text in house.texts.items()}
     last: dict[int, tuple[str, int]] = {}
     pairs: dict[tuple[str, str, int], list[int]] = defaultdict(list)
     for module, found in tokens.items():
@@ -372,16 +377,16 @@ def decisions(house: House) -> int:
 def short_helpers(house: House) -> list[tuple[str, str]]:
     """Private functions of at most ``SHORT_LINES`` lines whose name stands at one other place: (module, name)."""
     uses: Counter[str] = Counter()
-    for tree in house.trees.values():
-        for node in ast.walk(tree):
+    for nodes in house.walked.values():
+        for node in nodes:
             if isinstance(node, ast.Name):
                 uses[node.id] += 1
             elif isinstance(node, ast.Attribute):
                 uses[node.attr] += 1
     return [
         (module, node.name)
-        for module, tree in house.trees.items()
-        for node in ast.walk(tree)
+        for module, nodes in house.walked.items()
+        for node in nodes
         if isinstance(node, ast.FunctionDef)
         and re.match("_[^_]", node.name)
         and uses[node.name] == 1
@@ -401,8 +406,8 @@ def field_path_strings(house: House) -> int:
         and isinstance(node.value, str)
         and bool(found := re.fullmatch(r"([a-z_]+)(\.\w+)+", node.value))
         and found[1] in blocks
-        for tree in house.trees.values()
-        for node in ast.walk(tree)
+        for nodes in house.walked.values()
+        for node in nodes
     )
 
 

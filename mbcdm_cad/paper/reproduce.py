@@ -49,6 +49,14 @@ class PaperFigure:
     tolerance: float | None
     remark: str
 
+    @classmethod
+    def of(cls, row: dict[str, Any], found: dict[str, float]) -> PaperFigure:
+        """The figure of a row of ``figures.yaml``; ``found``: the model's figures by name."""
+        paper = getattr(equations, row["paper"]) * float(row.get("factor", 1.0)) if row["paper"] else 0.0
+        tolerance = None if row["tolerance"] is None else float(row["tolerance"])
+        remark = row["remark"].format(**found)
+        return cls(row["name"], row["where"], row["unit"], paper, found[row["computed"]], tolerance, remark)
+
     @property
     def difference(self) -> float:
         """(computed - paper)/paper, or computed if the paper's figure is zero."""
@@ -92,25 +100,23 @@ def reproduce(drive: Drive) -> tuple[PaperFigure, ...]:
     """
     d = to_si(drive)
     d = d.with_(preload_N=np.full(d.n_cables, equations.BACKLASH_PRELOAD_N))
-    found = {**_geometry(drive, d), **_torque(drive, d), **_backlash(drive, d), **_sensing(drive, d)}
+    found = {**_sizes(drive, d), **_torque(drive, d), **_backlash(drive, d)}
     rows = yaml.safe_load(files("mbcdm_cad.paper").joinpath("figures.yaml").read_text("utf-8"))
-    return tuple(_figure(row, found) for row in rows if row["computed"] in found)
+    return tuple(PaperFigure.of(row, found) for row in rows if row["computed"] in found)
 
 
-def _figure(row: dict[str, Any], found: dict[str, float]) -> PaperFigure:
-    paper = getattr(equations, row["paper"]) * float(row.get("factor", 1.0)) if row["paper"] else 0.0
-    tolerance = None if row["tolerance"] is None else float(row["tolerance"])
-    remark = row["remark"].format(**found)
-    return PaperFigure(row["name"], row["where"], row["unit"], paper, found[row["computed"]], tolerance, remark)
-
-
-def _geometry(drive: Drive, d: DriveSI) -> dict[str, float]:
+def _sizes(drive: Drive, d: DriveSI) -> dict[str, float]:
     smallest = float(d.input_radius_m.min()) * 1e3
     wire = drive.cable.diameter_mm / WIRES_ACROSS_7X7
+    motor_per_drum = float(d.total_ratio[0]) * drive.gearhead.ratio
     return {
         "radius_ratio": 2 * smallest / drive.cable.diameter_mm,
         "area_mm2": WIRES_7X7 * math.pi / 4 * wire**2,
         "residual": eq1_residuals(d).worst,
+        "encoder_A_urad": 2 * math.pi / ENCODER_A_COUNTS * 1e6,
+        "encoder_B_urad": 2 * math.pi / (ENCODER_B_LINES * ENCODER_B_SUBDIVISION) * 1e6,
+        "motor_turns_per_rad": motor_per_drum / (2 * math.pi),
+        "motor_turns": motor_per_drum,
     }
 
 
@@ -161,16 +167,6 @@ def _backlash(drive: Drive, d: DriveSI) -> dict[str, float]:
         "difference": abs(float(drum.reversal_swing_rad) / theta - 1),
         "flattening": (mid - high) / (low - mid),
         "rmse": math.nan,
-    }
-
-
-def _sensing(drive: Drive, d: DriveSI) -> dict[str, float]:
-    motor_per_drum = float(d.total_ratio[0]) * drive.gearhead.ratio
-    return {
-        "encoder_A_urad": 2 * math.pi / ENCODER_A_COUNTS * 1e6,
-        "encoder_B_urad": 2 * math.pi / (ENCODER_B_LINES * ENCODER_B_SUBDIVISION) * 1e6,
-        "motor_turns_per_rad": motor_per_drum / (2 * math.pi),
-        "motor_turns": motor_per_drum,
     }
 
 
