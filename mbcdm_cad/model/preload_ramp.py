@@ -25,6 +25,7 @@ import numpy as np
 from mbcdm_cad.model.equilibrium import tension_of_stretch
 from mbcdm_cad.model.losses import FIBRE_SIGMA, GEARHEAD_IDLE_SIGMA, GEARHEAD_SIGMA, ROPE_SIGMA, Train
 from mbcdm_cad.model.si import DriveSI, ModelError
+from mbcdm_cad.model.wrap import stretch_first_loading
 from mbcdm_cad.routes import Floats
 
 # What the design does not know of stiffness and friction: standard deviations of their logarithms (estimates).
@@ -345,19 +346,12 @@ def _covariance(columns: Floats, weight: Floats, sigmas: Floats) -> Floats:
 def _knee(held: HeldDrive, index: int, own: tuple[int, ...], sense: float) -> tuple[float, str]:
     """Angle at which the first cable of an input goes slack, and the cable's name."""
     d = held.d
-
-    def shares(angle: float) -> Floats:
-        return np.asarray(held.tensions_N(index, np.array([sense * angle]))[list(own), 0] / d.preload_N[list(own)])
-
-    high = float(d.preload_N.max() * d.free_span_m.max() / d.axial_stiffness_N / d.input_radius_m.min())
-    for _ in range(40):
-        if shares(high).min() < SLACK_SHARE:
-            break
-        high *= 2.0
-    else:
+    of_input, of_drum = held.rising_rad if sense > 0.0 else held.falling_rad
+    gone_m, _ = stretch_first_loading(
+        d.with_(input_wrap_rad=of_input, drum_wrap_rad=of_drum), SLACK_SHARE * d.preload_N
+    )
+    lever = sense * held.lever_m(index)
+    slackened = [(float(gone_m[j] / lever[j]), d.cable_names[j]) for j in own if lever[j] < 0.0]
+    if not slackened:
         raise ModelError(f"no cable of input {d.input_names[index]} goes slack, however far it is turned")
-    low = 0.0
-    for _ in range(30):
-        middle = 0.5 * (low + high)
-        low, high = (low, middle) if shares(middle).min() < SLACK_SHARE else (middle, high)
-    return high, d.cable_names[own[int(np.argmin(shares(high)))]]
+    return min(slackened)
