@@ -46,11 +46,11 @@ def drum_stress(s: SectorLayout) -> Findings:
     bending by cables beside its middle; the hub at 2.5 times an even tube, or as a layer where it is wide. Printed
     parts count with the strength that creep leaves.
     """
-    d, drive, structure = s.drum, s.drive, s.structure
+    d, drive = s.drum, s.drive
     material = drive.drum_material
     strength, load = lasting_MPa(material), max(drive.loads.peak_torque_Nm, stalled_Nm(s))
     torsion = hub(d, drive.screw(d.set_screw).thread_mm).shear_MPa(load)
-    yield _stress("web and rim", strength, structure.stress_MPa(load), load)
+    yield _stress("web and rim", strength, s.drum_structure.stress_MPa(load), load)
     yield _stress("the hub", strength * SHEAR_SHARE, torsion, load)
     if d.has_slot:
         pressed = load * 1e3 / d.stop_radius / (2.0 * s.frame.stop_pin_radius * (d.web_end_y - d.web_start_y))

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import tau
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
 
 import numpy as np
 
@@ -28,9 +28,11 @@ from mbcdm_cad.routes.route import input_body
 
 if TYPE_CHECKING:
     from mbcdm_cad.design.bought import Material
-    from mbcdm_cad.layouts.structure import Cause, Structure
+    from mbcdm_cad.layouts.structure import Cause, DrumStructure, Structure
     from mbcdm_cad.model.losses import BearingPair
     from mbcdm_cad.model.si import DriveSI
+
+_T = TypeVar("_T")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -261,9 +263,19 @@ class SectorLayout(Layout):
         """See the base class."""
         from mbcdm_cad.layouts.structure import structure_of
 
+        return self._carrying(structure_of)
+
+    @cached_property
+    def drum_structure(self) -> DrumStructure:
+        """Compliance and stress of the drum alone, which the sizing asks for before there is a frame."""
+        from mbcdm_cad.layouts.structure import drum_structure_of
+
+        return self._carrying(drum_structure_of)
+
+    def _carrying(self, figures: Callable[[Self], _T]) -> _T:
         self.require_geometry()
         try:
-            return structure_of(self)
+            return figures(self)
         except ValueError as error:
             raise NoFigureError(f"the structure has no figures: {error}") from None
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import hypot, log, radians
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -189,13 +189,13 @@ def structure_of(layout: SectorLayout) -> Structure:
     d = layout.loads.si
     unit = unit_tensions_N(d)
     torques = sum_per_input(d, unit, d.input_radius_m)
-    drum, stress_MPa = _drum(layout, unit)
+    drum = layout.drum_structure
     causes = [
         *_gearheads(layout, torques),
         *_stage(layout, torques),
         *(_overhung if layout.drive.overhung else _inputs)(layout, unit, torques),
         *layout.passed_structure(unit),
-        *drum,
+        *drum.causes,
         *_drum_shaft(layout, unit),
     ]
     if layout.drive.anchor_m_N > 0.0:
@@ -209,7 +209,7 @@ def structure_of(layout: SectorLayout) -> Structure:
     return Structure(
         tuple(causes),
         layout.loads.test_urad_Nm,
-        stress_MPa,
+        drum.stress_MPa,
         layout.drive.loads.peak_torque_Nm,
         float(layout.drive.drum_material.yield_MPa),
         motor_encoders=layout.drive.encoder.absent and not _senses_output(layout.drive.servo),
@@ -240,16 +240,6 @@ def lash_rad(drive: Drive, motors_held: bool) -> float:
     """The same at the drum. Inputs side by side share it: the drum is free only as far as all are."""
     cable = drive.cables[0]
     return input_play_rad(drive, motors_held) * cable.input_radius_mm / cable.drum_radius_mm
-
-
-def drum_stress_MPa(layout: SectorLayout, torque_Nm: float) -> float:
-    """Largest stress of the drum's web and rim alone, for a layout whose frame is not known yet."""
-    return _drum(layout, unit_tensions_N(layout.loads.si))[1](torque_Nm)
-
-
-def drum_turn_urad_Nm(layout: SectorLayout) -> float:
-    """Turn of web, rim and hub for 1 N m, for a layout whose frame is not known yet."""
-    return sum(cause.urad_Nm for cause in _drum(layout, unit_tensions_N(layout.loads.si))[0])
 
 
 @dataclass(frozen=True)
@@ -308,9 +298,18 @@ def _bearings_urad_Nm(
     )
 
 
-def _drum(layout: SectorLayout, unit: Floats) -> tuple[list[Cause], Callable[[float], float]]:
-    """Web with rim, hub to the set screws and hub to the face; and the largest stress of the web under a torque."""
+class DrumStructure(NamedTuple):
+    """Web with rim, hub to the set screws and hub to the face; and the largest stress of web and rim under a torque of
+    either sense, N m, with the preload, MPa."""
+
+    causes: tuple[Cause, ...]
+    stress_MPa: Callable[[float], float]
+
+
+def drum_structure_of(layout: SectorLayout) -> DrumStructure:
+    """The drum of one design, which needs no frame. Raises ``ValueError`` where it has no metal to carry the load."""
     drive, dims, d = layout.drive, layout.drum, layout.loads.si
+    unit = unit_tensions_N(d)
     names = {terminal.cable_name for terminal in dims.tensioners}
     # Of 1 N m. Sectors side by side on one shaft are equal, and each carries its own cables' share.
     shares = {
@@ -332,7 +331,7 @@ def _drum(layout: SectorLayout, unit: Floats) -> tuple[list[Cause], Callable[[fl
     def stress_MPa(torque_Nm: float) -> float:
         return max(float(study.von_mises_MPa(way * torque_Nm * own).max()) for way in (1.0, -1.0))
 
-    return [
+    causes = (
         Cause("drum: web and rim", study.web_urad_Nm * own, in_drum=True, stiffer=f"drum.web_thickness_mm and {_HUB}"),
         Cause(
             "drum: hub to the set screws",
@@ -343,7 +342,8 @@ def _drum(layout: SectorLayout, unit: Floats) -> tuple[list[Cause], Callable[[fl
         Cause(
             "drum: hub to the payload", study.hub_to_face_urad_Nm * whole, at_encoder=False, in_drum=True, stiffer=_HUB
         ),
-    ], stress_MPa
+    )
+    return DrumStructure(causes, stress_MPa)
 
 
 def _drum_shaft(layout: SectorLayout, unit: Floats) -> Iterator[Cause]:

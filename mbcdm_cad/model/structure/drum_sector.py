@@ -13,11 +13,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from math import ceil, log, pi, sin
 
 import numpy as np
 
-from mbcdm_cad.model.block_rows import Ints
+from mbcdm_cad.model.block_rows import Ints, by_bands
 from mbcdm_cad.model.structure.quadrilateral import (
     FREEDOMS,
     LEAN,
@@ -50,6 +51,8 @@ UNEVEN = 1.5
 STIFFENED, ALONG, NEAR_BACK, LEAST_ALONG = 0.3, (0.18, 0.23), (0.2, 0.36), 0.05
 # Lean of a plate's edge on a thick body over M / (pi E t^2), plane strain apart (O'Donnell 1960).
 EDGE_LEAN = 16.67
+# Sectors whose solution is kept: a few MB each.
+KEPT = 12
 # Parts of a cell over which the load on the land is summed.
 _LOAD_STEPS = 8
 NMM_PER_NM = 1e3
@@ -205,7 +208,16 @@ class SectorStudy:
 def sector_study(
     shape: SectorShape, hub: Hub, pulls: Sequence[LandPull], material: Isotropic, cells: float = CELLS
 ) -> SectorStudy:
-    """Solve one sector. Raises ``ValueError`` if no metal joins rim and hub, or a cable's land has none."""
+    """Solve one sector; the last few are kept, since sizing, the search that asked for it and the checks meet the same
+    drum. Raises ``ValueError`` if no metal joins rim and hub, or a cable's land has none."""
+    return _studied(shape, hub, tuple(pulls), material, cells, by_bands())
+
+
+@lru_cache(maxsize=KEPT)
+def _studied(
+    shape: SectorShape, hub: Hub, pulls: tuple[LandPull, ...], material: Isotropic, cells: float, bands: bool
+) -> SectorStudy:
+    """``bands``: see :func:`~mbcdm_cad.model.block_rows.by_bands`."""
     mesh = sector_mesh(shape, shape.rings[-1].outer_mm / cells)
     parts = elements(mesh.node_mm, mesh.corner, mesh.thickness_mm, material.modulus_MPa, material.poisson)
     web = shape.rings[0].start_mm, shape.rings[0].end_mm

@@ -22,7 +22,6 @@ from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.pulleys import STOP_PIN_WALL_MM
 from mbcdm_cad.layouts.miso_bevel.sizing.known import LATER, BevelKnown
 from mbcdm_cad.layouts.miso_bevel.sizing.radii import take_up_mm
-from mbcdm_cad.layouts.structure import drum_stress_MPa
 from mbcdm_cad.model.structure.drum_sector import least_hub_mm
 from mbcdm_cad.parts.drum_sector.dims import (
     SCREWS,
@@ -111,7 +110,7 @@ def _stressed_web(given: BevelKnown, usual: Found, load_Nm: float, bears_MPa: fl
                 trial = BevelLayout(given.trial(**{**LATER, **places, "drum__stop_pin_mm": pin_mm}))
                 if stop_pin(trial).holds:
                     break
-            stress = drum_stress_MPa(trial, load_Nm)
+            stress = trial.drum_structure.stress_MPa(load_Nm)
             needed = rounded_up(WEB_SPARE * found.value * stress / bears_MPa, 0.1)
             if needed <= found.value:
                 break
@@ -335,7 +334,7 @@ def _windows_cost(given: BevelKnown) -> bool:
         judged = replace(drive, drum=replace(drive.drum, stop_pin_mm=PLASTIC_STOP_PINS_MM[0]))
         layout = BevelLayout(drive)
         if layout.drum.windows and not BevelLayout(judged).drum.windows:
-            return drum_stress_MPa(layout, _load_Nm(given)) > lasting_MPa(_material(given)) / STRESS_SAFETY
+            return layout.drum_structure.stress_MPa(_load_Nm(given)) > lasting_MPa(_material(given)) / STRESS_SAFETY
     return False
 
 
