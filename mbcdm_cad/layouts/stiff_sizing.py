@@ -26,7 +26,6 @@ from mbcdm_cad.design.rules import every_broken_rule
 from mbcdm_cad.design.sized import Moved, SizedValue, Sizing, SizingError
 from mbcdm_cad.layouts.base import Layout, NoFigureError
 from mbcdm_cad.layouts.structure import Cause, Structure, urad_Nm
-from mbcdm_cad.model.block_rows import many_meshes
 from mbcdm_cad.sizing.known import KnownFields
 from mbcdm_cad.sizing.rule import rounded_up
 
@@ -153,7 +152,6 @@ def walls(*fields: str) -> tuple[Stiffener, ...]:
     return tuple(Stiffener(field, ("frame",), 2.0 / len(fields), 5.0) for field in fields)
 
 
-@many_meshes()
 def stiffened(
     size: Size,
     data: dict[str, Any],

@@ -1,4 +1,4 @@
-"""Folded plates: rectangular flat shell elements on a coarse grid, solved plane by plane. Numpy only.
+"""Folded plates: rectangular flat shell elements on a coarse grid, solved plane by plane.
 
 Each element is a four-node plate parallel to two axes: in its plane bilinear with two bending modes condensed out, out
 of it Reissner-Mindlin with assumed shear strains, so that neither thin nor stubby plates lock. Six freedoms a node,
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.model.block_rows import Ints, by_bands, solve_mesh
+from mbcdm_cad.model.block_rows import Ints, solve_mesh
 from mbcdm_cad.model.structure.quadrilateral import AT_GAUSS, CORNERS, GAUSS, elements, jacobian, plate_elements
 from mbcdm_cad.routes import Floats
 
@@ -74,32 +74,18 @@ def sides(plates: Plates) -> Floats:
 def solve(plates: Plates, element: Floats, held: NDArray[np.bool_], ground: Floats, load: Floats) -> Floats:
     """Displacements (6 m,) under ``load`` (6 m,); ``held`` freedoms stay zero, ``ground`` are springs to the base.
 
-    Planes of nodes across an axis are the rows of a block tridiagonal matrix. Raises ``numpy.linalg.LinAlgError`` if
+    Nodes are numbered by their planes across an axis, which gives a narrow band. Raises ``numpy.linalg.LinAlgError`` if
     the plates are not held.
     """
-    plane = _planes(plates)
-    row = np.repeat(_ranks(plates, plane) if by_bands() else plane, 6)
+    row = np.repeat(_planes(plates), 6)
     free = np.flatnonzero(~held)
     free = free[np.argsort(row[free], kind="stable")]
     number = np.full(len(load), -1)
     number[free] = np.arange(len(free))
     displacement = np.zeros(len(load))
-    moved = solve_mesh(row[free], number[freedoms(plates)], element, load[free, None], ground[free])
+    moved = solve_mesh(number[freedoms(plates)], element, load[free, None], ground[free])
     displacement[free] = moved[:, 0]
     return displacement
-
-
-def _ranks(plates: Plates, plane: Ints) -> Ints:
-    """Place (m,) of each node in the narrower band: in the order of its plane, or in that of Cuthill and McKee."""
-    from scipy.sparse import coo_array  # only a search solves by bands, see solve_by_bands
-    from scipy.sparse.csgraph import reverse_cuthill_mckee
-
-    corner, count = plates.corner, len(plane)
-    one, other = (np.broadcast_to(c, (len(corner), 4, 4)).ravel() for c in (corner[:, :, None], corner[:, None, :]))
-    joined = coo_array((np.ones(len(one), dtype=np.int8), (one, other)), shape=(count, count)).tocsr()
-    orders = np.argsort(plane, kind="stable"), reverse_cuthill_mckee(joined, symmetric_mode=True)
-    ranks = [np.argsort(order) for order in orders]
-    return min(ranks, key=lambda rank: int(np.ptp(rank[corner], axis=1).max()))
 
 
 def _planes(plates: Plates) -> Ints:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mbcdm_cad.design.bought import Material
-from mbcdm_cad.model.block_rows import Ints, by_bands
+from mbcdm_cad.model.block_rows import Ints
 from mbcdm_cad.model.folded_plates import Plates, freedoms, sides, solve, stiffness
 from mbcdm_cad.routes import Floats
 
@@ -287,7 +287,7 @@ def shares_urad(mesh: PlateMesh, material: Material, load: Floats, ground: Float
     """
     p = mesh.plates
     arrays = (p.node_mm, p.corner, p.normal, p.thickness_mm, p.panel, mesh.weight, mesh.middle, load, ground)
-    asked = (*(array.tobytes() for array in arrays), mesh.names, material, by_bands())
+    asked = (*(array.tobytes() for array in arrays), mesh.names, material)
     if asked not in _solved:
         if len(_solved) == KEPT:
             _solved.clear()

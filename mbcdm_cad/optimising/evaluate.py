@@ -19,7 +19,6 @@ from mbcdm_cad.layouts import stiff_sizing
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.model.analysis import PeakTorques, peak_torques, reversal_swing_mrad
-from mbcdm_cad.model.block_rows import many_meshes
 from mbcdm_cad.model.capability import torque_to_weight_Nm_kg
 from mbcdm_cad.optimising.spread import Spread, percentile_of
 from mbcdm_cad.optimising.wishes import Keep
@@ -308,7 +307,7 @@ def evaluate(question: Question, point: Point, keeps: Sequence[Keep], names: Seq
     is one on what a rule gives with the walls with which the rules begin, and a design that misses anything without
     finite elements is judged with these walls.
     """
-    with np.errstate(all="ignore"), warnings.catch_warnings(), many_meshes():
+    with np.errstate(all="ignore"), warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
         try:
             data, moved = question.trial(point)

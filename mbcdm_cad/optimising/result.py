@@ -18,7 +18,6 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.loader import load_text
-from mbcdm_cad.model.block_rows import many_meshes
 from mbcdm_cad.optimising.evaluate import FIGURES, Facts, figure, unit_of
 from mbcdm_cad.optimising.search import INTERRUPTED, ROUNDS, Searched, TriedPoint, counted
 from mbcdm_cad.optimising.wishes import Keep, Wishes
@@ -309,17 +308,16 @@ def _front_point(question: Question, one: TriedPoint, name: str) -> FrontPoint:
     wanted = {**one.result.fields, "name": name}
     path = f"{name}.yaml"
     text = patched(question.text, str(question.path), wanted)
-    with many_meshes():
-        loaded = load_text(text, path)
-        return FrontPoint(
-            name,
-            loaded.drive.configuration,
-            text,
-            difference(question.text, text, question.path.name),
-            one.result.figures,
-            checked(loaded),
-            sketch(loaded.drive),
-        )
+    loaded = load_text(text, path)
+    return FrontPoint(
+        name,
+        loaded.drive.configuration,
+        text,
+        difference(question.text, text, question.path.name),
+        one.result.figures,
+        checked(loaded),
+        sketch(loaded.drive),
+    )
 
 
 def checked(loaded: LoadedDesign) -> tuple[CheckResult, ...]:

@@ -24,7 +24,6 @@ from mbcdm_cad.design.yamltree import Tree, parse
 from mbcdm_cad.errors import InputError, MbcdmError
 from mbcdm_cad.layouts.loader import design_file_of, reference_data
 from mbcdm_cad.layouts.pins import FEW
-from mbcdm_cad.model.block_rows import many_meshes
 
 # Factors within which a number that a rule gives may be changed, unless the configuration states others.
 DERIVED_LOW, DERIVED_HIGH = 0.5, 2.0
@@ -218,7 +217,6 @@ def _of_the_template(question: Question) -> dict[str, int]:
     return found
 
 
-@many_meshes()
 def _refuse_what_is_wrong(question: Question) -> None:
     """Raise InputError for what no search can correct: a wrong name, a value out of bounds, pins that conflict."""
     data, moved = question.trial({})

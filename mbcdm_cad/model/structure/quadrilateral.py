@@ -107,13 +107,12 @@ def jacobian(xy: Floats, points: Floats) -> Jacobian:
     return Jacobian(xp, yp, xq, yq, det, d * by_p - b * by_q, a * by_q - c * by_p)
 
 
-def solve(corner: Ints, row: Ints, stiffness: Floats, load: Floats) -> Floats:
-    """Freedoms (f m, k) under the loads (f m, k) of elements (n, 4 f, 4 f). ``row`` (m,) of each node, ascending.
+def solve(corner: Ints, stiffness: Floats, load: Floats) -> Floats:
+    """Freedoms (f m, k) under the loads (f m, k) of elements (n, 4 f, 4 f), whose nodes are numbered row by row.
 
     Elements reach from one row to the next at most. Raises ``numpy.linalg.LinAlgError`` if the mesh is not held.
     """
-    each = stiffness.shape[1] // 4
-    return solve_mesh(np.repeat(row, each), freedoms(corner, each), stiffness, load)
+    return solve_mesh(freedoms(corner, stiffness.shape[1] // 4), stiffness, load)
 
 
 def freedoms(corner: Ints, each: int) -> Ints:

@@ -110,7 +110,7 @@ class SectorMesh:
         """
         lines = len(self.grid[1]) - 1
         if self.grid[1][-1] - self.grid[1][0] < 2.0 * pi - 1e-9:
-            return solve(self.corner, self.line, stiffness, load)
+            return solve(self.corner, stiffness, load)
         count, stands = len(self.node_mm), np.arange(len(self.node_mm))
         first, last = (np.flatnonzero(self.line == end) for end in (0, lines))
         place = np.minimum(np.searchsorted(self.radius_mm[first], self.radius_mm[last] - 1e-9), len(first) - 1)
@@ -126,7 +126,7 @@ class SectorMesh:
         freedom = (each * number[:, None] + np.arange(each)).ravel()
         joined = np.zeros((each * len(order), load.shape[1]))
         np.add.at(joined, freedom, load)
-        return solve(number[self.corner], row[order], stiffness, joined)[freedom]
+        return solve(number[self.corner], stiffness, joined)[freedom]
 
     def quarters(self, other: SectorMesh) -> Ints:
         """Of each Gauss point (4 n,) of ``other`` the quarter of an element here that it lies in: 4 element + corner.

@@ -15,7 +15,6 @@ from mbcdm_cad.design.bought import SpringSpec
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.miso_bevel.checks import CHECKS
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-from mbcdm_cad.model.block_rows import many_meshes
 
 BY_ID = {check.id: check for check in CHECKS}
 BISECTIONS = 60
@@ -245,7 +244,6 @@ def _border(margin: Callable[[float], float], passing: float, failing: float) ->
 
 
 @pytest.mark.parametrize("name", WAYS)
-@many_meshes()
 def test_one_design_just_passes_and_one_just_fails(name: str) -> None:
     check, way = BY_ID[name], WAYS[name]
 

@@ -79,13 +79,13 @@ def test_numbers_whole_numbers_and_names_together() -> None:
 
 
 def test_what_needs_no_mesh_is_judged_before_any(monkeypatch: pytest.MonkeyPatch) -> None:
-    def mesh(*_: object) -> Floats:
+    def mesh(*_: object, **__: object) -> Floats:
         raise AssertionError("a mesh is solved")
 
     question, named = question_of(new_design_text("drive", "miso_bevel")), ["swing_mrad"]
     strand = read_question(Path(__file__).parents[3] / "params" / "optimum" / "paper-stiff-42.yaml")
     # From here on: the sizing of the two files themselves solves meshes too.
-    monkeypatch.setattr(block_rows, "solve_by_bands", mesh)
+    monkeypatch.setattr(block_rows, "dpbsv", mesh)
     small = evaluate(question, {}, wishes_of(["mass_g:min"], ["box_x_mm:<=50"]).keeps, named)
     assert [name for name, _ in small.failing] == ["box_x_mm:<=50"], small
     assert "a mesh is solved" in evaluate(question, {}, (), named).refused
