@@ -18,7 +18,7 @@ from math import ceil, log, pi, sin
 
 import numpy as np
 
-from mbcdm_cad.model.block_rows import Ints, by_bands
+from mbcdm_cad.model.block_rows import Ints
 from mbcdm_cad.model.structure.quadrilateral import (
     FREEDOMS,
     LEAN,
@@ -205,19 +205,12 @@ class SectorStudy:
         return np.asarray(np.max([von_mises_MPa(face).max(axis=1) for face in self.faces_MPa(torque_Nm)], axis=0))
 
 
+@lru_cache(maxsize=KEPT)
 def sector_study(
-    shape: SectorShape, hub: Hub, pulls: Sequence[LandPull], material: Isotropic, cells: float = CELLS
+    shape: SectorShape, hub: Hub, pulls: tuple[LandPull, ...], material: Isotropic, cells: float = CELLS
 ) -> SectorStudy:
     """Solve one sector; the last few are kept, since sizing, the search that asked for it and the checks meet the same
     drum. Raises ``ValueError`` if no metal joins rim and hub, or a cable's land has none."""
-    return _studied(shape, hub, tuple(pulls), material, cells, by_bands())
-
-
-@lru_cache(maxsize=KEPT)
-def _studied(
-    shape: SectorShape, hub: Hub, pulls: tuple[LandPull, ...], material: Isotropic, cells: float, bands: bool
-) -> SectorStudy:
-    """``bands``: see :func:`~mbcdm_cad.model.block_rows.by_bands`."""
     mesh = sector_mesh(shape, shape.rings[-1].outer_mm / cells)
     parts = elements(mesh.node_mm, mesh.corner, mesh.thickness_mm, material.modulus_MPa, material.poisson)
     web = shape.rings[0].start_mm, shape.rings[0].end_mm
