@@ -9,7 +9,7 @@ from mbcdm_cad.checks.drum_sector import STOP_WINDOW_DEG
 from mbcdm_cad.checks.transfer import EDGE_BREAK_MM, RUN_OUT_MM
 from mbcdm_cad.design.rules import Broken, broken_ends
 from mbcdm_cad.sizing.known import KnownFields, RopeKnown
-from mbcdm_cad.sizing.rule import Found, Rule, constant, driver_of, significant
+from mbcdm_cad.sizing.rule import Found, constant, driver_of, rule, significant
 
 # Least D/d in the rope makers' tables of wire rope; they state no life below it.
 LEAST_WIRE_RATIO = 10.0
@@ -82,7 +82,12 @@ def least_bend_ratio(given: RopeKnown) -> float:
     return float(rope["bend_ratio_desired"])
 
 
-def _bend_ratio(given: RopeKnown) -> Found:
+@rule(
+    "limits.bend_ratio_min",
+    "least D/d of makers' tables; a fibre rope's own minimum; what the maker recommends where targets ask for a life",
+    "life",
+)
+def bend_ratio(given: RopeKnown) -> Found:
     least = least_bend_ratio(given)
     if least == LEAST_LONG_RATIO:
         return Found(least, "the data of life begin there; for a sector, rope makers' tables at 10")
@@ -91,15 +96,22 @@ def _bend_ratio(given: RopeKnown) -> Found:
     return Found(least, "rope makers' tables of wire rope begin at 10")
 
 
-def _friction(given: RopeKnown) -> float:
+@rule("rope.friction_coefficient", "usual value of dry wire rope, or of smooth fibre, on metal", "rope")
+def friction(given: RopeKnown) -> float:
     return 0.1 if _is_braid(given) else 0.15
 
 
-def _test_torque(given: KnownFields) -> float:
+@rule("loads.test_torque_Nm", "0.3 of the peak torque", "loads")
+def test_torque(given: KnownFields) -> float:
     return significant(TEST_SHARE * given["loads.peak_torque_Nm"], 2)
 
 
-def _transfer_gap(given: RopeKnown) -> Found:
+@rule(
+    "clearances.transfer_gap_mm",
+    "half the rope's diameter less the edge margin of the land and a broken edge",
+    "transfer_gap",
+)
+def transfer_gap(given: RopeKnown) -> Found:
     """Half a rope minus the land's edge margin and the chamfer, mm, but at least the run-out."""
     wide = given.d_mm / 2 - given["clearances.land_edge_mm"] - EDGE_BREAK_MM
     driver = driver_of({"bodies_clear": RUN_OUT_MM, "transfer_gap": wide}, max)
@@ -120,16 +132,11 @@ def missing_travel(given: KnownFields, meaning: str) -> Iterator[Broken]:
         yield needed("travel.half_angle_deg", f"add half_angle_deg: 35.0 ({meaning}, deg), or from_deg and to_deg")
 
 
-def _half_travel(given: KnownFields) -> float:
+@rule("travel.half_angle_deg", "half of the way from from_deg to to_deg; the drum is centred in its middle", "the file")
+def half_travel(given: KnownFields) -> float:
     return float(given["travel.to_deg"] - given["travel.from_deg"]) / 2
 
 
-HALF_TRAVEL = Rule(
-    "travel.half_angle_deg",
-    "half of the way from from_deg to to_deg; the drum is centred in its middle",
-    "the file",
-    _half_travel,
-)
 SCHEMA_VERSION = constant("schema_version", 1, "the version of the file's layout", "the program")
 STOP_CLEARANCE = constant(
     "travel.stop_clearance_deg",
@@ -137,27 +144,11 @@ STOP_CLEARANCE = constant(
     "middle of the range beyond the travel in which the stops must engage",
     "stop_within_half_degree",
 )
-TEST_TORQUE = Rule("loads.test_torque_Nm", "0.3 of the peak torque", "loads", _test_torque)
-BEND_RATIO = Rule(
-    "limits.bend_ratio_min",
-    "least D/d of makers' tables; a fibre rope's own minimum; what the maker recommends where targets ask for a life",
-    "life",
-    _bend_ratio,
-)
 TENSION_SAFETY = constant("limits.tension_safety_factor", 5.0, "usual factor; rope makers state 5 to 10", "tension")
 PRELOAD_SHARE = constant("limits.preload_share_max", 0.5, "rope makers' limit: less than half", "preload_share")
 MESH_TOLERANCE = constant("export.mesh_tolerance_mm", 0.01, "finer than the tolerances of usual workshops", "export")
 RUNNING = constant(
     "clearances.running_mm", 0.25, "gap for the tolerances and the run-out of moving parts", "frame_front"
-)
-FRICTION = Rule(
-    "rope.friction_coefficient", "usual value of dry wire rope, or of smooth fibre, on metal", "rope", _friction
-)
-TRANSFER_GAP = Rule(
-    "clearances.transfer_gap_mm",
-    "half the rope's diameter less the edge margin of the land and a broken edge",
-    "transfer_gap",
-    _transfer_gap,
 )
 DRUM_MATERIAL = constant("drum.material", "aluminium-7075", "light and strong; the part is milled", "process")
 SHAFT_MATERIAL = constant("drum.shaft_material", "steel", "made from ground bar", "process")

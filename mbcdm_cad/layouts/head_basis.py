@@ -15,9 +15,7 @@ from mbcdm_cad.design.fields import validated
 from mbcdm_cad.design.stage import EFFICIENCY, LEAST_TEETH, SERVICE, belt_reach_mm, carrying_belt, driven_teeth
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.common_rules import (
-    BEND_RATIO,
     DRUM_MATERIAL,
-    FRICTION,
     LEAST_WIRE_RATIO,
     MESH_TOLERANCE,
     PRELOAD_SHARE,
@@ -26,9 +24,11 @@ from mbcdm_cad.layouts.common_rules import (
     STOP_CLEARANCE,
     SUPPORT_MATERIAL,
     TENSION_SAFETY,
-    TEST_TORQUE,
+    bend_ratio,
     end_share,
+    friction,
     ropes_to_choose,
+    test_torque,
 )
 from mbcdm_cad.layouts.trial_sizing import TrialKnown
 from mbcdm_cad.model.duty import DEFAULT_PEAK_SHARE, DEFAULT_PERIOD_S, DEFAULT_TORQUE_SHARE, Duty, default_duty, of_rows
@@ -36,7 +36,7 @@ from mbcdm_cad.model.heat import RATED_AT_C, STANDSTILL_SHARE, motor_heat
 from mbcdm_cad.model.losses import BEARINGS, GEARHEAD_IDLE_SHARE, ROPE, motor_idle_mNm, tangent_share, turned_back_mNm
 from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.sizing.known import KnownFields
-from mbcdm_cad.sizing.rule import Found, Rule, constant, rounded_up
+from mbcdm_cad.sizing.rule import Found, Rule, constant, rounded_up, rule
 
 # Assumed strength of a rope's end over that of the rope, before rope and ends are chosen.
 END_SHARE = 0.8
@@ -285,7 +285,12 @@ def _has_face(given: TrialKnown) -> bool:
     return given.has("drive.motor") and given.peek("drive.motor") in given.motors_with_faces()
 
 
-def _gearhead(given: TrialKnown) -> Found:
+@rule(
+    "drive.gearhead",
+    "none for a motor with its own shaft, else that of the lightest motor and gearhead that hold the torque",
+    "motor_torque_forward",
+)
+def gearhead(given: TrialKnown) -> Found:
     if _has_face(given):
         given["drive.motor"]
         return Found(NO_GEARHEAD, "the motor's own shaft")
@@ -374,6 +379,7 @@ def _has_key_room(given: TrialKnown, face: Mapping[str, Any], held_mNm: float) -
     return bool(face["bolt_circle_mm"] / 2 >= beside + given.screw(face["screw"]).key_mm)
 
 
+@rule("drive.motor", "the lightest motor that holds the peak torque", "motor_torque_forward")
 def _motor(given: TrialKnown) -> Found:
     needed = input_needs_mNm(given) / given.ratio
     head = given["drive.gearhead"]
@@ -397,20 +403,12 @@ def _motor(given: TrialKnown) -> Found:
     return _preferred(given, "drive.motor", trains, names[0], "the lightest")
 
 
-LIMITS = (STOP_CLEARANCE, TEST_TORQUE, TENSION_SAFETY, PRELOAD_SHARE, MESH_TOLERANCE, RUNNING)
+LIMITS = (STOP_CLEARANCE, test_torque, TENSION_SAFETY, PRELOAD_SHARE, MESH_TOLERANCE, RUNNING)
 METALS = (
     DRUM_MATERIAL,
     SHAFT_MATERIAL,
     constant("input_pulleys.material", "steel", "allows thin walls round the motor's shaft", "bore_wall"),
     SUPPORT_MATERIAL,
 )
-TRAIN = (
-    Rule(
-        "drive.gearhead",
-        "none for a motor with its own shaft, else that of the lightest motor and gearhead that hold the torque",
-        "motor_torque_forward",
-        _gearhead,
-    ),
-    Rule("drive.motor", "the lightest motor that holds the peak torque", "motor_torque_forward", _motor),
-)
-ROPE_LIMITS = (BEND_RATIO, FRICTION)
+TRAIN = (gearhead, _motor)
+ROPE_LIMITS = (bend_ratio, friction)

@@ -19,7 +19,7 @@ from mbcdm_cad.model.structure.drum_sector import least_hub_mm
 from mbcdm_cad.parts.drum_sector.dims import WHOLE_DEG, joint_load, joints
 from mbcdm_cad.parts.drum_sector.part import DrumSector
 from mbcdm_cad.parts.threads import SHEAR_SHARE
-from mbcdm_cad.sizing.rule import Found, Rule, rounded_up
+from mbcdm_cad.sizing.rule import Found, Rule, rounded_up, rule
 
 # Walls of a milled part and of a printed one, mm (estimate: the modulus of filament is about twenty times smaller).
 SIDE_MM, WEB_MM = (4.0, 6.0), (2.0, 4.0)
@@ -86,7 +86,12 @@ def stiff_wall(
     return Found(value, WINDUP, f"up to {step:g}")
 
 
-def _motor_shelf(given: TrialKnown) -> Found:
+@rule(
+    "support.motor_shelf_mm",
+    "thickness that leaves enough engagement for the screws of motor or gearhead, less where a motor's shaft is short",
+    "engagement",
+)
+def motor_shelf(given: TrialKnown) -> Found:
     """Screw length minus the needed thread, mm; at least what wall and pilot need."""
     gear = given.gearhead
     if given.servo is not None:
@@ -117,17 +122,24 @@ def _shelf(given: TrialKnown, field: str, bearing: str, checks: tuple[str, ...])
     return given.moved(f"support.{field}", max(width + given.wall_mm("support"), LEAST_SHELF_MM), 0.1, checks)
 
 
-def _bearing_shelf(given: TrialKnown) -> Found:
+@rule("support.bearing_shelf_mm", "least height for the bearing next to the motor and a shoulder", "bearing_seats")
+def bearing_shelf(given: TrialKnown) -> Found:
     """Shelf of the bearing next to the motor."""
     return _shelf(given, "bearing_shelf_mm", "lower_bearing", ("bearing_seats", "walls"))
 
 
-def _encoder_shelf(given: TrialKnown) -> Found:
+@rule("support.encoder_shelf_mm", "least height for bearing, shoulder and sunk screw heads", "encoder_shelf")
+def encoder_shelf(given: TrialKnown) -> Found:
     """Shelf of the bearing next to the encoder."""
     return _shelf(given, "encoder_shelf_mm", "upper_bearing", ("encoder_shelf",))
 
 
-def _coupling_space(given: TrialKnown) -> Found:
+@rule(
+    "support.coupling_space_mm",
+    "least space to insert the collar, the screws of the motor or gearhead and their key",
+    "coupling_height",
+)
+def coupling_space(given: TrialKnown) -> Found:
     """Space between the shelves of motor and bearing."""
     if given.overhung:
         return Found(COUPLING_MM, UNUSED)
@@ -139,7 +151,8 @@ def side_wall(given: TrialKnown) -> float:
     return max(either(given, "support", SIDE_MM), 2 * given.wall_mm("support"))
 
 
-def _shaft_bore(given: TrialKnown) -> Found:
+@rule("drum.shaft_bore_mm", "half the bearings' bore, or less for the wall of the shaft", "shaft_wall")
+def shaft_bore(given: TrialKnown) -> Found:
     """Bore of the drum's shaft."""
     bore = given.entry("bearings", "drum.bearing")["bore_mm"]
     return given.moved(
@@ -147,7 +160,8 @@ def _shaft_bore(given: TrialKnown) -> Found:
     )
 
 
-def _web(given: TrialKnown) -> Found | float:
+@rule("drum.web_thickness_mm", "usual thickness for its material, more where plastic is stressed", "web_in_rim")
+def web(given: TrialKnown) -> Found | float:
     """Web of the drum; one of plastic, in a wide whole drum, or with much torque, is as thick as its stress asks.
 
     The stress of most metal webs is far from the limit, and to compute it takes longer than all other rules of a drum.
@@ -191,7 +205,12 @@ def _windows_cost(given: TrialKnown) -> bool:
     return _OUTER in closed
 
 
-def _hub(given: TrialKnown) -> Found:
+@rule(
+    "drum.hub_diameter_mm",
+    "least diameter for the walls round shaft and set screws, its torsion and the payload's screws",
+    "hub_walls",
+)
+def hub(given: TrialKnown) -> Found:
     """Diameter of the drum's hub, not less than its torsion asks at the peak torque or with stalled motors."""
     bore, field = given.entry("bearings", "drum.bearing")["bore_mm"], "drum.hub_diameter_mm"
     usual, twisted, screwed = bore + 4.0, 0.0, 0.0
@@ -217,23 +236,27 @@ def _least_hub_mm(layout: SectorLayout) -> float:
     return min(joint.least_hub_mm(load, shaft, material.min_wall_mm) for joint in found)
 
 
-def _rim(given: TrialKnown) -> Found:
+@rule("drum.rim_inner_radius_mm", "the thinnest rim that the terminals' pockets allow", "rim_height")
+def rim(given: TrialKnown) -> Found:
     """Inner radius of the drum's rim."""
     start = given.drum_mm - 2 * given.d_mm
     return given.moved("drum.rim_inner_radius_mm", start, -0.5, ("rim_height", "pocket_corners"))
 
 
-def _stop_pin(given: TrialKnown) -> Found:
+@rule("drum.stop_pin_mm", "the thinnest pin that holds the stalled motor", "stop_pin")
+def stop_pin(given: TrialKnown) -> Found:
     """Diameter of the stop pin."""
     return given.first("drum.stop_pin_mm", STOP_PINS_MM, ("stop_pin",))
 
 
-def _hub_face(given: TrialKnown) -> Found:
+@rule("drum.hub_face_y_mm", "least length for set screws and payload threads", "hub_length")
+def hub_face(given: TrialKnown) -> Found:
     """Face of the drum's hub."""
     return given.moved("drum.hub_face_y_mm", given["drum.outer_face_y_mm"], 0.1, ("hub_length",))
 
 
-def _sector(given: TrialKnown) -> Found:
+@rule("drum.sector_half_angle_deg", "least angle for the travel and the wrap that must remain", "wrap_left")
+def sector(given: TrialKnown) -> Found:
     """Half angle of the drum's sector."""
     if given["travel.half_angle_deg"] > given.most_sector_travel_deg:
         return Found(WHOLE_DEG, "wrap_under_turn", "a whole drum")
@@ -242,33 +265,6 @@ def _sector(given: TrialKnown) -> Found:
     return given.moved("drum.sector_half_angle_deg", start, 1.0, checks)
 
 
-MOTOR_SHELF = Rule(
-    "support.motor_shelf_mm",
-    "thickness that leaves enough engagement for the screws of motor or gearhead, less where a motor's shaft is short",
-    "engagement",
-    _motor_shelf,
-)
-BEARING_SHELF = Rule(
-    "support.bearing_shelf_mm",
-    "least height for the bearing next to the motor and a shoulder",
-    "bearing_seats",
-    _bearing_shelf,
-)
-ENCODER_SHELF = Rule(
-    "support.encoder_shelf_mm",
-    "least height for bearing, shoulder and sunk screw heads",
-    "encoder_shelf",
-    _encoder_shelf,
-)
-COUPLING_SPACE = Rule(
-    "support.coupling_space_mm",
-    "least space to insert the collar, the screws of the motor or gearhead and their key",
-    "coupling_height",
-    _coupling_space,
-)
-WEB = Rule(
-    "drum.web_thickness_mm", "usual thickness for its material, more where plastic is stressed", "web_in_rim", _web
-)
 WINDOWS = Rule(
     "drum.windows",
     "none where a web of usual thickness does not bear the stress beside them, or would turn much less without them",
@@ -276,27 +272,12 @@ WINDOWS = Rule(
     lambda given: "none",
     applies=_windows_cost,
 )
-SHAFT_BORE = Rule(
-    "drum.shaft_bore_mm", "half the bearings' bore, or less for the wall of the shaft", "shaft_wall", _shaft_bore
-)
-HUB = Rule(
-    "drum.hub_diameter_mm",
-    "least diameter for the walls round shaft and set screws, its torsion and the payload's screws",
-    "hub_walls",
-    _hub,
-)
-SECTOR = Rule(
-    "drum.sector_half_angle_deg", "least angle for the travel and the wrap that must remain", "wrap_left", _sector
-)
-STOP_PIN = Rule("drum.stop_pin_mm", "the thinnest pin that holds the stalled motor", "stop_pin", _stop_pin)
-RIM = Rule("drum.rim_inner_radius_mm", "the thinnest rim that the terminals' pockets allow", "rim_height", _rim)
-HUB_FACE = Rule("drum.hub_face_y_mm", "least length for set screws and payload threads", "hub_length", _hub_face)
 
 
 def drum_rules(outer_face: str, outer_face_value: Callable[[Any], Found]) -> tuple[Rule, ...]:
     """Rules of a drum sector, of which layouts have that of its outer face of their own."""
     rule = Rule("drum.outer_face_y_mm", outer_face, "outer_face", outer_face_value)
-    return (WINDOWS, WEB, SHAFT_BORE, HUB, SECTOR, STOP_PIN, RIM, rule, HUB_FACE)
+    return (WINDOWS, web, shaft_bore, hub, sector, stop_pin, rim, rule, hub_face)
 
 
 def mount_rules(value: Callable[[Any], Found]) -> tuple[Rule]:

@@ -12,7 +12,7 @@ from mbcdm_cad.design.sized import NOT_USED
 from mbcdm_cad.layouts.common_rules import COLLAR_SCREWS
 from mbcdm_cad.layouts.head_dims import UNUSED
 from mbcdm_cad.layouts.trial_sizing import TrialKnown
-from mbcdm_cad.sizing.rule import Found, Rule
+from mbcdm_cad.sizing.rule import Found, rule
 
 _RING = "ring"
 # Thinnest journal that carries a wheel (estimate).
@@ -47,7 +47,12 @@ def _left_out(given: TrialKnown, field: str) -> bool:
     return bool(given.get(field) == NO_ENCODER)
 
 
-def _drum_bearing(given: TrialKnown) -> Found:
+@rule(
+    "drum.bearing",
+    "the lightest with a ring encoder that carries the drum and has a strong enough shaft",
+    "drum_bearings",
+)
+def drum_bearing(given: TrialKnown) -> Found:
     any_will_do = _left_out(given, "drive.drum_encoder")
     names = _by_mass(given, "bearings", lambda _, entry: any_will_do or bool(_rings(given, entry)))
     field, refused, before = "drum.bearing", given.drives.refused, given.guesses.get("drum.bearing")
@@ -78,7 +83,12 @@ def _drum_bearing(given: TrialKnown) -> Found:
     return Found(strongest, "drum_bearings", "no candidate does yet: the strongest")
 
 
-def _lower(given: TrialKnown) -> Found:
+@rule(
+    "input_pulleys.lower_bearing",
+    "the lightest that fits journal and shaft, carries the cables' load and leaves access to the screws",
+    "input_bearings",
+)
+def lower(given: TrialKnown) -> Found:
     if given.overhung:
         return Found(NO_BEARING, UNUSED)
     wall, wheel = given.wall_mm("input_pulleys"), given.has("stage.kind")
@@ -89,7 +99,8 @@ def _lower(given: TrialKnown) -> Found:
     return given.first("input_pulleys.lower_bearing", names, (*own, "input_bearings"))
 
 
-def _upper(given: TrialKnown) -> Found:
+@rule("input_pulleys.upper_bearing", "the lightest that carries the cables' load and fits an encoder", "input_bearings")
+def upper(given: TrialKnown) -> Found:
     if given.overhung:
         return Found(NO_BEARING, UNUSED)
     bores, any_will_do = _bores(given), _left_out(given, "drive.encoder")
@@ -97,7 +108,8 @@ def _upper(given: TrialKnown) -> Found:
     return given.first("input_pulleys.upper_bearing", names, ("input_bearings",))
 
 
-def _encoder(given: TrialKnown) -> Found:
+@rule("drive.encoder", "the lightest that fits the journal", "encoder_fit")
+def encoder(given: TrialKnown) -> Found:
     if given.overhung:
         return Found(NO_ENCODER, UNUSED)
     bore = given.entry("bearings", "input_pulleys.upper_bearing")["bore_mm"]
@@ -105,7 +117,8 @@ def _encoder(given: TrialKnown) -> Found:
     return given.first("drive.encoder", names, ("encoder_shelf",))
 
 
-def _drum_encoder(given: TrialKnown) -> Found:
+@rule("drive.drum_encoder", "the lightest ring that fits the drum's shaft", "encoder_fit")
+def drum_encoder(given: TrialKnown) -> Found:
     bearing = given.entry("bearings", "drum.bearing")
     # For a bearing that the file states there may be none beside its seat: the checks then state what is missing.
     names = _rings(given, bearing) or _by_mass(
@@ -114,7 +127,8 @@ def _drum_encoder(given: TrialKnown) -> Found:
     return given.first("drive.drum_encoder", names, ("boss",))
 
 
-def _tensioner(given: TrialKnown) -> Found:
+@rule("drum.tensioner", "the shortest whose sleeve fits the rope and whose stud is strong and long enough", "take_up")
+def tensioner(given: TrialKnown) -> Found:
     entries = given.entries("tensioners")
     names = sorted(entries, key=lambda name: entries[name]["stud_length_mm"])
     led = ("spring_fits",) if given.has("drum.spring") else ()
@@ -123,7 +137,8 @@ def _tensioner(given: TrialKnown) -> Found:
     return given.first("drum.tensioner", names, ("sleeve_fits", "stud_stress", "take_up", *led, *lug))
 
 
-def _collar_screw(given: TrialKnown) -> Found:
+@rule("input_pulleys.collar_screw", "the smallest whose clamp holds the input's torque", "collar_grip")
+def collar_screw(given: TrialKnown) -> Found:
     if given.overhung:
         return Found(COLLAR_SCREWS[0], NOT_USED + "set screws hold the pulley")
     # The shaft of a first stage is thick, and the collar round it wide for the screw that holds it.
@@ -131,34 +146,4 @@ def _collar_screw(given: TrialKnown) -> Found:
     return given.first("input_pulleys.collar_screw", COLLAR_SCREWS, ("collar_grip", *wide))
 
 
-PARTS = (
-    Rule(
-        "drum.bearing",
-        "the lightest with a ring encoder that carries the drum and has a strong enough shaft",
-        "drum_bearings",
-        _drum_bearing,
-    ),
-    Rule(
-        "input_pulleys.lower_bearing",
-        "the lightest that fits journal and shaft, carries the cables' load and leaves access to the screws",
-        "input_bearings",
-        _lower,
-    ),
-    Rule(
-        "input_pulleys.upper_bearing",
-        "the lightest that carries the cables' load and fits an encoder",
-        "input_bearings",
-        _upper,
-    ),
-    Rule(
-        "input_pulleys.collar_screw", "the smallest whose clamp holds the input's torque", "collar_grip", _collar_screw
-    ),
-    Rule("drive.encoder", "the lightest that fits the journal", "encoder_fit", _encoder),
-    Rule("drive.drum_encoder", "the lightest ring that fits the drum's shaft", "encoder_fit", _drum_encoder),
-    Rule(
-        "drum.tensioner",
-        "the shortest whose sleeve fits the rope and whose stud is strong and long enough",
-        "take_up",
-        _tensioner,
-    ),
-)
+PARTS = (drum_bearing, lower, upper, collar_screw, encoder, drum_encoder, tensioner)

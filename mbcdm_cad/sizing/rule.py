@@ -38,6 +38,13 @@ class Rule:
     applies: Callable[[Any], bool] = lambda given: True
 
 
+def rule(
+    field: str, text: str, driver: str, applies: Callable[[Any], bool] = lambda given: True
+) -> Callable[[Callable[[Any], Any]], Rule]:
+    """Make the :class:`Rule` of a field, whose name is the function's, of the function below that gives its value."""
+    return lambda value: Rule(field, text, driver, value, applies)
+
+
 def rounded_up(value: float, step: float) -> float:
     """The value rounded up to a multiple of ``step``, without the noise of binary fractions."""
     return round(ceil(value / step - _ON_STEP) * step, 9)

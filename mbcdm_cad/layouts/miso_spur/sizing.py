@@ -11,7 +11,7 @@ from mbcdm_cad.layouts.miso_spur.design_file import REFERENCE
 from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
 from mbcdm_cad.layouts.siso_spur.sizing import DERIVED, FREEDOMS, sized
 from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
-from mbcdm_cad.sizing.rule import Rule, constant
+from mbcdm_cad.sizing.rule import constant, rule
 
 __all__ = ["DERIVED", "FREEDOMS", "size"]
 
@@ -29,7 +29,8 @@ class RoundDrumKnown(SpurKnown):
     }
 
 
-def _cables(given: RoundDrumKnown) -> list[dict[str, str]]:
+@rule("cables", "the two sides of one cable for each input", "the configuration")
+def cables(given: RoundDrumKnown) -> list[dict[str, str]]:
     """The two sides of one cable for each input."""
     names = (item["name"] for item in given["inputs"])
     return [
@@ -41,7 +42,7 @@ def _cables(given: RoundDrumKnown) -> list[dict[str, str]]:
 
 NAMES = (
     constant("inputs", REFERENCE.inputs, "two, one above and one below the drum", "least number of the configuration"),
-    Rule("cables", "the two sides of one cable for each input", "the configuration", _cables),
+    cables,
 )
 
 

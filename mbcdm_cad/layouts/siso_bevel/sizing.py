@@ -13,15 +13,15 @@ from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import Moved, Sizing, SizingError
 from mbcdm_cad.layouts import common_freedoms
 from mbcdm_cad.layouts.base import NoFigureError
-from mbcdm_cad.layouts.common_rules import HALF_TRAVEL, SCHEMA_VERSION, TRANSFER_GAP, missing_travel, needed
+from mbcdm_cad.layouts.common_rules import SCHEMA_VERSION, half_travel, missing_travel, needed, transfer_gap
 from mbcdm_cad.layouts.head_basis import LIMITS, METALS, ROPE_LIMITS, TRAIN, rope, taut_preload, taut_rope
 from mbcdm_cad.layouts.head_dims import (
-    BEARING_SHELF,
-    COUPLING_SPACE,
-    ENCODER_SHELF,
-    MOTOR_SHELF,
+    bearing_shelf,
+    coupling_space,
     drum_rules,
     either,
+    encoder_shelf,
+    motor_shelf,
     mount_rules,
     side_wall,
     stiff_wall,
@@ -34,7 +34,7 @@ from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
 from mbcdm_cad.layouts.stiff_sizing import SHARED, stiffened, walls
 from mbcdm_cad.layouts.trial_sizing import MIDDLE_SIZE, TrialKnown, repeated
 from mbcdm_cad.parts.threads import MOUNT_SCREWS
-from mbcdm_cad.sizing.rule import Found, Rule, constant
+from mbcdm_cad.sizing.rule import Found, Rule, constant, rule
 
 # Wrap that stays on the input, and estimated angle of the stop's slot before it is known, deg.
 RESERVE_DEG, SLOT_DEG = 18.0, 8.0
@@ -45,6 +45,12 @@ _STEPS_TRIED = 24
 RESERVES_DEG = (RESERVE_DEG, 17.0, 16.0, LEAST_RESERVE_DEG)
 
 
+@rule(
+    "transmission.input_to_drum",
+    "the highest with which travel and reserve fit on one turn of the input",
+    "input_under_turn",
+    lambda given: not given.has("transmission.input_radii_mm"),
+)
 def _ratio(given: DirectKnown) -> Found:
     """The highest ratio at which the travel, the reserve and the stop's slot stay within a turn of the input."""
     field, reserve = "transmission.input_to_drum", given.get("transmission.reserve_deg", RESERVE_DEG)
@@ -55,16 +61,23 @@ def _ratio(given: DirectKnown) -> Found:
     return given.moved(field, most, -0.05, ("input_under_turn", "drum_sweep", "bearing_seats", "bend_ratio"))
 
 
+@rule(
+    "transmission.reserve_deg",
+    "usual wrap that never unwinds, or less if one turn of the input leaves less",
+    "input_reserve",
+)
 def _reserve(given: DirectKnown) -> Found:
     return given.first("transmission.reserve_deg", RESERVES_DEG, ("input_under_turn",))
 
 
-def _land_edge(given: DirectKnown) -> Found:
+@rule("clearances.land_edge_mm", "a broken edge and the run-out, or less for a thin rope", "land_edge")
+def land_edge(given: DirectKnown) -> Found:
     wanted, limit = EDGE_BREAK_MM + RUN_OUT_MM, given.d_mm / 2 - RUN_OUT_MM
     return Found(round(max(min(wanted, limit), EDGE_BREAK_MM), 4), "land_edge")
 
 
-def _drum_radii(given: DirectKnown) -> Found:
+@rule("transmission.drum_radii_mm", "step 1 as stated; step 2 the smallest that the lands allow", "land_width")
+def drum_radii(given: DirectKnown) -> Found:
     """The smallest radius of step 2 that the lands at the transfer allow."""
     first, rise = given["transmission.drum_radius_mm"], 0.1 * given.d_mm * given.ratio
     pairs = [[first, round(first + (4 + k) * rise, 2)] for k in range(_STEPS_TRIED)]
@@ -72,12 +85,18 @@ def _drum_radii(given: DirectKnown) -> Found:
     return given.first("transmission.drum_radii_mm", pairs, checks)
 
 
+@rule("support.side_wall_mm", "usual walls, thick enough for the motor head's screws and against the windup", "flange")
 def _side_wall(given: DirectKnown) -> Found:
     panels, checks = ("side walls", "motor head's walls", "motor head's back"), ("flange", "collar_space", "walls")
     return stiff_wall(given, "support.side_wall_mm", side_wall(given), 0.1, panels, checks)
 
 
-def _back_plate(given: DirectKnown) -> Found:
+@rule(
+    "support.back_plate_mm",
+    "usual thickness for making it in its material, more where the frame winds up",
+    "frame_windup",
+)
+def back_plate(given: DirectKnown) -> Found:
     start = max(either(given, "support", BACK_MM), given.wall_mm("support"))
     return stiff_wall(given, "support.back_plate_mm", start, 0.1, ("column back", "box back"))
 
@@ -86,7 +105,12 @@ def _mount_screw(given: DirectKnown) -> Found:
     return given.first("support.mount_screw", MOUNT_SCREWS, ("mounting_screws", "mounts"))
 
 
-def _rib(given: DirectKnown) -> Found:
+@rule(
+    "support.rib_mm",
+    "usual thickness, more where the frame winds up, or less for the height of its pockets",
+    "frame_windup",
+)
+def rib(given: DirectKnown) -> Found:
     """For the windup, or the usual thickness, or less if the pockets of a small drum else have no height."""
     least = given.wall_mm("support")
     usual = max(either(given, "support", RIB_MM), least)
@@ -96,7 +120,12 @@ def _rib(given: DirectKnown) -> Found:
     return given.first("support.rib_mm", [*tried, least], ("pockets", "mounts"))
 
 
-def _back(given: DirectKnown) -> Found:
+@rule(
+    "support.back_y_mm",
+    "nearest plane with space for the pulley and between the drum's bearings",
+    "drum_bearing_spacing",
+)
+def back(given: DirectKnown) -> Found:
     start = -given.drum_mm / given.ratio
     checks = ("drum_bearing_spacing", "boss", "pockets", "pulley_room", "encoder_room")
     return given.moved("support.back_y_mm", start, -0.5, checks)
@@ -120,71 +149,16 @@ NAMES = (
     constant("inputs", REFERENCE.inputs, "one", "the configuration"),
     constant("cables", REFERENCE.cables, "one cable for each sense of the drum", "the configuration"),
 )
-RATIO = (
-    Rule(
-        "transmission.input_to_drum",
-        "the highest with which travel and reserve fit on one turn of the input",
-        "input_under_turn",
-        _ratio,
-        applies=lambda given: not given.has("transmission.input_radii_mm"),
-    ),
-)
+RATIO = (_ratio,)
 ROPE = (rope(taut_rope),)
 PRELOAD = (
     Rule("rope.preload_N", "twice the preload that keeps both cables taut at peak torque", "no_slack", taut_preload),
 )
-TRANSFER = (
-    Rule("clearances.land_edge_mm", "a broken edge and the run-out, or less for a thin rope", "land_edge", _land_edge),
-    TRANSFER_GAP,
-    Rule(
-        "transmission.drum_radii_mm",
-        "step 1 as stated; step 2 the smallest that the lands allow",
-        "land_width",
-        _drum_radii,
-    ),
-)
-RESERVE = (
-    Rule(
-        "transmission.reserve_deg",
-        "usual wrap that never unwinds, or less if one turn of the input leaves less",
-        "input_reserve",
-        _reserve,
-    ),
-)
-FRAME = (
-    MOTOR_SHELF,
-    Rule(
-        "support.back_plate_mm",
-        "usual thickness for making it in its material, more where the frame winds up",
-        "frame_windup",
-        _back_plate,
-    ),
-    Rule(
-        "support.rib_mm",
-        "usual thickness, more where the frame winds up, or less for the height of its pockets",
-        "frame_windup",
-        _rib,
-    ),
-    BEARING_SHELF,
-    ENCODER_SHELF,
-    COUPLING_SPACE,
-    Rule(
-        "support.side_wall_mm",
-        "usual walls, thick enough for the motor head's screws and against the windup",
-        "flange",
-        _side_wall,
-    ),
-)
+TRANSFER = (land_edge, transfer_gap, drum_radii)
+RESERVE = (_reserve,)
+FRAME = (motor_shelf, back_plate, rib, bearing_shelf, encoder_shelf, coupling_space, _side_wall)
 MOUNT = mount_rules(_mount_screw)
 DRUM = drum_rules("least width for lands and terminals", _outer_face)
-BACK = (
-    Rule(
-        "support.back_y_mm",
-        "nearest plane with space for the pulley and between the drum's bearings",
-        "drum_bearing_spacing",
-        _back,
-    ),
-)
 
 
 class DirectKnown(TrialKnown):
@@ -224,7 +198,7 @@ class DirectKnown(TrialKnown):
 
 
 RULES: tuple[Rule, ...] = (
-    HALF_TRAVEL,
+    half_travel,
     *NAMES,
     *LIMITS,
     *METALS,
@@ -239,11 +213,11 @@ RULES: tuple[Rule, ...] = (
     *FRAME,
     *MOUNT,
     *DRUM,
-    *BACK,
+    back,
 )
 DERIVED = tuple(
     rule.field
-    for rule in (*TRANSFER, *FRAME, *DRUM, *BACK)
+    for rule in (*TRANSFER, *FRAME, *DRUM, back)
     if not rule.field.startswith("limits.") and rule.field != "drum.windows"
 )
 

@@ -12,15 +12,15 @@ from mbcdm_cad.checks.design_variables import ALL_RADII
 from mbcdm_cad.design.freedom import Freedom
 from mbcdm_cad.design.sized import Moved, Sizing, SizingError
 from mbcdm_cad.layouts import common_freedoms
-from mbcdm_cad.layouts.common_rules import FRICTION, HALF_TRAVEL, missing_travel, needed
+from mbcdm_cad.layouts.common_rules import friction, half_travel, missing_travel, needed
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-from mbcdm_cad.layouts.miso_bevel.sizing.basis import CLEARANCES, LEAD, LIMITS, METALS, NAMES, PRELOAD, ROPE
-from mbcdm_cad.layouts.miso_bevel.sizing.drum import DRUM, HUB, HUB_FACE, WEB, WINDOWS
-from mbcdm_cad.layouts.miso_bevel.sizing.frame import BACK, FRAME, STOP_PIN, TURN
+from mbcdm_cad.layouts.miso_bevel.sizing.basis import CLEARANCES, LEAD, LIMITS, METALS, NAMES, preload, rope
+from mbcdm_cad.layouts.miso_bevel.sizing.drum import DRUM, HUB, WEB, WINDOWS, hub_face
+from mbcdm_cad.layouts.miso_bevel.sizing.frame import FRAME, STOP_PIN, back, gearhead_turn
 from mbcdm_cad.layouts.miso_bevel.sizing.frame_start import MOUNT_SCREW, with_strong_frame
 from mbcdm_cad.layouts.miso_bevel.sizing.known import BevelKnown, FrameStart
-from mbcdm_cad.layouts.miso_bevel.sizing.parts import DRIVES, PARTS, TENSIONER
-from mbcdm_cad.layouts.miso_bevel.sizing.radii import DISTANCE, MOTOR_SIDE, RADII, RATIOS, SETBACK, SURFACE
+from mbcdm_cad.layouts.miso_bevel.sizing.parts import DRIVES, PARTS, tensioner
+from mbcdm_cad.layouts.miso_bevel.sizing.radii import RATIOS, SETBACK, centre_distance, drum_radii, motor_side, surface
 from mbcdm_cad.layouts.open_ratio import lightest
 from mbcdm_cad.layouts.stiff_sizing import SHARED, Stiffener, stiffened, walls
 from mbcdm_cad.sizing.engine import fill
@@ -28,32 +28,32 @@ from mbcdm_cad.sizing.rule import Rule
 
 # Rope, parts by load, radii, places of the pulleys.
 BEFORE_FRAME: tuple[Rule, ...] = (
-    HALF_TRAVEL,
+    half_travel,
     *NAMES,
     *LIMITS,
-    *ROPE,
-    FRICTION,
-    *PRELOAD,
+    rope,
+    friction,
+    preload,
     *METALS,
-    *TENSIONER,
+    tensioner,
     *DRIVES,
     *PARTS,
     *CLEARANCES,
-    *RADII,
+    drum_radii,
     *RATIOS,
-    *SURFACE,
+    surface,
     *LEAD,
-    *MOTOR_SIDE,
-    *DISTANCE,
+    motor_side,
+    centre_distance,
 )
 RATIO = "transmission.ratio"
-# Then frame and drum.
-FROM_FRAME: tuple[Rule, ...] = (*FRAME, *HUB, *WEB, *STOP_PIN, *DRUM, *SETBACK, *BACK, *TURN, *HUB_FACE, *WINDOWS)
+# Then frame and drum; the back plane after the inputs' setback, on which it depends.
+FROM_FRAME: tuple[Rule, ...] = (*FRAME, *HUB, *WEB, *STOP_PIN, *DRUM, *SETBACK, back, gearhead_turn, hub_face, *WINDOWS)
 
 # Derived dimensions: fields that are neither a requirement nor a choice of part, screw, material or arrangement.
 DERIVED = tuple(
     rule.field
-    for rule in (*LEAD, *CLEARANCES, *FRAME, *HUB, *WEB, *STOP_PIN, *DRUM, *SETBACK, *BACK, *HUB_FACE)
+    for rule in (*LEAD, *CLEARANCES, *FRAME, *HUB, *WEB, *STOP_PIN, *DRUM, *SETBACK, back, hub_face)
     if not rule.field.startswith("limits.") and rule.field not in (MOUNT_SCREW, "drum.output_screws")
 )
 

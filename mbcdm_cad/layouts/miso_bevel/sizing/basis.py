@@ -12,7 +12,6 @@ from mbcdm_cad.checks.transfer import EDGE_BREAK_MM, RUN_OUT_MM
 from mbcdm_cad.design.blocks import Making
 from mbcdm_cad.design.bought import TerminationSpec
 from mbcdm_cad.layouts.common_rules import (
-    BEND_RATIO,
     DRUM_MATERIAL,
     LEAST_WIRE_RATIO,
     MESH_TOLERANCE,
@@ -23,19 +22,25 @@ from mbcdm_cad.layouts.common_rules import (
     STOP_CLEARANCE,
     SUPPORT_MATERIAL,
     TENSION_SAFETY,
-    TEST_TORQUE,
-    TRANSFER_GAP,
+    bend_ratio,
     end_share,
     ropes_to_choose,
+    test_torque,
+    transfer_gap,
 )
 from mbcdm_cad.layouts.head_basis import counts_losses
 from mbcdm_cad.layouts.miso_bevel.design_file.schema import REFERENCE
 from mbcdm_cad.layouts.miso_bevel.sizing.known import LEAD_STEP_MM, STEPS, UNEVEN, BevelKnown
 from mbcdm_cad.parts.input_pulley.stop import neck_mm, widest_bend_mm
-from mbcdm_cad.sizing.rule import Found, Rule, constant, driver_of, rounded_down, rounded_up, significant
+from mbcdm_cad.sizing.rule import Found, constant, driver_of, rounded_down, rounded_up, rule, significant
 
 
-def _land_edge(given: BevelKnown) -> Found:
+@rule(
+    "clearances.land_edge_mm",
+    "a broken edge and the run-out of the cutter, or less if the steps of the radii leave less",
+    "land_edge",
+)
+def land_edge(given: BevelKnown) -> Found:
     """Edge margin, mm: chamfer and run-out; less with a thin rope, since the bodies must clear each other."""
     limit = given.d_mm / 2 - RUN_OUT_MM
     wanted = EDGE_BREAK_MM + RUN_OUT_MM
@@ -62,8 +67,8 @@ NAMES = (
 )
 LIMITS = (
     STOP_CLEARANCE,
-    TEST_TORQUE,
-    BEND_RATIO,
+    test_torque,
+    bend_ratio,
     constant("limits.fleet_angle_max_deg", 1.5, "usual limit for smooth pulleys", "fleet_angle"),
     TENSION_SAFETY,
     PRELOAD_SHARE,
@@ -79,15 +84,7 @@ METALS = (
     constant("input_pulleys.material", "steel", "allows thin walls round stops and bore", "stop_pocket_wall"),
     SUPPORT_MATERIAL,
 )
-CLEARANCES = (
-    Rule(
-        "clearances.land_edge_mm",
-        "a broken edge and the run-out of the cutter, or less if the steps of the radii leave less",
-        "land_edge",
-        _land_edge,
-    ),
-    TRANSFER_GAP,
-)
+CLEARANCES = (land_edge, transfer_gap)
 
 
 # Preload over the least at which no cable goes slack at peak torque, cables assumed equal.
@@ -114,7 +111,13 @@ def _share_N(given: BevelKnown) -> float:
     return float(given["loads.peak_torque_Nm"] * 1e3 / (STEPS * MEAN_OVER_FIRST * given.first_drum_mm))
 
 
-def _rope(given: BevelKnown) -> Found:
+@rule(
+    "rope.type",
+    "the thinnest wire rope that holds preload and peak torque with its safety factor",
+    "tension",
+    lambda given: not given.has("rope.inline"),
+)
+def rope(given: BevelKnown) -> Found:
     """The thinnest rope of the construction that holds preload and peak torque.
 
     If the input pulleys are too thin for it, the thickest that they allow, provided that it holds a smaller preload.
@@ -155,7 +158,8 @@ def _bends(given: BevelKnown, d_mm: float) -> bool:
     )
 
 
-def _preload(given: BevelKnown) -> Found:
+@rule("rope.preload_N", "twice the preload that keeps every cable taut at peak torque", "no_slack")
+def preload(given: BevelKnown) -> Found:
     share = _share_N(given)
     most = given["limits.preload_share_max"] * given.rope["breaking_load_N"]
     ends = given.rope["breaking_load_N"] * given.termination.strength_share
@@ -165,6 +169,12 @@ def _preload(given: BevelKnown) -> Found:
     return Found(significant(max(min(usual, most, held), 0.5 * usual), 2), driver, "two digits")
 
 
+@rule(
+    "rope.helix_lead_mm",
+    "the least lead at which a span clears the turn wound before it at the largest fleet angle; room for a thicker "
+    "rope where steps and centre distance leave it",
+    "self_clearance",
+)
 def _lead(given: BevelKnown) -> Found:
     """Room for a rope as thick as its tolerance allows, as far as the steps and a stated centre distance leave it."""
     largest_input = max(given.input_mm)
@@ -186,24 +196,4 @@ def _lead(given: BevelKnown) -> Found:
     return Found(wanted, "self_clearance_stack", f"up to {LEAD_STEP_MM:g}")
 
 
-ROPE = (
-    Rule(
-        "rope.type",
-        "the thinnest wire rope that holds preload and peak torque with its safety factor",
-        "tension",
-        _rope,
-        applies=lambda given: not given.has("rope.inline"),
-    ),
-)
-PRELOAD = (
-    Rule("rope.preload_N", "twice the preload that keeps every cable taut at peak torque", "no_slack", _preload),
-)
-LEAD = (
-    Rule(
-        "rope.helix_lead_mm",
-        "the least lead at which a span clears the turn wound before it at the largest fleet angle; room for a thicker "
-        "rope where steps and centre distance leave it",
-        "self_clearance",
-        _lead,
-    ),
-)
+LEAD = (_lead,)

@@ -44,7 +44,7 @@ from mbcdm_cad.parts.drum_sector.sizes import (
     SWAGE_START_MM,
 )
 from mbcdm_cad.parts.threads import SHEAR_SHARE
-from mbcdm_cad.sizing.rule import Found, Rule, largest, rounded_down, rounded_up
+from mbcdm_cad.sizing.rule import Found, Rule, largest, rounded_down, rounded_up, rule
 
 # Height of the hub over its set screws, so that they never project.
 SCREW_LIP_MM = 1.0
@@ -78,7 +78,12 @@ def _load_Nm(given: BevelKnown) -> float:
     return at_stop_Nm(float(given["loads.peak_torque_Nm"]), float(input_Nm), given.total_ratio, 2)
 
 
-def _web(given: BevelKnown) -> Found:
+@rule(
+    "drum.web_thickness_mm",
+    "a multiple of the least wall of the material, larger for a larger drum and for a larger torque",
+    "web_in_rim",
+)
+def web(given: BevelKnown) -> Found:
     bears_MPa, load_Nmm = lasting_MPa(_material(given)) / STRESS_SAFETY, 1e3 * _load_Nm(given)
     stop = given.shelf_bottom_mm + STOP_PIN_WALL_MM
     needs = {
@@ -133,7 +138,8 @@ def _floor_under_pockets(given: BevelKnown) -> float:
     return float(max(passed, default=0.0) + floor)
 
 
-def _outer_face(given: BevelKnown) -> Found:
+@rule("drum.outer_face_y_mm", "least distance that covers the last cable's flank, the nuts and the lugs", "outer_face")
+def outer_face(given: BevelKnown) -> Found:
     return _face_over_web(given, given["drum.web_thickness_mm"])
 
 
@@ -211,12 +217,23 @@ def _crowded(given: BevelKnown, screws: int = SCREWS) -> bool:
     return rounded_up(_payload_hub_mm(given, screws), 0.5) > 2 * room
 
 
-def _output_screws(given: BevelKnown) -> Found:
+@rule(
+    "drum.output_screws",
+    "more than four, because the hub for four leaves no wall inside the stop pin's slot",
+    "stop_slot",
+    _crowded,
+)
+def output_screws(given: BevelKnown) -> Found:
     fewest = next((n for n in MORE_SCREWS if not _crowded(given, n)), MORE_SCREWS[-1])
     return Found(fewest, "stop_slot", f"the least of {', '.join(map(str, MORE_SCREWS))} that leaves the wall")
 
 
-def _hub_diameter(given: BevelKnown) -> Found:
+@rule(
+    "drum.hub_diameter_mm",
+    "least diameter for shaft, set screws, torsion and payload's screws, or a share of the radius, for stiffness",
+    "hub_walls",
+)
+def hub_diameter(given: BevelKnown) -> Found:
     shaft = _shaft_radius(given)
     bears_MPa = lasting_MPa(_material(given)) * SHEAR_SHARE / STRESS_SAFETY
     spigot = given.entry("bearings", "drum.bearing")["inner_shoulder_mm"] / 2
@@ -234,7 +251,12 @@ def _hub_diameter(given: BevelKnown) -> Found:
     return largest(needs, 0.5)
 
 
-def _hub_face(given: BevelKnown) -> Found:
+@rule(
+    "drum.hub_face_y_mm",
+    "least length for shaft, set screws and payload's threads; the front of the box if one is stated",
+    "hub_length",
+)
+def hub_face(given: BevelKnown) -> Found:
     start = given.drum_inner_mm - 3 * given["clearances.running_mm"] + 0.5
     screw, wall = given.screw(HUB_SCREW).thread_mm, given.wall_mm("drum")
     end = _web_start(given) + given["drum.web_thickness_mm"]
@@ -253,7 +275,12 @@ def _hub_face(given: BevelKnown) -> Found:
     return largest(needs, 0.1)
 
 
-def _shaft_bore(given: BevelKnown) -> float:
+@rule(
+    "drum.shaft_bore_mm",
+    "0.7 of the shaft's diameter, or less for its wall; half of it under a payload: lighter, and bends little",
+    "shaft_wall",
+)
+def shaft_bore(given: BevelKnown) -> float:
     across = 2 * _shaft_radius(given)
     if given.payload != NO_PAYLOAD:
         return across / 2
@@ -340,43 +367,14 @@ def _windows_cost(given: BevelKnown) -> bool:
 
 HUB = (
     # Where it does not apply, the schema's own value stays.
-    Rule(
-        "drum.output_screws",
-        "more than four, because the hub for four leaves no wall inside the stop pin's slot",
-        "stop_slot",
-        _output_screws,
-        applies=_crowded,
-    ),
-    Rule(
-        "drum.hub_diameter_mm",
-        "least diameter for shaft, set screws, torsion and payload's screws, or a share of the radius, for stiffness",
-        "hub_walls",
-        _hub_diameter,
-    ),
+    output_screws,
+    hub_diameter,
 )
-WEB = (
-    Rule(
-        "drum.web_thickness_mm",
-        "a multiple of the least wall of the material, larger for a larger drum and for a larger torque",
-        "web_in_rim",
-        _web,
-    ),
-    Rule(
-        "drum.outer_face_y_mm",
-        "least distance that covers the last cable's flank, the nuts and the lugs",
-        "outer_face",
-        _outer_face,
-    ),
-)
+WEB = (web, outer_face)
 # The stop pin of the drum is in a slot between hub and rim.
 DRUM = (
     Rule("drum.rim_inner_radius_mm", "least height of the rim under the deepest pocket", "rim_height", _rim_inner),
-    Rule(
-        "drum.shaft_bore_mm",
-        "0.7 of the shaft's diameter, or less for its wall; half of it under a payload: lighter, and bends little",
-        "shaft_wall",
-        _shaft_bore,
-    ),
+    shaft_bore,
     Rule(
         "drum.sector_half_angle_deg",
         "least angle for the travel, the wrap left and the terminals; larger if a box is stated",
@@ -385,14 +383,6 @@ DRUM = (
     ),
 )
 # The box is measured from the frame's back, so this rule comes after that of the back.
-HUB_FACE = (
-    Rule(
-        "drum.hub_face_y_mm",
-        "least length for shaft, set screws and payload's threads; the front of the box if one is stated",
-        "hub_length",
-        _hub_face,
-    ),
-)
 WINDOWS = (
     Rule(
         "drum.windows",

@@ -28,7 +28,7 @@ from mbcdm_cad.layouts.miso_bevel.support.dims import (
 )
 from mbcdm_cad.parts.collar import collar_sweep_mm, collar_width_mm
 from mbcdm_cad.parts.drum_sector.sizes import SPRING_HEIGHT_MM
-from mbcdm_cad.sizing.rule import Found, Rule, largest, rounded_down, smallest
+from mbcdm_cad.sizing.rule import Found, Rule, largest, rounded_down, rule, smallest
 
 # Walls of the frame as shares of the outermost drum radius (estimate; a check of its own holds the frame's stiffness).
 BACK_SHARE, RIB_SHARE = 1.0 / 13.0, 1.0 / 9.2
@@ -41,7 +41,12 @@ SPACE_SPARE_MM = 0.1
 PIN_SPARE = 0.75
 
 
-def _motor_shelf(given: BevelKnown) -> Found:
+@rule(
+    "support.motor_shelf_mm",
+    "thickness that leaves enough engagement for the gearhead's screws and shaft",
+    "engagement",
+)
+def motor_shelf(given: BevelKnown) -> Found:
     head = given.entry("gearheads", "drive.gearhead")
     screw = given.screw(head["screw"])
     limits = {
@@ -54,7 +59,8 @@ def _motor_shelf(given: BevelKnown) -> Found:
     return smallest(limits, 0.1)
 
 
-def _bearing_shelf(given: BevelKnown) -> Found:
+@rule("support.bearing_shelf_mm", "the lower bearings and a shoulder", "bearing_shelf")
+def bearing_shelf(given: BevelKnown) -> Found:
     wall = given.wall_mm("support")
     needs = {
         "bearing_shelf": given.entry("bearings", given.shelf_bearing)["width_mm"] + wall + SHELF_SPARE_MM,
@@ -71,7 +77,8 @@ def _sunk_mm(given: BevelKnown) -> float:
     return encoder.head_height_mm + ENCODER_HEAD_SUNK_MM
 
 
-def _top_plate(given: BevelKnown) -> Found:
+@rule("support.top_plate_mm", "the upper bearings and a shoulder", "top_plate")
+def top_plate(given: BevelKnown) -> Found:
     wall = given.wall_mm("support")
     sunk = {} if given.motors_above else {"encoders' screws": _sunk_mm(given) + wall}
     needs = {
@@ -82,7 +89,8 @@ def _top_plate(given: BevelKnown) -> Found:
     return largest(needs, 0.1)
 
 
-def _coupling_space(given: BevelKnown) -> Found:
+@rule("support.coupling_space_mm", "space to insert the collar, the gearhead's screws and their key", "coupling_height")
+def coupling_space(given: BevelKnown) -> Found:
     head, above_plate = given.entry("gearheads", "drive.gearhead"), given.motors_above
     screw, collar = given.screw(head["screw"]), collar_width_mm(given, given["input_pulleys.collar_screw"])
     running = given["clearances.running_mm"]
@@ -102,6 +110,7 @@ def _coupling_space(given: BevelKnown) -> Found:
     return largest(needs, 0.1)
 
 
+@rule("drum.stop_pin_mm", "the thinnest pin that holds both stalled motors", "stop_pin")
 def _stop_pin(given: BevelKnown) -> Found:
     """The thinnest pin of the usual sizes that holds both motors stalled."""
     thinnest = 0.0
@@ -118,12 +127,14 @@ def _stop_pin(given: BevelKnown) -> Found:
     return Found(STOP_PINS_MM[-1], "stop_pin", "the thickest of the usual sizes")
 
 
-def _back_plate(given: BevelKnown) -> Found:
+@rule("support.back_plate_mm", "a share of the drum's radius, for the stiffness of the frame", "frame_windup")
+def back_plate(given: BevelKnown) -> Found:
     stiff = BACK_SHARE * given.frame.stiffer * max(given.drum_mm)
     return largest({"frame_windup": stiff, "walls": 2 * given.wall_mm("support")}, 0.1)
 
 
-def _rib(given: BevelKnown) -> Found:
+@rule("support.rib_mm", "a share of the drum's radius, or less for the heads of the mounting screws", "frame_windup")
+def rib(given: BevelKnown) -> Found:
     bearing = given.entry("bearings", "drum.bearing")["outer_diameter_mm"] / 2
     ring = given.entry("encoders", "drive.drum_encoder")["diameter_mm"]
     head, least = given.mount_head_mm, given.wall_mm("support")
@@ -138,7 +149,8 @@ def _rib(given: BevelKnown) -> Found:
     return Found(max(rounded_down(min(wanted, most), 0.1), least), driver, "down to 0.1")
 
 
-def _back(given: BevelKnown) -> Found:
+@rule("support.back_y_mm", "nearest plane behind drum bearings, encoder, pulleys, collars and stop pin", "collar_space")
+def back(given: BevelKnown) -> Found:
     """Outer face of the back plate: as far back as drum bearings, pulleys, collars and the stop pin need."""
     running, wall, plate = given["clearances.running_mm"], given.wall_mm("support"), given["support.back_plate_mm"]
     setback = float(given.get("transmission.input_setback_mm", 0.0))
@@ -168,50 +180,22 @@ def _back(given: BevelKnown) -> Found:
     return Found(-found.value, found.driver, found.rounding)
 
 
-def _mount_screw(given: BevelKnown) -> Found:
+@rule("support.mount_screw", "the thinnest that holds the peak torque by friction", "mounting_screws")
+def mount_screw(given: BevelKnown) -> Found:
     return Found(given.frame.mount_screw, "mounting_screws", "the thinnest of M3 to M6 that holds")
 
 
 FRAME = (
-    Rule("support.mount_screw", "the thinnest that holds the peak torque by friction", "mounting_screws", _mount_screw),
-    Rule(
-        "support.motor_shelf_mm",
-        "thickness that leaves enough engagement for the gearhead's screws and shaft",
-        "engagement",
-        _motor_shelf,
-    ),
-    Rule("support.bearing_shelf_mm", "the lower bearings and a shoulder", "bearing_shelf", _bearing_shelf),
-    Rule("support.top_plate_mm", "the upper bearings and a shoulder", "top_plate", _top_plate),
+    mount_screw,
+    motor_shelf,
+    bearing_shelf,
+    top_plate,
     Rule("support.side_wall_mm", "walls beside the sunk heads of the top plate's screws", "side_wall", side_wall),
-    Rule(
-        "support.coupling_space_mm",
-        "space to insert the collar, the gearhead's screws and their key",
-        "coupling_height",
-        _coupling_space,
-    ),
-    Rule(
-        "support.back_plate_mm",
-        "a share of the drum's radius, for the stiffness of the frame",
-        "frame_windup",
-        _back_plate,
-    ),
-    Rule(
-        "support.rib_mm",
-        "a share of the drum's radius, or less for the heads of the mounting screws",
-        "frame_windup",
-        _rib,
-    ),
+    coupling_space,
+    back_plate,
+    rib,
 )
-STOP_PIN = (Rule("drum.stop_pin_mm", "the thinnest pin that holds both stalled motors", "stop_pin", _stop_pin),)
-# After the inputs' setback, on which it depends.
-BACK = (
-    Rule(
-        "support.back_y_mm",
-        "nearest plane behind drum bearings, encoder, pulleys, collars and stop pin",
-        "collar_space",
-        _back,
-    ),
-)
+STOP_PIN = (_stop_pin,)
 
 
 STEP_DEG = 15.0
@@ -252,17 +236,12 @@ def _helps(given: BevelKnown) -> bool:
     return _turn(given) is not None
 
 
-def _value(given: BevelKnown) -> Found:
-    return Found(_turn(given), _failing(_drive(given), 0.0), f"to {STEP_DEG:g}")
-
-
 # Where it does not apply, the schema's own value stays.
-TURN = (
-    Rule(
-        FIELD,
-        "the least turn with which the heads of the gearheads' screws and their key clear the walls",
-        "head_seats",
-        _value,
-        applies=_helps,
-    ),
+@rule(
+    FIELD,
+    "the least turn with which the heads of the gearheads' screws and their key clear the walls",
+    "head_seats",
+    _helps,
 )
+def gearhead_turn(given: BevelKnown) -> Found:
+    return Found(_turn(given), _failing(_drive(given), 0.0), f"to {STEP_DEG:g}")

@@ -45,7 +45,7 @@ from mbcdm_cad.parts.collar import collar
 from mbcdm_cad.parts.drum_sector.sizes import SPRING_HEIGHT_MM, SWAGE_FLOOR_MM
 from mbcdm_cad.parts.input_pulley.stop import neck_mm
 from mbcdm_cad.parts.threads import clamp_force_N
-from mbcdm_cad.sizing.rule import Found, Rule, rounded_up
+from mbcdm_cad.sizing.rule import Found, rounded_up, rule
 
 # An input carries half the peak torque, a little more in the direction of the bias of its preload.
 TORQUE_SPARE = 1.095
@@ -155,6 +155,11 @@ def _direct(given: BevelKnown) -> list[tuple[float, str, Callable[[], Margins]]]
     ]
 
 
+@rule(
+    "drive.motor",
+    "the lightest motor that, with its gearhead, holds half the peak torque and the preload's bias",
+    "motor_torque_back",
+)
 def _motor(given: BevelKnown) -> Found:
     if given.get("drive.gearhead") == NO_GEARHEAD:
         return first((name, margins) for _, name, margins in sorted(_direct(given), key=itemgetter(0, 1)))
@@ -165,6 +170,7 @@ def _motor(given: BevelKnown) -> Found:
     return first((name, margins) for _, name, margins in sorted(_direct(given), key=itemgetter(0, 1)))
 
 
+@rule("drive.gearhead", "the lightest gearhead that holds the input's torque", "gearhead_maximum")
 def _gearhead(given: BevelKnown) -> Found:
     motor = given.entry("motors", "drive.motor")
     if given.get("loads.backdrive_Nm") is not None and given["drive.motor"] in given.motors_with_faces():
@@ -184,7 +190,8 @@ def _led(play_mm: float) -> float:
     return min(play_mm - LEAST_PLAY_MM, MOST_PLAY_MM - play_mm)
 
 
-def _tensioner(given: BevelKnown) -> Found:
+@rule("drum.tensioner", "the shortest that holds the largest tension and fits the rope", "stud_stress")
+def tensioner(given: BevelKnown) -> Found:
     tension, d, ends = _tension_N(given), given.d_mm, given.termination
     bore = None if given.spring is None else float(given.spring["inside_mm"])
     steels = given.entries("materials")
@@ -217,7 +224,13 @@ def _journal_margin(given: BevelKnown) -> Callable[[Entry], float]:
     return lambda bearing: (neck - SHOULDER_MM - bearing["bore_mm"] / 2) / smallest
 
 
-def _lower(given: BevelKnown) -> Found:
+@rule(
+    "input_pulleys.lower_bearing",
+    "the lightest that fits journal and gearhead's shaft, carries the cables' load and leaves access to the "
+    "gearhead's screws",
+    "bore_wall",
+)
+def lower(given: BevelKnown) -> Found:
     head = given.entry("gearheads", "drive.gearhead")
     wall, screw = given.wall_mm("input_pulleys"), given.screw(head["screw"])
     key = screw.key_mm / sqrt(3.0) + 0.15
@@ -263,20 +276,27 @@ def _upper_margins(given: BevelKnown, load_factor: float) -> Callable[[Entry, En
     return margins
 
 
-def _upper(given: BevelKnown) -> Found:
+@rule("input_pulleys.upper_bearing", "the lightest that fits an encoder and carries the cables' load", "input_bearings")
+def upper(given: BevelKnown) -> Found:
     partner = ("encoders", "drive.encoder")
     return careful(
         INPUT_PRELOADS, lambda factor: with_partner(given, "bearings", partner, _upper_margins(given, factor))
     )
 
 
+@rule("drive.encoder", "the lightest that fits the upper journal", "encoder_fit")
 def _encoder(given: BevelKnown) -> Found:
     bearing = given.entry("bearings", "input_pulleys.upper_bearing")
     margins = _upper_margins(given, INPUT_PRELOADS[-1])
     return lightest(given, "encoders", lambda entry: margins(bearing, entry))
 
 
-def _collar_screw(given: BevelKnown) -> Found:
+@rule(
+    "input_pulleys.collar_screw",
+    "the smallest whose clamp holds the input's torque on the gearhead's shaft",
+    "collar_grip",
+)
+def collar_screw(given: BevelKnown) -> Found:
     """The smallest screw whose clamp holds the input's torque on the gearhead's shaft."""
     needed = _input_torque_Nm(given) * 1e3
     journal = given.entry("bearings", "input_pulleys.lower_bearing")["bore_mm"]
@@ -331,20 +351,28 @@ def _by_boss(bearing: Entry, ring: Entry) -> float:
     return float(ring["bolt_circle_mm"])
 
 
-def _drum_bearing(given: BevelKnown) -> Found:
+@rule(
+    "drum.bearing",
+    "the lightest with a bore for the drum's shaft and an encoder that carries the cables' load; in a small drum "
+    "that pulls hard the one with the smallest boss",
+    "drum_bearings",
+)
+def drum_bearing(given: BevelKnown) -> Found:
     partner, order = ("encoders", "drive.drum_encoder"), _by_boss if _is_small(given) else by_mass
     return careful(
         DRUM_TENSIONS, lambda factor: with_partner(given, "bearings", partner, _drum_margins(given, factor), order)
     )
 
 
-def _drum_encoder(given: BevelKnown) -> Found:
+@rule("drive.drum_encoder", "the lightest that fits the drum's shaft", "encoder_fit")
+def drum_encoder(given: BevelKnown) -> Found:
     bearing, margins = given.entry("bearings", "drum.bearing"), _drum_margins(given, DRUM_TENSIONS[-1])
     by = "bolt_circle_mm" if _is_small(given) else "mass_g"
     return ordered(given.entries("encoders"), by, lambda entry: margins(bearing, entry))
 
 
-def _guide_bearing(given: BevelKnown) -> Found:
+@rule("guide.bearing", "the lightest that fits into the guide and carries the cables' load", "guide_bearings")
+def guide_bearing(given: BevelKnown) -> Found:
     tension = GUIDE_TENSIONS * _tension_N(given)
     room = None
     if given.has("transmission.drum_radii_mm") and given.has("transmission.ratios.guide_to_drum"):
@@ -362,51 +390,5 @@ def _guide_bearing(given: BevelKnown) -> Found:
     return lightest(given, "bearings", margins)
 
 
-TENSIONER = (
-    Rule("drum.tensioner", "the shortest that holds the largest tension and fits the rope", "stud_stress", _tensioner),
-)
-DRIVES = (
-    Rule(
-        "drive.motor",
-        "the lightest motor that, with its gearhead, holds half the peak torque and the preload's bias",
-        "motor_torque_back",
-        _motor,
-    ),
-    Rule("drive.gearhead", "the lightest gearhead that holds the input's torque", "gearhead_maximum", _gearhead),
-)
-PARTS = (
-    Rule(
-        "input_pulleys.lower_bearing",
-        "the lightest that fits journal and gearhead's shaft, carries the cables' load and leaves access to the "
-        "gearhead's screws",
-        "bore_wall",
-        _lower,
-    ),
-    Rule(
-        "input_pulleys.upper_bearing",
-        "the lightest that fits an encoder and carries the cables' load",
-        "input_bearings",
-        _upper,
-    ),
-    Rule(
-        "input_pulleys.collar_screw",
-        "the smallest whose clamp holds the input's torque on the gearhead's shaft",
-        "collar_grip",
-        _collar_screw,
-    ),
-    Rule("drive.encoder", "the lightest that fits the upper journal", "encoder_fit", _encoder),
-    Rule(
-        "drum.bearing",
-        "the lightest with a bore for the drum's shaft and an encoder that carries the cables' load; in a small drum "
-        "that pulls hard the one with the smallest boss",
-        "drum_bearings",
-        _drum_bearing,
-    ),
-    Rule("drive.drum_encoder", "the lightest that fits the drum's shaft", "encoder_fit", _drum_encoder),
-    Rule(
-        "guide.bearing",
-        "the lightest that fits into the guide and carries the cables' load",
-        "guide_bearings",
-        _guide_bearing,
-    ),
-)
+DRIVES = (_motor, _gearhead)
+PARTS = (lower, upper, collar_screw, _encoder, drum_bearing, drum_encoder, guide_bearing)

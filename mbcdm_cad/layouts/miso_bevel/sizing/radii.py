@@ -32,7 +32,7 @@ from mbcdm_cad.parts.bodies import screw_places
 from mbcdm_cad.parts.boss import BEARING_WALL_MM, EAR_WALL_MM
 from mbcdm_cad.parts.collar import collar_sweep_mm
 from mbcdm_cad.parts.motor_head.dims import KEY_PLAY_MM
-from mbcdm_cad.sizing.rule import Found, Rule, driver_of, largest, rounded_down, rounded_up
+from mbcdm_cad.sizing.rule import Found, driver_of, largest, rounded_down, rounded_up, rule
 
 STEP_MM = 0.1
 # Message for a centre distance that leaves no free span; a search may still find radii for it.
@@ -99,7 +99,12 @@ def _step_needs(given: BevelKnown, step_mm: float) -> dict[str, float]:
     return needs
 
 
-def _drum_radii(given: BevelKnown) -> Found:
+@rule(
+    "transmission.drum_radii_mm",
+    "equal steps, large enough for the walk on the inputs, for the terminals and for the lands",
+    "input_walk",
+)
+def drum_radii(given: BevelKnown) -> Found:
     """Radii with equal steps; the lead depends on the radii and the step on the lead, so a few passes are needed."""
     step = 3.0
     needs: dict[str, float] = {}
@@ -147,7 +152,14 @@ def _guide_room_mm(given: BevelKnown, outer_input_mm: float, step_mm: float) -> 
     return float((across - outer_input_mm) / outer)
 
 
-def _guide_to_drum(given: BevelKnown) -> Found:
+@rule(
+    "transmission.ratios.guide_to_drum",
+    "the smallest guide with space for its bearing, for the front walls beside the input bearings and for the "
+    "inputs behind the drum",
+    "guide_wall",
+    _wide_enough,
+)
+def guide_to_drum(given: BevelKnown) -> Found:
     if given.has("transmission.ratios.input_to_guide"):
         return Found(given["transmission.ratio"] / given["transmission.ratios.input_to_guide"], "transmission.ratio")
     step = given.drum_mm[1] - given.drum_mm[0] if given.has("transmission.drum_radii_mm") else 3.6
@@ -157,11 +169,22 @@ def _guide_to_drum(given: BevelKnown) -> Found:
     return Found(rounded_down(given.first_drum_mm / radius, 0.05), driver, "down to 0.05")
 
 
-def _input_to_guide(given: BevelKnown) -> float:
+@rule(
+    "transmission.ratios.input_to_guide",
+    "the total ratio over the ratio of guide to drum",
+    "transmission.ratio",
+    _wide_enough,
+)
+def input_to_guide(given: BevelKnown) -> float:
     return float(round(given["transmission.ratio"] / given["transmission.ratios.guide_to_drum"], 9))
 
 
-def _centre_distance(given: BevelKnown) -> Found:
+@rule(
+    "transmission.centre_distance_mm",
+    "the shortest free span within the limit of the fleet angle, with space for pulleys, drives and encoders",
+    "fleet_angle",
+)
+def centre_distance(given: BevelKnown) -> Found:
     d, running = given.d_mm, given["clearances.running_mm"]
     fleet = given.fleet_limit_deg
     guide, pulley = max(given.guide_mm), max(given.input_mm)
@@ -200,7 +223,14 @@ def _crowded_below(given: BevelKnown) -> bool:
     return bool(distance < _apart_mm(given, False)) and bool(distance >= _apart_mm(given, True))
 
 
-def _motor_side(given: BevelKnown) -> str:
+# Where it does not apply, the schema's own value stays.
+@rule(
+    "drive.motor_side",
+    "above, because the stated centre distance leaves no space for the drives beside the drum's bearings",
+    "drives_apart",
+    _crowded_below,
+)
+def motor_side(given: BevelKnown) -> str:
     return "above" if _crowded_below(given) else "below"
 
 
@@ -215,7 +245,12 @@ def _web_mm(given: BevelKnown) -> float:
     return float(STOP_WEB_MM / 2 + max(corner, given["clearances.running_mm"]))
 
 
-def _surface(given: BevelKnown) -> Found:
+@rule(
+    "input_pulleys.surface",
+    "smooth, or grooved if the stated centre distance gives a fleet angle that only grooves allow",
+    "fleet_angle",
+)
+def surface(given: BevelKnown) -> Found:
     """Smooth, unless the given centre distance causes a fleet angle that only grooves allow."""
     if not given.has("transmission.centre_distance_mm"):
         return Found("smooth", "centre distance follows")
@@ -242,6 +277,7 @@ def _shown_mm(length_mm: float) -> str:
     return f"{float(np.min(length_mm)):.4g} mm"
 
 
+@rule("transmission.input_setback_mm", "the least with which drum and terminals clear the drives", "drum_sweep")
 def _setback(given: BevelKnown) -> Found:
     """Zero if the drum passes drives and pulleys without setback; else the setback at which its terminals pass them."""
     passing = {"drum_sweep": 0.0} if _drum_passes(given) else _passing_needs_mm(given)
@@ -352,62 +388,5 @@ def _take_up_of(given: BevelKnown, length_mm: float) -> float:
     return float(length_mm * (stretch + given.rope["bedding_in_share"]) + cut + setting)
 
 
-RADII = (
-    Rule(
-        "transmission.drum_radii_mm",
-        "equal steps, large enough for the walk on the inputs, for the terminals and for the lands",
-        "input_walk",
-        _drum_radii,
-    ),
-)
-RATIOS = (
-    Rule(
-        "transmission.ratios.guide_to_drum",
-        "the smallest guide with space for its bearing, for the front walls beside the input bearings and for the "
-        "inputs behind the drum",
-        "guide_wall",
-        _guide_to_drum,
-        applies=_wide_enough,
-    ),
-    Rule(
-        "transmission.ratios.input_to_guide",
-        "the total ratio over the ratio of guide to drum",
-        "transmission.ratio",
-        _input_to_guide,
-        applies=_wide_enough,
-    ),
-)
-# Where it does not apply, the schema's own value stays.
-MOTOR_SIDE = (
-    Rule(
-        "drive.motor_side",
-        "above, because the stated centre distance leaves no space for the drives beside the drum's bearings",
-        "drives_apart",
-        _motor_side,
-        applies=_crowded_below,
-    ),
-)
-DISTANCE = (
-    Rule(
-        "transmission.centre_distance_mm",
-        "the shortest free span within the limit of the fleet angle, with space for pulleys, drives and encoders",
-        "fleet_angle",
-        _centre_distance,
-    ),
-)
-SURFACE = (
-    Rule(
-        "input_pulleys.surface",
-        "smooth, or grooved if the stated centre distance gives a fleet angle that only grooves allow",
-        "fleet_angle",
-        _surface,
-    ),
-)
-SETBACK = (
-    Rule(
-        "transmission.input_setback_mm",
-        "the least with which drum and terminals clear the drives",
-        "drum_sweep",
-        _setback,
-    ),
-)
+RATIOS = (guide_to_drum, input_to_guide)
+SETBACK = (_setback,)

@@ -15,13 +15,22 @@ from mbcdm_cad.design.freedom import Freedom
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import Moved, Sizing, SizingError
 from mbcdm_cad.layouts import common_freedoms
-from mbcdm_cad.layouts.common_rules import HALF_TRAVEL, SCHEMA_VERSION, missing_travel, needed
+from mbcdm_cad.layouts.common_rules import SCHEMA_VERSION, half_travel, missing_travel, needed
 from mbcdm_cad.layouts.head_basis import LIMITS, METALS, ROPE_LIMITS, TRAIN
 from mbcdm_cad.layouts.head_parts import PARTS
 from mbcdm_cad.layouts.open_ratio import lightest
 from mbcdm_cad.layouts.siso_spur.drive import MOUNT_BOLTS
-from mbcdm_cad.layouts.siso_spur.sizing.basis import LAND_EDGE, NAMES, PRELOAD, RADIUS, RATIO, ROPE, WINDING
-from mbcdm_cad.layouts.siso_spur.sizing.dims import BACK, DISTANCE, DRUM, FRAME, IDLERS, MOUNT, WIDTH, idler_guesses
+from mbcdm_cad.layouts.siso_spur.sizing.basis import LAND_EDGE, NAMES, PRELOAD, RATIO, ROPE, WINDING, drum_radius
+from mbcdm_cad.layouts.siso_spur.sizing.dims import (
+    DRUM,
+    FRAME,
+    IDLERS,
+    MOUNT,
+    WIDTH,
+    back,
+    centre_distance,
+    idler_guesses,
+)
 from mbcdm_cad.layouts.siso_spur.sizing.first_stage import FIRST, with_room
 from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
 from mbcdm_cad.layouts.siso_spur.sizing.stage import GUESSES, STAGE, STAGE_RATIO
@@ -32,7 +41,7 @@ from mbcdm_cad.sizing.rule import Rule
 
 DERIVED = tuple(
     rule.field
-    for rule in (*WINDING, *WIDTH, *FRAME, *DISTANCE, *DRUM, *BACK)
+    for rule in (*WINDING, *WIDTH, *FRAME, centre_distance, *DRUM, back)
     if rule.field not in ("transmission.turns", "drum.windows")
 )
 
@@ -49,7 +58,7 @@ RULES: tuple[Rule, ...] = (
     *RATIO,
     *ROPE,
     *ROPE_LIMITS,
-    *RADIUS,
+    drum_radius,
     *IDLERS,
     *PRELOAD,
     *PARTS,
@@ -57,10 +66,10 @@ RULES: tuple[Rule, ...] = (
     *FRAME,
     *WINDING,
     *WIDTH,
-    *DISTANCE,
+    centre_distance,
     *MOUNT,
     *DRUM,
-    *BACK,
+    back,
 )
 
 
@@ -104,7 +113,7 @@ def sized(
     def by_rules(
         data: dict[str, Any], moved: Moved | None, similar: Sizing | None, ratio: tuple[Rule, ...] = ()
     ) -> Sizing:
-        rules = (SCHEMA_VERSION, HALF_TRAVEL, *names, *ratio, *RULES)
+        rules = (SCHEMA_VERSION, half_travel, *names, *ratio, *RULES)
         return repeated(data, known, rules, _first_guesses(data), moved, similar)
 
     plain: Size = by_rules

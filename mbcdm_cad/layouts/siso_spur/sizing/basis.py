@@ -27,7 +27,7 @@ from mbcdm_cad.layouts.siso_spur.drive import MOST_TURNS
 from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
 from mbcdm_cad.layouts.trial_sizing import whole_turns
 from mbcdm_cad.parts.input_pulley.stop import neck_mm, widest_bend_mm
-from mbcdm_cad.sizing.rule import Found, Rule, constant, rounded_up
+from mbcdm_cad.sizing.rule import Found, Rule, constant, rounded_up, rule
 
 # Preload over the preload that an infinite wrap would need for the slip margin.
 PRELOAD_SPARE = 1.35
@@ -42,7 +42,8 @@ LANDINGS_DEG, OPEN_LANDINGS_DEG, STICKING_DEG = 50.0, 280.0, 20.0
 _RADIUS_STEP_MM = 0.05
 
 
-def _cables(given: SpurKnown) -> list[dict[str, Any]]:
+@rule("cables", "two sides of each cable", "the configuration")
+def cables(given: SpurKnown) -> list[dict[str, Any]]:
     """Both sides of each cable."""
     if given.parallel == 1:
         return list(REFERENCE.cables)
@@ -57,7 +58,12 @@ def _input_needs_mm(given: SpurKnown, d_mm: float, bend_ratio: float) -> dict[st
     return {"bend_ratio": bend_ratio * d_mm / 2, "bearing_shoulders": shaft / 2 + NECK_MM + d_mm / 2}
 
 
-def _drum_radius(given: SpurKnown) -> Found:
+@rule(
+    "transmission.drum_radius_mm",
+    "the ratio times the smallest input for rope and shaft, or more for the stop slot",
+    "bend_ratio",
+)
+def drum_radius(given: SpurKnown) -> Found:
     """The ratio times the smallest input that keeps the limit of the bend ratio and leaves a neck round the shaft.
 
     With anchored cables the input must also take their stops. The drum is at least as large as the stop slot needs
@@ -128,6 +134,11 @@ def _rope(given: SpurKnown) -> Found:
     return found
 
 
+@rule(
+    "rope.preload_N",
+    "least preload for the slip margin at peak torque; with anchored cables twice the one that keeps them taut",
+    "input_slip",
+)
 def _preload(given: SpurKnown) -> Found:
     """The usual preload, or less, as long as friction still holds the cable.
 
@@ -147,7 +158,12 @@ def _preload(given: SpurKnown) -> Found:
     return usual if found.value == usual.value else replace(found, rounding="two digits")
 
 
-def _turns(given: SpurKnown) -> Found:
+@rule(
+    "transmission.turns",
+    "least number for the travel, the creep at both ends and the slip margin; anchored: for travel and stop",
+    "input_slip",
+)
+def turns(given: SpurKnown) -> Found:
     """Turns for the travel, for the creep at both ends at peak torque and for a part that sticks.
 
     For two anchored cables, turns for the travel and for the dead turns.
@@ -168,7 +184,8 @@ def _turns(given: SpurKnown) -> Found:
     return given.first("transmission.turns", range(start, min(start + 12, MOST_TURNS + 1)), ("input_slip",))
 
 
-def _lead(given: SpurKnown) -> Found:
+@rule("rope.helix_lead_mm", "the least lead with gaps between turns and crests between grooves", "helix_lead")
+def lead(given: SpurKnown) -> Found:
     step = 0.05 if given.d_mm > 0.5 else 0.01
     # Beside a terminal of a whole drum lies the turn before it.
     # Up to it reaches a lug of plastic.
@@ -178,10 +195,7 @@ def _lead(given: SpurKnown) -> Found:
 
 
 LAND_EDGE = (constant("clearances.land_edge_mm", 0.3, "a broken edge and the run-out of the cutter", "rim_width"),)
-NAMES = (
-    constant("inputs", REFERENCE.inputs, "one", "the configuration"),
-    Rule("cables", "two sides of each cable", "the configuration", _cables),
-)
+NAMES = (constant("inputs", REFERENCE.inputs, "one", "the configuration"), cables)
 RATIO = (
     Rule(
         "transmission.input_to_drum",
@@ -192,30 +206,5 @@ RATIO = (
     ),
 )
 ROPE = (rope(_rope),)
-RADIUS = (
-    Rule(
-        "transmission.drum_radius_mm",
-        "the ratio times the smallest input for rope and shaft, or more for the stop slot",
-        "bend_ratio",
-        _drum_radius,
-    ),
-)
-PRELOAD = (
-    Rule(
-        "rope.preload_N",
-        "least preload for the slip margin at peak torque; with anchored cables twice the one that keeps them taut",
-        "input_slip",
-        _preload,
-    ),
-)
-WINDING = (
-    Rule(
-        "rope.helix_lead_mm", "the least lead with gaps between turns and crests between grooves", "helix_lead", _lead
-    ),
-    Rule(
-        "transmission.turns",
-        "least number for the travel, the creep at both ends and the slip margin; anchored: for travel and stop",
-        "input_slip",
-        _turns,
-    ),
-)
+PRELOAD = (_preload,)
+WINDING = (lead, turns)

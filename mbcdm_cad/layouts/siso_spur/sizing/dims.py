@@ -6,14 +6,14 @@ from math import hypot
 from typing import Any
 
 from mbcdm_cad.layouts.head_dims import (
-    BEARING_SHELF,
-    COUPLING_SPACE,
-    ENCODER_SHELF,
     MOST_WALL,
-    MOTOR_SHELF,
     UNUSED,
+    bearing_shelf,
+    coupling_space,
     drum_rules,
     either,
+    encoder_shelf,
+    motor_shelf,
     mount_rules,
     side_wall,
     stiff_wall,
@@ -21,7 +21,7 @@ from mbcdm_cad.layouts.head_dims import (
 from mbcdm_cad.layouts.siso_spur.drive import MOUNT_BOLTS
 from mbcdm_cad.layouts.siso_spur.idlers import flange_radius_mm
 from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
-from mbcdm_cad.sizing.rule import Found, Rule, largest, rounded_up
+from mbcdm_cad.sizing.rule import Found, Rule, largest, rounded_up, rule
 
 # Walls of a milled part and of a printed one, mm (estimate: the modulus of filament is about twenty times smaller).
 PLATE_MM, BRIDGE_MM = (5.0, 8.0), (4.0, 7.0)
@@ -35,7 +35,8 @@ REACH = 2.0
 _BEARING = "624"
 
 
-def _plate(given: SpurKnown) -> Found:
+@rule("support.plate_mm", "usual thickness, or more for the motor head's screws and where the frame winds up", "flange")
+def plate(given: SpurKnown) -> Found:
     start = either(given, "support", PLATE_MM)
     if given.servo is not None:
         return stiff_wall(given, "support.plate_mm", start, 0.1, ("plate",), ("motor_seat",))
@@ -48,7 +49,12 @@ def _plate(given: SpurKnown) -> Found:
     return stiff_wall(given, "support.plate_mm", start, 0.1, ("plate",), ("flange",))
 
 
-def _bridge(given: SpurKnown) -> Found:
+@rule(
+    "support.bridge_mm",
+    "usual thickness for making it in its material, more where the frame winds up or its bearings lean",
+    "frame_windup",
+)
+def bridge(given: SpurKnown) -> Found:
     if given.overhung:
         return Found(either(given, "support", BRIDGE_MM), UNUSED)
     start = max(either(given, "support", BRIDGE_MM), given.wall_mm("support"))
@@ -59,7 +65,8 @@ def _bridge(given: SpurKnown) -> Found:
     return lean if stiff.value < lean.value <= MOST_WALL * start else stiff
 
 
-def _centre_distance(given: SpurKnown) -> Found:
+@rule("transmission.centre_distance_mm", "the shortest that span, bearings, screws and motor allow", "input_room")
+def centre_distance(given: SpurKnown) -> Found:
     start = given["transmission.drum_radius_mm"] + given.input_mm + 2 * given.d_mm
     if given.has("idlers.places"):
         far = max(place["z_mm"] for place in given["idlers.places"])
@@ -88,7 +95,8 @@ def _mount_screw(given: SpurKnown) -> Found:
     return given.first("support.mount_screw", MOUNT_BOLTS, ("mounting_screws",))
 
 
-def _back(given: SpurKnown) -> Found:
+@rule("support.back_y_mm", "nearest plane with enough distance between the drum's bearings", "drum_bearing_spacing")
+def back(given: SpurKnown) -> Found:
     return given.moved("support.back_y_mm", -10.0, -0.5, ("drum_bearing_spacing", "boss"))
 
 
@@ -118,7 +126,13 @@ def _guessed(given: SpurKnown) -> str:
     return str(given.guesses["idlers.bearing"])
 
 
-def _radius(given: SpurKnown) -> Found:
+@rule(
+    "idlers.radius_mm",
+    "the limit of the bend ratio, a quarter more than the input's radius, or room for the bearing",
+    "bend_ratio",
+    _has_idlers,
+)
+def radius(given: SpurKnown) -> Found:
     """The limit of the bend ratio, a quarter more than the input, and room for the bearing."""
     stated = given.has("idlers.bearing")
     bearing = given.entry("bearings", "idlers.bearing") if stated else given.entries("bearings")[_guessed(given)]
@@ -130,7 +144,13 @@ def _radius(given: SpurKnown) -> Found:
     return largest(needs, 0.5)
 
 
-def _places(given: SpurKnown) -> Found:
+@rule(
+    "idlers.places",
+    "one pair as near to the drum as its terminals allow, side by side; the cables pass between the two",
+    "idler_room",
+    _has_idlers,
+)
+def places(given: SpurKnown) -> Found:
     """One pair before the drum: the cables pass between the two, whose flanges leave a gap, and go on to the drum."""
     running, flange = given["clearances.running_mm"], flange_radius_mm(given["idlers.radius_mm"], given.d_mm)
     across = rounded_up(flange + running, 0.1)
@@ -141,88 +161,44 @@ def _places(given: SpurKnown) -> Found:
     return Found([{"x_mm": across, "z_mm": rounded_up((apart**2 - across**2) ** 0.5, 0.5)}], "idler_room", "up to 0.5")
 
 
+@rule(
+    "idlers.bearing",
+    "the lightest that carries the pull of both spans and whose axle is strong enough",
+    "idler_bearings",
+    _has_idlers,
+)
 def _bearing(given: SpurKnown) -> Found:
     entries = given.entries("bearings")
     names = sorted(entries, key=lambda name: (entries[name]["mass_g"], name))
     return given.first("idlers.bearing", names, ("idler_bearings", "idler_axles"))
 
 
-def _width(given: SpurKnown) -> Found:
+@rule(
+    "idlers.width_mm",
+    "least land for the walk of the cable and its rise, and for two bearings",
+    "idler_walk",
+    _has_idlers,
+)
+def width(given: SpurKnown) -> Found:
     bearing = given.entry("bearings", "idlers.bearing")
     return given.moved("idlers.width_mm", 2.0 * bearing["width_mm"] + 1.0, 0.1, ("idler_walk",))
 
 
 FRAME = (
-    MOTOR_SHELF,
+    motor_shelf,
     Rule(
         "support.side_wall_mm",
         "usual thickness for the stiffness and for making it in its material",
         "walls",
         side_wall,
     ),
-    Rule(
-        "support.bridge_mm",
-        "usual thickness for making it in its material, more where the frame winds up or its bearings lean",
-        "frame_windup",
-        _bridge,
-    ),
-    BEARING_SHELF,
-    ENCODER_SHELF,
-    COUPLING_SPACE,
-    Rule(
-        "support.plate_mm",
-        "usual thickness, or more for the motor head's screws and where the frame winds up",
-        "flange",
-        _plate,
-    ),
-)
-DISTANCE = (
-    Rule(
-        "transmission.centre_distance_mm",
-        "the shortest that span, bearings, screws and motor allow",
-        "input_room",
-        _centre_distance,
-    ),
+    bridge,
+    bearing_shelf,
+    encoder_shelf,
+    coupling_space,
+    plate,
 )
 MOUNT = mount_rules(_mount_screw)
 DRUM = drum_rules("least width for cable and terminals", _outer_face)
-BACK = (
-    Rule(
-        "support.back_y_mm",
-        "nearest plane with enough distance between the drum's bearings",
-        "drum_bearing_spacing",
-        _back,
-    ),
-)
-IDLERS = (
-    Rule(
-        "idlers.radius_mm",
-        "the limit of the bend ratio, a quarter more than the input's radius, or room for the bearing",
-        "bend_ratio",
-        _radius,
-        applies=_has_idlers,
-    ),
-    Rule(
-        "idlers.places",
-        "one pair as near to the drum as its terminals allow, side by side; the cables pass between the two",
-        "idler_room",
-        _places,
-        applies=_has_idlers,
-    ),
-)
-WIDTH = (
-    Rule(
-        "idlers.bearing",
-        "the lightest that carries the pull of both spans and whose axle is strong enough",
-        "idler_bearings",
-        _bearing,
-        applies=_has_idlers,
-    ),
-    Rule(
-        "idlers.width_mm",
-        "least land for the walk of the cable and its rise, and for two bearings",
-        "idler_walk",
-        _width,
-        applies=_has_idlers,
-    ),
-)
+IDLERS = (radius, places)
+WIDTH = (_bearing, width)

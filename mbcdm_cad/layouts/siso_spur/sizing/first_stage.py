@@ -13,7 +13,7 @@ from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.siso_spur.checks.stage import motor_beside_mm
 from mbcdm_cad.layouts.siso_spur.first_stage import gearhead_word, last_ratio, split_ratio
 from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
-from mbcdm_cad.sizing.rule import Found, Rule, rounded_up
+from mbcdm_cad.sizing.rule import Found, rounded_up, rule
 
 # Sizings after which the first stage stands where it stands.
 _ROUNDS = 4
@@ -26,46 +26,43 @@ def has_first_stage(given: SpurKnown) -> bool:
     return given.has("first_stage")
 
 
+@rule(
+    "transmission.input_to_drum",
+    "the root of the whole ratio, or less where the first drum would turn too far",
+    "first_stage.total_ratio",
+    lambda given: has_first_stage(given) and not given.has("transmission.input_radius_mm"),
+)
 def _last(given: SpurKnown) -> Found:
     return Found(split_ratio(given.get), "", "up to 0.05, down where the first drum would turn too far")
 
 
+@rule(
+    "first_stage.ratio",
+    "the whole ratio over that of the second stage",
+    "first_stage.total_ratio",
+    lambda given: given.has("first_stage.total_ratio"),
+)
 def _first(given: SpurKnown) -> float:
     last = last_ratio(given.get)
     assert last is not None
     return float(given["first_stage.total_ratio"]) / last
 
 
-def _motor(given: SpurKnown) -> str:
+@rule("drive.motor", "that of the first stage", "first_stage", has_first_stage)
+def motor(given: SpurKnown) -> str:
     first = given.first_stage
     assert first is not None
     return first.drive.motor.name
 
 
-def _gearhead(given: SpurKnown) -> str:
+@rule("drive.gearhead", "that of the first stage", "first_stage", has_first_stage)
+def gearhead(given: SpurKnown) -> str:
     first = given.first_stage
     assert first is not None
     return gearhead_word(first.drive)
 
 
-FIRST = (
-    Rule(
-        "transmission.input_to_drum",
-        "the root of the whole ratio, or less where the first drum would turn too far",
-        "first_stage.total_ratio",
-        _last,
-        applies=lambda given: has_first_stage(given) and not given.has("transmission.input_radius_mm"),
-    ),
-    Rule(
-        "first_stage.ratio",
-        "the whole ratio over that of the second stage",
-        "first_stage.total_ratio",
-        _first,
-        applies=lambda given: given.has("first_stage.total_ratio"),
-    ),
-    Rule("drive.motor", "that of the first stage", "first_stage", _motor, applies=has_first_stage),
-    Rule("drive.gearhead", "that of the first stage", "first_stage", _gearhead, applies=has_first_stage),
-)
+FIRST = (_last, _first, motor, gearhead)
 
 
 def with_room(size: Callable[..., Sizing], data: dict[str, Any], similar: Sizing | None = None) -> Sizing:

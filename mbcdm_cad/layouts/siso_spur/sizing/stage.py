@@ -20,7 +20,7 @@ from mbcdm_cad.design.stage import (
 from mbcdm_cad.layouts.head_basis import counts_losses, gearhead_output_mNm, input_needs_mNm, stage_force_N
 from mbcdm_cad.layouts.siso_spur.checks.stage import RATIO_SHARE, TOOTH_SHARE, lewis_factor
 from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
-from mbcdm_cad.sizing.rule import Found, Rule, rounded_up
+from mbcdm_cad.sizing.rule import Found, rounded_up, rule
 
 # Ratios that the rule for a stated motor gives (choices).
 RATIO_STEP, LEAST_RATIO, MOST_RATIO = 0.25, 1.5, 8.0
@@ -37,11 +37,26 @@ def _force_N(given: SpurKnown, pitch_mm: float) -> float:
     return stage_force_N(given, float(given.input_peak_Nm) * 1e3 / given.ratio, pitch_mm)
 
 
+def has_stage(given: SpurKnown) -> bool:
+    """Whether the file asks for a stage."""
+    return given.has("stage.kind")
+
+
+def _has_belt(given: SpurKnown) -> bool:
+    return bool(given.peek("stage.kind") == "belt")
+
+
+def _has_gears(given: SpurKnown) -> bool:
+    return bool(given.peek("stage.kind") == "gears")
+
+
+@rule("stage.belt", "the finest belt that carries the input's torque", "stage_strength", _has_belt)
 def _belt(given: SpurKnown) -> Found:
     name = carrying_belt(lambda pitch: _force_N(given, pitch), given.get("stage.width_mm"))
     return Found(name, "stage_strength", "next size")
 
 
+@rule("stage.module_mm", "the finest gears that carry it", "stage_strength", _has_gears)
 def _module(given: SpurKnown) -> Found:
     allowed = TOOTH_SHARE * given.entries("materials")["steel"]["yield_MPa"]
     form = lewis_factor(given.get("stage.driver_teeth") or LEAST_TEETH["gears"])
@@ -53,7 +68,13 @@ def _module(given: SpurKnown) -> Found:
     return Found(next((m for m in MODULES_MM if carries(m)), MODULES_MM[-1]), "stage_strength", "next size")
 
 
-def _teeth(given: SpurKnown) -> Found:
+@rule(
+    "stage.driver_teeth",
+    "the fewest that give the ratio, go round the shaft and spare it; gears: that leave room for a key",
+    "stage_ratio",
+    has_stage,
+)
+def teeth(given: SpurKnown) -> Found:
     """The fewest that give the ratio, and a driver that its shaft fits; gears also keep their axes far enough apart."""
     kind, ratio, shaft = given["stage.kind"], float(given["stage.ratio"]), given.gearhead.shaft_diameter_mm
     if kind == "belt":
@@ -69,6 +90,7 @@ def _teeth(given: SpurKnown) -> Found:
     return given.first("stage.driver_teeth", wanted, (*room, "stage_shaft"))
 
 
+@rule("stage.width_mm", "the narrowest that carries the input's torque", "stage_strength", has_stage)
 def _width(given: SpurKnown) -> Found:
     if given["stage.kind"] == "belt":
         return given.first("stage.width_mm", BELTS[given["stage.belt"]].widths_mm, ("stage_strength",))
@@ -78,7 +100,8 @@ def _width(given: SpurKnown) -> Found:
     return given.first("stage.width_mm", widths, ("stage_strength", "stage_bond", "shaft_grip"))
 
 
-def _belt_teeth(given: SpurKnown) -> Found:
+@rule("stage.belt_teeth", "the shortest belt that leaves room for wheels, clamp and screws", "stage_room", _has_belt)
+def belt_teeth(given: SpurKnown) -> Found:
     """The shortest belt with which wheels, clamp and key have room and enough teeth mesh."""
     belt, driver = BELTS[given["stage.belt"]], given["stage.driver_teeth"]
     small, large = (belt.pitch_mm * z / (2 * pi) for z in (driver, driven_teeth(driver, given["stage.ratio"])))
@@ -87,24 +110,18 @@ def _belt_teeth(given: SpurKnown) -> Found:
     return given.first("stage.belt_teeth", range(shortest, shortest + MORE_BELTS), checks)
 
 
-def _turn(given: SpurKnown) -> float:
+@rule("drive.gearhead_angle_deg", "turned so that a key reaches its screws beside the belt", "stage_key", _has_belt)
+def turn(given: SpurKnown) -> float:
     """One screw between the spans, one beyond the driver, the others beside them."""
     return SCREWS_TURNED_DEG.get(given.gearhead.screw_count, 0.0)
 
 
-def has_stage(given: SpurKnown) -> bool:
-    """Whether the file asks for a stage."""
-    return given.has("stage.kind")
-
-
-def _has_belt(given: SpurKnown) -> bool:
-    return bool(given.peek("stage.kind") == "belt")
-
-
-def _has_gears(given: SpurKnown) -> bool:
-    return bool(given.peek("stage.kind") == "gears")
-
-
+@rule(
+    "stage.ratio",
+    "the least with which a stated motor holds the peak torque; else the usual ratio of one pair of wheels",
+    "motor_torque_forward",
+    has_stage,
+)
 def _ratio(given: SpurKnown) -> Found:
     """Of a stated motor and gearhead: the least with which they hold the peak torque; else the usual one."""
     known = given.has("drive.motor") and given.has_ratio
@@ -120,43 +137,8 @@ def _ratio(given: SpurKnown) -> Found:
     )
 
 
-STAGE_RATIO = (
-    Rule(
-        "stage.ratio",
-        "the least with which a stated motor holds the peak torque; else the usual ratio of one pair of wheels",
-        "motor_torque_forward",
-        _ratio,
-        applies=has_stage,
-    ),
-)
-STAGE = (
-    Rule("stage.belt", "the finest belt that carries the input's torque", "stage_strength", _belt, applies=_has_belt),
-    Rule("stage.module_mm", "the finest gears that carry it", "stage_strength", _module, applies=_has_gears),
-    Rule(
-        "stage.driver_teeth",
-        "the fewest that give the ratio, go round the shaft and spare it; gears: that leave room for a key",
-        "stage_ratio",
-        _teeth,
-        applies=has_stage,
-    ),
-    Rule(
-        "stage.width_mm", "the narrowest that carries the input's torque", "stage_strength", _width, applies=has_stage
-    ),
-    Rule(
-        "drive.gearhead_angle_deg",
-        "turned so that a key reaches its screws beside the belt",
-        "stage_key",
-        _turn,
-        applies=_has_belt,
-    ),
-    Rule(
-        "stage.belt_teeth",
-        "the shortest belt that leaves room for wheels, clamp and screws",
-        "stage_room",
-        _belt_teeth,
-        applies=_has_belt,
-    ),
-)
+STAGE_RATIO = (_ratio,)
+STAGE = (_belt, _module, teeth, _width, turn, belt_teeth)
 # For a pass that does not know them yet.
 GUESSES: dict[str, dict[str, Any]] = {
     "belt": {"stage.belt": "3GT", "stage.belt_teeth": 70, "stage.width_mm": 9.0, "stage.driver_teeth": 20},
