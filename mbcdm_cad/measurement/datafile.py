@@ -164,7 +164,7 @@ class _Reader:
     def _at_once(self, text: str, lines: list[str]) -> Floats | None:
         """The whole block by NumPy's parser; None if any line is not a row of finite figures."""
         sign, fields = self.layout.sign, self.layout.fields
-        if self.layout.labelled or self.layout.comment in text or '"' in text or "_" in text or ARROW in text:
+        if self.layout.labelled or any(mark in text for mark in (self.layout.comment, *'"_[', ARROW)):
             return None
         widths = {len(line.split()) for line in lines} if sign is None else {line.count(sign) + 1 for line in lines}
         if widths != {fields}:

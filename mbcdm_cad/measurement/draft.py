@@ -18,9 +18,9 @@ import numpy as np
 from mbcdm_cad.errors import InputError, Problem
 from mbcdm_cad.measurement.binarylog import opened
 from mbcdm_cad.measurement.datafile import Channel, clock_s, read_channels, read_table
+from mbcdm_cad.measurement.file import file_of
 from mbcdm_cad.measurement.logformat import (
     ANGLE,
-    COUNTS,
     DECIBEL,
     FORCE,
     FREQUENCY,
@@ -36,17 +36,19 @@ from mbcdm_cad.measurement.logformat import (
     find_format,
     title_lines,
 )
-from mbcdm_cad.measurement.reading import FULL_SENSE
+from mbcdm_cad.measurement.reading import FEWEST_SAMPLES, FULL_SENSE, read_run
 from mbcdm_cad.measurement.roles import (
     COUNTS_SOLD,
     MET,
+    SECONDS,
     TIME_WORDS,
+    TURNS,
     Expected,
     Guess,
     assign,
+    output_scale,
     response_columns,
     stated_unit,
-    ways,
 )
 from mbcdm_cad.measurement.schema import FREQUENCY_RESPONSE
 from mbcdm_cad.measurement.vet_columns import robust_slope
@@ -58,8 +60,8 @@ TRIED_ROWS, LEAST_FIGURES = 300, 0.9
 LEAST_EMPTY = 0.2
 # Filled cells of a channel among the rows that are tried, and the most channels of a table with one a row.
 FEWEST_FILLED, MOST_CHANNELS = 5, 40
-# A column that turns by less than this share of the design's travel is hardly the drum.
-LEAST_TRAVEL = 0.02
+# Where clocks begin again: each second, minute, hour or day in its unit, or as a counter of so many bits.
+CLOCKS = sorted({*SECONDS, 60.0, 3600.0, 86_400.0, 86_400e3, 3600e3, 60e3} | {2.0**k for k in range(8, 33)})
 # In place of a figure that only its owner knows.
 UNKNOWN = "'?'"
 _NO_TIME = f"sample_rate_Hz: {UNKNOWN}    # no column looks like the time: put the samples a second in place of ?"
@@ -67,12 +69,6 @@ _NO_LOAD = (
     "# load: no torque is logged; say load: none if there was none, or of a weight on an arm\n"
     "#   load: {pendulum: {mass_kg: ?, arm_mm: ?, vertical_deg: ?}}"
 )
-# Figures of one second in ms, us and ns.
-SECONDS = (1e3, 1e6, 1e9)
-# Times counted from 1970 are above these in each unit, and steps of a logger below those.
-EPOCHS, STEPS = {"ns": 1e17, "us": 1e14, "ms": 1e11}, {"s": 0.5, "ms": 100.0, "us": 5e5}
-# A word of names of columns whose figures are turns: pos_estimate.
-TURN_WORD = "estimate"
 
 
 @dataclass(frozen=True)
@@ -93,28 +89,22 @@ def draft_text(data: Path, expected: Expected) -> str:
     if (found := response_columns(columns)) is not None:
         return _response_text(data, table, columns, found, expected)
     for column in columns:
-        _time_begun_again(column)
-        _wrapped(column)
-    assign(columns, expected, lambda column: _output_unit(column, expected)[1])
+        _begun_again(column)
+    scale, why = assign(columns, expected)
+    if scale is None and columns[0].values.size < FEWEST_SAMPLES:
+        # Of a few rows by hand the inputs may be held; a person finds the rest.
+        for column in [c for c in columns if not c.role and float(np.ptp(c.values)) > 0.0][:1]:
+            column.role, scale = "output", output_scale(column, (), expected)
+            column.fields |= scale.fields
+            column.reasons += ["the only column that moves", scale.reason]
     by_role = {column.role: column for column in columns if column.role}
-    if "output" not in by_role:
-        names = ", ".join(str(column.name) for column in columns)
-        what, remedy = "no column looks like the output: none but the time moves", "move the drive while logging"
-        raise InputError([Problem(str(data), table.layout.header_line or 1, "", what, names, remedy=remedy)])
-    if "time" in by_role:
-        _time(by_role["time"])
-    output = by_role["output"]
-    inputs = [column for column in columns if column.role.startswith("input")]
-    fields, factor, reason = _as_the_input_begins_again(output, inputs, expected) or _output_unit(output, expected)
-    output.fields |= fields
-    output.reasons.append(reason)
-    for column in inputs:
-        _input(column, output.values * factor, expected)
-    _lengths(output, inputs, expected)
+    if scale is None:
+        raise InputError([_no_pair(data, table, columns, why)])
+    _lengths(by_role["output"], [c for c in columns if c.role.startswith("input")], expected)
     for role, units, unit in (("load_torque", {**TORQUE, **FORCE}, "N*m"), ("temperature", TEMPERATURE, "degC")):
         if role in by_role:
             _plain(by_role[role], units, unit)
-    return _written(data, table, columns, expected)
+    return _read_back(data, _written(data, table, columns, expected))
 
 
 def _response_text(data: Path, table: _Table, columns: list[Guess], found: dict[str, Guess], expected: Expected) -> str:
@@ -302,96 +292,6 @@ def _is_read(row: list[str], k: int, layout: Format, reads: Callable[[str], floa
         return False
 
 
-def _time(column: Guess) -> None:
-    unit, reason = stated_unit(column, TIME)
-    column.reasons += [reason] if unit else []
-    begins_again = column.fields.get("wraps_at")
-    if isinstance(begins_again, float) and not unit:
-        unit = ("ms", "us", "ns")[SECONDS.index(begins_again)]
-        column.reasons.append(f"{begins_again:g} of them are a second: {unit}?")
-    if not unit:
-        step = float(np.median(np.diff(column.values)))
-        since_1970 = next((u for u, least in EPOCHS.items() if float(column.values[0]) > least), "")
-        unit = since_1970 or next((u for u, most in STEPS.items() if step < most), "ns")
-        column.reasons.append(f"counted from 1970: {unit}?" if since_1970 else f"steps of {step:.4g}: {unit}?")
-    column.fields["unit"] = unit
-
-
-def _output_unit(column: Guess, expected: Expected) -> tuple[dict[str, object], float, str]:
-    """Fields of the output's angle, rad per figure, and the reason: as the header says, else one within the travel."""
-    span, most = float(np.ptp(column.values)), expected.travel_rad
-    unit, reason = stated_unit(column, ANGLE)
-    if column.whole and not unit:
-        per_turn, reason = _output_counts(column, expected)
-        return {"unit": COUNTS, "counts_per_turn": per_turn}, 2.0 * math.pi / per_turn, reason
-    if not unit and TURN_WORD in column.words:
-        unit, reason = "turn", "ODrive's estimates of a position are in turns"
-    elif not unit and most is not None:
-        tried = ("rad", "deg", "mrad", "turn")
-        fits = [u for u in tried if LEAST_TRAVEL * most < span * ANGLE[u].factor <= 1.05 * most]
-        unit = fits[0] if fits else "rad"
-        reason = f"spans {span:.4g}, the design {most:.3g} rad between its stops: {unit}?"
-    elif not unit:
-        unit = "rad" if span < 4.0 * math.pi else "deg"
-        reason = f"spans {span:.4g}: {unit}?"
-    return {"unit": unit}, ANGLE[unit].factor, reason
-
-
-def _as_the_input_begins_again(
-    output: Guess, inputs: Sequence[Guess], expected: Expected
-) -> tuple[dict[str, object], float, str] | None:
-    """Counts a turn of the output from an input that begins again after its own, with which the ratio is met."""
-    follows = next((c for c in inputs if c.whole and "wraps_at" in c.fields), None)
-    begins_again = None if follows is None else follows.fields["wraps_at"]
-    known = "wraps_at" in output.fields or expected.output_counts is not None
-    if follows is None or not isinstance(begins_again, float):
-        return None
-    if not output.whole or known or stated_unit(output, ANGLE)[0]:
-        return None
-    slope, _ = robust_slope(output.values, follows.values)
-    wanted = expected.ratio * begins_again / abs(slope) if slope else 0.0
-    # The same encoder twice is more likely than any other near it.
-    likely = [begins_again, *(float(n) for n in sorted(COUNTS_SOLD, key=lambda n: abs(math.log(max(wanted, 1.0) / n))))]
-    per_turn = next((n for n in likely if wanted and abs(math.log(wanted / n)) < MET), None)
-    if per_turn is None:
-        return None
-    reason = f"whole numbers; with {per_turn:g} a turn the ratio is met to {MET:.0%}"
-    return {"unit": COUNTS, "counts_per_turn": per_turn}, 2.0 * math.pi / per_turn, reason
-
-
-def _output_counts(column: Guess, expected: Expected) -> tuple[float, str]:
-    """Counts a turn of the output, and why."""
-    begins_again = column.fields.get("wraps_at")
-    if isinstance(begins_again, float):
-        return begins_again, f"whole numbers that begin again after {begins_again:g}"
-    if expected.output_counts is not None:
-        return expected.output_counts, f"whole numbers; {expected.output_counts:g} a turn is the design's drum encoder"
-    span = float(np.ptp(column.values))
-    enough = next((n for n in COUNTS_SOLD if n >= span and n & (n - 1) == 0), COUNTS_SOLD[-1])
-    return float(enough), f"whole numbers that span {span:g}: put the counts a turn of the encoder in place"
-
-
-def _input(column: Guess, out_rad: Floats, expected: Expected) -> None:
-    """Unit, sign and side of an input from its slope against the output."""
-    slope, _ = robust_slope(out_rad, column.values)
-    unit, reason = stated_unit(column, ANGLE)
-    column.reasons += [reason] if unit else []
-    if slope == 0.0:
-        column.fields["unit"] = unit or "rad"
-        column.reasons.append("does not follow the output: is it the right column?")
-        return
-    best = min(ways(column, abs(slope), expected, unit), key=lambda turns: turns.miss)
-    column.fields |= best.fields
-    if best.side == "motor":
-        column.fields["side"] = "motor"
-    if slope < 0.0:
-        column.fields["scale"] = -1
-    where = "" if best.side == "drive" else f": before the gearhead of {expected.gearhead_ratio:g}"
-    column.reasons.append(f"{abs(slope):.6g} of its figures to a rad of the output{where}")
-    if best.miss > MET:
-        column.reasons.append(f"no unit gives the ratio {expected.ratio:g} to a few percent: check")
-
-
 def _lengths(output: Guess, inputs: Sequence[Guess], expected: Expected) -> None:
     """Draft the radius of an angle that was measured as a length: that with which the ratio is met."""
     for column in (output, *inputs):
@@ -412,33 +312,75 @@ def _lengths(output: Guess, inputs: Sequence[Guess], expected: Expected) -> None
             column.fields["scale"] = -1
 
 
-def _wrapped(column: Guess) -> None:
-    """Count the turns of an angle that covers and jumps by a whole range of its encoder, and draft ``wraps_at``."""
-    covered = float(np.ptp(column.values))
-    ranges = COUNTS_SOLD if column.whole else [ANGLE["turn"].factor / ANGLE[u].factor for u in ("deg", "rad", "turn")]
-    begins_again = min((r for r in ranges if r >= covered), default=0.0)
-    jumps = int(np.count_nonzero(np.abs(np.diff(column.values)) > 0.5 * begins_again))
-    counted = np.unwrap(column.values, period=begins_again) if begins_again else column.values
-    if not jumps or covered < (1.0 - MET) * begins_again:
+def _begun_again(column: Guess) -> None:
+    """Count on where a column begins again after a whole range of its encoder or clock, and draft ``wraps_at``."""
+    steps, covered = np.diff(column.values), float(np.ptp(column.values))
+    if not (steps > 0.0).any() or not (steps < 0.0).any():
         return
-    if float(np.quantile(np.abs(np.diff(counted)), 0.999)) > FULL_SENSE * begins_again:
-        return
-    column.values = counted
-    column.fields["wraps_at"] = float(begins_again)
-    column.reasons.append(f"begins again {jumps} time(s), after {begins_again:g}")
+    begins_again = None
+    if (column.unit in TIME or column.says(TIME_WORDS)) and float(column.values.min()) >= 0.0:
+        usual = 5.0 * float(np.quantile(steps, 0.95))
+        most = float(column.values.max())
+        ranges: Sequence[float] = [r for r in CLOCKS if most < r <= most + usual]
+        counted = [np.diff(np.unwrap(column.values, period=r)) for r in ranges]
+        rises = [r for r, step in zip(ranges, counted, strict=True) if step.min() > 0.0 and step.max() < usual]
+        begins_again = next(iter(rises), None)
+    else:
+        ranges = COUNTS_SOLD if column.whole else [*TURNS.values()]
+        r = min((r for r in ranges if r >= covered), default=0.0)
+        jumps = bool(np.any(np.abs(steps) > 0.5 * r)) and covered >= (1.0 - MET) * r > 0.0
+        # A step of more than this share of the range may be one back as well as one forward.
+        if jumps and np.quantile(np.abs(np.diff(np.unwrap(column.values, period=r))), 0.999) <= FULL_SENSE * r:
+            begins_again = r
+    if begins_again is not None:
+        counted_on = np.unwrap(column.values, period=begins_again)
+        times = int(np.count_nonzero(np.abs(np.diff(counted_on) - steps) > 0.5 * begins_again))
+        column.values = counted_on
+        column.fields["wraps_at"] = float(begins_again)
+        column.reasons.append(f"begins again {times} time(s), after {begins_again:g}")
 
 
-def _time_begun_again(column: Guess) -> None:
-    """Draft ``wraps_at`` for a time that begins again every second, as the microseconds beside whole seconds."""
-    back = np.diff(column.values) < 0.0
-    if not (column.unit in TIME or column.says(TIME_WORDS)) or not back.any():
-        return
-    begins_again = next((r for r in SECONDS if r > float(column.values.max())), 0.0)
-    counted = np.unwrap(column.values, period=begins_again) if begins_again else column.values
-    if begins_again and float(column.values.min()) >= 0.0 and bool(np.all(np.diff(counted) > 0.0)):
-        column.values = counted
-        column.fields["wraps_at"] = begins_again
-        column.reasons.append(f"begins again {int(back.sum())} time(s), after {begins_again:g}")
+def _no_pair(data: Path, table: _Table, columns: Sequence[Guess], why: Sequence[str]) -> Problem:
+    """The problem of a log in which no two angles follow each other: what moves, by how much, and what is missing."""
+    line = table.layout.begin_line
+    moving = [c for c in columns if not c.role and float(np.ptp(c.values)) > 0.0]
+    angles = [c for c in moving if f"{c.name} moves" in why]
+    names = ", ".join(str(column.name) for column in columns)
+    if not moving:
+        what, remedy = "no column looks like the output: none but the time moves", "move the drive while logging"
+        return Problem(str(data), line, "", what, names, remedy=remedy)
+    spans = []
+    for column in (angles or moving)[:4]:
+        span = float(np.ptp(column.values))
+        counts = np.all(column.values == np.round(column.values)) and span < 1024.0
+        told = f" ({360.0 * span / 4096.0:.3g} deg where 4096 are a turn)" if counts else ""
+        spans.append(f"{column.name} by {span:.6g} of its figures{told}")
+    rest = [f"{c.name} rests" for c in columns if not c.role and float(np.ptp(c.values)) == 0.0]
+    what = "one angle moves" if len(angles) == 1 else "no two columns follow each other as the angles of a drive do"
+    told = [one for one in why if not one.endswith(" moves")]
+    remedy = (
+        "a drive needs the angles of its input and of its output: log both, or join the file that holds the other to "
+        "this one by its time; of a drive whose inputs are held the range is its play by hand: write the turning "
+        "points and the load, kind: turning_points"
+    )
+    return Problem(
+        str(data), line, "", f"{what}; {'; '.join([*told, *rest])}".rstrip("; "), "; ".join(spans), remedy=remedy
+    )
+
+
+def _read_back(data: Path, text: str) -> str:
+    """The draft as it is read: with rows left out that are none, or with what its own reading says of it."""
+    begin, _, rest = text.partition("columns:")
+    told = ""
+    for more in ("", "broken_rows: skip    # guessed: some lines are no rows\n"):
+        tried = f"{begin}{more}columns:{rest}"
+        try:
+            read_run(file_of(data.with_suffix(".yaml"), tried.replace(UNKNOWN, "1")))
+        except InputError as error:
+            told = told or f"# As drafted it is not read: {error.problems[0]}\n"
+        else:
+            return tried
+    return told + text
 
 
 def _plain(column: Guess, units: Mapping[str, Unit], otherwise: str) -> None:

@@ -65,8 +65,11 @@ class MeasurementFile:
 
 def load_file(path: str | Path) -> MeasurementFile:
     """The measurement file without its data. Raises InputError."""
-    path = Path(path)
-    text = read_text(path, *_KIND)
+    return file_of(Path(path), read_text(Path(path), *_KIND))
+
+
+def file_of(path: Path, text: str) -> MeasurementFile:
+    """The measurement file of a text that is, or will be, at ``path``. Raises InputError."""
     if not _has_fields(text):
         remedy = "give the YAML file that says which column of the data is what" + _KIND[1]
         raise InputError([Problem(str(path), 1, "", "no measurement file: it has no fields", remedy=remedy)])

@@ -160,6 +160,8 @@ ARROW = " -> "
 _CAN_FRAME = re.compile(rb"\s*(\([\d.:\s-]+\)\s+)?v?s?l?can\d+\s+[0-9A-Fa-f]{3,8}(#|\s+\[\d+\])")
 # A cell with its name, as motor:1.25.
 _LABEL = re.compile(r"[A-Za-z_][^:]*:\s*[-+]?[\d.]")
+# A list in a cell, as of a bag's messages or a printed array, and the sign between its elements once it is read.
+_LIST, WITHIN = re.compile(r"(?<!\w)(?:array\('\w', )?\[([^\[\]]*)\]\)?"), "\x1f"
 SIGNS = {"comma": ",", "semicolon": ";", "tab": "\t", "space": None}
 Lines = list[tuple[int, str]]
 
@@ -205,10 +207,41 @@ def too_long(path: Path, number: int) -> InputError:
 
 
 def split(line: str, sign: str | None) -> list[str]:
-    """Cells of a line, without blanks and quotes around them; an arrow after a time stamp divides them too."""
+    """Cells of a line, without blanks and quotes around them; an arrow after a time stamp divides them too.
+
+    Each element of a cell that is a list is a cell of its own.
+    """
+    return [part for cell in _whole(line, sign) for part in cell.split(WITHIN)]
+
+
+def _whole(line: str, sign: str | None) -> list[str]:
+    """Cells of a line, the elements of a list joined by WITHIN."""
     if ARROW in line:
         line = line.replace(ARROW, sign or " ", 1)
+    if "[" in line:
+        line = _LIST.sub(_elements, line)
     return [cell.strip().strip("\"'").strip() for cell in line.strip("\r\n").split(sign)]
+
+
+def _elements(found: re.Match[str]) -> str:
+    """The elements of a list; a unit in brackets stays as it is."""
+    parts = found[1].split(",") if "," in found[1] else found[1].split()
+    listed = "," in found[1] or (bool(parts) and all(_is_figure(part, False) for part in parts))
+    return WITHIN.join(part.strip(" \t\"'") for part in parts) if listed else found[0]
+
+
+def _names_in_lists(names: tuple[str, ...], line: str, sign: str | None) -> tuple[str, ...]:
+    """The names of the elements where cells are lists: by a list of words as long as theirs, else by number."""
+    cells = [cell.split(WITHIN) for cell in _whole(line, sign)]
+    if len(cells) != len(names) or all(len(parts) == 1 for parts in cells):
+        return names
+    words = {len(parts): parts for parts in reversed(cells) if not any(_is_figure(part, False) for part in parts)}
+    found = list[str]()
+    for name, parts in zip(names, cells, strict=True):
+        told = words.get(len(parts), parts)
+        by = [f"[{k}]" if told is parts else f"/{word}" for k, word in enumerate(told)]
+        found += [name] if len(parts) == 1 else [name + end for end in by]
+    return tuple(found)
 
 
 def find_format(path: Path, delimiter: str, decimal: str, comment: str, skip_rows: int, header: str) -> Format:
@@ -233,6 +266,7 @@ def find_format(path: Path, delimiter: str, decimal: str, comment: str, skip_row
         raise InputError(
             [Problem(str(path), begin, "", "no rows below the header", remedy="check the file and header")]
         )
+    names = _names_in_lists(names, body[0], sign)
     fields = Counter(len(split(line, sign)) for line in body).most_common(1)[0][0]
     # Rows with quotes may have the delimiter within a cell.
     full = [cells for cells in (split(line, sign) for line in body if '"' not in line) if len(cells) == fields]
@@ -249,11 +283,12 @@ def title_lines(path: Path, decimal: str, comment: str) -> int:
     comma = decimal == "comma"
     _, rows = _first_lines(path, comment, 0)
     sign = _likely_sign(rows, comma) if rows else None
-    cells = [[_without_label(cell) for cell in split(line, sign)] for _, line in rows]
-    figures = [sum(_is_figure(cell, comma) for cell in row) for row in cells]
+    cells = [[_without_label(cell) for cell in _whole(line, sign)] for _, line in rows]
+    figures = [sum(_is_figure(cell.partition(WITHIN)[0], comma) for cell in row) for row in cells]
     fields = Counter(len(row) for row, found in zip(cells, figures, strict=True) if found).most_common(1)
     wide = fields[0][0] if fields else 0
-    full = [len(row) == wide and 2 * found >= wide for row, found in zip(cells, figures, strict=True)]
+    used = sum(map(bool, cells[-1])) if cells else 0  # a spreadsheet fills its rows up with empty cells
+    full = [len(row) == wide and 2 * found >= used for row, found in zip(cells, figures, strict=True)]
     # Lines of a preamble may hold figures too, but not several in a row.
     body = next((k for k in range(len(rows)) if all(full[k : k + ROWS_IN_A_ROW])), 0)
     above = [k for k in range(body) if not figures[k] and len(cells[k]) in (wide, wide + 1)]

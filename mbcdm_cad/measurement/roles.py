@@ -1,22 +1,34 @@
-"""Guess which column of a logger's table is which quantity: from names, from slopes between columns, from units.
+"""Find which column of a logger's table is which quantity: by the data first, then by names.
 
-The angles are found together: of all pairs of columns that move, input and output are the pair whose names and whose
-slope against the drive's ratio speak for it most. A column whose name says speed, current, command or flag, or that is
-the rate of another column, is an angle only if nothing else is left.
+No angle is a column that runs with the time, numbers the rows, equals another, is its rate or the path that it
+travelled. A column that begins again after N figures has N to a turn. Of the pairs that are left, output and input are
+the one whose slope meets the drive's ratio in units that its figures may have, with the least scatter, and for which
+the names speak most. A column whose name says speed, current, command or flag is an angle only if no other pair is one.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from itertools import permutations
-from math import inf, log, pi, radians
+from math import inf, log, log10, pi, radians
 
 import numpy as np
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.measurement.logformat import ANGLE, DECIBEL, FORCE, FREQUENCY, GIVE, TEMPERATURE, TIME, TORQUE, Unit
+from mbcdm_cad.measurement.logformat import (
+    ANGLE,
+    COUNTS,
+    DECIBEL,
+    FORCE,
+    FREQUENCY,
+    GIVE,
+    TEMPERATURE,
+    TIME,
+    TORQUE,
+    Unit,
+)
 from mbcdm_cad.measurement.vet_columns import LEAST_AGREEMENT, robust_slope
 from mbcdm_cad.routes import Floats
 
@@ -26,11 +38,37 @@ MET, NEAR = 0.03, 0.1
 LEAST_RISING = 0.1
 # Lines or counts a turn that encoders are sold with, times 1 or 4 for edges.
 LINES = (100, 125, 128, 200, 250, 256, 300, 360, 400, 500, 512, 600, 720, 900, 1000, 1024, 1250, 2000, 2048, 2500, 3600)
+LINES += (5000, 9000, 10_000, 18_000)
 # Steppers take 200 steps a turn, divided by up to 256.
 STEPS = {200 << k for k in range(9)}
-COUNTS_SOLD = sorted({n * edges for n in LINES for edges in (1, 4)} | {2**k for k in range(8, 27)} | STEPS)
+# Motors commutate six times for each pair of poles.
+COMMUTATIONS = set(range(12, 150, 6))
+COUNTS_SOLD = sorted(
+    {n * edges for n in LINES for edges in (1, 4)} | {2**k for k in range(8, 27)} | STEPS | COMMUTATIONS
+)
+# Counters of so many figures begin again after no turn: those of 8, 16 and 32 bits.
+REGISTERS = (2.0**8, 2.0**16, 2.0**32)
 # Whole numbers within a smaller span are states or flags, no counter.
 LEAST_COUNTED = 50.0
+# A column of fewer figures than this is hardly an angle where another fits.
+FEWEST_LEVELS = 20
+# How near a clock runs to one of the units of time, and two columns are to one.
+SAME_RATE, SAME = 2e-3, 1e-6
+# A column that turns by less than this share of the design's travel is hardly the drum.
+LEAST_TRAVEL = 0.02
+# What is said of a pair that does not follow each other.
+UNRELATED = -4.0
+# Figures of a turn by unit, units that are tried, and factors between two columns of one angle.
+TURNS = {unit: 2.0 * pi / ANGLE[unit].factor for unit in ("deg", "rad", "turn")}
+TRIED = ("rad", "deg", "mrad", "turn")
+_FACTORS = {ANGLE[a].factor / ANGLE[b].factor for a in TRIED for b in TRIED}
+# Figures of one second in ms, us and ns.
+SECONDS = (1e3, 1e6, 1e9)
+# Times counted from 1970 are above these in each unit; steps of seconds, in whole numbers or not, are below those.
+EPOCHS = {"ns": 1e17, "us": 1e14, "ms": 1e11}
+WHOLE_SECONDS, SPLIT_SECONDS = 0.5, 10.0
+# Word of names of columns whose figures are turns: pos_estimate.
+TURN_WORD = "estimate"
 
 
 def _words(text: str) -> frozenset[str]:
@@ -38,7 +76,7 @@ def _words(text: str) -> frozenset[str]:
 
 
 # Words of a name, whole: a name is divided at signs, at capitals and between letters and digits.
-TIME_WORDS = _words("t time timestamp stamp sec secs seconds clock zeit tick ticks ms us")
+TIME_WORDS = _words("t time timestamp stamp millis micros sec secs seconds clock zeit tick ticks ms us")
 # Names of columns that number the rows.
 _NUMBER = _words("frame frames sample samples scan row index idx counter seq number no line n")
 _TEMPERATURE = _words("temp temperature temperatur degc °c")
@@ -50,14 +88,14 @@ _ANGLE = _words(
 _NO_ANGLE = _words(
     "controller vel velocity speed omega rpm w rate dq qd geschwindigkeit acc accel acceleration cur curr current amp "
     "amps i iq id strom cmd command commanded demand target set setpoint desired des goal sp reference soll flag state "
-    "status mode error err fault timeout volt volts voltage pwm duty power effort index idx counter seq sample "
-    "gyro imu frame frames scan row line"
+    "status mode error err fault timeout temp temperature volt volts voltage pwm duty power effort index idx counter "
+    "seq sample gyro imu frame frames scan row line"
 )
 _OUTPUT = _words(
     "out output drum joint link load ank ankle knee hip elbow wrist tip arm end tool second secondary driven "
     "abtrieb abtriebs last resolver pot potentiometer l low slave lever side elevation"
 )
-_INPUT = _words("in input mot motor m servo first primary actuator drive driving rotor antrieb steps stepper")
+_INPUT = _words("in input ref mot motor m servo first primary actuator drive driving rotor antrieb steps stepper")
 # Long words that also stand inside a word, as in Motorwinkel.
 _INSIDE = {"motor": _INPUT, "antrieb": _INPUT, "abtrieb": _OUTPUT, "winkel": _ANGLE, "moment": _LOAD, "torque": _LOAD}
 
@@ -152,12 +190,13 @@ class Expected:
 
 
 @dataclass(frozen=True)
-class Turns:
-    """A unit of an input's angle and the place of its encoder; ``miss``: logarithm of its slope over the ratio."""
+class Scale:
+    """A unit of an angle: its fields, rad per figure, and why. ``miss``: logarithm of its slope over the ratio."""
 
-    miss: float
-    side: str
     fields: dict[str, object]
+    rad: float
+    reason: str = ""
+    miss: float = 0.0
 
 
 def sold(counts: float) -> float:
@@ -182,23 +221,29 @@ def response_columns(columns: Sequence[Guess]) -> dict[str, Guess] | None:
     return {role: found[role] for role in ("frequency", "gain", "phase", "coherence") if role in found}
 
 
-def assign(columns: Sequence[Guess], expected: Expected, output_rad: Callable[[Guess], float]) -> None:
-    """Give each column its role. ``output_rad``: rad per figure of a column, if it is the output."""
+def assign(columns: Sequence[Guess], expected: Expected) -> tuple[Scale | None, list[str]]:
+    """Give each column its role; the output's scale, None where no two angles follow each other, and why others are no
+    angles, a sentence each."""
+    moving = [c for c in columns if float(np.ptp(c.values)) > 0.0]
     _assign(columns, "time", lambda c: (c.unit in TIME or c.says(TIME_WORDS)) and _rises(c))
-    if all(c.role != "time" for c in columns):
-        _assign(columns, "time", lambda c: _rises(c) and not _numbers_rows(c), "it rises in every row")
+    if all(c.role != "time" for c in columns) and len(moving) > 2:
+        # Of several the one with the most even steps, as shafts may turn one way too.
+        rising = sorted((c for c in moving if _rises(c) and not _numbers_rows(c)), key=_unevenness)
+        _assign(rising[:1], "time", lambda c: True, "it rises in every row")
+    time = next((c for c in columns if c.role == "time"), None)
+    if time is not None:
+        _time_unit(time)
     _assign(columns, "temperature", lambda c: c.unit in TEMPERATURE or c.says(_TEMPERATURE))
     _assign(columns, "load_torque", _is_load)
-    moving = [c for c in columns if not c.role and float(np.ptp(c.values)) > 0.0]
+    moving = [c for c in moving if not c.role]
+    why = {id(c): reason for c in moving if (reason := _no_angle(c, moving, time, expected))}
+    moving = [c for c in moving if id(c) not in why]
     angles = [c for c in moving if not c.says(_NO_ANGLE) and not _is_rate(c, moving)]
-    for among in (angles, moving):
-        if len(among) >= 1 + len(expected.input_names) or (among is moving and len(among) >= 2):
-            _angles(among, expected, output_rad)
-            return
-    # One column alone may still be the output; a person finds the rest.
-    for column in moving[:1]:
-        column.role = "output"
-        column.reasons.append("the only column that moves")
+    scale, needed = None, 1 + len(expected.input_names)
+    for among, fewest in ((angles, needed), (moving, 2)):
+        if scale is None and len(among) >= fewest:
+            scale = _angles(among, expected)
+    return scale, [*why.values(), *(f"{c.name} moves" for c in angles)]
 
 
 def _assign(columns: Sequence[Guess], role: str, fits: Callable[[Guess], bool], reason: str = "") -> None:
@@ -216,15 +261,69 @@ def _rises(column: Guess) -> bool:
     return bool(np.all(steps >= 0.0)) and float(np.mean(steps > 0.0)) > LEAST_RISING
 
 
+def _unevenness(column: Guess) -> float:
+    steps = np.diff(column.values)
+    return float(np.mean(np.abs(steps - np.median(steps))) / np.mean(steps))
+
+
 def _numbers_rows(column: Guess) -> bool:
     """Whether the column counts the rows or frames one by one, which is no time."""
     return column.says(_NUMBER) and bool(np.all(np.diff(column.values) == 1.0))
+
+
+def _time_unit(column: Guess) -> None:
+    """Draft the unit of the time: as stated, by where it begins again, or by the size of its steps."""
+    unit, reason = stated_unit(column, TIME)
+    begins_again = column.fields.get("wraps_at")
+    if not unit and begins_again in SECONDS:
+        unit = ("ms", "us", "ns")[SECONDS.index(float(str(begins_again)))]
+        reason = f"{begins_again:g} of them are a second: {unit}?"
+    if not unit:
+        steps = np.diff(column.values)
+        step = float(np.median(steps[steps > 0.0]))
+        since_1970 = next((u for u, least in EPOCHS.items() if float(column.values[0]) > least), "")
+        # Clocks of milliseconds and less write whole numbers.
+        whole = bool(np.all(column.values == np.round(column.values)))
+        seconds = WHOLE_SECONDS if whole else SPLIT_SECONDS
+        unit = since_1970 or next(
+            (u for u, most in {"s": seconds, "ms": 100.0, "us": 5e5}.items() if step < most), "ns"
+        )
+        reason = f"counted from 1970: {unit}?" if since_1970 else f"steps of {step:.4g}: {unit}?"
+    column.fields["unit"] = unit
+    column.reasons.append(reason)
 
 
 def _is_load(column: Guess) -> bool:
     if column.says(_NO_ANGLE):
         return False
     return bool(stated_unit(column, {**TORQUE, **FORCE})[0]) or (column.says(_LOAD) and not column.says(_ANGLE))
+
+
+def _no_angle(column: Guess, moving: Sequence[Guess], time: Guess | None, expected: Expected) -> str:
+    """Why the data of a column are no angle of their own, as a sentence; empty where they may be one."""
+    own, change = column.values, np.diff(column.values)
+    rises = bool(np.all(change >= 0.0))
+    if bool(np.all(change == 1.0)) and not column.says(_ANGLE | _INPUT):
+        return f"{column.name} numbers the rows"
+    if time is not None and rises and not column.says(_ANGLE):
+        seconds = time.values * TIME[str(time.fields["unit"])].factor
+        rate = float(np.ptp(own) / np.ptp(seconds))
+        even = float(np.ptp(own - rate * seconds)) < 4.0 * change.max()
+        if even and min(abs(log(rate / unit)) for unit in (1.0, *SECONDS)) < SAME_RATE:
+            return f"{column.name} is a clock"
+    for other in moving:
+        steps = np.diff(other.values)
+        to_and_fro = float(steps.min()) < 0.0 < float(steps.max())
+        if rises and to_and_fro and float(np.abs(change - np.abs(steps)).mean()) < 0.05 * np.abs(steps).mean():
+            return f"{column.name} is the path that {other.name} travelled"
+    # An angle may be written twice, in two units, and the first stays; two inputs may be equal.
+    before = next(k for k, c in enumerate(moving) if c is column)
+    for other in moving[:before] if expected.one_input else ():
+        factor = float(np.ptp(own) / np.ptp(other.values))
+        unlike = min(float(np.ptp(own - f * other.values)) for f in (factor, -factor))
+        if any(abs(log(factor / f)) < SAME for f in _FACTORS) and unlike < 10.0 * SAME * float(np.ptp(own)):
+            return f"{column.name} equals {other.name}"
+    return ""
 
 
 def _is_rate(column: Guess, others: Sequence[Guess]) -> bool:
@@ -234,30 +333,38 @@ def _is_rate(column: Guess, others: Sequence[Guess]) -> bool:
         change = np.diff(other.values)
         if other is column or float(np.ptp(change)) == 0.0 or float(np.ptp(own)) == 0.0:
             continue
-        if abs(float(np.corrcoef(own, change)[0, 1])) > 0.99:
+        # An angle that swings follows the change of its speed too, with the other sign.
+        if float(np.corrcoef(own, change)[0, 1]) > 0.99:
             return True
     return False
 
 
-def _angles(among: list[Guess], expected: Expected, output_rad: Callable[[Guess], float]) -> None:
-    """Output and inputs: the choice with the largest sum of what names and slopes say."""
-    best, chosen = -inf, (among[0], tuple(among[1:2]))
+def _angles(among: list[Guess], expected: Expected) -> Scale | None:
+    """Output and inputs: the choice with the largest sum of what slopes and names say; the output's scale.
+
+    None where the best of them do not follow each other.
+    """
+    best, chosen = -inf, None
     for output in among:
         others = [c for c in among if c is not output]
-        counts = min(len(expected.input_names), len(others))
-        fits = {id(c): _fit(c, output, expected, output_rad(output)) for c in others}
-        for inputs in permutations(others, counts):
+        fits = {id(c): _fit(c, output, expected) for c in others}
+        for inputs in permutations(others, min(len(expected.input_names), len(others))):
             score = _said_output(output) + sum(
                 fits[id(c)] + _said_input(c, name, output)
                 for c, name in zip(inputs, expected.input_names, strict=False)
             )
-            if score > best + 1e-9:
+            if score > best + 1e-9 and any(fits[id(c)] > UNRELATED for c in inputs):
                 best, chosen = score, (output, inputs)
+    if chosen is None:
+        return None
     output, found = chosen
     output.role = "output"
     output.reasons.append(
         "by its name" if _said_output(output) > 0.0 else "it turns slower than the input by the ratio"
     )
+    scale = output_scale(output, found, expected)
+    output.fields |= scale.fields
+    output.reasons.append(scale.reason)
     for column, name in zip(found, expected.input_names, strict=False):
         column.role = expected.column_of(name)
         own = name.lower() in str(column.name).lower()
@@ -270,6 +377,11 @@ def _angles(among: list[Guess], expected: Expected, output_rad: Callable[[Guess]
             if expected.one_input
             else "in the order of the design's inputs: check which is which"
         )
+        slope, _ = robust_slope(output.values * scale.rad, column.values)
+        mine = input_scale(column, slope, expected) if slope else Scale({"unit": "rad"}, 1.0)
+        column.fields |= mine.fields | ({"scale": -1} if slope < 0.0 else {})
+        column.reasons.append(mine.reason or "does not follow the output: is it the right column?")
+    return scale
 
 
 def _said_output(column: Guess) -> float:
@@ -298,39 +410,111 @@ def _number(column: Guess) -> tuple[tuple[str, ...], int] | None:
     return None if at is None else ((*words[:at], *words[at + 1 :]), int(words[at]))
 
 
-def _fit(column: Guess, output: Guess, expected: Expected, rad: float) -> float:
+def _fit(column: Guess, output: Guess, expected: Expected) -> float:
     """What the slope says for an input: high where it meets the ratio in a unit that the figures may have."""
-    slope, agreement = robust_slope(output.values * rad, column.values)
+    slope, agreement = robust_slope(output.values, column.values)
     if slope == 0.0 or agreement < LEAST_AGREEMENT:
-        return -4.0
-    unit, _ = stated_unit(column, ANGLE)
+        return UNRELATED
+    left = column.values - slope * output.values
+    scatter = float(np.median(np.abs(left - np.median(left)))) / float(np.ptp(column.values))
+    few = sum(np.unique(c.values).size < FEWEST_LEVELS for c in (column, output))
+    scattered = 0.2 * max(log10(scatter + 1e-5), -5.0) + 2.0 * few
     # Both angles in one unit, whichever it is, are more likely than two units.
-    if not unit and abs(log(abs(slope) * rad / expected.ratio)) < MET:
-        return 5.0
-    met = min(turns.miss for turns in ways(column, abs(slope), expected, unit))
-    return 4.0 if met < MET else 2.0 if met < NEAR else 0.0
+    if not (stated_scale(column) or stated_scale(output)) and abs(log(abs(slope) / expected.ratio)) < MET:
+        return 5.0 - scattered
+    scale = output_scale(output, [column], expected)
+    miss = max(scale.miss, input_scale(column, slope / scale.rad, expected).miss)
+    return (4.0 if miss < MET else 2.0 if miss < NEAR else 0.0) - scattered
 
 
-def ways(column: Guess, slope: float, expected: Expected, unit: str) -> Iterator[Turns]:
-    """Units and places of an input's encoder with the miss of the ratio; ``slope``: figures per rad of the output.
+def stated_scale(column: Guess) -> Scale | None:
+    """The unit that the header states, or that where a column begins again shows; None without either."""
+    unit, reason = stated_unit(column, ANGLE)
+    begins_again = column.fields.get("wraps_at")
+    if not unit and TURN_WORD in column.words:
+        unit, reason = "turn", "ODrive's estimates of a position are in turns"
+    if not unit and isinstance(begins_again, float) and begins_again not in REGISTERS:
+        unit = "" if column.whole else next((u for u in TURNS if abs(TURNS[u] - begins_again) < 1e-3), "")
+        reason = f"begins again after {begins_again:g}, which is a turn"
+        if not unit:
+            return _counted(begins_again, reason)
+    return Scale({"unit": unit}, ANGLE[unit].factor, reason) if unit else None
 
-    ``unit`` is what the header says; empty where it says nothing.
-    """
-    sides = [("drive", expected.ratio)]
+
+def _counted(per_turn: float, reason: str, miss: float = 0.0) -> Scale:
+    return Scale({"unit": COUNTS, "counts_per_turn": per_turn}, 2.0 * pi / per_turn, reason, miss)
+
+
+def _nearest(column: Guess, rad: float) -> Scale:
+    """The unit in which a figure of the column is nearest to ``rad``."""
+    if not column.whole:
+        unit = min(("rad", "deg", "turn", "mrad"), key=lambda u: abs(log(ANGLE[u].factor / rad)))
+        return Scale({"unit": unit}, ANGLE[unit].factor, "", abs(log(ANGLE[unit].factor / rad)))
+    wanted = 2.0 * pi / rad
+    begins_again = column.fields.get("wraps_at")
+    if isinstance(begins_again, float) and abs(log(wanted / begins_again)) < NEAR:
+        return _counted(begins_again, "")
+    per_turn = sold(wanted)
+    # Few lines a turn are more usual on a motor, many on a shaft, as in encoder catalogues.
+    return _counted(per_turn, "", abs(log(wanted / per_turn)) + (0.0 if per_turn in COUNTS_SOLD else MET))
+
+
+def output_scale(column: Guess, inputs: Sequence[Guess], expected: Expected) -> Scale:
+    """The output's scale: as it states, else as an input that states its own meets the ratio, else by its span."""
+    if (stated := stated_scale(column)) is not None:
+        return stated
+    begins_again, most = column.fields.get("wraps_at"), expected.travel_rad
+    if column.whole and expected.output_counts is not None and begins_again is None:
+        n = expected.output_counts
+        return _counted(n, f"whole numbers; {n:g} a turn is the design's drum encoder")
+    for follows in inputs if column.whole else ():
+        own = stated_scale(follows)
+        slope, _ = robust_slope(column.values, follows.values)
+        if own is None or not slope:
+            continue
+        rad = own.rad * abs(slope) / expected.ratio
+        # The same encoder twice is more likely than any other near it.
+        same = abs(log(own.rad / rad)) < MET and own.fields["unit"] == COUNTS
+        found = replace(own, miss=0.0) if same else _nearest(column, rad)
+        if found.miss <= NEAR:
+            n = float(str(found.fields["counts_per_turn"]))
+            return _counted(n, f"whole numbers; with {n:g} a turn the ratio is met to {MET:.0%}", found.miss)
+    span = float(np.ptp(column.values))
+    if isinstance(begins_again, float):
+        return _counted(begins_again, f"whole numbers that begin again after {begins_again:g}")
+    if column.whole:
+        enough = next((n for n in COUNTS_SOLD if n >= span and n & (n - 1) == 0), COUNTS_SOLD[-1])
+        return _counted(
+            float(enough), f"whole numbers that span {span:g}: put the counts a turn of the encoder in place"
+        )
+    fits = [] if most is None else [u for u in TRIED if LEAST_TRAVEL * most < span * ANGLE[u].factor <= 1.05 * most]
+    unit = fits[0] if fits else "rad" if most is not None or span < 4.0 * pi else "deg"
+    stops = "" if most is None else f", the design {most:.3g} rad between its stops"
+    return Scale({"unit": unit}, ANGLE[unit].factor, f"spans {span:.4g}{stops}: {unit}?")
+
+
+def input_scale(column: Guess, slope: float, expected: Expected) -> Scale:
+    """The input's unit and the place of its encoder with which the ratio is met best; ``slope``: figures per rad of the
+    output."""
+    own, best = stated_scale(column), None
+    sides = {"drive": expected.ratio}
     if expected.gearhead_ratio is not None:
-        sides.append(("motor", expected.ratio * expected.gearhead_ratio))
-    for side, turns in sides:
-        for word in [unit] if unit else [] if column.whole else ["rad", "deg", "turn", "mrad"]:
-            yield Turns(abs(log(slope * ANGLE[word].factor / turns)), side, {"unit": word})
-        if not unit and column.whole:
-            wanted = slope * 2.0 * pi / turns
-            begins_again = column.fields.get("wraps_at")
-            if isinstance(begins_again, float) and abs(log(wanted / begins_again)) < NEAR:
-                yield Turns(0.0, side, {"unit": "counts", "counts_per_turn": begins_again})
-            per_turn = sold(wanted)
-            # Few lines a turn are more usual on a motor, many on a shaft, as in encoder catalogues.
-            known = 0.0 if per_turn in COUNTS_SOLD else MET
-            yield Turns(abs(log(wanted / per_turn)) + known, side, {"unit": "counts", "counts_per_turn": per_turn})
+        sides["motor"] = expected.ratio * expected.gearhead_ratio
+    for side, turns in sides.items():
+        rad = turns / abs(slope)
+        found = _nearest(column, rad) if own is None else replace(own, miss=abs(log(own.rad / rad)))
+        if best is None or found.miss < best.miss:
+            place = {"side": "motor"} if side == "motor" else {}
+            before = f": before the gearhead of {expected.gearhead_ratio:g}" if place else ""
+            told = f"{abs(slope):.6g} of its figures to a rad of the output{before}"
+            reason = f"{found.reason}; {told}" if found.reason else told
+            best = replace(found, fields=found.fields | place, reason=reason)
+    assert best is not None
+    if best.miss > MET:
+        best = replace(
+            best, reason=f"{best.reason}; no unit gives the ratio {expected.ratio:g} to a few percent: check"
+        )
+    return best
 
 
 def stated_unit(column: Guess, units: Mapping[str, Unit]) -> tuple[str, str]:
