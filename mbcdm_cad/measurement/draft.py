@@ -357,15 +357,13 @@ def _no_pair(data: Path, table: _Table, columns: Sequence[Guess], why: Sequence[
         spans.append(f"{column.name} by {span:.6g} of its figures{told}")
     rest = [f"{c.name} rests" for c in columns if not c.role and float(np.ptp(c.values)) == 0.0]
     what = "one angle moves" if len(angles) == 1 else "no two columns follow each other as the angles of a drive do"
-    told = [one for one in why if not one.endswith(" moves")]
+    facts = [*(one for one in why if not one.endswith(" moves")), *rest]
     remedy = (
         "a drive needs the angles of its input and of its output: log both, or join the file that holds the other to "
         "this one by its time; of a drive whose inputs are held the range is its play by hand: write the turning "
         "points and the load, kind: turning_points"
     )
-    return Problem(
-        str(data), line, "", f"{what}; {'; '.join([*told, *rest])}".rstrip("; "), "; ".join(spans), remedy=remedy
-    )
+    return Problem(str(data), line, "", f"{what}; {'; '.join(facts)}".rstrip("; "), "; ".join(spans), remedy=remedy)
 
 
 def _read_back(data: Path, text: str) -> str:

@@ -38,13 +38,13 @@ MET, NEAR = 0.03, 0.1
 LEAST_RISING = 0.1
 # Lines or counts a turn that encoders are sold with, times 1 or 4 for edges.
 LINES = (100, 125, 128, 200, 250, 256, 300, 360, 400, 500, 512, 600, 720, 900, 1000, 1024, 1250, 2000, 2048, 2500, 3600)
-LINES += (5000, 9000, 10_000, 18_000)
+MORE_LINES = (5000, 9000, 10_000, 18_000)
 # Steppers take 200 steps a turn, divided by up to 256.
 STEPS = {200 << k for k in range(9)}
 # Motors commutate six times for each pair of poles.
 COMMUTATIONS = set(range(12, 150, 6))
 COUNTS_SOLD = sorted(
-    {n * edges for n in LINES for edges in (1, 4)} | {2**k for k in range(8, 27)} | STEPS | COMMUTATIONS
+    {n * edges for n in LINES + MORE_LINES for edges in (1, 4)} | {2**k for k in range(8, 27)} | STEPS | COMMUTATIONS
 )
 # Counters of so many figures begin again after no turn: those of 8, 16 and 32 bits.
 REGISTERS = (2.0**8, 2.0**16, 2.0**32)
@@ -76,7 +76,9 @@ def _words(text: str) -> frozenset[str]:
 
 
 # Words of a name, whole: a name is divided at signs, at capitals and between letters and digits.
-TIME_WORDS = _words("t time timestamp stamp millis micros sec secs seconds clock zeit tick ticks ms us")
+TIME_WORDS = _words(
+    "t time timestamp stamp millis micros sec secs nsec nsecs nanosec usec usecs seconds clock zeit tick ticks ms us"
+)
 # Names of columns that number the rows.
 _NUMBER = _words("frame frames sample samples scan row index idx counter seq number no line n")
 _TEMPERATURE = _words("temp temperature temperatur degc °c")
@@ -294,7 +296,7 @@ def _time_unit(column: Guess) -> None:
 
 
 def _is_load(column: Guess) -> bool:
-    if column.says(_NO_ANGLE):
+    if column.says(_NO_ANGLE) or "wraps_at" in column.fields:
         return False
     return bool(stated_unit(column, {**TORQUE, **FORCE})[0]) or (column.says(_LOAD) and not column.says(_ANGLE))
 
@@ -423,7 +425,10 @@ def _fit(column: Guess, output: Guess, expected: Expected) -> float:
     if not (stated_scale(column) or stated_scale(output)) and abs(log(abs(slope) / expected.ratio)) < MET:
         return 5.0 - scattered
     scale = output_scale(output, [column], expected)
-    miss = max(scale.miss, input_scale(column, slope / scale.rad, expected).miss)
+    mine = input_scale(column, slope / scale.rad, expected)
+    miss = max(scale.miss, mine.miss)
+    # Of two readings that meet the ratio the one with fewer counts a turn.
+    scattered += 0.1 * sum(log10(float(str(one.fields.get("counts_per_turn", 1.0)))) for one in (scale, mine))
     return (4.0 if miss < MET else 2.0 if miss < NEAR else 0.0) - scattered
 
 
