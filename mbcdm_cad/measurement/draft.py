@@ -245,12 +245,14 @@ def _without_whole_seconds(table: _Table, rows: list[list[str]]) -> _Table:
 
 
 def _begins_again(values: Floats) -> float | None:
-    """Where a time of less than a second begins again; None for any other column."""
-    if values.size < 2 or values.min() < 0.0 or not np.any(np.diff(values) < 0.0):
+    """Where a clock begins again after a second, an hour or its bits; None for any other column."""
+    steps = np.diff(values)
+    if not (steps < 0.0).any() or not (steps > 0.0).any() or values.min() < 0.0:
         return None
-    begins_again = next((r for r in SECONDS if r > float(values.max())), 0.0)
-    counted = np.unwrap(values, period=begins_again) if begins_again else values
-    return begins_again if begins_again and bool(np.all(np.diff(counted) >= 0.0)) else None
+    usual, most = 5.0 * float(np.quantile(steps, 0.95)), float(values.max())
+    ranges = [r for r in CLOCKS if most < r <= most + usual]
+    counted = [np.diff(np.unwrap(values, period=r)) for r in ranges]
+    return next((r for r, step in zip(ranges, counted, strict=True) if step.min() >= 0.0 and step.max() < usual), None)
 
 
 def _table(data: Path, decimal: str) -> _Table:
@@ -315,23 +317,15 @@ def _lengths(output: Guess, inputs: Sequence[Guess], expected: Expected) -> None
 def _begun_again(column: Guess) -> None:
     """Count on where a column begins again after a whole range of its encoder or clock, and draft ``wraps_at``."""
     steps, covered = np.diff(column.values), float(np.ptp(column.values))
-    if not (steps > 0.0).any() or not (steps < 0.0).any():
-        return
     begins_again = None
-    if (column.unit in TIME or column.says(TIME_WORDS)) and float(column.values.min()) >= 0.0:
-        usual = 5.0 * float(np.quantile(steps, 0.95))
-        most = float(column.values.max())
-        ranges: Sequence[float] = [r for r in CLOCKS if most < r <= most + usual]
-        counted = [np.diff(np.unwrap(column.values, period=r)) for r in ranges]
-        rises = [r for r, step in zip(ranges, counted, strict=True) if step.min() > 0.0 and step.max() < usual]
-        begins_again = next(iter(rises), None)
-    else:
-        ranges = COUNTS_SOLD if column.whole else [*TURNS.values()]
-        r = min((r for r in ranges if r >= covered), default=0.0)
-        jumps = bool(np.any(np.abs(steps) > 0.5 * r)) and covered >= (1.0 - MET) * r > 0.0
+    if column.unit in TIME or column.says(TIME_WORDS):
+        begins_again = _begins_again(column.values)
+    elif covered:
+        r = min((r for r in (COUNTS_SOLD if column.whole else TURNS.values()) if r >= covered), default=np.inf)
         # A step of more than this share of the range may be one back as well as one forward.
-        if jumps and np.quantile(np.abs(np.diff(np.unwrap(column.values, period=r))), 0.999) <= FULL_SENSE * r:
-            begins_again = r
+        if bool(np.any(np.abs(steps) > 0.5 * r)) and covered >= (1.0 - MET) * r:
+            told = np.quantile(np.abs(np.diff(np.unwrap(column.values, period=r))), 0.999) <= FULL_SENSE * r
+            begins_again = r if told else None
     if begins_again is not None:
         counted_on = np.unwrap(column.values, period=begins_again)
         times = int(np.count_nonzero(np.abs(np.diff(counted_on) - steps) > 0.5 * begins_again))

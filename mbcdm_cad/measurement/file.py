@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -143,191 +144,119 @@ def _top(field: str) -> str:
     return ".".join(field.split(".")[:2])
 
 
+# A broken rule between fields: the field, what is wrong, the remedy, then value and limit if there are.
+Broken = tuple[FieldPath, str, str, *tuple[str, ...]]
+TWO = "keep one of the two"
+
+
 def _broken_rules(file: MeasurementFile) -> list[Problem]:
     """Problems that concern several fields together."""
-    content = file.content
+    return [file.problem(where, what, *more, remedy=remedy) for where, what, remedy, *more in _rules(file)]
+
+
+def _rules(file: MeasurementFile) -> Iterator[Broken]:
+    content, asked = file.content, file.asked
     if content.published is not None:
-        extra = [key for key in ("data", "columns", "ratio") if getattr(content, key) is not None]
-        remedy = "keep one of the two: a run, or published figures"
-        problems = [file.problem((key,), "given beside published", remedy=remedy) for key in extra]
+        for key in ("data", "columns", "ratio"):
+            if getattr(content, key) is not None:
+                yield (key,), "given beside published", f"{TWO}: a run, or published figures"
         for index, item in enumerate(content.published):
             if unit_of(item.quantity, item.unit) is None:
                 remedy = did_you_mean(item.unit, known_units(item.quantity))
-                what = f"no unit of {item.quantity}"
-                problems.append(file.problem(("published", index, "unit"), what, shortened(item.unit), remedy=remedy))
-        return problems
-    problems = [
-        file.problem((key,), "missing", remedy=f"add {key}, or published for figures of a paper")
-        for key in ("data", "columns")
-        if getattr(content, key) is None
-    ]
-    if content.columns is None:
-        return problems
-    asked = file.asked
-    if "frequency" in asked:
-        return [*problems, *_broken_table(file, asked), *_broken_columns(file, asked)]
+                yield ("published", index, "unit"), f"no unit of {item.quantity}", remedy, shortened(item.unit)
+        return
+    for key in ("data", "columns"):
+        if getattr(content, key) is None:
+            yield (key,), "missing", f"add {key}, or published for figures of a paper"
+    if content.columns is not None:
+        yield from (_of_table if "frequency" in asked else _of_log)(content, asked)
+        yield from _of_columns(content, asked)
+
+
+def _of_log(content: Measurement, asked: dict[str, Column]) -> Iterator[Broken]:
+    """Of a log over time: its load, times, currents and inputs, and fields of other kinds."""
     if content.load is not None and LOAD in asked:
-        remedy = "keep one of the two: the measured torque, or what is known of the load"
         told = content.load if isinstance(content.load, str) else "pendulum"
-        problems.append(file.problem(("load",), f"given beside columns.{LOAD}", told, remedy=remedy))
-    problems += [*_broken_times(file), *_broken_currents(file, asked), *_of_another_kind(file)]
-    named = [key for key in asked if key.startswith("input_")]
+        remedy = f"{TWO}: the measured torque, or what is known of the load"
+        yield ("load",), f"given beside columns.{LOAD}", remedy, told
+    rate: FieldPath = ("sample_rate_Hz",)
+    if content.sample_rate_Hz is None:
+        if "time" not in asked and content.kind != TURNING_POINTS:  # whose rows count
+            yield ("columns", "time"), "missing", "give its column, or sample_rate_Hz for rows at an even rate"
+    elif "time" in asked:
+        yield rate, "given beside columns.time", f"{TWO}: columns.time where there is one"
+    elif content.broken_rows == "skip" or content.rows == "own_times" or content.channel_column is not None:
+        remedy = "leave broken_rows, rows and channel_column out: every row is one step in time"
+        yield rate, "given where rows are no steps in time", remedy
+    inputs, currents = ([key for key in asked if kind_of(key) == kind] for kind in ("input", CURRENT))
+    if currents:
+        yield from _of_currents(content, asked, inputs, currents)
+    response = content.kind == FREQUENCY_RESPONSE
+    given: list[FieldPath] = [("columns", key) for key in ("excitation", *TABLE) if key in asked]
+    given += [(key,) for key in ("inertia_plate", "response") if getattr(content, key) is not None]
+    remedy = f"say kind: {FREQUENCY_RESPONSE} of a chirp, noise or an analyser's table; else leave it out"
+    remedy = "give columns.frequency of an analyser's table; else leave it out" if response else remedy
+    for where in given:
+        if not response or where not in (("inertia_plate",), ("columns", "excitation")):
+            yield where, f"has no effect on a run of kind {content.kind}" + " that is a log" * response, remedy
+    named = [key for key in inputs if key != "input"]
     remedy = "give input for a drive that has one, else input_<name> for each input of the design, or left and right"
     if "input" in asked and named:
-        problems.append(file.problem(("columns", "input"), f"given beside {named[0]}", remedy=remedy))
-    elif "input" not in asked and not named and content.kind in BY_HAND:
-        pass  # the inputs stand still
-    elif "input" not in asked and (not named or named in (["input_left"], ["input_right"])):
-        problems.append(file.problem(("columns",), "an input is missing", remedy=remedy))
-    return [*problems, *_broken_columns(file, asked)]
+        yield ("columns", "input"), f"given beside {named[0]}", remedy
+    # Of rows by hand the inputs may stand still.
+    elif named in (["input_left"], ["input_right"]) or not (inputs or content.kind in BY_HAND):
+        yield ("columns",), "an input is missing", remedy
 
 
-def _broken_columns(file: MeasurementFile, asked: dict[str, Column]) -> list[Problem]:
-    """Problems with the fields of each column."""
-    content, problems = file.content, list[Problem]()
-    for quantity, column in asked.items():
-        where: FieldPath = ("columns", quantity)
-        if column.side == "motor" and kind_of(quantity) != "input":
-            remedy = "leave side out: only an input's encoder can sit before a gearhead"
-            problems.append(file.problem((*where, "side"), f"given for {quantity}", "motor", "drive", remedy=remedy))
-        elif column.side == "motor" and content.ratio is not None:
-            remedy = "leave side out, and give the ratio from the encoder to the output"
-            problems.append(file.problem((*where, "side"), "given beside ratio", "motor", "drive", remedy=remedy))
-        if column.wraps_at is not None and kind_of(quantity) not in (*ENCODERS, "time"):
-            remedy = "leave wraps_at out: only an angle or a time begins again"
-            value = f"{column.wraps_at:g}"
-            problems.append(file.problem((*where, "wraps_at"), f"given for {quantity}", value, remedy=remedy))
-        problems += _broken_arm(file, quantity, column)
-        if _arm(quantity, column):
-            continue
-        if unit_of(quantity, column.unit, column.counts_per_turn) is None:
-            counts = column.unit.strip() in (COUNTS, "count") and kind_of(quantity) in ENCODERS
-            remedy = "give counts_per_turn too" if counts else did_you_mean(column.unit, known_units(quantity))
-            what = "counts without counts_per_turn" if counts else f"no unit of {quantity}"
-            problems.append(file.problem((*where, "unit"), what, shortened(column.unit), remedy=remedy))
-        elif column.counts_per_turn is not None and column.unit.strip() not in (COUNTS, "count"):
-            remedy = "set unit: counts if the figures are counts, else leave counts_per_turn out"
-            what = "given beside another unit"
-            problems.append(file.problem((*where, "counts_per_turn"), what, column.unit, COUNTS, remedy=remedy))
-        if column.scale == 0.0:
-            problems.append(file.problem((*where, "scale"), "nothing is left", "0", remedy="give the factor"))
-        if isinstance(column.column, int) and column.column < 1:
-            remedy = "count the columns from 1"
-            problems.append(
-                file.problem((*where, "column"), "no column", str(column.column), "1 or more", remedy=remedy)
-            )
-    return problems + _asked_twice(file, asked)
+def _of_currents(
+    content: Measurement, asked: dict[str, Column], inputs: list[str], currents: list[str]
+) -> Iterator[Broken]:
+    """Of the motors' currents: one for each input, in place of a measured load or beside it."""
+    first: FieldPath = ("columns", currents[0])
+    if content.load == "none":
+        remedy = f"{TWO}; beside the currents a load of a weight on an arm may be stated, pendulum"
+        yield first, "given beside load: none", remedy
+    if LOAD in asked and content.kind != MOTION:
+        yield first, f"given beside columns.{LOAD}", f"{TWO}: only a run of kind {MOTION} compares them"
+    if sorted(inputs) != sorted(key.replace(CURRENT, "input", 1) for key in currents):
+        remedy = "give the current of each input's motor, current_<name> for input_<name>"
+        yield first, "currents are not those of the inputs", remedy, ", ".join(currents)
+    needed = ("torque_constant_Nm_A", "gear_ratio", "efficiency", "rotor_inertia_kg_m2")
+    lacking = ", ".join(name for name in needed if getattr(content.motor, name) is None)
+    if content.ratio is not None and lacking:
+        yield ("motor",), f"lacks {lacking}", "give it in the block motor: no design says it"
 
 
-def _of_another_kind(file: MeasurementFile) -> list[Problem]:
-    """Problems with fields that have no effect on a log of this kind."""
-    content = file.content
-    given: list[FieldPath] = [("columns", key) for key in ("excitation", *TABLE) if key in file.asked]
-    given += [(key,) for key in ("inertia_plate", "response") if getattr(content, key) is not None]
-    of_logs: list[FieldPath] = (
-        [("inertia_plate",), ("columns", "excitation")] if content.kind == FREQUENCY_RESPONSE else []
-    )
-    remedies = {
-        True: "give columns.frequency of an analyser's table; else leave it out",
-        False: f"say kind: {FREQUENCY_RESPONSE} of a chirp, noise or an analyser's table; else leave it out",
-    }
-    remedy = remedies[content.kind == FREQUENCY_RESPONSE]
-    what = f"has no effect on a run of kind {content.kind}" + " that is a log" * (content.kind == FREQUENCY_RESPONSE)
-    return [file.problem(where, what, remedy=remedy) for where in given if where not in of_logs]
-
-
-def _broken_table(file: MeasurementFile, asked: dict[str, Column]) -> list[Problem]:
-    """Problems with an analyser's table: fields that a log has in place of it, and what its gain is over."""
-    content, problems = file.content, list[Problem]()
+def _of_table(content: Measurement, asked: dict[str, Column]) -> Iterator[Broken]:
+    """Of an analyser's table: fields that a log has in place of it, and what its gain is over."""
     if content.kind != FREQUENCY_RESPONSE:
-        remedy = f"say kind: {FREQUENCY_RESPONSE}"
-        problems.append(
-            file.problem(("kind",), "a table over frequency is of another kind", content.kind, remedy=remedy)
-        )
+        yield ("kind",), "a table over frequency is of another kind", f"say kind: {FREQUENCY_RESPONSE}", content.kind
     for key in ("gain", "phase"):
         if key not in asked:
             remedy = f"give its column: a table of an analyser has frequency, {key} and more"
-            problems.append(file.problem(("columns", key), "missing", remedy=remedy))
-    other: list[FieldPath] = [("columns", key) for key in asked if key not in TABLE]
-    stated = content.model_fields_set & {"load", "motor", "sample_rate_Hz", "rows", "channel_column"}
-    remedy = "keep one of the two: a table over frequency, or a log over time"
-    for where in [*other, *((key,) for key in sorted(stated))]:
-        problems.append(file.problem(where, "given beside columns.frequency", remedy=remedy))
+            yield ("columns", key), "missing", remedy
+    stated = sorted(content.model_fields_set & {"load", "motor", "sample_rate_Hz", "rows", "channel_column"})
+    of_logs: list[FieldPath] = [("columns", key) for key in asked if key not in TABLE] + [(key,) for key in stated]
+    for where in of_logs:
+        yield where, "given beside columns.frequency", f"{TWO}: a table over frequency, or a log over time"
     block = content.response or ResponseBlock.model_construct()
-    over_torque = block.over == "torque"
-    if over_torque and content.ratio is not None:
+    torque = block.over == "torque"
+    if torque and content.ratio is not None:
         remedy = "give the design file: of a ratio alone nothing says what the torque turns"
-        problems.append(
-            file.problem(("response", "over"), "torque, of a drive whose ratio alone is known", remedy=remedy)
-        )
-    wrong = ("amplitude_rad", "turns") if over_torque else ("amplitude_Nm",)
-    problems += [
-        file.problem(("response", key), f"given beside over: {block.over}", remedy="leave it out, or correct over")
-        for key in wrong
-        if getattr(block, key) is not None
-    ]
-    kinds = {"gain": RATIO if over_torque else GIVE, "amplitude": ANGLE if over_torque else TORQUE}
-    for key, units in kinds.items():
+        yield ("response", "over"), "torque, of a drive whose ratio alone is known", remedy
+    for key in ("amplitude_rad", "turns") if torque else ("amplitude_Nm",):
+        if getattr(block, key) is not None:
+            yield ("response", key), f"given beside over: {block.over}", "leave it out, or correct over"
+    for key, units in (("gain", RATIO if torque else GIVE), ("amplitude", ANGLE if torque else TORQUE)):
         if key in asked and asked[key].unit.strip() in units:
-            remedy = "correct it, or response.over: inputs or torque"
-            what = f"not of a gain over {block.over}"
-            problems.append(file.problem(("columns", key, "unit"), what, asked[key].unit, remedy=remedy))
+            what, remedy = f"not of a gain over {block.over}", "correct it, or response.over: inputs or torque"
+            yield ("columns", key, "unit"), what, remedy, asked[key].unit
     given = [key for key in ("amplitude_rad", "amplitude_Nm") if getattr(block, key) is not None]
     if given and "amplitude" in asked:
-        remedy = "keep one of the two"
-        problems.append(file.problem(("response", given[0]), "given beside columns.amplitude", remedy=remedy))
-    return problems
+        yield ("response", given[0]), "given beside columns.amplitude", TWO
 
 
-def _broken_currents(file: MeasurementFile, asked: dict[str, Column]) -> list[Problem]:
-    """Problems with the motors' currents: one for each input, in place of a measured load or beside it."""
-    currents = [key for key in asked if kind_of(key) == CURRENT]
-    if not currents:
-        return []
-    first: FieldPath = ("columns", currents[0])
-    problems = []
-    if file.content.load == "none":
-        remedy = "keep one of the two; beside the currents a load of a weight on an arm may be stated, pendulum"
-        problems.append(file.problem(first, "given beside load: none", remedy=remedy))
-    if LOAD in asked and file.content.kind != MOTION:
-        remedy = f"keep one of the two: only a run of kind {MOTION} compares them"
-        problems.append(file.problem(first, f"given beside columns.{LOAD}", remedy=remedy))
-    inputs = sorted(key.removeprefix("input").lstrip("_") for key in asked if kind_of(key) == "input")
-    if inputs != sorted(key.removeprefix(CURRENT).lstrip("_") for key in currents):
-        remedy = "give the current of each input's motor, current_<name> for input_<name>"
-        problems.append(file.problem(first, "currents are not those of the inputs", ", ".join(currents), remedy=remedy))
-    if file.content.ratio is not None:
-        motor = file.content.motor
-        needed = ("torque_constant_Nm_A", "gear_ratio", "efficiency", "rotor_inertia_kg_m2")
-        missing = [name for name in needed if getattr(motor, name) is None]
-        if missing:
-            remedy = "give it in the block motor: no design says it"
-            problems.append(file.problem(("motor",), f"lacks {', '.join(missing)}", remedy=remedy))
-    return problems
-
-
-def _broken_times(file: MeasurementFile) -> list[Problem]:
-    """Problems with the time: a column of it, or the rate of the rows."""
-    content, rate = file.content, ("sample_rate_Hz",)
-    if content.columns is None:
-        return []
-    if content.columns.time is None and content.sample_rate_Hz is None:
-        if content.kind == TURNING_POINTS:
-            return []  # the rows count
-        remedy = "give its column, or sample_rate_Hz for rows at an even rate"
-        return [file.problem(("columns", "time"), "missing", remedy=remedy)]
-    if content.sample_rate_Hz is None:
-        return []
-    if content.columns.time is not None:
-        remedy = "keep one of the two: columns.time where there is one"
-        return [file.problem(rate, "given beside columns.time", remedy=remedy)]
-    if content.broken_rows == "skip" or content.rows == "own_times" or content.channel_column is not None:
-        remedy = "leave broken_rows, rows and channel_column out: every row is one step in time"
-        return [file.problem(rate, "given where rows are no steps in time", remedy=remedy)]
-    return []
-
-
-# The fields for what a length or a force is measured at, with their remedies.
+# The fields for what a length or a force is measured at: what lacks it, how to give it, and why to leave it out.
 _ARMS = {
     "lever_arm_mm": (
         "a force without its arm",
@@ -342,35 +271,45 @@ _ARMS = {
 }
 
 
-def _arm(quantity: str, column: Column) -> str:
-    """The field that the unit of the column needs: the arm of a force, the radius of a length; empty for neither."""
-    unit = column.unit.strip()
-    if quantity == LOAD and unit in FORCE:
-        return "lever_arm_mm"
-    return "radius_mm" if kind_of(quantity) in ENCODERS and unit in LENGTH else ""
-
-
-def _broken_arm(file: MeasurementFile, quantity: str, column: Column) -> list[Problem]:
-    """Problems with the arm of a force and the radius of a length: other quantities have none."""
-    where: FieldPath = ("columns", quantity)
-    needed, problems = _arm(quantity, column), []
-    for name, (missing, give, leave) in _ARMS.items():
-        value = getattr(column, name)
-        if name == needed and value is None:
-            problems.append(file.problem((*where, "unit"), missing, column.unit, remedy=give))
-        elif name != needed and value is not None:
-            what = f"given beside unit {column.unit}"
-            problems.append(file.problem((*where, name), what, f"{value:g}", remedy=leave))
-    return problems
-
-
-def _asked_twice(file: MeasurementFile, asked: dict[str, Column]) -> list[Problem]:
-    """Problems with a column used for two quantities; for two inputs only a note, as one alone may be logged."""
-    problems, first = [], dict[tuple[str | int, str | None], str]()
+def _of_columns(content: Measurement, asked: dict[str, Column]) -> Iterator[Broken]:
+    """Of the fields of each column, and of a column used for two quantities."""
+    for quantity, column in asked.items():
+        where, unit, kind = ("columns", quantity), column.unit.strip(), kind_of(quantity)
+        angle, counts, wraps_at = kind in ENCODERS, unit in (COUNTS, "count"), column.wraps_at
+        if column.side == "motor" and kind != "input":
+            remedy = "leave side out: only an input's encoder can sit before a gearhead"
+            yield (*where, "side"), f"given for {quantity}", remedy, "motor", "drive"
+        elif column.side == "motor" and content.ratio is not None:
+            remedy = "leave side out, and give the ratio from the encoder to the output"
+            yield (*where, "side"), "given beside ratio", remedy, "motor", "drive"
+        if wraps_at is not None and not (angle or kind == "time"):
+            remedy = "leave wraps_at out: only an angle or a time begins again"
+            yield (*where, "wraps_at"), f"given for {quantity}", remedy, f"{wraps_at:g}"
+        arm = "lever_arm_mm" if quantity == LOAD and unit in FORCE else "radius_mm" if angle and unit in LENGTH else ""
+        for name, (missing, give, leave) in _ARMS.items():
+            value = getattr(column, name)
+            if name == arm and value is None:
+                yield (*where, "unit"), missing, give, column.unit
+            elif name != arm and value is not None:
+                yield (*where, name), f"given beside unit {column.unit}", leave, f"{value:g}"
+        if arm:
+            continue
+        if unit_of(quantity, column.unit, column.counts_per_turn) is None:
+            known = did_you_mean(column.unit, known_units(quantity))
+            what = "counts without counts_per_turn" if counts and angle else f"no unit of {quantity}"
+            remedy = "give counts_per_turn too" if counts and angle else known
+            yield (*where, "unit"), what, remedy, shortened(column.unit)
+        elif column.counts_per_turn is not None and not counts:
+            remedy = "set unit: counts if the figures are counts, else leave counts_per_turn out"
+            yield (*where, "counts_per_turn"), "given beside another unit", remedy, column.unit, COUNTS
+        if column.scale == 0.0:
+            yield (*where, "scale"), "nothing is left", "give the factor", "0"
+        if isinstance(column.column, int) and column.column < 1:
+            yield (*where, "column"), "no column", "count the columns from 1", str(column.column), "1 or more"
+    first = dict[tuple[str | int, str | None], str]()
     for quantity, column in asked.items():
         other = first.setdefault((column.column, column.channel), quantity)
+        # Two inputs of one column are only noted, as one alone may be logged.
         if other != quantity and not (other.startswith("input") and quantity.startswith("input")):
-            where: FieldPath = ("columns", quantity, "column")
-            what, remedy = f"the column of {other} too", "give each quantity its own column"
-            problems.append(file.problem(where, what, shortened(column.column), remedy=remedy))
-    return problems
+            remedy, what = "give each quantity its own column", f"the column of {other} too"
+            yield ("columns", quantity, "column"), what, remedy, shortened(column.column)

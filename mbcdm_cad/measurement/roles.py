@@ -361,24 +361,18 @@ def _angles(among: list[Guess], expected: Expected) -> Scale | None:
         return None
     output, found = chosen
     output.role = "output"
-    output.reasons.append(
-        "by its name" if _said_output(output) > 0.0 else "it turns slower than the input by the ratio"
-    )
     scale = output_scale(output, found, expected)
     output.fields |= scale.fields
-    output.reasons.append(scale.reason)
+    named = _said_output(output) > 0.0
+    output.reasons += ["by its name" if named else "it turns slower than the input by the ratio", scale.reason]
     for column, name in zip(found, expected.input_names, strict=False):
         column.role = expected.column_of(name)
-        own = name.lower() in str(column.name).lower()
-        column.reasons.append(
-            f"its name contains that of the input {name}"
-            if own and not expected.one_input
-            else "by its name"
-            if expected.one_input and column.says(_INPUT)
-            else "by its slope against the output"
-            if expected.one_input
-            else "in the order of the design's inputs: check which is which"
-        )
+        if expected.one_input:
+            column.reasons.append("by its name" if column.says(_INPUT) else "by its slope against the output")
+        elif name.lower() in str(column.name).lower():
+            column.reasons.append(f"its name contains that of the input {name}")
+        else:
+            column.reasons.append("in the order of the design's inputs: check which is which")
         slope, _ = robust_slope(output.values * scale.rad, column.values)
         mine = input_scale(column, slope, expected) if slope else Scale({"unit": "rad"}, 1.0)
         column.fields |= mine.fields | ({"scale": -1} if slope < 0.0 else {})
@@ -427,8 +421,10 @@ def _fit(column: Guess, output: Guess, expected: Expected) -> float:
     scale = output_scale(output, [column], expected)
     mine = input_scale(column, slope / scale.rad, expected)
     miss = max(scale.miss, mine.miss)
-    # Of two readings that meet the ratio the one with fewer counts a turn.
-    scattered += 0.1 * sum(log10(float(str(one.fields.get("counts_per_turn", 1.0)))) for one in (scale, mine))
+    # Counts that a column shows itself tell more than any that meet the ratio, and of those the fewer more.
+    for one, of in ((scale, output), (mine, column)):
+        counts = one.fields.get("counts_per_turn") if stated_scale(of) is None else None
+        scattered += 0.3 + 0.1 * log10(counts) if isinstance(counts, float) else 0.0
     return (4.0 if miss < MET else 2.0 if miss < NEAR else 0.0) - scattered
 
 
@@ -440,7 +436,7 @@ def stated_scale(column: Guess) -> Scale | None:
         unit, reason = "turn", "ODrive's estimates of a position are in turns"
     if not unit and isinstance(begins_again, float) and begins_again not in REGISTERS:
         unit = "" if column.whole else next((u for u in TURNS if abs(TURNS[u] - begins_again) < 1e-3), "")
-        reason = f"begins again after {begins_again:g}, which is a turn"
+        reason = f"{begins_again:g} to a turn"
         if not unit:
             return _counted(begins_again, reason)
     return Scale({"unit": unit}, ANGLE[unit].factor, reason) if unit else None
@@ -501,20 +497,17 @@ def output_scale(column: Guess, inputs: Sequence[Guess], expected: Expected) -> 
 def input_scale(column: Guess, slope: float, expected: Expected) -> Scale:
     """The input's unit and the place of its encoder with which the ratio is met best; ``slope``: figures per rad of the
     output."""
-    own, best = stated_scale(column), None
-    sides = {"drive": expected.ratio}
-    if expected.gearhead_ratio is not None:
-        sides["motor"] = expected.ratio * expected.gearhead_ratio
-    for side, turns in sides.items():
+    own, found = stated_scale(column), list[Scale]()
+    gearhead = {} if expected.gearhead_ratio is None else {"motor": expected.ratio * expected.gearhead_ratio}
+    for side, turns in ({"drive": expected.ratio} | gearhead).items():
         rad = turns / abs(slope)
-        found = _nearest(column, rad) if own is None else replace(own, miss=abs(log(own.rad / rad)))
-        if best is None or found.miss < best.miss:
-            place = {"side": "motor"} if side == "motor" else {}
-            before = f": before the gearhead of {expected.gearhead_ratio:g}" if place else ""
-            told = f"{abs(slope):.6g} of its figures to a rad of the output{before}"
-            reason = f"{found.reason}; {told}" if found.reason else told
-            best = replace(found, fields=found.fields | place, reason=reason)
-    assert best is not None
+        one = _nearest(column, rad) if own is None else replace(own, miss=abs(log(own.rad / rad)))
+        reason = f"{one.reason}; " * bool(one.reason) + f"{abs(slope):.6g} of its figures to a rad of the output"
+        if side == "motor":
+            reason += f": before the gearhead of {expected.gearhead_ratio:g}"
+            one = replace(one, fields=one.fields | {"side": side})
+        found.append(replace(one, reason=reason))
+    best = min(found, key=lambda one: one.miss)
     if best.miss > MET:
         best = replace(
             best, reason=f"{best.reason}; no unit gives the ratio {expected.ratio:g} to a few percent: check"
