@@ -7,7 +7,6 @@ find the effect with the plan's power, and the readings held back must show it a
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import log
 
 import numpy as np
 from scipy.optimize import brentq
@@ -16,7 +15,8 @@ from scipy.stats import f as f_distribution
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.loop.effect import Effect
-from mbcdm_cad.loop.search.few import ODDS, PLAY, FewReadings, prepared_by_hand
+from mbcdm_cad.loop.search.evidence import LOG_ODDS
+from mbcdm_cad.loop.search.few import PLAY, FewReadings, prepared_by_hand
 from mbcdm_cad.loop.search.few_words import CHANCE
 from mbcdm_cad.loop.search.response import ResponseLoop, Suspect
 from mbcdm_cad.loop.search.select import LEAST_FALL
@@ -81,7 +81,7 @@ class PlannedReadings:
         _, lengths, phases = np.linalg.svd(mine, full_matrices=False)
         left = mine @ phases[-1]
         left = left - basis @ (basis.T @ left)
-        needed = np.sqrt(2.0 * log(ODDS)) + float(norm.isf(1.0 - power))
+        needed = np.sqrt(2.0 * LOG_ODDS) + float(norm.isf(1.0 - power))
         length = float(np.linalg.norm(left))
         return needed * floor_rad / length if length > 1e-9 * float(lengths[-1]) else np.inf
 
@@ -114,7 +114,7 @@ def sizes_of_response(loop: ResponseLoop, power: float) -> Sequence[tuple[Suspec
     left = {name: column - basis @ (basis.T @ column) for name, column in columns.items()}
     # The F test has the averages that are not held back, the odds have all.
     found = (float(np.sqrt(chi2.isf(CHANCE / len(loop.suspects), 1))) + sure) / float(np.sqrt(np.mean(~loop.test)))
-    apart, scale = np.sqrt(2.0 * log(ODDS)) + sure, float(np.sqrt(loop.together))
+    apart, scale = np.sqrt(2.0 * LOG_ODDS) + sure, float(np.sqrt(loop.together))
     result = []
     for one in loop.suspects:
         mine = left[one.parameter]

@@ -20,6 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from math import log
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +38,10 @@ from mbcdm_cad.routes import Floats
 BLOCK = 65_536
 # Below this probability of a wrong choice two effects count as separated.
 TOLD_APART = 0.01
+# The same as the logarithm of odds.
+LOG_ODDS = log(1.0 / TOLD_APART - 1.0)
+# Fits whose mean squares differ by a smaller share are the same: the fits end within this of their least.
+SAME_FIT = 1e-4
 
 
 @dataclass(frozen=True, eq=False)

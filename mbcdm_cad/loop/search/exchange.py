@@ -19,7 +19,16 @@ from scipy.stats import t as t_distribution
 
 from mbcdm_cad.loop.effect import Effect
 from mbcdm_cad.loop.readable import INTERVAL
-from mbcdm_cad.loop.search.evidence import TOLD_APART, Estimate, Separation, cluster_estimate, log_odds, separation_of
+from mbcdm_cad.loop.search.evidence import (
+    LOG_ODDS,
+    SAME_FIT,
+    TOLD_APART,
+    Estimate,
+    Separation,
+    cluster_estimate,
+    log_odds,
+    separation_of,
+)
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.loop.search.forms import in_best_form
 from mbcdm_cad.loop.search.select import Search
@@ -32,9 +41,6 @@ from mbcdm_cad.routes import Floats
 ALIKE_SHARE = 0.12
 CLEAR_ERRORS, LEAST_ERRORS = 2.0, 1.0
 NEARLY_APART = 0.05
-LOG_ODDS = log(1.0 / TOLD_APART - 1.0)
-# Fits whose mean squares differ by a smaller share are the same: the fits end within this of their least.
-SAME_FIT = 1e-4
 # Effects or forms that are exchanged after the search.
 MOST_EXCHANGES = 6
 # Pairs of which a few steps of a refit are made in place of each two effects, and refits that are finished. What a

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import exp, log
+from math import log
 
 import numpy as np
 from scipy.stats import f as f_distribution
@@ -24,10 +24,10 @@ from mbcdm_cad.loop.prepare.noise import doubt_of, runs_of
 from mbcdm_cad.loop.prepare.prepared import Prepared
 from mbcdm_cad.loop.prepare.readings import prepare_creep, prepare_readings
 from mbcdm_cad.loop.readable import INTERVAL
-from mbcdm_cad.loop.result import Evidence, LoopResult, Named
+from mbcdm_cad.loop.result import LoopResult, Named
 from mbcdm_cad.loop.search.account import as_named, chain_orders, errors, next_steps
 from mbcdm_cad.loop.search.class_of_sensor import WithinClass
-from mbcdm_cad.loop.search.evidence import TOLD_APART
+from mbcdm_cad.loop.search.evidence import LOG_ODDS
 from mbcdm_cad.loop.search.few_noise import noise_of, since
 from mbcdm_cad.loop.search.few_words import (
     CHANCE,
@@ -40,31 +40,25 @@ from mbcdm_cad.loop.search.few_words import (
     verdict_of,
 )
 from mbcdm_cad.loop.search.fit import Fit, Fitter
-from mbcdm_cad.loop.search.select import LEAST_FALL
+from mbcdm_cad.loop.search.selection import Selection
 from mbcdm_cad.measurement.by_hand import path_of
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.measurement.schema import CREEP
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
 
-MOST_EFFECTS = 3
-# Candidates of each round that are tested, best first.
-MOST_TESTED = 4
-# Candidates beside which each other one is tried, where none is supported alone.
-MOST_PAIRED = 3
 # Fits of a candidate, each from where the last one ended.
 REFITS = 2
 # Levels of which each is left out once, and the share of its size by which an effect may then change.
 LEVELS, STEADY_SHARE = 4, 0.5
-# A form is taken in place of a later one of the library unless the odds against it are higher.
-SAME_FORM = 10.0
+# A form is taken in place of a later one of the library unless the logarithm of the odds against it is higher.
+SAME_FORM = log(10.0)
 # A parameter that changes no reading by this share of the floor, by its typical size, is not known.
 FLAT = 1e-3
-ODDS = 1.0 / TOLD_APART - 1.0
 PLAY = "lash"
 
 
-class FewReadings:
+class FewReadings(Selection[Fit]):
     """The loop on tables of one drive."""
 
     def __init__(self, d: DriveSI | None, ratio: float, runs: Sequence[Prepared], known: Sequence[AsBuilt]) -> None:
@@ -78,26 +72,23 @@ class FewReadings:
         self.library = [e for e in offered[0] if all(e.label in one for one in labels)]
         self.bare = self.fitter.fit()
         self.noise, self.noise_freedom = noise_of(self.fitter, self.bare.residual, self.at_rest)
+        self.floor_rad = self.noise.total_rad
         self.doubts: list[str] = []
-
-    @property
-    def floor_rad(self) -> float:
-        """The noise floor."""
-        return self.noise.total_rad
 
     def result(self) -> LoopResult:
         """Select, compare with alternatives, judge."""
-        fit, steps, small = self._selected()
+        fit, steps, small = self.selected(self.bare)
         within = self._within()
-        if fit.effects and within is not None and self._odds(within, fit) < ODDS:
+        if fit.effects and within is not None and self.log_odds(within, fit) < LOG_ODDS:
             fit, steps = within, []  # what the sensor may be wrong by explains as much
         allowed = fit is within
         whole = self.fitter.fit(fit.effects, fit.values, mask=self.fitter.used)
         whole = whole if allowed else self._best_forms(whole)
-        alike = {} if allowed else {effect: self._alike(whole, effect) for effect in whole.effects}
+        lesser = {e.key: self.without(fit, e) for e in fit.effects}
         named, sets = [], []
-        for effect, (forms, others) in alike.items():
-            first = replace(self._named(effect, whole, self._fall(fit, effect.key)), equivalent=forms)
+        for effect in () if allowed else whole.effects:
+            forms, others = self._alike(whole, effect)
+            first = replace(self._named(effect, whole, self.fall(lesser[effect.key], fit)), equivalent=forms)
             if others:
                 sets.append((first, *(self._named(one.effects[-1], one, 0.0) for one in others)))
             else:
@@ -153,87 +144,42 @@ class FewReadings:
 
     # Selection.
 
-    def _selected(self) -> tuple[Fit, list[Evidence], list[Evidence]]:
-        """The fit with the effects that the readings support; what was accepted, and what was too small."""
-        now, steps, small = self.bare, list[Evidence](), list[Evidence]()
-        for _ in range(MOST_EFFECTS):
-            trials = [t for e in self._candidates(now) if (t := self._best(now, e)) is not None]
-            trials.sort(key=self._criterion)
-            following = next((t for t in trials[:MOST_TESTED] if self._supported(now, t)), None) or self._pair(
-                now, trials
-            )
-            small = [
-                Evidence(
-                    t.effects[-1].label,
-                    self._held(t),
-                    float(np.sqrt(max(0.0, now.square - t.square))),
-                    "too small to name",
-                )
-                for t in trials[:5]
-                if t.square < now.square
-            ]
-            if following is None:
-                break
-            fall = float(np.sqrt(max(0.0, self._held(now) ** 2 - self._held(following) ** 2)))
-            new = " with ".join(e.label for e in following.effects[len(now.effects) :])
-            steps.append(Evidence(new, self._held(following), fall, "accepted"))
-            now = following
-        return self._without_needless(now), steps, small
-
-    def _pair(self, now: Fit, trials: Sequence[Fit]) -> Fit | None:
-        """Two effects of which each needs the other, such as a creep and a warming against it: the best that is
-        supported; None if there is none."""
-        found = []
-        for trial in trials[:MOST_PAIRED]:
-            for effect in self._candidates(trial):
-                one = self._best(trial, effect)
-                if one is not None:
-                    found.append(one)
-        found.sort(key=self._criterion)
-        for one in found[:MOST_TESTED]:
-            both = one.effects[-2:]
-            if all(self._supported(self._without(one, e), one.with_last(e)) for e in both):
-                return one
-        return None
-
-    def _candidates(self, fit: Fit) -> list[Effect]:
+    def offered(self, fit: Fit) -> list[Effect]:
         """Effects that may join a fit: one form of each name."""
         taken = {e.key for e in fit.effects}
         return [e for e in self.library if e.key not in taken and not e.unmeasured]
 
-    def _best(self, fit: Fit, effect: Effect) -> Fit | None:
+    def best(self, fit: Fit, cause: Effect, whole: bool = False) -> Fit | None:
         """The best fit with one effect more, over its starts; None if it cannot be simulated or no such part exists."""
         found = []
-        for start in self.fitter.guesses(effect, fit.residual):
+        for start in self.fitter.guesses(cause, fit.residual):
             values: Sequence[Floats | list[float]] = (*fit.values, start)
             for _ in range(REFITS):  # a place has no slope at size zero, where a fit begins
-                one = self.fitter.tried((*fit.effects, effect), values, fit.offsets)
+                one = self.fitter.tried((*fit.effects, cause), values, fit.offsets)
                 if one is None:
                     break
                 found.append(one)
                 values = one.values
         best = min(found, key=lambda one: one.square, default=None)
-        if best is not None and effect.doubtful and (words := effect.doubtful(best.values[-1])):
-            if self._supported(fit, best) and words not in self.doubts:
+        if best is not None and cause.doubtful and (words := cause.doubtful(best.values[-1])):
+            if self.supported(fit, best, cause) and words not in self.doubts:
                 self.doubts.append(words)
             return None
-        return best
+        return self.fitter.fit(best.effects, best.values, mask=self.fitter.used) if whole and best else best
 
-    def _criterion(self, fit: Fit) -> float:
+    def criterion(self, fit: Fit) -> float:
         """Bayes' criterion on the training readings."""
         n = int(self.fitter.train.sum())
         return n * log(max(fit.square, (0.1 * self.floor_rad) ** 2, 1e-40)) + fit.width * log(n)
 
-    def _held(self, fit: Fit) -> float:
+    def held_rms(self, fit: Fit) -> float:
         """RMS error of the readings held back."""
         test = fit.residual[self.fitter.test]
         return float(np.sqrt(np.mean(test**2))) if test.size else 0.0
 
-    def _supported(self, less: Fit, more: Fit) -> bool:
-        """Whether both the readings held back and the others support the last effect of ``more`` beside ``less``."""
-        fall = self._held(less) ** 2 - self._held(more) ** 2
-        clear = fall >= (LEAST_FALL * self.floor_rad) ** 2
-        return clear and self._by_chance(less, more) < CHANCE / len(self.library) and self._steady(more)
+    def beyond_chance(self, less: Fit, more: Fit, cause: Effect) -> bool:
+        """Whether the other readings support an effect, whichever level of them is left out."""
+        return self._by_chance(less, more) < CHANCE / len(self.library) and self._steady(more.with_last(cause))
 
     def _steady(self, fit: Fit) -> bool:
         """Whether the size of the last effect stays within a share of itself whichever level of the readings is left
@@ -267,24 +213,11 @@ class FewReadings:
         scatter, freedom = max((own, freedom), (self.floor_rad**2, self.noise_freedom))
         return float(f_distribution.sf((less.square - more.square) * n / extra / scatter, extra, freedom))
 
-    def _without_needless(self, fit: Fit) -> Fit:
-        """The fit without effects that the later ones have made needless."""
-        while len(fit.effects) > 1:
-            less = {effect: self._without(fit, effect) for effect in fit.effects}
-            needless = [one for e, one in less.items() if not self._supported(one, fit.with_last(e))]
-            if not needless:
-                break
-            fit = min(needless, key=lambda one: one.square)
-        return fit
-
-    def _without(self, fit: Fit, effect: Effect) -> Fit:
-        kept = [(e, v) for e, v in zip(fit.effects, fit.values, strict=True) if e is not effect]
-        return self.fitter.fit([e for e, _ in kept], [v for _, v in kept], fit.offsets)
-
-    def _fall(self, fit: Fit, key: object) -> float:
-        """How much an effect lowers the error of the readings held back, in any of its forms."""
-        less = self._without(fit, next(e for e in fit.effects if e.key == key))
-        return float(np.sqrt(max(0.0, self._held(less) ** 2 - self._held(fit) ** 2)))
+    def without(self, fit: Fit, cause: Effect, whole: bool = False) -> Fit:
+        """The fit without one of its effects."""
+        kept = [(e, v) for e, v in zip(fit.effects, fit.values, strict=True) if e is not cause]
+        mask = self.fitter.used if whole else None
+        return self.fitter.fit([e for e, _ in kept], [v for _, v in kept], fit.offsets, mask)
 
     # Alternatives.
 
@@ -297,48 +230,32 @@ class FewReadings:
             else None
         )
 
-    def _odds(self, worse: Fit, better: Fit) -> float:
-        """Odds of one fit against another by all used readings, each with its number of values counted."""
+    def log_odds(self, worse: Fit, better: Fit) -> float:
+        """Logarithm of the odds of one fit against another by all used readings, by Bayes' criterion."""
         used, free = self.fitter.used, better.width + len(self.prepared)
         n = int(used.sum())
         squares = [float(np.sum(self.fitter.centred(one.residual, used)[used] ** 2)) for one in (worse, better)]
         variance = max(squares[1] / max(n - free, 1), self.floor_rad**2)
-        return odds_of((squares[0] - squares[1]) / variance, worse.width - better.width, n)
+        return 0.5 * ((squares[0] - squares[1]) / variance + (worse.width - better.width) * log(n))
 
     def _best_forms(self, whole: Fit) -> Fit:
         """The fit of all readings with each effect in the first form of the library that fits them as well as any."""
         for key in [effect.key for effect in whole.effects]:
-            rest = self._rest(whole, next(e for e in whole.effects if e.key == key))
-            trials = [self._best(rest, other) for other in self.library if other.key == key]
-            forms = [self.fitter.fit(t.effects, t.values, mask=self.fitter.used) for t in trials if t is not None]
-            best = min([*forms, whole], key=lambda one: self._odds(one, whole))
-            whole = next((one for one in forms if self._odds(one, best) < SAME_FORM), best)
+            rest = self.without(whole, next(e for e in whole.effects if e.key == key), True)
+            trials = [self.best(rest, other, True) for other in self.library if other.key == key]
+            forms = [one for one in trials if one is not None]
+            best = min([*forms, whole], key=lambda one: self.log_odds(one, whole))
+            whole = next((one for one in forms if self.log_odds(one, best) < SAME_FORM), best)
         return whole
-
-    def _rest(self, whole: Fit, effect: Effect) -> Fit:
-        """The fit of all readings without one of its effects."""
-        last = whole.with_last(effect)
-        return self.fitter.fit(last.effects[:-1], last.values[:-1], mask=self.fitter.used)
 
     def _alike(self, whole: Fit, effect: Effect) -> tuple[tuple[str, ...], list[Fit]]:
         """Other forms of an effect, and fits with another effect in its place, that are nearly as good."""
-        rest = self._rest(whole, effect)
-        keys = {e.key for e in rest.effects}
-        forms, fits = list[str](), dict[object, Fit]()
-        for other in self.library:
-            if other is effect or other.key in keys:
-                continue
-            one = self._best(rest, other)
-            if one is None:
-                continue
-            one = self.fitter.fit(one.effects, one.values, mask=self.fitter.used)
-            if self._odds(one, whole) >= ODDS:
-                continue
-            if other.key == effect.key:
-                forms.append(other.form)
-            elif other.key not in fits or one.square < fits[other.key].square:
-                fits[other.key] = one
-        return tuple(forms), sorted(fits.values(), key=lambda one: one.square)
+        fits = self.alike(whole, effect)
+        forms = tuple(one.effects[-1].form for one in fits if one.effects[-1].key == effect.key)
+        # Of each other effect the best of its forms.
+        others = {one.effects[-1].key: one for one in sorted(fits, key=lambda one: -one.square)}
+        others.pop(effect.key, None)
+        return forms, [*others.values()][::-1]
 
     # Judgement.
 
@@ -394,12 +311,6 @@ class FewReadings:
             return None
         rms, peak = float(np.sqrt(np.mean(r**2))), float(np.abs(r).max())
         return LeftOver(rms, peak, self.floor_rad, (), (), 0.0, (), hangs_on=hangs_on(self.fitter, r, self.at_rest))
-
-
-def odds_of(rise: float, more: int, n: int) -> float:
-    """Odds against a fit of n values whose squares, over their variance, are larger by ``rise``, with ``more`` figures,
-    by Bayes' criterion."""
-    return exp(min(0.5 * (rise + more * log(n)), 700.0))
 
 
 def prepared_by_hand(run: Run, ratio: float) -> Prepared:

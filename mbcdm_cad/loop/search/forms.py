@@ -16,17 +16,14 @@ import numpy as np
 from scipy.stats import t as t_distribution
 
 from mbcdm_cad.loop.effect import Effect
-from mbcdm_cad.loop.search.evidence import TOLD_APART, cluster_estimate, log_odds
+from mbcdm_cad.loop.search.evidence import LOG_ODDS, SAME_FIT, TOLD_APART, cluster_estimate, log_odds
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.loop.search.select import Search
 from mbcdm_cad.routes import Floats
 
-LOG_ODDS = log(1.0 / TOLD_APART - 1.0)
 # Least fall of the held-out RMS by a term, in quadrature, over the floor: less than for an effect, since a term that is
 # left out is found in the figures of the others.
 LEAST_TERM = 0.2
-# Fits whose mean squares differ by a smaller share are the same.
-SAME_FIT = 1e-4
 # Terms that one step may add or take in exchange: those of a form that differs in more are reached over others.
 MOST_NEW, MOST_GONE = 2, 1
 

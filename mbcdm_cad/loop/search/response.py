@@ -1,7 +1,7 @@
 """The loop on frequency responses: the first mode behind the inputs, its stiffness over amplitude, delays of the bench.
 
 Suspects are figures of the chain behind the inputs (:mod:`mbcdm_cad.loop.prepare.behind_inputs`) and of the bench. They
-are selected as in the search on few readings (:mod:`mbcdm_cad.loop.search.few`), with averages of lines as readings.
+are selected as those of a table by hand (:mod:`mbcdm_cad.loop.search.selection`), with averages of lines as readings.
 """
 
 from __future__ import annotations
@@ -29,11 +29,12 @@ from mbcdm_cad.loop.prepare.behind_inputs import (
 )
 from mbcdm_cad.loop.prepare.noise import Noise
 from mbcdm_cad.loop.readable import INTERVAL, Value, readable
-from mbcdm_cad.loop.result import NEAR_FLOOR, BodePicture, Errors, Evidence, LoopResult, Named, TorsionalMode
+from mbcdm_cad.loop.result import NEAR_FLOOR, BodePicture, Errors, LoopResult, Named, TorsionalMode
 from mbcdm_cad.loop.search.account import errors_of, next_steps
-from mbcdm_cad.loop.search.few import MOST_EFFECTS, ODDS, odds_of
+from mbcdm_cad.loop.search.evidence import LOG_ODDS
 from mbcdm_cad.loop.search.few_words import CHANCE, LeftOver, verdict_of
 from mbcdm_cad.loop.search.select import LEAST_FALL
+from mbcdm_cad.loop.search.selection import Selection
 from mbcdm_cad.measurement.response import FrequencyResponse, response_of
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.model.si import DriveSI, to_si
@@ -197,7 +198,7 @@ class ResponseFit:
     ``covariance`` of suspects, then of what is always free; ``square``: sum of squares; ``width``: number of figures.
     """
 
-    suspects: tuple[Suspect, ...]
+    effects: tuple[Suspect, ...]
     values: dict[str, float]
     weighted: Complex
     covariance: Floats
@@ -225,8 +226,10 @@ def _sigmas(seen: FrequencyResponse, held: BehindInputs, v: Values) -> list[Floa
     return [np.sqrt(q.sigma**2 + (ESTIMATE_SHARE * np.abs(q.value)) ** 2 + (slope * slip) ** 2) for q, slope in pairs]
 
 
-class ResponseLoop:
+class ResponseLoop(Selection[ResponseFit]):
     """The loop on frequency responses of one drive."""
+
+    most_effects, most_tested, most_paired = 4, 9, 0
 
     def __init__(self, drive: Drive | None, ratio: float, runs: Sequence[Run]) -> None:
         self.runs, self.drive, self.d = tuple(runs), drive, None if drive is None else to_si(drive)
@@ -363,12 +366,12 @@ class ResponseLoop:
             tuple(chosen), values, self.weighted(values), covariance, 2.0 * found.cost, len(free), tuple(free)
         )
 
-    def best(self, fit: ResponseFit, suspect: Suspect, mask: Mask | None = None) -> ResponseFit:
+    def best(self, fit: ResponseFit, cause: Suspect, whole: bool = False) -> ResponseFit:
         """The best fit with one suspect more, over its starts."""
-        used = ~self.test if mask is None else mask
-        grid = [{**fit.values, suspect.parameter: float(size)} for size in (0.0, *suspect.grid)]
+        used = self.every if whole else ~self.test
+        grid = [{**fit.values, cause.parameter: float(size)} for size in (0.0, *cause.grid)]
         cost = [float(np.sum(self._residual(v, used) ** 2)) for v in grid]
-        trials = [self.fit((*fit.suspects, suspect), grid[k], mask) for k in np.argsort(cost)[:TRIED]]
+        trials = [self.fit((*fit.effects, cause), grid[k], used) for k in np.argsort(cost)[:TRIED]]
         return min(trials, key=lambda one: one.square)
 
     def slopes(self) -> tuple[Floats, dict[str, Floats]]:
@@ -392,67 +395,41 @@ class ResponseLoop:
         """Error in rad RMS for inputs of the usual amplitude."""
         return self.floor_rad * float(np.sqrt(0.5 * np.mean(np.abs(weighted) ** 2)))
 
-    def _held(self, fit: ResponseFit) -> float:
-        """Error of what is held back."""
+    def held_rms(self, fit: ResponseFit) -> float:
+        """Error of the averages held back."""
         return self._rms(fit.weighted[self.test])
 
-    def _fall(self, less: ResponseFit, more: ResponseFit) -> float:
-        return float(np.sqrt(max(0.0, self._held(less) ** 2 - self._held(more) ** 2)))
-
-    def _supported(self, less: ResponseFit, more: ResponseFit, suspect: Suspect) -> bool:
-        """Whether what is held back and the rest support a suspect that ``more`` has beside ``less``."""
+    def beyond_chance(self, less: ResponseFit, more: ResponseFit, cause: Suspect) -> bool:
+        """Whether the other averages support a suspect, by an F test and by its size."""
         freedom = 2 * int((~self.test).sum()) - more.width
         scatter = max(more.square / freedom, 1.0) * self.together
         chance = float(f_distribution.sf((less.square - more.square) / scatter, 1, freedom))
-        size = abs(more.values[suspect.parameter] - self.declared.get(suspect.parameter, 0.0))
-        clear = self._fall(less, more) >= LEAST_FALL * self.floor_rad and size > more.half(suspect.parameter)
-        return clear and chance < CHANCE / len(self.suspects)
+        size = abs(more.values[cause.parameter] - self.declared.get(cause.parameter, 0.0))
+        return size > more.half(cause.parameter) and chance < CHANCE / len(self.suspects)
 
-    def _odds(self, worse: ResponseFit, better: ResponseFit) -> float:
-        """Odds of one fit against another of the same averages, each with its number of figures counted."""
+    def log_odds(self, worse: ResponseFit, better: ResponseFit) -> float:
+        """Logarithm of the odds of one fit against another of the same averages, by Bayes' criterion."""
         n = 2 * self.measured.size
         variance = max(better.square / max(n - better.width, 1), 1.0) * self.together
-        return odds_of((worse.square - better.square) / variance, worse.width - better.width, n)
+        return 0.5 * float((worse.square - better.square) / variance + (worse.width - better.width) * np.log(n))
 
-    def _without(self, fit: ResponseFit, suspect: Suspect, mask: Mask | None = None) -> ResponseFit:
-        start = {**fit.values, suspect.parameter: self.declared.get(suspect.parameter, 0.0)}
-        return self.fit([one for one in fit.suspects if one is not suspect], start, mask)
+    def without(self, fit: ResponseFit, cause: Suspect, whole: bool = False) -> ResponseFit:
+        """The fit without one of its suspects."""
+        start = {**fit.values, cause.parameter: self.declared.get(cause.parameter, 0.0)}
+        return self.fit([one for one in fit.effects if one is not cause], start, self.every if whole else None)
 
-    def _free(self, chosen: Sequence[Suspect]) -> list[Suspect]:
-        """Suspects that may join those chosen: others, and one of the two forms of a delay."""
-        late = any(one.name == "delay" for one in chosen)
-        return [one for one in self.suspects if one not in chosen and not (late and one.name == "delay")]
-
-    def _selected(self) -> tuple[ResponseFit, list[Evidence], list[Evidence]]:
-        """The fit with what the responses support; what was accepted, and what was too small."""
-        now, steps, small = self.begun or self.bare, list[Evidence](), list[Evidence]()
-
-        def evidence(trial: ResponseFit, words: str) -> Evidence:
-            return Evidence(trial.suspects[-1].label, self._held(trial), self._fall(now, trial), words)
-
-        while len(now.suspects) < MOST_EFFECTS + 1:
-            trials = sorted((self.best(now, one) for one in self._free(now.suspects)), key=lambda t: t.square)
-            following = next((t for t in trials if self._supported(now, t, t.suspects[-1])), None)
-            small = [evidence(t, "too small to name") for t in trials[:5]]
-            if following is None:
-                break
-            steps.append(evidence(following, "accepted"))
-            now = following
-        while len(now.suspects) > 1:
-            less = {one: self._without(now, one) for one in now.suspects}
-            needless = [fit for one, fit in less.items() if not self._supported(fit, now, one)]
-            if not needless:
-                break
-            now = min(needless, key=lambda one: one.square)
-        return now, steps, small
+    def offered(self, fit: ResponseFit) -> list[Suspect]:
+        """Suspects that may join a fit: others, and one of the two forms of a delay."""
+        late = any(one.name == "delay" for one in fit.effects)
+        return [one for one in self.suspects if one not in fit.effects and not (late and one.name == "delay")]
 
     def _allowed(self, fit: ResponseFit) -> tuple[ResponseFit, str]:
         """``fit``, or one without suspects of the drive where its figures may be wrong by as much; words for that."""
-        bench = [one for one in fit.suspects if one.parameter in BENCH]
-        if len(bench) == len(fit.suspects) or not self.tolerances:
+        bench = [one for one in fit.effects if one.parameter in BENCH]
+        if len(bench) == len(fit.effects) or not self.tolerances:
             return fit, ""
         allowed = self.fit(bench, {one.parameter: fit.values[one.parameter] for one in bench}, None, self.tolerances)
-        if self._odds(allowed, fit) >= ODDS:
+        if self.log_odds(allowed, fit) >= LOG_ODDS:
             return fit, ""
         units = {"structure": "compliance_rad_Nm", "inertia": "share"}
         words = [f"{readable(units[k], [allowed.values[k]])[1][0]} of the {k}" for k in self.tolerances]
@@ -462,26 +439,26 @@ class ResponseLoop:
 
     def result(self) -> LoopResult:
         """Select, compare with alternatives, judge."""
-        fit, steps, small = self._selected()
+        fit, steps, small = self.selected(self.begun or self.bare)
         if self.d is None:
             self._weigh(fit.values)
-            fit, steps, small = self._selected()
+            fit, steps, small = self.selected(self.begun or self.bare)
         second = self._second(fit)
         if second is not None:
             less = fit
-            fit, steps, small = self._selected()
+            fit, steps, small = self.selected(self.begun or self.bare)
         fit, within = self._allowed(fit)
-        whole = self.fit(fit.suspects, fit.values, self.every, self.tolerances if within else None)
+        whole = self.fit(fit.effects, fit.values, self.every, self.tolerances if within else None)
         named, sets = list[Named](), list[tuple[Named, ...]]()
-        for one in whole.suspects:
+        for one in whole.effects:
             forms, others = self._alike(whole, one)
-            first = replace(self._named(one, whole, self._fall(self._without(fit, one), fit)), equivalent=forms)
+            first = replace(self._named(one, whole, self.fall(self.without(fit, one), fit)), equivalent=forms)
             if others:
                 sets.append((first, *others))
             else:
                 named.append(first)
         if second is not None:
-            named.append(self._second_named(second, whole, self._fall(less, fit)))
+            named.append(self._second_named(second, whole, self.fall(less, fit)))
         found = self._errors(fit)
         left = None if found.near_floor else self._left(whole)
         modes = [self._mode(k, whole) for k in range(len(self.runs))]
@@ -505,7 +482,9 @@ class ResponseLoop:
     def _second(self, fit: ResponseFit) -> str | None:
         """What swings on its own in the band, "arm" or "front", where that does better than what was found; it is then
         fitted beside every cause, so that none of the drive stands for it."""
-        if not (fit.suspects or self._held(fit) > NEAR_FLOOR * self.floor_rad) or (self.d is None and not fit.suspects):
+        if not (fit.effects or self.held_rms(fit) > NEAR_FLOOR * self.floor_rad) or (
+            self.d is None and not fit.effects
+        ):
             return None
         plain = (
             self.bare if self.d is not None else self.best(self.bare, next(s for s in self.suspects if s.name == MODE))
@@ -528,12 +507,12 @@ class ResponseLoop:
                 for k in {*np.argsort(cost)[:TRIED].tolist(), *each.tolist()}:
                     shapes = ((0.01 * starts[k][names[0]], low, high), (0.02, 0.0, 0.95), (0.01, 0.0, 0.5))
                     more = dict(zip(names, shapes, strict=True))
-                    trials.append((what, more, self.fit(base.suspects, starts[k], None, more)))
+                    trials.append((what, more, self.fit(base.effects, starts[k], None, more)))
         if not trials:
             return None
         least = min((trial[2] for trial in trials), key=lambda one: one.square)
         # Of fits that are alike the one with the fewest causes.
-        what, more, best = min(trials, key=lambda trial: self._odds(trial[2], least))
+        what, more, best = min(trials, key=lambda trial: self.log_odds(trial[2], least))
         # What a few averages alone speak for is no mode: they are wrong.
         gained = np.abs(fit.weighted) ** 2 - np.abs(best.weighted) ** 2
         few = np.argsort(gained)[-FEW:]
@@ -545,7 +524,7 @@ class ResponseLoop:
         plainer = replace(fit, square=fit.square - float(gained[few[~self.test[few]]].sum()))
         at, half = best.values[f"{what}_Hz"], best.half(f"{what}_Hz")
         bounded = low < at < high and low < self._peak_Hz(what, best.values) < high and half < at
-        if not clear or not bounded or self._odds(plainer, best) < ODDS:
+        if not clear or not bounded or self.log_odds(plainer, best) < LOG_ODDS:
             return None
         if what == "arm" and best.values["arm_share"] <= best.half("arm_share"):  # in front a share of 0 is no absence
             return None
@@ -594,16 +573,9 @@ class ResponseLoop:
 
     def _alike(self, whole: ResponseFit, one: Suspect) -> tuple[tuple[str, ...], list[Named]]:
         """Other forms of a suspect, and other suspects in its place, that fit nearly as well."""
-        rest = self._without(whole, one, self.every)
-        forms, others = list[str](), list[Named]()
-        for other in self._free(rest.suspects):
-            if other is one or self._odds(trial := self.best(rest, other, self.every), whole) >= ODDS:
-                continue
-            if other.name == one.name:
-                forms.append(other.form)
-            else:
-                others.append(self._named(other, trial, 0.0))
-        return tuple(forms), others
+        fits = [(fit.effects[-1], fit) for fit in self.alike(whole, one)]
+        forms = tuple(other.form for other, _ in fits if other.name == one.name)
+        return forms, [self._named(other, fit, 0.0) for other, fit in fits if other.name != one.name]
 
     def _named(self, one: Suspect, fit: ResponseFit, fall_rad: float) -> Named:
         value, half = fit.values[one.parameter], fit.half(one.parameter)

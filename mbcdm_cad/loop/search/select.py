@@ -210,7 +210,12 @@ class Search(TrialFits):
             noise, grown = self.noise, self._grown(one, against=now)
             explained = self.held_rms(now) ** 2 - self.held_rms(grown) ** 2
             leaves = self.too_much(grown) and self.held_rms(grown) ** 2 - self.floor_rad**2 > MOST_LEFT**2 * explained
-            borne = (self._borne_out(grown, e) or self._explains_much(grown, e) for e in grown.effects)
+            borne = (
+                supported(self.fitter, less, grown.with_last(e), len(self.library))
+                or self.explained_by(grown, less, self.floor_rad)
+                for e in grown.effects
+                for less in [self.without(grown, e)]
+            )
             if self.enough(now, grown) and not leaves and all(borne):
                 self.note("supported together with the others", one.effects[-1], now, grown)
                 return grown
@@ -256,12 +261,6 @@ class Search(TrialFits):
         fall = self.held_rms(less) ** 2 - self.held_rms(fit) ** 2
         return fall > (MUCH * floor_rad) ** 2 and not self.too_much(fit)
 
-    def _explains_much(self, fit: Fit, effect: Effect) -> bool:
-        return self.explained_by(fit, self.without(fit, effect), self.floor_rad)
-
-    def _borne_out(self, fit: Fit, effect: Effect) -> bool:
-        return supported(self.fitter, self.without(fit, effect), fit.with_last(effect), len(self.library))
-
     def _best(self, now: Fit, against: Fit | None) -> Fit | None:
         """``now`` with the best effect that can be accepted; None if there is none.
 
@@ -286,18 +285,19 @@ class Search(TrialFits):
             new = self.refits(now, chosen, needed=needed)
             tried += new
             found = self._first_acceptable(now, new, [one for one in tried if not one.effects[-1].last])
-            if found is not None or not self.too_much(now) or (against and self._far_behind(now, against)):
+            # It has as many effects as the one before and leaves far more.
+            far_behind = (
+                against is not None
+                and len(now.effects) >= len(against.effects)
+                and self.held_rms(now) > FAR_BEHIND * self.held_rms(against)
+            )
+            if found is not None or not self.too_much(now) or far_behind:
                 break
         if found is None:
             self._tried[now] = tried
             shapes = sorted((one for one in tried if one.effects[-1].last), key=lambda one: one.square)
             found = self._first_acceptable(now, shapes, shapes)
         return found
-
-    def _far_behind(self, now: Fit, against: Fit) -> bool:
-        """Whether ``now`` has as many effects as another fit and leaves far more."""
-        as_many = len(now.effects) >= len(against.effects)
-        return as_many and self.held_rms(now) > FAR_BEHIND * self.held_rms(against)
 
     def _first_acceptable(self, now: Fit, new: Sequence[Fit], among: Sequence[Fit]) -> Fit | None:
         """The first of ``new`` that can be accepted and that is not far behind the best of ``among``."""
