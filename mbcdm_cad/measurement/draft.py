@@ -161,7 +161,7 @@ def _columns(data: Path) -> tuple[_Table, list[Guess]]:
             named = _named_by(rows, layout, figures)
             if named is not None:
                 return _one_channel_a_row(data, found_table, rows, named)
-            if _empty_share(rows) > LEAST_EMPTY:
+            if np.mean([not cell for row in rows for cell in row] or [False]) > LEAST_EMPTY:
                 found_table = _with_empty_cells(found_table, rows)
                 chosen = found_table.chosen
         if len(chosen) < 2:
@@ -263,12 +263,6 @@ def _table(data: Path, decimal: str) -> _Table:
     dates = (k for k in range(layout.fields) if k not in figures and _share(rows, k, layout, clock_s) >= LEAST_FIGURES)
     clock = next(dates, None)
     return _Table(layout, skipped, tuple(figures if clock is None else sorted([*figures, clock])), clock)
-
-
-def _empty_share(rows: list[list[str]]) -> float:
-    """Share of the cells that are empty."""
-    cells = [cell for row in rows for cell in row]
-    return sum(not cell for cell in cells) / max(len(cells), 1)
 
 
 def _tried_rows(data: Path, layout: Format) -> list[list[str]]:

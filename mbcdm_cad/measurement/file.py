@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -46,6 +46,10 @@ from mbcdm_cad.measurement.schema import (
 _KIND = ("measurement file", "; docs/measurement-file.md shows how one is written")
 
 
+# A broken rule between fields: the field, what is wrong, the remedy, then value and limit if there are.
+Broken = tuple[FieldPath, str, str, *tuple[str, ...]]
+
+
 @dataclass(frozen=True)
 class MeasurementFile:
     """A measurement file that fits its schema, and the lines of its fields."""
@@ -62,6 +66,10 @@ class MeasurementFile:
     def problem(self, field: FieldPath, what: str, value: str = "", limit: str = "", *, remedy: str) -> Problem:
         """A problem with one field."""
         return Problem(str(self.path), self.tree.line_of(field), dotted(field), what, value, limit, remedy)
+
+    def problems(self, broken: Iterable[Broken]) -> list[Problem]:
+        """The problems of broken rules."""
+        return [self.problem(where, what, *more, remedy=remedy) for where, what, remedy, *more in broken]
 
 
 def load_file(path: str | Path) -> MeasurementFile:
@@ -83,7 +91,7 @@ def file_of(path: Path, text: str) -> MeasurementFile:
         found = [p for p in schema_problems(error, tree, str(path), node_at) if _top(p.field) not in said]
         raise InputError(sorted([*strange, *found], key=lambda problem: problem.line)) from None
     file = MeasurementFile(path, content, tree)
-    problems = strange or _broken_rules(file)
+    problems = strange or file.problems(_broken_rules(file))
     if problems:
         raise InputError(problems)
     return file
@@ -97,7 +105,7 @@ def with_ratio(file: MeasurementFile, ratio: float | None) -> MeasurementFile:
         value, remedy = f"{file.content.ratio:g}", "keep one of the two"
         raise InputError([file.problem(("ratio",), "another ratio than --ratio", value, f"{ratio:g}", remedy=remedy)])
     found = replace(file, content=file.content.model_copy(update={"ratio": ratio}))
-    if problems := _broken_rules(found):
+    if problems := found.problems(_broken_rules(found)):
         raise InputError(problems)
     return found
 
@@ -144,17 +152,11 @@ def _top(field: str) -> str:
     return ".".join(field.split(".")[:2])
 
 
-# A broken rule between fields: the field, what is wrong, the remedy, then value and limit if there are.
-Broken = tuple[FieldPath, str, str, *tuple[str, ...]]
 TWO = "keep one of the two"
 
 
-def _broken_rules(file: MeasurementFile) -> list[Problem]:
-    """Problems that concern several fields together."""
-    return [file.problem(where, what, *more, remedy=remedy) for where, what, remedy, *more in _rules(file)]
-
-
-def _rules(file: MeasurementFile) -> Iterator[Broken]:
+def _broken_rules(file: MeasurementFile) -> Iterator[Broken]:
+    """Rules that concern several fields together."""
     content, asked = file.content, file.asked
     if content.published is not None:
         for key in ("data", "columns", "ratio"):

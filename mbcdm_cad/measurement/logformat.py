@@ -194,16 +194,15 @@ class Format:
         return [_without_label(cell) for cell in found] if self.labelled else found
 
 
+def wrong(path: Path, line: int, what: str, remedy: str, value: str = "", limit: str = "") -> InputError:
+    """The error of one thing that is wrong with a logger's file."""
+    return InputError([Problem(str(path), line, "", what, value, limit, remedy)])
+
+
 def too_long(path: Path, number: int) -> InputError:
     """The error for a file without line ends, which is not a table."""
-    remedy = "give a text file with one row a line, ended by LF or CR LF"
-    return InputError(
-        [
-            Problem(
-                str(path), number, "", "a line too long", f"over {LONGEST_LINE} bytes", f"{LONGEST_LINE} bytes", remedy
-            )
-        ]
-    )
+    most, remedy = f"{LONGEST_LINE} bytes", "give a text file with one row a line, ended by LF or CR LF"
+    return wrong(path, number, "a line too long", remedy, f"over {most}", most)
 
 
 def split(line: str, sign: str | None) -> list[str]:
@@ -249,9 +248,7 @@ def find_format(path: Path, delimiter: str, decimal: str, comment: str, skip_row
     comma = decimal == "comma"
     comments, rows = _first_lines(path, comment, skip_rows)
     if not rows:
-        raise InputError(
-            [Problem(str(path), skip_rows + 1, "", "no rows", remedy="check the file, skip_rows and comment")]
-        )
+        raise wrong(path, skip_rows + 1, "no rows", "check the file, skip_rows and comment")
     sign = SIGNS[delimiter] if delimiter != "auto" else _likely_sign(rows, comma)
     labels, greeting = _labels(rows, sign) if header == "auto" else ((), 0)
     rows = rows[greeting:]
@@ -263,9 +260,7 @@ def find_format(path: Path, delimiter: str, decimal: str, comment: str, skip_row
         begin = units_line + 1
         body = [line for number, line in rows if number >= begin]
     if not body:
-        raise InputError(
-            [Problem(str(path), begin, "", "no rows below the header", remedy="check the file and header")]
-        )
+        raise wrong(path, begin, "no rows below the header", "check the file and header")
     names = _names_in_lists(names, body[0], sign)
     fields = Counter(len(split(line, sign)) for line in body).most_common(1)[0][0]
     # Rows with quotes may have the delimiter within a cell.
@@ -394,7 +389,7 @@ def _refuse_no_text(path: Path, raw: bytes) -> None:
     elif raw.count(b"\r") > 1 + raw.count(b"\n"):
         what, remedy = "line ends of CR alone", "save the file with line ends of LF or CR LF"
     if what:
-        raise InputError([Problem(str(path), 1, "", what, remedy=remedy)])
+        raise wrong(path, 1, what, remedy)
 
 
 def _decoded(raw: bytes) -> str:
@@ -434,17 +429,8 @@ def _names(
         if header == "comment" or len(named) > 1:
             return tuple(named), number
     if header == "comment":
-        raise InputError(
-            [
-                Problem(
-                    str(path),
-                    number,
-                    "",
-                    "no comment line with the names before the data",
-                    remedy="set header: none and give columns by number from 1",
-                )
-            ]
-        )
+        remedy = "set header: none and give columns by number from 1"
+        raise wrong(path, number, "no comment line with the names before the data", remedy)
     return (), 0
 
 

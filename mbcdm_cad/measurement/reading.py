@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -16,7 +16,7 @@ from mbcdm_cad.errors import InputError, Problem, did_you_mean, shortened
 from mbcdm_cad.measurement.binarylog import is_bag, opened
 from mbcdm_cad.measurement.by_hand import inputs_move
 from mbcdm_cad.measurement.datafile import DECIMALS, MOST_BROKEN, Channel, DataTable, read_channels, read_table
-from mbcdm_cad.measurement.file import MeasurementFile, load_file
+from mbcdm_cad.measurement.file import Broken, MeasurementFile, load_file
 from mbcdm_cad.measurement.loads import pendulum_load_Nm
 from mbcdm_cad.measurement.logformat import DECIBEL, ISO_CLOCK, Format, Unit, find_format, line_with, unit_of
 from mbcdm_cad.measurement.response import FEWEST_AVERAGES
@@ -59,7 +59,13 @@ def refuse_unusable(file: MeasurementFile, run: Run, table: DataTable, data: Pat
     """
     count = run.time_s.size
     if run.table is not None:
-        _refuse_table(file, run.table, data)
+        problems, rows = file.problems(_wrong_table(run.table)), np.unique(run.table.frequency_Hz).size
+        if rows < FEWEST_AVERAGES:
+            what = "too few rows of different frequencies"
+            remedy = "measure at more frequencies, most of them around the first mode"
+            problems.insert(0, Problem(str(data), 1, "", what, str(rows), f"{FEWEST_AVERAGES}", remedy))
+        if problems:
+            raise InputError(problems)
         return
     by_hand = run.kind in BY_HAND
     fewest = FEWEST_ROWS if by_hand else FEWEST_SAMPLES
@@ -93,34 +99,25 @@ def refuse_unusable(file: MeasurementFile, run: Run, table: DataTable, data: Pat
             remedy = f"so do {back.size} of {count} steps: is this column the time? Correct columns.time, or {remedy}"
         raise InputError([Problem(str(data), table.line_of(row), "", what, f"step {step:.6g} s", "over 0", remedy)])
     if by_hand or run.kind == FREQUENCY_RESPONSE:  # a resonance is far from all else, and few steps of an encoder do
-        problems = _nothing_read(file, run)
+        problems = file.problems(_nothing_read(run))
     else:
         problems = _startup(run, table, data) or _far_off(file, run, table, data) or _not_moved(file, run)
     if problems:
         raise InputError(problems)
 
 
-def _refuse_table(file: MeasurementFile, table: ResponseTable, data: Path) -> None:
-    """Refuse an analyser's table with too few rows or impossible figures."""
-    count, problems = np.unique(table.frequency_Hz).size, list[Problem]()
-    if count < FEWEST_AVERAGES:
-        remedy = "measure at more frequencies, most of them around the first mode"
-        what = "too few rows of different frequencies"
-        problems.append(Problem(str(data), 1, "", what, str(count), f"{FEWEST_AVERAGES}", remedy))
+def _wrong_table(table: ResponseTable) -> Iterator[Broken]:
+    """Impossible figures of an analyser's table."""
     if not np.all(np.isfinite(table.value)) or not np.all(np.abs(table.value) > 0.0):
         remedy = "set unit: dB if the figures are decibels, and leave rows without a figure out"
-        problems.append(
-            file.problem(("columns", "gain"), "no gain: zero, below zero or out of all bounds", remedy=remedy)
-        )
+        yield ("columns", "gain"), "no gain: zero, below zero or out of all bounds", remedy
     if not np.all(table.frequency_Hz > 0.0):
-        problems.append(file.problem(("columns", "frequency"), "not above zero", remedy="leave that row out"))
+        yield ("columns", "frequency"), "not above zero", "leave that row out"
     if table.coherence is not None and not np.all((table.coherence >= 0.0) & (table.coherence <= 1.001)):
         remedy = "set unit: '%' if the figures are percent, or leave it out"
-        problems.append(file.problem(("columns", "coherence"), "not between 0 and 1", remedy=remedy))
+        yield ("columns", "coherence"), "not between 0 and 1", remedy
     if table.amplitude is not None and not np.all(table.amplitude > 0.0):
-        problems.append(file.problem(("columns", "amplitude"), "not above zero", remedy="check column and unit"))
-    if problems:
-        raise InputError(problems)
+        yield ("columns", "amplitude"), "not above zero", "check column and unit"
 
 
 def _angles(run: Run) -> list[tuple[str, Floats]]:
@@ -169,68 +166,41 @@ def _far_off(file: MeasurementFile, run: Run, table: DataTable, data: Path) -> l
     return problems
 
 
-def _nothing_read(file: MeasurementFile, run: Run) -> list[Problem]:
-    """Problems of a table by hand in which the output, or all that moves it, has one figure."""
-    problems = []
+def _nothing_read(run: Run) -> Iterator[Broken]:
+    """A table by hand in which the output, or all that moves it, has one figure."""
     if not np.ptp(run.output_rad):
-        remedy = "read it to more digits, or check column and unit"
-        problems.append(file.problem(("columns", "output"), "one figure in all rows", remedy=remedy))
+        yield ("columns", "output"), "one figure in all rows", "read it to more digits, or check column and unit"
     if run.kind == FREQUENCY_RESPONSE and not np.ptp(run.input_rad, axis=1).any():
-        remedy = "let the drive's own motors excite it, and log the angle of each input"
-        problems.append(file.problem(("columns",), "no input moves", remedy=remedy))
+        yield ("columns",), "no input moves", "let the drive's own motors excite it, and log the angle of each input"
     if run.kind == TURNING_POINTS and not inputs_move(run):
         if run.load_Nm is None:
             remedy = "give the inputs' angles, or the load under which each row was read"
-            problems.append(file.problem(("columns",), "neither an input nor a load that changes", remedy=remedy))
+            yield ("columns",), "neither an input nor a load that changes", remedy
         elif not np.ptp(run.load_Nm):
             remedy = "read the output under other loads, or at other angles of the inputs"
-            problems.append(file.problem(("columns", "load_torque"), "one figure in all rows", remedy=remedy))
-    return problems
+            yield ("columns", "load_torque"), "one figure in all rows", remedy
 
 
 def _not_moved(file: MeasurementFile, run: Run) -> list[Problem]:
     """Problems for shafts that stand still, or turn by few of the declared steps of their encoders."""
-    given = file.content.sensors
-    shafts = [
-        (
-            f"input {n}".removesuffix(" input"),
-            "input" if n == "input" else f"input_{n}",
-            row,
-            run.sensors.input_resolution_rad,
-            "input_resolution_rad" if given.input_resolution_rad else "",
-        )
-        for n, row in zip(run.input_names, run.input_rad, strict=True)
-    ]
-    resolution = "output_resolution_rad" if given.output_resolution_rad else ""
-    shafts.append(("output", "output", run.output_rad, run.sensors.output_resolution_rad, resolution))
-    problems, standing = [], 0
-    for name, column, values, step, declared in shafts:
-        travel, least = float(np.ptp(values)), max(FEWEST_STEPS * (step or 0.0), LEAST_TRAVEL_RAD)
-        if travel >= least:
+    problems, shafts, travels = [], _angles(run), list[float]()
+    for name, values in shafts:
+        resolution = f"{name.split()[0]}_resolution_rad"
+        least = max(FEWEST_STEPS * (getattr(run.sensors, resolution) or 0.0), LEAST_TRAVEL_RAD)
+        if (travel := float(np.ptp(values))) >= least:
             continue
-        standing += 1
-        if declared and travel > MOTION_RAD:
-            what = f"the {name} turns by fewer than {FEWEST_STEPS} such steps"
+        travels.append(travel)
+        where: FieldPath = ("columns", name.replace(" ", "_", 1))
+        what = f"no motion of the {name}"
+        remedy = "check that its encoder is driven and connected, and column, unit and scale"
+        if getattr(file.content.sensors, resolution) and travel > MOTION_RAD:
+            where, what = ("sensors", resolution), f"the {name} turns by fewer than {FEWEST_STEPS} such steps"
             remedy = "check this figure, one step of the encoder in rad, or move farther"
-            problems.append(
-                file.problem(("sensors", declared), what, f"{travel:.3g} rad", f"{least:.3g} rad", remedy=remedy)
-            )
-        else:
-            remedy = "check that its encoder is driven and connected, and column, unit and scale"
-            problems.append(
-                file.problem(
-                    ("columns", column),
-                    f"no motion of the {name}",
-                    f"{travel:.3g} rad",
-                    f"{least:.3g} rad",
-                    remedy=remedy,
-                )
-            )
-    if standing == len(shafts) and not any(problem.field.startswith("sensors") for problem in problems):
-        most = max(float(np.ptp(values)) for _, _, values, _, _ in shafts)
+        problems.append(file.problem(where, what, f"{travel:.3g} rad", f"{least:.3g} rad", remedy=remedy))
+    if len(travels) == len(shafts) and not any(problem.field.startswith("sensors") for problem in problems):
         remedy = "move the drive while logging; if it did move, check columns, units and scales"
         what = "no motion: the drive was never moved"
-        return [file.problem(("columns",), what, f"{most:.3g} rad at most", remedy=remedy)]
+        return [file.problem(("columns",), what, f"{max(travels):.3g} rad at most", remedy=remedy)]
     return problems
 
 

@@ -230,7 +230,8 @@ def assign(columns: Sequence[Guess], expected: Expected) -> tuple[Scale | None, 
     _assign(columns, "time", lambda c: (c.unit in TIME or c.says(TIME_WORDS)) and _rises(c))
     if all(c.role != "time" for c in columns) and len(moving) > 2:
         # Of several the one with the most even steps, as shafts may turn one way too.
-        rising = sorted((c for c in moving if _rises(c) and not _numbers_rows(c)), key=_unevenness)
+        rising = [c for c in moving if _rises(c) and not _numbers_rows(c)]
+        rising.sort(key=lambda c: float(np.mean(np.abs(np.diff(c.values, 2))) / np.ptp(c.values)))
         _assign(rising[:1], "time", lambda c: True, "it rises in every row")
     time = next((c for c in columns if c.role == "time"), None)
     if time is not None:
@@ -261,11 +262,6 @@ def _assign(columns: Sequence[Guess], role: str, fits: Callable[[Guess], bool], 
 def _rises(column: Guess) -> bool:
     steps = np.diff(column.values)
     return bool(np.all(steps >= 0.0)) and float(np.mean(steps > 0.0)) > LEAST_RISING
-
-
-def _unevenness(column: Guess) -> float:
-    steps = np.diff(column.values)
-    return float(np.mean(np.abs(steps - np.median(steps))) / np.mean(steps))
 
 
 def _numbers_rows(column: Guess) -> bool:
