@@ -6,7 +6,7 @@ import json
 
 from mbcdm_cad.loop.correction import DIRECTIONS, Correction
 
-NAMES = CSV, JSON, HEADER = ("correction.csv", "correction.json", "correction.h")
+CSV, JSON, HEADER = "correction.csv", "correction.json", "correction.h"
 SIGN = "corrected output angle = mean of the input angles / total ratio + correction; angle 0 is the inputs' own zero"
 
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from mbcdm_cad.layouts.base import Layout
     from mbcdm_cad.layouts.life import Life
     from mbcdm_cad.model.losses import Train
-    from mbcdm_cad.model.rope_zones import AtPulley, RopeLife
+    from mbcdm_cad.model.rope_zones import RopeLife
 
 
 # Shares of the time and temperatures of the air in the picture of the torque that may be held.
@@ -300,10 +300,6 @@ def _rope(rope: RopeLife) -> dict[str, Any]:
         "place_mm": (1e3 * rope.place_m[::step]).tolist() if damaged else [],
         "damage_per_cycle": rope.damage[::step].tolist() if damaged else [],
     }
-
-
-def _pulley(pulley: AtPulley) -> dict[str, Any]:
-    return asdict(pulley) | {"damage_share": None if isnan(pulley.damage_share) else pulley.damage_share}
 
 
 def life_shown(found: Mapping[str, Any] | None) -> dict[str, Any] | None:

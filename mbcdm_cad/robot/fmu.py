@@ -28,7 +28,6 @@ from mbcdm_cad.robot.mechanism import document
 # Identifies designs of this program among GUIDs made from content.
 _SPACE = uuid.UUID("6a1f6d0e-0c0f-5d0f-8a37-5d2c6b0b2f0a")
 _MODEL = "drive"
-_SOURCES = ("drive.c", "parameters.h")
 # The same files give the same archive.
 _DATE = (2000, 1, 1, 0, 0, 0)
 

@@ -30,7 +30,6 @@ _Y: tuple[float, float, float] = (0.0, 1.0, 0.0)
 _Z: tuple[float, float, float] = (0.0, 0.0, 1.0)
 # Placements that turn a part drawn along +Z to +Y, or to -Y.
 _ALONG_Y = Placement.about(_X, -90.0)
-_AGAINST_Y = Placement.about(_X, 90.0)
 _UPSIDE_DOWN = Placement.about(_X, 180.0)
 # The same, but what points to the front still does.
 _TURNED_OVER = Placement.about(_Y, 180.0)
