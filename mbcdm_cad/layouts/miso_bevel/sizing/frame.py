@@ -170,7 +170,7 @@ def back(given: BevelKnown) -> Found:
         "drives_apart": drive_radius_mm(given) + setback + running,
         "pocket_depth": pulley + running + plate,
         in_pocket: part + running + plate,
-        "mounting screws": part + running + MOUNT_GRIP_MM + given.mount.height_mm(given.printed_frame),
+        "mounting screws": part + running + MOUNT_GRIP_MM + given.mount.height_mm(given.printed("support")),
         "boss": STOP_PIN_DEPTH_MM + wall - front,
         "corner_radii": plate + 6.0 - front,
     }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
-from math import atan, hypot, pi, radians, sqrt, tan
+from math import pi, radians, sqrt, tan
 from typing import Any
 
 from pydantic import ValidationError
@@ -87,11 +87,6 @@ class BevelKnown(RopeKnown):
     _shelf_bottom: tuple[str, float] | None = None
 
     @property
-    def printed_frame(self) -> bool:
-        """Whether the frame is 3D printed."""
-        return self.printed("support")
-
-    @property
     def mount(self) -> MountScrew:
         """The screw that holds the frame on its base."""
         return MOUNT_SCREWS[self["support.mount_screw"]]
@@ -99,7 +94,7 @@ class BevelKnown(RopeKnown):
     @property
     def mount_head_mm(self) -> float:
         """Radius of the bore for its head or washer."""
-        return self.mount.seat_mm(self.printed_frame) / 2 + MOUNT_HEAD_PLAY_MM
+        return self.mount.seat_mm(self.printed("support")) / 2 + MOUNT_HEAD_PLAY_MM
 
     @property
     def modulus_GPa(self) -> float:
@@ -293,16 +288,6 @@ def clearing_lead_mm(d_mm: float, radius_mm: float, fleet_deg: float) -> float:
     return lead
 
 
-def reach_mm(span_mm: float, across_mm: float) -> float:
-    """Centre distance of two pulleys with a crossed span of this length, radii adding up to ``across_mm``."""
-    return hypot(span_mm, across_mm)
-
-
 def span_for_fleet_mm(walk_mm: float, fleet_deg: float) -> float:
     """Free span at which a walk makes the fleet angle."""
     return walk_mm / tan(radians(fleet_deg))
-
-
-def fleet_deg(walk_mm: float, span_mm: float) -> float:
-    """Fleet angle of a walk over a free span."""
-    return atan(walk_mm / span_mm) * 180.0 / pi

@@ -17,11 +17,6 @@ Margins = Mapping[str, float]
 LIGHTEST = "lightest of the catalogue"
 
 
-def _kept(margins: Margins) -> bool:
-    """Whether no margin is negative."""
-    return all(margin >= 0.0 for margin in margins.values())
-
-
 def first(candidates: Iterable[tuple[str, Callable[[], Margins]]]) -> Found:
     """The first candidate whose margins are all kept; else the one that misses least.
 
@@ -31,7 +26,7 @@ def first(candidates: Iterable[tuple[str, Callable[[], Margins]]]) -> Found:
     refused: list[tuple[str, Margins]] = []
     for name, worked_out in candidates:
         margins = worked_out()
-        if _kept(margins):
+        if all(margin >= 0.0 for margin in margins.values()):
             return Found(name, driver_of(refused[-1][1], min) if refused else "", LIGHTEST)
         refused.append((name, margins))
     name, margins = max(refused, key=lambda one: min(one[1].values()))

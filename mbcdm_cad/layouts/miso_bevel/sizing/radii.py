@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import hypot, inf, pi, sqrt
+from math import atan, hypot, inf, pi, sqrt
 from typing import Any
 
 import numpy as np
@@ -18,15 +18,7 @@ from mbcdm_cad.layouts.miso_bevel.checks.room import MOVING_GAP_MM, drum_sweep
 from mbcdm_cad.layouts.miso_bevel.design_file.resolve import MOST_SETBACK
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.sizing.boxes import box_mm
-from mbcdm_cad.layouts.miso_bevel.sizing.known import (
-    LATER,
-    LEAD_STEP_MM,
-    STEPS,
-    BevelKnown,
-    fleet_deg,
-    reach_mm,
-    span_for_fleet_mm,
-)
+from mbcdm_cad.layouts.miso_bevel.sizing.known import LATER, LEAD_STEP_MM, STEPS, BevelKnown, span_for_fleet_mm
 from mbcdm_cad.layouts.miso_bevel.support.dims import STOP_WEB_MM
 from mbcdm_cad.parts.bodies import screw_places
 from mbcdm_cad.parts.boss import BEARING_WALL_MM, EAR_WALL_MM
@@ -192,7 +184,7 @@ def centre_distance(given: BevelKnown) -> Found:
     apart = _apart_mm(given, given.motors_above)
     setback = _expected_setback_mm(given)
     needs = {
-        "fleet_angle": reach_mm(span, guide + pulley),
+        "fleet_angle": hypot(span, guide + pulley),
         "pulley_gap": guide + pulley + d + running,
         "centre_distance": hypot(guide + pulley, 2 * BLEND_DIAMETERS * d),
         # The gap between the drives is along x, and the inputs' x is sqrt(L^2 - setback^2).
@@ -268,7 +260,7 @@ def surface(given: BevelKnown) -> Found:
             )
         )
     span = sqrt(max(distance**2 - across**2, 1e-6))
-    angle = fleet_deg(given.walk_mm(given.clearing_lead_mm(max(given.input_mm))), span)
+    angle = atan(given.walk_mm(given.clearing_lead_mm(max(given.input_mm))) / span) * 180.0 / pi
     return Found("smooth" if angle <= given["limits.fleet_angle_max_deg"] else "grooved", "fleet_angle")
 
 
