@@ -42,6 +42,37 @@ def drafted(data: Path, ratio: float) -> dict[str, dict[str, object]]:
     return columns
 
 
+def test_a_clock_that_was_reset_is_told_with_its_line(tmp_path: Path) -> None:
+    columns = [np.where(T < 14.0, T, T - 14.0), 8.0 * SWING, SWING]
+    text = draft_text(log(tmp_path, "uptime_s,motor,joint", columns), Expected.of_ratio(8.0))
+    assert "log.csv:702: time runs backwards" in text and "cut the file where a new run begins" in text, text
+    assert "log.csv:702" in text.split("\n")[0] and yaml.safe_load(text)["columns"]["time"]["column"] == "uptime_s"
+
+
+@pytest.mark.parametrize("names", ["t,motor", "Zeit;Abtrieb", "ms\tencoder", "stamp,ref_count"])
+def test_one_of_two_files_of_a_run_asks_for_the_other(names: str, tmp_path: Path) -> None:
+    sign = next(s for s in ",;\t" if s in names)
+    with pytest.raises(InputError, match=r"log.csv:2: one angle moves.*join the file that holds the other"):
+        draft_text(log(tmp_path, names, [T, np.round(4096.0 * SWING)], sign), Expected.of_ratio(8.0))
+
+
+@pytest.mark.parametrize(("unit", "second"), [("us", 1e6), ("ns", 1e9), ("ms", 1e3)])
+def test_the_draft_counts_the_seconds_on(tmp_path: Path, unit: str, second: float) -> None:
+    """A time in two columns: whole seconds, and what is over them."""
+    time = 0.913 + T
+    whole = np.floor(time + 1e-9)
+    columns = [0.0 * T + 1.0, 8.0 * SWING, SWING, whole, np.round((time - whole) * second)]
+    data = log(
+        tmp_path, f"mode motor joint time_s time_{unit}", columns, " ", "logger: on a Saturday; Capacity: 1000\n"
+    )
+    text = draft_text(data, Expected.of_ratio(8.0))
+    fields = yaml.safe_load(text)["columns"]["time"]
+    assert fields == {"column": f"time_{unit}", "wraps_at": second, "unit": unit}, text
+    data.with_suffix(".yaml").write_text(text)
+    run = read_run(load_file(data.with_suffix(".yaml"))).run
+    assert np.allclose(run.time_s - run.time_s[0], T - T[0], atol=2e-3 if unit == "ms" else 1e-6)
+
+
 LISTS = [
     # Row of the table with the figures {m} and {j} of motor and joint; names; input, output.
     ("t,name,position", "{t:.3f},\"['motor', 'arm']\",\"[{m:.6f}, {j:.6f}]\"", "position/motor", "position/arm"),

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from sound_runs import DRIVE, sound_run
 
+from mbcdm_cad.measurement.reading import load_measurement
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.measurement.vet import arranged, refusals, vet
 from mbcdm_cad.measurement.vet_signals import load_levels, order_left
 from mbcdm_cad.model.si import to_si
+from tests.support.bench_data import CASES, simulate_case, write_run
 
 RUN = sound_run()
 RATIO = float(np.mean(to_si(DRIVE).total_ratio))
+FEW = ("null", "ratio_radii", "lash_input_left", "slip_anchor", "drum_short")
 
 
 def kinds(run: Run, level: str | None = None) -> set[str]:
@@ -185,3 +189,13 @@ def test_an_angle_that_only_jumps_between_two_places_is_vetted() -> None:
     jumps = np.where(np.arange(RUN.time_s.size) > 3000, 0.4, 0.0)
     run = replace(RUN, output_rad=jumps, input_rad=np.tile(9.0 * jumps, (2, 1)))
     assert "one_sweep" in kinds(run, "doubt") and order_left(jumps, 1.0) < 1e-12
+
+
+@pytest.mark.parametrize(
+    "name", [name if name in FEW else pytest.param(name, marks=pytest.mark.slow) for name in CASES]
+)
+def test_a_sound_run_is_judged_whatever_is_wrong_with_the_drive(name: str, tmp_path: Path) -> None:
+    """Runs with every effect, and with causes outside the vocabulary, are neither refused nor doubted."""
+    write_run(tmp_path, "run", simulate_case(DRIVE, name, 7), DRIVE.input_names)
+    found = vet(load_measurement(tmp_path / "run.yaml"), DRIVE)
+    assert not [str(finding) for finding in found if finding.level != "fact"]
