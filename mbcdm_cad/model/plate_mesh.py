@@ -250,8 +250,7 @@ def statically(points: Floats, at: Floats, force: Floats, moment: Floats) -> Flo
     off = points - at
     wrench = np.zeros((6, len(points), 3))
     wrench[:3] = np.eye(3)[:, None, :]
-    for a in range(3):
-        wrench[3 + a] = np.cross(np.eye(3)[a], off)
+    wrench[3:] = np.cross(np.eye(3)[:, None, :], off)
     rows = wrench.reshape(6, -1)
     return np.asarray(np.linalg.lstsq(rows, np.concatenate([force, moment]), rcond=None)[0].reshape(-1, 3))
 

@@ -212,10 +212,10 @@ def sector_study(
     """Solve one sector; the last few are kept, since sizing, the search that asked for it and the checks meet the same
     drum. Raises ``ValueError`` if no metal joins rim and hub, or a cable's land has none."""
     mesh = sector_mesh(shape, shape.rings[-1].outer_mm / cells)
+    load = np.sum([_torque_loads(mesh, pulls), _preloads(mesh, pulls)], axis=1).T
     parts = elements(mesh.node_mm, mesh.corner, mesh.thickness_mm, material.modulus_MPa, material.poisson)
     web = shape.rings[0].start_mm, shape.rings[0].end_mm
     stiffness = parts.stiffness + _root_springs(mesh, shape.held_mm, hub.root_mm2_N(material, web))
-    load = np.sum([_torque_loads(mesh, pulls), _preloads(mesh, pulls)], axis=1).T
     try:
         moved = mesh.solved(stiffness, load)
     except np.linalg.LinAlgError:
