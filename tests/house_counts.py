@@ -80,6 +80,7 @@ WRITTEN_PAGES = (
     "optimum",
     "validation",
     "loop-effects",
+    "paper-figures",
 )
 # A private function that is used once is counted up to this number of lines.
 SHORT_LINES = 8
