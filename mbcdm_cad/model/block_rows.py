@@ -2,36 +2,16 @@
 
 from __future__ import annotations
 
-import sys
 from functools import cache
-from importlib import import_module
-from importlib.machinery import PathFinder
-from importlib.util import module_from_spec
-from pathlib import Path
-from typing import Any
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
+from scipy.linalg.lapack import dpbsv
 from threadpoolctl import ThreadpoolController
 
 from mbcdm_cad.routes import Floats
 
 Ints = NDArray[np.int64]
-
-
-def _lapack() -> Any:
-    """LAPACK as scipy.linalg has it, without that package, whose import takes as long as twenty meshes."""
-    name = "scipy.linalg._flapack"
-    spec = PathFinder.find_spec(name, [str(Path(scipy.__file__).with_name("linalg"))])
-    if name in sys.modules or spec is None or spec.loader is None:
-        return import_module("scipy.linalg.lapack")
-    found = sys.modules[name] = module_from_spec(spec)
-    spec.loader.exec_module(found)
-    return found
-
-
-dpbsv = _lapack().dpbsv
 
 
 @cache

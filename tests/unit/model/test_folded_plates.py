@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 
@@ -108,12 +105,3 @@ def test_springs_to_the_base_and_work_of_the_load_agree() -> None:
     local = found[freedoms(plates)]
     stored = float(np.einsum("ni,nij,nj->", local, element, local) + ground @ found**2)
     assert stored == pytest.approx(float(load @ found), rel=1e-9), f"stored {stored:.9g}, work {load @ found:.9g}"
-
-
-def test_lapack_comes_without_scipy_linalg_and_leaves_it_whole() -> None:
-    code = (
-        "import sys; from mbcdm_cad.model.block_rows import dpbsv; "
-        "assert 'scipy.linalg' not in sys.modules; import scipy.linalg, scipy.linalg.lapack as whole; "
-        "assert scipy.linalg.solveh_banded([[0, 1], [2, 2]], [1, 1])[0] > 0 and whole.dpbsv is dpbsv"
-    )
-    subprocess.run([sys.executable, "-c", code], check=True)
