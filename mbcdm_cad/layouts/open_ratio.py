@@ -54,24 +54,30 @@ def lightest(
     if ratio is None:
         # One command sizes the same file several times.
         key = layout.__name__, marshal.dumps(data, 2)
-        ratio = _FOUND.pop(key, None) or _lightest(size, field, data, layout)
-        _FOUND[key] = ratio
+        best = _FOUND.pop(key, None) or _lightest(size, field, data, layout)
+        _FOUND[key] = best
         if len(_FOUND) > _REMEMBERED:
             del _FOUND[next(iter(_FOUND))]
+        if not moved and similar is None:
+            return replace(best, data=copy.deepcopy(best.data))
+        ratio = best.ratio
+        assert ratio is not None
     return _with(size, field, data, moved, similar, ratio)
 
 
-# Ratios of the last files, the latest used last.
-_FOUND: dict[tuple[str, bytes], float] = {}
+# The lightest drives of the last files, the latest used last.
+_FOUND: dict[tuple[str, bytes], Sizing] = {}
 _REMEMBERED = 64
 
 
-def _lightest(size: SizeWith, field: str, data: dict[str, Any], layout: type[Layout]) -> float:
+def _lightest(size: SizeWith, field: str, data: dict[str, Any], layout: type[Layout]) -> Sizing:
+    sized: dict[float, Sizing] = {}
     drives: list[_Drive] = []
     refused: list[NoFigureError | SizingError] = []
     for ratio in RATIOS:
         try:
-            drives.append(_Drive(ratio, layout_of(layout, _with(size, field, data, None, None, ratio))))
+            sized[ratio] = _with(size, field, data, None, None, ratio)
+            drives.append(_Drive(ratio, layout_of(layout, sized[ratio])))
         except (NoFigureError, SizingError) as error:
             refused.append(error)
     best: tuple[_Rank, float] | None = None
@@ -82,7 +88,7 @@ def _lightest(size: SizeWith, field: str, data: dict[str, Any], layout: type[Lay
         whole = drive.whole_rank(), drive.ratio
         best = whole if best is None else min(best, whole)
     if best is not None:
-        return best[1]
+        return sized[best[1]]
     if isinstance(refused[0], SizingError) and len({str(error) for error in refused}) == 1:
         raise refused[0]  # a fault of the file, whatever the ratio
     what = f"missing, and no ratio from {RATIOS[0]:g} to {RATIOS[-1]:g} gives a drive: {refused[0]}"
