@@ -411,7 +411,8 @@ def named_lines(named: Named) -> list[str]:
         lines.append(f"  {word} {bounded if math.isfinite(value.high) else _unbounded(value, low)}")
     for name, figure in named.physical.items():
         if name not in named.parameters:
-            lines.append("  {} {}".format(*_one(name, figure)))
+            word, shown = readable(name, [figure])
+            lines.append(f"  {word} {shown[0]}")
     lines += [f"  looks the same: {words}" for words in named.equivalent]
     return [*lines, f"  look at: {named.where_to_look}"]
 
@@ -420,11 +421,6 @@ def windows_words(windows: Windows) -> str:
     """The smoothing of one run, in words."""
     load = f", load {windows.load_s:.2g} s" if windows.load_s else ""
     return f"difference of the inputs {windows.difference_s:.2g} s{load}, speed {windows.speed_s:.2g} s (from the data)"
-
-
-def _one(name: str, figure: float) -> tuple[str, str]:
-    word, shown = readable(name, [figure])
-    return word, shown[0]
 
 
 def _error_line(word: str, size: float, *errors_rad: float) -> str:

@@ -60,8 +60,5 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
             plain="the output reading bends smoothly over the travel, by {height_rad}",
             figures=(Figure("height_rad", height),),
         )
-        for form, apply in (
-            ("smooth curve in angle", _over_inputs),
-            ("smooth curve in the output's angle", _over_output),
-        )
+        for form, apply in FORMS
     ]

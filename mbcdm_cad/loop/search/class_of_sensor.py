@@ -75,7 +75,10 @@ class ClassOfSensor(Exchanges):
             new = [e for e in own if not any(_same(e, other) for other in rest)]
             # The figure of the parts begins where the effect that it replaces ended: from zero it may end at a bound.
             size = float(fit.values_of(group.effect)[0])
-            starts = ([_within_bounds(e, size) if _same(e, group.effect) else 0.0] for e in new)
+            starts = (
+                [float(np.clip(size, e.parameters[0].low, e.parameters[0].high)) if _same(e, group.effect) else 0.0]
+                for e in new
+            )
             values: list[Floats | list[float]] = [*map(fit.values_of, rest), *starts]
             trial = self.fitter.tried((*rest, *new), values, fit.offsets)
             if trial is None or not (trial.square <= fit.square or self.alike(trial, fit, self._against(trial))):
@@ -123,11 +126,6 @@ def _same(own: Effect, other: Effect) -> bool:
     return other.name == own.name or (
         other.name == _LIKE.get(own.name) and other.parameters[0].name == own.parameters[0].name
     )
-
-
-def _within_bounds(effect: Effect, value: float) -> float:
-    """The value, or the bound of the effect's size that is nearest to it."""
-    return min(max(value, effect.parameters[0].low), effect.parameters[0].high)
 
 
 def _size_name(effect: Effect) -> str:

@@ -169,8 +169,7 @@ class Judge(ClassOfSensor):
         return max(each, key=lambda one: one.rms_rad)
 
     def _unexplained(self, fit: Fit, unknown: Unknown) -> float:
-        """Size of the unexplained part, rad RMS: the held-out error above the floor, or the part that certainly
-        repeats."""
+        """Size of what is unexplained, rad RMS: held-out error above the floor, or the part that certainly repeats."""
         beyond = float(np.sqrt(max(0.0, self.search.held_rms(fit) ** 2 - self.search.floor_rad**2)))
         return max([beyond, *(pattern.rms_rad for pattern in unknown.patterns if pattern.variable != "time")])
 
