@@ -47,12 +47,9 @@ def reference_of(folder: Path) -> Reference:
 class LazySizing:
     """The sizing rules of a layout, a module that is imported when first used: only files with gaps need it."""
 
-    def __init__(self, module: str, *, has_first: bool = False) -> None:
-        """``module``: its name; it has a function ``size`` and the constants ``DERIVED`` and ``FREEDOMS``.
-
-        ``has_first``: whether it has ``size_first`` too, because its rules stiffen a design whose frame bends too much.
-        """
-        self.module, self.has_first = module, has_first
+    def __init__(self, module: str) -> None:
+        """``module``: its name; it has a function ``size`` and the constants ``DERIVED`` and ``FREEDOMS``."""
+        self.module = module
 
     def size(self, data: dict[str, Any], moved: Moved, similar: Sizing | None) -> Sizing:
         """Fill the open fields of the data, which it may change.
@@ -61,11 +58,6 @@ class LazySizing:
         similar design, makes the search for values shorter.
         """
         sized: Sizing = import_module(self.module).size(data, moved, similar)
-        return sized
-
-    def size_first(self, data: dict[str, Any], moved: Moved) -> Sizing:
-        """As :meth:`size` without finite elements: the design that rules stiffen, or leave, where ``has_first``."""
-        sized: Sizing = import_module(self.module).size_first(data, moved)
         return sized
 
     def derived(self) -> tuple[str, ...]:

