@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cached_property
 from math import log
 
 import numpy as np
@@ -28,7 +29,7 @@ from mbcdm_cad.loop.result import LoopResult, Named
 from mbcdm_cad.loop.search.account import as_named, chain_orders, errors, next_steps
 from mbcdm_cad.loop.search.class_of_sensor import WithinClass
 from mbcdm_cad.loop.search.evidence import LOG_ODDS
-from mbcdm_cad.loop.search.few_noise import noise_of, since
+from mbcdm_cad.loop.search.few_noise import noise_of
 from mbcdm_cad.loop.search.few_words import (
     CHANCE,
     HIDDEN_PLAY,
@@ -40,6 +41,7 @@ from mbcdm_cad.loop.search.few_words import (
     verdict_of,
 )
 from mbcdm_cad.loop.search.fit import Fit, Fitter
+from mbcdm_cad.loop.search.marginal import log_evidence
 from mbcdm_cad.loop.search.selection import Selection
 from mbcdm_cad.measurement.by_hand import path_of
 from mbcdm_cad.measurement.run import Run
@@ -49,8 +51,8 @@ from mbcdm_cad.routes import Floats
 
 # Fits of a candidate, each from where the last one ended.
 REFITS = 2
-# Levels of which each is left out once, and the share of its size by which an effect may then change.
-LEVELS, STEADY_SHARE = 4, 0.5
+# Logarithm of the odds from which an effect is named.
+LOG_NAMED = log(19.0)
 # A form is taken in place of a later one of the library unless the logarithm of the odds against it is higher.
 SAME_FORM = log(10.0)
 # A parameter that changes no reading by this share of the floor, by its typical size, is not known.
@@ -73,13 +75,14 @@ class FewReadings(Selection[Fit]):
         self.bare = self.fitter.fit()
         self.noise, self.noise_freedom = noise_of(self.fitter, self.bare.residual, self.at_rest)
         self.floor_rad = self.noise.total_rad
+        self.whole_rad = float(np.std(self.bare.residual[self.fitter.used]))
         self.doubts: list[str] = []
 
     def result(self) -> LoopResult:
         """Select, compare with alternatives, judge."""
         fit, steps, small = self.selected(self.bare)
         within = self._within()
-        if fit.effects and within is not None and self.log_odds(within, fit) < LOG_ODDS:
+        if not fit.effects and within is not None:
             fit, steps = within, []  # what the sensor may be wrong by explains as much
         allowed = fit is within
         whole = self.fitter.fit(fit.effects, fit.values, mask=self.fitter.used)
@@ -167,10 +170,28 @@ class FewReadings(Selection[Fit]):
             return None
         return self.fitter.fit(best.effects, best.values, mask=self.fitter.used) if whole and best else best
 
+    def names(self) -> int:
+        """Number of effects that a table can show."""
+        return len({e.key for e in self.library})
+
+    @cached_property
+    def bench(self) -> Floats:
+        """What load and figures of the design may be wrong by, rad (n, k), one standard deviation a column."""
+        return self._bench(self.bare)
+
+    def _bench(self, fit: Fit) -> Floats:
+        f, now = self.fitter, self.fitter.predict(fit.effects, fit.values, fit.offsets)
+        columns = [np.zeros((now.size, 0))]
+        for e in (*within_class(self.prepared), *within_prior(self.prepared)):
+            step, sigma = 0.1 * e.parameters[0].size, 0.5 * max(e.parameters[0].high, -e.parameters[0].low)
+            values = np.full(len(e.parameters), 0.0)
+            changed = f.predict((*fit.effects, e), (*fit.values, values + step), fit.offsets)
+            columns.append(sigma * (changed - now)[:, None] / step)
+        return np.hstack(columns)
+
     def criterion(self, fit: Fit) -> float:
-        """Bayes' criterion on the training readings."""
-        n = int(self.fitter.train.sum())
-        return n * log(max(fit.square, (0.1 * self.floor_rad) ** 2, 1e-40)) + fit.width * log(n)
+        """Logarithm of the evidence against a fit."""
+        return self.log_odds(self.bare, fit, False) * -1.0
 
     def held_rms(self, fit: Fit) -> float:
         """RMS error of the readings held back."""
@@ -178,40 +199,8 @@ class FewReadings(Selection[Fit]):
         return float(np.sqrt(np.mean(test**2))) if test.size else 0.0
 
     def beyond_chance(self, less: Fit, more: Fit, cause: Effect) -> bool:
-        """Whether the other readings support an effect, whichever level of them is left out."""
-        return self._by_chance(less, more) < CHANCE / len(self.library) and self._steady(more.with_last(cause))
-
-    def _steady(self, fit: Fit) -> bool:
-        """Whether the size of the last effect stays within a share of itself whichever level of the readings is left
-        out: what only imitates another cause at one level does not."""
-        f, sizes = self.fitter, [p.role == "size" for p in fit.effects[-1].parameters]
-        at = np.flatnonzero(f.train)
-        level = np.argsort(np.argsort(self._level()[at], kind="stable")) * LEVELS // at.size
-        for k in range(LEVELS):
-            mask = f.train.copy()
-            mask[at[level == k]] = False
-            other = f.fit(fit.effects, fit.values, fit.offsets, mask=mask)
-            moved = np.linalg.norm((other.values[-1] - fit.values[-1])[sizes])
-            if moved > STEADY_SHARE * np.linalg.norm(fit.values[-1][sizes]):
-                return False
-        return True
-
-    def _level(self) -> Floats:
-        """What the readings differ by, (n,): the size of the load, or the angle where no load was read; the time."""
-        runs = self.fitter.runs
-        if self.at_rest:
-            return np.concatenate([since(p) for p in runs])
-        return np.concatenate([np.abs(p.output_rad) if p.load_Nm is None else np.abs(p.load_Nm) for p in runs])
-
-    def _by_chance(self, less: Fit, more: Fit) -> float:
-        """Probability of such a fall of the squares of the training readings without an effect (F test)."""
-        n, extra = int(self.fitter.train.sum()), more.width - less.width
-        freedom = n - more.width - len(self.prepared)
-        if freedom < 1:
-            return 1.0
-        own = more.square * n / freedom
-        scatter, freedom = max((own, freedom), (self.floor_rad**2, self.noise_freedom))
-        return float(f_distribution.sf((less.square - more.square) * n / extra / scatter, extra, freedom))
+        """Whether the odds allow one name more."""
+        return self.log_odds(less, more, False) - log(self.names()) >= LOG_NAMED
 
     def without(self, fit: Fit, cause: Effect, whole: bool = False) -> Fit:
         """The fit without one of its effects."""
@@ -223,6 +212,9 @@ class FewReadings(Selection[Fit]):
 
     def _within(self) -> Fit | None:
         """A fit of what load and figures of the design may be wrong by; None where nothing may be."""
+        beside, alone = (self._log_likely(self.bare, False, self.noise_freedom, bench) for bench in (True, False))
+        if beside - alone < LOG_ODDS:
+            return None
         effects = [e for e in (*within_class(self.prepared), *within_prior(self.prepared)) if "lag" not in e.name]
         return (
             self.fitter.tried(effects, [[0.0] * len(e.parameters) for e in effects], self.bare.offsets)
@@ -230,13 +222,37 @@ class FewReadings(Selection[Fit]):
             else None
         )
 
-    def log_odds(self, worse: Fit, better: Fit) -> float:
-        """Logarithm of the odds of one fit against another by all used readings, by Bayes' criterion."""
-        used, free = self.fitter.used, better.width + len(self.prepared)
-        n = int(used.sum())
-        squares = [float(np.sum(self.fitter.centred(one.residual, used)[used] ** 2)) for one in (worse, better)]
-        variance = max(squares[1] / max(n - free, 1), self.floor_rad**2)
-        return 0.5 * ((squares[0] - squares[1]) / variance + (worse.width - better.width) * log(n))
+    def log_odds(self, worse: Fit, better: Fit, whole: bool = True) -> float:
+        """Logarithm of the evidence of the second fit over the first."""
+        freedom = self.noise_freedom if self._fits(better, whole) else 0
+        return self._log_likely(better, whole, freedom) - self._log_likely(worse, whole, freedom)
+
+    def _fits(self, fit: Fit, whole: bool) -> bool:
+        """Whether a fit leaves no more than repeated readings allow: else these say nothing of the noise."""
+        mask = self.fitter.used if whole else self.fitter.train
+        rest = self.fitter.centred_on(mask, fit.residual)
+        freedom = max(rest.size - fit.width - len(self.prepared), 1)
+        return float(rest @ rest) / freedom <= self.floor_rad**2 * float(
+            f_distribution.isf(CHANCE, freedom, self.noise_freedom)
+        )
+
+    def _log_likely(self, fit: Fit, whole: bool, freedom: int, bench: bool = True) -> float:
+        """Logarithm of the evidence of a fit; ``bench``: beside what the bench may be wrong by."""
+        f, mask = self.fitter, self.fitter.used if whole else self.fitter.train
+        columns, rest = f.centred_on(mask, fit.jacobian), f.centred_on(mask, fit.residual)
+        parameters = [p for e in fit.effects for p in e.parameters]
+        theta = np.concatenate([np.zeros(0), *fit.values])
+        # What a bound holds moves no more.
+        columns = columns * [p.low < v < p.high for p, v in zip(parameters, theta, strict=True)]
+        size = np.sqrt(np.mean(columns**2, axis=0))
+        # A size may do as much as the whole error; what has bounds lies anywhere between them.
+        wide = [(p.high - p.low) / np.sqrt(12.0) for p in parameters]
+        bounded = [p.role != "size" and np.isfinite(w) for p, w in zip(parameters, wide, strict=True)]
+        sd = np.where(bounded, wide, self.whole_rad / np.where(size > 0.0, size, np.inf))
+        theta = np.where(bounded, 0.0, theta)
+        beside = f.centred_on(mask, self.bench) if bench else np.zeros((rest.size, 0))
+        columns, rest = np.hstack([columns * sd, beside]), rest + columns @ theta
+        return log_evidence(rest, columns, len(self.prepared), self.floor_rad, self.whole_rad, freedom)
 
     def _best_forms(self, whole: Fit) -> Fit:
         """The fit of all readings with each effect in the first form of the library that fits them as well as any."""
@@ -272,14 +288,8 @@ class FewReadings(Selection[Fit]):
         inverse = np.linalg.pinv(scaled.T @ scaled, rcond=1e-10, hermitian=True) / np.outer(length, length)
         wider = (float(t_distribution.isf(0.025, freedom)) / INTERVAL) ** 2
         covariance = variance * wider * inverse
-        for e in (*within_class(self.prepared), *within_prior(self.prepared)):
-            at, parameter = [np.zeros(len(e.parameters))], e.parameters[0]
-            step = 0.1 * parameter.size
-            base = f.predict(whole.effects, whole.values, whole.offsets)
-            changed = f.predict((*whole.effects, e), (*whole.values, at[0] + step), whole.offsets)
-            turned = inverse @ columns.T @ f.centred_on(used, (changed - base) / step)
-            sigma = 0.5 * max(parameter.high, -parameter.low)
-            covariance = covariance + sigma**2 * np.outer(turned, turned)
+        turned = inverse @ columns.T @ f.centred_on(used, self._bench(whole))
+        covariance = covariance + turned @ turned.T
         own, values = whole.columns_of(effect), whole.values_of(effect)
         named = as_named(effect, values, covariance[own, own], fall, "")
         # A place that changes nothing between the readings has no figure; of such a size only a lower bound is known.
