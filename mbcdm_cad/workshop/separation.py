@@ -22,7 +22,7 @@ from mbcdm_cad.workshop.trianglemesh import FloatArray, TriangleMesh
 
 Triangle = tuple[Vector, Vector, Vector]
 
-# The deviation of a mesh is sampled; the samples were found to miss up to 1.5 % of the greatest error.
+# The deviation of a mesh is sampled; samples miss up to 1.5 % of the greatest error.
 _DEVIATION_FACTOR = 1.05
 _ROUNDING_MM = 1e-4
 LEAF = 4
@@ -51,8 +51,7 @@ class Surface:
         chords, sagitta = [], 0.0
         for piece in pieces:
             count = max(1, ceil(piece.length_mm / _WIRE_STEP_MM))
-            # Every second point is the middle of a chord, at which a circle, a helix or a parabola is farthest from the
-            # chord.
+            # Every second point is the middle of a chord, from which a circle, helix or parabola is farthest there.
             points = piece.points(np.linspace(0.0, 1.0, 2 * count + 1))
             start, middle, end = points[:-1:2], points[1::2], points[2::2]
             chords.append(np.stack([start, end, end], axis=1))
@@ -173,7 +172,8 @@ def _segment_triangle_near(p: Vector, q: Vector, triangle: Triangle, normal: Vec
     """
     size = _dot(normal, normal)
     high, low = _dot(_less(p, triangle[0]), normal), _dot(_less(q, triangle[0]), normal)
-    if high * low <= 0.0 and high != low and _over(_plus(p, _less(q, p), high / (high - low)), triangle, normal):
+    crossed = high != low and min(high, low) <= 0.0 <= max(high, low)  # their product may vanish beside zero
+    if crossed and _over(_plus(p, _less(q, p), high / (high - low)), triangle, normal):
         return True
     # The foot of the perpendicular is within the triangle; nearest points on edges are found edge by edge.
     if high * high <= squared * size and _over(p, triangle, normal):

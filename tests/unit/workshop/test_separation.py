@@ -9,7 +9,7 @@ from typing import Any, cast
 import cadquery as cq
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
@@ -25,8 +25,7 @@ from mbcdm_cad.workshop.separation import Surface, apart
 from tests.support.interference_of_solids import body, run_of
 
 TOLERANCE_MM = 0.01
-ANGLE = st.floats(-180.0, 180.0)
-SHIFT = st.floats(-14.0, 14.0)
+ANGLE, SHIFT = st.floats(-180.0, 180.0), st.floats(-14.0, 14.0)
 
 
 def surface(solid: Any) -> Surface:
@@ -65,6 +64,7 @@ def test_a_body_wholly_inside_another_is_not_apart() -> None:
 
 @settings(max_examples=150, deadline=None)
 @given(st.sampled_from(sorted(SOLIDS)), st.sampled_from(sorted(SOLIDS)), st.tuples(ANGLE, ANGLE, SHIFT, SHIFT, SHIFT))
+@example("cylinder", "cylinder", (0.0, 1e-201, 4.0, 7.0, 0.0))
 def test_nothing_that_overlaps_is_proven_apart(one: str, other: str, motion: tuple[float, ...]) -> None:
     """Two solids thrown together: where the proof says apart, the kernel finds no common volume, however placed."""
     turn, tilt, x, y, z = motion
