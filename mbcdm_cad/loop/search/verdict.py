@@ -279,7 +279,7 @@ class Judge(ClassOfSensor):
             worst = groups[int(np.argmax(cancelled))]
             why = "cancelled by another effect"
             if max(cancelled) <= CANCELS:
-                below = [g for g in groups if self._ends_below_its_bound(fit, g.effect)]
+                below = [g for g in groups if self._no_part_can(fit, g.effect)]
                 open_times = below or [g for g in groups if g.effect.once and self._time_is_open(fit, g.effect)]
                 if not open_times:
                     break
@@ -289,11 +289,11 @@ class Judge(ClassOfSensor):
             groups = tuple(group for group in groups if group is not worst)
         return fit, groups
 
-    def _ends_below_its_bound(self, fit: Fit, effect: Effect) -> bool:
-        """Whether a change ends at a value that no part can have, as a compliance below zero, by more than noise."""
+    def _no_part_can(self, fit: Fit, effect: Effect) -> bool:
+        """Whether an effect ends at a value that no part can have, a change of a compliance below zero, say."""
         base, change = effect.base, float(fit.values_of(effect)[0])
         if base is None or base.parameters[0].name.endswith("share"):
-            return False
+            return bool(effect.doubtful and effect.doubtful(fit.values_of(effect)))
         before = [fit.values_of(e)[0] for e in fit.effects if (e.key, e.form) == (base.key, base.form)]
         after = float(before[0] if before else base.parameters[0].default or 0.0) + change
         return after < base.parameters[0].low - PAST * abs(change)
