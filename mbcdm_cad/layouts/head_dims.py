@@ -276,8 +276,8 @@ WINDOWS = Rule(
 
 def drum_rules(outer_face: str, outer_face_value: Callable[[Any], Found]) -> tuple[Rule, ...]:
     """Rules of a drum sector, of which layouts have that of its outer face of their own."""
-    rule = Rule("drum.outer_face_y_mm", outer_face, "outer_face", outer_face_value)
-    return (WINDOWS, web, shaft_bore, hub, sector, stop_pin, rim, rule, hub_face)
+    face = Rule("drum.outer_face_y_mm", outer_face, "outer_face", outer_face_value)
+    return (WINDOWS, web, shaft_bore, hub, sector, stop_pin, rim, face, hub_face)
 
 
 def mount_rules(value: Callable[[Any], Found]) -> tuple[Rule]:

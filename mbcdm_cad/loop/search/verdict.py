@@ -290,7 +290,7 @@ class Judge(ClassOfSensor):
         return fit, groups
 
     def _no_part_can(self, fit: Fit, effect: Effect) -> bool:
-        """Whether an effect ends at a value that no part can have, a change of a compliance below zero, say."""
+        """Whether an effect ends at a value that no part can have; a change of a part's figure by more than noise."""
         base, change = effect.base, float(fit.values_of(effect)[0])
         if base is None or base.parameters[0].name.endswith("share"):
             return bool(effect.doubtful and effect.doubtful(fit.values_of(effect)))
