@@ -85,11 +85,9 @@ def side_pieces(drive: SpurDrive, cable: SpurRun, anchor_rad: float, tail_mm: fl
 
 def _led(drive: SpurDrive, side: int, off: Triple, on: Triple) -> list[Piece]:
     """Spans and wraps on idlers between the points where a side leaves the input and lands on the drum."""
-    if drive.idlers is None:
-        return [Line(off, on)]
-    found, r, pieces, start = drive.strand, drive.idlers.radius_mm, list[Piece](), off
-    slope = (on[1] - off[1]) / drive.strand_mm
+    found, r, pieces, start = drive.strand, drive.idler_mm, list[Piece](), off
     for place, before, span, wrap in zip(drive.idler_places, found.heading, found.length, found.wraps, strict=False):
+        slope = (on[1] - off[1]) / drive.strand_mm
         y = start[1] + slope * float(span)
         end_y = y + slope * r * float(wrap)
         # Where the span touches: the axis and a quarter of a turn from its direction.

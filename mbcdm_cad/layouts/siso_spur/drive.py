@@ -276,6 +276,11 @@ class SpurDrive(HeadedDrive):
         return self.idlers.places if self.idlers else ()
 
     @property
+    def idler_mm(self) -> float:
+        """Pitch radius of the idlers; 0 without any."""
+        return self.idlers.radius_mm if self.idlers else 0.0
+
+    @property
     def input_radius_mm(self) -> float:
         """Pitch radius of the input."""
         return self.cables[0].input_radius_mm
@@ -293,11 +298,10 @@ class SpurDrive(HeadedDrive):
     @cached_property
     def strand(self) -> Strand:
         """Path of the side +x from the input to the drum in the plane of X and Z, mm."""
-        idler_mm = self.idlers.radius_mm if self.idlers else 0.0
         return taut(
             [
-                Circle(0.0, self.centre_distance_mm, self.input_radius_mm, -1),
-                *(Circle(p.x_mm, p.z_mm, idler_mm, SENSE) for p in self.idler_places),
+                Circle(0.0, self.centre_distance_mm, self.input_radius_mm, -self.input_sense),
+                *(Circle(p.x_mm, p.z_mm, self.idler_mm, SENSE) for p in self.idler_places),
                 Circle(0.0, 0.0, self.drum_radius_mm, 1),
             ]
         )
@@ -310,20 +314,13 @@ class SpurDrive(HeadedDrive):
         """
         return -1 if self.open_spans else 1
 
-    @property
-    def tangent_mm(self) -> float:
-        """Sum of both pitch radii, or with open spans their difference: L times the cosine of the landing."""
-        return self.drum_radius_mm + self.input_sense * self.input_radius_mm
-
     @cached_property
     def landing_rad(self) -> float:
         """Angle from the line of centres at which the cable lands on the drum; without idlers cos = (r_o +- r_i) / L.
 
         0 where the pulleys touch or overlap.
         """
-        if self.idlers:
-            return float(np.nan_to_num(self.strand.landing_rad))
-        return acos(min(1.0, self.tangent_mm / self.centre_distance_mm))
+        return float(np.nan_to_num(self.strand.landing_rad))
 
     @cached_property
     def leaving_rad(self) -> float:
@@ -331,9 +328,7 @@ class SpurDrive(HeadedDrive):
 
         Without idlers that of the landing, with open spans the rest of a half turn.
         """
-        if self.idlers:
-            return float(np.nan_to_num(self.strand.leaving_rad))
-        return pi - self.landing_rad if self.open_spans else self.landing_rad
+        return float(np.nan_to_num(self.strand.leaving_rad))
 
     @property
     def free_span_mm(self) -> float:
@@ -341,19 +336,15 @@ class SpurDrive(HeadedDrive):
 
         0 if pulleys overlap, or if the cable does not touch an idler.
         """
-        if self.idlers:
-            touched = bool((self.strand.wraps > 0.0).all())
-            return float(np.nan_to_num(self.strand.length.sum())) if touched else 0.0
-        if self.centre_distance_mm <= self.drum_radius_mm + self.input_radius_mm:
-            return 0.0
-        return sqrt(self.centre_distance_mm**2 - self.tangent_mm**2)
+        touched = bool((self.strand.wraps > 0.0).all())
+        return float(np.nan_to_num(self.strand.length.sum())) if touched else 0.0
 
     @cached_property
     def led_mm(self) -> tuple[float, ...]:
         """Lengths of each side from the input to the drum, without the slope: spans and, between them, idlers."""
-        if self.idlers is None or self.free_span_mm == 0.0:
-            return (self.free_span_mm,)
-        arcs = self.idlers.radius_mm * self.strand.wraps
+        if self.free_span_mm == 0.0:
+            return (0.0,)
+        arcs = self.idler_mm * self.strand.wraps
         between = (float(length) for pair in zip(arcs, self.strand.length[1:], strict=True) for length in pair)
         return (float(self.strand.length[0]), *between)
 

@@ -89,17 +89,19 @@ class Strand(NamedTuple):
     """Taut strand over a row of circles; axis 0 of all arrays is the span, or the circle between two spans.
 
     Lengths and directions are nan where two circles overlap. ``heading`` is the angle of a direction about +Y, from +Z
-    towards +X. ``wraps`` are below zero where the strand does not touch an idler.
+    towards +X. ``wraps`` are below zero where the strand does not touch an idler. ``first``: sense on the first circle.
     """
 
     length: Floats
     heading: Floats
     wraps: Floats
+    first: int
 
     @property
     def leaving_rad(self) -> Floats:
-        """Angle on the first circle, from the line towards -Z to -X, at which the strand leaves it."""
-        return np.asarray(np.arctan2(-np.cos(self.heading[0]), np.sin(self.heading[0])))
+        """Angle on the first circle, from the line towards -Z the way that it turns, at which the strand leaves it."""
+        angle = np.arctan2(-np.cos(self.heading[0]), np.sin(self.heading[0]))
+        return np.asarray(angle if self.first < 0 else np.pi - angle)
 
     @property
     def landing_rad(self) -> Floats:
@@ -113,8 +115,8 @@ def taut(circles: Sequence[Circle]) -> Strand:
     for one, two in pairwise(circles):
         x, z = np.asarray(two.x) - one.x, np.asarray(two.z) - one.z
         radius = np.asarray(two.sense * two.radius - one.sense * one.radius)
-        square = x**2 + z**2 - radius**2
-        span = np.sqrt(np.where(square > 0.0, square, np.nan))
+        apart = x**2 + z**2 > np.square(np.asarray(one.radius) + two.radius)
+        span = np.sqrt(np.where(apart, x**2 + z**2 - radius**2, np.nan))
         length.append(span)
         # J turns (x, z) into (-z, x).
         heading.append(np.arctan2(span * x - radius * z, span * z + radius * x))
@@ -127,7 +129,7 @@ def taut(circles: Sequence[Circle]) -> Strand:
     def stacked(rows: Sequence[Floats]) -> Floats:
         return np.stack([np.broadcast_to(row, shape) for row in rows]) if rows else np.zeros((0, *shape))
 
-    return Strand(stacked(length), stacked(heading), stacked(turned))
+    return Strand(stacked(length), stacked(heading), stacked(turned), circles[0].sense)
 
 
 def no_strand(found: Strand) -> str:

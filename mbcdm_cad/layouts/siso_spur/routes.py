@@ -19,7 +19,7 @@ import numpy as np
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
 from mbcdm_cad.layouts.siso_spur.idlers import SENSE, Circle, Strand, idler_body, no_strand, taut
 from mbcdm_cad.routes import Floats
-from mbcdm_cad.routes.geometry import DRUM_RADIUS, INPUT_RADIUS, RoutedDrive, Varied, tangent_length_m
+from mbcdm_cad.routes.geometry import DRUM_RADIUS, INPUT_RADIUS, RoutedDrive, Varied
 from mbcdm_cad.routes.route import Anchor, Body, CableRoute, DriveRoutes, Piece, Span, Terminal, Wrap, input_body
 
 DISTANCE = "centre_distance_m"
@@ -76,7 +76,7 @@ class SpurGeometry:
         """Paths from input to drum in m, mirrored to the side +x: (n_spans, n_cables, *batch)."""
         return taut(
             [
-                Circle(0.0, parameters[DISTANCE], parameters[INPUT_RADIUS], -1),
+                Circle(0.0, parameters[DISTANCE], parameters[INPUT_RADIUS], -self.input_sense),
                 *(Circle(x, z, parameters[IDLER_RADIUS], SENSE) for x, z in self.idlers),
                 Circle(0.0, 0.0, parameters[DRUM_RADIUS], 1),
             ]
@@ -87,19 +87,11 @@ class SpurGeometry:
 
         NaN where pulleys overlap, or an idler is not touched.
         """
-        if self.idlers:
-            found = self.strand(parameters)
-            return np.where((found.wraps > 0.0).all(axis=0), found.length.sum(axis=0), np.nan)
-        apart = parameters[DISTANCE] > parameters[DRUM_RADIUS] + parameters[INPUT_RADIUS]
-        return np.where(apart, tangent_length_m(parameters[DISTANCE], self._tangent_m(parameters)), np.nan)
-
-    def _tangent_m(self, parameters: Mapping[str, Floats]) -> Floats:
-        return parameters[DRUM_RADIUS] + self.input_sense * parameters[INPUT_RADIUS]
+        found = self.strand(parameters)
+        return np.where((found.wraps > 0.0).all(axis=0), found.length.sum(axis=0), np.nan)
 
     def passed_wrap_rad(self, parameters: Mapping[str, Floats]) -> tuple[Floats, ...]:
         """Wrap on each idler, which one cable alone passes."""
-        if not self.idlers:
-            return ()
         wraps = self.strand(parameters).wraps
         found = []
         for n in range(len(self.idlers), 0, -1):
@@ -113,13 +105,8 @@ class SpurGeometry:
         """N turns less the angles from the line of centres to both spans; (n_cables / 2, *batch). None if anchored."""
         if self.apart_m is not None:
             return None
-        with np.errstate(invalid="ignore"):
-            if self.idlers:
-                leaving = self.strand(parameters).leaving_rad
-            else:
-                landing = np.arccos(self._tangent_m(parameters) / parameters[DISTANCE])
-                leaving = landing if self.input_sense > 0 else np.pi - landing
-            return np.asarray(2 * np.pi * self.turns - (leaving[::2] + leaving[1::2]))
+        leaving = self.strand(parameters).leaving_rad
+        return np.asarray(2 * np.pi * self.turns - (leaving[::2] + leaving[1::2]))
 
     def fault(self, parameters: Mapping[str, Floats]) -> str:
         """Message if the pulleys overlap, or the cable does not touch an idler, else empty."""
@@ -144,14 +131,10 @@ class SpurGeometry:
             bodies.append(
                 Body(input_body(name), "input", (distance * out[0], 0.0, distance * out[2]), axis, out, turns)
             )
-        if self.idlers:
-            bodies[1:1] = self._idler_bodies(parameters)
-            found = self.strand(parameters)
-            led = tuple(self._led_side(parameters, j, found) for j in range(len(self.cable_names)))
-            return DriveRoutes(tuple(bodies), led)
-        free = self.free_span_m(parameters)
-        cables = tuple(self._side(parameters, j, float(free[j])) for j in range(len(self.cable_names)))
-        return DriveRoutes(tuple(bodies), cables)
+        bodies[1:1] = self._idler_bodies(parameters)
+        found = self.strand(parameters)
+        sides = tuple(self._side(parameters, j, found) for j in range(len(self.cable_names)))
+        return DriveRoutes(tuple(bodies), sides)
 
     def _idler_bodies(self, parameters: Mapping[str, Floats]) -> Iterator[Body]:
         """The idlers, each turning about +Y against the drum."""
@@ -163,21 +146,22 @@ class SpurGeometry:
                 at, out = turned(angle, self.drum_side[j] * x, z), turned(angle, 0.0, 1.0)
                 yield Body(idler_body(n, cable), "passed", at, _Y, out, turns)
 
-    def _led_side(self, parameters: Mapping[str, Floats], j: int, found: Strand) -> CableRoute:
-        """A side over its idlers; it rises along Y by its slope, on all its way."""
+    def _side(self, parameters: Mapping[str, Floats], j: int, found: Strand) -> CableRoute:
+        """A side over its idlers, if there are any; it rises along Y by its slope, on all its way."""
         side, cable = self.drum_side[j], self.cable_names[j]
         input_name, level = self.input_names[self.input_of[j]], self.level_m[j // 2]
-        r_i, r_o, r_k = (float(parameters[name][j]) for name in (INPUT_RADIUS, DRUM_RADIUS, IDLER_RADIUS))
+        r_i, r_o = float(parameters[INPUT_RADIUS][j]), float(parameters[DRUM_RADIUS][j])
         through, apart, rises = self._winding(parameters, j)
         slope, at = rises * self.lead_m / (2 * np.pi * r_i), level + self.outward[j] * apart
         name = input_body(input_name)
         pieces: list[Piece] = [
             Anchor(name),
-            # Heights count along the input's own axis, -Y.
-            Wrap(name, r_i, np.inf, -at, side, may_slip_through=through, lead_m=self.lead_m),
+            # Heights count along the input's own axis, -Y, or Y with open spans.
+            Wrap(name, r_i, np.inf, -self.input_sense * at, side, may_slip_through=through, lead_m=self.lead_m),
         ]
         for n in range(1, len(self.idlers) + 1):
             span, wrap = float(found.length[n - 1, j]), float(found.wraps[n - 1, j])
+            r_k = float(parameters[IDLER_RADIUS][j])
             pieces.append(Span(span, self._direction(side, found, n - 1, j)))
             at += slope * (span + r_k * wrap / 2)
             pieces.append(Wrap(idler_body(n, cable), r_k, wrap, at, side * SENSE, passed=True))
@@ -201,28 +185,6 @@ class SpurGeometry:
     def _direction(self, side: int, found: Strand, span: int, j: int) -> tuple[float, float, float]:
         heading = float(found.heading[span, j])
         return turned(self.angle_rad[self.input_of[j]], side * sin(heading), cos(heading))
-
-    def _side(self, parameters: Mapping[str, Floats], j: int, free_m: float) -> CableRoute:
-        i, side = self.input_of[j], self.drum_side[j]
-        input_name, level, angle = self.input_names[i], self.level_m[j // 2], self.angle_rad[i]
-        name = input_body(input_name)
-        r_i, r_o = float(parameters[INPUT_RADIUS][j]), float(parameters[DRUM_RADIUS][j])
-        distance = float(parameters[DISTANCE])
-        cosine, sine = (r_o + self.input_sense * r_i) / distance, free_m / distance
-        through, apart, rises = self._winding(parameters, j)
-        leave = level + self.outward[j] * apart
-        land = leave + rises * self.lead_m / (2 * np.pi * r_i) * free_m
-        # Towards the drum from an input at z = L, turned about Y to where this one stands.
-        along = turned(angle, side * cosine, -sine)
-        pieces = (
-            Anchor(name),
-            # Heights count along the input's own axis, -Y, or Y with open spans.
-            Wrap(name, r_i, np.inf, -self.input_sense * leave, side, may_slip_through=through, lead_m=self.lead_m),
-            Span(free_m, along),
-            Wrap(DRUM, r_o, np.inf, land, side, lead_m=self.lead_m * r_o / r_i),
-            Terminal(DRUM),
-        )
-        return CableRoute(self.cable_names[j], input_name, self.sense[j], pieces)
 
 
 def turned(angle_rad: float, x: float, z: float) -> tuple[float, float, float]:
