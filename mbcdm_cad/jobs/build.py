@@ -18,8 +18,8 @@ from mbcdm_cad.layouts.check_design import run_checks
 from mbcdm_cad.parts.bill import Item
 from mbcdm_cad.report.check_report import BuildReport, CheckReport
 from mbcdm_cad.report.explain import fields_data
-from mbcdm_cad.storage.cache import Cache, content_key, package_hash
-from mbcdm_cad.storage.files import Manifest, altered_files, read_manifest, versions
+from mbcdm_cad.storage.cache import Cache, content_key
+from mbcdm_cad.storage.files import Manifest, altered_files, read_manifest
 from mbcdm_cad.storage.folders import output_folder, refuse_other_origin
 from mbcdm_cad.workshop.export.files import with_description, with_note
 from mbcdm_cad.workshop.interference import travel_poses
@@ -48,7 +48,7 @@ def build(
     drive = loaded.drive
     refuse_angle(drive, angle_deg)
     target = out / drive.name
-    inputs = content_key("build", (loaded.sha256, angle_deg, force), package_hash(), versions())
+    inputs = content_key("build", (loaded.sha256, angle_deg, force))
     unchanged = _unchanged(loaded, target, inputs)
     if unchanged is not None:
         return unchanged

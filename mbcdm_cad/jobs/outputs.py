@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import InputError, MbcdmError, Problem
-from mbcdm_cad.storage.cache import Cache, content_key, package_hash
-from mbcdm_cad.storage.files import Manifest, refuse_missing_folder, versions, write_whole
+from mbcdm_cad.storage.cache import Cache, content_key
+from mbcdm_cad.storage.files import Manifest, refuse_missing_folder, write_whole
 from mbcdm_cad.storage.folders import output_folder, refuse_other_origin, write_from
 from mbcdm_cad.workshop.drawings import drawings_folder, drawings_of
 from mbcdm_cad.workshop.interference import bodies, is_cable
@@ -179,7 +179,7 @@ def write_robot(
     soft = elastic_drive(loaded.drive) if elastic else None
     files = robot_files(replace(robot, note=missing), form, elastic=soft, options=options)
     target = out / f"{loaded.drive.name}-{form}"
-    inputs = content_key("export", (loaded.sha256, form, elastic, options), package_hash(), versions())
+    inputs = content_key("export", (loaded.sha256, form, elastic, options))
     with output_folder(target, Manifest(loaded.sha256, inputs), design=loaded.path) as folder:
         for name, content in files.items():
             folder.write(name, content)
@@ -202,7 +202,7 @@ def write_fmu(loaded: LoadedDesign, out: Path) -> Written:
     content, platform = fmu_file(loaded.drive, elastic_drive(loaded.drive))
     target = out / f"{loaded.drive.name}-fmu"
     path = target / f"{loaded.drive.name}.fmu"
-    inputs = content_key("fmu", loaded.sha256, package_hash(), versions())
+    inputs = content_key("fmu", loaded.sha256)
     with output_folder(target, Manifest(loaded.sha256, inputs), design=loaded.path) as folder:
         folder.write(path.name, content)
     library = f"library for {platform}" if platform else "no library: no C compiler 'cc' here; compile the sources"
@@ -250,7 +250,7 @@ def write_sensitivity(
     from mbcdm_cad.parts.making import model_tolerances
 
     target = out / f"{loaded.drive.name}-sensitivity"
-    inputs = content_key("sensitivity", loaded.sha256, package_hash(), versions())
+    inputs = content_key("sensitivity", loaded.sha256)
     with output_folder(target, Manifest(loaded.sha256, inputs), design=loaded.path) as folder:
         stacks = loaded.drive.layout.tolerance_stacks
         with crew(block_figures, workers, scheduler) as shared:

@@ -30,7 +30,7 @@ from mbcdm_cad.planning.candidates import run_of
 from mbcdm_cad.planning.plan import RunPlan, noise_from, plan_of
 from mbcdm_cad.rig.experiment import DynamicExperiment, Experiment, read_bench, read_experiment
 from mbcdm_cad.solving.question import Question, question_of
-from mbcdm_cad.storage.cache import content_key, package_hash
+from mbcdm_cad.storage.cache import code_hash, content_key
 from mbcdm_cad.storage.files import Manifest, versions
 from mbcdm_cad.storage.folders import output_folder
 from mbcdm_cad.workshop.store import Progress
@@ -79,13 +79,13 @@ def _request(files: Sequence[tuple[str, Path]], wishes: Wishes) -> dict[str, Any
         "keeps": [str(keep) for keep in wishes.keeps],
         "free": [[freed.field, list(freed.values), freed.low, freed.high] for freed in wishes.free],
         "only_free": wishes.only_free,
-        "package": package_hash(),
+        "package": code_hash(),
         "versions": versions() | {"pymoo": metadata.version("pymoo")},
     }
 
 
 def _write(found: Optimum, questions: Sequence[Question], request: dict[str, Any]) -> None:
-    key = content_key("optimum", request, package_hash(), versions())
+    key = content_key("optimum", request)
     try:
         with output_folder(found.folder, Manifest(key, key), design=questions[0].path) as folder:
             folder.write("optimum.json", json.dumps(found.to_dict(), indent=1, allow_nan=False) + "\n")

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from mbcdm_cad.storage.cache import content_key, package_hash
-from mbcdm_cad.storage.files import versions
+import mbcdm_cad
+from mbcdm_cad.storage.cache import content_key
 
 # Beginning of the name of the resource by which a worker shows its state.
 MARK = "mbcdm_cad "
@@ -16,8 +16,7 @@ MARK = "mbcdm_cad "
 
 def state() -> str:
     """The name of this machine's state: equal only if package, Python, numpy and CAD kernel are the same."""
-    known = versions()
-    return f"{MARK}{known['mbcdm_cad']} {content_key('worker', None, package_hash(), known)[:12]}"
+    return f"{MARK}{mbcdm_cad.__version__} {content_key('worker', None)[:12]}"
 
 
 def dask_setup(worker: Any) -> None:

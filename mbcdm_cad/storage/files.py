@@ -10,6 +10,7 @@ import re
 import secrets
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
+from functools import cache
 from pathlib import Path
 
 import mbcdm_cad
@@ -98,15 +99,15 @@ class Manifest:
         return json.dumps(content, indent=1, sort_keys=True) + "\n"
 
 
+@cache
 def versions() -> dict[str, str]:
-    """Versions that the output depends on: this package, the CAD library, its kernel, Python. No import of them."""
+    """Versions that the output depends on: this package, its libraries, Python. No import of them."""
     from importlib import metadata  # a tenth of the start of a command, and few ask
 
     return {
         "mbcdm_cad": mbcdm_cad.__version__,
         "cadquery": metadata.version("cadquery"),
-        "cadquery-ocp": metadata.version("cadquery-ocp"),
-        "numpy": metadata.version("numpy"),
+        **{name: metadata.version(name) for name in ("cadquery-ocp", "ezdxf", "matplotlib", "numpy")},
         "python": platform.python_version(),
     }
 

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
-from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,8 +20,7 @@ from mbcdm_cad.parts.bill import Bill, Item
 from mbcdm_cad.parts.bodies import CableRod
 from mbcdm_cad.parts.making import accuracy, sheet_as_printed
 from mbcdm_cad.parts.part import MadePart, Part, StandardPart
-from mbcdm_cad.storage.cache import Cache, content_key, source_hash
-from mbcdm_cad.storage.files import versions
+from mbcdm_cad.storage.cache import Cache, content_key
 from mbcdm_cad.workshop.mass import assembly_mass
 from mbcdm_cad.workshop.store import Progress, StoredPart, drawn
 
@@ -32,7 +30,6 @@ if TYPE_CHECKING:
 # The solid of a made part with the tolerances of its sheet.
 WITH_TOLERANCES = "ap242.step"
 # Libraries whose version changes the bytes of a drawing.
-_LIBRARIES = ("ezdxf", "matplotlib")
 # The name of the sheet of the whole drive.
 ASSEMBLY = "assembly"
 
@@ -74,15 +71,8 @@ class _Job:
     @property
     def key(self) -> str:
         """Names all that the sheet follows from."""
-        code = ("mbcdm_cad.parts.making", "mbcdm_cad.drawings.draw", "mbcdm_cad.workshop.export.step_pmi")
-        source = source_hash(type(self.part).__module__, *code)
-        with_libraries = versions() | {name: metadata.version(name) for name in _LIBRARIES}
-        return content_key(
-            "drawing",
-            (self.name, self.part, self.material, self.made.key, *_stated(self.drive)),
-            source,
-            with_libraries,
-        )
+        data = (self.name, self.part, self.material, self.made.key, *_stated(self.drive))
+        return content_key("drawing", data, type(self.part).__module__)
 
     def make(self) -> dict[str, bytes]:
         """The sheet's files by extension."""
@@ -114,12 +104,8 @@ class _Assembly:
     @property
     def key(self) -> str:
         """Names all that the sheet follows from."""
-        source = source_hash(
-            "mbcdm_cad.workshop.drawings", "mbcdm_cad.workshop.assembly_sheet", "mbcdm_cad.drawings.draw"
-        )
-        with_libraries = versions() | {name: metadata.version(name) for name in _LIBRARIES}
         keys = {item.part: self.parts[item.part].key for item in self.posed.items}
-        return content_key("assembly drawing", (self.posed.items, keys, *_stated(self.drive)), source, with_libraries)
+        return content_key("assembly drawing", (self.posed.items, keys, *_stated(self.drive)))
 
     def make(self) -> dict[str, bytes]:
         """The sheet's files by extension."""

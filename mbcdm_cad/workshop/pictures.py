@@ -14,8 +14,7 @@ from mbcdm_cad.layouts.base import Layout
 from mbcdm_cad.parallel.forks import fork_map
 from mbcdm_cad.parts.bill import CABLE, Item
 from mbcdm_cad.parts.placement import Placement, Vector
-from mbcdm_cad.storage.cache import Cache, content_key, source_hash
-from mbcdm_cad.storage.files import versions
+from mbcdm_cad.storage.cache import Cache, content_key
 from mbcdm_cad.workshop.store import Progress, StoredPart, drawn
 from mbcdm_cad.workshop.trianglemesh import FloatArray, TriangleMesh
 
@@ -52,8 +51,7 @@ def pictures_of(
     section = transfer_section(layout)
     if section is not None:
         wanted["section"] = (items, {"section": section})
-    code = source_hash("mbcdm_cad.workshop.export.picture", __name__)
-    keys = {name: _key(shown, parts, how, code) for name, (shown, how) in wanted.items()}
+    keys = {name: _key(shown, parts, how) for name, (shown, how) in wanted.items()}
     found = {name: cache.get(key) for name, key in keys.items()}
     missing = [name for name, blobs in found.items() if blobs is None]
     if missing:
@@ -65,10 +63,10 @@ def pictures_of(
     return {f"{name}.png": blobs["png"] for name, blobs in found.items() if blobs is not None}
 
 
-def _key(shown: Sequence[Item], parts: Mapping[str, StoredPart], how: dict[str, Any], code: str) -> str:
+def _key(shown: Sequence[Item], parts: Mapping[str, StoredPart], how: dict[str, Any]) -> str:
     keys = {item.part: parts[item.part].key for item in shown}
     plain = {key: sorted(value) if isinstance(value, frozenset) else value for key, value in how.items()}
-    return content_key("picture for the builder", (shown, keys, plain), code, versions())
+    return content_key("picture for the builder", (shown, keys, plain))
 
 
 def _png(parts: Mapping[str, StoredPart], shown: Sequence[Item], how: dict[str, Any]) -> bytes:

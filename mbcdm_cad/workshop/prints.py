@@ -10,8 +10,7 @@ import numpy as np
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.parts.placement import Vector
-from mbcdm_cad.storage.cache import Cache, content_key, source_hash
-from mbcdm_cad.storage.files import versions
+from mbcdm_cad.storage.cache import Cache, content_key
 from mbcdm_cad.workshop.export.files import lying, threemf_bytes
 from mbcdm_cad.workshop.store import Progress, Store, StoredPart, drawn, exported_parts
 from mbcdm_cad.workshop.trianglemesh import FloatArray, TriangleMesh
@@ -131,11 +130,10 @@ def prints_of(
         )
     _, parts = drawn(drive, 0.0, cache, progress)
     files = exported_parts(Store(cache, progress), posed, parts, drive, os.cpu_count() or 1)
-    code = source_hash(__name__, "mbcdm_cad.workshop.export.files", "mbcdm_cad.workshop.wider_holes")
     found = {}
     for name, material in wanted.items():
         wider = drive.printing.hole_allowance_mm if material.printed else 0.0
-        key = content_key("3mf", (name, files[name].key, wider, drive.export.mesh_tolerance_mm), code, versions())
+        key = content_key("3mf", (name, files[name].key, wider, drive.export.mesh_tolerance_mm))
         blobs = cache.get(key)
         if blobs is None:
             progress(f"3MF of {name}")

@@ -21,8 +21,7 @@ from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts.base import FrameCompliance, Layout
 from mbcdm_cad.parallel.forks import fork_map, forked
 from mbcdm_cad.parts.bill import CABLE, Bill, Item, PartSpec
-from mbcdm_cad.storage.cache import Cache, content_key, package_hash, source_hash
-from mbcdm_cad.storage.files import versions
+from mbcdm_cad.storage.cache import Cache, content_key
 from mbcdm_cad.workshop.interference import InterferenceRun, interference_run, scenes
 from mbcdm_cad.workshop.mass import PartFiles
 from mbcdm_cad.workshop.pairs import Clash, Found, PartShape
@@ -55,7 +54,6 @@ class Store:
         self._solids: dict[str, Any] = {}
         self._held: dict[str, StoredPart] = {}
         self._assemblies: dict[str, dict[str, bytes]] = {}
-        self._sources: dict[str, str] | None = None
         self.made: list[str] = []
 
     def parts(
@@ -91,11 +89,10 @@ class Store:
         self, specs: Mapping[str, PartSpec], materials: Mapping[str, Material], mesh_tolerance_mm: float
     ) -> dict[str, str]:
         """The cache key of each part, from dimensions, material, tolerance and code."""
-        keys = {}
-        for name, spec in specs.items():
-            source = self._source(type(spec.part).__module__, "mbcdm_cad.workshop.makefiles")
-            keys[name] = content_key("part", (spec, materials[name], mesh_tolerance_mm), source, versions())
-        return keys
+        return {
+            name: content_key("part", (spec, materials[name], mesh_tolerance_mm), type(spec.part).__module__)
+            for name, spec in specs.items()
+        }
 
     def known(self, keys: Mapping[str, str]) -> dict[str, StoredPart]:
         """The parts by name that need not be drawn; the last ones read stay in memory."""
@@ -134,8 +131,7 @@ class Store:
         self, items: tuple[Item, ...], parts: dict[str, StoredPart], name: str, note: str
     ) -> tuple[str, Callable[[], dict[str, bytes]]]:
         """The key of an assembly's files, which are read if the cache has them, and the function that makes them."""
-        source = self._source("mbcdm_cad.workshop.export.step", "mbcdm_cad.workshop.export.files")
-        key = content_key("assembly", (name, note, items, _keys(parts)), source, versions())
+        key = content_key("assembly", (name, note, items, _keys(parts)))
         if key not in self._assemblies and (blobs := self._cache.get(key)) is not None:
             self._assemblies[key] = blobs
 
@@ -162,10 +158,10 @@ class Store:
 
         With the items of the ``assembly`` its files are made beside them, for :meth:`assembly` without a note.
         """
-        run, known = _interference_run(layout, parts, poses_deg), KnownTests(self._cache, self._source(*TEST_MODULES))
+        run, known = _interference_run(layout, parts, poses_deg), KnownTests(self._cache)
         missing = run.missing(known)
         study = layout.frame_study
-        frame_key = content_key("frame", study.inputs, self._source(study.module), versions()) if study else ""
+        frame_key = content_key("frame", study.inputs, study.module) if study else ""
         frame = self._cache.get(frame_key) if study else None
         pending: dict[str, Callable[[], Any]] = {}  # the longest first
         if study and frame is None:
@@ -199,22 +195,6 @@ class Store:
                 self._solids[name] = part.solid()
         return {name: self._solids[name] for name in parts}
 
-    def _source(self, *modules: str) -> str:
-        """Hash of the code of ``modules`` and of all that they import.
-
-        Finding their imports takes half a second in all, so the result is kept as long as no file of the program
-        changes.
-        """
-        key = content_key("sources", (), package_hash(), {})
-        if self._sources is None:
-            stored = self._cache.get(key)
-            self._sources = json.loads(stored["sources"]) if stored else {}
-        name = " ".join(modules)
-        if name not in self._sources:
-            self._sources[name] = source_hash(*modules)
-            self._cache.put(key, {"sources": json.dumps(self._sources).encode()})
-        return self._sources[name]
-
     def _note(self, *names: str) -> None:
         self.made += names
         few = len(names) <= _MOST_NAMED
@@ -242,20 +222,18 @@ def _keys(parts: dict[str, StoredPart]) -> dict[str, str]:
 # A design has about a thousand tests; beyond this number the answers that were not used for longest are removed.
 MOST_ANSWERS = 30_000
 _KEY_DIGITS = 32
-# What a test's answer depends on besides the bodies: drawing of the rods, booleans and proofs.
-TEST_MODULES = ("mbcdm_cad.workshop.pairs",)
 
 
 class KnownTests(Mapping[str, Found]):
     """Answers by the key of the test.
 
     Almost all tests find no overlap: of these only the keys are stored. If two processes write at the same time, the
-    answers of one are lost and are computed again later. ``source`` is the hash of ``TEST_MODULES``.
+    answers of one are lost and are computed again later.
     """
 
-    def __init__(self, cache: Cache, source: str) -> None:
+    def __init__(self, cache: Cache) -> None:
         self._cache = cache
-        self._key = content_key("interference answers", (), source, versions())
+        self._key = content_key("interference answers", ())
         self._found = self._stored()
 
     def __getitem__(self, key: str) -> Found:

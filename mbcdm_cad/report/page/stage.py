@@ -29,8 +29,7 @@ from mbcdm_cad.report.page.scene import Lines, Scene, cable_lines, design_scene
 from mbcdm_cad.report.page.template import page_environment
 from mbcdm_cad.report.preload import preload_shown
 from mbcdm_cad.report.structure import path_data_or_reason
-from mbcdm_cad.storage.cache import content_key, package_hash
-from mbcdm_cad.storage.files import versions
+from mbcdm_cad.storage.cache import content_key
 from mbcdm_cad.workshop.drawings import ASSEMBLY
 
 if TYPE_CHECKING:
@@ -248,11 +247,10 @@ def page_of(
 
 def _studies(drive: Drive, cache: Cache) -> dict[str, Any]:
     """The curves of the model, from the cache: they take seconds and depend only on what the model reads."""
-    # The hash of the whole package is already known; that of the modules in use takes a second to compute.
     # As text, because limits that a drive does not have are infinite, which content_key refuses.
     read = [asdict(to_si(drive)), asdict(requirements(drive)), asdict(drive.loads), drive.layout.wraps_at_ends_rad]
     inputs = json.dumps(read, sort_keys=True, default=lambda array: array.tolist())
-    key = content_key("studies", inputs, package_hash(), versions())
+    key = content_key("studies", inputs)
     kept = cache.get_or_make(key, lambda: {"studies": json.dumps(studies(drive)).encode()})
     found: dict[str, Any] = json.loads(kept["studies"])
     return found

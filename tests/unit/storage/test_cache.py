@@ -14,6 +14,7 @@ import time
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -21,7 +22,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mbcdm_cad.storage import cache, files
-from mbcdm_cad.storage.cache import Cache, cache_folder, canonical_json, content_key, source_hash
+from mbcdm_cad.storage.cache import Cache, cache_folder, canonical_json, content_key
 from mbcdm_cad.storage.files import aside
 
 ROOT = Path(__file__).parents[3]
@@ -195,9 +196,6 @@ def test_killed_while_writing(tmp_path: Path) -> None:
                 assert Cache(tmp_path).get(name) is not None, "a killed process left a broken entry"
 
 
-VERSIONS = {"cadquery": "2.8.0"}
-
-
 @dataclass(frozen=True)
 class Disc:
     radius_mm: float
@@ -213,18 +211,16 @@ class Ring:
 def test_anything_that_changes_changes_the_key() -> None:
     disc = Disc(3.0, (0.1, 0.2))
     cases = [
-        ("part", disc, "s", VERSIONS),
-        ("mesh", disc, "s", VERSIONS),
-        ("part", replace(disc, radius_mm=math.nextafter(3.0, 4.0)), "s", VERSIONS),
-        ("part", replace(disc, holes=(0.2, 0.1)), "s", VERSIONS),
-        ("part", Ring(3.0, (0.1, 0.2)), "s", VERSIONS),
-        ("part", disc, "t", VERSIONS),
-        ("part", disc, "s", {"cadquery": "2.8.1"}),
-        ("part", {1: "a"}, "s", VERSIONS),
-        ("part", {"1": "a"}, "s", VERSIONS),
-        ("part", [None], "s", VERSIONS),
-        ("part", [False], "s", VERSIONS),
-        ("part", [0], "s", VERSIONS),
+        ("part", disc),
+        ("mesh", disc),
+        ("part", replace(disc, radius_mm=math.nextafter(3.0, 4.0))),
+        ("part", replace(disc, holes=(0.2, 0.1))),
+        ("part", Ring(3.0, (0.1, 0.2))),
+        ("part", {1: "a"}),
+        ("part", {"1": "a"}),
+        ("part", [None]),
+        ("part", [False]),
+        ("part", [0]),
     ]
     keys = [content_key(*case) for case in cases]
     assert len(set(keys)) == len(cases)
@@ -251,83 +247,55 @@ def test_what_has_no_lasting_text_is_refused() -> None:
 
 
 def test_key_is_the_same_in_another_process() -> None:
-    code = "from mbcdm_cad.storage.cache import content_key; print(content_key('part', {'b': 1, 'a': [0.1]}, 's', {}))"
+    code = "from mbcdm_cad.storage.cache import content_key; print(content_key('part', {'b': 1, 'a': [0.1]}))"
     root = Path(__file__).parents[3]
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=root)
-    assert done.stdout.strip() == content_key("part", {"a": [0.1], "b": 1}, "s", {})
+    assert done.stdout.strip() == content_key("part", {"a": [0.1], "b": 1})
+
+
+def fresh_key(module: str = "mbcdm_cad") -> str:
+    cache.code_hash.cache_clear()
+    return content_key("part", [0.1], module)
 
 
 @pytest.fixture
-def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    """A package with every form of import; ``aside`` is imported by nobody."""
-    files = {
-        "__init__.py": "",
-        "drum.py": "import os\nfrom mbcdm_cad.shapes import disc\ndef f():\n    from . import late\n",
-        "late.py": "",
-        "aside.py": "",
-        "shapes/__init__.py": "from .rounds import disc",
-        "shapes/rounds.py": "from ..numbers import (\n    tables,\n)",
-        "numbers/tables.py": "import mbcdm_cad.deep.down\nfrom mbcdm_cad import nowhere",
-        "deep/down.py": "",
-    }
-    for name, text in files.items():
-        (tmp_path / name).parent.mkdir(exist_ok=True)
-        (tmp_path / name).write_text(text)
-    monkeypatch.setattr(cache, "_ROOT", tmp_path)
-    yield tmp_path
-    _forget()
+def program(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """A program of two files in the place of the package."""
+    root = tmp_path / "program"
+    (root / "deep").mkdir(parents=True)
+    (root / "deep" / "down.py").write_text("WIDTH = 1.0\n")
+    (root / "ropes.yaml").write_text("a: 1\n")
+    monkeypatch.setattr(cache, "_ROOT", root)
+    yield root
+    cache.code_hash.cache_clear()
 
 
-def _forget() -> None:
-    for cached in (cache.source_hash, cache._imports, cache._path):
-        cached.cache_clear()
+@pytest.mark.parametrize("changed", ["deep/down.py", "ropes.yaml"])
+def test_a_key_changes_with_every_file_of_the_program(program: Path, changed: str) -> None:
+    before = fresh_key()
+    assert fresh_key() == before
+    with (program / changed).open("a") as stream:
+        stream.write("# another\n")
+    assert fresh_key() != before, changed
 
 
-def fresh_hash(*modules: str) -> str:
-    _forget()
-    return source_hash(*modules)
+def test_a_key_changes_with_the_libraries(monkeypatch: pytest.MonkeyPatch) -> None:
+    before = content_key("part", [0.1])
+    monkeypatch.setattr(cache, "versions", lambda: files.versions() | {"cadquery": "0.0.1"})
+    assert content_key("part", [0.1]) != before
 
 
-@pytest.mark.parametrize(
-    ("changed", "matters"),
-    [
-        ("__init__.py", True),
-        ("drum.py", True),
-        ("late.py", True),
-        ("shapes/__init__.py", True),
-        ("shapes/rounds.py", True),
-        ("numbers/tables.py", True),
-        ("deep/down.py", True),
-        ("aside.py", False),
-    ],
-)
-def test_only_what_is_imported_matters(package: Path, changed: str, matters: bool) -> None:
-    before = fresh_hash("mbcdm_cad.drum")
-    assert fresh_hash("mbcdm_cad.drum") == before
-    with (package / changed).open("a") as stream:
-        stream.write("\n# another\n")
-    assert (fresh_hash("mbcdm_cad.drum") != before) == matters, changed
-
-
-def test_unknown_module_is_refused() -> None:
-    assert len(source_hash("mbcdm_cad.storage.cache")) == 64
-    for name in ("mbcdm_cad.no_such_part", "no_such_package", "no_such_package.part"):
-        with pytest.raises(ValueError, match="no module"):
-            source_hash(name)
-
-
-def test_a_module_of_another_package_counts_with_those_of_its_folder(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+def test_code_of_a_layout_from_elsewhere_counts_with_its_folder(
+    program: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     folder = tmp_path / "elsewhere"
     folder.mkdir()
-    (folder / "__init__.py").write_text("")
     (folder / "sizes.py").write_text("WIDTH = 1.0\n")
-    (folder / "other.py").write_text("")
-    (folder / "draw.py").write_text("import json\nfrom elsewhere.sizes import WIDTH\n")
-    monkeypatch.syspath_prepend(str(tmp_path))
-    before = fresh_hash("elsewhere.draw")
-    (folder / "other.py").write_text("# not imported\n")
-    assert fresh_hash("elsewhere.draw") == before
+    module = ModuleType("elsewhere.draw")
+    module.__file__ = str(folder / "draw.py")
+    monkeypatch.setitem(sys.modules, "elsewhere.draw", module)
+    before, own = fresh_key("elsewhere.draw"), fresh_key()
+    assert before != own
     (folder / "sizes.py").write_text("WIDTH = 2.0\n")
-    assert fresh_hash("elsewhere.draw") != before
+    assert fresh_key("elsewhere.draw") != before
+    assert fresh_key() == own

@@ -34,7 +34,7 @@ def look(
     dims: BevelLayout, bodies: dict[str, PartShape], cache: Cache, jobs: int = 1
 ) -> tuple[tuple[Clash, ...], list[str]]:
     """Result of a run that may use and fills the cache, and the keys of the tests it had to make."""
-    run, stored = run_of(dims, bodies, POSES), KnownTests(cache, "source")
+    run, stored = run_of(dims, bodies, POSES), KnownTests(cache)
     missing = run.missing(stored)
     found = answers(run, stored, jobs)
     stored.add({key: found[key] for key in missing}, run.tests)
@@ -82,7 +82,7 @@ def test_only_pairs_of_the_edited_part_are_tested_again(
     cache = Cache(tmp_path)
     _, all_tests = look(dims, bodies, cache)
     run = run_of(dims, {**bodies, "nut": edited(solids, "nut", (0.0, 0.0, 0.01))}, POSES)
-    missing = run.missing(KnownTests(cache, "source"))
+    missing = run.missing(KnownTests(cache))
     assert 0 < len(missing) < len(all_tests) / 2, f"{len(missing)} of {len(all_tests)}"
     for key in missing:
         test = run.tests[key]
@@ -110,20 +110,20 @@ def test_a_long_used_store_is_pruned_of_what_was_not_used_longest(
     cache = Cache(tmp_path)
     a, b, c, d = (f"{k:032x}" for k in range(4))
     hit = [(0, 1, 0.5, 1.0, 2.0, 3.0)]
-    KnownTests(cache, "source").add({a: [], b: hit, c: []}, [a, b, c])
-    again = KnownTests(cache, "source")
+    KnownTests(cache).add({a: [], b: hit, c: []}, [a, b, c])
+    again = KnownTests(cache)
     again.add({d: []}, [a, d])
-    kept = KnownTests(cache, "source")
+    kept = KnownTests(cache)
     assert set(kept) == {c, a, d}, "b was used longest ago"
-    KnownTests(cache, "source").add({b: hit}, [b, c])
-    kept = KnownTests(cache, "source")
+    KnownTests(cache).add({b: hit}, [b, c])
+    kept = KnownTests(cache)
     assert set(kept) == {b, c, d} and [tuple(row) for row in kept[b]] == hit
 
 
 def test_answers_of_two_runs_at_once_are_both_kept(tmp_path: Path) -> None:
     cache = Cache(tmp_path)
-    one, other = KnownTests(cache, "source"), KnownTests(cache, "source")
+    one, other = KnownTests(cache), KnownTests(cache)
     one.add({"0" * 32: []}, ["0" * 32])
     other.add({"1" * 32: []}, ["1" * 32])
-    assert len(KnownTests(cache, "source")) == 2
+    assert len(KnownTests(cache)) == 2
     assert sum(1 for path in tmp_path.rglob("*") if path.is_file()) == 1, "one entry for all answers"
