@@ -13,13 +13,14 @@ is made smaller between two rows, no row has this extreme, and the friction of t
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.measurement.run import Run, VettingNote, gravest_first
-from mbcdm_cad.measurement.vet_columns import column_findings
+from mbcdm_cad.measurement.run import Run, VettingNote, doubt, fact, refused
+from mbcdm_cad.measurement.vet_columns import REVERSED_LOAD, column_findings
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
 
@@ -138,46 +139,43 @@ def written_step(values: Floats) -> float:
     return step if step > 10.0 * least else 0.0
 
 
-def readings_findings(run: Run, ratio: float, travel_rad: float | None, d: DriveSI | None) -> list[VettingNote]:
+def readings_findings(run: Run, ratio: float, travel_rad: float | None, d: DriveSI | None) -> Iterator[VettingNote]:
     """Refusals and doubts about the columns of a table by hand, and what it can show."""
     path, moves = path_of(run), inputs_move(run)
-    found = column_findings(run, ratio, travel_rad, d) if moves else _against_the_load(run)
+    yield from column_findings(run, ratio, travel_rad, d) if moves else _against_the_load(run)
     half_cycles = path.read.size - 1
     what = "inputs" if moves else "load, with the inputs at rest"
     text = f"a table of {run.time_s.size} turning points of the {what}: {half_cycles} half cycles"
-    if path.along:
-        text = f"a table of {run.time_s.size} readings along the way of the {what}"
-    found.append(VettingNote("turning_points", "fact", text))
+    yield fact(
+        "turning_points", f"a table of {run.time_s.size} readings along the way of the {what}" if path.along else text
+    )
     if path.along and np.unique(path.sense[path.sense != 0.0]).size < 2:
         text = "all rows go one way: none is a turning point, and a gauge that drifts looks like what is to be found"
-        found.append(VettingNote("one_way", "refused", text, "read to both sides, or back again", ("kind",)))
+        yield refused("one_way", text, "read to both sides, or back again", "kind")
     if not path.read.all():
         rows = ", ".join(str(int(k)) for k in np.cumsum(path.read)[~path.read])
         text = (
             f"{int((~path.read).sum())} half cycle(s) missing, after row {rows}: two rows in one sense; the missing "
             "turning point is taken where its neighbours are"
         )
-        found.append(VettingNote("half_cycle_missing", "fact", text, "write a row for each turning point"))
+        yield fact("half_cycle_missing", text, "write a row for each turning point")
     if half_cycles < FEWEST_HALF_CYCLES:
         count = f"{half_cycles} {'steps' if path.along else 'half cycles'}"
         text = f"{count}: none repeats often enough to tell an effect from a misreading"
-        found.append(VettingNote("few_turning_points", "doubt", text, f"read {FEWEST_HALF_CYCLES} or more"))
+        yield doubt("few_turning_points", text, f"read {FEWEST_HALF_CYCLES} or more")
     if run.load_Nm is None:
         text = "no load: lost motion and ratio can be found; stiffness, preload and friction of the cables cannot"
-        found.append(VettingNote("no_load", "fact", text, "write the load under which each row was read"))
+        yield fact("no_load", text, "write the load under which each row was read")
     elif not np.ptp(np.abs(run.load_Nm)) > SAME_SIDE * np.abs(run.load_Nm).max():
         text = "all loads are of one size: a play and a stiffness look alike"
-        found.append(VettingNote("one_load", "fact", text, "read half of the cycles under half of the load"))
-    return gravest_first(found)
+        yield fact("one_load", text, "read half of the cycles under half of the load")
 
 
-def _against_the_load(run: Run) -> list[VettingNote]:
+def _against_the_load(run: Run) -> Iterator[VettingNote]:
     """A finding for an output at fixed inputs that moves against its load."""
-    if run.load_Nm is None or np.corrcoef(run.output_rad, run.load_Nm)[0, 1] < 0.7:
-        return []
-    text = "load_torque has the wrong sign: with the inputs at rest the output moves against the load"
-    remedy = "set scale: -1 on load_torque (it is positive where it opposes positive rotation)"
-    return [VettingNote("reversed_load", "refused", text, remedy, ("columns", "load_torque"))]
+    if run.load_Nm is not None and not np.corrcoef(run.output_rad, run.load_Nm)[0, 1] < 0.7:
+        text = "load_torque has the wrong sign: with the inputs at rest the output moves against the load"
+        yield refused("reversed_load", text, REVERSED_LOAD, "columns", "load_torque")
 
 
 # Steps of the load from this share of its largest size on begin a new course of creep.
@@ -211,7 +209,7 @@ def since_loading(run: Run) -> Floats:
     return np.asarray(run.time_s - times[np.maximum(np.searchsorted(times, run.time_s, side="left") - 1, 0)])
 
 
-def creep_findings(run: Run) -> list[VettingNote]:
+def creep_findings(run: Run) -> Iterator[VettingNote]:
     """What readings at rest can show."""
     steps, since = loadings(run), since_loading(run)
     loaded = run.load_Nm is not None and bool(run.load_Nm.any())
@@ -225,22 +223,16 @@ def creep_findings(run: Run) -> list[VettingNote]:
     decades = float(np.log10(last / first))
     size = f" under {', '.join(f'{v:.3g}' for v in np.cumsum([s for _, s in steps]))} N m" if loaded else ""
     span = f"{first:.3g} s to {last:.3g} s after {'a change of the load' if loaded else 'the beginning'}"
-    found = [VettingNote("creep", "fact", f"readings at rest{size}, {span}: {decades:.2g} decades")]
+    yield fact("creep", f"readings at rest{size}, {span}: {decades:.2g} decades")
     if decades < FEWEST_DECADES:
         text = f"{span}: {decades:.2g} of the {FEWEST_DECADES:.0f} decades of time that a law of creep needs"
-        remedy = "read sooner after loading, and go on for longer"
-        found.append(VettingNote("few_decades", "refused", text, remedy, ("columns", "time")))
+        yield refused("few_decades", text, "read sooner after loading, and go on for longer", "columns", "time")
     if loaded and len(steps) < 2:
-        text = "the load stays on: a creep that ends and a warming look alike"
-        found.append(
-            VettingNote(
-                "no_recovery", "fact", text, "take the load off and go on reading: creep goes back, drift does not"
-            )
-        )
+        remedy = "take the load off and go on reading: creep goes back, drift does not"
+        yield fact("no_recovery", "the load stays on: a creep that ends and a warming look alike", remedy)
     if run.temperature_C is None:
         text = "no temperature: warming is found from its course over time alone"
-        found.append(VettingNote("no_temperature", "fact", text, "write the temperature beside each reading"))
+        yield fact("no_temperature", text, "write the temperature beside each reading")
     if not loaded:
         text = "no load: a creep has no size for each newton metre, and a drift of the sensor looks like one"
-        found.append(VettingNote("no_load", "doubt", text, "write the load under which each row was read"))
-    return gravest_first(found)
+        yield doubt("no_load", text, "write the load under which each row was read")

@@ -19,6 +19,7 @@ from mbcdm_cad.errors import InputError, Problem
 from mbcdm_cad.measurement.binarylog import opened
 from mbcdm_cad.measurement.datafile import Channel, clock_s, read_channels, read_table
 from mbcdm_cad.measurement.file import file_of
+from mbcdm_cad.measurement.kinds import FEWEST_SAMPLES
 from mbcdm_cad.measurement.logformat import (
     ANGLE,
     DECIBEL,
@@ -36,7 +37,7 @@ from mbcdm_cad.measurement.logformat import (
     find_format,
     title_lines,
 )
-from mbcdm_cad.measurement.reading import FEWEST_SAMPLES, FULL_SENSE, read_run
+from mbcdm_cad.measurement.reading import FULL_SENSE, read_run
 from mbcdm_cad.measurement.roles import (
     COUNTS_SOLD,
     MET,

@@ -5,204 +5,23 @@ from __future__ import annotations
 import hashlib
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from mbcdm_cad.design.fieldpath import FieldPath
-from mbcdm_cad.errors import InputError, Problem, did_you_mean, shortened
+from mbcdm_cad.errors import InputError, did_you_mean, shortened
 from mbcdm_cad.measurement.binarylog import is_bag, opened
-from mbcdm_cad.measurement.by_hand import inputs_move
-from mbcdm_cad.measurement.datafile import DECIMALS, MOST_BROKEN, Channel, DataTable, read_channels, read_table
-from mbcdm_cad.measurement.file import Broken, MeasurementFile, load_file
+from mbcdm_cad.measurement.datafile import DECIMALS, Channel, DataTable, read_channels, read_table
+from mbcdm_cad.measurement.file import MeasurementFile, load_file
+from mbcdm_cad.measurement.kinds import KINDS, Rows, kind_of
 from mbcdm_cad.measurement.loads import pendulum_load_Nm
 from mbcdm_cad.measurement.logformat import DECIBEL, ISO_CLOCK, Format, Unit, find_format, line_with, unit_of
-from mbcdm_cad.measurement.response import FEWEST_AVERAGES
 from mbcdm_cad.measurement.run import KNOWN_LOAD, ResponseTable, Run, Sensors, StatedMotors, TorqueClass
-from mbcdm_cad.measurement.schema import (
-    BY_HAND,
-    CREEP,
-    CURRENT,
-    FREQUENCY_RESPONSE,
-    NO_PLATE,
-    TURNING_POINTS,
-    Column,
-    ResponseBlock,
-    SensorFigures,
-)
+from mbcdm_cad.measurement.schema import CURRENT, NO_PLATE, Column, ResponseBlock, SensorFigures
 from mbcdm_cad.routes import Floats
-
-# Fewer samples than this cannot contain the sweeps that any statement needs.
-FEWEST_SAMPLES = 100
-# Fewest rows of a table by hand, and the share of its rows in which a figure may be missing.
-FEWEST_ROWS, MOST_MISSING = 6, 0.34
-# An output that turns by fewer than this many steps, or by less than this angle if the step is unknown, stands still.
-FEWEST_STEPS = 20
-LEAST_TRAVEL_RAD = 1e-6
-# A shaft that turns by this much has moved, even if the declared step of its encoder is larger.
-MOTION_RAD = 0.01
-# Steps in time that run backwards, as a share of all, from which the column is hardly the time.
-MOST_BACK = 0.05
-# A figure that lies beyond the others by this many times their span is wrong, if at most so many rows are like it.
-SPIKE_SPANS = 3.0
-LONGEST_SPIKE = 5
-# Largest share of the rows that a device which was not ready yet may fill.
-LONGEST_STARTUP = 0.2
-
-
-def refuse_unusable(file: MeasurementFile, run: Run, table: DataTable, data: Path) -> None:
-    """Refuse a run with too few samples, impossible figures, time that runs backwards, outliers or without motion.
-
-    Raises InputError, with the line of the data if the problem has one.
-    """
-    count = run.time_s.size
-    if run.table is not None:
-        problems, rows = file.problems(_wrong_table(run.table)), np.unique(run.table.frequency_Hz).size
-        if rows < FEWEST_AVERAGES:
-            what = "too few rows of different frequencies"
-            remedy = "measure at more frequencies, most of them around the first mode"
-            problems.insert(0, Problem(str(data), 1, "", what, str(rows), f"{FEWEST_AVERAGES}", remedy))
-        if problems:
-            raise InputError(problems)
-        return
-    by_hand = run.kind in BY_HAND
-    fewest = FEWEST_ROWS if by_hand else FEWEST_SAMPLES
-    if count < fewest:
-        remedy = "record a few sweeps of the drive; check comment, skip_rows and broken_rows"
-        if by_hand:
-            remedy = "go on measuring; check comment and skip_rows"
-        elif count >= FEWEST_ROWS:
-            remedy += f"; of a table by hand, a row for each turning point, say kind: {TURNING_POINTS}"
-            remedy += f", of readings at rest kind: {CREEP}"
-        raise InputError([Problem(str(data), 1, "", "too few samples", str(count), f"{fewest}", remedy)])
-    if not np.isfinite(table.values).all() or float(np.abs(table.values).max()) > 1e12:
-        remedy = "check unit, scale and counts_per_turn of every column"
-        raise InputError([file.problem(("columns",), "figures out of all bounds", limit="1e12 in SI", remedy=remedy)])
-    back = np.flatnonzero(np.diff(run.time_s) <= 0.0)
-    if back.size:
-        row = int(back[0]) + 1
-        step = float(run.time_s[row] - run.time_s[row - 1])
-        what = "time runs backwards" if step < 0.0 else "time stands still"
-        seconds = np.diff(run.time_s)[back]
-        every_second = back.size > 1 and bool(np.all(np.abs(seconds + 1.0) < 0.5))
-        remedy = (
-            "it begins again every second: set wraps_at on columns.time, 1000000 for microseconds; another column has "
-            "the seconds"
-            if every_second
-            else "sort the rows, or cut the file where a new run begins"
-            if step < 0.0
-            else "log the time with more digits, or set broken_rows: skip, which leaves out rows that repeat the time"
-        )
-        if back.size > MOST_BACK * count and not every_second:
-            remedy = f"so do {back.size} of {count} steps: is this column the time? Correct columns.time, or {remedy}"
-        raise InputError([Problem(str(data), table.line_of(row), "", what, f"step {step:.6g} s", "over 0", remedy)])
-    if by_hand or run.kind == FREQUENCY_RESPONSE:  # a resonance is far from all else, and few steps of an encoder do
-        problems = file.problems(_nothing_read(run))
-    else:
-        problems = _startup(run, table, data) or _far_off(file, run, table, data) or _not_moved(file, run)
-    if problems:
-        raise InputError(problems)
-
-
-def _wrong_table(table: ResponseTable) -> Iterator[Broken]:
-    """Impossible figures of an analyser's table."""
-    if not np.all(np.isfinite(table.value)) or not np.all(np.abs(table.value) > 0.0):
-        remedy = "set unit: dB if the figures are decibels, and leave rows without a figure out"
-        yield ("columns", "gain"), "no gain: zero, below zero or out of all bounds", remedy
-    if not np.all(table.frequency_Hz > 0.0):
-        yield ("columns", "frequency"), "not above zero", "leave that row out"
-    if table.coherence is not None and not np.all((table.coherence >= 0.0) & (table.coherence <= 1.001)):
-        remedy = "set unit: '%' if the figures are percent, or leave it out"
-        yield ("columns", "coherence"), "not between 0 and 1", remedy
-    if table.amplitude is not None and not np.all(table.amplitude > 0.0):
-        yield ("columns", "amplitude"), "not above zero", "check column and unit"
-
-
-def _angles(run: Run) -> list[tuple[str, Floats]]:
-    """Name and angle of each shaft that an encoder reads."""
-    names = [f"input {name}".removesuffix(" input") for name in run.input_names]
-    return [*zip(names, run.input_rad, strict=True), ("output", run.output_rad)]
-
-
-def _startup(run: Run, table: DataTable, data: Path) -> list[Problem]:
-    """Problems for a block of one figure at the start that is far from all others: a device that was not ready."""
-    problems = []
-    for name, values in _angles(run):
-        changed = np.flatnonzero(values != values[0])
-        count = int(changed[0]) if changed.size else values.size
-        rest = values[count:]
-        if count == values.size or count > LONGEST_STARTUP * values.size:
-            continue
-        # A drive that rests first leaves its place step by step; this one jumps.
-        if abs(float(rest[0] - values[0])) <= SPIKE_SPANS * float(np.ptp(rest)):
-            continue
-        first, last = table.line_of(0), table.line_of(count - 1)
-        what = f"lines {first} to {last} hold one figure of the {name}, far from all others"
-        figure, limit = f"{values[0]:.6g} in SI", f"others {rest.min():.4g} to {rest.max():.4g}"
-        remedy = "remove these lines: the device was not ready yet"
-        problems.append(Problem(str(data), first, "", what, figure, limit, remedy))
-    return problems
-
-
-def _far_off(file: MeasurementFile, run: Run, table: DataTable, data: Path) -> list[Problem]:
-    """Problems for single figures far from all others, as from a short failure of a sensor or a bus."""
-    problems = []
-    for name, values in _angles(run) + ([] if run.load_Nm is None else [("load torque", run.load_Nm)]):
-        low, high = (float(v) for v in np.percentile(values, (1.0, 99.0)))
-        # An angle may be far from zero; the span of a constant load is only that of its noise.
-        reach = SPIKE_SPANS * (max(high - low, abs(low), abs(high)) if name == "load torque" else high - low)
-        off = (values < low - reach) | (values > high + reach)
-        rows = np.flatnonzero(off)
-        # A drive that rests most of the time and then moves has many such figures, which is not a fault.
-        lasting = np.any(np.convolve(off, np.ones(LONGEST_SPIKE + 1), "valid") > LONGEST_SPIKE)
-        if high == low or rows.size == 0 or lasting:
-            continue
-        what = f"{rows.size} figure(s) of the {name} far from all others, the first here"
-        value, limit = f"{values[rows[0]]:.6g} in SI", f"others {low:.4g} to {high:.4g}"
-        remedy = "remove or correct these rows"
-        problems.append(Problem(str(data), table.line_of(int(rows[0])), "", what, value, limit, remedy))
-    return problems
-
-
-def _nothing_read(run: Run) -> Iterator[Broken]:
-    """A table by hand in which the output, or all that moves it, has one figure."""
-    if not np.ptp(run.output_rad):
-        yield ("columns", "output"), "one figure in all rows", "read it to more digits, or check column and unit"
-    if run.kind == FREQUENCY_RESPONSE and not np.ptp(run.input_rad, axis=1).any():
-        yield ("columns",), "no input moves", "let the drive's own motors excite it, and log the angle of each input"
-    if run.kind == TURNING_POINTS and not inputs_move(run):
-        if run.load_Nm is None:
-            remedy = "give the inputs' angles, or the load under which each row was read"
-            yield ("columns",), "neither an input nor a load that changes", remedy
-        elif not np.ptp(run.load_Nm):
-            remedy = "read the output under other loads, or at other angles of the inputs"
-            yield ("columns", "load_torque"), "one figure in all rows", remedy
-
-
-def _not_moved(file: MeasurementFile, run: Run) -> list[Problem]:
-    """Problems for shafts that stand still, or turn by few of the declared steps of their encoders."""
-    problems, shafts, travels = [], _angles(run), list[float]()
-    for name, values in shafts:
-        resolution = f"{name.split()[0]}_resolution_rad"
-        least = max(FEWEST_STEPS * (getattr(run.sensors, resolution) or 0.0), LEAST_TRAVEL_RAD)
-        if (travel := float(np.ptp(values))) >= least:
-            continue
-        travels.append(travel)
-        where: FieldPath = ("columns", name.replace(" ", "_", 1))
-        what = f"no motion of the {name}"
-        remedy = "check that its encoder is driven and connected, and column, unit and scale"
-        if getattr(file.content.sensors, resolution) and travel > MOTION_RAD:
-            where, what = ("sensors", resolution), f"the {name} turns by fewer than {FEWEST_STEPS} such steps"
-            remedy = "check this figure, one step of the encoder in rad, or move farther"
-        problems.append(file.problem(where, what, f"{travel:.3g} rad", f"{least:.3g} rad", remedy=remedy))
-    if len(travels) == len(shafts) and not any(problem.field.startswith("sensors") for problem in problems):
-        remedy = "move the drive while logging; if it did move, check columns, units and scales"
-        what = "no motion: the drive was never moved"
-        return [file.problem(("columns",), what, f"{max(travels):.3g} rad at most", remedy=remedy)]
-    return problems
-
 
 # A step of more than this share of the range may be one back as well as one forward, with some room for noise.
 FULL_SENSE = 0.4
@@ -246,9 +65,9 @@ def read_run(file: MeasurementFile) -> Reading:
         elif content.rows == "own_times" or content.channel_column is not None:
             table = _of_channels(file, layout, data, indices, clock is not None)
         else:
-            by_hand = content.kind in BY_HAND
-            skip, most = by_hand or content.broken_rows == "skip", MOST_MISSING if by_hand else MOST_BROKEN
-            table = read_table(data, layout, indices, skip, clock, most)
+            kind = KINDS[content.kind]
+            skip = kind.by_hand or content.broken_rows == "skip"
+            table = read_table(data, layout, indices, skip, clock, kind.most_broken)
         repeated = 0
         if content.broken_rows == "skip":
             # A logger that is faster than its device writes each sample several times.
@@ -270,7 +89,7 @@ def read_run(file: MeasurementFile) -> Reading:
         for (quantity, column), row in zip(asked.items(), table.values, strict=True)
     ]
     run = _in_si(file, asked, table, data.name, sha256)
-    refuse_unusable(file, run, table, data)
+    kind_of(run).refuse_unusable(Rows(file, run, table, data))
     notes = _notes_on_columns(file.asked, layout, indices, data)
     if repeated:
         notes.append(f"{repeated} rows of {data.name} repeat the time of the row before: left out")

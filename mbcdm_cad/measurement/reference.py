@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 from mbcdm_cad.design.describe import Node, flow, limit_text
 from mbcdm_cad.measurement.datafile import MOST_BROKEN
+from mbcdm_cad.measurement.kinds import FEWEST_SAMPLES, FEWEST_STEPS
 from mbcdm_cad.measurement.logformat import known_units
-from mbcdm_cad.measurement.reading import FEWEST_SAMPLES, FEWEST_STEPS
 from mbcdm_cad.measurement.schema import json_schema
 
 _INTRO = f"""\

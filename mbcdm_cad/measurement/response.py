@@ -7,7 +7,7 @@ the cross-spectra with it (instrumental variable), to which noise of the input d
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from itertools import permutations
 from typing import Any
@@ -18,7 +18,7 @@ from scipy.ndimage import median_filter, uniform_filter1d
 from scipy.signal import detrend, stft
 from scipy.signal.windows import tukey
 
-from mbcdm_cad.measurement.run import ResponseTable, Run, VettingNote, gravest_first
+from mbcdm_cad.measurement.run import ResponseTable, Run, VettingNote, doubt, fact, refused
 from mbcdm_cad.routes import Complex, Floats
 
 # Lines of the spectrum in each average, and averages over which the scatter of the response is smoothed.
@@ -209,30 +209,32 @@ def _acceleration(frequency: Floats, kept: NDArray[np.bool_], spectrum: Complex,
 
 # Rows of a table at its lowest frequencies that say what its gain is over, and how near a factor must be.
 LOWEST, NEAR = 5, 1.25
+NO_TORQUE = "no torque: an inertia and a stiffness that are wrong look alike"
 
 
-def _table_findings(table: ResponseTable, ratio: float, gearhead: float | None) -> list[VettingNote]:
+def table_findings(table: ResponseTable, ratio: float, gearhead: float | None) -> Iterator[VettingNote]:
     """What an analyser's table can show, and whether its gain and phase begin as they must."""
     seen = _of_table(table, ratio)
     f, n = seen.frequency_Hz, seen.frequency_Hz.size
     if n < FEWEST_AVERAGES:
         text = f"coherence above {LEAST_COHERENCE:g} in {n} rows, {FEWEST_AVERAGES} are needed"
         remedy = "excite the drive harder, or let the analyser average longer"
-        return [VettingNote("coherence", "refused", text, remedy, ("columns", "coherence"))]
+        yield refused("coherence", text, remedy, "columns", "coherence")
+        return
     what = "a torque on it, inputs held" if seen.over_torque else "the inputs"
     scatter = float(np.median(seen.output.sigma / np.abs(seen.output.value)))
     text = (
         f"frequency response of a table, output over {what}, {f[0]:.3g} to {f[-1]:.4g} Hz in {n} rows, which scatter "
         f"by {100.0 * scatter:.2g} % about their neighbours"
     )
-    found = [VettingNote("frequency_response", "fact", text)]
+    yield fact("frequency_response", text)
     begin = complex(np.mean(seen.output.value[:LOWEST]))
     gain, turns = abs(begin), ratio if table.turns is None else table.turns
     if begin.real < 0.0:
         text = (
             f"phase of {np.degrees(np.angle(begin)):.3g} deg at the lowest frequencies: output and {what} are opposed"
         )
-        found.append(VettingNote("reversed_gain", "refused", text, "set zero: 180 on phase", ("columns", "phase")))
+        yield refused("reversed_gain", text, "set zero: 180 on phase", "columns", "phase")
     if not seen.over_torque and not 1.0 / NEAR < gain < NEAR:
         likely = {"angles of the output": 1.0, "the inputs' encoders": ratio}
         likely |= {} if gearhead is None else {"encoders on the motors": ratio * gearhead}
@@ -241,30 +243,26 @@ def _table_findings(table: ResponseTable, ratio: float, gearhead: float | None) 
         remedy = "measure from well below the first mode; check the unit of gain, and response.over and turns"
         for word, one in near.items():
             text, remedy = f"{text}: it is over {word}", f"set response.turns: {one:.6g}"
-        found.append(VettingNote("gain", "refused" if near else "doubt", text, remedy, ("response", "turns")))
+        yield (refused if near else doubt)("gain", text, remedy, "response", "turns")
     if table.coherence is None:
-        found.append(VettingNote("no_coherence", "fact", "no coherence: its noise is the scatter of the rows alone"))
+        yield fact("no_coherence", "no coherence: its noise is the scatter of the rows alone")
     if not seen.levelled:
         text = "no amplitude: that the wraps slip the more the larger it is may look like a soft rope"
-        remedy = "give response.amplitude_Nm" if seen.over_torque else "give response.amplitude_rad"
-        found.append(VettingNote("no_amplitude", "doubt", text, remedy, ("response",)))
+        amplitude = "amplitude_Nm" if seen.over_torque else "amplitude_rad"
+        yield doubt("no_amplitude", text, f"give response.{amplitude}", "response")
     if not seen.over_torque:
-        text = "no torque: an inertia and a stiffness that are wrong look alike"
-        remedy = "give a table over a torque on the output with the inputs held beside it"
-        found.append(VettingNote("no_torque", "fact", text, remedy))
-    return gravest_first(found)
+        yield fact("no_torque", NO_TORQUE, "give a table over a torque on the output with the inputs held beside it")
 
 
-def response_findings(run: Run, ratio: float, gearhead: float | None = None) -> list[VettingNote]:
-    """What a frequency response can show, and what makes it doubtful; ``gearhead``: its ratio, if it is known."""
-    if run.table is not None:
-        return _table_findings(run.table, ratio, gearhead)
-    found, seen = list[VettingNote](), response_of(run, ratio)
+def response_findings(run: Run, ratio: float) -> Iterator[VettingNote]:
+    """What a log of a frequency response can show, and what makes it doubtful."""
+    seen = response_of(run, ratio)
     f, n = seen.frequency_Hz, seen.frequency_Hz.size
     if n < FEWEST_AVERAGES:
         text = f"coherence of inputs and output above {LEAST_COHERENCE:g} in {n} averages of {AVERAGED} lines"
         remedy = "excite the drive longer or harder, log faster, and check that the columns belong together"
-        return [VettingNote("coherence", "refused", f"{text}, {FEWEST_AVERAGES} are needed", remedy, ("columns",))]
+        yield refused("coherence", f"{text}, {FEWEST_AVERAGES} are needed", remedy, "columns")
+        return
     width = AVERAGED / (run.step_s * run.time_s.size)
     by = "of the inputs (H1)" if run.excitation is None else "of the cross-spectra with the excitation"
     good = float(np.mean(seen.output.coherence > GOOD_COHERENCE))
@@ -272,24 +270,20 @@ def response_findings(run: Run, ratio: float, gearhead: float | None = None) -> 
         f"frequency response {by}, {f[0]:.3g} to {f[-1]:.4g} Hz in {n} averages of {width:.2g} Hz, coherence above "
         f"{GOOD_COHERENCE:g} in {good:.0%} of them"
     )
-    found.append(VettingNote("frequency_response", "fact", text))
+    yield fact("frequency_response", text)
     if _uneven(run):
         steps = np.diff(run.time_s)
         text = f"time steps of {1e3 * steps.min():.3g} to {1e3 * steps.max():.3g} ms, interpolated"
-        found.append(VettingNote("uneven_steps", "doubt", f"{text}: high frequencies suffer", "log at an even rate"))
+        yield doubt("uneven_steps", f"{text}: high frequencies suffer", "log at an even rate")
     step = run.sensors.input_resolution_rad
     if run.excitation is None and step:
         counts = (step / ratio) ** 2 / 12.0 / run.input_rad.shape[0]
         bias = float(np.quantile(counts / seen.input_power_rad2, 0.9))
         if bias > DOUBTFUL_BIAS:
             text = f"counts of the inputs may lower the gain by {min(bias, 1.0):.0%}, as no excitation was logged"
-            found.append(VettingNote("input_counts", "doubt", text, "log the command as excitation, or excite harder"))
+            yield doubt("input_counts", text, "log the command as excitation, or excite harder")
     if run.load_Nm is not None and seen.twist is None:
         text = f"coherence of the torque below {LEAST_COHERENCE:g} in most averages: it is not used"
-        found.append(
-            VettingNote("torque_coherence", "doubt", text, "check its column, filter it less, or excite harder")
-        )
+        yield doubt("torque_coherence", text, "check its column, filter it less, or excite harder")
     if run.load_Nm is None:
-        text = "no torque: an inertia and a stiffness that are wrong look alike"
-        found.append(VettingNote("no_torque", "fact", text, "log the torque between drum and what it turns"))
-    return gravest_first(found)
+        yield fact("no_torque", NO_TORQUE, "log the torque between drum and what it turns")

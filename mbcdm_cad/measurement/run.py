@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from dataclasses import field as with_default
 from functools import cached_property
@@ -215,7 +215,22 @@ class VettingNote:
         return self.text + (f"; {self.remedy}" if self.remedy else "")
 
 
-def gravest_first(findings: Sequence[VettingNote]) -> list[VettingNote]:
+def refused(kind: str, text: str, remedy: str = "", *field: str | int) -> VettingNote:
+    """A note because of which the run cannot be judged."""
+    return VettingNote(kind, "refused", text, remedy, field)
+
+
+def doubt(kind: str, text: str, remedy: str = "", *field: str | int) -> VettingNote:
+    """A note that the result may be wrong."""
+    return VettingNote(kind, "doubt", text, remedy, field)
+
+
+def fact(kind: str, text: str, remedy: str = "", *field: str | int) -> VettingNote:
+    """A note on what the run shows."""
+    return VettingNote(kind, "fact", text, remedy, field)
+
+
+def gravest_first(findings: Iterable[VettingNote]) -> list[VettingNote]:
     """Refusals, then doubts, then facts."""
     return sorted(findings, key=lambda finding: get_args(Level).index(finding.level))
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from functools import cache
+from functools import cache, partial
 from typing import Any, Literal, get_args
 
 from pydantic import ConfigDict
@@ -11,80 +11,72 @@ from pydantic import ConfigDict
 from mbcdm_cad.design.blocks import INERTIA_MAX_KG_M2
 from mbcdm_cad.design.describe import Node
 from mbcdm_cad.design.fieldpath import FieldPath
-from mbcdm_cad.design.fields import Block, Integer, Number, Text
-from mbcdm_cad.design.fields import quantity as figure
+from mbcdm_cad.design.fields import Block, Integer, Number, Text, quantity
 
 # The column of an input: input_ and the name that the design file gives it.
 INPUT_COLUMN = r"^input_[a-z0-9][a-z0-9_-]{0,63}$"
 # The current of its motor: the same with current, or current alone for a drive with one input.
 CURRENT = "current"
 CURRENT_COLUMN = INPUT_COLUMN.replace("input", CURRENT)
-SENSORS = "data sheet"
-LOGGER = "the logger's file"
-ANALYSER = "the analyser's table"
-BENCH = "bench"
 # Columns of an analyser's table.
 TABLE = ("frequency", "gain", "phase", "coherence", "amplitude")
 
 
-def _figure(meaning: str, source: str, example: Any = None, default: Any = ..., **more: Any) -> Any:
-    """A figure of the file; one without a default is needed."""
-    return figure(meaning, source=source, example=example, **({} if default is ... else {"default": default}), **more)
+def _figure(meaning: str, example: Any = None, within: str = "", needed: bool = False, **more: Any) -> Any:
+    """A field of the file, left out by default; ``within``: its bounds, as in "(0, 1]"."""
+    told: dict[str, Any] = {} if needed else {"default": None}
+    if within:
+        low, high = map(float, within[1:-1].split(","))
+        told |= {"gt" if within[0] == "(" else "ge": low, "le": high}
+    return quantity(meaning, example=example, **(told | more))
 
 
-def _choice(meaning: str, source: str, example: Any = None, default: Any = ..., **more: Any) -> Any:
-    """The same of what has no unit."""
-    return _figure(meaning, source, example, default, unit="-", **more)
+# Fields by where their values stand.
+_logger, _sheet = partial(_figure, source="the logger's file"), partial(_figure, source="data sheet")
+_analyser, _bench = partial(_figure, source="the analyser's table"), partial(_figure, source="bench")
+_paper = partial(_figure, source="paper")
 
 
 class Column(Block):
     """One column of the data."""
 
-    column: Text | Integer = _choice("name in the header, or number from 1", LOGGER, "q_left")
-    unit: Text = _choice("unit of the numbers, after zero and scale are applied", LOGGER, "rad")
-    scale: Number = _figure("factor on the numbers; -1 reverses the sign", LOGGER, -1.0, 1.0, ge=-1e12, le=1e12)
-    zero: Number = _figure(
-        "value that the sensor shows at zero; it is subtracted before scale is applied", LOGGER, 338.56, 0.0
+    column: Text | Integer = _logger("name in the header, or number from 1", "q_left", needed=True)
+    unit: Text = _logger("unit of the numbers, after zero and scale are applied", "rad", needed=True)
+    scale: Number = _logger("factor on the numbers; -1 reverses the sign", -1.0, "[-1e12, 1e12]", default=1.0)
+    zero: Number = _logger(
+        "value that the sensor shows at zero; it is subtracted before scale is applied", 338.56, default=0.0
     )
-    wraps_at: Number | None = _figure(
+    wraps_at: Number | None = _sheet(
         "figure at which an angle begins again at zero, as the sensor shows it: 360 for degrees, counts_per_turn "
         "of an absolute encoder, 65536 for a counter of 16 bits; whole turns are then counted. For a time that begins "
         "again every second, as the microseconds beside a column of seconds: 1000000",
-        SENSORS,
         16384.0,
-        None,
-        gt=0.0,
-        le=1e12,
+        "(0, 1e12]",
     )
-    side: Literal["drive", "motor"] = _choice(
+    side: Literal["drive", "motor"] = _logger(
         "place of an input encoder: motor if it sits before the gearhead, whose ratio is then taken from the design",
-        LOGGER,
         "motor",
-        "drive",
+        default="drive",
     )
-    lever_arm_mm: Number | None = _figure(
+    lever_arm_mm: Number | None = _bench(
         "arm of a load cell on the drum, for a load torque in a unit of force",
-        "drawing of the bench",
         120.0,
-        None,
-        gt=0.0,
-        le=1e5,
+        "(0, 1e5]",
+        source="drawing of the bench",
     )
-    radius_mm: Number | None = _figure(
+    radius_mm: Number | None = _bench(
         "radius at which the length is measured, for an angle in a unit of length: that of a linear encoder's track, "
         "of a tape on the drum, or the arm of a dial gauge; angle = length / radius",
-        "drawing of the bench",
         60.0,
-        None,
-        gt=0.0,
-        le=1e5,
+        "(0, 1e5]",
+        source="drawing of the bench",
     )
-    counts_per_turn: Number | None = _figure(
-        "counts for one turn, if the unit is counts", SENSORS, 8192.0, None, unit="1/turn", gt=0.0, le=1e12
+    counts_per_turn: Number | None = _sheet(
+        "counts for one turn, if the unit is counts", 8192.0, "(0, 1e12]", unit="1/turn"
     )
 
-    channel: Text | None = _choice(
-        "name of its channel in channel_column, where each row holds one channel", LOGGER, "/joint/position", None
+    channel: Text | None = _logger(
+        "name of its channel in channel_column, where each row holds one channel", "/joint/position"
     )
 
 
@@ -97,54 +89,39 @@ class Columns(Block):
     model_config = ConfigDict(extra="allow", frozen=True, defer_build=True)
     __pydantic_extra__: dict[str, Column]
 
-    time: Column | None = _choice("time; left out where sample_rate_Hz is given", LOGGER, "{column: t, unit: s}", None)
-    input_left: Column | None = _choice("angle of the input at -x", LOGGER, default=None)
-    input_right: Column | None = _choice("angle of the input at +x", LOGGER, default=None)
-    input: Column | None = _choice("angle of the input of a drive with one input", LOGGER, default=None)
-    output: Column | None = _choice(
-        "angle of the drum; needed but in an analyser's table", LOGGER, "{column: q_out, unit: rad}", None
+    time: Column | None = _logger("time; left out where sample_rate_Hz is given", "{column: t, unit: s}")
+    input_left: Column | None = _logger("angle of the input at -x")
+    input_right: Column | None = _logger("angle of the input at +x")
+    input: Column | None = _logger("angle of the input of a drive with one input")
+    output: Column | None = _logger(
+        "angle of the drum; needed but in an analyser's table", "{column: q_out, unit: rad}"
     )
-    load_torque: Column | None = _choice(
-        "load on the drum, > 0 where it opposes positive rotation; without it, effects of the load cannot be tested",
-        LOGGER,
-        default=None,
+    load_torque: Column | None = _logger(
+        "load on the drum, > 0 where it opposes positive rotation; without it, effects of the load cannot be tested"
     )
-    temperature: Column | None = _choice("temperature at the drive", LOGGER, default=None)
-    current: Column | None = _choice(
+    temperature: Column | None = _logger("temperature at the drive")
+    current: Column | None = _logger(
         "current of the motor, in place of load_torque, or beside it: the losses between both are then told from the "
-        "gain of the sensor; current_<name>, as the inputs, where there are several",
-        LOGGER,
-        default=None,
+        "gain of the sensor; current_<name>, as the inputs, where there are several"
     )
 
-    excitation: Column | None = _choice(
+    excitation: Column | None = _logger(
         "what excites the drive in a run of kind frequency_response, in any unit: the command of angle, current or "
         "torque; with it, noise of the input does not bias the response",
-        LOGGER,
         "{column: command, unit: rad}",
-        None,
     )
-    frequency: Column | None = _choice(
+    frequency: Column | None = _analyser(
         "frequency of an analyser's table, in a run of kind frequency_response; the table then has gain and "
         "phase in place of time, inputs and output",
-        ANALYSER,
         "{column: f, unit: Hz}",
-        None,
     )
-    gain: Column | None = _choice(
-        "gain of the output's angle over what response.over says, as a figure or in dB",
-        ANALYSER,
-        "{column: mag, unit: dB}",
-        None,
+    gain: Column | None = _analyser(
+        "gain of the output's angle over what response.over says, as a figure or in dB", "{column: mag, unit: dB}"
     )
-    phase: Column | None = _choice(
-        "phase of the same, 0 where the output goes with it", ANALYSER, "{column: ph, unit: deg}", None
-    )
-    coherence: Column | None = _choice("its coherence; rows below 0.5 are left out", ANALYSER, default=None)
-    amplitude: Column | None = _choice(
-        "amplitude of what the gain is over at each frequency: of the inputs as their encoders read, or of the torque",
-        ANALYSER,
-        default=None,
+    phase: Column | None = _analyser("phase of the same, 0 where the output goes with it", "{column: ph, unit: deg}")
+    coherence: Column | None = _analyser("its coherence; rows below 0.5 are left out")
+    amplitude: Column | None = _analyser(
+        "amplitude of what the gain is over at each frequency: of the inputs as their encoders read, or of the torque"
     )
 
     def given(self) -> dict[str, Column]:
@@ -169,148 +146,117 @@ class SensorFigures(Block):
     Counts give the resolution where it is left out.
     """
 
-    input_resolution_rad: Number | None = _figure(
-        "one step of the input encoders", SENSORS, 1.9175e-4, None, gt=0.0, le=1.0
+    input_resolution_rad: Number | None = _sheet("one step of the input encoders", 1.9175e-4, "(0, 1]")
+    output_resolution_rad: Number | None = _sheet("one step of the output encoder", 1.3635e-6, "(0, 1]")
+    input_noise_rad: Number | None = _sheet(
+        "RMS noise of the input encoders in addition to their steps", 5e-5, "[0, 1]"
     )
-    output_resolution_rad: Number | None = _figure(
-        "one step of the output encoder", SENSORS, 1.3635e-6, None, gt=0.0, le=1.0
-    )
-    input_noise_rad: Number | None = _figure(
-        "RMS noise of the input encoders in addition to their steps", SENSORS, 5e-5, None, ge=0.0, le=1.0
-    )
-    output_noise_rad: Number | None = _figure(
-        "RMS noise of the output encoder in addition to its steps", SENSORS, 2e-6, None, ge=0.0, le=1.0
-    )
-    torque_noise_Nm: Number | None = _figure("RMS noise of the torque sensor", SENSORS, 0.005, None, ge=0.0, le=1e6)
-    torque_class_share: Number | None = _figure(
+    output_noise_rad: Number | None = _sheet("RMS noise of the output encoder in addition to its steps", 2e-6, "[0, 1]")
+    torque_noise_Nm: Number | None = _sheet("RMS noise of the torque sensor", 0.005, "[0, 1e6]")
+    torque_class_share: Number | None = _sheet(
         "class of the torque sensor: largest error of its gain, and of its zero as a share of the largest load; within "
         "it an error is no effect of the drive; a usual class of 0.01 if left out",
-        SENSORS,
         0.005,
-        None,
-        ge=0.0,
-        le=0.5,
+        "[0, 0.5]",
     )
-    torque_lag_s: Number | None = _figure(
+    torque_lag_s: Number | None = _sheet(
         "largest lag of the torque sensor behind the encoders, by its filter; 0.011 s, a filter of 15 Hz, if left out",
-        SENSORS,
         0.003,
-        None,
-        ge=0.0,
-        le=1.0,
+        "[0, 1]",
     )
 
 
 class Pendulum(Block):
     """A weight on an arm at the output."""
 
-    mass_kg: Number = _figure("mass of the weight", BENCH, 2.0, gt=0.0, le=1e4)
-    arm_mm: Number = _figure("distance of the weight's centre from the axis", BENCH, 150.0, gt=0.0, le=1e5)
-    inertia_kg_m2: Number = _figure(
+    mass_kg: Number = _bench("mass of the weight", 2.0, "(0, 1e4]", needed=True)
+    arm_mm: Number = _bench("distance of the weight's centre from the axis", 150.0, "(0, 1e5]", needed=True)
+    inertia_kg_m2: Number = _bench(
         "moment of inertia of arm, drum and coupling about the axis, without the weight at its arm",
-        BENCH,
         0.002,
-        0.0,
-        ge=0.0,
-        le=INERTIA_MAX_KG_M2,
+        f"[0, {INERTIA_MAX_KG_M2}]",
+        default=0.0,
     )
-    vertical_deg: Number = _figure(
+    vertical_deg: Number = _bench(
         "angle of the output, as its column reads after zero and scale, at which the weight hangs straight down; of a "
         "column in counts: counts / counts_per_turn * 360",
-        BENCH,
         0.0,
-        0.0,
-        ge=-1e4,
-        le=1e4,
+        "[-1e4, 1e4]",
+        default=0.0,
     )
 
 
 class MotorBlock(Block):
     """The motors whose currents are the load. What is left out is that of the design's catalogue entries."""
 
-    torque_constant_Nm_A: Number | None = _figure(
-        "torque over current at the motor's shaft", SENSORS, 0.0182, None, gt=0.0, le=1e3
-    )
-    torque_constant_share: Number = _figure(
+    torque_constant_Nm_A: Number | None = _sheet("torque over current at the motor's shaft", 0.0182, "(0, 1e3]")
+    torque_constant_share: Number = _bench(
         "standard deviation of the torque constant as a share; within two of them an error of the load is no effect",
-        BENCH,
         0.05,
-        0.05,
-        ge=0.0,
-        le=0.25,
+        "[0, 0.25]",
+        default=0.05,
     )
-    gear_ratio: Number | None = _figure(
-        "ratio of the gearhead between the motor and the input's encoder, 1 for none",
-        SENSORS,
-        76.0,
-        None,
-        gt=0.0,
-        le=1e4,
+    gear_ratio: Number | None = _sheet(
+        "ratio of the gearhead between the motor and the input's encoder, 1 for none", 76.0, "(0, 1e4]"
     )
-    efficiency: Number | None = _figure("efficiency of the gearhead", SENSORS, 0.65, None, gt=0.5, le=1.0)
-    rotor_inertia_kg_m2: Number | None = _figure("moment of inertia of the rotor", SENSORS, 1e-7, None, ge=0.0, le=10.0)
-    friction_Nm: Number = _figure("friction of the motor at its shaft", BENCH, 1e-4, 0.0, ge=0.0, le=100.0)
+    efficiency: Number | None = _sheet("efficiency of the gearhead", 0.65, "(0.5, 1]")
+    rotor_inertia_kg_m2: Number | None = _sheet("moment of inertia of the rotor", 1e-7, "[0, 10]")
+    friction_Nm: Number = _bench("friction of the motor at its shaft", 1e-4, "[0, 100]", default=0.0)
 
 
 class KnownLoad(Block):
     """A load that no sensor measured but that is known."""
 
-    pendulum: Pendulum = _choice("a weight on an arm", BENCH)
+    pendulum: Pendulum = _bench("a weight on an arm", needed=True)
 
 
 class CountedParts(Block):
     """What the prediction counts besides the cables, by the figures of the design."""
 
-    structure: bool = _choice("drum, shafts, bearings and frame give with the load", BENCH, True, True)
-    losses: bool = _choice("cables that bend, and bearings, hold the drum back", BENCH, True, True)
-    output_at: Literal["drum", "payload"] = _choice(
-        "place of the output encoder: the drum's shaft, or the payload", BENCH, "payload", "drum"
+    structure: bool = _bench("drum, shafts, bearings and frame give with the load", True, default=True)
+    losses: bool = _bench("cables that bend, and bearings, hold the drum back", True, default=True)
+    output_at: Literal["drum", "payload"] = _bench(
+        "place of the output encoder: the drum's shaft, or the payload", "payload", default="drum"
     )
-    inputs_at: Literal["pulleys", "motors"] | None = _choice(
-        "place of the input encoders; left out, as the side of their columns says", BENCH, "motors", None
+    inputs_at: Literal["pulleys", "motors"] | None = _bench(
+        "place of the input encoders; left out, as the side of their columns says", "motors"
     )
 
 
 class InertiaPlate(Block):
     """What the bench makes the output turn besides the design's payload."""
 
-    inertia_kg_m2: Number = _figure(
-        "moment of inertia of plate and coupling about the axis", BENCH, 0.02, ge=0.0, le=INERTIA_MAX_KG_M2
+    inertia_kg_m2: Number = _bench(
+        "moment of inertia of plate and coupling about the axis", 0.02, f"[0, {INERTIA_MAX_KG_M2}]", needed=True
     )
-    inertia_share: Number = _figure(
+    inertia_share: Number = _bench(
         "standard deviation of all that the output turns, as a share; within two of them an error is no effect",
-        BENCH,
         0.01,
-        0.02,
-        ge=0.0,
-        le=0.5,
+        "[0, 0.5]",
+        default=0.02,
     )
 
 
 class ResponseBlock(Block):
     """What the gain of an analyser's table is over."""
 
-    over: Literal["inputs", "torque"] = _choice(
+    over: Literal["inputs", "torque"] = _bench(
         "inputs: angle of the output over that of the inputs; torque: over a torque on it, inputs held, "
         "as of a hammer, a shaker or a motor there",
-        BENCH,
         "torque",
-        "inputs",
+        default="inputs",
     )
-    turns: Number | None = _figure(
+    turns: Number | None = _bench(
         "turns of the inputs' encoders for one of the output; left out, the drive's ratio; 1 if the analyser "
         "divided by it, times the gearhead's ratio of encoders on the motors",
-        BENCH,
         1.0,
-        None,
-        gt=0.0,
-        le=1e7,
+        "(0, 1e7]",
     )
-    amplitude_rad: Number | None = _figure(
-        "amplitude of the inputs as their encoders read, the same at all frequencies", BENCH, 0.01, None, gt=0.0, le=1e7
+    amplitude_rad: Number | None = _bench(
+        "amplitude of the inputs as their encoders read, the same at all frequencies", 0.01, "(0, 1e7]"
     )
-    amplitude_Nm: Number | None = _figure(
-        "amplitude of the torque on the output, the same at all frequencies", BENCH, 0.1, None, gt=0.0, le=1e7
+    amplitude_Nm: Number | None = _bench(
+        "amplitude of the torque on the output, the same at all frequencies", 0.1, "(0, 1e7]"
     )
 
 
@@ -329,108 +275,91 @@ Quantity = Literal["peak_torque", "mass", "backlash", "ripple_amplitude", "rippl
 class Conditions(Block):
     """Conditions of a published measurement."""
 
-    preload_N: Number | None = _figure("tension in every cable", "paper", 70.0, None, gt=0.0, le=1e5)
-    load_torque_Nm: Number | None = _figure("load on the drum", "paper", 0.91, None, gt=0.0, le=1e5)
-    half_travel_rad: Number | None = _figure("amplitude of the drum's motion", "paper", 0.05, None, gt=0.0, le=100.0)
+    preload_N: Number | None = _paper("tension in every cable", 70.0, "(0, 1e5]")
+    load_torque_Nm: Number | None = _paper("load on the drum", 0.91, "(0, 1e5]")
+    half_travel_rad: Number | None = _paper("amplitude of the drum's motion", 0.05, "(0, 100]")
 
 
 class Published(Block):
     """One figure that was printed instead of a run."""
 
-    quantity: Quantity = _choice("what was measured", "paper", "backlash")
-    value: Number = _figure("measured value", "paper", 0.33, gt=0.0, le=1e12)
-    unit: Text = _choice("unit of the value", "paper", "mrad")
-    stated_theory: Number | None = _figure(
-        "value that the authors expected, in the same unit", "paper", 3.9, None, gt=0.0, le=1e12
-    )
-    conditions: Conditions = _choice("conditions of the measurement", "paper", default=Conditions())
-    where: Text = _choice("page, section or figure", "paper", "section 5.3")
+    quantity: Quantity = _paper("what was measured", "backlash", needed=True)
+    value: Number = _paper("measured value", 0.33, "(0, 1e12]", needed=True)
+    unit: Text = _paper("unit of the value", "mrad", needed=True)
+    stated_theory: Number | None = _paper("value that the authors expected, in the same unit", 3.9, "(0, 1e12]")
+    conditions: Conditions = _paper("conditions of the measurement", default=Conditions())
+    where: Text = _paper("page, section or figure", "section 5.3", needed=True)
 
 
 class Measurement(Block):
     """A measurement file: ``data`` with ``columns``, or ``published``."""
 
-    data: Text | None = _choice("the logger's file, its path relative to this file", LOGGER, "run.csv", None)
-    kind: Kind = _choice(
+    data: Text | None = _logger("the logger's file, its path relative to this file", "run.csv")
+    kind: Kind = _bench(
         "what the rows are: motion, samples of a drive that moves; turning_points, one row where the motion or the "
         "load turns round, as written by hand; creep, readings at rest since a load was put on, at time 0; "
         "frequency_response, a log of a chirp, a multisine or noise by the drive's own motors",
-        BENCH,
         "turning_points",
-        "motion",
+        default="motion",
     )
-    columns: Columns | None = _choice("what each column contains", LOGGER, default=None)
-    sensors: SensorFigures = _choice("what the sensors resolve", SENSORS, default=SensorFigures())
-    load: Literal["none"] | KnownLoad | None = _choice(
+    columns: Columns | None = _logger("what each column contains")
+    sensors: SensorFigures = _sheet("what the sensors resolve", default=SensorFigures())
+    load: Literal["none"] | KnownLoad | None = _bench(
         "load that no sensor measured: none if nothing loads the output but its own bearings, or a pendulum, which "
         "beside the motors' currents gives their torque constant; leave it out where the load is not known",
-        BENCH,
         "none",
-        None,
     )
-    parts: CountedParts | None = _choice(
+    parts: CountedParts | None = _bench(
         "what else than the cables the prediction counts; left out, all else is rigid and without friction, as in "
-        "files from before this field",
-        BENCH,
-        default=None,
+        "files from before this field"
     )
-    inertia_plate: InertiaPlate | None = _choice(
-        "what the output turns besides the design's payload, in a run of kind frequency_response", BENCH, default=None
+    inertia_plate: InertiaPlate | None = _bench(
+        "what the output turns besides the design's payload, in a run of kind frequency_response"
     )
-    response: ResponseBlock | None = _choice("what the gain of an analyser's table is over", BENCH, default=None)
-    motor: MotorBlock = _choice("the motors, where their currents are the load", SENSORS, default=MotorBlock())
-    ratio: Number | None = _figure(
+    response: ResponseBlock | None = _bench("what the gain of an analyser's table is over")
+    motor: MotorBlock = _sheet("the motors, where their currents are the load", default=MotorBlock())
+    ratio: Number | None = _sheet(
         "total ratio, for a drive of which nothing else is known; the design file is then not used",
-        "data sheet of the drive",
         35.0,
-        None,
-        gt=0.0,
-        le=1e6,
+        "(0, 1e6]",
+        source="data sheet of the drive",
     )
-    delimiter: Literal["auto", "comma", "semicolon", "tab", "space"] = _choice(
-        "character between two columns", LOGGER, "semicolon", "auto"
+    delimiter: Literal["auto", "comma", "semicolon", "tab", "space"] = _logger(
+        "character between two columns", "semicolon", default="auto"
     )
-    decimal: Literal["point", "comma"] = _choice("decimal sign", LOGGER, "comma", "point")
-    comment: Text = _choice("sign that begins a comment line", LOGGER, "%", "#")
-    skip_rows: Integer = _figure(
-        "number of lines to skip at the start of the file", LOGGER, 2, 0, unit="lines", ge=0, le=100_000
+    decimal: Literal["point", "comma"] = _logger("decimal sign", "comma", default="point")
+    comment: Text = _logger("sign that begins a comment line", "%", default="#")
+    skip_rows: Integer = _logger(
+        "number of lines to skip at the start of the file", 2, default=0, unit="lines", ge=0, le=100_000
     )
-    header: Literal["auto", "row", "comment", "none"] = _choice(
+    header: Literal["auto", "row", "comment", "none"] = _logger(
         "place of the names: row (first row), comment (last comment line before the data) or none; auto finds it",
-        LOGGER,
         "comment",
-        "auto",
+        default="auto",
     )
-    sample_rate_Hz: Number | None = _figure(
+    sample_rate_Hz: Number | None = _logger(
         "samples a second of a table without a column of times, each row one step later than the row before",
-        LOGGER,
         100.0,
-        None,
-        gt=0.0,
-        le=1e7,
+        "(0, 1e7]",
     )
-    broken_rows: Literal["refuse", "skip"] = _choice(
+    broken_rows: Literal["refuse", "skip"] = _logger(
         "rows of another length, with text or with NaN: refuse the file, or skip up to one row in fifty and report it; "
         "skip also leaves out rows that repeat the time of the row before",
-        LOGGER,
         "skip",
-        "refuse",
+        default="refuse",
     )
-    rows: Literal["full", "own_times"] = _choice(
+    rows: Literal["full", "own_times"] = _logger(
         "own_times: a row holds only some of the quantities, at their own times, and its other cells are empty; each "
         "is interpolated onto the times of the output",
-        LOGGER,
         "own_times",
-        "full",
+        default="full",
     )
-    channel_column: Text | Integer | None = _choice(
+    channel_column: Text | Integer | None = _logger(
         "column with the name of the channel whose figure is in the row; then give the channel of each quantity",
-        LOGGER,
         "topic",
-        None,
     )
-    published: tuple[Published, ...] | None = _choice(
-        "values printed in a paper, in place of data", "paper", default=None, min_length=1, max_length=100
+    published: tuple[Published, ...] | None = _paper(
+        "values printed in a paper, in place of data", min_length=1, max_length=100
     )
 
 

@@ -14,28 +14,26 @@ import numpy as np
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError, Problem
-from mbcdm_cad.measurement.by_hand import creep_findings, readings_findings
 from mbcdm_cad.measurement.file import MeasurementFile
+from mbcdm_cad.measurement.kinds import Declared, kind_of
 from mbcdm_cad.measurement.loads import figures_of, parts_seen, with_motors_load
 from mbcdm_cad.measurement.reading import read_run
-from mbcdm_cad.measurement.response import response_findings
 from mbcdm_cad.measurement.run import (
     SPEED_WINDOW_S,
     Run,
     VettingNote,
     ZerosFound,
-    column_of,
     doubts,
+    fact,
     gravest_first,
     half_sweeps,
+    refused,
     smoothed,
 )
-from mbcdm_cad.measurement.schema import BY_HAND, CREEP, FREQUENCY_RESPONSE, MOTION
-from mbcdm_cad.measurement.vet_columns import column_findings, robust_slope
-from mbcdm_cad.measurement.vet_signals import FEWEST_HALF_SWEEPS, reach_findings, signal_findings
+from mbcdm_cad.measurement.schema import CREEP
+from mbcdm_cad.measurement.vet_signals import FEWEST_HALF_SWEEPS
 from mbcdm_cad.model.creep import creep_a_decade
 from mbcdm_cad.model.si import DriveSI, to_si
-from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.route import input_body
 
 # A difference of the inputs that changes the tension of a cable by this share of its preload is taken for one of zeros.
@@ -70,22 +68,8 @@ def zeroed(run: Run, d: DriveSI, half_travel_rad: float) -> Run:
     return replace(run, input_rad=angle - removed - centre, zeros=ZerosFound(zeros, unsure, centre))
 
 
-# Samples that the comparison of columns needs; longer runs are thinned.
-MOST_SAMPLES = 20_000
-# Relative deviation from the gearhead's ratio up to which a factor counts as this ratio.
-MOTOR_WIDTH = 0.03
 # Columns of these names are the inputs at -x and at +x of a design that gives its inputs other names.
 SIDES = {"left": -1, "right": 1}
-
-
-@dataclass(frozen=True)
-class Declared:
-    """The known data of the drive: ``d`` and ``travel_rad`` (full) are None if only the ratio is known."""
-
-    ratio: float
-    d: DriveSI | None
-    travel_rad: float | None
-    gearhead_ratio: float | None = None
 
 
 def declared_of(run: Run, drive: Drive | None) -> Declared:
@@ -163,58 +147,7 @@ def _input_sides(drive: Drive) -> list[int]:
 def vet(run: Run, drive: Drive | None) -> list[VettingNote]:
     """All findings, refusals first. The columns are not compared if the inputs do not fit the drive."""
     known = declared_of(run, drive)
-    wrong = _inputs(run, known)
-    if wrong:
-        return wrong
-    if run.kind in BY_HAND:
-        return (
-            creep_findings(run) if run.kind == CREEP else readings_findings(run, known.ratio, known.travel_rad, known.d)
-        )
-    if run.kind == FREQUENCY_RESPONSE:
-        return response_findings(run, known.ratio, known.gearhead_ratio)
-    thin = _thinned(run)
-    found = signal_findings(run, known.ratio)
-    if not refusals(found):  # an angle that jumps has no meaningful slope
-        notes = column_findings(thin, known.ratio, known.travel_rad, known.d)
-        found += [_on_the_motor(note, thin, known) for note in notes]
-    found += _zeros(run)
-    if not any(finding.level == "refused" for finding in found):
-        found += reach_findings(thin, known.ratio, known.d)
-    return gravest_first(found)
-
-
-def _zeros(run: Run) -> list[VettingNote]:
-    """Facts about zeros that were taken from the data."""
-    found, zeros = [], run.zeros
-    if zeros is not None and zeros.apart_rad:
-        text = (
-            f"the inputs' zeros are {zeros.apart_rad:.3g} rad apart, which the cables could not bear: they are taken "
-            "from the run, as if the inputs agreed on average"
-        )
-        found.append(VettingNote("zeros_apart", "fact", text, "where the true zeros are known, give them as zero"))
-    if zeros is not None and zeros.centre_rad:
-        text = (
-            f"the inputs are {zeros.centre_rad:.3g} rad from zero, beyond the travel: zero is the middle of their range"
-        )
-        found.append(VettingNote("zeros_centre", "fact", text, "where the true zeros are known, give them as zero"))
-    return found
-
-
-def _on_the_motor(note: VettingNote, run: Run, known: Declared) -> VettingNote:
-    """The same note, or that the encoders sit on the motors, where an input turns too far by the gearhead's ratio."""
-    named = len(note.field) == 2 and str(note.field[1]).startswith("input")
-    if known.gearhead_ratio is None or note.kind not in ("ratio", "unit") or not named:
-        return note
-    index = [column_of(name) for name in run.input_names].index(note.field)
-    slope = robust_slope(run.output_rad, run.input_rad[index])[0] / known.ratio
-    if abs(abs(slope) / known.gearhead_ratio - 1.0) > MOTOR_WIDTH:
-        return note
-    text = (
-        f"{note.field[1]} turns {abs(slope):.4g} times as far as the input pulley does, which is the gearhead's "
-        f"{known.gearhead_ratio:g}: its encoder sits on the motor"
-    )
-    remedy = "set side: motor on the columns of the inputs"
-    return VettingNote("unit", "refused", text, remedy, (*note.field, "side"))
+    return _inputs(run, known) or gravest_first(kind_of(run).findings(run, known))
 
 
 def refusals(findings: list[VettingNote]) -> list[VettingNote]:
@@ -232,26 +165,10 @@ def _inputs(run: Run, known: Declared) -> list[VettingNote]:
             return []
         text = f"inputs {', '.join(run.input_names)} are not those of the design ({names})"
         remedy = "call the columns input_ and the name that the design file gives each input"
-        return [VettingNote("inputs", "refused", text, remedy, ("columns",))]
+        return [refused("inputs", text, remedy, "columns")]
     text = f"the run has {count} input column(s), the design {known.d.n_inputs} ({names})"
     remedy = "give a column for each input of the design, or ratio for a drive of which only that is known"
-    return [VettingNote("inputs", "refused", text, remedy, ("columns",))]
-
-
-def _thinned(run: Run) -> Run:
-    stride = max(1, run.time_s.size // MOST_SAMPLES)
-
-    def every(values: Floats | None) -> Floats | None:
-        return None if values is None else values[..., ::stride]
-
-    return replace(
-        run,
-        time_s=run.time_s[::stride],
-        input_rad=run.input_rad[:, ::stride],
-        output_rad=run.output_rad[::stride],
-        load_Nm=every(run.load_Nm),
-        temperature_C=every(run.temperature_C),
-    )
+    return [refused("inputs", text, remedy, "columns")]
 
 
 @dataclass(frozen=True, eq=False)
@@ -280,7 +197,7 @@ def vetted_runs(files: Sequence[MeasurementFile], drive: Drive | None) -> list[V
             continue
         ratio = np.full(reading.run.input_rad.shape[0], reading.run.ratio or 1.0)
         run = with_motors_load(reading.run, None, ratio) if drive is None else arranged(reading.run, drive)
-        findings = [*vet(run, drive), *(VettingNote("turns", "fact", words) for words in reading.turns)]
+        findings = [*vet(run, drive), *(fact("turns", words) for words in reading.turns)]
         problems += [file.problem(f.field, f.text, remedy=f.remedy) for f in refusals(findings)]
         for one in vetted:
             if one.run.sha256 == run.sha256:
@@ -302,7 +219,7 @@ def _no_constant(file: MeasurementFile, run: Run, drive: Drive | None) -> list[P
 
 def repeated(vetted: list[Vetted]) -> list[Vetted]:
     """The runs without the doubt of too few half sweeps, where several short runs repeat each other."""
-    if any(one.run.kind != MOTION for one in vetted):
+    if not all(kind_of(one.run).moves for one in vetted):
         return vetted
     counts = [_half_sweeps(one.run) for one in vetted]
     if len(vetted) < 2 or sum(counts) - len(counts) < FEWEST_HALF_SWEEPS or min(counts) < 2:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from itertools import permutations
 
 import numpy as np
 
-from mbcdm_cad.design.fieldpath import FieldPath
-from mbcdm_cad.measurement.run import SPEED_WINDOW_S, Run, VettingNote, column_of, smoothed
+from mbcdm_cad.measurement.run import SPEED_WINDOW_S, Run, VettingNote, column_of, doubt, refused, smoothed
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
 
@@ -58,42 +59,43 @@ def robust_slope(x: Floats, y: Floats) -> tuple[float, float]:
     return middle, float(np.mean(np.sign(slope) == np.sign(middle))) if middle else 0.0
 
 
-def column_findings(run: Run, ratio: float, travel_rad: float | None, d: DriveSI | None) -> list[VettingNote]:
+def column_findings(run: Run, ratio: float, travel_rad: float | None, d: DriveSI | None) -> Iterator[VettingNote]:
     """Refusals and doubts about the content of the columns."""
     factors = [_factor(run.output_rad, row, ratio) for row in run.input_rad]
     if all(factor is not None and abs(factor - 1.0) <= NEAR for factor in factors):
-        size = _load_size(run, d)
-        too_large = any(finding.level == "refused" for finding in size)
-        return _travel(run, travel_rad) or (size if too_large else [*size, *_load_sign(run, ratio, d)])
+        size = _travel(run, travel_rad) or _load_size(run, d)
+        # Of angles or a load in another unit the sign of the load says nothing.
+        sign = None if size and size.level == "refused" else _load_sign(run, ratio, d)
+        yield from (one for one in (size, sign) if one)
+        return
     # At a ratio of 1 the exchange of the columns gives the same slope, and would not help.
     as_declared = all(factor is not None and abs(abs(factor) - 1.0) <= NEAR for factor in factors)
-    swapped = None if as_declared else _swapped(run, ratio)
-    if swapped:
-        return [swapped]
-    found = []
+    if not as_declared and (swapped := _swapped(run, ratio)):
+        yield swapped
+        return
     if all(factor is not None and factor < 0.0 for factor in factors) and len(factors) > 1:
         # One wrong output is more likely than two wrong inputs.
         text = "the output turns against both inputs: its sign is reversed"
-        found.append(VettingNote("reversed_output", "refused", text, _TURN_ROUND, ("columns", "output")))
+        yield refused("reversed_output", text, _TURN_ROUND, "columns", "output")
         factors = [None if factor is None else -factor for factor in factors]
     off = [factor for factor in factors if factor is not None and abs(abs(factor) - 1.0) > NEAR]
     if len(off) == len(factors) and max(off) < min(off) * (1.0 + NEAR):
-        found.append(_off(off[0], run, ratio, travel_rad, None))
+        yield _off(off[0], run, ratio, travel_rad, None)
     else:
         for name, factor in zip(run.input_names, factors, strict=True):
             if factor is None:
                 text = f"the output does not follow the {_shaft(name)}: no steady slope between the two"
                 remedy = "check that both columns are of this drive and of one run, and their units"
-                found.append(VettingNote("unrelated", "refused", text, remedy, column_of(name)))
+                yield refused("unrelated", text, remedy, *column_of(name))
             elif abs(abs(factor) - 1.0) > NEAR:
-                found.append(_off(abs(factor), run, ratio, travel_rad, name))
+                yield _off(abs(factor), run, ratio, travel_rad, name)
     for name, factor in zip(run.input_names, factors, strict=True):
         if factor is not None and factor < 0.0:
             text = f"the {_shaft(name)} turns against the output: the sign of one of the two is reversed"
-            found.append(VettingNote("reversed_input", "refused", text, _TURN_ROUND, column_of(name)))
-    return found
+            yield refused("reversed_input", text, _TURN_ROUND, *column_of(name))
 
 
+REVERSED_LOAD = "set scale: -1 on load_torque (it is positive where it opposes positive rotation)"
 _TURN_ROUND = "set scale: -1 on it (inputs are positive when they drive the drum positive)"
 
 
@@ -105,25 +107,19 @@ def _factor(output: Floats, shaft: Floats, ratio: float) -> float | None:
 
 def _swapped(run: Run, ratio: float) -> VettingNote | None:
     """Whether two columns are exchanged: the exchange then gives the declared ratio for all slopes."""
-    columns: dict[FieldPath, Floats] = {("columns", "output"): run.output_rad}
-    for name, row in zip(run.input_names, run.input_rad, strict=True):
-        columns[column_of(name)] = row
-    if run.load_Nm is not None:
-        columns["columns", "load_torque"] = run.load_Nm
-    if run.temperature_C is not None:
-        columns["columns", "temperature"] = run.temperature_C
-    inputs = [column_of(name) for name in run.input_names]
-    for first in columns:
-        for second in columns:
-            angles = (("columns", "output"), *inputs)
-            if first == second or first not in angles or (first in inputs and second in inputs):
-                continue
-            trial = {**columns, first: columns[second], second: columns[first]}
-            factors = [_factor(trial["columns", "output"], trial[field], ratio) for field in inputs]
-            if all(factor is not None and abs(abs(factor) - 1.0) <= NEAR for factor in factors):
-                text = f"columns of {first[1]} and {second[1]} look swapped: exchanged they give the declared ratio"
-                remedy = "exchange the two column entries, or correct the ratio if the drive was driven from its output"
-                return VettingNote("swapped", "refused", text, remedy, first)
+    inputs, output = [column_of(name) for name in run.input_names], ("columns", "output")
+    others = {"load_torque": run.load_Nm, "temperature": run.temperature_C}
+    columns = {output: run.output_rad} | dict(zip(inputs, run.input_rad, strict=True))
+    columns |= {("columns", name): row for name, row in others.items() if row is not None}
+    for first, second in permutations(columns, 2):
+        if first not in (output, *inputs) or (first in inputs and second in inputs):
+            continue
+        trial = {**columns, first: columns[second], second: columns[first]}
+        factors = [_factor(trial[output], trial[field], ratio) for field in inputs]
+        if all(factor is not None and abs(abs(factor) - 1.0) <= NEAR for factor in factors):
+            text = f"columns of {first[1]} and {second[1]} look swapped: exchanged they give the declared ratio"
+            remedy = "exchange the two column entries, or correct the ratio if the drive was driven from its output"
+            return refused("swapped", text, remedy, *first)
     return None
 
 
@@ -146,53 +142,49 @@ def _off(factor: float, run: Run, ratio: float, travel_rad: float | None, name: 
             remedy = "correct unit, scale or counts_per_turn of that column"
             if run.ratio is not None:
                 remedy += ", or ratio in this file"
-            return VettingNote("unit", "refused", text, remedy, field)
+            return refused("unit", text, remedy, *field)
     remedy = "check counts_per_turn, scale and unit, and that this is the drive of the design"
     turn = 2.0 * math.pi * max(factor, 1.0 / factor)
     if turn > LEAST_COUNTS:
         fields = fields if factor > 1.0 else ("columns", "output")
         remedy = f"are these counts, some {turn:.5g} a turn? Give unit: counts with counts_per_turn; or " + remedy
     if 1.0 / FARTHEST < factor < FARTHEST:
-        return VettingNote("ratio", "doubt", figures, remedy, fields)
-    return VettingNote("ratio", "refused", figures, remedy, fields)
+        return doubt("ratio", figures, remedy, *fields)
+    return refused("ratio", figures, remedy, *fields)
 
 
-def _travel(run: Run, travel_rad: float | None) -> list[VettingNote]:
+def _travel(run: Run, travel_rad: float | None) -> VettingNote | None:
     """A finding for an output that turns farther than the stops allow: all angles may be in the wrong unit."""
     travel = float(np.ptp(run.output_rad))
     if travel_rad is None or travel <= 1.1 * travel_rad:
-        return []
+        return None
     text = f"the output turns by {travel:.4g} rad, the design by {travel_rad:.4g} rad between its stops"
     degrees = travel * math.pi / 180.0 <= 1.1 * travel_rad and travel > 10.0 * travel_rad
-    remedy = (
-        "all angles look like degrees declared as radians: correct the units"
-        if degrees
-        else "check the units of all angles"
-    )
-    return [VettingNote("travel", "refused", text, remedy, ("columns", "output"))]
+    in_degrees = "all angles look like degrees declared as radians: correct the units"
+    return refused("travel", text, in_degrees if degrees else "check the units of all angles", "columns", "output")
 
 
-def _load_size(run: Run, d: DriveSI | None) -> list[VettingNote]:
+def _load_size(run: Run, d: DriveSI | None) -> VettingNote | None:
     """A finding for a load far above the one at which the cables go slack: it may be in another unit."""
     if d is None or run.load_Nm is None:
-        return []
+        return None
     most = float(np.abs(run.load_Nm).max())
     # All cables of one sense at twice their preload, the others slack.
     holds = float(np.sum(d.preload_N * d.drum_radius_m))
     if most <= holds:
-        return []
+        return None
     text = f"loads up to {most:.4g} N m, but the preload of the cables holds only about {holds:.3g} N m"
     if most <= MOST_LOAD * holds:
         remedy = "cables go slack, or load_torque is in another unit or another column"
-        return [VettingNote("load", "doubt", text, remedy, ("columns", "load_torque"))]
+        return doubt("load", text, remedy, "columns", "load_torque")
     remedy = "check the unit of load_torque (mN*m declared as N*m?) and its scale"
-    return [VettingNote("load", "refused", text, remedy, ("columns", "load_torque"))]
+    return refused("load", text, remedy, "columns", "load_torque")
 
 
-def _load_sign(run: Run, ratio: float, d: DriveSI | None) -> list[VettingNote]:
+def _load_sign(run: Run, ratio: float, d: DriveSI | None) -> VettingNote | None:
     """A finding for a drum that moves against its load: the sign of the torque is reversed."""
     if d is None or run.load_Nm is None or np.ptp(run.load_Nm) == 0.0:
-        return []
+        return None
     # The smallest compliance at the drum, nothing slipping: rad per N m.
     compliance = 1.0 / float(np.sum(d.axial_stiffness_N * d.drum_radius_m**2 / d.free_span_m))
     turned = run.input_rad.mean(axis=0) / ratio
@@ -205,12 +197,11 @@ def _load_sign(run: Run, ratio: float, d: DriveSI | None) -> list[VettingNote]:
     together = float(np.corrcoef(give, load)[0, 1]) if np.ptp(give) > 0.0 else 0.0
     share = float(give @ load / (load @ load)) / compliance
     if together < -0.7 and not LEAST_GIVE < -share < MOST_GIVE:
-        return [_wrong_give(-share)]
+        return _wrong_give(-share)
     if together < 0.7 or share < 0.5:
-        return []
+        return None
     text = f"load_torque has the wrong sign: the drum moves against the load, {share:.2g} times its expected deflection"
-    remedy = "set scale: -1 on load_torque (it is positive where it opposes positive rotation)"
-    return [VettingNote("reversed_load", "refused", text, remedy, ("columns", "load_torque"))]
+    return refused("reversed_load", text, REVERSED_LOAD, "columns", "load_torque")
 
 
 def _wrong_give(share: float) -> VettingNote:
@@ -218,13 +209,12 @@ def _wrong_give(share: float) -> VettingNote:
     text = f"the drum's deflection under load is {share:.2g} times that from the stretch of its cables"
     if share > 1.0:
         remedy = "check the unit of load_torque (N*m declared as mN*m?); or a coupling is very soft"
-        return VettingNote(
-            "load", "doubt" if share < FARTHEST_GIVE else "refused", text, remedy, ("columns", "load_torque")
-        )
+        level = doubt if share < FARTHEST_GIVE else refused
+        return level("load", text, remedy, "columns", "load_torque")
     remedy = (
         "check the units of all angles (radians declared as degrees?), of load_torque, and modulus_GPa of the design"
     )
-    return VettingNote("unit", "refused", text, remedy, ("columns", "output"))
+    return refused("unit", text, remedy, "columns", "output")
 
 
 def _shaft(name: str) -> str:

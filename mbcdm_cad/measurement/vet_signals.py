@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from scipy.linalg import LinAlgError, eigh
@@ -18,7 +18,10 @@ from mbcdm_cad.measurement.run import (
     Run,
     VettingNote,
     column_of,
+    doubt,
+    fact,
     half_sweeps,
+    refused,
     smoothed,
 )
 from mbcdm_cad.model.si import DriveSI
@@ -37,84 +40,78 @@ LEVEL_SHARE = 0.005
 WRAPPED = "set wraps_at of this column: 360 for degrees, counts_per_turn for one turn, 65536 for 16 bits"
 
 
-def signal_findings(run: Run, ratio: float) -> list[VettingNote]:
+def signal_findings(run: Run, ratio: float) -> Iterator[VettingNote]:
     """Doubts and refusals."""
     inputs = [(column_of(name), row) for name, row in zip(run.input_names, run.input_rad, strict=True)]
     angles = [*inputs, (("columns", "output"), run.output_rad)]
-    found = [*_gaps(run), *_pace(run), *_temperature(run)]
+    yield from _gaps(run)
+    yield from _pace(run)
+    yield from _temperature(run)
     for field, values in angles:
-        found += _jumps(str(field[1]), field, values, run)
+        yield from _jumps(field, values, run)
     for field, values in inputs:
-        found += _stands(str(field[1]), field, values, run.output_rad)
-    found += _stands("output", ("columns", "output"), run.output_rad, run.input_rad.mean(axis=0) / ratio)
+        yield from _stands(field, values, run.output_rad)
+    yield from _stands(("columns", "output"), run.output_rad, run.input_rad.mean(axis=0) / ratio)
     if run.load_Nm is not None:
-        found += _levels(run.load_Nm)
-    return found
+        yield from _levels(run.load_Nm)
 
 
-def _gaps(run: Run) -> list[VettingNote]:
+def _gaps(run: Run) -> Iterator[VettingNote]:
     steps = np.diff(run.time_s)
     gaps = np.flatnonzero(steps > GAP_STEPS * run.step_s)
-    if gaps.size == 0:
-        return []
-    longest = int(gaps[np.argmax(steps[gaps])])
-    text = (
-        f"{gaps.size} gap(s) in time, the longest {steps[longest]:.4g} s at {run.time_s[longest]:.6g} s "
-        f"(usual step {run.step_s:.4g} s); the state of the friction after them is not known"
-    )
-    return [VettingNote("gaps", "doubt", text, "log without pauses", ("columns", "time"))]
+    if gaps.size:
+        longest = int(gaps[np.argmax(steps[gaps])])
+        text = (
+            f"{gaps.size} gap(s) in time, the longest {steps[longest]:.4g} s at {run.time_s[longest]:.6g} s "
+            f"(usual step {run.step_s:.4g} s); the state of the friction after them is not known"
+        )
+        yield doubt("gaps", text, "log without pauses", "columns", "time")
 
 
-def _pace(run: Run) -> list[VettingNote]:
+def _pace(run: Run) -> Iterator[VettingNote]:
     """A finding for sweeps too fast or too slow for a bench: time may be in another unit."""
     thin = run.output_rad[:: max(1, run.time_s.size // 1000)]
     sweeps = max(float(np.abs(np.diff(thin)).sum()) / max(float(np.ptp(thin)), 1e-300), 1.0)
     half_s = float(run.time_s[-1] - run.time_s[0]) / sweeps
     text = f"a half sweep takes some {half_s:.3g} s, a sample {run.step_s:.3g} s"
-    field = ("columns", "time")
     if run.step_s >= SLOW_STEP_S or half_s > SLOW_SWEEP_S:
-        return [VettingNote("pace", "doubt", text, "is the time in ms or in sample numbers but declared as s?", field)]
-    if half_s < FAST_SWEEP_S:
+        remedy = "is the time in ms or in sample numbers but declared as s?"
+        yield doubt("pace", text, remedy, "columns", "time")
+    elif half_s < FAST_SWEEP_S:
         remedy = "is the time in s but declared as ms? If not, move slower: the model has no inertia"
-        return [VettingNote("pace", "doubt", text, remedy, field)]
-    return []
+        yield doubt("pace", text, remedy, "columns", "time")
 
 
-def _temperature(run: Run) -> list[VettingNote]:
-    if run.temperature_C is None:
-        return []
-    low, high = float(run.temperature_C.min()), float(run.temperature_C.max())
-    if low >= COLDEST_C and high <= HOTTEST_C:
-        return []
-    text = f"temperatures of {low:.4g} to {high:.4g} degC"
-    return [
-        VettingNote(
-            "temperature", "doubt", text, "check its unit (K or degF declared as degC?)", ("columns", "temperature")
-        )
-    ]
+def _temperature(run: Run) -> Iterator[VettingNote]:
+    low, high = (0.0, 0.0) if run.temperature_C is None else (run.temperature_C.min(), run.temperature_C.max())
+    if low < COLDEST_C or high > HOTTEST_C:
+        remedy = "check its unit (K or degF declared as degC?)"
+        yield doubt("temperature", f"temperatures of {low:.4g} to {high:.4g} degC", remedy, "columns", "temperature")
 
 
-def _jumps(name: str, field: FieldPath, values: Floats, run: Run) -> list[VettingNote]:
+def _jumps(field: FieldPath, values: Floats, run: Run) -> Iterator[VettingNote]:
     """Findings for an encoder that starts again after a turn, or a counter that overflows."""
     steps = np.diff(values)
     usual = float(np.median(np.abs(steps)))
     turns = np.flatnonzero(np.abs(np.abs(steps) - 2.0 * math.pi) < 0.2)
     if turns.size and usual <= 0.2:
-        text = f"{name} jumps by a full turn {turns.size} time(s), first after sample {int(turns[0]) + 1}"
-        return [VettingNote("wrapped", "refused", text, WRAPPED, field)]
+        text = f"{field[1]} jumps by a full turn {turns.size} time(s), first after sample {int(turns[0]) + 1}"
+        yield refused("wrapped", text, WRAPPED, *field)
+        return
     size = float(np.abs(steps).max())
     # Jumps of one size, far larger than all other steps, over most of the range; a pause in logging is not a jump.
     at = np.flatnonzero((np.abs(steps) > 0.5 * size) & (np.diff(run.time_s) < GAP_STEPS * run.step_s))
     others = float(np.quantile(np.abs(steps), 1.0 - min(2.0 * at.size / steps.size, 0.5))) if at.size else size
     if at.size < 2 or size < 0.5 * float(np.ptp(values)) or others > 0.05 * size:
-        return []
+        return
     if float(np.ptp(np.abs(steps[at]))) > 0.1 * size:
-        return []
-    text = f"{name} jumps by {size:.4g} rad {at.size} time(s), first after sample {int(at[0]) + 1}: a counter overflows"
-    return [VettingNote("wrapped", "refused", text, WRAPPED, field)]
+        return
+    when = f"{at.size} time(s), first after sample {int(at[0]) + 1}"
+    text = f"{field[1]} jumps by {size:.4g} rad {when}: a counter overflows"
+    yield refused("wrapped", text, WRAPPED, *field)
 
 
-def _stands(name: str, field: FieldPath, values: Floats, other: Floats) -> list[VettingNote]:
+def _stands(field: FieldPath, values: Floats, other: Floats) -> Iterator[VettingNote]:
     """Findings for an angle that stays exactly at its extreme value while the other side of the drive moves."""
     for end, word in ((float(values.max()), "highest"), (float(values.min()), "lowest")):
         at = values == end
@@ -123,15 +120,16 @@ def _stands(name: str, field: FieldPath, values: Floats, other: Floats) -> list[
         longest = int(np.argmax(ends - begins))
         moved = float(np.ptp(other[begins[longest] : ends[longest]]))
         if moved > LOST_TRAVEL * float(np.ptp(other)):
+            samples = int(ends[longest] - begins[longest])
             text = (
-                f"{name} stays at its {word} figure, {end:.6g} rad, for {int(ends[longest] - begins[longest])} samples "
+                f"{field[1]} stays at its {word} figure, {end:.6g} rad, for {samples} samples "
                 f"while the drive goes on by {moved:.4g} rad: the sensor is at its end"
             )
-            return [VettingNote("saturated", "doubt", text, "cut these samples out, or set the sensor's range", field)]
-    return []
+            yield doubt("saturated", text, "cut these samples out, or set the sensor's range", *field)
+            return
 
 
-def _levels(load_Nm: Floats) -> list[VettingNote]:
+def _levels(load_Nm: Floats) -> Iterator[VettingNote]:
     """Findings for a noisy torque that is often exactly at its extreme value."""
     still = float(np.mean(np.diff(load_Nm) == 0.0))
     for end, word in ((float(load_Nm.max()), "highest"), (float(load_Nm.min()), "lowest")):
@@ -139,8 +137,8 @@ def _levels(load_Nm: Floats) -> list[VettingNote]:
         if share > LEVEL_SHARE and still < 0.5 and load_Nm.size * share > 10:
             text = f"load torque is at its {word} figure, {end:.5g} N m, in {share:.1%} of the samples: it is cut off"
             remedy = "set the sensor's range higher; load-driven effects are off where it is cut"
-            return [VettingNote("saturated", "doubt", text, remedy, ("columns", "load_torque"))]
-    return []
+            yield doubt("saturated", text, remedy, "columns", "load_torque")
+            return
 
 
 # Fewest half sweeps for a fit and held-back data: the first is discarded, one is held back.
@@ -171,7 +169,7 @@ def order_left(angle_rad: Floats, order: float) -> float:
         return 0.0
 
 
-def reach_findings(run: Run, ratio: float, d: DriveSI | None) -> list[VettingNote]:
+def reach_findings(run: Run, ratio: float, d: DriveSI | None) -> Iterator[VettingNote]:
     """Facts and doubts about the experiment."""
     output = smoothed(run.output_rad, SPEED_WINDOW_S, run.step_s)
     sweeps = int(half_sweeps(output).max()) + 1
@@ -184,19 +182,30 @@ def reach_findings(run: Run, ratio: float, d: DriveSI | None) -> list[VettingNot
         f"{sweeps} half sweep(s) over {travel:.4g} rad ({np.degrees(travel):.3g} deg) in "
         f"{float(run.time_s[-1] - run.time_s[0]):.4g} s, speeds up to {fastest:.3g} rad/s"
     )
-    found = [VettingNote("sweeps", "fact", text)]
+    yield fact("sweeps", text)
     if sweeps < FEWEST_HALF_SWEEPS:
         text = f"{sweeps} half sweep(s): nothing repeats, so an effect cannot be distinguished from a single event"
-        found.append(
-            VettingNote("one_sweep", "doubt", text, f"record {FEWEST_HALF_SWEEPS} half sweeps or more, best 12")
-        )
+        yield doubt("one_sweep", text, f"record {FEWEST_HALF_SWEEPS} half sweeps or more, best 12")
     if rate * travel / max(fastest, 1e-12) < 20.0:
         text = f"fewer than 20 samples a sweep at {rate:.3g} Hz"
-        found.append(VettingNote("sampling", "doubt", text, "log faster or move slower", ("columns", "time")))
-    return [*found, *_orders(run, ratio, d), *_loads(run, speed, d), *_no_temperature(run), *_sensors(run)]
+        yield doubt("sampling", text, "log faster or move slower", "columns", "time")
+    yield from _orders(run, ratio, d)
+    yield from _loads(run, speed, d)
+    if run.temperature_C is None:
+        text = "no temperature: thermal drift and creep are found from their course over time alone"
+        yield fact("no_temperature", text)
+    else:
+        yield fact("temperature", f"temperature varies by {float(np.ptp(run.temperature_C)):.3g} K")
+    s = run.sensors
+    missing = [name for name in ("input_resolution_rad", "output_resolution_rad") if getattr(s, name) is None]
+    if run.load_Nm is not None and run.load_Nm.any() and s.torque_noise_Nm is None:
+        missing.append("torque_noise_Nm")
+    if missing:
+        text = f"{', '.join(missing)} not given: the noise floor comes from the scatter between sweeps alone"
+        yield fact("sensors", text, "give it under sensors, from the data sheet", "sensors")
 
 
-def _orders(run: Run, ratio: float, d: DriveSI | None) -> list[VettingNote]:
+def _orders(run: Run, ratio: float, d: DriveSI | None) -> Iterator[VettingNote]:
     left = float(np.sqrt(order_left(run.output_rad, 1.0)))
     travel = float(np.ptp(run.output_rad))
     if left < ONE_WITH_RATIO:
@@ -204,51 +213,55 @@ def _orders(run: Run, ratio: float, d: DriveSI | None) -> list[VettingNote]:
             "drum order 1 and ratio_error cannot be separated over this travel: "
             f"{left:.1g} of its amplitude differs from a ratio"
         )
-        found = [VettingNote("drum_order", "fact", text, "only a longer travel separates them")]
+        yield fact("drum_order", text, "only a longer travel separates them")
     else:
         text = f"drum order 1 differs from a ratio error by {left:.2g} of its amplitude: that must rise above the floor"
-        found = [VettingNote("drum_order", "fact", text)]
-    stages = [("input", ratio)]
-    if d is not None:
-        stages = [(body.name, abs(body.turns_per_drum)) for body in d.routes.passed] + stages
+        yield fact("drum_order", text)
+    stages = [] if d is None else [(body.name, abs(body.turns_per_drum)) for body in d.routes.passed]
+    stages.append(("input", ratio))
     turns = ", ".join(f"{name} {stage * travel / (2.0 * np.pi):.3g} turn(s)" for name, stage in stages)
     short = [name for name, stage in stages if order_left(run.output_rad, stage) < ONE_WITH_RATIO**2]
     words = f"; too short for once_per_rev of {' and '.join(short)}" if short else ""
     spacing = 2.0 * np.pi / travel
     text = f"{turns}{words}; neighbouring orders of ripple are {spacing:.3g} cycles per output turn apart at least"
-    return [*found, VettingNote("orders", "fact", text)]
+    yield fact("orders", text)
 
 
-def _loads(run: Run, speed: Floats, d: DriveSI | None) -> list[VettingNote]:
+def _loads(run: Run, speed: Floats, d: DriveSI | None) -> Iterator[VettingNote]:
     if run.load_Nm is None:
         text = (
             "no load_torque: kinematics only, load-driven effects (stiffness, preload, friction of cables) not testable"
         )
-        remedy = "log the torque at the output; if there was no load, say load: none"
-        return [VettingNote("no_load", "fact", text, remedy)]
+        yield fact("no_load", text, "log the torque at the output; if there was no load, say load: none")
+        return
     if not run.load_Nm.any():
         text = "no load: stiffness, preload and friction of the cables are not testable"
-        return [VettingNote("unloaded", "fact", text, "run under a load too")]
+        yield fact("unloaded", text, "run under a load too")
+        return
     low, high = np.percentile(run.load_Nm, (2.0, 98.0))
     span, size = float(high - low), float(np.abs(run.load_Nm).max())
     noise = 5.0 * (run.sensors.torque_noise_Nm or 0.0)
     if span <= max(CONSTANT_SHARE * size, noise):
         text = f"the load is constant ({float(np.median(run.load_Nm)):.4g} N m): stiffness and preload are not testable"
-        return [VettingNote("constant_load", "doubt", text, "add a load that changes, a brake or two weights")]
+        yield doubt("constant_load", text, "add a load that changes, a brake or two weights")
+        return
     levels = load_levels(run.load_Nm)
     words = ", ".join(f"{level:.3g}" for level in levels)
-    text = f"load levels {words} N m" if levels else f"the load varies from {low:.3g} to {high:.3g} N m"
-    found = [VettingNote("load_levels", "fact", text), *_source_of_load(run), _friction(speed, run.load_Nm)]
+    yield fact(
+        "load_levels", f"load levels {words} N m" if levels else f"the load varies from {low:.3g} to {high:.3g} N m"
+    )
+    yield from _source_of_load(run)
+    alike = friction_alike(speed, run.load_Nm)
+    remedy = "two speeds that differ threefold and two loads, one a weight, tell them" if alike else ""
+    yield fact("friction_forms", friction_words(alike), remedy)
     sense = np.sign(speed)
     moving = np.abs(speed) > 0.2 * np.quantile(np.abs(speed), 0.99)
     # About zero and not about the mean: with a bias the load does not change sign with the motion.
     along, load = sense[moving], run.load_Nm[moving]
     if abs(float(np.mean(load * along))) > FOLLOWS * float(np.sqrt(np.mean(load**2))):
-        text = "the load follows the sense of motion: friction looks like lash" + (
-            ", winding_history like ratio_error" if d is not None else ""
-        )
-        found.append(VettingNote("load_follows_speed", "fact", text, "a bias load separates them"))
-    return found
+        more = ", winding_history like ratio_error" if d is not None else ""
+        text = f"the load follows the sense of motion: friction looks like lash{more}"
+        yield fact("load_follows_speed", text, "a bias load separates them")
 
 
 # Speeds, or sizes of the load, count as one if the largest usual one is less than so many times the smallest. A sense
@@ -283,15 +296,7 @@ def friction_words(alike: Sequence[str]) -> str:
     return "friction by speed, by load and by the sense of power can be told apart"
 
 
-def _friction(speed: Floats, load_Nm: Floats) -> VettingNote:
-    """Which forms of friction the run can tell apart."""
-    alike = friction_alike(speed, load_Nm)
-    text = friction_words(alike)
-    remedy = "two speeds that differ threefold and two loads, one a weight, tell them" if alike else ""
-    return VettingNote("friction_forms", "fact", text, remedy)
-
-
-def _source_of_load(run: Run) -> list[VettingNote]:
+def _source_of_load(run: Run) -> Iterator[VettingNote]:
     """What a load that no sensor measured leaves open."""
     allowed = run.sensors.torque_class
     if allowed.what == KNOWN_LOAD:
@@ -299,8 +304,8 @@ def _source_of_load(run: Run) -> list[VettingNote]:
             "the load of a weight on an arm is a wave of the output's angle, once a turn: a compliance in series looks "
             "like once_per_rev drum"
         )
-        return [VettingNote("weight", "fact", text, "judge it together with a run with another weight, or none")]
-    if allowed.what == MOTORS_CURRENT and run.load_Nm is not None:
+        yield fact("weight", text, "judge it together with a run with another weight, or none")
+    elif allowed.what == MOTORS_CURRENT and run.load_Nm is not None:
         # A second difference of white noise has six times its square.
         noise = float(np.std(np.diff(run.load_Nm, 2))) / np.sqrt(6.0)
         text = (
@@ -310,8 +315,9 @@ def _source_of_load(run: Run) -> list[VettingNote]:
         )
         weighed = run.motor is not None and (allowed.gain_sigma or 1.0) < run.motor.torque_constant_share
         remedy = "turn a known weight on an arm and state it as load, pendulum: it gives the torque constant"
-        return [VettingNote("motors_current", "fact", text, "" if weighed else remedy)]
-    return [] if run.beside is None else [_beside(run, run.beside)]
+        yield fact("motors_current", text, "" if weighed else remedy)
+    elif run.beside is not None:
+        yield _beside(run, run.beside)
 
 
 # Standard deviation of the gain of currents over a sensor from which they say nothing.
@@ -326,11 +332,11 @@ def _beside(run: Run, found: BesideSensor) -> VettingNote:
             "motors' currents beside the torque sensor: the load goes with the motion, so that a gain and losses look "
             "alike, and the currents are not used"
         )
-        return VettingNote("currents_beside", "fact", text, "add a load that does not, as a weight on an arm")
+        return fact("currents_beside", text, "add a load that does not, as a weight on an arm")
     if found.gain_sigma > MOST_SCATTER:
         text = "motors' currents do not follow the torque sensor: no loss is told, and they are not used"
         remedy = "check the signs of currents and torque, and that the columns belong together"
-        return VettingNote("currents_beside", "doubt", text, remedy)
+        return doubt("currents_beside", text, remedy)
     design = "" if found.of_design_Nm is None else f" (by the design {found.of_design_Nm:.2g})"
     text = (
         f"the motors' currents carry {found.gain:.3g} times (sigma {found.gain_sigma:.2g}) what the torque sensor "
@@ -345,8 +351,8 @@ def _beside(run: Run, found: BesideSensor) -> VettingNote:
     bound = 2.0 * math.hypot(found.gain_sigma, 0.5 * allowed.share)
     if not found.used and abs(found.gain - 1.0) > bound:
         remedy = "check the gain of the sensor, the torque constant (phase or bus current?) and the gear ratio"
-        return VettingNote("currents_beside", "doubt", f"{text}; they differ by more than {bound:.2g}", remedy)
-    return VettingNote("currents_beside", "fact", text)
+        return doubt("currents_beside", f"{text}; they differ by more than {bound:.2g}", remedy)
+    return fact("currents_beside", text)
 
 
 def load_levels(load_Nm: Floats) -> list[float]:
@@ -360,22 +366,3 @@ def load_levels(load_Nm: Floats) -> list[float]:
     if not groups or held < 0.8 * load_Nm.size or max(b - a for a, b in groups) > 15:
         return []
     return [float(np.median(load_Nm[(load_Nm >= edges[a]) & (load_Nm <= edges[b])])) for a, b in groups]
-
-
-def _no_temperature(run: Run) -> list[VettingNote]:
-    if run.temperature_C is None:
-        text = "no temperature: thermal drift and creep are found from their course over time alone"
-        return [VettingNote("no_temperature", "fact", text)]
-    span = float(np.ptp(run.temperature_C))
-    return [VettingNote("temperature", "fact", f"temperature varies by {span:.3g} K")]
-
-
-def _sensors(run: Run) -> list[VettingNote]:
-    s = run.sensors
-    missing = [name for name in ("input_resolution_rad", "output_resolution_rad") if getattr(s, name) is None]
-    if run.load_Nm is not None and run.load_Nm.any() and s.torque_noise_Nm is None:
-        missing.append("torque_noise_Nm")
-    if not missing:
-        return []
-    text = f"{', '.join(missing)} not given: the noise floor comes from the scatter between sweeps alone"
-    return [VettingNote("sensors", "fact", text, "give it under sensors, from the data sheet", ("sensors",))]

@@ -18,7 +18,8 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.measurement.file import load_file
-from mbcdm_cad.measurement.reading import FEWEST_SAMPLES, load_measurement
+from mbcdm_cad.measurement.kinds import FEWEST_SAMPLES
+from mbcdm_cad.measurement.reading import load_measurement
 from mbcdm_cad.measurement.vet import vet
 
 PAPER = Path(__file__).parents[2] / "params" / "measurements" / "paper.yaml"
