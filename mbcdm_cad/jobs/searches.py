@@ -25,8 +25,7 @@ from mbcdm_cad.optimising.result import Optimum, optimum_of, optimum_page
 from mbcdm_cad.optimising.search import FrontSearch, Journal, Told, sole_search
 from mbcdm_cad.optimising.variables import variables_of
 from mbcdm_cad.optimising.wishes import Effort, Wishes
-from mbcdm_cad.planning.best_run import BestRun, best_run
-from mbcdm_cad.planning.candidates import run_of
+from mbcdm_cad.planning.best_run import BestRun, best_run, run_of
 from mbcdm_cad.planning.plan import RunPlan, noise_from, plan_of
 from mbcdm_cad.rig.experiment import DynamicExperiment, Experiment, read_bench, read_experiment
 from mbcdm_cad.solving.question import Question, question_of

@@ -1,21 +1,159 @@
-"""The best run that a bench can make: compare planned runs by the sizes from which each names an effect."""
+"""The best run that a bench can make: runs from a short list within its limits, with their predicted data, compared by
+the sizes from which each names an effect."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from math import exp, inf, log
+from itertools import product
+from math import exp, floor, inf, log, log10, pi, radians, sin
+from typing import Any
+
+import numpy as np
+import yaml
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.loop.prepare.noise import Noise
-from mbcdm_cad.measurement.run import TorqueClass
+from mbcdm_cad.measurement.loads import weighed
+from mbcdm_cad.measurement.run import Run, Sensors, TorqueClass
+from mbcdm_cad.measurement.schema import FREQUENCY_RESPONSE, MOTION, NO_PLATE, CountedParts, InertiaPlate
 from mbcdm_cad.model.si import ModelError
-from mbcdm_cad.planning.candidates import candidates, class_of_load, experiment_text, run_of
 from mbcdm_cad.planning.plan import Foreseen, RunPlan, plan_of
 from mbcdm_cad.rig.bench import BenchLimits
-from mbcdm_cad.rig.experiment import Experiment
-from mbcdm_cad.rig.writing import RigError
+from mbcdm_cad.rig.dynamic.simulate import simulate as simulate_dynamic
+from mbcdm_cad.rig.experiment import DynamicExperiment, Experiment
+from mbcdm_cad.rig.motion import LONGEST_PERIOD_S, WIDEST_MRAD, Load
+from mbcdm_cad.rig.quasistatic import simulate
+from mbcdm_cad.rig.writing import RigError, counted_parts
+
+# Planned runs are computed at this rate, Hz; the experiment file has the rate of the bench.
+PLANNING_HZ = 25.0
+# Share of the travel of the design that is used, and the short travel.
+TRAVEL_SHARE, SHORT_SHARE = 0.9, 0.15
+# Half sweeps of a run, slow and fast.
+SLOW_SWEEPS, FAST_SWEEPS = 10, 32
+LEAST_DURATION_S = 60.0
+# On a triangle the speed has one size, so what grows with the speed looks like what has its sign; on a sine it varies.
+SHAPES = ("triangle", "sine")
+
+
+def candidates(drive: Drive, limits: BenchLimits) -> list[Experiment]:
+    """Runs within the limits, sorted: long travel first, then slow motion first, then triangle before sine, then the
+    simplest load first."""
+    travel = TRAVEL_SHARE * radians(drive.half_travel_deg)
+    if limits.half_travel_deg is not None:
+        travel = radians(limits.half_travel_deg)
+    sensors = {**limits.sensors.model_dump(), "log_torque": bool(limits.loads) and limits.sensors.log_torque}
+    if limits.motor_current is not None:
+        sensors |= {"torque_noise_Nm": limits.motor_current.noise_Nm}
+    found = []
+    for amplitude, travels in ((travel, "long travel"), (SHORT_SHARE * travel, "short travel")):
+        for sweeps, speeds in ((SLOW_SWEEPS, "slow"), (FAST_SWEEPS, "fast")):
+            period = round(2.0 * limits.duration_s / sweeps, 3)
+            if limits.drum_speed_max_deg_s is not None:
+                # The period of a sine whose largest speed is within the limit; a slower run is allowed.
+                period = max(period, round(2.0 * pi * amplitude / radians(limits.drum_speed_max_deg_s), 3))
+            if period > LONGEST_PERIOD_S:
+                continue
+            motion = {"amplitude_mrad": round(min(1e3 * amplitude, WIDEST_MRAD), 2), "period_s": period}
+            for shape, (name, load) in product(SHAPES, _loads(limits, amplitude)):
+                found.append(
+                    Experiment.model_validate(
+                        {
+                            "name": "planned",
+                            "about": f"{travels}, {speeds} {shape}, {name}",
+                            "duration_s": round(limits.duration_s, 3),
+                            "sample_rate_Hz": PLANNING_HZ,
+                            "motion": {**motion, "shape": shape},
+                            "load": load,
+                            "sensors": sensors,
+                            "physics": {"cable_transport": False},
+                        }
+                    )
+                )
+    return found
+
+
+def _loads(limits: BenchLimits, amplitude: float) -> Iterator[tuple[str, dict[str, Any]]]:
+    """(description, load of the experiment file) at an amplitude of the drum, rad, the simplest equipment first."""
+    most = limits.torque_Nm
+    if most is None:
+        yield "no load", {"kind": "none"}
+        return
+    digits = max(3, 2 - floor(log10(most)))
+    levels = [round(share * most, digits) for share in (0.15, 0.4, 0.7, 1.0)]
+    bias, kinds = round(0.5 * most, digits), limits.loads
+    motor = {"kind": "torque_motor", "levels_Nm": levels[-1:]}
+    if "brake" in kinds:
+        yield "a brake at four levels", {"kind": "brake", "levels_Nm": levels, "periods_per_level": 1.0}
+    if "brake" in kinds and "weight" in kinds:
+        yield "a brake at half the load and a weight", {"kind": "brake", "levels_Nm": [bias], "bias_Nm": bias}
+    if "weight" in kinds and limits.motor_current is not None:
+        # On an arm that hangs at the centre: its torque is known at each angle, and gives the torque constant.
+        moment = round(most / sin(min(amplitude, 0.5 * pi)), digits)
+        yield "a weight on an arm", {"kind": "inertia_plate", "unbalance_Nm": moment}
+    elif "weight" in kinds:
+        yield "a weight alone", {"kind": "none", "bias_Nm": levels[-1]}
+    if "torque_motor" in kinds:
+        period = limits.duration_s / 13.7
+        yield "a torque motor, sine with its own period", {**motor, "wave": "sine", "wave_period_s": period}
+        period = limits.duration_s / 8.3
+        yield "a torque motor, square wave", {**motor, "wave": "square", "wave_period_s": period}
+
+
+def experiment_text(experiment: Experiment, about: str) -> str:
+    """The experiment file, with a comment at its head."""
+    content = experiment.model_dump(mode="json", exclude_defaults=True)
+    return f"# {about}\n" + yaml.safe_dump(content, sort_keys=False, allow_unicode=True, width=110)
+
+
+def class_of_load(limits: BenchLimits, load: Load) -> TorqueClass:
+    """How well a load is known on a bench."""
+    current = limits.motor_current
+    if current is None:
+        return TorqueClass()
+    by_weight = inf if load.unbalance_Nm == 0.0 else 0.5 * TorqueClass().share
+    return TorqueClass.of_motors(weighed(current.torque_constant_share, by_weight)[1])
+
+
+def run_of(drive: Drive, wanted: Experiment | DynamicExperiment, torque_class: TorqueClass | None = None) -> Run:
+    """The run as the bench would log it for the declared drive. Raises ``RigError`` if the rig stops.
+
+    ``torque_class``: how well its load is known, as a usual sensor's if left out. Of the dynamic rig it is a chirp.
+    """
+    plain = wanted.physics.model_copy(update={"cable_transport": False})
+    wanted, kind = wanted.model_copy(update={"effects": (), "physics": plain}), FREQUENCY_RESPONSE
+    s, quasistatic = wanted.sensors, isinstance(wanted, Experiment)
+    if isinstance(wanted, Experiment):
+        run, kind = simulate(drive, wanted), MOTION if wanted.record == "samples" else wanted.record
+        rows = wanted.rows(run.time_s)
+    else:
+        run = simulate_dynamic(drive, wanted)
+        rows = np.arange(run.time_s.size)
+    sensors = Sensors(
+        s.input_resolution_rad or None,
+        s.output_resolution_rad or None,
+        s.torque_noise_Nm or None,
+        s.input_noise_rad or None,
+        s.output_noise_rad or None,
+        torque_class or TorqueClass(),
+    )
+    return Run(
+        run.time_s[rows],
+        run.measured_input_rad[:, rows],
+        run.measured_output_rad[rows],
+        None if run.measured_load_Nm is None else run.measured_load_Nm[rows],
+        None if run.measured_temperature_C is None else run.measured_temperature_C[rows],
+        sensors,
+        tuple(drive.input_names) if len(drive.input_names) > 1 else ("input",),
+        wanted.name,
+        counted=CountedParts.model_validate(counted) if (counted := counted_parts(wanted)) else None,
+        kind=kind,
+        excitation=None if quasistatic else run.excitation_rad,
+        plate=NO_PLATE if quasistatic else InertiaPlate(inertia_kg_m2=wanted.load.inertia_kg_m2),
+    )
+
 
 # A run that needs an effect this many times larger than the best run does is as bad as one that cannot show it.
 BLIND = 10.0

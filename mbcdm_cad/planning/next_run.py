@@ -27,7 +27,7 @@ from mbcdm_cad.loop.search.exchange import ALIKE_SHARE
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.model.si import ModelError
-from mbcdm_cad.planning.candidates import LEAST_DURATION_S, TRAVEL_SHARE, candidates, experiment_text, run_of
+from mbcdm_cad.planning.best_run import LEAST_DURATION_S, TRAVEL_SHARE, candidates, experiment_text, run_of
 from mbcdm_cad.planning.detectable import planned_fitter, without_offsets
 from mbcdm_cad.planning.prediction_noise import along
 from mbcdm_cad.rig.bench import MOST_DURATION_S, BenchLimits

@@ -8,27 +8,34 @@ their size; all else, the rivals too, is linear in the sizes, so valid for small
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
+from scipy.optimize import brentq
+from scipy.stats import chi2, ncf, norm
+from scipy.stats import f as f_distribution
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.loop.effect import Effect
 from mbcdm_cad.loop.prepare.noise import Noise, noise_of
 from mbcdm_cad.loop.prepare.quiet import signal_noise
 from mbcdm_cad.loop.readable import readable
+from mbcdm_cad.loop.search.evidence import LOG_ODDS
+from mbcdm_cad.loop.search.few import PLAY, FewReadings, prepared_by_hand
+from mbcdm_cad.loop.search.few_words import CHANCE
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.loop.search.response import ResponseLoop
+from mbcdm_cad.loop.search.select import LEAST_FALL
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.measurement.schema import CREEP, FREQUENCY_RESPONSE, MOTION, TURNING_POINTS
 from mbcdm_cad.measurement.vet import arranged
 from mbcdm_cad.measurement.vet_signals import friction_alike, friction_words
 from mbcdm_cad.model.si import to_si
-from mbcdm_cad.planning.by_hand import PlannedReadings, sizes_by_hand, sizes_of_response
 from mbcdm_cad.planning.detectable import NEVER, PlannedEffects, Tried, planned_fitter
 from mbcdm_cad.planning.prediction_noise import coloured
+from mbcdm_cad.routes import Floats
 
 POWER = 0.9
 # A rival is listed if the effect can be confused with it up to so many times its smallest named size; worst first.
@@ -137,19 +144,31 @@ def plan_of(drive: Drive, run: Run, noise: Noise | None = None, power: float = P
     ``power`` is the probability with which an effect of the smallest size is to be named.
     """
     if run.kind == FREQUENCY_RESPONSE:
-        return _of_response(
-            ResponseLoop(drive, float(np.mean(to_si(drive).total_ratio)), [arranged(run, drive)]), power
-        )
+        loop = ResponseLoop(drive, float(np.mean(to_si(drive).total_ratio)), [arranged(run, drive)])
+        return RunPlan(loop.noise, tuple(_of_response(loop, power)), power, moves=False)
     if run.kind != MOTION:
-        return _by_hand(PlannedReadings(drive, run), noise, power)
+        planned = PlannedReadings(drive, run)
+        noise = noise or planned.few.noise
+        return RunPlan(noise, tuple(planned.foreseen(noise.total_rad, power)), power, moves=False)
     fitter = planned_fitter(drive, run)
     # Fitted again from where it ended: the slopes by the offsets differ at their bound.
     bare = fitter.fit(offsets=fitter.fit().offsets, iterations=0)
     effects = PlannedEffects(fitter, bare, noise or _noise_in(fitter, bare))
     p = fitter.runs[0]
     alike = tuple(friction_alike(p.speed_rad_s, p.load_Nm))
-    found = tuple(_foreseen(effects, one, power) for one in effects.tried)
+    found = tuple(_of_motion(effects, one, power) for one in effects.tried)
     return RunPlan(effects.noise, found, power, alike, _proposals(run, found))
+
+
+def _foreseen(label: str, figure: str, size: float, rivals: Iterable[tuple[str, float]]) -> Foreseen:
+    """An effect that is named from ``size`` on, not at all where it is infinite; ``rivals``: from which size on it is
+    told from each other one, of which the worst are listed."""
+    if not np.isfinite(size):
+        return Foreseen(label, figure, None, ())
+    near = sorted((rival for rival in rivals if rival[1] > size), key=lambda rival: -rival[1])[:MOST_RIVALS]
+    return Foreseen(
+        label, figure, size, tuple(Rival(other, at if at <= ANY_SIZE * size else None) for other, at in near)
+    )
 
 
 def _proposals(run: Run, found: Sequence[Foreseen]) -> tuple[str, ...]:
@@ -165,54 +184,21 @@ def _proposals(run: Run, found: Sequence[Foreseen]) -> tuple[str, ...]:
     return tuple(proposed)
 
 
-def _by_hand(planned: PlannedReadings, noise: Noise | None, power: float) -> RunPlan:
-    """What readings by hand can find."""
-    noise, found = noise or planned.few.noise, []
-    sizes = sizes_by_hand(planned, noise.total_rad, power)
-    usual = {effect: next(p.size for p in effect.parameters if p.role == "size") for effect, _, _ in sizes}
-    seen = {effect for effect, size, _ in sizes if size <= NEVER * usual[effect]}
-    for effect, size, rivals in sizes:
-        name = _size_name(effect)
-        if effect not in seen:
-            found.append(Foreseen(effect.label, name, None, ()))
-            continue
-        near = [(e, at) for e, at in rivals if e in seen and at > size]
-        worse = [Rival(e.label, at if at <= ANY_SIZE * size else None) for e, at in near]
-        found.append(Foreseen(effect.label, name, size, tuple(worse[:MOST_RIVALS])))
-    return RunPlan(noise, tuple(found), power, moves=False)
-
-
-def _of_response(loop: ResponseLoop, power: float) -> RunPlan:
-    """What a chirp can find, by the response of a run that was made or simulated."""
-    found = []
-    for one, size, rivals in sizes_of_response(loop, power):
-        near = tuple(Rival(label, at if at <= ANY_SIZE * size else None) for label, at in rivals if at > size)
-        seen = size <= NEVER * one.size
-        found.append(Foreseen(one.label, one.figure, size if seen else None, near[:MOST_RIVALS] if seen else ()))
-    return RunPlan(loop.noise, tuple(found), power, moves=False)
-
-
-def _foreseen(effects: PlannedEffects, one: Tried, power: float) -> Foreseen:
+def _of_motion(effects: PlannedEffects, one: Tried, power: float) -> Foreseen:
     """The sizes of one effect, and the effects with which it is confused."""
     signed = effects.sizes(one, power)
-    name = _size_name(one.effect)
-    size = max((each for each in signed if np.isfinite(each)), default=None)
+    name, size = _size_name(one.effect), max((each for each in signed if np.isfinite(each)), default=None)
     if size is None:
         return Foreseen(one.label, name, None, ())
     strength = size * one.unit / effects.noise.total_rad
-    rivals = []
-    for other in effects.tried:
-        if other.effect.key == one.effect.key or other.unit <= 0.0:
-            continue
-        wanted = one.apart(other)
-        if wanted > strength:
-            from_size = None if wanted > ANY_SIZE * strength else wanted / strength * size
-            rivals.append((wanted, Rival(other.label, from_size)))
-    rivals.sort(key=lambda rival: -rival[0])
-    worst = (*_within(effects, one, strength, size), *(rival for _, rival in rivals[:MOST_RIVALS]))
+    others = [other for other in effects.tried if other.effect.key != one.effect.key and other.unit > 0.0]
+    rivals = ((other.label, one.apart(other) / strength * size) for other in others)
+    found = _foreseen(one.label, name, size, rivals)
+    found = replace(found, rivals=(*_within(effects, one, strength, size), *found.rivals))
     if signed[0] == signed[1] or abs(signed[0] / signed[1] - 1.0) < SAME_SIZE:
-        return Foreseen(one.label, name, size, worst)
-    return Foreseen(one.label, name, size, worst, *(each if np.isfinite(each) else None for each in signed))
+        return found
+    positive, negative = (each if np.isfinite(each) else None for each in signed)
+    return replace(found, if_positive=positive, if_negative=negative)
 
 
 def _within(effects: PlannedEffects, one: Tried, strength: float, size: float) -> Iterator[Rival]:
@@ -229,3 +215,119 @@ def _size_name(effect: Effect) -> str:
     """Name of the first size; the amplitude of a wave has the same unit."""
     name = next(p.name for p in effect.parameters if p.role == "size")
     return name.replace("cosine_", "amplitude_")
+
+
+# Noncentrality beyond which nothing is looked for.
+MOST_STRENGTH = 1e6
+
+
+class PlannedReadings:
+    """Readings by hand that are planned, or were made, on a drive, and the tests of the loop on them.
+
+    The slopes are those at size zero, so valid for small effects. The F test on the readings that are not held back
+    must find the effect with the plan's power, and the readings held back must show it as the loop asks.
+    """
+
+    def __init__(self, drive: Drive, run: Run) -> None:
+        d = to_si(drive)
+        ratio = float(np.mean(d.total_ratio))
+        self.few = FewReadings(d, ratio, [prepared_by_hand(arranged(run, drive), ratio)], drive.as_built)
+        self.effects = [e for e in self.few.library if not e.unmeasured]
+
+    def slopes(self, effect: Effect) -> Floats | None:
+        """Derivatives of the prediction by the sizes of an effect, on all samples (n, k); None if nothing shows."""
+        if self.few.loses_track or (effect.name == PLAY and self.few.hides_play):
+            return None
+        f, sizes = self.few.fitter, [p.role == "size" for p in effect.parameters]
+        for start in f.guesses(effect, self.few.bare.residual):
+            values = np.where(sizes, 0.0, start)
+            slopes = f.fit((effect,), (values,), iterations=0).jacobian[:, sizes]
+            if np.all(np.linalg.norm(f.centred_on(f.train, slopes), axis=0) > 0.0):
+                return slopes
+        return None
+
+    def smallest(self, effect: Effect, slopes: Floats, floor_rad: float, power: float) -> float:
+        """The smallest size that is named with this power, whatever its phase; infinite if the readings are too few."""
+        f = self.few.fitter
+        n, test = int(f.train.sum()), int(f.test.sum())
+        extra = len(effect.parameters)
+        freedom = n - extra - 1
+        if freedom < 1 or not test:
+            return np.inf
+        limit = float(f_distribution.isf(CHANCE / len(self.few.library), extra, freedom))
+
+        def lacks(strength: float) -> float:
+            return float(ncf.sf(limit, extra, freedom, strength)) - power
+
+        if lacks(MOST_STRENGTH) < 0.0:
+            return np.inf
+        strength = float(brentq(lacks, 1e-6, MOST_STRENGTH))
+        _, lengths, phases = np.linalg.svd(f.centred_on(f.train, slopes), full_matrices=False)
+        found = np.sqrt(strength) / lengths[-1]
+        sure = float(norm.isf(1.0 - power)) / np.sqrt(test)
+        held = float(np.sqrt(np.mean((f.centred(slopes, f.train)[f.test] @ phases[-1]) ** 2)))
+        shown = (sure + np.sqrt(sure**2 + LEAST_FALL**2)) / held if held else np.inf
+        return floor_rad * float(max(found, shown))
+
+    def apart(self, one: Floats, other: Floats, floor_rad: float, power: float) -> float:
+        """The size from which an effect of slopes ``one`` is told from another with the loop's odds."""
+        f = self.few.fitter
+        mine, its = (f.centred_on(f.used, columns) for columns in (one, other))
+        basis = np.linalg.qr(its)[0]
+        _, lengths, phases = np.linalg.svd(mine, full_matrices=False)
+        left = mine @ phases[-1]
+        left = left - basis @ (basis.T @ left)
+        needed = np.sqrt(2.0 * LOG_ODDS) + float(norm.isf(1.0 - power))
+        length = float(np.linalg.norm(left))
+        return needed * floor_rad / length if length > 1e-9 * float(lengths[-1]) else np.inf
+
+    def foreseen(self, floor_rad: float, power: float) -> Iterator[Foreseen]:
+        """What the readings can find. An effect that is never seen is no rival."""
+        slopes = {e: s for e in self.effects if (s := self.slopes(e)) is not None}
+        least = {e: self.smallest(e, s, floor_rad, power) for e, s in slopes.items()}
+        seen = {
+            e: at for e, at in least.items() if at <= NEVER * next(p.size for p in e.parameters if p.role == "size")
+        }
+        for effect in self.effects:
+            others = [other for other in seen if other.key != effect.key and effect in seen]
+            rivals = ((e.label, self.apart(slopes[effect], slopes[e], floor_rad, power)) for e in others)
+            yield _foreseen(effect.label, _size_name(effect), seen.get(effect, np.inf), rivals)
+
+
+def _of_response(loop: ResponseLoop, power: float) -> Iterator[Foreseen]:
+    """What a chirp can find, by the response of a run that was made or simulated: the size from which each suspect is
+    told from each other one and from what the design's structure and the declared inertia may be wrong by."""
+    free, columns = loop.slopes()
+    basis, sure = np.linalg.qr(free)[0], float(norm.isf(1.0 - power))
+    left = {name: column - basis @ (basis.T @ column) for name, column in columns.items()}
+    # The F test has the averages that are not held back, the odds have all.
+    found = (float(np.sqrt(chi2.isf(CHANCE / len(loop.suspects), 1))) + sure) / float(np.sqrt(np.mean(~loop.test)))
+    apart, scale = np.sqrt(2.0 * LOG_ODDS) + sure, float(np.sqrt(loop.together))
+    for one in loop.suspects:
+        mine = left[one.parameter]
+        # Named by the F test, and by the error that is held back; beyond what the law, the slip and the sensors may do.
+        bare = max(found * scale, LEAST_FALL * float(np.sqrt(mine.size))) / float(np.linalg.norm(mine) + 1e-300)
+        least = max(_beside(mine, left[name], bare, 2.0 * sigma) for name, sigma in loop.prior.items())
+        rivals = []
+        for name, (_, _, most) in loop.tolerances.items():
+            if name == one.parameter:
+                least += most
+            else:
+                rivals.append((f"{name} within its figures", _beside(mine, left[name], bare, most)))
+        for other in loop.suspects:
+            if other.name != one.name:
+                alone = _without(mine, left[other.parameter])
+                rivals.append((other.label, apart * scale / float(np.linalg.norm(alone) + 1e-300)))
+        yield _foreseen(one.label, one.figure, least if least <= NEVER * one.size else np.inf, rivals)
+
+
+def _without(mine: Floats, its: Floats) -> Floats:
+    """What another slope leaves of one."""
+    return np.asarray(mine - its * float(its @ mine) / (float(its @ its) + 1e-300))
+
+
+def _beside(mine: Floats, its: Floats, bare: float, most: float) -> float:
+    """The size beside a figure that may be wrong by ``most``, or by anything that the response itself shows; ``bare``
+    that without it."""
+    square, alone = float(mine @ mine) + 1e-300, float(np.linalg.norm(_without(mine, its))) + 1e-300
+    return min(bare + most * abs(float(its @ mine)) / square, bare * float(np.sqrt(square)) / alone)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from mbcdm_cad.cli import run as mbcdm
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.planning.candidates import candidates, run_of
+from mbcdm_cad.planning.best_run import candidates, run_of
 from mbcdm_cad.planning.plan import plan_of
 from mbcdm_cad.rig.bench import BenchLimits
 from mbcdm_cad.rig.experiment import Experiment, read_experiment
