@@ -128,22 +128,6 @@ def sizes_of(terms: Terms) -> Terms:
     return tuple(term for term in terms if term != BUILT_UP)
 
 
-def _beyond(setup: Setup, torque_Nm: Floats) -> Setup:
-    return setup.with_rubbed(torque_Nm)
-
-
-def _before(setup: Setup, torque_Nm: Floats) -> Setup:
-    return replace(setup, load_Nm=setup.load - torque_Nm)
-
-
-def _shifted(setup: Setup, angle_rad: Floats) -> Setup:
-    return setup.with_added(-angle_rad)
-
-
-def _not_measured(setup: Setup, values: Floats, _: Simulator) -> Setup:
-    return replace(setup, load_Nm=values[0] * setup.p.sense)
-
-
 _TORQUES = {
     CONSTANT: ("torque_Nm", 0.01),
     VISCOUS: ("drag_Nm_s", 0.05),
@@ -157,7 +141,7 @@ _TORQUES = {
 BEYOND = FrictionPlace(
     "bearing torque",
     _TORQUES,
-    _beyond,
+    lambda s, torque_Nm: s.with_rubbed(torque_Nm),
     "a torque against the motion that the sensor does not see",
     "drum bearings and seals: turn the drum by hand with the cables off",
     "the bearings hold back {torque_Nm} that the torque sensor does not see",
@@ -166,7 +150,7 @@ BEYOND = FrictionPlace(
 BEFORE = FrictionPlace(
     "friction in the measured torque",
     _TORQUES,
-    _before,
+    lambda s, torque_Nm: replace(s, load_Nm=s.load - torque_Nm),
     "the torque was taken before a friction, as from the motor's current: the drum bears less than it says",
     "friction of motor, gearhead and seals before the drum: current of the motor without a load",
     "the measured torque contains {torque_Nm} of friction that the drum does not bear",
@@ -181,7 +165,7 @@ SHIFT = FrictionPlace(
         DRIVING: ("driving_rad_Nm", 1e-5),
         DRIVEN: ("driven_rad_Nm", 1e-5),
     },
-    _shifted,
+    lambda s, angle_rad: s.with_added(-angle_rad),
     "friction behind a stiffness that is not known",
     "bearings and seals between input and output",
     "friction holds the output back by {half_width_rad} in both directions",
@@ -293,19 +277,11 @@ def _wound_up(shift: Effect) -> Effect:
         form=WOUND,
         physics="friction holds the output until what is soft has wound up; half width over compliance is its torque",
         where_to_look="bearings and seals at the output, and what is soft before them",
-        apply=_wind,
-        starts=_half_width,
+        apply=lambda s, v, simulator: lash.by_motion(s, 2.0 * v, simulator),
+        starts=lambda s, residual: [[0.5 * size for size in start] for start in lash.width(s, residual)],
         plain="friction holds the output back by {half_width_rad}, until what is soft has wound up",
         richer=None,
     )
-
-
-def _wind(setup: Setup, values: Floats, simulator: Simulator) -> Setup:
-    return lash.by_motion(setup, 2.0 * values, simulator)
-
-
-def _half_width(setup: Setup, residual: Floats) -> list[list[float]]:
-    return [[0.5 * size for size in start] for start in lash.width(setup, residual)]
 
 
 def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
@@ -326,7 +302,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
                 "brake, bearings and seals of the drum",
                 "log the load's torque, or run without a load",
                 (Parameter("torque_Nm", 0.05, 0.0),),
-                _not_measured,
+                lambda s, v, _: replace(s, load_Nm=v[0] * s.p.sense),
                 generic=True,
                 unmeasured=True,
                 plain="{torque_Nm} against the motion, which no sensor measured, would explain the error",

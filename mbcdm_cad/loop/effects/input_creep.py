@@ -16,19 +16,13 @@ import numpy as np
 from mbcdm_cad.loop.effect import Effect, Figure, Parameter
 from mbcdm_cad.loop.effects.passed_slip import MOST
 from mbcdm_cad.loop.prepare.prepared import Prepared
-from mbcdm_cad.loop.prepare.setup import Setup, Simulator
 from mbcdm_cad.model.si import DriveSI
-from mbcdm_cad.routes import Floats
 
 # First guesses of the wrap, shares of that of the design; a shorter one slips as a whole.
 STARTS = (1.0, 0.8, 0.6, 0.4)
 SHORTEST_RAD = pi
 # With less rotation of the input no part of the cable that sticks leaves the wrap.
 LEAST_TRAVEL_RAD = 1.0
-
-
-def _apply(setup: Setup, values: Floats, _: Simulator) -> Setup:
-    return replace(setup, creep=setup.creep + float(values[0]), through_rad=float(values[1]))
 
 
 def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
@@ -44,7 +38,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
             "turns of the cable round the input, grease on them, preload",
             "the same load at a shorter travel, or with a turn more round the input: the drum stays where it is",
             (strength, Parameter("wrap_rad", 0.05, SHORTEST_RAD, 1.5 * wrap, role="place")),
-            _apply,
+            lambda s, v, _: replace(s, creep=s.creep + float(v[0]), through_rad=float(v[1])),
             starts=lambda setup, residual: [[1.0, max(share * wrap, SHORTEST_RAD)] for share in STARTS],
             figures=(
                 Figure("strength", lambda v: float(v[0]), "1 is the whole effect of that wrap"),

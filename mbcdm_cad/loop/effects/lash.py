@@ -21,10 +21,6 @@ DRUM_CHANGE_NM = 0.01
 INPUT_PLAY = (Parameter("play_rad", 1e-4, 0.0), Parameter("zero_rad", 1e-4, -0.01, 0.01, role="place", default=0.0))
 
 
-def _output(setup: Setup, values: Floats, _: Simulator) -> Setup:
-    return setup.with_added(-0.5 * values[0] * np.tanh((setup.load - values[1]) / DRUM_CHANGE_NM))
-
-
 def _where_it_steps(setup: Setup, residual: Floats) -> list[list[float]]:
     """Two starts: contact that changes sides without a load, and at the load where one step explains most."""
     used = setup.p.used
@@ -75,7 +71,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
                 "sensor, and friction that it does not see",
                 SEPARATE,
                 (play, Parameter("zero_Nm", 0.002, -most, most, role="place", default=0.0)),
-                _output,
+                lambda s, v, _: s.with_added(-0.5 * v[0] * np.tanh((s.load - v[1]) / DRUM_CHANGE_NM)),
                 starts=_where_it_steps,
                 figures=(
                     Figure("play_rad", lambda v: float(v[0])),

@@ -34,21 +34,9 @@ DEAD = 0.01
 STEEPEST = 1e4
 
 
-def _gain(setup: Setup, values: Floats, _: Simulator) -> Setup:
-    return replace(setup, load_Nm=setup.load * (1.0 + values[0]))
-
-
-def _zero(setup: Setup, values: Floats, _: Simulator) -> Setup:
-    return replace(setup, load_Nm=setup.load - values[0])
-
-
 def _late(setup: Setup, values: Floats, _: Simulator) -> Setup:
     t = setup.p.time_s
     return replace(setup, load_Nm=np.interp(t + values[0], t, setup.load))
-
-
-def _filtered(setup: Setup, values: Floats, _: Simulator) -> Setup:
-    return replace(setup, load_Nm=setup.load + values[0] * np.gradient(setup.load, setup.p.time_s))
 
 
 def _lagging(setup: Setup, values: Floats, _: Simulator) -> Setup:
@@ -98,10 +86,6 @@ def _waves(setup: Setup, residual: Floats) -> list[list[float]]:
     return [[0.0, 0.0, best]]
 
 
-def _reversed(setup: Setup, values: Floats, _: Simulator) -> Setup:
-    return setup.with_added(values[0] * setup.load)
-
-
 def gain(most: float) -> Effect:
     """A gain within ``most``, a share."""
     return Effect(
@@ -111,7 +95,7 @@ def gain(most: float) -> Effect:
         LOOK + "calibrate it with a known weight on an arm",
         "a known weight on an arm of known length",
         (Parameter("share", 0.005, -most, most),),
-        _gain,
+        lambda s, v, _: replace(s, load_Nm=s.load * (1.0 + v[0])),
         hangs_on=SENSOR,
         plain="the load is {share} {way_share} than the torque sensor shows",
     )
@@ -126,7 +110,7 @@ def zero(most_Nm: float) -> Effect:
         LOOK + "read it with the drum free, and give the figure as zero of load_torque",
         "a run without a load: its zero stays, a play then floats",
         (Parameter("zero_Nm", 0.01 * most_Nm, -most_Nm, most_Nm),),
-        _zero,
+        lambda s, v, _: replace(s, load_Nm=s.load - v[0]),
         hangs_on=SENSOR,
         generic=True,
         plain="the torque sensor shows {zero_Nm} without a load",
@@ -151,7 +135,7 @@ def lag(most_s: float) -> tuple[Effect, Effect]:
         late,
         form="low-pass of the torque sensor",
         physics="the amplifier of the torque sensor smooths the load: a low-pass of first order",
-        apply=_filtered,
+        apply=lambda s, v, _: replace(s, load_Nm=s.load + v[0] * np.gradient(s.load, s.p.time_s)),
         plain="the amplifier of the torque sensor lags by {lag_s}",
     )
 
@@ -214,20 +198,22 @@ def within_prior(runs: tuple[Prepared, ...]) -> list[Effect]:
         return []
     found = []
     if give := PRIOR_SIGMAS * parts.give_sigma_rad_Nm:
-        found.append(_of_parts("structure", (Parameter("compliance_rad_Nm", 1e-6, -give, give),), _given))
+        found.append(
+            _of_parts(
+                "structure",
+                (Parameter("compliance_rad_Nm", 1e-6, -give, give),),
+                lambda s, v, _: s.with_added(-v[0] * s.borne),
+            )
+        )
     if parts.friction_Nm:
         most = parts.friction_factor**PRIOR_SIGMAS
         bounds = parts.friction_Nm * (1.0 / most - 1.0), parts.friction_Nm * (most - 1.0)
-        found.append(_of_parts("losses", (Parameter("torque_Nm", 0.01, *bounds),), _rubbed))
+        found.append(
+            _of_parts(
+                "losses", (Parameter("torque_Nm", 0.01, *bounds),), lambda s, v, _: s.with_rubbed(v[0] * s.p.sense)
+            )
+        )
     return found
-
-
-def _given(setup: Setup, values: Floats, _: Simulator) -> Setup:
-    return setup.with_added(-values[0] * setup.borne)
-
-
-def _rubbed(setup: Setup, values: Floats, _: Simulator) -> Setup:
-    return setup.with_rubbed(values[0] * setup.p.sense)
 
 
 def _of_parts(name: str, parameters: tuple[Parameter, ...], apply: Callable[..., Setup]) -> Effect:
@@ -256,7 +242,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
                 "set scale: -1 on load_torque, which is positive where it opposes positive rotation",
                 "push the output by hand and read the sign",
                 (Parameter("compliance_rad_Nm", 1e-6, 0.0),),
-                _reversed,
+                lambda s, v, _: s.with_added(v[0] * s.load),
                 hangs_on=SENSOR,
                 generic=True,
                 plain="the sign of the load is reversed: the output moves against it by {compliance_rad_Nm}",

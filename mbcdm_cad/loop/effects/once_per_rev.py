@@ -50,10 +50,6 @@ def _pulley(stage: str, setup: Setup, values: Floats, _: Simulator) -> Setup:
     return setup.with_path(path_change(d, stage, *wave(values, shaft)))
 
 
-def _output_encoder(waves: int, setup: Setup, values: Floats, _: Simulator) -> Setup:
-    return setup.with_added(wave(values, waves * setup.drum_rad)[0])
-
-
 def _input_encoder(index: int, waves: int, setup: Setup, values: Floats, _: Simulator) -> Setup:
     return setup.with_shift(index, -wave(values, waves * setup.input_shaft_rad(index))[0])
 
@@ -110,7 +106,7 @@ def _eccentric(stage: str, lever_m: float) -> Effect:
 
 def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
     """Encoders always, pulleys where the drive is known."""
-    found = _encoders("drum", 1e-5, _output_encoder, 1.0)
+    found = _encoders("drum", 1e-5, lambda waves, s, v, _: s.with_added(wave(v, waves * s.drum_rad)[0]), 1.0)
     if d is None:
         ratio = float(p.run.ratio or 1.0)
         # At a ratio of 1 both encoders do the same.

@@ -15,10 +15,6 @@ from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
 
 
-def _apply(setup: Setup, values: Floats, _: Simulator) -> Setup:
-    return setup.with_line((float(values[0]), float(values[1]), float(values[2])))
-
-
 def _inside(values: Floats, setup: Setup) -> Floats:
     """The same line over a smoothed angle, since the cables are simulated with it."""
     angle = values[2] * setup.drum_rad
@@ -41,10 +37,6 @@ def _in_path(cable: int, setup: Setup, values: Floats, _: Simulator) -> Setup:
     return setup.with_path(path)
 
 
-def _starts(setup: Setup, residual: Floats) -> list[list[float]]:
-    return [[0.0, 0.0, order] for order in strongest_orders(setup, residual)]
-
-
 def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
     """Always as an error of the reading; with torque as a motion of each input and in the path of each cable."""
     order = Parameter("cycles_per_output_rev", 0.05, 2.0, role="order")
@@ -56,8 +48,8 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
             "gear meshes, motor turns, encoder sub-division of that order",
             "the same travel at another speed",
             (*pair(1e-6, "rad"), order),
-            _apply,
-            starts=_starts,
+            lambda s, v, _: s.with_line((float(v[0]), float(v[1]), float(v[2]))),
+            starts=lambda s, residual: [[0.0, 0.0, order] for order in strongest_orders(s, residual)],
             figures=(
                 Figure("cycles_per_output_rev", lambda v: float(v[2])),
                 Figure("amplitude_rad", length),

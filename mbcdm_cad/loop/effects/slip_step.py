@@ -24,10 +24,6 @@ def step(setup: Setup, at_s: float) -> Floats:
     return np.asarray(0.5 + 0.5 * np.tanh((elapsed_s(setup) - at_s) / (2.0 * RISE_S)))
 
 
-def _mount(setup: Setup, values: Floats, _: Simulator) -> Setup:
-    return setup.with_added(values[0] * step(setup, values[1]))
-
-
 def _anchor(cable: int, setup: Setup, values: Floats, _: Simulator) -> Setup:
     path = np.zeros((setup.drive.n_cables, setup.p.time_s.size))
     path[cable] = -values[0] * step(setup, values[1])
@@ -58,7 +54,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
             "screws of encoder, hub and coupling",
             SEPARATE,
             (Parameter("step_rad", 1e-5), when),
-            _mount,
+            lambda s, v, _: s.with_added(v[0] * step(s, v[1])),
             starts=partial(_jumps, 0.0),
             once=True,
             hangs_on="time",

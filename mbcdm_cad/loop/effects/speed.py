@@ -19,10 +19,6 @@ def _late(setup: Setup, values: Floats, _: Simulator) -> Setup:
     return setup.with_added(curve(t - values[0]) - drum)
 
 
-def _viscous(setup: Setup, values: Floats, _: Simulator) -> Setup:
-    return setup.with_rubbed(values[0] * setup.p.speed_rad_s)
-
-
 def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
     """A late sensor always; a drag through the cables' stiffness where it is known and the load was measured."""
     late = Effect(
@@ -51,7 +47,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
         "grease of the bearings",
         "the same motion with a filter-free sensor",
         (Parameter("drag_Nm_s", 0.05, 0.0),),
-        _viscous,
+        lambda s, v, _: s.with_rubbed(v[0] * s.p.speed_rad_s),
         hangs_on="speed",
         generic=True,
         plain="something drags in proportion to the speed, with {drag_Nm_s}",

@@ -25,10 +25,6 @@ def _modulus(setup: Setup, values: Floats, _: Simulator) -> Setup:
     return replace(setup, d=d.with_(modulus_Pa=d.modulus_Pa * (1.0 + values[0])))
 
 
-def _series(setup: Setup, values: Floats, _: Simulator) -> Setup:
-    return setup.with_added(-values[0] * setup.borne)
-
-
 def _no_rope(values: Floats) -> str:
     """What to look for if the fitted modulus is too low for any rope; otherwise an empty text."""
     if values[0] >= LEAST_MODULUS - 1.0:
@@ -50,7 +46,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
         "output shaft, hub clamp and coupling",
         SEPARATE,
         (Parameter("compliance_rad_Nm", 1e-6, 0.0),),
-        _series,
+        lambda s, v, _: s.with_added(-v[0] * s.borne),
         generic=True,
         plain="something between drum and torque sensor twists by {compliance_rad_Nm}",
         after=AFTER,

@@ -7,13 +7,7 @@ from dataclasses import replace
 from mbcdm_cad.loop.effect import Effect, Parameter
 from mbcdm_cad.loop.effects.passed_slip import MOST
 from mbcdm_cad.loop.prepare.prepared import Prepared
-from mbcdm_cad.loop.prepare.setup import Setup, Simulator
 from mbcdm_cad.model.si import DriveSI
-from mbcdm_cad.routes import Floats
-
-
-def _apply(setup: Setup, values: Floats, _: Simulator) -> Setup:
-    return replace(setup, winding=setup.winding + float(values[0]))
 
 
 def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
@@ -28,7 +22,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
             "no part of the bench: the paper's model leaves it out",
             "the same load at a shorter travel, or a bias load",
             (Parameter("strength", 0.5, 0.0, MOST),),
-            _apply,
+            lambda s, v, _: replace(s, winding=s.winding + float(v[0])),
             plain="rope wound on under load keeps its tension and brings it back: {strength} times the full effect",
         )
     ]
