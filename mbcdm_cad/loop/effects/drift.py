@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
+from scipy.signal import lfilter
 
 from mbcdm_cad.loop.effect import Effect, Parameter, elapsed_s
 from mbcdm_cad.loop.prepare.prepared import Prepared
@@ -19,16 +22,22 @@ def _by_temperature(setup: Setup, values: Floats, _: Simulator) -> Setup:
     return setup.with_added(values[0] * (setup.p.temperature_C - setup.p.temperature_C[0]))
 
 
-def _by_time(setup: Setup, values: Floats, _: Simulator) -> Setup:
-    return setup.with_added(values[0] * (1.0 - np.exp(-elapsed_s(setup) / values[1])))
+def _behind_temperature(setup: Setup, values: Floats, _: Simulator) -> Setup:
+    assert setup.p.temperature_C is not None
+    return setup.with_added(values[0] * lagged(setup.p.temperature_C, setup.p.time_s, values[1]))
 
 
-def _evenly(setup: Setup, values: Floats, _: Simulator) -> Setup:
-    return setup.with_added(values[0] * elapsed_s(setup))
+def lagged(temperature_C: Floats, time_s: Floats, constant_s: float) -> Floats:
+    """Warming, K (n,), of a part that follows a temperature by a first-order lag and begins at it.
 
-
-def _settling(setup: Setup, values: Floats, _: Simulator) -> Setup:
-    return setup.with_added(values[0] * np.log1p(elapsed_s(setup) / values[1]))
+    T' = (T_measured - T) / constant, exact for a temperature that is linear between even samples.
+    """
+    even = np.linspace(float(time_s[0]), float(time_s[-1]), time_s.size)
+    warmed = np.interp(even, time_s, temperature_C - temperature_C[0])
+    share = float(even[1] - even[0]) / constant_s
+    kept = float(np.exp(-share))
+    now = 1.0 - (1.0 - kept) / share
+    return np.asarray(np.interp(time_s, even, lfilter([now, 1.0 - kept - now], [1.0, -kept], warmed)))
 
 
 def _times(setup: Setup, _: Floats) -> list[list[float]]:
@@ -53,6 +62,21 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
                 plain="the output reading drifts with the temperature, by {turn_rad_K}",
             )
         )
+        if p.run.kind != CREEP:  # readings at rest are too few to tell a lag
+            found.append(
+                replace(
+                    found[0],
+                    form="behind the temperature",
+                    physics="temperature of rope, frame or encoder mount, which follows the thermometer's by a lag",
+                    parameters=(
+                        *found[0].parameters,
+                        Parameter("time_constant_s", 0.01 * duration, 0.01 * duration, duration, role="place"),
+                    ),
+                    apply=_behind_temperature,
+                    starts=_times,
+                    plain="the output reading drifts with the temperature of a part that warms later, by {turn_rad_K}",
+                )
+            )
     else:
         found.append(
             Effect(
@@ -63,7 +87,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
                     Parameter("turn_rad", 1e-5),
                     Parameter("time_constant_s", 0.01 * duration, 0.02 * duration, duration, role="place"),
                 ),
-                _by_time,
+                lambda s, v, _: s.with_added(v[0] * (1.0 - np.exp(-elapsed_s(s) / v[1]))),
                 starts=_times,
                 hangs_on="time",
                 plain="the output reading drifts as something warms, by {turn_rad} in the end",
@@ -77,7 +101,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
             "temperature and supply of the output encoder, warm motors",
             "let the drive rest in mid-run: a drift in time goes on, a walk with the path stands still",
             (Parameter("rate_rad_s", 1e-5 / duration),),
-            _evenly,
+            lambda s, v, _: s.with_added(v[0] * elapsed_s(s)),
             hangs_on="time",
             plain="the output reading drifts by {rate_rad_s}",
         )
@@ -95,7 +119,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
                 Parameter("amplitude_rad", 1e-5),
                 Parameter("t0_s", 0.002 * duration, 1e-3 * duration, duration, role="place"),
             ),
-            _settling,
+            lambda s, v, _: s.with_added(v[0] * np.log1p(elapsed_s(s) / v[1])),
             starts=_times,
             hangs_on="time",
             plain="a rope settles: the output reading creeps by {amplitude_rad} for each e-fold of time",
