@@ -73,7 +73,10 @@ class LoopReport:
 
     def to_dict(self) -> dict[str, Any]:
         """The content of the result file, ready for JSON: a number that is not finite becomes None."""
+        from mbcdm_cad.loop.result import FIRST_FIELDS
+
         content = {**self.result.to_json(), "design": self.design(), "runs": [_run_json(one) for one in self.runs]}
+        content["new_fields"] = [name for name in content if name not in FIRST_FIELDS]
         plain: dict[str, Any] = _finite(content)
         return plain
 

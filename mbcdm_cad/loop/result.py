@@ -24,6 +24,9 @@ ONLY_RATIO = "only the ratio is known: pulleys, preload and ropes"
 # Odds below which an effect is not said to lower the error of unseen half sweeps.
 LEAST_ODDS = 20.0
 
+# Fields of the result file's first form; the file lists the others as new.
+FIRST_FIELDS = ("verdict", "effects", "one_of", "unknown", "error")
+
 VERDICTS = ("none", "explained", "partly_explained", "unknown", "not_testable")
 
 
