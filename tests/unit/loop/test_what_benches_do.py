@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import yaml
 
+from mbcdm_cad.errors import InputError
 from mbcdm_cad.loop.judge import LoopReport, judge
 from mbcdm_cad.loop.page.plain import finding
 from mbcdm_cad.measurement.file import load_file
@@ -31,29 +32,26 @@ def followed(x: np.ndarray, play: float) -> np.ndarray:
 
 
 def measured(
-    folder: Path,
-    t: np.ndarray,
-    motor: np.ndarray,
-    out: np.ndarray,
-    name: str = "run",
-    extra: str = "",
-    **fields: object,
+    folder: Path, t: np.ndarray, motor: np.ndarray, out: np.ndarray, name: str = "run", **fields: object
 ) -> Path:
-    """A CSV and its measurement file."""
-    columns = {
-        "time": {"column": "t", "unit": "s"},
-        "input": {"column": "motor", "unit": "rad"},
-        "output": {"column": "out", "unit": "rad"},
-    }
-    table = [t, motor, out]
-    if extra:
-        columns["load_torque"] = {"column": extra, "unit": "N*m"}
-        table.append(np.zeros_like(t))
-    header = ",".join(["t", "motor", "out", *([extra] if extra else [])])
-    np.savetxt(folder / f"{name}.csv", np.column_stack(table), delimiter=",", header=header, comments="", fmt="%.7f")
+    """A CSV and its measurement file; ``tau`` and ``warm`` are a load and a temperature."""
+    rows: dict[str, object] = {"t": t, "motor": motor, "out": out}
+    rows |= {key: fields.pop(key) for key in ("tau", "warm") if key in fields}
+    told = {"t": "time s", "motor": "input rad", "out": "output rad"}
+    told |= {"tau": "load_torque N*m", "warm": "temperature degC"}
+    columns = {(words := told[key].split())[0]: {"column": key, "unit": words[1]} for key in rows}
+    table = np.column_stack([*rows.values()])  # type: ignore[arg-type]
+    np.savetxt(folder / f"{name}.csv", table, delimiter=",", header=",".join(rows), comments="", fmt="%.7f")
     path = folder / f"{name}.yaml"
     path.write_text(yaml.safe_dump({"data": f"{name}.csv", "columns": columns, **fields}))
     return path
+
+
+def with_a_rest(seed: int) -> tuple[np.random.Generator, np.ndarray, np.ndarray]:
+    """Noise, time and angle at two speeds and with a rest, so that the path is no time."""
+    t = np.arange(0.0, 90.0, 0.04)
+    moved = np.where(t < 40.0, t, np.where(t < 50.0, 40.0, 40.0 + 1.5 * (t - 50.0)))
+    return np.random.default_rng(seed), t, 0.5 * np.sin(2.0 * np.pi * moved / 8.0)
 
 
 def judged(folder: Path, *files: Path) -> LoopReport:
@@ -88,11 +86,7 @@ def test_a_late_input_is_told_from_a_late_output(tmp_path: Path, late: float) ->
 
 @pytest.mark.parametrize("side", ["both", "negative"])
 def test_a_counter_that_loses_counts_is_named_by_its_share_of_the_path(tmp_path: Path, side: str) -> None:
-    """At two speeds and with a rest, so that the path is no time."""
-    rng = np.random.default_rng(4)
-    t = np.arange(0.0, 90.0, 0.04)
-    moved = np.where(t < 40.0, t, np.where(t < 50.0, 40.0, 40.0 + 1.5 * (t - 50.0)))
-    angle = 0.5 * np.sin(2.0 * np.pi * moved / 8.0)
+    rng, t, angle = with_a_rest(4)
     step = np.diff(angle, prepend=angle[0])
     lost = 0.003 * (np.abs(step) if side == "both" else np.maximum(-step, 0.0))
     out = angle + np.cumsum(lost) + 1e-4 * rng.standard_normal(t.size)
@@ -103,14 +97,23 @@ def test_a_counter_that_loses_counts_is_named_by_its_share_of_the_path(tmp_path:
 
 
 def test_a_drift_in_time_is_no_lost_counts(tmp_path: Path) -> None:
-    rng = np.random.default_rng(5)
-    t = np.arange(0.0, 90.0, 0.04)
-    moved = np.where(t < 40.0, t, np.where(t < 50.0, 40.0, 40.0 + 1.5 * (t - 50.0)))
-    angle = 0.5 * np.sin(2.0 * np.pi * moved / 8.0)
+    rng, t, angle = with_a_rest(5)
     out = angle + 2e-4 * t + 1e-4 * rng.standard_normal(t.size)
     report = judged(tmp_path, measured(tmp_path, t, 5.0 * angle, out, ratio=5.0))
     assert names(report) == ["thermal_drift"], report.result.sentence
     assert value(report, "rate_rad_s") == pytest.approx(2e-4, rel=0.02), report.result.sentence
+
+
+def test_a_part_that_warms_behind_the_thermometer_does_not_creep(tmp_path: Path) -> None:
+    """The answer of a first-order lag of 20 s to air that warms with 30 s, in closed form."""
+    rng, t, angle = with_a_rest(11)
+    behind = 1.0 - 3.0 * np.exp(-t / 30.0) + 2.0 * np.exp(-t / 20.0)
+    out = angle - 2e-3 * behind + 1e-4 * rng.standard_normal(t.size)
+    file = measured(tmp_path, t, 5.0 * angle, out, ratio=5.0, warm=20.0 + 5.0 * (1.0 - np.exp(-t / 30.0)))
+    report = judged(tmp_path, file)
+    assert names(report) == ["thermal_drift"], report.result.sentence
+    assert value(report, "turn_rad_K") == pytest.approx(-4e-4, rel=0.02), report.result.sentence
+    assert value(report, "time_constant_s") == pytest.approx(20.0, rel=0.1), report.result.sentence
 
 
 def test_a_large_line_has_no_overtones_that_are_not_there(tmp_path: Path) -> None:
@@ -142,18 +145,16 @@ def test_play_without_a_load_is_the_same_finding_however_the_missing_load_is_tol
     t = np.arange(0.0, 80.0, 0.04)
     angle = 0.5 * np.sin(2.0 * np.pi * t / 16.0)
     out = followed(angle, 0.012) + 5e-5 * rng.standard_normal(t.size)
-    given: dict[str, object] = {"ratio": 3.0} if way == "ratio" else {"load": "none"} if way == "load: none" else {}
-    report = judged(tmp_path, measured(tmp_path, t, 3.0 * angle, out, extra="tau" if way == "zeros" else "", **given))
+    given: dict[str, object] = {"ratio": {"ratio": 3.0}, "load: none": {"load": "none"}, "zeros": {"tau": 0.0 * t}}[way]
+    report = judged(tmp_path, measured(tmp_path, t, 3.0 * angle, out, **given))  # type: ignore[arg-type]
     assert names(report) == ["lash"], report.result.sentence
     assert value(report, "play_rad") == pytest.approx(0.012, rel=0.01), report.result.sentence
 
 
 def test_no_load_beside_a_torque_column_is_refused(tmp_path: Path) -> None:
-    from mbcdm_cad.errors import InputError
-
     t = np.arange(0.0, 8.0, 0.02)
     with pytest.raises(InputError, match=r"run.yaml:\d+: load: given beside columns.load_torque"):
-        load_file(measured(tmp_path, t, t, t, extra="tau", load="none"))
+        load_file(measured(tmp_path, t, t, t, tau=t, load="none"))
 
 
 def test_trials_in_several_files_repeat_each_other(tmp_path: Path) -> None:
@@ -169,8 +170,7 @@ def test_trials_in_several_files_repeat_each_other(tmp_path: Path) -> None:
     report = judged(tmp_path, *files)
     assert sorted(names(report)) == ["lash", "once_per_rev"], report.result.sentence
     assert report.verdict == "explained", report.result.sentence
-    text = report.text()
-    assert "nothing repeats" not in text, text
+    assert "nothing repeats" not in report.text(), report.text()
     (lash,) = (one for one in report.result.effects if one.name == "lash")
     (wave,) = (one for one in report.result.effects if one.name == "once_per_rev")
     assert lash.parameters["play_rad"].value == pytest.approx(0.02, rel=0.01)
