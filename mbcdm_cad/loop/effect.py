@@ -6,7 +6,7 @@ one file of ``effects/``. Shapes that several effects share stand below.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -155,7 +155,7 @@ class Effect:
 
 
 # Type of ``offer``: the effects that are possible for a drive (None: only the ratio is known) and a run.
-Offer = Callable[[DriveSI | None, Prepared], list[Effect]]
+Offer = Callable[[DriveSI | None, Prepared], Iterable[Effect]]
 
 
 def elapsed_s(setup: Setup) -> Floats:

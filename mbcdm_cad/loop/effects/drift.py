@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -45,84 +46,71 @@ def _times(setup: Setup, _: Floats) -> list[list[float]]:
     return [[0.0, duration * share] for share in (0.02, 0.1, 0.4)]
 
 
-def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
+def offer(d: DriveSI | None, p: Prepared) -> Iterator[Effect]:
     """Always; by temperature where it was measured."""
     duration = float(p.time_s[-1] - p.time_s[0])
     warming = ("thermal_drift", "temperature of rope, frame or encoder mount", "warm motors, sun, draught", COOL)
-    found = []
     if p.temperature_C is not None and np.ptp(p.temperature_C) > 0.0:
-        found.append(
-            Effect(
-                warming[0],
-                "with the temperature",
-                *warming[1:],
-                (Parameter("turn_rad_K", 1e-6),),
-                _by_temperature,
-                hangs_on="temperature",
-                plain="the output reading drifts with the temperature, by {turn_rad_K}",
-            )
+        at_once = Effect(
+            warming[0],
+            "with the temperature",
+            *warming[1:],
+            (Parameter("turn_rad_K", 1e-6),),
+            _by_temperature,
+            hangs_on="temperature",
+            plain="the output reading drifts with the temperature, by {turn_rad_K}",
         )
+        yield at_once
         if p.run.kind != CREEP:  # readings at rest are too few to tell a lag
-            found.append(
-                replace(
-                    found[0],
-                    form="behind the temperature",
-                    physics="temperature of rope, frame or encoder mount, which follows the thermometer's by a lag",
-                    parameters=(
-                        *found[0].parameters,
-                        Parameter("time_constant_s", 0.01 * duration, 0.01 * duration, duration, role="place"),
-                    ),
-                    apply=_behind_temperature,
-                    starts=_times,
-                    plain="the output reading drifts with the temperature of a part that warms later, by {turn_rad_K}",
-                )
+            constant = Parameter("time_constant_s", 0.01 * duration, 0.01 * duration, duration, role="place")
+            yield replace(
+                at_once,
+                form="behind the temperature",
+                physics="temperature of rope, frame or encoder mount, which follows the thermometer's by a lag",
+                parameters=(*at_once.parameters, constant),
+                apply=_behind_temperature,
+                starts=_times,
+                plain="the output reading drifts with the temperature of a part that warms later, by {turn_rad_K}",
             )
     else:
-        found.append(
-            Effect(
-                warming[0],
-                "with time",
-                *warming[1:],
-                (
-                    Parameter("turn_rad", 1e-5),
-                    Parameter("time_constant_s", 0.01 * duration, 0.02 * duration, duration, role="place"),
-                ),
-                lambda s, v, _: s.with_added(v[0] * (1.0 - np.exp(-elapsed_s(s) / v[1]))),
-                starts=_times,
-                hangs_on="time",
-                plain="the output reading drifts as something warms, by {turn_rad} in the end",
-            )
-        )
-    found.append(
-        Effect(
+        yield Effect(
             warming[0],
-            "evenly with time",
-            "the reading drifts at one rate, also while the drive rests: a slow warming, or a sensor that drifts",
-            "temperature and supply of the output encoder, warm motors",
-            "let the drive rest in mid-run: a drift in time goes on, a walk with the path stands still",
-            (Parameter("rate_rad_s", 1e-5 / duration),),
-            lambda s, v, _: s.with_added(v[0] * elapsed_s(s)),
-            hangs_on="time",
-            plain="the output reading drifts by {rate_rad_s}",
-        )
-    )
-    if p.run.kind == CREEP:  # the laws of creep under a load stand in its place
-        return found
-    found.append(
-        Effect(
-            "creep",
-            "settling of the rope",
-            "strands bed in: log(1 + t/t0)",
-            "preload again after some hours of running",
-            COOL,
+            "with time",
+            *warming[1:],
             (
-                Parameter("amplitude_rad", 1e-5),
-                Parameter("t0_s", 0.002 * duration, 1e-3 * duration, duration, role="place"),
+                Parameter("turn_rad", 1e-5),
+                Parameter("time_constant_s", 0.01 * duration, 0.02 * duration, duration, role="place"),
             ),
-            lambda s, v, _: s.with_added(v[0] * np.log1p(elapsed_s(s) / v[1])),
+            lambda s, v, _: s.with_added(v[0] * (1.0 - np.exp(-elapsed_s(s) / v[1]))),
             starts=_times,
             hangs_on="time",
-            plain="a rope settles: the output reading creeps by {amplitude_rad} for each e-fold of time",
+            plain="the output reading drifts as something warms, by {turn_rad} in the end",
         )
+    yield Effect(
+        warming[0],
+        "evenly with time",
+        "the reading drifts at one rate, also while the drive rests: a slow warming, or a sensor that drifts",
+        "temperature and supply of the output encoder, warm motors",
+        "let the drive rest in mid-run: a drift in time goes on, a walk with the path stands still",
+        (Parameter("rate_rad_s", 1e-5 / duration),),
+        lambda s, v, _: s.with_added(v[0] * elapsed_s(s)),
+        hangs_on="time",
+        plain="the output reading drifts by {rate_rad_s}",
     )
-    return found
+    if p.run.kind == CREEP:  # the laws of creep under a load stand in its place
+        return
+    yield Effect(
+        "creep",
+        "settling of the rope",
+        "strands bed in: log(1 + t/t0)",
+        "preload again after some hours of running",
+        COOL,
+        (
+            Parameter("amplitude_rad", 1e-5),
+            Parameter("t0_s", 0.002 * duration, 1e-3 * duration, duration, role="place"),
+        ),
+        lambda s, v, _: s.with_added(v[0] * np.log1p(elapsed_s(s) / v[1])),
+        starts=_times,
+        hangs_on="time",
+        plain="a rope settles: the output reading creeps by {amplitude_rad} for each e-fold of time",
+    )

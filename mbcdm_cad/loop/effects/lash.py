@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
@@ -55,34 +56,31 @@ def _at_input(d: DriveSI, index: int, setup: Setup, residual: Floats) -> list[li
     return [[0.0, 0.0], [width * setup.ratio / share, 0.0]]
 
 
-def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
+def offer(d: DriveSI | None, p: Prepared) -> Iterator[Effect]:
     """By torque where it was measured; by motion for a drive of which only the ratio is known, or without a load."""
-    found = []
     play = Parameter("play_rad", 1e-5, 0.0)
     idle = p.load_Nm is not None and not p.load_Nm.any()
     if p.load_Nm is not None and not idle:
         most = 0.5 * float(np.abs(p.load_Nm).max())
-        found.append(
-            Effect(
-                NAME,
-                "play at the output",
-                "a coupling or gearhead rests on one flank or the other, by the load's sign",
-                "coupling and key between drum and load; where the contact changes sides off zero, zero of the torque "
-                "sensor, and friction that it does not see",
-                SEPARATE,
-                (play, Parameter("zero_Nm", 0.002, -most, most, role="place", default=0.0)),
-                lambda s, v, _: s.with_added(-0.5 * v[0] * np.tanh((s.load - v[1]) / DRUM_CHANGE_NM)),
-                starts=_where_it_steps,
-                figures=(
-                    Figure("play_rad", lambda v: float(v[0])),
-                    Figure("zero_Nm", lambda v: float(v[1]), "torque of the sensor at which the contact changes sides"),
-                ),
-                generic=True,
-                plain="there is {play_rad} of play between drum and load",
-            )
+        yield Effect(
+            NAME,
+            "play at the output",
+            "a coupling or gearhead rests on one flank or the other, by the load's sign",
+            "coupling and key between drum and load; where the contact changes sides off zero, zero of the torque "
+            "sensor, and friction that it does not see",
+            SEPARATE,
+            (play, Parameter("zero_Nm", 0.002, -most, most, role="place", default=0.0)),
+            lambda s, v, _: s.with_added(-0.5 * v[0] * np.tanh((s.load - v[1]) / DRUM_CHANGE_NM)),
+            starts=_where_it_steps,
+            figures=(
+                Figure("play_rad", lambda v: float(v[0])),
+                Figure("zero_Nm", lambda v: float(v[1]), "torque of the sensor at which the contact changes sides"),
+            ),
+            generic=True,
+            plain="there is {play_rad} of play between drum and load",
         )
     if d is not None and p.load_Nm is not None:
-        found += [
+        yield from (
             Effect(
                 NAME,
                 "play at an input",
@@ -99,20 +97,17 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
                 plain="there is {play_rad} of play between encoder and pulley of the {stage}",
             )
             for index, name in enumerate(d.input_names)
-        ]
-    if d is None or idle or (p.load_Nm is None and p.run.kind != MOTION):
-        found.append(
-            Effect(
-                NAME,
-                BY_MOTION,
-                "friction holds the output until the play is taken up",
-                "gears and couplings between input and output",
-                SEPARATE,
-                (play,),
-                by_motion,
-                starts=width,
-                generic=True,
-                plain="there is {play_rad} of play between input and output",
-            )
         )
-    return found
+    if d is None or idle or (p.load_Nm is None and p.run.kind != MOTION):
+        yield Effect(
+            NAME,
+            BY_MOTION,
+            "friction holds the output until the play is taken up",
+            "gears and couplings between input and output",
+            SEPARATE,
+            (play,),
+            by_motion,
+            starts=width,
+            generic=True,
+            plain="there is {play_rad} of play between input and output",
+        )

@@ -7,7 +7,7 @@ another stiffness of the whole drive, so only the others are candidates of the s
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -221,31 +221,30 @@ def _of_parts(name: str, parameters: tuple[Parameter, ...], apply: Callable[...,
     return Effect(name, "figure of the design", what, "", "", parameters, apply, hangs_on="the design's figures")
 
 
-def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
+def offer(d: DriveSI | None, p: Prepared) -> Iterator[Effect]:
     """With a torque sensor: all but the gain; the sign where the stiffness is not known (else it is refused before).
 
     A weight on an arm has none of them.
     """
     if p.load_Nm is None or not np.ptp(p.load_Nm) or p.run.sensors.torque_class.what == KNOWN_LOAD:
-        return []
+        return
     most = float(np.abs(p.load_Nm).max())
-    found = [zero(MOST_ZERO * most), *lag(MOST_LAG_S)]
+    yield zero(MOST_ZERO * most)
+    yield from lag(MOST_LAG_S)
     if p.run.kind == MOTION and p.run.sensors.torque_class.what != MOTORS_CURRENT:
-        found.append(hysteresis(MOST_WIDTH * most))
-        found += [crosstalk(MOST_WAVE * most)] if d is not None else []
+        yield hysteresis(MOST_WIDTH * most)
+        if d is not None:
+            yield crosstalk(MOST_WAVE * most)
     if d is None:
-        found.append(
-            Effect(
-                "load_sign",
-                "sign of the load",
-                "the output moves against the load, as no compliance does: the sign of the torque is reversed",
-                "set scale: -1 on load_torque, which is positive where it opposes positive rotation",
-                "push the output by hand and read the sign",
-                (Parameter("compliance_rad_Nm", 1e-6, 0.0),),
-                lambda s, v, _: s.with_added(v[0] * s.load),
-                hangs_on=SENSOR,
-                generic=True,
-                plain="the sign of the load is reversed: the output moves against it by {compliance_rad_Nm}",
-            )
+        yield Effect(
+            "load_sign",
+            "sign of the load",
+            "the output moves against the load, as no compliance does: the sign of the torque is reversed",
+            "set scale: -1 on load_torque, which is positive where it opposes positive rotation",
+            "push the output by hand and read the sign",
+            (Parameter("compliance_rad_Nm", 1e-6, 0.0),),
+            lambda s, v, _: s.with_added(v[0] * s.load),
+            hangs_on=SENSOR,
+            generic=True,
+            plain="the sign of the load is reversed: the output moves against it by {compliance_rad_Nm}",
         )
-    return found

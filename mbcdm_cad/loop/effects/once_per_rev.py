@@ -8,7 +8,7 @@ tilted, a magnet whose field is not round, or two read heads that do not match.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
 
@@ -104,23 +104,22 @@ def _eccentric(stage: str, lever_m: float) -> Effect:
     )
 
 
-def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
+def offer(d: DriveSI | None, p: Prepared) -> Iterator[Effect]:
     """Encoders always, pulleys where the drive is known."""
-    found = _encoders("drum", 1e-5, lambda waves, s, v, _: s.with_added(wave(v, waves * s.drum_rad)[0]), 1.0)
+    yield from _encoders("drum", 1e-5, lambda waves, s, v, _: s.with_added(wave(v, waves * s.drum_rad)[0]), 1.0)
     if d is None:
         ratio = float(p.run.ratio or 1.0)
         # At a ratio of 1 both encoders do the same.
         if abs(ratio - 1.0) > LEAST_APART:
-            found += _encoders("input", 1e-5 * ratio, partial(_input_encoder, 0), 1.0 / ratio)
-        return found
+            yield from _encoders("input", 1e-5 * ratio, partial(_input_encoder, 0), 1.0 / ratio)
+        return
     ratio = float(np.mean(d.total_ratio))
     # Amplitude at the drum of one metre off centre, per pulley: its spans' mean lever.
     middle = float(np.mean(d.drum_radius_m))
     if p.load_Nm is not None:
-        found.append(_eccentric(d.routes.drum.name, middle))
-    found += [_eccentric(body.name, middle) for body in d.routes.passed]
+        yield _eccentric(d.routes.drum.name, middle)
+    yield from (_eccentric(body.name, middle) for body in d.routes.passed)
     for index, body in enumerate(d.routes.inputs):
         share = float(np.mean(d.of_input(index)))
-        found.append(_eccentric(body.name, middle / share))
-        found += _encoders(body.name, 1e-4, partial(_input_encoder, index), share / ratio)
-    return found
+        yield _eccentric(body.name, middle / share)
+        yield from _encoders(body.name, 1e-4, partial(_input_encoder, index), share / ratio)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 
@@ -37,30 +38,29 @@ def _in_path(cable: int, setup: Setup, values: Floats, _: Simulator) -> Setup:
     return setup.with_path(path)
 
 
-def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
+def offer(d: DriveSI | None, p: Prepared) -> Iterator[Effect]:
     """Always as an error of the reading; with torque as a motion of each input and in the path of each cable."""
     order = Parameter("cycles_per_output_rev", 0.05, 2.0, role="order")
-    found = [
-        Effect(
-            "ripple",
-            "line in angle",
-            "something turns or meshes so many times a turn of the output",
-            "gear meshes, motor turns, encoder sub-division of that order",
-            "the same travel at another speed",
-            (*pair(1e-6, "rad"), order),
-            lambda s, v, _: s.with_line((float(v[0]), float(v[1]), float(v[2]))),
-            starts=lambda s, residual: [[0.0, 0.0, order] for order in strongest_orders(s, residual)],
-            figures=(
-                Figure("cycles_per_output_rev", lambda v: float(v[2])),
-                Figure("amplitude_rad", length),
-                Figure("phase_rad", phase),
-            ),
-            several=True,
-            plain="the output reading ripples by {amplitude_rad}, {cycles_per_output_rev} times a turn of the drum",
-        )
-    ]
+    reading = Effect(
+        "ripple",
+        "line in angle",
+        "something turns or meshes so many times a turn of the output",
+        "gear meshes, motor turns, encoder sub-division of that order",
+        "the same travel at another speed",
+        (*pair(1e-6, "rad"), order),
+        lambda s, v, _: s.with_line((float(v[0]), float(v[1]), float(v[2]))),
+        starts=lambda s, residual: [[0.0, 0.0, order] for order in strongest_orders(s, residual)],
+        figures=(
+            Figure("cycles_per_output_rev", lambda v: float(v[2])),
+            Figure("amplitude_rad", length),
+            Figure("phase_rad", phase),
+        ),
+        several=True,
+        plain="the output reading ripples by {amplitude_rad}, {cycles_per_output_rev} times a turn of the drum",
+    )
+    yield reading
     if d is None or p.load_Nm is None:
-        return found
+        return
     inputs = [
         (f"motion of input {name}", f"gearhead of input {name}, then the others", partial(_at_input, k))
         for k, name in enumerate(d.input_names)
@@ -69,9 +69,9 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
         (f"path of {name}", f"strands of {name}, or of another, on the pulleys", partial(_in_path, k))
         for k, name in enumerate(d.cable_names)
     ]
-    return found + [
+    yield from (
         replace(
-            found[0],
+            reading,
             form=form,
             physics="a ripple inside the drive: it moves the cables to and fro and eases their friction",
             where_to_look=where,
@@ -80,4 +80,4 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
             plain="a part of the drive makes the drum ripple by {amplitude_rad}, {cycles_per_output_rev} times a turn",
         )
         for form, where, apply in inputs + paths
-    ]
+    )

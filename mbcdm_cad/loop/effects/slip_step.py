@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
@@ -42,30 +43,28 @@ def _jumps(size: float, setup: Setup, residual: Floats) -> list[list[float]]:
     return [[size, float(t[at])]]
 
 
-def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
+def offer(d: DriveSI | None, p: Prepared) -> Iterator[Effect]:
     """At the output's mount always; at a cable's anchor where the drive is known and loaded."""
     duration = float(p.time_s[-1] - p.time_s[0])
     when = Parameter("at_s", 0.02, 0.0, duration, role="place")
-    found = [
-        Effect(
-            "slip_step",
-            "mount or coupling",
-            "the output's reading jumps once",
-            "screws of encoder, hub and coupling",
-            SEPARATE,
-            (Parameter("step_rad", 1e-5), when),
-            lambda s, v, _: s.with_added(v[0] * step(s, v[1])),
-            starts=partial(_jumps, 0.0),
-            once=True,
-            hangs_on="time",
-            generic=True,
-            plain="a mount or coupling of the output slipped once, by {step_rad} at {at_s}",
-        )
-    ]
+    yield Effect(
+        "slip_step",
+        "mount or coupling",
+        "the output's reading jumps once",
+        "screws of encoder, hub and coupling",
+        SEPARATE,
+        (Parameter("step_rad", 1e-5), when),
+        lambda s, v, _: s.with_added(v[0] * step(s, v[1])),
+        starts=partial(_jumps, 0.0),
+        once=True,
+        hangs_on="time",
+        generic=True,
+        plain="a mount or coupling of the output slipped once, by {step_rad} at {at_s}",
+    )
     if d is not None and p.load_Nm is not None:
         # More than a few times the stretch under preload is no longer a slip of the anchor.
         most = MOST_STRETCHES * d.preload_N / d.axial_stiffness_N * d.free_span_m
-        found += [
+        yield from (
             Effect(
                 "slip_step",
                 f"anchor of {cable}",
@@ -81,5 +80,4 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
                 plain="the {form} slipped once, by {slip_m} at {at_s}",
             )
             for j, cable in enumerate(d.cable_names)
-        ]
-    return found
+        )
