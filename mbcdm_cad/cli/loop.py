@@ -54,14 +54,12 @@ def loop_command(
         for option, path in (("--correction", wanted.correction), ("--next", wanted.next)):
             if path is not None:
                 remedy = f"leave {option} out; it works from runs of kind {MOTION}"
-                raise InputError(
-                    [files[0].problem(("kind",), f"given with {option}", files[0].content.kind, remedy=remedy)]
-                )
+                raise files[0].refusal(("kind",), f"given with {option}", files[0].content.kind, remedy=remedy)
     if loaded is None or drive_of(loaded.loaded, files) is None:
         for option, path in (("--apply", wanted.as_built), ("--next", wanted.next)):
             if path is not None:
                 remedy = f"leave {option} out, or judge runs of the design"
-                raise InputError([files[0].problem(("ratio",), "a drive of its own, not the design's", remedy=remedy)])
+                raise files[0].refusal(("ratio",), "a drive of its own, not the design's", remedy=remedy)
     report = api.close_loop(loaded, measurements, ratio=ratio)
     click.echo(report.text())
     content = json_bytes(report.to_dict())
@@ -94,9 +92,9 @@ def _published(loaded: api.DriveDesign | None, files: Sequence[MeasurementFile],
     if len(files) > 1 or any(one is not None for one in (wanted.as_built, wanted.correction, wanted.next)):
         remedy = "use it alone, without --apply, --correction and --next"
         wrong = next(file for file in files if file.content.published is not None)
-        raise InputError([wrong.problem(("published",), "figures of a paper, not a run", remedy=remedy)])
+        raise wrong.refusal(("published",), "figures of a paper, not a run", remedy=remedy)
     if loaded is None:
-        raise InputError([files[0].problem(("published",), "no design", remedy="give the design file first")])
+        raise files[0].refusal(("published",), "no design", remedy="give the design file first")
     result = api.judge_published(loaded, files[0].path)
     click.echo(result.text().rstrip())
     content = json_bytes(result.to_json())

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mbcdm_cad.errors import InputError, MbcdmError
+from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.measurement.schema import MOTION
 from mbcdm_cad.measurement.vet import Vetted, vetted_runs, vetting_lines
 from mbcdm_cad.model.si import ModelError
@@ -139,7 +139,7 @@ def judge(
     published = [file for file in files if file.content.published is not None]
     if published:
         remedy = "judge it with 'mbcdm loop', alone"
-        raise InputError([published[0].problem(("published",), "figures of a paper, not a run", remedy=remedy)])
+        raise published[0].refusal(("published",), "figures of a paper, not a run", remedy=remedy)
     refuse_kinds(files, differs)
     drive = drive_of(loaded, files)
     vetted = vetted_runs(files, drive)
@@ -160,10 +160,10 @@ def refuse_kinds(files: Sequence[MeasurementFile], differs: Sequence[Sequence[st
         if file.content.kind != first:
             remedy = "judge runs of one kind together; --apply writes what was found into the design for the rest"
             what = f"another kind of run than {files[0].path}"
-            raise InputError([file.problem(("kind",), what, file.content.kind, first, remedy=remedy)])
+            raise file.refusal(("kind",), what, file.content.kind, first, remedy=remedy)
     if first != MOTION and any(differs):
         remedy = "judge each run alone: what differs is told from runs of kind motion"
-        raise InputError([files[0].problem(("kind",), "declared to differ", first, MOTION, remedy=remedy)])
+        raise files[0].refusal(("kind",), "declared to differ", first, MOTION, remedy=remedy)
 
 
 def drive_of(loaded: LoadedDesign | None, files: Sequence[MeasurementFile]) -> Drive | None:
@@ -174,10 +174,10 @@ def drive_of(loaded: LoadedDesign | None, files: Sequence[MeasurementFile]) -> D
             remedy = "judge runs of one drive together, each with the same ratio or none"
             value, limit = (str(v) if v else "none" for v in (file.content.ratio, first))
             what = f"another ratio than in {files[0].path}"
-            raise InputError([file.problem(("ratio",), what, value, limit, remedy=remedy)])
+            raise file.refusal(("ratio",), what, value, limit, remedy=remedy)
     if loaded is None and first is None:
         remedy = "give the design file before the measurement files, or --ratio"
-        raise InputError([files[0].problem(("ratio",), "neither a design nor a ratio", remedy=remedy)])
+        raise files[0].refusal(("ratio",), "neither a design nor a ratio", remedy=remedy)
     return loaded.drive if loaded is not None and first is None else None
 
 

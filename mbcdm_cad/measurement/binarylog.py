@@ -21,9 +21,9 @@ from typing import Any
 
 import numpy as np
 
-from mbcdm_cad.errors import InputError, Problem
+from mbcdm_cad.errors import InputError
 from mbcdm_cad.measurement.datafile import Channel, DataTable, aligned, left_out
-from mbcdm_cad.measurement.logformat import Format
+from mbcdm_cad.measurement.logformat import Format, wrong
 from mbcdm_cad.routes import Floats
 
 # Names of the times of messages and waveforms, in a place that no quantity of a log has.
@@ -127,7 +127,7 @@ class BinaryLog:
         return [Series(name, base, "s"), *rows]
 
     def _wrong(self, what: str, remedy: str, row: int = 1) -> InputError:
-        return InputError([Problem(str(self.path), row, "", what, remedy=remedy)])
+        return wrong(self.path, row, what, remedy)
 
 
 def opened(path: Path) -> BinaryLog | None:
@@ -142,14 +142,14 @@ def opened(path: Path) -> BinaryLog | None:
         raise
     except ImportError as error:
         what = f"{words}; the package {error.name} that reads it is not installed"
-        raise InputError([Problem(str(path), 1, "", what, remedy=EXTRA)]) from None
+        raise wrong(path, 1, what, EXTRA) from None
     except Exception as error:  # each of the libraries has errors of its own for a damaged file
         what = f"cannot be read as {words}: {str(error) or type(error).__name__}"
         remedy = "check the file, or export the data as CSV"
-        raise InputError([Problem(str(path), 1, "", what, remedy=remedy)]) from None
+        raise wrong(path, 1, what, remedy) from None
     if not series:
         remedy = "check the file: columns of figures, or messages with figures, are needed"
-        raise InputError([Problem(str(path), 1, "", f"{words} without columns of figures", remedy=remedy)])
+        raise wrong(path, 1, f"{words} without columns of figures", remedy)
     return BinaryLog(path, tuple(series))
 
 

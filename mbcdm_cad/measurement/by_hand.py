@@ -86,13 +86,6 @@ def _mover(input_rad: Floats, load_Nm: Floats | None, by_input: bool) -> Floats:
     return np.asarray(input_rad.mean(axis=0) if by_input or load_Nm is None else -load_Nm)
 
 
-def _turns(load_Nm: Floats) -> NDArray[np.bool_]:
-    """Rows at which the load turns round, (n,)."""
-    step = np.diff(load_Nm)
-    large = np.where(np.abs(step) > SAME_SIDE * np.median(np.abs(step)), np.sign(step), 0.0)
-    return np.concatenate([[False], large[1:] * large[:-1] < 0.0, [False]])
-
-
 def path_of(run: Run) -> TurningPath:
     """The path of a table of turning points."""
     by_input = inputs_move(run)
@@ -100,7 +93,11 @@ def path_of(run: Run) -> TurningPath:
     moved, off = np.diff(at), np.abs(at - 0.5 * (at.min() + at.max()))
     least = np.minimum(np.median(np.abs(moved)), np.maximum(off[1:], off[:-1]))
     turned = np.where(np.abs(moved) < SAME_SIDE * least, 0.0, np.sign(moved))
-    turns_load = _turns(run.load_Nm) if by_input and run.load_Nm is not None else np.zeros(at.size, dtype=np.bool_)
+    turns_load = np.zeros(at.size, dtype=np.bool_)
+    if by_input and run.load_Nm is not None:
+        step = np.diff(run.load_Nm)
+        large = np.where(np.abs(step) > SAME_SIDE * np.median(np.abs(step)), np.sign(step), 0.0)
+        turns_load[1:-1] = large[1:] * large[:-1] < 0.0
     missing, last = [], 0.0
     for k, sense in enumerate(turned):
         if last and sense != -last and not turns_load[k]:
@@ -142,7 +139,11 @@ def written_step(values: Floats) -> float:
 def readings_findings(run: Run, ratio: float, travel_rad: float | None, d: DriveSI | None) -> Iterator[VettingNote]:
     """Refusals and doubts about the columns of a table by hand, and what it can show."""
     path, moves = path_of(run), inputs_move(run)
-    yield from column_findings(run, ratio, travel_rad, d) if moves else _against_the_load(run)
+    if moves:
+        yield from column_findings(run, ratio, travel_rad, d)
+    elif run.load_Nm is not None and not np.corrcoef(run.output_rad, run.load_Nm)[0, 1] < 0.7:
+        text = "load_torque has the wrong sign: with the inputs at rest the output moves against the load"
+        yield refused("reversed_load", text, REVERSED_LOAD, "columns", "load_torque")
     half_cycles = path.read.size - 1
     what = "inputs" if moves else "load, with the inputs at rest"
     text = f"a table of {run.time_s.size} turning points of the {what}: {half_cycles} half cycles"
@@ -169,13 +170,6 @@ def readings_findings(run: Run, ratio: float, travel_rad: float | None, d: Drive
     elif not np.ptp(np.abs(run.load_Nm)) > SAME_SIDE * np.abs(run.load_Nm).max():
         text = "all loads are of one size: a play and a stiffness look alike"
         yield fact("one_load", text, "read half of the cycles under half of the load")
-
-
-def _against_the_load(run: Run) -> Iterator[VettingNote]:
-    """A finding for an output at fixed inputs that moves against its load."""
-    if run.load_Nm is not None and not np.corrcoef(run.output_rad, run.load_Nm)[0, 1] < 0.7:
-        text = "load_torque has the wrong sign: with the inputs at rest the output moves against the load"
-        yield refused("reversed_load", text, REVERSED_LOAD, "columns", "load_torque")
 
 
 # Steps of the load from this share of its largest size on begin a new course of creep.

@@ -20,8 +20,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.errors import InputError, Problem, shortened
-from mbcdm_cad.measurement.logformat import ARROW, ISO_CLOCK, LONGEST_LINE, Format, figure_of, too_long
+from mbcdm_cad.errors import InputError, shortened
+from mbcdm_cad.measurement.logformat import ARROW, ISO_CLOCK, LONGEST_LINE, Format, figure_of, too_long, wrong
 from mbcdm_cad.routes import Floats
 
 BLOCK_BYTES = 8 << 20
@@ -116,7 +116,7 @@ def left_out(
     if broken > most * of:
         remedy = remedy or f"the first has {fault}; check delimiter, decimal, comment, skip_rows and columns"
         value, limit = f"{broken} of {of}", f"{most:.0%} of the rows"
-        raise InputError([Problem(str(path), int(lines[0]), "", "too many broken rows", value, limit, remedy)])
+        raise wrong(path, int(lines[0]), "too many broken rows", remedy, value, limit)
 
 
 def _blocks(path: Path, begin_line: int) -> Iterator[tuple[int, str]]:
@@ -236,7 +236,7 @@ class _Reader:
 
     def _fault(self, number: int, what: str, value: str, limit: str, remedy: str = "") -> InputError:
         remedy = remedy or "correct or remove the row, or set broken_rows: skip in the measurement file"
-        return InputError([Problem(str(self.path), number, "", what, value, limit, remedy)])
+        return wrong(self.path, number, what, remedy, value, limit)
 
 
 # A quantity that was not logged for so many of its usual steps is not interpolated there.
@@ -291,7 +291,7 @@ def aligned(
         if at.size < FEWEST:
             where = f"channel {channel.name!r}" if channel.name else f"column {channel.column + 1}"
             what = f"no samples of {channel.quantity} in {where}"
-            raise InputError([Problem(str(path), begin_line, "", what, remedy="check its name and column")])
+            raise wrong(path, begin_line, what, "check its name and column")
     order = [np.unique(at, return_index=True)[1] for at in times]
     lines = [row[k] for row, k in zip(lines, order, strict=True)]
     times = [row[k] for row, k in zip(times, order, strict=True)]
@@ -305,7 +305,7 @@ def aligned(
         kept &= steps[after] <= LONGEST_GAP_STEPS * float(np.median(steps))
     if not kept.any():
         what = "at no time were all quantities logged"
-        raise InputError([Problem(str(path), begin_line, "", what, remedy="check that all are of one run")])
+        raise wrong(path, begin_line, what, "check that all are of one run")
     rows: list[Floats] = [at[kept]]
     for channel, own, found in zip(channels, times, values, strict=True):
         whole = found if channel.wraps_at is None else np.unwrap(found, period=channel.wraps_at)

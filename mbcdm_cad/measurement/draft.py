@@ -36,6 +36,7 @@ from mbcdm_cad.measurement.logformat import (
     figure_of,
     find_format,
     title_lines,
+    wrong,
 )
 from mbcdm_cad.measurement.reading import FULL_SENSE, read_run
 from mbcdm_cad.measurement.roles import (
@@ -167,15 +168,14 @@ def _columns(data: Path) -> tuple[_Table, list[Guess]]:
                 chosen = found_table.chosen
         if len(chosen) < 2:
             remedy = "give the logger's CSV, a header and rows of figures, or a log of JSON, an object a line"
-            raise InputError([Problem(str(data), 1, "", "fewer than two columns of figures", remedy=remedy)])
+            raise wrong(data, 1, "fewer than two columns of figures", remedy)
         if found_table.own_times:
             channels = [Channel(str(k), k) for k in chosen[1:]]
             table = read_channels(data, layout, chosen[0], channels, None, found_table.clock is not None)
         else:
             table = read_table(data, layout, list(chosen), True, found_table.clock)
     except OSError as error:
-        problem = Problem(str(data), 1, "", f"cannot be read: {error.strerror or error}", remedy="check the path")
-        raise InputError([problem]) from None
+        raise wrong(data, 1, f"cannot be read: {error.strerror or error}", "check the path") from None
     found = []
     for index, values in zip(chosen, table.values, strict=True):
         name = layout.names[index] if index < len(layout.names) else ""

@@ -67,6 +67,10 @@ class MeasurementFile:
         """A problem with one field."""
         return Problem(str(self.path), self.tree.line_of(field), dotted(field), what, value, limit, remedy)
 
+    def refusal(self, field: FieldPath, what: str, value: str = "", limit: str = "", *, remedy: str) -> InputError:
+        """The error of one problem with one field."""
+        return InputError([self.problem(field, what, value, limit, remedy=remedy)])
+
     def problems(self, broken: Iterable[Broken]) -> list[Problem]:
         """The problems of broken rules."""
         return [self.problem(where, what, *more, remedy=remedy) for where, what, remedy, *more in broken]
@@ -88,7 +92,9 @@ def file_of(path: Path, text: str) -> MeasurementFile:
         content = Measurement.model_validate(tree.data)
     except ValidationError as error:
         said = {problem.field for problem in strange}
-        found = [p for p in schema_problems(error, tree, str(path), node_at) if _top(p.field) not in said]
+        found = schema_problems(error, tree, str(path), node_at)
+        # What is said of a strange column is not said again of each of its fields.
+        found = [problem for problem in found if ".".join(problem.field.split(".")[:2]) not in said]
         raise InputError(sorted([*strange, *found], key=lambda problem: problem.line)) from None
     file = MeasurementFile(path, content, tree)
     problems = strange or file.problems(_broken_rules(file))
@@ -103,7 +109,7 @@ def with_ratio(file: MeasurementFile, ratio: float | None) -> MeasurementFile:
         return file
     if file.content.ratio is not None:
         value, remedy = f"{file.content.ratio:g}", "keep one of the two"
-        raise InputError([file.problem(("ratio",), "another ratio than --ratio", value, f"{ratio:g}", remedy=remedy)])
+        raise file.refusal(("ratio",), "another ratio than --ratio", value, f"{ratio:g}", remedy=remedy)
     found = replace(file, content=file.content.model_copy(update={"ratio": ratio}))
     if problems := found.problems(_broken_rules(found)):
         raise InputError(problems)
@@ -145,11 +151,6 @@ def _strange_columns(path: Path, tree: yamltree.Tree) -> list[Problem]:
         )
         for key in strange
     ]
-
-
-def _top(field: str) -> str:
-    """The column that a field is of."""
-    return ".".join(field.split(".")[:2])
 
 
 TWO = "keep one of the two"

@@ -290,16 +290,11 @@ def title_lines(path: Path, decimal: str, comment: str) -> int:
     if not above:
         # The figures have no names: only what stands above them is left out.
         return rows[body - 1][0] if body else 0
-    names = above[-1]
-    while names - 1 in above and len(above) > 1 and _are_units(cells[names]):
+    names, known = above[-1], {"", "-", COUNTS, *TIME, *ANGLE, *TORQUE, *FORCE, *TEMPERATURE}
+    # A line under the names whose cells are units, half of them or more, in brackets or not.
+    while names - 1 in above and 2 * sum(cell.strip("[]() ") in known for cell in cells[names]) >= len(cells[names]):
         names -= 1
     return rows[names - 1][0] if names else 0
-
-
-def _are_units(cells: list[str]) -> bool:
-    """Whether a line under the names holds units: half of its cells are units or empty, in brackets or not."""
-    known = {"", "-", COUNTS, *TIME, *ANGLE, *TORQUE, *FORCE, *TEMPERATURE}
-    return 2 * sum(cell.strip("[]() ") in known for cell in cells) >= len(cells)
 
 
 def _without_label(cell: str) -> str:

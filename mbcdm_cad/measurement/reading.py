@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from mbcdm_cad.design.fieldpath import FieldPath
-from mbcdm_cad.errors import InputError, did_you_mean, shortened
+from mbcdm_cad.errors import did_you_mean, shortened
 from mbcdm_cad.measurement.binarylog import is_bag, opened
 from mbcdm_cad.measurement.datafile import DECIMALS, Channel, DataTable, read_channels, read_table
 from mbcdm_cad.measurement.file import MeasurementFile, load_file
@@ -47,7 +47,7 @@ def read_run(file: MeasurementFile) -> Reading:
     """The data of a measurement file as a run. Raises InputError, also where the file holds published figures."""
     content = file.content
     if content.data is None or content.columns is None:
-        raise InputError([file.problem(("published",), "no run in this file", remedy="give a file with data")])
+        raise file.refusal(("published",), "no run in this file", remedy="give a file with data")
     data = _data_path(file, content.data)
     try:
         log = opened(data)
@@ -57,7 +57,10 @@ def read_run(file: MeasurementFile) -> Reading:
             else log.layout
         )
         asked = file.asked
-        indices = [_index(file, quantity, column, layout, data) for quantity, column in asked.items()]
+        indices = [
+            column_index(file, ("columns", quantity, "column"), column.column, layout, data)
+            for quantity, column in asked.items()
+        ]
         time = content.columns.time
         clock = indices[0] if time is not None and time.unit.strip() == ISO_CLOCK else None
         if log is not None:
@@ -76,10 +79,8 @@ def read_run(file: MeasurementFile) -> Reading:
             table = table.only(new) if repeated else table
         sha256 = _sha256(data)
     except OSError as error:
-        problem = file.problem(
-            ("data",), f"cannot be read: {error.strerror or error}", shortened(content.data), remedy="check the path"
-        )
-        raise InputError([problem]) from None
+        what = f"cannot be read: {error.strerror or error}"
+        raise file.refusal(("data",), what, shortened(content.data), remedy="check the path") from None
     if content.columns.time is None:
         asked = {"time": Column(column="row", unit="s"), **asked}
         at = np.arange(table.values.shape[1]) / (content.sample_rate_Hz or 1.0)
@@ -109,7 +110,7 @@ def _of_channels(file: MeasurementFile, layout: Format, data: Path, indices: lis
             if column.channel is None and quantity != "time":
                 where: FieldPath = ("columns", quantity)
                 remedy = "give channel: the name of its rows in channel_column"
-                raise InputError([file.problem(where, "no channel, where rows hold one each", remedy=remedy)])
+                raise file.refusal(where, "no channel, where rows hold one each", remedy=remedy)
     time = file.asked["time"]
     return read_channels(data, layout, indices[0], _channels(file, indices), named_by, clock, time.wraps_at)
 
@@ -157,12 +158,7 @@ def _data_path(file: MeasurementFile, data: str) -> Path:
     except (OSError, ValueError) as error:
         what = f"cannot be read: {error}"
     remedy = "give the path of the logger's file, relative to this one"
-    raise InputError([file.problem(("data",), what, shortened(data), remedy=remedy)])
-
-
-def _index(file: MeasurementFile, quantity: str, column: Column, layout: Format, data: Path) -> int:
-    """Index of the column of a quantity in the data, from 0."""
-    return column_index(file, ("columns", quantity, "column"), column.column, layout, data)
+    raise file.refusal(("data",), what, shortened(data), remedy=remedy)
 
 
 def column_index(file: MeasurementFile, where: FieldPath, asked: str | int, layout: Format, data: Path) -> int:
@@ -170,9 +166,8 @@ def column_index(file: MeasurementFile, where: FieldPath, asked: str | int, layo
     if isinstance(asked, int):
         if asked <= layout.fields:
             return asked - 1
-        limit = f"1 to {layout.fields}"
-        problem = file.problem(where, f"not a column of {data.name}", str(asked), limit, remedy="count from 1")
-        raise InputError([problem])
+        what, limit = f"not a column of {data.name}", f"1 to {layout.fields}"
+        raise file.refusal(where, what, str(asked), limit, remedy="count from 1")
     found = [index for index, name in enumerate(layout.names[: layout.fields]) if name == asked.strip()]
     if len(found) == 1 and not layout.unnamed:
         return found[0]
@@ -197,7 +192,7 @@ def column_index(file: MeasurementFile, where: FieldPath, asked: str | int, layo
             remedy = f"the name is on line {elsewhere}: set skip_rows: {elsewhere - 1}"
         else:
             remedy = shortened(did_you_mean(asked, known), 300).strip("'\"")
-    raise InputError([file.problem(where, what, shortened(asked), remedy=remedy)])
+    raise file.refusal(where, what, shortened(asked), remedy=remedy)
 
 
 def _count_turns(file: MeasurementFile, quantity: str, column: Column, row: Floats) -> str:
@@ -215,7 +210,7 @@ def _count_turns(file: MeasurementFile, quantity: str, column: Column, row: Floa
         limit = f"{FULL_SENSE * column.wraps_at:g}, {FULL_SENSE:g} of wraps_at"
         remedy = "check wraps_at, log more samples a second, or move slower"
         field: FieldPath = ("columns", quantity, "wraps_at")
-        raise InputError([file.problem(field, what, f"{column.wraps_at:g}", limit, remedy=remedy)])
+        raise file.refusal(field, what, f"{column.wraps_at:g}", limit, remedy=remedy)
     passes = int(np.count_nonzero(np.abs(np.diff(row) - np.diff(before)) > 0.5 * column.wraps_at))
     if not passes and quantity == "time":  # counted where the rows were read
         return ""
@@ -240,20 +235,23 @@ def _in_si(file: MeasurementFile, asked: dict[str, Column], table: DataTable, so
         names, inputs = ("input",), np.zeros((1, rows["time"].size))
     currents = [rows[name] for name in rows if name.startswith(CURRENT)]
     motor = StatedMotors(**file.content.motor.model_dump()) if currents else None
-    given = file.content.sensors
+    given, known, load_Nm = file.content.sensors, file.content.load, rows.get("load_torque")
+    if known is not None:
+        zero = np.zeros_like(rows["output"])
+        load_Nm = zero if known == "none" else pendulum_load_Nm(known.pendulum, rows["output"], rows["time"])
     sensors = Sensors(
         given.input_resolution_rad or _step_of_counts(asked, [name for name in asked if name.startswith("input")]),
         given.output_resolution_rad or _step_of_counts(asked, [name for name in asked if name == "output"]),
         given.torque_noise_Nm,
         given.input_noise_rad,
         given.output_noise_rad,
-        _torque_class(given, file.content.load is not None, motor if "load_torque" not in rows else None),
+        _torque_class(given, known is not None, motor if "load_torque" not in rows else None),
     )
     return Run(
         rows["time"],
         inputs,
         rows.get("output", np.zeros_like(rows["time"])),
-        _load_Nm(file, rows),
+        load_Nm,
         rows.get("temperature"),
         sensors,
         names,
@@ -290,16 +288,6 @@ def _response_table(file: MeasurementFile, asked: dict[str, Column], rows: dict[
 def _unit(quantity: str, column: Column) -> Unit | None:
     """The unit of a column, with what its unit needs beside it."""
     return unit_of(quantity, column.unit, column.counts_per_turn, column.lever_arm_mm, column.radius_mm)
-
-
-def _load_Nm(file: MeasurementFile, rows: dict[str, Floats]) -> Floats | None:
-    """The load: as measured, none, or that of a known weight."""
-    known = file.content.load
-    if known is None:
-        return rows.get("load_torque")
-    if known == "none":
-        return np.zeros_like(rows["output"])
-    return pendulum_load_Nm(known.pendulum, rows["output"], rows["time"])
 
 
 def _torque_class(given: SensorFigures, known: bool, motor: StatedMotors | None) -> TorqueClass:

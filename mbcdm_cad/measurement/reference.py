@@ -99,63 +99,46 @@ format is another one, and the file is refused.
 def measurement_page() -> str:
     """The whole page."""
     schema = json_schema()
-    columns = schema["properties"]["columns"]
-    top = {key: node for key, node in schema["properties"].items() if "properties" not in node and key != "published"}
-    lines = [_INTRO, "## Top level", "", *_table(top, schema)]
+    blocks = schema["properties"]
+    columns, load, item = blocks["columns"], blocks["load"]["properties"]["pendulum"], blocks["published"]["items"]
+    said = {name: node["description"].capitalize() for name, node in blocks.items() if "description" in node}
+    top = {name: node for name, node in blocks.items() if "properties" not in node and name != "published"}
+    lines = [_INTRO, "## Top level", "", *_table(schema | {"properties": top})]
     lines += ["## columns", "", "| quantity | needed | meaning |", "| --- | --- | --- |"]
     for key, node in columns["properties"].items():
-        yes = key in ("time", "output")
-        needed = "yes" if yes else "one for each input" if key.startswith("input") else "no"
+        needed = "yes" if key in ("time", "output") else "one for each input" if key.startswith("input") else "no"
         lines.append(f"| `{key}` | {needed} | {node.get('description', '')} |")
-    lines += ["", "Each is a block of these fields:", ""]
-    lines += _table(columns["properties"]["time"]["properties"], columns["properties"]["time"])
-    lines += ["### Units", ""]
-    lines += [
-        f"- {word}: " + ", ".join(f"`{unit}`" for unit in known_units(quantity))
-        for word, quantity in (
-            ("time", "time"),
-            ("angles", "output"),
-            ("torque", "load_torque"),
-            ("temperature", "temperature"),
-            ("current", "current"),
-            ("excitation", "excitation"),
-            ("frequency", "frequency"),
-            ("gain", "gain"),
-            ("amplitude", "amplitude"),
-        )
-    ]
-    lines += ["", "## sensors", "", *_table(schema["properties"]["sensors"]["properties"], {})]
-    load = schema["properties"]["load"]["properties"]["pendulum"]
-    parts = schema["properties"]["parts"]
-    lines += ["## parts", "", f"{parts['description'].capitalize()}.", "", *_table(parts["properties"], {})]
-    lines += ["## load", "", "`load: none`, or `load: {pendulum: {...}}` with", "", *_table(load["properties"], load)]
-    plate = schema["properties"]["inertia_plate"]
-    lines += ["## inertia_plate", "", f"{plate['description'].capitalize()}.", "", *_table(plate["properties"], plate)]
-    table = schema["properties"]["response"]
-    lines += ["## response", "", f"{table['description'].capitalize()}.", "", *_table(table["properties"], table)]
-    motor = schema["properties"]["motor"]["properties"]
-    lines += ["## motor", "", f"{schema['properties']['motor']['description'].capitalize()}; columns `current` or "]
+    lines += ["", "Each is a block of these fields:", "", *_table(columns["properties"]["time"]), "### Units", ""]
+    kinds = {"time": "time", "angles": "output", "torque": "load_torque"}
+    kinds |= {word: word for word in ("temperature", "current", "excitation", "frequency", "gain", "amplitude")}
+    lines += [*_units(kinds), "## sensors", ""]
+    lines += _table(blocks["sensors"])
+    lines += ["## parts", "", f"{said['parts']}.", "", *_table(blocks["parts"])]
+    lines += ["## load", "", "`load: none`, or `load: {pendulum: {...}}` with", "", *_table(load)]
+    for name in ("inertia_plate", "response"):
+        lines += [f"## {name}", "", f"{said[name]}.", "", *_table(blocks[name])]
+    lines += ["## motor", "", f"{said['motor']}; columns `current` or "]
     lines[-1] += (
         "`current_<name>`, positive where they drive the drum positive. What is left out is that of the design."
     )
-    lines += ["", *_table(motor, {})]
-    published = schema["properties"]["published"]["items"]
-    lines += ["## published", "", f"{schema['properties']['published']['description'].capitalize()}: a list of", ""]
-    plain = {key: node for key, node in published["properties"].items() if key != "conditions"}
-    lines += [*_table(plain, published), "### conditions", ""]
-    lines += _table(published["properties"]["conditions"]["properties"], {})
+    lines += ["", *_table(blocks["motor"]), "## published", "", f"{said['published']}: a list of", ""]
+    plain = {key: node for key, node in item["properties"].items() if key != "conditions"}
+    lines += [*_table(item | {"properties": plain}), "### conditions", "", *_table(item["properties"]["conditions"])]
     lines += ["### Units of published figures", ""]
-    lines += [
-        f"- `{quantity}`: " + ", ".join(f"`{unit}`" for unit in known_units(quantity))
-        for quantity in published["properties"]["quantity"]["enum"]
-    ]
+    lines += _units({f"`{quantity}`": quantity for quantity in item["properties"]["quantity"]["enum"]})
     return "\n".join(lines).rstrip() + "\n"
 
 
-def _table(rows: dict[str, Node], block: Node) -> Iterator[str]:
+def _units(quantities: dict[str, str]) -> list[str]:
+    """A list of the units of each quantity, and an empty line."""
+    known = ((word, (f"`{unit}`" for unit in known_units(quantity))) for word, quantity in quantities.items())
+    return [*(f"- {word}: {', '.join(units)}" for word, units in known), ""]
+
+
+def _table(block: Node) -> Iterator[str]:
     yield "| field | unit | limits | default | example | meaning |"
     yield "| --- | --- | --- | --- | --- | --- |"
-    for key, node in rows.items():
+    for key, node in block["properties"].items():
         given = node.get("default")
         default = "needed" if key in block.get("required", []) else "" if given is None else f"`{flow(given)}`"
         example = f"`{flow(node['examples'][0])}`" if node.get("examples") else ""

@@ -232,14 +232,18 @@ def assign(columns: Sequence[Guess], expected: Expected) -> tuple[Scale | None, 
     _assign(columns, "time", lambda c: (c.unit in TIME or c.says(TIME_WORDS)) and _rises(c))
     if all(c.role != "time" for c in columns) and len(moving) > 2:
         # Of several the one with the most even steps, as shafts may turn one way too.
-        rising = [c for c in moving if _rises(c) and not _numbers_rows(c)]
+        counts = [c for c in moving if c.says(_NUMBER) and bool(np.all(np.diff(c.values) == 1.0))]
+        rising = [c for c in moving if _rises(c) and c not in counts]
         rising.sort(key=lambda c: float(np.mean(np.abs(np.diff(c.values, 2))) / np.ptp(c.values)))
         _assign(rising[:1], "time", lambda c: True, "it rises in every row")
     time = next((c for c in columns if c.role == "time"), None)
     if time is not None:
         _time_unit(time)
     _assign(columns, "temperature", lambda c: c.unit in TEMPERATURE or c.says(_TEMPERATURE))
-    _assign(columns, "load_torque", _is_load)
+    no_load = [c for c in columns if c.says(_NO_ANGLE) or "wraps_at" in c.fields]
+    torques = {**TORQUE, **FORCE}
+    called = [c for c in columns if stated_unit(c, torques)[0] or (c.says(_LOAD) and not c.says(_ANGLE))]
+    _assign([c for c in called if c not in no_load], "load_torque", lambda c: True)
     moving = [c for c in moving if not c.role]
     why = {id(c): reason for c in moving if (reason := _no_angle(c, moving, time, expected))}
     moving = [c for c in moving if id(c) not in why]
@@ -267,11 +271,6 @@ def _rises(column: Guess) -> bool:
     return float(np.mean(steps < 0.0)) <= RESETS and float(np.mean(steps > 0.0)) > LEAST_RISING
 
 
-def _numbers_rows(column: Guess) -> bool:
-    """Whether the column counts the rows or frames one by one, which is no time."""
-    return column.says(_NUMBER) and bool(np.all(np.diff(column.values) == 1.0))
-
-
 def _time_unit(column: Guess) -> None:
     """Draft the unit of the time: as stated, by where it begins again, or by the size of its steps."""
     unit, reason = stated_unit(column, TIME)
@@ -292,12 +291,6 @@ def _time_unit(column: Guess) -> None:
         reason = f"counted from 1970: {unit}?" if since_1970 else f"steps of {step:.4g}: {unit}?"
     column.fields["unit"] = unit
     column.reasons.append(reason)
-
-
-def _is_load(column: Guess) -> bool:
-    if column.says(_NO_ANGLE) or "wraps_at" in column.fields:
-        return False
-    return bool(stated_unit(column, {**TORQUE, **FORCE})[0]) or (column.says(_LOAD) and not column.says(_ANGLE))
 
 
 def _no_angle(column: Guess, moving: Sequence[Guess], time: Guess | None, expected: Expected) -> str:
@@ -507,11 +500,12 @@ def input_scale(column: Guess, slope: float, expected: Expected) -> Scale:
             one = replace(one, fields=one.fields | {"side": side})
         found.append(replace(one, reason=reason))
     best = min(found, key=lambda one: one.miss)
-    if best.miss > MET:
-        best = replace(
-            best, reason=f"{best.reason}; no unit gives the ratio {expected.ratio:g} to a few percent: check"
-        )
-    return best
+    if best.miss <= MET:
+        return best
+    told = f"no unit gives the ratio {expected.ratio:g} to a few percent"
+    if own is not None:
+        told = f"by these units the ratio is {abs(slope) * own.rad:.4g} and not {expected.ratio:g}"
+    return replace(best, reason=f"{best.reason}; {told}: check")
 
 
 def stated_unit(column: Guess, units: Mapping[str, Unit]) -> tuple[str, str]:

@@ -109,7 +109,11 @@ def _in_order(run: Run, drive: Drive) -> Run:
     names = run.input_names
     if sorted(names) == sorted(drive.input_names):
         rows = [names.index(name) for name in drive.input_names]
-    elif sorted(names) == sorted(SIDES) and sorted(sides := _input_sides(drive)) == sorted(SIDES.values()):
+    elif sorted(names) == sorted(SIDES):
+        bodies = {body.name: body for body in drive.layout.routed.routes.bodies}
+        sides = [int(np.sign(bodies[input_body(name)].point_m[0])) for name in drive.input_names]
+        if sorted(sides) != sorted(SIDES.values()):
+            return run
         rows = [[SIDES[name] for name in names].index(side) for side in sides]
     else:
         return run
@@ -136,12 +140,6 @@ def _after_gearhead(run: Run, gearhead_ratio: float) -> Run:
         input_noise_rad=behind(run.sensors.input_noise_rad),
     )
     return replace(run, input_rad=run.input_rad / ratios[:, None], sensors=sensors, motor_side=())
-
-
-def _input_sides(drive: Drive) -> list[int]:
-    """For each input the sign of its x coordinate."""
-    bodies = {body.name: body for body in drive.layout.routed.routes.bodies}
-    return [int(np.sign(bodies[input_body(name)].point_m[0])) for name in drive.input_names]
 
 
 def vet(run: Run, drive: Drive | None) -> list[VettingNote]:
@@ -189,10 +187,14 @@ class Vetted:
 def vetted_runs(files: Sequence[MeasurementFile], drive: Drive | None) -> list[Vetted]:
     """All runs, read and vetted. Raises InputError with the refusals of all of them."""
     vetted: list[Vetted] = []
-    problems = []
+    problems: list[Problem] = []
     for file in files:
         reading = read_run(file)
-        problems += _no_constant(file, reading.run, drive)
+        motor = reading.run.motor
+        if motor is not None and drive is not None and figures_of(motor, drive).torque_constant_Nm_A is None:
+            remedy = "give torque_constant_Nm_A: 60 / (2 pi Kv) of the data sheet"
+            what = f"no torque constant, and {drive.motor.name} has none"
+            problems.append(file.problem(("motor",), what, remedy=remedy))
         if problems:
             continue
         ratio = np.full(reading.run.input_rad.shape[0], reading.run.ratio or 1.0)
@@ -209,26 +211,15 @@ def vetted_runs(files: Sequence[MeasurementFile], drive: Drive | None) -> list[V
     return repeated(vetted)
 
 
-def _no_constant(file: MeasurementFile, run: Run, drive: Drive | None) -> list[Problem]:
-    """Problem where currents are the load and neither file nor catalogue has the torque constant."""
-    if run.motor is None or drive is None or figures_of(run.motor, drive).torque_constant_Nm_A is not None:
-        return []
-    remedy = "give torque_constant_Nm_A: 60 / (2 pi Kv) of the data sheet"
-    return [file.problem(("motor",), f"no torque constant, and {drive.motor.name} has none", remedy=remedy)]
-
-
 def repeated(vetted: list[Vetted]) -> list[Vetted]:
     """The runs without the doubt of too few half sweeps, where several short runs repeat each other."""
     if not all(kind_of(one.run).moves for one in vetted):
         return vetted
-    counts = [_half_sweeps(one.run) for one in vetted]
+    outputs = [smoothed(one.run.output_rad, SPEED_WINDOW_S, one.run.step_s) for one in vetted]
+    counts = [int(half_sweeps(output).max()) + 1 for output in outputs]
     if len(vetted) < 2 or sum(counts) - len(counts) < FEWEST_HALF_SWEEPS or min(counts) < 2:
         return vetted
     return [replace(one, findings=tuple(f for f in one.findings if f.kind != "one_sweep")) for one in vetted]
-
-
-def _half_sweeps(run: Run) -> int:
-    return int(half_sweeps(smoothed(run.output_rad, SPEED_WINDOW_S, run.step_s)).max()) + 1
 
 
 def vetting_lines(one: Vetted) -> list[str]:

@@ -46,7 +46,10 @@ def signal_findings(run: Run, ratio: float) -> Iterator[VettingNote]:
     angles = [*inputs, (("columns", "output"), run.output_rad)]
     yield from _gaps(run)
     yield from _pace(run)
-    yield from _temperature(run)
+    low, high = (0.0, 0.0) if run.temperature_C is None else (run.temperature_C.min(), run.temperature_C.max())
+    if low < COLDEST_C or high > HOTTEST_C:
+        remedy = "check its unit (K or degF declared as degC?)"
+        yield doubt("temperature", f"temperatures of {low:.4g} to {high:.4g} degC", remedy, "columns", "temperature")
     for field, values in angles:
         yield from _jumps(field, values, run)
     for field, values in inputs:
@@ -80,13 +83,6 @@ def _pace(run: Run) -> Iterator[VettingNote]:
     elif half_s < FAST_SWEEP_S:
         remedy = "is the time in s but declared as ms? If not, move slower: the model has no inertia"
         yield doubt("pace", text, remedy, "columns", "time")
-
-
-def _temperature(run: Run) -> Iterator[VettingNote]:
-    low, high = (0.0, 0.0) if run.temperature_C is None else (run.temperature_C.min(), run.temperature_C.max())
-    if low < COLDEST_C or high > HOTTEST_C:
-        remedy = "check its unit (K or degF declared as degC?)"
-        yield doubt("temperature", f"temperatures of {low:.4g} to {high:.4g} degC", remedy, "columns", "temperature")
 
 
 def _jumps(field: FieldPath, values: Floats, run: Run) -> Iterator[VettingNote]:

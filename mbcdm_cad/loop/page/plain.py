@@ -48,7 +48,9 @@ def certainty(result: LoopResult) -> str:
         return f"The error is {_angle(e.before.value)} RMS and {floor}: none of the known causes explains it.{sure}"
     words = [f"{fell}; {floor}."]
     if result.effects:
-        words.append("Each of the other known causes was tried in its place and does worse, wrong in 1 % at most.")
+        words.append(
+            "The other known causes that come nearest were fitted in its place and do worse, wrong in 1 % at most."
+        )
         words += [interval for named in result.effects if (interval := _interval(named))]
     if result.one_of:
         words.append("These runs cannot show which of the causes named with 'or' is present.")
