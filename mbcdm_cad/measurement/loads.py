@@ -58,8 +58,9 @@ def pendulum_load_Nm(arm: Pendulum, output_rad: Floats, time_s: Floats) -> Float
     return np.asarray(weight + inertia * acceleration_rad_s2(output_rad, time_s))
 
 
-def motion_of(angle_rad: Floats, time_s: Floats) -> tuple[Floats, Floats]:
-    """Speed and acceleration of a measured angle, (n,): curves over a quarter of the motion's period, on even times."""
+def motion_of(angle_rad: Floats, time_s: Floats) -> tuple[Floats, Floats, float]:
+    """Speed and acceleration of a measured angle, (n,): curves over a quarter of the motion's period, on even times;
+    and the standard deviation of the faster speed that these leave out, as of a servo that hunts."""
     n = time_s.size
     even = np.linspace(float(time_s[0]), float(time_s[-1]), n)
     step = float(even[1] - even[0])
@@ -68,10 +69,10 @@ def motion_of(angle_rad: Floats, time_s: Floats) -> tuple[Floats, Floats]:
     quiet = savgol_filter(angle, min(LEAST_SAMPLES, n - 1 + n % 2), ORDER, deriv=1, delta=step)
     period = 2.0 * math.pi * float(np.std(angle)) / max(float(np.std(quiet)), 1e-30)
     width = int(np.clip(SHARE_OF_PERIOD * period / step, LEAST_SAMPLES, n // 2)) // 2 * 2 + 1
-    speed, acceleration = (
-        np.interp(time_s, even, savgol_filter(angle, width, ORDER, deriv=order, delta=step)) for order in (1, 2)
-    )
-    return speed, acceleration
+    smooth, bent = (savgol_filter(angle, width, ORDER, deriv=order, delta=step) for order in (1, 2))
+    # By the median, to which the turns of a triangle do not matter.
+    faster = 1.4826 * float(np.median(np.abs(quiet - smooth)))
+    return np.interp(time_s, even, smooth), np.interp(time_s, even, bent), faster
 
 
 def acceleration_rad_s2(angle_rad: Floats, time_s: Floats) -> Floats:
@@ -79,8 +80,8 @@ def acceleration_rad_s2(angle_rad: Floats, time_s: Floats) -> Floats:
     return motion_of(angle_rad, time_s)[1]
 
 
-# Below this share of its RMS the sense of the speed is not sharp.
-STANDSTILL_SHARE = 0.1
+# Below this share of its RMS, and of the standard deviations of a faster one, the sense of the speed is not sharp.
+STANDSTILL_SHARE, OPEN_SENSE = 0.1, 3.0
 # Slower than this share of the RMS speed the friction hides the load: nothing is fitted there.
 SLOW_SHARE = 0.3
 # What the fit of a known weight may leave, as a share of the weight's load, both RMS; without noise, by a mean over s.
@@ -103,13 +104,15 @@ def motors_load_Nm(
     assert k is not None and ratio is not None and efficiency is not None and rotor is not None
     load = np.zeros_like(time_s)
     for current, angle, turns in zip(current_A, input_rad, turns_per_drum, strict=True):
-        speed, acceleration = motion_of(angle, time_s)
+        speed, acceleration, faster = motion_of(angle, time_s)
         sense = np.sign(speed)
         shaft = ratio * (k * current - figures.friction_Nm * sense) - ratio**2 * rotor * acceleration
         loss = (1.0 / efficiency - 1.0) * sense
         # Forward the loss is on top of what is carried, backward it helps to hold.
         carried = shaft / (1.0 + loss * np.sign(shaft))
-        moving = np.abs(speed) > STANDSTILL_SHARE * float(np.std(speed))
+        # A sense that is wrong turns the loss round: one such sample would be the largest load of the run.
+        usual = float(np.std(speed))
+        moving = np.abs(speed) > float(np.clip(OPEN_SENSE * faster, STANDSTILL_SHARE * usual, usual))
         load = load + turns * np.interp(time_s, time_s[moving], carried[moving])
     return load
 

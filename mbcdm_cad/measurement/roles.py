@@ -366,7 +366,8 @@ def _angles(among: list[Guess], expected: Expected) -> Scale | None:
         else:
             column.reasons.append("in the order of the design's inputs: check which is which")
         slope, _ = robust_slope(output.values * scale.rad, column.values)
-        mine = input_scale(column, slope, expected) if slope else Scale({"unit": "rad"}, 1.0)
+        told = stated_scale(output) is not None
+        mine = input_scale(column, slope, expected, told) if slope else Scale({"unit": "rad"}, 1.0)
         column.fields |= mine.fields | ({"scale": -1} if slope < 0.0 else {})
         column.reasons.append(mine.reason or "does not follow the output: is it the right column?")
     return scale
@@ -486,9 +487,9 @@ def output_scale(column: Guess, inputs: Sequence[Guess], expected: Expected) -> 
     return Scale({"unit": unit}, ANGLE[unit].factor, f"spans {span:.4g}{stops}: {unit}?")
 
 
-def input_scale(column: Guess, slope: float, expected: Expected) -> Scale:
+def input_scale(column: Guess, slope: float, expected: Expected, told: bool = False) -> Scale:
     """The input's unit and the place of its encoder with which the ratio is met best; ``slope``: figures per rad of the
-    output."""
+    output, whose unit is ``told`` by its column."""
     own, found = stated_scale(column), list[Scale]()
     gearhead = {} if expected.gearhead_ratio is None else {"motor": expected.ratio * expected.gearhead_ratio}
     for side, turns in ({"drive": expected.ratio} | gearhead).items():
@@ -502,10 +503,10 @@ def input_scale(column: Guess, slope: float, expected: Expected) -> Scale:
     best = min(found, key=lambda one: one.miss)
     if best.miss <= MET:
         return best
-    told = f"no unit gives the ratio {expected.ratio:g} to a few percent"
-    if own is not None:
-        told = f"by these units the ratio is {abs(slope) * own.rad:.4g} and not {expected.ratio:g}"
-    return replace(best, reason=f"{best.reason}; {told}: check")
+    off = f"no unit gives the ratio {expected.ratio:g} to a few percent"
+    if own is not None and told:
+        off = f"by these units the ratio is {abs(slope) * own.rad:.4g} and not {expected.ratio:g}"
+    return replace(best, reason=f"{best.reason}; {off}: check")
 
 
 def stated_unit(column: Guess, units: Mapping[str, Unit]) -> tuple[str, str]:

@@ -47,6 +47,16 @@ def test_the_load_comes_back_from_the_current(frequency_Hz: float) -> None:
     assert np.abs(found - load)[inner].max() < 0.1
 
 
+def test_a_servo_that_hunts_at_the_turns_makes_no_extreme_of_the_load() -> None:
+    """About a turn of the motion it turns round and round: a wrong sense turns the loss of the gearhead round."""
+    lines = np.random.default_rng(1).uniform(0.3, 2.5, 6)
+    angle = 1.8 * np.sin(2.0 * np.pi * T / 12.0) + 0.01 * sum(np.sin(2.0 * np.pi * f * T + f) for f in lines)
+    speed, load = np.gradient(angle, T), 1.2 * np.sin(2.0 * np.pi * T / 8.7)
+    amperes = current(load, speed, np.gradient(speed, T))
+    found = motors_load_Nm(FIGURES, amperes[None], angle[None], T, TURNS)
+    assert np.abs(found).max() < 1.1 * np.abs(load).max(), np.abs(found).max()
+
+
 def test_what_is_not_given_is_that_of_the_catalogue() -> None:
     found = figures_of(StatedMotors(torque_constant_Nm_A=0.01), DRIVE)
     assert (found.gear_ratio, found.efficiency) == (DRIVE.gearhead.ratio, DRIVE.gearhead.efficiency)
