@@ -24,7 +24,7 @@ from mbcdm_cad.loop.prepare.quiet import signal_noise
 from mbcdm_cad.loop.readable import readable
 from mbcdm_cad.loop.search.evidence import LOG_ODDS
 from mbcdm_cad.loop.search.few import PLAY, FewReadings, prepared_by_hand
-from mbcdm_cad.loop.search.few_words import CHANCE
+from mbcdm_cad.loop.search.few_readings import CHANCE
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.loop.search.response import ResponseLoop
 from mbcdm_cad.loop.search.select import LEAST_FALL

@@ -11,7 +11,7 @@ c, v and k, M4 all but q, M5 two shares k, M6 all. There the two shares are of t
 these differ by the friction alone, shares by the sense of power say the same.
 
 The search has c alone; the other forms are tried in its place once it has ended
-(:mod:`mbcdm_cad.loop.search.forms`). A friction of v alone is the viscous drag of ``delay``.
+(:mod:`mbcdm_cad.loop.search.exchange`). A friction of v alone is the viscous drag of ``delay``.
 """
 
 from __future__ import annotations

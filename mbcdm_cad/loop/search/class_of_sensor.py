@@ -68,8 +68,8 @@ class ClassOfSensor(Exchanges):
             return fit, groups
         groups = tuple(g for g in groups if not _is_within(g.effect, fit, own))
         reach = self._reach(fit, own)
-        for group in sorted(groups, key=lambda g: self._fall(fit, g.effect)):
-            if not group.effect.generic or self._fall(fit, group.effect) > REACH * reach:
+        for group in sorted(groups, key=lambda g: self.fall_rad(fit, g.effect)):
+            if not group.effect.generic or self.fall_rad(fit, group.effect) > REACH * reach:
                 continue
             rest = [e for e in fit.effects if e is not group.effect]
             new = [e for e in own if not any(_same(e, other) for other in rest)]
@@ -100,8 +100,8 @@ class ClassOfSensor(Exchanges):
         found = [float(v[0]) for e, v in zip(fit.effects, fit.values, strict=True) if e.name == "load_gain"]
         return 0.5 * sum((one / sigma) ** 2 for one in found) if sigma else 0.0
 
-    def _fall(self, fit: Fit, effect: Effect) -> float:
-        """How much the held-out error falls with an effect, rad in quadrature."""
+    def fall_rad(self, fit: Fit, effect: Effect) -> float:
+        """How much the held-out error falls with an effect of a fit of the search, RMS in quadrature."""
         less = self.search.without(fit, effect)
         return float(np.sqrt(max(0.0, self.search.held_rms(less) ** 2 - self.search.held_rms(fit) ** 2)))
 

@@ -17,16 +17,23 @@ from mbcdm_cad.loop.prepare.noise import doubt_of, runs_of
 from mbcdm_cad.loop.prepare.prepared import Prepared, prepare_all
 from mbcdm_cad.loop.readable import INTERVAL
 from mbcdm_cad.loop.result import Evidence, Helpful, LoopResult, Named
-from mbcdm_cad.loop.search.account import as_named, chain_orders, errors, next_steps, not_testable, traces
+from mbcdm_cad.loop.search.account import (
+    as_named,
+    chain_orders,
+    errors,
+    next_steps,
+    not_testable,
+    time_interval_s,
+    traces,
+)
 from mbcdm_cad.loop.search.exchange import Group
 from mbcdm_cad.loop.search.few import judged_by_hand
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.loop.search.own import begun, differing, in_best_forms, own_effects
 from mbcdm_cad.loop.search.response import ResponseLoop
-from mbcdm_cad.loop.search.scatter import Scatter, hangs_on
+from mbcdm_cad.loop.search.screening import located
 from mbcdm_cad.loop.search.select import Search
-from mbcdm_cad.loop.search.timing import time_interval_s
-from mbcdm_cad.loop.search.trial_fits import located
+from mbcdm_cad.loop.search.unknown import Scatter, hangs_on
 from mbcdm_cad.loop.search.verdict import ZERO_CHANCE, Judge
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.measurement.schema import FREQUENCY_RESPONSE, MOTION
@@ -214,13 +221,12 @@ class _Loop:
         """An effect with its figures from all data and the fall of the held-out error that it causes."""
         k = whole.effects.index(effect)
         block = self.judge.spread(whole, effect, self.whole) + np.diag((windows[k] / INTERVAL) ** 2)
-        less = self.search.without(fit, effect)
-        fall = np.sqrt(max(0.0, self.search.held_rms(less) ** 2 - self.search.held_rms(fit) ** 2))
+        fall = self.judge.fall_rad(fit, effect)
         share = self._least_share(whole, k)
         if share is None:
-            named = self._as_named(effect, whole.values[k], block, float(fall))
+            named = self._as_named(effect, whole.values[k], block, fall)
             return self._before_and_after(named, effect, whole, self.whole) if effect.base else named
-        named = self._as_named(effect, _scaled(effect, whole.values[k], share), block, float(fall))
+        named = self._as_named(effect, _scaled(effect, whole.values[k], share), block, fall)
         opened = {name: replace(value, low=value.value, high=np.inf) for name, value in named.parameters.items()}
         return replace(named, parameters=opened)
 

@@ -28,15 +28,16 @@ from mbcdm_cad.loop.result import LoopResult, Named
 from mbcdm_cad.loop.search.account import as_named, chain_orders, errors, next_steps
 from mbcdm_cad.loop.search.class_of_sensor import WithinClass
 from mbcdm_cad.loop.search.evidence import LOG_ODDS
-from mbcdm_cad.loop.search.few_noise import noise_of, since
-from mbcdm_cad.loop.search.few_words import (
+from mbcdm_cad.loop.search.few_readings import (
     CHANCE,
     HIDDEN_PLAY,
     LOST_TRACK,
     LeftOver,
     hangs_on,
+    noise_of,
     not_testable,
     pictures_of,
+    since,
     verdict_of,
 )
 from mbcdm_cad.loop.search.fit import Fit, Fitter

@@ -32,6 +32,8 @@ SETTLED = 1e-6
 DIFFERENCE = 0.1
 # Fields of a setup that strain the cables.
 _STRAINS = ("d", "load_Nm", "path_m", "shift_rad", "play_rad")
+# Intervals include smoothing windows found with the noise assumed so many times as large.
+WINDOWS = (0.5, 2.0)
 # Bytes of changed runs that are kept in memory.
 REMEMBERED_BYTES = 2**27
 

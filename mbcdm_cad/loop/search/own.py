@@ -12,7 +12,7 @@ from mbcdm_cad.loop.own import Differing, OwnValue
 from mbcdm_cad.loop.prepare.prepared import Prepared
 from mbcdm_cad.loop.readable import INTERVAL
 from mbcdm_cad.loop.search.account import interval
-from mbcdm_cad.loop.search.fit import Fit, Fitter
+from mbcdm_cad.loop.search.fit import WINDOWS, Fit, Fitter
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
 
@@ -24,8 +24,8 @@ FIELDS = {
 }
 # Before the data, a change is normal with this many times the effect's typical small size: 10 % of a share.
 LIKELY_SIZES = 5.0
-# Windows with which the intervals of own values are compared, and the variance that stands for "any common value".
-WINDOWS, ANY = (0.5, 2.0), 1e8
+# The variance that stands for "any common value".
+ANY = 1e8
 
 
 def own_effects(names: Sequence[str], offered: Sequence[Effect], run: str) -> list[list[Effect]]:

@@ -32,7 +32,7 @@ from mbcdm_cad.loop.readable import INTERVAL, Value, readable
 from mbcdm_cad.loop.result import NEAR_FLOOR, BodePicture, Errors, LoopResult, Named, TorsionalMode
 from mbcdm_cad.loop.search.account import errors_of, next_steps
 from mbcdm_cad.loop.search.evidence import LOG_ODDS
-from mbcdm_cad.loop.search.few_words import CHANCE, LeftOver, verdict_of
+from mbcdm_cad.loop.search.few_readings import CHANCE, LeftOver, verdict_of
 from mbcdm_cad.loop.search.select import LEAST_FALL
 from mbcdm_cad.loop.search.selection import Selection
 from mbcdm_cad.measurement.response import FrequencyResponse, response_of

@@ -17,8 +17,7 @@ from mbcdm_cad.loop.effect import Effect
 from mbcdm_cad.loop.prepare.noise import Noise
 from mbcdm_cad.loop.search.evidence import log_odds, noise_left, supported
 from mbcdm_cad.loop.search.fit import Fit, Fitter
-from mbcdm_cad.loop.search.screening import Screened
-from mbcdm_cad.loop.search.trial_fits import CABLES_SLIP, MOST_REFITS, TrialFits, both_plays
+from mbcdm_cad.loop.search.screening import CABLES_SLIP, MOST_REFITS, Screened, TrialFits, both_plays
 from mbcdm_cad.routes import Floats
 
 # Least fall of the held-out RMS, in quadrature, over the noise floor (trial study: closed-loop notes).

@@ -2,7 +2,8 @@
 
 A residual repeats in angle (or load, or speed) if its means over bins of that variable agree from sweep to sweep. The
 common part is measured by products of different sweeps only, so that noise within a sweep, also coloured noise, does
-not count. A time does not occur twice: for a drift in time, sectors of angle are compared instead of sweeps.
+not count. A time does not occur twice: for a drift in time, sectors of angle are compared instead of sweeps. What does
+not repeat is noise; it is none of a sensor where its size hangs on load, speed or time.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 from mbcdm_cad.loop.prepare.lines import order_spectrum
 from mbcdm_cad.loop.prepare.prepared import Prepared
 from mbcdm_cad.loop.readable import INTERVAL, Value, readable
+from mbcdm_cad.loop.search.select import LEAST_FALL
 from mbcdm_cad.routes import Floats
 
 # Shapes within this of the best one's share are listed too.
@@ -105,9 +107,8 @@ def _step(name: str, unit: str, at: Floats, mean: Floats, weight: Floats) -> Sha
     return Shape("x > x0", explains, f"a step of {tall} at {name} {place:.4g} {unit}")
 
 
-# A pattern counts if its RMS is this share of the noise floor or more (the size rule of a named effect) and its mean
-# product stands this many standard errors off zero.
-LEAST_SHARE_OF_FLOOR = 0.45
+# A pattern counts if its RMS over the noise floor is what a named effect has at least, and if its mean product stands
+# this many standard errors off zero.
 LEAST_ERRORS = 3.0
 # A pattern must explain at least this share of the residual's mean square to describe it.
 LEAST_SHARE = 0.15
@@ -286,7 +287,7 @@ def _pattern(
     if shared <= 0.0 or errors < LEAST_ERRORS:
         return None
     rms, share = float(np.sqrt(shared)), shared / square
-    if rms < LEAST_SHARE_OF_FLOOR * floor_rad or share < LEAST_SHARE:
+    if rms < LEAST_FALL * floor_rad or share < LEAST_SHARE:
         return None
     kept = np.flatnonzero(count >= LEAST_IN_BIN)
     at = np.bincount(index, x)[kept] / count[kept]
@@ -343,3 +344,78 @@ def memory_s(values: Floats, sweep: NDArray[np.int64], step_s: float) -> float:
         if float(np.mean((values[lag:] * values[:-lag])[same])) < square / np.e:
             return float(lag * step_s)
     return float(lags[-1] * step_s)
+
+
+# Least ratio of the noise between the two ends, and least slope over its error.
+LEAST_RATIO, SURE_ERRORS = 2.0, 5.0
+# Sweeps and samples of a cell that are needed to say anything.
+FEWEST_SWEEPS, FEWEST_SAMPLES = 6, 8
+# Ends of a quantity, as shares of the cells.
+ENDS = (0.1, 0.9)
+CAUSES = {
+    "load": "the stiffness or the tension of the drive changes during the run, or the torque sensor lags",
+    "speed": "time stamps that jitter, or a delay that changes",
+    "time": "something of the drive or the bench changes during the run",
+}
+
+
+@dataclass(frozen=True)
+class Scatter:
+    """Noise that hangs on a quantity: its RMS where that is small and where it is large, rad."""
+
+    quantity: str
+    low_rad: float
+    high_rad: float
+
+    @property
+    def words(self) -> str:
+        """For people."""
+        _, (low, high) = readable("_rad", [self.low_rad, self.high_rad])
+        ends = {"time": ("at first", "in the end")}.get(self.quantity, (f"at small {self.quantity}", "at large"))
+        return (
+            f"what does not repeat hangs on the {self.quantity}: {low} RMS {ends[0]}, {high} {ends[1]}; no noise of an "
+            f"encoder does: {CAUSES[self.quantity]}"
+        )
+
+
+def hangs_on(p: Prepared, residual: Floats) -> Scatter | None:
+    """The quantity on which the noise of a run hangs most surely; None if it is the same everywhere, as a sensor's is.
+
+    ``residual`` (rad, (n,)) is what all effects leave. Its mean square over cells of sweep and sector is compared, as
+    its logarithm, with the mean of each quantity there. A quantity counts if the noise is twice as large at one end as
+    at the other, and if whole sweeps agree on it (slope over its error, clustered by sweep). A drive that changes in
+    mid-run has noise that hangs on load and time; time stamps that jitter have noise that hangs on the speed.
+    """
+    use = p.used
+    sweeps, sweep = np.unique(p.sweep[use], return_inverse=True)
+    if sweeps.size < FEWEST_SWEEPS:
+        return None
+    cell = sweep * (int(p.sector.max()) + 1) + p.sector[use]
+    _, cell = np.unique(cell, return_inverse=True)
+    count = np.bincount(cell)
+    full = count >= FEWEST_SAMPLES
+    if full.sum() < FEWEST_SWEEPS:
+        return None
+    square = np.bincount(cell, (residual[use] - residual[use].mean()) ** 2) / count
+    of_sweep = np.zeros(count.size, dtype=np.int64)
+    of_sweep[cell] = sweep
+    quantities: dict[str, Floats] = {"speed": np.abs(p.speed_rad_s), "time": p.time_s}
+    if p.load_Nm is not None and p.load_Nm.any():
+        quantities["load"] = np.abs(p.load_Nm)
+    found: list[tuple[float, Scatter]] = []
+    for name, values in quantities.items():
+        at = (np.bincount(cell, values[use]) / count)[full]
+        low, high = np.quantile(at, ENDS)
+        log_square, groups = np.log(square[full] + 1e-300), of_sweep[full]
+        x = at - at.mean()
+        if not x.any() or high <= low:
+            continue
+        slope = float(x @ log_square / (x @ x))
+        rest = x * (log_square - log_square.mean() - slope * x)
+        error = float(np.sqrt(np.sum(np.bincount(groups, rest) ** 2))) / float(x @ x)
+        ratio = float(np.exp(0.5 * slope * (high - low)))
+        if error > 0.0 and abs(slope) / error >= SURE_ERRORS and max(ratio, 1.0 / ratio) >= LEAST_RATIO:
+            middle = float(log_square.mean())
+            ends = (np.exp(0.5 * (middle + slope * (end - at.mean()))) for end in (low, high))
+            found.append((abs(slope) / error, Scatter(name, *(float(end) for end in ends))))
+    return max(found, key=lambda one: one[0])[1] if found else None

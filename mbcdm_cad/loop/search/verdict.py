@@ -28,10 +28,9 @@ from mbcdm_cad.loop.result import LEAST_ODDS
 from mbcdm_cad.loop.search.class_of_sensor import ClassOfSensor
 from mbcdm_cad.loop.search.evidence import chance_without_slope, log_odds
 from mbcdm_cad.loop.search.exchange import Group
-from mbcdm_cad.loop.search.fit import Fit, Fitter
-from mbcdm_cad.loop.search.scatter import hangs_on
+from mbcdm_cad.loop.search.fit import WINDOWS, Fit, Fitter
 from mbcdm_cad.loop.search.select import LEAST_FALL, Search
-from mbcdm_cad.loop.search.unknown import Unknown, describe_unknown
+from mbcdm_cad.loop.search.unknown import Unknown, describe_unknown, hangs_on
 from mbcdm_cad.measurement.run import smoothed
 from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.routes import Floats
@@ -64,8 +63,6 @@ def regressors(loaded: bool) -> list[Effect]:
 
 # An effect is not named if the unexplained error is at least this share of the error that the effect explains.
 BLAME_SHARE = 0.25
-# The intervals include smoothing windows found with the noise assumed so many times as large.
-WINDOWS = (0.5, 2.0)
 SLOW_S = 0.3
 # An effect that is not named is reported as helpful from LEAST_ODDS on. It stays in the fit if it explains this share
 # of the error above the floor.
@@ -131,10 +128,7 @@ class Judge(ClassOfSensor):
             if not any(member.unmeasured for member in members):
                 kept.append(group)
                 continue
-            less = self.search.without(fit, group.effect)
-            fall = float(np.sqrt(max(0.0, self.search.held_rms(less) ** 2 - self.search.held_rms(fit) ** 2)))
-            block, odds = self.spread(fit, group.effect, self.fitter), self._odds(less, fit)
-            self.helpful.append(TakenBack(group.effect, fit.values_of(group.effect), block, fall, odds))
+            self._kept_as_helpful(fit, group.effect, self.fall_rad(fit, group.effect))
             self.unmeasured += [f"{member.name} ({member.form})" for member in members]
         return tuple(kept)
 
@@ -191,12 +185,8 @@ class Judge(ClassOfSensor):
             if self._unexplained(fit, unknown) < BLAME_SHARE * np.sqrt(max(0.0, falls[least])):
                 break
             less = self.search.without(fit, groups[least].effect)
-            odds = self._odds(less, fit)
-            if odds >= LEAST_ODDS:
-                effect = groups[least].effect
-                block = self.spread(fit, effect, self.fitter)
-                fall = float(np.sqrt(max(0.0, falls[least])))
-                self.helpful.append(TakenBack(effect, fit.values_of(effect), block, fall, odds))
+            if self._odds(less, fit) >= LEAST_ODDS:
+                self._kept_as_helpful(fit, groups[least].effect, float(np.sqrt(max(0.0, falls[least]))))
             fit, groups = self._in_best_form(less, (*groups[:least], *groups[least + 1 :]))
             left = self.left(fit)
             if left is None:
@@ -228,6 +218,11 @@ class Judge(ClassOfSensor):
         best = min((fit, *forms), key=self.search.held_rms)
         # An exchanged effect is the last of its fit; in the fit as it was, errors of the sensors may stand there.
         return best, groups if best is fit else (replace(groups[0], effect=best.effects[-1]),)
+
+    def _kept_as_helpful(self, fit: Fit, effect: Effect, fall_rad: float) -> None:
+        """Record an effect of a fit that is not named and lowers the error."""
+        block, odds = self.spread(fit, effect, self.fitter), self._odds(self.search.without(fit, effect), fit)
+        self.helpful.append(TakenBack(effect, fit.values_of(effect), block, fall_rad, odds))
 
     def _odds(self, less: Fit, fit: Fit) -> float:
         """Odds that ``fit`` has a lower error than ``less`` on half sweeps that neither was fitted to."""
