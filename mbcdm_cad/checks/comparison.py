@@ -85,7 +85,8 @@ class Check:
     ``severity``: status if the limit is not kept. ``adjust``: design variables that may correct it, tried in this
     order. ``advice``: other changes that help. ``measure`` and ``advice`` get the design under test of the
     configuration that the check belongs to, a :class:`~mbcdm_cad.layouts.base.Layout`.
-    ``applies``: the drives of the configuration that the check is run on, None for all.
+    ``applies``: the drives of the configuration that the check is run on, None for all; ``warns``: those of them for
+    which it only warns, None for none beside ``severity``.
     """
 
     id: str
@@ -96,6 +97,7 @@ class Check:
     adjust: tuple[Adjustment, ...] = ()
     advice: str | Callable[[Any], str] = ""
     applies: Callable[[Any], bool] | None = None
+    warns: Callable[[Any], bool] | None = None
 
     def __call__(self, design: Any) -> Comparison:
         """The comparison that decides on this design."""
@@ -104,6 +106,10 @@ class Check:
     def asked_of(self, drive: Any) -> bool:
         """Whether the check applies to this drive of its configuration."""
         return self.applies is None or self.applies(drive)
+
+    def severity_on(self, drive: Any) -> str:
+        """Status of this drive if the limit is not kept."""
+        return "warn" if self.warns is not None and self.warns(drive) else self.severity
 
     def but(self, **changes: Any) -> Check:
         """The same check with other fields."""
@@ -116,7 +122,7 @@ def check(
     *adjust: Adjustment,
     advice: str | Callable[[Any], str] = "",
     advice_on: Callable[[Any, Comparison], str] | None = None,
-    warn: bool = False,
+    warn: bool | Callable[[Any], bool] = False,
     applies: Callable[[Any], bool] | None = None,
     unit: str = "mm",
     none: Comparison | None = None,
@@ -124,6 +130,7 @@ def check(
     """Make a check, whose id is the function's name, of a function that gives one comparison or yields several.
 
     The worst counts; ``none``: what stands where nothing is found. ``advice_on``: advice that reads what is found.
+    ``warn``: whether it only warns, of all drives or of which.
     """
 
     def made(measure: Callable[[Any], Comparison | Findings]) -> Check:
@@ -135,9 +142,9 @@ def check(
             each = [f if isinstance(f, Comparison) else at_least(*f[:3], unit, *f[3:]) for f in found]
             return none if none is not None and not each else worst(each)
 
-        severity = "warn" if warn else "fail"
+        severity, warns = ("fail", warn) if callable(warn) else ("warn" if warn else "fail", None)
         told = advice if advice_on is None else lambda design: advice_on(design, compared(design))
-        return Check(measure.__name__, title, source, compared, severity, adjust, told, applies)
+        return Check(measure.__name__, title, source, compared, severity, adjust, told, applies, warns)
 
     return made
 

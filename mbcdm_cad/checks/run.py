@@ -68,7 +68,7 @@ class Budget:
 
 def remedy(check: Check, design: Layout, budget: Budget) -> str:
     """The sentence that says how the check would pass; each number was tried on the design."""
-    if check.severity == "warn" and not budget.warnings:
+    if check.severity_on(design.drive) == "warn" and not budget.warnings:
         return ""
     free, required = offers(check, design, budget)
     advice = check.advice(design) if callable(check.advice) else check.advice
@@ -220,7 +220,7 @@ def judged(check: Check, found: Comparison, drive: Drive, remedy_of: Callable[[]
     """The result of a comparison: status, message, remedy. ``remedy_of`` is called if the check does not pass."""
     if not isfinite(found.actual) or not isfinite(found.limit):
         return _unevaluated(check, f"{found.subject} is not a finite number", found.unit)
-    status: Status = "pass" if found.holds else ("warn" if check.severity == "warn" else "fail")
+    status: Status = "pass" if found.holds else ("warn" if check.severity_on(drive) == "warn" else "fail")
     found = found.shown
     limit, margin = (found.limit, found.margin) if found.sense else (None, None)
     waiver = drive.waiver(check.id) if status == "fail" else None

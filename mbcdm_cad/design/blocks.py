@@ -264,8 +264,8 @@ class Loads(PlainBlock):
     )
     structure_share: Number | None = quantity(
         "largest turn of the payload by all parts besides the cables, over that by the cables, at the test torque, the "
-        "inputs held; 0.25 is a usual aim; rules raise what gives most until it holds or other checks refuse; not "
-        "checked if left out",
+        "inputs held; 0.25 is a usual aim; rules raise what gives most until it holds or other checks refuse; left "
+        "out, a warning beyond 2.5, printed 5",
         default=None,
         gt=0.0,
         le=100.0,

@@ -77,7 +77,7 @@ def _lightest(size: SizeWith, field: str, data: dict[str, Any], layout: type[Lay
     for ratio in RATIOS:
         try:
             sized[ratio] = _with(size, field, data, None, None, ratio)
-            drives.append(_Drive(ratio, layout_of(layout, sized[ratio])))
+            drives.append(_Drive(ratio, layout_of(layout, sized[ratio].data)))
         except (NoFigureError, SizingError) as error:
             refused.append(error)
     best: tuple[_Rank, float] | None = None

@@ -1,51 +1,65 @@
-"""Sizing by ``loads.stiffness_Nm_rad`` and ``loads.structure_share``: what gives most is raised until they hold.
+"""Sizing by stiffness: what is made stiffer than strength and place ask for, and how far.
 
-The rules size a drive for strength and place. Where it then gives more than the file allows, the fields that stiffen
-its softest parts are raised over what their rules gave, the softest first, all down to one level, and the drive is
-sized again, since other rules follow from them. A raise that makes another check fail is taken back: there the bounds
-of the design refuse, and the check of the requirement says how far it came. Without either, anchored cables get less
-preload for ``loads.backdrive_Nm``.
+The rules size a drive for strength and place. What gives then is made stiffer, first where a share of the payload's
+compliance costs the least share of the drive's mass. The file says how far: up to ``loads.stiffness_Nm_rad``, down to
+``loads.structure_share``, up to ``targets.mass_g``; where it states none of them, as long as 1 % of mass buys 1 % of
+compliance, so that mass times compliance is least. All of these are one search, with different prices of compliance.
+What makes another check fail is taken back: there the bounds of the design refuse.
 """
 
 from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
-from math import inf
+from math import exp, inf, log
+from operator import itemgetter
 from typing import Any, Protocol
 
+import numpy as np
 from pydantic import ValidationError
 
 from mbcdm_cad.checks.comparison import Check
+from mbcdm_cad.checks.run import bounds
+from mbcdm_cad.checks.size import kept_mass_g
 from mbcdm_cad.design.blocks import Design
-from mbcdm_cad.design.drive import met
+from mbcdm_cad.design.drive import Drive, met
 from mbcdm_cad.design.lookup import Catalogue
 from mbcdm_cad.design.rules import every_broken_rule
 from mbcdm_cad.design.sized import Moved, SizedValue, Sizing, SizingError
 from mbcdm_cad.layouts.base import Layout, NoFigureError
-from mbcdm_cad.layouts.structure import Cause, Structure, urad_Nm
+from mbcdm_cad.layouts.sector import SectorLayout
+from mbcdm_cad.layouts.structure import DrumStructure, drum_structure_of, structure_of, urad_Nm
+from mbcdm_cad.routes import Floats
 from mbcdm_cad.sizing.known import KnownFields
 from mbcdm_cad.sizing.rule import rounded_up
 
-# Most sizings, largest factor on a value in one round, and what is aimed at beyond the requirement, for rounding and
-# because the parts' turns are no exact powers of their sizes.
-_SIZINGS, _STEP, _SPARE = 24, 1.5, 1.01
-# Factor with which a raise is tried again that was refused: the next entry of the catalogue, the next step of a number.
-_LEAST = 1.0 + 1e-6
-# What can be raised turns no less than this share of what cannot: more metal would hardly stiffen the drive.
-_QUARTER = 0.25
+# Most sizings where mass and compliance are weighed, and where the file asks for a figure; factor on a number with
+# which its effect is measured, and the largest one of a round; how often a factor that is refused is halved.
+_SIZINGS, _SIZINGS_TO_FIGURE, _HALVINGS = 6, 24, 2
+_TRIED, _MOST = 1.1, 2.5
+# Fields whose causes have less than this share of the turn stay as they are, as do those that promise less of mass
+# times turn; and rounds that promise less, the first and any other.
+_LEAST_SHARE, _LEAST_GAIN, _LEAST_ROUND = 0.03, 0.004, (0.01, 0.03)
+# What is aimed at beyond a figure, for rounding. Least % of mass that 1 % of a value counts with.
+_SPARE, _LEAST_COST = 1.01, 1e-6
+# Turn that counts as none, urad/N m; share of a drum's turn in its plane from which on bending out of it is left out.
+_NO_TURN, _FLAT = 1e-9, 0.93
+_NO_DRIVE = (NoFigureError, ValueError, ZeroDivisionError)
 # The checks of what is aimed at.
-_OWN = ("stiffness", "structure_share")
+_OWN = frozenset({"stiffness", "structure_share"})
 # Checks that follow from finite elements of drum or frame; they take longer than all others.
-BY_ELEMENTS = frozenset({"drum_stress", "frame_windup", "stiffness", "structure_share", "servo_lash"})
-CABLES = "cables"
+BY_ELEMENTS = frozenset({"drum_stress", "frame_windup", "servo_lash"}) | _OWN
+CABLES, FRAME, DRUM = "cables", "frame", "drum: "
+# Least multiple of what a rule gives that gives more than strength and place ask for.
+_LEAST = 0.4
+# Why a value is raised where the file states no figure.
+PRICE = "stiffness as long as 1 % of mass buys 1 % of compliance"
+_STIFFNESS = "loads.stiffness_Nm_rad"
 # Ease of turning by less preload: shares of what its rule gives, which is twice what keeps the cables taut.
 BACKDRIVE, PRELOAD, _PRELOAD_SHARES = "backdrive", "rope.preload_N", (0.9, 0.8, 0.7, 0.65, 0.6, 0.55, 0.5)
-
-
-_Plain = Callable[[Mapping[str, float], Sizing | None], Sizing]
 
 
 class Size(Protocol):
@@ -57,99 +71,463 @@ class Size(Protocol):
 
 @dataclass(frozen=True)
 class Stiffener:
-    """A field that its rule fills and that makes some causes of the turn give less.
+    """A field that its rule fills and that makes the drive stiffer.
 
-    ``causes``: beginnings of their names (:mod:`mbcdm_cad.layouts.structure`), or :data:`CABLES`. Their turn falls with
-    about the power ``power`` of the field's value; ``most``: largest multiple of the rule's value. A number is rounded
-    up to ``step``; of a catalogue's ``kind`` the next entry is taken whose ``order`` is large enough and that
-    ``fits``. ``last``: only where no other field lowers the cause any more.
+    ``causes``: beginnings of the names of what turns less by it (:mod:`mbcdm_cad.layouts.structure`), or
+    :data:`CABLES`. ``most``, ``least``: largest and smallest multiple of the rule's value; below 1 where the rule gives
+    more than strength and place ask for, down to ``walls`` times the thinnest wall of its material. A number is rounded
+    up to ``step``; of a catalogue's ``kind`` the next entry is taken whose ``order`` is large enough and that ``fits``.
+    ``grows``: power of the value with which mass grows. ``stated``: only where the file states a stiffness, since it
+    costs friction and life of the rope, and next to no mass.
     """
 
     field: str
     causes: tuple[str, ...]
-    power: float
     most: float
     step: float = 0.1
+    grows: float = 1.0
+    least: float = 1.0
+    walls: float = 2.0
     kind: str = ""
     order: str = ""
     fits: Callable[[KnownFields, Mapping[str, Any], Mapping[str, Any]], bool] = lambda given, now, entry: True
-    last: bool = False
+    stated: bool = False
 
-    def lowers(self, cause: str) -> bool:
-        """Whether it makes a cause give less."""
-        return cause.startswith(self.causes)
-
-    def raised(self, given: KnownFields, factor: float, value: Any) -> Any:
-        """The rule's value times a factor; of the catalogue the smallest entry so large, else the value itself."""
+    def changed(self, given: KnownFields, factor: float, value: Any) -> Any:
+        """A value times a factor; of the catalogue the smallest entry so large, else the value itself."""
         if not self.kind:
-            return rounded_up(value * factor, self.step)
+            eased = factor < 1.0 and self.stated
+            return float(f"{factor * value:.2g}") if eased else rounded_up(value * factor, self.step)
+        sizes = self._sizes(given, value)
+        return next((n for n, size in sizes.items() if size >= sizes[value] * factor * (1.0 - 1e-9)), value)
+
+    def multiples(self, given: KnownFields, value: Any) -> list[float]:
+        """Multiples of a name's size that are other names, itself among them, in order."""
+        sizes = self._sizes(given, value)
+        return sorted(size / sizes[value] for size in sizes.values())
+
+    def larger(self, given: KnownFields, value: Any) -> tuple[Any, float] | None:
+        """A larger value with its multiple, by which its effect is measured; None where there is none."""
+        if self.kind:
+            by = next((m for m in self.multiples(given, value) if m > 1.0), 0.0)
+            return (self.changed(given, by, value), by) if by else None
+        found = rounded_up(max(value * _TRIED, value + self.step), self.step)
+        return found, found / value
+
+    def of(self, given: KnownFields, value: Any) -> float:
+        """A value as a number: of a part its size."""
+        return float(given.entries(self.kind)[value][self.order]) if self.kind else float(value)
+
+    def nearest(self, given: KnownFields, name: str, wanted: float) -> float:
+        """The logarithm of the multiple of a part's size nearest to ``wanted``."""
+        return min(map(log, self.multiples(given, name)), key=lambda by: abs(by - wanted), default=0.0)
+
+    def _sizes(self, given: KnownFields, value: Any) -> dict[str, float]:
+        """Entries of the catalogue that fit in place of one of them, it too, the smallest first."""
         entries = given.entries(self.kind)
         if value not in entries:
-            return value
-        now = entries[value]
-        least = now[self.order] * factor * (1.0 - 1e-9)
-        fitting = (n for n in entries if entries[n][self.order] >= least and self.fits(given, now, entries[n]))
-        return min(fitting, key=lambda name: (entries[name][self.order], name), default=value)
+            return {}
+        fitting = (name for name in entries if name == value or self.fits(given, entries[value], entries[name]))
+        return {name: entries[name][self.order] for name in sorted(fitting, key=lambda n: (entries[n][self.order], n))}
 
 
 def _same_construction(given: KnownFields, now: Mapping[str, Any], entry: Mapping[str, Any]) -> bool:
     return bool(entry["construction"] == now["construction"])
 
 
+def _no_thinner(given: KnownFields, now: Mapping[str, Any], entry: Mapping[str, Any]) -> bool:
+    return bool(entry["bore_mm"] >= now["bore_mm"])
+
+
 def _has_encoder(given: KnownFields, now: Mapping[str, Any], entry: Mapping[str, Any]) -> bool:
-    return any(encoder["bore_mm"] == entry["bore_mm"] for encoder in given.entries("encoders").values())
+    encoders = given.entries("encoders").values()
+    return _no_thinner(given, now, entry) and any(encoder["bore_mm"] == entry["bore_mm"] for encoder in encoders)
 
 
-# Powers are estimates: how far a raise came, the next round sees. The rope is thicker before it is tighter.
+_part = partial(Stiffener, grows=2.0, order="diameter_mm")
+_bearing = partial(Stiffener, most=3.0, grows=2.0, kind="bearings", order="outer_diameter_mm", fits=_no_thinner)
 SHARED: tuple[Stiffener, ...] = (
-    Stiffener("rope.type", (CABLES,), 2.0, 4.0, kind="ropes", order="diameter_mm", fits=_same_construction),
-    Stiffener("rope.preload_N", (CABLES,), 0.3, 2.0, 1.0, last=True),
-    Stiffener("drum.hub_diameter_mm", ("drum: ",), 2.0, 2.5, 0.5),
-    Stiffener("drum.web_thickness_mm", ("drum: web",), 0.8, 4.0),
-    Stiffener("drum.bearing", ("drum's ",), 1.0, 3.0, kind="bearings", order="outer_diameter_mm", fits=_has_encoder),
-    Stiffener(
-        "input_pulleys.upper_bearing",
-        ("input pulleys' bearings", "input pulleys, bending"),
-        1.0,
-        3.0,
-        kind="bearings",
-        order="outer_diameter_mm",
-        fits=_has_encoder,
-    ),
-    Stiffener("input_pulleys.lower_bearing", ("input pulleys",), 1.0, 3.0, kind="bearings", order="outer_diameter_mm"),
-    Stiffener("drive.gearhead", ("gearheads",), 3.0, 3.0, kind="gearheads", order="diameter_mm"),
+    _part("rope.type", (CABLES,), 4.0, kind="ropes", fits=_same_construction, stated=True),
+    Stiffener(PRELOAD, (CABLES,), 2.0, 1.0, stated=True),
+    Stiffener("drum.hub_diameter_mm", (DRUM,), 4.0, 0.5, grows=2.0),
+    Stiffener("drum.web_thickness_mm", ("drum: web",), 6.0, walls=2.5),
+    _bearing("drum.bearing", ("drum's ",), fits=_has_encoder),
+    _bearing("input_pulleys.upper_bearing", ("input pulleys' bearings", "input pulleys, bending"), fits=_has_encoder),
+    _bearing("input_pulleys.lower_bearing", ("input pulleys",)),
+    _part("drive.gearhead", ("gearheads",), 3.0, kind="gearheads"),
 )
 
 
-@dataclass(frozen=True)
-class _Aim:
-    """A requirement of the file: the causes that it counts turn at most so far together."""
-
-    field: str
-    counted: Callable[[Structure], tuple[Cause, ...]]
-    most_urad_Nm: Callable[[Structure], float]
-
-    def holds(self, structure: Structure) -> bool:
-        """Whether the structure meets it."""
-        return urad_Nm(self.counted(structure)) <= self.most_urad_Nm(structure)
-
-
-def _aims(loads: Mapping[str, Any]) -> Iterator[_Aim]:
-    """What the file asks for. The stiffness comes first: a thicker rope for it leaves the structure a smaller turn."""
-    wanted, share = loads.get("stiffness_Nm_rad"), loads.get("structure_share")
-    if isinstance(wanted, int | float):
-        yield _Aim(
-            "loads.stiffness_Nm_rad",
-            lambda found: (Cause(CABLES, found.cables_urad_Nm), *found.at_payload),
-            lambda found: 1e6 / wanted,
-        )
-    if isinstance(share, int | float):
-        yield _Aim("loads.structure_share", lambda found: found.at_payload, lambda found: share * found.cables_urad_Nm)
+_PANELS = {
+    "plate": ("plate",),
+    "bridge": ("bridge",),
+    "side_wall": ("side walls", "motor head's walls"),
+    "back_plate": ("back plate", "column back", "box back"),
+    "rib": ("column ribs",),
+}
 
 
 def walls(*fields: str) -> tuple[Stiffener, ...]:
-    """Walls of the frame that stiffen it together."""
-    return tuple(Stiffener(field, ("frame",), 2.0 / len(fields), 5.0) for field in fields)
+    """Walls of the frame, by the names of its panels in its study."""
+    return tuple(
+        Stiffener(f"support.{field}_mm", tuple(f"{FRAME}: {panel}" for panel in _PANELS[field]), 5.0)
+        for field in fields
+    )
+
+
+def lowered(stiffeners: Sequence[Stiffener], fields: Collection[str]) -> tuple[Stiffener, ...]:
+    """The same, where the rules of these fields give more than strength and place ask for."""
+    return tuple(replace(s, least=_LEAST) if s.field in fields else s for s in stiffeners)
+
+
+def bearing(field: str, *causes: str) -> Stiffener:
+    """A bearing of a part that only one layout has."""
+    return _bearing(field, causes)
+
+
+@dataclass(frozen=True)
+class _End:
+    """How far a drive is stiffened.
+
+    ``field``: what the file asks for, which ``holds`` for a counted turn and the cables' turn; none where mass and
+    compliance are weighed, the mass at most ``most_g``, and no further where it is ``enough_g`` already. ``share``: the
+    cables' turn does not count.
+    """
+
+    field: str = ""
+    holds: Callable[[float, float], bool] = lambda turn, cables: False
+    share: bool = False
+    most_g: float = inf
+    enough_g: float = inf
+
+
+def _ends(data: Mapping[str, Any]) -> Iterator[_End]:
+    """What the file asks for. The stiffness comes first: a thicker rope for it leaves the structure a smaller turn."""
+    loads, targets = data.get("loads") or {}, data.get("targets") or {}
+    wanted, share, mass_g = loads.get("stiffness_Nm_rad"), loads.get("structure_share"), targets.get("mass_g")
+    if isinstance(wanted, int | float):
+        yield _End(_STIFFNESS, lambda turn, cables: turn * wanted <= 1e6)
+    if isinstance(share, int | float):
+        yield _End("loads.structure_share", lambda turn, cables: turn <= share * cables, share=True)
+    if wanted is None and share is None:
+        within_g = targets.get("mass_tolerance_g", 10.0)
+        yield _End(most_g=mass_g + within_g, enough_g=mass_g - within_g) if isinstance(mass_g, int | float) else _End()
+
+
+@dataclass(frozen=True)
+class _Drive:
+    """A sizing with factors on what its rules gave; ``turns``: by cause, urad/N m, that by the ``drum`` among them."""
+
+    sizing: Sizing
+    factors: Mapping[str, float]
+    layout: SectorLayout
+    drum: DrumStructure
+    turns: Mapping[str, float]
+    mass_g: float
+
+    @property
+    def worth(self) -> float:
+        """Logarithm of mass times turn, the smaller the better."""
+        return log(self.mass_g) + log(sum(self.turns.values()))
+
+    def counted(self, end: _End) -> dict[str, float]:
+        """Turns that the end counts."""
+        return {name: urad for name, urad in self.turns.items() if not (end.share and name == CABLES)}
+
+    def left(self, end: _End) -> bool:
+        """Whether the end asks for more, or cannot tell."""
+        if not end.field:
+            return not end.enough_g <= self.mass_g <= end.most_g
+        return not end.holds(sum(self.counted(end).values()), self.turns[CABLES])
+
+    def better(self, end: _End, before: _Drive) -> bool:
+        """Whether it is nearer to the end than another; to a figure of the file every step counts."""
+        if end.field or before.mass_g > end.most_g:
+            return bool(end.field) or self.mass_g < before.mass_g
+        return self.mass_g <= end.most_g and self.worth < before.worth
+
+    def value(self, field: str) -> Any:
+        """The value of a field; None where no rule gives it."""
+        found = self.sizing.of(field)
+        return None if found is None else found.value
+
+
+@dataclass(frozen=True)
+class _Effect:
+    """What a field does: powers with which turns fall, by cause; g over its value to the power ``grows``."""
+
+    powers: Mapping[str, float]
+    each_g: float
+
+
+@dataclass(frozen=True)
+class Ways:
+    """Effect of some fields on a drive, by powers of the factors on their values.
+
+    ``urad_Nm`` (c,): turns by cause, which fall with ``powers`` (c, f); ``mass_g``: that of the drive, to which a field
+    adds ``each_g`` (f,) times its factor to the power ``grows`` (f,), less 1; ``bounds`` (2, f): logarithms of the
+    factors that may be.
+    """
+
+    of: tuple[Stiffener, ...]
+    urad_Nm: Floats
+    powers: Floats
+    mass_g: float
+    each_g: Floats
+    grows: Floats
+    bounds: Floats
+
+    def after(self, logs: Floats) -> tuple[Floats, float]:
+        """Turns by cause, and mass, with these logarithms of the factors."""
+        mass_g = self.mass_g + self.each_g @ np.expm1(self.grows * logs)
+        return self.urad_Nm * np.exp(-self.powers @ logs), max(float(mass_g), 1e-3 * self.mass_g)
+
+    def worth(self, logs: Floats, price: float) -> float:
+        """Logarithm of mass times the turn to the power ``price``."""
+        turns, mass_g = self.after(logs)
+        return log(mass_g) + price * log(turns.sum())
+
+    def best(self, price: float) -> Floats:
+        """The logarithms of the factors at which that is least.
+
+        There 1 % of each value costs ``price`` times as many % of mass as it saves of the turn, or is at a bound.
+        """
+        logs: Floats = np.zeros(len(self.of))
+        # In log space mass times turn is convex: ever shorter steps down its slope meet its least value.
+        for pace in 0.3 * 0.98 ** np.arange(200):
+            turns, mass_g = self.after(logs)
+            saved = price * (turns @ self.powers) / turns.sum()
+            cost = np.maximum(self.each_g * self.grows * np.exp(self.grows * logs) / mass_g, _LEAST_COST)
+            step = np.clip(np.log(np.maximum(saved, 1e-12) / cost), -1.0, 1.0)
+            logs = np.clip(logs + pace * step, *self.bounds)
+        return logs
+
+    def price(self, end: _End, cables: float) -> float:
+        """% of mass that 1 % of the turn may cost: 1, or less where the mass is limited; to a figure, the least."""
+
+        def dear(price: float) -> bool:
+            turns, mass_g = self.after(self.best(price))
+            if end.field:
+                return end.holds(_SPARE * float(turns.sum()), cables)
+            return mass_g > end.most_g
+
+        if not end.field and (end.most_g == inf or not dear(1.0)):
+            return 1.0
+        low, high = -10.0, 15.0 if end.field else 0.0
+        while high - low > 0.01:
+            middle = (low + high) / 2.0
+            low, high = (low, middle) if dear(exp(middle)) else (middle, high)
+        return exp(high if end.field else low)
+
+
+class _Run:
+    """The sizing of one file by stiffness."""
+
+    def __init__(
+        self, size: Size, data: dict[str, Any], layout: type[Layout], stiffeners: Sequence[Stiffener], moved: Moved
+    ) -> None:
+        self._size, self._data, self._layout, self._moved = size, copy.deepcopy(data), layout, moved
+        self._given, self._by_field = KnownFields(self._data), {s.field: s for s in stiffeners}
+        self.ends = tuple(_ends(data))
+        # Whether only mass and compliance are weighed, so that no check compares the turn with a figure.
+        self.weighs = not self.ends[0].field
+        # More metal makes no check by finite elements fail.
+        self._unjudged = BY_ELEMENTS if self.weighs and all(s.least >= 1.0 for s in stiffeners) else _OWN
+        self._left = _SIZINGS if self.weighs else _SIZINGS_TO_FIGURE
+        # Largest and least factors, nearer to 1 where a farther one was refused.
+        self._bounds = {s.field: (s.least, s.most) for s in stiffeners}
+        self._refused, self._effects = list[str](), dict[str, _Effect]()
+        self._flat: bool | None = None
+
+    def sized(self, factors: Mapping[str, float], similar: Sizing | None) -> Sizing:
+        """The sizing with factors on values of rules; what a search moves, it moves after that."""
+
+        by_rule = dict[str, Any]()
+
+        def both(field: str, value: Any) -> Any:
+            by_rule[field] = value
+            value = self._by_field[field].changed(self._given, factors[field], value)
+            return self._moved[field](value) if field in self._moved else value
+
+        moved = dict(self._moved) | {field: partial(both, field) for field in factors}
+        found = self._size(copy.deepcopy(self._data), moved, similar)
+        changed = by_rule.keys() - self._moved.keys()
+        said = (self._said(v, by_rule[v.field]) if v.field in changed else v for v in found.values)
+        return replace(found, values=tuple(said), raised=dict(factors))
+
+    def _said(self, value: SizedValue, by_rule: Any) -> SizedValue:
+        """The record of a value that is another one than by its rule."""
+        if value.value == by_rule:
+            return value
+        stated = {end.field: KnownFields(self._data).get(end.field) for end in self.ends if end.field}
+        driver, how, why = "stiffness", "raised for the stiffness", " and ".join(stated) or PRICE
+        if not isinstance(by_rule, str) and value.value < by_rule:
+            how = "lowered, since the mass buys little stiffness"
+            if value.field == PRELOAD:
+                driver, how, why = BACKDRIVE, "lowered to turn easily", "loads.backdrive_Nm"
+        text = f"{value.text} ({by_rule}), {'lowered' if 'lowered' in how else 'raised'} for {why}"
+        return replace(value, text=text, driver=driver, rests_on={**value.rests_on, **stated}, rounding=how)
+
+    def drive(self, factors: Mapping[str, float], sizing: Sizing) -> _Drive | None:
+        """A sizing with these factors as a drive; None where it is none."""
+        try:
+            found = layout_of(self._layout, sizing.data)
+            assert isinstance(found, SectorLayout)
+            found.require_geometry()
+            drum = self._drum(found)
+            return _Drive(sizing, dict(factors), found, drum, _turns(found, drum), kept_mass_g(found))
+        except _NO_DRIVE:
+            return None
+
+    def _drum(self, found: SectorLayout) -> DrumStructure:
+        """The drum of a drive: as the checks have it, or for weighing more roughly, flat where it hardly bends."""
+        if not self.weighs:
+            return found.drum_structure
+        if self._flat is None:
+            whole, flat = (urad_Nm(drum_structure_of(found, rough=True, flat=one).causes) for one in (False, True))
+            self._flat = flat > _FLAT * whole
+        return drum_structure_of(found, rough=True, flat=self._flat)
+
+    def _effect(self, drive: _Drive, s: Stiffener) -> _Effect | None:
+        """What a field does with the others as they are; of meshes only those are solved that it changes."""
+        value = drive.value(s.field)
+        by = s.larger(self._given, value)
+        if by is None:
+            return None
+        try:
+            found = _drive_of(self._layout, _with(drive.sizing.data, s.field, by[0])).layout
+            assert isinstance(found, SectorLayout)
+            found.require_geometry()
+            if not s.causes[0].startswith(FRAME):
+                found.frame_compliance = drive.layout.frame_compliance
+            drum = drive.drum
+            if s.causes[0].startswith(DRUM):
+                drum = self._drum(found)
+            then, mass_g = _turns(found, drum), kept_mass_g(found)
+        except _NO_DRIVE:
+            return None
+        # The hub has not followed a larger bearing yet: of a part only its own causes count, and no mass is saved.
+        powers = {
+            n: log(max(u, _NO_TURN) / max(then.get(n, u), _NO_TURN)) / log(by[1])
+            for n, u in drive.turns.items()
+            if n.startswith(s.causes) or not s.kind
+        }
+        added_g = max(mass_g - drive.mass_g, 0.0) if s.kind else mass_g - drive.mass_g
+        return _Effect(powers, added_g / (by[1] ** s.grows - 1.0) / s.of(self._given, value) ** s.grows)
+
+    def ways(self, drive: _Drive, end: _End) -> Ways | None:
+        """Fields that can be raised, or lowered again, and what each does; None where there are none."""
+        # Where mass and compliance are weighed, a second round corrects the first: what was measured there holds.
+        turns, found, known = drive.counted(end), list[tuple[Any, ...]](), bool(self._effects)
+        for s in self._by_field.values():
+            value, factor, (least, most) = drive.value(s.field), drive.factors.get(s.field, 1.0), self._bounds[s.field]
+            share = sum(urad for name, urad in turns.items() if name.startswith(s.causes)) / sum(turns.values())
+            open_ = value is not None and (share >= _LEAST_SHARE or least < 1.0) and factor < most
+            if not open_ or (s.stated and end.field != _STIFFNESS):
+                continue
+            if not s.kind:
+                most = min(most, max(bounds(drive.layout, s.field)[1] * factor / value, factor))
+            if least < 1.0:
+                drum = s.field.startswith("drum.")
+                material = drive.layout.drive.drum_material if drum else drive.layout.frame_material
+                least = min(max(least, s.walls * material.min_wall_mm * factor / value), 1.0)
+            effect = self._effects.get(s.field) if known else self._effect(drive, s)
+            if effect is not None:
+                self._effects[s.field] = effect
+                logs = log(min(least / factor, 1.0)), min(log(most / factor), log(_MOST))
+                powers = [effect.powers.get(name, 0.0) for name in turns]
+                found.append((s, powers, effect.each_g * s.of(self._given, value) ** s.grows, logs))
+        if not found:
+            return None
+        of, powers, each_g, limits = zip(*found, strict=True)
+        urad, grows = np.maximum(list(turns.values()), _NO_TURN), np.array([s.grows for s in of])
+        return Ways(of, urad, np.array(powers).T, drive.mass_g, np.array(each_g), grows, np.array(limits).T)
+
+    def proposed(self, drive: _Drive, end: _End) -> tuple[_End, dict[str, float], float]:
+        """The end, factors on fields whose values then change, and what :attr:`_Drive.worth` should change by."""
+        ways = self.ways(drive, end)
+        if ways is None:
+            return end, {}, 0.0
+        logs, none = ways.best(ways.price(end, drive.turns[CABLES])), np.zeros(len(ways.of))
+        # Parts come in sizes: numbers make up for what the nearest ones leave.
+        for k, stiffener in enumerate(ways.of):
+            if stiffener.kind:
+                ways.bounds[:, k] = stiffener.nearest(self._given, drive.value(stiffener.field), logs[k])
+        price = ways.price(end, drive.turns[CABLES])
+        logs = ways.best(price)
+        for k, stiffener in enumerate(ways.of):
+            # Up to a figure each step counts, down from one and for the least of mass times turn half a step.
+            least = stiffener.step * (0.01 if end.field and logs[k] > 0.0 else 0.5)
+            small = not stiffener.kind and abs(exp(logs[k]) - 1.0) * drive.value(stiffener.field) < least
+            without = np.where(np.arange(len(logs)) == k, 0.0, logs)
+            if small or (not end.field and ways.worth(without, price) - ways.worth(logs, price) < _LEAST_GAIN):
+                logs[k] = 0.0
+        changed = ((s.field, by) for s, by in zip(ways.of, logs, strict=True) if by != 0.0)
+        factors = {field: drive.factors.get(field, 1.0) * exp(by) for field, by in changed}
+        return end, factors, ways.worth(logs, price) - ways.worth(none, price)
+
+    def taken(self, drive: _Drive, factors: Mapping[str, float], end: _End) -> _Drive:
+        """The drive with the factors where they pay and fail no other check; else the farthest gets a nearer limit."""
+        found, whole = None, {**drive.factors, **factors}
+        self._left -= 1
+        with suppress(SizingError):
+            found = self.drive(whole, self.sized(whole, drive.sizing))
+        pays, failing = found is None or found.better(end, drive), set[str]()
+        if found is not None and pays:
+            failing = set(misses(found.layout, self._unjudged))
+            if not failing or failing <= misses(drive.layout, self._unjudged).keys():
+                if not self.weighs:
+                    self._effects.clear()
+                return found
+        changed = {field: log(factor / drive.factors.get(field, 1.0)) for field, factor in factors.items()}
+        field = max(changed, key=lambda name: abs(changed[name]))
+        if found is not None and failing and len(changed) > 1:
+            field = min(changed, key=partial(self._missed_without, found, drive, failing))
+        # What is refused is tried half as far, twice; what costs more than it promised, as its followers grow, is not.
+        least, most = self._bounds[field]
+        limit = factors[field] * exp(
+            -(0.5 if pays and self._refused.count(field) < _HALVINGS else 1.0) * changed[field]
+        )
+        self._bounds[field] = (least, limit) if changed[field] > 0.0 else (limit, most)
+        self._refused.append(field)
+        return drive
+
+    def _missed_without(self, refused: _Drive, before: _Drive, failing: Collection[str], field: str) -> float:
+        """What a drive that fails checks misses with one field as it was before."""
+        try:
+            found = _drive_of(self._layout, _with(refused.sizing.data, field, before.value(field))).layout
+            return sum(misses(found, only=failing).values())
+        except _NO_DRIVE:
+            return inf
+
+    def stiffer(self, drive: _Drive) -> _Drive:
+        """The drive raised until its ends are reached, or nothing pays any more."""
+        while self._left > 0:
+            steps = (self.proposed(drive, end) for end in self.ends if drive.left(end))
+            end, factors, promised = next(filter(itemgetter(1), steps), (None, {}, 0.0))
+            if end is None or (self.weighs and promised > -_LEAST_ROUND[bool(drive.factors)]):
+                break
+            drive = self.taken(drive, factors, end)
+        return drive
+
+    def eased(self, drive: _Drive) -> _Drive:
+        """The drive with the highest preload with which it turns as easily as the file asks.
+
+        If there is none, the lowest that fails no other check.
+        """
+        failing = misses(layout_of(self._layout, drive.sizing.data))
+        for share in _PRELOAD_SHARES if BACKDRIVE in failing else ():
+            try:
+                sizing = self.sized({PRELOAD: share}, drive.sizing)
+                now, tried = misses(layout_of(self._layout, sizing.data)), self.drive({PRELOAD: share}, sizing)
+            except (NoFigureError, SizingError):
+                break
+            if tried is None or not now.keys() <= failing.keys():
+                break
+            drive = tried
+            if BACKDRIVE not in now:
+                break
+        return drive
 
 
 def stiffened(
@@ -162,232 +540,55 @@ def stiffened(
     *,
     eases: bool = True,
 ) -> Sizing:
-    """The sizing of ``size``, its stiffness and share of the structure as stated, or as near as its bounds allow.
+    """The sizing of ``size``, as stiff as the file asks, or as near as the bounds of the design allow.
 
-    ``eases``: where the file states neither, see :func:`_eased`; no, where the preload's rule does it itself. A search
-    (``moved``, with the sizing ``similar``) keeps what was raised there: it changes these values itself.
+    ``eases``: whether anchored cables get less preload for ``loads.backdrive_Nm``; no, where the preload's rule does it
+    itself. A search (``moved``, with the sizing ``similar``) keeps the factors that were found there.
     """
-    aims = tuple(_aims(data.get("loads") or {}))
-    plain = partial(_sized, size, copy.deepcopy(data), (stiffeners, aims), moved or {})
-    if not aims:
-        return _eased(size, data, layout, moved or {}, similar) if eases else plain({}, similar)
+    run = _Run(size, data, layout, stiffeners, moved or {})
     if similar is not None and similar.raised is not None:
-        return plain(similar.raised, similar)
-    best = plain({}, similar)
-    start = _judged(layout, best)
-    if start is None:
-        return best
-    structure, failing = start
-    factors: dict[str, float] = {}
-    closed: set[str] = set()
-    budget = _Budget(_SIZINGS)
-    while budget.left > 0:
-        open_ = [
-            s for s in stiffeners if best.of(s.field) and factors.get(s.field, 1.0) < s.most and s.field not in closed
-        ]
-        room = {s.field: s.most / factors.get(s.field, 1.0) for s in open_}
-        missed = (aim for aim in aims if not aim.holds(structure))
-        steps = (_step(aim.counted(structure), aim.most_urad_Nm(structure) / _SPARE, open_) for aim in missed)
-        step = {f: min(by, room[f]) for f, by in next(filter(None, steps), {}).items()}
-        if not step:
-            break
-        found = _passing(partial(budget.spent, plain), layout, best, factors, step, failing)
-        closed |= found.closed
-        factors, best, structure = found.factors, found.sizing, found.structure or structure
-    return replace(best, raised=factors)
+        return run.sized(similar.raised, similar)
+    plain = run.sized({}, similar)
+    drive = run.drive({}, plain)
+    if drive is None:
+        return plain
+    if eases and run.weighs and plain.of(PRELOAD) and (data.get("loads") or {}).get("backdrive_Nm") is not None:
+        drive = run.eased(drive)
+    return run.stiffer(drive).sizing
 
 
-def _eased(size: Size, data: dict[str, Any], layout: type[Layout], moved: Moved, similar: Sizing | None) -> Sizing:
-    """The sizing with less preload where the drum turns harder than the file asks for, as long as no other check fails.
-
-    The highest preload with which it turns so easily, else the lowest that no other check refuses. A search keeps the
-    share that was found for ``similar``.
-    """
-
-    def shared(share: float, near: Sizing | None) -> Sizing:
-        def less(value: Any) -> Any:
-            value = float(f"{share * value:.2g}")
-            return moved[PRELOAD](value) if PRELOAD in moved else value
-
-        found = size(copy.deepcopy(data), {**moved, PRELOAD: less} if share < 1.0 else moved, near)
-        said = [
-            replace(v, driver=BACKDRIVE, rounding="lowered to turn easily") if v.field == PRELOAD else v
-            for v in found.values
-        ]
-        return replace(found, values=tuple(said), raised={PRELOAD: share}) if share < 1.0 else found
-
-    if not isinstance((data.get("loads") or {}).get("backdrive_Nm"), int | float):
-        return size(copy.deepcopy(data), moved, similar)
-    if similar is not None and similar.raised is not None:
-        return shared(similar.raised.get(PRELOAD, 1.0), similar)
-    best = shared(1.0, similar)
-    if best.of(PRELOAD) is None:
-        return best
-    try:
-        failing = misses(layout_of(layout, best))
-        for share in _PRELOAD_SHARES if BACKDRIVE in failing else ():
-            tried = shared(share, best)
-            now = misses(layout_of(layout, tried))
-            if not now.keys() <= failing.keys():
-                break
-            best = tried
-            if BACKDRIVE not in now:
-                break
-    except (NoFigureError, SizingError):
-        pass
-    return replace(best, raised=best.raised or {})
+def _turns(found: SectorLayout, drum: DrumStructure) -> dict[str, float]:
+    """Turns by cause, urad/N m, that of the frame by its walls."""
+    structure, frame = structure_of(found, drum), found.frame_compliance
+    turns = {CABLES: structure.cables_urad_Nm, **{c.name: c.urad_Nm for c in structure.at_payload}}
+    if frame is not None:
+        turns[FRAME] -= sum(frame.shares_urad_Nm.values())
+        turns |= {f"{FRAME}: {wall}": urad for wall, urad in frame.shares_urad_Nm.items()}
+    return turns
 
 
-@dataclass
-class _Budget:
-    """Number of sizings that are left."""
-
-    left: int
-
-    def spent(self, plain: _Plain, raised: Mapping[str, float], similar: Sizing | None) -> Sizing:
-        """One of them."""
-        self.left -= 1
-        return plain(raised, similar)
+def _with(data: Mapping[str, Any], field: str, value: Any) -> dict[str, Any]:
+    block, _, name = field.partition(".")
+    return {**data, block: {**data[block], name: value}}
 
 
-@dataclass(frozen=True)
-class _Round:
-    """What came of one round: the sizing, its structure where it changed, and the fields that cannot be raised."""
-
-    sizing: Sizing
-    factors: dict[str, float]
-    structure: Structure | None
-    closed: frozenset[str]
+def layout_of(layout: type[Layout], data: Mapping[str, Any]) -> Layout:
+    """The design of a sizing's data. Raises ``NoFigureError`` where it is no drive."""
+    return met(_drive_of(layout, data)).layout
 
 
-def _passing(
-    plain: _Plain,
-    layout: type[Layout],
-    before: Sizing,
-    factors: Mapping[str, float],
-    step: Mapping[str, float],
-    failing: frozenset[str],
-) -> _Round:
-    """The round's raises together; those that make another check fail take their least step, or none."""
-    steps = dict(step)
-
-    def tried(fields: Sequence[str]) -> _Round | None:
-        raised = {**factors, **{f: factors.get(f, 1.0) * steps[f] for f in fields}}
-        try:
-            sizing = plain(raised, before)
-        except SizingError:
-            return None
-        found = _judged(layout, sizing)
-        if found is None or not found[1] <= failing:
-            return None
-        same = frozenset(f for f in fields if _value(sizing, f) == _value(before, f))
-        return _Round(sizing, raised, found[0], same)
-
-    refused: frozenset[str] = frozenset()
-    while steps:
-        found = tried(tuple(steps))
-        if found is not None:
-            return replace(found, closed=found.closed | refused)
-        alone = [f for f in steps if len(steps) == 1 or tried([f]) is None] or list(steps)
-        for field in alone:
-            if steps[field] > _LEAST:
-                steps[field] = _LEAST
-            else:
-                refused |= {field}
-                del steps[field]
-    return _Round(before, dict(factors), None, refused)
-
-
-def _value(sizing: Sizing, field: str) -> Any:
-    found = sizing.of(field)
-    return None if found is None else found.value
-
-
-def _sized(
-    size: Size,
-    data: dict[str, Any],
-    asked: tuple[Sequence[Stiffener], Sequence[_Aim]],
-    moved: Moved,
-    raised: Mapping[str, float],
-    similar: Sizing | None,
-) -> Sizing:
-    """The sizing with fields raised by their factors; what a search moves, it moves after that."""
-    stiffeners, aims = asked
-    by_field = {s.field: s for s in stiffeners if s.field in raised}
-    given = KnownFields(data)
-
-    def both(field: str, value: Any) -> Any:
-        value = by_field[field].raised(given, raised[field], value)
-        return moved[field](value) if field in moved else value
-
-    found = size(copy.deepcopy(data), {**moved, **{field: partial(both, field) for field in by_field}}, similar)
-    if not raised:
-        return found
-    values = tuple(
-        _said(value, data, aims) if value.field in by_field and value.field not in moved else value
-        for value in found.values
-    )
-    return replace(found, values=values, raised=dict(raised))
-
-
-def _said(value: SizedValue, data: Mapping[str, Any], aims: Sequence[_Aim]) -> SizedValue:
-    stated = {aim.field: data["loads"][aim.field.partition(".")[2]] for aim in aims}
-    rests_on = {**value.rests_on, **stated}
-    return replace(value, driver="stiffness", rests_on=rests_on, rounding="raised for the stiffness")
-
-
-def _step(counted: Sequence[Cause], target_urad_Nm: float, open_: Sequence[Stiffener]) -> dict[str, float]:
-    """Factor on each field with which the causes that can be lowered come down to one level, at most ``_STEP``."""
-    ways: list[tuple[float, list[Stiffener]]] = []
-    fixed = 0.0
-    for cause in counted:
-        fields = [s for s in open_ if s.lowers(cause.name)]
-        if fields:
-            ways.append((cause.urad_Nm, [s for s in fields if not s.last] or fields))
-        else:
-            fixed += cause.urad_Nm
-    aim = max(target_urad_Nm - fixed, _QUARTER * fixed)
-    level, found = _level([urad for urad, _ in ways], aim), dict[str, float]()
-    for urad, fields in ways:
-        if urad > level:
-            by = min((urad / level) ** (1.0 / sum(s.power for s in fields)), _STEP)
-            found |= {s.field: max(by, found.get(s.field, 1.0)) for s in fields}
-    return found
-
-
-def _level(turns: Sequence[float], target: float) -> float:
-    """The level to which the largest of some turns must come down for their sum to be ``target``."""
-    ordered = sorted(turns)
-    for k, turn in enumerate(ordered):
-        # Those below k stay as they are; the others come down to one level.
-        level = (target - sum(ordered[:k])) / (len(ordered) - k)
-        if level <= turn:
-            return level
-    return inf
-
-
-def _judged(layout: type[Layout], sizing: Sizing) -> tuple[Structure, frozenset[str]] | None:
-    """Structure and failing checks of a sized design, those of the aims left out; None where it is no drive."""
-    try:
-        found = layout_of(layout, sizing)
-        structure = found.structure
-    except NoFigureError:
-        return None
-    return None if structure is None else (structure, frozenset(misses(found, _OWN)))
-
-
-def layout_of(layout: type[Layout], sizing: Sizing) -> Layout:
-    """A sized design. Raises ``NoFigureError`` where it is no drive."""
+def _drive_of(layout: type[Layout], data: Mapping[str, Any]) -> Drive:
+    """As :func:`layout_of`, a drive that is not kept."""
     file = layout.design_file()
     try:
-        design: Design = file.schema.model_validate(sizing.data)
+        design: Design = file.schema.model_validate(data)
     except ValidationError as error:
         raise NoFigureError(str(error)) from None
     catalogue = Catalogue(design)
     broken = next(every_broken_rule(design, catalogue, file.rules(design), file.named(design)), None)
     if broken is not None:
         raise NoFigureError(broken.what)
-    return met(file.drive(design, catalogue, {})).layout
+    return file.drive(design, catalogue, {})
 
 
 def misses(found: Layout, without: Collection[str] = (), only: Collection[str] | None = None) -> dict[str, float]:
@@ -397,7 +598,7 @@ def misses(found: Layout, without: Collection[str] = (), only: Collection[str] |
     """
     drive, failing = found.drive, dict[str, float]()
     for check in found.checks_by_id().values():
-        judged = check.severity == "fail" and check.id not in without and check.asked_of(drive)
+        judged = check.severity_on(drive) == "fail" and check.id not in without and check.asked_of(drive)
         judged = judged and (only is None or check.id in only)
         if judged and drive.waiver(check.id) is None:
             missed = _missed(check, found)

@@ -20,7 +20,7 @@ from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.model.equilibrium import bearing_loads, sum_per_input
 from mbcdm_cad.model.si import MM, to_si
 from mbcdm_cad.model.stiffness import Chain, unit_tensions_N
-from mbcdm_cad.model.structure.drum_sector import Isotropic, sector_study
+from mbcdm_cad.model.structure.drum_sector import CELLS, Isotropic, sector_study
 from mbcdm_cad.model.structure.shafts import (
     Acting,
     Section,
@@ -48,6 +48,8 @@ GEARHEAD_NM_RAD_40 = 3.4e3
 # gearheads; of springs in the terminals, which friction on the drum shields.
 BY_PARTS, BY_FRAME, BY_BEARINGS, BY_GEARHEADS, BY_SPRINGS = 1.1, 1.15, 1.3, 2.0, 1.3
 SPRINGS = "springs of the terminals"
+# Cells of the drum's mesh where only changes of the drum are weighed.
+ROUGH_CELLS = 8
 # Radius that a neck without metal counts with, mm.
 LEAST_RADIUS_MM = 0.1
 _SOFT_SPRINGS = "drum.spring or fewer of them, or a longer wrap by drum.sector_half_angle_deg"
@@ -181,15 +183,15 @@ def sigma_urad_Nm(causes: Iterable[Cause]) -> float:
     return hypot(*by_factor.values())
 
 
-def structure_of(layout: SectorLayout) -> Structure:
-    """All causes of one design.
+def structure_of(layout: SectorLayout, drum: DrumStructure | None = None) -> Structure:
+    """All causes of one design; ``drum``: where its own is known already, or asked for less exactly.
 
     Raises ``NoFigureError`` for a frame, ``ValueError`` for a drum or a shaft, that has no metal to carry the load.
     """
     d = layout.loads.si
     unit = unit_tensions_N(d)
     torques = sum_per_input(d, unit, d.input_radius_m)
-    drum = layout.drum_structure
+    drum = drum or layout.drum_structure
     causes = [
         *_gearheads(layout, torques),
         *_stage(layout, torques),
@@ -306,8 +308,10 @@ class DrumStructure(NamedTuple):
     stress_MPa: Callable[[float], float]
 
 
-def drum_structure_of(layout: SectorLayout) -> DrumStructure:
-    """The drum of one design, which needs no frame. Raises ``ValueError`` where it has no metal to carry the load."""
+def drum_structure_of(layout: SectorLayout, *, rough: bool = False, flat: bool = False) -> DrumStructure:
+    """The drum of one design, which needs no frame; ``rough``: on fewer cells, ``flat``: see :func:`sector_study`.
+
+    Raises ``ValueError`` where it has no metal to carry the load."""
     drive, dims, d = layout.drive, layout.drum, layout.loads.si
     unit = unit_tensions_N(d)
     names = {terminal.cable_name for terminal in dims.tensioners}
@@ -326,7 +330,8 @@ def drum_structure_of(layout: SectorLayout) -> DrumStructure:
     passed = sum((k / count) ** 2 for k in range(1, count))
     whole = own if count == 1 else 1.0
     thread = drive.screw(dims.set_screw).thread_mm
-    study = sector_study(sector_shape(dims), hub(dims, thread), pulls, elastic(drive.drum_material))
+    cells = ROUGH_CELLS if rough else CELLS
+    study = sector_study(sector_shape(dims), hub(dims, thread), pulls, elastic(drive.drum_material), cells, flat=flat)
 
     def stress_MPa(torque_Nm: float) -> float:
         return max(float(study.von_mises_MPa(way * torque_Nm * own).max()) for way in (1.0, -1.0))

@@ -350,7 +350,7 @@ def _missed(facts: Facts, keeps: Sequence[Keep], names: Sequence[str], stage: in
     asked = [
         check
         for check in facts.checks.values()
-        if _stage(check.id) == stage and must_hold(check) and drive.waiver(check.id) is None
+        if _stage(check.id) == stage and must_hold(check, drive) and drive.waiver(check.id) is None
     ]
     misses = [(check.id, missed(check, drive.layout)) for check in asked]
     own = [keep for keep in keeps if _stage(str(keep)) == stage]

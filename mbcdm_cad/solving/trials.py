@@ -14,6 +14,7 @@ import numpy as np
 
 from mbcdm_cad.checks.comparison import Check
 from mbcdm_cad.checks.run import Budget, run_check
+from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.freedom import Freedom
 from mbcdm_cad.design.loader import Resolved
 from mbcdm_cad.design.sized import Sizing
@@ -170,7 +171,7 @@ def outcome(question: Question, point: Point, similar: Sizing | None = None) -> 
         except InputError as error:
             return TrialResult((), str(error.problems[0].what))
         subject = drive.layout
-        asked = [check for check in checks_of(drive) if must_hold(check) and drive.waiver(check.id) is None]
+        asked = [check for check in checks_of(drive) if must_hold(check, drive) and drive.waiver(check.id) is None]
         found = [(check.id, missed(check, subject)) for check in asked if check.id not in LAST]
         if not any(miss for _, miss in found):
             found = [(check.id, missed(check, subject)) for check in asked if check.id in LAST]
@@ -207,15 +208,15 @@ def messages(question: Question, point: Point) -> list[tuple[str, str]]:
     with np.errstate(all="ignore"), warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
         results = [run_check(check, subject, Budget(0)) for check in checks_of(drive)]
-    must = {check.id for check in checks_of(drive) if must_hold(check)}
+    must = {check.id for check in checks_of(drive) if must_hold(check, drive)}
     return [
         (result.id, result.message) for result in results if result.id in must and result.status in ("fail", "warn")
     ]
 
 
-def must_hold(check: Check) -> bool:
-    """Whether a solution must keep the check: those that fail, and that of the mass."""
-    return check.severity == "fail" or check.id == MASS
+def must_hold(check: Check, drive: Drive) -> bool:
+    """Whether a solution must keep the check on this drive: those that fail, and that of the mass."""
+    return check.severity_on(drive) == "fail" or check.id == MASS
 
 
 def cost(question: Question, point: Point) -> float:

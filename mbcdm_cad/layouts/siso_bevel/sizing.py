@@ -222,7 +222,7 @@ DERIVED = tuple(
 )
 
 
-STIFFENERS = (*SHARED, *walls("support.back_plate_mm", "support.rib_mm", "support.side_wall_mm"))
+STIFFENERS = (*SHARED, *walls("back_plate", "rib", "side_wall"))
 
 
 # What ``mbcdm solve`` may change besides the derived dimensions.

@@ -53,6 +53,7 @@ STIFFENED, ALONG, NEAR_BACK, LEAST_ALONG = 0.3, (0.18, 0.23), (0.2, 0.36), 0.05
 EDGE_LEAN = 16.67
 # Sectors whose solution is kept: a few MB each.
 KEPT = 12
+_NO_BENDING = (np.zeros(()), np.zeros(()))
 # Parts of a cell over which the load on the land is summed.
 _LOAD_STEPS = 8
 NMM_PER_NM = 1e3
@@ -207,10 +208,19 @@ class SectorStudy:
 
 @lru_cache(maxsize=KEPT)
 def sector_study(
-    shape: SectorShape, hub: Hub, pulls: tuple[LandPull, ...], material: Isotropic, cells: float = CELLS
+    shape: SectorShape,
+    hub: Hub,
+    pulls: tuple[LandPull, ...],
+    material: Isotropic,
+    cells: float = CELLS,
+    *,
+    flat: bool = False,
 ) -> SectorStudy:
     """Solve one sector; the last few are kept, since sizing, the search that asked for it and the checks meet the same
-    drum. Raises ``ValueError`` if no metal joins rim and hub, or a cable's land has none."""
+    drum. ``flat``: without bending out of the plane, 2 to 13 % stiffer, which takes most of the time.
+
+    Raises ``ValueError`` if no metal joins rim and hub, or a cable's land has none.
+    """
     mesh = sector_mesh(shape, shape.rings[-1].outer_mm / cells)
     load = np.sum([_torque_loads(mesh, pulls), _preloads(mesh, pulls)], axis=1).T
     parts = elements(mesh.node_mm, mesh.corner, mesh.thickness_mm, material.modulus_MPa, material.poisson)
@@ -221,7 +231,11 @@ def sector_study(
     except np.linalg.LinAlgError:
         raise ValueError("drum: nothing joins its rim to its hub") from None
     in_plane = [stresses_MPa(parts, column[freedoms(mesh.corner, 2)]) for column in moved.T]
-    bent = _bent(shape, hub, pulls, material, _InPlane(mesh, parts.area_mm2, in_plane))
+    bent = (
+        _Bent(0.0, _NO_BENDING, _NO_BENDING)
+        if flat
+        else _bent(shape, hub, pulls, material, _InPlane(mesh, parts.area_mm2, in_plane))
+    )
     start = min((web[0] + web[1]) / 2.0 + STIFFENED * (web[1] - web[0]), hub.face_mm)
     between = min(max(hub.set_mm, start), hub.face_mm)
     return SectorStudy(

@@ -86,7 +86,7 @@ name: leg
 configuration: siso_spur
 travel: {half_angle_deg: 60.0}
 transmission: {input_to_drum: 9.0}
-loads: {peak_torque_Nm: 30.0}
+loads: {peak_torque_Nm: 30.0, stiffness_Nm_rad: 1.0}
 drum: {material: pa12, output_screws: 8}
 support: {material: pa12}
 limits: {losses: counted, frame_windup_max_mrad: 2.5}

@@ -1,26 +1,28 @@
-"""Sizing by ``loads.stiffness_Nm_rad`` and ``loads.structure_share``: reached by raising what gives most, or not."""
+"""Sizing by stiffness: as long as 1 % of mass buys 1 % of compliance, or as far as the file asks."""
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import yaml
 
+from mbcdm_cad.checks.run import run_check
+from mbcdm_cad.checks.size import kept_mass_g
+from mbcdm_cad.checks.structure import SOFT, structure_share
 from mbcdm_cad.design.loaded import LoadedDesign
-from mbcdm_cad.layouts.loader import load_text
-from mbcdm_cad.layouts.stiff_sizing import SHARED, walls
+from mbcdm_cad.design.loader import resolved
+from mbcdm_cad.design.sized import Moved, Sizing
+from mbcdm_cad.design.yamltree import parse
+from mbcdm_cad.layouts.loader import design_file, load_text
+from mbcdm_cad.layouts.stiff_sizing import SHARED, Ways, walls
 from mbcdm_cad.layouts.structure import Structure
 from mbcdm_cad.report.explain import explain
 from tests.support.checked import failing, result, statuses
 
-STIFFENERS = {
-    s.field: s
-    for s in (
-        *SHARED,
-        *walls(*(f"support.{name}_mm" for name in ("plate", "bridge", "side_wall", "back_plate", "rib"))),
-    )
-}
+STIFFENERS = {s.field: s for s in (*SHARED, *walls("plate", "bridge", "side_wall", "back_plate", "rib"))}
 # One short file of each layout.
 FILES: dict[str, dict[str, Any]] = {
     "miso_bevel": {
@@ -58,6 +60,11 @@ def design(name: str, stiffness_Nm_rad: float | None = None, **changed: dict[str
     return load_text(yaml.safe_dump(data))
 
 
+def by_strength(name: str) -> LoadedDesign:
+    """One of :data:`FILES` as strength and place ask for it: any stiffness will do."""
+    return design(name, 1.0)
+
+
 def structure(loaded: LoadedDesign) -> Structure:
     found = loaded.drive.layout.structure
     assert found is not None
@@ -76,7 +83,7 @@ def by_stiffness(loaded: LoadedDesign) -> dict[str, Any]:
 
 @pytest.mark.parametrize("name", sorted(FILES))
 def test_rules_reach_a_stated_stiffness(name: str) -> None:
-    plain = design(name)
+    plain = by_strength(name)
     wanted = round(1.8 * stiffness(plain))
     found = design(name, wanted)
     assert stiffness(found) >= wanted
@@ -93,14 +100,15 @@ def test_rules_reach_a_stated_stiffness(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["miso_bevel", "siso_spur"])
-def test_a_stiffness_that_the_rules_reach_anyway_changes_nothing(name: str) -> None:
-    plain = design(name)
+def test_a_stiffness_that_strength_reaches_anyway_changes_nothing(name: str) -> None:
+    plain = by_strength(name)
     asked = design(name, round(0.9 * stiffness(plain)))
     assert [(v.field, v.value) for v in asked.sized] == [(v.field, v.value) for v in plain.sized]
+    assert not by_stiffness(plain)
 
 
 def test_a_field_of_the_file_stays_and_others_are_raised() -> None:
-    plain = design("siso_spur")
+    plain = by_strength("siso_spur")
     wanted = round(1.5 * stiffness(plain))
     pinned = design("siso_spur", wanted, drum={"web_thickness_mm": 2.0}, rope={"type": plain.drive.cable.name})
     raised = by_stiffness(pinned)
@@ -109,7 +117,7 @@ def test_a_field_of_the_file_stays_and_others_are_raised() -> None:
 
 
 def test_where_bounds_refuse_the_check_says_how_far_it_came() -> None:
-    plain = design("miso_bevel")
+    plain = by_strength("miso_bevel")
     asked = design("miso_bevel", 1e6)
     assert list(failing(asked)) == ["stiffness"]
     assert stiffness(asked) > 1.2 * stiffness(plain)
@@ -121,7 +129,7 @@ def test_where_bounds_refuse_the_check_says_how_far_it_came() -> None:
 
 @pytest.mark.parametrize("name", sorted(FILES))
 def test_rules_reach_a_stated_share_of_the_structure(name: str) -> None:
-    plain = design(name)
+    plain = by_strength(name)
     wanted = round(0.6 * structure(plain).over_cables, 3)
     found = design(name, loads={"structure_share": wanted})
     assert structure(found).over_cables <= wanted
@@ -134,7 +142,7 @@ def test_rules_reach_a_stated_share_of_the_structure(name: str) -> None:
 
 
 def test_stiffness_and_share_hold_together() -> None:
-    plain = design("siso_bevel")
+    plain = by_strength("siso_bevel")
     wanted, share = round(1.5 * stiffness(plain)), round(0.7 * structure(plain).over_cables, 3)
     found = design("siso_bevel", wanted, loads={"structure_share": share})
     assert stiffness(found) >= wanted and structure(found).over_cables <= share and failing(found) == {}
@@ -145,4 +153,53 @@ def test_a_share_that_bounds_refuse_fails_by_its_check_alone() -> None:
     assert list(failing(asked)) == ["structure_share"]
     remedy = result(asked, "structure_share").remedy
     assert "the rules raise what the file leaves to them" in remedy and "the cables (" not in remedy
-    assert "structure_share" not in statuses(design("siso_spur")), "not asked, not checked"
+    assert statuses(design("siso_spur"))["structure_share"] == "pass", "not asked, a warning at most"
+
+
+def test_a_drum_that_the_file_holds_soft_is_warned_of_with_a_hub_that_was_tried() -> None:
+    peak = {"peak_torque_Nm": 8.0}
+    soft = design("siso_spur", 1.0, loads=peak)
+    hub = next(value.value for value in soft.sized if value.field == "drum.hub_diameter_mm")
+    pinned = design("siso_spur", drum={"hub_diameter_mm": hub, "web_thickness_mm": 1.5}, loads=peak)
+    assert statuses(design("siso_spur", loads=peak))["structure_share"] == "pass"
+    found = run_check(structure_share, pinned.drive.layout)
+    assert found.status == "warn" and found.limit == SOFT and failing(pinned) == {}, found
+    assert f"raise drum.hub_diameter_mm from {hub:g} to at least" in found.remedy, found
+
+
+def test_the_least_of_mass_times_turn_is_that_of_the_closed_form() -> None:
+    # A turn x^-p and a mass 90 + 10 x^q: the product is least where q 10 x^q = p (90 + 10 x^q).
+    for power, grows, factor in ((1.0, 2.0, 3.0), (0.5, 1.0, 9.0), (1.5, 3.0, 9.0 ** (1.0 / 3.0))):
+        one = np.array([[power]]), 100.0, np.array([10.0]), np.array([grows]), np.array([[0.0], [3.0]])
+        found = Ways((STIFFENERS["drum.web_thickness_mm"],), np.array([7.0]), *one)
+        assert np.exp(found.best(1.0)) == pytest.approx(factor, rel=0.01)
+
+
+# What a step may still gain of mass times turn: rounding, meshes, and what follows it in other parts (a choice).
+LEFT = 0.035
+
+
+@pytest.mark.parametrize("name", sorted(FILES))
+def test_no_step_of_a_stiffener_lowers_mass_times_turn_where_the_file_asks_for_nothing(name: str) -> None:
+    rng, file = np.random.default_rng(48), design_file(name)
+    data: dict[str, Any] = {"name": "weighed", "configuration": name}
+    for block, fields in FILES[name].items():
+        data[block] = {field: round(float(v * rng.uniform(0.8, 1.25)), 2) for field, v in fields.items()}
+
+    def sized(moved: Moved, similar: Sizing | None, **loads: float) -> tuple[Sizing, float]:
+        """The sizing with its mass times turn."""
+        text = yaml.safe_dump({**data, "loads": {**data["loads"], **loads}})
+        found = resolved(parse(text, "weighed"), Path("weighed"), file, moved, similar)
+        layout = found.drive.layout
+        assert found.sizing is not None and layout.structure is not None
+        return found.sizing, kept_mass_g(layout) / float(layout.structure.stiffness_Nm_rad)
+
+    found, worth = sized({}, None)
+    assert worth < 0.95 * sized({}, None, stiffness_Nm_rad=1.0)[1], "stiffness was cheap"
+    for field in STIFFENERS:
+        value, raised = found.of(field), (found.raised or {}).get(field, 1.0)
+        if value is None or field.startswith("rope.") or isinstance(value.value, str):
+            continue
+        for by in (1.15, 1 / 1.15) if raised > 1.15 else (1.15,):
+            stepped = sized({field: lambda now, by=by: round(now * by, 1)}, found)[1]
+            assert stepped > (1.0 - LEFT) * worth, f"{field} times {by:.3g}"

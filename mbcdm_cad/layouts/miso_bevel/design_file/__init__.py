@@ -19,8 +19,8 @@ transmission:
   # centre_distance_mm: 34.6  # mm: input pulley axis to guide axis; left out: as short as the fleet angle allows
 loads:
   peak_torque_Nm: 3.15      # N m: torque to hold both ways
-  # structure_share: 0.5    # turn of the payload by all other parts over that by the cables, at most; left out: what
-                            # strength and the frame's windup give
+  # structure_share: 0.5    # turn of the payload by all other parts over that by the cables, at most; left out: that
+                            # where 1 % of mass buys 1 % less turn of the payload
 limits:
   losses: counted           # the torque counts what gearheads, cables and bearings lose; paper: no losses
 # rope: {{type: FF-081}}      # left out: the thinnest 7x7 wire rope that holds

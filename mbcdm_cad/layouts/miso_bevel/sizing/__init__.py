@@ -22,7 +22,7 @@ from mbcdm_cad.layouts.miso_bevel.sizing.known import BevelKnown, FrameStart
 from mbcdm_cad.layouts.miso_bevel.sizing.parts import DRIVES, PARTS, tensioner
 from mbcdm_cad.layouts.miso_bevel.sizing.radii import RATIOS, SETBACK, centre_distance, drum_radii, motor_side, surface
 from mbcdm_cad.layouts.open_ratio import lightest
-from mbcdm_cad.layouts.stiff_sizing import SHARED, Stiffener, stiffened, walls
+from mbcdm_cad.layouts.stiff_sizing import SHARED, bearing, lowered, stiffened, walls
 from mbcdm_cad.sizing.engine import fill
 from mbcdm_cad.sizing.rule import Rule
 
@@ -58,10 +58,9 @@ DERIVED = tuple(
 )
 
 
-STIFFENERS = (
-    *SHARED,
-    Stiffener("guide.bearing", ("guide's ",), 1.0, 3.0, kind="bearings", order="outer_diameter_mm"),
-    *walls("support.back_plate_mm", "support.rib_mm"),
+STIFFENERS = lowered(
+    (*SHARED, bearing("guide.bearing", "guide's "), *walls("back_plate", "rib")),
+    ("drum.hub_diameter_mm", "drum.web_thickness_mm", "support.back_plate_mm", "support.rib_mm"),
 )
 
 # A setback is changed by adding, since it is often zero: a factor of 2 means this many mm more.

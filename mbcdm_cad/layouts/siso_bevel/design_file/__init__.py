@@ -202,8 +202,8 @@ transmission:
   # input_to_drum: 4.5      # left out: the most that the travel leaves on one turn of the input
 loads:
   peak_torque_Nm: 0.9       # N m: torque to hold both ways
-  # structure_share: 0.5    # turn of the payload by all other parts over that by the cables, at most; left out: what
-                            # strength and the frame's windup give
+  # structure_share: 0.5    # turn of the payload by all other parts over that by the cables, at most; left out: that
+                            # where 1 % of mass buys 1 % less turn of the payload
 limits:
   losses: counted           # the torque counts what gearheads, cables and bearings lose; paper: no losses
 # rope: {{type: FF-081}}      # left out: the thinnest 7x7 wire rope that holds

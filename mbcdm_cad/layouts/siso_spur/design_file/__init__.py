@@ -21,8 +21,8 @@ transmission:
   # cables: two_anchored    # two cables with a stop each in the input; left out: one, held there by friction
 loads:
   peak_torque_Nm: TORQUE       # N m: torque to hold both ways
-  # structure_share: 0.5    # turn of the payload by all other parts over that by the cables, at most; left out: what
-                            # strength and the frame's windup give
+  # structure_share: 0.5    # turn of the payload by all other parts over that by the cables, at most; left out: that
+                            # where 1 % of mass buys 1 % less turn of the payload
 limits:
   losses: counted           # the torque counts what gearheads, cables and bearings lose; paper: no losses
 # drive: {{motor: tmotor-u8-100kv}}  # a motor with a shaft of its own needs no gearhead

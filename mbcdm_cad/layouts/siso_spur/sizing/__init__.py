@@ -77,7 +77,7 @@ def _whole(turns: Any, factor: float) -> Any:
     return max(1, round(turns * factor))
 
 
-STIFFENERS = (*SHARED, *walls("support.plate_mm", "support.bridge_mm", "support.side_wall_mm"))
+STIFFENERS = (*SHARED, *walls("plate", "bridge", "side_wall"))
 
 
 # What ``mbcdm solve`` may change besides the derived dimensions.

@@ -113,7 +113,7 @@ def test_a_small_drum_that_pulls_hard_gets_the_smaller_boss(
         "configuration": "miso_bevel",
         "travel": {"half_angle_deg": 13.2},
         "transmission": {"ratio": 4.3, "drum_radius_mm": radius_mm},
-        "loads": {"peak_torque_Nm": torque_Nm},
+        "loads": {"peak_torque_Nm": torque_Nm, "stiffness_Nm_rad": 1.0},
         "rope": {"type": "uhmwpe-0.8"},
     }
     loaded = load_text(yaml.safe_dump(data), "small.yaml")

@@ -115,7 +115,7 @@ def test_the_rules_share_the_load_and_pass(two: SpurLayout) -> None:
     assert told.actual == pytest.approx(float(np.hypot(two.by_nut, two.by_lands)))
     # The spread is what nuts, lands and the pitch of a span leave; beyond half of the preload it warns.
     assert told.actual < two.preload_spread < 0.5 and told.status == "pass", told
-    assert run_check(check, uneven(two.drive, lands_off=2.0 * two.lands_off)).status == "warn"
+    assert run_check(check, uneven(two.drive, lands_off=5.0 * two.lands_off)).status == "warn"
     # Where nothing slips the span takes all that the drum winds on too much.
     drive = replace(two.drive, friction_coefficient=1e6)
     off = float(np.hypot(0.0005 / cable.drum_radius_mm, 0.0005 / cable.input_radius_mm))

@@ -35,7 +35,7 @@ name: staged
 configuration: siso_spur
 travel: {half_angle_deg: 45.0}
 transmission: {input_to_drum: 8.0}
-loads: {peak_torque_Nm: 2.0}
+loads: {peak_torque_Nm: 2.0, stiffness_Nm_rad: 1.0}
 """
 
 
