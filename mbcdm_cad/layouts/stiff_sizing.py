@@ -439,9 +439,9 @@ class _Run:
                 found.append((s, powers, effect.each_g * s.of(self._given, value) ** s.grows, logs))
         if not found:
             return None
-        of, powers, each_g, limits = zip(*found, strict=True)
+        of, falls, grams, limits = zip(*found, strict=True)
         urad, grows = np.maximum(list(turns.values()), _NO_TURN), np.array([s.grows for s in of])
-        return Ways(of, urad, np.array(powers).T, drive.mass_g, np.array(each_g), grows, np.array(limits).T)
+        return Ways(of, urad, np.array(falls).T, drive.mass_g, np.array(grams), grows, np.array(limits).T)
 
     def proposed(self, drive: _Drive, end: _End) -> tuple[_End, dict[str, float], float]:
         """The end, factors on fields whose values then change, and what :attr:`_Drive.worth` should change by."""
