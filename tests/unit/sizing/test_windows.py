@@ -40,6 +40,8 @@ LIGHT: dict[str, Any] = {
 
 
 def sized(data: dict[str, Any], **drum: Any) -> LoadedDesign:
+    """As strength and place ask for it: any stiffness will do."""
+    data = {**data, "loads": {**data["loads"], "stiffness_Nm_rad": 1.0}}
     return load_text(yaml.safe_dump({"name": "windows", **data, **({"drum": drum} if drum else {})}))
 
 
