@@ -361,11 +361,11 @@ class _Run:
             return value
         stated = {end.field: KnownFields(self._data).get(end.field) for end in self.ends if end.field}
         driver, how, why = "stiffness", "raised for the stiffness", " and ".join(stated) or PRICE
-        if not isinstance(by_rule, str) and value.value < by_rule:
-            how = "lowered, since the mass buys little stiffness"
-            if value.field == PRELOAD:
-                driver, how, why = BACKDRIVE, "lowered to turn easily", "loads.backdrive_Nm"
-        text = f"{value.text} ({by_rule}), {'lowered' if 'lowered' in how else 'raised'} for {why}"
+        if value.field == PRELOAD and value.value < by_rule:
+            driver, how, why = BACKDRIVE, "lowered to turn easily", "loads.backdrive_Nm"
+        elif not isinstance(by_rule, str) and value.value < by_rule:
+            how, why = "lowered for the mass", "mass, 1 % of which buys less than 1 % of compliance there"
+        text = f"{value.text} ({by_rule}), {how.partition(' ')[0]} for {why}"
         return replace(value, text=text, driver=driver, rests_on={**value.rests_on, **stated}, rounding=how)
 
     def drive(self, factors: Mapping[str, float], sizing: Sizing) -> _Drive | None:

@@ -102,7 +102,7 @@ def test_a_printed_hub_is_as_wide_as_its_torsion_asks(configuration: str, transm
                 "configuration": configuration,
                 "travel": {"half_angle_deg": 40},
                 "transmission": transmission,
-                "loads": {"peak_torque_Nm": 4.0},
+                "loads": {"peak_torque_Nm": 4.0, "stiffness_Nm_rad": 1.0},
                 "drum": {"material": "pla"},
                 "support": {"material": "pla"},
             }
