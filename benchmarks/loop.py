@@ -25,6 +25,8 @@ from typing import Any
 import numpy as np
 from timing import ROOT, Figure, finish
 
+from mbcdm_cad.layouts.registry import layout_of
+
 DESIGN = ROOT / "params" / "mbcdm.yaml"
 BLOCK = 1_000_000  # samples simulated; longer runs repeat them with fresh sensor noise
 LIMIT_S, LIMIT_ADDITIVE_S, LIMIT_MIB = 12.0, 3.0, 1536.0
@@ -94,13 +96,12 @@ def plain_once(path: Path, effects: str) -> dict[str, Any]:
     from mbcdm_cad.layouts.loader import load_design
     from mbcdm_cad.measurement.reading import load_measurement
     from mbcdm_cad.model.hysteresis import simulate
-    from mbcdm_cad.model.si import to_si
     from tests.support.bench_geometry import chain_of, path_of_eccentric
 
     drive = load_design(DESIGN).drive
     run = load_measurement(path)
     start = time.perf_counter()
-    declared, chain = to_si(drive), chain_of(drive)
+    declared, chain = layout_of(drive).si, chain_of(drive)
     drum = run.input_rad.mean(axis=0) / float(np.mean(chain.r_drum / chain.r_in))
     shaft = -drum * float(np.mean(chain.r_drum / chain.r_guide))
     paths = [path_of_eccentric(chain, "guide", 1e-6, phase, shaft) for phase in (0.0, 0.5 * np.pi)]

@@ -17,12 +17,12 @@ import numpy as np
 
 import mbcdm_cad as mc
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.layouts.loader import load_design, load_text
+from mbcdm_cad.layouts.loader import layout_of, load_design, load_text
 from mbcdm_cad.model.analysis import analyse
 from mbcdm_cad.model.bulk import analyse_many
 from mbcdm_cad.model.capability import requirements
 from mbcdm_cad.model.hysteresis import simulate
-from mbcdm_cad.model.si import DriveSI, to_si
+from mbcdm_cad.model.si import DriveSI
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "support"))
 from clip_grid import simulate_on_grid
@@ -74,7 +74,7 @@ def designs(d: DriveSI, n: int) -> DriveSI:
 def measured(design: Path, repeat: int) -> list[Figure]:
     """All figures."""
     drive = load_design(design).drive
-    d, need = to_si(drive), requirements(drive)
+    d, need = layout_of(drive).si, requirements(layout_of(drive))
     finite = d.with_(input_wrap_rad=np.full(d.n_cables, 16.0), drum_wrap_rad=np.full(d.n_cables, 3.0))
     found = []
     for label, series in (("sine under a brake", brake_series), ("the same with noise", noisy_series)):
@@ -97,7 +97,7 @@ def measured(design: Path, repeat: int) -> list[Figure]:
     bulk = least(lambda: analyse_many(batch, need), repeat)
     found.append(Figure("analyse_many", DESIGNS / bulk, "designs/s", DESIGNS_PER_S_LIMIT, at_least=True))
     found.append(_sized_alone(drive.configuration, repeat))
-    one = least(lambda: [analyse(drive) for _ in range(SINGLES)], repeat) / SINGLES
+    one = least(lambda: [analyse(layout_of(drive)) for _ in range(SINGLES)], repeat) / SINGLES
     found.append(Figure("analyse, one design", one * 1e3, "ms"))
     return found
 

@@ -17,9 +17,8 @@ from typing import Any
 import numpy as np
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.model import capability, hysteresis, stiffness
-from mbcdm_cad.model.si import to_si
 from mbcdm_cad.rig import chain, quasistatic
 from mbcdm_cad.rig.bench import cables_of
 from mbcdm_cad.rig.motion import brake
@@ -107,7 +106,7 @@ class Row:
 
 def agreement(drive: Drive, piece_rad: float = chain.PIECE_RAD) -> list[Row]:
     """Where the model's assumptions hold."""
-    d = to_si(drive)
+    d = layout_of(drive).si
     ramp = np.linspace(0.0, TORQUE_NM, 200)
     turn = np.concatenate([ramp, np.linspace(TORQUE_NM, -TORQUE_NM, 400), np.linspace(-TORQUE_NM, TORQUE_NM, 400)])
     still = np.zeros((2, turn.size))
@@ -160,7 +159,7 @@ def winding(drive: Drive, piece_rad: float = chain.PIECE_RAD) -> list[Row]:
 
     The third motion is a sine whose brake turns over within a sixth of the largest speed.
     """
-    d, rows = to_si(drive), []
+    d, rows = layout_of(drive).si, []
     phase = np.linspace(0.0, 9.0 * np.pi, 9000)
     soft = TORQUE_NM * np.tanh(6.0 * np.cos(phase)) * np.minimum(phase, 1.0)
     motions = {
@@ -185,7 +184,7 @@ def winding(drive: Drive, piece_rad: float = chain.PIECE_RAD) -> list[Row]:
 
 def parting(drive: Drive, piece_rad: float = chain.PIECE_RAD, samples: int = 500) -> list[Row]:
     """Where the rig's physics goes beyond the model's: rope carried along, slip on the guide."""
-    d = to_si(drive)
+    d = layout_of(drive).si
     rows = []
     for travel in (0.05, 0.6):
         inputs, load = to_and_fro(travel, samples, 9)

@@ -21,6 +21,8 @@ from pathlib import Path
 
 from timing import ROOT, Figure, arguments, finish, in_turns
 
+from mbcdm_cad.layouts.registry import layout_of
+
 CHECK_RATIO_LIMIT = 3.0
 FAILING_LIMIT_S = 1.0
 BUILD_RATIO_LIMIT = 2.0
@@ -99,7 +101,7 @@ def prepare_bare_build(design: Path, built: Path, target: Path) -> None:
     from mbcdm_cad.workshop.meshing import kernel_tolerances
 
     drive = load_design(design).drive
-    assembly = drive.layout.bill()
+    assembly = layout_of(drive).bill()
     target.mkdir()
     for part in assembly.parts:
         solid = cq.importers.importStep(str(built / "parts" / f"{part}.step")).val()

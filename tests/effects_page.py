@@ -12,12 +12,11 @@ from pathlib import Path
 
 import numpy as np
 
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.loop.effect import Effect
 from mbcdm_cad.loop.effects import library
 from mbcdm_cad.loop.prepare.prepared import prepare
 from mbcdm_cad.measurement.run import Run
-from mbcdm_cad.model.si import to_si
 
 ROOT = Path(__file__).resolve().parents[1]
 HEAD = """# Effects that the loop knows
@@ -43,7 +42,7 @@ def offered() -> list[Effect]:
     angle = 0.45 * np.sin(2.0 * np.pi * t / 8.0)
     run = Run(t, np.stack([9.0 * angle, 9.0 * angle]), angle, 0.5 * np.cos(t), 20.0 + 0.1 * t)
     one = replace(run, input_rad=run.input_rad[:1], input_names=("input",))
-    d, spur = (to_si(load_design(ROOT / "params" / f"{name}.yaml").drive) for name in ("mbcdm", "siso_spur"))
+    d, spur = (layout_of(load_design(ROOT / "params" / f"{name}.yaml").drive).si for name in ("mbcdm", "siso_spur"))
     ways = [(d, run), (d, replace(run, temperature_C=None)), (spur, one), (None, one)]
     found: list[Effect] = []
     for drive, each in [*ways, (None, replace(one, load_Nm=None))]:

@@ -24,7 +24,8 @@ from mbcdm_cad.checks.size import estimated_mass_g
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.layouts.check_design import checks_of
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
+from mbcdm_cad.layouts.structure import structure_of
 from mbcdm_cad.model.analysis import analyse
 from mbcdm_cad.report.losses import losses_report
 from mbcdm_cad.report.masses import masses_by_item
@@ -76,8 +77,8 @@ class BuiltDrive:
     def row(self) -> tuple[Any, ...]:
         """Its line of the table."""
         drive, passes = self.loaded.drive, not failed(self.checks)
-        cable, layout = drive.cables[0], drive.layout
-        structure = layout.structure if passes else None
+        cable, layout = drive.cables[0], layout_of(drive)
+        structure = structure_of(layout) if passes else None
         back = losses_report(layout).to_dict()["backdrive"] if passes else None
         mass = f"about {estimated_mass_g(layout.bill()):.0f}" if passes else None
         return (
@@ -87,7 +88,7 @@ class BuiltDrive:
             f"{cable.drum_radius_mm:.4g}, {cable.input_radius_mm:.3g}",
             f"{drive.cable.name}, {cable.preload_N:g} N",
             f"{drive.motor.name}, {drive.gearhead.name}",
-            min(analyse(drive).peak_torque_Nm) if passes else None,
+            min(analyse(layout_of(drive)).peak_torque_Nm) if passes else None,
             f"{structure.stiffness_Nm_rad:.3g}" if structure else None,
             f"{back['running_Nm']:.2g}" if back else None,
             mass if self.mass_g is None else f"{self.mass_g:.0f}",
@@ -115,7 +116,7 @@ def built_drive(path: Path, cache: Cache) -> BuiltDrive:
     from mbcdm_cad.workshop.export.picture import picture_png  # loads the drawing library
 
     loaded = load_design(path)
-    drive, layout = loaded.drive, loaded.drive.layout
+    drive, layout = loaded.drive, layout_of(loaded.drive)
     with np.errstate(all="ignore"):
         checks = tuple(run_check(check, layout, Budget(0)) for check in checks_of(drive))
     if failed(checks) or drive.cables[0].drum_radius_mm > LARGEST_MM:

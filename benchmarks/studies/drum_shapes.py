@@ -14,7 +14,7 @@ from dataclasses import replace
 from itertools import pairwise
 from math import degrees, pi, radians
 
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.layouts.structure import elastic
 from mbcdm_cad.model.structure.drum_sector import sector_study
@@ -77,7 +77,7 @@ def _web_mm3(shape: SectorShape, hub_mm: float, to_mm: float) -> float:
 
 def main(path: str) -> None:
     """Print the table."""
-    layout = load_design(path).drive.layout
+    layout = layout_of(load_design(path).drive)
     assert isinstance(layout, SectorLayout)
     drive, d = layout.drive, layout.drum
     names = [t.cable_name for t in d.tensioners]

@@ -32,6 +32,7 @@ from mbcdm_cad.design.bought import Material
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.miso_bevel.checks import room as miso_bevel_room
 from mbcdm_cad.layouts.miso_spur import checks as round_checks
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.layouts.siso_bevel import checks as bevel_checks
 from mbcdm_cad.layouts.siso_spur.checks import room
 from mbcdm_cad.parts.bill import CABLE, Bill, PartSpec
@@ -61,7 +62,7 @@ BOXES: dict[str, Any] = {
 
 def box_mm(drive: Any) -> tuple[float, float, float]:
     """Box (X, Z, Y) worked out before anything is drawn, mm."""
-    size: tuple[float, float, float] = BOXES[drive.configuration](drive.layout)
+    size: tuple[float, float, float] = BOXES[drive.configuration](layout_of(drive))
     return size
 
 
@@ -109,7 +110,7 @@ def figures(found: Passing) -> dict[str, float]:
 
 def exercise(found: Passing, poses: int) -> Iterator[Failure]:
     """Draw, test, mesh and turn one design; yields what fails."""
-    dims: Any = found.loaded.drive.layout
+    dims: Any = layout_of(found.loaded.drive)
     b = dims.bill()
     material = {item.part: item.material for item in b.items}
     solids: dict[str, Any] = {}
@@ -170,7 +171,7 @@ def masses_g(found: Passing, b: Bill, solids: dict[str, Any]) -> tuple[float, fl
 
 def exercise_workshop(found: Passing, undrawn: tuple[str, ...] = ()) -> Iterator[Failure]:
     """What the workshop asks of one design, and of one forced in its place; yields what fails."""
-    dims: Any = found.loaded.drive.layout
+    dims: Any = layout_of(found.loaded.drive)
     b = dims.bill()
     try:
         solids = at_rest(b)

@@ -20,6 +20,7 @@ import numpy as np
 
 from benchmarks.study import Row, Study, parser
 from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.layouts.structure import elastic
 from mbcdm_cad.model.structure.drum_sector import sector_study
@@ -78,7 +79,7 @@ def by_both(loaded: LoadedDesign) -> DrumByBoth:
     """Both routes for the drum of one design; they share its dimensions alone."""
     from tests.support.drum_solid import columns_MPa, drum_by_solids
 
-    drive, layout = loaded.drive, loaded.drive.layout
+    drive, layout = loaded.drive, layout_of(loaded.drive)
     assert isinstance(layout, SectorLayout)
     dims, material, torque = layout.drum, drive.drum_material, drive.loads.peak_torque_Nm
     names = [t.cable_name for t in dims.tensioners]

@@ -19,8 +19,9 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from benchmarks.study import ROOT, Row, Study, parser
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.layouts.sector import SectorLayout
+from mbcdm_cad.layouts.structure import structure_of
 from mbcdm_cad.model.stiffness import unit_tensions_N
 from tests.support.random_generator import LAYOUTS, Passing, passing
 
@@ -50,7 +51,7 @@ def by_both(name: str, layout: SectorLayout) -> DriveByBoth:
     from tests.support.frame_solid import frame_by_solids
     from tests.support.shaft_solid import pulley_torsion_urad_Nm
 
-    drive, d, structure = layout.drive, layout.loads.si, layout.structure
+    drive, d, structure = layout.drive, layout.loads.si, structure_of(layout)
     cables = [t.cable_name for t in layout.drum.tensioners]
     unit = np.abs(unit_tensions_N(d)) * d.drum_radius_m
     share = {c: float(s) for c, s in zip(d.cable_names, unit, strict=True) if c in cables}
@@ -102,7 +103,7 @@ def drives() -> Iterator[tuple[str, SectorLayout]]:
         for seed in count(1):
             found = passing(seed, space)
             if isinstance(found, Passing):
-                layout = found.loaded.drive.layout
+                layout = layout_of(found.loaded.drive)
                 assert isinstance(layout, SectorLayout)
                 if layout.printed_frame in wanted:
                     wanted.remove(layout.printed_frame)
@@ -110,7 +111,7 @@ def drives() -> Iterator[tuple[str, SectorLayout]]:
             if not wanted:
                 break
     for name in REFERENCES:
-        layout = load_design(ROOT / "params" / f"{name}.yaml").drive.layout
+        layout = layout_of(load_design(ROOT / "params" / f"{name}.yaml").drive)
         assert isinstance(layout, SectorLayout)
         yield name, layout
 

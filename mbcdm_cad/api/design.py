@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from mbcdm_cad.errors import MbcdmError
+from mbcdm_cad.layouts.registry import layout_of
 
 if TYPE_CHECKING:
     import cadquery
@@ -95,7 +96,7 @@ class DriveDesign:
         from mbcdm_cad.jobs.outputs import write_preload
         from mbcdm_cad.report.preload import preload_report
 
-        report = preload_report(self.drive.layout, [(name, Path(path)) for name, path in (logs or {}).items()])
+        report = preload_report(layout_of(self.drive), [(name, Path(path)) for name, path in (logs or {}).items()])
         return report if out is None else write_preload(self.loaded, report, Path(out))
 
     def explain(self, field: str | None = None) -> Explanation:

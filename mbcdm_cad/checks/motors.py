@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 from math import ceil, degrees, isfinite
+from typing import Any
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from mbcdm_cad.checks.design_variables import down
 from mbcdm_cad.checks.run import floored, rounded
 from mbcdm_cad.checks.strength import balanced_preloads, rated_input_Nm
 from mbcdm_cad.layouts.base import Layout, NoFigureError
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.model.capability import torque_at_input_limit_Nm
 from mbcdm_cad.model.duty import SEAT_SIGMA_K, MotorDay
 from mbcdm_cad.model.equilibrium import solve_equilibrium
@@ -362,9 +364,9 @@ def _told(seconds: float) -> str:
     return f"{seconds:.3g} s" if seconds < 120.0 else f"{seconds / 60.0:.3g} min"
 
 
-def _has_limit(drive: object) -> bool:
+def _has_limit(drive: Any) -> bool:
     """Whether the motors sit in a printed frame whose material has a limit."""
-    layout: Layout = drive.layout  # type: ignore[attr-defined]
+    layout = layout_of(drive)
     return layout.printed_frame and layout.frame_material.seat_limit_C is not None
 
 

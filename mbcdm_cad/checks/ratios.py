@@ -17,6 +17,7 @@ from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.run import floored
 from mbcdm_cad.design.drive import CableRun
 from mbcdm_cad.layouts.base import Layout
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.model.equations import pair_mismatch_m
 from mbcdm_cad.model.equilibrium import solve_equilibrium
@@ -134,7 +135,7 @@ def _desired(drive: Any) -> bool:
     """Whether the file asks for a life, and the ratio is above the least, below which that check says it."""
     targets = drive.targets
     wanted = targets.life_cycles is not None or targets.life_h is not None
-    return wanted and bool(drive.layout.smallest_bend_ratio >= drive.cable.bend_ratio_minimum)
+    return wanted and bool(layout_of(drive).smallest_bend_ratio >= drive.cable.bend_ratio_minimum)
 
 
 @check(

@@ -14,7 +14,7 @@ from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.drive import CableRun
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.sector import SectorLayout
-from mbcdm_cad.layouts.springs import spring_turn_urad_Nm
+from mbcdm_cad.layouts.springs import spring_start_Nm, spring_turn_urad_Nm, spring_urad_Nm
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.parts.drum_sector.design import SectorDrive
@@ -142,8 +142,8 @@ def _stiffer(s: SectorLayout) -> str:
 def spring_hold(s: SectorLayout) -> Comparison:
     """Further turn by springs at the test torque, where the wraps on the drum are shortest, over that of the cables."""
     _spring(s)
-    moved = 100.0 * s.spring_urad_Nm / s.loads.test_urad_Nm
-    start = s.spring_start_Nm
+    moved = 100.0 * spring_urad_Nm(s) / s.loads.test_urad_Nm
+    start = s.once("springs start", spring_start_Nm)
     note = f"the first terminal moves at {start:.3g} N m" if np.isfinite(start) else "no terminal moves at any torque"
     what = f"turn by springs at {s.drive.loads.test_torque_Nm:g} N m over that of the cables"
     return at_most(what, moved, 100.0 * MOVED_SHARE, "%", note)

@@ -15,6 +15,7 @@ from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.run import floored, rounded
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.layouts.base import Layout, NoFigureError
+from mbcdm_cad.layouts.life import life_of
 from mbcdm_cad.model.capability import SLACK_SHARE, balanced_preload_N, torque_at_input_limit_Nm, torque_at_slip_Nm
 from mbcdm_cad.model.creep import DAY_S, TOLD_C, creeps, relaxation
 from mbcdm_cad.model.equilibrium import solve_equilibrium
@@ -261,7 +262,7 @@ _ADJUST = (down("rope.preload_N"), up("all radii of transmission"))
 
 def _what_helps(s: Layout) -> str:
     """The changes that help most, with their factors of the life."""
-    helps = [f"{each.change} (x{each.factor:.2g})" for each in s.life.helps[:3] if each.factor > 1.0]
+    helps = [f"{each.change} (x{each.factor:.2g})" for each in life_of(s).helps[:3] if each.factor > 1.0]
     return f"what helps most: {', '.join(helps)}" if helps else "state the life_anchor of a test of the rope"
 
 
@@ -273,7 +274,7 @@ def _what_helps(s: Layout) -> str:
 )
 def life(s: Layout) -> Comparison:
     """Cycles after which nine of ten cables have broken, against the wanted number; without one, the median."""
-    found = s.life
+    found = life_of(s)
     wanted = found.wanted_cycles
     first = found.first
     if first is None:
@@ -297,7 +298,7 @@ def life(s: Layout) -> Comparison:
 )
 def life_shown(s: Layout) -> Comparison:
     """Cycles after which one cable in ten has broken, against the wanted number: the time to replace them."""
-    found = s.life
+    found = life_of(s)
     wanted = found.wanted_cycles
     first = found.first
     if first is None and wanted is None:

@@ -9,7 +9,8 @@ from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.fixings import FRICTION, STRESS_SAFETY, lasting_MPa, stalled_Nm
 from mbcdm_cad.layouts.base import PRINTED_WINDUP
 from mbcdm_cad.layouts.sector import SectorLayout
-from mbcdm_cad.layouts.structure import Structure
+from mbcdm_cad.layouts.structure import drum_structure_of, structure_of
+from mbcdm_cad.model.structure.causes import Structure
 from mbcdm_cad.parts.drum_sector.dims import DEPTH_DIAMETERS, LEAST_DEPTH_MM, SLIP_SAFETY, PayloadJoint, joint_load
 from mbcdm_cad.parts.drum_sector.structure import hub
 from mbcdm_cad.parts.threads import SHEAR_SHARE, ScrewHold, clamp_force_N, screw_hold
@@ -53,7 +54,7 @@ def drum_stress(s: SectorLayout) -> Findings:
     material = drive.drum_material
     strength, load = lasting_MPa(material), max(drive.loads.peak_torque_Nm, stalled_Nm(s))
     torsion = hub(d, drive.screw(d.set_screw).thread_mm).shear_MPa(load)
-    yield _stress("web and rim", strength, s.drum_structure.stress_MPa(load), load)
+    yield _stress("web and rim", strength, drum_structure_of(s).stress_MPa(load), load)
     yield _stress("the hub", strength * SHEAR_SHARE, torsion, load)
     if d.has_slot:
         pressed = load * 1e3 / d.stop_radius / (2.0 * s.frame.stop_pin_radius * (d.web_end_y - d.web_start_y))
@@ -170,7 +171,7 @@ def frame_windup(s: SectorLayout) -> Comparison:
 
 def _stiffer(s: SectorLayout) -> str:
     """What gives most, cables too, with the fields that stiffen it: rules raise those that the file leaves open."""
-    structure = s.structure
+    structure = structure_of(s)
     cables = f"the cables ({structure.cables_urad_Nm:.3g} urad/N m: thicker or stiffer rope)"
     return _softest(structure, {cables: structure.cables_urad_Nm})
 
@@ -187,7 +188,7 @@ def _stiffer(s: SectorLayout) -> str:
 )
 def stiffness(s: SectorLayout) -> Comparison:
     """Stiffness at the payload at the test torque: cables, drum, shafts, bearings and frame, the inputs held."""
-    structure, torque = s.structure, s.drive.loads.test_torque_Nm
+    structure, torque = structure_of(s), s.drive.loads.test_torque_Nm
     most = max(structure.at_payload, key=lambda c: c.urad_Nm)
     note = (
         f"cables {structure.cables_urad_Nm:.4g} urad/N m, all else {structure.payload_urad_Nm:.4g}, of it most by "
@@ -202,7 +203,7 @@ def stiffness(s: SectorLayout) -> Comparison:
 
 def _stiffer_parts(s: SectorLayout) -> str:
     """As :func:`_stiffer`, without the cables."""
-    return _softest(s.structure, {})
+    return _softest(structure_of(s), {})
 
 
 @check(
@@ -217,7 +218,7 @@ def _stiffer_parts(s: SectorLayout) -> str:
 )
 def structure_share(s: SectorLayout) -> Comparison:
     """Turn of the payload by all parts besides the cables over that by the cables, the inputs held."""
-    structure, most = s.structure, s.drive.loads.structure_share
+    structure, most = structure_of(s), s.drive.loads.structure_share
     if most is None:
         most = SOFT_PRINTED if s.printed_frame or s.drive.drum_material.printed else SOFT
     softest = max(structure.at_payload, key=lambda c: c.urad_Nm)

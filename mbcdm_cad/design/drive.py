@@ -7,11 +7,10 @@ Units are those of the file: mm, degrees, N, grams, GPa. The model converts to S
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from importlib import import_module
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+from typing import Any, Protocol, Self, TypeVar
 
 from mbcdm_cad.design.blocks import AsBuilt, Export, Limits, Loads, Making, Printing, Targets, Waiver
 from mbcdm_cad.design.bought import (
@@ -30,8 +29,7 @@ from mbcdm_cad.design.bought import (
 )
 from mbcdm_cad.design.stage import Stage
 
-if TYPE_CHECKING:
-    from mbcdm_cad.layouts.base import Layout
+_T = TypeVar("_T")
 
 
 @dataclass(frozen=True)
@@ -113,14 +111,12 @@ class Drive:
     as_built: tuple[AsBuilt, ...]
     stage: Stage | None  # between the gearhead, or the motor, and each input
 
-    @cached_property
-    def layout(self) -> Layout:
-        """This design as an object of its layout: routes, parts, checks.
-
-        The class is ``LAYOUT`` in the module ``layout`` of the package that this drive's class is in.
-        """
-        package = type(self).__module__.rpartition(".")[0]
-        found: Layout = import_module(f"{package}.layout").LAYOUT(self)
+    def once(self, name: str, make: Callable[[Self], _T]) -> _T:
+        """``make(self)``, computed at the first call for this ``name`` and kept with the drive."""
+        kept: dict[str, Any] = self.__dict__.setdefault("_kept", {})
+        if name not in kept:
+            kept[name] = make(self)
+        found: _T = kept[name]
         return found
 
     @property

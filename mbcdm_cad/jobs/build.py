@@ -15,6 +15,7 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import GeometryError
 from mbcdm_cad.layouts.check_design import run_checks
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.parts.bill import Item
 from mbcdm_cad.report.check_report import BuildReport, CheckReport
 from mbcdm_cad.report.explain import fields_data
@@ -57,7 +58,7 @@ def build(
     checks = run_checks(loaded)
     if failed(checks) and not force:
         return _outcome(loaded, None, checks)
-    layout = drive.layout
+    layout = layout_of(drive)
     processes = jobs or os.cpu_count() or 1
     store = Store(cache, progress)
     posed, centred = layout.bill(angle_deg), layout.bill()
@@ -172,6 +173,6 @@ def _write(
         folder.write(f"{name}.step", assembly["step"])
         folder.write(f"{name}.glb", assembly["glb"])
         folder.write("report.json", json.dumps(data, indent=1, sort_keys=True, allow_nan=False) + "\n")
-        folder.write("report.md", report_markdown(data, loaded.drive.layout.paths_template()))
+        folder.write("report.md", report_markdown(data, layout_of(loaded.drive).paths_template()))
     # An old page would show other figures than the new report, so it is removed; `mbcdm page` makes a new one.
     (target / PAGE).unlink(missing_ok=True)

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import InputError, MbcdmError, Problem
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.storage.cache import Cache, content_key
 from mbcdm_cad.storage.files import Manifest, refuse_missing_folder, write_whole
 from mbcdm_cad.storage.folders import output_folder, refuse_other_origin, write_from
@@ -124,7 +125,7 @@ def write_moving_picture(loaded: LoadedDesign, gif: Path, cache: Cache, *, view:
 
     _refuse_other_view(view)
     drive = loaded.drive
-    layout = drive.layout
+    layout = layout_of(drive)
     centred = layout.bill()
     _, parts = drawn(drive, 0.0, cache, progress)
     progress("moving picture")
@@ -252,9 +253,9 @@ def write_sensitivity(
     target = out / f"{loaded.drive.name}-sensitivity"
     inputs = content_key("sensitivity", loaded.sha256)
     with output_folder(target, Manifest(loaded.sha256, inputs), design=loaded.path) as folder:
-        stacks = loaded.drive.layout.tolerance_stacks
+        stacks = layout_of(loaded.drive).tolerance_stacks
         with crew(block_figures, workers, scheduler) as shared:
-            summary = write_study(loaded.drive, folder.path, model_tolerances(loaded.drive), stacks, shared)
+            summary = write_study(layout_of(loaded.drive), folder.path, model_tolerances(loaded.drive), stacks, shared)
     return SensitivityStudy(target, summary)
 
 

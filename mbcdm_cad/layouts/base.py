@@ -26,17 +26,13 @@ if TYPE_CHECKING:
     from mbcdm_cad.checks.design_variables import DesignVariable
     from mbcdm_cad.design.bought import Material
     from mbcdm_cad.design.design_file import DesignFile
-    from mbcdm_cad.layouts.attachment import Attachment
-    from mbcdm_cad.layouts.life import Life
-    from mbcdm_cad.layouts.structure import Structure
-    from mbcdm_cad.layouts.turns import DriveTurns
     from mbcdm_cad.model.duty import Duty, MotorDay
     from mbcdm_cad.model.equilibrium import CableTensions
     from mbcdm_cad.model.losses import BearingPair, Train
     from mbcdm_cad.model.si import DriveSI
     from mbcdm_cad.model.stack_up import StackUp
     from mbcdm_cad.model.tensioning import TensioningPlan
-    from mbcdm_cad.parts.bill import AssemblyStep, Bill, MovingBody
+    from mbcdm_cad.parts.bill import AssemblyStep, Bill, BillBuilder, MovingBody
     from mbcdm_cad.routes.cable_path import CablePath
     from mbcdm_cad.routes.geometry import RoutedDrive
 
@@ -218,6 +214,16 @@ class Layout(ABC):
         found: RoutedDrive = self.module("routes").routed(self.drive)
         return found
 
+    @property
+    def si(self) -> DriveSI:
+        """The drive in SI; the same object for the same drive, so that what follows from it is worked out once.
+
+        Raises ``ModelError`` where it has no routes.
+        """
+        from mbcdm_cad.model.si import to_si
+
+        return self.drive.once("si", lambda drive: to_si(drive, lambda: self.routed, self.slips_on_passed))
+
     @cached_property
     def inertias_kg_m2(self) -> Mapping[str, float]:
         """Moment of inertia of each body of the routes with all that turns with it, about its own axis, without CAD.
@@ -344,18 +350,6 @@ class Layout(ABC):
         cables = self.loads.test_urad_Nm * 1e-3 * self.drive.loads.test_torque_Nm
         return cables * (PRINTED_WINDUP if self.printed_frame else 1.0)
 
-    @cached_property
-    def structure(self) -> Structure | None:
-        """Compliance of all parts besides the cables, by cause, and the drum's stress; None if all count as rigid."""
-        return None
-
-    @cached_property
-    def turns(self) -> DriveTurns:
-        """Turn and swing at the test torque, of the cables alone, at the drum's encoder and at the payload."""
-        from mbcdm_cad.layouts.turns import turns_of
-
-        return turns_of(self, self.drive.loads.test_torque_Nm)
-
     @property
     def passing_deg(self) -> tuple[float, ...]:
         """Drum angles (deg) between those evenly over the travel at which a part of the drum comes by a fixed one."""
@@ -368,35 +362,40 @@ class Layout(ABC):
 
     @cached_property
     def losses(self) -> Train:
-        """Friction between motors and payload: cables, bearings, gearheads, motors."""
-        from mbcdm_cad.layouts.losses import train_of
+        """Friction between motors and payload: cables, bearings, gearheads, motors.
 
-        return train_of(self)
+        Bearings that have no place, because parts have no geometry, do not count. Raises ``ModelError`` where the
+        routes have no free span.
+        """
+        from mbcdm_cad.model.losses import train_of
+
+        d = self.si
+        try:
+            bearings = tuple(self.bearing_friction(d))
+        except NoFigureError:
+            bearings = ()
+        return train_of(self.drive, d, bearings)
 
     @cached_property
     def duty(self) -> Duty:
         """What the drive does all day: that of the design file, or an assumed one."""
-        from mbcdm_cad.layouts.duty import duty_of
+        from mbcdm_cad.model.duty import duty_of
 
-        return duty_of(self)
+        return duty_of(self.drive)
 
     @cached_property
     def motor_days(self) -> tuple[MotorDay, ...]:
-        """Torque and temperatures of each motor over the duty."""
-        from mbcdm_cad.layouts.duty import motors_of
+        """Torque and temperatures of each motor over the duty. Raises ``ModelError`` as :attr:`losses` does."""
+        from mbcdm_cad.model.duty import motor_days
+        from mbcdm_cad.model.heat import motor_heat
 
-        return motors_of(self)
+        drive = self.drive
+        heat, peak = motor_heat(drive.motor), drive.loads.peak_torque_Nm
+        return motor_days(self.losses, heat, self.duty, peak, drive.input_names)
 
     def bearing_friction(self, d: DriveSI) -> Iterable[BearingPair]:
         """The bearings of all bodies, whose friction counts; none where the layout does not say."""
         return ()
-
-    @cached_property
-    def life(self) -> Life:
-        """Cycles of the output until the cables break."""
-        from mbcdm_cad.layouts.life import life_of
-
-        return life_of(self)
 
     @property
     def smallest_bend_ratio(self) -> float:
@@ -445,9 +444,7 @@ class Layout(ABC):
             ends = [self.wraps_rad(angle) for angle in (self.half_travel_rad, -self.half_travel_rad)]
         except NoFigureError:
             return ()
-        from mbcdm_cad.model.si import to_si
-
-        if to_si(self.drive).through_wrap_rad is not None:
+        if self.si.through_wrap_rad is not None:
             return tuple({"drum_wrap_rad": on_drum} for _, on_drum in ends)
         return tuple({"input_wrap_rad": on_input, "drum_wrap_rad": on_drum} for on_input, on_drum in ends)
 
@@ -466,7 +463,7 @@ class Layout(ABC):
     def loads(self) -> CableTensions:
         """Tensions by the model."""
         from mbcdm_cad.model.equilibrium import CableTensions
-        from mbcdm_cad.model.si import ModelError, to_si
+        from mbcdm_cad.model.si import ModelError
 
         drive = self.drive
         carried = sum(c.preload_N * c.drum_radius_mm for c in drive.cables) * 1e-3
@@ -477,7 +474,7 @@ class Layout(ABC):
                 f"({carried:.4g} N m): cables go slack far below it; raise rope.preload_N or lower the load"
             )
         try:
-            si = self.as_set(to_si(drive))
+            si = self.as_set(self.si)
             if self.before is not None and self.before.loads.are_those_of(drive, si):
                 return self.before.loads
             return CableTensions(drive, si)
@@ -502,3 +499,47 @@ class Layout(ABC):
     def flank_mm(self) -> float:
         """Half the cable's diameter."""
         return self.drive.cable.diameter_mm / 2
+
+
+class Attachment:
+    """An option that a design file may have or leave out, with all that it adds to a drive.
+
+    A layout names the kinds that it ``takes``, and asks those that a design has at fixed places; it knows none of them.
+    What a kind does not override it does not add.
+    """
+
+    # The drive's field that is None in a design without it.
+    block: ClassVar[str]
+
+    def __init__(self, layout: Any) -> None:
+        self.layout = layout
+
+    @property
+    def unit(self) -> Layout | None:
+        """The drive that it is, as a design of its own."""
+        return None
+
+    @property
+    def checks(self) -> Iterable[Check]:
+        """Checks besides those of the layout, run after them."""
+        return ()
+
+    @property
+    def passing_deg(self) -> Iterable[float]:
+        """Drum angles (deg) at which a part of it comes by another."""
+        return ()
+
+    def moving_bodies(self) -> Iterable[MovingBody]:
+        """Its bodies that turn with the drum."""
+        return ()
+
+    def add_items(self, b: BillBuilder, drum_angle_deg: float) -> None:
+        """Adds its parts to the bill."""
+
+    def cable_paths(self, drum_angle_rad: float) -> Iterable[CablePath]:
+        """Centre lines of its own cables."""
+        return ()
+
+    def steps_before(self) -> Iterable[AssemblyStep]:
+        """Steps of assembly before those of the layout."""
+        return ()

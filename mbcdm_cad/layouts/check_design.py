@@ -14,6 +14,7 @@ from mbcdm_cad.design.fieldpath import dotted
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import InputError, Problem, did_you_mean
 from mbcdm_cad.layouts.base import Layout
+from mbcdm_cad.layouts.registry import layout_of
 
 if TYPE_CHECKING:
     from mbcdm_cad.layouts.together import Together
@@ -21,8 +22,8 @@ if TYPE_CHECKING:
 
 def checks_of(drive: Drive) -> tuple[Check, ...]:
     """The checks of this drive, in the order in which they are run and shown."""
-    own = (check for check in drive.layout.checks_by_id().values() if check.asked_of(drive))
-    return (*own, *drive.layout.further_checks)
+    own = (check for check in layout_of(drive).checks_by_id().values() if check.asked_of(drive))
+    return (*own, *layout_of(drive).further_checks)
 
 
 def known_ids(drive: Drive) -> tuple[str, ...]:
@@ -38,7 +39,7 @@ def run_checks(design: Drive | LoadedDesign | Layout) -> tuple[CheckResult, ...]
     """
     if isinstance(design, LoadedDesign):
         return advised_checks(design)[0]
-    layout = design.layout if isinstance(design, Drive) else design
+    layout = layout_of(design) if isinstance(design, Drive) else design
     refuse_unknown_waivers(layout.drive)
     return run_all(checks_of(layout.drive), layout)
 
@@ -47,7 +48,7 @@ def advised_checks(loaded: LoadedDesign) -> tuple[tuple[CheckResult, ...], Toget
     """Every check on a design file, with advice on its pins, and the result of applying all remedies together."""
     refuse_unknown_waivers(loaded.drive, loaded)
     checks, budget = checks_of(loaded.drive), Budget(asked=lambda: _asked(loaded))
-    results = run_all(checks, loaded.drive.layout, budget)
+    results = run_all(checks, layout_of(loaded.drive), budget)
     wrong = [result.id for result in failed(results)]
     if not wrong:
         return results, None
@@ -62,7 +63,7 @@ def advised_checks(loaded: LoadedDesign) -> tuple[tuple[CheckResult, ...], Toget
 
 def _asked(loaded: LoadedDesign) -> frozenset[str]:
     """Fields that the file gives and that are not derived dimensions; empty if there are no rules."""
-    derived = loaded.drive.layout.design_file().derived()
+    derived = layout_of(loaded.drive).design_file().derived()
     given = {dotted(path) for path in loaded.lines}
     return frozenset(given.difference(derived)) if derived else frozenset()
 

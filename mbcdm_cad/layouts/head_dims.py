@@ -13,8 +13,9 @@ from mbcdm_cad.design.sized import NOT_USED
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.common_rules import STOP_PINS_MM
 from mbcdm_cad.layouts.sector import SectorLayout
-from mbcdm_cad.layouts.structure import urad_Nm
+from mbcdm_cad.layouts.structure import drum_structure_of
 from mbcdm_cad.layouts.trial_sizing import TrialKnown
+from mbcdm_cad.model.structure.causes import urad_Nm
 from mbcdm_cad.model.structure.drum_sector import least_hub_mm
 from mbcdm_cad.parts.drum_sector.dims import WHOLE_DEG, joint_load, joints
 from mbcdm_cad.parts.drum_sector.part import DrumSector
@@ -189,7 +190,7 @@ def _windows_cost(given: TrialKnown) -> bool:
         trial = given.trial("drum", block(windows))
         assert isinstance(trial, SectorLayout)
         thread = trial.drive.screw(trial.drum.set_screw).thread_mm
-        return urad_Nm(trial.drum_structure.causes) * DrumSector(trial.drum, thread).volume_mm3()
+        return urad_Nm(drum_structure_of(trial).causes) * DrumSector(trial.drum, thread).volume_mm3()
 
     # Before the first pass, what is guessed says nothing about the stress; once closed, they stay closed.
     closed = given.drives.refused

@@ -6,12 +6,11 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import degrees, radians
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mbcdm_cad.design.catalogue import package_entries
-from mbcdm_cad.layouts.base import NoFigureError
+from mbcdm_cad.layouts.base import Layout, NoFigureError
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.rope_bendings import GROOVES, RopeKind
 from mbcdm_cad.model.rope_zones import Level, RopeInUse, RopeLife, Tangent, rope_life
@@ -20,9 +19,6 @@ from mbcdm_cad.model.tensioning import WIRES
 from mbcdm_cad.parts.terminal.take_up import tensioned_rope
 from mbcdm_cad.routes.curves import axial_walk_m, fleet_angle_rad
 from mbcdm_cad.routes.route import CableRoute, DriveRoutes
-
-if TYPE_CHECKING:
-    from mbcdm_cad.layouts.base import Layout
 
 # Drum angles at which the tensions are solved, over a move.
 _ANGLES = 9
@@ -122,7 +118,14 @@ class Life:
 
 
 def life_of(layout: Layout) -> Life:
-    """The life of a design's cables. Raises ``NoFigureError`` where the cables have no tensions or no places."""
+    """Cycles of the output until the cables break, worked out once.
+
+    Raises ``NoFigureError`` where the cables have no tensions or no places.
+    """
+    return layout.once("life", _life)
+
+
+def _life(layout: Layout) -> Life:
     si = layout.loads.si
     levels, words = _levels(layout, si)
     return Life(tuple(rope_life(rope, levels) for rope in ropes_in_use(layout, si)), words, layout)

@@ -15,12 +15,13 @@ from mbcdm_cad.design.source import read_text
 from mbcdm_cad.design.template import new_text, reference_values, with_derived
 from mbcdm_cad.design.yamltree import Tree, parse
 from mbcdm_cad.errors import InputError, MbcdmError, Problem, did_you_mean, shortened
-from mbcdm_cad.layouts.registry import DEFAULT, design_file_named, names
+from mbcdm_cad.layouts.registry import DEFAULT, design_file_named, layout_of, names
 
 __all__ = [
     "DEFAULT",
     "design_file",
     "design_file_of",
+    "layout_of",
     "load_design",
     "load_for_reader",
     "load_text",

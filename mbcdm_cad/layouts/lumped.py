@@ -1,6 +1,6 @@
 """What gives and what rubs besides the cables, lumped at the axes: figures for rigs and robot files.
 
-The compliance of each part is that of ``Layout.structure``, the shares and torques of friction those of
+The compliance of each part is that of :func:`structure_of`, the shares and torques of friction those of
 ``Layout.losses``. Slip on the wraps is not here.
 """
 
@@ -12,7 +12,9 @@ from math import inf
 import numpy as np
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.layouts.structure import sticking, urad_Nm
+from mbcdm_cad.layouts.registry import layout_of
+from mbcdm_cad.layouts.structure import structure_of
+from mbcdm_cad.model.structure.causes import sticking, urad_Nm
 from mbcdm_cad.routes import Floats
 
 _URAD = 1e-6
@@ -72,13 +74,13 @@ def compliance_of(drive: Drive) -> Compliance:
 
     Raises ``NoFigureError`` or ``ValueError`` where a part has no metal that carries the load.
     """
-    structure = drive.layout.structure
+    structure = structure_of(layout_of(drive))
     if structure is None:
         return Compliance()
     encoder, payload = (urad_Nm(sticking(causes)) * _URAD for causes in (structure.at_encoder, structure.at_payload))
     before = structure.motor_urad_Nm - structure.payload_urad_Nm
     # 1 N m at the payload loads the inputs evenly.
-    turns = np.array([body.turns_per_drum for body in drive.layout.routed.routes.inputs])
+    turns = np.array([body.turns_per_drum for body in layout_of(drive).routed.routes.inputs])
     torques = 1.0 / (turns.size * turns)
     stiffness = float((torques**2).sum()) / (before * _URAD) if before > 0.0 else inf
     return Compliance(encoder, payload - encoder, stiffness)
@@ -86,7 +88,7 @@ def compliance_of(drive: Drive) -> Compliance:
 
 def friction_of(drive: Drive) -> PartsFriction:
     """The friction of the drive's parts, that of bearings under the preload alone."""
-    train = drive.layout.losses
+    train = layout_of(drive).losses
     tension = np.array([cable.preload_N for cable in drive.cables])
     at_inputs, at_drum = [0.0] * len(drive.input_names), 0.0
     for pair in train.bearings:

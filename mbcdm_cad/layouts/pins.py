@@ -15,7 +15,7 @@ from mbcdm_cad.design import yamltree
 from mbcdm_cad.design.describe import flow
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import InputError
-from mbcdm_cad.layouts.loader import load_tree
+from mbcdm_cad.layouts.loader import layout_of, load_tree
 
 # A file with more pins than this is a complete file: its pins are tried together.
 FEW = 8
@@ -24,7 +24,7 @@ FEW = 8
 def pin_advice(loaded: LoadedDesign, failed: Sequence[Check]) -> tuple[dict[str, str], dict[str, list[str]]]:
     """For each failed check that passes without certain pins, by its id: the advice in words, and these pins."""
     tree = yamltree.parse(loaded.text, str(loaded.path))
-    derived = loaded.drive.layout.design_file().derived()
+    derived = layout_of(loaded.drive).design_file().derived()
     pins = [field for field in derived if _stands(tree.data, field)]
     if not pins or not failed:
         return {}, {}
@@ -58,7 +58,7 @@ def _together(
 
 
 def _mended(freed: LoadedDesign, failed: Sequence[Check]) -> list[Check]:
-    return [check for check in failed if run_check(check, freed.drive.layout, Budget(0)).status != "fail"]
+    return [check for check in failed if run_check(check, layout_of(freed.drive), Budget(0)).status != "fail"]
 
 
 def _without(loaded: LoadedDesign, tree: yamltree.Tree, fields: Iterable[str]) -> LoadedDesign | None:

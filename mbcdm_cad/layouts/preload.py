@@ -15,7 +15,7 @@ from mbcdm_cad.model import preload_ramp
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.losses import BEARINGS, ROPE
 from mbcdm_cad.model.preload_ramp import HeldDrive, MeasuredPreloads, Ramp, SampleNoise
-from mbcdm_cad.model.si import DriveSI, ModelError, to_si
+from mbcdm_cad.model.si import DriveSI, ModelError
 from mbcdm_cad.model.stiffness import drum_backlash
 from mbcdm_cad.model.tensioning import influence
 from mbcdm_cad.routes import Floats
@@ -76,7 +76,7 @@ class NutTurn:
 
 def preload_rule(layout: Layout) -> PreloadRule:
     """Where the design's preload stands. Raises ``NoFigureError`` where the cables have no tensions."""
-    needed, si = layout.once("preload needed", needed_share), to_si(layout.drive)
+    needed, si = layout.once("preload needed", needed_share), layout.si
     own = float(si.preload_N.max())
     most = layout.drive.limits.preload_share_max * layout.drive.cable.breaking_load_N
     slack = needed * own
@@ -168,7 +168,7 @@ def measured(
 
 def _held(layout: Layout, at_motor: bool) -> HeldDrive:
     """The drive with its drum at its stops, its friction as ``analyse`` counts it."""
-    stop, si = layout.half_travel_rad + radians(layout.drive.stop_clearance_deg), to_si(layout.drive)
+    stop, si = layout.half_travel_rad + radians(layout.drive.stop_clearance_deg), layout.si
     train = layout.losses.with_drive(si)
     return HeldDrive(si, layout.wraps_rad(-stop), layout.wraps_rad(stop), train, at_motor)
 
@@ -178,7 +178,7 @@ def nut_turns(layout: Layout, found: tuple[MeasuredPreloads, ...]) -> tuple[NutT
 
     Raises ``NoFigureError`` for a layout without nuts that are set one by one.
     """
-    plan, si = layout.tensioning, to_si(layout.drive)
+    plan, si = layout.tensioning, layout.si
     if plan is None:
         raise NoFigureError("the layout has no plan of its nuts")
     goal = si.preload_N

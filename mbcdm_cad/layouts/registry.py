@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
     from mbcdm_cad.design.design_file import DesignFile
+    from mbcdm_cad.design.drive import Drive
     from mbcdm_cad.layouts.base import Layout
 
 ENTRY_POINTS = "mbcdm_cad.layouts"
@@ -38,18 +39,15 @@ def names() -> tuple[str, ...]:
 
 def layout_named(name: str) -> type[Layout]:
     """The layout called ``name``. Raises ``MbcdmError`` if there is none."""
-    if name in _added:
-        return _added[name]
-    if name in _own():
+    if name in _own() and name not in _added:
         found: type[Layout] = import_module(f"mbcdm_cad.layouts.{name}.layout").LAYOUT
         return found
-    # Searching the installed packages takes some milliseconds, so it is done only for a name that is not found here.
-    if name in _plug_ins():
-        return add(_plug_ins()[name].load())
-    raise MbcdmError(
-        f"configuration: no such configuration (value {name}, limit one of {', '.join(names())}); "
-        f"{did_you_mean(name, names()) or 'choose one of them'}"
-    )
+    return _from_outside(name)
+
+
+def layout_of(drive: Drive) -> Layout:
+    """A design as an object of its layout: routes, parts, checks. The same object for the same drive."""
+    return drive.once("layout", lambda one: layout_named(one.configuration)(one))
 
 
 def design_file_named(name: str) -> DesignFile:
@@ -57,7 +55,19 @@ def design_file_named(name: str) -> DesignFile:
     if name in _own() and name not in _added:
         found: DesignFile = import_module(f"mbcdm_cad.layouts.{name}.design_file").DESIGN_FILE
         return found
-    return layout_named(name).design_file()
+    return _from_outside(name).design_file()
+
+
+def _from_outside(name: str) -> type[Layout]:
+    if name in _added:
+        return _added[name]
+    # Searching the installed packages takes some milliseconds, so it is done only for a name that is not found here.
+    if name in _plug_ins():
+        return add(_plug_ins()[name].load())
+    raise MbcdmError(
+        f"configuration: no such configuration (value {name}, limit one of {', '.join(names())}); "
+        f"{did_you_mean(name, names()) or 'choose one of them'}"
+    )
 
 
 @cache

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import tau
-from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from mbcdm_cad.layouts.base import Layout, NoFigureError, dimensions
+from mbcdm_cad.layouts.base import Layout, dimensions
+from mbcdm_cad.model.losses import BearingPair, body_bearings
 from mbcdm_cad.parts.collar import CollarDims
 from mbcdm_cad.parts.drum_sector.design import SectorDrive, SectorRun
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
@@ -28,11 +29,8 @@ from mbcdm_cad.routes.route import input_body
 
 if TYPE_CHECKING:
     from mbcdm_cad.design.bought import Material
-    from mbcdm_cad.layouts.structure import Cause, DrumStructure, Structure
-    from mbcdm_cad.model.losses import BearingPair
     from mbcdm_cad.model.si import DriveSI
-
-_T = TypeVar("_T")
+    from mbcdm_cad.model.structure.causes import Cause
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -93,24 +91,6 @@ class SectorLayout(Layout):
             return 1.0
         longest = max(self.tensioned_lengths_mm()) * 1e-3
         return 1.0 + self.drive.anchor_m_N * self.drive.cable.axial_stiffness_N / longest
-
-    @property
-    def spring_urad_Nm(self) -> float:
-        """Further turn of the drum by the terminals' give at the test torque, over that torque; 0 for stiff ones.
-
-        The largest at both ends of the travel: friction on the drum keeps small loads from the terminals. Raises
-        ``NoFigureError`` where the model has no answer.
-        """
-        from mbcdm_cad.layouts.springs import spring_turn_urad_Nm
-
-        return 0.0 if self.drive.anchor_m_N == 0.0 else self.once("springs", spring_turn_urad_Nm)
-
-    @property
-    def spring_start_Nm(self) -> float:
-        """Least torque on the drum at which a terminal with springs moves, at the ends of the travel; first loading."""
-        from mbcdm_cad.layouts.springs import spring_start_Nm
-
-        return self.once("springs start", spring_start_Nm)
 
     @property
     def printed_frame(self) -> bool:
@@ -258,37 +238,20 @@ class SectorLayout(Layout):
         """Wrap on the drum, rad, at the end of travel at which most of it is unwound."""
         return self.anchor_rad(cable) - self.half_travel_rad
 
-    @cached_property
-    def structure(self) -> Structure:
-        """See the base class."""
-        from mbcdm_cad.layouts.structure import structure_of
-
-        return self._carrying(structure_of)
-
-    @cached_property
-    def drum_structure(self) -> DrumStructure:
-        """Compliance and stress of the drum alone, which the sizing asks for before there is a frame."""
-        from mbcdm_cad.layouts.structure import drum_structure_of
-
-        return self._carrying(drum_structure_of)
-
-    def _carrying(self, figures: Callable[[Self], _T]) -> _T:
-        self.require_geometry()
-        try:
-            return figures(self)
-        except ValueError as error:
-            raise NoFigureError(f"the structure has no figures: {error}") from None
-
     def passed_structure(self, unit_tension_N: Floats) -> Iterable[Cause]:
         """Causes of the structure's turn on the bodies that cables pass, for the tensions of 1 N m on the drum."""
         return ()
 
     def bearing_friction(self, d: DriveSI) -> Iterable[BearingPair]:
         """See the base class."""
-        from mbcdm_cad.layouts.losses import sector_bearings
-
         self.require_geometry()
-        return (*sector_bearings(self, d), *self.passed_bearings(d))
+        routes, bearings = d.routes, self.drive.bearings
+        ends, both = (bearings.input_lower, bearings.input_upper), (bearings.drum, bearings.drum)
+        for i, body in enumerate(routes.inputs):
+            lower, upper = (z * self.levels_sense for z in self.input_bearings_mm(i))
+            yield body_bearings(d, body, "input pulleys' bearings", ends, (lower, upper), input_index=i)
+        yield body_bearings(d, routes.drum, "drum's bearings", both, self.drum_bearings_mm, self.preload_spring.force_N)
+        yield from self.passed_bearings(d)
 
     def passed_bearings(self, d: DriveSI) -> Iterable[BearingPair]:
         """Bearings of the bodies that cables pass."""

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from mbcdm_cad.layouts.base import NoFigureError
+from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.si import DriveSI, ModelError
 from mbcdm_cad.routes import Floats
 
-if TYPE_CHECKING:
-    from mbcdm_cad.layouts.sector import SectorLayout
-
 _HALVINGS = 50
+
+
+def spring_urad_Nm(layout: SectorLayout) -> float:
+    """Further turn of the drum by the terminals' give at the test torque, over that torque; 0 for stiff ones.
+
+    The largest at both ends of the travel: friction on the drum keeps small loads from the terminals. Raises
+    ``NoFigureError`` where the model has no answer.
+    """
+    return 0.0 if layout.drive.anchor_m_N == 0.0 else layout.once("springs", spring_turn_urad_Nm)
 
 
 def spring_turn_urad_Nm(layout: SectorLayout, give_m_N: float | None = None) -> float:

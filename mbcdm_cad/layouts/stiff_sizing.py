@@ -29,9 +29,11 @@ from mbcdm_cad.design.drive import Drive, met
 from mbcdm_cad.design.lookup import Catalogue
 from mbcdm_cad.design.rules import every_broken_rule
 from mbcdm_cad.design.sized import Moved, SizedValue, Sizing, SizingError
+from mbcdm_cad.layouts import registry
 from mbcdm_cad.layouts.base import Layout, NoFigureError
 from mbcdm_cad.layouts.sector import SectorLayout
-from mbcdm_cad.layouts.structure import DrumStructure, drum_structure_of, structure_of, urad_Nm
+from mbcdm_cad.layouts.structure import DrumStructure, drum_structure_of, drum_study, structure_with
+from mbcdm_cad.model.structure.causes import urad_Nm
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.sizing.known import KnownFields
 from mbcdm_cad.sizing.rule import rounded_up
@@ -382,11 +384,11 @@ class _Run:
     def _drum(self, found: SectorLayout) -> DrumStructure:
         """The drum of a drive: as the checks have it, or for weighing more roughly, flat where it hardly bends."""
         if not self.weighs:
-            return found.drum_structure
+            return drum_structure_of(found)
         if self._flat is None:
-            whole, flat = (urad_Nm(drum_structure_of(found, rough=True, flat=one).causes) for one in (False, True))
+            whole, flat = (urad_Nm(drum_study(found, rough=True, flat=one).causes) for one in (False, True))
             self._flat = flat > _FLAT * whole
-        return drum_structure_of(found, rough=True, flat=self._flat)
+        return drum_study(found, rough=True, flat=self._flat)
 
     def _effect(self, drive: _Drive, s: Stiffener) -> _Effect | None:
         """What a field does with the others as they are; of meshes only those are solved that it changes."""
@@ -395,7 +397,7 @@ class _Run:
         if by is None:
             return None
         try:
-            found = _drive_of(self._layout, _with(drive.sizing.data, s.field, by[0])).layout
+            found = registry.layout_of(_drive_of(self._layout, _with(drive.sizing.data, s.field, by[0])))
             assert isinstance(found, SectorLayout)
             found.require_geometry()
             if not s.causes[0].startswith(FRAME):
@@ -495,7 +497,7 @@ class _Run:
     def _missed_without(self, refused: _Drive, before: _Drive, failing: Collection[str], field: str) -> float:
         """What a drive that fails checks misses with one field as it was before."""
         try:
-            found = _drive_of(self._layout, _with(refused.sizing.data, field, before.value(field))).layout
+            found = registry.layout_of(_drive_of(self._layout, _with(refused.sizing.data, field, before.value(field))))
             return sum(misses(found, only=failing).values())
         except _NO_DRIVE:
             return inf
@@ -559,7 +561,7 @@ def stiffened(
 
 def _turns(found: SectorLayout, drum: DrumStructure) -> dict[str, float]:
     """Turns by cause, urad/N m, that of the frame by its walls."""
-    structure, frame = structure_of(found, drum), found.frame_compliance
+    structure, frame = structure_with(found, drum), found.frame_compliance
     turns = {CABLES: structure.cables_urad_Nm, **{c.name: c.urad_Nm for c in structure.at_payload}}
     if frame is not None:
         turns[FRAME] -= sum(frame.shares_urad_Nm.values())
@@ -574,7 +576,7 @@ def _with(data: Mapping[str, Any], field: str, value: Any) -> dict[str, Any]:
 
 def layout_of(layout: type[Layout], data: Mapping[str, Any]) -> Layout:
     """The design of a sizing's data. Raises ``NoFigureError`` where it is no drive."""
-    return met(_drive_of(layout, data)).layout
+    return registry.layout_of(met(_drive_of(layout, data)))
 
 
 def _drive_of(layout: type[Layout], data: Mapping[str, Any]) -> Drive:

@@ -8,18 +8,21 @@ what.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from math import hypot, log, radians
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import radians
+from typing import TYPE_CHECKING, NamedTuple, TypeVar, overload
 
 import numpy as np
 
 from mbcdm_cad.design.stage import STIFFNESS_FACTOR
-from mbcdm_cad.layouts.base import NoFigureError
+from mbcdm_cad.layouts.base import Layout, NoFigureError
+from mbcdm_cad.layouts.sector import SectorLayout
+from mbcdm_cad.layouts.springs import spring_urad_Nm
 from mbcdm_cad.model.equilibrium import bearing_loads, sum_per_input
-from mbcdm_cad.model.si import MM, to_si
-from mbcdm_cad.model.stiffness import Chain, unit_tensions_N
+from mbcdm_cad.model.si import MM
+from mbcdm_cad.model.stiffness import unit_tensions_N
+from mbcdm_cad.model.structure.causes import BY_BEARINGS, BY_FRAME, BY_GEARHEADS, BY_PARTS, BY_SPRINGS, Cause, Structure
 from mbcdm_cad.model.structure.drum_sector import CELLS, Isotropic, sector_study
 from mbcdm_cad.model.structure.shafts import (
     Acting,
@@ -36,17 +39,13 @@ from mbcdm_cad.routes.route import BodyLoad, body_load, two_bearing_reactions_N
 if TYPE_CHECKING:
     from mbcdm_cad.design.bought import Bearing, Material, Servo
     from mbcdm_cad.design.drive import Drive
-    from mbcdm_cad.layouts.sector import SectorLayout
     from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 
+_T = TypeVar("_T")
 _Y = np.array([0.0, 1.0, 0.0])
 # Torsional stiffness of small planetary gearheads at their output, N m/rad at 40 mm diameter; it grows with the cube of
 # the diameter. An estimate from catalogues of larger ones, known to a factor of two.
 GEARHEAD_NM_RAD_40 = 3.4e3
-# One standard deviation, as a factor: of drums and shafts, compared with closed forms and solid elements, with the
-# tolerances of walls and moduli; of the frame, with its mount; of bearings, whose balls have a usual size; of
-# gearheads; of springs in the terminals, which friction on the drum shields.
-BY_PARTS, BY_FRAME, BY_BEARINGS, BY_GEARHEADS, BY_SPRINGS = 1.1, 1.15, 1.3, 2.0, 1.3
 SPRINGS = "springs of the terminals"
 # Cells of the drum's mesh where only changes of the drum are weighed.
 ROUGH_CELLS = 8
@@ -56,142 +55,46 @@ _SOFT_SPRINGS = "drum.spring or fewer of them, or a longer wrap by drum.sector_h
 _HUB, _PULLEYS, _SHAFTS = "drum.hub_diameter_mm", "the bearings of input_pulleys", "drive.motor and drive.gearhead"
 
 
-@dataclass(frozen=True)
-class Cause:
-    """Turn of the payload per N m by one part's strain.
+@overload
+def structure_of(layout: SectorLayout) -> Structure: ...
+@overload
+def structure_of(layout: Layout) -> Structure | None: ...
+def structure_of(layout: Layout) -> Structure | None:
+    """Compliance of all parts of a design besides the cables, by cause, and the drum's stress; None if all are rigid.
 
-    ``at_encoder``: whether the drum's encoder sees it too. ``before_input``: whether it lies between the motor and the
-    input pulley's encoder. ``in_drum``: whether it lies between the drum's land and the payload. ``factor``: one
-    standard deviation of its logarithm, as a factor. ``after_slip``: whether it gives only where slip of the cables has
-    reached it, so that it is rigid for small motion; the rig's cables have it themselves. ``stiffer``: fields that make
-    it give less.
+    Raises ``NoFigureError`` where a part has no metal to carry the load.
     """
-
-    name: str
-    urad_Nm: float
-    at_encoder: bool = True
-    before_input: bool = False
-    in_drum: bool = False
-    factor: float = BY_PARTS
-    after_slip: bool = False
-    stiffer: str = "its bearings"
+    return (
+        _carrying(layout, "structure", lambda one: structure_with(one, drum_structure_of(one)))
+        if isinstance(layout, SectorLayout)
+        else None
+    )
 
 
-@dataclass(frozen=True)
-class Structure:
-    """Compliance of a drive by cause, and the stress of its drum.
+def drum_structure_of(layout: SectorLayout) -> DrumStructure:
+    """Compliance and stress of the drum alone, which the sizing asks for before there is a frame.
 
-    ``cables_urad_Nm``: turn by the cables at the test torque, over that torque. ``stress_MPa`` gives the largest
-    equivalent stress of the drum's web and rim under a torque of either sense, N m, with the preload; ``yield_MPa``:
-    the yield stress of its material. ``motor_encoders``: whether only the motors' own encoders hold the inputs, so that
-    the gearheads give then too.
+    Raises ``NoFigureError`` where it has no metal to carry the load.
     """
-
-    causes: tuple[Cause, ...]
-    cables_urad_Nm: float
-    stress_MPa: Callable[[float], float] = field(repr=False, compare=False)
-    peak_torque_Nm: float
-    yield_MPa: float
-    motor_encoders: bool = False
-
-    @property
-    def peak_stress_MPa(self) -> float:
-        """Largest stress of the drum's web and rim at the peak torque."""
-        return self.stress_MPa(self.peak_torque_Nm)
-
-    @property
-    def at_payload(self) -> tuple[Cause, ...]:
-        """Causes that the payload sees, the inputs held by their encoders."""
-        return tuple(c for c in self.causes if self.motor_encoders or not c.before_input)
-
-    @property
-    def at_encoder(self) -> tuple[Cause, ...]:
-        """As :attr:`at_payload`, those that the drum's encoder sees."""
-        return tuple(c for c in self.at_payload if c.at_encoder)
-
-    @property
-    def payload_urad_Nm(self) -> float:
-        """Turn of the payload besides that of the cables, the inputs held by their encoders."""
-        return urad_Nm(self.at_payload)
-
-    @property
-    def encoder_urad_Nm(self) -> float:
-        """As :attr:`payload_urad_Nm`, as the drum's encoder sees it."""
-        return urad_Nm(self.at_encoder)
-
-    @property
-    def motor_urad_Nm(self) -> float:
-        """As :attr:`payload_urad_Nm`, the motors' shafts held in place of the inputs."""
-        return urad_Nm(self.causes)
-
-    @property
-    def over_cables(self) -> float:
-        """Turn of the structure over that of the cables, as the payload sees it."""
-        return self.payload_urad_Nm / self.cables_urad_Nm
-
-    @property
-    def stiffness_Nm_rad(self) -> float:
-        """Test torque over the payload's turn by cables and structure, the inputs held by their encoders."""
-        return 1e6 / (self.cables_urad_Nm + self.payload_urad_Nm)
-
-    @property
-    def chain(self) -> Chain:
-        """Where the structure gives, for the torsional modes."""
-        before = urad_Nm(c for c in self.causes if c.before_input)
-        in_drum = urad_Nm(c for c in self.causes if c.in_drum)
-        return Chain(before * 1e-6, (urad_Nm(sticking(self.causes)) - before - in_drum) * 1e-6, in_drum * 1e-6)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Everything, ready for JSON."""
-        return {
-            "causes": [
-                {
-                    "name": c.name,
-                    "urad_Nm": c.urad_Nm,
-                    "factor": c.factor,
-                    "seen_by_drum_encoder": c.at_encoder,
-                    "between_motor_and_input_encoder": c not in self.at_payload,
-                }
-                for c in self.causes
-            ],
-            "cables_urad_Nm": self.cables_urad_Nm,
-            "structure_at_payload_urad_Nm": self.payload_urad_Nm,
-            "structure_at_drum_encoder_urad_Nm": self.encoder_urad_Nm,
-            "structure_motors_held_urad_Nm": self.motor_urad_Nm,
-            "structure_over_cables": self.over_cables,
-            "stiffness_at_payload_Nm_rad": self.stiffness_Nm_rad,
-            "drum_peak_stress_MPa": self.peak_stress_MPa,
-            "drum_yield_MPa": self.yield_MPa,
-        }
+    return _carrying(layout, "drum structure", drum_study)
 
 
-def urad_Nm(causes: Iterable[Cause]) -> float:
-    """Turn by several causes."""
-    return sum(c.urad_Nm for c in causes)
+def _carrying(layout: SectorLayout, name: str, figures: Callable[[SectorLayout], _T]) -> _T:
+    layout.require_geometry()
+    try:
+        return layout.once(name, figures)
+    except ValueError as error:
+        raise NoFigureError(f"the structure has no figures: {error}") from None
 
 
-def sticking(causes: Iterable[Cause]) -> tuple[Cause, ...]:
-    """Those that give for small motion too, every wrap sticking."""
-    return tuple(c for c in causes if not c.after_slip)
-
-
-def sigma_urad_Nm(causes: Iterable[Cause]) -> float:
-    """Standard deviation of the turn by several causes: those with one factor are wrong together."""
-    by_factor: dict[float, float] = {}
-    for c in causes:
-        by_factor[c.factor] = by_factor.get(c.factor, 0.0) + c.urad_Nm * log(c.factor)
-    return hypot(*by_factor.values())
-
-
-def structure_of(layout: SectorLayout, drum: DrumStructure | None = None) -> Structure:
-    """All causes of one design; ``drum``: where its own is known already, or asked for less exactly.
+def structure_with(layout: SectorLayout, drum: DrumStructure) -> Structure:
+    """All causes of one design with a drum's figures, where these are known already or asked for less exactly.
 
     Raises ``NoFigureError`` for a frame, ``ValueError`` for a drum or a shaft, that has no metal to carry the load.
     """
     d = layout.loads.si
     unit = unit_tensions_N(d)
     torques = sum_per_input(d, unit, d.input_radius_m)
-    drum = drum or layout.drum_structure
     causes = [
         *_gearheads(layout, torques),
         *_stage(layout, torques),
@@ -201,7 +104,7 @@ def structure_of(layout: SectorLayout, drum: DrumStructure | None = None) -> Str
         *_drum_shaft(layout, unit),
     ]
     if layout.drive.anchor_m_N > 0.0:
-        springs = Cause(SPRINGS, layout.spring_urad_Nm, factor=BY_SPRINGS, after_slip=True, stiffer=_SOFT_SPRINGS)
+        springs = Cause(SPRINGS, spring_urad_Nm(layout), factor=BY_SPRINGS, after_slip=True, stiffer=_SOFT_SPRINGS)
         causes.append(springs)
     frame = layout.frame_compliance
     if frame is not None:
@@ -257,7 +160,7 @@ class InputLoads:
 
 def one_input_loads(layout: SectorLayout, tension_N: Floats, height_sign: int = 1) -> InputLoads:
     """Loads by the tensions; ``height_sign``: -1 where the bearings' heights count against the input's axis."""
-    d = to_si(layout.drive)
+    d = layout.si
     loads = bearing_loads(d, tension_N)
     pulley, axis = loads.inputs[0], d.routes.inputs[0].axis
     lower, upper = (height_sign * at * MM for at in layout.input_bearings_mm(0))
@@ -308,7 +211,7 @@ class DrumStructure(NamedTuple):
     stress_MPa: Callable[[float], float]
 
 
-def drum_structure_of(layout: SectorLayout, *, rough: bool = False, flat: bool = False) -> DrumStructure:
+def drum_study(layout: SectorLayout, *, rough: bool = False, flat: bool = False) -> DrumStructure:
     """The drum of one design, which needs no frame; ``rough``: on fewer cells, ``flat``: see :func:`sector_study`.
 
     Raises ``ValueError`` where it has no metal to carry the load."""

@@ -19,7 +19,7 @@ from mbcdm_cad.design.describe import flow
 from mbcdm_cad.design.fieldpath import put
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import InputError
-from mbcdm_cad.layouts.loader import load_tree
+from mbcdm_cad.layouts.loader import layout_of, load_tree
 
 ROUNDS = 3
 # Trials that the remedies of a later round may take: a failing check must not take long.
@@ -67,7 +67,7 @@ def together(
 ) -> Together:
     """Follow the first remedy of each failed check, ``offers`` and ``pins`` to take out; what is ``asked`` stays."""
     tree = yamltree.parse(loaded.text, str(loaded.path))
-    file = loaded.drive.layout.design_file()
+    file = layout_of(loaded.drive).design_file()
     data, changes, out = copy.deepcopy(tree.data), dict[str, float](), dict[str, None]()
     failing: tuple[str, ...] = tuple(offers)
     for _ in range(ROUNDS):
@@ -89,7 +89,7 @@ def together(
             break
         data, changes, out = tried, changes | wanted, gone
         budget = Budget(TRIALS, lambda: asked, most=1, warnings=False)
-        results = run_all(checks, design.drive.layout, budget)
+        results = run_all(checks, layout_of(design.drive), budget)
         failing = tuple(result.id for result in failed(results))
         offers, pins = {name: budget.offers.get(name, ()) for name in failing}, {}
         if not failing:

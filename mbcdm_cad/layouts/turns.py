@@ -9,15 +9,13 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass, replace
 from math import inf
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from mbcdm_cad.layouts.base import NoFigureError
-from mbcdm_cad.layouts.structure import Cause, lash_rad, sigma_urad_Nm, urad_Nm
-from mbcdm_cad.layouts.structure import sticking as sticking_causes
+from mbcdm_cad.layouts.base import Layout, NoFigureError
+from mbcdm_cad.layouts.structure import lash_rad, structure_of
 from mbcdm_cad.model.equations import BACKLASH_RAD, BACKLASH_TORQUE_NM
-from mbcdm_cad.model.si import to_si
 from mbcdm_cad.model.stiffness import (
     RIGID,
     Reading,
@@ -27,9 +25,8 @@ from mbcdm_cad.model.stiffness import (
     sticking_stiffness_Nm_rad,
     torsional_modes_Hz,
 )
-
-if TYPE_CHECKING:
-    from mbcdm_cad.layouts.base import Layout
+from mbcdm_cad.model.structure.causes import Cause, sigma_urad_Nm, urad_Nm
+from mbcdm_cad.model.structure.causes import sticking as sticking_causes
 
 
 @dataclass(frozen=True)
@@ -76,9 +73,14 @@ class DriveTurns:
         return {name: places[name] for name in ("cables", "drum_encoder", "payload", "motors_held")}
 
 
-def turns_of(layout: Layout, load_Nm: float) -> DriveTurns:
+def turns_of(layout: Layout) -> DriveTurns:
+    """Turn and swing of a design at its test torque, worked out once. Raises as :func:`turns_at`."""
+    return layout.once("turns", lambda one: turns_at(one, one.drive.loads.test_torque_Nm))
+
+
+def turns_at(layout: Layout, load_Nm: float) -> DriveTurns:
     """The turns of a design at a load above 0. Raises ``ModelError`` where the geometry leaves no free span."""
-    d = to_si(layout.drive)
+    d = layout.si
     found = drum_backlash(d, load_Nm)
     turn, swing = float(found.first_loading_rad), float(found.reversal_swing_rad)
     sticking = float(sticking_stiffness_Nm_rad(d))
@@ -96,7 +98,7 @@ def turns_of(layout: Layout, load_Nm: float) -> DriveTurns:
         )
 
     try:
-        structure = layout.structure
+        structure = structure_of(layout)
     except NoFigureError as missing:
         return DriveTurns(load_Nm, place(), no_structure=str(missing))
     if structure is None:
@@ -116,10 +118,10 @@ def implied_moduli_GPa(layout: Layout, preload_N: float | None = None) -> dict[s
 
     ``preload_N``: of all cables in place of the design's. Empty where the structure has no figures.
     """
-    at = layout.turns.drum_encoder
+    at = turns_of(layout).drum_encoder
     if at is None:
         return {}
-    d = to_si(layout.drive)
+    d = layout.si
     if preload_N is not None:
         d = d.with_(preload_N=np.full(d.n_cables, preload_N))
     measured, give = (BACKLASH_RAD, BACKLASH_TORQUE_NM), at.structure_urad_Nm * 1e-6
@@ -149,10 +151,10 @@ def modes_of(layout: Layout) -> Modes:
     bodies, routes = layout.inertias_kg_m2, layout.routed.routes
     drum_kg_m2 = bodies[routes.drum.name] + sum(bodies[b.name] * b.turns_per_drum**2 for b in routes.passed)
     pulleys_kg_m2 = [bodies[body.name] for body in routes.inputs]
-    drive, d = layout.drive, to_si(layout.drive)
+    drive, d = layout.drive, layout.si
     payload_kg_m2 = drive.loads.carried.about_axis_kg_m2
     try:
-        structure = layout.structure
+        structure = structure_of(layout)
     except NoFigureError:
         structure = None
     chain = RIGID if structure is None else structure.chain

@@ -12,6 +12,7 @@ from mbcdm_cad.checks.comparison import CheckResult
 from mbcdm_cad.checks.size import envelope_check, mass_check
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.parallel.forks import forked
 from mbcdm_cad.parts.bill import CABLE, PartSpec
 from mbcdm_cad.parts.bodies import CableRod
@@ -84,7 +85,7 @@ class Previewer:
         Raises ``MbcdmError`` for a part that cannot be drawn.
         """
         drive = loaded.drive
-        layout = drive.layout
+        layout = layout_of(drive)
         bill = layout.bill()
         materials = {item.part: item.material for item in bill.items}
         keys = self._store.keys(bill.parts, materials, drive.export.mesh_tolerance_mm)

@@ -23,6 +23,7 @@ from mbcdm_cad.design.blocks import AsBuilt, AsBuiltValue
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.check_design import checks_of
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.loop.judge import LoopReport
 from mbcdm_cad.loop.own import CLEAR_ODDS, Differing, odds_words
 from mbcdm_cad.loop.readable import Value, readable
@@ -357,7 +358,7 @@ class _Design:
                 if check.severity == "warn":
                     continue
                 try:
-                    found[f"{check.id} ({check.title})"] = bool(check.measure(drive.layout).holds)
+                    found[f"{check.id} ({check.title})"] = bool(check.measure(layout_of(drive)).holds)
                 except (NoFigureError, ModelError):
                     found[f"{check.id} ({check.title})"] = False
         return found

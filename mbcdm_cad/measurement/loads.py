@@ -25,7 +25,8 @@ from mbcdm_cad.design.blocks import STANDARD_GRAVITY_M_S2
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.lumped import axis_friction
-from mbcdm_cad.layouts.structure import input_play_rad, sigma_urad_Nm, urad_Nm
+from mbcdm_cad.layouts.registry import layout_of
+from mbcdm_cad.layouts.structure import input_play_rad, structure_of
 from mbcdm_cad.measurement.run import (
     KNOWN_LOAD,
     MOTORS_CURRENT,
@@ -39,6 +40,7 @@ from mbcdm_cad.measurement.run import (
 )
 from mbcdm_cad.measurement.schema import MOTION, CountedParts, Pendulum
 from mbcdm_cad.model import losses
+from mbcdm_cad.model.structure.causes import sigma_urad_Nm, urad_Nm
 from mbcdm_cad.routes import Floats
 
 # The acceleration is that of a curve of fifth order over this share of the motion's period (2 pi times angle over
@@ -259,7 +261,7 @@ def parts_seen(drive: Drive, counted: CountedParts, motor_side: bool) -> PartsSe
 def _give_urad_Nm(drive: Drive, payload: bool, motor_side: bool) -> tuple[float, float]:
     """Turn of the reading for 1 N m, with its standard deviation."""
     try:
-        structure = drive.layout.structure
+        structure = structure_of(layout_of(drive))
     except NoFigureError:
         return 0.0, 0.0
     if structure is None:
@@ -274,7 +276,7 @@ def drum_friction_Nm(drive: Drive) -> tuple[float, float]:
     Cables that bend on drum and passed bodies, and the bearings of these, under the preload. What rubs at the inputs
     their encoders do not see.
     """
-    train = drive.layout.losses
+    train = layout_of(drive).losses
     tension = np.array([cable.preload_N for cable in drive.cables])
     shares = sum((bend.share for bend in train.rope if not bend.on_input), np.zeros(tension.size))
     rope = float((shares * tension * train.d.drum_radius_m).sum())

@@ -14,6 +14,7 @@ import numpy as np
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError, Problem
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.measurement.file import MeasurementFile
 from mbcdm_cad.measurement.kinds import Declared, kind_of
 from mbcdm_cad.measurement.loads import figures_of, parts_seen, with_motors_load
@@ -33,7 +34,7 @@ from mbcdm_cad.measurement.run import (
 from mbcdm_cad.measurement.schema import CREEP
 from mbcdm_cad.measurement.vet_signals import FEWEST_HALF_SWEEPS
 from mbcdm_cad.model.creep import creep_a_decade
-from mbcdm_cad.model.si import DriveSI, to_si
+from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes.route import input_body
 
 # A difference of the inputs that changes the tension of a cable by this share of its preload is taken for one of zeros.
@@ -78,7 +79,7 @@ def declared_of(run: Run, drive: Drive | None) -> Declared:
         return Declared(run.ratio, None, None)
     if drive is None:
         raise ValueError("a run without a ratio of its own needs a drive")
-    d = to_si(drive)
+    d = layout_of(drive).si
     travel = 2.0 * np.radians(drive.half_travel_deg + drive.stop_clearance_deg)
     return Declared(float(np.mean(d.total_ratio)), d, float(travel), drive.reduction.ratio)
 
@@ -98,9 +99,9 @@ def arranged(run: Run, drive: Drive) -> Run:
         motors = any(run.motor_side) if at is None else at == "motors"
         run = replace(run, parts=parts_seen(drive, run.counted, motors))
     run = _after_gearhead(run, drive.reduction.ratio)
-    run = zeroed(run, to_si(drive), float(np.radians(drive.half_travel_deg)))
+    run = zeroed(run, layout_of(drive).si, float(np.radians(drive.half_travel_deg)))
     run = _in_order(run, drive)
-    turns = to_si(drive).input_turns
+    turns = layout_of(drive).si.input_turns
     return with_motors_load(run, drive, turns) if turns.size == run.input_rad.shape[0] else run
 
 
@@ -110,7 +111,7 @@ def _in_order(run: Run, drive: Drive) -> Run:
     if sorted(names) == sorted(drive.input_names):
         rows = [names.index(name) for name in drive.input_names]
     elif sorted(names) == sorted(SIDES):
-        bodies = {body.name: body for body in drive.layout.routed.routes.bodies}
+        bodies = {body.name: body for body in layout_of(drive).routed.routes.bodies}
         sides = [int(np.sign(bodies[input_body(name)].point_m[0])) for name in drive.input_names]
         if sorted(sides) != sorted(SIDES.values()):
             return run

@@ -13,6 +13,7 @@ from mbcdm_cad.model.capability import (
     GEARHEAD_PEAK,
     MOTOR_LOSSY,
     SLIP,
+    Mechanism,
     TorqueLimit,
     balanced_preload_N,
     input_bias_Nm,
@@ -47,7 +48,7 @@ from mbcdm_cad.model.figures import (
     readable_figure,
 )
 from mbcdm_cad.model.sensitivity import intervals
-from mbcdm_cad.model.si import DriveSI, routed, to_si
+from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.model.stiffness import (
     cable_backlash,
     drum_backlash,
@@ -66,20 +67,20 @@ if TYPE_CHECKING:
 _PASSED_ON = (GEARHEAD, GEARHEAD_PEAK)
 
 
-def analyse(drive: Drive, wraps_rad: tuple[Any, Any] | None = None) -> Analysis:
+def analyse(design: Mechanism, wraps_rad: tuple[Any, Any] | None = None) -> Analysis:
     """Every figure of the model for one design.
 
     ``wraps_rad`` are the live wraps (input, drum) of each cable at the pose of interest, both (n_cables,); without them
     wraps are assumed to be longer than any slip zone. Raises ``ModelError`` where the geometry leaves no free span.
     """
-    d = to_si(drive)
+    drive, d = design.drive, design.si
     if wraps_rad is not None:
         d = d.with_(input_wrap_rad=wraps_rad[0], drum_wrap_rad=wraps_rad[1])
     test, peak = drive.loads.test_torque_Nm, drive.loads.peak_torque_Nm
     endless = _endless(d)
     strength, balanced = tension_limit_N(drive), balanced_preload_N(d)
-    torques = _peak_torques(drive, d, strength)
-    balanced_torques = _peak_torques(drive, d.with_(preload_N=balanced), strength)
+    torques = _peak_torques(design, d, strength)
+    balanced_torques = _peak_torques(design, d.with_(preload_N=balanced), strength)
     peaks = (load_case(d, peak), load_case(d, -peak))
     mismatch_mm, mismatch_N = pair_mismatch(d, np.radians(drive.half_travel_deg))
     return Analysis(
@@ -89,7 +90,7 @@ def analyse(drive: Drive, wraps_rad: tuple[Any, Any] | None = None) -> Analysis:
         modulus_area=drive.cable.modulus_area,
         area_mm2=drive.cable.area_mm2,
         axial_stiffness_kN=float(d.axial_stiffness_N) / 1e3,
-        lengths=routed(drive).shown,
+        lengths=design.routed.shown,
         shaft_turns=shaft_turns(d, drive),
         eq1_worst_residual=eq1_residuals(d).worst,
         pair_mismatch_mm=mismatch_mm,
@@ -113,11 +114,11 @@ def analyse(drive: Drive, wraps_rad: tuple[Any, Any] | None = None) -> Analysis:
             else torque_to_weight_Nm_kg(min(torques.counted_Nm), drive.targets.mass_g)
         ),
         bearings=tuple(bearing_figures(d, load) for load in (0.0, peak, -peak)),
-        creep=preload_left(drive.cable, max(c.preload_N for c in drive.cables), drive.layout.softer_ends),
-        motor=motor_figures(drive, d, _most_of_an_input_Nm(peaks), _not_the_motor_Nm(torques.limits)),
+        creep=preload_left(drive.cable, max(c.preload_N for c in drive.cables), design.softer_ends),
+        motor=motor_figures(design, d, _most_of_an_input_Nm(peaks), _not_the_motor_Nm(torques.limits)),
         measured_backlash_mrad=BACKLASH_RAD * 1e3,
         implied_modulus=modulus_readings(endless),
-        intervals=uncertain_figures(endless, drive),
+        intervals=uncertain_figures(endless, design),
         notes=notes(drive, d),
     )
 
@@ -135,14 +136,14 @@ class PeakTorques:
     with_losses_Nm: tuple[float, float]
 
 
-def peak_torques(drive: Drive) -> PeakTorques:
+def peak_torques(design: Mechanism) -> PeakTorques:
     """The peak torques of :func:`analyse` alone. Raises ``ModelError`` as it does."""
-    return _peak_torques(drive, to_si(drive), tension_limit_N(drive))
+    return _peak_torques(design, design.si, tension_limit_N(design.drive))
 
 
-def reversal_swing_mrad(drive: Drive) -> float:
+def reversal_swing_mrad(design: Mechanism) -> float:
     """The swing of :func:`analyse` alone. Raises ``ModelError`` as it does."""
-    return _swing_mrad(_endless(to_si(drive)), drive.loads.test_torque_Nm)
+    return _swing_mrad(_endless(design.si), design.drive.loads.test_torque_Nm)
 
 
 def _endless(d: DriveSI) -> DriveSI:
@@ -153,20 +154,22 @@ def _swing_mrad(endless: DriveSI, load_Nm: float) -> float:
     return float(drum_backlash(endless, load_Nm).reversal_swing_rad) * 1e3
 
 
-def _peak_torques(drive: Drive, d: DriveSI, strength_N: float) -> PeakTorques:
-    limits, lossless = _limits(drive, d, strength_N), motor_rating(drive)
+def _peak_torques(design: Mechanism, d: DriveSI, strength_N: float) -> PeakTorques:
+    drive = design.drive
+    limits, lossless = _limits(design, d, strength_N), motor_rating(drive)
     in_force = MOTOR_LOSSY if drive.limits.counts_losses else lossless
     counted, free, lossy = (lowest_each_way(limits, cause) for cause in (in_force, lossless, MOTOR_LOSSY))
     return PeakTorques(limits, counted, free, lossy)
 
 
-def _limits(drive: Drive, d: DriveSI, strength_N: float) -> tuple[TorqueLimit, ...]:
+def _limits(design: Mechanism, d: DriveSI, strength_N: float) -> tuple[TorqueLimit, ...]:
     """Limits of the torque; those of the gearhead without losses only where these do not count."""
-    ratings, train = input_ratings_Nm(drive), drive.layout.losses.with_drive(d)
+    drive = design.drive
+    ratings, train = input_ratings_Nm(drive), design.losses.with_drive(d)
     raised = {MOTOR_LOSSY: partial(train.raised_Nm, train.output_Nm(drive.motor.rated_torque_mNm * 1e-3))}
     if drive.limits.counts_losses:
         raised |= {cause: partial(train.raised_Nm, ratings.pop(cause)) for cause in _PASSED_ON if cause in ratings}
-    ends = drive.layout.wraps_at_ends_rad if np.isinf(d.drum_wrap_rad).all() else ()
+    ends = design.wraps_at_ends_rad if np.isinf(d.drum_wrap_rad).all() else ()
     return torque_limits(d, ratings, strength_N, raised, ends)
 
 
@@ -189,13 +192,13 @@ def shaft_turns(d: DriveSI, drive: Drive) -> tuple[ShaftTurns, ...]:
     return tuple(found)
 
 
-def uncertain_figures(d: DriveSI, drive: Drive) -> tuple[UncertainFigure, ...]:
+def uncertain_figures(d: DriveSI, design: Mechanism) -> tuple[UncertainFigure, ...]:
     """Backlash of each cable and of the drum, swing and peak torques with intervals; none where no sigma is given."""
-    sigmas = sigmas_si(drive)
+    sigmas = sigmas_si(design)
     if not sigmas:
         return ()
     found = []
-    for name, x in intervals(d, requirements(drive), sigmas).items():
+    for name, x in intervals(d, requirements(design), sigmas).items():
         plain, unit, scale = readable_figure(name)
         found.append(UncertainFigure(plain, unit, *(scale * v for v in (x.value, x.low, x.high, x.sigma))))
     return tuple(found)

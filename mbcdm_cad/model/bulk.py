@@ -15,11 +15,10 @@ from typing import Any
 
 import numpy as np
 
-from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.model.capability import Requirements, requirements, slip_weight, torque_at_slack_Nm
+from mbcdm_cad.model.capability import Mechanism, Requirements, requirements, slip_weight, torque_at_slack_Nm
 from mbcdm_cad.model.equations import eq1_residuals
 from mbcdm_cad.model.equilibrium import Equilibrium, solve_equilibrium, solve_weighted
-from mbcdm_cad.model.si import PER_CABLE, PER_DESIGN, DriveSI, ModelError, to_si
+from mbcdm_cad.model.si import PER_CABLE, PER_DESIGN, DriveSI, ModelError
 from mbcdm_cad.model.stiffness import cable_backlash, drum_backlash
 from mbcdm_cad.model.wrap import slip_angle_rad
 from mbcdm_cad.parallel.forks import Crew
@@ -242,9 +241,9 @@ class ReachedPreload:
         return (min(self.at_inputs_Nm[0], self.slack_Nm[0]), min(self.at_inputs_Nm[1], self.slack_Nm[1]))
 
 
-def preload_table(drive: Drive, shares: tuple[float, ...] = SHARES) -> tuple[ReachedPreload, ...]:
+def preload_table(design: Mechanism, shares: tuple[float, ...] = SHARES) -> tuple[ReachedPreload, ...]:
     """The rows for ``shares`` of the design's preloads. Errors: ``ModelError`` where the model has no answer."""
-    si, need, ends = to_si(drive), requirements(drive), drive.layout.wraps_at_ends_rad
+    si, need, ends = design.si, requirements(design), design.wraps_at_ends_rad
     found = analyse_many(
         si.spread(len(shares)).with_(preload_N=si.preload_N[:, None] * np.array(shares)[None, :]), need
     )

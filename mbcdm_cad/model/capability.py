@@ -16,22 +16,41 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mbcdm_cad.model.equilibrium import Equilibrium, solve_equilibrium, solve_weighted
-from mbcdm_cad.model.si import GPA, MM, MM2, DriveSI, ModelError, routed
+from mbcdm_cad.model.losses import Train
+from mbcdm_cad.model.si import GPA, MM, MM2, DriveSI, ModelError
 from mbcdm_cad.routes import Floats
 
 if TYPE_CHECKING:
     from mbcdm_cad.design.drive import Drive
+    from mbcdm_cad.routes.geometry import RoutedDrive
 
 
 # Names of the ratings in `Analysis.limits`.
 MOTOR, MOTOR_LOSSY, GEARHEAD, GEARHEAD_PEAK = "motor", "motor_with_losses", "gearhead_rated", "gearhead_maximum"
 MOTOR_ALONE, MOTOR_ALONE_PEAK = "motor_alone", "motor_alone_peak"
+
+
+class Mechanism(Protocol):
+    """What the model's figures follow from: a layout is one, with the drive in SI, its losses and its wraps."""
+
+    @property
+    def drive(self) -> Drive: ...
+    @property
+    def routed(self) -> RoutedDrive: ...
+    @property
+    def si(self) -> DriveSI: ...
+    @property
+    def losses(self) -> Train: ...
+    @property
+    def softer_ends(self) -> float: ...
+    @property
+    def wraps_at_ends_rad(self) -> tuple[Mapping[str, NDArray[np.float64]], ...]: ...
 
 
 @dataclass(frozen=True)
@@ -68,10 +87,11 @@ def motor_rating(drive: Drive) -> str:
     return MOTOR_ALONE if drive.gearhead.absent else MOTOR
 
 
-def motor_input_Nm(drive: Drive) -> float:
+def motor_input_Nm(design: Mechanism) -> float:
     """Torque at an input by the motor's continuous rating, with the losses that ``limits.losses`` counts."""
+    drive = design.drive
     if drive.limits.counts_losses:
-        losses = drive.layout.losses
+        losses = design.losses
         return losses.rating_Nm(losses.output_Nm(drive.motor.rated_torque_mNm * 1e-3))
     return input_ratings_Nm(drive)[motor_rating(drive)]
 
@@ -81,26 +101,27 @@ def tension_limit_N(drive: Drive) -> float:
     return drive.cable.breaking_load_N / drive.limits.tension_safety_factor
 
 
-def requirements(drive: Drive) -> Requirements:
+def requirements(design: Mechanism) -> Requirements:
     """Requirements of the design in SI: test torque, travel, rating of an input, rope."""
+    drive = design.drive
     return Requirements(
         load_Nm=drive.loads.test_torque_Nm,
         half_travel_rad=np.radians(drive.half_travel_deg),
-        input_rating_Nm=motor_input_Nm(drive),
+        input_rating_Nm=motor_input_Nm(design),
         rope_diameter_m=drive.cable.diameter_mm * MM,
         tension_limit_N=tension_limit_N(drive),
         helix_lead_m=drive.helix_lead_mm * MM,
     )
 
 
-def sigmas_si(drive: Drive) -> dict[str, Any]:
+def sigmas_si(design: Mechanism) -> dict[str, Any]:
     """Standard deviations that the design file gives, in SI, named as :mod:`mbcdm_cad.model.sensitivity` wants them.
 
     Those that are 0 throughout are left out: an empty dict means that no value of the file carries a sigma.
     """
-    s = drive.sigmas
+    drive, s = design.drive, design.drive.sigmas
     given: dict[str, Any] = {"preload_N": np.array(s.preload_N)}
-    geometry = routed(drive).geometry
+    geometry = design.si.geometry
     for name in (*geometry.per_cable, *(v.name for v in geometry.varied)):
         # A length without a sigma in the design file counts as exact.
         given[name] = np.array(s.lengths_mm.get(name.removesuffix("_m") + "_mm", 0.0)) * MM
@@ -109,7 +130,7 @@ def sigmas_si(drive: Drive) -> dict[str, Any]:
         "modulus_Pa": s.modulus_GPa * GPA,
         "area_m2": s.area_mm2 * MM2,
         "load_Nm": s.test_torque_Nm,
-        "input_rating_Nm": s.motor_torque_mNm / drive.motor.rated_torque_mNm * motor_input_Nm(drive),
+        "input_rating_Nm": s.motor_torque_mNm / drive.motor.rated_torque_mNm * motor_input_Nm(design),
     }
     return {name: size for name, size in given.items() if np.any(np.asarray(size))}
 
@@ -325,19 +346,20 @@ class MotorFigures:
     curve: tuple[SpeedPoint, ...]
 
 
-def motor_figures(drive: Drive, d: DriveSI, peak_input_Nm: float, cap_Nm: float) -> MotorFigures | None:
+def motor_figures(design: Mechanism, d: DriveSI, peak_input_Nm: float, cap_Nm: float) -> MotorFigures | None:
     """The figures; None where the catalogue holds no electrical values of the motor.
 
     ``peak_input_Nm``: torque of the input that carries most at the design's peak torque. ``cap_Nm``: limit of the
     torque at the drum from other causes than the motors (strength, slack, slip, gearhead).
     """
+    drive = design.drive
     motor, gear, volts = drive.motor, drive.reduction, drive.bus_voltage_V
     constant_mNm_A, ohms = motor.torque_constant_mNm_A, motor.resistance_ohm
     if constant_mNm_A is None or ohms is None or volts is None:
         return None
     constant = constant_mNm_A * 1e-3
     turns = float(np.abs(d.input_turns).max()) * gear.ratio  # of the motor, per turn of the drum
-    train = drive.layout.losses.with_drive(d)
+    train = design.losses.with_drive(d)
     rated, peak = motor.rated_torque_mNm * 1e-3, motor.peak_torque_mNm * 1e-3
 
     def loss_W(torque_Nm: float) -> float:

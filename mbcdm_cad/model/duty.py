@@ -14,8 +14,10 @@ from math import ceil, inf, sqrt
 import numpy as np
 
 from mbcdm_cad.design.blocks import DutyRow
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.design.duty_record import RecordedDuty
 from mbcdm_cad.model.equilibrium import solve_equilibrium
-from mbcdm_cad.model.heat import STANDSTILL_SHARE, MotorHeat, Temperatures
+from mbcdm_cad.model.heat import RATED_AT_C, STANDSTILL_SHARE, MotorHeat, Temperatures
 from mbcdm_cad.model.losses import Train
 from mbcdm_cad.routes import Floats
 
@@ -161,6 +163,27 @@ def of_record(
     load = np.sqrt((a * a + a * b + b * b) / 3.0) * np.where(a + b < 0.0, -1.0, 1.0)
     strokes = _strokes(angle_deg, torque_Nm, float(steps.sum()))
     return Duty(steps, load, np.diff(angle_deg) / steps, strokes, ambient_C, True, tuple(assumed))
+
+
+def duty_of(drive: Drive) -> Duty:
+    """The duty that the design file states, or the assumed one."""
+    stated, travel = drive.loads.duty, 2.0 * drive.half_travel_deg
+    if stated is None:
+        return default_duty(drive.loads.peak_torque_Nm, travel, RATED_AT_C, drive.loads.carried.weight_torque_Nm)
+    assumed = []
+    period, ambient = stated.period_s, stated.ambient_C
+    recorded = isinstance(stated, RecordedDuty)
+    if period is None and not recorded:
+        period = DEFAULT_PERIOD_S
+        assumed.append(f"a cycle takes {period:g} s")
+    if ambient is None:
+        ambient = RATED_AT_C
+        assumed.append(f"ambient {ambient:g} C")
+    if isinstance(stated, RecordedDuty):
+        found = stated.samples
+        time, angle, torque = (np.array(values) for values in (found.time_s, found.angle_deg, found.torque_Nm))
+        return of_record(time, angle, torque, ambient, assumed)
+    return of_rows(stated.rows, period or DEFAULT_PERIOD_S, travel, ambient, assumed)
 
 
 def _movement(row: DutyRow, time_s: float, travel_deg: float) -> tuple[float, float, float]:

@@ -16,6 +16,7 @@ and passed bodies is shared by the inputs evenly.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import inf
@@ -23,10 +24,13 @@ from typing import Any
 
 import numpy as np
 
+from mbcdm_cad.design.bought import Bearing, CableStageOutput
+from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.stage import EFFICIENCY_SIGMA
 from mbcdm_cad.model.equilibrium import Equilibrium, solve_equilibrium, solve_weighted, sum_per_input
-from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.model.si import MM, DriveSI
 from mbcdm_cad.routes import Floats
+from mbcdm_cad.routes.route import Body, DriveRoutes, body_load, two_bearing_reactions_N
 
 # Loss of a wire rope over a whole sheave, 0.7 (d/D)^1.33 of its tension. Form: Feyrer, Wire Ropes, on the efficiency of
 # sheaves. The factor is an estimate: a sheave with its bearing then has an efficiency of 0.98 at D/d from 20 to 25, a
@@ -386,3 +390,60 @@ def sum_per_input_size(d: DriveSI, share: Floats, tension_N: Floats) -> Floats:
 
 def _spread(loss: Loss, load_Nm: Floats) -> Loss:
     return Loss(loss.name, loss.kind, loss.sigma, np.broadcast_to(loss.torque_Nm, load_Nm.shape))
+
+
+def train_of(drive: Drive, d: DriveSI, bearings: tuple[BearingPair, ...]) -> Train:
+    """The friction of one design. Raises ``ModelError`` where the routes have no free span."""
+    gear, motor, stage = drive.gearhead, drive.motor, drive.stage
+    idle = motor.idle_torque_mNm
+    idle_at_input = 0.0 if gear.absent else GEARHEAD_IDLE_SHARE * gear.rated_torque_mNm * 1e-3
+    if isinstance(gear, CableStageOutput):
+        idle_at_input = gear.idle_torque_Nm
+    if stage is not None:
+        idle_at_input *= stage.ratio
+    return Train(
+        d=d,
+        rope=tuple(_rope_bends(d.routes, drive.cable.diameter_mm * MM)),
+        bearings=bearings,
+        fibre=drive.cable.construction == "braid",
+        gear_ratio=drive.reduction.ratio,
+        gear_share=gearhead_share(drive.reduction.efficiency),
+        gear_idle_Nm=idle_at_input,
+        motor_idle_Nm=motor_idle_mNm(motor.rated_torque_mNm, idle) * 1e-3,
+        motor_sigma=MOTOR_IDLE_SIGMA if idle is None else MOTOR_STATED_SIGMA,
+        stage_share=0.0 if stage is None else gearhead_share(stage.efficiency),
+        gear_words=drive.mounted if isinstance(gear, CableStageOutput) else "gearheads",
+    )
+
+
+def _rope_bends(routes: DriveRoutes, rope_m: float) -> Iterator[RopeBend]:
+    """Inputs, each passed body, drum: half a sheave's loss for each tangent point of a cable."""
+    groups = [("inputs", routes.inputs), *((body.name, (body,)) for body in routes.passed), ("drum", (routes.drum,))]
+    for name, bodies in groups:
+        names = {body.name for body in bodies}
+        share = np.zeros(len(routes.cables))
+        for j, route in enumerate(routes.cables):
+            for at in route.contacts():
+                if at.wrap.body in names:
+                    points = (at.arriving is not None) + (at.leaving is not None)
+                    share[j] += points * float(tangent_share(rope_m, 2.0 * at.wrap.radius_m))
+        yield RopeBend(f"cables on the {name}", share, on_input=name == "inputs")
+
+
+def body_bearings(
+    d: DriveSI,
+    body: Body,
+    name: str,
+    specs: tuple[Bearing, Bearing],
+    at_mm: tuple[float, float],
+    axial_N: float = 0.0,
+    input_index: int | None = None,
+) -> BearingPair:
+    """The two bearings of a body, with their middles along its axis."""
+    lower, upper = (z * MM for z in at_mm)
+    columns = []
+    for one in np.eye(d.n_cables):
+        load = body_load(d.routes, body.name, one)
+        columns.append(two_bearing_reactions_N(load.force_N, load.moment_Nm, load.height_m, lower, upper, body.axis))
+    bores = (specs[0].bore_mm * MM, specs[1].bore_mm * MM)
+    return BearingPair(name, body.turns_per_drum, bores, np.stack(columns, axis=2), axial_N, input_index)

@@ -308,8 +308,12 @@ def content_of(*arrays: Floats | float) -> tuple[Any, ...]:
     return tuple((np.shape(a), np.asarray(a, float).tobytes()) for a in arrays)
 
 
-def routed(drive: Drive) -> RoutedDrive:
-    """Routes of the cables of ``drive``. Raises ``ModelError`` if a cable names an input that does not exist."""
+def to_si(drive: Drive, routed: Callable[[], RoutedDrive], slips_on_passed: bool) -> DriveSI:
+    """A design in SI, its cables on the routes that ``routed`` gives; ``Layout.si`` keeps it.
+
+    ``slips_on_passed``: whether it counts the rope's creep on the bodies that cables pass. Raises ``ModelError`` if a
+    cable names an input that the drive does not have, or if there are no routes.
+    """
     for run in drive.cables:
         if run.input_name not in drive.input_names:
             raise ModelError(
@@ -317,21 +321,9 @@ def routed(drive: Drive) -> RoutedDrive:
                 "correct cables[].input"
             )
     try:
-        return drive.layout.routed
+        found = routed()
     except MbcdmError as error:
         raise ModelError(str(error)) from None
-
-
-def to_si(drive: Drive) -> DriveSI:
-    """A design in SI; the same object for the same drive, so that what follows from it is worked out once.
-
-    Raises ``ModelError`` if a cable names an input that the drive does not have.
-    """
-    found = routed(drive)
-    return drive.layout.once("si", lambda _: _converted(drive, found))
-
-
-def _converted(drive: Drive, found: RoutedDrive) -> DriveSI:
     n = len(found.geometry.cable_names)
     unlimited = np.full(n, np.inf)
     return DriveSI(
@@ -344,7 +336,7 @@ def _converted(drive: Drive, found: RoutedDrive) -> DriveSI:
         input_wrap_rad=unlimited,
         drum_wrap_rad=unlimited,
         passed_wrap_rad=found.geometry.passed_wrap_rad(found.parameters)
-        if drive.layout.slips_on_passed
+        if slips_on_passed
         else (np.zeros(n),) * len(found.geometry.passed_radii),
         anchor_m_N=np.full(n, drive.anchor_m_N),
     )

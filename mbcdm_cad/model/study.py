@@ -21,16 +21,15 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from mbcdm_cad.model.capability import requirements, sigmas_si
+from mbcdm_cad.model.capability import Mechanism, requirements, sigmas_si
 from mbcdm_cad.model.figures import with_floats
 from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.sensitivity import GlobalIndices, Panel, elasticities, figure_5, global_indices, intervals
-from mbcdm_cad.model.si import DriveSI, to_si
+from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.model.stack_up import DRAWS, StackUp, stack_data
 from mbcdm_cad.model.tolerance import Tolerances, ToleranceStack, tolerance_stack
 
 if TYPE_CHECKING:
-    from mbcdm_cad.design.drive import Drive
     from mbcdm_cad.parallel.forks import Crew
 
 # Okabe and Ito's palette without its yellow, which is hardly visible on paper.
@@ -140,7 +139,7 @@ RELATIVE_SIGMA = {
 
 
 def write_study(
-    drive: Drive, folder: Path, tolerances: Tolerances, stacks: Sequence[StackUp] = (), workers: Crew | None = None
+    design: Mechanism, folder: Path, tolerances: Tolerances, stacks: Sequence[StackUp] = (), workers: Crew | None = None
 ) -> dict[str, Any]:
     """Write every file of the study into ``folder`` (made if missing) and return the summary, which is also a file.
 
@@ -151,7 +150,7 @@ def write_study(
     the same design gives the same bytes.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    d, need = to_si(drive), requirements(drive)
+    d, need = design.si, requirements(design)
     for panel in figure_5(d, need.load_Nm):
         _write_csv(folder / f"fig5_{panel.letter}.csv", panel.header(), panel.rows())
         plot_panel(panel, folder / f"fig5_{panel.letter}.svg")
@@ -165,9 +164,9 @@ def write_study(
     sigma = {
         name: share * float(np.mean(getattr(need if hasattr(need, name) else d, name)))
         for name, share in RELATIVE_SIGMA.items()
-    } | sigmas_si(drive)
+    } | sigmas_si(design)
     summary = {
-        "design": drive.name,
+        "design": design.drive.name,
         "elasticities": elasticities(d, need),
         "global_indices": asdict(indices),
         "tolerances": asdict(tolerances),

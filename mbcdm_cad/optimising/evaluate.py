@@ -18,6 +18,8 @@ from mbcdm_cad.errors import InputError, MbcdmError, did_you_mean
 from mbcdm_cad.layouts import stiff_sizing
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.check_design import checks_of
+from mbcdm_cad.layouts.life import life_of
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.model.analysis import PeakTorques, peak_torques, reversal_swing_mrad
 from mbcdm_cad.model.capability import torque_to_weight_Nm_kg
 from mbcdm_cad.optimising.spread import Spread, percentile_of
@@ -44,7 +46,7 @@ class Facts:
 
     def __init__(self, drive: Drive, checks: Mapping[str, Check], data: Mapping[str, Any]) -> None:
         self.drive = drive
-        self.layout = drive.layout
+        self.layout = layout_of(drive)
         self.checks = checks
         self.data = data
         # Why a figure that was asked for does not exist, by its name.
@@ -53,12 +55,12 @@ class Facts:
     @cached_property
     def torques(self) -> PeakTorques:
         """Peak torques both ways."""
-        return peak_torques(self.drive)
+        return peak_torques(self.layout)
 
     @cached_property
     def cable_swing_mrad(self) -> float:
         """Swing of the drum at a reversal of the test torque by the cables alone."""
-        return reversal_swing_mrad(self.drive)
+        return reversal_swing_mrad(self.layout)
 
     @cached_property
     def bill(self) -> Bill:
@@ -93,7 +95,7 @@ class Facts:
     @property
     def life_cycles(self) -> float:
         """Cycles at which half of the first cable to break have broken; by the formula where it outlives the data."""
-        life = self.layout.life
+        life = life_of(self.layout)
         unknown = [rope.refused for rope in life.ropes if rope.refused and not rope.longer]
         if unknown:
             raise NoFigureError(unknown[0])
@@ -352,7 +354,7 @@ def _missed(facts: Facts, keeps: Sequence[Keep], names: Sequence[str], stage: in
         for check in facts.checks.values()
         if _stage(check.id) == stage and must_hold(check, drive) and drive.waiver(check.id) is None
     ]
-    misses = [(check.id, missed(check, drive.layout)) for check in asked]
+    misses = [(check.id, missed(check, layout_of(drive))) for check in asked]
     own = [keep for keep in keeps if _stage(str(keep)) == stage]
     aims = [name for name in names if _stage(name + NO_FIGURE) == stage]
     if not any(miss for _, miss in misses):

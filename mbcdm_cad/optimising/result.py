@@ -17,7 +17,7 @@ from mbcdm_cad.checks.run import Budget, run_all
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.layouts.check_design import checks_of
-from mbcdm_cad.layouts.loader import load_text
+from mbcdm_cad.layouts.loader import layout_of, load_text
 from mbcdm_cad.optimising.evaluate import FIGURES, Facts, figure, unit_of
 from mbcdm_cad.optimising.search import INTERRUPTED, ROUNDS, Searched, TriedPoint, counted
 from mbcdm_cad.optimising.wishes import Keep, Wishes
@@ -36,7 +36,7 @@ _LINE, _CIRCLE = 90, 48
 
 def sketch(drive: Drive) -> dict[str, Any]:
     """Lines by kind, each a list of points (x, y, z) in mm, drum centred: ``cables``, ``bodies``."""
-    layout = drive.layout
+    layout = layout_of(drive)
     paths = layout.cable_paths(0.0)
     return {
         "cables": [_points(path.sample(max(path.length_mm / _LINE, 0.5))) for path in paths],
@@ -46,7 +46,7 @@ def sketch(drive: Drive) -> dict[str, Any]:
 
 def _circles(drive: Drive) -> list[Floats]:
     """One circle for each wrap of a cable, about the body's axis."""
-    routes = drive.layout.loads.si.routes
+    routes = layout_of(drive).loads.si.routes
     turn = np.linspace(0.0, 2.0 * np.pi, _CIRCLE + 1)[:, None]
     found = []
     for cable in routes.cables:
@@ -322,7 +322,7 @@ def _front_point(question: Question, one: TriedPoint, name: str) -> FrontPoint:
 
 def checked(loaded: LoadedDesign) -> tuple[CheckResult, ...]:
     """All checks of a design without trying remedies."""
-    return run_all(checks_of(loaded.drive), loaded.drive.layout, Budget(0))
+    return run_all(checks_of(loaded.drive), layout_of(loaded.drive), Budget(0))
 
 
 # Where the page's template lies.

@@ -16,6 +16,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mbcdm_cad.layouts.base import NoFigureError
+from mbcdm_cad.layouts.registry import layout_of
+from mbcdm_cad.layouts.structure import structure_of
 from mbcdm_cad.model import losses
 from mbcdm_cad.model.capability import (
     input_ratings_Nm,
@@ -29,7 +31,7 @@ from mbcdm_cad.model.capability import (
 )
 from mbcdm_cad.model.losses import BEARINGS, GEARHEAD, GEARHEAD_IDLE, MOTOR, ROPE, Train
 from mbcdm_cad.model.sensitivity import by_cable, shifted
-from mbcdm_cad.model.si import DriveSI, to_si
+from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.model.stiffness import drum_backlash
 from mbcdm_cad.parts.making import model_tolerances
 from mbcdm_cad.routes import Floats
@@ -37,7 +39,7 @@ from mbcdm_cad.routes.geometry import DRUM_RADIUS, INPUT_RADIUS
 
 if TYPE_CHECKING:
     from mbcdm_cad.design.drive import Drive
-    from mbcdm_cad.layouts.structure import Structure
+    from mbcdm_cad.model.structure.causes import Structure
 
 DRAWS, SEED = 256, 95
 # Standard deviations over the values, for files that give none: those of the ranges of the sensitivity study, 45 to 65
@@ -62,16 +64,16 @@ class Spread:
     def __init__(self, drive: Drive, mass_g: Callable[[], float]) -> None:
         """``mass_g`` gives the mass, which is asked for only where a figure needs it."""
         self.drive, self._mass_g = drive, mass_g
-        d = to_si(drive)
+        d = layout_of(drive).si
         sigmas = sigmas_of(d, drive)
         # The torque of the motor is no field of the model's drive: it varies by a factor.
-        rating = sigmas.pop("input_rating_Nm", 0.0) / requirements(self.drive).input_rating_Nm
+        rating = sigmas.pop("input_rating_Nm", 0.0) / requirements(layout_of(self.drive)).input_rating_Nm
         self.motor_factor = 1.0 + rating * unit_draws("motor torque")
         drawn = {
             name: np.atleast_1d(size)[:, None] * np.stack([unit_draws(f"{name} {k}") for k in range(np.size(size))])
             for name, size in sigmas.items()
         }
-        self.d, need = shifted(d, requirements(self.drive), drawn, DRAWS)
+        self.d, need = shifted(d, requirements(layout_of(self.drive)), drawn, DRAWS)
         self.load_Nm = np.broadcast_to(np.asarray(need.load_Nm, float), (DRAWS,))
 
     def percentile(self, figure: str, percent: float) -> float:
@@ -102,7 +104,7 @@ class Spread:
     def stiffness_Nm_rad(self) -> Floats:
         """Stiffness at the payload; the cables' part follows their turn at first loading."""
         nominal = self._structure.cables_urad_Nm
-        turn = drum_backlash(to_si(self.drive), self.drive.loads.test_torque_Nm).first_loading_rad
+        turn = drum_backlash(layout_of(self.drive).si, self.drive.loads.test_torque_Nm).first_loading_rad
         each = self._backlash.first_loading_rad / self.load_Nm * self.drive.loads.test_torque_Nm
         return np.asarray(1e6 / (nominal * each / turn + self._structure_urad_Nm))
 
@@ -127,7 +129,7 @@ class Spread:
     @cached_property
     def train(self) -> Train:
         """The train of all drives, each with its own losses."""
-        own = self.drive.layout.losses
+        own = layout_of(self.drive).losses
         sigma = losses.FIBRE_SIGMA if own.fibre else losses.ROPE_SIGMA
         rope, bearings = _factor(ROPE, sigma), _factor(BEARINGS, losses.BEARING_SIGMA)
         return replace(
@@ -146,9 +148,9 @@ class Spread:
 
     @property
     def _structure(self) -> Structure:
-        found = self.drive.layout.structure
+        found = structure_of(layout_of(self.drive))
         if found is None:
-            raise NoFigureError(f"{self.drive.layout.name} has no figures of its structure")
+            raise NoFigureError(f"{layout_of(self.drive).name} has no figures of its structure")
         return found
 
     @cached_property
@@ -162,7 +164,7 @@ class Spread:
         strength = np.full(DRAWS, tension_limit_N(self.drive))
         limits = [*at_inputs, *(torque_at_tension_limit_Nm(self.d, strength, way) for way in (1, -1))]
         if self.d.through_wrap_rad is not None:
-            wraps = self.drive.layout.wraps_at_ends_rad
+            wraps = layout_of(self.drive).wraps_at_ends_rad
             ends = [{name: wrap[:, None] for name, wrap in end.items()} for end in wraps]
             limits += [torque_at_slip_Nm(self.d, way, ends) for way in (1, -1)]
         return np.asarray(np.concatenate(limits).min(axis=0))
@@ -180,7 +182,7 @@ def sigmas_of(d: DriveSI, drive: Drive) -> dict[str, Any]:
         "preload_N": parts.preload_N,
         DRUM_RADIUS: parts.drum_radius_m,
         INPUT_RADIUS: parts.input_radius_m,
-    } | sigmas_si(drive)
+    } | sigmas_si(layout_of(drive))
     return {name: np.broadcast_to(size, (d.n_cables,)) if name in own else size for name, size in found.items()}
 
 

@@ -10,10 +10,10 @@ import numpy as np
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.loop.readable import readable
 from mbcdm_cad.measurement.file import MeasurementFile
 from mbcdm_cad.measurement.logformat import Unit, unit_of
-from mbcdm_cad.model.si import to_si
 from mbcdm_cad.paper.published_causes import JUDGES, Judged, together
 
 # Ending of a name from which `readable` takes the unit.
@@ -59,7 +59,7 @@ def judge_published(drive: Drive, file: MeasurementFile) -> PublishedResult:
         raise InputError([file.problem(("data",), "contains a run, not published figures", remedy=remedy)])
     figures = []
     for item in file.content.published:
-        d = to_si(drive)
+        d = layout_of(drive).si
         if item.conditions.preload_N is not None:
             d = d.with_(preload_N=np.full(d.n_cables, item.conditions.preload_N))
         unit = unit_of(item.quantity, item.unit) or Unit(1.0)

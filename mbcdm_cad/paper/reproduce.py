@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import yaml
 
-from mbcdm_cad.layouts.turns import implied_moduli_GPa
+from mbcdm_cad.layouts.registry import layout_of
+from mbcdm_cad.layouts.turns import implied_moduli_GPa, turns_of
 from mbcdm_cad.model import equations
 from mbcdm_cad.model.analysis import lowest_each_way
 from mbcdm_cad.model.capability import (
@@ -26,7 +27,7 @@ from mbcdm_cad.model.capability import (
     torque_to_weight_Nm_kg,
 )
 from mbcdm_cad.model.equations import eq1_residuals
-from mbcdm_cad.model.si import DriveSI, to_si
+from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.model.stiffness import DrumBacklash, drum_backlash, implied_modulus_Pa
 
 if TYPE_CHECKING:
@@ -98,7 +99,7 @@ def reproduce(drive: Drive) -> tuple[PaperFigure, ...]:
 
     ``figures.yaml`` beside this module has what is said of each, in the order of the page.
     """
-    d = to_si(drive)
+    d = layout_of(drive).si
     d = d.with_(preload_N=np.full(d.n_cables, equations.BACKLASH_PRELOAD_N))
     found = {**_sizes(drive, d), **_torque(drive, d), **_backlash(drive, d)}
     rows = yaml.safe_load(files("mbcdm_cad.paper").joinpath("figures.yaml").read_text("utf-8"))
@@ -137,11 +138,11 @@ def _torque(drive: Drive, d: DriveSI) -> dict[str, float]:
 
 def _with_structure(drive: Drive, drum: DrumBacklash) -> dict[str, float]:
     """Both readings of the backlash at the drum's encoder, with the parts drawn here; none where these are rigid."""
-    at = drive.layout.turns.drum_encoder
+    at = turns_of(layout_of(drive)).drum_encoder
     if at is None:
         return {}
     turn = at.structure_urad_Nm * 1e-6 * equations.BACKLASH_TORQUE_NM
-    needs = implied_moduli_GPa(drive.layout, equations.BACKLASH_PRELOAD_N)
+    needs = implied_moduli_GPa(layout_of(drive), equations.BACKLASH_PRELOAD_N)
     return {
         "swing_with_structure_mrad": (float(drum.reversal_swing_rad) + 2.0 * turn) * 1e3,
         "single_with_structure_mrad": (float(drum.first_loading_rad) + turn) * 1e3,

@@ -10,6 +10,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.loop.effect import Effect
 from mbcdm_cad.loop.effects import library
 from mbcdm_cad.loop.effects.load_sensor import UNPLANNED, within_class
@@ -21,7 +22,7 @@ from mbcdm_cad.loop.search.fit import DIFFERENCE, Fit, Fitter
 from mbcdm_cad.loop.search.select import LEAST_FALL
 from mbcdm_cad.measurement.run import MOTORS_CURRENT, Run
 from mbcdm_cad.measurement.vet import arranged
-from mbcdm_cad.model.si import ModelError, to_si
+from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.planning.power import Draws, Shown, draws_of, shown, smallest, worst_phase
 from mbcdm_cad.planning.prediction_noise import along, friction_errors
 from mbcdm_cad.routes import Floats
@@ -244,7 +245,7 @@ class PlannedEffects:
 
 def planned_fitter(drive: Drive, run: Run) -> Fitter:
     """The fitter of one run, measured or planned."""
-    d = to_si(drive)
+    d = layout_of(drive).si
     ratio = float(np.mean(d.total_ratio))
     return Fitter(d, ratio, [prepare(arranged(run, drive), ratio)[0]], drive.as_built)
 

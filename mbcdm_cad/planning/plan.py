@@ -18,6 +18,7 @@ from scipy.stats import chi2, ncf, norm
 from scipy.stats import f as f_distribution
 
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.loop.effect import Effect
 from mbcdm_cad.loop.prepare.noise import Noise, noise_of
 from mbcdm_cad.loop.prepare.quiet import signal_noise
@@ -32,7 +33,6 @@ from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.measurement.schema import CREEP, FREQUENCY_RESPONSE, MOTION, TURNING_POINTS
 from mbcdm_cad.measurement.vet import arranged
 from mbcdm_cad.measurement.vet_signals import friction_alike, friction_words
-from mbcdm_cad.model.si import to_si
 from mbcdm_cad.planning.detectable import NEVER, PlannedEffects, Tried, planned_fitter
 from mbcdm_cad.planning.prediction_noise import coloured
 from mbcdm_cad.routes import Floats
@@ -144,7 +144,7 @@ def plan_of(drive: Drive, run: Run, noise: Noise | None = None, power: float = P
     ``power`` is the probability with which an effect of the smallest size is to be named.
     """
     if run.kind == FREQUENCY_RESPONSE:
-        loop = ResponseLoop(drive, float(np.mean(to_si(drive).total_ratio)), [arranged(run, drive)])
+        loop = ResponseLoop(drive, float(np.mean(layout_of(drive).si.total_ratio)), [arranged(run, drive)])
         return RunPlan(loop.noise, tuple(_of_response(loop, power)), power, moves=False)
     if run.kind != MOTION:
         planned = PlannedReadings(drive, run)
@@ -229,7 +229,7 @@ class PlannedReadings:
     """
 
     def __init__(self, drive: Drive, run: Run) -> None:
-        d = to_si(drive)
+        d = layout_of(drive).si
         ratio = float(np.mean(d.total_ratio))
         self.few = FewReadings(d, ratio, [prepared_by_hand(arranged(run, drive), ratio)], drive.as_built)
         self.effects = [e for e in self.few.library if not e.unmeasured]

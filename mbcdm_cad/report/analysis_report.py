@@ -10,6 +10,7 @@ from dataclasses import asdict, dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
 from mbcdm_cad.layouts.base import NoFigureError
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.layouts.turns import modes_of
 from mbcdm_cad.model.analysis import analyse
 from mbcdm_cad.model.equations import papers_test
@@ -72,16 +73,14 @@ class AnalysisReport:
 
     def to_dict(self) -> dict[str, Any]:
         """Everything, ready for JSON; this is what ``mbcdm analyse --json`` prints."""
-        structure = None if self.structure is None else self.structure.to_dict()
-        life = None if self.life is None else self.life.to_dict()
         blocks: dict[str, Any] = {
             "paths": self.paths,
-            "structure": structure,
-            "modes": None if self.modes is None else asdict(self.modes),
+            "structure": self.structure and self.structure.to_dict(),
+            "modes": self.modes and asdict(self.modes),
             "losses": self.losses.to_dict(),
             "duty": self.duty.to_dict(),
-            "life": life,
-            "preload": None if self.preload is None else self.preload.to_dict(),
+            "life": self.life and self.life.to_dict(),
+            "preload": self.preload and self.preload.to_dict(),
         }
         if self.layout.first_stage_unit is not None:
             blocks["stages"] = [asdict(one) for one in stage_figures(self.layout)]
@@ -200,8 +199,7 @@ class AnalysisReport:
         else:
             tables = self.structure.table(), self.structure.places()
             yield _part("Turn of the payload by cause, for a torque on it:", tables, self.structure.lines(), width)
-        both = list(stage_lines(self.layout, width))
-        if both:
+        if both := list(stage_lines(self.layout, width)):
             yield both
         yield filled(f"No modes: {self.no_modes}" if self.modes is None else mode_words(self.modes), width)
         tables = self.losses.causes(), self.losses.efficiencies()
@@ -278,8 +276,8 @@ def analyse_design(drive: Drive, found: Sequence[AsBuilt] = ()) -> AnalysisRepor
     ``found``: the list ``as_built`` of the design's file, from which the probabilities of the checks follow.
     """
     paths, reason = path_data_or_reason(drive)
-    figures = analyse(drive)
-    layout = drive.layout
+    layout = layout_of(drive)
+    figures = analyse(layout)
     return AnalysisReport(
         figures,
         paths,

@@ -30,6 +30,7 @@ from mbcdm_cad.design.sized import LIGHTEST
 from mbcdm_cad.errors import MbcdmError, did_you_mean
 from mbcdm_cad.layouts.base import Layout, NoFigureError
 from mbcdm_cad.layouts.check_design import advised_checks, checks_of
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.report.table import ReportTable, preformatted, speed_shown
 from mbcdm_cad.routes import Floats
@@ -100,7 +101,7 @@ def _margins(drive: Drive) -> dict[str, float]:
     with np.errstate(all="ignore"):
         for check in checks_of(drive):
             try:
-                compared = check.measure(drive.layout)
+                compared = check.measure(layout_of(drive))
             except (NoFigureError, ModelError):
                 continue
             if compared.sense and np.isfinite(compared.actual) and np.isfinite(compared.limit):
@@ -266,7 +267,7 @@ def check_design(loaded: LoadedDesign) -> CheckReport:
     advice = together.words(loaded.path.name) if together else ""
     chances = chances_of(loaded.drive, loaded.design.as_built)
     chosen = _chosen(loaded)
-    told = _speed(loaded.drive.layout) if chosen and loaded.drive.loads.speed_deg_s is None else ""
+    told = _speed(layout_of(loaded.drive)) if chosen and loaded.drive.loads.speed_deg_s is None else ""
     return CheckReport(loaded.drive.name, loaded.sha256, results, advice, chances, chosen, told)
 
 

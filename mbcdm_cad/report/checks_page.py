@@ -12,6 +12,7 @@ from mbcdm_cad.checks.comparison import Check, figures
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.checks.size import BUILD_IDS
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.registry import layout_of
 
 _HEAD = """\
 # The checks
@@ -54,14 +55,14 @@ def checks_page(drives: Sequence[Drive]) -> str:
     A check stands once, in the first family that has it; where another drive's layout says something else of it, in a
     line of its own behind that.
     """
-    columns = [drive.layout.name for drive in drives]
+    columns = [layout_of(drive).name for drive in drives]
     families, section = dict[str, _Rows](), dict[str, _Rows]()
     for drive in drives:
-        for family in drive.layout.check_families():
+        for family in layout_of(drive).check_families():
             rows = families.setdefault(_first_line(family.text), {})
             for check in family.checks:
                 variants = section.setdefault(check.id, rows).setdefault(check.id, {})
-                variants.setdefault(_said(check), {})[drive.layout.name] = _figure(check, drive)
+                variants.setdefault(_said(check), {})[layout_of(drive).name] = _figure(check, drive)
     lines = list[str]()
     for text, rows in families.items():
         if rows:
@@ -94,7 +95,7 @@ def _said(check: Check) -> _Said:
 
 
 def _figure(check: Check, drive: Drive) -> str:
-    return figures(run_check(check, drive.layout)) if check.asked_of(drive) else "*asked*"
+    return figures(run_check(check, layout_of(drive))) if check.asked_of(drive) else "*asked*"
 
 
 if __name__ == "__main__":

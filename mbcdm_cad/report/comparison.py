@@ -15,7 +15,8 @@ from pathlib import Path
 from typing import Any
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.layouts.turns import turns_of
+from mbcdm_cad.layouts.registry import layout_of
+from mbcdm_cad.layouts.turns import turns_at
 from mbcdm_cad.report.table import ReportTable
 
 # Units for which the margin over the limit is a reserve of load.
@@ -76,7 +77,7 @@ def compared(drive: Drive, report: dict[str, Any], load_Nm: float) -> ComparedDe
     torque = report["torque"]["peak_positive_Nm"], report["torque"]["peak_negative_Nm"]
     mass, box = report["mass"]["mass_g"], tuple(report["envelope"]["size_mm"])
     litres = box[0] * box[1] * box[2] * 1e-6
-    turns = turns_of(drive.layout, load_Nm)
+    turns = turns_at(layout_of(drive), load_Nm)
     lines = report["bill_of_materials"]
     made = [line for line in lines if line["kind"] == "made"]
     name, share = _tightest(report["checks"])
@@ -123,7 +124,7 @@ def _tightest(checks: Sequence[dict[str, Any]]) -> tuple[str, float]:
 
 def _fits(drive: Drive) -> tuple[int, int]:
     """Fits on the drawings of all kinds of made parts, and how many kinds have no drawing."""
-    bill = drive.layout.bill()
+    bill = layout_of(drive).bill()
     made = {item.part for item in bill.items if item.mass_g is None}
     fits = sum(len(part.sheet(name).fits) for name, part in bill.made.items())
     return fits, len(made) - len(bill.made)

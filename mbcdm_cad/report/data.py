@@ -12,6 +12,7 @@ import numpy as np
 from mbcdm_cad.checks.comparison import CheckResult, shown
 from mbcdm_cad.design.describe import flow
 from mbcdm_cad.layouts.base import Conventions, FrameCompliance, Layout
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.layouts.turns import modes_of
 from mbcdm_cad.model import equations
 from mbcdm_cad.model.analysis import analyse
@@ -123,7 +124,7 @@ class DesignFigures:
 def design_figures(layout: Layout, centred: Bill) -> DesignFigures:
     """Model, tolerances, tensioning and order of assembly of a design; ``centred`` is its bill, the drum centred."""
     drive = layout.drive
-    analysis, order = analyse(drive), layout.assembly_order
+    analysis, order = analyse(layout_of(drive)), layout.assembly_order
     life, _ = life_report(layout)
     preload, _ = preload_shares(layout)
     half = drive.half_travel_deg
@@ -140,7 +141,7 @@ def design_figures(layout: Layout, centred: Bill) -> DesignFigures:
         "tolerance_stacks": [stack_data(stack) for stack in layout.tolerance_stacks],
         "holes": centred.holes(),
         "asked_torque_Nm": drive.loads.peak_torque_Nm,
-        "reached_preloads": [asdict(row) | {"holds_Nm": row.holds_Nm} for row in preload_table(drive)],
+        "reached_preloads": [asdict(row) | {"holds_Nm": row.holds_Nm} for row in preload_table(layout_of(drive))],
         "tensioning": _tensioning(layout.tensioning),
         "cable_lengths_mm": {p.cable.name: p.length_mm for p in layout.all_cable_paths(0.0)},
         "assembly_order": [step.text for step in order],

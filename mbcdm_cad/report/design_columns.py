@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 
 from mbcdm_cad.errors import MbcdmError, did_you_mean
 from mbcdm_cad.layouts.changes import changed_drives
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.model.bulk import BulkFigures, analyse_many, merged, stack_designs
 from mbcdm_cad.model.capability import Requirements, requirements
-from mbcdm_cad.model.si import DriveSI, to_si
+from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.report.table import ReportTable, data_frame, designs_shown
 
 if TYPE_CHECKING:
@@ -178,8 +179,8 @@ def sweep(loaded: LoadedDesign, ranges: Mapping[str, Any], *, grid: bool = False
     varied = varied_columns(ranges, grid=grid)
     rows = [dict(zip(varied, row, strict=True)) for row in zip(*varied.values(), strict=True)]
     drives = list(changed_drives(loaded, rows))
-    asked = [requirements(drive) for drive in drives]
-    designs, groups = [to_si(drive) for drive in drives], list[tuple[list[int], BulkFigures]]()
+    asked = [requirements(layout_of(drive)) for drive in drives]
+    designs, groups = [layout_of(drive).si for drive in drives], list[tuple[list[int], BulkFigures]]()
     for members in _routed_alike(designs):
         need = Requirements(*(np.array([getattr(asked[k], f.name) for k in members]) for f in fields(Requirements)))
         groups.append((members, analyse_many(stack_designs([designs[k] for k in members]), need)))

@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mbcdm_cad.layouts.base import NoFigureError
+from mbcdm_cad.layouts.life import Life, life_of
 from mbcdm_cad.model.duty import Duty, MotorDay
 from mbcdm_cad.model.heat import STANDSTILL_SHARE
-from mbcdm_cad.report.table import ReportTable, filled
+from mbcdm_cad.report.table import ReportTable, chart, filled
 
 if TYPE_CHECKING:
     from mbcdm_cad.layouts.base import Layout
-    from mbcdm_cad.layouts.life import Life
     from mbcdm_cad.model.losses import Train
     from mbcdm_cad.model.rope_zones import RopeLife
 
@@ -195,16 +195,9 @@ def duty_shown(found: Mapping[str, Any]) -> dict[str, Any]:
         }
         for m in found["motors"]
     ]
-    return {
-        **found,
-        "motors": motors,
-        "chart": {
-            "title": f"Torque moved for a share of each {found['period_s']:.4g} s, by the windings' heat",
-            "x": {"label": "share of the time", "unit": "%"},
-            "y": {"label": "torque at the drum", "unit": "N m"},
-            "lines": lines,
-        },
-    }
+    title = f"Torque moved for a share of each {found['period_s']:.4g} s, by the windings' heat"
+    shown = chart(title, ("share of the time", "%"), ("torque at the drum", "N m"), lines)
+    return {**found, "motors": motors, "chart": shown}
 
 
 # Points of a line in the picture of one rope.
@@ -317,7 +310,7 @@ def life_shown(found: Mapping[str, Any] | None) -> dict[str, Any] | None:
         for rope in ropes
         if rope["n50"] is not None
     ]
-    along = {"label": "along the cable, from its middle or stop on the input", "unit": "mm"}
+    along = "along the cable, from its middle or stop on the input", "mm"
     charts = [("bent", "Bendings of each zone in a cycle of the output", "bendings", "", bent)]
     if used:
         charts.append(("used", "Life that 1000 cycles take", "of the median life", "%", used))
@@ -326,10 +319,7 @@ def life_shown(found: Mapping[str, Any] | None) -> dict[str, Any] | None:
         "too_small": found["bend_ratio"] < found["bend_ratio_minimum"],
         "median": next((_cycles(rope["n50"]) for rope in ropes if rope["name"] == found["first"]), None),
         "early": None if found["replace_at_cycles"] is None else _cycles(found["replace_at_cycles"]),
-        "charts": {
-            name: {"title": title, "x": along, "y": {"label": label, "unit": unit}, "lines": lines}
-            for name, title, label, unit, lines in charts
-        },
+        "charts": {name: chart(title, along, (label, unit), lines) for name, title, label, unit, lines in charts},
     }
 
 
@@ -349,6 +339,6 @@ def _steps(zones: Sequence[Mapping[str, Any]]) -> dict[str, list[float]]:
 def life_report(layout: Layout) -> tuple[LifeReport | None, str]:
     """The figures of the cables' life; None, with the reason, where the cables have no tensions or places."""
     try:
-        return LifeReport(layout.life), ""
+        return LifeReport(life_of(layout)), ""
     except NoFigureError as missing:
         return None, str(missing)

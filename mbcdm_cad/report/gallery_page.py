@@ -16,7 +16,8 @@ from pathlib import Path
 from typing import Any
 
 from mbcdm_cad.design.loaded import LoadedDesign
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
+from mbcdm_cad.layouts.turns import turns_of
 from mbcdm_cad.report.data import Tested, report_data
 from mbcdm_cad.report.table import ReportTable
 from mbcdm_cad.storage.cache import Cache, cache_folder
@@ -87,7 +88,7 @@ class GalleryDrive:
             cable.preload_N,
             f"{r['mass']['mass_g']:.0f}",
             " x ".join(f"{side:.0f}" for side in r["envelope"]["size_mm"]),
-            f"{drive.layout.turns.felt.swing_mrad:.3g}",
+            f"{turns_of(layout_of(drive)).felt.swing_mrad:.3g}",
             f"{a['reversal_swing_mrad']:.3g} at {drive.loads.test_torque_Nm:g}",
             f"{r['torsion']['lowest_inputs_held_Hz']:.0f}",
         )
@@ -99,7 +100,7 @@ def gallery_drive(path: Path, cache: Cache) -> GalleryDrive:
 
     loaded = load_design(path)
     items, parts = drawn(loaded.drive, 0.0, cache, lambda name: None)
-    layout = loaded.drive.layout
+    layout = layout_of(loaded.drive)
     data = report_data(layout, layout.bill(), parts, Tested(), drum_angle_deg=0.0, design_sha256=loaded.sha256)
     png = picture_png(items, {name: part.files.mesh for name, part in parts.items()}, "output", _PICTURE_PX)
     return GalleryDrive(loaded, data, png)

@@ -11,9 +11,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mbcdm_cad.layouts.base import Layout, NoFigureError
-from mbcdm_cad.layouts.structure import urad_Nm
+from mbcdm_cad.layouts.life import life_of
+from mbcdm_cad.layouts.structure import structure_of
 from mbcdm_cad.model.losses import GEARHEAD, GEARHEAD_IDLE, MOTOR, Backdrive, MovingLosses, Train
-from mbcdm_cad.report.table import ReportTable, filled
+from mbcdm_cad.model.structure.causes import urad_Nm
+from mbcdm_cad.report.table import ReportTable, chart, filled
 from mbcdm_cad.routes import Floats
 
 if TYPE_CHECKING:
@@ -193,6 +195,9 @@ def losses_report(layout: Layout) -> LossesReport:
     return LossesReport(train, drive.loads.peak_torque_Nm, drive.motor, drive.bus_voltage_V, rotors)
 
 
+_EFFICIENCY = "efficiency", "%"
+
+
 def losses_shown(found: Mapping[str, Any]) -> dict[str, Any]:
     """What page and report show of the block ``losses``: causes, largest first, and efficiency over a load +."""
     against, along = found["motions"][0], found["motions"][2]
@@ -214,12 +219,7 @@ def losses_shown(found: Mapping[str, Any]) -> dict[str, Any]:
         "sigma_Nm": against["lost_sigma_Nm"][-1],
         "backdrive": found["backdrive"],
         "over_speed": _over_speed(found["electrical"]),
-        "chart": {
-            "title": "Efficiency from motors to drum, and back",
-            "x": {"label": "load on the drum", "unit": "N m"},
-            "y": {"label": "efficiency", "unit": "%"},
-            "lines": lines,
-        },
+        "chart": chart("Efficiency from motors to drum, and back", ("load on the drum", "N m"), _EFFICIENCY, lines),
     }
 
 
@@ -239,12 +239,8 @@ def _over_speed(found: Mapping[str, Any] | None) -> dict[str, Any] | None:
                 x, y = zip(*points, strict=True)
                 label = f"{words} {block['load_Nm'][k]:.3g} N m"
                 lines.append({"label": label, "x": list(x), "y": list(y)})
-    return {
-        "title": "Efficiency from bus to drum and back, the copper's losses in it",
-        "x": {"label": "speed of the drum", "unit": "deg/s"},
-        "y": {"label": "efficiency", "unit": "%"},
-        "lines": lines,
-    }
+    title = "Efficiency from bus to drum and back, the copper's losses in it"
+    return chart(title, ("speed of the drum", "deg/s"), _EFFICIENCY, lines)
 
 
 # Kinds of the losses of a first stage in a whole drive, where it stands in place of a gearhead.
@@ -280,7 +276,7 @@ def stage_figures(layout: Layout) -> tuple[StageFigures, ...]:
         if loss.kind != MOTOR:
             lost[loss.kind in _OF_FIRST] += float(loss.torque_Nm[0])
     try:
-        structure = layout.structure
+        structure = structure_of(layout)
     except NoFigureError:
         structure = None
     own: float | None = None
@@ -312,7 +308,7 @@ def stage_figures(layout: Layout) -> tuple[StageFigures, ...]:
 def _life(layout: Layout) -> tuple[float | None, str]:
     """Cycles of the cable that breaks first; None with the reason where one has no figure."""
     try:
-        ropes = layout.life.ropes
+        ropes = life_of(layout).ropes
     except NoFigureError as error:
         return None, str(error)
     for rope in ropes:

@@ -11,16 +11,18 @@ import numpy as np
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.base import Layout, NoFigureError, PathFigures
-from mbcdm_cad.layouts.turns import implied_moduli_GPa
+from mbcdm_cad.layouts.registry import layout_of
+from mbcdm_cad.layouts.structure import structure_of
+from mbcdm_cad.layouts.turns import implied_moduli_GPa, turns_of
 from mbcdm_cad.model.equations import BACKLASH_RAD
 from mbcdm_cad.model.equilibrium import solve_equilibrium
-from mbcdm_cad.model.si import DriveSI, ModelError, to_si
+from mbcdm_cad.model.si import DriveSI, ModelError
 from mbcdm_cad.model.stiffness import sticking_response
 from mbcdm_cad.report.table import ReportTable
 
 if TYPE_CHECKING:
-    from mbcdm_cad.layouts.structure import Structure
     from mbcdm_cad.layouts.turns import DriveTurns, TurnAt
+    from mbcdm_cad.model.structure.causes import Structure
 
 
 @dataclass(frozen=True)
@@ -112,10 +114,10 @@ def _place(at: TurnAt) -> tuple[str, ...]:
 
 def structure_report(layout: Layout) -> tuple[StructureReport | None, str]:
     """The structure's figures; None, with the reason, where there are none."""
-    turns = layout.turns
+    turns = turns_of(layout)
     if turns.payload is None:
         return None, turns.no_structure
-    structure = layout.structure
+    structure = structure_of(layout)
     assert structure is not None
     return StructureReport(structure, turns, turns.payload, implied_moduli_GPa(layout)), ""
 
@@ -124,7 +126,7 @@ def path_data(layout: Layout) -> dict[str, Any]:
     """Plain data of the paths, as in the report and in ``mbcdm analyse --json``."""
     figures = layout.path_figures
     length_m = np.array([cable.length_um for cable in figures.cables]) * 1e-6
-    d = to_si(layout.drive)
+    d = layout.si
     turn, pull = sticking_response(d, length_m)
     return {
         **asdict(figures),  # type: ignore[call-overload]
@@ -150,7 +152,7 @@ def _turns_with_real_wraps(d: DriveSI, figures: PathFigures, load_Nm: float) -> 
 def path_data_or_reason(drive: Drive) -> tuple[dict[str, Any] | None, str]:
     """As :func:`path_data`; (None, reason) if the dimensions have no solution, which ``mbcdm check`` explains."""
     try:
-        return path_data(drive.layout), ""
+        return path_data(layout_of(drive)), ""
     except (NoFigureError, ValueError, ZeroDivisionError, ModelError) as error:
         return None, str(error)
 

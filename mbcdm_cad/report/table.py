@@ -73,6 +73,11 @@ def data_frame(columns: Mapping[str, Any]) -> pandas.DataFrame:
     return pandas.DataFrame(columns)
 
 
+def chart(title: str, x: tuple[str, str], y: tuple[str, str], lines: Any) -> dict[str, Any]:
+    """A chart as plain data: ``x`` and ``y`` are (label, unit) of the axes; a line has ``label``, ``x`` and ``y``."""
+    return {"title": title, "x": {"label": x[0], "unit": x[1]}, "y": {"label": y[0], "unit": y[1]}, "lines": lines}
+
+
 def preformatted(text: str) -> str:
     """HTML of a text for a notebook, with its columns aligned."""
     return f"<pre>{html.escape(text)}</pre>"

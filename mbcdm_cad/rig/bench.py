@@ -18,6 +18,7 @@ from mbcdm_cad.design.blocks import INERTIA_MAX_KG_M2, STIFFNESS_MAX_NM_RAD, TOR
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.lumped import Compliance, PartsFriction, compliance_of, friction_of
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.layouts.structure import input_play_rad
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.route import Body, CableRoute, DriveRoutes, Wrap
@@ -88,7 +89,7 @@ class RigCable:
 
 def routes_of(drive: Drive) -> DriveRoutes:
     """The routes of the cables of ``drive``. Raises ValueError where the geometry leaves no free span."""
-    found = drive.layout.routed
+    found = layout_of(drive).routed
     routes = found.routes
     if any(math.isnan(route.free_length_m) for route in routes.cables):
         raise ValueError(found.geometry.fault(found.parameters))
@@ -343,7 +344,7 @@ def bench_of(
     bench.command_rad = strays_rad + np.stack([drum_rad * bench.turns(i) for i in range(n_inputs)])
     bench.gear_stiffness_Nm_rad = [float("inf")] * n_inputs
     bench.gear_play_rad = [0.0] * n_inputs
-    counted = drive.layout.slips_on_passed
+    counted = layout_of(drive).slips_on_passed
     bench.passed_slip = counted if physics.passed_slip is None else physics.passed_slip
     bench.unseen_slip = bench.passed_slip and not counted
     if physics.structure:

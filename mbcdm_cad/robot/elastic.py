@@ -19,10 +19,11 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.lumped import Compliance, axis_friction, compliance_of
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.layouts.structure import input_play_rad
 from mbcdm_cad.model.heat import COPPER_PER_K, RATED_AT_C, motor_heat
 from mbcdm_cad.model.hysteresis import simulate
-from mbcdm_cad.model.si import DriveSI, to_si
+from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
 
 # Twist at which each element slips, over the turn under the test torque.
@@ -63,7 +64,7 @@ def cable_stages(drive: Drive, before_inputs_Nm_rad: float) -> tuple[CableStage,
 
     Raises ``ModelError`` where there is no loop.
     """
-    d = to_si(drive)
+    d = layout_of(drive).si
     test = drive.loads.test_torque_Nm
     levels = [min(level * test, max(test, drive.loads.peak_torque_Nm)) for level in _LEVELS]
     loops = [_loop(d, level) for level in levels]
@@ -258,12 +259,12 @@ def elastic_drive(drive: Drive) -> ElasticDrive:
 
     Raises ``ModelError`` where the model has no answer, ``MbcdmError`` where a part has no metal that carries the load.
     """
-    rubs, train, built = axis_friction(drive), drive.layout.losses, drum_friction(drive)
+    rubs, train, built = axis_friction(drive), layout_of(drive).losses, drum_friction(drive)
     try:
         compliance = compliance_of(drive)
     except (NoFigureError, ValueError) as error:
         raise MbcdmError(f"{drive.name}: no elastic drive: {error}; 'mbcdm check' names the part") from None
-    turns = tuple(body.turns_per_drum for body in drive.layout.routed.routes.inputs)
+    turns = tuple(body.turns_per_drum for body in layout_of(drive).routed.routes.inputs)
     play = input_play_rad(drive, motors_held=True)
     return ElasticDrive(
         stages=cable_stages(drive, inf if play > 0.0 else compliance.before_inputs_Nm_rad),
@@ -295,5 +296,5 @@ def _motor(drive: Drive, friction_Nm: float) -> RobotMotor:
         heat_J_K=heat.winding_J_K + heat.housing_J_K,
         copper_per_K=COPPER_PER_K,
         rated_at_C=RATED_AT_C,
-        ambient_C=drive.layout.duty.ambient_C,
+        ambient_C=layout_of(drive).duty.ambient_C,
     )

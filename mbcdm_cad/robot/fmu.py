@@ -22,6 +22,7 @@ from xml.etree import ElementTree as ET
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.robot.elastic import ElasticDrive
 from mbcdm_cad.robot.mechanism import document
 
@@ -129,8 +130,8 @@ def _parameters(drive: Drive, e: ElasticDrive, listed: tuple[FmuVariable, ...]) 
     for variable in listed:
         lines.append(f"#define {variable.constant} {place}")
         place += len(variable.start)
-    inertias = drive.layout.inertias_kg_m2
-    routes = drive.layout.routed.routes
+    inertias = layout_of(drive).inertias_kg_m2
+    routes = layout_of(drive).routed.routes
     drum = inertias[routes.drum.name]
     drum += sum(inertias[body.name] * body.turns_per_drum**2 for body in routes.passed)
     pulleys = [inertias[body.name] * body.turns_per_drum**2 for body in routes.inputs]

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts.lumped import axis_friction
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.model.analysis import analyse
 from mbcdm_cad.parts.bill import Item
 from mbcdm_cad.parts.placement import Vector
@@ -97,14 +98,14 @@ class Mechanism:
 
 def mechanism(drive: Drive, parts: Mapping[str, PartFiles]) -> Mechanism:
     """The drive as links and joints; ``parts`` by name, meshed again where a body has too many faces for simulators."""
-    layout = drive.layout
+    layout = layout_of(drive)
     centred = layout.bill()
     items = {item.name: item for item in centred.items}
     still, *turning = (_named(body) for body in bodies(layout.moving_bodies, centred))
     drum = next(body for body in turning if body.kind == "drum")
     drum_effort, drum_speed = _limits(drive)
     rubs, built = axis_friction(drive), drum_friction(drive)
-    of_motor = drive.layout.losses.motor_idle_Nm * drive.reduction.ratio
+    of_motor = layout_of(drive).losses.motor_idle_Nm * drive.reduction.ratio
     inputs = [body.name for body in turning if body.kind == "input"]
     friction = {drum.name: max(rubs.drum_Nm + built.constant_Nm, 0.0)}
     friction |= {name: own + of_motor for name, own in zip(inputs, rubs.inputs_Nm, strict=True)}
@@ -159,9 +160,9 @@ def _limits(drive: Drive) -> tuple[float, float]:
     :func:`_effort_of_duty`; the highest speed at which the bus voltage still gives the continuous torque, or a round
     one where the catalogue has no electrical values of the motor.
     """
-    found = analyse(drive)
+    found = analyse(layout_of(drive))
     effort = min(found.peak_torque_with_losses_Nm)
-    if drive.layout.duty.stated:
+    if layout_of(drive).duty.stated:
         effort = _effort_of_duty(drive)
     if found.motor is None:
         return effort, SPEED_WITHOUT_FIGURES_RAD_S
@@ -175,7 +176,7 @@ def _effort_of_duty(drive: Drive) -> float:
 
     At most what motors and gearheads move for a short time, with all losses.
     """
-    layout = drive.layout
+    layout = layout_of(drive)
     duty, train = layout.duty, layout.losses
     stands = min(day.stands_share for day in layout.motor_days)
     most = min(float(train.output_Nm(drive.motor.peak_torque_mNm * 1e-3)), drive.reduction.max_torque_mNm * 1e-3)
@@ -184,8 +185,8 @@ def _effort_of_duty(drive: Drive) -> float:
 
 def _input_effort_Nm(drive: Drive, drum_effort_Nm: float) -> float:
     """Torque at a gearhead's output: at the motor's continuous torque, or what a stated duty's effort needs there."""
-    train, motor_Nm = drive.layout.losses, drive.motor.rated_torque_mNm * 1e-3
-    if drive.layout.duty.stated:
+    train, motor_Nm = layout_of(drive).losses, drive.motor.rated_torque_mNm * 1e-3
+    if layout_of(drive).duty.stated:
         moved = train.moving(np.array([drum_effort_Nm, -drum_effort_Nm]), 1)
         motor_Nm = float(moved.motor_Nm.max()) - train.motor_idle_Nm
     return min(float(train.output_Nm(motor_Nm)), drive.reduction.max_torque_mNm * 1e-3)

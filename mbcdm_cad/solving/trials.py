@@ -21,7 +21,7 @@ from mbcdm_cad.design.sized import Sizing
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.check_design import checks_of
-from mbcdm_cad.layouts.registry import layout_named
+from mbcdm_cad.layouts.registry import layout_named, layout_of
 from mbcdm_cad.parallel.forks import fork_map
 from mbcdm_cad.solving.question import Fixed, Out, Point, Question, Setting, Times
 
@@ -170,7 +170,7 @@ def outcome(question: Question, point: Point, similar: Sizing | None = None) -> 
             drive = question.resolve(*question.trial(point), similar).drive
         except InputError as error:
             return TrialResult((), str(error.problems[0].what))
-        subject = drive.layout
+        subject = layout_of(drive)
         asked = [check for check in checks_of(drive) if must_hold(check, drive) and drive.waiver(check.id) is None]
         found = [(check.id, missed(check, subject)) for check in asked if check.id not in LAST]
         if not any(miss for _, miss in found):
@@ -204,7 +204,7 @@ def messages(question: Question, point: Point) -> list[tuple[str, str]]:
         drive = question.resolve(*question.trial(point)).drive
     except InputError as error:
         return [("sizing", str(error.problems[0].what))]
-    subject = drive.layout
+    subject = layout_of(drive)
     with np.errstate(all="ignore"), warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
         results = [run_check(check, subject, Budget(0)) for check in checks_of(drive)]

@@ -15,6 +15,7 @@ from mbcdm_cad.design.blocks import Making
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError, did_you_mean
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.parallel.forks import fork_map
 from mbcdm_cad.parts.bill import Bill, Item
 from mbcdm_cad.parts.bodies import CableRod
@@ -152,7 +153,7 @@ def _designations(bill: Bill) -> dict[str, str]:
 
 
 def _centred(drive: Drive) -> Bill:
-    return drive.layout.bill()
+    return layout_of(drive).bill()
 
 
 def drawn_parts(drive: Drive) -> tuple[str, ...]:

@@ -11,6 +11,7 @@ import numpy as np
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.base import Layout
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.parallel.forks import fork_map
 from mbcdm_cad.parts.bill import CABLE, Item
 from mbcdm_cad.parts.placement import Placement, Vector
@@ -37,7 +38,7 @@ def pictures_of(
     Pictures whose parts, places and code have not changed come from the cache. Raises ``OutputError`` if the machine
     cannot draw.
     """
-    layout = drive.layout
+    layout = layout_of(drive)
     items, parts = drawn(drive, 0.0, cache, progress)
     by_name = {item.name: item for item in items}
     there: list[Item] = []

@@ -9,6 +9,7 @@ import numpy as np
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.parts.placement import Vector
 from mbcdm_cad.storage.cache import Cache, content_key
 from mbcdm_cad.workshop.export.files import lying, threemf_bytes
@@ -119,7 +120,7 @@ def prints_of(
     Round holes of printed materials are wider by ``printing.hole_allowance_mm``, which the file then states. Raises
     ``GeometryError`` for a part that cannot be drawn, ``MbcdmError`` if no part is printed.
     """
-    posed = drive.layout.bill()
+    posed = layout_of(drive).bill()
     made = {item.part: item.material for item in posed.items if item.kind == "made"}
     wanted = {name: material for name, material in made.items() if every_made_part or material.printed}
     if not wanted:

@@ -7,6 +7,7 @@ import cadquery as cq
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError, did_you_mean
 from mbcdm_cad.layouts.base import NoFigureError
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.storage.cache import Cache, cache_folder
 from mbcdm_cad.workshop.kernel import location
 from mbcdm_cad.workshop.store import drawn
@@ -46,6 +47,6 @@ def assembled(drive: Drive, angle_deg: float) -> cq.Assembly:
 
 def _bill(drive: Drive):  # type: ignore[no-untyped-def]  # a configuration's own class
     try:
-        return drive.layout.bill()
+        return layout_of(drive).bill()
     except NoFigureError as error:
         raise MbcdmError(f"{drive.name}: {error}; 'mbcdm check' says more") from None

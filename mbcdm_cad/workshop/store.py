@@ -19,6 +19,7 @@ from mbcdm_cad.design.bought import Material
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts.base import FrameCompliance, Layout
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.parallel.forks import fork_map, forked
 from mbcdm_cad.parts.bill import CABLE, Bill, Item, PartSpec
 from mbcdm_cad.storage.cache import Cache, content_key
@@ -272,7 +273,7 @@ def drawn(
 ) -> tuple[tuple[Item, ...], dict[str, StoredPart]]:
     """Items and parts with the drum at ``angle_deg``, without checks: for pictures."""
     refuse_angle(drive, angle_deg)
-    posed = drive.layout.bill(angle_deg)
+    posed = layout_of(drive).bill(angle_deg)
     return posed.items, made_parts(Store(cache, progress), posed, drive.export.mesh_tolerance_mm, os.cpu_count() or 1)
 
 

@@ -9,11 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mbcdm_cad.layouts.loader import load_design, load_text
+from mbcdm_cad.layouts.loader import layout_of, load_design, load_text
 from mbcdm_cad.layouts.miso_bevel.drive import bevel
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.support.stiffness import frame_compliance, seat_loads
-from mbcdm_cad.model.si import to_si
 from mbcdm_cad.model.stiffness import unit_tensions_N
 from tests.support.frame_fe import SupportFE, brick_stiffness, seats
 from tests.support.motors_above import ABOVE
@@ -41,7 +40,7 @@ def dims_of(**walls: float) -> BevelLayout:
 
 
 def by_elements(dims: BevelLayout, cell_mm: float) -> float:
-    loads = seat_loads(dims, unit_tensions_N(to_si(dims.drive)))
+    loads = seat_loads(dims, unit_tensions_N(layout_of(dims.drive).si))
     model = SupportFE(dims, cell_mm)
     assert tuple(seat.name for seat in seats(dims)) == loads.names
     return model.windup_urad_Nm(loads.force_N, loads.gearhead_torque_Nm)
@@ -104,7 +103,7 @@ def test_displacements_are_reciprocal() -> None:
 def test_reference_keeps_its_limit_by_finite_elements() -> None:
     drive = load_design(REFERENCE).drive
     found = reference_by_elements(FINE_MM) * drive.loads.test_torque_Nm * 1e-3
-    limit = drive.layout.windup_limit_mrad
+    limit = layout_of(drive).windup_limit_mrad
     assert found < limit, f"{found:.4f} mrad at {drive.loads.test_torque_Nm} N m, limit {limit} mrad"
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from mbcdm_cad.checks.run import Budget, run_check
 from mbcdm_cad.layouts.check_design import checks_of
-from mbcdm_cad.layouts.loader import load_text, short_design_text
+from mbcdm_cad.layouts.loader import layout_of, load_text, short_design_text
 from tests.support.checked import of_params
 
 GALLERY = sorted((Path(__file__).parents[2] / "params" / "gallery").glob("*.yaml"))
@@ -29,7 +29,7 @@ def test_a_short_file_gives_a_drive_that_passes(path: Path) -> None:
     lines = [line for line in path.read_text("utf-8").splitlines() if line and not line.startswith("#")]
     assert len(lines) <= 10, lines
     drive = of_params(f"gallery/{path.stem}").drive
-    subject = drive.layout
+    subject = layout_of(drive)
     with np.errstate(all="ignore"):
         found = [run_check(check, subject, Budget(0)) for check in checks_of(drive)]
     assert {check.id: check.message for check in found if check.status == "fail"} == {}
@@ -45,7 +45,7 @@ def test_a_short_file_gives_a_drive_that_passes(path: Path) -> None:
 @pytest.mark.parametrize("layout", ["miso_bevel", "siso_spur", "miso_spur", "siso_bevel"])
 def test_the_starting_file_gives_a_drive_with_at_most_one_warning(layout: str) -> None:
     drive = load_text(short_design_text("new", layout)).drive
-    found = [run_check(check, drive.layout, Budget(0)) for check in checks_of(drive)]
+    found = [run_check(check, layout_of(drive), Budget(0)) for check in checks_of(drive)]
     told = {check.id: check.message for check in found if check.status in ("fail", "warn")}
     # A small bearing of the guide may be heard: neither torque nor life.
     assert set(told) <= {"quiet_running"}, told

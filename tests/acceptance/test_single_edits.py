@@ -14,7 +14,7 @@ import yaml
 
 from mbcdm_cad.checks.run import Budget, run_check
 from mbcdm_cad.layouts.check_design import checks_of
-from mbcdm_cad.layouts.loader import load_text
+from mbcdm_cad.layouts.loader import layout_of, load_text
 
 Edit = Callable[[dict[str, Any]], None]
 
@@ -87,7 +87,7 @@ EXCLUDED = {
 def failing(data: dict[str, Any]) -> dict[str, str]:
     """Checks that fail, with their messages; remedies are not looked for."""
     drive = load_text(yaml.safe_dump(data)).drive
-    subject = drive.layout
+    subject = layout_of(drive)
     with np.errstate(all="ignore"):
         found = [run_check(check, subject, Budget(0)) for check in checks_of(drive)]
     return {check.id: check.message for check in found if check.status == "fail"}

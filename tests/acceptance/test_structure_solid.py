@@ -10,8 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.layouts.sector import SectorLayout
+from mbcdm_cad.layouts.structure import structure_of
 
 pytest.importorskip("gmsh", reason="solid elements: pip install --require-hashes -r tests/requirements-solids.lock")
 pytest.importorskip("skfem", reason="solid elements: pip install --require-hashes -r tests/requirements-solids.lock")
@@ -21,7 +22,7 @@ FRAME, PULLEY = 0.16, 0.10
 
 
 def _layout(name: str) -> SectorLayout:
-    layout = load_design(PARAMS / f"{name}.yaml").drive.layout
+    layout = layout_of(load_design(PARAMS / f"{name}.yaml").drive)
     assert isinstance(layout, SectorLayout)
     return layout
 
@@ -45,6 +46,6 @@ def test_torsion_of_an_input_pulley_agrees_with_solid_elements(name: str, tmp_pa
     from tests.support.shaft_solid import pulley_torsion_urad_Nm
 
     layout = _layout(name)
-    found = next(c.urad_Nm for c in layout.structure.causes if c.name == "input pulleys, torsion")
+    found = next(c.urad_Nm for c in structure_of(layout).causes if c.name == "input pulleys, torsion")
     solid = pulley_torsion_urad_Nm(layout, tmp_path)
     assert found == pytest.approx(solid, rel=PULLEY), f"{found:.2f} by steps, {solid:.2f} urad per N m by solids"

@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 
 import mbcdm_cad as mc
+from mbcdm_cad.layouts.life import life_of
+from mbcdm_cad.layouts.registry import layout_of
 from tests.support.checked import failing, results
 
 ROOT = Path(__file__).parents[2]
@@ -33,7 +35,7 @@ def test_a_row_of_the_leg_is_what_the_package_says(row: list[str], tmp_path: Pat
     design = mc.load(path)
     checks, report = results(design.loaded), design.analyse().to_dict()
     by_id = {result.id: result for result in checks}
-    first = design.drive.layout.life.first
+    first = life_of(layout_of(design.drive)).first
     assert first is not None
     assert float(mass) == pytest.approx(by_id["mass_estimate"].actual, rel=0.005)
     assert float(swing) == pytest.approx(report["structure"]["payload_swing_mrad"], rel=0.01)
@@ -51,7 +53,7 @@ def test_a_row_of_the_handle_is_what_the_package_says(row: list[str], tmp_path: 
     design = mc.load(path)
     checks, drive = results(design.loaded), design.drive
     assert parts == f"{drive.motor.name}, {drive.gearhead.name}"
-    found = drive.layout.losses.backdrive
+    found = layout_of(drive).losses.backdrive
     assert found is not None and float(back) == pytest.approx(found.start_Nm, rel=0.01)
     assert float(mass) == pytest.approx(next(r.actual for r in checks if r.id == "mass_estimate"), rel=0.005)
     assert fails == (", ".join(f"`{r.id}`" for r in checks if r.status == "fail") or "none")
@@ -64,7 +66,7 @@ def test_a_handle_whose_motor_is_named_gets_the_ratio_that_uses_it_up(tmp_path: 
     design = mc.load(path)
     told = re.search(r"rules take ([\d.]+), which turns back with ([\d.]+) N m", PAGE)
     assert told is not None
-    found, turns = design.drive.layout.losses.backdrive, design.drive.layout.loads.si.input_turns.max()
+    found, turns = layout_of(design.drive).losses.backdrive, layout_of(design.drive).loads.si.input_turns.max()
     assert found is not None and not failing(design.loaded)
     assert (turns, found.start_Nm) == pytest.approx((float(told[1]), float(told[2])), rel=0.01)
 
@@ -74,5 +76,5 @@ def test_the_handle_passes_and_turns_back_as_told() -> None:
     assert not failing(design.loaded)
     told = re.search(r"turns back with ([\d.]+) N m", PAGE)
     assert told is not None
-    back = design.drive.layout.losses.backdrive
+    back = layout_of(design.drive).losses.backdrive
     assert back is not None and float(told[1]) == pytest.approx(back.start_Nm, rel=0.02), back.start_Nm

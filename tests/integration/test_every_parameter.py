@@ -13,7 +13,7 @@ import yaml
 
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.describe import named_values
-from mbcdm_cad.layouts.loader import design_file, load_text, reference_data
+from mbcdm_cad.layouts.loader import design_file, layout_of, load_text, reference_data
 from mbcdm_cad.layouts.miso_bevel.bill import bill
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.model.analysis import analyse
@@ -173,7 +173,7 @@ def seen(text: str) -> dict[str, Any]:
         "layout": {name: getattr(dims, name) for name in DIMENSIONS},
         "bill": (posed.parts, posed.items),
         "checks": results(dims),
-        "analysis": analyse(drive).to_dict(),
+        "analysis": analyse(layout_of(drive)).to_dict(),
     }
 
 
@@ -238,7 +238,7 @@ def with_sigma(path: Path, sigma_share: float) -> str:
 
 @pytest.mark.parametrize("path", uncertain_fields(NODES.root), ids=lambda path: ".".join(map(str, path)))
 def test_each_sigma_widens_an_interval(path: Path) -> None:
-    narrow, wide = (analyse(load_text(with_sigma(path, share)).drive).intervals for share in (1e-3, 2e-3))
+    narrow, wide = (analyse(layout_of(load_text(with_sigma(path, share)).drive)).intervals for share in (1e-3, 2e-3))
     assert narrow, f"the sigma of {path} gives no interval: a dead parameter"
     grown = [b.sigma / a.sigma for a, b in zip(narrow, wide, strict=True) if a.sigma > 1e-9]
     assert grown, f"the sigma of {path} moves no figure"

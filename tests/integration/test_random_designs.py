@@ -9,6 +9,7 @@ from itertools import islice
 import pytest
 
 from benchmarks.studies import random_designs
+from mbcdm_cad.layouts import registry
 from mbcdm_cad.layouts.check_design import run_checks
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
@@ -83,7 +84,7 @@ def test_a_design_that_clashes_is_reported_by_stage(monkeypatch: pytest.MonkeyPa
         dims = BevelLayout(drive)
         return dims.with_dimensions(drum=replace(dims.drum, stop_radius=dims.drum.stop_radius + 2.0))
 
-    monkeypatch.setattr(BevelDrive, "layout", property(shifted))
+    monkeypatch.setattr(registry, "layout_named", lambda name: shifted)
     failures = list(random_designs.exercise(found, 1))
     assert {f.stage for f in failures} == {"interference"}
     assert all("stop_pin" in f.what and "drum" in f.what for f in failures)

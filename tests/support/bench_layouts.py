@@ -20,10 +20,9 @@ from scipy.interpolate import CubicSpline
 from scipy.ndimage import uniform_filter1d
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.measurement.run import KNOWN_LOAD, Run, Sensors, TorqueClass
 from mbcdm_cad.measurement.schema import CountedParts
-from mbcdm_cad.model.si import to_si
 from mbcdm_cad.rig.experiment import Experiment
 from mbcdm_cad.rig.quasistatic import simulate
 from mbcdm_cad.rig.writing import counted_parts
@@ -199,7 +198,7 @@ def lost(bench: Bench, rng: Rng, run: Run) -> Done:
 
 def ratios(bench: Bench) -> Floats:
     """Turns of each input for one of the drum."""
-    return np.atleast_1d(np.asarray(to_si(bench.drive).total_ratio, dtype=float))
+    return np.atleast_1d(np.asarray(layout_of(bench.drive).si.total_ratio, dtype=float))
 
 
 def twice(bench: Bench, rng: Rng, run: Run) -> Done:

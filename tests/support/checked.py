@@ -13,7 +13,7 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.layouts.base import Layout
 from mbcdm_cad.layouts.check_design import checks_of
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
 
 PARAMS = Path(__file__).parents[2] / "params"
 
@@ -26,8 +26,8 @@ def of_params(name: str) -> LoadedDesign:
 
 def _layout(design: Layout | Drive | LoadedDesign) -> Layout:
     if isinstance(design, LoadedDesign):
-        return design.drive.layout
-    return design.layout if isinstance(design, Drive) else design
+        return layout_of(design.drive)
+    return layout_of(design) if isinstance(design, Drive) else design
 
 
 def results(design: Layout | Drive | LoadedDesign) -> list[CheckResult]:

@@ -15,7 +15,7 @@ from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.check_design import checks_of
-from mbcdm_cad.layouts.loader import load_text
+from mbcdm_cad.layouts.loader import layout_of, load_text
 
 Data = dict[str, Any]
 PRINTED = {"drum": {"material": "pa12"}, "guide": {"material": "pa12"}, "support": {"material": "pa12"}}
@@ -150,7 +150,7 @@ def load(data: Data) -> LoadedDesign:
 
 def failing(loaded: LoadedDesign) -> tuple[tuple[str, str], ...]:
     """(id, message) of the checks that fail, in order, without the search for remedies."""
-    subject = loaded.drive.layout
+    subject = layout_of(loaded.drive)
     with np.errstate(all="ignore"):
         found = [run_check(check, subject, Budget(0)) for check in checks_of(loaded.drive)]
     return tuple((check.id, check.message) for check in found if check.status == "fail")

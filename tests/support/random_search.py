@@ -25,7 +25,7 @@ from mbcdm_cad.design.yamltree import Tree
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.check_design import checks_of
-from mbcdm_cad.layouts.loader import design_file
+from mbcdm_cad.layouts.loader import design_file, layout_of
 from tests.support.random_generator import WHOLE
 
 # Random starts of a search, how many of them are followed, and by how many mutations each.
@@ -81,7 +81,7 @@ def missed(data: Data, draw: Draw, most: float = inf) -> float:
             drive = resolved(Tree(whole, {}), Path("drawn.yaml"), _FILE, moved).drive
         except InputError:
             return NO_DRIVE
-        subject = drive.layout
+        subject = layout_of(drive)
         asked = [check for check in checks_of(drive) if check.severity == "fail"]
         miss = 0.0
         for check in sorted(asked, key=lambda check: check.id in SLOW):

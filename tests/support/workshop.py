@@ -15,6 +15,7 @@ import trimesh
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.drawings.draw import PartFacts, draw_sheet
 from mbcdm_cad.errors import MbcdmError
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.parts.bill import CABLE, Bill
 from mbcdm_cad.parts.milled import cylinder
 from mbcdm_cad.parts.part import MadePart
@@ -176,7 +177,7 @@ def forced(data: dict[str, Any], drive: Drive, seed: int) -> tuple[dict[str, Any
 def forced_parts(drive: Drive, what: str) -> Failures:
     """All parts of a forced design are drawn, or refused with words for the user: never the kernel's."""
     try:
-        dims = drive.layout
+        dims = layout_of(drive)
         bill = dims.bill()
     except Exception as error:
         if not isinstance(error, MbcdmError):

@@ -28,6 +28,7 @@ from mbcdm_cad.design.fields import Number, PlainBlock, choice, quantity
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import SizedValue, SizingError
 from mbcdm_cad.errors import InputError, shortened
+from mbcdm_cad.layouts.registry import layout_of
 
 if TYPE_CHECKING:
     from mbcdm_cad.layouts.sector import SectorLayout
@@ -310,7 +311,7 @@ def output_of(first: SpurDrive) -> CableStageOutput:
     from mbcdm_cad.model.si import ModelError
     from mbcdm_cad.parts.boss import BEARING_WALL_MM
 
-    layout: Any = first.layout
+    layout: Any = layout_of(first)
     flange, bearing = boss_flange(first), first.bearings.drum
     assert flange is not None
     peak = first.loads.peak_torque_Nm
@@ -378,7 +379,9 @@ def losses_of(layout: SectorLayout) -> tuple[float, float]:
 
 def urad_Nm(layout: SectorLayout) -> float:
     """Turn of the end of the drum's shaft per N m there, the motor held: cables, all parts before, and that shaft."""
-    structure, shaft = layout.structure, layout.drum_shaft
+    from mbcdm_cad.layouts.structure import structure_of
+
+    structure, shaft = structure_of(layout), layout.drum_shaft
     before = sum(cause.urad_Nm for cause in structure.causes if cause.at_encoder)
     return structure.cables_urad_Nm + before + shaft_urad_Nm(layout, shaft.flat_y - shaft.y_start)
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from mbcdm_cad.layouts.attachment import Attachment
+from mbcdm_cad.layouts.base import Attachment
 from mbcdm_cad.parts.bill import CABLE, FIXED, AssemblyStep, BillBuilder, MovingBody, PartSpec
 from mbcdm_cad.parts.placement import Placement
 from mbcdm_cad.routes.cable_path import CablePath

@@ -31,6 +31,7 @@ from mbcdm_cad.layouts.siso_spur.pulley import input_pulley
 from mbcdm_cad.layouts.siso_spur.stack import SpurStack, spur_stack
 from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims, flange, yoke
 from mbcdm_cad.layouts.siso_spur.support.idlers import IdlerPin, axle, idlers, pins
+from mbcdm_cad.model.losses import body_bearings
 from mbcdm_cad.parts.collar import CollarDims, collar, collar_over_shelf_mm, collar_width_mm
 from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.drum_sector.dims import SET_SCREW_ANGLES_DEG, DrumDims, HubDowels
@@ -47,9 +48,9 @@ from mbcdm_cad.parts.threads import MOUNT_SCREWS, SHEAR_SHARE, MountScrew, Mount
 from mbcdm_cad.routes.cable_path import CablePath
 
 if TYPE_CHECKING:
-    from mbcdm_cad.layouts.structure import Cause
     from mbcdm_cad.model.losses import BearingPair
     from mbcdm_cad.model.si import DriveSI
+    from mbcdm_cad.model.structure.causes import Cause
     from mbcdm_cad.routes import Floats
 
 
@@ -357,8 +358,6 @@ class SpurLayout(HeadLayout):
 
     def passed_bearings(self, d: DriveSI) -> Iterable[BearingPair]:
         """Those in the idlers."""
-        from mbcdm_cad.layouts.losses import body_bearings
-
         for body, own, _ in self.idlers:
             spec = self.drive.idler_bearing
             yield body_bearings(d, d.routes.body(body), "idlers' bearings", (spec, spec), own.bearings_mm)

@@ -25,6 +25,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.loop.effect import Effect, Figure, Parameter, Words
 from mbcdm_cad.loop.effects import lash
 from mbcdm_cad.loop.prepare.prepared import Prepared, slid
@@ -333,7 +334,7 @@ def beside_design(result: LoopResult, drive: Drive) -> LoopResult:
 
     expected, sigma = drum_friction_Nm(drive)
     spread = exp(sigma / expected) if expected else 1.0
-    turns = [abs(body.turns_per_drum) for body in drive.layout.routed.routes.inputs]
+    turns = [abs(body.turns_per_drum) for body in layout_of(drive).routed.routes.inputs]
     before = expected + sum(n * own for n, own in zip(turns, axis_friction(drive).inputs_Nm, strict=True))
 
     def beside(named: Named) -> Named:

@@ -17,12 +17,14 @@ import numpy as np
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.lumped import compliance_of
-from mbcdm_cad.layouts.structure import sigma_urad_Nm
+from mbcdm_cad.layouts.registry import layout_of
+from mbcdm_cad.layouts.structure import structure_of
 from mbcdm_cad.layouts.turns import modes_of
 from mbcdm_cad.measurement.response import FrequencyResponse
 from mbcdm_cad.measurement.run import Run
-from mbcdm_cad.model.si import ModelError, to_si
+from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.model.stiffness import drum_backlash
+from mbcdm_cad.model.structure.causes import sigma_urad_Nm
 from mbcdm_cad.routes import Complex, Floats
 
 # Part of the slip's compliance out of phase with the torque.
@@ -63,7 +65,7 @@ RIGID_DRIVE = BehindInputs(np.zeros(1), np.zeros(1))
 
 def behind_inputs(drive: Drive, run: Run, most_rad_s2: float) -> BehindInputs:
     """The design behind the inputs of a run whose output accelerates by ``most_rad_s2`` at most."""
-    d, layout = to_si(drive), drive.layout
+    d, layout = layout_of(drive).si, layout_of(drive)
     try:
         bodies, routes = layout.inertias_kg_m2, layout.routed.routes
     except NoFigureError as error:
@@ -76,7 +78,7 @@ def behind_inputs(drive: Drive, run: Run, most_rad_s2: float) -> BehindInputs:
     if run.counted is None or not run.counted.structure:
         return held
     try:
-        structure = layout.structure
+        structure = structure_of(layout)
     except NoFigureError:
         return held
     if structure is None:
@@ -140,7 +142,7 @@ def own_modes_Hz(held: BehindInputs, drive: Drive) -> list[float]:
         [behind * payload * before * held.drum_kg_m2, -(behind * payload + before * (held.drum_kg_m2 + payload)), 1.0]
     )
     found = [float(np.sqrt(max(abs(roots)))) / (2.0 * np.pi)] if roots.size > 1 else []
-    return sorted([*found, *modes_of(drive.layout).inputs_free_Hz])
+    return sorted([*found, *modes_of(layout_of(drive)).inputs_free_Hz])
 
 
 def carried_Nm(seen: FrequencyResponse, inertia_kg_m2: float) -> Floats:

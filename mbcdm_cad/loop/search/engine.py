@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.loop.correction import correction_of
 from mbcdm_cad.loop.effect import Effect
 from mbcdm_cad.loop.effects import friction, library
@@ -39,7 +40,7 @@ from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.measurement.schema import FREQUENCY_RESPONSE, MOTION
 from mbcdm_cad.measurement.vet import arranged
 from mbcdm_cad.measurement.vet_signals import friction_alike
-from mbcdm_cad.model.si import DriveSI, to_si
+from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
 
 if TYPE_CHECKING:
@@ -62,7 +63,7 @@ def close_loop(drive: Drive | None, runs: Sequence[Run], differs: Sequence[Seque
     ``drive`` None: only the ratio of the runs is known. Nothing of the drive or the runs is changed. ``differs``: for
     each run the fields of the design, or the effects, of which it has values of its own.
     """
-    d = None if drive is None else to_si(drive)
+    d = None if drive is None else layout_of(drive).si
     ratio = float(runs[0].ratio or 1.0) if d is None else float(np.mean(d.total_ratio))
     with threadpool_limits(1, "blas"):
         ready = runs if drive is None else [arranged(run, drive) for run in runs]

@@ -16,6 +16,7 @@ from scipy.optimize import least_squares
 from scipy.stats import f as f_distribution
 
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.loop.prepare.behind_inputs import (
     RIGID_DRIVE,
     SECOND,
@@ -37,7 +38,7 @@ from mbcdm_cad.loop.search.select import LEAST_FALL
 from mbcdm_cad.loop.search.selection import Selection
 from mbcdm_cad.measurement.response import FrequencyResponse, response_of
 from mbcdm_cad.measurement.run import Run
-from mbcdm_cad.model.si import DriveSI, to_si
+from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Complex, Floats
 
 # Standard deviations as shares: of the slip, by the friction of the wraps; of all compliance, by lumped inertias and
@@ -232,7 +233,7 @@ class ResponseLoop(Selection[ResponseFit]):
     most_effects, most_tested, most_paired = 4, 9, 0
 
     def __init__(self, drive: Drive | None, ratio: float, runs: Sequence[Run]) -> None:
-        self.runs, self.drive, self.d = tuple(runs), drive, None if drive is None else to_si(drive)
+        self.runs, self.drive, self.d = tuple(runs), drive, None if drive is None else layout_of(drive).si
         self.seen = [response_of(run, ratio) for run in runs]
         if drive is None:  # nothing says what the torque turns
             self.seen = [replace(one, twist=None) for one in self.seen]

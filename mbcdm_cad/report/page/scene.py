@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.parts.bill import Bill, Item, cable_item
 from mbcdm_cad.parts.bodies import CableRod
 from mbcdm_cad.routes.cable_path import CablePath
@@ -71,7 +72,7 @@ class _Binary:
 
 def design_scene(drive: Drive, parts: Mapping[str, PartFiles], lines: Lines) -> Scene:
     """The scene of one design from its configuration; ``parts`` by name, ``lines`` from :func:`cable_lines`."""
-    layout = drive.layout
+    layout = layout_of(drive)
     centred = layout.bill()
     return scene(centred, bodies(layout.moving_bodies, centred), parts, lines, drive)
 

@@ -14,11 +14,13 @@ import markupsafe
 import numpy as np
 
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.registry import layout_of
+from mbcdm_cad.layouts.turns import turns_of
 from mbcdm_cad.model.capability import requirements
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.sensitivity import elasticities, figure_5
-from mbcdm_cad.model.si import DriveSI, to_si
+from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.model.tolerance import Tolerances, ToleranceStack, tolerance_stack
 from mbcdm_cad.report.comparison import ComparedDesign, comparison_table, torque_notes
 from mbcdm_cad.report.dependencies import dependency_graph, dependency_svg
@@ -29,6 +31,7 @@ from mbcdm_cad.report.page.scene import Lines, Scene, cable_lines, design_scene
 from mbcdm_cad.report.page.template import page_environment
 from mbcdm_cad.report.preload import preload_shown
 from mbcdm_cad.report.structure import path_data_or_reason
+from mbcdm_cad.report.table import chart
 from mbcdm_cad.storage.cache import content_key
 from mbcdm_cad.workshop.drawings import ASSEMBLY
 
@@ -45,7 +48,7 @@ _DRAWS = 2
 
 def studies(drive: Drive) -> dict[str, Any]:
     """Charts by name, each with its axes and lines as plain lists. Angles in mrad or urad, torques in N m."""
-    d, need = to_si(drive), requirements(drive)
+    d, need = layout_of(drive).si, requirements(layout_of(drive))
     load = float(need.load_Nm)
     stack = tolerance_stack(d, float(need.half_travel_rad), Tolerances(), draws=_DRAWS, poses=61)
     charts = {
@@ -71,11 +74,11 @@ def charts_under_load(drives: Sequence[tuple[str, Drive]]) -> dict[str, Any]:
     """Turn and swing of the payload over the load, a line a drive, each up to its own peak torque."""
     loads, turns, swings = [], [], []
     for name, drive in drives:
-        d, at = to_si(drive), np.linspace(0.0, drive.loads.peak_torque_Nm, _POINTS)
+        d, at = layout_of(drive).si, np.linspace(0.0, drive.loads.peak_torque_Nm, _POINTS)
         idle = solve_equilibrium(d, 0.0).drum_angle_rad
         loaded = solve_equilibrium(d.spread(_POINTS), at)
         back = solve_equilibrium(d.spread(_POINTS), -at, turned_at_N=loaded.tension_N)
-        structure = drive.layout.turns.felt.structure_urad_Nm * at * 1e-3
+        structure = turns_of(layout_of(drive)).felt.structure_urad_Nm * at * 1e-3
         loads.append(at)
         turns.append((name, np.abs(loaded.drum_angle_rad - idle) * 1e3 + structure))
         swings.append((name, np.abs(back.drum_angle_rad - loaded.drum_angle_rad) * 1e3 + 2.0 * structure))
@@ -91,15 +94,11 @@ def _chart(
 ) -> dict[str, Any]:
     """A chart with one set of places for all its lines, or one each where ``places`` is a list."""
     each = places if isinstance(places, list) else [places] * len(lines)
-    return {
-        "title": title,
-        "x": {"label": x[0], "unit": x[1]},
-        "y": {"label": y[0], "unit": y[1]},
-        "lines": [
-            {"label": label, "x": _rounded(np.asarray(at).tolist()), "y": _rounded(np.asarray(line).tolist())}
-            for at, (label, line) in zip(each, lines, strict=True)
-        ],
-    }
+    drawn = [
+        {"label": label, "x": _rounded(np.asarray(at).tolist()), "y": _rounded(np.asarray(line).tolist())}
+        for at, (label, line) in zip(each, lines, strict=True)
+    ]
+    return chart(title, x, y, drawn)
 
 
 def _over_load(d: DriveSI, peak_Nm: float) -> dict[str, Any]:
@@ -220,7 +219,7 @@ class PageFigures:
 
 def page_figures(drive: Drive, fields: Sequence[Mapping[str, Any]], cache: Cache) -> PageFigures:
     """The figures of the page; ``fields`` as in the report."""
-    paths_at = drive.layout.all_cable_paths
+    paths_at = layout_of(drive).all_cable_paths
     lines, _ = cable_lines(paths_at, drive.half_travel_deg)
     return PageFigures(_studies(drive, cache), lines, fields_graph(drive.name, fields))
 
@@ -248,7 +247,8 @@ def page_of(
 def _studies(drive: Drive, cache: Cache) -> dict[str, Any]:
     """The curves of the model, from the cache: they take seconds and depend only on what the model reads."""
     # As text, because limits that a drive does not have are infinite, which content_key refuses.
-    read = [asdict(to_si(drive)), asdict(requirements(drive)), asdict(drive.loads), drive.layout.wraps_at_ends_rad]
+    layout = layout_of(drive)
+    read = [asdict(layout.si), asdict(requirements(layout)), asdict(drive.loads), layout.wraps_at_ends_rad]
     inputs = json.dumps(read, sort_keys=True, default=lambda array: array.tolist())
     key = content_key("studies", inputs)
     kept = cache.get_or_make(key, lambda: {"studies": json.dumps(studies(drive)).encode()})

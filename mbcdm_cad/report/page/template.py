@@ -13,7 +13,7 @@ import markupsafe
 
 from mbcdm_cad.design.describe import flow
 from mbcdm_cad.model.equations import papers_test
-from mbcdm_cad.report.table import designs_shown
+from mbcdm_cad.report.table import chart, designs_shown
 
 _RANK = {"fail": 0, "warn": 1, "pass": 2}
 # Tolerance for rounding: a wall exactly at its limit may be computed as 1e-15 below it.
@@ -233,12 +233,9 @@ def speed_chart(report: Mapping[str, Any]) -> dict[str, Any] | None:
         return None
     speeds = [point["drum_speed_deg_s"] for point in m["curve"]]
     lines = (("continuous", "continuous_Nm"), ("short-time", "peak_Nm"))
-    return {
-        "title": f"Torque at the drum over its speed, {m['bus_voltage_V']:g} V",
-        "x": {"label": "speed of the drum", "unit": "deg/s"},
-        "y": {"label": "torque", "unit": "N m"},
-        "lines": [{"label": label, "x": speeds, "y": [point[key] for point in m["curve"]]} for label, key in lines],
-    }
+    drawn = [{"label": label, "x": speeds, "y": [point[key] for point in m["curve"]]} for label, key in lines]
+    title = f"Torque at the drum over its speed, {m['bus_voltage_V']:g} V"
+    return chart(title, ("speed of the drum", "deg/s"), ("torque", "N m"), drawn)
 
 
 # Units at the end of a field's name, how they are shown, and the digits after the point.

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.lumped import Compliance, PartsFriction
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.rig.bench import PathOf, RigCable, cables_of, routes_of
 from mbcdm_cad.rig.chain import PIECE_RAD
 from mbcdm_cad.rig.dynamic.train import (
@@ -64,7 +65,7 @@ def inertias(drive: Drive) -> Inertias:
     """Inertias of the moving parts of ``drive``. Raises ValueError where they have no form."""
     rotor = drive.motor.rotor_inertia_g_cm2 * _G_CM2
     try:
-        bodies = dict(drive.layout.inertias_kg_m2)
+        bodies = dict(layout_of(drive).inertias_kg_m2)
     except NoFigureError as error:
         raise ValueError(str(error)) from None
     return Inertias(rotor, drive.reduction.ratio, bodies, routes_of(drive))

@@ -11,6 +11,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.rig.bench import Bench, SurfaceAngle
 from mbcdm_cad.rig.effects.machine import CableNames, Phase, RigEffect, Share, Stage
 from mbcdm_cad.routes import Floats
@@ -162,7 +163,7 @@ class InputCreep(RigEffect):
         free = [c.route.wraps[0].may_slip_through for c in bench.cables]
         if not any(free):
             raise KeyError("cable that friction alone holds on its input")
-        found = bench.drive.layout.routed
+        found = layout_of(bench.drive).routed
         wraps = np.asarray(found.geometry.through_wrap_rad(found.parameters), dtype=float)
         if self.wrap_deg is not None:
             wraps[:] = radians(self.wrap_deg)

@@ -15,7 +15,8 @@ from mbcdm_cad.design.blocks import DutyBlock, DutyRow
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.check_design import checks_of
-from mbcdm_cad.layouts.loader import load_text
+from mbcdm_cad.layouts.life import life_of
+from mbcdm_cad.layouts.loader import layout_of, load_text
 
 BY_ID = {check.id: check for check in FAMILIES[1].checks}
 # Motor without a gearhead, printed.
@@ -44,7 +45,7 @@ SIZES = {
 
 
 def check(text: str, name: str) -> CheckResult:
-    return run_check(BY_ID[name], load_text(text).drive.layout)
+    return run_check(BY_ID[name], layout_of(load_text(text).drive))
 
 
 def leg(more: str) -> str:
@@ -58,7 +59,7 @@ def sized_leg() -> Drive:
 
 def check_leg(name: str, **loads: Any) -> CheckResult:
     """A check on the leg as it is sized without them, under other loads."""
-    return run_check(BY_ID[name], replace(sized_leg(), loads=replace(sized_leg().loads, **loads)).layout)
+    return run_check(BY_ID[name], layout_of(replace(sized_leg(), loads=replace(sized_leg().loads, **loads))))
 
 
 def wrist(layout: str, more: str) -> str:
@@ -70,7 +71,7 @@ def test_sizing_chooses_a_gearhead_that_lasts_in_every_layout(layout: str) -> No
     """Continuously as much as at the peak: the check of the peak alone does not tell whether the gearhead lasts."""
     peak = load_text(wrist(layout, "")).drive
     lasting = load_text(wrist(layout, ", continuous_torque_Nm: 0.8")).drive
-    found = run_check(BY_ID["continuous_torque"], lasting.layout)
+    found = run_check(BY_ID["continuous_torque"], layout_of(lasting))
     assert found.status == "pass", found
     assert lasting.gearhead.rated_torque_mNm >= peak.gearhead.rated_torque_mNm, (lasting.gearhead, peak.gearhead)
     asked = {c.id for c in checks_of(lasting)}
@@ -90,7 +91,7 @@ def test_a_gearhead_that_does_not_last_learns_what_one_needs() -> None:
 def test_speed_is_that_of_the_curve(asked: float) -> None:
     """By hand: (24 V - R I)/K over 9 to 1, at the motor's torque under the load with losses."""
     found = check_leg("speed", speed_deg_s=asked)
-    train = sized_leg().layout.losses
+    train = layout_of(sized_leg()).losses
     torque = max(float(train.moving(load, 1).motor_Nm.max()) for load in (5.0, -5.0)) - train.motor_idle_Nm
     expected = (24.0 - 0.17 * torque / 0.106) / 0.106 * 57.29578 / 9.0
     assert found.actual == pytest.approx(expected, rel=1e-3)
@@ -100,7 +101,7 @@ def test_speed_is_that_of_the_curve(asked: float) -> None:
 def test_a_motor_without_electrical_values_cannot_show_a_speed() -> None:
     drive = load_text(wrist("siso_spur", ", speed_deg_s: 100")).drive
     bare = replace(drive, motor=replace(drive.motor, torque_constant_mNm_A=None))
-    found = run_check(BY_ID["speed"], bare.layout)
+    found = run_check(BY_ID["speed"], layout_of(bare))
     assert found.status == "fail" and "torque constant" in found.message, found
 
 
@@ -111,7 +112,7 @@ def test_sizing_for_a_speed_takes_a_motor_that_reaches_it(layout: str, speed: in
     if layout == "miso_bevel" and not geared:
         pytest.skip("its rules take a motor without gearhead only where the file asks for it")
     drive = load_text(wrist(layout, f", speed_deg_s: {speed}")).drive
-    assert run_check(BY_ID["speed"], drive.layout).status == "pass"
+    assert run_check(BY_ID["speed"], layout_of(drive)).status == "pass"
     assert not geared or not drive.gearhead.absent, drive.motor.name
 
 
@@ -122,19 +123,22 @@ def test_sizing_takes_a_motor_that_stands_the_stated_duty(layout: str) -> None:
     plain = load_text(wrist(layout, "")).drive
     asked = load_text(wrist(layout, f", duty: {{ambient_C: 115, period_s: 30, rows: {rows}}}")).drive
     duty = replace(plain, loads=asked.loads)
-    assert run_check(BY_ID["duty"], duty.layout).status == "fail"
-    found = run_check(BY_ID["duty"], asked.layout)
+    assert run_check(BY_ID["duty"], layout_of(duty)).status == "fail"
+    found = run_check(BY_ID["duty"], layout_of(asked))
     assert found.status == "pass", found
     assert asked.motor.rated_torque_mNm * asked.gearhead.ratio > plain.motor.rated_torque_mNm * plain.gearhead.ratio
 
 
 def test_a_wanted_life_takes_a_rope_of_thinner_wires_and_larger_pulleys() -> None:
     text = wrist("siso_spur", "").replace(", drum_radius_mm: 60", "").replace("0.8", "4.0")
-    plain, lasting = load_text(text).drive.layout, load_text(text + "targets: {life_cycles: 1000}\n").drive.layout
+    plain, lasting = (
+        layout_of(load_text(text).drive),
+        layout_of(load_text(text + "targets: {life_cycles: 1000}\n").drive),
+    )
     assert (plain.drive.cable.construction, lasting.drive.cable.construction) == ("7x7", "7x19")
     assert lasting.smallest_bend_ratio >= lasting.drive.cable.bend_ratio_desired
     assert plain.smallest_bend_ratio < plain.drive.cable.bend_ratio_minimum
-    assert lasting.life.first is not None and lasting.life.first.cycles > 1000.0
+    assert life_of(lasting).first is not None and life_of(lasting).first.cycles > 1000.0
 
 
 def test_a_duty_at_its_border() -> None:

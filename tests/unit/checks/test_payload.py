@@ -15,7 +15,8 @@ from mbcdm_cad.checks.structure import payload_screws
 from mbcdm_cad.design.blocks import Payload
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError
-from mbcdm_cad.layouts.loader import load_text
+from mbcdm_cad.layouts.life import life_of
+from mbcdm_cad.layouts.loader import layout_of, load_text
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.parts.drum_sector.dims import SLIP_SAFETY, JointLoad, PayloadJoint
 from mbcdm_cad.report.analysis_report import analyse_design
@@ -34,14 +35,14 @@ FOOT = "mass_kg: 0.5, distance_mm: 100.0, ahead_mm: 40.0, radial_N: 300.0"
 
 def carrying(payload: Payload | None, drive: Drive | None = None) -> SectorLayout:
     drive = drive or reference()
-    layout = replace(drive, loads=replace(drive.loads, payload=payload)).layout
+    layout = layout_of(replace(drive, loads=replace(drive.loads, payload=payload)))
     assert isinstance(layout, SectorLayout)
     return layout
 
 
 def leg(configuration: str, loads: str) -> SectorLayout:
     text = f"name: leg\nconfiguration: {configuration}\n{LEGS[configuration]}loads: {{{loads}}}\n"
-    layout = load_text(text).drive.layout
+    layout = layout_of(load_text(text).drive)
     assert isinstance(layout, SectorLayout)
     return layout
 
@@ -114,7 +115,7 @@ def test_weight_warms_motors_and_bends_cables_where_the_file_states_no_duty() ->
     without = carrying(None)
     assert s.motor_days[0].rms_Nm > 1.3 * without.motor_days[0].rms_Nm
     assert f"the payload's weight, {weight:.4g} N m" in s.duty.assumed[0], s.duty.assumed
-    assert "the payload's weight" in s.life.duty, s.life.duty
+    assert "the payload's weight" in life_of(s).duty, life_of(s).duty
     report = analyse_design(s.drive).to_dict()
     assert any("the payload's weight" in words for words in report["duty"]["assumed"]), report["duty"]
 

@@ -18,7 +18,7 @@ from mbcdm_cad.checks.design_variables import ALL_RADII, up
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.check_design import checks_of, run_checks
-from mbcdm_cad.layouts.loader import load_design, load_text
+from mbcdm_cad.layouts.loader import layout_of, load_design, load_text
 from mbcdm_cad.layouts.miso_bevel.checks import CHECKS
 from mbcdm_cad.layouts.miso_bevel.layout import VARIABLES, BevelLayout
 
@@ -86,7 +86,7 @@ def test_a_remedy_names_the_catalogues_rope() -> None:
 @pytest.mark.parametrize(("least", "offered"), [(45.0, True), (60.0, False)])
 def test_no_remedy_leaves_the_bounds_of_its_field(least: float, offered: bool) -> None:
     """A bridge may be 50 mm thick; the limit of the remedies' own search lies beyond."""
-    layout = load_design(PARAMS / "siso_spur.yaml").drive.layout
+    layout = layout_of(load_design(PARAMS / "siso_spur.yaml").drive)
     stub = BY_ID["walls"].but(
         measure=lambda s: at_least("bridge", s.drive.support.bridge_mm * 3.0, least * 3.0, "mm"),
         adjust=(up("support.bridge_mm"),),
@@ -103,7 +103,7 @@ def test_a_hollow_centre_says_which_bearing_or_that_no_ring_encoder_fits() -> No
         "transmission: {input_to_drum: 8, drum_radius_mm: 60}\ndrum: {shaft_bore_mm: 25}\n"
     )
     found, after = (
-        run_check(next(check for check in checks_of(drive) if check.id == "shaft_wall"), drive.layout)
+        run_check(next(check for check in checks_of(drive) if check.id == "shaft_wall"), layout_of(drive))
         for drive in (load_text(t, "hollow.yaml").drive for t in (text, text + "drive: {drum_encoder: none}\n"))
     )
     assert found.status == "fail" and "set drive.drum_encoder to none" in found.remedy, found

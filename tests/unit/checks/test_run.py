@@ -22,7 +22,7 @@ from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.check_design import checks_of, known_ids, run_checks
-from mbcdm_cad.layouts.loader import load_design, load_text, reference_data
+from mbcdm_cad.layouts.loader import layout_of, load_design, load_text, reference_data
 from mbcdm_cad.layouts.miso_bevel.checks import CHECKS
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 
@@ -220,7 +220,7 @@ def _fields_of(schema: dict[str, Any], node: dict[str, Any]) -> set[str]:
 def test_a_figure_that_is_zero_but_for_rounding_is_zero() -> None:
     """The sine of an angle of 0 is found as 1.5e-8, and ratios agree within 1e-11."""
     angle = CHECKS[0].but(measure=lambda s: at_most("fleet angle", 8.5e-7, 1.5, "deg"))
-    found = run_check(angle, reference().layout)
+    found = run_check(angle, layout_of(reference()))
     assert (found.actual, found.margin, found.message) == (0.0, 1.5, "fleet angle 0 deg (limit at most 1.5)")
     for result in run_checks(load_design(PARAMS.parent / "siso_spur.yaml")):
         assert not result.limit or result.actual == 0.0 or abs(result.actual or 0.0) > 1e-7 * result.limit, result

@@ -18,9 +18,9 @@ from mbcdm_cad.checks.bearings import BEARING_PLAY_MM, coupling_runout
 from mbcdm_cad.checks.fixings import pulley_stress, set_screws_hold_Nmm, shaft_stress, stalled_Nm
 from mbcdm_cad.checks.structure import drum_stress, frame_windup, mounting_screws, payload_screws, stiffness
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.layouts.loader import load_design, load_text
+from mbcdm_cad.layouts.loader import layout_of, load_design, load_text
 from mbcdm_cad.layouts.sector import SectorLayout
-from mbcdm_cad.layouts.structure import pulley_sections
+from mbcdm_cad.layouts.structure import pulley_sections, structure_of
 from mbcdm_cad.parts.drum_sector.dims import (
     SET_SCREW_ANGLES_DEG,
     SLIP_SAFETY,
@@ -45,8 +45,8 @@ loads: {{peak_torque_Nm: {peak}}}
 
 
 def sector(drive: Drive) -> SectorLayout:
-    assert isinstance(drive.layout, SectorLayout)
-    return drive.layout
+    assert isinstance(layout_of(drive), SectorLayout)
+    return layout_of(drive)
 
 
 def test_payload_slips_at_four_times_mu_f_r() -> None:
@@ -187,7 +187,7 @@ def test_the_references_hold_with_their_stated_margin(name: str) -> None:
 def test_a_limit_that_is_left_out_is_the_turn_of_the_cables() -> None:
     s = sector(load_text(SHORT.format(peak=3.0)).drive)
     assert s.drive.limits.frame_windup_max_mrad is None
-    cables = s.structure.cables_urad_Nm * s.drive.loads.test_torque_Nm * 1e-3
+    cables = structure_of(s).cables_urad_Nm * s.drive.loads.test_torque_Nm * 1e-3
     assert frame_windup(s).limit == pytest.approx(cables), f"{frame_windup(s)}, cables {cables} mrad"
     advice = frame_windup.advice
     assert callable(advice)
@@ -202,7 +202,7 @@ def test_a_limit_that_is_left_out_is_the_turn_of_the_cables() -> None:
 def test_stiffness_is_a_figure_unless_it_is_asked_for() -> None:
     s = sector(reference())
     free = stiffness(s)
-    assert free.sense == 0 and free.actual == pytest.approx(s.structure.stiffness_Nm_rad)
+    assert free.sense == 0 and free.actual == pytest.approx(structure_of(s).stiffness_Nm_rad)
     assert not stiffness(sector(put(s.drive, "loads.stiffness_Nm_rad", free.actual * 1.01))).holds
     assert stiffness(sector(put(s.drive, "loads.stiffness_Nm_rad", free.actual * 0.99))).holds
 

@@ -12,7 +12,7 @@ from mbcdm_cad.checks.run import run_all
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError
-from mbcdm_cad.layouts.loader import load_text, new_design_text
+from mbcdm_cad.layouts.loader import layout_of, load_text, new_design_text
 from mbcdm_cad.layouts.miso_bevel.checks import CHECKS
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from tests.support.checked import failing
@@ -95,7 +95,7 @@ def _short(rope: str, layout: str = "siso_spur", transmission: str = SPUR) -> Dr
 @pytest.mark.parametrize("end", [n for n, e in package_entries("terminations").items() if "7x7" in e["constructions"]])
 def test_an_end_holds_its_share_of_the_rope(end: str) -> None:
     drive = _with_rope("7x7-1.0", end)
-    highest = drive.layout.loads.highest_N
+    highest = layout_of(drive).loads.highest_N
     held = package_entries("terminations")[end]["strength_share"] * 808.0 / highest
     assert _result(drive, "cable_ends").message.startswith(f"{end} "), end
     at_terminal = float(_result(drive, "cable_ends").message.split("N over")[0].split(":")[1]) / highest
@@ -131,7 +131,7 @@ def test_a_knot_takes_rope_and_take_up_and_says_how_it_is_tied() -> None:
     spliced, knotted = (
         _short(f"type: uhmwpe-1, preload_N: 10.0, termination: {end}") for end in ("spliced", "knotted")
     )
-    plans = [drive.layout.tensioning for drive in (spliced, knotted)]
+    plans = [layout_of(drive).tensioning for drive in (spliced, knotted)]
     a, b = (plan.cables[0] for plan in plans)
     entry = package_entries("terminations")["knotted"]
     # One end a side of the one cable; the rope is 1 mm thick.
@@ -139,6 +139,6 @@ def test_a_knot_takes_rope_and_take_up_and_says_how_it_is_tied() -> None:
     assert b.need.total_m - a.need.total_m == pytest.approx(entry["setting_ratio"] * 1e-3, rel=0.05), (a, b)
     beyond = [(s.cut_length_m - s.finished_m) * 1e3 for s in (a, b)]
     assert beyond[1] - beyond[0] > 0.9 * entry["tail_ratio"], beyond
-    words = " ".join(step.text for step in knotted.layout.assembly_order)
+    words = " ".join(step.text for step in layout_of(knotted).assembly_order)
     assert entry["making"] in words and "knotted" in words
-    assert entry["making"] not in " ".join(step.text for step in spliced.layout.assembly_order)
+    assert entry["making"] not in " ".join(step.text for step in layout_of(spliced).assembly_order)

@@ -12,7 +12,8 @@ import yaml
 from mbcdm_cad import cli
 from mbcdm_cad.checks.size import kept_mass_g
 from mbcdm_cad.design.loaded import LoadedDesign
-from mbcdm_cad.layouts.loader import load_design, load_text, short_design_text
+from mbcdm_cad.layouts.loader import layout_of, load_design, load_text, short_design_text
+from mbcdm_cad.layouts.structure import structure_of
 
 
 @pytest.fixture
@@ -56,9 +57,9 @@ def test_a_derived_line_without_its_comment_mark_pins_its_field(layout: str) -> 
 
 
 def _mass_times_turn(loaded: LoadedDesign) -> float:
-    layout = loaded.drive.layout
-    assert layout.structure is not None
-    return kept_mass_g(layout) / layout.structure.stiffness_Nm_rad
+    layout = layout_of(loaded.drive)
+    assert structure_of(layout) is not None
+    return kept_mass_g(layout) / structure_of(layout).stiffness_Nm_rad
 
 
 def test_every_sized_field_is_listed_with_its_driver(short: Path, capsys: pytest.CaptureFixture[str]) -> None:

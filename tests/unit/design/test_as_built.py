@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from mbcdm_cad.errors import InputError
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.model.analysis import analyse
 
 
@@ -38,8 +39,8 @@ def test_values_change_by_their_shares_and_get_sigmas(load_edited: Any) -> None:
 
 
 def test_analysis_is_that_of_the_drive_as_built(load_edited: Any) -> None:
-    bare = analyse(load_edited({}).drive)
-    stiff = analyse(load_edited({("as_built",): [MODULUS]}).drive)
+    bare = analyse(layout_of(load_edited({}).drive))
+    stiff = analyse(layout_of(load_edited({("as_built",): [MODULUS]}).drive))
     ratio = stiff.reversal_swing_mrad / bare.reversal_swing_mrad
     assert ratio == pytest.approx(1.0 / 1.1, rel=1e-9)
 

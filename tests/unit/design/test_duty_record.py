@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.errors import InputError
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.life import life_of
+from mbcdm_cad.layouts.loader import layout_of, load_design
 
 DESIGN = """name: wrist
 configuration: siso_spur
@@ -35,7 +36,7 @@ def written(folder: Path, record: str, design: str = DESIGN) -> Path:
     ],
 )
 def test_a_record_gives_the_same_duty_in_any_units(record: str, tmp_path: Path) -> None:
-    layout = load_design(written(tmp_path, record)).drive.layout
+    layout = layout_of(load_design(written(tmp_path, record)).drive)
     duty = layout.duty
     assert duty.stated and duty.assumed == () and duty.ambient_C == 30.0
     assert duty.period_s == pytest.approx(2.0) and duty.largest_speed_deg_s == pytest.approx(30.0)
@@ -45,7 +46,7 @@ def test_a_record_gives_the_same_duty_in_any_units(record: str, tmp_path: Path) 
         1800
     )
     # Ten hours of 1800 cycles.
-    assert layout.life.wanted_cycles == pytest.approx(18000.0)
+    assert life_of(layout).wanted_cycles == pytest.approx(18000.0)
 
 
 @pytest.mark.parametrize(
@@ -101,7 +102,7 @@ def test_many_movements_count_by_classes_that_take_no_life_away(tmp_path: Path) 
     rng = np.random.default_rng(1)
     angle, torque = rng.uniform(-30, 30, 1000), rng.uniform(-0.7, 0.7, 1000)
     rows = "\n".join(f"{k},{a:.4f},{m:.4f}" for k, (a, m) in enumerate(zip(angle, torque, strict=True)))
-    duty = load_design(written(tmp_path, f"time_s,angle_deg,torque_Nm\n{rows}\n")).drive.layout.duty
+    duty = layout_of(load_design(written(tmp_path, f"time_s,angle_deg,torque_Nm\n{rows}\n")).drive).duty
     assert len(duty.strokes) <= 72
     turns = np.flatnonzero(np.diff(np.sign(np.diff(np.append(angle, angle[0]))))).size
     assert duty.cycles_per_h == pytest.approx(0.5 * turns * 3600.0 / 999.0, rel=0.02)

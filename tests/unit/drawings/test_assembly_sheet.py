@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.parts.sheet import Linear, Vector
 from mbcdm_cad.workshop.assembly_sheet import SeenBody, assembly_sheet, numbers, pointers
 from tests.support.drawing_reader import document, leaders_at_one_point, sections_without_line
@@ -84,7 +84,7 @@ def test_a_part_thinner_than_the_points_is_found(thick_mm: float) -> None:
 
 def test_list_of_parts_is_the_bill() -> None:
     drive = load_design(ROOT / "params" / "mbcdm.yaml").drive
-    items = drive.layout.bill().items
+    items = layout_of(drive).bill().items
     number = numbers(items)
     bodies = [_block(number[i.part], tuple(i.location.shift_mm), (1.0, 1.0, 1.0)) for i in items]
     envelope = ((-63.0, -14.0, -11.0), (63.0, 20.0, 86.0))
@@ -105,7 +105,7 @@ def test_drawn_sections_have_lines_and_leaders_their_own_points() -> None:
     from mbcdm_cad.parts.bill import Item
     from mbcdm_cad.parts.placement import Placement
 
-    metal = next(iter(load_design(ROOT / "params" / "mbcdm.yaml").drive.layout.bill().items)).material
+    metal = next(iter(layout_of(load_design(ROOT / "params" / "mbcdm.yaml").drive).bill().items)).material
     items = [Item(f"p{n}", f"p{n}", metal, "made", Placement.identity(), "fixed") for n in _MADE]
     sheet = assembly_sheet("assembly", items, _bodies(), ((-20.0, -25.0, -38.0), (20.0, 35.0, 20.0)), {})
     solids = {n: cq.Workplane().box(*(2 * h for h in half)).translate(at).val() for n, (at, half) in _MADE.items()}

@@ -8,7 +8,7 @@ import cadquery as cq
 import pytest
 
 from mbcdm_cad.drawings.draw import PartFacts, draw_sheet
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
 from tests.support.drawing_reader import DoubledDimensionError, MissingDimensionError, dimensions, document
 from tests.support.rebuilt import SMALL, turned
 
@@ -22,7 +22,7 @@ _VOLUME_ERROR = 2e-3
 def parts() -> dict[str, tuple[cq.Solid, bytes]]:
     """Solid and DXF of the parts that are rebuilt."""
     drive = load_design(ROOT / "params" / "mbcdm.yaml").drive
-    specs = drive.layout.bill().parts
+    specs = layout_of(drive).bill().parts
     made = {}
     for name in SMALL:
         spec = specs[name]

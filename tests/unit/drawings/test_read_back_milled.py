@@ -9,7 +9,7 @@ import pytest
 from ezdxf.document import Drawing
 
 from mbcdm_cad.drawings.draw import PartFacts, draw_sheet
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
 from tests.support.drawing_reader import (
     DoubledDimensionError,
     MissingDimensionError,
@@ -43,7 +43,7 @@ def sheets() -> Sheets:
     made = {}
     for file, parts in DESIGNS.items():
         drive = load_design(ROOT / "params" / f"{file}.yaml").drive
-        specs = drive.layout.bill().parts
+        specs = layout_of(drive).bill().parts
         for name in parts:
             spec = specs[name]
             solid = spec.part.solid()

@@ -18,7 +18,7 @@ from ezdxf.document import Drawing
 
 from mbcdm_cad.drawings.document import plain
 from mbcdm_cad.drawings.draw import LAYOUT, PartFacts, draw_sheet
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
 from tests.acceptance.freecad import freecad_program, run_in_freecad
 from tests.support.drawing_reader import document, texts_on_texts, texts_outside
 
@@ -39,7 +39,7 @@ print(chr(10) + json.dumps({"lengths_mm": found}))
 @pytest.fixture(scope="module")
 def sheet() -> tuple[cq.Solid, dict[str, bytes]]:
     """The drum: views at 2:1, a detail at 4:1, diameters, lengths, a radius, an angle."""
-    part = load_design(ROOT / "params" / "mbcdm.yaml").drive.layout.bill().made["drum"]
+    part = layout_of(load_design(ROOT / "params" / "mbcdm.yaml").drive).bill().made["drum"]
     solid = part.in_views().solid()
     return solid, draw_sheet(part.sheet("drum"), solid, PartFacts("mbcdm", "metal", 1.0, "0", 0.02))
 
@@ -100,7 +100,9 @@ def test_a_control_frame_names_value_and_datum_in_cells_beside_each_other(doc: D
 
 def test_a_crowded_small_pulley_keeps_its_texts_apart() -> None:
     """So many dimensions stand round this one that its control frames find room only far from it."""
-    part = load_design(ROOT / "params" / "gallery" / "telescope.yaml").drive.layout.bill().made["input_pulley_right"]
+    part = (
+        layout_of(load_design(ROOT / "params" / "gallery" / "telescope.yaml").drive).bill().made["input_pulley_right"]
+    )
     facts = PartFacts("telescope", "metal", 1.0, "0", 0.02)
     crowded = document(draw_sheet(part.sheet("input_pulley_right"), part.in_views().solid(), facts)["dxf"])
     assert not texts_on_texts(crowded) and not texts_outside(crowded)

@@ -15,7 +15,7 @@ import pytest
 from mbcdm_cad.drawings.document import plain
 from mbcdm_cad.drawings.draw import PartFacts, draw_sheet
 from mbcdm_cad.drawings.frames import Room
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
 from tests.support.drawing_reader import (
     document,
     leaders_at_one_point,
@@ -30,7 +30,7 @@ from tests.support.drawing_reader import (
 pytestmark = pytest.mark.slow
 ROOT = Path(__file__).parents[3]
 _DRIVE = load_design(ROOT / "params" / "mbcdm.yaml").drive
-_BILL = _DRIVE.layout.bill()
+_BILL = layout_of(_DRIVE).bill()
 MADE = tuple(dict.fromkeys(item.part for item in _BILL.items if item.kind == "made"))
 _FACTS = PartFacts("mbcdm", "metal", 1.0, "0", 0.02)
 

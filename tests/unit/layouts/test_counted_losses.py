@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from mbcdm_cad.layouts.loader import design_file, load_design, load_text
+from mbcdm_cad.layouts.loader import design_file, layout_of, load_design, load_text
 from mbcdm_cad.model.analysis import analyse
 from mbcdm_cad.model.bulk import preload_table
 from tests.support.checked import result, results
@@ -38,7 +38,7 @@ limits: {losses: LOSSES}
 def moved_Nm(text: str) -> float:
     """Torque that the drive moves with all losses at the motors' continuous torque, in the worse direction."""
     drive = load_text(text).drive
-    train = drive.layout.losses
+    train = layout_of(drive).losses
     output = train.output_Nm(drive.motor.rated_torque_mNm * 1e-3)
     return min(float(train.raised_Nm(output, way).min()) for way in (1, -1))
 
@@ -64,11 +64,11 @@ def test_no_check_of_motor_or_gearhead_fails_where_sizing_was_free(text: str) ->
 def test_every_figure_follows_the_rule_in_force() -> None:
     for mode in ("paper", "counted"):
         drive = load_text(WRIST.replace("LOSSES", mode)).drive
-        a = analyse(drive)
+        a = analyse(layout_of(drive))
         assert a.losses_counted is (mode == "counted")
         chosen = a.peak_torque_with_losses_Nm if a.losses_counted else a.peak_torque_lossless_Nm
         assert a.peak_torque_Nm == chosen
-        row = next(r for r in preload_table(drive) if r.share == 1.0)
+        row = next(r for r in preload_table(layout_of(drive)) if r.share == 1.0)
         assert min(row.at_inputs_Nm) == pytest.approx(min(a.peak_torque_Nm), rel=1e-6)
         check = result(drive, "motor_torque_forward")
         assert check.actual == pytest.approx(a.peak_torque_Nm[0], rel=1e-9)
@@ -78,7 +78,7 @@ def test_every_figure_follows_the_rule_in_force() -> None:
 def test_losses_take_torque_from_every_rating() -> None:
     text = (PARAMS / "siso_spur.yaml").read_text("utf-8")
     limits = [
-        {x.cause: x.torque_Nm for x in analyse(load_text(t).drive).limits if x.direction == 1}
+        {x.cause: x.torque_Nm for x in analyse(layout_of(load_text(t).drive)).limits if x.direction == 1}
         for t in (text, text.replace("losses: paper", "losses: counted"))
     ]
     for cause in ("gearhead_rated", "gearhead_maximum"):

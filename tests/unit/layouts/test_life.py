@@ -11,8 +11,8 @@ import pytest
 
 from mbcdm_cad.design.blocks import DutyBlock, DutyRow
 from mbcdm_cad.layouts.base import Layout
-from mbcdm_cad.layouts.life import ropes_in_use
-from mbcdm_cad.layouts.loader import load_design, load_text
+from mbcdm_cad.layouts.life import life_of, ropes_in_use
+from mbcdm_cad.layouts.loader import layout_of, load_design, load_text
 from mbcdm_cad.model.rope_zones import Level, rope_life
 from mbcdm_cad.report.duty import life_report, life_shown
 
@@ -33,10 +33,10 @@ BODIES = {"chord": "input", "bend": "input", "helix": "input", "wound": "input",
 ON_DRUM = ("drum", "tail", "dead", "lay")
 
 
-def layout_of(name: str) -> Layout:
+def layout_in(name: str) -> Layout:
     if name == "led":
-        return load_text(LED, "led.yaml").drive.layout
-    return load_design(PARAMS / f"{name}.yaml").drive.layout
+        return layout_of(load_text(LED, "led.yaml").drive)
+    return layout_of(load_design(PARAMS / f"{name}.yaml").drive)
 
 
 def body_of(piece: str) -> str:
@@ -65,7 +65,7 @@ def marked(layout: Layout, name: str) -> Counter[float]:
 
 @pytest.mark.parametrize("name", [*REFERENCES, "led"])
 def test_zones_are_those_of_marks_on_the_drawn_cable(name: str) -> None:
-    layout, half = layout_of(name), layout_of(name).half_travel_rad
+    layout, half = layout_in(name), layout_in(name).half_travel_rad
     rope = next(iter(ropes_in_use(layout, layout.loads.si)))
     n = layout.loads.si.n_cables
     level = Level(np.array([-half, half]), np.full((n, 2), 50.0), np.full((n, 2), 50.0))
@@ -83,7 +83,7 @@ def test_zones_are_those_of_marks_on_the_drawn_cable(name: str) -> None:
 
 def test_the_reference_breaks_soon_and_says_where() -> None:
     """Steel cables of built capstans at such a D/d broke within hours."""
-    life = layout_of("mbcdm").life
+    life = life_of(layout_in("mbcdm"))
     first = life.first
     assert first is not None and first.name == "cable_1" and first.pulleys[0].body == "left input"
     assert first.rough and life.generic
@@ -96,13 +96,13 @@ def test_the_reference_breaks_soon_and_says_where() -> None:
 @pytest.mark.parametrize("name", REFERENCES)
 def test_more_preload_or_load_shortens_the_life(name: str) -> None:
     design = load_design(PARAMS / f"{name}.yaml").drive
-    as_it_is = design.layout.life.first
-    loaded = replace(
-        design, loads=replace(design.loads, test_torque_Nm=1.5 * design.loads.test_torque_Nm)
-    ).layout.life.first
-    tighter = replace(
-        design, cables=tuple(replace(c, preload_N=1.2 * c.preload_N) for c in design.cables)
-    ).layout.life.first
+    as_it_is = life_of(layout_of(design)).first
+    loaded = life_of(
+        layout_of(replace(design, loads=replace(design.loads, test_torque_Nm=1.5 * design.loads.test_torque_Nm)))
+    ).first
+    tighter = life_of(
+        layout_of(replace(design, cables=tuple(replace(c, preload_N=1.2 * c.preload_N) for c in design.cables)))
+    ).first
     assert as_it_is is not None and loaded is not None and tighter is not None
     assert loaded.cycles < as_it_is.cycles
     # The damage goes with the tension to the power of 1.8; the load adds and takes.
@@ -110,7 +110,7 @@ def test_more_preload_or_load_shortens_the_life(name: str) -> None:
 
 
 def test_helps_are_sorted_and_the_finer_rope_is_the_catalogues() -> None:
-    helps = layout_of("mbcdm").life.helps
+    helps = life_of(layout_in("mbcdm")).helps
     assert [h.factor for h in helps] == sorted((h.factor for h in helps), reverse=True)
     finer = next(h for h in helps if h.change.startswith("7x19"))
     # Wires of d/15 in place of d/9, breaking load of 556 in place of 530 N.
@@ -119,11 +119,11 @@ def test_helps_are_sorted_and_the_finer_rope_is_the_catalogues() -> None:
 
 def test_the_page_shows_two_digits_and_what_is_below_the_makers_least() -> None:
     for name, small in (("mbcdm", True), ("siso_bevel", False)):
-        report, _ = life_report(layout_of(name))
+        report, _ = life_report(layout_in(name))
         assert report is not None
         shown = life_shown(report.to_dict())
         assert shown is not None and shown["too_small"] is small
-        assert float(shown["median"]) == pytest.approx(layout_of(name).life.first.cycles, rel=0.06)  # type: ignore[union-attr]
+        assert float(shown["median"]) == pytest.approx(life_of(layout_in(name)).first.cycles, rel=0.06)  # type: ignore[union-attr]
         assert len(shown["median"].rstrip("0")) <= 2, shown["median"]
 
 
@@ -132,15 +132,15 @@ def test_a_stated_duty_gives_cycles_and_hours() -> None:
     drive = load_design(PARAMS / "siso_bevel.yaml").drive
 
     def with_rows(*rows: DutyRow) -> Layout:
-        return replace(drive, loads=replace(drive.loads, duty=DutyBlock(rows=rows, period_s=10.0))).layout
+        return layout_of(replace(drive, loads=replace(drive.loads, duty=DutyBlock(rows=rows, period_s=10.0))))
 
     light, heavy = (DutyRow(torque_Nm=t, share=0.5, range_deg=60.0) for t in (0.2, 0.8))
-    lives = [with_rows(*rows).life.ropes for rows in ((light,), (heavy,), (light, heavy))]
+    lives = [life_of(with_rows(*rows)).ropes for rows in ((light,), (heavy,), (light, heavy))]
     for one, other, both in zip(*lives, strict=True):
         assert both.cycles == pytest.approx(2.0 / (1.0 / one.cycles + 1.0 / other.cycles), rel=0.02), one.name
-    life = with_rows(light, heavy).life
+    life = life_of(with_rows(light, heavy))
     assert life.cycles_per_h == pytest.approx(720.0) and "loads.duty" in life.duty
-    assert drive.layout.life.cycles_per_h is None
+    assert life_of(layout_of(drive)).cycles_per_h is None
 
 
 @pytest.mark.parametrize("name", ["mbcdm", "siso_spur", "miso_spur"])
@@ -149,7 +149,7 @@ def test_a_groove_on_the_input_that_is_drawn_counts(name: str) -> None:
     drive = load_design(PARAMS / f"{name}.yaml").drive
     surfaces = ("smooth", "grooved")
     smooth, grooved = (
-        replace(drive, input_pulleys=replace(drive.input_pulleys, surface=s)).layout.life.first  # type: ignore[attr-defined]
+        life_of(layout_of(replace(drive, input_pulleys=replace(drive.input_pulleys, surface=s)))).first  # type: ignore[attr-defined]
         for s in surfaces
     )
     assert smooth is not None and grooved is not None

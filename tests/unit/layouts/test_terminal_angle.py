@@ -12,7 +12,7 @@ import yaml
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.layouts.check_design import checks_of
-from mbcdm_cad.layouts.loader import load_text
+from mbcdm_cad.layouts.loader import layout_of, load_text
 from tests.support.checked import failing
 
 PARAMS = Path(__file__).parents[3] / "params"
@@ -31,7 +31,7 @@ def with_angle(name: str, angle_deg: float | None) -> LoadedDesign:
 @pytest.mark.parametrize("name", LAYOUTS)
 def test_only_the_terminal_with_an_angle_moves(name: str) -> None:
     free, asked = with_angle(name, None), with_angle(name, ASKED_DEG[name])
-    before, after = (loaded.drive.layout.terminals for loaded in (free, asked))
+    before, after = (layout_of(loaded.drive).terminals for loaded in (free, asked))
     first = asked.design.cables[0].name
     for old, new in zip(before, after, strict=True):
         if new.cable_name == first:
@@ -45,9 +45,9 @@ def test_only_the_terminal_with_an_angle_moves(name: str) -> None:
 def test_length_on_the_drum_follows_the_angle(name: str) -> None:
     """Of the drawn paths: the cable loses r times the angle, the others keep their length."""
     free, asked = with_angle(name, None), with_angle(name, ASKED_DEG[name])
-    terminals = free.drive.layout.terminals
+    terminals = layout_of(free.drive).terminals
     lost = terminals[0].radius_mm * (terminals[0].anchor_rad - radians(ASKED_DEG[name]))
-    before, after = (sum(p.length_mm for p in x.drive.layout.cable_paths(0.0)) for x in (free, asked))
+    before, after = (sum(p.length_mm for p in layout_of(x.drive).cable_paths(0.0)) for x in (free, asked))
     assert lost > 3.0
     # A winding's slope on the input may change a little with its length.
     assert before - after == pytest.approx(lost, abs=0.02)
@@ -56,7 +56,7 @@ def test_length_on_the_drum_follows_the_angle(name: str) -> None:
 @pytest.mark.parametrize("name", LAYOUTS)
 def test_an_angle_outside_the_sector_fails_with_the_limit(name: str) -> None:
     asked = with_angle(name, 200.0)
-    test = asked.drive.layout
+    test = layout_of(asked.drive)
     check = next(c for c in checks_of(asked.drive) if c.id == "terminal_angles")
     result = run_check(check, test)
     assert result.status == "fail"
@@ -76,11 +76,11 @@ def test_the_sector_grows_for_a_stated_angle(name: str) -> None:
         "loads": {"peak_torque_Nm": 1.0},
     }
     free = load_text(yaml.safe_dump(data))
-    furthest = degrees(free.drive.layout.terminals[0].furthest_rad)
+    furthest = degrees(layout_of(free.drive).terminals[0].furthest_rad)
     cables = [c.model_dump(exclude_none=True) for c in free.design.cables]
     cables[0]["terminal_angle_deg"] = round(furthest + 12.0, 1)
     asked = load_text(yaml.safe_dump({**data, "cables": cables}))
-    terminal = asked.drive.layout.terminals[0]
+    terminal = layout_of(asked.drive).terminals[0]
     assert degrees(terminal.anchor_rad) == pytest.approx(cables[0]["terminal_angle_deg"])
     assert asked.design.drum.sector_half_angle_deg > free.design.drum.sector_half_angle_deg
     assert failing(asked) == {}

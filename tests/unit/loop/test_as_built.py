@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mbcdm_cad.layouts.loader import load_design, load_text
+from mbcdm_cad.layouts.loader import layout_of, load_design, load_text
 from mbcdm_cad.loop.as_built import applied_words, as_built_text
 from mbcdm_cad.loop.effects import known_effects
 from mbcdm_cad.loop.prepare.prepared import Prepared, prepare
@@ -15,7 +15,7 @@ from mbcdm_cad.loop.prepare.setup import Simulator, declared
 from mbcdm_cad.loop.readable import Value
 from mbcdm_cad.loop.result import Errors, LoopResult, Named
 from mbcdm_cad.measurement.run import Run
-from mbcdm_cad.model.si import ModelError, to_si
+from mbcdm_cad.model.si import ModelError
 
 REFERENCE = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 WITHOUT = "\n".join(line for line in REFERENCE.read_text("utf-8").split("\n") if not line.startswith("as_built"))
@@ -99,7 +99,7 @@ def test_a_set_is_undecided_until_one_member_is_uncommented(before: str, effects
     for chosen in SETS[0]:
         decided = load_text(uncommented(text, chosen), REFERENCE).drive
         assert [e.stage for e in decided.as_built] == [*(e.stage for e in effects), chosen.stage]
-        ((effect, values),) = known_effects(to_si(decided), run(), decided.as_built[-1:])
+        ((effect, values),) = known_effects(layout_of(decided).si, run(), decided.as_built[-1:])
         assert (effect.name, effect.stage, list(values)) == (chosen.name, chosen.stage, [1e-4, 0.0])
 
 
@@ -135,7 +135,7 @@ def test_the_terminal_is_told_what_is_in_force() -> None:
 
 def test_known_effects_change_the_prediction_as_the_effect_does() -> None:
     drive = load_text(as_built_text(load_design(REFERENCE), result((GUIDE,))), REFERENCE).drive
-    d, p = to_si(drive), run()
+    d, p = layout_of(drive).si, run()
     ((effect, values),) = known_effects(d, p, drive.as_built)
     simulate = Simulator()
     base = declared(d, 9.0, p)
@@ -149,4 +149,4 @@ def test_a_form_or_figure_that_the_loop_lacks_is_said() -> None:
     for entry, words in ((wrong, "eccentric pulley, stage guide"), (lacking, "lacks sine_m")):
         drive = load_text(as_built_text(load_design(REFERENCE), result((entry,))), REFERENCE).drive
         with pytest.raises(ModelError, match=words):
-            known_effects(to_si(drive), run(), drive.as_built)
+            known_effects(layout_of(drive).si, run(), drive.as_built)

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mbcdm_cad.layouts.loader import load_design, load_text
+from mbcdm_cad.layouts.loader import layout_of, load_design, load_text
 from mbcdm_cad.loop import effects
 from mbcdm_cad.loop.as_built import as_built_text
 from mbcdm_cad.loop.effect import Effect, Parameter
@@ -21,7 +21,7 @@ from mbcdm_cad.loop.prepare.setup import Setup, Simulator
 from mbcdm_cad.loop.search.engine import close_loop
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.model.hysteresis import simulate
-from mbcdm_cad.model.si import ModelError, to_si
+from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.routes import Floats
 
 REFERENCE = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
@@ -40,7 +40,7 @@ def measured(stiffer: float = 0.0, added: Added | None = None, torque: bool = Tr
     angle = 0.45 * np.sin(2.0 * np.pi * t / 11.0)
     load = 0.9 * np.sign(np.sin(2.0 * np.pi * t / 17.3 + 0.4)) + 0.3 * np.sin(2.0 * np.pi * t / 5.1)
     load = np.convolve(load, np.hanning(25) / np.hanning(25).sum(), "same") if torque else 0.0 * t
-    d = to_si(LOADED.drive)
+    d = layout_of(LOADED.drive).si
     d = d.with_(modulus_Pa=d.modulus_Pa * (1.0 + stiffer))
     inputs = np.stack([9.0 * angle, 9.0 * angle])
     drum = simulate(d, inputs, load).drum_angle_rad + (added(angle, load) if added else 0.0)

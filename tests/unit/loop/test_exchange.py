@@ -13,7 +13,7 @@ sys.path.insert(0, str(Path(__file__).parents[3] / "benchmarks"))
 from judge import judge
 from judge_cases import Case
 
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.loop.effects import library
 from mbcdm_cad.loop.prepare.prepared import prepare
 from mbcdm_cad.loop.search.exchange import other_pairs
@@ -21,10 +21,9 @@ from mbcdm_cad.loop.search.fit import Fitter
 from mbcdm_cad.loop.search.screening import Screening
 from mbcdm_cad.loop.search.select import Search
 from mbcdm_cad.measurement.run import Run, Sensors
-from mbcdm_cad.model.si import to_si
 from mbcdm_cad.routes import Floats
 
-D = to_si(load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive)
+D = layout_of(load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive).si
 RATIO = float(np.mean(D.total_ratio))
 TRUE = {"ratio_error", "once_per_rev"}
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.optimize import lsq_linear
 
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.loop.effect import Effect
 from mbcdm_cad.loop.effects import library
 from mbcdm_cad.loop.prepare import setup
@@ -17,10 +17,9 @@ from mbcdm_cad.loop.prepare.prepared import prepare
 from mbcdm_cad.loop.search.fit import Fitter, _bounded_step
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.model.hysteresis import simulate
-from mbcdm_cad.model.si import to_si
 from mbcdm_cad.routes import Floats
 
-D = to_si(load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive)
+D = layout_of(load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive).si
 RATIO = float(np.mean(D.total_ratio))
 STEP = 1.9175e-4
 

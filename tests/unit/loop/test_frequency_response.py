@@ -18,9 +18,9 @@ from mbcdm_cad.cli import run as mbcdm
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.jobs.searches import plan_run
 from mbcdm_cad.layouts.lumped import compliance_of
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.loop.judge import LoopReport
 from mbcdm_cad.loop.result import LoopResult
-from mbcdm_cad.model.si import to_si
 from mbcdm_cad.model.stiffness import sticking_stiffness_Nm_rad
 from mbcdm_cad.planning.plan import plan_of
 
@@ -161,7 +161,7 @@ def judged(folder: Path, bench: TwoMasses, *without: str, design: bool = False, 
 def designed(give: float = 1.0, inertia: float = 1.0) -> TwoMasses:
     """The bench with the small-motion mode of the reference design, whose compliance and payload differ by factors."""
     drive = reference().loaded.drive
-    whole = 1.0 / float(sticking_stiffness_Nm_rad(to_si(drive))) + compliance_of(drive).land_to_payload
+    whole = 1.0 / float(sticking_stiffness_Nm_rad(layout_of(drive).si)) + compliance_of(drive).land_to_payload
     payload = inertia * PLATE_KG_M2
     return TwoMasses(1.0 / np.sqrt(give * whole * payload) / (2.0 * np.pi), inertia_kg_m2=payload)
 

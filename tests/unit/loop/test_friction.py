@@ -10,14 +10,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mbcdm_cad.design.blocks import AsBuilt, AsBuiltValue
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.loop.effects import friction, known_effects
 from mbcdm_cad.loop.prepare.prepared import Prepared, prepare
 from mbcdm_cad.loop.result import LoopResult, result_text
 from mbcdm_cad.loop.search.engine import close_loop
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.measurement.vet_signals import friction_alike
-from mbcdm_cad.model.si import to_si
 from tests.support.bench_data import friction_run, through_files
 
 DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
@@ -63,7 +62,7 @@ def test_a_form_with_terms_is_read_back_from_a_design_file() -> None:
     p, form = prepared(), "bearing torque: constant, viscous, Stribeck (BAM M2)"
     figures = {"torque_Nm": 0.1, "drag_Nm_s": 0.5, "stribeck_Nm": 0.2, "fades_rad_s": 0.03}
     entry = AsBuilt(name="friction", form=form, values=tuple(AsBuiltValue(name=n, value=v) for n, v in figures.items()))
-    ((effect, values),) = known_effects(to_si(DRIVE), p, [entry])
+    ((effect, values),) = known_effects(layout_of(DRIVE).si, p, [entry])
     assert effect.form == form and values.tolist() == list(figures.values())
 
 

@@ -7,17 +7,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.loop.effect import Effect
 from mbcdm_cad.loop.effects.lash import offer
 from mbcdm_cad.loop.prepare.prepared import Prepared, prepare
 from mbcdm_cad.loop.prepare.setup import Setup, Simulator, declared, input_torque_Nm, respond, taken_up
 from mbcdm_cad.loop.search.engine import close_loop
 from mbcdm_cad.measurement.run import Run, Sensors
-from mbcdm_cad.model.si import DriveSI, to_si
+from mbcdm_cad.model.si import DriveSI
 
 DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
-D: DriveSI = to_si(DRIVE)
+D: DriveSI = layout_of(DRIVE).si
 PLAY = 1e-3
 
 

@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive
+from mbcdm_cad.layouts.structure import structure_of
 from mbcdm_cad.loop.effects.load_sensor import within_prior
 from mbcdm_cad.loop.effects.stiffness_error import offer
 from mbcdm_cad.loop.prepare.prepared import prepare
@@ -26,7 +27,6 @@ from mbcdm_cad.measurement.loads import parts_seen
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.measurement.schema import CountedParts
 from mbcdm_cad.measurement.vet import arranged
-from mbcdm_cad.model.si import to_si
 from mbcdm_cad.rig.experiment import Experiment, read_experiment
 from mbcdm_cad.rig.quasistatic import simulate
 from mbcdm_cad.rig.writing import run_files
@@ -54,7 +54,7 @@ def logged(experiment: Experiment, counted: CountedParts | None) -> Run:
 
 
 def test_give_and_friction_are_those_of_the_encoders_of_the_run() -> None:
-    structure, losses = DRIVE.layout.structure, DRIVE.layout.losses
+    structure, losses = structure_of(layout_of(DRIVE)), layout_of(DRIVE).losses
     assert structure is not None
     drum = parts_seen(DRIVE, BOTH, motor_side=False)
     assert drum.give_rad_Nm == pytest.approx(structure.encoder_urad_Nm * 1e-6)
@@ -83,11 +83,11 @@ def test_the_declared_prediction_of_a_run_with_parts_is_that_of_the_rig() -> Non
     """Without noise, the residual of the declared model stays small beside what the parts do."""
     sensors = {"input_resolution_rad": 0.0, "output_resolution_rad": 0.0, "torque_noise_Nm": 0.0}
     experiment = plan([], duration_s=40.0, sensors=sensors)
-    ratio = float(to_si(DRIVE).total_ratio[0])
+    ratio = float(layout_of(DRIVE).si.total_ratio[0])
 
     def spread_urad(counted: CountedParts | None) -> float:
         p = prepare(arranged(logged(experiment, counted), DRIVE), ratio)[0]
-        left = p.output_rad - Simulator()(declared(to_si(DRIVE), ratio, p))
+        left = p.output_rad - Simulator()(declared(layout_of(DRIVE).si, ratio, p))
         return float(np.std(left[p.used])) * 1e6
 
     counted, rigid = spread_urad(BOTH), spread_urad(None)
@@ -97,7 +97,7 @@ def test_the_declared_prediction_of_a_run_with_parts_is_that_of_the_rig() -> Non
 def test_the_structure_may_be_softer_or_stiffer_and_its_sigma_bounds_what_is_no_effect() -> None:
     p = prepare(arranged(logged(plan([], duration_s=40.0), BOTH), DRIVE), 9.0)[0]
     assert p.run.parts is not None
-    series = next(e for e in offer(to_si(DRIVE), p) if e.form == "compliance in series")
+    series = next(e for e in offer(layout_of(DRIVE).si, p) if e.form == "compliance in series")
     assert series.parameters[0].low == -p.run.parts.give_rad_Nm
     assert "less than computed" in series.words_of(np.array([-1e-6])).plain
     give, rubs = within_prior((p,))

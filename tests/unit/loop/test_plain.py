@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.loop.effect import Effect
 from mbcdm_cad.loop.effects import library
 from mbcdm_cad.loop.page.plain import certainty, described, finding, rounded, steps
@@ -17,9 +17,8 @@ from mbcdm_cad.loop.readable import Value
 from mbcdm_cad.loop.result import Errors, LoopResult, Named
 from mbcdm_cad.loop.search.unknown import Unknown
 from mbcdm_cad.measurement.run import Run
-from mbcdm_cad.model.si import to_si
 
-D = to_si(load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive)
+D = layout_of(load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive).si
 
 
 def effects() -> list[Effect]:

@@ -8,13 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.loop.effects import library
 from mbcdm_cad.loop.prepare.lines import MOST_ORDER, order_spectrum
 from mbcdm_cad.loop.search.fit import Fitter
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.model.hysteresis import simulate
-from mbcdm_cad.model.si import to_si
 from mbcdm_cad.planning.detectable import planned_fitter
 from mbcdm_cad.routes import Floats
 
@@ -28,7 +27,9 @@ def run(flank_s: float) -> Run:
     drum = 0.45 * np.sin(2.0 * np.pi * t / 10.0)
     load = 0.8 * np.tanh(np.cos(2.0 * np.pi * t / 10.0) * 10.0 / (np.pi * flank_s))
     inputs = np.stack([9.0 * drum, 9.0 * drum])
-    return Run(t, inputs, simulate(to_si(DRIVE), inputs, load).drum_angle_rad, load, sensors=Sensors(1e-6, 1e-9, None))
+    return Run(
+        t, inputs, simulate(layout_of(DRIVE).si, inputs, load).drum_angle_rad, load, sensors=Sensors(1e-6, 1e-9, None)
+    )
 
 
 def change(fitter: Fitter, label: str) -> Floats:

@@ -7,14 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.loop.prepare.prepared import prepare
 from mbcdm_cad.loop.prepare.samples import SEARCH_SAMPLES, Cut, search_cut, whole_cut
 from mbcdm_cad.loop.search.fit import Fitter
 from mbcdm_cad.measurement.run import Run, Sensors, half_sweeps
-from mbcdm_cad.model.si import to_si
 
-D = to_si(load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive)
+D = layout_of(load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive).si
 RATIO = float(np.mean(D.total_ratio))
 STEP_S = 0.01
 

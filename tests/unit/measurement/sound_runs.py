@@ -6,13 +6,12 @@ from pathlib import Path
 
 import numpy as np
 
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.model.hysteresis import simulate
-from mbcdm_cad.model.si import to_si
 
 DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
-D = to_si(DRIVE)
+D = layout_of(DRIVE).si
 SENSORS = Sensors(1.9175e-4, 1.3635e-6, 0.005)
 
 

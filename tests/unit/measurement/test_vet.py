@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 from sound_runs import DRIVE, sound_run
 
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.measurement.reading import load_measurement
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.measurement.vet import arranged, refusals, vet
 from mbcdm_cad.measurement.vet_signals import load_levels, order_left
-from mbcdm_cad.model.si import to_si
 from tests.support.bench_data import CASES, simulate_case, write_run
 
 RUN = sound_run()
-RATIO = float(np.mean(to_si(DRIVE).total_ratio))
+RATIO = float(np.mean(layout_of(DRIVE).si.total_ratio))
 FEW = ("null", "ratio_radii", "lash_input_left", "slip_anchor", "drum_short")
 
 

@@ -10,12 +10,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.loop.search.engine import close_loop
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.measurement.vet import arranged, vet
 from mbcdm_cad.model.hysteresis import simulate
-from mbcdm_cad.model.si import to_si
 
 DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
 STEP = 2e-5
@@ -29,7 +28,7 @@ def bench(seed: int = 1) -> Run:
     load = 0.6 * np.sin(2.0 * np.pi * t / 5.1) + 0.4 * np.sin(2.0 * np.pi * t / 17.3)
     unlike = [1e-4 * np.sin(2.0 * np.pi * t / rng.uniform(2.0, 6.0) + rng.uniform(0.0, 6.28)) for _ in range(2)]
     inputs = np.stack([9.0 * angle + one for one in unlike])
-    drum = simulate(to_si(DRIVE), inputs, load).drum_angle_rad + 5e-6 * rng.standard_normal(t.size)
+    drum = simulate(layout_of(DRIVE).si, inputs, load).drum_angle_rad + 5e-6 * rng.standard_normal(t.size)
     return Run(t, STEP * np.round(inputs / STEP), drum, load, sensors=Sensors(STEP, 1e-6, 0.005))
 
 

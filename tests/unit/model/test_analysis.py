@@ -23,12 +23,12 @@ from hypothesis import strategies as st
 from paper_case import paper_drive
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.layouts.loader import load_design, load_text, reference_data
+from mbcdm_cad.layouts.loader import layout_of, load_design, load_text, reference_data
 from mbcdm_cad.model.analysis import analyse
 from mbcdm_cad.model.capability import Requirements
 from mbcdm_cad.model.figures import Analysis
 from mbcdm_cad.model.sensitivity import intervals
-from mbcdm_cad.model.si import ModelError, to_si
+from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.model.stack_up import BEYOND_THREE_SIGMA, Contribution, StackUp, stack_data, tightest
 from mbcdm_cad.report.analysis_report import analyse_design
 
@@ -46,7 +46,7 @@ def drive() -> Drive:
 
 
 def test_conversion_to_si(drive: Drive) -> None:
-    d = to_si(drive)
+    d = layout_of(drive).si
     assert d.drum_radius_m == pytest.approx([54e-3, 57.6e-3, 61.2e-3, 64.8e-3])
     assert d.input_radius_m == pytest.approx([6e-3, 6.4e-3, 6.8e-3, 7.2e-3])
     assert d.sigma.tolist() == [-1.0, 1.0, 1.0, -1.0]
@@ -56,11 +56,11 @@ def test_conversion_to_si(drive: Drive) -> None:
 def test_cable_on_an_unknown_input_is_refused(drive: Drive) -> None:
     lost = replace(drive.cables[0], input_name="middle")
     with pytest.raises(ModelError, match="cable_1: runs from input 'middle'"):
-        to_si(replace(drive, cables=(lost, *drive.cables[1:])))
+        _ = layout_of(replace(drive, cables=(lost, *drive.cables[1:]))).si
 
 
 def test_analysis_survives_json(drive: Drive) -> None:
-    figures = analyse(drive).to_dict()
+    figures = analyse(layout_of(drive)).to_dict()
     again = json.loads(json.dumps(figures, allow_nan=False))
     assert again == figures
     assert again["cables"][0]["high_tension_N"] > again["cables"][0]["preload_N"]
@@ -69,7 +69,7 @@ def test_analysis_survives_json(drive: Drive) -> None:
 def test_one_e_in_all_places(drive: Drive) -> None:
     """Twice the modulus: half of every turn, the same tensions and limits, the same implied modulus."""
     stiff = replace(drive, cable=replace(drive.cable, modulus_GPa=2 * drive.cable.modulus_GPa))
-    one, two = analyse(drive), analyse(stiff)
+    one, two = analyse(layout_of(drive)), analyse(layout_of(stiff))
     assert two.test[0].turn_mrad == pytest.approx(one.test[0].turn_mrad / 2, rel=1e-12)
     assert two.reversal_swing_mrad == pytest.approx(one.reversal_swing_mrad / 2, rel=1e-12)
     assert two.test[0].tension_N == pytest.approx(one.test[0].tension_N, rel=1e-9)
@@ -79,30 +79,30 @@ def test_one_e_in_all_places(drive: Drive) -> None:
 
 
 def test_e_is_called_calibrated_at_the_papers_test_alone(drive: Drive) -> None:
-    assert "is calibrated: the paper" in analyse(drive).notes[0]
-    other = analyse(replace(drive, loads=replace(drive.loads, test_torque_Nm=2.0))).notes[0]
+    assert "is calibrated: the paper" in analyse(layout_of(drive)).notes[0]
+    other = analyse(layout_of(replace(drive, loads=replace(drive.loads, test_torque_Nm=2.0)))).notes[0]
     assert "not measured on this rope" in other and "the paper" not in other, other
 
 
 def test_shafts_turn_as_the_ratios_say(drive: Drive) -> None:
-    for turns in analyse(drive).shaft_turns:
+    for turns in analyse(layout_of(drive)).shaft_turns:
         angles = tuple(turns.turned_deg[name] for name in ("drum", "guide", "input", "motor"))
         assert angles == pytest.approx((35.0, -210.0, 315.0, 315.0 * 76.0)), turns
     odd = replace(drive.cables[1], guide_radius_mm=9.61)
-    missed = analyse(replace(drive, cables=(drive.cables[0], odd, *drive.cables[2:]))).shaft_turns
+    missed = analyse(layout_of(replace(drive, cables=(drive.cables[0], odd, *drive.cables[2:])))).shaft_turns
     assert missed[1].turned_deg["guide"] == pytest.approx(-35.0 * 57.6 / 9.61) and missed[0].turned_deg[
         "guide"
     ] == pytest.approx(-210.0)
 
 
 def test_bearings_know_all_loads(drive: Drive) -> None:
-    loads = [case.load_Nm for case in analyse(drive).bearings]
+    loads = [case.load_Nm for case in analyse(layout_of(drive)).bearings]
     assert loads == [0.0, drive.loads.peak_torque_Nm, -drive.loads.peak_torque_Nm]
 
 
 def test_wraps_are_heard(drive: Drive) -> None:
-    free = analyse(drive)
-    tied = analyse(drive, wraps_rad=(np.full(4, 9.0), np.full(4, 0.43)))
+    free = analyse(layout_of(drive))
+    tied = analyse(layout_of(drive), wraps_rad=(np.full(4, 9.0), np.full(4, 0.43)))
     assert abs(tied.peak[0].turn_mrad) < abs(free.peak[0].turn_mrad), "an anchor within the slip zone stiffens"
 
     def slack(figures: Analysis) -> list[float]:
@@ -156,10 +156,10 @@ def test_any_drive_has_figures_or_a_reason(
     )
     if max(run.guide_radius_mm + run.input_radius_mm for run in cables) >= distance:
         with pytest.raises(ModelError, match="free span"):
-            analyse(odd)
+            analyse(layout_of(odd))
         return
     start = time.process_time()
-    figures = analyse(odd)
+    figures = analyse(layout_of(odd))
     taken = time.process_time() - start
     assert taken < 20.0, f"{taken:.2f} s of processor time"
     json.dumps(figures.to_dict(), allow_nan=False)
@@ -178,13 +178,13 @@ def design(**rope: Any) -> Any:
 
 
 def test_no_sigma_no_interval() -> None:
-    assert analyse(design()).intervals == ()
+    assert analyse(layout_of(design())).intervals == ()
     assert "intervals" not in analyse_design(design()).text()
 
 
 def test_backlash_goes_as_one_over_the_modulus() -> None:
     """Relative sigma of every backlash is that of E; no torque depends on it."""
-    found = {x.name: x for x in analyse(design(modulus_GPa={"value": 54.0, "sigma": 0.54})).intervals}
+    found = {x.name: x for x in analyse(layout_of(design(modulus_GPa={"value": 54.0, "sigma": 0.54}))).intervals}
     for name in ("turn", "reversal_swing", "backlash_cable_1", "backlash_cable_4"):
         share = found[name].sigma / found[name].value
         assert share == pytest.approx(0.01, rel=0.03), f"{name}: {share:.4f} of its value"
@@ -195,7 +195,7 @@ def test_backlash_goes_as_one_over_the_modulus() -> None:
 
 
 def test_the_middle_is_the_figure_without_sigmas() -> None:
-    a = analyse(design(preload_N={"value": 70.0, "sigma": 2.0}))
+    a = analyse(layout_of(design(preload_N={"value": 70.0, "sigma": 2.0})))
     middle = {x.name: x.value for x in a.intervals}
     assert middle["turn"] == pytest.approx(abs(a.test[0].turn_mrad), rel=1e-9)
     assert middle["reversal_swing"] == pytest.approx(a.reversal_swing_mrad, rel=1e-9)

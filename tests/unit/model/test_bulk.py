@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 from paper_case import paper_drive, turned_round
 
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.model.analysis import analyse
 from mbcdm_cad.model.bulk import analyse_many, preload_table, stack_designs
 from mbcdm_cad.model.capability import SLACK_SHARE, Requirements, torque_at_slack_Nm, torque_limits
 from mbcdm_cad.model.equations import eq1_residuals
 from mbcdm_cad.model.equilibrium import solve_equilibrium
-from mbcdm_cad.model.si import DriveSI, ModelError, to_si
+from mbcdm_cad.model.si import DriveSI, ModelError
 from mbcdm_cad.model.stiffness import cable_backlash, drum_backlash
 
 NEED = Requirements(
@@ -113,8 +113,8 @@ DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
 
 
 def test_the_row_of_the_design_is_its_analysis() -> None:
-    (row,) = preload_table(DRIVE, (1.0,))
-    analysis = analyse(DRIVE)
+    (row,) = preload_table(layout_of(DRIVE), (1.0,))
+    analysis = analyse(layout_of(DRIVE))
     assert row.preload_N == pytest.approx([c.preload_N for c in DRIVE.cables])
     assert row.at_inputs_Nm == pytest.approx(analysis.peak_torque_Nm)
     assert row.reversal_swing_mrad == pytest.approx(analysis.reversal_swing_mrad)
@@ -122,16 +122,16 @@ def test_the_row_of_the_design_is_its_analysis() -> None:
 
 def test_less_preload_costs_lost_motion_and_gives_torque_at_the_inputs() -> None:
     """Sticking length grows as 1/T (Eq. 14), the bias on the inputs falls with T."""
-    full, half = preload_table(DRIVE, (1.0, 0.6))
+    full, half = preload_table(layout_of(DRIVE), (1.0, 0.6))
     assert half.turn_mrad > full.turn_mrad and half.reversal_swing_mrad > full.reversal_swing_mrad
     assert min(half.at_inputs_Nm) > min(full.at_inputs_Nm)
     assert half.slack_Nm[0] == pytest.approx(0.6 * full.slack_Nm[0], rel=1e-3), "all in proportion"
 
 
-@pytest.mark.parametrize("ends", [(), DRIVE.layout.wraps_at_ends_rad])
+@pytest.mark.parametrize("ends", [(), layout_of(DRIVE).wraps_at_ends_rad])
 def test_the_first_slack_is_where_a_cable_has_a_hundredth_left(ends: tuple[Mapping[str, Any], ...]) -> None:
     """With endless wraps, and with those that are there at both ends of the travel."""
-    si = to_si(DRIVE)
+    si = layout_of(DRIVE).si
     for direction in (1, -1):
         torque = float(torque_at_slack_Nm(si, direction, ends).min())
         poses = [si.with_(**wraps) for wraps in ends] or [si]

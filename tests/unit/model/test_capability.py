@@ -17,7 +17,7 @@ from paper_case import paper_drive
 
 from mbcdm_cad.design.bought import without_gearhead
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.model.analysis import analyse
 from mbcdm_cad.model.capability import (
     MotorFigures,
@@ -31,7 +31,6 @@ from mbcdm_cad.model.capability import (
     torque_to_weight_Nm_kg,
 )
 from mbcdm_cad.model.equilibrium import bearing_loads, solve_equilibrium
-from mbcdm_cad.model.si import to_si
 from mbcdm_cad.model.stiffness import (
     Chain,
     TurningInertias,
@@ -153,7 +152,7 @@ def test_two_masses_on_two_springs_have_the_modes_of_the_textbook() -> None:
 
 def test_rotor_pulley_and_drum_in_a_row_have_the_modes_of_three_masses() -> None:
     """Of a drive with one input, all at the drum's speed: w^2 (w^4 - p w^2 + q) = 0."""
-    d = to_si(load_design(PARAMS / "siso_spur.yaml").drive)
+    d = layout_of(load_design(PARAMS / "siso_spur.yaml").drive).si
     i, pulley, rotor, drum = float(d.total_ratio[0]), 3e-7, 6e-5, 2e-4
     chain = Chain(before_inputs=3e-5)
     k, soft = float(sticking_stiffness_Nm_rad(d)), 1.0 / chain.before_inputs
@@ -252,13 +251,13 @@ def spur() -> Drive:
 
 
 def _figures(drive: Drive) -> MotorFigures:
-    found = motor_figures(drive, to_si(drive), 0.3, np.inf)
+    found = motor_figures(drive, layout_of(drive).si, 0.3, np.inf)
     assert found is not None
     return found
 
 
 def test_a_motor_without_electrical_values_has_no_figures(spur: Drive) -> None:
-    assert analyse(replace(spur, motor=replace(spur.motor, torque_constant_mNm_A=None))).motor is None
+    assert analyse(layout_of(replace(spur, motor=replace(spur.motor, torque_constant_mNm_A=None)))).motor is None
 
 
 @settings(max_examples=15, deadline=None)
@@ -266,7 +265,7 @@ def test_a_motor_without_electrical_values_has_no_figures(spur: Drive) -> None:
 def test_what_the_supply_gives_is_work_and_heat(constant: float, ohms: float, volts: float) -> None:
     """At the highest speed of a torque: V I = M w + P_copper, as long as the voltage drives that current at all."""
     drive = brushless(REFERENCE, constant, ohms, volts)
-    f, ratio = _figures(drive), float(to_si(drive).total_ratio[0])
+    f, ratio = _figures(drive), float(layout_of(drive).si.total_ratio[0])
     speed = np.radians(f.at_peak_load_drum_speed_deg_s) * ratio
     supplied = volts * f.at_peak_load_current_A
     if f.at_peak_load_drum_speed_deg_s > 0.0:
@@ -275,7 +274,7 @@ def test_what_the_supply_gives_is_work_and_heat(constant: float, ohms: float, vo
 
 
 def test_standing_the_drum_holds_what_loads_an_input_by_the_motors_torque(spur: Drive) -> None:
-    f, d = _figures(brushless(spur)), to_si(spur)
+    f, d = _figures(brushless(spur)), layout_of(spur).si
     held = f.curve[0].continuous_Nm
     torque = max(abs(float(solve_equilibrium(d, way * held).input_torque_Nm(d)[0])) for way in (1, -1))
     assert torque == pytest.approx(8.0 * 0.0955, rel=1e-9), f"{held} N m at the drum load the input by {torque}"
@@ -287,7 +286,7 @@ def test_torque_over_speed_falls_to_nothing_at_no_load(spur: Drive) -> None:
         torque = [getattr(point, name) for point in curve]
         assert all(a >= b - 1e-12 for a, b in pairwise(torque)), torque
     assert curve[0].peak_Nm > curve[0].continuous_Nm > 1.0 and curve[-1].peak_Nm == 0.0
-    assert curve[-1].drum_speed_deg_s == pytest.approx(np.degrees(36.0 / 0.0955) / to_si(spur).total_ratio[0])
+    assert curve[-1].drum_speed_deg_s == pytest.approx(np.degrees(36.0 / 0.0955) / layout_of(spur).si.total_ratio[0])
 
 
 def test_a_lower_voltage_moves_the_knee_and_leaves_the_torque(spur: Drive) -> None:
@@ -298,14 +297,14 @@ def test_a_lower_voltage_moves_the_knee_and_leaves_the_torque(spur: Drive) -> No
 
 def test_a_rotor_counts_the_ratio_squared(spur: Drive) -> None:
     drive = brushless(spur)
-    f, ratio = _figures(drive), float(to_si(drive).total_ratio[0])
+    f, ratio = _figures(drive), float(layout_of(drive).si.total_ratio[0])
     assert f.reflected_inertia_kg_m2 == pytest.approx(1200e-7 * ratio**2)
 
 
 def test_ratings_without_a_gearhead(spur: Drive) -> None:
     ratings = input_ratings_Nm(brushless(spur))
     assert ratings == pytest.approx({"motor_alone": 0.764, "motor_alone_peak": 1.91})
-    a, d = analyse(brushless(spur)), to_si(spur)
+    a, d = analyse(layout_of(brushless(spur))), layout_of(spur).si
     rated = min(float(torque_at_input_limit_Nm(d, 0.764, way)[0]) for way in (1, -1))
     others = [x.torque_Nm for x in a.limits if x.cause in ("slip", "strength", "slack")]
     assert min(a.peak_torque_Nm) == pytest.approx(min(rated, *others))

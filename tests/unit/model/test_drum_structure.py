@@ -16,7 +16,7 @@ import pytest
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_info, threadpool_limits
 
-from mbcdm_cad.layouts.loader import load_design, load_text, new_design_text
+from mbcdm_cad.layouts.loader import layout_of, load_design, load_text, new_design_text
 from mbcdm_cad.model import block_rows
 from mbcdm_cad.model.block_rows import solve_mesh
 from mbcdm_cad.model.structure.drum_sector import (
@@ -66,7 +66,7 @@ def study(
     """The drum of the reference design, each cable with a quarter of the torque; ``windows`` None: not even a slot."""
     drive = load_design(PARAMS / "mbcdm.yaml").drive
     # Hub and web of the measured drum; the reference's are wider and thicker since.
-    drum = drive.layout.drum
+    drum = layout_of(drive).drum
     web = {"web_end_y": drum.web_start_y + 2.0, "root_end_y": drum.web_start_y + 2.0}
     dims = replace(drum, windows=windows or (), hub_radius=10.0, root_radius=10.0, **web)
     names = [cable.name for cable in drive.cables]
@@ -273,7 +273,7 @@ def test_windows_make_the_reference_soft_as_solid_elements_found() -> None:
 
 def test_a_drum_without_metal_under_a_cable_has_no_figure() -> None:
     """A file whose outer face lies below its lands: a trial of ``explain`` has such drums."""
-    drum = load_design(PARAMS / "mbcdm.yaml").drive.layout.drum
+    drum = layout_of(load_design(PARAMS / "mbcdm.yaml").drive).drum
     dims = replace(drum, lands=tuple(replace(land, y_end=land.y_start - 1.0) for land in drum.lands))
     names = [t.cable_name for t in dims.tensioners]
     pulls = land_pulls(dims, dict.fromkeys(names, 0.25), dict.fromkeys(names, 70.0))

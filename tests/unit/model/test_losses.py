@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.losses import (
@@ -28,8 +28,8 @@ PARAMS = Path(__file__).parents[3] / "params"
 REFERENCES = ("mbcdm", "siso_spur", "miso_spur", "siso_bevel")
 
 
-def layout_of(name: str) -> SectorLayout:
-    layout = load_design(PARAMS / f"{name}.yaml").drive.layout
+def layout_in(name: str) -> SectorLayout:
+    layout = layout_of(load_design(PARAMS / f"{name}.yaml").drive)
     assert isinstance(layout, SectorLayout)
     return layout
 
@@ -69,7 +69,7 @@ def test_bearing_by_hand() -> None:
 
 
 def test_friction_of_the_cables_of_the_reference() -> None:
-    layout = layout_of("mbcdm")
+    layout = layout_in("mbcdm")
     moved = layout.losses.moving(0.0, 1)
     rope = sum(float(x.torque_Nm[0]) for x in moved.losses if x.kind == ROPE)
     assert 0.18 < rope < 0.55, rope
@@ -95,7 +95,7 @@ def test_work_over_a_cycle_is_the_loop_of_the_wraps_and_the_losses(name: str) ->
     Along a cable from the drum, each tangent point multiplies the tension by 1 + s where the rope runs towards the
     input, by 1 - s where it runs off it; a gearhead divides power by its efficiency forward and multiplies it backward.
     """
-    layout = layout_of(name)
+    layout = layout_in(name)
     train = without_constants(layout.losses)
     d, peak, n = train.d, layout.drive.loads.peak_torque_Nm, 1601
     phase = np.linspace(0.0, 4.0 * pi, n)
@@ -141,7 +141,7 @@ def test_work_over_a_cycle_is_the_loop_of_the_wraps_and_the_losses(name: str) ->
 @pytest.mark.parametrize("name", REFERENCES)
 @pytest.mark.parametrize("direction", [1, -1])
 def test_the_torque_that_motors_raise_is_that_at_which_they_give_their_torque(name: str, direction: int) -> None:
-    layout = layout_of(name)
+    layout = layout_in(name)
     train, rated = layout.losses, layout.drive.motor.rated_torque_mNm * 1e-3
     raised = train.raised_Nm(train.output_Nm(rated), direction)
     for i, load in enumerate(raised):
@@ -151,7 +151,7 @@ def test_the_torque_that_motors_raise_is_that_at_which_they_give_their_torque(na
 
 @pytest.mark.parametrize("name", REFERENCES)
 def test_power_of_the_motors_is_that_of_the_load_and_of_every_cause(name: str) -> None:
-    train = layout_of(name).losses
+    train = layout_in(name).losses
     for way in (1, -1):
         moved = train.moving(np.array([0.5, -0.5]), way)
         turns = train.d.input_turns[:, None] * train.gear_ratio
@@ -160,7 +160,7 @@ def test_power_of_the_motors_is_that_of_the_load_and_of_every_cause(name: str) -
 
 
 def test_more_preload_loses_more_and_load_hardly_counts_for_the_cables() -> None:
-    layout = layout_of("siso_spur")
+    layout = layout_in("siso_spur")
 
     def rope(train: Train, load: float) -> float:
         return sum(float(x.torque_Nm[0]) for x in train.moving(load, 1).losses if x.kind == ROPE)
@@ -173,7 +173,7 @@ def test_more_preload_loses_more_and_load_hardly_counts_for_the_cables() -> None
 
 
 def test_back_driving_starts_harder_than_it_runs_by_the_bearings_alone() -> None:
-    layout = layout_of("mbcdm")
+    layout = layout_in("mbcdm")
     back = layout.losses.backdrive
     assert back is not None
     bearings = sum(float(x.torque_Nm) for x in back.losses if x.kind == BEARINGS)
@@ -185,7 +185,7 @@ def test_back_driving_starts_harder_than_it_runs_by_the_bearings_alone() -> None
 
 
 def test_a_gearhead_that_locks_gives_no_back_driving() -> None:
-    layout = layout_of("mbcdm")
+    layout = layout_in("mbcdm")
     locked = replace(layout.losses, gear_share=gearhead_share(0.5))
     assert locked.backdrive is None
     assert float(locked.moving(3.15, -1).efficiency[0]) == 0.0

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 from paper_case import paper_drive
 
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.model.bulk import block_figures
 from mbcdm_cad.model.capability import Requirements
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.sensitivity import elasticities, figure_5, global_indices, intervals
-from mbcdm_cad.model.si import DriveSI, ModelError, to_si
+from mbcdm_cad.model.si import DriveSI, ModelError
 from mbcdm_cad.model.stack_up import Contribution, StackUp
 from mbcdm_cad.model.stiffness import drum_backlash
 from mbcdm_cad.model.study import HATCHES, _style, write_study
@@ -39,7 +39,7 @@ STACKS = (StackUp("gap, mm", 0.1, (Contribution("bore", 0.03), Contribution("fac
 @pytest.mark.parametrize("path", sorted((REFERENCE.parent / "gallery").glob("*.yaml")), ids=lambda path: path.stem)
 def test_figure_5_has_lines_where_the_papers_distances_leave_no_span(path: Path) -> None:
     drive = of_params(f"gallery/{path.stem}").drive
-    panels = figure_5(to_si(drive), drive.loads.test_torque_Nm, points=3)
+    panels = figure_5(layout_of(drive).si, drive.loads.test_torque_Nm, points=3)
     assert panels[0].preload_N[0] <= drive.cables[0].preload_N <= panels[0].preload_N[-1]
     assert panels[0].value[0] <= drive.loads.test_torque_Nm <= panels[0].value[-1]
     assert all(np.isfinite(panel.backlash_rad).all() for panel in panels)
@@ -211,7 +211,7 @@ def test_workers_share_the_draws_and_change_no_figure(monkeypatch: pytest.Monkey
 @pytest.fixture(scope="module")
 def study(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("study")
-    write_study(load_design(REFERENCE).drive, folder, Tolerances(), STACKS)
+    write_study(layout_of(load_design(REFERENCE).drive), folder, Tolerances(), STACKS)
     return folder
 
 
@@ -245,7 +245,7 @@ def test_lines_and_bars_differ_without_colour() -> None:
 
 @pytest.mark.slow
 def test_study_repeats_byte_for_byte(study: Path, tmp_path: Path) -> None:
-    write_study(load_design(REFERENCE).drive, tmp_path, Tolerances(), STACKS)
+    write_study(layout_of(load_design(REFERENCE).drive), tmp_path, Tolerances(), STACKS)
     for path in study.iterdir():
         assert (tmp_path / path.name).read_bytes() == path.read_bytes(), path.name
 

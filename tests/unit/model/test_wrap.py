@@ -13,11 +13,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from paper_case import paper_drive
 
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.model.equilibrium import solve_equilibrium, tension_of_stretch
 from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.profiles import simulate_profiles
-from mbcdm_cad.model.si import DriveSI, ModelError, to_si
+from mbcdm_cad.model.si import DriveSI, ModelError
 from mbcdm_cad.model.stiffness import drum_backlash
 from mbcdm_cad.model.wrap import excess_minus_log, slack_stretch_m, stretch_after_reversal, stretch_first_loading
 from mbcdm_cad.routes import Floats
@@ -164,7 +164,7 @@ LOAD = 0.9 * np.sin(2 * pi * 0.6 * TIME) + 0.3
 @pytest.fixture(scope="module")
 def drive() -> DriveSI:
     """The reference of siso_spur."""
-    return to_si(load_design(Path(__file__).parents[3] / "params" / "siso_spur.yaml").drive)
+    return layout_of(load_design(Path(__file__).parents[3] / "params" / "siso_spur.yaml").drive).si
 
 
 def drum_rad(drive: DriveSI, turned: Floats, load: Floats, through_rad: float | None) -> Floats:

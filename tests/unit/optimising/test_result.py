@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 import mbcdm_cad as mc
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.model.equations import DESIGN_TORQUE_NM, DESIGN_TORQUE_TO_WEIGHT_NM_KG
 from mbcdm_cad.optimising.evaluate import evaluate
 from mbcdm_cad.optimising.paper_page import DESIGNS, OTHERS
@@ -87,10 +88,10 @@ def test_the_page_holds_every_design_and_leaves_out_what_is_the_same_for_all() -
 def test_cables_lie_on_circles_of_their_radii(layout: str) -> None:
     drive = mc.load(f"params/{layout}.yaml").drive
     found = sketch(drive)
-    assert len(found["cables"]) == len(drive.layout.cable_paths(0.0))
+    assert len(found["cables"]) == len(layout_of(drive).cable_paths(0.0))
     circles = [np.array(circle) for circle in found["bodies"]]
     radii = {round(float(np.linalg.norm(c - c[:-1].mean(axis=0), axis=1).mean()), 1) for c in circles}
-    drawn = {round(radius, 1) for _, _, radius in drive.layout.bends_mm()}
+    drawn = {round(radius, 1) for _, _, radius in layout_of(drive).bends_mm()}
     assert drawn <= {r + step for r in radii for step in (-0.1, 0.0, 0.1)} | radii, (drawn, radii)
     # Where a cable ends on the drum it touches the circle of its own land.
     for line in found["cables"]:

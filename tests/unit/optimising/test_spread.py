@@ -11,9 +11,9 @@ import pytest
 
 import mbcdm_cad as mc
 from mbcdm_cad.errors import MbcdmError
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.model.capability import requirements
 from mbcdm_cad.model.sensitivity import intervals
-from mbcdm_cad.model.si import to_si
 from mbcdm_cad.optimising import spread as spreading
 from mbcdm_cad.optimising.evaluate import Facts, facts_of, figure, unit_of
 from mbcdm_cad.optimising.spread import DRAWS, SPREAD, Spread, sigmas_of, unit_draws
@@ -50,7 +50,7 @@ def alone(facts: Facts, monkeypatch: pytest.MonkeyPatch, **sigmas: Any) -> Sprea
 def test_where_only_the_modulus_varies_the_swing_follows_one_over_it(
     spur: Facts, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    found = alone(spur, monkeypatch, modulus_Pa=0.1 * float(to_si(spur.drive).modulus_Pa))
+    found = alone(spur, monkeypatch, modulus_Pa=0.1 * float(layout_of(spur.drive).si.modulus_Pa))
     nominal = figure(spur, "cable_swing_mrad")
     expected = [nominal / (1.0 + z * 0.1) for z in (Z95, -Z95)]
     assert [found.percentile("cable_swing_mrad", q) for q in (5.0, 95.0)] == pytest.approx(expected, rel=2e-3)
@@ -60,16 +60,16 @@ def test_where_only_the_modulus_varies_the_swing_follows_one_over_it(
 def test_where_only_the_motor_varies_the_lossless_torque_of_balanced_cables_follows_it(
     spur: Facts, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    found = alone(spur, monkeypatch, input_rating_Nm=0.05 * requirements(spur.drive).input_rating_Nm)
+    found = alone(spur, monkeypatch, input_rating_Nm=0.05 * requirements(layout_of(spur.drive)).input_rating_Nm)
     nominal = figure(spur, "torque_lossless_Nm")
     assert found.percentile("torque_lossless_Nm", 5.0) == pytest.approx(nominal * (1.0 - 0.05 * Z95), rel=2e-3)
     assert found.percentile("cable_swing_mrad", 95.0) == pytest.approx(figure(spur, "cable_swing_mrad"), rel=1e-9)
 
 
 def test_the_swing_agrees_with_the_intervals_of_many_plain_draws(bevel: Facts) -> None:
-    d = to_si(bevel.drive)
+    d = layout_of(bevel.drive).si
     sigmas = sigmas_of(d, bevel.drive)
-    plain = intervals(d, requirements(bevel.drive), sigmas)["reversal_swing_rad"]
+    plain = intervals(d, requirements(layout_of(bevel.drive)), sigmas)["reversal_swing_rad"]
     found = [bevel.spread.percentile("cable_swing_mrad", q) * 1e-3 for q in (2.5, 97.5)]
     assert found == pytest.approx([plain.low, plain.high], abs=0.25 * plain.sigma)
     assert float(bevel.spread.cable_swing_mrad.std()) * 1e-3 == pytest.approx(plain.sigma, rel=0.1)
@@ -98,7 +98,7 @@ def test_each_drive_of_the_batch_has_the_torque_that_it_has_alone(bevel: Facts) 
 def test_the_efficiency_spreads_as_first_order_theory_has_it(layout: str) -> None:
     found = facts(layout)
     load = np.array([found.drive.loads.peak_torque_Nm])
-    first_order = float(found.layout.losses.moving(load, 1).efficiency_sigma[0])
+    first_order = float(layout_of(found).losses.moving(load, 1).efficiency_sigma[0])
     low, high = (figure(found, f"efficiency_{q}") for q in ("p5", "p95"))
     assert (high - low) / (2.0 * Z95) == pytest.approx(first_order, rel=0.12)
 

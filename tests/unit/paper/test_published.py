@@ -12,10 +12,9 @@ import pytest
 
 from mbcdm_cad.cli import run
 from mbcdm_cad.errors import InputError
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.measurement.file import load_file
 from mbcdm_cad.measurement.reading import read_run
-from mbcdm_cad.model.si import to_si
 from mbcdm_cad.model.stiffness import drum_backlash
 from mbcdm_cad.paper.published import PublishedResult, judge_published, published_page
 from mbcdm_cad.paper.published_causes import Candidate, Judged
@@ -56,7 +55,7 @@ def test_predictions_are_those_known_of_the_reference_design() -> None:
 
 
 def test_what_a_candidate_needs_closes_the_gap() -> None:
-    d = to_si(load_design(PARAMS / "mbcdm.yaml").drive)
+    d = layout_of(load_design(PARAMS / "mbcdm.yaml").drive).si
     d = d.with_(preload_N=np.full(d.n_cables, 70.0))
     preload = float(candidate("backlash", "preload").needed.split("=")[1].split("N")[0])
     modulus = float(candidate("backlash", "modulus").needed.split("=")[1].split("GPa")[0])

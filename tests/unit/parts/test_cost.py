@@ -10,6 +10,7 @@ import pytest
 import mbcdm_cad as mc
 from mbcdm_cad.checks.size import estimated_mass_g
 from mbcdm_cad.design.bought import Entry
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.parts.bill import CABLE
 from mbcdm_cad.parts.making import NoPriceError, bought_cost_EUR, material_cost_EUR
 
@@ -36,15 +37,15 @@ def _at_one_price(bill: Any) -> Any:
 
 
 def test_material_at_one_price_costs_the_made_mass(drive: mc.Drive) -> None:
-    bill = drive.layout.bill()
+    bill = layout_of(drive).bill()
     made_g = estimated_mass_g(bill) - sum(item.mass_g or 0.0 for item in bill.items)
     assert material_cost_EUR(_at_one_price(bill)) == pytest.approx(made_g * 1e-3)
 
 
 def test_bought_parts_cost_their_number_and_the_rope_its_length(drive: mc.Drive) -> None:
-    bill = _at_one_price(drive.layout.bill())
+    bill = _at_one_price(layout_of(drive).bill())
     rope = replace(drive.cable, price_EUR=3.0)
-    length_m = sum(path.length_mm for path in drive.layout.cable_paths(0.0)) * 1e-3
+    length_m = sum(path.length_mm for path in layout_of(drive).cable_paths(0.0)) * 1e-3
     with_entry = [item for item in bill.items if _of_catalogue(bill.parts[item.part].part)]
     assert not [item for item in with_entry if item.name.startswith(CABLE)]
     assert bought_cost_EUR(bill, rope) == pytest.approx(2.0 * len(with_entry) + 3.0 * length_m)
@@ -52,6 +53,6 @@ def test_bought_parts_cost_their_number_and_the_rope_its_length(drive: mc.Drive)
 
 def test_entries_without_a_price_are_named(drive: mc.Drive) -> None:
     with pytest.raises(NoPriceError) as refused:
-        bought_cost_EUR(drive.layout.bill(), drive.cable)
+        bought_cost_EUR(layout_of(drive).bill(), drive.cable)
     assert drive.motor.name in str(refused.value)
     assert drive.cable.name in str(refused.value)

@@ -9,7 +9,7 @@ import cadquery as cq
 import pytest
 
 from mbcdm_cad.layouts import registry
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.parts.bill import Bill
 from mbcdm_cad.parts.part import BoughtPart, MadePart
 from mbcdm_cad.parts.sheet import Linear
@@ -24,7 +24,7 @@ FILES = {"miso_bevel": "mbcdm", "siso_bevel": "siso_bevel", "siso_spur": "siso_s
 @cache
 def bill_of(layout: str) -> Bill:
     """Bill of the reference design of a layout."""
-    found: Bill = load_design(PARAMS / f"{FILES[layout]}.yaml").drive.layout.bill()
+    found: Bill = layout_of(load_design(PARAMS / f"{FILES[layout]}.yaml").drive).bill()
     return found
 
 
@@ -76,7 +76,7 @@ def test_a_made_part_is_what_it_says_of_itself(layout: str, name: str) -> None:
 def test_what_turns_together_has_the_inertia_of_its_solids(layout: str) -> None:
     """About each moving body's axis, of all parts but the smallest by their solids: `analyse` draws none of them."""
     bill = bill_of(layout)
-    for body in load_design(PARAMS / f"{FILES[layout]}.yaml").drive.layout.moving_bodies:
+    for body in layout_of(load_design(PARAMS / f"{FILES[layout]}.yaml").drive).moving_bodies:
         items = [item for item in bill.items if item.group == body.name]
         drawn = {item.part: measure(solid_of(layout, item.part)) for item in items}
         solids = combined(item_mass(item, drawn[item.part]) for item in items).about_axis(body.axis, body.origin_mm)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import yaml
 
-from mbcdm_cad.layouts.loader import load_text
+from mbcdm_cad.layouts.loader import layout_of, load_text
 from mbcdm_cad.parts.bodies import screw_places
 from mbcdm_cad.parts.motor_head.part import MotorHead
 
@@ -21,7 +21,7 @@ def test_threads_are_behind_the_holes(name: str, turn: float) -> None:
     data = yaml.safe_load((PARAMS / f"{name}.yaml").read_text("utf-8"))
     data["drive"]["gearhead_angle_deg"] = turn
     drive = load_text(yaml.safe_dump(data)).drive
-    bill = drive.layout.bill()
+    bill = layout_of(drive).bill()
     face = drive.gearhead
     heads = [item for item in bill.items if item.part == "motor_head"]
     mounted = [item for item in bill.items if item.name.startswith(f"{drive.mounted}_") and item.kind == "bought"]

@@ -8,12 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.loop.prepare.quiet import signal_noise
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.model.hysteresis import simulate
-from mbcdm_cad.model.si import to_si
 from mbcdm_cad.planning.detectable import planned_fitter
 from mbcdm_cad.planning.prediction_noise import friction_errors
 from mbcdm_cad.routes import Floats
@@ -35,7 +34,7 @@ def true_signals() -> tuple[Floats, Floats, Floats]:
 def logged(seed: int) -> Run:
     """The same run with other noise of the sensors; the drum is read without noise."""
     t, inputs, load = true_signals()
-    drum = simulate(to_si(DRIVE), inputs, load).drum_angle_rad
+    drum = simulate(layout_of(DRIVE).si, inputs, load).drum_angle_rad
     rng = np.random.default_rng(seed)
     read = STEP * np.round((inputs + INPUT_RAD * rng.standard_normal(inputs.shape)) / STEP + rng.random((2, 1)))
     return Run(

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.loop.effects import library
 from mbcdm_cad.loop.prepare.noise import Noise
 from mbcdm_cad.loop.search.engine import close_loop
@@ -19,7 +19,6 @@ from mbcdm_cad.loop.search.fit import Fit
 from mbcdm_cad.loop.search.select import LEAST_FALL
 from mbcdm_cad.measurement.run import Run, Sensors, TorqueClass
 from mbcdm_cad.model.hysteresis import simulate
-from mbcdm_cad.model.si import to_si
 from mbcdm_cad.planning import detectable
 from mbcdm_cad.planning.detectable import planned_fitter, without_offsets
 from mbcdm_cad.planning.plan import RunPlan, noise_from, plan_of
@@ -37,7 +36,7 @@ def bench(share: float = 0.0, seed: int = 1, noise_rad: float = 0.0, amplitude_r
     angle = amplitude_rad * np.sin(2.0 * np.pi * t / 11.0)
     load = 0.6 * np.sin(2.0 * np.pi * t / 5.1) + 0.4 * np.sin(2.0 * np.pi * t / 17.3)
     inputs = np.stack([9.0 * angle, 9.0 * angle])
-    drum: Floats = simulate(to_si(DRIVE), inputs, load).drum_angle_rad + share * angle
+    drum: Floats = simulate(layout_of(DRIVE).si, inputs, load).drum_angle_rad + share * angle
     read = STEP * np.floor(inputs / STEP + rng.random((2, 1)))
     output = FINE * np.round((drum + noise_rad * rng.standard_normal(t.size)) / FINE)
     return Run(t, read, output, load + 0.005 * rng.standard_normal(t.size), sensors=Sensors(STEP, FINE, 0.005))

@@ -7,11 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.loop.search.engine import close_loop
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.model.hysteresis import simulate
-from mbcdm_cad.model.si import to_si
 from mbcdm_cad.planning.plan import RunPlan, plan_of
 from mbcdm_cad.routes import Floats
 
@@ -23,7 +22,9 @@ def by_hand(kind: str, time_s: Floats, load_Nm: Floats, added_rad: Floats, seed:
     """Readings with the input locked; the file states the step, and nobody the noise."""
     rng = np.random.default_rng(seed)
     still = np.zeros((1, time_s.size))
-    drum = simulate(to_si(DRIVE), still, load_Nm).drum_angle_rad + added_rad + rng.normal(0.0, NOISE, time_s.size)
+    drum = (
+        simulate(layout_of(DRIVE).si, still, load_Nm).drum_angle_rad + added_rad + rng.normal(0.0, NOISE, time_s.size)
+    )
     output = STEP * np.round(drum / STEP)
     sensors = Sensors(output_resolution_rad=STEP)
     return Run(time_s, still, output, load_Nm, sensors=sensors, input_names=("main",), kind=kind)  # type: ignore[arg-type]

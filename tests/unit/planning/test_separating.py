@@ -8,14 +8,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.loop.effects import library
 from mbcdm_cad.loop.prepare.noise import Noise
 from mbcdm_cad.loop.prepare.prepared import prepare
 from mbcdm_cad.loop.result import Named
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.model.hysteresis import simulate
-from mbcdm_cad.model.si import to_si
 from mbcdm_cad.planning.next_run import next_run, wrong_choice
 
 DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
@@ -28,13 +27,13 @@ def planned(amplitude_rad: float, load_Nm: float | None = 0.9) -> Run:
     angle = amplitude_rad * np.sin(2.0 * np.pi * t / 11.0)
     load = (load_Nm or 0.0) * np.sin(2.0 * np.pi * t / 5.1)
     inputs = np.stack([9.0 * angle, 9.0 * angle])
-    drum = simulate(to_si(DRIVE), inputs, load).drum_angle_rad
+    drum = simulate(layout_of(DRIVE).si, inputs, load).drum_angle_rad
     return Run(t, inputs, drum, None if load_Nm is None else load, sensors=Sensors(1.9175e-4, 1.3635e-6, 0.005))
 
 
 def named(name: str, stage: str | None, fitted: dict[str, float]) -> Named:
     run = prepare(planned(0.1), 9.0)[0]
-    one = next(e for e in library(to_si(DRIVE), run) if e.name == name and e.stage == stage)
+    one = next(e for e in library(layout_of(DRIVE).si, run) if e.name == name and e.stage == stage)
     return Named(name, one.form, stage, one.cables, {}, {}, (), "", one.separate_by, "", 0.0, fitted)
 
 

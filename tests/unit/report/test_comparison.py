@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 from mbcdm_cad.jobs.page import ComparisonReport
-from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.model.si import to_si
+from mbcdm_cad.layouts.loader import layout_of, load_design
+from mbcdm_cad.layouts.structure import structure_of
 from mbcdm_cad.model.stiffness import drum_backlash
 from mbcdm_cad.report.comparison import compared, comparison_data, comparison_table, distinct_labels, own_folder
 from mbcdm_cad.report.page.stage import charts_under_load, comparison_page
@@ -46,7 +46,7 @@ def test_figures_follow_from_each_other() -> None:
     assert found.torque_to_weight_Nm_kg == pytest.approx(3.2 / 0.4)
     assert found.torque_per_volume_Nm_l == pytest.approx(3.2 / 0.2)
     assert found.lowest_mode_Hz == 1234.0
-    structure = drive.layout.structure
+    structure = structure_of(layout_of(drive))
     assert structure is not None
     give = structure.payload_urad_Nm * 1e-6
     assert 1.0 / found.stiffness_Nm_rad == pytest.approx(1.0 / found.cable_stiffness_Nm_rad + give)
@@ -55,7 +55,7 @@ def test_figures_follow_from_each_other() -> None:
     assert (found.tightest_check, found.tightest_margin_share) == ("motor_torque_back", pytest.approx(0.05))
     assert found.toleranced_fits > 20
     assert found.undrawn == 0
-    swing = float(drum_backlash(to_si(drive), 0.28).reversal_swing_rad) * 1e3
+    swing = float(drum_backlash(layout_of(drive).si, 0.28).reversal_swing_rad) * 1e3
     assert found.cable_swing_mrad == pytest.approx(swing)
     assert found.swing_mrad == pytest.approx(swing + 2.0 * give * 0.28 * 1e3)
 

@@ -24,7 +24,7 @@ from mbcdm_cad.cli import run
 from mbcdm_cad.design.as_built import with_as_built
 from mbcdm_cad.design.blocks import AsBuilt, AsBuiltCorrelation, AsBuiltValue
 from mbcdm_cad.layouts.check_design import checks_of
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.loop.as_built import as_built_text
 from mbcdm_cad.loop.search.engine import close_loop
 from mbcdm_cad.measurement.run import Run, Sensors
@@ -175,7 +175,7 @@ def test_the_probabilities_are_those_of_draws() -> None:
             replace(entry, values=(AsBuiltValue(name="share", value=float(share)),), correlated=())
             for entry, share in zip(found, draw, strict=True)
         ]
-        layout = with_as_built(base, tuple(moved)).layout
+        layout = layout_of(with_as_built(base, tuple(moved)))
         for check in checks:
             passed[check.id] += check.measure(layout).holds
     for name in unsure:

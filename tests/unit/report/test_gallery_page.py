@@ -10,7 +10,7 @@ from typing import Any, cast
 import pytest
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.report.checks_page import checks_page
 from mbcdm_cad.report.gallery_page import GalleryDrive
 
@@ -72,5 +72,5 @@ def test_each_check_of_each_layout_stands_once_in_its_column(page: str, drives: 
     rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in tables.splitlines() if line.startswith("| `")]
     for column, drive in enumerate(drives, start=3):
         found = sorted(row[0].split("`")[1] for row in rows if row[column])
-        assert found == sorted(drive.layout.checks_by_id()), drive.name
+        assert found == sorted(layout_of(drive).checks_by_id()), drive.name
         assert len(found) > 100

@@ -26,11 +26,11 @@ from mbcdm_cad.design.blocks import Payload
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts import preload
-from mbcdm_cad.layouts.loader import load_text, new_design_text
+from mbcdm_cad.layouts.loader import layout_of, load_text, new_design_text
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-from mbcdm_cad.layouts.turns import Modes, modes_of
+from mbcdm_cad.layouts.structure import structure_of
+from mbcdm_cad.layouts.turns import Modes, modes_of, turns_of
 from mbcdm_cad.model.equilibrium import solve_equilibrium
-from mbcdm_cad.model.si import to_si
 from mbcdm_cad.model.stiffness import sticking_stiffness_Nm_rad
 from mbcdm_cad.report.analysis_report import analyse_design
 from mbcdm_cad.report.losses import losses_shown
@@ -114,7 +114,7 @@ def test_the_motors_tell_a_load_to_half_of_what_they_give_more_on_the_way_agains
     report = report_of(name).to_dict()
     found, (against, _, along, _) = report["losses"]["transparency"], report["losses"]["motions"]
     drive = of_params(name).drive
-    turns = drive.layout.losses.d.input_turns * drive.gearhead.ratio
+    turns = layout_of(drive).losses.d.input_turns * drive.gearhead.ratio
     # Each in the direction of motion, and the two move in opposite ones.
     more = np.array([*against["motor_mNm"].values()]) + np.array([*along["motor_mNm"].values()])
     at_drum = 0.5e-3 * (turns.reshape(-1, 1) * more).sum(axis=0)
@@ -156,7 +156,7 @@ def design() -> mc.DriveDesign:
 
 def log_of(design: mc.DriveDesign, path: Path, factors: list[float], at_motor: bool = False) -> Path:
     """A log of the first input's ramps on a drive whose preloads differ by factors, without noise."""
-    layout = design.drive.layout
+    layout = layout_of(design.drive)
     si = layout.loads.si
     changed = replace(preload._held(layout, at_motor), d=si.with_(preload_N=si.preload_N * np.array(factors)))
     angle = preload.ramps(layout)[0].angle_rad
@@ -255,7 +255,7 @@ def test_no_helix_no_error_of_the_path(drive: Drive) -> None:
 
 
 def test_real_wraps_turn_the_drum_no_further_than_endless_ones(drive: Drive) -> None:
-    d = to_si(drive)
+    d = layout_of(drive).si
     endless = abs(float(solve_equilibrium(d, 0.91).drum_angle_rad)) * 1e3
     with_wraps = path_data(BevelLayout(drive))["test_turn_mrad"]
     for way in ("positive", "negative"):
@@ -267,11 +267,11 @@ def test_real_wraps_turn_the_drum_no_further_than_endless_ones(drive: Drive) -> 
 
 def test_torsional_modes_follow_the_inertias(drive: Drive) -> None:
     layout = BevelLayout(drive)
-    stiffness = float(sticking_stiffness_Nm_rad(to_si(drive)))
-    turns = {body.name: body.turns_per_drum for body in to_si(drive).routes.passed}
+    stiffness = float(sticking_stiffness_Nm_rad(layout_of(drive).si))
+    turns = {body.name: body.turns_per_drum for body in layout_of(drive).si.routes.passed}
 
     def modes(drum_kg_m2: float, inputs_kg_m2: float = 3e-6) -> Modes:
-        inputs = dict.fromkeys((body.name for body in to_si(drive).routes.inputs), inputs_kg_m2)
+        inputs = dict.fromkeys((body.name for body in layout_of(drive).si.routes.inputs), inputs_kg_m2)
         own = BevelLayout(drive)
         own.__dict__["inertias_kg_m2"] = {"drum": drum_kg_m2, "guide": 2e-5 / turns["guide"] ** 2} | inputs
         return modes_of(own)
@@ -280,8 +280,8 @@ def test_torsional_modes_follow_the_inertias(drive: Drive) -> None:
     expected = np.sqrt(stiffness / 1.2e-4) / (2 * np.pi)
     assert found.cables_alone_Hz == pytest.approx(expected)
     # In series with the cables: all that gives between the inputs' encoders and the drum's land.
-    assert layout.structure is not None
-    before = 1e-6 * sum(c.urad_Nm for c in layout.structure.causes if not (c.in_drum or c.before_input))
+    assert structure_of(layout) is not None
+    before = 1e-6 * sum(c.urad_Nm for c in structure_of(layout).causes if not (c.in_drum or c.before_input))
     held = np.sqrt(1.0 / (1.0 / stiffness + before) / 1.2e-4) / (2 * np.pi)
     assert found.lowest_inputs_held_Hz == pytest.approx(held) and held < expected
     assert modes(4 * 1.2e-4 - 2e-5).lowest_inputs_held_Hz == pytest.approx(held / 2)
@@ -294,12 +294,12 @@ def test_a_payload_swings_on_cables_and_structure(drive: Drive) -> None:
     """So heavy that the drum counts little, it is one mass on all that gives: 0.2 kg at 150 mm, 4.5 g m2."""
     payload = Payload(mass_kg=0.2, distance_mm=150.0)
     heavy = replace(drive, loads=replace(drive.loads, payload=payload))
-    modes, turns = modes_of(heavy.layout), heavy.layout.turns
+    modes, turns = modes_of(layout_of(heavy)), turns_of(layout_of(heavy))
     one_mass = np.sqrt(turns.felt.sticking_stiffness_Nm_rad / 4.5e-3) / (2 * np.pi)
     assert modes.payload_kg_m2 == pytest.approx(4.5e-3)
     # The drum, with 3 % of the inertia, takes less than that off.
     assert 0.98 * one_mass < modes.lowest_inputs_held_Hz < one_mass, (modes, one_mass)
-    assert modes.cables_alone_Hz == modes_of(drive.layout).cables_alone_Hz
+    assert modes.cables_alone_Hz == modes_of(layout_of(drive)).cables_alone_Hz
     assert "payload of 0.0045 kg m^2" in analyse_design(heavy).text()
 
 

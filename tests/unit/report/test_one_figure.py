@@ -14,7 +14,8 @@ import pytest
 import mbcdm_cad
 from mbcdm_cad.api.design import DriveDesign
 from mbcdm_cad.layouts.check_design import checks_of
-from mbcdm_cad.layouts.turns import modes_of, turns_of
+from mbcdm_cad.layouts.registry import layout_of
+from mbcdm_cad.layouts.turns import modes_of, turns_at, turns_of
 from mbcdm_cad.model.bulk import preload_table
 from mbcdm_cad.optimising.evaluate import Facts, figure
 from mbcdm_cad.report.analysis_report import above_gearhead
@@ -59,7 +60,7 @@ def design(request: pytest.FixtureRequest) -> DriveDesign:
 @pytest.fixture(scope="module")
 def outputs(design: DriveDesign) -> dict[str, Any]:
     """Blocks of ``analyse --json`` and of a report's data, as JSON."""
-    layout = design.loaded.drive.layout
+    layout = layout_of(design.loaded.drive)
     report = design_figures(layout, layout.bill()).data
     analysed = design.analyse().to_dict()
     own = analysed.pop
@@ -87,14 +88,14 @@ def test_a_name_that_stands_in_several_blocks_has_one_value(outputs: dict[str, A
 
 def test_turns_swings_and_stiffness_are_the_same_everywhere(design: DriveDesign, outputs: dict[str, Any]) -> None:
     loaded = design.loaded
-    drive, layout = loaded.drive, loaded.drive.layout
+    drive, layout = loaded.drive, layout_of(loaded.drive)
     checks = {check.id: check for check in results(loaded)}
     facts = Facts(drive, {check.id: check for check in checks_of(drive)}, loaded.data)
-    turns, places = layout.turns, outputs["analyse: structure"]["places"]
-    again = turns_of(layout, drive.loads.test_torque_Nm)
+    turns, places = turns_of(layout), outputs["analyse: structure"]["places"]
+    again = turns_at(layout, drive.loads.test_torque_Nm)
     analysis = outputs["analyse"]
     many = sweep(loaded, {"loads.test_torque_Nm": [drive.loads.test_torque_Nm]})
-    whole = next(row for row in preload_table(drive) if row.share == 1.0)
+    whole = next(row for row in preload_table(layout_of(drive)) if row.share == 1.0)
     assert turns.payload is not None and turns.drum_encoder is not None
     same = {
         "swing of the payload": [
@@ -184,18 +185,18 @@ def test_slack_is_one_figure(design: DriveDesign, outputs: dict[str, Any]) -> No
 
 def preload_rows(drive: Any) -> list[dict[str, Any]]:
     """The table of lower preloads as the report has it."""
-    return [asdict(row) for row in preload_table(drive)]
+    return [asdict(row) for row in preload_table(layout_of(drive))]
 
 
 def at_peak(drive: Any, torque_Nm: float) -> Any:
     """The same drive asked for another peak torque."""
-    return replace(drive, loads=replace(drive.loads, peak_torque_Nm=torque_Nm)).layout
+    return layout_of(replace(drive, loads=replace(drive.loads, peak_torque_Nm=torque_Nm)))
 
 
 def test_the_page_prints_these_figures(design: DriveDesign, outputs: dict[str, Any]) -> None:
     """Its derived values, and the curves of a comparison."""
     drive = design.loaded.drive
-    layout = drive.layout
+    layout = layout_of(drive)
     modes = modes_of(layout)
     torsion = {"inputs_free_Hz": list(modes.inputs_free_Hz)} | {
         name: getattr(modes, name) for name in ("lowest_inputs_held_Hz", "cables_alone_Hz")
@@ -210,7 +211,7 @@ def test_the_page_prints_these_figures(design: DriveDesign, outputs: dict[str, A
         "frame": None,
     }
     said = {row["what"]: row["value"] for row in derived(report, [])}
-    turns = layout.turns
+    turns = turns_of(layout)
     assert said["swing at the payload"] == f"{turns.felt.swing_mrad:.4g} mrad"
     assert said["swing by the cables alone"] == f"{turns.cables.swing_mrad:.4g} mrad"
     over_travel = studies(drive)["charts"]["travel"]["lines"]
@@ -220,5 +221,5 @@ def test_the_page_prints_these_figures(design: DriveDesign, outputs: dict[str, A
     real = outputs["report: paths"]["test_turn_mrad"]["positive"]
     assert over_travel[0]["y"] == pytest.approx(np.abs(real), rel=1e-4)
     line = charts_under_load([("own", drive)])["swing"]["lines"][0]
-    at = turns_of(layout, line["x"][-1])
+    at = turns_at(layout, line["x"][-1])
     assert line["y"][-1] == pytest.approx(at.felt.swing_mrad, rel=1e-4)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.report.page import template
 from mbcdm_cad.report.page.scene import CHORD_ERROR_MM, POSE_ERROR_MM, _Binary, cable_lines
 from mbcdm_cad.report.page.stage import LICENCE, THREE, THREE_SHA256
@@ -91,7 +91,7 @@ class TestCableLines:
     @pytest.fixture(scope="class")
     @classmethod
     def paths_at(cls) -> Any:
-        return DRIVE.layout.cable_paths
+        return layout_of(DRIVE).cable_paths
 
     def test_points_lie_on_the_route_and_chords_near_it(self, paths_at: Any) -> None:
         lines, angles = cable_lines(paths_at, DRIVE.half_travel_deg)

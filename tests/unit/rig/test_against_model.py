@@ -9,11 +9,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
+from mbcdm_cad.layouts.turns import turns_of
 from mbcdm_cad.model.analysis import reversal_swing_mrad
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.hysteresis import simulate
-from mbcdm_cad.model.si import to_si
 from mbcdm_cad.model.stiffness import drum_backlash
 from mbcdm_cad.rig.bench import bench_of
 from mbcdm_cad.rig.experiment import Physics
@@ -68,7 +68,7 @@ def test_they_agree_on_one_cable_that_friction_holds_on_its_input(comparison, pr
     plain = comparison.stiff_rope(load_design(project / "params" / "siso_spur.yaml").drive)
     load = np.concatenate([np.linspace(0.0, 2.15, 200), np.linspace(2.15, -2.15, 400)])
     found, _ = comparison.held(plain, load, piece_rad=0.02)
-    d = to_si(plain)
+    d = layout_of(plain).si
     assert found[199] == pytest.approx(float(solve_equilibrium(d, 2.15).drum_angle_rad), rel=1e-3)
     model = simulate(d, np.zeros((1, load.size)), load).drum_angle_rad
     assert found[-1] - found[199] == pytest.approx(model[-1] - model[199], rel=1e-3)
@@ -80,16 +80,16 @@ def test_slip_on_the_guide_is_one_choice_of_the_design(comparison, drive):
     load = np.concatenate([np.linspace(0.0, 0.91, 200), np.linspace(0.91, -0.91, 400)])
     turns = {}
     for name, one in (("none", drive), ("counted", counted)):
-        d = to_si(one)
-        slips = one.layout.slips_on_passed
+        d = layout_of(one).si
+        slips = layout_of(one).slips_on_passed
         found, _ = comparison.held(one, load, piece_rad=0.01, passed_slip=slips)
         assert found[199] == pytest.approx(float(solve_equilibrium(d, 0.91).drum_angle_rad), rel=2e-3)
         swing = float(drum_backlash(d, 0.91).reversal_swing_rad)
         assert abs(found[-1] - found[199]) == pytest.approx(swing, rel=2e-3)
         model = simulate(d, np.zeros((2, load.size)), load).drum_angle_rad
         assert abs(model[-1] - model[199]) == pytest.approx(swing, rel=1e-6)
-        assert one.layout.turns.cables.swing_mrad == pytest.approx(swing * 1e3, rel=1e-9)
-        assert reversal_swing_mrad(one) == pytest.approx(swing * 1e3, rel=1e-9)
+        assert turns_of(layout_of(one)).cables.swing_mrad == pytest.approx(swing * 1e3, rel=1e-9)
+        assert reversal_swing_mrad(layout_of(one)) == pytest.approx(swing * 1e3, rel=1e-9)
         turns[name] = swing
     assert turns["counted"] / turns["none"] - 1.0 == pytest.approx(0.08, abs=0.01), turns
     physics = Physics()

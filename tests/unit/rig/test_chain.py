@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.layouts.life import ropes_in_use
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.model.rope_zones import Level, RopeLife, rope_life
 from mbcdm_cad.rig import chain
 from mbcdm_cad.rig.bench import RigCable, cables_of
@@ -136,7 +136,7 @@ BY_HAND = {
 def rig_of(name: str) -> tuple[tuple[RigCable, ...], float, RopeLife]:
     """The rig's cables of the first rope of a reference, half its travel, and the life's zones of that rope."""
     drive = load_design(PARAMS / f"{name}.yaml").drive
-    layout = drive.layout
+    layout = layout_of(drive)
     half, si = layout.half_travel_rad, layout.loads.si
     rope = next(iter(ropes_in_use(layout, si)))
     # Without directions bends of opposite sense count as any other.

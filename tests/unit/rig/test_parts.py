@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.layouts.lumped import compliance_of
+from mbcdm_cad.layouts.structure import structure_of
 from mbcdm_cad.model import hysteresis
 from mbcdm_cad.model.analysis import analyse
-from mbcdm_cad.model.si import to_si
 from mbcdm_cad.rig.dynamic import plant, run
 from mbcdm_cad.rig.dynamic.rig import inertias, rig_of
 from mbcdm_cad.rig.dynamic.simulate import simulate_dynamic
@@ -58,10 +58,10 @@ def swing_rad(angle: Any) -> float:
 @pytest.mark.parametrize("held", ["pulley", "motor"])
 def test_the_payload_swings_as_far_as_the_page_states(name: str, held: str) -> None:
     drive = drive_of(name)
-    torque, structure = drive.loads.test_torque_Nm, drive.layout.structure
+    torque, structure = drive.loads.test_torque_Nm, structure_of(layout_of(drive))
     run = simulate(drive, static(swinging(torque), at=held, structure=True))
     before = structure.motor_urad_Nm - structure.payload_urad_Nm if held == "motor" else 0.0
-    cables = hysteresis.simulate(to_si(drive), np.zeros_like(run.input_rad), run.load_Nm).drum_angle_rad
+    cables = hysteresis.simulate(layout_of(drive).si, np.zeros_like(run.input_rad), run.load_Nm).drum_angle_rad
     for seen, parts in (
         (run.payload_rad, structure.payload_urad_Nm + before),
         (run.measured_output_rad, structure.encoder_urad_Nm + before),
@@ -69,7 +69,9 @@ def test_the_payload_swings_as_far_as_the_page_states(name: str, held: str) -> N
         stated = swing_rad(cables - parts * 1e-6 * run.load_Nm)
         assert swing_rad(seen) == pytest.approx(stated, rel=0.02), (swing_rad(seen), stated)
     if name != "siso_bevel":  # whose page takes both turns from rest, under the torque of its unequal radii
-        page = analyse(drive).reversal_swing_mrad * 1e-3 + 2e-6 * torque * (structure.payload_urad_Nm + before)
+        page = analyse(layout_of(drive)).reversal_swing_mrad * 1e-3 + 2e-6 * torque * (
+            structure.payload_urad_Nm + before
+        )
         assert swing_rad(run.payload_rad) == pytest.approx(page, rel=0.02), (swing_rad(run.payload_rad), page)
 
 
@@ -77,7 +79,7 @@ def test_off_both_rigs_know_the_cables_alone() -> None:
     drive = drive_of("mbcdm")
     run = simulate(drive, static(swinging(0.91)))
     assert np.array_equal(run.payload_rad, run.drum_rad)
-    assert swing_rad(run.payload_rad) == pytest.approx(analyse(drive).reversal_swing_mrad * 1e-3, rel=2e-3)
+    assert swing_rad(run.payload_rad) == pytest.approx(analyse(layout_of(drive)).reversal_swing_mrad * 1e-3, rel=2e-3)
     assert [entry["name"] for entry in run.truth] == []
 
 
@@ -107,7 +109,7 @@ def test_energy_over_a_cycle_is_payload_loop_and_losses(name: str) -> None:
     for cable, tension in zip(bench.cables, plain.tension_N, strict=True):
         levers_plain[cable.input_index] += cable.sigma * cable.input_radius_m * tension
     loop = work(levers_plain, plain.input_rad) - work(plain.load_Nm, plain.payload_rad)
-    moving = [drive.layout.losses.moving(torque, way) for way in (1, -1)]
+    moving = [layout_of(drive).losses.moving(torque, way) for way in (1, -1)]
     at_drum = [
         sum(float(x.torque_Nm[0]) for x in way.losses if "input" not in x.name and x.kind in ("rope", "bearings"))
         for way in moving
@@ -128,7 +130,7 @@ LOSSLESS = {"lossless": True, "bandwidth_Hz": 0.5}
 class TestDynamicRig:
     def test_the_payload_turns_as_the_page_states(self) -> None:
         drive = drive_of("mbcdm")
-        structure = drive.layout.structure
+        structure = structure_of(layout_of(drive))
         still = {"motion": {"shape": "hold"}, "duration_s": 2.0}
 
         def turned(**physics: bool) -> tuple[float, float]:
@@ -163,7 +165,7 @@ class TestDynamicRig:
             return float((0.5 * (force[..., 1:] + force[..., :-1]) * np.diff(angle)).sum())
 
         lost = work(run.motor_Nm, run.rotor_rad) - work(np.full(run.time_s.size, torque), run.payload_rad)
-        train = drive.layout.losses
+        train = layout_of(drive).losses
         stated = sum(float(train.moving(torque, way).lost_Nm[0]) for way in (1, -1)) * 0.1 * 2.0
         assert turns > 4.0
         assert lost == pytest.approx(stated, rel=0.1), (lost, stated)
@@ -199,7 +201,10 @@ class TestDynamicRig:
         seen = run.payload_rad - run.input_rad.mean(axis=0) / 9.0
         spectrum = np.abs(np.fft.rfft((seen - seen.mean()) * np.hanning(seen.size), 1 << 16))
         found = float(np.fft.rfftfreq(1 << 16, 1e-3)[spectrum.argmax()])
-        give = 1.0 / analyse(drive).sticking_stiffness_Nm_rad + drive.layout.structure.motor_urad_Nm * 1e-6
+        give = (
+            1.0 / analyse(layout_of(drive)).sticking_stiffness_Nm_rad
+            + structure_of(layout_of(drive)).motor_urad_Nm * 1e-6
+        )
         rotors = inertias(drive).at_drum_kg_m2
         expected = np.sqrt((1.0 / heavy + 1.0 / rotors) / give) / 2.0 / np.pi
         assert found == pytest.approx(expected, rel=0.01), (found, expected)

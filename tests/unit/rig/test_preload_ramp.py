@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.layouts.lumped import friction_of
 from mbcdm_cad.model.losses import Train
 from mbcdm_cad.model.preload_ramp import HeldDrive, Ramp, SampleNoise, expected, fitted
-from mbcdm_cad.model.si import DriveSI, ModelError, to_si
+from mbcdm_cad.model.si import DriveSI, ModelError
 from mbcdm_cad.rig import chain
 from mbcdm_cad.rig.bench import cables_of
 from mbcdm_cad.rig.dynamic.train import gearhead_of
@@ -43,7 +43,7 @@ def drive_of(name: str) -> Drive:
 
 def wound(name: str) -> DriveSI:
     """A reference with the wraps of the rig."""
-    d = to_si(drive_of(name))
+    d = layout_of(drive_of(name)).si
     n = d.n_cables
     return d.with_(input_wrap_rad=np.full(n, INPUT_RAD), drum_wrap_rad=np.full(n, DRUM_RAD))
 
@@ -97,7 +97,7 @@ def ramped(name: str, index: int, angle: Floats, built: Built, at_motor: bool = 
 def test_each_preload_is_found_within_5_percent(name: str, index: int, at_motor: bool) -> None:
     """With noise and all losses, each of them another than the design says, read at the shaft and at the motor."""
     d, rng = wound(name), np.random.default_rng(7)
-    believed = held(d, drive_of(name).layout.losses.with_drive(d), at_motor)
+    believed = held(d, layout_of(drive_of(name)).losses.with_drive(d), at_motor)
     noise = SampleNoise(angle_rad=50e-6, torque_Nm=0.004)
     built = Built((1.25, 0.8, 0.85, 1.15), 0.93, 1.15, 1.5, 1.3, 0.004, 1.25, 1.5)
     angle = there_and_back(expected(believed, index, noise), 60)
@@ -117,7 +117,7 @@ def test_each_preload_is_found_within_5_percent(name: str, index: int, at_motor:
 def test_friction_that_the_evaluation_leaves_out_shifts_what_it_finds() -> None:
     """The same log, read as if it were without friction, misses by more than 5 %: the test above can fail."""
     d = wound("mbcdm")
-    train = drive_of("mbcdm").layout.losses.with_drive(d)
+    train = layout_of(drive_of("mbcdm")).losses.with_drive(d)
     noise = SampleNoise(angle_rad=50e-6, torque_Nm=0.004)
     angle = there_and_back(expected(held(d, train), 0, noise), 60)
     torque = ramped("mbcdm", 0, angle, Built(rope=1.0, bearings=1.0), at_motor=True)

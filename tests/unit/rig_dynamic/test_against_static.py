@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 
 from benchmarks.studies.paper_experiments import first_saturated_Nm, given_way_Nm
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.model.capability import torque_at_input_limit_Nm
 from mbcdm_cad.model.hysteresis import simulate
-from mbcdm_cad.model.si import to_si
 from mbcdm_cad.rig import quasistatic
 from mbcdm_cad.rig.chain import chains
 from mbcdm_cad.rig.dynamic.rig import DynamicRig, EncoderSpec, rig_of
@@ -44,7 +43,7 @@ def ramp(rig: DynamicRig, sign: float) -> tuple[float, float]:
 def test_drive_limit_both_ways(sign: float, known_Nm: float) -> None:
     """The first input saturates where the analytic model says; the drum holds on until both do, at 3.967 N m."""
     limit = DRIVE.motor.rated_torque_mNm * 1e-3 * DRIVE.gearhead.ratio
-    expected = float(torque_at_input_limit_Nm(to_si(DRIVE), limit, int(sign)).min())
+    expected = float(torque_at_input_limit_Nm(layout_of(DRIVE).si, limit, int(sign)).min())
     first, gives_way = ramp(ideal(), sign)
     assert expected == pytest.approx(known_Nm, abs=2e-3)
     assert first == pytest.approx(expected, rel=0.01), f"rig {first:.4f} N m, model {expected:.4f} N m"
@@ -55,7 +54,7 @@ def test_braked_run_is_the_analytic_model_where_its_assumptions_hold() -> None:
     """Wraps that stand still: the drum stands where the model puts it at the same input angles and load."""
     rig = ideal(transport=False)
     run = run_dynamic(rig, sine(0.05, 0.2, 2, 1000.0), brake_Nm=0.91)
-    model = simulate(to_si(DRIVE), run.input_rad, run.torque_Nm)
+    model = simulate(layout_of(DRIVE).si, run.input_rad, run.torque_Nm)
     still = np.abs(np.gradient(run.torque_Nm, run.time_s)) < 1.0
     error = np.abs(run.drum_rad - model.drum_angle_rad)[still].max()
     size = np.abs(model.drum_angle_rad - run.input_rad.mean(axis=0) / 9.0)[still].max()

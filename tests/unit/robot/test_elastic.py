@@ -13,7 +13,8 @@ from scipy.optimize import brentq
 
 from mbcdm_cad.design.as_built import with_as_built
 from mbcdm_cad.design.blocks import AsBuilt, AsBuiltValue, Payload
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
+from mbcdm_cad.layouts.structure import structure_of
 from mbcdm_cad.layouts.turns import modes_of
 from mbcdm_cad.loop.effects.friction import BEYOND, CONSTANT, DRIVEN, DRIVING, STRIBECK, VISCOUS, bases
 from mbcdm_cad.model.analysis import analyse
@@ -127,10 +128,10 @@ def test_friction_at_the_drum_keeps_its_part_of_the_load_from_the_cables(
     hold_inputs(model, soft.drum_friction_Nm)
     turn = loop(model, soft, torque)[1]["drum_encoder"]
     cables = rig_loop(loaded.drive, torque - soft.drum_friction_Nm)
-    parts = loaded.drive.layout.structure.encoder_urad_Nm * 1e-6
+    parts = structure_of(layout_of(loaded.drive)).encoder_urad_Nm * 1e-6
     wanted = np.ptp(cables.drum_rad[2500:]) + 2.0 * parts * soft.drum_friction_Nm
     assert np.ptp(turn) == pytest.approx(wanted, rel=0.05), (np.ptp(turn), wanted)
-    shares = sum(bend.share for bend in loaded.drive.layout.losses.rope if not bend.on_input)
+    shares = sum(bend.share for bend in layout_of(loaded.drive).losses.rope if not bend.on_input)
     rope = sum(s * c.preload_N * c.drum_radius_mm for s, c in zip(shares, loaded.drive.cables, strict=True))
     assert soft.drum_friction_Nm == pytest.approx(rope * 1e-3, rel=0.05), "bearings take little of it"
 
@@ -159,7 +160,7 @@ def test_a_payload_rings_at_the_mode_of_cables_and_parts(model: Any, soft: Elast
     rotors = 81.0 * sum(model.dof_armature[model.joint(f"input_{side}").dofadr[0]] for side in ("left", "right"))
     expected = np.sqrt((1.0 / heavy + 1.0 / rotors) / give) / 2.0 / np.pi
     assert found == pytest.approx(expected, rel=0.03), (found, expected)
-    page = modes_of(carrying(loaded.drive, heavy).layout).inputs_free_Hz
+    page = modes_of(layout_of(carrying(loaded.drive, heavy))).inputs_free_Hz
     assert min(abs(found / mode - 1.0) for mode in page) < 0.03, (found, page)
 
 
@@ -223,10 +224,10 @@ def test_a_drive_as_built_carries_its_effects(loaded: Any, soft: ElasticDrive) -
     share = AsBuiltValue(name="share", value=-0.2)
     entry = AsBuilt(name="stiffness_error", form="modulus of the rope", values=(share,))
     built = with_as_built(loaded.drive, (entry,))
-    ratio = analyse(built).reversal_swing_mrad / analyse(loaded.drive).reversal_swing_mrad
+    ratio = analyse(layout_of(built)).reversal_swing_mrad / analyse(layout_of(loaded.drive)).reversal_swing_mrad
     soften = [1.0 / sum(stage.sticking_Nm_rad for stage in of.stages) for of in (soft, elastic_drive(built))]
     assert ratio > 1.1
-    wanted = 0.25 / analyse(loaded.drive).sticking_stiffness_Nm_rad
+    wanted = 0.25 / analyse(layout_of(loaded.drive)).sticking_stiffness_Nm_rad
     assert soften[1] - soften[0] == pytest.approx(wanted, rel=0.1), (soften, wanted)
 
 
@@ -235,7 +236,7 @@ _PAGE = Path(__file__).parents[3] / "docs" / "robot-formats.md"
 
 def _lifts_at(model: Any, drive: Any, load_Nm: float, step: Any) -> float:
     """Share of the motors' torque by ``analyse`` at which they begin to lift a load, in a ramp from 0.3 on."""
-    needs = drive.layout.losses.moving(load_Nm, 1).motor_Nm[:, 0]
+    needs = layout_of(drive).losses.moving(load_Nm, 1).motor_Nm[:, 0]
     data, at = started(model), [model.joint(name).dofadr[0] for name in ("drum", "payload")]
     angle: list[float] = []
     for k in range(3000):

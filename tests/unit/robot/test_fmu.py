@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.design.blocks import Payload
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.layouts.turns import modes_of
 from mbcdm_cad.rig.experiment import Experiment
 from mbcdm_cad.rig.quasistatic import simulate
@@ -109,7 +109,7 @@ def test_motors_need_the_torque_that_analyse_states(name: str, tmp_path: Path) -
     """Both motors lift a load slowly: their torques at the start of the motion, by the page's sums of all losses."""
     exported = Exported(name, tmp_path)
     drive, load = exported.drive, 0.4
-    moving = drive.layout.losses.moving(load, 1)
+    moving = layout_of(drive).losses.moving(load, 1)
     # A ramp from half of what is needed to half more; the drum moves once every motor is over its friction.
     needs = moving.motor_Nm[:, 0]
 
@@ -127,7 +127,7 @@ def test_motors_need_the_torque_that_analyse_states(name: str, tmp_path: Path) -
 def test_over_a_cycle_the_motors_give_payload_loop_and_losses(reference: Exported) -> None:
     """A payload swung by the motors under a steady load and stopped again: what was lost, from signals alone."""
     drive, load = reference.drive, 0.3
-    moving = [drive.layout.losses.moving(load, way) for way in (1, -1)]
+    moving = [layout_of(drive).losses.moving(load, way) for way in (1, -1)]
     names, turns = drive.input_names, reference.soft.turns
     # Torque against friction in the sense of the motion, and a spring and damper that lead along a sine.
     from fmpy import extract, read_model_description
@@ -202,7 +202,7 @@ def test_the_payload_rings_at_the_mode_of_cables_and_parts(reference: Exported) 
     assert found == pytest.approx(expected, rel=0.05), (found, expected)
     drive = reference.drive
     loads = replace(drive.loads, payload=Payload(inertia_kg_m2=heavy))
-    page = modes_of(replace(drive, loads=loads).layout).inputs_free_Hz
+    page = modes_of(layout_of(replace(drive, loads=loads))).inputs_free_Hz
     assert min(abs(found / mode - 1.0) for mode in page) < 0.03, (found, page)
 
 
@@ -219,5 +219,5 @@ def test_two_rotors_swing_against_each_other_at_the_lowest_mode_of_the_page(refe
     seen = left - right
     spectrum = np.abs(np.fft.rfft((seen - seen.mean()) * np.hanning(seen.size), 1 << 16))
     found = float(np.fft.rfftfreq(1 << 16, STEP_S)[spectrum.argmax()])
-    lowest = modes_of(reference.drive.layout).inputs_free_Hz[0]
+    lowest = modes_of(layout_of(reference.drive)).inputs_free_Hz[0]
     assert found == pytest.approx(lowest, rel=0.05), (found, lowest)

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mbcdm_cad.layouts.loader import load_text
-from mbcdm_cad.layouts.turns import turns_of
+from mbcdm_cad.layouts.loader import layout_of, load_text
+from mbcdm_cad.layouts.turns import turns_at
 from mbcdm_cad.robot.elastic import ElasticDrive, elastic_drive
 from mbcdm_cad.robot.fmu import fmu_file
 from mbcdm_cad.robot.mechanism import Joint, Link, Mechanism, _named
@@ -54,7 +54,7 @@ def _swing_rad(signal: Any, step_s: float) -> float:
 def _as_closed_form(loose: tuple[float, float], tight: tuple[float, float]) -> None:
     """(swing of the payload, of the input's encoder at the drum), both with play and without, motors held."""
     for (payload, _), arcmin in ((loose, ARCMIN), (tight, 0.0)):
-        wanted = turns_of(drive(arcmin).layout, drive(arcmin).loads.test_torque_Nm).motors_held
+        wanted = turns_at(layout_of(drive(arcmin)), drive(arcmin).loads.test_torque_Nm).motors_held
         assert wanted is not None
         assert payload * 1e3 == pytest.approx(wanted.swing_mrad, rel=0.02), (payload, wanted)
     assert loose[0] - tight[0] == pytest.approx(PLAY_RAD, rel=0.02), (loose, tight)

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.errors import MbcdmError
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.model.analysis import analyse
 from mbcdm_cad.report.masses import inertias, masses_by_item
 from mbcdm_cad.robot.elastic import elastic_drive
@@ -23,7 +24,7 @@ G_MM2 = 1e-9
 @pytest.fixture(scope="module")
 def masses(loaded: Any, parts: Any) -> dict[str, Any]:
     """The report's own sums: mass of the whole (g), inertia at the drum with and without rotors (g mm^2)."""
-    dims = loaded.drive.layout
+    dims = layout_of(loaded.drive)
     centred = dims.bill()
     by_item = masses_by_item(centred, parts)
     moving = inertias(dims, centred, by_item)
@@ -105,7 +106,7 @@ class TestUrdf:
         assert abs(whole * 1e3 / masses["mass_g"] - 1.0) < 1e-9, (whole, masses["mass_g"])
 
     def test_one_joint_leads_and_the_others_follow_by_the_ratios(self, urdf: Any, loaded: Any) -> None:
-        turns = analyse(loaded.drive).shaft_turns[0].turned_deg
+        turns = analyse(layout_of(loaded.drive)).shaft_turns[0].turned_deg
         ratio = {"guide": turns["guide"] / turns["drum"]}
         assert urdf.actuated_joint_names == ["drum"]
         urdf.update_cfg([0.3])

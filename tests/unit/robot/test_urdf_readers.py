@@ -13,6 +13,7 @@ import pytest
 
 from mbcdm_cad.design.blocks import DutyBlock, DutyRow
 from mbcdm_cad.errors import MbcdmError
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.model.analysis import analyse
 from mbcdm_cad.report.masses import inertias, masses_by_item
 from mbcdm_cad.robot.mechanism import SPEED_WITHOUT_FIGURES_RAD_S, Mechanism, _limits
@@ -37,7 +38,7 @@ def path(robot: Mechanism, tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def drum_with_rotors(loaded: Any, parts: Any) -> float:
     """Inertia at the drum with guide, inputs and rotors, kg m^2, as the report sums it."""
-    layout = loaded.drive.layout
+    layout = layout_of(loaded.drive)
     centred = layout.bill()
     return float(inertias(layout, centred, masses_by_item(centred, parts)).at_drum * G_MM2)
 
@@ -85,7 +86,7 @@ def test_mujoco_reads_the_urdf_without_contacts(path: Path, robot: Mechanism) ->
 
 
 def test_limits_are_those_of_the_motors_with_losses(robot: Mechanism, loaded: Any) -> None:
-    found = analyse(loaded.drive)
+    found = analyse(layout_of(loaded.drive))
     limit = {
         node.get("name"): {k: float(v) for k, v in node.find("limit").attrib.items()}  # type: ignore[union-attr]
         for node in _urdf(robot, UrdfOptions()).findall("joint")
@@ -101,7 +102,7 @@ def test_limits_are_those_of_the_motors_with_losses(robot: Mechanism, loaded: An
 
 def test_a_stated_duty_sets_the_effort_by_the_heat_of_its_motors(loaded: Any) -> None:
     """Moved all the time in hot air less than the continuous torque, for a share of the time more."""
-    peak, train = loaded.drive.loads.peak_torque_Nm, loaded.drive.layout.losses
+    peak, train = loaded.drive.loads.peak_torque_Nm, layout_of(loaded.drive).losses
     output = train.output_Nm(loaded.drive.motor.peak_torque_mNm * 1e-3)
     short = min(float(train.raised_Nm(output, way).min()) for way in (1, -1))
 
@@ -115,10 +116,10 @@ def test_a_stated_duty_sets_the_effort_by_the_heat_of_its_motors(loaded: Any) ->
             # The hottest winding then just reaches its limit.
             scaled = [
                 day.heat.repeated(day.duty.time_s, found / peak * day.heat_torque_Nm, 100.0)
-                for day in drive.layout.motor_days
+                for day in layout_of(drive).motor_days
             ]
             hottest = max(found.hottest_winding_C for found in scaled if found is not None)
-            assert hottest == pytest.approx(drive.layout.motor_days[0].heat.limit_C, abs=0.1)
+            assert hottest == pytest.approx(layout_of(drive).motor_days[0].heat.limit_C, abs=0.1)
         return found
 
     always = effort(1.0)

@@ -14,7 +14,7 @@ from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import Sizing, SizingError
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.base import NoFigureError
-from mbcdm_cad.layouts.loader import load_text
+from mbcdm_cad.layouts.loader import layout_of, load_text
 from mbcdm_cad.layouts.open_ratio import RATIOS, lightest
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.report.check_report import check_design
@@ -36,12 +36,12 @@ def _text(layout: str, loads: str, ratio: float | None = None) -> str:
 
 
 def _ratio(found: LoadedDesign) -> Any:
-    field = f"transmission.{RATIO[found.drive.layout.name]}"
+    field = f"transmission.{RATIO[layout_of(found.drive).name]}"
     return next(value.value for value in found.sized if value.field == field)
 
 
 def _mass_g(found: LoadedDesign) -> float:
-    layout = found.drive.layout
+    layout = layout_of(found.drive)
     return kept_mass_g(layout)
 
 
@@ -53,7 +53,7 @@ def _failing(found: LoadedDesign) -> list[str]:
 def test_ease_of_turning_chooses_ratio_motor_and_gearhead(layout: str) -> None:
     found = load_text(_text(layout, "backdrive_Nm: 0.3"))
     assert not _failing(found)
-    back = found.drive.layout.losses.backdrive
+    back = layout_of(found.drive).losses.backdrive
     assert back is not None and back.start_Nm <= 0.3
     if layout == "siso_spur":
         assert _mass_g(load_text(_text(layout, "test_torque_Nm: 0.6"))) < _mass_g(found), "the wish costs mass"

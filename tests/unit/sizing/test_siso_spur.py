@@ -10,7 +10,7 @@ import pytest
 import yaml
 
 from mbcdm_cad.errors import InputError
-from mbcdm_cad.layouts.loader import load_design, load_text
+from mbcdm_cad.layouts.loader import layout_of, load_design, load_text
 from mbcdm_cad.layouts.siso_spur.sizing import DERIVED, size
 from tests.support.checked import failing
 
@@ -121,7 +121,7 @@ def test_lugs_of_long_terminals_are_rooted_in_the_rim() -> None:
     Without, the drum of params/gallery/capstan.yaml fell into three pieces.
     """
     drive: Any = load_design(PARAMS / "gallery" / "capstan.yaml").drive
-    drum = drive.layout.drum  # type: ignore[attr-defined]
+    drum = layout_of(drive).drum  # type: ignore[attr-defined]
     for t in drum.tensioners:
         foot = hypot(t.radius_mm - drum.lug_root(t), t.lug_end)
         surface = drum.lands[-1].surface_radius_mm

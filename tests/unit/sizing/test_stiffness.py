@@ -16,9 +16,10 @@ from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.design.loader import resolved
 from mbcdm_cad.design.sized import Moved, Sizing
 from mbcdm_cad.design.yamltree import parse
-from mbcdm_cad.layouts.loader import design_file, load_text
+from mbcdm_cad.layouts.loader import design_file, layout_of, load_text
 from mbcdm_cad.layouts.stiff_sizing import SHARED, Ways, walls
-from mbcdm_cad.layouts.structure import Structure
+from mbcdm_cad.layouts.structure import structure_of
+from mbcdm_cad.model.structure.causes import Structure
 from mbcdm_cad.report.explain import explain
 from tests.support.checked import failing, result, statuses
 
@@ -66,7 +67,7 @@ def by_strength(name: str) -> LoadedDesign:
 
 
 def structure(loaded: LoadedDesign) -> Structure:
-    found = loaded.drive.layout.structure
+    found = structure_of(layout_of(loaded.drive))
     assert found is not None
     return found
 
@@ -121,7 +122,7 @@ def test_where_bounds_refuse_the_check_says_how_far_it_came() -> None:
     asked = design("miso_bevel", 1e6)
     assert list(failing(asked)) == ["stiffness"]
     assert stiffness(asked) > 1.2 * stiffness(plain)
-    structure = asked.drive.layout.structure
+    structure = structure_of(layout_of(asked.drive))
     assert structure is not None and structure.over_cables >= 0.1, "no metal where the cables give most"
     remedy = result(asked, "stiffness").remedy
     assert "the rules raise what the file leaves to them" in remedy and "the cables" in remedy
@@ -162,7 +163,7 @@ def test_a_drum_that_the_file_holds_soft_is_warned_of_with_a_hub_that_was_tried(
     hub = next(value.value for value in soft.sized if value.field == "drum.hub_diameter_mm")
     pinned = design("siso_spur", drum={"hub_diameter_mm": hub, "web_thickness_mm": 1.5}, loads=peak)
     assert statuses(design("siso_spur", loads=peak))["structure_share"] == "pass"
-    found = run_check(structure_share, pinned.drive.layout)
+    found = run_check(structure_share, layout_of(pinned.drive))
     assert found.status == "warn" and found.limit == SOFT and failing(pinned) == {}, found
     assert f"raise drum.hub_diameter_mm from {hub:g} to at least" in found.remedy, found
 
@@ -190,9 +191,9 @@ def test_no_step_of_a_stiffener_lowers_mass_times_turn_where_the_file_asks_for_n
         """The sizing with its mass times turn."""
         text = yaml.safe_dump({**data, "loads": {**data["loads"], **loads}})
         found = resolved(parse(text, "weighed"), Path("weighed"), file, moved, similar)
-        layout = found.drive.layout
-        assert found.sizing is not None and layout.structure is not None
-        return found.sizing, kept_mass_g(layout) / float(layout.structure.stiffness_Nm_rad)
+        layout = layout_of(found.drive)
+        assert found.sizing is not None and structure_of(layout) is not None
+        return found.sizing, kept_mass_g(layout) / float(structure_of(layout).stiffness_Nm_rad)
 
     found, worth = sized({}, None)
     assert worth < 0.95 * sized({}, None, stiffness_Nm_rad=1.0)[1], "stiffness was cheap"

@@ -11,8 +11,9 @@ import yaml
 from mbcdm_cad.checks.structure import drum_stress
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.layouts.head_dims import CLOSED_GAIN
-from mbcdm_cad.layouts.loader import load_text
+from mbcdm_cad.layouts.loader import layout_of, load_text
 from mbcdm_cad.layouts.sector import SectorLayout
+from mbcdm_cad.layouts.structure import structure_of
 from mbcdm_cad.parts.drum_sector.part import DrumSector
 from tests.support.checked import statuses
 
@@ -47,7 +48,7 @@ def sized(data: dict[str, Any], **drum: Any) -> LoadedDesign:
 
 def drum_g(loaded: LoadedDesign) -> float:
     drive = loaded.drive
-    dims = drive.layout.drum
+    dims = layout_of(drive).drum
     return (
         float(DrumSector(dims, drive.screw(dims.set_screw).thread_mm).volume_mm3())
         * 1e-3
@@ -56,7 +57,7 @@ def drum_g(loaded: LoadedDesign) -> float:
 
 
 def turn(loaded: LoadedDesign) -> float:
-    structure = loaded.drive.layout.structure
+    structure = structure_of(layout_of(loaded.drive))
     assert structure is not None
     return float(sum(c.urad_Nm for c in structure.causes if c.in_drum))
 
@@ -64,8 +65,8 @@ def turn(loaded: LoadedDesign) -> float:
 def test_a_stressed_web_has_no_windows_and_is_lighter_and_stiffer() -> None:
     closed, open_ = sized(ANTENNA), sized(ANTENNA, windows="outer")
     record = next(v for v in closed.sized if v.field == "drum.windows")
-    assert (record.value, record.driver) == ("none", "drum_stress") and not closed.drive.layout.drum.windows
-    assert open_.drive.layout.drum.windows and open_.drive.drum.windows == "outer"
+    assert (record.value, record.driver) == ("none", "drum_stress") and not layout_of(closed.drive).drum.windows
+    assert layout_of(open_.drive).drum.windows and open_.drive.drum.windows == "outer"
     assert drum_g(closed) < 0.8 * drum_g(open_) and turn(closed) < 0.4 * turn(open_)
     for design in (closed, open_):
         assert statuses(design)["drum_stress"] == "pass"
@@ -73,15 +74,15 @@ def test_a_stressed_web_has_no_windows_and_is_lighter_and_stiffer() -> None:
 
 def test_windows_that_cost_much_stiffness_for_their_mass_are_closed() -> None:
     closed, open_ = sized(SOFT, material="pla"), sized(SOFT, material="pla", windows="outer")
-    assert closed.drive.drum.windows == "none" and not closed.drive.layout.drum.windows
+    assert closed.drive.drum.windows == "none" and not layout_of(closed.drive).drum.windows
     assert statuses(open_)["drum_stress"] == "pass", "stress alone closes them: this design shows nothing"
     assert turn(open_) * drum_g(open_) > CLOSED_GAIN * turn(closed) * drum_g(closed)
 
 
 def test_a_web_that_bears_its_stress_keeps_them_and_a_file_may_close_them() -> None:
     usual, closed = sized(LIGHT), sized(LIGHT, windows="none")
-    assert usual.drive.layout.drum.windows and not [v for v in usual.sized if v.field == "drum.windows"]
-    assert not closed.drive.layout.drum.windows
+    assert layout_of(usual.drive).drum.windows and not [v for v in usual.sized if v.field == "drum.windows"]
+    assert not layout_of(closed.drive).drum.windows
     assert turn(closed) < turn(usual) and drum_g(closed) > drum_g(usual)
     assert drum_g(closed) == pytest.approx(drum_g(usual), rel=0.15)
 
@@ -111,10 +112,10 @@ def test_a_printed_hub_is_as_wide_as_its_torsion_asks(configuration: str, transm
     record = next(v for v in loaded.sized if v.field == "drum.hub_diameter_mm")
     assert record.driver == "drum_stress", record
     drive = loaded.drive
-    layout = drive.layout
+    layout = layout_of(drive)
     assert isinstance(layout, SectorLayout)
     assert drum_stress(layout).holds, drum_stress(layout)
-    narrower = replace(drive, drum=replace(drive.drum, hub_diameter_mm=record.value - 1.0)).layout
+    narrower = layout_of(replace(drive, drum=replace(drive.drum, hub_diameter_mm=record.value - 1.0)))
     assert isinstance(narrower, SectorLayout)
     refused = drum_stress(narrower)
     assert "the hub" in refused.subject and not refused.holds, refused
@@ -130,6 +131,6 @@ def test_a_printed_web_bears_its_stress_beside_the_slot_of_a_thick_pin() -> None
         **{part: {"material": "pa12"} for part in ("drum", "guide", "support")},
     }
     drive = load_text(yaml.safe_dump(file)).drive
-    layout = drive.layout
+    layout = layout_of(drive)
     assert isinstance(layout, SectorLayout)
     assert drive.drum.stop_pin_mm == 6.0 and drum_stress(layout).holds, drum_stress(layout)

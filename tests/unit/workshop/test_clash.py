@@ -17,7 +17,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.layouts.miso_bevel.cable_path import cable_path
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.parts.bill import PartSpec
@@ -144,7 +144,7 @@ def test_nine_poses_hold_both_ends_and_the_centre() -> None:
 
 
 DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
-DIMS: Any = DRIVE.layout
+DIMS: Any = layout_of(DRIVE)
 
 
 @pytest.fixture(scope="module")
@@ -191,7 +191,7 @@ class _Asked:
 
 def test_only_parts_with_tapped_holes_are_drawn_anew_and_only_where_asked() -> None:
     drive = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
-    whole = drive.layout.bill()
+    whole = layout_of(drive).bill()
     parts = {name: cast(StoredPart, ("major", spec.part)) for name, spec in whole.parts.items()}
     store = _Asked()
     assert exported_parts(cast(Store, store), whole, parts, drive, 1) == parts and not store.specs

@@ -19,7 +19,7 @@ from mbcdm_cad.cli.group import progress
 from mbcdm_cad.errors import GeometryError
 from mbcdm_cad.jobs import build as job
 from mbcdm_cad.jobs.build import build
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.parts.bill import CABLE
 from mbcdm_cad.routes.curves import Arc, Line
 from mbcdm_cad.storage.cache import Cache
@@ -104,7 +104,7 @@ def test_bent_rod_has_the_volume_and_centroid_of_pappus() -> None:
 @pytest.mark.parametrize("design", ["mbcdm", "siso_spur"])
 def test_cable_has_the_mass_that_the_kernel_finds(design: str) -> None:
     drive = load_design(PARAMS / f"{design}.yaml").drive
-    parts = drive.layout.bill().parts
+    parts = layout_of(drive).bill().parts
     spec = next(spec for name, spec in parts.items() if name.startswith(CABLE))
     line, solid = rod_shape(spec.part.pieces, spec.part.radius), measure(spec.part.solid())
     assert line.volume_mm3 == pytest.approx(solid.volume_mm3, rel=1e-5)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.design.bought import Material
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.parts.bill import Item
 from mbcdm_cad.parts.placement import Placement, Vector
 from mbcdm_cad.workshop import pictures
@@ -35,7 +35,7 @@ METAL = Material(
 
 def test_the_section_shows_the_plane_through_the_drum_s_axis_and_the_transfer_points() -> None:
     """Of miso_bevel: the plane x = 0, the points at (0, r_g, r_o)."""
-    found = transfer_section(DRIVE.layout)
+    found = transfer_section(layout_of(DRIVE))
     assert found is not None
     centre, normal, half = found
     guide = [c.guide_radius_mm for c in DRIVE.cables]  # type: ignore[attr-defined]
@@ -58,7 +58,7 @@ def test_the_exploded_view_keeps_directions_and_multiplies_distances() -> None:
 
 
 def test_each_cable_has_a_colour_of_its_own() -> None:
-    items = DRIVE.layout.bill().items
+    items = layout_of(DRIVE).bill().items
     colours = [item.material.colour for item in items if item.name.startswith("cable_")]
     assert len(set(colours)) == len(colours) == 4
 

@@ -19,7 +19,7 @@ from mbcdm_cad.checks.size import overhang_check, printed_walls_check
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts.check_design import checks_of
-from mbcdm_cad.layouts.loader import load_design, load_text
+from mbcdm_cad.layouts.loader import layout_of, load_design, load_text
 from mbcdm_cad.parts.fits import limits
 from mbcdm_cad.parts.making import PRINTED_MM, body_accuracy, land_band_mm, model_tolerances, sheet_as_printed
 from mbcdm_cad.parts.part import StandardPart
@@ -36,7 +36,7 @@ PRINTED = (ROOT / "params/gallery/printed.yaml").read_text("utf-8")
 
 def _bill(text: str):
     drive = load_text(text, "printed.yaml").drive
-    return drive, drive.layout, drive.layout.bill()
+    return drive, layout_of(drive), layout_of(drive).bill()
 
 
 @pytest.fixture(scope="module")
@@ -100,7 +100,7 @@ def test_no_wall_of_a_printed_drum_is_too_thin(printed) -> None:
     assert wall is None or wall.thickness_mm >= least - 1e-6, wall
     narrow = replace(drive, drum=replace(drive.drum, hub_diameter_mm=2 * (d.bore_radius + least + 0.2)))
     check = next(check for check in checks_of(narrow) if check.id == "hub_spigot")
-    found = check.measure(narrow.layout)
+    found = check.measure(layout_of(narrow))
     assert not found.holds and found.subject.startswith("wall of the printed spigot"), found
 
 
@@ -244,7 +244,7 @@ def test_only_the_printed_parts_get_a_file(metal: Drive) -> None:
 @pytest.mark.parametrize("name", ["mbcdm", "siso_bevel", "siso_spur", "miso_spur", "gallery/hip", "gallery/capstan"])
 def test_nuts_and_dowels_are_bought_in_sizes_that_their_standards_have(name: str) -> None:
     drive = of_params(name).drive
-    bill = drive.layout.bill()
+    bill = layout_of(drive).bill()
     standard = {n: spec.part for n, spec in bill.parts.items() if isinstance(spec.part, StandardPart)}
     assert {"nut", "dowel"} <= set(standard), set(standard)
     assert not set(standard) & set(drawn_parts(drive))

@@ -22,6 +22,7 @@ from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.pulleys import STOP_PIN_WALL_MM
 from mbcdm_cad.layouts.miso_bevel.sizing.known import LATER, BevelKnown
 from mbcdm_cad.layouts.miso_bevel.sizing.radii import take_up_mm
+from mbcdm_cad.layouts.structure import drum_structure_of
 from mbcdm_cad.model.structure.drum_sector import least_hub_mm
 from mbcdm_cad.parts.drum_sector.dims import (
     SCREWS,
@@ -115,7 +116,7 @@ def _stressed_web(given: BevelKnown, usual: Found, load_Nm: float, bears_MPa: fl
                 trial = BevelLayout(given.trial(**{**LATER, **places, "drum__stop_pin_mm": pin_mm}))
                 if stop_pin(trial).holds:
                     break
-            stress = trial.drum_structure.stress_MPa(load_Nm)
+            stress = drum_structure_of(trial).stress_MPa(load_Nm)
             needed = rounded_up(WEB_SPARE * found.value * stress / bears_MPa, 0.1)
             if needed <= found.value:
                 break
@@ -361,7 +362,7 @@ def _windows_cost(given: BevelKnown) -> bool:
         judged = replace(drive, drum=replace(drive.drum, stop_pin_mm=PLASTIC_STOP_PINS_MM[0]))
         layout = BevelLayout(drive)
         if layout.drum.windows and not BevelLayout(judged).drum.windows:
-            return layout.drum_structure.stress_MPa(_load_Nm(given)) > lasting_MPa(_material(given)) / STRESS_SAFETY
+            return drum_structure_of(layout).stress_MPa(_load_Nm(given)) > lasting_MPa(_material(given)) / STRESS_SAFETY
     return False
 
 

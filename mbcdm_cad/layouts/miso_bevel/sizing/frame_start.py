@@ -12,6 +12,7 @@ from mbcdm_cad.design.sized import Sizing, SizingError
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.sizing.known import BevelKnown, FrameStart
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.parts.threads import MOUNT_SCREWS
 
 MOUNT_SCREW, WALLS = "support.mount_screw", ("support.back_plate_mm", "support.rib_mm")
@@ -82,6 +83,6 @@ def _chosen(sizing: Sizing, fields: tuple[str, ...]) -> bool:
 
 
 def _layout(given: BevelKnown) -> BevelLayout:
-    found = met(given.trial()).layout
+    found = layout_of(met(given.trial()))
     assert isinstance(found, BevelLayout)
     return found

@@ -44,7 +44,7 @@ from mbcdm_cad.model.plate_mesh import (
     shares_urad,
     statically,
 )
-from mbcdm_cad.model.si import MM, to_si
+from mbcdm_cad.model.si import MM
 from mbcdm_cad.model.stiffness import unit_tensions_N
 from mbcdm_cad.model.structure.shafts import BossRing
 from mbcdm_cad.routes import Floats
@@ -107,7 +107,7 @@ def frame_compliance(layout: BevelLayout) -> FrameCompliance:
     Raises ``ValueError`` if the dimensions leave no frame to compute.
     """
     material = layout.drive.frame_material
-    loads = seat_loads(layout, unit_tensions_N(to_si(layout.drive)))
+    loads = seat_loads(layout, unit_tensions_N(layout.si))
     mesh = support_mesh(layout)
     ground = mounts(layout).springs(mesh, material)
     shares = shares_urad(mesh, material, _half_load(layout, mesh, loads), ground)
@@ -222,7 +222,7 @@ def seat_points_mm(layout: BevelLayout) -> dict[str, tuple[float, float, float]]
 
 def seat_loads(layout: BevelLayout, tension_N: Floats) -> SeatLoads:
     """Forces of the given tensions (n_cables,), which may be differences and negative, on the support's seats."""
-    d = to_si(layout.drive)
+    d = layout.si
     loads = bearing_loads(d, tension_N)
     points = seat_points_mm(layout)
     forces: dict[str, Floats] = {}

@@ -17,7 +17,7 @@ from mbcdm_cad.layouts.base import FrameCompliance, FrameStudy
 from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
 from mbcdm_cad.layouts.structure import elastic, one_input_loads
 from mbcdm_cad.model.plate_mesh import URAD_PER_MRAD, Hole, Mounts, Wall, X, Y, Z, centred_load, plate_mesh, shares_urad
-from mbcdm_cad.model.si import MM, to_si
+from mbcdm_cad.model.si import MM
 from mbcdm_cad.model.stiffness import unit_tensions_N
 from mbcdm_cad.model.structure.shafts import BossRing
 from mbcdm_cad.routes import Floats
@@ -130,7 +130,7 @@ def frame_compliance(layout: DirectLayout) -> FrameCompliance:
         "foot": 1e3,
     }
     total = np.zeros((len(mesh.plates.node_mm), 6))
-    forces = seat_forces(layout, unit_tensions_N(to_si(layout.drive)))
+    forces = seat_forces(layout, unit_tensions_N(layout.si))
     for panel, point, force_x, couple_z in forces:
         nodes = mesh.near(panel, point, (reach[panel], reach[panel], 1e3))
         total[nodes, :3] += centred_load(mesh, nodes, np.array(point), force_x, couple_z)

@@ -14,7 +14,7 @@ from mbcdm_cad.design.bought import Servo
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, is_overhung
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.overhung import MotorSeat, hub_radius_mm, set_screw, shaft_end_z_mm
-from mbcdm_cad.layouts.structure import lash_rad, overhung_sag_mm
+from mbcdm_cad.layouts.structure import lash_rad, overhung_sag_mm, structure_of
 from mbcdm_cad.parts.threads import clamp_force_N
 
 # Share of the gap between drum and pulley that the shaft's sag may take (estimate).
@@ -205,7 +205,7 @@ def servo_lash(s: SpurLayout) -> Comparison:
     drive = s.drive
     play = lash_rad(drive, motors_held=False) * 1e3
     unheld = lash_rad(drive, motors_held=True) * 1e3
-    limit = (s.structure.payload_urad_Nm + s.structure.cables_urad_Nm) * drive.loads.test_torque_Nm * 1e-3
+    limit = (structure_of(s).payload_urad_Nm + structure_of(s).cables_urad_Nm) * drive.loads.test_torque_Nm * 1e-3
     sees = "sees the horn" if _servo(s).sensor == "output" else "sees its motor alone"
     note = f"its sensor {sees}; {unheld:.3g} mrad while its motor stands still"
     return at_most("play of the drum by the servo's gears", play, limit, "mrad", note)

@@ -12,6 +12,7 @@ from mbcdm_cad.checks.geometry import HOLE_WEB_MM, web_between
 from mbcdm_cad.checks.motor_head import boss_walls, encoder_shelf
 from mbcdm_cad.design.bought import InsertSpec
 from mbcdm_cad.layouts.base import PRINTED_WINDUP, NoFigureError
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.support.stiffness import out_of_line_mrad
@@ -190,7 +191,7 @@ def _long_yoke(s: SpurLayout) -> bool:
 
 
 def _asked_of_yoke(drive: SpurDrive) -> bool:
-    layout: Any = drive.layout
+    layout: Any = layout_of(drive)
     with suppress(NoFigureError):
         return _long_yoke(layout)
     return False

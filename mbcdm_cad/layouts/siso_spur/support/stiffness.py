@@ -39,7 +39,7 @@ from mbcdm_cad.model.plate_mesh import (
     pulled,
     shares_urad,
 )
-from mbcdm_cad.model.si import MM, to_si
+from mbcdm_cad.model.si import MM
 from mbcdm_cad.model.stiffness import unit_tensions_N
 from mbcdm_cad.model.structure.shafts import BossRing
 from mbcdm_cad.routes import Floats
@@ -177,7 +177,7 @@ def _idler_forces(
     layout: SpurLayout, tension_N: Floats
 ) -> Iterator[tuple[str, tuple[float, float, float], float, float]]:
     """What the idlers of each pair put on plate and strap: their forces along z are a couple about y."""
-    routes = to_si(layout.drive).routes
+    routes = layout.si.routes
     for n, stand in enumerate(layout.frame.stands, 1):
         supports = layout.axle_supports_mm(n - 1)
         pairs = np.zeros((2, 3))
@@ -210,7 +210,7 @@ def arms_compliance(arms: Sequence[Arm], share: float) -> FrameCompliance:
     total = np.zeros((len(mesh.plates.node_mm), 6))
     on_boss: dict[float, float] = {}
     for arm in arms:
-        tension = share * unit_tensions_N(to_si(arm.layout.drive))
+        tension = share * unit_tensions_N(arm.layout.si)
         for panel, (x, y, z), force_x, couple_y in seat_forces(arm.layout, tension):
             # The bearings of the drum load the boss, those of the input the metal round their seats, and those of
             # idlers the metal from one axle to the other.

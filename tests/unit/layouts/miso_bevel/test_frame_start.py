@@ -7,7 +7,7 @@ import pytest
 from mbcdm_cad.checks.comparison import Comparison
 from mbcdm_cad.checks.drum_sector import hub_length, stop_slot
 from mbcdm_cad.checks.structure import drum_stress, frame_windup, mounting_screws
-from mbcdm_cad.layouts.loader import load_text
+from mbcdm_cad.layouts.loader import layout_of, load_text
 from mbcdm_cad.layouts.miso_bevel.checks.spans import input_walk
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 
@@ -43,7 +43,7 @@ PRINTED = "support: {material: pa12%s}\n"
 
 
 def _sized(text: str) -> BevelLayout:
-    layout = load_text(text, "a.yaml").drive.layout
+    layout = layout_of(load_text(text, "a.yaml").drive)
     assert isinstance(layout, BevelLayout)
     return layout
 

@@ -13,7 +13,7 @@ from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.support.stiffness import frame_compliance, seat_loads
-from mbcdm_cad.model.si import to_si
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.model.stiffness import unit_tensions_N
 
 from .designs import drives, mirrored, reference
@@ -39,7 +39,7 @@ def drawable(drive: BevelDrive) -> BevelLayout:
 @given(drives())
 def test_load_of_1_Nm_leaves_the_mount_a_moment_about_the_drum_alone(drive: BevelDrive) -> None:
     dims = drawable(drive)
-    loads = seat_loads(dims, unit_tensions_N(to_si(drive)))
+    loads = seat_loads(dims, unit_tensions_N(layout_of(drive).si))
     force = loads.force_N.sum(axis=0)
     moment = np.cross(loads.point_mm, loads.force_N).sum(axis=0) / 1e3
     moment[2] += loads.gearhead_torque_Nm.sum()
@@ -52,7 +52,7 @@ def test_load_of_1_Nm_leaves_the_mount_a_moment_about_the_drum_alone(drive: Beve
 @settings(max_examples=25, deadline=None)
 @given(drives(), st.lists(st.floats(0.0, 200.0), min_size=4, max_size=4))
 def test_any_tensions_load_the_mount_by_their_moment_on_the_drum(drive: BevelDrive, tension: list[float]) -> None:
-    d = to_si(drive)
+    d = layout_of(drive).si
     loads = seat_loads(drawable(drive), np.array(tension))
     on_drum = float((d.sigma * np.array(tension) * d.drum_radius_m).sum())
     moment = np.cross(loads.point_mm, loads.force_N).sum(axis=0) / 1e3
@@ -62,7 +62,7 @@ def test_any_tensions_load_the_mount_by_their_moment_on_the_drum(drive: BevelDri
 
 
 def test_unit_tensions_carry_1_Nm(drive: BevelDrive) -> None:
-    d = to_si(drive)
+    d = layout_of(drive).si
     carried = float((d.sigma * unit_tensions_N(d) * d.drum_radius_m).sum())
     assert carried == pytest.approx(1.0, abs=1e-12), f"{carried} N m"
 

@@ -15,8 +15,8 @@ from mbcdm_cad.layouts.miso_bevel.cable_path import fleet_angle_deg
 from mbcdm_cad.layouts.miso_bevel.checks.spans import stacks, straight_span_clearance_mm
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.model.equations import pair_mismatch_m
-from mbcdm_cad.model.si import to_si
 from mbcdm_cad.model.stack_up import Contribution
 from mbcdm_cad.model.tolerance import linear_error, tolerance_stack
 from mbcdm_cad.parts.fits import radius_band_mm
@@ -76,7 +76,7 @@ def test_a_pair_disagrees_by_what_its_radii_are_off() -> None:
     for cable in pair:
         for field, name in (("drum_radius_mm", "drum radius"), ("input_radius_mm", "input radius")):
             off, _ = _with(drive, cable, **{field: getattr(cable, field) + 0.01})
-            si = to_si(off)
+            si = layout_of(off).si
             # The drum at the end of its travel where the input's own radii put it.
             angle = radians(drive.half_travel_deg) * si.total_ratio[:1]
             length = float(np.abs(pair_mismatch_m(si, np.array([angle, angle]))[0]).max()) * 1e3
@@ -129,7 +129,7 @@ def test_stacks_stand_in_the_order_of_the_gaps_and_name_what_costs_most() -> Non
 
 def test_linear_error_of_the_check_is_that_of_the_study() -> None:
     drive = reference()
-    si, sizes, half = to_si(drive), model_tolerances(drive), radians(drive.half_travel_deg)
+    si, sizes, half = layout_of(drive).si, model_tolerances(drive), radians(drive.half_travel_deg)
     names, error = linear_error(si, half, sizes, poses=31)
     study = tolerance_stack(si, half, sizes, draws=2, poses=31)
     assert names == study.contributor

@@ -15,9 +15,9 @@ from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.layouts.miso_spur.checks import load_shares, load_sharing
 from mbcdm_cad.layouts.miso_spur.drive import RoundDrumDrive
 from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.model.capability import torque_at_slip_Nm
 from mbcdm_cad.model.equilibrium import bearing_loads, solve_equilibrium
-from mbcdm_cad.model.si import to_si
 from mbcdm_cad.model.stiffness import drum_backlash, sticking_stiffness_Nm_rad
 from mbcdm_cad.routes.route import contact_point_m
 from tests.support.sliced_cables import by_bisection
@@ -30,7 +30,7 @@ Made = Callable[[int], RoundDrumDrive]
 def test_each_input_is_the_plain_drive_with_its_share(with_inputs: Made, count: int, load: float) -> None:
     """n inputs under n M turn as far as (a) under M, at its tensions; stiffness and torque at slip are n times its."""
     drive = with_inputs(count)
-    one, all_ = to_si(drive.unit(0)), to_si(drive)
+    one, all_ = layout_of(drive.unit(0)).si, layout_of(drive).si
     alone, together = solve_equilibrium(one, load), solve_equilibrium(all_, count * load)
     assert float(together.drum_angle_rad) == pytest.approx(float(alone.drum_angle_rad), rel=1e-9, abs=1e-15)
     assert together.tension_N.reshape(count, 2) == pytest.approx(np.tile(alone.tension_N, (count, 1)), rel=1e-9)
@@ -39,7 +39,7 @@ def test_each_input_is_the_plain_drive_with_its_share(with_inputs: Made, count: 
 
 
 def test_equilibrium_is_that_of_cables_summed_up_in_slices(drive: RoundDrumDrive) -> None:
-    at = solve_equilibrium(to_si(drive), 4.3)
+    at = solve_equilibrium(layout_of(drive).si, 4.3)
     angle, tensions = by_bisection(drive, drive.free_span_mm * 1e-3, 4.3)
     assert float(at.drum_angle_rad) == pytest.approx(angle, rel=1e-4)
     assert at.tension_N[:2] == pytest.approx(tensions, rel=1e-5)
@@ -53,7 +53,7 @@ def test_both_senses_are_alike_whatever_one_input_is_drawn_to(
 ) -> None:
     """Turned about the line of centres, the drive is itself with its sides exchanged."""
     cables = tuple(replace(c, preload_N=preload if c.input_name == "lower" else c.preload_N) for c in drive.cables)
-    d = to_si(replace(drive, cables=cables))
+    d = layout_of(replace(drive, cables=cables)).si
     one, other = (solve_equilibrium(d, way * load) for way in (1.0, -1.0))
     assert float(one.drum_angle_rad) == pytest.approx(-float(other.drum_angle_rad), rel=1e-9)
     assert one.tension_N == pytest.approx(other.tension_N[[1, 0, 3, 2]], rel=1e-9)
@@ -63,7 +63,7 @@ def test_both_senses_are_alike_whatever_one_input_is_drawn_to(
 def test_pulls_on_the_drum_cancel_at_any_load(with_inputs: Made, count: int) -> None:
     """Equal forces evenly round an axis have no sum; in planes one pitch apart they leave a couple, but for four."""
     drive = with_inputs(count)
-    d = to_si(drive)
+    d = layout_of(drive).si
     for load in (0.0, 1.0 * count):
         loads = bearing_loads(d, solve_equilibrium(d, load).tension_N)
         assert loads.drum.force_N == pytest.approx([0.0] * 3, abs=1e-9)
@@ -79,7 +79,7 @@ def test_pulls_on_the_drum_cancel_at_any_load(with_inputs: Made, count: int) -> 
 
 
 def test_spans_touch_both_pulleys_where_the_path_does(with_inputs: Made) -> None:
-    d = to_si(with_inputs(3))
+    d = layout_of(with_inputs(3)).si
     for route in d.routes.cables:
         ends = [contact_point_m(d.routes.body(w.body), w, route.spans[0].direction) for w in route.wraps]
         across = (ends[1] - ends[0]) * np.array([1.0, 0.0, 1.0])
@@ -89,7 +89,7 @@ def test_spans_touch_both_pulleys_where_the_path_does(with_inputs: Made) -> None
 
 def test_routes_lie_where_the_drawn_cables_do(dims: RoundDrumLayout) -> None:
     """Contact points on the input, from the routes in m and from the drawn path in mm."""
-    d = to_si(dims.drive)
+    d = layout_of(dims.drive).si
     for path, first in zip(dims.cable_paths(0.0), range(0, d.n_cables, 2), strict=True):
         ends = path.piece("wound").points(np.array([0.0, 1.0]))
         for end, j in zip(ends, (first, first + 1), strict=True):
@@ -106,13 +106,13 @@ def test_shares_follow_the_stiffness_of_the_cables_alone(drive: RoundDrumDrive, 
     takes less."""
     cables = tuple(replace(c, preload_N=slack if c.input_name == "lower" else c.preload_N) for c in drive.cables)
     uneven = replace(drive, cables=cables)
-    at = solve_equilibrium(to_si(uneven), load)
+    at = solve_equilibrium(layout_of(uneven).si, load)
     taken = []
     for k in range(2):
         own = at.tension_N[2 * k : 2 * k + 2]
         # Bisected for the load that turns this input's own drive as far.
         low, high = 0.0, load
-        unit = to_si(uneven.unit(k))
+        unit = layout_of(uneven.unit(k)).si
         for _ in range(60):
             middle = (low + high) / 2
             further = abs(float(solve_equilibrium(unit, middle).drum_angle_rad)) > abs(float(at.drum_angle_rad))
@@ -135,15 +135,15 @@ def test_check_of_sharing_warns_of_one_slack_cable(drive: RoundDrumDrive) -> Non
 
 
 def test_backlash_is_that_of_the_plain_drive_at_the_share(drive: RoundDrumDrive) -> None:
-    found, alone = drum_backlash(to_si(drive), 1.24), drum_backlash(to_si(drive.unit(1)), 0.62)
+    found, alone = drum_backlash(layout_of(drive).si, 1.24), drum_backlash(layout_of(drive.unit(1)).si, 0.62)
     assert float(found.first_loading_rad) == pytest.approx(float(alone.first_loading_rad), rel=1e-9)
     assert float(found.reversal_swing_rad) == pytest.approx(float(alone.reversal_swing_rad), rel=1e-9)
 
 
 def test_drum_is_as_heavy_as_its_sectors(with_inputs: Made) -> None:
     three = with_inputs(3)
-    one = three.unit(0).layout.inertias_kg_m2
-    found = three.layout.inertias_kg_m2
+    one = layout_of(three.unit(0)).inertias_kg_m2
+    found = layout_of(three).inertias_kg_m2
     assert found["drum"] == pytest.approx(3 * one["drum"], rel=0.02), "hubs between sectors are shorter"
     assert set(found) == {"drum", "input_a", "input_b", "input_c"}
 

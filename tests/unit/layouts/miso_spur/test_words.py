@@ -10,13 +10,12 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.errors import InputError
-from mbcdm_cad.layouts.loader import load_text
+from mbcdm_cad.layouts.loader import layout_of, load_text
 from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
 from mbcdm_cad.layouts.miso_spur.support.stiffness import frame_compliance
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
 from mbcdm_cad.layouts.siso_spur.support.stiffness import frame_compliance as of_one_arm
 from mbcdm_cad.model.equilibrium import solve_equilibrium
-from mbcdm_cad.model.si import to_si
 from mbcdm_cad.rig.experiment import Experiment
 from mbcdm_cad.rig.quasistatic import simulate
 from mbcdm_cad.routes.route import body_load
@@ -89,7 +88,7 @@ def test_nothing_round_the_inputs_meets(word: str) -> None:
 @pytest.mark.parametrize("load_Nm", [0.0, 1.0])
 def test_pulls_of_led_cables_balance_the_torques(load_Nm: float) -> None:
     """Static balance of all cables: forces of the bodies add up to nothing, their moments to the shafts' torques."""
-    d = to_si(made("idlers").drive)
+    d = layout_of(made("idlers").drive).si
     tension = solve_equilibrium(d, load_Nm).tension_N
     force, moment = np.zeros(3), 0.0
     for body in d.routes.bodies:
@@ -104,7 +103,7 @@ def test_pulls_of_led_cables_balance_the_torques(load_Nm: float) -> None:
 def test_each_led_input_is_the_plain_drive_with_its_share() -> None:
     """Turn of the drum, and windup of a frame whose opposite arms are equal: each carries half of the load."""
     layout = made("idlers")
-    all_of, one = to_si(layout.drive), to_si(layout.drive.unit(0))
+    all_of, one = layout.si, layout_of(layout.drive.unit(0)).si
     both = [
         float(np.diff(solve_equilibrium(d, np.array([0.0, load])).drum_angle_rad)[0])
         for d, load in ((all_of, 0.6), (one, 0.3))

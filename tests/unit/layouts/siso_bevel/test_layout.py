@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.checks.terminals import bodies_of
-from mbcdm_cad.layouts.loader import new_design_text
+from mbcdm_cad.layouts.loader import layout_of, new_design_text
 from mbcdm_cad.layouts.siso_bevel.assembly_order import assembly_order
 from mbcdm_cad.layouts.siso_bevel.bill import bill
 from mbcdm_cad.layouts.siso_bevel.cable_path import full_input_turn_deg, stop_bend
@@ -22,7 +22,6 @@ from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
 from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
 from mbcdm_cad.layouts.siso_bevel.stack import pocket_corner_radius_mm
 from mbcdm_cad.layouts.siso_bevel.support.stiffness import frame_compliance, seat_forces
-from mbcdm_cad.model.si import to_si
 from mbcdm_cad.model.stiffness import unit_tensions_N
 from mbcdm_cad.workshop.kernel import bounding_box
 from tests.support.checked import failing
@@ -141,7 +140,7 @@ def test_pulley_turns_with_the_drum_and_its_stops_stay_on_their_cables(dims: Dir
 
 
 def test_forces_of_1_Nm_leave_the_mounts_its_moment_alone(dims: DirectLayout) -> None:
-    forces = seat_forces(dims, unit_tensions_N(to_si(dims.drive)))
+    forces = seat_forces(dims, unit_tensions_N(layout_of(dims.drive).si))
     assert sum(f for _, _, f, _ in forces) == pytest.approx(0.0, abs=1e-9)
     assert sum(p[2] * f for _, p, f, _ in forces) * 1e-3 == pytest.approx(-1.0, rel=1e-9)
     assert sum(c - p[1] * f for _, p, f, c in forces) * 1e-3 == pytest.approx(0.0, abs=1e-9)

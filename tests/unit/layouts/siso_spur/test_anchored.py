@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.layouts.check_design import checks_of
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.layouts.siso_spur.assembly_order import assembly_order
 from mbcdm_cad.layouts.siso_spur.bill import bill
 from mbcdm_cad.layouts.siso_spur.cable_path import cable_paths, input_wrap_rad
@@ -20,7 +21,6 @@ from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.path_figures import plan
 from mbcdm_cad.model.analysis import analyse
 from mbcdm_cad.model.equilibrium import solve_equilibrium
-from mbcdm_cad.model.si import to_si
 from mbcdm_cad.parts.input_pulley.dims import CHAMFER_MM
 from mbcdm_cad.routes.route import contact_point_m
 from tests.support.sliced_cables import by_bisection
@@ -121,7 +121,7 @@ def test_turns_cover_travel_and_reserve(anchored: SpurDrive) -> None:
 
 def test_routes_touch_both_pulleys_where_the_paths_do(lay: SpurLayout) -> None:
     """Points where the spans leave the input and land on the drum, heights along the axes included."""
-    d = to_si(lay.drive)
+    d = lay.si
     for route, path in zip(d.routes.cables, lay.cable_paths(0.0), strict=True):
         span = path.piece("span").points(np.array([0.0, 1.0])) * 1e-3
         direction = route.spans[0].direction
@@ -130,10 +130,10 @@ def test_routes_touch_both_pulleys_where_the_paths_do(lay: SpurLayout) -> None:
 
 
 def test_nothing_slips_on_the_input(anchored: SpurDrive, drive: SpurDrive) -> None:
-    assert to_si(anchored).through_wrap_rad is None and to_si(drive).through_wrap_rad is not None
-    causes = [{limit.cause for limit in analyse(d).limits} for d in (drive, anchored)]
+    assert layout_of(anchored).si.through_wrap_rad is None and layout_of(drive).si.through_wrap_rad is not None
+    causes = [{limit.cause for limit in analyse(layout_of(d)).limits} for d in (drive, anchored)]
     assert causes[0] - causes[1] == {"slip"} and causes[1] <= causes[0]
-    assert not any(wrap.may_slip_through for route in to_si(anchored).routes.cables for wrap in route.wraps)
+    assert not any(wrap.may_slip_through for route in layout_of(anchored).si.routes.cables for wrap in route.wraps)
 
 
 def test_each_form_has_the_checks_of_what_holds_it(anchored: SpurDrive, drive: SpurDrive) -> None:
@@ -149,14 +149,14 @@ def test_turns_as_the_continuous_drive_while_its_wrap_sticks(
     anchored: SpurDrive, drive: SpurDrive, load: float, way: int
 ) -> None:
     """Where a part of the one cable sticks wholly, each side ends there: two anchored cables are the same springs."""
-    one, two = (solve_equilibrium(to_si(d), way * load) for d in (drive, anchored))
+    one, two = (solve_equilibrium(layout_of(d).si, way * load) for d in (drive, anchored))
     assert float(two.drum_angle_rad) == pytest.approx(float(one.drum_angle_rad), rel=1e-9)
     # Sides are in the order of y, which is the other one where cables are wound outwards.
     assert two.tension_N == pytest.approx(one.tension_N[::-1], rel=1e-9)
 
 
 def test_equilibrium_is_that_of_cables_summed_up_in_slices(anchored: SpurDrive) -> None:
-    at = solve_equilibrium(to_si(anchored), 2.15)
+    at = solve_equilibrium(layout_of(anchored).si, 2.15)
     angle, tensions = by_bisection(anchored, anchored.free_span_mm * 1e-3, 2.15)
     assert float(at.drum_angle_rad) == pytest.approx(angle, rel=1e-4)
     assert at.tension_N == pytest.approx(tensions, rel=1e-5)

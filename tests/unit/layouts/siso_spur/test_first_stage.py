@@ -19,11 +19,13 @@ from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.jobs.outputs import write_experiment
 from mbcdm_cad.layouts.check_design import checks_of
-from mbcdm_cad.layouts.loader import load_text
+from mbcdm_cad.layouts.loader import layout_of, load_text
 from mbcdm_cad.layouts.siso_spur.checks.stage import FAMILIES, motor_beside_mm
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, spur
 from mbcdm_cad.layouts.siso_spur.first_stage import MOST_TRAVEL_DEG, split_ratio
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
+from mbcdm_cad.layouts.structure import structure_of
+from mbcdm_cad.layouts.turns import turns_of
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.losses import MOTOR
 from mbcdm_cad.report.analysis_report import analyse_design
@@ -80,7 +82,7 @@ def series(parallel: int = 1) -> SpurDrive:
 
 def both(parallel: int = 1) -> tuple[SpurLayout, SpurLayout]:
     """The whole and its first stage."""
-    whole = series(parallel).layout
+    whole = layout_of(series(parallel))
     assert isinstance(whole, SpurLayout) and whole.first_stage_unit is not None
     return whole, whole.first_stage_unit
 
@@ -137,9 +139,9 @@ def test_stages_give_as_springs_in_series(parallel: int) -> None:
     """The energy in both under one load: that of each stage alone under its own torque, by its own figures."""
     whole, first = both(parallel)
     load, ratio = whole.drive.loads.test_torque_Nm, whole.drive.total_ratio
-    alone = first.turns.motors_held
+    alone = turns_of(first).motors_held
     assert alone is not None and first.drive.loads.test_torque_Nm == pytest.approx(load / ratio)
-    hub = next(c.urad_Nm for c in first.structure.causes if c.name == "drum: hub to the payload")
+    hub = next(c.urad_Nm for c in structure_of(first).causes if c.name == "drum: hub to the payload")
     shaft = first.drum_shaft
     polar_m4 = np.pi / 2.0 * (shaft.radius**4 - shaft.bore_radius**4) * 1e-12
     steel = first.drive.shaft_material
@@ -147,9 +149,9 @@ def test_stages_give_as_springs_in_series(parallel: int) -> None:
     twist = (load / ratio) * (shaft.flat_y - shaft.y_start) * 1e-3 / modulus / polar_m4
     torque = load / ratio
     energy = 0.5 * torque * (alone.turn_mrad * 1e-3 - hub * 1e-6 * torque + twist)
-    held, free = whole.turns.payload, whole.turns.motors_held
+    held, free = turns_of(whole).payload, turns_of(whole).motors_held
     assert held is not None and free is not None
-    own = next(c.urad_Nm for c in whole.structure.causes if c.name == "input pulleys, torsion")
+    own = next(c.urad_Nm for c in structure_of(whole).causes if c.name == "input pulleys, torsion")
     assert 0.5 * load * (free.turn_mrad - held.turn_mrad) * 1e-3 == pytest.approx(
         energy + 0.5 * load**2 * own * 1e-6, rel=1e-9
     )
@@ -199,7 +201,7 @@ def test_play_before_the_first_stage_turns_the_drum_by_it_over_both_ratios() -> 
     assert found.first_stage is not None and found.first_stage.servo is not None and spring is not None
     play, load = radians(found.first_stage.servo.lash_deg) / 6.0, found.loads.test_torque_Nm
     tight = replace(found, gearhead=replace(spring, lash_rad=0.0))
-    loose, held = found.layout.turns.motors_held, tight.layout.turns.motors_held
+    loose, held = turns_of(layout_of(found)).motors_held, turns_of(layout_of(tight)).motors_held
     assert loose is not None and held is not None and play > 1e-3
     assert (loose.swing_mrad - held.swing_mrad) * 1e-3 == pytest.approx(play, rel=1e-6)
     assert np.ptp(_drum_rad(found, load) - _drum_rad(tight, load)) == pytest.approx(play, rel=2e-3)
@@ -242,9 +244,9 @@ def test_both_stages_add_up_in_the_report() -> None:
     whole, first = both()
     one, two, all_ = stage_figures(whole)
     assert one.ratio * two.ratio == pytest.approx(all_.ratio) == pytest.approx(24.0)
-    held = whole.turns.motors_held
+    held = turns_of(whole).motors_held
     assert held is not None and all_.urad_Nm is not None
-    assert all_.urad_Nm * whole.turns.load_Nm * 1e-3 == pytest.approx(held.turn_mrad, rel=1e-9)
+    assert all_.urad_Nm * turns_of(whole).load_Nm * 1e-3 == pytest.approx(held.turn_mrad, rel=1e-9)
     moving = whole.losses.moving(whole.drive.loads.peak_torque_Nm, 1)
     motors = sum(float(x.torque_Nm[0]) for x in moving.losses if x.kind == MOTOR)
     assert all_.lost_Nm == pytest.approx(float(moving.lost_Nm[0]) - motors)

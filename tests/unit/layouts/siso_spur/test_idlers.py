@@ -19,7 +19,7 @@ from mbcdm_cad.checks.comparison import families
 from mbcdm_cad.checks.fixings import bent_axle_Nmm
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.errors import MbcdmError
-from mbcdm_cad.layouts.loader import load_text
+from mbcdm_cad.layouts.loader import layout_of, load_text
 from mbcdm_cad.layouts.siso_spur.checks import idlers
 from mbcdm_cad.layouts.siso_spur.checks.idlers import LoadedPin, bearing_forces_N
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, spur
@@ -28,7 +28,6 @@ from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.support.stiffness import seat_forces
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.losses import bearing_torque_Nm, tangent_share
-from mbcdm_cad.model.si import to_si
 from mbcdm_cad.model.stiffness import unit_tensions_N
 from mbcdm_cad.model.structure.drum_sector import Isotropic
 from mbcdm_cad.model.structure.shafts import Acting, Section, bending_urad_Nm
@@ -210,7 +209,7 @@ def test_the_cable_walks_on_the_idler_without_sliding_along_it() -> None:
 @pytest.mark.parametrize(("load_Nm", "count"), [(0.0, 1), (2.0, 1), (-2.0, 1), (5.0, 2)])
 def test_the_pulls_on_all_bodies_balance_the_torques(load_Nm: float, count: int) -> None:
     """Static balance of all cables: bodies' forces add up to nothing, their moments to the shafts' torques."""
-    d = to_si(in_parallel(count))
+    d = layout_of(in_parallel(count)).si
     tension = solve_equilibrium(d, load_Nm).tension_N
     force, moment = np.zeros(3), 0.0
     for body in d.routes.bodies:
@@ -271,7 +270,7 @@ def test_an_axle_bends_as_seen_from_its_other_end() -> None:
 def test_the_frame_is_in_balance_with_the_load(count: int) -> None:
     """Forces on its seats, idlers included, by 1 N m on the drum: none left across, and 1 N m about the drum's axis."""
     layout = SpurLayout(in_parallel(count))
-    forces = seat_forces(layout, unit_tensions_N(to_si(layout.drive)))
+    forces = seat_forces(layout, unit_tensions_N(layout.si))
     assert len(forces) == 7
     across = sum(force for _, _, force, _ in forces)
     about = sum(couple + at[2] * force for _, at, force, couple in forces)
@@ -280,10 +279,10 @@ def test_the_frame_is_in_balance_with_the_load(count: int) -> None:
 
 
 def test_a_longer_way_makes_the_cable_softer_and_each_idler_takes_its_share() -> None:
-    near, far = to_si(led()), to_si(replace(led(), centre_distance_mm=400.0))
+    near, far = layout_of(led()).si, layout_of(replace(led(), centre_distance_mm=400.0)).si
     turn = [float(np.diff(solve_equilibrium(d, np.array([0.0, 0.5])).drum_angle_rad)[0]) for d in (near, far)]
     assert abs(turn[1]) > 1.2 * abs(turn[0])
-    train, d = led().layout.losses, led().cable.diameter_mm
+    train, d = layout_of(led()).losses, led().cable.diameter_mm
     bends = {bend.name: bend.share for bend in train.rope}
     both = 2.0 * float(tangent_share(d, 2.0 * led().leading.radius_mm))
     assert bends["cables on the idler_1_side_1"] == pytest.approx([both, 0.0])
@@ -293,9 +292,9 @@ def test_a_longer_way_makes_the_cable_softer_and_each_idler_takes_its_share() ->
 def test_an_idlers_bearings_drag_by_the_pull_of_both_spans() -> None:
     """By hand: 2 T sin(wrap / 2) on both bearings together, mu/2 P d, as often as the idler turns for the drum."""
     drive = led()
-    d = to_si(drive)
+    d = layout_of(drive).si
     tension = solve_equilibrium(d, 0.0).tension_N
-    own = [pair for pair in drive.layout.losses.bearings if pair.name == "idlers' bearings"]
+    own = [pair for pair in layout_of(drive).losses.bearings if pair.name == "idlers' bearings"]
     assert len(own) == 2
     pull = 2.0 * float(tension[0]) * sin(float(drive.strand.wraps[0]) / 2)
     expected = float(bearing_torque_Nm(pull, 0.0, drive.idler_bearing.bore_mm * 1e-3))
@@ -334,7 +333,7 @@ def test_thresholds() -> None:
 def test_the_mode_of_a_span_is_that_of_a_string() -> None:
     drive = led()
     result = run_check(idlers.span_mode, SpurLayout(drive))
-    slackest = min(float(t.min()) for _, t in drive.layout.loads.states)
+    slackest = min(float(t.min()) for _, t in layout_of(drive).loads.states)
     span = float(drive.strand.length.max()) * 1e-3 * drive.stretched
     assert result.actual == pytest.approx(sqrt(slackest / (drive.cable.mass_g_m * 1e-3)) / (2 * span))
 
@@ -344,7 +343,7 @@ MADE = ("idler_1_side_1", "idler_1_side_2", "idler_axle_1_side_1", "idler_spacer
 
 @pytest.mark.parametrize("name", MADE)
 def test_a_part_is_one_solid_of_the_volume_it_says(name: str) -> None:
-    part = led().layout.bill().made[name]
+    part = layout_of(led()).bill().made[name]
     solid = part.solid()
     validate_solid(name, solid)
     assert part.volume_mm3() == pytest.approx(solid.Volume(), rel=0.01)
@@ -358,7 +357,7 @@ def test_a_part_is_one_solid_of_the_volume_it_says(name: str) -> None:
 )
 def test_nothing_near_the_idlers_meets(angle_deg: float, count: int) -> None:
     """Common volume of idlers, axles, spacers, strap and frame, and of the cable with all but what it lies on."""
-    bill = in_parallel(count).layout.bill(angle_deg)
+    bill = layout_of(in_parallel(count)).bill(angle_deg)
     solids = {
         item.name: bill.parts[item.part].part.solid().moved(cq.Location(location(item.location)))
         for item in bill.items
@@ -371,7 +370,7 @@ def test_nothing_near_the_idlers_meets(angle_deg: float, count: int) -> None:
 
 @pytest.mark.parametrize("count", [1, 2])
 def test_the_order_of_assembly_adds_each_part_once(count: int) -> None:
-    layout = in_parallel(count).layout
+    layout = layout_of(in_parallel(count))
     joined = [name for step in layout.assembly_order for name in step.items]
     assert sorted(joined) == sorted(item.name for item in layout.bill().items)
 
@@ -401,7 +400,7 @@ def test_two_pairs_are_sized_and_pass() -> None:
     assert len(drive.strand.wraps) == 2 and (drive.strand.wraps > 0.0).all(), drive.strand.wraps
     headings = drive.strand.heading
     assert all(a > b for a, b in pairwise(headings)), headings
-    assert len(drive.layout.bill().made) > 0
+    assert len(layout_of(drive).bill().made) > 0
 
 
 def test_drum_bearing_carries_a_forearm() -> None:
@@ -409,6 +408,6 @@ def test_drum_bearing_carries_a_forearm() -> None:
     text = LED.replace("60.0}\ntr", "90.0}\ntr").replace(
         "8.0, drum_radius_mm: 60.0, centre_distance_mm: 200.0", "10.0, centre_distance_mm: 250.0"
     )
-    layout = load_text(text.replace("peak_torque_Nm: 2.0", "peak_torque_Nm: 5.0"), "forearm.yaml").drive.layout
+    layout = layout_of(load_text(text.replace("peak_torque_Nm: 2.0", "peak_torque_Nm: 5.0"), "forearm.yaml").drive)
     found = result(layout, "drum_bearings")
     assert found.status == "pass", (layout.drive.bearings.drum.name, found.message)

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.base import FrameCompliance
-from mbcdm_cad.layouts.loader import load_text, new_design_text
+from mbcdm_cad.layouts.loader import layout_of, load_text, new_design_text
 from mbcdm_cad.layouts.siso_spur.assembly_order import assembly_order
 from mbcdm_cad.layouts.siso_spur.bill import bill, moving_bodies
 from mbcdm_cad.layouts.siso_spur.cable_path import cable_path
@@ -23,7 +23,7 @@ from mbcdm_cad.layouts.siso_spur.checks.winding import FAMILIES, fleet_angle, in
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, laid
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.support.stiffness import frame_compliance, out_of_line_mrad, seat_forces
-from mbcdm_cad.model.si import ModelError, to_si
+from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.model.stiffness import unit_tensions_N
 from mbcdm_cad.parts.input_pulley.part import InputPulley
 from mbcdm_cad.parts.milled import cut
@@ -48,11 +48,11 @@ def test_reference_design_fails_no_check(drive: SpurDrive) -> None:
 def test_a_wide_rim_below_the_encoder_is_told(drive: SpurDrive) -> None:
     """A printed drum of two cables met the encoder at every pose, and no check knew."""
     large = replace(drive.encoder, diameter_mm=40.0)
-    assert drum_and_input(replace(drive, encoder=large).layout).actual > 0.25
+    assert drum_and_input(layout_of(replace(drive, encoder=large))).actual > 0.25
     wide = replace(drive, encoder=large, drum=replace(drive.drum, outer_face_y_mm=60.0))
-    found = drum_and_input(wide.layout)
+    found = drum_and_input(layout_of(wide))
     assert "encoder" in found.subject and found.actual == pytest.approx(
-        drive.centre_distance_mm - 20.0 - drive.drum_radius_mm - drive.layout.flank_mm
+        drive.centre_distance_mm - 20.0 - drive.drum_radius_mm - layout_of(drive).flank_mm
     ), found
 
 
@@ -165,7 +165,7 @@ def test_spans_do_no_work_on_drum_and_input_together(drive: SpurDrive, open_span
     dims = SpurLayout(laid(replace(drive, open_spans=open_spans)))
     body = next(b for b in moving_bodies(dims) if b.name == "input_main")
     assert body.axis == ((0.0, 1.0, 0.0) if open_spans else (0.0, -1.0, 0.0))
-    si, (path,) = to_si(dims.drive), dims.cable_paths(0.0)
+    si, (path,) = layout_of(dims.drive).si, dims.cable_paths(0.0)
     for k, run in enumerate(dims.drive.cables):
         span = path.piece(f"span_{run.name}")
         ends = span.points(np.array([0.0, 1.0])) * 1e-3
@@ -190,11 +190,11 @@ def test_open_spans_bend_the_cable_one_way_and_wrap_less(drive: SpurDrive) -> No
     assert not parallel.inputs[0].grooves[0].right_handed and crossed.inputs[0].grooves[0].right_handed
     # Circles that overlap have an external tangent: pulleys do not.
     with pytest.raises(ModelError, match="does not exceed r_o"):
-        to_si(replace(parallel.drive, centre_distance_mm=parallel.drive.drum_radius_mm + 1.0)).free_span_m  # noqa: B018
+        layout_of(replace(parallel.drive, centre_distance_mm=parallel.drive.drum_radius_mm + 1.0)).si.free_span_m  # noqa: B018
 
 
 def _wraps_with_bodies(dims: SpurLayout, k: int = 0) -> list[tuple[Wrap, Body]]:
-    routes = to_si(dims.drive).routes
+    routes = layout_of(dims.drive).si.routes
     return [(wrap, routes.body(wrap.body)) for wrap in routes.cables[k].wraps]
 
 
@@ -271,7 +271,7 @@ def test_two_sides_must_run_apart() -> None:
 
 
 def test_forces_of_1_Nm_leave_the_mounts_its_moment_alone(dims: SpurLayout) -> None:
-    forces = seat_forces(dims, unit_tensions_N(to_si(dims.drive)))
+    forces = seat_forces(dims, unit_tensions_N(layout_of(dims.drive).si))
     assert sum(f for _, _, f, _ in forces) == pytest.approx(0.0, abs=1e-9)
     assert sum(p[2] * f + c for _, p, f, c in forces) * 1e-3 == pytest.approx(-1.0, rel=1e-9)
     assert sum(p[1] * f for _, p, f, _ in forces) * 1e-3 == pytest.approx(0.0, abs=1e-9)

@@ -14,12 +14,12 @@ from hypothesis import strategies as st
 from mbcdm_cad.checks.comparison import families
 from mbcdm_cad.design.bought import MOTOR_SPAN
 from mbcdm_cad.errors import InputError
-from mbcdm_cad.layouts.loader import load_text
+from mbcdm_cad.layouts.loader import layout_of, load_text
 from mbcdm_cad.layouts.siso_spur.cable_path import side_pieces
 from mbcdm_cad.layouts.siso_spur.checks import overhung
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, spur
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
-from mbcdm_cad.layouts.structure import overhung_sag_mm
+from mbcdm_cad.layouts.structure import overhung_sag_mm, structure_of
 from mbcdm_cad.model.structure.drum_sector import Isotropic
 from mbcdm_cad.model.structure.shafts import Acting, Section, bending_urad_Nm
 from mbcdm_cad.rig.dynamic.rig import rig_of
@@ -50,21 +50,21 @@ def test_it_passes_and_has_neither_bearings_nor_encoder_at_its_input(direct: Spu
     of_servo = {"horn_screws", "horn_flange", "servo_lash"}
     assert {check.id for check in families(overhung)[0].checks} - set(found) == of_servo
     assert not {"input_bearings", "collar_grip", "coupling_height", "bearing_seats", "flange"} & set(found)
-    names = [item.name for item in direct.layout.bill().items]
+    names = [item.name for item in layout_of(direct).bill().items]
     assert [name for name in names if name.startswith(("input_bearing", "encoder", "collar", "motor_head"))] == []
-    assert sorted(item for step in direct.layout.assembly_order for item in step.items) == sorted(names)
+    assert sorted(item for step in layout_of(direct).assembly_order for item in step.items) == sorted(names)
 
 
 @pytest.mark.parametrize("part", ["frame", "input_pulley_main"])
 def test_its_parts_are_one_solid_of_the_volume_that_they_say(direct: SpurDrive, part: str) -> None:
-    made = direct.layout.bill().made[part]
+    made = layout_of(direct).bill().made[part]
     solid = made.solid()
     validate_solid(part, solid)
     assert made.volume_mm3() == pytest.approx(solid.Volume(), rel=0.01)
 
 
 def test_pulley_and_motor_lie_on_one_another_where_the_levels_say(direct: SpurDrive) -> None:
-    layout = direct.layout
+    layout = layout_of(direct)
     assert isinstance(layout, SpurLayout)
     bill = layout.bill()
     boxes = {
@@ -142,7 +142,7 @@ def test_its_sag_lies_between_a_stiff_pulley_and_the_bare_shaft(direct: SpurDriv
 
 
 def test_its_give_is_part_of_the_turn_at_the_payload(direct: SpurDrive) -> None:
-    structure = direct.layout.structure
+    structure = structure_of(layout_of(direct))
     assert structure is not None
     names = {cause.name: cause.urad_Nm for cause in structure.at_payload}
     own = ("motors' shafts, torsion", "motors' shafts, bending", "motors' own bearings (estimate)")
@@ -151,7 +151,7 @@ def test_its_give_is_part_of_the_turn_at_the_payload(direct: SpurDrive) -> None:
     thick = replace(
         direct, gearhead=replace(direct.gearhead, shaft_diameter_mm=1.2 * direct.gearhead.shaft_diameter_mm)
     )
-    other = thick.layout.structure
+    other = structure_of(layout_of(thick))
     assert other is not None
     less = {cause.name: cause.urad_Nm for cause in other.causes}["motors' shafts, bending"]
     assert less < names["motors' shafts, bending"]
@@ -203,4 +203,4 @@ def test_what_it_has_no_place_for_is_refused(line: str, said: str) -> None:
 def test_a_pulley_thinner_than_its_shaft_holds_nothing(direct: SpurDrive) -> None:
     """Its metal had a negative moment of area, and the radius of both as one shaft was a complex number."""
     thin = replace(direct, cables=tuple(replace(c, input_radius_mm=0.7) for c in direct.cables))
-    assert 0.0 < SpurLayout(thin).structure.stiffness_Nm_rad < SpurLayout(direct).structure.stiffness_Nm_rad
+    assert 0.0 < structure_of(SpurLayout(thin)).stiffness_Nm_rad < structure_of(SpurLayout(direct)).stiffness_Nm_rad

@@ -12,10 +12,11 @@ from mbcdm_cad.checks.fixings import stalled_Nm
 from mbcdm_cad.design.bought import Motor, Servo, ServoOutput
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.errors import InputError
-from mbcdm_cad.layouts.loader import load_text
+from mbcdm_cad.layouts.loader import layout_of, load_text
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, spur
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
-from mbcdm_cad.layouts.turns import turns_of
+from mbcdm_cad.layouts.structure import structure_of
+from mbcdm_cad.layouts.turns import turns_at
 from mbcdm_cad.parts.bodies import HornBody, ServoBody
 from mbcdm_cad.parts.milled import cylinder_z
 from mbcdm_cad.report.catalogue_list import CatalogueList
@@ -79,14 +80,14 @@ def test_it_passes_and_is_drawn_with_ears_horn_and_screws(served: SpurDrive) -> 
     assert [name for name, status in found.items() if status == "fail"] == []
     assert {"horn_screws", "horn_flange", "servo_lash", "motor_seat"} <= set(found)
     assert not {"pulley_set_screws", "motor_shaft_grip", "input_bearings", "collar_grip"} & set(found)
-    names = [item.name for item in served.layout.bill().items]
+    names = [item.name for item in layout_of(served).bill().items]
     assert {"servo_main", "horn_main", "horn_screw_main", "servo_screw_main_4", "flange_screw_main_4"} <= set(names)
-    assert sorted(item for step in served.layout.assembly_order for item in step.items) == sorted(names)
+    assert sorted(item for step in layout_of(served).assembly_order for item in step.items) == sorted(names)
 
 
 @pytest.mark.parametrize("part", ["frame", "input_pulley_main"])
 def test_its_parts_are_one_solid_of_the_volume_that_they_say(served: SpurDrive, part: str) -> None:
-    made = served.layout.bill().made[part]
+    made = layout_of(served).bill().made[part]
     solid = made.solid()
     validate_solid(part, solid)
     assert made.volume_mm3() == pytest.approx(solid.Volume(), rel=0.01)
@@ -94,7 +95,7 @@ def test_its_parts_are_one_solid_of_the_volume_that_they_say(served: SpurDrive, 
 
 def test_a_stalled_servo_loads_the_stop_with_the_torque_at_its_horn(served: SpurDrive) -> None:
     """By hand: its 0.9 N m over the ratio; its motor times its gears, without their losses, would be 1.65 N m."""
-    assert stalled_Nm(served.layout) == pytest.approx(0.9 * 6.52, rel=1e-6)
+    assert stalled_Nm(layout_of(served)) == pytest.approx(0.9 * 6.52, rel=1e-6)
 
 
 def test_the_screw_of_the_horn_has_room_in_horn_and_spline(served: SpurDrive) -> None:
@@ -109,7 +110,7 @@ def test_the_screw_of_the_horn_has_room_in_horn_and_spline(served: SpurDrive) ->
 def test_its_lash_enters_where_its_sensor_does_not_see_it(served: SpurDrive) -> None:
     """The drum's play is the horn's over the ratio: all of the difference between a servo with lash and one without."""
     for sensor, seen in (("output", 0.0), ("motor", 1.0)):
-        loose, tight = (turns_of(of(served, sensor=sensor, lash_deg=lash).layout, 0.6) for lash in (2.0, 0.0))
+        loose, tight = (turns_at(layout_of(of(served, sensor=sensor, lash_deg=lash)), 0.6) for lash in (2.0, 0.0))
         play = radians(2.0) / served.total_ratio * 1e3
         assert loose.payload is not None and tight.payload is not None
         assert loose.payload.swing_mrad - tight.payload.swing_mrad == pytest.approx(seen * play), sensor
@@ -128,7 +129,7 @@ def test_the_rig_has_the_same_gears_and_sensor(served: SpurDrive) -> None:
 
 
 def test_a_sensor_at_the_motor_leaves_the_twist_of_the_gears(served: SpurDrive) -> None:
-    seen, unseen = served.layout.structure, of(served, sensor="motor").layout.structure
+    seen, unseen = structure_of(layout_of(served)), structure_of(layout_of(of(served, sensor="motor")))
     assert seen is not None and unseen is not None
     gears = {cause.name: cause.urad_Nm for cause in seen.causes}["gearheads"]
     servo = served.servo

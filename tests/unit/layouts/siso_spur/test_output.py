@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.errors import InputError
-from mbcdm_cad.layouts.loader import load_text
+from mbcdm_cad.layouts.loader import layout_of, load_text
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.parts.drum_sector.dims import SET_SCREW_ANGLES_DEG, start_deg
 from tests.support.checked import failing
@@ -24,7 +24,7 @@ drum: {{{drum}}}
 
 
 def made(drum: str, torque: float = 8.0, layout: str = "siso_spur") -> SpurLayout:
-    found = load_text(SHORT.format(layout=layout, torque=torque, drum=drum)).drive.layout
+    found = layout_of(load_text(SHORT.format(layout=layout, torque=torque, drum=drum)).drive)
     assert isinstance(found, SpurLayout)
     return found
 

@@ -15,12 +15,11 @@ from mbcdm_cad.checks.run import run_all, run_check
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.life import ropes_in_use
-from mbcdm_cad.layouts.loader import load_text
+from mbcdm_cad.layouts.loader import layout_of, load_text
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, laid
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.model.capability import torque_at_slip_Nm
 from mbcdm_cad.model.equilibrium import bearing_loads, solve_equilibrium
-from mbcdm_cad.model.si import to_si
 from mbcdm_cad.model.stiffness import sticking_stiffness_Nm_rad
 from mbcdm_cad.parts.making import land_band_mm
 from mbcdm_cad.rig.bench import cables_of
@@ -59,7 +58,7 @@ def beside(drive: SpurDrive, count: int) -> SpurDrive:
 @pytest.fixture(scope="module")
 def two() -> SpurLayout:
     """Two cables as the rules give them."""
-    layout = load_text(TEXT).drive.layout
+    layout = layout_of(load_text(TEXT).drive)
     assert isinstance(layout, SpurLayout)
     return layout
 
@@ -68,7 +67,7 @@ def two() -> SpurLayout:
 @given(count=st.integers(2, 4), load=st.floats(-2.0, 2.0))
 def test_each_cable_is_the_plain_drive_s_with_its_share(drive: SpurDrive, count: int, load: float) -> None:
     """n cables under n M turn as far as one under M, at its tensions; stiffness and torque at slip are n times its."""
-    one, all_ = to_si(drive), to_si(beside(drive, count))
+    one, all_ = layout_of(drive).si, layout_of(beside(drive, count)).si
     alone, together = solve_equilibrium(one, load), solve_equilibrium(all_, count * load)
     assert float(together.drum_angle_rad) == pytest.approx(float(alone.drum_angle_rad), rel=1e-9, abs=1e-15)
     assert together.tension_N.reshape(count, 2) == pytest.approx(np.tile(alone.tension_N, (count, 1)), rel=1e-9)
@@ -84,7 +83,7 @@ def test_unequal_preloads_load_one_cable_more_and_another_slips_first(drive: Spu
     layout, equal = uneven(three, preload_spread=spread), uneven(three, preload_spread=0.0)
     si, preload = layout.loads.si, drive.cables[0].preload_N
     assert si.preload_N == pytest.approx(preload * np.repeat([1 + spread, 1.0, 1 - spread], 2))
-    assert to_si(three).preload_N == pytest.approx([preload] * 6)
+    assert layout_of(three).si.preload_N == pytest.approx([preload] * 6)
     assert layout.loads.highest_N == pytest.approx(equal.loads.highest_N + spread * preload, rel=0.02)
     at = solve_equilibrium(si, torque_at_slip_Nm(si, 1).min())
     ratios = (at.tension_N[::2] / at.tension_N[1::2]) ** si.sigma[::2]
@@ -202,7 +201,7 @@ def _simulated(lay: SpurLayout, off_mm: float, load: float = 0.0) -> float:
 @pytest.mark.slow
 def test_lands_off_wind_the_cables_against_each_other(two: SpurLayout) -> None:
     """Rope in cells with friction at each: the law of the spread, with slip on most of the wrap and on little of it."""
-    slow = load_text(TEXT.replace("9.0,", "3.0, drum_radius_mm: 60.0,")).drive.layout
+    slow = layout_of(load_text(TEXT.replace("9.0,", "3.0, drum_radius_mm: 60.0,")).drive)
     assert isinstance(slow, SpurLayout)
     for lay in (two, slow):
         for off_mm in (_band_mm(lay), 0.2 * _band_mm(lay)):
@@ -226,7 +225,7 @@ def test_cables_as_drawn_lie_side_by_side_in_their_grooves(two: SpurLayout) -> N
             ends = dict(path.pieces)["wound"].points(np.array([0.0, 1.0]))[:, 1]
             low, high = sorted((groove.start_z, groove.end_z))
             assert low < ends.min() and ends.max() < high, (degrees(angle), ends, low, high)
-    heights = [route.wraps[-1].height_m * 1e3 for route in to_si(drive).routes.cables]
+    heights = [route.wraps[-1].height_m * 1e3 for route in layout_of(drive).si.routes.cables]
     assert np.subtract(heights[2:], heights[:2]) == pytest.approx([drive.pitch_mm] * 2)
     places = {item.name: item.location.shift_mm for item in two.bill().items}
     for side in (1, 2):

@@ -10,12 +10,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
 from mbcdm_cad.model.analysis import analyse
 from mbcdm_cad.model.bulk import analyse_many
 from mbcdm_cad.model.capability import requirements, torque_at_slip_Nm
 from mbcdm_cad.model.equilibrium import bearing_loads, solve_equilibrium
-from mbcdm_cad.model.si import to_si
 from mbcdm_cad.routes.route import contact_point_m
 from tests.support.sliced_cables import by_bisection
 
@@ -65,7 +65,7 @@ def test_belt_of_nodes_slips_where_the_closed_form_says(mu: float, wrap: float) 
 def test_slip_begins_where_the_tensions_differ_by_the_capstan_factor(
     drive: SpurDrive, mu: float, turns: int, way: int
 ) -> None:
-    d = to_si(replace(drive, friction_coefficient=mu, turns=turns))
+    d = layout_of(replace(drive, friction_coefficient=mu, turns=turns)).si
     load = float(torque_at_slip_Nm(d, way)[0])
     tension = solve_equilibrium(d, way * load).tension_N
     factor = exp(mu * replace(drive, turns=turns).wrap_rad)
@@ -74,14 +74,14 @@ def test_slip_begins_where_the_tensions_differ_by_the_capstan_factor(
 
 def test_short_wraps_on_the_drum_leave_the_linear_law(drive: SpurDrive) -> None:
     """With next to nothing on the drum both sides are almost linear, and the torque at slip that of the tanh."""
-    d = to_si(drive).with_(drum_wrap_rad=[1e-3] * 2, input_wrap_rad=[1e-3] * 2)
+    d = layout_of(drive).si.with_(drum_wrap_rad=[1e-3] * 2, input_wrap_rad=[1e-3] * 2)
     expected = 2 * 70.0 * tanh(0.15 * drive.wrap_rad / 2) * 59.4e-3
     assert float(torque_at_slip_Nm(d, 1)[0]) == pytest.approx(expected, rel=1e-3)
 
 
 def test_wrap_is_what_both_contact_points_leave_of_the_turns(drive: SpurDrive) -> None:
     """By the angle between the points where the spans leave, seen from the input's axis."""
-    d = to_si(drive)
+    d = layout_of(drive).si
     through = d.through_wrap_rad
     assert through is not None
     axis = d.routes.inputs[0]
@@ -93,9 +93,10 @@ def test_wrap_is_what_both_contact_points_leave_of_the_turns(drive: SpurDrive) -
 
 
 def test_spans_touch_both_pulleys_where_the_path_does(drive: SpurDrive) -> None:
-    for route in to_si(drive).routes.cables:
+    for route in layout_of(drive).si.routes.cables:
         ends = [
-            contact_point_m(to_si(drive).routes.body(wrap.body), wrap, route.spans[0].direction) for wrap in route.wraps
+            contact_point_m(layout_of(drive).si.routes.body(wrap.body), wrap, route.spans[0].direction)
+            for wrap in route.wraps
         ]
         across = (ends[1] - ends[0]) * np.array([1.0, 0.0, 1.0])
         assert np.linalg.norm(across) == pytest.approx(route.spans[0].length_m, rel=1e-12)
@@ -103,7 +104,7 @@ def test_spans_touch_both_pulleys_where_the_path_does(drive: SpurDrive) -> None:
 
 
 def test_equilibrium_is_that_of_cables_summed_up_in_slices(drive: SpurDrive) -> None:
-    at = solve_equilibrium(to_si(drive), 2.15)
+    at = solve_equilibrium(layout_of(drive).si, 2.15)
     angle, tensions = by_bisection(drive, drive.free_span_mm * 1e-3, 2.15)
     assert float(at.drum_angle_rad) == pytest.approx(angle, rel=1e-4)
     assert at.tension_N == pytest.approx(tensions, rel=1e-5)
@@ -112,21 +113,21 @@ def test_equilibrium_is_that_of_cables_summed_up_in_slices(drive: SpurDrive) -> 
 @settings(max_examples=30, deadline=None)
 @given(load=st.floats(0.05, 3.0))
 def test_both_senses_are_alike(drive: SpurDrive, load: float) -> None:
-    d = to_si(drive)
+    d = layout_of(drive).si
     one, other = (solve_equilibrium(d, way * load) for way in (1.0, -1.0))
     assert float(one.drum_angle_rad) == pytest.approx(-float(other.drum_angle_rad), rel=1e-9)
     assert one.tension_N == pytest.approx(other.tension_N[::-1], rel=1e-9)
 
 
 def test_input_holds_the_load_over_the_ratio(drive: SpurDrive) -> None:
-    d = to_si(drive)
+    d = layout_of(drive).si
     for load in (0.3, -0.8):
         assert float(solve_equilibrium(d, load).input_torque_Nm(d)[0]) == pytest.approx(load / 9.9, rel=1e-9)
 
 
 def test_spans_pull_input_and_drum_together(drive: SpurDrive) -> None:
     """Both spans point to the drum: their parts along the line of centres add up, across it they cancel."""
-    loads = bearing_loads(to_si(drive), np.array([70.0, 70.0]))
+    loads = bearing_loads(layout_of(drive).si, np.array([70.0, 70.0]))
     pull = 2 * 70.0 * drive.free_span_mm / drive.centre_distance_mm
     assert loads.inputs[0].force_N == pytest.approx([0.0, 0.0, -pull], abs=1e-9)
     assert loads.drum.force_N == pytest.approx([0.0, 0.0, pull], abs=1e-9)
@@ -135,21 +136,21 @@ def test_spans_pull_input_and_drum_together(drive: SpurDrive) -> None:
 def test_slip_limits_the_torque_in_the_analysis_and_in_bulk(drive: SpurDrive) -> None:
     """One turn on a pulley of low friction: the cable slips before the motor reaches its limit."""
     slippery = replace(drive, turns=1, friction_coefficient=0.05)
-    found = analyse(slippery)
+    found = analyse(layout_of(slippery))
     slip = {limit.direction: limit.torque_Nm for limit in found.limits if limit.cause == "slip"}
     assert found.peak_torque_Nm == pytest.approx((slip[1], slip[-1]))
     assert slip[1] < 1.5
-    d = to_si(slippery)
-    figures = analyse_many(d.spread(2), requirements(slippery))
+    d = layout_of(slippery).si
+    figures = analyse_many(d.spread(2), requirements(layout_of(slippery)))
     # Many designs at once have no terminals, so that their wraps have no end: they slip a little later.
     endless = float(torque_at_slip_Nm(d, 1)[0])
     assert figures.peak_torque_Nm[0] == pytest.approx([endless] * 2, rel=1e-6)
     assert slip[1] < endless, f"{slip[1]} N m with wraps that end, {endless} without"
-    assert "slip" in {limit.cause for limit in analyse(drive).limits}
+    assert "slip" in {limit.cause for limit in analyse(layout_of(drive)).limits}
 
 
 def test_limited_wraps_at_the_end_of_travel_turn_the_drum_less(drive: SpurDrive) -> None:
-    even = to_si(drive)
+    even = layout_of(drive).si
     short = even.with_(drum_wrap_rad=[radians(20.0)] * 2)
     turned = [abs(float(solve_equilibrium(d, 2.15).drum_angle_rad)) for d in (even, short)]
     assert turned[1] < turned[0], turned

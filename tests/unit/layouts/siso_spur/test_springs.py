@@ -15,12 +15,14 @@ from mbcdm_cad.checks.run import run_all
 from mbcdm_cad.design.bought import SpringSpec
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.layouts.check_design import checks_of
-from mbcdm_cad.layouts.loader import load_text
+from mbcdm_cad.layouts.loader import layout_of, load_text
 from mbcdm_cad.layouts.lumped import compliance_of
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
+from mbcdm_cad.layouts.springs import spring_start_Nm
+from mbcdm_cad.layouts.structure import structure_of
 from mbcdm_cad.model.creep import DAY_S, relaxation
 from mbcdm_cad.model.equilibrium import solve_equilibrium
-from mbcdm_cad.model.si import DriveSI, to_si
+from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.model.stiffness import tangent_stiffness_Nm_rad
 from mbcdm_cad.model.wrap import stretch_after_reversal, stretch_first_loading
 from mbcdm_cad.parts.terminal.part import TerminalSpring
@@ -51,7 +53,7 @@ def sprung() -> SpurDrive:
 
 def wound(drive: SpurDrive, friction: float, wrap_rad: float) -> DriveSI:
     n = len(drive.cables)
-    return to_si(drive).with_(
+    return layout_of(drive).si.with_(
         friction_coefficient=friction, input_wrap_rad=np.full(n, wrap_rad), drum_wrap_rad=np.full(n, wrap_rad)
     )
 
@@ -97,9 +99,9 @@ def test_friction_keeps_small_loads_from_the_springs(sprung: SpurDrive) -> None:
 
 
 def test_the_turn_by_cause_and_the_torque_at_which_a_terminal_moves(sprung: SpurDrive) -> None:
-    layout = sprung.layout
-    (cause,) = (c for c in layout.structure.causes if c.after_slip)
-    ends = [to_si(sprung).with_(**wraps) for wraps in layout.wraps_at_ends_rad]
+    layout = layout_of(sprung)
+    (cause,) = (c for c in structure_of(layout).causes if c.after_slip)
+    ends = [layout_of(sprung).si.with_(**wraps) for wraps in layout.wraps_at_ends_rad]
     torque = sprung.loads.test_torque_Nm
     turns = [
         [
@@ -111,8 +113,8 @@ def test_the_turn_by_cause_and_the_torque_at_which_a_terminal_moves(sprung: Spur
     ]
     assert cause.urad_Nm == pytest.approx(1e6 * max(a - b for a, b in turns) / torque, rel=1e-9)
     # At the torque where it starts, the least held tension ratio is that of the smallest wrap.
-    start = layout.spring_start_Nm
-    held = float(to_si(sprung).friction_coefficient) * min(
+    start = spring_start_Nm(layout)
+    held = float(layout_of(sprung).si.friction_coefficient) * min(
         float(w["drum_wrap_rad"].min()) for w in layout.wraps_at_ends_rad
     )
     ratios = [
@@ -124,17 +126,17 @@ def test_the_turn_by_cause_and_the_torque_at_which_a_terminal_moves(sprung: Spur
     assert max(ratios) == pytest.approx(held, rel=0.15), (start, held)
     # Rig and robot files have the springs in their cables, or none: not twice.
     lumped = compliance_of(sprung)
-    assert lumped.land_to_payload == pytest.approx((layout.structure.payload_urad_Nm - cause.urad_Nm) * 1e-6)
+    assert lumped.land_to_payload == pytest.approx((structure_of(layout).payload_urad_Nm - cause.urad_Nm) * 1e-6)
 
 
 def test_springs_keep_preload_while_a_fibre_rope_creeps() -> None:
     bare = drive_of("tensioner: M5", "uhmwpe-1.5")
     soft = drive_of("spring: disc-10x5.2x0.4, spring_count: 12, tensioner: M5", "uhmwpe-1.5")
     rope, preload = soft.cable, soft.cables[0].preload_N
-    longest = max(soft.layout.tensioned_lengths_mm()) * 1e-3
+    longest = max(layout_of(soft).tensioned_lengths_mm()) * 1e-3
     give = longest / rope.axial_stiffness_N
-    assert soft.layout.softer_ends == pytest.approx((give + 12 / 930e3) / give)
-    assert bare.layout.softer_ends == 1.0
+    assert layout_of(soft).softer_ends == pytest.approx((give + 12 / 930e3) / give)
+    assert layout_of(bare).softer_ends == 1.0
     # The rope's creep in series with rope and springs, step by step: its strain is taken by both.
     hours, tension = np.geomspace(1e-3, 30 * 24.0, 4000), preload
     log_part = rope.creep_per_decade / log(10.0) / rope.breaking_load_N
@@ -143,14 +145,14 @@ def test_springs_keep_preload_while_a_fibre_rope_creeps() -> None:
             tension / rope.breaking_load_N / 0.3
         ) ** rope.creep_load_exponent * (b - a)
         tension -= grown * longest / (give + 12 / 930e3)
-    left = relaxation(rope, preload, 20.0, soft.layout.softer_ends).at_N(30 * DAY_S)
+    left = relaxation(rope, preload, 20.0, layout_of(soft).softer_ends).at_N(30 * DAY_S)
     assert left == pytest.approx(tension, rel=5e-3)
     assert left > relaxation(rope, preload, 20.0).at_N(30 * DAY_S)
 
 
 def test_nut_springs_and_washers_lie_one_on_the_other(sprung: SpurDrive) -> None:
-    items = {item.name: item for item in sprung.layout.bill(0.0).items}
-    for t in sprung.layout.drum.tensioners:
+    items = {item.name: item for item in layout_of(sprung).bill(0.0).items}
+    for t in layout_of(sprung).drum.tensioners:
         origin, nut = (
             np.array([row[3] for row in items[name].location.rows])
             for name in (f"spring_washer_{t.cable_name}_1", f"nut_{t.cable_name}_1")
@@ -158,10 +160,10 @@ def test_nut_springs_and_washers_lie_one_on_the_other(sprung: SpurDrive) -> None
         # 12 mm with washers of 0.8 mm: six discs of 0.6 mm, less what the preload presses together.
         height = 6 * 0.6 + 2 * 0.8 - sprung.cables[0].preload_N * 6 / 1400.0
         assert np.linalg.norm(nut - origin) == pytest.approx(height, rel=1e-3)
-    order = [name for step in sprung.layout.assembly_order for name in step.items]
+    order = [name for step in layout_of(sprung).assembly_order for name in step.items]
     springs = [name for name in items if name.startswith("spring")]
     assert len(springs) == 2 * (6 + 2) and all(order.count(name) == 1 for name in springs)
-    words = " ".join(step.text for step in sprung.layout.assembly_order)
+    words = " ".join(step.text for step in layout_of(sprung).assembly_order)
     assert f"side_1 {6 * 0.6 + 1.6 - sprung.cables[0].preload_N * 6 / 1400.0:.2f}" in words
 
 
@@ -200,7 +202,7 @@ def test_stiffness_of_the_entries_by_their_standards() -> None:
 def test_weak_loose_and_few_springs_are_told(sprung: SpurDrive) -> None:
     def found(drive: SpurDrive) -> dict[str, tuple[str, str]]:
         asked = [check for check in checks_of(drive) if check.id.startswith("spring")]
-        return {r.id: (r.status, r.remedy) for r in run_all(asked, drive.layout)}
+        return {r.id: (r.status, r.remedy) for r in run_all(asked, layout_of(drive))}
 
     def of(name: str) -> SpringSpec:
         return SpringSpec(name=name, **package_entries("springs")[name])
@@ -230,7 +232,7 @@ def test_weak_loose_and_few_springs_are_told(sprung: SpurDrive) -> None:
 
 def test_a_remedy_names_a_softer_spring_and_a_terminal_with_a_spring_that_passes() -> None:
     def found(drive: SpurDrive, check: str) -> tuple[str, str, float]:
-        (r,) = run_all([c for c in checks_of(drive) if c.id == check], drive.layout)
+        (r,) = run_all([c for c in checks_of(drive) if c.id == check], layout_of(drive))
         return r.status, r.remedy, r.actual or 0.0
 
     text = TEXT.replace("6.0", "1.0")
@@ -250,7 +252,7 @@ def test_a_remedy_names_a_softer_spring_and_a_terminal_with_a_spring_that_passes
 def test_the_rules_choose_a_terminal_that_leads_the_spring() -> None:
     drive = drive_of("spring: disc-8x4.2x0.4, spring_count: 4")
     assert drive.tensioner.name == "M4", drive.tensioner.name
-    assert not [r for r in run_all(checks_of(drive), drive.layout) if r.status == "fail"]
+    assert not [r for r in run_all(checks_of(drive), layout_of(drive)) if r.status == "fail"]
 
 
 _KEPT = drive_of()

@@ -17,11 +17,12 @@ from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.design.bought import NO_ENCODER
 from mbcdm_cad.design.stage import BELTS, Stage, StageBlock, stage_of
 from mbcdm_cad.errors import InputError
-from mbcdm_cad.layouts.loader import load_text
+from mbcdm_cad.layouts.loader import layout_of, load_text
 from mbcdm_cad.layouts.siso_spur.checks.stage import SERVICE, lewis_factor
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
-from mbcdm_cad.layouts.turns import turns_of
+from mbcdm_cad.layouts.structure import structure_of
+from mbcdm_cad.layouts.turns import turns_at
 from mbcdm_cad.measurement.loads import parts_seen
 from mbcdm_cad.measurement.schema import CountedParts
 from mbcdm_cad.parts.collar import collar_sweep_mm
@@ -87,7 +88,7 @@ def test_short_file_is_sized_and_its_motor_holds(kind: str) -> None:
 @pytest.mark.parametrize("torque_Nm", [1.0, 3.0, 5.0, 12.0])
 def test_gearhead_of_a_belt_leaves_room_for_a_key(torque_Nm: float) -> None:
     text = TEXT.replace("peak_torque_Nm: 2.0", f"peak_torque_Nm: {torque_Nm}")
-    layout = load_text(text + "stage: {kind: belt}\n").drive.layout
+    layout = layout_of(load_text(text + "stage: {kind: belt}\n").drive)
     found = {one.id: one for one in results(layout)}
     failed = [name for name, one in found.items() if one.status == "fail"]
     assert not failed, (torque_Nm, layout.drive.gearhead.name, failed)
@@ -167,7 +168,7 @@ def test_rig_turns_by_the_stated_play_and_spring(kind: str) -> None:
     assert _held(play, load) - base == pytest.approx(radians(20.0 / 60.0) / ratio, rel=0.02)
     # A torque load/ratio turns the spring, and that the drum by 1/ratio of it; both ways.
     assert _held(soft, load) - base == pytest.approx(2 * load / ratio / 50.0 / ratio, rel=0.02)
-    cause = next(c for c in SpurLayout(soft).structure.causes if c.name == stage.words)
+    cause = next(c for c in structure_of(SpurLayout(soft)).causes if c.name == stage.words)
     assert cause.urad_Nm * 1e-6 == pytest.approx(1.0 / ratio**2 / 50.0, rel=1e-6)
 
 
@@ -229,7 +230,7 @@ def test_its_play_turns_the_drum_where_no_sensor_sees_it(encoder: bool) -> None:
     assert given.stage is not None and given.encoder.absent is not encoder
 
     def swings(arcmin: float) -> dict[str, float]:
-        at = turns_of(replace(given, stage=replace(given.stage, stated_lash_arcmin=arcmin)).layout, 0.6)
+        at = turns_at(layout_of(replace(given, stage=replace(given.stage, stated_lash_arcmin=arcmin))), 0.6)
         return {name: getattr(at, name).swing_mrad for name in loads} | {"turn": at.motors_held.turn_mrad}
 
     loose, tight = swings(20.0), swings(0.0)
@@ -255,8 +256,8 @@ def test_the_collar_turns_in_its_own_radius_beside_a_larger_wheel() -> None:
 
 
 def test_bridge_stands_over_the_pulley_not_at_the_edge_of_a_wide_flange() -> None:
-    wide = drive("{kind: belt, ratio: 6.0}").layout.frame
-    plain = drive("").layout.frame
+    wide = layout_of(drive("{kind: belt, ratio: 6.0}")).frame
+    plain = layout_of(drive("")).frame
     assert wide.plate_top_z > wide.top_z + 5.0, "the plate carries the wheel's flange"
     assert wide.bridge_bottom_z - wide.axis_z < plain.bridge_bottom_z - plain.axis_z + 1.0
     assert plain.plate_top_z == plain.top_z

@@ -11,7 +11,7 @@ import pytest
 from mbcdm_cad.checks.run import run_all, run_check
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.check_design import checks_of
-from mbcdm_cad.layouts.loader import load_text
+from mbcdm_cad.layouts.loader import layout_of, load_text
 from mbcdm_cad.layouts.siso_spur.checks.wraps import turns_on_drum
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
@@ -39,7 +39,7 @@ def drive_of(half_deg: float, more: str = "") -> SpurDrive:
 @pytest.fixture(scope="module")
 def turns() -> SpurLayout:
     """A drum that turns two and a quarter times each way."""
-    layout = drive_of(810.0).layout
+    layout = layout_of(drive_of(810.0))
     assert isinstance(layout, SpurLayout)
     return layout
 
@@ -137,7 +137,7 @@ def test_a_closed_web_turns_as_a_ring_in_shear() -> None:
 def test_a_printed_drum_has_lugs_up_to_the_turn_beside_them() -> None:
     """Rules lengthen stud and lead until the terminal of a long fibre rope reaches its preload and its lug holds."""
     more = "rope: {type: uhmwpe-1}\ndrum: {material: pla}\nsupport: {material: pla}\n"
-    s = drive_of(270.0, more).layout
+    s = layout_of(drive_of(270.0, more))
     assert isinstance(s, SpurLayout)
     found = {r.id: r for r in run_all(checks_of(s.drive), s)}
     assert not [r for r in found.values() if r.status == "fail"]
@@ -164,7 +164,7 @@ def test_an_input_of_too_many_turns_names_travel_and_ratio() -> None:
 def test_a_sector_that_is_too_small_names_the_whole_drum() -> None:
     drive = drive_of(100.0, "drum: {sector_half_angle_deg: 170.0}\n")
     wider = replace(drive, half_travel_deg=200.0)
-    (told,) = run_all([c for c in checks_of(wider) if c.id == "wrap_under_turn"], wider.layout)
+    (told,) = run_all([c for c in checks_of(wider) if c.id == "wrap_under_turn"], layout_of(wider))
     assert told.status == "fail" and "drum.sector_half_angle_deg to 180" in told.remedy, told
 
 
@@ -201,12 +201,12 @@ def test_a_stated_radius_takes_the_thickest_rope_that_bends_on_its_input(
     """The thinnest rope for the usual preload bent too sharply; with less preload a thinner one holds."""
     drive = stated(*asked)
     assert drive.cable.name == rope
-    assert not [r.id for r in run_all(checks_of(drive), drive.layout) if r.status == "fail"]
+    assert not [r.id for r in run_all(checks_of(drive), layout_of(drive)) if r.status == "fail"]
     assert "bend_ratio" in {
         r.id
         for r in run_all(
             [check for check in checks_of(drive) if check.id == "bend_ratio"],
-            stated(*asked, f"rope: {{type: {thicker}}}\n").layout,
+            layout_of(stated(*asked, f"rope: {{type: {thicker}}}\n")),
         )
         if r.status == "fail"
     }
@@ -216,4 +216,4 @@ def test_a_stated_radius_takes_the_thickest_rope_that_bends_on_its_input(
 def test_the_web_of_a_wide_rim_bears_its_stress() -> None:
     drive = stated(150.0, 12.0, 90.0, 8.0)
     assert drive.drum.web_thickness_mm > 2.0
-    assert not [r.id for r in run_all(checks_of(drive), drive.layout) if r.status == "fail"]
+    assert not [r.id for r in run_all(checks_of(drive), layout_of(drive)) if r.status == "fail"]

@@ -10,10 +10,11 @@ import pytest
 
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.base import Layout
-from mbcdm_cad.layouts.loader import load_text, new_design_text
+from mbcdm_cad.layouts.loader import layout_of, load_text, new_design_text
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.support.parts import round_end_mm2
+from mbcdm_cad.layouts.structure import structure_of
 from mbcdm_cad.rig.dynamic.rig import rig_of
 from tests.support.checked import failing
 
@@ -30,7 +31,7 @@ BORE_MM = 40.0
 
 def made(layout: str = "siso_spur", more: str = "", encoder: str = "none", drum_encoder: str = "none") -> Layout:
     text = SHORT.format(layout=layout, encoder=encoder, drum_encoder=drum_encoder)
-    return load_text(text + more).drive.layout
+    return layout_of(load_text(text + more).drive)
 
 
 @pytest.fixture(scope="module")
@@ -74,7 +75,7 @@ def test_the_motors_own_encoder_is_what_the_rig_reads(bare: Layout) -> None:
 def test_a_controller_that_sees_only_the_motor_leaves_the_gearheads_twist(drive: SpurDrive) -> None:
     """With an encoder on its input the twist of gearhead and coupling is held off the payload, else it is not."""
     text = new_design_text("siso_spur", "siso_spur").replace("encoder: encoder-17", "encoder: none")
-    seen, unseen = drive.layout.structure, load_text(text).drive.layout.structure
+    seen, unseen = structure_of(layout_of(drive)), structure_of(layout_of(load_text(text).drive))
     assert seen is not None and unseen is not None
     before = [cause.name for cause in seen.causes if cause.before_input]
     assert before and seen.payload_urad_Nm < seen.motor_urad_Nm
@@ -96,9 +97,9 @@ def test_the_set_screws_do_not_meet_in_the_shaft_of_a_small_drive() -> None:
     text = SHORT.format(layout="siso_spur", encoder="none", drum_encoder="none").replace(
         "torque_Nm: 1.0", "torque_Nm: 0.2"
     )
-    layout = load_text(text + "drum: {material: pla}\nsupport: {material: pla}\n").drive.layout
+    layout = layout_of(load_text(text + "drum: {material: pla}\nsupport: {material: pla}\n").drive)
     assert failing(layout) == {}
-    thin = load_text(text + "drum: {bearing: 618/3}\n").drive.layout
+    thin = layout_of(load_text(text + "drum: {bearing: 618/3}\n").drive)
     assert "set_screw_tips" in failing(thin)
 
 

@@ -20,7 +20,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mbcdm_cad.errors import GeometryError
-from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.parts.bill import Item
 from mbcdm_cad.workshop.export.files import glb_bytes, lying, stl_bytes, threemf_bytes, with_note
 from mbcdm_cad.workshop.kernel import brep_bytes, shape_from_brep
@@ -219,7 +219,7 @@ def test_glb_does_not_depend_on_the_order(items: list[Item], meshes: dict[str, T
 
 ROOT = Path(__file__).parents[4]
 _DRIVE = load_design(ROOT / "params" / "mbcdm.yaml").drive
-_BILL = _DRIVE.layout.bill()
+_BILL = layout_of(_DRIVE).bill()
 MADE = tuple(dict.fromkeys(item.part for item in _BILL.items if item.kind == "made"))
 
 
