@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 from math import ceil, degrees, isfinite
-from typing import Any
 
 import numpy as np
 
@@ -364,17 +363,11 @@ def _told(seconds: float) -> str:
     return f"{seconds:.3g} s" if seconds < 120.0 else f"{seconds / 60.0:.3g} min"
 
 
-def _has_limit(drive: Any) -> bool:
-    """Whether the motors sit in a printed frame whose material has a limit."""
-    layout = layout_of(drive)
-    return layout.printed_frame and layout.frame_material.seat_limit_C is not None
-
-
 @check(
     "Seats of the motors in a printed frame",
     "loads.duty; two-node model: docs/heat.md; material catalogue",
     advice="choose a larger motor, a metal frame or a printed material that stands more, or lower loads.duty",
-    applies=_has_limit,
+    applies=lambda drive: (s := layout_of(drive)).printed_frame and s.frame_material.seat_limit_C is not None,
 )
 def seat_temperature(s: Layout) -> Comparison:
     """Housing of the hottest motor against the temperature at which the printed frame that holds it creeps."""

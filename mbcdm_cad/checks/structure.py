@@ -201,18 +201,13 @@ def stiffness(s: SectorLayout) -> Comparison:
     return at_least(what, found, wanted, "N m/rad", note)
 
 
-def _stiffer_parts(s: SectorLayout) -> str:
-    """As :func:`_stiffer`, without the cables."""
-    return _softest(structure_of(s), {})
-
-
 @check(
     "Structure's turn over the cables' turn",
     "loads.structure_share, else a warning beyond 2.5, printed 5: more than rules leave; compliance by cause",
     up("drum.web_thickness_mm"),
     up("drum.hub_diameter_mm"),
     *_METALS,
-    advice=_stiffer_parts,
+    advice=lambda s: _softest(structure_of(s), {}),
     applies=lambda drive: drive.loads.structure_share is not None or drive.loads.stiffness_Nm_rad is None,
     warn=lambda drive: drive.loads.structure_share is None,
 )

@@ -21,7 +21,7 @@ from mbcdm_cad.report.comparison import (
     torque_notes,
 )
 from mbcdm_cad.report.page import PAGE
-from mbcdm_cad.report.page.stage import page_figures, page_of
+from mbcdm_cad.report.page.stage import comparison_page, page_figures, page_of
 from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.storage.files import refuse_missing_folder, write_whole
 from mbcdm_cad.workshop.drawings import drawings_folder
@@ -142,7 +142,6 @@ def compare(
 
 def _page(designs: Sequence[LoadedDesign], found: Sequence[ComparedDesign], cache: Cache, progress: Progress) -> bytes:
     # Imported here because they load the drawing libraries, which the table does not need.
-    from mbcdm_cad.report.page.stage import comparison_page
     from mbcdm_cad.workshop.export.picture import picture_png
 
     pictures = []

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import radians
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mbcdm_cad.checks.strength import needed_share
-from mbcdm_cad.layouts.base import NoFigureError
+from mbcdm_cad.layouts.base import Layout, NoFigureError
 from mbcdm_cad.layouts.life import life_with
 from mbcdm_cad.model import preload_ramp
 from mbcdm_cad.model.equilibrium import solve_equilibrium
@@ -19,9 +18,6 @@ from mbcdm_cad.model.si import DriveSI, ModelError
 from mbcdm_cad.model.stiffness import drum_backlash
 from mbcdm_cad.model.tensioning import influence
 from mbcdm_cad.routes import Floats
-
-if TYPE_CHECKING:
-    from mbcdm_cad.layouts.base import Layout
 
 # Preloads of the table over the design's own, and points of the curve on which the knee is sought.
 FACTORS = (0.5, 0.71, 1.0, 1.41, 2.0)

@@ -25,8 +25,7 @@ from mbcdm_cad.model.stiffness import (
     sticking_stiffness_Nm_rad,
     torsional_modes_Hz,
 )
-from mbcdm_cad.model.structure.causes import Cause, sigma_urad_Nm, urad_Nm
-from mbcdm_cad.model.structure.causes import sticking as sticking_causes
+from mbcdm_cad.model.structure.causes import Cause, sigma_urad_Nm, sticking, urad_Nm
 
 
 @dataclass(frozen=True)
@@ -83,7 +82,7 @@ def turns_at(layout: Layout, load_Nm: float) -> DriveTurns:
     d = layout.si
     found = drum_backlash(d, load_Nm)
     turn, swing = float(found.first_loading_rad), float(found.reversal_swing_rad)
-    sticking = float(sticking_stiffness_Nm_rad(d))
+    held_Nm_rad = float(sticking_stiffness_Nm_rad(d))
 
     def place(causes: tuple[Cause, ...] = (), play_rad: float = 0.0) -> TurnAt:
         give = urad_Nm(causes) * 1e-6
@@ -94,7 +93,7 @@ def turns_at(layout: Layout, load_Nm: float) -> DriveTurns:
             sigma_urad_Nm(causes) * load_Nm * 1e-3,
             (swing + 2.0 * give * load_Nm + play_rad) * 1e3,
             load_Nm / turned,
-            1.0 / (1.0 / sticking + urad_Nm(sticking_causes(causes)) * 1e-6),
+            1.0 / (1.0 / held_Nm_rad + urad_Nm(sticking(causes)) * 1e-6),
         )
 
     try:

@@ -34,7 +34,7 @@ class PublishedResult:
         return {
             "verdict": "not_testable",
             "effects": [],
-            "one_of": [_once(named) for named in sets if named],
+            "one_of": [list({item["name"]: item for item in named}.values()) for named in sets if named],
             "unknown": None,
             "error": None,
             "published": [asdict(figure) | {"residual": figure.residual} for figure in self.figures],
@@ -65,11 +65,6 @@ def judge_published(drive: Drive, file: MeasurementFile) -> PublishedResult:
         unit = unit_of(item.quantity, item.unit) or Unit(1.0)
         figures.append(JUDGES[item.quantity](drive, d, item, item.value * unit.factor))
     return PublishedResult(file.path.name, tuple(figures), together(tuple(figures)))
-
-
-def _once(named: list[dict[str, str]]) -> list[dict[str, str]]:
-    """The names, each once."""
-    return list({item["name"]: item for item in named}.values())
 
 
 def shown(figure: Judged, value: float | None) -> str:

@@ -9,9 +9,9 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
-from mbcdm_cad.layouts.base import NoFigureError
+from mbcdm_cad.layouts.base import Layout, NoFigureError
 from mbcdm_cad.layouts.registry import layout_of
-from mbcdm_cad.layouts.turns import modes_of
+from mbcdm_cad.layouts.turns import Modes, modes_of
 from mbcdm_cad.model.analysis import analyse
 from mbcdm_cad.model.equations import papers_test
 from mbcdm_cad.model.figures import Analysis, ShaftTurns
@@ -27,8 +27,6 @@ if TYPE_CHECKING:
 
     from mbcdm_cad.design.blocks import AsBuilt
     from mbcdm_cad.design.drive import Drive
-    from mbcdm_cad.layouts.base import Layout
-    from mbcdm_cad.layouts.turns import Modes
     from mbcdm_cad.model.capability import TorqueLimit
 
 # Names of the limits of the drum's torque, by cause.

@@ -10,14 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mbcdm_cad.layouts.base import NoFigureError
+from mbcdm_cad.layouts.base import Layout, NoFigureError
 from mbcdm_cad.layouts.life import Life, life_of
 from mbcdm_cad.model.duty import Duty, MotorDay
 from mbcdm_cad.model.heat import STANDSTILL_SHARE
 from mbcdm_cad.report.table import ReportTable, chart, filled
 
 if TYPE_CHECKING:
-    from mbcdm_cad.layouts.base import Layout
     from mbcdm_cad.model.losses import Train
     from mbcdm_cad.model.rope_zones import RopeLife
 

@@ -14,14 +14,12 @@ import numpy as np
 
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts import preload
-from mbcdm_cad.layouts.base import NoFigureError
-from mbcdm_cad.layouts.preload import AtPreload, PreloadRule
+from mbcdm_cad.layouts.base import Layout, NoFigureError
+from mbcdm_cad.layouts.preload import AtPreload, NutTurn, PreloadRule
 from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.report.table import ReportTable, filled
 
 if TYPE_CHECKING:
-    from mbcdm_cad.layouts.base import Layout
-    from mbcdm_cad.layouts.preload import NutTurn
     from mbcdm_cad.model.preload_ramp import MeasuredPreloads, Ramp
 
 _HEAD = ("angle_rad", "torque_Nm")

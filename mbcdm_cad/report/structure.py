@@ -13,7 +13,7 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.base import Layout, NoFigureError, PathFigures
 from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.layouts.structure import structure_of
-from mbcdm_cad.layouts.turns import implied_moduli_GPa, turns_of
+from mbcdm_cad.layouts.turns import DriveTurns, TurnAt, implied_moduli_GPa, turns_of
 from mbcdm_cad.model.equations import BACKLASH_RAD
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.si import DriveSI, ModelError
@@ -21,7 +21,6 @@ from mbcdm_cad.model.stiffness import sticking_response
 from mbcdm_cad.report.table import ReportTable
 
 if TYPE_CHECKING:
-    from mbcdm_cad.layouts.turns import DriveTurns, TurnAt
     from mbcdm_cad.model.structure.causes import Structure
 
 

@@ -15,7 +15,7 @@ from mbcdm_cad.layouts.miso_bevel.pulleys import axle, drum, guide, input_pulley
 from mbcdm_cad.layouts.miso_bevel.stack import Stack, stack
 from mbcdm_cad.layouts.miso_bevel.support.dims import FrameDims, TopPlateDims, frame, top_plate
 from mbcdm_cad.layouts.sector import SectorLayout
-from mbcdm_cad.model.losses import body_bearings
+from mbcdm_cad.model.losses import BearingPair, body_bearings
 from mbcdm_cad.parts.collar import CollarDims, collar
 from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
@@ -27,7 +27,6 @@ from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.cable_path import CablePath
 
 if TYPE_CHECKING:
-    from mbcdm_cad.model.losses import BearingPair
     from mbcdm_cad.model.si import DriveSI
     from mbcdm_cad.model.structure.causes import Cause
 

@@ -31,7 +31,7 @@ from mbcdm_cad.layouts.siso_spur.pulley import input_pulley
 from mbcdm_cad.layouts.siso_spur.stack import SpurStack, spur_stack
 from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims, flange, yoke
 from mbcdm_cad.layouts.siso_spur.support.idlers import IdlerPin, axle, idlers, pins
-from mbcdm_cad.model.losses import body_bearings
+from mbcdm_cad.model.losses import BearingPair, body_bearings
 from mbcdm_cad.parts.collar import CollarDims, collar, collar_over_shelf_mm, collar_width_mm
 from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.drum_sector.dims import SET_SCREW_ANGLES_DEG, DrumDims, HubDowels
@@ -48,7 +48,6 @@ from mbcdm_cad.parts.threads import MOUNT_SCREWS, SHEAR_SHARE, MountScrew, Mount
 from mbcdm_cad.routes.cable_path import CablePath
 
 if TYPE_CHECKING:
-    from mbcdm_cad.model.losses import BearingPair
     from mbcdm_cad.model.si import DriveSI
     from mbcdm_cad.model.structure.causes import Cause
     from mbcdm_cad.routes import Floats

@@ -32,11 +32,10 @@ from mbcdm_cad.report.page.template import page_environment
 from mbcdm_cad.report.preload import preload_shown
 from mbcdm_cad.report.structure import path_data_or_reason
 from mbcdm_cad.report.table import chart
-from mbcdm_cad.storage.cache import content_key
+from mbcdm_cad.storage.cache import Cache, content_key
 from mbcdm_cad.workshop.drawings import ASSEMBLY
 
 if TYPE_CHECKING:
-    from mbcdm_cad.storage.cache import Cache
     from mbcdm_cad.workshop.store import StoredPart
 
 
