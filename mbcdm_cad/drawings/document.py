@@ -144,7 +144,7 @@ def new_document() -> Drawing:
 
 def document_bytes(doc: Drawing) -> bytes:
     """The DXF file, audited. Raises ``ValueError`` if the document has errors."""
-    for name in sorted(_required_classes(doc)):
+    for name in sorted({entity.dxftype() for entity in doc.entitydb.values()} | {"SUN", "ACDBPLACEHOLDER", "LAYOUT"}):
         doc.classes.add_class(name)
     problems = doc.audit()
     if problems.errors or problems.fixes:
@@ -155,10 +155,6 @@ def document_bytes(doc: Drawing) -> bytes:
     except DXFError as error:
         raise ValueError(f"DXF: {error}") from error
     return re.sub(r"\r?\n", "\r\n", stream.getvalue()).encode(doc.output_encoding, errors="dxfreplace")
-
-
-def _required_classes(doc: Drawing) -> set[str]:
-    return {entity.dxftype() for entity in doc.entitydb.values()} | {"SUN", "ACDBPLACEHOLDER", "LAYOUT"}
 
 
 # Height of a capital letter over the size of the font that the outlines are from, DejaVu Sans.

@@ -15,6 +15,7 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import InputError, MbcdmError, Problem
 from mbcdm_cad.layouts.registry import layout_of
+from mbcdm_cad.report.table import TextReport
 from mbcdm_cad.storage.cache import Cache, content_key
 from mbcdm_cad.storage.files import Manifest, refuse_missing_folder, write_whole
 from mbcdm_cad.storage.folders import output_folder, refuse_other_origin, write_from
@@ -213,7 +214,7 @@ def write_fmu(loaded: LoadedDesign, out: Path) -> Written:
 
 
 @dataclass(frozen=True)
-class SensitivityStudy:
+class SensitivityStudy(TextReport):
     """The study in ``folder``; ``summary`` is its sensitivity.json as plain data, in SI units."""
 
     folder: Path
@@ -231,10 +232,6 @@ class SensitivityStudy:
         table = ReportTable(("figure", "unit", "value", "low", "high"), tuple(rows))
         files = f"{self.folder}: fig5_a to fig5_d, indices, tolerance, loop as plots; sensitivity.json"
         return "\n".join([files, "95 % intervals:", *table.text(width, "  ")])
-
-    def __str__(self) -> str:
-        """As :meth:`text`."""
-        return self.text()
 
     def to_dict(self) -> dict[str, Any]:
         """The content of sensitivity.json."""

@@ -22,6 +22,7 @@ from mbcdm_cad.report.comparison import (
 )
 from mbcdm_cad.report.page import PAGE
 from mbcdm_cad.report.page.stage import comparison_page, page_figures, page_of
+from mbcdm_cad.report.table import TextReport
 from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.storage.files import refuse_missing_folder, write_whole
 from mbcdm_cad.workshop.drawings import drawings_folder
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class PageReport:
+class PageReport(TextReport):
     """The page at ``path`` of ``size`` bytes; ``path`` is None where the ``build`` was refused."""
 
     build: BuildReport
@@ -49,10 +50,6 @@ class PageReport:
         if self.path is None:
             return self.build.text()
         return f"{self.path}: {self.size / 1e6:.1f} MB, opens in any browser, needs no network"
-
-    def __str__(self) -> str:
-        """As :meth:`text`."""
-        return self.text()
 
 
 def write_page(loaded: LoadedDesign, out: Path, cache: Cache, *, force: bool, progress: Progress) -> PageReport:
@@ -73,7 +70,7 @@ _VIEW, _PICTURE_PX = "output", (900, 720)
 
 
 @dataclass(frozen=True)
-class ComparisonReport:
+class ComparisonReport(TextReport):
     """Figures of several built designs, in the order in which they were given."""
 
     designs: tuple[ComparedDesign, ...]
@@ -86,10 +83,6 @@ class ComparisonReport:
         """The same table in Markdown."""
         notes = [f"\n{note}" for note in torque_notes(self.designs)]
         return "\n".join([*comparison_table(self.designs).markdown(), *notes])
-
-    def __str__(self) -> str:
-        """As :meth:`text`."""
-        return self.text()
 
     def _repr_html_(self) -> str:
         """For notebooks."""

@@ -281,17 +281,13 @@ def _is_fast(given: TrialKnown, motor: Mapping[str, Any], head: Mapping[str, Any
     return speed_margin(given, motor, 1.0 if head is None else head["ratio"], ratio, torque) >= 0.0
 
 
-def _has_face(given: TrialKnown) -> bool:
-    return given.has("drive.motor") and given.peek("drive.motor") in given.motors_with_faces()
-
-
 @rule(
     "drive.gearhead",
     "none for a motor with its own shaft, else that of the lightest motor and gearhead that hold the torque",
     "motor_torque_forward",
 )
 def gearhead(given: TrialKnown) -> Found:
-    if _has_face(given):
+    if given.has("drive.motor") and given.peek("drive.motor") in given.motors_with_faces():
         given["drive.motor"]
         return Found(NO_GEARHEAD, "the motor's own shaft")
     # If the ratio follows from motor and gearhead, any of them holds the torque.

@@ -18,6 +18,7 @@ from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.measurement.schema import MOTION
 from mbcdm_cad.measurement.vet import Vetted, vetted_runs, vetting_lines
 from mbcdm_cad.model.si import ModelError
+from mbcdm_cad.report.table import TextReport
 
 if TYPE_CHECKING:
     import pandas
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class LoopReport:
+class LoopReport(TextReport):
     """``result`` of the loop on ``runs``, with the findings of their vetting.
 
     ``loaded`` is the design, None where none was given; ``drive`` is None where only the ratio of the runs' drive is
@@ -54,10 +55,6 @@ class LoopReport:
         doubts = [f"doubt: {words}" for one in self.runs for words in one.doubts]
         parts = [result_text(self.result, doubts)]
         return "\n".join(parts + [line for one in self.runs for line in ("", *vetting_lines(one))])
-
-    def __str__(self) -> str:
-        """As :meth:`text`."""
-        return self.text()
 
     def _repr_html_(self) -> str:
         """For notebooks."""

@@ -30,6 +30,7 @@ from mbcdm_cad.loop.readable import Value, readable
 from mbcdm_cad.loop.search.own import FIELDS
 from mbcdm_cad.loop.study import Study
 from mbcdm_cad.model.si import ModelError
+from mbcdm_cad.report.table import TextReport
 from mbcdm_cad.routes import Floats
 
 DAY_S = 86400.0
@@ -138,7 +139,7 @@ def _three(value: Value) -> list[float]:
 
 
 @dataclass(frozen=True, eq=False)
-class TrendReport:
+class TrendReport(TextReport):
     """All trends of a study, and the loop's finding on what the runs share."""
 
     loop: LoopReport
@@ -148,10 +149,6 @@ class TrendReport:
         """For a terminal: a sentence and a table for each figure, then what the runs share."""
         parts = [line for trend in self.trends for line in (trend.sentence, *trend.lines(), "")]
         return "\n".join([*parts, f"all runs together: {self.loop.result.sentence}"])
-
-    def __str__(self) -> str:
-        """As :meth:`text`."""
-        return self.text()
 
     def to_dict(self) -> dict[str, Any]:
         """Ready for JSON."""

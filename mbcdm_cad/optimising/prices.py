@@ -11,7 +11,7 @@ from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.optimising.evaluate import Evaluated, evaluate, refuse_unknown
 from mbcdm_cad.optimising.wishes import Effort
 from mbcdm_cad.parallel.forks import crew
-from mbcdm_cad.report.table import ReportTable
+from mbcdm_cad.report.table import ReportTable, TextReport
 from mbcdm_cad.solving.question import ASIDE, Fixed, Question
 from mbcdm_cad.solving.repair import repair
 from mbcdm_cad.solving.trials import Trials
@@ -31,7 +31,7 @@ class Price:
 
 
 @dataclass(frozen=True)
-class Prices:
+class Prices(TextReport):
     """The figures of a design, and what they become when one requirement is moved."""
 
     figures: dict[str, float]
@@ -54,10 +54,6 @@ class Prices:
     def text(self, width: int | None = None) -> str:
         """The table."""
         return "\n".join(self.table().text(width))
-
-    def __str__(self) -> str:
-        """As :meth:`text`."""
-        return self.text()
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data."""

@@ -22,7 +22,7 @@ from mbcdm_cad.optimising.evaluate import FIGURES, Facts, figure, unit_of
 from mbcdm_cad.optimising.search import INTERRUPTED, ROUNDS, Searched, TriedPoint, counted
 from mbcdm_cad.optimising.wishes import Keep, Wishes
 from mbcdm_cad.report.page.template import page_environment
-from mbcdm_cad.report.table import ReportTable, designs_shown, filled
+from mbcdm_cad.report.table import ReportTable, TextReport, designs_shown, filled
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.solving.question import Question, difference, patched
 
@@ -115,7 +115,7 @@ class BesideDesign:
 
 
 @dataclass(frozen=True)
-class Optimum:
+class Optimum(TextReport):
     """The front of a search, best first in its first aim; ``starts``: the files as given, those that pass.
 
     ``beside``: other designs to compare it with.
@@ -177,10 +177,6 @@ class Optimum:
     def text(self, width: int | None = None) -> str:
         """What ``mbcdm optimise`` prints."""
         return "\n".join(self._lines(width))
-
-    def __str__(self) -> str:
-        """As :meth:`text`."""
-        return self.text()
 
     def _lines(self, width: int | None) -> Iterator[str]:
         s = self.searched

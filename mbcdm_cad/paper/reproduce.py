@@ -29,6 +29,7 @@ from mbcdm_cad.model.capability import (
 from mbcdm_cad.model.equations import eq1_residuals
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.model.stiffness import DrumBacklash, drum_backlash, implied_modulus_Pa
+from mbcdm_cad.report.table import TextReport
 
 if TYPE_CHECKING:
     from mbcdm_cad.design.drive import Drive
@@ -70,7 +71,7 @@ class PaperFigure:
 
 
 @dataclass(frozen=True)
-class PaperTable:
+class PaperTable(TextReport):
     """The paper's figures and those of the model for the design ``name``."""
 
     name: str
@@ -84,10 +85,6 @@ class PaperTable:
     def text(self) -> str:
         """What ``mbcdm reproduce`` prints: a page in Markdown."""
         return as_markdown(self.figures, self.name)
-
-    def __str__(self) -> str:
-        """As :meth:`text`."""
-        return self.text()
 
     def to_dict(self) -> list[dict[str, Any]]:
         """Plain data, one record a figure."""

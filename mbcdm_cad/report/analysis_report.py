@@ -20,7 +20,7 @@ from mbcdm_cad.report.duty import DutyReport, LifeReport, duty_report, life_repo
 from mbcdm_cad.report.losses import LossesReport, losses_report, stage_figures, stage_lines
 from mbcdm_cad.report.preload import PreloadShares, preload_shares
 from mbcdm_cad.report.structure import StructureReport, path_data_or_reason, path_lines, structure_report
-from mbcdm_cad.report.table import ReportTable, filled, speed_shown
+from mbcdm_cad.report.table import ReportTable, TextReport, filled, speed_shown
 
 if TYPE_CHECKING:
     import pandas
@@ -44,7 +44,7 @@ _LIMITS = {
 
 
 @dataclass(frozen=True)
-class AnalysisReport:
+class AnalysisReport(TextReport):
     """``figures`` of the analytic model; ``paths`` of the cables as plain data, None where ``no_paths`` says why.
 
     ``structure``: what turns the payload besides the cables; None where ``no_structure`` says why; ``modes`` as well.
@@ -97,10 +97,6 @@ class AnalysisReport:
         paths = path_lines(self.layout, self.paths) if self.paths else [f"Cable paths: {self.no_paths}"]
         odds = ["", *chance_lines(self.chances)] if self.chances else []
         return "\n".join([*lines, *(line for text in (*paths, *odds) for line in filled(text, width))])
-
-    def __str__(self) -> str:
-        """As :meth:`text`."""
-        return self.text()
 
     def _repr_html_(self) -> str:
         """For notebooks: the cables, the load cases, the torque limits."""

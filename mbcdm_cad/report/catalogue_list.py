@@ -1,8 +1,6 @@
 """What there is: ropes, bought parts and materials of the package; programs and libraries of this machine.
 
 The command line prints it, the Python API returns it.
-
-The command line prints it, the Python API returns it.
 """
 
 from __future__ import annotations
@@ -25,7 +23,7 @@ from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.entries import KINDS
 from mbcdm_cad.design.fields import adapter
 from mbcdm_cad.errors import MbcdmError, did_you_mean
-from mbcdm_cad.report.table import ReportTable
+from mbcdm_cad.report.table import ReportTable, TextReport
 from mbcdm_cad.storage.cache import ENVIRONMENT_VARIABLE, cache_folder
 
 # Fields of text, told below the values: where these come from, and how an end is made.
@@ -40,7 +38,7 @@ Ropes, bought-out parts and materials that a design file names, such as `rope.ty
 
 
 @dataclass(frozen=True)
-class CatalogueList:
+class CatalogueList(TextReport):
     """Entries of the package's catalogue, of the kind ``kind`` (``ropes``, ``motors``, ...) or of all kinds."""
 
     kind: str | None = None
@@ -58,10 +56,6 @@ class CatalogueList:
             return "\n".join(_kind_lines(self.kind, width))
         rows = tuple((name, ", ".join(package_entries(name))) for name in KINDS)
         return "\n".join(ReportTable(("kind", "entries"), rows).text(width))
-
-    def __str__(self) -> str:
-        """As :meth:`text`."""
-        return self.text()
 
     def markdown(self) -> str:
         """A page with a table for each kind."""
@@ -205,7 +199,7 @@ class Dependency:
 
 
 @dataclass(frozen=True)
-class Machine:
+class Machine(TextReport):
     """What this machine has of all that the program can use."""
 
     items: tuple[Dependency, ...]
@@ -227,10 +221,6 @@ class Machine:
         lines += [f"{item.name}: {item.remedy}" for item in self.items if not item.there and item.remedy]
         missing = ", ".join(item.name for item in self.missing)
         return "\n".join([*lines, f"missing: {missing}" if missing else "nothing required is missing"])
-
-    def __str__(self) -> str:
-        """As :meth:`text`."""
-        return self.text()
 
     def to_dict(self) -> list[dict[str, Any]]:
         """Plain data, one record a dependency."""

@@ -5,8 +5,6 @@ each check is taken as straight over one standard deviation to either side of ea
 draws the values at random instead.
 
 The command line prints it, the Python API returns it.
-
-The command line prints it, the Python API returns it.
 """
 
 from __future__ import annotations
@@ -32,7 +30,7 @@ from mbcdm_cad.layouts.base import Layout, NoFigureError
 from mbcdm_cad.layouts.check_design import advised_checks, checks_of
 from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.model.si import ModelError
-from mbcdm_cad.report.table import ReportTable, preformatted, speed_shown
+from mbcdm_cad.report.table import ReportTable, TextReport, preformatted, speed_shown
 from mbcdm_cad.routes import Floats
 
 if TYPE_CHECKING:
@@ -150,7 +148,7 @@ _TRAIN = ("drive.motor", "drive.gearhead")
 
 
 @dataclass(frozen=True)
-class CheckReport:
+class CheckReport(TextReport):
     """Results of every check on the design ``name``, in the order of docs/checks.md."""
 
     name: str
@@ -227,10 +225,6 @@ class CheckReport:
     def _summary(self) -> str:
         counted = ", ".join(f"{n} {word}" for word, n in self.counts.items())
         return f"{self.name}: {counted}, of {len(self)} checks"
-
-    def __str__(self) -> str:
-        """As :meth:`text`."""
-        return self.text()
 
     def _repr_html_(self) -> str:
         """For notebooks: the summary, then the checks that do not simply pass."""
@@ -350,7 +344,7 @@ def _wrapped(text: str, first: str, rest: str, width: int | None) -> list[str]:
 
 
 @dataclass(frozen=True)
-class BuildReport:
+class BuildReport(TextReport):
     """Outcome of a build: ``folder`` is None where it was refused, ``data`` is report.json where parts were drawn.
 
     ``made`` names the parts that had to be drawn; ``unchanged``: the folder already contained everything.
@@ -392,10 +386,6 @@ class BuildReport:
         if self.data["forced"]:
             lines.insert(1, f"  FORCED although these fail: {', '.join(self.data['failed_checks'])}")
         return "\n".join(lines)
-
-    def __str__(self) -> str:
-        """As :meth:`text`."""
-        return self.text()
 
     def _repr_html_(self) -> str:
         """For notebooks: the text, then the checks that do not simply pass."""

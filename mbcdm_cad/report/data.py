@@ -20,7 +20,6 @@ from mbcdm_cad.model.bulk import preload_table
 from mbcdm_cad.model.equations import papers_test
 from mbcdm_cad.model.figures import Analysis
 from mbcdm_cad.model.stack_up import stack_data
-from mbcdm_cad.model.tensioning import TensioningPlan
 from mbcdm_cad.parts.bill import Bill
 from mbcdm_cad.report.analysis_report import above_gearhead, motor_lines
 from mbcdm_cad.report.duty import duty_report, duty_shown, life_report, life_shown
@@ -95,10 +94,6 @@ def checks_data(checks: Sequence[CheckResult]) -> dict[str, Any]:
     return plain
 
 
-def _tensioning(plan: TensioningPlan | None) -> dict[str, Any] | None:
-    return None if plan is None else asdict(plan)
-
-
 @dataclass(frozen=True)
 class Tested:
     """Results that only a whole build has: clashes at the tested poses, and the windup of the frame."""
@@ -142,7 +137,7 @@ def design_figures(layout: Layout, centred: Bill) -> DesignFigures:
         "holes": centred.holes(),
         "asked_torque_Nm": drive.loads.peak_torque_Nm,
         "reached_preloads": [asdict(row) | {"holds_Nm": row.holds_Nm} for row in preload_table(layout_of(drive))],
-        "tensioning": _tensioning(layout.tensioning),
+        "tensioning": (None if layout.tensioning is None else asdict(layout.tensioning)),
         "cable_lengths_mm": {p.cable.name: p.length_mm for p in layout.all_cable_paths(0.0)},
         "assembly_order": [step.text for step in order],
         "assembly_items": [list(step.items) for step in order],

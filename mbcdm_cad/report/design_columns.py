@@ -18,7 +18,7 @@ from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.model.bulk import BulkFigures, analyse_many, merged, stack_designs
 from mbcdm_cad.model.capability import Requirements, requirements
 from mbcdm_cad.model.si import DriveSI
-from mbcdm_cad.report.table import ReportTable, data_frame, designs_shown
+from mbcdm_cad.report.table import ReportTable, TextReport, data_frame, designs_shown
 
 if TYPE_CHECKING:
     import pandas
@@ -32,7 +32,7 @@ _BOTH_WAYS = ("turn_rad", "peak_torque_Nm")
 _IN_DEGREES = ("wrap", "fleet_angle")
 
 
-class DesignColumns:
+class DesignColumns(TextReport):
     """Columns by name, each with one value for each design. Iteration and indexing use columns."""
 
     @property
@@ -65,10 +65,6 @@ class DesignColumns:
     def text(self, width: int | None = None) -> str:
         """How many designs there are, and the range of each column."""
         return "\n".join([self.summary(), *self._ranges().text(width, "  ")])
-
-    def __str__(self) -> str:
-        """As :meth:`text`."""
-        return self.text()
 
     def _repr_html_(self) -> str:
         """For notebooks: the range of each column."""

@@ -17,7 +17,7 @@ from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.design.sized import SizedValue, SizingError
 from mbcdm_cad.errors import MbcdmError, did_you_mean
 from mbcdm_cad.layouts.loader import design_file
-from mbcdm_cad.report.table import filled
+from mbcdm_cad.report.table import TextReport, filled
 
 # Blocks whose entries have names chosen by the user.
 _WITHOUT_RULES = ("catalogue", "as_built", "waivers")
@@ -53,7 +53,7 @@ class Explained:
 
 
 @dataclass(frozen=True)
-class Explanation:
+class Explanation(TextReport):
     """Why fields of a design have their values: one ``field``, or all that have a rule where it is None."""
 
     loaded: LoadedDesign
@@ -64,10 +64,6 @@ class Explanation:
         """What ``mbcdm explain`` prints: a table of all fields, or the chain of one; no line longer than ``width``."""
         lines = chain_lines(self.loaded, self.field, width) if self.field else table_lines(self.loaded, width)
         return "\n".join(lines)
-
-    def __str__(self) -> str:
-        """As :meth:`text`."""
-        return self.text()
 
     def to_dict(self) -> dict[str, Any] | list[dict[str, Any]]:
         """Plain data: one record for a field, else a list of records."""

@@ -58,7 +58,14 @@ class LossesReport:
         return {
             "unloaded": self._motion(self.unloaded),
             "motions": [self._motion(motion) for motion in self.motions],
-            "backdrive": None if back is None else _backdrive(back),
+            "backdrive": None
+            if back is None
+            else {
+                "running_Nm": back.running_Nm,
+                "start_Nm": back.start_Nm,
+                "sigma_Nm": back.sigma_Nm,
+                "by_cause_Nm": {x.name: float(x.torque_Nm) for x in back.losses},
+            },
             "transparency": self._transparency(back),
             "sigma_ln": {x.kind: x.sigma for x in self.unloaded.losses},
             "electrical": self._electrical(),
@@ -176,15 +183,6 @@ def _share(m: MovingLosses, index: int) -> str:
     if m.efficiency[index] == 0.0:
         return "does not move them"
     return f"{m.efficiency[index]:.1%} +- {m.efficiency_sigma[index]:.1%}"
-
-
-def _backdrive(back: Backdrive) -> dict[str, Any]:
-    return {
-        "running_Nm": back.running_Nm,
-        "start_Nm": back.start_Nm,
-        "sigma_Nm": back.sigma_Nm,
-        "by_cause_Nm": {x.name: float(x.torque_Nm) for x in back.losses},
-    }
 
 
 def losses_report(layout: Layout) -> LossesReport:

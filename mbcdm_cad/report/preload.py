@@ -17,7 +17,7 @@ from mbcdm_cad.layouts import preload
 from mbcdm_cad.layouts.base import Layout, NoFigureError
 from mbcdm_cad.layouts.preload import AtPreload, NutTurn, PreloadRule
 from mbcdm_cad.model.si import ModelError
-from mbcdm_cad.report.table import ReportTable, filled
+from mbcdm_cad.report.table import ReportTable, TextReport, filled
 
 if TYPE_CHECKING:
     from mbcdm_cad.model.preload_ramp import MeasuredPreloads, Ramp
@@ -88,7 +88,7 @@ def preload_shown(found: Mapping[str, Any] | None) -> dict[str, Any] | None:
 
 
 @dataclass(frozen=True)
-class PreloadReport:
+class PreloadReport(TextReport):
     """Shares of a preload, the expected ramps (none where ``no_ramps`` says why), and what logs of them gave.
 
     ``ramps``: torque on the input's shaft; ``at_motor``: that of the motor times the gearhead's ratio.
@@ -165,10 +165,6 @@ class PreloadReport:
     def text(self, width: int | None = None) -> str:
         """What ``mbcdm preload`` prints."""
         return "\n".join(line for text in self._lines(width) for line in text)
-
-    def __str__(self) -> str:
-        """As :meth:`text`."""
-        return self.text()
 
     def _lines(self, width: int | None) -> Iterator[list[str]]:
         shares = PreloadShares(self.rule)

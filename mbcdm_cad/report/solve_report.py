@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from mbcdm_cad.design.describe import flow
-from mbcdm_cad.report.table import designs_shown
+from mbcdm_cad.report.table import TextReport, designs_shown
 from mbcdm_cad.solving.conflict import Conflict, Give
 from mbcdm_cad.solving.question import Out, Question, Times, difference, patched
 from mbcdm_cad.solving.solve import Change, Solution, solve
@@ -20,7 +20,7 @@ from mbcdm_cad.storage.files import write_whole
 
 
 @dataclass(frozen=True)
-class SolveReport:
+class SolveReport(TextReport):
     """``solution`` of the search for the file ``path``; ``design_text``: the file that passes, None if there is none.
 
     ``design_text`` has all comments of the file; only the changed fields differ.
@@ -59,10 +59,6 @@ class SolveReport:
     def text(self, *, colour: bool = False) -> str:
         """What ``mbcdm solve`` prints: the changes and the patch, or the requirements that exclude each other."""
         return "\n".join(self._lines(colour))
-
-    def __str__(self) -> str:
-        """As :meth:`text`."""
-        return self.text()
 
     def _lines(self, colour: bool) -> Iterator[str]:
         found, name = self.solution, str(self.path)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import textwrap
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -16,6 +17,18 @@ if TYPE_CHECKING:
 _GAP = "  "
 # Least width of a wrapped column of words, also on a narrow terminal.
 _NARROWEST = 12
+
+
+class TextReport(ABC):
+    """What a command prints and a method of the Python API returns: ``print`` shows its text."""
+
+    @abstractmethod
+    def text(self) -> str:
+        """What the command prints."""
+
+    def __str__(self) -> str:
+        """As :meth:`text`."""
+        return self.text()
 
 
 @dataclass(frozen=True)

@@ -132,7 +132,7 @@ class Store:
         self, items: tuple[Item, ...], parts: dict[str, StoredPart], name: str, note: str
     ) -> tuple[str, Callable[[], dict[str, bytes]]]:
         """The key of an assembly's files, which are read if the cache has them, and the function that makes them."""
-        key = content_key("assembly", (name, note, items, _keys(parts)))
+        key = content_key("assembly", (name, note, items, {name: part.key for name, part in parts.items()}))
         if key not in self._assemblies and (blobs := self._cache.get(key)) is not None:
             self._assemblies[key] = blobs
 
@@ -214,10 +214,6 @@ def _body(part: StoredPart) -> PartShape:
     shape = part.files.shape
     key = hashlib.sha256(part.files.brep).hexdigest()
     return PartShape(key, np.array([shape.low_mm, shape.high_mm]), part.solid, part.files.mesh)
-
-
-def _keys(parts: dict[str, StoredPart]) -> dict[str, str]:
-    return {name: part.key for name, part in parts.items()}
 
 
 # A design has about a thousand tests; beyond this number the answers that were not used for longest are removed.

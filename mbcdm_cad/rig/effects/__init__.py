@@ -10,61 +10,33 @@ from typing import Annotated
 
 from pydantic import Field
 
-from mbcdm_cad.rig.effects.cables import (
-    AnchorSlip,
-    Creep,
-    EccentricPulley,
-    InputCreep,
-    LandWear,
-    Modulus,
-    Preload,
-    RadiusError,
-    RopeFriction,
-    RopeLay,
-    StepClimb,
-    StrandDamage,
-    Temperature,
-)
-from mbcdm_cad.rig.effects.machine import (
-    BearingFriction,
-    BrakeStickSlip,
-    EccentricEncoder,
-    EncoderScale,
-    EncoderSubdivision,
-    GearheadLash,
-    GearMesh,
-    MotorCogging,
-    SensorDelay,
-    ShaftCompliance,
-    SlowPart,
-    ViscousDrag,
-)
+from mbcdm_cad.rig.effects import cables, machine
 
 AnyEffect = Annotated[
-    AnchorSlip
-    | BearingFriction
-    | BrakeStickSlip
-    | Creep
-    | EccentricEncoder
-    | EccentricPulley
-    | EncoderScale
-    | EncoderSubdivision
-    | GearMesh
-    | GearheadLash
-    | InputCreep
-    | LandWear
-    | Modulus
-    | MotorCogging
-    | Preload
-    | RadiusError
-    | RopeFriction
-    | RopeLay
-    | SensorDelay
-    | ShaftCompliance
-    | SlowPart
-    | StepClimb
-    | StrandDamage
-    | Temperature
-    | ViscousDrag,
+    cables.AnchorSlip
+    | machine.BearingFriction
+    | machine.BrakeStickSlip
+    | cables.Creep
+    | machine.EccentricEncoder
+    | cables.EccentricPulley
+    | machine.EncoderScale
+    | machine.EncoderSubdivision
+    | machine.GearMesh
+    | machine.GearheadLash
+    | cables.InputCreep
+    | cables.LandWear
+    | cables.Modulus
+    | machine.MotorCogging
+    | cables.Preload
+    | cables.RadiusError
+    | cables.RopeFriction
+    | cables.RopeLay
+    | machine.SensorDelay
+    | machine.ShaftCompliance
+    | machine.SlowPart
+    | cables.StepClimb
+    | cables.StrandDamage
+    | cables.Temperature
+    | machine.ViscousDrag,
     Field(discriminator="effect"),
 ]

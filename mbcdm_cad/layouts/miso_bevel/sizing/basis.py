@@ -44,15 +44,13 @@ def land_edge(given: BevelKnown) -> Found:
     """Edge margin, mm: chamfer and run-out; less with a thin rope, since the bodies must clear each other."""
     limit = given.d_mm / 2 - RUN_OUT_MM
     wanted = EDGE_BREAK_MM + RUN_OUT_MM
-    if given.has("transmission.drum_radii_mm") and _guide_is_known(given):
+    if given.has("transmission.drum_radii_mm") and (
+        given.has("transmission.guide_radii_mm") or given.has("transmission.ratios.guide_to_drum")
+    ):
         rises = [b - a for a, b in zip(given.guide_mm, given.guide_mm[1:], strict=False)]
         limit = min(limit, rounded_down(min(rises) - given.d_mm / 2, 0.001))
     driver = driver_of({"land_edge": wanted, "land_width": limit}, min)
     return Found(round(max(min(wanted, limit), EDGE_BREAK_MM), 4), driver)
-
-
-def _guide_is_known(given: BevelKnown) -> bool:
-    return given.has("transmission.guide_radii_mm") or given.has("transmission.ratios.guide_to_drum")
 
 
 NAMES = (

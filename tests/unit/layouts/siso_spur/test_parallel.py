@@ -18,6 +18,7 @@ from mbcdm_cad.layouts.life import ropes_in_use
 from mbcdm_cad.layouts.loader import layout_of, load_text
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, laid
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
+from mbcdm_cad.layouts.structure import structure_of
 from mbcdm_cad.model.capability import torque_at_slip_Nm
 from mbcdm_cad.model.equilibrium import bearing_loads, solve_equilibrium
 from mbcdm_cad.model.stiffness import sticking_stiffness_Nm_rad
@@ -242,7 +243,9 @@ def test_every_item_joins_once_and_each_cable_has_its_parts(two: SpurLayout) -> 
 
 def test_hubs_in_line_turn_by_the_torque_that_each_passes_on(two: SpurLayout) -> None:
     """The mean turn of the webs, hub after hub from the payload, each with the torque of those behind it."""
-    causes, alone = ({c.name: c.urad_Nm for c in one.structure.causes} for one in (two, SpurLayout(two.drive.unit(0))))
+    causes, alone = (
+        {c.name: c.urad_Nm for c in structure_of(one).causes} for one in (two, SpurLayout(two.drive.unit(0)))
+    )
     hub = alone["drum: hub to the set screws"] + alone["drum: hub to the payload"]
     last = 1.0 * hub
     first = last + 0.5 * hub
