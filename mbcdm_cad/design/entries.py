@@ -7,53 +7,46 @@ from itertools import pairwise
 
 from pydantic import Field
 
-from mbcdm_cad.design.bought import (
-    Bearing,
-    CableSpec,
-    Encoder,
-    Entry,
-    Gearhead,
-    InsertSpec,
-    Material,
-    Motor,
-    Screw,
-    SpringSpec,
-    TensionerSpec,
-    TerminationSpec,
-)
+from mbcdm_cad.design import bought
 from mbcdm_cad.design.fields import Block, EntryName
 
-KINDS: dict[str, type[Entry]] = {
-    "ropes": CableSpec,
-    "terminations": TerminationSpec,
-    "motors": Motor,
-    "gearheads": Gearhead,
-    "encoders": Encoder,
-    "bearings": Bearing,
-    "screws": Screw,
-    "inserts": InsertSpec,
-    "tensioners": TensionerSpec,
-    "springs": SpringSpec,
-    "materials": Material,
+KINDS: dict[str, type[bought.Entry]] = {
+    "ropes": bought.CableSpec,
+    "terminations": bought.TerminationSpec,
+    "motors": bought.Motor,
+    "gearheads": bought.Gearhead,
+    "encoders": bought.Encoder,
+    "bearings": bought.Bearing,
+    "screws": bought.Screw,
+    "inserts": bought.InsertSpec,
+    "tensioners": bought.TensionerSpec,
+    "springs": bought.SpringSpec,
+    "materials": bought.Material,
 }
 
 
 class OwnEntries(Block):
     """Entries of the design's own, by kind and name; a name of the package's catalogue is overridden."""
 
-    ropes: dict[EntryName, CableSpec] = Field(default={}, max_length=64, description="ropes by name")
-    terminations: dict[EntryName, TerminationSpec] = Field(
+    ropes: dict[EntryName, bought.CableSpec] = Field(default={}, max_length=64, description="ropes by name")
+    terminations: dict[EntryName, bought.TerminationSpec] = Field(
         default={}, max_length=64, description="ways of ending a rope by name"
     )
-    motors: dict[EntryName, Motor] = Field(default={}, max_length=64, description="motors by name")
-    gearheads: dict[EntryName, Gearhead] = Field(default={}, max_length=64, description="gearheads by name")
-    encoders: dict[EntryName, Encoder] = Field(default={}, max_length=64, description="encoders by name")
-    bearings: dict[EntryName, Bearing] = Field(default={}, max_length=64, description="bearings by name")
-    screws: dict[EntryName, Screw] = Field(default={}, max_length=64, description="screws by name")
-    inserts: dict[EntryName, InsertSpec] = Field(default={}, max_length=64, description="heat-set inserts by name")
-    tensioners: dict[EntryName, TensionerSpec] = Field(default={}, max_length=64, description="tensioners by name")
-    springs: dict[EntryName, SpringSpec] = Field(default={}, max_length=64, description="springs of terminals by name")
-    materials: dict[EntryName, Material] = Field(default={}, max_length=64, description="materials by name")
+    motors: dict[EntryName, bought.Motor] = Field(default={}, max_length=64, description="motors by name")
+    gearheads: dict[EntryName, bought.Gearhead] = Field(default={}, max_length=64, description="gearheads by name")
+    encoders: dict[EntryName, bought.Encoder] = Field(default={}, max_length=64, description="encoders by name")
+    bearings: dict[EntryName, bought.Bearing] = Field(default={}, max_length=64, description="bearings by name")
+    screws: dict[EntryName, bought.Screw] = Field(default={}, max_length=64, description="screws by name")
+    inserts: dict[EntryName, bought.InsertSpec] = Field(
+        default={}, max_length=64, description="heat-set inserts by name"
+    )
+    tensioners: dict[EntryName, bought.TensionerSpec] = Field(
+        default={}, max_length=64, description="tensioners by name"
+    )
+    springs: dict[EntryName, bought.SpringSpec] = Field(
+        default={}, max_length=64, description="springs of terminals by name"
+    )
+    materials: dict[EntryName, bought.Material] = Field(default={}, max_length=64, description="materials by name")
 
 
 # What gives torque and speed of any motor; currents and pairs of poles go with a brushless one.
@@ -62,36 +55,36 @@ BRUSHLESS_FIELDS = ("continuous_current_A", "peak_current_A", "pole_pairs")
 # The rated torque is lower than constant x current because of friction and saturation of the iron.
 TORQUE_AGREEMENT = 0.25
 
-_ORDERS: dict[type[Entry], tuple[tuple[str, ...], ...]] = {
-    CableSpec: (("bend_ratio_minimum", "bend_ratio_desired"),),
-    TerminationSpec: (("smallest_mm", "largest_mm"),),
-    Gearhead: (
+_ORDERS: dict[type[bought.Entry], tuple[tuple[str, ...], ...]] = {
+    bought.CableSpec: (("bend_ratio_minimum", "bend_ratio_desired"),),
+    bought.TerminationSpec: (("smallest_mm", "largest_mm"),),
+    bought.Gearhead: (
         ("rated_torque_mNm", "max_torque_mNm"),
         ("shaft_diameter_mm", "pilot_diameter_mm", "bolt_circle_mm", "diameter_mm"),
     ),
-    Motor: (
+    bought.Motor: (
         ("continuous_current_A", "peak_current_A"),
         ("shaft_diameter_mm", "pilot_diameter_mm", "bolt_circle_mm", "diameter_mm"),
     ),
-    Encoder: (("bore_mm", "bolt_circle_mm", "diameter_mm"),),
-    Bearing: (("bore_mm", "inner_shoulder_mm", "outer_shoulder_mm", "outer_diameter_mm"),),
-    Screw: (("tap_drill_mm", "thread_mm", "clearance_mm"),),
-    InsertSpec: (("thread_mm", "hole_mm", "outside_mm"),),
-    SpringSpec: (("strip_mm", "solid_mm", "free_mm"), ("inside_mm", "outside_mm")),
-    TensionerSpec: (("thread_mm", "clearance_mm", "nut_across_flats_mm"),),
+    bought.Encoder: (("bore_mm", "bolt_circle_mm", "diameter_mm"),),
+    bought.Bearing: (("bore_mm", "inner_shoulder_mm", "outer_shoulder_mm", "outer_diameter_mm"),),
+    bought.Screw: (("tap_drill_mm", "thread_mm", "clearance_mm"),),
+    bought.InsertSpec: (("thread_mm", "hole_mm", "outside_mm"),),
+    bought.SpringSpec: (("strip_mm", "solid_mm", "free_mm"), ("inside_mm", "outside_mm")),
+    bought.TensionerSpec: (("thread_mm", "clearance_mm", "nut_across_flats_mm"),),
 }
 
 
-def entry_faults(entry: Entry) -> Iterator[tuple[str, str, str, str, str]]:
+def entry_faults(entry: bought.Entry) -> Iterator[tuple[str, str, str, str, str]]:
     """Contradictions within one entry: field, problem, value, limit, remedy."""
     for names in entry_orders(entry):
         for small, large in pairwise(names):
             low, high = getattr(entry, small), getattr(entry, large)
             if low is not None and high is not None and low > high:
                 yield small, f"larger than {large}", f"{low:g}", f"up to {high:g}", f"check {small} and {large}"
-    if isinstance(entry, Motor):
+    if isinstance(entry, bought.Motor):
         yield from _motor_faults(entry)
-    if isinstance(entry, CableSpec):
+    if isinstance(entry, bought.CableSpec):
         nominal = 0.7854 * entry.diameter_mm**2
         if entry.metallic_area_mm2 > nominal:
             yield (
@@ -103,7 +96,7 @@ def entry_faults(entry: Entry) -> Iterator[tuple[str, str, str, str, str]]:
             )
 
 
-def _motor_faults(entry: Motor) -> Iterator[tuple[str, str, str, str, str]]:
+def _motor_faults(entry: bought.Motor) -> Iterator[tuple[str, str, str, str, str]]:
     """Problems if electrical values are incomplete, or if continuous torque and current contradict each other."""
     brushless = [name for name in BRUSHLESS_FIELDS if getattr(entry, name) is not None]
     asked = (*ELECTRICAL_FIELDS, *(BRUSHLESS_FIELDS if brushless else ()))
@@ -125,6 +118,6 @@ def _motor_faults(entry: Motor) -> Iterator[tuple[str, str, str, str, str]]:
         )
 
 
-def entry_orders(entry: Entry) -> tuple[tuple[str, ...], ...]:
+def entry_orders(entry: bought.Entry) -> tuple[tuple[str, ...], ...]:
     """Fields of a catalogue entry that must not decrease in this order."""
     return _ORDERS.get(type(entry), ())
