@@ -251,7 +251,7 @@ def spur() -> Drive:
 
 
 def _figures(drive: Drive) -> MotorFigures:
-    found = motor_figures(drive, layout_of(drive).si, 0.3, np.inf)
+    found = motor_figures(layout_of(drive), layout_of(drive).si, 0.3, np.inf)
     assert found is not None
     return found
 

@@ -98,7 +98,7 @@ def test_each_drive_of_the_batch_has_the_torque_that_it_has_alone(bevel: Facts) 
 def test_the_efficiency_spreads_as_first_order_theory_has_it(layout: str) -> None:
     found = facts(layout)
     load = np.array([found.drive.loads.peak_torque_Nm])
-    first_order = float(layout_of(found).losses.moving(load, 1).efficiency_sigma[0])
+    first_order = float(found.layout.losses.moving(load, 1).efficiency_sigma[0])
     low, high = (figure(found, f"efficiency_{q}") for q in ("p5", "p95"))
     assert (high - low) / (2.0 * Z95) == pytest.approx(first_order, rel=0.12)
 
