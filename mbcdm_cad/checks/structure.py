@@ -213,14 +213,10 @@ def stiffness(s: SectorLayout) -> Comparison:
 )
 def structure_share(s: SectorLayout) -> Comparison:
     """Turn of the payload by all parts besides the cables over that by the cables, the inputs held."""
-    structure, most = structure_of(s), s.drive.loads.structure_share
-    if most is None:
-        most = SOFT_PRINTED if s.printed_frame or s.drive.drum_material.printed else SOFT
-    softest = max(structure.at_payload, key=lambda c: c.urad_Nm)
-    note = (
-        f"{structure.payload_urad_Nm:.4g} over {structure.cables_urad_Nm:.4g} urad/N m, most by {softest.name}, "
-        f"{softest.urad_Nm:.4g}"
-    )
+    structure, printed = structure_of(s), s.printed_frame or s.drive.drum_material.printed
+    most = s.drive.loads.structure_share or (SOFT_PRINTED if printed else SOFT)
+    softest, cables = max(structure.at_payload, key=lambda c: c.urad_Nm), structure.cables_urad_Nm
+    note = f"{structure.payload_urad_Nm:.4g} over {cables:.4g} urad/N m, most by {softest.name}, {softest.urad_Nm:.4g}"
     return at_most("turn of the structure over that of the cables", structure.over_cables, most, "", note)
 
 

@@ -10,6 +10,7 @@ import pytest
 
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.loader import load_design
+from tests.support.mutants import mutate
 
 PARAMS = Path(__file__).parents[2] / "params" / "mbcdm.yaml"
 SPICE = [
@@ -54,39 +55,12 @@ SPICE = [
 ]
 
 
-def mutate(content: bytes, rng: random.Random) -> bytes:
-    """One to eight random edits: flips, cuts, insertions, repeats, swaps of lines, truncation."""
-    data = bytearray(content)
-    for _ in range(rng.choice((1, 1, 1, 2, 3, 8))):
-        at = rng.randrange(len(data) + 1)
-        end = min(len(data), at + rng.choice((1, 1, 2, 5, 20, 200)))
-        action = rng.randrange(7)
-        if action == 0 and at < len(data):
-            data[at] = rng.randrange(256)
-        elif action == 1:
-            del data[at:end]
-        elif action == 2:
-            data[at:at] = rng.choice(SPICE)
-        elif action == 3:
-            data[at:at] = data[at:end] * rng.choice((1, 2, 50))
-        elif action == 4:
-            lines = bytes(data).split(b"\n")
-            i, j = rng.randrange(len(lines)), rng.randrange(len(lines))
-            lines[i], lines[j] = lines[j], lines[i]
-            data = bytearray(b"\n".join(lines))
-        elif action == 5:
-            data[at:end] = bytes(rng.randrange(256) for _ in range(end - at))
-        elif action == 6 and rng.random() < 0.2:
-            del data[at:]
-    return bytes(data)
-
-
 def run(path: Path, seeds: range) -> tuple[int, int]:
     """Load the mutant of each seed; how many loaded, and how many were refused."""
     content = PARAMS.read_bytes()
     loaded = refused = 0
     for seed in seeds:
-        mutant = mutate(content, random.Random(seed))
+        mutant = mutate(content, SPICE, random.Random(seed))
         path.write_bytes(mutant)
         start = time.process_time()
         try:

@@ -21,6 +21,7 @@ from mbcdm_cad.measurement.file import load_file
 from mbcdm_cad.measurement.kinds import FEWEST_SAMPLES
 from mbcdm_cad.measurement.reading import load_measurement
 from mbcdm_cad.measurement.vet import vet
+from tests.support.mutants import mutate
 
 PAPER = Path(__file__).parents[2] / "params" / "measurements" / "paper.yaml"
 MAPPING = """\
@@ -118,34 +119,6 @@ def logger_file(rows: int = 160) -> bytes:
     body = zip(t, counts, 2.0 - np.degrees(9.0 * drum), drum, 0.9 * np.sign(np.cos(0.01 * t)), strict=True)
     lines = ["Bench 4", "t,q_left,q_right,q_out,tau Nm", *(",".join(f"{value:.7g}" for value in row) for row in body)]
     return ("\n".join(lines) + "\n").encode()
-
-
-def mutate(content: bytes, spice: list[bytes], rng: random.Random) -> bytes:
-    """One to six random edits: flips, cuts, insertions, repeats, swaps of lines, truncation."""
-    data = bytearray(content)
-    for _ in range(rng.choice((1, 1, 1, 2, 3, 6))):
-        at = rng.randrange(len(data) + 1)
-        end = min(len(data), at + rng.choice((1, 1, 2, 5, 20, 200)))
-        action = rng.randrange(7)
-        if action == 0 and at < len(data):
-            data[at] = rng.randrange(256)
-        elif action == 1:
-            del data[at:end]
-        elif action == 2:
-            data[at:at] = rng.choice(spice)
-        elif action == 3:
-            data[at:at] = data[at:end] * rng.choice((1, 2, 50))
-        elif action == 4:
-            lines = bytes(data).split(b"\n")
-            i, j = rng.randrange(len(lines)), rng.randrange(len(lines))
-            lines[i], lines[j] = lines[j], lines[i]
-            data = bytearray(b"\n".join(lines))
-        elif action == 5:
-            old, new = rng.choice(spice), rng.choice(spice)
-            data = bytearray(bytes(data).replace(old, new, rng.choice((1, 5, -1))))
-        elif action == 6 and rng.random() < 0.2:
-            del data[at:]
-    return bytes(data)
 
 
 T = TypeVar("T")

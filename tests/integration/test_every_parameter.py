@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Iterator
 from dataclasses import asdict
 from functools import cache
 from typing import Any
@@ -18,8 +17,8 @@ from mbcdm_cad.layouts.miso_bevel.bill import bill
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.model.analysis import analyse
 from tests.support.checked import results, statuses
+from tests.support.single_values import KIND_OF, Path, leaves
 
-Path = tuple[str | int, ...]
 NODES = design_file().nodes
 
 # Not numbers of the mechanism: the file's version, its free names and the only configuration there is so far.
@@ -37,29 +36,10 @@ REPORTED = {
     ("printing", "threads"),
     ("limits", "frame_windup_max_mrad"),
 }
-KIND_OF = {
-    "material": "materials",
-    "shaft_material": "materials",
-    "axle_material": "materials",
-    "bearing": "bearings",
-    "lower_bearing": "bearings",
-    "upper_bearing": "bearings",
-    "tensioner": "tensioners",
-    "motor": "motors",
-    "gearhead": "gearheads",
-    "encoder": "encoders",
-    "drum_encoder": "encoders",
-    "type": "ropes",
-}
 MOTOR = "motor-2.9mNm-15"
 COUPLED: dict[str, dict[Path, Any]] = {
     "sides of the inputs": {("inputs", 0, "side"): "+x", ("inputs", 1, "side"): "-x"},
-    "inputs of the cables": {
-        ("cables", 0, "input"): "right",
-        ("cables", 1, "input"): "right",
-        ("cables", 2, "input"): "left",
-        ("cables", 3, "input"): "left",
-    },
+    "inputs of the cables": {("cables", k, "input"): side for k, side in enumerate(("right", "right", "left", "left"))},
     "steps": {("cables", 0, "step"): 2, ("cables", 1, "step"): 1},
     "sides of the drum": {("cables", 0, "drum_side"): "-x", ("cables", 1, "drum_side"): "+x"},
     "explicit radii": {
@@ -94,18 +74,6 @@ COUPLED: dict[str, dict[Path, Any]] = {
         ("catalogue",): {"motors": {MOTOR: {**package_entries("motors")[MOTOR], "mass_g": 19.0}}}
     },
 }
-
-
-def leaves(data: Any, path: Path = ()) -> Iterator[Path]:
-    """Paths of all single values; a list of numbers counts as one."""
-    if isinstance(data, dict):
-        for key, value in data.items():
-            yield from leaves(value, (*path, key))
-    elif isinstance(data, list) and data and isinstance(data[0], dict):
-        for index, value in enumerate(data):
-            yield from leaves(value, (*path, index))
-    else:
-        yield path
 
 
 SINGLE = [

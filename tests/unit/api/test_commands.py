@@ -15,18 +15,10 @@ import pytest
 import mbcdm_cad as mc
 from mbcdm_cad import cli
 from mbcdm_cad.cli.group import mbcdm
+from tests.unit.solving.test_solve import PINNED
 
 ROOT = Path(__file__).parents[3]
 EXPERIMENT = ROOT / "params" / "experiments" / "null-short-brake.yaml"
-PINNED = """\
-name: pinned
-configuration: miso_bevel
-travel: {half_angle_deg: 35.0}
-transmission: {ratio: 9.0, drum_radius_mm: 60.0}
-loads: {peak_torque_Nm: 1.5}
-drum:
-  outer_face_y_mm: 9.0  # held by hand, too near
-"""
 # The functions of each command, in the package or of a design.
 FUNCTIONS = {
     "analyse": ["DriveDesign.analyse"],

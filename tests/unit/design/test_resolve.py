@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +10,7 @@ import pytest
 
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.layouts.loader import design_file, load_design, reference_data
+from tests.support.single_values import KIND_OF, leaves
 
 from .conftest import Edit
 
@@ -79,28 +79,11 @@ def test_screws_materials_and_waivers_are_found_by_name(load_edited: Edit) -> No
         drive.screw("M9")
 
 
-def leaves(data: Any, path: tuple[str | int, ...] = ()) -> Iterator[tuple[str | int, ...]]:
-    """Paths of all single values; a list of numbers counts as one."""
-    if isinstance(data, dict):
-        for key, value in data.items():
-            yield from leaves(value, (*path, key))
-    elif isinstance(data, list) and data and isinstance(data[0], dict):
-        for index, value in enumerate(data):
-            yield from leaves(value, (*path, index))
-    else:
-        yield path
-
-
 NOT_IN_THE_DRIVE = {("schema_version",), ("configuration",), ("waivers",), ("as_built",), ("catalogue",)}
 COUPLED = {  # fields that cannot change alone without breaking a rule
     "inputs": {("inputs", 0, "side"): "+x", ("inputs", 1, "side"): "-x"},
     "name of an input": {("inputs", 0, "name"): "port", ("cables", 0, "input"): "port", ("cables", 1, "input"): "port"},
-    "inputs of the cables": {
-        ("cables", 0, "input"): "right",
-        ("cables", 1, "input"): "right",
-        ("cables", 2, "input"): "left",
-        ("cables", 3, "input"): "left",
-    },
+    "inputs of the cables": {("cables", k, "input"): side for k, side in enumerate(("right", "right", "left", "left"))},
     "steps": {("cables", 0, "step"): 2, ("cables", 1, "step"): 1},
     "drum sides": {("cables", 0, "drum_side"): "-x", ("cables", 1, "drum_side"): "+x"},
 }
@@ -109,20 +92,6 @@ SINGLE = [
     for path in leaves(reference_data())
     if path not in NOT_IN_THE_DRIVE and path[0] != "inputs" and not (path[0] == "cables" and path[2] != "name")
 ]
-KIND_OF = {
-    "material": "materials",
-    "shaft_material": "materials",
-    "axle_material": "materials",
-    "bearing": "bearings",
-    "lower_bearing": "bearings",
-    "upper_bearing": "bearings",
-    "tensioner": "tensioners",
-    "motor": "motors",
-    "gearhead": "gearheads",
-    "encoder": "encoders",
-    "drum_encoder": "encoders",
-    "type": "ropes",
-}
 
 
 def changed(path: tuple[str | int, ...]) -> Any:

@@ -13,14 +13,12 @@ from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.loader import layout_of, load_text
 from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
 from mbcdm_cad.layouts.miso_spur.support.stiffness import frame_compliance
-from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
 from mbcdm_cad.layouts.siso_spur.support.stiffness import frame_compliance as of_one_arm
 from mbcdm_cad.model.equilibrium import solve_equilibrium
-from mbcdm_cad.rig.experiment import Experiment
-from mbcdm_cad.rig.quasistatic import simulate
 from mbcdm_cad.routes.route import body_load
 from mbcdm_cad.workshop.kernel import location, validate_solid
 from tests.support.checked import failing, result
+from tests.support.held import held_rad
 
 TEXT = """\
 name: words
@@ -127,23 +125,11 @@ def test_far_capstan_is_held_where_the_shaft_is_and_pulls_hardest() -> None:
     assert middle - face < stated < far.land_top_z - face + walked, load.message
 
 
-def _turned_rad(drive: SpurDrive, load_Nm: float) -> float:
-    """Turn of the drum in the rig between loads of both signs, without its cable transport."""
-    data = {
-        "name": "held",
-        "seed": 1,
-        "duration_s": 4.0,
-        "sample_rate_Hz": 50.0,
-        "motion": {"shape": "triangle", "amplitude_mrad": 0.1, "period_s": 4.0},
-        "load": {"kind": "torque_motor", "wave": "sine", "levels_Nm": [load_Nm], "wave_period_s": 4.0},
-        "physics": {"cable_transport": False},
-    }
-    return float(np.ptp(simulate(drive, Experiment.model_validate(data)).drum_rad))
-
-
 def test_rig_turns_two_led_inputs_as_one_with_half_the_load() -> None:
     drive = made("idlers").drive
-    assert _turned_rad(drive, 0.5) == pytest.approx(_turned_rad(drive.unit(0), 0.25), rel=1e-3)
+    assert np.ptp(held_rad(drive, 0.5, structure=False)) == pytest.approx(
+        np.ptp(held_rad(drive.unit(0), 0.25, structure=False)), rel=1e-3
+    )
 
 
 def test_seat_and_pairs_are_refused_as_in_siso_spur() -> None:

@@ -30,10 +30,9 @@ from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.losses import MOTOR
 from mbcdm_cad.report.analysis_report import analyse_design
 from mbcdm_cad.report.losses import stage_figures
-from mbcdm_cad.rig.experiment import Experiment
-from mbcdm_cad.rig.quasistatic import simulate
 from mbcdm_cad.workshop.kernel import location, validate_solid
 from tests.support.checked import failing, results
+from tests.support.held import held_rad
 
 TEXT = """\
 name: series
@@ -174,24 +173,9 @@ def test_losses_of_both_stages_are_those_of_each_alone(way: int, share: float) -
     assert float(together.motor_Nm[0, 0]) == pytest.approx(float(alone.motor_Nm[0, 0]), rel=5e-3)
 
 
-def _drum_rad(d: SpurDrive, load_Nm: float) -> np.ndarray:
-    """The drum in the rig under a load of both signs, the motor all but held."""
-    data = {
-        "name": "held",
-        "seed": 1,
-        "duration_s": 4.0,
-        "sample_rate_Hz": 50.0,
-        "motion": {"shape": "triangle", "amplitude_mrad": 0.1, "period_s": 4.0},
-        "load": {"kind": "torque_motor", "wave": "sine", "levels_Nm": [load_Nm], "wave_period_s": 4.0},
-        "sensors": {"input_at": "motor"},
-        "physics": {"cable_transport": False, "structure": True},
-    }
-    return np.asarray(simulate(d, Experiment.model_validate(data)).drum_rad)
-
-
 def _swing_rad(d: SpurDrive, load_Nm: float) -> float:
     """Swing of the drum's encoder in the rig between loads of both signs, the motor's motion taken off."""
-    return float(np.ptp(_drum_rad(d, load_Nm) - _drum_rad(d, 1e-6)))
+    return float(np.ptp(held_rad(d, load_Nm) - held_rad(d, 1e-6)))
 
 
 def test_play_before_the_first_stage_turns_the_drum_by_it_over_both_ratios() -> None:
@@ -204,7 +188,7 @@ def test_play_before_the_first_stage_turns_the_drum_by_it_over_both_ratios() -> 
     loose, held = turns_of(layout_of(found)).motors_held, turns_of(layout_of(tight)).motors_held
     assert loose is not None and held is not None and play > 1e-3
     assert (loose.swing_mrad - held.swing_mrad) * 1e-3 == pytest.approx(play, rel=1e-6)
-    assert np.ptp(_drum_rad(found, load) - _drum_rad(tight, load)) == pytest.approx(play, rel=2e-3)
+    assert np.ptp(held_rad(found, load) - held_rad(tight, load)) == pytest.approx(play, rel=2e-3)
 
 
 @PARALLEL

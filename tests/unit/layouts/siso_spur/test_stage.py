@@ -27,9 +27,8 @@ from mbcdm_cad.measurement.loads import parts_seen
 from mbcdm_cad.measurement.schema import CountedParts
 from mbcdm_cad.parts.collar import collar_sweep_mm
 from mbcdm_cad.parts.stage import Belt, Wheel
-from mbcdm_cad.rig.experiment import Experiment
-from mbcdm_cad.rig.quasistatic import simulate
 from tests.support.checked import results
+from tests.support.held import held_rad
 
 TEXT = """\
 name: staged
@@ -138,22 +137,6 @@ def test_motor_sees_ratio_twice_in_speed_and_squared_in_inertia() -> None:
     assert gears.motor_turns < 0.0
 
 
-def _held(d: SpurDrive, load_Nm: float) -> float:
-    """Turn of the drum's encoder in the rig between loads of both signs, the motor held, rad."""
-    data = {
-        "name": "held",
-        "seed": 1,
-        "duration_s": 4.0,
-        "sample_rate_Hz": 50.0,
-        "motion": {"shape": "triangle", "amplitude_mrad": 0.1, "period_s": 4.0},
-        "load": {"kind": "torque_motor", "wave": "sine", "levels_Nm": [load_Nm], "wave_period_s": 4.0},
-        "sensors": {"input_at": "motor"},
-        "physics": {"cable_transport": False, "structure": True},
-    }
-    run = simulate(d, Experiment.model_validate(data))
-    return float(np.ptp(run.drum_rad))
-
-
 @pytest.mark.parametrize("kind", [BELT, GEARS])
 def test_rig_turns_by_the_stated_play_and_spring(kind: str) -> None:
     """The rig's own spring with play: the difference to a stage without either is what the ratio makes of both."""
@@ -164,10 +147,10 @@ def test_rig_turns_by_the_stated_play_and_spring(kind: str) -> None:
     firm = replace(given, stage=replace(stage, stated_stiffness_Nm_rad=1e7, stated_lash_arcmin=0.0))
     play = replace(given, stage=replace(stage, stated_stiffness_Nm_rad=1e7, stated_lash_arcmin=20.0))
     soft = replace(given, stage=replace(stage, stated_stiffness_Nm_rad=50.0, stated_lash_arcmin=0.0))
-    base = _held(firm, load)
-    assert _held(play, load) - base == pytest.approx(radians(20.0 / 60.0) / ratio, rel=0.02)
+    base = float(np.ptp(held_rad(firm, load)))
+    assert np.ptp(held_rad(play, load)) - base == pytest.approx(radians(20.0 / 60.0) / ratio, rel=0.02)
     # A torque load/ratio turns the spring, and that the drum by 1/ratio of it; both ways.
-    assert _held(soft, load) - base == pytest.approx(2 * load / ratio / 50.0 / ratio, rel=0.02)
+    assert np.ptp(held_rad(soft, load)) - base == pytest.approx(2 * load / ratio / 50.0 / ratio, rel=0.02)
     cause = next(c for c in structure_of(SpurLayout(soft)).causes if c.name == stage.words)
     assert cause.urad_Nm * 1e-6 == pytest.approx(1.0 / ratio**2 / 50.0, rel=1e-6)
 
