@@ -217,7 +217,7 @@ def _ends(data: Mapping[str, Any]) -> Iterator[_End]:
 
 
 @dataclass(frozen=True)
-class _Drive:
+class _Weighed:
     """A sizing with factors on what its rules gave; ``turns``: by cause, urad/N m, that by the ``drum`` among them."""
 
     sizing: Sizing
@@ -242,7 +242,7 @@ class _Drive:
             return not end.enough_g <= self.mass_g <= end.most_g
         return not end.holds(sum(self.counted(end).values()), self.turns[CABLES])
 
-    def better(self, end: _End, before: _Drive) -> bool:
+    def better(self, end: _End, before: _Weighed) -> bool:
         """Whether it is nearer to the end than another; to a figure of the file every step counts."""
         if end.field or before.mass_g > end.most_g:
             return bool(end.field) or self.mass_g < before.mass_g
@@ -370,14 +370,14 @@ class _Run:
         text = f"{value.text} ({by_rule}), {how.partition(' ')[0]} for {why}"
         return replace(value, text=text, driver=driver, rests_on={**value.rests_on, **stated}, rounding=how)
 
-    def drive(self, factors: Mapping[str, float], sizing: Sizing) -> _Drive | None:
+    def drive(self, factors: Mapping[str, float], sizing: Sizing) -> _Weighed | None:
         """A sizing with these factors as a drive; None where it is none."""
         try:
             found = layout_of(self._layout, sizing.data)
             assert isinstance(found, SectorLayout)
             found.require_geometry()
             drum = self._drum(found)
-            return _Drive(sizing, dict(factors), found, drum, _turns(found, drum), kept_mass_g(found))
+            return _Weighed(sizing, dict(factors), found, drum, _turns(found, drum), kept_mass_g(found))
         except _NO_DRIVE:
             return None
 
@@ -390,7 +390,7 @@ class _Run:
             self._flat = flat > _FLAT * whole
         return drum_study(found, rough=True, flat=self._flat)
 
-    def _effect(self, drive: _Drive, s: Stiffener) -> _Effect | None:
+    def _effect(self, drive: _Weighed, s: Stiffener) -> _Effect | None:
         """What a field does with the others as they are; of meshes only those are solved that it changes."""
         value = drive.value(s.field)
         by = s.larger(self._given, value)
@@ -417,7 +417,7 @@ class _Run:
         added_g = max(mass_g - drive.mass_g, 0.0) if s.kind else mass_g - drive.mass_g
         return _Effect(powers, added_g / (by[1] ** s.grows - 1.0) / s.of(self._given, value) ** s.grows)
 
-    def ways(self, drive: _Drive, end: _End) -> Ways | None:
+    def ways(self, drive: _Weighed, end: _End) -> Ways | None:
         """Fields that can be raised, or lowered again, and what each does; None where there are none."""
         # Where mass and compliance are weighed, a second round corrects the first: what was measured there holds.
         turns, found, known = drive.counted(end), list[tuple[Any, ...]](), bool(self._effects)
@@ -445,8 +445,8 @@ class _Run:
         urad, grows = np.maximum(list(turns.values()), _NO_TURN), np.array([s.grows for s in of])
         return Ways(of, urad, np.array(falls).T, drive.mass_g, np.array(grams), grows, np.array(limits).T)
 
-    def proposed(self, drive: _Drive, end: _End) -> tuple[_End, dict[str, float], float]:
-        """The end, factors on fields whose values then change, and what :attr:`_Drive.worth` should change by."""
+    def proposed(self, drive: _Weighed, end: _End) -> tuple[_End, dict[str, float], float]:
+        """The end, factors on fields whose values then change, and what :attr:`_Weighed.worth` should change by."""
         ways = self.ways(drive, end)
         if ways is None:
             return end, {}, 0.0
@@ -468,7 +468,7 @@ class _Run:
         factors = {field: drive.factors.get(field, 1.0) * exp(by) for field, by in changed}
         return end, factors, ways.worth(logs, price) - ways.worth(none, price)
 
-    def taken(self, drive: _Drive, factors: Mapping[str, float], end: _End) -> _Drive:
+    def taken(self, drive: _Weighed, factors: Mapping[str, float], end: _End) -> _Weighed:
         """The drive with the factors where they pay and fail no other check; else the farthest gets a nearer limit."""
         found, whole = None, {**drive.factors, **factors}
         self._left -= 1
@@ -494,7 +494,7 @@ class _Run:
         self._refused.append(field)
         return drive
 
-    def _missed_without(self, refused: _Drive, before: _Drive, failing: Collection[str], field: str) -> float:
+    def _missed_without(self, refused: _Weighed, before: _Weighed, failing: Collection[str], field: str) -> float:
         """What a drive that fails checks misses with one field as it was before."""
         try:
             found = registry.layout_of(_drive_of(self._layout, _with(refused.sizing.data, field, before.value(field))))
@@ -502,7 +502,7 @@ class _Run:
         except _NO_DRIVE:
             return inf
 
-    def stiffer(self, drive: _Drive) -> _Drive:
+    def stiffer(self, drive: _Weighed) -> _Weighed:
         """The drive raised until its ends are reached, or nothing pays any more."""
         while self._left > 0:
             steps = (self.proposed(drive, end) for end in self.ends if drive.left(end))
@@ -512,7 +512,7 @@ class _Run:
             drive = self.taken(drive, factors, end)
         return drive
 
-    def eased(self, drive: _Drive) -> _Drive:
+    def eased(self, drive: _Weighed) -> _Weighed:
         """The drive with the highest preload with which it turns as easily as the file asks.
 
         If there is none, the lowest that fails no other check.

@@ -13,7 +13,7 @@ from mbcdm_cad.model.capability import (
     GEARHEAD_PEAK,
     MOTOR_LOSSY,
     SLIP,
-    Mechanism,
+    Modelled,
     TorqueLimit,
     balanced_preload_N,
     input_bias_Nm,
@@ -67,7 +67,7 @@ if TYPE_CHECKING:
 _PASSED_ON = (GEARHEAD, GEARHEAD_PEAK)
 
 
-def analyse(design: Mechanism, wraps_rad: tuple[Any, Any] | None = None) -> Analysis:
+def analyse(design: Modelled, wraps_rad: tuple[Any, Any] | None = None) -> Analysis:
     """Every figure of the model for one design.
 
     ``wraps_rad`` are the live wraps (input, drum) of each cable at the pose of interest, both (n_cables,); without them
@@ -136,12 +136,12 @@ class PeakTorques:
     with_losses_Nm: tuple[float, float]
 
 
-def peak_torques(design: Mechanism) -> PeakTorques:
+def peak_torques(design: Modelled) -> PeakTorques:
     """The peak torques of :func:`analyse` alone. Raises ``ModelError`` as it does."""
     return _peak_torques(design, design.si, tension_limit_N(design.drive))
 
 
-def reversal_swing_mrad(design: Mechanism) -> float:
+def reversal_swing_mrad(design: Modelled) -> float:
     """The swing of :func:`analyse` alone. Raises ``ModelError`` as it does."""
     return _swing_mrad(_endless(design.si), design.drive.loads.test_torque_Nm)
 
@@ -154,7 +154,7 @@ def _swing_mrad(endless: DriveSI, load_Nm: float) -> float:
     return float(drum_backlash(endless, load_Nm).reversal_swing_rad) * 1e3
 
 
-def _peak_torques(design: Mechanism, d: DriveSI, strength_N: float) -> PeakTorques:
+def _peak_torques(design: Modelled, d: DriveSI, strength_N: float) -> PeakTorques:
     drive = design.drive
     limits, lossless = _limits(design, d, strength_N), motor_rating(drive)
     in_force = MOTOR_LOSSY if drive.limits.counts_losses else lossless
@@ -162,7 +162,7 @@ def _peak_torques(design: Mechanism, d: DriveSI, strength_N: float) -> PeakTorqu
     return PeakTorques(limits, counted, free, lossy)
 
 
-def _limits(design: Mechanism, d: DriveSI, strength_N: float) -> tuple[TorqueLimit, ...]:
+def _limits(design: Modelled, d: DriveSI, strength_N: float) -> tuple[TorqueLimit, ...]:
     """Limits of the torque; those of the gearhead without losses only where these do not count."""
     drive = design.drive
     ratings, train = input_ratings_Nm(drive), design.losses.with_drive(d)
@@ -192,7 +192,7 @@ def shaft_turns(d: DriveSI, drive: Drive) -> tuple[ShaftTurns, ...]:
     return tuple(found)
 
 
-def uncertain_figures(d: DriveSI, design: Mechanism) -> tuple[UncertainFigure, ...]:
+def uncertain_figures(d: DriveSI, design: Modelled) -> tuple[UncertainFigure, ...]:
     """Backlash of each cable and of the drum, swing and peak torques with intervals; none where no sigma is given."""
     sigmas = sigmas_si(design)
     if not sigmas:

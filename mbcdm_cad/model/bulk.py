@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from mbcdm_cad.model.capability import Mechanism, Requirements, requirements, slip_weight, torque_at_slack_Nm
+from mbcdm_cad.model.capability import Modelled, Requirements, requirements, slip_weight, torque_at_slack_Nm
 from mbcdm_cad.model.equations import eq1_residuals
 from mbcdm_cad.model.equilibrium import Equilibrium, solve_equilibrium, solve_weighted
 from mbcdm_cad.model.si import PER_CABLE, PER_DESIGN, DriveSI, ModelError
@@ -241,7 +241,7 @@ class ReachedPreload:
         return (min(self.at_inputs_Nm[0], self.slack_Nm[0]), min(self.at_inputs_Nm[1], self.slack_Nm[1]))
 
 
-def preload_table(design: Mechanism, shares: tuple[float, ...] = SHARES) -> tuple[ReachedPreload, ...]:
+def preload_table(design: Modelled, shares: tuple[float, ...] = SHARES) -> tuple[ReachedPreload, ...]:
     """The rows for ``shares`` of the design's preloads. Errors: ``ModelError`` where the model has no answer."""
     si, need, ends = design.si, requirements(design), design.wraps_at_ends_rad
     found = analyse_many(

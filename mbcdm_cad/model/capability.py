@@ -36,7 +36,7 @@ MOTOR, MOTOR_LOSSY, GEARHEAD, GEARHEAD_PEAK = "motor", "motor_with_losses", "gea
 MOTOR_ALONE, MOTOR_ALONE_PEAK = "motor_alone", "motor_alone_peak"
 
 
-class Mechanism(Protocol):
+class Modelled(Protocol):
     """What the model's figures follow from: a layout is one, with the drive in SI, its losses and its wraps."""
 
     @property
@@ -87,7 +87,7 @@ def motor_rating(drive: Drive) -> str:
     return MOTOR_ALONE if drive.gearhead.absent else MOTOR
 
 
-def motor_input_Nm(design: Mechanism) -> float:
+def motor_input_Nm(design: Modelled) -> float:
     """Torque at an input by the motor's continuous rating, with the losses that ``limits.losses`` counts."""
     drive = design.drive
     if drive.limits.counts_losses:
@@ -101,7 +101,7 @@ def tension_limit_N(drive: Drive) -> float:
     return drive.cable.breaking_load_N / drive.limits.tension_safety_factor
 
 
-def requirements(design: Mechanism) -> Requirements:
+def requirements(design: Modelled) -> Requirements:
     """Requirements of the design in SI: test torque, travel, rating of an input, rope."""
     drive = design.drive
     return Requirements(
@@ -114,7 +114,7 @@ def requirements(design: Mechanism) -> Requirements:
     )
 
 
-def sigmas_si(design: Mechanism) -> dict[str, Any]:
+def sigmas_si(design: Modelled) -> dict[str, Any]:
     """Standard deviations that the design file gives, in SI, named as :mod:`mbcdm_cad.model.sensitivity` wants them.
 
     Those that are 0 throughout are left out: an empty dict means that no value of the file carries a sigma.
@@ -346,7 +346,7 @@ class MotorFigures:
     curve: tuple[SpeedPoint, ...]
 
 
-def motor_figures(design: Mechanism, d: DriveSI, peak_input_Nm: float, cap_Nm: float) -> MotorFigures | None:
+def motor_figures(design: Modelled, d: DriveSI, peak_input_Nm: float, cap_Nm: float) -> MotorFigures | None:
     """The figures; None where the catalogue holds no electrical values of the motor.
 
     ``peak_input_Nm``: torque of the input that carries most at the design's peak torque. ``cap_Nm``: limit of the

@@ -21,7 +21,7 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from mbcdm_cad.model.capability import Mechanism, requirements, sigmas_si
+from mbcdm_cad.model.capability import Modelled, requirements, sigmas_si
 from mbcdm_cad.model.figures import with_floats
 from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.sensitivity import GlobalIndices, Panel, elasticities, figure_5, global_indices, intervals
@@ -139,7 +139,7 @@ RELATIVE_SIGMA = {
 
 
 def write_study(
-    design: Mechanism, folder: Path, tolerances: Tolerances, stacks: Sequence[StackUp] = (), workers: Crew | None = None
+    design: Modelled, folder: Path, tolerances: Tolerances, stacks: Sequence[StackUp] = (), workers: Crew | None = None
 ) -> dict[str, Any]:
     """Write every file of the study into ``folder`` (made if missing) and return the summary, which is also a file.
 

@@ -11,6 +11,7 @@ import pytest
 from mbcdm_cad import new_design_text
 from mbcdm_cad.layouts import open_ratio
 from mbcdm_cad.model import block_rows
+from mbcdm_cad.model.structure.drum_sector import sector_study
 from mbcdm_cad.optimising.engine import Engine, front_of, hypervolume
 from mbcdm_cad.optimising.evaluate import FAULT, Evaluated, evaluate
 from mbcdm_cad.optimising.variables import RULE, Variable, first_values, point_of, variables_of
@@ -84,7 +85,8 @@ def test_what_needs_no_mesh_is_judged_before_any(monkeypatch: pytest.MonkeyPatch
 
     question, named = question_of(new_design_text("drive", "miso_bevel")), ["swing_mrad"]
     strand = read_question(Path(__file__).parents[3] / "params" / "optimum" / "paper-stiff-42.yaml")
-    # From here on: the sizing of the two files themselves solves meshes too.
+    # From here on: the sizing of the two files themselves solves meshes too, and keeps them.
+    sector_study.cache_clear()
     monkeypatch.setattr(block_rows, "dpbsv", mesh)
     small = evaluate(question, {}, wishes_of(["mass_g:min"], ["box_x_mm:<=50"]).keeps, named)
     assert [name for name, _ in small.failing] == ["box_x_mm:<=50"], small

@@ -108,7 +108,7 @@ def test_a_hub_is_longer_where_its_set_screws_stand_behind_the_payloads_holes() 
 def test_a_printed_web_has_no_windows_beside_which_it_bears_too_little() -> None:
     text = (
         "name: a\nconfiguration: miso_bevel\ntravel: {half_angle_deg: 51.8}\n"
-        "transmission: {ratio: 11.9, drum_radius_mm: 131.0}\nloads: {peak_torque_Nm: 11.8}\n"
+        "transmission: {ratio: 11.9, drum_radius_mm: 131.0}\nloads: {peak_torque_Nm: 11.8, stiffness_Nm_rad: 1.0}\n"
         "support: {material: pa12}\n"
     )
     by_rule, windows = (

@@ -127,9 +127,8 @@ def test_far_capstan_is_held_where_the_shaft_is_and_pulls_hardest() -> None:
 
 def test_rig_turns_two_led_inputs_as_one_with_half_the_load() -> None:
     drive = made("idlers").drive
-    assert np.ptp(held_rad(drive, 0.5, structure=False)) == pytest.approx(
-        np.ptp(held_rad(drive.unit(0), 0.25, structure=False)), rel=1e-3
-    )
+    both, one = (np.ptp(held_rad(*of, structure=False)) for of in ((drive, 0.5), (drive.unit(0), 0.25)))
+    assert both == pytest.approx(one, rel=1e-3)
 
 
 def test_seat_and_pairs_are_refused_as_in_siso_spur() -> None:
