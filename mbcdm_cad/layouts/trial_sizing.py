@@ -11,7 +11,7 @@ from abc import abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from math import ceil, floor, inf, pi
-from typing import Any, NamedTuple
+from typing import Any
 
 from mbcdm_cad.checks.comparison import TOLERANCE
 from mbcdm_cad.design.bought import (
@@ -43,8 +43,6 @@ _RATIOS = ("transmission.input_to_drum",)
 _ON_STEP = 1e-9
 # A value tried, and margin with its unit by check.
 Trial = tuple[Any, dict[str, Margin]]
-# Most trials of a search that are left out in one go.
-_MOST_LEFT = 6
 # Parts and sizes of a medium drive, for fields that the first pass does not know yet.
 MIDDLE_SIZE: Mapping[str, Any] = {
     "drive.encoder": "encoder-20-5",
@@ -67,15 +65,6 @@ ON_SHAFT: Mapping[str, Any] = {
     "input_pulleys.lower_bearing": NO_BEARING,
     "input_pulleys.upper_bearing": NO_BEARING,
 }
-
-
-class _Search(NamedTuple):
-    """What a search found, its trials, the last that failed; ``sure``: the same as from the start, begun where it may."""
-
-    found: Found | None
-    tried: list[Trial]
-    failing: At | None
-    sure: bool
 
 
 class TrialKnown(RopeKnown):
@@ -214,20 +203,17 @@ class TrialKnown(RopeKnown):
         way = Way(field, rounded_up(start, step) if step > 0.0 else _down(start, -step), step, checks)
         before = self.drives.ends.get(way)
         if before is not None:
-            again = self._searched(way, before.checks, before.failing)
-            if again.found is not None and again.sure:
-                self.drives.ends[way] = End(before.checks, again.failing)
-                return self._without(field, again.found, checks, before.checks)
-        search = self._searched(way, checks)
-        found, tried = search.found, search.tried
+            found, tried, _ = self._searched(way, before.checks, before.failing)
+            if found is not None and len(tried) == (1 if before.failing is None else 2):
+                return self._without(field, found, checks, before.checks)
+        found, tried, failing = self._searched(way, checks)
         within = checks if found is not None else _within_reach(checks, tried)
         if found is None and within and len(within) < len(checks):
-            search = self._searched(way, within)
-            found = search.found
+            found, _, failing = self._searched(way, within)
         if found is None:
             nearest, margins = max(tried, key=_worst_margin)
             return Found(nearest, min(margins, key=lambda name: margins[name][0]), "no value passes: the nearest")
-        self.drives.ends[way] = End(within, search.failing)
+        self.drives.ends[way] = End(within, failing)
         return self._without(field, found, checks, within)
 
     def _without(self, field: str, found: Found, checks: Sequence[str], within: Sequence[str]) -> Found:
@@ -239,46 +225,31 @@ class TrialKnown(RopeKnown):
         missed = [name for name in left if self.margins(field, found.value, (name,))[name][0] < -TOLERANCE]
         return replace(found, rounding=f"{found.rounding}; no value meets {', '.join(missed)}") if missed else found
 
-    def _searched(self, way: Way, checks: tuple[str, ...], begin: At | None = None, *, jumps: bool = True) -> _Search:
+    def _searched(
+        self, way: Way, checks: tuple[str, ...], begin: At | None = None
+    ) -> tuple[Found | None, list[Trial], At | None]:
         """The value at which the checks hold, if any does; all values tried; and the last at which one did not.
 
-        The search begins at the start of ``way``, or at ``begin``, the trial of an earlier search. The steps of a lone
-        check whose margin is no length do not depend on what it misses: the trials before the one where a straight
-        line through the last two margins holds are left out, and made backwards from there.
+        The search begins at the start of ``way``, or at ``begin``, the trial of an earlier search.
         """
-        step, first = way.step, At(way.start, abs(way.step))
-        left, at = ([], first) if begin is None else _up_to(first, step, begin.value)
-        left, at = (left, at) if at == begin else ([], begin or first)
+        step = way.step
+        value, pace = begin or At(way.start, abs(step))
         driver, tried, failing, idle = "", list[Trial](), None, 0
         for _ in range(_MOST_TRIALS):
-            margins = self.margins(way.field, at.value, checks)
+            margins = self.margins(way.field, value, checks)
             idle = idle + 1 if tried and _missed(margins) == _missed(tried[-1][1]) else 0
-            tried.append((at.value, margins))
+            tried.append((value, margins))
             name = min(margins, key=lambda check: margins[check][0])
             missed, unit = margins[name]
-            lone = jumps and len(checks) == 1 and unit != "mm"
             if missed >= 0.0:
-                sure = lone or len(tried) == (1 if begin is None else 2)
-                while lone and left:
-                    missed = self.margins(way.field, left[-1].value, checks)[name][0]
-                    if missed < 0.0:
-                        driver, failing = name, left[-1]
-                        break
-                    at = left.pop()
-                way_up = f"{'up' if step > 0.0 else 'down'} to {abs(step):g}"
-                return _Search(Found(at.value, driver, way_up), tried, failing, sure)
+                return Found(value, driver, f"{'up' if step > 0.0 else 'down'} to {abs(step):g}"), tried, failing
             if idle == _MOST_IDLE:
                 break
-            driver, failing, left = name, at, []
-            by = max(abs(step), -missed) if unit == "mm" and missed > -50.0 and way.field not in _RATIOS else at.pace
-            at = _further(at, step, by)
-            if lone and len(tried) > 1:
-                (value, last), (value_before, before) = ((v, m[name][0]) for v, m in (tried[-1], tried[-2]))
-                if last > before > -inf:
-                    left, at = _up_to(at, step, value + last * (value - value_before) / (before - last))
-        if jumps and len(checks) == 1 and begin is None:
-            return self._searched(way, checks, jumps=False)
-        return _Search(None, tried, failing, False)
+            driver, failing = name, At(value, pace)
+            by = max(abs(step), -missed) if unit == "mm" and missed > -50.0 and way.field not in _RATIOS else pace
+            pace *= 1.3
+            value = rounded_up(value + by, step) if step > 0.0 else _down(value - by, -step)
+        return None, tried, failing
 
     def first(self, field: str, candidates: Iterable[Any], checks: tuple[str, ...]) -> Found:
         """The first candidate with which all the checks hold.
@@ -332,21 +303,6 @@ def _missed(margins: Mapping[str, Margin]) -> dict[str, Margin]:
     return {name: margin for name, margin in margins.items() if margin[0] < 0.0}
 
 
-def _further(at: At, step: float, by: float) -> At:
-    """The trial after ``at``, in the direction of ``step``."""
-    value = rounded_up(at.value + by, step) if step > 0.0 else _down(at.value - by, -step)
-    return At(value, 1.3 * at.pace)
-
-
-def _up_to(at: At, step: float, value: float) -> tuple[list[At], At]:
-    """The trials from ``at`` on, by growing steps, before ``value``, and the first that is not; some steps at most."""
-    left: list[At] = []
-    while len(left) < _MOST_LEFT and (value - at.value) * step > _ON_STEP:
-        left.append(at)
-        at = _further(at, step, at.pace)
-    return left, at
-
-
 def _down(value: float, step: float) -> float:
     return round(floor(value / step + _ON_STEP) * step, 9)
 
@@ -394,6 +350,8 @@ def repeated(
         given = known(copy.deepcopy(data), guesses, drives)
         drives, sizing = given.drives, fill(given, rules, moved)
         drives.passes += 1
+        if passed == 1 and similar is None:
+            drives.ends.clear()  # what no value met beside guesses, some value may meet now
         found = {value.field: value.value for value in sizing.values}
         if all(guesses.get(field) == value for field, value in found.items()):
             break
