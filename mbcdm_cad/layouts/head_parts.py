@@ -126,7 +126,6 @@ def drum_encoder(given: TrialKnown) -> Found:
     names = _rings(given, bearing) or _by_mass(
         given, "encoders", lambda name, entry: _RING in name and entry["bore_mm"] == bearing["bore_mm"]
     )
-    names = names or _by_mass(given, "encoders", lambda _, entry: entry["bore_mm"] == bearing["bore_mm"])
     return given.first("drive.drum_encoder", names, ("boss",))
 
 

@@ -450,23 +450,15 @@ def hub_face(given: BevelKnown) -> Found:
 )
 def drum_bearing(given: BevelKnown) -> Found:
     with suppress(NoFigureError, ValueError):
-        before = given.before() if given.drives.passes else None
-        # The walls of the first pass are guessed.
-        if isinstance(before, BevelLayout) and given.drives.passes > 1 and not frame_windup.measure(before).holds:
+        before = given.before() if given.drives.passes > 1 else None
+        if isinstance(before, BevelLayout) and not frame_windup.measure(before).holds:
             entries, usual = given.entries("bearings"), given.drum_mm / SHAFTS_IN_DRUM
             given.drives.refused |= {name for name in entries if entries[name]["bore_mm"] < usual}
         if isinstance(before, BevelLayout) and not boss.measure(before).holds:
             entries, wide = given.entries("bearings"), before.drive.bearings.drum.outer_diameter_mm
             given.drives.refused |= {name for name in entries if entries[name]["outer_diameter_mm"] >= wide}
     found: Found = PARTS[0].value(given)
-    if found.value not in given.drives.refused:
-        return found
-    # Beside every bearing with a ring encoder the frame has no boss: a smaller one with an encoder on the shaft's end.
-    entries, bores = given.entries("bearings"), {one["bore_mm"] for one in given.entries("encoders").values()}
-    names = [name for name in entries if name not in given.drives.refused and entries[name]["bore_mm"] in bores]
-    names.sort(key=lambda name: (entries[name]["mass_g"], name))
-    checks = ("drum_bearings", "shaft_stress", "shaft_twist", "set_screw_tips")
-    return given.first("drum.bearing", names, checks) if names else found
+    return found
 
 
 def _screws_fit(given: BevelKnown, screws: int) -> bool:
