@@ -87,12 +87,14 @@ class Fit:
 
 @dataclass(frozen=True, eq=False)
 class _Point:
-    """The state of a fit: values, offsets, prediction and residual (rad, all samples), mean square on its samples."""
+    """The state of a fit: values, offsets, prediction and residual (rad, all samples), the residual as it is weighed on
+    its samples, its mean square."""
 
     values: list[Floats]
     offsets: Floats
     predicted: Floats
     residual: Floats
+    weighed: Floats
     square: float
 
     @property
@@ -171,6 +173,7 @@ class Fitter:
         self._most = max(8, REMEMBERED_BYTES // (64 * self.output.size))
         self._changed: dict[tuple[Any, ...], Setup] = {}
         self._kinds: dict[Effect, int] = {}
+        self.metric: Callable[[Floats], Floats] = np.asarray
         self._rewindowed: dict[float, Fitter] = {}
 
     @staticmethod
@@ -183,6 +186,13 @@ class Fitter:
         other = copy(self)
         other.simulate = [Simulator() for _ in self.runs]
         other._changed = {}
+        return other
+
+    def by(self, metric: Callable[[Floats], Floats]) -> Fitter:
+        """The same fitter, which minimises the square of ``metric`` of the residuals (n,) or columns (n, k) that it is
+        fitted to: what makes their errors independent."""
+        other = copy(self)
+        other.metric = metric
         return other
 
     def rewindowed(self, factor: float) -> Fitter:
@@ -319,7 +329,8 @@ class Fitter:
     def _at(self, effects: Sequence[Effect], values: list[Floats], offsets: Floats, mask: NDArray[np.bool_]) -> _Point:
         predicted = self.predict(effects, values, offsets)
         residual = self.centred(self.output - predicted, mask)
-        return _Point(values, offsets, predicted, residual, float(np.mean(residual[mask] ** 2)))
+        weighed = self.metric(residual[mask])
+        return _Point(values, offsets, predicted, residual, weighed, float(np.mean(weighed**2)))
 
     def _stepped(
         self,
@@ -337,11 +348,11 @@ class Fitter:
         """
         if now.square == 0.0:  # the prediction is already exact, as for a drum that stands still
             return None, damping
-        columns = self.centred_on(mask, jacobian)
+        columns = self.metric(self.centred_on(mask, jacobian))
         size = np.linalg.norm(columns, axis=0)
         size[size == 0.0] = 1.0
         columns /= size
-        normal, slope = columns.T @ columns, columns.T @ now.residual[mask]
+        normal, slope = columns.T @ columns, columns.T @ now.weighed
         bounds = self._bounds(effects, now) * size
         for _ in range(6):
             scaled = np.linalg.solve(normal + damping * np.eye(slope.size), slope)

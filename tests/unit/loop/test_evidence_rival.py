@@ -10,7 +10,7 @@ from scipy.stats import multivariate_normal
 
 from benchmarks.judge import judge_rival
 from benchmarks.judge_cases import cases
-from benchmarks.rival.evidence import SCALES, NoiseModel, Whitened, noise_model
+from benchmarks.rival.evidence import INDEPENDENT, SCALES, NoiseModel, Whitened, noise_model
 
 
 def test_evidence_is_the_dense_gaussian() -> None:
@@ -20,8 +20,8 @@ def test_evidence_is_the_dense_gaussian() -> None:
     nuisances, curves = np.stack([np.ones(n), t], axis=1), rng.normal(size=(n, 6))
     jacobian, sd = np.stack([np.sin(3.0 * t), np.cos(3.0 * t)], axis=1), np.array([2.0, 0.5])
     y = jacobian @ [1.5, -0.2] + 0.3 * curves[:, 0] + rng.normal(size=n)
-    white = Whitened(noise, nuisances, curves)
-    found = white.evidence(white.parts(np.column_stack([jacobian, y])), sd, n)
+    white = Whitened(noise, nuisances, np.full((2, 2), [[-np.inf], [np.inf]]), curves)
+    found = white.evidence(white.parts(np.column_stack([jacobian, y])), sd, np.full((2, 2), [[-np.inf], [np.inf]]), n)
     dense = noise.white_rad**2 * np.eye(n) + noise.coloured_rad**2 * toeplitz(np.exp(-t / noise.memory_s))
     dense += nuisances @ nuisances.T + (jacobian * sd**2) @ jacobian.T
 
@@ -33,6 +33,37 @@ def test_evidence_is_the_dense_gaussian() -> None:
     assert found.log - constant == pytest.approx(log(found.scale_rad), abs=1.0)
     least = SCALES[0] * noise.floor_rad
     assert found.unknown_odds == pytest.approx(log(found.scale_rad) - log(least), abs=0.5)
+
+
+def test_a_value_beyond_its_bound_is_held_there_and_has_no_column() -> None:
+    rng, n = np.random.default_rng(3), 500
+    noise = NoiseModel(1.0, 0.0, 0.0, 0.01, (0,))
+    t = 0.01 * np.arange(n)
+    wide, curves = np.array([[-np.inf], [np.inf]]), rng.normal(size=(n, 4))
+    both = np.stack([np.sin(3.0 * t), np.cos(2.0 * t)], axis=1)
+    y, sd = both @ [1.5, -0.7] + rng.normal(size=n), np.array([2.0, 2.0])
+    white = Whitened(noise, np.ones((n, 1)), wide, curves)
+    limits = np.array([[-np.inf, 0.0], [np.inf, np.inf]])
+    held = white.evidence(white.parts(np.column_stack([both, y])), sd, limits, n)
+    without = white.evidence(white.parts(np.column_stack([both[:, :1], y])), sd[:1], wide, n)
+    assert held.log == pytest.approx(without.log) and held.mean == pytest.approx([*without.mean, 0.0])
+    # Also where it is a nuisance that the data would move farther than its class allows.
+    bound = np.array([[-0.1], [0.1]])
+    narrow = Whitened(noise, both[:, 1:], bound, curves)
+    found = narrow.evidence(narrow.parts(np.column_stack([both[:, :1], y])), sd[:1], wide, n)
+    assert found.nuisances == pytest.approx([-0.1])
+
+
+def test_more_samples_than_a_model_is_right_to_say_no_more() -> None:
+    noise, wide = NoiseModel(1.0, 0.0, 0.0, 0.01, (0,)), np.array([[-np.inf], [np.inf]])
+    gained = []
+    for n in (INDEPENDENT, 16 * INDEPENDENT):
+        rng, x = np.random.default_rng(4), np.sin(np.arange(n))[:, None]
+        white = Whitened(noise, np.ones((n, 1)), wide, rng.normal(size=(n, 4)))
+        parts = white.parts(np.column_stack([x, x[:, 0]]))
+        none = white.evidence(white.parts(x), np.zeros(0), np.zeros((2, 0)), n)
+        gained.append(white.evidence(parts, np.array([1.0]), wide, n).log - none.log)
+    assert gained[1] == pytest.approx(gained[0], rel=0.1), gained
 
 
 @pytest.mark.parametrize(("share", "memory_s"), [(0.0, 0.0), (0.3, 0.5), (0.9, 5.0)])
