@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import astuple
 from typing import Any
 
-from benchmarks.judge import PAGE, TABLE, key_of, page, part_of, worse
+from benchmarks.judge import PAGE, TABLE, beside, key_of, page, part_of, worse
 from benchmarks.judge_cases import cases
 from benchmarks.study import read_rows
 
@@ -38,3 +38,10 @@ def test_a_class_that_is_worse_is_told_and_a_better_one_is_not() -> None:
     assert worse(before, rows("right", "set", "false", "false")) == ["rig one: +0 right or in a set, +1 false"]
     # Only cases that were judged are compared.
     assert worse(before, before[:2]) == [] and worse(before[:2], before) == []
+
+
+def test_another_search_is_told_beside_the_table() -> None:
+    before, now = rows("right", "missed", "right"), [{**row, "cpu_s": 3.0} for row in rows("right", "false")]
+    (line,) = beside(before, now)
+    assert line.startswith("rig one ") and line.endswith("CPU   1.0 ->   3.0 s")
+    assert "right  1 ->  1" in line and "missed  1 ->  0" in line and "false  0 ->  1" in line

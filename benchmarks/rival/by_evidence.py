@@ -1,0 +1,268 @@
+"""The search by evidence: add, drop or swap one effect while the odds allow it.
+
+The score of a fit is the logarithm of its evidence (:mod:`benchmarks.rival.evidence`) and of the prior of its names,
+each as likely as each other, so that many candidates do not make a name likely. Candidates are ranked by the evidence
+of a linear step, and few of them refitted. The noise is found again after each effect that was added. What stands in
+the place of one effect, each with its share of the posterior, makes its credible set: the fewest names that together
+hold 95 % (G. Wang and others, J. R. Stat. Soc. B 82 (2020) 1273).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import cast
+
+import numpy as np
+
+from benchmarks.rival.evidence import Evidence, Whitened
+from benchmarks.rival.problem import LogProblem
+from mbcdm_cad.loop.effect import Effect
+from mbcdm_cad.loop.search.fit import Fit, Fitter
+from mbcdm_cad.loop.search.screening import Screened, Screening, _begun
+from mbcdm_cad.routes import Floats
+
+# Odds from which an effect is added, and the posterior that a set holds.
+LOG_ODDS, CREDIBLE = float(np.log(99.0)), 0.95
+# Least fall of the error by a named effect, RMS over the floor: smaller ones are listed.
+LEAST_FALL = 0.45
+MOST_EFFECTS = 6
+# Refits of the most likely candidates of a linear step, and of those that are finished.
+REFITS, FINISHED = 6, 3
+# Of effects that set the slip of the cables a linear step promises little.
+CABLES_SLIP = ("preload_error", "cable_friction", "passed_slip")
+# Standard deviation of the prior of an order, cycles a turn, which has no bound.
+ORDER_SD = 200.0
+# A shape of what changes is the less likely explanation beside a cause.
+LOG_SHAPE = float(np.log(20.0))
+
+
+@dataclass(frozen=True, eq=False)
+class CredibleSet:
+    """One effect of the final fit and what may stand in its place: the fewest names that hold 95 % of the posterior.
+
+    ``probability`` is that of ``effect``. ``alike``: fits that have another effect last in its place, each with its
+    probability. ``forms``: other forms of ``effect`` that the data do not tell from it.
+    """
+
+    effect: Effect
+    probability: float
+    alike: tuple[tuple[Fit, float], ...]
+    forms: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate(Screened):
+    """A candidate whose ``columns`` are those at ``guess``, up to which the prediction changes by ``change``, rad."""
+
+    change: Floats
+    guess: Floats
+
+
+class Candidates(Screening):
+    """The screening of the loop, which keeps where the linear step of each candidate begins."""
+
+    def _promise(self, fit: Fit, effect: Effect, start: Floats, basis: Floats, fitter: Fitter) -> Candidate:
+        change, columns = self._slopes(fit, effect, start, fitter)
+        square, step = self._projected(fit, change, columns, basis)
+        return Candidate(effect, _begun(effect, start, step), fit.square - square, columns, change, start)
+
+
+class Search:
+    """The search over one set of runs; ``bare`` is the fit without effects."""
+
+    def __init__(self, fitter: Fitter, library: Sequence[Effect], bare: Fit) -> None:
+        self.fitter, self.library, self.bare = fitter, tuple(e for e in library if not e.inside), bare
+        self.problem = LogProblem(fitter, bare)
+        self.screening = Candidates(fitter, self.library)
+        self.used = fitter.used
+        self.names = len({effect.key for effect in self.library})
+        self._without: dict[tuple[Fit, Effect], Fit] = {}
+        self._retuned(bare)
+
+    def _retuned(self, fit: Fit) -> None:
+        """The noise of a fit, and all that depends on it."""
+        self.white: Whitened = self.problem.whitened(self.problem.noise_of(fit))
+        self._known: dict[Fit, Evidence] = {}
+        self._moves: dict[Fit, list[Fit]] = {}
+
+    @property
+    def floor_rad(self) -> float:
+        """RMS of the noise model, rad."""
+        return self.white.noise.floor_rad
+
+    def prior_sd(self, effects: Sequence[Effect], jacobian: Floats) -> Floats:
+        """Standard deviation of each value before the run was seen, (k,): as large as the whole error."""
+        rms = np.sqrt(np.mean((jacobian - jacobian.mean(axis=0)) ** 2, axis=0))
+        sd = np.where(rms > 0.0, self.problem.prior_rad / np.where(rms > 0.0, rms, 1.0), 0.0)
+        for i, p in enumerate([p for effect in effects for p in effect.parameters]):
+            if p.role != "size":
+                sd[i] = (p.high - p.low) / np.sqrt(12.0) if np.isfinite(p.high - p.low) else ORDER_SD
+        return sd
+
+    def of(self, fit: Fit) -> Evidence:
+        """Evidence of a fit under the present noise."""
+        if fit not in self._known:
+            jacobian = fit.jacobian[self.used][:, : fit.width]
+            theta = np.concatenate(fit.values) if fit.effects else np.zeros(0)
+            y = fit.residual[self.used] + jacobian @ theta
+            parts = self.white.parts(np.column_stack([jacobian, y]))
+            self._known[fit] = self.white.evidence(parts, self.prior_sd(fit.effects, jacobian), y.size)
+        return self._known[fit]
+
+    def unknown_rad(self, fit: Fit) -> float:
+        """RMS of what the unknown curves do that neither the effects of a fit nor nuisances can do."""
+        curve = self.problem.curves @ self.of(fit).curves
+        known = np.column_stack([fit.jacobian[self.used][:, : fit.width], self.problem.nuisance_columns])
+        size = np.linalg.norm(known, axis=0)
+        known = known[:, size > 0.0] / size[size > 0.0]
+        return float(np.std(curve - known @ np.linalg.lstsq(known, curve, rcond=1e-8)[0]))
+
+    def score(self, fit: Fit) -> float:
+        """Logarithm of the evidence, times the prior of its effects: each name as likely as each other."""
+        return self.of(fit).log - sum(np.log(self.names) + (LOG_SHAPE if e.last else 0.0) for e in fit.effects)
+
+    def held_rms(self, fit: Fit) -> float:
+        """RMS on the held-out samples, rad."""
+        return float(np.sqrt(np.mean(fit.residual[self.fitter.test] ** 2)))
+
+    def without(self, fit: Fit, effect: Effect) -> Fit:
+        """Refit with one effect left out."""
+        key = fit, effect
+        if key not in self._without:
+            rest = [e for e in fit.effects if e is not effect]
+            values = [fit.values_of(e) for e in rest]
+            self._without[key] = self.fitter.fit(rest, values, fit.offsets, settled=1e-5)
+        return self._without[key]
+
+    def _promises(self, now: Fit) -> list[tuple[float, Candidate]]:
+        """Candidates by the logarithm of the evidence of a linear step, best first."""
+        own = now.jacobian[self.used][:, : now.width]
+        theta = np.concatenate(now.values) if now.effects else np.zeros(0)
+        y = now.residual[self.used] + own @ theta
+        sd, k = self.prior_sd(now.effects, own), own.shape[1]
+        screened = cast("list[Candidate]", self.screening.screen(now))
+        chosen = [c for c in screened if np.isfinite(c.columns).all()]
+        # The step goes from the guess, which changes the prediction already.
+        blocks = [np.column_stack([c.columns, c.columns @ c.guess - c.change])[self.used] for c in chosen]
+        gram, on_z = self.white.parts(np.column_stack([own, y, *blocks]))
+        found, at = [], k + 1
+        for c in chosen:
+            m = c.columns.shape[1]
+            # Columns of the effects, of the candidate, and the data beside it, in terms of all columns.
+            take = np.zeros((gram.shape[0], k + m + 1))
+            take[np.arange(k), np.arange(k)] = 1.0
+            take[at + np.arange(m), k + np.arange(m)] = 1.0
+            take[[k, at + m], k + m] = 1.0
+            sds = np.append(sd, self.prior_sd([c.effect], c.columns[self.used]))
+            one = self.white.evidence((take.T @ gram @ take, on_z @ take), sds, y.size)
+            found.append((one.log - (LOG_SHAPE if c.effect.last else 0.0), c))
+            at += m + 1
+        return sorted(found, key=lambda pair: -pair[0])
+
+    def additions(self, now: Fit, most: int = REFITS) -> list[Fit]:
+        """Refits of ``now`` with one effect more, most evidence first."""
+        if now in self._moves:
+            return self._moves[now]
+        ranked = self._promises(now)
+        chosen = [c for _, c in ranked[:most]]
+        names = {c.effect.name for c in chosen[:2]}
+        left = self.of(now)
+        if left.unknown_odds > LOG_ODDS:
+            names |= {*CABLES_SLIP}
+        chosen += [c for _, c in ranked if c not in chosen and c.effect.name in names]
+        base = now.width
+
+        def few(c: Candidate, fitter: Fitter) -> Fit:
+            slopes = np.hstack([now.jacobian[:, :base], c.columns, now.jacobian[:, base:]])
+            begin = partial(
+                fitter.fit,
+                (*now.effects, c.effect),
+                (*now.values, c.start),
+                now.offsets,
+                iterations=4,
+                settled=1e-3,
+                fresh=False,
+            )
+            found = begin(slopes=slopes)
+            if now.square - found.square < 0.5 * c.fall:
+                found = min(found, begin(), key=lambda one: one.square)
+            return found
+
+        begun = sorted(self.screening.twins.each([partial(few, c) for c in chosen]), key=lambda one: -self.of(one).log)
+        least = max((self.of(one).log for one in begun), default=0.0)
+        near = [one for k, one in enumerate(begun) if k < FINISHED or self.of(one).log > least - 12.0]
+        ended = self.screening.twins.each(
+            [
+                partial(Fitter.fit, effects=one.effects, values=one.values, offsets=one.offsets, settled=1e-5)
+                for one in near
+            ]
+        )
+        possible = [one for one in ended if not self.impossible(one.effects[-1], one.values[-1])]
+        self._moves[now] = sorted(possible, key=self.score, reverse=True)
+        return self._moves[now]
+
+    @staticmethod
+    def impossible(effect: Effect, values: Floats) -> str:
+        """Why no bench can have an effect of these values; an empty text if it can."""
+        words = effect.doubtful(values) if effect.doubtful else ""
+        at_bound = [
+            p.name
+            for p, v in zip(effect.parameters, values, strict=True)
+            if v in (p.low, p.high) and p.role == "size" and v != 0.0
+        ]
+        return words or (f"{at_bound[0]} reaches its bound" if at_bound else "")
+
+    def grown(self, now: Fit) -> Fit:
+        """``now`` with every effect that the evidence allows."""
+        while len(now.effects) < MOST_EFFECTS:
+            better = next(iter(self.additions(now)), None)
+            if better is None or self.score(better) - self.score(now) < LOG_ODDS:
+                break
+            self._retuned(better)
+            now = self.swapped(self.pruned(better))
+        return now
+
+    def pruned(self, now: Fit) -> Fit:
+        """``now`` without effects that the others explain as well."""
+        for effect in now.effects[:-1]:
+            less = self.without(now, effect)
+            if self.score(now) - self.score(less) < 0.0:
+                return self.pruned(less)
+        return now
+
+    def swapped(self, now: Fit) -> Fit:
+        """``now`` with another effect, or form, in the place of one, while that has more evidence."""
+        for effect in now.effects:
+            best = next(iter(self.additions(self.without(now, effect))), now)
+            if self.score(best) > self.score(now) + 1.0:
+                self._retuned(best)
+                return self.swapped(self.pruned(best))
+        return now
+
+    def found(self) -> tuple[Fit, tuple[CredibleSet, ...]]:
+        """The fit of most evidence and the credible set of each of its effects."""
+        now = self.grown(self.bare)
+        return now, tuple(self._set_of(now, effect) for effect in now.effects)
+
+    def _set_of(self, now: Fit, effect: Effect) -> CredibleSet:
+        less = self.without(now, effect)
+        members: dict[object, tuple[float, Fit]] = {effect.key: (self.score(now), now)}
+        forms = []
+        for one in self.additions(less):
+            last = one.effects[-1]
+            if last.key == effect.key:
+                if self.score(one) > self.score(now) - LOG_ODDS:
+                    forms.append(last.form)
+            elif last.key not in members:
+                members[last.key] = self.score(one), one
+        # The first is that nothing stands there.
+        scores = np.array([self.score(less), *(score for score, _ in members.values())])
+        share = np.exp(scores - scores.max())
+        share = share[1:] / share.sum()
+        order = np.argsort(-share)
+        kept = order[: 1 + int(np.searchsorted(np.cumsum(share[order]), CREDIBLE))]
+        fits = [one for _, one in members.values()]
+        alike = tuple((fits[k], float(share[k])) for k in kept if k > 0)
+        return CredibleSet(effect, float(share[0]), alike, tuple(dict.fromkeys(forms)))
