@@ -9,10 +9,10 @@ hold 95 % (G. Wang and others, J. R. Stat. Soc. B 82 (2020) 1273).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 
@@ -28,8 +28,13 @@ LOG_ODDS, CREDIBLE = float(np.log(99.0)), 0.95
 # Least fall of the error by a named effect, RMS over the floor: smaller ones are listed.
 LEAST_FALL = 0.45
 MOST_EFFECTS = 6
-# Refits of the most likely candidates of a linear step, and of those that are finished.
-REFITS, FINISHED = 6, 3
+# Refits of the most likely candidates of a linear step, of those of the largest fall, and of those that are finished.
+REFITS, BY_FALL, FINISHED = 6, 3, 3
+# Candidates that a linear step leaves so far behind the best are not refitted; those that a refit leaves so far behind
+# are not finished. Logarithms of odds.
+HOPELESS, BEHIND = 100.0, 6.0
+# Relative change of the noise floor from which all is weighed anew.
+SAME_NOISE = 0.05
 # Of effects that set the slip of the cables a linear step promises little.
 CABLES_SLIP = ("preload_error", "cable_friction", "passed_slip")
 # Standard deviation of the prior of an order, cycles a turn, which has no bound.
@@ -69,6 +74,13 @@ class Candidates(Screening):
         return Candidate(effect, _begun(effect, start, step), fit.square - square, columns, change, start)
 
 
+def bounds_of(effects: Sequence[Effect]) -> Floats:
+    """The least and the greatest of each size, (2, k); places and orders have none here, their fit keeps them."""
+    own = [p for effect in effects for p in effect.parameters]
+    limits = [(p.low, p.high) if p.role == "size" else (-np.inf, np.inf) for p in own]
+    return np.array(limits, dtype=float).reshape(-1, 2).T
+
+
 class Search:
     """The search over one set of runs; ``bare`` is the fit without effects."""
 
@@ -78,14 +90,19 @@ class Search:
         self.screening = Candidates(fitter, self.library)
         self.used = fitter.used
         self.names = len({effect.key for effect in self.library})
-        self._without: dict[tuple[Fit, Effect], Fit] = {}
         self._retuned(bare)
 
     def _retuned(self, fit: Fit) -> None:
-        """The noise of a fit, and all that depends on it."""
-        self.white: Whitened = self.problem.whitened(self.problem.noise_of(fit))
+        """The noise of a fit, and all that depends on it, unless it is nearly that at hand."""
+        noise = self.problem.noise_of(fit)
+        if fit is not self.bare and abs(np.log(noise.floor_rad / self.floor_rad)) < SAME_NOISE:
+            return
+        self.white: Whitened = self.problem.whitened(noise)
+        # Fits by what they hold, as they were best beside each other.
+        self._without: dict[frozenset[int], Fit] = {}
         self._known: dict[Fit, Evidence] = {}
         self._moves: dict[Fit, list[Fit]] = {}
+        self._metrics: dict[float, Callable[[Floats], Floats]] = {}
 
     @property
     def floor_rad(self) -> float:
@@ -108,7 +125,8 @@ class Search:
             theta = np.concatenate(fit.values) if fit.effects else np.zeros(0)
             y = fit.residual[self.used] + jacobian @ theta
             parts = self.white.parts(np.column_stack([jacobian, y]))
-            self._known[fit] = self.white.evidence(parts, self.prior_sd(fit.effects, jacobian), y.size)
+            sd, bounds = self.prior_sd(fit.effects, jacobian), bounds_of(fit.effects)
+            self._known[fit] = self.white.evidence(parts, sd, bounds, y.size)
         return self._known[fit]
 
     def unknown_rad(self, fit: Fit) -> float:
@@ -129,12 +147,27 @@ class Search:
 
     def without(self, fit: Fit, effect: Effect) -> Fit:
         """Refit with one effect left out."""
-        key = fit, effect
+        rest = tuple(e for e in fit.effects if e is not effect)
+        key = frozenset(map(id, rest))
         if key not in self._without:
-            rest = [e for e in fit.effects if e is not effect]
             values = [fit.values_of(e) for e in rest]
-            self._without[key] = self.fitter.fit(rest, values, fit.offsets, settled=1e-5)
+            self._without[key] = self.fitted(self.of(fit).scale_rad, rest, values, fit.offsets)
         return self._without[key]
+
+    def fitted(
+        self,
+        scale_rad: float,
+        effects: Sequence[Effect],
+        values: Sequence[Floats],
+        offsets: Floats,
+        fitter: Fitter | None = None,
+        **options: Any,
+    ) -> Fit:
+        """The fit of most posterior density, beside nuisances and unknown curves of a scale."""
+        if scale_rad not in self._metrics:
+            self._metrics[scale_rad] = self.white.metric(scale_rad)
+        options = {"mask": self.used, "metric": self._metrics[scale_rad], "settled": 1e-6} | options
+        return (fitter or self.fitter).fit(effects, values, offsets, **options)
 
     def _promises(self, now: Fit) -> list[tuple[float, Candidate]]:
         """Candidates by the logarithm of the evidence of a linear step, best first."""
@@ -147,7 +180,9 @@ class Search:
         # The step goes from the guess, which changes the prediction already.
         blocks = [np.column_stack([c.columns, c.columns @ c.guess - c.change])[self.used] for c in chosen]
         gram, on_z = self.white.parts(np.column_stack([own, y, *blocks]))
-        found, at = [], k + 1
+        # Nuisances come first.
+        q = self.white.bounds.shape[1]
+        found, at, k = [], q + k + 1, q + k
         for c in chosen:
             m = c.columns.shape[1]
             # Columns of the effects, of the candidate, and the data beside it, in terms of all columns.
@@ -156,8 +191,12 @@ class Search:
             take[at + np.arange(m), k + np.arange(m)] = 1.0
             take[[k, at + m], k + m] = 1.0
             sds = np.append(sd, self.prior_sd([c.effect], c.columns[self.used]))
-            one = self.white.evidence((take.T @ gram @ take, on_z @ take), sds, y.size)
-            found.append((one.log - (LOG_SHAPE if c.effect.last else 0.0), c))
+            bounds = bounds_of((*now.effects, c.effect))
+            one = self.white.evidence((take.T @ gram @ take, on_z @ take), sds, bounds, y.size)
+            begun = np.where(c.start == c.guess, c.start, one.mean[k - q :])
+            begun = np.clip(begun, [p.low for p in c.effect.parameters], [p.high for p in c.effect.parameters])
+            log = one.log - (LOG_SHAPE if c.effect.last else 0.0)
+            found.append((log, replace(c, start=begun)))
             at += m + 1
         return sorted(found, key=lambda pair: -pair[0])
 
@@ -166,39 +205,43 @@ class Search:
         if now in self._moves:
             return self._moves[now]
         ranked = self._promises(now)
-        chosen = [c for _, c in ranked[:most]]
-        names = {c.effect.name for c in chosen[:2]}
+        chosen = [c for log, c in ranked[:most] if log > ranked[0][0] - HOPELESS]
+        # A linear step may promise little evidence where it explains most of the error.
+        chosen += [c for _, c in sorted(ranked, key=lambda pair: -pair[1].fall)[:BY_FALL] if c not in chosen]
+        names = {c.effect.name for c in chosen[:1]}
         left = self.of(now)
         if left.unknown_odds > LOG_ODDS:
             names |= {*CABLES_SLIP}
         chosen += [c for _, c in ranked if c not in chosen and c.effect.name in names]
+        promised = {id(c): log for log, c in ranked}
         base = now.width
 
         def few(c: Candidate, fitter: Fitter) -> Fit:
             slopes = np.hstack([now.jacobian[:, :base], c.columns, now.jacobian[:, base:]])
             begin = partial(
-                fitter.fit,
+                self.fitted,
+                left.scale_rad,
                 (*now.effects, c.effect),
                 (*now.values, c.start),
                 now.offsets,
+                fitter,
                 iterations=4,
-                settled=1e-3,
+                settled=1e-4,
                 fresh=False,
             )
             found = begin(slopes=slopes)
-            if now.square - found.square < 0.5 * c.fall:
-                found = min(found, begin(), key=lambda one: one.square)
+            if self.of(found).log < promised[id(c)] - 3.0:
+                found = max(found, begin(), key=lambda one: self.of(one).log)
             return found
 
         begun = sorted(self.screening.twins.each([partial(few, c) for c in chosen]), key=lambda one: -self.of(one).log)
         least = max((self.of(one).log for one in begun), default=0.0)
-        near = [one for k, one in enumerate(begun) if k < FINISHED or self.of(one).log > least - 12.0]
-        ended = self.screening.twins.each(
-            [
-                partial(Fitter.fit, effects=one.effects, values=one.values, offsets=one.offsets, settled=1e-5)
-                for one in near
-            ]
-        )
+        near = [one for k, one in enumerate(begun) if k < FINISHED or self.of(one).log > least - BEHIND]
+
+        def finished(one: Fit, fitter: Fitter) -> Fit:
+            return self.fitted(self.of(one).scale_rad, one.effects, one.values, one.offsets, fitter)
+
+        ended = self.screening.twins.each([partial(finished, one) for one in near])
         possible = [one for one in ended if not self.impossible(one.effects[-1], one.values[-1])]
         self._moves[now] = sorted(possible, key=self.score, reverse=True)
         return self._moves[now]

@@ -16,6 +16,7 @@ likelihood; the innovations of its steady Kalman filter are white, and the same 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -99,58 +100,106 @@ def noise_model(rest: Floats, step_s: float, starts: tuple[int, ...], least_rad:
 @dataclass(frozen=True, eq=False)
 class Evidence:
     """``log``: marginal likelihood; ``mean`` and ``covariance`` of the effects' values (k,), (k, k), all else
-    integrated out; ``scale_rad`` of the unknown curves, and their log Bayes factor against the least scale;
-    ``curves``: posterior mean of their coefficients."""
+    integrated out; ``nuisances``: posterior means of those (q,), in standard deviations; ``scale_rad`` of the unknown
+    curves, and their log Bayes factor against the least scale; ``curves``: posterior mean of their coefficients."""
 
     log: float
     mean: Floats
     covariance: Floats
+    nuisances: Floats
     scale_rad: float
     unknown_odds: float
     curves: Floats
 
 
 class Whitened:
-    """Nuisances and curves, whitened by one noise model and projected out of all that follows."""
+    """Nuisances and curves, whitened by one noise model; the curves in their principal axes."""
 
-    def __init__(self, noise: NoiseModel, nuisances: Floats, curves: Floats) -> None:
-        self.noise, self.flat = noise, curves
-        n = self.nuisances = noise.whitened(nuisances)
-        z = self.curves = noise.whitened(curves)
-        self.root = np.linalg.cholesky(np.eye(n.shape[1]) + n.T @ n)
-        self.log_nuisances = float(np.log(np.diag(self.root)).sum())
-        nz = np.linalg.solve(self.root, n.T @ z)
-        values, self.axes = np.linalg.eigh(z.T @ z - nz.T @ nz)
-        self.sizes = np.maximum(values, 0.0)
-        self._nz = nz
-        scales = (SCALES * noise.floor_rad)[:, None]
+    def __init__(self, noise: NoiseModel, nuisances: Floats, bounds: Floats, curves: Floats) -> None:
+        """``bounds`` (2, q) of the nuisances, in standard deviations."""
+        self.noise, self.bounds = noise, bounds
+        self.nuisances, z = noise.whitened(nuisances), noise.whitened(curves)
+        values, axes = np.linalg.eigh(z.T @ z)
+        kept = values > 1e-12 * values[-1]
+        self.axes, sizes = axes[:, kept], values[kept]
+        self.curves = z @ self.axes
+        self._gram, self._on_z = self.nuisances.T @ self.nuisances, self.curves.T @ self.nuisances
+        self.scales = SCALES * noise.floor_rad
         # Of each scale the weights of the axes, and half the logarithm of the determinant.
-        self.scales, self.weights = scales[:, 0], scales**2 / (1.0 + scales**2 * self.sizes)
-        self.log_curves = 0.5 * np.log1p(scales**2 * self.sizes).sum(axis=1)
+        squares = self.scales[:, None] ** 2
+        self.weights = squares / (1.0 + squares * sizes)
+        self.log_curves = 0.5 * np.log1p(squares * sizes).sum(axis=1)
 
     def parts(self, columns: Floats) -> tuple[Floats, Floats]:
-        """Products (k, k) of whitened columns beyond the nuisances, and their projections on the axes of the curves."""
+        """Products of the nuisances (first) and ``columns`` (n, k), whitened, and their projections on the curves."""
         w = self.noise.whitened(columns)
-        on_n = np.linalg.solve(self.root, self.nuisances.T @ w)
-        return w.T @ w - on_n.T @ on_n, self.axes.T @ (self.curves.T @ w - self._nz.T @ on_n)
+        across = self.nuisances.T @ w
+        return np.block([[self._gram, across], [across.T, w.T @ w]]), np.hstack([self._on_z, self.curves.T @ w])
 
-    def evidence(self, parts: tuple[Floats, Floats], prior_sd: Floats, rows: int) -> Evidence:
-        """Evidence of effects with prior standard deviations (k,); ``parts``: those of their Jacobian and the data."""
-        k = prior_sd.size
-        scaled = np.append(prior_sd, 1.0)
-        gram, on_z = parts[0] * np.outer(scaled, scaled), parts[1] * scaled
-        inner = gram - np.einsum("zi,sz,zj->sij", on_z, self.weights, on_z, optimize=True)
+    def metric(self, scale_rad: float) -> Callable[[Floats], Floats]:
+        """What makes errors beyond nuisances and curves of a scale independent: the root of the inverse covariance."""
+        both = np.column_stack([self.nuisances, scale_rad * self.curves])
+        values, axes = np.linalg.eigh(both.T @ both)
+        kept = values > 1e-9 * values[-1]
+        basis = both @ (axes[:, kept] / np.sqrt(values[kept]))
+        taken = basis * (1.0 - 1.0 / np.sqrt(1.0 + values[kept]))
+
+        def independent(rows: Floats) -> Floats:
+            white = self.noise.whitened(rows)
+            return np.asarray(white - taken @ (basis.T @ white))
+
+        return independent
+
+    def evidence(self, parts: tuple[Floats, Floats], prior_sd: Floats, bounds: Floats, rows: int) -> Evidence:
+        """Evidence of effects with prior standard deviations (k,); ``parts``: those of their Jacobian and the data.
+
+        Every value and nuisance whose posterior mean lies beyond its bounds (2, k) is held there: it has no column,
+        since the data cannot move it.
+        """
+        own = self.bounds.shape[1]
+        sd, limits = np.append(np.ones(own), prior_sd), np.hstack([self.bounds, bounds])
+        held = np.full(sd.size, np.nan)
+        for _ in range(4 * sd.size):
+            free = np.flatnonzero(np.isnan(held))
+            # The data less what held values do, in terms of all columns.
+            take = np.zeros((sd.size + 1, free.size + 1))
+            take[free, np.arange(free.size)] = sd[free]
+            take[:, -1] = np.append(-np.nan_to_num(held), 1.0)
+            on_z = parts[1] @ take
+            best, logs, mean, inverse = self._solved(take.T @ parts[0] @ take, on_z)
+            value = mean * sd[free]
+            past = np.maximum(limits[0, free] - value, value - limits[1, free]) / sd[free]
+            if past.max(initial=0.0) > 0.0:
+                worst = int(np.argmax(past))
+                held[free[worst]] = np.clip(value[worst], *limits[:, free[worst]])
+                continue
+            # One that was held too early goes back: the data push it inwards.
+            left = take @ np.append(-mean, 1.0)
+            push = parts[0][:-1] @ left - parts[1][:, :-1].T @ (self.weights[best] * (parts[1] @ left))
+            push = np.where(np.isnan(held), 0.0, (push - held / sd**2) * np.where(held == limits[0], sd, -sd))
+            if push.max(initial=0.0) <= 1e-9:
+                break
+            held[int(np.argmax(push))] = np.nan
+        whole, covariance = np.nan_to_num(held), np.zeros((sd.size, sd.size))
+        whole[free] = value
+        covariance[np.ix_(free, free)] = (inverse.T @ inverse) * np.outer(sd[free], sd[free])
+        fixed = np.flatnonzero(~np.isnan(held[:own]))
+        log = float(logs[best]) - 0.5 * float(held[fixed] @ held[fixed]) - rows * self.noise.log_scale
+        curves = self.axes @ (self.weights[best] * (on_z[:, -1] - on_z[:, :-1] @ mean))
+        odds = float(logs[best] - logs[0])
+        return Evidence(
+            log, whole[own:], covariance[own:, own:], whole[:own], float(self.scales[best]), odds, curves
+        )
+
+    def _solved(self, gram: Floats, on_z: Floats) -> tuple[int, Floats, Floats, Floats]:
+        """The likeliest scale, the logarithm of the evidence of each, mean of the columns and root of their
+        covariance there, all columns with a prior of one standard deviation."""
+        k = gram.shape[0] - 1
+        inner = gram - np.matmul((on_z.T[None] * self.weights[:, None, :]), on_z)
         root = np.linalg.cholesky(np.eye(k) + inner[:, :k, :k])
         h = np.linalg.solve(root, inner[:, :k, k:])[..., 0]
-        log = (
-            -0.5 * (inner[:, k, k] - np.sum(h**2, axis=1))
-            - np.log(np.einsum("sii->si", root)).sum(axis=1)
-            - self.log_curves
-        )
-        best = int(np.argmax(log))
+        logs = -0.5 * (inner[:, k, k] - np.sum(h**2, axis=1)) - self.log_curves
+        logs -= np.log(np.einsum("sii->si", root)).sum(axis=1)
+        best = int(np.argmax(logs))
         inverse = np.linalg.inv(root[best])
-        mean = inverse.T @ h[best]
-        curves = self.axes @ (self.weights[best] * (on_z[:, k] - on_z[:, :k] @ mean))
-        covariance = (inverse.T @ inverse) * np.outer(prior_sd, prior_sd)
-        total = float(log[best]) - self.log_nuisances - rows * self.noise.log_scale
-        return Evidence(total, mean * prior_sd, covariance, float(self.scales[best]), float(log[best] - log[0]), curves)
+        return best, logs, inverse.T @ h[best], inverse

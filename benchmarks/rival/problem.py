@@ -26,10 +26,12 @@ OTHER_WINDOWS = (0.5, 2.0)
 
 @dataclass(frozen=True, eq=False)
 class Nuisance:
-    """What a bench may be wrong by: the change of the prediction (n,), rad, for one standard deviation."""
+    """What a bench may be wrong by: the change of the prediction (n,), rad, for one standard deviation, of which it is
+    ``most`` at most."""
 
     name: str
     column: Floats
+    most: float = 2.0
 
 
 class LogProblem:
@@ -73,11 +75,11 @@ class LogProblem:
         for column, limit in zip(bare.jacobian.T, f.limit[f.free], strict=True):
             size = float(np.std(column[self.used]))
             sigma = min(limit / np.sqrt(3.0), 10.0 * self.prior_rad / max(size, 1e-30))
-            found.append(Nuisance("offset of the inputs, or an own value", sigma * column))
+            found.append(Nuisance("offset of the inputs, or an own value", sigma * column, limit / sigma))
         for part in f.parts:
             ones = np.zeros(f.output.size)
             ones[part] = 1e3 * self.prior_rad
-            found.append(Nuisance("zero of the output", ones))
+            found.append(Nuisance("zero of the output", ones, np.inf))
         return tuple(found)
 
     @cached_property
@@ -126,7 +128,8 @@ class LogProblem:
 
     def whitened(self, noise: NoiseModel) -> Whitened:
         """Nuisances and curves under a noise."""
-        return Whitened(noise, self.nuisance_columns, self.curves)
+        most = np.array([one.most for one in self.nuisances])
+        return Whitened(noise, self.nuisance_columns, np.stack([-most, most]), self.curves)
 
 
 def _hats(values: Floats, knots: int) -> list[Floats]:
