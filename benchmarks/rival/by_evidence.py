@@ -148,6 +148,8 @@ class Search:
     def without(self, fit: Fit, effect: Effect) -> Fit:
         """Refit with one effect left out."""
         rest = tuple(e for e in fit.effects if e is not effect)
+        if not rest:
+            return self.bare
         key = frozenset(map(id, rest))
         if key not in self._without:
             values = [fit.values_of(e) for e in rest]
@@ -264,6 +266,7 @@ class Search:
             if better is None or self.score(better) - self.score(now) < LOG_ODDS:
                 break
             self._retuned(better)
+            self._without.setdefault(frozenset(map(id, now.effects)), now)
             now = self.swapped(self.pruned(better))
         return now
 

@@ -29,6 +29,12 @@ from mbcdm_cad.routes import Floats
 # Candidates of the noise: shares of the mean square with a memory, and memories from steps of the run to its duration.
 SHARES = (0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.7, 0.85, 0.95, 0.99)
 MEMORIES = 9
+# The posterior is coarsened (J. W. Miller and D. B. Dunson, J. Am. Stat. Assoc. 114 (2019) 1113): a model of a real drive
+# is never right, and two predictions that differ by 0.12 of the floor are told apart at odds of 99 to 1 at most, which
+# so many independent samples do, however many there are: 2 ln(99) / 0.12^2.
+INDEPENDENT = 640
+# Samples for which the sums are made.
+MOST_ROWS = 4000
 # Scales of the unknown curves, over the floor: from what is in every run, to far beyond.
 SCALES = np.geomspace(0.06, 60.0, 16)
 
@@ -118,7 +124,9 @@ class Whitened:
     def __init__(self, noise: NoiseModel, nuisances: Floats, bounds: Floats, curves: Floats) -> None:
         """``bounds`` (2, q) of the nuisances, in standard deviations."""
         self.noise, self.bounds = noise, bounds
-        self.nuisances, z = noise.whitened(nuisances), noise.whitened(curves)
+        self.every = max(1, nuisances.shape[0] // MOST_ROWS)
+        self.weight = min(1.0, INDEPENDENT / nuisances.shape[0])
+        self.nuisances, z = self.whitened(nuisances), self.whitened(curves)
         values, axes = np.linalg.eigh(z.T @ z)
         kept = values > 1e-12 * values[-1]
         self.axes, sizes = axes[:, kept], values[kept]
@@ -130,9 +138,13 @@ class Whitened:
         self.weights = squares / (1.0 + squares * sizes)
         self.log_curves = 0.5 * np.log1p(squares * sizes).sum(axis=1)
 
+    def whitened(self, columns: Floats) -> Floats:
+        """Some of the innovations, which are independent, for all of them, with the weight of the coarsened posterior."""
+        return np.asarray(np.sqrt(self.weight * self.every) * self.noise.whitened(columns)[:: self.every])
+
     def parts(self, columns: Floats) -> tuple[Floats, Floats]:
         """Products of the nuisances (first) and ``columns`` (n, k), whitened, and their projections on the curves."""
-        w = self.noise.whitened(columns)
+        w = self.whitened(columns)
         across = self.nuisances.T @ w
         return np.block([[self._gram, across], [across.T, w.T @ w]]), np.hstack([self._on_z, self.curves.T @ w])
 
@@ -145,7 +157,7 @@ class Whitened:
         taken = basis * (1.0 - 1.0 / np.sqrt(1.0 + values[kept]))
 
         def independent(rows: Floats) -> Floats:
-            white = self.noise.whitened(rows)
+            white = self.whitened(rows)
             return np.asarray(white - taken @ (basis.T @ white))
 
         return independent
@@ -158,7 +170,7 @@ class Whitened:
         """
         own = self.bounds.shape[1]
         sd, limits = np.append(np.ones(own), prior_sd), np.hstack([self.bounds, bounds])
-        held = np.full(sd.size, np.nan)
+        held = np.where(sd > 0.0, np.nan, 0.0)
         for _ in range(4 * sd.size):
             free = np.flatnonzero(np.isnan(held))
             # The data less what held values do, in terms of all columns.
@@ -176,7 +188,8 @@ class Whitened:
             # One that was held too early goes back: the data push it inwards.
             left = take @ np.append(-mean, 1.0)
             push = parts[0][:-1] @ left - parts[1][:, :-1].T @ (self.weights[best] * (parts[1] @ left))
-            push = np.where(np.isnan(held), 0.0, (push - held / sd**2) * np.where(held == limits[0], sd, -sd))
+            inwards = np.where(held == limits[0], sd, -sd) * (sd > 0.0)
+            push = np.where(np.isnan(held), 0.0, (push - held / np.where(sd > 0.0, sd, 1.0) ** 2) * inwards)
             if push.max(initial=0.0) <= 1e-9:
                 break
             held[int(np.argmax(push))] = np.nan
@@ -184,7 +197,7 @@ class Whitened:
         whole[free] = value
         covariance[np.ix_(free, free)] = (inverse.T @ inverse) * np.outer(sd[free], sd[free])
         fixed = np.flatnonzero(~np.isnan(held[:own]))
-        log = float(logs[best]) - 0.5 * float(held[fixed] @ held[fixed]) - rows * self.noise.log_scale
+        log = float(logs[best]) - 0.5 * float(held[fixed] @ held[fixed]) - self.weight * rows * self.noise.log_scale
         curves = self.axes @ (self.weights[best] * (on_z[:, -1] - on_z[:, :-1] @ mean))
         odds = float(logs[best] - logs[0])
         return Evidence(
