@@ -612,6 +612,6 @@ def misses(found: Layout, without: Collection[str] = (), only: Collection[str] |
 def _missed(check: Check, found: Layout) -> float:
     try:
         measured = check.measure(found)
-    except (NoFigureError, ValueError, ZeroDivisionError):
+    except _NO_DRIVE:
         return inf
     return 0.0 if measured.holds else -measured.margin / (abs(measured.limit) or 1.0)

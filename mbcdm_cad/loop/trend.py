@@ -352,7 +352,7 @@ class _Design:
         found = {}
         with np.errstate(all="ignore"):
             for check in checks_of(drive):
-                if check.severity == "warn":
+                if check.severity_on(drive) == "warn":
                     continue
                 try:
                     found[f"{check.id} ({check.title})"] = bool(check.measure(layout_of(drive)).holds)

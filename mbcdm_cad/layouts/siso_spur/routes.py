@@ -92,7 +92,7 @@ class SpurGeometry:
 
     def passed_wrap_rad(self, parameters: Mapping[str, Floats]) -> tuple[Floats, ...]:
         """Wrap on each idler, which one cable alone passes."""
-        wraps = self.strand(parameters).wraps
+        wraps = self.strand(parameters).wraps if self.idlers else np.empty(0)
         found = []
         for n in range(len(self.idlers), 0, -1):
             for j in range(len(self.cable_names)):
