@@ -23,7 +23,7 @@ import yaml
 
 from benchmarks.study import add_workers, run_many
 from mbcdm_cad.checks.comparison import failed
-from mbcdm_cad.design.fieldpath import put, take_out
+from mbcdm_cad.design.yamltree import put, take_out
 from mbcdm_cad.layouts.check_design import advised_checks
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.solving.question import question_of

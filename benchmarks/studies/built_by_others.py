@@ -22,7 +22,7 @@ from mbcdm_cad.checks.comparison import CheckResult, failed
 from mbcdm_cad.checks.run import Budget, run_check
 from mbcdm_cad.checks.size import estimated_mass_g
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.design.loader import LoadedDesign
 from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.layouts.structure import structure_of

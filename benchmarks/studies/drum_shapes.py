@@ -19,8 +19,8 @@ from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.layouts.structure import elastic
 from mbcdm_cad.model.structure.drum_sector import sector_study
 from mbcdm_cad.model.structure.sector_mesh import Opening, RimStep, SectorShape
+from mbcdm_cad.parts.drum_sector.dims import hub, land_pulls, sector_shape
 from mbcdm_cad.parts.drum_sector.part import DrumSector
-from mbcdm_cad.parts.drum_sector.structure import hub, land_pulls, sector_shape
 
 # Spokes between hub and slot, in degrees, and slices of which a triangle is made.
 SPOKE_DEG, SLICES = 8.0, 6

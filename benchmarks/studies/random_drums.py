@@ -19,14 +19,14 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from benchmarks.study import Row, Study, parser
-from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.design.loader import LoadedDesign
 from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.layouts.structure import elastic
 from mbcdm_cad.model.structure.drum_sector import sector_study
 from mbcdm_cad.model.structure.quadrilateral import AT_GAUSS, GAUSS, jacobian
 from mbcdm_cad.model.structure.sector_mesh import SectorMesh
-from mbcdm_cad.parts.drum_sector.structure import hub, land_pulls, sector_shape
+from mbcdm_cad.parts.drum_sector.dims import hub, land_pulls, sector_shape
 from mbcdm_cad.routes import Floats
 from tests.support.random_generator import LAYOUTS, Passing, Space, load, passing
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     import cadquery
 
     from mbcdm_cad.design.drive import Drive
-    from mbcdm_cad.design.loaded import LoadedDesign
+    from mbcdm_cad.design.loader import LoadedDesign
     from mbcdm_cad.jobs.outputs import SensitivityStudy, Written
     from mbcdm_cad.jobs.page import PageReport
     from mbcdm_cad.planning.best_run import BestRun

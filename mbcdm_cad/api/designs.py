@@ -154,7 +154,7 @@ def _question(design: DriveDesign | str | Path) -> Question:
 
 def _text_of(design: DriveDesign | str | Path) -> tuple[str, Path]:
     """A design's file: its text and path."""
-    from mbcdm_cad.design.source import read_text
+    from mbcdm_cad.design.yamltree import read_text
 
     if isinstance(design, DriveDesign):
         return design.loaded.text, design.loaded.path
@@ -229,7 +229,7 @@ def schema(configuration: str | None = None, *, measurement: bool = False) -> di
 
 def schema_page(configuration: str | None = None, *, measurement: bool = False) -> str:
     """The same fields as a page in Markdown: unit, bounds, source and meaning of each."""
-    from mbcdm_cad.design.reference import reference_page
+    from mbcdm_cad.design.template import reference_page
     from mbcdm_cad.layouts.loader import DEFAULT, design_file
 
     if measurement:

@@ -19,8 +19,8 @@ from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.model.equilibrium import BearingLoads, bearing_loads, solve_equilibrium
 from mbcdm_cad.model.si import ModelError
-from mbcdm_cad.parts.collar import CollarDims
-from mbcdm_cad.parts.threads import PLASTIC_SHARE, clamp_force_N
+from mbcdm_cad.parts.coupling import CollarDims
+from mbcdm_cad.parts.fits import PLASTIC_SHARE, clamp_force_N
 from mbcdm_cad.routes import Floats
 
 # Steel on steel, dry (usual value).

@@ -6,7 +6,7 @@ from mbcdm_cad.checks.bearings import carried
 from mbcdm_cad.checks.comparison import Check, Comparison, Findings, at_least, at_most, check, noted
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.layouts.sector import SectorLayout
-from mbcdm_cad.parts.collar import collar_width_mm
+from mbcdm_cad.parts.coupling import collar_width_mm
 from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM, STOP_PLAY_MM, InputPulleyDims, StopSlot
 
 # Height of the shoulder for an inner ring: the bearing's fillet of 0.15 mm and a contact face.

@@ -11,7 +11,7 @@ from mbcdm_cad.checks.geometry import HOLE_WEB_MM, corner_gap, web_between
 from mbcdm_cad.design.bought import Encoder, Screw
 from mbcdm_cad.layouts.sector import HeadLayout
 from mbcdm_cad.parts.boss import EAR_WALL_MM, BossDims
-from mbcdm_cad.parts.collar import collar_sweep_mm
+from mbcdm_cad.parts.coupling import collar_sweep_mm
 
 # Numbers of holes in the parts: for the encoders' screws, one on each side, and for those of motor or gearhead.
 SCREWS_DRAWN = 2

@@ -11,9 +11,8 @@ from mbcdm_cad.layouts.base import PRINTED_WINDUP
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.layouts.structure import drum_structure_of, structure_of
 from mbcdm_cad.model.structure.causes import Structure
-from mbcdm_cad.parts.drum_sector.dims import DEPTH_DIAMETERS, LEAST_DEPTH_MM, SLIP_SAFETY, PayloadJoint, joint_load
-from mbcdm_cad.parts.drum_sector.structure import hub
-from mbcdm_cad.parts.threads import SHEAR_SHARE, ScrewHold, clamp_force_N, screw_hold
+from mbcdm_cad.parts.drum_sector.dims import DEPTH_DIAMETERS, LEAST_DEPTH_MM, SLIP_SAFETY, PayloadJoint, hub, joint_load
+from mbcdm_cad.parts.fits import SHEAR_SHARE, ScrewHold, clamp_force_N, screw_hold
 
 # Turn of the structure over that of the cables from which on a design that asks for no stiffness is warned of, of metal
 # and where drum or frame is printed: sized by the rules, drives have at most 2.4 and 4.7 (docs/structure.md).

@@ -17,8 +17,7 @@ from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.parts.drum_sector.dims import LUG_ROOT_MM, POCKET_LEAD_MM, DrumDims
 from mbcdm_cad.parts.drum_sector.sizes import SWAGE_FLOOR_MM, nut_corner_radius_mm
-from mbcdm_cad.parts.terminal.part import CHAMFER_MM, Tensioner
-from mbcdm_cad.parts.terminal.take_up import take_up_of
+from mbcdm_cad.parts.terminal import CHAMFER_MM, Tensioner, take_up_of
 
 # Gap between two terminals, and between terminal and cable (estimate: no tool between them, nothing moves).
 TERMINAL_GAP_MM = 0.1

@@ -3,7 +3,7 @@
 Those that the drive has as they are read are a ``PlainBlock``; from the others ``Drive`` is computed.
 
 Fields keep the units in their names (mm, degrees, N, N m, g). A configuration adds blocks of its own to :class:`Design`
-and gives the reference values with their sources (:mod:`mbcdm_cad.design.design_file`). Conditions that concern several
+and gives the reference values with their sources (:mod:`mbcdm_cad.design.loader`). Conditions that concern several
 fields are in :mod:`mbcdm_cad.design.rules` and in the configuration's rules.
 """
 
@@ -15,8 +15,7 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import ConfigDict, Field
 
 from mbcdm_cad.design.bought import CableSpec
-from mbcdm_cad.design.catalogue import package_entries
-from mbcdm_cad.design.entries import OwnEntries
+from mbcdm_cad.design.catalogue import OwnEntries, package_entries
 from mbcdm_cad.design.fields import Block, CheckId, EntryName, Integer, Number, PlainBlock, Slug, Text, choice, quantity
 from mbcdm_cad.design.stage import StageBlock
 

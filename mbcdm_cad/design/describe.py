@@ -12,8 +12,8 @@ from typing import Any
 from pydantic import BaseModel
 from pydantic.json_schema import GenerateJsonSchema
 
-from mbcdm_cad.design.fieldpath import FieldPath
 from mbcdm_cad.design.fields import PATTERN_WORDS
+from mbcdm_cad.design.yamltree import FieldPath
 
 Node = dict[str, Any]
 

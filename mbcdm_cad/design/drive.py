@@ -71,7 +71,7 @@ class Drive:
     """All values of a design that every configuration has; a configuration adds its own fields in a subclass.
 
     ``as_built`` has the effects found on the built drive that change no value; a modulus, preload or friction that was
-    found is already in the values (:mod:`mbcdm_cad.design.as_built`).
+    found is already in the values (:mod:`mbcdm_cad.design.resolve`).
 
     ``screws``, ``materials``, ``inserts`` and ``terminations`` hold the whole catalogue with the design's own entries:
     parts choose screws by name, bought parts name their material, and a remedy names the terminations that fit.

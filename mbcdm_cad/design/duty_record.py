@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from mbcdm_cad.design.blocks import DutyBlock, Loads
-from mbcdm_cad.design.source import read_text
+from mbcdm_cad.design.yamltree import read_text
 from mbcdm_cad.errors import InputError, Problem, shortened
 
 # Units of each column, as factors to s, deg and N m.

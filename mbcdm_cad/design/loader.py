@@ -1,38 +1,176 @@
 """Reading a design file: YAML, schema, rules, ``Drive``; every fault becomes an ``InputError``.
 
-The caller says which configuration the file has, and so its :class:`~mbcdm_cad.design.design_file.DesignFile`: this
-room does not know the configurations (:mod:`mbcdm_cad.layouts.loader`).
-"""
+The caller says which configuration the file has, and so its :class:`DesignFile`, what the configuration supplies about
+its design files: this room does not know the configurations (:mod:`mbcdm_cad.layouts.loader`). A design that was read
+is a :class:`LoadedDesign`."""
 
 from __future__ import annotations
 
 import copy
-from collections.abc import Iterator
-from dataclasses import replace
-from functools import partial
+import hashlib
+import json
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import asdict, dataclass, field, replace
+from functools import cached_property, partial
+from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from pydantic import ValidationError
 
-from mbcdm_cad.design.as_built import with_as_built
 from mbcdm_cad.design.blocks import Design
-from mbcdm_cad.design.derived_bounds import blame_requirements
-from mbcdm_cad.design.design_file import DesignFile
+from mbcdm_cad.design.describe import Given, Node, SchemaNodes
 from mbcdm_cad.design.drive import Drive, met
 from mbcdm_cad.design.duty_record import by_rows, with_record
-from mbcdm_cad.design.fieldpath import FieldPath, dotted
 from mbcdm_cad.design.fields import is_block
-from mbcdm_cad.design.loaded import LoadedDesign
-from mbcdm_cad.design.lookup import Catalogue
 from mbcdm_cad.design.problems import schema_problems
-from mbcdm_cad.design.ranges import refuse_ranges
-from mbcdm_cad.design.rules import Broken, every_broken_rule
-from mbcdm_cad.design.sigmas import split_sigmas
-from mbcdm_cad.design.sized import Moved, SizedValue, Sizing, SizingError
+from mbcdm_cad.design.ranges import refuse_ranges, split_sigmas
+from mbcdm_cad.design.resolve import Catalogue, with_as_built
+from mbcdm_cad.design.rules import Broken, NamedEntry, every_broken_rule
+from mbcdm_cad.design.sized import Freedom, Moved, SizedValue, Sizing, SizingError, blame_requirements
 from mbcdm_cad.design.template import slug
-from mbcdm_cad.design.yamltree import Tree
+from mbcdm_cad.design.yamltree import FieldPath, Tree, dotted, nearest_line
 from mbcdm_cad.errors import InputError, Problem
+
+__all__ = ["DesignFile", "Given"]
+
+
+@dataclass(frozen=True)
+class Reference:
+    """The reference design of a layout: its inputs and cables as in a file, values of shared blocks by their place."""
+
+    inputs: list[dict[str, Any]]
+    cables: list[dict[str, Any]]
+    values: dict[str, Given]
+
+
+def reference_of(folder: Path) -> Reference:
+    """The ``reference.json`` of a layout's ``design_file`` folder.
+
+    "Table", "section" and "Fig." in its sources are those of the paper that describes the mechanism. A layout may name
+    another one in ``like``, whose values then hold where the file gives none.
+    """
+    data = json.loads((folder / "reference.json").read_text("utf-8"))
+    values = {place: Given(**given) for place, given in data["values"].items()}
+    if "like" in data:
+        values = reference_of(folder.parents[1] / data["like"] / folder.name).values | values
+    return Reference(data["inputs"], data["cables"], values)
+
+
+class LazySizing:
+    """The sizing rules of a layout, a module that is imported when first used: only files with gaps need it."""
+
+    def __init__(self, module: str, *, has_first: bool = False) -> None:
+        """``module``: its name; it has a function ``size`` and the constants ``DERIVED`` and ``FREEDOMS``.
+
+        ``has_first``: whether it has ``size_first`` too, because its rules stiffen a design whose frame bends too much.
+        """
+        self.module, self.has_first = module, has_first
+
+    def size(self, data: dict[str, Any], moved: Moved, similar: Sizing | None) -> Sizing:
+        """Fill the open fields of the data, which it may change.
+
+        ``moved`` has the functions with which a search changes the values of rules; ``similar``, the sizing of a
+        similar design, makes the search for values shorter.
+        """
+        sized: Sizing = import_module(self.module).size(data, moved, similar)
+        return sized
+
+    def size_first(self, data: dict[str, Any], moved: Moved) -> Sizing:
+        """As :meth:`size` without finite elements: the design that rules stiffen, or leave, where ``has_first``."""
+        sized: Sizing = import_module(self.module).size_first(data, moved)
+        return sized
+
+    def derived(self) -> tuple[str, ...]:
+        """See :meth:`DesignFile.derived`."""
+        fields: tuple[str, ...] = import_module(self.module).DERIVED
+        return fields
+
+    def freedoms(self) -> tuple[Freedom, ...]:
+        """See :meth:`DesignFile.freedoms`."""
+        found: tuple[Freedom, ...] = import_module(self.module).FREEDOMS
+        return found
+
+
+@dataclass(frozen=True)
+class DesignFile:
+    """The design files of one configuration.
+
+    ``schema`` extends :class:`~mbcdm_cad.design.blocks.Design` by the configuration's own blocks; ``reference`` holds
+    the reference values of the shared blocks' fields by their place. The three functions are called with a design of
+    that schema: ``rules`` yields the configuration's rules that the design breaks, ``named`` the catalogue entries that
+    its own blocks name, and ``drive`` makes the configuration's :class:`~mbcdm_cad.design.drive.Drive`, the sigmas
+    given by field.
+    """
+
+    schema: type[Design]
+    reference: Mapping[str, Given]
+    rules: Callable[[Any], Iterator[Broken]]
+    named: Callable[[Any], Iterator[NamedEntry]]
+    drive: Callable[[Any, Catalogue, Mapping[FieldPath, float]], Drive]
+    # The configuration's sizing rules, if it has any.
+    sizing: LazySizing | None = None
+    # Text of a short file of requirements, with a place for the design's ``name``; empty without sizing rules.
+    starting: str = ""
+
+    def derived(self) -> tuple[str, ...]:
+        """Fields that are neither requirement nor choice: given in a file, they are pins."""
+        return () if self.sizing is None else self.sizing.derived()
+
+    def freedoms(self) -> tuple[Freedom, ...]:
+        """Fields that a search for a passing design may change, besides derived numbers."""
+        return () if self.sizing is None else self.sizing.freedoms()
+
+    @cached_property
+    def nodes(self) -> SchemaNodes:
+        """The schema's node of each field; writing the schema takes a tenth of a second."""
+        return SchemaNodes(self.schema, self.reference)
+
+    def node_at(self, path: FieldPath) -> Node | None:
+        """The schema's node of one field, None if unknown; the schema is written only when this is called."""
+        return self.nodes.at(path)
+
+
+@dataclass(frozen=True)
+class LoadedDesign:
+    """A design file that passed schema and rules.
+
+    ``design`` is the file as its schema's model, ``data`` the plain values of the fields that the file gives or sizing
+    filled, ``sized`` those that sizing filled.
+    """
+
+    drive: Drive
+    path: Path
+    design: Design = field(repr=False)
+    text: str = field(repr=False)
+    lines: Mapping[FieldPath, int] = field(repr=False)
+    data: Mapping[str, Any] = field(repr=False)
+    sized: tuple[SizedValue, ...] = field(default=(), repr=False)
+
+    @cached_property
+    def sha256(self) -> str:
+        """Hash of the content: all values and the catalogue entries that they use, without layout and comments."""
+        content = {"design": self.design.model_dump(mode="json"), "drive": asdict(self.drive)}
+        return hashlib.sha256(json.dumps(content, sort_keys=True, separators=(",", ":")).encode()).hexdigest()
+
+    @cached_property
+    def given(self) -> dict[str, Any]:
+        """The validated values of the fields in ``data``, without the defaults of the others, as JSON has them."""
+        found: dict[str, Any] = _of_keys(self.design.model_dump(mode="json"), self.data)
+        return found
+
+    def line_of(self, *field_path: str | int) -> int:
+        """Line of a field, as in ``line_of("cables", 0, "step")``; of the block above it where it is not given."""
+        return nearest_line(self.lines, field_path)
+
+
+def _of_keys(value: Any, like: Any) -> Any:
+    """``value`` with those keys of its blocks that ``like`` has too, in the order of ``like``."""
+    if isinstance(value, dict) and isinstance(like, Mapping):
+        return {key: _of_keys(value[key], item) for key, item in like.items() if key in value}
+    if isinstance(value, list) and isinstance(like, list):
+        return [_of_keys(item, other) for item, other in zip(value, like, strict=True)]
+    return value
 
 
 def loaded(tree: Tree, text: str, path: Path, file: DesignFile) -> LoadedDesign:
@@ -135,8 +273,8 @@ def _sized(
 def _with_blocks(tree: Tree, path: str, file: DesignFile) -> dict[str, Any]:
     """A copy of the data with the blocks that rules will fill."""
     data: dict[str, Any] = copy.deepcopy(tree.data)
-    for name, field in file.schema.model_fields.items():
-        if field.is_required() and is_block(field.annotation) and data.get(name) is None:
+    for name, block in file.schema.model_fields.items():
+        if block.is_required() and is_block(block.annotation) and data.get(name) is None:
             data[name] = {}
     data.setdefault("name", slug(Path(path).stem))
     return data
@@ -156,8 +294,8 @@ def _has_gaps(tree: Tree, path: str, file: DesignFile) -> bool:
 
 
 def _may_be_left_out(name: str, file: DesignFile) -> bool:
-    field = file.schema.model_fields.get(name)
-    return field is not None and is_block(field.annotation)
+    block = file.schema.model_fields.get(name)
+    return block is not None and is_block(block.annotation)
 
 
 def _is_wrong(item: Any) -> bool:

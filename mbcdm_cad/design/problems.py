@@ -8,9 +8,8 @@ from typing import Any
 from pydantic import ValidationError
 
 from mbcdm_cad.design.describe import Node, flow, limit_text
-from mbcdm_cad.design.fieldpath import FieldPath, dotted
 from mbcdm_cad.design.fields import PATTERN_WORDS
-from mbcdm_cad.design.yamltree import Tree
+from mbcdm_cad.design.yamltree import FieldPath, Tree, dotted
 from mbcdm_cad.errors import Problem, did_you_mean, shortened
 
 MAX_LISTED = 50

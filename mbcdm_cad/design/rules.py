@@ -8,12 +8,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
-from mbcdm_cad.design.as_built import CHANGE_VALUES
 from mbcdm_cad.design.blocks import Design
 from mbcdm_cad.design.bought import NO_ENCODER, NO_GEARHEAD, Entry, Motor, missing_face_fields
-from mbcdm_cad.design.entries import KINDS, entry_faults
-from mbcdm_cad.design.fieldpath import FieldPath
-from mbcdm_cad.design.lookup import Catalogue
+from mbcdm_cad.design.catalogue import KINDS, entry_faults
+from mbcdm_cad.design.resolve import CHANGE_VALUES, Catalogue
+from mbcdm_cad.design.yamltree import FieldPath
 from mbcdm_cad.errors import did_you_mean, shortened
 
 # Two statements of half the travel that differ by less are the same.

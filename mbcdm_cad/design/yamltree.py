@@ -1,22 +1,131 @@
-"""Read YAML text into plain data, with the line of every field, safely for any input.
+"""Read YAML text into plain data, with the line of every field, safely for any input; places of fields in it.
 
-PyYAML only scans and parses; the tree is built here from its events, without recursion, so that depth, size and
-aliases are bounded as they come in. Scalars follow the YAML 1.2 core schema, less what people misread (octal,
-sexagesimal, ``yes``): those are refused, or stay text.
-"""
+Folders, devices and files that are too large are refused. PyYAML only scans and parses; the tree is built here from its
+events, without recursion, so that depth, size and aliases are bounded as they come in. Scalars follow the YAML 1.2 core
+schema, less what people misread (octal, sexagesimal, ``yes``): those are refused, or stay text."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import yaml
 
-from mbcdm_cad.design.fieldpath import FieldPath, dotted, nearest_line
-from mbcdm_cad.design.source import NEW_DESIGN
 from mbcdm_cad.errors import InputError, Problem, shortened
+
+FieldPath = tuple[str | int, ...]
+
+
+def dotted(path: FieldPath) -> str:
+    """``('cables', 0, 'step')`` as ``cables[0].step``, the form used in messages."""
+    text = ""
+    for part in path:
+        if isinstance(part, int):
+            text += f"[{part}]"
+        else:
+            name = part if len(part) <= 40 else part[:37] + "..."
+            text += ("." if text else "") + (name if name.isprintable() else repr(name))
+    return text
+
+
+def nearest_line(lines: Mapping[FieldPath, int], path: FieldPath) -> int:
+    """Line of the field, or of the nearest block above it in the file."""
+    while path and path not in lines:
+        path = path[:-1]
+    return lines.get(path, 1)
+
+
+def value_at(data: Any, field: str) -> Any:
+    """Value of a field, None if it is left out."""
+    for part in field.split("."):
+        if not isinstance(data, dict):
+            return None
+        data = data.get(part)
+    return data
+
+
+def put(data: dict[str, Any], field: str, value: Any) -> None:
+    """Set a field; blocks above it that are missing are created."""
+    *blocks, last = field.split(".")
+    for block in blocks:
+        if not isinstance(data.get(block), dict):
+            data[block] = {}
+        data = data[block]
+    data[last] = value
+
+
+def take_out(data: dict[str, Any], field: str) -> None:
+    """Remove a field and each block above it that becomes empty; nothing happens if the field is left out."""
+    *blocks, last = field.split(".")
+    above: list[tuple[dict[str, Any], str]] = []
+    for block in blocks:
+        if not isinstance(data.get(block), dict):
+            return
+        above.append((data, block))
+        data = data[block]
+    data.pop(last, None)
+    for outer, block in reversed(above):
+        if not outer[block]:
+            del outer[block]
+
+
+def leaves(data: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
+    """Every field that is not a block, with its value; an empty block gives nothing."""
+    for key, value in data.items():
+        name = f"{above}{key}"
+        if isinstance(value, dict):
+            yield from leaves(value, f"{name}.")
+        else:
+            yield name, value
+
+
+MAX_BYTES = 1 << 20
+
+
+NEW_DESIGN = "; 'mbcdm init NEW.yaml' writes a file to start from"
+
+
+def read_text(path: Path, kind: str = "design file", hint: str = NEW_DESIGN) -> str:
+    """Text of the file; at most MAX_BYTES + 1 bytes are ever read, so that a device or pipe cannot hang or fill us.
+
+    ``kind`` and ``hint`` say in errors what the file should be, and what helps where there is none.
+    """
+    try:
+        if path.exists() and not path.is_file():
+            raise _file_error(path, "not a regular file", remedy=f"give the path of the {kind}")
+        with open(path, "rb") as file:
+            content = file.read(MAX_BYTES + 1)
+    except OSError as error:
+        raise _file_error(path, f"cannot be read: {error.strerror or error}", remedy="check the path" + hint) from None
+    except ValueError as error:
+        raise _file_error(path, f"cannot be read: {error}", remedy="check the path") from None
+    if len(content) > MAX_BYTES:
+        raise _file_error(
+            path,
+            "too big",
+            value=f"over {MAX_BYTES} bytes",
+            limit=f"{MAX_BYTES} bytes",
+            remedy=f"{kind}s are about 10 kB at most; check that this is one",
+        )
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
+        raise _file_error(
+            path,
+            "not UTF-8 text",
+            value=f"byte 0x{content[error.start]:02x}",
+            line=line,
+            remedy="save the file as UTF-8",
+        ) from None
+
+
+def _file_error(path: Path, what: str, *, value: str = "", limit: str = "", line: int = 1, remedy: str) -> InputError:
+    return InputError([Problem(str(path), line, "", what, value, limit, remedy)])
+
 
 MAX_DEPTH = 16
 MAX_NODES = 5000  # the reference design has about 150; every use of an alias counts what it stands for

@@ -12,7 +12,7 @@ from typing import Any
 from mbcdm_cad.checks.comparison import CheckResult, failed
 from mbcdm_cad.checks.size import envelope_check, interference_check, mass_check, overhang_check, printed_walls_check
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.design.loader import LoadedDesign
 from mbcdm_cad.errors import GeometryError
 from mbcdm_cad.layouts.check_design import run_checks
 from mbcdm_cad.layouts.registry import layout_of

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.design.loader import LoadedDesign
 from mbcdm_cad.errors import InputError, MbcdmError, Problem
 from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.report.table import TextReport

@@ -12,7 +12,7 @@ from typing import Any
 from threadpoolctl import threadpool_limits
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.design.loader import LoadedDesign
 from mbcdm_cad.design.template import slug
 from mbcdm_cad.design.yamltree import parse
 from mbcdm_cad.errors import InputError, MbcdmError, OutputError, Problem

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import jinja2
 
 from mbcdm_cad.parts.bill import AssemblyStep, cable_item
-from mbcdm_cad.parts.train import train_words
+from mbcdm_cad.parts.input_pulley.items import train_words
 
 if TYPE_CHECKING:
     from mbcdm_cad.layouts.sector import SectorLayout

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from mbcdm_cad.checks.comparison import Check, Family
     from mbcdm_cad.checks.design_variables import DesignVariable
     from mbcdm_cad.design.bought import Material
-    from mbcdm_cad.design.design_file import DesignFile
+    from mbcdm_cad.design.loader import DesignFile
     from mbcdm_cad.model.duty import Duty, MotorDay
     from mbcdm_cad.model.equilibrium import CableTensions
     from mbcdm_cad.model.losses import BearingPair, Train

@@ -16,8 +16,7 @@ from mbcdm_cad.checks.transfer import MORE_WRAP, SLIPS, WRAPS
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.model.tensioning import TensionedCable
 from mbcdm_cad.parts.drum_sector.design import SectorRun
-from mbcdm_cad.parts.terminal.part import Tensioner
-from mbcdm_cad.parts.terminal.take_up import highest_preload_N
+from mbcdm_cad.parts.terminal import Tensioner, highest_preload_N
 from mbcdm_cad.routes.cable_path import CablePath, EndOfTravel
 
 

@@ -9,9 +9,9 @@ import yaml
 
 from mbcdm_cad.design import yamltree
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.design.fieldpath import FieldPath, dotted
-from mbcdm_cad.design.loaded import LoadedDesign
-from mbcdm_cad.design.sigmas import SIGMA, VALUE
+from mbcdm_cad.design.loader import LoadedDesign
+from mbcdm_cad.design.ranges import SIGMA, VALUE
+from mbcdm_cad.design.yamltree import FieldPath, dotted
 from mbcdm_cad.errors import InputError, Problem, shortened
 from mbcdm_cad.layouts.loader import load_for_reader, resolve_tree
 

@@ -10,8 +10,8 @@ from mbcdm_cad.checks.comparison import Check, CheckResult, failed
 from mbcdm_cad.checks.run import Budget, run_all
 from mbcdm_cad.checks.size import BUILD_IDS
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.design.fieldpath import dotted
-from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.design.loader import LoadedDesign
+from mbcdm_cad.design.yamltree import dotted
 from mbcdm_cad.errors import InputError, Problem, did_you_mean
 from mbcdm_cad.layouts.base import Layout
 from mbcdm_cad.layouts.registry import layout_of

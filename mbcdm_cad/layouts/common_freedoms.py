@@ -7,7 +7,7 @@ from functools import partial
 from typing import Any
 
 from mbcdm_cad.checks.design_variables import ROPE_DIAMETER
-from mbcdm_cad.design.freedom import Freedom, to_a_size
+from mbcdm_cad.design.sized import Freedom, to_a_size
 from mbcdm_cad.layouts.common_rules import COLLAR_SCREWS, STOP_PINS_MM
 
 DRIVE: tuple[Freedom, ...] = (

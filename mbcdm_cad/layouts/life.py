@@ -16,7 +16,7 @@ from mbcdm_cad.model.rope_bendings import GROOVES, RopeKind
 from mbcdm_cad.model.rope_zones import Level, RopeInUse, RopeLife, Tangent, rope_life
 from mbcdm_cad.model.si import DriveSI, ModelError
 from mbcdm_cad.model.tensioning import WIRES
-from mbcdm_cad.parts.terminal.take_up import tensioned_rope
+from mbcdm_cad.parts.terminal import tensioned_rope
 from mbcdm_cad.routes.curves import axial_walk_m, fleet_angle_rad
 from mbcdm_cad.routes.route import CableRoute, DriveRoutes
 

@@ -6,14 +6,11 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from mbcdm_cad.design.design_file import DesignFile
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.design.loaded import LoadedDesign
-from mbcdm_cad.design.loader import blamed, loaded, resolved
+from mbcdm_cad.design.loader import DesignFile, LoadedDesign, blamed, loaded, resolved
 from mbcdm_cad.design.problems import at_most_listed
-from mbcdm_cad.design.source import read_text
 from mbcdm_cad.design.template import new_text, reference_values, with_derived
-from mbcdm_cad.design.yamltree import Tree, parse
+from mbcdm_cad.design.yamltree import Tree, parse, read_text
 from mbcdm_cad.errors import InputError, MbcdmError, Problem, did_you_mean, shortened
 from mbcdm_cad.layouts.registry import DEFAULT, design_file_named, layout_of, names
 

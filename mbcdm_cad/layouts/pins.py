@@ -13,7 +13,7 @@ from mbcdm_cad.checks.comparison import Check
 from mbcdm_cad.checks.run import Budget, run_check
 from mbcdm_cad.design import yamltree
 from mbcdm_cad.design.describe import flow
-from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.design.loader import LoadedDesign
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.loader import layout_of, load_tree
 

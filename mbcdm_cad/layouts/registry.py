@@ -15,8 +15,8 @@ from mbcdm_cad.errors import MbcdmError, did_you_mean
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
-    from mbcdm_cad.design.design_file import DesignFile
     from mbcdm_cad.design.drive import Drive
+    from mbcdm_cad.design.loader import DesignFile
     from mbcdm_cad.layouts.base import Layout
 
 ENTRY_POINTS = "mbcdm_cad.layouts"

@@ -13,16 +13,15 @@ import numpy as np
 
 from mbcdm_cad.layouts.base import Layout, dimensions
 from mbcdm_cad.model.losses import BearingPair, body_bearings
-from mbcdm_cad.parts.collar import CollarDims
+from mbcdm_cad.parts.coupling import CollarDims, StageDims
 from mbcdm_cad.parts.drum_sector.design import SectorDrive, SectorRun
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
 from mbcdm_cad.parts.drum_sector.sizes import drum_shaft, preload_spring
-from mbcdm_cad.parts.drum_shaft import DrumShaftDims, PreloadSpringDims
+from mbcdm_cad.parts.fits import MountScrew, MountThread
 from mbcdm_cad.parts.input_pulley.dims import GROOVE_RADIUS, InputPulleyDims
 from mbcdm_cad.parts.motor_head.dims import HeadDims, HeadedDrive
-from mbcdm_cad.parts.stage import StageDims
-from mbcdm_cad.parts.terminal.part import Tensioner
-from mbcdm_cad.parts.threads import MountScrew, MountThread
+from mbcdm_cad.parts.terminal import Tensioner
+from mbcdm_cad.parts.turned import DrumShaftDims, PreloadSpringDims
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.cable_path import CablePath
 from mbcdm_cad.routes.route import input_body

@@ -26,7 +26,7 @@ from mbcdm_cad.checks.run import bounds
 from mbcdm_cad.checks.size import kept_mass_g
 from mbcdm_cad.design.blocks import Design
 from mbcdm_cad.design.drive import Drive, met
-from mbcdm_cad.design.lookup import Catalogue
+from mbcdm_cad.design.resolve import Catalogue
 from mbcdm_cad.design.rules import every_broken_rule
 from mbcdm_cad.design.sized import Moved, SizedValue, Sizing, SizingError
 from mbcdm_cad.layouts import registry

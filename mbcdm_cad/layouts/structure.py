@@ -32,7 +32,7 @@ from mbcdm_cad.model.structure.shafts import (
     bending_urad_Nm,
     torsion_urad_Nm,
 )
-from mbcdm_cad.parts.drum_sector.structure import hub, land_pulls, sector_shape
+from mbcdm_cad.parts.drum_sector.dims import hub, land_pulls, sector_shape
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.route import BodyLoad, body_load, two_bearing_reactions_N
 

@@ -16,8 +16,8 @@ from mbcdm_cad.checks.comparison import Check, failed
 from mbcdm_cad.checks.run import Budget, Offer, run_all
 from mbcdm_cad.design import yamltree
 from mbcdm_cad.design.describe import flow
-from mbcdm_cad.design.fieldpath import put
-from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.design.loader import LoadedDesign
+from mbcdm_cad.design.yamltree import put
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.loader import layout_of, load_tree
 

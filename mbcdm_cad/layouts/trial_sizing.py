@@ -24,7 +24,7 @@ from mbcdm_cad.design.bought import (
     ServoOutput,
     without_gearhead,
 )
-from mbcdm_cad.design.lookup import Catalogue
+from mbcdm_cad.design.resolve import Catalogue
 from mbcdm_cad.design.rules import every_broken_rule
 from mbcdm_cad.design.sized import Moved, Sizing, SizingError
 from mbcdm_cad.layouts.base import Layout

@@ -11,7 +11,7 @@ from pathlib import Path
 from mbcdm_cad.checks.comparison import CheckResult
 from mbcdm_cad.checks.size import envelope_check, mass_check
 from mbcdm_cad.design.bought import Material
-from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.design.loader import LoadedDesign
 from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.parallel.forks import forked
 from mbcdm_cad.parts.bill import CABLE, PartSpec

@@ -29,7 +29,7 @@ import watchfiles
 from aiohttp import web
 
 from mbcdm_cad.checks.comparison import CheckResult
-from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.design.loader import LoadedDesign
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts.loader import load_design, load_text
 from mbcdm_cad.live.worker import Drawn, Job, work

@@ -10,7 +10,7 @@ import yaml
 
 from mbcdm_cad.design import yamltree
 from mbcdm_cad.design.describe import flow
-from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.design.loader import LoadedDesign
 from mbcdm_cad.loop.result import LoopResult, Named
 
 KEY = "as_built"

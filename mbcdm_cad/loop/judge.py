@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     import pandas
 
     from mbcdm_cad.design.drive import Drive
-    from mbcdm_cad.design.loaded import LoadedDesign
+    from mbcdm_cad.design.loader import LoadedDesign
     from mbcdm_cad.loop.correction import Correction
     from mbcdm_cad.loop.result import LoopResult
     from mbcdm_cad.measurement.file import MeasurementFile

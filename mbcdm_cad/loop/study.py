@@ -11,7 +11,7 @@ from pydantic import ValidationError
 from mbcdm_cad.design import yamltree
 from mbcdm_cad.design.fields import Block, Number, Text, choice
 from mbcdm_cad.design.problems import schema_problems
-from mbcdm_cad.design.source import read_text
+from mbcdm_cad.design.yamltree import read_text
 from mbcdm_cad.errors import InputError, Problem
 from mbcdm_cad.measurement.file import MeasurementFile, load_file
 

@@ -18,9 +18,9 @@ from typing import Any
 
 import numpy as np
 
-from mbcdm_cad.design.as_built import with_as_built
 from mbcdm_cad.design.blocks import AsBuilt, AsBuiltValue
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.design.resolve import with_as_built
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.registry import layout_of

@@ -10,9 +10,8 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from mbcdm_cad.design import yamltree
-from mbcdm_cad.design.fieldpath import FieldPath, dotted
 from mbcdm_cad.design.problems import schema_problems
-from mbcdm_cad.design.source import read_text
+from mbcdm_cad.design.yamltree import FieldPath, dotted, read_text
 from mbcdm_cad.errors import InputError, Problem, did_you_mean, shortened
 from mbcdm_cad.measurement.logformat import (
     ANGLE,

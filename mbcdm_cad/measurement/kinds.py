@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from mbcdm_cad.design.fieldpath import FieldPath
+from mbcdm_cad.design.yamltree import FieldPath
 from mbcdm_cad.errors import InputError, Problem
 from mbcdm_cad.measurement.by_hand import creep_findings, inputs_move, readings_findings
 from mbcdm_cad.measurement.datafile import MOST_BROKEN, DataTable

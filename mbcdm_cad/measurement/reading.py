@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from mbcdm_cad.design.fieldpath import FieldPath
+from mbcdm_cad.design.yamltree import FieldPath
 from mbcdm_cad.errors import did_you_mean, shortened
 from mbcdm_cad.measurement.binarylog import is_bag, opened
 from mbcdm_cad.measurement.datafile import DECIMALS, Channel, DataTable, read_channels, read_table

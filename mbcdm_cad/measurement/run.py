@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
-from mbcdm_cad.design.fieldpath import FieldPath
+from mbcdm_cad.design.yamltree import FieldPath
 from mbcdm_cad.measurement.schema import MOTION, NO_PLATE, CountedParts, InertiaPlate, Kind
 from mbcdm_cad.routes import Complex, Floats
 from mbcdm_cad.storage.compiled import compiled

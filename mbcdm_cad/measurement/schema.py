@@ -10,8 +10,8 @@ from pydantic import ConfigDict
 
 from mbcdm_cad.design.blocks import INERTIA_MAX_KG_M2
 from mbcdm_cad.design.describe import Node
-from mbcdm_cad.design.fieldpath import FieldPath
 from mbcdm_cad.design.fields import Block, Integer, Number, Text, quantity
+from mbcdm_cad.design.yamltree import FieldPath
 
 # The column of an input: input_ and the name that the design file gives it.
 INPUT_COLUMN = r"^input_[a-z0-9][a-z0-9_-]{0,63}$"

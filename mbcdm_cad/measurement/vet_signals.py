@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from scipy.linalg import LinAlgError, eigh
 
-from mbcdm_cad.design.fieldpath import FieldPath
+from mbcdm_cad.design.yamltree import FieldPath
 from mbcdm_cad.measurement.loads import LEAST_TOLD
 from mbcdm_cad.measurement.run import (
     KNOWN_LOAD,

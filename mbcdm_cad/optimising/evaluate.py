@@ -12,8 +12,8 @@ import numpy as np
 
 from mbcdm_cad.checks.comparison import Check
 from mbcdm_cad.checks.size import kept_mass_g
-from mbcdm_cad.design.fieldpath import leaves, value_at
 from mbcdm_cad.design.loader import Resolved
+from mbcdm_cad.design.yamltree import leaves, value_at
 from mbcdm_cad.errors import InputError, MbcdmError, did_you_mean
 from mbcdm_cad.layouts import stiff_sizing
 from mbcdm_cad.layouts.base import NoFigureError

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from mbcdm_cad.design.fieldpath import leaves
+from mbcdm_cad.design.yamltree import leaves
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.optimising.evaluate import Evaluated, evaluate, refuse_unknown
 from mbcdm_cad.optimising.wishes import Effort

@@ -15,7 +15,7 @@ from mbcdm_cad.checks.comparison import CheckResult, failed
 from mbcdm_cad.checks.comparison import figures as check_figures
 from mbcdm_cad.checks.run import Budget, run_all
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.design.loader import LoadedDesign
 from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.loader import layout_of, load_text
 from mbcdm_cad.optimising.evaluate import FIGURES, Facts, figure, unit_of

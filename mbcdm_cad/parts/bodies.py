@@ -11,9 +11,9 @@ from math import cos, pi, sin
 from typing import TYPE_CHECKING
 
 from mbcdm_cad.design.bought import Bearing, Encoder, Gearhead, InsertSpec, Motor, Screw, Servo
-from mbcdm_cad.parts.drum_shaft import PreloadSpringDims
 from mbcdm_cad.parts.milled import block, cut, cylinder_z, fuse, hexagon_z, one_solid, turned
 from mbcdm_cad.parts.part import BoughtPart, Part, Ring
+from mbcdm_cad.parts.turned import PreloadSpringDims
 from mbcdm_cad.routes.curves import Piece
 
 if TYPE_CHECKING:

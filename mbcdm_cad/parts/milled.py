@@ -8,9 +8,9 @@ from dataclasses import dataclass, field, replace
 from math import cos, pi, radians, sin
 from typing import TYPE_CHECKING, ClassVar, Protocol, Self
 
+from mbcdm_cad.parts.fits import thread
 from mbcdm_cad.parts.part import CORNER, MadePart, pocket_corner_mm, pocket_mm3, ring_mm3
 from mbcdm_cad.parts.sheet import Holes, Linear, Radius, Side, Table, Vector, mm
-from mbcdm_cad.parts.threads import thread
 
 if TYPE_CHECKING:
     import cadquery as cq

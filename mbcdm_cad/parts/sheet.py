@@ -12,8 +12,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from mbcdm_cad.design.bought import InsertSpec
-from mbcdm_cad.parts.fits import Datum, GeometricTolerance
-from mbcdm_cad.parts.threads import thread
+from mbcdm_cad.parts.fits import Datum, GeometricTolerance, thread
 
 Vector = tuple[float, float, float]
 Side = Literal["above", "below", "left", "right"]

@@ -19,8 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from mbcdm_cad import __version__
-from mbcdm_cad.design.catalogue import package_entries
-from mbcdm_cad.design.entries import KINDS
+from mbcdm_cad.design.catalogue import KINDS, package_entries
 from mbcdm_cad.design.fields import adapter
 from mbcdm_cad.errors import MbcdmError, did_you_mean
 from mbcdm_cad.report.table import ReportTable, TextReport

@@ -21,9 +21,9 @@ import numpy as np
 
 from mbcdm_cad.checks.comparison import CheckResult, failed, figures
 from mbcdm_cad.checks.motors import speed
-from mbcdm_cad.design.as_built import CHANGE_VALUES, HALF_95, with_as_built
 from mbcdm_cad.design.blocks import AsBuilt, AsBuiltValue
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.design.resolve import CHANGE_VALUES, HALF_95, with_as_built
 from mbcdm_cad.design.sized import LIGHTEST
 from mbcdm_cad.errors import MbcdmError, did_you_mean
 from mbcdm_cad.layouts.base import Layout, NoFigureError
@@ -36,7 +36,7 @@ from mbcdm_cad.routes import Floats
 if TYPE_CHECKING:
     import pandas
 
-    from mbcdm_cad.design.loaded import LoadedDesign
+    from mbcdm_cad.design.loader import LoadedDesign
 
 
 # Probabilities beyond these are told as certain, and only counted.

@@ -23,7 +23,7 @@ from mbcdm_cad.report.table import ReportTable, TextReport, data_frame, designs_
 if TYPE_CHECKING:
     import pandas
 
-    from mbcdm_cad.design.loaded import LoadedDesign
+    from mbcdm_cad.design.loader import LoadedDesign
 
 Values = NDArray[Any]
 # Figures with a row for a load that opposes positive rotation, and one for the other direction.

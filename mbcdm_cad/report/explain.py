@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from mbcdm_cad.design.describe import flow
-from mbcdm_cad.design.fieldpath import leaves, value_at
-from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.design.loader import LoadedDesign
 from mbcdm_cad.design.sized import SizedValue, SizingError
+from mbcdm_cad.design.yamltree import leaves, value_at
 from mbcdm_cad.errors import MbcdmError, did_you_mean
 from mbcdm_cad.layouts.loader import design_file
 from mbcdm_cad.report.table import TextReport, filled

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.design.loader import LoadedDesign
 from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.layouts.turns import turns_of
 from mbcdm_cad.report.data import Tested, report_data

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 from pydantic import AliasChoices, Field, ValidationError
 
 from mbcdm_cad.design import yamltree
-from mbcdm_cad.design.fieldpath import dotted
-from mbcdm_cad.design.source import read_text
+from mbcdm_cad.design.yamltree import dotted, read_text
 from mbcdm_cad.errors import InputError, Problem, shortened
 from mbcdm_cad.rig.bench import (
     MOST_DURATION_S,

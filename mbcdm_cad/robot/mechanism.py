@@ -15,8 +15,7 @@ from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts.lumped import axis_friction
 from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.model.analysis import analyse
-from mbcdm_cad.parts.bill import Item
-from mbcdm_cad.parts.placement import Vector
+from mbcdm_cad.parts.bill import Item, Vector
 from mbcdm_cad.robot.elastic import drum_friction
 from mbcdm_cad.workshop.interference import MovingGroup, bodies, is_cable
 from mbcdm_cad.workshop.mass import MassProperties, PartFiles, combined, item_mass

@@ -27,7 +27,7 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from mbcdm_cad.parts.placement import Vector
+from mbcdm_cad.parts.bill import Vector
 from mbcdm_cad.robot.elastic import CableStage, ElasticDrive
 from mbcdm_cad.robot.mechanism import MM, Joint, Link, Mechanism, document, numbers, triangle
 from mbcdm_cad.robot.urdf import BASE_LINK, UrdfOptions, urdf_files

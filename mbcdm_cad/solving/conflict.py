@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from math import log
 from typing import Any
 
-from mbcdm_cad.design.fieldpath import leaves
+from mbcdm_cad.design.yamltree import leaves
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.solving.question import ASIDE, Fixed, Out, Point, Question
 from mbcdm_cad.solving.repair import repair, stuck

@@ -13,14 +13,10 @@ from typing import Any
 import yaml
 
 from mbcdm_cad.design.describe import flow
-from mbcdm_cad.design.design_file import DesignFile
-from mbcdm_cad.design.fieldpath import leaves, put, take_out, value_at
-from mbcdm_cad.design.freedom import Freedom
-from mbcdm_cad.design.loader import Resolved, blamed, resolved
+from mbcdm_cad.design.loader import DesignFile, Resolved, blamed, resolved
 from mbcdm_cad.design.ranges import Range, split_ranges
-from mbcdm_cad.design.sized import Sizing
-from mbcdm_cad.design.source import read_text
-from mbcdm_cad.design.yamltree import Tree, parse
+from mbcdm_cad.design.sized import Freedom, Sizing
+from mbcdm_cad.design.yamltree import Tree, leaves, parse, put, read_text, take_out, value_at
 from mbcdm_cad.errors import InputError, MbcdmError
 from mbcdm_cad.layouts.loader import design_file_of, reference_data
 from mbcdm_cad.layouts.pins import FEW

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from itertools import chain, pairwise
 
-from mbcdm_cad.design.fieldpath import value_at
-from mbcdm_cad.design.freedom import Freedom
+from mbcdm_cad.design.sized import Freedom
+from mbcdm_cad.design.yamltree import value_at
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.solving.question import Fixed, Out, Point, Setting, Times
 from mbcdm_cad.solving.trials import (

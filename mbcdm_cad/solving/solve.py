@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from mbcdm_cad.design.fieldpath import leaves
-from mbcdm_cad.design.freedom import Freedom
+from mbcdm_cad.design.sized import Freedom
+from mbcdm_cad.design.yamltree import leaves
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.solving.conflict import Conflict, conflict
 from mbcdm_cad.solving.question import ASKED, CHOICE, PIN, WISH, Fixed, Out, Point, Question, Setting, Times

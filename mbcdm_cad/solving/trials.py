@@ -15,9 +15,8 @@ import numpy as np
 from mbcdm_cad.checks.comparison import Check
 from mbcdm_cad.checks.run import Budget, run_check
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.design.freedom import Freedom
 from mbcdm_cad.design.loader import Resolved
-from mbcdm_cad.design.sized import Sizing
+from mbcdm_cad.design.sized import Freedom, Sizing
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.check_design import checks_of

@@ -28,7 +28,7 @@ from OCP.TopoDS import TopoDS, TopoDS_Shape
 from OCP.TopTools import TopTools_ListOfShape
 
 from mbcdm_cad.errors import GeometryError
-from mbcdm_cad.parts.placement import Placement, Vector
+from mbcdm_cad.parts.bill import Placement, Vector
 from mbcdm_cad.parts.rod import swept_rod
 from mbcdm_cad.routes.curves import Piece
 from mbcdm_cad.workshop.mass import Matrix, ShapeProperties

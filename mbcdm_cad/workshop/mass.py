@@ -13,8 +13,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.parts.bill import Item
-from mbcdm_cad.parts.placement import Placement, Vector
+from mbcdm_cad.parts.bill import Item, Placement, Vector
 from mbcdm_cad.routes.curves import Piece
 from mbcdm_cad.workshop.export.files import stl_bytes
 from mbcdm_cad.workshop.trianglemesh import TriangleMesh

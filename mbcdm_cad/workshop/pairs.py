@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mbcdm_cad.errors import GeometryError
-from mbcdm_cad.parts.placement import Placement, Row
+from mbcdm_cad.parts.bill import Placement, Row
 from mbcdm_cad.routes.cable_path import CablePath
 from mbcdm_cad.routes.curves import Piece, cut
 from mbcdm_cad.workshop.trianglemesh import TriangleMesh

@@ -13,8 +13,7 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.base import Layout
 from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.parallel.forks import fork_map
-from mbcdm_cad.parts.bill import CABLE, Item
-from mbcdm_cad.parts.placement import Placement, Vector
+from mbcdm_cad.parts.bill import CABLE, Item, Placement, Vector
 from mbcdm_cad.storage.cache import Cache, content_key
 from mbcdm_cad.workshop.store import Progress, StoredPart, drawn
 from mbcdm_cad.workshop.trianglemesh import FloatArray, TriangleMesh

@@ -10,7 +10,7 @@ import numpy as np
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts.registry import layout_of
-from mbcdm_cad.parts.placement import Vector
+from mbcdm_cad.parts.bill import Vector
 from mbcdm_cad.storage.cache import Cache, content_key
 from mbcdm_cad.workshop.export.files import lying, threemf_bytes
 from mbcdm_cad.workshop.store import Progress, Store, StoredPart, drawn, exported_parts

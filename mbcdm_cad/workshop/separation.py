@@ -15,7 +15,7 @@ from math import ceil, log2
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.parts.placement import Placement, Vector
+from mbcdm_cad.parts.bill import Placement, Vector
 from mbcdm_cad.routes.curves import Piece
 from mbcdm_cad.storage.compiled import COMPILED, compiled
 from mbcdm_cad.workshop.trianglemesh import FloatArray, TriangleMesh

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mbcdm_cad.errors import GeometryError
-from mbcdm_cad.parts.placement import Placement
+from mbcdm_cad.parts.bill import Placement
 from mbcdm_cad.routes.curves import Piece
 
 FloatArray = NDArray[np.float64]

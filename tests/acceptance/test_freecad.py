@@ -9,8 +9,7 @@ import cadquery as cq
 import pytest
 
 from mbcdm_cad.design.bought import Material
-from mbcdm_cad.parts.bill import Item
-from mbcdm_cad.parts.placement import Placement
+from mbcdm_cad.parts.bill import Item, Placement
 from mbcdm_cad.workshop.export.step import assembly_step
 
 sys.path.insert(0, str(Path(__file__).parent))

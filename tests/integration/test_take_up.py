@@ -10,8 +10,8 @@ import pytest
 from mbcdm_cad.layouts.loader import load_text, new_design_text
 from mbcdm_cad.layouts.miso_bevel.bill import bill
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
+from mbcdm_cad.parts.bill import Placement
 from mbcdm_cad.parts.milled import cylinder
-from mbcdm_cad.parts.placement import Placement
 from mbcdm_cad.workshop.kernel import location
 
 # Solids that touch share nothing; this is what booleans leave of a touch.

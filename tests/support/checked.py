@@ -10,7 +10,7 @@ import numpy as np
 from mbcdm_cad.checks.comparison import CheckResult
 from mbcdm_cad.checks.run import Budget, run_check
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.design.loader import LoadedDesign
 from mbcdm_cad.layouts.base import Layout
 from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.loader import layout_of, load_design

@@ -12,7 +12,7 @@ import yaml
 
 from mbcdm_cad.checks.run import Budget, run_check
 from mbcdm_cad.design.catalogue import package_entries
-from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.design.loader import LoadedDesign
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.loader import layout_of, load_text

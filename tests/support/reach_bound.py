@@ -17,7 +17,7 @@ from typing import Any, Protocol, Self, TypeVar
 from mbcdm_cad.checks.input_pulley import SHOULDER_MM
 from mbcdm_cad.checks.ratios import ANCHOR_RATIO
 from mbcdm_cad.design.catalogue import package_entries
-from mbcdm_cad.parts.input_pulley.stop import STOP_WALL_MM
+from mbcdm_cad.parts.input_pulley.dims import STOP_WALL_MM
 
 # Of the design files in question, which name no limits of their own: least D/d of wire and of fibre, factor on the
 # breaking load, largest fleet angle of all surfaces.

@@ -16,10 +16,9 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.drawings.draw import PartFacts, draw_sheet
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts.registry import layout_of
-from mbcdm_cad.parts.bill import CABLE, Bill
+from mbcdm_cad.parts.bill import CABLE, Bill, Placement
 from mbcdm_cad.parts.milled import cylinder
 from mbcdm_cad.parts.part import MadePart
-from mbcdm_cad.parts.placement import Placement
 from mbcdm_cad.parts.sheet import Linear, Sheet
 from mbcdm_cad.workshop.export.files import threemf_bytes
 from mbcdm_cad.workshop.kernel import location

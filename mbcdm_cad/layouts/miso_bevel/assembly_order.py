@@ -10,7 +10,7 @@ from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.plate_screws import plate_screw_of
 from mbcdm_cad.layouts.miso_bevel.support.dims import AXLE_SCREW
 from mbcdm_cad.parts.bill import AssemblyStep
-from mbcdm_cad.parts.terminal.part import Tensioner
+from mbcdm_cad.parts.terminal import Tensioner
 
 
 def assembly_order(layout: BevelLayout) -> tuple[AssemblyStep, ...]:

@@ -15,15 +15,12 @@ from mbcdm_cad.layouts.miso_bevel.plate_screws import plate_screw_of
 from mbcdm_cad.layouts.miso_bevel.support.dims import AXLE_SCREW, ENCODER_HEAD_SUNK_MM, dowel_length_mm
 from mbcdm_cad.layouts.miso_bevel.support.parts import Frame
 from mbcdm_cad.layouts.miso_bevel.support.top_plate import TopPlate
-from mbcdm_cad.parts.bill import FIXED, Bill, BillBuilder, MovingBody
+from mbcdm_cad.parts.bill import FIXED, Bill, BillBuilder, MovingBody, Placement
 from mbcdm_cad.parts.bodies import EncoderBody, screw_places
 from mbcdm_cad.parts.drum_sector.items import ENCODER_COLOUR, add_cables, add_drum, add_drum_encoder, add_preload_spring
-from mbcdm_cad.parts.drum_shaft import Axle, Spacer
 from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM
-from mbcdm_cad.parts.input_pulley.items import UPRIGHT, add_input_pulley
-from mbcdm_cad.parts.placement import Placement
-from mbcdm_cad.parts.ring import Dowel, IdlerPulley, Pin
-from mbcdm_cad.parts.train import add_train
+from mbcdm_cad.parts.input_pulley.items import UPRIGHT, add_input_pulley, add_train
+from mbcdm_cad.parts.turned import Axle, Dowel, IdlerPulley, Pin, Spacer
 
 _X: tuple[float, float, float] = (1.0, 0.0, 0.0)
 _Y: tuple[float, float, float] = (0.0, 1.0, 0.0)

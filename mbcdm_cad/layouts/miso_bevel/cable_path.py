@@ -17,7 +17,7 @@ import numpy as np
 
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.parts.drum_sector.design import SectorRun
-from mbcdm_cad.parts.input_pulley.stop import STOP_PIECES, StopGeometry, stop_geometry, stop_pieces
+from mbcdm_cad.parts.input_pulley.dims import STOP_PIECES, StopGeometry, stop_geometry, stop_pieces
 from mbcdm_cad.routes.cable_path import CablePath, Stretch
 from mbcdm_cad.routes.curves import Arc, Helix, Line, Parabola, Piece, triple
 

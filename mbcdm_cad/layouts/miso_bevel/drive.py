@@ -12,7 +12,7 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.fields import ESTIMATE, EntryName, Number, PlainBlock, choice, quantity
 from mbcdm_cad.design.sector_blocks import TransferClearances, WoundPulleys
 from mbcdm_cad.parts.drum_sector.design import SectorBearings, SectorDrive, SectorRun
-from mbcdm_cad.parts.threads import MOUNT_SCREWS, MountScrew
+from mbcdm_cad.parts.fits import MOUNT_SCREWS, MountScrew
 
 
 @dataclass(frozen=True)

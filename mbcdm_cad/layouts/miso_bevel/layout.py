@@ -16,13 +16,12 @@ from mbcdm_cad.layouts.miso_bevel.stack import Stack, stack
 from mbcdm_cad.layouts.miso_bevel.support.dims import FrameDims, TopPlateDims, frame, top_plate
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.model.losses import BearingPair, body_bearings
-from mbcdm_cad.parts.collar import CollarDims, collar
+from mbcdm_cad.parts.coupling import CollarDims, collar
 from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
-from mbcdm_cad.parts.drum_shaft import AxleDims
+from mbcdm_cad.parts.fits import MountScrew
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
-from mbcdm_cad.parts.ring import IdlerDims
-from mbcdm_cad.parts.threads import MountScrew
+from mbcdm_cad.parts.turned import AxleDims, IdlerDims
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.cable_path import CablePath
 

@@ -17,27 +17,24 @@ from math import hypot, pi, radians, tau
 from mbcdm_cad.layouts.miso_bevel.cable_path import stop_of, winding
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.layouts.miso_bevel.stack import END_PLAY_MM, Band, Stack, band, outward_of
-from mbcdm_cad.parts.collar import collar_width_mm
+from mbcdm_cad.parts.coupling import collar_width_mm
 from mbcdm_cad.parts.drum_sector import sizes
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
 from mbcdm_cad.parts.drum_sector.sizes import TerminalWay, furthest_anchor_rad
-from mbcdm_cad.parts.drum_shaft import AxleDims
 from mbcdm_cad.parts.input_pulley.dims import (
     ENCODER_INSERTION_MM,
     GROOVE_LEAD,
     GROOVE_RADIUS,
     JOURNAL_SLIT_MM,
     InputPulleyDims,
-)
-from mbcdm_cad.parts.input_pulley.stop import (
     StopGeometry,
     anchored_groove,
     helix_stop_land_mm,
     neck_radius_mm,
     stop_slot,
 )
-from mbcdm_cad.parts.ring import IdlerDims
-from mbcdm_cad.parts.terminal.take_up import terminal_travel_mm
+from mbcdm_cad.parts.terminal import terminal_travel_mm
+from mbcdm_cad.parts.turned import AxleDims, IdlerDims
 
 
 def smallest_lead_mm(drive: BevelDrive) -> float:

@@ -23,9 +23,9 @@ from mbcdm_cad.layouts.miso_bevel.cable_path import axial_walk_mm, guide_landing
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.layouts.miso_bevel.plate_screws import Edges, beside_box_mm
 from mbcdm_cad.layouts.sector import InputLevels
-from mbcdm_cad.parts.collar import collar_sweep_mm
+from mbcdm_cad.parts.coupling import collar_sweep_mm
 from mbcdm_cad.parts.drum_sector.sizes import terminal_half_mm
-from mbcdm_cad.parts.input_pulley.stop import helix_stop_land_mm
+from mbcdm_cad.parts.input_pulley.dims import helix_stop_land_mm
 
 # Gap between a pulley's end face and a shelf or plate; the inner ring's shoulder bridges it.
 SHOULDER_MM = 0.6

@@ -17,11 +17,9 @@ from mbcdm_cad.layouts.siso_spur.bill import (
     idler_bodies,
     input_bodies,
 )
-from mbcdm_cad.parts.bill import Bill, BillBuilder, MovingBody
+from mbcdm_cad.parts.bill import Bill, BillBuilder, MovingBody, Placement
 from mbcdm_cad.parts.drum_sector.items import add_cables, add_drum_encoder
-from mbcdm_cad.parts.input_pulley.items import add_input_pulley
-from mbcdm_cad.parts.placement import Placement
-from mbcdm_cad.parts.train import add_horn
+from mbcdm_cad.parts.input_pulley.items import add_horn, add_input_pulley
 
 _Y = (0.0, 1.0, 0.0)
 

@@ -14,11 +14,10 @@ from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.routes import routed_round
 from mbcdm_cad.layouts.siso_spur.stack import SpurStack, spur_stack
 from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims
-from mbcdm_cad.parts.collar import CollarDims
-from mbcdm_cad.parts.drum_shaft import PreloadSpringDims
+from mbcdm_cad.parts.coupling import CollarDims
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 from mbcdm_cad.parts.motor_head.dims import HeadDims
-from mbcdm_cad.parts.ring import IdlerDims
+from mbcdm_cad.parts.turned import IdlerDims, PreloadSpringDims
 from mbcdm_cad.routes.cable_path import CablePath
 from mbcdm_cad.routes.curves import Helix, turned_about_y
 from mbcdm_cad.routes.geometry import RoutedDrive

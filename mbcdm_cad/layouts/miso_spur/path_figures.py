@@ -9,7 +9,7 @@ from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
 from mbcdm_cad.layouts.siso_spur.path_figures import SpurFigures, path_lines, tensioned_sides
 from mbcdm_cad.layouts.siso_spur.path_figures import path_figures as of_one_input
 from mbcdm_cad.model.tensioning import TensioningPlan, tensioning_plan
-from mbcdm_cad.parts.terminal.take_up import tensioned_rope
+from mbcdm_cad.parts.terminal import tensioned_rope
 from mbcdm_cad.routes.cable_path import EndOfTravel
 
 __all__ = ["path_figures", "path_lines"]

@@ -7,7 +7,7 @@ from math import radians
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
 from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
 from mbcdm_cad.layouts.siso_bevel.support.parts import ColumnFrame
-from mbcdm_cad.parts.bill import Bill, BillBuilder, MovingBody
+from mbcdm_cad.parts.bill import Bill, BillBuilder, MovingBody, Placement
 from mbcdm_cad.parts.drum_sector.items import add_cables, add_drum, add_drum_encoder, add_preload_spring
 from mbcdm_cad.parts.input_pulley.items import UPRIGHT, add_input_pulley
 from mbcdm_cad.parts.motor_head.part import (
@@ -17,8 +17,7 @@ from mbcdm_cad.parts.motor_head.part import (
     add_input_line,
     add_motor_head,
 )
-from mbcdm_cad.parts.placement import Placement
-from mbcdm_cad.parts.ring import Pin
+from mbcdm_cad.parts.turned import Pin
 
 _X, _Y, _DOWN = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, -1.0)
 _ALONG_Y = Placement.about(_X, -90.0)

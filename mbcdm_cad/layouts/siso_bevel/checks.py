@@ -24,9 +24,14 @@ from mbcdm_cad.checks.ratios import (
 )
 from mbcdm_cad.checks.run import floored
 from mbcdm_cad.checks.size import box_checks, mass_estimate
-from mbcdm_cad.checks.stacks import TransferStacks, ratio_contributions, stack_check, transmission_error
 from mbcdm_cad.checks.terminals import bodies_of
-from mbcdm_cad.checks.transfer import transfer_checks
+from mbcdm_cad.checks.transfer import (
+    TransferStacks,
+    ratio_contributions,
+    stack_check,
+    transfer_checks,
+    transmission_error,
+)
 from mbcdm_cad.layouts.bevel_transfer import wrap_checks
 from mbcdm_cad.layouts.siso_bevel.cable_path import full_input_turn_deg, stop_bend
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive

@@ -8,8 +8,8 @@ from typing import ClassVar, Literal
 from mbcdm_cad.design.fields import ESTIMATE, EntryName, Number, choice, quantity
 from mbcdm_cad.design.sector_blocks import HeadSupport, TransferClearances
 from mbcdm_cad.parts.drum_sector.design import SectorRun
+from mbcdm_cad.parts.fits import MOUNT_SCREWS, MountScrew
 from mbcdm_cad.parts.motor_head.dims import HeadedDrive
-from mbcdm_cad.parts.threads import MOUNT_SCREWS, MountScrew
 
 # Source of the walls that stiffen the frame.
 CHOSEN = "for limits.frame_windup_max_mrad"

@@ -23,14 +23,14 @@ from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive, DirectRun
 from mbcdm_cad.layouts.siso_bevel.pulley import input_pulley
 from mbcdm_cad.layouts.siso_bevel.stack import DirectStack, direct_stack
 from mbcdm_cad.layouts.siso_bevel.support.dims import ColumnDims, column, flange
-from mbcdm_cad.parts.collar import CollarDims, collar
+from mbcdm_cad.parts.coupling import CollarDims, collar
 from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
 from mbcdm_cad.parts.drum_sector.sizes import TerminalWay, drum, furthest_anchor_rad
+from mbcdm_cad.parts.fits import MountScrew
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 from mbcdm_cad.parts.motor_head.dims import HeadDims, head
-from mbcdm_cad.parts.terminal.take_up import terminal_travel_mm
-from mbcdm_cad.parts.threads import MountScrew
+from mbcdm_cad.parts.terminal import terminal_travel_mm
 from mbcdm_cad.routes.cable_path import CablePath
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 from mbcdm_cad.layouts.siso_bevel.cable_path import TRANSFER_RAD, input_wrap_rad, stop_bend
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive, DirectRun
 from mbcdm_cad.layouts.siso_bevel.stack import END_PLAY_MM, DirectStack
-from mbcdm_cad.parts.collar import collar_width_mm
+from mbcdm_cad.parts.coupling import collar_width_mm
 from mbcdm_cad.parts.input_pulley.dims import (
     ENCODER_INSERTION_MM,
     JOURNAL_SLIT_MM,

@@ -16,7 +16,7 @@ from math import sqrt
 import numpy as np
 
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
-from mbcdm_cad.parts.terminal.take_up import tensioned_rope
+from mbcdm_cad.parts.terminal import tensioned_rope
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.geometry import DRUM_RADIUS, INPUT_RADIUS, RoutedDrive, Varied
 from mbcdm_cad.routes.route import Anchor, Body, CableRoute, DriveRoutes, Span, Terminal, Wrap, input_body

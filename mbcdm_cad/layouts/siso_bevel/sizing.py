@@ -8,9 +8,8 @@ from math import ceil
 from typing import Any
 
 from mbcdm_cad.checks.transfer import EDGE_BREAK_MM, RUN_OUT_MM
-from mbcdm_cad.design.freedom import Freedom
 from mbcdm_cad.design.rules import Broken
-from mbcdm_cad.design.sized import Moved, Sizing, SizingError
+from mbcdm_cad.design.sized import Freedom, Moved, Sizing, SizingError
 from mbcdm_cad.layouts import common_freedoms
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.common_rules import SCHEMA_VERSION, half_travel, missing_travel, needed, transfer_gap
@@ -33,7 +32,7 @@ from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
 from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
 from mbcdm_cad.layouts.stiff_sizing import SHARED, stiffened, walls
 from mbcdm_cad.layouts.trial_sizing import MIDDLE_SIZE, TrialKnown, repeated
-from mbcdm_cad.parts.threads import MOUNT_SCREWS
+from mbcdm_cad.parts.fits import MOUNT_SCREWS
 from mbcdm_cad.sizing.rule import Found, Rule, constant, rule
 
 # Wrap that stays on the input, and estimated angle of the stop's slot before it is known, deg.

@@ -17,7 +17,7 @@ from math import sqrt
 from mbcdm_cad.layouts.sector import InputLevels
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
 from mbcdm_cad.parts.drum_sector.sizes import terminal_half_mm
-from mbcdm_cad.parts.input_pulley.stop import stop_land_mm
+from mbcdm_cad.parts.input_pulley.dims import stop_land_mm
 from mbcdm_cad.parts.motor_head.dims import TOOL_SLENDERNESS, flange_screw, inner_half_width_mm
 
 # Between the heads of the flange's screws and the motor head's wall.

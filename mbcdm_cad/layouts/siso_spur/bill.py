@@ -12,7 +12,8 @@ from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.routes import turned
 from mbcdm_cad.layouts.siso_spur.support.idlers import SPACER_NOTE, Strap, strap_screw
 from mbcdm_cad.layouts.siso_spur.support.parts import Yoke
-from mbcdm_cad.parts.bill import Bill, BillBuilder, MovingBody
+from mbcdm_cad.parts.bill import Bill, BillBuilder, MovingBody, Placement, Vector
+from mbcdm_cad.parts.coupling import Belt, Wheel, belt_bottom_mm
 from mbcdm_cad.parts.drum_sector.items import (
     add_cables,
     add_drum,
@@ -23,9 +24,8 @@ from mbcdm_cad.parts.drum_sector.items import (
     drilled_drum,
 )
 from mbcdm_cad.parts.drum_sector.part import DrumSector
-from mbcdm_cad.parts.drum_shaft import Axle, Spacer
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
-from mbcdm_cad.parts.input_pulley.items import add_input_pulley
+from mbcdm_cad.parts.input_pulley.items import add_horn, add_input_pulley
 from mbcdm_cad.parts.motor_head.part import (
     EncoderShelf,
     add_flange_fixings,
@@ -34,10 +34,7 @@ from mbcdm_cad.parts.motor_head.part import (
     add_motor,
     add_motor_head,
 )
-from mbcdm_cad.parts.placement import Placement, Vector
-from mbcdm_cad.parts.ring import Dowel, IdlerPulley, Pin
-from mbcdm_cad.parts.stage import Belt, Wheel, belt_bottom_mm
-from mbcdm_cad.parts.train import add_horn
+from mbcdm_cad.parts.turned import Axle, Dowel, IdlerPulley, Pin, Spacer
 
 _X, _Y, _Z, _BACK = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0)
 # Linear RGB.

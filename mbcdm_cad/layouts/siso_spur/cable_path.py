@@ -18,7 +18,7 @@ from mbcdm_cad.layouts.siso_spur.drive import CHANGE_RAD, SpurDrive, SpurRun, co
 from mbcdm_cad.layouts.siso_spur.idlers import SENSE
 from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.drum_sector.sizes import SWAGE_START_MM
-from mbcdm_cad.parts.input_pulley.stop import STOP_PIECES, StopGeometry, stop_geometry, stop_pieces
+from mbcdm_cad.parts.input_pulley.dims import STOP_PIECES, StopGeometry, stop_geometry, stop_pieces
 from mbcdm_cad.routes.cable_path import CablePath, Stretch
 from mbcdm_cad.routes.curves import Arc, Coil, Line, Parabola, Piece, Triple, reverse, triple
 

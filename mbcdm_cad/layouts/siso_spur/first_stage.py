@@ -21,12 +21,12 @@ import numpy as np
 
 from mbcdm_cad.checks.drum_sector import STOP_WINDOW_DEG
 from mbcdm_cad.design.bought import FIRST_STAGE, NO_ENCODER, NO_GEARHEAD, CableStageOutput
-from mbcdm_cad.design.design_file import DesignFile
-from mbcdm_cad.design.entries import KINDS, OwnEntries
-from mbcdm_cad.design.fieldpath import FieldPath
+from mbcdm_cad.design.catalogue import KINDS, OwnEntries
 from mbcdm_cad.design.fields import Number, PlainBlock, choice, quantity
+from mbcdm_cad.design.loader import DesignFile
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import SizedValue, SizingError
+from mbcdm_cad.design.yamltree import FieldPath
 from mbcdm_cad.errors import InputError, shortened
 from mbcdm_cad.layouts.registry import layout_of
 

@@ -8,8 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from mbcdm_cad.layouts.base import Attachment
-from mbcdm_cad.parts.bill import CABLE, FIXED, AssemblyStep, BillBuilder, MovingBody, PartSpec
-from mbcdm_cad.parts.placement import Placement
+from mbcdm_cad.parts.bill import CABLE, FIXED, AssemblyStep, BillBuilder, MovingBody, PartSpec, Placement
 from mbcdm_cad.routes.cable_path import CablePath
 from mbcdm_cad.routes.curves import Helix, carried
 

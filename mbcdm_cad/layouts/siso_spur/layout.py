@@ -32,19 +32,24 @@ from mbcdm_cad.layouts.siso_spur.stack import SpurStack, spur_stack
 from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims, flange, yoke
 from mbcdm_cad.layouts.siso_spur.support.idlers import IdlerPin, axle, idlers, pins
 from mbcdm_cad.model.losses import BearingPair, body_bearings
-from mbcdm_cad.parts.collar import CollarDims, collar, collar_over_shelf_mm, collar_width_mm
+from mbcdm_cad.parts.coupling import (
+    HUB_EDGE_MM,
+    CollarDims,
+    StageDims,
+    collar,
+    collar_over_shelf_mm,
+    collar_width_mm,
+    stage_dims,
+)
 from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.drum_sector.dims import SET_SCREW_ANGLES_DEG, DrumDims, HubDowels
 from mbcdm_cad.parts.drum_sector.sizes import TerminalWay, drum, furthest_anchor_rad
-from mbcdm_cad.parts.drum_shaft import AxleDims, DrumShaftDims
+from mbcdm_cad.parts.fits import MOUNT_SCREWS, SHEAR_SHARE, MountScrew, MountThread
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 from mbcdm_cad.parts.making import land_band_mm
 from mbcdm_cad.parts.motor_head.dims import Flange, HeadDims, head
-from mbcdm_cad.parts.ring import IdlerDims
-from mbcdm_cad.parts.stage import HUB_EDGE_MM, StageDims, stage_dims
-from mbcdm_cad.parts.terminal.part import Tensioner
-from mbcdm_cad.parts.terminal.take_up import tensioned_rope, terminal_travel_mm
-from mbcdm_cad.parts.threads import MOUNT_SCREWS, SHEAR_SHARE, MountScrew, MountThread
+from mbcdm_cad.parts.terminal import Tensioner, tensioned_rope, terminal_travel_mm
+from mbcdm_cad.parts.turned import AxleDims, DrumShaftDims, IdlerDims
 from mbcdm_cad.routes.cable_path import CablePath
 
 if TYPE_CHECKING:

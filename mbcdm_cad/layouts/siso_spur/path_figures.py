@@ -12,7 +12,7 @@ from math import atan2, degrees, pi, radians, tau
 from mbcdm_cad.layouts.siso_spur.cable_path import input_wrap_rad, side_length_mm, walked_mm
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.model.tensioning import TensionedCable, TensioningPlan, tensioning_plan
-from mbcdm_cad.parts.terminal.take_up import highest_preload_N, tensioned_rope
+from mbcdm_cad.parts.terminal import highest_preload_N, tensioned_rope
 from mbcdm_cad.routes.cable_path import CableWraps, EndOfTravel, by_sense, over_travel, wrap_lines
 
 

@@ -17,7 +17,7 @@ from mbcdm_cad.layouts.siso_spur.cable_path import stop_of
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, contact_rad, groove_depth_mm, groove_run_out_rad
 from mbcdm_cad.layouts.siso_spur.overhung import overhung_pulley
 from mbcdm_cad.layouts.siso_spur.stack import END_PLAY_MM, SpurStack
-from mbcdm_cad.parts.collar import collar_over_shelf_mm, collar_width_mm
+from mbcdm_cad.parts.coupling import collar_over_shelf_mm, collar_width_mm
 from mbcdm_cad.parts.input_pulley.dims import (
     ENCODER_INSERTION_MM,
     GROOVE_RADIUS,
@@ -25,8 +25,10 @@ from mbcdm_cad.parts.input_pulley.dims import (
     Groove,
     InputPulleyDims,
     StopSlot,
+    anchored_groove,
+    neck_radius_mm,
+    stop_slot,
 )
-from mbcdm_cad.parts.input_pulley.stop import anchored_groove, neck_radius_mm, stop_slot
 
 
 def _through_groove(drive: SpurDrive, name: str, level_mm: float) -> Groove:

@@ -17,7 +17,7 @@ from mbcdm_cad.layouts.sector import InputLevels
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, boss_front_y_mm, drum_inner_y_mm, run_out_mm
 from mbcdm_cad.layouts.siso_spur.overhung import hub_length_mm
 from mbcdm_cad.parts.drum_sector.sizes import terminal_half_mm
-from mbcdm_cad.parts.input_pulley.stop import helix_stop_land_mm
+from mbcdm_cad.parts.input_pulley.dims import helix_stop_land_mm
 
 # Land beyond the cable at each end of its walk.
 BAND_MARGIN_MM = 0.5

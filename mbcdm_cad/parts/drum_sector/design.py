@@ -9,7 +9,7 @@ from typing import Any, Protocol
 
 from mbcdm_cad.design.bought import NO_BEARING, Bearing, Material, SpringSpec, TensionerSpec
 from mbcdm_cad.design.drive import CableRun, Drive
-from mbcdm_cad.design.lookup import Catalogue
+from mbcdm_cad.design.resolve import Catalogue
 from mbcdm_cad.design.rules import NamedEntry
 from mbcdm_cad.design.sector_blocks import Clearances, SectorCable, SectorDrum, SteppedPulleys
 

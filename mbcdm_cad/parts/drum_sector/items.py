@@ -8,16 +8,14 @@ from math import atan2, cos, degrees, pi, radians, sin
 from typing import Any
 
 from mbcdm_cad.design.bought import Screw
-from mbcdm_cad.parts.bill import BillBuilder, cable_item
+from mbcdm_cad.parts.bill import BillBuilder, Placement, cable_item
 from mbcdm_cad.parts.bodies import CableRod, RingEncoderBody, WaveSpring
 from mbcdm_cad.parts.drum_sector.design import SectorDrive
 from mbcdm_cad.parts.drum_sector.dims import SET_SCREW_ANGLES_DEG, DrumDims
 from mbcdm_cad.parts.drum_sector.part import DrumSector
-from mbcdm_cad.parts.drum_shaft import DrumShaft, DrumShaftDims, PreloadSpringDims
-from mbcdm_cad.parts.placement import Placement
-from mbcdm_cad.parts.ring import Nut
-from mbcdm_cad.parts.terminal.part import SeatWasher, Tensioner, TerminalDims, TerminalSpring, ThreadedTerminal
-from mbcdm_cad.parts.threads import thread
+from mbcdm_cad.parts.fits import thread
+from mbcdm_cad.parts.terminal import SeatWasher, Tensioner, TerminalDims, TerminalSpring, ThreadedTerminal
+from mbcdm_cad.parts.turned import DrumShaft, DrumShaftDims, Nut, PreloadSpringDims
 from mbcdm_cad.routes.cable_path import CablePath
 
 _Y, _Z = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)

@@ -22,7 +22,7 @@ from mbcdm_cad.parts.milled import (
     turned_about_y,
 )
 from mbcdm_cad.parts.part import CORNER, Gyration, MadePart, ring_mm3
-from mbcdm_cad.parts.terminal.part import Tensioner
+from mbcdm_cad.parts.terminal import Tensioner
 
 if TYPE_CHECKING:
     import cadquery as cq

@@ -25,8 +25,8 @@ from mbcdm_cad.parts.drum_sector.dims import (
     joints,
     payload_joint,
 )
-from mbcdm_cad.parts.drum_shaft import FLAT_DEPTH_MM, DrumShaftDims, PreloadSpringDims
-from mbcdm_cad.parts.terminal.part import Tensioner
+from mbcdm_cad.parts.terminal import Tensioner
+from mbcdm_cad.parts.turned import FLAT_DEPTH_MM, DrumShaftDims, PreloadSpringDims
 
 # Clamps the hub on the shaft, twice.
 HUB_SCREW = "M3x5-set"

@@ -22,9 +22,8 @@ from mbcdm_cad.design.sector_blocks import Clearances
 from mbcdm_cad.design.stage import Stage
 from mbcdm_cad.parts.bodies import screw_places
 from mbcdm_cad.parts.boss import BossDims
-from mbcdm_cad.parts.collar import collar_over_shelf_mm, collar_sweep_mm
+from mbcdm_cad.parts.coupling import collar_over_shelf_mm, collar_sweep_mm, hub_radius_mm
 from mbcdm_cad.parts.drum_sector.design import SectorBearings, SectorDrive
-from mbcdm_cad.parts.stage import hub_radius_mm
 
 # Thread of the flange's screws, by the widest body that they carry (estimate).
 FLANGE_THREADS_MM = ((22.0, 2.0), (100.0, 3.0), (200.0, 4.0))

@@ -11,11 +11,12 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from mbcdm_cad.design.bought import InsertSpec
-from mbcdm_cad.parts.bill import BillBuilder
+from mbcdm_cad.parts.bill import BillBuilder, Placement
 from mbcdm_cad.parts.bodies import EncoderBody
 from mbcdm_cad.parts.drum_sector.items import ENCODER_COLOUR
 from mbcdm_cad.parts.fits import FACE_MM, FITS, REST, SHOULDER_MM, Datum, level, shoulder_place
 from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM
+from mbcdm_cad.parts.input_pulley.items import add_train
 from mbcdm_cad.parts.milled import (
     BEYOND_MM,
     Bores,
@@ -33,11 +34,9 @@ from mbcdm_cad.parts.milled import (
 )
 from mbcdm_cad.parts.motor_head.dims import CouplingBox, HeadDims, HeadedDrive, dowel_length_mm, flange_screw
 from mbcdm_cad.parts.part import CORNER, pocket_corner_mm
-from mbcdm_cad.parts.placement import Placement
-from mbcdm_cad.parts.ring import Dowel
 from mbcdm_cad.parts.sheet import CuttingLine, Linear, Sheet, Side, View, X, Y, Z, minus, mm
 from mbcdm_cad.parts.sheet_blocks import THROUGH, hole_labels, hole_table, position_table
-from mbcdm_cad.parts.train import add_train
+from mbcdm_cad.parts.turned import Dowel
 
 if TYPE_CHECKING:
     import cadquery as cq

@@ -25,8 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mbcdm_cad.design.bought import Material
-from mbcdm_cad.parts.bill import Item, sorted_items
-from mbcdm_cad.parts.placement import Placement
+from mbcdm_cad.parts.bill import Item, Placement, sorted_items
 from mbcdm_cad.workshop.trianglemesh import FloatArray, TriangleMesh, single
 
 # Blocks that nothing refers to, in random order in the kernel's text: sorted by their content.

@@ -14,8 +14,7 @@ from vtkmodules.vtkCommonCore import vtkLogger
 from vtkmodules.vtkCommonMath import vtkMatrix4x4
 from vtkmodules.vtkRenderingCore import vtkActor, vtkCamera, vtkRenderer, vtkRenderWindow, vtkWindowToImageFilter
 
-from mbcdm_cad.parts.bill import Item
-from mbcdm_cad.parts.placement import Placement, Vector
+from mbcdm_cad.parts.bill import Item, Placement, Vector
 from mbcdm_cad.routes.cable_path import CablePath
 from mbcdm_cad.workshop.export import picture
 from mbcdm_cad.workshop.interference import MovingGroup

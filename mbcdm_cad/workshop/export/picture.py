@@ -30,8 +30,7 @@ from vtkmodules.vtkRenderingCore import (
 )
 
 from mbcdm_cad.errors import OutputError
-from mbcdm_cad.parts.bill import Item, sorted_items
-from mbcdm_cad.parts.placement import Placement, Vector
+from mbcdm_cad.parts.bill import Item, Placement, Vector, sorted_items
 from mbcdm_cad.workshop.trianglemesh import FloatArray, IntArray, TriangleMesh
 
 # Direction from the model to the camera; z points up in the picture (y in those from above and below).

@@ -30,9 +30,8 @@ from OCP.XCAFDimTolObjects import (
 from OCP.XCAFDoc import XCAFDoc_Datum, XCAFDoc_Dimension, XCAFDoc_DocumentTool, XCAFDoc_GeomTolerance
 
 from mbcdm_cad.design.bought import Material
-from mbcdm_cad.parts.fits import Vector, limits
+from mbcdm_cad.parts.fits import THREAD_CLASS, Vector, limits
 from mbcdm_cad.parts.sheet import Holes, Linear, Sheet
-from mbcdm_cad.parts.threads import THREAD_CLASS
 from mbcdm_cad.workshop.export.step import StepDocument
 from mbcdm_cad.workshop.kernel import Shape, kernel_shape
 

@@ -7,13 +7,12 @@ from dataclasses import dataclass
 from typing import Literal
 
 from mbcdm_cad.design.blocks import Cable, Design, Input, Length, SpanLimits, WoundRope
-from mbcdm_cad.design.design_file import DesignFile
 from mbcdm_cad.design.drive import CableRun, Drive, Sigmas
-from mbcdm_cad.design.fieldpath import FieldPath
 from mbcdm_cad.design.fields import Block, choice, quantity
-from mbcdm_cad.design.lookup import Catalogue
-from mbcdm_cad.design.resolve import preload_N, shared_sigmas, shared_values
+from mbcdm_cad.design.loader import DesignFile
+from mbcdm_cad.design.resolve import Catalogue, preload_N, shared_sigmas, shared_values
 from mbcdm_cad.design.rules import Broken, NamedEntry
+from mbcdm_cad.design.yamltree import FieldPath
 
 
 class Transmission(Block):

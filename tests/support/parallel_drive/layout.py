@@ -14,7 +14,7 @@ from mbcdm_cad.checks import motors, strength
 from mbcdm_cad.checks.comparison import Family, Findings, at_most, check
 from mbcdm_cad.checks.design_variables import SHARED, DesignVariable, by_path, down, field
 from mbcdm_cad.checks.ratios import bending_checks
-from mbcdm_cad.design.design_file import DesignFile
+from mbcdm_cad.design.loader import DesignFile
 from mbcdm_cad.layouts.base import Conventions, Layout
 from mbcdm_cad.parts.bill import AssemblyStep, Bill, MovingBody
 from mbcdm_cad.routes.cable_path import CablePath

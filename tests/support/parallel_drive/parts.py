@@ -6,10 +6,9 @@ from dataclasses import dataclass
 from math import radians
 from typing import TYPE_CHECKING
 
-from mbcdm_cad.parts.bill import AssemblyStep, Bill, BillBuilder, MovingBody, cable_item
+from mbcdm_cad.parts.bill import AssemblyStep, Bill, BillBuilder, MovingBody, Placement, cable_item
 from mbcdm_cad.parts.bodies import CableRod, MotorBody
 from mbcdm_cad.parts.part import Part
-from mbcdm_cad.parts.placement import Placement
 
 if TYPE_CHECKING:
     import cadquery as cq

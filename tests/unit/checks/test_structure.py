@@ -29,7 +29,7 @@ from mbcdm_cad.parts.drum_sector.dims import (
     joints,
     payload_joint,
 )
-from mbcdm_cad.parts.threads import clamp_force_N, screw_hold
+from mbcdm_cad.parts.fits import clamp_force_N, screw_hold
 from tests.support.checked import failing, of_params, result
 
 PARAMS = Path(__file__).parents[3] / "params"

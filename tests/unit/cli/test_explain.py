@@ -11,7 +11,7 @@ import yaml
 
 from mbcdm_cad import cli
 from mbcdm_cad.checks.size import kept_mass_g
-from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.design.loader import LoadedDesign
 from mbcdm_cad.layouts.loader import layout_of, load_design, load_text, short_design_text
 from mbcdm_cad.layouts.structure import structure_of
 

@@ -18,7 +18,7 @@ from mbcdm_cad import cli
 from mbcdm_cad.cli.commands_on_designs import CATALOGUE_KINDS
 from mbcdm_cad.cli.commands_that_draw import VIEW_NAMES
 from mbcdm_cad.cli.group import mbcdm
-from mbcdm_cad.design.entries import KINDS
+from mbcdm_cad.design.catalogue import KINDS
 
 ROOT = Path(__file__).parents[3]
 PARAMS = ROOT / "params" / "mbcdm.yaml"

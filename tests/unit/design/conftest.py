@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 import yaml
 
-from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.design.loader import LoadedDesign
 from mbcdm_cad.layouts.loader import load_text, reference_data
 
 Edit = Callable[..., LoadedDesign]

@@ -9,10 +9,9 @@ from typing import Any
 import pytest
 
 from mbcdm_cad.design.bought import Entry
-from mbcdm_cad.design.catalogue import package_entries
-from mbcdm_cad.design.entries import KINDS, entry_orders
+from mbcdm_cad.design.catalogue import KINDS, entry_orders, package_entries
 from mbcdm_cad.design.fields import validated
-from mbcdm_cad.design.lookup import Catalogue
+from mbcdm_cad.design.resolve import Catalogue
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.loader import load_text, new_design_text
 

@@ -9,8 +9,7 @@ from typing import Any
 import pytest
 import yaml
 
-from mbcdm_cad.design.catalogue import package_entries
-from mbcdm_cad.design.entries import KINDS
+from mbcdm_cad.design.catalogue import KINDS, package_entries
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.solving.question import question_of

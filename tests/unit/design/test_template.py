@@ -17,8 +17,7 @@ from hypothesis import strategies as st
 
 from mbcdm_cad.design.describe import flow
 from mbcdm_cad.design.fields import SLUG
-from mbcdm_cad.design.reference import reference_page
-from mbcdm_cad.design.template import slug
+from mbcdm_cad.design.template import reference_page, slug
 from mbcdm_cad.design.yamltree import parse
 from mbcdm_cad.layouts.loader import design_file, load_design, load_text, new_design_text, reference_data
 

@@ -102,8 +102,7 @@ def test_drawn_sections_have_lines_and_leaders_their_own_points() -> None:
     import cadquery as cq
 
     from mbcdm_cad.drawings.draw import PartFacts, draw_sheet
-    from mbcdm_cad.parts.bill import Item
-    from mbcdm_cad.parts.placement import Placement
+    from mbcdm_cad.parts.bill import Item, Placement
 
     metal = next(iter(layout_of(load_design(ROOT / "params" / "mbcdm.yaml").drive).bill().items)).material
     items = [Item(f"p{n}", f"p{n}", metal, "made", Placement.identity(), "fixed") for n in _MADE]

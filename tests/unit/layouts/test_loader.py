@@ -12,10 +12,10 @@ import yaml
 
 from mbcdm_cad.design.blocks import Cable, Design, Input, SpanLimits, WoundRope
 from mbcdm_cad.design.describe import Given, editor_schema
-from mbcdm_cad.design.design_file import DesignFile
 from mbcdm_cad.design.fields import Block, Number, choice, quantity
-from mbcdm_cad.design.reference import reference_page
+from mbcdm_cad.design.loader import DesignFile
 from mbcdm_cad.design.rules import Broken, NamedEntry
+from mbcdm_cad.design.template import reference_page
 from mbcdm_cad.errors import InputError, MbcdmError
 from mbcdm_cad.layouts import registry
 from mbcdm_cad.layouts.base import Layout

@@ -10,7 +10,7 @@ import pytest
 import yaml
 
 from mbcdm_cad.checks.run import run_check
-from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.design.loader import LoadedDesign
 from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.loader import layout_of, load_text
 from tests.support.checked import failing

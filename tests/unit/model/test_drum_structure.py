@@ -39,8 +39,7 @@ from mbcdm_cad.model.structure.quadrilateral import (
     solve,
 )
 from mbcdm_cad.model.structure.sector_mesh import RimStep, SectorShape
-from mbcdm_cad.parts.drum_sector.dims import Window
-from mbcdm_cad.parts.drum_sector.structure import hub, land_pulls, sector_shape
+from mbcdm_cad.parts.drum_sector.dims import Window, hub, land_pulls, sector_shape
 from mbcdm_cad.report.analysis_report import analyse_design
 
 METAL = Isotropic(71_700.0, 0.33)

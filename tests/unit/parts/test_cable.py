@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
+from mbcdm_cad.parts.bill import Placement
 from mbcdm_cad.parts.bodies import CableRod
-from mbcdm_cad.parts.placement import Placement
 from mbcdm_cad.routes.curves import Arc, Coil, Line
 from mbcdm_cad.workshop.kernel import bounding_box
 from mbcdm_cad.workshop.meshing import mesh_solid

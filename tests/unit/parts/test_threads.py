@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from mbcdm_cad.parts.threads import thread
+from mbcdm_cad.parts.fits import thread
 
 # Nominal: pitch, d2, D1, tap drill, stress area (ISO 261, 724, 2306, 898-1).
 PRINTED = {

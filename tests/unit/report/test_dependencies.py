@@ -21,8 +21,8 @@ import pytest
 
 import mbcdm_cad as mc
 from mbcdm_cad.cli import run
-from mbcdm_cad.design.as_built import with_as_built
 from mbcdm_cad.design.blocks import AsBuilt, AsBuiltCorrelation, AsBuiltValue
+from mbcdm_cad.design.resolve import with_as_built
 from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.loop.as_built import as_built_text

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from mbcdm_cad.design.as_built import with_as_built
 from mbcdm_cad.design.blocks import AsBuilt, AsBuiltValue, Payload
+from mbcdm_cad.design.resolve import with_as_built
 from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.layouts.structure import structure_of
 from mbcdm_cad.layouts.turns import modes_of

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from mbcdm_cad.checks.size import kept_mass_g
-from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.design.loader import LoadedDesign
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import Sizing, SizingError
 from mbcdm_cad.errors import InputError

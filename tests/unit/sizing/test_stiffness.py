@@ -12,8 +12,7 @@ import yaml
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.checks.size import kept_mass_g
 from mbcdm_cad.checks.structure import SOFT, structure_share
-from mbcdm_cad.design.loaded import LoadedDesign
-from mbcdm_cad.design.loader import resolved
+from mbcdm_cad.design.loader import LoadedDesign, resolved
 from mbcdm_cad.design.sized import Moved, Sizing
 from mbcdm_cad.design.yamltree import parse
 from mbcdm_cad.layouts.loader import design_file, layout_of, load_text

@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from mbcdm_cad.checks.structure import drum_stress
-from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.design.loader import LoadedDesign
 from mbcdm_cad.layouts.head_dims import CLOSED_GAIN
 from mbcdm_cad.layouts.loader import layout_of, load_text
 from mbcdm_cad.layouts.sector import SectorLayout

@@ -6,8 +6,8 @@ from typing import Any, get_args, get_type_hints
 
 import pytest
 
-from mbcdm_cad.design.fieldpath import value_at
 from mbcdm_cad.design.fields import is_block
+from mbcdm_cad.design.yamltree import value_at
 from mbcdm_cad.layouts.loader import design_file
 from mbcdm_cad.layouts.registry import names
 from mbcdm_cad.solving.question import Fixed, Point, Times, question_of

@@ -9,7 +9,7 @@ import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mbcdm_cad.design.fieldpath import leaves, put, take_out
+from mbcdm_cad.design.yamltree import leaves, put, take_out
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.solving.question import difference, patched
 

@@ -12,7 +12,7 @@ from dataclasses import replace
 import pytest
 import yaml
 
-from mbcdm_cad.design.freedom import scaled
+from mbcdm_cad.design.sized import scaled
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.solving.question import question_of

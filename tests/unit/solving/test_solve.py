@@ -9,7 +9,7 @@ import pytest
 
 from mbcdm_cad import cli
 from mbcdm_cad.design.catalogue import package_entries
-from mbcdm_cad.design.fieldpath import leaves
+from mbcdm_cad.design.yamltree import leaves
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.report.check_report import check_design
 from mbcdm_cad.solving import solve as solving

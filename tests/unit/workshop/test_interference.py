@@ -14,10 +14,9 @@ import pytest
 from mbcdm_cad.layouts.miso_bevel.bill import bill
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.parallel import forks
-from mbcdm_cad.parts.bill import CABLE, Bill, Item
+from mbcdm_cad.parts.bill import CABLE, Bill, Item, Placement
 from mbcdm_cad.parts.bodies import ScrewBody
-from mbcdm_cad.parts.placement import Placement
-from mbcdm_cad.parts.ring import IdlerPulley, Nut, Pin
+from mbcdm_cad.parts.turned import IdlerPulley, Nut, Pin
 from mbcdm_cad.workshop.interference import InterferenceRun, answers, travel_poses
 from mbcdm_cad.workshop.pairs import CABLE_UNDERSIZE_MM, Clash, Found
 from tests.support.interference_of_solids import body, interferences, run_of

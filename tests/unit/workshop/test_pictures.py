@@ -12,8 +12,7 @@ import pytest
 
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.layouts.loader import layout_of, load_design
-from mbcdm_cad.parts.bill import Item
-from mbcdm_cad.parts.placement import Placement, Vector
+from mbcdm_cad.parts.bill import Item, Placement, Vector
 from mbcdm_cad.workshop import pictures
 from mbcdm_cad.workshop.meshing import mesh_solid
 from mbcdm_cad.workshop.pictures import EXPLODED, exploded, transfer_section

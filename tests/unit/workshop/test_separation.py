@@ -13,7 +13,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-from mbcdm_cad.parts.placement import Placement
+from mbcdm_cad.parts.bill import Placement
 from mbcdm_cad.routes.cable_path import CablePath
 from mbcdm_cad.routes.curves import Arc, Helix, Line
 from mbcdm_cad.workshop import kernel

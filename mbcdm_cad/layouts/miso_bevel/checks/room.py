@@ -33,7 +33,7 @@ from mbcdm_cad.layouts.miso_bevel.cable_path import FREE
 from mbcdm_cad.layouts.miso_bevel.checks.support_fits import in_pocket
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.parts.bodies import RING_ENCODER_FLATS
-from mbcdm_cad.parts.collar import collar_sweep_mm
+from mbcdm_cad.parts.coupling import collar_sweep_mm
 from mbcdm_cad.parts.part import pocket_corner_mm
 
 # Gap between two bodies that both turn in bearings (estimate).

@@ -16,7 +16,7 @@ from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.geometry import CABLE_GAP_MM
 from mbcdm_cad.checks.input_pulley import dead_turns_check
 from mbcdm_cad.checks.run import rounded
-from mbcdm_cad.checks.stacks import Stacks, TransferStacks, ratio_contributions, stack_check, transmission_error
+from mbcdm_cad.checks.transfer import Stacks, TransferStacks, ratio_contributions, stack_check, transmission_error
 from mbcdm_cad.layouts.miso_bevel import gap_tolerances as gaps
 from mbcdm_cad.layouts.miso_bevel.cable_path import BLEND_DIAMETERS, fleet_angle_deg, guide_landing_walk_mm, winding
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun

@@ -6,10 +6,9 @@ from collections.abc import Iterator, Mapping
 from itertools import pairwise
 
 from mbcdm_cad.design.drive import Sigmas
-from mbcdm_cad.design.fieldpath import FieldPath
-from mbcdm_cad.design.lookup import Catalogue
-from mbcdm_cad.design.resolve import by_step, preload_N, shared_sigmas, shared_values
+from mbcdm_cad.design.resolve import Catalogue, by_step, preload_N, shared_sigmas, shared_values
 from mbcdm_cad.design.rules import Broken, NamedEntry, counted, encoders_needed, in_line_only, on_one_side, unique
+from mbcdm_cad.design.yamltree import FieldPath
 from mbcdm_cad.layouts.miso_bevel import drive as d
 from mbcdm_cad.layouts.miso_bevel.design_file.schema import BevelDesign, Transmission
 from mbcdm_cad.parts.drum_sector.design import sector_entries, sector_values, terminal_angle_rad

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import ClassVar, Literal
 
 from mbcdm_cad.design.blocks import Design, DriveTrain, Input, Length, SpanLimits, WoundRope
-from mbcdm_cad.design.design_file import reference_of
 from mbcdm_cad.design.fields import ESTIMATE, Block, EntryName, Integer, Number, choice, quantity
+from mbcdm_cad.design.loader import reference_of
 from mbcdm_cad.design.sector_blocks import SectorCable, SectorDrum, TransferClearances, WoundPulleys
 from mbcdm_cad.layouts.miso_bevel.drive import Support
 

@@ -9,8 +9,7 @@ from functools import cache
 from typing import Any
 
 from mbcdm_cad.checks.design_variables import ALL_RADII
-from mbcdm_cad.design.freedom import Freedom
-from mbcdm_cad.design.sized import Moved, Sizing, SizingError
+from mbcdm_cad.design.sized import Freedom, Moved, Sizing, SizingError
 from mbcdm_cad.layouts import common_freedoms
 from mbcdm_cad.layouts.common_rules import friction, half_travel, missing_travel, needed
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout

@@ -31,7 +31,7 @@ from mbcdm_cad.layouts.common_rules import (
 from mbcdm_cad.layouts.head_basis import counts_losses
 from mbcdm_cad.layouts.miso_bevel.design_file.schema import REFERENCE
 from mbcdm_cad.layouts.miso_bevel.sizing.known import LEAD_STEP_MM, STEPS, UNEVEN, BevelKnown
-from mbcdm_cad.parts.input_pulley.stop import neck_mm, widest_bend_mm
+from mbcdm_cad.parts.input_pulley.dims import neck_mm, widest_bend_mm
 from mbcdm_cad.sizing.rule import Found, constant, driver_of, rounded_down, rounded_up, rule, significant
 
 

@@ -44,7 +44,7 @@ from mbcdm_cad.parts.drum_sector.sizes import (
     STOP_SLOT_PLAY_MM,
     SWAGE_START_MM,
 )
-from mbcdm_cad.parts.threads import SHEAR_SHARE
+from mbcdm_cad.parts.fits import SHEAR_SHARE
 from mbcdm_cad.sizing.rule import Found, Rule, largest, rounded_down, rounded_up, rule
 
 # Height of the hub over its set screws, so that they never project.

@@ -26,7 +26,7 @@ from mbcdm_cad.layouts.miso_bevel.support.dims import (
     MOUNT_ROOM_MM,
     STOP_PIN_DEPTH_MM,
 )
-from mbcdm_cad.parts.collar import collar_sweep_mm, collar_width_mm
+from mbcdm_cad.parts.coupling import collar_sweep_mm, collar_width_mm
 from mbcdm_cad.parts.drum_sector.sizes import SPRING_HEIGHT_MM
 from mbcdm_cad.sizing.rule import Found, Rule, largest, rounded_down, rule, smallest
 

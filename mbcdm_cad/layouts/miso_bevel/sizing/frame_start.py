@@ -13,7 +13,7 @@ from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.sizing.known import BevelKnown, FrameStart
 from mbcdm_cad.layouts.registry import layout_of
-from mbcdm_cad.parts.threads import MOUNT_SCREWS
+from mbcdm_cad.parts.fits import MOUNT_SCREWS
 
 MOUNT_SCREW, WALLS = "support.mount_screw", ("support.back_plate_mm", "support.rib_mm")
 SPARE = 1.02

@@ -10,7 +10,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from mbcdm_cad.design.bought import Gearhead, InsertSpec, shortest_insert
-from mbcdm_cad.design.lookup import Catalogue
+from mbcdm_cad.design.resolve import Catalogue
 from mbcdm_cad.design.rules import every_broken_rule
 from mbcdm_cad.design.sized import SizingError
 from mbcdm_cad.layouts.base import NoFigureError
@@ -22,8 +22,8 @@ from mbcdm_cad.layouts.miso_bevel.stack import stack
 from mbcdm_cad.layouts.miso_bevel.support.dims import MOUNT_HEAD_PLAY_MM
 from mbcdm_cad.parts.drum_sector.design import seat_mm
 from mbcdm_cad.parts.drum_sector.sizes import lug_wall_mm
+from mbcdm_cad.parts.fits import MOUNT_SCREWS, MountScrew
 from mbcdm_cad.parts.input_pulley.dims import GROOVE_LEAD, GROOVE_RADIUS
-from mbcdm_cad.parts.threads import MOUNT_SCREWS, MountScrew
 from mbcdm_cad.sizing.known import RopeKnown
 
 STEPS = 4

@@ -41,10 +41,10 @@ from mbcdm_cad.layouts.miso_bevel.sizing.picking import (
 from mbcdm_cad.layouts.miso_bevel.sizing.radii import least_step_mm, take_up_mm, take_up_with_mm
 from mbcdm_cad.layouts.miso_bevel.support.dims import AXLE_SCREW, DOWEL_LENGTHS_MM, DOWEL_MM
 from mbcdm_cad.model.losses import ROPE_EXPONENT, ROPE_FACTOR
-from mbcdm_cad.parts.collar import collar
+from mbcdm_cad.parts.coupling import collar
 from mbcdm_cad.parts.drum_sector.sizes import SPRING_HEIGHT_MM, SWAGE_FLOOR_MM
-from mbcdm_cad.parts.input_pulley.stop import neck_mm
-from mbcdm_cad.parts.threads import clamp_force_N
+from mbcdm_cad.parts.fits import clamp_force_N
+from mbcdm_cad.parts.input_pulley.dims import neck_mm
 from mbcdm_cad.sizing.rule import Found, rounded_up, rule
 
 # An input carries half the peak torque, a little more in the direction of the bias of its preload.

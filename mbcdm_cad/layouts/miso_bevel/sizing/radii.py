@@ -22,7 +22,7 @@ from mbcdm_cad.layouts.miso_bevel.sizing.known import LATER, LEAD_STEP_MM, STEPS
 from mbcdm_cad.layouts.miso_bevel.support.dims import STOP_WEB_MM
 from mbcdm_cad.parts.bodies import screw_places
 from mbcdm_cad.parts.boss import BEARING_WALL_MM, EAR_WALL_MM
-from mbcdm_cad.parts.collar import collar_sweep_mm
+from mbcdm_cad.parts.coupling import collar_sweep_mm
 from mbcdm_cad.parts.motor_head.dims import KEY_PLAY_MM
 from mbcdm_cad.sizing.rule import Found, driver_of, largest, rounded_down, rounded_up, rule
 

@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Literal
 
 from mbcdm_cad.design.blocks import Input
-from mbcdm_cad.design.design_file import DesignFile, LazySizing, reference_of
-from mbcdm_cad.design.fieldpath import FieldPath
 from mbcdm_cad.design.fields import choice
-from mbcdm_cad.design.lookup import Catalogue
+from mbcdm_cad.design.loader import DesignFile, LazySizing, reference_of
+from mbcdm_cad.design.resolve import Catalogue
 from mbcdm_cad.design.rules import Broken
+from mbcdm_cad.design.yamltree import FieldPath
 from mbcdm_cad.layouts.miso_spur.drive import RoundDrumDrive
 from mbcdm_cad.layouts.siso_spur.design_file import starting
 from mbcdm_cad.layouts.siso_spur.design_file.resolve import (

@@ -10,14 +10,13 @@ from pathlib import Path
 from typing import Literal
 
 from mbcdm_cad.design.blocks import Design, Input, Length
-from mbcdm_cad.design.design_file import DesignFile, LazySizing, reference_of
 from mbcdm_cad.design.drive import Sigmas
-from mbcdm_cad.design.fieldpath import FieldPath
 from mbcdm_cad.design.fields import ESTIMATE, Block, Integer, Number, choice, quantity
-from mbcdm_cad.design.lookup import Catalogue
-from mbcdm_cad.design.resolve import by_step, preload_N, shared_sigmas, shared_values
+from mbcdm_cad.design.loader import DesignFile, LazySizing, reference_of
+from mbcdm_cad.design.resolve import Catalogue, by_step, preload_N, shared_sigmas, shared_values
 from mbcdm_cad.design.rules import Broken, NamedEntry, counted, encoders_needed, in_line_only, on_one_side, unique
 from mbcdm_cad.design.sector_blocks import SectorCable, SectorDrum, SteppedPulleys, TransferClearances
+from mbcdm_cad.design.yamltree import FieldPath
 from mbcdm_cad.layouts.siso_bevel import drive as d
 from mbcdm_cad.layouts.siso_bevel.drive import ColumnSupport
 from mbcdm_cad.parts.drum_sector.design import SectorBearings, sector_entries, sector_values, terminal_angle_rad

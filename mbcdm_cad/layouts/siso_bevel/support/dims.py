@@ -22,9 +22,9 @@ from dataclasses import dataclass
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
 from mbcdm_cad.layouts.siso_bevel.stack import DirectStack, pocket_corner_radius_mm
 from mbcdm_cad.parts.boss import boss, column_start_mm
-from mbcdm_cad.parts.drum_shaft import DrumShaftDims
 from mbcdm_cad.parts.motor_head.dims import DOWEL_MM, Flange, HeadFrameDims, dowel_length_mm
 from mbcdm_cad.parts.motor_head.dims import flange_screw as screw_of_flange
+from mbcdm_cad.parts.turned import DrumShaftDims
 
 # Where the drum leaves less height, down to what the walls over and under its pin need.
 STOP_SHELF_MM = 6.0

@@ -24,8 +24,8 @@ from mbcdm_cad.layouts.siso_spur.stack import FLANGE_MM
 from mbcdm_cad.layouts.siso_spur.support.idlers import StandDims, strap_screw
 from mbcdm_cad.model.losses import BEARING_START, bearing_torque_Nm
 from mbcdm_cad.model.tensioning import plucked_Hz
-from mbcdm_cad.parts.terminal.take_up import tensioned_rope
-from mbcdm_cad.parts.threads import clamp_force_N
+from mbcdm_cad.parts.fits import clamp_force_N
+from mbcdm_cad.parts.terminal import tensioned_rope
 
 # Friction that turns an idler over the friction of its bearings at the start: friction is known to a factor of two.
 TURNED = 2.0

@@ -15,7 +15,7 @@ from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, is_overhung
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.overhung import MotorSeat, hub_radius_mm, set_screw, shaft_end_z_mm
 from mbcdm_cad.layouts.structure import lash_rad, overhung_sag_mm, structure_of
-from mbcdm_cad.parts.threads import clamp_force_N
+from mbcdm_cad.parts.fits import clamp_force_N
 
 # Share of the gap between drum and pulley that the shaft's sag may take (estimate).
 SAG_SHARE = 0.5

@@ -20,8 +20,8 @@ from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims
 from mbcdm_cad.parts.bodies import RING_ENCODER_FLATS
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
 from mbcdm_cad.parts.drum_sector.sizes import nut_corner_radius_mm
+from mbcdm_cad.parts.fits import SHEAR_SHARE
 from mbcdm_cad.parts.motor_head.dims import body_radius_mm
-from mbcdm_cad.parts.threads import SHEAR_SHARE
 
 # Points on a full circle of the outline.
 _CORNERS = 72

@@ -20,10 +20,9 @@ from mbcdm_cad.design.stage import SERVICE, TEETH_IN_MESH, WHEEL_WALL_MM
 from mbcdm_cad.layouts.siso_spur.first_stage import shaft_urad_Nm
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.structure import input_play_rad, lash_rad
-from mbcdm_cad.parts.collar import collar_sweep_mm
+from mbcdm_cad.parts.coupling import StageDims, collar_sweep_mm
+from mbcdm_cad.parts.fits import clamp_force_N
 from mbcdm_cad.parts.motor_head.dims import body_radius_mm
-from mbcdm_cad.parts.stage import StageDims
-from mbcdm_cad.parts.threads import clamp_force_N
 
 # Bending stress that a tooth stands, over the yield stress of its steel: reversed for ever (usual rule).
 TOOTH_SHARE = 0.4

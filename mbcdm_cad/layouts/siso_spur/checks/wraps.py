@@ -14,9 +14,8 @@ import numpy as np
 from mbcdm_cad.checks.comparison import Comparison, Family, Findings, check, noted
 from mbcdm_cad.checks.design_variables import up
 from mbcdm_cad.checks.geometry import CABLE_GAP_MM
-from mbcdm_cad.checks.stacks import stack_check, transmission_error
 from mbcdm_cad.checks.terminals import bodies_of
-from mbcdm_cad.checks.transfer import MORE_WRAP, SLIPS, WRAPS, wrap_under_turn
+from mbcdm_cad.checks.transfer import MORE_WRAP, SLIPS, WRAPS, stack_check, transmission_error, wrap_under_turn
 from mbcdm_cad.layouts.siso_spur.checks.winding import turn_distance_mm
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout

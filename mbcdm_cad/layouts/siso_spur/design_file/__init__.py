@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mbcdm_cad.design.design_file import DesignFile, LazySizing
+from mbcdm_cad.design.loader import DesignFile, LazySizing
 from mbcdm_cad.layouts.siso_spur.design_file.resolve import broken_rules, drive, named_entries
 from mbcdm_cad.layouts.siso_spur.design_file.schema import REFERENCE, SpurDesign
 

@@ -7,11 +7,10 @@ from typing import Any
 
 from mbcdm_cad.design.bought import NO_BEARING, NO_ENCODER, own_bearing, without_encoder
 from mbcdm_cad.design.drive import Sigmas
-from mbcdm_cad.design.fieldpath import FieldPath
-from mbcdm_cad.design.lookup import Catalogue
-from mbcdm_cad.design.resolve import preload_N, shared_sigmas, shared_values
+from mbcdm_cad.design.resolve import Catalogue, preload_N, shared_sigmas, shared_values
 from mbcdm_cad.design.rules import Broken, NamedEntry, counted, on_one_side
 from mbcdm_cad.design.sector_blocks import MOST_SECTOR_DEG
+from mbcdm_cad.design.yamltree import FieldPath
 from mbcdm_cad.layouts.siso_spur import drive as d
 from mbcdm_cad.layouts.siso_spur.design_file.schema import SpurBlocks, SpurDesign, SpurTransmission
 from mbcdm_cad.layouts.siso_spur.first_stage import broken_first_stage, of_design

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import ClassVar, Literal
 
 from mbcdm_cad.design.blocks import TRAVEL_MAX_DEG, Design, Input, Length, Rope, Travel
-from mbcdm_cad.design.design_file import reference_of
 from mbcdm_cad.design.fields import Block, Integer, Number, choice, quantity
+from mbcdm_cad.design.loader import reference_of
 from mbcdm_cad.design.sector_blocks import Clearances, SectorCable, WoundPulleys
 from mbcdm_cad.layouts.siso_spur.drive import MOST_TURNS, SpurDrum, SpurLimits, YokeSupport
 from mbcdm_cad.layouts.siso_spur.first_stage import FirstStageBlock

@@ -11,9 +11,8 @@ from functools import partial
 from typing import Any
 
 from mbcdm_cad.checks.design_variables import ALL_RADII
-from mbcdm_cad.design.freedom import Freedom
 from mbcdm_cad.design.rules import Broken
-from mbcdm_cad.design.sized import Moved, Sizing, SizingError
+from mbcdm_cad.design.sized import Freedom, Moved, Sizing, SizingError
 from mbcdm_cad.layouts import common_freedoms
 from mbcdm_cad.layouts.common_rules import SCHEMA_VERSION, half_travel, missing_travel, needed
 from mbcdm_cad.layouts.head_basis import LIMITS, METALS, ROPE_LIMITS, TRAIN

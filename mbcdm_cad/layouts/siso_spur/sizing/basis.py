@@ -26,7 +26,7 @@ from mbcdm_cad.layouts.siso_spur.design_file.schema import REFERENCE
 from mbcdm_cad.layouts.siso_spur.drive import MOST_TURNS
 from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
 from mbcdm_cad.layouts.trial_sizing import whole_turns
-from mbcdm_cad.parts.input_pulley.stop import neck_mm, widest_bend_mm
+from mbcdm_cad.parts.input_pulley.dims import neck_mm, widest_bend_mm
 from mbcdm_cad.sizing.rule import Found, Rule, constant, rounded_up, rule
 
 # Preload over the preload that an infinite wrap would need for the slip margin.

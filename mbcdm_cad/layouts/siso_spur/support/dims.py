@@ -27,7 +27,6 @@ from mbcdm_cad.layouts.siso_spur.support.idlers import StandDims, stands
 from mbcdm_cad.parts.bodies import screw_places
 from mbcdm_cad.parts.boss import BEARING_WALL_MM, BossFlange, boss
 from mbcdm_cad.parts.drum_sector.sizes import SLOT_WALLS, STOP_SLOT_PLAY_MM
-from mbcdm_cad.parts.drum_shaft import DrumShaftDims
 from mbcdm_cad.parts.motor_head.dims import (
     DOWEL_MM,
     Flange,
@@ -38,6 +37,7 @@ from mbcdm_cad.parts.motor_head.dims import (
     flange_screw,
     inner_half_width_mm,
 )
+from mbcdm_cad.parts.turned import DrumShaftDims
 
 # Thread of the encoder's screws in its housing, in diameters.
 ENCODER_GRIP = 1.25

@@ -21,12 +21,11 @@ from mbcdm_cad.design.bought import Screw
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, SpurRun
 from mbcdm_cad.layouts.siso_spur.idlers import flange_radius_mm, idler_body
 from mbcdm_cad.layouts.siso_spur.stack import FLANGE_MM, SpurStack
-from mbcdm_cad.parts.drum_shaft import AxleDims
 from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.milled import Bores, Feature, Milled, Slab
-from mbcdm_cad.parts.ring import IdlerDims
 from mbcdm_cad.parts.sheet import FitLine, Linear, Sheet, View, X, Y, Z, minus
 from mbcdm_cad.parts.sheet_blocks import THROUGH, hole_labels, hole_table, position_table
+from mbcdm_cad.parts.turned import AxleDims, IdlerDims
 
 # Gap between the spacer on an axle and the strap.
 END_PLAY_MM = 0.1

@@ -15,7 +15,7 @@ from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.pulleys import terminal_way
 from mbcdm_cad.layouts.miso_bevel.stack import stack
 from mbcdm_cad.parts.drum_sector.sizes import half_width_mm, lands, tensioners
-from mbcdm_cad.parts.terminal.part import Tensioner
+from mbcdm_cad.parts.terminal import Tensioner
 
 from .designs import drives, reference
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 
-from mbcdm_cad.checks.stacks import TransferStacks, ratio_contributions
+from mbcdm_cad.checks.transfer import TransferStacks, ratio_contributions
 from mbcdm_cad.layouts.miso_bevel import gap_tolerances as gaps
 from mbcdm_cad.layouts.miso_bevel.cable_path import fleet_angle_deg
 from mbcdm_cad.layouts.miso_bevel.checks.spans import stacks, straight_span_clearance_mm

@@ -12,7 +12,7 @@ import yaml
 
 from mbcdm_cad.checks.bearings import input_reactions
 from mbcdm_cad.checks.comparison import Comparison
-from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.design.loader import LoadedDesign
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.layouts.miso_bevel.assembly_order import assembly_order
 from mbcdm_cad.layouts.miso_bevel.bill import bill

@@ -10,7 +10,7 @@ import pytest
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.support.dims import plate_screw_of
-from mbcdm_cad.parts.collar import collar_sweep_mm
+from mbcdm_cad.parts.coupling import collar_sweep_mm
 
 
 def test_surfaces_are_cut_at_half_a_cable_under_the_pitch_radii(dims: BevelLayout) -> None:

@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 import yaml
 
-from mbcdm_cad.design.fieldpath import leaves
 from mbcdm_cad.design.sized import SizedValue
+from mbcdm_cad.design.yamltree import leaves
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.loader import load_design, load_text, reference_data
 from mbcdm_cad.layouts.miso_bevel.sizing import size

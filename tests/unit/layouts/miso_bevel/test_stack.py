@@ -12,7 +12,7 @@ from mbcdm_cad.layouts.miso_bevel.cable_path import guide_landing_walk_mm
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.stack import END_PLAY_MM, SHOULDER_MM, band, outward_of, stack
-from mbcdm_cad.parts.input_pulley.stop import helix_stop_land_mm
+from mbcdm_cad.parts.input_pulley.dims import helix_stop_land_mm
 
 
 def test_height_is_the_sum_of_what_stands_on_each_other(drive: BevelDrive, dims: BevelLayout) -> None:

@@ -25,7 +25,7 @@ from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.model.stiffness import tangent_stiffness_Nm_rad
 from mbcdm_cad.model.wrap import stretch_after_reversal, stretch_first_loading
-from mbcdm_cad.parts.terminal.part import TerminalSpring
+from mbcdm_cad.parts.terminal import TerminalSpring
 from mbcdm_cad.rig.bench import cables_of
 from mbcdm_cad.rig.chain import chains, look, settle
 

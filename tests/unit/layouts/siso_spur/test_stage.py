@@ -25,8 +25,7 @@ from mbcdm_cad.layouts.structure import structure_of
 from mbcdm_cad.layouts.turns import turns_at
 from mbcdm_cad.measurement.loads import parts_seen
 from mbcdm_cad.measurement.schema import CountedParts
-from mbcdm_cad.parts.collar import collar_sweep_mm
-from mbcdm_cad.parts.stage import Belt, Wheel
+from mbcdm_cad.parts.coupling import Belt, Wheel, collar_sweep_mm
 from tests.support.checked import results
 from tests.support.held import held_rad
 

@@ -7,8 +7,7 @@ import math
 import cadquery as cq
 
 from mbcdm_cad.design.bought import Material
-from mbcdm_cad.parts.bill import Item
-from mbcdm_cad.parts.placement import Placement
+from mbcdm_cad.parts.bill import Item, Placement
 
 
 def material(name: str, density_g_cm3: float, colour: tuple[float, float, float]) -> Material:

@@ -12,8 +12,7 @@ from export_samples import ALUMINIUM, STEEL
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mbcdm_cad.parts.bill import Item
-from mbcdm_cad.parts.placement import Placement
+from mbcdm_cad.parts.bill import Item, Placement
 from mbcdm_cad.workshop.kernel import bounding_box, measure
 from mbcdm_cad.workshop.mass import MassProperties, ShapeProperties, assembly_mass, combined, item_mass
 from mbcdm_cad.workshop.meshing import mesh_solid

@@ -14,8 +14,7 @@ from export_samples import material
 from matplotlib import image
 
 from mbcdm_cad.errors import OutputError
-from mbcdm_cad.parts.bill import Item
-from mbcdm_cad.parts.placement import Placement
+from mbcdm_cad.parts.bill import Item, Placement
 from mbcdm_cad.workshop.export import picture
 from mbcdm_cad.workshop.export.moving import tube_mesh
 from mbcdm_cad.workshop.export.picture import VIEWS, picture_png
