@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import fields, replace
 from functools import reduce
 from typing import Any, NamedTuple, cast
 
@@ -66,6 +66,11 @@ def field(path: str, attributes: str = "", *, asked: bool = False) -> DesignVari
         return changed
 
     return DesignVariable(path, lambda drive: float(_read(drive, names)), put, asked=asked)
+
+
+def lengths(block: str, kind: Any) -> Iterator[DesignVariable]:
+    """The lengths that the class of a block of the drive declares."""
+    return (field(f"{block}.{one.name}") for one in fields(kind) if one.name.endswith("_mm"))
 
 
 def radii(path: str, attributes: tuple[str, ...]) -> DesignVariable:

@@ -7,10 +7,10 @@ from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from mbcdm_cad.checks.design_variables import ALL_RADII, DRUM, SHARED, DesignVariable, by_path, field, radii
+from mbcdm_cad.checks.design_variables import ALL_RADII, DRUM, SHARED, DesignVariable, by_path, field, lengths, radii
 from mbcdm_cad.layouts.base import Conventions, NoFigureError, dimensions
 from mbcdm_cad.layouts.miso_bevel.cable_path import cable_path, input_wrap_rad
-from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
+from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun, Support
 from mbcdm_cad.layouts.miso_bevel.pulleys import axle, drum, guide, input_pulley
 from mbcdm_cad.layouts.miso_bevel.stack import Stack, stack
 from mbcdm_cad.layouts.miso_bevel.support.dims import FrameDims, TopPlateDims, frame, top_plate
@@ -50,16 +50,6 @@ def _total_ratio(drive: BevelDrive) -> float:
     return drive.cables[0].drum_radius_mm / drive.cables[0].input_radius_mm
 
 
-_SUPPORT = (
-    "back_y_mm",
-    "back_plate_mm",
-    "side_wall_mm",
-    "motor_shelf_mm",
-    "coupling_space_mm",
-    "bearing_shelf_mm",
-    "top_plate_mm",
-    "rib_mm",
-)
 VARIABLES: dict[str, DesignVariable] = by_path(
     (
         *SHARED,
@@ -83,7 +73,7 @@ VARIABLES: dict[str, DesignVariable] = by_path(
         field("clearances.transfer_gap_mm"),
         field("clearances.land_edge_mm"),
         *DRUM,
-        *(field(f"support.{name}") for name in _SUPPORT),
+        *lengths("support", Support),
     )
 )
 

@@ -14,12 +14,13 @@ from mbcdm_cad.checks.design_variables import (
     DesignVariable,
     by_path,
     field,
+    lengths,
     radii,
 )
 from mbcdm_cad.layouts.base import Conventions, dimensions
 from mbcdm_cad.layouts.sector import HeadLayout
 from mbcdm_cad.layouts.siso_bevel.cable_path import cable_path, input_wrap_rad, longest_mm
-from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive, DirectRun
+from mbcdm_cad.layouts.siso_bevel.drive import ColumnSupport, DirectDrive, DirectRun
 from mbcdm_cad.layouts.siso_bevel.pulley import input_pulley
 from mbcdm_cad.layouts.siso_bevel.stack import DirectStack, direct_stack
 from mbcdm_cad.layouts.siso_bevel.support.dims import ColumnDims, column, flange
@@ -38,16 +39,6 @@ def _reserve(drive: DirectDrive, value: float) -> DirectDrive:
     return replace(drive, reserve_deg=value, dead_turns=value / 360.0)
 
 
-_SUPPORT = (
-    "back_y_mm",
-    "back_plate_mm",
-    "side_wall_mm",
-    "motor_shelf_mm",
-    "coupling_space_mm",
-    "bearing_shelf_mm",
-    "encoder_shelf_mm",
-    "rib_mm",
-)
 VARIABLES: dict[str, DesignVariable] = by_path(
     (
         *SHARED,
@@ -58,7 +49,7 @@ VARIABLES: dict[str, DesignVariable] = by_path(
         field("clearances.transfer_gap_mm"),
         field("clearances.land_edge_mm"),
         *DRUM,
-        *(field(f"support.{name}") for name in _SUPPORT),
+        *lengths("support", ColumnSupport),
     )
 )
 

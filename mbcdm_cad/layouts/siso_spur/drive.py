@@ -508,11 +508,6 @@ def is_anchored(drive: SpurDrive) -> bool:
     return drive.anchored
 
 
-def is_overhung(drive: SpurDrive) -> bool:
-    """Whether the motor's shaft alone carries the input pulley."""
-    return drive.overhung
-
-
 def is_continuous(drive: SpurDrive) -> bool:
     """Whether one cable goes round each input."""
     return not drive.anchored

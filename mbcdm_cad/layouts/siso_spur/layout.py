@@ -18,15 +18,16 @@ from mbcdm_cad.checks.design_variables import (
     DesignVariable,
     by_path,
     field,
+    lengths,
     radii,
 )
 from mbcdm_cad.checks.fixings import STRESS_SAFETY
 from mbcdm_cad.layouts.base import Conventions, dimensions
 from mbcdm_cad.layouts.sector import HeadLayout
 from mbcdm_cad.layouts.siso_spur.cable_path import cable_paths, input_wrap_rad, longest_mm, side_length_mm
-from mbcdm_cad.layouts.siso_spur.drive import MOST_SPREAD, PITCH_SPREAD, SpurDrive, SpurRun, laid, spur
+from mbcdm_cad.layouts.siso_spur.drive import MOST_SPREAD, PITCH_SPREAD, SpurDrive, SpurRun, YokeSupport, laid, spur
 from mbcdm_cad.layouts.siso_spur.first_stage_unit import FirstStageUnit
-from mbcdm_cad.layouts.siso_spur.idlers import no_strand
+from mbcdm_cad.layouts.siso_spur.idlers import IdlerBlock, no_strand
 from mbcdm_cad.layouts.siso_spur.pulley import input_pulley
 from mbcdm_cad.layouts.siso_spur.stack import SpurStack, spur_stack
 from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims, flange, yoke
@@ -75,20 +76,6 @@ def _belt_teeth(drive: SpurDrive, value: float) -> SpurDrive:
     return replace(drive, stage=replace(drive.stage, belt_teeth=round(value)))
 
 
-_SUPPORT = (
-    "back_y_mm",
-    "plate_mm",
-    "bridge_mm",
-    "side_wall_mm",
-    "motor_shelf_mm",
-    "coupling_space_mm",
-    "bearing_shelf_mm",
-    "encoder_shelf_mm",
-)
-
-_IDLERS = ("radius_mm", "width_mm")
-
-
 def _with_lands(variable: DesignVariable) -> DesignVariable:
     """The design variable; a drive with a new value gets new planes of its terminals."""
     return variable._replace(put=lambda drive, value: laid(spur(variable.put(drive, value))))
@@ -106,7 +93,7 @@ VARIABLES: dict[str, DesignVariable] = by_path(
         field("rope.helix_lead_mm", "helix_lead_mm"),
         field("clearances.land_edge_mm"),
         *DRUM,
-        *(field(f"support.{name}") for name in _SUPPORT),
+        *lengths("support", YokeSupport),
         field("stage.width_mm")._replace(applies=lambda d: d.stage is not None),
         DesignVariable(
             "stage.belt_teeth",
@@ -114,7 +101,7 @@ VARIABLES: dict[str, DesignVariable] = by_path(
             _belt_teeth,
             applies=lambda d: d.stage is not None and d.stage.is_belt,
         ),
-        *(field(f"idlers.{name}")._replace(applies=lambda d: d.idlers is not None) for name in _IDLERS),
+        *(one._replace(applies=lambda d: d.idlers is not None) for one in lengths("idlers", IdlerBlock)),
     )
 )
 

@@ -6,6 +6,7 @@ bearings alone, which the rope's friction on its wrap must overcome.
 
 from __future__ import annotations
 
+from functools import partial
 from itertools import combinations
 from math import exp, hypot
 from typing import NamedTuple
@@ -37,16 +38,13 @@ SPACE_MM = 1.0
 SPAN_HZ = 50.0
 
 
-def has_idlers(drive: object) -> bool:
-    """Whether idlers lead the cable."""
-    return getattr(drive, "idlers", None) is not None
+_idler_check = partial(check, applies=lambda drive: drive.idlers is not None)
 
 
-@check(
+@_idler_check(
     "Cable turns the idlers",
     "capstan equation against the bearings' friction; 2: friction is known to a factor of two",
     advice="move idlers.places across the cable, so that it wraps further",
-    applies=has_idlers,
     unit="times",
 )
 def idler_turns(s: SpurLayout) -> Findings:
@@ -64,12 +62,11 @@ def idler_turns(s: SpurLayout) -> Findings:
             yield f"torque of the rope on {body}, over its bearings'", able / drag, TURNED, note
 
 
-@check(
+@_idler_check(
     "Walk of the cable stays on the idlers",
     "derived: lead x ratio x travel / 360 deg, and the rise on the wrap; 0.3 mm: estimate",
     up("idlers.width_mm"),
     down("travel.half_angle_deg"),
-    applies=has_idlers,
 )
 def idler_walk(s: SpurLayout) -> Findings:
     """The cable stays on the land of each idler over the travel, and two bearings fit inside."""
@@ -118,7 +115,7 @@ def bearing_forces_N(s: SpurLayout) -> list[LoadedPin]:
     return found
 
 
-@check("Idlers' bearings carry the cables", RATING, *LESS, advice_on=larger, applies=has_idlers)
+@_idler_check("Idlers' bearings carry the cables", RATING, *LESS, advice_on=larger)
 def idler_bearings(s: SpurLayout) -> Findings:
     """Static safety of the idlers' bearings, the cable at either end of its walk."""
     spec = s.drive.idler_bearing
@@ -132,12 +129,11 @@ def idler_bearings(s: SpurLayout) -> Findings:
             )
 
 
-@check(
+@_idler_check(
     "Idlers' axles are strong enough",
     "beam theory; 1.5 on yield: usual rule",
     *LESS,
     advice="choose an idlers.bearing of larger bore",
-    applies=has_idlers,
     unit="times",
 )
 def idler_axles(s: SpurLayout) -> Findings:
@@ -150,12 +146,11 @@ def idler_axles(s: SpurLayout) -> Findings:
         yield what, strength / max(stress, 1e-12), STRESS_SAFETY
 
 
-@check(
+@_idler_check(
     "Strap of the idlers holds on its posts",
     "clamp force x 0.15; 1.2: usual rule; posts: beam theory, 1.5 on yield",
     *LESS,
     advice="choose a larger support.mount_screw",
-    applies=has_idlers,
     unit="times",
 )
 def idler_strap(s: SpurLayout) -> Findings:
@@ -184,14 +179,13 @@ def idler_strap(s: SpurLayout) -> Findings:
         yield what, metal.yield_MPa / max(bent, 1e-12), STRESS_SAFETY
 
 
-@check(
+@_idler_check(
     "Idlers clear drum, input and each other",
     "clearances.running_mm; material: min_wall_mm",
     up("transmission.centre_distance_mm"),
     down("idlers.radius_mm"),
     up("idlers.radius_mm"),
     advice="move idlers.places away from the drum, or leave them out",
-    applies=has_idlers,
 )
 def idler_room(s: SpurLayout) -> Findings:
     """Gaps of the idlers to the drum with its terminals, to the input, and to each other; wall over their bearings."""
@@ -216,12 +210,11 @@ def idler_room(s: SpurLayout) -> Findings:
         yield f"{one} from {two}", gap, running
 
 
-@check(
+@_idler_check(
     "Spans between idlers do not swing",
     "string, f = sqrt(T/m)/(2 l); 50 Hz: estimate",
     up("rope.preload_N"),
     advice="give idlers.places with another pair in the longest span",
-    applies=has_idlers,
     warn=True,
     unit="Hz",
 )

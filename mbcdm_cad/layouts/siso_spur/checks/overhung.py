@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from mbcdm_cad.checks.bearings import LESS, input_reactions
@@ -11,7 +13,6 @@ from mbcdm_cad.checks.fixings import FRICTION, SLIP_SAFETY, STRESS_SAFETY, round
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM, web_between
 from mbcdm_cad.checks.input_pulley import GRIP_DIAMETERS
 from mbcdm_cad.design.bought import Servo
-from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, is_overhung
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.overhung import MotorSeat, hub_radius_mm, set_screw, shaft_end_z_mm
 from mbcdm_cad.layouts.structure import lash_rad, overhung_sag_mm, structure_of
@@ -25,12 +26,9 @@ _SHAFT = (
 _SMALLER = "choose a servo with a larger horn"
 
 
-def _has_servo(drive: SpurDrive) -> bool:
-    return drive.servo is not None
-
-
-def _has_plain_shaft(drive: SpurDrive) -> bool:
-    return drive.overhung and drive.servo is None
+_on_shaft = partial(check, applies=lambda drive: drive.overhung)
+_without_horn = partial(check, applies=lambda drive: drive.overhung and drive.servo is None)
+_on_horn = partial(check, applies=lambda drive: drive.servo is not None)
 
 
 def _pull(s: SpurLayout) -> tuple[float, float, float]:
@@ -45,13 +43,12 @@ def _pull(s: SpurLayout) -> tuple[float, float, float]:
     return max(found, key=lambda pull: pull[2])
 
 
-@check(
+@_on_shaft(
     "Motor's bearings carry the cables",
     "catalogue: radial load at its distance; statics",
     *LESS,
     up("transmission.turns"),
     advice=_SHAFT,
-    applies=is_overhung,
 )
 def motor_shaft_load(s: SpurLayout) -> Comparison:
     """Radial load that the shaft of motor or gearhead can take at the cables' distance, over their pull."""
@@ -63,9 +60,7 @@ def motor_shaft_load(s: SpurLayout) -> Comparison:
     return at_least(f"{what} {force:.4g} N", gear.front_reaction_N / max(front, 1e-9), 1.0, "times", note)
 
 
-@check(
-    "Stress in the motor's shaft", "beam theory; 1.5 on yield: usual rule", *LESS, advice=_SHAFT, applies=is_overhung
-)
+@_on_shaft("Stress in the motor's shaft", "beam theory; 1.5 on yield: usual rule", *LESS, advice=_SHAFT)
 def motor_shaft_stress(s: SpurLayout) -> Comparison:
     """Bending and torsion of the shaft at the face, against the yield stress of steel."""
     force, at, _ = _pull(s)
@@ -75,13 +70,12 @@ def motor_shaft_stress(s: SpurLayout) -> Comparison:
     return at_least(what, strength / max(stress, 1e-9), STRESS_SAFETY, "times")
 
 
-@check(
+@_on_shaft(
     "Sag of the motor's shaft under the cables",
     "beam theory; half of clearances.running_mm: estimate",
     *LESS,
     advice=_SHAFT,
     warn=True,
-    applies=is_overhung,
 )
 def motor_shaft_sag(s: SpurLayout) -> Comparison:
     """Distance by which the cables bend the shaft aside at the middle of the land, and its bearings give."""
@@ -89,14 +83,13 @@ def motor_shaft_sag(s: SpurLayout) -> Comparison:
     return at_most("pulley pulled aside on the motor's shaft", overhung_sag_mm(s), limit, "mm")
 
 
-@check(
+@_without_horn(
     "Set screws hold the pulley on the motor's shaft",
     "mu F r (2 + sqrt 2), screws at right angles; half of a cap screw's force: estimate",
     down("loads.peak_torque_Nm"),
     down("transmission.input_to_drum"),
     advice=_SHAFT,
     unit="times",
-    applies=_has_plain_shaft,
 )
 def pulley_set_screws(s: SpurLayout) -> Findings:
     """Torque that the pulley's two set screws hold on the round shaft, over the largest torque of the input."""
@@ -111,12 +104,11 @@ def pulley_set_screws(s: SpurLayout) -> Findings:
     )
 
 
-@check(
+@_without_horn(
     "Walls of the pulley on the motor's shaft",
     "material: min_wall_mm",
     down("transmission.input_to_drum"),
     up("all radii of transmission"),
-    applies=_has_plain_shaft,
 )
 def hub_walls_of_pulley(s: SpurLayout) -> Findings:
     """Walls of the pulley round its bore, and whole set screws in the hub."""
@@ -131,13 +123,12 @@ def hub_walls_of_pulley(s: SpurLayout) -> Findings:
     )
 
 
-@check(
+@_without_horn(
     "Motor's shaft reaches into the pulley",
     "one diameter: usual rule",
     down("support.plate_mm"),
     down("support.motor_shelf_mm"),
     advice="choose a motor or gearhead with a longer shaft",
-    applies=_has_plain_shaft,
 )
 def motor_shaft_grip(s: SpurLayout) -> Findings:
     """The shaft is in the pulley over its diameter, and past the set screws."""
@@ -149,13 +140,12 @@ def motor_shaft_grip(s: SpurLayout) -> Findings:
     yield f"{what} past its set screws", end - pulley.hub.screw_z - pulley.hub.thread / 2, 0.0
 
 
-@check(
+@_on_horn(
     "Screws hold the pulley on the servo's horn",
     "mu F r; class 8.8 at 0.7 of yield, mu 0.15: usual values",
     down("loads.peak_torque_Nm"),
     down("transmission.input_to_drum"),
     advice=_SMALLER,
-    applies=_has_servo,
 )
 def horn_screws(s: SpurLayout) -> Comparison:
     """Torque that the screws hold between flange and horn by friction, over the largest torque of the input."""
@@ -166,13 +156,12 @@ def horn_screws(s: SpurLayout) -> Comparison:
     return at_least(what, holds / max(wanted, 1e-9), SLIP_SAFETY, "times")
 
 
-@check(
+@_on_horn(
     "Pulley's flange fits the servo's horn",
     "usual rule: one diameter, or the horn's thickness",
     up("transmission.input_to_drum"),
     down("all radii of transmission"),
     advice=_SMALLER,
-    applies=_has_servo,
 )
 def horn_flange(s: SpurLayout) -> Findings:
     """The horn's screws go past the land, engage in the horn and do not reach through it; the flange's walls."""
@@ -192,13 +181,12 @@ def horn_flange(s: SpurLayout) -> Findings:
     yield "flange between the horn's screws and the recess", circle - screw.clearance_mm / 2 - pulley.bore_radius, limit
 
 
-@check(
+@_on_horn(
     "Play of the servo's gears",
     "catalogue; derived: lash over the ratio",
     up("transmission.input_to_drum"),
     advice="choose a servo whose sensor is on its horn's shaft",
     warn=True,
-    applies=_has_servo,
 )
 def servo_lash(s: SpurLayout) -> Comparison:
     """Play of the drum by the servo's own gears that its sensor does not see, against the turn by cables and parts."""
@@ -238,12 +226,11 @@ def _servo_seat(s: SpurLayout, seat: MotorSeat, window: tuple[float, float, floa
     yield "plate behind the ears' screws", drive.support.plate_mm - into, 0.0
 
 
-@check(
+@_on_shaft(
     "Plate takes the motor's pilot and screws",
     "material: min_wall_mm",
     up("support.plate_mm"),
     up("transmission.centre_distance_mm"),
-    applies=is_overhung,
 )
 def motor_seat(s: SpurLayout) -> Findings:
     """The heads of the motor's screws are sunk in the plate, with metal under them and round all holes."""
@@ -272,12 +259,7 @@ def motor_seat(s: SpurLayout) -> Findings:
     yield "plate under these heads", seat.shelf, limit
 
 
-@check(
-    "Hub of the input pulley clears the drum",
-    "clearances.running_mm",
-    up("transmission.centre_distance_mm"),
-    applies=is_overhung,
-)
+@_on_shaft("Hub of the input pulley clears the drum", "clearances.running_mm", up("transmission.centre_distance_mm"))
 def hub_and_drum(s: SpurLayout) -> Comparison:
     """Gap between the hub with its set screws and the drum's rim with its cables."""
     drive = s.drive

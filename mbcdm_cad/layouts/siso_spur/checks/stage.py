@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 from math import ceil, degrees, pi
-from typing import Any
 
 import numpy as np
 
@@ -54,16 +53,16 @@ def _stronger(s: SpurLayout, found: Comparison) -> str:
     return f"raise stage.width_mm to about {width}, or stage.driver_teeth, or choose {larger}"
 
 
-def _has_stage(drive: Any) -> bool:
-    return drive.stage is not None
+_stage_check = partial(check, applies=lambda drive: drive.stage is not None)
+_belt_check = partial(check, applies=lambda drive: drive.stage is not None and drive.stage.is_belt)
+_end_check = partial(check, applies=lambda drive: drive.drum.shaft_end_mm > 0.0)
 
 
-@check(
+@_stage_check(
     "Belt or teeth carry the peak torque",
     "belt: makers' allowable working tension; gears: Lewis; service factor 1.5: belt makers",
     up("stage.width_mm"),
     advice_on=_stronger,
-    applies=_has_stage,
 )
 def stage_strength(s: SpurLayout) -> Comparison:
     """Strength of belt or teeth over the load at peak torque.
@@ -84,16 +83,11 @@ def stage_strength(s: SpurLayout) -> Comparison:
     return at_least(f"gears: {what} at {torque:.4g} N m on the input", allowed / max(stress, 1e-9), SERVICE, "times")
 
 
-def _has_belt(drive: Any) -> bool:
-    return drive.stage is not None and drive.stage.is_belt
-
-
-@check(
+@_belt_check(
     "Enough teeth in the belt",
     "six teeth: belt makers",
     up("stage.belt_teeth"),
     advice="raise stage.belt_teeth, which moves the axes apart, or stage.driver_teeth, or lower stage.ratio",
-    applies=_has_belt,
 )
 def stage_mesh(s: SpurLayout) -> Comparison:
     """Teeth of the small pulley in the belt: with fewer it may jump a tooth below its allowed tension."""
@@ -101,12 +95,11 @@ def stage_mesh(s: SpurLayout) -> Comparison:
     return at_least("teeth of the driving pulley in the belt", stage.driver_in_mesh, TEETH_IN_MESH, "teeth")
 
 
-@check(
+@_stage_check(
     "Wheels of belt or gears have room",
     "clearances.running_mm; 0.8 mm round the bore: makers' smallest wheels",
     up("stage.belt_teeth"),
     advice="raise stage.driver_teeth, or stage.belt_teeth, or stage.module_mm, which move the axes apart",
-    applies=_has_stage,
 )
 def stage_room(s: SpurLayout) -> Findings:
     """Wheels clear each other, their shafts, hub clamp and flange."""
@@ -126,12 +119,11 @@ def stage_room(s: SpurLayout) -> Findings:
         yield "flanges of the pulleys from each other", stage.centre_mm - flanges, running
 
 
-@check(
+@_belt_check(
     "A key reaches the motor's screws beside the belt",
     "derived",
     up("stage.belt_teeth"),
     advice="choose a motor or gearhead whose screws stand further from its shaft, or kind: gears",
-    applies=_has_belt,
 )
 def stage_key(s: SpurLayout) -> Comparison:
     """A key reaches the screws of motor or gearhead beside driver and belt: they are tightened with the belt on."""
@@ -140,12 +132,11 @@ def stage_key(s: SpurLayout) -> Comparison:
     return at_least(f"key for the screws of the {s.drive.mounted} from the belt", gap, 0.0, "mm")
 
 
-@check(
+@_stage_check(
     "Shaft of motor or gearhead carries belt or teeth",
     "gearhead or motor catalogue: radial_load_N",
     advice="raise stage.driver_teeth, which pulls less for the same torque, or choose a drive.gearhead with a "
     "larger radial_load_N",
-    applies=_has_stage,
 )
 def stage_shaft(s: SpurLayout) -> Comparison:
     """Force of belt or teeth across the shaft of motor or gearhead, against what its bearings may carry."""
@@ -159,12 +150,11 @@ def stage_shaft(s: SpurLayout) -> Comparison:
     )
 
 
-@check(
+@_stage_check(
     "Driving wheel holds on its shaft",
     "makers of retaining compounds: 15 to 25 MPa, half counted",
     up("stage.width_mm"),
     advice="choose a motor or gearhead with a longer or thicker shaft, or raise stage.width_mm",
-    applies=_has_stage,
 )
 def stage_bond(s: SpurLayout) -> Comparison:
     """Torque that the retaining compound in the driver's bore holds."""
@@ -177,11 +167,10 @@ def stage_bond(s: SpurLayout) -> Comparison:
     return at_least(what, holds / max(needed, 1e-9), STRESS_SAFETY, "times")
 
 
-@check(
+@_stage_check(
     "Journal carries the driven wheel",
     "material: yield_MPa; 1.5 times the service factor",
     advice="choose a larger input_pulleys.lower_bearing, whose journal is thicker, or lower stage.width_mm",
-    applies=_has_stage,
     unit="times",
 )
 def stage_journal(s: SpurLayout) -> Findings:
@@ -197,11 +186,10 @@ def stage_journal(s: SpurLayout) -> Findings:
     )
 
 
-@check(
+@_stage_check(
     "Ratio of whole teeth",
     "1 %: choice",
     advice="set stage.ratio to the ratio of the teeth, or raise stage.driver_teeth",
-    applies=_has_stage,
     warn=True,
 )
 def stage_ratio(s: SpurLayout) -> Comparison:
@@ -214,11 +202,10 @@ def stage_ratio(s: SpurLayout) -> Comparison:
     return at_most(what, 100.0 * off, 100.0 * RATIO_SHARE, "%")
 
 
-@check(
+@_stage_check(
     "Play of belt or gears at the drum",
     "estimate by kind, or stage.lash_arcmin",
     advice="name a drive.encoder on the input, choose kind: belt, or state a measured stage.lash_arcmin",
-    applies=_has_stage,
     warn=True,
 )
 def stage_lash(s: SpurLayout) -> Comparison:
@@ -247,17 +234,12 @@ NOT_OF_A_FIRST = (
 )
 
 
-def _has_end(drive: Any) -> bool:
-    return bool(drive.drum.shaft_end_mm > 0.0)
-
-
-@check(
+@_end_check(
     "Drum's shaft carries the output torque",
     "material: yield_MPa",
     down("drum.shaft_bore_mm"),
     down("loads.peak_torque_Nm"),
     advice="choose a drum.bearing of larger bore",
-    applies=_has_end,
 )
 def shaft_end_stress(s: SpurLayout) -> Comparison:
     """Torsion of the drum's shaft behind its hub, von Mises, against the yield stress."""
@@ -268,12 +250,11 @@ def shaft_end_stress(s: SpurLayout) -> Comparison:
     return at_least(what, strength / max(stress, 1e-9), STRESS_SAFETY, "times")
 
 
-@check(
+@_end_check(
     "Drum's shaft stiff against torsion",
     "the turn of the cables: choice",
     down("drum.shaft_bore_mm"),
     advice="choose a drum.bearing of larger bore, or lower drum.shaft_end_mm",
-    applies=_has_end,
 )
 def shaft_end_twist(s: SpurLayout) -> Comparison:
     """Turn of the end of the drum's shaft against the hub at the test torque; limit is the turn of the cables."""
@@ -284,12 +265,11 @@ def shaft_end_twist(s: SpurLayout) -> Comparison:
     return at_most(what, turned, s.loads.test_urad_Nm * torque * 1e-3, "mrad")
 
 
-@check(
+@_end_check(
     "Hub holds on the drum's shaft",
     "makers of retaining compounds: 15 to 25 MPa, half counted",
     down("loads.peak_torque_Nm"),
     advice="choose a drum.bearing of larger bore, or raise drum.hub_face_y_mm",
-    applies=_has_end,
 )
 def shaft_end_bond(s: SpurLayout) -> Comparison:
     """Torque that the bond of the hub on the drum's shaft holds, over the one that passes."""
@@ -299,12 +279,11 @@ def shaft_end_bond(s: SpurLayout) -> Comparison:
     return at_least(what, holds / max(load, 1e-9), SLIP_SAFETY, "times")
 
 
-@check(
+@_end_check(
     "Flange of the boss does not slip",
     "friction of tightened screws, as mounting_screws",
     down("loads.peak_torque_Nm"),
     advice="choose a larger drum.bearing, round which the screws stand further out",
-    applies=_has_end,
 )
 def shaft_end_flange(s: SpurLayout) -> Comparison:
     """Torque at which the flange of the boss slips on what it is screwed on, over the one on the drum's shaft.
@@ -356,15 +335,11 @@ def _behind(s: SpurLayout, first: SpurLayout) -> Iterator[tuple[str, float]]:
     yield "drum of the first stage from the boss of the second one's drum", max(behind, axis - beside - swept)
 
 
-def _has_first(drive: Any) -> bool:
-    return drive.first_stage is not None
-
-
 @check(
     "Both stages have room",
     "clearances.running_mm",
     advice="raise first_stage.design.transmission.centre_distance_mm, or choose a smaller motor",
-    applies=_has_first,
+    applies=lambda drive: drive.first_stage is not None,
 )
 def first_stage_room(s: SpurLayout) -> Findings:
     """Room of both stages beside each other: motor and plate of the first one from the frame of the second."""
