@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from mbcdm_cad.checks.comparison import Check, Comparison, Findings, at_least, at_most, check
+from mbcdm_cad.checks.comparison import Check, Comparison, Findings, at_least, at_most, check, check_for
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.design.bought import Bearing
 from mbcdm_cad.design.catalogue import package_entries
@@ -35,9 +35,9 @@ LESS: tuple[Adjustment, ...] = (down("rope.preload_N"), down("loads.peak_torque_
 RATING = "bearing catalogue; static safety 1: bearing makers, normal running"
 
 
-def carried(drive: Any) -> bool:
-    """Whether each input pulley has bearings of its own."""
-    return not drive.overhung
+# Of a drive whose input pulleys have bearings of their own, and couple to the motor without belt or gears.
+carried_check = check_for(lambda drive: not drive.overhung)
+coupled_check = check_for(lambda drive: drive.stage is None and not drive.overhung)
 
 
 def safety(bearing: Bearing, name: str, load_N: float, limit: float) -> Comparison:
@@ -161,7 +161,7 @@ def quiet(measure: Callable[[Any], Findings]) -> Check:
     return check("All bearings run quietly", source, advice_on=larger, warn=True)(measure)
 
 
-@check("Input pulleys' bearings carry the cables", RATING, *LESS, advice_on=larger, applies=carried)
+@carried_check("Input pulleys' bearings carry the cables", RATING, *LESS, advice_on=larger)
 def input_bearings(s: SectorLayout) -> Findings:
     """Static safety of the bearings at both ends of the input pulleys."""
     yield from input_safety(s, STATIC_SAFETY)
@@ -190,13 +190,12 @@ def drum_bearing_spacing(s: SectorLayout) -> Comparison:
     return at_least("space between the drum's bearings", between, width, "mm")
 
 
-@check(
+@coupled_check(
     "Deflection of the input pulleys at the coupling",
     "play of gearheads: 0.02 mm, estimate",
     *LESS,
     up("all radii of transmission"),
     advice="choose an input_pulleys.lower_bearing of larger bore, which makes the pulley's journal stiffer",
-    applies=lambda drive: drive.stage is None and carried(drive),
     warn=True,
 )
 def coupling_runout(s: SectorLayout) -> Findings:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import wraps
+from functools import partial, wraps
 from math import inf, isfinite
 from types import ModuleType
 from typing import Any, Literal, NamedTuple
@@ -116,6 +116,9 @@ class Check:
         return replace(self, **changes)
 
 
+Maker = Callable[[Callable[[Any], Comparison | Findings]], Check]
+
+
 def check(
     title: str,
     source: str,
@@ -126,7 +129,7 @@ def check(
     applies: Callable[[Any], bool] | None = None,
     unit: str = "mm",
     none: Comparison | None = None,
-) -> Callable[[Callable[[Any], Comparison | Findings]], Check]:
+) -> Maker:
     """Make a check, whose id is the function's name, of a function that gives one comparison or yields several.
 
     The worst counts; ``none``: what stands where nothing is found. ``advice_on``: advice that reads what is found.
@@ -147,6 +150,11 @@ def check(
         return Check(measure.__name__, title, source, compared, severity, adjust, told, applies, warns)
 
     return made
+
+
+def check_for(applies: Callable[[Any], bool]) -> Callable[..., Maker]:
+    """As :func:`check`, of the drives for which ``applies`` holds."""
+    return partial(check, applies=applies)
 
 
 class Family(NamedTuple):

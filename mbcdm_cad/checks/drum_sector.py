@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from math import asin, degrees, radians
 
-from mbcdm_cad.checks.comparison import TOLERANCE, Comparison, Findings, at_least, at_most, check, worst
+from mbcdm_cad.checks.comparison import TOLERANCE, Comparison, Findings, at_least, at_most, check, check_for, worst
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.sector import SectorLayout
-from mbcdm_cad.parts.drum_sector.design import SectorDrive
 from mbcdm_cad.parts.drum_sector.sizes import SLOT_WALLS
 
 # Rim under a pocket's floor, in multiples of the thinnest wall: it carries the root of the lug (estimate).
@@ -28,9 +27,7 @@ SPIGOT_MM = 0.3
 _WALL = "material: min_wall_mm"
 
 
-def is_stopped(drive: SectorDrive) -> bool:
-    """Whether a pin stops the drum."""
-    return drive.stopped
+stop_check = check_for(lambda drive: drive.stopped)
 
 
 @check("Rim under pockets and lands", _WALL + " x 1.5: estimate", down("drum.rim_inner_radius_mm"))
@@ -164,7 +161,7 @@ def shaft_wall(s: SectorLayout) -> Findings:
     yield "wall of the drum shaft", shaft.radius - shaft.bore_radius, s.drive.shaft_material.min_wall_mm
 
 
-@check(
+@stop_check(
     "Stop slot lies in the web",
     _WALL + " x 2: estimate",
     up("drum.rim_inner_radius_mm"),
@@ -173,7 +170,6 @@ def shaft_wall(s: SectorLayout) -> Findings:
     down("travel.half_angle_deg"),
     down("travel.stop_clearance_deg"),
     down("support.coupling_space_mm"),
-    applies=is_stopped,
 )
 def stop_slot(s: SectorLayout) -> Findings:
     """The slot for the stop pin lies in the web between hub and rim, inside the ends of the sector."""
@@ -198,17 +194,14 @@ def _stop_angle_deg(s: SectorLayout) -> float:
     return float(d.stop_slot_end_deg + degrees(play / d.stop_radius) - s.drive.half_travel_deg)
 
 
-@check("Stops engage after the travel", "derived", up("travel.stop_clearance_deg"), applies=is_stopped)
+@stop_check("Stops engage after the travel", "derived", up("travel.stop_clearance_deg"))
 def stop_after_travel(s: SectorLayout) -> Comparison:
     """Angle between the end of the travel and the stop: not less than zero."""
     return at_least("stops engage beyond the travel by", _stop_angle_deg(s), 0.0, "deg")
 
 
-@check(
-    "Stops engage within half a degree",
-    "derived: the reference's 35.0 to 35.5 deg",
-    down("travel.stop_clearance_deg"),
-    applies=is_stopped,
+@stop_check(
+    "Stops engage within half a degree", "derived: the reference's 35.0 to 35.5 deg", down("travel.stop_clearance_deg")
 )
 def stop_within_half_degree(s: SectorLayout) -> Comparison:
     """Angle between the end of the travel and the stop: at most half a degree."""

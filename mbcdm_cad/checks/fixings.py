@@ -9,10 +9,10 @@ from math import hypot, pi, sqrt
 
 import numpy as np
 
-from mbcdm_cad.checks.bearings import carried, drum_reactions_N, reactions
+from mbcdm_cad.checks.bearings import carried_check, drum_reactions_N, reactions
 from mbcdm_cad.checks.comparison import Comparison, Findings, check, noted
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
-from mbcdm_cad.checks.drum_sector import is_stopped
+from mbcdm_cad.checks.drum_sector import stop_check
 from mbcdm_cad.checks.strength import rated_input_Nm
 from mbcdm_cad.design.bought import Material, Screw
 from mbcdm_cad.layouts.base import NoFigureError
@@ -67,12 +67,11 @@ def grip_Nmm(collar: CollarDims, screw: Screw, shaft_mm: float) -> float:
     return FRICTION * clamp_force_N(screw.thread_mm) * (1 + collar.screw_offset / hinge) * shaft_mm
 
 
-@check(
+@carried_check(
     "Clamp collars hold the torque",
     "mu N d; class 8.8 at 0.7 of yield, mu 0.15: usual values",
     *_LESS,
     advice="choose a drive.gearhead with a thicker shaft",
-    applies=carried,
     unit="times",
 )
 def collar_grip(s: SectorLayout) -> Findings:
@@ -158,13 +157,12 @@ def strongest(s: SectorLayout) -> Strongest:
     return Strongest(s.loads.on_bodies, s.loads.highest_input_Nm, 1.0)
 
 
-@check(
+@stop_check(
     "Stop pin holds stalled motors",
     "beam theory; 1.5 on yield: usual rule",
     down("drum.web_thickness_mm"),
     down("loads.peak_torque_Nm"),
     up("all radii of transmission"),
-    applies=is_stopped,
     unit="times",
 )
 def stop_pin(s: SectorLayout) -> Findings:
@@ -180,13 +178,12 @@ def stop_pin(s: SectorLayout) -> Findings:
     )
 
 
-@check(
+@carried_check(
     "Stress in the input pulleys' necks",
     "beam theory; 1.5 on yield: usual rule",
     *_LESS,
     down("rope.preload_N"),
     advice="choose an input_pulleys.lower_bearing and upper_bearing of larger bore",
-    applies=carried,
     unit="times",
 )
 def pulley_stress(s: SectorLayout) -> Findings:

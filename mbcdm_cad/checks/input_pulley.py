@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mbcdm_cad.checks.bearings import carried
+from mbcdm_cad.checks.bearings import carried_check, coupled_check
 from mbcdm_cad.checks.comparison import Check, Comparison, Findings, at_least, at_most, check, noted
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.layouts.sector import SectorLayout
@@ -82,12 +82,7 @@ def stop_pocket_bore(s: SectorLayout) -> Findings:
         yield f"stop of {slot.cable_name} from the shaft's bore", max(beside, below), limit
 
 
-@check(
-    "Journal's wall round the gearhead's shaft",
-    "material: min_wall_mm",
-    advice=_CHOOSE,
-    applies=lambda drive: drive.stage is None and carried(drive),
-)
+@coupled_check("Journal's wall round the gearhead's shaft", "material: min_wall_mm", advice=_CHOOSE)
 def bore_wall(s: SectorLayout) -> Findings:
     """Wall of the slit journal round the gearhead's shaft."""
     p = s.inputs[0]
@@ -95,11 +90,10 @@ def bore_wall(s: SectorLayout) -> Findings:
     yield f"journal's wall round the {s.drive.mounted}'s shaft", p.lower_journal_radius - p.bore_radius, limit
 
 
-@check(
+@carried_check(
     "Shoulders for the input pulleys' bearings",
     "bearing catalogue; 0.3 mm: estimate",
     advice="choose a smaller input_pulleys.lower_bearing or upper_bearing",
-    applies=carried,
 )
 def bearing_shoulders(s: SectorLayout) -> Findings:
     """The necks are higher than the journals, so that the bearings' inner rings rest on them."""
@@ -156,12 +150,11 @@ def bought_depth(s: SectorLayout) -> Findings:
         yield "drum encoder over its screws' heads", over, 0.0
 
 
-@check(
+@carried_check(
     "Clamp collar grips the gearhead's shaft",
     "one diameter: usual rule",
     down("support.motor_shelf_mm"),
     advice="choose a drive.gearhead with a longer shaft",
-    applies=carried,
 )
 def shaft_grip(s: SectorLayout) -> Findings:
     """Length over which the collar clamps journal and shaft."""
@@ -182,9 +175,7 @@ def shaft_grip(s: SectorLayout) -> Findings:
     )
 
 
-@check(
-    "Gearhead's pilot clears pulley and screws", "clearances.running_mm", up("support.motor_shelf_mm"), applies=carried
-)
+@carried_check("Gearhead's pilot clears pulley and screws", "clearances.running_mm", up("support.motor_shelf_mm"))
 def pilot_room(s: SectorLayout) -> Findings:
     """Gap between the gearhead's centring boss and the pulley's journal, the shelf and the screws' heads."""
     gear, running = s.drive.gearhead, s.drive.clearances.running_mm
@@ -197,12 +188,11 @@ def pilot_room(s: SectorLayout) -> Findings:
     yield f"{s.drive.mounted}'s pilot under the shelf's top, or beside the screws' heads", max(inside, beside), 0.0
 
 
-@check(
+@carried_check(
     "Coupling space is high enough",
     "clearances.running_mm; 0.1 mm: estimate",
     up("support.coupling_space_mm"),
     up("support.motor_shelf_mm"),
-    applies=carried,
 )
 def coupling_height(s: SectorLayout) -> Findings:
     """The coupling space has room for collar and slit below the bearing, and to insert gearhead screws and collar."""

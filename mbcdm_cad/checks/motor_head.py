@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from mbcdm_cad.checks.bearings import carried
+from mbcdm_cad.checks.bearings import carried_check
 from mbcdm_cad.checks.comparison import Comparison, Findings, at_least, at_most, check
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM, corner_gap, web_between
@@ -72,11 +72,10 @@ def screw_counts(s: HeadLayout) -> Findings:
     yield at_most(f"screws of the {drive.mounted}", count, max(FACE_SCREWS), "screws")
 
 
-@check(
+@carried_check(
     "Key holes for the gearhead's screws",
     "derived: assembly order",
     advice="choose a larger input_pulleys.lower_bearing, or a gearhead of smaller bolt circle",
-    applies=carried,
 )
 def key_access(s: HeadLayout) -> Comparison:
     """The holes for the key of the gearhead's screws lie completely inside the bearing's seat, or outside it."""
@@ -110,19 +109,18 @@ def collar_gaps(s: HeadLayout) -> Iterator[tuple[str, float]]:
         yield from beside("wheel", wheel, s.stage.bottom_z, s.stage.top_z)
 
 
-@check("Clamp collar turns freely", "clearances.running_mm", up("support.coupling_space_mm"), applies=carried)
+@carried_check("Clamp collar turns freely", "clearances.running_mm", up("support.coupling_space_mm"))
 def collar_space(s: HeadLayout) -> Findings:
     """Collar and gearhead screws' heads stand clear of the coupling space's walls and rounded corners."""
     for name, gap in collar_gaps(s):
         yield name, gap, s.drive.clearances.running_mm
 
 
-@check(
+@carried_check(
     "Encoder shelf takes bearing and screws",
     "material: min_wall_mm",
     up("support.bearing_shelf_mm"),
     up("support.encoder_shelf_mm"),
-    applies=carried,
 )
 def encoder_shelf(s: HeadLayout) -> Findings:
     """The encoder's screws have metal under their heads and enough thread in its housing."""

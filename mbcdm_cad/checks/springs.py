@@ -7,7 +7,7 @@ from contextlib import suppress
 
 import numpy as np
 
-from mbcdm_cad.checks.comparison import Comparison, Findings, at_least, at_most, check, worst
+from mbcdm_cad.checks.comparison import Comparison, Findings, at_least, at_most, check_for, worst
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.design.bought import SpringSpec
 from mbcdm_cad.design.catalogue import package_entries
@@ -17,7 +17,6 @@ from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.layouts.springs import spring_start_Nm, spring_turn_urad_Nm, spring_urad_Nm
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.si import ModelError
-from mbcdm_cad.parts.drum_sector.design import SectorDrive
 
 # Play of a spring round its stud, mm: DIN EN 16983 asks for 0.2 on a mandrel of up to 16 mm; with more than the largest
 # (estimate) it sits beside the stud's axis.
@@ -34,9 +33,7 @@ _LONGER = 1.05
 MOVED_SHARE = 0.25
 
 
-def has_springs(drive: SectorDrive) -> bool:
-    """Whether the terminals have springs."""
-    return drive.spring is not None
+_spring_check = check_for(lambda drive: drive.spring is not None)
 
 
 def _spring(s: SectorLayout) -> SpringSpec:
@@ -53,7 +50,7 @@ def _fitting(s: SectorLayout) -> str:
     return f"choose drum.tensioner: {' or '.join(names)}, or leave it out" if names else "choose another drum.spring"
 
 
-@check("Springs fit on their studs", "catalogue of springs", advice=_fitting, applies=has_springs)
+@_spring_check("Springs fit on their studs", "catalogue of springs", advice=_fitting)
 def spring_fits(s: SectorLayout) -> Comparison:
     """The stud passes through the springs with play and leads them."""
     spring, stud = _spring(s), s.drive.tensioner
@@ -69,13 +66,12 @@ def _strong(s: SectorLayout) -> str:
     return f"choose drum.spring: {' or '.join(name for _, name in strong[:4])}, and leave drum.tensioner to the rules"
 
 
-@check(
+@_spring_check(
     "Springs are not pressed flat at peak torque",
     "catalogue of springs: usable share of their travel",
     down("loads.peak_torque_Nm"),
     down("rope.preload_N"),
     advice=_strong,
-    applies=has_springs,
     unit="times",
 )
 def spring_flat(s: SectorLayout) -> Findings:
@@ -91,12 +87,11 @@ def spring_flat(s: SectorLayout) -> Findings:
     )
 
 
-@check(
+@_spring_check(
     "Springs stay pressed at peak torque",
     "model with wraps that end; a twentieth of the preload: estimate",
     up("rope.preload_N"),
     down("loads.peak_torque_Nm"),
-    applies=has_springs,
     unit="of preload",
 )
 def spring_free(s: SectorLayout) -> Findings:
@@ -130,13 +125,12 @@ def _stiffer(s: SectorLayout) -> str:
     return ""
 
 
-@check(
+@_spring_check(
     "Turn by springs that move",
     "model with wraps that end; a quarter of the cables' turn: estimate",
     up("rope.preload_N"),
     up("drum.sector_half_angle_deg"),
     advice=_stiffer,
-    applies=has_springs,
     warn=True,
 )
 def spring_hold(s: SectorLayout) -> Comparison:
@@ -170,11 +164,10 @@ def _more(s: SectorLayout) -> str:
     return "; ".join((" or ".join(ways), *_told_by_hold(s, most), "else tighten again after the first runs"))
 
 
-@check(
+@_spring_check(
     "Preload that springs keep while the rope beds in",
     "catalogue: bedding_in_share and setting_ratio; a half: estimate",
     advice=_more,
-    applies=has_springs,
     warn=True,
     unit="of preload",
 )

@@ -508,11 +508,6 @@ def is_anchored(drive: SpurDrive) -> bool:
     return drive.anchored
 
 
-def is_continuous(drive: SpurDrive) -> bool:
-    """Whether one cable goes round each input."""
-    return not drive.anchored
-
-
 def contact_rad(drive: SpurDrive, side: int) -> float:
     """Angle about Y, from +Z towards +X, at which the span of one side leaves the input."""
     return pi + drive.input_sense * side * drive.leaving_rad

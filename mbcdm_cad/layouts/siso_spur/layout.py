@@ -26,7 +26,7 @@ from mbcdm_cad.layouts.base import Conventions, dimensions
 from mbcdm_cad.layouts.sector import HeadLayout
 from mbcdm_cad.layouts.siso_spur.cable_path import cable_paths, input_wrap_rad, longest_mm, side_length_mm
 from mbcdm_cad.layouts.siso_spur.drive import MOST_SPREAD, PITCH_SPREAD, SpurDrive, SpurRun, YokeSupport, laid, spur
-from mbcdm_cad.layouts.siso_spur.first_stage_unit import FirstStageUnit
+from mbcdm_cad.layouts.siso_spur.first_stage import FirstStageUnit
 from mbcdm_cad.layouts.siso_spur.idlers import IdlerBlock, no_strand
 from mbcdm_cad.layouts.siso_spur.pulley import input_pulley
 from mbcdm_cad.layouts.siso_spur.stack import SpurStack, spur_stack

@@ -6,7 +6,6 @@ bearings alone, which the rope's friction on its wrap must overcome.
 
 from __future__ import annotations
 
-from functools import partial
 from itertools import combinations
 from math import exp, hypot
 from typing import NamedTuple
@@ -15,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mbcdm_cad.checks.bearings import LESS, RATING, STATIC_SAFETY, larger, safety
-from mbcdm_cad.checks.comparison import Findings, check
+from mbcdm_cad.checks.comparison import Findings, check_for
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.fixings import FRICTION, SLIP_SAFETY, STRESS_SAFETY, bent_axle_Nmm, round_shaft_MPa
 from mbcdm_cad.checks.geometry import drum_zones
@@ -38,7 +37,7 @@ SPACE_MM = 1.0
 SPAN_HZ = 50.0
 
 
-_idler_check = partial(check, applies=lambda drive: drive.idlers is not None)
+_idler_check = check_for(lambda drive: drive.idlers is not None)
 
 
 @_idler_check(

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 
 from mbcdm_cad.checks.bearings import LESS, input_reactions
-from mbcdm_cad.checks.comparison import Comparison, Findings, at_least, at_most, check
+from mbcdm_cad.checks.comparison import Comparison, Findings, at_least, at_most, check_for
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.fixings import FRICTION, SLIP_SAFETY, STRESS_SAFETY, round_shaft_MPa, set_screws_hold_Nmm
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM, web_between
@@ -26,9 +24,9 @@ _SHAFT = (
 _SMALLER = "choose a servo with a larger horn"
 
 
-_on_shaft = partial(check, applies=lambda drive: drive.overhung)
-_without_horn = partial(check, applies=lambda drive: drive.overhung and drive.servo is None)
-_on_horn = partial(check, applies=lambda drive: drive.servo is not None)
+_on_shaft = check_for(lambda drive: drive.overhung)
+_without_horn = check_for(lambda drive: drive.overhung and drive.servo is None)
+_on_horn = check_for(lambda drive: drive.servo is not None)
 
 
 def _pull(s: SpurLayout) -> tuple[float, float, float]:

@@ -7,7 +7,7 @@ from math import hypot, pi
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.checks.comparison import Comparison, Findings, at_most, check
+from mbcdm_cad.checks.comparison import Comparison, Findings, at_most, check, check_for
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.fixings import STRESS_SAFETY
 from mbcdm_cad.checks.geometry import CABLE_GAP_MM, HOLE_WEB_MM, frame_front, rim_points, wrap_points
@@ -106,9 +106,7 @@ def box_mm(s: SpurLayout) -> tuple[float, float, float]:
     return float(wide), float(high), front - min(v.motor_bottom_z, v.back_y)
 
 
-def has_sectors(drive: SpurDrive) -> bool:
-    """Whether several sectors are on the drum's shaft."""
-    return len(drive.angles_rad) > 1
+_sectors_check = check_for(lambda drive: len(drive.angles_rad) > 1)
 
 
 def is_parallel(drive: SpurDrive) -> bool:
@@ -116,7 +114,7 @@ def is_parallel(drive: SpurDrive) -> bool:
     return drive.parallel > 1
 
 
-@check("Gap between sectors on the shaft", "clearances.running_mm", *_APART, applies=has_sectors)
+@_sectors_check("Gap between sectors on the shaft", "clearances.running_mm", *_APART)
 def sectors_apart(s: SpurLayout) -> Findings:
     """Rims, terminals and the stop pin of a sector stay behind the rim of the next.
 
@@ -135,12 +133,11 @@ def sectors_apart(s: SpurLayout) -> Findings:
     yield "a cable on the input from the next", pitch - 2 * reach_mm(s.drive), CABLE_GAP_MM
 
 
-@check(
+@_sectors_check(
     "Stress in the dowels between the hubs",
     "material: yield_MPa; 1.5: usual rule",
     down("loads.peak_torque_Nm"),
     up("drum.hub_diameter_mm"),
-    applies=has_sectors,
     unit="times",
 )
 def hub_dowels(s: SpurLayout) -> Findings:
@@ -159,13 +156,7 @@ def hub_dowels(s: SpurLayout) -> Findings:
     )
 
 
-@check(
-    "Walls round the dowels in the hub",
-    "usual rule",
-    up("drum.hub_diameter_mm"),
-    up("drum.hub_face_y_mm"),
-    applies=has_sectors,
-)
+@_sectors_check("Walls round the dowels in the hub", "usual rule", up("drum.hub_diameter_mm"), up("drum.hub_face_y_mm"))
 def dowel_holes(s: SpurLayout) -> Findings:
     """Walls from the dowels' holes to bore, rim of the hub, payload's threads and set screws.
 

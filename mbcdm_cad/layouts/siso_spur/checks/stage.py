@@ -10,7 +10,7 @@ import numpy as np
 
 from mbcdm_cad.checks import fixings, motors, structure
 from mbcdm_cad.checks.bearings import stage_torque_Nm
-from mbcdm_cad.checks.comparison import Check, Comparison, Family, Findings, at_least, at_most, check, noted
+from mbcdm_cad.checks.comparison import Check, Comparison, Family, Findings, at_least, at_most, check, check_for, noted
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.fixings import FRICTION, SLIP_SAFETY, STRESS_SAFETY, round_shaft_MPa, stalled_Nm
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM, drum_zones
@@ -53,9 +53,9 @@ def _stronger(s: SpurLayout, found: Comparison) -> str:
     return f"raise stage.width_mm to about {width}, or stage.driver_teeth, or choose {larger}"
 
 
-_stage_check = partial(check, applies=lambda drive: drive.stage is not None)
-_belt_check = partial(check, applies=lambda drive: drive.stage is not None and drive.stage.is_belt)
-_end_check = partial(check, applies=lambda drive: drive.drum.shaft_end_mm > 0.0)
+_stage_check = check_for(lambda drive: drive.stage is not None)
+_belt_check = check_for(lambda drive: drive.stage is not None and drive.stage.is_belt)
+_end_check = check_for(lambda drive: drive.drum.shaft_end_mm > 0.0)
 
 
 @_stage_check(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from contextlib import suppress
 from typing import Any
 
-from mbcdm_cad.checks.bearings import carried, input_reactions
+from mbcdm_cad.checks.bearings import carried_check, input_reactions
 from mbcdm_cad.checks.comparison import Comparison, Findings, at_most, check, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM, web_between
@@ -65,7 +65,7 @@ def walls(s: SpurLayout) -> Findings:
     yield "encoder shelf beside the heads of its screws", f.shelf_half_width - heads, limit
 
 
-@check("Shelves take the input's bearings", _WALL, *_SHELVES, applies=carried)
+@carried_check("Shelves take the input's bearings", _WALL, *_SHELVES)
 def bearing_seats(s: SpurLayout) -> Findings:
     """Shoulders of the shelves behind their bearings."""
     support, bearings, limit = s.drive.support, s.drive.bearings, s.drive.frame_material.min_wall_mm
@@ -116,13 +116,12 @@ def _wall(insert: InsertSpec | None) -> float:
     return insert.wall_mm if insert else HOLE_WEB_MM
 
 
-@check(
+@carried_check(
     "Motor head is held and located",
     "usual rule: one diameter",
     up("support.plate_mm"),
     down("support.bearing_shelf_mm"),
     up("support.side_wall_mm"),
-    applies=carried,
 )
 def flange(s: SpurLayout) -> Findings:
     """Screws and dowels of the motor head engage by their diameter in the plate, with enough metal round them."""

@@ -14,14 +14,14 @@ from math import asin, ceil, degrees, log, tau
 
 import numpy as np
 
-from mbcdm_cad.checks.comparison import Comparison, Family, Findings, at_least, at_most, check, noted
+from mbcdm_cad.checks.comparison import Comparison, Family, Findings, at_least, at_most, check, check_for, noted
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.geometry import CABLE_GAP_MM, cables_apart
 from mbcdm_cad.checks.input_pulley import coupling_checks, dead_turns_check, stop_checks
 from mbcdm_cad.checks.ratios import SURFACE_TOLERANCE_MM, anchor_check, bending_checks, surface_radius
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.siso_spur.cable_path import ON_INPUT, stop_of
-from mbcdm_cad.layouts.siso_spur.drive import is_anchored, is_continuous
+from mbcdm_cad.layouts.siso_spur.drive import is_anchored
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.model.capability import torque_at_slip_Nm
 from mbcdm_cad.model.si import ModelError
@@ -110,12 +110,14 @@ def _turns_that_hold(s: SpurLayout) -> str:
     return f"raise transmission.turns to {s.drive.turns + max(1, ceil(more))}"
 
 
-@check(
+_continuous_check = check_for(lambda drive: not drive.anchored)
+
+
+@_continuous_check(
     "Friction holds the cable on the input",
     "T_h/T_l <= e^(mu theta); limits.slip_margin_min",
     *_LESS,
     advice=_turns_that_hold,
-    applies=is_continuous,
 )
 def input_slip(s: SpurLayout) -> Comparison:
     """Drum torque at which the cable slips on the input over the peak torque: lowest of all directions and ends.
@@ -149,13 +151,12 @@ def _slip_angles_deg(s: SpurLayout) -> float:
     return degrees(most)
 
 
-@check(
+@_continuous_check(
     "Part of the cable never leaves the input",
     "derived: otherwise the cable creeps on in every cycle",
     down("travel.half_angle_deg"),
     up("rope.preload_N"),
     advice=_turns_that_hold,
-    applies=is_continuous,
     warn=True,
 )
 def input_sticks(s: SpurLayout) -> Comparison:
@@ -200,13 +201,12 @@ def input_walk(s: SpurLayout) -> Comparison:
     return at_least("land of the input beyond the cable at the ends of its walk", room, LAND_EDGE_MM, "mm", note)
 
 
-@check(
+@_continuous_check(
     "Gap between both sides on the drum",
     "derived: N leads and the spans' slope; 0.1 mm: estimate",
     up("transmission.turns"),
     up("transmission.centre_distance_mm"),
     down("travel.half_angle_deg"),
-    applies=is_continuous,
 )
 def land_spacing(s: SpurLayout) -> Comparison:
     """Gap along y between the parts of the drum that both sides use over the travel."""
