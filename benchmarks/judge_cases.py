@@ -24,9 +24,8 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.measurement.reading import load_measurement
 from mbcdm_cad.measurement.run import Run
-from mbcdm_cad.rig.experiment import Experiment, read_experiment
+from mbcdm_cad.rig.experiment import Experiment, RigError, read_experiment, run_files, write_run
 from mbcdm_cad.rig.quasistatic import simulate
-from mbcdm_cad.rig.writing import RigError, run_files, write_run
 from tests.support import bench_layouts
 from tests.support.bench_cases import CASES
 from tests.support.bench_change import CHANGES, simulate_change

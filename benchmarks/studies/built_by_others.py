@@ -31,7 +31,7 @@ from mbcdm_cad.report.losses import losses_report
 from mbcdm_cad.report.masses import masses_by_item
 from mbcdm_cad.report.table import ReportTable
 from mbcdm_cad.storage.cache import Cache, cache_folder
-from mbcdm_cad.storage.files import write_whole
+from mbcdm_cad.storage.folders import write_whole
 from mbcdm_cad.workshop.mass import combined
 from mbcdm_cad.workshop.store import drawn
 

@@ -27,7 +27,7 @@ from benchmarks.studies.paper_experiments import (
 )
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.storage.files import write_whole
+from mbcdm_cad.storage.folders import write_whole
 
 _SIZE_IN = (8.0, 6.0)
 _DASHES = ("-", "--", "-.", ":")

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
     from mbcdm_cad.design.drive import Drive
     from mbcdm_cad.design.loader import LoadedDesign
+    from mbcdm_cad.jobs.build import PageReport
     from mbcdm_cad.jobs.outputs import SensitivityStudy, Written
-    from mbcdm_cad.jobs.page import PageReport
     from mbcdm_cad.planning.best_run import BestRun
     from mbcdm_cad.planning.plan import RunPlan
     from mbcdm_cad.report.analysis_report import AnalysisReport
@@ -181,7 +181,7 @@ class DriveDesign:
 
         A design that fails a check has a page only with ``force``; otherwise the result's ``path`` is None.
         """
-        from mbcdm_cad.jobs.page import write_page
+        from mbcdm_cad.jobs.build import write_page
 
         return write_page(self.loaded, Path(out), cache_of(cache), force=force, progress=progress or silent)
 
@@ -311,7 +311,7 @@ class DriveDesign:
         ``noise_from``: the measurement file of a run whose noise is taken. Raises ``InputError`` for mistakes in the
         files, ``MbcdmError`` for a run that the model cannot follow.
         """
-        from mbcdm_cad.jobs.searches import plan_run
+        from mbcdm_cad.jobs.outputs import plan_run
 
         return plan_run(self.drive, Path(experiment), None if noise_from is None else Path(noise_from))
 
@@ -328,14 +328,14 @@ class DriveDesign:
         ``bench``: file with the limits of the bench; ``experiment``: a run of your own to compare with. Raises as
         :meth:`plan`.
         """
-        from mbcdm_cad.jobs.searches import plan_within
+        from mbcdm_cad.jobs.outputs import plan_within
 
         own, pilot = (None if path is None else Path(path) for path in (experiment, noise_from))
         return plan_within(self.drive, Path(bench), experiment=own, pilot=pilot, progress=progress or silent)
 
     def save(self, path: str | Path) -> None:
         """Write the design file; after ``with_`` it has no comments. Raises ``OSError`` if it cannot be written."""
-        from mbcdm_cad.storage.files import write_whole
+        from mbcdm_cad.storage.folders import write_whole
 
         write_whole({Path(path): self.loaded.text.encode("utf-8")})
 

@@ -13,7 +13,7 @@ from mbcdm_cad.errors import MbcdmError
 if TYPE_CHECKING:
     import pandas
 
-    from mbcdm_cad.jobs.page import ComparisonReport
+    from mbcdm_cad.jobs.build import ComparisonReport
     from mbcdm_cad.loop.judge import LoopReport
     from mbcdm_cad.loop.trend import TrendReport
     from mbcdm_cad.measurement.file import MeasurementFile
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from mbcdm_cad.paper.reproduce import PaperTable
     from mbcdm_cad.planning.next_run import NextRun
     from mbcdm_cad.report.catalogue_list import CatalogueList, Machine
-    from mbcdm_cad.report.design_columns import Sweep
+    from mbcdm_cad.report.comparison import Sweep
     from mbcdm_cad.report.solve_report import SolveReport
     from mbcdm_cad.solving.question import Question
 
@@ -108,7 +108,7 @@ def optimise(
     its :class:`Effort` is spent. ``progress`` is called with the best so far and the number of designs. Raises
     ``InputError`` for mistakes in a file, ``MbcdmError`` for wishes that the layouts cannot answer.
     """
-    from mbcdm_cad.jobs.searches import optimise
+    from mbcdm_cad.jobs.outputs import optimise
     from mbcdm_cad.optimising.wishes import Effort, over_tolerances, wishes_of
 
     listed = [designs] if isinstance(designs, DriveDesign | str | Path) else list(designs)
@@ -174,7 +174,7 @@ def compare(
 
     ``page``: write a page with pictures and plots to this file. Raises ``MbcdmError`` for a design that fails a check.
     """
-    from mbcdm_cad.jobs.page import compare
+    from mbcdm_cad.jobs.build import compare
 
     found = [one if isinstance(one, DriveDesign) else load(one) for one in designs]
     where = None if page is None else Path(page)
@@ -189,7 +189,7 @@ def analyse_many(design: DriveDesign, ranges: Mapping[str, Any], *, grid: bool =
     is an array of 1000 backlashes. With ``grid`` all combinations of the values are analysed. Raises ``InputError`` for
     a value that is not valid in a design file, ``MbcdmError`` for arrays of different lengths.
     """
-    from mbcdm_cad.report.design_columns import sweep
+    from mbcdm_cad.report.comparison import sweep
 
     return sweep(design.loaded, ranges, grid=grid)
 

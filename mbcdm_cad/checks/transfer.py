@@ -25,7 +25,7 @@ from mbcdm_cad.layouts.base import Layout, NoFigureError
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.si import ModelError
-from mbcdm_cad.model.stack_up import Contribution, StackUp, tightest
+from mbcdm_cad.model.tolerance import Contribution, StackUp, tightest
 from mbcdm_cad.parts.drum_sector.design import SectorDrive, SectorRun
 from mbcdm_cad.parts.making import Body, body_accuracy, land_band_mm, model_tolerances, rope_band_mm
 

@@ -36,7 +36,7 @@ from mbcdm_cad.design.template import slug
 from mbcdm_cad.errors import InputError, MbcdmError, Problem
 from mbcdm_cad.optimising.wishes import GROWTH
 from mbcdm_cad.report.table import designs_shown
-from mbcdm_cad.storage.files import refuse_missing_folder
+from mbcdm_cad.storage.folders import refuse_missing_folder
 
 # Copy of mbcdm_cad.design.catalogue.KINDS, which takes long to import; a test compares them.
 CATALOGUE_KINDS = (

@@ -26,7 +26,7 @@ from mbcdm_cad.cli.group import (
     sign_of_life,
 )
 from mbcdm_cad.errors import InputError, MbcdmError, Problem
-from mbcdm_cad.storage.files import refuse_missing_folder, write_whole
+from mbcdm_cad.storage.folders import refuse_missing_folder, write_whole
 
 RATIO = click.option(
     "--ratio",

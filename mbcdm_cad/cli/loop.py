@@ -20,7 +20,7 @@ from mbcdm_cad.loop.judge import drive_of, json_bytes
 from mbcdm_cad.loop.study import is_study, load_study
 from mbcdm_cad.measurement.file import MeasurementFile, load_file, with_ratio
 from mbcdm_cad.measurement.schema import MOTION
-from mbcdm_cad.storage.files import write_whole
+from mbcdm_cad.storage.folders import write_whole
 
 REPORT_PAGE, REPORT_JSON = REPORT_FILES = ("report.html", "result.json")
 CORRECTION_FILES = ("correction.csv", "correction.json", "correction.h")

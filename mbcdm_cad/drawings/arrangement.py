@@ -17,8 +17,7 @@ from mbcdm_cad.drawings.document import (
     TEXT_MM,
     text_width_mm,
 )
-from mbcdm_cad.drawings.projection import Picture
-from mbcdm_cad.drawings.strokes import box
+from mbcdm_cad.drawings.projection import Picture, box
 from mbcdm_cad.parts.fits import limits
 from mbcdm_cad.parts.sheet import CuttingLine, Linear, Radius, Sheet, View
 

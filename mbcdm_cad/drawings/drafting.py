@@ -31,8 +31,7 @@ from mbcdm_cad.drawings.document import (
     text_width_mm,
 )
 from mbcdm_cad.drawings.frames import Box, Room, draw_axis_datum, draw_face_datum, draw_tolerance
-from mbcdm_cad.drawings.projection import Picture, clipped
-from mbcdm_cad.drawings.strokes import ArcStroke, LineStroke, Point, PolyStroke, Stroke
+from mbcdm_cad.drawings.projection import ArcStroke, LineStroke, Picture, Point, PolyStroke, Stroke, clipped
 from mbcdm_cad.parts.sheet import Angle, CuttingLine, Label, Radius, Sheet
 
 _HATCH_APART = 0.8

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from mbcdm_cad.drawings.arrangement import PlacedDimension, PlacedView, value_text
 from mbcdm_cad.drawings.document import ARROW_MM, TEXT_MM, TEXT_STYLE, text_width_mm
-from mbcdm_cad.drawings.strokes import Point, Stroke, points_of
+from mbcdm_cad.drawings.projection import Point, Stroke, points_of
 from mbcdm_cad.parts.fits import Characteristic, Datum, GeometricTolerance
 
 _DIRECTIONS = (45, 135, 315, 225, 0, 90, 180, 270, 22, 67, 112, 157, 202, 247, 292, 337)

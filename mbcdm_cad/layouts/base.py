@@ -30,10 +30,10 @@ if TYPE_CHECKING:
     from mbcdm_cad.model.equilibrium import CableTensions
     from mbcdm_cad.model.losses import BearingPair, Train
     from mbcdm_cad.model.si import DriveSI
-    from mbcdm_cad.model.stack_up import StackUp
     from mbcdm_cad.model.tensioning import TensioningPlan
+    from mbcdm_cad.model.tolerance import StackUp
     from mbcdm_cad.parts.bill import AssemblyStep, Bill, BillBuilder, MovingBody
-    from mbcdm_cad.routes.cable_path import CablePath
+    from mbcdm_cad.routes.curves import CablePath
     from mbcdm_cad.routes.geometry import RoutedDrive
 
 _T = TypeVar("_T")

@@ -17,7 +17,7 @@ from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.model.tensioning import TensionedCable
 from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.terminal import Tensioner, highest_preload_N
-from mbcdm_cad.routes.cable_path import CablePath, EndOfTravel
+from mbcdm_cad.routes.curves import CablePath, EndOfTravel
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ from mbcdm_cad.parts.motor_head.dims import HeadDims, HeadedDrive
 from mbcdm_cad.parts.terminal import Tensioner
 from mbcdm_cad.parts.turned import DrumShaftDims, PreloadSpringDims
 from mbcdm_cad.routes import Floats
-from mbcdm_cad.routes.cable_path import CablePath
+from mbcdm_cad.routes.curves import CablePath
 from mbcdm_cad.routes.route import input_body
 
 if TYPE_CHECKING:

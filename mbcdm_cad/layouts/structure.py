@@ -22,16 +22,22 @@ from mbcdm_cad.layouts.springs import spring_urad_Nm
 from mbcdm_cad.model.equilibrium import bearing_loads, sum_per_input
 from mbcdm_cad.model.si import MM
 from mbcdm_cad.model.stiffness import unit_tensions_N
-from mbcdm_cad.model.structure.causes import BY_BEARINGS, BY_FRAME, BY_GEARHEADS, BY_PARTS, BY_SPRINGS, Cause, Structure
-from mbcdm_cad.model.structure.drum_sector import CELLS, Isotropic, sector_study
-from mbcdm_cad.model.structure.shafts import (
+from mbcdm_cad.model.structure.causes import (
+    BY_BEARINGS,
+    BY_FRAME,
+    BY_GEARHEADS,
+    BY_PARTS,
+    BY_SPRINGS,
     Acting,
+    Cause,
     Section,
+    Structure,
     ball_bearing_N_mm,
     bearing_urad_Nm,
     bending_urad_Nm,
     torsion_urad_Nm,
 )
+from mbcdm_cad.model.structure.drum_sector import CELLS, Isotropic, sector_study
 from mbcdm_cad.parts.drum_sector.dims import hub, land_pulls, sector_shape
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.route import BodyLoad, body_load, two_bearing_reactions_N

@@ -32,7 +32,7 @@ from mbcdm_cad.checks.comparison import CheckResult
 from mbcdm_cad.design.loader import LoadedDesign
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts.loader import load_design, load_text
-from mbcdm_cad.live.worker import Drawn, Job, work
+from mbcdm_cad.live.preview import Drawn, Job, work
 from mbcdm_cad.report.check_report import CheckReport, check_design
 
 _WAITING = (

@@ -26,8 +26,7 @@ from mbcdm_cad.model.figures import with_floats
 from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.sensitivity import GlobalIndices, Panel, elasticities, figure_5, global_indices, intervals
 from mbcdm_cad.model.si import DriveSI
-from mbcdm_cad.model.stack_up import DRAWS, StackUp, stack_data
-from mbcdm_cad.model.tolerance import Tolerances, ToleranceStack, tolerance_stack
+from mbcdm_cad.model.tolerance import DRAWS, StackUp, Tolerances, ToleranceStack, stack_data, tolerance_stack
 
 if TYPE_CHECKING:
     from mbcdm_cad.parallel.forks import Crew

@@ -22,7 +22,7 @@ from mbcdm_cad.model.equations import DESIGN_TORQUE_TO_WEIGHT_NM_KG, TORQUE_TO_W
 from mbcdm_cad.optimising.evaluate import Evaluated, evaluate
 from mbcdm_cad.report.table import ReportTable
 from mbcdm_cad.solving.question import read_question
-from mbcdm_cad.storage.files import write_whole
+from mbcdm_cad.storage.folders import write_whole
 
 DESIGNS = (
     "paper-box-01",

@@ -120,7 +120,7 @@ class Optimum(TextReport):
 
     ``beside``: other designs to compare it with.
 
-    ``folder`` has the files of :func:`mbcdm_cad.jobs.searches.optimise`; ``finished`` is False for a search that was
+    ``folder`` has the files of :func:`mbcdm_cad.jobs.outputs.optimise`; ``finished`` is False for a search that was
     interrupted or ran out of time, and that can go on.
     """
 

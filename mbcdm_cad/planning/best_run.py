@@ -22,10 +22,9 @@ from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.planning.plan import Foreseen, RunPlan, plan_of
 from mbcdm_cad.rig.bench import BenchLimits
 from mbcdm_cad.rig.dynamic.simulate import simulate as simulate_dynamic
-from mbcdm_cad.rig.experiment import DynamicExperiment, Experiment
+from mbcdm_cad.rig.experiment import DynamicExperiment, Experiment, RigError, counted_parts
 from mbcdm_cad.rig.motion import LONGEST_PERIOD_S, WIDEST_MRAD, Load
 from mbcdm_cad.rig.quasistatic import simulate
-from mbcdm_cad.rig.writing import RigError, counted_parts
 
 # Planned runs are computed at this rate, Hz; the experiment file has the rate of the bench.
 PLANNING_HZ = 25.0

@@ -31,8 +31,7 @@ from mbcdm_cad.planning.best_run import LEAST_DURATION_S, TRAVEL_SHARE, candidat
 from mbcdm_cad.planning.detectable import planned_fitter, without_offsets
 from mbcdm_cad.planning.prediction_noise import along
 from mbcdm_cad.rig.bench import MOST_DURATION_S, BenchLimits
-from mbcdm_cad.rig.experiment import Experiment
-from mbcdm_cad.rig.writing import RigError
+from mbcdm_cad.rig.experiment import Experiment, RigError
 from mbcdm_cad.routes import Floats
 
 

@@ -19,7 +19,7 @@ from mbcdm_cad.model.analysis import analyse
 from mbcdm_cad.model.bulk import preload_table
 from mbcdm_cad.model.equations import papers_test
 from mbcdm_cad.model.figures import Analysis
-from mbcdm_cad.model.stack_up import stack_data
+from mbcdm_cad.model.tolerance import stack_data
 from mbcdm_cad.parts.bill import Bill
 from mbcdm_cad.report.analysis_report import above_gearhead, motor_lines
 from mbcdm_cad.report.duty import duty_report, duty_shown, life_report, life_shown

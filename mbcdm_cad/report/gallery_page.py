@@ -21,7 +21,7 @@ from mbcdm_cad.layouts.turns import turns_of
 from mbcdm_cad.report.data import Tested, report_data
 from mbcdm_cad.report.table import ReportTable
 from mbcdm_cad.storage.cache import Cache, cache_folder
-from mbcdm_cad.storage.files import write_whole
+from mbcdm_cad.storage.folders import write_whole
 from mbcdm_cad.workshop.store import drawn
 
 _PICTURE_PX = (560, 440)

@@ -16,7 +16,7 @@ from mbcdm_cad.report.table import TextReport, designs_shown
 from mbcdm_cad.solving.conflict import Conflict, Give
 from mbcdm_cad.solving.question import Out, Question, Times, difference, patched
 from mbcdm_cad.solving.solve import Change, Solution, solve
-from mbcdm_cad.storage.files import write_whole
+from mbcdm_cad.storage.folders import write_whole
 
 
 @dataclass(frozen=True)

@@ -11,9 +11,8 @@ from matplotlib.figure import Figure
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.rig.bench import routes_of
-from mbcdm_cad.rig.experiment import DynamicExperiment, Experiment
+from mbcdm_cad.rig.experiment import DynamicExperiment, Experiment, SimulatedRun, run_files, write_run
 from mbcdm_cad.rig.quasistatic import simulate
-from mbcdm_cad.rig.writing import SimulatedRun, run_files, write_run
 from mbcdm_cad.routes import Floats
 
 

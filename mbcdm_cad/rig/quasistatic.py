@@ -26,9 +26,8 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.rig import chain
 from mbcdm_cad.rig.bench import Bench, bench_of, counted, late
 from mbcdm_cad.rig.chain import Chains, carry, go_over, look, settle, strain
-from mbcdm_cad.rig.experiment import Experiment
+from mbcdm_cad.rig.experiment import Experiment, RigError, SimulatedRun
 from mbcdm_cad.rig.motion import brake
-from mbcdm_cad.rig.writing import RigError, SimulatedRun
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.storage.compiled import compiled
 

@@ -18,7 +18,7 @@ from functools import cache
 from pathlib import Path, PurePath
 from typing import Any
 
-from mbcdm_cad.storage.files import is_aside, versions, write_whole
+from mbcdm_cad.storage.folders import is_aside, versions, write_whole
 
 _PACKAGE = __name__.partition(".")[0]
 _ROOT = Path(__file__).parents[1]

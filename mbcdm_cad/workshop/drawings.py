@@ -78,7 +78,7 @@ class _Job:
     def make(self) -> dict[str, bytes]:
         """The sheet's files by extension."""
         from mbcdm_cad.drawings.draw import draw_sheet
-        from mbcdm_cad.workshop.export.step_pmi import part_step_ap242
+        from mbcdm_cad.workshop.export.step import part_step_ap242
 
         mass = self.material.density_g_cm3 * self.made.files.shape.volume_mm3 / 1e3
         facts = _facts(self.drive, self.material.name, mass, self.material.printed)

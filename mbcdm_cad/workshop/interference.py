@@ -19,7 +19,7 @@ import numpy as np
 from mbcdm_cad.layouts.base import Layout
 from mbcdm_cad.parallel.forks import fork_map
 from mbcdm_cad.parts.bill import CABLE, FIXED, Bill, Item, MovingBody, Placement, Vector, cable_item
-from mbcdm_cad.routes.cable_path import CablePath, Stretch
+from mbcdm_cad.routes.curves import CablePath, Stretch
 from mbcdm_cad.workshop.pairs import Box, Cables, Clash, Faces, Found, Pair, PartShape, Rod, RodShape, Test, rounded
 
 

@@ -20,8 +20,7 @@ from numpy.typing import NDArray
 
 from mbcdm_cad.errors import GeometryError
 from mbcdm_cad.parts.bill import Placement, Row
-from mbcdm_cad.routes.cable_path import CablePath
-from mbcdm_cad.routes.curves import Piece, cut
+from mbcdm_cad.routes.curves import CablePath, Piece, cut
 from mbcdm_cad.workshop.trianglemesh import TriangleMesh
 
 if TYPE_CHECKING:

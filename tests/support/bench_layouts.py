@@ -23,9 +23,8 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.measurement.run import KNOWN_LOAD, Run, Sensors, TorqueClass
 from mbcdm_cad.measurement.schema import CountedParts
-from mbcdm_cad.rig.experiment import Experiment
+from mbcdm_cad.rig.experiment import Experiment, counted_parts
 from mbcdm_cad.rig.quasistatic import simulate
-from mbcdm_cad.rig.writing import counted_parts
 
 ROOT = Path(__file__).resolve().parents[2]
 Floats = np.ndarray

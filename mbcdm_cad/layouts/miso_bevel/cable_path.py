@@ -18,8 +18,7 @@ import numpy as np
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.input_pulley.dims import STOP_PIECES, StopGeometry, stop_geometry, stop_pieces
-from mbcdm_cad.routes.cable_path import CablePath, Stretch
-from mbcdm_cad.routes.curves import Arc, Helix, Line, Parabola, Piece, triple
+from mbcdm_cad.routes.curves import Arc, CablePath, Helix, Line, Parabola, Piece, Stretch, triple
 
 # The rope's bending stiffness rounds the change of slope between span and pulley over a few sqrt(EI/T), about 0.7 mm
 # for 49 free wires of 0.09 mm at 70 N; this transition is drawn 2.5 diameters long.

@@ -1,7 +1,7 @@
 """Effect of the parts' tolerances on each gap between moving parts: one closed formula for each gap, without a layout.
 
 Each function gives the contributions; with the nominal margin they make a
-:class:`~mbcdm_cad.model.stack_up.StackUp`. Lengths in mm. Parts are assumed to be made to the fits of
+:class:`~mbcdm_cad.model.tolerance.StackUp`. Lengths in mm. Parts are assumed to be made to the fits of
 :mod:`mbcdm_cad.parts.fits` and to the design's block ``making``. Run-out counts half its reading on each radius, play
 half its size to either side; the drum's bearings have no play, because a spring presses them apart.
 """
@@ -13,7 +13,7 @@ from math import radians, tan, tau
 from mbcdm_cad.layouts.miso_bevel.cable_path import fleet_angle_deg, winding
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.layouts.miso_bevel.stack import END_PLAY_MM
-from mbcdm_cad.model.stack_up import Contribution
+from mbcdm_cad.model.tolerance import Contribution
 from mbcdm_cad.parts.making import axial_play_mm, body_accuracy, land_band_mm, rope_band_mm
 
 _NEWTON_STEPS = 12

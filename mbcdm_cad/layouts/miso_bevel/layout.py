@@ -23,7 +23,7 @@ from mbcdm_cad.parts.fits import MountScrew
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 from mbcdm_cad.parts.turned import AxleDims, IdlerDims
 from mbcdm_cad.routes import Floats
-from mbcdm_cad.routes.cable_path import CablePath
+from mbcdm_cad.routes.curves import CablePath
 
 if TYPE_CHECKING:
     from mbcdm_cad.model.si import DriveSI
@@ -151,7 +151,7 @@ class BevelLayout(SectorLayout):
         """The guide's axle between shelf and top plate, and its bearings."""
         from mbcdm_cad.layouts.miso_bevel.routes import GUIDE
         from mbcdm_cad.layouts.structure import axle_causes, elastic
-        from mbcdm_cad.model.structure.shafts import Section
+        from mbcdm_cad.model.structure.causes import Section
 
         spec, guide = self.drive.bearings.guide, {GUIDE: self.guide_bearings_mm}
         section = Section(*self.axle_supports_mm, self.axle.radius)

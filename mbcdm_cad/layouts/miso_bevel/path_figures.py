@@ -18,8 +18,7 @@ from mbcdm_cad.layouts.miso_bevel.drive import BevelRun
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.model.tensioning import TensioningPlan, tensioning_plan
 from mbcdm_cad.parts.terminal import tensioned_rope
-from mbcdm_cad.routes.cable_path import CablePath, EndOfTravel, by_sense, over_travel
-from mbcdm_cad.routes.curves import Arc, Helix, Piece, Triple
+from mbcdm_cad.routes.curves import Arc, CablePath, EndOfTravel, Helix, Piece, Triple, by_sense, over_travel
 
 
 @dataclass(frozen=True)

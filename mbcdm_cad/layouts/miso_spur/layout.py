@@ -18,8 +18,7 @@ from mbcdm_cad.parts.coupling import CollarDims
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 from mbcdm_cad.parts.motor_head.dims import HeadDims
 from mbcdm_cad.parts.turned import IdlerDims, PreloadSpringDims
-from mbcdm_cad.routes.cable_path import CablePath
-from mbcdm_cad.routes.curves import Helix, turned_about_y
+from mbcdm_cad.routes.curves import CablePath, Helix, turned_about_y
 from mbcdm_cad.routes.geometry import RoutedDrive
 
 

@@ -10,7 +10,7 @@ from mbcdm_cad.layouts.siso_spur.path_figures import SpurFigures, path_lines, te
 from mbcdm_cad.layouts.siso_spur.path_figures import path_figures as of_one_input
 from mbcdm_cad.model.tensioning import TensioningPlan, tensioning_plan
 from mbcdm_cad.parts.terminal import tensioned_rope
-from mbcdm_cad.routes.cable_path import EndOfTravel
+from mbcdm_cad.routes.curves import EndOfTravel
 
 __all__ = ["path_figures", "path_lines"]
 

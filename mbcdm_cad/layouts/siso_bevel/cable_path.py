@@ -15,8 +15,7 @@ import numpy as np
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive, DirectRun
 from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.input_pulley.dims import SLOT_PLAY_MM, WEDGE_MM
-from mbcdm_cad.routes.cable_path import CablePath, Stretch
-from mbcdm_cad.routes.curves import Arc, Line, Piece, triple
+from mbcdm_cad.routes.curves import Arc, CablePath, Line, Piece, Stretch, triple
 
 # The bend before the stop, D/d: the sharpest usual static bend, so that the slot uses a small angle of the turn.
 STOP_BEND_RATIO = 8.0

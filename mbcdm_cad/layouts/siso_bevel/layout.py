@@ -32,7 +32,7 @@ from mbcdm_cad.parts.fits import MountScrew
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 from mbcdm_cad.parts.motor_head.dims import HeadDims, head
 from mbcdm_cad.parts.terminal import terminal_travel_mm
-from mbcdm_cad.routes.cable_path import CablePath
+from mbcdm_cad.routes.curves import CablePath
 
 
 def _reserve(drive: DirectDrive, value: float) -> DirectDrive:

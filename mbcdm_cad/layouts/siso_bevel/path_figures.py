@@ -13,7 +13,7 @@ from mbcdm_cad.layouts.siso_bevel.cable_path import full_input_turn_deg, input_w
 from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
 from mbcdm_cad.model.tensioning import TensioningPlan, tensioning_plan
 from mbcdm_cad.parts.terminal import tensioned_rope
-from mbcdm_cad.routes.cable_path import CableWraps, EndOfTravel, by_sense, over_travel, wrap_lines
+from mbcdm_cad.routes.curves import CableWraps, EndOfTravel, by_sense, over_travel, wrap_lines
 
 
 def path_figures(layout: DirectLayout) -> TravelFigures:

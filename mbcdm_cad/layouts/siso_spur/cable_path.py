@@ -19,8 +19,7 @@ from mbcdm_cad.layouts.siso_spur.idlers import SENSE
 from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.drum_sector.sizes import SWAGE_START_MM
 from mbcdm_cad.parts.input_pulley.dims import STOP_PIECES, StopGeometry, stop_geometry, stop_pieces
-from mbcdm_cad.routes.cable_path import CablePath, Stretch
-from mbcdm_cad.routes.curves import Arc, Coil, Line, Parabola, Piece, Triple, reverse, triple
+from mbcdm_cad.routes.curves import Arc, CablePath, Coil, Line, Parabola, Piece, Stretch, Triple, reverse, triple
 
 # Way of a terminal that a whole drum's cable counts as drawn in (estimate: more than any of the catalogue has).
 DRAWN_IN_MM = 10.0

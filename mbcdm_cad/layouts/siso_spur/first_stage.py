@@ -32,8 +32,7 @@ from mbcdm_cad.errors import InputError, shortened
 from mbcdm_cad.layouts.base import Attachment, NoFigureError
 from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.parts.bill import CABLE, FIXED, AssemblyStep, BillBuilder, MovingBody, PartSpec, Placement
-from mbcdm_cad.routes.cable_path import CablePath
-from mbcdm_cad.routes.curves import Helix, carried
+from mbcdm_cad.routes.curves import CablePath, Helix, carried
 
 if TYPE_CHECKING:
     from mbcdm_cad.checks.comparison import Check

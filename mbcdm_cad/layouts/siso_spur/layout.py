@@ -51,7 +51,7 @@ from mbcdm_cad.parts.making import land_band_mm
 from mbcdm_cad.parts.motor_head.dims import Flange, HeadDims, head
 from mbcdm_cad.parts.terminal import Tensioner, tensioned_rope, terminal_travel_mm
 from mbcdm_cad.parts.turned import AxleDims, DrumShaftDims, IdlerDims
-from mbcdm_cad.routes.cable_path import CablePath
+from mbcdm_cad.routes.curves import CablePath
 
 if TYPE_CHECKING:
     from mbcdm_cad.model.si import DriveSI
@@ -356,7 +356,7 @@ class SpurLayout(HeadLayout):
     def passed_structure(self, unit_tension_N: Floats) -> Iterable[Cause]:
         """Axles of the idlers between plate and strap, and their bearings."""
         from mbcdm_cad.layouts.structure import axle_causes, elastic
-        from mbcdm_cad.model.structure.shafts import Section
+        from mbcdm_cad.model.structure.causes import Section
 
         material = elastic(self.drive.shaft_material)
         spec = self.drive.idler_bearing if self.drive.idlers else None

@@ -13,7 +13,7 @@ from mbcdm_cad.layouts.siso_spur.cable_path import input_wrap_rad, side_length_m
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.model.tensioning import TensionedCable, TensioningPlan, tensioning_plan
 from mbcdm_cad.parts.terminal import highest_preload_N, tensioned_rope
-from mbcdm_cad.routes.cable_path import CableWraps, EndOfTravel, by_sense, over_travel, wrap_lines
+from mbcdm_cad.routes.curves import CableWraps, EndOfTravel, by_sense, over_travel, wrap_lines
 
 
 @dataclass(frozen=True)

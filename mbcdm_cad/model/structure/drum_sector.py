@@ -18,11 +18,11 @@ from math import ceil, log, pi, sin
 
 import numpy as np
 
-from mbcdm_cad.model.block_rows import Ints
 from mbcdm_cad.model.structure.quadrilateral import (
     FREEDOMS,
     LEAN,
     LEANS,
+    Ints,
     eccentric,
     elements,
     freedoms,

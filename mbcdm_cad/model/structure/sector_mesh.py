@@ -16,8 +16,7 @@ from math import ceil, inf, pi, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.model.block_rows import Ints
-from mbcdm_cad.model.structure.quadrilateral import AT_GAUSS, solve
+from mbcdm_cad.model.structure.quadrilateral import AT_GAUSS, Ints, solve
 from mbcdm_cad.routes import Floats
 
 Bools = NDArray[np.bool_]

@@ -16,7 +16,7 @@ from mbcdm_cad.parts.drum_sector.part import DrumSector
 from mbcdm_cad.parts.fits import thread
 from mbcdm_cad.parts.terminal import SeatWasher, Tensioner, TerminalDims, TerminalSpring, ThreadedTerminal
 from mbcdm_cad.parts.turned import DrumShaft, DrumShaftDims, Nut, PreloadSpringDims
-from mbcdm_cad.routes.cable_path import CablePath
+from mbcdm_cad.routes.curves import CablePath
 
 _Y, _Z = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 _AGAINST_Y = Placement.about((1.0, 0.0, 0.0), 90.0)

@@ -18,8 +18,7 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.parts.bill import Bill, Item, cable_item
 from mbcdm_cad.parts.bodies import CableRod
-from mbcdm_cad.routes.cable_path import CablePath
-from mbcdm_cad.routes.curves import Piece
+from mbcdm_cad.routes.curves import CablePath, Piece
 from mbcdm_cad.workshop.interference import MovingGroup, bodies, is_cable
 from mbcdm_cad.workshop.mass import PartFiles, item_mass
 from mbcdm_cad.workshop.trianglemesh import TriangleMesh

@@ -85,145 +85,22 @@ def capability(report: Mapping[str, Any]) -> list[dict[str, Any]]:
 
 def derived(report: Mapping[str, Any], bodies: Sequence[Mapping[str, Any]]) -> list[dict[str, str]]:
     """Derived values: name, value with unit, and the values from which it follows."""
-    a, paths, torsion = report["analysis"], report["paths"], report["torsion"]
-    spans = [c["free_span_mm"] for c in a["cables"]]
-    moving = report["inertia_moving_g_mm2"]
-    rows = [
-        (f"ratio of {b['name'].replace('_', ' ')} to drum", f"{b['ratio']:+.6g}", "pitch radii along the cable")
-        for b in bodies
-        if b["ratio"] not in (0.0, 1.0)
-    ]
-    rows += [
-        (
-            "axial stiffness of the rope, EA",
-            f"{a['axial_stiffness_kN']:.4g} kN",
-            f"E = {a['modulus_GPa']:g} GPa on the {a['modulus_area']} area {a['area_mm2']:.4f} mm²",
-        ),
-        ("free spans", f"{min(spans):.4g} to {max(spans):.4g} mm", "centre distance and pitch radii"),
-        *_turn_rows(report),
-        (
-            "lowest mode, inputs held",
-            f"{torsion['lowest_inputs_held_Hz']:.4g} Hz",
-            "cables, structure, and the inertia of what turns",
-        ),
-        ("lowest mode by the cables alone", f"{torsion['cables_alone_Hz']:.4g} Hz", "all else rigid, no payload"),
-        (
-            "modes, inputs free",
-            ", ".join(f"{f:.4g}" for f in torsion["inputs_free_Hz"]) + " Hz",
-            "rotors of the motors through the gearheads",
-        ),
-        (
-            "inertia at the drum, without rotors",
-            f"{moving['at_drum_without_rotors']:.6g} g mm²",
-            "each body times its ratio squared",
-        ),
-        ("inertia at a motor's shaft", f"{moving['at_motor']:.4g} g mm²", "all of it, over the whole ratio squared"),
-        (
-            "usable travel",
-            f"{paths['usable_deg'][0]:.2f} to {paths['usable_deg'][1]:+.2f} deg",
-            "; ".join(dict.fromkeys(way[0]["cause"] for _, way in travel_limits(report))) or "paths of the cables",
-        ),
-        (
-            "preloads that leave no bias",
-            ", ".join(f"{t:.4g}" for t in a["balanced_preload_N"]) + " N",
-            "T ~ 1/r within the cables of one input",
-        ),
-        (
-            "peak torque with them",
-            " / ".join(f"{t:.4g}" for t in a["balanced_peak_torque_Nm"]) + " N m",
-            "as the peak torque, both ways",
-        ),
-        (
-            "torque to weight",
-            f"{report['torque']['torque_to_weight_Nm_kg']:.4g} N m/kg",
-            "weaker direction over the mass as drawn",
-        ),
-    ]
-    for line in a["creep"]:
-        days, share = line["days"][2], line["share"][2]
-        told = (f"preload left after {days:.0f} days at {line['temperature_C']:g} °C", f"{share:.1%}")
-        rows.append((*told, "creep of the rope between fixed ends"))
-    if a["motor"]:
-        rows += _motor_rows(a["motor"])
-    if report["frame"]:
-        windup = report["frame"]["windup_urad_Nm"]
-        rows.append(("frame's windup", f"{windup:.4g} µrad per N m", "stiffness of the support's walls"))
+    a = report["analysis"]
+    text = (
+        page_environment()
+        .overlay(autoescape=False)
+        .get_template("derived.txt.j2")
+        .render(
+            r=report,
+            a=a,
+            bodies=bodies,
+            structure=report["structure"],
+            papers_test=papers_test(a["test"][0]["load_Nm"]),
+            ends="; ".join(dict.fromkeys(way[0]["cause"] for _, way in travel_limits(report))) or "paths of the cables",
+        )
+    )
+    rows = (line.split(" | ") for line in text.splitlines() if line)
     return [{"what": what, "value": value.replace("-", "−"), "from": source} for what, value, source in rows]
-
-
-def _turn_rows(report: Mapping[str, Any]) -> list[tuple[str, str, str]]:
-    """Turn, swing and stiffness at each place; of the drum on rigid parts where the structure has no figures."""
-    a, found = report["analysis"], report["structure"]
-    places = found["places"] if found else {}
-    torque = f"{a['test'][0]['load_Nm']:g} N m"
-    rows = []
-    for key, name in (("payload", "at the payload"), ("drum_encoder", "at the drum's encoder")):
-        if at := places.get(key):
-            rows += [
-                (f"turn {name}", f"{at['turn_mrad']:.4g} mrad", f"{torque}, first loading; cables and structure"),
-                (f"swing {name}", f"{at['swing_mrad']:.4g} mrad", f"full reversal of {torque}"),
-                (f"stiffness {name}, secant", f"{at['stiffness_Nm_rad']:.4g} N m/rad", torque),
-                (f"stiffness {name}, small motion", f"{at['sticking_stiffness_Nm_rad']:.4g} N m/rad", "wraps sticking"),
-            ]
-    if found and papers_test(a["test"][0]["load_Nm"]):
-        words = ", ".join(
-            f"{x:.1f} GPa ({name})" if x else f"none ({name})" for name, x in found["implied_moduli_GPa"].items()
-        )
-        alone = ", ".join(
-            f"{x['modulus_GPa']:.1f} GPa ({x['reading']})" for x in a["implied_modulus"] if x["route"] == "all_cables"
-        )
-        measured = f"{a['measured_backlash_mrad']:g} mrad of the paper"
-        rows.append(("E implied, structure counted", words, f"{measured}; by the cables alone {alone}"))
-    return [
-        *rows,
-        (
-            "turn by the cables alone",
-            f"{abs(a['test'][0]['turn_mrad']):.4g} mrad",
-            f"{torque}, first loading, inputs locked",
-        ),
-        (
-            "swing by the cables alone",
-            f"{a['reversal_swing_mrad']:.4g} mrad",
-            "full reversal of the test torque; friction, preload, EA",
-        ),
-        (
-            "stiffness of the cables, wraps sticking",
-            f"{a['sticking_stiffness_Nm_rad']:.4g} N m/rad",
-            "EA, radii, free spans and wraps",
-        ),
-        (
-            "stiffness of the cables at the test torque, secant",
-            f"{a['test'][0]['secant_stiffness_Nm_rad']:.4g} N m/rad",
-            "friction lets the wraps slip",
-        ),
-    ]
-
-
-def _motor_rows(m: Mapping[str, Any]) -> list[tuple[str, str, str]]:
-    """Derived values of the motor."""
-    return [
-        (
-            "speed of the drum, no load",
-            f"{m['drum_no_load_speed_deg_s']:.4g} deg/s",
-            f"{m['bus_voltage_V']:g} V over torque constant and whole ratio",
-        ),
-        (
-            "motor at the peak torque",
-            f"{m['at_peak_load_torque_mNm']:.4g} mN m, {m['at_peak_load_current_A']:.3g} A, "
-            f"{m['at_peak_load_loss_W']:.3g} W lost",
-            "torque constant and resistance, copper alone",
-        ),
-        (
-            "motor's continuous torque",
-            f"{m['continuous_torque_mNm']:.4g} mN m, {m['continuous_loss_W']:.3g} W lost",
-            "catalogue; copper alone",
-        ),
-        (
-            "rotors seen at the drum",
-            f"{m['reflected_inertia_kg_m2'] * 1e3:.4g} g m²",
-            "rotor times the whole ratio squared, all inputs",
-        ),
-    ]
 
 
 def speed_chart(report: Mapping[str, Any]) -> dict[str, Any] | None:
@@ -317,6 +194,7 @@ def page_environment(*more: tuple[str, str]) -> jinja2.Environment:
         lstrip_blocks=True,
     )
     words: dict[str, Any] = {"words": lambda text: text.replace("_", " "), "flow": flow, "designs": designs_shown}
+    words["figures"] = lambda values, between=", ": between.join(f"{value:.4g}" for value in values)
     environment.filters |= {"figure": _figure, "json": _json, **words}
     environment.globals |= {"asset": _asset, "table_of": legend_table}
     return environment

@@ -13,8 +13,7 @@ from mbcdm_cad.rig.bench import Bench, bench_of
 from mbcdm_cad.rig.dynamic.rig import LOOP_RATE_HZ, DynamicRig, EncoderSpec, rig_of
 from mbcdm_cad.rig.dynamic.run import DynamicRun, run_dynamic
 from mbcdm_cad.rig.dynamic.train import LoadSpec
-from mbcdm_cad.rig.experiment import DynamicExperiment
-from mbcdm_cad.rig.writing import RigError, SimulatedRun
+from mbcdm_cad.rig.experiment import DynamicExperiment, RigError, SimulatedRun
 
 
 def simulate(drive: Drive, experiment: DynamicExperiment) -> SimulatedRun:

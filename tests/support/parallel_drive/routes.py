@@ -14,8 +14,7 @@ import numpy as np
 
 from mbcdm_cad.design.drive import CableRun, Drive
 from mbcdm_cad.routes import Floats
-from mbcdm_cad.routes.cable_path import CablePath, Stretch
-from mbcdm_cad.routes.curves import Arc, Line, Triple
+from mbcdm_cad.routes.curves import Arc, CablePath, Line, Stretch, Triple
 from mbcdm_cad.routes.geometry import DRUM_RADIUS, INPUT_RADIUS, RoutedDrive, Varied, tangent_length_m
 from mbcdm_cad.routes.route import Anchor, Body, CableRoute, DriveRoutes, Span, Terminal, Wrap, input_body
 from parallel_drive.design_file import ParallelDrive

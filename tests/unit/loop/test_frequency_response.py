@@ -16,7 +16,7 @@ from scipy.signal import chirp, cont2discrete, csd, detrend, lfilter
 import mbcdm_cad as mc
 from mbcdm_cad.cli import run as mbcdm
 from mbcdm_cad.errors import InputError
-from mbcdm_cad.jobs.searches import plan_run
+from mbcdm_cad.jobs.outputs import plan_run
 from mbcdm_cad.layouts.lumped import compliance_of
 from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.loop.judge import LoopReport

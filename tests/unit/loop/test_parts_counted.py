@@ -27,9 +27,8 @@ from mbcdm_cad.measurement.loads import parts_seen
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.measurement.schema import CountedParts
 from mbcdm_cad.measurement.vet import arranged
-from mbcdm_cad.rig.experiment import Experiment, read_experiment
+from mbcdm_cad.rig.experiment import Experiment, read_experiment, run_files
 from mbcdm_cad.rig.quasistatic import simulate
-from mbcdm_cad.rig.writing import run_files
 
 ROOT = Path(__file__).parents[3]
 DRIVE = load_design(ROOT / "params" / "mbcdm.yaml").drive

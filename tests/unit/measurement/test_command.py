@@ -160,7 +160,7 @@ def test_runs_of_different_drives_are_not_judged_together(
 
 
 def test_no_file_is_touched_unless_all_can_be_written(tmp_path: Path) -> None:
-    from mbcdm_cad.storage.files import write_whole
+    from mbcdm_cad.storage.folders import write_whole
 
     kept = tmp_path / "kept.json"
     kept.write_text("before")

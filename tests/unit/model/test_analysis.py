@@ -29,7 +29,7 @@ from mbcdm_cad.model.capability import Requirements
 from mbcdm_cad.model.figures import Analysis
 from mbcdm_cad.model.sensitivity import intervals
 from mbcdm_cad.model.si import ModelError
-from mbcdm_cad.model.stack_up import BEYOND_THREE_SIGMA, Contribution, StackUp, stack_data, tightest
+from mbcdm_cad.model.tolerance import BEYOND_THREE_SIGMA, Contribution, StackUp, stack_data, tightest
 from mbcdm_cad.report.analysis_report import analyse_design
 
 REFERENCE = Path(__file__).parents[3] / "params" / "mbcdm.yaml"

@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_info, threadpool_limits
 
 from mbcdm_cad.layouts.loader import layout_of, load_design, load_text, new_design_text
-from mbcdm_cad.model import block_rows
-from mbcdm_cad.model.block_rows import solve_mesh
+from mbcdm_cad.model.structure import quadrilateral
 from mbcdm_cad.model.structure.drum_sector import (
     STIFFENED,
     UNEVEN,
@@ -37,6 +36,7 @@ from mbcdm_cad.model.structure.quadrilateral import (
     plane_law,
     plate_elements,
     solve,
+    solve_mesh,
 )
 from mbcdm_cad.model.structure.sector_mesh import RimStep, SectorShape
 from mbcdm_cad.parts.drum_sector.dims import Window, hub, land_pulls, sector_shape
@@ -97,7 +97,7 @@ def test_a_mesh_is_solved_by_bands_on_one_thread(monkeypatch: pytest.MonkeyPatch
         seen.extend(one["num_threads"] for one in threadpool_info() if one["user_api"] == "blas")
         return None, np.zeros((1, 1)), 0
 
-    monkeypatch.setattr(block_rows, "dpbsv", threads)
+    monkeypatch.setattr(quadrilateral, "dpbsv", threads)
     with threadpool_limits(2):
         solve_mesh(np.zeros((1, 1), dtype=int), np.ones((1, 1, 1)), np.zeros((1, 1)))
     assert set(seen) == {1}, seen

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mbcdm_cad.model.folded_plates import Plates, freedoms, sides, solve, stiffness
+from mbcdm_cad.model.plate_mesh import Plates, freedoms, sides, solve, stiffness
 
 MODULUS, POISSON = 70_000.0, 0.3
 

@@ -16,10 +16,9 @@ from mbcdm_cad.model.capability import Requirements
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.sensitivity import elasticities, figure_5, global_indices, intervals
 from mbcdm_cad.model.si import DriveSI, ModelError
-from mbcdm_cad.model.stack_up import Contribution, StackUp
 from mbcdm_cad.model.stiffness import drum_backlash
 from mbcdm_cad.model.study import HATCHES, _style, write_study
-from mbcdm_cad.model.tolerance import Tolerances, eccentric_path_m, sources, tolerance_stack
+from mbcdm_cad.model.tolerance import Contribution, StackUp, Tolerances, eccentric_path_m, sources, tolerance_stack
 from mbcdm_cad.parallel import forks
 from mbcdm_cad.parallel.forks import crew
 from tests.support.checked import of_params

@@ -9,8 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mbcdm_cad.model.structure.drum_sector import Isotropic
-from mbcdm_cad.model.structure.shafts import (
+from mbcdm_cad.model.structure.causes import (
     URAD_NM,
     Acting,
     Section,
@@ -19,6 +18,7 @@ from mbcdm_cad.model.structure.shafts import (
     bending_urad_Nm,
     torsion_urad_Nm,
 )
+from mbcdm_cad.model.structure.drum_sector import Isotropic
 
 Z = np.array([0.0, 0.0, 1.0])
 STEEL_MPA = 210e3

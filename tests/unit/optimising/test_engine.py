@@ -10,7 +10,7 @@ import pytest
 
 from mbcdm_cad import new_design_text
 from mbcdm_cad.layouts import open_ratio
-from mbcdm_cad.model import block_rows
+from mbcdm_cad.model.structure import quadrilateral
 from mbcdm_cad.model.structure.drum_sector import sector_study
 from mbcdm_cad.optimising.engine import Engine, front_of, hypervolume
 from mbcdm_cad.optimising.evaluate import FAULT, Evaluated, evaluate
@@ -87,7 +87,7 @@ def test_what_needs_no_mesh_is_judged_before_any(monkeypatch: pytest.MonkeyPatch
     strand = read_question(Path(__file__).parents[3] / "params" / "optimum" / "paper-stiff-42.yaml")
     # From here on: the sizing of the two files themselves solves meshes too, and keeps them.
     sector_study.cache_clear()
-    monkeypatch.setattr(block_rows, "dpbsv", mesh)
+    monkeypatch.setattr(quadrilateral, "dpbsv", mesh)
     small = evaluate(question, {}, wishes_of(["mass_g:min"], ["box_x_mm:<=50"]).keeps, named)
     assert [name for name, _ in small.failing] == ["box_x_mm:<=50"], small
     assert "a mesh is solved" in evaluate(question, {}, (), named).refused

@@ -16,7 +16,7 @@ import pytest
 
 import mbcdm_cad as mc
 from mbcdm_cad.errors import MbcdmError, OutputError
-from mbcdm_cad.jobs import searches as job
+from mbcdm_cad.jobs import outputs as job
 from mbcdm_cad.optimising import search as searching
 from mbcdm_cad.optimising.evaluate import Evaluated
 from mbcdm_cad.optimising.search import FrontSearch, Journal, Searched

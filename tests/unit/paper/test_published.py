@@ -16,8 +16,7 @@ from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.measurement.file import load_file
 from mbcdm_cad.measurement.reading import read_run
 from mbcdm_cad.model.stiffness import drum_backlash
-from mbcdm_cad.paper.published import PublishedResult, judge_published, published_page
-from mbcdm_cad.paper.published_causes import Candidate, Judged
+from mbcdm_cad.paper.published import Candidate, Judged, PublishedResult, judge_published, published_page
 
 PARAMS = Path(__file__).parents[3] / "params"
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from mbcdm_cad.jobs.page import ComparisonReport
+from mbcdm_cad.jobs.build import ComparisonReport
 from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.layouts.structure import structure_of
 from mbcdm_cad.model.stiffness import drum_backlash

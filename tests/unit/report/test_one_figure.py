@@ -19,8 +19,8 @@ from mbcdm_cad.layouts.turns import modes_of, turns_at, turns_of
 from mbcdm_cad.model.bulk import preload_table
 from mbcdm_cad.optimising.evaluate import Facts, figure
 from mbcdm_cad.report.analysis_report import above_gearhead
+from mbcdm_cad.report.comparison import sweep
 from mbcdm_cad.report.data import design_figures
-from mbcdm_cad.report.design_columns import sweep
 from mbcdm_cad.report.page.stage import charts_under_load, studies
 from mbcdm_cad.report.page.template import derived
 from tests.support.checked import results

@@ -25,10 +25,9 @@ from mbcdm_cad.rig.bench import BenchLimits, BenchSensors
 from mbcdm_cad.rig.command import _overload
 from mbcdm_cad.rig.effects import AnyEffect
 from mbcdm_cad.rig.effects.machine import BearingFriction, GearheadLash
-from mbcdm_cad.rig.experiment import DynamicExperiment, Experiment, read_experiment
+from mbcdm_cad.rig.experiment import DynamicExperiment, Experiment, RigError, read_experiment
 from mbcdm_cad.rig.library_page import added, effects_table
 from mbcdm_cad.rig.quasistatic import simulate
-from mbcdm_cad.rig.writing import RigError
 
 SHORT = """\
 name: short

@@ -12,8 +12,7 @@ from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.rig.command import simulate_command
 from mbcdm_cad.rig.dynamic.simulate import simulate_dynamic, truth_of
-from mbcdm_cad.rig.experiment import DynamicExperiment, read_experiment
-from mbcdm_cad.rig.writing import RigError
+from mbcdm_cad.rig.experiment import DynamicExperiment, RigError, read_experiment
 
 ROOT = Path(__file__).parents[3]
 DRIVE = load_design(ROOT / "params" / "mbcdm.yaml").drive

@@ -21,9 +21,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mbcdm_cad.storage import cache, files
+from mbcdm_cad.storage import cache, folders
 from mbcdm_cad.storage.cache import Cache, cache_folder, canonical_json, content_key
-from mbcdm_cad.storage.files import aside
+from mbcdm_cad.storage.folders import aside
 
 ROOT = Path(__file__).parents[3]
 
@@ -132,7 +132,7 @@ def test_unusable_cache_does_not_stop_anything(tmp_path: Path, obstacle: str, mo
         def no_room(path: Path, mode: str) -> int:
             raise OSError(28, "No space left on device")
 
-        monkeypatch.setattr(files, "open", no_room, raising=False)
+        monkeypatch.setattr(folders, "open", no_room, raising=False)
     cache = Cache(folder)
     assert cache.get_or_make(key(1), lambda: {"x": b"1"}) == {"x": b"1"}
     assert str(folder) in cache.problem
@@ -281,7 +281,7 @@ def test_a_key_changes_with_every_file_of_the_program(program: Path, changed: st
 
 def test_a_key_changes_with_the_libraries(monkeypatch: pytest.MonkeyPatch) -> None:
     before = content_key("part", [0.1])
-    monkeypatch.setattr(cache, "versions", lambda: files.versions() | {"cadquery": "0.0.1"})
+    monkeypatch.setattr(cache, "versions", lambda: folders.versions() | {"cadquery": "0.0.1"})
     assert content_key("part", [0.1]) != before
 
 

@@ -17,8 +17,7 @@ import pytest
 
 from mbcdm_cad.errors import OutputError
 from mbcdm_cad.storage import folders
-from mbcdm_cad.storage.files import MANIFEST_NAME, Manifest, altered_files, read_manifest
-from mbcdm_cad.storage.folders import output_folder
+from mbcdm_cad.storage.folders import MANIFEST_NAME, Manifest, altered_files, output_folder, read_manifest
 
 ROOT = Path(__file__).parents[3]
 FACTS = Manifest(design_sha256="d", inputs_sha256="i")
@@ -28,7 +27,7 @@ BUILDER = """
 import sys
 from pathlib import Path
 from mbcdm_cad.storage import folders
-from mbcdm_cad.storage.files import Manifest
+from mbcdm_cad.storage.folders import Manifest
 from mbcdm_cad.storage.folders import output_folder
 target, tag, first, count, exchange = Path(sys.argv[1]), sys.argv[2], int(sys.argv[3]), int(sys.argv[4]), sys.argv[5]
 if exchange == "no":
@@ -226,7 +225,7 @@ def test_real_full_disk(tmp_path: Path) -> None:
     script = """
 import sys
 from pathlib import Path
-from mbcdm_cad.storage.files import Manifest, altered_files, read_manifest
+from mbcdm_cad.storage.folders import Manifest, altered_files, read_manifest
 from mbcdm_cad.errors import OutputError
 from mbcdm_cad.storage.folders import output_folder
 target = Path(sys.argv[1])
@@ -322,7 +321,7 @@ def test_swap_that_died_half_way_is_undone(tmp_path: Path, monkeypatch: pytest.M
 
 def test_no_kernel_is_imported() -> None:
     code = (
-        "import sys, mbcdm_cad.storage.folders, mbcdm_cad.storage.files as m; m.versions(); "
+        "import sys, mbcdm_cad.storage.folders, mbcdm_cad.storage.folders as m; m.versions(); "
         "print([n for n in ('cadquery', 'OCP', 'numpy', 'vtkmodules') if n in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT, check=True)

@@ -7,8 +7,7 @@ from pathlib import Path
 import pytest
 
 from mbcdm_cad.errors import OutputError
-from mbcdm_cad.storage.files import Manifest
-from mbcdm_cad.storage.folders import ORIGIN_NAME, output_folder, refuse_other_origin, write_from
+from mbcdm_cad.storage.folders import ORIGIN_NAME, Manifest, output_folder, refuse_other_origin, write_from
 
 FACTS = Manifest("d", "i")
 

@@ -21,8 +21,7 @@ from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.layouts.miso_bevel.cable_path import cable_path
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.parts.bill import PartSpec
-from mbcdm_cad.routes.cable_path import CablePath
-from mbcdm_cad.routes.curves import Helix, Line
+from mbcdm_cad.routes.curves import CablePath, Helix, Line
 from mbcdm_cad.workshop.interference import MovingGroup, bodies, is_cable, travel_poses
 from mbcdm_cad.workshop.pairs import Clash, cable_overlaps, centre_line_distance
 from mbcdm_cad.workshop.store import Store, StoredPart, exported_parts

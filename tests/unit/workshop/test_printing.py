@@ -26,8 +26,7 @@ from mbcdm_cad.parts.part import StandardPart
 from mbcdm_cad.storage.cache import Cache, cache_folder
 from mbcdm_cad.workshop.drawings import drawn_parts
 from mbcdm_cad.workshop.meshing import mesh_solid
-from mbcdm_cad.workshop.prints import overhang_mm2, prints_of, thinnest_wall
-from mbcdm_cad.workshop.wider_holes import round_holes, with_wider_holes
+from mbcdm_cad.workshop.prints import overhang_mm2, prints_of, round_holes, thinnest_wall, with_wider_holes
 from tests.support.checked import failing, of_params
 
 ROOT = Path(__file__).parents[3]

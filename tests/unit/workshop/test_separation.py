@@ -14,8 +14,7 @@ from hypothesis import strategies as st
 
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.parts.bill import Placement
-from mbcdm_cad.routes.cable_path import CablePath
-from mbcdm_cad.routes.curves import Arc, Helix, Line
+from mbcdm_cad.routes.curves import Arc, CablePath, Helix, Line
 from mbcdm_cad.workshop import kernel
 from mbcdm_cad.workshop.interference import answers
 from mbcdm_cad.workshop.kernel import common, rod

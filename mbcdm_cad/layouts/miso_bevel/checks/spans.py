@@ -23,7 +23,7 @@ from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.pulleys import smallest_lead_mm
 from mbcdm_cad.layouts.miso_bevel.stack import band, outward_of
-from mbcdm_cad.model.stack_up import StackUp, tightest
+from mbcdm_cad.model.tolerance import StackUp, tightest
 
 # Least crest between two grooves, in rope diameters: a thinner one is a sharp edge that cuts the rope (estimate).
 GROOVE_CREST = 0.05

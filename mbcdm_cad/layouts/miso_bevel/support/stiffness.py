@@ -28,7 +28,6 @@ from mbcdm_cad.layouts.base import FrameCompliance, FrameStudy
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.routes import GUIDE
 from mbcdm_cad.layouts.structure import elastic
-from mbcdm_cad.model.block_rows import Ints
 from mbcdm_cad.model.equilibrium import bearing_loads
 from mbcdm_cad.model.plate_mesh import (
     URAD_PER_MRAD,
@@ -46,7 +45,8 @@ from mbcdm_cad.model.plate_mesh import (
 )
 from mbcdm_cad.model.si import MM
 from mbcdm_cad.model.stiffness import unit_tensions_N
-from mbcdm_cad.model.structure.shafts import BossRing
+from mbcdm_cad.model.structure.causes import BossRing
+from mbcdm_cad.model.structure.quadrilateral import Ints
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.route import two_bearing_reactions_N
 

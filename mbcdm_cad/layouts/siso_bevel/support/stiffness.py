@@ -19,7 +19,7 @@ from mbcdm_cad.layouts.structure import elastic, one_input_loads
 from mbcdm_cad.model.plate_mesh import URAD_PER_MRAD, Hole, Mounts, Wall, X, Y, Z, centred_load, plate_mesh, shares_urad
 from mbcdm_cad.model.si import MM
 from mbcdm_cad.model.stiffness import unit_tensions_N
-from mbcdm_cad.model.structure.shafts import BossRing
+from mbcdm_cad.model.structure.causes import BossRing
 from mbcdm_cad.routes import Floats
 
 # A force on a seat spreads over this many of its radii.

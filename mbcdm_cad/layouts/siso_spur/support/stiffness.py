@@ -24,7 +24,6 @@ from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.overhung import MotorSeat
 from mbcdm_cad.layouts.siso_spur.support.parts import motor_seat
 from mbcdm_cad.layouts.structure import elastic, one_input_loads
-from mbcdm_cad.model.block_rows import Ints
 from mbcdm_cad.model.plate_mesh import (
     URAD_PER_MRAD,
     Hole,
@@ -41,7 +40,8 @@ from mbcdm_cad.model.plate_mesh import (
 )
 from mbcdm_cad.model.si import MM
 from mbcdm_cad.model.stiffness import unit_tensions_N
-from mbcdm_cad.model.structure.shafts import BossRing
+from mbcdm_cad.model.structure.causes import BossRing
+from mbcdm_cad.model.structure.quadrilateral import Ints
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.route import body_load, two_bearing_reactions_N
 

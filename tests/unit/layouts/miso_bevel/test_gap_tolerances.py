@@ -17,8 +17,7 @@ from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.model.equations import pair_mismatch_m
-from mbcdm_cad.model.stack_up import Contribution
-from mbcdm_cad.model.tolerance import linear_error, tolerance_stack
+from mbcdm_cad.model.tolerance import Contribution, linear_error, tolerance_stack
 from mbcdm_cad.parts.fits import radius_band_mm
 from mbcdm_cad.parts.making import model_tolerances
 

@@ -29,8 +29,8 @@ from mbcdm_cad.layouts.siso_spur.support.stiffness import seat_forces
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.losses import bearing_torque_Nm, tangent_share
 from mbcdm_cad.model.stiffness import unit_tensions_N
+from mbcdm_cad.model.structure.causes import Acting, Section, bending_urad_Nm
 from mbcdm_cad.model.structure.drum_sector import Isotropic
-from mbcdm_cad.model.structure.shafts import Acting, Section, bending_urad_Nm
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.route import Span, Wrap, body_load
 from mbcdm_cad.workshop.kernel import location, validate_solid

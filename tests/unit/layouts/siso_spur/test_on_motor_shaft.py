@@ -20,8 +20,8 @@ from mbcdm_cad.layouts.siso_spur.checks import overhung
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, spur
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.structure import overhung_sag_mm, structure_of
+from mbcdm_cad.model.structure.causes import Acting, Section, bending_urad_Nm
 from mbcdm_cad.model.structure.drum_sector import Isotropic
-from mbcdm_cad.model.structure.shafts import Acting, Section, bending_urad_Nm
 from mbcdm_cad.rig.dynamic.rig import rig_of
 from mbcdm_cad.routes.curves import Line
 from mbcdm_cad.workshop.kernel import location, validate_solid

@@ -16,8 +16,7 @@ from matplotlib import image
 from mbcdm_cad.errors import OutputError
 from mbcdm_cad.parts.bill import Item, Placement
 from mbcdm_cad.workshop.export import picture
-from mbcdm_cad.workshop.export.moving import tube_mesh
-from mbcdm_cad.workshop.export.picture import VIEWS, picture_png
+from mbcdm_cad.workshop.export.picture import VIEWS, picture_png, tube_mesh
 from mbcdm_cad.workshop.meshing import mesh_solid
 from mbcdm_cad.workshop.trianglemesh import TriangleMesh
 

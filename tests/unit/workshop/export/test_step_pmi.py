@@ -24,8 +24,7 @@ from OCP.XCAFDoc import (
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.parts.part import MadePart
-from mbcdm_cad.workshop.export.step import part_step
-from mbcdm_cad.workshop.export.step_pmi import part_step_ap242
+from mbcdm_cad.workshop.export.step import part_step, part_step_ap242
 from tests.acceptance.freecad import freecad_program, run_in_freecad
 
 _DRIVE = load_design(Path(__file__).parents[4] / "params" / "mbcdm.yaml").drive
