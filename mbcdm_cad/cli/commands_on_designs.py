@@ -166,7 +166,11 @@ def solve(design: Path, apply: Path | None, as_json: bool) -> int:
     then.
     """
     if apply is not None:
-        _refuse_other_file(design, apply)
+        # Raise ``InputError`` if the result would replace a file other than the design itself.
+        refuse_missing_folder(apply)
+        if apply.exists() and apply.resolve() != design.resolve():
+            problem = Problem(str(apply), 1, "", "exists already", remedy="choose another name, or remove it first")
+            raise InputError([problem])
     with progress_of_trials() as told:
         found = api.solve(design, progress=told)
     if as_json:
@@ -259,14 +263,6 @@ def prices(design: Path, figures: Sequence[str], workers: int | None, scheduler:
     else:
         click.echo(found.text(screen_width()))
     return 0
-
-
-def _refuse_other_file(design: Path, apply: Path) -> None:
-    """Raise ``InputError`` if the result would replace a file other than the design itself."""
-    refuse_missing_folder(apply)
-    if apply.exists() and apply.resolve() != design.resolve():
-        problem = Problem(str(apply), 1, "", "exists already", remedy="choose another name, or remove it first")
-        raise InputError([problem])
 
 
 @mbcdm.command(epilog=examples("mbcdm init my_drive.yaml", "mbcdm init my_drive.yaml --full"))

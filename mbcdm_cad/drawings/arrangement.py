@@ -254,7 +254,14 @@ def _packed(sheet: Sheet, view: View, around: Box, scale: float) -> tuple[list[P
             pair = ((a[0] * scale, a[1] * scale), (b[0] * scale, b[1] * scale))
             ends.append(pair)
             along = sorted(p[0 if across else 1] for p in pair)
-            _agree(sheet, d, (along[1] - along[0]) / scale)
+            drawn = (along[1] - along[0]) / scale
+            if abs(drawn - d.value) > 1e-6:
+                raise ValueError(
+                    f"sheet {sheet.part}: dimension {dimension_text(d)} in view {d.view} is {d.value:.6g} mm, but its "
+                    f"points are {drawn:.6g} mm apart there"
+                )
+            if d.fit:
+                limits(d.value, d.fit)
             spans.append(DimensionSpan(along[0], along[1], text_width_mm(dimension_text(d))))
         first, last = ("left", "right") if across else ("below", "above")
         places = placed(spans, (edge[first] * scale, edge[last] * scale))
@@ -279,16 +286,6 @@ def _packed(sheet: Sheet, view: View, around: Box, scale: float) -> tuple[list[P
             room["right"] = max(room["right"], at + width - edge["right"] * scale)
     margins = _Margins(**room)
     return shown, replace(margins, above=margins.above + LABEL_MM + 4.0) if view.title else margins
-
-
-def _agree(sheet: Sheet, d: Linear, drawn: float) -> None:
-    if abs(drawn - d.value) > 1e-6:
-        raise ValueError(
-            f"sheet {sheet.part}: dimension {dimension_text(d)} in view {d.view} is {d.value:.6g} mm, but its points "
-            f"are {drawn:.6g} mm apart there"
-        )
-    if d.fit:
-        limits(d.value, d.fit)
 
 
 def arranged(sheet: Sheet, pictures: dict[str, Picture], table_mm: tuple[float, float], notes_mm: float) -> Arrangement:

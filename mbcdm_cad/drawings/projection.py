@@ -252,7 +252,11 @@ def picture(solid: cq.Shape, view: View, whole: cq.Shape | None = None) -> Pictu
     faces: list[tuple[Loops, int]] = []
     if view.cut is not None:
         plane = cq.Vector(*view.cut).dot(cq.Vector(*view.toward))
-        space, cut = _half_space(view, view.cut), []
+        # The half space between the section plane and the reader.
+        half = _HALF_SPACE_MM / 2
+        corner = [a - half * r - half * u for a, r, u in zip(view.cut, view.right, view.up, strict=True)]
+        axes = gp_Ax2(gp_Pnt(*corner), gp_Dir(*view.toward), gp_Dir(*view.right))
+        space, cut = cq.Solid(BRepPrimAPI_MakeBox(axes, _HALF_SPACE_MM, _HALF_SPACE_MM, _HALF_SPACE_MM).Shape()), []
         for number, body in enumerate(bodies):
             low, high = _depths(body, view)
             if low < plane - _AT_PLANE_MM:
@@ -283,14 +287,6 @@ def _depths(body: cq.Shape, view: View) -> tuple[float, float]:
     sides = zip((box.xmin, box.ymin, box.zmin), (box.xmax, box.ymax, box.zmax), view.toward, strict=True)
     ends = [sorted((low * t, high * t)) for low, high, t in sides]
     return sum(e[0] for e in ends), sum(e[1] for e in ends)
-
-
-def _half_space(view: View, at: Vector) -> cq.Solid:
-    """The half space between the section plane and the reader."""
-    half = _HALF_SPACE_MM / 2
-    corner = [a - half * r - half * u for a, r, u in zip(at, view.right, view.up, strict=True)]
-    axes = gp_Ax2(gp_Pnt(*corner), gp_Dir(*view.toward), gp_Dir(*view.right))
-    return cq.Solid(BRepPrimAPI_MakeBox(axes, _HALF_SPACE_MM, _HALF_SPACE_MM, _HALF_SPACE_MM).Shape())
 
 
 def _section(solid: cq.Shape, view: View, at: Vector) -> tuple[Loops, ...]:

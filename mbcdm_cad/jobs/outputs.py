@@ -399,7 +399,10 @@ def plan_run(drive: Drive, experiment: Path, pilot: Path | None) -> RunPlan:
         noise = None if measured is None else noise_from(drive, measured)
         # The load of the planned run is known as well as that of the pilot.
         known = None if measured is None else measured.sensors.torque_class
-        return plan_of(drive, run_of(drive, _plannable(experiment), known), noise)
+        wanted = read_experiment(experiment)
+        chirped = isinstance(wanted, DynamicExperiment) and wanted.motion.shape == "chirp"
+        planned = run_of(drive, wanted if chirped else _quasistatic(experiment), known)
+        return plan_of(drive, planned, noise)
 
 
 def plan_within(
@@ -418,12 +421,6 @@ def _followed(path: Path) -> Iterator[None]:
         yield
     except ModelError as error:
         raise MbcdmError(f"{path}: the model cannot follow the run: {error}") from None
-
-
-def _plannable(path: Path) -> Experiment | DynamicExperiment:
-    wanted = read_experiment(path)
-    chirped = isinstance(wanted, DynamicExperiment) and wanted.motion.shape == "chirp"
-    return wanted if chirped else _quasistatic(path)
 
 
 def _quasistatic(path: Path) -> Experiment:

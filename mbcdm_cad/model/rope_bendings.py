@@ -137,15 +137,13 @@ def bendings(rope: RopeKind, at: Crossing) -> Floats:
     """N50 at each crossing. Easier crossings than the formula has data for count as at its border."""
     if rope.anchor is not None:
         return _scaled(rope, rope.anchor, at)
-    return _generic(rope, at, rope.lubrication)
-
-
-def _generic(rope: RopeKind, at: Crossing, lubrication: str) -> Floats:
     x = np.minimum(at.bend_ratio * rope.over_wire / 15.0, X_RANGE[1])
     share = np.maximum(at.load_share, LOAD_RANGE[0])
     # At infinite wraps a slack run has no tension at all; the border above keeps the power finite.
     plain = BASE * (x / BASE_X) ** X_EXPONENT * (share / BASE_LOAD) ** LOAD_EXPONENT
-    fixed = thin_factor(rope.diameter_mm) * MATERIAL_FACTORS.get(rope.material, 1.0) * LUBRICATION_FACTORS[lubrication]
+    fixed = (
+        thin_factor(rope.diameter_mm) * MATERIAL_FACTORS.get(rope.material, 1.0) * LUBRICATION_FACTORS[rope.lubrication]
+    )
     return np.asarray(plain * fixed * groove_factor(at.groove) * fleet_factor(at.fleet_deg, at.bend_ratio))
 
 

@@ -39,15 +39,6 @@ def slip_angle_rad(tension_N: Any, preload_N: Any, friction: Any) -> Floats:
         return np.asarray(np.abs(np.log(np.asarray(tension_N) / preload_N)) / friction)
 
 
-def _run_out_integral(t: Floats, friction: Floats, wrap_rad: Floats) -> Floats:
-    """Integral of (T/T_pre - 1) ds over a wrap that the slip zone covers completely, in rad."""
-    rising = np.where(t >= 1.0, -1.0, 1.0)
-    exponent = rising * friction * wrap_rad
-    with np.errstate(invalid="ignore", over="ignore"):
-        mean = np.where(np.abs(exponent) < 1e-12, wrap_rad, rising * np.expm1(exponent) / _positive(friction))
-    return np.asarray(t * mean - wrap_rad)
-
-
 def _positive(x: Floats) -> Floats:
     """``x`` as a divisor: zero friction is replaced, and the branch that would use the quotient is not taken."""
     return np.asarray(np.where(np.asarray(x) > 1e-12, x, 1.0))
@@ -81,7 +72,12 @@ def stretch_first_loading(d: DriveSI, tension_N: Floats) -> tuple[Floats, Floats
         full = slid >= np.where(np.isinf(wrap), np.inf, mu * limited)
         held, held_rate = partial, partial_rate
         if full.any():
-            whole = _run_out_integral(u, mu, limited)
+            # Integral of (T/T_pre - 1) ds over a wrap that the slip zone covers completely, in rad.
+            rising = np.where(u >= 1.0, -1.0, 1.0)
+            exponent = rising * mu * limited
+            with np.errstate(invalid="ignore", over="ignore"):
+                mean = np.where(np.abs(exponent) < 1e-12, limited, rising * np.expm1(exponent) / _positive(mu))
+            whole = np.asarray(u * mean - limited)
             held, held_rate = np.where(full, whole, partial), np.where(full, (whole + limited) / u, partial_rate)
         total, rate = total + radius * held, rate + radius * held_rate
     if d.springs:

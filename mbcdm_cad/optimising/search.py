@@ -69,7 +69,13 @@ class Journal:
                     "with it, or remove the file to begin anew"
                 )
             if whole:
-                self._refuse_other(json.loads(whole[0]), request)
+                asked = json.loads(json.dumps(request))
+                differ = [name for name in asked if json.loads(whole[0]).get(name) != asked[name]]
+                if differ:
+                    raise OutputError(
+                        f"{self.path}: belongs to a search with another {', '.join(differ)}; remove it, or choose "
+                        "another folder with --out"
+                    )
                 self.records = [json.loads(line) for line in whole[1:]]
             # Without a buffer, so that what a call has written is with the system even if this process is killed.
             self._file = open(path, "ab", buffering=0)  # noqa: SIM115 - closed by __exit__
@@ -103,15 +109,6 @@ class Journal:
         written = self._file.write(line)
         while written < len(line):  # a full disk takes a part, then refuses with a reason
             written += self._file.write(line[written:])
-
-    def _refuse_other(self, before: Mapping[str, Any], request: Mapping[str, Any]) -> None:
-        asked = json.loads(json.dumps(request))
-        differ = [name for name in asked if before.get(name) != asked[name]]
-        if differ:
-            raise OutputError(
-                f"{self.path}: belongs to a search with another {', '.join(differ)}; remove it, or choose another "
-                "folder with --out"
-            )
 
     def _refused(self, error: OSError) -> OutputError:
         return OutputError(

@@ -247,7 +247,10 @@ def examined() -> Iterator[Dependency]:
     ):
         version = _version(name)
         yield Dependency(name, bool(version), True, version or "not installed", use, "install the package again")
-    yield _libgl()
+    # The system library that no Python package contains; systems other than Linux always have it.
+    found = ctypes.util.find_library("GL")
+    there = bool(found) or platform.system() != "Linux"
+    yield Dependency("libGL", there, True, found or "not found", "CAD kernel and drawing library", _LIBGL_REMEDY)
     yield _imported("CAD kernel", "OCP.gp", "cadquery", "build, picture, parts in Python")
     yield _imported("drawing library", "vtkmodules.vtkRenderingOpenGL2", "vtk", "picture, meshes")
     yield _cache()
@@ -285,13 +288,6 @@ def _imported(name: str, module: str, package: str, use: str) -> Dependency:
     why = (done.stderr.strip().splitlines() or [f"ended with code {done.returncode}"])[-1]
     remedy = _LIBGL_REMEDY if "libGL" in why else "install the package again"
     return Dependency(name, False, True, f"{version}, does not load: {why}", use, remedy)
-
-
-def _libgl() -> Dependency:
-    """The system library that no Python package contains; systems other than Linux always have it."""
-    found = ctypes.util.find_library("GL")
-    there = bool(found) or platform.system() != "Linux"
-    return Dependency("libGL", there, True, found or "not found", "CAD kernel and drawing library", _LIBGL_REMEDY)
 
 
 def _cache() -> Dependency:

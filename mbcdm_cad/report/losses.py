@@ -13,7 +13,7 @@ import numpy as np
 from mbcdm_cad.layouts.base import Layout, NoFigureError
 from mbcdm_cad.layouts.life import life_of
 from mbcdm_cad.layouts.structure import structure_of
-from mbcdm_cad.model.losses import GEARHEAD, GEARHEAD_IDLE, MOTOR, Backdrive, MovingLosses, Train
+from mbcdm_cad.model.losses import GEARHEAD, GEARHEAD_IDLE, MOTOR, MovingLosses, Train
 from mbcdm_cad.model.structure.causes import urad_Nm
 from mbcdm_cad.report.table import ReportTable, chart, filled
 from mbcdm_cad.routes import Floats
@@ -66,7 +66,13 @@ class LossesReport:
                 "sigma_Nm": back.sigma_Nm,
                 "by_cause_Nm": {x.name: float(x.torque_Nm) for x in back.losses},
             },
-            "transparency": self._transparency(back),
+            # How a hand at the drum feels the drive, and the motors feel the hand.
+            "transparency": {
+                "free_Nm": None if back is None else back.running_Nm,
+                "rotors_kg_m2": self.rotors_kg_m2,
+                "load_Nm": self.motions[0].load_Nm.tolist(),
+                "load_known_to_Nm": self.felt_Nm.tolist(),
+            },
             "sigma_ln": {x.kind: x.sigma for x in self.unloaded.losses},
             "electrical": self._electrical(),
         }
@@ -76,15 +82,6 @@ class LossesReport:
         """To what, plus or minus, the motors' torque tells each load +: half of the losses of both ways."""
         against, along = self.motions[0], self.motions[2]
         return np.asarray(0.5 * (against.lost_Nm + along.lost_Nm))
-
-    def _transparency(self, back: Backdrive | None) -> dict[str, Any]:
-        """How a hand at the drum feels the drive, and the motors feel the hand."""
-        return {
-            "free_Nm": None if back is None else back.running_Nm,
-            "rotors_kg_m2": self.rotors_kg_m2,
-            "load_Nm": self.motions[0].load_Nm.tolist(),
-            "load_known_to_Nm": self.felt_Nm.tolist(),
-        }
 
     def _motion(self, m: MovingLosses) -> dict[str, Any]:
         names = self.train.d.input_names

@@ -45,7 +45,7 @@ class Motion(ExperimentBlock):
         # parabola.
         half = 0.5 * min(self.corner_s / self.period_s, 0.5)
         if half == 0.0:
-            return amplitude * _triangle(phase)
+            return amplitude * np.asarray(1.0 - 4.0 * np.abs((phase + 0.25) % 1.0 - 0.5))
         wave = (_triangle_integral(phase + half) - _triangle_integral(phase - half)) / (2.0 * half)
         return amplitude * wave
 
@@ -56,11 +56,6 @@ class Motion(ExperimentBlock):
             for period, phase in zip(rng.uniform(30.0, 90.0, 3), rng.uniform(0.0, 2.0 * pi, 3), strict=True):
                 total[i] += self.stray_urad * 1e-6 * np.sin(2.0 * pi * time_s / period + phase) / np.sqrt(3.0)
         return total
-
-
-def _triangle(phase: Floats) -> Floats:
-    """Triangle wave of period 1 through (0, 0), (1/4, 1), (3/4, -1)."""
-    return np.asarray(1.0 - 4.0 * np.abs((phase + 0.25) % 1.0 - 0.5))
 
 
 def _triangle_integral(phase: Floats) -> Floats:

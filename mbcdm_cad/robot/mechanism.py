@@ -182,22 +182,18 @@ def _effort_of_duty(drive: Drive) -> float:
     return min(stands * duty.peak_torque_Nm, *(float(train.raised_Nm(most, way).min()) for way in (1, -1)))
 
 
-def _input_effort_Nm(drive: Drive, drum_effort_Nm: float) -> float:
-    """Torque at a gearhead's output: at the motor's continuous torque, or what a stated duty's effort needs there."""
-    train, motor_Nm = layout_of(drive).losses, drive.motor.rated_torque_mNm * 1e-3
-    if layout_of(drive).duty.stated:
-        moved = train.moving(np.array([drum_effort_Nm, -drum_effort_Nm]), 1)
-        motor_Nm = float(moved.motor_Nm.max()) - train.motor_idle_Nm
-    return min(float(train.output_Nm(motor_Nm)), drive.reduction.max_torque_mNm * 1e-3)
-
-
 def _joint(body: MovingGroup, drive: Drive, drum_limits: tuple[float, float], friction_Nm: float) -> Joint:
     drum_effort_Nm, drum_speed_rad_s = drum_limits
     turns, drawn = abs(body.ratio), radians(body.ratio * drive.middle_deg)
     half = radians(turns * (drive.half_travel_deg + drive.stop_clearance_deg))
     effort = drum_effort_Nm / turns
     if body.kind == "input":
-        effort = _input_effort_Nm(drive, drum_effort_Nm)
+        # Torque at a gearhead's output: at the motor's continuous torque, or what a stated duty's effort needs there.
+        train, motor_Nm = layout_of(drive).losses, drive.motor.rated_torque_mNm * 1e-3
+        if layout_of(drive).duty.stated:
+            moved = train.moving(np.array([drum_effort_Nm, -drum_effort_Nm]), 1)
+            motor_Nm = float(moved.motor_Nm.max()) - train.motor_idle_Nm
+        effort = min(float(train.output_Nm(motor_Nm)), drive.reduction.max_torque_mNm * 1e-3)
     return Joint(
         body.name,
         body.axis,
@@ -289,16 +285,12 @@ def within_faces(
         fair = LARGEST_FACES / len(shown)  # a part below its share is left as it is
         for name in meshes:
             if len(meshes[name].triangles) > fair:
-                meshes[name] = _coarser(name, parts[name], tolerance_mm)
+                from mbcdm_cad.workshop.kernel import shape_from_brep
+                from mbcdm_cad.workshop.meshing import mesh_solid
+
+                meshes[name] = mesh_solid(name, shape_from_brep(parts[name].brep), tolerance_mm)
     return meshes
 
 
 def _faces(shown: Sequence[str], meshes: Mapping[str, TriangleMesh]) -> int:
     return sum(len(meshes[name].triangles) for name in shown)
-
-
-def _coarser(name: str, part: PartFiles, tolerance_mm: float) -> TriangleMesh:
-    from mbcdm_cad.workshop.kernel import shape_from_brep
-    from mbcdm_cad.workshop.meshing import mesh_solid
-
-    return mesh_solid(name, shape_from_brep(part.brep), tolerance_mm)

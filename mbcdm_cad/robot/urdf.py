@@ -45,7 +45,11 @@ def urdf_files(m: Mechanism, options: UrdfOptions) -> dict[str, bytes]:
     prefix = "${prefix}" if options.xacro else ""
     folder = f"package://{options.package}/meshes" if options.package else "meshes"
     robot = ET.Element("robot", name=m.name)
-    parts = [*_links(m, prefix, folder), *_joints(m, prefix)]
+    found = [_link(m.base, m.base.inertia, f"{prefix}{BASE_LINK}", folder)]
+    for link in m.links:
+        joint = next(joint for joint in m.joints if joint.link == link.name)
+        found.append(_link(link, with_rotor(link, joint), f"{prefix}{link.name}", folder))
+    parts = [*found, *_joints(m, prefix)]
     if options.ros2_control:
         parts.append(_ros2_control(m, prefix))
     if not options.xacro:
@@ -79,14 +83,6 @@ def with_rotor(link: Link, joint: Joint) -> tuple[tuple[float, ...], ...]:
     return tuple(tuple(float(value) for value in row) for row in rows)
 
 
-def _links(m: Mechanism, prefix: str, folder: str) -> list[ET.Element]:
-    found = [_link(m.base, m.base.inertia, f"{prefix}{BASE_LINK}", folder)]
-    for link in m.links:
-        joint = next(joint for joint in m.joints if joint.link == link.name)
-        found.append(_link(link, with_rotor(link, joint), f"{prefix}{link.name}", folder))
-    return found
-
-
 def _link(link: Link, inertia: tuple[tuple[float, ...], ...], name: str, folder: str) -> ET.Element:
     """A link without collision geometry: its parts run inside each other, so that any convex shape would touch."""
     node = ET.Element("link", name=name)
@@ -114,7 +110,11 @@ def _joints(m: Mechanism, prefix: str) -> list[ET.Element]:
         node = ET.Element("joint", name=f"{prefix}{joint.link}", type="revolute")
         ET.SubElement(node, "parent", link=f"{prefix}{BASE_LINK}")
         ET.SubElement(node, "child", link=f"{prefix}{joint.link}")
-        ET.SubElement(node, "origin", xyz=numbers(m.link(joint.link).origin), rpy=numbers(_turned_back(joint)))
+        # Roll, pitch and yaw of a link's frame at the zero of its joint: it is drawn at ``drawn_rad`` from there.
+        x, y, z = (-joint.drawn_rad * part + 0.0 for part in joint.axis)
+        if sum(part != 0.0 for part in joint.axis) != 1:
+            raise ValueError(f"axis {joint.axis} of {joint.link} is along none of X, Y and Z")
+        ET.SubElement(node, "origin", xyz=numbers(m.link(joint.link).origin), rpy=numbers((x, y, z)))
         ET.SubElement(node, "axis", xyz=numbers(joint.axis))
         ET.SubElement(
             node,
@@ -130,14 +130,6 @@ def _joints(m: Mechanism, prefix: str) -> list[ET.Element]:
             ET.SubElement(node, "mimic", attrib=follows)
         found.append(node)
     return found
-
-
-def _turned_back(joint: Joint) -> tuple[float, float, float]:
-    """Roll, pitch and yaw of a link's frame at the zero of its joint: it is drawn at ``drawn_rad`` from there."""
-    x, y, z = (-joint.drawn_rad * part + 0.0 for part in joint.axis)
-    if sum(part != 0.0 for part in joint.axis) != 1:
-        raise ValueError(f"axis {joint.axis} of {joint.link} is along none of X, Y and Z")
-    return x, y, z
 
 
 def _ros2_control(m: Mechanism, prefix: str) -> ET.Element:

@@ -217,7 +217,9 @@ def _as_little(trials: Trials, name: str, found: Point) -> Give:
     setting = found[name]
     asked = dict(leaves(trials.question.data)).get(name)
     if isinstance(setting, Out) and isinstance(asked, int | float):
-        setting = _rule_value(trials.question, name, found)
+        sized = trials.question.resolve(*trials.question.trial(found)).sized
+        value = next((item.value for item in sized if item.field == name), None)
+        setting = Fixed(value) if isinstance(value, int | float) else Out()
     if isinstance(setting, Fixed) and isinstance(setting.value, int | float):
         end = asked
         if name in trials.question.ranges:
@@ -239,12 +241,6 @@ def _as_little(trials: Trials, name: str, found: Point) -> Give:
     after = setting.value if isinstance(setting, Fixed) else None
     moves = {field: how.value if isinstance(how, Fixed) else how for field, how in found.items() if field != name}
     return Give(name, before, list(after) if isinstance(after, tuple) else after, moves)
-
-
-def _rule_value(question: Question, name: str, found: Point) -> Out | Fixed:
-    sized = question.resolve(*question.trial(found)).sized
-    value = next((item.value for item in sized if item.field == name), None)
-    return Fixed(value) if isinstance(value, int | float) else Out()
 
 
 def _rest_is_idle(trials: Trials, exclude: tuple[str, ...], miss: Point) -> bool:

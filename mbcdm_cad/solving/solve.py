@@ -119,17 +119,13 @@ def _starts(question: Question) -> Iterator[Point]:
 def _nearest(trials: Trials, point: Point) -> Point:
     """A passing point with as few changes as are found before the trials are spent."""
     try:
-        return _reduced(trials, point)
+        fixed = written_out(trials, point)
+        if not trials(fixed).passes:  # some rules use a stated value, so that stating it can change others
+            fixed = repair(trials, fixed, DIRECTED // 4)
+            fixed = written_out(trials, fixed) if trials(fixed).passes else point
+        return taken_back(trials, towards_aims(trials, fixed))
     except SpentError:
         return point
-
-
-def _reduced(trials: Trials, point: Point) -> Point:
-    fixed = written_out(trials, point)
-    if not trials(fixed).passes:  # some rules use a stated value, so that stating it can change others
-        fixed = repair(trials, fixed, DIRECTED // 4)
-        fixed = written_out(trials, fixed) if trials(fixed).passes else point
-    return taken_back(trials, towards_aims(trials, fixed))
 
 
 def _changes(question: Question, data: Mapping[str, Any]) -> Iterator[Change]:

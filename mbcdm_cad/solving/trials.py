@@ -227,17 +227,13 @@ def cost(question: Question, point: Point) -> float:
         elif isinstance(setting, Out):
             total += OUT_COST * question.releases.get(field, 1)
         elif field in question.ranges:
-            total += _from_aim(question, field, float(setting.value))
+            # Distance within a range from the end that is its aim, or from its middle, as a share of its width.
+            found = question.ranges[field]
+            aim = {"min": found.low, "max": found.high}.get(found.aim, question.middle(field))
+            total += abs(float(setting.value) - aim) / ((found.high - found.low) or 1.0)
         else:
             total += CHOICE_COST
     return total
-
-
-def _from_aim(question: Question, field: str, value: float) -> float:
-    """Distance within a range from the end that is its aim, or from its middle, as a share of its width."""
-    found = question.ranges[field]
-    aim = {"min": found.low, "max": found.high}.get(found.aim, question.middle(field))
-    return abs(value - aim) / ((found.high - found.low) or 1.0)
 
 
 def choices(question: Question, freedom: Freedom) -> list[str]:

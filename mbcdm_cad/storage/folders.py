@@ -197,14 +197,24 @@ def output_folder(
     target = target.resolve()
 
     def refuse(folder: Path) -> None:
-        _refuse_what_is_not_ours(folder)
+        if folder.exists() and not folder.is_dir():
+            raise OutputError(f"{folder}: there is a file of that name; choose another folder with --out")
+        if folder.is_dir() and any(folder.iterdir()) and read_manifest(folder) is None:
+            raise OutputError(
+                f"{folder}: not empty, and not made by this program (no {MANIFEST_NAME} of its own); "
+                "empty it or choose another folder with --out"
+            )
         if design is not None:
             refuse_other_origin(folder, design)
 
     with whole_folder(target, refuse, timeout_s) as staging:
         yield OutputFolder(staging, target)
         try:
-            _add_manifest(staging, target, manifest)
+            # Write the manifest, and keep the files that belong to the user.
+            names = sorted(path.relative_to(staging).as_posix() for path in staging.rglob("*") if not path.is_dir())
+            files = {name: file_entry(staging / name) for name in names}
+            (staging / MANIFEST_NAME).write_text(replace(manifest, files=files).text(), "utf-8")
+            _bring_along(target, staging)
             if design is not None and design.is_file():
                 (staging / ORIGIN_NAME).write_text(origin_text(target, design), "utf-8")
         except OSError as error:
@@ -286,14 +296,6 @@ def _staging(target: Path, refuse: Callable[[Path], None]) -> Iterator[Path]:
         shutil.rmtree(staging, ignore_errors=True)
 
 
-def _add_manifest(staging: Path, target: Path, manifest: Manifest) -> None:
-    """Write the manifest, and keep the files that belong to the user."""
-    names = sorted(path.relative_to(staging).as_posix() for path in staging.rglob("*") if not path.is_dir())
-    files = {name: file_entry(staging / name) for name in names}
-    (staging / MANIFEST_NAME).write_text(replace(manifest, files=files).text(), "utf-8")
-    _bring_along(target, staging)
-
-
 def _bring_along(target: Path, staging: Path) -> None:
     before = read_manifest(target)
     if before is None:
@@ -314,16 +316,6 @@ def _bring_along(target: Path, staging: Path) -> None:
             os.link(path, place, follow_symlinks=False)
         except OSError:  # a file system without hard links
             shutil.copy2(path, place, follow_symlinks=False)
-
-
-def _refuse_what_is_not_ours(target: Path) -> None:
-    if target.exists() and not target.is_dir():
-        raise OutputError(f"{target}: there is a file of that name; choose another folder with --out")
-    if target.is_dir() and any(target.iterdir()) and read_manifest(target) is None:
-        raise OutputError(
-            f"{target}: not empty, and not made by this program (no {MANIFEST_NAME} of its own); "
-            "empty it or choose another folder with --out"
-        )
 
 
 def _remove_leftovers(target: Path) -> None:

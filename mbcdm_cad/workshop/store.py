@@ -23,7 +23,7 @@ from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.parallel.forks import fork_map, forked
 from mbcdm_cad.parts.bill import CABLE, Bill, Item, PartSpec
 from mbcdm_cad.storage.cache import Cache, content_key
-from mbcdm_cad.workshop.interference import InterferenceRun, interference_run, scenes
+from mbcdm_cad.workshop.interference import interference_run, scenes
 from mbcdm_cad.workshop.mass import PartFiles
 from mbcdm_cad.workshop.pairs import Clash, Found, PartShape
 
@@ -159,7 +159,13 @@ class Store:
 
         With the items of the ``assembly`` its files are made beside them, for :meth:`assembly` without a note.
         """
-        run, known = _interference_run(layout, parts, poses_deg), KnownTests(self._cache)
+        bodies = {name: _body(part) for name, part in parts.items() if not name.startswith(CABLE)}
+        half = layout.drive.half_travel_deg
+        seen = scenes(layout, (0.0, -half, half, *poses_deg))
+        run, known = (
+            interference_run(seen, bodies, poses_deg, half, layout.drive.cable.diameter_mm),
+            KnownTests(self._cache),
+        )
         missing = run.missing(known)
         study = layout.frame_study
         frame_key = content_key("frame", study.inputs, study.module) if study else ""
@@ -200,13 +206,6 @@ class Store:
         self.made += names
         few = len(names) <= _MOST_NAMED
         self._progress(", ".join(names) if few else f"{len(names)} parts, {names[0]} to {names[-1]}")
-
-
-def _interference_run(layout: Layout, parts: dict[str, StoredPart], poses_deg: tuple[float, ...]) -> InterferenceRun:
-    bodies = {name: _body(part) for name, part in parts.items() if not name.startswith(CABLE)}
-    half = layout.drive.half_travel_deg
-    seen = scenes(layout, (0.0, -half, half, *poses_deg))
-    return interference_run(seen, bodies, poses_deg, half, layout.drive.cable.diameter_mm)
 
 
 def _body(part: StoredPart) -> PartShape:

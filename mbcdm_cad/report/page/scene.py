@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.registry import layout_of
-from mbcdm_cad.parts.bill import Bill, Item, cable_item
+from mbcdm_cad.parts.bill import Bill, cable_item
 from mbcdm_cad.parts.bodies import CableRod
 from mbcdm_cad.routes.curves import CablePath, Piece
 from mbcdm_cad.workshop.interference import MovingGroup, bodies, is_cable
@@ -109,6 +109,7 @@ def scene(
     }
     for name, points in lines.items():
         item = cables[cable_item(name)]
+        rod = centred.parts[item.part].part
         data["cables"].append(
             {
                 "name": item.name,
@@ -117,19 +118,13 @@ def scene(
                 "material": item.material.name,
                 "colour": _figures(item.material.colour),
                 "mass_g": _figure(item_mass(item, parts[item.part].shape).mass_g),
-                "radius_mm": _radius_mm(centred, item, drive),
+                "radius_mm": rod.radius if isinstance(rod, CableRod) else drive.cable.diameter_mm / 2,
                 "angles": len(points),
                 "points": points.shape[1],
                 "line": binary.quantised(points),
             }
         )
     return Scene(data, binary.bytes())
-
-
-def _radius_mm(centred: Bill, item: Item, drive: Drive) -> float:
-    """Radius of a cable: that of its rod."""
-    rod = centred.parts[item.part].part
-    return rod.radius if isinstance(rod, CableRod) else drive.cable.diameter_mm / 2
 
 
 def _mesh(binary: _Binary, mesh: TriangleMesh) -> dict[str, Any]:

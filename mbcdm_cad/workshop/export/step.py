@@ -200,7 +200,12 @@ class _Demands:
             faces = [c.face for c in self._cylinders if c.inside == inside and abs(c.diameter_mm - nominal) < _SAME_MM]
             if faces:
                 found = limits(nominal, code)
-                self._add_size(faces, (found.smallest_mm, found.largest_mm), f"{nominal:g} {code}")
+                range_mm = (found.smallest_mm, found.largest_mm)
+                size = _diameter(f"{nominal:g} {code}")
+                # Limits of size: the kernel's own reader mistakes deviations of one sign, such as those of N7.
+                size.SetLowerBound(range_mm[0])
+                size.SetUpperBound(range_mm[1])
+                self._add_dimension(size, faces)
 
     def add_threads(self, sheet: Sheet) -> None:
         """Each tapped hole's thread on its cylinder, each outside thread on the cylinder that its dimension ends on."""
@@ -227,13 +232,6 @@ class _Demands:
         if not faces:
             raise ValueError(f"hole {group.letter}: no cylinder of {group.diameter:g} mm at {place}")
         return faces
-
-    def _add_size(self, faces: list[cq.Face], range_mm: tuple[float, float], name: str) -> None:
-        size = _diameter(name)
-        # Limits of size: the kernel's own reader mistakes deviations of one sign, such as those of N7.
-        size.SetLowerBound(range_mm[0])
-        size.SetUpperBound(range_mm[1])
-        self._add_dimension(size, faces)
 
     def _add_dimension(self, size: XCAFDimTolObjects_DimensionObject, faces: list[cq.Face]) -> None:
         label = self._tool.AddDimension()
