@@ -162,10 +162,8 @@ class Store:
         bodies = {name: _body(part) for name, part in parts.items() if not name.startswith(CABLE)}
         half = layout.drive.half_travel_deg
         seen = scenes(layout, (0.0, -half, half, *poses_deg))
-        run, known = (
-            interference_run(seen, bodies, poses_deg, half, layout.drive.cable.diameter_mm),
-            KnownTests(self._cache),
-        )
+        run = interference_run(seen, bodies, poses_deg, half, layout.drive.cable.diameter_mm)
+        known = KnownTests(self._cache)
         missing = run.missing(known)
         study = layout.frame_study
         frame_key = content_key("frame", study.inputs, study.module) if study else ""
