@@ -1,4 +1,4 @@
-"""The order of assembly, from the template ``assembly.md.j2`` of a layout.
+"""What the bills of layouts share, and the order of assembly, from the template ``assembly.md.j2`` of a layout.
 
 Each line that begins with ``1.`` begins a step. Lines that begin with ``+`` name the items of the bill that join in it,
 in their order: ``#`` stands for all numbers, ``@`` for each input in turn. A name that the bill does not have is an
@@ -14,11 +14,30 @@ from typing import TYPE_CHECKING, Any
 
 import jinja2
 
-from mbcdm_cad.parts.bill import AssemblyStep, cable_item
+from mbcdm_cad.parts.bill import ALONG_Y, AssemblyStep, BillBuilder, Placement, cable_item
+from mbcdm_cad.parts.drum_sector.items import add_preload_spring
 from mbcdm_cad.parts.input_pulley.items import train_words
+from mbcdm_cad.parts.turned import Pin
 
 if TYPE_CHECKING:
     from mbcdm_cad.layouts.sector import SectorLayout
+
+
+def add_drum_bearings(b: BillBuilder, lay: SectorLayout) -> None:
+    """Both bearings of the drum's shaft with their spring."""
+    ring, bearing, shaft = lay.drive.material("bearing-steel"), lay.drive.bearings.drum, lay.drum_shaft
+    b.bearing("drum_bearing_rear", bearing, ring, Placement.translation(0.0, shaft.rear_bearing_y, 0.0) @ ALONG_Y)
+    add_preload_spring(b, lay.drive, lay.preload_spring)
+    b.bearing("drum_bearing_front", bearing, ring, Placement.translation(0.0, shaft.front_bearing_y, 0.0) @ ALONG_Y)
+
+
+def add_stop_pin(b: BillBuilder, lay: SectorLayout, y_mm: float) -> None:
+    """Pin in the frame from ``y_mm`` on, through the slot of the sector; none of a drum that turns further."""
+    frame = lay.frame
+    if lay.drive.stopped:
+        pin = Pin(frame.stop_pin_radius, lay.drum.web_end_y + 0.5 - y_mm)
+        place = Placement.translation(0.0, y_mm, frame.stop_pin_z) @ ALONG_Y
+        b.add("stop_pin", pin, material=lay.drive.material("steel"), place=place)
 
 
 def steps(layout: SectorLayout, **more: Any) -> tuple[AssemblyStep, ...]:

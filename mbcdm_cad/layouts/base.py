@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import cached_property, wraps
 from importlib import import_module
 from importlib.resources import files
-from math import radians
+from math import copysign, radians
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol, Self, TypeVar
 
 import numpy as np
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from mbcdm_cad.model.si import DriveSI
     from mbcdm_cad.model.tensioning import TensioningPlan
     from mbcdm_cad.model.tolerance import StackUp
-    from mbcdm_cad.parts.bill import AssemblyStep, Bill, BillBuilder, MovingBody
+    from mbcdm_cad.parts.bill import AssemblyStep, Bill, BillBuilder, MovingBody, Placement
     from mbcdm_cad.routes.curves import CablePath
     from mbcdm_cad.routes.geometry import RoutedDrive
 
@@ -135,7 +135,7 @@ class Layout(ABC):
     """One design of one kind of drive. A layout is a subclass in a package of its own, ``LAYOUT`` of its ``layout.py``.
 
     What is long has a module of its own beside that file, found by its name: ``design_file`` (``DESIGN_FILE``),
-    ``routes`` (``routed``), ``bill`` (``bill``, ``moving_bodies``), ``assembly_order`` (with ``assembly.md.j2``),
+    ``routes`` (``routed``), ``bill`` (``bill``, ``steps_of`` with ``assembly.md.j2``),
     ``path_figures`` (``path_figures``, ``path_lines``, ``plan`` of the preloads), ``checks`` (``FAMILIES``,
     ``stacks``), ``support.stiffness`` (``frame_study``), and ``paths.md.j2``. A small layout overrides the methods
     below instead.
@@ -211,7 +211,11 @@ class Layout(ABC):
     @cached_property
     def routed(self) -> RoutedDrive:
         """Routes of the cables, on which model, rig and loop work."""
-        found: RoutedDrive = self.module("routes").routed(self.drive)
+        return self.routes_in(1e-3)
+
+    def routes_in(self, unit: float) -> RoutedDrive:
+        """The same in another unit of length, given what a mm is in it."""
+        found: RoutedDrive = self.module("routes").routed(self.drive, unit)
         return found
 
     @property
@@ -293,9 +297,19 @@ class Layout(ABC):
 
     @cached_property
     def moving_bodies(self) -> tuple[MovingBody, ...]:
-        """The moving bodies: the drum, the bodies that cables pass, the inputs in the order of the design's inputs."""
-        found: tuple[MovingBody, ...] = self.module("bill").moving_bodies(self)
-        return found
+        """The bodies of the routes, each with those of attachments that turn with it."""
+        from mbcdm_cad.parts.bill import MovingBody
+
+        routes, found = self.routes_in(1.0).routes, list[MovingBody]()
+        for body in routes.bodies:
+            radii = 1.0, 1.0
+            if body.kind != "drum":
+                on_it = ((w, route.wraps[-1]) for route in routes.cables for w in route.wraps if w.body == body.name)
+                own, drum = next(on_it)
+                radii = copysign(drum.radius_m, body.turns_per_drum), own.radius_m
+            found.append(MovingBody(body.name, body.kind, body.point_m, body.axis, *radii))
+            found += (other for each in self.attachments for other in each.moving_bodies(found[-1]))
+        return tuple(found)
 
     def bill(self, drum_angle_deg: float = 0.0) -> Bill:
         """All parts, and all instances of them with the drum at ``drum_angle_deg``.
@@ -307,8 +321,13 @@ class Layout(ABC):
 
     @cached_property
     def assembly_order(self) -> tuple[AssemblyStep, ...]:
-        """Steps of the assembly; every item of the bill joins in one of them."""
-        found: tuple[AssemblyStep, ...] = self.module("assembly_order").assembly_order(self)
+        """Steps of the assembly: every item of the bill joins in one of them, each screw is accessible in its step."""
+        before = (step for each in self.attachments for step in each.steps_before())
+        return (*before, *self.own_steps())
+
+    def own_steps(self, **more: Any) -> tuple[AssemblyStep, ...]:
+        """Those without its attachments; ``more``: what the template gets besides, or in place of, its figures."""
+        found: tuple[AssemblyStep, ...] = self.module("bill").steps_of(self, **more)
         return found
 
     @cached_property
@@ -529,9 +548,12 @@ class Attachment:
         """Drum angles (deg) at which a part of it comes by another."""
         return ()
 
-    def moving_bodies(self) -> Iterable[MovingBody]:
-        """Its bodies that turn with the drum."""
+    def moving_bodies(self, body: MovingBody) -> Iterable[MovingBody]:
+        """Its bodies that turn with one of the routes."""
         return ()
+
+    def add_on_input(self, b: BillBuilder, name: str, turn: Placement) -> None:
+        """Adds to the bill what turns with an input, or turns it; ``turn``: of that input about the drum's axis."""
 
     def add_items(self, b: BillBuilder, drum_angle_deg: float) -> None:
         """Adds its parts to the bill."""

@@ -128,6 +128,8 @@ def _exact_cos_sin(angle_deg: float) -> tuple[float, float]:
     return math.cos(math.radians(angle_deg)), math.sin(math.radians(angle_deg))
 
 
+# Turns parts that are drawn along +Z to +Y, to -Y and to -Z.
+ALONG_Y, AGAINST_Y, UPSIDE_DOWN = (Placement.about((1.0, 0.0, 0.0), angle_deg) for angle_deg in (-90.0, 90.0, 180.0))
 # Names are used as file stems, STEP products and nodes of the GLB, so only characters valid in all three are allowed.
 # Long enough for a name of the design file (64) with a word before and a number after it.
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,95}")

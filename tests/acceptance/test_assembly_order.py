@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from mbcdm_cad.design.bought import Screw
 from mbcdm_cad.layouts.loader import load_design, load_text
-from mbcdm_cad.layouts.miso_bevel.assembly_order import assembly_order
 from mbcdm_cad.layouts.miso_bevel.bill import bill
 from mbcdm_cad.layouts.miso_bevel.cable_path import FREE
 from mbcdm_cad.layouts.miso_bevel.drive import bevel
@@ -284,12 +283,12 @@ def solids(dims: BevelLayout) -> Solids:
 
 
 def test_every_item_joins_in_exactly_one_step(dims: BevelLayout) -> None:
-    joined = [name for step in assembly_order(dims) for name in step.items]
+    joined = [name for step in dims.assembly_order for name in step.items]
     assert sorted(joined) == sorted(item.name for item in bill(dims).items)
 
 
 def test_reference_goes_together_in_the_order_reported(dims: BevelLayout, solids: Solids) -> None:
-    found = list(faults(Workshop(dims, solids), assembly_order(dims)))
+    found = list(faults(Workshop(dims, solids), dims.assembly_order))
     assert not found, "\n".join(found)
 
 
@@ -316,12 +315,12 @@ def raised_solids(raised: BevelLayout) -> Solids:
 
 
 def test_every_item_joins_in_exactly_one_step_with_motors_above(raised: BevelLayout) -> None:
-    joined = [name for step in assembly_order(raised) for name in step.items]
+    joined = [name for step in raised.assembly_order for name in step.items]
     assert sorted(joined) == sorted(item.name for item in bill(raised).items)
 
 
 def test_motors_above_go_together_in_the_order_reported(raised: BevelLayout, raised_solids: Solids) -> None:
-    order = assembly_order(raised)
+    order = raised.assembly_order
     found = [*faults(Workshop(raised, raised_solids), order), *turned_faults(raised, raised_solids, order)]
     assert not found, "\n".join(found)
 
@@ -335,7 +334,7 @@ def test_bearings_first_would_hide_the_gearheads_screws(raised: BevelLayout, rai
 
 def test_drum_first_would_hide_the_collars_screws(dims: BevelLayout, solids: Solids) -> None:
     """The test sees what an order that does not work runs into."""
-    order = assembly_order(dims)
+    order = dims.assembly_order
     drum = next(k for k, step in enumerate(order) if "drum" in step.items)
     pulleys = next(k for k, step in enumerate(order) if "input_pulley_left" in step.items)
     swapped = (*order[:pulleys], order[drum], *order[pulleys:drum])

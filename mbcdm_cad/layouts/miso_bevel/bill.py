@@ -6,61 +6,35 @@ This module needs no CAD kernel: if all parts are in the cache, a build draws no
 from __future__ import annotations
 
 from dataclasses import replace
-from math import radians
+from math import pi, radians
+from typing import Any
 
 from mbcdm_cad.design.bought import Bearing, Screw
+from mbcdm_cad.layouts.assembly import add_drum_bearings, add_stop_pin, steps
+from mbcdm_cad.layouts.miso_bevel.cable_path import winding
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.plate_screws import plate_screw_of
 from mbcdm_cad.layouts.miso_bevel.support.dims import AXLE_SCREW, ENCODER_HEAD_SUNK_MM, dowel_length_mm
 from mbcdm_cad.layouts.miso_bevel.support.parts import Frame
 from mbcdm_cad.layouts.miso_bevel.support.top_plate import TopPlate
-from mbcdm_cad.parts.bill import FIXED, Bill, BillBuilder, MovingBody, Placement
+from mbcdm_cad.parts.bill import ALONG_Y, FIXED, UPSIDE_DOWN, AssemblyStep, Bill, BillBuilder, Placement
 from mbcdm_cad.parts.bodies import EncoderBody, screw_places
-from mbcdm_cad.parts.drum_sector.items import ENCODER_COLOUR, add_cables, add_drum, add_drum_encoder, add_preload_spring
+from mbcdm_cad.parts.drum_sector.items import ENCODER_COLOUR, add_cables, add_drum, add_drum_encoder
 from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM
 from mbcdm_cad.parts.input_pulley.items import UPRIGHT, add_input_pulley, add_train
-from mbcdm_cad.parts.turned import Axle, Dowel, IdlerPulley, Pin, Spacer
+from mbcdm_cad.parts.terminal import Tensioner
+from mbcdm_cad.parts.turned import Axle, Dowel, IdlerPulley, Spacer
 
-_X: tuple[float, float, float] = (1.0, 0.0, 0.0)
-_Y: tuple[float, float, float] = (0.0, 1.0, 0.0)
-_Z: tuple[float, float, float] = (0.0, 0.0, 1.0)
-# Placements that turn a part drawn along +Z to +Y, or to -Y.
-_ALONG_Y = Placement.about(_X, -90.0)
-_UPSIDE_DOWN = Placement.about(_X, 180.0)
 # The same, but what points to the front still does.
-_TURNED_OVER = Placement.about(_Y, 180.0)
-# Colours (linear RGB) that distinguish bought bodies and cables from machined metal.
-
-
-def moving_bodies(layout: BevelLayout) -> tuple[MovingBody, ...]:
-    """Drum, guide and inputs: theta_g = -theta_o r_o/r_g, theta_m = theta_o r_o/r_m."""
-    first = layout.drive.cables[0]
-    inputs = []
-    for pulley in layout.inputs:
-        cable = next(c for c in layout.drive.cables if c.input_name == pulley.name)
-        inputs.append(
-            MovingBody(
-                f"input_{pulley.name}",
-                "input",
-                (pulley.x, pulley.y, 0.0),
-                _Z,
-                cable.drum_radius_mm,
-                cable.input_radius_mm,
-            )
-        )
-    return (
-        MovingBody("drum", "drum", (0.0, 0.0, 0.0), _Y),
-        MovingBody("guide", "passed", (0.0, 0.0, 0.0), _Z, -first.drum_radius_mm, first.guide_radius_mm),
-        *inputs,
-    )
+_TURNED_OVER = Placement.about((0.0, 1.0, 0.0), 180.0)
 
 
 class _Builder(BillBuilder):
     """Knows the layout and what bought parts are made of."""
 
     def __init__(self, layout: BevelLayout, drum_angle_deg: float) -> None:
-        super().__init__(moving_bodies(layout), drum_angle_deg)
+        super().__init__(layout.moving_bodies, drum_angle_deg)
         self.layout = layout
         self.drive: BevelDrive = layout.drive
 
@@ -89,13 +63,7 @@ def _support(b: _Builder) -> None:
     steel = drive.axle_material
     b.add("guide_axle", Axle(lay.axle), material=steel)
     b.add("guide_spacer", Spacer(lay.axle), material=steel)
-    pin_length = lay.drum.web_end_y + 0.5 - lay.frame.stop_pin_start_y
-    b.add(
-        "stop_pin",
-        Pin(lay.frame.stop_pin_radius, pin_length),
-        material=drive.material("steel"),
-        place=_at(0.0, lay.frame.stop_pin_start_y, lay.frame.stop_pin_z) @ _ALONG_Y,
-    )
+    add_stop_pin(b, lay, lay.frame.stop_pin_start_y)
     for n, (x, y) in enumerate(lay.frame.dowels, 1):
         b.standard(
             f"dowel_{n}",
@@ -112,16 +80,13 @@ def _support(b: _Builder) -> None:
     shelf_z = (v.bearing_shelf_bottom_z + v.bearing_shelf_top_z) / 2
     axle_screw = drive.screw(AXLE_SCREW)
     b.steel_screw(
-        "axle_set_screw", axle_screw, _at(0.0, lay.frame.axle_radius + axle_screw.length_mm, shelf_z) @ _ALONG_Y
+        "axle_set_screw", axle_screw, _at(0.0, lay.frame.axle_radius + axle_screw.length_mm, shelf_z) @ ALONG_Y
     )
 
 
 def _bearings(b: _Builder) -> None:
     lay, v, bearings = b.layout, b.layout.levels, b.drive.bearings
-    shaft = lay.drum_shaft
-    b.steel_bearing("drum_bearing_rear", bearings.drum, _at(0.0, shaft.rear_bearing_y, 0.0) @ _ALONG_Y)
-    add_preload_spring(b, b.drive, lay.preload_spring)
-    b.steel_bearing("drum_bearing_front", bearings.drum, _at(0.0, shaft.front_bearing_y, 0.0) @ _ALONG_Y)
+    add_drum_bearings(b, lay)
     b.steel_bearing("guide_bearing_lower", bearings.guide, _at(0.0, 0.0, v.guide_bottom_z), "guide")
     b.steel_bearing(
         "guide_bearing_upper", bearings.guide, _at(0.0, 0.0, v.guide_top_z - bearings.guide.width_mm), "guide"
@@ -166,7 +131,7 @@ def _drives(b: _Builder) -> None:
                 b.steel_screw(f"{drive.mounted}_screw_{p.name}_{n + 1}", gear_screw, at)
             if n < len(encoder_places):
                 x, y = encoder_places[n]
-                place = at_input @ _at(x, y, v.top_plate_bottom_z + head_depth) @ _UPSIDE_DOWN
+                place = at_input @ _at(x, y, v.top_plate_bottom_z + head_depth) @ UPSIDE_DOWN
                 b.steel_screw(f"encoder_screw_{p.name}_{n + 1}", encoder_screw, place)
     add_drum_encoder(b, drive, lay.frame.boss.encoder_pocket_floor_y, lay.frame.boss.screw_circle)
 
@@ -192,3 +157,27 @@ def bill(layout: BevelLayout, drum_angle_deg: float = 0.0) -> Bill:
     _pulleys(b)
     add_cables(b, b.drive, layout.cable_paths(radians(drum_angle_deg)))
     return b.bill()
+
+
+def steps_of(lay: BevelLayout, **more: Any) -> tuple[AssemblyStep, ...]:
+    """Steps of the assembly with the sizes of this design.
+
+    Between guide and back plate a swaged terminal finds no way through. With motors above, the lowest shelf may be
+    behind a lug of the centred drum.
+    """
+    drive, above = lay.drive, lay.drive.motors_above
+    return steps(
+        lay,
+        behind_guide=[c.name for c in drive.cables if winding(drive, c).guide_wrap_rad > pi],
+        hidden=[t.cable_name for t in lay.drum.tensioners if above and _before_frame(lay, t)],
+        axle_screw=AXLE_SCREW,
+        plate_screw=plate_screw_of(drive).name,
+        **more,
+    )
+
+
+def _before_frame(lay: BevelLayout, t: Tensioner) -> bool:
+    """Whether a part of the terminal, drum centred, has the frame behind it."""
+    v, half = lay.levels, lay.drive.tensioner.swage_diameter_mm / 2
+    ends = [t.at(along, out) for along in (t.swage_start, t.tip) for out in (-half, half)]
+    return any(abs(x) < v.side_outer_x and z > v.shelf_bottom_z for x, z in ends)

@@ -146,11 +146,11 @@ class BevelGeometry:
         )
 
 
-def routed(drive: BevelDrive) -> RoutedDrive:
-    """Routes of the cables of ``drive``, and the lengths that follow from its file."""
+def routed(drive: BevelDrive, unit: float = _MM) -> RoutedDrive:
+    """Routes of the cables of ``drive``, and the lengths that follow from its file; ``unit``: a mm, in m."""
 
     def column(attribute: str) -> Floats:
-        return np.array([getattr(run, attribute) * _MM for run in drive.cables], dtype=float)
+        return np.array([getattr(run, attribute) * unit for run in drive.cables], dtype=float)
 
     geometry = BevelGeometry(
         cable_names=tuple(run.name for run in drive.cables),
@@ -158,13 +158,13 @@ def routed(drive: BevelDrive) -> RoutedDrive:
         input_of=tuple(drive.input_names.index(run.input_name) for run in drive.cables),
         input_side=tuple(drive.input_sides),
         drum_side=tuple(run.drum_side for run in drive.cables),
-        setback_m=drive.input_setback_mm * _MM,
-        lead_m=drive.helix_lead_mm * _MM,
+        setback_m=drive.input_setback_mm * unit,
+        lead_m=drive.helix_lead_mm * unit,
     )
     parameters = {
         INPUT_RADIUS: column("input_radius_mm"),
         GUIDE_RADIUS: column("guide_radius_mm"),
         DRUM_RADIUS: column("drum_radius_mm"),
-        DISTANCE: np.asarray(drive.centre_distance_mm * _MM),
+        DISTANCE: np.asarray(drive.centre_distance_mm * unit),
     }
     return RoutedDrive(geometry, parameters, {"centre_distance_mm": drive.centre_distance_mm})

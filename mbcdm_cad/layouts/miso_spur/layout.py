@@ -11,7 +11,6 @@ from mbcdm_cad.layouts.miso_spur.drive import RoundDrumDrive
 from mbcdm_cad.layouts.miso_spur.support.dims import StarDims
 from mbcdm_cad.layouts.siso_spur.drive import SpurRun
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
-from mbcdm_cad.layouts.siso_spur.routes import routed_round
 from mbcdm_cad.layouts.siso_spur.stack import SpurStack, spur_stack
 from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims
 from mbcdm_cad.parts.coupling import CollarDims
@@ -19,7 +18,6 @@ from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 from mbcdm_cad.parts.motor_head.dims import HeadDims
 from mbcdm_cad.parts.turned import IdlerDims, PreloadSpringDims
 from mbcdm_cad.routes.curves import CablePath, Helix, turned_about_y
-from mbcdm_cad.routes.geometry import RoutedDrive
 
 
 class RoundDrumLayout(SpurLayout):
@@ -37,11 +35,6 @@ class RoundDrumLayout(SpurLayout):
     )
 
     drive: RoundDrumDrive
-
-    @cached_property
-    def routed(self) -> RoutedDrive:
-        """Each cable runs round its own input and over to the drum, as in siso_spur."""
-        return routed_round(self.drive, self.drive.angles_rad, self.drive.levels_mm)
 
     def refuse_impossible(self) -> None:
         """Refuses pulleys that overlap."""

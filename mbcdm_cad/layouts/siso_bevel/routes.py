@@ -106,8 +106,8 @@ def transfer_stretch_mm(drive: DirectDrive) -> float:
     return max(stiff, drive.cable.diameter_mm)
 
 
-def routed(drive: DirectDrive) -> RoutedDrive:
-    """Routes of the cables of ``drive``, and the lengths that follow from its file."""
+def routed(drive: DirectDrive, unit: float = _MM) -> RoutedDrive:
+    """Routes of the cables of ``drive``, and the lengths that follow from its file; ``unit``: a mm, in m."""
     geometry = DirectGeometry(
         cable_names=tuple(run.name for run in drive.cables),
         input_names=tuple(drive.input_names),
@@ -115,8 +115,8 @@ def routed(drive: DirectDrive) -> RoutedDrive:
     )
     stretch = transfer_stretch_mm(drive)
     parameters = {
-        INPUT_RADIUS: np.array([run.input_radius_mm * _MM for run in drive.cables]),
-        DRUM_RADIUS: np.array([run.drum_radius_mm * _MM for run in drive.cables]),
-        STRETCH: np.asarray(stretch * _MM),
+        INPUT_RADIUS: np.array([run.input_radius_mm * unit for run in drive.cables]),
+        DRUM_RADIUS: np.array([run.drum_radius_mm * unit for run in drive.cables]),
+        STRETCH: np.asarray(stretch * unit),
     }
     return RoutedDrive(geometry, parameters, {"transfer_stretch_mm": stretch})

@@ -2,30 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import replace
-from math import radians
+from math import radians, tau
+from typing import Any
 
-from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, SpurRun
-from mbcdm_cad.layouts.siso_spur.idlers import SENSE
+from mbcdm_cad.checks.bearings import stage_torque_Nm
+from mbcdm_cad.design.stage import SET_TENSION
+from mbcdm_cad.layouts.assembly import add_drum_bearings, add_stop_pin, steps
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
-from mbcdm_cad.layouts.siso_spur.routes import turned
+from mbcdm_cad.layouts.siso_spur.overhung import set_screw
 from mbcdm_cad.layouts.siso_spur.support.idlers import SPACER_NOTE, Strap, strap_screw
 from mbcdm_cad.layouts.siso_spur.support.parts import Yoke
-from mbcdm_cad.parts.bill import Bill, BillBuilder, MovingBody, Placement, Vector
-from mbcdm_cad.parts.coupling import Belt, Wheel, belt_bottom_mm
+from mbcdm_cad.parts.bill import AGAINST_Y, ALONG_Y, AssemblyStep, Bill, BillBuilder, Placement
 from mbcdm_cad.parts.drum_sector.items import (
     add_cables,
     add_drum,
     add_drum_encoder,
     add_output,
-    add_preload_spring,
     add_terminals,
     drilled_drum,
 )
 from mbcdm_cad.parts.drum_sector.part import DrumSector
-from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
-from mbcdm_cad.parts.input_pulley.items import add_horn, add_input_pulley
+from mbcdm_cad.parts.input_pulley.items import add_input_pulley
+from mbcdm_cad.parts.motor_head.dims import flange_screw
 from mbcdm_cad.parts.motor_head.part import (
     EncoderShelf,
     add_flange_fixings,
@@ -34,78 +32,11 @@ from mbcdm_cad.parts.motor_head.part import (
     add_motor,
     add_motor_head,
 )
-from mbcdm_cad.parts.turned import Axle, Dowel, IdlerPulley, Pin, Spacer
-
-_X, _Y, _Z, _BACK = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0)
-# Linear RGB.
-_RUBBER = (0.015, 0.015, 0.017)
-# Parts on the drum's axis and on the input's axis are drawn along Z with the gearhead below.
-ALONG_Y = Placement.about(_X, -90.0)
-_TO_BACK = Placement.about(_X, 90.0)
-
-
-def moving_bodies(lay: SpurLayout) -> tuple[MovingBody, ...]:
-    """Drum about +Y, idlers about +Y against it, input about -Y, with open spans +Y: theta_i = theta_o r_o/r_i."""
-    drive = lay.drive
-    inputs = input_bodies(drive, drive.input_names[0], 0.0)
-    attached = (body for each in lay.attachments for body in each.moving_bodies())
-    return MovingBody("drum", "drum", (0.0, 0.0, 0.0), _Y), *idler_bodies(lay, 0.0), *inputs, *attached
-
-
-def idler_bodies(lay: SpurLayout, angle_rad: float) -> Iterator[MovingBody]:
-    """The idlers of an input at this angle about Y, from +Z towards +X."""
-    drive = lay.drive
-    for body, _, (cable, n) in lay.idlers if drive.idlers else ():
-        x, _, z = _idler_axis(drive, cable, n)
-        yield MovingBody(
-            body, "passed", turned(angle_rad, x, z), _Y, SENSE * drive.drum_radius_mm, drive.leading.radius_mm
-        )
-
-
-def input_bodies(drive: SpurDrive, name: str, angle_rad: float) -> tuple[MovingBody, ...]:
-    """An input at this angle about Y, from +Z towards +X, and the driving wheel of its stage, if it has one."""
-
-    def at(distance_mm: float) -> Vector:
-        return turned(angle_rad, 0.0, distance_mm)
-
-    ratio, distance, stage = (drive.drum_radius_mm, drive.input_radius_mm), drive.centre_distance_mm, drive.stage
-    axis = _Y if drive.open_spans else _BACK
-    body = MovingBody(f"input_{name}", "input", at(distance), axis, *ratio)
-    if stage is None:
-        return (body,)
-    turns = ratio[0] * stage.ratio * stage.sense
-    return body, MovingBody(f"driver_{name}", "stage", at(distance + stage.centre_mm), axis, turns, ratio[1])
-
-
-def _idler_axis(drive: SpurDrive, cable: SpurRun, number: int) -> tuple[float, float, float]:
-    place = drive.idler_places[number]
-    return cable.drum_side * place.x_mm, 0.0, place.z_mm
+from mbcdm_cad.parts.turned import Axle, Dowel, IdlerPulley, Spacer
 
 
 def _at(x: float, y: float, z: float) -> Placement:
     return Placement.translation(x, y, z)
-
-
-def add_stop_pin(b: BillBuilder, lay: SpurLayout) -> None:
-    """Pin in the plate, through the slot of the sector; none of a drum that turns further."""
-    if not lay.drive.stopped:
-        return
-    v, frame = lay.levels, lay.frame
-    b.add(
-        "stop_pin",
-        Pin(frame.stop_pin_radius, lay.drum.web_end_y + 0.5 - v.plate_back_y),
-        material=lay.drive.material("steel"),
-        place=_at(0.0, v.plate_back_y, frame.stop_pin_z) @ ALONG_Y,
-    )
-
-
-def add_drum_bearings(b: BillBuilder, lay: SpurLayout) -> None:
-    """Both bearings of the drum's shaft with their spring."""
-    drive, shaft = lay.drive, lay.drum_shaft
-    ring, bearing = drive.material("bearing-steel"), drive.bearings.drum
-    b.bearing("drum_bearing_rear", bearing, ring, _at(0.0, shaft.rear_bearing_y, 0.0) @ ALONG_Y)
-    add_preload_spring(b, drive, lay.preload_spring)
-    b.bearing("drum_bearing_front", bearing, ring, _at(0.0, shaft.front_bearing_y, 0.0) @ ALONG_Y)
 
 
 def add_own_input(b: BillBuilder, lay: SpurLayout, turn: Placement, mark: str = "") -> None:
@@ -117,16 +48,16 @@ def add_own_input(b: BillBuilder, lay: SpurLayout, turn: Placement, mark: str = 
     if f.mount_insert is not None:
         for n, (x, z) in enumerate(f.mounts, 1):
             # The insert is set from behind, the side from which the screw is driven.
-            place = turn @ _at(x, lay.levels.plate_back_y, z) @ _TO_BACK
+            place = turn @ _at(x, lay.levels.plate_back_y, z) @ AGAINST_Y
             b.insert(f"mount_insert{mark}_{n}", f.mount_insert, drive.material("brass"), place)
     # Z of the motor head points away from the pulley, to the back.
-    stand = turn @ _at(0.0, 0.0, f.axis_z) @ _TO_BACK
+    stand = turn @ _at(0.0, 0.0, f.axis_z) @ AGAINST_Y
     if f.motor is not None:
         add_motor(b, drive, stand @ _at(0.0, 0.0, -v.motor_shelf_bottom_z))
         for n, (x, z) in enumerate(f.motor.screws, 1):
             place = turn @ _at(x, v.motor_shelf_top_z, z) @ ALONG_Y
             if drive.servo is not None:
-                place = turn @ _at(x, v.plate_back_y - drive.servo.ear_mm, z) @ _TO_BACK
+                place = turn @ _at(x, v.plate_back_y - drive.servo.ear_mm, z) @ AGAINST_Y
             name = f"{drive.mounted_stem}_screw_{drive.input_names[0]}_{n}"
             b.screw(name, drive.screw(drive.gearhead.screw), drive.material("steel"), place)
         return
@@ -135,36 +66,6 @@ def add_own_input(b: BillBuilder, lay: SpurLayout, turn: Placement, mark: str = 
     add_flange_fixings(b, drive, lay.head, f.flange_insert, stand, mark)
     add_input_bearings(b, drive, lay.head, shelf, stand)
     add_input_line(b, drive, lay.head, shelf, stand)
-
-
-def add_own_stage(b: BillBuilder, lay: SpurLayout, pulley: InputPulleyDims, turn: Placement) -> None:
-    """Add the wheels of an input's stage and its belt; ``turn`` as for the input's fixed items."""
-    drive, dims, name = lay.drive, lay.stage, pulley.name
-    if dims is None:
-        return
-    metal = drive.material("aluminium-7075" if dims.stage.is_belt else "steel")
-    along, up = turn @ ALONG_Y, Placement.translation(0.0, 0.0, dims.bottom_z)
-    for part, spec, group in (("driven", dims.driven, f"input_{name}"), ("driver", dims.driver, f"driver_{name}")):
-        b.add(
-            f"stage_{part}_{name}",
-            Wheel(spec),
-            part=f"stage_{part}",
-            material=metal,
-            group=group,
-            place=along @ up,
-            mass_g=dims.mass_g(spec),
-        )
-    if dims.belt is not None:
-        # The belt is drawn with the driver at +Y; turned, it is away from the drum.
-        stand = turn @ _at(0.0, 0.0, drive.centre_distance_mm) @ ALONG_Y @ Placement.about(_Z, 180.0)
-        b.add(
-            f"stage_belt_{name}",
-            Belt(dims.belt),
-            part="stage_belt",
-            material=replace(drive.material("stainless"), colour=_RUBBER),
-            place=stand @ Placement.translation(0.0, 0.0, dims.bottom_z + belt_bottom_mm()),
-            mass_g=dims.mass_g(dims.belt),
-        )
 
 
 def add_idlers(b: BillBuilder, lay: SpurLayout, turn: Placement, mark: str = "") -> None:
@@ -237,9 +138,9 @@ def add_sectors(b: BillBuilder, lay: SpurLayout, turns: list[Placement]) -> None
 def bill(lay: SpurLayout, drum_angle_deg: float = 0.0) -> Bill:
     """All parts and instances with the drum at ``drum_angle_deg``."""
     drive, f = lay.drive, lay.frame
-    b = BillBuilder(moving_bodies(lay), drum_angle_deg)
+    b = BillBuilder(lay.moving_bodies, drum_angle_deg)
     b.add("frame", Yoke(f), material=drive.frame_material)
-    add_stop_pin(b, lay)
+    add_stop_pin(b, lay, lay.levels.plate_back_y)
     add_drum_bearings(b, lay)
     add_own_input(b, lay, Placement.identity())
     if drive.idlers:
@@ -251,10 +152,23 @@ def bill(lay: SpurLayout, drum_angle_deg: float = 0.0) -> Bill:
         add_sectors(b, lay, [Placement.identity()] * drive.parallel)
     for pulley in lay.inputs:
         add_input_pulley(b, drive, pulley, lay.collar, drive.frame_material, ALONG_Y)
-        add_own_stage(b, lay, pulley, Placement.identity())
-        if drive.servo is not None:
-            add_horn(b, drive, drive.servo, pulley.name, ALONG_Y, lay.levels.motor_shelf_bottom_z)
+        for each in lay.attachments:
+            each.add_on_input(b, pulley.name, Placement.identity())
     add_cables(b, drive, lay.cable_paths(radians(drum_angle_deg)))
     for each in lay.attachments:
         each.add_items(b, drum_angle_deg)
     return b.bill()
+
+
+def steps_of(lay: SpurLayout, **more: Any) -> tuple[AssemblyStep, ...]:
+    """Steps of the assembly of a layout with parallel axes, with the sizes of this design."""
+    drive = lay.drive
+    figures = {
+        "based": True,
+        "tau": tau,
+        "flange": flange_screw(drive).name,
+        "strap_screw": strap_screw(drive).name if drive.idlers else "",
+        "set_screw": set_screw(drive).name if drive.overhung else "",
+        "span_N": lambda unit: SET_TENSION * unit.drive.stage.force_N(stage_torque_Nm(unit)),
+    }
+    return steps(lay, **figures | more)

@@ -472,8 +472,10 @@ class FirstStageUnit(Attachment):
         """See the base class."""
         return (angle / self.layout.drive.total_ratio for angle in self.unit.passing_deg)
 
-    def moving_bodies(self) -> Iterator[MovingBody]:
+    def moving_bodies(self, body: MovingBody) -> Iterator[MovingBody]:
         """Its input, about +Y as it stands back to back."""
+        if body.kind != "input":
+            return
         drive, first = self.layout.drive, self.unit.drive
         turns = drive.drum_radius_mm * first.drum_radius_mm, drive.input_radius_mm * first.input_radius_mm
         at = (0.0, 0.0, drive.centre_distance_mm + first.centre_distance_mm)
@@ -502,7 +504,7 @@ class FirstStageUnit(Attachment):
 
     def steps_before(self) -> Iterator[AssemblyStep]:
         """The whole of it; what it is screwed on holds it in place of a base."""
-        for step in self.unit.module("assembly_order").own_steps(self.unit, based=False):
+        for step in self.unit.own_steps(based=False):
             yield AssemblyStep(f"First stage: {step.text}", tuple(first_name(name) for name in step.items))
 
 

@@ -28,8 +28,11 @@ from mbcdm_cad.layouts.siso_spur.cable_path import cable_paths, input_wrap_rad, 
 from mbcdm_cad.layouts.siso_spur.drive import MOST_SPREAD, PITCH_SPREAD, SpurDrive, SpurRun, YokeSupport, laid, spur
 from mbcdm_cad.layouts.siso_spur.first_stage import FirstStageUnit
 from mbcdm_cad.layouts.siso_spur.idlers import IdlerBlock, no_strand
+from mbcdm_cad.layouts.siso_spur.overhung import ServoHorn
 from mbcdm_cad.layouts.siso_spur.pulley import input_pulley
+from mbcdm_cad.layouts.siso_spur.routes import routed
 from mbcdm_cad.layouts.siso_spur.stack import SpurStack, spur_stack
+from mbcdm_cad.layouts.siso_spur.stage import BeltOrGears
 from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims, flange, yoke
 from mbcdm_cad.layouts.siso_spur.support.idlers import IdlerPin, axle, idlers, pins
 from mbcdm_cad.model.losses import BearingPair, body_bearings
@@ -52,6 +55,7 @@ from mbcdm_cad.parts.motor_head.dims import Flange, HeadDims, head
 from mbcdm_cad.parts.terminal import Tensioner, tensioned_rope, terminal_travel_mm
 from mbcdm_cad.parts.turned import AxleDims, DrumShaftDims, IdlerDims
 from mbcdm_cad.routes.curves import CablePath
+from mbcdm_cad.routes.geometry import RoutedDrive
 
 if TYPE_CHECKING:
     from mbcdm_cad.model.si import DriveSI
@@ -117,7 +121,7 @@ class SpurLayout(HeadLayout):
     name = "siso_spur"
     title = "one input beside the drum, one cable round it, axes parallel (Fig. 1 a)"
     variables = VARIABLES
-    takes = (FirstStageUnit,)
+    takes = (BeltOrGears, ServoHorn, FirstStageUnit)
     frame_name = "plate"
     conventions = Conventions(
         frame="Frame: origin on the drum axis (Y), in the middle of the cable; the input stands at +Z; lengths in mm.",
@@ -141,6 +145,10 @@ class SpurLayout(HeadLayout):
     def units(self) -> tuple[SpurLayout, ...]:
         """Each cable with its sector as a drive of one cable, the input above the drum; few checks need them."""
         return self.unit, *(SpurLayout(self.drive.unit(k)) for k in range(1, len(self.drive.angles_rad)))
+
+    def routes_in(self, unit: float) -> RoutedDrive:
+        """See the base class."""
+        return routed(self.drive, unit)
 
     @property
     def input_units(self) -> tuple[SpurLayout, ...]:

@@ -16,9 +16,12 @@ from functools import lru_cache
 from typing import Protocol
 
 from mbcdm_cad.design.bought import Screw, Servo
+from mbcdm_cad.layouts.base import Attachment
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, groove_depth_mm
+from mbcdm_cad.parts.bill import ALONG_Y, BillBuilder, Placement
 from mbcdm_cad.parts.bodies import screw_places
 from mbcdm_cad.parts.input_pulley.dims import HornFlange, InputPulleyDims, SetHub
+from mbcdm_cad.parts.input_pulley.items import add_horn
 from mbcdm_cad.parts.motor_head.dims import Flange, HeadLevels, Places, body_radius_mm
 
 # Metal before and behind the set screws in the hub.
@@ -249,3 +252,14 @@ def _on_horn(drive: SpurDrive, servo: Servo, levels: PulleyLevels, plain: InputP
         slit_top_z=bottom,
         horn=HornFlange(screw.name, screw.clearance_mm / 2, screw_places(servo.horn_screws, servo.horn_circle_mm / 2)),
     )
+
+
+class ServoHorn(Attachment):
+    """The horn of a servo, on which the pulley is screwed."""
+
+    block = "servo"
+
+    def add_on_input(self, b: BillBuilder, name: str, turn: Placement) -> None:
+        """The horn with its screws."""
+        drive, face = self.layout.drive, self.layout.levels.motor_shelf_bottom_z
+        add_horn(b, drive, drive.servo, name, turn @ ALONG_Y, face)

@@ -192,32 +192,27 @@ def turned(angle_rad: float, x: float, z: float) -> tuple[float, float, float]:
     return x * cos(angle_rad) + z * sin(angle_rad), 0.0, z * cos(angle_rad) - x * sin(angle_rad)
 
 
-def routed(drive: SpurDrive) -> RoutedDrive:
-    """The routes of ``drive``, and the lengths that follow from its file."""
-    return routed_round(drive, (0.0,), tuple(drive.level_mm + level for level in drive.levels_mm))
-
-
-def routed_round(drive: SpurDrive, angle_rad: tuple[float, ...], level_mm: tuple[float, ...]) -> RoutedDrive:
-    """The routes with several inputs round the drum, at the positions of :class:`SpurGeometry`."""
+def routed(drive: SpurDrive, unit: float = _MM) -> RoutedDrive:
+    """The routes of ``drive``, and the lengths that follow from its file; ``unit``: a mm, in m."""
     geometry = SpurGeometry(
         cable_names=tuple(run.name for run in drive.cables),
         input_names=tuple(drive.input_names),
         input_of=tuple(drive.input_names.index(run.input_name) for run in drive.cables),
-        angle_rad=angle_rad,
-        level_m=tuple(level * _MM for level in level_mm),
+        angle_rad=drive.angles_rad[: len(drive.input_names)],
+        level_m=tuple((drive.level_mm + level) * unit for level in drive.levels_mm),
         drum_side=tuple(run.drum_side for run in drive.cables),
         outward=tuple(run.outward for run in drive.cables),
         turns=drive.turns,
-        lead_m=drive.helix_lead_mm * _MM,
-        apart_m=drive.leave_mm * _MM if drive.anchored else None,
-        idlers=tuple((p.x_mm * _MM, p.z_mm * _MM) for p in drive.idler_places),
+        lead_m=drive.helix_lead_mm * unit,
+        apart_m=drive.leave_mm * unit if drive.anchored else None,
+        idlers=tuple((p.x_mm * unit, p.z_mm * unit) for p in drive.idler_places),
         input_sense=drive.input_sense,
     )
     parameters = {
-        INPUT_RADIUS: np.array([run.input_radius_mm * _MM for run in drive.cables]),
-        DRUM_RADIUS: np.array([run.drum_radius_mm * _MM for run in drive.cables]),
-        DISTANCE: np.asarray(drive.centre_distance_mm * _MM),
+        INPUT_RADIUS: np.array([run.input_radius_mm * unit for run in drive.cables]),
+        DRUM_RADIUS: np.array([run.drum_radius_mm * unit for run in drive.cables]),
+        DISTANCE: np.asarray(drive.centre_distance_mm * unit),
     }
     if drive.idlers:
-        parameters[IDLER_RADIUS] = np.full(len(drive.cables), drive.idlers.radius_mm * _MM)
+        parameters[IDLER_RADIUS] = np.full(len(drive.cables), drive.idlers.radius_mm * unit)
     return RoutedDrive(geometry, parameters, {"centre_distance_mm": drive.centre_distance_mm})

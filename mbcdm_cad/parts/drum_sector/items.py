@@ -8,7 +8,7 @@ from math import atan2, cos, degrees, pi, radians, sin
 from typing import Any
 
 from mbcdm_cad.design.bought import Screw
-from mbcdm_cad.parts.bill import BillBuilder, Placement, cable_item
+from mbcdm_cad.parts.bill import AGAINST_Y, ALONG_Y, BillBuilder, Placement, cable_item
 from mbcdm_cad.parts.bodies import CableRod, RingEncoderBody, WaveSpring
 from mbcdm_cad.parts.drum_sector.design import SectorDrive
 from mbcdm_cad.parts.drum_sector.dims import SET_SCREW_ANGLES_DEG, DrumDims
@@ -19,8 +19,6 @@ from mbcdm_cad.parts.turned import DrumShaft, DrumShaftDims, Nut, PreloadSpringD
 from mbcdm_cad.routes.curves import CablePath
 
 _Y, _Z = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
-_AGAINST_Y = Placement.about((1.0, 0.0, 0.0), 90.0)
-_ALONG_Y = Placement.about((1.0, 0.0, 0.0), -90.0)
 _AS_DRAWN = Placement.identity()
 RING_ENCODER_GRIP_MM = 2.0
 # A wave spring is a strip about a third as thick as it stands high (estimate, for its mass).
@@ -61,7 +59,7 @@ def add_output(
     set_screw = drive.screw(d.set_screw)
     if d.payload_insert is not None:
         for n, (x, z) in enumerate(d.payload_places, 1):
-            place = stand @ Placement.translation(x, d.hub_face_y, z) @ _ALONG_Y
+            place = stand @ Placement.translation(x, d.hub_face_y, z) @ ALONG_Y
             b.insert(f"payload_insert_{n}", d.payload_insert, drive.material("brass"), place, "drum")
     b.add("drum_shaft", DrumShaft(shaft), material=drive.shaft_material, group="drum")
     for n, deg in enumerate(SET_SCREW_ANGLES_DEG, 1):
@@ -154,7 +152,7 @@ def add_preload_spring(b: BillBuilder, drive: SectorDrive, spring: PreloadSpring
         WaveSpring(spring),
         part="wave_spring",
         material=steel,
-        place=Placement.translation(0.0, spring.start_y, 0.0) @ _ALONG_Y,
+        place=Placement.translation(0.0, spring.start_y, 0.0) @ ALONG_Y,
         mass_g=SPRING_SHARE * volume * steel.density_g_cm3 / 1e3,
     )
 
@@ -169,11 +167,11 @@ def add_drum_encoder(b: BillBuilder, drive: SectorDrive, floor_y: float, screw_c
         "drum_encoder",
         RingEncoderBody(ring, screw, RING_ENCODER_GRIP_MM),
         material=replace(drive.material("stainless"), colour=ENCODER_COLOUR),
-        place=Placement.translation(0.0, floor_y, 0.0) @ _AGAINST_Y,
+        place=Placement.translation(0.0, floor_y, 0.0) @ AGAINST_Y,
         mass_g=ring.mass_g,
     )
     for n, sign in enumerate((-1, 1), 1):
-        place = Placement.translation(sign * screw_circle, floor_y - RING_ENCODER_GRIP_MM, 0.0) @ _AGAINST_Y
+        place = Placement.translation(sign * screw_circle, floor_y - RING_ENCODER_GRIP_MM, 0.0) @ AGAINST_Y
         b.screw(f"drum_encoder_screw_{n}", screw, drive.material("steel"), place)
 
 

@@ -7,7 +7,7 @@ from math import cos, degrees, sin
 
 from mbcdm_cad.design.bought import Material, Screw, Servo
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.parts.bill import BillBuilder, Placement
+from mbcdm_cad.parts.bill import ALONG_Y, BillBuilder, Placement
 from mbcdm_cad.parts.bodies import GearheadBody, HornBody, MotorBody, MotorWithShaft, ServoBody
 from mbcdm_cad.parts.coupling import Collar, CollarDims
 from mbcdm_cad.parts.drum_sector.design import SectorDrive
@@ -15,7 +15,6 @@ from mbcdm_cad.parts.input_pulley.dims import SET_SCREWS_DEG, InputPulleyDims, S
 from mbcdm_cad.parts.input_pulley.part import InputPulley
 from mbcdm_cad.parts.turned import Sleeve
 
-_ALONG_Y = Placement.about((1.0, 0.0, 0.0), -90.0)
 UPRIGHT = Placement.identity()
 
 
@@ -88,7 +87,7 @@ def add_input_pulley(
         place=stand,
     )
     middle = Placement.translation(collar.screw_offset, collar.head_seat, (collar.bottom_z + collar.top_z) / 2)
-    b.screw(f"collar_screw_{pulley.name}", screw, drive.material("steel"), stand @ middle @ _ALONG_Y, group)
+    b.screw(f"collar_screw_{pulley.name}", screw, drive.material("steel"), stand @ middle @ ALONG_Y, group)
     for slot in pulley.slots:
         b.add(
             f"stop_{slot.cable_name}",

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from mbcdm_cad.design.bought import InsertSpec
-from mbcdm_cad.parts.bill import BillBuilder, Placement
+from mbcdm_cad.parts.bill import UPSIDE_DOWN, BillBuilder, Placement
 from mbcdm_cad.parts.bodies import EncoderBody
 from mbcdm_cad.parts.drum_sector.items import ENCODER_COLOUR
 from mbcdm_cad.parts.fits import FACE_MM, FITS, REST, SHOULDER_MM, Datum, level, shoulder_place
@@ -238,9 +238,6 @@ class MotorHead(Milled):
         )
 
 
-_TURNED = Placement.about((1.0, 0.0, 0.0), 180.0)
-
-
 @dataclass(frozen=True)
 class EncoderShelf:
     """The shelf that carries bearing and encoder: its face towards the pulley is ``top_z``; screws sunk in it, mm."""
@@ -285,7 +282,7 @@ def add_flange_fixings(
 def add_motor(b: BillBuilder, drive: HeadedDrive, face: Placement) -> None:
     """Gearhead and motor of the one input on their shelf, whose face they lie on has its Z towards them."""
     depth = drive.screw(drive.gearhead.screw).length_mm - drive.support.motor_shelf_mm + 1.0
-    add_train(b, drive, drive.input_names[0], depth, face @ _TURNED, drive.gearhead_angle_deg)
+    add_train(b, drive, drive.input_names[0], depth, face @ UPSIDE_DOWN, drive.gearhead_angle_deg)
 
 
 def add_input_line(b: BillBuilder, drive: HeadedDrive, head: HeadDims, shelf: EncoderShelf, stand: Placement) -> None:
@@ -305,13 +302,13 @@ def add_input_line(b: BillBuilder, drive: HeadedDrive, head: HeadDims, shelf: En
             ),
             part="encoder",
             material=replace(body, colour=ENCODER_COLOUR),
-            place=_at(stand, 0.0, 0.0, shelf.bottom_z) @ _TURNED,
+            place=_at(stand, 0.0, 0.0, shelf.bottom_z) @ UPSIDE_DOWN,
             mass_g=encoder.mass_g,
         )
     for n in range(max(encoder_screws, len(head.gear_screws))):
         if n < len(head.gear_screws):
             x, y = head.gear_screws[n]
-            place = _at(stand, x, y, head.shelf_bottom_z) @ _TURNED
+            place = _at(stand, x, y, head.shelf_bottom_z) @ UPSIDE_DOWN
             b.screw(f"{drive.mounted_stem}_screw_{name}_{n + 1}", gear_screw, steel, place)
         if n < encoder_screws:
             place = _at(stand, (-1, 1)[n] * shelf.screw_circle, 0.0, shelf.top_z - sunk)

@@ -10,7 +10,7 @@ import pytest
 
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.loader import load_text, new_design_text
-from mbcdm_cad.layouts.miso_bevel.bill import bill, moving_bodies
+from mbcdm_cad.layouts.miso_bevel.bill import bill
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, bevel
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.routes import GUIDE, routed
@@ -68,7 +68,7 @@ def test_routes_and_drawn_paths_agree_with_a_setback(reference: BevelDrive, setb
         assert hypot(*(start[:2] - np.array([run.input_side * drive.input_x_mm, -setback_mm]))) == pytest.approx(
             run.input_radius_mm, abs=1e-9
         )
-    origins = {body.name: body.origin_mm for body in moving_bodies(dims)}
+    origins = {body.name: body.origin_mm for body in dims.moving_bodies}
     for body in routes.bodies:
         if body.kind == "input":
             assert np.abs(np.array(body.point_m) * 1e3 - origins[body.name]).max() < 1e-9, body.name
@@ -125,7 +125,7 @@ def test_the_cable_lies_along_the_middle_of_its_groove(reference: BevelDrive, an
     """At every drum angle the wound rope, seen on the turned pulley, follows the groove, which goes on at both ends."""
     drive = grooved(reference)
     dims = BevelLayout(drive)
-    motions = {body.name: body.motion(angle_deg) for body in moving_bodies(dims)}
+    motions = {body.name: body.motion(angle_deg) for body in dims.moving_bodies}
     paths = {path.cable.name: path for path in dims.cable_paths(np.radians(angle_deg))}
     for pulley in dims.inputs:
         for groove in pulley.grooves:

@@ -9,7 +9,7 @@ from math import radians
 import numpy as np
 import pytest
 
-from mbcdm_cad.layouts.miso_bevel.bill import bill, moving_bodies
+from mbcdm_cad.layouts.miso_bevel.bill import bill
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.parts.bill import Item, cable_item, sorted_items
 
@@ -54,7 +54,7 @@ def point(item: Item) -> np.ndarray:
 @pytest.mark.parametrize("angle_deg", [-35.0, 10.0, 35.0])
 def test_groups_turn_as_the_cables_make_them(dims: BevelLayout, angle_deg: float) -> None:
     """theta_g = -6 theta_o, theta_m = +9 theta_o: a mark on each rim moves as far as the cable on it."""
-    motions = {body.name: body.motion(angle_deg) for body in moving_bodies(dims)}
+    motions = {body.name: body.motion(angle_deg) for body in dims.moving_bodies}
     theta = radians(angle_deg)
     for cable in dims.drive.cables:
         mark = np.array([0.0, 0.0, cable.drum_radius_mm])

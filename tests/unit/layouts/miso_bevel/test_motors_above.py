@@ -14,7 +14,6 @@ from mbcdm_cad.checks.bearings import input_reactions
 from mbcdm_cad.checks.comparison import Comparison
 from mbcdm_cad.design.loader import LoadedDesign
 from mbcdm_cad.layouts.loader import load_text
-from mbcdm_cad.layouts.miso_bevel.assembly_order import assembly_order
 from mbcdm_cad.layouts.miso_bevel.bill import bill
 from mbcdm_cad.layouts.miso_bevel.checks.room import box_mm, collar_space, drum_sweep
 from mbcdm_cad.layouts.miso_bevel.checks.support_fits import drives_apart, head_seats, key_access, screwdriver
@@ -283,7 +282,7 @@ def test_the_rule_turns_gearheads_whose_screws_have_no_room() -> None:
 
 
 def test_order_of_assembly_reaches_the_gearheads_screws_on_the_bench(dims: BevelLayout) -> None:
-    steps = assembly_order(dims)
+    steps = dims.assembly_order
     at = {name: k for k, step in enumerate(steps) for name in step.items}
     assert at["encoder_left"] == at["input_bearing_upper_left"] < at["input_pulley_left"] < at["guide"]
     assert at["guide"] < at["gearhead_left"] == at["top_plate"] < at["plate_screw_1"] < at["drum"]

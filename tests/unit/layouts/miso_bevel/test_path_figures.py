@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.layouts.bevel_transfer import TravelFigures, terminal_gap_mm
-from mbcdm_cad.layouts.miso_bevel.assembly_order import assembly_order
 from mbcdm_cad.layouts.miso_bevel.cable_path import cable_path, winding
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
@@ -139,6 +138,6 @@ def test_one_cable_at_50_N_is_set_where_the_drum_comes_to_rest(apart: int) -> No
     assert found.cables[apart].turns_from_slack < min(
         c.turns_from_slack for k, c in enumerate(found.cables) if k != apart
     )
-    text = " ".join(step.text for step in assembly_order(lay))
+    text = " ".join(step.text for step in lay.assembly_order)
     assert "50" in text and "nan" not in text.lower()
     assert all(np.isfinite(v) for c in found.cables for v in (c.finished_m, c.turns_per_N)), asdict(found)

@@ -12,7 +12,6 @@ import pytest
 
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.layouts.loader import load_text, new_design_text
-from mbcdm_cad.layouts.miso_spur.assembly_order import assembly_order
 from mbcdm_cad.layouts.miso_spur.bill import bill
 from mbcdm_cad.layouts.miso_spur.checks import SECTORS
 from mbcdm_cad.layouts.miso_spur.drive import RoundDrumDrive
@@ -115,7 +114,7 @@ def test_every_item_joins_once_in_the_order_of_assembly(
     with_inputs: Made, dims: RoundDrumLayout, anchored: RoundDrumLayout
 ) -> None:
     for each in (dims, RoundDrumLayout(with_inputs(4)), anchored):
-        joined = [name for step in assembly_order(each) for name in step.items]
+        joined = [name for step in each.assembly_order for name in step.items]
         assert sorted(joined) == sorted(item.name for item in bill(each).items)
 
 

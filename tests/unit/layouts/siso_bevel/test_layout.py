@@ -14,7 +14,6 @@ from hypothesis import strategies as st
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.checks.terminals import bodies_of
 from mbcdm_cad.layouts.loader import layout_of, new_design_text
-from mbcdm_cad.layouts.siso_bevel.assembly_order import assembly_order
 from mbcdm_cad.layouts.siso_bevel.bill import bill
 from mbcdm_cad.layouts.siso_bevel.cable_path import full_input_turn_deg, stop_bend
 from mbcdm_cad.layouts.siso_bevel.checks import drum_sweep, highest_ratio, input_under_turn
@@ -122,7 +121,7 @@ def test_corners_of_a_printed_frame_are_no_cutters(drive: DirectDrive) -> None:
 
 
 def test_every_item_joins_once_in_the_order_of_assembly(dims: DirectLayout) -> None:
-    joined = [name for step in assembly_order(dims) for name in step.items]
+    joined = [name for step in dims.assembly_order for name in step.items]
     assert sorted(joined) == sorted(item.name for item in bill(dims).items)
 
 

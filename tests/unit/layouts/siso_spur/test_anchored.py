@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.registry import layout_of
-from mbcdm_cad.layouts.siso_spur.assembly_order import assembly_order
 from mbcdm_cad.layouts.siso_spur.bill import bill
 from mbcdm_cad.layouts.siso_spur.cable_path import cable_paths, input_wrap_rad
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, laid
@@ -188,7 +187,7 @@ def test_too_few_turns_are_told_how_many_it_takes(anchored: SpurDrive) -> None:
 
 
 def test_every_item_joins_once_in_the_order_of_assembly(lay: SpurLayout) -> None:
-    joined = [name for step in assembly_order(lay) for name in step.items]
+    joined = [name for step in lay.assembly_order for name in step.items]
     assert sorted(joined) == sorted(item.name for item in bill(lay).items)
     assert {"stop_side_1", "stop_side_2", "cable_side_1", "cable_side_2"} <= set(joined)
 

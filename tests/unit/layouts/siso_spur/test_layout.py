@@ -15,8 +15,7 @@ from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.base import FrameCompliance
 from mbcdm_cad.layouts.loader import layout_of, load_text, new_design_text
-from mbcdm_cad.layouts.siso_spur.assembly_order import assembly_order
-from mbcdm_cad.layouts.siso_spur.bill import bill, moving_bodies
+from mbcdm_cad.layouts.siso_spur.bill import bill
 from mbcdm_cad.layouts.siso_spur.cable_path import cable_path
 from mbcdm_cad.layouts.siso_spur.checks.room import drum_and_input
 from mbcdm_cad.layouts.siso_spur.checks.winding import FAMILIES, fleet_angle, input_slip, turn_distance_mm
@@ -163,7 +162,7 @@ def test_spans_do_no_work_on_drum_and_input_together(drive: SpurDrive, open_span
     The routes have the same contact points as the drawn cable.
     """
     dims = SpurLayout(laid(replace(drive, open_spans=open_spans)))
-    body = next(b for b in moving_bodies(dims) if b.name == "input_main")
+    body = next(b for b in dims.moving_bodies if b.name == "input_main")
     assert body.axis == ((0.0, 1.0, 0.0) if open_spans else (0.0, -1.0, 0.0))
     si, (path,) = layout_of(dims.drive).si, dims.cable_paths(0.0)
     for k, run in enumerate(dims.drive.cables):
@@ -260,7 +259,7 @@ def test_smooth_input_is_refused_a_steep_helix(drive: SpurDrive) -> None:
 
 
 def test_every_item_joins_once_in_the_order_of_assembly(dims: SpurLayout) -> None:
-    joined = [name for step in assembly_order(dims) for name in step.items]
+    joined = [name for step in dims.assembly_order for name in step.items]
     assert sorted(joined) == sorted(item.name for item in bill(dims).items)
 
 
