@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import permutations
 from math import degrees, radians
 from typing import Any
 
@@ -35,24 +36,25 @@ from mbcdm_cad.rig.experiment import Experiment, RigError
 from mbcdm_cad.routes import Floats
 
 
-def wrong_choice(drive: Drive, run: Run, members: Sequence[Named], noise: Noise, step_s: float) -> float:
+def wrong_choice(drive: Drive, run: Run | None, members: Sequence[Named], noise: Noise, step_s: float) -> float:
     """Probability of a wrong choice between the two of ``members`` that ``run`` separates worst, 0 to 0.5.
 
     ``step_s`` is the time between samples of the run to be made; ``run`` may have fewer samples. The result is also 0.5
-    where the run does not show one of them at all, or cannot be simulated with it.
+    where there is no run, where it does not show one of them at all, or cannot be simulated with it.
     """
-    fitter = planned_fitter(drive, run)
-    bare = fitter.fit()
+    if run is None:
+        return 0.5
+    try:
+        fitter = planned_fitter(drive, run)
+        bare = fitter.fit()
+    except ModelError:
+        return 0.5
     offered = library(fitter.d, fitter.runs[0])
     found = [_changes(fitter, bare, effect, one, noise) for one in members if (effect := _effect_of(one, offered))]
-    if len(found) < len(members) or any(one is None for one in found):
+    shown, steps_s = [one for one in found if one is not None], (fitter.runs[0].step_s, step_s)
+    if len(shown) < len(members):
         return 0.5
-    worst = 0.0
-    for k, one in enumerate(found):
-        for j, other in enumerate(found):
-            if j != k and one is not None and other is not None:
-                worst = max(worst, _mistaken(one[0], other[1], noise, (fitter.runs[0].step_s, step_s)))
-    return worst
+    return max((_mistaken(one[0], other[1], noise, steps_s) for one, other in permutations(shown, 2)), default=0.0)
 
 
 def _effect_of(named: Named, offered: Sequence[Effect]) -> Effect | None:
@@ -149,12 +151,12 @@ def next_run(drive: Drive, runs: Sequence[Run], result: LoopResult) -> NextRun |
         for k, one in enumerate(offered):
             if k == len(planned):
                 planned.append(_planned(drive, one))
-            now = _wrong(drive, planned[k], members, result.noise, step)
+            now = wrong_choice(drive, planned[k], members, result.noise, step)
             if now < wrong:
                 wrong, best = now, one
             if wrong < SURE:
                 break
-        before = min(_wrong(drive, run, members, result.noise, run.step_s) for run in runs)
+        before = min(wrong_choice(drive, run, members, result.noise, run.step_s) for run in runs)
         best = best.model_copy(update={"name": "next-run", "sample_rate_Hz": limits.sample_rate_Hz})
         found.append(NextRun(best, members, before, wrong))
         if found[-1].useful:
@@ -196,12 +198,3 @@ def _planned(drive: Drive, experiment: Experiment) -> Run | None:
         return run_of(drive, experiment)
     except RigError:
         return None
-
-
-def _wrong(drive: Drive, run: Run | None, members: Sequence[Named], noise: Noise, step_s: float) -> float:
-    if run is None:
-        return 0.5
-    try:
-        return wrong_choice(drive, run, members, noise, step_s)
-    except ModelError:
-        return 0.5

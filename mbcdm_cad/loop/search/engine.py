@@ -27,6 +27,7 @@ from mbcdm_cad.loop.search.account import (
     time_interval_s,
     traces,
 )
+from mbcdm_cad.loop.search.evidence import separation_of
 from mbcdm_cad.loop.search.exchange import Group
 from mbcdm_cad.loop.search.few import judged_by_hand
 from mbcdm_cad.loop.search.fit import Fit, Fitter
@@ -369,7 +370,7 @@ class _Loop:
         ]
         for group in groups:
             for one in group.alike:
-                apart = self.judge.apart(one, fit)
+                apart = separation_of(self.fitter, one, fit)
                 words = f"as good as {group.effect.label}" + ("" if apart.apart else f": {apart.words}")
                 lines.append(Evidence(one.effects[-1].label, self.search.held_rms(one), 0.0, words))
         return tuple(lines)

@@ -303,6 +303,16 @@ def noise_left(fitter: Fitter, fit: Fit) -> Noise:
     return noise_of(fitter.base, [fit.residual[part] for part in fitter.parts])
 
 
+def estimate_of(fitter: Fitter, fit: Fit) -> Estimate:
+    """All parameters and offsets of a fit, on all samples in use; columns without a slope are left out, as zero."""
+    used, kept = fitter.used, fit.has_slope
+    columns = fitter.centred_on(used, fit.jacobian[:, kept])
+    found = cluster_estimate(columns, fit.residual[used], fitter.sweep[used], fitter.sector[used])
+    value, covariance = np.zeros(kept.size), np.zeros((kept.size, kept.size))
+    value[kept], covariance[np.ix_(kept, kept)] = found.value, found.covariance
+    return replace(found, value=value, covariance=covariance)
+
+
 def separation_of(fitter: Fitter, worse: Fit, better: Fit) -> Separation:
     """How well the data separate two fits."""
     used = fitter.used

@@ -14,7 +14,7 @@ sector as the number of independent data.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial, reduce
 from itertools import combinations, product
 from math import log
@@ -29,8 +29,7 @@ from mbcdm_cad.loop.search.evidence import (
     SAME_FIT,
     TOLD_APART,
     Estimate,
-    Separation,
-    cluster_estimate,
+    estimate_of,
     log_odds,
     separation_of,
 )
@@ -162,7 +161,7 @@ class Exchanges:
         if len(two.parameters) <= len(simple.parameters):
             return False
         worse, better = (simpler, fit) if fit.square < simpler.square else (fit, simpler)
-        wrong = self.apart(worse, better).probability
+        wrong = separation_of(self.fitter, worse, better).probability
         odds = (1.0 - wrong) / max(wrong, 1e-300) if better is fit else wrong / (1.0 - wrong)
         return bool(self._phase_likelihood(fit, two) * odds < TOLD_APART)
 
@@ -186,10 +185,6 @@ class Exchanges:
         deviation = np.sqrt(spread.max()) / np.hypot(*values)
         return float(deviation / np.sqrt(2.0 * np.pi))
 
-    def apart(self, worse: Fit, better: Fit) -> Separation:
-        """How well two fits are separated."""
-        return separation_of(self.fitter, worse, better)
-
     def alike(self, worse: Fit, better: Fit, against: float = 0.0) -> bool:
         """Whether the first is as good as the second, as far as sweeps and sectors can show.
 
@@ -205,7 +200,7 @@ class Exchanges:
         cell = np.unique(sweep * (int(sector.max()) + 1) + sector, return_inverse=True)[1]
         sums = np.bincount(cell, excess)
         errors = float(sums.sum() / np.sqrt(np.sum(sums**2)))
-        told = self.apart(worse, better)
+        told = separation_of(self.fitter, worse, better)
         if told.apart and errors >= CLEAR_ERRORS:
             return False
         nearly = told.probability <= NEARLY_APART and errors >= LEAST_ERRORS
@@ -233,15 +228,7 @@ class Exchanges:
     def covariance(self, fit: Fit, fitter: Fitter) -> Floats:
         """Covariance of all parameters and offsets of a fit, scaled as :meth:`spread`; columns as of the Jacobian."""
         if fit not in self._estimates:
-            used = fitter.used
-            kept = fit.has_slope
-            columns = fitter.centred_on(used, fit.jacobian[:, kept])
-            found = cluster_estimate(columns, fit.residual[used], fitter.sweep[used], fitter.sector[used])
-            if not kept.all():
-                value, covariance = np.zeros(kept.size), np.zeros((kept.size, kept.size))
-                value[kept], covariance[np.ix_(kept, kept)] = found.value, found.covariance
-                found = replace(found, value=value, covariance=covariance)
-            self._estimates[fit] = found
+            self._estimates[fit] = estimate_of(fitter, fit)
         estimate = self._estimates[fit]
         return np.asarray((float(t_distribution.ppf(0.975, estimate.freedom)) / INTERVAL) ** 2 * estimate.covariance)
 
@@ -365,11 +352,7 @@ def _sure(search: Search, fit: Fit) -> bool:
 
 def chances(fitter: Fitter, fit: Fit, effect: Effect) -> Floats:
     """Probability of each size of an effect if that size alone is zero."""
-    used, kept = fitter.used, fit.has_slope
-    columns = fitter.centred_on(used, fit.jacobian[:, kept])
-    found = cluster_estimate(columns, fit.residual[used], fitter.sweep[used], fitter.sector[used])
-    own = np.arange(kept.size)[fit.columns_of(effect)]
-    sizes = [k for k, p in zip(own, effect.parameters, strict=True) if p.role == "size"]
-    at = np.searchsorted(np.flatnonzero(kept), sizes)
-    strength = np.concatenate(fit.values)[sizes] / np.sqrt(np.diag(found.covariance)[at])
+    found, first = estimate_of(fitter, fit), fit.columns_of(effect).start
+    sizes = [first + k for k, p in enumerate(effect.parameters) if p.role == "size"]
+    strength = np.concatenate(fit.values)[sizes] / np.sqrt(np.diag(found.covariance)[sizes])
     return np.asarray(2.0 * t_distribution.sf(np.abs(strength), found.freedom))

@@ -14,7 +14,6 @@ from math import log
 import numpy as np
 
 from mbcdm_cad.loop.effect import Effect
-from mbcdm_cad.loop.prepare.noise import Noise
 from mbcdm_cad.loop.search.evidence import log_odds, noise_left, supported
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.loop.search.screening import CABLES_SLIP, MOST_REFITS, Screened, TrialFits, both_plays
@@ -68,7 +67,7 @@ class Search(TrialFits):
         super().__init__(fitter, self.library)
         self.bare = bare
         self.inside = tuple(effect for effect in library if effect.inside)
-        self.noise = self.noise_left(bare)
+        self.noise = noise_left(self.fitter, bare)
         self.steps: list[Step] = []
         # Reasons why fitted values are impossible: a sentence for each effect's label.
         self.doubts: dict[str, str] = {}
@@ -85,10 +84,6 @@ class Search(TrialFits):
     def least_floor_rad(self) -> float:
         """Lower bound of the floor from the declared errors of the sensors; rad RMS."""
         return self.noise.declared_rad or self.noise.white_rad
-
-    def noise_left(self, fit: Fit) -> Noise:
-        """The noise in the residual of a fit."""
-        return noise_left(self.fitter, fit)
 
     def held_rms(self, fit: Fit) -> float:
         """RMS on the held-out samples, rad, minus the mean of each run over its training samples."""
@@ -152,7 +147,7 @@ class Search(TrialFits):
 
     def _reckoned(self, now: Fit) -> Fit:
         """``now``, after the noise was computed again with its effects."""
-        self.noise = min(self.noise, self.noise_left(now), key=lambda noise: noise.total_rad)
+        self.noise = min(self.noise, noise_left(self.fitter, now), key=lambda noise: noise.total_rad)
         return now
 
     def taken(self, found: Fit) -> Fit:
@@ -199,7 +194,7 @@ class Search(TrialFits):
         for one in sorted(self._leaning.get(now, []), key=lambda one: one.square) if much else ():
             # With a large fall and nothing left above the noise no other explanation is left. What the effect does may
             # not repeat and stand in the floor, so the noise that it leaves counts where that is less.
-            floor = min(self.floor_rad, self.noise_left(one).total_rad)
+            floor = min(self.floor_rad, noise_left(self.fitter, one).total_rad)
             if self.explained_by(one, now, floor):
                 self.note("leaves only noise", one.effects[-1], now, one)
                 return self.backward(one)
@@ -327,7 +322,7 @@ class Search(TrialFits):
         fall = self.held_rms(before) ** 2 - self.held_rms(after) ** 2
         if fall < (LEAST_FALL * self.noise.declared_rad) ** 2 or fall <= 0.0:
             return False
-        left = self.noise_left(after).total_rad
+        left = noise_left(self.fitter, after).total_rad
         return bool(left < QUIETER * self.floor_rad and fall >= (LEAST_FALL * left) ** 2)
 
     def acceptable(self, now: Fit, better: Fit) -> bool:
