@@ -197,13 +197,8 @@ def _fitted(
     gram = x.T @ x + np.diag(np.concatenate([np.full(columns.shape[1], LEAST_RIDGE), np.full(levels.shape[1], 1e-9)]))
     y = errors[chosen] - errors[chosen].mean()
     # Where few samples lie, neighbouring points of the angle are smoothed: curvature is penalised, slope is not.
-    bend = np.zeros_like(gram)
-    for sense_index in range(2):
-        for k in range(1, ANGLES - 1):
-            row = sense_index * ANGLES + k
-            for a, wa in ((row - 1, 1.0), (row, -2.0), (row + 1, 1.0)):
-                for b, wb in ((row - 1, 1.0), (row, -2.0), (row + 1, 1.0)):
-                    bend[a, b] += wa * wb
+    bend, second = np.zeros_like(gram), np.diff(np.eye(ANGLES), 2, axis=0)
+    bend[: 2 * ANGLES, : 2 * ANGLES] = np.kron(np.eye(2), second.T @ second)
     solved = np.linalg.solve(gram + weak * bend, x.T @ y)
     square = float(np.mean((y - x @ solved) ** 2))
     mesh = np.meshgrid(grid, DIRECTIONS, load_grid, indexing="ij")
