@@ -10,7 +10,7 @@ Travel and load stay within those of the design and of the runs so far; motion a
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from itertools import permutations
 from math import degrees, radians
 from typing import Any
@@ -183,14 +183,8 @@ def _limits(drive: Drive, runs: Sequence[Run], step_s: float) -> BenchLimits:
 
 def _sensors(sensors: Sensors, torque: bool) -> dict[str, Any]:
     """Sensors of the bench for the experiment file; those of the rig if the measurement file does not state them."""
-    fields = {
-        "input_resolution_rad": sensors.input_resolution_rad,
-        "output_resolution_rad": sensors.output_resolution_rad,
-        "torque_noise_Nm": sensors.torque_noise_Nm,
-        "input_noise_rad": sensors.input_noise_rad,
-        "output_noise_rad": sensors.output_noise_rad,
-    }
-    return {name: value for name, value in fields.items() if value is not None} | {"log_torque": torque}
+    stated = {name: value for name, value in asdict(sensors).items() if value is not None and name != "torque_class"}
+    return {**stated, "log_torque": torque}
 
 
 def _planned(drive: Drive, experiment: Experiment) -> Run | None:

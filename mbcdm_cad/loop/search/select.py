@@ -368,9 +368,11 @@ class Search(TrialFits):
                 return self.needed(less)
         return fit
 
-    def give_back(self, why: str, effect: Effect, fit: Fit) -> None:
-        """Record that an effect of ``fit`` is withdrawn."""
-        self.note(why, effect, fit, self.without(fit, effect))
+    def give_back(self, why: str, effect: Effect, fit: Fit) -> Fit:
+        """The fit without one of its effects, and record that it is withdrawn."""
+        less = self.without(fit, effect)
+        self.note(why, effect, fit, less)
+        return less
 
     def note(self, action: str, effect: Effect, before: Fit, after: Fit) -> None:
         self.steps.append(Step(action, effect, self.held_rms(before), self.held_rms(after)))

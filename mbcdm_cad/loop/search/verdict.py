@@ -239,8 +239,7 @@ class Judge(ClassOfSensor):
         self, group: Group, fit: Fit, groups: tuple[Group, ...]
     ) -> tuple[Fit, tuple[Group, ...], Unknown | None]:
         """Fit, effects and unexplained part without an effect whose size all data together do not tell from zero."""
-        self.search.give_back("may be zero", group.effect, fit)
-        fit = self.search.without(fit, group.effect)
+        fit = self.search.give_back("may be zero", group.effect, fit)
         groups = tuple(one for one in groups if one is not group)
         unknown = self.left(fit)
         return (fit, groups, None) if unknown is None else self._unblamed(fit, groups, unknown)
@@ -261,8 +260,7 @@ class Judge(ClassOfSensor):
             worst = int(np.argmax(chances))
             if chances[worst] <= ZERO_CHANCE:
                 break
-            self.search.give_back("may be zero", groups[worst].effect, fit)
-            fit = self.search.without(fit, groups[worst].effect)
+            fit = self.search.give_back("may be zero", groups[worst].effect, fit)
             groups = (*groups[:worst], *groups[worst + 1 :])
         return fit, groups
 
@@ -279,8 +277,7 @@ class Judge(ClassOfSensor):
                 if not open_times:
                     break
                 worst, why = open_times[0], "no part can have this value" if below else "its time is open"
-            self.search.give_back(why, worst.effect, fit)
-            fit = self.search.without(fit, worst.effect)
+            fit = self.search.give_back(why, worst.effect, fit)
             groups = tuple(group for group in groups if group is not worst)
         return fit, groups
 
@@ -443,8 +440,7 @@ class Judge(ClassOfSensor):
                 trial = self.fitter.tried((*rest, regressor), (*values, [0.0]), fit.offsets)
                 if trial is None or self._failed(trial, fit) or log_odds(self.fitter, trial, fit) + likely >= 0.0:
                     continue
-                self.search.give_back(f"by chance like the {regressor.form}", group.effect, fit)
-                less = self.search.without(fit, group.effect)
+                less = self.search.give_back(f"by chance like the {regressor.form}", group.effect, fit)
                 return less, tuple(one for one in groups if one is not group), self.left(less) or unknown
         return fit, groups, unknown
 
