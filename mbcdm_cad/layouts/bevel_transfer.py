@@ -11,13 +11,15 @@ from functools import partial
 from math import asin, atan2, cos, degrees, hypot, sin, tau
 from typing import Any
 
+import numpy as np
+
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
 from mbcdm_cad.checks.transfer import MORE_WRAP, SLIPS, WRAPS
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.model.tensioning import TensionedCable
 from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.terminal import Tensioner, highest_preload_N
-from mbcdm_cad.routes.curves import CablePath, EndOfTravel
+from mbcdm_cad.routes.curves import Arc, CablePath, EndOfTravel, Line, Piece, triple
 
 
 @dataclass(frozen=True)
@@ -33,6 +35,22 @@ class TravelFigures:
     def usable_deg(self) -> tuple[float, float]:
         """(lowest, highest) drum angle of the usable travel, deg."""
         return self.limits_negative[0].angle_deg, self.limits_positive[0].angle_deg
+
+
+# The stretch of a cable that the drum carries.
+ON_DRUM = ("drum", "tail")
+
+
+def on_drum(cable: SectorRun, end_rad: float, tail_mm: float) -> Iterator[tuple[str, Piece]]:
+    """The cable from the transfer point to where it leaves its land, at an angle from +Z to its side, and into the end.
+
+    ``tail_mm``: straight length from there into the terminal.
+    """
+    side, y, radius = cable.drum_side, cable.land_y_mm, cable.drum_radius_mm
+    yield ON_DRUM[0], Arc((0.0, y, 0.0), (0.0, 0.0, 1.0), (float(side), 0.0, 0.0), radius, 0.0, end_rad)
+    leave = np.array([side * radius * sin(end_rad), y, radius * cos(end_rad)])
+    along = np.array([side * cos(end_rad), 0.0, -sin(end_rad)])
+    yield ON_DRUM[1], Line(triple(leave), triple(leave + tail_mm * along))
 
 
 def ends_at_drum(layout: SectorLayout, run: SectorRun, body: str) -> Iterator[EndOfTravel]:

@@ -6,7 +6,7 @@ from abc import abstractmethod
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import tau
+from math import degrees, radians, tau
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -23,7 +23,7 @@ from mbcdm_cad.parts.motor_head.dims import HeadDims, HeadedDrive
 from mbcdm_cad.parts.terminal import Tensioner
 from mbcdm_cad.parts.turned import DrumShaftDims, PreloadSpringDims
 from mbcdm_cad.routes import Floats
-from mbcdm_cad.routes.curves import CablePath
+from mbcdm_cad.routes.curves import CablePath, CableWraps, over_travel
 from mbcdm_cad.routes.route import input_body
 
 if TYPE_CHECKING:
@@ -241,6 +241,11 @@ class SectorLayout(Layout):
         """Causes of the structure's turn on the bodies that cables pass, for the tensions of 1 N m on the drum."""
         return ()
 
+    def cable_paths(self, drum_angle_rad: float) -> tuple[CablePath, ...]:
+        """Centre lines of all cables at a drum angle, from the stop in the pulley to the bottom of the swage's bore."""
+        path, ends = self.module("cable_path").cable_path, [(c, self.terminal_of(c)) for c in self.drive.cables]
+        return tuple(path(self.drive, c, t.anchor_rad, t.cable_end, drum_angle_rad) for c, t in ends)
+
     def bearing_friction(self, d: DriveSI) -> Iterable[BearingPair]:
         """See the base class."""
         self.require_geometry()
@@ -282,6 +287,24 @@ class HeadLayout(SectorLayout):
     def motor_shelf_mm(self) -> float:
         """See the base class."""
         return self.drive.support.motor_shelf_mm
+
+
+def wraps_over_travel(layout: SectorLayout) -> tuple[tuple[float, ...], tuple[CableWraps, ...]]:
+    """``STATIONS`` drum angles (deg) evenly over the travel, and each cable or side at them; sides share a path."""
+    drive = layout.drive
+    angles, posed = over_travel(layout.cable_paths, drive.half_travel_deg)
+    centred = layout.cable_paths(0.0)
+    share = len(centred) / len(drive.cables)
+    return angles, tuple(
+        CableWraps(
+            name=run.name,
+            length_mm=centred[k].length_mm * share,
+            input_wrap_deg=tuple(degrees(layout.input_wrap_rad(run, radians(a))) for a in angles),
+            drum_wrap_deg=tuple(degrees(layout.anchor_rad(run)) + run.drum_side * a for a in angles),
+            length_um=tuple((paths[k].length_mm - centred[k].length_mm) * 1e3 for paths in posed),
+        )
+        for k, run in ((j * len(centred) // len(drive.cables), run) for j, run in enumerate(drive.cables))
+    )
 
 
 def key(layout: SectorLayout, screw: str) -> str:

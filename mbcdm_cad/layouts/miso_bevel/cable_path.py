@@ -15,6 +15,7 @@ from math import acos, atan2, cos, degrees, exp, hypot, log, pi, radians, sin, s
 
 import numpy as np
 
+from mbcdm_cad.layouts.bevel_transfer import ON_DRUM, on_drum
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.input_pulley.dims import STOP_PIECES, StopGeometry, stop_geometry, stop_pieces
@@ -87,7 +88,6 @@ def stop_of(drive: BevelDrive, cable: BevelRun) -> StopGeometry:
 # The stretches of a cable by what carries them: wound on the input pulley, free and on the guide, on the drum.
 WOUND = (*STOP_PIECES, "helix")
 FREE = ("span_in", "span", "span_out", "guide")
-ON_DRUM = ("drum", "tail")
 
 
 def axial_walk_mm(drive: BevelDrive, cable: BevelRun, drum_angle_rad: float) -> float:
@@ -147,12 +147,7 @@ def cable_path(
     a_transfer = a_land + w.guide_sense * w.guide_wrap_rad
     pieces.append(("guide", Arc((0.0, 0.0, z_step), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), r_g, a_land, a_transfer)))
 
-    side = cable.drum_side
-    drum_end = anchor_rad + side * drum_angle_rad
-    pieces.append(("drum", Arc((0.0, r_g, 0.0), (0.0, 0.0, 1.0), (float(side), 0.0, 0.0), r_o, 0.0, drum_end)))
-    leave = np.array([side * r_o * sin(drum_end), r_g, r_o * cos(drum_end)])
-    along = np.array([side * cos(drum_end), 0.0, -sin(drum_end)])
-    pieces.append(("tail", Line(triple(leave), triple(leave + tail_mm * along))))
+    pieces.extend(on_drum(cable, anchor_rad + cable.drum_side * drum_angle_rad, tail_mm))
     stretches = (Stretch(f"input_{cable.input_name}", WOUND), Stretch(None, FREE), Stretch("drum", ON_DRUM))
     return CablePath(cable, drum_angle_rad, tuple(pieces), stretches)
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from mbcdm_cad.checks.design_variables import ALL_RADII, DRUM, SHARED, DesignVariable, by_path, field, lengths, radii
 from mbcdm_cad.layouts.base import Conventions, NoFigureError, dimensions
-from mbcdm_cad.layouts.miso_bevel.cable_path import cable_path, input_wrap_rad
+from mbcdm_cad.layouts.miso_bevel.cable_path import input_wrap_rad
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun, Support
 from mbcdm_cad.layouts.miso_bevel.pulleys import axle, drum, guide, input_pulley
 from mbcdm_cad.layouts.miso_bevel.stack import Stack, stack
@@ -23,7 +23,6 @@ from mbcdm_cad.parts.fits import MountScrew
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 from mbcdm_cad.parts.turned import AxleDims, IdlerDims
 from mbcdm_cad.routes import Floats
-from mbcdm_cad.routes.curves import CablePath
 
 if TYPE_CHECKING:
     from mbcdm_cad.model.si import DriveSI
@@ -185,11 +184,6 @@ class BevelLayout(SectorLayout):
     def top_plate(self) -> TopPlateDims:
         """The plate that carries the upper bearings."""
         return top_plate(self.drive, self.levels)
-
-    def cable_paths(self, drum_angle_rad: float) -> tuple[CablePath, ...]:
-        """Centre lines of all cables at a drum angle, from the stop in the pulley to the bottom of the swage's bore."""
-        ends = [(c, self.terminal_of(c)) for c in self.drive.cables]
-        return tuple(cable_path(self.drive, c, t.anchor_rad, t.cable_end, drum_angle_rad) for c, t in ends)
 
     def bends_mm(self) -> Sequence[tuple[str, str, float]]:
         """Input pulley, guide and drum of each cable."""

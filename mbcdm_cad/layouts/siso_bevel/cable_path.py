@@ -12,6 +12,7 @@ from math import acos, atan2, cos, degrees, hypot, pi, radians, sin
 
 import numpy as np
 
+from mbcdm_cad.layouts.bevel_transfer import ON_DRUM, on_drum
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive, DirectRun
 from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.input_pulley.dims import SLOT_PLAY_MM, WEDGE_MM
@@ -82,7 +83,6 @@ def full_input_turn_deg(drive: DirectDrive, cable: DirectRun) -> float:
 
 # The stretches of a cable by the body that carries them.
 WOUND = ("chord", "bend", "wound")
-ON_DRUM = ("drum", "tail")
 
 
 def cable_path(
@@ -102,15 +102,11 @@ def cable_path(
     centre = (r_m - rho) * radial + np.array([0.0, 0.0, r_o])
     bend_end = centre + rho * onward
     chord_end = bend_end - radial * ((r_m - rho) - stop.stop_end_mm)
-    drum_end = anchor_rad + side * drum_angle_rad
-    leave = np.array([side * r_o * sin(drum_end), r_m, r_o * cos(drum_end)])
-    along = np.array([side * cos(drum_end), 0.0, -sin(drum_end)])
     pieces: tuple[tuple[str, Piece], ...] = (
         ("chord", Line(triple(chord_end), triple(bend_end))),
         ("bend", Arc(triple(centre), triple(radial), triple(onward), rho, pi / 2, 0.0)),
         ("wound", Arc((0.0, 0.0, r_o), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), r_m, end, TRANSFER_RAD)),
-        ("drum", Arc((0.0, r_m, 0.0), (0.0, 0.0, 1.0), (float(side), 0.0, 0.0), r_o, 0.0, drum_end)),
-        ("tail", Line(triple(leave), triple(leave + tail_mm * along))),
+        *on_drum(cable, anchor_rad + side * drum_angle_rad, tail_mm),
     )
     stretches = (Stretch(f"input_{cable.input_name}", WOUND), Stretch("drum", ON_DRUM))
     return CablePath(cable, drum_angle_rad, pieces, stretches)

@@ -19,7 +19,7 @@ from mbcdm_cad.checks.design_variables import (
 )
 from mbcdm_cad.layouts.base import Conventions, dimensions
 from mbcdm_cad.layouts.sector import HeadLayout
-from mbcdm_cad.layouts.siso_bevel.cable_path import cable_path, input_wrap_rad, longest_mm
+from mbcdm_cad.layouts.siso_bevel.cable_path import input_wrap_rad, longest_mm
 from mbcdm_cad.layouts.siso_bevel.drive import ColumnSupport, DirectDrive, DirectRun
 from mbcdm_cad.layouts.siso_bevel.pulley import input_pulley
 from mbcdm_cad.layouts.siso_bevel.stack import DirectStack, direct_stack
@@ -32,7 +32,6 @@ from mbcdm_cad.parts.fits import MountScrew
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 from mbcdm_cad.parts.motor_head.dims import HeadDims, head
 from mbcdm_cad.parts.terminal import terminal_travel_mm
-from mbcdm_cad.routes.curves import CablePath
 
 
 def _reserve(drive: DirectDrive, value: float) -> DirectDrive:
@@ -112,11 +111,6 @@ class DirectLayout(HeadLayout):
     def head(self) -> HeadDims:
         """Motor head."""
         return head(self.drive, self.levels, flange(self.levels))
-
-    def cable_paths(self, drum_angle_rad: float) -> tuple[CablePath, ...]:
-        """Centre lines of all cables at a drum angle, from the stop in the pulley to the bottom of the swage's bore."""
-        ends = [(c, self.terminal_of(c)) for c in self.drive.cables]
-        return tuple(cable_path(self.drive, c, t.anchor_rad, t.cable_end, drum_angle_rad) for c, t in ends)
 
     def bends_mm(self) -> Sequence[tuple[str, str, float]]:
         """Input pulley and drum of each cable."""

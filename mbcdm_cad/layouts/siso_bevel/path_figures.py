@@ -9,29 +9,17 @@ from collections.abc import Iterator
 from math import degrees, radians
 
 from mbcdm_cad.layouts.bevel_transfer import TravelFigures, ends_at_drum, tensioned
+from mbcdm_cad.layouts.sector import wraps_over_travel
 from mbcdm_cad.layouts.siso_bevel.cable_path import full_input_turn_deg, input_wrap_rad
 from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
 from mbcdm_cad.model.tensioning import TensioningPlan, tensioning_plan
 from mbcdm_cad.parts.terminal import tensioned_rope
-from mbcdm_cad.routes.curves import CableWraps, EndOfTravel, by_sense, over_travel, wrap_lines
+from mbcdm_cad.routes.curves import EndOfTravel, by_sense, wrap_lines
 
 
 def path_figures(layout: DirectLayout) -> TravelFigures:
     """The figures of one design at ``STATIONS`` drum angles over its travel."""
-    drive = layout.drive
-    angles, posed = over_travel(layout.cable_paths, drive.half_travel_deg)
-    centred = layout.cable_paths(0.0)
-    cables = tuple(
-        CableWraps(
-            name=run.name,
-            length_mm=centred[k].length_mm,
-            input_wrap_deg=tuple(degrees(input_wrap_rad(drive, run, radians(a))) for a in angles),
-            drum_wrap_deg=tuple(degrees(layout.anchor_rad(run)) + run.drum_side * a for a in angles),
-            length_um=tuple((paths[k].length_mm - centred[k].length_mm) * 1e3 for paths in posed),
-        )
-        for k, run in enumerate(drive.cables)
-    )
-    return TravelFigures(angles, cables, *by_sense(_ends(layout)))
+    return TravelFigures(*wraps_over_travel(layout), *by_sense(_ends(layout)))
 
 
 def _ends(layout: DirectLayout) -> Iterator[EndOfTravel]:

@@ -9,11 +9,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from math import atan2, degrees, pi, radians, tau
 
-from mbcdm_cad.layouts.siso_spur.cable_path import input_wrap_rad, side_length_mm, walked_mm
+from mbcdm_cad.layouts.sector import wraps_over_travel
+from mbcdm_cad.layouts.siso_spur.cable_path import side_length_mm, walked_mm
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.model.tensioning import TensionedCable, TensioningPlan, tensioning_plan
 from mbcdm_cad.parts.terminal import highest_preload_N, tensioned_rope
-from mbcdm_cad.routes.curves import CableWraps, EndOfTravel, by_sense, over_travel, wrap_lines
+from mbcdm_cad.routes.curves import CableWraps, EndOfTravel, by_sense, wrap_lines
 
 
 @dataclass(frozen=True)
@@ -40,23 +41,7 @@ class SpurFigures:
 def path_figures(layout: SpurLayout) -> SpurFigures:
     """The figures of one design at ``STATIONS`` drum angles over its travel."""
     drive = layout.drive
-    angles, posed = over_travel(layout.cable_paths, drive.half_travel_deg)
-    centred = layout.cable_paths(0.0)
-    # Both sides of a continuous cable share one path.
-    at = [k * len(centred) // len(drive.cables) for k in range(len(drive.cables))]
-    share = len(centred) / len(drive.cables)
-    cables = tuple(
-        CableWraps(
-            name=run.name,
-            length_mm=centred[k].length_mm * share,
-            input_wrap_deg=tuple(degrees(input_wrap_rad(drive, run, radians(a))) for a in angles),
-            drum_wrap_deg=tuple(
-                degrees(layout.anchors[run.name][0] - drive.landing_rad) + run.drum_side * a for a in angles
-            ),
-            length_um=tuple((paths[k].length_mm - centred[k].length_mm) * 1e3 for paths in posed),
-        )
-        for k, run in zip(at, drive.cables, strict=True)
-    )
+    angles, cables = wraps_over_travel(layout)
     return SpurFigures(
         angles,
         cables,
