@@ -241,6 +241,13 @@ class SectorLayout(Layout):
         """Causes of the structure's turn on the bodies that cables pass, for the tensions of 1 N m on the drum."""
         return ()
 
+    def bends_mm(self) -> Sequence[tuple[str, str, float]]:
+        """See the base class: each body of a cable's route."""
+        found = self.routes_in(1.0).routes
+        routes = {route.cable: route for route in found.cables}
+        inputs = {body.name: "input pulley" for body in found.inputs}
+        return [(c.name, inputs.get(w.body, w.body), w.radius_m) for c in self.steps for w in routes[c.name].wraps]
+
     def cable_paths(self, drum_angle_rad: float) -> tuple[CablePath, ...]:
         """Centre lines of all cables at a drum angle, from the stop in the pulley to the bottom of the swage's bore."""
         path, ends = self.module("cable_path").cable_path, [(c, self.terminal_of(c)) for c in self.drive.cables]

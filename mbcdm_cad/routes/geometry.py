@@ -88,6 +88,31 @@ class Geometry(Protocol):
         """Bodies and cables of one design."""
 
 
+class AnchoredGeometry:
+    """What geometries share whose cables end on a drum's sides, are anchored on their inputs, and pass no body."""
+
+    # Side to which each cable runs on the drum.
+    drum_side: tuple[int, ...]
+
+    @property
+    def sense(self) -> tuple[int, ...]:
+        """A cable that runs towards +x turns the drum negative about +Y."""
+        return tuple(-side for side in self.drum_side)
+
+    @property
+    def passed_radii(self) -> dict[str, str]:
+        """None."""
+        return {}
+
+    def passed_wrap_rad(self, parameters: Mapping[str, Floats]) -> tuple[Floats, ...]:
+        """None."""
+        return ()
+
+    def through_wrap_rad(self, parameters: Mapping[str, Floats]) -> Floats | None:
+        """None."""
+        return None
+
+
 def tangent_length_m(distance_m: Floats, radius_sum_m: Floats) -> Floats:
     """Length of the tangent common to two circles, NaN where there is none; Eq. (11).
 

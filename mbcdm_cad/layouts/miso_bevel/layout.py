@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -184,18 +184,6 @@ class BevelLayout(SectorLayout):
     def top_plate(self) -> TopPlateDims:
         """The plate that carries the upper bearings."""
         return top_plate(self.drive, self.levels)
-
-    def bends_mm(self) -> Sequence[tuple[str, str, float]]:
-        """Input pulley, guide and drum of each cable."""
-        return [
-            (c.name, body, radius)
-            for c in self.steps
-            for body, radius in (
-                ("input pulley", c.input_radius_mm),
-                ("guide", c.guide_radius_mm),
-                ("drum", c.drum_radius_mm),
-            )
-        ]
 
     @property
     def before_drum(self) -> str:

@@ -16,7 +16,7 @@ import numpy as np
 
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive
 from mbcdm_cad.routes import Floats
-from mbcdm_cad.routes.geometry import DRUM_RADIUS, INPUT_RADIUS, RoutedDrive, Varied, tangent_length_m
+from mbcdm_cad.routes.geometry import DRUM_RADIUS, INPUT_RADIUS, AnchoredGeometry, RoutedDrive, Varied, tangent_length_m
 from mbcdm_cad.routes.route import Anchor, Body, CableRoute, DriveRoutes, Span, Terminal, Wrap, input_body
 
 GUIDE_RADIUS, DISTANCE = "guide_radius_m", "centre_distance_m"
@@ -26,7 +26,7 @@ _X, _Y, _Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 
 
 @dataclass(frozen=True)
-class BevelGeometry:
+class BevelGeometry(AnchoredGeometry):
     """Spans and guide wraps from radii and centre distance.
 
     ``input_side`` (n_inputs,) is -1 for an input at x = -L, +1 at +L; ``drum_side`` (n_cables,) the side to which a
@@ -47,11 +47,6 @@ class BevelGeometry:
     varied: tuple[Varied, ...] = (
         Varied(DISTANCE, "centre distance", (26e-3, 30e-3, 34.6e-3, 45e-3, 60e-3), (33e-3, 40e-3)),
     )
-
-    @property
-    def sense(self) -> tuple[int, ...]:
-        """A cable that runs towards +x turns the drum negative about +Y."""
-        return tuple(-side for side in self.drum_side)
 
     @cached_property
     def _long_way(self) -> Floats:
@@ -80,9 +75,6 @@ class BevelGeometry:
             long_way = self._long_way.reshape(-1, *(1,) * (reach.ndim - 1))
             turn = np.where(long_way > 0.0, -1.0, 1.0) * self._turn_rad(parameters[DISTANCE])
             return (np.asarray(np.arcsin(reach) + long_way + turn),)
-
-    def through_wrap_rad(self, parameters: Mapping[str, Floats]) -> None:
-        """None, since every cable is anchored on its input."""
 
     def fault(self, parameters: Mapping[str, Floats]) -> str:
         """Message for pulleys that overlap."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
 
@@ -111,14 +110,6 @@ class DirectLayout(HeadLayout):
     def head(self) -> HeadDims:
         """Motor head."""
         return head(self.drive, self.levels, flange(self.levels))
-
-    def bends_mm(self) -> Sequence[tuple[str, str, float]]:
-        """Input pulley and drum of each cable."""
-        return [
-            (c.name, body, radius)
-            for c in self.steps
-            for body, radius in (("input pulley", c.input_radius_mm), ("drum", c.drum_radius_mm))
-        ]
 
     @property
     def before_drum(self) -> str:

@@ -18,7 +18,7 @@ import numpy as np
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
 from mbcdm_cad.parts.terminal import tensioned_rope
 from mbcdm_cad.routes import Floats
-from mbcdm_cad.routes.geometry import DRUM_RADIUS, INPUT_RADIUS, RoutedDrive, Varied
+from mbcdm_cad.routes.geometry import DRUM_RADIUS, INPUT_RADIUS, AnchoredGeometry, RoutedDrive, Varied
 from mbcdm_cad.routes.route import Anchor, Body, CableRoute, DriveRoutes, Span, Terminal, Wrap, input_body
 
 STRETCH = "transfer_stretch_m"
@@ -28,7 +28,7 @@ _X, _Y, _DOWN = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, -1.0)
 
 
 @dataclass(frozen=True)
-class DirectGeometry:
+class DirectGeometry(AnchoredGeometry):
     """Cables that pass from the input directly to the drum; ``drum_side`` (n_cables,): side to which each runs."""
 
     cable_names: tuple[str, ...]
@@ -44,28 +44,11 @@ class DirectGeometry:
         """Index of the input of each cable; all run from the only input."""
         return (0,) * len(self.cable_names)
 
-    @property
-    def sense(self) -> tuple[int, ...]:
-        """A cable that runs towards +x turns the drum negative about +Y."""
-        return tuple(-side for side in self.drum_side)
-
-    @property
-    def passed_radii(self) -> dict[str, str]:
-        """Empty, since no cable passes a body."""
-        return {}
-
     def free_span_m(self, parameters: Mapping[str, Floats]) -> Floats:
         """The stretch across the transfer, the same for all cables; NaN unless it is over 0."""
         stretch = np.asarray(parameters[STRETCH])
         alone = np.where(stretch > 0.0, stretch, np.nan)
         return np.asarray(np.zeros_like(parameters[DRUM_RADIUS]) + alone)
-
-    def passed_wrap_rad(self, parameters: Mapping[str, Floats]) -> tuple[Floats, ...]:
-        """No wraps, since no body is passed."""
-        return ()
-
-    def through_wrap_rad(self, parameters: Mapping[str, Floats]) -> None:
-        """None, since every cable is anchored on its input."""
 
     def fault(self, parameters: Mapping[str, Floats]) -> str:
         """Message for a stretch across the transfer without length."""

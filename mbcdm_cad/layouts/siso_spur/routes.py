@@ -19,7 +19,7 @@ import numpy as np
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
 from mbcdm_cad.layouts.siso_spur.idlers import SENSE, Circle, Strand, idler_body, no_strand, taut
 from mbcdm_cad.routes import Floats
-from mbcdm_cad.routes.geometry import DRUM_RADIUS, INPUT_RADIUS, RoutedDrive, Varied
+from mbcdm_cad.routes.geometry import DRUM_RADIUS, INPUT_RADIUS, AnchoredGeometry, RoutedDrive, Varied
 from mbcdm_cad.routes.route import Anchor, Body, CableRoute, DriveRoutes, Piece, Span, Terminal, Wrap, input_body
 
 DISTANCE = "centre_distance_m"
@@ -30,7 +30,7 @@ _Y, _Z, _BACK = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0)
 
 
 @dataclass(frozen=True)
-class SpurGeometry:
+class SpurGeometry(AnchoredGeometry):
     """Spans from radii and centre distance. ``drum_side`` and ``outward`` (n_cables,) are those of the runs.
 
     ``angle_rad`` (n_inputs,): position of each input about Y, from +Z towards +X. ``level_m``: position along Y of each
@@ -55,11 +55,6 @@ class SpurGeometry:
     varied: tuple[Varied, ...] = (
         Varied(DISTANCE, "centre distance", (67e-3, 70e-3, 75e-3, 85e-3, 100e-3), (68e-3, 80e-3)),
     )
-
-    @property
-    def sense(self) -> tuple[int, ...]:
-        """The side that runs towards +x turns the drum negative about +Y."""
-        return tuple(-side for side in self.drum_side)
 
     @property
     def per_cable(self) -> tuple[str, ...]:
