@@ -28,8 +28,7 @@ def bill(lay: RoundDrumLayout, drum_angle_deg: float = 0.0) -> Bill:
     add_drum_encoder(b, drive, frame.boss.encoder_pocket_floor_y, frame.boss.screw_circle)
     for unit, turn in zip(lay.units, turns, strict=True):
         add_own_input(b, unit, turn, f"_{unit.drive.input_names[0]}")
-        if drive.idlers:
-            add_idlers(b, unit, turn, f"_{unit.drive.input_names[0]}")
+        add_idlers(b, unit, turn, f"_{unit.drive.input_names[0]}")
     add_sectors(b, lay, turns)
     for pulley, turn in zip(lay.inputs, turns, strict=True):
         add_input_pulley(b, drive, pulley, lay.collar, drive.frame_material, turn @ ALONG_Y)

@@ -69,14 +69,13 @@ def add_own_input(b: BillBuilder, lay: SpurLayout, turn: Placement, mark: str = 
 
 
 def add_idlers(b: BillBuilder, lay: SpurLayout, turn: Placement, mark: str = "") -> None:
-    """Idlers with their bearings, which turn with them, axles and spacers, and the straps with their screws.
+    """Idlers, if any, with their bearings, which turn with them, axles and spacers, and the straps with their screws.
 
     ``turn`` and ``mark`` as for the input's fixed items.
     """
-    drive, spec, steel = lay.drive, lay.drive.idler_bearing, lay.drive.material("steel")
-    screw, ring = strap_screw(drive), drive.material("bearing-steel")
+    drive, ring = lay.drive, lay.drive.material("bearing-steel")
     for pin in lay.pins:
-        at = drive.idler_places[pin.number]
+        at, spec = drive.idler_places[pin.number], drive.idler_bearing
         where = turn @ _at(pin.side * at.x_mm, 0.0, at.z_mm)
         tags = [body.removeprefix("idler_") for body in pin.bodies]
         pulley, between, metal = IdlerPulley(pin.idlers[0], "Idler"), lay.axle_of(pin, 0), drive.shaft_material
@@ -100,7 +99,7 @@ def add_idlers(b: BillBuilder, lay: SpurLayout, turn: Placement, mark: str = "")
         b.add(f"idler_strap{mark}_{n}", Strap(stand), material=drive.frame_material, place=turn)
         for k, side in enumerate((-1, 1), 1):
             place = turn @ _at(side * stand.screw_x, stand.strap_front_y, stand.screw_z) @ ALONG_Y
-            b.screw(f"idler_strap_screw{mark}_{n}_{k}", screw, steel, place)
+            b.screw(f"idler_strap_screw{mark}_{n}_{k}", strap_screw(drive), drive.material("steel"), place)
 
 
 def add_sectors(b: BillBuilder, lay: SpurLayout, turns: list[Placement]) -> None:
@@ -143,8 +142,7 @@ def bill(lay: SpurLayout, drum_angle_deg: float = 0.0) -> Bill:
     add_stop_pin(b, lay, lay.levels.plate_back_y)
     add_drum_bearings(b, lay)
     add_own_input(b, lay, Placement.identity())
-    if drive.idlers:
-        add_idlers(b, lay, Placement.identity())
+    add_idlers(b, lay, Placement.identity())
     add_drum_encoder(b, drive, f.boss.encoder_pocket_floor_y, f.boss.screw_circle)
     if drive.parallel == 1:
         add_drum(b, drive, lay.drum, lay.drum_shaft)

@@ -367,13 +367,11 @@ class SpurLayout(HeadLayout):
         from mbcdm_cad.model.structure.causes import Section
 
         material = elastic(self.drive.shaft_material)
-        spec = self.drive.idler_bearing if self.drive.idlers else None
         for unit, pin in ((one, each) for one in self.input_units for each in one.pins):
-            assert spec is not None
             supports = unit.axle_supports_mm(pin.number)
             section = Section(*supports, unit.frame.stands[pin.number].axle_radius)
             on_it = {body: own.bearings_mm for body, own in zip(pin.bodies, pin.idlers, strict=True)}
-            yield from axle_causes(self, on_it, unit_tension_N, supports, spec, section, material)
+            yield from axle_causes(self, on_it, unit_tension_N, supports, self.drive.idler_bearing, section, material)
 
     def tensioned_lengths_mm(self) -> Sequence[float]:
         """Length that each terminal tensions: half of the one cable, or its own cable."""
