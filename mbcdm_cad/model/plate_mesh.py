@@ -19,16 +19,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from mbcdm_cad.design.bought import Material
-from mbcdm_cad.model.structure.quadrilateral import (
-    AT_GAUSS,
-    CORNERS,
-    GAUSS,
-    Ints,
-    elements,
-    jacobian,
-    linear_algebra,
-    plate_elements,
-)
+from mbcdm_cad.model.structure import quadrilateral
 from mbcdm_cad.routes import Floats
 
 # Couples the rotation about a plate's normal to its in-plane rotation: a share of G that keeps the matrix regular.
@@ -42,10 +33,10 @@ class Plates:
     thickness and the panel each belongs to. All panels share the planes of one grid."""
 
     node_mm: Floats
-    corner: Ints
-    normal: Ints
+    corner: quadrilateral.Ints
+    normal: quadrilateral.Ints
     thickness_mm: Floats
-    panel: Ints
+    panel: quadrilateral.Ints
 
 
 def stiffness(sides_mm: Floats, thickness_mm: Floats, modulus_MPa: float, poisson: float) -> Floats:
@@ -55,23 +46,27 @@ def stiffness(sides_mm: Floats, thickness_mm: Floats, modulus_MPa: float, poisso
     """
     count = len(sides_mm)
     corner = np.arange(4 * count).reshape(count, 4)
-    node = (sides_mm[:, None] * (CORNERS + 1.0) / 2.0).reshape(-1, 2)
+    node = (sides_mm[:, None] * (quadrilateral.CORNERS + 1.0) / 2.0).reshape(-1, 2)
     body = node, corner, thickness_mm, modulus_MPa, poisson
     freedom = np.arange(24).reshape(4, 6)
     in_plane = freedom[:, :2].ravel()
     # Fibres lean with the corner: u moves by + turn v, v by - turn u, for each mm along the normal.
     leaning, sign = freedom[:, [2, 4, 3]].ravel(), np.tile([1.0, 1.0, -1.0], 4)
     whole = np.zeros((count, 24, 24))
-    whole[:, in_plane[:, None], in_plane] = elements(*body).stiffness
-    whole[:, leaning[:, None], leaning] = plate_elements(*body).stiffness * np.outer(sign, sign)
-    at = jacobian(node[corner], GAUSS)
+    whole[:, in_plane[:, None], in_plane] = quadrilateral.elements(*body).stiffness
+    whole[:, leaning[:, None], leaning] = quadrilateral.plate_elements(*body).stiffness * np.outer(sign, sign)
+    at = quadrilateral.jacobian(node[corner], quadrilateral.GAUSS)
     turn = np.zeros((count, 4, 24))
-    turn[:, :, 1::6], turn[:, :, 0::6], turn[:, :, 5::6] = at.gradient_x / 2.0, -at.gradient_y / 2.0, -AT_GAUSS
+    turn[:, :, 1::6], turn[:, :, 0::6], turn[:, :, 5::6] = (
+        at.gradient_x / 2.0,
+        -at.gradient_y / 2.0,
+        -quadrilateral.AT_GAUSS,
+    )
     drilling = modulus_MPa / (2.0 * (1.0 + poisson)) * _DRILLING * thickness_mm[:, None] * at.det
     return np.asarray(whole + turn.transpose(0, 2, 1) @ (turn * drilling[:, :, None]))
 
 
-def freedoms(plates: Plates) -> Ints:
+def freedoms(plates: Plates) -> quadrilateral.Ints:
     """Global freedoms (n, 24) of each element: 6 node + (x, y, z, turn x, y, z)."""
     # (u, v, n) is a cyclic turn of (x, y, z).
     axes = (plates.normal[:, None] + np.array([1, 2, 0])) % 3
@@ -99,7 +94,7 @@ def solve(plates: Plates, element: Floats, held: NDArray[np.bool_], ground: Floa
     options = {"diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
     displacement = np.zeros(len(load))
     try:
-        with linear_algebra().limit(limits=1, user_api="blas"):
+        with quadrilateral.linear_algebra().limit(limits=1, user_api="blas"):
             factors = sparse.linalg.splu(whole, "MMD_AT_PLUS_A", **options)
     except RuntimeError:
         raise np.linalg.LinAlgError("a pivot is zero") from None
@@ -174,10 +169,10 @@ class PlateMesh:
     plates: Plates
     names: tuple[str, ...]
     weight: Floats
-    mounted: tuple[Ints, ...]  # nodes under the head of each mounting screw of this half
+    mounted: tuple[quadrilateral.Ints, ...]  # nodes under the head of each mounting screw of this half
     middle: NDArray[np.bool_]  # (m,) nodes in the mirror plane
 
-    def near(self, panel: str, point: Iterable[float], reach: tuple[float, float, float]) -> Ints:
+    def near(self, panel: str, point: Iterable[float], reach: tuple[float, float, float]) -> quadrilateral.Ints:
         """Nodes of a panel within ``reach`` of ``point`` on each axis."""
         own = np.unique(self.plates.corner[self.plates.panel == self.names.index(panel)])
         off = np.abs(self.plates.node_mm[own] - np.array(tuple(point)))
@@ -348,7 +343,7 @@ def statically(points: Floats, at: Floats, force: Floats, moment: Floats) -> Flo
 
 def centred_load(
     mesh: PlateMesh,
-    nodes: Ints,
+    nodes: quadrilateral.Ints,
     point: Floats,
     force_x: float,
     couple_z: float = 0.0,
