@@ -11,7 +11,7 @@ from math import cos, pi, sin
 from typing import TYPE_CHECKING
 
 from mbcdm_cad.design.bought import Bearing, Encoder, Gearhead, InsertSpec, Motor, Screw, Servo
-from mbcdm_cad.parts.milled import block, cut, cylinder_z, fuse, hexagon_z, one_solid, turned
+from mbcdm_cad.parts.milled import PlainRing, block, cut, cylinder_z, fuse, hexagon_z, one_solid, turned
 from mbcdm_cad.parts.part import BoughtPart, Part, Ring
 from mbcdm_cad.parts.turned import PreloadSpringDims
 from mbcdm_cad.routes.curves import Piece
@@ -124,25 +124,16 @@ class InsertBody(BoughtPart):
 
 
 @dataclass(frozen=True)
-class MotorBody(BoughtPart):
+class MotorBody(PlainRing, BoughtPart):
     """Motor below the gearhead's back at z = 0."""
+
+    what, chamfers_mm = "motor", (_EDGE, 0.0)
 
     entry: Motor
 
-    def solid(self) -> cq.Solid:
-        """Motor can, from the gearhead's back (z = 0) downwards to z = -length."""
-        motor = self.entry
-        r = motor.diameter_mm / 2
-        return turned(
-            [
-                (0.0, -motor.length_mm),
-                (r - _EDGE, -motor.length_mm),
-                (r, _EDGE - motor.length_mm),
-                (r, 0.0),
-                (0.0, 0.0),
-            ],
-            "motor",
-        )
+    def ring(self) -> Ring:
+        """Its can, from the gearhead's back (z = 0) downwards."""
+        return (self.entry.diameter_mm / 2, 0.0, -self.entry.length_mm, 0.0)
 
 
 @dataclass(frozen=True)
@@ -224,42 +215,46 @@ class GearheadBody(BoughtPart):
 
 
 @dataclass(frozen=True)
-class EncoderBody(BoughtPart):
+class EncoderBody(PlainRing, BoughtPart):
     """Encoder on a shaft's end, base at z = 0; depths of bore and tapped holes in mm."""
+
+    what, chamfers_mm = "encoder", (0.0, _EDGE)
 
     entry: Encoder
     screw: Screw
     bore_depth: float
     hole_depth: float
 
-    def solid(self) -> cq.Solid:
-        """Encoder on a shaft's end: base at z = 0, blind bore, tapped holes in the base."""
-        encoder, screw, bore_depth, hole_depth = self.entry, self.screw, self.bore_depth, self.hole_depth
-        r = encoder.diameter_mm / 2
-        top = encoder.length_mm
-        body = turned([(0.0, 0.0), (r, 0.0), (r, top - _EDGE), (r - _EDGE, top), (0.0, top)], "encoder")
-        tools: list[cq.Shape] = [cylinder_z(encoder.bore_mm / 2, 0, 0, -1.0, bore_depth)]
-        tools += [
-            cylinder_z(screw.thread_mm / 2, x, y, -1.0, hole_depth)
-            for x, y in _circle(encoder.screw_count, encoder.bolt_circle_mm / 2)
-        ]
-        return cut(body, tools, "encoder")
+    def ring(self) -> Ring:
+        """Its housing."""
+        return (self.entry.diameter_mm / 2, 0.0, 0.0, self.entry.length_mm)
+
+    def cuts(self) -> list[cq.Shape]:
+        """Blind bore, tapped holes in the base."""
+        encoder, thread = self.entry, self.screw.thread_mm / 2
+        places = _circle(encoder.screw_count, encoder.bolt_circle_mm / 2)
+        bore = cylinder_z(encoder.bore_mm / 2, 0, 0, -1.0, self.bore_depth)
+        return [bore, *(cylinder_z(thread, x, y, -1.0, self.hole_depth) for x, y in places)]
 
 
 @dataclass(frozen=True)
-class RingEncoderBody(BoughtPart):
+class RingEncoderBody(PlainRing, BoughtPart):
     """Ring encoder, seat at z = 0; its screw heads lie ``grip`` mm above the seat."""
+
+    what, chamfers_mm = "ring encoder", (0.0, _EDGE)
 
     entry: Encoder
     screw: Screw
     grip: float
 
-    def solid(self) -> cq.Solid:
-        """Ring encoder screwed on from behind: seat at z = 0, hollow, screw heads sunk ``grip`` above the seat."""
+    def ring(self) -> Ring:
+        """Its housing, hollow."""
+        return (self.entry.diameter_mm / 2, self.entry.bore_mm / 2, 0.0, self.entry.length_mm)
+
+    def cuts(self) -> list[cq.Shape]:
+        """Flats, and holes of the screws from behind, their heads sunk ``grip`` above the seat."""
         encoder, screw, grip = self.entry, self.screw, self.grip
         r, top = encoder.diameter_mm / 2, encoder.length_mm
-        bore = encoder.bore_mm / 2
-        body = turned([(bore, 0.0), (r, 0.0), (r, top - _EDGE), (r - _EDGE, top), (bore, top)], "ring encoder")
         flat = RING_ENCODER_FLATS * r
         tools: list[cq.Shape] = [
             block((-r - 1.0, r + 1.0), side, (-1.0, top + 1.0)) for side in ((flat, r + 1.0), (-r - 1.0, -flat))
@@ -267,7 +262,7 @@ class RingEncoderBody(BoughtPart):
         for x, y in _circle(encoder.screw_count, encoder.bolt_circle_mm / 2):
             tools.append(cylinder_z(screw.clearance_mm / 2, x, y, -1.0, top + 1.0))
             tools.append(cylinder_z(screw.head_diameter_mm / 2 + 0.1, x, y, grip, top + 1.0))
-        return cut(body, tools, "ring encoder")
+        return tools
 
 
 @dataclass(frozen=True)
@@ -297,16 +292,16 @@ class ScrewBody(BoughtPart):
 
 
 @dataclass(frozen=True)
-class WaveSpring(BoughtPart):
+class WaveSpring(PlainRing, BoughtPart):
     """The compressed spring as a plain ring from z = 0."""
+
+    what = "wave spring"
 
     entry: PreloadSpringDims
 
-    def solid(self) -> cq.Solid:
-        """The compressed wave spring as a plain ring, axis Z from z = 0."""
-        dims = self.entry
-        inner, outer, height = dims.inner_radius, dims.outer_radius, dims.height
-        return turned([(inner, 0.0), (outer, 0.0), (outer, height), (inner, height)], "wave spring")
+    def ring(self) -> Ring:
+        """As wide as it is."""
+        return (self.entry.outer_radius, self.entry.inner_radius, 0.0, self.entry.height)
 
 
 # Distance of a rope's mesh from the rod that it is drawn as, over the radius. A rope is no smooth rod: between six

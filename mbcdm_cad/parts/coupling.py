@@ -22,8 +22,8 @@ import numpy as np
 from mbcdm_cad.design.bought import Gearhead, Screw
 from mbcdm_cad.design.stage import BELT_SIDE_MM, DENSITY_G_CM3, FLANGE_MM, FLANGE_WIDTH_MM, Stage
 from mbcdm_cad.parts.fits import FITS, thread
-from mbcdm_cad.parts.milled import block, cut, cylinder, turned
-from mbcdm_cad.parts.part import BoughtPart, MadePart, Ring, rings_mm3
+from mbcdm_cad.parts.milled import PlainRing, Step, Turned, block, cylinder
+from mbcdm_cad.parts.part import BoughtPart, MadePart, Ring
 from mbcdm_cad.parts.sheet import CuttingLine, FitLine, Holes, Linear, Sheet, View, X, Y, Z, minus, mm
 from mbcdm_cad.parts.sheet_blocks import hole_labels, hole_table
 
@@ -117,83 +117,62 @@ def collar(drive: Coupled, bore_mm: float, min_wall_mm: float, screw_name: str, 
 
 
 @dataclass(frozen=True)
-class Collar(MadePart):
+class Collar(PlainRing, MadePart):
     """Collar about its own axis, heights as in the assembly; slit towards +X, screw along Y with its head at +Y.
 
     Diameters in mm: of the screw's thread, which the drill for tapping may replace, clearance hole and head.
     """
+
+    what = "collar"
 
     dims: CollarDims
     screw_thread: float
     screw_clearance: float
     head_diameter: float
 
-    def solid(self) -> cq.Solid:
-        """Collar about its own axis, heights as in the assembly; slit towards +X, screw along Y with its head at +Y."""
-        dims = self.dims
-        screw_thread, screw_clearance, head_diameter = self.screw_thread, self.screw_clearance, self.head_diameter
-        ring = turned(
-            [
-                (dims.bore_radius, dims.bottom_z),
-                (dims.radius, dims.bottom_z),
-                (dims.radius, dims.top_z),
-                (dims.bore_radius, dims.top_z),
-            ],
-            "collar",
-        )
-        z = (dims.bottom_z + dims.top_z) / 2
-        x, reach = dims.screw_offset, dims.radius + 1.0
-        slit = block((0.0, reach), (-dims.slit_width / 2, dims.slit_width / 2), (dims.bottom_z - 1, dims.top_z + 1))
-        return cut(
-            ring,
-            [
-                slit,
-                cylinder(screw_clearance / 2, (x, 0.0, z), (0, 1, 0), reach),
-                cylinder(screw_thread / 2, (x, 0.0, z), (0, -1, 0), reach),
-                # An open flat, because a counterbore would leave walls of only a quarter of a millimetre.
-                block(
-                    (x - head_diameter / 2 - HEAD_PLAY_MM, reach),
-                    (dims.head_seat, reach),
-                    (dims.bottom_z - 1, dims.top_z + 1),
-                ),
-            ],
-            "collar",
-        )
+    def ring(self) -> Ring:
+        """Round the journal."""
+        return (self.dims.radius, self.dims.bore_radius, self.dims.bottom_z, self.dims.top_z)
 
-    def in_rings(self) -> tuple[Ring, ...]:
-        """Its ring, whole."""
-        return ((self.dims.radius, self.dims.bore_radius, self.dims.bottom_z, self.dims.top_z),)
+    @property
+    def _flat_x(self) -> float:
+        """Where the flat of the screw's head begins."""
+        return self.dims.screw_offset - self.head_diameter / 2 - HEAD_PLAY_MM
+
+    def cuts(self) -> list[cq.Shape]:
+        """Slit towards +X, screw along Y with its head at +Y."""
+        d, half, reach = self.dims, self.dims.slit_width / 2, self.dims.radius + 1.0
+        middle, high = (d.screw_offset, 0.0, (d.bottom_z + d.top_z) / 2), (d.bottom_z - 1, d.top_z + 1)
+        return [
+            block((0.0, reach), (-half, half), high),
+            cylinder(self.screw_clearance / 2, middle, (0, 1, 0), reach),
+            cylinder(self.screw_thread / 2, middle, (0, -1, 0), reach),
+            # An open flat, because a counterbore would leave walls of only a quarter of a millimetre.
+            block((self._flat_x, reach), (d.head_seat, reach), high),
+        ]
 
     def volume_mm3(self) -> float:
         """Clamp collar: ring less slit, screw and the flat of the screw's head."""
-        d = self.dims
-        screw_thread, screw_clearance, head_diameter = self.screw_thread, self.screw_clearance, self.head_diameter
-        width = d.top_z - d.bottom_z
+        d, edge, width = self.dims, self._flat_x, self.dims.top_z - self.dims.bottom_z
         slit = d.slit_width * (d.radius - d.bore_radius) * width
-        hole = (
-            pi
-            / 4
-            * (screw_clearance**2 * d.head_seat + screw_thread**2 * sqrt(max(d.radius**2 - d.screw_offset**2, 0)))
-        )
-        edge = d.screw_offset - head_diameter / 2 - HEAD_PLAY_MM
-        x = np.linspace(edge, d.radius, 101)
-        flat = float(np.maximum(np.sqrt(np.maximum(d.radius**2 - x**2, 0.0)) - d.head_seat, 0.0).mean()) * (
-            d.radius - edge
-        )
-        return rings_mm3(self.in_rings()) - slit - hole - max(flat, 0.0) * width
+        below = sqrt(max(d.radius**2 - d.screw_offset**2, 0))
+        hole = pi / 4 * (self.screw_clearance**2 * d.head_seat + self.screw_thread**2 * below)
+        over = np.sqrt(np.maximum(d.radius**2 - np.linspace(edge, d.radius, 101) ** 2, 0.0)) - d.head_seat
+        flat = float(np.maximum(over, 0.0).mean()) * (d.radius - edge)
+        return super().volume_mm3() - slit - hole - max(flat, 0.0) * width
 
     def sheet(self, part: str) -> Sheet:
         """View along the axis, section through the bore, and a view onto the screw's seat."""
         d = self.dims
-        screw_thread, screw_clearance, head_diameter = self.screw_thread, self.screw_clearance, self.head_diameter
         low, high, r = d.bottom_z, d.top_z, d.radius
-        z, flat = (low + high) / 2, d.screw_offset - head_diameter / 2 - HEAD_PLAY_MM
+        z, flat, head = (low + high) / 2, self._flat_x, self.head_diameter / 2
         half = d.slit_width / 2
         fit = FITS["collar_bore"].code
         # The screw's two holes end at the slit; they break out of the ring below.
         seat = (d.screw_offset, d.head_seat, z)
-        above = Holes("S", screw_clearance, "to slit", (seat,), "seat", "clamp screw")
-        below = Holes("T", screw_thread, "through", ((d.screw_offset, -half, z),), "slit", "clamp screw", threaded=True)
+        above = Holes("S", self.screw_clearance, "to slit", (seat,), "seat", "clamp screw")
+        places = ((d.screw_offset, -half, z),)
+        below = Holes("T", self.screw_thread, "through", places, "slit", "clamp screw", threaded=True)
         end = View(
             "end",
             right=X,
@@ -222,7 +201,7 @@ class Collar(MadePart):
             axes=(
                 ((0.0, 0.0, low), (0.0, 0.0, high)),
                 ((d.screw_offset, 0.0, low), (d.screw_offset, 0.0, high)),
-                ((d.screw_offset - head_diameter / 2, 0.0, z), (d.screw_offset + head_diameter / 2, 0.0, z)),
+                ((d.screw_offset - head, 0.0, z), (d.screw_offset + head, 0.0, z)),
             ),
         )
         edge = sqrt(r**2 - half**2)
@@ -256,7 +235,8 @@ class Collar(MadePart):
             notes=(
                 "Both holes on one axis, half way up the width.",
                 "The flat is open towards the slit's side and over the whole width.",
-                f"{thread(screw_thread).name} reaches through the lower half; slit sawn last, {mm(d.slit_width)} wide.",
+                f"{thread(self.screw_thread).name} reaches through the lower half; slit sawn last, "
+                f"{mm(d.slit_width)} wide.",
             ),
         )
 
@@ -289,49 +269,36 @@ class WheelSpec:
         """What to buy; the mass is that of the volume."""
         return f"{self.name}; mass: estimate from its volume"
 
-    def in_rings(self) -> tuple[Ring, ...]:
-        """Body and hub less the bore; teeth count by the drawn radius."""
-        top, edge = self.width, FLANGE_WIDTH_MM
-        rims = ((self.flange, self.drawn, 0.0, edge), (self.flange, self.drawn, top - edge, top))
-        hub = (self.hub_radius, self.bore, top, top + self.hub_length)
-        return ((self.drawn, self.bore, 0.0, top), *(rims if self.flange else ()), hub)
-
     @property
     def volume_mm3(self) -> float:
-        """Of its rings."""
-        return rings_mm3(self.in_rings())
+        """Of the wheel; teeth count by the drawn radius."""
+        return Wheel(self).volume_mm3()
 
 
 @dataclass(frozen=True)
-class Wheel(BoughtPart):
+class Wheel(Turned, BoughtPart):
     """A belt pulley or a gear from z = 0, its split hub above; the slit points to +X as the collar's does."""
+
+    what = "wheel"
 
     entry: WheelSpec
 
-    def in_rings(self) -> tuple[Ring, ...]:
-        """Those of its body."""
-        return self.entry.in_rings()
+    def steps(self) -> tuple[Step, ...]:
+        """Flanges, body and hub; teeth are not drawn."""
+        w, top, edge = self.entry, self.entry.width, FLANGE_WIDTH_MM if self.entry.flange else 0.0
+        rims = ((w.flange, 0.0, edge), (w.flange, top - edge, top)) if w.flange else ()
+        hub = ((w.hub_radius, top, top + w.hub_length),) if w.hub_length else ()
+        return (*rims[:1], (w.drawn, edge, top - edge), *rims[1:], *hub)
 
-    def solid(self) -> cq.Solid:
-        """Turned body; teeth are not drawn."""
-        w = self.entry
-        top, end = w.width, w.width + w.hub_length
-        outline = [(w.bore, 0.0)]
-        if w.flange:
-            edge = FLANGE_WIDTH_MM
-            outline += [(w.flange, 0.0), (w.flange, edge), (w.drawn, edge)]
-            outline += [(w.drawn, top - edge), (w.flange, top - edge), (w.flange, top)]
-        else:
-            outline += [(w.drawn, 0.0), (w.drawn, top)]
-        if w.hub_length:
-            outline += [(w.hub_radius, top), (w.hub_radius, end), (w.bore, end)]
-        else:
-            outline += [(w.bore, top)]
-        body = turned(outline, w.name)
-        if not w.hub_length:
-            return body
-        half = HUB_SLIT_MM / 2
-        return cut(body, [block((0.0, w.hub_radius + 1.0), (-half, half), (top + HUB_EDGE_MM, end + 1.0))], w.name)
+    def bores(self) -> tuple[Step, ...]:
+        """The shaft's."""
+        return ((self.entry.bore, 0.0, self.entry.width + self.entry.hub_length),)
+
+    def cuts(self) -> list[cq.Shape]:
+        """The hub's slit."""
+        w, half = self.entry, HUB_SLIT_MM / 2
+        z = (w.width + HUB_EDGE_MM, w.width + w.hub_length + 1.0)
+        return [block((0.0, w.hub_radius + 1.0), (-half, half), z)] if w.hub_length else []
 
 
 @dataclass(frozen=True)

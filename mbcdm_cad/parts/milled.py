@@ -1,4 +1,6 @@
-"""Primitives of solids, and a milled part as lists of features: each says once what solid, volume and sheet need."""
+"""Primitives of solids; a turned part as a list of steps, a milled one as lists of features.
+
+Each says once what solid, volume and sheet need."""
 
 from __future__ import annotations
 
@@ -9,7 +11,17 @@ from math import cos, pi, radians, sin
 from typing import TYPE_CHECKING, ClassVar, Protocol, Self
 
 from mbcdm_cad.parts.fits import thread
-from mbcdm_cad.parts.part import CORNER, MadePart, pocket_corner_mm, pocket_mm3, ring_mm3
+from mbcdm_cad.parts.part import (
+    CORNER,
+    Gyration,
+    MadePart,
+    Part,
+    Ring,
+    pocket_corner_mm,
+    pocket_mm3,
+    ring_mm3,
+    rings_mm3,
+)
 from mbcdm_cad.parts.sheet import Holes, Linear, Radius, Side, Table, Vector, mm
 
 if TYPE_CHECKING:
@@ -32,13 +44,6 @@ def one_solid(shape: cq.Shape, name: str) -> cq.Solid:
 def _distinct(profile: Sequence[Point2]) -> list[Point2]:
     """The profile without repeated points: between two equal steps there is no wall."""
     return [p for before, p in zip([None, *profile], profile, strict=False) if p != before]
-
-
-def stepped(steps: Sequence[tuple[float, float, float]], chamfer_mm: float) -> list[Point2]:
-    """Half the outside of a turned body: cylinders (radius, start, end) in a row, the edges at both ends broken."""
-    points = [point for radius, start, end in steps for point in ((radius, start), (radius, end))]
-    (first, start), (last, end), c = points[0], points[-1], chamfer_mm
-    return [(first - c, start), (first, start + c), *points[1:-1], (last, end - c), (last - c, end)]
 
 
 def turned(profile: Sequence[Point2], name: str) -> cq.Solid:
@@ -300,6 +305,83 @@ def corner_table(pockets: Iterable[MilledPocket]) -> Table:
         high = p.z[1] - p.z[0] + (2 * p.radius if p.open_top else 0.0)
         rows.append((p.name, mm(pocket_corner_mm(p.radius, p.x[1] - p.x[0], high), 3)))
     return Table("Corners of the pockets", ("Pocket", "R"), tuple(rows))
+
+
+# Cylinder about the axis of a turned part: radius, start and end along the axis, mm.
+Step = tuple[float, float, float]
+
+
+class Turned(Part):
+    """A part of cylinders about Z, or about Y: ``steps`` in a row, ``bores`` taken from them, and ``cuts``.
+
+    The outer edges at start and end are broken by ``chamfers_mm`` at 45 degrees. ``what`` names the part in errors.
+    """
+
+    what: ClassVar[str]
+    about_y: ClassVar[bool] = False
+    chamfers_mm: ClassVar[Point2] = (0.0, 0.0)
+
+    @abstractmethod
+    def steps(self) -> Sequence[Step]:
+        """The outside, in the order along the axis."""
+
+    def bores(self) -> Sequence[Step]:
+        """What is bored out, in the same order; the first begins at an end."""
+        return ()
+
+    def cuts(self) -> Sequence[cq.Shape]:
+        """Tools of what is taken besides."""
+        return ()
+
+    def solid(self) -> cq.Solid:
+        """Turned, then cut."""
+        outside = [point for radius, start, end in self.steps() for point in ((radius, start), (radius, end))]
+        inside = [point for radius, start, end in reversed(self.bores()) for point in ((radius, end), (radius, start))]
+        (first, start), (last, end), (low, high) = outside[0], outside[-1], self.chamfers_mm
+        # Where no bore ends there, the profile goes on along the axis.
+        above = [] if inside and inside[0][1] == end else [(0.0, end), *([(0.0, inside[0][1])] if inside else [])]
+        below = [] if inside and inside[-1][1] == start else [(0.0, start)]
+        profile = [
+            *((first - low, start), (first, start + low), *outside[1:-1], (last, end - high), (last - high, end)),
+            *(*above, *inside, *below),
+        ]
+        body = turned_about_y(profile, 0.0, 360.0, self.what) if self.about_y else turned(profile, self.what)
+        return cut(body, self.cuts(), self.what)
+
+    def in_rings(self) -> tuple[Ring, ...]:
+        """Its steps less its bores; chamfers and cuts do not count."""
+        taken = ((0.0, radius, start, end) for radius, start, end in self.bores())
+        return (*((radius, 0.0, start, end) for radius, start, end in self.steps()), *taken)
+
+    def gyration(self) -> Gyration:
+        """About its axis."""
+        own = super().gyration()
+        return own._replace(along=(0.0, 1.0, 0.0)) if self.about_y else own
+
+    def volume_mm3(self) -> float:
+        """Of its rings."""
+        return rings_mm3(self.in_rings())
+
+
+class PlainRing(Turned):
+    """A turned part of one step, bored through or not."""
+
+    @abstractmethod
+    def ring(self) -> Ring:
+        """Its radius outside and inside, start and end along the axis, mm."""
+
+    def steps(self) -> tuple[Step, ...]:
+        """The outside."""
+        outside, _, start, end = self.ring()
+        return ((outside, start, end),)
+
+    def bores(self) -> tuple[Step, ...]:
+        """The inside."""
+        return (self.ring()[1:],)
+
+    def in_rings(self) -> tuple[Ring, ...]:
+        """Its ring."""
+        return (self.ring(),)
 
 
 @dataclass(frozen=True)

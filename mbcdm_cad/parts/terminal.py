@@ -14,8 +14,8 @@ from mbcdm_cad.design.bought import SpringSpec
 from mbcdm_cad.design.drive import CableRun, Drive
 from mbcdm_cad.model.tensioning import TakeUp, TensionedRope, rope_stiffnesses, take_up
 from mbcdm_cad.parts.fits import thread
-from mbcdm_cad.parts.milled import cut, one_solid, turned
-from mbcdm_cad.parts.part import BoughtPart, MadePart, Ring, StandardPart, rings_mm3, segment_mm2
+from mbcdm_cad.parts.milled import PlainRing, Step, Turned, block, one_solid, turned
+from mbcdm_cad.parts.part import BoughtPart, MadePart, Ring, StandardPart, segment_mm2
 from mbcdm_cad.parts.sheet import Linear, Sheet, View, X, Y, minus, mm
 from mbcdm_cad.parts.sheet_blocks import ALONG_Z
 
@@ -30,25 +30,18 @@ _STEPS = 20
 
 
 @dataclass(frozen=True)
-class SeatWasher(StandardPart):
+class SeatWasher(PlainRing, StandardPart):
     """Washer on either side of the springs: over the slot of their lug, and under the nut; sizes in mm."""
+
+    what = "washer"
 
     inside: float
     outside: float
     thickness: float
 
-    def solid(self) -> cq.Solid:
-        """A plain ring."""
-        inner, outer, high = self.inside / 2, self.outside / 2, self.thickness
-        return turned([(inner, 0.0), (outer, 0.0), (outer, high), (inner, high)], "washer")
-
-    def in_rings(self) -> tuple[Ring, ...]:
-        """A plain ring."""
-        return ((self.outside / 2, self.inside / 2, 0.0, self.thickness),)
-
-    def volume_mm3(self) -> float:
-        """A plain ring."""
-        return rings_mm3(self.in_rings())
+    def ring(self) -> Ring:
+        """Round the stud."""
+        return (self.outside / 2, self.inside / 2, 0.0, self.thickness)
 
     @property
     def designation(self) -> str:
@@ -180,55 +173,32 @@ _END = "end"
 
 
 @dataclass(frozen=True)
-class ThreadedTerminal(MadePart):
+class ThreadedTerminal(Turned, MadePart):
     """Terminal along Z, the cable from -Z; ``end``: how the cable ends in its sleeve, an entry of the catalogue."""
+
+    what, chamfers_mm = "terminal", (CHAMFER_MM, CHAMFER_MM)
 
     dims: TerminalDims
     end: str = SWAGED
 
-    def solid(self) -> cq.Solid:
-        """Its flats at +-y: one slides along the wall of its pocket and keeps the rope from twisting."""
-        import cadquery as cq
-
-        dims = self.dims
-        c = CHAMFER_MM
-        body = turned(
-            [
-                (0.0, dims.cable_end),
-                (dims.bore_radius, dims.cable_end),
-                (dims.bore_radius, dims.swage_start),
-                (dims.swage_radius - c, dims.swage_start),
-                (dims.swage_radius, dims.swage_start + c),
-                (dims.swage_radius, dims.swage_end),
-                (dims.stud_radius, dims.swage_end),
-                (dims.stud_radius, dims.tip - c),
-                (dims.stud_radius - c, dims.tip),
-                (0.0, dims.tip),
-            ],
-            "terminal",
-        )
-        length = dims.swage_end - dims.swage_start
-        sides = [
-            cq.Solid.makeBox(
-                2.0 * dims.swage_radius, dims.swage_radius, length, cq.Vector(-dims.swage_radius, y, dims.swage_start)
-            )
-            for y in (dims.flat, -dims.flat - dims.swage_radius)
-        ]
-        return cut(body, sides, "terminal")
-
-    def in_rings(self) -> tuple[Ring, ...]:
-        """Swage with its bore, without its flats, and the stud."""
+    def steps(self) -> tuple[Step, ...]:
+        """Swage and stud."""
         d = self.dims
-        swage, bore = (
-            (d.swage_radius, 0.0, d.swage_start, d.swage_end),
-            (0.0, d.bore_radius, d.swage_start, d.cable_end),
-        )
-        return (swage, bore, (d.stud_radius, 0.0, d.swage_end, d.tip))
+        return ((d.swage_radius, d.swage_start, d.swage_end), (d.stud_radius, d.swage_end, d.tip))
+
+    def bores(self) -> tuple[Step, ...]:
+        """The cable's."""
+        return ((self.dims.bore_radius, self.dims.swage_start, self.dims.cable_end),)
+
+    def cuts(self) -> list[cq.Shape]:
+        """Flats at +-y: one slides along the wall of its pocket and keeps the rope from twisting."""
+        d, r = self.dims, self.dims.swage_radius
+        return [block((-r, r), y, (d.swage_start, d.swage_end)) for y in ((d.flat, d.flat + r), (-d.flat - r, -d.flat))]
 
     def volume_mm3(self) -> float:
         """Swage with its bore and flats, and the stud."""
         d = self.dims
-        return rings_mm3(self.in_rings()) - 2 * segment_mm2(d.swage_radius, d.flat) * (d.swage_end - d.swage_start)
+        return super().volume_mm3() - 2 * segment_mm2(d.swage_radius, d.flat) * (d.swage_end - d.swage_start)
 
     def sheet(self, part: str) -> Sheet:
         """Section along the axis, and the end with the flats."""

@@ -12,18 +12,8 @@ from math import cos, pi, radians, sin, sqrt
 from typing import TYPE_CHECKING
 
 from mbcdm_cad.parts.fits import FITS, Datum, GeometricTolerance, thread
-from mbcdm_cad.parts.milled import Point2, cut, cylinder_z, hexagon_z, stepped, turned, turned_about_y
-from mbcdm_cad.parts.part import (
-    Gyration,
-    MadePart,
-    Part,
-    Ring,
-    StandardPart,
-    gyration,
-    ring_mm3,
-    rings_mm3,
-    segment_mm2,
-)
+from mbcdm_cad.parts.milled import PlainRing, Point2, Step, Turned, cut, cylinder_z, hexagon_z
+from mbcdm_cad.parts.part import MadePart, Ring, StandardPart, ring_mm3, segment_mm2
 from mbcdm_cad.parts.sheet import FitLine, Label, Linear, Sheet, Table, Vector, View, Y, minus, mm3
 from mbcdm_cad.parts.sheet_blocks import ALONG_Y, ALONG_Z, MAIN
 
@@ -35,25 +25,18 @@ _SMALLEST_ISO_NUT_MM = 1.6
 
 
 @dataclass(frozen=True)
-class Sleeve(MadePart):
+class Sleeve(PlainRing, MadePart):
     """Stop swaged on a cable's end; sizes in mm."""
+
+    what = "sleeve"
 
     bore_radius: float
     radius: float
     length: float
 
-    def solid(self) -> cq.Solid:
-        """Sleeve: the stop swaged on a cable's end."""
-        bore_radius, radius, length = self.bore_radius, self.radius, self.length
-        return turned([(bore_radius, 0.0), (radius, 0.0), (radius, length), (bore_radius, length)], "sleeve")
-
-    def in_rings(self) -> tuple[Ring, ...]:
-        """Sleeve."""
-        return ((self.radius, self.bore_radius, 0.0, self.length),)
-
-    def volume_mm3(self) -> float:
-        """Sleeve."""
-        return rings_mm3(self.in_rings())
+    def ring(self) -> Ring:
+        """Round the cable."""
+        return (self.radius, self.bore_radius, 0.0, self.length)
 
     def sheet(self, part: str) -> Sheet:
         """Stop, after it is swaged on the cable's end."""
@@ -102,33 +85,33 @@ class Nut(StandardPart):
         return f"{standard} - {thread(self.thread).name}"
 
 
+def _chamfers_mm3(radius: float, chamfer: float) -> float:
+    """What the chamfers at both ends of a pin take."""
+    return 2 * pi * chamfer**2 * (radius - chamfer / 3)
+
+
 @dataclass(frozen=True)
-class PlainPin(Part):
+class PlainPin(PlainRing):
     """Pin with chamfered ends; sizes in mm."""
 
+    what = "pin"
     cut_in_sections = False
 
     radius: float
     length: float
 
-    def solid(self) -> cq.Solid:
-        """Dowel pin with chamfered ends."""
-        radius, length = self.radius, self.length
-        c = min(0.3, radius / 3)
-        return turned(
-            [(0.0, 0.0), (radius - c, 0.0), (radius, c), (radius, length - c), (radius - c, length), (0.0, length)],
-            "pin",
-        )
+    @property
+    def chamfers_mm(self) -> Point2:  # type: ignore[override]
+        """Those of a thin pin are smaller."""
+        return (min(0.3, self.radius / 3),) * 2
 
-    def in_rings(self) -> tuple[Ring, ...]:
-        """Pin without its chamfers."""
-        return ((self.radius, 0.0, 0.0, self.length),)
+    def ring(self) -> Ring:
+        """Solid."""
+        return (self.radius, 0.0, 0.0, self.length)
 
     def volume_mm3(self) -> float:
         """Pin with chamfered ends."""
-        radius, length = self.radius, self.length
-        c = min(0.3, radius / 3)
-        return ring_mm3(radius, 0.0, length) - 2 * pi * c**2 * (radius - c / 3)
+        return super().volume_mm3() - _chamfers_mm3(self.radius, self.chamfers_mm[0])
 
 
 class Dowel(PlainPin, StandardPart):
@@ -145,8 +128,7 @@ class Pin(PlainPin, MadePart):
 
     def sheet(self, part: str) -> Sheet:
         """Parallel pin."""
-        radius, length = self.radius, self.length
-        chamfer = min(0.3, radius / 3)
+        radius, length, chamfer = self.radius, self.length, self.chamfers_mm[0]
         fit = FITS["pin"].code
         return Sheet(
             part=part,
@@ -188,51 +170,29 @@ class IdlerDims:
 
 
 @dataclass(frozen=True)
-class IdlerPulley(MadePart):
+class IdlerPulley(Turned, MadePart):
     """Idler pulley where it stands in the assembly, axis Z."""
+
+    what = "idler pulley"
 
     dims: IdlerDims
     title: str = "Guide pulley"
 
-    def solid(self) -> cq.Solid:
-        """Idler pulley where it stands in the assembly, axis Z."""
-        dims = self.dims
-        levels = [dims.bottom_z, *dims.walls_z, dims.top_z]
-        outside: list[Point2] = []
-        for radius, low, high in zip(dims.surface_radii, levels[:-1], levels[1:], strict=True):
-            outside += [(radius, low), (radius, high)]
-        inside: list[Point2] = [
-            (dims.seat_radius, dims.top_z),
-            (dims.seat_radius, dims.top_z - dims.seat_depth),
-            (dims.shoulder_radius, dims.top_z - dims.seat_depth),
-            (dims.shoulder_radius, dims.bottom_z + dims.seat_depth),
-            (dims.seat_radius, dims.bottom_z + dims.seat_depth),
-            (dims.seat_radius, dims.bottom_z),
-        ]
-        return turned(outside + inside, "idler pulley")
+    def steps(self) -> tuple[Step, ...]:
+        """Lands and flanges."""
+        levels = (self.dims.bottom_z, *self.dims.walls_z, self.dims.top_z)
+        return tuple((r, low, high) for r, (low, high) in zip(self.dims.surface_radii, pairwise(levels), strict=True))
 
-    def in_rings(self) -> tuple[Ring, ...]:
-        """Its steps less seats and bore."""
+    def bores(self) -> tuple[Step, ...]:
+        """Seats, and the bore between them."""
         d = self.dims
-        levels = [d.bottom_z, *d.walls_z, d.top_z]
-        steps = zip(d.surface_radii, levels[:-1], levels[1:], strict=True)
         low, high = d.bottom_z + d.seat_depth, d.top_z - d.seat_depth
-        return (
-            *((r, 0.0, a, b) for r, a, b in steps),
-            (0.0, d.seat_radius, d.bottom_z, low),
-            (0.0, d.shoulder_radius, low, high),
-            (0.0, d.seat_radius, high, d.top_z),
-        )
-
-    def volume_mm3(self) -> float:
-        """Idler pulley: its steps less seats and bore."""
-        return rings_mm3(self.in_rings())
+        return ((d.seat_radius, d.bottom_z, low), (d.shoulder_radius, low, high), (d.seat_radius, high, d.top_z))
 
     def sheet(self, part: str) -> Sheet:
         """Section along the axis; the steps as a table from end A, the lower end."""
-        dims = self.dims
+        dims, steps = self.dims, self.steps()
         low, high = dims.bottom_z, dims.top_z
-        levels = (low, *dims.walls_z, high)
         seat, land = FITS["idler_seat"].code, FITS["land"].code
         largest = max(dims.surface_radii)
         dimensions = (
@@ -243,11 +203,11 @@ class IdlerPulley(MadePart):
         )
         labels = tuple(
             Label(MAIN, ALONG_Z.point(radius, (a + b) / 2), str(n), leader=True)
-            for n, (radius, (a, b)) in enumerate(zip(dims.surface_radii, pairwise(levels), strict=True), 1)
+            for n, (radius, a, b) in enumerate(steps, 1)
         )
         rows = tuple(
             (str(n), mm3(2 * radius), land, "end" if end == high else mm3(end - low))
-            for n, (radius, end) in enumerate(zip(dims.surface_radii, levels[1:], strict=True), 1)
+            for n, (radius, _, end) in enumerate(steps, 1)
         )
         return Sheet(
             part=part,
@@ -261,11 +221,7 @@ class IdlerPulley(MadePart):
                 *(FitLine(round(2 * r, 6), land, f"step {n}") for n, r in enumerate(dims.surface_radii, 1)),
             ),
             tolerances=(
-                ALONG_Z.run_out(
-                    tuple((r, (a + b) / 2) for r, (a, b) in zip(dims.surface_radii, pairwise(levels), strict=True)),
-                    0.01,
-                    "D",
-                ),
+                ALONG_Z.run_out(tuple((r, (a + b) / 2) for r, a, b in steps), 0.01, "D"),
                 ALONG_Z.square(
                     (dims.shoulder_radius, dims.seat_radius), (low + dims.seat_depth, high - dims.seat_depth), 0.01, "D"
                 ),
@@ -357,41 +313,35 @@ def _flats(dims: DrumShaftDims) -> tuple[Linear, ...]:
 
 
 @dataclass(frozen=True)
-class DrumShaft(MadePart):
+class DrumShaft(Turned, MadePart):
     """Drum shaft where it stands in the assembly, axis Y."""
+
+    what, about_y, chamfers_mm = "drum shaft", True, (CHAMFER_MM, CHAMFER_MM)
 
     dims: DrumShaftDims
 
-    def solid(self) -> cq.Solid:
-        """Drum shaft where it stands in the assembly, axis Y."""
+    def steps(self) -> tuple[Step, ...]:
+        """Shaft with its flange."""
+        d = self.dims
+        start, end = d.flange_start_y, d.flange_end_y
+        return ((d.radius, d.y_start, start), (d.flange_radius, start, end), (d.radius, end, d.y_end))
+
+    def bores(self) -> tuple[Step, ...]:
+        """All through, if it is hollow."""
+        return ((self.dims.bore_radius, self.dims.y_start, self.dims.y_end),)
+
+    def cuts(self) -> list[cq.Shape]:
+        """Its flats."""
         import cadquery as cq
 
-        dims = self.dims
-        r, bore = dims.radius, dims.bore_radius
-        steps = (
-            (r, dims.y_start, dims.flange_start_y),
-            (dims.flange_radius, dims.flange_start_y, dims.flange_end_y),
-            (r, dims.flange_end_y, dims.y_end),
-        )
-        profile = [(bore, dims.y_start), *stepped(steps, CHAMFER_MM), (bore, dims.y_end)]
-        body = turned_about_y(profile, 0.0, 360.0, "drum shaft")
-        box = cq.Solid.makeBox(2 * r, dims.flat_length, r, cq.Vector(-r, dims.flat_y - dims.flat_length / 2, dims.flat))
-        origin, y = cq.Vector(0.0, 0.0, 0.0), cq.Vector(0.0, 1.0, 0.0)
-        return cut(body, [box.rotate(origin, y, deg) for deg in dims.flat_angles_deg], "drum shaft")
-
-    def in_rings(self) -> tuple[Ring, ...]:
-        """Hollow shaft with its flange, without its flats."""
-        d = self.dims
-        flange = (d.flange_radius, d.radius, d.flange_start_y, d.flange_end_y)
-        return ((d.radius, d.bore_radius, d.y_start, d.y_end), flange)
-
-    def gyration(self) -> Gyration:
-        """About Y."""
-        return gyration(self.in_rings(), (0.0, 1.0, 0.0))
+        d, origin, y = self.dims, cq.Vector(0.0, 0.0, 0.0), cq.Vector(0.0, 1.0, 0.0)
+        low, r = d.flat_y - d.flat_length / 2, d.radius
+        box = cq.Solid.makeBox(2 * r, d.flat_length, r, cq.Vector(-r, low, d.flat))
+        return [box.rotate(origin, y, deg) for deg in d.flat_angles_deg]
 
     def volume_mm3(self) -> float:
-        """Hollow shaft with its flange."""
-        return rings_mm3(self.in_rings()) - 2 * segment_mm2(self.dims.radius, self.dims.flat) * self.dims.flat_length
+        """Hollow shaft with its flange, less its flats."""
+        return super().volume_mm3() - 2 * segment_mm2(self.dims.radius, self.dims.flat) * self.dims.flat_length
 
     def sheet(self, part: str) -> Sheet:
         """Section along the axis, and the side with the flats."""
@@ -439,29 +389,24 @@ class AxleDims:
 
 
 @dataclass(frozen=True)
-class Axle(MadePart):
+class Axle(Turned, MadePart):
     """Axle where it stands in the assembly, axis Z."""
 
+    what, chamfers_mm = "axle", (CHAMFER_MM, CHAMFER_MM)
     cut_in_sections = False
 
     dims: AxleDims
     title: str = "Guide axle"
 
-    def solid(self) -> cq.Solid:
-        """Axle where it stands in the assembly, axis Z."""
+    def steps(self) -> tuple[Step, ...]:
+        """Axle with its collar."""
         d = self.dims
-        steps = (
-            (d.radius, d.bottom_z, d.collar_bottom_z),
-            (d.collar_radius, d.collar_bottom_z, d.collar_top_z),
-            (d.radius, d.collar_top_z, d.top_z),
-        )
-        return turned([(0.0, d.bottom_z), *stepped(steps, CHAMFER_MM), (0.0, d.top_z)], "axle")
+        low, high = d.collar_bottom_z, d.collar_top_z
+        return ((d.radius, d.bottom_z, low), (d.collar_radius, low, high), (d.radius, high, d.top_z))
 
     def volume_mm3(self) -> float:
-        """Axle of an idler with its collar."""
-        d = self.dims
-        collar = ring_mm3(d.collar_radius, d.radius, d.collar_top_z - d.collar_bottom_z)
-        return Pin(d.radius, d.top_z - d.bottom_z).volume_mm3() + collar
+        """With its chamfers."""
+        return super().volume_mm3() - _chamfers_mm3(self.dims.radius, min(CHAMFER_MM, self.dims.radius / 3))
 
     def sheet(self, part: str) -> Sheet:
         """View from the side; the axle is solid, so it is not cut."""
@@ -487,25 +432,18 @@ class Axle(MadePart):
 
 
 @dataclass(frozen=True)
-class Spacer(MadePart):
+class Spacer(PlainRing, MadePart):
     """Spacer above the upper bearing's inner ring, where it stands in the assembly, axis Z."""
+
+    what = "spacer"
 
     dims: AxleDims
     title: str = "Guide spacer"
     note: str = "Ground to the length that leaves the guide's bearings free of play."
 
-    def solid(self) -> cq.Solid:
-        """Spacer above the upper bearing's inner ring, where it stands in the assembly, axis Z."""
-        dims = self.dims
-        low, high = dims.spacer_bottom_z, dims.spacer_top_z
-        return turned(
-            [(dims.radius, low), (dims.collar_radius, low), (dims.collar_radius, high), (dims.radius, high)], "spacer"
-        )
-
-    def volume_mm3(self) -> float:
-        """Spacer on an idler's axle."""
-        d = self.dims
-        return ring_mm3(d.collar_radius, d.radius, d.spacer_top_z - d.spacer_bottom_z)
+    def ring(self) -> Ring:
+        """Round the axle."""
+        return (self.dims.collar_radius, self.dims.radius, self.dims.spacer_bottom_z, self.dims.spacer_top_z)
 
     def sheet(self, part: str) -> Sheet:
         """Section along the axis."""

@@ -41,33 +41,12 @@ _GROOVE_SHARE = 0.04
 
 def _below(d: InputPulleyDims) -> list[Point2]:
     """Half the outline of what is below the lands, from the axis to the lands."""
-    c = CHAMFER_MM
-    if d.horn is not None:
-        flange, top = d.lower_journal_radius, d.lower_neck_bottom_z
-        return [
-            (0.0, d.journal_bottom_z),
-            (flange - c, d.journal_bottom_z),
-            (flange, d.journal_bottom_z + c),
-            (flange, top),
-            (d.lower_neck_radius, top),
-            (d.lower_neck_radius, d.land_bottom_z),
-        ]
+    c, r, low = CHAMFER_MM, d.lower_journal_radius, d.journal_bottom_z
+    foot = [(0.0, low), (r - c, low), (r, low + c)]
     if d.hub is not None:
-        r = d.lower_journal_radius
-        return [
-            (0.0, d.journal_bottom_z),
-            (r - c, d.journal_bottom_z),
-            (r, d.journal_bottom_z + c),
-            (r, d.land_bottom_z),
-        ]
-    return [
-        (0.0, d.journal_bottom_z),
-        (d.lower_journal_radius - c, d.journal_bottom_z),
-        (d.lower_journal_radius, d.journal_bottom_z + c),
-        (d.lower_journal_radius, d.lower_neck_bottom_z),
-        (d.lower_neck_radius, d.lower_neck_bottom_z),
-        (d.lower_neck_radius, d.land_bottom_z),
-    ]
+        return [*foot, (r, d.land_bottom_z)]
+    neck, start = d.lower_neck_radius, d.lower_neck_bottom_z
+    return [*foot, (r, start), (neck, start), (neck, d.land_bottom_z)]
 
 
 def _above(d: InputPulleyDims) -> list[Point2]:
