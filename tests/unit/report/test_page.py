@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import hashlib
+import json
+from collections.abc import Iterator
+from dataclasses import asdict, replace
 from importlib.resources import files
 from math import radians
 from pathlib import Path
@@ -11,11 +14,22 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mbcdm_cad.layouts.loader import layout_of, load_design
+import mbcdm_cad
+from mbcdm_cad.api.design import DriveDesign
+from mbcdm_cad.layouts.check_design import checks_of
+from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.registry import layout_of
+from mbcdm_cad.layouts.turns import modes_of, turns_at, turns_of
+from mbcdm_cad.model.bulk import preload_table
+from mbcdm_cad.optimising.evaluate import Facts, figure
+from mbcdm_cad.report.analysis_report import above_gearhead
+from mbcdm_cad.report.comparison import sweep
+from mbcdm_cad.report.data import design_figures
 from mbcdm_cad.report.page import template
 from mbcdm_cad.report.page.scene import CHORD_ERROR_MM, POSE_ERROR_MM, _Binary, cable_lines
-from mbcdm_cad.report.page.stage import LICENCE, THREE, THREE_SHA256
-from mbcdm_cad.report.page.template import _figure, _json
+from mbcdm_cad.report.page.stage import LICENCE, THREE, THREE_SHA256, charts_under_load, studies
+from mbcdm_cad.report.page.template import _figure, _json, derived
+from tests.support.checked import results
 
 DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
 LARGEST_BUNDLE_BYTES = 800_000
@@ -138,3 +152,206 @@ def test_data_cannot_end_its_script(text: str) -> None:
 )
 def test_figures_are_written_for_people(value: Any, text: str) -> None:
     assert _figure(value) == text
+
+
+# One quantity has one figure: those that appear in several outputs of a design are the same in all of them.
+
+
+PARAMS = Path(__file__).parents[3] / "params"
+DESIGNS = ("mbcdm", "siso_spur", "miso_spur", "siso_bevel", "built-by-others/printed-capstan")
+# Names that mean another thing in each block, and which.
+OTHER_MEANING = {"load_Nm": "each load case and curve has its own", "temperature_C": "each row of a table has its own"}
+
+
+def leaves(value: Any, name: str = "") -> Iterator[tuple[str, float]]:
+    """Every number with the name under which it stands."""
+    if isinstance(value, dict):
+        for key, item in value.items():
+            yield from leaves(item, key)
+    elif isinstance(value, list | tuple):
+        for item in value:
+            yield from leaves(item, f"{name}[]")
+    elif isinstance(value, int | float) and not isinstance(value, bool):
+        yield name, float(value)
+
+
+def lonely(block: Any) -> dict[str, float]:
+    """The numbers whose name stands only once in a block: one quantity of the design, not a row of a table."""
+    found: dict[str, list[float]] = {}
+    for name, value in leaves(block):
+        found.setdefault(name, []).append(value)
+    return {name: values[0] for name, values in found.items() if len(values) == 1 and "[]" not in name}
+
+
+@pytest.fixture(scope="module", params=DESIGNS)
+def design(request: pytest.FixtureRequest) -> DriveDesign:
+    """One design of each layout, and a printed capstan with a continuous cable."""
+    return mbcdm_cad.load(PARAMS / f"{request.param}.yaml")
+
+
+@pytest.fixture(scope="module")
+def outputs(design: DriveDesign) -> dict[str, Any]:
+    """Blocks of ``analyse --json`` and of a report's data, as JSON."""
+    layout = layout_of(design.loaded.drive)
+    report = design_figures(layout, layout.bill()).data
+    analysed = design.analyse().to_dict()
+    own = analysed.pop
+    blocks = {
+        f"analyse: {name}": own(name) for name in ("structure", "modes", "losses", "duty", "life", "paths", "motor")
+    }
+    blocks["analyse"] = analysed
+    blocks["report: analysis"] = report.pop("analysis")
+    blocks |= {f"report: {name}": report[name] for name in ("structure", "torsion", "losses", "duty", "life", "paths")}
+    found: dict[str, Any] = json.loads(json.dumps(blocks))
+    return found
+
+
+def test_a_name_that_stands_in_several_blocks_has_one_value(outputs: dict[str, Any]) -> None:
+    seen: dict[str, list[tuple[str, float]]] = {}
+    for where, block in outputs.items():
+        for name, value in lonely(block).items():
+            seen.setdefault(name, []).append((where, value))
+    shared = {name: places for name, places in seen.items() if len(places) > 1 and name not in OTHER_MEANING}
+    assert len(shared) > 20 and "lowest_inputs_held_Hz" in shared, sorted(shared)
+    differ = {n: places for n, places in shared.items() if max(v for _, v in places) != min(v for _, v in places)}
+    wrong = {n: p for n, p in differ.items() if p[0][1] != pytest.approx(p[1][1], rel=1e-8)}
+    assert not wrong, wrong
+
+
+def test_turns_swings_and_stiffness_are_the_same_everywhere(design: DriveDesign, outputs: dict[str, Any]) -> None:
+    loaded = design.loaded
+    drive, layout = loaded.drive, layout_of(loaded.drive)
+    checks = {check.id: check for check in results(loaded)}
+    facts = Facts(drive, {check.id: check for check in checks_of(drive)}, loaded.data)
+    turns, places = turns_of(layout), outputs["analyse: structure"]["places"]
+    again = turns_at(layout, drive.loads.test_torque_Nm)
+    analysis = outputs["analyse"]
+    many = sweep(loaded, {"loads.test_torque_Nm": [drive.loads.test_torque_Nm]})
+    whole = next(row for row in preload_table(layout_of(drive)) if row.share == 1.0)
+    assert turns.payload is not None and turns.drum_encoder is not None
+    same = {
+        "swing of the payload": [
+            turns.payload.swing_mrad,
+            again.felt.swing_mrad,
+            places["payload"]["swing_mrad"],
+            outputs["report: structure"]["payload_swing_mrad"],
+            figure(facts, "swing_mrad"),
+        ],
+        "swing by the cables": [
+            turns.cables.swing_mrad,
+            analysis["reversal_swing_mrad"],
+            outputs["analyse: structure"]["cables_swing_mrad"],
+            float(many["reversal_swing_mrad"][0]),
+            whole.reversal_swing_mrad,
+            figure(facts, "cable_swing_mrad"),
+        ],
+        "turn by the cables": [
+            turns.cables.turn_mrad,
+            abs(analysis["test"][0]["turn_mrad"]),
+            outputs["analyse: structure"]["cables_urad_Nm"] * drive.loads.test_torque_Nm * 1e-3,
+        ],
+        "stiffness at the payload": [
+            turns.payload.stiffness_Nm_rad,
+            checks["stiffness"].actual,
+            outputs["analyse: structure"]["stiffness_at_payload_Nm_rad"],
+            figure(facts, "stiffness_Nm_rad"),
+        ],
+        "stiffness of the cables": [turns.cables.sticking_stiffness_Nm_rad, analysis["sticking_stiffness_Nm_rad"]],
+        "structure at the drum's encoder": [
+            turns.drum_encoder.structure_urad_Nm,
+            outputs["report: structure"]["structure_at_drum_encoder_urad_Nm"],
+        ],
+    }
+    for what, values in same.items():
+        assert values == pytest.approx([values[0]] * len(values), rel=1e-6), what
+
+
+def test_slip_of_a_continuous_cable_is_one_figure(design: DriveDesign, outputs: dict[str, Any]) -> None:
+    limits = [x["torque_Nm"] for x in outputs["analyse"]["limits"] if x["cause"] == "slip"]
+    checks = {check.id: check for check in results(design.loaded)}
+    drive = design.loaded.drive
+    if "input_slip" not in checks or not limits:
+        assert not limits, "a limit of slip that no check judges"
+        return
+    judged = checks["input_slip"]
+    assert judged.actual is not None
+    assert judged.actual * drive.loads.peak_torque_Nm == pytest.approx(min(limits), rel=1e-6)
+    assert f"{min(limits):.4g} N m" in judged.message, judged.message
+    assert f"{min(limits):.3f} N m" in design.analyse().text()
+
+
+def test_a_peak_torque_above_a_rating_of_the_gearhead_is_told(design: DriveDesign) -> None:
+    """What motor and cables allow may be more than the gearhead holds."""
+    report = design.analyse()
+    limits, text = report.figures.limits, " ".join(report.text().split())
+    for called, peaks in (
+        ("without losses", report.figures.peak_torque_lossless_Nm),
+        ("with losses", report.figures.peak_torque_with_losses_Nm),
+    ):
+        own = {
+            x.direction: peak for x in limits for way, peak in zip((1, -1), peaks, strict=True) if x.direction == way
+        }
+        above = [x for x in limits if x.cause.startswith("gearhead") and x.torque_Nm < own[x.direction] * (1 - 1e-9)]
+        assert (f"the peak torque {called}, " in text) == bool(above), (called, above)
+    half = [replace(x, torque_Nm=x.torque_Nm / 2) if x.cause == "gearhead_maximum" else x for x in limits]
+    maximum = [x.torque_Nm for x in half if x.cause == "gearhead_maximum"]
+    if maximum:
+        told = above_gearhead(half, "gearhead", "peak torque", (9e9, 9e9))
+        assert told == (
+            f"the peak torque, {9e9:.3f} N m, is above what the gearhead holds at most, {min(maximum):.3f} N m, "
+            "which forbids it"
+        )
+
+
+def test_slack_is_one_figure(design: DriveDesign, outputs: dict[str, Any]) -> None:
+    """The limit of analyse is the peak torque at which the check begins to fail, with the wraps that are there."""
+    drive = design.loaded.drive
+    limit = min(x["torque_Nm"] for x in outputs["analyse"]["limits"] if x["cause"] == "slack")
+    row = next(r for r in outputs["analyse"].get("reached_preloads") or preload_rows(drive) if r["share"] == 1.0)
+    assert min(row["slack_Nm"]) == pytest.approx(limit, rel=1e-6)
+    assert f"{limit:.3f} N m" in design.analyse().text()
+    check = next(check for check in checks_of(drive) if check.id == "no_slack")
+    below, above = (check.measure(at_peak(drive, share * limit)) for share in (0.999, 1.001))
+    assert below.holds and not above.holds, (below.message, above.message)
+
+
+def preload_rows(drive: Any) -> list[dict[str, Any]]:
+    """The table of lower preloads as the report has it."""
+    return [asdict(row) for row in preload_table(layout_of(drive))]
+
+
+def at_peak(drive: Any, torque_Nm: float) -> Any:
+    """The same drive asked for another peak torque."""
+    return layout_of(replace(drive, loads=replace(drive.loads, peak_torque_Nm=torque_Nm)))
+
+
+def test_the_page_prints_these_figures(design: DriveDesign, outputs: dict[str, Any]) -> None:
+    """Its derived values, and the curves of a comparison."""
+    drive = design.loaded.drive
+    layout = layout_of(drive)
+    modes = modes_of(layout)
+    torsion = {"inputs_free_Hz": list(modes.inputs_free_Hz)} | {
+        name: getattr(modes, name) for name in ("lowest_inputs_held_Hz", "cables_alone_Hz")
+    }
+    report = {
+        "analysis": outputs["report: analysis"] | {"motor": None},
+        "paths": outputs["report: paths"],
+        "structure": outputs["report: structure"],
+        "torsion": torsion,
+        "inertia_moving_g_mm2": {"at_drum_without_rotors": 1.0, "at_motor": 1.0},
+        "torque": {"torque_to_weight_Nm_kg": 1.0},
+        "frame": None,
+    }
+    said = {row["what"]: row["value"] for row in derived(report, [])}
+    turns = turns_of(layout)
+    assert said["swing at the payload"] == f"{turns.felt.swing_mrad:.4g} mrad"
+    assert said["swing by the cables alone"] == f"{turns.cables.swing_mrad:.4g} mrad"
+    over_travel = studies(drive)["charts"]["travel"]["lines"]
+    assert over_travel[-1]["y"][0] == pytest.approx(turns.cables.turn_mrad, rel=1e-4), (
+        "endless wraps: all other figures"
+    )
+    real = outputs["report: paths"]["test_turn_mrad"]["positive"]
+    assert over_travel[0]["y"] == pytest.approx(np.abs(real), rel=1e-4)
+    line = charts_under_load([("own", drive)])["swing"]["lines"][0]
+    at = turns_at(layout, line["x"][-1])
+    assert line["y"][-1] == pytest.approx(at.felt.swing_mrad, rel=1e-4)

@@ -2,20 +2,32 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
 
+from mbcdm_cad.design.blocks import DutyBlock, DutyRow
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.model.analysis import analyse
 from mbcdm_cad.report.masses import inertias, masses_by_item
 from mbcdm_cad.robot.elastic import elastic_drive
-from mbcdm_cad.robot.mechanism import LARGEST_FACES, Mechanism, mechanism, within_faces
+from mbcdm_cad.robot.mechanism import (
+    LARGEST_FACES,
+    SPEED_WITHOUT_FIGURES_RAD_S,
+    Mechanism,
+    _limits,
+    mechanism,
+    within_faces,
+)
 from mbcdm_cad.robot.mjcf import robot_files
+from mbcdm_cad.robot.urdf import UrdfOptions
+from tests.support.checked import of_params
 
 REFERENCE = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 G_MM2 = 1e-9
@@ -195,3 +207,170 @@ class TestTravelFromTo:
             joint = next(joint for joint in shifted.joints if joint.link == link.name)
             held = data.joint(link.name).qpos[0] - joint.ratio * data.joint("drum").qpos[0]
             assert abs(held) < 1e-9, (link.name, held)
+
+
+# The URDF in three simulators: the same inertia, no contact over the travel; names, limits and options of the file.
+
+
+PARAMS = Path(__file__).parents[3] / "params"
+POSES = np.linspace(-1.0, 1.0, 9)
+
+
+@pytest.fixture(scope="module")
+def path(robot: Mechanism, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("urdf")
+    for name, content in robot_files(robot, "urdf").items():
+        (folder / name).parent.mkdir(exist_ok=True)
+        (folder / name).write_bytes(content)
+    return folder / "mbcdm.urdf"
+
+
+@pytest.fixture(scope="module")
+def drum_with_rotors(loaded: Any, parts: Any) -> float:
+    """Inertia at the drum with guide, inputs and rotors, kg m^2, as the report sums it."""
+    layout = layout_of(loaded.drive)
+    centred = layout.bill()
+    return float(inertias(layout, centred, masses_by_item(centred, parts)).at_drum * G_MM2)
+
+
+def test_pinocchio_sees_the_reports_inertia_with_the_rotors(path: Path, drum_with_rotors: float) -> None:
+    pin = pytest.importorskip("pinocchio")
+    model = pin.buildModelFromUrdf(str(path), mimic=True)
+    assert (model.nq, model.nv) == (1, 1), "the followers are no coordinates of their own"
+    seen = float(pin.crba(model, model.createData(), pin.neutral(model))[0, 0])
+    assert seen == pytest.approx(drum_with_rotors, rel=1e-6)
+
+
+def test_pybullet_finds_no_contact_over_the_travel_and_takes_the_inertias(path: Path, robot: Mechanism) -> None:
+    pb = pytest.importorskip("pybullet")
+    client = pb.connect(pb.DIRECT)
+    try:
+        body = pb.loadURDF(
+            str(path), useFixedBase=True, flags=pb.URDF_USE_SELF_COLLISION | pb.URDF_USE_INERTIA_FROM_FILE
+        )
+        at = {pb.getJointInfo(body, k)[1].decode(): k for k in range(pb.getNumJoints(body))}
+        for share in POSES:
+            for joint in robot.joints:
+                sign = np.sign(joint.ratio)
+                pb.resetJointState(body, at[joint.link], share * sign * joint.range_rad[1])
+            pb.performCollisionDetection()
+            assert not pb.getContactPoints(body, body), share
+        for k in at.values():
+            inertia = pb.getDynamicsInfo(body, k)[2]
+            assert all(value > 0.0 for value in inertia), "an inertia that Bullet refuses is set to zero"
+        rotor = next(joint.armature for joint in robot.joints if joint.link == "input_left")
+        assert rotor < pb.getDynamicsInfo(body, at["input_left"])[2][2] < 1.01 * rotor, "the rotor is in the link"
+    finally:
+        pb.disconnect(client)
+
+
+def test_mujoco_reads_the_urdf_without_contacts(path: Path, robot: Mechanism) -> None:
+    mujoco = pytest.importorskip("mujoco")
+    model = mujoco.MjModel.from_xml_path(str(path))
+    data = mujoco.MjData(model)
+    for share in POSES:
+        for joint in robot.joints:
+            data.joint(joint.link).qpos = share * np.sign(joint.ratio) * joint.range_rad[1]
+        mujoco.mj_forward(model, data)
+        assert data.ncon == 0, (share, data.ncon)
+
+
+def test_limits_are_those_of_the_motors_with_losses(robot: Mechanism, loaded: Any) -> None:
+    found = analyse(layout_of(loaded.drive))
+    limit = {
+        node.get("name"): {k: float(v) for k, v in node.find("limit").attrib.items()}  # type: ignore[union-attr]
+        for node in _urdf(robot, UrdfOptions()).findall("joint")
+        if node.find("limit") is not None
+    }
+    drum, left = limit["drum"], limit["input_left"]
+    assert drum["effort"] == pytest.approx(min(found.peak_torque_with_losses_Nm), rel=1e-9)
+    motor, gear = loaded.drive.motor, loaded.drive.gearhead
+    by_hand = (motor.rated_torque_mNm * gear.ratio - 0.03 * gear.rated_torque_mNm) * gear.efficiency * 1e-3
+    assert left["effort"] == pytest.approx(by_hand, rel=1e-9), (left, by_hand)
+    assert left["velocity"] == pytest.approx(9.0 * drum["velocity"], rel=1e-9)
+
+
+def test_a_stated_duty_sets_the_effort_by_the_heat_of_its_motors(loaded: Any) -> None:
+    """Moved all the time in hot air less than the continuous torque, for a share of the time more."""
+    peak, train = loaded.drive.loads.peak_torque_Nm, layout_of(loaded.drive).losses
+    output = train.output_Nm(loaded.drive.motor.peak_torque_mNm * 1e-3)
+    short = min(float(train.raised_Nm(output, way).min()) for way in (1, -1))
+
+    def effort(share: float) -> float:
+        rows = [DutyRow(torque_Nm=peak, share=share, range_deg=60.0), DutyRow(torque_Nm=0.0, share=1.0 - share)]
+        duty = DutyBlock(period_s=2.0, ambient_C=100.0, rows=[row for row in rows if row.share > 0.0])
+        drive = replace(loaded.drive, loads=replace(loaded.drive.loads, duty=duty))
+        found = _limits(drive)[0]
+        assert found <= short * (1.0 + 1e-9)
+        if found < short:
+            # The hottest winding then just reaches its limit.
+            scaled = [
+                day.heat.repeated(day.duty.time_s, found / peak * day.heat_torque_Nm, 100.0)
+                for day in layout_of(drive).motor_days
+            ]
+            hottest = max(found.hottest_winding_C for found in scaled if found is not None)
+            assert hottest == pytest.approx(layout_of(drive).motor_days[0].heat.limit_C, abs=0.1)
+        return found
+
+    always = effort(1.0)
+    assert always < _limits(loaded.drive)[0]
+    assert always < effort(0.5) <= effort(0.1)
+
+
+@pytest.mark.parametrize("name", ["mbcdm", "gallery/capstan"])
+def test_the_speed_is_one_at_which_the_voltage_still_gives_the_torque(name: str) -> None:
+    drive = of_params(name).drive
+    _, speed = _limits(drive)
+    motor = drive.motor
+    if motor.torque_constant_mNm_A is None:
+        assert speed == SPEED_WITHOUT_FIGURES_RAD_S
+        return
+    constant = motor.torque_constant_mNm_A * 1e-3
+    turns = drive.gearhead.ratio * max(c.drum_radius_mm / c.input_radius_mm for c in drive.cables)
+    at_motor = (drive.bus_voltage_V - motor.resistance_ohm * motor.rated_torque_mNm * 1e-3 / constant) / constant
+    assert speed >= at_motor / turns * (1.0 - 1e-9), (speed, at_motor / turns)
+    assert speed <= drive.bus_voltage_V / constant / turns, speed
+
+
+def _urdf(robot: Mechanism, options: UrdfOptions) -> ET.Element:
+    name = "mbcdm.urdf.xacro" if options.xacro else "mbcdm.urdf"
+    return ET.fromstring(robot_files(robot, "urdf", options=options)[name])
+
+
+def test_meshes_by_package_and_a_root_without_mass(robot: Mechanism) -> None:
+    root = _urdf(robot, UrdfOptions(package="my_drive"))
+    names = {mesh.get("filename") for mesh in root.iter("mesh")}
+    assert "package://my_drive/meshes/drum.stl" in names and len(names) == 5, names
+    children = {child.get("link") for child in root.iter("child")}
+    (top,) = [link for link in root.findall("link") if link.get("name") not in children]
+    assert top.find("inertial") is None
+    with pytest.raises(MbcdmError, match=r"package: no name of a ROS package \(value My-Drive"):
+        UrdfOptions(package="My-Drive")
+
+
+def test_an_xacro_macro_is_the_same_robot_under_a_prefix(robot: Mechanism, tmp_path: Path) -> None:
+    yourdfpy = pytest.importorskip("yourdfpy")
+    (text,) = [
+        content.decode()
+        for name, content in robot_files(robot, "urdf", options=UrdfOptions(xacro=True)).items()
+        if name.endswith(".xacro")
+    ]
+    macro = re.search(r"<xacro:macro name=\"drive_mbcdm\".*?>(.*)</xacro:macro>", text, re.DOTALL)
+    assert macro, text[:300]
+    # What xacro does with prefix "a_" and parent "world".
+    body = macro[1].replace("${prefix}", "a_").replace("${parent}", "world")
+    body = body.replace('<xacro:insert_block name="origin" />', '<origin xyz="0 0 0.1" rpy="0 0 0"/>')
+    (tmp_path / "a.urdf").write_text(f'<robot name="a"><link name="world"/>{body}</robot>')
+    read = yourdfpy.URDF.load(str(tmp_path / "a.urdf"), load_meshes=False)
+    assert read.validate(), read.errors
+    assert read.actuated_joint_names == ["a_drum"]
+    assert read.get_transform("a_base")[2, 3] == pytest.approx(0.1)
+    assert "$" not in body and "xacro" not in body
+
+
+def test_ros2_control_commands_the_drum_alone(robot: Mechanism) -> None:
+    (block,) = _urdf(robot, UrdfOptions(ros2_control=True)).findall("ros2_control")
+    commands = {joint.get("name"): len(joint.findall("command_interface")) for joint in block.findall("joint")}
+    assert commands == {"drum": 1, "guide": 0, "input_left": 0, "input_right": 0}
+    states = {state.get("name") for state in block.iter("state_interface")}
+    assert states == {"position", "velocity"}
