@@ -68,10 +68,10 @@ def test_routes_and_drawn_paths_agree_with_a_setback(reference: BevelDrive, setb
         assert hypot(*(start[:2] - np.array([run.input_side * drive.input_x_mm, -setback_mm]))) == pytest.approx(
             run.input_radius_mm, abs=1e-9
         )
-    origins = {body.name: body.origin_mm for body in dims.moving_bodies}
     for body in routes.bodies:
         if body.kind == "input":
-            assert np.abs(np.array(body.point_m) * 1e3 - origins[body.name]).max() < 1e-9, body.name
+            x, y = 1e3 * np.array(body.point_m)[:2]
+            assert (hypot(x, y), y) == pytest.approx((drive.centre_distance_mm, -setback_mm), abs=1e-9), body.name
 
 
 def test_the_distance_of_the_axes_stays_l(reference: BevelDrive) -> None:
