@@ -143,22 +143,16 @@ class _Assembly:
         ends = np.array([(b.corners_mm.min(axis=(0, 1)), b.corners_mm.max(axis=(0, 1))) for b in bodies])
         low, high = ends[:, 0].min(axis=0), ends[:, 1].max(axis=0)
         envelope = ((low[0], low[1], low[2]), (high[0], high[1], high[2]))
-        sheet = assembly_sheet(ASSEMBLY, self.items, bodies, envelope, _designations(self.posed))
+        parts = {name: spec.part for name, spec in self.posed.parts.items()}
+        designations = {name: part.designation for name, part in parts.items() if isinstance(part, StandardPart)}
+        sheet = assembly_sheet(ASSEMBLY, self.items, bodies, envelope, designations)
         mass = assembly_mass(self.posed.items, shapes).mass_g
         return draw_sheet(sheet, cut, _facts(self.drive, "see list of parts", mass), whole)
 
 
-def _designations(bill: Bill) -> dict[str, str]:
-    return {name: spec.part.designation for name, spec in bill.parts.items() if isinstance(spec.part, StandardPart)}
-
-
-def _centred(drive: Drive) -> Bill:
-    return layout_of(drive).bill()
-
-
 def drawn_parts(drive: Drive) -> tuple[str, ...]:
     """Names of the made parts that have a sheet."""
-    return tuple(_centred(drive).made)
+    return tuple(layout_of(drive).bill().made)
 
 
 def drawings_of(
@@ -182,7 +176,7 @@ def drawings_of(
             f"{did_you_mean(part, names) or 'choose one of them'}"
         )
     _, parts = drawn(drive, 0.0, cache, progress)
-    posed = _centred(drive)
+    posed = layout_of(drive).bill()
     materials = {item.part: item.material for item in posed.items}
     wanted: dict[str, _Job | _Assembly] = {
         name: _Assembly(posed, parts, drive)

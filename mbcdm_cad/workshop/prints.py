@@ -7,11 +7,9 @@ from __future__ import annotations
 
 import os
 from math import pi
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-import cadquery as cq
 import numpy as np
-from OCP.BRepAdaptor import BRepAdaptor_Surface
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError
@@ -20,9 +18,11 @@ from mbcdm_cad.parts.bill import Vector
 from mbcdm_cad.parts.milled import one_solid
 from mbcdm_cad.storage.cache import Cache, content_key
 from mbcdm_cad.workshop.export.files import lying, threemf_bytes
-from mbcdm_cad.workshop.kernel import Shape
 from mbcdm_cad.workshop.store import Progress, Store, StoredPart, drawn, exported_parts
 from mbcdm_cad.workshop.trianglemesh import FloatArray, TriangleMesh
+
+if TYPE_CHECKING:
+    from mbcdm_cad.workshop.kernel import Shape
 
 # Distance of the rays that find walls, and least number of rays that must find the same wall.
 RAYS_MM, RAYS = 0.25, 4
@@ -180,6 +180,9 @@ class RoundHole(NamedTuple):
 
 def round_holes(solid: Shape, least_wall: float = LEAST_WALL) -> list[RoundHole]:
     """Round bores with at least this share of their wall, in a fixed order."""
+    import cadquery as cq
+    from OCP.BRepAdaptor import BRepAdaptor_Surface
+
     walls: dict[tuple[float, ...], list[tuple[float, float, float]]] = {}
     for face in cq.Shape.cast(solid).Faces():
         if face.geomType() != "CYLINDER":
@@ -222,6 +225,8 @@ def _together(pieces: list[tuple[float, float, float]]) -> list[tuple[float, flo
 
 def with_wider_holes(name: str, solid: Shape, allowance_mm: float) -> Shape:
     """The solid with all its round holes wider by ``allowance_mm`` on the diameter. Raises ``ValueError`` naming it."""
+    import cadquery as cq
+
     body = cq.Shape.cast(solid)
     for hole in round_holes(solid):
         start = cq.Vector(*hole.foot_mm) + cq.Vector(*hole.direction) * hole.low_mm

@@ -11,9 +11,8 @@ from __future__ import annotations
 import io
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import cadquery as cq
 from OCP.BRepAdaptor import BRepAdaptor_Surface
 from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeVertex
 from OCP.BRepExtrema import BRepExtrema_DistShapeShape
@@ -47,6 +46,9 @@ from mbcdm_cad.parts.fits import THREAD_CLASS, Vector, limits
 from mbcdm_cad.parts.sheet import Holes, Linear, Sheet
 from mbcdm_cad.workshop.export.files import canonical_step
 from mbcdm_cad.workshop.kernel import Shape, kernel_shape, location
+
+if TYPE_CHECKING:
+    import cadquery as cq
 
 # The kernel's numbers of the schemas.
 _AP214, _AP242 = 4, 5
@@ -163,16 +165,14 @@ class _Cylinder:
     inside: bool
     axis: gp_Lin
 
-    def axis_distance_mm(self, at: Vector) -> float:
-        """Distance of a point from the axis."""
-        return float(self.axis.Distance(gp_Pnt(*at)))
-
 
 def part_step_ap242(name: str, solid: Shape, material: Material, sheet: Sheet) -> bytes:
     """The STEP AP242 file of one part with the fits, threads, datums and geometric tolerances of its ``sheet``.
 
     The same part gives the same bytes. Raises ``ValueError`` if a demand names no face of the solid.
     """
+    import cadquery as cq
+
     document = StepDocument()
     part = document.add_part(name, solid, material)
     demands = _Demands(document, part, cq.Shape.cast(kernel_shape(solid)))
@@ -200,11 +200,10 @@ class _Demands:
             faces = [c.face for c in self._cylinders if c.inside == inside and abs(c.diameter_mm - nominal) < _SAME_MM]
             if faces:
                 found = limits(nominal, code)
-                range_mm = (found.smallest_mm, found.largest_mm)
                 size = _diameter(f"{nominal:g} {code}")
                 # Limits of size: the kernel's own reader mistakes deviations of one sign, such as those of N7.
-                size.SetLowerBound(range_mm[0])
-                size.SetUpperBound(range_mm[1])
+                size.SetLowerBound(found.smallest_mm)
+                size.SetUpperBound(found.largest_mm)
                 self._add_dimension(size, faces)
 
     def add_threads(self, sheet: Sheet) -> None:
@@ -228,7 +227,7 @@ class _Demands:
     def _hole(self, group: Holes, place: Vector) -> list[cq.Face]:
         """The cylinders of one hole. ValueError: the solid has none there."""
         inside = [c for c in self._cylinders if c.inside and abs(c.diameter_mm - group.diameter) < _SAME_MM]
-        faces = [c.face for c in inside if c.axis_distance_mm(place) < _SAME_MM]
+        faces = [c.face for c in inside if c.axis.Distance(gp_Pnt(*place)) < _SAME_MM]
         if not faces:
             raise ValueError(f"hole {group.letter}: no cylinder of {group.diameter:g} mm at {place}")
         return faces
@@ -296,6 +295,8 @@ def _diameter(name: str) -> XCAFDimTolObjects_DimensionObject:
 
 
 def _cylinders(faces: list[cq.Face]) -> Iterator[_Cylinder]:
+    import cadquery as cq
+
     for face in faces:
         surface = BRepAdaptor_Surface(face.wrapped)
         if surface.GetType() == GeomAbs_SurfaceType.GeomAbs_Cylinder:
