@@ -1,0 +1,157 @@
+"""What a run of one kind gives the search: data, prediction and Jacobian, nuisances, curves of an unknown cause, noise.
+
+The search and its evidence know nothing else of a run. :class:`LogProblem` is that of a log of a motion.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.interpolate import BSpline
+
+from mbcdm_cad.loop.search.marginal import NoiseModel, Whitened, noise_model
+from mbcdm_cad.loop.effects.load_sensor import within_class, within_prior
+from mbcdm_cad.loop.prepare.prepared import Prepared
+from mbcdm_cad.loop.search.fit import Fit, Fitter
+from mbcdm_cad.model.si import ModelError
+from mbcdm_cad.routes import Floats
+
+# Knots of the unknown curves over angle, load and speed; coarse and fine, so that a smooth curve is the likelier one.
+ANGLE_KNOTS, LOAD_KNOTS, SPEED_KNOTS = (4, 8, 16, 32), (5, 9), (6,)
+# Windows of the smoothing as if the noise were so many times as large: two standard deviations apart.
+OTHER_WINDOWS = (0.5, 2.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Nuisance:
+    """What a bench may be wrong by: the change of the prediction (n,), rad, for one standard deviation, of which it is
+    ``most`` at most."""
+
+    name: str
+    column: Floats
+    most: float = 2.0
+
+
+class LogProblem:
+    """Logs of one or more runs of one drive; rows are the samples in use."""
+
+    def __init__(self, fitter: Fitter, bare: Fit) -> None:
+        self.fitter, self.bare = fitter, bare
+        self.used = fitter.used
+        # Width of the prior of every size: what it does may be as large as the whole error.
+        self.prior_rad = max(float(np.std(bare.residual[self.used])), 1e-9)
+        self.step_s = min(p.step_s for p in fitter.runs)
+        self.least_rad = max(p.floor_rad for p in fitter.runs)
+
+    @cached_property
+    def starts(self) -> tuple[int, ...]:
+        """First rows of stretches of samples that follow each other."""
+        each = zip(self.fitter.parts, self.fitter.runs, strict=True)
+        number = [np.arange(part.start, part.stop) + 1e9 * k + 1e6 * _stretch(p) for k, (part, p) in enumerate(each)]
+        return (0, *(np.flatnonzero(np.diff(np.concatenate(number)[self.used]) != 1.0) + 1).tolist())
+
+    @cached_property
+    def nuisances(self) -> tuple[Nuisance, ...]:
+        """Sensors within their class, the design's figures within theirs, offsets of the inputs, windows of the
+        smoothing, and each run's zero."""
+        f, bare = self.fitter, self.bare
+        base = f.output - bare.residual
+        found = []
+        for effect in (*within_class(f.runs), *within_prior(f.runs)):
+            # Two standard deviations are the bound of a class.
+            try:
+                moved = f.predict([effect], [np.array([0.5 * effect.parameters[0].high])], bare.offsets)
+            except ModelError:
+                continue
+            found.append(Nuisance(effect.name, f.centred(moved - base, f.used)))
+        for factor in OTHER_WINDOWS:
+            try:
+                moved = f.rewindowed(factor).predict([], [], bare.offsets)
+            except ModelError:  # with less smoothing noise may slacken a cable that is nearly slack
+                continue
+            found.append(Nuisance(f"smoothing, noise times {factor:g}", 0.5 * f.centred(moved - base, f.used)))
+        for column, limit in zip(bare.jacobian.T, f.limit[f.free], strict=True):
+            size = float(np.std(column[self.used]))
+            sigma = min(limit / np.sqrt(3.0), 10.0 * self.prior_rad / max(size, 1e-30))
+            found.append(Nuisance("offset of the inputs, or an own value", sigma * column, limit / sigma))
+        for part in f.parts:
+            ones = np.zeros(f.output.size)
+            ones[part] = 1e3 * self.prior_rad
+            found.append(Nuisance("zero of the output", ones, np.inf))
+        return tuple(found)
+
+    @cached_property
+    def nuisance_columns(self) -> Floats:
+        """Columns of the nuisances on the rows."""
+        return np.stack([one.column[self.used] for one in self.nuisances], axis=1)
+
+    @cached_property
+    def curves(self) -> Floats:
+        """What an unknown cause may do: curves of angle and load by sense of motion, and of speed; RMS 1 together."""
+        blocks = []
+        for p in self.fitter.runs:
+            at = np.flatnonzero(p.used)
+            senses = [p.speed_rad_s[at] >= 0.0, p.speed_rad_s[at] < 0.0]
+            each = [(p.output_rad[at], n, True) for n in ANGLE_KNOTS] + [
+                (p.speed_rad_s[at], n, False) for n in SPEED_KNOTS
+            ]
+            if p.load_Nm is not None and np.ptp(p.load_Nm) > 0.0:
+                each += [(p.load_Nm[at], n, True) for n in LOAD_KNOTS]
+            columns = []
+            for values, knots, by_sense in each:
+                own = _hats(values, knots)
+                columns += [hat * sense for hat in own for sense in senses] if by_sense else own
+            blocks.append(np.stack(columns, axis=1))
+        columns = np.vstack(blocks)
+        columns = columns - columns.mean(axis=0)
+        size = np.sqrt(np.mean(columns**2, axis=0))
+        kept = size > 1e-6
+        return np.asarray(columns[:, kept] / size[kept] / np.sqrt(kept.sum()))
+
+    @cached_property
+    def _flexible(self) -> Floats:
+        """Orthonormal basis of nuisances and curves, which no noise is taken from."""
+        return _orthonormal(np.column_stack([self.nuisance_columns, self.curves]))
+
+    def noise_of(self, fit: Fit, known: Floats) -> NoiseModel:
+        """The noise of most likelihood in what curves, nuisances and ``known`` (n, k), the columns of all candidates,
+        leave of a fit.
+
+        What a candidate can explain tells nothing of the noise: a drift would be taken for wander, of which it is a
+        likely part.
+        """
+        rest = np.column_stack([fit.residual[self.used], known])
+        rest = rest - self._flexible @ (self._flexible.T @ rest)
+        basis = _orthonormal(rest[:, 1:])
+        return noise_model(rest[:, 0] - basis @ (basis.T @ rest[:, 0]), self.step_s, self.starts, self.least_rad)
+
+    def whitened(self, noise: NoiseModel) -> Whitened:
+        """Nuisances and curves under a noise."""
+        most = np.array([one.most for one in self.nuisances])
+        return Whitened(noise, self.nuisance_columns, np.stack([-most, most]), self.curves)
+
+
+def _orthonormal(columns: Floats) -> Floats:
+    """Orthonormal basis (n, r) of columns (n, k)."""
+    size = np.linalg.norm(columns, axis=0)
+    columns = columns[:, size > 0.0] / size[size > 0.0]
+    if not columns.shape[1]:
+        return columns
+    values, axes = np.linalg.eigh(columns.T @ columns)
+    kept = values > 1e-9 * values[-1]
+    return np.asarray(columns @ (axes[:, kept] / np.sqrt(values[kept])))
+
+
+def _hats(values: Floats, knots: int) -> list[Floats]:
+    """Linear B-splines over the range of ``values``: any curve that is straight between the knots is a sum of them."""
+    low, high = float(values.min()), float(values.max())
+    if low == high:
+        return []
+    return list(BSpline.design_matrix(values, np.r_[low, np.linspace(low, high, knots), high], 1).toarray().T)
+
+
+def _stretch(p: Prepared) -> Floats:
+    """Number of the stretch of each sample."""
+    return np.asarray(np.searchsorted(p.cut.starts, np.arange(p.time_s.size), side="right"), dtype=float)
