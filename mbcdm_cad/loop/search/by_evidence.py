@@ -94,8 +94,11 @@ class Search:
 
     def _retuned(self, fit: Fit) -> None:
         """The noise of a fit, and all that depends on it, unless it is nearly that at hand."""
-        known = [np.column_stack([c.change, c.columns])[self.used] for c in self._screened(fit)]
-        noise = self.problem.noise_of(fit, np.hstack(known))
+        known = []
+        for c in self._screened(fit):
+            columns = c.columns[self.used]
+            known.append((np.column_stack([c.change[self.used], columns]), np.append(1.0, self.prior_sd([c.effect], columns))))
+        noise = self.problem.noise_of(fit, known)
         if fit is not self.bare and abs(np.log(noise.floor_rad / self.floor_rad)) < SAME_NOISE:
             return
         self.white: Whitened = self.problem.whitened(noise)

@@ -84,9 +84,9 @@ class NoiseModel:
         return np.asarray(out / np.sqrt(variance))
 
 
-def noise_model(rest: Floats, step_s: float, starts: tuple[int, ...], least_rad: float) -> NoiseModel:
+def noise_model(rest: Floats, step_s: float, starts: tuple[int, ...], least_rad: float) -> tuple[float, NoiseModel]:
     """The noise of most likelihood of what curves and nuisances leave of a residual, rad (n,); ``least_rad``: the white
-    noise of the sensors' declared steps."""
+    noise of the sensors' declared steps. With the logarithm of its likelihood."""
     n, rest_rad = rest.size, float(np.sqrt(np.mean(rest**2)))
     best: tuple[float, NoiseModel] | None = None
     memories = np.geomspace(2.0 * step_s, 0.25 * n * step_s, MEMORIES)
@@ -100,7 +100,7 @@ def noise_model(rest: Floats, step_s: float, starts: tuple[int, ...], least_rad:
                 white = max(size * unit.white_rad, least_rad, 1e-12)
                 best = score, NoiseModel(white, size * unit.coloured_rad, float(memory), step_s, starts, rest_rad)
     assert best is not None
-    return best[1]
+    return best
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,9 +200,7 @@ class Whitened:
         log = float(logs[best]) - 0.5 * float(held[fixed] @ held[fixed]) - self.weight * rows * self.noise.log_scale
         curves = self.axes @ (self.weights[best] * (on_z[:, -1] - on_z[:, :-1] @ mean))
         odds = float(logs[best] - logs[0])
-        return Evidence(
-            log, whole[own:], covariance[own:, own:], whole[:own], float(self.scales[best]), odds, curves
-        )
+        return Evidence(log, whole[own:], covariance[own:, own:], whole[:own], float(self.scales[best]), odds, curves)
 
     def _solved(self, gram: Floats, on_z: Floats) -> tuple[int, Floats, Floats, Floats]:
         """The likeliest scale, the logarithm of the evidence of each, mean of the columns and root of their

@@ -6,7 +6,9 @@ The search and its evidence know nothing else of a run. :class:`LogProblem` is t
 from __future__ import annotations
 
 from dataclasses import dataclass
+from collections.abc import Sequence
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from scipy.interpolate import BSpline
@@ -20,6 +22,8 @@ from mbcdm_cad.routes import Floats
 
 # Knots of the unknown curves over angle, load and speed; coarse and fine, so that a smooth curve is the likelier one.
 ANGLE_KNOTS, LOAD_KNOTS, SPEED_KNOTS = (4, 8, 16, 32), (5, 9), (6,)
+# Candidates without which the noise is found, of which the largest are tried; odds from which one is taken out.
+MOST_TRIED, LOG_CERTAIN = 4, float(np.log(99.0))
 # Windows of the smoothing as if the noise were so many times as large: two standard deviations apart.
 OTHER_WINDOWS = (0.5, 2.0)
 
@@ -115,17 +119,38 @@ class LogProblem:
         """Orthonormal basis of nuisances and curves, which no noise is taken from."""
         return _orthonormal(np.column_stack([self.nuisance_columns, self.curves]))
 
-    def noise_of(self, fit: Fit, known: Floats) -> NoiseModel:
-        """The noise of most likelihood in what curves, nuisances and ``known`` (n, k), the columns of all candidates,
-        leave of a fit.
+    def noise_of(self, fit: Fit, candidates: Sequence[tuple[Floats, Floats]]) -> NoiseModel:
+        """The noise of most likelihood in what curves and nuisances leave of a fit, and those candidates without which
+        it is certainly less likely: a drift is no wander.
 
-        What a candidate can explain tells nothing of the noise: a drift would be taken for wander, of which it is a
-        likely part.
+        ``candidates``: columns (n, k) of each, and the prior standard deviations (k,) of their coefficients.
         """
-        rest = np.column_stack([fit.residual[self.used], known])
+        rest = fit.residual[self.used]
         rest = rest - self._flexible @ (self._flexible.T @ rest)
-        basis = _orthonormal(rest[:, 1:])
-        return noise_model(rest[:, 0] - basis @ (basis.T @ rest[:, 0]), self.step_s, self.starts, self.least_rad)
+        # Each column that is taken out takes a sample's share of the noise with it.
+        rest *= np.sqrt(rest.size / max(rest.size - self._flexible.shape[1], 1))
+        score, noise = self._likeliest(rest)
+        columns = np.hstack([columns * sd for columns, sd in candidates])
+        columns -= self._flexible @ (self._flexible.T @ columns)
+        ends = np.cumsum([0, *(sd.size for _, sd in candidates)])
+        each = [columns[:, a:b] for a, b in pairwise(ends)]
+        grams = [own.T @ own for own in each]
+        while True:
+            left = []
+            for own, gram in zip(each, grams, strict=True):
+                inner = gram + np.mean(rest**2) * np.eye(gram.shape[0])
+                left.append(rest - own @ np.linalg.solve(inner, own.T @ rest))
+            tried = []
+            for k in np.argsort([float(one @ one) for one in left])[:MOST_TRIED]:
+                paid = 0.5 * each[k].shape[1] * np.log(rest.size) + np.log(len(each)) + LOG_CERTAIN
+                found = self._likeliest(left[k])
+                tried.append((found[0] - paid, found[1], left[k]))
+            if not tried or max(one[0] for one in tried) <= score:
+                return noise
+            score, noise, rest = max(tried, key=lambda one: one[0])
+
+    def _likeliest(self, rest: Floats) -> tuple[float, NoiseModel]:
+        return noise_model(rest, self.step_s, self.starts, self.least_rad)
 
     def whitened(self, noise: NoiseModel) -> Whitened:
         """Nuisances and curves under a noise."""
@@ -136,7 +161,8 @@ class LogProblem:
 def _orthonormal(columns: Floats) -> Floats:
     """Orthonormal basis (n, r) of columns (n, k)."""
     size = np.linalg.norm(columns, axis=0)
-    columns = columns[:, size > 0.0] / size[size > 0.0]
+    least = 1e-9 * size.max(initial=0.0)
+    columns = columns[:, size > least] / size[size > least]
     if not columns.shape[1]:
         return columns
     values, axes = np.linalg.eigh(columns.T @ columns)
