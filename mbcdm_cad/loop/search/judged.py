@@ -54,12 +54,18 @@ def close_by_evidence(drive: Drive, run: Run) -> dict[str, Any]:
 def _result(search: Search) -> dict[str, Any]:
     """Search, withdraw what is too small or may be a part of the unknown, tell the rest."""
     fit, sets = search.found()
-    least_rad, unknown_rad = LEAST_FALL * search.floor_rad, search.unknown_rad(fit)
+    least_rad = LEAST_FALL * search.floor_rad
+    kept = fit
+    for one in sets:
+        certain = search.of(kept).unknown_odds > LOG_ODDS
+        fall_rad = _fall_rad(search, fit, one.effect)
+        if fall_rad < least_rad or (certain and search.unknown_rad(kept) > BLAME_SHARE * fall_rad):
+            kept = search.without(kept, one.effect)
+    unknown_rad = search.unknown_rad(kept)
     effects: list[dict[str, Any]] = []
     one_of: list[list[dict[str, Any]]] = []
     for one in sets:
-        fall_rad = _fall_rad(search, fit, one.effect)
-        if fall_rad < least_rad or unknown_rad > max(least_rad, BLAME_SHARE * fall_rad):
+        if one.effect not in kept.effects:
             continue
         first = _named(search, fit, one.effect, one.probability, one.forms)
         others = [_named(search, other, other.effects[-1], share) for other, share in one.alike]
@@ -67,7 +73,7 @@ def _result(search: Search) -> dict[str, Any]:
             one_of.append([first, *others])
         else:
             effects.append(first)
-    unknown = unknown_rad > least_rad and search.of(fit).unknown_odds > LOG_ODDS
+    unknown = unknown_rad > least_rad and search.of(kept).unknown_odds > LOG_ODDS
     words = ("partly_explained", "explained") if effects or one_of else ("unknown", "none")
     return {
         "verdict": words[0] if unknown else words[1],

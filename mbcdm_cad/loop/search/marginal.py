@@ -17,7 +17,7 @@ likelihood; the innovations of its steady Kalman filter are white, and the same 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 
@@ -29,9 +29,10 @@ from mbcdm_cad.routes import Floats
 # Candidates of the noise: shares of the mean square with a memory, and memories from steps of the run to its duration.
 SHARES = (0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.7, 0.85, 0.95, 0.99)
 MEMORIES = 9
-# The posterior is coarsened (J. W. Miller and D. B. Dunson, J. Am. Stat. Assoc. 114 (2019) 1113): a model of a real drive
-# is never right, and two predictions that differ by 0.12 of the floor are told apart at odds of 99 to 1 at most, which
-# so many independent samples do, however many there are: 2 ln(99) / 0.12^2.
+# A model of a real drive is never right: two predictions that differ by 0.12 of the floor are told apart at odds of 99
+# to 1 at most, which so many independent samples do, however many there are: 2 ln(99) / 0.12^2. Beyond them the error
+# of the model is white noise beside that of the run, so that the posterior is coarsened (J. W. Miller and D. B. Dunson,
+# J. Am. Stat. Assoc. 114 (2019) 1113), and what a slow noise leaves untold already is not taken off twice.
 INDEPENDENT = 640
 # Samples for which the sums are made.
 MOST_ROWS = 4000
@@ -52,6 +53,11 @@ class NoiseModel:
     step_s: float
     starts: tuple[int, ...]
     rest_rad: float = np.inf
+
+    def coarsened(self, samples: int) -> NoiseModel:
+        """With the error of the model beside it."""
+        beyond = self.floor_rad * np.sqrt(max(samples / INDEPENDENT - 1.0, 0.0))
+        return replace(self, white_rad=float(np.hypot(self.white_rad, beyond)))
 
     @property
     def floor_rad(self) -> float:
@@ -124,8 +130,8 @@ class Whitened:
     def __init__(self, noise: NoiseModel, nuisances: Floats, bounds: Floats, curves: Floats) -> None:
         """``bounds`` (2, q) of the nuisances, in standard deviations."""
         self.noise, self.bounds = noise, bounds
+        self.coarse = noise.coarsened(nuisances.shape[0])
         self.every = max(1, nuisances.shape[0] // MOST_ROWS)
-        self.weight = min(1.0, INDEPENDENT / nuisances.shape[0])
         self.nuisances, z = self.whitened(nuisances), self.whitened(curves)
         values, axes = np.linalg.eigh(z.T @ z)
         kept = values > 1e-12 * values[-1]
@@ -139,8 +145,8 @@ class Whitened:
         self.log_curves = 0.5 * np.log1p(squares * sizes).sum(axis=1)
 
     def whitened(self, columns: Floats) -> Floats:
-        """Some of the innovations, which are independent, for all of them, with the weight of the coarsened posterior."""
-        return np.asarray(np.sqrt(self.weight * self.every) * self.noise.whitened(columns)[:: self.every])
+        """Some of the innovations, which are independent, for all of them."""
+        return np.asarray(np.sqrt(self.every) * self.coarse.whitened(columns)[:: self.every])
 
     def parts(self, columns: Floats) -> tuple[Floats, Floats]:
         """Products of the nuisances (first) and ``columns`` (n, k), whitened, and their projections on the curves."""
@@ -197,7 +203,7 @@ class Whitened:
         whole[free] = value
         covariance[np.ix_(free, free)] = (inverse.T @ inverse) * np.outer(sd[free], sd[free])
         fixed = np.flatnonzero(~np.isnan(held[:own]))
-        log = float(logs[best]) - 0.5 * float(held[fixed] @ held[fixed]) - self.weight * rows * self.noise.log_scale
+        log = float(logs[best]) - 0.5 * float(held[fixed] @ held[fixed]) - rows * self.coarse.log_scale
         curves = self.axes @ (self.weights[best] * (on_z[:, -1] - on_z[:, :-1] @ mean))
         odds = float(logs[best] - logs[0])
         return Evidence(log, whole[own:], covariance[own:, own:], whole[:own], float(self.scales[best]), odds, curves)
