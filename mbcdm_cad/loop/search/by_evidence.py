@@ -106,7 +106,7 @@ class Search:
         self._without: dict[frozenset[int], Fit] = {}
         self._known: dict[Fit, Evidence] = {}
         self._moves: dict[Fit, list[Fit]] = {}
-        self._metrics: dict[float, Callable[[Floats], Floats]] = {}
+        self._metrics: dict[int, Callable[[Floats], Floats]] = {}
 
     @property
     def floor_rad(self) -> float:
@@ -135,7 +135,7 @@ class Search:
 
     def unknown_rad(self, fit: Fit) -> float:
         """RMS of what the unknown curves do that neither the effects of a fit nor nuisances can do."""
-        curve = self.problem.curves @ self.of(fit).curves
+        curve = self.white.unknown(self.of(fit), self.problem.curves)
         known = np.column_stack([fit.jacobian[self.used][:, : fit.width], self.problem.nuisance_columns])
         size = np.linalg.norm(known, axis=0)
         known = known[:, size > 0.0] / size[size > 0.0]
@@ -157,22 +157,22 @@ class Search:
         key = frozenset(map(id, rest))
         if key not in self._without:
             values = [fit.values_of(e) for e in rest]
-            self._without[key] = self.fitted(self.of(fit).scale_rad, rest, values, fit.offsets)
+            self._without[key] = self.fitted(self.of(fit).unknown, rest, values, fit.offsets)
         return self._without[key]
 
     def fitted(
         self,
-        scale_rad: float,
+        unknown: int,
         effects: Sequence[Effect],
         values: Sequence[Floats],
         offsets: Floats,
         fitter: Fitter | None = None,
         **options: Any,
     ) -> Fit:
-        """The fit of most posterior density, beside nuisances and unknown curves of a scale."""
-        if scale_rad not in self._metrics:
-            self._metrics[scale_rad] = self.white.metric(scale_rad)
-        options = {"mask": self.used, "metric": self._metrics[scale_rad], "settled": 1e-6} | options
+        """The fit of most posterior density, beside nuisances and an unknown cause."""
+        if unknown not in self._metrics:
+            self._metrics[unknown] = self.white.metric(unknown)
+        options = {"mask": self.used, "metric": self._metrics[unknown], "settled": 1e-6} | options
         return (fitter or self.fitter).fit(effects, values, offsets, **options)
 
     def _screened(self, now: Fit) -> list[Candidate]:
@@ -230,7 +230,7 @@ class Search:
             slopes = np.hstack([now.jacobian[:, :base], c.columns, now.jacobian[:, base:]])
             begin = partial(
                 self.fitted,
-                left.scale_rad,
+                left.unknown,
                 (*now.effects, c.effect),
                 (*now.values, c.start),
                 now.offsets,
@@ -249,7 +249,7 @@ class Search:
         near = [one for k, one in enumerate(begun) if k < FINISHED or self.of(one).log > least - BEHIND]
 
         def finished(one: Fit, fitter: Fitter) -> Fit:
-            return self.fitted(self.of(one).scale_rad, one.effects, one.values, one.offsets, fitter)
+            return self.fitted(self.of(one).unknown, one.effects, one.values, one.offsets, fitter)
 
         ended = self.screening.twins.each([partial(finished, one) for one in near])
         possible = [one for one in ended if not self.impossible(one.effects[-1], one.values[-1])]

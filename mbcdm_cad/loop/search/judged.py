@@ -56,11 +56,14 @@ def _result(search: Search) -> dict[str, Any]:
     fit, sets = search.found()
     least_rad = LEAST_FALL * search.floor_rad
     kept = fit
-    for one in sets:
-        certain = search.of(kept).unknown_odds > LOG_ODDS
-        fall_rad = _fall_rad(search, fit, one.effect)
-        if fall_rad < least_rad or (certain and search.unknown_rad(kept) > BLAME_SHARE * fall_rad):
-            kept = search.without(kept, one.effect)
+    while True:
+        certain, unknown_rad = search.of(kept).unknown_odds > LOG_ODDS, search.unknown_rad(kept)
+        falls = {e: _fall_rad(search, kept, e) for e in kept.effects}
+        least = {e: max(least_rad, unknown_rad / BLAME_SHARE if certain else 0.0) for e in falls}
+        small = min(falls, key=lambda e: falls[e] / least[e], default=None)
+        if small is None or falls[small] >= least[small]:
+            break
+        kept = search.without(kept, small)
     unknown_rad = search.unknown_rad(kept)
     effects: list[dict[str, Any]] = []
     one_of: list[list[dict[str, Any]]] = []

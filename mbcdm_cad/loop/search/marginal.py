@@ -16,7 +16,7 @@ likelihood; the innovations of its steady Kalman filter are white, and the same 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
@@ -37,7 +37,7 @@ INDEPENDENT = 640
 # Samples for which the sums are made.
 MOST_ROWS = 4000
 # Scales of the unknown curves, over the floor: from what is in every run, to far beyond.
-SCALES = np.geomspace(0.06, 60.0, 16)
+SCALES = np.geomspace(0.06, 60.0, 11)
 
 
 @dataclass(frozen=True)
@@ -112,37 +112,52 @@ def noise_model(rest: Floats, step_s: float, starts: tuple[int, ...], least_rad:
 @dataclass(frozen=True, eq=False)
 class Evidence:
     """``log``: marginal likelihood; ``mean`` and ``covariance`` of the effects' values (k,), (k, k), all else
-    integrated out; ``nuisances``: posterior means of those (q,), in standard deviations; ``scale_rad`` of the unknown
-    curves, and their log Bayes factor against the least scale; ``curves``: posterior mean of their coefficients."""
+    integrated out; ``nuisances``: posterior means of those (q,), in standard deviations; ``unknown``: number of the
+    likeliest hypothesis of the unknown cause, and its log Bayes factor against the least scale; ``curves``: posterior
+    mean of its coefficients."""
 
     log: float
     mean: Floats
     covariance: Floats
     nuisances: Floats
-    scale_rad: float
+    unknown: int
     unknown_odds: float
     curves: Floats
 
 
 class Whitened:
-    """Nuisances and curves, whitened by one noise model; the curves in their principal axes."""
+    """Nuisances and curves, whitened by one noise model; the curves of each family in their principal axes.
 
-    def __init__(self, noise: NoiseModel, nuisances: Floats, bounds: Floats, curves: Floats) -> None:
+    Each family at each scale is one hypothesis of what an unknown cause does, by number.
+    """
+
+    def __init__(self, noise: NoiseModel, nuisances: Floats, bounds: Floats, curves: Sequence[Floats]) -> None:
         """``bounds`` (2, q) of the nuisances, in standard deviations."""
         self.noise, self.bounds = noise, bounds
         self.coarse = noise.coarsened(nuisances.shape[0])
         self.every = max(1, nuisances.shape[0] // MOST_ROWS)
-        self.nuisances, z = self.whitened(nuisances), self.whitened(curves)
-        values, axes = np.linalg.eigh(z.T @ z)
-        kept = values > 1e-12 * values[-1]
-        self.axes, sizes = axes[:, kept], values[kept]
-        self.curves = z @ self.axes
-        self._gram, self._on_z = self.nuisances.T @ self.nuisances, self.curves.T @ self.nuisances
+        self.nuisances = self.whitened(nuisances)
         self.scales = SCALES * noise.floor_rad
-        # Of each scale the weights of the axes, and half the logarithm of the determinant.
         squares = self.scales[:, None] ** 2
-        self.weights = squares / (1.0 + squares * sizes)
-        self.log_curves = 0.5 * np.log1p(squares * sizes).sum(axis=1)
+        self.axes, kept, self.weights, logs = [], [], [], []
+        for family in curves:
+            z = self.whitened(family)
+            values, axes = np.linalg.eigh(z.T @ z)
+            some = values > 1e-9 * values[-1]
+            self.axes.append(axes[:, some])
+            kept.append(z @ axes[:, some])
+            # Of each scale the weights of the axes, and half the logarithm of the determinant.
+            self.weights.append(squares / (1.0 + squares * values[some]))
+            logs.append(0.5 * np.log1p(squares * values[some]).sum(axis=1))
+        self.curves, self.log_curves = np.hstack(kept), np.concatenate(logs)
+        ends = np.cumsum([0, *(one.shape[1] for one in kept)])
+        self.slices = [slice(a, b) for a, b in pairwise(ends)]
+        self._gram, self._on_z = self.nuisances.T @ self.nuisances, self.curves.T @ self.nuisances
+
+    def _weighted(self, unknown: int) -> tuple[slice, Floats]:
+        """The axes of a hypothesis of the unknown, and their weights."""
+        family, scale = divmod(unknown, self.scales.size)
+        return self.slices[family], self.weights[family][scale]
 
     def whitened(self, columns: Floats) -> Floats:
         """Some of the innovations, which are independent, for all of them."""
@@ -154,9 +169,10 @@ class Whitened:
         across = self.nuisances.T @ w
         return np.block([[self._gram, across], [across.T, w.T @ w]]), np.hstack([self._on_z, self.curves.T @ w])
 
-    def metric(self, scale_rad: float) -> Callable[[Floats], Floats]:
-        """What makes errors beyond nuisances and curves of a scale independent: the root of the inverse covariance."""
-        both = np.column_stack([self.nuisances, scale_rad * self.curves])
+    def metric(self, unknown: int) -> Callable[[Floats], Floats]:
+        """What makes errors beyond nuisances and unknown curves independent: the root of the inverse covariance."""
+        family, scale = divmod(unknown, self.scales.size)
+        both = np.column_stack([self.nuisances, self.scales[scale] * self.curves[:, self.slices[family]]])
         values, axes = np.linalg.eigh(both.T @ both)
         kept = values > 1e-9 * values[-1]
         basis = both @ (axes[:, kept] / np.sqrt(values[kept]))
@@ -193,7 +209,8 @@ class Whitened:
                 continue
             # One that was held too early goes back: the data push it inwards.
             left = take @ np.append(-mean, 1.0)
-            push = parts[0][:-1] @ left - parts[1][:, :-1].T @ (self.weights[best] * (parts[1] @ left))
+            axes, weights = self._weighted(best)
+            push = parts[0][:-1] @ left - parts[1][axes, :-1].T @ (weights * (parts[1][axes] @ left))
             inwards = np.where(held == limits[0], sd, -sd) * (sd > 0.0)
             push = np.where(np.isnan(held), 0.0, (push - held / np.where(sd > 0.0, sd, 1.0) ** 2) * inwards)
             if push.max(initial=0.0) <= 1e-9:
@@ -204,15 +221,26 @@ class Whitened:
         covariance[np.ix_(free, free)] = (inverse.T @ inverse) * np.outer(sd[free], sd[free])
         fixed = np.flatnonzero(~np.isnan(held[:own]))
         log = float(logs[best]) - 0.5 * float(held[fixed] @ held[fixed]) - rows * self.coarse.log_scale
-        curves = self.axes @ (self.weights[best] * (on_z[:, -1] - on_z[:, :-1] @ mean))
+        axes, weights = self._weighted(best)
+        curves = weights * (on_z[axes, -1] - on_z[axes, :-1] @ mean)
         odds = float(logs[best] - logs[0])
-        return Evidence(log, whole[own:], covariance[own:, own:], whole[:own], float(self.scales[best]), odds, curves)
+        return Evidence(log, whole[own:], covariance[own:, own:], whole[:own], best, odds, curves)
+
+    def unknown(self, evidence: Evidence, curves: Sequence[Floats]) -> Floats:
+        """What the unknown cause does, rad (n,); ``curves`` as given at first."""
+        family = evidence.unknown // self.scales.size
+        return np.asarray(curves[family] @ (self.axes[family] @ evidence.curves))
 
     def _solved(self, gram: Floats, on_z: Floats) -> tuple[int, Floats, Floats, Floats]:
         """The likeliest scale, the logarithm of the evidence of each, mean of the columns and root of their
         covariance there, all columns with a prior of one standard deviation."""
         k = gram.shape[0] - 1
-        inner = gram - np.matmul((on_z.T[None] * self.weights[:, None, :]), on_z)
+        inner = gram - np.concatenate(
+            [
+                np.matmul(on_z[axes].T[None] * weights[:, None, :], on_z[axes])
+                for axes, weights in zip(self.slices, self.weights, strict=True)
+            ]
+        )
         root = np.linalg.cholesky(np.eye(k) + inner[:, :k, :k])
         h = np.linalg.solve(root, inner[:, :k, k:])[..., 0]
         logs = -0.5 * (inner[:, k, k] - np.sum(h**2, axis=1)) - self.log_curves

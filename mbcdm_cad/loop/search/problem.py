@@ -92,32 +92,47 @@ class LogProblem:
         return np.stack([one.column[self.used] for one in self.nuisances], axis=1)
 
     @cached_property
-    def curves(self) -> Floats:
-        """What an unknown cause may do: curves of angle and load by sense of motion, and of speed; RMS 1 together."""
-        blocks = []
-        for p in self.fitter.runs:
-            at = np.flatnonzero(p.used)
-            senses = [p.speed_rad_s[at] >= 0.0, p.speed_rad_s[at] < 0.0]
-            each = [(p.output_rad[at], n, True) for n in ANGLE_KNOTS] + [
-                (p.speed_rad_s[at], n, False) for n in SPEED_KNOTS
-            ]
-            if p.load_Nm is not None and np.ptp(p.load_Nm) > 0.0:
-                each += [(p.load_Nm[at], n, True) for n in LOAD_KNOTS]
-            columns = []
-            for values, knots, by_sense in each:
-                own = _hats(values, knots)
-                columns += [hat * sense for hat in own for sense in senses] if by_sense else own
-            blocks.append(np.stack(columns, axis=1))
-        columns = np.vstack(blocks)
-        columns = columns - columns.mean(axis=0)
-        size = np.sqrt(np.mean(columns**2, axis=0))
-        kept = size > 1e-6
-        return np.asarray(columns[:, kept] / size[kept] / np.sqrt(kept.sum()))
+    def curves(self) -> tuple[Floats, ...]:
+        """What an unknown cause may do, by families: (n, k) each, RMS 1 together.
+
+        Curves of angle, of load and of speed, all at once and by sense of motion; smooth ones of angle alone, fine ones,
+        smooth ones by sense; and those of load alone. A simple unknown cause is as likely as a name only if it does not
+        pay for what it does not do.
+        """
+        smooth, fine = ANGLE_KNOTS[:2], ANGLE_KNOTS
+        families = [
+            [*self._hats("angle", fine, True), *self._hats("load", LOAD_KNOTS, True), *self._hats("speed", SPEED_KNOTS)],
+            self._hats("angle", smooth),
+            self._hats("angle", fine),
+            self._hats("angle", smooth, True),
+            self._hats("load", LOAD_KNOTS, True),
+        ]
+        found = []
+        for family in families:
+            columns = np.stack(family, axis=1) if family else np.zeros((int(self.used.sum()), 0))
+            columns = columns - columns.mean(axis=0)
+            size = np.sqrt(np.mean(columns**2, axis=0))
+            kept = size > 1e-6
+            if kept.any():
+                found.append(np.asarray(columns[:, kept] / size[kept] / np.sqrt(kept.sum())))
+        return tuple(found)
+
+    def _hats(self, of: str, numbers: Sequence[int], by_sense: bool = False) -> list[Floats]:
+        """Hats (n,) over angle, load or speed of all runs, of each number of knots."""
+        values = [getattr(p, {"angle": "output_rad", "load": "load_Nm", "speed": "speed_rad_s"}[of]) for p in self.fitter.runs]
+        if any(v is None for v in values):
+            return []
+        at = np.concatenate([v[p.used] for v, p in zip(values, self.fitter.runs, strict=True)])
+        hats = [hat for knots in numbers for hat in _hats(at, knots)]
+        if not by_sense:
+            return hats
+        onward = np.concatenate([p.speed_rad_s[p.used] for p in self.fitter.runs]) >= 0.0
+        return [hat * sense for hat in hats for sense in (onward, ~onward)]
 
     @cached_property
     def _flexible(self) -> Floats:
         """Orthonormal basis of nuisances and curves, which no noise is taken from."""
-        return _orthonormal(np.column_stack([self.nuisance_columns, self.curves]))
+        return _orthonormal(np.column_stack([self.nuisance_columns, self.curves[0]]))
 
     def noise_of(self, fit: Fit, candidates: Sequence[tuple[Floats, Floats]]) -> NoiseModel:
         """The noise of most likelihood in what curves and nuisances leave of a fit, and those candidates without which
