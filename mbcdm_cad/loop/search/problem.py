@@ -149,20 +149,21 @@ class LogProblem:
         columns -= self._flexible @ (self._flexible.T @ columns)
         ends = np.cumsum([0, *(sd.size for _, sd in candidates)])
         each = [columns[:, a:b] for a, b in pairwise(ends)]
-        grams = [own.T @ own for own in each]
-        while True:
+        while each:
             left = []
-            for own, gram in zip(each, grams, strict=True):
-                inner = gram + np.mean(rest**2) * np.eye(gram.shape[0])
+            for own in each:
+                inner = own.T @ own + np.mean(rest**2) * np.eye(own.shape[1])
                 left.append(rest - own @ np.linalg.solve(inner, own.T @ rest))
             tried = []
             for k in np.argsort([float(one @ one) for one in left])[:MOST_TRIED]:
                 paid = 0.5 * each[k].shape[1] * np.log(rest.size) + np.log(len(each)) + LOG_CERTAIN
-                found = self._likeliest(left[k])
-                tried.append((found[0] - paid, found[1], left[k]))
-            if not tried or max(one[0] for one in tried) <= score:
-                return noise
-            score, noise, rest = max(tried, key=lambda one: one[0])
+                tried.append((*self._likeliest(left[k]), paid, k))
+            better, found, paid, k = max(tried, key=lambda one: one[0] - one[2])
+            if better - paid <= score:
+                break
+            score, noise, rest = better, found, left[k]
+            del each[k]
+        return noise
 
     def _likeliest(self, rest: Floats) -> tuple[float, NoiseModel]:
         return noise_model(rest, self.step_s, self.starts, self.least_rad)
