@@ -134,12 +134,8 @@ class Search:
         return self._known[fit]
 
     def unknown_rad(self, fit: Fit) -> float:
-        """RMS of what the unknown curves do that neither the effects of a fit nor nuisances can do."""
-        curve = self.white.unknown(self.of(fit), self.problem.curves)
-        known = np.column_stack([fit.jacobian[self.used][:, : fit.width], self.problem.nuisance_columns])
-        size = np.linalg.norm(known, axis=0)
-        known = known[:, size > 0.0] / size[size > 0.0]
-        return float(np.std(curve - known @ np.linalg.lstsq(known, curve, rcond=1e-8)[0]))
+        """RMS of what the unknown cause does beside a fit, nuisances taken into account."""
+        return float(np.std(self.white.unknown(self.of(fit), self.problem.curves)))
 
     def score(self, fit: Fit) -> float:
         """Logarithm of the evidence, times the prior of its effects: each name as likely as each other."""
