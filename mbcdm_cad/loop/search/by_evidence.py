@@ -39,6 +39,8 @@ SAME_NOISE = 0.05
 CABLES_SLIP = ("preload_error", "cable_friction", "passed_slip")
 # Standard deviation of the prior of an order, cycles a turn, which has no bound.
 ORDER_SD = 200.0
+# Number of the hypothesis that what an unknown cause does is least.
+NO_UNKNOWN = 0
 # A shape of what changes is the less likely explanation beside a cause.
 LOG_SHAPE = float(np.log(20.0))
 
@@ -222,23 +224,19 @@ class Search:
         promised = {id(c): log for log, c in ranked}
         base = now.width
 
+        def begun_at(unknown: int, c: Candidate, fitter: Fitter, **options: Any) -> Fit:
+            both = (*now.effects, c.effect), (*now.values, c.start)
+            options |= {"iterations": 4, "settled": 1e-4, "fresh": False}
+            return self.fitted(unknown, *both, now.offsets, fitter, **options)
+
         def few(c: Candidate, fitter: Fitter) -> Fit:
             slopes = np.hstack([now.jacobian[:, :base], c.columns, now.jacobian[:, base:]])
-            begin = partial(
-                self.fitted,
-                left.unknown,
-                (*now.effects, c.effect),
-                (*now.values, c.start),
-                now.offsets,
-                fitter,
-                iterations=4,
-                settled=1e-4,
-                fresh=False,
-            )
-            found = begin(slopes=slopes)
-            if self.of(found).log < promised[id(c)] - 3.0:
-                found = max(found, begin(), key=lambda one: self.of(one).log)
-            return found
+            # Beside a large unknown, which may stand for what the candidate does, and beside none.
+            found = [begun_at(unknown, c, fitter, slopes=slopes) for unknown in sorted({left.unknown, NO_UNKNOWN})]
+            best = max(found, key=lambda one: self.of(one).log)
+            if self.of(best).log < promised[id(c)] - 3.0:
+                best = max(best, begun_at(left.unknown, c, fitter), key=lambda one: self.of(one).log)
+            return best
 
         begun = sorted(self.screening.twins.each([partial(few, c) for c in chosen]), key=lambda one: -self.of(one).log)
         least = max((self.of(one).log for one in begun), default=0.0)
