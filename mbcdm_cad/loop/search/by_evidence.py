@@ -88,6 +88,7 @@ class Search:
 
     def __init__(self, fitter: Fitter, library: Sequence[Effect], bare: Fit) -> None:
         self.fitter, self.library, self.bare = fitter, tuple(e for e in library if not e.inside), bare
+        self.inside = tuple(e for e in library if e.inside)
         self.problem = LogProblem(fitter, bare)
         self.screening = Candidates(fitter, self.library)
         self.used = fitter.used
@@ -241,6 +242,9 @@ class Search:
         begun = sorted(self.screening.twins.each([partial(few, c) for c in chosen]), key=lambda one: -self.of(one).log)
         least = max((self.of(one).log for one in begun), default=0.0)
         near = [one for k, one in enumerate(begun) if k < FINISHED or self.of(one).log > least - BEHIND]
+
+        # A form that moves the cables has the values of the form that only adds to the reading.
+        near += [replace(one, effects=(*now.effects, form)) for one in near[:1] for form in self.inside if form.key == one.effects[-1].key]
 
         def finished(one: Fit, fitter: Fitter) -> Fit:
             return self.fitted(self.of(one).unknown, one.effects, one.values, one.offsets, fitter)
