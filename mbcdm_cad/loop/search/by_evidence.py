@@ -104,7 +104,7 @@ class Search:
         noise = self.problem.noise_of(fit, known)
         if fit is not self.bare and abs(np.log(noise.floor_rad / self.floor_rad)) < SAME_NOISE:
             return
-        self.white: Whitened = self.problem.whitened(noise)
+        self.white: Whitened = self.problem.whitened(noise, self.names)
         # Fits by what they hold, as they were best beside each other.
         self._without: dict[frozenset[int], Fit] = {}
         self._known: dict[Fit, Evidence] = {}
@@ -268,9 +268,16 @@ class Search:
     def grown(self, now: Fit) -> Fit:
         """``now`` with every effect that the evidence allows."""
         while len(now.effects) < MOST_EFFECTS:
-            better = next(iter(self.additions(now)), None)
-            if better is None or self.score(better) - self.score(now) < LOG_ODDS:
+            more = self.additions(now)
+            if not more:
                 break
+            better = more[0]
+            if self.score(better) - self.score(now) < LOG_ODDS:
+                # One more may make another one needless.
+                likelier = [one for one in more[:FINISHED] if self.of(one).log > self.of(now).log + 1.0]
+                better = max(map(self.pruned, likelier), key=self.score, default=now)
+                if self.score(better) < self.score(now) + 1.0:
+                    break
             self._retuned(better)
             self._without.setdefault(frozenset(map(id, now.effects)), now)
             now = self.swapped(self.pruned(better))

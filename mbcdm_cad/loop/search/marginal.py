@@ -23,6 +23,7 @@ from itertools import pairwise
 
 import numpy as np
 from scipy.signal import lfilter
+from scipy.special import logsumexp
 
 from mbcdm_cad.routes import Floats
 
@@ -113,7 +114,7 @@ def noise_model(rest: Floats, step_s: float, starts: tuple[int, ...], least_rad:
 class Evidence:
     """``log``: marginal likelihood; ``mean`` and ``covariance`` of the effects' values (k,), (k, k), all else
     integrated out; ``nuisances``: posterior means of those (q,), in standard deviations; ``unknown``: number of the
-    likeliest hypothesis of the unknown cause, and its log Bayes factor against the least scale; ``curves``: posterior
+    likeliest hypothesis of the unknown cause, and the log odds of any against the least scale; ``curves``: posterior
     mean of its coefficients."""
 
     log: float
@@ -131,8 +132,11 @@ class Whitened:
     Each family at each scale is one hypothesis of what an unknown cause does, by number.
     """
 
-    def __init__(self, noise: NoiseModel, nuisances: Floats, bounds: Floats, curves: Sequence[Floats]) -> None:
-        """``bounds`` (2, q) of the nuisances, in standard deviations."""
+    def __init__(
+        self, noise: NoiseModel, nuisances: Floats, bounds: Floats, curves: Sequence[Floats], names: int
+    ) -> None:
+        """``bounds`` (2, q) of the nuisances, in standard deviations. An unknown cause is as likely beforehand as one of
+        so many ``names``, whatever its family and scale; the least scale is what is in every run."""
         self.noise, self.bounds = noise, bounds
         self.coarse = noise.coarsened(nuisances.shape[0])
         self.every = max(1, nuisances.shape[0] // MOST_ROWS)
@@ -149,6 +153,10 @@ class Whitened:
             # Of each scale the weights of the axes, and half the logarithm of the determinant.
             self.weights.append(squares / (1.0 + squares * values[some]))
             logs.append(0.5 * np.log1p(squares * values[some]).sum(axis=1))
+            # The least scale is certain, the others share the prior of one name.
+            prior = np.full(SCALES.size, -np.log(names * len(curves) * (SCALES.size - 1)))
+            prior[0] = -np.log(len(curves))
+            logs[-1] -= prior
         self.curves, self.log_curves = np.hstack(kept), np.concatenate(logs)
         ends = np.cumsum([0, *(one.shape[1] for one in kept)])
         self.slices = [slice(a, b) for a, b in pairwise(ends)]
@@ -220,10 +228,11 @@ class Whitened:
         whole[free] = value
         covariance[np.ix_(free, free)] = (inverse.T @ inverse) * np.outer(sd[free], sd[free])
         fixed = np.flatnonzero(~np.isnan(held[:own]))
-        log = float(logs[best]) - 0.5 * float(held[fixed] @ held[fixed]) - rows * self.coarse.log_scale
+        log = float(logsumexp(logs)) - 0.5 * float(held[fixed] @ held[fixed]) - rows * self.coarse.log_scale
         axes, weights = self._weighted(best)
         curves = weights * (on_z[axes, -1] - on_z[axes, :-1] @ mean)
-        odds = float(logs[best] - logs[0])
+        least = np.arange(logs.size) % self.scales.size == 0
+        odds = float(logsumexp(logs[~least]) - logsumexp(logs[least]))
         return Evidence(log, whole[own:], covariance[own:, own:], whole[:own], best, odds, curves)
 
     def unknown(self, evidence: Evidence, curves: Sequence[Floats]) -> Floats:
@@ -232,7 +241,7 @@ class Whitened:
         return np.asarray(curves[family] @ (self.axes[family] @ evidence.curves))
 
     def _solved(self, gram: Floats, on_z: Floats) -> tuple[int, Floats, Floats, Floats]:
-        """The likeliest scale, the logarithm of the evidence of each, mean of the columns and root of their
+        """The likeliest hypothesis of the unknown, the logarithm of the posterior of each, mean of the columns and root of their
         covariance there, all columns with a prior of one standard deviation."""
         k = gram.shape[0] - 1
         inner = gram - np.concatenate(

@@ -168,10 +168,10 @@ class LogProblem:
     def _likeliest(self, rest: Floats) -> tuple[float, NoiseModel]:
         return noise_model(rest, self.step_s, self.starts, self.least_rad)
 
-    def whitened(self, noise: NoiseModel) -> Whitened:
-        """Nuisances and curves under a noise."""
+    def whitened(self, noise: NoiseModel, names: int) -> Whitened:
+        """Nuisances and curves under a noise; an unknown cause is as likely as one of so many names."""
         most = np.array([one.most for one in self.nuisances])
-        return Whitened(noise, self.nuisance_columns, np.stack([-most, most]), self.curves)
+        return Whitened(noise, self.nuisance_columns, np.stack([-most, most]), self.curves, names)
 
 
 def _orthonormal(columns: Floats) -> Floats:
