@@ -22,6 +22,8 @@ from mbcdm_cad.routes import Floats
 
 # Knots of the unknown curves over angle, load and speed; coarse and fine, so that a smooth curve is the likelier one.
 ANGLE_KNOTS, LOAD_KNOTS, SPEED_KNOTS = (4, 8, 16, 32), (5, 9), (6,)
+# How far an unknown law of the load that is nearly proportional to it is from that, as a share.
+PROPORTIONAL = 0.2
 # Candidates without which the noise is found, of which the largest are tried; odds from which one is taken out.
 MOST_TRIED, LOG_CERTAIN = 4, float(np.log(99.0))
 # Windows of the smoothing as if the noise were so many times as large: two standard deviations apart.
@@ -96,7 +98,7 @@ class LogProblem:
         """What an unknown cause may do, by families: (n, k) each, RMS 1 together.
 
         Curves of angle, of load and of speed, all at once and by sense of motion; smooth ones of angle alone, fine ones,
-        smooth ones by sense; and those of load alone. A simple unknown cause is as likely as a name only if it does not
+        smooth ones by sense; those of load alone, also nearly proportional to it. A simple unknown cause is as likely as a name only if it does not
         pay for what it does not do.
         """
         smooth, fine = ANGLE_KNOTS[:2], ANGLE_KNOTS
@@ -107,22 +109,33 @@ class LogProblem:
             self._hats("angle", smooth, True),
             self._hats("load", LOAD_KNOTS, True),
         ]
-        found = []
-        for family in families:
-            columns = np.stack(family, axis=1) if family else np.zeros((int(self.used.sum()), 0))
-            columns = columns - columns.mean(axis=0)
-            size = np.sqrt(np.mean(columns**2, axis=0))
-            kept = size > 1e-6
-            if kept.any():
-                found.append(np.asarray(columns[:, kept] / size[kept] / np.sqrt(kept.sum())))
+        found = [unit for family in families if (unit := self._unit(family)).size]
+        if families[-1]:
+            load = self._unit([self._of("load")])
+            found.append(np.column_stack([load, PROPORTIONAL * self._unit(families[-1])]))
         return tuple(found)
+
+    def _unit(self, family: Sequence[Floats]) -> Floats:
+        """Columns (n, k) of RMS 1 together, those that vary."""
+        columns = np.stack(family, axis=1) if family else np.zeros((int(self.used.sum()), 0))
+        columns = columns - columns.mean(axis=0)
+        size = np.sqrt(np.mean(columns**2, axis=0))
+        kept = size > 1e-6
+        return np.asarray(columns[:, kept] / size[kept] / np.sqrt(kept.sum())) if kept.any() else np.zeros((0, 0))
+
+    def _of(self, name: str) -> Floats | None:
+        """Angle, load or speed of all runs, None if it was not measured."""
+        name = {"angle": "output_rad", "load": "load_Nm", "speed": "speed_rad_s"}[name]
+        values = [getattr(p, name) for p in self.fitter.runs]
+        if any(v is None for v in values):
+            return None
+        return np.concatenate([v[p.used] for v, p in zip(values, self.fitter.runs, strict=True)])
 
     def _hats(self, of: str, numbers: Sequence[int], by_sense: bool = False) -> list[Floats]:
         """Hats (n,) over angle, load or speed of all runs, of each number of knots."""
-        values = [getattr(p, {"angle": "output_rad", "load": "load_Nm", "speed": "speed_rad_s"}[of]) for p in self.fitter.runs]
-        if any(v is None for v in values):
+        at = self._of(of)
+        if at is None:
             return []
-        at = np.concatenate([v[p.used] for v, p in zip(values, self.fitter.runs, strict=True)])
         hats = [hat for knots in numbers for hat in _hats(at, knots)]
         if not by_sense:
             return hats
