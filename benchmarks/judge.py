@@ -4,6 +4,7 @@
     python -m benchmarks.judge --check --all --workers 2    # all of it
     python -m benchmarks.judge --write --workers 2          # write the table and docs/validation.md anew
     python -m benchmarks.judge --only "rig one,chain several: lash"
+    python -m benchmarks.judge --rival --workers 2          # the search by evidence beside it
 
 The cases are in benchmarks/judge_cases.py, the table in benchmarks/judge.jsonl, one line a case. ``--check`` fails
 where a class of cases (its source and kind) has fewer runs right or in a set than the same cases in the table, or more
@@ -18,14 +19,14 @@ import json
 import sys
 import time
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import astuple
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from benchmarks.judge_cases import Case, cases
+from benchmarks.judge_cases import Case, Made, cases
 from benchmarks.study import ROOT, Row, add_workers, read_rows, run_many
 from tests.support.bench_score import label, odds_of, outcome_of, said_of, score_of, share, values_of
 
@@ -65,14 +66,26 @@ Error on data held back, RMS: of the declared model, with what was found, and th
 
 
 def judge(case: Case) -> Row:
-    """Make the run, give it to the loop, compare."""
+    """The row of a case, judged by the loop."""
     from mbcdm_cad.loop.search.engine import close_loop
 
+    return _judged(case, lambda made: close_loop(made.drive, [made.run]).to_json())
+
+
+def judge_rival(case: Case) -> Row:
+    """The row of a case, judged by the search by evidence."""
+    from mbcdm_cad.loop.search.judged import close_by_evidence
+
+    return _judged(case, lambda made: close_by_evidence(made.drive, made.run))
+
+
+def _judged(case: Case, close: Callable[[Made], dict[str, Any]]) -> Row:
+    """Make the run, give it to a loop, compare."""
     row: Row = dict(zip(("source", "kind", "name", "seed"), astuple(case), strict=True))
     try:
         made = case.made()
         start = time.process_time()
-        result = close_loop(made.drive, [made.run]).to_json()
+        result = close(made)
         seconds = time.process_time() - start
     except Exception as fault:  # the table goes on and reports the fault
         return row | {"score": "error", "said": f"{type(fault).__name__}: {fault}"[:300], "cpu_s": 0.0}
@@ -133,6 +146,20 @@ def worse(before: Sequence[Row], now: Sequence[Row]) -> list[str]:
     return found
 
 
+def beside(before: Sequence[Row], now: Sequence[Row]) -> list[str]:
+    """Lines a class: scores and CPU time of a run in the median, of the table and now, on the cases that both have."""
+    told = {key_of(row): row for row in before}
+    both = [(told[key_of(row)], row) for row in now if key_of(row) in told]
+    lines = []
+    for name in sorted({class_of(row) for _, row in both}):
+        pairs = [pair for pair in both if class_of(pair[0]) == name]
+        then, counted = (Counter(row["score"] for row in rows) for rows in zip(*pairs, strict=True))
+        cpu = [float(np.median([row["cpu_s"] for row in rows])) for rows in zip(*pairs, strict=True)]
+        cells = [f"{score} {then[score]:2} -> {counted[score]:2}" for score in SCORES]
+        lines.append(f"{name:20} {'  '.join(cells)}  CPU {cpu[0]:5.1f} -> {cpu[1]:5.1f} s")
+    return lines
+
+
 def page(rows: Sequence[Row]) -> str:
     """docs/validation.md."""
     seen = [row for row in rows if row["score"] != "unseen"]
@@ -191,9 +218,12 @@ def main() -> int:
     parser.add_argument("--page", action="store_true", help="write the page from the table, judge nothing")
     parser.add_argument("--all", action="store_true", help="all cases, not the part of continuous integration")
     parser.add_argument("--only", default="", help="beginnings of 'source kind: name', with commas")
+    parser.add_argument("--rival", action="store_true", help="judge by the search by evidence; compare")
     parser.add_argument("--rows", type=Path, help="rows of a run that was stopped; those in it are not judged again")
     add_workers(parser)
     options = parser.parse_args()
+    if options.rival and (options.write or options.page):
+        parser.error("--rival: the table in the tree is that of the loop; leave --write and --page out")
     if options.page:
         PAGE.write_text(page(read_rows(TABLE)), "utf-8")
         return 0
@@ -202,7 +232,8 @@ def main() -> int:
     chosen = [case for case in known if f"{case.source} {case.kind}: {case.name}".startswith(words)]
     rows = read_rows(options.rows)
     done = {key_of(row) for row in rows}
-    for row in run_many(judge, [case for case in chosen if astuple(case) not in done], options):
+    judged_by = judge_rival if options.rival else judge
+    for row in run_many(judged_by, [case for case in chosen if astuple(case) not in done], options):
         rows.append(row)
         print(
             f"{row['score']:6} {row['cpu_s']:5.1f} s  {class_of(row)}: {row['name']}: true: {row.get('true')}; said: "
@@ -212,14 +243,16 @@ def main() -> int:
         if options.rows:
             with options.rows.open("a", encoding="utf-8") as kept:
                 kept.write(json.dumps(row) + "\n")
-    for name, counted in count(rows).items():
+    if options.rival:
+        print("the loop -> the search by evidence", *beside(read_rows(TABLE), rows), sep="\n")
+    for name, counted in () if options.rival else count(rows).items():
         print(f"{name:20}" + "".join(f"{score} {counted[score]:3}  " for score in SCORES))
     if options.write:
         order = {astuple(case): k for k, case in enumerate(known)}
         rows.sort(key=lambda row: order[key_of(row)])
         TABLE.write_text("".join(json.dumps(row) + "\n" for row in rows), "utf-8")
         PAGE.write_text(page(rows), "utf-8")
-    problems = worse(read_rows(TABLE), rows) if options.check else []
+    problems = worse(read_rows(TABLE), rows) if options.check or options.rival else []
     for problem in problems:
         print("worse: " + problem)
     return int(bool(problems))

@@ -1,10 +1,11 @@
 """The search by evidence: add, drop or swap one effect while the odds allow it.
 
-The score of a fit is the logarithm of its evidence (:mod:`mbcdm_cad.loop.search.marginal`) and of the prior of its names,
-each as likely as each other, so that many candidates do not make a name likely. Candidates are ranked by the evidence
-of a linear step, and few of them refitted. The noise is found again after each effect that was added. What stands in
-the place of one effect, each with its share of the posterior, makes its credible set: the fewest names that together
-hold 95 % (G. Wang and others, J. R. Stat. Soc. B 82 (2020) 1273).
+The score of a fit is the logarithm of its evidence (:mod:`mbcdm_cad.loop.search.marginal`) and of the prior of its
+names, each as likely as each other, so that many candidates do not make a name likely. Candidates are ranked by the
+evidence of a linear step, and few of them refitted, each beside a large unknown cause and beside none, since the
+evidence has a maximum at either. The noise is found again after each effect that was added. What stands in the place of
+one effect, each with its share of the posterior, makes its credible set: the fewest names that together hold 95 %
+(G. Wang and others, J. R. Stat. Soc. B 82 (2020) 1273).
 """
 
 from __future__ import annotations
@@ -16,10 +17,10 @@ from typing import Any, cast
 
 import numpy as np
 
+from mbcdm_cad.loop.effect import Effect
+from mbcdm_cad.loop.search.fit import Fit, Fitter, Rows
 from mbcdm_cad.loop.search.marginal import Evidence, Whitened
 from mbcdm_cad.loop.search.problem import LogProblem
-from mbcdm_cad.loop.effect import Effect
-from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.loop.search.screening import Screened, Screening, _begun
 from mbcdm_cad.routes import Floats
 
@@ -100,7 +101,8 @@ class Search:
         known = []
         for c in self._screened(fit):
             columns = c.columns[self.used]
-            known.append((np.column_stack([c.change[self.used], columns]), np.append(1.0, self.prior_sd([c.effect], columns))))
+            sd = np.append(1.0, self.prior_sd([c.effect], columns))
+            known.append((np.column_stack([c.change[self.used], columns]), sd))
         noise = self.problem.noise_of(fit, known)
         if fit is not self.bare and abs(np.log(noise.floor_rad / self.floor_rad)) < SAME_NOISE:
             return
@@ -142,7 +144,7 @@ class Search:
 
     def score(self, fit: Fit) -> float:
         """Logarithm of the evidence, times the prior of its effects: each name as likely as each other."""
-        return self.of(fit).log - sum(np.log(self.names) + (LOG_SHAPE if e.last else 0.0) for e in fit.effects)
+        return self.of(fit).log - sum(float(np.log(self.names)) + (LOG_SHAPE if e.last else 0.0) for e in fit.effects)
 
     def held_rms(self, fit: Fit) -> float:
         """RMS on the held-out samples, rad."""
@@ -171,8 +173,8 @@ class Search:
         """The fit of most posterior density, beside nuisances and an unknown cause."""
         if unknown not in self._metrics:
             self._metrics[unknown] = self.white.metric(unknown)
-        options = {"mask": self.used, "metric": self._metrics[unknown], "settled": 1e-6} | options
-        return (fitter or self.fitter).fit(effects, values, offsets, **options)
+        rows = Rows(self.used, self._metrics[unknown])
+        return (fitter or self.fitter).fit(effects, values, offsets, rows, **({"settled": 1e-6} | options))
 
     def _screened(self, now: Fit) -> list[Candidate]:
         """Candidates for an addition to a fit."""
@@ -244,7 +246,9 @@ class Search:
         near = [one for k, one in enumerate(begun) if k < FINISHED or self.of(one).log > least - BEHIND]
 
         # A form that moves the cables has the values of the form that only adds to the reading.
-        near += [replace(one, effects=(*now.effects, form)) for one in near[:1] for form in self.inside if form.key == one.effects[-1].key]
+        for line in near[:1]:
+            forms = [form for form in self.inside if form.key == line.effects[-1].key]
+            near += [replace(line, effects=(*now.effects, form)) for form in forms]
 
         def finished(one: Fit, fitter: Fitter) -> Fit:
             return self.fitted(self.of(one).unknown, one.effects, one.values, one.offsets, fitter)

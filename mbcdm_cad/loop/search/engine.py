@@ -29,7 +29,7 @@ from mbcdm_cad.loop.search.account import (
 )
 from mbcdm_cad.loop.search.exchange import Group
 from mbcdm_cad.loop.search.few import judged_by_hand
-from mbcdm_cad.loop.search.fit import Fit, Fitter
+from mbcdm_cad.loop.search.fit import Fit, Fitter, Rows
 from mbcdm_cad.loop.search.own import begun, differing, in_best_forms, own_effects
 from mbcdm_cad.loop.search.response import ResponseLoop
 from mbcdm_cad.loop.search.screening import located
@@ -133,7 +133,12 @@ class _Loop:
             if judged is not fit:
                 unknown = unknown or self.judge.left(judged, self.whole)
             whole = self.whole.fit(
-                judged.effects, judged.values, judged.offsets, mask=self.whole.used, slopes=judged.jacobian, fresh=False
+                judged.effects,
+                judged.values,
+                judged.offsets,
+                rows=Rows(self.whole.used),
+                slopes=judged.jacobian,
+                fresh=False,
             )
             windows = self._wider(fit, whole) if groups else []
             open_ = next((g for g in groups if self._may_be_zero(g.effect, fit, whole, windows)), None)

@@ -40,7 +40,7 @@ from mbcdm_cad.loop.search.few_readings import (
     since,
     verdict_of,
 )
-from mbcdm_cad.loop.search.fit import Fit, Fitter
+from mbcdm_cad.loop.search.fit import Fit, Fitter, Rows
 from mbcdm_cad.loop.search.selection import Selection
 from mbcdm_cad.measurement.by_hand import path_of
 from mbcdm_cad.measurement.run import Run
@@ -83,7 +83,7 @@ class FewReadings(Selection[Fit]):
         if fit.effects and within is not None and self.log_odds(within, fit) < LOG_ODDS:
             fit, steps = within, []  # what the sensor may be wrong by explains as much
         allowed = fit is within
-        whole = self.fitter.fit(fit.effects, fit.values, mask=self.fitter.used)
+        whole = self.fitter.fit(fit.effects, fit.values, rows=Rows(self.fitter.used))
         whole = whole if allowed else self._best_forms(whole)
         lesser = {e.key: self.without(fit, e) for e in fit.effects}
         named, sets = [], []
@@ -166,7 +166,7 @@ class FewReadings(Selection[Fit]):
             if self.supported(fit, best, cause) and words not in self.doubts:
                 self.doubts.append(words)
             return None
-        return self.fitter.fit(best.effects, best.values, mask=self.fitter.used) if whole and best else best
+        return self.fitter.fit(best.effects, best.values, rows=Rows(self.fitter.used)) if whole and best else best
 
     def criterion(self, fit: Fit) -> float:
         """Bayes' criterion on the training readings."""
@@ -191,7 +191,7 @@ class FewReadings(Selection[Fit]):
         for k in range(LEVELS):
             mask = f.train.copy()
             mask[at[level == k]] = False
-            other = f.fit(fit.effects, fit.values, fit.offsets, mask=mask)
+            other = f.fit(fit.effects, fit.values, fit.offsets, rows=Rows(mask))
             moved = np.linalg.norm((other.values[-1] - fit.values[-1])[sizes])
             if moved > STEADY_SHARE * np.linalg.norm(fit.values[-1][sizes]):
                 return False
@@ -217,8 +217,8 @@ class FewReadings(Selection[Fit]):
     def without(self, fit: Fit, cause: Effect, whole: bool = False) -> Fit:
         """The fit without one of its effects."""
         kept = [(e, v) for e, v in zip(fit.effects, fit.values, strict=True) if e is not cause]
-        mask = self.fitter.used if whole else None
-        return self.fitter.fit([e for e, _ in kept], [v for _, v in kept], fit.offsets, mask)
+        rows = Rows(self.fitter.used) if whole else None
+        return self.fitter.fit([e for e, _ in kept], [v for _, v in kept], fit.offsets, rows)
 
     # Alternatives.
 

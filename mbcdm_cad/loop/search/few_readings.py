@@ -14,7 +14,7 @@ from mbcdm_cad.loop.prepare.noise import Noise
 from mbcdm_cad.loop.prepare.prepared import Prepared
 from mbcdm_cad.loop.readable import readable
 from mbcdm_cad.loop.result import ReadingsPicture
-from mbcdm_cad.loop.search.fit import Fit, Fitter
+from mbcdm_cad.loop.search.fit import Fit, Fitter, Rows
 from mbcdm_cad.loop.search.unknown import Unknown
 from mbcdm_cad.measurement.by_hand import inputs_move, loadings
 from mbcdm_cad.routes import Floats
@@ -185,7 +185,7 @@ def not_testable(fitter: Fitter, declared: bool, at_rest: bool) -> tuple[str, ..
 
 def pictures_of(fitter: Fitter, ratio: float, whole: Fit, at_rest: bool) -> tuple[ReadingsPicture, ...]:
     """Each run's readings over the load, or over the angle where none was read."""
-    found, bare = [], fitter.fit(mask=fitter.used)
+    found, bare = [], fitter.fit(rows=Rows(fitter.used))
     for part, p in zip(fitter.parts, fitter.runs, strict=True):
         if at_rest:
             at = np.maximum(p.time_s - min(0.0, float(p.run.time_s[0])), 0.0)[p.used]

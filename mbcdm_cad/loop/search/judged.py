@@ -3,15 +3,9 @@
     python -m benchmarks.judge --rival --workers 2          # the part of the table that continuous integration judges
     python -m benchmarks.judge --rival --only "rig one"
 
-It is not used by the package. It decides by marginal likelihood (:mod:`mbcdm_cad.loop.search.marginal`) where the loop has
-rules, is judged by the same runs, and is to replace the loop's selection, exchange and verdict when no class of
-benchmarks/judge.jsonl is worse. What is known to be missing:
-
-- A late input with a friction: both are found, and withdrawn beside an unknown.
-- An error that goes with the square of the speed: plain curves have to be candidates without a name.
-- CPU time, most of it in the screening.
-- Odds saturate at 0 or 1 and are not calibrated.
-- Several runs, own values of runs that differ, tables by hand and frequency responses are not covered.
+It is not used by the package. It decides by marginal likelihood (:mod:`mbcdm_cad.loop.search.marginal`) where the loop
+has rules, is judged by the same runs, and is to replace the loop's selection, exchange and verdict.
+Several runs, own values of runs that differ, tables by hand and frequency responses are not covered.
 
 Two rules stay that no evidence can say: an effect below the least size is not named, since a microradian of everything
 is in every run, and a name is withdrawn beside an unknown a quarter as large, which may contain it.
@@ -25,17 +19,17 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from mbcdm_cad.loop.search.by_evidence import LEAST_FALL, LOG_ODDS, Search
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.loop.effect import Effect
 from mbcdm_cad.loop.effects import friction, library
 from mbcdm_cad.loop.prepare.prepared import prepare_all
 from mbcdm_cad.loop.search.account import as_named, errors
+from mbcdm_cad.loop.search.by_evidence import LEAST_FALL, LOG_ODDS, Search
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.loop.search.verdict import BLAME_SHARE
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.measurement.vet import arranged
-from mbcdm_cad.layouts.registry import layout_of
 
 
 def close_by_evidence(drive: Drive, run: Run) -> dict[str, Any]:

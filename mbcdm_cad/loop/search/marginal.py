@@ -135,8 +135,8 @@ class Whitened:
     def __init__(
         self, noise: NoiseModel, nuisances: Floats, bounds: Floats, curves: Sequence[Floats], names: int
     ) -> None:
-        """``bounds`` (2, q) of the nuisances, in standard deviations. An unknown cause is as likely beforehand as one of
-        so many ``names``, whatever its family and scale; the least scale is what is in every run."""
+        """``bounds`` (2, q) of the nuisances, in standard deviations. An unknown cause is as likely beforehand as one
+        of so many ``names``, whatever its family and scale; the least scale is what is in every run."""
         self.noise, self.bounds = noise, bounds
         self.coarse = noise.coarsened(nuisances.shape[0])
         self.every = max(1, nuisances.shape[0] // MOST_ROWS)
@@ -241,8 +241,8 @@ class Whitened:
         return np.asarray(curves[family] @ (self.axes[family] @ evidence.curves))
 
     def _solved(self, gram: Floats, on_z: Floats) -> tuple[int, Floats, Floats, Floats]:
-        """The likeliest hypothesis of the unknown, the logarithm of the posterior of each, mean of the columns and root of their
-        covariance there, all columns with a prior of one standard deviation."""
+        """The likeliest hypothesis of the unknown, the logarithm of the posterior of each, mean of the columns and root
+        of their covariance there, all columns with a prior of one standard deviation."""
         k = gram.shape[0] - 1
         inner = gram - np.concatenate(
             [

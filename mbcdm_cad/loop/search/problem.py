@@ -5,18 +5,18 @@ The search and its evidence know nothing else of a run. :class:`LogProblem` is t
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 from scipy.interpolate import BSpline
 
-from mbcdm_cad.loop.search.marginal import NoiseModel, Whitened, noise_model
 from mbcdm_cad.loop.effects.load_sensor import within_class, within_prior
 from mbcdm_cad.loop.prepare.prepared import Prepared
 from mbcdm_cad.loop.search.fit import Fit, Fitter
+from mbcdm_cad.loop.search.marginal import NoiseModel, Whitened, noise_model
 from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.routes import Floats
 
@@ -97,23 +97,24 @@ class LogProblem:
     def curves(self) -> tuple[Floats, ...]:
         """What an unknown cause may do, by families: (n, k) each, RMS 1 together.
 
-        Curves of angle, of load and of speed, all at once and by sense of motion; smooth ones of angle alone, fine ones,
-        smooth ones by sense; those of load alone, also nearly proportional to it. A simple unknown cause is as likely as a name only if it does not
-        pay for what it does not do.
+        Curves of angle, of load and of speed, all at once and by sense of motion; smooth ones of angle alone, fine
+        ones, smooth ones by sense; those of load alone, also nearly proportional to it. A simple unknown cause is as
+        likely as a name only if it does not pay for what it does not do.
         """
         smooth, fine = ANGLE_KNOTS[:2], ANGLE_KNOTS
+        by_load, by_speed = self._hats("load", LOAD_KNOTS, True), self._hats("speed", SPEED_KNOTS)
         families = [
-            [*self._hats("angle", fine, True), *self._hats("load", LOAD_KNOTS, True), *self._hats("speed", SPEED_KNOTS)],
+            [*self._hats("angle", fine, True), *by_load, *by_speed],
             self._hats("angle", smooth),
             self._hats("angle", fine),
             self._hats("angle", smooth, True),
-            self._hats("load", LOAD_KNOTS, True),
+            by_load,
         ]
-        found = [unit for family in families if (unit := self._unit(family)).size]
-        if families[-1]:
-            load = self._unit([self._of("load")])
-            found.append(np.column_stack([load, PROPORTIONAL * self._unit(families[-1])]))
-        return tuple(found)
+        found = [self._unit(family) for family in families]
+        load = self._of("load")
+        if load is not None:
+            found.append(np.column_stack([self._unit([load]), PROPORTIONAL * found[-1]]))
+        return tuple(one for one in found if one.size)
 
     def _unit(self, family: Sequence[Floats]) -> Floats:
         """Columns (n, k) of RMS 1 together, those that vary."""
@@ -121,7 +122,7 @@ class LogProblem:
         columns = columns - columns.mean(axis=0)
         size = np.sqrt(np.mean(columns**2, axis=0))
         kept = size > 1e-6
-        return np.asarray(columns[:, kept] / size[kept] / np.sqrt(kept.sum())) if kept.any() else np.zeros((0, 0))
+        return np.asarray(columns[:, kept] / size[kept] / np.sqrt(max(kept.sum(), 1)))
 
     def _of(self, name: str) -> Floats | None:
         """Angle, load or speed of all runs, None if it was not measured."""
