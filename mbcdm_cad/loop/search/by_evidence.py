@@ -34,8 +34,8 @@ REFITS, BY_FALL, FINISHED = 6, 3, 3
 # Candidates that a linear step leaves so far behind the best are not refitted; those that a refit leaves so far behind
 # are not finished. Logarithms of odds.
 HOPELESS, BEHIND = 100.0, 6.0
-# Relative change of the noise floor from which all is weighed anew.
-SAME_NOISE = 0.05
+# All is weighed anew where the noise floor falls below this share of that at hand.
+SAME_NOISE = 0.95
 # Of effects that set the slip of the cables a linear step promises little.
 CABLES_SLIP = ("preload_error", "cable_friction", "passed_slip")
 # Standard deviation of the prior of an order, cycles a turn, which has no bound.
@@ -97,14 +97,15 @@ class Search:
         self._retuned(bare)
 
     def _retuned(self, fit: Fit) -> None:
-        """The noise of a fit, and all that depends on it, unless it is nearly that at hand."""
+        """The noise of a fit, and all that depends on it, unless it is no smaller than that at hand: what a worse model
+        leaves is no noise, and the search ends."""
         known = []
         for c in self._screened(fit):
             columns = c.columns[self.used]
             sd = np.append(1.0, self.prior_sd([c.effect], columns))
             known.append((np.column_stack([c.change[self.used], columns]), sd))
         noise = self.problem.noise_of(fit, known)
-        if fit is not self.bare and abs(np.log(noise.floor_rad / self.floor_rad)) < SAME_NOISE:
+        if fit is not self.bare and noise.floor_rad > SAME_NOISE * self.floor_rad:
             return
         self.white: Whitened = self.problem.whitened(noise, self.names)
         # Fits by what they hold, as they were best beside each other.
