@@ -228,28 +228,35 @@ class Search:
         promised = {id(c): log for log, c in ranked}
         base = now.width
 
-        def begun_at(unknown: int, c: Candidate, fitter: Fitter, **options: Any) -> Fit:
-            both = (*now.effects, c.effect), (*now.values, c.start)
-            options |= {"iterations": 4, "settled": 1e-4, "fresh": False}
-            return self.fitted(unknown, *both, now.offsets, fitter, **options)
+        # Beside a large unknown, which may stand for what the candidate does, and beside none.
+        unknowns = sorted({left.unknown, NO_UNKNOWN if left.unknown_odds > 0.0 else left.unknown})
+
+        def begin(unknown: int, last: Effect, values: Sequence[Floats], fitter: Fitter, slopes: Floats | None) -> Fit:
+            options = {"iterations": 4, "settled": 1e-4, "fresh": False, "slopes": slopes}
+            return self.fitted(unknown, (*now.effects, last), values, now.offsets, fitter, **options)
 
         def few(c: Candidate, fitter: Fitter) -> Fit:
             slopes = np.hstack([now.jacobian[:, :base], c.columns, now.jacobian[:, base:]])
-            # Beside a large unknown, which may stand for what the candidate does, and beside none.
-            found = [begun_at(unknown, c, fitter, slopes=slopes) for unknown in sorted({left.unknown, NO_UNKNOWN})]
-            best = max(found, key=lambda one: self.of(one).log)
-            if self.of(best).log < promised[id(c)] - 3.0:
-                best = max(best, begun_at(left.unknown, c, fitter), key=lambda one: self.of(one).log)
+            values = (*now.values, c.start)
+            best = max((begin(unknown, c.effect, values, fitter, slopes) for unknown in unknowns), key=log_of)
+            if log_of(best) < promised[id(c)] - 3.0:
+                best = max(best, begin(left.unknown, c.effect, values, fitter, None), key=log_of)
             return best
 
-        begun = sorted(self.screening.twins.each([partial(few, c) for c in chosen]), key=lambda one: -self.of(one).log)
-        least = max((self.of(one).log for one in begun), default=0.0)
-        near = [one for k, one in enumerate(begun) if k < FINISHED or self.of(one).log > least - BEHIND]
+        def log_of(one: Fit) -> float:
+            return self.of(one).log
 
-        # A form that moves the cables has the values of the form that only adds to the reading.
-        for line in near[:1]:
-            forms = [form for form in self.inside if form.key == line.effects[-1].key]
-            near += [replace(line, effects=(*now.effects, form)) for form in forms]
+        begun = sorted(self.screening.twins.each([partial(few, c) for c in chosen]), key=log_of, reverse=True)
+
+        # A form that moves the cables begins at the values of the form that only adds to the reading.
+        def inside(line: Fit, form: Effect, fitter: Fitter) -> Fit:
+            return begin(self.of(line).unknown, form, line.values, fitter, line.jacobian)
+
+        forms = [partial(inside, one, f) for one in begun[:1] for f in self.inside if f.key == one.effects[-1].key]
+        begun = sorted([*begun, *self.screening.twins.each(forms)], key=log_of, reverse=True)
+        # What is far from the best, or from what can be added, is not finished.
+        least = max([left.log + float(np.log(self.names)) + LOG_ODDS, *map(log_of, begun[:1])]) - BEHIND
+        near = [one for k, one in enumerate(begun) if k < FINISHED or log_of(one) > least]
 
         def finished(one: Fit, fitter: Fitter) -> Fit:
             return self.fitted(self.of(one).unknown, one.effects, one.values, one.offsets, fitter)
@@ -283,6 +290,12 @@ class Search:
                 better = max(map(self.pruned, likelier), key=self.score, default=now)
                 if self.score(better) < self.score(now) + 1.0:
                     break
+            # The same effects may have been fitted better beside the new one: then it is not needed yet.
+            if better.effects[:-1] == now.effects:
+                again = self.fitted(self.of(better).unknown, now.effects, better.values[:-1], better.offsets)
+                if self.score(again) > self.score(now) + 1.0:
+                    self._without[frozenset(map(id, now.effects))] = now = again
+                    continue
             self._retuned(better)
             self._without.setdefault(frozenset(map(id, now.effects)), now)
             now = self.swapped(self.pruned(better))

@@ -54,10 +54,11 @@ def _result(search: Search) -> dict[str, Any]:
         certain, unknown_rad = search.of(kept).unknown_odds > LOG_ODDS, search.unknown_rad(kept)
         falls = {e: _fall_rad(search, kept, e) for e in kept.effects}
         least = {e: max(least_rad, unknown_rad / BLAME_SHARE if certain else 0.0) for e in falls}
-        small = min(falls, key=lambda e: falls[e] / least[e], default=None)
-        if small is None or falls[small] >= least[small]:
+        # Of those that do too little that goes without which the rest is likeliest.
+        less = [search.without(kept, e) for e in falls if falls[e] < least[e]]
+        if not less:
             break
-        kept = search.without(kept, small)
+        kept = max(less, key=search.score)
     unknown_rad = search.unknown_rad(kept)
     effects: list[dict[str, Any]] = []
     one_of: list[list[dict[str, Any]]] = []
