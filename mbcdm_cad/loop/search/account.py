@@ -11,8 +11,8 @@ from mbcdm_cad.loop.prepare.lines import order_spectrum
 from mbcdm_cad.loop.prepare.prepared import Prepared, held_out
 from mbcdm_cad.loop.readable import INTERVAL, Value
 from mbcdm_cad.loop.result import ONLY_RATIO, Errors, Named, Traces, ways_apart
-from mbcdm_cad.loop.search.evidence import noise_left
 from mbcdm_cad.loop.search.fit import Fit, Fitter
+from mbcdm_cad.loop.search.marginal import NoiseModel
 from mbcdm_cad.loop.search.unknown import Unknown, rms_value
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
@@ -51,16 +51,15 @@ def interval(figure: Figure, values: Floats, covariance: Floats, effect: Effect)
     return Value(value, value - half, value + half)
 
 
-def time_interval_s(fitter: Fitter, fit: Fit, effect: Effect) -> tuple[float, float]:
+def time_interval_s(fitter: Fitter, fit: Fit, effect: Effect, noise: NoiseModel) -> tuple[float, float]:
     """The earliest and the latest time of a change, 95 %, s from the beginning of its run.
 
     The prediction depends on the time only through the samples between two times, so its slope says nothing. The sum of
-    squares is compared instead with the noise that is left, white and coloured.
+    squares is compared instead with the ``noise``, white and coloured.
     """
     k = fit.effects.index(effect)
     at = next(i for i, p in enumerate(effect.parameters) if p.role == "place")
     parameter, best = effect.parameters[at], float(fit.values[k][at])
-    noise = noise_left(fitter, fit)
     memory = 1.0 + 2.0 * noise.memory_s / min(p.step_s for p in fitter.runs)
     square = noise.white_rad**2 + memory * noise.coloured_rad**2
     used = fitter.used

@@ -86,7 +86,7 @@ class ClassOfSensor(Exchanges):
             self.search.give_back("within the class of the torque sensor", group.effect, fit)
             fit, groups = trial, tuple(g for g in groups if g is not group)
         sizes = tuple(
-            (_size_name(e), float(fit.values_of(e)[0]))
+            (size_name(e), float(fit.values_of(e)[0]))
             for e in fit.effects
             if e.name in (*SENSORS, *PARTS) and all(e is not g.effect for g in groups)
         )
@@ -128,7 +128,7 @@ def _same(own: Effect, other: Effect) -> bool:
     )
 
 
-def _size_name(effect: Effect) -> str:
+def size_name(effect: Effect) -> str:
     """Name of its figure, with the unit."""
     name = effect.parameters[0].name
     return f"{effect.name}_{name}" if effect.name in PARTS else f"{effect.name[5:]}_{name.rsplit('_', 1)[-1]}"

@@ -87,12 +87,14 @@ class Fit:
 
 @dataclass(frozen=True, eq=False)
 class _Point:
-    """The state of a fit: values, offsets, prediction and residual (rad, all samples), mean square on its samples."""
+    """The state of a fit: values, offsets, prediction and residual (rad, all samples), the residual in the metric of the
+    fit on its samples, its mean square."""
 
     values: list[Floats]
     offsets: Floats
     predicted: Floats
     residual: Floats
+    row: Floats
     square: float
 
     @property
@@ -279,22 +281,24 @@ class Fitter:
         settled: float = SETTLED,
         slopes: Floats | None = None,
         fresh: bool = True,
+        metric: Callable[[Floats], Floats] | None = None,
     ) -> Fit:
         """Levenberg-Marquardt from ``values`` and ``offsets``; ``mask`` defaults to the training samples.
 
         The Jacobian is taken by differences once, or given as ``slopes`` from a fit near by, and is then updated by the
         changes that each step made (Broyden's update). A fit has converged when the relative fall of the sum of squares
         is below ``settled``; with ``fresh`` this must hold with a Jacobian computed at that point. Without it a fit is
-        good enough to rank candidates, but not to judge them.
+        good enough to rank candidates, but not to judge them. ``metric`` whitens rows (n, ...) of the masked samples,
+        so that the sum of squares is that of independent errors.
         """
         mask = self.train if mask is None else mask
         apart = np.zeros(self.free.size) if offsets is None else np.array(offsets, dtype=float)
-        now = self._at(effects, [np.array(v, dtype=float) for v in values], apart, mask)
+        now = self._at(effects, [np.array(v, dtype=float) for v in values], apart, mask, metric)
         taken = slopes is None
         jacobian = self.jacobian(effects, now) if slopes is None else slopes
         damping = 1e-7
         for _ in range(iterations):
-            following, damping = self._stepped(effects, now, jacobian, damping, mask, settled)
+            following, damping = self._stepped(effects, now, jacobian, damping, mask, settled, metric)
             fall = 0.0 if following is None else (now.square - following.square) / now.square
             if following is not None:
                 jacobian = self._updated(jacobian, now, following)
@@ -316,10 +320,18 @@ class Fitter:
         except ModelError:
             return None
 
-    def _at(self, effects: Sequence[Effect], values: list[Floats], offsets: Floats, mask: NDArray[np.bool_]) -> _Point:
+    def _at(
+        self,
+        effects: Sequence[Effect],
+        values: list[Floats],
+        offsets: Floats,
+        mask: NDArray[np.bool_],
+        metric: Callable[[Floats], Floats] | None,
+    ) -> _Point:
         predicted = self.predict(effects, values, offsets)
         residual = self.centred(self.output - predicted, mask)
-        return _Point(values, offsets, predicted, residual, float(np.mean(residual[mask] ** 2)))
+        row = residual[mask] if metric is None else metric(residual[mask])
+        return _Point(values, offsets, predicted, residual, row, float(np.mean(row**2)))
 
     def _stepped(
         self,
@@ -329,6 +341,7 @@ class Fitter:
         damping: float,
         mask: NDArray[np.bool_],
         settled: float,
+        metric: Callable[[Floats], Floats] | None,
     ) -> tuple[_Point | None, float]:
         """A better point, or None, and the damping for the next step.
 
@@ -338,20 +351,21 @@ class Fitter:
         if now.square == 0.0:  # the prediction is already exact, as for a drum that stands still
             return None, damping
         columns = self.centred_on(mask, jacobian)
+        columns = columns if metric is None else metric(columns)
         size = np.linalg.norm(columns, axis=0)
         size[size == 0.0] = 1.0
         columns /= size
-        normal, slope = columns.T @ columns, columns.T @ now.residual[mask]
+        normal, slope = columns.T @ columns, columns.T @ now.row
         bounds = self._bounds(effects, now) * size
         for _ in range(6):
             scaled = np.linalg.solve(normal + damping * np.eye(slope.size), slope)
             promised = float(2.0 * slope @ scaled - scaled @ normal @ scaled) / (now.square * int(mask.sum()))
             if promised < 0.5 * settled:
                 return None, damping
-            better = self._tried(effects, now, scaled / size, mask)
+            better = self._tried(effects, now, scaled / size, mask, metric)
             if better is None and ((scaled < bounds[0]) | (scaled > bounds[1])).any():
                 within = _bounded_step(normal, slope, damping, bounds)
-                better = self._tried(effects, now, within / size, mask)
+                better = self._tried(effects, now, within / size, mask, metric)
             if better is not None:
                 return better, max(damping / 30.0, 1e-9)
             damping = max(30.0 * damping, 1e-6)
@@ -365,10 +379,17 @@ class Fitter:
         theta = np.concatenate([*at.values, at.offsets[self.free]])
         return np.stack([low - theta, high - theta])
 
-    def _tried(self, effects: Sequence[Effect], now: _Point, step: Floats, mask: NDArray[np.bool_]) -> _Point | None:
+    def _tried(
+        self,
+        effects: Sequence[Effect],
+        now: _Point,
+        step: Floats,
+        mask: NDArray[np.bool_],
+        metric: Callable[[Floats], Floats] | None,
+    ) -> _Point | None:
         """The point after a step; None if that is no better, or cannot be simulated."""
         try:
-            found = self._at(effects, *self.moved(effects, now.values, now.offsets, step), mask)
+            found = self._at(effects, *self.moved(effects, now.values, now.offsets, step), mask, metric)
         except ModelError:  # the step is too large: a cable is slack or a radius negative
             return None
         return found if found.square < now.square else None
