@@ -115,8 +115,9 @@ class LogProblem:
             self._hats("load", LOAD_KNOTS, True),
         ]
         found = [unit for family in families if (unit := self._unit(family)).size]
-        if families[-1]:
-            load = self._unit([self._of("load")])
+        torque = self._of("load")
+        if families[-1] and torque is not None:
+            load = self._unit([torque])
             found.append(np.column_stack([load, PROPORTIONAL * self._unit(families[-1])]))
         return tuple(found)
 
