@@ -8,11 +8,9 @@ error, so that a part that is renamed is renamed here too.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
-
-import jinja2
 
 from mbcdm_cad.parts.bill import ALONG_Y, AssemblyStep, BillBuilder, Placement, cable_item
 from mbcdm_cad.parts.drum_sector.items import add_preload_spring
@@ -43,30 +41,25 @@ def add_stop_pin(b: BillBuilder, lay: SectorLayout, y_mm: float) -> None:
 def steps(layout: SectorLayout, **more: Any) -> tuple[AssemblyStep, ...]:
     """Steps with the sizes of this design. Raises ``LookupError`` for an item that the bill does not have."""
     drive = layout.drive
-    text = (
-        _environment(type(layout).__module__.rpartition(".")[0])
-        .get_template("assembly.md.j2")
-        .render(
-            layout=layout,
-            drive=drive,
-            plan=layout.tensioning,
-            **more,
-            key=lambda screw: f"{drive.screw(screw).key_mm:g} mm key",
-        )
+    figures = {"layout": layout, "drive": drive, "plan": layout.tensioning, **more}
+    text = _render(type(layout).__module__.rpartition(".")[0])(
+        figures, key=lambda screw: f"{drive.screw(screw).key_mm:g} mm key"
     )
     names = tuple(item.name for item in layout.bill().items)
     return tuple(_step(part, drive.input_names, names) for part in re.split(r"^1\. ", text, flags=re.M)[1:])
 
 
 @lru_cache
-def _environment(package: str) -> jinja2.Environment:
-    """Templates of a layout's package, and those that layouts share."""
+def _render(package: str) -> Callable[..., str]:
+    """The template of a layout's package, beside those that layouts share: text for its figures."""
+    import jinja2
+
     loaders = [jinja2.PackageLoader(name, ".") for name in (package, __package__ or "")]
     environment = jinja2.Environment(
         loader=jinja2.ChoiceLoader(loaders), undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
     environment.filters |= {"g": "{:g}".format, "each": _each, "cable_item": cable_item, "train": train_words}
-    return environment
+    return environment.get_template("assembly.md.j2").render
 
 
 def _each(values: Iterable[Any], words: str, between: str = ", ") -> str:
