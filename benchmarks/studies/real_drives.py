@@ -44,7 +44,7 @@ HEAD = """\
 # Real drives: what the loop says, and what an expert says
 
 Written by `MBCDM_SHARED_DATA=... python -m benchmarks.studies.real_drives docs/real-drives.md`; do not edit by hand.
-Slow tests hold the main figures (`tests/unit/measurement/test_real_runs.py`). Runs of the loop on benches in software
+Slow tests hold the main figures (`tests/unit/measurement/test_vet.py`). Runs of the loop on benches in software
 are in [validation.md](validation.md).
 
 ## The runs

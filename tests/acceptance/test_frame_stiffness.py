@@ -4,17 +4,28 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from mbcdm_cad.layouts.loader import layout_of, load_design, load_text
+from benchmarks.studies.random_drums import ALLOWED, ALLOWED_STRESS, by_both, drums
+from mbcdm_cad.checks.size import estimated_mass_g
+from mbcdm_cad.layouts.loader import layout_of, load_design, load_text, new_design_text
+from mbcdm_cad.layouts.miso_bevel.bill import bill
+from mbcdm_cad.layouts.miso_bevel.checks.room import box_mm
 from mbcdm_cad.layouts.miso_bevel.drive import bevel
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.support.stiffness import frame_compliance, seat_loads
+from mbcdm_cad.layouts.sector import SectorLayout
+from mbcdm_cad.layouts.structure import structure_of
 from mbcdm_cad.model.stiffness import unit_tensions_N
+from mbcdm_cad.parts.bill import CABLE
+from mbcdm_cad.workshop.interference import answers
+from mbcdm_cad.workshop.kernel import validate_faces, validate_solid
 from tests.support.frame_fe import SupportFE, brick_stiffness, seats
+from tests.support.interference_of_solids import body, run_of
 from tests.support.motors_above import ABOVE
 
 REFERENCE = Path(__file__).parents[2] / "params" / "mbcdm.yaml"
@@ -123,3 +134,94 @@ def test_estimate_agrees_with_finite_elements_for_motors_above() -> None:
     dims = BevelLayout(bevel(load_text(ABOVE).drive))
     quick, found = frame_compliance(dims).windup_urad_Nm, by_elements(dims, COARSE_MM)
     assert abs(quick / found - 1.0) < AGREEMENT, f"{quick:.2f} urad per N m, {found:.2f} by finite elements"
+
+
+pytest.importorskip("gmsh", reason="solid elements: pip install --require-hashes -r tests/requirements-solids.lock")
+pytest.importorskip("skfem", reason="solid elements: pip install --require-hashes -r tests/requirements-solids.lock")
+PARAMS = Path(__file__).parents[2] / "params"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("file", ["mbcdm", "how-to/leg", "siso_spur"])
+def test_plane_elements_agree_with_solid_ones(file: str) -> None:
+    """In the leg a thin web bends out of its plane."""
+    found = by_both(load_design(PARAMS / f"{file}.yaml"))
+    assert abs(found.off) <= ALLOWED and abs(found.web_off) <= ALLOWED_STRESS, found
+
+
+@pytest.mark.slow
+def test_plane_elements_agree_with_solid_ones_on_random_drums_of_the_other_layouts() -> None:
+    others = [d for d in islice(drums(), 4) if d.drive.configuration in ("siso_bevel", "miso_spur")]
+    found = [by_both(loaded) for loaded in others]
+    assert len(found) == 2
+    held = (abs(drum.off) <= ALLOWED and abs(drum.web_off) <= ALLOWED_STRESS for drum in found)
+    assert all(held), "\n".join(map(str, found))
+
+
+pytest.importorskip("gmsh", reason="solid elements: pip install --require-hashes -r tests/requirements-solids.lock")
+pytest.importorskip("skfem", reason="solid elements: pip install --require-hashes -r tests/requirements-solids.lock")
+# Folded plates for a frame of thick walls, in which one part of the drive's turn in three arises.
+FRAME, PULLEY = 0.16, 0.10
+
+
+def _layout(name: str) -> SectorLayout:
+    layout = layout_of(load_design(PARAMS / f"{name}.yaml").drive)
+    assert isinstance(layout, SectorLayout)
+    return layout
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["siso_spur", "siso_bevel"])
+def test_folded_plates_agree_with_solid_elements(name: str, tmp_path: Path) -> None:
+    from tests.support.frame_solid import frame_by_solids
+
+    layout = _layout(name)
+    found = layout.frame_compliance
+    assert found is not None
+    solid, _ = frame_by_solids(layout, tmp_path)
+    off = found.windup_urad_Nm / solid - 1.0
+    assert abs(off) < FRAME, f"plates {found.windup_urad_Nm:.2f}, solid elements {solid:.2f} urad per N m: {off:+.1%}"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["siso_spur", "siso_bevel"])
+def test_torsion_of_an_input_pulley_agrees_with_solid_elements(name: str, tmp_path: Path) -> None:
+    from tests.support.shaft_solid import pulley_torsion_urad_Nm
+
+    layout = _layout(name)
+    found = next(c.urad_Nm for c in structure_of(layout).causes if c.name == "input pulleys, torsion")
+    solid = pulley_torsion_urad_Nm(layout, tmp_path)
+    assert found == pytest.approx(solid, rel=PULLEY), f"{found:.2f} by steps, {solid:.2f} urad per N m by solids"
+
+
+MESH_MM = 0.05
+
+
+@pytest.mark.slow
+def test_all_choices_together_clash_nowhere_and_weigh_what_was_estimated() -> None:
+    drive = bevel(load_text(new_design_text("arranged")).drive)
+    drive = replace(
+        drive,
+        centre_distance_mm=42.0,
+        input_setback_mm=1.2,
+        helix_lead_mm=0.89,
+        input_pulleys=replace(drive.input_pulleys, surface="grooved"),
+        gearhead=replace(drive.gearhead, screw_count=3),
+        support=replace(drive.support, back_y_mm=drive.support.back_y_mm - 1.2),
+    )
+    dims = BevelLayout(drive)
+    centred = bill(dims)
+    solids = {name: spec.part.solid() for name, spec in centred.parts.items() if not name.startswith(CABLE)}
+    for name in ("frame", "top_plate", "gearhead", "input_pulley_left", "input_pulley_right"):
+        validate_solid(name, solids[name])
+        validate_faces(name, solids[name])
+    mass = sum(
+        solids[item.part].Volume() * item.material.density_g_cm3 * 1e-3 if item.mass_g is None else item.mass_g
+        for item in centred.items
+    )
+    design = BevelLayout(drive)
+    assert estimated_mass_g(centred) == pytest.approx(mass, rel=0.01)
+    assert box_mm(design)[2] == pytest.approx(drive.drum.hub_face_y_mm - drive.support.back_y_mm)
+    run = run_of(dims, {name: body(name, solid, MESH_MM) for name, solid in solids.items()}, (-35.0, 35.0))
+    clashes = run.clashes(answers(run, {}, 1))
+    assert not clashes, "\n".join(map(str, clashes))

@@ -3,21 +3,34 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 from io import StringIO
+from math import inf, pi
 from pathlib import Path
 from time import sleep
 
 import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
 
 from mbcdm_cad import cli
 from mbcdm_cad.checks.comparison import CheckResult
+from mbcdm_cad.checks.size import kept_mass_g
 from mbcdm_cad.cli import group
+from mbcdm_cad.cli import run as mbcdm
 from mbcdm_cad.cli.group import coloured, progress_of_trials, sign_of_life
-from mbcdm_cad.layouts.loader import load_text, new_design_text
+from mbcdm_cad.design.loader import LoadedDesign
+from mbcdm_cad.layouts.loader import layout_of, load_design, load_text, new_design_text, short_design_text
 from mbcdm_cad.layouts.miso_bevel.checks import CHECKS
+from mbcdm_cad.layouts.structure import structure_of
+from mbcdm_cad.planning.best_run import candidates, run_of
+from mbcdm_cad.planning.plan import plan_of
 from mbcdm_cad.report.check_report import CheckReport
+from mbcdm_cad.rig.bench import BenchLimits
+from mbcdm_cad.rig.experiment import Experiment, read_experiment
 
 FIELDS = {"id", "title", "status", "actual", "limit", "unit", "margin", "message", "remedy", "source", "waived_reason"}
 # Checks of requirements that the reference design does not state are left out.
@@ -278,3 +291,206 @@ def test_explain_keeps_to_the_width(
     longest = max(words[width].splitlines(), key=len)
     assert len(longest) <= width, f"{len(longest)} characters: {longest}"
     assert words[None].split() == words[width].split(), "wrapping loses words"
+
+
+@pytest.fixture
+def short(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Path:
+    path = tmp_path / "drive.yaml"
+    assert cli.run(["init", str(path)]) == 0
+    capsys.readouterr()
+    return path
+
+
+def test_a_short_file_is_a_whole_design(short: Path) -> None:
+    lines = [line for line in short.read_text().splitlines() if line.strip() and not line.strip().startswith("#")]
+    # Five requirements, and that losses count.
+    assert len(lines) <= 11, lines
+    assert len(load_design(short).sized) > 45
+
+
+def test_derived_values_stand_as_comments_and_give_the_same_design(short: Path, tmp_path: Path) -> None:
+    path = tmp_path / "more" / "drive.yaml"
+    path.parent.mkdir()
+    assert cli.run(["init", str(path), "--full"]) == 0
+    assert load_design(path).sha256 == load_design(short).sha256
+    for value in load_design(short).sized:
+        assert f"{value.field.split('.')[-1]}: " in path.read_text(), value.field
+
+
+@pytest.mark.parametrize("layout", ["miso_bevel", "siso_bevel", "siso_spur", "miso_spur"])
+def test_a_derived_line_without_its_comment_mark_pins_its_field(layout: str) -> None:
+    lines = short_design_text("drive", layout, derived=True).splitlines()
+    whole = load_text("\n".join(lines), "drive.yaml")
+    derived = [n for n, line in enumerate(lines) if re.match(r" *# \w+: .*  # .*: ", line) and "left out" not in line]
+    assert len(derived) > 40, len(derived)
+    for n in derived:
+        pinned = [*lines[:n], lines[n].replace("# ", "", 1), *lines[n + 1 :]]
+        found = load_text("\n".join(pinned), "drive.yaml")
+        if "# stiffness: " in lines[n]:
+            # It was weighed with others, which are weighed anew.
+            assert _mass_times_turn(found) == pytest.approx(_mass_times_turn(whole), rel=0.01), lines[n]
+        else:
+            assert found.design == whole.design, lines[n]
+
+
+def _mass_times_turn(loaded: LoadedDesign) -> float:
+    layout = layout_of(loaded.drive)
+    assert structure_of(layout) is not None
+    return kept_mass_g(layout) / structure_of(layout).stiffness_Nm_rad
+
+
+def test_every_sized_field_is_listed_with_its_driver(short: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.run(["explain", str(short)]) == 0
+    out = capsys.readouterr().out
+    for value in load_design(short).sized:
+        assert any(line.startswith(value.field) and value.driver in line for line in out.splitlines()), value.field
+
+
+def test_one_field_is_told_down_to_what_the_file_gives(short: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.run(["explain", str(short), "support.back_y_mm"]) == 0
+    out = capsys.readouterr().out
+    assert "set by: " in out and "loads.peak_torque_Nm = 3.15  (given)" in out, out
+    assert cli.run(["explain", str(short), "support.back_y_mm", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["value"] == load_design(short).design.model_dump()["support"]["back_y_mm"], found
+    assert found["given"] is False and "drive.gearhead" in found["rests_on"], found
+
+
+def test_a_pin_is_told_beside_what_its_rule_gives(short: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    data = yaml.safe_load(short.read_text())
+    data["drum"] = {"outer_face_y_mm": 30.0}
+    short.write_text(yaml.safe_dump(data))
+    assert cli.run(["explain", str(short), "drum.outer_face_y_mm"]) == 0
+    out = capsys.readouterr().out
+    assert "drum.outer_face_y_mm = 30.0" in out and "given in the file" in out and "its rule gives 1" in out, out
+
+
+def test_a_pulley_on_the_motors_shaft_beside_a_stiffness_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+    """Its rules are tried without ``carried_by`` too, where bearings called none are no drive."""
+    path = Path(__file__).parents[3] / "params" / "built-by-others" / "wooden-haptics.yaml"
+    assert cli.run(["explain", str(path)]) == 0
+    out = capsys.readouterr().out
+    assert re.search(r"^transmission.input_to_drum +16.0 +given; its rule gives ", out, re.M)
+    # A rule that had nothing to choose is not told.
+    assert re.search(r"^drive.encoder +none +not used: the motor's shaft carries the pulley$", out, re.M)
+
+
+@pytest.mark.parametrize(("more", "said"), [("", "lightest of"), (", speed_deg_s: 172.0", "the torque at the speed")])
+def test_no_gearhead_is_told_with_the_speed_that_refused_it(more: str, said: str) -> None:
+    text = (
+        "configuration: siso_spur\ntravel: {half_angle_deg: 45.0}\ntransmission: {input_to_drum: 11.12}\n"
+        f"loads: {{peak_torque_Nm: 15.0{more}}}\n"
+    )
+    found = next(value for value in load_text(text, "drive.yaml").sized if value.field == "drive.gearhead")
+    assert (found.value == "none") is bool(more) and said in f"{found.driver} {found.rounding}", found
+
+
+def test_an_unknown_field_is_one_sentence(short: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.run(["explain", str(short), "drum.outer_face"]) == 2
+    assert "no such field; did you mean drum.outer_face_y_mm?" in capsys.readouterr().err
+
+
+def test_a_complete_file_is_told_beside_what_the_rules_give(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.run(["explain", str(Path(__file__).parents[3] / "params" / "mbcdm.yaml")]) == 0
+    lines = {line.split()[0]: line for line in capsys.readouterr().out.splitlines()}
+    assert len(lines) > 45
+    assert "34.6" in lines["transmission.centre_distance_mm"]
+    assert "given; its rule gives 34.5 (fleet_angle" in lines["transmission.centre_distance_mm"]
+
+
+DESIGN = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
+DRIVE = load_design(DESIGN).drive
+
+
+@given(
+    st.floats(1.0, 35.0),
+    st.floats(60.0, 2000.0),
+    st.floats(0.5, 100.0),
+    st.sets(st.sampled_from(["brake", "weight", "torque_motor"])),
+    st.floats(0.01, 5.0),
+)
+def test_every_run_stays_within_the_bench(
+    travel: float, duration: float, speed: float, loads: set[str], torque: float
+) -> None:
+    limits = BenchLimits.model_validate(
+        {
+            "half_travel_deg": travel,
+            "duration_s": duration,
+            "drum_speed_max_deg_s": speed,
+            "loads": tuple(sorted(loads)),
+            "torque_Nm": torque if loads else None,
+        }
+    )
+    found = candidates(DRIVE, limits)
+    assert found
+    for one in found:
+        amplitude = one.motion.amplitude_mrad * 180e-3 / pi
+        assert amplitude <= travel + 0.01, one.about
+        assert 2.0 * pi * amplitude / one.motion.period_s <= speed * 1.01, one.about
+        assert one.duration_s <= duration + 1e-3
+        most = max(abs(level) for level in one.load.levels_Nm) + abs(one.load.bias_Nm)
+        assert most <= (torque if loads else 0.0) + 2e-3, (one.about, most)
+        assert one.load.kind in {"none", *loads}, one.about
+
+
+@pytest.mark.parametrize("loads", [(), ("brake", "weight", "torque_motor")])
+def test_each_run_is_offered_as_a_triangle_and_as_a_sine(loads: tuple[str, ...]) -> None:
+    limits = BenchLimits.model_validate({"loads": loads, "torque_Nm": 1.0 if loads else None})
+    found = candidates(DRIVE, limits)
+
+    def of(shape: str) -> list[tuple[object, ...]]:
+        chosen = [one for one in found if one.motion.shape == shape]
+        return [(one.motion.amplitude_mrad, one.motion.period_s, one.load) for one in chosen]
+
+    assert of("triangle") == of("sine") and 2 * len(of("sine")) == len(found)
+    assert all(one.motion.shape in one.about for one in found)
+
+
+def test_a_sine_tells_friction_from_delay_and_a_triangle_hardly() -> None:
+    limits = BenchLimits.model_validate({"duration_s": 60.0, "loads": ("weight",), "torque_Nm": 0.5})
+    runs = {one.motion.shape: one for one in reversed(candidates(DRIVE, limits)) if one.motion.amplitude_mrad > 300.0}
+    multiples = {}
+    for shape, one in runs.items():
+        plan = plan_of(DRIVE, run_of(DRIVE, one))
+        friction = next(seen for seen in plan.effects if seen.label.startswith("friction"))
+        assert friction.smallest is not None
+        told = [rival.from_size or inf for rival in friction.rivals if rival.label.startswith("delay (late")]
+        multiples[shape] = max([friction.smallest, *told]) / friction.smallest
+    print(f"friction is told from delay from so many times its smallest size: {multiples}")
+    assert multiples["triangle"] > 2.0 * multiples["sine"], multiples
+
+
+@pytest.mark.slow
+def test_the_best_run_is_written_as_an_experiment(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    bench, planned = tmp_path / "bench.yaml", tmp_path / "planned.yaml"
+    bench.write_text("half_travel_deg: 20.0\nduration_s: 60.0\nsample_rate_Hz: 20.0\nloads: [weight]\ntorque_Nm: 0.4\n")
+    assert mbcdm(["plan", str(DESIGN), "--within", str(bench), "--write", str(planned)]) == 0
+    said = capsys.readouterr().out
+    assert "8 runs compared" in said and "named from (power 0.9)" in said, said
+    found = read_experiment(planned)
+    assert isinstance(found, Experiment) and found.sample_rate_Hz == 20.0 and found.load.bias_Nm == 0.4
+    assert f"best: {found.about}" in said, said
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("loads: [brake]\n", "bench.yaml:1: torque_Nm: missing beside loads; add torque_Nm"),
+        ("torque_Nm: 1.0\n", "bench.yaml:1: loads: missing beside torque_Nm; add loads"),
+        ("loads: [hand]\ntorque_Nm: 1.0\n", "bench.yaml:1: loads[0]: not possible (value 'hand'"),
+        ("duration_s: 1.0\n", "bench.yaml:1: duration_s: not possible (value 1.0, limit at least 60.0)"),
+        ("speed: 1.0\n", "bench.yaml:1: speed: unknown field"),
+    ],
+)
+def test_a_faulty_bench_file_is_told_with_its_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], text: str, said: str
+) -> None:
+    bench = tmp_path / "bench.yaml"
+    bench.write_text(text)
+    assert mbcdm(["plan", str(DESIGN), "--within", str(bench)]) == 2
+    assert said in capsys.readouterr().err
+
+
+def test_neither_experiment_nor_bench_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+    assert mbcdm(["plan", str(DESIGN)]) == 2
+    assert "give an experiment file, --within BENCH.yaml, or both" in capsys.readouterr().err

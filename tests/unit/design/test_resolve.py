@@ -3,13 +3,21 @@
 from __future__ import annotations
 
 import dataclasses
+import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
+import yaml
 
+from mbcdm_cad.checks.run import Budget, offers, run_check
 from mbcdm_cad.design.catalogue import package_entries
-from mbcdm_cad.layouts.loader import design_file, load_design, reference_data
+from mbcdm_cad.design.describe import editor_schema
+from mbcdm_cad.errors import InputError
+from mbcdm_cad.layouts.check_design import checks_of
+from mbcdm_cad.layouts.loader import design_file, layout_of, load_design, load_text, new_design_text, reference_data
+from mbcdm_cad.model.analysis import analyse
 from tests.support.single_values import KIND_OF, leaves
 
 from .conftest import Edit
@@ -146,3 +154,242 @@ def test_the_drive_is_frozen_and_hashable(load_edited: Edit) -> None:
     assert isinstance(hash(drive), int)
     with pytest.raises(dataclasses.FrozenInstanceError):
         drive.name = "x"  # type: ignore[misc]
+
+
+def found(name: str, form: str, share: float, **more: Any) -> dict[str, Any]:
+    value = {"name": "share", "value": share, "low": share - 0.0196, "high": share + 0.0196}
+    return {"name": name, "form": form, "values": [value], **more}
+
+
+MODULUS = found("stiffness_error", "modulus of the rope", 0.1)
+ONE_CABLE = found("preload_error", "one cable", -0.2, cables=["cable_3"])
+FRICTION = found("cable_friction", "rope on pulley", 0.5)
+GUIDE = {
+    "name": "once_per_rev",
+    "form": "eccentric pulley",
+    "stage": "guide",
+    "values": [{"name": "cosine_m", "value": 1e-05}, {"name": "sine_m", "value": 0.0}],
+}
+
+
+def test_values_change_by_their_shares_and_get_sigmas(load_edited: Any) -> None:
+    bare = load_edited({}).drive
+    drive = load_edited({("as_built",): [MODULUS, ONE_CABLE, FRICTION, MODULUS]}).drive
+    assert drive.cable.modulus_GPa == pytest.approx(1.1**2 * bare.cable.modulus_GPa)
+    assert drive.sigmas.modulus_GPa == pytest.approx(0.01 * 1.1 * 2**0.5 * bare.cable.modulus_GPa)
+    assert [c.preload_N for c in drive.cables] == pytest.approx([70.0, 70.0, 56.0, 70.0])
+    assert drive.sigmas.preload_N == pytest.approx((0.0, 0.0, 0.7, 0.0))
+    assert drive.friction_coefficient == pytest.approx(0.225)
+    assert drive.as_built == ()
+
+
+def test_analysis_is_that_of_the_drive_as_built(load_edited: Any) -> None:
+    bare = analyse(layout_of(load_edited({}).drive))
+    stiff = analyse(layout_of(load_edited({("as_built",): [MODULUS]}).drive))
+    ratio = stiff.reversal_swing_mrad / bare.reversal_swing_mrad
+    assert ratio == pytest.approx(1.0 / 1.1, rel=1e-9)
+
+
+def test_what_has_no_value_in_the_design_is_kept(load_edited: Any) -> None:
+    (entry,) = load_edited({("as_built",): [GUIDE]}).drive.as_built
+    assert (entry.name, entry.stage, entry.cables) == ("once_per_rev", "guide", ())
+    assert [value.value for value in entry.values] == [1e-05, 0.0]
+
+
+@pytest.mark.parametrize(
+    ("entry", "field", "remedy"),
+    [
+        (ONE_CABLE | {"cables": ["cable_7"]}, "as_built[0].cables[0]", "cable_1"),
+        (found("stiffness_error", "modulus of the rope", -1.5), "as_built[0].values[0].value", "0.1 for 10 % more"),
+        (MODULUS | {"values": [{"name": "part", "value": 0.1}]}, "as_built[0].values", "add {name: share"),
+        (MODULUS | {"values": []}, "as_built[0].values", "1"),
+    ],
+)
+def test_refusals_say_where_and_what_to_do(load_edited: Any, entry: dict[str, Any], field: str, remedy: str) -> None:
+    with pytest.raises(InputError) as caught:
+        load_edited({("as_built",): [entry]})
+    text = str(caught.value)
+    assert field in text, text
+    assert remedy in text, text
+
+
+def with_values(**changes: Any) -> str:
+    """The reference design with ``block__field=value`` replaced."""
+    data = reference_data()
+    for name, value in changes.items():
+        block, field = name.split("__")
+        data[block][field] = value
+    return yaml.safe_dump(data, sort_keys=False)
+
+
+def test_a_file_without_sigmas_has_none() -> None:
+    sigmas = load_text(new_design_text("plain")).drive.sigmas
+    values = vars(sigmas) | sigmas.lengths_mm
+    del values["lengths_mm"]
+    numbers = [x for value in values.values() for x in (value if isinstance(value, tuple) else (value,))]
+    assert numbers == [0.0] * len(numbers) and len(numbers) > 20, sigmas
+
+
+def test_values_stay_what_they_were() -> None:
+    plain = load_text(with_values()).drive
+    measured = load_text(with_values(rope__preload_N={"value": 70.0, "sigma": 3.0})).drive
+    assert measured.cables == plain.cables
+    assert measured.sigmas.preload_N == (3.0,) * 4
+    assert load_text(with_values()).sha256 != load_text(with_values(rope__preload_N={"value": 70, "sigma": 3})).sha256
+
+
+def test_a_cables_own_preload_has_its_own_sigma() -> None:
+    data = reference_data()
+    data["rope"]["preload_N"] = {"value": 70.0, "sigma": 3.0}
+    data["cables"][1]["preload_N"] = {"value": 65.0, "sigma": 1.0}
+    data["cables"][2]["preload_N"] = 66.0
+    drive = load_text(yaml.safe_dump(data)).drive
+    assert drive.sigmas.preload_N == (3.0, 1.0, 0.0, 3.0)
+    assert [run.preload_N for run in drive.cables] == [70.0, 65.0, 66.0, 70.0]
+
+
+def test_items_of_a_list_each_for_itself() -> None:
+    radii = [54.0, {"value": 57.6, "sigma": 0.02}, 61.2, 64.8]
+    drive = load_text(with_values(transmission__drum_radii_mm=radii)).drive
+    assert drive.sigmas.lengths_mm["drum_radius_mm"] == (0.0, 0.02, 0.0, 0.0)
+    assert drive.sigmas.lengths_mm["guide_radius_mm"] == (0.0,) * 4, "the ratio carries none"
+
+
+def test_sigma_of_a_nominal_area_comes_from_the_diameter() -> None:
+    rope = {
+        "construction": "7x7",
+        "diameter_mm": {"value": 0.8, "sigma": 0.008},
+        "metallic_area_mm2": {"value": 0.3, "sigma": 0.01},
+        "modulus_GPa": {"value": 50.0, "sigma": 2.0},
+        "modulus_area": "nominal",
+        "breaking_load_N": 530.0,
+        "mass_g_m": 2.5,
+        "bend_ratio_minimum": 28.0,
+        "bend_ratio_desired": 42.0,
+        "material": "stainless",
+        "source": "a test",
+    }
+    data = reference_data()
+    data["rope"] = {k: v for k, v in data["rope"].items() if k not in ("type", "modulus_GPa", "modulus_area")}
+    data["rope"]["inline"] = rope
+    drive = load_text(yaml.safe_dump(data)).drive
+    assert drive.sigmas.area_mm2 == pytest.approx(2 * 0.01 * drive.cable.area_mm2), "twice the diameter's, relatively"
+    assert drive.sigmas.modulus_GPa == 2.0
+    rope["modulus_area"] = "metallic"
+    assert load_text(yaml.safe_dump(data)).drive.sigmas.area_mm2 == 0.01
+
+
+@pytest.mark.parametrize(
+    ("value", "said"),
+    [
+        ({"value": 70.0, "sigma": -3.0}, "rope.preload_N.sigma: out of bounds (value -3, limit 0 to 23.33"),
+        ({"value": 70.0, "sigma": 24}, "rope.preload_N.sigma: out of bounds (value 24, limit 0 to 23.33"),
+        ({"value": 70.0, "sigma": "wide"}, "rope.preload_N.sigma: not a number (value 'wide')"),
+        ({"value": 70.0, "sigma": True}, "rope.preload_N.sigma: not a number (value True)"),
+        ({"value": 70.0, "sigma": None}, "rope.preload_N.sigma: not a number (value nothing)"),
+        ({"value": 70.0}, "rope.preload_N: has no sigma"),
+        ({"sigma": 3.0}, "rope.preload_N: has no value"),
+        ({"value": 70.0, "sigma": 3.0, "unit": "N"}, "rope.preload_N.unit: unknown field"),
+        ({"value": "70 N", "sigma": 3.0}, "rope.preload_N: not a number (value '70 N'"),
+        ({"value": 1e6, "sigma": 3.0}, "rope.preload_N: out of bounds (value 1000000.0, limit 0.1 to 20000 N)"),
+        ({"value": {"value": 1.0, "sigma": 0.1}, "sigma": 3.0}, "rope.preload_N: not a number (value a block"),
+    ],
+)
+def test_what_cannot_be_meant_is_refused(value: Any, said: str) -> None:
+    text = with_values(rope__preload_N=value)
+    line = next(k for k, row in enumerate(text.split("\n"), 1) if row.startswith("  preload_N"))
+    with pytest.raises(InputError) as caught:
+        load_text(text, "design.yaml")
+    assert said in str(caught.value), caught.value
+    told = caught.value.problems[0].line
+    assert line <= told <= line + 3, f"line {told}, the field is on {line}"
+
+
+def test_fields_that_the_model_does_not_use_take_no_sigma() -> None:
+    with pytest.raises(InputError, match="helix_lead_mm: carries a sigma, which nothing here would use"):
+        load_text(with_values(rope__helix_lead_mm={"value": 0.87, "sigma": 0.01}))
+
+
+def test_a_catalogue_entry_may_be_called_sigma() -> None:
+    from mbcdm_cad.design.catalogue import package_entries
+
+    data = reference_data() | {"catalogue": {"ropes": {"sigma": package_entries("ropes")["FF-081"]}}}
+    data["rope"]["type"] = "sigma"
+    assert load_text(yaml.safe_dump(data)).drive.cable.name == "sigma"
+
+
+def test_editor_schema_offers_both_forms_and_nothing_of_ours() -> None:
+    text = json.dumps(editor_schema(design_file().nodes))
+    assert '"uncertain"' not in text
+    rope = editor_schema(design_file().nodes)["$defs"]["WoundRope"]["properties"]
+    kinds = [branch["type"] for branch in rope["preload_N"]["anyOf"]]
+    assert kinds == ["number", "object"], kinds
+    kinds = [branch["type"] for branch in rope["modulus_GPa"]["anyOf"]]
+    assert kinds == ["number", "object", "null"], kinds
+    assert "anyOf" not in rope["helix_lead_mm"]
+    items = editor_schema(design_file().nodes)["$defs"]["Transmission"]["properties"]["drum_radii_mm"]["items"]
+    assert [branch["type"] for branch in items["anyOf"]] == ["number", "object"]
+
+
+SHORT = """\
+name: arm
+configuration: {layout}
+travel: {{{travel}}}
+transmission: {{{ratio}: 8.0, drum_radius_mm: 60.0}}
+loads: {{peak_torque_Nm: 1.0}}
+"""
+
+
+def short(travel: str, layout: str = "siso_spur") -> str:
+    return SHORT.format(travel=travel, layout=layout, ratio="ratio" if layout == "miso_bevel" else "input_to_drum")
+
+
+@pytest.mark.parametrize("layout", ["siso_spur", "miso_bevel"])
+def test_it_gives_the_drive_of_half_of_it(layout: str) -> None:
+    one = load_text(short("from_deg: -30, to_deg: 10", layout)).drive
+    other = load_text(short("half_angle_deg: 20", layout)).drive
+    assert replace(one, travel_from_deg=None) == other
+    assert (one.middle_deg, one.travel_words) == (-10.0, "-30 to +10")
+    assert (other.middle_deg, other.travel_words) == (0.0, "+-20")
+
+
+@pytest.mark.parametrize("layout", ["siso_spur", "miso_spur", "siso_bevel", "miso_bevel"])
+@pytest.mark.parametrize(
+    ("travel", "field", "what"),
+    [
+        ("from_deg: 10", "travel.to_deg", "missing beside from_deg"),
+        ("to_deg: 10", "travel.from_deg", "missing beside to_deg"),
+        ("from_deg: 10, to_deg: -30", "travel.to_deg", "not above from_deg"),
+        ("", "travel.half_angle_deg", "missing; it is a requirement"),
+    ],
+)
+def test_half_a_statement_is_refused(layout: str, travel: str, field: str, what: str) -> None:
+    with pytest.raises(InputError) as raised:
+        load_text(short(travel, layout))
+    found = {problem.field: problem.what for problem in raised.value.problems}
+    assert what in found.get(field, ""), found
+
+
+def test_two_statements_must_agree(load_edited: Edit) -> None:
+    ends: dict[tuple[str | int, ...], Any] = {("travel", "from_deg"): -30.0, ("travel", "to_deg"): 40.0}
+    assert load_edited(ends).drive.middle_deg == 5.0
+    with pytest.raises(InputError, match=r"travel.half_angle_deg: not half of the way .*value 35 deg, limit 34 deg"):
+        load_edited({**ends, ("travel", "to_deg"): 38.0})
+
+
+def test_a_remedy_names_the_end_that_the_file_states(load_edited: Edit) -> None:
+    """Too much travel for the sector: the remedy lowers the upper end by twice what it lowers half the travel."""
+    wide = {("travel", "half_angle_deg"): 70.0}
+    said = []
+    for more, field in (
+        ({}, "half_angle_deg"),
+        ({("travel", "from_deg"): -100.0, ("travel", "to_deg"): 40.0}, "to_deg"),
+    ):
+        loaded = load_edited({**wide, **more})
+        check = next(c for c in checks_of(loaded.drive) if c.id == "wrap_left")
+        assert run_check(check, layout_of(loaded.drive), Budget(0)).status == "fail"
+        asked = {f"travel.{field}"}
+        _, required = offers(check, layout_of(loaded.drive), Budget(asked=lambda asked=asked: asked))
+        said.append(next(text for text in required if text.startswith(f"lower travel.{field} ")))
+    half, end = (float(text.rpartition(" ")[2]) for text in said)
+    assert abs((40.0 - end) / 2 - (70.0 - half)) < 0.05, said

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
-from logger_samples import Write, writer
+from sound_runs import Write, writer
 
 
 @pytest.fixture

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from logger_samples import RATIO, Write, mapping, signals, table
+from sound_runs import RATIO, Write, mapping, signals, table
 
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.measurement import datafile

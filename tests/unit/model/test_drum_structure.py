@@ -1,6 +1,6 @@
 """The drum's own turn and stress: elements against beams, a full ring against its closed form, laws, and published FE.
 
-Solid finite elements of the drawn STEP are compared in tests/acceptance/test_drum_solid.py.
+Solid finite elements of the drawn STEP are compared in tests/acceptance/test_frame_stiffness.py.
 """
 
 from __future__ import annotations

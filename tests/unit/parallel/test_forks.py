@@ -5,8 +5,10 @@ Workers of this machine and of a cluster (here threads of this process) give the
 
 from __future__ import annotations
 
+import argparse
 import logging
 import os
+import pickle
 import signal
 import subprocess
 import sys
@@ -14,11 +16,13 @@ import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from distributed import LocalCluster
 
+from benchmarks.study import Named, run_many
 from mbcdm_cad.errors import GeometryError, InputError, MbcdmError, Problem
 from mbcdm_cad.parallel import cluster, forks
 from mbcdm_cad.parallel.forks import crew, fork_map, forked
@@ -274,3 +278,21 @@ def test_no_scheduler_is_told_with_the_remedy(own: None, monkeypatch: pytest.Mon
 
 def test_a_state_is_that_of_the_package() -> None:
     assert state() == state() and state().startswith("mbcdm_cad 0.1.0 ") and len(state().split()[2]) == 12
+
+
+def double(k: int) -> int:
+    return 2 * k
+
+
+def test_a_function_of_a_program_is_found_by_its_name() -> None:
+    found = pickle.loads(pickle.dumps(Named.of(double)))
+    assert found.module == "tests.unit.parallel.test_forks" and found(21) == 42
+
+
+def test_other_tests_are_refused() -> None:
+    with pytest.raises(MbcdmError, match="check out the same state"):
+        replace(Named.of(double), state="another")(21)
+
+
+def test_results_come_in_order() -> None:
+    assert list(run_many(double, iter(range(5)), argparse.Namespace(workers=1, scheduler=None))) == [0, 2, 4, 6, 8]

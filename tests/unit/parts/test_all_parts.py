@@ -3,15 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import Any
 
 import cadquery as cq
 import numpy as np
 import pytest
 import trimesh
 
+import mbcdm_cad as mc
+from mbcdm_cad.checks.size import estimated_mass_g
+from mbcdm_cad.design.bought import Entry
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts import registry
+from mbcdm_cad.layouts.loader import layout_of, load_design
+from mbcdm_cad.layouts.miso_bevel.bill import bill
+from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, bevel
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.parts.bill import CABLE, Bill
-from mbcdm_cad.workshop.kernel import bounding_box, validate_faces, validate_solid
+from mbcdm_cad.parts.making import NoPriceError, bought_cost_EUR, material_cost_EUR
+from mbcdm_cad.parts.part import BoughtPart, MadePart
+from mbcdm_cad.parts.sheet import Linear
+from mbcdm_cad.workshop.kernel import bounding_box, measure, validate_faces, validate_solid
+from mbcdm_cad.workshop.mass import combined, item_mass
+from mbcdm_cad.workshop.meshing import mesh_solid
+from tests.support.random_generator import Passing, passing
 
 from .golden import golden_volumes
 
@@ -116,3 +134,167 @@ def test_bought_parts_stand_on_their_seat(solids: dict[str, cq.Solid], name: str
         assert low[2] == pytest.approx(0.0, abs=1e-6)
     else:
         assert low[2] < 0.0 <= high[2] + 1e-6
+
+
+PARAMS = Path(__file__).parents[3] / "params"
+FILES = {"miso_bevel": "mbcdm", "siso_bevel": "siso_bevel", "siso_spur": "siso_spur", "miso_spur": "miso_spur"}
+
+
+@cache
+def bill_of(layout: str) -> Bill:
+    """Bill of the reference design of a layout."""
+    found: Bill = layout_of(load_design(PARAMS / f"{FILES[layout]}.yaml").drive).bill()
+    return found
+
+
+@cache
+def solid_of(layout: str, name: str) -> cq.Solid:
+    """Solid of a part of that design."""
+    return bill_of(layout).parts[name].part.solid()
+
+
+def test_every_layout_has_its_reference_here() -> None:
+    assert set(FILES) == set(registry.names())
+
+
+EVERY = [(layout, name) for layout in FILES for name, part in bill_of(layout).made.items()]
+
+
+@pytest.mark.parametrize("layout", FILES)
+def test_every_part_is_made_or_bought_as_its_items_say(layout: str) -> None:
+    bill = bill_of(layout)
+    for item in bill.items:
+        part = bill.parts[item.part].part
+        assert isinstance(part, MadePart) == (item.mass_g is None), f"{item.name}: {type(part).__name__}"
+        assert not isinstance(part, BoughtPart) or part.entry.source, f"{item.name}: no source"
+
+
+@pytest.mark.parametrize(("layout", "name"), EVERY)
+def test_a_made_part_is_what_it_says_of_itself(layout: str, name: str) -> None:
+    part = bill_of(layout).made[name]
+    solid = solid_of(layout, name)
+    validate_solid(name, solid)
+    drawn, said = solid.Volume(), part.volume_mm3()
+    assert said == pytest.approx(drawn, rel=0.01), f"{name}: {said:.2f} mm^3, drawn {drawn:.2f}"
+    mesh = mesh_solid(name, solid, 0.05)
+    assert len(mesh.open_edges_mm()) == 0 and mesh.volume_mm3 == pytest.approx(drawn, rel=0.02), mesh.volume_mm3
+    # What a frame or a datum of the sheet points at is a face of the part, a cylinder where its axis is meant.
+    sheet = part.sheet(name)
+    places = [(at, tolerance.axis) for tolerance in sheet.tolerances for at in tolerance.places]
+    for at, axis in [*places, *((datum.at, False) for datum in sheet.datums)]:
+        near = min(solid.Faces(), key=lambda face: face.distance(cq.Vertex.makeVertex(*at)))
+        away = near.distance(cq.Vertex.makeVertex(*at))
+        # A tolerance of a land is at its crest, where the groove of a grooved one may run.
+        assert away < (0.5 if getattr(part, "dims", None) and getattr(part.dims, "grooves", ()) else 1e-6), (
+            f"{name}: {at} is {away:.4g} mm from the nearest face"
+        )
+        assert not axis or near.geomType() == "CYLINDER", f"{name}: {at} is on a {near.geomType()}"
+
+
+@pytest.mark.parametrize("layout", FILES)
+def test_what_turns_together_has_the_inertia_of_its_solids(layout: str) -> None:
+    """About each moving body's axis, of all parts but the smallest by their solids: `analyse` draws none of them."""
+    bill = bill_of(layout)
+    for body in layout_of(load_design(PARAMS / f"{FILES[layout]}.yaml").drive).moving_bodies:
+        items = [item for item in bill.items if item.group == body.name]
+        drawn = {item.part: measure(solid_of(layout, item.part)) for item in items}
+        solids = combined(item_mass(item, drawn[item.part]) for item in items).about_axis(body.axis, body.origin_mm)
+        assert bill.inertia_g_mm2(body) == pytest.approx(solids, rel=0.015), body.name
+
+
+@pytest.mark.parametrize(("layout", "name"), EVERY)
+def test_the_sheet_of_a_made_part_is_complete(layout: str, name: str) -> None:
+    part = bill_of(layout).made[name]
+    sheet = part.sheet(name)
+    views = {view.name for view in sheet.views}
+    assert sheet.part == name and sheet.title
+    letters = {x.datum for x in sheet.dimensions if isinstance(x, Linear)} | {x.letter for x in sheet.datums}
+    for tolerance in sheet.tolerances:
+        assert {letter for datum in tolerance.datums for letter in datum.split("-")} <= letters, tolerance
+    assert len(views) == len(sheet.views) >= 1, views
+    assert len(sheet.dimensions) >= 2, sheet.dimensions
+    assert {d.view for d in sheet.dimensions} | {label.view for label in sheet.labels} <= views
+    assert part.holes(name) == [group.data() for group in sheet.holes]
+    spec = bill_of(layout).parts[name]
+    assert (spec.drilled is not None) == any(hole["thread"] for hole in part.holes(name)), name
+
+
+MASS_SHARE = 0.01
+
+
+def drawn_mass_g(drive: BevelDrive) -> float:
+    """Mass of all items from the solids' volumes."""
+    found = bill(BevelLayout(drive))
+    made = {item.part for item in found.items if item.mass_g is None}
+    volumes = {name: found.parts[name].part.solid().Volume() for name in made}
+    return sum(
+        volumes[item.part] * item.material.density_g_cm3 * 1e-3 if item.mass_g is None else item.mass_g
+        for item in found.items
+    )
+
+
+def _close(drive: BevelDrive, what: str) -> None:
+    drawn, estimated = drawn_mass_g(drive), estimated_mass_g(bill(BevelLayout(drive)))
+    assert estimated == pytest.approx(drawn, rel=MASS_SHARE), f"{what}: {estimated:.1f} g, drawn {drawn:.1f} g"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [4, 5, 6])
+def test_mass_of_random_designs(seed: int) -> None:
+    found = passing(seed)
+    if isinstance(found, Passing):
+        _close(bevel(found.loaded.drive), f"seed {seed}")
+
+
+@pytest.mark.slow
+def test_mass_with_grooves_setback_and_four_screws(drive: Drive) -> None:
+    design = bevel(drive)
+    pulleys = replace(design.input_pulleys, surface="grooved")
+    gearhead = replace(design.gearhead, screw_count=4)
+    _close(
+        replace(design, input_pulleys=pulleys, gearhead=gearhead, helix_lead_mm=0.9, input_setback_mm=1.5),
+        "grooves, setback, four screws",
+    )
+
+
+@pytest.fixture(scope="module")
+def drive() -> mc.Drive:
+    return mc.load("params/siso_spur.yaml").drive
+
+
+def _of_catalogue(part: object) -> bool:
+    return isinstance(getattr(part, "entry", None), Entry)
+
+
+def _at_one_price(bill: Any) -> Any:
+    """Every material for 1 EUR/kg, every part for 2 EUR."""
+    items = tuple(replace(item, material=replace(item.material, price_EUR=1.0)) for item in bill.items)
+    parts = {
+        name: replace(spec, part=replace(spec.part, entry=replace(spec.part.entry, price_EUR=2.0)))
+        if _of_catalogue(spec.part)
+        else spec
+        for name, spec in bill.parts.items()
+    }
+    return replace(bill, items=items, parts=parts)
+
+
+def test_material_at_one_price_costs_the_made_mass(drive: mc.Drive) -> None:
+    bill = layout_of(drive).bill()
+    made_g = estimated_mass_g(bill) - sum(item.mass_g or 0.0 for item in bill.items)
+    assert material_cost_EUR(_at_one_price(bill)) == pytest.approx(made_g * 1e-3)
+
+
+def test_bought_parts_cost_their_number_and_the_rope_its_length(drive: mc.Drive) -> None:
+    bill = _at_one_price(layout_of(drive).bill())
+    rope = replace(drive.cable, price_EUR=3.0)
+    length_m = sum(path.length_mm for path in layout_of(drive).cable_paths(0.0)) * 1e-3
+    with_entry = [item for item in bill.items if _of_catalogue(bill.parts[item.part].part)]
+    assert not [item for item in with_entry if item.name.startswith(CABLE)]
+    assert bought_cost_EUR(bill, rope) == pytest.approx(2.0 * len(with_entry) + 3.0 * length_m)
+
+
+def test_entries_without_a_price_are_named(drive: mc.Drive) -> None:
+    with pytest.raises(NoPriceError) as refused:
+        bought_cost_EUR(layout_of(drive).bill(), drive.cable)
+    assert drive.motor.name in str(refused.value)
+    assert drive.cable.name in str(refused.value)

@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import pytest
 
+from benchmarks.studies.built_by_others import page, told
+from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.jobs.build import ComparisonReport
 from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.layouts.structure import structure_of
 from mbcdm_cad.model.stiffness import drum_backlash
+from mbcdm_cad.report.checks_page import checks_page
 from mbcdm_cad.report.comparison import compared, comparison_data, comparison_table, distinct_labels, own_folder
+from mbcdm_cad.report.gallery_page import GalleryDrive
 from mbcdm_cad.report.page.stage import charts_under_load, comparison_page
 
 PARAMS = Path(__file__).parents[3] / "params"
@@ -98,3 +104,105 @@ def test_designs_of_one_name_are_told_apart() -> None:
     assert distinct_labels([("drive", left), ("drive", right), ("other", other)]) == [str(left), str(right), "other"]
     assert distinct_labels([("drive", left), ("drive", left)]) == ["drive 1", "drive 2"]
     assert [own_folder(label) for label in (str(left), "../x y.yaml", "drive 2")] == ["a-left", "x-y", "drive-2"]
+
+
+ROOT = Path(__file__).parents[3]
+FILES = sorted((ROOT / "params" / "built-by-others").glob("*.yaml"))
+DRIVES_OF_OTHERS = ROOT / "docs" / "built-by-others.md"
+
+
+def test_comments_are_what_it_is_what_is_published_and_what_differs() -> None:
+    text = "# An arm.\n# Published: 8:1\n# and 3 N m.\nname: arm # 2 m\n# Differs: one stage.\n"
+    assert told(text) == {"": "An arm.", "Published": "8:1 and 3 N m.", "Differs": "one stage."}
+
+
+def test_there_are_ten_drives_the_printed_capstan_and_three_of_new_users() -> None:
+    assert len(FILES) == 14, FILES
+
+
+def test_a_drive_that_is_not_drawn_anew_stays_on_the_page() -> None:
+    """The page of no new drive is the page."""
+    text = DRIVES_OF_OTHERS.read_text("utf-8")
+    assert page([], "pictures", text) == text
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
+def test_a_file_is_short_and_says_what_is_published_and_what_differs(path: Path) -> None:
+    text = path.read_text("utf-8")
+    assert len(text.splitlines()) <= 12, len(text.splitlines())
+    assert set(told(text)) - {"Seen"} == {"", "Published", "Differs"}, told(text)
+    assert f"name: {path.stem}\n" in text
+
+
+def test_the_page_has_every_drive_and_a_picture_of_those_that_pass_and_are_not_large() -> None:
+    written = DRIVES_OF_OTHERS.read_text("utf-8")
+    sections = dict(re.findall(r"^## ([\w-]+)\n(.*?)(?=^## |\Z)", written, re.M | re.S))
+    assert sorted(sections) == [path.stem for path in FILES]
+    assert len(re.findall(r"\]\((pictures/[^)]+)\)", written)) >= 6
+    for name, text in sections.items():
+        pictures = re.findall(r"\]\((pictures/[^)]+)\)", text)
+        fails = re.findall(r"^- `\w+` fails: ", text, re.M)
+        assert not (pictures and fails), (name, pictures, fails)
+        sizes = [(DRIVES_OF_OTHERS.parent / picture).stat().st_size for picture in pictures]
+        assert all(4_000 < size < 60_000 for size in sizes), sizes
+
+
+PAGE = ROOT / "docs" / "gallery.md"
+
+
+@pytest.mark.parametrize(
+    ("text", "words", "lines"),
+    [
+        (
+            "# A wrist: thin rope. Everything else follows: mbcdm explain wrist.yaml\nname: a\n\n# b\nc: 1\n",
+            "A wrist: thin rope.",
+            2,
+        ),
+        ("# A small joint. mbcdm explain finger.yaml\nname: a\n", "A small joint.", 1),
+        ("# Nothing more to say\nname: a\n", "Nothing more to say.", 1),
+    ],
+)
+def test_words_are_the_files_own_first_sentence(text: str, words: str, lines: int) -> None:
+    drive = GalleryDrive(cast(Any, SimpleNamespace(text=text)), {}, b"")
+    assert (drive.words, drive.lines) == (words, lines)
+
+
+def test_every_drive_on_the_page_has_its_file_and_its_picture() -> None:
+    text = PAGE.read_text("utf-8")
+    files = re.findall(r"`(params/gallery/[\w.-]+\.yaml)`:", text)
+    pictures = re.findall(r"\]\((pictures/[^)]+)\)", text)
+    assert len(files) == len(pictures) >= 12, (len(files), len(pictures))
+    assert [name for name in files if not (ROOT / name).is_file()] == []
+    sizes = {name: (PAGE.parent / name).stat().st_size for name in pictures}
+    assert all(4_000 < size < 200_000 for size in sizes.values()), sizes
+
+
+# docs/checks.md agrees with the registry.
+
+
+# As the Makefile names them.
+REFERENCES = ("mbcdm", "siso_bevel", "siso_spur", "miso_spur")
+
+
+@pytest.fixture(scope="module")
+def drives() -> list[Drive]:
+    return [load_design(ROOT / "params" / f"{name}.yaml").drive for name in REFERENCES]
+
+
+@pytest.fixture(scope="module")
+def page_of(drives: list[Drive]) -> str:
+    return checks_page(drives)
+
+
+def test_page_in_docs_is_up_to_date(page_of: str) -> None:
+    """Write it anew with: make docs."""
+    assert (ROOT / "docs" / "checks.md").read_text("utf-8") == page_of
+
+
+def test_each_check_of_each_layout_stands_once_in_its_column(page_of: str, drives: list[Drive]) -> None:
+    tables, _ = page_of.split("## Checks of the build")
+    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in tables.splitlines() if line.startswith("| `")]
+    for column, drive in enumerate(drives, start=3):
+        found = sorted(row[0].split("`")[1] for row in rows if row[column])
+        assert found == sorted(layout_of(drive).checks_by_id()), drive.name
+        assert len(found) > 100

@@ -7,12 +7,21 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 
-from benchmarks.studies.paper_experiments import reversal_swings_rad
-from mbcdm_cad.layouts.loader import load_design
+from benchmarks.studies.paper_experiments import first_saturated_Nm, given_way_Nm, reversal_swings_rad
+from mbcdm_cad.errors import InputError
+from mbcdm_cad.layouts.loader import layout_of, load_design
+from mbcdm_cad.model.capability import torque_at_input_limit_Nm
+from mbcdm_cad.model.hysteresis import simulate
+from mbcdm_cad.rig import quasistatic
+from mbcdm_cad.rig.chain import chains
+from mbcdm_cad.rig.command import simulate_command
 from mbcdm_cad.rig.dynamic.rig import DynamicRig, EncoderSpec, rig_of
 from mbcdm_cad.rig.dynamic.run import DynamicRun, run_dynamic
+from mbcdm_cad.rig.dynamic.simulate import simulate_dynamic, truth_of
 from mbcdm_cad.rig.dynamic.train import LoadSpec, sine, standstill
+from mbcdm_cad.rig.experiment import DynamicExperiment, RigError, read_experiment
 
 DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
 
@@ -146,3 +155,201 @@ def test_rates_that_do_not_divide_are_refused() -> None:
         run_dynamic(rig_of(DRIVE), standstill(0.01, 1000.0), log_rate_Hz=300.0)
     with pytest.raises(ValueError, match="step_s"):
         run_dynamic(replace(rig_of(DRIVE), step_s=3e-4), standstill(0.01, 1000.0))
+
+
+def ideal(**changes: object) -> DynamicRig:
+    """Lossless motors and gearheads, encoders without counts: what the analytic model assumes."""
+    rig = rig_of(DRIVE, ideal_gearhead=True)
+    none = EncoderSpec(0.0)
+    motors = tuple(replace(m, coulomb_Nm=0.0, viscous_Nms=0.0) for m in rig.motors)
+    changed = replace(rig, motors=motors, encoders=(none, none), drum_encoder=none, torque_noise_Nm=0.0)
+    return replace(changed, **changes)  # type: ignore[arg-type]
+
+
+def ramp(rig: DynamicRig, sign: float) -> tuple[float, float]:
+    """Load at which the first input is at its limit, and at which the drum is off by 20 mrad, N m."""
+    slope, rate = 0.2, rig.loops[0].rate_Hz
+    reference = standstill(4.4 / slope, rate)
+    run = run_dynamic(rig, reference, sign * slope / rate * np.arange(reference.shape[0], dtype=float))
+    return first_saturated_Nm(run, [loop.torque_limit_Nm for loop in rig.loops]), given_way_Nm(run)
+
+
+@pytest.mark.parametrize(("sign", "known_Nm"), [(1.0, 3.747), (-1.0, 3.194)])
+@pytest.mark.slow
+def test_drive_limit_both_ways(sign: float, known_Nm: float) -> None:
+    """The first input saturates where the analytic model says; the drum holds on until both do, at 3.967 N m."""
+    limit = DRIVE.motor.rated_torque_mNm * 1e-3 * DRIVE.gearhead.ratio
+    expected = float(torque_at_input_limit_Nm(layout_of(DRIVE).si, limit, int(sign)).min())
+    first, gives_way = ramp(ideal(), sign)
+    assert expected == pytest.approx(known_Nm, abs=2e-3)
+    assert first == pytest.approx(expected, rel=0.01), f"rig {first:.4f} N m, model {expected:.4f} N m"
+    assert gives_way == pytest.approx(2.0 * limit * 9.0, rel=0.03), f"{gives_way:.3f} N m with the ramp's lag"
+
+
+def test_braked_run_is_the_analytic_model_where_its_assumptions_hold() -> None:
+    """Wraps that stand still: the drum stands where the model puts it at the same input angles and load."""
+    rig = ideal(transport=False)
+    run = run_dynamic(rig, sine(0.05, 0.2, 2, 1000.0), brake_Nm=0.91)
+    model = simulate(layout_of(DRIVE).si, run.input_rad, run.torque_Nm)
+    still = np.abs(np.gradient(run.torque_Nm, run.time_s)) < 1.0
+    error = np.abs(run.drum_rad - model.drum_angle_rad)[still].max()
+    size = np.abs(model.drum_angle_rad - run.input_rad.mean(axis=0) / 9.0)[still].max()
+    assert error < 0.005 * size, f"{error * 1e6:.3f} urad of {size * 1e6:.1f} urad beside the model"
+
+
+@pytest.mark.parametrize("passed_slip", [False, True])
+def test_slow_run_is_the_quasi_static_rig(passed_slip: bool) -> None:
+    """The same chains in balance at each sample: drum and tensions agree where nothing accelerates."""
+    rig = ideal(passed_slip=passed_slip)
+    run = run_dynamic(rig, sine(0.05, 0.1, 1, 1000.0), brake_Nm=0.91, log_rate_Hz=200.0)
+    n, cables = run.time_s.size, rig.cables
+    pulleys, drum, tension = np.empty((2, n)), np.empty(n), np.empty((4, n))
+    none = np.zeros((4, n))
+    held = np.array([[np.inf, 0.0], [np.inf, 0.0]])
+    state = chains(cables, passed_slip=passed_slip)
+    of = np.array([c.input_index for c in cables])
+    angle = np.ascontiguousarray(run.input_rad)
+    course = quasistatic.QuasistaticCourse(
+        of,
+        held,
+        angle,
+        none,
+        none,
+        run.drum_rad,
+        run.torque_Nm,
+        np.zeros((4, 3, 0)),
+        np.zeros((0, 2), dtype=np.int64),
+        np.zeros(4),
+        np.zeros(run.drum_rad.size),
+    )
+    failed = quasistatic.run(state, course, pulleys, drum, tension)
+    assert failed < 0
+    still = np.abs(np.gradient(run.torque_Nm, run.time_s)) < 1.0
+    error = np.abs(run.drum_rad - drum)[still].max()
+    pull = np.abs(run.tension_N - tension)[:, still].max()
+    assert error < 1.5e-6, f"drum differs by {error * 1e6:.3f} urad"
+    assert pull < 0.1, f"tensions differ by {pull:.3f} N"
+
+
+def test_carried_rope_widens_the_loop() -> None:
+    """What the model leaves out on purpose: about an eighth more at +-50 mrad under 0.91 N m."""
+    widths = []
+    for transport in (False, True):
+        run = run_dynamic(ideal(transport=transport), sine(0.05, 0.2, 2, 1000.0), brake_Nm=0.91)
+        error = (run.drum_rad - run.input_rad.mean(axis=0) / 9.0)[500:]
+        widths.append(float(np.ptp(error)))
+    assert 1.08 < widths[1] / widths[0] < 1.20, f"widths {widths} rad"
+
+
+@pytest.mark.slow
+def test_shorter_pieces_change_little() -> None:
+    swings = []
+    for piece_rad in (0.04, 0.02, 0.01):
+        run = run_dynamic(ideal(piece_rad=piece_rad), sine(0.05, 0.2, 2, 1000.0), brake_Nm=0.91)
+        swings.append(float(np.ptp((run.drum_rad - run.input_rad.mean(axis=0) / 9.0)[500:])))
+    assert abs(swings[1] - swings[2]) < 0.01 * swings[2], f"widths {swings} rad at pieces of 40, 20, 10 mrad"
+
+
+def test_eccentric_guide_turns_the_drum_and_keeps_the_energy_balance() -> None:
+    """A path that depends on the angles must pull on the pulleys too: without that, energy would not balance."""
+    rig = ideal(paths=(lambda inputs, drum: np.outer([-1e-5, 1e-5, 1e-5, -1e-5], np.sin(6.0 * drum)),))
+    run = run_dynamic(rig, sine(0.2, 0.5, 2, 1000.0), brake_Nm=0.2)
+    plain = run_dynamic(ideal(), sine(0.2, 0.5, 2, 1000.0), brake_Nm=0.2)
+    turned, still = (r.drum_rad - r.input_rad.mean(axis=0) / 9.0 for r in (run, plain))
+    shift = np.abs(turned - still)
+    e = run.energy_J
+    spent = sum(e[name] for name in ("load", "rotor_friction", "pulley_friction", "drum_friction", "viscous", "cables"))
+    missing = e["motor"] - spent - e["stored"]
+    assert shift.max() > 5e-5, f"the path moved the drum by {shift.max():.2e} rad only"
+    assert abs(missing) < 5e-3 * e["motor"], f"{missing:.2e} J of {e['motor']:.2e} J missing"
+
+
+ROOT = Path(__file__).parents[3]
+REFERENCE = load_design(ROOT / "params" / "mbcdm.yaml").drive
+SHORT = """
+rig: dynamic
+name: short
+duration_s: 2.0
+motion: {shape: sine, amplitude_mrad: 20.0, frequency_Hz: 0.5}
+load: {brake_Nm: 0.5}
+"""
+
+
+def read(text: str, folder: Path) -> DynamicExperiment:
+    path = folder / "experiment.yaml"
+    path.write_text(text)
+    experiment = read_experiment(path)
+    assert isinstance(experiment, DynamicExperiment)
+    return experiment
+
+
+def test_files_of_a_run_are_a_measurement_with_its_truth_apart(tmp_path: Path) -> None:
+    said = simulate_command(REFERENCE, read(SHORT, tmp_path), tmp_path / "out")
+    folder = tmp_path / "out" / "short"
+    assert sorted(p.name for p in folder.iterdir()) == ["short.csv", "short.png", "short.truth.yaml", "short.yaml"]
+    rows = np.genfromtxt(folder / "short.csv", delimiter=",", names=True)
+    assert rows.dtype.names == ("t", "q_left", "q_right", "q_out", "tau") and rows.size == 200
+    assert np.abs(rows["tau"]).max() == pytest.approx(0.5, abs=0.03)
+    measurement = yaml.safe_load((folder / "short.yaml").read_text())
+    assert measurement["columns"]["load_torque"] == {"column": "tau", "unit": "N*m"}
+    assert [e["name"] for e in yaml.safe_load((folder / "short.truth.yaml").read_text())["effects"]] == [
+        "winding_history"
+    ]
+    assert "200 samples" in said
+    before = {p.name: p.read_bytes() for p in folder.iterdir()}
+    simulate_command(REFERENCE, read(SHORT, tmp_path), tmp_path / "out")
+    assert {p.name: p.read_bytes() for p in folder.iterdir()} == before, "the same file gave other bytes"
+
+
+@pytest.mark.slow
+def test_every_cause_is_in_the_truth_and_changes_the_run(tmp_path: Path) -> None:
+    plain, _, _ = simulate_dynamic(REFERENCE, read(SHORT, tmp_path))
+    changes = {
+        "drives: {cogging_share: 0.05}": "ripple",
+        "drives: {mesh_error_urad: 100.0}": "ripple",
+        "drives: {lash_mrad: 5.0}": "lash",
+        "bearings: {drum_Nm: 0.05}": "friction",
+        "bearings: {guide_Nm: 0.005}": "friction",
+        "sensors: {output_delay_s: 0.01}": "delay",
+        "physics: {guide_slip: true}": "passed_slip",
+        "effects: [{effect: preload, share: -0.2}]": "preload_error",
+        "effects: [{effect: eccentric_pulley, stage: guide, eccentricity_um: 20.0}]": "once_per_rev",
+    }
+    for line, name in changes.items():
+        experiment = read(SHORT + line, tmp_path)
+        run, bench, _ = simulate_dynamic(REFERENCE, experiment)
+        assert name in [entry["name"] for entry in truth_of(experiment, bench)], line
+        moved = np.abs(run.measured_drum_rad - plain.measured_drum_rad).max()
+        assert moved > 2e-6, f"{line}: the output moved by {moved:.2e} rad"
+
+
+def test_brake_that_sticks_is_told(tmp_path: Path) -> None:
+    experiment = read(SHORT.replace("brake_Nm: 0.5", "brake_Nm: 0.5, static_ratio: 1.3"), tmp_path)
+    assert experiment.load.static_ratio == 1.3
+    _, bench, _ = simulate_dynamic(REFERENCE, experiment)
+    assert "brake_stick_slip" in [entry["name"] for entry in truth_of(experiment, bench)]
+
+
+@pytest.mark.parametrize(
+    ("text", "word"),
+    [
+        (SHORT + "drives: {lash: 3}\n", "lash"),
+        (SHORT.replace("duration_s: 2.0", "duration_s: -1"), "duration_s"),
+        (SHORT.replace("dynamic", "static"), "rig"),
+        (SHORT + "effects: [{effect: nothing}]\n", "unknown effect"),
+    ],
+)
+def test_bad_files_are_refused_with_their_line(text: str, word: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=word) as caught:
+        read(text, tmp_path)
+    assert all(problem.line > 0 for problem in caught.value.problems)
+
+
+def test_what_the_rig_cannot_do_is_said(tmp_path: Path) -> None:
+    for effect in ("temperature, rise_K: 5.0", "motor_cogging, stage: input_left, torque_mNm: 0.1"):
+        with pytest.raises(RigError, match="not on the dynamic rig"):
+            simulate_dynamic(REFERENCE, read(SHORT + f"effects: [{{effect: {effect}}}]\n", tmp_path))
+    with pytest.raises(RigError, match="cable_9"):
+        simulate_dynamic(
+            REFERENCE, read(SHORT + "effects: [{effect: preload, share: 0.1, cables: [cable_9]}]\n", tmp_path)
+        )

@@ -20,7 +20,7 @@ from mbcdm_cad.design.yamltree import leaves, put, take_out
 from mbcdm_cad.errors import InputError, MbcdmError
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.solving.question import difference, patched, question_of
-from tests.acceptance.test_gallery import GALLERY
+from tests.acceptance.test_docs_commands import GALLERY
 from tests.support.random_generator import WHOLE, failing, requirements
 from tests.support.random_search import Draw, missed, search
 from tests.support.reach_bound import Asked, asked, excluding

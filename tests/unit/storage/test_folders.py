@@ -17,7 +17,16 @@ import pytest
 
 from mbcdm_cad.errors import OutputError
 from mbcdm_cad.storage import folders
-from mbcdm_cad.storage.folders import MANIFEST_NAME, Manifest, altered_files, output_folder, read_manifest
+from mbcdm_cad.storage.folders import (
+    MANIFEST_NAME,
+    ORIGIN_NAME,
+    Manifest,
+    altered_files,
+    output_folder,
+    read_manifest,
+    refuse_other_origin,
+    write_from,
+)
 
 ROOT = Path(__file__).parents[3]
 FACTS = Manifest(design_sha256="d", inputs_sha256="i")
@@ -326,3 +335,74 @@ def test_no_kernel_is_imported() -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT, check=True)
     assert done.stdout == "[]\n"
+
+
+ORIGIN_FACTS = Manifest("d", "i")
+
+
+@pytest.fixture
+def files(tmp_path: Path) -> tuple[Path, Path]:
+    """Two design files; their content does not matter here."""
+    left, right = tmp_path / "left.yaml", tmp_path / "right.yaml"
+    left.write_text("name: drive\n")
+    right.write_text("name: drive\n")
+    return left, right
+
+
+def origin_build(target: Path, design: Path, text: str) -> None:
+    with output_folder(target, ORIGIN_FACTS, design=design) as folder:
+        folder.write("report.md", text)
+
+
+def test_a_second_file_of_the_name_is_refused_and_told_what_to_do(tmp_path: Path, files: tuple[Path, Path]) -> None:
+    left, right = files
+    target = tmp_path / "out" / "drive"
+    origin_build(target, left, "left")
+    with pytest.raises(OutputError) as refused:
+        origin_build(target, right, "right")
+    words = str(refused.value)
+    for part in (str(target), str(left), str(right), "change name", "--out"):
+        assert part in words, words
+    assert (target / "report.md").read_text() == "left"
+    origin_build(target, left, "left again")
+    assert (target / "report.md").read_text() == "left again"
+
+
+def test_files_beside_the_build_are_refused_as_well(tmp_path: Path, files: tuple[Path, Path]) -> None:
+    left, right = files
+    target = tmp_path / "drive-drawings"
+    write_from(left, target, {"drum.dxf": b"left"})
+    with pytest.raises(OutputError, match="another design file with the same name"):
+        write_from(right, target, {"drum.dxf": b"right"})
+    assert (target / "drum.dxf").read_bytes() == b"left"
+
+
+def test_a_file_that_was_renamed_or_a_design_without_a_file_goes_on(tmp_path: Path, files: tuple[Path, Path]) -> None:
+    left, right = files
+    target = tmp_path / "drive"
+    origin_build(target, left, "left")
+    refuse_other_origin(target, Path("<drive>"))
+    left.unlink()
+    origin_build(target, right, "renamed")
+    assert (target / "report.md").read_text() == "renamed"
+
+
+def test_the_record_is_relative_and_moves_with_both(tmp_path: Path, files: tuple[Path, Path]) -> None:
+    left, right = files
+    here, there = tmp_path / "here", tmp_path / "there"
+    here.mkdir()
+    left, right = left.rename(here / "left.yaml"), right.rename(here / "right.yaml")
+    origin_build(here / "out" / "drive", left, "left")
+    assert (here / "out" / "drive" / ORIGIN_NAME).read_text() == "../../left.yaml\n"
+    here.rename(there)
+    origin_build(there / "out" / "drive", there / "left.yaml", "left")
+    with pytest.raises(OutputError):
+        origin_build(there / "out" / "drive", there / "right.yaml", "right")
+
+
+def test_a_folder_from_before_the_record_is_taken_over(tmp_path: Path, files: tuple[Path, Path]) -> None:
+    target = tmp_path / "drive"
+    with output_folder(target, ORIGIN_FACTS) as folder:
+        folder.write("report.md", "old")
+    origin_build(target, files[1], "new")
+    assert (target / "report.md").read_text() == "new"
