@@ -47,9 +47,8 @@ class DriveByBoth:
 
 def by_both(name: str, layout: SectorLayout) -> DriveByBoth:
     """Model and solid elements for one drive."""
-    from tests.support.drum_solid import drum_by_solids
+    from tests.support.drum_solid import drum_by_solids, pulley_torsion_urad_Nm
     from tests.support.frame_solid import frame_by_solids
-    from tests.support.shaft_solid import pulley_torsion_urad_Nm
 
     drive, d, structure = layout.drive, layout.loads.si, structure_of(layout)
     cables = [t.cable_name for t in layout.drum.tensioners]

@@ -34,7 +34,7 @@ from benchmarks.study import add_workers, run_many
 from mbcdm_cad.errors import InputError
 from tests.support import layout_bound
 from tests.support.random_generator import LAYOUTS, failing, load, requirements
-from tests.support.reach_proof import Proof, proof, summary
+from tests.support.reach_bound import Proof, proof, summary
 
 # Requirements that are numbers: (block, field).
 NUMBERS = (

@@ -186,7 +186,7 @@ def test_folded_plates_agree_with_solid_elements(name: str, tmp_path: Path) -> N
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["siso_spur", "siso_bevel"])
 def test_torsion_of_an_input_pulley_agrees_with_solid_elements(name: str, tmp_path: Path) -> None:
-    from tests.support.shaft_solid import pulley_torsion_urad_Nm
+    from tests.support.drum_solid import pulley_torsion_urad_Nm
 
     layout = _layout(name)
     found = next(c.urad_Nm for c in structure_of(layout).causes if c.name == "input pulleys, torsion")

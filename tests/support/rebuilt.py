@@ -10,12 +10,17 @@ import numpy as np
 from ezdxf.document import Drawing
 
 from tests.support.drawing_reader import MissingDimensionError, ReadDimension, table, view
-from tests.support.drum_from_drawing import drum
-from tests.support.frame_from_drawing import frame
-from tests.support.head_from_drawing import boxed_plate, motor_head
-from tests.support.milled_from_drawing import collar, one, slot_tools, top_plate
-from tests.support.other_frames_from_drawing import column, star, yoke
-from tests.support.turned_from_drawing import turned_volume
+from tests.support.drum_from_drawing import (
+    boxed_plate,
+    collar,
+    drum,
+    motor_head,
+    one,
+    slot_tools,
+    top_plate,
+    turned_volume,
+)
+from tests.support.frame_from_drawing import column, frame, star, yoke
 
 # Points nearer than this on the paper are one.
 _ON_PAPER_MM = 0.05

@@ -247,7 +247,7 @@ def test_anchored_cables_get_less_preload_until_one_would_go_slack(layout: str, 
 
 BY_ID = {check.id: check for check in FAMILIES[1].checks}
 # Motor without a gearhead, printed.
-LEG = """name: duty_leg
+LEG = """name: leg
 configuration: siso_spur
 travel: {half_angle_deg: 40}
 transmission: {input_to_drum: 9, drum_radius_mm: 72}
@@ -285,7 +285,7 @@ def sized_leg() -> Drive:
 
 
 def check_leg(name: str, **loads: Any) -> CheckResult:
-    """A check on the duty_leg as it is sized without them, under other loads."""
+    """A check on the leg as it is sized without them, under other loads."""
     return run_check(BY_ID[name], layout_of(replace(sized_leg(), loads=replace(sized_leg().loads, **loads))))
 
 

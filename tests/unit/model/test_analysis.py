@@ -11,6 +11,7 @@ import sys
 import time
 from dataclasses import replace
 from functools import cache
+from itertools import pairwise
 from math import sqrt
 from pathlib import Path
 from typing import Any
@@ -22,15 +23,38 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from paper_case import paper_drive
 
+from mbcdm_cad.design.bought import without_gearhead
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.loader import layout_of, load_design, load_text, reference_data
 from mbcdm_cad.model.analysis import analyse
-from mbcdm_cad.model.capability import Requirements
+from mbcdm_cad.model.capability import (
+    MotorFigures,
+    Requirements,
+    balanced_preload_N,
+    input_ratings_Nm,
+    motor_figures,
+    torque_at_input_limit_Nm,
+    torque_at_slack_Nm,
+    torque_at_tension_limit_Nm,
+    torque_limits,
+    torque_to_weight_Nm_kg,
+)
+from mbcdm_cad.model.equilibrium import bearing_loads, solve_equilibrium
 from mbcdm_cad.model.figures import Analysis
 from mbcdm_cad.model.sensitivity import intervals
 from mbcdm_cad.model.si import ModelError
+from mbcdm_cad.model.stiffness import (
+    Chain,
+    TurningInertias,
+    secant_stiffness_Nm_rad,
+    sticking_response,
+    sticking_stiffness_Nm_rad,
+    tangent_stiffness_Nm_rad,
+    torsional_modes_Hz,
+)
 from mbcdm_cad.model.tolerance import BEYOND_THREE_SIGMA, Contribution, StackUp, stack_data, tightest
 from mbcdm_cad.report.analysis_report import analyse_design
+from mbcdm_cad.routes.route import two_bearing_reactions_N
 
 REFERENCE = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 
@@ -285,3 +309,272 @@ def test_the_worst_case_is_never_under_the_others(shifts: list[float]) -> None:
 def test_the_tightest_has_the_least_left() -> None:
     assert tightest([_stack(0.1, margin=1.0), _stack(0.5, margin=1.2)]).margin == 1.2
     assert stack_data(StackUp("ratio", float("inf"), ()))["margin"] is None
+
+
+PARAMS = Path(__file__).parents[3] / "params"
+
+WRAPS = {"input_wrap_rad": np.full(4, 9.0), "drum_wrap_rad": np.full(4, 0.43)}
+
+
+@given(st.floats(0.05, 0.6), st.sampled_from([1, -1]))
+def test_at_its_limit_an_input_carries_exactly_its_rating(rating: float, direction: int) -> None:
+    d = paper_drive()
+    loads = torque_at_input_limit_Nm(d, rating, direction)
+    for i in range(2):
+        torque = solve_equilibrium(d, direction * loads[i]).input_torque_Nm(d)[i]
+        assert direction * float(torque) == pytest.approx(rating, rel=1e-10), f"input {i} at {loads[i]} N m"
+
+
+def test_bias_above_the_rating_leaves_nothing() -> None:
+    assert torque_at_input_limit_Nm(paper_drive(), 0.027, 1)[0] == 0.0
+
+
+def test_strength_limit() -> None:
+    d = paper_drive()
+    limit = torque_at_tension_limit_Nm(d, 106.0, 1)
+    assert np.isinf(limit[[0, 3]]).all()
+    for j in (1, 2):
+        assert solve_equilibrium(d, limit[j]).tension_N[j] == pytest.approx(106.0, rel=1e-10)
+
+
+def test_slack_limit() -> None:
+    """A hundredth of the preload is left; shorter wraps leave it at a smaller load, and the shortest pose counts."""
+    endless, d = torque_at_slack_Nm(paper_drive(), 1), paper_drive(**WRAPS)
+    first = float(torque_at_slack_Nm(d, 1).min())
+    share = solve_equilibrium(d, first).tension_N / d.preload_N
+    assert float(np.min(share)) == pytest.approx(0.01, rel=1e-6)
+    assert first < float(endless.min()), (first, endless)
+    ends = [{name: scale * np.asarray(wrap) for name, wrap in WRAPS.items()} for scale in (1.0, 0.5)]
+    shortest = float(torque_at_slack_Nm(paper_drive(**ends[1]), 1).min())
+    assert float(torque_at_slack_Nm(paper_drive(), 1, ends).min()) == pytest.approx(shortest, rel=1e-12)
+
+
+def test_slack_limit_without_friction() -> None:
+    """Frictionless and alike: each of four cables gives up 0.99 of its 70 N at M = 4 x 69.3 N x mean r_o."""
+    d = paper_drive(**WRAPS, friction_coefficient=0.0)
+    radius = np.full(4, 59.4e-3)
+    even = d.with_(drum_radius_m=radius, input_radius_m=radius / 9, guide_radius_m=radius / 6)
+    assert float(torque_at_slack_Nm(even, 1).min()) == pytest.approx(0.99 * 4 * 70 * 59.4e-3, rel=1e-10)
+
+
+def test_limits_are_complete_and_ordered() -> None:
+    limits = torque_limits(paper_drive(), {"motor": 0.2204, "gearhead": 0.1}, 106.0)
+    assert [limit.cause for limit in limits] == ["motor", "gearhead", "strength", "slack"] * 2
+    assert [limit.direction for limit in limits] == [1] * 4 + [-1] * 4
+    assert [limits[0].limiting, limits[4].limiting] == ["left", "right"]
+
+
+@given(st.lists(st.floats(30, 110), min_size=4, max_size=4))
+def test_balanced_preload_keeps_each_pairs_mean(preload: list[float]) -> None:
+    d = paper_drive(preload_N=preload)
+    even = balanced_preload_N(d)
+    assert even[:2].mean() == pytest.approx(np.mean(preload[:2]), rel=1e-12)
+    assert even[0] * 6.0 == pytest.approx(even[1] * 6.4, rel=1e-12)
+    assert even[2] * 6.8 == pytest.approx(even[3] * 7.2, rel=1e-12)
+
+
+def test_torque_to_weight_of_the_paper() -> None:
+    assert torque_to_weight_Nm_kg(3.3, 342.0) == pytest.approx(9.649, abs=5e-4)
+
+
+@pytest.mark.parametrize("load", [0.0, 0.3, 0.91, -2.0, 3.3])
+def test_tangent_stiffness_against_finite_differences(load: float) -> None:
+    d = paper_drive()
+    step = 1e-5 if load else 1e-8
+    high, low = (float(solve_equilibrium(d, load + sign * step).drum_angle_rad) for sign in (1, -1))
+    difference = -2 * step / (high - low)
+    tangent = float(tangent_stiffness_Nm_rad(d, load))
+    assert tangent == pytest.approx(difference, rel=1e-5), f"tangent {tangent:.6g}, differences {difference:.6g}"
+
+
+def test_stiffness_falls_with_load_and_secant_lies_above_tangent() -> None:
+    d = paper_drive()
+    load = np.array([0.0, 0.5, 1.5, 3.0])
+    tangent, secant = tangent_stiffness_Nm_rad(d, load), secant_stiffness_Nm_rad(d, load)
+    assert (np.diff(tangent) < 0).all() and (secant[1:] > tangent[1:]).all(), (tangent, secant)
+    assert secant[0] == pytest.approx(float(sticking_stiffness_Nm_rad(d)))
+
+
+def test_torsional_modes() -> None:
+    d = paper_drive()
+    inertia = 1e-4
+    locked = torsional_modes_Hz(d, TurningInertias(inertia))
+    assert locked == pytest.approx([np.sqrt(float(sticking_stiffness_Nm_rad(d)) / inertia) / (2 * np.pi)])
+    free = torsional_modes_Hz(d, TurningInertias(inertia, pulleys=[2e-6, 2e-6]))
+    assert free[0] == 0.0 and len(free) == 3
+    heavy = torsional_modes_Hz(d, TurningInertias(inertia, pulleys=1e3))
+    assert heavy[-1] == pytest.approx(locked[0], rel=1e-6), "very heavy inputs act as locked"
+    assert free[-1] > locked[0], "free inputs raise the drum's own mode"
+
+
+def test_two_masses_on_two_springs_have_the_modes_of_the_textbook() -> None:
+    """Wall, spring, drum, spring, payload: 2 w^2 = a + b +- sqrt((a + b)^2 - 4 k1 k2 / (J1 J2))."""
+    d, drum, payload = paper_drive(), 1.2e-4, 7e-4
+    chain = Chain(before_drum=4e-5, in_drum=1e-4)
+    k1, k2 = 1.0 / (1.0 / float(sticking_stiffness_Nm_rad(d)) + chain.before_drum), 1.0 / chain.in_drum
+    middle = (k1 + k2) / drum + k2 / payload
+    root = np.sqrt(middle**2 - 4.0 * k1 * k2 / (drum * payload))
+    expected = np.sqrt(np.array([middle - root, middle + root]) / 2.0) / (2.0 * np.pi)
+    found = torsional_modes_Hz(d, TurningInertias(drum, payload), chain)
+    assert found == pytest.approx(expected, rel=1e-9), (found, expected)
+
+
+def test_rotor_pulley_and_drum_in_a_row_have_the_modes_of_three_masses() -> None:
+    """Of a drive with one input, all at the drum's speed: w^2 (w^4 - p w^2 + q) = 0."""
+    d = layout_of(load_design(PARAMS / "siso_spur.yaml").drive).si
+    i, pulley, rotor, drum = float(d.total_ratio[0]), 3e-7, 6e-5, 2e-4
+    chain = Chain(before_inputs=3e-5)
+    k, soft = float(sticking_stiffness_Nm_rad(d)), 1.0 / chain.before_inputs
+    a, b, c = rotor * i**2, pulley * i**2, drum
+    p = soft * (1 / a + 1 / b) + k * (1 / b + 1 / c)
+    q = soft * k * (a + b + c) / (a * b * c)
+    expected = np.sqrt((p + np.array([-1.0, 1.0]) * np.sqrt(p**2 - 4.0 * q)) / 2.0) / (2.0 * np.pi)
+    found = torsional_modes_Hz(d, TurningInertias(drum, pulleys=pulley, rotors=rotor), chain)
+    assert found == pytest.approx([0.0, *expected], rel=1e-9), (found, expected)
+
+
+def test_more_give_and_more_inertia_lower_every_mode() -> None:
+    d = paper_drive()
+    stiff, soft = Chain(1e-5, 1e-5, 1e-5), Chain(2e-5, 3e-5, 4e-5)
+    light, heavy = (TurningInertias(1e-4 * f, 5e-4 * f, 2e-7 * f, 4e-4 * f) for f in (1.0, 1.5))
+    first, second, third = (torsional_modes_Hz(d, *of) for of in ((light, stiff), (light, soft), (heavy, stiff)))
+    assert (second[1:] < first[1:]).all() and (third[1:] < first[1:]).all(), (first, second, third)
+
+
+def test_span_directions_are_tangent_to_both_pulleys() -> None:
+    """Distance of the line from guide axis and input axis equals the radii, on opposite sides (figure eight)."""
+    d = paper_drive()
+    for j, route in enumerate(d.routes.cables):
+        u, towards = np.array(route.spans[0].direction), -d.sigma[j]
+        normal = np.array([u[1], -u[0]])  # the centre lies to the right of a clockwise cable
+        landing = -towards * route.passed[0].radius_m * normal
+        foot = landing - u[:2] * d.free_span_m[j]
+        centre = np.array(d.routes.inputs[d.input_of[j]].point_m[:2])
+        assert np.linalg.norm(foot - centre) == pytest.approx(d.input_radius_m[j], rel=1e-12), f"cable {j + 1}"
+        assert (foot - centre) @ u[:2] == pytest.approx(0.0, abs=1e-15)
+
+
+def test_bearing_reactions_balance() -> None:
+    d = paper_drive()
+    loads = bearing_loads(d, solve_equilibrium(d, 2.0).tension_N)
+    for i in range(2):
+        force, moment, at = loads.inputs[i].force_N, loads.inputs[i].moment_Nm, loads.inputs[i].height_m
+        lower, upper = two_bearing_reactions_N(force, moment, at, 45e-3, 70e-3)
+        up = np.array([0.0, 0.0, 1.0])
+        total = force + lower + upper
+        turning = moment + np.cross(at * up, force) + np.cross(45e-3 * up, lower) + np.cross(70e-3 * up, upper)
+        assert np.abs(total).max() < 1e-12 and np.abs(turning).max() < 1e-12, (total, turning)
+
+
+def test_drum_feels_no_net_pull_at_equal_preload() -> None:
+    d = paper_drive()
+    loads = bearing_loads(d, d.preload_N)
+    assert np.abs(loads.drum.force_N).max() < 1e-12 and np.abs(loads.drum.moment_Nm).max() < 1e-12
+
+
+def test_a_longer_path_turns_the_drum_and_balances() -> None:
+    """Sticking wraps: no torque is left on the drum, and the change of stretch is the path less the drum's turn."""
+    d = paper_drive()
+    path = np.array([[10e-6, 0.0], [0.0, -5e-6], [3e-6, 5e-6], [0.0, 0.0]])
+    angle, pull = sticking_response(d, path)
+    lever = d.sigma * d.drum_radius_m
+    assert np.abs(lever @ pull).max() < 1e-9, "torque on the drum, N m"
+    stretch = pull * (d.free_span_m / d.axial_stiffness_N)[:, None]
+    assert stretch == pytest.approx(path - lever[:, None] * angle)
+    turned, slack = sticking_response(d, lever)
+    assert turned == pytest.approx(1.0) and np.abs(slack).max() < 1e-6, "all paths as a turn of the drum makes them"
+
+
+REFERENCE_DRIVE: Drive = load_design(PARAMS / "siso_spur.yaml").drive
+FACE = {
+    "radial_load_N": 80.0,
+    "shaft_diameter_mm": 3.0,
+    "shaft_length_mm": 12.0,
+    "pilot_diameter_mm": 6.0,
+    "pilot_height_mm": 1.0,
+    "bolt_circle_mm": 8.4,
+    "screw": "M2x6",
+    "screw_count": 2,
+}
+
+
+def brushless(drive: Drive, constant_mNm_A: float = 95.5, ohms: float = 0.19, volts: float = 36.0) -> Drive:
+    """The drive with a motor of 8 A continuous and 20 A peak instead of motor and gearhead."""
+    motor = replace(
+        drive.motor,
+        rated_torque_mNm=8.0 * constant_mNm_A,
+        torque_constant_mNm_A=constant_mNm_A,
+        resistance_ohm=ohms,
+        continuous_current_A=8.0,
+        peak_current_A=20.0,
+        voltage_V=volts,
+        rotor_inertia_g_cm2=1200.0,
+        **FACE,
+    )
+    return replace(drive, motor=motor, gearhead=without_gearhead(motor), bus_voltage_V=volts)
+
+
+@pytest.fixture(scope="module")
+def spur() -> Drive:
+    return REFERENCE_DRIVE
+
+
+def _figures(drive: Drive) -> MotorFigures:
+    found = motor_figures(layout_of(drive), layout_of(drive).si, 0.3, np.inf)
+    assert found is not None
+    return found
+
+
+def test_a_motor_without_electrical_values_has_no_figures(spur: Drive) -> None:
+    assert analyse(layout_of(replace(spur, motor=replace(spur.motor, torque_constant_mNm_A=None)))).motor is None
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.floats(10.0, 300.0), st.floats(0.02, 2.0), st.floats(12.0, 60.0))
+def test_what_the_supply_gives_is_work_and_heat(constant: float, ohms: float, volts: float) -> None:
+    """At the highest speed of a torque: V I = M w + P_copper, as long as the voltage drives that current at all."""
+    drive = brushless(REFERENCE_DRIVE, constant, ohms, volts)
+    f, ratio = _figures(drive), float(layout_of(drive).si.total_ratio[0])
+    speed = np.radians(f.at_peak_load_drum_speed_deg_s) * ratio
+    supplied = volts * f.at_peak_load_current_A
+    if f.at_peak_load_drum_speed_deg_s > 0.0:
+        assert supplied == pytest.approx(0.3 * speed + f.at_peak_load_loss_W, rel=1e-9), f
+    assert f.continuous_loss_W == pytest.approx(64.0 * ohms) and f.peak_loss_W == pytest.approx(400.0 * ohms)
+
+
+def test_standing_the_drum_holds_what_loads_an_input_by_the_motors_torque(spur: Drive) -> None:
+    f, d = _figures(brushless(spur)), layout_of(spur).si
+    held = f.curve[0].continuous_Nm
+    torque = max(abs(float(solve_equilibrium(d, way * held).input_torque_Nm(d)[0])) for way in (1, -1))
+    assert torque == pytest.approx(8.0 * 0.0955, rel=1e-9), f"{held} N m at the drum load the input by {torque}"
+
+
+def test_torque_over_speed_falls_to_nothing_at_no_load(spur: Drive) -> None:
+    curve = _figures(brushless(spur)).curve
+    for name in ("continuous_Nm", "peak_Nm"):
+        torque = [getattr(point, name) for point in curve]
+        assert all(a >= b - 1e-12 for a, b in pairwise(torque)), torque
+    assert curve[0].peak_Nm > curve[0].continuous_Nm > 1.0 and curve[-1].peak_Nm == 0.0
+    assert curve[-1].drum_speed_deg_s == pytest.approx(np.degrees(36.0 / 0.0955) / layout_of(spur).si.total_ratio[0])
+
+
+def test_a_lower_voltage_moves_the_knee_and_leaves_the_torque(spur: Drive) -> None:
+    high, low = _figures(brushless(spur)), _figures(brushless(spur, volts=18.0))
+    assert low.curve[0] == high.curve[0]
+    assert low.drum_no_load_speed_deg_s == pytest.approx(high.drum_no_load_speed_deg_s / 2)
+
+
+def test_a_rotor_counts_the_ratio_squared(spur: Drive) -> None:
+    drive = brushless(spur)
+    f, ratio = _figures(drive), float(layout_of(drive).si.total_ratio[0])
+    assert f.reflected_inertia_kg_m2 == pytest.approx(1200e-7 * ratio**2)
+
+
+def test_ratings_without_a_gearhead(spur: Drive) -> None:
+    ratings = input_ratings_Nm(brushless(spur))
+    assert ratings == pytest.approx({"motor_alone": 0.764, "motor_alone_peak": 1.91})
+    a, d = analyse(layout_of(brushless(spur))), layout_of(spur).si
+    rated = min(float(torque_at_input_limit_Nm(d, 0.764, way)[0]) for way in (1, -1))
+    others = [x.torque_Nm for x in a.limits if x.cause in ("slip", "strength", "slack")]
+    assert min(a.peak_torque_Nm) == pytest.approx(min(rated, *others))
+    assert a.motor is not None and a.motor.curve[0].peak_Nm == pytest.approx(min(others))
