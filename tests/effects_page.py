@@ -3,8 +3,6 @@
 python -m tests.effects_page > docs/loop-effects.md
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable
 from dataclasses import replace

@@ -5,8 +5,6 @@
 ``TREE`` is the folder of a checkout, by default this one. The options list what was counted.
 """
 
-from __future__ import annotations
-
 import argparse
 import ast
 import io

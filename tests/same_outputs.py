@@ -8,8 +8,6 @@ and ``--json`` output are compared byte for byte, after hashes of inputs and cod
 the terminal is not compared. Prints each file that differs; exit 1 if any does. ``--work`` keeps the outputs of BASE.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import re

@@ -3,8 +3,6 @@
 The limits are stated here as well as in the design file, so that a design file with weaker targets does not pass.
 """
 
-from __future__ import annotations
-
 import json
 import sys
 from pathlib import Path

@@ -4,8 +4,6 @@ Used by the acceptance tests, and by hand: ``python tests/acceptance/freecad.py 
 compares them with those of the CAD library for the same file.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import shutil

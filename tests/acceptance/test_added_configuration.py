@@ -3,8 +3,6 @@
 It has two cables, one input, no guide, a drum on a parallel axis, and boxes and cylinders as parts.
 """
 
-from __future__ import annotations
-
 import importlib
 import json
 import sys

@@ -1,7 +1,5 @@
 """A part of benchmarks/studies/advice.py: after one edit the advice leads to a pass or states what still fails."""
 
-from __future__ import annotations
-
 import pytest
 
 from benchmarks.studies.advice import PASSES, STAYS, follow, start

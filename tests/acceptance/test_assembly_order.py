@@ -1,7 +1,5 @@
 """The reported order of assembly, tested on solids: every part can be inserted, every screw reached with its key."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from fnmatch import fnmatch
 from math import sqrt

@@ -1,7 +1,5 @@
 """The simulated bench runs: the chain of cable pieces compared with independent figures, and the scorer."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 from math import radians

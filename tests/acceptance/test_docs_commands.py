@@ -4,8 +4,6 @@ The word after the language of a code block states its needs: ``build`` and ``lo
 ``viewer`` needs a program that the tests do not have and is only compiled.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import shlex

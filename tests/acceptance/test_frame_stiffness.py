@@ -1,7 +1,5 @@
 """The fast estimate of the frame's windup compared with solid finite elements, for walls that a designer changes."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 from itertools import islice

@@ -1,7 +1,5 @@
 """FreeCAD opens an assembly: every solid and every name, valid, and with the same volume."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The drives of Fig. 1 (a) to (c) through the commands: check, analyse, simulate, loop, build."""
 
-from __future__ import annotations
-
 import json
 import re
 from contextlib import redirect_stderr, redirect_stdout

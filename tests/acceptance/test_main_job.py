@@ -1,7 +1,5 @@
 """The main job as a user runs it: each command in its own process, with a new output folder."""
 
-from __future__ import annotations
-
 import filecmp
 import json
 import os

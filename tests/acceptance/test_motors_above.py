@@ -1,7 +1,5 @@
 """Very different designs with motors above, built: sound parts, no clash over the travel, box and mass as foreseen."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

@@ -3,8 +3,6 @@
 Required are 1.0 N m and D/d 10; mass and box are open. Three edits cannot pass; the test names their causes.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The worked examples of the docs give the figures of their tables."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

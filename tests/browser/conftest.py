@@ -1,7 +1,5 @@
 """A browser and the page of the reference design; without Chromium these tests are skipped with a message."""
 
-from __future__ import annotations
-
 import json
 import os
 import shutil

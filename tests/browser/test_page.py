@@ -1,7 +1,5 @@
 """The page in a real browser: no errors, no network, and controls that work as labelled."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any

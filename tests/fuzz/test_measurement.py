@@ -1,7 +1,5 @@
 """Mutated logger files and measurement files: always a run that can be vetted, or an InputError with a remedy."""
 
-from __future__ import annotations
-
 import random
 import time
 import warnings

@@ -1,7 +1,5 @@
 """Mutations of the parsed design (deleted, renamed, replaced fields): always a drive or an InputError."""
 
-from __future__ import annotations
-
 import copy
 import datetime
 from typing import Any

@@ -1,7 +1,5 @@
 """No unused parameter: a small change of each value of the design file changes geometry, bill, checks or analysis."""
 
-from __future__ import annotations
-
 import copy
 from dataclasses import asdict, replace
 from functools import cache

@@ -1,7 +1,5 @@
 """mbcdm watch as a whole program: the served page follows a design file that is saved as different editors do."""
 
-from __future__ import annotations
-
 import json
 import os
 import signal

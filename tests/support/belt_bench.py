@@ -8,8 +8,6 @@ marks move with their surfaces, the spans are set to their lengths, and the drum
 load.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from pathlib import Path

@@ -4,8 +4,6 @@ Each function takes its sizes, the true signals, the drum angle and a random str
 physical causes that no name of the vocabulary covers.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The cases: effects with random sizes by seed, and the motion of each case."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 

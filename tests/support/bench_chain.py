@@ -10,8 +10,6 @@ With transport, the nodes move with the pulleys: cable that is wound on brings i
 removes it. Play in an input's coupling is taken up by the sign of the torque in it.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -5,8 +5,6 @@ one to the other. The loop is written for drives that simulate the whole run wit
 but by other code, with other steps, noise and loggers.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -6,8 +6,6 @@ Each run is one of tests/support/bench_real.py, changed by its seed. A run must 
 says what is wrong and where; the table lists how many ended in each, and every message.
 """
 
-from __future__ import annotations
-
 import argparse
 import tempfile
 from collections import Counter

@@ -8,8 +8,6 @@ project only the design file is used. Sizes and phases of the effects come from 
 of the case can separate. ``truth.yaml`` is never read by the loop.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import sys
 import tempfile

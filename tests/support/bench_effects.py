@@ -1,7 +1,5 @@
 """Effects of simulated runs: names, sizes, and how their sizes are drawn."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any

@@ -4,8 +4,6 @@ Seen from +z with the guide's axis at the origin; the inputs stand at (side * L,
 towards ``drum_side`` turns the drum about +y with sense ``-drum_side``, and its free span is the internal tangent.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -8,8 +8,6 @@ and causes that the loop has no name for. A run that changes is two runs of the 
 on.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path

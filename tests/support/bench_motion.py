@@ -1,7 +1,5 @@
 """Motions, loads and sensors of simulated bench runs."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -6,8 +6,6 @@ The cables are those of bench_chain.py. The errors of the bench are drawn by the
 only the steps of the encoders, as data sheets do. ``Traits`` contains all drawn values; the loop never sees it.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

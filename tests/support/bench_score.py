@@ -4,8 +4,6 @@ A truth is a list of entries as in the rig's truth files: ``name``, ``in_vocabul
 ``stage`` and ``cables`` (none: all of them), and ``changes`` for an effect that begins in mid-run.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from scipy.stats import beta

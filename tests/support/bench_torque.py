@@ -1,7 +1,5 @@
 """A bench with fine encoders and a torque sensor that is wrong: gain, zero, low-pass. The cables are bench_chain's."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

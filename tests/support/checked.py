@@ -1,7 +1,5 @@
 """Designs of params/, sized once, and results of all checks without the search for remedies, which takes longest."""
 
-from __future__ import annotations
-
 from functools import cache
 from pathlib import Path
 

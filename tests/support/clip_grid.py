@@ -10,8 +10,6 @@ is wound off; new cells take the end tension. This slow computation is the check
 to several hundred times faster.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

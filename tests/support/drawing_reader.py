@@ -1,7 +1,5 @@
 """Read drawings as a machinist does: printed dimensions, tables and the shape of the outline, never the parameters."""
 
-from __future__ import annotations
-
 import io
 import re
 from dataclasses import dataclass

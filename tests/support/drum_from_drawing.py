@@ -3,8 +3,6 @@
 Depths are measured from face A along the axis, angles from Z to X, as on the sheet.
 """
 
-from __future__ import annotations
-
 import re
 from itertools import pairwise
 from math import cos, pi, radians, sin, sqrt

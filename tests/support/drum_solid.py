@@ -5,8 +5,6 @@ of one web's thickness the stresses are a straight line across the thickness, so
 mesh limits, counts with the column's mean. The model's plane elements are averaged over the same columns.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import pi, radians

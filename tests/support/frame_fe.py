@@ -5,8 +5,6 @@ metal. The bricks have 8 nodes and nine internal bending modes, which are conden
 bends as a wall does. Screw joints are treated as bonded. Units: mm, N, MPa.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from itertools import pairwise
 

@@ -3,8 +3,6 @@
 Depths are measured from the back face, as on the sheet; X to the right and Z up, from the drum's axis.
 """
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 

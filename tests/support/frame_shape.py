@@ -4,8 +4,6 @@ Rebuilt from the dimensions by booleans of half-spaces and cylinders, so that it
 ``mbcdm_cad.parts``; the finite-element test compares its volume with theirs.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

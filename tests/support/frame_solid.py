@@ -7,8 +7,6 @@ written here; together they must be in equilibrium with the moment of 1 N m abou
 Units: mm, N, MPa; results in urad per N m.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path

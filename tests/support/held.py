@@ -1,7 +1,5 @@
 """The rig with inputs that all but hold the drive under a load of both signs."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from mbcdm_cad.design.drive import Drive

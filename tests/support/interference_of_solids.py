@@ -1,7 +1,5 @@
 """The interference run on solids that the tests draw and move."""
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Mapping, MutableMapping, Sequence
 from typing import Any

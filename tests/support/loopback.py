@@ -1,7 +1,5 @@
 """A dask scheduler and its workers as processes of this machine, for tests of work on a cluster."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

@@ -1,7 +1,5 @@
 """Random edits of a file, for the tests of readers."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Sequence
 

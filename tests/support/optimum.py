@@ -1,7 +1,5 @@
 """A front of three designs beside one, with figures and checks made up, for what shows it."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from mbcdm_cad.checks.comparison import CheckResult, Status

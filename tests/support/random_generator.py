@@ -1,7 +1,5 @@
 """Short files with random requirements from a seed, as a user could write them."""
 
-from __future__ import annotations
-
 import random
 from dataclasses import dataclass, replace
 from math import exp, inf, log

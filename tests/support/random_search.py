@@ -6,8 +6,6 @@ start draws some of them and leaves the others to their rules. A missing require
 the same range as the files of :mod:`benchmarks.studies.reach`.
 """
 
-from __future__ import annotations
-
 import copy
 import random
 from collections.abc import Callable, Mapping

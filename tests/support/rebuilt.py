@@ -1,7 +1,5 @@
 """Parts made from their drawings alone: for each part a function from its drawing to its volume."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from math import pi
 

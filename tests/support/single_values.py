@@ -1,7 +1,5 @@
 """Every single value of the reference's design file, and another one for each."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Two cables in equilibrium with a drum, each wrap integrated in slices: an independent check of the model's law."""
 
-from __future__ import annotations
-
 from math import log, sqrt
 
 import numpy as np

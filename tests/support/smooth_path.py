@@ -1,7 +1,5 @@
 """A cable's path without a gap or a kink between its pieces, and how near it comes to its own last turn."""
 
-from __future__ import annotations
-
 from math import tau
 from typing import Any
 

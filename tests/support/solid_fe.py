@@ -4,8 +4,6 @@ Solved by conjugate gradients, preconditioned by the linear elements of the same
 blocks of the single nodes. Shares nothing with the package but the parts' STEP files. Units: mm, N, MPa.
 """
 
-from __future__ import annotations
-
 import signal
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

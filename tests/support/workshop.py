@@ -1,7 +1,5 @@
 """Requirements of the workshop, tested on the solids: take-up, drawings, files for a printer, tables of holes."""
 
-from __future__ import annotations
-
 import io
 import random
 import re

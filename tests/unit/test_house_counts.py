@@ -1,7 +1,5 @@
 """What the redesign has reached does not grow again: counts of the code with their limits."""
 
-from __future__ import annotations
-
 import ast
 import json
 import re

@@ -1,7 +1,5 @@
 """The judge of the loop: its table and page are of the cases that it has, and a class that is worse is told."""
 
-from __future__ import annotations
-
 from dataclasses import astuple
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The design file of the parallel drive: its own block, and its drive."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Literal

@@ -1,7 +1,5 @@
 """The layout of the parallel drive: its dimensions by plain arithmetic, in mm, its checks, and what the report says."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from math import degrees, pi

@@ -4,8 +4,6 @@ The span of a cable that turns the drum in the sense s_d = -sigma has the direct
 sin beta = (r_o + r_i)/L, so that both ends touch their pulleys (derived).
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import acos, degrees, pi, radians, sqrt

@@ -1,7 +1,5 @@
 """The Python API: its names and signatures, changes of a design, results as data, and what importing it loads."""
 
-from __future__ import annotations
-
 import inspect
 import json
 import os

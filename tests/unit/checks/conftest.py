@@ -1,7 +1,5 @@
 """Make the helper modules of this folder importable, and provide the reference drive."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

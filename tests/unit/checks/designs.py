@@ -1,7 +1,5 @@
 """The reference drive, and functions that change one value of it."""
 
-from __future__ import annotations
-
 import copy
 import math
 import random

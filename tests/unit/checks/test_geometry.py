@@ -1,7 +1,5 @@
 """Plane geometry of the checks, compared with sampling and with values computed by hand."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from math import hypot, sqrt
 

@@ -1,7 +1,5 @@
 """Values that no other test covers, compared with figures computed by hand or independently."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from math import asin, cos, degrees, hypot, pi, radians, sin, sqrt, tau
 

@@ -1,7 +1,5 @@
 """A payload on the hub's face: its weight, what it does to bearings, shaft and screws, and the rules that follow it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 from math import pi

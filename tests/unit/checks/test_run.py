@@ -1,7 +1,5 @@
 """Run of all checks: the reference passes; waivers; checks without a figure."""
 
-from __future__ import annotations
-
 import random
 import re
 from collections.abc import Callable

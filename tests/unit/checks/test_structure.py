@@ -1,7 +1,5 @@
 """Joints by friction, the drum's stress and the frame's limit against closed forms written here."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise

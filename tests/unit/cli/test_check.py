@@ -1,7 +1,5 @@
 """The command check: its output at several widths, JSON, exit codes, and modules that it must not import."""
 
-from __future__ import annotations
-
 import json
 import re
 import subprocess

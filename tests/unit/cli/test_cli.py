@@ -1,7 +1,5 @@
 """The command line from the user's side: exit codes, messages on stderr, never a traceback."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

@@ -1,7 +1,5 @@
 """Help pages, the studies' text, the catalogue, the doctor, completion."""
 
-from __future__ import annotations
-
 import ast
 import functools
 import json

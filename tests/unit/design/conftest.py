@@ -1,7 +1,5 @@
 """The reference design as data to edit, and a function that loads the edited data."""
 
-from __future__ import annotations
-
 import copy
 from collections.abc import Callable
 from typing import Any

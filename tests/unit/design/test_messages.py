@@ -1,7 +1,5 @@
 """Messages to the user: file, line, field, value, limit and remedy, all problems at once."""
 
-from __future__ import annotations
-
 import math
 import os
 from itertools import pairwise

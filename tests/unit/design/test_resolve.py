@@ -1,7 +1,5 @@
 """The resolved drive: radii, sense, order, and that every field of the file has an effect."""
 
-from __future__ import annotations
-
 import dataclasses
 import json
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Rules between fields: for each an edit that breaks it, and the message."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import MISSING, fields
 from typing import Any

@@ -1,7 +1,5 @@
 """The YAML reader: lines, bounds, and refused content."""
 
-from __future__ import annotations
-
 import json
 import re
 import subprocess

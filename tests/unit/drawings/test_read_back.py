@@ -1,7 +1,5 @@
 """Each drawing, read from its DXF alone, gives the part; without any one of its dimensions it does not."""
 
-from __future__ import annotations
-
 import io
 import re
 from math import atan2, degrees, pi

@@ -1,7 +1,5 @@
 """One sheet in several programs: the model space is the part's own size, and every reader shows the same numbers."""
 
-from __future__ import annotations
-
 import io
 import os
 import re

@@ -1,7 +1,5 @@
 """The server of mbcdm watch: it serves only requests with the secret address, and only files of the output."""
 
-from __future__ import annotations
-
 import asyncio
 import json
 from collections.abc import Awaitable, Callable

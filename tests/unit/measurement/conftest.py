@@ -1,7 +1,5 @@
 """The fixture ``write``: a small measured run on disk that each test changes."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

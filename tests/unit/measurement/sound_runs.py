@@ -1,7 +1,5 @@
 """A run of the declared drive with sensors of a bench and without mistakes; logs as loggers write them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any

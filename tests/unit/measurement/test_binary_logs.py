@@ -1,7 +1,5 @@
 """Binary logs written by their own libraries, read and drafted: the same run as from a table of text."""
 
-from __future__ import annotations
-
 import builtins
 import importlib
 import json

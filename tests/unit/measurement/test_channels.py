@@ -1,7 +1,5 @@
 """Logs whose channels have their own times: empty cells, one channel a row; drafts of them; binary logs by name."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

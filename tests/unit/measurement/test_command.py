@@ -1,7 +1,5 @@
 """``mbcdm loop``: exit codes, printed text, and which files are written or not."""
 
-from __future__ import annotations
-
 import json
 import re
 from datetime import datetime, timedelta

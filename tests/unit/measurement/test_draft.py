@@ -1,7 +1,5 @@
 """A drafted measurement file reads the data correctly: units, signs, encoders before the gearhead, forces."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from datetime import UTC, datetime, timedelta
 from pathlib import Path

@@ -4,8 +4,6 @@ The run is made here: a drive of 8:1, with speeds, a command that leads the moto
 angles, each with noise of its own. Every header has the true columns of input and output beside it.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

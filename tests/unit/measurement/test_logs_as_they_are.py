@@ -1,7 +1,5 @@
 """Logs as people have them: rows written several times, a device that was not ready, an input that counts backwards."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Reading of measurement files: units, signs, formats of loggers; refusals with file, line and remedy."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

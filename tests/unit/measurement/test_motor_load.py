@@ -1,7 +1,5 @@
 """The load from the motors' currents, against a drive train worked out by hand, and mistakes in its columns."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

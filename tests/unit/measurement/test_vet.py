@@ -1,7 +1,5 @@
 """Vetting: wrong declarations are found and reported, a correct run gives no finding."""
 
-from __future__ import annotations
-
 import datetime
 import os
 import shutil

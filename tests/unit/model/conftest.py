@@ -2,8 +2,6 @@
 lifts the deadline: the first example of a series test compiles its loops, which takes seconds once and then a
 millisecond."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The paper's drive (Tables 1 and 2) directly in SI, so that these tests need no design file."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

@@ -3,8 +3,6 @@
 Backlash and torque with an interval, from the sigmas of the design file.
 """
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

@@ -3,8 +3,6 @@
 Solid finite elements of the drawn STEP are compared in tests/acceptance/test_frame_stiffness.py.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise

@@ -3,8 +3,6 @@
 Two-node heat of a motor: closed forms, energy, a data sheet, another integrator.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from math import exp, inf, log, pi, sqrt
 from pathlib import Path

@@ -1,7 +1,5 @@
 """All cables at once: balance, symmetry laws, limits, slack, and an independent solution by bisection."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from math import exp, log, pi, sqrt
 from pathlib import Path

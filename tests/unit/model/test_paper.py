@@ -3,8 +3,6 @@
 The mistakes of the paper, each shown symbolically: the printed form contradicts itself, the form used does not.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import sympy as sp

@@ -1,7 +1,5 @@
 """Wrap profiles in closed form: compared with turning points, the grid and the static model, and their own laws."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 from typing import Any
 

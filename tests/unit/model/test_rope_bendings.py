@@ -1,7 +1,5 @@
 """Bendings that a rope stands, against rope makers' rules, hand calculations and laws."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from types import SimpleNamespace
 

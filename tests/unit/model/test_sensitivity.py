@@ -1,7 +1,5 @@
 """Sensitivities: laws of similarity, independent differences, trends of Fig. 5, indices, tolerance stack, intervals."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """The engine on functions whose front is known, through the same wrapper as designs."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from itertools import product
 from pathlib import Path

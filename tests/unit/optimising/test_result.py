@@ -5,8 +5,6 @@ The sketch of a design on the page of a search.
 The designs of docs/optimum.md pass, keep the paper's box and D/d, and beat its torque to weight.
 """
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 from pathlib import Path

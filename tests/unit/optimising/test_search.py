@@ -1,7 +1,5 @@
 """A search that is cut off anywhere goes on and ends with the same bytes, on any number of workers."""
 
-from __future__ import annotations
-
 import errno
 import hashlib
 import os

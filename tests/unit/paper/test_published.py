@@ -1,7 +1,5 @@
 """Published figures compared with the model: predictions, the needed size of each candidate, untestable causes."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 from functools import cache

@@ -3,8 +3,6 @@
 Workers of this machine and of a cluster (here threads of this process) give the same results and errors.
 """
 
-from __future__ import annotations
-
 import argparse
 import logging
 import os

@@ -1,7 +1,5 @@
 """All parts of the reference design, drawn once."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import cadquery as cq

@@ -4,8 +4,6 @@ After an intended change of geometry ``python tests/unit/parts/golden.py`` write
 diff before you commit it.
 """
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Tables of holes compared with the cylinders of the solids: every listed hole exists, every small hole is listed."""
 
-from __future__ import annotations
-
 from math import pi, radians
 from pathlib import Path
 from typing import Any

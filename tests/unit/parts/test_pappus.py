@@ -1,7 +1,5 @@
 """Turned parts compared with closed forms from the drawing: sums of rings, cones and prisms."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache

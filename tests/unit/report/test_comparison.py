@@ -1,7 +1,5 @@
 """Comparison of designs: figures that follow from others by definition, and the content of table and JSON."""
 
-from __future__ import annotations
-
 import json
 import re
 import subprocess

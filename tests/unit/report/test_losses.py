@@ -7,8 +7,6 @@ The report on the preload: shares that agree with other reports, the procedure's
 Cable paths and torsional modes in the report and in `mbcdm analyse`.
 """
 
-from __future__ import annotations
-
 import json
 import shutil
 import subprocess

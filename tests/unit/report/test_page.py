@@ -1,7 +1,5 @@
 """The page without a browser: data within stated errors, order of its parts, reproducible and safe bytes."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 from collections.abc import Iterator

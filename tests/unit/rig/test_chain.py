@@ -3,8 +3,6 @@
 Marks on the rig's rope, counted where they pass from a body to a span and back, against the zones of the life.
 """
 
-from __future__ import annotations
-
 import importlib.util
 import sys
 from collections import Counter

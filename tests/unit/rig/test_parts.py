@@ -1,7 +1,5 @@
 """Structure and losses in both rigs: the swing at the payload, what is lost over a cycle, and where the energy goes."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Any

@@ -3,8 +3,6 @@
 The experiment files of the library: each is read, has a description, and runs.
 """
 
-from __future__ import annotations
-
 import ast
 import pkgutil
 from dataclasses import dataclass, fields, replace

@@ -1,7 +1,5 @@
 """Whole runs of the dynamic rig: laws for any cables."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from math import pi, sqrt
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The reference design, its parts and its mechanism, drawn once for the tests of the robot files."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

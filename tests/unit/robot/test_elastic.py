@@ -1,7 +1,5 @@
 """The elastic MJCF in MuJoCo at its own step of 0.5 ms, compared with the rig and with closed forms."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The FMU checked and run by fmpy: the standard's rules, the loop of ``simulate``, energy, back-driving, modes."""
 
-from __future__ import annotations
-
 import shutil
 import zipfile
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Play of a gear stage in the robot files: the drum swings by it where the motor is held, and an encoder shows it."""
 
-from __future__ import annotations
-
 import shutil
 from dataclasses import replace
 from functools import cache

@@ -1,7 +1,5 @@
 """URDF and MJCF read by other programs: mass, inertia, ratio, stiffness."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 from pathlib import Path

@@ -3,8 +3,6 @@
 Each kind of piece: exact length compared with chords, end tangents with differences, and values by hand.
 """
 
-from __future__ import annotations
-
 from itertools import pairwise
 from math import pi, sqrt
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The nearest passing design: fixed fields do not change, the written file passes, the result is reproducible."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The output folder is complete before and after a build, even if the build is killed."""
 
-from __future__ import annotations
-
 import errno
 import math
 import os

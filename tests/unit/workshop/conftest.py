@@ -1,7 +1,5 @@
 """BevelLayout and solids of the reference design, drawn once."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

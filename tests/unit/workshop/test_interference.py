@@ -1,7 +1,5 @@
 """Interference is found where it is and nowhere else: single bodies moved or thickened, volumes computed by hand."""
 
-from __future__ import annotations
-
 import tracemalloc
 from collections.abc import Callable, Mapping
 from dataclasses import replace

@@ -5,8 +5,6 @@ Mass properties of a rod from its centre line: against closed forms, and against
 A process that is forked after its parent used the kernel must not wait for threads that do not exist in it.
 """
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """The samples as fixtures."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Solids and items in place of a design: every surface type, and instances; no real mechanism."""
 
-from __future__ import annotations
-
 import math
 
 import cadquery as cq

@@ -1,7 +1,5 @@
 """Meshes: the chordal error is within its limit, STL and GLB are valid, and the bytes are reproducible."""
 
-from __future__ import annotations
-
 import hashlib
 import io
 import math

@@ -1,7 +1,5 @@
 """Pictures: drawn without a display, filled by the model, with each part at its place."""
 
-from __future__ import annotations
-
 import io
 import math
 import subprocess

@@ -1,7 +1,5 @@
 """STEP files: the same bytes for the same model, and the same model after reading."""
 
-from __future__ import annotations
-
 import hashlib
 import random
 import subprocess
