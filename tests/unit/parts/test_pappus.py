@@ -463,7 +463,7 @@ def test_mass_with_grooves_setback_and_four_screws(drive: Drive) -> None:
 
 
 @pytest.fixture(scope="module")
-def drive() -> mc.Drive:
+def drive() -> Drive:
     return mc.load("params/siso_spur.yaml").drive
 
 
@@ -483,13 +483,13 @@ def _at_one_price(bill: Any) -> Any:
     return replace(bill, items=items, parts=parts)
 
 
-def test_material_at_one_price_costs_the_made_mass(drive: mc.Drive) -> None:
+def test_material_at_one_price_costs_the_made_mass(drive: Drive) -> None:
     bill = layout_of(drive).bill()
     made_g = estimated_mass_g(bill) - sum(item.mass_g or 0.0 for item in bill.items)
     assert material_cost_EUR(_at_one_price(bill)) == pytest.approx(made_g * 1e-3)
 
 
-def test_bought_parts_cost_their_number_and_the_rope_its_length(drive: mc.Drive) -> None:
+def test_bought_parts_cost_their_number_and_the_rope_its_length(drive: Drive) -> None:
     bill = _at_one_price(layout_of(drive).bill())
     rope = replace(drive.cable, price_EUR=3.0)
     length_m = sum(path.length_mm for path in layout_of(drive).cable_paths(0.0)) * 1e-3
@@ -498,7 +498,7 @@ def test_bought_parts_cost_their_number_and_the_rope_its_length(drive: mc.Drive)
     assert bought_cost_EUR(bill, rope) == pytest.approx(2.0 * len(with_entry) + 3.0 * length_m)
 
 
-def test_entries_without_a_price_are_named(drive: mc.Drive) -> None:
+def test_entries_without_a_price_are_named(drive: Drive) -> None:
     with pytest.raises(NoPriceError) as refused:
         bought_cost_EUR(layout_of(drive).bill(), drive.cable)
     assert drive.motor.name in str(refused.value)
