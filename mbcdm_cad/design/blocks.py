@@ -36,12 +36,11 @@ class Travel(Block):
     from_deg: Number | None = quantity(
         "angle of the output at the lower end of the travel, in place of half_angle_deg; all other angles of the drum "
         "are counted from the middle of the travel",
-        default=None,
         ge=-2160.0,
         le=2160.0,
     )
     to_deg: Number | None = quantity(
-        "angle of the output at the upper end of the travel; goes with from_deg", default=None, ge=-2160.0, le=2160.0
+        "angle of the output at the upper end of the travel; goes with from_deg", ge=-2160.0, le=2160.0
     )
     stop_clearance_deg: Number = quantity("angle from the end of the travel to the hard stops", ge=0.0, le=5.0)
 
@@ -58,29 +57,26 @@ class Cable(Block):
     name: Slug = choice("name, used in part names")
     input: Slug = choice("the input pulley on which it ends")
     preload_N: Number | None = quantity(
-        "preload of this cable alone, in place of the rope's", uncertain=True, default=None, ge=0.1, le=20000.0
+        "preload of this cable alone, in place of the rope's", uncertain=True, ge=0.1, le=20000.0
     )
 
 
 class Rope(Block):
     """The rope of all cables: a catalogue type, or all values inline."""
 
-    type: EntryName | None = choice("catalogue rope; leave out when inline is given", default=None)
+    type: EntryName | None = choice("catalogue rope; leave out when inline is given")
     inline: CableSpec | None = choice(
         "a rope written out in place of type, with all fields of a catalogue rope",
         example={**package_entries("ropes")["FF-081"], "source": "where these figures come from"},
-        default=None,
     )
     modulus_GPa: Number | None = quantity(
-        "effective modulus in place of the catalogue's", uncertain=True, default=None, ge=1.0, le=250.0
+        "effective modulus in place of the catalogue's", uncertain=True, ge=1.0, le=250.0
     )
     modulus_area: Literal["metallic", "nominal"] | None = choice(
-        "area that modulus_GPa refers to: metallic (the wires) or nominal (pi d^2 / 4)", default=None
+        "area that modulus_GPa refers to: metallic (the wires) or nominal (pi d^2 / 4)"
     )
     termination: EntryName | None = choice(
-        "catalogue entry for how its ends are made; if left out, the strongest that fits the rope",
-        example="swaged",
-        default=None,
+        "catalogue entry for how its ends are made; if left out, the strongest that fits the rope", example="swaged"
     )
     friction_coefficient: Number = quantity(
         "friction coefficient mu of the rope on a pulley", uncertain=True, ge=0.01, le=1.0
@@ -130,7 +126,6 @@ class DriveTrain(Block):
     )
     bus_voltage_V: Number | None = quantity(
         "voltage of the supply, for motors with a torque constant; if left out, the voltage that the motor is made for",
-        default=None,
         gt=0.0,
         le=1000.0,
     )
@@ -149,14 +144,10 @@ class DutyRow(PlainBlock):
     )
     share: Number = quantity("share of the time; shares count relative to their sum", gt=0.0, le=1.0)
     speed_deg_s: Number | None = quantity(
-        "speed of the drum while it moves back and forth; 0, or neither speed nor range: it holds",
-        default=None,
-        ge=0.0,
-        le=10000.0,
+        "speed of the drum while it moves back and forth; 0, or neither speed nor range: it holds", ge=0.0, le=10000.0
     )
     range_deg: Number | None = quantity(
         "angle from end to end that it moves over, there and back; left out at a speed: the whole travel",
-        default=None,
         gt=0.0,
         le=2.0 * TRAVEL_MAX_DEG,
     )
@@ -174,13 +165,10 @@ class DutyBlock(PlainBlock):
     record: Text | None = choice(
         "CSV file of one cycle, in place of rows, relative to the design file; its header names columns and units: "
         "time_s,angle_deg,torque_Nm",
-        default=None,
         example="a-day.csv",
     )
-    period_s: Number | None = quantity("time of one cycle of rows; 10 if left out", default=None, gt=0.0, le=1e6)
-    ambient_C: Number | None = quantity(
-        "temperature of the air round the motors; 25 if left out", default=None, ge=-60.0, le=120.0
-    )
+    period_s: Number | None = quantity("time of one cycle of rows; 10 if left out", gt=0.0, le=1e6)
+    ambient_C: Number | None = quantity("temperature of the air round the motors; 25 if left out", ge=-60.0, le=120.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -196,7 +184,6 @@ class Payload(PlainBlock):
     )
     inertia_kg_m2: Number | None = quantity(
         "moment of inertia about the drum's axis; left out, that of the mass as a point at distance_mm",
-        default=None,
         ge=0.0,
         le=INERTIA_MAX_KG_M2,
     )
@@ -243,21 +230,18 @@ class Loads(PlainBlock):
     continuous_torque_Nm: Number | None = quantity(
         "torque that the design must hold continuously, gearheads included, besides that of the payload's weight; not "
         "checked if left out",
-        default=None,
         gt=0.0,
         le=TORQUE_MAX_NM,
     )
     speed_deg_s: Number | None = quantity(
         "speed that the drum must reach against the continuous torque, or the peak torque where that is left out; not "
         "checked if left out",
-        default=None,
         gt=0.0,
         le=10000.0,
     )
     stiffness_Nm_rad: Number | None = quantity(
         "least stiffness at the payload at the test torque, the inputs held: cables and all parts; rules raise what "
         "gives most until it holds or other checks refuse; not checked if left out",
-        default=None,
         gt=0.0,
         le=STIFFNESS_MAX_NM_RAD,
     )
@@ -265,24 +249,20 @@ class Loads(PlainBlock):
         "largest turn of the payload by all parts besides the cables, over that by the cables, at the test torque, the "
         "inputs held; 0.25 is a usual aim; rules raise what gives most until it holds or other checks refuse; left "
         "out, a warning beyond 2.5, printed 5",
-        default=None,
         gt=0.0,
         le=100.0,
     )
     backdrive_Nm: Number | None = quantity(
         "largest torque at the drum that may be needed to turn it, motors without current; not checked if left out",
-        default=None,
         gt=0.0,
         le=TORQUE_MAX_NM,
     )
     duty: DutyBlock | None = choice(
         "what the drive does all day, from which the temperatures of its motors follow; an assumed one if left out",
-        default=None,
         example={"rows": [{"torque_Nm": 1.0, "share": 0.3}, {"torque_Nm": 0.5, "share": 0.7, "range_deg": 60.0}]},
     )
     payload: Payload | None = choice(
         "what is screwed on the hub's face; left out, nothing but the torques above",
-        default=None,
         example={"mass_kg": 0.2, "distance_mm": 50.0, "ahead_mm": 10.0},
     )
 
@@ -310,7 +290,6 @@ class Limits(PlainBlock):
     frame_windup_max_mrad: Number | None = quantity(
         "turn of the drum from the frame's deflection at the test torque; left out, the turn of the cables there, or "
         "six times that for a printed frame",
-        default=None,
         gt=0.0,
         le=100.0,
     )
@@ -386,18 +365,14 @@ class SpanLimits(Limits):
 class Targets(PlainBlock):
     """Mass and box to reach; a target that is left out is not checked."""
 
-    mass_g: Number | None = quantity("mass of the whole", default=None, gt=0.0, le=1e6)
+    mass_g: Number | None = quantity("mass of the whole", gt=0.0, le=1e6)
     mass_tolerance_g: Number = quantity("how far it may differ", default=10.0, gt=0.0, le=1e6)
-    prototype_mass_g: Number | None = quantity(
-        "measured mass of the prototype, for comparison", default=None, gt=0.0, le=1e6
-    )
-    envelope_mm: tuple[Length, Length, Length] | None = quantity("box with the drum centred, X, Z, Y", default=None)
+    prototype_mass_g: Number | None = quantity("measured mass of the prototype, for comparison", gt=0.0, le=1e6)
+    envelope_mm: tuple[Length, Length, Length] | None = quantity("box with the drum centred, X, Z, Y")
     envelope_tolerance_mm: Number = quantity("how far each side may differ", default=0.5, gt=0.0, le=100.0)
-    life_cycles: Number | None = quantity(
-        "cycles of the output, to and fro, that the cables must last", default=None, gt=0.0, le=1e9
-    )
+    life_cycles: Number | None = quantity("cycles of the output, to and fro, that the cables must last", gt=0.0, le=1e9)
     life_h: Number | None = quantity(
-        "hours of loads.duty that the cables must last, in place of life_cycles", default=None, gt=0.0, le=1e6
+        "hours of loads.duty that the cables must last, in place of life_cycles", gt=0.0, le=1e6
     )
 
 
@@ -426,8 +401,8 @@ class AsBuiltValue(PlainBlock):
 
     name: EntryName = choice("name of the figure")
     value: Number = choice("what was found", ge=-1e6, le=1e6)
-    low: Number | None = choice("lower end of its 95 % interval", default=None, ge=-1e6, le=1e6)
-    high: Number | None = choice("upper end of its 95 % interval", default=None, ge=-1e6, le=1e6)
+    low: Number | None = choice("lower end of its 95 % interval", ge=-1e6, le=1e6)
+    high: Number | None = choice("upper end of its 95 % interval", ge=-1e6, le=1e6)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -446,7 +421,7 @@ class AsBuilt(PlainBlock):
 
     name: Slug = choice("name of the effect, as in docs/loop-effects.md")
     form: Text = choice("physical form of the effect")
-    stage: Slug | None = choice("shaft on which the effect acts", default=None)
+    stage: Slug | None = choice("shaft on which the effect acts")
     cables: tuple[Slug, ...] = choice("the cables that have it; all where none is named", default=())
     values: tuple[AsBuiltValue, ...] = choice(
         "its values: {name: share, value: 0.12, low: 0.11, high: 0.13}",
@@ -460,7 +435,7 @@ class AsBuilt(PlainBlock):
         default=(),
         max_length=256,
     )
-    source: Text | None = choice("the measured run that it was found in", default=None)
+    source: Text | None = choice("the measured run that it was found in")
 
 
 class Design(Block):
@@ -499,7 +474,6 @@ class Design(Block):
     stage: StageBlock | None = choice(
         "belt or gears between the motor, or its gearhead, and each input: {kind: belt, ratio: 3.0}; left out, the "
         "motor stands behind its input",
-        default=None,
         example={"kind": "belt", "ratio": 3.0},
     )
     loads: Loads

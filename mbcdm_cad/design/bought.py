@@ -32,9 +32,9 @@ class Entry(PlainBlock):
     )
     source: Text = entry_field("source of the values; says 'estimate' for a value that is estimated")
     price_EUR: Number | None = entry_field(
-        "price of a piece, of a metre of rope, of a kilogram of a material", default=None, ge=0.0, le=1e6
+        "price of a piece, of a metre of rope, of a kilogram of a material", ge=0.0, le=1e6
     )
-    price_source: Text | None = entry_field("source of the price; says 'estimate' for one", default=None)
+    price_source: Text | None = entry_field("source of the price; says 'estimate' for one")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,7 +47,7 @@ class LifeAnchor(PlainBlock):
     )
     load_share: Number = entry_field("tension in the test over the breaking load", gt=0.0, le=1.0)
     groove: Number | None = entry_field(
-        "radius of its groove over the rope's diameter; smooth if left out", default=None, ge=0.5, le=5.0
+        "radius of its groove over the rope's diameter; smooth if left out", ge=0.5, le=5.0
     )
     lubrication: Literal["oiled", "dry"] = entry_field("how the rope was run")
     count: Integer = entry_field("number of ropes tested", ge=1, le=1000)
@@ -85,7 +85,7 @@ class CableSpec(Entry):
     bend_ratio_desired: Number = entry_field("D/d that the maker recommends", ge=1.0, le=200.0)
     material: EntryName = entry_field("material of the wires")
     life_anchor: LifeAnchor | None = entry_field(
-        "a bending test of one's own, from which the life of the cables is scaled", default=None
+        "a bending test of one's own, from which the life of the cables is scaled"
     )
 
     @property
@@ -131,7 +131,7 @@ class TerminationSpec(Entry):
         ge=0.0,
         le=200.0,
     )
-    making: Text | None = entry_field("how it is made, for the order of assembly", default=None)
+    making: Text | None = entry_field("how it is made, for the order of assembly")
 
     def fits(self, rope: CableSpec) -> bool:
         """Whether it is made on ropes of this construction and diameter."""
@@ -184,52 +184,40 @@ class Motor(Entry):
     rated_torque_mNm: Number = entry_field("continuous torque", uncertain=True, gt=0.0, le=100000.0)
     rotor_inertia_g_cm2: Number = entry_field("rotor inertia", gt=0.0, le=1e6)
     mass_g: Number = entry_field("mass", gt=0.0, le=50000.0)
-    torque_constant_mNm_A: Number | None = entry_field(
-        "torque over current, 60 / (2 pi Kv)", default=None, gt=0.0, le=1e5
-    )
-    resistance_ohm: Number | None = entry_field("resistance between two terminals", default=None, gt=0.0, le=1000.0)
+    torque_constant_mNm_A: Number | None = entry_field("torque over current, 60 / (2 pi Kv)", gt=0.0, le=1e5)
+    resistance_ohm: Number | None = entry_field("resistance between two terminals", gt=0.0, le=1000.0)
     no_load_current_A: Number | None = entry_field(
-        "current that turns it without a load: its friction is this times the torque constant",
-        default=None,
-        gt=0.0,
-        le=100.0,
+        "current that turns it without a load: its friction is this times the torque constant", gt=0.0, le=100.0
     )
-    continuous_current_A: Number | None = entry_field("continuous current", default=None, gt=0.0, le=1000.0)
-    peak_current_A: Number | None = entry_field("largest current for a short time", default=None, gt=0.0, le=5000.0)
-    voltage_V: Number | None = entry_field("voltage that the motor is made for", default=None, gt=0.0, le=1000.0)
-    pole_pairs: Integer | None = entry_field("pairs of magnet poles", default=None, ge=1, le=100)
-    winding_limit_C: Number | None = entry_field("hottest winding; 125 if left out", default=None, ge=40.0, le=300.0)
+    continuous_current_A: Number | None = entry_field("continuous current", gt=0.0, le=1000.0)
+    peak_current_A: Number | None = entry_field("largest current for a short time", gt=0.0, le=5000.0)
+    voltage_V: Number | None = entry_field("voltage that the motor is made for", gt=0.0, le=1000.0)
+    pole_pairs: Integer | None = entry_field("pairs of magnet poles", ge=1, le=100)
+    winding_limit_C: Number | None = entry_field("hottest winding; 125 if left out", ge=40.0, le=300.0)
     # Thermal figures, each estimated from size or mass if left out.
-    winding_K_W: Number | None = entry_field("thermal resistance, winding to housing", default=None, gt=0.0, le=1e3)
-    housing_K_W: Number | None = entry_field("thermal resistance, housing to air", default=None, gt=0.0, le=1e3)
-    radial_load_N: Number | None = entry_field("radial load that the shaft can take", default=None, gt=0.0, le=10000.0)
+    winding_K_W: Number | None = entry_field("thermal resistance, winding to housing", gt=0.0, le=1e3)
+    housing_K_W: Number | None = entry_field("thermal resistance, housing to air", gt=0.0, le=1e3)
+    radial_load_N: Number | None = entry_field("radial load that the shaft can take", gt=0.0, le=10000.0)
     radial_load_at_mm: Number | None = entry_field(
         "distance from the face at which it can take radial_load_N; half the shaft's length if left out",
-        default=None,
         gt=0.0,
         le=200.0,
     )
     bearing_span_mm: Number | None = entry_field(
-        "distance between the shaft's own bearings; 0.6 of the body's length if left out",
-        default=None,
-        gt=0.0,
-        le=300.0,
+        "distance between the shaft's own bearings; 0.6 of the body's length if left out", gt=0.0, le=300.0
     )
-    shaft_diameter_mm: Number | None = entry_field("shaft diameter", default=None, ge=1.0, le=40.0)
-    shaft_length_mm: Number | None = entry_field("shaft length from the face", default=None, ge=1.0, le=80.0)
-    pilot_diameter_mm: Number | None = entry_field("centring boss diameter", default=None, ge=1.0, le=200.0)
-    pilot_height_mm: Number | None = entry_field("centring boss height", default=None, ge=0.1, le=10.0)
-    bolt_circle_mm: Number | None = entry_field(
-        "diameter of the screws' circle on the face", default=None, ge=2.0, le=300.0
-    )
-    screw: EntryName | None = entry_field("screw that holds it at the face", default=None)
-    screw_count: Integer | None = entry_field("number of those screws", default=None, ge=2, le=12)
-    winding_time_s: Number | None = entry_field("thermal time constant, winding", default=None, gt=0.0, le=1e5)
-    motor_time_s: Number | None = entry_field("thermal time constant, motor", default=None, gt=0.0, le=1e6)
+    shaft_diameter_mm: Number | None = entry_field("shaft diameter", ge=1.0, le=40.0)
+    shaft_length_mm: Number | None = entry_field("shaft length from the face", ge=1.0, le=80.0)
+    pilot_diameter_mm: Number | None = entry_field("centring boss diameter", ge=1.0, le=200.0)
+    pilot_height_mm: Number | None = entry_field("centring boss height", ge=0.1, le=10.0)
+    bolt_circle_mm: Number | None = entry_field("diameter of the screws' circle on the face", ge=2.0, le=300.0)
+    screw: EntryName | None = entry_field("screw that holds it at the face")
+    screw_count: Integer | None = entry_field("number of those screws", ge=2, le=12)
+    winding_time_s: Number | None = entry_field("thermal time constant, winding", gt=0.0, le=1e5)
+    motor_time_s: Number | None = entry_field("thermal time constant, motor", gt=0.0, le=1e6)
     servo: Servo | None = entry_field(
         "gears, sensor, housing and horn of a servo; the entry's torques, constants and rotor are of the motor in "
-        "it, its shaft the spline, its screws those of the ears",
-        default=None,
+        "it, its shaft the spline, its screws those of the ears"
     )
 
     def __post_init__(self) -> None:
@@ -281,18 +269,14 @@ class Gearhead(Entry):
     radial_load_N: Number = entry_field("radial load that the output shaft can take", gt=0.0, le=10000.0)
     radial_load_at_mm: Number | None = entry_field(
         "distance from the face at which it can take radial_load_N; half the shaft's length if left out",
-        default=None,
         gt=0.0,
         le=200.0,
     )
     bearing_span_mm: Number | None = entry_field(
-        "distance between the output shaft's own bearings; 0.3 of the body's length if left out",
-        default=None,
-        gt=0.0,
-        le=300.0,
+        "distance between the output shaft's own bearings; 0.3 of the body's length if left out", gt=0.0, le=300.0
     )
     stiffness_Nm_rad: Number | None = entry_field(
-        "torsional stiffness at the output; estimated from the diameter if left out", default=None, gt=0.0, le=1e7
+        "torsional stiffness at the output; estimated from the diameter if left out", gt=0.0, le=1e7
     )
     diameter_mm: Number = entry_field("body diameter", ge=3.0, le=100.0)
     length_mm: Number = entry_field("body length", ge=3.0, le=200.0)
@@ -373,23 +357,13 @@ def without_gearhead(motor: Motor) -> Gearhead:
     if missing:
         raise KeyError(f"motor {motor.name}: no {', '.join(missing)}")
     values: dict[str, Any] = {name: getattr(motor, name) for name in (*FACE_FIELDS, "radial_load_at_mm")}
-    span, servo = motor.bearing_span_mm, motor.servo
+    values |= {"source": motor.source, "length_mm": 0.0, "mass_g": 0.0}
+    servo, length_mm = motor.servo, motor.length_mm if motor.servo is None else motor.servo.before_mm
+    values["bearing_span_mm"] = MOTOR_SPAN * length_mm if motor.bearing_span_mm is None else motor.bearing_span_mm
     if servo is not None:
-        return ServoOutput(
-            name=OWN_GEARS,
-            ratio=servo.ratio,
-            efficiency=servo.efficiency,
-            rated_torque_mNm=servo.rated_torque_mNm,
-            max_torque_mNm=servo.max_torque_mNm,
-            stiffness_Nm_rad=servo.stiffness_Nm_rad,
-            diameter_mm=servo.width_mm,
-            length_mm=0.0,
-            mass_g=0.0,
-            source=motor.source,
-            bearing_span_mm=MOTOR_SPAN * servo.before_mm if span is None else span,
-            servo=servo,
-            **values,
-        )
+        gears = ("ratio", "efficiency", "rated_torque_mNm", "max_torque_mNm", "stiffness_Nm_rad")
+        values |= {name: getattr(servo, name) for name in gears}
+        return ServoOutput(name=OWN_GEARS, diameter_mm=servo.width_mm, servo=servo, **values)
     return Gearhead(
         name=NO_GEARHEAD,
         ratio=1.0,
@@ -397,10 +371,6 @@ def without_gearhead(motor: Motor) -> Gearhead:
         rated_torque_mNm=motor.rated_torque_mNm,
         max_torque_mNm=motor.peak_torque_mNm,
         diameter_mm=motor.diameter_mm,
-        length_mm=0.0,
-        mass_g=0.0,
-        source=motor.source,
-        bearing_span_mm=MOTOR_SPAN * motor.length_mm if span is None else span,
         **values,
     )
 
@@ -586,7 +556,7 @@ class Material(Entry):
     min_wall_mm: Number = entry_field("thinnest wall that can be made", ge=0.0, le=10.0)
     min_internal_radius_mm: Number = entry_field("smallest internal corner radius", ge=0.0, le=10.0)
     colour: tuple[Fraction, Fraction, Fraction] = entry_field("linear red, green, blue")
-    seat_limit_C: Number | None = entry_field("hottest seat that keeps its shape", default=None, ge=0.0, le=1000.0)
+    seat_limit_C: Number | None = entry_field("hottest seat that keeps its shape", ge=0.0, le=1000.0)
 
     @property
     def printed(self) -> bool:

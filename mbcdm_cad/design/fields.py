@@ -53,7 +53,10 @@ def unit_in(name: str) -> str:
 
 
 class _UnitsInNames:
-    """A class whose fields have the units that their names tell, unless a field states one."""
+    """A class whose fields have the units that their names tell, unless a field states one.
+
+    A field that may be None is None where it is left out, unless it states another default.
+    """
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
@@ -61,6 +64,8 @@ class _UnitsInNames:
             if isinstance(declaration, DataclassField):
                 extra = declaration.metadata.get("json_schema_extra", {"unit": "-"})
                 extra["unit"] = extra["unit"] or unit_in(name)
+                if declaration.default is MISSING and "None" in str(cls.__annotations__[name]).split(" | "):
+                    declaration.default = None
 
 
 class Block(_UnitsInNames, BaseModel):

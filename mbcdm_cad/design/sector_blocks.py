@@ -44,7 +44,6 @@ class SectorCable(Cable):
     terminal_angle_deg: Number | None = quantity(
         "angle on the centred drum, from the direction of the pulley before it, at which the cable leaves its land for "
         "its terminal; left out: as far out as the sector allows",
-        default=None,
         ge=1.0,
         le=355.0,
     )
@@ -69,7 +68,6 @@ class SectorDrum(PlainBlock):
     hub_face_y_mm: Number = quantity("face of the hub, where the output is taken", ge=0.0, le=300.0)
     output_circle_mm: Number | None = quantity(
         "diameter of the circle of the payload's screws on the hub's face; left out: midway between shaft and edge",
-        default=None,
         ge=5.0,
         le=300.0,
     )
@@ -90,7 +88,6 @@ class SectorDrum(PlainBlock):
     spring: EntryName | None = choice(
         "catalogue spring on the stud of each terminal, between lug and nut; if left out, the nut sits on the lug",
         example="disc-8x4.2x0.4",
-        default=None,
     )
     spring_count: Integer = quantity(
         "springs one behind the other on each stud, discs turned against each other; used with spring",
