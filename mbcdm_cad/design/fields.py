@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, field
 from dataclasses import Field as DataclassField
-from typing import Annotated, Any, ClassVar, TypeVar
+from typing import Annotated, Any, ClassVar, TypeVar, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, Strict, StringConstraints, TypeAdapter
 
@@ -64,7 +64,9 @@ class _UnitsInNames:
             if isinstance(declaration, DataclassField):
                 extra = declaration.metadata.get("json_schema_extra", {"unit": "-"})
                 extra["unit"] = extra["unit"] or unit_in(name)
-                if declaration.default is MISSING and "None" in str(cls.__annotations__[name]).split(" | "):
+                kind = cls.__annotations__[name]
+                may_be_none = kind.endswith("| None") if isinstance(kind, str) else type(None) in get_args(kind)
+                if may_be_none and declaration.default is MISSING:
                     declaration.default = None
 
 
