@@ -12,21 +12,8 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Protocol, Self, TypeVar
 
+from mbcdm_cad.design import bought
 from mbcdm_cad.design.blocks import AsBuilt, Export, Limits, Loads, Making, Printing, Targets, Waiver
-from mbcdm_cad.design.bought import (
-    CableSpec,
-    CableStageOutput,
-    Encoder,
-    Gearhead,
-    InsertSpec,
-    Material,
-    Motor,
-    Screw,
-    Servo,
-    ServoOutput,
-    TerminationSpec,
-    shortest_insert,
-)
 from mbcdm_cad.design.stage import Stage
 
 _T = TypeVar("_T")
@@ -84,19 +71,19 @@ class Drive:
     half_travel_deg: float
     travel_from_deg: float | None  # angle of the output at the lower end; None: the output's zero is the middle
     stop_clearance_deg: float
-    cable: CableSpec
-    terminations: tuple[TerminationSpec, ...]
-    termination: TerminationSpec
+    cable: bought.CableSpec
+    terminations: tuple[bought.TerminationSpec, ...]
+    termination: bought.TerminationSpec
     friction_coefficient: float
     helix_lead_mm: float
     dead_turns: float
     cut_tolerance_mm: float
-    motor: Motor
-    gearhead: Gearhead  # the motor's own face where there is none
+    motor: bought.Motor
+    gearhead: bought.Gearhead  # the motor's own face where there is none
     gearhead_angle_deg: float  # how far gearheads and motors are turned about their axes
     bus_voltage_V: float | None  # None where neither file nor catalogue has one
-    encoder: Encoder
-    drum_encoder: Encoder
+    encoder: bought.Encoder
+    drum_encoder: bought.Encoder
     loads: Loads
     limits: Limits
     making: Making
@@ -104,9 +91,9 @@ class Drive:
     targets: Targets
     export: Export
     waivers: tuple[Waiver, ...]
-    screws: tuple[Screw, ...]
-    materials: tuple[Material, ...]
-    inserts: tuple[InsertSpec, ...]
+    screws: tuple[bought.Screw, ...]
+    materials: tuple[bought.Material, ...]
+    inserts: tuple[bought.InsertSpec, ...]
     sigmas: Sigmas
     as_built: tuple[AsBuilt, ...]
     stage: Stage | None  # between the gearhead, or the motor, and each input
@@ -161,12 +148,12 @@ class Drive:
         return self.mounted.replace(" ", "_")
 
     @property
-    def cable_stage(self) -> CableStageOutput | None:
+    def cable_stage(self) -> bought.CableStageOutput | None:
         """The first cable stage that turns the input; None for a drive of one stage."""
-        return self.gearhead if isinstance(self.gearhead, CableStageOutput) else None
+        return self.gearhead if isinstance(self.gearhead, bought.CableStageOutput) else None
 
     @cached_property
-    def reduction(self) -> Gearhead:
+    def reduction(self) -> bought.Gearhead:
         """Gearhead and stage together, as one gearhead whose output is the input; the gearhead itself without a stage.
 
         Only its torques, ratio and efficiency count so: face and shaft are those of the gearhead.
@@ -190,9 +177,9 @@ class Drive:
         return self.reduction.ratio * sense
 
     @property
-    def servo(self) -> Servo | None:
+    def servo(self) -> bought.Servo | None:
         """What the motor has as a bought servo; None for a plain motor."""
-        return self.gearhead.servo if isinstance(self.gearhead, ServoOutput) else None
+        return self.gearhead.servo if isinstance(self.gearhead, bought.ServoOutput) else None
 
     @property
     def rotor_at_input_kg_m2(self) -> float:
@@ -204,20 +191,20 @@ class Drive:
         """Length of the body behind the face that is screwed on: the gearhead's, or the motor's without one."""
         return self.motor.length_mm if self.gearhead.absent else self.gearhead.length_mm
 
-    def screw(self, name: str) -> Screw:
+    def screw(self, name: str) -> bought.Screw:
         """The screw of the catalogue called ``name``; KeyError if there is none."""
         return self._screws_by_name.get(name) or _named(self.screws, name, "screw")
 
     @cached_property
-    def _screws_by_name(self) -> dict[str, Screw]:
+    def _screws_by_name(self) -> dict[str, bought.Screw]:
         # The dimensions of one drive look screws up a hundred times, in a catalogue of dozens.
         return {screw.name: screw for screw in self.screws}
 
-    def material(self, name: str) -> Material:
+    def material(self, name: str) -> bought.Material:
         """The material of the catalogue called ``name``; KeyError if there is none."""
         return _named(self.materials, name, "material")
 
-    def insert(self, material: Material, thread_mm: float) -> InsertSpec | None:
+    def insert(self, material: bought.Material, thread_mm: float) -> bought.InsertSpec | None:
         """The insert that a thread gets in a part of ``material``.
 
         None if the thread is cut in the part itself: the part is not printed, the design uses no inserts, or none has
@@ -225,7 +212,7 @@ class Drive:
         """
         if self.printing.threads != "inserts" or not material.printed:
             return None
-        return shortest_insert(self.inserts, thread_mm)
+        return bought.shortest_insert(self.inserts, thread_mm)
 
     def waiver(self, check: str) -> Waiver | None:
         """The waiver for the check with this id, if the design holds one."""

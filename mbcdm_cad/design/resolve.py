@@ -11,22 +11,8 @@ from dataclasses import replace
 from functools import cache
 from typing import Any, Protocol
 
+from mbcdm_cad.design import bought
 from mbcdm_cad.design.blocks import AsBuilt, AsBuiltValue, Cable, Design, Rope
-from mbcdm_cad.design.bought import (
-    NO_ENCODER,
-    NO_GEARHEAD,
-    Bearing,
-    CableSpec,
-    Encoder,
-    Entry,
-    Gearhead,
-    Material,
-    Motor,
-    TerminationSpec,
-    least_wall_mm,
-    without_encoder,
-    without_gearhead,
-)
 from mbcdm_cad.design.catalogue import KINDS, package_entries
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.stage import stage_of
@@ -38,7 +24,7 @@ class Catalogue:
 
     def __init__(self, design: Design) -> None:
         self._nozzle_mm = design.printing.nozzle_mm
-        self._own: dict[str, dict[str, Entry]] = {kind: getattr(design.catalogue, kind) for kind in KINDS}
+        self._own: dict[str, dict[str, bought.Entry]] = {kind: getattr(design.catalogue, kind) for kind in KINDS}
 
     def names(self, kind: str) -> list[str]:
         """All names of a kind, the package's first, in the files' order."""
@@ -60,22 +46,22 @@ class Catalogue:
         found = _bought(kind, name)
         return replace(found, **changed) if changed else found
 
-    def material(self, name: str) -> Material:
+    def material(self, name: str) -> bought.Material:
         """The material called ``name``, its thinnest wall that of the design's nozzle where it is printed."""
         if name not in self._own["materials"]:
             return _material(name, self._nozzle_mm)
         return _printed_with(self.get("materials", name), self._nozzle_mm)
 
-    def bearing(self, name: str) -> Bearing:
+    def bearing(self, name: str) -> bought.Bearing:
         """The bearing called ``name``."""
-        found: Bearing = self.get("bearings", name)
+        found: bought.Bearing = self.get("bearings", name)
         return found
 
     def all(self, kind: str) -> tuple[Any, ...]:
         """Every entry of a kind."""
         return tuple(self.get(kind, name) for name in self.names(kind)) if self._own[kind] else _all(kind)
 
-    def materials(self) -> tuple[Material, ...]:
+    def materials(self) -> tuple[bought.Material, ...]:
         """Every material, as :meth:`material`."""
         if self._own["materials"]:
             return tuple(self.material(name) for name in self.names("materials"))
@@ -97,17 +83,17 @@ def _all(kind: str) -> tuple[Any, ...]:
 
 
 @cache
-def _material(name: str, nozzle_mm: float) -> Material:
+def _material(name: str, nozzle_mm: float) -> bought.Material:
     return _printed_with(_bought("materials", name), nozzle_mm)
 
 
 @cache
-def _materials(nozzle_mm: float) -> tuple[Material, ...]:
+def _materials(nozzle_mm: float) -> tuple[bought.Material, ...]:
     return tuple(_material(name, nozzle_mm) for name in package_entries("materials"))
 
 
-def _printed_with(found: Material, nozzle_mm: float) -> Material:
-    return replace(found, min_wall_mm=least_wall_mm(found.process, found.min_wall_mm, nozzle_mm))
+def _printed_with(found: bought.Material, nozzle_mm: float) -> bought.Material:
+    return replace(found, min_wall_mm=bought.least_wall_mm(found.process, found.min_wall_mm, nozzle_mm))
 
 
 class SteppedCable(Protocol):
@@ -125,14 +111,16 @@ def shared_values(design: Design, catalogue: Catalogue) -> dict[str, Any]:
     built drive are left out; the loader adds them.
     """
     train, rope, ends = design.drive, _rope(design.rope, catalogue), catalogue.all("terminations")
-    motor: Motor = catalogue.get("motors", train.motor)
-    absent = train.gearhead == NO_GEARHEAD
-    gearhead: Gearhead = without_gearhead(motor) if absent else catalogue.get("gearheads", train.gearhead)
+    motor: bought.Motor = catalogue.get("motors", train.motor)
+    absent = train.gearhead == bought.NO_GEARHEAD
+    gearhead: bought.Gearhead = bought.without_gearhead(motor) if absent else catalogue.get("gearheads", train.gearhead)
     stage = None if design.stage is None else stage_of(design.stage)
     turns = gearhead.ratio * (1.0 if stage is None else stage.ratio)
 
-    def encoder(name: str) -> Encoder:
-        found: Encoder = without_encoder(gearhead, turns) if name == NO_ENCODER else catalogue.get("encoders", name)
+    def encoder(name: str) -> bought.Encoder:
+        found: bought.Encoder = (
+            bought.without_encoder(gearhead, turns) if name == bought.NO_ENCODER else catalogue.get("encoders", name)
+        )
         return found
 
     return {
@@ -208,18 +196,20 @@ def shared_sigmas(
     }
 
 
-def termination(name: str | None, known: Sequence[TerminationSpec], rope: CableSpec) -> TerminationSpec:
+def termination(
+    name: str | None, known: Sequence[bought.TerminationSpec], rope: bought.CableSpec
+) -> bought.TerminationSpec:
     """The named termination, else the strongest that fits the rope, else the strongest, which a check then fails."""
     if name is not None:
         return next(each for each in known if each.name == name)
     return max(known, key=lambda each: (each.fits(rope), each.strength_share))
 
 
-def _rope(rope: Rope, catalogue: Catalogue) -> CableSpec:
+def _rope(rope: Rope, catalogue: Catalogue) -> bought.CableSpec:
     if rope.inline is not None:
         return replace(rope.inline, name="inline")
     changed = {} if rope.modulus_GPa is None else {"modulus_GPa": rope.modulus_GPa, "modulus_area": rope.modulus_area}
-    spec: CableSpec = catalogue.get("ropes", rope.type or "", **changed)
+    spec: bought.CableSpec = catalogue.get("ropes", rope.type or "", **changed)
     return spec
 
 

@@ -6,23 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import hypot, inf
 
-from mbcdm_cad.drawings.document import (
-    ARROW_MM,
-    AXIS_OVERHANG_MM,
-    FIRST_LEVEL_MM,
-    GAP_MM,
-    LABEL_MM,
-    LEVEL_MM,
-    ROW_MM,
-    TEXT_MM,
-    text_width_mm,
-)
+from mbcdm_cad.drawings import document
 from mbcdm_cad.drawings.projection import Picture, box
 from mbcdm_cad.parts.fits import limits
 from mbcdm_cad.parts.sheet import CuttingLine, Linear, Radius, Sheet, View
 
 # Space for an arrow from outside with its tail.
-_OUTSIDE_MM = 2 * ARROW_MM
+_OUTSIDE_MM = 2 * document.ARROW_MM
 _APART_MM = 1.5
 _LEVELS = 40
 
@@ -38,7 +28,7 @@ class DimensionSpan:
     @property
     def arrows_outside(self) -> bool:
         """Whether the arrows point inwards from outside, because the ends are too close for both."""
-        return self.high - self.low < 2 * ARROW_MM + GAP_MM + 0.2
+        return self.high - self.low < 2 * document.ARROW_MM + document.GAP_MM + 0.2
 
     @property
     def text_inside(self) -> bool:
@@ -61,8 +51,8 @@ def _candidates(span: DimensionSpan, ends: list[float]) -> list[tuple[float, flo
     middle = (span.low + span.high) / 2
     if span.text_inside:
         return [(middle, span.low - out, span.high + out)]
-    tail = out + GAP_MM + span.text_mm
-    beyond = out + GAP_MM + span.text_mm / 2
+    tail = out + document.GAP_MM + span.text_mm
+    beyond = out + document.GAP_MM + span.text_mm / 2
     near = [
         (span.high + beyond, span.low - out, span.high + tail),
         (span.low - beyond, span.low - tail, span.high + out),
@@ -206,7 +196,7 @@ def view_box(picture: Picture, view: View) -> Box:
 def _with_axes(drawn: Box, view: View, scale: float, cutting: tuple[CuttingLine, ...]) -> Box:
     """The box of a view with its centre lines, which extend beyond its outline."""
     left, bottom, right, top = drawn
-    over = AXIS_OVERHANG_MM / scale
+    over = document.AXIS_OVERHANG_MM / scale
     for start, end in view.axes:
         (a, b), (c, d) = view.project(start), view.project(end)
         length = hypot(c - a, d - b)
@@ -262,15 +252,17 @@ def _packed(sheet: Sheet, view: View, around: Box, scale: float) -> tuple[list[P
                 )
             if d.fit:
                 limits(d.value, d.fit)
-            spans.append(DimensionSpan(along[0], along[1], text_width_mm(dimension_text(d))))
+            spans.append(DimensionSpan(along[0], along[1], document.text_width_mm(dimension_text(d))))
         first, last = ("left", "right") if across else ("below", "above")
         places = placed(spans, (edge[first] * scale, edge[last] * scale))
         sign = 1.0 if side in ("above", "right") else -1.0
         for d, pair, span, place in zip(kept, ends, spans, places, strict=True):
-            line = edge[side] * scale + sign * (FIRST_LEVEL_MM + LEVEL_MM * place.level)
+            line = edge[side] * scale + sign * (document.FIRST_LEVEL_MM + document.LEVEL_MM * place.level)
             shown.append(PlacedDimension(d, *pair, line, place, span.text_mm))
         if places:
-            room[side] = FIRST_LEVEL_MM + LEVEL_MM * max(p.level for p in places) + TEXT_MM + 2.5
+            room[side] = (
+                document.FIRST_LEVEL_MM + document.LEVEL_MM * max(p.level for p in places) + document.TEXT_MM + 2.5
+            )
             # A text beside its dimension line can extend past the corner of the view.
             for span, place in zip(spans, places, strict=True):
                 low, high = place.text_at - span.text_mm / 2, place.text_at + span.text_mm / 2
@@ -279,13 +271,13 @@ def _packed(sheet: Sheet, view: View, around: Box, scale: float) -> tuple[list[P
     for r in (d for d in sheet.dimensions if isinstance(d, Radius) and d.view == view.name):
         # The text of a radius is outside the arc, to the left or the right.
         at, centre = view.project(r.at)[0] * scale, view.project(r.centre)[0] * scale
-        width = text_width_mm(f"{r.prefix}R{value_text(r.value, 2)}{r.suffix}") + _RADIUS_LEADER_MM
+        width = document.text_width_mm(f"{r.prefix}R{value_text(r.value, 2)}{r.suffix}") + _RADIUS_LEADER_MM
         if at < centre:
             room["left"] = max(room["left"], edge["left"] * scale - at + width)
         else:
             room["right"] = max(room["right"], at + width - edge["right"] * scale)
     margins = _Margins(**room)
-    return shown, replace(margins, above=margins.above + LABEL_MM + 4.0) if view.title else margins
+    return shown, replace(margins, above=margins.above + document.LABEL_MM + 4.0) if view.title else margins
 
 
 def arranged(sheet: Sheet, pictures: dict[str, Picture], table_mm: tuple[float, float], notes_mm: float) -> Arrangement:
@@ -359,6 +351,7 @@ def _in_grid(sheet: Sheet, pictures: dict[str, Picture], scale: float, free: Box
 def table_size_mm(columns: tuple[str, ...], rows: tuple[tuple[str, ...], ...]) -> tuple[list[float], float]:
     """Widths of the columns and height of a table, with its title and column heads."""
     widths = [
-        max(text_width_mm(cell) for cell in (head, *(row[i] for row in rows))) + 2.4 for i, head in enumerate(columns)
+        max(document.text_width_mm(cell) for cell in (head, *(row[i] for row in rows))) + 2.4
+        for i, head in enumerate(columns)
     ]
-    return widths, ROW_MM * (len(rows) + 2)
+    return widths, document.ROW_MM * (len(rows) + 2)

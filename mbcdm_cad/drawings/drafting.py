@@ -10,6 +10,7 @@ from ezdxf.enums import TextEntityAlignment
 from ezdxf.layouts.blocklayout import BlockLayout
 from ezdxf.layouts.layout import Modelspace
 
+from mbcdm_cad.drawings import document
 from mbcdm_cad.drawings.arrangement import (
     Arrangement,
     PlacedDimension,
@@ -17,18 +18,6 @@ from mbcdm_cad.drawings.arrangement import (
     dimension_text,
     scale_text,
     value_text,
-)
-from mbcdm_cad.drawings.document import (
-    APPLICATION,
-    ARROW_MM,
-    AXIS_OVERHANG_MM,
-    DIMENSION_STYLE,
-    EXTENSION_OFFSET_MM,
-    GAP_MM,
-    LABEL_MM,
-    TEXT_MM,
-    TEXT_STYLE,
-    text_width_mm,
 )
 from mbcdm_cad.drawings.frames import Box, Room, draw_axis_datum, draw_face_datum, draw_tolerance
 from mbcdm_cad.drawings.projection import ArcStroke, LineStroke, Picture, Point, PolyStroke, Stroke, clipped
@@ -124,7 +113,7 @@ def _centre_lines(paper: Modelspace, placed: PlacedView, room: Room) -> None:
         length = float(np.hypot(*(b - a)))
         if length < 1e-6:
             continue
-        over = (b - a) / length * AXIS_OVERHANG_MM
+        over = (b - a) / length * document.AXIS_OVERHANG_MM
         paper.add_line(tuple(a - over), tuple(b + over), dxfattribs={"layer": "CENTRE"})
         room.add_line(np.array([a - over, b + over]))
     for centre, radius in placed.view.circles:
@@ -134,8 +123,10 @@ def _centre_lines(paper: Modelspace, placed: PlacedView, room: Room) -> None:
         room.add_strokes([ArcStroke(at, reach, 0.0, 360.0)], (0.0, 0.0), 1.0)
 
 
-def _text(paper: Modelspace, text: str, middle: Point, height: float = TEXT_MM, rotation: float = 0.0) -> None:
-    entity = paper.add_text(text, height=height, rotation=rotation, dxfattribs={"layer": "TEXT", "style": TEXT_STYLE})
+def _text(paper: Modelspace, text: str, middle: Point, height: float = document.TEXT_MM, rotation: float = 0.0) -> None:
+    entity = paper.add_text(
+        text, height=height, rotation=rotation, dxfattribs={"layer": "TEXT", "style": document.TEXT_STYLE}
+    )
     entity.set_placement(middle, align=TextEntityAlignment.MIDDLE_CENTER)
 
 
@@ -151,10 +142,10 @@ def _title(paper: Modelspace, placed: PlacedView, arrangement: Arrangement, room
         text += f" ({scale_text(placed.scale)})"
     middle = (
         placed.origin[0] + placed.scale * (placed.box[0] + placed.box[2]) / 2,
-        placed.origin[1] + placed.scale * placed.box[3] + placed.room_above - LABEL_MM / 2 - 1.0,
+        placed.origin[1] + placed.scale * placed.box[3] + placed.room_above - document.LABEL_MM / 2 - 1.0,
     )
-    _text(paper, text, middle, LABEL_MM)
-    room.add_box(_box(middle, text_width_mm(text, LABEL_MM) + 1.0, LABEL_MM + 1.0))
+    _text(paper, text, middle, document.LABEL_MM)
+    room.add_box(_box(middle, document.text_width_mm(text, document.LABEL_MM) + 1.0, document.LABEL_MM + 1.0))
 
 
 def _measures(placed: PlacedView) -> dict[str, float]:
@@ -169,7 +160,7 @@ def _linear(paper: Modelspace, placed: PlacedView, shown: PlacedDimension, room:
     line = shown.line_at + (oy if across else ox)
     text_at = shown.place.text_at + (ox if across else oy)
     # The text is above its line in the direction of reading: to the left of a vertical line.
-    lift = GAP_MM + TEXT_MM / 2
+    lift = document.GAP_MM + document.TEXT_MM / 2
     middle = (text_at, line + lift) if across else (line - lift, text_at)
     first, last = _level(paper, start, end, line, across)
     made = paper.add_linear_dim(
@@ -178,14 +169,14 @@ def _linear(paper: Modelspace, placed: PlacedView, shown: PlacedDimension, room:
         p2=last,
         angle=0.0 if across else 90.0,
         text=dimension_text(d),
-        dimstyle=DIMENSION_STYLE,
+        dimstyle=document.DIMENSION_STYLE,
         override=_measures(placed),
         dxfattribs={"layer": "DIMENSION"},
     )
     made.set_location(middle)
     made.render()
     features = [(1040, value / placed.scale) for value in (*shown.start, *shown.end)]
-    made.dimension.set_xdata(APPLICATION, [*features, (1000, d.view)])
+    made.dimension.set_xdata(document.APPLICATION, [*features, (1000, d.view)])
     block = made.dimension.get_geometry_block()
     assert block is not None
     low, high = sorted((start[0 if across else 1], end[0 if across else 1]))
@@ -196,9 +187,9 @@ def _linear(paper: Modelspace, placed: PlacedView, shown: PlacedDimension, room:
         ends_at = ((near, line), (far, line)) if across else ((line, near), (line, far))
         block.add_line(*ends_at, dxfattribs={"layer": "DIMENSION"})
         ends += [far]
-    size = (shown.text_mm, TEXT_MM) if across else (TEXT_MM, shown.text_mm)
+    size = (shown.text_mm, document.TEXT_MM) if across else (document.TEXT_MM, shown.text_mm)
     room.add_box(_box(middle, size[0] + 0.6, size[1] + 0.6))
-    out = 2 * ARROW_MM
+    out = 2 * document.ARROW_MM
     low, high = min(ends) - out, max(ends) + out
     room.add_line(np.array([(low, line), (high, line)] if across else [(line, low), (line, high)]))
     for point in (start, end):
@@ -218,8 +209,8 @@ def _level(paper: Modelspace, start: Point, end: Point, line: float, across: boo
     found: list[Point] = []
     for point in (start, end):
         at = (point[0], level) if across else (level, point[1])
-        if abs(point[k] - level) > EXTENSION_OFFSET_MM:
-            begins, ends = point[k] + away * EXTENSION_OFFSET_MM, level + away * EXTENSION_OFFSET_MM
+        if abs(point[k] - level) > document.EXTENSION_OFFSET_MM:
+            begins, ends = point[k] + away * document.EXTENSION_OFFSET_MM, level + away * document.EXTENSION_OFFSET_MM
             pair = ((point[0], begins), (point[0], ends)) if across else ((begins, point[1]), (ends, point[1]))
             paper.add_line(*pair, dxfattribs={"layer": "DIMENSION"})
         found.append(at)
@@ -233,14 +224,14 @@ def _radius(paper: Modelspace, placed: PlacedView, d: Radius, room: Room) -> Non
         raise ValueError(f"radius {d.value:.6g} mm in view {d.view}: its points are {drawn:.6g} mm apart")
     text = f"{d.prefix}R{value_text(d.value, 2)}{d.suffix}"
     # The leader ends in a horizontal leg as long as an arrow; after it the library sets the text, slightly wider.
-    width = text_width_mm(text) + 2 * ARROW_MM
-    x, y = room.place(at, width, TEXT_MM, 3.0, beside=True)
+    width = document.text_width_mm(text) + 2 * document.ARROW_MM
+    x, y = room.place(at, width, document.TEXT_MM, 3.0, beside=True)
     leg = (x + (width / 2 if x < at[0] else -width / 2), y)
     made = paper.add_radius_dim(
         center=centre,
         mpoint=at,
         text=text,
-        dimstyle=DIMENSION_STYLE,
+        dimstyle=document.DIMENSION_STYLE,
         override=_measures(placed) | {"dimtoh": 1, "dimtih": 1, "dimtad": 0, "dimtmove": 1},
         dxfattribs={"layer": "DIMENSION"},
     )
@@ -248,7 +239,7 @@ def _radius(paper: Modelspace, placed: PlacedView, d: Radius, room: Room) -> Non
     made.user_location_override(leg)
     room.add_line(np.array([at, leg]))
     made.render()
-    made.dimension.set_xdata(APPLICATION, [(1000, d.view)])
+    made.dimension.set_xdata(document.APPLICATION, [(1000, d.view)])
 
 
 def _angle(paper: Modelspace, placed: PlacedView, d: Angle, room: Room) -> None:
@@ -261,7 +252,7 @@ def _angle(paper: Modelspace, placed: PlacedView, d: Angle, room: Room) -> None:
     reach = d.reach * placed.scale
     middle = radians(first + drawn / 2)
     base = (vertex[0] + reach * cos(middle), vertex[1] + reach * sin(middle))
-    text, style, layer = f"{value_text(d.value, 2)}%%d{d.suffix}", DIMENSION_STYLE, {"layer": "DIMENSION"}
+    text, style, layer = f"{value_text(d.value, 2)}%%d{d.suffix}", document.DIMENSION_STYLE, {"layer": "DIMENSION"}
     if d.value < _MOST_BY_LINES_DEG:
         made = paper.add_angular_dim_2l(
             base, (vertex, end), (vertex, start), text=text, dimstyle=style, dxfattribs=layer
@@ -269,8 +260,8 @@ def _angle(paper: Modelspace, placed: PlacedView, d: Angle, room: Room) -> None:
     else:
         made = paper.add_angular_dim_3p(base, vertex, start, end, text=text, dimstyle=style, dxfattribs=layer)
     made.render()
-    made.dimension.set_xdata(APPLICATION, [(1000, d.view)])
-    width = text_width_mm(f"{d.value:.2f}°{d.suffix}")
+    made.dimension.set_xdata(document.APPLICATION, [(1000, d.view)])
+    width = document.text_width_mm(f"{d.value:.2f}°{d.suffix}")
     at = (vertex[0] + (reach + 2.0) * cos(middle), vertex[1] + (reach + 2.0) * sin(middle))
     room.add_box(_box(at, width, width))
     room.add_strokes([ArcStroke(vertex, reach, first % 360.0, first % 360.0 + drawn)], (0.0, 0.0), 1.0)
@@ -278,14 +269,14 @@ def _angle(paper: Modelspace, placed: PlacedView, d: Angle, room: Room) -> None:
 
 def _label(paper: Modelspace, placed: PlacedView, label: Label, room: Room) -> None:
     at = placed.paper(*placed.view.project(label.at))
-    width = text_width_mm(label.text)
+    width = document.text_width_mm(label.text)
     clear = label.clear_mm * placed.scale + (3.0 if label.leader else 0.0)
 
     def from_edge(middle: Point) -> Point:
         edge = min(max(at[0], middle[0] - width / 2 - 0.5), middle[0] + width / 2 + 0.5)
-        return edge, min(max(at[1], middle[1] - TEXT_MM / 2 - 0.5), middle[1] + TEXT_MM / 2 + 0.5)
+        return edge, min(max(at[1], middle[1] - document.TEXT_MM / 2 - 0.5), middle[1] + document.TEXT_MM / 2 + 0.5)
 
-    middle = room.place(at, width, TEXT_MM, clear, leader=from_edge if label.leader else None)
+    middle = room.place(at, width, document.TEXT_MM, clear, leader=from_edge if label.leader else None)
     _text(paper, label.text, middle)
     if label.leader:
         start = from_edge(middle)
@@ -312,17 +303,17 @@ def _cutting_line(paper: Modelspace, placed: PlacedView, cutting: CuttingLine, r
         places: list[Point] = [
             tuple(tail + out * 3.2 + looks * on) for on in (2.0, 1.0, 0.0, -1.0, -2.0, -3.0, 3.0, 4.0)
         ]
-        size = LABEL_MM + 0.4
+        size = document.LABEL_MM + 0.4
         middle = next((place for place in places if room.is_free(_box(place, size, size))), places[0])
-        _text(paper, cutting.letter, middle, LABEL_MM)
-        room.add_box(_box(middle, LABEL_MM + 1.0, LABEL_MM + 1.0))
+        _text(paper, cutting.letter, middle, document.LABEL_MM)
+        room.add_box(_box(middle, document.LABEL_MM + 1.0, document.LABEL_MM + 1.0))
 
 
 def _arrow(paper: Modelspace, tail: np.ndarray, tip: np.ndarray) -> None:
     direction = (tip - tail) / np.hypot(*(tip - tail))
     across = np.array([-direction[1], direction[0]])
     paper.add_line(tuple(tail), tuple(tip), dxfattribs={"layer": "DIMENSION"})
-    back = tip - direction * ARROW_MM
+    back = tip - direction * document.ARROW_MM
     paper.add_solid(
         [tuple(tip), tuple(back + across * 0.7), tuple(back - across * 0.7), tuple(back - across * 0.7)],
         dxfattribs={"layer": "DIMENSION"},

@@ -23,6 +23,7 @@ from ezdxf.entities.dxfgfx import DXFGraphic
 from ezdxf.math import Matrix44
 from ezdxf.path import Command
 
+from mbcdm_cad.drawings import document
 from mbcdm_cad.drawings.arrangement import (
     FRAME_LEFT_MM,
     FRAME_MM,
@@ -31,16 +32,6 @@ from mbcdm_cad.drawings.arrangement import (
     Arrangement,
     arranged,
     scale_text,
-)
-from mbcdm_cad.drawings.document import (
-    DIMENSION_STYLE,
-    PlacedText,
-    document_bytes,
-    fixed_meta_data,
-    font_object,
-    new_document,
-    text_operators,
-    texts_of,
 )
 from mbcdm_cad.drawings.drafting import draw_views
 from mbcdm_cad.drawings.frames import Room
@@ -193,7 +184,9 @@ def svg_bytes(shapes: list[DrawnPath], width_mm: float, height_mm: float) -> byt
     return ("\n".join(lines) + "\n</g>\n</svg>\n").encode()
 
 
-def pdf_bytes(shapes: list[DrawnPath], texts: list[PlacedText], width_mm: float, height_mm: float, title: str) -> bytes:
+def pdf_bytes(
+    shapes: list[DrawnPath], texts: list[document.PlacedText], width_mm: float, height_mm: float, title: str
+) -> bytes:
     """The sheet as a PDF of one page in its true size, without times; ``texts`` are its invisible layer."""
     operators = {"M": "m", "L": "l", "C": "c", "Z": "h"}
     lines = [f"{_POINTS_PER_MM:.9f} 0 0 {_POINTS_PER_MM:.9f} 0 0 cm", "1 J 1 j 0 G 0 g"]
@@ -203,7 +196,7 @@ def pdf_bytes(shapes: list[DrawnPath], texts: list[PlacedText], width_mm: float,
         for kind, values in shape.curves:
             lines.append(" ".join([*(_number(v) for v in values), operators[kind]]))
         lines.append("S" if shape.weight_mm else "f*")
-    content = zlib.compress(b"\n".join(["\n".join(lines).encode(), *text_operators(texts, _FONT)]), 9)
+    content = zlib.compress(b"\n".join(["\n".join(lines).encode(), *document.text_operators(texts, _FONT)]), 9)
     box = f"[0 0 {width_mm * _POINTS_PER_MM:.3f} {height_mm * _POINTS_PER_MM:.3f}]"
     name = title.encode("ascii", "replace").decode().replace("\\", "").replace("(", "").replace(")", "")
     objects = [
@@ -213,7 +206,7 @@ def pdf_bytes(shapes: list[DrawnPath], texts: list[PlacedText], width_mm: float,
         f"/Resources << /Font << /{_FONT} 6 0 R >> >> >>".encode(),
         f"<< /Length {len(content)} /Filter /FlateDecode >>\nstream\n".encode() + content + b"\nendstream",
         f"<< /Title ({name}) /Producer (mbcdm_cad) >>".encode(),
-        font_object(),
+        document.font_object(),
     ]
     out = bytearray(b"%PDF-1.4\n%\xe2\xe3\xcf\xd3\n")
     places = []
@@ -257,8 +250,8 @@ def draw_sheet(sheet: Sheet, solid: Any, facts: PartFacts, whole: cq.Shape | Non
     beside = paper_width - FRAME_LEFT_MM - FRAME_MM - TITLE_BLOCK[0] - _NOTES_LEFT_OVER_MM
     lines = wrapped(sheet.notes, beside)
     arrangement = arranged(sheet, pictures, size, notes_height_mm(lines))
-    with fixed_meta_data():
-        doc = new_document()
+    with document.fixed_meta_data():
+        doc = document.new_document()
         width, height = arrangement.size_mm
         draw_border(doc, width, height)
         draw_title_block(doc, _fields(sheet, facts, arrangement), width)
@@ -271,9 +264,9 @@ def draw_sheet(sheet: Sheet, solid: Any, facts: PartFacts, whole: cq.Shape | Non
         if tables:
             room.add_box((right - size[0], top - size[1], right, top))
         draw_views(doc, sheet, arrangement, pictures, room)
-        shapes, texts = shapes_of(doc), texts_of(doc)
+        shapes, texts = shapes_of(doc), document.texts_of(doc)
         to_full_size(doc, arrangement.scale, arrangement.size_mm)
-        dxf = document_bytes(doc)
+        dxf = document.document_bytes(doc)
     return {
         "dxf": dxf,
         "svg": svg_bytes(shapes, width, height),
@@ -317,7 +310,7 @@ def to_full_size(doc: Drawing, scale: float, paper_mm: tuple[float, float]) -> N
     _stretch(list(doc.modelspace()), stretch)
     doc.header["$LTSCALE"] = factor
     doc.header["$PSLTSCALE"] = 0
-    style = doc.dimstyles.get(DIMENSION_STYLE)
+    style = doc.dimstyles.get(document.DIMENSION_STYLE)
     style.set_dxf_attrib("dimscale", factor)
     style.copy_to_header(doc)
     width, height = paper_mm

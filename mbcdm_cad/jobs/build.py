@@ -20,30 +20,14 @@ from mbcdm_cad.errors import GeometryError, MbcdmError
 from mbcdm_cad.layouts.check_design import run_checks
 from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.parts.bill import Item
+from mbcdm_cad.report import comparison
 from mbcdm_cad.report.check_report import BuildReport, CheckReport
-from mbcdm_cad.report.comparison import (
-    ComparedDesign,
-    compared,
-    comparison_data,
-    comparison_table,
-    distinct_labels,
-    own_folder,
-    torque_notes,
-)
 from mbcdm_cad.report.explain import fields_data
 from mbcdm_cad.report.page import PAGE
 from mbcdm_cad.report.page.stage import comparison_page, page_figures, page_of
 from mbcdm_cad.report.table import TextReport
+from mbcdm_cad.storage import folders
 from mbcdm_cad.storage.cache import Cache, content_key
-from mbcdm_cad.storage.folders import (
-    Manifest,
-    altered_files,
-    output_folder,
-    read_manifest,
-    refuse_missing_folder,
-    refuse_other_origin,
-    write_whole,
-)
 from mbcdm_cad.workshop.drawings import drawings_folder
 from mbcdm_cad.workshop.export.files import with_description, with_note
 from mbcdm_cad.workshop.interference import travel_poses
@@ -80,7 +64,7 @@ def build(
     unchanged = _unchanged(loaded, target, inputs)
     if unchanged is not None:
         return unchanged
-    refuse_other_origin(target, loaded.path)
+    folders.refuse_other_origin(target, loaded.path)
 
     checks = run_checks(loaded)
     if failed(checks) and not force:
@@ -123,7 +107,7 @@ def build(
     if failing and not force:
         return replace(_outcome(loaded, None, checks, data, store.made), cache_problem=cache.problem)
     data |= checks_data(checks) | fields_data(loaded)
-    manifest = Manifest(loaded.sha256, inputs, forced=bool(failing), failed_checks=tuple(c.id for c in failing))
+    manifest = folders.Manifest(loaded.sha256, inputs, forced=bool(failing), failed_checks=tuple(c.id for c in failing))
     files = exported_parts(store, posed, parts, drive, processes)
     _write(target, loaded, manifest, posed.items, parts, files, store, data)
     return replace(_outcome(loaded, target, checks, data, store.made), cache_problem=cache.problem)
@@ -166,8 +150,8 @@ def _outcome(
 
 
 def _unchanged(loaded: LoadedDesign, target: Path, inputs: str) -> BuildReport | None:
-    manifest = read_manifest(target)
-    if manifest is None or manifest.inputs_sha256 != inputs or altered_files(target, manifest):
+    manifest = folders.read_manifest(target)
+    if manifest is None or manifest.inputs_sha256 != inputs or folders.altered_files(target, manifest):
         return None
     data = json.loads((target / "report.json").read_text("utf-8"))
     checks = tuple(CheckResult(**c) for c in data["checks"])
@@ -177,7 +161,7 @@ def _unchanged(loaded: LoadedDesign, target: Path, inputs: str) -> BuildReport |
 def _write(
     target: Path,
     loaded: LoadedDesign,
-    manifest: Manifest,
+    manifest: folders.Manifest,
     items: tuple[Item, ...],
     parts: dict[str, StoredPart],
     files: dict[str, StoredPart],
@@ -190,7 +174,7 @@ def _write(
     name = loaded.drive.name
     note = f"FORCED, fails {', '.join(manifest.failed_checks)}" if manifest.forced else ""
     assembly = store.assembly(items, parts, name, note)
-    with output_folder(target, manifest, design=loaded.path) as folder:
+    with folders.output_folder(target, manifest, design=loaded.path) as folder:
         for part, made in files.items():
             step, stl = made.files.step, made.files.stl
             if note:
@@ -235,7 +219,7 @@ def write_page(loaded: LoadedDesign, out: Path, cache: Cache, *, force: bool, pr
     figures = page_figures(loaded.drive, report.data["fields"], cache)
     page = page_of(loaded.drive, report.data, parts, figures, drawings_folder(out, loaded.drive.name))
     target = report.folder / PAGE
-    write_whole({target: page})
+    folders.write_whole({target: page})
     return PageReport(report, target, len(page))
 
 
@@ -246,24 +230,24 @@ _VIEW, _PICTURE_PX = "output", (900, 720)
 class ComparisonReport(TextReport):
     """Figures of several built designs, in the order in which they were given."""
 
-    designs: tuple[ComparedDesign, ...]
+    designs: tuple[comparison.ComparedDesign, ...]
 
     def text(self) -> str:
         """What ``mbcdm compare`` prints: one column a design."""
-        return "\n".join([*comparison_table(self.designs).text(), *torque_notes(self.designs)])
+        return "\n".join([*comparison.comparison_table(self.designs).text(), *comparison.torque_notes(self.designs)])
 
     def markdown(self) -> str:
         """The same table in Markdown."""
-        notes = [f"\n{note}" for note in torque_notes(self.designs)]
-        return "\n".join([*comparison_table(self.designs).markdown(), *notes])
+        notes = [f"\n{note}" for note in comparison.torque_notes(self.designs)]
+        return "\n".join([*comparison.comparison_table(self.designs).markdown(), *notes])
 
     def _repr_html_(self) -> str:
         """For notebooks."""
-        return comparison_table(self.designs).html()
+        return comparison.comparison_table(self.designs).html()
 
     def to_dict(self) -> list[dict[str, Any]]:
         """Plain data, one record a design; units stand in the names."""
-        return comparison_data(self.designs)
+        return comparison.comparison_data(self.designs)
 
     def to_pandas(self) -> pandas.DataFrame:
         """One row a design. Raises ``MbcdmError`` where pandas is not installed."""
@@ -290,23 +274,25 @@ def compare(
     if not designs:
         raise MbcdmError("no designs to compare; give at least one")
     if page is not None:
-        refuse_missing_folder(page)
+        folders.refuse_missing_folder(page)
     load = min(design.drive.loads.test_torque_Nm for design in designs)
-    labels = distinct_labels([(design.drive.name, design.path) for design in designs])
+    labels = comparison.distinct_labels([(design.drive.name, design.path) for design in designs])
     found = []
     for design, label in zip(designs, labels, strict=True):
-        folder = out if label == design.drive.name else out / own_folder(label)
+        folder = out if label == design.drive.name else out / comparison.own_folder(label)
         report = build(design, folder, cache=cache, jobs=jobs, progress=progress)
         if report.folder is None or report.data is None:
             failed = ", ".join(check.id for check in report.checks.failed)
             raise MbcdmError(f"{design.path}: not compared, because it fails {failed}; see mbcdm check {design.path}")
-        found.append(replace(compared(design.drive, report.data, load), name=label))
+        found.append(replace(comparison.compared(design.drive, report.data, load), name=label))
     if page is not None:
-        write_whole({page: _page(designs, found, cache, progress)})
+        folders.write_whole({page: _page(designs, found, cache, progress)})
     return ComparisonReport(tuple(found))
 
 
-def _page(designs: Sequence[LoadedDesign], found: Sequence[ComparedDesign], cache: Cache, progress: Progress) -> bytes:
+def _page(
+    designs: Sequence[LoadedDesign], found: Sequence[comparison.ComparedDesign], cache: Cache, progress: Progress
+) -> bytes:
     # Imported here because they load the drawing libraries, which the table does not need.
     from mbcdm_cad.workshop.export.picture import picture_png
 

@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from mbcdm_cad.errors import InputError, Problem
+from mbcdm_cad.measurement import roles
 from mbcdm_cad.measurement.binarylog import opened
 from mbcdm_cad.measurement.datafile import Channel, clock_s, read_channels, read_table
 from mbcdm_cad.measurement.file import file_of
@@ -39,19 +40,6 @@ from mbcdm_cad.measurement.logformat import (
     wrong,
 )
 from mbcdm_cad.measurement.reading import FULL_SENSE, read_run
-from mbcdm_cad.measurement.roles import (
-    COUNTS_SOLD,
-    MET,
-    SECONDS,
-    TIME_WORDS,
-    TURNS,
-    Expected,
-    Guess,
-    assign,
-    output_scale,
-    response_columns,
-    stated_unit,
-)
 from mbcdm_cad.measurement.schema import FREQUENCY_RESPONSE
 from mbcdm_cad.measurement.vet_columns import robust_slope
 from mbcdm_cad.routes import Floats
@@ -63,7 +51,7 @@ LEAST_EMPTY = 0.2
 # Filled cells of a channel among the rows that are tried, and the most channels of a table with one a row.
 FEWEST_FILLED, MOST_CHANNELS = 5, 40
 # Where clocks begin again: each second, minute, hour or day in its unit, or as a counter of so many bits.
-CLOCKS = sorted({*SECONDS, 60.0, 3600.0, 86_400.0, 86_400e3, 3600e3, 60e3} | {2.0**k for k in range(8, 33)})
+CLOCKS = sorted({*roles.SECONDS, 60.0, 3600.0, 86_400.0, 86_400e3, 3600e3, 60e3} | {2.0**k for k in range(8, 33)})
 # In place of a figure that only its owner knows.
 UNKNOWN = "'?'"
 _NO_TIME = f"sample_rate_Hz: {UNKNOWN}    # no column looks like the time: put the samples a second in place of ?"
@@ -85,18 +73,18 @@ class _Table:
     named_by: str | int | None = None
 
 
-def draft_text(data: Path, expected: Expected) -> str:
+def draft_text(data: Path, expected: roles.Expected) -> str:
     """The measurement file's text for ``data``. Raises InputError if the data are not a table or nothing turned."""
     table, columns = _columns(data)
-    if (found := response_columns(columns)) is not None:
+    if (found := roles.response_columns(columns)) is not None:
         return _response_text(data, table, columns, found, expected)
     for column in columns:
         _begun_again(column)
-    scale, why = assign(columns, expected)
+    scale, why = roles.assign(columns, expected)
     if scale is None and columns[0].values.size < FEWEST_SAMPLES:
         # Of a few rows by hand the inputs may be held; a person finds the rest.
         for column in [c for c in columns if not c.role and float(np.ptp(c.values)) > 0.0][:1]:
-            column.role, scale = "output", output_scale(column, (), expected)
+            column.role, scale = "output", roles.output_scale(column, (), expected)
             column.fields |= scale.fields
             column.reasons += ["the only column that moves", scale.reason]
     by_role = {column.role: column for column in columns if column.role}
@@ -109,12 +97,14 @@ def draft_text(data: Path, expected: Expected) -> str:
     return _read_back(data, _written(data, table, columns, expected))
 
 
-def _response_text(data: Path, table: _Table, columns: list[Guess], found: dict[str, Guess], expected: Expected) -> str:
+def _response_text(
+    data: Path, table: _Table, columns: list[roles.Guess], found: dict[str, roles.Guess], expected: roles.Expected
+) -> str:
     """The measurement file of an analyser's table; what its gain is over by its size at the lowest frequencies."""
     gain, phase = found["gain"], found["phase"]
     dB = gain.unit == DECIBEL or "db" in str(gain.name).lower() or float(gain.values.min()) <= 0.0
-    deg = stated_unit(phase, ANGLE)[0] or ("deg" if float(np.ptp(phase.values)) > 2.0 * math.pi else "rad")
-    f_unit = stated_unit(found["frequency"], FREQUENCY)[0] or "Hz"
+    deg = roles.stated_unit(phase, ANGLE)[0] or ("deg" if float(np.ptp(phase.values)) > 2.0 * math.pi else "rad")
+    f_unit = roles.stated_unit(found["frequency"], FREQUENCY)[0] or "Hz"
     low = float(np.median(gain.values[np.argsort(found["frequency"].values)[:5]]))
     low = 10.0 ** (low / 20.0) if dB else low
     ratio, motors = expected.ratio, expected.ratio * (expected.gearhead_ratio or 1.0)
@@ -146,12 +136,14 @@ def _response_text(data: Path, table: _Table, columns: list[Guess], found: dict[
     return "\n".join([*lines, ""])
 
 
-def _columns(data: Path) -> tuple[_Table, list[Guess]]:
+def _columns(data: Path) -> tuple[_Table, list[roles.Guess]]:
     """The columns that contain figures, with their header."""
     try:
         log = opened(data)
         if log is not None:
-            return _Table(log.layout, 0, (), None), [Guess(one.name, one.unit, one.values) for one in log.drafted()]
+            return _Table(log.layout, 0, (), None), [
+                roles.Guess(one.name, one.unit, one.values) for one in log.drafted()
+            ]
         # Whole numbers are figures with either decimal sign: the right one gives more columns of figures.
         found_table = max((_table(data, decimal) for decimal in ("point", "comma")), key=lambda t: len(t.chosen))
         layout = found_table.layout
@@ -182,7 +174,7 @@ def _columns(data: Path) -> tuple[_Table, list[Guess]]:
         unit = layout.units[index] if index < len(layout.units) else ""
         inside = re.search(r"[\[(]\s*([^\[\]()]+?)\s*[\])]\s*$", name)
         unit = ISO_CLOCK if index == found_table.clock else unit.strip("[]() ") or (inside.group(1) if inside else "")
-        found.append(Guess(name or index + 1, unit, values))
+        found.append(roles.Guess(name or index + 1, unit, values))
     return found_table, found
 
 
@@ -208,7 +200,9 @@ def _named_by(rows: list[list[str]], layout: Format, chosen: Sequence[int]) -> i
     return None
 
 
-def _one_channel_a_row(data: Path, table: _Table, rows: list[list[str]], named_by: int) -> tuple[_Table, list[Guess]]:
+def _one_channel_a_row(
+    data: Path, table: _Table, rows: list[list[str]], named_by: int
+) -> tuple[_Table, list[roles.Guess]]:
     """The channels of a table with a name in each row, and its time, the first of its columns of figures."""
     layout, time, value = table.layout, table.chosen[0], table.chosen[-1]
     names = sorted({row[named_by] for row in rows if named_by < len(row)})
@@ -220,9 +214,9 @@ def _one_channel_a_row(data: Path, table: _Table, rows: list[list[str]], named_b
     def called(index: int) -> str | int:
         return layout.names[index] if index < len(layout.names) else index + 1
 
-    guesses = [Guess(called(time), ISO_CLOCK if table.clock == time else "", found.values[0])]
+    guesses = [roles.Guess(called(time), ISO_CLOCK if table.clock == time else "", found.values[0])]
     for name, row in zip(names, found.values[1:], strict=True):
-        guesses.append(Guess(name, "", row))
+        guesses.append(roles.Guess(name, "", row))
         guesses[-1].fields |= {"_column": called(value), "channel": name}
     if begins_again:
         guesses[0].fields["wraps_at"] = begins_again
@@ -289,14 +283,14 @@ def _is_read(row: list[str], k: int, layout: Format, reads: Callable[[str], floa
         return False
 
 
-def _lengths(output: Guess, inputs: Sequence[Guess], expected: Expected) -> None:
+def _lengths(output: roles.Guess, inputs: Sequence[roles.Guess], expected: roles.Expected) -> None:
     """Draft the radius of an angle that was measured as a length: that with which the ratio is met."""
     for column in (output, *inputs):
         unit = column.unit if column.unit in LENGTH else next((u for u in ("mm", "um") if u in column.words[-1:]), "")
         if not unit:
             continue
         other = inputs[0] if column is output and inputs else output
-        rad, _ = stated_unit(other, ANGLE)
+        rad, _ = roles.stated_unit(other, ANGLE)
         slope, _ = robust_slope(other.values, column.values)
         turns = 1.0 / expected.ratio if column is output else expected.ratio
         column.fields = {"unit": unit, "radius_mm": UNKNOWN}
@@ -309,16 +303,18 @@ def _lengths(output: Guess, inputs: Sequence[Guess], expected: Expected) -> None
             column.fields["scale"] = -1
 
 
-def _begun_again(column: Guess) -> None:
+def _begun_again(column: roles.Guess) -> None:
     """Count on where a column begins again after a whole range of its encoder or clock, and draft ``wraps_at``."""
     steps, covered = np.diff(column.values), float(np.ptp(column.values))
     begins_again = None
-    if column.unit in TIME or column.says(TIME_WORDS):
+    if column.unit in TIME or column.says(roles.TIME_WORDS):
         begins_again = _begins_again(column.values)
     elif covered:
-        r = min((r for r in (COUNTS_SOLD if column.whole else TURNS.values()) if r >= covered), default=np.inf)
+        r = min(
+            (r for r in (roles.COUNTS_SOLD if column.whole else roles.TURNS.values()) if r >= covered), default=np.inf
+        )
         # A step of more than this share of the range may be one back as well as one forward.
-        if bool(np.any(np.abs(steps) > 0.5 * r)) and covered >= (1.0 - MET) * r:
+        if bool(np.any(np.abs(steps) > 0.5 * r)) and covered >= (1.0 - roles.MET) * r:
             told = np.quantile(np.abs(np.diff(np.unwrap(column.values, period=r))), 0.999) <= FULL_SENSE * r
             begins_again = r if told else None
     if begins_again is not None:
@@ -329,7 +325,7 @@ def _begun_again(column: Guess) -> None:
         column.reasons.append(f"begins again {times} time(s), after {begins_again:g}")
 
 
-def _no_pair(data: Path, table: _Table, columns: Sequence[Guess], why: Sequence[str]) -> Problem:
+def _no_pair(data: Path, table: _Table, columns: Sequence[roles.Guess], why: Sequence[str]) -> Problem:
     """The problem of a log in which no two angles follow each other: what moves, by how much, and what is missing."""
     line = table.layout.begin_line
     moving = [c for c in columns if not c.role and float(np.ptp(c.values)) > 0.0]
@@ -370,8 +366,8 @@ def _read_back(data: Path, text: str) -> str:
     return told + text
 
 
-def _plain(column: Guess, units: Mapping[str, Unit], otherwise: str) -> None:
-    unit, reason = stated_unit(column, units)
+def _plain(column: roles.Guess, units: Mapping[str, Unit], otherwise: str) -> None:
+    unit, reason = roles.stated_unit(column, units)
     column.fields["unit"] = unit or otherwise
     column.reasons.append(reason if unit else f"{otherwise} is assumed")
     if unit in FORCE:
@@ -383,7 +379,7 @@ def _quoted(name: object) -> str:
     return str(name) if isinstance(name, int) else f'"{name}"'
 
 
-def _head(data: Path, table: _Table, expected: Expected) -> list[str]:
+def _head(data: Path, table: _Table, expected: roles.Expected) -> list[str]:
     """The first lines of a measurement file."""
     return [
         f"# Drafted from {data.name} and {expected.known_from}. Check every line marked 'guessed'.",
@@ -394,7 +390,7 @@ def _head(data: Path, table: _Table, expected: Expected) -> list[str]:
     ]
 
 
-def _written(data: Path, table: _Table, columns: list[Guess], expected: Expected) -> str:
+def _written(data: Path, table: _Table, columns: list[roles.Guess], expected: roles.Expected) -> str:
     lines = [
         *_head(data, table, expected),
         *(["rows: own_times    # guessed: empty cells"] if table.own_times else []),

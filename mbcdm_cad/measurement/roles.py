@@ -17,18 +17,7 @@ from math import inf, log, log10, pi, radians
 import numpy as np
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.measurement.logformat import (
-    ANGLE,
-    COUNTS,
-    DECIBEL,
-    FORCE,
-    FREQUENCY,
-    GIVE,
-    TEMPERATURE,
-    TIME,
-    TORQUE,
-    Unit,
-)
+from mbcdm_cad.measurement import logformat
 from mbcdm_cad.measurement.vet_columns import LEAST_AGREEMENT, robust_slope
 from mbcdm_cad.routes import Floats
 
@@ -61,9 +50,9 @@ LEAST_TRAVEL = 0.02
 # What is said of a pair that does not follow each other.
 UNRELATED = -4.0
 # Figures of a turn by unit, units that are tried, and factors between two columns of one angle.
-TURNS = {unit: 2.0 * pi / ANGLE[unit].factor for unit in ("deg", "rad", "turn")}
+TURNS = {unit: 2.0 * pi / logformat.ANGLE[unit].factor for unit in ("deg", "rad", "turn")}
 TRIED = ("rad", "deg", "mrad", "turn")
-_FACTORS = {ANGLE[a].factor / ANGLE[b].factor for a in TRIED for b in TRIED}
+_FACTORS = {logformat.ANGLE[a].factor / logformat.ANGLE[b].factor for a in TRIED for b in TRIED}
 # Figures of one second in ms, us and ns.
 SECONDS = (1e3, 1e6, 1e9)
 # Times counted from 1970 are above these in each unit; steps of seconds, in whole numbers or not, are below those.
@@ -108,8 +97,8 @@ _INSIDE = {"motor": _INPUT, "antrieb": _INPUT, "abtrieb": _OUTPUT, "winkel": _AN
 _RESPONSE: tuple[tuple[str, frozenset[str], Collection[str]], ...] = (
     ("phase", _words("phase ph phi arg argument phasengang"), ()),
     ("coherence", _words("coherence coh coherency kohärenz gamma"), ()),
-    ("frequency", _words("frequency freq frequenz f omega"), tuple(FREQUENCY)),
-    ("gain", _words("gain mag magnitude amplitude betrag abs h amp"), (DECIBEL, *GIVE)),
+    ("frequency", _words("frequency freq frequenz f omega"), tuple(logformat.FREQUENCY)),
+    ("gain", _words("gain mag magnitude amplitude betrag abs h amp"), (logformat.DECIBEL, *logformat.GIVE)),
 )
 
 
@@ -229,7 +218,7 @@ def assign(columns: Sequence[Guess], expected: Expected) -> tuple[Scale | None, 
     """Give each column its role; the output's scale, None where no two angles follow each other, and why others are no
     angles, a sentence each."""
     moving = [c for c in columns if float(np.ptp(c.values)) > 0.0]
-    _assign(columns, "time", lambda c: (c.unit in TIME or c.says(TIME_WORDS)) and _rises(c))
+    _assign(columns, "time", lambda c: (c.unit in logformat.TIME or c.says(TIME_WORDS)) and _rises(c))
     if all(c.role != "time" for c in columns) and len(moving) > 2:
         # Of several the one with the most even steps, as shafts may turn one way too.
         counts = [c for c in moving if c.says(_NUMBER) and bool(np.all(np.diff(c.values) == 1.0))]
@@ -239,9 +228,9 @@ def assign(columns: Sequence[Guess], expected: Expected) -> tuple[Scale | None, 
     time = next((c for c in columns if c.role == "time"), None)
     if time is not None:
         _time_unit(time)
-    _assign(columns, "temperature", lambda c: c.unit in TEMPERATURE or c.says(_TEMPERATURE))
+    _assign(columns, "temperature", lambda c: c.unit in logformat.TEMPERATURE or c.says(_TEMPERATURE))
     no_load = [c for c in columns if c.says(_NO_ANGLE) or "wraps_at" in c.fields]
-    torques = {**TORQUE, **FORCE}
+    torques = {**logformat.TORQUE, **logformat.FORCE}
     called = [c for c in columns if stated_unit(c, torques)[0] or (c.says(_LOAD) and not c.says(_ANGLE))]
     _assign([c for c in called if c not in no_load], "load_torque", lambda c: True)
     moving = [c for c in moving if not c.role]
@@ -273,7 +262,7 @@ def _rises(column: Guess) -> bool:
 
 def _time_unit(column: Guess) -> None:
     """Draft the unit of the time: as stated, by where it begins again, or by the size of its steps."""
-    unit, reason = stated_unit(column, TIME)
+    unit, reason = stated_unit(column, logformat.TIME)
     begins_again = column.fields.get("wraps_at")
     if not unit and begins_again in SECONDS:
         unit = ("ms", "us", "ns")[SECONDS.index(float(str(begins_again)))]
@@ -300,7 +289,7 @@ def _no_angle(column: Guess, moving: Sequence[Guess], time: Guess | None, expect
     if bool(np.all(change == 1.0)) and not column.says(_ANGLE | _INPUT):
         return f"{column.name} numbers the rows"
     if time is not None and rises and not column.says(_ANGLE):
-        seconds = time.values * TIME[str(time.fields["unit"])].factor
+        seconds = time.values * logformat.TIME[str(time.fields["unit"])].factor
         rate = float(np.ptp(own) / np.ptp(seconds))
         even = float(np.ptp(own - rate * seconds)) < 4.0 * change.max()
         if even and min(abs(log(rate / unit)) for unit in (1.0, *SECONDS)) < SAME_RATE:
@@ -423,7 +412,7 @@ def _fit(column: Guess, output: Guess, expected: Expected) -> float:
 
 def stated_scale(column: Guess) -> Scale | None:
     """The unit that the header states, or that where a column begins again shows; None without either."""
-    unit, reason = stated_unit(column, ANGLE)
+    unit, reason = stated_unit(column, logformat.ANGLE)
     begins_again = column.fields.get("wraps_at")
     if not unit and TURN_WORD in column.words:
         unit, reason = "turn", "ODrive's estimates of a position are in turns"
@@ -432,18 +421,18 @@ def stated_scale(column: Guess) -> Scale | None:
         reason = f"{begins_again:g} to a turn"
         if not unit:
             return _counted(begins_again, reason)
-    return Scale({"unit": unit}, ANGLE[unit].factor, reason) if unit else None
+    return Scale({"unit": unit}, logformat.ANGLE[unit].factor, reason) if unit else None
 
 
 def _counted(per_turn: float, reason: str, miss: float = 0.0) -> Scale:
-    return Scale({"unit": COUNTS, "counts_per_turn": per_turn}, 2.0 * pi / per_turn, reason, miss)
+    return Scale({"unit": logformat.COUNTS, "counts_per_turn": per_turn}, 2.0 * pi / per_turn, reason, miss)
 
 
 def _nearest(column: Guess, rad: float) -> Scale:
     """The unit in which a figure of the column is nearest to ``rad``."""
     if not column.whole:
-        unit = min(("rad", "deg", "turn", "mrad"), key=lambda u: abs(log(ANGLE[u].factor / rad)))
-        return Scale({"unit": unit}, ANGLE[unit].factor, "", abs(log(ANGLE[unit].factor / rad)))
+        unit = min(("rad", "deg", "turn", "mrad"), key=lambda u: abs(log(logformat.ANGLE[u].factor / rad)))
+        return Scale({"unit": unit}, logformat.ANGLE[unit].factor, "", abs(log(logformat.ANGLE[unit].factor / rad)))
     wanted = 2.0 * pi / rad
     begins_again = column.fields.get("wraps_at")
     if isinstance(begins_again, float) and abs(log(wanted / begins_again)) < NEAR:
@@ -468,7 +457,7 @@ def output_scale(column: Guess, inputs: Sequence[Guess], expected: Expected) -> 
             continue
         rad = own.rad * abs(slope) / expected.ratio
         # The same encoder twice is more likely than any other near it.
-        same = abs(log(own.rad / rad)) < MET and own.fields["unit"] == COUNTS
+        same = abs(log(own.rad / rad)) < MET and own.fields["unit"] == logformat.COUNTS
         found = replace(own, miss=0.0) if same else _nearest(column, rad)
         if found.miss <= NEAR:
             n = float(str(found.fields["counts_per_turn"]))
@@ -481,10 +470,14 @@ def output_scale(column: Guess, inputs: Sequence[Guess], expected: Expected) -> 
         return _counted(
             float(enough), f"whole numbers that span {span:g}: put the counts a turn of the encoder in place"
         )
-    fits = [] if most is None else [u for u in TRIED if LEAST_TRAVEL * most < span * ANGLE[u].factor <= 1.05 * most]
+    fits = (
+        []
+        if most is None
+        else [u for u in TRIED if LEAST_TRAVEL * most < span * logformat.ANGLE[u].factor <= 1.05 * most]
+    )
     unit = fits[0] if fits else "rad" if most is not None or span < 4.0 * pi else "deg"
     stops = "" if most is None else f", the design {most:.3g} rad between its stops"
-    return Scale({"unit": unit}, ANGLE[unit].factor, f"spans {span:.4g}{stops}: {unit}?")
+    return Scale({"unit": unit}, logformat.ANGLE[unit].factor, f"spans {span:.4g}{stops}: {unit}?")
 
 
 def input_scale(column: Guess, slope: float, expected: Expected, told: bool = False) -> Scale:
@@ -509,7 +502,7 @@ def input_scale(column: Guess, slope: float, expected: Expected, told: bool = Fa
     return replace(best, reason=f"{best.reason}; {off}: check")
 
 
-def stated_unit(column: Guess, units: Mapping[str, Unit]) -> tuple[str, str]:
+def stated_unit(column: Guess, units: Mapping[str, logformat.Unit]) -> tuple[str, str]:
     """The unit that the header or the end of the name states, and which of them does; empty where neither does."""
     if column.unit in units:
         return column.unit, "unit as its header says"

@@ -8,24 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mbcdm_cad.model.capability import (
-    GEARHEAD,
-    GEARHEAD_PEAK,
-    MOTOR_LOSSY,
-    SLIP,
-    Modelled,
-    TorqueLimit,
-    balanced_preload_N,
-    input_bias_Nm,
-    input_ratings_Nm,
-    motor_figures,
-    motor_rating,
-    requirements,
-    sigmas_si,
-    tension_limit_N,
-    torque_limits,
-    torque_to_weight_Nm_kg,
-)
+from mbcdm_cad.model import capability, stiffness
 from mbcdm_cad.model.creep import preload_left
 from mbcdm_cad.model.equations import (
     BACKLASH_RAD,
@@ -49,14 +32,6 @@ from mbcdm_cad.model.figures import (
 )
 from mbcdm_cad.model.sensitivity import intervals
 from mbcdm_cad.model.si import DriveSI
-from mbcdm_cad.model.stiffness import (
-    cable_backlash,
-    drum_backlash,
-    implied_modulus_Pa,
-    secant_stiffness_Nm_rad,
-    sticking_stiffness_Nm_rad,
-    tangent_stiffness_Nm_rad,
-)
 from mbcdm_cad.model.wrap import slip_angle_rad
 
 if TYPE_CHECKING:
@@ -64,10 +39,10 @@ if TYPE_CHECKING:
 
 
 # Ratings of what stands between the motor and the input.
-_PASSED_ON = (GEARHEAD, GEARHEAD_PEAK)
+_PASSED_ON = (capability.GEARHEAD, capability.GEARHEAD_PEAK)
 
 
-def analyse(design: Modelled, wraps_rad: tuple[Any, Any] | None = None) -> Analysis:
+def analyse(design: capability.Modelled, wraps_rad: tuple[Any, Any] | None = None) -> Analysis:
     """Every figure of the model for one design.
 
     ``wraps_rad`` are the live wraps (input, drum) of each cable at the pose of interest, both (n_cables,); without them
@@ -78,7 +53,7 @@ def analyse(design: Modelled, wraps_rad: tuple[Any, Any] | None = None) -> Analy
         d = d.with_(input_wrap_rad=wraps_rad[0], drum_wrap_rad=wraps_rad[1])
     test, peak = drive.loads.test_torque_Nm, drive.loads.peak_torque_Nm
     endless = _endless(d)
-    strength, balanced = tension_limit_N(drive), balanced_preload_N(d)
+    strength, balanced = capability.tension_limit_N(drive), capability.balanced_preload_N(d)
     torques = _peak_torques(design, d, strength)
     balanced_torques = _peak_torques(design, d.with_(preload_N=balanced), strength)
     peaks = (load_case(d, peak), load_case(d, -peak))
@@ -99,8 +74,8 @@ def analyse(design: Modelled, wraps_rad: tuple[Any, Any] | None = None) -> Analy
         test=(load_case(d, test), load_case(d, -test)),
         peak=peaks,
         reversal_swing_mrad=_swing_mrad(endless, test),
-        sticking_stiffness_Nm_rad=float(sticking_stiffness_Nm_rad(d)),
-        input_bias_mNm=_floats(input_bias_Nm(d) * 1e3),
+        sticking_stiffness_Nm_rad=float(stiffness.sticking_stiffness_Nm_rad(d)),
+        input_bias_mNm=_floats(capability.input_bias_Nm(d) * 1e3),
         limits=torques.limits,
         losses_counted=drive.limits.counts_losses,
         peak_torque_Nm=torques.counted_Nm,
@@ -111,11 +86,11 @@ def analyse(design: Modelled, wraps_rad: tuple[Any, Any] | None = None) -> Analy
         torque_to_weight_Nm_kg=(
             None
             if drive.targets.mass_g is None
-            else torque_to_weight_Nm_kg(min(torques.counted_Nm), drive.targets.mass_g)
+            else capability.torque_to_weight_Nm_kg(min(torques.counted_Nm), drive.targets.mass_g)
         ),
         bearings=tuple(bearing_figures(d, load) for load in (0.0, peak, -peak)),
         creep=preload_left(drive.cable, max(c.preload_N for c in drive.cables), design.softer_ends),
-        motor=motor_figures(design, d, _most_of_an_input_Nm(peaks), _not_the_motor_Nm(torques.limits)),
+        motor=capability.motor_figures(design, d, _most_of_an_input_Nm(peaks), _not_the_motor_Nm(torques.limits)),
         measured_backlash_mrad=BACKLASH_RAD * 1e3,
         implied_modulus=modulus_readings(endless),
         intervals=uncertain_figures(endless, design),
@@ -130,18 +105,18 @@ class PeakTorques:
     ``counted_Nm``: losses as the design's ``limits.losses`` says.
     """
 
-    limits: tuple[TorqueLimit, ...]
+    limits: tuple[capability.TorqueLimit, ...]
     counted_Nm: tuple[float, float]
     lossless_Nm: tuple[float, float]
     with_losses_Nm: tuple[float, float]
 
 
-def peak_torques(design: Modelled) -> PeakTorques:
+def peak_torques(design: capability.Modelled) -> PeakTorques:
     """The peak torques of :func:`analyse` alone. Raises ``ModelError`` as it does."""
-    return _peak_torques(design, design.si, tension_limit_N(design.drive))
+    return _peak_torques(design, design.si, capability.tension_limit_N(design.drive))
 
 
-def reversal_swing_mrad(design: Modelled) -> float:
+def reversal_swing_mrad(design: capability.Modelled) -> float:
     """The swing of :func:`analyse` alone. Raises ``ModelError`` as it does."""
     return _swing_mrad(_endless(design.si), design.drive.loads.test_torque_Nm)
 
@@ -151,26 +126,26 @@ def _endless(d: DriveSI) -> DriveSI:
 
 
 def _swing_mrad(endless: DriveSI, load_Nm: float) -> float:
-    return float(drum_backlash(endless, load_Nm).reversal_swing_rad) * 1e3
+    return float(stiffness.drum_backlash(endless, load_Nm).reversal_swing_rad) * 1e3
 
 
-def _peak_torques(design: Modelled, d: DriveSI, strength_N: float) -> PeakTorques:
+def _peak_torques(design: capability.Modelled, d: DriveSI, strength_N: float) -> PeakTorques:
     drive = design.drive
-    limits, lossless = _limits(design, d, strength_N), motor_rating(drive)
-    in_force = MOTOR_LOSSY if drive.limits.counts_losses else lossless
-    counted, free, lossy = (lowest_each_way(limits, cause) for cause in (in_force, lossless, MOTOR_LOSSY))
+    limits, lossless = _limits(design, d, strength_N), capability.motor_rating(drive)
+    in_force = capability.MOTOR_LOSSY if drive.limits.counts_losses else lossless
+    counted, free, lossy = (lowest_each_way(limits, cause) for cause in (in_force, lossless, capability.MOTOR_LOSSY))
     return PeakTorques(limits, counted, free, lossy)
 
 
-def _limits(design: Modelled, d: DriveSI, strength_N: float) -> tuple[TorqueLimit, ...]:
+def _limits(design: capability.Modelled, d: DriveSI, strength_N: float) -> tuple[capability.TorqueLimit, ...]:
     """Limits of the torque; those of the gearhead without losses only where these do not count."""
     drive = design.drive
-    ratings, train = input_ratings_Nm(drive), design.losses.with_drive(d)
-    raised = {MOTOR_LOSSY: partial(train.raised_Nm, train.output_Nm(drive.motor.rated_torque_mNm * 1e-3))}
+    ratings, train = capability.input_ratings_Nm(drive), design.losses.with_drive(d)
+    raised = {capability.MOTOR_LOSSY: partial(train.raised_Nm, train.output_Nm(drive.motor.rated_torque_mNm * 1e-3))}
     if drive.limits.counts_losses:
         raised |= {cause: partial(train.raised_Nm, ratings.pop(cause)) for cause in _PASSED_ON if cause in ratings}
     ends = design.wraps_at_ends_rad if np.isinf(d.drum_wrap_rad).all() else ()
-    return torque_limits(d, ratings, strength_N, raised, ends)
+    return capability.torque_limits(d, ratings, strength_N, raised, ends)
 
 
 def _most_of_an_input_Nm(cases: tuple[LoadCase, ...]) -> float:
@@ -178,9 +153,11 @@ def _most_of_an_input_Nm(cases: tuple[LoadCase, ...]) -> float:
     return max(abs(torque) for case in cases for torque in case.input_torque_mNm) * 1e-3
 
 
-def _not_the_motor_Nm(limits: tuple[TorqueLimit, ...]) -> float:
+def _not_the_motor_Nm(limits: tuple[capability.TorqueLimit, ...]) -> float:
     """Lowest torque at the drum in either direction at which strength, slack or slip is the limit, N m."""
-    return min((limit.torque_Nm for limit in limits if limit.cause in ("strength", "slack", SLIP)), default=np.inf)
+    return min(
+        (limit.torque_Nm for limit in limits if limit.cause in ("strength", "slack", capability.SLIP)), default=np.inf
+    )
 
 
 def shaft_turns(d: DriveSI, drive: Drive) -> tuple[ShaftTurns, ...]:
@@ -192,23 +169,23 @@ def shaft_turns(d: DriveSI, drive: Drive) -> tuple[ShaftTurns, ...]:
     return tuple(found)
 
 
-def uncertain_figures(d: DriveSI, design: Modelled) -> tuple[UncertainFigure, ...]:
+def uncertain_figures(d: DriveSI, design: capability.Modelled) -> tuple[UncertainFigure, ...]:
     """Backlash of each cable and of the drum, swing and peak torques with intervals; none where no sigma is given."""
-    sigmas = sigmas_si(design)
+    sigmas = capability.sigmas_si(design)
     if not sigmas:
         return ()
     found = []
-    for name, x in intervals(d, requirements(design), sigmas).items():
+    for name, x in intervals(d, capability.requirements(design), sigmas).items():
         plain, unit, scale = readable_figure(name)
         found.append(UncertainFigure(plain, unit, *(scale * v for v in (x.value, x.low, x.high, x.sigma))))
     return tuple(found)
 
 
-def lowest_each_way(limits: tuple[TorqueLimit, ...], rating: str) -> tuple[float, float]:
+def lowest_each_way(limits: tuple[capability.TorqueLimit, ...], rating: str) -> tuple[float, float]:
     """(for +, for -): the lowest of one rating, cable strength, slack and slip, N m."""
 
     def lowest(direction: int) -> float:
-        causes = (rating, "strength", "slack", SLIP)
+        causes = (rating, "strength", "slack", capability.SLIP)
         return min(limit.torque_Nm for limit in limits if limit.direction == direction and limit.cause in causes)
 
     return lowest(1), lowest(-1)
@@ -216,7 +193,7 @@ def lowest_each_way(limits: tuple[TorqueLimit, ...], rating: str) -> tuple[float
 
 def cable_figures(d: DriveSI, load_Nm: float) -> tuple[CableFigures, ...]:
     """Each cable by the paper's formulas at ``load_Nm``."""
-    figures = cable_backlash(d, load_Nm)
+    figures = stiffness.cable_backlash(d, load_Nm)
     return tuple(
         CableFigures(
             name=name,
@@ -250,8 +227,8 @@ def load_case(d: DriveSI, load_Nm: float) -> LoadCase:
         slack=tuple(bool(is_slack) for is_slack in at.slack),
         input_torque_mNm=_floats(at.input_torque_Nm(d) * 1e3),
         load_share=_floats(at.load_share(d, load_Nm)),
-        tangent_stiffness_Nm_rad=float(tangent_stiffness_Nm_rad(d, load_Nm)),
-        secant_stiffness_Nm_rad=float(secant_stiffness_Nm_rad(d, load_Nm)),
+        tangent_stiffness_Nm_rad=float(stiffness.tangent_stiffness_Nm_rad(d, load_Nm)),
+        secant_stiffness_Nm_rad=float(stiffness.secant_stiffness_Nm_rad(d, load_Nm)),
     )
 
 
@@ -285,7 +262,9 @@ def pair_mismatch(d: DriveSI, half_travel_rad: float) -> tuple[tuple[float, ...]
 def modulus_readings(d: DriveSI) -> tuple[ModulusReading, ...]:
     """E implied by the paper's 0.33 mrad at 0.91 N m under both readings and by both routes."""
     return tuple(
-        ModulusReading(reading, route, implied_modulus_Pa(d, BACKLASH_RAD, BACKLASH_TORQUE_NM, reading, route) / 1e9)
+        ModulusReading(
+            reading, route, stiffness.implied_modulus_Pa(d, BACKLASH_RAD, BACKLASH_TORQUE_NM, reading, route) / 1e9
+        )
         for reading in ("reversal", "single")
         for route in ("mean_radii", "all_cables")
     )

@@ -18,17 +18,7 @@ import numpy as np
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.layouts.structure import structure_of
-from mbcdm_cad.model import losses
-from mbcdm_cad.model.capability import (
-    input_ratings_Nm,
-    motor_rating,
-    requirements,
-    sigmas_si,
-    tension_limit_N,
-    torque_at_input_limit_Nm,
-    torque_at_slip_Nm,
-    torque_at_tension_limit_Nm,
-)
+from mbcdm_cad.model import capability, losses
 from mbcdm_cad.model.losses import BEARINGS, GEARHEAD, GEARHEAD_IDLE, MOTOR, ROPE, Train
 from mbcdm_cad.model.sensitivity import by_cable, shifted
 from mbcdm_cad.model.si import DriveSI
@@ -67,13 +57,13 @@ class Spread:
         d = layout_of(drive).si
         sigmas = sigmas_of(d, drive)
         # The torque of the motor is no field of the model's drive: it varies by a factor.
-        rating = sigmas.pop("input_rating_Nm", 0.0) / requirements(layout_of(self.drive)).input_rating_Nm
+        rating = sigmas.pop("input_rating_Nm", 0.0) / capability.requirements(layout_of(self.drive)).input_rating_Nm
         self.motor_factor = 1.0 + rating * unit_draws("motor torque")
         drawn = {
             name: np.atleast_1d(size)[:, None] * np.stack([unit_draws(f"{name} {k}") for k in range(np.size(size))])
             for name, size in sigmas.items()
         }
-        self.d, need = shifted(d, requirements(layout_of(self.drive)), drawn, DRAWS)
+        self.d, need = shifted(d, capability.requirements(layout_of(self.drive)), drawn, DRAWS)
         self.load_Nm = np.broadcast_to(np.asarray(need.load_Nm, float), (DRAWS,))
 
     def percentile(self, figure: str, percent: float) -> float:
@@ -111,8 +101,8 @@ class Spread:
     @cached_property
     def torque_lossless_Nm(self) -> Floats:
         """Peak torque in the weaker direction without losses."""
-        rating = input_ratings_Nm(self.drive)[motor_rating(self.drive)] * self.motor_factor
-        return self._least([torque_at_input_limit_Nm(self.d, rating, way) for way in (1, -1)])
+        rating = capability.input_ratings_Nm(self.drive)[capability.motor_rating(self.drive)] * self.motor_factor
+        return self._least([capability.torque_at_input_limit_Nm(self.d, rating, way) for way in (1, -1)])
 
     @cached_property
     def torque_with_losses_Nm(self) -> Floats:
@@ -161,12 +151,12 @@ class Spread:
 
     def _least(self, at_inputs: list[Floats]) -> Floats:
         """The lowest of the inputs' limits, the cables' strength and slip, in both directions."""
-        strength = np.full(DRAWS, tension_limit_N(self.drive))
-        limits = [*at_inputs, *(torque_at_tension_limit_Nm(self.d, strength, way) for way in (1, -1))]
+        strength = np.full(DRAWS, capability.tension_limit_N(self.drive))
+        limits = [*at_inputs, *(capability.torque_at_tension_limit_Nm(self.d, strength, way) for way in (1, -1))]
         if self.d.through_wrap_rad is not None:
             wraps = layout_of(self.drive).wraps_at_ends_rad
             ends = [{name: wrap[:, None] for name, wrap in end.items()} for end in wraps]
-            limits += [torque_at_slip_Nm(self.d, way, ends) for way in (1, -1)]
+            limits += [capability.torque_at_slip_Nm(self.d, way, ends) for way in (1, -1)]
         return np.asarray(np.concatenate(limits).min(axis=0))
 
 
@@ -182,7 +172,7 @@ def sigmas_of(d: DriveSI, drive: Drive) -> dict[str, Any]:
         "preload_N": parts.preload_N,
         DRUM_RADIUS: parts.drum_radius_m,
         INPUT_RADIUS: parts.input_radius_m,
-    } | sigmas_si(layout_of(drive))
+    } | capability.sigmas_si(layout_of(drive))
     return {name: np.broadcast_to(size, (d.n_cables,)) if name in own else size for name, size in found.items()}
 
 

@@ -16,16 +16,8 @@ import yaml
 
 from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.layouts.turns import implied_moduli_GPa, turns_of
-from mbcdm_cad.model import equations
+from mbcdm_cad.model import capability, equations
 from mbcdm_cad.model.analysis import lowest_each_way
-from mbcdm_cad.model.capability import (
-    MOTOR,
-    balanced_preload_N,
-    input_ratings_Nm,
-    tension_limit_N,
-    torque_limits,
-    torque_to_weight_Nm_kg,
-)
 from mbcdm_cad.model.equations import eq1_residuals
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.model.stiffness import DrumBacklash, drum_backlash, implied_modulus_Pa
@@ -119,17 +111,17 @@ def _sizes(drive: Drive, d: DriveSI) -> dict[str, float]:
 
 
 def _torque(drive: Drive, d: DriveSI) -> dict[str, float]:
-    ratings = {MOTOR: input_ratings_Nm(drive)[MOTOR]}
-    strength = tension_limit_N(drive)
-    ideal = float(sum(ratings[MOTOR] * d.total_ratio[d.input_of.index(i)] for i in range(d.n_inputs)))
-    with_bias = min(lowest_each_way(torque_limits(d, ratings, strength), MOTOR))
-    even = d.with_(preload_N=balanced_preload_N(d))
+    ratings = {capability.MOTOR: capability.input_ratings_Nm(drive)[capability.MOTOR]}
+    strength = capability.tension_limit_N(drive)
+    ideal = float(sum(ratings[capability.MOTOR] * d.total_ratio[d.input_of.index(i)] for i in range(d.n_inputs)))
+    with_bias = min(lowest_each_way(capability.torque_limits(d, ratings, strength), capability.MOTOR))
+    even = d.with_(preload_N=capability.balanced_preload_N(d))
     return {
         "ideal_Nm": ideal,
-        "ideal_Nm_kg": torque_to_weight_Nm_kg(ideal, equations.DESIGN_MASS_G),
+        "ideal_Nm_kg": capability.torque_to_weight_Nm_kg(ideal, equations.DESIGN_MASS_G),
         "with_bias_Nm": with_bias,
-        "without_bias_Nm": min(lowest_each_way(torque_limits(even, ratings, strength), MOTOR)),
-        "with_bias_Nm_kg": torque_to_weight_Nm_kg(with_bias, equations.PROTOTYPE_MASS_G),
+        "without_bias_Nm": min(lowest_each_way(capability.torque_limits(even, ratings, strength), capability.MOTOR)),
+        "with_bias_Nm_kg": capability.torque_to_weight_Nm_kg(with_bias, equations.PROTOTYPE_MASS_G),
     }
 
 

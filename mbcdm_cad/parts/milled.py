@@ -10,18 +10,8 @@ from dataclasses import dataclass, field, replace
 from math import cos, pi, radians, sin
 from typing import TYPE_CHECKING, ClassVar, Protocol, Self
 
+from mbcdm_cad.parts import part
 from mbcdm_cad.parts.fits import thread
-from mbcdm_cad.parts.part import (
-    CORNER,
-    Gyration,
-    MadePart,
-    Part,
-    Ring,
-    pocket_corner_mm,
-    pocket_mm3,
-    ring_mm3,
-    rings_mm3,
-)
 from mbcdm_cad.parts.sheet import Holes, Linear, Radius, Side, Table, Vector, mm
 
 if TYPE_CHECKING:
@@ -106,7 +96,7 @@ def prism_y(points: Sequence[Point2], y_start: float, y_end: float, radius: floa
 def pocket_y(x: Point2, y: Point2, z: Point2, radius: float) -> cq.Solid:
     """Tool of a pocket milled along Y: a box, its edges parallel to Y rounded by ``radius``, or less if narrow."""
     corners = [(x[0], z[0]), (x[1], z[0]), (x[1], z[1]), (x[0], z[1])]
-    return prism_y(corners, *y, pocket_corner_mm(radius, x[1] - x[0], z[1] - z[0]))
+    return prism_y(corners, *y, part.pocket_corner_mm(radius, x[1] - x[0], z[1] - z[0]))
 
 
 def _rounded(outline: cq.Wire, radius: float) -> cq.Wire:
@@ -218,7 +208,7 @@ class Slab:
         """All that does not lie in another."""
         wide, deep, high = (end - start for start, end in (self.x, self.y, self.z))
         across, length = (wide * deep, high) if self.along == "Z" else (wide * high, deep)
-        return (across - 4 * CORNER * self.radius**2) * (length - self.into_mm)
+        return (across - 4 * part.CORNER * self.radius**2) * (length - self.into_mm)
 
 
 def rounded(body: cq.Shape, radius: float, edges: str = "|Z", *of_these: str) -> cq.Shape:
@@ -266,8 +256,8 @@ class Bores(Holes):
     def volume_mm3(self) -> float:
         """All of them, their counterbores included."""
         (radius, length, _), *wide = self._lengths()
-        taken = ring_mm3(radius, 0.0, length - sum(max(deep, 0.0) for _, deep, _ in wide))
-        return len(self.places) * self.share * (taken + sum(ring_mm3(r, 0.0, deep) for r, deep, _ in wide))
+        taken = part.ring_mm3(radius, 0.0, length - sum(max(deep, 0.0) for _, deep, _ in wide))
+        return len(self.places) * self.share * (taken + sum(part.ring_mm3(r, 0.0, deep) for r, deep, _ in wide))
 
     def tapped(self) -> Bores:
         """As drilled for tapping, where they are threads."""
@@ -295,7 +285,7 @@ class MilledPocket:
     def volume_mm3(self) -> float:
         """What it takes of the block."""
         wide, deep, high = (end - start for start, end in (self.x, self.y, self.z))
-        return pocket_mm3(wide, deep, high, self.radius, 2 if self.open_top else 4)
+        return part.pocket_mm3(wide, deep, high, self.radius, 2 if self.open_top else 4)
 
 
 def corner_table(pockets: Iterable[MilledPocket]) -> Table:
@@ -303,7 +293,7 @@ def corner_table(pockets: Iterable[MilledPocket]) -> Table:
     rows = []
     for p in pockets:
         high = p.z[1] - p.z[0] + (2 * p.radius if p.open_top else 0.0)
-        rows.append((p.name, mm(pocket_corner_mm(p.radius, p.x[1] - p.x[0], high), 3)))
+        rows.append((p.name, mm(part.pocket_corner_mm(p.radius, p.x[1] - p.x[0], high), 3)))
     return Table("Corners of the pockets", ("Pocket", "R"), tuple(rows))
 
 
@@ -311,7 +301,7 @@ def corner_table(pockets: Iterable[MilledPocket]) -> Table:
 Step = tuple[float, float, float]
 
 
-class Turned(Part):
+class Turned(part.Part):
     """A part of cylinders about Z, or about Y: ``steps`` in a row, ``bores`` taken from them, and ``cuts``.
 
     The outer edges at start and end are broken by ``chamfers_mm`` at 45 degrees. ``what`` names the part in errors.
@@ -348,26 +338,26 @@ class Turned(Part):
         body = turned_about_y(profile, 0.0, 360.0, self.what) if self.about_y else turned(profile, self.what)
         return cut(body, self.cuts(), self.what)
 
-    def in_rings(self) -> tuple[Ring, ...]:
+    def in_rings(self) -> tuple[part.Ring, ...]:
         """Its steps less its bores; chamfers and cuts do not count."""
         taken = ((0.0, radius, start, end) for radius, start, end in self.bores())
         return (*((radius, 0.0, start, end) for radius, start, end in self.steps()), *taken)
 
-    def gyration(self) -> Gyration:
+    def gyration(self) -> part.Gyration:
         """About its axis."""
         own = super().gyration()
         return own._replace(along=(0.0, 1.0, 0.0)) if self.about_y else own
 
     def volume_mm3(self) -> float:
         """Of its rings."""
-        return rings_mm3(self.in_rings())
+        return part.rings_mm3(self.in_rings())
 
 
 class PlainRing(Turned):
     """A turned part of one step, bored through or not."""
 
     @abstractmethod
-    def ring(self) -> Ring:
+    def ring(self) -> part.Ring:
         """Its radius outside and inside, start and end along the axis, mm."""
 
     def steps(self) -> tuple[Step, ...]:
@@ -379,13 +369,13 @@ class PlainRing(Turned):
         """The inside."""
         return (self.ring()[1:],)
 
-    def in_rings(self) -> tuple[Ring, ...]:
+    def in_rings(self) -> tuple[part.Ring, ...]:
         """Its ring."""
         return (self.ring(),)
 
 
 @dataclass(frozen=True)
-class Milled(MadePart):
+class Milled(part.MadePart):
     """A part of bodies from which features are taken. ``drilled``: its threads have the diameter of their tap drills.
 
     Fields of a subclass hold all dimensions. ``what`` names the part in errors.

@@ -18,21 +18,7 @@ from pydantic import AliasChoices, Field, ValidationError
 from mbcdm_cad.design import yamltree
 from mbcdm_cad.design.yamltree import dotted, read_text
 from mbcdm_cad.errors import InputError, MbcdmError, OutputError, Problem, shortened
-from mbcdm_cad.rig.bench import (
-    MOST_DURATION_S,
-    BenchLimits,
-    BenchSensors,
-    Delay,
-    Drag,
-    ExperimentBlock,
-    Friction,
-    Inertia,
-    Moment,
-    Noise,
-    PhysicsBlock,
-    Resolution,
-    Torque,
-)
+from mbcdm_cad.rig import bench
 from mbcdm_cad.rig.chain import DRUM_WRAP_RAD, INPUT_WRAP_RAD
 from mbcdm_cad.rig.dynamic.train import chirp, sine, standstill
 from mbcdm_cad.rig.effects import AnyEffect
@@ -45,7 +31,7 @@ MAX_SAMPLES = 2_000_000
 LEFT_RAD = 0.1
 
 
-class Physics(PhysicsBlock):
+class Physics(bench.PhysicsBlock):
     """Choices of the physics. Wraps are those of rope on pulley at the centre, from anchor to tangent point."""
 
     substeps: Annotated[int, Field(ge=1, le=100)] = 1
@@ -60,7 +46,7 @@ class Physics(PhysicsBlock):
         return self.input_wrap_rad or usual[0], self.drum_wrap_rad or usual[1]
 
 
-class Experiment(ExperimentBlock):
+class Experiment(bench.ExperimentBlock):
     """An experiment on the quasi-static bench. ``record``: every sample, or as by hand: a row where motion or
     load turns round, or readings at rest ever farther apart since each step of the load.
     """
@@ -69,11 +55,11 @@ class Experiment(ExperimentBlock):
     about: Annotated[str, Field(max_length=500)] = ""
     format: Literal["mbcdm-experiment-1"] = "mbcdm-experiment-1"
     seed: Annotated[int, Field(ge=0, le=2**31 - 1)] = 1
-    duration_s: Annotated[float, Field(gt=0.0, le=MOST_DURATION_S)] = 160.0
+    duration_s: Annotated[float, Field(gt=0.0, le=bench.MOST_DURATION_S)] = 160.0
     sample_rate_Hz: Annotated[float, Field(ge=1.0, le=5000.0)] = 100.0
     motion: Motion
     load: Load = Load()
-    sensors: BenchSensors = BenchSensors()
+    sensors: bench.BenchSensors = bench.BenchSensors()
     physics: Physics = Physics()
     record: Literal["samples", "turning_points", "creep"] = "samples"
     effects: Annotated[tuple[AnyEffect, ...], Field(max_length=50, strict=False)] = ()
@@ -108,7 +94,7 @@ class Experiment(ExperimentBlock):
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
 
 
-class DynamicMotion(ExperimentBlock):
+class DynamicMotion(bench.ExperimentBlock):
     """A sine of the drum's angle that starts from rest, standstill, or a chirp: a sweep of the frequency with one size
     of the acceleration, for a frequency response."""
 
@@ -128,19 +114,19 @@ class DynamicMotion(ExperimentBlock):
         return sine(self.amplitude_mrad * 1e-3, self.frequency_Hz, duration_s * self.frequency_Hz, rate_Hz)
 
 
-class DynamicLoad(ExperimentBlock):
+class DynamicLoad(bench.ExperimentBlock):
     """Brake and torque motor may act together; a brake with a ``static_ratio`` above 1 sticks and slips."""
 
-    brake_Nm: Friction = 0.0
+    brake_Nm: bench.Friction = 0.0
     static_ratio: Annotated[float, Field(ge=1.0, le=3.0)] = 1.0
     static_speed_rad_s: Annotated[float, Field(gt=0.0, le=1.0)] = 1e-3
-    torque_Nm: Torque = 0.0
-    ramp_Nm_s: Torque = 0.0
-    inertia_kg_m2: Inertia = 0.0
-    unbalance_Nm: Moment = 0.0
+    torque_Nm: bench.Torque = 0.0
+    ramp_Nm_s: bench.Torque = 0.0
+    inertia_kg_m2: bench.Inertia = 0.0
+    unbalance_Nm: bench.Moment = 0.0
 
 
-class Drives(ExperimentBlock):
+class Drives(bench.ExperimentBlock):
     """Motors and gearheads; defaults are those of the design. ``lossless`` switches all their friction off."""
 
     lossless: bool = False
@@ -152,33 +138,33 @@ class Drives(ExperimentBlock):
     bandwidth_Hz: Annotated[float, Field(ge=0.5, le=25.0)] = 5.0
 
 
-class BearingDrag(ExperimentBlock):
+class BearingDrag(bench.ExperimentBlock):
     """Friction of the bearings, each at its own shaft. The torque sensor does not see it.
 
     At the drum it is drum_Nm + viscous_Nms |w| + stribeck_Nm exp(-|w|/stribeck_rad_s), w its speed, and a share of the
     load: one while the drum moves against it, one while the load moves the drum.
     """
 
-    input_Nm: Friction = 0.0
-    passed_Nm: Annotated[Friction, Field(validation_alias=AliasChoices("passed_Nm", "guide_Nm"))] = 0.0
-    drum_Nm: Friction = 0.0
-    viscous_Nms: Drag = 0.0
-    stribeck_Nm: Friction = 0.0
+    input_Nm: bench.Friction = 0.0
+    passed_Nm: Annotated[bench.Friction, Field(validation_alias=AliasChoices("passed_Nm", "guide_Nm"))] = 0.0
+    drum_Nm: bench.Friction = 0.0
+    viscous_Nms: bench.Drag = 0.0
+    stribeck_Nm: bench.Friction = 0.0
     stribeck_rad_s: Annotated[float, Field(gt=0.0, le=100.0)] = 0.05
     driving_share: Share = 0.0
     driven_share: Share = 0.0
 
 
-class DynamicSensors(ExperimentBlock):
+class DynamicSensors(bench.ExperimentBlock):
     """Errors of the sensors; the position loops use the input encoders too, the other sensors are only logged."""
 
-    input_resolution_rad: Resolution = 1.9175e-4
-    input_noise_rad: Noise = 0.0
-    input_delay_s: Delay = 0.0
-    output_resolution_rad: Resolution = 1.3635e-6
-    output_noise_rad: Noise = 0.0
-    output_delay_s: Delay = 0.0
-    torque_noise_Nm: Friction = 0.005
+    input_resolution_rad: bench.Resolution = 1.9175e-4
+    input_noise_rad: bench.Noise = 0.0
+    input_delay_s: bench.Delay = 0.0
+    output_resolution_rad: bench.Resolution = 1.3635e-6
+    output_noise_rad: bench.Noise = 0.0
+    output_delay_s: bench.Delay = 0.0
+    torque_noise_Nm: bench.Friction = 0.005
 
     @property
     def log_torque(self) -> bool:
@@ -186,13 +172,13 @@ class DynamicSensors(ExperimentBlock):
         return True
 
 
-class DynamicPhysics(PhysicsBlock):
+class DynamicPhysics(bench.PhysicsBlock):
     """Choices of the physics."""
 
     step_us: Literal[20, 50, 100, 200, 500] = 100
 
 
-class DynamicExperiment(ExperimentBlock):
+class DynamicExperiment(bench.ExperimentBlock):
     """An experiment on the dynamic rig."""
 
     rig: Literal["dynamic"]
@@ -210,7 +196,7 @@ class DynamicExperiment(ExperimentBlock):
     effects: Annotated[tuple[AnyEffect, ...], Field(max_length=50, strict=False)] = ()
 
 
-Block = TypeVar("Block", bound=ExperimentBlock)
+Block = TypeVar("Block", bound=bench.ExperimentBlock)
 
 _KIND = ("experiment file", "; docs/experiments.md shows examples")
 _BENCH_KIND = ("bench file", "; docs/measure-your-drive.md shows one")
@@ -253,11 +239,11 @@ def read_experiment(path: str | Path) -> Experiment | DynamicExperiment:
     return experiment
 
 
-def read_bench(path: str | Path) -> BenchLimits:
+def read_bench(path: str | Path) -> bench.BenchLimits:
     """The limits of the bench in a YAML file. InputError lists all problems."""
     path = Path(path)
     tree = yamltree.parse(read_text(path, *_BENCH_KIND), str(path), *_BENCH_KIND)
-    limits = _validated(BenchLimits, tree, str(path))
+    limits = _validated(bench.BenchLimits, tree, str(path))
     if bool(limits.loads) != (limits.torque_Nm is not None):
         missing, beside = ("torque_Nm", "loads") if limits.loads else ("loads", "torque_Nm")
         remedy = "add torque_Nm, the most it makes, N m" if limits.loads else "add loads: [brake, weight, torque_motor]"

@@ -22,27 +22,19 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.measurement.reading import load_measurement
 from mbcdm_cad.measurement.run import Run
+from tests.support import bench_motion
 from tests.support.bench_cases import CASES, Case
 from tests.support.bench_chain import PIECE_RAD, run_chain
 from tests.support.bench_effects import Effect
 from tests.support.bench_geometry import Chain, chain_of, path_of_eccentric
-from tests.support.bench_motion import (
-    INPUT_STEP_RAD,
-    OUTPUT_STEP_RAD,
-    TORQUE_NOISE_NM,
-    Bench,
-    Plan,
-    bench_run,
-    read_sensors,
-)
 
 
 @dataclass(frozen=True)
 class Simulated:
     """One run as simulated: true signals, drum angle at the sensor, what the sensors gave, the effects in it."""
 
-    plan: Plan
-    bench: Bench
+    plan: bench_motion.Plan
+    bench: bench_motion.Bench
     drum_rad: np.ndarray
     sensed: dict[str, np.ndarray]
     effects: tuple[Effect, ...]
@@ -62,13 +54,13 @@ def simulate_case(drive: Drive, name: str, seed: int, without_effects: bool = Fa
     effects = () if without_effects else case.effects(stream(name, seed, "effects"), plan)
     chain = chain_of(drive)
     ratio = float(np.mean(chain.r_drum / chain.r_in))
-    bench = bench_run(plan, ratio, len(drive.input_names), stream(name, seed, "motion"))
+    bench = bench_motion.bench_run(plan, ratio, len(drive.input_names), stream(name, seed, "motion"))
     drum = drum_angle(chain, drive.input_names, bench, effects, stream(name, seed, "wander"))
-    sensed = read_sensors(bench, drum, stream(name, seed, "sensors"))
+    sensed = bench_motion.read_sensors(bench, drum, stream(name, seed, "sensors"))
     return Simulated(plan, bench, drum, sensed, effects, _columns(plan, case))
 
 
-def _columns(plan: Plan, case: Case) -> tuple[str, ...]:
+def _columns(plan: bench_motion.Plan, case: Case) -> tuple[str, ...]:
     bare = plan.load == "bare"
     return ("inputs", "output", *(() if bare else ("torque",)), *(("temperature",) if case.temperature else ()))
 
@@ -76,7 +68,7 @@ def _columns(plan: Plan, case: Case) -> tuple[str, ...]:
 def drum_angle(
     chain: Chain,
     input_names: tuple[str, ...],
-    bench: Bench,
+    bench: bench_motion.Bench,
     effects: tuple[Effect, ...],
     rng: np.random.Generator,
     piece_rad: float = PIECE_RAD,
@@ -132,7 +124,7 @@ def drum_angle(
     return drum
 
 
-def friction_law(p: dict[str, float], bench: Bench) -> np.ndarray:
+def friction_law(p: dict[str, float], bench: bench_motion.Bench) -> np.ndarray:
     """Friction by speed and load, built up over a Dahl-like presliding of ``presliding_rad`` of drum angle, N m (n,).
 
     Its limit is torque + drag |w| + stribeck exp(-|w/fades|^exponent) + a share of the load, one where it opposes the
@@ -157,12 +149,12 @@ def friction_run(
 ) -> Simulated:
     """A bench with a friction law, None for none, and a noise of the output encoder that no file declares."""
     streams = [np.random.default_rng([seed, k]) for k in range(4)]
-    run = Plan(**{"amplitude_rad": 0.5, "load": "steps", "wave": "sine", **plan})
+    run = bench_motion.Plan(**{"amplitude_rad": 0.5, "load": "steps", "wave": "sine", **plan})
     effects = (Effect("friction", "law", law),) if law else ()
     chain = chain_of(drive)
-    bench = bench_run(run, float(np.mean(chain.r_drum / chain.r_in)), len(drive.input_names), streams[0])
+    bench = bench_motion.bench_run(run, float(np.mean(chain.r_drum / chain.r_in)), len(drive.input_names), streams[0])
     drum = drum_angle(chain, drive.input_names, bench, effects, streams[1])
-    sensed = read_sensors(bench, drum, streams[2])
+    sensed = bench_motion.read_sensors(bench, drum, streams[2])
     sensed["output"] = sensed["output"] + streams[3].normal(0.0, noise_rad, drum.size)
     return Simulated(run, bench, drum, sensed, effects, ("inputs", "output", "torque"))
 
@@ -197,9 +189,12 @@ def write_run(folder: Path, stem: str, run: Simulated, input_names: tuple[str, .
     np.savetxt(
         folder / f"{stem}.csv", np.array(table).T, delimiter=",", header=",".join(header), comments="", fmt="%.9g"
     )
-    sensors: dict[str, Any] = {"input_resolution_rad": INPUT_STEP_RAD, "output_resolution_rad": OUTPUT_STEP_RAD}
+    sensors: dict[str, Any] = {
+        "input_resolution_rad": bench_motion.INPUT_STEP_RAD,
+        "output_resolution_rad": bench_motion.OUTPUT_STEP_RAD,
+    }
     if "torque" in run.columns:
-        sensors["torque_noise_Nm"] = TORQUE_NOISE_NM
+        sensors["torque_noise_Nm"] = bench_motion.TORQUE_NOISE_NM
     document = {
         "data": f"{stem}.csv",
         "columns": {name: {"column": column, "unit": unit} for name, (column, unit) in units.items()},

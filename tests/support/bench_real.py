@@ -12,21 +12,9 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from mbcdm_cad.design.drive import Drive
+from tests.support import bench_effects
 from tests.support.bench_cases import CASES, Case
 from tests.support.bench_data import Simulated, drum_angle, stream
-from tests.support.bench_effects import (
-    ALL,
-    Draw,
-    Effect,
-    both,
-    input_encoder,
-    nothing,
-    output_encoder,
-    pulley,
-    ripple,
-    shares,
-    size,
-)
 from tests.support.bench_geometry import Chain, chain_of
 from tests.support.bench_motion import INPUT_STEP_RAD, OUTPUT_STEP_RAD, RATE_HZ, TORQUE_NOISE_NM, Bench, Plan, bench_run
 
@@ -188,18 +176,18 @@ def _motion(loads: tuple[str, ...], waves: tuple[str, ...] = ("triangle", "sine"
 
 ANY, FREE, SINE = _motion(LOADS), _motion(FREE_LOADS), _motion(FREE_LOADS, ("sine",))
 LARGE = {
-    "preload_low": Case(FREE, shares("preload_error", "preload", 0.35, 0.6, cables=ALL)),  # type: ignore[arg-type]
-    "modulus_low": Case(FREE, shares("stiffness_error", "modulus", 0.25, 0.4)),  # type: ignore[arg-type]
-    "mu_low": Case(FREE, shares("cable_friction", "mu", 0.35, 0.5)),  # type: ignore[arg-type]
-    "lash_left": Case(FREE, size("lash", "input_play", "play_rad", 1e-3, 6e-3, stage="input_left")),  # type: ignore[arg-type]
-    "lash_right": Case(FREE, size("lash", "input_play", "play_rad", 1e-3, 6e-3, stage="input_right")),  # type: ignore[arg-type]
+    "preload_low": Case(FREE, bench_effects.shares("preload_error", "preload", 0.35, 0.6, cables=bench_effects.ALL)),  # type: ignore[arg-type]
+    "modulus_low": Case(FREE, bench_effects.shares("stiffness_error", "modulus", 0.25, 0.4)),  # type: ignore[arg-type]
+    "mu_low": Case(FREE, bench_effects.shares("cable_friction", "mu", 0.35, 0.5)),  # type: ignore[arg-type]
+    "lash_left": Case(FREE, bench_effects.size("lash", "input_play", "play_rad", 1e-3, 6e-3, stage="input_left")),  # type: ignore[arg-type]
+    "lash_right": Case(FREE, bench_effects.size("lash", "input_play", "play_rad", 1e-3, 6e-3, stage="input_right")),  # type: ignore[arg-type]
 }
 
 
-def _lowered(draw: Draw) -> Draw:
+def _lowered(draw: bench_effects.Draw) -> bench_effects.Draw:
     """Shares made negative: ropes and preloads lose, they do not gain."""
 
-    def lowered(rng: np.random.Generator, plan: Plan) -> tuple[Effect, ...]:
+    def lowered(rng: np.random.Generator, plan: Plan) -> tuple[bench_effects.Effect, ...]:
         return tuple(replace(e, size={"share": -abs(e.size["share"])}) for e in draw(rng, plan))
 
     return lowered
@@ -215,12 +203,12 @@ def _of(name: str, plan: object = FREE) -> Case:
 
 # Sizes that the noise of most benches hides.
 SMALL = {
-    "small_guide": Case(FREE, pulley("guide", 0.3, 1.5)),  # type: ignore[arg-type]
-    "small_ratio": Case(ANY, shares("ratio_error", "output_scale", 1e-5, 5e-5)),  # type: ignore[arg-type]
-    "small_modulus": Case(FREE, shares("stiffness_error", "modulus", 0.01, 0.04)),  # type: ignore[arg-type]
-    "small_friction": Case(SINE, size("friction", "bearing", "torque_Nm", 0.005, 0.03)),  # type: ignore[arg-type]
-    "small_delay": Case(SINE, size("delay", "latency", "delay_s", 2e-5, 1e-4)),  # type: ignore[arg-type]
-    "small_ripple": Case(ANY, ripple((20.0, 500.0), 1e-6, 5e-6)),  # type: ignore[arg-type]
+    "small_guide": Case(FREE, bench_effects.pulley("guide", 0.3, 1.5)),  # type: ignore[arg-type]
+    "small_ratio": Case(ANY, bench_effects.shares("ratio_error", "output_scale", 1e-5, 5e-5)),  # type: ignore[arg-type]
+    "small_modulus": Case(FREE, bench_effects.shares("stiffness_error", "modulus", 0.01, 0.04)),  # type: ignore[arg-type]
+    "small_friction": Case(SINE, bench_effects.size("friction", "bearing", "torque_Nm", 0.005, 0.03)),  # type: ignore[arg-type]
+    "small_delay": Case(SINE, bench_effects.size("delay", "latency", "delay_s", 2e-5, 1e-4)),  # type: ignore[arg-type]
+    "small_ripple": Case(ANY, bench_effects.ripple((20.0, 500.0), 1e-6, 5e-6)),  # type: ignore[arg-type]
 }
 _SINGLE = {
     **{
@@ -244,9 +232,9 @@ _SINGLE = {
     },
     **{name: _of(name, SINE) for name in ("friction", "delay", "drag")},
     **{name: _of(name, ANY) for name in ("ratio_radii", "ratio_encoder", "ripple_slow", "ripple_fast")},
-    "encoder_guide": Case(FREE, pulley("guide", 3.0, 12.0)),  # type: ignore[arg-type]
-    "encoder_left": Case(FREE, input_encoder("input_left", 4e-4, 1.5e-3), "fair"),  # type: ignore[arg-type]
-    "encoder_drum": Case(FREE, output_encoder(2e-4, 6e-4)),  # type: ignore[arg-type]
+    "encoder_guide": Case(FREE, bench_effects.pulley("guide", 3.0, 12.0)),  # type: ignore[arg-type]
+    "encoder_left": Case(FREE, bench_effects.input_encoder("input_left", 4e-4, 1.5e-3), "fair"),  # type: ignore[arg-type]
+    "encoder_drum": Case(FREE, bench_effects.output_encoder(2e-4, 6e-4)),  # type: ignore[arg-type]
 }
 _PAIRS = (
     ("slip_mount", "ratio_encoder"),
@@ -278,12 +266,12 @@ def _together(names: tuple[str, ...], group: str) -> Case:
     known = _SINGLE | LARGE
     draw = known[names[0]].effects
     for name in names[1:]:
-        draw = both(draw, known[name].effects)
+        draw = bench_effects.both(draw, known[name].effects)
     return Case(SINE, draw, group, any(known[name].temperature for name in names))  # type: ignore[arg-type]
 
 
 REAL_CASES: dict[str, Case] = {
-    **{f"null_{load}": Case(_motion((load,)), nothing, "null") for load in LOADS},  # type: ignore[arg-type]
+    **{f"null_{load}": Case(_motion((load,)), bench_effects.nothing, "null") for load in LOADS},  # type: ignore[arg-type]
     "null_texture": Case(ANY, CASES["null_texture"].effects, "texture"),  # type: ignore[arg-type]
     **_SINGLE,
     **LARGE,
@@ -313,7 +301,7 @@ class Truth:
     traits: Traits
     chain: Chain
     bench: Bench
-    effects: tuple[Effect, ...]
+    effects: tuple[bench_effects.Effect, ...]
     temperature: bool
 
     @property

@@ -10,21 +10,8 @@ from __future__ import annotations
 
 from math import asin, atan2, degrees, hypot, radians, sin, sqrt, tan
 
+from mbcdm_cad.parts.drum_sector import dims
 from mbcdm_cad.parts.drum_sector.design import SectorDrive, SectorLevels, SectorRun
-from mbcdm_cad.parts.drum_sector.dims import (
-    CHAMFER_MM,
-    POCKET_LEAD_MM,
-    SCREWS,
-    SET_SCREW_ANGLES_DEG,
-    DrumDims,
-    Land,
-    PayloadJoint,
-    Window,
-    circle_radius_mm,
-    joint_load,
-    joints,
-    payload_joint,
-)
 from mbcdm_cad.parts.terminal import Tensioner
 from mbcdm_cad.parts.turned import FLAT_DEPTH_MM, DrumShaftDims, PreloadSpringDims
 
@@ -87,7 +74,7 @@ def _spigot_root_mm(drive: SectorDrive, spigot_mm: float) -> float:
     if not drive.drum_material.printed:
         return spigot_mm
     wanted = max(spigot_mm + SPIGOT_HEIGHT_MM, drive.bearings.drum.bore_mm / 2 + drive.drum_material.min_wall_mm)
-    return max(spigot_mm, min(wanted, drive.drum.hub_diameter_mm / 2 - CHAMFER_MM))
+    return max(spigot_mm, min(wanted, drive.drum.hub_diameter_mm / 2 - dims.CHAMFER_MM))
 
 
 def lug_wall_mm(printed: bool, min_wall_mm: float) -> float:
@@ -107,14 +94,15 @@ def terminal_half_mm(drive: SectorDrive) -> float:
     return max(nut_corner_radius_mm(drive), lug_half_width_mm(drive))
 
 
-def lands(drive: SectorDrive, levels: SectorLevels) -> tuple[Land, ...]:
+def lands(drive: SectorDrive, levels: SectorLevels) -> tuple[dims.Land, ...]:
     """Lands in the order of the steps; the wall before step k+1 stands at y_k+1 less the edge margin."""
     cables = sorted(drive.cables, key=lambda c: c.step)
     walls = [levels.drum_inner_y, *(c.land_y_mm - drive.clearances.land_edge_mm for c in cables[1:])]
     ends = [*walls[1:], levels.drum_outer_y]
     flank = drive.cable.diameter_mm / 2
     return tuple(
-        Land(c.step, c.drum_radius_mm - flank, start, end) for c, start, end in zip(cables, walls, ends, strict=True)
+        dims.Land(c.step, c.drum_radius_mm - flank, start, end)
+        for c, start, end in zip(cables, walls, ends, strict=True)
     )
 
 
@@ -268,7 +256,7 @@ def _pocket_radius(drive: SectorDrive, placed: tuple[Tensioner, ...], flat_wall:
             hypot(t.radius_mm + n, s)
             for t in placed
             for half, s in (
-                (flat_wall, t.slack_start - POCKET_LEAD_MM),
+                (flat_wall, t.slack_start - dims.POCKET_LEAD_MM),
                 (flat_wall, t.lug_start),
                 (nuts, t.lug_end),
                 (nuts, t.pocket_end),
@@ -282,7 +270,7 @@ def _pocket_radius(drive: SectorDrive, placed: tuple[Tensioner, ...], flat_wall:
     return max(tried, key=nearest) if found is None else found
 
 
-def _windows(drive: SectorDrive, stop_radius: float, slot_end_deg: float) -> tuple[Window, ...]:
+def _windows(drive: SectorDrive, stop_radius: float, slot_end_deg: float) -> tuple[dims.Window, ...]:
     """Windows outside the stop's slot only, where the web carries little; none without one.
 
     The shear of a web falls with the square of its radius. Windows between hub and slot saved 6 g of the reference of
@@ -293,12 +281,12 @@ def _windows(drive: SectorDrive, stop_radius: float, slot_end_deg: float) -> tup
     outer = drive.drum.rim_inner_radius_mm - 2.5
     above = stop_radius + drive.drum.stop_pin_mm / 2 + 2.4
     spoke = degrees(asin(min(0.9, 1.5 / (drive.drum.hub_diameter_mm / 2 + 3.0))))
-    window = Window(above, outer, spoke, slot_end_deg - spoke)
+    window = dims.Window(above, outer, spoke, slot_end_deg - spoke)
     radius = 2 * drive.drum_material.min_internal_radius_mm
     wide = radians(window.end_deg - window.start_deg) * window.r_inner
     if min(outer - above, wide) <= 2 * radius + 1.0:
         return ()
-    return window, Window(above, outer, -window.end_deg, -window.start_deg)
+    return window, dims.Window(above, outer, -window.end_deg, -window.start_deg)
 
 
 def _root(drive: SectorDrive, levels: SectorLevels, stop_radius: float) -> tuple[float, float]:
@@ -330,7 +318,7 @@ def _lug_reach_mm(drive: SectorDrive, placed: tuple[Tensioner, ...]) -> float:
     )
 
 
-def drum(drive: SectorDrive, levels: SectorLevels, stop_radius: float, way: TerminalWay) -> DrumDims:
+def drum(drive: SectorDrive, levels: SectorLevels, stop_radius: float, way: TerminalWay) -> dims.DrumDims:
     """Dimensions of the drum; the stop pin stands in the frame at ``stop_radius`` from its axis."""
     d = drive.drum
     slot_width = d.stop_pin_mm + STOP_SLOT_PLAY_MM if drive.stopped else 0.0
@@ -345,7 +333,7 @@ def drum(drive: SectorDrive, levels: SectorLevels, stop_radius: float, way: Term
     joint, circle = _payload(drive)
     root_radius, root_end = _root(drive, levels, stop_radius)
     flat_wall = drive.tensioner.swage_flats_mm / 2 + FLAT_PLAY_MM
-    return DrumDims(
+    return dims.DrumDims(
         half_angle_deg=d.sector_half_angle_deg,
         rim_inner_radius=d.rim_inner_radius_mm,
         lands=lands(drive, levels),
@@ -374,7 +362,7 @@ def drum(drive: SectorDrive, levels: SectorLevels, stop_radius: float, way: Term
         set_screw_radius=shaft_radius - FLAT_DEPTH_MM,
         payload_screw_thread=joint.thread_mm,
         payload_circle_radius=circle,
-        payload_angles_deg=joint.angles_deg(SET_SCREW_ANGLES_DEG),
+        payload_angles_deg=joint.angles_deg(dims.SET_SCREW_ANGLES_DEG),
         payload_depth=joint.depth_mm,
         payload_insert=joint.insert,
         corner_radius=2 * drive.drum_material.min_internal_radius_mm,
@@ -388,24 +376,24 @@ def _web_start_y(drive: SectorDrive, levels: SectorLevels) -> float:
     return levels.drum_inner_y + 3 * drive.clearances.running_mm
 
 
-def _payload(drive: SectorDrive) -> tuple[PayloadJoint, float]:
+def _payload(drive: SectorDrive) -> tuple[dims.PayloadJoint, float]:
     """The payload's joint and the radius of its screws' circle, mm."""
     d, metal = drive.drum, drive.drum_material
     hub, shaft = d.hub_diameter_mm / 2, drive.bearings.drum.bore_mm / 2
-    circle = circle_radius_mm(d.output_circle_mm, hub, shaft)
-    candidates = joints(metal, lambda thread_mm: drive.insert(metal, thread_mm), d.output_screws)
-    load = joint_load(drive.loads.peak_torque_Nm, drive.loads.carried)
-    return payload_joint(candidates, load, circle, hub, shaft, metal.min_wall_mm), circle
+    circle = dims.circle_radius_mm(d.output_circle_mm, hub, shaft)
+    candidates = dims.joints(metal, lambda thread_mm: drive.insert(metal, thread_mm), d.output_screws)
+    load = dims.joint_load(drive.loads.peak_torque_Nm, drive.loads.carried)
+    return dims.payload_joint(candidates, load, circle, hub, shaft, metal.min_wall_mm), circle
 
 
 def _set_screw_y(drive: SectorDrive, levels: SectorLevels) -> float:
     """Depth of the set screws, mm: the middle of the hub in front of the web, or behind payload's holes near them."""
     middle = (_web_start_y(drive, levels) + drive.drum.web_thickness_mm + drive.drum.hub_face_y_mm) / 2
-    if drive.drum.output_screws == SCREWS:
+    if drive.drum.output_screws == dims.SCREWS:
         return middle
     joint, circle = _payload(drive)
     thread, wall = drive.screw(HUB_SCREW).thread_mm, drive.drum_material.min_wall_mm
-    behind = joint.behind_mm(circle, SET_SCREW_ANGLES_DEG, thread, wall)
+    behind = joint.behind_mm(circle, dims.SET_SCREW_ANGLES_DEG, thread, wall)
     return min(middle, drive.drum.hub_face_y_mm - behind)
 
 
@@ -426,7 +414,7 @@ def drum_shaft(drive: SectorDrive, levels: SectorLevels) -> DrumShaftDims:
         front_bearing_y=levels.boss_front_y - bearing.width_mm,
         flat_y=_set_screw_y(drive, levels),
         flat_length=drive.screw(HUB_SCREW).thread_mm + 1.0,
-        flat_angles_deg=SET_SCREW_ANGLES_DEG,
+        flat_angles_deg=dims.SET_SCREW_ANGLES_DEG,
     )
 
 

@@ -11,27 +11,13 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from mbcdm_cad.design.bought import InsertSpec
+from mbcdm_cad.parts import milled
 from mbcdm_cad.parts.bill import UPSIDE_DOWN, BillBuilder, Placement
 from mbcdm_cad.parts.bodies import EncoderBody
 from mbcdm_cad.parts.drum_sector.items import ENCODER_COLOUR
 from mbcdm_cad.parts.fits import FACE_MM, FITS, REST, SHOULDER_MM, Datum, level, shoulder_place
 from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM
 from mbcdm_cad.parts.input_pulley.items import add_train
-from mbcdm_cad.parts.milled import (
-    BEYOND_MM,
-    Bores,
-    Feature,
-    Form,
-    Milled,
-    MilledPocket,
-    Slab,
-    block,
-    cylinder_z,
-    fuse,
-    rounding,
-    span,
-    wide,
-)
 from mbcdm_cad.parts.motor_head.dims import CouplingBox, HeadDims, HeadedDrive, dowel_length_mm, flange_screw
 from mbcdm_cad.parts.part import CORNER, pocket_corner_mm
 from mbcdm_cad.parts.sheet import CuttingLine, Linear, Sheet, Side, View, X, Y, Z, minus, mm
@@ -43,7 +29,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Slots(Bores):
+class Slots(milled.Bores):
     """Holes along Z through the metal that are ``longer`` each way along y, mm."""
 
     longer: float
@@ -55,20 +41,24 @@ class Slots(Bores):
     def _slot(self, x: float, y: float, top: float) -> cq.Shape:
         r, z, y_ends = (
             self.diameter / 2,
-            (top - self.metal - BEYOND_MM, top + BEYOND_MM),
+            (top - self.metal - milled.BEYOND_MM, top + milled.BEYOND_MM),
             (y - self.longer, y + self.longer),
         )
-        return fuse([block((x - r, x + r), y_ends, z), *(cylinder_z(r, x, end, *z) for end in y_ends)], "slot")
+        return milled.fuse(
+            [milled.block((x - r, x + r), y_ends, z), *(milled.cylinder_z(r, x, end, *z) for end in y_ends)], "slot"
+        )
 
     def volume_mm3(self) -> float:
         """With what makes them longer."""
         return super().volume_mm3() + len(self.places) * 2.0 * self.longer * self.diameter * self.metal
 
 
-def box_bodies(boxes: Sequence[tuple[float, CouplingBox]], y: float, into_plate_mm: float = 0.0) -> tuple[Slab, ...]:
+def box_bodies(
+    boxes: Sequence[tuple[float, CouplingBox]], y: float, into_plate_mm: float = 0.0
+) -> tuple[milled.Slab, ...]:
     """The boxes at their x without pocket and holes; what reaches into the plate counts with it."""
     return tuple(
-        Slab(
+        milled.Slab(
             (x - d.outer_x, x + d.outer_x),
             (y + d.back_y, y + d.front_y),
             (d.flange_top_z - into_plate_mm, d.top_z),
@@ -81,7 +71,7 @@ def box_bodies(boxes: Sequence[tuple[float, CouplingBox]], y: float, into_plate_
 
 def box_taken(
     boxes: Sequence[tuple[float, CouplingBox]], y: float, letters: str, words: tuple[str, str, str, str]
-) -> tuple[Feature, ...]:
+) -> tuple[milled.Feature, ...]:
     """Pockets, bearing seats, pilots, holes for the gearhead's screws and for their key, with letters and purposes."""
     _, d = boxes[0]
     inner, down, plate, shelf = d.inner_x, minus(Z), d.flange_top_z - d.bottom_z, d.top_z - d.shelf_bottom_z
@@ -93,7 +83,7 @@ def box_taken(
     seats, pilots = (tuple((x, y + off, z) for x, _ in boxes) for off, z in ((0.0, d.bottom_z), (d.beside_y, d.top_z)))
     on_top, below = (tuple((*place, z) for place in screws) for z in (d.top_z, d.bottom_z))
     a, b, c, k = zip(letters, words, strict=True)
-    keys = Bores(
+    keys = milled.Bores(
         *(k[0] if drilled else "", 2 * d.key_hole_radius, THROUGH, below, "below", k[1]),
         into=Z,
         metal=plate,
@@ -101,7 +91,7 @@ def box_taken(
     )
     return (
         *(
-            MilledPocket(
+            milled.MilledPocket(
                 name="box",
                 x=(x - inner, x + inner),
                 y=(y - inner, y + d.front_y),
@@ -110,7 +100,9 @@ def box_taken(
             )
             for x, _ in boxes
         ),
-        Bores(*(a[0], 2 * d.shoulder_radius, THROUGH, seats, "below", a[1]), counterbore=seat, into=Z, metal=plate),
+        milled.Bores(
+            *(a[0], 2 * d.shoulder_radius, THROUGH, seats, "below", a[1]), counterbore=seat, into=Z, metal=plate
+        ),
         Slots(
             *(b[0], 2 * d.pilot_radius, THROUGH, pilots, "motor shelf", b[1]),
             fit=FITS["pilot"].code,
@@ -128,7 +120,7 @@ def box_taken(
     )
 
 
-def _open_below(d: HeadDims) -> Form:
+def _open_below(d: HeadDims) -> milled.Form:
     """With a stage the box reaches beyond the flange, where it is open downwards: shelf and two walls.
 
     Besides the pocket that takes its lower corners.
@@ -137,30 +129,32 @@ def _open_below(d: HeadDims) -> Form:
     low, middle = d.flange_top_z - 1.0, (d.flange_top_z + d.shelf_bottom_z) / 2
     beyond = d.outer_x + 1.0
     corner = pocket_corner_mm(d.corner_radius, 2 * d.inner_x, d.shelf_bottom_z - d.flange_top_z)
-    return Form(
+    return milled.Form(
         2 * CORNER * corner**2 * (d.front_y - d.flange.front_y),
         lambda: [
-            block((-beyond, beyond), front, (low, d.flange_top_z)),
-            block((-d.inner_x, d.inner_x), front, (low, middle)),
+            milled.block((-beyond, beyond), front, (low, d.flange_top_z)),
+            milled.block((-d.inner_x, d.inner_x), front, (low, middle)),
         ],
     )
 
 
 @dataclass(frozen=True)
-class MotorHead(Milled):
+class MotorHead(milled.Milled):
     """Motor head, its axis Z."""
 
     what = "motor head"
 
     dims: HeadDims
 
-    def bodies(self) -> Sequence[Feature]:
+    def bodies(self) -> Sequence[milled.Feature]:
         """Flange and box."""
         d, f = self.dims, self.dims.flange
-        flange = Slab((-f.half_x, f.half_x), (f.back_y, f.front_y), (d.bottom_z, d.flange_top_z), d.corner_radius)
+        flange = milled.Slab(
+            (-f.half_x, f.half_x), (f.back_y, f.front_y), (d.bottom_z, d.flange_top_z), d.corner_radius
+        )
         return flange, *box_bodies([(0.0, d)], 0.0, 0.5)
 
-    def taken(self) -> Sequence[Feature]:
+    def taken(self) -> Sequence[milled.Feature]:
         """Pocket, seat and holes; the axis of hole A is that of the input."""
         d, down, thick = self.dims, minus(Z), self.dims.flange_top_z - self.dims.bottom_z
         words = ("bearing", "pilot of the drive", "screws of the drive", "key for screws of the drive")
@@ -169,8 +163,10 @@ class MotorHead(Milled):
         return (
             *box_taken([(0.0, d)], 0.0, "ABCD", words),
             *([_open_below(d)] if d.beside_y else []),
-            Bores("E", 2 * d.screw_clearance, THROUGH, screws, "flange", "screws", into=down, metal=thick),
-            Bores("F", 2 * d.dowel_radius, THROUGH, dowels, "flange", "dowels", fit=sliding, into=down, metal=thick),
+            milled.Bores("E", 2 * d.screw_clearance, THROUGH, screws, "flange", "screws", into=down, metal=thick),
+            milled.Bores(
+                "F", 2 * d.dowel_radius, THROUGH, dowels, "flange", "dowels", fit=sliding, into=down, metal=thick
+            ),
         )
 
     def sheet(self, part: str) -> Sheet:
@@ -183,11 +179,11 @@ class MotorHead(Milled):
         axis, seen = (0.0, 0.0, low), tuple(group for group in holes if group.letter in "BCEF")
 
         def tall(top: float, at: float) -> Linear:
-            return span(2, "section", (-x, 0.0, low), (at, 0.0, top), "left")
+            return milled.span(2, "section", (-x, 0.0, low), (at, 0.0, top), "left")
 
         def across(half_width: float, z: float, what: str = "") -> Linear:
             side: Side = "above" if z > d.flange_top_z else "below"
-            return wide("section", half_width, (0.0, z), side, what)
+            return milled.wide("section", half_width, (0.0, z), side, what)
 
         return Sheet(
             part=part,
@@ -212,12 +208,12 @@ class MotorHead(Milled):
                 across(x, low),
                 across(d.outer_x, d.top_z),
                 across(d.inner_x, d.shelf_bottom_z, " pocket"),
-                span(1, "top", (x - r, f.back_y, low), (x - r, f.front_y, low), "right"),
-                span(1, "top", axis, (x - r, f.front_y, low), "right"),
-                *([span(1, "top", axis, (0.0, d.beside_y, d.top_z), "right")] if d.beside_y else []),
-                span(1, "top", (0.0, 0.0, d.top_z), (-d.outer_x + r, d.front_y, d.top_z), "left"),
-                span(1, "top", (-d.outer_x + r, d.back_y, d.top_z), (0.0, 0.0, d.top_z), "left"),
-                rounding((-x, f.front_y, low), r, "8x "),
+                milled.span(1, "top", (x - r, f.back_y, low), (x - r, f.front_y, low), "right"),
+                milled.span(1, "top", axis, (x - r, f.front_y, low), "right"),
+                *([milled.span(1, "top", axis, (0.0, d.beside_y, d.top_z), "right")] if d.beside_y else []),
+                milled.span(1, "top", (0.0, 0.0, d.top_z), (-d.outer_x + r, d.front_y, d.top_z), "left"),
+                milled.span(1, "top", (-d.outer_x + r, d.back_y, d.top_z), (0.0, 0.0, d.top_z), "left"),
+                milled.rounding((-x, f.front_y, low), r, "8x "),
             ),
             labels=hole_labels(seen, "top"),
             datums=(Datum("section", ((x + d.seat_radius) / 2, 0.0, low), REST),),

@@ -15,15 +15,7 @@ from mbcdm_cad.layouts.lumped import Compliance, PartsFriction
 from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.rig.bench import PathOf, RigCable, cables_of, routes_of
 from mbcdm_cad.rig.chain import PIECE_RAD
-from mbcdm_cad.rig.dynamic.train import (
-    ControllerSpec,
-    GearheadSpec,
-    LoadSpec,
-    MotorSpec,
-    gearhead_of,
-    motor_of,
-    require_not_negative,
-)
+from mbcdm_cad.rig.dynamic import train
 from mbcdm_cad.routes.route import DriveRoutes
 
 _G_CM2 = 1e-7  # kg m2
@@ -87,7 +79,7 @@ class EncoderSpec:
     delay_s: float = 0.0
 
     def __post_init__(self) -> None:
-        require_not_negative(self, "resolution_rad", "noise_rad", "delay_s")
+        train.require_not_negative(self, "resolution_rad", "noise_rad", "delay_s")
 
 
 @dataclass(frozen=True)
@@ -102,12 +94,12 @@ class DynamicRig:
 
     drive: Drive
     cables: tuple[RigCable, ...]
-    motors: tuple[MotorSpec, ...]
-    gearheads: tuple[GearheadSpec, ...]
-    loops: tuple[ControllerSpec, ...]
+    motors: tuple[train.MotorSpec, ...]
+    gearheads: tuple[train.GearheadSpec, ...]
+    loops: tuple[train.ControllerSpec, ...]
     encoders: tuple[EncoderSpec, ...]
     drum_encoder: EncoderSpec = field(default_factory=lambda: EncoderSpec(DRUM_RESOLUTION_RAD))
-    load: LoadSpec = field(default_factory=LoadSpec)
+    load: train.LoadSpec = field(default_factory=train.LoadSpec)
     torque_noise_Nm: float = 0.005
     input_drag_Nm: float = 0.0
     passed_drag_Nm: float = 0.0
@@ -122,20 +114,20 @@ class DynamicRig:
 
 def rig_of(
     drive: Drive,
-    load: LoadSpec | None = None,
+    load: train.LoadSpec | None = None,
     ideal_gearhead: bool = False,
     bandwidth_Hz: float = BANDWIDTH_HZ,
     rate_Hz: float = LOOP_RATE_HZ,
 ) -> DynamicRig:
     """The rig with the design's motors, gearheads and encoders; the loops are tuned to the inertia of each input."""
-    load = load or LoadSpec()
-    motor, gearhead = motor_of(drive), gearhead_of(drive, ideal_gearhead)
+    load = load or train.LoadSpec()
+    motor, gearhead = train.motor_of(drive), train.gearhead_of(drive, ideal_gearhead)
     moved = inertias(drive)
     n_inputs = len(drive.input_names)
     share = (moved.drum_and_passed_kg_m2 + load.inertia_kg_m2) / n_inputs
     turns = input_turns(drive)
     loops = tuple(
-        ControllerSpec(
+        train.ControllerSpec(
             moved.rotor_kg_m2 * gearhead.ratio**2 + moved.inputs_kg_m2[i] + share / turns[i] ** 2,
             motor.torque_limit_Nm * gearhead.ratio,
             bandwidth_Hz,

@@ -25,14 +25,7 @@ from mbcdm_cad.layouts.miso_bevel.checks import CHECKS
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.layouts.structure import pulley_sections, structure_of
-from mbcdm_cad.parts.drum_sector.dims import (
-    SET_SCREW_ANGLES_DEG,
-    SLIP_SAFETY,
-    JointLoad,
-    PayloadJoint,
-    joints,
-    payload_joint,
-)
+from mbcdm_cad.parts.drum_sector import dims
 from mbcdm_cad.parts.fits import clamp_force_N, screw_hold
 from tests.support.checked import failing, of_params, result
 
@@ -174,7 +167,7 @@ def test_set_screws_hold_by_the_forces_on_the_shaft() -> None:
     s = sector(reference())
     screw, radius = s.drive.screw(s.drum.set_screw), s.drum_shaft.radius
     thrust = 0.5 * clamp_force_N(screw.thread_mm)
-    points = [thrust * np.array([np.sin(a), np.cos(a)]) for a in np.radians(SET_SCREW_ANGLES_DEG)]
+    points = [thrust * np.array([np.sin(a), np.cos(a)]) for a in np.radians(dims.SET_SCREW_ANGLES_DEG)]
     pressed = [*points, -sum(points)]
     assert np.abs(sum(pressed)).max() < 1e-9 * thrust
     held = 0.15 * radius * sum(float(np.linalg.norm(force)) for force in pressed)
@@ -214,14 +207,14 @@ def test_stiffness_is_a_figure_unless_it_is_asked_for() -> None:
 @given(st.floats(0.1, 200.0), st.floats(8.0, 60.0), st.floats(2.0, 6.0))
 def test_a_joint_holds_or_no_thread_with_walls_does(peak: float, hub: float, bore: float) -> None:
     material = reference().drum_material
-    candidates = joints(material, lambda _: None)
-    found = payload_joint(candidates, JointLoad(peak), (hub + bore) / 2, hub, bore, material.min_wall_mm)
-    holds = found.slips_Nm((hub + bore) / 2) >= SLIP_SAFETY * peak
+    candidates = dims.joints(material, lambda _: None)
+    found = dims.payload_joint(candidates, dims.JointLoad(peak), (hub + bore) / 2, hub, bore, material.min_wall_mm)
+    holds = found.slips_Nm((hub + bore) / 2) >= dims.SLIP_SAFETY * peak
     stronger = [
         thread
         for thread in (3.0, 4.0, 5.0, 6.0)
         if thread + 2 * material.min_wall_mm + bore <= hub
-        and PayloadJoint(thread, material, None).slips_Nm((hub + bore) / 2) >= SLIP_SAFETY * peak
+        and dims.PayloadJoint(thread, material, None).slips_Nm((hub + bore) / 2) >= dims.SLIP_SAFETY * peak
     ]
     assert holds or not stronger, f"M{found.thread_mm:g} does not hold {peak} N m, {stronger} would"
 

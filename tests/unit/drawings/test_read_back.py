@@ -15,20 +15,7 @@ from mbcdm_cad.drawings.document import plain
 from mbcdm_cad.drawings.draw import PartFacts, draw_sheet
 from mbcdm_cad.drawings.frames import Room
 from mbcdm_cad.layouts.loader import layout_of, load_design
-from tests.support.drawing_reader import (
-    DoubledDimensionError,
-    MissingDimensionError,
-    ReadDimension,
-    dimensions,
-    document,
-    leaders_at_one_point,
-    sections_without_line,
-    table,
-    texts_on_lines,
-    texts_on_texts,
-    texts_outside,
-    texts_over_their_cells,
-)
+from tests.support import drawing_reader
 from tests.support.rebuilt import LARGE, OTHERS, SMALL, Rebuild, turned
 
 pytestmark = pytest.mark.slow
@@ -54,20 +41,20 @@ def parts() -> dict[str, tuple[cq.Solid, bytes]]:
 @pytest.mark.parametrize("name", SMALL)
 def test_the_drawing_makes_the_part(parts: dict[str, tuple[cq.Solid, bytes]], name: str) -> None:
     solid, data = parts[name]
-    doc = document(data)
-    assert SMALL[name](doc, dimensions(doc)) == pytest.approx(solid.Volume(), rel=_VOLUME_ERROR)
+    doc = drawing_reader.document(data)
+    assert SMALL[name](doc, drawing_reader.dimensions(doc)) == pytest.approx(solid.Volume(), rel=_VOLUME_ERROR)
 
 
 @pytest.mark.parametrize("name", SMALL)
 def test_without_any_one_dimension_it_does_not(parts: dict[str, tuple[cq.Solid, bytes]], name: str) -> None:
     solid, data = parts[name]
-    doc = document(data)
-    dims = dimensions(doc)
+    doc = drawing_reader.document(data)
+    dims = drawing_reader.dimensions(doc)
     for missing in dims:
         rest = [d for d in dims if d is not missing]
         try:
             volume = SMALL[name](doc, rest)
-        except (MissingDimensionError, ValueError, IndexError, StopIteration):
+        except (drawing_reader.MissingDimensionError, ValueError, IndexError, StopIteration):
             continue
         error = abs(volume / solid.Volume() - 1.0)
         assert error > _VOLUME_ERROR, f"{missing.prefix}{missing.value} in {missing.view} is not needed: {error:.2g}"
@@ -77,12 +64,12 @@ def test_without_any_one_dimension_it_does_not(parts: dict[str, tuple[cq.Solid, 
 def test_a_dimension_said_twice_is_found(parts: dict[str, tuple[cq.Solid, bytes]], name: str) -> None:
     if SMALL[name] is not turned:
         pytest.skip("only where the outline says which dimensions there can be")
-    doc = document(parts[name][1])
-    dims = dimensions(doc)
+    doc = drawing_reader.document(parts[name][1])
+    dims = drawing_reader.dimensions(doc)
     for doubled in dims:
         if "45" in doubled.suffix:
             continue
-        with pytest.raises(DoubledDimensionError):
+        with pytest.raises(drawing_reader.DoubledDimensionError):
             turned(doc, [*dims, doubled])
 
 
@@ -112,7 +99,7 @@ def sheets() -> Sheets:
             spec = specs[name]
             solid = spec.part.solid()
             data = draw_sheet(spec.part.sheet(name), solid, PartFacts(file, "metal", 1.0, "0", 0.02))
-            made[f"{file}/{name}"] = (solid.Volume(), document(data["dxf"]))
+            made[f"{file}/{name}"] = (solid.Volume(), drawing_reader.document(data["dxf"]))
     return made
 
 
@@ -120,13 +107,13 @@ def sheets() -> Sheets:
 def test_the_drawing_makes_the_milled_part(sheets: Sheets, case: str) -> None:
     volume, doc = sheets[case]
     error = _MILLED_ERROR if case.startswith("mbcdm") else _OF_OTHERS
-    assert CASES[case](doc, dimensions(doc)) == pytest.approx(volume, rel=error)
+    assert CASES[case](doc, drawing_reader.dimensions(doc)) == pytest.approx(volume, rel=error)
 
 
 @pytest.mark.parametrize("case", CASES)
 def test_every_dimension_is_needed_once(sheets: Sheets, case: str) -> None:
     _, doc = sheets[case]
-    dims = dimensions(doc)
+    dims = drawing_reader.dimensions(doc)
     assert len(dims) >= 10
     for n, one in enumerate(dims):
         said = f"{one.view}: {one.prefix}{one.value:g}{one.suffix}"
@@ -134,17 +121,17 @@ def test_every_dimension_is_needed_once(sheets: Sheets, case: str) -> None:
         assert _refused(case, doc, [*dims, one]), f"{said} may stand there twice"
 
 
-def _refused(case: str, doc: Drawing, dims: list[ReadDimension]) -> bool:
+def _refused(case: str, doc: Drawing, dims: list[drawing_reader.ReadDimension]) -> bool:
     try:
         CASES[case](doc, dims)
-    except (MissingDimensionError, DoubledDimensionError, ValueError):
+    except (drawing_reader.MissingDimensionError, drawing_reader.DoubledDimensionError, ValueError):
         return True
     return False
 
 
 def test_a_missing_hole_would_be_seen(sheets: Sheets) -> None:
     volume, doc = sheets["mbcdm/frame"]
-    depths = [(float(row[2]), float(row[4])) for row in table(doc, "Holes")[1:] if row[4][0].isdigit()]
+    depths = [(float(row[2]), float(row[4])) for row in drawing_reader.table(doc, "Holes")[1:] if row[4][0].isdigit()]
     assert min(pi / 4 * d**2 * deep for d, deep in depths) > _MILLED_ERROR * volume
 
 
@@ -170,7 +157,7 @@ Drawn = dict[str, tuple[cq.Solid, dict[str, bytes]]]
 
 @pytest.mark.parametrize("name", MADE)
 def test_audit_finds_nothing(drawn: Drawn, name: str) -> None:
-    found = document(drawn[name][1]["dxf"]).audit()
+    found = drawing_reader.document(drawn[name][1]["dxf"]).audit()
     assert not found.errors
     assert not found.fixes
 
@@ -186,12 +173,12 @@ def test_the_same_bytes_twice(drawn: Drawn, name: str) -> None:
 
 @pytest.mark.parametrize("name", MADE)
 def test_no_text_stands_on_another(drawn: Drawn, name: str) -> None:
-    assert not texts_on_texts(document(drawn[name][1]["dxf"]))
+    assert not drawing_reader.texts_on_texts(drawing_reader.document(drawn[name][1]["dxf"]))
 
 
 @pytest.mark.parametrize("name", MADE)
 def test_all_texts_are_inside_the_frame(drawn: Drawn, name: str) -> None:
-    assert not texts_outside(document(drawn[name][1]["dxf"]))
+    assert not drawing_reader.texts_outside(drawing_reader.document(drawn[name][1]["dxf"]))
 
 
 def test_a_place_is_taken_whose_leader_crosses_no_text() -> None:
@@ -205,16 +192,18 @@ def test_a_place_is_taken_whose_leader_crosses_no_text() -> None:
 @pytest.mark.parametrize("name", MADE)
 def test_leaders_sections_and_cells(drawn: Drawn, name: str) -> None:
     """No two leaders end at one point or cross a text, each section has its cutting line, no text leaves its cell."""
-    doc = document(drawn[name][1]["dxf"])
-    assert not leaders_at_one_point(doc, 1e-3)
-    assert not texts_on_lines(doc)
-    assert not sections_without_line(doc)
-    assert not texts_over_their_cells(doc)
+    doc = drawing_reader.document(drawn[name][1]["dxf"])
+    assert not drawing_reader.leaders_at_one_point(doc, 1e-3)
+    assert not drawing_reader.texts_on_lines(doc)
+    assert not drawing_reader.sections_without_line(doc)
+    assert not drawing_reader.texts_over_their_cells(doc)
 
 
 def test_a_radius_is_drawn_where_its_sheet_puts_it_wherever_its_text_finds_room(drawn: Drawn) -> None:
     """The rim's inner radius of the drum: 35 degrees from Z towards X, which is 55 degrees on paper."""
-    radii = [d for d in document(drawn["drum"][1]["dxf"]).modelspace().query("DIMENSION") if d.dimtype == 4]
+    radii = [
+        d for d in drawing_reader.document(drawn["drum"][1]["dxf"]).modelspace().query("DIMENSION") if d.dimtype == 4
+    ]
     assert len(radii) == 1
     along = radii[0].dxf.defpoint4 - radii[0].dxf.defpoint
     assert degrees(atan2(along.y, along.x)) == pytest.approx(55.0, abs=1e-6)
@@ -265,12 +254,12 @@ def _cylinders(solid: cq.Solid, least_share: float) -> set[tuple[float, str, flo
 
 def test_hole_table_of_the_frame_is_what_the_solid_has(drawn: Drawn) -> None:
     solid, files = drawn["frame"]
-    doc = document(files["dxf"])
-    rows = {row[0]: row for row in table(doc, "Holes")[1:]}
+    doc = drawing_reader.document(files["dxf"])
+    rows = {row[0]: row for row in drawing_reader.table(doc, "Holes")[1:]}
     said = set()
     for axis in "ZY":
         title = f"Positions from A and the drum axis, along {axis}"
-        for name, first, second, _ in table(doc, title)[1:]:
+        for name, first, second, _ in drawing_reader.table(doc, title)[1:]:
             row = rows[name[0]]
             diameter = float(row[3][1:].split()[0]) if row[3] != "-" else float(row[2])
             said.add((round(diameter, 3), axis, float(first), float(second)))

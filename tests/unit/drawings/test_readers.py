@@ -24,13 +24,7 @@ from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.parts.sheet import Linear, Vector
 from mbcdm_cad.workshop.assembly_sheet import SeenBody, assembly_sheet, numbers, pointers
 from tests.acceptance.freecad import freecad_program, run_in_freecad
-from tests.support.drawing_reader import (
-    document,
-    leaders_at_one_point,
-    sections_without_line,
-    texts_on_texts,
-    texts_outside,
-)
+from tests.support import drawing_reader
 
 ROOT = Path(__file__).parents[3]
 _FREECAD = """
@@ -56,7 +50,7 @@ def sheet() -> tuple[cq.Solid, dict[str, bytes]]:
 
 @pytest.fixture(scope="module")
 def doc(sheet: tuple[cq.Solid, dict[str, bytes]]) -> Drawing:
-    return document(sheet[1]["dxf"])
+    return drawing_reader.document(sheet[1]["dxf"])
 
 
 def _number(text: str) -> float:
@@ -114,8 +108,10 @@ def test_a_crowded_small_pulley_keeps_its_texts_apart() -> None:
         layout_of(load_design(ROOT / "params" / "gallery" / "telescope.yaml").drive).bill().made["input_pulley_right"]
     )
     facts = PartFacts("telescope", "metal", 1.0, "0", 0.02)
-    crowded = document(draw_sheet(part.sheet("input_pulley_right"), part.in_views().solid(), facts)["dxf"])
-    assert not texts_on_texts(crowded) and not texts_outside(crowded)
+    crowded = drawing_reader.document(
+        draw_sheet(part.sheet("input_pulley_right"), part.in_views().solid(), facts)["dxf"]
+    )
+    assert not drawing_reader.texts_on_texts(crowded) and not drawing_reader.texts_outside(crowded)
 
 
 def _pdf_texts(data: bytes) -> list[str]:
@@ -292,8 +288,8 @@ def test_drawn_sections_have_lines_and_leaders_their_own_points() -> None:
     drawn = draw_sheet(
         sheet, cq.Compound.makeCompound(list(solids.values())), PartFacts("d", "m", 1.0, "0", 0.02), whole
     )
-    doc = document(drawn["dxf"])
-    assert not leaders_at_one_point(doc, 1.0)
-    assert not sections_without_line(doc)
+    doc = drawing_reader.document(drawn["dxf"])
+    assert not drawing_reader.leaders_at_one_point(doc, 1.0)
+    assert not drawing_reader.sections_without_line(doc)
     hatched = {h.dxf.pattern_angle for b in doc.blocks if b.name.startswith("VIEW_SECTION") for h in b.query("HATCH")}
     assert len(hatched) > 1, "bodies beside each other are hatched differently"

@@ -13,14 +13,8 @@ from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.loop.prepare.prepared import prepare
 from mbcdm_cad.loop.search.engine import close_loop
+from mbcdm_cad.measurement import loads
 from mbcdm_cad.measurement.file import load_file
-from mbcdm_cad.measurement.loads import (
-    acceleration_rad_s2,
-    figures_of,
-    motors_load_Nm,
-    pendulum_load_Nm,
-    with_motors_load,
-)
 from mbcdm_cad.measurement.reading import load_measurement
 from mbcdm_cad.measurement.reference import measurement_page
 from mbcdm_cad.measurement.run import KNOWN_LOAD, MOTORS_CURRENT, Run, Sensors, StatedMotors, TorqueClass
@@ -50,7 +44,7 @@ def test_the_load_comes_back_from_the_current(frequency_Hz: float) -> None:
     angle = 2.0 * np.sin(w * t) / max(1.0, frequency_Hz)
     speed, acceleration = np.gradient(angle, t), -(w**2) * angle
     load = 0.8 * np.sin(0.37 * w * t) + 0.1
-    found = motors_load_Nm(FIGURES, current(load, speed, acceleration)[None], angle[None], t, TURNS)
+    found = loads.motors_load_Nm(FIGURES, current(load, speed, acceleration)[None], angle[None], t, TURNS)
     moving = np.abs(speed) > 0.2 * np.std(speed)
     inner = slice(t.size // 20, -t.size // 20)
     assert np.abs(found - load)[inner][moving[inner]].max() < 0.02, np.abs(found - load)[inner][moving[inner]].max()
@@ -63,12 +57,12 @@ def test_a_servo_that_hunts_at_the_turns_makes_no_extreme_of_the_load() -> None:
     angle = 1.8 * np.sin(2.0 * np.pi * T / 12.0) + 0.01 * sum(np.sin(2.0 * np.pi * f * T + f) for f in lines)
     speed, load = np.gradient(angle, T), 1.2 * np.sin(2.0 * np.pi * T / 8.7)
     amperes = current(load, speed, np.gradient(speed, T))
-    found = motors_load_Nm(FIGURES, amperes[None], angle[None], T, TURNS)
+    found = loads.motors_load_Nm(FIGURES, amperes[None], angle[None], T, TURNS)
     assert np.abs(found).max() < 1.1 * np.abs(load).max(), np.abs(found).max()
 
 
 def test_what_is_not_given_is_that_of_the_catalogue() -> None:
-    found = figures_of(StatedMotors(torque_constant_Nm_A=0.01), DRIVE)
+    found = loads.figures_of(StatedMotors(torque_constant_Nm_A=0.01), DRIVE)
     assert (found.gear_ratio, found.efficiency) == (DRIVE.gearhead.ratio, DRIVE.gearhead.efficiency)
     assert found.rotor_inertia_kg_m2 == pytest.approx(1e-7 * DRIVE.motor.rotor_inertia_g_cm2)
     assert found.torque_constant_Nm_A == 0.01
@@ -115,13 +109,13 @@ def test_a_weight_on_an_arm_gives_the_torque_constant(wrong: float) -> None:
     angle = 0.4 * np.sin(2.0 * np.pi * T / 6.0)
     speed, acceleration = np.gradient(9.0 * angle, T), np.gradient(np.gradient(9.0 * angle, T), T)
     arm = Pendulum(mass_kg=1.0, arm_mm=100.0, inertia_kg_m2=0.001)
-    weight = pendulum_load_Nm(arm, angle, T)
+    weight = loads.pendulum_load_Nm(arm, angle, T)
     amperes = current(weight + 0.1 * np.sign(speed) + 0.05, speed, acceleration)
     noisy = amperes + 2e-4 * np.random.default_rng(1).normal(size=T.size)
     known = Sensors(torque_class=TorqueClass(0.01, 0.0, what=KNOWN_LOAD))
     stated = replace(FIGURES, torque_constant_Nm_A=FIGURES.torque_constant_Nm_A * (1.0 + wrong))
     run = Run(T, 9.0 * angle[None], angle, weight, sensors=known, current_A=noisy[None], motor=stated)
-    found = with_motors_load(run, None, TURNS)
+    found = loads.with_motors_load(run, None, TURNS)
     assert found.load_Nm is not None and (found.sensors.torque_class.what == MOTORS_CURRENT)
     moving = np.abs(speed) > 0.3 * np.std(speed)
     factor, _ = np.polyfit(weight[moving] + 0.1 * np.sign(speed[moving]), found.load_Nm[moving], 1)
@@ -130,7 +124,7 @@ def test_a_weight_on_an_arm_gives_the_torque_constant(wrong: float) -> None:
     off = np.abs(found.load_Nm - weight - 0.1 * np.sign(speed) - 0.05)
     assert np.quantile(off, 0.99) < 0.01, np.quantile(off, 0.99)
     assert found.sensors.torque_class.gain_sigma == pytest.approx(0.005 * 0.05 / np.hypot(0.005, 0.05))
-    assert with_motors_load(found, None, TURNS) is found
+    assert loads.with_motors_load(found, None, TURNS) is found
 
 
 @pytest.mark.parametrize(
@@ -156,7 +150,7 @@ def test_currents_beside_a_torque_sensor_tell_losses_from_its_gain(
         current_A=(amperes + 1e-3 * rng.normal(size=T.size))[None],
         motor=replace(FIGURES, torque_constant_share=constant),
     )
-    found = with_motors_load(run, None, TURNS)
+    found = loads.with_motors_load(run, None, TURNS)
     beside = found.beside
     assert beside is not None and beside.gain == pytest.approx(1.0 / gain, abs=0.01), beside
     assert beside.dry_Nm == pytest.approx(0.1, abs=0.01) and beside.share == pytest.approx(0.05 / gain, abs=0.012), (
@@ -170,10 +164,12 @@ def test_currents_beside_a_torque_sensor_tell_losses_from_its_gain(
         assert found.sensors.torque_class.share < 0.025
     else:
         np.testing.assert_array_equal(found.load_Nm, measured)
-    assert with_motors_load(found, None, TURNS) is found
+    assert loads.with_motors_load(found, None, TURNS) is found
     # A brake goes with the motion: no gain is told from losses.
     braked = replace(run, load_Nm=0.5 * np.sign(speed))
-    (note,) = (one for one in reach_findings(with_motors_load(braked, None, TURNS), 9.0, None) if "beside" in one.kind)
+    (note,) = (
+        one for one in reach_findings(loads.with_motors_load(braked, None, TURNS), 9.0, None) if "beside" in one.kind
+    )
     assert "look alike" in note.text, note
 
 
@@ -251,7 +247,7 @@ def test_the_torque_of_a_weight_is_that_of_the_closed_form(tmp_path: Path, hz: f
 
 def test_the_acceleration_of_uneven_samples() -> None:
     t = np.cumsum(np.random.default_rng(2).uniform(0.8e-3, 1.2e-3, 4000))
-    found = acceleration_rad_s2(0.3 * np.sin(20.0 * t), t)
+    found = loads.acceleration_rad_s2(0.3 * np.sin(20.0 * t), t)
     assert np.allclose(found[100:-100], -120.0 * np.sin(20.0 * t[100:-100]), atol=2.0), np.abs(found).max()
 
 

@@ -24,32 +24,12 @@ from paper_case import paper_drive
 from mbcdm_cad.design.bought import without_gearhead
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.loader import layout_of, load_design, load_text, reference_data
+from mbcdm_cad.model import capability, stiffness
 from mbcdm_cad.model.analysis import analyse
-from mbcdm_cad.model.capability import (
-    MotorFigures,
-    Requirements,
-    balanced_preload_N,
-    input_ratings_Nm,
-    motor_figures,
-    torque_at_input_limit_Nm,
-    torque_at_slack_Nm,
-    torque_at_tension_limit_Nm,
-    torque_limits,
-    torque_to_weight_Nm_kg,
-)
 from mbcdm_cad.model.equilibrium import bearing_loads, solve_equilibrium
 from mbcdm_cad.model.figures import Analysis
 from mbcdm_cad.model.sensitivity import intervals
 from mbcdm_cad.model.si import ModelError
-from mbcdm_cad.model.stiffness import (
-    Chain,
-    TurningInertias,
-    secant_stiffness_Nm_rad,
-    sticking_response,
-    sticking_stiffness_Nm_rad,
-    tangent_stiffness_Nm_rad,
-    torsional_modes_Hz,
-)
 from mbcdm_cad.model.tolerance import BEYOND_THREE_SIGMA, Contribution, StackUp, stack_data, tightest
 from mbcdm_cad.report.analysis_report import analyse_design
 from mbcdm_cad.routes.route import two_bearing_reactions_N
@@ -190,7 +170,7 @@ def test_any_drive_has_figures_or_a_reason(
     assert carried == pytest.approx(peak, rel=1e-6, abs=1e-6), f"{carried} N m carried of {peak}"
 
 
-NEED = Requirements(0.91, np.radians(35.0), 0.2204, 0.81e-3, 106.0, 0.87e-3)
+NEED = capability.Requirements(0.91, np.radians(35.0), 0.2204, 0.81e-3, 106.0, 0.87e-3)
 
 
 def design(**rope: Any) -> Any:
@@ -317,19 +297,19 @@ WRAPS = {"input_wrap_rad": np.full(4, 9.0), "drum_wrap_rad": np.full(4, 0.43)}
 @given(st.floats(0.05, 0.6), st.sampled_from([1, -1]))
 def test_at_its_limit_an_input_carries_exactly_its_rating(rating: float, direction: int) -> None:
     d = paper_drive()
-    loads = torque_at_input_limit_Nm(d, rating, direction)
+    loads = capability.torque_at_input_limit_Nm(d, rating, direction)
     for i in range(2):
         torque = solve_equilibrium(d, direction * loads[i]).input_torque_Nm(d)[i]
         assert direction * float(torque) == pytest.approx(rating, rel=1e-10), f"input {i} at {loads[i]} N m"
 
 
 def test_bias_above_the_rating_leaves_nothing() -> None:
-    assert torque_at_input_limit_Nm(paper_drive(), 0.027, 1)[0] == 0.0
+    assert capability.torque_at_input_limit_Nm(paper_drive(), 0.027, 1)[0] == 0.0
 
 
 def test_strength_limit() -> None:
     d = paper_drive()
-    limit = torque_at_tension_limit_Nm(d, 106.0, 1)
+    limit = capability.torque_at_tension_limit_Nm(d, 106.0, 1)
     assert np.isinf(limit[[0, 3]]).all()
     for j in (1, 2):
         assert solve_equilibrium(d, limit[j]).tension_N[j] == pytest.approx(106.0, rel=1e-10)
@@ -337,14 +317,14 @@ def test_strength_limit() -> None:
 
 def test_slack_limit() -> None:
     """A hundredth of the preload is left; shorter wraps leave it at a smaller load, and the shortest pose counts."""
-    endless, d = torque_at_slack_Nm(paper_drive(), 1), paper_drive(**WRAPS)
-    first = float(torque_at_slack_Nm(d, 1).min())
+    endless, d = capability.torque_at_slack_Nm(paper_drive(), 1), paper_drive(**WRAPS)
+    first = float(capability.torque_at_slack_Nm(d, 1).min())
     share = solve_equilibrium(d, first).tension_N / d.preload_N
     assert float(np.min(share)) == pytest.approx(0.01, rel=1e-6)
     assert first < float(endless.min()), (first, endless)
     ends = [{name: scale * np.asarray(wrap) for name, wrap in WRAPS.items()} for scale in (1.0, 0.5)]
-    shortest = float(torque_at_slack_Nm(paper_drive(**ends[1]), 1).min())
-    assert float(torque_at_slack_Nm(paper_drive(), 1, ends).min()) == pytest.approx(shortest, rel=1e-12)
+    shortest = float(capability.torque_at_slack_Nm(paper_drive(**ends[1]), 1).min())
+    assert float(capability.torque_at_slack_Nm(paper_drive(), 1, ends).min()) == pytest.approx(shortest, rel=1e-12)
 
 
 def test_slack_limit_without_friction() -> None:
@@ -352,11 +332,11 @@ def test_slack_limit_without_friction() -> None:
     d = paper_drive(**WRAPS, friction_coefficient=0.0)
     radius = np.full(4, 59.4e-3)
     even = d.with_(drum_radius_m=radius, input_radius_m=radius / 9, guide_radius_m=radius / 6)
-    assert float(torque_at_slack_Nm(even, 1).min()) == pytest.approx(0.99 * 4 * 70 * 59.4e-3, rel=1e-10)
+    assert float(capability.torque_at_slack_Nm(even, 1).min()) == pytest.approx(0.99 * 4 * 70 * 59.4e-3, rel=1e-10)
 
 
 def test_limits_are_complete_and_ordered() -> None:
-    limits = torque_limits(paper_drive(), {"motor": 0.2204, "gearhead": 0.1}, 106.0)
+    limits = capability.torque_limits(paper_drive(), {"motor": 0.2204, "gearhead": 0.1}, 106.0)
     assert [limit.cause for limit in limits] == ["motor", "gearhead", "strength", "slack"] * 2
     assert [limit.direction for limit in limits] == [1] * 4 + [-1] * 4
     assert [limits[0].limiting, limits[4].limiting] == ["left", "right"]
@@ -365,14 +345,14 @@ def test_limits_are_complete_and_ordered() -> None:
 @given(st.lists(st.floats(30, 110), min_size=4, max_size=4))
 def test_balanced_preload_keeps_each_pairs_mean(preload: list[float]) -> None:
     d = paper_drive(preload_N=preload)
-    even = balanced_preload_N(d)
+    even = capability.balanced_preload_N(d)
     assert even[:2].mean() == pytest.approx(np.mean(preload[:2]), rel=1e-12)
     assert even[0] * 6.0 == pytest.approx(even[1] * 6.4, rel=1e-12)
     assert even[2] * 6.8 == pytest.approx(even[3] * 7.2, rel=1e-12)
 
 
 def test_torque_to_weight_of_the_paper() -> None:
-    assert torque_to_weight_Nm_kg(3.3, 342.0) == pytest.approx(9.649, abs=5e-4)
+    assert capability.torque_to_weight_Nm_kg(3.3, 342.0) == pytest.approx(9.649, abs=5e-4)
 
 
 @pytest.mark.parametrize("load", [0.0, 0.3, 0.91, -2.0, 3.3])
@@ -381,26 +361,26 @@ def test_tangent_stiffness_against_finite_differences(load: float) -> None:
     step = 1e-5 if load else 1e-8
     high, low = (float(solve_equilibrium(d, load + sign * step).drum_angle_rad) for sign in (1, -1))
     difference = -2 * step / (high - low)
-    tangent = float(tangent_stiffness_Nm_rad(d, load))
+    tangent = float(stiffness.tangent_stiffness_Nm_rad(d, load))
     assert tangent == pytest.approx(difference, rel=1e-5), f"tangent {tangent:.6g}, differences {difference:.6g}"
 
 
 def test_stiffness_falls_with_load_and_secant_lies_above_tangent() -> None:
     d = paper_drive()
     load = np.array([0.0, 0.5, 1.5, 3.0])
-    tangent, secant = tangent_stiffness_Nm_rad(d, load), secant_stiffness_Nm_rad(d, load)
+    tangent, secant = stiffness.tangent_stiffness_Nm_rad(d, load), stiffness.secant_stiffness_Nm_rad(d, load)
     assert (np.diff(tangent) < 0).all() and (secant[1:] > tangent[1:]).all(), (tangent, secant)
-    assert secant[0] == pytest.approx(float(sticking_stiffness_Nm_rad(d)))
+    assert secant[0] == pytest.approx(float(stiffness.sticking_stiffness_Nm_rad(d)))
 
 
 def test_torsional_modes() -> None:
     d = paper_drive()
     inertia = 1e-4
-    locked = torsional_modes_Hz(d, TurningInertias(inertia))
-    assert locked == pytest.approx([np.sqrt(float(sticking_stiffness_Nm_rad(d)) / inertia) / (2 * np.pi)])
-    free = torsional_modes_Hz(d, TurningInertias(inertia, pulleys=[2e-6, 2e-6]))
+    locked = stiffness.torsional_modes_Hz(d, stiffness.TurningInertias(inertia))
+    assert locked == pytest.approx([np.sqrt(float(stiffness.sticking_stiffness_Nm_rad(d)) / inertia) / (2 * np.pi)])
+    free = stiffness.torsional_modes_Hz(d, stiffness.TurningInertias(inertia, pulleys=[2e-6, 2e-6]))
     assert free[0] == 0.0 and len(free) == 3
-    heavy = torsional_modes_Hz(d, TurningInertias(inertia, pulleys=1e3))
+    heavy = stiffness.torsional_modes_Hz(d, stiffness.TurningInertias(inertia, pulleys=1e3))
     assert heavy[-1] == pytest.approx(locked[0], rel=1e-6), "very heavy inputs act as locked"
     assert free[-1] > locked[0], "free inputs raise the drum's own mode"
 
@@ -408,12 +388,12 @@ def test_torsional_modes() -> None:
 def test_two_masses_on_two_springs_have_the_modes_of_the_textbook() -> None:
     """Wall, spring, drum, spring, payload: 2 w^2 = a + b +- sqrt((a + b)^2 - 4 k1 k2 / (J1 J2))."""
     d, drum, payload = paper_drive(), 1.2e-4, 7e-4
-    chain = Chain(before_drum=4e-5, in_drum=1e-4)
-    k1, k2 = 1.0 / (1.0 / float(sticking_stiffness_Nm_rad(d)) + chain.before_drum), 1.0 / chain.in_drum
+    chain = stiffness.Chain(before_drum=4e-5, in_drum=1e-4)
+    k1, k2 = 1.0 / (1.0 / float(stiffness.sticking_stiffness_Nm_rad(d)) + chain.before_drum), 1.0 / chain.in_drum
     middle = (k1 + k2) / drum + k2 / payload
     root = np.sqrt(middle**2 - 4.0 * k1 * k2 / (drum * payload))
     expected = np.sqrt(np.array([middle - root, middle + root]) / 2.0) / (2.0 * np.pi)
-    found = torsional_modes_Hz(d, TurningInertias(drum, payload), chain)
+    found = stiffness.torsional_modes_Hz(d, stiffness.TurningInertias(drum, payload), chain)
     assert found == pytest.approx(expected, rel=1e-9), (found, expected)
 
 
@@ -421,21 +401,23 @@ def test_rotor_pulley_and_drum_in_a_row_have_the_modes_of_three_masses() -> None
     """Of a drive with one input, all at the drum's speed: w^2 (w^4 - p w^2 + q) = 0."""
     d = layout_of(load_design(PARAMS / "siso_spur.yaml").drive).si
     i, pulley, rotor, drum = float(d.total_ratio[0]), 3e-7, 6e-5, 2e-4
-    chain = Chain(before_inputs=3e-5)
-    k, soft = float(sticking_stiffness_Nm_rad(d)), 1.0 / chain.before_inputs
+    chain = stiffness.Chain(before_inputs=3e-5)
+    k, soft = float(stiffness.sticking_stiffness_Nm_rad(d)), 1.0 / chain.before_inputs
     a, b, c = rotor * i**2, pulley * i**2, drum
     p = soft * (1 / a + 1 / b) + k * (1 / b + 1 / c)
     q = soft * k * (a + b + c) / (a * b * c)
     expected = np.sqrt((p + np.array([-1.0, 1.0]) * np.sqrt(p**2 - 4.0 * q)) / 2.0) / (2.0 * np.pi)
-    found = torsional_modes_Hz(d, TurningInertias(drum, pulleys=pulley, rotors=rotor), chain)
+    found = stiffness.torsional_modes_Hz(d, stiffness.TurningInertias(drum, pulleys=pulley, rotors=rotor), chain)
     assert found == pytest.approx([0.0, *expected], rel=1e-9), (found, expected)
 
 
 def test_more_give_and_more_inertia_lower_every_mode() -> None:
     d = paper_drive()
-    stiff, soft = Chain(1e-5, 1e-5, 1e-5), Chain(2e-5, 3e-5, 4e-5)
-    light, heavy = (TurningInertias(1e-4 * f, 5e-4 * f, 2e-7 * f, 4e-4 * f) for f in (1.0, 1.5))
-    first, second, third = (torsional_modes_Hz(d, *of) for of in ((light, stiff), (light, soft), (heavy, stiff)))
+    stiff, soft = stiffness.Chain(1e-5, 1e-5, 1e-5), stiffness.Chain(2e-5, 3e-5, 4e-5)
+    light, heavy = (stiffness.TurningInertias(1e-4 * f, 5e-4 * f, 2e-7 * f, 4e-4 * f) for f in (1.0, 1.5))
+    first, second, third = (
+        stiffness.torsional_modes_Hz(d, *of) for of in ((light, stiff), (light, soft), (heavy, stiff))
+    )
     assert (second[1:] < first[1:]).all() and (third[1:] < first[1:]).all(), (first, second, third)
 
 
@@ -474,12 +456,12 @@ def test_a_longer_path_turns_the_drum_and_balances() -> None:
     """Sticking wraps: no torque is left on the drum, and the change of stretch is the path less the drum's turn."""
     d = paper_drive()
     path = np.array([[10e-6, 0.0], [0.0, -5e-6], [3e-6, 5e-6], [0.0, 0.0]])
-    angle, pull = sticking_response(d, path)
+    angle, pull = stiffness.sticking_response(d, path)
     lever = d.sigma * d.drum_radius_m
     assert np.abs(lever @ pull).max() < 1e-9, "torque on the drum, N m"
     stretch = pull * (d.free_span_m / d.axial_stiffness_N)[:, None]
     assert stretch == pytest.approx(path - lever[:, None] * angle)
-    turned, slack = sticking_response(d, lever)
+    turned, slack = stiffness.sticking_response(d, lever)
     assert turned == pytest.approx(1.0) and np.abs(slack).max() < 1e-6, "all paths as a turn of the drum makes them"
 
 
@@ -517,8 +499,8 @@ def spur() -> Drive:
     return REFERENCE_DRIVE
 
 
-def _figures(drive: Drive) -> MotorFigures:
-    found = motor_figures(layout_of(drive), layout_of(drive).si, 0.3, np.inf)
+def _figures(drive: Drive) -> capability.MotorFigures:
+    found = capability.motor_figures(layout_of(drive), layout_of(drive).si, 0.3, np.inf)
     assert found is not None
     return found
 
@@ -569,10 +551,10 @@ def test_a_rotor_counts_the_ratio_squared(spur: Drive) -> None:
 
 
 def test_ratings_without_a_gearhead(spur: Drive) -> None:
-    ratings = input_ratings_Nm(brushless(spur))
+    ratings = capability.input_ratings_Nm(brushless(spur))
     assert ratings == pytest.approx({"motor_alone": 0.764, "motor_alone_peak": 1.91})
     a, d = analyse(layout_of(brushless(spur))), layout_of(spur).si
-    rated = min(float(torque_at_input_limit_Nm(d, 0.764, way)[0]) for way in (1, -1))
+    rated = min(float(capability.torque_at_input_limit_Nm(d, 0.764, way)[0]) for way in (1, -1))
     others = [x.torque_Nm for x in a.limits if x.cause in ("slip", "strength", "slack")]
     assert min(a.peak_torque_Nm) == pytest.approx(min(rated, *others))
     assert a.motor is not None and a.motor.curve[0].peak_Nm == pytest.approx(min(others))

@@ -17,17 +17,7 @@ from threadpoolctl import threadpool_info, threadpool_limits
 from mbcdm_cad.layouts.loader import layout_of, load_design, load_text, new_design_text
 from mbcdm_cad.model import plate_mesh
 from mbcdm_cad.model.plate_mesh import Plates, sides
-from mbcdm_cad.model.structure import quadrilateral
-from mbcdm_cad.model.structure.drum_sector import (
-    STIFFENED,
-    UNEVEN,
-    Hub,
-    Isotropic,
-    LandPull,
-    SectorStudy,
-    least_hub_mm,
-    sector_study,
-)
+from mbcdm_cad.model.structure import drum_sector, quadrilateral
 from mbcdm_cad.model.structure.quadrilateral import (
     FREEDOMS,
     eccentric,
@@ -42,9 +32,9 @@ from mbcdm_cad.model.structure.sector_mesh import RimStep, SectorShape
 from mbcdm_cad.parts.drum_sector.dims import Window, hub, land_pulls, sector_shape
 from mbcdm_cad.report.analysis_report import analyse_design
 
-METAL = Isotropic(71_700.0, 0.33)
+METAL = drum_sector.Isotropic(71_700.0, 0.33)
 PARAMS = Path(__file__).parents[3] / "params"
-HUB = Hub(10.0, 4.0, 0.0, 10.0, 5.0, 0.0, 0, 0.0, 0, 7.0, 0.0, (0.0, 2.0), 2.0, pi)
+HUB = drum_sector.Hub(10.0, 4.0, 0.0, 10.0, 5.0, 0.0, 0, 0.0, 0, 7.0, 0.0, (0.0, 2.0), 2.0, pi)
 
 
 # The windows of the drum whose STEP two independent programs of finite elements measured: inner and outer radius, ends.
@@ -60,8 +50,8 @@ MEASURED_WINDOWS = tuple(
 
 
 def study(
-    cells: float = 28.0, windows: tuple[Window, ...] | None = MEASURED_WINDOWS, material: Isotropic = METAL
-) -> SectorStudy:
+    cells: float = 28.0, windows: tuple[Window, ...] | None = MEASURED_WINDOWS, material: drum_sector.Isotropic = METAL
+) -> drum_sector.SectorStudy:
     """The drum of the reference design, each cable with a quarter of the torque; ``windows`` None: not even a slot."""
     drive = load_design(PARAMS / "mbcdm.yaml").drive
     # Hub and web of the measured drum; the reference's are wider and thicker since.
@@ -72,7 +62,7 @@ def study(
     pulls = land_pulls(dims, dict.fromkeys(names, 0.25), dict.fromkeys(names, 70.0))
     shape = sector_shape(dims)
     shape = replace(shape, openings=()) if windows is None else shape
-    return sector_study(shape, hub(dims, 2.5), pulls, material, cells)
+    return drum_sector.sector_study(shape, hub(dims, 2.5), pulls, material, cells)
 
 
 def test_a_mesh_is_solved_as_a_full_matrix_is() -> None:
@@ -131,8 +121,8 @@ def test_a_full_ring_turns_as_its_closed_form() -> None:
     """A disc from a to b under the same shear all round: T / (4 pi G t) (1/a^2 - 1/b^2), the cables all round it."""
     a, b, thick = 10.0, 50.0, 2.0
     shape = SectorShape(pi - 1e-6, a, (RimStep(b, 0.0, thick),))
-    pulls = tuple(LandPull(side, b, pi - 1e-3, 0.5, 0.0, 1.0) for side in (1, -1))
-    found = sector_study(shape, HUB, pulls, METAL, 40.0)
+    pulls = tuple(drum_sector.LandPull(side, b, pi - 1e-3, 0.5, 0.0, 1.0) for side in (1, -1))
+    found = drum_sector.sector_study(shape, HUB, pulls, METAL, 40.0)
     root, _ = HUB.root_mm2_N(METAL, (0.0, thick))
     ring = 1e9 / (4.0 * pi * METAL.shear_MPa * thick) * (1.0 / a**2 - 1.0 / b**2)
     ring += 1e9 * root / (2.0 * pi * a**3)
@@ -151,7 +141,7 @@ def test_a_web_all_round_turns_on_its_hub_as_a_body_of_revolution(
     exact, _ = revolved(radius, bore, outer, (0.0, back, back + thick, face), thick / 6.0)
     hub_ = replace(HUB, radius_mm=radius, bore_mm=bore, face_mm=face, set_mm=0.0)
     root, _ = hub_.root_mm2_N(METAL, (back, back + thick))
-    start = back + thick * (0.5 + STIFFENED)
+    start = back + thick * (0.5 + drum_sector.STIFFENED)
     found = hub_.twist_urad_Nm(METAL, start, face) + 1e9 * root / (2.0 * pi * radius**3)
     found += 1e9 / (4.0 * pi * METAL.shear_MPa * thick) * (1.0 / radius**2 - 1.0 / outer**2)
     assert found == pytest.approx(exact / METAL.shear_MPa * 1e9, rel=0.04), f"{found:.2f} urad/N m"
@@ -164,7 +154,7 @@ def test_a_wide_hub_passes_its_torque_on_under_its_outside(radius: float, bore: 
     face = thick / 2.0 + length
     _, shear = revolved(radius, bore, 1.2 * radius, (0.0, 0.0, thick, face), thick / 4.0)
     hub_ = replace(HUB, radius_mm=radius, bore_mm=bore, face_mm=face, edge_mm=(0.0, thick), web_mm=thick)
-    found, exact = hub_.shear_MPa(torque) / UNEVEN, shear(2.0 * thick) * torque * 1e3
+    found, exact = hub_.shear_MPa(torque) / drum_sector.UNEVEN, shear(2.0 * thick) * torque * 1e3
     assert found == pytest.approx(exact, rel=0.1), f"{found:.3f} MPa, rings {exact:.3f}"
 
 
@@ -204,7 +194,7 @@ def revolved(
 
 @pytest.mark.parametrize(("bore", "torque", "shear"), [(4.0, 0.5, 190.0), (4.0, 8.0, 7.7), (15.0, 150.0, 20.0)])
 def test_the_least_hub_has_the_shear_that_it_may_have(bore: float, torque: float, shear: float) -> None:
-    radius = least_hub_mm(bore, torque, shear)
+    radius = drum_sector.least_hub_mm(bore, torque, shear)
     found = replace(HUB, radius_mm=radius, bore_mm=bore).shear_MPa(torque)
     assert radius > bore and found == pytest.approx(shear, rel=1e-6), f"{radius} mm: {found} MPa"
 
@@ -247,9 +237,9 @@ def test_cables_bend_the_web_by_how_far_they_lie_beside_its_middle() -> None:
     """Nothing in its middle; in front the opposite of behind, twice as far twice as much, and four times the turn."""
     shape = SectorShape(1.2, 10.0, (RimStep(40.0, 4.0, 6.0), RimStep(50.0, 2.0, 8.0)), rim_mm=40.0)
 
-    def bent(at: float) -> SectorStudy:
-        pulls = tuple(LandPull(side, 50.0, 1.0, 0.5, 70.0, at) for side in (1, -1))
-        return sector_study(shape, HUB, pulls, METAL)
+    def bent(at: float) -> drum_sector.SectorStudy:
+        pulls = tuple(drum_sector.LandPull(side, 50.0, 1.0, 0.5, 70.0, at) for side in (1, -1))
+        return drum_sector.sector_study(shape, HUB, pulls, METAL)
 
     behind, middle, front, further = (bent(at) for at in (3.0, 5.0, 7.0, 9.0))
     largest = np.abs(front.preload_bending).max()
@@ -277,7 +267,7 @@ def test_a_drum_without_metal_under_a_cable_has_no_figure() -> None:
     names = [t.cable_name for t in dims.tensioners]
     pulls = land_pulls(dims, dict.fromkeys(names, 0.25), dict.fromkeys(names, 70.0))
     with pytest.raises(ValueError, match="drum: no metal under the cable on the land of radius"):
-        sector_study(sector_shape(dims), hub(dims, 2.5), pulls, METAL, 14.0)
+        drum_sector.sector_study(sector_shape(dims), hub(dims, 2.5), pulls, METAL, 14.0)
 
 
 def test_a_finer_mesh_changes_little() -> None:
@@ -286,7 +276,7 @@ def test_a_finer_mesh_changes_little() -> None:
 
 
 def test_turn_is_inverse_to_the_modulus_and_stress_does_not_depend_on_it() -> None:
-    stiff, soft = study(), study(material=Isotropic(METAL.modulus_MPa / 20.0, METAL.poisson))
+    stiff, soft = study(), study(material=drum_sector.Isotropic(METAL.modulus_MPa / 20.0, METAL.poisson))
     for name in ("web_urad_Nm", "hub_to_screws_urad_Nm", "hub_to_face_urad_Nm"):
         assert getattr(soft, name) == pytest.approx(20.0 * getattr(stiff, name), rel=1e-6), name
     np.testing.assert_allclose(soft.von_mises_MPa(2.0), stiff.von_mises_MPa(2.0), rtol=1e-5)

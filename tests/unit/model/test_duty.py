@@ -17,28 +17,11 @@ from mbcdm_cad.design.blocks import DutyRow
 from mbcdm_cad.design.bought import Motor
 from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.layouts.sector import SectorLayout
-from mbcdm_cad.model import heat
+from mbcdm_cad.model import heat, losses
 from mbcdm_cad.model.duty import default_duty, of_record, of_rows
 from mbcdm_cad.model.heat import COPPER_PER_K, MotorHeat, motor_heat
 from mbcdm_cad.model.hysteresis import simulate
-from mbcdm_cad.model.losses import (
-    BEARINGS,
-    ROPE,
-    Train,
-    backward_efficiency,
-    bearing_torque_Nm,
-    gearhead_share,
-    tangent_share,
-)
-from mbcdm_cad.model.structure.causes import (
-    URAD_NM,
-    Acting,
-    Section,
-    ball_bearing_N_mm,
-    bearing_urad_Nm,
-    bending_urad_Nm,
-    torsion_urad_Nm,
-)
+from mbcdm_cad.model.structure import causes
 from mbcdm_cad.model.structure.drum_sector import Isotropic
 
 
@@ -326,43 +309,43 @@ def layout_in(name: str) -> SectorLayout:
 
 
 def test_a_gearhead_of_half_efficiency_and_below_locks() -> None:
-    assert backward_efficiency(0.5) == 0.0
-    assert backward_efficiency(0.3) == 0.0
-    assert backward_efficiency(0.51) == pytest.approx(2.0 - 1.0 / 0.51)
-    assert backward_efficiency(1.0) == 1.0
+    assert losses.backward_efficiency(0.5) == 0.0
+    assert losses.backward_efficiency(0.3) == 0.0
+    assert losses.backward_efficiency(0.51) == pytest.approx(2.0 - 1.0 / 0.51)
+    assert losses.backward_efficiency(1.0) == 1.0
 
 
 @given(st.floats(0.5, 1.0), st.floats(0.01, 100.0))
 def test_the_same_torque_is_lost_forward_and_backward(efficiency: float, output_Nm: float) -> None:
     forward = output_Nm / efficiency - output_Nm
-    backward = output_Nm - output_Nm * backward_efficiency(efficiency)
+    backward = output_Nm - output_Nm * losses.backward_efficiency(efficiency)
     assert forward == pytest.approx(backward, rel=1e-9, abs=1e-12)
-    assert gearhead_share(efficiency) * output_Nm == pytest.approx(forward, rel=1e-9, abs=1e-12)
+    assert losses.gearhead_share(efficiency) * output_Nm == pytest.approx(forward, rel=1e-9, abs=1e-12)
 
 
 def test_a_sheave_of_common_size_loses_what_rope_makers_say() -> None:
     # 0.98 with its bearing at D/d from 20 to 25: the rope takes most of the 2 %, none of it more.
     for ratio in (20.0, 25.0):
-        lost = 2.0 * float(tangent_share(1.0, ratio))
+        lost = 2.0 * float(losses.tangent_share(1.0, ratio))
         assert 0.009 < lost < 0.02, (ratio, lost)
 
 
 @given(st.floats(0.1, 10.0), st.floats(5.0, 100.0))
 def test_a_pulley_of_twice_the_diameter_loses_2_to_the_1_33_less(rope_mm: float, ratio: float) -> None:
-    once, twice = (float(tangent_share(rope_mm, rope_mm * r)) for r in (ratio, 2.0 * ratio))
+    once, twice = (float(losses.tangent_share(rope_mm, rope_mm * r)) for r in (ratio, 2.0 * ratio))
     assert once / twice == pytest.approx(2.0**1.33)
 
 
 def test_bearing_by_hand() -> None:
     # 0.5 x 0.0015 x 100 N x 8 mm; under a spring alone the equivalent load is twice its force.
-    assert bearing_torque_Nm(100.0, 0.0, 0.008) == pytest.approx(6e-4)
-    assert bearing_torque_Nm(0.0, 10.0, 0.008) == pytest.approx(1.2e-4)
+    assert losses.bearing_torque_Nm(100.0, 0.0, 0.008) == pytest.approx(6e-4)
+    assert losses.bearing_torque_Nm(0.0, 10.0, 0.008) == pytest.approx(1.2e-4)
 
 
 def test_friction_of_the_cables_of_the_reference() -> None:
     layout = layout_in("mbcdm")
     moved = layout.losses.moving(0.0, 1)
-    rope = sum(float(x.torque_Nm[0]) for x in moved.losses if x.kind == ROPE)
+    rope = sum(float(x.torque_Nm[0]) for x in moved.losses if x.kind == losses.ROPE)
     assert 0.18 < rope < 0.55, rope
     # By hand: one tangent point on input and drum, two on the guide, at the preload.
     d, byhand = layout.drive.cable.diameter_mm, 0.0
@@ -374,7 +357,7 @@ def test_friction_of_the_cables_of_the_reference() -> None:
     assert rope == pytest.approx(byhand, rel=0.01)
 
 
-def without_constants(train: Train) -> Train:
+def without_constants(train: losses.Train) -> losses.Train:
     """The train with rope and gearhead's efficiency alone."""
     return replace(train, bearings=(), gear_idle_Nm=0.0, motor_idle_Nm=0.0)
 
@@ -453,8 +436,8 @@ def test_power_of_the_motors_is_that_of_the_load_and_of_every_cause(name: str) -
 def test_more_preload_loses_more_and_load_hardly_counts_for_the_cables() -> None:
     layout = layout_in("siso_spur")
 
-    def rope(train: Train, load: float) -> float:
-        return sum(float(x.torque_Nm[0]) for x in train.moving(load, 1).losses if x.kind == ROPE)
+    def rope(train: losses.Train, load: float) -> float:
+        return sum(float(x.torque_Nm[0]) for x in train.moving(load, 1).losses if x.kind == losses.ROPE)
 
     train = layout.losses
     more = replace(train, d=train.d.with_(preload_N=2.0 * train.d.preload_N))
@@ -467,7 +450,7 @@ def test_back_driving_starts_harder_than_it_runs_by_the_bearings_alone() -> None
     layout = layout_in("mbcdm")
     back = layout.losses.backdrive
     assert back is not None
-    bearings = sum(float(x.torque_Nm) for x in back.losses if x.kind == BEARINGS)
+    bearings = sum(float(x.torque_Nm) for x in back.losses if x.kind == losses.BEARINGS)
     assert back.start_Nm - back.running_Nm == pytest.approx(bearings)
     # Motor's friction at the drum, by hand: 9 x 76 turns, two motors of 11.5 mN m/A that take 7 mA without load, over
     # 2 - 1/0.68.
@@ -477,7 +460,7 @@ def test_back_driving_starts_harder_than_it_runs_by_the_bearings_alone() -> None
 
 def test_a_gearhead_that_locks_gives_no_back_driving() -> None:
     layout = layout_in("mbcdm")
-    locked = replace(layout.losses, gear_share=gearhead_share(0.5))
+    locked = replace(layout.losses, gear_share=losses.gearhead_share(0.5))
     assert locked.backdrive is None
     assert float(locked.moving(3.15, -1).efficiency[0]) == 0.0
 
@@ -500,12 +483,12 @@ def along_x(force_N: float) -> np.ndarray:
 def test_a_beam_on_two_supports_bends_as_tables_say() -> None:
     # Point load in the middle: F L^3 / (48 E I) at the load, so that twice the energy is F times that.
     force, length, radius = 10.0, 60.0, 4.0
-    acting = [Acting(length / 2, along_x(force), NONE)]
-    acting += [Acting(at, along_x(-force / 2), NONE) for at in (0.0, length)]
-    found = bending_urad_Nm(Z, acting, [Section(0.0, length, radius)], STEEL)
-    table = force**2 * length**3 / (48.0 * STEEL_MPA * pi / 4.0 * radius**4) * URAD_NM
+    acting = [causes.Acting(length / 2, along_x(force), NONE)]
+    acting += [causes.Acting(at, along_x(-force / 2), NONE) for at in (0.0, length)]
+    found = causes.bending_urad_Nm(Z, acting, [causes.Section(0.0, length, radius)], STEEL)
+    table = force**2 * length**3 / (48.0 * STEEL_MPA * pi / 4.0 * radius**4) * causes.URAD_NM
     # Timoshenko's shear: half the force on either side.
-    table += force**2 * length / (4.0 * STEEL.shear_MPa * ROUND * pi * radius**2) * URAD_NM
+    table += force**2 * length / (4.0 * STEEL.shear_MPa * ROUND * pi * radius**2) * causes.URAD_NM
     assert found == pytest.approx(table, rel=1e-4)
 
 
@@ -513,17 +496,17 @@ def test_an_overhung_load_bends_span_and_overhang() -> None:
     # F a^2 (L + a) / (3 E I) at the load, a beyond the support.
     force, span, overhang, radius, bore = 16.7, 10.0, 4.0, 4.0, 2.0
     acting = [
-        Acting(span + overhang, along_x(force), NONE),
-        Acting(span, along_x(-force * (span + overhang) / span), NONE),
-        Acting(0.0, along_x(force * overhang / span), NONE),
+        causes.Acting(span + overhang, along_x(force), NONE),
+        causes.Acting(span, along_x(-force * (span + overhang) / span), NONE),
+        causes.Acting(0.0, along_x(force * overhang / span), NONE),
     ]
-    found = bending_urad_Nm(Z, acting, [Section(0.0, span + overhang, radius, bore)], STEEL)
+    found = causes.bending_urad_Nm(Z, acting, [causes.Section(0.0, span + overhang, radius, bore)], STEEL)
     second = pi / 4.0 * (radius**4 - bore**4)
-    table = force**2 * overhang**2 * (span + overhang) / (3.0 * STEEL_MPA * second) * URAD_NM
+    table = force**2 * overhang**2 * (span + overhang) / (3.0 * STEEL_MPA * second) * causes.URAD_NM
     # Of a tube of twice its bore 0.620 of the area (Cowper 1966).
     area = 0.620 * pi * (radius**2 - bore**2)
     shear = force**2 * (overhang + (overhang / span) ** 2 * span) / (STEEL.shear_MPa * area)
-    table += shear * URAD_NM
+    table += shear * causes.URAD_NM
     assert found == pytest.approx(table, rel=2e-3)
 
 
@@ -532,45 +515,48 @@ def test_a_couple_at_one_support_bends_the_span() -> None:
     couple, length, radius = 100.0, 30.0, 3.0
     reaction = couple / length
     # About y: a force along x at z adds z x F = (0, z Fx, 0).
-    acting = [Acting(0.0, along_x(reaction), np.array([0.0, couple, 0.0])), Acting(length, along_x(-reaction), NONE)]
-    found = bending_urad_Nm(Z, acting, [Section(0.0, length, radius)], STEEL)
-    table = couple**2 * length / (3.0 * STEEL_MPA * pi / 4.0 * radius**4) * URAD_NM
-    table += reaction**2 * length / (STEEL.shear_MPa * ROUND * pi * radius**2) * URAD_NM
+    acting = [
+        causes.Acting(0.0, along_x(reaction), np.array([0.0, couple, 0.0])),
+        causes.Acting(length, along_x(-reaction), NONE),
+    ]
+    found = causes.bending_urad_Nm(Z, acting, [causes.Section(0.0, length, radius)], STEEL)
+    table = couple**2 * length / (3.0 * STEEL_MPA * pi / 4.0 * radius**4) * causes.URAD_NM
+    table += reaction**2 * length / (STEEL.shear_MPa * ROUND * pi * radius**2) * causes.URAD_NM
     assert found == pytest.approx(table, rel=1e-4)
 
 
 def test_steps_of_a_shaft_twist_in_series() -> None:
-    steps = [Section(0.0, 5.0, 3.0, 1.5), Section(5.0, 12.0, 4.0)]
+    steps = [causes.Section(0.0, 5.0, 3.0, 1.5), causes.Section(5.0, 12.0, 4.0)]
     polar = [pi / 2.0 * (3.0**4 - 1.5**4), pi / 2.0 * 4.0**4]
     # Inside the thicker step the thin one twists on, over an eighth of its diameter where they are far from alike.
     inside = 6.0 / 8.0 * (1.0 - 0.75**2.6)
-    table = 50.0**2 * ((5.0 + inside) / polar[0] + 7.0 / polar[1]) / 80e3 * URAD_NM
-    assert torsion_urad_Nm(50.0, steps, 80e3) == pytest.approx(table)
-    held = 50.0**2 * 6.0 / 8.0 / polar[0] / 80e3 * URAD_NM
-    assert torsion_urad_Nm(50.0, steps, 80e3, collar=True) == pytest.approx(table + held)
+    table = 50.0**2 * ((5.0 + inside) / polar[0] + 7.0 / polar[1]) / 80e3 * causes.URAD_NM
+    assert causes.torsion_urad_Nm(50.0, steps, 80e3) == pytest.approx(table)
+    held = 50.0**2 * 6.0 / 8.0 / polar[0] / 80e3 * causes.URAD_NM
+    assert causes.torsion_urad_Nm(50.0, steps, 80e3, collar=True) == pytest.approx(table + held)
 
 
 def test_a_shaft_without_a_wall_is_refused() -> None:
     with pytest.raises(ValueError, match="bore of radius 3 mm"):
-        torsion_urad_Nm(1.0, [Section(0.0, 1.0, 3.0, 3.0)], 80e3)
+        causes.torsion_urad_Nm(1.0, [causes.Section(0.0, 1.0, 3.0, 3.0)], 80e3)
 
 
 def test_a_bearing_of_8_by_16_is_as_stiff_as_such_bearings_are() -> None:
     # A ball of 2 mm gives by 6 to 7 um under 90 N (Hertz, steel on steel in a groove): 618/8 under 200 N has about
     # 45 N/um. The factor of two each way covers the balls that catalogues do not give.
-    stiffness = ball_bearing_N_mm(8.0, 16.0, 200.0)
+    stiffness = causes.ball_bearing_N_mm(8.0, 16.0, 200.0)
     assert 22e3 < stiffness < 90e3, f"{stiffness:.4g} N/mm"
 
 
 @given(st.floats(1.0, 2000.0), st.floats(1.05, 5.0), st.floats(0.0, 200.0))
 def test_a_bearing_stiffens_under_load_and_preload(radial: float, more: float, axial: float) -> None:
-    base = ball_bearing_N_mm(8.0, 16.0, radial, axial)
-    assert ball_bearing_N_mm(8.0, 16.0, radial * more, axial) >= base
-    assert ball_bearing_N_mm(8.0, 16.0, radial, axial * more) >= base
+    base = causes.ball_bearing_N_mm(8.0, 16.0, radial, axial)
+    assert causes.ball_bearing_N_mm(8.0, 16.0, radial * more, axial) >= base
+    assert causes.ball_bearing_N_mm(8.0, 16.0, radial, axial * more) >= base
 
 
 @given(st.floats(0.1, 100.0), st.floats(1e3, 1e6))
 def test_the_turn_by_a_bearing_is_force_times_give(reaction: float, stiffness: float) -> None:
     give_mm = reaction / stiffness
     # Reciprocity: the drum turns by force (per N m) times displacement (per N m).
-    assert bearing_urad_Nm(reaction, stiffness) == pytest.approx(reaction * give_mm * 1e-3 * 1e6)
+    assert causes.bearing_urad_Nm(reaction, stiffness) == pytest.approx(reaction * give_mm * 1e-3 * 1e6)

@@ -15,7 +15,7 @@ from paper_case import paper_drive, some_cables, turned_round
 from mbcdm_cad.design.bought import CableSpec
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.layouts.loader import layout_of, load_design
-from mbcdm_cad.model import equilibrium
+from mbcdm_cad.model import equilibrium, tensioning
 from mbcdm_cad.model.analysis import pair_mismatch
 from mbcdm_cad.model.creep import DAY_S, START_S, YEAR_S, creeps, preload_left, relaxation, steady_rate_per_s
 from mbcdm_cad.model.equations import eq1_residuals, shaft_angles, transmission_error
@@ -24,19 +24,6 @@ from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.profiles import simulate_profiles
 from mbcdm_cad.model.si import DriveSI, ModelError
 from mbcdm_cad.model.stiffness import drum_backlash
-from mbcdm_cad.model.tensioning import (
-    balanced_tension_N,
-    bedding_loss_N,
-    influence,
-    limits_of_pitch_Hz,
-    plucked_Hz,
-    reached_length_m,
-    sequence,
-    take_up,
-    taken_from_others,
-    tension_from_pitch_N,
-    untensioned_length_m,
-)
 from mbcdm_cad.model.wrap import excess_minus_log, slack_stretch_m, stretch_after_reversal, stretch_first_loading
 from mbcdm_cad.routes import Floats
 from tests.support.clip_grid import simulate_on_grid
@@ -219,24 +206,24 @@ def _beam_Hz(tension: float, mass: float, length: float, bending: float, n: int 
 
 @pytest.mark.parametrize("bending", [1e-5, 3e-5, 6.9e-4, 1.2e-3, 0.1])
 def test_clamped_span_sounds_as_the_discretised_beam(bending: float) -> None:
-    exact, numeric = plucked_Hz(70.0, 2.5e-3, 0.03, bending), _beam_Hz(70.0, 2.5e-3, 0.03, bending)
+    exact, numeric = tensioning.plucked_Hz(70.0, 2.5e-3, 0.03, bending), _beam_Hz(70.0, 2.5e-3, 0.03, bending)
     assert abs(exact / numeric - 1.0) < 0.01, (exact, numeric)
 
 
 def test_limits_of_the_formula() -> None:
-    string = plucked_Hz(70.0, 2.5e-3, 0.03)
+    string = tensioning.plucked_Hz(70.0, 2.5e-3, 0.03)
     assert abs(string - 2788.9) < 0.1, string
-    stiff = plucked_Hz(1e-9, 2.5e-3, 0.03, 1.0)
+    stiff = tensioning.plucked_Hz(1e-9, 2.5e-3, 0.03, 1.0)
     bare = 4.7300407**2 / (2.0 * pi) * sqrt(1.0 / (2.5e-3 * 0.03**4))
     assert abs(stiff / bare - 1.0) < 1e-6, (stiff, bare)
-    assert abs(plucked_Hz(70.0, 2.5e-3, 0.03, 1e-10) / string - 1.0) < 1e-4
+    assert abs(tensioning.plucked_Hz(70.0, 2.5e-3, 0.03, 1e-10) / string - 1.0) < 1e-4
 
 
 def test_wires_free_raise_the_pitch_by_five_percent_bonded_by_forty() -> None:
     loose = 49 * 190e9 * pi / 64 * (0.09e-3) ** 4
-    string = plucked_Hz(70.0, 2.5e-3, 0.03)
-    clamped = plucked_Hz(70.0, 2.5e-3, 0.03, loose) / string - 1.0
-    low, high = (f / string - 1.0 for f in limits_of_pitch_Hz(70.0, 2.5e-3, 0.03, loose, 1.2e-3))
+    string = tensioning.plucked_Hz(70.0, 2.5e-3, 0.03)
+    clamped = tensioning.plucked_Hz(70.0, 2.5e-3, 0.03, loose) / string - 1.0
+    low, high = (f / string - 1.0 for f in tensioning.limits_of_pitch_Hz(70.0, 2.5e-3, 0.03, loose, 1.2e-3))
     assert 0.04 < clamped < 0.055, clamped
     assert 0.0 < low < 0.01, low
     assert 0.35 < high < 0.5, high
@@ -244,8 +231,8 @@ def test_wires_free_raise_the_pitch_by_five_percent_bonded_by_forty() -> None:
 
 @given(tension=st.floats(1.0, 500.0), length=st.floats(0.01, 0.3), bending=st.sampled_from([0.0, 3e-5, 1e-3]))
 def test_tension_comes_back_from_the_pitch(tension: float, length: float, bending: float) -> None:
-    frequency = plucked_Hz(tension, 2.5e-3, length, bending)
-    again = tension_from_pitch_N(frequency, 2.5e-3, length, bending)
+    frequency = tensioning.plucked_Hz(tension, 2.5e-3, length, bending)
+    again = tensioning.tension_from_pitch_N(frequency, 2.5e-3, length, bending)
     assert abs(again - tension) < 1e-4 * tension + 1e-3, (tension, again)
 
 
@@ -257,42 +244,44 @@ def test_reached_length_is_the_integral_of_the_tension_gained() -> None:
         gained = share * np.exp(-mu * angle * part)
         numeric += length * float(np.sum((gained[1:] + gained[:-1]) / 2 * np.diff(part)))
         share *= exp(-mu * angle)
-    found = reached_length_m(pieces, mu)
+    found = tensioning.reached_length_m(pieces, mu)
     assert abs(found / numeric - 1.0) < 1e-8, (found, numeric)
-    assert abs(reached_length_m(pieces, 0.0) - sum(length for length, _ in pieces)) < 1e-12
+    assert abs(tensioning.reached_length_m(pieces, 0.0) - sum(length for length, _ in pieces)) < 1e-12
 
 
 def test_elastic_stretch_of_the_reference_cables() -> None:
     """Lengths of the reference's cables give the stretches found apart from the project: 0.755 to 0.990 mm at 70 N."""
-    found = [take_up(length, 70.0, EA_N, 0.002, 0.3e-3) for length in LENGTH_M]
+    found = [tensioning.take_up(length, 70.0, EA_N, 0.002, 0.3e-3) for length in LENGTH_M]
     assert np.allclose([t.elastic_m * 1e3 for t in found], [0.755, 0.923, 0.808, 0.990], atol=0.002), found
     assert found[0].total_m == pytest.approx(found[0].elastic_m + 0.002 * LENGTH_M[0] + 0.6e-3)
     assert found[0].total_m - found[0].nominal_m == pytest.approx(0.3e-3)
-    assert untensioned_length_m(LENGTH_M[0], 70.0, EA_N) == pytest.approx(LENGTH_M[0] - found[0].elastic_m, abs=4e-6)
-    assert bedding_loss_N(0.002, EA_N) == pytest.approx(33.7, abs=0.1)
+    assert tensioning.untensioned_length_m(LENGTH_M[0], 70.0, EA_N) == pytest.approx(
+        LENGTH_M[0] - found[0].elastic_m, abs=4e-6
+    )
+    assert tensioning.bedding_loss_N(0.002, EA_N) == pytest.approx(33.7, abs=0.1)
     with pytest.raises(ValueError, match="below zero"):
-        take_up(-1.0, 70.0, EA_N, 0.0, 0.0)
+        tensioning.take_up(-1.0, 70.0, EA_N, 0.0, 0.0)
 
 
 def test_influence_is_the_slope_of_the_balance() -> None:
     drawn = 70.0 / STIFFNESS
-    start = balanced_tension_N(STIFFNESS, LEVER_M, drawn)
+    start = tensioning.balanced_tension_N(STIFFNESS, LEVER_M, drawn)
     assert np.allclose(start, 70.0, atol=1e-6), start
-    by_formula = influence(STIFFNESS, LEVER_M)
+    by_formula = tensioning.influence(STIFFNESS, LEVER_M)
     for j in range(4):
         step = drawn.copy()
         step[j] += 1e-5
-        slope = (balanced_tension_N(STIFFNESS, LEVER_M, step) - start) / 1e-5
+        slope = (tensioning.balanced_tension_N(STIFFNESS, LEVER_M, step) - start) / 1e-5
         assert np.allclose(slope, by_formula[:, j], rtol=1e-4, atol=1.0), (j, slope, by_formula[:, j])
     assert np.allclose(LEVER_M @ by_formula, 0.0, atol=1e-6)
-    assert np.allclose(np.diag(taken_from_others(STIFFNESS, LEVER_M)), -1.0)
+    assert np.allclose(np.diag(tensioning.taken_from_others(STIFFNESS, LEVER_M)), -1.0)
 
 
 @settings(max_examples=30, deadline=None)
 @given(order=st.permutations(range(4)), lengths=st.lists(st.floats(0.1, 0.4), min_size=4, max_size=4))
 def test_any_order_reaches_the_goal_without_a_torque_on_the_drum(order: list[int], lengths: list[float]) -> None:
     stiffness = EA_N / np.array(lengths)
-    done = sequence(stiffness, LEVER_M, [70.0] * 4, tuple(order))
+    done = tensioning.sequence(stiffness, LEVER_M, [70.0] * 4, tuple(order))
     last = done[-1].tension_N
     assert np.all(np.abs(last - 70.0) <= 0.02 * 70.0), last
     assert abs(float(LEVER_M @ last)) < 1e-6
@@ -301,7 +290,7 @@ def test_any_order_reaches_the_goal_without_a_torque_on_the_drum(order: list[int
 
 def test_goals_that_cannot_balance_are_refused() -> None:
     with pytest.raises(ValueError, match="do not balance"):
-        sequence(STIFFNESS, LEVER_M, [70.0, 140.0, 140.0, 70.0], (0, 1, 2, 3))
+        tensioning.sequence(STIFFNESS, LEVER_M, [70.0, 140.0, 140.0, 70.0], (0, 1, 2, 3))
 
 
 def rope(name: str = "uhmwpe-2", **changed: float) -> CableSpec:

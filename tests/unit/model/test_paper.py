@@ -10,14 +10,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from paper_case import paper_drive
 
-from mbcdm_cad.model import equations
+from mbcdm_cad.model import capability, equations
 from mbcdm_cad.model import equations as eq
-from mbcdm_cad.model.capability import (
-    balanced_preload_N,
-    input_bias_Nm,
-    torque_at_input_limit_Nm,
-    torque_to_weight_Nm_kg,
-)
 from mbcdm_cad.model.equations import eq1_residuals, pair_mismatch_m
 from mbcdm_cad.model.equilibrium import bearing_loads, solve_equilibrium
 from mbcdm_cad.model.si import ModelError
@@ -98,16 +92,16 @@ def test_load_share_and_input_torques() -> None:
 
 def test_drive_limits_both_ways() -> None:
     d = paper_drive()
-    equal = [torque_at_input_limit_Nm(d, INPUT_RATING, way).min() for way in (1, -1)]
+    equal = [capability.torque_at_input_limit_Nm(d, INPUT_RATING, way).min() for way in (1, -1)]
     close(equal, [3.747, 3.194], 5.1e-4)
-    even = d.with_(preload_N=balanced_preload_N(d))
-    close([torque_at_input_limit_Nm(even, INPUT_RATING, way).min() for way in (1, -1)], [3.69, 3.66], 5.1e-3)
+    even = d.with_(preload_N=capability.balanced_preload_N(d))
+    close([capability.torque_at_input_limit_Nm(even, INPUT_RATING, way).min() for way in (1, -1)], [3.69, 3.66], 5.1e-3)
 
 
 def test_preload_bias_on_the_inputs() -> None:
     d = paper_drive()
-    close(input_bias_Nm(d) * 1e3, [28.0, -28.0], 1e-9)
-    close(input_bias_Nm(d.with_(preload_N=balanced_preload_N(d))), [0.0, 0.0], 1e-14)
+    close(capability.input_bias_Nm(d) * 1e3, [28.0, -28.0], 1e-9)
+    close(capability.input_bias_Nm(d.with_(preload_N=capability.balanced_preload_N(d))), [0.0, 0.0], 1e-14)
 
 
 def test_slip_angles_of_the_inner_step() -> None:
@@ -287,9 +281,9 @@ def test_eq20_is_eq19_of_eq7_9_and_11() -> None:
 def test_the_texts_torque() -> None:
     two_inputs = 2 * equations.MOTOR_TORQUE_MNM * 1e-3 * equations.GEAR_RATIO * 9
     assert two_inputs == pytest.approx(3.967, abs=5e-4), "the paper rounds it down to 3.9"
-    design = torque_to_weight_Nm_kg(equations.DESIGN_TORQUE_NM, equations.DESIGN_MASS_G)
+    design = capability.torque_to_weight_Nm_kg(equations.DESIGN_TORQUE_NM, equations.DESIGN_MASS_G)
     assert design == pytest.approx(equations.DESIGN_TORQUE_TO_WEIGHT_NM_KG, abs=5e-3)
-    prototype = torque_to_weight_Nm_kg(equations.PEAK_TORQUE_NM, equations.PROTOTYPE_MASS_G)
+    prototype = capability.torque_to_weight_Nm_kg(equations.PEAK_TORQUE_NM, equations.PROTOTYPE_MASS_G)
     assert prototype == pytest.approx(equations.TORQUE_TO_WEIGHT_NM_KG, abs=5e-4)
 
 

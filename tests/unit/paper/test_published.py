@@ -9,16 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.studies.paper_experiments import (
-    EXPERIMENTS,
-    Compared,
-    PaperResult,
-    angle_spectrum,
-    first_saturated_Nm,
-    given_way_Nm,
-    highest_peak,
-    reversal_swings_rad,
-)
+from benchmarks.studies import paper_experiments
 from benchmarks.studies.paper_plots import result_files, result_json, result_text
 from mbcdm_cad import cli
 from mbcdm_cad.cli import run
@@ -192,11 +183,11 @@ def test_the_command_ends_with_1_outside_a_tolerance(tmp_path: Path, capsys: pyt
 DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
 
 
-def figures(result: PaperResult) -> dict[str, float]:
+def figures(result: paper_experiments.PaperResult) -> dict[str, float]:
     return {f"{c.quantity}, {c.unit}": c.rig for c in result.compared}
 
 
-def checked_files(result: PaperResult) -> None:
+def checked_files(result: paper_experiments.PaperResult) -> None:
     files = result_files(result, DRIVE)
     assert sorted(files) == [f"{result.name}.png", f"{result.name}.result.json", f"{result.name}.txt"]
     assert files[f"{result.name}.png"].startswith(b"\x89PNG") and len(files[f"{result.name}.png"]) > 20_000
@@ -206,7 +197,7 @@ def checked_files(result: PaperResult) -> None:
 
 @pytest.mark.slow
 def test_backlash_is_the_paper_s_within_what_carried_rope_explains() -> None:
-    result = EXPERIMENTS["backlash"](DRIVE, 0)
+    result = paper_experiments.EXPERIMENTS["backlash"](DRIVE, 0)
     (swing,) = figures(result).values()
     assert 0.33 < swing < 0.33 * 1.12, f"{swing:.4f} mrad; the paper 0.33"
     checked_files(result)
@@ -214,7 +205,7 @@ def test_backlash_is_the_paper_s_within_what_carried_rope_explains() -> None:
 
 @pytest.mark.slow
 def test_positioning_error_and_the_motor_s_line() -> None:
-    result = EXPERIMENTS["positioning"](DRIVE, 0)
+    result = paper_experiments.EXPERIMENTS["positioning"](DRIVE, 0)
     found = figures(result)
     assert found["largest tracking error, mrad"] == pytest.approx(0.3, rel=0.1)
     # The motor turns 76 x 9 times for one turn of the drum.
@@ -225,7 +216,7 @@ def test_positioning_error_and_the_motor_s_line() -> None:
 
 @pytest.mark.slow
 def test_driving_capability_both_ways_and_with_a_lossy_gearhead() -> None:
-    result = EXPERIMENTS["driving-capability"](DRIVE, 0)
+    result = paper_experiments.EXPERIMENTS["driving-capability"](DRIVE, 0)
     found = figures(result)
     assert found["first input at its limit: lossless, +, N m"] == pytest.approx(3.747, rel=0.01)
     assert found["first input at its limit: lossless, -, N m"] == pytest.approx(3.194, rel=0.01)
@@ -242,12 +233,15 @@ def test_driving_capability_both_ways_and_with_a_lossy_gearhead() -> None:
 def test_a_drive_too_weak_for_the_experiment_is_told(name: str) -> None:
     weak = replace(DRIVE, motor=replace(DRIVE.motor, rated_torque_mNm=0.05))
     with pytest.raises(ValueError, match=r"ended|whole sweep|reversed"):
-        EXPERIMENTS[name](weak, 0)
+        paper_experiments.EXPERIMENTS[name](weak, 0)
 
 
 def test_paper_s_figures_stand_beside_the_rig_s() -> None:
-    rows = (Compared("torque", "N m", 3.2, 3.3), Compared("never seen", "N m", float("nan"), None, "a note"))
-    result = PaperResult("driving-capability", "Fig. 7", rows, {}, {"ramp_Nm_s": 0.2})
+    rows = (
+        paper_experiments.Compared("torque", "N m", 3.2, 3.3),
+        paper_experiments.Compared("never seen", "N m", float("nan"), None, "a note"),
+    )
+    result = paper_experiments.PaperResult("driving-capability", "Fig. 7", rows, {}, {"ramp_Nm_s": 0.2})
     content = json.loads(result_json(result, DRIVE))
     assert [(row["rig"], row["paper"]) for row in content["compared"]] == [(3.2, 3.3), (None, None)]
     text = result_text(result)
@@ -281,21 +275,21 @@ def test_spectrum_over_angle_finds_a_line_and_its_height(cycles_per_rad: float) 
     error = 24.67e-6 * np.sin(2 * np.pi * cycles_per_rad * angle + 0.4) + 1e-4 * np.sign(
         np.cos(2 * np.pi * 0.05 * time)
     )
-    at, height = highest_peak(*angle_spectrum(angle, error))
+    at, height = paper_experiments.highest_peak(*paper_experiments.angle_spectrum(angle, error))
     assert abs(at - cycles_per_rad) < 0.5, f"line at {at:.2f}, put in at {cycles_per_rad}"
     assert height == pytest.approx(24.67e-6, rel=0.03), f"{height * 1e6:.2f} urad, put in 24.67"
 
 
 def test_spectrum_needs_a_whole_sweep() -> None:
     with pytest.raises(ValueError, match="whole sweep"):
-        angle_spectrum(np.zeros(50), np.zeros(50))
+        paper_experiments.angle_spectrum(np.zeros(50), np.zeros(50))
 
 
 def test_swing_at_each_reversal() -> None:
     time = np.arange(0.0, 20.0, 0.01)
     side = np.clip(np.cos(2 * np.pi * 0.1 * time) * 20.0, -1.0, 1.0)
     run = made_up(time, torque_Nm=0.91 * side, measured_drum_rad=-165e-6 * side)
-    assert reversal_swings_rad(run, DRIVE) == pytest.approx(np.full(4, 330e-6), rel=1e-6)
+    assert paper_experiments.reversal_swings_rad(run, DRIVE) == pytest.approx(np.full(4, 330e-6), rel=1e-6)
 
 
 def test_saturation_and_giving_way_are_told_apart() -> None:
@@ -303,7 +297,7 @@ def test_saturation_and_giving_way_are_told_apart() -> None:
     load = 0.1 * time
     motor = np.stack([np.minimum(0.05 * load, 0.22), np.minimum(0.07 * load, 0.22)])
     run = made_up(time, torque_Nm=load, motor_Nm=motor, drum_rad=np.where(load > 4.4, -0.1, 0.0))
-    assert first_saturated_Nm(run, [0.22, 0.22]) == pytest.approx(0.22 / 0.07, rel=0.012)
-    assert given_way_Nm(run) == pytest.approx(4.4, abs=0.01)
-    assert np.isnan(first_saturated_Nm(run, [0.5, 0.5]))
-    assert np.isnan(given_way_Nm(made_up(time, torque_Nm=load)))
+    assert paper_experiments.first_saturated_Nm(run, [0.22, 0.22]) == pytest.approx(0.22 / 0.07, rel=0.012)
+    assert paper_experiments.given_way_Nm(run) == pytest.approx(4.4, abs=0.01)
+    assert np.isnan(paper_experiments.first_saturated_Nm(run, [0.5, 0.5]))
+    assert np.isnan(paper_experiments.given_way_Nm(made_up(time, torque_Nm=load)))
