@@ -93,11 +93,6 @@ def by_path(variables: Iterable[DesignVariable]) -> dict[str, DesignVariable]:
     return {variable.path: variable for variable in variables}
 
 
-def _upper_end(drive: Drive) -> float:
-    """Angle of the output at the upper end of the travel, the lower one held."""
-    return 2 * drive.half_travel_deg + (drive.travel_from_deg or 0.0)
-
-
 def _put_ratio(drive: Any, value: float) -> Drive:
     cables = tuple(replace(c, input_radius_mm=c.drum_radius_mm / value) for c in drive.cables)
     changed: Drive = replace(drive, cables=cables)
@@ -124,7 +119,9 @@ DRUM = tuple(
     )
 )
 SHARED = (
-    field("travel.half_angle_deg", "half_travel_deg", asked=True)._replace(short=("travel.to_deg", _upper_end)),
+    field("travel.half_angle_deg", "half_travel_deg", asked=True)._replace(
+        short=("travel.to_deg", lambda d: 2 * d.half_travel_deg + (d.travel_from_deg or 0.0))
+    ),
     field("travel.stop_clearance_deg", "stop_clearance_deg"),
     DesignVariable("rope.preload_N", lambda drive: drive.cables[0].preload_N, _preload),
     field(ROPE_DIAMETER, "cable.diameter_mm", asked=True),

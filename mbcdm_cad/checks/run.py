@@ -224,6 +224,9 @@ def judged(check: Check, found: Comparison, drive: Drive, remedy_of: Callable[[]
     found = found.shown
     limit, margin = (found.limit, found.margin) if found.sense else (None, None)
     waiver = drive.waiver(check.id) if status == "fail" else None
+    asked = {1: "at least", -1: "at most", 0: ""}[found.sense]
+    against = f" (limit {asked} {shown(found.limit)})" if asked else ""
+    note = f"; {found.note}" if found.note else ""
     return CheckResult(
         check.id,
         check.title,
@@ -232,7 +235,7 @@ def judged(check: Check, found: Comparison, drive: Drive, remedy_of: Callable[[]
         limit,
         found.unit,
         margin,
-        _message(found),
+        f"{found.subject} {shown(found.actual)} {found.unit}{against}{note}",
         "" if status == "pass" else remedy_of(),
         check.source,
         waiver.reason if waiver else None,
@@ -243,10 +246,3 @@ def _unevaluated(check: Check, reason: str, unit: str = "") -> CheckResult:
     """The failure of a check whose figure does not exist. It cannot be waived, because the design cannot be built."""
     message, advice = f"not evaluated because {reason}", "correct what is named there first"
     return CheckResult(check.id, check.title, "fail", None, None, unit, None, message, advice, check.source)
-
-
-def _message(found: Comparison) -> str:
-    limit = {1: "at least", -1: "at most", 0: ""}[found.sense]
-    against = f" (limit {limit} {shown(found.limit)})" if limit else ""
-    note = f"; {found.note}" if found.note else ""
-    return f"{found.subject} {shown(found.actual)} {found.unit}{against}{note}"

@@ -67,7 +67,10 @@ class SchemaNodes:
         root: Node = schema.model_json_schema(schema_generator=_InOrder)
         self.root: Node = {"$schema": "https://json-schema.org/draft/2020-12/schema", **root}
         for place, given in reference.items():
-            node = self._raw(place.split("."))
+            node = self.root  # as the schema holds it, reached through blocks and the items of lists
+            for name in place.split("."):
+                node = node.get("items", node)
+                node = (self._definition(node["$ref"]) if "$ref" in node else node)["properties"][name]
             node["source"] = given.source
             if given.value is not None:
                 node |= {"examples": [given.value], "in_reference": True}
@@ -99,14 +102,6 @@ class SchemaNodes:
     def _definition(self, reference: str) -> Node:
         found: Node = self.root["$defs"][reference.rsplit("/", 1)[1]]
         return found
-
-    def _raw(self, place: list[str]) -> Node:
-        """The field's node as the schema holds it, reached through blocks and the items of lists."""
-        node = self.root
-        for name in place:
-            node = node.get("items", node)
-            node = (self._definition(node["$ref"]) if "$ref" in node else node)["properties"][name]
-        return node
 
 
 def named_values(node: Node) -> Node | None:

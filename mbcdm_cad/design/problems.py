@@ -32,7 +32,9 @@ def schema_problems(
 
     ``node_at`` returns the schema's node of a field; ``wanted`` decides which of pydantic's findings count.
     """
-    items = [item for item in error.errors(include_url=False) if wanted(item) and not _follows(item)]
+    items = [item for item in error.errors(include_url=False) if wanted(item)]
+    # A list that is too short only because its items were refused, which is reported.
+    items = [x for x in items if not (x["type"] == "too_short" and len(x["input"]) >= x["ctx"]["min_length"])]
     # Every branch of "a name or a number" gives the same error.
     return at_most_listed(list(dict.fromkeys(_problem(item, tree, file, node_at) for item in items)), file)
 
@@ -47,11 +49,6 @@ def at_most_listed(problems: list[Problem], file: str) -> list[Problem]:
         )
         found = [*found[:MAX_LISTED], last]
     return found
-
-
-def _follows(item: Any) -> bool:
-    """Whether a list is reported as too short only because its items were refused, which is already reported."""
-    return bool(item["type"] == "too_short" and len(item["input"]) >= item["ctx"]["min_length"])
 
 
 def _problem(item: Any, tree: Tree, file: str, node_at: NodeAt) -> Problem:

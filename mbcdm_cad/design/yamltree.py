@@ -222,7 +222,9 @@ class _TreeBuilder:
             elif isinstance(event, yaml.MappingStartEvent | yaml.SequenceStartEvent):
                 self._open(event, line)
             elif isinstance(event, yaml.MappingEndEvent | yaml.SequenceEndEvent):
-                self._close()
+                block = self.stack.pop()
+                self._remember(block.anchor, block.value, self.nodes - block.nodes_before)
+                self._place(block.value)
         if not self.roots or self.roots[0] is None:
             raise self._error(1, f"the {self.kind} is empty", remedy=f"fill it{self.hint}")
         return Tree(self.roots[0], self.lines)
@@ -236,11 +238,6 @@ class _TreeBuilder:
             raise self._error(line, "a list or block used as a key", remedy="keys are plain names; check the brackets")
         value: dict[str, Any] | list[Any] = {} if isinstance(event, yaml.MappingStartEvent) else []
         self.stack.append(_Open(value, self._next_path(line), line, event.anchor, self.nodes - 1))
-
-    def _close(self) -> None:
-        block = self.stack.pop()
-        self._remember(block.anchor, block.value, self.nodes - block.nodes_before)
-        self._place(block.value)
 
     def _scalar(self, event: yaml.ScalarEvent, line: int) -> None:
         self._count(1, line)

@@ -61,9 +61,11 @@ def build(
     refuse_angle(drive, angle_deg)
     target = out / drive.name
     inputs = content_key("build", (loaded.sha256, angle_deg, force))
-    unchanged = _unchanged(loaded, target, inputs)
-    if unchanged is not None:
-        return unchanged
+    manifest = folders.read_manifest(target)
+    if manifest is not None and manifest.inputs_sha256 == inputs and not folders.altered_files(target, manifest):
+        kept = json.loads((target / "report.json").read_text("utf-8"))
+        kept_checks = tuple(CheckResult(**check) for check in kept["checks"])
+        return replace(_outcome(loaded, target, kept_checks, kept), unchanged=True)
     folders.refuse_other_origin(target, loaded.path)
 
     checks = run_checks(loaded)
@@ -149,15 +151,6 @@ def _outcome(
     return BuildReport(name, folder, CheckReport(name, loaded.sha256, tuple(checks)), data, tuple(made))
 
 
-def _unchanged(loaded: LoadedDesign, target: Path, inputs: str) -> BuildReport | None:
-    manifest = folders.read_manifest(target)
-    if manifest is None or manifest.inputs_sha256 != inputs or folders.altered_files(target, manifest):
-        return None
-    data = json.loads((target / "report.json").read_text("utf-8"))
-    checks = tuple(CheckResult(**c) for c in data["checks"])
-    return replace(_outcome(loaded, target, checks, data), unchanged=True)
-
-
 def _write(
     target: Path,
     loaded: LoadedDesign,
@@ -241,7 +234,7 @@ class ComparisonReport(TextReport):
         notes = [f"\n{note}" for note in comparison.torque_notes(self.designs)]
         return "\n".join([*comparison.comparison_table(self.designs).markdown(), *notes])
 
-    def _repr_html_(self) -> str:
+    def html(self) -> str:
         """For notebooks."""
         return comparison.comparison_table(self.designs).html()
 

@@ -109,8 +109,11 @@ class Previewer:
             self._remove(cable.spec.name)
         missing = [name for name in missing if not name.startswith(CABLE)]
 
+        def write_step(name: str, step: bytes) -> None:
+            write_whole({self._stem(name).with_suffix(".step"): step}, durable=False)
+
         def draw(name: str) -> PartFiles:
-            return drawn_part(bill.parts[name], materials[name], drive.export.mesh_tolerance_mm, self._write_step)
+            return drawn_part(bill.parts[name], materials[name], drive.export.mesh_tolerance_mm, write_step)
 
         with forked(draw, missing, os.cpu_count() or 1) as results:
             # Computing the figures at the same time would slow the pulleys down by a third.
@@ -161,9 +164,6 @@ class Previewer:
         The length of its last STEP file shows how long a part takes.
         """
         return sorted(names, key=lambda name: (name not in pulleys, -self._lengths.get(name, 0)))
-
-    def _write_step(self, name: str, step: bytes) -> None:
-        write_whole({self._stem(name).with_suffix(".step"): step}, durable=False)
 
     def _stem(self, name: str) -> Path:
         return self._folder / "parts" / name

@@ -58,6 +58,8 @@ def analyse(design: capability.Modelled, wraps_rad: tuple[Any, Any] | None = Non
     balanced_torques = _peak_torques(design, d.with_(preload_N=balanced), strength)
     peaks = (load_case(d, peak), load_case(d, -peak))
     mismatch_mm, mismatch_N = pair_mismatch(d, np.radians(drive.half_travel_deg))
+    of_an_input_Nm = max(abs(torque) for case in peaks for torque in case.input_torque_mNm) * 1e-3
+    no_motor = (limit.torque_Nm for limit in torques.limits if limit.cause in ("strength", "slack", capability.SLIP))
     return Analysis(
         name=drive.name,
         friction_coefficient=float(d.friction_coefficient),
@@ -90,7 +92,7 @@ def analyse(design: capability.Modelled, wraps_rad: tuple[Any, Any] | None = Non
         ),
         bearings=tuple(bearing_figures(d, load) for load in (0.0, peak, -peak)),
         creep=preload_left(drive.cable, max(c.preload_N for c in drive.cables), design.softer_ends),
-        motor=capability.motor_figures(design, d, _most_of_an_input_Nm(peaks), _not_the_motor_Nm(torques.limits)),
+        motor=capability.motor_figures(design, d, of_an_input_Nm, min(no_motor, default=np.inf)),
         measured_backlash_mrad=BACKLASH_RAD * 1e3,
         implied_modulus=modulus_readings(endless),
         intervals=uncertain_figures(endless, design),
@@ -146,18 +148,6 @@ def _limits(design: capability.Modelled, d: DriveSI, strength_N: float) -> tuple
         raised |= {cause: partial(train.raised_Nm, ratings.pop(cause)) for cause in _PASSED_ON if cause in ratings}
     ends = design.wraps_at_ends_rad if np.isinf(d.drum_wrap_rad).all() else ()
     return capability.torque_limits(d, ratings, strength_N, raised, ends)
-
-
-def _most_of_an_input_Nm(cases: tuple[LoadCase, ...]) -> float:
-    """Largest torque on an input over some load cases, N m."""
-    return max(abs(torque) for case in cases for torque in case.input_torque_mNm) * 1e-3
-
-
-def _not_the_motor_Nm(limits: tuple[capability.TorqueLimit, ...]) -> float:
-    """Lowest torque at the drum in either direction at which strength, slack or slip is the limit, N m."""
-    return min(
-        (limit.torque_Nm for limit in limits if limit.cause in ("strength", "slack", capability.SLIP)), default=np.inf
-    )
 
 
 def shaft_turns(d: DriveSI, drive: Drive) -> tuple[ShaftTurns, ...]:

@@ -208,13 +208,12 @@ def torque_at_slack_Nm(d: DriveSI, direction: int, ends: Sequence[Wraps] = ()) -
     inf for the others. ``ends``: the wraps that are there at the poses that count, usually both ends of the travel; the
     lowest load of them is taken. Without them wraps have no end.
     """
-    return np.asarray(np.min([_slack_at_pose_Nm(pose, direction) for pose in _poses(d, ends)], axis=0))
-
-
-def _slack_at_pose_Nm(d: DriveSI, direction: int) -> Floats:
-    slackens = d.sigma != direction
-    preload = np.broadcast_to(d.preload_N, (d.n_cables, *d.batch_shape))[slackens]
-    return _load_at_tensions_Nm(d, slackens, SLACK_SHARE * preload, direction)
+    found = []
+    for pose in _poses(d, ends):
+        slackens = pose.sigma != direction
+        preload = np.broadcast_to(pose.preload_N, (pose.n_cables, *pose.batch_shape))[slackens]
+        found.append(_load_at_tensions_Nm(pose, slackens, SLACK_SHARE * preload, direction))
+    return np.asarray(np.min(found, axis=0))
 
 
 def _poses(d: DriveSI, ends: Sequence[Wraps]) -> list[DriveSI]:

@@ -188,7 +188,9 @@ def expected(held: HeldDrive, index: int, noise: SampleNoise, samples: int = 200
     sigmas = _sigmas(held)
     spread = np.sqrt(np.square(columns[len(own) :] * sigmas[:, None]).sum(axis=0))
     scale = samples / _POINTS
-    sigma = np.sqrt(np.diag(_covariance(columns, _weight(held, index, angle, noise) * scale, sigmas)))[: len(own)]
+    known = np.concatenate([np.zeros(len(columns) - sigmas.size), sigmas**-2])
+    normal = (columns * (_weight(held, index, angle, noise) * scale)) @ columns.T + np.diag(known)
+    sigma = np.sqrt(np.diag(np.linalg.inv(normal)))[: len(own)]
     knees = held.torque_Nm(index, np.array(ends))
     return Ramp(
         d.input_names[index],
@@ -336,11 +338,6 @@ def _weight(held: HeldDrive, index: int, angle: Floats, noise: SampleNoise) -> F
     high, low = (replace(held, train=None).torque_Nm(index, angle + sign * step) for sign in (1.0, -1.0))
     slope = (high - low) / (2.0 * step)
     return np.asarray(1.0 / (noise.torque_Nm**2 + (slope * noise.angle_rad) ** 2))
-
-
-def _covariance(columns: Floats, weight: Floats, sigmas: Floats) -> Floats:
-    known = np.concatenate([np.zeros(len(columns) - sigmas.size), sigmas**-2])
-    return np.asarray(np.linalg.inv((columns * weight) @ columns.T + np.diag(known)))
 
 
 def _knee(held: HeldDrive, index: int, own: tuple[int, ...], sense: float) -> tuple[float, str]:

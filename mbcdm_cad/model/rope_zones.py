@@ -154,7 +154,9 @@ _FIELDS = ("bend_ratio", "load_share", "groove", "fleet_deg")
 
 def rope_life(rope: RopeInUse, levels: Sequence[Level]) -> RopeLife:
     """Damage along a rope, its weakest point and the cycles until it breaks there. A rope that never bends: refused."""
-    borders = _borders(rope, levels)
+    borders = np.sort([end for tangent in rope.tangents for level in levels for end in _ends(tangent, level)])
+    if len(borders):
+        borders = borders[np.concatenate([[True], np.diff(borders) > 10.0 * _EDGE])]
     inner = np.linspace(0.0, 1.0, _POINTS)
     inner[0], inner[-1] = _EDGE, 1.0 - _EDGE
     pieces = [a + (b - a) * inner for a, b in pairwise(borders)]
@@ -206,11 +208,6 @@ def _ends(tangent: Tangent, level: Level) -> tuple[float, float]:
     """Where along the rope a tangent point moves to and fro."""
     one, two = (tangent.place_m + tangent.moves_m * float(a) for a in (level.angle_rad[0], level.angle_rad[-1]))
     return min(one, two), max(one, two)
-
-
-def _borders(rope: RopeInUse, levels: Sequence[Level]) -> Floats:
-    ends = np.sort([end for tangent in rope.tangents for level in levels for end in _ends(tangent, level)])
-    return ends[np.concatenate([[True], np.diff(ends) > 10.0 * _EDGE])] if len(ends) else ends
 
 
 def _passes(rope: RopeInUse, level: Level, place: Floats) -> list[_Pass]:

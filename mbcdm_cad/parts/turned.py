@@ -283,12 +283,6 @@ def _facing(dims: DrumShaftDims, index: int) -> Vector:
     return (sin(angle), 0.0, cos(angle))
 
 
-def _flat_view(dims: DrumShaftDims) -> View:
-    """Square on the first flat, so that the second one, a right angle on, stands in the outline below."""
-    axis = ((0.0, dims.y_start, 0.0), (0.0, dims.y_end, 0.0))
-    return View(_FLATS, Y, minus(_facing(dims, 1)), row=-1, title="On a flat", axes=(axis,))
-
-
 def _flats(dims: DrumShaftDims) -> tuple[Linear, ...]:
     """Where the flats stand along the shaft and what is left of its diameter there."""
     down = _facing(dims, 1)
@@ -349,10 +343,13 @@ class DrumShaft(Turned, MadePart):
         low, high, r = dims.y_start, dims.y_end, dims.radius
         fit = FITS["drum_shaft"].code
         bore = (ALONG_Y.diameter(dims.bore_radius, high, "right"),) if dims.bore_radius > 0.0 else ()
+        # Square on the first flat, so that the second one, a right angle on, stands in the outline below.
+        axis = ((0.0, low, 0.0), (0.0, high, 0.0))
+        on_flat = View(_FLATS, Y, minus(_facing(dims, 1)), row=-1, title="On a flat", axes=(axis,))
         return Sheet(
             part=part,
             title="Drum shaft",
-            views=(ALONG_Y.view(low, high, section=True), _flat_view(dims)),
+            views=(ALONG_Y.view(low, high, section=True), on_flat),
             dimensions=(
                 *bore,
                 ALONG_Y.diameter(r, low + CHAMFER_MM, "left", fit=fit, count=2, datum="D"),

@@ -98,7 +98,7 @@ class AnalysisReport(TextReport):
         odds = ["", *chance_lines(self.chances)] if self.chances else []
         return "\n".join([*lines, *(line for text in (*paths, *odds) for line in filled(text, width))])
 
-    def _repr_html_(self) -> str:
+    def html(self) -> str:
         """For notebooks: the cables, the load cases, the torque limits."""
         tables = (self._cables(), self._cases(), self._shares(), self._limits())
         return f"<p>{self.figures.name}</p>" + "".join(table.html() for table in tables)
@@ -219,7 +219,10 @@ class AnalysisReport(TextReport):
         ]
         yield self.duty.text(width)
         if a.creep:
-            yield ["Share of the preload that is left between fixed ends:", *_creep_table(a).text(width, "  ")]
+            days = (f"{day:.0f} days" for day in a.creep[0].days)
+            left = tuple((f"{x.temperature_C:g} C", *(f"{share:.1%}" for share in x.share)) for x in a.creep)
+            table = ReportTable(("at", *days), left)
+            yield ["Share of the preload that is left between fixed ends:", *table.text(width, "  ")]
         if a.motor is not None:
             first, *rest = motor_lines(asdict(a.motor))
             yield [
@@ -349,13 +352,6 @@ def above_gearhead(limits: Sequence[TorqueLimit], mounted: str, called: str, pea
                 f"the {called}, {peak_Nm:.3f} N m, is above what the {mounted} holds {holds}, {limit_Nm:.3f} N m, {why}"
             )
     return ""
-
-
-def _creep_table(a: Analysis) -> ReportTable:
-    """Share of the preload that is left over time, one row for each temperature."""
-    days = tuple(f"{day:.0f} days" for day in a.creep[0].days)
-    rows = tuple((f"{line.temperature_C:g} C", *(f"{share:.1%}" for share in line.share)) for line in a.creep)
-    return ReportTable(("at", *days), rows)
 
 
 def _limit(limit: TorqueLimit) -> str:

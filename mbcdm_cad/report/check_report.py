@@ -226,7 +226,7 @@ class CheckReport(TextReport):
         counted = ", ".join(f"{n} {word}" for word, n in self.counts.items())
         return f"{self.name}: {counted}, of {len(self)} checks"
 
-    def _repr_html_(self) -> str:
+    def html(self) -> str:
         """For notebooks: the summary, then the checks that do not simply pass."""
         found = [result for word in _ORDER[1:] for result in self.results if _word(result) == word]
         rows = tuple((_word(r), r.id, figures(r), r.message, r.remedy) for r in found)
@@ -387,9 +387,9 @@ class BuildReport(TextReport):
             lines.insert(1, f"  FORCED although these fail: {', '.join(self.data['failed_checks'])}")
         return "\n".join(lines)
 
-    def _repr_html_(self) -> str:
+    def html(self) -> str:
         """For notebooks: the text, then the checks that do not simply pass."""
-        return preformatted(self.text()) + self.checks._repr_html_()
+        return preformatted(self.text()) + self.checks.html()
 
     def to_dict(self) -> dict[str, Any]:
         """The content of report.json, ready for JSON; for a refused build only the results of the checks."""

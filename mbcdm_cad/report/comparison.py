@@ -175,7 +175,10 @@ def comparison_table(designs: Sequence[ComparedDesign]) -> ReportTable:
         ("lowest mode, inputs held, Hz", "lowest_mode_Hz"),
         ("made parts (kinds)", lambda d: f"{d.made_parts} ({d.made_kinds})"),
         ("bought parts", "bought_parts"),
-        ("toleranced fits on the drawings", _fit_words),
+        (
+            "toleranced fits on the drawings",
+            lambda d: f"{d.toleranced_fits}" + (f", {d.undrawn} kinds not drawn" if d.undrawn else ""),
+        ),
         ("tightest check of strength and torque", lambda d: f"{d.tightest_check} {d.tightest_margin_share:+.1%}"),
     )
     return ReportTable(
@@ -190,10 +193,6 @@ def comparison_table(designs: Sequence[ComparedDesign]) -> ReportTable:
 def torque_notes(designs: Sequence[ComparedDesign]) -> list[str]:
     """Sentences on torques of the table that are above a rating of the gearhead."""
     return [f"{design.name}: {design.above_gearhead}" for design in designs if design.above_gearhead]
-
-
-def _fit_words(d: ComparedDesign) -> str:
-    return str(d.toleranced_fits) + (f", {d.undrawn} kinds not drawn" if d.undrawn else "")
 
 
 Values = NDArray[Any]
@@ -227,7 +226,12 @@ class DesignColumns(TextReport):
 
     def to_dict(self) -> dict[str, list[Any]]:
         """Columns as lists, ready for JSON: None if there is no figure."""
-        return {name: [_or_none(value) for value in column.tolist()] for name, column in self.columns.items()}
+        return {
+            name: [
+                None if isinstance(value, float) and not math.isfinite(value) else value for value in column.tolist()
+            ]
+            for name, column in self.columns.items()
+        }
 
     def to_pandas(self) -> pandas.DataFrame:
         """One row a design. ``MbcdmError`` without pandas."""
@@ -237,7 +241,7 @@ class DesignColumns(TextReport):
         """How many designs there are, and the range of each column."""
         return "\n".join([self.summary(), *self._ranges().text(width, "  ")])
 
-    def _repr_html_(self) -> str:
+    def html(self) -> str:
         """For notebooks: the range of each column."""
         return f"<p>{self.summary()}</p>{self._ranges().html()}"
 
@@ -273,10 +277,6 @@ def _column(name: str, values: Values) -> dict[str, Values]:
         degrees = any(word in stem for word in _IN_DEGREES)
         return {f"{stem}_deg": np.degrees(values)} if degrees else {f"{stem}_mrad": values * 1e3}
     return {f"{stem}_mm": values * 1e3} if unit == "m" else {name: values}
-
-
-def _or_none(value: Any) -> Any:
-    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def varied_columns(ranges: Mapping[str, Any], *, grid: bool) -> dict[str, Values]:

@@ -80,12 +80,6 @@ def _mass(m: MassProperties) -> dict[str, Any]:
     return {"mass_g": m.mass_g, "cog_mm": m.cog_mm, "inertia_about_cog_g_mm2": m.inertia_g_mm2}
 
 
-def _swept_box(boxes: Sequence[Box]) -> list[float]:
-    low = np.min([box[0] for box in boxes], axis=0)
-    high = np.max([box[1] for box in boxes], axis=0)
-    return [float(v) for v in high - low]
-
-
 def checks_data(checks: Sequence[CheckResult]) -> dict[str, Any]:
     """The report's data of the checks; a report with failed checks exists only if the build was forced."""
     failed = [c.id for c in checks if c.status == "fail"]
@@ -170,6 +164,7 @@ def report_data(
     boxes = boxes_mm(layout, centred, parts, figures.angles_deg, figures.boxes)
     low, high = boxes[0]
     size = high - low
+    swept = np.max([box[1] for box in boxes[1:]], axis=0) - np.min([box[0] for box in boxes[1:]], axis=0)
     moving = inertias(layout, centred, by_item)
     kilograms = whole.mass_g / 1e3
     data = {
@@ -194,7 +189,7 @@ def report_data(
             "high_xyz_mm": [float(v) for v in high],
             "target_mm": drive.targets.envelope_mm,
             "tolerance_mm": drive.targets.envelope_tolerance_mm,
-            "swept_xyz_mm": _swept_box(boxes[1:]),
+            "swept_xyz_mm": [float(v) for v in swept],
         },
         "interference": {"poses_deg": list(tested.poses_deg), "clashes": [asdict(c) for c in tested.clashes]},
         "frame": _frame(tested.frame, layout) if tested.frame else None,

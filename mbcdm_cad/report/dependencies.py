@@ -6,7 +6,7 @@ Layers and positions come from networkx; within a column fields are ordered by t
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -79,7 +79,12 @@ def dependency_graph(fields: Sequence[Mapping[str, Any]]) -> DependencyGraph:
     """
     records = {record["field"]: record for record in fields}
     asked = {name: value for record in fields for name, value in record["rests_on"].items() if name not in records}
-    rests = _without_cycles(fields)
+    rests = nx.DiGraph()
+    for record in fields:
+        rests.add_node(record["field"])
+        for source in record["rests_on"]:
+            if not (rests.has_node(source) and nx.has_path(rests, record["field"], source)):  # no cycles
+                rests.add_edge(source, record["field"])
     alone = tuple(sorted(nx.isolates(rests)))
     rests.remove_nodes_from(alone)
     if not rests:
@@ -101,16 +106,6 @@ def dependency_svg(graph: DependencyGraph, title: str) -> str:
         loader=jinja2.PackageLoader("mbcdm_cad.report", "."), undefined=jinja2.StrictUndefined, autoescape=True
     )
     return environment.get_template("dependencies.svg.j2").render(graph=graph, title=title, box=_BOX_PX) + "\n"
-
-
-def _without_cycles(fields: Iterable[Mapping[str, Any]]) -> nx.DiGraph:
-    graph = nx.DiGraph()
-    for record in fields:
-        graph.add_node(record["field"])
-        for source in record["rests_on"]:
-            if not (graph.has_node(source) and nx.has_path(graph, record["field"], source)):
-                graph.add_edge(source, record["field"])
-    return graph
 
 
 def _columns(direct: nx.DiGraph) -> tuple[nx.DiGraph, dict[_Place, int]]:

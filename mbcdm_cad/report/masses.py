@@ -85,12 +85,6 @@ def mass_is_estimated(source: str) -> bool:
     return any("estimate" in clause.lower() for clause in of_mass or clauses)
 
 
-def _sigma(kind: str, source: str) -> float:
-    if kind == "made":
-        return MADE_SIGMA
-    return ESTIMATE_SIGMA if mass_is_estimated(source) else CATALOGUE_SIGMA
-
-
 def bill_lines(centred: Bill, parts: Mapping[str, StoredPart], drive: Drive) -> tuple[BillLine, ...]:
     """Bill of materials, heaviest line first."""
     by_part: dict[str, list[Item]] = {}
@@ -101,7 +95,7 @@ def bill_lines(centred: Bill, parts: Mapping[str, StoredPart], drive: Drive) -> 
         first = items[0]
         each = item_mass(first, parts[part].files.shape).mass_g
         source = _source(first, centred, drive)
-        total = each * len(items)
+        total, estimated = each * len(items), mass_is_estimated(source)
         lines.append(
             BillLine(
                 part,
@@ -110,7 +104,7 @@ def bill_lines(centred: Bill, parts: Mapping[str, StoredPart], drive: Drive) -> 
                 first.material.name,
                 each,
                 total,
-                total * _sigma(first.kind, source),
+                total * (MADE_SIGMA if first.kind == "made" else ESTIMATE_SIGMA if estimated else CATALOGUE_SIGMA),
                 source,
             )
         )

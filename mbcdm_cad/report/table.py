@@ -30,6 +30,14 @@ class TextReport(ABC):
         """As :meth:`text`."""
         return self.text()
 
+    def html(self) -> str:
+        """What a notebook shows."""
+        return preformatted(self.text())
+
+    def _repr_html_(self) -> str:
+        """As :meth:`html`, which notebooks ask for by this name."""
+        return self.html()
+
 
 @dataclass(frozen=True)
 class ReportTable:

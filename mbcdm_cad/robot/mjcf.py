@@ -346,13 +346,10 @@ def robot_files(
     """
     if form not in FORMATS or (elastic and form != "mjcf") or (options and form != "urdf"):
         raise ValueError(f"no such form: {form}{', elastic' if elastic else ''}; there are {', '.join(FORMATS)}")
-    meshes = {f"meshes/{link.name}.stl": _stl(link) for link in (mechanism.base, *mechanism.links)}
+    meshes = {}
+    for link in (mechanism.base, *mechanism.links):  # in metres, in the link's frame
+        placed = replace(link.mesh, points_mm=link.mesh.points_mm * MM - np.array(link.origin))
+        meshes[f"meshes/{link.name}.stl"] = stl_bytes(link.name, placed)
     if form == "urdf":
         return {**urdf_files(mechanism, options or UrdfOptions()), **meshes}
     return {f"{mechanism.name}.xml": document(mjcf(mechanism, elastic), mechanism.note), **meshes}
-
-
-def _stl(link: Link) -> bytes:
-    """The link's mesh in metres, in the link's frame."""
-    points = link.mesh.points_mm * MM - np.array(link.origin)
-    return stl_bytes(link.name, replace(link.mesh, points_mm=points))

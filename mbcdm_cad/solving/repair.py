@@ -135,7 +135,8 @@ class _Moves:
 
     def __iter__(self) -> Iterator[tuple[str, Setting]]:
         seen = set[tuple[str, Setting]]()
-        for move in chain(self._out(), self._asked_for(), self._sizes(), self._along_ranges(), self._free()):
+        along = (move for field in sorted(self.question.unruled) for s in (1, -1) for move in self._within(field, s))
+        for move in chain(self._out(), self._asked_for(), self._sizes(), along, self._free()):
             if move not in seen and self.point.get(move[0]) != move[1]:
                 seen.add(move)
                 yield move
@@ -228,11 +229,6 @@ class _Moves:
             if size == SIZES[1] and "rope.type" in self.freedoms:
                 yield from self._other_ropes(self.freedoms["rope.type"])
 
-    def _along_ranges(self) -> Iterator[tuple[str, Setting]]:
-        for field in sorted(self.question.unruled):
-            for sense in (1, -1):
-                yield from self._within(field, sense)
-
     def _within(self, field: str, sense: int) -> Iterator[tuple[str, Setting]]:
         found, setting = self.question.ranges[field], self.point.get(field)
         now = float(setting.value) if isinstance(setting, Fixed) else self.question.middle(field)
@@ -287,15 +283,10 @@ def _released_less(trials: Trials, point: Point) -> Point:
         # Fields that belong together, such as a modulus and its area, are put back together or not at all.
         for block in dict.fromkeys(field.partition(".")[0] for field in fields):
             left = [field for field in fields if field in point and field.startswith(f"{block}.")]
-            point = _pairs_put_back(trials, point, left)
-    return point
-
-
-def _pairs_put_back(trials: Trials, point: Point, fields: list[str]) -> Point:
-    for first, second in pairwise(fields):
-        if first in point and second in point:
-            without = {name: setting for name, setting in point.items() if name not in (first, second)}
-            point = without if trials(without).passes else point
+            for first, second in pairwise(left):
+                if first in point and second in point:
+                    without = {name: setting for name, setting in point.items() if name not in (first, second)}
+                    point = without if trials(without).passes else point
     return point
 
 

@@ -277,7 +277,10 @@ def _staging(target: Path, refuse: Callable[[Path], None]) -> Iterator[Path]:
     try:
         try:
             recover(target, old)
-            _remove_leftovers(target)
+            # What builds that died have left: under the lock no living build's folder is among them.
+            for path in target.parent.iterdir():
+                if is_aside(path, target):
+                    shutil.rmtree(path, ignore_errors=True)
             refuse(target)
             staging.mkdir()
         except OSError as error:
@@ -316,13 +319,6 @@ def _bring_along(target: Path, staging: Path) -> None:
             os.link(path, place, follow_symlinks=False)
         except OSError:  # a file system without hard links
             shutil.copy2(path, place, follow_symlinks=False)
-
-
-def _remove_leftovers(target: Path) -> None:
-    """Remove what builds that died have left; called under the lock, so no living build's folder is among them."""
-    for path in target.parent.iterdir():
-        if is_aside(path, target):
-            shutil.rmtree(path, ignore_errors=True)
 
 
 def _checked(name: str) -> PurePosixPath:

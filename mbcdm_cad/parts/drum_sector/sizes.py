@@ -133,12 +133,6 @@ def _angle_within(width: float, out: float, along: float, otherwise: float) -> f
     return asin(width / amplitude) - atan2(along, out) if width < amplitude else otherwise
 
 
-def _end_gap_mm(drive: SectorDrive) -> float:
-    """Gap from swage to lug, drawn in, mm: the pocket's rounded corner must not lift the swage's flat."""
-    radius = drive.drum_material.min_internal_radius_mm + drive.clearances.running_mm
-    return radius - sqrt(radius**2 - max(radius - FLAT_PLAY_MM, 0.0) ** 2) + END_GAP_MM
-
-
 def _pocket_end(drive: SectorDrive, cable: SectorRun, anchor_rad: float, tip: float) -> float:
     end = tip + 1.0
     if drive.ring_anchor_rad is not None:
@@ -166,12 +160,6 @@ def _pocket_top(drive: SectorDrive, cable: SectorRun, anchor_rad: float, pocket_
     return top if top < surfaces[-1] - r else BEYOND_MM
 
 
-def _opens(drive: SectorDrive, inner: Tensioner, outer_radius: float) -> bool:
-    """Whether the pockets of an inner terminal reach the cable of an outer one, so that it cannot pass over them."""
-    reach = hypot(inner.radius_mm + inner.pocket_top, inner.last_tip)
-    return reach > outer_radius - drive.cable.diameter_mm / 2 - MIN_FLOOR_MM
-
-
 def tensioners(drive: SectorDrive, way: TerminalWay) -> tuple[Tensioner, ...]:
     """Place the terminals where the file asks, else as far out as the sector allows; neighbours are staggered.
 
@@ -181,7 +169,10 @@ def tensioners(drive: SectorDrive, way: TerminalWay) -> tuple[Tensioner, ...]:
     t = drive.tensioner
     travel, drawn_in = way
     swage_end = SWAGE_START_MM + t.swage_length_mm
-    lug_start = swage_end + travel + _end_gap_mm(drive)
+    # Gap from swage to lug, drawn in: the pocket's rounded corner must not lift the swage's flat.
+    corner = drive.drum_material.min_internal_radius_mm + drive.clearances.running_mm
+    gap = corner - sqrt(corner**2 - max(corner - FLAT_PLAY_MM, 0.0) ** 2) + END_GAP_MM
+    lug_start = swage_end + travel + gap
     lug_end = lug_start + t.lug_thickness_mm
     # Before the cable is tensioned the springs under the nut have their free height.
     nuts_end = lug_end + drive.spring_free_mm + 2 * t.nut_height_mm
@@ -198,7 +189,10 @@ def tensioners(drive: SectorDrive, way: TerminalWay) -> tuple[Tensioner, ...]:
             limit = _anchor_limit(drive, cable, tip, nuts_end)
             near = max(2 * nut + 2.0, reach + (tip + 1.0) ** 2 / (2 * cable.drum_radius_mm))
             if inner is not None and (
-                cable.drum_radius_mm - inner.radius_mm < near or _opens(drive, inner, cable.drum_radius_mm)
+                cable.drum_radius_mm - inner.radius_mm < near
+                # The pockets of the inner terminal reach the outer cable, so that it cannot pass over them.
+                or hypot(inner.radius_mm + inner.pocket_top, inner.last_tip)
+                > cable.drum_radius_mm - drive.cable.diameter_mm / 2 - MIN_FLOOR_MM
             ):
                 pocket = inner.anchor_rad - radians(0.3)
                 limit = min(limit, pocket - atan2(lug_end, cable.drum_radius_mm))

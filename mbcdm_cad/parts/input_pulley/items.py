@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from math import cos, degrees, sin
 
-from mbcdm_cad.design.bought import Material, Screw, Servo
+from mbcdm_cad.design.bought import Material, Servo
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.parts.bill import ALONG_Y, BillBuilder, Placement
 from mbcdm_cad.parts.bodies import GearheadBody, HornBody, MotorBody, MotorWithShaft, ServoBody
@@ -26,12 +26,6 @@ def _stop_place(slot: StopSlot) -> Placement:
     y = slot.stop_start * u[1] + slot.chord_offset * v[1]
     turn = Placement.about((0.0, 0.0, 1.0), degrees(a) + 180.0) @ Placement.about((0.0, 1.0, 0.0), 90.0)
     return Placement.translation(x, y, slot.chord_z) @ turn
-
-
-def _tapped(pulley: InputPulleyDims, screw: Screw) -> InputPulleyDims:
-    """The pulley with the tap drills of its set screws."""
-    assert pulley.hub is not None
-    return replace(pulley, hub=replace(pulley.hub, thread=screw.tap_drill_mm))
 
 
 def _add_set_screws(b: BillBuilder, drive: SectorDrive, pulley: InputPulleyDims, hub: SetHub, stand: Placement) -> None:
@@ -63,7 +57,9 @@ def add_input_pulley(
         f"input_pulley_{pulley.name}",
         InputPulley(pulley),
         material=drive.pulley_material,
-        drilled=None if pulley.hub is None else InputPulley(_tapped(pulley, drive.screw(pulley.hub.screw))),
+        drilled=None
+        if pulley.hub is None
+        else InputPulley(replace(pulley, hub=replace(pulley.hub, thread=drive.screw(pulley.hub.screw).tap_drill_mm))),
         group=group,
         place=stand,
     )

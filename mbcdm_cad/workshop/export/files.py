@@ -101,13 +101,12 @@ def _correct_density_units(entities: dict[int, str]) -> None:
             entities[number] = f"DERIVED_UNIT_ELEMENT(#{match[1]},{exponent})"
 
 
-def _references(body: str) -> list[int]:
-    return [int(number) for number in _TOKEN.findall(body) if number] if "#" in body else []
-
-
 def _renumbered(entities: dict[int, str]) -> Iterator[tuple[int, str]]:
     """(new number, body) of every entity, depth first: the product structure as it comes, then the sorted blocks."""
-    references = {number: _references(body) for number, body in entities.items()}
+    references = {
+        number: [int(other) for other in _TOKEN.findall(body) if other] if "#" in body else []
+        for number, body in entities.items()
+    }
     referred = {target for targets in references.values() for target in targets}
     roots = [number for number in entities if number not in referred]
     new: dict[int, int] = {}
@@ -225,7 +224,8 @@ def threemf_bytes(name: str, mesh: TriangleMesh, note: str = "") -> bytes:
     points = points - np.array([(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, low[2]])
     rounded = np.round(points.astype(np.float32).astype(np.float64), _DECIMALS) + 0.0
     vertices, index = np.unique(rounded, axis=0, return_inverse=True)
-    triangles = _sound(index.reshape(-1)[mesh.triangles])
+    a, b, c = triangles = index.reshape(-1)[mesh.triangles].T
+    triangles = triangles.T[(a != b) & (b != c) & (c != a)]  # without those with two corners in one point
     text = io.StringIO()
     text.write('<?xml version="1.0" encoding="UTF-8"?>\n')
     text.write(f'<model unit="millimeter" xml:lang="en" xmlns="{_CORE}">\n')
@@ -241,13 +241,6 @@ def threemf_bytes(name: str, mesh: TriangleMesh, note: str = "") -> bytes:
     text.write("    </triangles>\n   </mesh>\n  </object>\n </resources>\n")
     text.write(' <build>\n  <item objectid="1"/>\n </build>\n</model>\n')
     return _zipped({"[Content_Types].xml": _CONTENT_TYPES, "_rels/.rels": _RELATIONS, _MODEL: text.getvalue()})
-
-
-def _sound(triangles: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Without triangles that have two corners in one point."""
-    a, b, c = triangles.T
-    kept: NDArray[np.int64] = triangles[(a != b) & (b != c) & (c != a)]
-    return kept
 
 
 def _number(value: float) -> str:

@@ -103,7 +103,8 @@ def picture_png(
     renderer.AutomaticLightCreationOff()
     _lights().AddLightsToRenderer(renderer)
     renderer.SetBackground(*_BACKGROUND)
-    camera = _camera(_placed_points(items, meshes), VIEWS[view] if cut is None else cut.normal, size)
+    points = np.concatenate([item.location.apply(meshes[item.part].points_mm) for item in items])
+    camera = _camera(points, VIEWS[view] if cut is None else cut.normal, size)
     if cut is not None:
         aside = np.array(camera.GetPosition()) - np.array(camera.GetFocalPoint())
         camera.SetFocalPoint(*cut.centre)
@@ -130,10 +131,6 @@ def _cut(actors: tuple[vtkActor, vtkActor], cut: CutPlane, colour: Vector) -> tu
     face.SetSpecular(0.0)
     actors[0].SetBackfaceProperty(face)
     return actors
-
-
-def _placed_points(items: Iterable[Item], meshes: Mapping[str, TriangleMesh]) -> FloatArray:
-    return np.concatenate([item.location.apply(meshes[item.part].points_mm) for item in items])
 
 
 def _camera(points: FloatArray, towards: Vector, size: tuple[int, int]) -> vtkCamera:

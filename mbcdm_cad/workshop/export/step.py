@@ -253,16 +253,13 @@ class _Demands:
             XCAFDoc_GeomTolerance.Set_s(label).SetObject(demand)
             letters = [letter for datum in tolerance.datums for letter in datum.split("-")]
             for position, letter in enumerate(letters, 1):
-                self._refer(label, letter, 1 if len(tolerance.datums) == 1 else position, sheet)
-
-    def _refer(self, tolerance: TDF_Label, letter: str, position: int, sheet: Sheet) -> None:
-        datum = XCAFDimTolObjects_DatumObject()
-        datum.SetName(TCollection_HAsciiString(letter))
-        datum.SetPosition(position)
-        label = self._tool.AddDatum()
-        self._tool.SetDatum(self._sequence(self._datum_faces(letter, sheet)), label)
-        XCAFDoc_Datum.Set_s(label).SetObject(datum)
-        self._tool.SetDatumToGeomTol(label, tolerance)
+                datum = XCAFDimTolObjects_DatumObject()
+                datum.SetName(TCollection_HAsciiString(letter))
+                datum.SetPosition(1 if len(tolerance.datums) == 1 else position)
+                datum_label = self._tool.AddDatum()
+                self._tool.SetDatum(self._sequence(self._datum_faces(letter, sheet)), datum_label)
+                XCAFDoc_Datum.Set_s(datum_label).SetObject(datum)
+                self._tool.SetDatumToGeomTol(datum_label, label)
 
     def _datum_faces(self, letter: str, sheet: Sheet) -> list[cq.Face]:
         for datum in sheet.datums:
