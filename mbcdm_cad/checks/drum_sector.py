@@ -95,11 +95,8 @@ def hub_length(s: SectorLayout) -> Findings:
     least = min(HUB_DIAMETERS * 2 * d.bore_radius, HUB_MOST_MM)
     over = "the shaft's diameter" if least < HUB_MOST_MM else f"{HUB_MOST_MM:g} mm"
     yield f"hub's length over {over}", d.hub_face_y - d.hub_start_y - least, 0.0
-    yield (
-        f"hub beyond the web, over set screws{where} and walls",
-        beyond - 2 * behind - screw.thread_mm - 2 * s.drive.drum_material.min_wall_mm,
-        0.0,
-    )
+    what = f"hub beyond the web, over set screws{where} and walls"
+    yield what, beyond - 2 * behind - screw.thread_mm - 2 * s.drive.drum_material.min_wall_mm, 0.0
     yield "hub beyond the web, over the payload's threads", beyond - d.payload_depth, 0.0
 
 
@@ -180,11 +177,8 @@ def stop_slot(s: SectorLayout) -> Findings:
     end = d.stop_slot_end_deg + degrees(asin(min(1.0, half / d.stop_radius)))
     yield "web between stop slot and rim", d.rim_inner_radius - d.stop_radius - half, limit
     yield "web between stop slot and hub", d.stop_radius - half - d.hub_radius, limit
-    yield (
-        "web between both ends of the stop slot" if d.whole else "web between stop slot and the sector's end",
-        radians(d.half_angle_deg - end) * (d.stop_radius - half) * (2.0 if d.whole else 1.0),
-        limit,
-    )
+    what = "web between both ends of the stop slot" if d.whole else "web between stop slot and the sector's end"
+    yield what, radians(d.half_angle_deg - end) * (d.stop_radius - half) * (2.0 if d.whole else 1.0), limit
 
 
 def _stop_angle_deg(s: SectorLayout) -> float:

@@ -84,11 +84,8 @@ def collar_grip(s: SectorLayout) -> Findings:
     drive, collar = s.drive, s.collar
     holds = grip_Nmm(collar, drive.screw(collar.screw), drive.clamped_mm)
     needed = s.loads.highest_input_Nm * 1e3
-    yield (
-        f"clamp collar holds {holds:.4g} N mm over the input's {needed:.4g} N mm",
-        holds / max(needed, 1e-9),
-        CLAMP_SAFETY,
-    )
+    what = f"clamp collar holds {holds:.4g} N mm over the input's {needed:.4g} N mm"
+    yield what, holds / max(needed, 1e-9), CLAMP_SAFETY
 
 
 def set_screws_hold_Nmm(screw: Screw, shaft_radius_mm: float) -> float:
@@ -109,12 +106,8 @@ def hub_set_screws(s: SectorLayout) -> Findings:
     needed = (
         BEARING_FRICTION * sum(s.once("drum_reactions", drum_reactions_N)) * s.drive.bearings.drum.outer_diameter_mm / 2
     )
-    yield (
-        f"two set screws hold {holds:.4g} N mm over bearing friction of {needed:.3g} N mm",
-        holds / max(needed, 1e-3),
-        SLIP_SAFETY,
-        "output is taken at the hub",
-    )
+    what = f"two set screws hold {holds:.4g} N mm over bearing friction of {needed:.3g} N mm"
+    yield what, holds / max(needed, 1e-3), SLIP_SAFETY, "output is taken at the hub"
 
 
 def stalled_Nm(s: SectorLayout) -> float:
@@ -171,11 +164,8 @@ def stop_pin(s: SectorLayout) -> Findings:
     lever = (s.drum.web_start_y + s.drum.web_end_y) / 2 - s.levels.front_y
     stress = round_shaft_MPa(s.frame.stop_pin_radius, stall * 1e3 / s.drum.stop_radius * lever)
     strength = s.drive.material("steel").yield_MPa
-    yield (
-        f"yield {strength:g} MPa over the stop pin's {stress:.4g} MPa at {stall:.4g} N m",
-        strength / max(stress, 1e-9),
-        STRESS_SAFETY,
-    )
+    what = f"yield {strength:g} MPa over the stop pin's {stress:.4g} MPa at {stall:.4g} N m"
+    yield what, strength / max(stress, 1e-9), STRESS_SAFETY
 
 
 @carried_check(
@@ -234,12 +224,11 @@ def shaft_stress(s: SectorLayout) -> Findings:
     by_payload = payload.across_N * (s.levels.hub_face_y - front) + payload.tilt_Nm * 1e3
     modulus = pi / 4 * (shaft.radius**4 - shaft.bore_radius**4) / shaft.radius
     stress = (cables + by_payload) / max(modulus, 1e-9)
-    yield (
+    what = (
         f"yield {strength:g} MPa over {stress:.4g} MPa in the drum's shaft at its front bearing, bent by "
-        f"{cables * 1e-3:.3g} N m of the cables and {by_payload * 1e-3:.3g} of the payload:",
-        strength / max(stress, 1e-9),
-        STRESS_SAFETY,
+        f"{cables * 1e-3:.3g} N m of the cables and {by_payload * 1e-3:.3g} of the payload:"
     )
+    yield what, strength / max(stress, 1e-9), STRESS_SAFETY
 
 
 @check("Twist of the drum's shaft", "derived: torsion of a tube")
@@ -250,9 +239,5 @@ def shaft_twist(s: SectorLayout) -> Comparison:
     shear = metal.youngs_modulus_GPa * 1e3 / (2 * (1 + metal.poisson_ratio))
     polar = pi / 2 * (shaft.radius**4 - shaft.bore_radius**4)
     twist = 1e3 * length / (shear * max(polar, 1e-9)) * 1e3
-    return noted(
-        "twist of the whole drum shaft if the output were taken at its far end",
-        twist,
-        "mrad per N m",
-        "which would add to the backlash: the output is taken at the hub",
-    )
+    what = "twist of the whole drum shaft if the output were taken at its far end"
+    return noted(what, twist, "mrad per N m", "which would add to the backlash: the output is taken at the hub")

@@ -161,11 +161,8 @@ def shaft_grip(s: SectorLayout) -> Findings:
     gear, stage = s.drive.gearhead, s.stage
     end = s.input_levels.motor_shelf_bottom_z + gear.shaft_length_mm
     if stage is not None:
-        yield (
-            f"{s.drive.mounted} shaft inside its {'pulley' if stage.stage.is_belt else 'gear'}",
-            min(end, stage.top_z) - stage.bottom_z,
-            GRIP_DIAMETERS * gear.shaft_diameter_mm,
-        )
+        what = f"{s.drive.mounted} shaft inside its {'pulley' if stage.stage.is_belt else 'gear'}"
+        yield what, min(end, stage.top_z) - stage.bottom_z, GRIP_DIAMETERS * gear.shaft_diameter_mm
         return
     start = max(s.collar.bottom_z, max(p.journal_bottom_z for p in s.inputs))
     yield (
@@ -208,11 +205,8 @@ def coupling_height(s: SectorLayout) -> Findings:
         return
     yield "bearing shelf above the clamp collar", v.bearing_shelf_bottom_z - s.collar.top_z, gap
     yield "lower bearing above the journal's slit", bearing_bottom - slit_top, gap
-    yield (
-        f"coupling space beyond the length of a {screw.name} with its head",
-        space - screw.length_mm - screw.head_height_mm,
-        gap,
-    )
+    what = f"coupling space beyond the length of a {screw.name} with its head"
+    yield what, space - screw.length_mm - screw.head_height_mm, gap
     yield (
         f"coupling space for the clamp collar on its way over the end of the {drive.mounted}'s shaft",
         v.bearing_shelf_bottom_z

@@ -56,12 +56,8 @@ def _side(box_mm: Box, axis: int, s: Any) -> Comparison:
     if wanted is None:
         return noted(f"box along {name}, drum centred", size, "mm", "the design file has no target")
     target = wanted[axis]
-    return at_most(
-        f"box along {name}, drum centred, {size:.2f} mm: from the target of {target:g} mm",
-        abs(size - target),
-        s.drive.targets.envelope_tolerance_mm,
-        "mm",
-    )
+    what = f"box along {name}, drum centred, {size:.2f} mm: from the target of {target:g} mm"
+    return at_most(what, abs(size - target), s.drive.targets.envelope_tolerance_mm, "mm")
 
 
 def box_checks(box_mm: Box, source: str, adjust: Sequence[tuple[Adjustment, ...]]) -> tuple[Check, ...]:

@@ -80,11 +80,8 @@ def spring_flat(s: SectorLayout) -> Findings:
     That is of the span: what friction on the drum keeps from the terminal does not count, since it may be low.
     """
     spring, highest = _spring(s), s.loads.highest_N
-    yield (
-        f"usable force of {spring.name}, {spring.usable_N:.4g} N, over the largest tension {highest:.4g} N",
-        spring.usable_N / highest,
-        1.0,
-    )
+    what = f"usable force of {spring.name}, {spring.usable_N:.4g} N, over the largest tension {highest:.4g} N"
+    yield what, spring.usable_N / highest, 1.0
 
 
 @_spring_check(

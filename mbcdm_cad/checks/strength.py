@@ -75,11 +75,8 @@ def _stronger_rope(s: Layout, found: Comparison) -> str:
 def tension(s: Layout) -> Findings:
     """Breaking load divided by the largest tension at peak torque."""
     highest = s.loads.highest_N
-    yield (
-        f"breaking load {s.drive.cable.breaking_load_N:g} N over the largest tension {highest:.4g} N",
-        s.drive.cable.breaking_load_N / highest,
-        s.drive.limits.tension_safety_factor,
-    )
+    what = f"breaking load {s.drive.cable.breaking_load_N:g} N over the largest tension {highest:.4g} N"
+    yield what, s.drive.cable.breaking_load_N / highest, s.drive.limits.tension_safety_factor
 
 
 @check(
@@ -91,11 +88,9 @@ def tension(s: Layout) -> Findings:
 def preload_share(s: Layout) -> Comparison:
     """Preload divided by breaking load."""
     most = max(s.drive.cables, key=lambda c: c.preload_N)
+    what = f"preload of {most.name} over the breaking load"
     return at_most(
-        f"preload of {most.name} over the breaking load",
-        most.preload_N / s.drive.cable.breaking_load_N,
-        s.drive.limits.preload_share_max,
-        "of breaking load",
+        what, most.preload_N / s.drive.cable.breaking_load_N, s.drive.limits.preload_share_max, "of breaking load"
     )
 
 
@@ -169,12 +164,8 @@ def preload_bias(s: Layout) -> Comparison:
     rated = rated_input_Nm(s)
     listed = ", ".join(f"{name} {value * 1e3:+.4g} mN m" for name, value in zip(s.drive.input_names, bias, strict=True))
     k = int(np.argmax(np.abs(bias)))
-    return at_most(
-        f"preload bias {listed}: share of the rated {rated * 1e3:.4g} mN m on {s.drive.input_names[k]}",
-        abs(float(bias[k])) / rated,
-        BIAS_SHARE,
-        "of rated torque",
-    )
+    what = f"preload bias {listed}: share of the rated {rated * 1e3:.4g} mN m on {s.drive.input_names[k]}"
+    return at_most(what, abs(float(bias[k])) / rated, BIAS_SHARE, "of rated torque")
 
 
 def balanced_preloads(s: Layout) -> str:

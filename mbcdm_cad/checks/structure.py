@@ -116,12 +116,11 @@ def mounting_screws(s: SectorLayout) -> Findings:
     arms = sum(hypot(x - middle[0], z - middle[1]) for x, z in places)
     slips, peak = hold.slips_N(FRICTION) * arms * 1e-3, s.drive.loads.peak_torque_Nm
     inserts = " in inserts" if s.mount_thread is not None and s.mount_thread.insert else ""
-    yield (
+    what = (
         f"{len(places)} x {s.mounting.words(s.mount_washers)}{inserts} at {hold.clamp_N:.4g} N hold the frame against "
-        f"{slips:.4g} N m by friction, over the peak torque of {peak:g} N m",
-        slips / peak,
-        SLIP_SAFETY,
+        f"{slips:.4g} N m by friction, over the peak torque of {peak:g} N m"
     )
+    yield what, slips / peak, SLIP_SAFETY
 
 
 def _mount_hold(s: SectorLayout) -> ScrewHold:

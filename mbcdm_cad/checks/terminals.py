@@ -91,11 +91,8 @@ def sleeve_fits(s: SectorLayout) -> Findings:
     """The terminal's sleeve has enough wall round the rope, and is long enough to hold it."""
     end, spec, d = s.drive.termination, s.drive.tensioner, s.drive.cable.diameter_mm
     yield f"sleeve of {spec.name} over the rope's diameter", spec.swage_diameter_mm / d, end.sleeve_ratio
-    yield (
-        f"rope in the sleeve of {spec.name} over its diameter",
-        (spec.swage_length_mm - SWAGE_FLOOR_MM) / d,
-        end.grip_ratio,
-    )
+    what = f"rope in the sleeve of {spec.name} over its diameter"
+    yield what, (spec.swage_length_mm - SWAGE_FLOOR_MM) / d, end.grip_ratio
 
 
 @check("Terminals of one side do not touch", "derived; 0.1 mm: estimate", *_ROOM, advice=_SMALLER, none=_ALONE)
@@ -126,12 +123,8 @@ def terminal_angles(s: SectorLayout) -> Findings:
     """Angles at which the file asks for terminals, against the furthest at which they are inside the sector."""
     for c in s.drive.cables:
         if c.terminal_angle_rad is not None:
-            yield at_most(
-                f"terminal of {c.name}, from the direction of {s.before_drum}",
-                degrees(c.terminal_angle_rad),
-                degrees(s.terminal_of(c).furthest_rad),
-                "deg",
-            )
+            what = f"terminal of {c.name}, from the direction of {s.before_drum}"
+            yield at_most(what, degrees(c.terminal_angle_rad), degrees(s.terminal_of(c).furthest_rad), "deg")
 
 
 @check("Lands and lugs stand on solid rim", "derived", *_ROOM, advice=_SMALLER, none=_ALONE)
@@ -147,11 +140,8 @@ def lands_intact(s: SectorLayout) -> Findings:
         above = -np.inf if a.cut_through else outer.surface_radius_mm - pocket_top
         names = f"{a.cable_name} and {b.cable_name}"
         yield f"land of {b.cable_name} over the pocket of {a.cable_name}", max(apart, above - wall), 0.0
-        yield (
-            f"pocket of {b.cable_name} over the land of {a.cable_name}",
-            b.radius_mm - d.nut_pocket - inner.surface_radius_mm,
-            TERMINAL_GAP_MM,
-        )
+        what = f"pocket of {b.cable_name} over the land of {a.cable_name}"
+        yield what, b.radius_mm - d.nut_pocket - inner.surface_radius_mm, TERMINAL_GAP_MM
         yield (
             f"lug of {b.cable_name} over {a.cable_name}",
             max(b.radius_mm - d.lug_root(b) - a.radius_mm, b.y_mm - d.lug_half_width - a.y_mm) - half,
@@ -286,11 +276,8 @@ def thread_at_end(s: SectorLayout) -> Findings:
     """Thread that is left at the lug for the nut when the terminal is drawn in completely."""
     spec = s.drive.tensioner
     for t in s.drum.tensioners:
-        yield (
-            f"back of the lug to the sleeve of {t.cable_name}, drawn in",
-            t.lug_end - t.last_end,
-            RUN_OUT_PITCHES * spec.pitch_mm,
-        )
+        what = f"back of the lug to the sleeve of {t.cable_name}, drawn in"
+        yield what, t.lug_end - t.last_end, RUN_OUT_PITCHES * spec.pitch_mm
 
 
 @check(

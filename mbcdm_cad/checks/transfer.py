@@ -99,11 +99,8 @@ def land_edge(s: SectorLayout) -> Findings:
 def outermost_land(s: SectorLayout) -> Findings:
     """The outermost land is wide enough for its cable up to the drum's outer face."""
     c = s.steps[-1]
-    yield (
-        f"drum's outer face beyond the flank of {c.name}",
-        s.drive.drum.outer_face_y_mm - c.land_y_mm - s.flank_mm,
-        EDGE_BREAK_MM,
-    )
+    what = f"drum's outer face beyond the flank of {c.name}"
+    yield what, s.drive.drum.outer_face_y_mm - c.land_y_mm - s.flank_mm, EDGE_BREAK_MM
 
 
 def body_gaps_mm(s: SectorLayout) -> list[tuple[str, int, float]]:
@@ -190,11 +187,8 @@ def _larger_angle(s: SectorLayout) -> str:
 def wrap_left(s: SectorLayout) -> Findings:
     """The cable still wraps the drum at both ends of the travel."""
     for c in s.steps:
-        yield (
-            f"wrap left of {c.name} (anchor at {degrees(s.anchor_rad(c)):.4g} deg)",
-            degrees(s.smallest_wrap_rad(c)),
-            LEAST_WRAP_DEG,
-        )
+        what = f"wrap left of {c.name} (anchor at {degrees(s.anchor_rad(c)):.4g} deg)"
+        yield what, degrees(s.smallest_wrap_rad(c)), LEAST_WRAP_DEG
 
 
 @check(
@@ -206,11 +200,9 @@ def wrap_left(s: SectorLayout) -> Findings:
 def wrap_under_turn(s: SectorLayout) -> Findings:
     """Cable and terminal take less than a full turn; otherwise they would reach the transfer point a second time."""
     for t in s.drum.tensioners:
+        what = f"largest wrap of {t.cable_name}, terminal included"
         yield at_most(
-            f"largest wrap of {t.cable_name}, terminal included",
-            degrees(t.anchor_rad + s.half_travel_rad + atan2(t.last_tip, t.radius_mm)),
-            FULL_TURN_DEG,
-            "deg",
+            what, degrees(t.anchor_rad + s.half_travel_rad + atan2(t.last_tip, t.radius_mm)), FULL_TURN_DEG, "deg"
         )
 
 
@@ -354,12 +346,8 @@ def transmission_error(s: Layout) -> Comparison:
     whole = np.sqrt((error**2).sum(axis=0))
     pose = int(np.argmax(whole))
     most = names[int(np.argmax(np.abs(error[:, pose])))]
-    return noted(
-        "drum off by at most, over the travel, in 95 % of drives",
-        MOST_DRIVES * float(whole[pose]) * 1e3,
-        "mrad",
-        f"zero at the centred drum; most by the {most}",
-    )
+    what = "drum off by at most, over the travel, in 95 % of drives"
+    return noted(what, MOST_DRIVES * float(whole[pose]) * 1e3, "mrad", f"zero at the centred drum; most by the {most}")
 
 
 def stack_check(name: str, title: str, of: Stacks, advice: str | Callable[[Any], str]) -> Check:

@@ -134,13 +134,9 @@ def _travel(design: Design) -> Iterator[Broken]:
     if travel.from_deg is not None and travel.to_deg is not None:
         half = (travel.to_deg - travel.from_deg) / 2
         if abs(half - travel.half_angle_deg) > SAME_DEG:
-            yield Broken(
-                ("travel", "half_angle_deg"),
-                "not half of the way from from_deg to to_deg",
-                f"{travel.half_angle_deg:g} deg",
-                f"{half:g} deg",
-                "leave it out, or leave from_deg and to_deg out",
-            )
+            what = "not half of the way from from_deg to to_deg"
+            remedy = "leave it out, or leave from_deg and to_deg out"
+            yield Broken(("travel", "half_angle_deg"), what, f"{travel.half_angle_deg:g} deg", f"{half:g} deg", remedy)
 
 
 def broken_ends(from_deg: float | None, to_deg: float | None) -> Iterator[Broken]:
@@ -149,38 +145,25 @@ def broken_ends(from_deg: float | None, to_deg: float | None) -> Iterator[Broken
         there, missing = ("from_deg", "to_deg") if to_deg is None else ("to_deg", "from_deg")
         yield Broken(("travel", missing), f"missing beside {there}", "", "both or none", f"add it, or remove {there}")
     elif from_deg is not None and to_deg is not None and to_deg <= from_deg:
-        yield Broken(
-            ("travel", "to_deg"),
-            "not above from_deg",
-            f"{to_deg:g} deg",
-            f"over {from_deg:g} deg",
-            "swap the two, or give the angle of the output at the upper end",
-        )
+        remedy = "swap the two, or give the angle of the output at the upper end"
+        yield Broken(("travel", "to_deg"), "not above from_deg", f"{to_deg:g} deg", f"over {from_deg:g} deg", remedy)
 
 
 def encoders_needed(design: Design) -> Iterator[Broken]:
     """The encoders that a design leaves out, for a layout whose parts are drawn round both."""
     for field, name in (("encoder", design.drive.encoder), ("drum_encoder", design.drive.drum_encoder)):
         if name == NO_ENCODER:
-            yield Broken(
-                ("drive", field),
-                f"{design.configuration} is drawn with this encoder only",
-                name,
-                "an encoder of the catalogue",
-                "name one, leave the line out, or choose configuration: siso_spur or miso_spur",
-            )
+            what = f"{design.configuration} is drawn with this encoder only"
+            remedy = "name one, leave the line out, or choose configuration: siso_spur or miso_spur"
+            yield Broken(("drive", field), what, name, "an encoder of the catalogue", remedy)
 
 
 def in_line_only(design: Design) -> Iterator[Broken]:
     """A stage, for a layout whose frame carries each motor behind its own input."""
     if design.stage is not None:
-        yield Broken(
-            ("stage",),
-            f"the frame of {design.configuration} carries each motor in line with its input",
-            design.stage.kind,
-            "siso_spur or miso_spur",
-            "remove the block stage, or choose configuration: siso_spur or miso_spur",
-        )
+        what = f"the frame of {design.configuration} carries each motor in line with its input"
+        remedy = "remove the block stage, or choose configuration: siso_spur or miso_spur"
+        yield Broken(("stage",), what, design.stage.kind, "siso_spur or miso_spur", remedy)
 
 
 def _stage(design: Design) -> Iterator[Broken]:
@@ -192,13 +175,9 @@ def _stage(design: Design) -> Iterator[Broken]:
     for name in others:
         if getattr(stage, name) is not None:
             wanted = "gears" if stage.kind == "belt" else "belt"
-            yield Broken(
-                ("stage", name),
-                f"given for a stage of kind {stage.kind}",
-                shortened(getattr(stage, name)),
-                f"kind: {wanted}",
-                f"remove it, or write kind: {wanted}",
-            )
+            what = f"given for a stage of kind {stage.kind}"
+            remedy = f"remove it, or write kind: {wanted}"
+            yield Broken(("stage", name), what, shortened(getattr(stage, name)), f"kind: {wanted}", remedy)
 
 
 def _cables(design: Design) -> Iterator[Broken]:
@@ -208,21 +187,13 @@ def _cables(design: Design) -> Iterator[Broken]:
     yield from unique("cables", "name", [cable.name.removeprefix("cable_") for cable in design.cables])
     for k, cable in enumerate(design.cables):
         if cable.input not in inputs:
+            what = "no such input"
             yield Broken(
-                ("cables", k, "input"),
-                "no such input",
-                cable.input,
-                ", ".join(inputs),
-                did_you_mean(cable.input, inputs),
+                ("cables", k, "input"), what, cable.input, ", ".join(inputs), did_you_mean(cable.input, inputs)
             )
         if cable.name in inputs:
-            yield Broken(
-                ("cables", k, "name"),
-                "also the name of an input",
-                cable.name,
-                "names are used once",
-                "rename one of them",
-            )
+            remedy = "rename one of them"
+            yield Broken(("cables", k, "name"), "also the name of an input", cable.name, "names are used once", remedy)
 
 
 def _loads(design: Design) -> Iterator[Broken]:
@@ -273,13 +244,8 @@ def _rope(design: Design) -> Iterator[Broken]:
         yield Broken(("rope",), what, "", "one of the two", "give type: NAME, or all values under inline:")
     if (rope.modulus_GPa is None) != (rope.modulus_area is None):
         absent = "modulus_area" if rope.modulus_area is None else "modulus_GPa"
-        yield Broken(
-            ("rope",),
-            f"{absent} is missing",
-            "",
-            "modulus_GPa and modulus_area go together",
-            "a modulus means nothing without its area: give both, or neither for the catalogue's",
-        )
+        remedy = "a modulus means nothing without its area: give both, or neither for the catalogue's"
+        yield Broken(("rope",), f"{absent} is missing", "", "modulus_GPa and modulus_area go together", remedy)
     if rope.inline is not None and rope.modulus_GPa is not None:
         yield Broken(
             ("rope", "modulus_GPa"),
@@ -332,13 +298,8 @@ def unique(block: str, name: str, values: Sequence[str] | Sequence[int]) -> Iter
     """The rule that ``values`` of the field ``name`` in a list of blocks are unique."""
     for k, value in enumerate(values):
         if value in values[:k]:
-            yield Broken(
-                (block, k, name),
-                "used twice",
-                shortened(value),
-                f"each {name} once",
-                f"give every one of {block} its own {name}",
-            )
+            remedy = f"give every one of {block} its own {name}"
+            yield Broken((block, k, name), "used twice", shortened(value), f"each {name} once", remedy)
 
 
 def counted(design: Design, block: str, wanted: int, remedy: str) -> Iterator[Broken]:
@@ -351,10 +312,5 @@ def counted(design: Design, block: str, wanted: int, remedy: str) -> Iterator[Br
 
 def on_one_side(index: int, side: str, who: str) -> Broken:
     """Two cables of one input, ``who`` in words, run to one side of the drum; ``index`` is that of the second."""
-    return Broken(
-        ("cables", index, "drum_side"),
-        f"both {who} run to one side",
-        side,
-        "opposite sides",
-        "set drum_side to -x for one and to +x for the other: the input drives in one sense only otherwise",
-    )
+    remedy = "set drum_side to -x for one and to +x for the other: the input drives in one sense only otherwise"
+    return Broken(("cables", index, "drum_side"), f"both {who} run to one side", side, "opposite sides", remedy)
