@@ -6,7 +6,6 @@ python -m tests.effects_page > docs/loop-effects.md
 import re
 from collections.abc import Iterable
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
@@ -15,8 +14,8 @@ from mbcdm_cad.loop.effect import Effect
 from mbcdm_cad.loop.effects import library
 from mbcdm_cad.loop.prepare.prepared import prepare
 from mbcdm_cad.measurement.run import Run
+from tests.support.reference import ROOT
 
-ROOT = Path(__file__).resolve().parents[1]
 HEAD = """# Effects that the loop knows
 
 Written by `make docs` from `mbcdm_cad/loop/effects`; do not edit by hand. An effect has a name, where it needs one a

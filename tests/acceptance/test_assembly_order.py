@@ -3,7 +3,6 @@
 from collections.abc import Iterator, Sequence
 from fnmatch import fnmatch
 from math import sqrt
-from pathlib import Path
 from typing import NamedTuple
 
 import cadquery as cq
@@ -21,10 +20,10 @@ from mbcdm_cad.parts.bill import CABLE, AssemblyStep, cable_item
 from mbcdm_cad.parts.bodies import CableRod
 from mbcdm_cad.workshop.kernel import kernel_shape, location
 from tests.support.motors_above import ABOVE
+from tests.support.reference import ROOT
 
 pytestmark = pytest.mark.slow
 
-ROOT = Path(__file__).parents[2]
 OVERLAP_MM3 = 0.02
 KEY_LENGTH_MM = 50.0
 FAR_MM = 100.0

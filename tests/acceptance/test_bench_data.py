@@ -23,9 +23,8 @@ from tests.support.bench_effects import Effect
 from tests.support.bench_geometry import chain_of
 from tests.support.bench_motion import Bench, Plan
 from tests.support.bench_score import interval, outcome_of, score_of
+from tests.support.reference import DRIVE, PARAMS, ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
-DRIVE = load_design(ROOT / "params" / "mbcdm.yaml").drive
 CHAIN_60 = replace(chain_of(DRIVE), stiffness=60e9 * 0.3117e-6)
 STILL = np.zeros((2, 200))
 
@@ -134,7 +133,6 @@ def test_intervals_are_those_of_clopper_and_pearson() -> None:
     assert interval(0, 300)[1] == pytest.approx(1.0 - 0.025 ** (1 / 300), rel=1e-9) and interval(0, 300)[0] == 0.0
 
 
-PARAMS = Path(__file__).parents[2] / "params"
 CREEP_DESIGN = PARAMS / "siso_spur.yaml"
 PLAN = Plan(amplitude_rad=0.6, frequency_hz=0.05, wave="sine", load="steps", duration_s=160.0)
 WRAP_DEG = 540.0

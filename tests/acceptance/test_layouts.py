@@ -20,8 +20,8 @@ from mbcdm_cad.layouts.registry import layout_of
 from tests.support.checked import failing, results
 from tests.support.random_generator import WHOLE, Passing, passing, requirements
 from tests.support.reach_bound import asked, excluding
+from tests.support.reference import PARAMS, ROOT
 
-PARAMS = Path(__file__).parents[2] / "params"
 SPUR = PARAMS / "siso_spur.yaml"
 SOFT = {"effect": "modulus", "share": -0.4}
 
@@ -208,7 +208,6 @@ def test_random_short_files_in_usual_proportions() -> None:
     assert all(isinstance(p, Passing) for p in found), found
 
 
-ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs/how-to/a-leg-and-a-handle.md").read_text("utf-8")
 JOINT_ROWS = [line.strip("| \n").split(" | ") for line in PAGE.splitlines() if line.startswith("| `")]
 LEG, HANDLE = ([row for row in JOINT_ROWS if len(row) == columns] for columns in (6, 5))

@@ -26,6 +26,7 @@ from mbcdm_cad.measurement.vet import refusals, vet
 from mbcdm_cad.routes import Floats
 from tests.support.bench_cut import ending
 from tests.support.mutants import mutate
+from tests.support.reference import DRIVE
 
 PAPER = Path(__file__).parents[2] / "params" / "measurements" / "paper.yaml"
 MAPPING = """\
@@ -326,9 +327,6 @@ CAUSES = ("wrong sign", "cannot follow the run: ")
 def test_a_cut_run_ends_in_a_verdict_or_in_a_message_with_a_cause(seed: int) -> None:
     end, words = ending(seed)
     assert end in VERDICTS or any(cause in words for cause in CAUSES), words
-
-
-DRIVE = load_design(Path(__file__).parents[2] / "params" / "mbcdm.yaml").drive
 
 
 def odd_signal(rng: np.random.Generator, count: int) -> Floats:

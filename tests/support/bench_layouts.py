@@ -10,7 +10,6 @@ on.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -23,8 +22,8 @@ from mbcdm_cad.measurement.run import KNOWN_LOAD, Run, Sensors, TorqueClass
 from mbcdm_cad.measurement.schema import CountedParts
 from mbcdm_cad.rig.experiment import Experiment, counted_parts
 from mbcdm_cad.rig.quasistatic import simulate
+from tests.support.reference import ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 Floats = np.ndarray
 Rng = np.random.Generator
 DESIGNS = ("mbcdm", "siso_spur", "siso_bevel", "miso_spur")

@@ -4,7 +4,6 @@ from dataclasses import replace
 from functools import cache
 from itertools import pairwise
 from math import hypot, pi, sqrt
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -28,8 +27,8 @@ from mbcdm_cad.layouts.structure import pulley_sections, structure_of
 from mbcdm_cad.parts.drum_sector import dims
 from mbcdm_cad.parts.fits import clamp_force_N, screw_hold
 from tests.support.checked import failing, of_params, result
+from tests.support.reference import PARAMS
 
-PARAMS = Path(__file__).parents[3] / "params"
 REFERENCES = ("mbcdm", "siso_spur", "miso_spur", "siso_bevel")
 # Force of a tightened screw of class 8.8, N: 0.7 x 640 N/mm2 over the stress area of ISO 898, mm2.
 M25_N, M3_N = 0.7 * 640.0 * 3.39, 0.7 * 640.0 * 5.03

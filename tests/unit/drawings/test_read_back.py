@@ -3,7 +3,6 @@
 import io
 import re
 from math import atan2, degrees, pi
-from pathlib import Path
 
 import cadquery as cq
 import ezdxf
@@ -17,9 +16,9 @@ from mbcdm_cad.drawings.frames import Room
 from mbcdm_cad.layouts.loader import layout_of, load_design
 from tests.support import drawing_reader
 from tests.support.rebuilt import LARGE, OTHERS, SMALL, Rebuild, turned
+from tests.support.reference import ROOT
 
 pytestmark = pytest.mark.slow
-ROOT = Path(__file__).parents[3]
 # Lengths are printed to a hundredth or a thousandth of a millimetre; a small part feels that most.
 _VOLUME_ERROR = 2e-3
 

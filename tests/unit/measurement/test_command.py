@@ -16,6 +16,7 @@ from mbcdm_cad.measurement.file import load_file
 from mbcdm_cad.measurement.reference import measurement_page
 from mbcdm_cad.measurement.schema import Measurement, json_schema, node_at
 from mbcdm_cad.model.si import ModelError
+from tests.support.reference import ROOT
 
 DESIGN = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 BARE = {key: value for key, value in mapping()["columns"].items() if key != "load_torque"}
@@ -173,9 +174,6 @@ def test_no_file_is_touched_unless_all_can_be_written(tmp_path: Path) -> None:
 
 
 # The reference page of the measurement file, and the files that it shows.
-
-
-ROOT = Path(__file__).parents[3]
 
 
 def test_page_in_docs_is_what_the_schema_writes() -> None:

@@ -33,6 +33,7 @@ from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.model.tolerance import BEYOND_THREE_SIGMA, Contribution, StackUp, stack_data, tightest
 from mbcdm_cad.report.analysis_report import analyse_design
 from mbcdm_cad.routes.route import two_bearing_reactions_N
+from tests.support.reference import PARAMS
 
 REFERENCE = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 
@@ -288,8 +289,6 @@ def test_the_tightest_has_the_least_left() -> None:
     assert tightest([_stack(0.1, margin=1.0), _stack(0.5, margin=1.2)]).margin == 1.2
     assert stack_data(StackUp("ratio", float("inf"), ()))["margin"] is None
 
-
-PARAMS = Path(__file__).parents[3] / "params"
 
 WRAPS = {"input_wrap_rad": np.full(4, 9.0), "drum_wrap_rad": np.full(4, 0.43)}
 

@@ -7,7 +7,6 @@ from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 from math import pi
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -31,9 +30,9 @@ from mbcdm_cad.model.structure.quadrilateral import (
 from mbcdm_cad.model.structure.sector_mesh import RimStep, SectorShape
 from mbcdm_cad.parts.drum_sector.dims import Window, hub, land_pulls, sector_shape
 from mbcdm_cad.report.analysis_report import analyse_design
+from tests.support.reference import PARAMS
 
 METAL = drum_sector.Isotropic(71_700.0, 0.33)
-PARAMS = Path(__file__).parents[3] / "params"
 HUB = drum_sector.Hub(10.0, 4.0, 0.0, 10.0, 5.0, 0.0, 0, 0.0, 0, 7.0, 0.0, (0.0, 2.0), 2.0, pi)
 
 

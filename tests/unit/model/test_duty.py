@@ -5,7 +5,6 @@ Two-node heat of a motor: closed forms, energy, a data sheet, another integrator
 
 from dataclasses import replace
 from math import exp, inf, log, pi, sqrt
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -23,6 +22,7 @@ from mbcdm_cad.model.heat import COPPER_PER_K, MotorHeat, motor_heat
 from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.structure import causes
 from mbcdm_cad.model.structure.drum_sector import Isotropic
+from tests.support.reference import PARAMS
 
 
 def test_rows_give_mean_square_share_and_movements() -> None:
@@ -298,7 +298,6 @@ def test_mujocos_thermal_motor_warms_alike() -> None:
     assert found == pytest.approx(seen, rel=0.01, abs=0.05), (found, seen)
 
 
-PARAMS = Path(__file__).parents[3] / "params"
 REFERENCES = ("mbcdm", "siso_spur", "miso_spur", "siso_bevel")
 
 

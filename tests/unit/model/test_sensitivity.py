@@ -24,6 +24,7 @@ from mbcdm_cad.model.tolerance import Contribution, StackUp, Tolerances, eccentr
 from mbcdm_cad.parallel import forks
 from mbcdm_cad.parallel.forks import crew
 from tests.support.checked import of_params
+from tests.support.reference import DRIVE
 
 NEED = Requirements(
     load_Nm=0.91,
@@ -357,9 +358,6 @@ def test_designs_of_different_kinds_are_not_stacked() -> None:
 
 
 # The table of the effect of a lower preload, compared with figures of the model.
-
-
-DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
 
 
 def test_the_row_of_the_design_is_its_analysis() -> None:

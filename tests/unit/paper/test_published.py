@@ -22,8 +22,7 @@ from mbcdm_cad.model.stiffness import drum_backlash
 from mbcdm_cad.paper.published import Candidate, Judged, PublishedResult, judge_published, published_page
 from mbcdm_cad.paper.reproduce import as_markdown, reproduce
 from mbcdm_cad.rig.dynamic.run import DynamicRun
-
-PARAMS = Path(__file__).parents[3] / "params"
+from tests.support.reference import DRIVE, PARAMS, ROOT
 
 
 @cache
@@ -128,9 +127,6 @@ def test_command_prints_and_writes_them(tmp_path: Path, capsys: pytest.CaptureFi
 # The table of the paper's figures: within tolerances for the reference, outside for a wrong design, up to date.
 
 
-ROOT = Path(__file__).parents[3]
-
-
 @pytest.fixture(scope="module")
 def drive() -> Drive:
     return load_design(ROOT / "params" / "mbcdm.yaml").drive
@@ -178,9 +174,6 @@ def test_the_command_ends_with_1_outside_a_tolerance(tmp_path: Path, capsys: pyt
     (tmp_path / "soft.yaml").write_text(text.replace("modulus_GPa: 54.0", "modulus_GPa: 40.0"), "utf-8")
     assert cli.run(["reproduce", str(tmp_path / "soft.yaml")]) == 1
     assert "from the paper's 0.33 (tolerance 5.00%)" in capsys.readouterr().err
-
-
-DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
 
 
 def figures(result: paper_experiments.PaperResult) -> dict[str, float]:

@@ -1,7 +1,6 @@
 """Tables of holes compared with the cylinders of the solids: every listed hole exists, every small hole is listed."""
 
 from math import pi, radians
-from pathlib import Path
 from typing import Any
 
 import cadquery as cq
@@ -26,6 +25,7 @@ from mbcdm_cad.routes.curves import Arc, Coil, Line
 from mbcdm_cad.workshop.kernel import bounding_box
 from mbcdm_cad.workshop.meshing import mesh_solid
 from mbcdm_cad.workshop.trianglemesh import rod_mesh
+from tests.support.reference import PARAMS
 
 PARTS = ("collar", "drum", "frame", "top_plate")
 # Round holes of these that a table of another kind gives: bores that are dimensioned in a view.
@@ -315,9 +315,6 @@ def test_the_probe_finds_a_thin_wall() -> None:
     block = cq.Workplane().box(10, 10, 10).cut(cq.Workplane().box(4, 4, 20).translate((2.8, 0, 0))).val()
     wall, place = thinnest_wall(block.Solids()[0])
     assert wall == pytest.approx(0.2, abs=1e-6) and place[0] > 4.7
-
-
-PARAMS = Path(__file__).parents[3] / "params"
 
 
 @pytest.mark.parametrize("turn", [0.0, 35.0, -110.0])

@@ -4,7 +4,6 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from math import acos, pi, radians, sqrt
-from pathlib import Path
 from typing import Any
 
 import cadquery as cq
@@ -32,6 +31,7 @@ from mbcdm_cad.workshop.kernel import bounding_box, measure, validate_faces, val
 from mbcdm_cad.workshop.mass import combined, item_mass
 from mbcdm_cad.workshop.meshing import mesh_solid
 from tests.support.random_generator import Passing, passing
+from tests.support.reference import PARAMS
 
 from .golden import golden_volumes
 
@@ -341,7 +341,6 @@ def test_bought_parts_stand_on_their_seat(solids: dict[str, cq.Solid], name: str
         assert low[2] < 0.0 <= high[2] + 1e-6
 
 
-PARAMS = Path(__file__).parents[3] / "params"
 FILES = {"miso_bevel": "mbcdm", "siso_bevel": "siso_bevel", "siso_spur": "siso_spur", "miso_spur": "miso_spur"}
 
 

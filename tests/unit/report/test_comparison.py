@@ -39,8 +39,7 @@ from mbcdm_cad.report.page.stage import charts_under_load, comparison_page
 from mbcdm_cad.report.solve_report import SolveReport
 from mbcdm_cad.solving.question import question_of
 from mbcdm_cad.solving.solve import Change, Solution
-
-PARAMS = Path(__file__).parents[3] / "params"
+from tests.support.reference import PARAMS, ROOT
 
 
 def report(**changes: Any) -> dict[str, Any]:
@@ -125,7 +124,6 @@ def test_designs_of_one_name_are_told_apart() -> None:
     assert [own_folder(label) for label in (str(left), "../x y.yaml", "drive 2")] == ["a-left", "x-y", "drive-2"]
 
 
-ROOT = Path(__file__).parents[3]
 FILES = sorted((ROOT / "params" / "built-by-others").glob("*.yaml"))
 DRIVES_OF_OTHERS = ROOT / "docs" / "built-by-others.md"
 

@@ -35,6 +35,7 @@ from mbcdm_cad.report.losses import losses_shown
 from mbcdm_cad.report.masses import mass_is_estimated
 from mbcdm_cad.report.structure import path_data, path_data_or_reason
 from tests.support.checked import of_params
+from tests.support.reference import PARAMS
 
 
 @cache
@@ -142,9 +143,6 @@ def test_estimate_is_told_by_the_clause_on_the_mass(kind: str, name: str, estima
 
 def test_source_silent_on_the_mass_counts_as_a_whole() -> None:
     assert mass_is_estimated("estimate") and not mass_is_estimated("Maker's data sheet, edition 7")
-
-
-PARAMS = Path(__file__).parents[3] / "params"
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from dataclasses import asdict, replace
 from importlib.resources import files
 from math import radians
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,7 +14,6 @@ import pytest
 import mbcdm_cad
 from mbcdm_cad.api.design import DriveDesign
 from mbcdm_cad.layouts.check_design import checks_of
-from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.layouts.turns import modes_of, turns_at, turns_of
 from mbcdm_cad.model.bulk import preload_table
@@ -28,8 +26,8 @@ from mbcdm_cad.report.page.scene import CHORD_ERROR_MM, POSE_ERROR_MM, _Binary, 
 from mbcdm_cad.report.page.stage import LICENCE, THREE, THREE_SHA256, charts_under_load, studies
 from mbcdm_cad.report.page.template import _figure, _json, derived
 from tests.support.checked import results
+from tests.support.reference import DRIVE, PARAMS
 
-DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
 LARGEST_BUNDLE_BYTES = 800_000
 
 
@@ -155,7 +153,6 @@ def test_figures_are_written_for_people(value: Any, text: str) -> None:
 # One quantity has one figure: those that appear in several outputs of a design are the same in all of them.
 
 
-PARAMS = Path(__file__).parents[3] / "params"
 DESIGNS = ("mbcdm", "siso_spur", "miso_spur", "siso_bevel", "built-by-others/printed-capstan")
 # Names that mean another thing in each block, and which.
 OTHER_MEANING = {"load_Nm": "each load case and curve has its own", "temperature_C": "each row of a table has its own"}

@@ -8,7 +8,6 @@ import sys
 from collections import Counter
 from dataclasses import replace
 from math import log
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -24,6 +23,7 @@ from mbcdm_cad.model.stiffness import drum_backlash
 from mbcdm_cad.rig import chain
 from mbcdm_cad.rig.bench import RigCable, bench_of, cables_of
 from mbcdm_cad.rig.experiment import Physics
+from tests.support.reference import PARAMS
 
 
 @pytest.fixture(scope="module")
@@ -128,7 +128,6 @@ def test_a_travel_that_empties_a_wrap_is_refused(cables):
         chain.chains(cables, reach_rad=2.0)
 
 
-PARAMS = Path(__file__).parents[3] / "params"
 MARK_M, STEPS = 0.2e-3, 201
 # By hand, in a cycle over the whole travel: what winds on and off bends once, what passes the guide and returns twice.
 BY_HAND = {

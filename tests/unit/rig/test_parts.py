@@ -1,7 +1,6 @@
 """Structure and losses in both rigs: the swing at the payload, what is lost over a cycle, and where the energy goes."""
 
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,8 +16,8 @@ from mbcdm_cad.rig.dynamic.rig import inertias, rig_of
 from mbcdm_cad.rig.dynamic.simulate import simulate_dynamic
 from mbcdm_cad.rig.experiment import DynamicExperiment, Experiment
 from mbcdm_cad.rig.quasistatic import set_up, simulate
+from tests.support.reference import PARAMS
 
-PARAMS = Path(__file__).parents[3] / "params"
 REFERENCES = ("mbcdm", "siso_spur", "miso_spur", "siso_bevel")
 
 

@@ -38,8 +38,7 @@ from mbcdm_cad.rig.dynamic.train import (
     standstill,
 )
 from mbcdm_cad.rig.experiment import DynamicExperiment, RigError, read_experiment
-
-DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
+from tests.support.reference import DRIVE, ROOT
 
 
 def quiet(rig: DynamicRig) -> DynamicRig:
@@ -280,7 +279,6 @@ def test_eccentric_guide_turns_the_drum_and_keeps_the_energy_balance() -> None:
     assert abs(missing) < 5e-3 * e["motor"], f"{missing:.2e} J of {e['motor']:.2e} J missing"
 
 
-ROOT = Path(__file__).parents[3]
 REFERENCE = load_design(ROOT / "params" / "mbcdm.yaml").drive
 SHORT = """
 rig: dynamic

@@ -210,7 +210,6 @@ class TestTravelFromTo:
 # The URDF in three simulators: the same inertia, no contact over the travel; names, limits and options of the file.
 
 
-PARAMS = Path(__file__).parents[3] / "params"
 POSES = np.linspace(-1.0, 1.0, 9)
 
 

@@ -42,8 +42,8 @@ from mbcdm_cad.workshop.meshing import mesh_solid
 from mbcdm_cad.workshop.pictures import EXPLODED, exploded, transfer_section
 from mbcdm_cad.workshop.prints import overhang_mm2, prints_of, round_holes, thinnest_wall, with_wider_holes
 from tests.support.checked import failing, of_params
+from tests.support.reference import DRIVE, PARAMS, ROOT
 
-ROOT = Path(__file__).parents[3]
 DESIGN = ROOT / "params" / "mbcdm.yaml"
 
 _STEP_WITHOUT_CADQUERY = """
@@ -90,9 +90,6 @@ def test_progress_is_one_line_a_stage_where_it_is_piped(capsys: pytest.CaptureFi
         note("interference at 9 poses")
     said = capsys.readouterr()
     assert said.err == "making frame, drum\nmaking interference at 9 poses\n" and said.out == ""
-
-
-PARAMS = Path(__file__).parents[3] / "params"
 
 
 def test_straight_rod_has_the_inertia_of_a_cylinder() -> None:
@@ -156,7 +153,6 @@ def test_a_forked_process_draws_after_its_parent_has_drawn() -> None:
 # Pictures for the assembly: the section is where cables reach the drum, the exploded view separates the parts.
 
 
-DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
 METAL = Material(
     name="metal",
     density_g_cm3=1.0,
