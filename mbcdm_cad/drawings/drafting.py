@@ -19,8 +19,8 @@ from mbcdm_cad.drawings.arrangement import (
     scale_text,
     value_text,
 )
-from mbcdm_cad.drawings.frames import Box, Room, draw_axis_datum, draw_face_datum, draw_tolerance
 from mbcdm_cad.drawings.projection import ArcStroke, LineStroke, Picture, Point, PolyStroke, Stroke, clipped
+from mbcdm_cad.drawings.titleblock import Box, Room, draw_axis_datum, draw_face_datum, draw_tolerance
 from mbcdm_cad.parts.sheet import Angle, CuttingLine, Label, Radius, Sheet
 
 _HATCH_APART = 0.8

@@ -34,11 +34,11 @@ from mbcdm_cad.drawings.arrangement import (
     scale_text,
 )
 from mbcdm_cad.drawings.drafting import draw_views
-from mbcdm_cad.drawings.frames import Room
 from mbcdm_cad.drawings.projection import picture
 from mbcdm_cad.drawings.titleblock import (
     GENERAL_TOLERANCE,
     PRINTED_GENERAL_TOLERANCE,
+    Room,
     TitleFields,
     draw_border,
     draw_notes,

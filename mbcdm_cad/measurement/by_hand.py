@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mbcdm_cad.measurement.run import Run, VettingNote, doubt, fact, refused
-from mbcdm_cad.measurement.vet_columns import REVERSED_LOAD, column_findings
+from mbcdm_cad.measurement.vet_signals import REVERSED_LOAD, column_findings
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
 

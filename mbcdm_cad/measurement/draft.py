@@ -41,7 +41,7 @@ from mbcdm_cad.measurement.logformat import (
 )
 from mbcdm_cad.measurement.reading import FULL_SENSE, read_run
 from mbcdm_cad.measurement.schema import FREQUENCY_RESPONSE
-from mbcdm_cad.measurement.vet_columns import robust_slope
+from mbcdm_cad.measurement.vet_signals import robust_slope
 from mbcdm_cad.routes import Floats
 
 # Rows that are tested for figures, and the share of them that must have one.

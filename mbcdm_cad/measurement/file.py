@@ -13,34 +13,7 @@ from mbcdm_cad.design import yamltree
 from mbcdm_cad.design.problems import schema_problems
 from mbcdm_cad.design.yamltree import FieldPath, dotted, read_text
 from mbcdm_cad.errors import InputError, Problem, did_you_mean, shortened
-from mbcdm_cad.measurement.logformat import (
-    ANGLE,
-    COUNTS,
-    ENCODERS,
-    FORCE,
-    GIVE,
-    LENGTH,
-    LOAD,
-    RATIO,
-    TORQUE,
-    kind_of,
-    known_units,
-    unit_of,
-)
-from mbcdm_cad.measurement.schema import (
-    BY_HAND,
-    CURRENT,
-    FREQUENCY_RESPONSE,
-    MOTION,
-    TABLE,
-    TURNING_POINTS,
-    Column,
-    Columns,
-    Measurement,
-    ResponseBlock,
-    is_column,
-    node_at,
-)
+from mbcdm_cad.measurement import logformat, schema
 
 _KIND = ("measurement file", "; docs/measurement-file.md shows how one is written")
 
@@ -54,11 +27,11 @@ class MeasurementFile:
     """A measurement file that fits its schema, and the lines of its fields."""
 
     path: Path
-    content: Measurement
+    content: schema.Measurement
     tree: yamltree.Tree
 
     @property
-    def asked(self) -> dict[str, Column]:
+    def asked(self) -> dict[str, schema.Column]:
         """The columns given, in the order in which the table holds them."""
         return self.content.columns.given() if self.content.columns is not None else {}
 
@@ -88,10 +61,10 @@ def file_of(path: Path, text: str) -> MeasurementFile:
     tree = yamltree.parse(text, str(path), *_KIND)
     strange = _strange_columns(path, tree)
     try:
-        content = Measurement.model_validate(tree.data)
+        content = schema.Measurement.model_validate(tree.data)
     except ValidationError as error:
         said = {problem.field for problem in strange}
-        found = schema_problems(error, tree, str(path), node_at)
+        found = schema_problems(error, tree, str(path), schema.node_at)
         # What is said of a strange column is not said again of each of its fields.
         found = [problem for problem in found if ".".join(problem.field.split(".")[:2]) not in said]
         raise InputError(sorted([*strange, *found], key=lambda problem: problem.line)) from None
@@ -133,8 +106,8 @@ def _has_fields(text: str) -> bool:
 def _strange_columns(path: Path, tree: yamltree.Tree) -> list[Problem]:
     """Columns that are neither a quantity nor an input, and the one of the output where it is missing."""
     columns = tree.data.get("columns") if isinstance(tree.data, dict) else None
-    strange = [key for key in columns if not is_column(str(key))] if isinstance(columns, dict) else []
-    known = [*Columns.model_fields, "input_<name of an input of the design>"]
+    strange = [key for key in columns if not schema.is_column(str(key))] if isinstance(columns, dict) else []
+    known = [*schema.Columns.model_fields, "input_<name of an input of the design>"]
     missing = []
     if isinstance(columns, dict) and not {"output", "frequency"} & set(columns):
         remedy = "add it, for example output: {column: q_out, unit: rad}; or frequency, of an analyser's table"
@@ -163,8 +136,8 @@ def _broken_rules(file: MeasurementFile) -> Iterator[Broken]:
             if getattr(content, key) is not None:
                 yield (key,), "given beside published", f"{TWO}: a run, or published figures"
         for index, item in enumerate(content.published):
-            if unit_of(item.quantity, item.unit) is None:
-                remedy = did_you_mean(item.unit, known_units(item.quantity))
+            if logformat.unit_of(item.quantity, item.unit) is None:
+                remedy = did_you_mean(item.unit, logformat.known_units(item.quantity))
                 yield ("published", index, "unit"), f"no unit of {item.quantity}", remedy, shortened(item.unit)
         return
     for key in ("data", "columns"):
@@ -175,28 +148,28 @@ def _broken_rules(file: MeasurementFile) -> Iterator[Broken]:
         yield from _of_columns(content, asked)
 
 
-def _of_log(content: Measurement, asked: dict[str, Column]) -> Iterator[Broken]:
+def _of_log(content: schema.Measurement, asked: dict[str, schema.Column]) -> Iterator[Broken]:
     """Of a log over time: its load, times, currents and inputs, and fields of other kinds."""
-    if content.load is not None and LOAD in asked:
+    if content.load is not None and logformat.LOAD in asked:
         told = content.load if isinstance(content.load, str) else "pendulum"
         remedy = f"{TWO}: the measured torque, or what is known of the load"
-        yield ("load",), f"given beside columns.{LOAD}", remedy, told
+        yield ("load",), f"given beside columns.{logformat.LOAD}", remedy, told
     rate: FieldPath = ("sample_rate_Hz",)
     if content.sample_rate_Hz is None:
-        if "time" not in asked and content.kind != TURNING_POINTS:  # whose rows count
+        if "time" not in asked and content.kind != schema.TURNING_POINTS:  # whose rows count
             yield ("columns", "time"), "missing", "give its column, or sample_rate_Hz for rows at an even rate"
     elif "time" in asked:
         yield rate, "given beside columns.time", f"{TWO}: columns.time where there is one"
     elif content.broken_rows == "skip" or content.rows == "own_times" or content.channel_column is not None:
         remedy = "leave broken_rows, rows and channel_column out: every row is one step in time"
         yield rate, "given where rows are no steps in time", remedy
-    inputs, currents = ([key for key in asked if kind_of(key) == kind] for kind in ("input", CURRENT))
+    inputs, currents = ([key for key in asked if logformat.kind_of(key) == kind] for kind in ("input", schema.CURRENT))
     if currents:
         yield from _of_currents(content, asked, inputs, currents)
-    response = content.kind == FREQUENCY_RESPONSE
-    given: list[FieldPath] = [("columns", key) for key in ("excitation", *TABLE) if key in asked]
+    response = content.kind == schema.FREQUENCY_RESPONSE
+    given: list[FieldPath] = [("columns", key) for key in ("excitation", *schema.TABLE) if key in asked]
     given += [(key,) for key in ("inertia_plate", "response") if getattr(content, key) is not None]
-    remedy = f"say kind: {FREQUENCY_RESPONSE} of a chirp, noise or an analyser's table; else leave it out"
+    remedy = f"say kind: {schema.FREQUENCY_RESPONSE} of a chirp, noise or an analyser's table; else leave it out"
     remedy = "give columns.frequency of an analyser's table; else leave it out" if response else remedy
     for where in given:
         if not response or where not in (("inertia_plate",), ("columns", "excitation")):
@@ -206,21 +179,25 @@ def _of_log(content: Measurement, asked: dict[str, Column]) -> Iterator[Broken]:
     if "input" in asked and named:
         yield ("columns", "input"), f"given beside {named[0]}", remedy
     # Of rows by hand the inputs may stand still.
-    elif named in (["input_left"], ["input_right"]) or not (inputs or content.kind in BY_HAND):
+    elif named in (["input_left"], ["input_right"]) or not (inputs or content.kind in schema.BY_HAND):
         yield ("columns",), "an input is missing", remedy
 
 
 def _of_currents(
-    content: Measurement, asked: dict[str, Column], inputs: list[str], currents: list[str]
+    content: schema.Measurement, asked: dict[str, schema.Column], inputs: list[str], currents: list[str]
 ) -> Iterator[Broken]:
     """Of the motors' currents: one for each input, in place of a measured load or beside it."""
     first: FieldPath = ("columns", currents[0])
     if content.load == "none":
         remedy = f"{TWO}; beside the currents a load of a weight on an arm may be stated, pendulum"
         yield first, "given beside load: none", remedy
-    if LOAD in asked and content.kind != MOTION:
-        yield first, f"given beside columns.{LOAD}", f"{TWO}: only a run of kind {MOTION} compares them"
-    if sorted(inputs) != sorted(key.replace(CURRENT, "input", 1) for key in currents):
+    if logformat.LOAD in asked and content.kind != schema.MOTION:
+        yield (
+            first,
+            f"given beside columns.{logformat.LOAD}",
+            f"{TWO}: only a run of kind {schema.MOTION} compares them",
+        )
+    if sorted(inputs) != sorted(key.replace(schema.CURRENT, "input", 1) for key in currents):
         remedy = "give the current of each input's motor, current_<name> for input_<name>"
         yield first, "currents are not those of the inputs", remedy, ", ".join(currents)
     needed = ("torque_constant_Nm_A", "gear_ratio", "efficiency", "rotor_inertia_kg_m2")
@@ -229,19 +206,26 @@ def _of_currents(
         yield ("motor",), f"lacks {lacking}", "give it in the block motor: no design says it"
 
 
-def _of_table(content: Measurement, asked: dict[str, Column]) -> Iterator[Broken]:
+def _of_table(content: schema.Measurement, asked: dict[str, schema.Column]) -> Iterator[Broken]:
     """Of an analyser's table: fields that a log has in place of it, and what its gain is over."""
-    if content.kind != FREQUENCY_RESPONSE:
-        yield ("kind",), "a table over frequency is of another kind", f"say kind: {FREQUENCY_RESPONSE}", content.kind
+    if content.kind != schema.FREQUENCY_RESPONSE:
+        yield (
+            ("kind",),
+            "a table over frequency is of another kind",
+            f"say kind: {schema.FREQUENCY_RESPONSE}",
+            content.kind,
+        )
     for key in ("gain", "phase"):
         if key not in asked:
             remedy = f"give its column: a table of an analyser has frequency, {key} and more"
             yield ("columns", key), "missing", remedy
     stated = sorted(content.model_fields_set & {"load", "motor", "sample_rate_Hz", "rows", "channel_column"})
-    of_logs: list[FieldPath] = [("columns", key) for key in asked if key not in TABLE] + [(key,) for key in stated]
+    of_logs: list[FieldPath] = [("columns", key) for key in asked if key not in schema.TABLE] + [
+        (key,) for key in stated
+    ]
     for where in of_logs:
         yield where, "given beside columns.frequency", f"{TWO}: a table over frequency, or a log over time"
-    block = content.response or ResponseBlock.model_construct()
+    block = content.response or schema.ResponseBlock.model_construct()
     torque = block.over == "torque"
     if torque and content.ratio is not None:
         remedy = "give the design file: of a ratio alone nothing says what the torque turns"
@@ -249,7 +233,10 @@ def _of_table(content: Measurement, asked: dict[str, Column]) -> Iterator[Broken
     for key in ("amplitude_rad", "turns") if torque else ("amplitude_Nm",):
         if getattr(block, key) is not None:
             yield ("response", key), f"given beside over: {block.over}", "leave it out, or correct over"
-    for key, units in (("gain", RATIO if torque else GIVE), ("amplitude", ANGLE if torque else TORQUE)):
+    for key, units in (
+        ("gain", logformat.RATIO if torque else logformat.GIVE),
+        ("amplitude", logformat.ANGLE if torque else logformat.TORQUE),
+    ):
         if key in asked and asked[key].unit.strip() in units:
             what, remedy = f"not of a gain over {block.over}", "correct it, or response.over: inputs or torque"
             yield ("columns", key, "unit"), what, remedy, asked[key].unit
@@ -273,11 +260,11 @@ _ARMS = {
 }
 
 
-def _of_columns(content: Measurement, asked: dict[str, Column]) -> Iterator[Broken]:
+def _of_columns(content: schema.Measurement, asked: dict[str, schema.Column]) -> Iterator[Broken]:
     """Of the fields of each column, and of a column used for two quantities."""
     for quantity, column in asked.items():
-        where, unit, kind = ("columns", quantity), column.unit.strip(), kind_of(quantity)
-        angle, counts, wraps_at = kind in ENCODERS, unit in (COUNTS, "count"), column.wraps_at
+        where, unit, kind = ("columns", quantity), column.unit.strip(), logformat.kind_of(quantity)
+        angle, counts, wraps_at = kind in logformat.ENCODERS, unit in (logformat.COUNTS, "count"), column.wraps_at
         if column.side == "motor" and kind != "input":
             remedy = "leave side out: only an input's encoder can sit before a gearhead"
             yield (*where, "side"), f"given for {quantity}", remedy, "motor", "drive"
@@ -287,7 +274,13 @@ def _of_columns(content: Measurement, asked: dict[str, Column]) -> Iterator[Brok
         if wraps_at is not None and not (angle or kind == "time"):
             remedy = "leave wraps_at out: only an angle or a time begins again"
             yield (*where, "wraps_at"), f"given for {quantity}", remedy, f"{wraps_at:g}"
-        arm = "lever_arm_mm" if quantity == LOAD and unit in FORCE else "radius_mm" if angle and unit in LENGTH else ""
+        arm = (
+            "lever_arm_mm"
+            if quantity == logformat.LOAD and unit in logformat.FORCE
+            else "radius_mm"
+            if angle and unit in logformat.LENGTH
+            else ""
+        )
         for name, (missing, give, leave) in _ARMS.items():
             value = getattr(column, name)
             if name == arm and value is None:
@@ -296,14 +289,14 @@ def _of_columns(content: Measurement, asked: dict[str, Column]) -> Iterator[Brok
                 yield (*where, name), f"given beside unit {column.unit}", leave, f"{value:g}"
         if arm:
             continue
-        if unit_of(quantity, column.unit, column.counts_per_turn) is None:
-            known = did_you_mean(column.unit, known_units(quantity))
+        if logformat.unit_of(quantity, column.unit, column.counts_per_turn) is None:
+            known = did_you_mean(column.unit, logformat.known_units(quantity))
             what = "counts without counts_per_turn" if counts and angle else f"no unit of {quantity}"
             remedy = "give counts_per_turn too" if counts and angle else known
             yield (*where, "unit"), what, remedy, shortened(column.unit)
         elif column.counts_per_turn is not None and not counts:
             remedy = "set unit: counts if the figures are counts, else leave counts_per_turn out"
-            yield (*where, "counts_per_turn"), "given beside another unit", remedy, column.unit, COUNTS
+            yield (*where, "counts_per_turn"), "given beside another unit", remedy, column.unit, logformat.COUNTS
         if column.scale == 0.0:
             yield (*where, "scale"), "nothing is left", "give the factor", "0"
         if isinstance(column.column, int) and column.column < 1:

@@ -19,8 +19,7 @@ from mbcdm_cad.measurement.file import Broken, MeasurementFile
 from mbcdm_cad.measurement.response import FEWEST_AVERAGES, response_findings, table_findings
 from mbcdm_cad.measurement.run import Run, VettingNote, column_of, fact, refused
 from mbcdm_cad.measurement.schema import CREEP, FREQUENCY_RESPONSE, MOTION, TURNING_POINTS
-from mbcdm_cad.measurement.vet_columns import column_findings, robust_slope
-from mbcdm_cad.measurement.vet_signals import reach_findings, signal_findings
+from mbcdm_cad.measurement.vet_signals import column_findings, reach_findings, robust_slope, signal_findings
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
 

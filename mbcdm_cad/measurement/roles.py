@@ -18,7 +18,7 @@ import numpy as np
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.measurement import logformat
-from mbcdm_cad.measurement.vet_columns import LEAST_AGREEMENT, robust_slope
+from mbcdm_cad.measurement.vet_signals import LEAST_AGREEMENT, robust_slope
 from mbcdm_cad.routes import Floats
 
 # Relative miss of a ratio or a number of counts up to which it counts as met, and up to which it is still near.

@@ -8,16 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mbcdm_cad.model import capability, stiffness
+from mbcdm_cad.model import capability, equations, stiffness
 from mbcdm_cad.model.creep import preload_left
-from mbcdm_cad.model.equations import (
-    BACKLASH_RAD,
-    BACKLASH_TORQUE_NM,
-    eq1_residuals,
-    pair_mismatch_m,
-    papers_test,
-    shaft_angles,
-)
 from mbcdm_cad.model.equilibrium import bearing_loads, solve_equilibrium
 from mbcdm_cad.model.figures import (
     Analysis,
@@ -69,7 +61,7 @@ def analyse(design: capability.Modelled, wraps_rad: tuple[Any, Any] | None = Non
         axial_stiffness_kN=float(d.axial_stiffness_N) / 1e3,
         lengths=design.routed.shown,
         shaft_turns=shaft_turns(d, drive),
-        eq1_worst_residual=eq1_residuals(d).worst,
+        eq1_worst_residual=equations.eq1_residuals(d).worst,
         pair_mismatch_mm=mismatch_mm,
         pair_mismatch_N=mismatch_N,
         cables=cable_figures(d, test),
@@ -93,7 +85,7 @@ def analyse(design: capability.Modelled, wraps_rad: tuple[Any, Any] | None = Non
         bearings=tuple(bearing_figures(d, load) for load in (0.0, peak, -peak)),
         creep=preload_left(drive.cable, max(c.preload_N for c in drive.cables), design.softer_ends),
         motor=capability.motor_figures(design, d, of_an_input_Nm, min(no_motor, default=np.inf)),
-        measured_backlash_mrad=BACKLASH_RAD * 1e3,
+        measured_backlash_mrad=equations.BACKLASH_RAD * 1e3,
         implied_modulus=modulus_readings(endless),
         intervals=uncertain_figures(endless, design),
         notes=notes(drive, d),
@@ -154,7 +146,7 @@ def shaft_turns(d: DriveSI, drive: Drive) -> tuple[ShaftTurns, ...]:
     """Angles of all shafts at the end of the travel, from each cable: they differ where Eq. (1) does not hold."""
     found = []
     for j, name in enumerate(d.cable_names):
-        turned = shaft_angles(d, d.routes.drum.name, np.radians(drive.half_travel_deg), j, drive.motor_turns)
+        turned = equations.shaft_angles(d, d.routes.drum.name, np.radians(drive.half_travel_deg), j, drive.motor_turns)
         found.append(ShaftTurns(name, {shaft: float(np.degrees(angle)) for shaft, angle in turned.items()}))
     return tuple(found)
 
@@ -243,7 +235,7 @@ def bearing_figures(d: DriveSI, load_Nm: float) -> BearingFigures:
 def pair_mismatch(d: DriveSI, half_travel_rad: float) -> tuple[tuple[float, ...], float]:
     """Over the travel, drum unloaded: pair mismatch of each input in mm, largest change of a tension in N."""
     angle = half_travel_rad * d.input_turns
-    length = np.abs(np.array([pair_mismatch_m(d, angle[i])[i] for i in range(d.n_inputs)]))
+    length = np.abs(np.array([equations.pair_mismatch_m(d, angle[i])[i] for i in range(d.n_inputs)]))
     idle = solve_equilibrium(d, 0.0).tension_N
     ends = [solve_equilibrium(d, 0.0, input_angle_rad=sign * angle).tension_N for sign in (1.0, -1.0)]
     return _floats(length * 1e3), float(max(np.abs(tension - idle).max() for tension in ends))
@@ -253,7 +245,9 @@ def modulus_readings(d: DriveSI) -> tuple[ModulusReading, ...]:
     """E implied by the paper's 0.33 mrad at 0.91 N m under both readings and by both routes."""
     return tuple(
         ModulusReading(
-            reading, route, stiffness.implied_modulus_Pa(d, BACKLASH_RAD, BACKLASH_TORQUE_NM, reading, route) / 1e9
+            reading,
+            route,
+            stiffness.implied_modulus_Pa(d, equations.BACKLASH_RAD, equations.BACKLASH_TORQUE_NM, reading, route) / 1e9,
         )
         for reading in ("reversal", "single")
         for route in ("mean_radii", "all_cables")
@@ -263,9 +257,9 @@ def modulus_readings(d: DriveSI) -> tuple[ModulusReading, ...]:
 def notes(drive: Drive, d: DriveSI) -> tuple[str, ...]:
     """Notes that a reader must know before using the figures."""
     origin = (
-        f"is calibrated: the paper prints no modulus, and its backlash of {BACKLASH_RAD * 1e3:g} mrad implies a "
+        f"is calibrated: the paper prints no modulus, and its backlash of {equations.BACKLASH_RAD * 1e3:g} mrad implies a "
         "different one under each reading, and another where the structure counts"
-        if papers_test(drive.loads.test_torque_Nm)
+        if equations.papers_test(drive.loads.test_torque_Nm)
         else "is a table value or the file's, not measured on this rope: what the cables stretch goes with 1/E"
     )
     return (

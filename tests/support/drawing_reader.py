@@ -10,7 +10,7 @@ import numpy as np
 from ezdxf.document import Drawing
 
 from mbcdm_cad.drawings.document import text_width_mm
-from mbcdm_cad.drawings.frames import crossed
+from mbcdm_cad.drawings.titleblock import crossed
 
 _TEXT = re.compile(r"(?:(\d+)x )?(Ø|M|AF |R)?(\d+(?:\.\d+)?)(.*)")
 

@@ -4,28 +4,9 @@ from __future__ import annotations
 
 from math import cos, degrees, radians, sin, tau
 
+from mbcdm_cad.parts import sheet
 from mbcdm_cad.parts.drum_sector.dims import CHAMFER_MM, POCKET_LEAD_MM, SET_SCREW_ANGLES_DEG, DrumDims
 from mbcdm_cad.parts.fits import FITS, GeometricTolerance
-from mbcdm_cad.parts.sheet import (
-    Angle,
-    CuttingLine,
-    FitLine,
-    Holes,
-    Label,
-    Linear,
-    Radius,
-    Sheet,
-    Side,
-    Table,
-    Vector,
-    View,
-    X,
-    Y,
-    Z,
-    minus,
-    mm,
-    mm3,
-)
 from mbcdm_cad.parts.sheet_blocks import hole_labels, hole_table, position_table
 
 _REAR, _SECTION, _HUB = "rear", "section", "hub"
@@ -33,7 +14,7 @@ _REAR, _SECTION, _HUB = "rear", "section", "hub"
 _ANGLE_BEYOND = 0.15
 
 
-def _polar(radius: float, deg: float, y: float) -> Vector:
+def _polar(radius: float, deg: float, y: float) -> sheet.Vector:
     return (radius * sin(radians(deg)), y, radius * cos(radians(deg)))
 
 
@@ -49,48 +30,51 @@ def _turned(d: DrumDims) -> list[tuple[str, float, float, float]]:
     return found
 
 
-def _lands(d: DrumDims) -> Table:
+def _lands(d: DrumDims) -> sheet.Table:
     fit = FITS["land"].code
     rows = tuple(
-        (steps, mm3(radius), fit, mm3(start - d.spigot_y), mm3(end - d.spigot_y))
+        (steps, sheet.mm3(radius), fit, sheet.mm3(start - d.spigot_y), sheet.mm3(end - d.spigot_y))
         for steps, radius, start, end in _turned(d)
     )
-    return Table("Lands (fit for the diameter), depths from face A", ("Step", "R", "Fit", "from", "to"), rows)
+    return sheet.Table("Lands (fit for the diameter), depths from face A", ("Step", "R", "Fit", "from", "to"), rows)
 
 
-def _windows(d: DrumDims) -> Table:
+def _windows(d: DrumDims) -> sheet.Table:
     rows = tuple(
-        (f"W{n}", mm(w.r_inner), mm(w.r_outer), mm(w.start_deg), mm(w.end_deg)) for n, w in enumerate(d.windows, 1)
+        (f"W{n}", sheet.mm(w.r_inner), sheet.mm(w.r_outer), sheet.mm(w.start_deg), sheet.mm(w.end_deg))
+        for n, w in enumerate(d.windows, 1)
     )
-    head = f"Windows, corners R{mm(d.corner_radius)}, angles from Z to X"
-    return Table(head, ("", "R inner", "R outer", "from deg", "to deg"), rows)
+    head = f"Windows, corners R{sheet.mm(d.corner_radius)}, angles from Z to X"
+    return sheet.Table(head, ("", "R inner", "R outer", "from deg", "to deg"), rows)
 
 
-def _terminals(d: DrumDims) -> Table:
+def _terminals(d: DrumDims) -> sheet.Table:
     """A column for each terminal; s along the tangent from where the cable leaves its land, n outward from there."""
     ends = d.lands[-1].surface_radius_mm
     columns = []
     for t in d.tensioners:
         depth, lug = t.y_mm - d.spigot_y, d.lug_y(t)
         swage, nuts = (
-            "through" if t.cut_through else mm3(t.deeper(half) - d.spigot_y) + (", from the front" if t.front else "")
+            "through"
+            if t.cut_through
+            else sheet.mm3(t.deeper(half) - d.spigot_y) + (", from the front" if t.front else "")
             for half in (d.swage_pocket, d.nut_pocket)
         )
         columns.append(
             (
                 t.cable_name,
                 # On a whole drum it may lie more than a turn further.
-                mm(t.side * degrees(t.anchor_rad % tau), 3),
-                mm3(t.radius_mm),
-                mm3(depth),
-                mm3(t.slack_start - POCKET_LEAD_MM),
-                mm3(t.lug_start),
-                mm3(t.lug_end),
-                "open" if t.pocket_end > t.last_tip + 2.0 else mm3(t.pocket_end),
-                "open" if t.radius_mm + t.pocket_top > ends else mm3(t.pocket_top),
+                sheet.mm(t.side * degrees(t.anchor_rad % tau), 3),
+                sheet.mm3(t.radius_mm),
+                sheet.mm3(depth),
+                sheet.mm3(t.slack_start - POCKET_LEAD_MM),
+                sheet.mm3(t.lug_start),
+                sheet.mm3(t.lug_end),
+                "open" if t.pocket_end > t.last_tip + 2.0 else sheet.mm3(t.pocket_end),
+                "open" if t.radius_mm + t.pocket_top > ends else sheet.mm3(t.pocket_top),
                 swage,
                 nuts,
-                f"{mm3(lug[0] - d.spigot_y)} to {mm3(lug[1] - d.spigot_y)}",
+                f"{sheet.mm3(lug[0] - d.spigot_y)} to {sheet.mm3(lug[1] - d.spigot_y)}",
             )
         )
     heads = (
@@ -108,39 +92,39 @@ def _terminals(d: DrumDims) -> Table:
         "lug depth from A",
     )
     rows = tuple((head, *(c[n] for c in columns)) for n, head in enumerate(heads))
-    return Table("Terminals", ("", *(f"T{n}" for n in range(1, len(columns) + 1))), rows)
+    return sheet.Table("Terminals", ("", *(f"T{n}" for n in range(1, len(columns) + 1))), rows)
 
 
-def _shape(d: DrumDims) -> Table:
+def _shape(d: DrumDims) -> sheet.Table:
     """Sizes that all terminals and the stop's slot share."""
     slot = (
-        ("stop slot: radius", mm3(d.stop_radius)),
-        ("stop slot: width, round ends", mm3(d.stop_slot_width)),
-        ("stop slot: ends at +- deg", mm(d.stop_slot_end_deg, 3)),
+        ("stop slot: radius", sheet.mm3(d.stop_radius)),
+        ("stop slot: width, round ends", sheet.mm3(d.stop_slot_width)),
+        ("stop slot: ends at +- deg", sheet.mm(d.stop_slot_end_deg, 3)),
     )
     rows = (
-        ("swage pocket n from", mm3(-d.flat_wall)),
-        ("nut pocket n from", mm3(-d.nut_pocket)),
-        ("lug n up to", mm3(d.lug_half_width)),
-        ("stud slot of the lug, width, round end", mm3(2 * d.stud_hole_radius)),
-        ("pocket corners R", mm3(d.pocket_radius)),
+        ("swage pocket n from", sheet.mm3(-d.flat_wall)),
+        ("nut pocket n from", sheet.mm3(-d.nut_pocket)),
+        ("lug n up to", sheet.mm3(d.lug_half_width)),
+        ("stud slot of the lug, width, round end", sheet.mm3(2 * d.stud_hole_radius)),
+        ("pocket corners R", sheet.mm3(d.pocket_radius)),
         *(slot if d.has_slot else ()),
         *(
-            (("spigot: cone, at the hub %%c", mm3(2 * d.spigot_root_radius)),)
+            (("spigot: cone, at the hub %%c", sheet.mm3(2 * d.spigot_root_radius)),)
             if d.spigot_root_radius > d.spigot_radius
             else ()
         ),
-        ("web thicker up to R", mm3(d.root_radius)),
-        ("web thicker, in front up to", mm3(d.root_end_y - d.spigot_y)),
+        ("web thicker up to R", sheet.mm3(d.root_radius)),
+        ("web thicker, in front up to", sheet.mm3(d.root_end_y - d.spigot_y)),
     )
-    return Table("Pockets, lugs and stop slot", ("", "all"), rows)
+    return sheet.Table("Pockets, lugs and stop slot", ("", "all"), rows)
 
 
-def _holes(d: DrumDims, set_screw_thread: float) -> tuple[Holes, ...]:
+def _holes(d: DrumDims, set_screw_thread: float) -> tuple[sheet.Holes, ...]:
     payload = tuple(_polar(d.payload_circle_radius, deg, d.hub_face_y) for deg in d.payload_angles_deg)
     radial = tuple(_polar(d.hub_radius, deg, d.set_screw_y) for deg in SET_SCREW_ANGLES_DEG)
     return (
-        Holes(
+        sheet.Holes(
             "P",
             d.payload_hole,
             d.payload_depth,
@@ -150,12 +134,12 @@ def _holes(d: DrumDims, set_screw_thread: float) -> tuple[Holes, ...]:
             threaded=d.payload_insert is None,
             insert=d.payload_insert,
         ),
-        Holes("Q", set_screw_thread, "to bore", radial, "hub, radial", "set screws", threaded=True),
+        sheet.Holes("Q", set_screw_thread, "to bore", radial, "hub, radial", "set screws", threaded=True),
         *_dowel_holes(d),
     )
 
 
-def _dowel_holes(d: DrumDims) -> tuple[Holes, ...]:
+def _dowel_holes(d: DrumDims) -> tuple[sheet.Holes, ...]:
     pins = d.dowels
     if pins is None:
         return ()
@@ -163,33 +147,38 @@ def _dowel_holes(d: DrumDims) -> tuple[Holes, ...]:
     back = tuple((x, d.hub_start_y, z) for x, z in pins.places(pins.back_angles_deg))
     pressed, sliding = FITS["pin_press"].code, FITS["pin_slide"].code
     return (
-        Holes("R", 2 * pins.radius, pins.face_depth, face, "hub face", "dowels", fit=pressed),
-        Holes("S", 2 * pins.radius, pins.back_depth, back, "hub back", "dowels of the sector behind", fit=sliding),
+        sheet.Holes("R", 2 * pins.radius, pins.face_depth, face, "hub face", "dowels", fit=pressed),
+        sheet.Holes(
+            "S", 2 * pins.radius, pins.back_depth, back, "hub back", "dowels of the sector behind", fit=sliding
+        ),
     )
 
 
-def _views(d: DrumDims) -> tuple[View, ...]:
+def _views(d: DrumDims) -> tuple[sheet.View, ...]:
     outer = d.lands[-1].surface_radius_mm
     half, face = radians(min(d.half_angle_deg, 90.0)), d.spigot_y
     tip = outer * sin(half)
     hub = d.hub_radius + 0.4
     return (
-        View(
-            _REAR, X, Z, axes=(((-tip, face, 0.0), (tip, face, 0.0)), ((0.0, face, -d.hub_radius), (0.0, face, outer)))
+        sheet.View(
+            _REAR,
+            sheet.X,
+            sheet.Z,
+            axes=(((-tip, face, 0.0), (tip, face, 0.0)), ((0.0, face, -d.hub_radius), (0.0, face, outer))),
         ),
-        View(
+        sheet.View(
             _SECTION,
-            minus(Y),
-            Z,
+            sheet.minus(sheet.Y),
+            sheet.Z,
             column=1,
             title="B-B",
             cut=(0.0, 0.0, 0.0),
             axes=(((0.0, d.spigot_y, 0.0), (0.0, d.hub_face_y, 0.0)),),
         ),
-        View(
+        sheet.View(
             _HUB,
-            minus(X),
-            Z,
+            sheet.minus(sheet.X),
+            sheet.Z,
             column=1,
             row=-1,
             title="Hub from the output side",
@@ -204,17 +193,17 @@ def _views(d: DrumDims) -> tuple[View, ...]:
     )
 
 
-def _in_section(d: DrumDims) -> tuple[Linear, ...]:
+def _in_section(d: DrumDims) -> tuple[sheet.Linear, ...]:
     face = d.spigot_y
     low = -d.hub_radius
 
-    def deep(start: float, end: float, z: tuple[float, float], side: Side, what: str = "") -> Linear:
+    def deep(start: float, end: float, z: tuple[float, float], side: sheet.Side, what: str = "") -> sheet.Linear:
         a, b = (0.0, start, z[0]), (0.0, end, z[1])
-        return Linear(_SECTION, a, b, end - start, side, suffix=what, decimals=3)
+        return sheet.Linear(_SECTION, a, b, end - start, side, suffix=what, decimals=3)
 
-    def round_(radius: float, y: float, side: Side, fit: str = "", datum: str = "") -> Linear:
+    def round_(radius: float, y: float, side: sheet.Side, fit: str = "", datum: str = "") -> sheet.Linear:
         a, b = (0.0, y, -radius), (0.0, y, radius)
-        return Linear(_SECTION, a, b, 2 * radius, side, "%%c", fit=fit, datum=datum)
+        return sheet.Linear(_SECTION, a, b, 2 * radius, side, "%%c", fit=fit, datum=datum)
 
     c = CHAMFER_MM
     return (
@@ -230,7 +219,7 @@ def _in_section(d: DrumDims) -> tuple[Linear, ...]:
     )
 
 
-def drum_sheet(part: str, d: DrumDims, set_screw_thread: float) -> Sheet:
+def drum_sheet(part: str, d: DrumDims, set_screw_thread: float) -> sheet.Sheet:
     """From behind, where the pockets are open, with a middle section, the hub from the front, and tables."""
     outer, face, half = d.lands[-1].surface_radius_mm, d.spigot_y, d.half_angle_deg
     holes = _holes(d, set_screw_thread)
@@ -238,11 +227,11 @@ def drum_sheet(part: str, d: DrumDims, set_screw_thread: float) -> Sheet:
     turned = _turned(d)
     lands = [(0.0, (start + end) / 2, radius) for _, radius, start, end in turned]
     labels = [
-        Label(_REAR, (*_at(t.at(t.lug_end)),), f"T{n}", clear_mm=2.0, leader=True)
+        sheet.Label(_REAR, (*_at(t.at(t.lug_end)),), f"T{n}", clear_mm=2.0, leader=True)
         for n, t in enumerate(d.tensioners, 1)
     ]
     labels += [
-        Label(_REAR, _polar((w.r_inner + w.r_outer) / 2, (w.start_deg + w.end_deg) / 2, face), f"W{n}")
+        sheet.Label(_REAR, _polar((w.r_inner + w.r_outer) / 2, (w.start_deg + w.end_deg) / 2, face), f"W{n}")
         for n, w in enumerate(d.windows, 1)
     ]
     # A rim that is closed has no angle.
@@ -250,7 +239,7 @@ def drum_sheet(part: str, d: DrumDims, set_screw_thread: float) -> Sheet:
         []
         if d.whole
         else [
-            Angle(
+            sheet.Angle(
                 _REAR,
                 (0.0, face, 0.0),
                 _polar(outer, half, face),
@@ -260,7 +249,7 @@ def drum_sheet(part: str, d: DrumDims, set_screw_thread: float) -> Sheet:
             )
         ]
     )
-    return Sheet(
+    return sheet.Sheet(
         part=part,
         title="Drum" if d.whole else "Drum sector",
         paper="A2",
@@ -268,8 +257,8 @@ def drum_sheet(part: str, d: DrumDims, set_screw_thread: float) -> Sheet:
         dimensions=(
             *_in_section(d),
             *angle,
-            Radius(_REAR, (0.0, face, 0.0), _polar(d.rim_inner_radius, 35.0, face), d.rim_inner_radius),
-            Linear(
+            sheet.Radius(_REAR, (0.0, face, 0.0), _polar(d.rim_inner_radius, 35.0, face), d.rim_inner_radius),
+            sheet.Linear(
                 _HUB,
                 _polar(d.payload_circle_radius, 90.0, d.hub_face_y),
                 _polar(d.payload_circle_radius, -90.0, d.hub_face_y),
@@ -280,14 +269,16 @@ def drum_sheet(part: str, d: DrumDims, set_screw_thread: float) -> Sheet:
         ),
         # B, since A is the face from which depths are measured.
         cutting_lines=(
-            CuttingLine(_REAR, (0.0, face, -(outer if d.whole else d.hub_radius) - 2.0), (0.0, face, outer), "B", X),
+            sheet.CuttingLine(
+                _REAR, (0.0, face, -(outer if d.whole else d.hub_radius) - 2.0), (0.0, face, outer), "B", sheet.X
+            ),
         ),
         tolerances=(GeometricTolerance(_SECTION, lands[0], "run-out", 0.02, ("D",), tuple(lands[1:])),),
         labels=(
             *labels,
             *hole_labels((*holes[:1], *holes[2:3]), _HUB),
             *hole_labels(holes[3:], _REAR),
-            Label(_SECTION, (0.0, face, d.spigot_radius), "A", leader=True),
+            sheet.Label(_SECTION, (0.0, face, d.spigot_radius), "A", leader=True),
         ),
         tables=(
             hole_table(holes),
@@ -299,8 +290,8 @@ def drum_sheet(part: str, d: DrumDims, set_screw_thread: float) -> Sheet:
         ),
         holes=holes,
         fits=(
-            FitLine(2 * d.bore_radius, bore, "bore"),
-            *(FitLine(round(2 * radius, 6), land, f"step {steps}") for steps, radius, *_ in turned),
+            sheet.FitLine(2 * d.bore_radius, bore, "bore"),
+            *(sheet.FitLine(round(2 * radius, 6), land, f"step {steps}") for steps, radius, *_ in turned),
             *(line for group in _dowel_holes(d) for line in group.fit_lines()),
         ),
         notes=(
@@ -313,5 +304,5 @@ def drum_sheet(part: str, d: DrumDims, set_screw_thread: float) -> Sheet:
     )
 
 
-def _at(xz: tuple[float, float]) -> Vector:
+def _at(xz: tuple[float, float]) -> sheet.Vector:
     return (xz[0], 0.0, xz[1])

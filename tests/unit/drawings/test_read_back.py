@@ -12,7 +12,7 @@ from ezdxf.document import Drawing
 
 from mbcdm_cad.drawings.document import plain
 from mbcdm_cad.drawings.draw import PartFacts, draw_sheet
-from mbcdm_cad.drawings.frames import Room
+from mbcdm_cad.drawings.titleblock import Room
 from mbcdm_cad.layouts.loader import layout_of, load_design
 from tests.support import drawing_reader
 from tests.support.rebuilt import LARGE, OTHERS, SMALL, Rebuild, turned

@@ -16,27 +16,11 @@ from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.rig import quasistatic
 from mbcdm_cad.rig.chain import chains
 from mbcdm_cad.rig.command import simulate_command
-from mbcdm_cad.rig.dynamic import plant
+from mbcdm_cad.rig.dynamic import plant, train
 from mbcdm_cad.rig.dynamic.plant import _descend, solve_friction
 from mbcdm_cad.rig.dynamic.rig import DynamicRig, EncoderSpec, inertias, rig_of
 from mbcdm_cad.rig.dynamic.run import DynamicRun, run_dynamic
 from mbcdm_cad.rig.dynamic.simulate import simulate_dynamic, truth_of
-from mbcdm_cad.rig.dynamic.train import (
-    LAST,
-    SPEED,
-    STATES,
-    SUM,
-    ControllerSpec,
-    GearheadSpec,
-    LoadSpec,
-    MotorSpec,
-    control,
-    gearhead_of,
-    motor_of,
-    shaft_torque,
-    sine,
-    standstill,
-)
 from mbcdm_cad.rig.experiment import DynamicExperiment, RigError, read_experiment
 from tests.support.reference import DRIVE, ROOT
 
@@ -55,7 +39,7 @@ def missing_J(run: DynamicRun) -> float:
 
 
 def test_energy_balance_of_a_braked_run() -> None:
-    run = run_dynamic(quiet(rig_of(DRIVE)), sine(0.05, 0.5, 2, 1000.0), brake_Nm=0.91)
+    run = run_dynamic(quiet(rig_of(DRIVE)), train.sine(0.05, 0.5, 2, 1000.0), brake_Nm=0.91)
     through = run.energy_J["motor"]
     assert abs(missing_J(run)) < 2e-3 * through, f"{missing_J(run):.3e} J of {through:.3e} J missing"
     # A brake of 0.91 N m over what the drum travelled.
@@ -65,8 +49,8 @@ def test_energy_balance_of_a_braked_run() -> None:
 
 def test_friction_of_the_bearings_by_speed_and_load_takes_the_energy_of_its_law() -> None:
     """The law once more, over the logged motion; the load drives the drum in every other half sweep."""
-    law = LoadSpec(0.0, 1.0, 1e-3, 0.0, 0.0, 0.02, 0.2, 0.02, 0.1, 0.2, 0.1)
-    reference = sine(0.05, 0.5, 2, 1000.0)
+    law = train.LoadSpec(0.0, 1.0, 1e-3, 0.0, 0.0, 0.02, 0.2, 0.02, 0.1, 0.2, 0.1)
+    reference = train.sine(0.05, 0.5, 2, 1000.0)
     run = run_dynamic(quiet(rig_of(DRIVE, law)), reference, 0.5 * np.ones(reference.shape[0]), log_rate_Hz=1000.0)
     w = np.gradient(run.drum_rad, run.time_s)
     limit = 0.02 + 0.02 * np.exp(-np.abs(w) / 0.1) + 0.5 * np.where(w > 0.0, 0.2, 0.1)
@@ -78,7 +62,7 @@ def test_friction_of_the_bearings_by_speed_and_load_takes_the_energy_of_its_law(
 def test_same_seed_same_run() -> None:
     rig = rig_of(DRIVE)
     rig = replace(rig, encoders=tuple(replace(e, noise_rad=1e-5) for e in rig.encoders))
-    reference = sine(0.01, 1.0, 1, 1000.0)
+    reference = train.sine(0.01, 1.0, 1, 1000.0)
     first, again, other = (run_dynamic(rig, reference, brake_Nm=0.3, seed=s) for s in (3, 3, 4))
     for name in ("drum_rad", "measured_input_rad", "measured_torque_Nm", "tension_N"):
         assert getattr(first, name).tobytes() == getattr(again, name).tobytes(), name
@@ -87,7 +71,7 @@ def test_same_seed_same_run() -> None:
 
 def test_measured_angles_are_whole_counts_and_the_delay_shifts_them() -> None:
     rig = rig_of(DRIVE)
-    reference = sine(0.05, 0.5, 1, 1000.0)
+    reference = train.sine(0.05, 0.5, 1, 1000.0)
     run = run_dynamic(rig, reference, log_rate_Hz=1000.0)
     counts = run.measured_input_rad / rig.encoders[0].resolution_rad
     assert np.abs(counts - np.round(counts)).max() < 1e-6
@@ -99,22 +83,22 @@ def test_measured_angles_are_whole_counts_and_the_delay_shifts_them() -> None:
 
 
 def test_loops_hold_the_inputs_on_average() -> None:
-    run = run_dynamic(rig_of(DRIVE), sine(0.05, 0.1, 1.5, 1000.0), brake_Nm=0.91)
+    run = run_dynamic(rig_of(DRIVE), train.sine(0.05, 0.1, 1.5, 1000.0), brake_Nm=0.91)
     error = run.input_rad[:, 500:] - 9.0 * run.reference_rad[500:]
     assert np.abs(error).mean() < 2e-3, f"inputs are off by {np.abs(error).mean():.2e} rad on average"
 
 
 def test_sensor_reads_the_brake_while_the_drum_turns() -> None:
-    load = LoadSpec(bearing_drag_Nm=0.05)
-    run = run_dynamic(quiet(rig_of(DRIVE, load)), sine(0.05, 0.1, 0.5, 1000.0), brake_Nm=0.5)
+    load = train.LoadSpec(bearing_drag_Nm=0.05)
+    run = run_dynamic(quiet(rig_of(DRIVE, load)), train.sine(0.05, 0.1, 0.5, 1000.0), brake_Nm=0.5)
     turning = (run.time_s > 1.0) & (run.time_s < 2.0)
     assert run.torque_Nm[turning] == pytest.approx(0.5, abs=1e-6), "bearing drag is behind the sensor"
 
 
 def test_inertia_plate_is_felt_as_torque() -> None:
     plate = 2e-3
-    reference = sine(0.05, 1.0, 3, 1000.0)
-    run = run_dynamic(quiet(rig_of(DRIVE, LoadSpec(inertia_kg_m2=plate))), reference, log_rate_Hz=1000.0)
+    reference = train.sine(0.05, 1.0, 3, 1000.0)
+    run = run_dynamic(quiet(rig_of(DRIVE, train.LoadSpec(inertia_kg_m2=plate))), reference, log_rate_Hz=1000.0)
     wave = np.exp(2j * np.pi * run.time_s[1000:])  # whole turns of the 1 Hz line
     torque, angle = (abs(np.vdot(wave, x[1000:])) * 2 / wave.size for x in (run.torque_Nm, run.drum_rad))
     assert torque == pytest.approx(plate * (2 * np.pi) ** 2 * angle, rel=0.01), "torque is plate times acceleration"
@@ -123,8 +107,10 @@ def test_inertia_plate_is_felt_as_torque() -> None:
 @pytest.mark.slow
 def test_a_brake_with_a_higher_static_level_sticks_and_slips() -> None:
     def jumps(ratio: float) -> float:
-        load = LoadSpec(inertia_kg_m2=1e-3, static_ratio=ratio, static_speed_rad_s=5e-3)
-        run = run_dynamic(quiet(rig_of(DRIVE, load)), sine(0.002, 0.05, 1, 1000.0), brake_Nm=0.91, log_rate_Hz=1000.0)
+        load = train.LoadSpec(inertia_kg_m2=1e-3, static_ratio=ratio, static_speed_rad_s=5e-3)
+        run = run_dynamic(
+            quiet(rig_of(DRIVE, load)), train.sine(0.002, 0.05, 1, 1000.0), brake_Nm=0.91, log_rate_Hz=1000.0
+        )
         speed = np.abs(np.diff(run.drum_rad)) * 1000.0
         return float(speed[2000:].max())
 
@@ -136,7 +122,7 @@ def test_lash_adds_to_what_rotor_and_pulley_turn_against_each_other() -> None:
     def twist(lash: float) -> float:
         rig = quiet(rig_of(DRIVE))
         rig = replace(rig, gearheads=tuple(replace(g, lash_rad=lash) for g in rig.gearheads))
-        run = run_dynamic(rig, sine(0.02, 0.2, 2, 1000.0), brake_Nm=0.91, log_rate_Hz=1000.0)
+        run = run_dynamic(rig, train.sine(0.02, 0.2, 2, 1000.0), brake_Nm=0.91, log_rate_Hz=1000.0)
         turned = (run.rotor_rad - run.input_rad)[1, 2000:]
         torque = run.torque_Nm[2000:]
         return float(np.median(turned[torque > 0.9]) - np.median(turned[torque < -0.9]))
@@ -149,7 +135,9 @@ def test_lash_adds_to_what_rotor_and_pulley_turn_against_each_other() -> None:
 def test_a_longer_step_converges_to_the_same_run() -> None:
     def swing(step_s: float) -> float:
         rig = replace(quiet(rig_of(DRIVE)), step_s=step_s)
-        return float(np.mean(reversal_swings_rad(run_dynamic(rig, sine(0.02, 0.2, 2, 1000.0), brake_Nm=0.91), DRIVE)))
+        return float(
+            np.mean(reversal_swings_rad(run_dynamic(rig, train.sine(0.02, 0.2, 2, 1000.0), brake_Nm=0.91), DRIVE))
+        )
 
     coarse, usual, fine = swing(5e-4), swing(1e-4), swing(5e-5)
     assert abs(usual - fine) < 2e-7, f"swings {coarse:.7f}, {usual:.7f}, {fine:.7f} rad at 500, 100, 50 us"
@@ -157,7 +145,7 @@ def test_a_longer_step_converges_to_the_same_run() -> None:
 
 
 def test_reference_s_speed_and_acceleration_are_its_derivatives() -> None:
-    reference = sine(0.1, 0.5, 1, 10000.0)
+    reference = train.sine(0.1, 0.5, 1, 10000.0)
     for order in (1, 2):
         slope = np.gradient(reference[:, order - 1], 1e-4)[1:-1]
         error = np.abs(slope - reference[1:-1, order]).max() / np.abs(slope).max()
@@ -167,9 +155,9 @@ def test_reference_s_speed_and_acceleration_are_its_derivatives() -> None:
 
 def test_rates_that_do_not_divide_are_refused() -> None:
     with pytest.raises(ValueError, match="log_rate_Hz"):
-        run_dynamic(rig_of(DRIVE), standstill(0.01, 1000.0), log_rate_Hz=300.0)
+        run_dynamic(rig_of(DRIVE), train.standstill(0.01, 1000.0), log_rate_Hz=300.0)
     with pytest.raises(ValueError, match="step_s"):
-        run_dynamic(replace(rig_of(DRIVE), step_s=3e-4), standstill(0.01, 1000.0))
+        run_dynamic(replace(rig_of(DRIVE), step_s=3e-4), train.standstill(0.01, 1000.0))
 
 
 def ideal(**changes: object) -> DynamicRig:
@@ -184,7 +172,7 @@ def ideal(**changes: object) -> DynamicRig:
 def ramp(rig: DynamicRig, sign: float) -> tuple[float, float]:
     """Load at which the first input is at its limit, and at which the drum is off by 20 mrad, N m."""
     slope, rate = 0.2, rig.loops[0].rate_Hz
-    reference = standstill(4.4 / slope, rate)
+    reference = train.standstill(4.4 / slope, rate)
     run = run_dynamic(rig, reference, sign * slope / rate * np.arange(reference.shape[0], dtype=float))
     return first_saturated_Nm(run, [loop.torque_limit_Nm for loop in rig.loops]), given_way_Nm(run)
 
@@ -204,7 +192,7 @@ def test_drive_limit_both_ways(sign: float, known_Nm: float) -> None:
 def test_braked_run_is_the_analytic_model_where_its_assumptions_hold() -> None:
     """Wraps that stand still: the drum stands where the model puts it at the same input angles and load."""
     rig = ideal(transport=False)
-    run = run_dynamic(rig, sine(0.05, 0.2, 2, 1000.0), brake_Nm=0.91)
+    run = run_dynamic(rig, train.sine(0.05, 0.2, 2, 1000.0), brake_Nm=0.91)
     model = simulate(layout_of(DRIVE).si, run.input_rad, run.torque_Nm)
     still = np.abs(np.gradient(run.torque_Nm, run.time_s)) < 1.0
     error = np.abs(run.drum_rad - model.drum_angle_rad)[still].max()
@@ -216,7 +204,7 @@ def test_braked_run_is_the_analytic_model_where_its_assumptions_hold() -> None:
 def test_slow_run_is_the_quasi_static_rig(passed_slip: bool) -> None:
     """The same chains in balance at each sample: drum and tensions agree where nothing accelerates."""
     rig = ideal(passed_slip=passed_slip)
-    run = run_dynamic(rig, sine(0.05, 0.1, 1, 1000.0), brake_Nm=0.91, log_rate_Hz=200.0)
+    run = run_dynamic(rig, train.sine(0.05, 0.1, 1, 1000.0), brake_Nm=0.91, log_rate_Hz=200.0)
     n, cables = run.time_s.size, rig.cables
     pulleys, drum, tension = np.empty((2, n)), np.empty(n), np.empty((4, n))
     none = np.zeros((4, n))
@@ -250,7 +238,7 @@ def test_carried_rope_widens_the_loop() -> None:
     """What the model leaves out on purpose: about an eighth more at +-50 mrad under 0.91 N m."""
     widths = []
     for transport in (False, True):
-        run = run_dynamic(ideal(transport=transport), sine(0.05, 0.2, 2, 1000.0), brake_Nm=0.91)
+        run = run_dynamic(ideal(transport=transport), train.sine(0.05, 0.2, 2, 1000.0), brake_Nm=0.91)
         error = (run.drum_rad - run.input_rad.mean(axis=0) / 9.0)[500:]
         widths.append(float(np.ptp(error)))
     assert 1.08 < widths[1] / widths[0] < 1.20, f"widths {widths} rad"
@@ -260,7 +248,7 @@ def test_carried_rope_widens_the_loop() -> None:
 def test_shorter_pieces_change_little() -> None:
     swings = []
     for piece_rad in (0.04, 0.02, 0.01):
-        run = run_dynamic(ideal(piece_rad=piece_rad), sine(0.05, 0.2, 2, 1000.0), brake_Nm=0.91)
+        run = run_dynamic(ideal(piece_rad=piece_rad), train.sine(0.05, 0.2, 2, 1000.0), brake_Nm=0.91)
         swings.append(float(np.ptp((run.drum_rad - run.input_rad.mean(axis=0) / 9.0)[500:])))
     assert abs(swings[1] - swings[2]) < 0.01 * swings[2], f"widths {swings} rad at pieces of 40, 20, 10 mrad"
 
@@ -268,8 +256,8 @@ def test_shorter_pieces_change_little() -> None:
 def test_eccentric_guide_turns_the_drum_and_keeps_the_energy_balance() -> None:
     """A path that depends on the angles must pull on the pulleys too: without that, energy would not balance."""
     rig = ideal(paths=(lambda inputs, drum: np.outer([-1e-5, 1e-5, 1e-5, -1e-5], np.sin(6.0 * drum)),))
-    run = run_dynamic(rig, sine(0.2, 0.5, 2, 1000.0), brake_Nm=0.2)
-    plain = run_dynamic(ideal(), sine(0.2, 0.5, 2, 1000.0), brake_Nm=0.2)
+    run = run_dynamic(rig, train.sine(0.2, 0.5, 2, 1000.0), brake_Nm=0.2)
+    plain = run_dynamic(ideal(), train.sine(0.2, 0.5, 2, 1000.0), brake_Nm=0.2)
     turned, still = (r.drum_rad - r.input_rad.mean(axis=0) / 9.0 for r in (run, plain))
     shift = np.abs(turned - still)
     e = run.energy_J
@@ -532,17 +520,17 @@ def test_inertias_of_the_reference_drive() -> None:
 
 
 def test_shaft_torque_has_a_dead_zone_of_the_lash() -> None:
-    assert shaft_torque(0.5e-3, 1e-3, 30.0) == (0.0, 0.0)
-    assert shaft_torque(1.5e-3, 1e-3, 30.0)[0] == pytest.approx(0.03)
-    assert shaft_torque(-1.5e-3, 1e-3, 30.0)[0] == pytest.approx(-0.03)
+    assert train.shaft_torque(0.5e-3, 1e-3, 30.0) == (0.0, 0.0)
+    assert train.shaft_torque(1.5e-3, 1e-3, 30.0)[0] == pytest.approx(0.03)
+    assert train.shaft_torque(-1.5e-3, 1e-3, 30.0)[0] == pytest.approx(-0.03)
 
 
 def test_gearhead_loss_gives_its_efficiency() -> None:
-    gear = gearhead_of(DRIVE)
+    gear = train.gearhead_of(DRIVE)
     # Driven forward at constant speed the rotor's side carries the load and the loss.
     load = 0.1
     assert load / (load + gear.loss_share * load) == pytest.approx(DRIVE.gearhead.efficiency)
-    assert gearhead_of(DRIVE, ideal=True).loss_share == 0.0
+    assert train.gearhead_of(DRIVE, ideal=True).loss_share == 0.0
 
 
 @pytest.mark.parametrize(
@@ -550,24 +538,24 @@ def test_gearhead_loss_gives_its_efficiency() -> None:
 )
 def test_gearhead_refuses_what_cannot_be(bad: dict[str, float]) -> None:
     with pytest.raises(ValueError, match=next(iter(bad))):
-        GearheadSpec(76.0, **bad)
+        train.GearheadSpec(76.0, **bad)
 
 
 def test_motor_limit_is_the_paper_s() -> None:
-    motor = motor_of(DRIVE)
+    motor = train.motor_of(DRIVE)
     assert motor.torque_limit_Nm == pytest.approx(2.9e-3)
     with pytest.raises(ValueError, match="torque_limit_Nm"):
-        MotorSpec(1e-7, 0.0)
+        train.MotorSpec(1e-7, 0.0)
 
 
-def follow(spec: ControllerSpec, reference: np.ndarray, load: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
+def follow(spec: train.ControllerSpec, reference: np.ndarray, load: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
     """A free inertia under the loop; angle and command at each period."""
-    gains, state = np.array(spec.gains()), np.zeros(STATES)
+    gains, state = np.array(spec.gains()), np.zeros(train.STATES)
     angle = speed = 0.0
     angles, commands = [], []
     fine = 10
     for target in reference:
-        command = control(gains, state, target, angle)
+        command = train.control(gains, state, target, angle)
         for _ in range(fine):
             speed += (command - load) / spec.inertia_kg_m2 / spec.rate_Hz / fine
             angle += speed / spec.rate_Hz / fine
@@ -577,7 +565,7 @@ def follow(spec: ControllerSpec, reference: np.ndarray, load: float = 0.0) -> tu
 
 
 def test_step_response_is_that_of_the_three_poles() -> None:
-    spec = ControllerSpec(4e-4, 1e3, bandwidth_Hz=5.0, rate_Hz=20000.0, velocity_filter_Hz=5000.0)
+    spec = train.ControllerSpec(4e-4, 1e3, bandwidth_Hz=5.0, rate_Hz=20000.0, velocity_filter_Hz=5000.0)
     reference = np.tile([0.01, 0.0, 0.0], (10000, 1))
     angle, _ = follow(spec, reference)
     # Reference to angle with the feed-forward of a step left out: zeros from P and I, poles as stated.
@@ -594,7 +582,7 @@ def test_step_response_is_that_of_the_three_poles() -> None:
 
 
 def test_a_steady_load_leaves_no_error_and_feed_forward_follows() -> None:
-    spec = ControllerSpec(4e-4, 0.22, bandwidth_Hz=5.0)
+    spec = train.ControllerSpec(4e-4, 0.22, bandwidth_Hz=5.0)
     still, command = follow(spec, np.zeros((3000, 3)), load=0.05)
     assert still[-1] == pytest.approx(0.0, abs=1e-9)
     assert command[-1] == pytest.approx(0.05, rel=1e-6)
@@ -607,13 +595,13 @@ def test_a_steady_load_leaves_no_error_and_feed_forward_follows() -> None:
 
 
 def test_integral_does_not_wind_up_beyond_the_limit() -> None:
-    gains, state = np.array(ControllerSpec(4e-4, 0.22).gains()), np.zeros(STATES)
+    gains, state = np.array(train.ControllerSpec(4e-4, 0.22).gains()), np.zeros(train.STATES)
     for _ in range(5000):
-        assert control(gains, state, np.array([10.0, 0.0, 0.0]), 0.0) == 0.22
-    assert abs(state[SUM]) <= 0.22, f"integral stands at {state[SUM]:.3g} N m"
-    assert state[LAST] == 0.0 and state[SPEED] == 0.0
+        assert train.control(gains, state, np.array([10.0, 0.0, 0.0]), 0.0) == 0.22
+    assert abs(state[train.SUM]) <= 0.22, f"integral stands at {state[train.SUM]:.3g} N m"
+    assert state[train.LAST] == 0.0 and state[train.SPEED] == 0.0
 
 
 def test_loop_refuses_a_rate_it_cannot_hold() -> None:
     with pytest.raises(ValueError, match="rate_Hz"):
-        ControllerSpec(4e-4, 0.22, bandwidth_Hz=100.0, rate_Hz=1000.0)
+        train.ControllerSpec(4e-4, 0.22, bandwidth_Hz=100.0, rate_Hz=1000.0)
