@@ -257,8 +257,8 @@ def modulus_readings(d: DriveSI) -> tuple[ModulusReading, ...]:
 def notes(drive: Drive, d: DriveSI) -> tuple[str, ...]:
     """Notes that a reader must know before using the figures."""
     origin = (
-        f"is calibrated: the paper prints no modulus, and its backlash of {equations.BACKLASH_RAD * 1e3:g} mrad implies a "
-        "different one under each reading, and another where the structure counts"
+        f"is calibrated: the paper prints no modulus, and its backlash of {equations.BACKLASH_RAD * 1e3:g} mrad "
+        "implies a different one under each reading, and another where the structure counts"
         if equations.papers_test(drive.loads.test_torque_Nm)
         else "is a table value or the file's, not measured on this rope: what the cables stretch goes with 1/E"
     )
