@@ -45,27 +45,10 @@ def run_chain(
     nodes[:] = chain.preload[:, None, None]
     radii = np.stack([chain.r_in, chain.r_drum], axis=1)
     drum, tension = np.empty(n), np.empty((n_cables, n))
-    missed = _march(
-        chain.sense,
-        chain.input_of,
-        chain.r_in,
-        chain.r_drum,
-        radii,
-        chain.preload,
-        chain.span,
-        chain.friction,
-        chain.stiffness,
-        np.ascontiguousarray(input_rad),
-        np.ascontiguousarray(load_Nm),
-        np.ascontiguousarray(path_m),
-        transport,
-        play,
-        piece_rad,
-        wraps,
-        nodes,
-        drum,
-        tension,
-    )
+    cables = (chain.sense, chain.input_of, chain.r_in, chain.r_drum, radii, chain.preload, chain.span)
+    laws = (chain.friction, chain.stiffness, piece_rad, transport, wraps)
+    series = [np.ascontiguousarray(one) for one in (input_rad, load_Nm, path_m)]
+    missed = _march((*cables, *laws, nodes), *series, play, drum, tension)
     if missed >= 0:
         raise ValueError(f"sample {missed}: the chain finds no balance at {load_Nm[missed]:.3g} N m")
     return drum, tension
@@ -138,28 +121,10 @@ def _tension(nodes, held, at, before, radii, rest, span, mu, ea, piece, stretch,
 
 
 @njit(cache=True)
-def _balance(
-    sense,
-    r_drum,
-    radii,
-    preload,
-    span,
-    mu,
-    ea,
-    piece,
-    transport,
-    wraps,
-    nodes,
-    held,
-    place,
-    before,
-    offset,
-    turned,
-    load,
-    theta,
-    pulls,
-):
+def _balance(chain, state, pulls, load, theta):
     """Drum angle at which the cables carry ``load``; ``pulls`` and ``place`` are left at that state."""
+    sense, _input_of, _r_in, r_drum, radii, preload, span, mu, ea, piece, transport, wraps, nodes = chain
+    held, place, before, offset, turned = state
     low, high = -math.inf, math.inf
     miss = math.inf
     for _ in range(200):
@@ -188,27 +153,9 @@ def _balance(
 
 
 @njit(cache=True)
-def _march(
-    sense,
-    input_of,
-    r_in,
-    r_drum,
-    radii,
-    preload,
-    span,
-    mu,
-    ea,
-    angle,
-    load,
-    path,
-    transport,
-    play,
-    piece,
-    wraps,
-    nodes,
-    drum,
-    tension,
-):
+def _march(chain, angle, load, path, play, drum, tension):
+    """Fill ``drum`` and ``tension``; the first sample without balance, or -1."""
+    sense, input_of, r_in, r_drum, _radii, preload, _span, mu, _ea, piece, _transport, wraps, nodes = chain
     n_cables, n = path.shape
     n_inputs = angle.shape[0]
     held = np.zeros((n_cables, 2))
@@ -218,6 +165,7 @@ def _march(
             place[j, w] = wraps[w] + 0.5 * piece
             before[j, w] = place[j, w]
     pulls, offset, turned = preload.copy(), np.zeros(n_cables), np.zeros(n_cables)
+    state = (held, place, before, offset, turned)
     side = np.zeros(n_inputs)
     for i in range(n_inputs):
         carried = 0.0
@@ -259,27 +207,7 @@ def _march(
                             lag = 0.5 * play[m] * (here - start_side[m])
                     turned[j] = angle[input_of[j], k] - lag
                     offset[j] = sense[j] * r_in[j] * turned[j] + path[j, k]
-                theta, miss = _balance(
-                    sense,
-                    r_drum,
-                    radii,
-                    preload,
-                    span,
-                    mu,
-                    ea,
-                    piece,
-                    transport,
-                    wraps,
-                    nodes,
-                    held,
-                    place,
-                    before,
-                    offset,
-                    turned,
-                    load[k],
-                    theta,
-                    pulls,
-                )
+                theta, miss = _balance(chain, state, pulls, load[k], theta)
                 carried = 0.0
                 for j in range(n_cables):
                     if input_of[j] == i:
@@ -297,27 +225,7 @@ def _march(
             for j in range(n_cables):
                 turned[j] = angle[input_of[j], k]
                 offset[j] = sense[j] * r_in[j] * turned[j] + path[j, k]
-            theta, miss = _balance(
-                sense,
-                r_drum,
-                radii,
-                preload,
-                span,
-                mu,
-                ea,
-                piece,
-                transport,
-                wraps,
-                nodes,
-                held,
-                place,
-                before,
-                offset,
-                turned,
-                load[k],
-                theta,
-                pulls,
-            )
+            theta, miss = _balance(chain, state, pulls, load[k], theta)
         if not abs(miss) <= 1e-6:
             return k
         for j in range(n_cables):

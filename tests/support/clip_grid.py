@@ -65,20 +65,8 @@ def simulate_on_grid(
     drum, tension = np.empty(load.size), np.empty((d.n_cables, load.size))
     profile = np.empty((d.n_cables, 2, cells))
     profile[...] = np.broadcast_to(d.preload_N, (d.n_cables,))[:, None, None]
-    failed = _run_grid(
-        table,
-        np.array(d.input_of),
-        radii,
-        float(d.friction_coefficient),
-        cell_rad,
-        start,
-        winding,
-        angle,
-        load,
-        profile,
-        drum,
-        tension,
-    )
+    rule = (float(d.friction_coefficient), cell_rad, start, winding)
+    failed = _run_grid(table, np.array(d.input_of), radii, rule, (angle, load), profile, drum, tension)
     if failed >= 0:
         raise ModelError(
             f"sub-step {failed}: no balance found at {load[failed]:.6g} N m; use smaller steps between samples"
@@ -103,20 +91,14 @@ def _refined(angle: Floats, load: Floats, cell_rad: float) -> tuple[Floats, Floa
 
 @compiled
 def _wrap(
-    cells: Floats,
-    total: float,
-    committed: float,
-    now: float,
-    end: float,
-    preload: float,
-    mu: float,
-    cell: float,
-    commit: bool,
+    cells: Floats, total: float, committed: float, now: float, end: float, rule: Any, commit: bool
 ) -> tuple[float, float]:
     """Integral of (T - T_pre) ds over a wrap of length ``now`` with end tension ``end``, and its derivative by ``end``.
 
-    ``total`` is that integral as stored, for length ``committed``; ``commit`` writes the clipped cells back.
+    ``total`` is that integral as stored, for length ``committed``; ``commit`` writes the clipped cells back;
+    ``rule``: rest tension, friction, length of a cell.
     """
+    preload, mu, cell = rule
     kept = int(committed / cell)
     top = int(now / cell)
     rate = 0.0
@@ -155,20 +137,10 @@ def _wrap(
 
 @compiled
 def _run_grid(
-    table: Floats,
-    input_of: Any,
-    radii: Floats,
-    mu: float,
-    cell: float,
-    start: Floats,
-    winding: bool,
-    angle: Floats,
-    load: Floats,
-    profile: Floats,
-    drum: Floats,
-    tension: Floats,
+    table: Floats, input_of: Any, radii: Floats, rule: Any, series: Any, profile: Floats, drum: Floats, tension: Floats
 ) -> int:
     """Fill ``drum`` and ``tension``; the first sample without balance, or -1."""
+    (mu, cell, start, winding), (angle, load) = rule, series
     n_cables = table.shape[0]
     theta = 0.0
     pulled = table[:, PRELOAD].copy()
@@ -194,17 +166,10 @@ def _run_grid(
                     now[j, 0] = start[0] + sigma * angle[input_of[j], k]
                     now[j, 1] = start[1] - sigma * theta
                 total, rate = (pulled[j] - table[j, PRELOAD]) * table[j, FREE], table[j, FREE]
+                own = (table[j, PRELOAD], mu, cell)
                 for wrap in range(2):
                     area, part = _wrap(
-                        profile[j, wrap],
-                        totals[j, wrap],
-                        lengths[j, wrap],
-                        now[j, wrap],
-                        pulled[j],
-                        table[j, PRELOAD],
-                        mu,
-                        cell,
-                        False,
+                        profile[j, wrap], totals[j, wrap], lengths[j, wrap], now[j, wrap], pulled[j], own, False
                     )
                     total += radii[j, wrap] * area
                     rate += radii[j, wrap] * part
@@ -225,17 +190,10 @@ def _run_grid(
         if not worst <= 1e-7:
             return k
         for j in range(n_cables):
+            own = (table[j, PRELOAD], mu, cell)
             for wrap in range(2):
                 totals[j, wrap], _ = _wrap(
-                    profile[j, wrap],
-                    totals[j, wrap],
-                    lengths[j, wrap],
-                    now[j, wrap],
-                    pulled[j],
-                    table[j, PRELOAD],
-                    mu,
-                    cell,
-                    True,
+                    profile[j, wrap], totals[j, wrap], lengths[j, wrap], now[j, wrap], pulled[j], own, True
                 )
                 lengths[j, wrap] = now[j, wrap]
             tension[j, k] = pulled[j]
