@@ -32,17 +32,16 @@ class Travel(Block):
 
     ORDER: ClassVar[tuple[str, ...]] = ("half_angle_deg", "stop_clearance_deg")
 
-    half_angle_deg: Number = quantity("travel each way; more: configuration siso_spur", ge=1.0, le=120.0)
+    half_angle_deg: Number = quantity("travel each way; more: configuration siso_spur", "[1, 120]")
     from_deg: Number | None = quantity(
         "angle of the output at the lower end of the travel, in place of half_angle_deg; all other angles of the drum "
         "are counted from the middle of the travel",
-        ge=-2160.0,
-        le=2160.0,
+        "[-2160, 2160]",
     )
     to_deg: Number | None = quantity(
-        "angle of the output at the upper end of the travel; goes with from_deg", ge=-2160.0, le=2160.0
+        "angle of the output at the upper end of the travel; goes with from_deg", "[-2160, 2160]"
     )
-    stop_clearance_deg: Number = quantity("angle from the end of the travel to the hard stops", ge=0.0, le=5.0)
+    stop_clearance_deg: Number = quantity("angle from the end of the travel to the hard stops", "[0, 5]")
 
 
 class Input(Block):
@@ -57,7 +56,7 @@ class Cable(Block):
     name: Slug = choice("name, used in part names")
     input: Slug = choice("the input pulley on which it ends")
     preload_N: Number | None = quantity(
-        "preload of this cable alone, in place of the rope's", uncertain=True, ge=0.1, le=20000.0
+        "preload of this cable alone, in place of the rope's", "[0.1, 20000]", uncertain=True
     )
 
 
@@ -69,9 +68,7 @@ class Rope(Block):
         "a rope written out in place of type, with all fields of a catalogue rope",
         example={**package_entries("ropes")["FF-081"], "source": "where these figures come from"},
     )
-    modulus_GPa: Number | None = quantity(
-        "effective modulus in place of the catalogue's", uncertain=True, ge=1.0, le=250.0
-    )
+    modulus_GPa: Number | None = quantity("effective modulus in place of the catalogue's", "[1, 250]", uncertain=True)
     modulus_area: Literal["metallic", "nominal"] | None = choice(
         "area that modulus_GPa refers to: metallic (the wires) or nominal (pi d^2 / 4)"
     )
@@ -79,13 +76,13 @@ class Rope(Block):
         "catalogue entry for how its ends are made; if left out, the strongest that fits the rope", example="swaged"
     )
     friction_coefficient: Number = quantity(
-        "friction coefficient mu of the rope on a pulley", uncertain=True, ge=0.01, le=1.0
+        "friction coefficient mu of the rope on a pulley", "[0.01, 1]", uncertain=True
     )
     preload_N: Number = quantity(
-        "tension of each cable with the drum centred and unloaded", uncertain=True, ge=0.1, le=20000.0
+        "tension of each cable with the drum centred and unloaded", "[0.1, 20000]", uncertain=True
     )
     cut_tolerance_mm: Number = quantity(
-        "tolerance of the length of a finished cable from stop to terminal, plus or minus", default=0.5, ge=0.0, le=20.0
+        "tolerance of the length of a finished cable from stop to terminal, plus or minus", "[0, 20]", default=0.5
     )
 
 
@@ -106,9 +103,9 @@ class WoundRope(Rope):
     )
 
     helix_lead_mm: Number = quantity(
-        "axial distance from turn to turn on the input pulley; more than the rope's diameter", ge=0.2, le=10.0
+        "axial distance from turn to turn on the input pulley; more than the rope's diameter", "[0.2, 10]"
     )
-    dead_turns: Number = quantity("turns that stay on the input pulley at the unwound end", ge=0.0, le=10.0)
+    dead_turns: Number = quantity("turns that stay on the input pulley at the unwound end", "[0, 10]")
 
 
 class DriveTrain(Block):
@@ -120,14 +117,12 @@ class DriveTrain(Block):
         "gearheads turned with their motors about their axes, from where two screws are beside the axis, one of three "
         "is at the back, or four are on the diagonals; anticlockwise seen against the shaft, and of two inputs that "
         "mirror each other the one at -x clockwise",
+        "[-180, 180]",
         default=0.0,
-        ge=-180.0,
-        le=180.0,
     )
     bus_voltage_V: Number | None = quantity(
         "voltage of the supply, for motors with a torque constant; if left out, the voltage that the motor is made for",
-        gt=0.0,
-        le=1000.0,
+        "(0, 1000]",
     )
     encoder: EntryName = choice(
         "encoder on each input pulley, beyond its bearing; none where the motor's own tells the angle (spur layouts)"
@@ -142,9 +137,9 @@ class DutyRow(PlainBlock):
     torque_Nm: Number = quantity(
         "load on the drum, which opposes positive rotation where it is above zero", ge=-TORQUE_MAX_NM, le=TORQUE_MAX_NM
     )
-    share: Number = quantity("share of the time; shares count relative to their sum", gt=0.0, le=1.0)
+    share: Number = quantity("share of the time; shares count relative to their sum", "(0, 1]")
     speed_deg_s: Number | None = quantity(
-        "speed of the drum while it moves back and forth; 0, or neither speed nor range: it holds", ge=0.0, le=10000.0
+        "speed of the drum while it moves back and forth; 0, or neither speed nor range: it holds", "[0, 10000]"
     )
     range_deg: Number | None = quantity(
         "angle from end to end that it moves over, there and back; left out at a speed: the whole travel",
@@ -167,20 +162,20 @@ class DutyBlock(PlainBlock):
         "time_s,angle_deg,torque_Nm",
         example="a-day.csv",
     )
-    period_s: Number | None = quantity("time of one cycle of rows; 10 if left out", gt=0.0, le=1e6)
-    ambient_C: Number | None = quantity("temperature of the air round the motors; 25 if left out", ge=-60.0, le=120.0)
+    period_s: Number | None = quantity("time of one cycle of rows; 10 if left out", "(0, 1e6]")
+    ambient_C: Number | None = quantity("temperature of the air round the motors; 25 if left out", "[-60, 120]")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Payload(PlainBlock):
     """What the hub's face carries, with the drum's axis level, so that its weight turns the drum."""
 
-    mass_kg: Number = quantity("mass", default=0.0, ge=0.0, le=1000.0)
+    mass_kg: Number = quantity("mass", "[0, 1000]", default=0.0)
     distance_mm: Number = quantity(
-        "centre of mass from the drum's axis, where its weight turns the drum most", default=0.0, ge=0.0, le=1e4
+        "centre of mass from the drum's axis, where its weight turns the drum most", "[0, 10000]", default=0.0
     )
     ahead_mm: Number = quantity(
-        "centre of mass, and place of radial_N, in front of the hub's face", default=0.0, ge=0.0, le=1e4
+        "centre of mass, and place of radial_N, in front of the hub's face", "[0, 10000]", default=0.0
     )
     inertia_kg_m2: Number | None = quantity(
         "moment of inertia about the drum's axis; left out, that of the mass as a point at distance_mm",
@@ -189,12 +184,11 @@ class Payload(PlainBlock):
     )
     radial_N: Number = quantity(
         "largest force across the drum's axis besides the weight, such as that of a foot or a hand",
+        "[0, 1e6]",
         default=0.0,
-        ge=0.0,
-        le=1e6,
     )
     moment_Nm: Number = quantity(
-        "largest moment that tilts the drum's axis, besides those of weight and radial_N", default=0.0, ge=0.0, le=1e4
+        "largest moment that tilts the drum's axis, besides those of weight and radial_N", "[0, 10000]", default=0.0
     )
 
     @property
@@ -236,8 +230,7 @@ class Loads(PlainBlock):
     speed_deg_s: Number | None = quantity(
         "speed that the drum must reach against the continuous torque, or the peak torque where that is left out; not "
         "checked if left out",
-        gt=0.0,
-        le=10000.0,
+        "(0, 10000]",
     )
     stiffness_Nm_rad: Number | None = quantity(
         "least stiffness at the payload at the test torque, the inputs held: cables and all parts; rules raise what "
@@ -249,8 +242,7 @@ class Loads(PlainBlock):
         "largest turn of the payload by all parts besides the cables, over that by the cables, at the test torque, the "
         "inputs held; 0.25 is a usual aim; rules raise what gives most until it holds or other checks refuse; left "
         "out, a warning beyond 2.5, printed 5",
-        gt=0.0,
-        le=100.0,
+        "(0, 100]",
     )
     backdrive_Nm: Number | None = quantity(
         "largest torque at the drum that may be needed to turn it, motors without current; not checked if left out",
@@ -282,16 +274,13 @@ class Loads(PlainBlock):
 class Limits(PlainBlock):
     """Limits of this design, which the checks use."""
 
-    bend_ratio_min: Number = quantity(
-        "smallest D/d on any pulley; the rope's own minimum is a warning", ge=1.0, le=200.0
-    )
-    tension_safety_factor: Number = quantity("breaking load over largest tension", ge=1.0, le=100.0)
-    preload_share_max: Number = quantity("preload over breaking load", gt=0.0, le=1.0)
+    bend_ratio_min: Number = quantity("smallest D/d on any pulley; the rope's own minimum is a warning", "[1, 200]")
+    tension_safety_factor: Number = quantity("breaking load over largest tension", "[1, 100]")
+    preload_share_max: Number = quantity("preload over breaking load", "(0, 1]")
     frame_windup_max_mrad: Number | None = quantity(
         "turn of the drum from the frame's deflection at the test torque; left out, the turn of the cables there, or "
         "six times that for a printed frame",
-        gt=0.0,
-        le=100.0,
+        "(0, 100]",
     )
     losses: Literal["counted", "paper"] = choice(
         "torque that motors and gearheads must move: with all losses counted, or without any, as the paper reckons",
@@ -309,16 +298,16 @@ class Making(PlainBlock):
     """Tolerances of the parts, each half of its band; a gap smaller than their sum gives a warning."""
 
     rope_diameter_share: Number = quantity(
-        "rope's diameter, plus or minus, over the diameter", default=0.03, ge=0.0, le=0.2
+        "rope's diameter, plus or minus, over the diameter", "[0, 0.2]", default=0.03
     )
     run_out_mm: Number = quantity(
-        "run-out of a turned surface to its bearing seats, full indicator reading", default=0.02, ge=0.0, le=1.0
+        "run-out of a turned surface to its bearing seats, full indicator reading", "[0, 1]", default=0.02
     )
     bearing_play_mm: Number = quantity(
-        "radial play of a bearing that carries no preload, from one side to the other", default=0.008, ge=0.0, le=0.2
+        "radial play of a bearing that carries no preload, from one side to the other", "[0, 0.2]", default=0.008
     )
     position_mm: Number = quantity(
-        "place of a bore, a face or a step from its datum, plus or minus", default=0.02, ge=0.0, le=1.0
+        "place of a bore, a face or a step from its datum, plus or minus", "[0, 1]", default=0.02
     )
 
 
@@ -326,11 +315,9 @@ class Making(PlainBlock):
 class Printing(PlainBlock):
     """Settings for parts of printed materials; other parts do not use them."""
 
-    hole_allowance_mm: Number = quantity(
-        "added to the diameter of round holes in the 3MF files", default=0.2, ge=0.0, le=1.0
-    )
+    hole_allowance_mm: Number = quantity("added to the diameter of round holes in the 3MF files", "[0, 1]", default=0.2)
     nozzle_mm: Number = quantity(
-        "width of a line of filament; no wall is thinner than two lines", default=0.4, ge=0.1, le=2.0
+        "width of a line of filament; no wall is thinner than two lines", "[0.1, 2]", default=0.4
     )
     threads: Literal["cut", "inserts"] = choice(
         "threads of the payload and of the screws that close the frame: cut in the plastic, or brass inserts set in "
@@ -352,12 +339,11 @@ class SpanLimits(Limits):
         "frame_windup_max_mrad",
     )
 
-    fleet_angle_max_deg: Number = quantity("largest fleet angle on a smooth pulley", gt=0.0, le=20.0)
+    fleet_angle_max_deg: Number = quantity("largest fleet angle on a smooth pulley", "(0, 20]")
     fleet_angle_grooved_max_deg: Number = quantity(
         "largest fleet angle on a grooved pulley; wire rope handbooks recommend 2, and 4 at most",
+        "(0, 20]",
         default=2.0,
-        gt=0.0,
-        le=20.0,
     )
 
 
@@ -365,14 +351,14 @@ class SpanLimits(Limits):
 class Targets(PlainBlock):
     """Mass and box to reach; a target that is left out is not checked."""
 
-    mass_g: Number | None = quantity("mass of the whole", gt=0.0, le=1e6)
-    mass_tolerance_g: Number = quantity("how far it may differ", default=10.0, gt=0.0, le=1e6)
-    prototype_mass_g: Number | None = quantity("measured mass of the prototype, for comparison", gt=0.0, le=1e6)
+    mass_g: Number | None = quantity("mass of the whole", "(0, 1e6]")
+    mass_tolerance_g: Number = quantity("how far it may differ", "(0, 1e6]", default=10.0)
+    prototype_mass_g: Number | None = quantity("measured mass of the prototype, for comparison", "(0, 1e6]")
     envelope_mm: tuple[Length, Length, Length] | None = quantity("box with the drum centred, X, Z, Y")
-    envelope_tolerance_mm: Number = quantity("how far each side may differ", default=0.5, gt=0.0, le=100.0)
-    life_cycles: Number | None = quantity("cycles of the output, to and fro, that the cables must last", gt=0.0, le=1e9)
+    envelope_tolerance_mm: Number = quantity("how far each side may differ", "(0, 100]", default=0.5)
+    life_cycles: Number | None = quantity("cycles of the output, to and fro, that the cables must last", "(0, 1e9]")
     life_h: Number | None = quantity(
-        "hours of loads.duty that the cables must last, in place of life_cycles", gt=0.0, le=1e6
+        "hours of loads.duty that the cables must last, in place of life_cycles", "(0, 1e6]"
     )
 
 
@@ -380,7 +366,7 @@ class Targets(PlainBlock):
 class Export(PlainBlock):
     """Settings of the files written."""
 
-    mesh_tolerance_mm: Number = quantity("largest distance of a mesh from its surface", ge=0.001, le=1.0)
+    mesh_tolerance_mm: Number = quantity("largest distance of a mesh from its surface", "[0.001, 1]")
     threads: Literal["major", "tap_drill"] = choice(
         "tapped holes in the files of single parts: at the thread's major diameter, or as drilled for tapping",
         default="major",

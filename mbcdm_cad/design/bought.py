@@ -32,7 +32,7 @@ class Entry(PlainBlock):
     )
     source: Text = entry_field("source of the values; says 'estimate' for a value that is estimated")
     price_EUR: Number | None = entry_field(
-        "price of a piece, of a metre of rope, of a kilogram of a material", ge=0.0, le=1e6
+        "price of a piece, of a metre of rope, of a kilogram of a material", "[0, 1e6]"
     )
     price_source: Text | None = entry_field("source of the price; says 'estimate' for one")
 
@@ -41,14 +41,12 @@ class Entry(PlainBlock):
 class LifeAnchor(PlainBlock):
     """A bending test of one's own on a rope; it replaces the generic figures of its life."""
 
-    bendings: Number = entry_field("bendings on and off a pulley at which half of the ropes had broken", gt=0.0, le=1e9)
+    bendings: Number = entry_field("bendings on and off a pulley at which half of the ropes had broken", "(0, 1e9]")
     bend_ratio: Number = entry_field(
-        "diameter of the test's pulley at the rope's centre line over the rope's", gt=1.0, le=1000.0
+        "diameter of the test's pulley at the rope's centre line over the rope's", "(1, 1000]"
     )
-    load_share: Number = entry_field("tension in the test over the breaking load", gt=0.0, le=1.0)
-    groove: Number | None = entry_field(
-        "radius of its groove over the rope's diameter; smooth if left out", ge=0.5, le=5.0
-    )
+    load_share: Number = entry_field("tension in the test over the breaking load", "(0, 1]")
+    groove: Number | None = entry_field("radius of its groove over the rope's diameter; smooth if left out", "[0.5, 5]")
     lubrication: Literal["oiled", "dry"] = entry_field("how the rope was run")
     count: Integer = entry_field("number of ropes tested", ge=1, le=1000)
     source: Text = entry_field("who tested, when and how")
@@ -59,30 +57,27 @@ class CableSpec(Entry):
     """A rope. Its modulus always comes with the area to which it refers."""
 
     construction: Literal["7x7", "7x19", "1x19", "braid"] = entry_field("strands x wires, or braid for fibre")
-    diameter_mm: Number = entry_field("nominal diameter", uncertain=True, ge=0.2, le=5.0)
-    metallic_area_mm2: Number = entry_field("cross-section of all wires or fibres", uncertain=True, gt=0.0, le=20.0)
-    modulus_GPa: Number = entry_field("effective tensile modulus of the rope", uncertain=True, ge=1.0, le=250.0)
+    diameter_mm: Number = entry_field("nominal diameter", "[0.2, 5]", uncertain=True)
+    metallic_area_mm2: Number = entry_field("cross-section of all wires or fibres", "(0, 20]", uncertain=True)
+    modulus_GPa: Number = entry_field("effective tensile modulus of the rope", "[1, 250]", uncertain=True)
     modulus_area: Literal["metallic", "nominal"] = entry_field("area the modulus refers to: wires, or pi d^2 / 4")
-    breaking_load_N: Number = entry_field("minimum breaking load", ge=10.0, le=50000.0)
-    mass_g_m: Number = entry_field("mass per length", gt=0.0, le=200.0)
+    breaking_load_N: Number = entry_field("minimum breaking load", "[10, 50000]")
+    mass_g_m: Number = entry_field("mass per length", "(0, 200]")
     bedding_in_share: Number = entry_field(
         "permanent stretch in the first runs under load, over the length (constructional stretch)",
+        "[0, 0.05]",
         default=0.003,
-        ge=0.0,
-        le=0.05,
     )
     creep_per_decade: Number = entry_field(
-        "strain a decade of time, extrapolated to the breaking load; none for wire", default=0.0, ge=0.0, le=0.1
+        "strain a decade of time, extrapolated to the breaking load; none for wire", "[0, 0.1]", default=0.0
     )
     creep_per_year: Number = entry_field(
-        "steady strain a year at 0.3 of the breaking load and 20 degrees C", default=0.0, ge=0.0, le=1.0
+        "steady strain a year at 0.3 of the breaking load and 20 degrees C", "[0, 1]", default=0.0
     )
-    creep_load_exponent: Number = entry_field("power of the load in the steady creep", default=1.0, ge=1.0, le=20.0)
-    creep_activation_kJ_mol: Number = entry_field(
-        "activation energy of the steady creep", default=0.0, ge=0.0, le=500.0
-    )
-    bend_ratio_minimum: Number = entry_field("smallest D/d that the maker allows", ge=1.0, le=200.0)
-    bend_ratio_desired: Number = entry_field("D/d that the maker recommends", ge=1.0, le=200.0)
+    creep_load_exponent: Number = entry_field("power of the load in the steady creep", "[1, 20]", default=1.0)
+    creep_activation_kJ_mol: Number = entry_field("activation energy of the steady creep", "[0, 500]", default=0.0)
+    bend_ratio_minimum: Number = entry_field("smallest D/d that the maker allows", "[1, 200]")
+    bend_ratio_desired: Number = entry_field("D/d that the maker recommends", "[1, 200]")
     material: EntryName = entry_field("material of the wires")
     life_anchor: LifeAnchor | None = entry_field(
         "a bending test of one's own, from which the life of the cables is scaled"
@@ -108,28 +103,24 @@ class TerminationSpec(Entry):
     constructions: tuple[Literal["7x7", "7x19", "1x19", "braid"], ...] = entry_field(
         "constructions of rope for which it is made", min_length=1, max_length=4
     )
-    smallest_mm: Number = entry_field("thinnest rope for which it is made", ge=0.1, le=20.0)
-    largest_mm: Number = entry_field("thickest rope for which it is made", ge=0.1, le=20.0)
-    strength_share: Number = entry_field("strength of the end divided by the rope's breaking load", gt=0.0, le=1.0)
-    sleeve_ratio: Number = entry_field(
-        "smallest diameter of the terminal's sleeve divided by the rope's", ge=1.1, le=10.0
-    )
+    smallest_mm: Number = entry_field("thinnest rope for which it is made", "[0.1, 20]")
+    largest_mm: Number = entry_field("thickest rope for which it is made", "[0.1, 20]")
+    strength_share: Number = entry_field("strength of the end divided by the rope's breaking load", "(0, 1]")
+    sleeve_ratio: Number = entry_field("smallest diameter of the terminal's sleeve divided by the rope's", "[1.1, 10]")
     grip_ratio: Number = entry_field(
-        "smallest length of rope in the sleeve divided by the rope's diameter", ge=0.5, le=30.0
+        "smallest length of rope in the sleeve divided by the rope's diameter", "[0.5, 30]"
     )
-    stop_radius_ratio: Number = entry_field("radius of the stop over the rope's diameter", ge=0.6, le=5.0)
-    stop_length_ratio: Number = entry_field("length of the stop over the rope's diameter", ge=0.5, le=20.0)
+    stop_radius_ratio: Number = entry_field("radius of the stop over the rope's diameter", "[0.6, 5]")
+    stop_length_ratio: Number = entry_field("length of the stop over the rope's diameter", "[0.5, 20]")
     setting_ratio: Number = entry_field(
         "rope that the end gives off at its first loads, over the rope's diameter: a knot tightens, a clamp beds in",
+        "[0, 20]",
         default=0.0,
-        ge=0.0,
-        le=20.0,
     )
     tail_ratio: Number = entry_field(
         "rope that making the end uses beyond sleeve or stop, over the rope's diameter; counted in the length to cut",
+        "[0, 200]",
         default=0.0,
-        ge=0.0,
-        le=200.0,
     )
     making: Text | None = entry_field("how it is made, for the order of assembly")
 
@@ -145,28 +136,28 @@ class Servo(PlainBlock):
     Heights count from the front faces of the ears, which lie on the frame.
     """
 
-    ratio: Number = entry_field("reduction of its own gears", ge=1.0, le=10000.0)
-    efficiency: Number = entry_field("efficiency of its gears", gt=0.0, le=1.0)
-    rated_torque_mNm: Number = entry_field("continuous torque at the horn", gt=0.0, le=1e6)
-    max_torque_mNm: Number = entry_field("torque at the horn at standstill", gt=0.0, le=1e6)
-    stiffness_Nm_rad: Number = entry_field("torsional stiffness of its gears at the horn", gt=0.0, le=1e7)
-    lash_deg: Number = entry_field("play of its gears at the horn, from one side to the other", ge=0.0, le=20.0)
+    ratio: Number = entry_field("reduction of its own gears", "[1, 10000]")
+    efficiency: Number = entry_field("efficiency of its gears", "(0, 1]")
+    rated_torque_mNm: Number = entry_field("continuous torque at the horn", "(0, 1e6]")
+    max_torque_mNm: Number = entry_field("torque at the horn at standstill", "(0, 1e6]")
+    stiffness_Nm_rad: Number = entry_field("torsional stiffness of its gears at the horn", "(0, 1e7]")
+    lash_deg: Number = entry_field("play of its gears at the horn, from one side to the other", "[0, 20]")
     sensor: Literal["output", "motor"] = entry_field("where its own sensor is: on the horn's shaft, or the motor's")
     sensor_steps: Integer = entry_field("steps a turn of its sensor", ge=16, le=2**26)
-    body_mm: Number = entry_field("length of its housing", ge=5.0, le=200.0)
-    width_mm: Number = entry_field("width of its housing", ge=3.0, le=150.0)
-    behind_mm: Number = entry_field("depth of its housing behind the ears' front", ge=1.0, le=200.0)
-    before_mm: Number = entry_field("height of its housing before the ears' front", ge=0.5, le=50.0)
-    axis_mm: Number = entry_field("horn's axis from the middle of the housing, along its length", ge=0.0, le=100.0)
-    ears_mm: Number = entry_field("length over both ears", ge=6.0, le=300.0)
-    ear_mm: Number = entry_field("thickness of the ears", ge=0.5, le=20.0)
-    hole_length_mm: Number = entry_field("distance of the ears' holes along the length", ge=6.0, le=300.0)
-    hole_width_mm: Number = entry_field("distance of the ears' holes along the width", ge=2.0, le=150.0)
+    body_mm: Number = entry_field("length of its housing", "[5, 200]")
+    width_mm: Number = entry_field("width of its housing", "[3, 150]")
+    behind_mm: Number = entry_field("depth of its housing behind the ears' front", "[1, 200]")
+    before_mm: Number = entry_field("height of its housing before the ears' front", "[0.5, 50]")
+    axis_mm: Number = entry_field("horn's axis from the middle of the housing, along its length", "[0, 100]")
+    ears_mm: Number = entry_field("length over both ears", "[6, 300]")
+    ear_mm: Number = entry_field("thickness of the ears", "[0.5, 20]")
+    hole_length_mm: Number = entry_field("distance of the ears' holes along the length", "[6, 300]")
+    hole_width_mm: Number = entry_field("distance of the ears' holes along the width", "[2, 150]")
     spline: Text = entry_field("teeth of its spline, as makers of horns name it")
-    horn_mm: Number = entry_field("diameter of its horn, a disc", ge=5.0, le=150.0)
-    horn_face_mm: Number = entry_field("front of the horn before the ears' front", ge=2.0, le=100.0)
-    horn_thickness_mm: Number = entry_field("thickness of the horn", ge=0.5, le=30.0)
-    horn_circle_mm: Number = entry_field("diameter of the circle of the horn's threads", ge=3.0, le=140.0)
+    horn_mm: Number = entry_field("diameter of its horn, a disc", "[5, 150]")
+    horn_face_mm: Number = entry_field("front of the horn before the ears' front", "[2, 100]")
+    horn_thickness_mm: Number = entry_field("thickness of the horn", "[0.5, 30]")
+    horn_circle_mm: Number = entry_field("diameter of the circle of the horn's threads", "[3, 140]")
     horn_screw: EntryName = entry_field("screw for the horn's threads")
     horn_screws: Integer = entry_field("number of those threads", ge=2, le=12)
     centre_screw: EntryName = entry_field("screw that holds the horn on its spline")
@@ -179,42 +170,40 @@ class Motor(Entry):
     Torque constant and resistance are those between two terminals (60 / (2 pi Kv), phase to phase).
     """
 
-    diameter_mm: Number = entry_field("body diameter", ge=3.0, le=400.0)
-    length_mm: Number = entry_field("body length", ge=3.0, le=300.0)
-    rated_torque_mNm: Number = entry_field("continuous torque", uncertain=True, gt=0.0, le=100000.0)
-    rotor_inertia_g_cm2: Number = entry_field("rotor inertia", gt=0.0, le=1e6)
-    mass_g: Number = entry_field("mass", gt=0.0, le=50000.0)
-    torque_constant_mNm_A: Number | None = entry_field("torque over current, 60 / (2 pi Kv)", gt=0.0, le=1e5)
-    resistance_ohm: Number | None = entry_field("resistance between two terminals", gt=0.0, le=1000.0)
+    diameter_mm: Number = entry_field("body diameter", "[3, 400]")
+    length_mm: Number = entry_field("body length", "[3, 300]")
+    rated_torque_mNm: Number = entry_field("continuous torque", "(0, 100000]", uncertain=True)
+    rotor_inertia_g_cm2: Number = entry_field("rotor inertia", "(0, 1e6]")
+    mass_g: Number = entry_field("mass", "(0, 50000]")
+    torque_constant_mNm_A: Number | None = entry_field("torque over current, 60 / (2 pi Kv)", "(0, 100000]")
+    resistance_ohm: Number | None = entry_field("resistance between two terminals", "(0, 1000]")
     no_load_current_A: Number | None = entry_field(
-        "current that turns it without a load: its friction is this times the torque constant", gt=0.0, le=100.0
+        "current that turns it without a load: its friction is this times the torque constant", "(0, 100]"
     )
-    continuous_current_A: Number | None = entry_field("continuous current", gt=0.0, le=1000.0)
-    peak_current_A: Number | None = entry_field("largest current for a short time", gt=0.0, le=5000.0)
-    voltage_V: Number | None = entry_field("voltage that the motor is made for", gt=0.0, le=1000.0)
+    continuous_current_A: Number | None = entry_field("continuous current", "(0, 1000]")
+    peak_current_A: Number | None = entry_field("largest current for a short time", "(0, 5000]")
+    voltage_V: Number | None = entry_field("voltage that the motor is made for", "(0, 1000]")
     pole_pairs: Integer | None = entry_field("pairs of magnet poles", ge=1, le=100)
-    winding_limit_C: Number | None = entry_field("hottest winding; 125 if left out", ge=40.0, le=300.0)
+    winding_limit_C: Number | None = entry_field("hottest winding; 125 if left out", "[40, 300]")
     # Thermal figures, each estimated from size or mass if left out.
-    winding_K_W: Number | None = entry_field("thermal resistance, winding to housing", gt=0.0, le=1e3)
-    housing_K_W: Number | None = entry_field("thermal resistance, housing to air", gt=0.0, le=1e3)
-    radial_load_N: Number | None = entry_field("radial load that the shaft can take", gt=0.0, le=10000.0)
+    winding_K_W: Number | None = entry_field("thermal resistance, winding to housing", "(0, 1000]")
+    housing_K_W: Number | None = entry_field("thermal resistance, housing to air", "(0, 1000]")
+    radial_load_N: Number | None = entry_field("radial load that the shaft can take", "(0, 10000]")
     radial_load_at_mm: Number | None = entry_field(
-        "distance from the face at which it can take radial_load_N; half the shaft's length if left out",
-        gt=0.0,
-        le=200.0,
+        "distance from the face at which it can take radial_load_N; half the shaft's length if left out", "(0, 200]"
     )
     bearing_span_mm: Number | None = entry_field(
-        "distance between the shaft's own bearings; 0.6 of the body's length if left out", gt=0.0, le=300.0
+        "distance between the shaft's own bearings; 0.6 of the body's length if left out", "(0, 300]"
     )
-    shaft_diameter_mm: Number | None = entry_field("shaft diameter", ge=1.0, le=40.0)
-    shaft_length_mm: Number | None = entry_field("shaft length from the face", ge=1.0, le=80.0)
-    pilot_diameter_mm: Number | None = entry_field("centring boss diameter", ge=1.0, le=200.0)
-    pilot_height_mm: Number | None = entry_field("centring boss height", ge=0.1, le=10.0)
-    bolt_circle_mm: Number | None = entry_field("diameter of the screws' circle on the face", ge=2.0, le=300.0)
+    shaft_diameter_mm: Number | None = entry_field("shaft diameter", "[1, 40]")
+    shaft_length_mm: Number | None = entry_field("shaft length from the face", "[1, 80]")
+    pilot_diameter_mm: Number | None = entry_field("centring boss diameter", "[1, 200]")
+    pilot_height_mm: Number | None = entry_field("centring boss height", "[0.1, 10]")
+    bolt_circle_mm: Number | None = entry_field("diameter of the screws' circle on the face", "[2, 300]")
     screw: EntryName | None = entry_field("screw that holds it at the face")
     screw_count: Integer | None = entry_field("number of those screws", ge=2, le=12)
-    winding_time_s: Number | None = entry_field("thermal time constant, winding", gt=0.0, le=1e5)
-    motor_time_s: Number | None = entry_field("thermal time constant, motor", gt=0.0, le=1e6)
+    winding_time_s: Number | None = entry_field("thermal time constant, winding", "(0, 100000]")
+    motor_time_s: Number | None = entry_field("thermal time constant, motor", "(0, 1e6]")
     servo: Servo | None = entry_field(
         "gears, sensor, housing and horn of a servo; the entry's torques, constants and rotor are of the motor in "
         "it, its shaft the spline, its screws those of the ears"
@@ -262,32 +251,30 @@ FACE_FIELDS = (
 class Gearhead(Entry):
     """A gearhead: body, output shaft and face pattern."""
 
-    ratio: Number = entry_field("reduction", ge=1.0, le=10000.0)
-    efficiency: Number = entry_field("efficiency at rated torque", gt=0.0, le=1.0)
-    rated_torque_mNm: Number = entry_field("continuous output torque", gt=0.0, le=1e6)
-    max_torque_mNm: Number = entry_field("intermittent output torque", gt=0.0, le=1e6)
-    radial_load_N: Number = entry_field("radial load that the output shaft can take", gt=0.0, le=10000.0)
+    ratio: Number = entry_field("reduction", "[1, 10000]")
+    efficiency: Number = entry_field("efficiency at rated torque", "(0, 1]")
+    rated_torque_mNm: Number = entry_field("continuous output torque", "(0, 1e6]")
+    max_torque_mNm: Number = entry_field("intermittent output torque", "(0, 1e6]")
+    radial_load_N: Number = entry_field("radial load that the output shaft can take", "(0, 10000]")
     radial_load_at_mm: Number | None = entry_field(
-        "distance from the face at which it can take radial_load_N; half the shaft's length if left out",
-        gt=0.0,
-        le=200.0,
+        "distance from the face at which it can take radial_load_N; half the shaft's length if left out", "(0, 200]"
     )
     bearing_span_mm: Number | None = entry_field(
-        "distance between the output shaft's own bearings; 0.3 of the body's length if left out", gt=0.0, le=300.0
+        "distance between the output shaft's own bearings; 0.3 of the body's length if left out", "(0, 300]"
     )
     stiffness_Nm_rad: Number | None = entry_field(
-        "torsional stiffness at the output; estimated from the diameter if left out", gt=0.0, le=1e7
+        "torsional stiffness at the output; estimated from the diameter if left out", "(0, 1e7]"
     )
-    diameter_mm: Number = entry_field("body diameter", ge=3.0, le=100.0)
-    length_mm: Number = entry_field("body length", ge=3.0, le=200.0)
-    shaft_diameter_mm: Number = entry_field("output shaft diameter", ge=1.0, le=20.0)
-    shaft_length_mm: Number = entry_field("output shaft length from the face", ge=1.0, le=60.0)
-    pilot_diameter_mm: Number = entry_field("centring boss diameter", ge=1.0, le=60.0)
-    pilot_height_mm: Number = entry_field("centring boss height", ge=0.1, le=10.0)
-    bolt_circle_mm: Number = entry_field("diameter of the screws' circle on the face", ge=2.0, le=90.0)
+    diameter_mm: Number = entry_field("body diameter", "[3, 100]")
+    length_mm: Number = entry_field("body length", "[3, 200]")
+    shaft_diameter_mm: Number = entry_field("output shaft diameter", "[1, 20]")
+    shaft_length_mm: Number = entry_field("output shaft length from the face", "[1, 60]")
+    pilot_diameter_mm: Number = entry_field("centring boss diameter", "[1, 60]")
+    pilot_height_mm: Number = entry_field("centring boss height", "[0.1, 10]")
+    bolt_circle_mm: Number = entry_field("diameter of the screws' circle on the face", "[2, 90]")
     screw: EntryName = entry_field("screw that holds it at the face")
     screw_count: Integer = entry_field("number of those screws", ge=1, le=12)
-    mass_g: Number = entry_field("mass", gt=0.0, le=5000.0)
+    mass_g: Number = entry_field("mass", "(0, 5000]")
 
     @property
     def absent(self) -> bool:
@@ -385,14 +372,14 @@ MOTOR_ENCODER_STEPS = 2**14
 class Encoder(Entry):
     """An encoder housing on a shaft."""
 
-    resolution_urad: Number = entry_field("resolution", gt=0.0, le=100000.0)
-    diameter_mm: Number = entry_field("housing diameter", ge=3.0, le=100.0)
-    length_mm: Number = entry_field("housing length", ge=1.0, le=100.0)
-    bore_mm: Number = entry_field("bore of the hub", ge=0.5, le=60.0)
-    bolt_circle_mm: Number = entry_field("diameter of the screws' circle", ge=2.0, le=90.0)
+    resolution_urad: Number = entry_field("resolution", "(0, 100000]")
+    diameter_mm: Number = entry_field("housing diameter", "[3, 100]")
+    length_mm: Number = entry_field("housing length", "[1, 100]")
+    bore_mm: Number = entry_field("bore of the hub", "[0.5, 60]")
+    bolt_circle_mm: Number = entry_field("diameter of the screws' circle", "[2, 90]")
     screw: EntryName = entry_field("screw that holds the housing")
     screw_count: Integer = entry_field("number of those screws", ge=1, le=12)
-    mass_g: Number = entry_field("mass", gt=0.0, le=1000.0)
+    mass_g: Number = entry_field("mass", "(0, 1000]")
 
     @property
     def absent(self) -> bool:
@@ -427,13 +414,13 @@ def without_encoder(gearhead: Gearhead, motor_turns: float) -> Encoder:
 class Bearing(Entry):
     """A deep-groove ball bearing."""
 
-    bore_mm: Number = entry_field("bore d", ge=1.0, le=200.0)
-    outer_diameter_mm: Number = entry_field("outside diameter D", ge=2.0, le=250.0)
-    width_mm: Number = entry_field("width B", ge=0.5, le=30.0)
-    inner_shoulder_mm: Number = entry_field("shoulder diameter d_a at the inner ring", ge=1.0, le=250.0)
-    outer_shoulder_mm: Number = entry_field("shoulder diameter D_a at the outer ring", ge=1.0, le=250.0)
-    static_rating_N: Number = entry_field("static load rating C0", gt=0.0, le=100000.0)
-    mass_g: Number = entry_field("mass", gt=0.0, le=2000.0)
+    bore_mm: Number = entry_field("bore d", "[1, 200]")
+    outer_diameter_mm: Number = entry_field("outside diameter D", "[2, 250]")
+    width_mm: Number = entry_field("width B", "[0.5, 30]")
+    inner_shoulder_mm: Number = entry_field("shoulder diameter d_a at the inner ring", "[1, 250]")
+    outer_shoulder_mm: Number = entry_field("shoulder diameter D_a at the outer ring", "[1, 250]")
+    static_rating_N: Number = entry_field("static load rating C0", "(0, 100000]")
+    mass_g: Number = entry_field("mass", "(0, 2000]")
 
 
 # Name in place of the bearings of an input pulley in a design file whose motor carries it.
@@ -465,26 +452,26 @@ def own_bearing(face: Gearhead) -> Bearing:
 class Screw(Entry):
     """A socket-head cap screw, or a set screw (head sizes 0)."""
 
-    thread_mm: Number = entry_field("nominal thread diameter", ge=0.5, le=12.0)
-    tap_drill_mm: Number = entry_field("tapping drill", ge=0.3, le=12.0)
-    clearance_mm: Number = entry_field("clearance hole", ge=0.5, le=15.0)
-    length_mm: Number = entry_field("length below the head", ge=1.0, le=100.0)
-    head_diameter_mm: Number = entry_field("head diameter", ge=0.0, le=25.0)
-    head_height_mm: Number = entry_field("head height", ge=0.0, le=15.0)
-    key_mm: Number = entry_field("hexagon socket across flats", ge=0.3, le=12.0)
-    mass_g: Number = entry_field("mass", gt=0.0, le=200.0)
+    thread_mm: Number = entry_field("nominal thread diameter", "[0.5, 12]")
+    tap_drill_mm: Number = entry_field("tapping drill", "[0.3, 12]")
+    clearance_mm: Number = entry_field("clearance hole", "[0.5, 15]")
+    length_mm: Number = entry_field("length below the head", "[1, 100]")
+    head_diameter_mm: Number = entry_field("head diameter", "[0, 25]")
+    head_height_mm: Number = entry_field("head height", "[0, 15]")
+    key_mm: Number = entry_field("hexagon socket across flats", "[0.3, 12]")
+    mass_g: Number = entry_field("mass", "(0, 200]")
 
 
 @dataclass(frozen=True, kw_only=True)
 class InsertSpec(Entry):
     """A knurled brass bush with an inside thread, set with heat into a hole of a printed part."""
 
-    thread_mm: Number = entry_field("nominal thread diameter", ge=1.0, le=12.0)
-    hole_mm: Number = entry_field("diameter of the hole that it is set into", ge=1.0, le=20.0)
-    outside_mm: Number = entry_field("diameter over the knurls", ge=1.0, le=20.0)
-    length_mm: Number = entry_field("length", ge=1.0, le=40.0)
-    wall_mm: Number = entry_field("least wall of plastic round the hole", ge=0.2, le=20.0)
-    mass_g: Number = entry_field("mass", gt=0.0, le=100.0)
+    thread_mm: Number = entry_field("nominal thread diameter", "[1, 12]")
+    hole_mm: Number = entry_field("diameter of the hole that it is set into", "[1, 20]")
+    outside_mm: Number = entry_field("diameter over the knurls", "[1, 20]")
+    length_mm: Number = entry_field("length", "[1, 40]")
+    wall_mm: Number = entry_field("least wall of plastic round the hole", "[0.2, 20]")
+    mass_g: Number = entry_field("mass", "(0, 100]")
 
     @property
     def depth_mm(self) -> float:
@@ -502,19 +489,17 @@ def shortest_insert(inserts: Iterable[InsertSpec], thread_mm: float) -> InsertSp
 class TensionerSpec(Entry):
     """A threaded terminal swaged on the cable, with nut and lock nut."""
 
-    thread_mm: Number = entry_field("nominal thread diameter", ge=0.5, le=12.0)
-    clearance_mm: Number = entry_field("clearance hole in the lug", ge=0.5, le=15.0)
-    stress_area_mm2: Number = entry_field("tensile stress area of the thread", gt=0.0, le=100.0)
-    pitch_mm: Number = entry_field("pitch of the thread", gt=0.0, le=3.0)
-    nut_across_flats_mm: Number = entry_field("nut across flats", ge=1.0, le=25.0)
-    nut_height_mm: Number = entry_field("nut height", ge=0.3, le=15.0)
-    swage_diameter_mm: Number = entry_field("diameter of the swaged sleeve", ge=0.5, le=20.0)
-    swage_flats_mm: Number = entry_field(
-        "across the two flats of the sleeve, which keep it from turning", ge=0.4, le=20.0
-    )
-    swage_length_mm: Number = entry_field("length of the swaged sleeve", ge=0.5, le=50.0)
-    lug_thickness_mm: Number = entry_field("thickness of the drum's lug along the stud", ge=0.5, le=20.0)
-    stud_length_mm: Number = entry_field("length from the front of the sleeve to the end of the stud", ge=2.0, le=100.0)
+    thread_mm: Number = entry_field("nominal thread diameter", "[0.5, 12]")
+    clearance_mm: Number = entry_field("clearance hole in the lug", "[0.5, 15]")
+    stress_area_mm2: Number = entry_field("tensile stress area of the thread", "(0, 100]")
+    pitch_mm: Number = entry_field("pitch of the thread", "(0, 3]")
+    nut_across_flats_mm: Number = entry_field("nut across flats", "[1, 25]")
+    nut_height_mm: Number = entry_field("nut height", "[0.3, 15]")
+    swage_diameter_mm: Number = entry_field("diameter of the swaged sleeve", "[0.5, 20]")
+    swage_flats_mm: Number = entry_field("across the two flats of the sleeve, which keep it from turning", "[0.4, 20]")
+    swage_length_mm: Number = entry_field("length of the swaged sleeve", "[0.5, 50]")
+    lug_thickness_mm: Number = entry_field("thickness of the drum's lug along the stud", "[0.5, 20]")
+    stud_length_mm: Number = entry_field("length from the front of the sleeve to the end of the stud", "[2, 100]")
     material: EntryName = entry_field("material of stud, sleeve and nuts")
 
 
@@ -523,14 +508,14 @@ class SpringSpec(Entry):
     """A compression spring on the stud of a terminal, between lug and nut: a disc of a stack, or a coil."""
 
     kind: Literal["disc", "coil"] = entry_field("disc spring (DIN EN 16983), or coil of round wire")
-    outside_mm: Number = entry_field("outside diameter", ge=1.0, le=60.0)
-    inside_mm: Number = entry_field("inside diameter, round the stud", ge=0.5, le=40.0)
-    strip_mm: Number = entry_field("thickness of a disc, or diameter of the wire", ge=0.05, le=10.0)
-    free_mm: Number = entry_field("height without load", ge=0.1, le=100.0)
-    solid_mm: Number = entry_field("height at which it is flat, or its coils touch", ge=0.05, le=100.0)
-    stiffness_N_mm: Number = entry_field("force over deflection within its usable travel", gt=0.0, le=1e6)
-    usable_share: Number = entry_field("most of the way from free to solid that it stands for long", gt=0.0, le=1.0)
-    mass_g: Number = entry_field("mass", gt=0.0, le=500.0)
+    outside_mm: Number = entry_field("outside diameter", "[1, 60]")
+    inside_mm: Number = entry_field("inside diameter, round the stud", "[0.5, 40]")
+    strip_mm: Number = entry_field("thickness of a disc, or diameter of the wire", "[0.05, 10]")
+    free_mm: Number = entry_field("height without load", "[0.1, 100]")
+    solid_mm: Number = entry_field("height at which it is flat, or its coils touch", "[0.05, 100]")
+    stiffness_N_mm: Number = entry_field("force over deflection within its usable travel", "(0, 1e6]")
+    usable_share: Number = entry_field("most of the way from free to solid that it stands for long", "(0, 1]")
+    mass_g: Number = entry_field("mass", "(0, 500]")
     material: EntryName = entry_field("material")
 
     @property
@@ -546,17 +531,17 @@ Fraction = Annotated[Number, Field(ge=0.0, le=1.0)]
 class Material(Entry):
     """A material and the limits of its process."""
 
-    density_g_cm3: Number = entry_field("density", ge=0.1, le=25.0)
-    youngs_modulus_GPa: Number = entry_field("Young's modulus", ge=0.01, le=1000.0)
-    poisson_ratio: Number = entry_field("Poisson's ratio", ge=0.0, lt=0.5)
-    yield_MPa: Number = entry_field("yield strength", ge=1.0, le=5000.0)
+    density_g_cm3: Number = entry_field("density", "[0.1, 25]")
+    youngs_modulus_GPa: Number = entry_field("Young's modulus", "[0.01, 1000]")
+    poisson_ratio: Number = entry_field("Poisson's ratio", "[0, 0.5)")
+    yield_MPa: Number = entry_field("yield strength", "[1, 5000]")
     process: Literal["milled", "turned", "printed", "sintered", "bought"] = entry_field(
         "process by which parts are made; printed: from filament, sintered: from powder"
     )
-    min_wall_mm: Number = entry_field("thinnest wall that can be made", ge=0.0, le=10.0)
-    min_internal_radius_mm: Number = entry_field("smallest internal corner radius", ge=0.0, le=10.0)
+    min_wall_mm: Number = entry_field("thinnest wall that can be made", "[0, 10]")
+    min_internal_radius_mm: Number = entry_field("smallest internal corner radius", "[0, 10]")
     colour: tuple[Fraction, Fraction, Fraction] = entry_field("linear red, green, blue")
-    seat_limit_C: Number | None = entry_field("hottest seat that keeps its shape", ge=0.0, le=1000.0)
+    seat_limit_C: Number | None = entry_field("hottest seat that keeps its shape", "[0, 1000]")
 
     @property
     def printed(self) -> bool:

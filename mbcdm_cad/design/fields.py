@@ -119,8 +119,17 @@ def declared(meaning: str, extra: dict[str, Any], default: Any, bounds: Mapping[
     return field(default=default, metadata={"description": meaning, "json_schema_extra": extra, **bounds})
 
 
+def _bounds(within: str) -> dict[str, float]:
+    """pydantic's bounds of an interval such as ``(0, 1]``; none of an empty text."""
+    if not within:
+        return {}
+    low, high = map(float, within[1:-1].split(","))
+    return {"gt" if within[0] == "(" else "ge": low, "lt" if within[-1] == ")" else "le": high}
+
+
 def quantity(
     meaning: str,
+    within: str = "",
     *,
     unit: str = "",
     source: str = "-",
@@ -129,15 +138,15 @@ def quantity(
     uncertain: bool = False,
     **bounds: Any,
 ) -> Any:
-    """A field with its meaning, source and bounds in one place.
+    """A field with its meaning, bounds such as ``(0, 1]`` and source in one place.
 
     ``unit`` is needed only where the end of its name, such as ``_mm``, does not tell it.
     ``reference`` is the value of the reference design, from which ``mbcdm init --reference`` writes a file, and
     ``source`` says where it comes from; both are given elsewhere for a block that several configurations share. A field
     with ``example`` instead is written there as a comment. Either is shown to the user as an example. ``uncertain``
-    allows ``{value: ..., sigma: ...}`` in place of the number, or of each number of a list. ``bounds`` go to
-    pydantic (``ge``, ``gt``, ``le``, ``lt``, ``min_length``, ``max_length``); a ``default`` among them makes the field
-    optional.
+    allows ``{value: ..., sigma: ...}`` in place of the number, or of each number of a list. ``bounds`` that are no
+    figures in an interval go to pydantic (``ge``, ``gt``, ``le``, ``lt``, ``min_length``, ``max_length``); a
+    ``default`` among them makes the field optional.
     """
     extra: dict[str, Any] = {"unit": unit, "source": source}
     if reference is not None:
@@ -146,7 +155,7 @@ def quantity(
         extra |= {"examples": [example]}
     if uncertain:
         extra["uncertain"] = True
-    return declared(meaning, extra, bounds.pop("default", MISSING), bounds)
+    return declared(meaning, extra, bounds.pop("default", MISSING), _bounds(within) | bounds)
 
 
 def choice(meaning: str, *, source: str = "-", reference: Any = None, example: Any = None, **bounds: Any) -> Any:
@@ -154,6 +163,10 @@ def choice(meaning: str, *, source: str = "-", reference: Any = None, example: A
     return quantity(meaning, unit="-", source=source, reference=reference, example=example, **bounds)
 
 
-def entry_field(meaning: str, *, default: Any = MISSING, uncertain: bool = False, **bounds: Any) -> Any:
+def entry_field(
+    meaning: str, within: str = "", *, default: Any = MISSING, uncertain: bool = False, **bounds: Any
+) -> Any:
     """As :func:`quantity`, of an entry of the catalogue, whose source is that of the whole entry."""
-    return declared(meaning, {"unit": ""} | ({"uncertain": True} if uncertain else {}), default, bounds)
+    return declared(
+        meaning, {"unit": ""} | ({"uncertain": True} if uncertain else {}), default, _bounds(within) | bounds
+    )

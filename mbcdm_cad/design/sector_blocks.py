@@ -19,8 +19,8 @@ MOST_SECTOR_DEG = 175.0
 class Clearances(PlainBlock):
     """Gaps between finished surfaces."""
 
-    land_edge_mm: Number = quantity("edge of a drum land to the next cable's contact line", ge=0.0, le=5.0)
-    running_mm: Number = quantity("gap between any moving part and any fixed part elsewhere", ge=0.01, le=5.0)
+    land_edge_mm: Number = quantity("edge of a drum land to the next cable's contact line", "[0, 5]")
+    running_mm: Number = quantity("gap between any moving part and any fixed part elsewhere", "[0.01, 5]")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,8 +31,7 @@ class TransferClearances(Clearances):
 
     transfer_gap_mm: Number = quantity(
         "surface of step 1 at the transfer to the drum's inner face; under half a rope, so that none slips in",
-        ge=0.01,
-        le=5.0,
+        "[0.01, 5]",
     )
 
 
@@ -44,8 +43,7 @@ class SectorCable(Cable):
     terminal_angle_deg: Number | None = quantity(
         "angle on the centred drum, from the direction of the pulley before it, at which the cable leaves its land for "
         "its terminal; left out: as far out as the sector allows",
-        ge=1.0,
-        le=355.0,
+        "[1, 355]",
     )
 
 
@@ -57,19 +55,18 @@ class SectorDrum(PlainBlock):
     sector_half_angle_deg: Number = quantity(
         "half angle of the sector, from the transfer point", ge=20.0, le=MOST_SECTOR_DEG
     )
-    rim_inner_radius_mm: Number = quantity("inner radius of the rim that carries the lands", ge=2.0, le=500.0)
-    outer_face_y_mm: Number = quantity("outer face of the rim", ge=0.0, le=200.0)
-    web_thickness_mm: Number = quantity("web between rim and hub", ge=0.3, le=50.0)
+    rim_inner_radius_mm: Number = quantity("inner radius of the rim that carries the lands", "[2, 500]")
+    outer_face_y_mm: Number = quantity("outer face of the rim", "[0, 200]")
+    web_thickness_mm: Number = quantity("web between rim and hub", "[0.3, 50]")
     windows: Literal["outer", "none"] = choice(
         "two windows in the web outside the stop's slot, for mass; or none: a full web, stiffer and stronger",
         default="outer",
     )
-    hub_diameter_mm: Number = quantity("hub outside diameter", ge=2.0, le=200.0)
-    hub_face_y_mm: Number = quantity("face of the hub, where the output is taken", ge=0.0, le=300.0)
+    hub_diameter_mm: Number = quantity("hub outside diameter", "[2, 200]")
+    hub_face_y_mm: Number = quantity("face of the hub, where the output is taken", "[0, 300]")
     output_circle_mm: Number | None = quantity(
         "diameter of the circle of the payload's screws on the hub's face; left out: midway between shaft and edge",
-        ge=5.0,
-        le=300.0,
+        "[5, 300]",
     )
     output_screws: Integer = quantity(
         "number of the payload's screws, evenly on their circle; their thread follows from the peak torque",
@@ -80,8 +77,7 @@ class SectorDrum(PlainBlock):
     bearing: EntryName = choice("both bearings of the drum shaft")
     shaft_bore_mm: Number = quantity(
         "bore of the drum shaft, 0 for a solid one; stated: a hollow centre, for which spur layouts choose bearings",
-        ge=0.0,
-        le=100.0,
+        "[0, 100]",
     )
     shaft_material: EntryName = choice("material of the drum shaft")
     tensioner: EntryName = choice("tensioner of each cable")
@@ -96,7 +92,7 @@ class SectorDrum(PlainBlock):
         le=40,
     )
     stop_pin_mm: Number = quantity(
-        "pin in the frame that stops the drum at both ends of its travel", default=3.0, ge=1.0, le=20.0
+        "pin in the frame that stops the drum at both ends of its travel", "[1, 20]", default=3.0
     )
 
 
@@ -129,17 +125,16 @@ class HeadSupport(PlainBlock):
     """Walls of a support with a motor head, along the input's axis."""
 
     motor_shelf_mm: Number = quantity(
-        "shelf that carries the gearhead", source="gearhead screws engage one diameter", reference=4.0, ge=0.5, le=50.0
+        "shelf that carries the gearhead", "[0.5, 50]", source="gearhead screws engage one diameter", reference=4.0
     )
     bearing_shelf_mm: Number = quantity(
         "shelf of the bearing next to the gearhead, the motor head's flange",
+        "[0.5, 50]",
         source=ESTIMATE,
         reference=4.0,
-        ge=0.5,
-        le=50.0,
     )
     encoder_shelf_mm: Number = quantity(
-        "shelf of the bearing next to the encoder", source=ESTIMATE, reference=4.0, ge=0.5, le=50.0
+        "shelf of the bearing next to the encoder", "[0.5, 50]", source=ESTIMATE, reference=4.0
     )
 
 

@@ -87,23 +87,19 @@ class StageBlock(PlainBlock):
 
     kind: Literal["belt", "gears"] = choice("toothed belt, or a pair of spur gears")
     ratio: Number | None = quantity(
-        "turns of the motor's or gearhead's shaft for one of the input; teeth give the nearest they can",
-        ge=1.0,
-        le=12.0,
+        "turns of the motor's or gearhead's shaft for one of the input; teeth give the nearest they can", "[1, 12]"
     )
     driver_teeth: Integer | None = quantity("teeth of the small wheel", ge=10, le=200)
     belt: Literal["2GT", "3GT", "5GT"] | None = choice("profile and pitch of the belt, in mm")
     belt_teeth: Integer | None = quantity("teeth of the belt, which give the distance of the axes", ge=20, le=1000)
-    module_mm: Number | None = quantity("module of the gears", ge=0.2, le=6.0)
-    width_mm: Number | None = quantity("width of belt or teeth", ge=1.0, le=100.0)
-    efficiency: Number | None = quantity("power given over power taken; left out, an estimate by kind", gt=0.5, le=1.0)
+    module_mm: Number | None = quantity("module of the gears", "[0.2, 6]")
+    width_mm: Number | None = quantity("width of belt or teeth", "[1, 100]")
+    efficiency: Number | None = quantity("power given over power taken; left out, an estimate by kind", "(0.5, 1]")
     stiffness_Nm_rad: Number | None = quantity(
-        "torsional stiffness at the input, motor held; left out, an estimate from belt or teeth", gt=0.0, le=1e7
+        "torsional stiffness at the input, motor held; left out, an estimate from belt or teeth", "(0, 1e7]"
     )
     lash_arcmin: Number | None = quantity(
-        "play at the input, motor held, from one flank to the other; left out, an estimate from the teeth",
-        ge=0.0,
-        le=600.0,
+        "play at the input, motor held, from one flank to the other; left out, an estimate from the teeth", "[0, 600]"
     )
 
 

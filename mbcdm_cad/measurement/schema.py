@@ -22,13 +22,9 @@ CURRENT_COLUMN = INPUT_COLUMN.replace("input", CURRENT)
 TABLE = ("frequency", "gain", "phase", "coherence", "amplitude")
 
 
-def _figure(meaning: str, example: Any = None, within: str = "", needed: bool = False, **more: Any) -> Any:
-    """A field of the file, left out by default; ``within``: its bounds, as in "(0, 1]"."""
-    told: dict[str, Any] = {} if needed else {"default": None}
-    if within:
-        low, high = map(float, within[1:-1].split(","))
-        told |= {"gt" if within[0] == "(" else "ge": low, "le": high}
-    return quantity(meaning, example=example, **(told | more))
+def _figure(meaning: str, example: Any = None, within: str = "", **more: Any) -> Any:
+    """A field of the file with an example; ``within``: its bounds, as in "(0, 1]"."""
+    return quantity(meaning, within, example=example, **more)
 
 
 # Fields by where their values stand.
@@ -40,8 +36,8 @@ _paper = partial(_figure, source="paper")
 class Column(Block):
     """One column of the data."""
 
-    column: Text | Integer = _logger("name in the header, or number from 1", "q_left", needed=True)
-    unit: Text = _logger("unit of the numbers, after zero and scale are applied", "rad", needed=True)
+    column: Text | Integer = _logger("name in the header, or number from 1", "q_left")
+    unit: Text = _logger("unit of the numbers, after zero and scale are applied", "rad")
     scale: Number = _logger("factor on the numbers; -1 reverses the sign", -1.0, "[-1e12, 1e12]", default=1.0)
     zero: Number = _logger(
         "value that the sensor shows at zero; it is subtracted before scale is applied", 338.56, default=0.0
@@ -169,8 +165,8 @@ class SensorFigures(Block):
 class Pendulum(Block):
     """A weight on an arm at the output."""
 
-    mass_kg: Number = _bench("mass of the weight", 2.0, "(0, 1e4]", needed=True)
-    arm_mm: Number = _bench("distance of the weight's centre from the axis", 150.0, "(0, 1e5]", needed=True)
+    mass_kg: Number = _bench("mass of the weight", 2.0, "(0, 1e4]")
+    arm_mm: Number = _bench("distance of the weight's centre from the axis", 150.0, "(0, 1e5]")
     inertia_kg_m2: Number = _bench(
         "moment of inertia of arm, drum and coupling about the axis, without the weight at its arm",
         0.002,
@@ -207,7 +203,7 @@ class MotorBlock(Block):
 class KnownLoad(Block):
     """A load that no sensor measured but that is known."""
 
-    pendulum: Pendulum = _bench("a weight on an arm", needed=True)
+    pendulum: Pendulum = _bench("a weight on an arm")
 
 
 class CountedParts(Block):
@@ -227,7 +223,7 @@ class InertiaPlate(Block):
     """What the bench makes the output turn besides the design's payload."""
 
     inertia_kg_m2: Number = _bench(
-        "moment of inertia of plate and coupling about the axis", 0.02, f"[0, {INERTIA_MAX_KG_M2}]", needed=True
+        "moment of inertia of plate and coupling about the axis", 0.02, f"[0, {INERTIA_MAX_KG_M2}]"
     )
     inertia_share: Number = _bench(
         "standard deviation of all that the output turns, as a share; within two of them an error is no effect",
@@ -283,12 +279,12 @@ class Conditions(Block):
 class Published(Block):
     """One figure that was printed instead of a run."""
 
-    quantity: Quantity = _paper("what was measured", "backlash", needed=True)
-    value: Number = _paper("measured value", 0.33, "(0, 1e12]", needed=True)
-    unit: Text = _paper("unit of the value", "mrad", needed=True)
+    quantity: Quantity = _paper("what was measured", "backlash")
+    value: Number = _paper("measured value", 0.33, "(0, 1e12]")
+    unit: Text = _paper("unit of the value", "mrad")
     stated_theory: Number | None = _paper("value that the authors expected, in the same unit", 3.9, "(0, 1e12]")
     conditions: Conditions = _paper("conditions of the measurement", default=Conditions())
-    where: Text = _paper("page, section or figure", "section 5.3", needed=True)
+    where: Text = _paper("page, section or figure", "section 5.3")
 
 
 class Measurement(Block):
