@@ -177,7 +177,8 @@ def mounts(layout: BevelLayout) -> Mounts:
     """The mounting screws."""
     f, v, drive = layout.frame, layout.levels, layout.drive
     seat = drive.support.mount.seat_mm(drive.frame_material.printed)
-    return Mounts(f.mounts, seat / 2, f.mount_radius, v.pocket_floor_y - v.back_y)
+    middle_y = (v.back_y + v.pocket_floor_y) / 2  # a thick plate is not the rearmost: the end of the boss is
+    return Mounts(f.mounts, seat / 2, f.mount_radius, v.pocket_floor_y - v.back_y, middle_y)
 
 
 def support_mesh(layout: BevelLayout) -> PlateMesh:
