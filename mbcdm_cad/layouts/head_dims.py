@@ -52,7 +52,13 @@ def either(given: TrialKnown, part: str, values: tuple[float, float]) -> float:
 
 
 def stiff_wall(
-    given: TrialKnown, field: str, start: float, step: float, panels: tuple[str, ...], checks: tuple[str, ...] = ()
+    given: TrialKnown,
+    field: str,
+    start: float,
+    step: float,
+    panels: tuple[str, ...],
+    checks: tuple[str, ...] = (),
+    share: float = WALL_SHARE,
 ) -> Found:
     """The thinnest wall with which its checks and ``frame_windup`` hold.
 
@@ -63,25 +69,28 @@ def stiff_wall(
     value, most = float(usual.value), MOST_WALL * start
 
     def over(value: float) -> float:
-        """Its strain over its share; 1 where the frame gives no figure."""
+        """Its strain over its share; 1 where the frame gives no figure, infinite where it has no metal for the load."""
         trial = given.trial(field, value)
         compliance, torque = trial.frame_compliance, trial.drive.loads.test_torque_Nm
         if compliance is None:
             return 1.0
+        if compliance.windup_urad_Nm == inf:
+            return inf
         limit = trial.windup_limit_mrad / torque * 1e3
         own = sum(urad for panel, urad in compliance.shares_urad_Nm.items() if panel.startswith(panels))
-        return float(own / max(limit - (compliance.windup_urad_Nm - own), WALL_SHARE * limit))
+        return float(own / max(limit - (compliance.windup_urad_Nm - own), share * limit))
 
     with suppress(NoFigureError, ValueError):
         # Where the pass before ended at the thickest, one trial tells whether this one does.
         if given.drives.passes and given.guesses.get(field) == most and 1.0 < over(round(most - step, 9)) < inf:
             value = most
-        while value < most and given.drives.passes:
-            by = over(value)
-            if not 1.0 < by < inf:
+        tried = value
+        while given.drives.passes and (by := over(tried)) < inf:
+            value = tried
+            if by <= 1.0 or tried == most:
                 break
             # Bending falls with the cube of the thickness, the rest with the thickness.
-            value = min(max(rounded_up(value * by ** (1.0 / 3.0), step), round(value + step, 9)), most)
+            tried = min(max(rounded_up(tried * by ** (1.0 / 3.0), step), round(tried + step, 9)), most)
     if value == usual.value or any(margin < 0.0 for margin, _ in given.margins(field, value, checks).values()):
         return usual
     return Found(value, WINDUP, f"up to {step:g}")
@@ -170,7 +179,10 @@ def web(given: TrialKnown) -> Found | float:
     usual = either(given, "drum", WEB_MM)
     if not given.printed("drum") and given["loads.peak_torque_Nm"] < (WHOLE_NM if given.whole_drum else STRESSED_NM):
         return usual
-    return given.moved("drum.web_thickness_mm", usual, 0.5, ("drum_stress",))
+    field = "drum.web_thickness_mm"
+    if not given.drives.passes and all(way.field != field for way in given.drives.ends):
+        return usual  # the rest of the drum is guessed yet, and its stress takes longest of all checks
+    return given.moved(field, usual, 0.5, ("drum_stress",))
 
 
 def _windows_cost(given: TrialKnown) -> bool:
@@ -222,13 +234,13 @@ def hub(given: TrialKnown) -> Found:
         twisted = rounded_up(2.0 * least_hub_mm(bore / 2.0, stalled_Nm(trial), bears_MPa), 0.5)
         if given.printed("drum") and given.get("printing.threads") == "inserts":
             # Larger inserts come only with larger hubs: a search that starts small ends between two of them.
-            screwed = 2.0 * _least_hub_mm(trial)
+            screwed = 2.0 * payload_hub_mm(trial)
     checks = ("hub_walls", "hub_spigot", "hub_set_screws", "engagement", "payload_screws")
     found = given.moved(field, max(usual, twisted, screwed), 0.5, checks)
     return replace(found, driver="drum_stress") if found.value == twisted > usual else found
 
 
-def _least_hub_mm(layout: SectorLayout) -> float:
+def payload_hub_mm(layout: SectorLayout) -> float:
     """Least radius of a hub with which the payload's screws hold, with walls round them."""
     drive = layout.drive
     material, load = drive.drum_material, joint_load(drive.loads.peak_torque_Nm, drive.loads.carried)

@@ -20,8 +20,9 @@ JOURNAL_MM = 4.0
 
 
 def _bores(given: TrialKnown) -> set[float]:
-    """Bores of the encoders that sit on the end of a shaft."""
-    return {entry["bore_mm"] for name, entry in given.entries("encoders").items() if _RING not in name}
+    """Bores of the encoders that sit on the end of a shaft; of the stated one."""
+    stated, entries = given.get("drive.encoder"), given.entries("encoders")
+    return {entries[name]["bore_mm"] for name in ([stated] if stated in entries else entries) if _RING not in name}
 
 
 def _by_mass(given: TrialKnown, kind: str, wanted: Callable[[str, dict[str, Any]], bool]) -> list[str]:
@@ -39,7 +40,8 @@ def _rings(given: TrialKnown, bearing: dict[str, Any]) -> list[str]:
         web = (ring["bolt_circle_mm"] - given.screw(ring["screw"]).thread_mm - bearing["outer_diameter_mm"]) / 2
         return bool(web >= HOLE_WEB_MM)
 
-    return _by_mass(given, "encoders", fits)
+    names = _by_mass(given, "encoders", fits)
+    return [name for name in names if given.get("drive.drum_encoder") in (None, name)]
 
 
 def _left_out(given: TrialKnown, field: str) -> bool:

@@ -54,7 +54,7 @@ _NO_DRIVE = (NoFigureError, ValueError, ZeroDivisionError)
 _OWN = frozenset({"stiffness", "structure_share"})
 # Checks that follow from finite elements of drum or frame; they take longer than all others.
 BY_ELEMENTS = frozenset({"drum_stress", "frame_windup", "servo_lash"}) | _OWN
-CABLES, FRAME, DRUM = "cables", "frame", "drum: "
+CABLES, FRAME, DRUM, WINDUP = "cables", "frame", "drum: ", "frame_windup"
 # Least multiple of what a rule gives that gives more than strength and place ask for.
 _LEAST = 0.4
 # Why a value is raised where the file states no figure.
@@ -191,14 +191,15 @@ def bearing(field: str, *causes: str) -> Stiffener:
 class _End:
     """How far a drive is stiffened.
 
-    ``field``: what the file asks for, which ``holds`` for a counted turn and the cables' turn; none where mass and
-    compliance are weighed, the mass at most ``most_g``, and no further where it is ``enough_g`` already. ``share``: the
-    cables' turn does not count.
+    ``field``: what the file asks for, or the check of the frame's windup, which ``holds`` for a counted turn and the
+    cables' turn; none where mass and compliance are weighed, the mass at most ``most_g``, and no further where it is
+    ``enough_g`` already. ``share``: the cables' turn does not count; ``of``: only causes whose names begin so do.
     """
 
     field: str = ""
     holds: Callable[[float, float], bool] = lambda turn, cables: False
     share: bool = False
+    of: str = ""
     most_g: float = inf
     enough_g: float = inf
 
@@ -234,7 +235,8 @@ class _Weighed:
 
     def counted(self, end: _End) -> dict[str, float]:
         """Turns that the end counts."""
-        return {name: urad for name, urad in self.turns.items() if not (end.share and name == CABLES)}
+        own = {name: urad for name, urad in self.turns.items() if name.startswith(end.of)}
+        return {name: urad for name, urad in own.items() if not (end.share and name == CABLES)}
 
     def left(self, end: _End) -> bool:
         """Whether the end asks for more, or cannot tell."""
@@ -243,7 +245,9 @@ class _Weighed:
         return not end.holds(sum(self.counted(end).values()), self.turns[CABLES])
 
     def better(self, end: _End, before: _Weighed) -> bool:
-        """Whether it is nearer to the end than another; to a figure of the file every step counts."""
+        """Whether it is nearer to the end than another; to a figure that the file asks for every step counts."""
+        if end.of:
+            return sum(self.counted(end).values()) < sum(before.counted(end).values())
         if end.field or before.mass_g > end.most_g:
             return bool(end.field) or self.mass_g < before.mass_g
         return self.mass_g <= end.most_g and self.worth < before.worth
@@ -334,12 +338,14 @@ class _Run:
         # Whether only mass and compliance are weighed, so that no check compares the turn with a figure.
         self.weighs = not self.ends[0].field
         # More metal makes no check by finite elements fail.
-        self._unjudged = BY_ELEMENTS if self.weighs and all(s.least >= 1.0 for s in stiffeners) else _OWN
+        self._unjudged = BY_ELEMENTS - {WINDUP} if self.weighs and all(s.least >= 1.0 for s in stiffeners) else _OWN
         self._left = _SIZINGS if self.weighs else _SIZINGS_TO_FIGURE
         # Largest and least factors, nearer to 1 where a farther one was refused.
         self._bounds = {s.field: (s.least, s.most) for s in stiffeners}
         self._refused, self._effects = list[str](), dict[str, _Effect]()
         self._flat: bool | None = None
+        # What was changed for the frame's windup, before anything was weighed.
+        self._for_frame = set[str]()
 
     def sized(self, factors: Mapping[str, float], similar: Sizing | None) -> Sizing:
         """The sizing with factors on values of rules; what a search moves, it moves after that."""
@@ -361,8 +367,10 @@ class _Run:
         """The record of a value that is another one than by its rule."""
         if value.value == by_rule:
             return value
-        stated = {end.field: KnownFields(self._data).get(end.field) for end in self.ends if end.field}
+        stated = {end.field: KnownFields(self._data).get(end.field) for end in self.ends if end.field and not end.of}
         driver, how, why = "stiffness", "raised for the stiffness", " and ".join(stated) or PRICE
+        if value.field in self._for_frame:
+            driver, how, why = WINDUP, "raised for the frame", WINDUP
         if value.field == PRELOAD and value.value < by_rule:
             driver, how, why = BACKDRIVE, "lowered to turn easily", "loads.backdrive_Nm"
         elif not isinstance(by_rule, str) and value.value < by_rule:
@@ -478,7 +486,7 @@ class _Run:
         if found is not None and pays:
             failing = set(misses(found.layout, self._unjudged))
             if not failing or failing <= misses(drive.layout, self._unjudged).keys():
-                if not self.weighs:
+                if end.field:
                     self._effects.clear()
                 return found
         changed = {field: log(factor / drive.factors.get(field, 1.0)) for field, factor in factors.items()}
@@ -507,8 +515,10 @@ class _Run:
         while self._left > 0:
             steps = (self.proposed(drive, end) for end in self.ends if drive.left(end))
             end, factors, promised = next(filter(itemgetter(1), steps), (None, {}, 0.0))
-            if end is None or (self.weighs and promised > -_LEAST_ROUND[bool(drive.factors)]):
+            if end is None or (not end.field and promised > -_LEAST_ROUND[bool(drive.factors)]):
                 break
+            if end.of:
+                self._for_frame |= factors.keys()
             drive = self.taken(drive, factors, end)
         return drive
 
@@ -554,6 +564,8 @@ def stiffened(
     drive = run.drive({}, plain)
     if drive is None:
         return plain
+    limit = drive.layout.windup_limit_mrad / drive.layout.drive.loads.test_torque_Nm * 1e3
+    run.ends = (_End(WINDUP, lambda turn, cables: turn <= limit, of=f"{FRAME}: "), *run.ends)
     if eases and run.weighs and plain.of(PRELOAD) and (data.get("loads") or {}).get("backdrive_Nm") is not None:
         drive = run.eased(drive)
     return run.stiffer(drive).sizing

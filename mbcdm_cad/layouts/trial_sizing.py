@@ -189,8 +189,7 @@ class TrialKnown(RopeKnown):
 
     def _whole(self, field: str, value: Any) -> dict[str, Any]:
         """The data of a trial. Trials share the blocks in which the field is not, so that no block may be changed."""
-        block, _, name = field.partition(".")
-        return {**self._filled, block: {**(self._filled.get(block) or {}), name: value} if name else value}
+        return _with(self._filled, field.split("."), value)
 
     def moved(self, field: str, start: float, step: float, checks: tuple[str, ...]) -> Found:
         """The value nearest to ``start``, at multiples of ``step`` in its direction, at which all the checks hold.
@@ -308,6 +307,12 @@ def _down(value: float, step: float) -> float:
     return round(floor(value / step + _ON_STEP) * step, 9)
 
 
+def _with(block: Mapping[str, Any], path: Sequence[str], value: Any) -> dict[str, Any]:
+    """A copy of a block with a value at a path below it."""
+    first, *rest = path
+    return {**block, first: _with(block.get(first) or {}, rest, value) if rest else value}
+
+
 def _laid_over(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
     """Values of ``above``, and those of ``below`` where these are missing, in an order that ``below`` begins."""
     found = {key: dict(value) if isinstance(value, dict) else value for key, value in below.items()}
@@ -345,6 +350,8 @@ def repeated(
         given = known(copy.deepcopy(data), guesses, drives)
         drives, sizing = given.drives, fill(given, rules, moved)
         drives.passes += 1
+        if passed == 1 and similar is None:
+            drives.ends.clear()  # what no value met beside guesses, some value may meet now
         found = {value.field: value.value for value in sizing.values}
         if all(guesses.get(field) == value for field, value in found.items()):
             break

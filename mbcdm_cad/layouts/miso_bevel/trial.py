@@ -1,0 +1,647 @@
+"""Sizing rules of miso_bevel, in the order of the drive; many evaluate checks on a trial drive (trial_sizing)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from dataclasses import replace
+from functools import partial
+from math import asin, degrees, hypot, pi, radians, sqrt, tan
+from typing import Any
+
+from mbcdm_cad.checks.design_variables import ALL_RADII
+from mbcdm_cad.checks.geometry import CABLE_GAP_MM
+from mbcdm_cad.checks.terminals import TERMINAL_GAP_MM
+from mbcdm_cad.checks.transfer import EDGE_BREAK_MM, RUN_OUT_MM
+from mbcdm_cad.design.bought import NO_GEARHEAD
+from mbcdm_cad.design.rules import Broken
+from mbcdm_cad.design.sized import Freedom, Moved, Sizing, SizingError
+from mbcdm_cad.layouts import common_freedoms
+from mbcdm_cad.layouts.base import Layout, NoFigureError
+from mbcdm_cad.layouts.common_rules import SCHEMA_VERSION, half_travel, missing_travel, needed, transfer_gap
+from mbcdm_cad.layouts.head_basis import (
+    LIMITS,
+    METALS,
+    ROPE_LIMITS,
+    TRAIN,
+    counts_losses,
+    rope,
+    taut_preload,
+    taut_rope,
+)
+from mbcdm_cad.layouts.head_dims import WINDOWS, either, hub, payload_hub_mm, rim, shaft_bore, stop_pin, web
+from mbcdm_cad.layouts.head_parts import PARTS
+from mbcdm_cad.layouts.miso_bevel.checks.spans import straight_span_distance_mm
+from mbcdm_cad.layouts.miso_bevel.checks.support_walls import boss
+from mbcdm_cad.layouts.miso_bevel.design_file.resolve import MOST_SETBACK
+from mbcdm_cad.layouts.miso_bevel.design_file.schema import REFERENCE
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
+from mbcdm_cad.layouts.miso_bevel.support.dims import HEAD_ROOM_MM
+from mbcdm_cad.layouts.open_ratio import lightest
+from mbcdm_cad.layouts.stiff_sizing import SHARED, Size, bearing, stiffened, walls
+from mbcdm_cad.layouts.trial_drives import TrialDrives
+from mbcdm_cad.layouts.trial_sizing import MIDDLE_SIZE, TrialKnown, repeated
+from mbcdm_cad.parts.drum_sector.dims import SCREWS
+from mbcdm_cad.parts.fits import MOUNT_SCREWS
+from mbcdm_cad.sizing.known import KnownFields
+from mbcdm_cad.sizing.rule import Found, Rule, constant, rounded_down, rounded_up, rule
+
+STEPS = 4
+RADII, RATIO, TO_DRUM = "transmission.drum_radii_mm", "transmission.ratio", "transmission.ratios.guide_to_drum"
+DISTANCE, SETBACK = "transmission.centre_distance_mm", "transmission.input_setback_mm"
+# What a trial moves in place of radii and ratio: the step from one drum radius to the next, and the guide's step 1.
+STEP, GUIDE = "transmission.step_mm", "transmission.guide_radius_mm"
+# Least guide that a file may have, over the input and over the drum.
+LEAST_OVER_INPUT, LEAST_OVER_DRUM = 0.2, 0.02
+# Mean radius of the drum over that of step 1, before the steps are known.
+MEAN_OVER_FIRST = 1.1
+# Largest share of an input in the peak torque over half of it: the cables of inner steps are shorter, hence stiffer.
+UNEVEN = 1.07
+# Gap between a cable and the flank of the land above it, beyond the land's edge, for tolerances.
+FLANK_GAP_MM = 0.045
+# Preloads that are tried over the usual one, which is twice what keeps the cables taut.
+PRELOAD_SHARES = (0.9, 0.8, 0.7, 0.6, 0.5)
+# Numbers of the payload's screws over the usual one that are tried.
+MORE_SCREWS = (5, 8)
+# Walls of a milled part and of a printed one, mm.
+BACK_MM, RIB_MM, SIDE_MM = (4.0, 7.0), (4.0, 8.0), (4.0, 6.0)
+# Least height of a shelf and of the coupling space, mm.
+SHELF_MM, COUPLING_MM = 3.0, 5.0
+# Free span over that at which the walk makes the limit of the fleet angle, so that rounding does not shorten it; and
+# what a lead that just clears the turn before it is raised by, as a share of the rope's diameter (tolerances).
+SPAN_SPARE, LEAD_SPARE = 1.01, 0.008
+# Angle of the sector beyond the travel, before the limits of the wraps are known, and the widest sector.
+SECTOR_SPARE_DEG, WIDEST_DEG = 15.0, 170.0
+TURN_STEP_DEG = 15.0
+
+
+class BevelKnown(TrialKnown):
+    """Adds the radii of drum, guide and inputs."""
+
+    layout = BevelLayout
+    asked = (
+        *("travel.half_angle_deg", "loads.peak_torque_Nm", "rope.type", "rope.preload_N"),
+        *("drive.motor", "drive.gearhead"),
+    )
+    own_checks: Mapping[str, tuple[str, ...]] = {
+        "input_pulleys.lower_bearing": ("bearing_shoulders",),
+        "input_pulleys.upper_bearing": ("bearing_shoulders",),
+    }
+
+    def __init__(self, data: dict[str, Any], guesses: Mapping[str, Any], drives: TrialDrives | None = None) -> None:
+        """See the base class."""
+        self._stated_setback = KnownFields(data).has(SETBACK)
+        super().__init__(data, guesses, drives)
+
+    def _whole(self, field: str, value: Any) -> dict[str, Any]:
+        """See the base class; ratios follow each other, and inputs that are set back stand far enough apart."""
+        if field == STEP:
+            return super()._whole(RADII, self.radii_mm(value))
+        if field == GUIDE:
+            field, value = TO_DRUM, self.to_drum(value)
+        block = dict(self._filled.get("transmission") or {})
+        if field == TO_DRUM:
+            if not self.has(RADII):
+                block["drum_radii_mm"] = self.radii_mm(self.least_step_mm(value))
+            block["ratios"] = {"guide_to_drum": value, "input_to_guide": round(self.ratio / value, 9)}
+            if not self.has(DISTANCE):
+                beside = block["drum_radii_mm"][-1] * (1.0 / value + 1.0 / self.ratio) + 2.0 * self.d_mm
+                block["centre_distance_mm"] = max(block["centre_distance_mm"], rounded_up(beside, 0.1))
+            return super()._whole("transmission", block)
+        if field == "input_pulleys.surface" and not self.has("rope.helix_lead_mm"):
+            fleet = self.get("limits.fleet_angle_grooved_max_deg", 2.0) if value == "grooved" else self.fleet_deg
+            return {
+                **super()._whole(field, value),
+                "rope": {**self._filled["rope"], "helix_lead_mm": self.lead_mm(fleet)},
+            }
+        if field == SETBACK and not self.has(DISTANCE):
+            apart = max(block.get("centre_distance_mm", 0.0), value / MOST_SETBACK)
+            return super()._whole("transmission", {**block, "input_setback_mm": value, "centre_distance_mm": apart})
+        return super()._whole(field, value)
+
+    def of_design(self, design: Any) -> Layout:
+        """See the base class; inputs that a trial sets back too far are no fault of the file."""
+        block = design.transmission
+        if not self._stated_setback and block.input_setback_mm > MOST_SETBACK * block.centre_distance_mm:
+            raise NoFigureError("the inputs would be behind the guide")
+        return super().of_design(design)
+
+    def radii_mm(self, step_mm: float) -> list[float]:
+        """Pitch radii of the drum with equal steps."""
+        return [round(self.drum_mm + k * step_mm, 6) for k in range(STEPS)]
+
+    def to_drum(self, guide_mm: float) -> float:
+        """Ratio of guide and drum, at which the guide's step 1 has at least this radius."""
+        return rounded_down(self.drum_mm / guide_mm, 0.01)
+
+    def least_step_mm(self, to_drum: float) -> float:
+        """Least step of the drum for the walk on the inputs, terminals and lands, as far as they are known, mm."""
+        d, drum = self.d_mm, self.filled("drum")
+        end = self.entries("tensioners")[drum["tensioner"]]
+        nut, corner = end["nut_across_flats_mm"] / sqrt(3.0), self.entry("materials", "drum.material")
+        pocket = nut + self["clearances.running_mm"] + corner["min_internal_radius_mm"]
+        return rounded_up(
+            max(
+                d + 2 * (self.walk_mm(self.lead_mm(self.fleet_deg)) + CABLE_GAP_MM),
+                pocket - d / 2 + TERMINAL_GAP_MM,
+                nut + end["swage_diameter_mm"] / 2 + TERMINAL_GAP_MM,
+                to_drum * (d / 2 + self["clearances.land_edge_mm"] + FLANK_GAP_MM),
+            ),
+            0.1,
+        )
+
+    @property
+    def drum_mm(self) -> float:
+        """Pitch radius of the drum's step 1."""
+        if self.has(RADII):
+            return float(self[RADII][0])
+        return float(self["transmission.drum_radius_mm"])
+
+    @property
+    def half_torque_N(self) -> float:
+        """See the base class; the mean radius is a little larger than the first."""
+        return float(self["loads.peak_torque_Nm"]) * 1e3 / (STEPS * MEAN_OVER_FIRST * self.drum_mm)
+
+    @property
+    def input_peak_Nm(self) -> float:
+        """See the base class; the cables of an input, on neighbouring steps, turn it by their preload too."""
+        step = self.drum_radii_mm[1] - self.drum_radii_mm[0]
+        return UNEVEN * super().input_peak_Nm + float(self["rope.preload_N"]) * step * 1e-3
+
+    @property
+    def ratio(self) -> float:
+        """Drum radius over input radius."""
+        both = [self.get(f"transmission.ratios.{name}") for name in ("input_to_guide", "guide_to_drum")]
+        if None not in both:
+            return float(both[0] * both[1])
+        if self.has("transmission.input_radii_mm"):
+            return self.drum_mm / float(self["transmission.input_radii_mm"][0])
+        return float(self[RATIO])
+
+    @property
+    def drum_radii_mm(self) -> list[float]:
+        """Pitch radii of the drum; of a trial as long as they are open."""
+        return list(self.get(RADII) or self.filled("transmission")["drum_radii_mm"])
+
+    @property
+    def guide_radii_mm(self) -> list[float]:
+        """Pitch radii of the guide."""
+        stated = self.get("transmission.guide_radii_mm")
+        return stated or [radius / self[TO_DRUM] for radius in self.drum_radii_mm]
+
+    @property
+    def across_mm(self) -> float:
+        """Guide and input pulley beside each other."""
+        return max(self.guide_radii_mm) + max(self.drum_radii_mm) / self.ratio
+
+    @property
+    def fleet_deg(self) -> float:
+        """Largest fleet angle on the inputs' surface."""
+        if self.get("input_pulleys.surface") == "grooved":
+            return float(self.get("limits.fleet_angle_grooved_max_deg", 2.0))
+        return float(self["limits.fleet_angle_max_deg"])
+
+    def lead_mm(self, fleet_deg: float) -> float:
+        """Least lead, mm, at which a straight span that rises by an angle clears its last turn by a rope's diameter.
+
+        The distance grows by nearly as much as the lead, so that a few secant steps are enough.
+        """
+        radius, slope, lead = max(self.drum_radii_mm) / self.ratio, tan(radians(fleet_deg)), 1.05 * self.d_mm
+        for _ in range(3):
+            lead += self.d_mm * (1.0 + LEAD_SPARE) - straight_span_distance_mm(radius, lead, slope)
+        return rounded_up(lead, 0.01)
+
+    def with_tolerances(self, check: str) -> tuple[str, ...]:
+        """A check of stacked tolerances; none for files that reckon as the paper does, which keep its lead."""
+        return (check,) if counts_losses(self) else ()
+
+    def walk_mm(self, lead_mm: float) -> float:
+        """How far a cable walks along its input pulley from the centred drum to the end of travel."""
+        return lead_mm * self.ratio * radians(self["travel.half_angle_deg"]) / (2 * pi)
+
+
+def _needs_ratios(given: BevelKnown) -> bool:
+    return not given.has("transmission.guide_radii_mm")
+
+
+@rule("rope.preload_N", "twice what keeps the cables taut at peak torque, less where the ends hold less", "no_slack")
+def preload(given: BevelKnown) -> Found:
+    usual = taut_preload(given)
+    less = [float(f"{usual.value * share:.2g}") for share in PRELOAD_SHARES]
+    found = given.first("rope.preload_N", [usual.value, *less], ("cable_ends", "tension"))
+    return usual if found.value == usual.value else found
+
+
+@rule("clearances.land_edge_mm", "a broken edge and the run-out, less for a thin rope", "land_edge")
+def land_edge(given: BevelKnown) -> Found:
+    wanted, limit = EDGE_BREAK_MM + RUN_OUT_MM, given.d_mm / 2 - RUN_OUT_MM
+    return Found(round(max(min(wanted, limit), EDGE_BREAK_MM), 4), "land_edge")
+
+
+@rule(RADII, "equal steps, the least for the lands, the walk on the inputs and the terminals", "input_walk")
+def drum_radii(given: BevelKnown) -> Found:
+    start = given.least_step_mm(given[TO_DRUM] if given.has(TO_DRUM) else 0.0)
+    checks = ("radii_rise", "land_width", "input_walk", "terminals_apart", "lands_intact", "stop_pocket_floor")
+    found = given.moved(STEP, start, 0.1, (*checks, *given.with_tolerances("flank_stack")))
+    return Found(given.radii_mm(found.value), found.driver, f"steps {found.rounding}")
+
+
+@rule(
+    TO_DRUM,
+    "the smallest guide with its bearing, for front walls and inputs behind the drum",
+    "guide_wall",
+    _needs_ratios,
+)
+def guide_to_drum(given: BevelKnown) -> Found:
+    if given.has("transmission.ratios.input_to_guide"):
+        return Found(given[RATIO] / given["transmission.ratios.input_to_guide"], RATIO)
+    bend_mm = given["limits.bend_ratio_min"] * given.d_mm / 2
+    start = max(bend_mm, given.drum_mm * max(LEAST_OVER_INPUT / given.ratio, LEAST_OVER_DRUM))
+    # Steps of the drum that are open follow the guide's; a larger guide makes room for stated ones.
+    lands = ("land_width",) if given.has(RADII) else ()
+    # The drum's steps grow as the guide gets smaller, and with them what their preloads ask of a stated motor.
+    stated = ("motor_torque_back",) if given.has("drive.motor") else ()
+    checks = ("guide_wall", "bend_ratio", "front_wall", "drum_sweep", "guide_length", *lands, *stated)
+    found = given.moved(GUIDE, start, 0.1, checks)
+    if given.has(DISTANCE):
+        # What else needs a larger guide, a setback of the inputs may do.
+        radii = given.radii_mm(given.least_step_mm(0.0))
+        room = given[DISTANCE] * radii[0] / radii[-1] - radii[0] / given.ratio
+        most = given.moved(GUIDE, max(room, start), -0.1, ("centre_distance", "pulley_gap"))
+        found = most if "no value" in found.rounding or most.value < found.value else found
+    return Found(given.to_drum(found.value), found.driver or "bend_ratio", "down to 0.01")
+
+
+@rule("transmission.ratios.input_to_guide", "the total ratio over that of guide and drum", RATIO, _needs_ratios)
+def input_to_guide(given: BevelKnown) -> float:
+    return float(round(given[RATIO] / given[TO_DRUM], 9))
+
+
+@rule("input_pulleys.surface", "smooth, or grooved where only grooves allow the fleet angle", "fleet_angle")
+def surface(given: BevelKnown) -> Found:
+    if not given.has(DISTANCE):
+        return Found("smooth", "centre distance follows")
+    return given.first("input_pulleys.surface", ("smooth", "grooved"), ("fleet_angle",))
+
+
+def _crowded_below(given: BevelKnown) -> bool:
+    """Whether the stated centre distance leaves space for motors above only."""
+    if not given.has(DISTANCE):
+        return False
+    below, above = (given.margins("drive.motor_side", s, ("drives_apart",)) for s in ("below", "above"))
+    return below["drives_apart"][0] < 0.0 <= above["drives_apart"][0]
+
+
+@rule(
+    "drive.motor_side", "above, for the drives have no space beside the drum's bearings", "drives_apart", _crowded_below
+)
+def motor_side(given: BevelKnown) -> str:
+    return "above"
+
+
+@rule(
+    "rope.helix_lead_mm", "the least at which a span clears the turn before it, also with tolerances", "self_clearance"
+)
+def lead(given: BevelKnown) -> Found:
+    checks = ("self_clearance", "helix_lead", "groove_walls", *given.with_tolerances("self_clearance_stack"))
+    return given.moved("rope.helix_lead_mm", given.lead_mm(given.fleet_deg), 0.01, checks)
+
+
+@rule(DISTANCE, "the shortest span within the fleet angle, with space for pulleys and drives", "fleet_angle")
+def centre_distance(given: BevelKnown) -> Found:
+    span = SPAN_SPARE * given.walk_mm(given["rope.helix_lead_mm"]) / tan(radians(given.fleet_deg))
+    setback = given.filled("transmission").get("input_setback_mm", 0.0)
+    start = max(hypot(given.across_mm, span), given.across_mm + given.d_mm, setback / MOST_SETBACK)
+    return given.moved(DISTANCE, start, 0.1, ("centre_distance", "pulley_gap", "fleet_angle", "drives_apart"))
+
+
+@rule("drive.encoder", "the lightest that fits the upper journal", "encoder_fit")
+def encoder(given: BevelKnown) -> Found:
+    bore = given.entry("bearings", "input_pulleys.upper_bearing")["bore_mm"]
+    entries = given.entries("encoders")
+    names = [name for name in entries if "ring" not in name and entries[name]["bore_mm"] == bore]
+    names.sort(key=lambda name: (entries[name]["mass_g"], name))
+    return given.first("drive.encoder", names, ("encoder_fit", "hole_webs", "engagement"))
+
+
+@rule("guide.bearing", "the lightest that fits into the guide and carries the cables", "guide_bearings")
+def guide_bearing(given: BevelKnown) -> Found:
+    entries = given.entries("bearings")
+    names = sorted(entries, key=lambda name: (entries[name]["mass_g"], name))
+    return given.first("guide.bearing", names, ("guide_bearings", "axle_stress", "guide_wall"))
+
+
+def _height(field: str, text: str, driver: str, least_mm: float, *checks: str) -> Rule:
+    """A height of the frame, the least for its checks."""
+
+    def value(given: BevelKnown) -> Found:
+        return given.moved(f"support.{field}", max(least_mm, given.wall_mm("support")), 0.1, checks)
+
+    return Rule(f"support.{field}", text, driver, value)
+
+
+@rule(
+    "support.coupling_space_mm",
+    "space to insert the collar, the gearhead's screws and their key; the height of a stated box",
+    "coupling_height",
+)
+def coupling_space(given: BevelKnown) -> Found:
+    box = ("envelope_z",) if given.has("targets.envelope_mm") else ()
+    checks = ("coupling_height", "collar_space", "screwdriver", *box)
+    return given.moved("support.coupling_space_mm", COUPLING_MM, 0.1, checks)
+
+
+def _usual(given: BevelKnown, usual: tuple[float, float]) -> float:
+    return max(either(given, "support", usual), given.wall_mm("support"))
+
+
+@rule(
+    "support.motor_shelf_mm", "as thick as the gearhead's screws and shaft allow: it carries the drives", "engagement"
+)
+def motor_shelf(given: BevelKnown) -> Found:
+    screw = given.screw(given.gearhead.screw)
+    checks = ("engagement", "shaft_grip", "walls", "bought_depth")
+    return given.moved("support.motor_shelf_mm", screw.length_mm - screw.thread_mm, -0.1, checks)
+
+
+@rule("support.side_wall_mm", "walls beside the sunk heads of the top plate's screws", "side_wall")
+def side_wall(given: BevelKnown) -> Found:
+    return given.moved("support.side_wall_mm", _usual(given, SIDE_MM), 0.1, ("side_wall", "wall_holes"))
+
+
+@rule("support.back_plate_mm", "usual thickness for its material", "walls")
+def back_plate(given: BevelKnown) -> Found:
+    found = given.moved("support.back_plate_mm", _usual(given, BACK_MM), 0.1, ("walls",))
+    if not given.has("support.back_y_mm"):
+        return found
+    return given.moved("support.back_plate_mm", found.value, -0.1, ("walls", "collar_space", "pocket_depth"))
+
+
+@rule("support.rib_mm", "usual thickness, less for the mounting screws", "mounts")
+def rib(given: BevelKnown) -> Found:
+    usual = most = _usual(given, RIB_MM)
+    with suppress(NoFigureError, ValueError):
+        trial = given.trial("support.rib_mm", usual)
+        assert isinstance(trial, BevelLayout)
+        # A thicker rib would leave the column no pocket for a mounting screw's head.
+        room = trial.frame.boss.radius - trial.frame.mount_head_radius - HEAD_ROOM_MM
+        most = max(room, given.wall_mm("support"))
+    return given.moved("support.rib_mm", min(usual, most), -0.1, ("mounts", "walls"))
+
+
+@rule("support.mount_screw", "the thinnest that holds the peak torque by friction", "mounting_screws")
+def mount_screw(given: BevelKnown) -> Found:
+    return given.first("support.mount_screw", MOUNT_SCREWS, ("mounting_screws",))
+
+
+@rule("drum.sector_half_angle_deg", "travel and the wrap that must remain; larger if a box is stated", "wrap_left")
+def sector(given: BevelKnown) -> Found:
+    box, outer = given.get("targets.envelope_mm"), max(given.drum_radii_mm) - given.d_mm / 2
+    if box is not None and box[0] < 2 * outer:
+        # A wider sector would exceed the box: it takes precedence, and the checks show the effect.
+        return Found(round(degrees(asin(box[0] / 2 / outer)), 1), "targets.envelope_mm", "to 0.1")
+    start = min(given["travel.half_angle_deg"] + SECTOR_SPARE_DEG, WIDEST_DEG)
+    checks = ("wrap_left", "terminal_clears_guide", "stop_slot", "terminal_angles", "terminals_apart")
+    return given.moved("drum.sector_half_angle_deg", start, 0.5, checks)
+
+
+@rule("drum.outer_face_y_mm", "least width for lands and terminals", "outer_face")
+def outer_face(given: BevelKnown) -> Found:
+    checks = (
+        *("outermost_land", "land_thickness", "outer_face", "terminals_apart", "lands_intact", "lug_stress"),
+        "web_in_rim",
+    )
+    return given.moved("drum.outer_face_y_mm", max(given.guide_radii_mm), 0.1, checks)
+
+
+@rule(SETBACK, "the least with which drum and terminals clear the drives", "drum_sweep")
+def setback(given: BevelKnown) -> Found:
+    return given.moved(SETBACK, 0.0, 0.1, ("drum_sweep", "front_wall"))
+
+
+@rule("support.back_y_mm", "nearest plane behind drum bearings, pulleys, collars and stop pin", "collar_space")
+def back(given: BevelKnown) -> Found:
+    checks = (
+        *("drum_bearing_spacing", "boss", "pocket_depth", "collar_space", "corner_radii", "drives_apart", "walls"),
+        *("mounts", "wall_holes", "head_seats"),
+    )
+    return given.moved("support.back_y_mm", -8.0, -0.5, checks)
+
+
+@rule("drum.hub_face_y_mm", "least length for set screws and payload; the front of a stated box", "hub_length")
+def hub_face(given: BevelKnown) -> Found:
+    box, start = given.get("targets.envelope_mm"), float(given["drum.outer_face_y_mm"])
+    if box is not None:
+        start = max(start, box[2] + given["support.back_y_mm"])
+    found = given.moved("drum.hub_face_y_mm", start, 0.1, ("hub_length",))
+    return found if found.driver or box is None else Found(found.value, "targets.envelope_mm", found.rounding)
+
+
+@rule(
+    "drum.bearing", "the lightest that carries the drum, or a larger one for a stiffer boss and frame", "drum_bearings"
+)
+def drum_bearing(given: BevelKnown) -> Found:
+    with suppress(NoFigureError, ValueError):
+        before = given.before() if given.drives.passes > 1 else None
+        if isinstance(before, BevelLayout) and not boss.measure(before).holds:
+            entries, wide = given.entries("bearings"), before.drive.bearings.drum.outer_diameter_mm
+            given.drives.refused |= {name for name in entries if entries[name]["outer_diameter_mm"] >= wide}
+    found: Found = PARTS[0].value(given)
+    return found
+
+
+def _screws_fit(given: BevelKnown, screws: int) -> bool:
+    """Whether the hub for so many of the payload's screws leaves the walls of the stop pin's slot."""
+    block = {**given.filled("drum"), "output_screws": screws}
+    with suppress(NoFigureError, ValueError):
+        trial = given.trial("drum", block)
+        assert isinstance(trial, BevelLayout)
+        hub_mm = rounded_up(2.0 * payload_hub_mm(trial), 0.5)
+        return given.margins("drum", {**block, "hub_diameter_mm": hub_mm}, ("stop_slot",))["stop_slot"][0] >= 0.0
+    return True
+
+
+def _crowded(given: BevelKnown) -> bool:
+    """Whether the hub for four screws has no room; that of a pass is judged with the other parts of the one before."""
+    stated = given.has("drum.hub_diameter_mm") or given.has("drum.output_circle_mm")
+    return not stated and given.drives.passes > 0 and not _screws_fit(given, SCREWS)
+
+
+@rule(
+    "drum.output_screws",
+    "more than four, because the hub for four leaves no wall inside the stop pin's slot",
+    "stop_slot",
+    _crowded,
+)
+def output_screws(given: BevelKnown) -> Found:
+    fewest = next((count for count in MORE_SCREWS if _screws_fit(given, count)), MORE_SCREWS[-1])
+    return Found(fewest, "stop_slot", f"the least of {', '.join(map(str, MORE_SCREWS))} that leaves the wall")
+
+
+def _turned(given: BevelKnown) -> tuple[float, ...]:
+    """Turns of the gearheads that are tried, deg."""
+    most = int(180.0 / given.gearhead.screw_count / TURN_STEP_DEG)
+    return (0.0, *(sense * TURN_STEP_DEG * k for k in range(1, most + 1) for sense in (1, -1)))
+
+
+_SCREWS_REACHED = ("head_seats", "key_access", "front_wall")
+
+
+def _turn_helps(given: BevelKnown) -> bool:
+    at = (given.margins("drive.gearhead_angle_deg", turn, _SCREWS_REACHED, True) for turn in _turned(given))
+    held = [min(margin for margin, _ in margins.values()) >= 0.0 for margins in at]
+    return not held[0] and any(held)
+
+
+@rule(
+    "drive.gearhead_angle_deg",
+    "the least turn with which the heads of the gearheads' screws and their key clear the walls",
+    "head_seats",
+    _turn_helps,
+)
+def turn(given: BevelKnown) -> Found:
+    return given.first("drive.gearhead_angle_deg", _turned(given), _SCREWS_REACHED)
+
+
+NAMES = (
+    SCHEMA_VERSION,
+    constant("inputs", REFERENCE.inputs, "one on each side of the guide", "the configuration"),
+    constant("cables", REFERENCE.cables, "two for each input, on neighbouring steps", "the configuration"),
+)
+OWN = (
+    constant("limits.fleet_angle_max_deg", 1.5, "usual limit for smooth pulleys", "fleet_angle"),
+    constant("rope.dead_turns", 1.0, "one turn that never unwinds; its friction relieves the stop", "dead_turns"),
+    constant("guide.material", "aluminium-7075", "light; the part is turned", "process"),
+    constant("guide.axle_material", "steel", "made from ground bar", "process"),
+)
+RADII_RULES = (land_edge, transfer_gap, guide_to_drum, drum_radii, input_to_guide, surface, lead)
+HEIGHTS = (
+    _height(
+        *("bearing_shelf_mm", "bearing and shoulder, and the axle's set screw", "bearing_shelf", SHELF_MM),
+        *("bearing_shelf", "walls", "hole_webs"),
+    ),
+    _height(
+        *("top_plate_mm", "bearing and shoulder, and the heads of screws", "top_plate", SHELF_MM),
+        *("top_plate", "walls", "hole_webs", "engagement"),
+    ),
+)
+FRAME = (motor_shelf, *HEIGHTS, coupling_space, side_wall, rib, back_plate)
+DRUM = (output_screws, WINDOWS, web, shaft_bore, hub, sector, stop_pin, rim, outer_face)
+_OWN_PARTS = {one.field: one for one in (encoder, drum_bearing)}
+RULES: tuple[Rule, ...] = (
+    *(half_travel, *NAMES, *LIMITS, *OWN, *METALS, rope(taut_rope), *ROPE_LIMITS, preload, *TRAIN),
+    *(*RADII_RULES, motor_side, centre_distance, *(_OWN_PARTS.get(part.field, part) for part in PARTS), guide_bearing),
+    *(*FRAME, mount_screw, *DRUM, setback, back, turn, hub_face),
+)
+DERIVED = tuple(
+    one.field
+    for one in (lead, land_edge, transfer_gap, *FRAME, *DRUM, setback, back, hub_face)
+    if one not in (WINDOWS, output_screws)
+)
+# A larger bearing of the drum has a wider boss, between whose walls the ribs of the column stand.
+_BOSS = ("frame: column", "frame: boss", "drum's ")
+STIFFENERS = (
+    *(replace(one, causes=_BOSS) if one.field == "drum.bearing" else one for one in SHARED),
+    bearing("guide.bearing", "guide's "),
+    *walls("back_plate", "rib", "side_wall"),
+)
+# A setback is changed by adding, since it is often zero: a factor of 2 means this many mm more.
+SETBACK_MM = 20.0
+
+
+def _steps(radii: Any, factor: float) -> Any:
+    """Radii of the drum with larger or smaller steps; the first radius, a requirement, does not change."""
+    first = radii[0]
+    return [round(first + factor * (radius - first), 3) for radius in radii]
+
+
+def _further_back(setback_mm: Any, factor: float) -> Any:
+    return round(setback_mm + SETBACK_MM * (factor - 1.0), 2)
+
+
+def _total_ratio(data: Mapping[str, Any]) -> dict[str, Any]:
+    ratios = data["transmission"].get("ratios") or {}
+    first, second = ratios.get("input_to_guide"), ratios.get("guide_to_drum")
+    return {RATIO: round(first * second, 9)} if first and second else {}
+
+
+# What ``mbcdm solve`` may change besides the derived dimensions.
+FREEDOMS: tuple[Freedom, ...] = (
+    *common_freedoms.DRIVE,
+    Freedom("guide.bearing", kind="bearings", order="outer_diameter_mm"),
+    *common_freedoms.INPUTS,
+    common_freedoms.SURFACE,
+    *common_freedoms.ENCODERS,
+    *common_freedoms.METALS,
+    Freedom(DISTANCE, 0.7, 2.5),
+    Freedom(RADII, 0.8, 2.5, _steps, mends=((ALL_RADII, 1),), instead=common_freedoms.first_radius),
+    Freedom(TO_DRUM, 0.4, 1.5, mends=(("transmission.ratios.input_to_guide", -1), ("transmission.guide_radii_mm", -1))),
+    Freedom("transmission.ratios", instead=_total_ratio),
+    Freedom(SETBACK, 1.0, 2.0, _further_back),
+    Freedom("drive.motor_side", words=("below", "above")),
+)
+
+
+def size(data: dict[str, Any], moved: Moved | None = None, similar: Sizing | None = None) -> Sizing:
+    """The data with its open fields filled; ``moved`` changes the values of rules.
+
+    ``similar``: see :func:`~mbcdm_cad.layouts.trial_sizing.repeated`. Raises ``SizingError`` where a requirement is
+    missing.
+    """
+    given = BevelKnown(data, {})
+    missing = list(_missing(given))
+    if missing:
+        raise SizingError(*missing)
+
+    def by_rules(
+        data: dict[str, Any], moved: Moved | None, similar: Sizing | None, ratio: tuple[Rule, ...] = ()
+    ) -> Sizing:
+        return repeated(data, BevelKnown, (*ratio, *RULES), _first_guesses(data), moved, similar)
+
+    both = given.has(TO_DRUM) and given.has("transmission.ratios.input_to_guide")
+    stated = given.has(RATIO) or given.has("transmission.input_radii_mm") or both
+    plain: Size = by_rules if stated else partial(lightest, by_rules, RATIO, layout=BevelLayout)
+    return stiffened(plain, data, BevelLayout, STIFFENERS, moved, similar)
+
+
+def _first_guesses(data: dict[str, Any]) -> dict[str, Any]:
+    """Values of a drive of medium size, for fields that the first pass does not know yet."""
+    given = BevelKnown(data, {})
+    first = given.drum_mm
+    second, direct = 1.5, given.peek("drive.gearhead") == NO_GEARHEAD
+    ratios = {"guide_to_drum": float(given.peek(RATIO) or 6.0) / second, "input_to_guide": second}
+    return {
+        **{field: value for field, value in MIDDLE_SIZE.items() if field != "support.encoder_shelf_mm"},
+        RADII: given.radii_mm(4.0),
+        **({"transmission.ratios": ratios} if _needs_ratios(given) else {}),
+        DISTANCE: first,
+        SETBACK: 0.0,
+        "rope.helix_lead_mm": 1.0,
+        "clearances.land_edge_mm": 0.15,
+        "clearances.transfer_gap_mm": 0.1,
+        "drive.motor": min(given.motors_with_faces()) if direct else "motor-2.9mNm-15",
+        "drive.gearhead": "gearhead-76-16",
+        "guide.bearing": "618/4",
+        "drum.tensioner": "M2",
+        "drum.sector_half_angle_deg": 85.0,
+        "drum.rim_inner_radius_mm": 0.8 * first,
+        "drum.outer_face_y_mm": 25.0,
+        "drum.hub_face_y_mm": 35.0,
+        "support.side_wall_mm": 5.0,
+        "support.back_plate_mm": 5.0,
+        "support.top_plate_mm": 4.0,
+        "support.rib_mm": 6.0,
+        "support.mount_screw": "M3",
+        "support.back_y_mm": -30.0,
+    }
+
+
+def _missing(given: BevelKnown) -> Iterator[Broken]:
+    yield from missing_travel(given, "travel from the centre to each side")
+    if not given.has("loads.peak_torque_Nm"):
+        yield needed("loads.peak_torque_Nm", "add peak_torque_Nm: 3.15 (torque to hold both ways, N m)")
+    if not any(given.has(field) for field in (RADII, "transmission.drum_radius_mm")):
+        yield needed("transmission.drum_radius_mm", "add drum_radius_mm: 54.0 (drum pitch radius of step 1)")
+    explicit = any(given.has(f"transmission.{body}_radii_mm") for body in ("guide", "input"))
+    if explicit and not given.has(RADII):
+        yield needed(RADII, "add the drum's radii, as other pulleys' are given")
