@@ -18,16 +18,24 @@ from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import Freedom, Moved, Sizing, SizingError
 from mbcdm_cad.layouts import common_freedoms
 from mbcdm_cad.layouts.base import Layout, NoFigureError
-from mbcdm_cad.layouts.common_rules import SCHEMA_VERSION, half_travel, missing_travel, needed, transfer_gap
+from mbcdm_cad.layouts.common_rules import (
+    SCHEMA_VERSION,
+    end_share,
+    half_travel,
+    missing_travel,
+    needed,
+    ropes_to_choose,
+    transfer_gap,
+)
 from mbcdm_cad.layouts.head_basis import (
     LIMITS,
     METALS,
+    PRELOAD_FACTOR,
     ROPE_LIMITS,
     TRAIN,
     counts_losses,
     rope,
     taut_preload,
-    taut_rope,
 )
 from mbcdm_cad.layouts.head_dims import WINDOWS, either, hub, payload_hub_mm, rim, shaft_bore, stop_pin, web
 from mbcdm_cad.layouts.head_parts import PARTS
@@ -57,6 +65,8 @@ LEAST_OVER_INPUT, LEAST_OVER_DRUM = 0.2, 0.02
 MEAN_OVER_FIRST = 1.1
 # Largest share of an input in the peak torque over half of it: the cables of inner steps are shorter, hence stiffer.
 UNEVEN = 1.07
+# The same of a cable, before its step is known; and strength of a swaged end over the rope's.
+MOST_UNEVEN, SWAGED_SHARE = 1.25, 0.9
 # Gap between a cable and the flank of the land above it, beyond the land's edge, for tolerances.
 FLANK_GAP_MM = 0.045
 # Preloads that are tried over the usual one, which is twice what keeps the cables taut.
@@ -222,6 +232,14 @@ class BevelKnown(TrialKnown):
 
 def _needs_ratios(given: BevelKnown) -> bool:
     return not given.has("transmission.guide_radii_mm")
+
+
+def _rope(given: BevelKnown) -> Found:
+    """The thinnest with a swaged end; the cable that bears most has more than its share of the peak torque."""
+    tension_N, share = (PRELOAD_FACTOR + MOST_UNEVEN) * given.half_torque_N, end_share(given, SWAGED_SHARE)
+    needed_N, ropes = given["limits.tension_safety_factor"] * tension_N / share, ropes_to_choose(given)
+    strong = (name for _, name, breaking_N in ropes if breaking_N >= needed_N)
+    return Found(next(strong, ropes[-1][1]), "tension", "next size of the catalogue")
 
 
 @rule("rope.preload_N", "twice what keeps the cables taut at peak torque, less where the ends hold less", "no_slack")
@@ -529,7 +547,7 @@ FRAME = (motor_shelf, *HEIGHTS, coupling_space, side_wall, rib, back_plate)
 DRUM = (output_screws, WINDOWS, web, shaft_bore, hub, sector, stop_pin, rim, outer_face)
 _OWN_PARTS = {one.field: one for one in (encoder, drum_bearing)}
 RULES: tuple[Rule, ...] = (
-    *(half_travel, *NAMES, *LIMITS, *OWN, *METALS, rope(taut_rope), *ROPE_LIMITS, preload, *TRAIN),
+    *(half_travel, *NAMES, *LIMITS, *OWN, *METALS, rope(_rope), *ROPE_LIMITS, preload, *TRAIN),
     *(*RADII_RULES, motor_side, centre_distance, *(_OWN_PARTS.get(part.field, part) for part in PARTS), guide_bearing),
     *(*FRAME, mount_screw, *DRUM, setback, back, turn, hub_face),
 )
