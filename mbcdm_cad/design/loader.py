@@ -60,12 +60,9 @@ def reference_of(folder: Path) -> Reference:
 class LazySizing:
     """The sizing rules of a layout, a module that is imported when first used: only files with gaps need it."""
 
-    def __init__(self, module: str, *, has_first: bool = False) -> None:
-        """``module``: its name; it has a function ``size`` and the constants ``DERIVED`` and ``FREEDOMS``.
-
-        ``has_first``: whether it has ``size_first`` too, because its rules stiffen a design whose frame bends too much.
-        """
-        self.module, self.has_first = module, has_first
+    def __init__(self, module: str) -> None:
+        """``module``: its name; it has a function ``size`` and the constants ``DERIVED`` and ``FREEDOMS``."""
+        self.module = module
 
     def size(self, data: dict[str, Any], moved: Moved, similar: Sizing | None) -> Sizing:
         """Fill the open fields of the data, which it may change.
@@ -74,11 +71,6 @@ class LazySizing:
         similar design, makes the search for values shorter.
         """
         sized: Sizing = import_module(self.module).size(data, moved, similar)
-        return sized
-
-    def size_first(self, data: dict[str, Any], moved: Moved) -> Sizing:
-        """As :meth:`size` without finite elements: the design that rules stiffen, or leave, where ``has_first``."""
-        sized: Sizing = import_module(self.module).size_first(data, moved)
         return sized
 
     def derived(self) -> tuple[str, ...]:
@@ -194,22 +186,16 @@ class Resolved(NamedTuple):
 
 
 def resolved(
-    tree: Tree,
-    path: Path,
-    file: DesignFile,
-    moved: Moved | None = None,
-    similar: Sizing | None = None,
-    *,
-    first: bool = False,
+    tree: Tree, path: Path, file: DesignFile, moved: Moved | None = None, similar: Sizing | None = None
 ) -> Resolved:
     """The design and its drive from a tree of the file's values. Raises InputError with all problems of one stage.
 
     The stages are: ranges, sigmas, schema, sizing of missing fields, schema of the whole, rules between fields.
     ``moved``: by field, the functions with which a search changes the values of rules; ``similar``: the sizing of a
-    design that differs little, from which the rules begin; ``first``: by ``LazySizing.size_first``, if there is one.
+    design that differs little, from which the rules begin.
     """
     tree, sigmas = _split(tree, str(path), file)
-    sizing = _sized(tree, str(path), file, moved or {}, similar, first=first)
+    sizing = _sized(tree, str(path), file, moved or {}, similar)
     tree = tree if sizing is None else Tree(sizing.data, tree.lines)
     design = _validated(tree, str(path), file)
     catalogue = Catalogue(design)
@@ -249,19 +235,14 @@ def _split(tree: Tree, path: str, file: DesignFile) -> tuple[Tree, dict[FieldPat
     return split_sigmas(tree, path, lambda field: bool((file.node_at(field) or {}).get("uncertain")))
 
 
-def _sized(
-    tree: Tree, path: str, file: DesignFile, moved: Moved, similar: Sizing | None, *, first: bool = False
-) -> Sizing | None:
+def _sized(tree: Tree, path: str, file: DesignFile, moved: Moved, similar: Sizing | None) -> Sizing | None:
     """The data with its open fields filled, and their records. The fields of the file must already be valid."""
     if file.sizing is None or not isinstance(tree.data, dict) or not _has_gaps(tree, path, file):
         return None
     data = _with_blocks(tree, path, file)
     recorded = by_rows(data, Path(path))
     try:
-        if first and file.sizing.has_first:
-            sizing = file.sizing.size_first(data, moved)
-        else:
-            sizing = file.sizing.size(data, moved, similar)
+        sizing = file.sizing.size(data, moved, similar)
     except SizingError as error:
         _refuse_broken_rules(iter(error.broken), tree, path)
         raise

@@ -55,8 +55,6 @@ _OWN = frozenset({"stiffness", "structure_share"})
 # Checks that follow from finite elements of drum or frame; they take longer than all others.
 BY_ELEMENTS = frozenset({"drum_stress", "frame_windup", "servo_lash"}) | _OWN
 CABLES, FRAME, DRUM, WINDUP = "cables", "frame", "drum: ", "frame_windup"
-# Least multiple of what a rule gives that gives more than strength and place ask for.
-_LEAST = 0.4
 # Why a value is raised where the file states no figure.
 PRICE = "stiffness as long as 1 % of mass buys 1 % of compliance"
 _STIFFNESS = "loads.stiffness_Nm_rad"
@@ -76,8 +74,7 @@ class Stiffener:
     """A field that its rule fills and that makes the drive stiffer.
 
     ``causes``: beginnings of the names of what turns less by it (:mod:`mbcdm_cad.layouts.structure`), or
-    :data:`CABLES`. ``most``, ``least``: largest and smallest multiple of the rule's value; below 1 where the rule gives
-    more than strength and place ask for, down to ``walls`` times the thinnest wall of its material. A number is rounded
+    :data:`CABLES`. ``most``: largest multiple of the rule's value. A number is rounded
     up to ``step``; of a catalogue's ``kind`` the next entry is taken whose ``order`` is large enough and that ``fits``.
     ``grows``: power of the value with which mass grows. ``stated``: only where the file states a stiffness, since it
     costs friction and life of the rope, and next to no mass.
@@ -88,8 +85,6 @@ class Stiffener:
     most: float
     step: float = 0.1
     grows: float = 1.0
-    least: float = 1.0
-    walls: float = 2.0
     kind: str = ""
     order: str = ""
     fits: Callable[[KnownFields, Mapping[str, Any], Mapping[str, Any]], bool] = lambda given, now, entry: True
@@ -152,7 +147,7 @@ SHARED: tuple[Stiffener, ...] = (
     _part("rope.type", (CABLES,), 4.0, kind="ropes", fits=_same_construction, stated=True),
     Stiffener(PRELOAD, (CABLES,), 2.0, 1.0, stated=True),
     Stiffener("drum.hub_diameter_mm", (DRUM,), 4.0, 0.5, grows=2.0),
-    Stiffener("drum.web_thickness_mm", ("drum: web",), 6.0, walls=2.5),
+    Stiffener("drum.web_thickness_mm", ("drum: web",), 6.0),
     _bearing("drum.bearing", ("drum's ",), fits=_has_encoder),
     _bearing("input_pulleys.upper_bearing", ("input pulleys' bearings", "input pulleys, bending"), fits=_has_encoder),
     _bearing("input_pulleys.lower_bearing", ("input pulleys",)),
@@ -175,11 +170,6 @@ def walls(*fields: str) -> tuple[Stiffener, ...]:
         Stiffener(f"support.{field}_mm", tuple(f"{FRAME}: {panel}" for panel in _PANELS[field]), 5.0)
         for field in fields
     )
-
-
-def lowered(stiffeners: Sequence[Stiffener], fields: Collection[str]) -> tuple[Stiffener, ...]:
-    """The same, where the rules of these fields give more than strength and place ask for."""
-    return tuple(replace(s, least=_LEAST) if s.field in fields else s for s in stiffeners)
 
 
 def bearing(field: str, *causes: str) -> Stiffener:
@@ -338,10 +328,10 @@ class _Run:
         # Whether only mass and compliance are weighed, so that no check compares the turn with a figure.
         self.weighs = not self.ends[0].field
         # More metal makes no check by finite elements fail.
-        self._unjudged = BY_ELEMENTS - {WINDUP} if self.weighs and all(s.least >= 1.0 for s in stiffeners) else _OWN
+        self._unjudged = BY_ELEMENTS - {WINDUP} if self.weighs else _OWN
         self._left = _SIZINGS if self.weighs else _SIZINGS_TO_FIGURE
         # Largest and least factors, nearer to 1 where a farther one was refused.
-        self._bounds = {s.field: (s.least, s.most) for s in stiffeners}
+        self._bounds = {s.field: (1.0, s.most) for s in stiffeners}
         self._refused, self._effects = list[str](), dict[str, _Effect]()
         self._flat: bool | None = None
         # What was changed for the frame's windup, before anything was weighed.
@@ -373,8 +363,6 @@ class _Run:
             driver, how, why = WINDUP, "raised for the frame", WINDUP
         if value.field == PRELOAD and value.value < by_rule:
             driver, how, why = BACKDRIVE, "lowered to turn easily", "loads.backdrive_Nm"
-        elif not isinstance(by_rule, str) and value.value < by_rule:
-            how, why = "lowered for the mass", "mass, 1 % of which buys less than 1 % of compliance there"
         text = f"{value.text} ({by_rule}), {how.partition(' ')[0]} for {why}"
         return replace(value, text=text, driver=driver, rests_on={**value.rests_on, **stated}, rounding=how)
 
@@ -426,21 +414,17 @@ class _Run:
         return _Effect(powers, added_g / (by[1] ** s.grows - 1.0) / s.of(self._given, value) ** s.grows)
 
     def ways(self, drive: _Weighed, end: _End) -> Ways | None:
-        """Fields that can be raised, or lowered again, and what each does; None where there are none."""
+        """Fields that can be raised, or taken back, and what each does; None where there are none."""
         # Where mass and compliance are weighed, a second round corrects the first: what was measured there holds.
         turns, found, known = drive.counted(end), list[tuple[Any, ...]](), bool(self._effects)
         for s in self._by_field.values():
             value, factor, (least, most) = drive.value(s.field), drive.factors.get(s.field, 1.0), self._bounds[s.field]
             share = sum(urad for name, urad in turns.items() if name.startswith(s.causes)) / sum(turns.values())
-            open_ = value is not None and (share >= _LEAST_SHARE or least < 1.0) and factor < most
+            open_ = value is not None and share >= _LEAST_SHARE and factor < most
             if not open_ or (s.stated and end.field != _STIFFNESS):
                 continue
             if not s.kind:
                 most = min(most, max(bounds(drive.layout, s.field)[1] * factor / value, factor))
-            if least < 1.0:
-                drum = s.field.startswith("drum.")
-                material = drive.layout.drive.drum_material if drum else drive.layout.frame_material
-                least = min(max(least, s.walls * material.min_wall_mm * factor / value), 1.0)
             effect = self._effects.get(s.field) if known else self._effect(drive, s)
             if effect is not None:
                 self._effects[s.field] = effect

@@ -305,20 +305,18 @@ def _stage(name: str) -> int:
 def evaluate(question: Question, point: Point, keeps: Sequence[Keep], names: Sequence[str]) -> Evaluated:
     """Evaluate a point; ``names`` are the figures wanted beside those of :data:`FIGURES`.
 
-    The file that states the point decides: where a rule changes because a value is stated, that design counts. A factor
-    is one on what a rule gives with the walls with which the rules begin, and a design that misses anything without
-    finite elements is judged with these walls.
+    The file that states the point decides: where a rule changes because a value is stated, that design counts.
     """
     with np.errstate(all="ignore"), warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
         try:
             data, moved = question.trial(point)
-            found = question.resolve(data, moved, first=True)
+            found = question.resolve(data, moved)
             facts = facts_of(found)
             failing = _missed_early(facts, keeps, names)
             if failing:
                 return Evaluated(failing)
-            if moved or (question.file.sizing is not None and question.file.sizing.has_first):
+            if moved:
                 data = stated(data, moved, found)
                 as_stated = question.resolve(data, {})
                 if as_stated.design != found.design:

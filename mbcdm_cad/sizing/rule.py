@@ -65,11 +65,6 @@ def largest(needs: dict[str, float], step: float) -> Found:
     return Found(rounded_up(max(needs.values()), step), driver_of(needs, max), f"up to {step:g}")
 
 
-def smallest(needs: dict[str, float], step: float) -> Found:
-    """The largest value within all limits, rounded down; the limit that determines it is the driver."""
-    return Found(rounded_down(min(needs.values()), step), driver_of(needs, min), f"down to {step:g}")
-
-
 def driver_of(needs: Mapping[str, float], which: Callable[..., str]) -> str:
     """Name of the largest need (``which`` is ``max``) or of the smallest (``min``)."""
     return which(needs, key=lambda name: needs[name])

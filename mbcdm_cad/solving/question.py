@@ -149,15 +149,12 @@ class Question:
         found = self.freedoms[field].stretch(value, factor) if factor != 1.0 else value
         return self.ranges[field].within(found) if field in self.ranges else found
 
-    def resolve(
-        self, data: dict[str, Any], moved: Mapping[str, Any], similar: Sizing | None = None, *, first: bool = False
-    ) -> Resolved:
+    def resolve(self, data: dict[str, Any], moved: Mapping[str, Any], similar: Sizing | None = None) -> Resolved:
         """The drive of this data; ``similar``: a sizing whose values are the first guesses of the rules.
 
-        ``first``: without finite elements, as far as the rules can do without. Raises InputError if the data describe
-        no drive.
+        Raises InputError if the data describe no drive.
         """
-        return resolved(Tree(data, self.tree.lines), self.path, self.file, moved, similar, first=first)
+        return resolved(Tree(data, self.tree.lines), self.path, self.file, moved, similar)
 
     def as_written(self, point: Point) -> dict[str, Any]:
         """The data of a file that states every changed value. Raises InputError as :meth:`resolve`."""

@@ -7,7 +7,7 @@ import pytest
 from mbcdm_cad.design.sized import SizingError
 from mbcdm_cad.sizing.engine import fill
 from mbcdm_cad.sizing.known import KnownFields
-from mbcdm_cad.sizing.rule import Found, Rule, constant, largest, rounded_down, rounded_up, smallest
+from mbcdm_cad.sizing.rule import Found, Rule, constant, largest, rounded_down, rounded_up
 
 RULES = (
     constant("a.first", 2.0, "always two", "nothing"),
@@ -40,7 +40,6 @@ def test_a_rule_that_stands_too_early_is_found() -> None:
 
 def test_the_need_that_sets_a_value_is_named() -> None:
     assert largest({"low": 1.0, "high": 2.01}, 0.5) == Found(2.5, "high", "up to 0.5")
-    assert smallest({"low": 1.09, "high": 2.0}, 0.1) == Found(1.0, "low", "down to 0.1")
 
 
 @pytest.mark.parametrize(("value", "up", "down"), [(0.3, 0.3, 0.3), (0.30000001, 0.4, 0.3), (-1.05, -1.0, -1.1)])

@@ -34,6 +34,6 @@ DESIGN_FILE = DesignFile(
     broken_rules,
     named_entries,
     drive,
-    LazySizing("mbcdm_cad.layouts.miso_bevel.sizing", has_first=True),
+    LazySizing("mbcdm_cad.layouts.miso_bevel.sizing"),
     STARTING,
 )
