@@ -14,7 +14,7 @@ from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.common_rules import STOP_PINS_MM
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.layouts.structure import drum_structure_of
-from mbcdm_cad.layouts.trial_sizing import TrialKnown
+from mbcdm_cad.layouts.trial_sizing import SHAFT_BORE, SHAFT_BORE_SHARE, TrialKnown
 from mbcdm_cad.model.structure.causes import urad_Nm
 from mbcdm_cad.model.structure.drum_sector import least_hub_mm
 from mbcdm_cad.parts.drum_sector.dims import WHOLE_DEG, joint_load, joints
@@ -40,8 +40,6 @@ WALL_SHARE, MOST_WALL, WINDUP = 0.2, 5.0, "frame_windup"
 UNUSED, LEAST_SHELF_MM, COUPLING_MM = NOT_USED + "the motor's shaft carries the pulley", 3.0, 5.0
 # Engaged thread of a face's screws, in diameters.
 ENGAGED = 1.25
-# Bore of the drum's shaft over the bore of its bearings.
-SHAFT_BORE_SHARE = 0.5
 # Angle of the sector beyond the travel, before the limits of the wraps are known.
 SECTOR_SPARE_DEG = 15.0
 
@@ -165,9 +163,7 @@ def side_wall(given: TrialKnown) -> float:
 def shaft_bore(given: TrialKnown) -> Found:
     """Bore of the drum's shaft."""
     bore = given.entry("bearings", "drum.bearing")["bore_mm"]
-    return given.moved(
-        "drum.shaft_bore_mm", SHAFT_BORE_SHARE * bore, -0.5, ("shaft_wall", "shaft_stress", "shaft_twist")
-    )
+    return given.moved(SHAFT_BORE, SHAFT_BORE_SHARE * bore, -0.5, ("shaft_wall", "shaft_stress", "shaft_twist"))
 
 
 @rule("drum.web_thickness_mm", "usual thickness for its material, more where plastic is stressed", "web_in_rim")

@@ -31,13 +31,13 @@ def _by_mass(given: TrialKnown, kind: str, wanted: Callable[[str, dict[str, Any]
     return sorted((n for n, e in entries.items() if wanted(n, e)), key=lambda n: (entries[n]["mass_g"], n))
 
 
-def _rings(given: TrialKnown, bearing: dict[str, Any]) -> list[str]:
-    """Ring encoders of a bearing's bore, whose screws are beside its seat; the lightest first."""
+def _beside(given: TrialKnown, bearing: dict[str, Any], kind: str = _RING) -> list[str]:
+    """Encoders of a bearing's bore, whose screws are beside its seat; the lightest first."""
 
-    def fits(name: str, ring: dict[str, Any]) -> bool:
-        if _RING not in name or ring["bore_mm"] != bearing["bore_mm"]:
+    def fits(name: str, one: dict[str, Any]) -> bool:
+        if kind not in name or one["bore_mm"] != bearing["bore_mm"]:
             return False
-        web = (ring["bolt_circle_mm"] - given.screw(ring["screw"]).thread_mm - bearing["outer_diameter_mm"]) / 2
+        web = (one["bolt_circle_mm"] - given.screw(one["screw"]).thread_mm - bearing["outer_diameter_mm"]) / 2
         return bool(web >= HOLE_WEB_MM)
 
     names = _by_mass(given, "encoders", fits)
@@ -56,13 +56,12 @@ def _left_out(given: TrialKnown, field: str) -> bool:
 )
 def drum_bearing(given: TrialKnown) -> Found:
     any_will_do = _left_out(given, "drive.drum_encoder")
-    names = _by_mass(given, "bearings", lambda _, entry: any_will_do or bool(_rings(given, entry)))
     field, refused, before = "drum.bearing", given.drives.refused, given.guesses.get("drum.bearing")
     # A lighter bearing is narrower and so nearer to the other one: tried at the distance of a wider pair it seems to
     # carry the drum, and would be chosen and refused in turn.
     if (
         given.drives.passes
-        and before in names
+        and before is not None
         and -inf < given.margins(field, before, ("drum_bearings",))["drum_bearings"][0] < 0.0
     ):
         entries = given.entries("bearings")
@@ -72,7 +71,12 @@ def drum_bearing(given: TrialKnown) -> Found:
             for name, entry in entries.items()
             if entry["static_rating_N"] <= weak["static_rating_N"] and entry["width_mm"] <= weak["width_mm"]
         }
-    names = [name for name in names if name not in refused] or names
+    # A ring leaves the shaft open behind; where no bearing with one will do, an encoder on the shaft's end.
+    with_rings, others = (
+        _by_mass(given, "bearings", lambda _, entry, kind=kind: any_will_do or bool(_beside(given, entry, kind)))
+        for kind in (_RING, "")
+    )
+    names = [n for n in with_rings if n not in refused] or [n for n in others if n not in refused] or with_rings
     # A bore that the file states is a hollow centre, round which the shaft needs a wall.
     hollow = ("shaft_wall",) if given.get("drum.shaft_bore_mm") is not None else ()
     checks = (*hollow, "drum_bearings", "shaft_stress", "shaft_twist", "set_screw_tips")
@@ -123,8 +127,10 @@ def encoder(given: TrialKnown) -> Found:
 def drum_encoder(given: TrialKnown) -> Found:
     bearing = given.entry("bearings", "drum.bearing")
     # For a bearing that the file states there may be none beside its seat: the checks then state what is missing.
-    names = _rings(given, bearing) or _by_mass(
-        given, "encoders", lambda name, entry: _RING in name and entry["bore_mm"] == bearing["bore_mm"]
+    names = (
+        _beside(given, bearing)
+        or _beside(given, bearing, "")
+        or _by_mass(given, "encoders", lambda name, entry: _RING in name and entry["bore_mm"] == bearing["bore_mm"])
     )
     return given.first("drive.drum_encoder", names, ("boss",))
 

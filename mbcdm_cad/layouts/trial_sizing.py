@@ -37,10 +37,13 @@ from mbcdm_cad.sizing.rule import Found, Rule, rounded_up
 _MOST_TRIALS = 40
 # If so many trials in a row miss the same check by the same amount, the field does not affect it.
 _MOST_IDLE = 8
-_MOST_PASSES = 6
+# Passes before the usual end of a sizing; what a drive misses is looked at after the second (``missed_before``).
+_LEAST_PASSES, _MOST_PASSES = 3, 6
 # Fields that are no lengths: a missing margin in mm does not give their next step.
 _RATIOS = ("transmission.input_to_drum",)
 _ON_STEP = 1e-9
+# Bore of the drum's shaft over the bore of its bearings.
+SHAFT_BORE, SHAFT_BORE_SHARE = "drum.shaft_bore_mm", 0.5
 # A value tried, and margin with its unit by check.
 Trial = tuple[Any, dict[str, Margin]]
 # Parts and sizes of a medium drive, for fields that the first pass does not know yet.
@@ -178,6 +181,14 @@ class TrialKnown(RopeKnown):
             self.get(name)
         return self.drives.under_test(self._at_start)
 
+    def missed_before(self, check: str) -> bool:
+        """Whether the drive of the pass before, the third or a later one, misses a check."""
+        if self.drives.passes < 2:
+            return False
+        for name in self.asked:
+            self.get(name)
+        return -inf < self.drives.margins(self._at_start, (check,), self.layout.checks_by_id())[check][0] < 0.0
+
     def margins(self, field: str, value: Any, checks: Iterable[str], to_first_miss: bool = False) -> dict[str, Margin]:
         """Margin and its unit by check, with ``field`` at ``value``; -inf where a check has no figure there.
 
@@ -189,7 +200,12 @@ class TrialKnown(RopeKnown):
 
     def _whole(self, field: str, value: Any) -> dict[str, Any]:
         """The data of a trial. Trials share the blocks in which the field is not, so that no block may be changed."""
-        return _with(self._filled, field.split("."), value)
+        found = _with(self._filled, field.split("."), value)
+        if field == "drum.bearing" and not self.has(SHAFT_BORE):
+            # The bore of a shaft follows its bearing: that of a wider one would leave a thinner shaft no wall.
+            most = _down(SHAFT_BORE_SHARE * self.entries("bearings")[value]["bore_mm"], 0.5)
+            return _with(found, SHAFT_BORE.split("."), min(found["drum"].get("shaft_bore_mm", most), most))
+        return found
 
     def moved(self, field: str, start: float, step: float, checks: tuple[str, ...]) -> Found:
         """The value nearest to ``start``, at multiples of ``step`` in its direction, at which all the checks hold.
@@ -346,6 +362,7 @@ def repeated(
         drives = known(data, guesses).drives
         # A search in which a check was met by no value is made again, because a value may meet it here.
         drives.ends |= {way: end for way, end in similar.ends.items() if end.checks == way.checks}
+        drives.refused |= similar.refused
     for passed in range(1, 2 * _MOST_PASSES + 1):
         given = known(copy.deepcopy(data), guesses, drives)
         drives, sizing = given.drives, fill(given, rules, moved)
@@ -353,12 +370,13 @@ def repeated(
         if passed == 1 and similar is None:
             drives.ends.clear()  # what no value met beside guesses, some value may meet now
         found = {value.field: value.value for value in sizing.values}
-        if all(guesses.get(field) == value for field, value in found.items()):
+        settled = all(guesses.get(field) == value for field, value in found.items())
+        if settled and (passed >= _LEAST_PASSES or similar is not None):
             break
         guesses = {**guesses, **found}
         if passed >= _MOST_PASSES and not _weak_bearing(given, found):
             break
-    return replace(sizing, ends=drives.ends if drives else {})
+    return replace(sizing, ends=given.drives.ends, refused=frozenset(given.drives.refused))
 
 
 def _weak_bearing(given: TrialKnown, found: Mapping[str, Any]) -> bool:

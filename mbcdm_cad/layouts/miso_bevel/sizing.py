@@ -40,7 +40,6 @@ from mbcdm_cad.layouts.head_basis import (
 from mbcdm_cad.layouts.head_dims import WINDOWS, either, hub, payload_hub_mm, rim, shaft_bore, stop_pin, web
 from mbcdm_cad.layouts.head_parts import PARTS
 from mbcdm_cad.layouts.miso_bevel.checks.spans import straight_span_distance_mm
-from mbcdm_cad.layouts.miso_bevel.checks.support_walls import boss
 from mbcdm_cad.layouts.miso_bevel.design_file.resolve import MOST_SETBACK
 from mbcdm_cad.layouts.miso_bevel.design_file.schema import REFERENCE
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
@@ -264,6 +263,13 @@ def drum_radii(given: BevelKnown) -> Found:
     return Found(given.radii_mm(found.value), found.driver, f"steps {found.rounding}")
 
 
+def _too_wide(given: BevelKnown) -> bool:
+    """Whether the guide of an earlier pass stood in the terminals' way at any angle of the sector."""
+    if given.missed_before("terminal_clears_guide"):
+        given.drives.refused.add(TO_DRUM)
+    return TO_DRUM in given.drives.refused
+
+
 @rule(
     TO_DRUM,
     "the smallest guide with its bearing, for front walls and inputs behind the drum",
@@ -279,7 +285,9 @@ def guide_to_drum(given: BevelKnown) -> Found:
     lands = ("land_width",) if given.has(RADII) else ()
     # The drum's steps grow as the guide gets smaller, and with them what their preloads ask of a stated motor.
     stated = ("motor_torque_back",) if given.has("drive.motor") else ()
-    checks = ("guide_wall", "bend_ratio", "front_wall", "drum_sweep", "guide_length", *lands, *stated)
+    # A guide about as large as the drum leaves no way to the terminals: there the inputs are set back instead.
+    behind = () if _too_wide(given) else ("front_wall", "drum_sweep")
+    checks = ("guide_wall", "bend_ratio", *behind, "guide_length", *lands, *stated)
     found = given.moved(GUIDE, start, 0.1, checks)
     if given.has(DISTANCE):
         # What else needs a larger guide, a setback of the inputs may do.
@@ -459,11 +467,10 @@ def hub_face(given: BevelKnown) -> Found:
     "drum.bearing", "the lightest that carries the drum, or a larger one for a stiffer boss and frame", "drum_bearings"
 )
 def drum_bearing(given: BevelKnown) -> Found:
-    with suppress(NoFigureError, ValueError):
-        before = given.before() if given.drives.passes > 1 else None
-        if isinstance(before, BevelLayout) and not boss.measure(before).holds:
-            entries, wide = given.entries("bearings"), before.drive.bearings.drum.outer_diameter_mm
-            given.drives.refused |= {name for name in entries if entries[name]["outer_diameter_mm"] >= wide}
+    if given.missed_before("boss"):
+        entries = given.entries("bearings")
+        wide = entries[given.guesses["drum.bearing"]]["outer_diameter_mm"]
+        given.drives.refused |= {name for name in entries if entries[name]["outer_diameter_mm"] >= wide}
     found: Found = PARTS[0].value(given)
     return found
 
@@ -548,8 +555,15 @@ DRUM = (output_screws, WINDOWS, web, shaft_bore, hub, sector, stop_pin, rim, out
 _OWN_PARTS = {one.field: one for one in (encoder, drum_bearing)}
 RULES: tuple[Rule, ...] = (
     *(half_travel, *NAMES, *LIMITS, *OWN, *METALS, rope(_rope), *ROPE_LIMITS, preload, *TRAIN),
-    *(*RADII_RULES, motor_side, centre_distance, *(_OWN_PARTS.get(part.field, part) for part in PARTS), guide_bearing),
-    *(*FRAME, mount_screw, *DRUM, setback, back, turn, hub_face),
+    *(
+        *RADII_RULES,
+        motor_side,
+        setback,
+        centre_distance,
+        *(_OWN_PARTS.get(part.field, part) for part in PARTS),
+        guide_bearing,
+    ),
+    *(*FRAME, mount_screw, *DRUM, back, turn, hub_face),
 )
 DERIVED = tuple(
     one.field
