@@ -204,7 +204,7 @@ def _ends(data: Mapping[str, Any]) -> Iterator[_End]:
         yield _End("loads.structure_share", lambda turn, cables: turn <= share * cables, share=True)
     if wanted is None and share is None:
         within_g = targets.get("mass_tolerance_g", 10.0)
-        yield _End(most_g=mass_g + within_g, enough_g=mass_g - within_g) if isinstance(mass_g, int | float) else _End()
+        yield _End(most_g=mass_g + within_g) if isinstance(mass_g, int | float) else _End()
 
 
 @dataclass(frozen=True)
@@ -290,7 +290,7 @@ class Ways:
         """
         logs: Floats = np.zeros(len(self.of))
         # In log space mass times turn is convex: ever shorter steps down its slope meet its least value.
-        for pace in 0.3 * 0.98 ** np.arange(200):
+        for pace in 0.3 * 0.93 ** np.arange(55):
             turns, mass_g = self.after(logs)
             saved = price * (turns @ self.powers) / turns.sum()
             cost = np.maximum(self.each_g * self.grows * np.exp(self.grows * logs) / mass_g, _LEAST_COST)
@@ -463,7 +463,7 @@ class _Run:
     def taken(self, drive: _Weighed, factors: Mapping[str, float], end: _End) -> _Weighed:
         """The drive with the factors where they pay and fail no other check; else the farthest gets a nearer limit."""
         found, whole = None, {**drive.factors, **factors}
-        self._left -= 1
+        self._left -= 0 if end.of else 1
         with suppress(SizingError):
             found = self.drive(whole, self.sized(whole, drive.sizing))
         pays, failing = found is None or found.better(end, drive), set[str]()
@@ -477,11 +477,11 @@ class _Run:
         field = max(changed, key=lambda name: abs(changed[name]))
         if found is not None and failing and len(changed) > 1:
             field = min(changed, key=partial(self._missed_without, found, drive, failing))
-        # What is refused is tried half as far, twice; what costs more than it promised, as its followers grow, is not.
+        # What is refused, or too heavy, is tried half as far, twice; what costs more than it promised, as its followers
+        # grow, is not.
         least, most = self._bounds[field]
-        limit = factors[field] * exp(
-            -(0.5 if pays and self._refused.count(field) < _HALVINGS else 1.0) * changed[field]
-        )
+        again = (pays or found.mass_g > end.most_g) and self._refused.count(field) < _HALVINGS
+        limit = factors[field] * exp(-(0.5 if again else 1.0) * changed[field])
         self._bounds[field] = (least, limit) if changed[field] > 0.0 else (limit, most)
         self._refused.append(field)
         return drive
