@@ -71,12 +71,13 @@ def drum_bearing(given: TrialKnown) -> Found:
             for name, entry in entries.items()
             if entry["static_rating_N"] <= weak["static_rating_N"] and entry["width_mm"] <= weak["width_mm"]
         }
+
+    def allowed(kind: str) -> list[str]:
+        names = _by_mass(given, "bearings", lambda _, entry: any_will_do or bool(_beside(given, entry, kind)))
+        return [name for name in names if name not in refused]
+
     # A ring leaves the shaft open behind; where no bearing with one will do, an encoder on the shaft's end.
-    with_rings, others = (
-        _by_mass(given, "bearings", lambda _, entry, kind=kind: any_will_do or bool(_beside(given, entry, kind)))
-        for kind in (_RING, "")
-    )
-    names = [n for n in with_rings if n not in refused] or [n for n in others if n not in refused] or with_rings
+    names = allowed(_RING) or allowed("") or _by_mass(given, "bearings", lambda _, entry: bool(_beside(given, entry)))
     # A bore that the file states is a hollow centre, round which the shaft needs a wall.
     hollow = ("shaft_wall",) if given.get("drum.shaft_bore_mm") is not None else ()
     checks = (*hollow, "drum_bearings", "shaft_stress", "shaft_twist", "set_screw_tips")

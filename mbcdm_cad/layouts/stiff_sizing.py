@@ -39,8 +39,9 @@ from mbcdm_cad.sizing.known import KnownFields
 from mbcdm_cad.sizing.rule import rounded_up
 
 # Most sizings where mass and compliance are weighed, and where the file asks for a figure; factor on a number with
-# which its effect is measured, and the largest one of a round; how often a factor that is refused is halved.
-_SIZINGS, _SIZINGS_TO_FIGURE, _HALVINGS = 6, 24, 2
+# which its effect is measured, and the largest one of a round; how often a factor that is refused is halved; how near
+# the border of a check is met, as a share of a step; what a sizing for the frame's windup counts for.
+_SIZINGS, _SIZINGS_TO_FIGURE, _HALVINGS, _NEAR, _OF_FRAME = 6, 24, 2, 0.1, 0.25
 _TRIED, _MOST = 1.1, 2.5
 # Fields whose causes have less than this share of the turn stay as they are, as do those that promise less of mass
 # times turn; and rounds that promise less, the first and any other.
@@ -290,7 +291,7 @@ class Ways:
         """
         logs: Floats = np.zeros(len(self.of))
         # In log space mass times turn is convex: ever shorter steps down its slope meet its least value.
-        for pace in 0.3 * 0.93 ** np.arange(55):
+        for pace in 0.8 * 0.93 ** np.arange(60):
             turns, mass_g = self.after(logs)
             saved = price * (turns @ self.powers) / turns.sum()
             cost = np.maximum(self.each_g * self.grows * np.exp(self.grows * logs) / mass_g, _LEAST_COST)
@@ -329,7 +330,7 @@ class _Run:
         self.weighs = not self.ends[0].field
         # More metal makes no check by finite elements fail.
         self._unjudged = BY_ELEMENTS - {WINDUP} if self.weighs else _OWN
-        self._left = _SIZINGS if self.weighs else _SIZINGS_TO_FIGURE
+        self._left = float(_SIZINGS if self.weighs else _SIZINGS_TO_FIGURE)
         # Largest and least factors, nearer to 1 where a farther one was refused.
         self._bounds = {s.field: (1.0, s.most) for s in stiffeners}
         self._refused, self._effects = list[str](), dict[str, _Effect]()
@@ -463,7 +464,7 @@ class _Run:
     def taken(self, drive: _Weighed, factors: Mapping[str, float], end: _End) -> _Weighed:
         """The drive with the factors where they pay and fail no other check; else the farthest gets a nearer limit."""
         found, whole = None, {**drive.factors, **factors}
-        self._left -= 0 if end.of else 1
+        self._left -= _OF_FRAME if end.of else 1.0
         with suppress(SizingError):
             found = self.drive(whole, self.sized(whole, drive.sizing))
         pays, failing = found is None or found.better(end, drive), set[str]()
@@ -475,21 +476,38 @@ class _Run:
                 return found
         changed = {field: log(factor / drive.factors.get(field, 1.0)) for field, factor in factors.items()}
         field = max(changed, key=lambda name: abs(changed[name]))
-        if found is not None and failing and len(changed) > 1:
-            field = min(changed, key=partial(self._missed_without, found, drive, failing))
+        left = inf
+        if found is not None and failing:
+            without = {name: self._missed_with(found, failing, name, drive.value(name)) for name in changed}
+            field = min(changed, key=lambda name: without[name])
+            left = without[field]
         # What is refused, or too heavy, is tried half as far, twice; what costs more than it promised, as its followers
         # grow, is not.
         least, most = self._bounds[field]
-        again = (pays or found.mass_g > end.most_g) and self._refused.count(field) < _HALVINGS
-        limit = factors[field] * exp(-(0.5 if again else 1.0) * changed[field])
+        heavy = found is not None and found.mass_g > end.most_g
+        again = (pays or heavy) and self._refused.count(field) < _HALVINGS
+        share = 0.5 if again else 0.0
+        if found is not None and left == 0.0 and not self._by_field[field].kind:
+            share = self._border(found, failing, field, changed[field])
+        limit = factors[field] * exp((share - 1.0) * changed[field])
         self._bounds[field] = (least, limit) if changed[field] > 0.0 else (limit, most)
         self._refused.append(field)
         return drive
 
-    def _missed_without(self, refused: _Weighed, before: _Weighed, failing: Collection[str], field: str) -> float:
-        """What a drive that fails checks misses with one field as it was before."""
+    def _border(self, refused: _Weighed, failing: Collection[str], field: str, by: float) -> float:
+        """Largest share of a number's step ``by``, in logarithms, with which a refused drive holds what fails."""
+        low, high = 0.0, 1.0
+        while high - low > _NEAR:
+            middle = (low + high) / 2.0
+            value = self._by_field[field].changed(self._given, exp((middle - 1.0) * by), refused.value(field))
+            holds = self._missed_with(refused, failing, field, value) == 0.0
+            low, high = (middle, high) if holds else (low, middle)
+        return low
+
+    def _missed_with(self, refused: _Weighed, failing: Collection[str], field: str, value: Any) -> float:
+        """What a drive that fails checks misses with another value of one field."""
         try:
-            found = registry.layout_of(_drive_of(self._layout, _with(refused.sizing.data, field, before.value(field))))
+            found = registry.layout_of(_drive_of(self._layout, _with(refused.sizing.data, field, value)))
             return sum(misses(found, only=failing).values())
         except _NO_DRIVE:
             return inf
