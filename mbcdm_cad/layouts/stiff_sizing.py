@@ -44,8 +44,8 @@ from mbcdm_cad.sizing.rule import rounded_up
 _SIZINGS, _SIZINGS_TO_FIGURE, _HALVINGS, _NEAR, _OF_FRAME = 6, 24, 2, 0.1, 0.25
 _TRIED, _MOST = 1.1, 2.5
 # Fields whose causes have less than this share of the turn stay as they are, as do those that promise less of mass
-# times turn; and rounds that promise less, the first and any other.
-_LEAST_SHARE, _LEAST_GAIN, _LEAST_ROUND = 0.03, 0.004, (0.01, 0.03)
+# times turn; and rounds that promise less, the first and any other; and what much is.
+_LEAST_SHARE, _LEAST_GAIN, _LEAST_ROUND, _MUCH = 0.03, 0.004, (0.01, 0.03), -0.1
 # What is aimed at beyond a figure, for rounding. Least % of mass that 1 % of a value counts with.
 _SPARE, _LEAST_COST = 1.01, 1e-6
 # Turn that counts as none, urad/N m; share of a drum's turn in its plane from which on bending out of it is left out.
@@ -461,7 +461,7 @@ class _Run:
         factors = {field: drive.factors.get(field, 1.0) * exp(by) for field, by in changed}
         return end, factors, ways.worth(logs, price) - ways.worth(none, price)
 
-    def taken(self, drive: _Weighed, factors: Mapping[str, float], end: _End) -> _Weighed:
+    def taken(self, drive: _Weighed, factors: Mapping[str, float], end: _End, promised: float) -> _Weighed:
         """The drive with the factors where they pay and fail no other check; else the farthest gets a nearer limit."""
         found, whole = None, {**drive.factors, **factors}
         self._left -= _OF_FRAME if end.of else 1.0
@@ -481,11 +481,11 @@ class _Run:
             without = {name: self._missed_with(found, failing, name, drive.value(name)) for name in changed}
             field = min(changed, key=lambda name: without[name])
             left = without[field]
-        # What is refused, or too heavy, is tried half as far, twice; what costs more than it promised, as its followers
-        # grow, is not.
+        # What is refused, too heavy, or promised much is tried half as far, twice; what costs more than it promised, as
+        # its followers grow, is not.
         least, most = self._bounds[field]
         heavy = found is not None and found.mass_g > end.most_g
-        again = (pays or heavy) and self._refused.count(field) < _HALVINGS
+        again = (pays or heavy or promised < _MUCH) and self._refused.count(field) < _HALVINGS
         share = 0.5 if again else 0.0
         if found is not None and left == 0.0 and not self._by_field[field].kind:
             share = self._border(found, failing, field, changed[field])
@@ -521,7 +521,7 @@ class _Run:
                 break
             if end.of:
                 self._for_frame |= factors.keys()
-            drive = self.taken(drive, factors, end)
+            drive = self.taken(drive, factors, end, promised)
         return drive
 
     def eased(self, drive: _Weighed) -> _Weighed:

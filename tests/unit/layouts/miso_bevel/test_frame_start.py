@@ -95,7 +95,7 @@ def test_more_payload_screws_hold_the_torque_on_a_hub_that_leaves_a_wall_to_the_
 
 
 def test_a_hub_is_longer_where_its_set_screws_stand_behind_the_payloads_holes() -> None:
-    text = "name: strong\nconfiguration: miso_bevel\ntravel: {half_angle_deg: 59.7}\nloads: {peak_torque_Nm: 23.4, stiffness_Nm_rad: 1.0}\n"
+    text = "name: strong\nconfiguration: miso_bevel\ntravel: {half_angle_deg: 59.7}\nloads: {peak_torque_Nm: 23.4}\n"
     by_rule = _sized(text + "transmission: {ratio: 3.46, drum_radius_mm: 48.5}\ndrum: {output_screws: 5}\n")
     d = by_rule.drum
     assert hub_length(by_rule).holds, hub_length(by_rule)
