@@ -1,6 +1,7 @@
 """The engine on functions whose front is known, through the same wrapper as designs."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from itertools import product
 from pathlib import Path
 
@@ -23,7 +24,7 @@ from mbcdm_cad.optimising.wishes import Aim, Freed, Keep, wishes_of
 from mbcdm_cad.parallel import forks
 from mbcdm_cad.parallel.forks import fork_map
 from mbcdm_cad.routes import Floats
-from mbcdm_cad.solving.question import Fixed, Times, question_of, read_question
+from mbcdm_cad.solving.question import Fixed, Question, Times, question_of, read_question, stated
 
 
 def run(
@@ -85,13 +86,21 @@ def test_numbers_whole_numbers_and_names_together() -> None:
     assert {type(one["n"]) for one in asked} == {int} and {type(one["x"]) for one in asked} == {float}
 
 
+def with_all_values(question: Question) -> Question:
+    """The same drive, from a file that leaves nothing to the rules, which solve meshes themselves."""
+    data, _ = question.trial({})
+    found = question.resolve(data, {})
+    whole = stated(data, dict.fromkeys(value.field for value in found.sized), found)
+    return replace(question, data={"targets": {}, **whole})
+
+
 def test_what_needs_no_mesh_is_judged_before_any(monkeypatch: pytest.MonkeyPatch) -> None:
     def mesh(*_: object, **__: object) -> Floats:
         raise AssertionError("a mesh is solved")
 
-    question, named = question_of(new_design_text("drive", "miso_bevel")), ["swing_mrad"]
-    strand = read_question(Path(__file__).parents[3] / "params" / "optimum" / "paper-stiff-42.yaml")
-    # From here on: the sizing of the two files themselves solves meshes too, and keeps them.
+    named, optimum = ["swing_mrad"], Path(__file__).parents[3] / "params" / "optimum"
+    question = with_all_values(question_of(new_design_text("drive", "miso_bevel")))
+    strand = with_all_values(read_question(optimum / "paper-stiff-42.yaml"))
     sector_study.cache_clear()
     monkeypatch.setattr(quadrilateral, "dpbsv", mesh)
     small = evaluate(question, {}, wishes_of(["mass_g:min"], ["box_x_mm:<=50"]).keeps, named)
