@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from dataclasses import replace
-from math import inf
 from typing import Any
 
 from mbcdm_cad.checks.fixings import STRESS_SAFETY, lasting_MPa, stalled_Nm
@@ -33,9 +32,6 @@ _OUTER, _WEIGHED = "drum.windows: outer", "drum.windows: weighed"
 STRESSED_NM = 10.0
 # The same of a whole drum, whose wide rim bends the web (estimate).
 WHOLE_NM = 5.0
-# A wall takes this share of the frame's windup where it cannot meet the limit alone, and grows to this multiple of its
-# usual thickness for it (choices).
-WALL_SHARE, MOST_WALL, WINDUP = 0.2, 5.0, "frame_windup"
 # Fields that a pulley on the motor's shaft does not use; a shelf is at least so high, and the first space is tried.
 UNUSED, LEAST_SHELF_MM, COUPLING_MM = NOT_USED + "the motor's shaft carries the pulley", 3.0, 5.0
 # Engaged thread of a face's screws, in diameters.
@@ -47,51 +43,6 @@ SECTOR_SPARE_DEG = 15.0
 def either(given: TrialKnown, part: str, values: tuple[float, float]) -> float:
     """The first value for a milled part, the second for a printed one."""
     return values[1] if given.printed(part) else values[0]
-
-
-def stiff_wall(
-    given: TrialKnown,
-    field: str,
-    start: float,
-    step: float,
-    panels: tuple[str, ...],
-    checks: tuple[str, ...] = (),
-    share: float = WALL_SHARE,
-) -> Found:
-    """The thinnest wall with which its checks and ``frame_windup`` hold.
-
-    Where this wall alone cannot meet the windup, the thinnest whose own strain (that of ``panels``) takes its share of
-    the limit, so that the other walls can meet the rest. The first pass, whose frame is guessed, does not ask for it.
-    """
-    usual = given.moved(field, start, step, checks) if checks else Found(rounded_up(start, step), "")
-    value, most = float(usual.value), MOST_WALL * start
-
-    def over(value: float) -> float:
-        """Its strain over its share; 1 where the frame gives no figure, infinite where it has no metal for the load."""
-        trial = given.trial(field, value)
-        compliance, torque = trial.frame_compliance, trial.drive.loads.test_torque_Nm
-        if compliance is None:
-            return 1.0
-        if compliance.windup_urad_Nm == inf:
-            return inf
-        limit = trial.windup_limit_mrad / torque * 1e3
-        own = sum(urad for panel, urad in compliance.shares_urad_Nm.items() if panel.startswith(panels))
-        return float(own / max(limit - (compliance.windup_urad_Nm - own), share * limit))
-
-    with suppress(NoFigureError, ValueError):
-        # Where the pass before ended at the thickest, one trial tells whether this one does.
-        if given.drives.passes and given.guesses.get(field) == most and 1.0 < over(round(most - step, 9)) < inf:
-            value = most
-        tried = value
-        while given.drives.passes and (by := over(tried)) < inf:
-            value = tried
-            if by <= 1.0 or tried == most:
-                break
-            # Bending falls with the cube of the thickness, the rest with the thickness.
-            tried = min(max(rounded_up(tried * by ** (1.0 / 3.0), step), round(tried + step, 9)), most)
-    if value == usual.value or any(margin < 0.0 for margin, _ in given.margins(field, value, checks).values()):
-        return usual
-    return Found(value, WINDUP, f"up to {step:g}")
 
 
 @rule(
@@ -289,7 +240,8 @@ def drum_rules(outer_face: str, outer_face_value: Callable[[Any], Found]) -> tup
     return (WINDOWS, web, shaft_bore, hub, sector, stop_pin, rim, face, hub_face)
 
 
-def mount_rules(value: Callable[[Any], Found]) -> tuple[Rule]:
-    """Rule of the mounting screws."""
+def mount_screw(screws: Iterable[str], *checks: str) -> Rule:
+    """Rule of the mounting screws, of those of a layout, with ``checks`` that they must pass besides."""
+    field, own = "support.mount_screw", ("mounting_screws", *checks)
     text = "the thinnest that holds the peak torque by friction"
-    return (Rule("support.mount_screw", text, "mounting_screws", value),)
+    return Rule(field, text, own[0], lambda given: given.first(field, screws, own))

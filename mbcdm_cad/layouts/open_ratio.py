@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import copy
 import marshal
-from collections.abc import Mapping
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import partial
 from math import inf
 from typing import Any, Protocol
 
@@ -17,7 +18,8 @@ from mbcdm_cad.checks.size import kept_mass_g
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import LIGHTEST, Moved, Sizing, SizingError
 from mbcdm_cad.layouts.base import Layout, NoFigureError
-from mbcdm_cad.layouts.stiff_sizing import BY_ELEMENTS, layout_of, misses
+from mbcdm_cad.layouts.stiff_sizing import BY_ELEMENTS, Size, Stiffener, layout_of, misses, stiffened
+from mbcdm_cad.layouts.trial_sizing import TrialKnown, repeated
 from mbcdm_cad.sizing.known import KnownFields
 from mbcdm_cad.sizing.rule import Found, Rule
 
@@ -31,9 +33,51 @@ class SizeWith(Protocol):
     """The rules of a layout, with one more before them."""
 
     def __call__(
-        self, data: dict[str, Any], moved: Moved | None, similar: Sizing | None, ratio: tuple[Rule, ...]
+        self, data: dict[str, Any], moved: Moved | None, similar: Sizing | None, ratio: tuple[Rule, ...] = ()
     ) -> Sizing:
         """The data with its open fields filled."""
+
+
+@dataclass(frozen=True)
+class SizingRules:
+    """The sizing of a layout: ``names`` and the other ``rules`` in their order, on what is ``known`` of a drive.
+
+    ``guesses``: values of a drive of medium size for the first pass. ``missing``: requirements that no rule can fill.
+    ``open_ratio``: field of a ratio that nothing fixes in this file, "" if there is none. ``eases``: see
+    :func:`~mbcdm_cad.layouts.stiff_sizing.stiffened`.
+    """
+
+    known: type[TrialKnown]
+    names: tuple[Rule, ...]
+    rules: tuple[Rule, ...]
+    stiffeners: tuple[Stiffener, ...]
+    guesses: Callable[[Any], dict[str, Any]]
+    missing: Callable[[Any], Iterator[Broken]]
+    open_ratio: Callable[[Any], str] = lambda given: ""
+    eases: Callable[[Any], bool] = lambda given: True
+
+    def __call__(self, data: dict[str, Any], moved: Moved | None = None, similar: Sizing | None = None) -> Sizing:
+        """The data with all open fields filled; ``moved`` changes the values that rules give.
+
+        ``similar``: see :func:`~mbcdm_cad.layouts.trial_sizing.repeated`. Raises ``SizingError`` if a requirement is
+        missing.
+        """
+        given = self.known(data, {})
+        missing = list(self.missing(given))
+        if missing:
+            raise SizingError(*missing)
+
+        def by_rules(
+            data: dict[str, Any], moved: Moved | None, similar: Sizing | None, ratio: tuple[Rule, ...] = ()
+        ) -> Sizing:
+            rules, guesses = (*self.names, *ratio, *self.rules), self.guesses(self.known(data, {}))
+            return repeated(data, self.known, rules, guesses, moved, similar)
+
+        plain: Size = by_rules
+        field, layout = self.open_ratio(given), self.known.layout
+        if field:
+            plain = partial(lightest, by_rules, field, layout=layout)
+        return stiffened(plain, data, layout, self.stiffeners, moved, similar, eases=self.eases(given))
 
 
 def lightest(

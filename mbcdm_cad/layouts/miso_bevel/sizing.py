@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import replace
-from functools import partial
 from math import asin, degrees, hypot, pi, radians, sqrt, tan
 from typing import Any
 
@@ -15,7 +14,7 @@ from mbcdm_cad.checks.terminals import TERMINAL_GAP_MM
 from mbcdm_cad.checks.transfer import EDGE_BREAK_MM, RUN_OUT_MM
 from mbcdm_cad.design.bought import NO_GEARHEAD
 from mbcdm_cad.design.rules import Broken
-from mbcdm_cad.design.sized import Freedom, Moved, Sizing, SizingError
+from mbcdm_cad.design.sized import Freedom, SizingError
 from mbcdm_cad.layouts import common_freedoms
 from mbcdm_cad.layouts.base import Layout, NoFigureError
 from mbcdm_cad.layouts.common_rules import (
@@ -37,17 +36,27 @@ from mbcdm_cad.layouts.head_basis import (
     rope,
     taut_preload,
 )
-from mbcdm_cad.layouts.head_dims import WINDOWS, either, hub, payload_hub_mm, rim, shaft_bore, stop_pin, web
+from mbcdm_cad.layouts.head_dims import (
+    WINDOWS,
+    either,
+    hub,
+    mount_screw,
+    payload_hub_mm,
+    rim,
+    shaft_bore,
+    stop_pin,
+    web,
+)
 from mbcdm_cad.layouts.head_parts import PARTS
 from mbcdm_cad.layouts.miso_bevel.checks.spans import straight_span_distance_mm
 from mbcdm_cad.layouts.miso_bevel.design_file.resolve import MOST_SETBACK
 from mbcdm_cad.layouts.miso_bevel.design_file.schema import REFERENCE
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.support.dims import HEAD_ROOM_MM
-from mbcdm_cad.layouts.open_ratio import lightest
-from mbcdm_cad.layouts.stiff_sizing import SHARED, Size, bearing, stiffened, walls
+from mbcdm_cad.layouts.open_ratio import SizingRules
+from mbcdm_cad.layouts.stiff_sizing import SHARED, bearing, walls
 from mbcdm_cad.layouts.trial_drives import TrialDrives
-from mbcdm_cad.layouts.trial_sizing import MIDDLE_SIZE, TrialKnown, repeated
+from mbcdm_cad.layouts.trial_sizing import MIDDLE_SIZE, TrialKnown
 from mbcdm_cad.parts.drum_sector.dims import SCREWS
 from mbcdm_cad.parts.fits import MOUNT_SCREWS
 from mbcdm_cad.sizing.known import KnownFields
@@ -429,11 +438,6 @@ def rib(given: BevelKnown) -> Found:
     return given.moved("support.rib_mm", min(usual, most), -0.1, ("mounts", "walls"))
 
 
-@rule("support.mount_screw", "the thinnest that holds the peak torque by friction", "mounting_screws")
-def mount_screw(given: BevelKnown) -> Found:
-    return given.first("support.mount_screw", MOUNT_SCREWS, ("mounting_screws",))
-
-
 @rule("drum.sector_half_angle_deg", "travel and the wrap that must remain; larger if a box is stated", "wrap_left")
 def sector(given: BevelKnown) -> Found:
     box, outer = given.get("targets.envelope_mm"), max(given.drum_radii_mm) - given.d_mm / 2
@@ -577,7 +581,7 @@ RULES: tuple[Rule, ...] = (
         *(_OWN_PARTS.get(part.field, part) for part in PARTS),
         guide_bearing,
     ),
-    *(*FRAME, mount_screw, *DRUM, back, turn, hub_face),
+    *(*FRAME, mount_screw(MOUNT_SCREWS), *DRUM, back, turn, hub_face),
 )
 DERIVED = tuple(
     one.field
@@ -628,31 +632,8 @@ FREEDOMS: tuple[Freedom, ...] = (
 )
 
 
-def size(data: dict[str, Any], moved: Moved | None = None, similar: Sizing | None = None) -> Sizing:
-    """The data with its open fields filled; ``moved`` changes the values of rules.
-
-    ``similar``: see :func:`~mbcdm_cad.layouts.trial_sizing.repeated`. Raises ``SizingError`` where a requirement is
-    missing.
-    """
-    given = BevelKnown(data, {})
-    missing = list(_missing(given))
-    if missing:
-        raise SizingError(*missing)
-
-    def by_rules(
-        data: dict[str, Any], moved: Moved | None, similar: Sizing | None, ratio: tuple[Rule, ...] = ()
-    ) -> Sizing:
-        return repeated(data, BevelKnown, (*ratio, *RULES), _first_guesses(data), moved, similar)
-
-    both = given.has(TO_DRUM) and given.has("transmission.ratios.input_to_guide")
-    stated = given.has(RATIO) or given.has("transmission.input_radii_mm") or both
-    plain: Size = by_rules if stated else partial(lightest, by_rules, RATIO, layout=BevelLayout)
-    return stiffened(plain, data, BevelLayout, STIFFENERS, moved, similar)
-
-
-def _first_guesses(data: dict[str, Any]) -> dict[str, Any]:
+def _first_guesses(given: BevelKnown) -> dict[str, Any]:
     """Values of a drive of medium size, for fields that the first pass does not know yet."""
-    given = BevelKnown(data, {})
     first = given.drum_mm
     second, direct = 1.5, given.peek("drive.gearhead") == NO_GEARHEAD
     ratios = {"guide_to_drum": float(given.peek(RATIO) or 6.0) / second, "input_to_guide": second}
@@ -691,3 +672,11 @@ def _missing(given: BevelKnown) -> Iterator[Broken]:
     explicit = any(given.has(f"transmission.{body}_radii_mm") for body in ("guide", "input"))
     if explicit and not given.has(RADII):
         yield needed(RADII, "add the drum's radii, as other pulleys' are given")
+
+
+def _open_ratio(given: BevelKnown) -> str:
+    both = given.has(TO_DRUM) and given.has("transmission.ratios.input_to_guide")
+    return "" if given.has(RATIO) or given.has("transmission.input_radii_mm") or both else RATIO
+
+
+size = SizingRules(BevelKnown, (), RULES, STIFFENERS, _first_guesses, _missing, _open_ratio)

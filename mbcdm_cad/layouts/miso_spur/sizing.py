@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from math import inf
-from typing import Any
 
-from mbcdm_cad.design.sized import Moved, Sizing
 from mbcdm_cad.layouts.miso_spur.design_file import REFERENCE
 from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
-from mbcdm_cad.layouts.siso_spur.sizing import DERIVED, FREEDOMS, sized
+from mbcdm_cad.layouts.siso_spur.sizing import DERIVED, FREEDOMS, spur_rules
 from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
 from mbcdm_cad.sizing.rule import constant, rule
 
@@ -46,10 +44,4 @@ NAMES = (
 )
 
 
-def size(data: dict[str, Any], moved: Moved | None = None, similar: Sizing | None = None) -> Sizing:
-    """The data with all open fields filled; ``moved`` changes the values that rules give.
-
-    ``similar``: see :func:`~mbcdm_cad.layouts.trial_sizing.repeated`. Raises ``SizingError`` if a requirement
-    is missing.
-    """
-    return sized(data, RoundDrumKnown, NAMES, moved, similar)
+size = spur_rules(RoundDrumKnown, NAMES)

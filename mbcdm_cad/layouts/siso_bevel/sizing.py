@@ -9,7 +9,7 @@ from typing import Any
 
 from mbcdm_cad.checks.transfer import EDGE_BREAK_MM, RUN_OUT_MM
 from mbcdm_cad.design.rules import Broken
-from mbcdm_cad.design.sized import Freedom, Moved, Sizing, SizingError
+from mbcdm_cad.design.sized import Freedom
 from mbcdm_cad.layouts import common_freedoms
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.common_rules import SCHEMA_VERSION, half_travel, missing_travel, needed, transfer_gap
@@ -21,19 +21,19 @@ from mbcdm_cad.layouts.head_dims import (
     either,
     encoder_shelf,
     motor_shelf,
-    mount_rules,
+    mount_screw,
     side_wall,
-    stiff_wall,
 )
 from mbcdm_cad.layouts.head_parts import PARTS
+from mbcdm_cad.layouts.open_ratio import SizingRules
 from mbcdm_cad.layouts.siso_bevel.checks import LEAST_RESERVE_DEG, highest_ratio
 from mbcdm_cad.layouts.siso_bevel.design_file import REFERENCE
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
 from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
-from mbcdm_cad.layouts.stiff_sizing import SHARED, stiffened, walls
-from mbcdm_cad.layouts.trial_sizing import MIDDLE_SIZE, TrialKnown, repeated
+from mbcdm_cad.layouts.stiff_sizing import SHARED, walls
+from mbcdm_cad.layouts.trial_sizing import MIDDLE_SIZE, TrialKnown
 from mbcdm_cad.parts.fits import MOUNT_SCREWS
-from mbcdm_cad.sizing.rule import Found, Rule, constant, rule
+from mbcdm_cad.sizing.rule import Found, Rule, constant, rounded_up, rule
 
 # Wrap that stays on the input, and estimated angle of the stop's slot before it is known, deg.
 RESERVE_DEG, SLOT_DEG = 18.0, 8.0
@@ -84,37 +84,21 @@ def drum_radii(given: DirectKnown) -> Found:
     return given.first("transmission.drum_radii_mm", pairs, checks)
 
 
-@rule("support.side_wall_mm", "usual walls, thick enough for the motor head's screws and against the windup", "flange")
+@rule("support.side_wall_mm", "usual walls, thick enough for the motor head's screws", "flange")
 def _side_wall(given: DirectKnown) -> Found:
-    panels, checks = ("side walls", "motor head's walls", "motor head's back"), ("flange", "collar_space", "walls")
-    return stiff_wall(given, "support.side_wall_mm", side_wall(given), 0.1, panels, checks)
+    return given.moved("support.side_wall_mm", side_wall(given), 0.1, ("flange", "collar_space", "walls"))
 
 
-@rule(
-    "support.back_plate_mm",
-    "usual thickness for making it in its material, more where the frame winds up",
-    "frame_windup",
-)
-def back_plate(given: DirectKnown) -> Found:
-    start = max(either(given, "support", BACK_MM), given.wall_mm("support"))
-    return stiff_wall(given, "support.back_plate_mm", start, 0.1, ("column back", "box back"))
+@rule("support.back_plate_mm", "usual thickness for making it in its material", "walls")
+def back_plate(given: DirectKnown) -> float:
+    return rounded_up(max(either(given, "support", BACK_MM), given.wall_mm("support")), 0.1)
 
 
-def _mount_screw(given: DirectKnown) -> Found:
-    return given.first("support.mount_screw", MOUNT_SCREWS, ("mounting_screws", "mounts"))
-
-
-@rule(
-    "support.rib_mm",
-    "usual thickness, more where the frame winds up, or less for the height of its pockets",
-    "frame_windup",
-)
+@rule("support.rib_mm", "usual thickness, or less for the height of its pockets", "pockets")
 def rib(given: DirectKnown) -> Found:
-    """For the windup, or the usual thickness, or less if the pockets of a small drum else have no height."""
+    """The usual thickness, or less if the pockets of a small drum else have no height."""
     least = given.wall_mm("support")
     usual = max(either(given, "support", RIB_MM), least)
-    if all(margin >= 0.0 for margin, _ in given.margins("support.rib_mm", usual, ("pockets", "mounts")).values()):
-        return stiff_wall(given, "support.rib_mm", usual, 0.1, ("column ribs",), ("pockets", "mounts"))
     tried = [round(usual - 0.5 * k, 2) for k in range(ceil((usual - least) / 0.5))]
     return given.first("support.rib_mm", [*tried, least], ("pockets", "mounts"))
 
@@ -156,7 +140,6 @@ PRELOAD = (
 TRANSFER = (land_edge, transfer_gap, drum_radii)
 RESERVE = (_reserve,)
 FRAME = (motor_shelf, back_plate, rib, bearing_shelf, encoder_shelf, coupling_space, _side_wall)
-MOUNT = mount_rules(_mount_screw)
 DRUM = drum_rules("least width for lands and terminals", _outer_face)
 
 
@@ -210,7 +193,7 @@ RULES: tuple[Rule, ...] = (
     *RESERVE,
     *PARTS,
     *FRAME,
-    *MOUNT,
+    mount_screw(MOUNT_SCREWS, "mounts"),
     *DRUM,
     back,
 )
@@ -234,31 +217,13 @@ FREEDOMS: tuple[Freedom, ...] = (
 )
 
 
-def size(data: dict[str, Any], moved: Moved | None = None, similar: Sizing | None = None) -> Sizing:
-    """The data with all open fields filled; ``moved`` changes the values that rules give.
-
-    ``similar``: see :func:`~mbcdm_cad.layouts.trial_sizing.repeated`. Raises ``SizingError`` if a requirement
-    is missing.
-    """
-    given = DirectKnown(data, {})
-    missing = list(_missing(given))
-    if missing:
-        raise SizingError(*missing)
-    guesses = _first_guesses(given.drum_mm)
-    if given.has("transmission.input_to_drum"):
-        # An open ratio is found with the reserve open too: a guess of it would exclude the highest ratios.
-        guesses["transmission.reserve_deg"] = RESERVE_DEG
-
-    def plain(data: dict[str, Any], moved: Moved | None, similar: Sizing | None) -> Sizing:
-        return repeated(data, DirectKnown, RULES, guesses, moved, similar)
-
-    return stiffened(plain, data, DirectLayout, STIFFENERS, moved, similar)
-
-
-def _first_guesses(radius_mm: float) -> dict[str, Any]:
+def _first_guesses(given: DirectKnown) -> dict[str, Any]:
     """Values of a drive of medium size, for fields that the first pass does not know yet."""
+    radius_mm = given.drum_mm
     return {
         **MIDDLE_SIZE,
+        # An open ratio is found with the reserve open too: a guess of it would exclude the highest ratios.
+        **({"transmission.reserve_deg": RESERVE_DEG} if given.has("transmission.input_to_drum") else {}),
         "transmission.drum_radii_mm": [radius_mm, 1.06 * radius_mm],
         "clearances.land_edge_mm": 0.15,
         "clearances.transfer_gap_mm": 0.1,
@@ -284,3 +249,6 @@ def _missing(given: DirectKnown) -> Iterator[Broken]:
         yield needed("transmission.drum_radius_mm", "add drum_radius_mm: 58.0 (drum pitch radius of step 1)")
     elif given.has("transmission.input_radii_mm") and not given.has("transmission.drum_radii_mm"):
         yield needed("transmission.drum_radii_mm", "add the drum's radii, because those of the input are given")
+
+
+size = SizingRules(DirectKnown, (), RULES, STIFFENERS, _first_guesses, _missing)

@@ -6,18 +6,18 @@ until no field changes; the first one starts with the values of a drive of mediu
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from functools import partial
 from typing import Any
 
 from mbcdm_cad.checks.design_variables import ALL_RADII
 from mbcdm_cad.design.rules import Broken
-from mbcdm_cad.design.sized import Freedom, Moved, Sizing, SizingError
+from mbcdm_cad.design.sized import Freedom, Moved, Sizing
 from mbcdm_cad.layouts import common_freedoms
 from mbcdm_cad.layouts.common_rules import SCHEMA_VERSION, half_travel, missing_travel, needed
 from mbcdm_cad.layouts.head_basis import LIMITS, METALS, ROPE_LIMITS, TRAIN
 from mbcdm_cad.layouts.head_parts import PARTS
-from mbcdm_cad.layouts.open_ratio import lightest
+from mbcdm_cad.layouts.open_ratio import SizingRules
 from mbcdm_cad.layouts.siso_spur.drive import MOUNT_BOLTS
 from mbcdm_cad.layouts.siso_spur.sizing.basis import LAND_EDGE, NAMES, PRELOAD, RATIO, ROPE, WINDING, drum_radius
 from mbcdm_cad.layouts.siso_spur.sizing.dims import (
@@ -33,8 +33,8 @@ from mbcdm_cad.layouts.siso_spur.sizing.dims import (
 from mbcdm_cad.layouts.siso_spur.sizing.first_stage import FIRST, with_room
 from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
 from mbcdm_cad.layouts.siso_spur.sizing.stage import GUESSES, STAGE, STAGE_RATIO
-from mbcdm_cad.layouts.stiff_sizing import SHARED, Size, stiffened, walls
-from mbcdm_cad.layouts.trial_sizing import MIDDLE_SIZE, ON_SHAFT, repeated
+from mbcdm_cad.layouts.stiff_sizing import SHARED, walls
+from mbcdm_cad.layouts.trial_sizing import MIDDLE_SIZE, ON_SHAFT
 from mbcdm_cad.parts.drum_sector.dims import WHOLE_DEG
 from mbcdm_cad.sizing.rule import Rule
 
@@ -66,7 +66,7 @@ RULES: tuple[Rule, ...] = (
     *WINDING,
     *WIDTH,
     centre_distance,
-    *MOUNT,
+    MOUNT,
     *DRUM,
     back,
 )
@@ -92,39 +92,8 @@ FREEDOMS: tuple[Freedom, ...] = (
 )
 
 
-def size(data: dict[str, Any], moved: Moved | None = None, similar: Sizing | None = None) -> Sizing:
-    """The data with all open fields filled; ``moved`` changes the values that rules give.
-
-    ``similar``: see :func:`~mbcdm_cad.layouts.trial_sizing.repeated`. Raises ``SizingError`` if a requirement
-    is missing.
-    """
-    return with_room(partial(sized, known=SpurKnown, names=NAMES, moved=moved), data, similar)
-
-
-def sized(
-    data: dict[str, Any], known: type[SpurKnown], names: Sequence[Rule], moved: Moved | None, similar: Sizing | None
-) -> Sizing:
-    """As :func:`size`, with the ``known`` of the configuration and its rules for the ``names`` of inputs and cables."""
-    missing = list(_missing(SpurKnown(data, {})))
-    if missing:
-        raise SizingError(*missing)
-
-    def by_rules(
-        data: dict[str, Any], moved: Moved | None, similar: Sizing | None, ratio: tuple[Rule, ...] = ()
-    ) -> Sizing:
-        rules = (SCHEMA_VERSION, half_travel, *names, *ratio, *RULES)
-        return repeated(data, known, rules, _first_guesses(data), moved, similar)
-
-    plain: Size = by_rules
-    if _is_all_open(SpurKnown(data, {})):
-        plain = partial(lightest, by_rules, "transmission.input_to_drum", layout=known.layout)
-
-    return stiffened(plain, data, known.layout, STIFFENERS, moved, similar, eases=SpurKnown(data, {}).anchored)
-
-
-def _first_guesses(data: dict[str, Any]) -> dict[str, Any]:
+def _first_guesses(given: SpurKnown) -> dict[str, Any]:
     """Values of a drive of medium size, for fields that the first pass does not know yet."""
-    given = SpurKnown(data, {})
     radius = float(given.peek("transmission.drum_radius_mm") or 80.0)
     return {
         **MIDDLE_SIZE,
@@ -154,6 +123,23 @@ def _missing(given: SpurKnown) -> Iterator[Broken]:
         yield needed("transmission.drum_radius_mm", "add drum_radius_mm: 59.4 (drum pitch radius)")
 
 
-def _is_all_open(given: SpurKnown) -> bool:
-    """Whether neither the ratio is known nor a motor from which it follows; that of a last stage follows otherwise."""
-    return not given.has_ratio and not given.has("drive.motor") and not given.has("first_stage")
+def _open_ratio(given: SpurKnown) -> str:
+    """A ratio with neither a motor from which it follows nor a first stage, with which it follows otherwise."""
+    known = given.has_ratio or given.has("drive.motor") or given.has("first_stage")
+    return "" if known else "transmission.input_to_drum"
+
+
+def spur_rules(known: type[SpurKnown], names: tuple[Rule, ...]) -> SizingRules:
+    """The sizing of inputs beside the drum, with the ``known`` of the configuration and its rules for names."""
+    first = (SCHEMA_VERSION, half_travel, *names)
+    return SizingRules(
+        known, first, RULES, STIFFENERS, _first_guesses, _missing, _open_ratio, lambda given: bool(given.anchored)
+    )
+
+
+SIZING_RULES = spur_rules(SpurKnown, NAMES)
+
+
+def size(data: dict[str, Any], moved: Moved | None = None, similar: Sizing | None = None) -> Sizing:
+    """As :class:`~mbcdm_cad.layouts.open_ratio.SizingRules`; the input of a first stage stands where it has room."""
+    return with_room(partial(SIZING_RULES, moved=moved), data, similar)

@@ -6,7 +6,6 @@ from math import hypot
 from typing import Any
 
 from mbcdm_cad.layouts.head_dims import (
-    MOST_WALL,
     UNUSED,
     bearing_shelf,
     coupling_space,
@@ -14,9 +13,8 @@ from mbcdm_cad.layouts.head_dims import (
     either,
     encoder_shelf,
     motor_shelf,
-    mount_rules,
+    mount_screw,
     side_wall,
-    stiff_wall,
 )
 from mbcdm_cad.layouts.siso_spur.drive import MOUNT_BOLTS
 from mbcdm_cad.layouts.siso_spur.idlers import flange_radius_mm
@@ -25,6 +23,8 @@ from mbcdm_cad.sizing.rule import Found, Rule, largest, rounded_up, rule
 
 # Walls of a milled part and of a printed one, mm (estimate: the modulus of filament is about twenty times smaller).
 PLATE_MM, BRIDGE_MM = (5.0, 8.0), (4.0, 7.0)
+# Largest multiple of its usual thickness to which a bridge grows for the line of its bearings (a choice).
+MOST_BRIDGE = 5.0
 # Radius of an idler over that of the input, since the cable is bent back behind it (rope makers: a quarter larger).
 REVERSE = 1.25
 # Wall between the outer ring of a bearing and the land of its idler, mm (estimate).
@@ -35,34 +35,29 @@ REACH = 2.0
 _BEARING = "624"
 
 
-@rule("support.plate_mm", "usual thickness, or more for the motor head's screws and where the frame winds up", "flange")
+@rule("support.plate_mm", "usual thickness, or more for the screws of motor or motor head", "flange")
 def plate(given: SpurKnown) -> Found:
-    start = either(given, "support", PLATE_MM)
-    if given.servo is not None:
-        return stiff_wall(given, "support.plate_mm", start, 0.1, ("plate",), ("motor_seat",))
-    if given.overhung:
+    start, check = either(given, "support", PLATE_MM), "flange"
+    if given.overhung or given.servo is not None:
+        check = "motor_seat"
+    if given.overhung and given.servo is None:
         sunk = given["support.motor_shelf_mm"] + given.screw(given.gearhead.screw).head_height_mm
         usual, grip = max(start, sunk), "motor_shaft_grip"
         # The shaft ends soon behind its face.
         start = usual if given.margins("support.plate_mm", usual, (grip,))[grip][0] >= 0.0 else sunk
-        return stiff_wall(given, "support.plate_mm", start, 0.1, ("plate",), ("motor_seat",))
-    return stiff_wall(given, "support.plate_mm", start, 0.1, ("plate",), ("flange",))
+    return given.moved("support.plate_mm", start, 0.1, (check,))
 
 
-@rule(
-    "support.bridge_mm",
-    "usual thickness for making it in its material, more where the frame winds up or its bearings lean",
-    "frame_windup",
-)
+@rule("support.bridge_mm", "usual thickness for making it in its material, more where its bearings lean", "walls")
 def bridge(given: SpurKnown) -> Found:
+    usual = either(given, "support", BRIDGE_MM)
     if given.overhung:
-        return Found(either(given, "support", BRIDGE_MM), UNUSED)
-    start = max(either(given, "support", BRIDGE_MM), given.wall_mm("support"))
-    stiff = stiff_wall(given, "support.bridge_mm", start, 0.5, ("bridge",))
+        return Found(usual, UNUSED)
+    start = rounded_up(max(usual, given.wall_mm("support")), 0.5)
     if not given.drives.passes:
-        return stiff
-    lean = given.moved("support.bridge_mm", float(stiff.value), 0.5, ("bearing_line",))
-    return lean if stiff.value < lean.value <= MOST_WALL * start else stiff
+        return Found(start)
+    lean = given.moved("support.bridge_mm", start, 0.5, ("bearing_line",))
+    return lean if lean.value <= MOST_BRIDGE * start else Found(start)
 
 
 @rule("transmission.centre_distance_mm", "the shortest that span, bearings, screws and motor allow", "input_room")
@@ -88,11 +83,6 @@ def centre_distance(given: SpurKnown) -> Found:
     wide = given.has("stage.kind") or given.has("first_stage") or given.get("drum.shaft_end_mm", 0.0) > 0.0
     beside = ("flange",) if wide else ()
     return given.moved("transmission.centre_distance_mm", start, 0.5, (*checks, *beside, *come_by))
-
-
-def _mount_screw(given: SpurKnown) -> Found:
-    # The centre distance makes room for it.
-    return given.first("support.mount_screw", MOUNT_BOLTS, ("mounting_screws",))
 
 
 @rule("support.back_y_mm", "nearest plane with enough distance between the drum's bearings", "drum_bearing_spacing")
@@ -198,7 +188,8 @@ FRAME = (
     coupling_space,
     plate,
 )
-MOUNT = mount_rules(_mount_screw)
+# The centre distance makes room for it.
+MOUNT = mount_screw(MOUNT_BOLTS)
 DRUM = drum_rules("least width for cable and terminals", _outer_face)
 IDLERS = (radius, places)
 WIDTH = (_bearing, width)
