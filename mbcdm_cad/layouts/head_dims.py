@@ -205,8 +205,10 @@ def rim(given: TrialKnown) -> Found:
 
 @rule("drum.stop_pin_mm", "the thinnest pin that holds the stalled motor", "stop_pin")
 def stop_pin(given: TrialKnown) -> Found:
-    """Diameter of the stop pin."""
-    return given.first("drum.stop_pin_mm", STOP_PINS_MM, ("stop_pin",))
+    """Diameter of the stop pin; after two passes no thinner again, for a thinner web goes with a thicker pin."""
+    field = "drum.stop_pin_mm"
+    least = given.guesses.get(field, 0.0) if given.drives.passes > 1 else 0.0
+    return given.first(field, [pin for pin in STOP_PINS_MM if pin >= least], ("stop_pin",))
 
 
 @rule("drum.hub_face_y_mm", "least length for set screws and payload threads", "hub_length")

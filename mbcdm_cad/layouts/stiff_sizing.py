@@ -485,7 +485,9 @@ class _Run:
         # its followers grow, is not.
         least, most = self._bounds[field]
         heavy = found is not None and found.mass_g > end.most_g
-        again = (pays or heavy or promised < _MUCH) and self._refused.count(field) < _HALVINGS
+        # The sizes of a part are few: half as far is soon the same one.
+        halvings = 1 if self._by_field[field].kind else _HALVINGS
+        again = (pays or heavy or promised < _MUCH) and self._refused.count(field) < halvings
         share = 0.5 if again else 0.0
         if found is not None and left == 0.0 and not self._by_field[field].kind:
             share = self._border(found, failing, field, changed[field])
