@@ -212,15 +212,15 @@ class TrialKnown(RopeKnown):
 
         Each trial moves by the missing margin of the worst check, if it is a length, else by growing steps. Checks that
         hold at no trial must be met by another field: they are left out of a second search. If that finds no value
-        either, the result is the one that misses least. If the pass before searched from the same start, only the last
-        trials of that search are repeated, unless they have another result now.
+        either, the result is the one that misses least. If the pass before searched from the same start, the search goes
+        on from its last trial that failed, unless that one holds now.
         """
         checks = (*checks, *self.own_checks.get(field, ()))
         way = Way(field, rounded_up(start, step) if step > 0.0 else _down(start, -step), step, checks)
         before = self.drives.ends.get(way)
         if before is not None:
             found, tried, _ = self._searched(way, before.checks, before.failing)
-            if found is not None and len(tried) == (1 if before.failing is None else 2):
+            if found is not None and (before.failing is None) == (len(tried) == 1):
                 return self._without(field, found, checks, before.checks)
         found, tried, failing = self._searched(way, checks)
         within = checks if found is not None else _within_reach(checks, tried)
