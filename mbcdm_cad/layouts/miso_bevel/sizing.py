@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import replace
+from itertools import pairwise
 from math import asin, degrees, hypot, pi, radians, sqrt, tan
 from typing import Any
 
@@ -60,7 +61,7 @@ from mbcdm_cad.layouts.trial_sizing import MIDDLE_SIZE, TrialKnown
 from mbcdm_cad.parts.drum_sector.dims import SCREWS
 from mbcdm_cad.parts.fits import MOUNT_SCREWS
 from mbcdm_cad.sizing.known import KnownFields
-from mbcdm_cad.sizing.rule import Found, Rule, constant, rounded_down, rounded_up, rule
+from mbcdm_cad.sizing.rule import Found, Rule, constant, driver_of, rounded_down, rounded_up, rule
 
 STEPS = 4
 RADII, RATIO, TO_DRUM = "transmission.drum_radii_mm", "transmission.ratio", "transmission.ratios.guide_to_drum"
@@ -258,10 +259,13 @@ def preload(given: BevelKnown) -> Found:
     return usual if found.value == usual.value else found
 
 
-@rule("clearances.land_edge_mm", "a broken edge and the run-out, less for a thin rope", "land_edge")
+@rule("clearances.land_edge_mm", "a broken edge and the run-out, less for a thin rope or stated steps", "land_edge")
 def land_edge(given: BevelKnown) -> Found:
-    wanted, limit = EDGE_BREAK_MM + RUN_OUT_MM, given.d_mm / 2 - RUN_OUT_MM
-    return Found(round(max(min(wanted, limit), EDGE_BREAK_MM), 4), "land_edge")
+    needs = {"land_edge": EDGE_BREAK_MM + RUN_OUT_MM, "bodies_clear": given.d_mm / 2 - RUN_OUT_MM}
+    if given.has(RADII) and (given.has(TO_DRUM) or not _needs_ratios(given)):
+        rise = min(b - a for a, b in pairwise(given.guide_radii_mm))
+        needs["land_width"] = rounded_down(rise - given.d_mm / 2, 0.001)
+    return Found(round(max(min(needs.values()), EDGE_BREAK_MM), 4), driver_of(needs, min))
 
 
 @rule(RADII, "equal steps, the least for the lands, the walk on the inputs and the terminals", "input_walk")
@@ -316,6 +320,13 @@ def input_to_guide(given: BevelKnown) -> float:
 def surface(given: BevelKnown) -> Found:
     if not given.has(DISTANCE):
         return Found("smooth", "centre distance follows")
+    distance_mm, across_mm = given[DISTANCE], given.across_mm
+    if given.drives.passes and distance_mm <= across_mm:
+        what, remedy = "too short for guide and input pulley beside each other", "raise it, lower the drum's radius"
+        path, limit = ("transmission", "centre_distance_mm"), f"over {across_mm:.4g} mm, their radii"
+        raise SizingError(
+            Broken(path, what, f"{distance_mm:.4g} mm", limit, f"{remedy}, or leave it out", may_move=True)
+        )
     across, distance = given.across_mm, given[DISTANCE]
     if given.drives.passes and distance <= across:
         what, remedy = "too short for guide and input pulley beside each other", "raise it, lower the drum's radius"

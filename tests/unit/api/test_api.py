@@ -412,9 +412,11 @@ loads: {peak_torque_Nm: 2.0}
 
 
 def test_rules_may_route_the_cables_of_some_designs_otherwise() -> None:
-    design = mc.DriveDesign(load_text(SHORT)).with_(transmission__centre_distance_mm=60.0)
-    ranges = {"loads.peak_torque_Nm": [2.0, 20.0]}
-    each = [design.with_(loads__peak_torque_Nm=torque) for torque in ranges["loads.peak_torque_Nm"]]
+    """A motor of 87 mm stands behind the drum only if set back."""
+    text = SHORT.replace("drum_radius_mm: 60.0", "drum_radius_mm: 60.0, centre_distance_mm: 60.0").replace("9.0", "5.0")
+    ranges = {"drive.motor": ["maxon-ec60flat-200W", "tmotor-u8-100kv"]}
+    design = mc.DriveDesign(load_text(text + "drive: {gearhead: none}\n"))
+    each = [design.with_(drive__motor=motor) for motor in ranges["drive.motor"]]
     assert len({one.drive.input_setback_mm for one in each}) == 2
     swings = [one.analyse().figures.reversal_swing_mrad for one in each]
     assert mc.analyse_many(design, ranges)["reversal_swing_mrad"] == pytest.approx(swings, rel=1e-9)
