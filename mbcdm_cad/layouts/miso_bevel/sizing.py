@@ -320,13 +320,6 @@ def input_to_guide(given: BevelKnown) -> float:
 def surface(given: BevelKnown) -> Found:
     if not given.has(DISTANCE):
         return Found("smooth", "centre distance follows")
-    distance_mm, across_mm = given[DISTANCE], given.across_mm
-    if given.drives.passes and distance_mm <= across_mm:
-        what, remedy = "too short for guide and input pulley beside each other", "raise it, lower the drum's radius"
-        path, limit = ("transmission", "centre_distance_mm"), f"over {across_mm:.4g} mm, their radii"
-        raise SizingError(
-            Broken(path, what, f"{distance_mm:.4g} mm", limit, f"{remedy}, or leave it out", may_move=True)
-        )
     across, distance = given.across_mm, given[DISTANCE]
     if given.drives.passes and distance <= across:
         what, remedy = "too short for guide and input pulley beside each other", "raise it, lower the drum's radius"
