@@ -100,7 +100,7 @@ class BevelKnown(TrialKnown):
     layout = BevelLayout
     asked = (
         *("travel.half_angle_deg", "loads.peak_torque_Nm", "rope.type", "rope.preload_N"),
-        *("drive.motor", "drive.gearhead"),
+        *("drive.motor", "drive.gearhead", RADII, TO_DRUM, DISTANCE),
     )
     own_checks: Mapping[str, tuple[str, ...]] = {
         "input_pulleys.lower_bearing": ("bearing_shoulders",),
