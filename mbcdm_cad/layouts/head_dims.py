@@ -152,8 +152,10 @@ def _windows_cost(given: TrialKnown) -> bool:
         return urad_Nm(drum_structure_of(trial).causes) * DrumSector(trial.drum, thread).volume_mm3()
 
     # Before the first pass, what is guessed says nothing about the stress; once closed, they stay closed.
+    if not given.drives.passes:
+        return bool(given.guesses.get("drum.windows") == "none")
     closed = given.drives.windows
-    if _OUTER not in closed and given.drives.passes > 0:
+    if _OUTER not in closed:
         outer = strength("outer")
         if outer < STRESS_SAFETY and strength("none") > CLOSED_GAIN * max(outer, 0.0):
             closed.add(_OUTER)

@@ -470,7 +470,8 @@ class _Run:
         pays, failing = found is None or found.better(end, drive), set[str]()
         if found is not None and pays:
             failing = set(misses(found.layout, self._unjudged))
-            if not failing or failing <= misses(drive.layout, self._unjudged).keys():
+            failing -= misses(drive.layout, self._unjudged).keys() if failing else set()
+            if not failing:
                 if end.field:
                     self._effects.clear()
                 return found

@@ -57,6 +57,8 @@ class TrialDrives:
         self.ends: dict[Way, End] = {}
         # Parts that did not carry their load in a pass, in the design that followed from them.
         self.refused: set[str] = set()
+        # Numbers that went up and down in turn, with the larger of both values, from which they are searched upwards.
+        self.held: dict[str, float] = {}
         # What its passes remember of the windows of the drum's web.
         self.windows: set[str] = set()
         # Passes of the sizing so far: before the first, values that are guessed say nothing about the drive.

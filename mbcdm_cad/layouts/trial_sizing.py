@@ -212,11 +212,12 @@ class TrialKnown(RopeKnown):
 
         Each trial moves by the missing margin of the worst check, if it is a length, else by growing steps. Checks that
         hold at no trial must be met by another field: they are left out of a second search. If that finds no value
-        either, the result is the one that misses least. If the pass before searched from the same start, the search goes
-        on from its last trial that failed, unless that one holds now.
+        either, the result is the one that misses least. If the pass before searched from the same start, the search
+        goes on from its last trial that failed, unless that one holds now.
         """
         checks = (*checks, *self.own_checks.get(field, ()))
-        way = Way(field, rounded_up(start, step) if step > 0.0 else _down(start, -step), step, checks)
+        start = rounded_up(max(start, self.drives.held.get(field, start)), step) if step > 0.0 else _down(start, -step)
+        way = Way(field, start, step, checks)
         before = self.drives.ends.get(way)
         if before is not None:
             found, tried, _ = self._searched(way, before.checks, before.failing)
@@ -357,6 +358,7 @@ def repeated(
     trials; if the rules have more than one fixed point, the result may be another one than with ``guesses``.
     """
     drives: TrialDrives | None = None
+    before: Mapping[str, Any] = {}
     if similar is not None:
         guesses = {**guesses, **{value.field: value.value for value in similar.values}}
         drives = known(data, guesses).drives
@@ -373,7 +375,15 @@ def repeated(
         settled = all(guesses.get(field) == value for field, value in found.items())
         if settled and (passed >= _LEAST_PASSES or similar is not None):
             break
-        guesses = {**guesses, **found}
+        # Two values that ask for each other in turn, as a web and its rim, are settled by the larger.
+        back = {
+            field: value for field, value in found.items() if isinstance(value, float) and value == before.get(field)
+        }
+        drives.held |= {f: max(value, guesses[f]) for f, value in back.items() if value != guesses.get(f)}
+        before = guesses
+        # Of a field that its rule left out this time, nothing is guessed any more.
+        left_out = {rule.field for rule in rules} - found.keys()
+        guesses = {**{field: value for field, value in guesses.items() if field not in left_out}, **found}
         if passed >= _MOST_PASSES and not _weak_bearing(given, found):
             break
     return replace(sizing, ends=given.drives.ends, refused=frozenset(given.drives.refused))

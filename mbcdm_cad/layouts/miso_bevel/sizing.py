@@ -19,6 +19,7 @@ from mbcdm_cad.design.sized import Freedom, SizingError
 from mbcdm_cad.layouts import common_freedoms
 from mbcdm_cad.layouts.base import Layout, NoFigureError
 from mbcdm_cad.layouts.common_rules import (
+    LEAST_WIRE_RATIO,
     SCHEMA_VERSION,
     end_share,
     half_travel,
@@ -244,11 +245,18 @@ def _needs_ratios(given: BevelKnown) -> bool:
 
 
 def _rope(given: BevelKnown) -> Found:
-    """The thinnest with a swaged end; the cable that bears most has more than its share of the peak torque."""
+    """The thinnest with a swaged end, or the thickest that the inputs may bend, whose preload is less then.
+
+    The cable that bears most has more than its share of the peak torque.
+    """
     tension_N, share = (PRELOAD_FACTOR + MOST_UNEVEN) * given.half_torque_N, end_share(given, SWAGED_SHARE)
     needed_N, ropes = given["limits.tension_safety_factor"] * tension_N / share, ropes_to_choose(given)
-    strong = (name for _, name, breaking_N in ropes if breaking_N >= needed_N)
-    return Found(next(strong, ropes[-1][1]), "tension", "next size of the catalogue")
+    strong = next((one for one in ropes if one[2] >= needed_N), ropes[-1])
+    most_mm = 2.0 * given.drum_mm / given.ratio / given.get("limits.bend_ratio_min", LEAST_WIRE_RATIO)
+    bent = [name for d_mm, name, _ in ropes if d_mm <= most_mm]
+    if strong[0] <= most_mm or not bent:
+        return Found(strong[1], "tension", "next size of the catalogue")
+    return Found(bent[-1], "bend_ratio", "next smaller size of the catalogue")
 
 
 @rule("rope.preload_N", "twice what keeps the cables taut at peak torque, less where the ends hold less", "no_slack")
@@ -511,7 +519,9 @@ def _screws_fit(given: BevelKnown, screws: int) -> bool:
 def _crowded(given: BevelKnown) -> bool:
     """Whether the hub for four screws has no room; that of a pass is judged with the other parts of the one before."""
     stated = given.has("drum.hub_diameter_mm") or given.has("drum.output_circle_mm")
-    return not stated and given.drives.passes > 0 and not _screws_fit(given, SCREWS)
+    if stated or not given.drives.passes:
+        return not stated and given.guesses.get("drum.output_screws", SCREWS) > SCREWS
+    return not _screws_fit(given, SCREWS)
 
 
 @rule(
