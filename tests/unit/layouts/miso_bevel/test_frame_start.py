@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import pytest
 
-from mbcdm_cad.checks.comparison import Comparison
 from mbcdm_cad.checks.drum_sector import hub_length, stop_slot
 from mbcdm_cad.checks.structure import drum_stress, frame_windup, mounting_screws, payload_screws
 from mbcdm_cad.layouts.loader import layout_of, load_text
@@ -48,10 +47,6 @@ def _sized(text: str) -> BevelLayout:
     return layout
 
 
-def _holds(found: Comparison) -> bool:
-    return found.holds
-
-
 @pytest.mark.parametrize(
     ("text", "walls"),
     [
@@ -62,8 +57,8 @@ def _holds(found: Comparison) -> bool:
 )
 def test_walls_of_a_printed_frame_follow_from_its_windup(text: str, walls: str) -> None:
     by_rule, usual = _sized(text + PRINTED % ""), _sized(text + PRINTED % walls)
-    assert _holds(frame_windup(by_rule)), frame_windup(by_rule)
-    assert not _holds(frame_windup(usual)), "usual walls hold: this design shows nothing"
+    assert frame_windup(by_rule).holds, frame_windup(by_rule)
+    assert not frame_windup(usual).holds, "usual walls hold: this design shows nothing"
 
 
 def test_mounting_screws_follow_from_the_torque() -> None:

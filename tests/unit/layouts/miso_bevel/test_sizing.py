@@ -146,11 +146,6 @@ def test_at_a_small_ratio_the_terminals_take_up_the_cable_on_guide_and_inputs(
     assert failing(loaded) == {}
 
 
-def test_a_complete_file_is_left_alone() -> None:
-    loaded = load_text(yaml.safe_dump(REFERENCE))
-    assert loaded.sized == ()
-
-
 FIGURES = [found for found in size(stated()).values if isinstance(found.value, float)]
 
 
