@@ -334,6 +334,7 @@ class _Run:
         # Largest and least factors, nearer to 1 where a farther one was refused.
         self._bounds = {s.field: (1.0, s.most) for s in stiffeners}
         self._refused, self._effects = list[str](), dict[str, _Effect]()
+        self._measured_for: _End | None = None
         self._flat: bool | None = None
         # What was changed for the frame's windup, before anything was weighed.
         self._for_frame = set[str]()
@@ -417,6 +418,9 @@ class _Run:
     def ways(self, drive: _Weighed, end: _End) -> Ways | None:
         """Fields that can be raised, or taken back, and what each does; None where there are none."""
         # Where mass and compliance are weighed, a second round corrects the first: what was measured there holds.
+        if end is not self._measured_for:
+            self._effects.clear()
+        self._measured_for = end
         turns, found, known = drive.counted(end), list[tuple[Any, ...]](), bool(self._effects)
         for s in self._by_field.values():
             value, factor, (least, most) = drive.value(s.field), drive.factors.get(s.field, 1.0), self._bounds[s.field]

@@ -102,6 +102,12 @@ class TrialKnown(RopeKnown):
         super().put(field, value)
         self._filled = self._whole(field, value)
 
+    def leave_out(self, field: str) -> None:
+        """See the base class; later trials of the pass have no guess of the field either."""
+        block, _, name = field.partition(".")
+        if field in self.guesses:
+            self._filled = {**self._filled, block: {k: v for k, v in self._filled[block].items() if k != name}}
+
     @property
     def axial_stiffness_N(self) -> float:
         """EA of the rope, with the modulus of the design, else of the catalogue."""
@@ -376,14 +382,11 @@ def repeated(
         if settled and (passed >= _LEAST_PASSES or similar is not None):
             break
         # Two values that ask for each other in turn, as a web and its rim, are settled by the larger.
-        back = {
-            field: value for field, value in found.items() if isinstance(value, float) and value == before.get(field)
-        }
-        drives.held |= {f: max(value, guesses[f]) for f, value in back.items() if value != guesses.get(f)}
-        before = guesses
-        # Of a field that its rule left out this time, nothing is guessed any more.
-        left_out = {rule.field for rule in rules} - found.keys()
-        guesses = {**{field: value for field, value in guesses.items() if field not in left_out}, **found}
+        for field, value in found.items():
+            if isinstance(value, float) and value == before.get(field) != guesses.get(field, value):
+                drives.held[field] = max(value, guesses[field])
+        before = guesses if passed > 1 else {}  # the first guesses are no values of this drive
+        guesses = {**guesses, **found}
         if passed >= _MOST_PASSES and not _weak_bearing(given, found):
             break
     return replace(sizing, ends=given.drives.ends, refused=frozenset(given.drives.refused))

@@ -18,7 +18,10 @@ def fill(given: KnownFields, rules: Iterable[Rule], moved: Moved | None = None) 
     moved = moved or {}
     records: list[SizedValue] = []
     for rule in rules:
-        if given.has(rule.field) or not rule.applies(given):
+        if given.has(rule.field):
+            continue
+        if not rule.applies(given):
+            given.leave_out(rule.field)
             continue
         given.start()
         try:

@@ -96,6 +96,9 @@ class KnownFields:
             at = at[part]
         at[last] = value
 
+    def leave_out(self, field: str) -> None:
+        """A rule leaves the field out of this design."""
+
     def start(self) -> None:
         """Clear the record of fields read, before the next rule."""
         self._read, self._known = {}, {}
