@@ -32,10 +32,8 @@ def renewed(row: str, path: Path) -> str:
     name, *pairs = row.removeprefix("| ").removesuffix(" |").split(" | ")[:4]
     before = [pair.split(", ")[0] for pair in pairs]
     mass_g, turn_urad_Nm, share = figures(path)
-    shown = [
-        f"{was}, {now}"
-        for was, now in zip(before, (f"{mass_g:.0f}", f"{turn_urad_Nm:.0f}", f"{share:.2g}"), strict=True)
-    ]
+    now = f"{mass_g:.0f}", f"{turn_urad_Nm:.{int(turn_urad_Nm < 20.0)}f}", f"{share:.2g}"
+    shown = [f"{first}, {second}" for first, second in zip(before, now, strict=True)]
     if shown == pairs:
         return row  # the product is that of figures before they were rounded
     product = mass_g * turn_urad_Nm / (float(before[0]) * float(before[1]))
