@@ -130,7 +130,6 @@ def test_a_printed_web_bears_its_stress_beside_the_slot_of_a_thick_pin() -> None
         "rope": {"type": "7x7-0.45"},
         **{part: {"material": "pa12"} for part in ("drum", "guide", "support")},
     }
-    drive = load_text(yaml.safe_dump(file)).drive
-    layout = layout_of(drive)
+    layout = layout_of(load_text(yaml.safe_dump(file)).drive)
     assert isinstance(layout, SectorLayout)
-    assert drive.drum.stop_pin_mm >= 5.0 and drum_stress(layout).holds, drum_stress(layout)
+    assert layout.drive.drum.stop_pin_mm >= 5.0 and drum_stress(layout).holds, drum_stress(layout)
