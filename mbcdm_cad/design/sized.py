@@ -102,8 +102,8 @@ class SizedValue:
 class Sizing:
     """A file's data with every field filled, and a record for each field that a rule filled, in the rules' order.
 
-    ``ends``: how the searches of the rules ended, where they search, and ``refused`` what a drive of them did not bear;
-    the sizing of a similar design begins there.
+    ``ends``: how the searches of the rules ended, where they search, and ``refused`` what a drive of them did not bear,
+    ``held`` what went up and down; the sizing of a similar design begins there.
     ``raised``: factors on the values of rules with which the design is as stiff, or turns as easily, as its file asks;
     None where it asks for neither. ``ratio``: what the lightest of several drives had, where file and rules of single
     fields leave the ratio open.
@@ -113,6 +113,7 @@ class Sizing:
     values: tuple[SizedValue, ...]
     ends: Mapping[Any, Any] = field(default_factory=dict)
     refused: frozenset[str] = frozenset()
+    held: Mapping[str, float] = field(default_factory=dict)
     raised: Mapping[str, float] | None = None
     ratio: float | None = None
 

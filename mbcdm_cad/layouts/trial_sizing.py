@@ -38,7 +38,8 @@ _MOST_TRIALS = 40
 # If so many trials in a row miss the same check by the same amount, the field does not affect it.
 _MOST_IDLE = 8
 # Passes before the usual end of a sizing; what a drive misses is looked at after the second (``missed_before``).
-_LEAST_PASSES, _MOST_PASSES = 3, 6
+# From the fourth pass, values that go up and down are no search for others any more.
+_LEAST_PASSES, _LATE, _MOST_PASSES = 3, 4, 6
 # Fields that are no lengths: a missing margin in mm does not give their next step.
 _RATIOS = ("transmission.input_to_drum",)
 _ON_STEP = 1e-9
@@ -363,17 +364,17 @@ def repeated(
     ``similar``: a sizing of nearly the same data. The first pass then starts with its values, which saves most of the
     trials; if the rules have more than one fixed point, the result may be another one than with ``guesses``.
     """
-    drives: TrialDrives | None = None
     before: Mapping[str, Any] = {}
+    drives = known(data, guesses).drives
     if similar is not None:
         guesses = {**guesses, **{value.field: value.value for value in similar.values}}
-        drives = known(data, guesses).drives
         # A search in which a check was met by no value is made again, because a value may meet it here.
         drives.ends |= {way: end for way, end in similar.ends.items() if end.checks == way.checks}
         drives.refused |= similar.refused
+        drives.held |= similar.held
     for passed in range(1, 2 * _MOST_PASSES + 1):
         given = known(copy.deepcopy(data), guesses, drives)
-        drives, sizing = given.drives, fill(given, rules, moved)
+        sizing = fill(given, rules, moved)
         drives.passes += 1
         if passed == 1 and similar is None:
             drives.ends.clear()  # what no value met beside guesses, some value may meet now
@@ -382,14 +383,16 @@ def repeated(
         if settled and (passed >= _LEAST_PASSES or similar is not None):
             break
         # Two values that ask for each other in turn, as a web and its rim, are settled by the larger.
-        for field, value in found.items():
-            if isinstance(value, float) and value == before.get(field) != guesses.get(field, value):
-                drives.held[field] = max(value, guesses[field])
-        before = guesses if passed > 1 else {}  # the first guesses are no values of this drive
+        for value in sizing.values if passed >= _LATE else ():
+            field, now = value.field, value.value
+            back = isinstance(now, float) and now == before.get(field) != guesses[field]
+            if back and "no value" not in value.rounding:
+                drives.held[field] = max(now, guesses[field])
+        before = guesses
         guesses = {**guesses, **found}
         if passed >= _MOST_PASSES and not _weak_bearing(given, found):
             break
-    return replace(sizing, ends=given.drives.ends, refused=frozenset(given.drives.refused))
+    return replace(sizing, ends=drives.ends, refused=frozenset(drives.refused), held=drives.held)
 
 
 def _weak_bearing(given: TrialKnown, found: Mapping[str, Any]) -> bool:
