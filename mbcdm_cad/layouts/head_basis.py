@@ -13,23 +13,8 @@ from mbcdm_cad.design.blocks import DutyBlock
 from mbcdm_cad.design.bought import NO_GEARHEAD, Motor
 from mbcdm_cad.design.fields import validated
 from mbcdm_cad.design.stage import EFFICIENCY, LEAST_TEETH, SERVICE, belt_reach_mm, carrying_belt, driven_teeth
+from mbcdm_cad.layouts import common_rules
 from mbcdm_cad.layouts.base import NoFigureError
-from mbcdm_cad.layouts.common_rules import (
-    DRUM_MATERIAL,
-    LEAST_WIRE_RATIO,
-    MESH_TOLERANCE,
-    PRELOAD_SHARE,
-    RUNNING,
-    SHAFT_MATERIAL,
-    STOP_CLEARANCE,
-    SUPPORT_MATERIAL,
-    TENSION_SAFETY,
-    bend_ratio,
-    end_share,
-    friction,
-    ropes_to_choose,
-    test_torque,
-)
 from mbcdm_cad.layouts.trial_sizing import TrialKnown
 from mbcdm_cad.model.duty import DEFAULT_PEAK_SHARE, DEFAULT_PERIOD_S, DEFAULT_TORQUE_SHARE, Duty, default_duty, of_rows
 from mbcdm_cad.model.heat import RATED_AT_C, STANDSTILL_SHARE, motor_heat
@@ -58,14 +43,14 @@ def thinnest_rope_by(given: TrialKnown, tension_N: Callable[[float], float]) -> 
 
     The tension depends on the rope's diameter, mm.
     """
-    ropes = ropes_to_choose(given)
+    ropes = common_rules.ropes_to_choose(given)
     strong = (one[1] for one in ropes if one[2] >= holding_N(given, tension_N, one))
     return Found(next(strong, ropes[-1][1]), "tension", "next size of the catalogue")
 
 
 def holding_N(given: TrialKnown, tension_N: Callable[[float], float], one: tuple[float, str, float]) -> float:
     """Breaking load that a rope (diameter in mm, name, breaking load) needs for its tension, safety factor and ends."""
-    needed = float(given["limits.tension_safety_factor"]) / end_share(given, END_SHARE)
+    needed = float(given["limits.tension_safety_factor"]) / common_rules.end_share(given, END_SHARE)
     return needed * tension_N(one[0])
 
 
@@ -142,7 +127,7 @@ def input_needs_mNm(given: TrialKnown) -> float:
     needed = TORQUE_SPARE * given.input_peak_Nm * 1e3
     if not counts_losses(given):
         return needed
-    lost = float(tangent_share(1.0, max(given.get("limits.bend_ratio_min", LEAST_WIRE_RATIO), 1.0)))
+    lost = float(tangent_share(1.0, max(given.get("limits.bend_ratio_min", common_rules.LEAST_WIRE_RATIO), 1.0)))
     return needed * (1.0 + LOST_SPARE * PRELOADS * lost)
 
 
@@ -399,12 +384,19 @@ def _motor(given: TrialKnown) -> Found:
     return _preferred(given, "drive.motor", trains, names[0], "the lightest")
 
 
-LIMITS = (STOP_CLEARANCE, test_torque, TENSION_SAFETY, PRELOAD_SHARE, MESH_TOLERANCE, RUNNING)
+LIMITS = (
+    common_rules.STOP_CLEARANCE,
+    common_rules.test_torque,
+    common_rules.TENSION_SAFETY,
+    common_rules.PRELOAD_SHARE,
+    common_rules.MESH_TOLERANCE,
+    common_rules.RUNNING,
+)
 METALS = (
-    DRUM_MATERIAL,
-    SHAFT_MATERIAL,
+    common_rules.DRUM_MATERIAL,
+    common_rules.SHAFT_MATERIAL,
     constant("input_pulleys.material", "steel", "allows thin walls round the motor's shaft", "bore_wall"),
-    SUPPORT_MATERIAL,
+    common_rules.SUPPORT_MATERIAL,
 )
 TRAIN = (gearhead, _motor)
-ROPE_LIMITS = (bend_ratio, friction)
+ROPE_LIMITS = (common_rules.bend_ratio, common_rules.friction)

@@ -14,16 +14,7 @@ from math import ceil, floor, inf, pi
 from typing import Any
 
 from mbcdm_cad.checks.comparison import TOLERANCE
-from mbcdm_cad.design.bought import (
-    NO_BEARING,
-    NO_ENCODER,
-    NO_GEARHEAD,
-    Gearhead,
-    Motor,
-    Servo,
-    ServoOutput,
-    without_gearhead,
-)
+from mbcdm_cad.design import bought
 from mbcdm_cad.design.resolve import Catalogue
 from mbcdm_cad.design.rules import every_broken_rule
 from mbcdm_cad.design.sized import Moved, Sizing, SizingError
@@ -65,9 +56,9 @@ MIDDLE_SIZE: Mapping[str, Any] = {
 }
 # The same of a pulley on the motor's shaft.
 ON_SHAFT: Mapping[str, Any] = {
-    "drive.encoder": NO_ENCODER,
-    "input_pulleys.lower_bearing": NO_BEARING,
-    "input_pulleys.upper_bearing": NO_BEARING,
+    "drive.encoder": bought.NO_ENCODER,
+    "input_pulleys.lower_bearing": bought.NO_BEARING,
+    "input_pulleys.upper_bearing": bought.NO_BEARING,
 }
 
 
@@ -117,18 +108,20 @@ class TrialKnown(RopeKnown):
         return modulus * 1e3 * (pi / 4 * self.d_mm**2 if nominal else float(self.rope["metallic_area_mm2"]))
 
     @property
-    def gearhead(self) -> Gearhead:
+    def gearhead(self) -> bought.Gearhead:
         """The gearhead, or the motor's own face."""
         values = self.entry("gearheads", "drive.gearhead")
-        if self["drive.gearhead"] == NO_GEARHEAD:
-            return without_gearhead(Motor(name=self["drive.motor"], **self.entry("motors", "drive.motor")))
-        return Gearhead(name=self["drive.gearhead"], **values)
+        if self["drive.gearhead"] == bought.NO_GEARHEAD:
+            return bought.without_gearhead(
+                bought.Motor(name=self["drive.motor"], **self.entry("motors", "drive.motor"))
+            )
+        return bought.Gearhead(name=self["drive.gearhead"], **values)
 
     @property
-    def servo(self) -> Servo | None:
+    def servo(self) -> bought.Servo | None:
         """What the motor has as a bought servo; None for a plain motor."""
         gear = self.gearhead
-        return gear.servo if isinstance(gear, ServoOutput) else None
+        return gear.servo if isinstance(gear, bought.ServoOutput) else None
 
     @property
     def overhung(self) -> bool:

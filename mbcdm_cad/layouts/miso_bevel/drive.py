@@ -45,34 +45,32 @@ class Support(PlainBlock):
 
     material: EntryName = choice("material of frame and top plate", source=ESTIMATE, reference="aluminium-7075")
     back_y_mm: Number = quantity(
-        "outer face of the back plate", source="derived from the 34.8 mm box", reference=-14.0, ge=-200.0, le=-1.0
+        "outer face of the back plate", "[-200, -1]", source="derived from the 34.8 mm box", reference=-14.0
     )
     back_plate_mm: Number = quantity(
-        "back plate thickness", source="held by limits.frame_windup_max_mrad", reference=5.0, ge=0.3, le=50.0
+        "back plate thickness", "[0.3, 50]", source="held by limits.frame_windup_max_mrad", reference=5.0
     )
     side_wall_mm: Number = quantity(
-        "side wall thickness", source="heads of the top plate's screws, with walls", reference=5.8, ge=0.3, le=50.0
+        "side wall thickness", "[0.3, 50]", source="heads of the top plate's screws, with walls", reference=5.8
     )
     motor_shelf_mm: Number = quantity(
         "shelf that carries the gearheads",
+        "[0.5, 50]",
         source="gearhead screws engage one diameter; held by limits.frame_windup_max_mrad",
         reference=4.0,
-        ge=0.5,
-        le=50.0,
     )
     coupling_space_mm: Number = quantity(
         "height between the shelves: coupling collar, gearhead screws and the tools for both",
+        "[2, 100]",
         source=ESTIMATE,
         reference=9.6,
-        ge=2.0,
-        le=100.0,
     )
     bearing_shelf_mm: Number = quantity(
-        "shelf of the input pulleys' lower bearings", source=ESTIMATE, reference=4.0, ge=0.5, le=50.0
+        "shelf of the input pulleys' lower bearings", "[0.5, 50]", source=ESTIMATE, reference=4.0
     )
-    top_plate_mm: Number = quantity("top plate thickness", source=ESTIMATE, reference=3.6, ge=0.5, le=50.0)
+    top_plate_mm: Number = quantity("top plate thickness", "[0.5, 50]", source=ESTIMATE, reference=3.6)
     rib_mm: Number = quantity(
-        "rib thickness", source="held by limits.frame_windup_max_mrad", reference=7.0, ge=0.3, le=50.0
+        "rib thickness", "[0.3, 50]", source="held by limits.frame_windup_max_mrad", reference=7.0
     )
     mount_screw: Literal["M3", "M4", "M5", "M6"] = choice(
         "screws that hold the frame on its base, on washers if the frame is printed", source=ESTIMATE, reference="M3"

@@ -21,18 +21,7 @@ from mbcdm_cad.parts.coupling import collar_width_mm
 from mbcdm_cad.parts.drum_sector import sizes
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
 from mbcdm_cad.parts.drum_sector.sizes import TerminalWay, furthest_anchor_rad
-from mbcdm_cad.parts.input_pulley.dims import (
-    ENCODER_INSERTION_MM,
-    GROOVE_LEAD,
-    GROOVE_RADIUS,
-    JOURNAL_SLIT_MM,
-    InputPulleyDims,
-    StopGeometry,
-    anchored_groove,
-    helix_stop_land_mm,
-    neck_radius_mm,
-    stop_slot,
-)
+from mbcdm_cad.parts.input_pulley import dims
 from mbcdm_cad.parts.terminal import terminal_travel_mm
 from mbcdm_cad.parts.turned import AxleDims, IdlerDims
 
@@ -40,7 +29,7 @@ from mbcdm_cad.parts.turned import AxleDims, IdlerDims
 def smallest_lead_mm(drive: BevelDrive) -> float:
     """Least lead of the helix on the input pulleys: turns side by side, or grooves with crests between them."""
     d = drive.cable.diameter_mm
-    return GROOVE_LEAD * GROOVE_RADIUS * d if drive.input_pulleys.grooved else d
+    return dims.GROOVE_LEAD * dims.GROOVE_RADIUS * d if drive.input_pulleys.grooved else d
 
 
 @dataclass(frozen=True)
@@ -49,7 +38,7 @@ class _Wound:
 
     cable: BevelRun
     band: Band
-    stop: StopGeometry
+    stop: dims.StopGeometry
     wound_rad: float  # what it winds at most
 
 
@@ -67,47 +56,47 @@ def _wound(drive: BevelDrive, name: str) -> tuple[_Wound, _Wound]:
     return low, high
 
 
-def input_pulley(drive: BevelDrive, in_assembly: Stack, name: str) -> InputPulleyDims:
+def input_pulley(drive: BevelDrive, in_assembly: Stack, name: str) -> dims.InputPulleyDims:
     """Dimensions of the input pulley called ``name``; its place is that in the assembly."""
     low, high = _wound(drive, name)
     levels = in_assembly.from_gearhead
     flank = drive.cable.diameter_mm / 2
     bearings = drive.bearings
-    beyond = helix_stop_land_mm(drive)
+    beyond = dims.helix_stop_land_mm(drive)
     land_bottom = low.band.low_mm - beyond
     land_top = high.band.high_mm + beyond
     slots = tuple(
-        stop_slot(drive, w.cable.name, w.cable.input_radius_mm, w.stop, w.band.dead_end_mm, face)
+        dims.stop_slot(drive, w.cable.name, w.cable.input_radius_mm, w.stop, w.band.dead_end_mm, face)
         for w, face in ((low, land_bottom), (high, land_top))
     )
     grooves = tuple(
-        anchored_groove(drive, slot, w.stop, w.wound_rad)
+        dims.anchored_groove(drive, slot, w.stop, w.wound_rad)
         for w, slot in zip((low, high), slots, strict=True)
         if drive.input_pulleys.grooved
     )
     gear = drive.gearhead
     shaft_end = levels.motor_shelf_bottom_z + gear.shaft_length_mm
     journal_bottom = levels.motor_shelf_top_z + drive.screw(gear.screw).head_height_mm + 0.5
-    return InputPulleyDims(
+    return dims.InputPulleyDims(
         name=name,
         x=low.cable.input_side * drive.input_x_mm,
         y=drive.input_y_mm,
         journal_bottom_z=journal_bottom,
         lower_journal_radius=bearings.input_lower.bore_mm / 2,
         lower_neck_bottom_z=levels.bearing_shelf_top_z,
-        lower_neck_radius=neck_radius_mm(bearings.input_lower.inner_shoulder_mm, low.stop),
+        lower_neck_radius=dims.neck_radius_mm(bearings.input_lower.inner_shoulder_mm, low.stop),
         land_bottom_z=land_bottom,
         lower_surface_radius=low.cable.input_radius_mm - flank,
         wall_z=(low.band.high_mm + high.band.low_mm) / 2,
         upper_surface_radius=high.cable.input_radius_mm - flank,
         land_top_z=land_top,
-        upper_neck_radius=neck_radius_mm(bearings.input_upper.inner_shoulder_mm, high.stop),
+        upper_neck_radius=dims.neck_radius_mm(bearings.input_upper.inner_shoulder_mm, high.stop),
         upper_neck_top_z=levels.top_plate_bottom_z - END_PLAY_MM,
         upper_journal_radius=bearings.input_upper.bore_mm / 2,
-        journal_top_z=levels.top_plate_top_z + ENCODER_INSERTION_MM,
+        journal_top_z=levels.top_plate_top_z + dims.ENCODER_INSERTION_MM,
         bore_radius=gear.shaft_diameter_mm / 2,
         bore_top_z=shaft_end + 0.5,
-        slit_width=JOURNAL_SLIT_MM,
+        slit_width=dims.JOURNAL_SLIT_MM,
         slit_top_z=journal_bottom + collar_width_mm(drive, drive.input_pulleys.collar_screw) + 1.0,
         slots=slots,
         grooves=grooves,

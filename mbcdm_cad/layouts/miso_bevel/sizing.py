@@ -16,18 +16,8 @@ from mbcdm_cad.checks.transfer import EDGE_BREAK_MM, RUN_OUT_MM
 from mbcdm_cad.design.bought import NO_GEARHEAD
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import Freedom, SizingError
-from mbcdm_cad.layouts import common_freedoms
+from mbcdm_cad.layouts import common_freedoms, common_rules
 from mbcdm_cad.layouts.base import Layout, NoFigureError
-from mbcdm_cad.layouts.common_rules import (
-    LEAST_WIRE_RATIO,
-    SCHEMA_VERSION,
-    end_share,
-    half_travel,
-    missing_travel,
-    needed,
-    ropes_to_choose,
-    transfer_gap,
-)
 from mbcdm_cad.layouts.head_basis import (
     LIMITS,
     METALS,
@@ -249,10 +239,10 @@ def _rope(given: BevelKnown) -> Found:
 
     The cable that bears most has more than its share of the peak torque.
     """
-    tension_N, share = (PRELOAD_FACTOR + MOST_UNEVEN) * given.half_torque_N, end_share(given, SWAGED_SHARE)
-    needed_N, ropes = given["limits.tension_safety_factor"] * tension_N / share, ropes_to_choose(given)
+    tension_N, share = (PRELOAD_FACTOR + MOST_UNEVEN) * given.half_torque_N, common_rules.end_share(given, SWAGED_SHARE)
+    needed_N, ropes = given["limits.tension_safety_factor"] * tension_N / share, common_rules.ropes_to_choose(given)
     strong = next((one for one in ropes if one[2] >= needed_N), ropes[-1])
-    most_mm = 2.0 * given.drum_mm / given.ratio / given.get("limits.bend_ratio_min", LEAST_WIRE_RATIO)
+    most_mm = 2.0 * given.drum_mm / given.ratio / given.get("limits.bend_ratio_min", common_rules.LEAST_WIRE_RATIO)
     bent = [name for d_mm, name, _ in ropes if d_mm <= most_mm]
     if strong[0] <= most_mm or not bent:
         return Found(strong[1], "tension", "next size of the catalogue")
@@ -561,7 +551,7 @@ def turn(given: BevelKnown) -> Found:
 
 
 NAMES = (
-    SCHEMA_VERSION,
+    common_rules.SCHEMA_VERSION,
     constant("inputs", REFERENCE.inputs, "one on each side of the guide", "the configuration"),
     constant("cables", REFERENCE.cables, "two for each input, on neighbouring steps", "the configuration"),
 )
@@ -571,7 +561,7 @@ OWN = (
     constant("guide.material", "aluminium-7075", "light; the part is turned", "process"),
     constant("guide.axle_material", "steel", "made from ground bar", "process"),
 )
-RADII_RULES = (land_edge, transfer_gap, guide_to_drum, drum_radii, input_to_guide, surface, lead)
+RADII_RULES = (land_edge, common_rules.transfer_gap, guide_to_drum, drum_radii, input_to_guide, surface, lead)
 HEIGHTS = (
     _height(
         *("bearing_shelf_mm", "bearing and shoulder, and the axle's set screw", "bearing_shelf", SHELF_MM),
@@ -586,7 +576,7 @@ FRAME = (motor_shelf, *HEIGHTS, coupling_space, side_wall, rib, back_plate)
 DRUM = (output_screws, WINDOWS, web, shaft_bore, hub, sector, stop_pin, rim, outer_face)
 _OWN_PARTS = {one.field: one for one in (encoder, drum_bearing)}
 RULES: tuple[Rule, ...] = (
-    *(half_travel, *NAMES, *LIMITS, *OWN, *METALS, rope(_rope), *ROPE_LIMITS, preload, *TRAIN),
+    *(common_rules.half_travel, *NAMES, *LIMITS, *OWN, *METALS, rope(_rope), *ROPE_LIMITS, preload, *TRAIN),
     *(
         *RADII_RULES,
         motor_side,
@@ -599,7 +589,7 @@ RULES: tuple[Rule, ...] = (
 )
 DERIVED = tuple(
     one.field
-    for one in (lead, land_edge, transfer_gap, *FRAME, *DRUM, setback, back, hub_face)
+    for one in (lead, land_edge, common_rules.transfer_gap, *FRAME, *DRUM, setback, back, hub_face)
     if one not in (WINDOWS, output_screws)
 )
 # A larger bearing of the drum has a wider boss, between whose walls the ribs of the column stand.
@@ -678,14 +668,16 @@ def _first_guesses(given: BevelKnown) -> dict[str, Any]:
 
 
 def _missing(given: BevelKnown) -> Iterator[Broken]:
-    yield from missing_travel(given, "travel from the centre to each side")
+    yield from common_rules.missing_travel(given, "travel from the centre to each side")
     if not given.has("loads.peak_torque_Nm"):
-        yield needed("loads.peak_torque_Nm", "add peak_torque_Nm: 3.15 (torque to hold both ways, N m)")
+        yield common_rules.needed("loads.peak_torque_Nm", "add peak_torque_Nm: 3.15 (torque to hold both ways, N m)")
     if not any(given.has(field) for field in (RADII, "transmission.drum_radius_mm")):
-        yield needed("transmission.drum_radius_mm", "add drum_radius_mm: 54.0 (drum pitch radius of step 1)")
+        yield common_rules.needed(
+            "transmission.drum_radius_mm", "add drum_radius_mm: 54.0 (drum pitch radius of step 1)"
+        )
     explicit = any(given.has(f"transmission.{body}_radii_mm") for body in ("guide", "input"))
     if explicit and not given.has(RADII):
-        yield needed(RADII, "add the drum's radii, as other pulleys' are given")
+        yield common_rules.needed(RADII, "add the drum's radii, as other pulleys' are given")
 
 
 def _open_ratio(given: BevelKnown) -> str:

@@ -198,11 +198,8 @@ def pockets(s: DirectLayout) -> Findings:
 def bearing_seats(s: DirectLayout) -> Findings:
     """Shoulders of the shelves behind their bearings, and walls in front of the seats."""
     drive, v, limit = s.drive, s.levels, s.drive.frame_material.min_wall_mm
-    yield (
-        "shoulder over the bearing next to the gearhead",
-        drive.support.bearing_shelf_mm - drive.bearings.input_lower.width_mm,
-        limit,
-    )
+    what = "shoulder over the bearing next to the gearhead"
+    yield (what, drive.support.bearing_shelf_mm - drive.bearings.input_lower.width_mm, limit)
     yield (
         "shoulder under the bearing next to the encoder",
         drive.support.encoder_shelf_mm - drive.bearings.input_upper.width_mm,
@@ -273,11 +270,8 @@ def flange(s: DirectLayout) -> Findings:
     (x, front), _, (_, back), _ = f.flange_screws
     dowel_y, gap = f.dowels[0][1], f.flange_screw_radius + f.dowel_radius
     heads = abs(x) - screw.head_diameter_mm / 2 - s.head.outer_x
-    yield (
-        f"side wall beside a flange screw's {'insert' if f.flange_insert else 'thread'}",
-        wall / 2 - f.flange_screw_radius,
-        f.flange_insert.wall_mm if f.flange_insert else limit,
-    )
+    what = f"side wall beside a flange screw's {'insert' if f.flange_insert else 'thread'}"
+    yield (what, wall / 2 - f.flange_screw_radius, f.flange_insert.wall_mm if f.flange_insert else limit)
     yield "side wall beside a dowel", wall / 2 - f.dowel_radius, limit
     yield "metal between flange screw and dowel", min(front - dowel_y, dowel_y - back) - gap, limit
     yield (

@@ -36,24 +36,22 @@ class ColumnSupport(HeadSupport):
 
     material: EntryName = choice("material of frame and motor head", source=ESTIMATE, reference="aluminium-7075")
     back_y_mm: Number = quantity(
-        "outer face of the back plate", source="the pulley clears the back plate", reference=-17.3, ge=-300.0, le=-1.0
+        "outer face of the back plate", "[-300, -1]", source="the pulley clears the back plate", reference=-17.3
     )
-    back_plate_mm: Number = quantity("back plate thickness", source=CHOSEN, reference=3.0, ge=0.3, le=50.0)
+    back_plate_mm: Number = quantity("back plate thickness", "[0.3, 50]", source=CHOSEN, reference=3.0)
     side_wall_mm: Number = quantity(
         "side walls of the pulley's box, with the motor head's screws",
+        "[0.3, 50]",
         source="walls beside an M2 thread",
         reference=4.0,
-        ge=0.3,
-        le=50.0,
     )
     coupling_space_mm: Number = quantity(
         "height between the shelves: coupling collar, gearhead screws and the tools for both",
+        "[2, 100]",
         source=ESTIMATE,
         reference=9.6,
-        ge=2.0,
-        le=100.0,
     )
-    rib_mm: Number = quantity("side walls of the column", source=CHOSEN, reference=5.0, ge=0.3, le=50.0)
+    rib_mm: Number = quantity("side walls of the column", "[0.3, 50]", source=CHOSEN, reference=5.0)
 
     mount_screw: Literal["M3", "M4", "M5", "M6"] = choice(
         "screws that hold the frame on its base", source=ESTIMATE, reference="M3", default="M3"

@@ -5,17 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import cached_property
 
-from mbcdm_cad.checks.design_variables import (
-    ALL_RADII,
-    DRUM,
-    INPUT_TO_DRUM,
-    SHARED,
-    DesignVariable,
-    by_path,
-    field,
-    lengths,
-    radii,
-)
+from mbcdm_cad.checks import design_variables
 from mbcdm_cad.layouts.base import Conventions, dimensions
 from mbcdm_cad.layouts.sector import HeadLayout
 from mbcdm_cad.layouts.siso_bevel.cable_path import input_wrap_rad, longest_mm
@@ -37,17 +27,19 @@ def _reserve(drive: DirectDrive, value: float) -> DirectDrive:
     return replace(drive, reserve_deg=value, dead_turns=value / 360.0)
 
 
-VARIABLES: dict[str, DesignVariable] = by_path(
+VARIABLES: dict[str, design_variables.DesignVariable] = design_variables.by_path(
     (
-        *SHARED,
-        radii(ALL_RADII, ("drum_radius_mm", "input_radius_mm")),
-        radii("transmission.input_radii_mm", ("input_radius_mm",))._replace(applies=lambda d: d.radii_explicit),
-        INPUT_TO_DRUM,
-        DesignVariable("transmission.reserve_deg", lambda drive: drive.reserve_deg, _reserve),
-        field("clearances.transfer_gap_mm"),
-        field("clearances.land_edge_mm"),
-        *DRUM,
-        *lengths("support", ColumnSupport),
+        *design_variables.SHARED,
+        design_variables.radii(design_variables.ALL_RADII, ("drum_radius_mm", "input_radius_mm")),
+        design_variables.radii("transmission.input_radii_mm", ("input_radius_mm",))._replace(
+            applies=lambda d: d.radii_explicit
+        ),
+        design_variables.INPUT_TO_DRUM,
+        design_variables.DesignVariable("transmission.reserve_deg", lambda drive: drive.reserve_deg, _reserve),
+        design_variables.field("clearances.transfer_gap_mm"),
+        design_variables.field("clearances.land_edge_mm"),
+        *design_variables.DRUM,
+        *design_variables.lengths("support", ColumnSupport),
     )
 )
 

@@ -13,25 +13,11 @@ from mbcdm_cad.layouts.siso_spur.overhung import set_screw
 from mbcdm_cad.layouts.siso_spur.support.idlers import SPACER_NOTE, Strap, strap_screw
 from mbcdm_cad.layouts.siso_spur.support.parts import Yoke
 from mbcdm_cad.parts.bill import AGAINST_Y, ALONG_Y, AssemblyStep, Bill, BillBuilder, Placement
-from mbcdm_cad.parts.drum_sector.items import (
-    add_cables,
-    add_drum,
-    add_drum_encoder,
-    add_output,
-    add_terminals,
-    drilled_drum,
-)
+from mbcdm_cad.parts.drum_sector import items
 from mbcdm_cad.parts.drum_sector.part import DrumSector
 from mbcdm_cad.parts.input_pulley.items import add_input_pulley
+from mbcdm_cad.parts.motor_head import part
 from mbcdm_cad.parts.motor_head.dims import flange_screw
-from mbcdm_cad.parts.motor_head.part import (
-    EncoderShelf,
-    add_flange_fixings,
-    add_input_bearings,
-    add_input_line,
-    add_motor,
-    add_motor_head,
-)
 from mbcdm_cad.parts.turned import Axle, Dowel, IdlerPulley, Spacer
 
 
@@ -53,7 +39,7 @@ def add_own_input(b: BillBuilder, lay: SpurLayout, turn: Placement, mark: str = 
     # Z of the motor head points away from the pulley, to the back.
     stand = turn @ _at(0.0, 0.0, f.axis_z) @ AGAINST_Y
     if f.motor is not None:
-        add_motor(b, drive, stand @ _at(0.0, 0.0, -v.motor_shelf_bottom_z))
+        part.add_motor(b, drive, stand @ _at(0.0, 0.0, -v.motor_shelf_bottom_z))
         for n, (x, z) in enumerate(f.motor.screws, 1):
             place = turn @ _at(x, v.motor_shelf_top_z, z) @ ALONG_Y
             if drive.servo is not None:
@@ -61,11 +47,13 @@ def add_own_input(b: BillBuilder, lay: SpurLayout, turn: Placement, mark: str = 
             name = f"{drive.mounted_stem}_screw_{drive.input_names[0]}_{n}"
             b.screw(name, drive.screw(drive.gearhead.screw), drive.material("steel"), place)
         return
-    shelf = EncoderShelf(f.encoder_shelf_bottom_z, f.encoder_shelf_top_z, f.encoder_circle_radius, f.encoder_head_depth)
-    add_motor_head(b, drive, lay.head, stand, mark)
-    add_flange_fixings(b, drive, lay.head, f.flange_insert, stand, mark)
-    add_input_bearings(b, drive, lay.head, shelf, stand)
-    add_input_line(b, drive, lay.head, shelf, stand)
+    shelf = part.EncoderShelf(
+        f.encoder_shelf_bottom_z, f.encoder_shelf_top_z, f.encoder_circle_radius, f.encoder_head_depth
+    )
+    part.add_motor_head(b, drive, lay.head, stand, mark)
+    part.add_flange_fixings(b, drive, lay.head, f.flange_insert, stand, mark)
+    part.add_input_bearings(b, drive, lay.head, shelf, stand)
+    part.add_input_line(b, drive, lay.head, shelf, stand)
 
 
 def add_idlers(b: BillBuilder, lay: SpurLayout, turn: Placement, mark: str = "") -> None:
@@ -115,12 +103,12 @@ def add_sectors(b: BillBuilder, lay: SpurLayout, turns: list[Placement]) -> None
             f"drum_{name}",
             DrumSector(d, screw.thread_mm),
             part="drum",
-            drilled=drilled_drum(d, screw),
+            drilled=items.drilled_drum(d, screw),
             material=drive.drum_material,
             group="drum",
             place=stand,
         )
-        add_terminals(b, drive, unit.drum, stand)
+        items.add_terminals(b, drive, unit.drum, stand)
     for stand, name in zip(stands[:-1], names[:-1], strict=True):
         for n, (x, z) in enumerate(pins.places(pins.face_angles_deg), 1):
             b.standard(
@@ -131,7 +119,7 @@ def add_sectors(b: BillBuilder, lay: SpurLayout, turns: list[Placement]) -> None
                 group="drum",
                 place=stand @ _at(x, d.hub_face_y - pins.face_depth, z) @ ALONG_Y,
             )
-    add_output(b, drive, d, lay.drum_shaft, stands[-1])
+    items.add_output(b, drive, d, lay.drum_shaft, stands[-1])
 
 
 def bill(lay: SpurLayout, drum_angle_deg: float = 0.0) -> Bill:
@@ -143,16 +131,16 @@ def bill(lay: SpurLayout, drum_angle_deg: float = 0.0) -> Bill:
     add_drum_bearings(b, lay)
     add_own_input(b, lay, Placement.identity())
     add_idlers(b, lay, Placement.identity())
-    add_drum_encoder(b, drive, f.boss.encoder_pocket_floor_y, f.boss.screw_circle)
+    items.add_drum_encoder(b, drive, f.boss.encoder_pocket_floor_y, f.boss.screw_circle)
     if drive.parallel == 1:
-        add_drum(b, drive, lay.drum, lay.drum_shaft)
+        items.add_drum(b, drive, lay.drum, lay.drum_shaft)
     else:
         add_sectors(b, lay, [Placement.identity()] * drive.parallel)
     for pulley in lay.inputs:
         add_input_pulley(b, drive, pulley, lay.collar, drive.frame_material, ALONG_Y)
         for each in lay.attachments:
             each.add_on_input(b, pulley.name, Placement.identity())
-    add_cables(b, drive, lay.cable_paths(radians(drum_angle_deg)))
+    items.add_cables(b, drive, lay.cable_paths(radians(drum_angle_deg)))
     for each in lay.attachments:
         each.add_items(b, drum_angle_deg)
     return b.bill()

@@ -82,22 +82,20 @@ class YokeSupport(HeadSupport):
     material: EntryName = choice("material of frame and motor head", source=ESTIMATE, reference="aluminium-7075")
     back_y_mm: Number = quantity(
         "end of the drum's encoder behind the frame",
+        "[-300, -1]",
         source="distance between the drum's bearings",
         reference=-25.5,
-        ge=-300.0,
-        le=-1.0,
     )
-    plate_mm: Number = quantity("plate thickness", source=ESTIMATE, reference=5.0, ge=0.3, le=50.0)
+    plate_mm: Number = quantity("plate thickness", "[0.3, 50]", source=ESTIMATE, reference=5.0)
     bridge_mm: Number = quantity(
-        "bridge from the plate to the encoder shelf, over the input", source=ESTIMATE, reference=4.0, ge=0.3, le=50.0
+        "bridge from the plate to the encoder shelf, over the input", "[0.3, 50]", source=ESTIMATE, reference=4.0
     )
-    side_wall_mm: Number = quantity("twice the wall of the motor head", source=ESTIMATE, reference=4.0, ge=0.3, le=50.0)
+    side_wall_mm: Number = quantity("twice the wall of the motor head", "[0.3, 50]", source=ESTIMATE, reference=4.0)
     coupling_space_mm: Number = quantity(
         "length between the shelves: coupling collar, gearhead screws and the tools for both",
+        "[2, 100]",
         source=ESTIMATE,
         reference=9.6,
-        ge=2.0,
-        le=100.0,
     )
     mount_screw: Literal["M3", "M4", "M5", "M6"] = choice(
         "screws that hold the frame on its base, in threads of the plate", source=ESTIMATE, reference="M3", default="M3"
@@ -122,9 +120,8 @@ class SpurDrum(SectorDrum):
     shaft_end_mm: Number = quantity(
         "length of the drum's shaft that stands out behind the frame and is the output there; the frame's boss then "
         "ends in a flange to be screwed on, and drive.drum_encoder is none; 0: the hub alone is the output",
+        "[0, 60]",
         default=0.0,
-        ge=0.0,
-        le=60.0,
     )
 
 
@@ -142,11 +139,10 @@ class SpurLimits(Limits):
 
     slip_margin_min: Number = quantity(
         "torque at which a continuous cable slips on the input over the peak torque",
+        "[1, 20]",
         source="estimate: friction is known to a factor of two",
         reference=2.0,
         default=2.0,
-        ge=1.0,
-        le=20.0,
     )
 
 

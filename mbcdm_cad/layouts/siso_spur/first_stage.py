@@ -83,22 +83,17 @@ class FirstStageBlock(PlainBlock):
 
     total_ratio: Number | None = quantity(
         "turns of the first stage's input for one of the drum; a rule splits it between the stages",
+        "[2, 3600]",
         example=24.0,
-        default=None,
-        ge=2.0,
-        le=3600.0,
     )
     ratio: Number | None = quantity(
         "drum radius over input radius of the first stage; left out: from total_ratio, else what the motor needs",
+        "[1, 60]",
         example=6.0,
-        default=None,
-        ge=1.0,
-        le=60.0,
     )
     design: dict[str, Any] | None = choice(
         "other words for the first stage, as in a siso_spur file: {rope: {type: 7x7-0.54}, transmission: "
         "{drum_radius_mm: 40.0}}; what is left out follows from the rules",
-        default=None,
         example={"transmission": {"drum_radius_mm": 40.0}},
     )
 
@@ -411,13 +406,9 @@ def broken_first_stage(design: Any) -> Iterator[Broken]:
             yield Broken((name,), "not beside first_stage", "", f"no {name}", "remove it, or remove first_stage")
             return
     if design.input_pulleys.overhung:
-        yield Broken(
-            ("input_pulleys", "carried_by"),
-            "the first stage's shaft turns an input in bearings",
-            "motor",
-            "bearings",
-            "leave it out; first_stage.design may have it",
-        )
+        what = "the first stage's shaft turns an input in bearings"
+        remedy = "leave it out; first_stage.design may have it"
+        yield Broken(("input_pulleys", "carried_by"), what, "motor", "bearings", remedy)
         return
     last = last_ratio(_fields(design))
     assert last is not None

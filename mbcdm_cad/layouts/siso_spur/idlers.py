@@ -35,10 +35,8 @@ class IdlerPlace(PlainBlock):
     The cables pass between the two.
     """
 
-    x_mm: Number = quantity("axis of the idler, from the line of centres", example=14.0, gt=0.0, le=2000.0)
-    z_mm: Number = quantity(
-        "axis of the idler, from the drum's axis towards the input", example=90.0, gt=0.0, le=2000.0
-    )
+    x_mm: Number = quantity("axis of the idler, from the line of centres", "(0, 2000]", example=14.0)
+    z_mm: Number = quantity("axis of the idler, from the drum's axis towards the input", "(0, 2000]", example=90.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,16 +44,10 @@ class IdlerBlock(PlainBlock):
     """Idlers between the input and the drum, in pairs, one for each side of the cable."""
 
     pairs: Integer | None = quantity(
-        "number of pairs that the rule places; left out, that of places, or else one",
-        example=1,
-        default=None,
-        ge=1,
-        le=1,
+        "number of pairs that the rule places; left out, that of places, or else one", example=1, ge=1, le=1
     )
-    radius_mm: Number = quantity("pitch radius of all idlers", example=14.0, gt=0.0, le=500.0)
-    width_mm: Number = quantity(
-        "land of an idler along its axis, on which the cable walks", example=15.0, gt=0.0, le=300.0
-    )
+    radius_mm: Number = quantity("pitch radius of all idlers", "(0, 500]", example=14.0)
+    width_mm: Number = quantity("land of an idler along its axis, on which the cable walks", "(0, 300]", example=15.0)
     bearing: EntryName = choice("bearing in both ends of each idler", example="624")
     places: tuple[IdlerPlace, ...] = choice(
         "the idlers of the side that lands on the drum at +x, in the order from the input to the drum: "

@@ -18,20 +18,10 @@ from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, contact_rad, groove_dep
 from mbcdm_cad.layouts.siso_spur.overhung import overhung_pulley
 from mbcdm_cad.layouts.siso_spur.stack import END_PLAY_MM, SpurStack
 from mbcdm_cad.parts.coupling import collar_over_shelf_mm, collar_width_mm
-from mbcdm_cad.parts.input_pulley.dims import (
-    ENCODER_INSERTION_MM,
-    GROOVE_RADIUS,
-    JOURNAL_SLIT_MM,
-    Groove,
-    InputPulleyDims,
-    StopSlot,
-    anchored_groove,
-    neck_radius_mm,
-    stop_slot,
-)
+from mbcdm_cad.parts.input_pulley import dims
 
 
-def _through_groove(drive: SpurDrive, name: str, level_mm: float) -> Groove:
+def _through_groove(drive: SpurDrive, name: str, level_mm: float) -> dims.Groove:
     """Groove of a continuous cable: its turns, the walk in both directions, and the run-out at both spans.
 
     Right-handed, left-handed with open spans, so that the turns walk along the input as the cable does on the drum.
@@ -39,10 +29,10 @@ def _through_groove(drive: SpurDrive, name: str, level_mm: float) -> Groove:
     beyond = drive.input_travel_rad / 2 + groove_run_out_rad(drive)
     start = contact_rad(drive, 1) - pi / 2
     per_rad = drive.input_radius_mm * drive.slope
-    return Groove(
+    return dims.Groove(
         cable_name=name,
         root_radius=drive.input_radius_mm - drive.cable.diameter_mm / 2,
-        radius=GROOVE_RADIUS * drive.cable.diameter_mm,
+        radius=dims.GROOVE_RADIUS * drive.cable.diameter_mm,
         depth=groove_depth_mm(drive),
         start_angle_rad=start - drive.input_sense * beyond,
         end_angle_rad=start + drive.input_sense * (drive.wrap_rad + beyond),
@@ -51,10 +41,10 @@ def _through_groove(drive: SpurDrive, name: str, level_mm: float) -> Groove:
     )
 
 
-def _slots(drive: SpurDrive, levels: SpurStack) -> tuple[StopSlot, ...]:
+def _slots(drive: SpurDrive, levels: SpurStack) -> tuple[dims.StopSlot, ...]:
     """Stop slots of both anchored cables, the lower first."""
     return tuple(
-        stop_slot(
+        dims.stop_slot(
             drive,
             c.name,
             c.input_radius_mm,
@@ -66,7 +56,7 @@ def _slots(drive: SpurDrive, levels: SpurStack) -> tuple[StopSlot, ...]:
     )
 
 
-def _grooves(drive: SpurDrive, slots: tuple[StopSlot, ...]) -> tuple[Groove, ...]:
+def _grooves(drive: SpurDrive, slots: tuple[dims.StopSlot, ...]) -> tuple[dims.Groove, ...]:
     if not drive.input_pulleys.grooved:
         return ()
     if not drive.anchored:
@@ -74,10 +64,12 @@ def _grooves(drive: SpurDrive, slots: tuple[StopSlot, ...]) -> tuple[Groove, ...
         return tuple(_through_groove(drive, *each) for each in zip(drive.cable_names, levels, strict=True))
     most = drive.wound_rad + drive.input_travel_rad / 2
     runs = sorted(drive.cables, key=lambda c: c.step)
-    return tuple(anchored_groove(drive, slot, stop_of(drive, c), most) for c, slot in zip(runs, slots, strict=True))
+    return tuple(
+        dims.anchored_groove(drive, slot, stop_of(drive, c), most) for c, slot in zip(runs, slots, strict=True)
+    )
 
 
-def input_pulley(drive: SpurDrive, levels: SpurStack) -> InputPulleyDims:
+def input_pulley(drive: SpurDrive, levels: SpurStack) -> dims.InputPulleyDims:
     """Dimensions of the pulley: one land."""
     slots = _slots(drive, levels) if drive.anchored else ()
     bearings, gear, wheel = drive.bearings, drive.gearhead, drive.stage is not None
@@ -89,9 +81,9 @@ def input_pulley(drive: SpurDrive, levels: SpurStack) -> InputPulleyDims:
     def neck(bearing: Bearing) -> float:
         if not drive.anchored:
             return bearing.inner_shoulder_mm / 2
-        return neck_radius_mm(bearing.inner_shoulder_mm, stop_of(drive, drive.cables[0]))
+        return dims.neck_radius_mm(bearing.inner_shoulder_mm, stop_of(drive, drive.cables[0]))
 
-    plain = InputPulleyDims(
+    plain = dims.InputPulleyDims(
         name=drive.input_names[0],
         x=0.0,
         journal_bottom_z=journal_bottom,
@@ -109,11 +101,11 @@ def input_pulley(drive: SpurDrive, levels: SpurStack) -> InputPulleyDims:
         journal_top_z=(
             levels.top_plate_bottom_z + bearings.input_upper.width_mm
             if drive.encoder.absent
-            else levels.top_plate_top_z + ENCODER_INSERTION_MM
+            else levels.top_plate_top_z + dims.ENCODER_INSERTION_MM
         ),
         bore_radius=0.0 if wheel else gear.shaft_diameter_mm / 2,
         bore_top_z=journal_bottom if wheel else levels.motor_shelf_bottom_z + gear.shaft_length_mm + 0.5,
-        slit_width=0.0 if wheel else JOURNAL_SLIT_MM,
+        slit_width=0.0 if wheel else dims.JOURNAL_SLIT_MM,
         slit_top_z=journal_bottom
         if wheel
         else journal_bottom + collar_width_mm(drive, drive.input_pulleys.collar_screw) + 1.0,

@@ -12,21 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mbcdm_cad.checks import geometry
 from mbcdm_cad.checks.comparison import Findings, check
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
-from mbcdm_cad.checks.geometry import (
-    CABLE_GAP_MM,
-    Ring,
-    cables_apart,
-    corner_gap,
-    drum_zones,
-    frame_front,
-    in_pieces,
-    nearest_mm,
-    rim_points,
-    step_mm,
-    wrap_points,
-)
 from mbcdm_cad.checks.size import box_checks, mass_estimate
 from mbcdm_cad.checks.terminals import bodies_of
 from mbcdm_cad.layouts.miso_bevel.cable_path import FREE
@@ -81,7 +69,7 @@ def _heights(s: BevelLayout, low: float, high: float) -> tuple[float, float]:
     return (-high, -low) if s.drive.motors_above else (low, high)
 
 
-def ring_gap(ring: Ring, body: Upright, want: float) -> float:
+def ring_gap(ring: geometry.Ring, body: Upright, want: float) -> float:
     """Gap of a swept ring of the drum to a cylinder along Z: along y, else radially if the ring could reach it."""
     along_y = ring.y - body.y - body.radius
     if along_y >= want:
@@ -109,7 +97,7 @@ def drum_sweep(s: BevelLayout) -> Findings:
     """Gap from drum, terminals and wound cables to drives and pulleys over the whole travel."""
     running = s.drive.clearances.running_mm
     for body in uprights(s):
-        for ring in drum_zones(s):
+        for ring in geometry.drum_zones(s):
             want = min(MOVING_GAP_MM, running) if body.moves else running
             yield f"{ring.name} to the {body.name}", ring_gap(ring, body, want), want
 
@@ -132,8 +120,8 @@ def collar_space(s: BevelLayout) -> Findings:
     corner = pocket_corner_mm(box.corner_radius, 2 * box.inner_x, high - low)
     heads = box.gear_bolt_circle + s.drive.screw(s.drive.gearhead.screw).head_diameter_mm / 2
     for what, gap in (
-        ("clamp collar from walls and motor shelf", corner_gap(reach, c.bottom_z, box.inner_x, low, corner)),
-        ("clamp collar from walls and top plate", corner_gap(reach, -c.top_z, box.inner_x, -high, corner)),
+        ("clamp collar from walls and motor shelf", geometry.corner_gap(reach, c.bottom_z, box.inner_x, low, corner)),
+        ("clamp collar from walls and top plate", geometry.corner_gap(reach, -c.top_z, box.inner_x, -high, corner)),
         (f"{s.drive.mounted} screws' heads from the corner", box.inner_x - corner - heads),
     ):
         yield what, gap, running
@@ -141,7 +129,7 @@ def collar_space(s: BevelLayout) -> Findings:
 
 def _free(s: BevelLayout) -> list[tuple[float, np.ndarray]]:
     """(drum angle in deg, points of all free stretches) at centre and both ends of travel."""
-    step = step_mm(s)
+    step = geometry.step_mm(s)
     return [
         (float(np.degrees(angle)), np.concatenate([path.only(FREE).sample(step) for path in paths]))
         for angle, paths in s.extreme_paths
@@ -157,23 +145,23 @@ def _free(s: BevelLayout) -> list[tuple[float, np.ndarray]]:
 )
 def spans_clear(s: BevelLayout) -> Findings:
     """Gap from free spans and cables on the guide to the terminals, drum centred and at both ends of travel."""
-    d, step = s.drum, step_mm(s)
+    d, step = s.drum, geometry.step_mm(s)
     keep = hypot(d.lug_half_width, max(d.nut_pocket, d.lug_half_width)) + s.flank_mm
     for angle, free in _free(s):
-        lines, cosine, sine = in_pieces(free), np.cos(np.radians(angle)), np.sin(np.radians(angle))
+        lines, cosine, sine = geometry.in_pieces(free), np.cos(np.radians(angle)), np.sin(np.radians(angle))
         turn = np.array([[cosine, 0.0, sine], [0.0, 1.0, 0.0], [-sine, 0.0, cosine]])
         for t in d.tensioners:
             along = np.linspace(t.slack_start, t.last_tip, int(t.last_tip / step) + 2)
             axis = np.array([(x, t.y_mm, z) for x, z in (t.at(a) for a in along)]) @ turn.T
             what = f"terminal of {t.cable_name} from the free spans with the drum at {angle:+.4g} deg"
-            yield what, nearest_mm(lines, in_pieces(axis), step) - keep, CABLE_GAP_MM
+            yield what, geometry.nearest_mm(lines, geometry.in_pieces(axis), step) - keep, geometry.CABLE_GAP_MM
 
 
 SWEEPS = (
     drum_sweep,
-    frame_front,
+    geometry.frame_front,
     collar_space,
-    cables_apart.but(
+    geometry.cables_apart.but(
         adjust=(
             up("transmission.centre_distance_mm"),
             up("all radii of transmission"),
@@ -189,7 +177,7 @@ def box_mm(s: BevelLayout) -> tuple[float, float, float]:
     """Box (X, Z, Y) of all parts with the drum centred, computed from the layout; mm."""
     v, drive = s.levels, s.drive
     d, f, pitch = s.drum, s.frame, drive.input_x_mm
-    points = [rim_points(d), wrap_points(d, s.flank_mm)]
+    points = [geometry.rim_points(d), geometry.wrap_points(d, s.flank_mm)]
     # The cable on the largest step of an input pulley may extend beyond frame and drum on both sides.
     on_input = max(step.input_radius_mm for step in s.steps) + s.flank_mm
     body = max(drive.encoder.diameter_mm, drive.gearhead.diameter_mm, drive.motor.diameter_mm) / 2

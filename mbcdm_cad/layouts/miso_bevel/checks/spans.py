@@ -67,11 +67,8 @@ def pulley_gap(s: BevelLayout) -> Findings:
     """Gap between guide and input pulleys with their cables, at any height."""
     d = s.drive.cable.diameter_mm
     guide, pulley = max(c.guide_radius_mm for c in s.steps), max(c.input_radius_mm for c in s.steps)
-    yield (
-        "gap between guide and input pulley, cables on both",
-        s.drive.centre_distance_mm - guide - pulley - d,
-        s.drive.clearances.running_mm,
-    )
+    what = "gap between guide and input pulley, cables on both"
+    yield (what, s.drive.centre_distance_mm - guide - pulley - d, s.drive.clearances.running_mm)
 
 
 def _grooves(s: BevelLayout) -> str:
@@ -169,11 +166,8 @@ def input_walk(s: BevelLayout) -> Findings:
     for name in s.drive.input_names:
         low, high = (c for c in s.steps if c.input_name == name)
         bands = [band(s.drive, c, outward_of(s.drive, c)) for c in (low, high)]
-        yield (
-            f"{name} input pulley: flanks of {low.name} and {high.name} from the wall between them",
-            (bands[1].low_mm - bands[0].high_mm) / 2,
-            CABLE_GAP_MM,
-        )
+        what = f"{name} input pulley: flanks of {low.name} and {high.name} from the wall between them"
+        yield (what, (bands[1].low_mm - bands[0].high_mm) / 2, CABLE_GAP_MM)
 
 
 def guide_wall_gaps_mm(s: BevelLayout) -> list[tuple[BevelRun, float]]:

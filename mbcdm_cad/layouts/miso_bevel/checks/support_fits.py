@@ -157,11 +157,8 @@ def pocket_depth(s: BevelLayout) -> Findings:
     """Gap between the input pulleys with their cables and the back plate."""
     reach = max(c.input_radius_mm for c in s.steps) + s.flank_mm
     back = s.frame.upper_floor_y
-    yield (
-        "input pulleys, cables on, from the back plate",
-        s.drive.input_y_mm - back - reach,
-        s.drive.clearances.running_mm,
-    )
+    what = "input pulleys, cables on, from the back plate"
+    yield (what, s.drive.input_y_mm - back - reach, s.drive.clearances.running_mm)
 
 
 @check(
@@ -245,11 +242,8 @@ def screwdriver(s: BevelLayout) -> Findings:
         reach = drive.encoder.diameter_mm / 2 + plate_screw_of(drive).key_mm / 3**0.5
         for x, y in p.screws:
             for centre in p.input_x:
-                yield (
-                    "plate screw's socket from the encoder above the plate",
-                    hypot(x - centre, y - p.input_y) - reach,
-                    running,
-                )
+                what = "plate screw's socket from the encoder above the plate"
+                yield (what, hypot(x - centre, y - p.input_y) - reach, running)
         return
     side = p.screw_head_radius + p.box.outer_x + drive.input_x_mm
     for x, y in p.screws:

@@ -49,11 +49,8 @@ def bearing_shelf(s: BevelLayout) -> Findings:
     if holes is not None:
         yield "shelf under the encoders' screw heads", shelf - holes.head_depth, limit
     yield f"shoulder under the {bearings} bearings", shelf - drive.shelf_bearing.width_mm, limit
-    yield (
-        "walls over and under the axle's set screw",
-        (drive.support.bearing_shelf_mm - drive.screw(AXLE_SCREW).thread_mm) / 2,
-        limit,
-    )
+    what = "walls over and under the axle's set screw"
+    yield (what, (drive.support.bearing_shelf_mm - drive.screw(AXLE_SCREW).thread_mm) / 2, limit)
 
 
 @check("Top plate takes bearings and heads", _WALL, up("support.top_plate_mm"))
@@ -201,11 +198,8 @@ def wall_holes(s: BevelLayout) -> Findings:
     (_, front), _, (_, back), _ = f.plate_screws
     dowel_y = f.dowels[0][1]
     gap = f.plate_screw_radius + f.dowel_radius
-    yield (
-        f"side wall beside a plate screw's {'insert' if f.plate_insert else 'thread'}",
-        wall / 2 - f.plate_screw_radius,
-        f.plate_insert.wall_mm if f.plate_insert else limit,
-    )
+    what = f"side wall beside a plate screw's {'insert' if f.plate_insert else 'thread'}"
+    yield (what, wall / 2 - f.plate_screw_radius, f.plate_insert.wall_mm if f.plate_insert else limit)
     yield "side wall beside a dowel", wall / 2 - f.dowel_radius, limit
     yield "metal between front plate screw and dowel", front - dowel_y - gap, limit
     yield "metal between dowel and back plate screw", dowel_y - back - gap, limit

@@ -12,21 +12,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.checks.bearings import (
-    LESS,
-    QUIET_SAFETY,
-    RATING,
-    STATIC_SAFETY,
-    coupling_runout,
-    drum_bearing_spacing,
-    drum_bearings,
-    drum_safety,
-    input_bearings,
-    input_safety,
-    larger,
-    quiet,
-    safety,
-)
+from mbcdm_cad.checks import bearings
 from mbcdm_cad.checks.comparison import Comparison, Findings, at_most, check, noted
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.fixings import STRESS_SAFETY, bent_axle_Nmm, round_shaft_MPa
@@ -96,12 +82,8 @@ def equal_total_ratio(s: BevelLayout) -> Comparison:
     """i_c = r_o/r_m is the same for both inputs; otherwise the inputs work against each other through the drum."""
     mean = [float(np.mean([c.drum_radius_mm / c.input_radius_mm for c in _own(s, i)])) for i in (0, 1)]
     names = s.drive.input_names
-    return at_most(
-        f"total ratio {mean[0]:.6g} of {names[0]}, {mean[1]:.6g} of {names[1]}: difference",
-        abs(mean[1] / mean[0] - 1.0),
-        RATIO_TOLERANCE,
-        "relative",
-    )
+    what = f"total ratio {mean[0]:.6g} of {names[0]}, {mean[1]:.6g} of {names[1]}: difference"
+    return at_most(what, abs(mean[1] / mean[0] - 1.0), RATIO_TOLERANCE, "relative")
 
 
 @check("Length added by helix and fleet angle", "derived")
@@ -211,22 +193,33 @@ def guide_reaction_N(s: BevelLayout) -> float:
 
 
 def guide_safety(s: BevelLayout, limit: float) -> list[Comparison]:
-    return [safety(s.drive.bearings.guide, "guide", guide_reaction_N(s), limit)]
+    return [bearings.safety(s.drive.bearings.guide, "guide", guide_reaction_N(s), limit)]
 
 
-@check("Guide's bearings carry the cables", RATING, *LESS, advice_on=larger)
+@check("Guide's bearings carry the cables", bearings.RATING, *bearings.LESS, advice_on=bearings.larger)
 def guide_bearings(s: BevelLayout) -> Findings:
     """Static safety of the bearings in the guide, from the resulting pull and its moment."""
-    yield from guide_safety(s, STATIC_SAFETY)
+    yield from guide_safety(s, bearings.STATIC_SAFETY)
 
 
-@quiet
+@bearings.quiet
 def quiet_running(s: BevelLayout) -> Findings:
     """Static safety of all bearings against the value for quiet running."""
-    yield from (*input_safety(s, QUIET_SAFETY), *guide_safety(s, QUIET_SAFETY), *drum_safety(s, QUIET_SAFETY))
+    yield from (
+        *bearings.input_safety(s, bearings.QUIET_SAFETY),
+        *guide_safety(s, bearings.QUIET_SAFETY),
+        *bearings.drum_safety(s, bearings.QUIET_SAFETY),
+    )
 
 
-BEARINGS = (input_bearings, guide_bearings, drum_bearings, quiet_running, drum_bearing_spacing, coupling_runout)
+BEARINGS = (
+    bearings.input_bearings,
+    guide_bearings,
+    bearings.drum_bearings,
+    quiet_running,
+    bearings.drum_bearing_spacing,
+    bearings.coupling_runout,
+)
 
 
 @check(
@@ -257,11 +250,8 @@ def guide_wall(s: BevelLayout) -> Findings:
 def guide_length(s: BevelLayout) -> Findings:
     """Length of the guide that is left between its two bearings for the shoulders."""
     g = s.guide
-    yield (
-        "shoulder between the guide's bearings",
-        g.top_z - g.bottom_z - 2 * g.seat_depth,
-        2 * s.drive.guide_material.min_wall_mm,
-    )
+    what = "shoulder between the guide's bearings"
+    yield (what, g.top_z - g.bottom_z - 2 * g.seat_depth, 2 * s.drive.guide_material.min_wall_mm)
 
 
 @check(
@@ -279,11 +269,8 @@ def axle_stress(s: BevelLayout) -> Findings:
     bending = max(bent_axle_Nmm(pair, g.bearings_mm, ends)[0] for pair in s.once("guide_forces", guide_forces_N))
     stress = round_shaft_MPa(s.axle.radius, bending)
     strength = s.drive.axle_material.yield_MPa
-    yield (
-        f"yield {strength:g} MPa over the axle's bending stress {stress:.4g} MPa",
-        strength / max(stress, 1e-12),
-        STRESS_SAFETY,
-    )
+    what = f"yield {strength:g} MPa over the axle's bending stress {stress:.4g} MPa"
+    yield (what, strength / max(stress, 1e-12), STRESS_SAFETY)
 
 
 GUIDE_FITS = (guide_wall, guide_length, axle_stress)

@@ -146,13 +146,9 @@ def _transmission(design: BevelDesign) -> Iterator[Broken]:
     for name, radii in {"drum_radii_mm": block.drum_radii_mm, "guide_radii_mm": block.guide_radii_mm}.items():
         for k, (inner, outer) in enumerate(pairwise(radii or ())):
             if outer <= inner:
-                yield Broken(
-                    ("transmission", name, k + 1),
-                    "steps do not grow",
-                    f"{outer:g} mm",
-                    f"over {inner:g} mm",
-                    "order the radii from step 1, the smallest, to step 4",
-                )
+                what = "steps do not grow"
+                remedy = "order the radii from step 1, the smallest, to step 4"
+                yield Broken(("transmission", name, k + 1), what, f"{outer:g} mm", f"over {inner:g} mm", remedy)
 
 
 def _said_twice(block: Transmission) -> Iterator[Broken]:
@@ -187,13 +183,9 @@ def _said_twice(block: Transmission) -> Iterator[Broken]:
 def _inputs(design: BevelDesign) -> Iterator[Broken]:
     yield from counted(design, "inputs", 2, "give one input on each side")
     if len(design.inputs) == 2 and design.inputs[0].side == design.inputs[1].side:
-        yield Broken(
-            ("inputs", 1, "side"),
-            "both inputs on one side",
-            design.inputs[1].side,
-            "one on each side",
-            "give one input side: -x and the other side: +x",
-        )
+        what = "both inputs on one side"
+        remedy = "give one input side: -x and the other side: +x"
+        yield Broken(("inputs", 1, "side"), what, design.inputs[1].side, "one on each side", remedy)
 
 
 def _broken_cables(design: BevelDesign) -> Iterator[Broken]:
@@ -203,13 +195,8 @@ def _broken_cables(design: BevelDesign) -> Iterator[Broken]:
     for k, name in enumerate(inputs):
         own = [cable for cable in cables if cable.input == name]
         if len(own) != 2:
-            yield Broken(
-                ("inputs", k),
-                "an input needs two cables",
-                f"{len(own)} cables run from {name}",
-                "2",
-                "set input: of the cables so that each input has two",
-            )
+            remedy = "set input: of the cables so that each input has two"
+            yield Broken(("inputs", k), "an input needs two cables", f"{len(own)} cables run from {name}", "2", remedy)
             continue
         if own[0].drum_side == own[1].drum_side:
             yield on_one_side(cables.index(own[1]), own[1].drum_side, f"cables of {name}")

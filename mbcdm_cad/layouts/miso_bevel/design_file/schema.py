@@ -25,10 +25,10 @@ class Ratios(Block):
     """Reductions, large radius over small; every cable then satisfies Eq. (1) exactly."""
 
     input_to_guide: Number = quantity(
-        "guide radius over input radius", source="Table 2: 9/6", reference=1.5, ge=0.2, le=20.0
+        "guide radius over input radius", "[0.2, 20]", source="Table 2: 9/6", reference=1.5
     )
     guide_to_drum: Number = quantity(
-        "drum radius over guide radius", source="Table 2: 54/9", reference=6.0, ge=0.5, le=50.0
+        "drum radius over guide radius", "[0.5, 50]", source="Table 2: 54/9", reference=6.0
     )
 
 
@@ -36,30 +36,25 @@ class Transmission(Block):
     """Pitch radii (to the cable's centre line), by step 1 to 4, and where the pulleys stand."""
 
     centre_distance_mm: Number = quantity(
-        "input pulley axis to guide axis, L", uncertain=True, source="Table 2", reference=34.6, ge=2.0, le=500.0
+        "input pulley axis to guide axis, L", "[2, 500]", uncertain=True, source="Table 2", reference=34.6
     )
     ratio: Number | None = quantity(
         "drum radius over input radius; sizing divides it between guide and inputs if ratios and radii are left "
         "out, and chooses it with the motor if it is left out too",
+        "[0.5, 100]",
         source="Table 2: 54/6",
         example=9.0,
-        default=None,
-        ge=0.5,
-        le=100.0,
     )
     drum_radius_mm: Number | None = quantity(
         "drum pitch radius of step 1; sizing adds the steps if drum_radii_mm is left out",
+        "[5, 500]",
         source="Table 2",
         example=54.0,
-        default=None,
-        ge=5.0,
-        le=500.0,
     )
     input_setback_mm: Number = quantity(
         "input axes behind the guide's axis, away from the drum, so that drives and collars clear the drum's terminals",
+        "[0, 100]",
         default=0.0,
-        ge=0.0,
-        le=100.0,
     )
     drum_radii_mm: tuple[Length, ...] = quantity(
         "drum pitch radii r_o of steps 1 to 4",
@@ -73,14 +68,12 @@ class Transmission(Block):
         "reductions that give guide and input radii; leave out when the radii are explicit",
         source="Table 2",
         reference={},
-        default=None,
     )
     guide_radii_mm: tuple[Length, ...] | None = quantity(
         "explicit guide pitch radii r_g of steps 1 to 4, in place of ratios; Eq. (1) is then checked",
         uncertain=True,
         source="Table 2",
         example=[9.0, 9.6, 10.2, 10.8],
-        default=None,
         min_length=4,
         max_length=4,
     )
@@ -89,7 +82,6 @@ class Transmission(Block):
         uncertain=True,
         source="Table 2",
         example=[6.0, 6.4, 6.8, 7.2],
-        default=None,
         min_length=4,
         max_length=4,
     )
@@ -100,7 +92,7 @@ class BevelClearances(TransferClearances):
     """Gaps between finished surfaces."""
 
     transfer_gap_mm: Number = quantity(
-        "gap from guide step 1 to the drum's inner face; under half a rope, so that no rope slips in", ge=0.01, le=5.0
+        "gap from guide step 1 to the drum's inner face; under half a rope, so that no rope slips in", "[0.01, 5]"
     )
 
 

@@ -13,14 +13,7 @@ from mbcdm_cad.design.resolve import Catalogue
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.yamltree import FieldPath
 from mbcdm_cad.layouts.miso_spur.drive import RoundDrumDrive
-from mbcdm_cad.layouts.siso_spur.design_file import starting
-from mbcdm_cad.layouts.siso_spur.design_file.resolve import (
-    broken_radius,
-    broken_sector,
-    broken_way,
-    named_entries,
-    spur_values,
-)
+from mbcdm_cad.layouts.siso_spur.design_file import resolve, starting
 from mbcdm_cad.layouts.siso_spur.design_file.schema import SpurBlocks, SpurSide
 from mbcdm_cad.layouts.siso_spur.drive import laid
 from mbcdm_cad.parts.drum_sector.dims import SCREWS
@@ -60,12 +53,12 @@ class RoundDrumDesign(SpurBlocks):
 
 def drive(design: RoundDrumDesign, catalogue: Catalogue, sigmas: Mapping[FieldPath, float]) -> RoundDrumDrive:
     """The drive of a valid design."""
-    return laid(RoundDrumDrive(**spur_values(design, catalogue, sigmas)))
+    return laid(RoundDrumDrive(**resolve.spur_values(design, catalogue, sigmas)))
 
 
 def broken_rules(design: RoundDrumDesign) -> Iterator[Broken]:
     """The rules of this configuration that the design breaks, in the order of the file's blocks."""
-    yield from broken_radius(design.transmission)
+    yield from resolve.broken_radius(design.transmission)
     if design.drum.output_screws != SCREWS:
         yield Broken(
             ("drum", "output_screws"),
@@ -89,8 +82,8 @@ def broken_rules(design: RoundDrumDesign) -> Iterator[Broken]:
                 "one to -x and one to +x",
                 "give both sides of its cable, one for each sense of the drum",
             )
-    yield from broken_way(design)
-    yield from broken_sector(design.drum.sector_half_angle_deg)
+    yield from resolve.broken_way(design)
+    yield from resolve.broken_sector(design.drum.sector_half_angle_deg)
     if design.transmission.parallel > 1:
         remedy = "set it to 1, or take configuration siso_spur"
         value = str(design.transmission.parallel)
@@ -105,7 +98,7 @@ DESIGN_FILE = DesignFile(
     RoundDrumDesign,
     REFERENCE.values,
     broken_rules,
-    named_entries,
+    resolve.named_entries,
     drive,
     LazySizing("mbcdm_cad.layouts.miso_spur.sizing"),
     STARTING,

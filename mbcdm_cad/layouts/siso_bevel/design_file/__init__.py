@@ -29,10 +29,8 @@ class DirectTransmission(Block):
 
     drum_radius_mm: Number | None = quantity(
         "drum pitch radius of step 1; sizing adds step 2 if drum_radii_mm is left out",
+        "[5, 500]",
         source="the paper's Table 2",
-        default=None,
-        ge=5.0,
-        le=500.0,
     )
     drum_radii_mm: tuple[Length, ...] = quantity(
         "drum pitch radii r_o of steps 1 and 2",
@@ -44,26 +42,22 @@ class DirectTransmission(Block):
     )
     input_to_drum: Number | None = quantity(
         "drum radius over input radius, the same for both steps; leave it out if the input radii are explicit",
+        "[0.5, 60]",
         source="highest ratio with which travel, reserve and stop slot fit on one turn of the input",
         reference=4.5,
-        default=None,
-        ge=0.5,
-        le=60.0,
     )
     input_radii_mm: tuple[Length, ...] | None = quantity(
         "explicit input pitch radii r_m of steps 1 and 2, in place of input_to_drum",
         uncertain=True,
         example=[12.9, 13.5],
-        default=None,
         min_length=2,
         max_length=2,
     )
     reserve_deg: Number = quantity(
         "wrap that stays on the input at the unwound end of the travel, before the stop's bend",
+        "[0, 360]",
         source=ESTIMATE,
         reference=18.0,
-        ge=0.0,
-        le=360.0,
     )
 
 

@@ -114,11 +114,8 @@ def hub_walls_of_pulley(s: SpurLayout) -> Findings:
     screw, limit = set_screw(drive), drive.pulley_material.min_wall_mm
     wall = pulley.lower_surface_radius - pulley.bore_radius
     yield "wall of the land round the bore, or root of its groove", wall, limit
-    yield (
-        f"hub's wall over the length of an {screw.name}",
-        pulley.lower_journal_radius - pulley.bore_radius - screw.length_mm,
-        0.0,
-    )
+    what = f"hub's wall over the length of an {screw.name}"
+    yield (what, pulley.lower_journal_radius - pulley.bore_radius - screw.length_mm, 0.0)
 
 
 @_without_horn(
@@ -171,11 +168,8 @@ def horn_flange(s: SpurLayout) -> Findings:
     yield "heads of the horn's screws beside land and cable", circle - head - on_land, 0.1
     yield "these heads inside the flange", servo.horn_mm / 2 - circle - head, -head / 2
     yield "horn's screws engaged", into, min(servo.horn_thickness_mm, screw.thread_mm)
-    yield (
-        "end of the horn's screws before the servo's housing",
-        servo.horn_face_mm - servo.before_mm - into,
-        drive.clearances.running_mm,
-    )
+    what = "end of the horn's screws before the servo's housing"
+    yield (what, servo.horn_face_mm - servo.before_mm - into, drive.clearances.running_mm)
     yield "flange between the horn's screws and the recess", circle - screw.clearance_mm / 2 - pulley.bore_radius, limit
 
 
@@ -249,11 +243,8 @@ def motor_seat(s: SpurLayout) -> Findings:
     for name, web in (*web_between(holes), *web_between(pocket)):
         yield f"plate, {name}", web, HOLE_WEB_MM
     yield "plate between pocket and the boss's bearings", boss, limit
-    yield (
-        "heads of the motor's screws under the plate's front",
-        drive.support.plate_mm - seat.shelf - screw.head_height_mm,
-        0.0,
-    )
+    what = "heads of the motor's screws under the plate's front"
+    yield (what, drive.support.plate_mm - seat.shelf - screw.head_height_mm, 0.0)
     yield "plate under these heads", seat.shelf, limit
 
 

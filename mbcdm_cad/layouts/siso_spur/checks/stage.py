@@ -108,11 +108,8 @@ def stage_room(s: SpurLayout) -> Findings:
     clamp = collar_sweep_mm(drive, *drive.collar_seat)
     yield "hub's clamp from the motor's shaft", stage.centre_mm - clamp - gear.shaft_diameter_mm / 2, running
     yield "flange before its bearing", head.flange.front_y - head.seat_radius, HOLE_WEB_MM + running
-    yield (
-        "teeth of the driver over its bore",
-        stage.root_mm(stage.driver_mm) - gear.shaft_diameter_mm / 2,
-        WHEEL_WALL_MM,
-    )
+    what = "teeth of the driver over its bore"
+    yield (what, stage.root_mm(stage.driver_mm) - gear.shaft_diameter_mm / 2, WHEEL_WALL_MM)
     yield "teeth of the driven wheel over its hub", stage.root_mm(stage.driven_mm) - dims.driven.hub_radius, 0.0
     if stage.is_belt:
         flanges = dims.driven.flange + dims.driver.outside
@@ -179,11 +176,8 @@ def stage_journal(s: SpurLayout) -> Findings:
     lever = s.input_bearings_mm(0)[0] - dims.middle_z
     stress = round_shaft_MPa(pulley.lower_journal_radius, dims.stage.across_N(torque) * lever, torque * 1e3)
     allowed = s.drive.pulley_material.yield_MPa
-    yield (
-        f"yield {allowed:g} MPa over the journal's {stress:.4g} MPa beside the driven wheel",
-        allowed / max(stress, 1e-9),
-        STRESS_SAFETY * SERVICE,
-    )
+    what = f"yield {allowed:g} MPa over the journal's {stress:.4g} MPa beside the driven wheel"
+    yield (what, allowed / max(stress, 1e-9), STRESS_SAFETY * SERVICE)
 
 
 @_stage_check(

@@ -94,11 +94,8 @@ def input_room(s: SpurLayout) -> Findings:
         yield "servo's horn before the plate, or inside its window", max(before, beside), running
         return
     if f.motor is not None:
-        yield (
-            "pocket of the plate round the hub of the input pulley",
-            f.motor.pocket_radius - pulley.lower_journal_radius,
-            running,
-        )
+        what = "pocket of the plate round the hub of the input pulley"
+        yield (what, f.motor.pocket_radius - pulley.lower_journal_radius, running)
         return
     over = f.bridge_bottom_z - f.axis_z - max(pulley.lower_land_radius, drive.input_radius_mm + s.flank_mm)
     yield (

@@ -29,14 +29,12 @@ class SpurTransmission(Block):
     input_to_drum: Number | None = quantity(
         "drum radius over input radius; leave it out if the input radius is explicit, or to have it chosen with the "
         "motor",
+        "[0.5, 60]",
         source="input radius 6 mm, the smallest of miso_bevel's reference",
         reference=9.9,
-        default=None,
-        ge=0.5,
-        le=60.0,
     )
     input_radius_mm: Length | None = quantity(
-        "explicit input pitch radius r_i, in place of input_to_drum", uncertain=True, example=6.0, default=None
+        "explicit input pitch radius r_i, in place of input_to_drum", uncertain=True, example=6.0
     )
     centre_distance_mm: Length = quantity(
         "drum axis to input axis",
@@ -92,10 +90,9 @@ class SpurRope(Rope):
 
     helix_lead_mm: Number = quantity(
         "axial lead of the turns on the input; larger than the rope's diameter",
+        "[0.2, 10]",
         source="rope makers' tables for grooves, rounded up",
         reference=0.9,
-        ge=0.2,
-        le=10.0,
     )
 
 
@@ -103,8 +100,8 @@ class SpurRope(Rope):
 class SpurClearances(Clearances):
     """Gaps between finished surfaces."""
 
-    land_edge_mm: Number = quantity("flank of the cable to the inner face of the drum's rim", ge=0.0, le=5.0)
-    running_mm: Number = quantity("any moving solid to any fixed one", ge=0.01, le=5.0)
+    land_edge_mm: Number = quantity("flank of the cable to the inner face of the drum's rim", "[0, 5]")
+    running_mm: Number = quantity("any moving solid to any fixed one", "[0.01, 5]")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -148,7 +145,6 @@ class SpurBlocks(Design):
     limits: SpurLimits
     idlers: IdlerBlock | None = choice(
         "idlers that lead the cable to an input away from the drum; left out, it runs straight to the drum",
-        default=None,
         example={"pairs": 1},
     )
 
@@ -183,6 +179,5 @@ class SpurDesign(SpurBlocks):
     first_stage: FirstStageBlock | None = choice(
         "a cable stage before the input, a whole drive of its own: {total_ratio: 24.0}; left out, the motor, or its "
         "gearhead, turns the input",
-        default=None,
         example={"total_ratio": 24.0},
     )

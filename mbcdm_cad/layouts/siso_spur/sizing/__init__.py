@@ -19,17 +19,8 @@ from mbcdm_cad.layouts.head_basis import LIMITS, METALS, ROPE_LIMITS, TRAIN
 from mbcdm_cad.layouts.head_parts import PARTS
 from mbcdm_cad.layouts.open_ratio import SizingRules
 from mbcdm_cad.layouts.siso_spur.drive import MOUNT_BOLTS
+from mbcdm_cad.layouts.siso_spur.sizing import dims
 from mbcdm_cad.layouts.siso_spur.sizing.basis import LAND_EDGE, NAMES, PRELOAD, RATIO, ROPE, WINDING, drum_radius
-from mbcdm_cad.layouts.siso_spur.sizing.dims import (
-    DRUM,
-    FRAME,
-    IDLERS,
-    MOUNT,
-    WIDTH,
-    back,
-    centre_distance,
-    idler_guesses,
-)
 from mbcdm_cad.layouts.siso_spur.sizing.first_stage import FIRST, with_room
 from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
 from mbcdm_cad.layouts.siso_spur.sizing.stage import GUESSES, STAGE, STAGE_RATIO
@@ -40,7 +31,7 @@ from mbcdm_cad.sizing.rule import Rule
 
 DERIVED = tuple(
     rule.field
-    for rule in (*WINDING, *WIDTH, *FRAME, centre_distance, *DRUM, back)
+    for rule in (*WINDING, *dims.WIDTH, *dims.FRAME, dims.centre_distance, *dims.DRUM, dims.back)
     if rule.field not in ("transmission.turns", "drum.windows")
 )
 
@@ -58,17 +49,17 @@ RULES: tuple[Rule, ...] = (
     *ROPE,
     *ROPE_LIMITS,
     drum_radius,
-    *IDLERS,
+    *dims.IDLERS,
     *PRELOAD,
     *PARTS,
     *STAGE,
-    *FRAME,
+    *dims.FRAME,
     *WINDING,
-    *WIDTH,
-    centre_distance,
-    MOUNT,
-    *DRUM,
-    back,
+    *dims.WIDTH,
+    dims.centre_distance,
+    dims.MOUNT,
+    *dims.DRUM,
+    dims.back,
 )
 
 
@@ -111,7 +102,7 @@ def _first_guesses(given: SpurKnown) -> dict[str, Any]:
         "support.bridge_mm": 4.0,
         "support.plate_mm": 8.0,
         "support.mount_screw": "M3",
-        **idler_guesses(given, radius),
+        **dims.idler_guesses(given, radius),
     }
 
 

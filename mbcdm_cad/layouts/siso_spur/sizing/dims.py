@@ -5,17 +5,7 @@ from __future__ import annotations
 from math import hypot
 from typing import Any
 
-from mbcdm_cad.layouts.head_dims import (
-    UNUSED,
-    bearing_shelf,
-    coupling_space,
-    drum_rules,
-    either,
-    encoder_shelf,
-    motor_shelf,
-    mount_screw,
-    side_wall,
-)
+from mbcdm_cad.layouts import head_dims
 from mbcdm_cad.layouts.siso_spur.drive import MOUNT_BOLTS
 from mbcdm_cad.layouts.siso_spur.idlers import flange_radius_mm
 from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
@@ -37,7 +27,7 @@ _BEARING = "624"
 
 @rule("support.plate_mm", "usual thickness, or more for the screws of motor or motor head", "flange")
 def plate(given: SpurKnown) -> Found:
-    start, check = either(given, "support", PLATE_MM), "flange"
+    start, check = head_dims.either(given, "support", PLATE_MM), "flange"
     if given.overhung or given.servo is not None:
         check = "motor_seat"
     if given.overhung and given.servo is None:
@@ -50,9 +40,9 @@ def plate(given: SpurKnown) -> Found:
 
 @rule("support.bridge_mm", "usual thickness for making it in its material, more where its bearings lean", "walls")
 def bridge(given: SpurKnown) -> Found:
-    usual = either(given, "support", BRIDGE_MM)
+    usual = head_dims.either(given, "support", BRIDGE_MM)
     if given.overhung:
-        return Found(usual, UNUSED)
+        return Found(usual, head_dims.UNUSED)
     start = rounded_up(max(usual, given.wall_mm("support")), 0.5)
     if not given.drives.passes:
         return Found(start)
@@ -175,21 +165,21 @@ def width(given: SpurKnown) -> Found:
 
 
 FRAME = (
-    motor_shelf,
+    head_dims.motor_shelf,
     Rule(
         "support.side_wall_mm",
         "usual thickness for the stiffness and for making it in its material",
         "walls",
-        side_wall,
+        head_dims.side_wall,
     ),
     bridge,
-    bearing_shelf,
-    encoder_shelf,
-    coupling_space,
+    head_dims.bearing_shelf,
+    head_dims.encoder_shelf,
+    head_dims.coupling_space,
     plate,
 )
 # The centre distance makes room for it.
-MOUNT = mount_screw(MOUNT_BOLTS)
-DRUM = drum_rules("least width for cable and terminals", _outer_face)
+MOUNT = head_dims.mount_screw(MOUNT_BOLTS)
+DRUM = head_dims.drum_rules("least width for cable and terminals", _outer_face)
 IDLERS = (radius, places)
 WIDTH = (_bearing, width)

@@ -5,18 +5,8 @@ from __future__ import annotations
 from math import ceil, pi
 from typing import Any
 
+from mbcdm_cad.design import stage
 from mbcdm_cad.design.bought import NO_GEARHEAD
-from mbcdm_cad.design.stage import (
-    BELTS,
-    EFFICIENCY,
-    LEAST_TEETH,
-    MODULES_MM,
-    USUAL_RATIO,
-    belt_length_mm,
-    carrying_belt,
-    driven_teeth,
-    least_driver_teeth,
-)
 from mbcdm_cad.layouts.head_basis import counts_losses, gearhead_output_mNm, input_needs_mNm, stage_force_N
 from mbcdm_cad.layouts.siso_spur.checks.stage import RATIO_SHARE, TOOTH_SHARE, lewis_factor
 from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
@@ -52,20 +42,20 @@ def _has_gears(given: SpurKnown) -> bool:
 
 @rule("stage.belt", "the finest belt that carries the input's torque", "stage_strength", _has_belt)
 def _belt(given: SpurKnown) -> Found:
-    name = carrying_belt(lambda pitch: _force_N(given, pitch), given.get("stage.width_mm"))
+    name = stage.carrying_belt(lambda pitch: _force_N(given, pitch), given.get("stage.width_mm"))
     return Found(name, "stage_strength", "next size")
 
 
 @rule("stage.module_mm", "the finest gears that carry it", "stage_strength", _has_gears)
 def _module(given: SpurKnown) -> Found:
     allowed = TOOTH_SHARE * given.entries("materials")["steel"]["yield_MPa"]
-    form = lewis_factor(given.get("stage.driver_teeth") or LEAST_TEETH["gears"])
+    form = lewis_factor(given.get("stage.driver_teeth") or stage.LEAST_TEETH["gears"])
 
     def carries(module: float) -> bool:
         width = given.get("stage.width_mm") or GEAR_WIDTH * module
         return bool(_force_N(given, pi * module) <= allowed * width * module * form)
 
-    return Found(next((m for m in MODULES_MM if carries(m)), MODULES_MM[-1]), "stage_strength", "next size")
+    return Found(next((m for m in stage.MODULES_MM if carries(m)), stage.MODULES_MM[-1]), "stage_strength", "next size")
 
 
 @rule(
@@ -78,14 +68,14 @@ def teeth(given: SpurKnown) -> Found:
     """The fewest that give the ratio, and a driver that its shaft fits; gears also keep their axes far enough apart."""
     kind, ratio, shaft = given["stage.kind"], float(given["stage.ratio"]), given.gearhead.shaft_diameter_mm
     if kind == "belt":
-        belt = BELTS[given["stage.belt"]]
+        belt = stage.BELTS[given["stage.belt"]]
         pitch, below = belt.pitch_mm, belt.below_mm + belt.tooth_mm
     else:
         pitch, below = pi * given["stage.module_mm"], 1.25 * given["stage.module_mm"]
-    least = least_driver_teeth(kind, pitch, below, shaft)
+    least = stage.least_driver_teeth(kind, pitch, below, shaft)
     candidates = range(least, least + MORE_TEETH)
-    close = [z for z in candidates if abs(driven_teeth(z, ratio) / z / ratio - 1.0) <= RATIO_SHARE / 2]
-    wanted = close or sorted(candidates, key=lambda z: abs(driven_teeth(z, ratio) / z / ratio - 1.0))
+    close = [z for z in candidates if abs(stage.driven_teeth(z, ratio) / z / ratio - 1.0) <= RATIO_SHARE / 2]
+    wanted = close or sorted(candidates, key=lambda z: abs(stage.driven_teeth(z, ratio) / z / ratio - 1.0))
     room = () if kind == "belt" else ("stage_room", "key_access")
     return given.first("stage.driver_teeth", wanted, (*room, "stage_shaft"))
 
@@ -93,7 +83,7 @@ def teeth(given: SpurKnown) -> Found:
 @rule("stage.width_mm", "the narrowest that carries the input's torque", "stage_strength", has_stage)
 def _width(given: SpurKnown) -> Found:
     if given["stage.kind"] == "belt":
-        return given.first("stage.width_mm", BELTS[given["stage.belt"]].widths_mm, ("stage_strength",))
+        return given.first("stage.width_mm", stage.BELTS[given["stage.belt"]].widths_mm, ("stage_strength",))
     module = given["stage.module_mm"]
     start = rounded_up(GEAR_WIDTH * module, 0.5)
     widths = [start + 0.5 * k for k in range(int((GEAR_WIDTH_MOST - GEAR_WIDTH) * module / 0.5) + 1)]
@@ -103,9 +93,9 @@ def _width(given: SpurKnown) -> Found:
 @rule("stage.belt_teeth", "the shortest belt that leaves room for wheels, clamp and screws", "stage_room", _has_belt)
 def belt_teeth(given: SpurKnown) -> Found:
     """The shortest belt with which wheels, clamp and key have room and enough teeth mesh."""
-    belt, driver = BELTS[given["stage.belt"]], given["stage.driver_teeth"]
-    small, large = (belt.pitch_mm * z / (2 * pi) for z in (driver, driven_teeth(driver, given["stage.ratio"])))
-    shortest = ceil(belt_length_mm(small, large, small + large + 2.0) / belt.pitch_mm)
+    belt, driver = stage.BELTS[given["stage.belt"]], given["stage.driver_teeth"]
+    small, large = (belt.pitch_mm * z / (2 * pi) for z in (driver, stage.driven_teeth(driver, given["stage.ratio"])))
+    shortest = ceil(stage.belt_length_mm(small, large, small + large + 2.0) / belt.pitch_mm)
     checks = ("stage_room", "key_access", "stage_mesh", "stage_key")
     return given.first("stage.belt_teeth", range(shortest, shortest + MORE_BELTS), checks)
 
@@ -127,10 +117,10 @@ def _ratio(given: SpurKnown) -> Found:
     known = given.has("drive.motor") and given.has_ratio
     head = given.peek("drive.gearhead")
     if not known or (head is None and given.peek("drive.motor") not in given.motors_with_faces()):
-        return Found(USUAL_RATIO, "usual for one pair of wheels")
+        return Found(stage.USUAL_RATIO, "usual for one pair of wheels")
     motor = given.entry("motors", "drive.motor")
     entry = None if head in (None, NO_GEARHEAD) else given.entry("gearheads", "drive.gearhead")
-    passed = EFFICIENCY[given["stage.kind"]] if counts_losses(given) else 1.0
+    passed = stage.EFFICIENCY[given["stage.kind"]] if counts_losses(given) else 1.0
     needed = input_needs_mNm(given) / given.ratio / (gearhead_output_mNm(given, motor, entry) * passed)
     return Found(
         min(max(rounded_up(needed, RATIO_STEP), LEAST_RATIO), MOST_RATIO), "motor_torque_forward", "up to 0.25"

@@ -27,16 +27,7 @@ from mbcdm_cad.layouts.siso_spur.support.idlers import StandDims, stands
 from mbcdm_cad.parts.bodies import screw_places
 from mbcdm_cad.parts.boss import BEARING_WALL_MM, BossFlange, boss
 from mbcdm_cad.parts.drum_sector.sizes import SLOT_WALLS, STOP_SLOT_PLAY_MM
-from mbcdm_cad.parts.motor_head.dims import (
-    DOWEL_MM,
-    Flange,
-    HeadFrameDims,
-    body_radius_mm,
-    dowel_length_mm,
-    flange_front_mm,
-    flange_screw,
-    inner_half_width_mm,
-)
+from mbcdm_cad.parts.motor_head import dims
 from mbcdm_cad.parts.turned import DrumShaftDims
 
 # Thread of the encoder's screws in its housing, in diameters.
@@ -67,7 +58,7 @@ FLANGE_HEAD_PLAY_MM, FLANGE_THICK_MM, FLANGE_PILOT_MM = 0.3, 5.0, 2.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class YokeDims(HeadFrameDims):
+class YokeDims(dims.HeadFrameDims):
     """Dimensions of the frame in mm, in the position that it has in the assembly; all screws and dowels at (x, z)."""
 
     levels: SpurStack
@@ -119,24 +110,24 @@ def opening_radius_mm(drive: SpurDrive) -> float:
     return max(land + beside + 0.3, drive.bearings.input_upper.outer_diameter_mm / 2 + 0.3, heads + 0.1)
 
 
-def flange(drive: SpurDrive) -> Flange:
+def flange(drive: SpurDrive) -> dims.Flange:
     """Flange of the motor head on the back of the plate, or outline round the motor; y points away from the drum."""
     if drive.overhung:
         mount = drive.screw(drive.support.mount_bolt)
         return seat_flange(drive, _round_thread_mm(drive, mount, mount.thread_mm), mount.thread_mm)
-    inner = inner_half_width_mm(drive)
+    inner = dims.inner_half_width_mm(drive)
     outer = inner + drive.support.side_wall_mm / 2
-    screw = flange_screw(drive)
+    screw = dims.flange_screw(drive)
     wall = _round_thread_mm(drive, screw, (SCREW_WALL + 0.5) * screw.thread_mm)
     # The screws are driven from behind, beside the motor.
-    beside = body_radius_mm(drive) + drive.clearances.running_mm
+    beside = dims.body_radius_mm(drive) + drive.clearances.running_mm
     x = max(outer, beside) + screw.head_diameter_mm / 2 + HEAD_ROOM_MM
     # Screws and dowels lie outside the opening for the pulley.
-    x = max(x, opening_radius_mm(drive) + OPENING_WEB_MM + max(screw.thread_mm, DOWEL_MM) / 2)
-    front = flange_front_mm(drive)
+    x = max(x, opening_radius_mm(drive) + OPENING_WEB_MM + max(screw.thread_mm, dims.DOWEL_MM) / 2)
+    front = dims.flange_front_mm(drive)
     back = -outer
     high, low = front - wall, back + wall
-    return Flange(
+    return dims.Flange(
         half_x=x + wall,
         back_y=back,
         front_y=front,
@@ -172,10 +163,10 @@ def boss_flange(drive: SpurDrive) -> BossFlange | None:
     )
 
 
-def yoke(drive: SpurDrive, levels: SpurStack, shaft: DrumShaftDims, head: Flange) -> YokeDims:
+def yoke(drive: SpurDrive, levels: SpurStack, shaft: DrumShaftDims, head: dims.Flange) -> YokeDims:
     """Dimensions of the frame; ``head``: the flange of the motor head."""
     s, encoder, upper = drive.support, drive.encoder, drive.bearings.input_upper
-    encoder_screw, screw = drive.screw(encoder.screw), flange_screw(drive)
+    encoder_screw, screw = drive.screw(encoder.screw), dims.flange_screw(drive)
     round_boss = replace(boss(drive, shaft, levels.back_y, levels.boss_front_y), flange=boss_flange(drive))
     z = drive.centre_distance_mm
     circle, head_radius = encoder.bolt_circle_mm / 2, encoder_screw.head_diameter_mm / 2 + 0.1
@@ -228,8 +219,8 @@ def yoke(drive: SpurDrive, levels: SpurStack, shaft: DrumShaftDims, head: Flange
         flange_insert=insert,
         flange_screws=tuple((x, z + y) for x, y in head.screws),
         dowels=tuple((x, z + y) for x, y in head.dowels),
-        dowel_radius=DOWEL_MM / 2,
-        dowel_depth=dowel_length_mm(drive) - s.bearing_shelf_mm + 0.5,
+        dowel_radius=dims.DOWEL_MM / 2,
+        dowel_depth=dims.dowel_length_mm(drive) - s.bearing_shelf_mm + 0.5,
         mounts=((-beside, lowest), (beside, lowest), (-beside, highest), (beside, highest)),
         mount_radius=thread,
         mount_insert=mount_insert,
