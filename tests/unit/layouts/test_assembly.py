@@ -1,7 +1,5 @@
 """The order of assembly from templates: names come from the bill, a first stage is a drive with all its parts."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Drives that count losses: sizing chooses motor, gearhead and ratio so that they move the torque that was asked."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

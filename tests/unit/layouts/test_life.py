@@ -1,7 +1,5 @@
 """Bendings of the cables of all layouts against marks on the drawn cables, and the life of the references."""
 
-from __future__ import annotations
-
 from collections import Counter
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The loader finds the configuration of a design file by its ``configuration``; a new one needs no change of it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from importlib.metadata import EntryPoint
 from types import SimpleNamespace

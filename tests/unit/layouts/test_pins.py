@@ -1,7 +1,5 @@
 """A pin that a requirement contradicts: the first advice is to remove it, and this works."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import yaml

@@ -1,7 +1,5 @@
 """Compliance by cause of the four references: what it consists of, and what follows from what."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 from math import inf

@@ -1,7 +1,5 @@
 """A terminal whose angle the file states stands there; the others stay, and its cable ends there."""
 
-from __future__ import annotations
-
 from math import degrees, radians
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Remedies applied together: the text is true, requirements do not change, and checks without a figure are named."""
 
-from __future__ import annotations
-
 import copy
 from typing import Any
 

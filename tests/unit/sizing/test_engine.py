@@ -1,7 +1,5 @@
 """Rules fill open fields, do not change stated ones, and record what they read."""
 
-from __future__ import annotations
-
 import pytest
 
 from mbcdm_cad.design.sized import SizingError

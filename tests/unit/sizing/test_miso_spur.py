@@ -1,7 +1,5 @@
 """Short files of miso_spur: as siso_spur with a shared load, and gaps between sectors and inputs."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

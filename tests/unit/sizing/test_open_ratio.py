@@ -1,7 +1,5 @@
 """A file without ratio and motor: what it asks for chooses both, and no other ratio gives a lighter drive."""
 
-from __future__ import annotations
-
 import re
 from math import inf
 from typing import Any

@@ -1,7 +1,5 @@
 """Preload at the knee of backlash over preload: the closed form."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

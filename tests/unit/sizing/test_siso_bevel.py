@@ -1,7 +1,5 @@
 """Short files of siso_bevel: ratio and dimensions follow from travel, radius and torque."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

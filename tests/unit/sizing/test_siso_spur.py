@@ -1,7 +1,5 @@
 """Short files of siso_spur: rules fill every dimension, and stated values do not change."""
 
-from __future__ import annotations
-
 from math import hypot
 from pathlib import Path
 from typing import Any

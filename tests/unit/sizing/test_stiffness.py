@@ -1,7 +1,5 @@
 """Sizing by stiffness: as long as 1 % of mass buys 1 % of compliance, or as far as the file asks."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """A trial drive is computed once for any number of requests, and gives the same values as alone."""
 
-from __future__ import annotations
-
 import copy
 from typing import Any
 

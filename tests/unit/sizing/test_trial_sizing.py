@@ -1,7 +1,5 @@
 """The search of a field's value by checks: a check that no value meets does not prevent the others."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any

@@ -1,7 +1,5 @@
 """Rules of the drum by its stress: windows closed where the web would be thicker for them, the hub by its torsion."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

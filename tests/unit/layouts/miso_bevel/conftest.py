@@ -1,7 +1,5 @@
 """Fixtures of the tests of this layout."""
 
-from __future__ import annotations
-
 import pytest
 
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive

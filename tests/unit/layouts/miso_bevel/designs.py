@@ -1,7 +1,5 @@
 """Drives for the tests of this layout: the reference design, and random variations of its numbers."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 from pathlib import Path

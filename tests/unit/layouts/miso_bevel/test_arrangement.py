@@ -1,7 +1,5 @@
 """Arrangement of the motors: setback of the input axes, gearheads with two to four screws."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from math import atan2, hypot
 

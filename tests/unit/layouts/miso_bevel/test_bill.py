@@ -1,7 +1,5 @@
 """The bill: placement of all instances, groups that move with the cables, names for any design."""
 
-from __future__ import annotations
-
 from collections import Counter
 from dataclasses import replace
 from math import radians

@@ -1,7 +1,5 @@
 """Cables of the reference design: figures of the mechanism, tangency by independent construction, smooth joints."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import pairwise
 from math import asin, cos, degrees, hypot, pi, radians, sin, sqrt, tau

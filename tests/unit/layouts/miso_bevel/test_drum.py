@@ -1,7 +1,5 @@
 """Lands, terminals, stop and windows of the drum: inside the sector, apart from each other, at their dimensions."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import combinations
 from math import atan2, cos, degrees, hypot, radians, sin

@@ -1,7 +1,5 @@
 """Screws and walls of the frame follow from torque and stiffness where the file leaves them open."""
 
-from __future__ import annotations
-
 import pytest
 
 from mbcdm_cad.checks.drum_sector import hub_length, stop_slot

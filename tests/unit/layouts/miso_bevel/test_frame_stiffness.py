@@ -1,7 +1,5 @@
 """Loads on the support and the estimate of its windup: equilibrium, laws, messages."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Stack-ups of miso_bevel's gaps compared with small changes of the gaps, computed independently."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from math import radians, tan
 

@@ -1,7 +1,5 @@
 """Motors above the top plate, and gearheads turned about their axes: levels, pulleys, loads, checks and rules."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from math import hypot
 from typing import Any

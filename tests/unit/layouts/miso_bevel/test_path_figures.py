@@ -1,7 +1,5 @@
 """Figures of cable paths compared with rigid-body kinematics and Pythagoras; limits of the travel."""
 
-from __future__ import annotations
-
 from dataclasses import asdict, replace
 from math import atan2, degrees, hypot, pi, radians, tau
 

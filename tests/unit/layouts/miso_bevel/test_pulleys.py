@@ -1,7 +1,5 @@
 """Input pulleys, collar, guide and axle: walls, clearances and seats."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from math import hypot, sqrt
 

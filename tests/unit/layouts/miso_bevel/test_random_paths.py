@@ -1,7 +1,5 @@
 """Laws of the cable paths over random radii, centre distances, leads, travels and sides."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 from math import atan2, degrees, hypot, pi, radians, tau
 

@@ -1,7 +1,5 @@
 """Sizing of miso_bevel: the reference from its requirements, and laws for every file."""
 
-from __future__ import annotations
-
 import copy
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Levels along Y and Z: identities of the envelope, order, clearances, and the effect of each field."""
 
-from __future__ import annotations
-
 from dataclasses import fields, replace
 from math import radians
 from typing import Any

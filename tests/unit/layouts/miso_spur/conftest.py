@@ -1,7 +1,5 @@
 """The reference design of miso_spur, as its schema writes it, and with more inputs."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Geometry of several inputs round one drum: paths, grooves, sectors, dowels, frame, rules of the design file."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from math import degrees, pi

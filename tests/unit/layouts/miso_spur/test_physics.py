@@ -1,7 +1,5 @@
 """Several inputs round one drum: each behaves as the plain drive under its share, and the drum is in equilibrium."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 

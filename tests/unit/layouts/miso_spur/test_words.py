@@ -1,7 +1,5 @@
 """Words of siso_spur in miso_spur: idlers, capstans on the motors' shafts, bought servos, at each input."""
 
-from __future__ import annotations
-
 from functools import cache
 from itertools import combinations
 

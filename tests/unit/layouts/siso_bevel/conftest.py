@@ -1,7 +1,5 @@
 """The reference design of siso_bevel, as its schema writes it."""
 
-from __future__ import annotations
-
 import pytest
 
 from mbcdm_cad.layouts.loader import load_text, new_design_text

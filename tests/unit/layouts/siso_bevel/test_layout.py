@@ -1,7 +1,5 @@
 """Geometry of the drive without a guide: cable paths, the one turn of the input, the stop's slot, the frame."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from math import cos, degrees, radians, sin
 from pathlib import Path

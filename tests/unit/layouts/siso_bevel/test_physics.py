@@ -1,7 +1,5 @@
 """Equilibrium, symmetry and loads of the drive without a guide, each computed independently."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from math import exp, radians, sqrt
 

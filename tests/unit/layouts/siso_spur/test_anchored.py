@@ -1,7 +1,5 @@
 """Two cables anchored on input and drum: their paths, the grooves and slots under them, and their checks."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from math import degrees, pi, radians, tau
 

@@ -1,7 +1,5 @@
 """Two cable stages in series: figures by other routes, kinematics, checks, parts, the rig, messages."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 from functools import cache

@@ -1,7 +1,5 @@
 """Idlers of siso_spur: the taut strand, its loads, its lengths, its friction, the parts that carry it, its messages."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 from itertools import combinations, pairwise

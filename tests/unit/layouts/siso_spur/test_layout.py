@@ -1,7 +1,5 @@
 """Geometry of the plain capstan drive: cable path, walk, groove under the cable, checks of the winding."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from math import degrees, pi
 from pathlib import Path

@@ -1,7 +1,5 @@
 """An input pulley on the motor's own shaft, without bearings of its own."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from math import pi
 

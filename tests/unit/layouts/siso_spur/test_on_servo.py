@@ -1,7 +1,5 @@
 """An input pulley on the horn of a bought servo."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from math import degrees, radians, tau
 

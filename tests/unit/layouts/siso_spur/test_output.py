@@ -1,7 +1,5 @@
 """The output as builders ask for it: screws of a stated number on a stated circle, their thread by the torque."""
 
-from __future__ import annotations
-
 from math import atan2, degrees, hypot, radians
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Cables in parallel: each is the plain drive's with its share; unequal preloads, hubs in line, as drawn, messages."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from math import degrees, radians
 

@@ -1,7 +1,5 @@
 """Slip on the input, equilibrium, symmetry and loads of the plain capstan drive, each computed independently."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from math import exp, pi, radians, tanh
 

@@ -1,7 +1,5 @@
 """The torque at which a continuous cable slips on its input is one figure wherever it is told."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

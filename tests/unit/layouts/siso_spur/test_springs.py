@@ -1,7 +1,5 @@
 """Springs in the terminals: give of the cables, preload that is kept, place of each part, checks and remedies."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import pairwise
 from math import exp, log

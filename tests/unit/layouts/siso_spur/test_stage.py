@@ -1,7 +1,5 @@
 """A belt or a pair of gears between motor and input: figures by other routes, checks, parts, the rig and the loop."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 from math import pi, radians

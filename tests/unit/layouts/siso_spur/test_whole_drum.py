@@ -1,7 +1,5 @@
 """Drums that are closed all round: turns beside each other, terminals that come by, the ring's strain, messages."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from math import atan2, hypot, pi, tau
 

@@ -1,7 +1,5 @@
 """Drives as builders make them: without encoders of their own, and with a hollow centre through drum and frame."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from math import pi
 
