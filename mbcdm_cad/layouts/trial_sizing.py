@@ -18,7 +18,7 @@ from mbcdm_cad.design import bought
 from mbcdm_cad.design.resolve import Catalogue
 from mbcdm_cad.design.rules import every_broken_rule
 from mbcdm_cad.design.sized import Moved, Sizing, SizingError
-from mbcdm_cad.layouts.base import Layout
+from mbcdm_cad.layouts.base import Layout, NoFigureError
 from mbcdm_cad.layouts.trial_drives import At, End, Margin, TrialDrives, Way
 from mbcdm_cad.sizing.engine import fill
 from mbcdm_cad.sizing.known import KnownFields, RopeKnown
@@ -81,6 +81,7 @@ class TrialKnown(RopeKnown):
     def __init__(self, data: dict[str, Any], guesses: Mapping[str, Any], drives: TrialDrives | None = None) -> None:
         """``drives``: those of the pass before, which are not computed again."""
         super().__init__(data)
+        self._file = KnownFields(copy.deepcopy(data))
         self.guesses = guesses
         self.drives = drives or TrialDrives(self.layout.design_file().schema, self.of_design)
         whole = KnownFields({})
@@ -154,11 +155,17 @@ class TrialKnown(RopeKnown):
         return self.input_peak_Nm * 1e3 / (2 * self.drum_mm)
 
     def of_design(self, design: Any) -> Layout:
-        """A design of the layout's schema, under test. Raises ``SizingError`` for the first rule that it breaks."""
+        """A design of the layout's schema, under test.
+
+        Raises ``SizingError`` for the first rule that it breaks by a field of the file, ``NoFigureError`` for one that
+        it breaks by a field of a trial.
+        """
         file, catalogue = self.layout.design_file(), Catalogue(design)
         first = next(every_broken_rule(design, catalogue, file.rules(design), file.named(design)), None)
-        if first is not None:
+        if first is not None and self._file.has(".".join(part for part in first.path if isinstance(part, str))):
             raise SizingError(first)
+        if first is not None:
+            raise NoFigureError(first.what)
         return self.layout(file.drive(design, catalogue, {}))
 
     def filled(self, block: str) -> dict[str, Any]:
@@ -183,20 +190,21 @@ class TrialKnown(RopeKnown):
 
     def missed_before(self, check: str) -> bool:
         """Whether the drive of the pass before, the third or a later one, misses a check."""
-        if self.drives.passes < 2:
-            return False
-        for name in self.asked:
-            self.get(name)
-        return -inf < self.drives.margins(self._at_start, (check,), self.layout.checks_by_id())[check][0] < 0.0
+        return self.drives.passes > 1 and -inf < self._margins_of(self._at_start, (check,))[check][0] < 0.0
 
     def margins(self, field: str, value: Any, checks: Iterable[str], to_first_miss: bool = False) -> dict[str, Margin]:
         """Margin and its unit by check, with ``field`` at ``value``; -inf where a check has no figure there.
 
         ``to_first_miss``: see :meth:`~mbcdm_cad.layouts.trial_drives.TrialDrives.margins`.
         """
+        return self._margins_of(self._whole(field, value), checks, to_first_miss)
+
+    def _margins_of(
+        self, data: dict[str, Any], checks: Iterable[str], to_first_miss: bool = False
+    ) -> dict[str, Margin]:
         for name in self.asked:
             self.get(name)
-        return self.drives.margins(self._whole(field, value), checks, self.layout.checks_by_id(), to_first_miss)
+        return self.drives.margins(data, checks, self.layout.checks_by_id(), to_first_miss)
 
     def _whole(self, field: str, value: Any) -> dict[str, Any]:
         """The data of a trial. Trials share the blocks in which the field is not, so that no block may be changed."""

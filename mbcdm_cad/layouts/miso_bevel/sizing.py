@@ -17,7 +17,7 @@ from mbcdm_cad.design.bought import NO_GEARHEAD
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import Freedom, SizingError
 from mbcdm_cad.layouts import common_freedoms, common_rules
-from mbcdm_cad.layouts.base import Layout, NoFigureError
+from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.head_basis import (
     LIMITS,
     METALS,
@@ -47,11 +47,9 @@ from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.support.dims import HEAD_ROOM_MM
 from mbcdm_cad.layouts.open_ratio import SizingRules
 from mbcdm_cad.layouts.stiff_sizing import SHARED, bearing, walls
-from mbcdm_cad.layouts.trial_drives import TrialDrives
 from mbcdm_cad.layouts.trial_sizing import MIDDLE_SIZE, TrialKnown
 from mbcdm_cad.parts.drum_sector.dims import SCREWS
 from mbcdm_cad.parts.fits import MOUNT_SCREWS
-from mbcdm_cad.sizing.known import KnownFields
 from mbcdm_cad.sizing.rule import Found, Rule, constant, driver_of, rounded_down, rounded_up, rule
 
 STEPS = 4
@@ -98,11 +96,6 @@ class BevelKnown(TrialKnown):
         "input_pulleys.upper_bearing": ("bearing_shoulders",),
     }
 
-    def __init__(self, data: dict[str, Any], guesses: Mapping[str, Any], drives: TrialDrives | None = None) -> None:
-        """See the base class."""
-        self._stated_setback = KnownFields(data).has(SETBACK)
-        super().__init__(data, guesses, drives)
-
     def _whole(self, field: str, value: Any) -> dict[str, Any]:
         """See the base class; ratios follow each other, and inputs that are set back stand far enough apart."""
         if field == STEP:
@@ -128,13 +121,6 @@ class BevelKnown(TrialKnown):
             apart = max(block.get("centre_distance_mm", 0.0), value / MOST_SETBACK)
             return super()._whole("transmission", {**block, "input_setback_mm": value, "centre_distance_mm": apart})
         return super()._whole(field, value)
-
-    def of_design(self, design: Any) -> Layout:
-        """See the base class; inputs that a trial sets back too far are no fault of the file."""
-        block = design.transmission
-        if not self._stated_setback and block.input_setback_mm > MOST_SETBACK * block.centre_distance_mm:
-            raise NoFigureError("the inputs would be behind the guide")
-        return super().of_design(design)
 
     def radii_mm(self, step_mm: float) -> list[float]:
         """Pitch radii of the drum with equal steps."""
