@@ -408,7 +408,7 @@ def side_wall(given: BevelKnown) -> Found:
 
 @rule("support.back_plate_mm", "usual thickness for its material", "walls")
 def back_plate(given: BevelKnown) -> Found:
-    found = given.moved("support.back_plate_mm", _usual(given, BACK_MM), 0.1, ("walls",))
+    found = given.moved("support.back_plate_mm", _usual(given, BACK_MM), 0.1, ("walls", "head_seats"))
     if not given.has("support.back_y_mm"):
         return found
     return given.moved("support.back_plate_mm", found.value, -0.1, ("walls", "collar_space", "pocket_depth"))
@@ -521,9 +521,12 @@ _SCREWS_REACHED = ("head_seats", "key_access", "front_wall")
 
 
 def _turn_helps(given: BevelKnown) -> bool:
-    at = (given.margins("drive.gearhead_angle_deg", turn, _SCREWS_REACHED, True) for turn in _turned(given))
-    held = [min(margin for margin, _ in margins.values()) >= 0.0 for margins in at]
-    return not held[0] and any(held)
+    def holds(turn: float) -> bool:
+        margins = given.margins("drive.gearhead_angle_deg", turn, _SCREWS_REACHED, True).values()
+        return min(margin for margin, _ in margins) >= 0.0
+
+    none, *turns = _turned(given)
+    return not holds(none) and any(map(holds, turns))
 
 
 @rule(
