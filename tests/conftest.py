@@ -4,8 +4,9 @@ import gc
 import os
 import shutil
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import settings
@@ -40,6 +41,20 @@ def pytest_collection_finish() -> None:
 def no_screen(monkeypatch: pytest.MonkeyPatch) -> None:
     """Text is not wrapped unless a test says how wide its screen is, whatever the shell or the test runner says."""
     monkeypatch.delenv("COLUMNS", raising=False)
+
+
+@pytest.fixture
+def says(capsys: pytest.CaptureFixture[str]) -> Callable[..., Any]:
+    """Runs a command, which must exit with ``code``, and gives what it printed."""
+    from mbcdm_cad import cli
+
+    def run(words: list[str], code: int = 0) -> Any:
+        found = cli.run(words)
+        printed = capsys.readouterr()
+        assert found == code, printed
+        return printed
+
+    return run
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -20,6 +20,7 @@ from mbcdm_cad import api, cli
 from mbcdm_cad.cli.group import mbcdm
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts.loader import load_text
+from tests.support.reference import Says
 from tests.unit.solving.test_solve import PINNED
 
 ROOT = Path(__file__).parents[3]
@@ -159,14 +160,10 @@ def test_results_can_be_printed_shown_and_turned_into_data(design: mc.DriveDesig
         json.dumps(result.to_dict(), allow_nan=False)
 
 
-def test_check_and_analyse_say_what_the_commands_say(
-    design: mc.DriveDesign, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_check_and_analyse_say_what_the_commands_say(design: mc.DriveDesign, says: Says) -> None:
     for command, result in (("check", design.check()), ("analyse", design.analyse())):
-        assert cli.run([command, str(PARAMS)]) == 0
-        assert capsys.readouterr().out == f"{result}\n"
-        assert cli.run([command, "--json", str(PARAMS)]) == 0
-        assert json.loads(capsys.readouterr().out) == json.loads(json.dumps(result.to_dict()))
+        assert says([command, str(PARAMS)]).out == f"{result}\n"
+        assert json.loads(says([command, "--json", str(PARAMS)]).out) == json.loads(json.dumps(result.to_dict()))
 
 
 def test_with_changes_one_field_and_leaves_the_design_alone(design: mc.DriveDesign) -> None:

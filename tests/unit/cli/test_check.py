@@ -18,7 +18,6 @@ from mbcdm_cad import cli
 from mbcdm_cad.checks.comparison import CheckResult
 from mbcdm_cad.checks.size import kept_mass_g
 from mbcdm_cad.cli import group
-from mbcdm_cad.cli import run as mbcdm
 from mbcdm_cad.cli.group import coloured, progress_of_trials, sign_of_life
 from mbcdm_cad.design.loader import LoadedDesign
 from mbcdm_cad.layouts.loader import layout_of, load_design, load_text, new_design_text, short_design_text
@@ -29,6 +28,7 @@ from mbcdm_cad.planning.plan import plan_of
 from mbcdm_cad.report.check_report import CheckReport
 from mbcdm_cad.rig.bench import BenchLimits
 from mbcdm_cad.rig.experiment import Experiment, read_experiment
+from tests.support.reference import Says
 
 FIELDS = {"id", "title", "status", "actual", "limit", "unit", "margin", "message", "remedy", "source", "waived_reason"}
 # Checks of requirements that the reference design does not state are left out.
@@ -48,11 +48,8 @@ def failing_text(name: str) -> str:
     return text.replace("centre_distance_mm: 34.6", "centre_distance_mm: 38.0")
 
 
-def test_sound_design_exits_0_with_a_summary_and_no_passing_checks(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert cli.run(["check", str(write(tmp_path, new_design_text("sound")))]) == 0
-    out, err = capsys.readouterr()
+def test_sound_design_exits_0_with_a_summary_and_no_passing_checks(tmp_path: Path, says: Says) -> None:
+    out, err = says(["check", str(write(tmp_path, new_design_text("sound")))])
     lines = out.splitlines()
     assert err == "" and lines[-1].startswith("sound: ") and LAST in lines[-1]
     assert not [line for line in lines if line.startswith("pass")], out
@@ -65,10 +62,9 @@ def test_all_lists_passing_checks_before_warnings(tmp_path: Path, capsys: pytest
     assert words == sorted(words) and words.count("pass") + words.count("warn") == ASKED, words
 
 
-def test_failures_come_last_with_what_to_do(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_failures_come_last_with_what_to_do(tmp_path: Path, says: Says) -> None:
     path = write(tmp_path, failing_text("thick"))
-    assert cli.run(["check", str(path)]) == 1
-    out, _ = capsys.readouterr()
+    out, _ = says(["check", str(path)], 1)
     for remedy in (
         "choose a rope of at most 0.81 mm (such as FF-081) or lower transmission.ratios.input_to_guide from 1.5",
         "lower clearances.land_edge_mm from 0.15 to at most 0.1",
@@ -89,60 +85,52 @@ def test_failed_shows_failures_only(tmp_path: Path, capsys: pytest.CaptureFixtur
 @pytest.mark.parametrize("width", [80, 200])
 @pytest.mark.parametrize("option", [[], ["--all"], ["--failed"]])
 def test_no_line_is_wider_than_the_terminal(
-    width: int, option: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    width: int, option: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, says: Says
 ) -> None:
     monkeypatch.setenv("COLUMNS", str(width))
-    assert cli.run(["check", *option, str(write(tmp_path, failing_text("thick")))]) == 1
-    lines = capsys.readouterr().out.splitlines()
+    lines = says(["check", *option, str(write(tmp_path, failing_text("thick")))], 1).out.splitlines()
     longest = max(lines, key=len)
     assert len(longest) <= width, f"{len(longest)} characters: {longest}"
     assert len(longest) > 0.8 * width or option, f"at most {len(longest)} of {width} columns used"
 
 
 def test_titles_of_passing_checks_are_shown_where_there_is_room(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, says: Says
 ) -> None:
     path = str(write(tmp_path, new_design_text("wide")))
     for width, there in ((80, False), (200, True)):
         monkeypatch.setenv("COLUMNS", str(width))
-        assert cli.run(["check", "--all", path]) == 0
-        out = capsys.readouterr().out
+        out = says(["check", "--all", path]).out
         assert ("Drum lands wide enough" in out) is there, out
         assert len([line for line in out.splitlines() if line.startswith("pass")]) > 90
 
 
 @pytest.mark.slow
-def test_several_designs_exit_with_the_worst_code(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_several_designs_exit_with_the_worst_code(tmp_path: Path, says: Says) -> None:
     good, bad = (
         write(tmp_path, text(stem), f"{stem}.yaml") for stem, text in (("good", new_design_text), ("bad", failing_text))
     )
     broken = write(tmp_path, "a: [", "broken.yaml")
-    assert cli.run(["check", str(good), str(good)]) == 0
-    assert capsys.readouterr().out.splitlines()[-1] == "2 designs: all pass"
-    assert cli.run(["check", str(bad), str(good)]) == 1
-    assert capsys.readouterr().out.splitlines()[-1] == f"2 designs: 1 fail: {bad}"
-    assert cli.run(["check", str(broken), str(bad), str(good)]) == 2
-    out, err = capsys.readouterr()
+    assert says(["check", str(good), str(good)]).out.splitlines()[-1] == "2 designs: all pass"
+    assert says(["check", str(bad), str(good)], 1).out.splitlines()[-1] == f"2 designs: 1 fail: {bad}"
+    out, err = says(["check", str(broken), str(bad), str(good)], 2)
     assert out.splitlines()[-1] == f"3 designs: 1 fail: {bad}; 1 cannot be read: {broken}", out
     assert err.startswith(f"{broken}:2: ") and len(err.splitlines()) == 1, err
 
 
-def test_json_has_all_fields(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_json_has_all_fields(tmp_path: Path, says: Says) -> None:
     path = str(write(tmp_path, new_design_text("plain")))
-    assert cli.run(["check", "--json", path]) == 0
-    data = json.loads(capsys.readouterr().out)
+    data = json.loads(says(["check", "--json", path]).out)
     assert data["design"] == "plain" and len(data["design_sha256"]) == 64
     assert all(set(check) == FIELDS for check in data["checks"])
     assert sum(data["summary"].values()) == ASKED == len(data["checks"]), data["summary"]
-    assert cli.run(["check", "--json", path, path]) == 0
-    assert json.loads(capsys.readouterr().out) == [data, data]
+    assert json.loads(says(["check", "--json", path, path]).out) == [data, data]
 
 
-def test_unknown_waiver_exits_2(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_unknown_waiver_exits_2(tmp_path: Path, says: Says) -> None:
     text = new_design_text("waived").replace("waivers: []", "waivers:\n  - {check: bend_ratios, reason: haste}\n")
     path = write(tmp_path, text)
-    assert cli.run(["check", str(path)]) == 2
-    out, err = capsys.readouterr()
+    out, err = says(["check", str(path)], 2)
     assert out == "" and err.startswith(f"{path}:") and "did you mean bend_ratio?" in err, err
 
 
@@ -151,11 +139,10 @@ def test_options_that_exclude_each_other(tmp_path: Path, capsys: pytest.CaptureF
     assert "exclude each other" in capsys.readouterr().err
 
 
-def test_waived_failure_exits_0_and_is_printed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_waived_failure_exits_0_and_is_printed(tmp_path: Path, says: Says) -> None:
     text = new_design_text("waived").replace("peak_torque_Nm: 3.15", "peak_torque_Nm: 3.3 ")
     text = text.replace("waivers: []", "waivers:\n  - {check: motor_torque_back, reason: one way only}\n")
-    assert cli.run(["check", str(write(tmp_path, text))]) == 0
-    out = capsys.readouterr().out
+    out = says(["check", str(write(tmp_path, text))]).out
     assert "waived motor_torque_back" in out and "waived: one way only" in out and "1 waived" in out, out
 
 
@@ -182,14 +169,11 @@ def test_report_of_a_handful() -> None:
     assert not report.passed and report["x"] is results[0] and str(report) == report.text()
 
 
-def test_checks_without_a_figure_for_one_reason_are_told_once(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_checks_without_a_figure_for_one_reason_are_told_once(tmp_path: Path, says: Says) -> None:
     """A frame below the drum's axis leaves eighty checks without a figure."""
     text = new_design_text("low").replace("coupling_space_mm: 9.6", "coupling_space_mm: 60.0")
     assert text != new_design_text("low"), "the reference file no longer holds this coupling space"
-    assert cli.run(["check", "--failed", str(write(tmp_path, text))]) == 1
-    out = capsys.readouterr().out
+    out = says(["check", "--failed", str(write(tmp_path, text))], 1).out
     assert out.count("below the drum's axis") == 1, out
     listed = out.split("checks, for one reason")[1].split("tried together")[0]
     assert "stop_slot" in listed and "walls" in listed and len(out.splitlines()) < 60, out
@@ -208,16 +192,14 @@ def test_check_imports_neither_the_kernel_nor_what_draws(tmp_path: Path) -> None
 
 
 def test_a_file_that_states_every_value_gets_a_hint_beside_its_report(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, says: Says, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     monkeypatch.setattr(group, "_PATIENCE_S", 3600.0)  # a slow machine says that it is at work
     whole = write(tmp_path, new_design_text("whole"))
-    assert cli.run(["check", str(whole)]) == 0
-    said = capsys.readouterr()
+    said = says(["check", str(whole)])
     assert "states every value" in said.err and "states every value" not in said.out
-    assert cli.run(["check", str(Path(__file__).parents[3] / "params/mbcdm-short.yaml")]) == 0
-    assert capsys.readouterr().err == ""
+    assert says(["check", str(Path(__file__).parents[3] / "params/mbcdm-short.yaml")]).err == ""
 
 
 # Text follows the terminal: its width, and whether it has colours.
@@ -278,14 +260,13 @@ def test_a_search_that_is_piped_says_its_stages_and_how_far_it_is(monkeypatch: p
 @pytest.mark.parametrize("field", [(), ("support.back_y_mm",)])
 @pytest.mark.parametrize("width", [60, 80, 120, 160])
 def test_explain_keeps_to_the_width(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], width: int, field: tuple[str, ...]
+    monkeypatch: pytest.MonkeyPatch, says: Says, width: int, field: tuple[str, ...]
 ) -> None:
     words = {}
     for columns in (None, width):
         if columns is not None:
             monkeypatch.setenv("COLUMNS", str(columns))
-        assert cli.run(["explain", str(SHORT), *field]) == 0
-        words[columns] = capsys.readouterr().out
+        words[columns] = says(["explain", str(SHORT), *field]).out
     longest = max(words[width].splitlines(), key=len)
     assert len(longest) <= width, f"{len(longest)} characters: {longest}"
     assert words[None].split() == words[width].split(), "wrapping loses words"
@@ -338,37 +319,32 @@ def _mass_times_turn(loaded: LoadedDesign) -> float:
     return kept_mass_g(layout) / structure_of(layout).stiffness_Nm_rad
 
 
-def test_every_sized_field_is_listed_with_its_driver(short: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.run(["explain", str(short)]) == 0
-    out = capsys.readouterr().out
+def test_every_sized_field_is_listed_with_its_driver(short: Path, says: Says) -> None:
+    out = says(["explain", str(short)]).out
     for value in load_design(short).sized:
         assert any(line.startswith(value.field) and value.driver in line for line in out.splitlines()), value.field
 
 
-def test_one_field_is_told_down_to_what_the_file_gives(short: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.run(["explain", str(short), "support.back_y_mm"]) == 0
-    out = capsys.readouterr().out
+def test_one_field_is_told_down_to_what_the_file_gives(short: Path, says: Says) -> None:
+    out = says(["explain", str(short), "support.back_y_mm"]).out
     assert "set by: " in out and "loads.peak_torque_Nm = 3.15  (given)" in out, out
-    assert cli.run(["explain", str(short), "support.back_y_mm", "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
+    found = json.loads(says(["explain", str(short), "support.back_y_mm", "--json"]).out)
     assert found["value"] == load_design(short).design.model_dump()["support"]["back_y_mm"], found
     assert found["given"] is False and "drive.gearhead" in found["rests_on"], found
 
 
-def test_a_pin_is_told_beside_what_its_rule_gives(short: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_pin_is_told_beside_what_its_rule_gives(short: Path, says: Says) -> None:
     data = yaml.safe_load(short.read_text())
     data["drum"] = {"outer_face_y_mm": 30.0}
     short.write_text(yaml.safe_dump(data))
-    assert cli.run(["explain", str(short), "drum.outer_face_y_mm"]) == 0
-    out = capsys.readouterr().out
+    out = says(["explain", str(short), "drum.outer_face_y_mm"]).out
     assert "drum.outer_face_y_mm = 30.0" in out and "given in the file" in out and "its rule gives 1" in out, out
 
 
-def test_a_pulley_on_the_motors_shaft_beside_a_stiffness_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_pulley_on_the_motors_shaft_beside_a_stiffness_is_told(says: Says) -> None:
     """Its rules are tried without ``carried_by`` too, where bearings called none are no drive."""
     path = Path(__file__).parents[3] / "params" / "built-by-others" / "wooden-haptics.yaml"
-    assert cli.run(["explain", str(path)]) == 0
-    out = capsys.readouterr().out
+    out = says(["explain", str(path)]).out
     assert re.search(r"^transmission.input_to_drum +16.0 +given; its rule gives ", out, re.M)
     # A rule that had nothing to choose is not told.
     assert re.search(r"^drive.encoder +none +not used: the motor's shaft carries the pulley$", out, re.M)
@@ -460,11 +436,10 @@ def test_a_sine_tells_friction_from_delay_and_a_triangle_hardly() -> None:
 
 
 @pytest.mark.slow
-def test_the_best_run_is_written_as_an_experiment(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_best_run_is_written_as_an_experiment(tmp_path: Path, says: Says) -> None:
     bench, planned = tmp_path / "bench.yaml", tmp_path / "planned.yaml"
     bench.write_text("half_travel_deg: 20.0\nduration_s: 60.0\nsample_rate_Hz: 20.0\nloads: [weight]\ntorque_Nm: 0.4\n")
-    assert mbcdm(["plan", str(DESIGN), "--within", str(bench), "--write", str(planned)]) == 0
-    said = capsys.readouterr().out
+    said = says(["plan", str(DESIGN), "--within", str(bench), "--write", str(planned)]).out
     assert "8 runs compared" in said and "named from (power 0.9)" in said, said
     found = read_experiment(planned)
     assert isinstance(found, Experiment) and found.sample_rate_Hz == 20.0 and found.load.bias_Nm == 0.4
@@ -481,15 +456,11 @@ def test_the_best_run_is_written_as_an_experiment(tmp_path: Path, capsys: pytest
         ("speed: 1.0\n", "bench.yaml:1: speed: unknown field"),
     ],
 )
-def test_a_faulty_bench_file_is_told_with_its_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], text: str, said: str
-) -> None:
+def test_a_faulty_bench_file_is_told_with_its_line(tmp_path: Path, says: Says, text: str, said: str) -> None:
     bench = tmp_path / "bench.yaml"
     bench.write_text(text)
-    assert mbcdm(["plan", str(DESIGN), "--within", str(bench)]) == 2
-    assert said in capsys.readouterr().err
+    assert said in says(["plan", str(DESIGN), "--within", str(bench)], 2).err
 
 
-def test_neither_experiment_nor_bench_is_told(capsys: pytest.CaptureFixture[str]) -> None:
-    assert mbcdm(["plan", str(DESIGN)]) == 2
-    assert "give an experiment file, --within BENCH.yaml, or both" in capsys.readouterr().err
+def test_neither_experiment_nor_bench_is_told(says: Says) -> None:
+    assert "give an experiment file, --within BENCH.yaml, or both" in says(["plan", str(DESIGN)], 2).err

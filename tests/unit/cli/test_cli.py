@@ -10,6 +10,7 @@ import pytest
 
 from mbcdm_cad import cli
 from mbcdm_cad.layouts.loader import load_design, new_design_text
+from tests.support.reference import Says
 
 PARAMS = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 
@@ -98,9 +99,7 @@ def test_a_reader_that_goes_away_is_no_error() -> None:
     assert done.stderr == "", done.stderr
 
 
-def test_interrupt_and_full_disk_end_in_a_sentence(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_interrupt_and_full_disk_end_in_a_sentence(monkeypatch: pytest.MonkeyPatch, says: Says) -> None:
     from mbcdm_cad.layouts import loader
 
     def interrupted(*_: str, **__: bool) -> str:
@@ -112,8 +111,7 @@ def test_interrupt_and_full_disk_end_in_a_sentence(
     monkeypatch.chdir("/tmp")
     for stand_in, code, words in ((interrupted, 130, "interrupted"), (full, 2, "x.yaml: No space left on device")):
         monkeypatch.setattr(loader, "short_design_text", stand_in)
-        assert cli.run(["init", f"/tmp/mbcdm-cli-test-{os.getpid()}-{code}.yaml"]) == code
-        assert words in capsys.readouterr().err
+        assert words in says(["init", f"/tmp/mbcdm-cli-test-{os.getpid()}-{code}.yaml"], code).err
         Path(f"/tmp/mbcdm-cli-test-{os.getpid()}-{code}.yaml").unlink(missing_ok=True)
 
 

@@ -17,6 +17,7 @@ from mbcdm_cad.cli.commands_on_designs import CATALOGUE_KINDS
 from mbcdm_cad.cli.commands_that_draw import VIEW_NAMES
 from mbcdm_cad.cli.group import mbcdm
 from mbcdm_cad.design.catalogue import KINDS
+from tests.support.reference import Says
 
 ROOT = Path(__file__).parents[3]
 PARAMS = ROOT / "params" / "mbcdm.yaml"
@@ -28,23 +29,18 @@ def own_cache(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPath
 
 
 @pytest.mark.parametrize("name", list(mbcdm.commands))
-def test_each_command_has_an_example_and_a_whole_line_in_the_list(
-    name: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert cli.run([name, "--help"]) == 0
-    page = capsys.readouterr().out
+def test_each_command_has_an_example_and_a_whole_line_in_the_list(name: str, says: Says) -> None:
+    page = says([name, "--help"]).out
     assert "Example" in page and f"  mbcdm {name}" in page, page
-    assert cli.run(["--help"]) == 0
-    listed = [line for line in capsys.readouterr().out.splitlines() if line.split()[:1] == [name]]
+    listed = [line for line in says(["--help"]).out.splitlines() if line.split()[:1] == [name]]
     assert len(listed) == 1, listed
     first = (mbcdm.commands[name].help or "").split("\n")[0]
     assert listed[0].split(maxsplit=1)[1] == first and first.endswith("."), f"{listed[0]!r} cuts {first!r}"
 
 
 @pytest.mark.parametrize("name", [None, *mbcdm.commands])
-def test_help_fits_80_columns(name: str | None, capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.run([*([name] if name else []), "--help"]) == 0
-    longest = max(capsys.readouterr().out.splitlines(), key=len)
+def test_help_fits_80_columns(name: str | None, says: Says) -> None:
+    longest = max(says([*([name] if name else []), "--help"]).out.splitlines(), key=len)
     assert len(longest) <= 80, longest
 
 
@@ -59,11 +55,10 @@ def test_names_that_commands_repeat_are_those_of_their_rooms() -> None:
 
 @pytest.mark.parametrize("width", [80, 200])
 def test_analyse_fits_the_terminal_and_names_no_infinite_load(
-    width: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    width: int, monkeypatch: pytest.MonkeyPatch, says: Says
 ) -> None:
     monkeypatch.setenv("COLUMNS", str(width))
-    assert cli.run(["analyse", str(PARAMS)]) == 0
-    out = capsys.readouterr().out
+    out = says(["analyse", str(PARAMS)]).out
     longest = max(out.splitlines(), key=len)
     assert len(longest) <= width, f"{len(longest)}: {longest}"
     assert "inf" not in out.replace("infinite", "") and "nan" not in out, out
@@ -71,17 +66,14 @@ def test_analyse_fits_the_terminal_and_names_no_infinite_load(
 
 
 @pytest.mark.slow
-def test_sensitivity_prints_readable_units(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_sensitivity_prints_readable_units(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, says: Says) -> None:
     from mbcdm_cad.model import study
 
     # Of the study only a few draws are asked for: its figures are tested elsewhere.
     small = functools.partial(study.intervals, draws=200)
     monkeypatch.setattr(study, "intervals", small)
     monkeypatch.setattr(study, "global_indices", functools.partial(study.global_indices, n=8))
-    assert cli.run(["sensitivity", str(PARAMS), "--out", str(tmp_path)]) == 0
-    out = capsys.readouterr().out
+    out = says(["sensitivity", str(PARAMS), "--out", str(tmp_path)]).out
     swing = next(line for line in out.splitlines() if "reversal swing" in line)
     _, _, unit, *figures = swing.split()
     value, low, high = map(float, figures)
@@ -89,20 +81,16 @@ def test_sensitivity_prints_readable_units(
     assert "_rad" not in out, out
 
 
-def test_init_prints_a_command_that_can_be_pasted(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_init_prints_a_command_that_can_be_pasted(tmp_path: Path, says: Says) -> None:
     path = tmp_path / "My Drive's.yaml"
-    assert cli.run(["init", str(path)]) == 0
-    hint = capsys.readouterr().out.partition("check it with: ")[2]
+    hint = says(["init", str(path)]).out.partition("check it with: ")[2]
     assert shlex.split(hint) == ["mbcdm", "check", str(path)], hint
 
 
 @pytest.mark.parametrize("command", [["init"], ["picture", str(PARAMS)]])
-def test_a_missing_parent_folder_is_one_sentence(
-    command: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_missing_parent_folder_is_one_sentence(command: list[str], tmp_path: Path, says: Says) -> None:
     path = tmp_path / "no" / "such.png"
-    assert cli.run([*command, str(path)]) == 2
-    err = capsys.readouterr().err
+    err = says([*command, str(path)], 2).err
     assert err == f"{path}:1: there is no folder {path.parent}; make it first, or choose another path\n", err
     assert list(tmp_path.iterdir()) == []
 
@@ -116,26 +104,20 @@ def test_a_picture_of_another_kind_or_view_is_refused(tmp_path: Path, capsys: py
 
 @pytest.mark.parametrize("width", [80, 200])
 @pytest.mark.parametrize("kind", [None, *CATALOGUE_KINDS])
-def test_catalogue_fits_the_terminal(
-    kind: str | None, width: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_catalogue_fits_the_terminal(kind: str | None, width: int, monkeypatch: pytest.MonkeyPatch, says: Says) -> None:
     monkeypatch.setenv("COLUMNS", str(width))
-    assert cli.run(["catalogue", *([kind] if kind else [])]) == 0
-    out = capsys.readouterr().out
+    out = says(["catalogue", *([kind] if kind else [])]).out
     longest = max(out.splitlines(), key=len)
     assert len(longest) <= width, longest
     assert kind != "ropes" or ("FF-081" in out and "0.3117" in out), out
 
 
-def test_catalogue_page_is_up_to_date(capsys: pytest.CaptureFixture[str]) -> None:
+def test_catalogue_page_is_up_to_date(says: Says) -> None:
     """Write it anew with: mbcdm catalogue --markdown > docs/catalogue.md."""
-    assert cli.run(["catalogue", "--markdown"]) == 0
-    assert capsys.readouterr().out == (ROOT / "docs" / "catalogue.md").read_text("utf-8")
+    assert says(["catalogue", "--markdown"]).out == (ROOT / "docs" / "catalogue.md").read_text("utf-8")
 
 
-def test_doctor_says_what_is_missing_and_what_it_is_for(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_doctor_says_what_is_missing_and_what_it_is_for(monkeypatch: pytest.MonkeyPatch, says: Says) -> None:
     from mbcdm_cad.report import catalogue_list
 
     monkeypatch.setattr(
@@ -143,12 +125,10 @@ def test_doctor_says_what_is_missing_and_what_it_is_for(
     )
     monkeypatch.setenv("PATH", "/nowhere")
     monkeypatch.setenv("COLUMNS", "80")
-    assert cli.run(["doctor"]) == 1
-    out = capsys.readouterr().out
+    out = says(["doctor"], 1).out
     assert "CAD kernel: do y" in out and "missing: CAD kernel, drawing library" in out, out
     assert "absent   browser" in out and max(map(len, out.splitlines())) <= 80, out
-    assert cli.run(["doctor", "--json"]) == 1
-    found = {item["name"]: item for item in json.loads(capsys.readouterr().out)}
+    found = {item["name"]: item for item in json.loads(says(["doctor", "--json"], 1).out)}
     assert {"libGL", "CAD kernel", "FreeCAD", "browser", "cache", "pandas"} <= set(found)
 
 

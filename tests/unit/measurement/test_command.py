@@ -16,7 +16,7 @@ from mbcdm_cad.measurement.file import load_file
 from mbcdm_cad.measurement.reference import measurement_page
 from mbcdm_cad.measurement.schema import Measurement, json_schema, node_at
 from mbcdm_cad.model.si import ModelError
-from tests.support.reference import ROOT
+from tests.support.reference import ROOT, Says
 
 DESIGN = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 BARE = {key: value for key, value in mapping()["columns"].items() if key != "load_torque"}
@@ -28,10 +28,9 @@ def bare(write: Write) -> Path:
     return write(table(signals(4000)), mapping(columns=BARE))
 
 
-def test_a_run_is_judged_and_the_result_written(bare: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_run_is_judged_and_the_result_written(bare: Path, says: Says) -> None:
     target = bare.with_name("result.json")
-    assert mbcdm(["loop", str(DESIGN), str(bare), "--json", str(target)]) == 0
-    said = capsys.readouterr().out
+    said = says(["loop", str(DESIGN), str(bare), "--json", str(target)]).out
     found = json.loads(target.read_text())
     assert said.startswith(found["sentence"]) and "no load_torque: kinematics only" in said, said
     assert found["verdict"] == "none" and found["effects"] == [], found
@@ -47,10 +46,9 @@ def short(write: Write) -> Path:
     return write(table(off), mapping(columns=BARE))
 
 
-def test_what_was_found_is_applied_and_reported_on_a_page(short: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_was_found_is_applied_and_reported_on_a_page(short: Path, says: Says) -> None:
     built, folder = short.with_name("built.yaml"), short.with_name("page")
-    assert mbcdm(["loop", str(DESIGN), str(short), "--apply", str(built), "--report", str(folder)]) == 0
-    said = capsys.readouterr().out
+    said = says(["loop", str(DESIGN), str(short), "--apply", str(built), "--report", str(folder)]).out
     assert "ratio_error" in said.splitlines()[0], said
     assert sorted(path.name for path in folder.iterdir()) == ["report.html", "result.json"]
     page = (folder / "report.html").read_text()
@@ -59,14 +57,13 @@ def test_what_was_found_is_applied_and_reported_on_a_page(short: Path, capsys: p
 
 
 def test_a_run_that_the_model_cannot_follow_is_told_by_its_file(
-    bare: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    bare: Path, monkeypatch: pytest.MonkeyPatch, says: Says
 ) -> None:
     def refuse(*_: object) -> None:
         raise ModelError("sample 7: no drum angle balances a load of 1 N m; check its unit and sign")
 
     monkeypatch.setattr("mbcdm_cad.loop.search.engine.close_loop", refuse)
-    assert mbcdm(["loop", str(DESIGN), str(bare)]) == 2
-    said = capsys.readouterr().err
+    said = says(["loop", str(DESIGN), str(bare)], 2).err
     assert said.startswith(f"{bare}: the declared model cannot follow the run: sample 7") and "check" in said, said
 
 
@@ -79,13 +76,12 @@ def test_nothing_is_applied_to_the_design_from_a_drive_of_its_own(
     assert "leave --apply out" in capsys.readouterr().err and not built.exists()
 
 
-def test_refusals_name_file_line_and_remedy_and_write_nothing(write: Write, capsys: pytest.CaptureFixture[str]) -> None:
+def test_refusals_name_file_line_and_remedy_and_write_nothing(write: Write, says: Says) -> None:
     wrong = signals(4000)
     wrong["left"] = wrong["left"] * 57.29578
     path = write(table(wrong))
     target = path.with_name("result.json")
-    assert mbcdm(["loop", str(DESIGN), str(path), "--json", str(target)]) == 2
-    said = capsys.readouterr().err
+    said = says(["loop", str(DESIGN), str(path), "--json", str(target)], 2).err
     line = 1 + path.read_text().splitlines().index("  input_left:")
     assert f"run.yaml:{line}: columns.input_left: " in said and "degrees declared as radians" in said, said
     assert not target.exists()
@@ -116,7 +112,7 @@ CLASHES = {
 
 @pytest.mark.parametrize("which", CLASHES)
 def test_an_output_that_cannot_be_is_refused_before_any_work(
-    which: str, bare: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    which: str, bare: Path, says: Says, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     folder = bare.parent
     (folder / "design.yaml").write_text(DESIGN.read_text())
@@ -134,8 +130,7 @@ def test_an_output_that_cannot_be_is_refused_before_any_work(
     monkeypatch.setattr("mbcdm_cad.measurement.vet.read_run", never)
     options, words = CLASHES[which]
     paths = [part if part.startswith("--") else str(folder / part) for part in options]
-    assert mbcdm(["loop", str(folder / "design.yaml"), str(bare), *paths]) == 2
-    said = capsys.readouterr()
+    said = says(["loop", str(folder / "design.yaml"), str(bare), *paths], 2)
     assert words in said.err and "; " in said.err and not said.out, said
     assert all(line.count(f":1: {options[-2]}: ") for line in said.err.splitlines()), said.err
     assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before
@@ -151,13 +146,10 @@ def test_inputs_given_through_links_are_kept(bare: Path, capsys: pytest.CaptureF
         assert "would overwrite the " in capsys.readouterr().err
 
 
-def test_runs_of_different_drives_are_not_judged_together(
-    write: Write, bare: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_runs_of_different_drives_are_not_judged_together(write: Write, bare: Path, says: Says) -> None:
     other = bare.with_name("other.yaml")
     other.write_text(bare.read_text() + "ratio: 9.0\n")
-    assert mbcdm(["loop", str(DESIGN), str(bare), str(other)]) == 2
-    said = capsys.readouterr().err
+    said = says(["loop", str(DESIGN), str(bare), str(other)], 2).err
     assert "other.yaml:" in said and "another ratio" in said and "value 9.0, limit none" in said, said
 
 
@@ -325,21 +317,19 @@ def test_what_is_soft_and_wound_up_by_friction_is_not_named_a_play(tmp_path: Pat
     assert friction.low < half < friction.high, friction
 
 
-def test_a_ratio_in_place_of_the_design(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_ratio_in_place_of_the_design(tmp_path: Path, says: Says) -> None:
     data = csv(tmp_path, bench())
     file = tmp_path / "run.yaml"
     text = mc.draft_measurement(data, ratio=RATIO).replace("ratio: 4\n", "")
     file.write_text(text)
-    assert mbcdm(["loop", str(file)]) == 2
-    assert "run.yaml:1: ratio: neither a design nor a ratio" in capsys.readouterr().err
-    assert mbcdm(["loop", str(file), "--ratio", "4", "--json", str(tmp_path / "found.json")]) == 0
-    said = capsys.readouterr().out
+    assert "run.yaml:1: ratio: neither a design nor a ratio" in says(["loop", str(file)], 2).err
+    said = says(["loop", str(file), "--ratio", "4", "--json", str(tmp_path / "found.json")]).out
     assert "only the ratio is known: pulleys, preload and ropes" in said
-    assert mbcdm(["loop", str(file), "--ratio", "4", "--apply", str(tmp_path / "built.yaml")]) == 2
-    assert "leave --apply out" in capsys.readouterr().err
+    assert (
+        "leave --apply out" in says(["loop", str(file), "--ratio", "4", "--apply", str(tmp_path / "built.yaml")], 2).err
+    )
     file.write_text(text + "ratio: 4\n")
-    assert mbcdm(["loop", str(file)]) == 0
-    assert capsys.readouterr().out == said.replace(f"{tmp_path / 'found.json'} written\n", "")
+    assert says(["loop", str(file)]).out == said.replace(f"{tmp_path / 'found.json'} written\n", "")
     with pytest.raises(InputError, match="another ratio than --ratio"):
         mc.close_loop(None, file, ratio=5.0)
     # A design alone is not enough.

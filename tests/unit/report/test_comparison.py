@@ -17,7 +17,6 @@ import pytest
 
 import mbcdm_cad as mc
 from benchmarks.studies.built_by_others import page, told
-from mbcdm_cad.cli import run
 from mbcdm_cad.design.blocks import AsBuilt, AsBuiltCorrelation, AsBuiltValue
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.resolve import with_as_built
@@ -39,7 +38,7 @@ from mbcdm_cad.report.page.stage import charts_under_load, comparison_page
 from mbcdm_cad.report.solve_report import SolveReport
 from mbcdm_cad.solving.question import question_of
 from mbcdm_cad.solving.solve import Change, Solution
-from tests.support.reference import PARAMS, ROOT
+from tests.support.reference import PARAMS, ROOT, Says
 
 
 def report(**changes: Any) -> dict[str, Any]:
@@ -282,10 +281,9 @@ def test_boxes_do_not_overlap_and_lines_run_to_the_right(path: Path, records: di
     assert len(graph.nodes) > 45, len(graph.nodes)
 
 
-def test_command_writes_an_svg_with_every_field(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_command_writes_an_svg_with_every_field(tmp_path: Path, says: Says) -> None:
     svg = tmp_path / "why.svg"
-    assert run(["explain", str(SHORT), "--graph", str(svg)]) == 0
-    assert "fields" in capsys.readouterr().out
+    assert "fields" in says(["explain", str(SHORT), "--graph", str(svg)]).out
     root = ElementTree.fromstring(svg.read_text("utf-8"))
     drawn = {group.get("data-field") for group in root.iter(f"{SVG}g")}
     assert {"transmission.centre_distance_mm", "rope.type", "loads.peak_torque_Nm"} <= drawn, drawn
@@ -312,20 +310,18 @@ def test_bytes_do_not_depend_on_the_process() -> None:
     ("design", "target", "words"), [(FULL, "why.png", "graphs are SVG files"), (SHORT, "nowhere/why.svg", "nowhere")]
 )
 def test_what_cannot_be_drawn_is_one_sentence(
-    design: Path, target: str, words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    design: Path, target: str, words: str, tmp_path: Path, says: Says
 ) -> None:
-    assert run(["explain", str(design), "--graph", str(tmp_path / target)]) == 2
-    err = capsys.readouterr().err
+    err = says(["explain", str(design), "--graph", str(tmp_path / target)], 2).err
     assert words in err and len(err.strip().splitlines()) == 1, err
     assert not list(tmp_path.iterdir())
 
 
 def test_a_configuration_without_rules_has_no_graph(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, says: Says, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("mbcdm_cad.report.explain.explain_all", lambda loaded: ())
-    assert run(["explain", str(FULL), "--graph", str(tmp_path / "why.svg")]) == 2
-    assert "has no sizing rules" in capsys.readouterr().err
+    assert "has no sizing rules" in says(["explain", str(FULL), "--graph", str(tmp_path / "why.svg")], 2).err
     assert not list(tmp_path.iterdir())
 
 

@@ -10,7 +10,6 @@ import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mbcdm_cad import cli
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.fields import is_block
 from mbcdm_cad.design.sized import scaled
@@ -30,6 +29,7 @@ from tests.acceptance.test_docs_commands import GALLERY
 from tests.support.random_generator import WHOLE, failing, requirements
 from tests.support.random_search import Draw, missed, search
 from tests.support.reach_bound import Asked, asked, excluding
+from tests.support.reference import Says
 
 RANGED = """\
 name: ranged
@@ -87,23 +87,20 @@ def test_a_mass_that_the_build_would_refuse_is_missed_here_too() -> None:
     assert [name for name, _ in outcome(heavy, {}).failing] == ["mass_estimate"]
 
 
-def test_a_passing_design_is_left_alone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_passing_design_is_left_alone(tmp_path: Path, says: Says) -> None:
     path = tmp_path / "short.yaml"
     path.write_text(PINNED.partition("drum:\n")[0])
-    assert cli.run(["solve", str(path)]) == 0
-    assert "passes every check as it is" in capsys.readouterr().out
+    assert "passes every check as it is" in says(["solve", str(path)]).out
 
 
-def test_json_holds_patch_and_changes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_json_holds_patch_and_changes(tmp_path: Path, says: Says) -> None:
     path, solved = tmp_path / "pinned.yaml", tmp_path / "solved.yaml"
     path.write_text(PINNED)
-    assert cli.run(["solve", str(path), "--json", "--apply", str(solved)]) == 0
-    said = json.loads(capsys.readouterr().out)
+    said = json.loads(says(["solve", str(path), "--json", "--apply", str(solved)]).out)
     assert said["passes"] and said["conflict"] is None
     assert "-  outer_face_y_mm: 9.0  # held by hand, too near" in said["patch"]
     assert check_design(load_text(solved.read_text())).passed
-    assert cli.run(["solve", str(path), "--apply", str(solved)]) == 2
-    assert "exists already" in capsys.readouterr().err
+    assert "exists already" in says(["solve", str(path), "--apply", str(solved)], 2).err
 
 
 class Threshold(Trials):
