@@ -265,10 +265,6 @@ class Room:
             self._together = np.concatenate(self._segments) if self._segments else np.zeros((0, 4))
         return not crossed(self._together, wanted)
 
-    def _over_text(self, start: Point, end: Point) -> bool:
-        line = np.array([(*start, *end)])
-        return any(crossed(line, taken) for taken in self._boxes)
-
     def place(
         self,
         at: Point,
@@ -301,7 +297,9 @@ class Room:
                 if not self.is_free(wanted):
                     continue
                 best = best or ((x, y), wanted)
-                if leader is None or not self._over_text(leader((x, y)), at):
+                if leader is None or not any(
+                    crossed(np.array([(*leader((x, y)), *at)]), taken) for taken in self._boxes
+                ):
                     self.add_box(wanted)
                     return x, y
         if best is not None:

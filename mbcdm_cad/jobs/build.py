@@ -92,7 +92,10 @@ def build(
         parts = made_parts(store, posed, drive.export.mesh_tolerance_mm, processes, prepared)
         clashes, frame = store.judged(layout, parts, poses, processes, () if failed(checks) else posed.items)
     except GeometryError as error:
-        raise GeometryError(f"{error}; {_why_not_drawn(failed(checks))}") from error
+        why = "the checks did not foresee it, so please report the design file"
+        if names := ", ".join(check.id for check in failed(checks)):
+            why = f"the design was drawn although checks fail ({names}): their messages name the changes needed"
+        raise GeometryError(f"{error}; {why}") from error
 
     tested = Tested(clashes, poses, frame)
     data = report_data(
@@ -131,13 +134,6 @@ def _printing_checks(drive: Drive, items: Sequence[Item], parts: dict[str, Store
         *([printed_walls_check(drive, walls)] if walls else []),
         *([overhang_check(drive, filament)] if filament else []),
     ]
-
-
-def _why_not_drawn(failing: Sequence[CheckResult]) -> str:
-    if not failing:
-        return "the checks did not foresee it, so please report the design file"
-    names = ", ".join(check.id for check in failing)
-    return f"the design was drawn although checks fail ({names}): their messages name the changes needed"
 
 
 def _outcome(

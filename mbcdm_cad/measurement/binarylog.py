@@ -132,7 +132,12 @@ class BinaryLog:
 
 def opened(path: Path) -> BinaryLog | None:
     """The columns of a binary log; None for a file of text. Raises InputError for one that cannot be read."""
-    kind = _kind(path)
+    if path.is_dir():
+        kind: Kind | None = ("a bag of ROS 2", _bag)
+    else:
+        with open(path, "rb") as file:
+            first = file.read(16)
+        kind = next((kind for sign, kind in KINDS.items() if first.startswith(sign)), None)
     if kind is None:
         return None
     words, read = kind
@@ -159,15 +164,6 @@ def is_bag(path: Path) -> bool:
 
 
 Kind = tuple[str, Callable[[Path], Iterator[Series]]]
-
-
-def _kind(path: Path) -> Kind | None:
-    """What a file is by its first bytes, and its reader."""
-    if path.is_dir():
-        return ("a bag of ROS 2", _bag)
-    with open(path, "rb") as file:
-        first = file.read(16)
-    return next((kind for sign, kind in KINDS.items() if first.startswith(sign)), None)
 
 
 def _figures(array: Any) -> Floats | None:

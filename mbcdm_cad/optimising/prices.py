@@ -46,7 +46,9 @@ class Prices(TextReport):
                 for price in (down, up):
                     moved = price.figures.get(name)
                     step = price.after - price.before
-                    cells.append("none passes" if moved is None else _signed((moved - value) / step))
+                    change = 0.0 if moved is None else (moved - value) / step
+                    shown = f"{change:+.3g}" if abs(change) > 1e-9 else "0"
+                    cells.append("none passes" if moved is None else shown)
             rows.append((down.field, down.before, *cells))
         heads = [f"{name} per unit, {way}" for name in self.figures for way in (f"-{STEP:.0%}", f"+{STEP:.0%}")]
         return ReportTable(("requirement", "value", *heads), tuple(rows))
@@ -63,10 +65,6 @@ class Prices(TextReport):
                 {"field": p.field, "before": p.before, "after": p.after, "figures": p.figures} for p in self.prices
             ],
         }
-
-
-def _signed(value: float) -> str:
-    return f"{value:+.3g}" if abs(value) > 1e-9 else "0"
 
 
 def prices_of(question: Question, names: Sequence[str], effort: Effort, told: Callable[[str], None]) -> Prices:

@@ -278,7 +278,8 @@ class FrontSearch:
             else:
                 same = self._known[key]
                 result = self.tried[same].result
-            self.journal.add(_record(k, values, result, same))
+            found = {"same": same} if same is not None else {name: x for name, x in asdict(result).items() if x}
+            self.journal.add({"question": k, "values": dict(values)} | found)
             self.tried.append(TriedPoint(k, values, result))
             self.told(self._words(), len(self.tried))
         fresh.close()
@@ -368,14 +369,6 @@ def counted(names: Iterable[str]) -> dict[str, int]:
 INTERRUPTED = "interrupted"
 TIME = "the time is over"
 EVALUATIONS = "the number of evaluations is reached"
-
-
-def _record(k: int, values: Values, result: Evaluated, same: int | None) -> Record:
-    """A line of the journal; ``same``: the earlier point with the same settings."""
-    head = {"question": k, "values": dict(values)}
-    if same is not None:
-        return head | {"same": same}
-    return head | {name: value for name, value in asdict(result).items() if value}
 
 
 def _result(record: Record) -> Evaluated:

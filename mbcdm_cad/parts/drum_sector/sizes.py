@@ -133,14 +133,6 @@ def _angle_within(width: float, out: float, along: float, otherwise: float) -> f
     return asin(width / amplitude) - atan2(along, out) if width < amplitude else otherwise
 
 
-def _pocket_end(drive: SectorDrive, cable: SectorRun, anchor_rad: float, tip: float) -> float:
-    end = tip + 1.0
-    if drive.ring_anchor_rad is not None:
-        return end
-    left = radians(drive.drum.sector_half_angle_deg) - anchor_rad - atan2(end, cable.drum_radius_mm)
-    return end if left * cable.drum_radius_mm > MIN_GUARD_MM else end + BEYOND_MM
-
-
 def nut_pocket_mm(drive: SectorDrive) -> float:
     """Half width of the nuts' pocket: the end mill's corner must not lift the nut off its seat."""
     return nut_corner_radius_mm(drive) + drive.clearances.running_mm + drive.drum_material.min_internal_radius_mm
@@ -206,7 +198,10 @@ def tensioners(drive: SectorDrive, way: TerminalWay) -> tuple[Tensioner, ...]:
             if metal.printed:
                 floor, least = floor - metal.min_internal_radius_mm, max(least, metal.min_wall_mm)
             through = floor < least and not ring
-            pocket_end = _pocket_end(drive, cable, limit, tip)
+            pocket_end = tip + 1.0
+            if drive.ring_anchor_rad is None:
+                left = radians(drive.drum.sector_half_angle_deg) - limit - atan2(pocket_end, cable.drum_radius_mm)
+                pocket_end += 0.0 if left * cable.drum_radius_mm > MIN_GUARD_MM else BEYOND_MM
             moved = drawn_in[cable.name]
             inner = Tensioner(
                 cable_name=cable.name,
