@@ -15,11 +15,9 @@ from math import acos, degrees, inf, pi, radians, tan
 from typing import Any, NamedTuple
 
 from mbcdm_cad.design.catalogue import package_entries
-from tests.support.reach_bound import smallest_impossible
+from tests.support.reach_bound import TENSION_FACTOR, WIRE_BEND, ends_of, smallest_impossible
 
 Entry = Mapping[str, Any]
-# Of files that name no limits of their own: least D/d of wire rope, factor on the breaking load.
-WIRE_BEND, TENSION_FACTOR = 10.0, 5.0
 # Thinnest wall of any turned metal; of a milled frame where the file names no material; gap beside what turns.
 TURNED_WALL_MM, MILLED_WALL_MM, RUNNING_MM = 0.5, 0.8, 0.25
 # The stop in a pulley of siso_bevel: its bend as D/d, the straight before the swage, the gap to the cable that leaves.
@@ -221,12 +219,8 @@ def _why(layout: str, a: Asked) -> str:
 def _trials(a: Asked) -> Iterator[Trial]:
     ropes = package_entries("ropes")
     for rope in [ropes[a.rope]] if a.rope else ropes.values():
-        for end in package_entries("terminations").values():
-            if (
-                rope["construction"] in end["constructions"]
-                and end["smallest_mm"] <= rope["diameter_mm"] <= end["largest_mm"]
-            ):
-                yield from (Trial(a, rope, end, face) for face in _faces((a.torque or 0.0) / (a.ratio or 40.0)))
+        for end in ends_of(rope):
+            yield from (Trial(a, rope, end, face) for face in _faces((a.torque or 0.0) / (a.ratio or 40.0)))
 
 
 @cache

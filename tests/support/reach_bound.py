@@ -100,13 +100,14 @@ def _possible(a: Asked) -> bool:
     return any(
         _pulleys(a, ratio, rope, end, head) and _strong(a, rope, end) and _placed(a, ratio, rope)
         for rope in ([ropes[a.rope]] if a.rope else ropes.values())
-        for end in _ends(rope)
+        for end in ends_of(rope)
         for ratio in ratios
         for head in _heads(a, ratio)
     )
 
 
-def _ends(rope: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:
+def ends_of(rope: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:
+    """Terminations that are made on this rope."""
     for end in package_entries("terminations").values():
         if (
             rope["construction"] in end["constructions"]
