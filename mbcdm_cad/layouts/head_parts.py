@@ -25,7 +25,9 @@ def _bores(given: TrialKnown) -> set[float]:
     return {entries[name]["bore_mm"] for name in ([stated] if stated in entries else entries) if _RING not in name}
 
 
-def _by_mass(given: TrialKnown, kind: str, wanted: Callable[[str, dict[str, Any]], bool]) -> list[str]:
+def by_mass(
+    given: TrialKnown, kind: str, wanted: Callable[[str, dict[str, Any]], bool] = lambda name, entry: True
+) -> list[str]:
     """Names of the entries that are ``wanted``, the lightest first."""
     entries = given.entries(kind)
     return sorted((n for n, e in entries.items() if wanted(n, e)), key=lambda n: (entries[n]["mass_g"], n))
@@ -40,7 +42,7 @@ def _beside(given: TrialKnown, bearing: dict[str, Any], kind: str = _RING) -> li
         web = (one["bolt_circle_mm"] - given.screw(one["screw"]).thread_mm - bearing["outer_diameter_mm"]) / 2
         return bool(web >= HOLE_WEB_MM)
 
-    names = _by_mass(given, "encoders", fits)
+    names = by_mass(given, "encoders", fits)
     return [name for name in names if given.get("drive.drum_encoder") in (None, name)]
 
 
@@ -73,11 +75,11 @@ def drum_bearing(given: TrialKnown) -> Found:
         }
 
     def allowed(kind: str) -> list[str]:
-        names = _by_mass(given, "bearings", lambda _, entry: any_will_do or bool(_beside(given, entry, kind)))
+        names = by_mass(given, "bearings", lambda _, entry: any_will_do or bool(_beside(given, entry, kind)))
         return [name for name in names if name not in refused]
 
     # A ring leaves the shaft open behind; where no bearing with one will do, an encoder on the shaft's end.
-    names = allowed(_RING) or allowed("") or _by_mass(given, "bearings", lambda _, entry: bool(_beside(given, entry)))
+    names = allowed(_RING) or allowed("") or by_mass(given, "bearings", lambda _, entry: bool(_beside(given, entry)))
     # A bore that the file states is a hollow centre, round which the shaft needs a wall.
     hollow = ("shaft_wall",) if given.get("drum.shaft_bore_mm") is not None else ()
     checks = (*hollow, "drum_bearings", "shaft_stress", "shaft_twist", "set_screw_tips")
@@ -100,7 +102,7 @@ def lower(given: TrialKnown) -> Found:
         return Found(NO_BEARING, UNUSED)
     wall, wheel = given.wall_mm("input_pulleys"), given.has("stage.kind")
     least = JOURNAL_MM if wheel else given.gearhead.shaft_diameter_mm + 2 * wall
-    names = _by_mass(given, "bearings", lambda _, entry: entry["bore_mm"] >= least)
+    names = by_mass(given, "bearings", lambda _, entry: entry["bore_mm"] >= least)
     # A journal that carries a wheel has no bore.
     own = ("stage_journal",) if wheel else ("bore_wall", "key_access")
     return given.first("input_pulleys.lower_bearing", names, (*own, "input_bearings"))
@@ -111,7 +113,7 @@ def upper(given: TrialKnown) -> Found:
     if given.overhung:
         return Found(NO_BEARING, UNUSED)
     bores, any_will_do = _bores(given), _left_out(given, "drive.encoder")
-    names = _by_mass(given, "bearings", lambda _, entry: any_will_do or entry["bore_mm"] in bores)
+    names = by_mass(given, "bearings", lambda _, entry: any_will_do or entry["bore_mm"] in bores)
     return given.first("input_pulleys.upper_bearing", names, ("input_bearings",))
 
 
@@ -120,8 +122,8 @@ def encoder(given: TrialKnown) -> Found:
     if given.overhung:
         return Found(NO_ENCODER, UNUSED)
     bore = given.entry("bearings", "input_pulleys.upper_bearing")["bore_mm"]
-    names = _by_mass(given, "encoders", lambda name, entry: _RING not in name and entry["bore_mm"] == bore)
-    return given.first("drive.encoder", names, ("encoder_shelf",))
+    names = by_mass(given, "encoders", lambda name, entry: _RING not in name and entry["bore_mm"] == bore)
+    return given.first("drive.encoder", names, given.encoder_checks)
 
 
 @rule("drive.drum_encoder", "the lightest ring that fits the drum's shaft", "encoder_fit")
@@ -131,7 +133,7 @@ def drum_encoder(given: TrialKnown) -> Found:
     names = (
         _beside(given, bearing)
         or _beside(given, bearing, "")
-        or _by_mass(given, "encoders", lambda name, entry: _RING in name and entry["bore_mm"] == bearing["bore_mm"])
+        or by_mass(given, "encoders", lambda name, entry: _RING in name and entry["bore_mm"] == bearing["bore_mm"])
     )
     return given.first("drive.drum_encoder", names, ("boss",))
 

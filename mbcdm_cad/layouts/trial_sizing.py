@@ -69,12 +69,13 @@ class TrialKnown(RopeKnown):
 
     ``layout``: that of its drives. ``asked``: fields on which every check on a trial drive depends,
     besides the dimensions known so far. ``own_checks``: checks of this configuration that a field must also pass,
-    besides those that its rule names.
+    besides those that its rule names; ``encoder_checks``: those of an input's encoder.
     """
 
     layout: type[Layout]
     asked: tuple[str, ...] = ()
     own_checks: Mapping[str, tuple[str, ...]] = {}
+    encoder_checks: tuple[str, ...] = ("encoder_shelf",)
     # Half of the travel above which rules take a whole drum, of a configuration that has them.
     most_sector_travel_deg: float = inf
 

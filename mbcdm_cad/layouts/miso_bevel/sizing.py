@@ -39,7 +39,7 @@ from mbcdm_cad.layouts.head_dims import (
     stop_pin,
     web,
 )
-from mbcdm_cad.layouts.head_parts import PARTS
+from mbcdm_cad.layouts.head_parts import PARTS, by_mass
 from mbcdm_cad.layouts.miso_bevel.checks.spans import straight_span_distance_mm
 from mbcdm_cad.layouts.miso_bevel.design_file.resolve import MOST_SETBACK
 from mbcdm_cad.layouts.miso_bevel.design_file.schema import REFERENCE
@@ -91,6 +91,7 @@ class BevelKnown(TrialKnown):
         *("travel.half_angle_deg", "loads.peak_torque_Nm", "rope.type", "rope.preload_N"),
         *("drive.motor", "drive.gearhead", RADII, TO_DRUM, DISTANCE),
     )
+    encoder_checks = ("encoder_fit", "hole_webs", "engagement")
     own_checks: Mapping[str, tuple[str, ...]] = {
         "input_pulleys.lower_bearing": ("bearing_shoulders",),
         "input_pulleys.upper_bearing": ("bearing_shoulders",),
@@ -352,20 +353,9 @@ def centre_distance(given: BevelKnown) -> Found:
     return given.moved(DISTANCE, start, 0.1, ("centre_distance", "pulley_gap", "fleet_angle", "drives_apart"))
 
 
-@rule("drive.encoder", "the lightest that fits the upper journal", "encoder_fit")
-def encoder(given: BevelKnown) -> Found:
-    bore = given.entry("bearings", "input_pulleys.upper_bearing")["bore_mm"]
-    entries = given.entries("encoders")
-    names = [name for name in entries if "ring" not in name and entries[name]["bore_mm"] == bore]
-    names.sort(key=lambda name: (entries[name]["mass_g"], name))
-    return given.first("drive.encoder", names, ("encoder_fit", "hole_webs", "engagement"))
-
-
 @rule("guide.bearing", "the lightest that fits into the guide and carries the cables", "guide_bearings")
 def guide_bearing(given: BevelKnown) -> Found:
-    entries = given.entries("bearings")
-    names = sorted(entries, key=lambda name: (entries[name]["mass_g"], name))
-    return given.first("guide.bearing", names, ("guide_bearings", "axle_stress", "guide_wall"))
+    return given.first("guide.bearing", by_mass(given, "bearings"), ("guide_bearings", "axle_stress", "guide_wall"))
 
 
 def _height(field: str, text: str, driver: str, least_mm: float, *checks: str) -> Rule:
@@ -563,17 +553,9 @@ HEIGHTS = (
 )
 FRAME = (motor_shelf, *HEIGHTS, coupling_space, side_wall, rib, back_plate)
 DRUM = (output_screws, WINDOWS, web, shaft_bore, hub, sector, stop_pin, rim, outer_face)
-_OWN_PARTS = {one.field: one for one in (encoder, drum_bearing)}
 RULES: tuple[Rule, ...] = (
     *(common_rules.half_travel, *NAMES, *LIMITS, *OWN, *METALS, rope(_rope), *ROPE_LIMITS, preload, *TRAIN),
-    *(
-        *RADII_RULES,
-        motor_side,
-        setback,
-        centre_distance,
-        *(_OWN_PARTS.get(part.field, part) for part in PARTS),
-        guide_bearing,
-    ),
+    *(*RADII_RULES, motor_side, setback, centre_distance, drum_bearing, *PARTS[1:], guide_bearing),
     *(*FRAME, mount_screw(MOUNT_SCREWS), *DRUM, back, turn, hub_face),
 )
 DERIVED = tuple(

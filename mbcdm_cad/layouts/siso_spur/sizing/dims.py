@@ -6,6 +6,7 @@ from math import hypot
 from typing import Any
 
 from mbcdm_cad.layouts import head_dims
+from mbcdm_cad.layouts.head_parts import by_mass
 from mbcdm_cad.layouts.siso_spur.drive import MOUNT_BOLTS
 from mbcdm_cad.layouts.siso_spur.idlers import flange_radius_mm
 from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
@@ -148,9 +149,7 @@ def places(given: SpurKnown) -> Found:
     _has_idlers,
 )
 def _bearing(given: SpurKnown) -> Found:
-    entries = given.entries("bearings")
-    names = sorted(entries, key=lambda name: (entries[name]["mass_g"], name))
-    return given.first("idlers.bearing", names, ("idler_bearings", "idler_axles"))
+    return given.first("idlers.bearing", by_mass(given, "bearings"), ("idler_bearings", "idler_axles"))
 
 
 @rule(
