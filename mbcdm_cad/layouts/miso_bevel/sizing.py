@@ -30,6 +30,7 @@ from mbcdm_cad.layouts.head_basis import (
 )
 from mbcdm_cad.layouts.head_dims import (
     WINDOWS,
+    coupling_space,
     either,
     hub,
     mount_screw,
@@ -73,8 +74,8 @@ PRELOAD_SHARES = (0.9, 0.8, 0.7, 0.6, 0.5)
 MORE_SCREWS = (5, 8)
 # Walls of a milled part and of a printed one, mm.
 BACK_MM, RIB_MM, SIDE_MM = (4.0, 7.0), (4.0, 8.0), (4.0, 6.0)
-# Least height of a shelf and of the coupling space, mm.
-SHELF_MM, COUPLING_MM = 3.0, 5.0
+# Least height of a shelf, mm.
+SHELF_MM = 3.0
 # Free span over that at which the walk makes the limit of the fleet angle, so that rounding does not shorten it; and
 # what a lead that just clears the turn before it is raised by, as a share of the rope's diameter (tolerances).
 SPAN_SPARE, LEAD_SPARE = 1.01, 0.008
@@ -95,6 +96,7 @@ class BevelKnown(TrialKnown):
     own_checks: Mapping[str, tuple[str, ...]] = {
         "input_pulleys.lower_bearing": ("bearing_shoulders",),
         "input_pulleys.upper_bearing": ("bearing_shoulders",),
+        "support.coupling_space_mm": ("screwdriver", "envelope_z"),
     }
 
     def _whole(self, field: str, value: Any) -> dict[str, Any]:
@@ -365,17 +367,6 @@ def _height(field: str, text: str, driver: str, least_mm: float, *checks: str) -
         return given.moved(f"support.{field}", max(least_mm, given.wall_mm("support")), 0.1, checks)
 
     return Rule(f"support.{field}", text, driver, value)
-
-
-@rule(
-    "support.coupling_space_mm",
-    "space to insert the collar, the gearhead's screws and their key; the height of a stated box",
-    "coupling_height",
-)
-def coupling_space(given: BevelKnown) -> Found:
-    box = ("envelope_z",) if given.has("targets.envelope_mm") else ()
-    checks = ("coupling_height", "collar_space", "screwdriver", *box)
-    return given.moved("support.coupling_space_mm", COUPLING_MM, 0.1, checks)
 
 
 def _usual(given: BevelKnown, usual: tuple[float, float]) -> float:
