@@ -16,7 +16,7 @@ from mbcdm_cad.checks.transfer import EDGE_BREAK_MM, RUN_OUT_MM
 from mbcdm_cad.design.bought import NO_GEARHEAD
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import Freedom, SizingError
-from mbcdm_cad.layouts import common_freedoms, common_rules
+from mbcdm_cad.layouts import common_freedoms, common_rules, head_dims
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.head_basis import (
     LIMITS,
@@ -27,18 +27,6 @@ from mbcdm_cad.layouts.head_basis import (
     counts_losses,
     rope,
     taut_preload,
-)
-from mbcdm_cad.layouts.head_dims import (
-    WINDOWS,
-    coupling_space,
-    either,
-    hub,
-    mount_screw,
-    payload_hub_mm,
-    rim,
-    shaft_bore,
-    stop_pin,
-    web,
 )
 from mbcdm_cad.layouts.head_parts import PARTS, by_mass
 from mbcdm_cad.layouts.miso_bevel.checks.spans import straight_span_distance_mm
@@ -370,7 +358,7 @@ def _height(field: str, text: str, driver: str, least_mm: float, *checks: str) -
 
 
 def _usual(given: BevelKnown, usual: tuple[float, float]) -> float:
-    return max(either(given, "support", usual), given.wall_mm("support"))
+    return max(head_dims.either(given, "support", usual), given.wall_mm("support"))
 
 
 @rule(
@@ -468,7 +456,7 @@ def _screws_fit(given: BevelKnown, screws: int) -> bool:
     with suppress(NoFigureError, ValueError):
         trial = given.trial("drum", block)
         assert isinstance(trial, BevelLayout)
-        hub_mm = rounded_up(2.0 * payload_hub_mm(trial), 0.5)
+        hub_mm = rounded_up(2.0 * head_dims.payload_hub_mm(trial), 0.5)
         return given.margins("drum", {**block, "hub_diameter_mm": hub_mm}, ("stop_slot",))["stop_slot"][0] >= 0.0
     return True
 
@@ -542,17 +530,27 @@ HEIGHTS = (
         *("top_plate", "walls", "hole_webs", "engagement"),
     ),
 )
-FRAME = (motor_shelf, *HEIGHTS, coupling_space, side_wall, rib, back_plate)
-DRUM = (output_screws, WINDOWS, web, shaft_bore, hub, sector, stop_pin, rim, outer_face)
+FRAME = (motor_shelf, *HEIGHTS, head_dims.coupling_space, side_wall, rib, back_plate)
+DRUM = (
+    output_screws,
+    head_dims.WINDOWS,
+    head_dims.web,
+    head_dims.shaft_bore,
+    head_dims.hub,
+    sector,
+    head_dims.stop_pin,
+    head_dims.rim,
+    outer_face,
+)
 RULES: tuple[Rule, ...] = (
     *(common_rules.half_travel, *NAMES, *LIMITS, *OWN, *METALS, rope(_rope), *ROPE_LIMITS, preload, *TRAIN),
     *(*RADII_RULES, motor_side, setback, centre_distance, drum_bearing, *PARTS[1:], guide_bearing),
-    *(*FRAME, mount_screw(MOUNT_SCREWS), *DRUM, back, turn, hub_face),
+    *(*FRAME, head_dims.mount_screw(MOUNT_SCREWS), *DRUM, back, turn, hub_face),
 )
 DERIVED = tuple(
     one.field
     for one in (lead, land_edge, common_rules.transfer_gap, *FRAME, *DRUM, setback, back, hub_face)
-    if one not in (WINDOWS, output_screws)
+    if one not in (head_dims.WINDOWS, output_screws)
 )
 # A larger bearing of the drum has a wider boss, between whose walls the ribs of the column stand.
 _BOSS = ("frame: column", "frame: boss", "drum's ")
