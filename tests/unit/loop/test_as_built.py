@@ -1,7 +1,5 @@
 """The design file as built: written beside what stands there, read again, and put into the declared model."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

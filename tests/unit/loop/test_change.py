@@ -1,7 +1,5 @@
 """Changes during a run: found with time and figures before and after, and not found where nothing changed."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

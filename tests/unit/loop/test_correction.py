@@ -1,7 +1,5 @@
 """The correction table: what repeats is taken off, the rest is left out, and the C function says what Python says."""
 
-from __future__ import annotations
-
 import json
 import shutil
 import subprocess

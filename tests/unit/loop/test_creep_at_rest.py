@@ -1,7 +1,5 @@
 """Creep at rest: readings by hand and logs of benches made here, whose creep follows no law of the loop's."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

@@ -4,8 +4,6 @@ The runs are made with the package's own model, so they show that the engine wor
 the judge of runs made by other means (benchmarks/judge.py).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Frequency responses: two masses in closed form on benches that differ from what a file declares, and the rig."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Forms of friction: benches with a friction law, presliding and noise of their own, and what a run can tell apart."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

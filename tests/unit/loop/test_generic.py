@@ -1,7 +1,5 @@
 """Curves without a name are not blamed on effects that look like them in one run, nor one effect on two."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

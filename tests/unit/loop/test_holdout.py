@@ -1,7 +1,5 @@
 """What is held back has both directions and the loads of the whole, whatever the rhythm of the loads."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Play at an input: on a face while torque is carried, floating where none is, on the side of the bias at rest."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The finding in plain words: every effect has a clause, figures are rounded to their intervals, no identifiers."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

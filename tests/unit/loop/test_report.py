@@ -1,7 +1,5 @@
 """The report page: whole in itself, with everything that the result holds, and figures that a person reads."""
 
-from __future__ import annotations
-
 import re
 from base64 import b64decode
 from dataclasses import replace

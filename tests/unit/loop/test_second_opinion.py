@@ -4,8 +4,6 @@ Two weights on an arm behind a shaft that twists; the angle of the motor is give
 regresses the statics against the known load; ``mujoco.sysid`` fits the stiffness of a simulated arm to its motion.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import mujoco

@@ -1,7 +1,5 @@
 """Every sentence of a result holds against the figures beside it, over many odd runs of drives with one known ratio."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Long runs are cut so that the model remembers what it would have remembered of the whole."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

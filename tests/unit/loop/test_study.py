@@ -1,7 +1,5 @@
 """Runs that differ: own values beside shared ones, odds of a change, trends over dates, mistakes in the file."""
 
-from __future__ import annotations
-
 import datetime
 from dataclasses import replace
 from pathlib import Path

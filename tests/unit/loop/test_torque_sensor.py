@@ -1,7 +1,5 @@
 """The torque sensor: what lies within its class is no effect of the drive, what lies beyond is told from the drive."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

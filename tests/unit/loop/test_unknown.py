@@ -1,7 +1,5 @@
 """A residual that no effect explains is described: what it repeats in, how large, and by what shape."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.signal import lfilter

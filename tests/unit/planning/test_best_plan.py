@@ -1,7 +1,5 @@
 """Which of several plans says most: sizes are compared effect by effect, what a run cannot show counts against it."""
 
-from __future__ import annotations
-
 from math import inf, sqrt
 from types import SimpleNamespace
 
