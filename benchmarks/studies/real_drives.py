@@ -17,8 +17,8 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.studies.clustered import Estimate, cluster_estimate
 from mbcdm_cad.loop.effects.friction import CONSTANT, LOAD, VISCOUS, bases
-from mbcdm_cad.loop.search.evidence import Estimate, cluster_estimate
 from mbcdm_cad.measurement.file import load_file
 from mbcdm_cad.measurement.reading import read_run
 from mbcdm_cad.measurement.run import Run, half_sweeps, smoothed

@@ -68,22 +68,18 @@ class Effect:
 
     ``run``: the number of the only run that has it, None for all runs. ``several``: there may be more than one in a
     run. ``once``: it happened once, at a time that the search, which may have seen only a part of the run, need not
-    know. ``generic``: a single curve of load or speed without a name may look like it, so it is tried against such
-    curves (:mod:`mbcdm_cad.loop.search.verdict`). ``after`` are names that are refitted, however little they
-    promise, before this one is accepted; ``doubtful`` checks fitted values: where no such part can exist it returns
-    a sentence that says what to look for instead, otherwise an empty text. ``hangs_on`` is the quantity on which
-    the effect depends, other than angle, direction and load: no correction table can represent it. ``last``: a
-    shape rather than a cause, accepted only where no cause explains the error. ``inside``: a form that moves the
-    cables, where the other forms of its name only add to the reading; it is tried in place of one of them if,
-    beside that one, another effect seems to ease the friction of the cables. ``saturates``: beyond some size a
-    larger one changes nothing, so that the data may only give a lower bound. ``unmeasured``: the influence of a
-    quantity that this run did not measure; it is fitted and never named. ``plain`` describes the effect in a
-    sentence for a person who does not know these names: figures in braces, ``{way_...}`` for "higher" or "lower",
-    ``{stage}`` and ``{cables}``. ``reversed_words`` describe it where its first figure is negative, if that is
-    something else. ``base`` is the effect of which a change during the run is one; ``later`` applies it to the runs
-    after its own. ``richer``: all forms of an effect that is a sum of terms, those of more terms too, which the search
-    tries in its place once it has ended. ``shapes``: the same effect with other shapes of its law, none of which the
-    search tries: its figures are not known better than they agree on.
+    know. ``doubtful`` checks fitted values: where no such part can exist it returns a sentence that says what to look
+    for instead, otherwise an empty text. ``hangs_on`` is the quantity on which the effect depends, other than angle,
+    direction and load: no correction table can represent it. ``last``: a shape rather than a cause, which is less
+    likely. ``inside``: a form that moves the cables, where the other forms of its name only add to the reading; it is
+    tried in place of one of them. ``saturates``: beyond some size a larger one changes nothing, so that the data may
+    only give a lower bound. ``unmeasured``: the influence of a quantity that this run did not measure; it is fitted and
+    never named. ``plain`` describes the effect in a sentence for a person who does not know these names: figures in
+    braces, ``{way_...}`` for "higher" or "lower", ``{stage}`` and ``{cables}``. ``reversed_words`` describe it where
+    its first figure is negative, if that is something else. ``base`` is the effect of which a change during the run is
+    one; ``later`` applies it to the runs after its own. ``richer``: all forms of an effect that is a sum of terms.
+    ``shapes``: the same effect with other shapes of its law, none of which the search tries: its figures are not known
+    better.
     """
 
     name: str
@@ -101,8 +97,6 @@ class Effect:
     physical: tuple[Figure, ...] = ()
     several: bool = False
     once: bool = False
-    generic: bool = False
-    after: tuple[str, ...] = ()
     doubtful: Callable[[Floats], str] | None = None
     hangs_on: str = ""
     last: bool = False

@@ -38,7 +38,8 @@ class Named:
     what figures mean on the bench where their names do not say it; ``plain`` as in :class:`Effect`. ``run`` is the data
     of the only run that has it, empty if all have it; ``after`` what a change left behind, as an effect of its own;
     ``correlated``: by the words of an effect that was found with it, and by its own, the correlations of the fitted
-    values of both, own values by those of the other; ``half_widths`` of their 95 % intervals, by name.
+    values of both, own values by those of the other; ``half_widths`` of their 95 % intervals, by name; ``probability``
+    that it is this effect, where the search states it.
     """
 
     name: str
@@ -59,6 +60,7 @@ class Named:
     correlated: dict[str, Floats] = field(default_factory=dict, repr=False)
     half_widths: dict[str, float] = field(default_factory=dict, repr=False)
     after: Named | None = None
+    probability: float | None = None
 
     @property
     def is_share(self) -> bool:
@@ -89,7 +91,7 @@ class Named:
             "separate_by": self.separate_by,
             "explains_rms_rad": self.fall_rad,
         }
-        return found
+        return found if self.probability is None else {**found, "probability": self.probability}
 
 
 def ways_apart(members: Iterable[Named]) -> str:

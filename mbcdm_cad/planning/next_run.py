@@ -1,8 +1,7 @@
 """After a loop that ended with a set of possible effects: the run that separates them best, as an experiment file.
 
-Each member is put into the planned run with the size that was found, and each other member is fitted to its change by
-one linear step. The part that cannot be imitated is compared with the noise: the probability to choose the wrong one
-is Phi(-|d| / (2 sigma)) for a difference d (see :mod:`mbcdm_cad.loop.search.evidence`).
+Each member is put into the planned run with the size that was found. What each other member cannot imitate, nuisances
+integrated out, gives the probability to choose the wrong one (:mod:`mbcdm_cad.planning.foresight`).
 
 Travel and load stay within those of the design and of the runs so far; motion and load come from a short list.
 """
@@ -10,30 +9,24 @@ Travel and load stay within those of the design and of the runs so far; motion a
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from itertools import permutations
 from math import degrees, radians
 from typing import Any
 
 import numpy as np
-from scipy.stats import norm
 
 from mbcdm_cad.design.blocks import TORQUE_MAX_NM, TRAVEL_MAX_DEG
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.loop.effect import Effect
-from mbcdm_cad.loop.effects import library
 from mbcdm_cad.loop.prepare.noise import Noise
 from mbcdm_cad.loop.result import LoopResult, Named, ways_apart
-from mbcdm_cad.loop.search.exchange import ALIKE_SHARE
-from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.planning.best_run import LEAST_DURATION_S, TRAVEL_SHARE, candidates, experiment_text, run_of
-from mbcdm_cad.planning.detectable import planned_fitter, without_offsets
-from mbcdm_cad.planning.prediction_noise import along
+from mbcdm_cad.planning.foresight import Foresight
+from mbcdm_cad.planning.plan import PlannedMotion
 from mbcdm_cad.rig.bench import MOST_DURATION_S, BenchLimits
 from mbcdm_cad.rig.experiment import Experiment, RigError
-from mbcdm_cad.routes import Floats
 
 
 def wrong_choice(drive: Drive, run: Run | None, members: Sequence[Named], noise: Noise, step_s: float) -> float:
@@ -45,53 +38,17 @@ def wrong_choice(drive: Drive, run: Run | None, members: Sequence[Named], noise:
     if run is None:
         return 0.5
     try:
-        fitter = planned_fitter(drive, run)
-        bare = fitter.fit()
+        # White noise of as many samples as the run will have.
+        white_rad = noise.white_rad * float(np.sqrt(step_s / run.step_s))
+        planned = PlannedMotion(drive, run, replace(noise, white_rad=white_rad))
+        found = [planned.found(one) for one in members]
     except ModelError:
         return 0.5
-    offered = library(fitter.d, fitter.runs[0])
-    found = [_changes(fitter, bare, effect, one, noise) for one in members if (effect := _effect_of(one, offered))]
-    shown, steps_s = [one for one in found if one is not None], (fitter.runs[0].step_s, step_s)
+    shown = [one for one in found if one is not None]
     if len(shown) < len(members):
         return 0.5
-    return max((_mistaken(one[0], other[1], noise, steps_s) for one, other in permutations(shown, 2)), default=0.0)
-
-
-def _effect_of(named: Named, offered: Sequence[Effect]) -> Effect | None:
-    """The effect of the library that was named; None where the run does not allow it."""
-    key = named.name, named.stage, named.cables
-    return next((effect for effect in offered if effect.key[:3] == key and effect.form == named.form), None)
-
-
-def _changes(fitter: Fitter, bare: Fit, effect: Effect, named: Named, noise: Noise) -> tuple[Floats, Floats] | None:
-    """Change by the effect at the size that was found, (n,), and its derivatives there (n, k), without offsets."""
-    at = np.array([named.fitted[parameter.name] for parameter in effect.parameters])
-    try:
-        there = fitter.predict([effect], [at], bare.offsets)
-        rows = [there - fitter.predict([effect], [0.0 * at], bare.offsets)]
-        for k, parameter in enumerate(effect.parameters):
-            moved = at.copy()
-            moved[k] += 0.1 * parameter.size
-            rows.append((fitter.predict([effect], [moved], bare.offsets) - there) / (0.1 * parameter.size))
-    except ModelError:
-        return None
-    columns = without_offsets(fitter, bare, np.stack(rows, axis=1), noise)
-    return columns[:, 0], columns[:, 1:]
-
-
-def _mistaken(change: Floats, slopes: Floats, noise: Noise, steps_s: tuple[float, float]) -> float:
-    """Probability to confuse an effect with these ``slopes`` with one that makes this ``change``.
-
-    ``steps_s``: time between these samples, and between those of the run to be made.
-    """
-    size = np.linalg.norm(slopes, axis=0)
-    kept = slopes[:, size > 0.0] / size[size > 0.0]
-    left = change - kept @ np.linalg.lstsq(kept, change, rcond=1e-8)[0] if kept.shape[1] else change
-    rms = float(np.sqrt(np.mean(left**2)))
-    # So small a difference may be an error of the model: the loop treats it as none.
-    if rms < ALIKE_SHARE * noise.total_rad:
-        return 0.5
-    return float(norm.sf(0.5 * rms * np.sqrt(left.size / along(left, noise, *steps_s)) / noise.total_rad))
+    foresight = Foresight(planned.white, shown, planned.names)
+    return max((foresight.wrong(i, j) for i, j in permutations(range(len(shown)), 2)), default=0.0)
 
 
 # Below the first probability of a wrong choice the first run of the list, which is the simplest, is good enough: the

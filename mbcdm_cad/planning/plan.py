@@ -1,43 +1,48 @@
 """Predict the finding of a planned run: the smallest size of each effect that is named, and its rivals.
 
-The same Jacobians as in the loop, on the planned motion and load. An effect is named if it lowers the error of held-out
-half sweeps by ``LEAST_FALL`` of the noise and is supported by all sweeps and sectors; two effects are separated if the
-part of one that the other cannot imitate is above the noise. Effects of one size that strain the cables are taken at
-their size; all else, the rivals too, is linear in the sizes, so valid for small effects.
+The Jacobians, the noise and the evidence are those of the loop, on the planned motion and load
+(:mod:`mbcdm_cad.planning.foresight`). Effects of one size that strain the cables are taken at their size; all else, the
+rivals too, is linear in the sizes, so valid for small effects.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq
-from scipy.stats import chi2, ncf, norm
-from scipy.stats import f as f_distribution
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.loop.effect import Effect
-from mbcdm_cad.loop.prepare.noise import Noise, noise_of
-from mbcdm_cad.loop.prepare.quiet import signal_noise
+from mbcdm_cad.loop.effects import library
+from mbcdm_cad.loop.effects.load_sensor import UNPLANNED
+from mbcdm_cad.loop.prepare.noise import Noise
+from mbcdm_cad.loop.prepare.prepared import prepare
 from mbcdm_cad.loop.readable import readable
-from mbcdm_cad.loop.search.evidence import LOG_ODDS
+from mbcdm_cad.loop.result import Named
+from mbcdm_cad.loop.search.by_evidence import LOG_SHAPE, Posterior, spread_of
+from mbcdm_cad.loop.search.evidence import FREEDOM, NoiseModel
 from mbcdm_cad.loop.search.few import PLAY, FewReadings, prepared_by_hand
-from mbcdm_cad.loop.search.few_readings import CHANCE
-from mbcdm_cad.loop.search.fit import Fit, Fitter
+from mbcdm_cad.loop.search.fit import DIFFERENCE, FitRows, Fitter
 from mbcdm_cad.loop.search.response import ResponseLoop
-from mbcdm_cad.loop.search.select import LEAST_FALL
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.measurement.schema import CREEP, FREQUENCY_RESPONSE, MOTION, TURNING_POINTS
 from mbcdm_cad.measurement.vet import arranged
 from mbcdm_cad.measurement.vet_signals import friction_alike, friction_words
-from mbcdm_cad.planning.detectable import NEVER, PlannedEffects, Tried, planned_fitter
-from mbcdm_cad.planning.prediction_noise import coloured
+from mbcdm_cad.model.si import ModelError
+from mbcdm_cad.planning.foresight import Foresight, Shown
 from mbcdm_cad.routes import Floats
 
 POWER = 0.9
+# Orders of ripple that are planned, cycles a turn of the output.
+ORDERS = (20.0, 200.0)
+# A size that strains the cables is found in so many rounds, each at the size of the last, to within this share.
+ROUNDS, SETTLED = 8, 0.02
+# An effect that would have to be so many times its typical size, or beyond its bound, is never seen in the run.
+NEVER = 1e4
 # A rival is listed if the effect can be confused with it up to so many times its smallest named size; worst first.
 MOST_RIVALS = 4
 ANY_SIZE = 1e3
@@ -127,15 +132,7 @@ def _words(parameter: str, size: float | None) -> str:
 
 def noise_from(drive: Drive, run: Run) -> Noise:
     """The noise of a measured run, for planning other runs."""
-    if run.kind != MOTION:
-        return PlannedReadings(drive, run).few.noise
-    fitter = planned_fitter(drive, run)
-    return replace(_noise_in(fitter, fitter.fit()), signals=signal_noise(fitter.runs[0].run))
-
-
-def _noise_in(fitter: Fitter, bare: Fit) -> Noise:
-    """The floor as the loop has it, and its colour."""
-    return coloured(noise_of(fitter.base, [bare.residual]), fitter.base[0], bare.residual)
+    return PlannedMotion(drive, run).noise if run.kind == MOTION else PlannedReadings(drive, run).noise
 
 
 def plan_of(drive: Drive, run: Run, noise: Noise | None = None, power: float = POWER) -> RunPlan:
@@ -147,28 +144,53 @@ def plan_of(drive: Drive, run: Run, noise: Noise | None = None, power: float = P
         loop = ResponseLoop(drive, float(np.mean(layout_of(drive).si.total_ratio)), [arranged(run, drive)])
         return RunPlan(loop.noise, tuple(_of_response(loop, power)), power, moves=False)
     if run.kind != MOTION:
-        planned = PlannedReadings(drive, run)
-        noise = noise or planned.few.noise
-        return RunPlan(noise, tuple(planned.foreseen(noise.total_rad, power)), power, moves=False)
-    fitter = planned_fitter(drive, run)
-    # Fitted again from where it ended: the slopes by the offsets differ at their bound.
-    bare = fitter.fit(offsets=fitter.fit().offsets, iterations=0)
-    effects = PlannedEffects(fitter, bare, noise or _noise_in(fitter, bare))
-    p = fitter.runs[0]
-    alike = tuple(friction_alike(p.speed_rad_s, p.load_Nm))
-    found = tuple(_of_motion(effects, one, power) for one in effects.tried)
-    return RunPlan(effects.noise, found, power, alike, _proposals(run, found))
+        readings = PlannedReadings(drive, run, noise)
+        return RunPlan(readings.noise, tuple(readings.foreseen(power)), power, moves=False)
+    planned = PlannedMotion(drive, run, noise)
+    p = planned.fitter.runs[0]
+    found = tuple(planned.foreseen(power))
+    return RunPlan(planned.noise, found, power, tuple(friction_alike(p.speed_rad_s, p.load_Nm)), _proposals(run, found))
 
 
-def _foreseen(label: str, figure: str, size: float, rivals: Iterable[tuple[str, float]]) -> Foreseen:
-    """An effect that is named from ``size`` on, not at all where it is infinite; ``rivals``: from which size on it is
-    told from each other one, of which the worst are listed."""
-    if not np.isfinite(size):
-        return Foreseen(label, figure, None, ())
-    near = sorted((rival for rival in rivals if rival[1] > size), key=lambda rival: -rival[1])[:MOST_RIVALS]
-    return Foreseen(
-        label, figure, size, tuple(Rival(other, at if at <= ANY_SIZE * size else None) for other, at in near)
-    )
+@dataclass(frozen=True, eq=False)
+class Planned:
+    """An effect at the place ``at``, with its ``label`` in the plan; ``key`` is its name, ``parameter`` its first size,
+    of which ``size`` is typical and ``most`` the greatest."""
+
+    label: str
+    key: object
+    parameter: str
+    size: float
+    most: float
+
+
+def _candidate(effect: Effect, label: str) -> Planned:
+    first = next(p for p in effect.parameters if p.role == "size")
+    # The amplitude of a wave has the same unit.
+    name = first.name.replace("cosine_", "amplitude_")
+    return Planned(label, effect.key, name, first.size, min(max(first.high, -first.low), NEVER * first.size))
+
+
+def _foreseen(
+    effects: Foresight, candidates: Sequence[Planned], power: float, sizes: Sequence[tuple[float, float]] | None = None
+) -> Iterator[Foreseen]:
+    """What is foreseen of each candidate; ``sizes``: the positive and the negative one from which each is named."""
+    both = sizes or [(effects.smallest(i, power),) * 2 for i in range(len(candidates))]
+    possible = [[each for each in signed if each <= one.most] for one, signed in zip(candidates, both, strict=True)]
+    least = [max(signed, default=np.inf) for signed in possible]
+    for i, (one, size, signed) in enumerate(zip(candidates, least, both, strict=True)):
+        if not np.isfinite(size):
+            yield Foreseen(one.label, one.parameter, None, ())
+            continue
+        others = [j for j, other in enumerate(candidates) if other.key != one.key and np.isfinite(least[j])]
+        from_size = {j: effects.apart(i, j, power, size) for j in others}
+        worst = sorted((j for j in others if from_size[j] > size), key=lambda j: -from_size[j])[:MOST_RIVALS]
+        rivals = [Rival(candidates[j].label, at if (at := from_size[j]) < np.inf else None) for j in worst]
+        found = Foreseen(one.label, one.parameter, size, tuple(rivals))
+        positive, negative = (each if each <= one.most else None for each in signed)
+        if positive is None or negative is None or abs(positive / negative - 1.0) > SAME_SIZE:
+            found = replace(found, if_positive=positive, if_negative=negative)
+        yield found
 
 
 def _proposals(run: Run, found: Sequence[Foreseen]) -> tuple[str, ...]:
@@ -184,150 +206,180 @@ def _proposals(run: Run, found: Sequence[Foreseen]) -> tuple[str, ...]:
     return tuple(proposed)
 
 
-def _of_motion(effects: PlannedEffects, one: Tried, power: float) -> Foreseen:
-    """The sizes of one effect, and the effects with which it is confused."""
-    signed = effects.sizes(one, power)
-    name, size = _size_name(one.effect), max((each for each in signed if np.isfinite(each)), default=None)
-    if size is None:
-        return Foreseen(one.label, name, None, ())
-    strength = size * one.unit / effects.noise.total_rad
-    others = [other for other in effects.tried if other.effect.key != one.effect.key and other.unit > 0.0]
-    rivals = ((other.label, one.apart(other) / strength * size) for other in others)
-    found = _foreseen(one.label, name, size, rivals)
-    found = replace(found, rivals=(*_within(effects, one, strength, size), *found.rivals))
-    if signed[0] == signed[1] or abs(signed[0] / signed[1] - 1.0) < SAME_SIZE:
+class PlannedMotion:
+    """The effects of the library on one planned motion; ``noise`` of a pilot run, else of this one."""
+
+    def __init__(self, drive: Drive, run: Run, noise: Noise | None = None) -> None:
+        self.fitter = planned_fitter(drive, run)
+        self.bare = self.fitter.fit(rows=FitRows(self.fitter.used))
+        p = self.fitter.runs[0]
+        self.library = [effect for effect in library(self.fitter.d, p) if not effect.inside]
+        posterior = Posterior(self.fitter, self.bare, len({effect.key for effect in self.library}))
+        problem = posterior.problem
+        nuisances = problem.nuisances_of(self.bare)
+        if noise is None:
+            rms = [np.sqrt(np.mean(one.columns**2, axis=0)) for *_, one in self.shown]
+            sizes = [problem.prior_rad / np.maximum(row, 1e-300) for row in rms]
+            known = [(one.columns, sd) for (*_, one), sd in zip(self.shown, sizes, strict=True)]
+            model = problem.noise_of(self.bare, nuisances, known)
+            source = "white noise and AR(1) of most likelihood in what no cause does"
+            noise = Noise(model.floor_rad, model.white_rad, model.coloured_rad, model.memory_s, p.floor_rad, source)
+        self.noise = noise
+        model = NoiseModel(noise.white_rad, noise.coloured_rad, noise.memory_s, problem.step_s, problem.starts)
+        posterior.weigh(model, nuisances)
+        self.white, self.names = posterior.white, posterior.names
+
+    @cached_property
+    def shown(self) -> list[tuple[Effect, str, Floats, Shown]]:
+        """Each effect, its label, the place that is planned, and how it shows there."""
+        found = []
+        for effect in self.library:
+            if effect.base is not None or effect.name in UNPLANNED:
+                continue
+            places: Sequence[Sequence[float]] = [[0.0] * len(effect.parameters)]
+            labels = [effect.label]
+            if effect.order_index is not None:
+                places = [[0.0] * effect.order_index + [order] for order in ORDERS]
+                labels = [f"{effect.name} of order {order:g}" for order in ORDERS]
+            elif any(p.role == "place" for p in effect.parameters):
+                guesses = effect.first_guesses(self.fitter.base[0], self.bare.residual)
+                places = [guesses[len(guesses) // 2]]
+            for place, label in zip(places, labels, strict=True):
+                at = np.where([p.role == "size" for p in effect.parameters], 0.0, place)
+                try:
+                    found.append(
+                        (effect, label, at, self.at(effect, at, {k: p.size for k, p in enumerate(effect.parameters)}))
+                    )
+                except ModelError:
+                    continue
         return found
-    positive, negative = (each if np.isfinite(each) else None for each in signed)
-    return replace(found, if_positive=positive, if_negative=negative)
+
+    def at(self, effect: Effect, at: Floats, steps: dict[int, float]) -> Shown:
+        """How an effect shows by changes of each of its parameters by ``steps``."""
+        f, used = self.fitter, self.fitter.used
+        base = f.output - self.bare.residual
+
+        def change(values: Floats) -> Floats:
+            return np.asarray(f.centred(f.predict([effect], [values], self.bare.offsets) - base, used)[used])
+
+        columns, places, spreads, size = [], [], [], 0.0
+        for k, parameter in enumerate(effect.parameters):
+            moved = at.copy()
+            if parameter.role == "size":
+                moved[k] += steps[k]
+                columns.append(change(moved) / steps[k])
+                size = size or steps[k]
+                continue
+            first = next(i for i, p in enumerate(effect.parameters) if p.role == "size")
+            moved[first] += steps[first]
+            before = change(moved)
+            step = DIFFERENCE * parameter.size
+            moved[k] += step if at[k] + step <= parameter.high else -step
+            places.append((change(moved) - before) / (moved[k] - at[k]) / steps[first])
+            spreads.append(spread_of(parameter, at[k]))
+        empty = np.zeros((int(used.sum()), 0))
+        return Shown(
+            np.stack(columns, axis=1),
+            np.stack(places, axis=1) if places else empty,
+            np.array(spreads),
+            LOG_SHAPE * effect.last,
+        )
+
+    def found(self, named: Named) -> Shown | None:
+        """How an effect shows that a loop named, at the size that was found; None where the run does not allow it."""
+        key = named.name, named.stage, named.cables
+        effect = next((one for one in self.library if one.key[:3] == key and one.form == named.form), None)
+        if effect is None:
+            return None
+        at = np.array([named.fitted[p.name] for p in effect.parameters])
+        f, used = self.fitter, self.fitter.used
+        rows = [
+            f.predict([effect], [at + d], self.bare.offsets)
+            for d in (0.0 * at, -at, *(np.diag([0.1 * p.size for p in effect.parameters])))
+        ]
+        there = np.stack([f.centred(row, used)[used] for row in rows], axis=1)
+        slopes = (there[:, 2:] - there[:, :1]) / [0.1 * p.size for p in effect.parameters]
+        return Shown(slopes, np.zeros((slopes.shape[0], 0)), np.zeros(0), data=there[:, 0] - there[:, 1])
+
+    def foreseen(self, power: float) -> Iterator[Foreseen]:
+        """What the motion can find."""
+        effects = Foresight(self.white, [one for *_, one in self.shown], self.names)
+        sizes = [
+            self._sizes(effect, at, effects.smallest(i, power), power)
+            for i, (effect, _, at, _) in enumerate(self.shown)
+        ]
+        return _foreseen(effects, [_candidate(effect, label) for effect, label, *_ in self.shown], power, sizes)
+
+    def _sizes(self, effect: Effect, at: Floats, start: float, power: float) -> tuple[float, float]:
+        """The positive and the negative size from which an effect is named; equal where the sign makes none."""
+        first = [k for k, p in enumerate(effect.parameters) if p.role == "size"]
+        # A play at an input has no slope: it is taken as it shows at its usual size.
+        if len(first) > 1 or self.fitter.kind(effect) or effect.saturates or not np.isfinite(start):
+            return start, start
+        positive = self._bent(effect, at, 1.0, start, power)
+        return positive, self._bent(effect, at, -1.0, start, power) if effect.parameters[
+            first[0]
+        ].low < 0.0 else positive
+
+    def _bent(self, effect: Effect, at: Floats, sign: float, start: float, power: float) -> float:
+        """Size of one sign of an effect that strains the cables, taken as it shows at that size: a low preload shows
+        more than a high one. Infinite if no part can have it."""
+        k = next(k for k, p in enumerate(effect.parameters) if p.role == "size")
+        parameter = effect.parameters[k]
+        most = min(parameter.high if sign > 0.0 else -parameter.low, NEVER * parameter.size)
+        size = min(start, most)
+        for _ in range(ROUNDS):
+            try:
+                shown = self.at(effect, at, {k: sign * size})
+            except ModelError:  # a cable is slack: far more than has to be shown
+                most = size = 0.7 * size
+                continue
+            found = Foresight(self.white, [shown], self.names).smallest(0, power)
+            if abs(found / size - 1.0) < SETTLED:
+                return found
+            if found > size == most:
+                return np.inf
+            size = min(found, most)
+        return np.inf if size == most else size
 
 
-def _within(effects: PlannedEffects, one: Tried, strength: float, size: float) -> Iterator[Rival]:
-    """What the load may be wrong by, where it imitates the effect at its smallest size."""
-    for other, bound in effects.within:
-        if other.unit > 0.0:
-            wanted = one.apart_within(other, bound * other.unit / effects.noise.total_rad)
-            if wanted > strength:
-                name, shown = readable(_size_name(other.effect), [bound])
-                yield Rival(f"{other.effect.name} within {name} {shown[0]}", wanted / strength * size)
-
-
-def _size_name(effect: Effect) -> str:
-    """Name of the first size; the amplitude of a wave has the same unit."""
-    name = next(p.name for p in effect.parameters if p.role == "size")
-    return name.replace("cosine_", "amplitude_")
-
-
-# Noncentrality beyond which nothing is looked for.
-MOST_STRENGTH = 1e6
+def planned_fitter(drive: Drive, run: Run) -> Fitter:
+    """The fitter of one run, measured or planned."""
+    d = layout_of(drive).si
+    ratio = float(np.mean(d.total_ratio))
+    return Fitter(d, ratio, [prepare(arranged(run, drive), ratio)[0]], drive.as_built)
 
 
 class PlannedReadings:
-    """Readings by hand that are planned, or were made, on a drive, and the tests of the loop on them.
+    """Readings by hand that are planned, or were made, on a drive; slopes are those at size zero."""
 
-    The slopes are those at size zero, so valid for small effects. The F test on the readings that are not held back
-    must find the effect with the plan's power, and the readings held back must show it as the loop asks.
-    """
-
-    def __init__(self, drive: Drive, run: Run) -> None:
+    def __init__(self, drive: Drive, run: Run, noise: Noise | None = None) -> None:
         d = layout_of(drive).si
         ratio = float(np.mean(d.total_ratio))
         self.few = FewReadings(d, ratio, [prepared_by_hand(arranged(run, drive), ratio)], drive.as_built)
-        self.effects = [e for e in self.few.library if not e.unmeasured]
+        self.noise = noise or self.few.noise
+        self.few.weigh(NoiseModel(self.noise.total_rad, 0.0, 0.0, 1.0, (0,)), self.few.nuisances)
 
-    def slopes(self, effect: Effect) -> Floats | None:
-        """Derivatives of the prediction by the sizes of an effect, on all samples (n, k); None if nothing shows."""
-        if self.few.loses_track or (effect.name == PLAY and self.few.hides_play):
-            return None
-        f, sizes = self.few.fitter, [p.role == "size" for p in effect.parameters]
-        for start in f.guesses(effect, self.few.bare.residual):
-            values = np.where(sizes, 0.0, start)
-            slopes = f.fit((effect,), (values,), iterations=0).jacobian[:, sizes]
-            if np.all(np.linalg.norm(f.centred_on(f.train, slopes), axis=0) > 0.0):
-                return slopes
-        return None
-
-    def smallest(self, effect: Effect, slopes: Floats, floor_rad: float, power: float) -> float:
-        """The smallest size that is named with this power, whatever its phase; infinite if the readings are too few."""
-        f = self.few.fitter
-        n, test = int(f.train.sum()), int(f.test.sum())
-        extra = len(effect.parameters)
-        freedom = n - extra - 1
-        if freedom < 1 or not test:
-            return np.inf
-        limit = float(f_distribution.isf(CHANCE / len(self.few.library), extra, freedom))
-
-        def lacks(strength: float) -> float:
-            return float(ncf.sf(limit, extra, freedom, strength)) - power
-
-        if lacks(MOST_STRENGTH) < 0.0:
-            return np.inf
-        strength = float(brentq(lacks, 1e-6, MOST_STRENGTH))
-        _, lengths, phases = np.linalg.svd(f.centred_on(f.train, slopes), full_matrices=False)
-        found = np.sqrt(strength) / lengths[-1]
-        sure = float(norm.isf(1.0 - power)) / np.sqrt(test)
-        held = float(np.sqrt(np.mean((f.centred(slopes, f.train)[f.test] @ phases[-1]) ** 2)))
-        shown = (sure + np.sqrt(sure**2 + LEAST_FALL**2)) / held if held else np.inf
-        return floor_rad * float(max(found, shown))
-
-    def apart(self, one: Floats, other: Floats, floor_rad: float, power: float) -> float:
-        """The size from which an effect of slopes ``one`` is told from another with the loop's odds."""
-        f = self.few.fitter
-        mine, its = (f.centred_on(f.used, columns) for columns in (one, other))
-        basis = np.linalg.qr(its)[0]
-        _, lengths, phases = np.linalg.svd(mine, full_matrices=False)
-        left = mine @ phases[-1]
-        left = left - basis @ (basis.T @ left)
-        needed = np.sqrt(2.0 * LOG_ODDS) + float(norm.isf(1.0 - power))
-        length = float(np.linalg.norm(left))
-        return needed * floor_rad / length if length > 1e-9 * float(lengths[-1]) else np.inf
-
-    def foreseen(self, floor_rad: float, power: float) -> Iterator[Foreseen]:
-        """What the readings can find. An effect that is never seen is no rival."""
-        slopes = {e: s for e in self.effects if (s := self.slopes(e)) is not None}
-        least = {e: self.smallest(e, s, floor_rad, power) for e, s in slopes.items()}
-        seen = {
-            e: at for e, at in least.items() if at <= NEVER * next(p.size for p in e.parameters if p.role == "size")
-        }
-        for effect in self.effects:
-            others = [other for other in seen if other.key != effect.key and effect in seen]
-            rivals = ((e.label, self.apart(slopes[effect], slopes[e], floor_rad, power)) for e in others)
-            yield _foreseen(effect.label, _size_name(effect), seen.get(effect, np.inf), rivals)
+    def foreseen(self, power: float) -> Iterator[Foreseen]:
+        """What the readings can find."""
+        few, told = self.few, {}
+        slopes = (
+            {} if few.loses_track else {e: s for e, s in few.slopes.items() if e.name != PLAY or not few.hides_play}
+        )
+        n = int(few.used.sum())
+        if slopes:
+            shown = [Shown(*s) for s in slopes.values()]
+            foresight = Foresight(few.white, shown, few.names, freedom=n - len(few.prepared) - 1 + FREEDOM)
+            each = _foreseen(foresight, [_candidate(e, e.label) for e in slopes], power)
+            told = dict(zip(slopes, each, strict=True))
+        for e in few.offered:
+            yield told.get(e) or Foreseen(e.label, _candidate(e, e.label).parameter, None, ())
 
 
 def _of_response(loop: ResponseLoop, power: float) -> Iterator[Foreseen]:
-    """What a chirp can find, by the response of a run that was made or simulated: the size from which each suspect is
-    told from each other one and from what the design's structure and the declared inertia may be wrong by."""
-    free, columns = loop.slopes()
-    basis, sure = np.linalg.qr(free)[0], float(norm.isf(1.0 - power))
-    left = {name: column - basis @ (basis.T @ column) for name, column in columns.items()}
-    # The F test has the averages that are not held back, the odds have all.
-    found = (float(np.sqrt(chi2.isf(CHANCE / len(loop.suspects), 1))) + sure) / float(np.sqrt(np.mean(~loop.test)))
-    apart, scale = np.sqrt(2.0 * LOG_ODDS) + sure, float(np.sqrt(loop.together))
-    for one in loop.suspects:
-        mine = left[one.parameter]
-        # Named by the F test, and by the error that is held back; beyond what the law, the slip and the sensors may do.
-        bare = max(found * scale, LEAST_FALL * float(np.sqrt(mine.size))) / float(np.linalg.norm(mine) + 1e-300)
-        least = max(_beside(mine, left[name], bare, 2.0 * sigma) for name, sigma in loop.prior.items())
-        rivals = []
-        for name, (_, _, most) in loop.tolerances.items():
-            if name == one.parameter:
-                least += most
-            else:
-                rivals.append((f"{name} within its figures", _beside(mine, left[name], bare, most)))
-        for other in loop.suspects:
-            if other.name != one.name:
-                alone = _without(mine, left[other.parameter])
-                rivals.append((other.label, apart * scale / float(np.linalg.norm(alone) + 1e-300)))
-        yield _foreseen(one.label, one.figure, least if least <= NEVER * one.size else np.inf, rivals)
-
-
-def _without(mine: Floats, its: Floats) -> Floats:
-    """What another slope leaves of one."""
-    return np.asarray(mine - its * float(its @ mine) / (float(its @ its) + 1e-300))
-
-
-def _beside(mine: Floats, its: Floats, bare: float, most: float) -> float:
-    """The size beside a figure that may be wrong by ``most``, or by anything that the response itself shows; ``bare``
-    that without it."""
-    square, alone = float(mine @ mine) + 1e-300, float(np.linalg.norm(_without(mine, its))) + 1e-300
-    return min(bare + most * abs(float(its @ mine)) / square, bare * float(np.sqrt(square)) / alone)
+    """What a chirp can find, by the response of a run that was made or simulated."""
+    white, slopes = loop.planned()
+    shown = [Shown(row[:, None], np.zeros((row.size, 0)), np.zeros(0)) for row in slopes.values()]
+    sizes = {one: one.shapes[one.parameter][0] for one in slopes}
+    each = [Planned(one.label, one.key, one.figure, size, NEVER * size) for one, size in sizes.items()]
+    return _foreseen(Foresight(white, shown, loop.names, floor=1.0), each, power)

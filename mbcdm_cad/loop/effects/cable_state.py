@@ -59,7 +59,6 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
         cables=d.cable_names,
         figures=(share, mean),
         physical=(mean,),
-        generic=True,
         plain=TENSION,
     )
     single = [
@@ -75,7 +74,6 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
             cables=(cable,),
             figures=(share, each[j]),
             physical=(each[j],),
-            generic=True,
             plain=TENSION,
         )
         for j, cable in enumerate(d.cable_names)
@@ -91,7 +89,6 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
         starts=partial(_from, FRICTION_STARTS),
         figures=(share, mu),
         physical=(mu,),
-        generic=True,
         plain="the friction between rope and pulleys is {share} {way_share} than the design file says",
     )
     return [everything, *single, friction]

@@ -119,7 +119,6 @@ def changed(base: Effect, duration_s: float) -> list[Effect]:
         hangs_on="time",
         once=True,
         last=True,
-        generic=base.generic,
         base=base,
         later=partial(_applied, base, _throughout),
         plain=f"from {{at_s}} on {what} is {other} than before",

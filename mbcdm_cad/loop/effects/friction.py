@@ -10,8 +10,9 @@ Extended friction models for the physics simulation of servo actuators (arXiv 24
 c, v and k, M4 all but q, M5 two shares k, M6 all. There the two shares are of the motor's and of the load's torque; as
 these differ by the friction alone, shares by the sense of power say the same.
 
-The search has c alone; the other forms are tried in its place once it has ended
-(:mod:`mbcdm_cad.loop.search.exchange`). A friction of v alone is the viscous drag of ``delay``.
+The search ranks c alone; forms of one term more are tried in its place, see
+:mod:`mbcdm_cad.loop.search.by_evidence`.
+A friction of v alone is the viscous drag of ``delay``.
 """
 
 from __future__ import annotations
@@ -236,7 +237,6 @@ def friction(place: FrictionPlace, terms: Terms, p: Prepared, exponent: float = 
         tuple(parameters),
         partial(place.applied, terms, exponent),
         starts=partial(_begun, begun),
-        generic=True,
         hangs_on="speed" if {*terms} & {VISCOUS, *FADING} else "",
         plain=f"{place.what} there are {_listed(clauses)}" + built if more else place.plain,
         richer=None if more else partial(_richer, place, p),
@@ -304,7 +304,6 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
                 "log the load's torque, or run without a load",
                 (Parameter("torque_Nm", 0.05, 0.0),),
                 lambda s, v, _: replace(s, load_Nm=v[0] * s.p.sense),
-                generic=True,
                 unmeasured=True,
                 plain="{torque_Nm} against the motion, which no sensor measured, would explain the error",
             )

@@ -44,7 +44,6 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
                 Figure("strength", lambda v: float(v[0]), "1 is the whole effect of that wrap"),
                 Figure("wrap_deg", lambda v: degrees(float(v[1])), "wrap over the input that friction holds"),
             ),
-            after=("winding_history",),
             hangs_on="the cycles so far",
             plain="the cable creeps over its input, as if it went round by {wrap_deg} only",
         )

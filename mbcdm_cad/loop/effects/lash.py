@@ -76,7 +76,6 @@ def offer(d: DriveSI | None, p: Prepared) -> Iterator[Effect]:
                 Figure("play_rad", lambda v: float(v[0])),
                 Figure("zero_Nm", lambda v: float(v[1]), "torque of the sensor at which the contact changes sides"),
             ),
-            generic=True,
             plain="there is {play_rad} of play between drum and load",
         )
     if d is not None and p.load_Nm is not None:
@@ -92,7 +91,6 @@ def offer(d: DriveSI | None, p: Prepared) -> Iterator[Effect]:
                 figures=(Figure("play_rad", lambda v: float(v[0])),),
                 starts=partial(_at_input, d, index),
                 stage=f"input_{name}",
-                generic=True,
                 saturates=True,
                 plain="there is {play_rad} of play between encoder and pulley of the {stage}",
             )
@@ -108,6 +106,5 @@ def offer(d: DriveSI | None, p: Prepared) -> Iterator[Effect]:
             (play,),
             by_motion,
             starts=width,
-            generic=True,
             plain="there is {play_rad} of play between input and output",
         )

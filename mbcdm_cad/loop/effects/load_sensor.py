@@ -1,8 +1,8 @@
 """Errors of the torque sensor: gain, zero, lag, sign, hysteresis, cross talk. Within its class no effect of the drive.
 
-A class of 1 % allows 1 % of gain and a zero of 1 % of the range. What lies within it is never named: the judge tries it
-in place of every effect of the load (:mod:`mbcdm_cad.loop.search.class_of_sensor`). A gain beyond the class looks like
-another stiffness of the whole drive, so only the others are candidates of the search.
+A class of 1 % allows 1 % of gain and a zero of 1 % of the range. What lies within it is a nuisance of every fit
+(:mod:`mbcdm_cad.loop.search.problem`) and never named. A gain beyond the class looks like another stiffness of the
+whole drive, so only the others are candidates of the search.
 """
 
 from __future__ import annotations
@@ -112,7 +112,6 @@ def zero(most_Nm: float) -> Effect:
         (Parameter("zero_Nm", 0.01 * most_Nm, -most_Nm, most_Nm),),
         lambda s, v, _: replace(s, load_Nm=s.load - v[0]),
         hangs_on=SENSOR,
-        generic=True,
         plain="the torque sensor shows {zero_Nm} without a load",
     )
 
@@ -128,7 +127,6 @@ def lag(most_s: float) -> tuple[Effect, Effect]:
         (Parameter("lag_s", 1e-3, 0.0, most_s),),
         _late,
         hangs_on=SENSOR,
-        generic=True,
         plain="the load is read {lag_s} later than the angles",
     )
     return late, replace(
@@ -151,7 +149,6 @@ def hysteresis(most_Nm: float) -> Effect:
         (Parameter("half_width_Nm", 0.01 * most_Nm, 0.0, most_Nm),),
         _lagging,
         hangs_on=SENSOR,
-        generic=True,
         plain="the torque sensor stays {half_width_Nm} behind the load, whether it rises or falls",
     )
 
@@ -175,7 +172,8 @@ def crosstalk(most_Nm: float) -> Effect:
 
 
 def within_class(runs: tuple[Prepared, ...]) -> list[Effect]:
-    """Gain, zero, hysteresis and lag within the class of the torque sensor; empty for runs without a load."""
+    """Gain, zero, and of motions hysteresis and lag, within the class of the torque sensor; empty for runs without a
+    load."""
     loads = [p.run.load_Nm for p in runs]
     most = max((float(np.abs(load).max()) for load in loads if load is not None), default=0.0)
     if any(load is None for load in loads) or most == 0.0:
@@ -183,8 +181,8 @@ def within_class(runs: tuple[Prepared, ...]) -> list[Effect]:
     allowed: TorqueClass = runs[0].run.sensors.torque_class
     found = [gain(allowed.share), zero(allowed.zero * most)]
     if allowed.lag_s and runs[0].run.kind == MOTION:
-        found.append(hysteresis(allowed.share * most))
-    return [*found, lag(allowed.lag_s)[1]] if allowed.lag_s else found
+        found += [hysteresis(allowed.share * most), *lag(allowed.lag_s)]
+    return found
 
 
 # Standard deviations of the design's figures within which a part is as the design says.
@@ -245,6 +243,5 @@ def offer(d: DriveSI | None, p: Prepared) -> Iterator[Effect]:
             (Parameter("compliance_rad_Nm", 1e-6, 0.0),),
             lambda s, v, _: s.with_added(v[0] * s.load),
             hangs_on=SENSOR,
-            generic=True,
             plain="the sign of the load is reversed: the output moves against it by {compliance_rad_Nm}",
         )

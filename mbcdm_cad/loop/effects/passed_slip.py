@@ -34,7 +34,6 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
             "loads of several sizes: slip on the guide ends where it has reached the whole wrap",
             (Parameter("strength", 0.5, 0.0, MOST),),
             _apply,
-            generic=True,
             plain="the rope creeps on the guide: {strength} times what its friction and wrap allow",
         )
     ]

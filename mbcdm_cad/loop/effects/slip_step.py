@@ -58,7 +58,6 @@ def offer(d: DriveSI | None, p: Prepared) -> Iterator[Effect]:
         starts=partial(_jumps, 0.0),
         once=True,
         hangs_on="time",
-        generic=True,
         plain="a mount or coupling of the output slipped once, by {step_rad} at {at_s}",
     )
     if d is not None and p.load_Nm is not None:
@@ -76,7 +75,6 @@ def offer(d: DriveSI | None, p: Prepared) -> Iterator[Effect]:
                 starts=partial(_jumps, 0.0),
                 once=True,
                 hangs_on="time",
-                generic=True,
                 plain="the {form} slipped once, by {slip_m} at {at_s}",
             )
             for j, cable in enumerate(d.cable_names)

@@ -30,7 +30,6 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
         (Parameter("delay_s", 1e-5),),
         _late,
         hangs_on="speed",
-        generic=True,
         plain="the output is read {delay_s} later than the input",
         reversed_words=Words(
             "the input is read later than the output: an error in proportion to speed",
@@ -49,7 +48,6 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
         (Parameter("drag_Nm_s", 0.05, 0.0),),
         lambda s, v, _: s.with_rubbed(v[0] * s.p.speed_rad_s),
         hangs_on="speed",
-        generic=True,
         plain="something drags in proportion to the speed, with {drag_Nm_s}",
     )
     return [late, viscous]

@@ -47,9 +47,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
         SEPARATE,
         (Parameter("compliance_rad_Nm", 1e-6, 0.0),),
         lambda s, v, _: s.with_added(-v[0] * s.borne),
-        generic=True,
         plain="something between drum and torque sensor twists by {compliance_rad_Nm}",
-        after=AFTER,
     )
     if p.run.parts is not None and p.run.parts.give_rad_Nm:
         series = replace(
@@ -77,7 +75,5 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
         plain="the rope's stiffness is {share} {way_share} than the design file says",
         starts=lambda setup, residual: [list(start) for start in STARTS],
         doubtful=_no_rope,
-        generic=True,
-        after=AFTER,
     )
     return [modulus, series]

@@ -6,7 +6,6 @@ Every window follows from the data.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,15 +39,6 @@ APART_ERRORS = 1.5
 # Where smoothed and measured load differ by so many standard errors of one sample, the load is on a flank, and the
 # sample is used.
 FLANK_ERRORS = 5.0
-
-
-@dataclass(frozen=True)
-class SignalNoise:
-    """White noise of the signals that drive the friction, standard deviations: of each input's difference from their
-    mean, rad, and of the load, Nm; 0 where the run has no such signal."""
-
-    difference_rad: tuple[float, ...]
-    load_Nm: float
 
 
 def noise_of_signal(values: Floats) -> float:
@@ -202,15 +192,6 @@ def quiet_load(run: Run, factor: float = 1.0) -> tuple[Floats, float]:
     for smoother in (quiet, uniform_filter1d(quiet, NARROWEST, mode="reflect")):
         kept = np.where(np.abs(load_Nm - smoother) > FLANK_ERRORS * noise, kept, smoother)
     return kept, float(np.median(widths)) * run.step_s
-
-
-def signal_noise(run: Run) -> SignalNoise:
-    """The noise of a measured run: what the smoothing removes from the differences, the fast part of the load."""
-    apart = run.input_rad - run.input_rad.mean(axis=0)
-    removed = apart - slow_difference(run)[0]
-    return SignalNoise(
-        tuple(float(np.std(row)) for row in removed), 0.0 if run.load_Nm is None else noise_of_signal(run.load_Nm)
-    )
 
 
 def speed_window(run: Run, ratio: float) -> tuple[float, float]:

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from mbcdm_cad.loop.effect import Effect, Figure
 from mbcdm_cad.loop.prepare.lines import order_spectrum
 from mbcdm_cad.loop.prepare.prepared import Prepared, held_out
-from mbcdm_cad.loop.readable import INTERVAL, Value
+from mbcdm_cad.loop.readable import INTERVAL, Value, readable
 from mbcdm_cad.loop.result import ONLY_RATIO, Errors, Named, Traces, ways_apart
-from mbcdm_cad.loop.search.evidence import noise_left
+from mbcdm_cad.loop.search.evidence import NoiseModel
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.loop.search.unknown import Unknown, rms_value
+from mbcdm_cad.measurement.run import TorqueClass
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
 
@@ -51,16 +53,15 @@ def interval(figure: Figure, values: Floats, covariance: Floats, effect: Effect)
     return Value(value, value - half, value + half)
 
 
-def time_interval_s(fitter: Fitter, fit: Fit, effect: Effect) -> tuple[float, float]:
+def time_interval_s(fitter: Fitter, fit: Fit, effect: Effect, noise: NoiseModel) -> tuple[float, float]:
     """The earliest and the latest time of a change, 95 %, s from the beginning of its run.
 
     The prediction depends on the time only through the samples between two times, so its slope says nothing. The sum of
-    squares is compared instead with the noise that is left, white and coloured.
+    squares is compared instead with the ``noise``, white and coloured.
     """
     k = fit.effects.index(effect)
     at = next(i for i, p in enumerate(effect.parameters) if p.role == "place")
     parameter, best = effect.parameters[at], float(fit.values[k][at])
-    noise = noise_left(fitter, fit)
     memory = 1.0 + 2.0 * noise.memory_s / min(p.step_s for p in fitter.runs)
     square = noise.white_rad**2 + memory * noise.coloured_rad**2
     used = fitter.used
@@ -177,3 +178,42 @@ def traces(fitter: Fitter, bare: Fit, fit: Fit) -> tuple[Traces, ...]:
             )
         )
     return tuple(found)
+
+
+# Figures of the design, of the errors within a class.
+PARTS = ("structure", "losses")
+
+
+@dataclass(frozen=True)
+class WithinClass:
+    """Errors of the torque sensor in the fit: name and size of each, with the class that allows them."""
+
+    sizes: tuple[tuple[str, float], ...]
+    torque_class: TorqueClass
+
+    @property
+    def sentence(self) -> str:
+        """For people."""
+        own, others = (
+            [" ".join((word, *shown)) for word, shown in (readable(*one) for one in group)] for group in self._groups()
+        )
+        sentences = []
+        if others:
+            sentences.append(
+                f"errors of the {self.torque_class.what} within its class ({self.torque_class.words}): "
+                f"{', '.join(others)}"
+            )
+        if own:
+            sentences.append(f"figures of the design within their uncertainty: {', '.join(own)}")
+        return " and ".join(sentences)
+
+    def _groups(self) -> Iterator[list[tuple[str, list[float]]]]:
+        """Sizes of the parts' figures, and of the sensor's errors."""
+        for parts in (True, False):
+            yield [(name, [size]) for name, size in self.sizes if name.startswith(PARTS) is parts]
+
+
+def size_name(effect: Effect) -> str:
+    """Name of its figure, with the unit."""
+    name = effect.parameters[0].name
+    return f"{effect.name}_{name}" if effect.name in PARTS else f"{effect.name[5:]}_{name.rsplit('_', 1)[-1]}"

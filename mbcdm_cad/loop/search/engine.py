@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
@@ -14,29 +14,18 @@ from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.loop.correction import correction_of
 from mbcdm_cad.loop.effect import Effect
 from mbcdm_cad.loop.effects import friction, library
-from mbcdm_cad.loop.prepare.noise import doubt_of, runs_of
+from mbcdm_cad.loop.prepare.noise import Noise, doubt_of, runs_of
 from mbcdm_cad.loop.prepare.prepared import Prepared, prepare_all
-from mbcdm_cad.loop.readable import INTERVAL
 from mbcdm_cad.loop.result import Evidence, Helpful, LoopResult, Named
-from mbcdm_cad.loop.search.account import (
-    as_named,
-    chain_orders,
-    errors,
-    next_steps,
-    not_testable,
-    time_interval_s,
-    traces,
-)
-from mbcdm_cad.loop.search.evidence import separation_of
-from mbcdm_cad.loop.search.exchange import Group
+from mbcdm_cad.loop.search import account
+from mbcdm_cad.loop.search.by_evidence import CredibleSet, Posterior, Search
+from mbcdm_cad.loop.search.evidence import LEAST_FALL, LOG_ODDS
 from mbcdm_cad.loop.search.few import judged_by_hand
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.loop.search.own import begun, differing, in_best_forms, own_effects
 from mbcdm_cad.loop.search.response import ResponseLoop
 from mbcdm_cad.loop.search.screening import located
-from mbcdm_cad.loop.search.select import Search
-from mbcdm_cad.loop.search.unknown import Scatter, hangs_on
-from mbcdm_cad.loop.search.verdict import ZERO_CHANCE, Judge
+from mbcdm_cad.loop.search.unknown import Unknown, describe_unknown, hangs_on
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.measurement.schema import FREQUENCY_RESPONSE, MOTION
 from mbcdm_cad.measurement.vet import arranged
@@ -78,9 +67,8 @@ def close_loop(drive: Drive | None, runs: Sequence[Run], differs: Sequence[Seque
         return result if drive is None else friction.beside_design(result, drive)
 
 
-# What is too small to be named is in the figures of what is named: so much of it, RMS over the floor, each parameter
-# may stand for. Found on runs of the rig.
-UNNAMED_SHARE = 0.03
+# A name is withdrawn beside a certain unknown part of this share of what it explains, which may contain it.
+BLAME_SHARE = 0.25
 # A size that may be zero or so many times as large is open.
 ANY = 3.0
 
@@ -119,178 +107,181 @@ class _Loop:
         # What every run has for itself is not shared; and a change within a run is not looked for beside it.
         everywhere = set.intersection(*({e.label for e in one} for one in own))
         self.library = [e for e in self.library if e.label not in everywhere and not (any(own) and e.base)]
-        # The same motion as a play that motion takes up: the search has one, the judge puts the other beside it.
-        wound = next((e for e in self.library if (e.name, e.form) == (friction.NAME, friction.WOUND)), None)
-        self.library = [e for e in self.library if e is not wound]
         self.bare = self.fitter.fit(offsets=begun(self.fitter))
         self.search = Search(self.fitter, self.library, self.bare)
-        self.judge = Judge(self.search, wound)
+        self.posterior: Posterior = self.search
+        self.bare_whole = self.bare
 
     def result(self) -> LoopResult:
-        """Search, try alternatives, judge."""
-        fit, groups, unknown = self.judge.judged()
-        while True:
-            bare, judged = self._on_all(fit)
-            if judged is not fit:
-                unknown = unknown or self.judge.left(judged, self.whole)
-            whole = self.whole.fit(
-                judged.effects, judged.values, judged.offsets, mask=self.whole.used, slopes=judged.jacobian, fresh=False
-            )
-            windows = self._wider(fit, whole) if groups else []
-            open_ = next((g for g in groups if self._may_be_zero(g.effect, fit, whole, windows)), None)
-            if open_ is None:
-                break
-            fit, groups, unknown = self.judge.taken_back(open_, fit, groups)
-        if unknown is not None and groups:
-            windows = self._wider(fit, whole, unknown.rms_rad)
-        named, sets = [], []
-        for group in groups:
-            first = self._named(group.effect, fit, whole, windows)
-            first = replace(first, equivalent=(*group.forms, *self._looks_like(first)))
-            others = tuple(self._other(one) for one in group.alike)
+        """Search, withdraw, describe on all samples of the runs at hand."""
+        fit, sets = self.search.found()
+        kept, withdrawn = self._withdrawn(fit)
+        self._on_all()
+        whole = self._fitted_on_all(fit)
+        judged = whole if kept is fit else self._fitted_on_all(kept)
+        self._weigh_about(whole)
+        named: list[Named] = []
+        one_of: list[tuple[Named, ...]] = []
+        outright: list[Effect] = []
+        unmeasured: list[str] = []
+        for one in sets:
+            members = [one.effect, *(other.effects[-1] for other, _ in one.alike)]
+            if one.effect not in kept.effects:
+                continue
+            if any(member.unmeasured for member in members):
+                # A quantity that the runs did not measure explains the error as well.
+                withdrawn.append((one.effect, fit))
+                unmeasured += [f"{member.name} ({member.form})" for member in members]
+                continue
+            first = self._named(one.effect, fit, whole)
+            alike = (*one.forms, *self._looks_like(first))
+            first = replace(first, equivalent=alike, probability=one.probability)
+            others = tuple(replace(self._other(other), probability=share) for other, share in one.alike)
             if others:
-                sets.append((first, *others))
+                one_of.append((first, *others))
             else:
                 named.append(first)
-        named = self._with_correlations(named, [g.effect for g in groups if not g.alike], whole, fit, windows)
-        found = errors(self.whole, bare, judged, self.search.floor_rad)
-        # Neither "explained" nor "none" may stand beside an error that is not near the floor.
-        if unknown is None and not found.near_floor:
-            unknown = self.judge.largest(judged, self.whole)
-        nameless = not groups and not self.judge.unmeasured and not self.judge.within and not self.judge.helpful
-        if nameless and judged is not bare:
-            judged, found = bare, errors(self.whole, bare, bare, self.search.floor_rad)
-            if unknown is None and not found.near_floor:
-                unknown = self.judge.largest(bare, self.whole)
-        scatter = self._scatter(fit)
+                outright.append(one.effect)
+        named = self._with_correlations(named, outright, whole)
+        floor_rad = self.search.floor_rad
+        after = self.posterior.beside_nuisances(judged)
+        found = account.errors(self.whole, self.bare_whole, after, floor_rad)
+        certain = self.search.of(kept).unknown_odds > LOG_ODDS
+        left = certain and self.search.unknown_rad(kept) > LEAST_FALL * floor_rad
+        unknown = self._largest(after) if left or not found.near_floor else None
+        groups = named or one_of
         if unknown is not None:
-            verdict = "partly_explained" if groups or judged.effects else "unknown"
+            verdict = "partly_explained" if groups else "unknown"
         else:
-            blind = all(p.few for p in self.prepared) or self.judge.unmeasured
+            blind = all(p.few for p in self.prepared) or unmeasured
             verdict = "explained" if groups else "not_testable" if blind else "none"
+        noise = self._noise()
         return LoopResult(
             verdict,
             tuple(named),
-            tuple(sets),
+            tuple(one_of),
             unknown,
             found,
-            self._evidence(groups, fit),
-            self._small(fit),
-            not_testable(self.d, self.prepared),
-            next_steps(named, sets, unknown),
-            chain_orders(self.d, self.ratio),
-            traces(self.whole, bare, judged),
-            self.search.noise,
+            tuple(self._alternatives(sets)),
+            self._small(kept),
+            account.not_testable(self.d, self.prepared),
+            account.next_steps(named, one_of, unknown),
+            account.chain_orders(self.d, self.ratio),
+            account.traces(self.whole, self.bare_whole, after),
+            noise,
             tuple(p.windows for p in self.prepared),
-            self._doubts(scatter),
-            tuple(
-                Helpful(self._as_named(one.effect, one.values, one.covariance, one.fall_rad), one.odds)
-                for one in self.judge.helpful
-            ),
-            within_class=self.judge.within.sentence if self.judge.within else "",
-            correction=partial(correction_of, self.whole, judged, self.search.floor_rad),
-            own=differing(
-                self.whole, whole, self.judge.covariance(whole, self.whole), (self.fitter, fit), self.differs
-            ),
+            self._doubts(noise, kept, unmeasured),
+            tuple(self._helpful(effect, at) for effect, at in withdrawn),
+            within_class=self.search.within_words(kept),
+            correction=partial(correction_of, self.whole, judged, floor_rad),
+            own=differing(self.whole, judged, self.posterior.with_offsets(judged), self.differs),
         )
 
-    def _on_all(self, fit: Fit) -> tuple[Fit, Fit]:
-        """Fits without effects and with those of ``fit``, with all samples of the runs at hand."""
+    def _withdrawn(self, fit: Fit) -> tuple[Fit, list[tuple[Effect, Fit]]]:
+        """The fit without effects that are too small to name, or that a certain unknown part may contain; and those of
+        them that are not too small, each with the fit that had it."""
+        search, taken = self.search, list[tuple[Effect, Fit]]()
+        least_rad = LEAST_FALL * search.floor_rad
+        while fit.effects:
+            certain = search.of(fit).unknown_odds > LOG_ODDS
+            needed = max(least_rad, search.unknown_rad(fit) / BLAME_SHARE if certain else 0.0)
+            falls = {effect: search.fall_rad(search.without(fit, effect), fit) for effect in fit.effects}
+            # Of those that do too little that goes without which the rest is likeliest.
+            less = {effect: search.without(fit, effect) for effect in fit.effects if falls[effect] < needed}
+            if not less:
+                break
+            out, rest = max(less.items(), key=lambda pair: search.score(pair[1]))
+            if falls[out] >= least_rad:
+                taken.append((out, fit))
+            fit = rest
+        return fit, taken
+
+    def _on_all(self) -> None:
+        """Weigh all samples of the runs at hand under the noise of the search."""
+        if self.whole is not self.fitter:
+            self.bare_whole = self.whole.fit(offsets=self.bare.offsets)
+        self.posterior = Posterior(self.whole, self.bare_whole, self.search.names)
+        self._weigh_about(self.bare_whole)
+
+    def _weigh_about(self, fit: Fit) -> None:
+        """Take nuisances that are linear about a fit: intervals have what windows and sensors do to what was found."""
+        problem = self.posterior.problem
+        noise = replace(self.search.white.noise, step_s=problem.step_s, starts=problem.starts)
+        self.posterior.weigh(noise, problem.nuisances_of(fit))
+
+    def _fitted_on_all(self, fit: Fit) -> Fit:
+        """A fit of the search, with all samples of the runs at hand."""
         if self.whole is self.fitter:
-            return self.bare, fit
-        found = self.whole.fit(fit.effects, fit.values, fit.offsets)
+            return fit
+        if not fit.effects:
+            return self.bare_whole
+        begun = fit
         if any(effect.once for effect in fit.effects):
             # A single event may lie in a part that the search did not use. Of two, one may hide the time of the other.
-            found = min(filter(None, (found, located(self.whole, fit))), key=lambda one: one.square)
-        return self.whole.fit(offsets=self.bare.offsets), found
+            begun = located(self.whole, fit) or fit
+        unknown = self.search.of(fit).unknown
+        return self.posterior.fitted(unknown, begun.effects, begun.values, begun.offsets)
 
-    def _may_be_zero(self, effect: Effect, fit: Fit, whole: Fit, windows: Sequence[Floats]) -> bool:
-        """Whether the interval of an effect's size, from all data, contains zero."""
-        if effect.saturates:
-            return False
-        shift = windows[fit.effects.index(effect)]
-        return self.judge.chance_of_zero(whole, effect, shift, self.whole) > ZERO_CHANCE
+    def _largest(self, fit: Fit) -> Unknown:
+        """The unexplained part of the run in which it is largest."""
+        pairs = zip(self.whole.parts, self.whole.runs, strict=True)
+        each = (describe_unknown(p, fit.residual[part], self.search.floor_rad) for part, p in pairs)
+        return max(each, key=lambda one: one.rms_rad)
+
+    def _noise(self) -> Noise:
+        """The noise of most likelihood, as the result has it."""
+        one, declared = self.search.white.noise, float(np.sqrt(np.mean([p.floor_rad**2 for p in self.prepared])))
+        source = "white noise and AR(1) of most likelihood in what no cause does"
+        return Noise(one.floor_rad, one.white_rad, one.coloured_rad, one.memory_s, declared, source)
+
+    def _helpful(self, effect: Effect, fit: Fit) -> Helpful:
+        """An effect that was withdrawn beside an unknown part, with the odds of its fit."""
+        less, own = self.search.without(fit, effect), fit.columns_of(effect)
+        fall, block = self.search.fall_rad(less, fit), self.search.of(fit).covariance
+        odds = float(np.exp(np.clip(self.search.score(fit) - self.search.score(less), 0, 50)))
+        return Helpful(self._as_named(effect, fit.values_of(effect), block[own, own], fall), odds)
 
     def _looks_like(self, named: Named) -> list[str]:
         """Of a friction the parts that these runs do not tell from it."""
-        if named.name != friction.NAME or self.judge.unmeasured:
+        if named.name != friction.NAME:
             return []
         loads = [p.load_Nm for p in self.prepared if p.load_Nm is not None]
         speed = np.concatenate([p.speed_rad_s for p in self.prepared])
         return friction_alike(speed, np.concatenate(loads) if len(loads) == len(self.prepared) else None)
 
-    def _named(self, effect: Effect, fit: Fit, whole: Fit, windows: Sequence[Floats]) -> Named:
-        """An effect with its figures from all data and the fall of the held-out error that it causes."""
-        k = whole.effects.index(effect)
-        block = self.judge.spread(whole, effect, self.whole) + np.diag((windows[k] / INTERVAL) ** 2)
-        fall = self.judge.fall_rad(fit, effect)
+    def _named(self, effect: Effect, fit: Fit, whole: Fit) -> Named:
+        """An effect with its figures from all data, nuisances integrated out, and the fall of the error that it
+        causes."""
+        k, own = whole.effects.index(effect), whole.columns_of(effect)
+        block = self.posterior.of(whole).covariance[own, own]
+        fall = self.search.fall_rad(self.search.without(fit, effect), fit)
         share = self._least_share(whole, k)
         if share is None:
-            named = self._as_named(effect, whole.values[k], block, fall)
+            named = self._as_named(effect, whole.values_of(effect), block, fall)
             return self._before_and_after(named, effect, whole, self.whole) if effect.base else named
         named = self._as_named(effect, _scaled(effect, whole.values[k], share), block, fall)
         opened = {name: replace(value, low=value.value, high=np.inf) for name, value in named.parameters.items()}
         return replace(named, parameters=opened)
 
-    def _wider(self, fit: Fit, whole: Fit, unknown_rad: float = 0.0) -> list[Floats]:
-        """By how much the interval of each value of the search's fit is wider than its scatter, to either side: other
-        smoothing windows, other shapes of laws, what is too small to be named, and an unknown part, rad RMS, of which
-        a fit hides as much in the values as it leaves."""
-        unnamed = np.diag(self._unnamed(whole)) * (1.0 + (unknown_rad / (UNNAMED_SHARE * self.search.floor_rad)) ** 2)
-        parts = (self.judge.shift_by_window(fit), self.judge.shift_by_shape(fit))
-        return [
-            np.sqrt(one**2 + other**2 + INTERVAL**2 * unnamed[whole.columns_of(effect)])
-            for effect, one, other in zip(fit.effects, *parts, strict=True)
-        ]
-
-    def _unnamed(self, whole: Fit) -> Floats:
-        """Covariance of the values of a fit by effects that are in the run and too small to be named.
-
-        They are slow in angle, load and speed, so that a line does not stand for them.
-        """
-        lines = [whole.columns_of(effect) for effect in whole.effects if effect.order_index is not None]
-        slow = whole.has_slope
-        for own in lines:
-            slow[own] = False
-        kept = np.flatnonzero(slow)
-        columns = self.whole.centred_on(self.whole.used, whole.jacobian[:, kept])
-        size = np.sqrt(np.mean(columns**2, axis=0))
-        size[size == 0.0] = 1.0
-        scaled = columns / size
-        inverse = np.linalg.pinv(scaled.T @ scaled / scaled.shape[0], rcond=1e-9, hermitian=True)
-        found = np.zeros((whole.jacobian.shape[1],) * 2)
-        found[np.ix_(kept, kept)] = (UNNAMED_SHARE * self.search.floor_rad) ** 2 * inverse / np.outer(size, size)
-        return found
-
-    def _with_correlations(
-        self, named: Sequence[Named], effects: Sequence[Effect], whole: Fit, fit: Fit, windows: Sequence[Floats]
-    ) -> list[Named]:
-        """The named effects, each with the correlations of its values with each other and with those of the others.
-
-        What smoothing windows and shapes add to the variance of each value, as in its interval, is taken as its own.
-        """
-        unnamed = self._unnamed(whole)
-        covariance = self.judge.covariance(whole, self.whole) + unnamed - np.diag(np.diag(unnamed))
-        for effect in effects:
-            own = np.arange(covariance.shape[0])[whole.columns_of(effect)]
-            covariance[own, own] += (windows[fit.effects.index(effect)] / INTERVAL) ** 2
-        known = np.isfinite(covariance) & np.isfinite(np.diag(covariance)) & np.isfinite(np.diag(covariance))[:, None]
-        covariance = np.where(known, covariance, 0.0)
+    def _with_correlations(self, named: Sequence[Named], effects: Sequence[Effect], whole: Fit) -> list[Named]:
+        """The named effects, each with the correlations of its values with each other and with those of the others."""
+        covariance = self.posterior.of(whole).covariance
         size = np.sqrt(np.where(np.diag(covariance) > 0.0, np.diag(covariance), np.inf))
         joint = covariance / np.outer(size, size)
         columns = [whole.columns_of(effect) for effect in effects]
-        found = []
-        for k, one in enumerate(named):
-            found.append(replace(one, correlated={o.words: joint[columns[k], columns[j]] for j, o in enumerate(named)}))
-        return found
+        return [
+            replace(one, correlated={o.words: joint[columns[k], columns[j]] for j, o in enumerate(named)})
+            for k, one in enumerate(named)
+        ]
 
     def _before_and_after(self, named: Named, effect: Effect, whole: Fit, fitter: Fitter) -> Named:
         """A change with the interval of its time, and its figure before and after; ``whole`` is a fit of ``fitter``."""
-        base, values = effect.base, whole.values_of(effect)
+        base = effect.base
+        values = whole.values_of(effect)
         assert base is not None
         parameters = dict(named.parameters)
         if effect.once:
-            low, high = time_interval_s(fitter, whole, effect)
+            low, high = account.time_interval_s(fitter, whole, effect, self.search.white.noise)
             parameters["at_s"] = replace(parameters["at_s"], low=low, high=high)
         there = [whole.values_of(e) for e in whole.effects if (e.key, e.form) == (base.key, base.form)]
         before = there[0] if there else np.array([p.default or 0.0 for p in base.parameters])
@@ -329,7 +320,9 @@ class _Loop:
     def _other(self, fit: Fit) -> Named:
         """An alternative that fits as well, from the training samples."""
         effect = fit.effects[-1]
-        named = self._as_named(effect, fit.values[-1], self.judge.spread(fit, effect, self.fitter), 0.0)
+        columns = fit.columns_of(effect)
+        block = self.search.of(fit).covariance[columns, columns]
+        named = self._as_named(effect, fit.values_of(effect), block, 0.0)
         open_ = {
             p.name: replace(own, low=p.low, high=np.inf)
             for p in effect.parameters
@@ -340,40 +333,29 @@ class _Loop:
 
     def _as_named(self, effect: Effect, values: Floats, block: Floats, fall: float) -> Named:
         run = "" if effect.run is None else self.prepared[effect.run].run.source or f"run {effect.run + 1}"
-        return as_named(effect, values, block, fall, run)
+        return account.as_named(effect, values, block, fall, run)
 
-    def _scatter(self, fit: Fit) -> Scatter | None:
-        """On what the noise hangs that the encoders are not declared to have."""
-        if not self.search.noise.far_above:
-            return None
-        each = (hangs_on(p, fit.residual[part]) for p, part in zip(self.fitter.runs, self.fitter.parts, strict=True))
-        return next((one for one in each if one is not None), None)
-
-    def _doubts(self, scatter: Scatter | None) -> tuple[str, ...]:
+    def _doubts(self, noise: Noise, fit: Fit, unmeasured: Sequence[str]) -> tuple[str, ...]:
         """Doubts that the data raise about the sensors, and about fitted values that no part can have."""
-        noise = self.search.noise
         found = []
         if noise.far_above:
+            pairs = zip(self.fitter.runs, self.fitter.parts, strict=True)
+            each = (hangs_on(p, fit.residual[part]) for p, part in pairs)
+            scatter = next((one for one in each if one is not None), None)
             found.append(scatter.words if scatter else doubt_of(noise, runs_of(self.prepared)))
-        if self.judge.unmeasured:
+        if unmeasured:
             found.append(
-                f"no torque was measured: {' or '.join(self.judge.unmeasured)} would explain the error as well as the "
+                f"no torque was measured: {' or '.join(unmeasured)} would explain the error as well as the "
                 "load itself; log the load's torque, or run without a load and say load: none"
             )
         return (*found, *self.search.doubts.values())
 
-    def _evidence(self, groups: Sequence[Group], fit: Fit) -> tuple[Evidence, ...]:
-        """Candidates that were accepted or withdrawn, and alternatives to the named effects."""
-        lines = [
-            Evidence(s.effect.label, s.after_rad, float(np.sqrt(abs(s.before_rad**2 - s.after_rad**2))), s.action)
-            for s in self.search.steps
-        ]
-        for group in groups:
-            for one in group.alike:
-                apart = separation_of(self.fitter, one, fit)
-                words = f"as good as {group.effect.label}" + ("" if apart.apart else f": {apart.words}")
-                lines.append(Evidence(one.effects[-1].label, self.search.held_rms(one), 0.0, words))
-        return tuple(lines)
+    def _alternatives(self, sets: Sequence[CredibleSet]) -> Iterator[Evidence]:
+        """Named effects and what may stand in their place, each with its share of the posterior."""
+        for one in sets:
+            for fit, share in one.alike:
+                words = f"in place of {one.effect.label}: {share:.2g} to be it, {one.probability:.2g} the other"
+                yield Evidence(fit.effects[-1].label, self.search.held_rms(fit), 0.0, words)
 
     def _small(self, fit: Fit, most: int = 5) -> tuple[Evidence, ...]:
         """Candidates that are too small to name, with the fall of the error that each would still cause."""

@@ -1,361 +1,340 @@
-"""Test whether all sweeps and sectors support an effect, or only one of them; errors clustered by both.
+"""Marginal likelihood of a linear-Gaussian model at a nonlinear fit: the one number by which this search decides.
 
-Residuals of a drive are coloured, and what repeats in angle comes back in every sweep. An ordinary test counts each
-sample as new evidence and accepts every effect. Here the evidence is what whole sweeps and whole sectors agree on.
-Two-way clusters: A. C. Cameron, J. B. Gelbach, D. L. Miller, J. Business & Economic Statistics 29 (2011).
+    y = J b + N s + Z z + noise
 
-A cell is the part of one sweep that lies in one sector of angle. For columns X and a residual y it keeps the Gram
-matrix [1 X y]^T [1 X y] of its samples: one pass over the samples, after which every test needs only the cells.
+The marginal likelihood, or evidence, is the probability density of the data ``y`` with all coefficients integrated out
+over their priors. It falls with each coefficient that the data did not need (Occam factor), so that models of different
+size are compared by it alone; the ratio of two is the odds between them (Bayes factor).
 
-Two effects that change the prediction by a and b are separated by their difference d = a - b against the residual's
-noise along d. The probability to choose the wrong one is Phi(-|d|^2 / (2 s)), s the standard deviation of d . r; for
-white noise and equal sizes that is Phi(-sqrt(t^2 (1 - rho) / 2)), t the effect's strength and rho the cosine of a
-and b.
-
-An error at one angle, or in one sweep, can be fitted well by effects that are not present: a few ripples form a bump.
-In that case the fit changes when one sector, or one sweep, is left out.
+``J``: Jacobian of the effects at their fit, ``b`` with a prior as wide as the whole error, for sizes, phases and times.
+``N``: nuisances, what the bench may be wrong by and nobody asks for, one standard deviation a column. ``Z``: curves of
+an unknown cause that repeats, the rival of every name; their scale is found by likelihood, never below what a model of
+a real drive leaves. The noise is white and AR(1), together an ARMA(1,1) process whose memory and shares are found by
+likelihood; the innovations of its steady Kalman filter are white, and the same filter is applied to all columns
+(whitening). D. J. C. MacKay, Neural Computation 4 (1992) 415-447.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from math import log
+from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.stats import f as f_distribution
-from scipy.stats import norm
-from scipy.stats import t as t_distribution
+from scipy.signal import lfilter
+from scipy.special import logsumexp
 
-from mbcdm_cad.loop.prepare.lines import line_of
-from mbcdm_cad.loop.prepare.noise import Noise, noise_of
-from mbcdm_cad.loop.prepare.prepared import SECTORS
-from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.routes import Floats
 
-# Samples multiplied at one time, so that the copy stays small for a run of any length.
-BLOCK = 65_536
-# Below this probability of a wrong choice two effects count as separated.
-TOLD_APART = 0.01
-# The same as the logarithm of odds.
-LOG_ODDS = log(1.0 / TOLD_APART - 1.0)
-# Fits whose mean squares differ by a smaller share are the same: the fits end within this of their least.
-SAME_FIT = 1e-4
-
-
-@dataclass(frozen=True, eq=False)
-class Cells:
-    """Grams (cells, k + 2, k + 2) of [1, X, y], y last, and the sweep and sector number of each cell."""
-
-    gram: Floats
-    sweep: NDArray[np.int64]
-    sector: NDArray[np.int64]
-
-    @property
-    def total(self) -> Floats:
-        """Gram of all samples."""
-        return np.asarray(self.gram.sum(axis=0))
-
-
-def cell_grams(columns: Floats, y: Floats, sweep: NDArray[np.int64], sector: NDArray[np.int64]) -> Cells:
-    """Grams of ``columns`` (n, k) and ``y`` (n,) over the cells given by ``sweep`` and ``sector``, each (n,)."""
-    _, sweep_number = np.unique(sweep, return_inverse=True)
-    sectors, sector_number = np.unique(sector, return_inverse=True)
-    cell = sweep_number * sectors.size + sector_number
-    wide = columns.shape[1] + 2
-    gram = np.zeros((int(cell.max()) + 1, wide, wide))
-    for start in range(0, y.size, BLOCK):
-        part = slice(start, start + BLOCK)
-        order = np.argsort(cell[part], kind="stable")
-        here = cell[part][order]
-        table = np.column_stack([np.ones(here.size), columns[part], y[part]])[order]
-        edges = np.flatnonzero(np.diff(here)) + 1
-        for rows in np.split(np.arange(here.size), edges):
-            some = table[rows[0] : rows[-1] + 1]
-            gram[here[rows[0]]] += some.T @ some
-    filled = np.flatnonzero(gram[:, 0, 0] > 0.0)
-    return Cells(gram[filled], filled // sectors.size, filled % sectors.size)
-
-
-@dataclass(frozen=True, eq=False)
-class Estimate:
-    """Least squares of a residual on columns and a constant.
-
-    ``value`` (k,), ``covariance`` (k, k) clustered two ways, ``freedom``: degrees of freedom, one less than the smaller
-    number of clusters. A column that the others make up has value 0 and infinite variance.
-    """
-
-    value: Floats
-    covariance: Floats
-    freedom: int
-
-    def probability(self, which: Sequence[int]) -> float:
-        """Probability of such values of the columns ``which`` by chance if all are zero (Wald test, as F)."""
-        chosen = list(which)
-        block = self.covariance[np.ix_(chosen, chosen)]
-        if not np.all(np.isfinite(block)):
-            return 1.0
-        value = self.value[chosen]
-        if not value.any():
-            return 1.0
-        rank = min(len(chosen), self.freedom)
-        square = float(value @ np.linalg.pinv(block, rcond=1e-12, hermitian=True) @ value)
-        # Hotelling's correction: with few clusters the covariance is itself uncertain.
-        freedom = self.freedom - rank + 1
-        if freedom < 1:
-            return 1.0
-        return float(f_distribution.sf(square * freedom / (self.freedom * rank), rank, freedom))
-
-    def half_width(self) -> Floats:
-        """Half the width of the 95 % interval of each value, (k,)."""
-        return np.asarray(t_distribution.ppf(0.975, self.freedom) * np.sqrt(np.diag(self.covariance)))
-
-
-def cluster_estimate(columns: Floats, y: Floats, sweep: NDArray[np.int64], sector: NDArray[np.int64]) -> Estimate:
-    """Estimate with covariance clustered by ``sweep`` and ``sector``; ``columns`` (n, k), the others (n,).
-
-    Nuisance columns are simply among the columns: what they can explain is no evidence for the rest.
-    """
-    return estimate(cell_grams(columns, y, sweep, sector))
-
-
-def estimate(cells: Cells) -> Estimate:
-    """The same from sums over cells."""
-    gram = cells.total
-    size = np.sqrt(np.diag(gram))
-    size[size == 0.0] = 1.0
-    each = cells.gram / np.outer(size, size)
-    value, covariance = jackknifed(each[:, :-1, :-1], each[:, :-1, -1], cells.sweep, cells.sector)
-    to_unit = size[-1] / size[:-1]
-    value = value * to_unit
-    covariance = covariance * np.outer(to_unit, to_unit)
-    whole = each.sum(axis=0)[:-1, :-1]
-    lost = np.abs(np.diag(np.linalg.pinv(whole, rcond=1e-12, hermitian=True) @ whole) - 1.0) > 1e-6
-    value[lost] = 0.0
-    covariance[lost, lost] = np.inf
-    clusters = min(np.unique(cells.sweep).size, np.unique(cells.sector).size)
-    return Estimate(value[1:], covariance[1:, 1:], max(1, clusters - 1))
-
-
-def jackknifed(
-    grams: Floats, sides: Floats, sweep: NDArray[np.int64], sector: NDArray[np.int64]
-) -> tuple[Floats, Floats]:
-    """Least squares (..., k) and its covariance (..., k, k) from cells with the grams X^T X (cells, k, k) of columns of
-    similar size and the sums X^T y (..., cells, k) of one or more responses.
-
-    The covariance of each kind of cluster is a jackknife: how far the estimate moves when one cluster is left out. With
-    as few clusters as there are sectors the plain sandwich is far too sure.
-    """
-    solved = _solve(grams.sum(axis=0)[None], sides.sum(axis=-2)[..., None, :])
-    by_sweep, by_sector, by_cell = (
-        _jackknife(grams, sides, group, solved) for group in (sweep, sector, np.arange(grams.shape[0]))
-    )
-    return solved[..., 0, :], _at_least(by_sweep + by_sector - by_cell, by_cell)
-
-
-def _solve(grams: Floats, sides: Floats) -> Floats:
-    """Least squares from a stack of grams (m, k, k) and of sums (..., m, k); (..., m, k)."""
-    inverse = np.linalg.pinv(grams, rcond=1e-12, hermitian=True)
-    return np.asarray((inverse @ sides[..., None])[..., 0])
-
-
-def _jackknife(grams: Floats, sides: Floats, group: NDArray[np.int64], solved: Floats) -> Floats:
-    """Covariance from leaving out one group of cells at a time."""
-    groups, number = np.unique(group, return_inverse=True)
-    if groups.size < group.size:
-        chosen = (number == np.arange(groups.size)[:, None]).astype(float)
-        own_grams, own_sides = np.tensordot(chosen, grams, axes=1), chosen @ sides
-    else:  # every cell is a group: a matrix of cells by cells would take 800 MiB for a long run
-        own_grams, own_sides = grams, sides
-    moved = _solve(grams.sum(axis=0) - own_grams, sides.sum(axis=-2)[..., None, :] - own_sides) - solved
-    return np.asarray((groups.size - 1) / groups.size * np.swapaxes(moved, -1, -2) @ moved)
-
-
-def _at_least(covariance: Floats, least: Floats) -> Floats:
-    """The covariance, at least that of the cells in each direction: the difference of clusters need not be positive.
-
-    Both have the shape (..., k, k).
-    """
-    wide = least.shape[-1]
-    trace = np.maximum(np.trace(least, axis1=-2, axis2=-1), 1e-300)[..., None, None]
-    root = np.linalg.cholesky(least + 1e-12 * trace / wide * np.eye(wide))
-    back = np.linalg.inv(root)
-    values, vectors = np.linalg.eigh(back @ covariance @ np.swapaxes(back, -1, -2))
-    spread = root @ vectors
-    return np.asarray((spread * np.maximum(values, 1.0)[..., None, :]) @ np.swapaxes(spread, -1, -2))
+# Logarithm of the odds from which something counts as certain.
+LOG_ODDS = float(np.log(99.0))
+# Least fall of the error by a named effect, RMS over the floor: smaller ones are listed.
+LEAST_FALL = 0.45
+# Two predictions that differ by this share of the noise, RMS, are alike: so much may be an error of the model.
+ALIKE_SHARE = 0.12
+# Candidates of the noise: shares of the mean square with a memory, and memories from steps of the run to its duration.
+SHARES = (0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.7, 0.85, 0.95, 0.99)
+MEMORIES = 9
+# A model of a real drive is never right: two predictions that differ by ALIKE_SHARE of the floor, or by this share of
+# the whole error that is to be explained, are told apart at LOG_ODDS at most, however many samples there are. Beyond
+# that the error of the model is white noise beside that of the run, so that the posterior is coarsened (J. W. Miller
+# and D. B. Dunson, J. Am. Stat. Assoc. 114 (2019) 1113), and what a slow noise leaves untold already is not taken off
+# twice.
+ALIKE_OF_WHOLE = 0.004
+# Directions of columns, and pushes beyond a bound, that are zero but for rounding.
+ROUNDED = 1e-9
+# Samples for which the sums are made.
+MOST_ROWS = 4000
+# Scales of the unknown curves, over the floor: from what is in every run, to far beyond.
+SCALES = np.geomspace(0.06, 60.0, 11)
+# Sizes of the noise of few readings over that at hand, and the degrees of freedom with which that is known.
+FACTORS, FREEDOM = np.geomspace(0.5, 4.0, 9), 3.0
 
 
 @dataclass(frozen=True)
-class Separation:
-    """How well two effects are separated.
+class NoiseModel:
+    """White noise and AR(1), rad RMS, ``memory_s`` of the second; ``starts``: first rows of stretches without gaps.
 
-    ``reach``: half the sum of squares of the difference d of the two predictions over the standard deviation of d . r;
-    ``square`` (rad^2): that sum.
+    ``rest_rad``: RMS in the run. Of a memory as long as the run only the square over the memory is known.
     """
 
-    reach: float
-    square: float
+    white_rad: float
+    coloured_rad: float
+    memory_s: float
+    step_s: float
+    starts: tuple[int, ...]
+    rest_rad: float = np.inf
+
+    def coarsened(self, samples: int, whole_rad: float) -> NoiseModel:
+        """With the error of the model beside it, which grows with the whole error."""
+        untold = np.hypot(ALIKE_SHARE * self.floor_rad, ALIKE_OF_WHOLE * whole_rad)
+        beyond = max(samples * untold**2 / (2.0 * LOG_ODDS) - self.floor_rad**2, 0.0)
+        return replace(self, white_rad=float(np.sqrt(self.white_rad**2 + beyond)))
 
     @property
-    def probability(self) -> float:
-        """Probability of choosing the wrong one, 0.5: pure chance."""
-        return float(norm.sf(self.reach))
+    def floor_rad(self) -> float:
+        """Its RMS, as far as the run is long."""
+        return min(float(np.hypot(self.white_rad, self.coloured_rad)), max(self.rest_rad, self.white_rad))
+
+    @cached_property
+    def _steady(self) -> tuple[float, float, float]:
+        """Correlation of a step, gain and innovation variance of the steady Kalman filter."""
+        w, c = self.white_rad**2, self.coloured_rad**2
+        phi = float(np.exp(-self.step_s / self.memory_s)) if self.memory_s > 0.0 else 0.0
+        q = c * (1.0 - phi**2)
+        half = 0.5 * (q + w * (phi**2 - 1.0))
+        p = half + float(np.sqrt(half**2 + q * w))
+        return phi, p / (p + w), p + w
 
     @property
-    def factor(self) -> float:
-        """How many times as large the effect must be, all else equal, to be separated at 1 %; below 1: it is."""
-        return float(norm.isf(TOLD_APART) / self.reach) if self.reach > 0.0 else np.inf
+    def log_scale(self) -> float:
+        """Logarithm of the standard deviation of an innovation."""
+        return 0.5 * float(np.log(self._steady[2]))
+
+    def whitened(self, columns: Floats) -> Floats:
+        """Innovations (n,) or (n, k) over their standard deviation."""
+        phi, gain, variance = self._steady
+        out = np.empty_like(columns)
+        for first, last in pairwise((*self.starts, columns.shape[0])):
+            out[first:last] = lfilter([1.0, -phi], [1.0, -phi * (1.0 - gain)], columns[first:last], axis=0)
+            # The first sample of a stretch has the variance of the noise, not of an innovation.
+            out[first] *= np.sqrt(variance) / np.hypot(self.white_rad, self.coloured_rad)
+        return np.asarray(out / np.sqrt(variance))
+
+
+def noise_model(rest: Floats, step_s: float, starts: tuple[int, ...], least_rad: float) -> tuple[float, NoiseModel]:
+    """The noise of most likelihood of what curves and nuisances leave of a residual, rad (n,); ``least_rad``: the white
+    noise of the sensors' declared steps. With the logarithm of its likelihood."""
+    n, rest_rad = rest.size, float(np.sqrt(np.mean(rest**2)))
+    best: tuple[float, NoiseModel] | None = None
+    memories = np.geomspace(2.0 * step_s, 0.25 * n * step_s, MEMORIES)
+    for memory in memories:
+        for share in (0.0, *SHARES) if memory == memories[0] else SHARES:
+            unit = NoiseModel(float(np.sqrt(1.0 - share)), float(np.sqrt(share)), float(memory), step_s, starts)
+            square = float(np.mean(unit.whitened(rest) ** 2))
+            score = -0.5 * n * float(np.log(square)) - n * unit.log_scale
+            if best is None or score > best[0]:
+                size = float(np.sqrt(square))
+                white = max(size * unit.white_rad, least_rad, 1e-12)
+                best = score, NoiseModel(white, size * unit.coloured_rad, float(memory), step_s, starts, rest_rad)
+    assert best is not None
+    return best
+
+
+@dataclass(frozen=True, eq=False)
+class Weighed:
+    """The evidence of a model. ``log``: marginal likelihood; ``mean`` of the effects' values (k,), all else integrated
+    out; ``joint``: nuisances and values, their covariance (q + k, q + k); ``nuisances``: posterior means (q,), in
+    standard deviations; ``unknown``: number of the likeliest hypothesis of the unknown cause, and the log odds of any
+    against the least scale; ``curves``: posterior mean of its coefficients.
+    """
+
+    log: float
+    mean: Floats
+    joint: Floats
+    nuisances: Floats
+    unknown: int
+    unknown_odds: float
+    curves: Floats
 
     @property
-    def apart(self) -> bool:
-        """Whether these data separate them."""
-        return self.probability <= TOLD_APART
+    def covariance(self) -> Floats:
+        """Covariance of the effects' values (k, k)."""
+        own = self.nuisances.size
+        return self.joint[own:, own:]
 
-    def log_odds(self, excess: float) -> float:
-        """Logarithm of the odds of the better fit, both equally likely before; ``excess`` (rad^2) is the sum of squares
-        of the worse one less that of the better one.
 
-        With d = a - b and normal noise of variance s^2 along d, exp(-|r|^2 / 2) of the two fits along d gives
-        excess |d|^2 / (2 s^2); |d|^2 / s is twice the reach.
+class Whitened:
+    """Nuisances and curves, whitened by one noise model; the curves of each family in their principal axes.
+
+    Each family at each scale is one hypothesis of what an unknown cause does, by number.
+    """
+
+    def __init__(
+        self,
+        noise: NoiseModel,
+        nuisances: Floats,
+        bounds: Floats,
+        curves: Sequence[Floats],
+        names: int,
+        whole_rad: float = 0.0,
+        against: Sequence[float] = (),
+    ) -> None:
+        """``bounds`` (2, q) of the nuisances, in standard deviations. An unknown cause is as likely beforehand as one
+        of so many ``names``, whatever its family and scale; the least scale is what is in every run. ``whole_rad``: RMS
+        of the whole error. ``against``: logarithms of the odds beforehand against each of the ``curves``."""
+        self.noise, self.bounds = noise, bounds
+        self.coarse = noise.coarsened(nuisances.shape[0], whole_rad)
+        self.every = max(1, nuisances.shape[0] // MOST_ROWS)
+        self.nuisances = self.whitened(nuisances)
+        self.scales = SCALES * noise.floor_rad
+        squares = self.scales[:, None] ** 2
+        self.axes, kept, self.weights, logs = [], [], [], []
+        for family, less in zip(curves, against or [0.0] * len(curves), strict=True):
+            z = self.whitened(family)
+            values, axes = np.linalg.eigh(z.T @ z)
+            some = values > ROUNDED * values[-1]
+            self.axes.append(axes[:, some])
+            kept.append(z @ axes[:, some])
+            # Of each scale the weights of the axes, and half the logarithm of the determinant.
+            self.weights.append(squares / (1.0 + squares * values[some]))
+            logs.append(0.5 * np.log1p(squares * values[some]).sum(axis=1))
+            # The least scale is certain, the others share the prior of one name.
+            prior = np.full(SCALES.size, -np.log(names * len(curves) * (SCALES.size - 1)) - less)
+            prior[0] = -np.log(len(curves))
+            logs[-1] -= prior
+        self.curves, self.log_curves = np.hstack(kept), np.concatenate(logs)
+        ends = np.cumsum([0, *(one.shape[1] for one in kept)])
+        self.slices = [slice(a, b) for a, b in pairwise(ends)]
+        self._gram, self._on_z = self.nuisances.T @ self.nuisances, self.curves.T @ self.nuisances
+
+    def hypothesis(self, unknown: int) -> tuple[slice, Floats]:
+        """The axes of a hypothesis of the unknown, and their weights."""
+        family, scale = divmod(unknown, self.scales.size)
+        return self.slices[family], self.weights[family][scale]
+
+    def whitened(self, columns: Floats) -> Floats:
+        """Some of the innovations, which are independent, for all of them."""
+        return np.asarray(np.sqrt(self.every) * self.coarse.whitened(columns)[:: self.every])
+
+    def parts(self, columns: Floats) -> tuple[Floats, Floats]:
+        """Products of the nuisances (first) and ``columns`` (n, k), whitened, and their projections on the curves."""
+        w = self.whitened(columns)
+        across = self.nuisances.T @ w
+        return np.block([[self._gram, across], [across.T, w.T @ w]]), np.hstack([self._on_z, self.curves.T @ w])
+
+    def metric(self, unknown: int) -> Callable[[Floats], Floats]:
+        """What makes errors beyond nuisances and unknown curves independent: the root of the inverse covariance."""
+        family, scale = divmod(unknown, self.scales.size)
+        both = np.column_stack([self.nuisances, self.scales[scale] * self.curves[:, self.slices[family]]])
+        values, axes = np.linalg.eigh(both.T @ both)
+        kept = values > ROUNDED * values[-1]
+        basis = both @ (axes[:, kept] / np.sqrt(values[kept]))
+        taken = basis * (1.0 - 1.0 / np.sqrt(1.0 + values[kept]))
+
+        def independent(rows: Floats) -> Floats:
+            white = self.whitened(rows)
+            return np.asarray(white - taken @ (basis.T @ white))
+
+        return independent
+
+    def evidence_of(self, columns: Floats, prior_sd: Floats, bounds: Floats) -> Weighed:
+        """Weighed of effects whose Jacobian, and after it the data, are ``columns`` (n, k + 1)."""
+        return self.evidence(self.parts(columns), prior_sd, bounds, columns.shape[0])
+
+    def evidence(self, parts: tuple[Floats, Floats], prior_sd: Floats, bounds: Floats, rows: int) -> Weighed:
+        """Weighed of effects with prior standard deviations (k,); ``parts``: those of their Jacobian and the data.
+
+        Every value and nuisance whose posterior mean lies beyond its bounds (2, k) is held there: it has no column,
+        since the data cannot move it.
         """
-        if self.square == 0.0:
-            return 0.0
-        return 2.0 * self.reach**2 * excess / self.square
+        own = self.bounds.shape[1]
+        sd, limits = np.append(np.ones(own), prior_sd), np.hstack([self.bounds, bounds])
+        held = np.where(sd > 0.0, np.nan, 0.0)
+        for _ in range(4 * sd.size):
+            free = np.flatnonzero(np.isnan(held))
+            # The data less what held values do, in terms of all columns.
+            take = np.zeros((sd.size + 1, free.size + 1))
+            take[free, np.arange(free.size)] = sd[free]
+            take[:, -1] = np.append(-np.nan_to_num(held), 1.0)
+            on_z = parts[1] @ take
+            best, logs, mean, inverse = self._solved(take.T @ parts[0] @ take, on_z)
+            value = mean * sd[free]
+            past = np.maximum(limits[0, free] - value, value - limits[1, free]) / sd[free]
+            if past.max(initial=0.0) > 0.0:
+                worst = int(np.argmax(past))
+                held[free[worst]] = np.clip(value[worst], *limits[:, free[worst]])
+                continue
+            # One that was held too early goes back: the data push it inwards.
+            left = take @ np.append(-mean, 1.0)
+            axes, weights = self.hypothesis(best)
+            push = parts[0][:-1] @ left - parts[1][axes, :-1].T @ (weights * (parts[1][axes] @ left))
+            inwards = np.where(held == limits[0], sd, -sd) * (sd > 0.0)
+            push = np.where(np.isnan(held), 0.0, (push - held / np.where(sd > 0.0, sd, 1.0) ** 2) * inwards)
+            if push.max(initial=0.0) <= ROUNDED:
+                break
+            held[int(np.argmax(push))] = np.nan
+        whole, covariance = np.nan_to_num(held), np.zeros((sd.size, sd.size))
+        whole[free] = value
+        covariance[np.ix_(free, free)] = (inverse.T @ inverse) * np.outer(sd[free], sd[free])
+        fixed = np.flatnonzero(~np.isnan(held[:own]))
+        log = float(logsumexp(logs)) - 0.5 * float(held[fixed] @ held[fixed]) - rows * self.coarse.log_scale
+        axes, weights = self.hypothesis(best)
+        curves = weights * (on_z[axes, -1] - on_z[axes, :-1] @ mean)
+        least = np.arange(logs.size) % self.scales.size == 0
+        odds = float(logsumexp(logs[~least]) - logsumexp(logs[least]))
+        return Weighed(log, whole[own:], covariance, whole[:own], best, odds, curves)
 
-    @property
-    def words(self) -> str:
-        """In words, for the result."""
-        if self.apart:
-            return f"separated, {self.probability:.2g} to be wrong"
-        if not np.isfinite(self.factor) or self.factor > 100.0:
-            return "the same in this experiment at any size"
-        return f"{self.probability:.0%} to be wrong; separated if it were {self.factor:.2g} times as large"
+    def unknown(self, evidence: Weighed, curves: Sequence[Floats]) -> Floats:
+        """What the unknown cause does, rad (n,); ``curves`` as given at first."""
+        family = evidence.unknown // self.scales.size
+        return np.asarray(curves[family] @ (self.axes[family] @ evidence.curves))
+
+    def _solved(self, gram: Floats, on_z: Floats) -> tuple[int, Floats, Floats, Floats]:
+        """The likeliest hypothesis of the unknown, the logarithm of the posterior of each, mean of the columns and root
+        of their covariance there, all columns with a prior of one standard deviation."""
+        k = gram.shape[0] - 1
+        inner = gram - np.concatenate(
+            [
+                np.matmul(on_z[axes].T[None] * weights[:, None, :], on_z[axes])
+                for axes, weights in zip(self.slices, self.weights, strict=True)
+            ]
+        )
+        root = np.linalg.cholesky(np.eye(k) + inner[:, :k, :k])
+        h = np.linalg.solve(root, inner[:, :k, k:])[..., 0]
+        logs = -0.5 * (inner[:, k, k] - np.sum(h**2, axis=1)) - self.log_curves
+        logs -= np.log(np.einsum("sii->si", root)).sum(axis=1)
+        best = int(np.argmax(logs))
+        inverse = np.linalg.inv(root[best])
+        return best, logs, inverse.T @ h[best], inverse
 
 
-def separation(
-    first: Floats, second: Floats, residual: Floats, sweep: NDArray[np.int64], sector: NDArray[np.int64]
-) -> Separation:
-    """Compare the changes that two effects, each refitted with all else, make to the prediction.
+class NoiseOfUnknownSize(Whitened):
+    """White noise of few readings, whose size is known to a factor: the evidence is summed over it.
 
-    ``first`` and ``second`` (n,) in rad; ``residual`` (n,) is that of the better fit. The noise along their difference
-    is taken from sums over sweeps and over sectors, at least that over their cells.
+    Its variance is inverse chi-square about that of ``noise``, and never below ``least_rad``, what the steps of the
+    sensors leave.
     """
-    difference = first - second
-    square = float(difference @ difference)
-    sizes = float(np.linalg.norm(first) * np.linalg.norm(second))
-    if square <= 1e-12 * sizes:
-        return Separation(0.0, 0.0)
-    return separated(square, clustered_deviation(difference * residual, sweep, sector))
 
+    def __init__(
+        self,
+        noise: NoiseModel,
+        nuisances: Floats,
+        bounds: Floats,
+        curves: Sequence[Floats],
+        names: int,
+        least_rad: float,
+    ) -> None:
+        super().__init__(noise, nuisances, bounds, curves, names)
+        factors = FACTORS[noise.white_rad * FACTORS >= least_rad * (1.0 - 1e-9)]
+        sizes = [replace(noise, white_rad=noise.white_rad * float(factor)) for factor in factors]
+        self.each = [Whitened(one, nuisances, bounds, curves, names) for one in sizes]
+        prior = -FREEDOM * (np.log(factors) + 0.5 / factors**2)
+        self.prior = prior - logsumexp(prior)
 
-def separated(square: float, deviation: float) -> Separation:
-    """Separation of two predictions whose difference d has the sum of squares ``square`` (rad^2), where the noise along
-    it, d . r, has this standard ``deviation`` (rad^2)."""
-    if square == 0.0:
-        return Separation(0.0, 0.0)
-    return Separation(square / (2.0 * deviation) if deviation > 0.0 else np.inf, square)
+    def evidence_of(self, columns: Floats, prior_sd: Floats, bounds: Floats) -> Weighed:
+        """That of all sizes of the noise, with mean and covariance of their mixture."""
+        found = [one.evidence_of(columns, prior_sd, bounds) for one in self.each]
+        logs = np.array([one.log for one in found]) + self.prior
+        share = np.exp(logs - logsumexp(logs))
+        means = np.array([np.append(one.nuisances, one.mean) for one in found])
+        mean = share @ means
+        joint = np.einsum("s,sij->ij", share, np.array([one.joint for one in found]))
+        joint += (means - mean).T @ (share[:, None] * (means - mean))
+        odds = np.array([one.unknown_odds for one in found])
+        unknown = logsumexp(logs - np.logaddexp(0.0, -odds)) - logsumexp(logs - np.logaddexp(0.0, odds))
+        best = int(np.argmax(logs))
+        number = best * self.log_curves.size + found[best].unknown
+        own, log, curves = self.bounds.shape[1], float(logsumexp(logs)), found[best].curves
+        return Weighed(log, mean[own:], joint, mean[:own], number, float(unknown), curves)
 
+    def metric(self, unknown: int) -> Callable[[Floats], Floats]:
+        """Beside the likeliest noise."""
+        noise, number = divmod(unknown, self.log_curves.size)
+        return Whitened.metric(self.each[noise], number)
 
-def clustered_deviation(terms: Floats, sweep: NDArray[np.int64], sector: NDArray[np.int64]) -> float:
-    """Standard deviation of the sum of ``terms`` (n,), correlated within sweeps and within sectors."""
-    sweeps, sweep_number = np.unique(sweep, return_inverse=True)
-    sectors, sector_number = np.unique(sector, return_inverse=True)
-    table = np.bincount(sweep_number * sectors.size + sector_number, terms, sweeps.size * sectors.size)
-    sums = np.asarray(table, dtype=float).reshape(sweeps.size, sectors.size)
-
-    def variance(of: Floats) -> float:
-        return float(np.sum(of**2)) * of.size / max(of.size - 1, 1)
-
-    cells = variance(sums.ravel())
-    return float(np.sqrt(max(cells, variance(sums.sum(axis=0)) + variance(sums.sum(axis=1)) - cells)))
-
-
-# Probability of a chance effect, over all candidates that were looked at.
-ALPHA = 0.05
-
-
-def chance(fitter: Fitter, fit: Fit) -> float:
-    """Probability that the last effect of ``fit`` was found by chance.
-
-    A Wald test of its sizes with all else fitted too, by leaving out sweeps and sectors; linearised at the fit.
-    """
-    mask = fitter.train
-    kept = fit.has_slope
-    columns = fitter.centred_on(mask, fit.jacobian[:, kept])
-    last = fit.effects[-1]
-    start = sum(value.size for value in fit.values[:-1])
-    sizes = [start + i for i, parameter in enumerate(last.parameters) if parameter.role == "size"]
-    tested = np.searchsorted(np.flatnonzero(kept), sizes).tolist()
-    theta = np.zeros(columns.shape[1])
-    theta[tested] = [fit.values[-1][i - start] for i in sizes]
-    y = fit.residual[mask] + columns @ theta
-    if not (np.isfinite(columns).all() and np.isfinite(y).all()):
-        # A fit at the edge of what can be simulated has slopes that are not finite, and nothing can support it.
-        return 1.0
-    found = cluster_estimate(columns, y, fitter.sweep[mask], fitter.sector[mask])
-    # With so few half sweeps no effect could pass this test; there the rule on the held-out error decides alone.
-    return replace(found, freedom=max(found.freedom, SECTORS - 1)).probability(tested)
-
-
-def noise_left(fitter: Fitter, fit: Fit) -> Noise:
-    """The noise in the residual of a fit."""
-    return noise_of(fitter.base, [fit.residual[part] for part in fitter.parts])
-
-
-def estimate_of(fitter: Fitter, fit: Fit) -> Estimate:
-    """All parameters and offsets of a fit, on all samples in use; columns without a slope are left out, as zero."""
-    used, kept = fitter.used, fit.has_slope
-    columns = fitter.centred_on(used, fit.jacobian[:, kept])
-    found = cluster_estimate(columns, fit.residual[used], fitter.sweep[used], fitter.sector[used])
-    value, covariance = np.zeros(kept.size), np.zeros((kept.size, kept.size))
-    value[kept], covariance[np.ix_(kept, kept)] = found.value, found.covariance
-    return replace(found, value=value, covariance=covariance)
-
-
-def separation_of(fitter: Fitter, worse: Fit, better: Fit) -> Separation:
-    """How well the data separate two fits."""
-    used = fitter.used
-    here = better.residual[used]
-    return separation(-here, -worse.residual[used], here, fitter.sweep[used], fitter.sector[used])
-
-
-def log_odds(fitter: Fitter, worse: Fit, better: Fit) -> float:
-    """Logarithm of the odds of the better of two fits, both equally likely before."""
-    excess = float(np.sum((worse.residual**2 - better.residual**2)[fitter.used]))
-    return separation_of(fitter, worse, better).log_odds(excess)
-
-
-def chance_without_slope(fitter: Fitter, less: Fit, fit: Fit) -> float:
-    """Probability that noise makes ``fit`` differ so from ``less``, the fit without one effect.
-
-    For an effect whose size has no slope: a pulley that does not reach the far face of its play fits equally well with
-    any larger play. So the change of the prediction is tested, against the noise that the effect leaves: white and
-    coloured noise along that change, and what whole sweeps and sectors show if that is more.
-    """
-    used = fitter.used
-    change = (less.residual - fit.residual)[used]
-    square = float(change @ change)
-    noise = noise_left(fitter, fit)
-    samples = 1.0 + 2.0 * noise.memory_s / min(p.step_s for p in fitter.runs)
-    along = np.sqrt(square * (noise.white_rad**2 + samples * noise.coloured_rad**2))
-    clusters = clustered_deviation(change * fit.residual[used], fitter.sweep[used], fitter.sector[used])
-    return separated(square, max(float(along), clusters)).probability
-
-
-def supported(fitter: Fitter, less: Fit, fit: Fit, candidates: int) -> bool:
-    """Whether sweeps and sectors support the last effect of ``fit`` (``less``: without it), one of so many
-    candidates."""
-    if fit.effects[-1].saturates:
-        return chance_without_slope(fitter, less, fit) <= ALPHA / max(candidates, 1)
-    order = fit.effects[-1].order_index
-    if order is not None and not is_line(fitter, less, float(fit.values[-1][order])):
-        return False
-    return chance(fitter, fit) <= ALPHA / max(candidates, 1)
-
-
-def is_line(fitter: Fitter, less: Fit, order: float) -> bool:
-    """Whether the residual without the effect has a steady line of this order in every sector."""
-    mask = fitter.train
-    angle: Floats = np.concatenate([setup.drum_rad for setup in fitter.base])
-    return line_of(order, angle[mask], less.residual[mask], fitter.sweep[mask]).is_line
+    def unknown(self, evidence: Weighed, curves: Sequence[Floats]) -> Floats:
+        """What the unknown cause does, rad (n,)."""
+        noise, number = divmod(evidence.unknown, self.log_curves.size)
+        return self.each[noise].unknown(replace(evidence, unknown=number), curves)

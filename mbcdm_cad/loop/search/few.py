@@ -1,35 +1,30 @@
 """The search on few readings, such as a table of turning points: one value a half cycle instead of thousands.
 
-The fits, effects and results are those of the loop on a log. With a dozen readings nothing can be tested by sweeps and
-sectors of angle: an effect is named if it lowers the error of the readings held back as the loop asks, and if an F test
-on the others, with the noise as its least scatter, finds it by chance in one of a hundred tables at most. Effects
-that fit all readings nearly as well form a set.
+The fits, effects, evidence and results are those of the loop on a log. The size of the noise is known to a factor only,
+from readings that repeat each other, so the evidence is summed over it; what an unknown cause may do are curves of what
+the readings differ by. Every candidate is refitted on all readings; the error is stated on those held back, with the
+names that were found fitted to the others.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import log
+from functools import cached_property
 
 import numpy as np
-from scipy.stats import f as f_distribution
-from scipy.stats import t as t_distribution
 
 from mbcdm_cad.design.blocks import AsBuilt
 from mbcdm_cad.loop.effect import Effect
 from mbcdm_cad.loop.effects import library
-from mbcdm_cad.loop.effects.load_sensor import within_class, within_prior
 from mbcdm_cad.loop.prepare.noise import doubt_of, runs_of
 from mbcdm_cad.loop.prepare.prepared import Prepared
 from mbcdm_cad.loop.prepare.readings import prepare_creep, prepare_readings
-from mbcdm_cad.loop.readable import INTERVAL
 from mbcdm_cad.loop.result import LoopResult, Named
 from mbcdm_cad.loop.search.account import as_named, chain_orders, errors, next_steps
-from mbcdm_cad.loop.search.class_of_sensor import WithinClass
-from mbcdm_cad.loop.search.evidence import LOG_ODDS
+from mbcdm_cad.loop.search.by_evidence import NO_UNKNOWN, Posterior, spread_of
+from mbcdm_cad.loop.search.evidence import LOG_ODDS, NoiseModel, NoiseOfUnknownSize, Whitened
 from mbcdm_cad.loop.search.few_readings import (
-    CHANCE,
     HIDDEN_PLAY,
     LOST_TRACK,
     LeftOver,
@@ -40,88 +35,106 @@ from mbcdm_cad.loop.search.few_readings import (
     since,
     verdict_of,
 )
-from mbcdm_cad.loop.search.fit import Fit, Fitter
-from mbcdm_cad.loop.search.selection import Selection
+from mbcdm_cad.loop.search.fit import Fit, FitRows, Fitter
+from mbcdm_cad.loop.search.problem import LogProblem, Nuisance, hats_over
+from mbcdm_cad.loop.search.selection import Moves
 from mbcdm_cad.measurement.by_hand import path_of
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.measurement.schema import CREEP
-from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.model.si import DriveSI, ModelError
 from mbcdm_cad.routes import Floats
 
-# Fits of a candidate, each from where the last one ended.
-REFITS = 2
-# Levels of which each is left out once, and the share of its size by which an effect may then change.
-LEVELS, STEADY_SHARE = 4, 0.5
-# A form is taken in place of a later one of the library unless the logarithm of the odds against it is higher.
-SAME_FORM = log(10.0)
+# Fits of a candidate, each from where the last one ended, until the square falls no more.
+REFITS, SETTLED, ITERATIONS = 5, 0.99, 30
+# Knots of the unknown curves over load, angle, order and time.
+KNOTS = (3, 5)
 # A parameter that changes no reading by this share of the floor, by its typical size, is not known.
 FLAT = 1e-3
 PLAY = "lash"
 
 
-class FewReadings(Selection[Fit]):
+class RowsProblem(LogProblem):
+    """Readings of one or more tables of one drive."""
+
+    windows = ()
+
+    @cached_property
+    def curves(self) -> tuple[Floats, ...]:
+        """Curves of load, angle and order of the rows, by direction; at rest of time and its logarithm."""
+        runs, kept = self.fitter.runs, self.used
+
+        def over(values: Sequence[Floats | None], by_sense: bool) -> list[Floats]:
+            if any(one is None for one in values):
+                return []
+            at = np.concatenate([one for one in values if one is not None])[kept]
+            hats = [hat for knots in KNOTS for hat in hats_over(at, knots)]
+            onward = np.concatenate([p.sense for p in runs])[kept] >= 0.0
+            return [hat * way for hat in hats for way in (onward, ~onward)] if by_sense else hats
+
+        if runs[0].run.kind == CREEP:
+            families = [over([since(p) for p in runs], False), over([p.time_s for p in runs], False)]
+        else:
+            order = over([np.arange(p.time_s.size, dtype=float) for p in runs], False)
+            families = [over([p.load_Nm for p in runs], True), over([p.mean_rad for p in runs], True), order]
+        return tuple(one for family in families if (one := self._unit(family)).size)
+
+    def whitened(self, noise: NoiseModel, nuisances: Sequence[Nuisance], names: int) -> Whitened:
+        """Nuisances and curves under white noise of about this size."""
+        most = np.array([one.most for one in nuisances])
+        own = self.columns_of(nuisances), np.stack([-most, most])
+        return NoiseOfUnknownSize(noise, *own, self.curves, names, self.least_rad)
+
+
+class FewReadings(Posterior, Moves[Fit]):
     """The loop on tables of one drive."""
+
+    problem_of = RowsProblem
 
     def __init__(self, d: DriveSI | None, ratio: float, runs: Sequence[Prepared], known: Sequence[AsBuilt]) -> None:
         self.d, self.ratio, self.prepared = d, ratio, tuple(runs)
-        self.fitter = Fitter(d, ratio, self.prepared, known)
-        self.fitter.free[:] = False  # offsets of some counts between two inputs are below what few readings tell
+        fitter = Fitter(d, ratio, self.prepared, known)
+        fitter.free[:] = False  # offsets of some counts between two inputs are below what few readings tell
         self.at_rest = self.prepared[0].run.kind == CREEP
         shows = _shows_at_rest if self.at_rest else _shows
         offered = [[e for e in library(d, p) if shows(e)] for p in self.prepared]
         labels = [{e.label for e in one} for one in offered]
-        self.library = [e for e in offered[0] if all(e.label in one for one in labels)]
-        self.bare = self.fitter.fit()
-        self.noise, self.noise_freedom = noise_of(self.fitter, self.bare.residual, self.at_rest)
-        self.floor_rad = self.noise.total_rad
+        self.offered = [e for e in offered[0] if all(e.label in one for one in labels) and not e.unmeasured]
+        super().__init__(fitter, fitter.fit(rows=FitRows(fitter.used)), 1)
+        # What changes no reading is no candidate.
+        self.slopes = {e: slopes for e in self.offered if (slopes := self._slopes(e)) is not None}
+        self.library = [*self.slopes]
+        self.names = max(1, len({e.key for e in self.library}))
+        self.noise = noise_of(fitter, self.bare.residual, self.at_rest)
+        self.weigh(NoiseModel(self.noise.total_rad, 0.0, 0.0, 1.0, (0,)), self.problem.nuisances_of(self.bare))
         self.doubts: list[str] = []
 
     def result(self) -> LoopResult:
         """Select, compare with alternatives, judge."""
-        fit, steps, small = self.selected(self.bare)
-        within = self._within()
-        if fit.effects and within is not None and self.log_odds(within, fit) < LOG_ODDS:
-            fit, steps = within, []  # what the sensor may be wrong by explains as much
-        allowed = fit is within
-        whole = self.fitter.fit(fit.effects, fit.values, mask=self.fitter.used)
-        whole = whole if allowed else self._best_forms(whole)
-        lesser = {e.key: self.without(fit, e) for e in fit.effects}
-        named, sets = [], []
-        for effect in () if allowed else whole.effects:
-            forms, others = self._alike(whole, effect)
-            first = replace(self._named(effect, whole, self.fall(lesser[effect.key], fit)), equivalent=forms)
-            if others:
-                sets.append((first, *(self._named(one.effects[-1], one, 0.0) for one in others)))
-            else:
-                named.append(first)
-        left = self._left(whole)
+        fit, places, steps, small = self.found()
+        named, sets = self.told(fit, places)
+        left = self._left(fit)
         untold = self._untold([*named, *(one for group in sets for one in group)], left)
         if untold:
-            fit, whole, steps, small, named, sets, left = self.bare, self.bare, [], [], [], [], None
-        found = errors(self.fitter, self.bare, fit, self.floor_rad)
-        untested = untold or not self.fitter.test.any()
-        sizes = zip(fit.effects, fit.values, strict=True)
+            fit, steps, small, named, sets, left = self.bare, [], [], [], [], None
+        f = self.fitter
+        before, after = (self.beside_nuisances(f.fit(one.effects, one.values)) for one in (self.bare, fit))
+        untested = untold or not f.test.any()
         return LoopResult(
             "not_testable" if untested else verdict_of([*named, *sets], left),
             tuple(named),
             tuple(sets),
             left,
-            found,
+            errors(f, f.fit(), before if untold else after, self.floor_rad),
             tuple(steps),
-            () if allowed else tuple(small),
-            (untold,) if untold else not_testable(self.fitter, self.d is not None, self.at_rest),
+            tuple(small),
+            (untold,) if untold else not_testable(f, self.d is not None, self.at_rest),
             next_steps(named, sets, None),
             chain_orders(self.d, self.ratio),
             noise=self.noise,
-            pictures=pictures_of(self.fitter, self.ratio, whole, self.at_rest),
+            pictures=pictures_of(f, self.ratio, fit, self.at_rest),
             doubts=tuple(self.doubts)
             + ((doubt_of(self.noise, runs_of(self.prepared)),) if self.noise.far_above and not untold else ()),
-            within_class=WithinClass(
-                tuple((f"{e.name} {e.parameters[0].name}", float(v[0])) for e, v in sizes),
-                self.prepared[0].run.sensors.torque_class,
-            ).sentence
-            if allowed and not untold
-            else "",
+            within_class="" if untold else self.within_words(fit),
         )
 
     def _untold(self, found: Sequence[Named], left: LeftOver | None) -> str:
@@ -143,153 +156,86 @@ class FewReadings(Selection[Fit]):
         crosses = any(p.load_Nm is not None and p.load_Nm.min() < 0.0 < p.load_Nm.max() for p in self.prepared)
         return several and crosses and not self.at_rest
 
-    # Selection.
+    def _slopes(self, effect: Effect) -> tuple[Floats, Floats, Floats] | None:
+        """Derivatives of the readings in use by the sizes of an effect at zero, (n, k), and by its places over its
+        size, (n, p), with the priors of these; None if nothing shows."""
+        f, sizes = self.fitter, np.array([p.role == "size" for p in effect.parameters])
+        small = np.array([p.size for p in effect.parameters])
+        for start in f.guesses(effect, self.bare.residual):
+            try:
+                none, some = (
+                    f.centred_on(f.used, f.fit((effect,), (np.where(sizes, at, start),), iterations=0).jacobian)
+                    for at in (0.0 * small, small)
+                )
+            except ModelError:
+                continue
+            if np.all(np.linalg.norm(none[:, sizes], axis=0) > 0.0):
+                each = zip(effect.parameters, start, sizes, strict=True)
+                spreads = np.array([spread_of(p, value) for p, value, size in each if not size])
+                return none[:, sizes], some[:, ~sizes] / small[sizes][0], spreads
+        return None
 
-    def offered(self, fit: Fit) -> list[Effect]:
-        """Effects that may join a fit: one form of each name."""
-        taken = {e.key for e in fit.effects}
-        return [e for e in self.library if e.key not in taken and not e.unmeasured]
-
-    def best(self, fit: Fit, cause: Effect, whole: bool = False) -> Fit | None:
-        """The best fit with one effect more, over its starts; None if it cannot be simulated or no such part exists."""
+    def trials(self, now: Fit) -> list[Fit]:
+        """The best fit with each effect more, over its starts; none that cannot be simulated or is no part."""
+        taken = {e.key for e in now.effects}
         found = []
-        for start in self.fitter.guesses(cause, fit.residual):
-            values: Sequence[Floats | list[float]] = (*fit.values, start)
-            for _ in range(REFITS):  # a place has no slope at size zero, where a fit begins
-                one = self.fitter.tried((*fit.effects, cause), values, fit.offsets)
-                if one is None:
-                    break
-                found.append(one)
-                values = one.values
-        best = min(found, key=lambda one: one.square, default=None)
-        if best is not None and cause.doubtful and (words := cause.doubtful(best.values[-1])):
-            if self.supported(fit, best, cause) and words not in self.doubts:
-                self.doubts.append(words)
-            return None
-        return self.fitter.fit(best.effects, best.values, mask=self.fitter.used) if whole and best else best
+        for effect in self.library:
+            if effect.key in taken:
+                continue
+            ended = []
+            for start in self.fitter.guesses(effect, now.residual):
+                one, square = None, np.inf
+                values = (*now.values, np.array(start, dtype=float))
+                for _ in range(REFITS):  # a place has no slope at size zero, where a fit begins
+                    try:
+                        one = self._fitted((*now.effects, effect), values)
+                    except ModelError:
+                        break
+                    if one.square > SETTLED * square:
+                        break
+                    values, square = one.values, one.square
+                if one is not None:
+                    ended.append(one)
+            best = max(ended, key=self.log_of, default=None)
+            words = "" if best is None or effect.doubtful is None else effect.doubtful(best.values[-1])
+            if words and best is not None and self.score(best) - self.score(now) > LOG_ODDS:
+                self.doubts += [words] if words not in self.doubts else []
+            if best is not None and not words:
+                found.append(best)
+        return found
 
-    def criterion(self, fit: Fit) -> float:
-        """Bayes' criterion on the training readings."""
-        n = int(self.fitter.train.sum())
-        return n * log(max(fit.square, (0.1 * self.floor_rad) ** 2, 1e-40)) + fit.width * log(n)
+    def _fitted(self, effects: Sequence[Effect], values: Sequence[Floats]) -> Fit:
+        return self.fitted(NO_UNKNOWN, effects, values, self.bare.offsets, iterations=ITERATIONS)
 
-    def held_rms(self, fit: Fit) -> float:
-        """RMS error of the readings held back."""
-        test = fit.residual[self.fitter.test]
-        return float(np.sqrt(np.mean(test**2))) if test.size else 0.0
-
-    def beyond_chance(self, less: Fit, more: Fit, cause: Effect) -> bool:
-        """Whether the other readings support an effect, whichever level of them is left out."""
-        return self._by_chance(less, more) < CHANCE / len(self.library) and self._steady(more.with_last(cause))
-
-    def _steady(self, fit: Fit) -> bool:
-        """Whether the size of the last effect stays within a share of itself whichever level of the readings is left
-        out: what only imitates another cause at one level does not."""
-        f, sizes = self.fitter, [p.role == "size" for p in fit.effects[-1].parameters]
-        at = np.flatnonzero(f.train)
-        level = np.argsort(np.argsort(self._level()[at], kind="stable")) * LEVELS // at.size
-        for k in range(LEVELS):
-            mask = f.train.copy()
-            mask[at[level == k]] = False
-            other = f.fit(fit.effects, fit.values, fit.offsets, mask=mask)
-            moved = np.linalg.norm((other.values[-1] - fit.values[-1])[sizes])
-            if moved > STEADY_SHARE * np.linalg.norm(fit.values[-1][sizes]):
-                return False
-        return True
-
-    def _level(self) -> Floats:
-        """What the readings differ by, (n,): the size of the load, or the angle where no load was read; the time."""
-        runs = self.fitter.runs
-        if self.at_rest:
-            return np.concatenate([since(p) for p in runs])
-        return np.concatenate([np.abs(p.output_rad) if p.load_Nm is None else np.abs(p.load_Nm) for p in runs])
-
-    def _by_chance(self, less: Fit, more: Fit) -> float:
-        """Probability of such a fall of the squares of the training readings without an effect (F test)."""
-        n, extra = int(self.fitter.train.sum()), more.width - less.width
-        freedom = n - more.width - len(self.prepared)
-        if freedom < 1:
-            return 1.0
-        own = more.square * n / freedom
-        scatter, freedom = max((own, freedom), (self.floor_rad**2, self.noise_freedom))
-        return float(f_distribution.sf((less.square - more.square) * n / extra / scatter, extra, freedom))
-
-    def without(self, fit: Fit, cause: Effect, whole: bool = False) -> Fit:
+    def without(self, fit: Fit, cause: Effect) -> Fit:
         """The fit without one of its effects."""
         kept = [(e, v) for e, v in zip(fit.effects, fit.values, strict=True) if e is not cause]
-        mask = self.fitter.used if whole else None
-        return self.fitter.fit([e for e, _ in kept], [v for _, v in kept], fit.offsets, mask)
+        if not kept:
+            return self.bare
+        known: dict[frozenset[str], Fit] = self.__dict__.setdefault("_without", {})
+        key = frozenset(e.label for e, _ in kept)
+        if key not in known:
+            known[key] = self._fitted([e for e, _ in kept], [v for _, v in kept])
+        return known[key]
 
-    # Alternatives.
+    def log_of(self, fit: Fit) -> float:
+        """Logarithm of the evidence of a fit."""
+        return self.of(fit).log
 
-    def _within(self) -> Fit | None:
-        """A fit of what load and figures of the design may be wrong by; None where nothing may be."""
-        effects = [e for e in (*within_class(self.prepared), *within_prior(self.prepared)) if "lag" not in e.name]
-        return (
-            self.fitter.tried(effects, [[0.0] * len(e.parameters) for e in effects], self.bare.offsets)
-            if effects
-            else None
-        )
+    def rms(self, fit: Fit) -> float:
+        """Error of all readings, rad RMS."""
+        return float(np.sqrt(np.mean(fit.residual[self.used] ** 2)))
 
-    def log_odds(self, worse: Fit, better: Fit) -> float:
-        """Logarithm of the odds of one fit against another by all used readings, by Bayes' criterion."""
-        used, free = self.fitter.used, better.width + len(self.prepared)
-        n = int(used.sum())
-        squares = [float(np.sum(self.fitter.centred(one.residual, used)[used] ** 2)) for one in (worse, better)]
-        variance = max(squares[1] / max(n - free, 1), self.floor_rad**2)
-        return 0.5 * ((squares[0] - squares[1]) / variance + (worse.width - better.width) * log(n))
-
-    def _best_forms(self, whole: Fit) -> Fit:
-        """The fit of all readings with each effect in the first form of the library that fits them as well as any."""
-        for key in [effect.key for effect in whole.effects]:
-            rest = self.without(whole, next(e for e in whole.effects if e.key == key), True)
-            trials = [self.best(rest, other, True) for other in self.library if other.key == key]
-            forms = [one for one in trials if one is not None]
-            best = min([*forms, whole], key=lambda one: self.log_odds(one, whole))
-            whole = next((one for one in forms if self.log_odds(one, best) < SAME_FORM), best)
-        return whole
-
-    def _alike(self, whole: Fit, effect: Effect) -> tuple[tuple[str, ...], list[Fit]]:
-        """Other forms of an effect, and fits with another effect in its place, that are nearly as good."""
-        fits = self.alike(whole, effect)
-        forms = tuple(one.effects[-1].form for one in fits if one.effects[-1].key == effect.key)
-        # Of each other effect the best of its forms.
-        others = {one.effects[-1].key: one for one in sorted(fits, key=lambda one: -one.square)}
-        others.pop(effect.key, None)
-        return forms, [*others.values()][::-1]
-
-    # Judgement.
-
-    def _named(self, effect: Effect, whole: Fit, fall: float) -> Named:
-        """An effect with the intervals that all used readings give, wider by what the load may be wrong by."""
-        f, used = self.fitter, self.fitter.used
-        columns = f.centred_on(used, whole.jacobian)
-        freedom = max(columns.shape[0] - columns.shape[1] - len(self.prepared), 1)
-        square = float(np.sum(f.centred(whole.residual, used)[used] ** 2)) / freedom
-        variance, freedom = max((square, freedom), (self.floor_rad**2, self.noise_freedom))
-        length = np.linalg.norm(columns, axis=0)
-        length[length == 0.0] = 1.0
-        scaled = columns / length
-        inverse = np.linalg.pinv(scaled.T @ scaled, rcond=1e-10, hermitian=True) / np.outer(length, length)
-        wider = (float(t_distribution.isf(0.025, freedom)) / INTERVAL) ** 2
-        covariance = variance * wider * inverse
-        for e in (*within_class(self.prepared), *within_prior(self.prepared)):
-            at, parameter = [np.zeros(len(e.parameters))], e.parameters[0]
-            step = 0.1 * parameter.size
-            base = f.predict(whole.effects, whole.values, whole.offsets)
-            changed = f.predict((*whole.effects, e), (*whole.values, at[0] + step), whole.offsets)
-            turned = inverse @ columns.T @ f.centred_on(used, (changed - base) / step)
-            sigma = 0.5 * max(parameter.high, -parameter.low)
-            covariance = covariance + sigma**2 * np.outer(turned, turned)
-        own, values = whole.columns_of(effect), whole.values_of(effect)
-        named = as_named(effect, values, covariance[own, own], fall, "")
+    def named(self, effect: Effect, whole: Fit, fall: float) -> Named:
+        """An effect with the intervals that all readings give, sensors and noise integrated out."""
+        own = whole.columns_of(effect)
+        named = as_named(effect, whole.values_of(effect), self.of(whole).covariance[own, own], fall, "")
+        columns = self.fitter.centred_on(self.used, whole.jacobian[:, own])
+        sizes = np.array([p.size for p in effect.parameters])
         # A place that changes nothing between the readings has no figure; of such a size only a lower bound is known.
-        flat = (
-            np.linalg.norm(columns[:, own], axis=0) * np.array([p.size for p in effect.parameters])
-            < FLAT * self.floor_rad
-        )
+        flat = np.linalg.norm(columns, axis=0) * sizes < FLAT * self.floor_rad
         figures = dict(named.parameters)
-        for p, value, here in zip(effect.parameters, values, flat, strict=True):
+        for p, value, here in zip(effect.parameters, whole.values_of(effect), flat, strict=True):
             if p.role == "place" and effect.name == PLAY:
                 figures.pop(p.name, None)  # where the contact changes sides lies between two rows
             elif here and p.name in figures:
@@ -298,20 +244,13 @@ class FewReadings(Selection[Fit]):
         return replace(named, parameters=figures)
 
     def _left(self, whole: Fit) -> LeftOver | None:
-        """What is left of all readings, with all of them fitted; None if it is no more than the noise. Where nothing
-        was found, the declared model must also foretell the readings held back as well as that."""
-        f, used = self.fitter, self.fitter.used
-        r = f.centred(whole.residual, used)[used]
-        each = [(r, max(r.size - whole.width - len(self.prepared), 1))]
-        if not whole.effects and f.test.any():
-            held = self.bare.residual[f.test]
-            each.append((held, held.size))
-        noise = max(self.floor_rad, 1e-30) ** 2
-        chances = [f_distribution.sf(float(e @ e) / n / noise, n, self.noise_freedom) for e, n in each]
-        if min(chances) > CHANCE / len(each):
+        """What is left of all readings; None if no unknown cause is certain."""
+        if self.of(whole).unknown_odds < LOG_ODDS:
             return None
+        f = self.fitter
+        r = f.centred_on(self.used, self.beside_nuisances(whole).residual)
         rms, peak = float(np.sqrt(np.mean(r**2))), float(np.abs(r).max())
-        return LeftOver(rms, peak, self.floor_rad, (), (), 0.0, (), hangs_on=hangs_on(self.fitter, r, self.at_rest))
+        return LeftOver(rms, peak, self.floor_rad, (), (), 0.0, (), hangs_on=hangs_on(f, r, self.at_rest))
 
 
 def prepared_by_hand(run: Run, ratio: float) -> Prepared:
@@ -320,13 +259,8 @@ def prepared_by_hand(run: Run, ratio: float) -> Prepared:
 
 
 def judged_by_hand(d: DriveSI | None, ratio: float, runs: Sequence[Run], known: Sequence[AsBuilt]) -> LoopResult:
-    """The finding from tables of one kind. What begins late at rest, as a warming, is not foretold by what came before:
-    where an unknown part is left, every third reading is held back in place of the later ones."""
-    first = FewReadings(d, ratio, [prepared_by_hand(run, ratio) for run in runs], known).result()
-    if runs[0].kind != CREEP or first.unknown is None:
-        return first
-    other = FewReadings(d, ratio, [prepare_creep(run, ratio, later=False) for run in runs], known).result()
-    return first if other.unknown is not None or other.verdict == "none" else other
+    """The finding from tables of one kind."""
+    return FewReadings(d, ratio, [prepared_by_hand(run, ratio) for run in runs], known).result()
 
 
 def _shows(effect: Effect) -> bool:

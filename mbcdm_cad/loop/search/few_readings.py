@@ -14,7 +14,7 @@ from mbcdm_cad.loop.prepare.noise import Noise
 from mbcdm_cad.loop.prepare.prepared import Prepared
 from mbcdm_cad.loop.readable import readable
 from mbcdm_cad.loop.result import ReadingsPicture
-from mbcdm_cad.loop.search.fit import Fit, Fitter
+from mbcdm_cad.loop.search.fit import Fit, FitRows, Fitter
 from mbcdm_cad.loop.search.unknown import Unknown
 from mbcdm_cad.measurement.by_hand import inputs_move, loadings
 from mbcdm_cad.routes import Floats
@@ -24,9 +24,7 @@ from mbcdm_cad.routes import Floats
 REPEATS_SHARE, FEWEST_REPEATS = 0.05, 4
 # Degree of the curve over the logarithm of time beside which readings at rest scatter.
 CURVE = 3
-# Degrees of freedom of a noise that is known from the steps of the figures alone.
-KNOWN = 30
-# Chance of a name where nothing is lacking, over all candidates together; and of an unknown part where none is left.
+# Chance of a dependence where there is none.
 CHANCE = 0.01
 LOST_TRACK = (
     "the inputs turn round under a load that is made smaller before the next row: until then it had its old size, "
@@ -40,8 +38,8 @@ HIDDEN_PLAY = (
 )
 
 
-def noise_of(fitter: Fitter, residual_rad: Floats, at_rest: bool) -> tuple[Noise, int]:
-    """Scatter of readings that repeat each other, and its degrees of freedom; never below the figures' steps.
+def noise_of(fitter: Fitter, residual_rad: Floats, at_rest: bool) -> Noise:
+    """Scatter of readings that repeat each other; never below the figures' steps.
 
     ``residual_rad``: what the declared model leaves of all readings.
     """
@@ -65,8 +63,8 @@ def noise_of(fitter: Fitter, residual_rad: Floats, at_rest: bool) -> tuple[Noise
         )
     scatter = float(np.sqrt(squares / freedom)) if freedom > 0 else 0.0
     if scatter < declared:
-        return Noise(declared, declared, 0.0, 0.0, declared, "the steps of the figures"), KNOWN
-    return Noise(scatter, scatter, 0.0, 0.0, declared, source), max(freedom, 1)
+        return Noise(declared, declared, 0.0, 0.0, declared, "the steps of the figures")
+    return Noise(scatter, scatter, 0.0, 0.0, declared, source)
 
 
 def _lines(residual_rad: Floats, p: Prepared) -> tuple[float, int]:
@@ -185,7 +183,7 @@ def not_testable(fitter: Fitter, declared: bool, at_rest: bool) -> tuple[str, ..
 
 def pictures_of(fitter: Fitter, ratio: float, whole: Fit, at_rest: bool) -> tuple[ReadingsPicture, ...]:
     """Each run's readings over the load, or over the angle where none was read."""
-    found, bare = [], fitter.fit(mask=fitter.used)
+    found, bare = [], fitter.fit(rows=FitRows(fitter.used))
     for part, p in zip(fitter.parts, fitter.runs, strict=True):
         if at_rest:
             at = np.maximum(p.time_s - min(0.0, float(p.run.time_s[0])), 0.0)[p.used]

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
@@ -28,12 +28,12 @@ from mbcdm_cad.routes import Floats
 APART_COUNTS = 1.5
 # Relative fall of the sum of squares below which a fit has converged.
 SETTLED = 1e-6
+# A step that is no better is tried again with this damping at least, over the square of a column, so many times in all.
+LEAST_DAMPED, MOST_DAMPED = 0.1, 3
 # Step of a finite difference, as a share of a parameter's typical size.
 DIFFERENCE = 0.1
 # Fields of a setup that strain the cables.
 _STRAINS = ("d", "load_Nm", "path_m", "shift_rad", "play_rad")
-# Intervals include smoothing windows found with the noise assumed so many times as large.
-WINDOWS = (0.5, 2.0)
 # Bytes of changed runs that are kept in memory.
 REMEMBERED_BYTES = 2**27
 
@@ -69,30 +69,29 @@ class Fit:
         start = sum(v.size for v in self.values[:k])
         return slice(start, start + self.values[k].size)
 
-    @property
-    def has_slope(self) -> NDArray[np.bool_]:
-        """Columns of the Jacobian that say how well a parameter is known: all but those by the time of a change, which
-        are the slopes of a few samples."""
-        own = [e.base is None or p.role == "size" for e in self.effects for p in e.parameters]
-        return np.array(own + [True] * (self.jacobian.shape[1] - len(own)), dtype=np.bool_)
 
-    def with_last(self, effect: Effect) -> Fit:
-        """The same fit with one of its effects put last."""
-        order = [k for k, e in enumerate(self.effects) if e is not effect] + [self.effects.index(effect)]
-        own = [self.jacobian[:, self.columns_of(self.effects[k])] for k in order]
-        offsets = self.jacobian[:, self.width :]
-        effects, values = tuple(self.effects[k] for k in order), tuple(self.values[k] for k in order)
-        return replace(self, effects=effects, values=values, jacobian=np.hstack([*own, offsets]))
+@dataclass(frozen=True, eq=False)
+class FitRows:
+    """The samples of a fit, ``mask`` of all; ``independent`` whitens errors (n, ...) of these, white without it."""
+
+    mask: NDArray[np.bool_]
+    independent: Callable[[Floats], Floats] | None = None
+
+    def errors(self, chosen: Floats) -> Floats:
+        """Independent errors of the rows."""
+        return chosen if self.independent is None else self.independent(chosen)
 
 
 @dataclass(frozen=True, eq=False)
 class _Point:
-    """The state of a fit: values, offsets, prediction and residual (rad, all samples), mean square on its samples."""
+    """The state of a fit: values, offsets, prediction and residual (rad, all samples), the independent errors of its
+    rows, their mean square."""
 
     values: list[Floats]
     offsets: Floats
     predicted: Floats
     residual: Floats
+    errors: Floats
     square: float
 
     @property
@@ -274,27 +273,27 @@ class Fitter:
         effects: Sequence[Effect] = (),
         values: Sequence[Floats | list[float]] = (),
         offsets: Floats | None = None,
-        mask: NDArray[np.bool_] | None = None,
+        rows: FitRows | None = None,
         iterations: int = 8,
         settled: float = SETTLED,
         slopes: Floats | None = None,
         fresh: bool = True,
     ) -> Fit:
-        """Levenberg-Marquardt from ``values`` and ``offsets``; ``mask`` defaults to the training samples.
+        """Levenberg-Marquardt from ``values`` and ``offsets``; ``rows`` default to the training samples.
 
         The Jacobian is taken by differences once, or given as ``slopes`` from a fit near by, and is then updated by the
         changes that each step made (Broyden's update). A fit has converged when the relative fall of the sum of squares
         is below ``settled``; with ``fresh`` this must hold with a Jacobian computed at that point. Without it a fit is
         good enough to rank candidates, but not to judge them.
         """
-        mask = self.train if mask is None else mask
+        rows = rows or FitRows(self.train)
         apart = np.zeros(self.free.size) if offsets is None else np.array(offsets, dtype=float)
-        now = self._at(effects, [np.array(v, dtype=float) for v in values], apart, mask)
+        now = self._at(effects, [np.array(v, dtype=float) for v in values], apart, rows)
         taken = slopes is None
         jacobian = self.jacobian(effects, now) if slopes is None else slopes
         damping = 1e-7
         for _ in range(iterations):
-            following, damping = self._stepped(effects, now, jacobian, damping, mask, settled)
+            following, damping = self._stepped(effects, now, jacobian, damping, rows, settled)
             fall = 0.0 if following is None else (now.square - following.square) / now.square
             if following is not None:
                 jacobian = self._updated(jacobian, now, following)
@@ -316,19 +315,14 @@ class Fitter:
         except ModelError:
             return None
 
-    def _at(self, effects: Sequence[Effect], values: list[Floats], offsets: Floats, mask: NDArray[np.bool_]) -> _Point:
+    def _at(self, effects: Sequence[Effect], values: list[Floats], offsets: Floats, rows: FitRows) -> _Point:
         predicted = self.predict(effects, values, offsets)
-        residual = self.centred(self.output - predicted, mask)
-        return _Point(values, offsets, predicted, residual, float(np.mean(residual[mask] ** 2)))
+        residual = self.centred(self.output - predicted, rows.mask)
+        errors = rows.errors(residual[rows.mask])
+        return _Point(values, offsets, predicted, residual, errors, float(np.mean(errors**2)))
 
     def _stepped(
-        self,
-        effects: Sequence[Effect],
-        now: _Point,
-        jacobian: Floats,
-        damping: float,
-        mask: NDArray[np.bool_],
-        settled: float,
+        self, effects: Sequence[Effect], now: _Point, jacobian: Floats, damping: float, rows: FitRows, settled: float
     ) -> tuple[_Point | None, float]:
         """A better point, or None, and the damping for the next step.
 
@@ -337,24 +331,23 @@ class Fitter:
         """
         if now.square == 0.0:  # the prediction is already exact, as for a drum that stands still
             return None, damping
-        columns = self.centred_on(mask, jacobian)
+        columns = rows.errors(self.centred_on(rows.mask, jacobian))
         size = np.linalg.norm(columns, axis=0)
         size[size == 0.0] = 1.0
         columns /= size
-        normal, slope = columns.T @ columns, columns.T @ now.residual[mask]
+        normal, slope = columns.T @ columns, columns.T @ now.errors
         bounds = self._bounds(effects, now) * size
-        for _ in range(6):
-            scaled = np.linalg.solve(normal + damping * np.eye(slope.size), slope)
-            promised = float(2.0 * slope @ scaled - scaled @ normal @ scaled) / (now.square * int(mask.sum()))
+        for _ in range(MOST_DAMPED):
+            step = np.linalg.solve(normal + damping * np.eye(slope.size), slope)
+            promised = float(2.0 * slope @ step - step @ normal @ step) / (now.square * now.errors.size)
             if promised < 0.5 * settled:
                 return None, damping
-            better = self._tried(effects, now, scaled / size, mask)
-            if better is None and ((scaled < bounds[0]) | (scaled > bounds[1])).any():
-                within = _bounded_step(normal, slope, damping, bounds)
-                better = self._tried(effects, now, within / size, mask)
+            if ((step < bounds[0]) | (step > bounds[1])).any():
+                step = _bounded_step(normal, slope, damping, bounds)
+            better = self._tried(effects, now, step / size, rows)
             if better is not None:
                 return better, max(damping / 30.0, 1e-9)
-            damping = max(30.0 * damping, 1e-6)
+            damping = max(30.0 * damping, LEAST_DAMPED)
         return None, damping
 
     def _bounds(self, effects: Sequence[Effect], at: _Point) -> Floats:
@@ -365,10 +358,10 @@ class Fitter:
         theta = np.concatenate([*at.values, at.offsets[self.free]])
         return np.stack([low - theta, high - theta])
 
-    def _tried(self, effects: Sequence[Effect], now: _Point, step: Floats, mask: NDArray[np.bool_]) -> _Point | None:
+    def _tried(self, effects: Sequence[Effect], now: _Point, step: Floats, rows: FitRows) -> _Point | None:
         """The point after a step; None if that is no better, or cannot be simulated."""
         try:
-            found = self._at(effects, *self.moved(effects, now.values, now.offsets, step), mask)
+            found = self._at(effects, *self.moved(effects, now.values, now.offsets, step), rows)
         except ModelError:  # the step is too large: a cable is slack or a radius negative
             return None
         return found if found.square < now.square else None

@@ -10,9 +10,8 @@ from mbcdm_cad.errors import MbcdmError, did_you_mean
 from mbcdm_cad.loop.effect import Effect
 from mbcdm_cad.loop.own import Differing, OwnValue
 from mbcdm_cad.loop.prepare.prepared import Prepared
-from mbcdm_cad.loop.readable import INTERVAL
 from mbcdm_cad.loop.search.account import interval
-from mbcdm_cad.loop.search.fit import WINDOWS, Fit, Fitter
+from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
 
@@ -94,14 +93,12 @@ def begun(fitter: Fitter) -> Floats:
     return row
 
 
-def differing(
-    fitter: Fitter, whole: Fit, covariance: Floats, search: tuple[Fitter, Fit], names: Sequence[Sequence[str]]
-) -> tuple[Differing, ...]:
-    """What each run has for itself, by name. ``whole`` is the fit with its ``covariance``; ``search`` the search's
-    fitter and fit, which is smoothed in other windows; ``names`` are those of the effects of each run."""
+def differing(fitter: Fitter, whole: Fit, covariance: Floats, names: Sequence[Sequence[str]]) -> tuple[Differing, ...]:
+    """What each run has for itself, by name. ``whole`` is the fit with the ``covariance`` of its values and offsets;
+    ``names`` are those of the effects of each run."""
     if not any(names):
         return ()
-    shift, column = _by_window(*search), np.cumsum(fitter.free) - 1 + whole.width
+    column = np.cumsum(fitter.free) - 1 + whole.width
     found = []
     for name in dict.fromkeys(name for one in names for name in one):
         values, places = [], []
@@ -114,13 +111,13 @@ def differing(
             effect = effects[one.index(name)]
             part = slice(at, at + len(effect.parameters))
             columns = column[part]
-            block = covariance[np.ix_(columns, columns)] + np.diag((shift[part] / INTERVAL) ** 2)
+            block = covariance[np.ix_(columns, columns)]
             figures = {f.name: interval(f, whole.offsets[part], block, effect) for f in effect.reported()}
             run = fitter.runs[k].run
             values.append(OwnValue(k, run.source or f"run {k + 1}", whole.offsets[part], figures))
             places.append(np.arange(part.start, part.stop))
         rows = np.concatenate(places)
-        joint = covariance[np.ix_(column[rows], column[rows])] + np.diag((shift[rows] / INTERVAL) ** 2)
+        joint = covariance[np.ix_(column[rows], column[rows])]
         likely = np.concatenate([[LIKELY_SIZES * p.size for p in effect.parameters]] * len(values))
         every = len(values) == len(names)
         odds = log_odds_of_change(np.concatenate([v.values for v in values]), joint, likely, len(values), every)
@@ -144,14 +141,3 @@ def log_odds_of_change(values: Floats, covariance: Floats, likely: Floats, runs:
         )
 
     return log_likelihood(covariance + common + np.diag(likely**2)) - log_likelihood(covariance + common)
-
-
-def _by_window(fitter: Fitter, fit: Fit) -> Floats:
-    """Change of every offset and own value with the smoothing windows."""
-    most = np.zeros_like(fit.offsets)
-    for factor in WINDOWS:
-        other = fitter.rewindowed(factor)
-        again = other.tried(fit.effects, fit.values, fit.offsets, fresh=False)
-        if again is not None:
-            most = np.maximum(most, np.abs(again.offsets - fit.offsets))
-    return most

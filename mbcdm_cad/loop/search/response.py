@@ -1,25 +1,24 @@
 """The loop on frequency responses: the first mode behind the inputs, its stiffness over amplitude, delays of the bench.
 
-Suspects are figures of the chain behind the inputs (:mod:`mbcdm_cad.loop.prepare.behind_inputs`) and of the bench. They
-are selected as those of a table by hand (:mod:`mbcdm_cad.loop.search.selection`), with averages of lines as readings.
+Suspects are figures of the chain behind the inputs (:mod:`mbcdm_cad.loop.prepare.behind_inputs`) and of the bench, and
+a second mode. They are found as those of a table by hand (:mod:`mbcdm_cad.loop.search.selection`), with averages of
+lines as readings. What sensors, law and structure may be wrong by is in every fit, with its class as prior.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
-from scipy.stats import f as f_distribution
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.loop.prepare.behind_inputs import (
     RIGID_DRIVE,
-    SECOND,
     BehindInputs,
     Values,
     behind_inputs,
@@ -30,12 +29,12 @@ from mbcdm_cad.loop.prepare.behind_inputs import (
 )
 from mbcdm_cad.loop.prepare.noise import Noise
 from mbcdm_cad.loop.readable import INTERVAL, Value, readable
-from mbcdm_cad.loop.result import NEAR_FLOOR, BodePicture, Errors, LoopResult, Named, TorsionalMode
+from mbcdm_cad.loop.result import BodePicture, Errors, LoopResult, Named, TorsionalMode
 from mbcdm_cad.loop.search.account import errors_of, next_steps
-from mbcdm_cad.loop.search.evidence import LOG_ODDS
-from mbcdm_cad.loop.search.few_readings import CHANCE, LeftOver, verdict_of
-from mbcdm_cad.loop.search.select import LEAST_FALL
-from mbcdm_cad.loop.search.selection import Selection
+from mbcdm_cad.loop.search.evidence import NoiseModel, NoiseOfUnknownSize, Whitened
+from mbcdm_cad.loop.search.few_readings import LeftOver, verdict_of
+from mbcdm_cad.loop.search.problem import hats_over
+from mbcdm_cad.loop.search.selection import Moves
 from mbcdm_cad.measurement.response import FrequencyResponse, response_of
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.model.si import DriveSI
@@ -52,11 +51,14 @@ TRIED = 2
 SLOPE = 1e-2
 # Steps in which amplitude and frequency of a mode settle.
 SETTLED = 12
-# Places and sizes at which the fit of a second mode begins; it lies this far from the first, and leaves at most this
-# share of what was above the floor.
-PLACES, SHARES, APART, MOST_LEFT, REFITS = 40, (0.03, 0.15, 0.5), 1.15, 0.5, 4
-# Averages of which a second mode must not hang on the most telling.
-FEW = 2
+# Places and sizes at which the fit of a second mode begins; it lies this far from the first.
+PLACES, SHARES, APART = 40, (0.03, 0.15, 0.5), 1.15
+# Knots over the logarithm of the frequency of what an unknown cause may do, as a share of the response.
+KNOTS = (6, 18)
+# What may be wrong within its figures of what suspects are too.
+TOLERANCES = ("structure", "inertia")
+# Standard deviation of what is always free and nobody knows, over its typical size.
+OPEN = 10.0
 # A mode lies in the band if its frequency is this far inside.
 INSIDE = 1.05
 
@@ -65,20 +67,28 @@ Mask = NDArray[np.bool_]
 
 @dataclass(frozen=True, eq=False)
 class Suspect:
-    """What may be wrong, by one ``figure`` that is 0 where nothing is; ``grid`` are the sizes at which a fit may begin.
+    """What may be wrong, by the figures ``shapes`` (name: typical size and bounds), of which the first is reported as
+    ``figure``; all are 0 where nothing is. ``grid``: values at which a fit may begin.
 
     ``words``: physics, where to look, what separates it, plain; as of :class:`mbcdm_cad.loop.result.Named`.
     """
 
     name: str
     form: str
-    parameter: str
     figure: str
     words: tuple[str, str, str, str]
-    grid: Floats
-    size: float
-    low: float
-    high: float
+    shapes: dict[str, tuple[float, float, float]]
+    grid: tuple[dict[str, float], ...]
+
+    @property
+    def parameter(self) -> str:
+        """Name of its first figure in the model."""
+        return next(iter(self.shapes))
+
+    @property
+    def key(self) -> str:
+        """Forms with the same key have the same name."""
+        return self.name
 
     @property
     def label(self) -> str:
@@ -90,7 +100,7 @@ _LEVELS = "runs of a third and three times the amplitude: slip of the wraps goes
 _TORQUE = "log the torque between drum and what it turns, or repeat with another known inertia at the output"
 _LATE = "an output sensor of known latency; both sensors on one shaft"
 # Suspects of the bench, and the name of a mode of which no design says where it should be.
-BENCH, MODE = ("delay", "lag", "gain"), "torsional_mode"
+BENCH, MODE, SECOND = ("delay", "lag", "gain"), "torsional_mode", "second_mode"
 # Those that no design file holds.
 NOT_DESIGNED = ("lag", "behind", "inertia")
 # By name, form, parameter and figure: the words.
@@ -152,7 +162,7 @@ _SUSPECTS = {
 }
 
 
-# What a second mode may be: form, physics, where to look, plain.
+# What a second mode may be: form, physics, where to look, plain; by what swings.
 _SECOND = {
     "arm": (
         "arm or frame",
@@ -189,22 +199,38 @@ def suspects(d: DriveSI | None, held: BehindInputs, highest_Hz: float) -> tuple[
         "preload": (shares, 0.01, -0.6, 9.0),
     }
     offered = (*BENCH, "mode") if d is None else tuple(name for name in shapes if name != "mode")
-    return tuple(Suspect(*row, words, *shapes[row[2]]) for row, words in _SUSPECTS.items() if row[2] in offered)
+    found = []
+    for (name, form, parameter, figure), words in _SUSPECTS.items():
+        if parameter in offered:
+            grid, size, low, high = shapes[parameter]
+            starts = tuple({parameter: float(at)} for at in (0.0, *grid))
+            found.append(Suspect(name, form, figure, words, {parameter: (size, low, high)}, starts))
+    return tuple(found)
+
+
+def second_modes(low_Hz: float, high_Hz: float, first_Hz: float) -> Iterator[Suspect]:
+    """What may swing on its own within these frequencies, away from the first mode."""
+    grid = [at for at in np.geomspace(low_Hz, high_Hz, PLACES) if abs(np.log(at / first_Hz)) > np.log(APART)]
+    for what, (form, physics, look, plain) in _SECOND.items():
+        names = [f"{what}_{figure}" for figure in ("Hz", "share", "damping")]
+        starts = tuple(dict(zip(names, (float(at), share, 0.02), strict=True)) for share in SHARES for at in grid)
+        shapes = ((0.1 * first_Hz, low_Hz, high_Hz), (0.1, 0.0, 0.95), (0.05, 0.0, 0.5))
+        words = physics, look, "repeat without the payload, and with the frame clamped", plain
+        yield Suspect(SECOND, form, "natural_frequency_Hz", words, dict(zip(names, shapes, strict=True)), starts)
 
 
 @dataclass(frozen=True, eq=False)
 class ResponseFit:
     """Figures that fit the responses; ``weighted`` (n,): what is left of all averages over its noise.
 
-    ``covariance`` of suspects, then of what is always free; ``square``: sum of squares; ``width``: number of figures.
+    ``covariance`` of the figures ``free``, and ``slopes`` (2 n, k): derivatives of what is left by them.
     """
 
     effects: tuple[Suspect, ...]
     values: dict[str, float]
     weighted: Complex
     covariance: Floats
-    square: float
-    width: int
+    slopes: Floats
     free: tuple[str, ...]
 
     def half(self, parameter: str) -> float:
@@ -227,10 +253,10 @@ def _sigmas(seen: FrequencyResponse, held: BehindInputs, v: Values) -> list[Floa
     return [np.sqrt(q.sigma**2 + (ESTIMATE_SHARE * np.abs(q.value)) ** 2 + (slope * slip) ** 2) for q, slope in pairs]
 
 
-class ResponseLoop(Selection[ResponseFit]):
+class ResponseLoop(Moves[ResponseFit]):
     """The loop on frequency responses of one drive."""
 
-    most_effects, most_tested, most_paired = 4, 9, 0
+    paired, same_form = 0, 0.0
 
     def __init__(self, drive: Drive | None, ratio: float, runs: Sequence[Run]) -> None:
         self.runs, self.drive, self.d = tuple(runs), drive, None if drive is None else layout_of(drive).si
@@ -246,14 +272,14 @@ class ResponseLoop(Selection[ResponseFit]):
             all(row) for row in zip(*((one.levelled, one.over_torque) for one in self.seen), strict=True)
         )
         self.highest_Hz = max(float(one.frequency_Hz[-1]) for one in self.seen)
-        self.suspects = suspects(self.d, self.held[0], self.highest_Hz)
+        self.library = suspects(self.d, self.held[0], self.highest_Hz)
         if by_torque:  # nothing is over the inputs
-            self.suspects = tuple(one for one in self.suspects if one.parameter != "gain")
+            self.library = tuple(one for one in self.library if one.parameter != "gain")
         # What an earlier loop found is declared.
         self.declared = {
             one.parameter: value.value
             for entry in (() if drive is None else drive.as_built)
-            for one in self.suspects
+            for one in self.library
             if (one.name, one.form) == (entry.name, entry.form)
             for value in entry.values
         }
@@ -267,20 +293,20 @@ class ResponseLoop(Selection[ResponseFit]):
             classes = [run.sensors.torque_class for run in runs]
             self.prior["load_gain"] = 0.5 * max(one.share for one in classes) + 1e-6
             self.prior["load_lag"] = 0.5 * max(one.lag_s for one in classes) + 1e-6
-        # Size and bounds of what is always free, and of what the structure and the declared inertia may be wrong by.
-        self.nuisances = {"loss": (0.02, 0.0, 1.0), "viscous_s": (1e-4, 0.0, 0.1)} | _within_two(self.prior)
-        self.tolerances: dict[str, tuple[float, float, float]] = {}
+        if drive is not None:
+            self.prior["structure"] = max(held.sigma_rad_Nm for held in self.held)
+            self.prior["inertia"] = max(run.plate.inertia_share for run in runs)
+        # Size and bounds of what is always free.
+        self.nuisances = {"loss": (0.02, 0.0, 1.0), "viscous_s": (1e-4, 0.0, 0.1)}
         if drive is None:  # slip of wraps that nothing is known of
             self.nuisances["softening"] = (0.1 * (2.0 * np.pi * self.highest_Hz) ** -2.0 / max(most), 0.0, np.inf)
         elif not levelled:
             held = self.held[0]
             size = 0.1 * float(held.cables_rad_Nm[0]) / (max(most) * (held.payload_kg_m2 + held.drum_kg_m2))
             self.nuisances["softening"] = (size, 0.0, np.inf)
-        if drive is not None:
-            structure = max(held.sigma_rad_Nm for held in self.held)
-            self.tolerances = _within_two(
-                {"structure": structure, "inertia": max(run.plate.inertia_share for run in runs)}
-            )
+        self.prior = {name: sigma for name, sigma in self.prior.items() if sigma > 0.0}
+        # None of these is off by more than two standard deviations.
+        self.nuisances |= {name: (sigma, -2.0 * sigma, 2.0 * sigma) for name, sigma in self.prior.items()}
         quotients = [one for seen in self.seen for one in seen.quotients]
         self.measured = np.concatenate([one.value for one in quotients])
         self.scatter = np.concatenate([one.sigma for one in quotients])
@@ -292,9 +318,14 @@ class ResponseLoop(Selection[ResponseFit]):
             for one in self.seen
         }
         self.amplitude = {over: float(np.median(np.concatenate(rows))) for over, rows in levels.items()}
-        self.second: dict[str, float] = {}  # figures of a second mode, once there is one
-        self.begun: ResponseFit | None = None  # where the selection begins, if not without causes
+        self.names = len({one.name for one in self.library}) + 1
         self._weigh({})
+        first = first_mode(self.held[0], self.bare.values, 0.0)[0]
+        if drive is None:  # nothing says where the first mode is
+            mode = next(one for one in self.library if one.name == MODE)
+            first = first_mode(self.held[0], self.best(self.bare, mode).values, 0.0)[0]
+        low = min(float(one.frequency_Hz[0]) for one in self.seen) * INSIDE
+        self.library += tuple(second_modes(low, self.highest_Hz / INSIDE, first))
 
     def _weigh(self, v: Values) -> None:
         """Set the noise of all averages; of a drive without a design with the slip that a fit ``v`` found."""
@@ -306,8 +337,29 @@ class ResponseLoop(Selection[ResponseFit]):
         self.together = 1.0 + (together - 1.0) * float(np.mean(1.0 - (self.scatter / self.sigma) ** 2))
         pairs = zip(sigmas, self.seen, strict=True)
         outputs = np.concatenate([rows[0] * self.amplitude[seen.over_torque] for rows, seen in pairs])
-        self.floor_rad = 1.0 / float(np.sqrt(np.mean(outputs**-2.0)))
-        self.bare = self.before = self.fit(())
+        self._floor_rad = 1.0 / float(np.sqrt(np.mean(outputs**-2.0)))
+        self.bare, self.before = self.fit(()), self.fit((), known=TOLERANCES)
+        self.__dict__.pop("_additions", None)
+        self._known: dict[ResponseFit, float] = {}
+        noise = NoiseModel(float(np.sqrt(self.together)), 0.0, 0.0, 1.0, (0,))
+        none = np.zeros((2 * self.measured.size, 0)), np.zeros((2, 0))
+        self.white = NoiseOfUnknownSize(noise, *none, self._curves(), self.names, noise.white_rad)
+
+    def _curves(self) -> tuple[Floats, ...]:
+        """What an unknown cause may do: a smooth share of the response over the logarithm of the frequency."""
+        at = np.log(np.concatenate([one.frequency_Hz for one in self.seen for _ in one.quotients]))
+        found = []
+        for knots in KNOTS:
+            hats = np.stack(hats_over(at, knots), axis=1) * (self.measured / self.sigma)[:, None]
+            both = np.hstack([hats, 1j * hats])
+            rows = np.vstack([both.real, both.imag])
+            found.append(rows / np.sqrt(np.mean(rows**2) * rows.shape[1]))
+        return tuple(found)
+
+    @property
+    def floor_rad(self) -> float:
+        """The noise floor, rad RMS."""
+        return self._floor_rad
 
     @property
     def noise(self) -> Noise:
@@ -326,140 +378,131 @@ class ResponseLoop(Selection[ResponseFit]):
 
     def _residual(self, v: Values, mask: Mask) -> Floats:
         left = self.weighted(v)[mask]
-        priors = [v.get(name, 0.0) / sigma for name, sigma in self.prior.items()]
-        return np.concatenate([left.real, left.imag, priors])
+        return np.concatenate([left.real, left.imag])
 
     def fit(
         self,
         chosen: Sequence[Suspect],
         start: Values | None = None,
         mask: Mask | None = None,
-        more: Mapping[str, tuple[float, float, float]] | None = None,
+        known: Sequence[str] = (),
     ) -> ResponseFit:
-        """The fit of some suspects beside the nuisances, on the averages that are not held back or of ``mask``.
-        ``more``: further figures, with size and bounds."""
-        used = ~self.test if mask is None else mask
-        free = {one.parameter: (one.size, one.low, one.high) for one in chosen} | self.nuisances | dict(more or {})
-        begin = {**self.declared, **dict.fromkeys(self.nuisances, 0.0), "loss": 0.02, **self.second, **(start or {})}
+        """The fit of some suspects beside the nuisances, but those ``known``, on all averages or those of ``mask``."""
+        used = self.every if mask is None else mask
+        free = {name: shape for name, shape in self.nuisances.items() if name not in known}
+        free |= {name: shape for one in chosen for name, shape in one.shapes.items()}
+        begin = {**self.declared, **dict.fromkeys(self.nuisances, 0.0), "loss": 0.02, **(start or {})}
         size, low, high = np.array(list(free.values())).T
         x0 = np.clip([begin.get(name, 0.0) for name in free], low + 1e-9 * size, high - 1e-9 * size)
+        own = {name for one in chosen for name in one.shapes}
+        priors = [name for name in free if name in self.prior and name not in own]
 
         def figures(x: Floats) -> dict[str, float]:
             return {**begin, **dict(zip(free, x.tolist(), strict=True))}
 
         def residual(x: Floats) -> Floats:
-            return self._residual(figures(x), used)
+            v = figures(x)
+            return np.append(self._residual(v, used), [v[name] / self.prior[name] for name in priors])
 
-        found = least_squares(
-            residual,
-            x0,
-            x_scale=size,
-            bounds=(low, high),
-            max_nfev=40 + 40 * bool(more or self.second),
-            ftol=1e-4,
-            xtol=1e-4,
-        )
-        scatter = max(1.0, 2.0 * found.cost / max(found.fun.size - len(free), 1))
+        most = 40 + 40 * any(one.name == SECOND for one in chosen)
+        found = least_squares(residual, x0, x_scale=size, bounds=(low, high), max_nfev=most, ftol=1e-4, xtol=1e-4)
+        n = 2 * int(used.sum())
+        scatter = max(1.0, float(np.sum(found.fun[:n] ** 2)) / max(n - len(free), 1))
         scaled = found.jac * size  # else what has large figures, as a frequency, would count as known
-        covariance = np.linalg.pinv(scaled.T @ scaled) * np.outer(size, size) * scatter * self.together
+        scaled[:n] /= np.sqrt(scatter * self.together)
+        covariance = np.linalg.pinv(scaled.T @ scaled) * np.outer(size, size)
         values = figures(found.x)
-        return ResponseFit(
-            tuple(chosen), values, self.weighted(values), covariance, 2.0 * found.cost, len(free), tuple(free)
-        )
+        return ResponseFit(tuple(chosen), values, self.weighted(values), covariance, found.jac[:n], tuple(free))
 
-    def best(self, fit: ResponseFit, cause: Suspect, whole: bool = False) -> ResponseFit:
-        """The best fit with one suspect more, over its starts."""
-        used = self.every if whole else ~self.test
-        grid = [{**fit.values, cause.parameter: float(size)} for size in (0.0, *cause.grid)]
-        cost = [float(np.sum(self._residual(v, used) ** 2)) for v in grid]
-        trials = [self.fit((*fit.effects, cause), grid[k], used) for k in np.argsort(cost)[:TRIED]]
-        return min(trials, key=lambda one: one.square)
+    def best(self, fit: ResponseFit, cause: Suspect) -> ResponseFit:
+        """The likeliest fit with one suspect more, over its starts."""
+        cost = [float(np.sum(self._residual({**fit.values, **start}, self.every) ** 2)) for start in cause.grid]
+        starts = np.argsort(cost)[:TRIED]
+        if cause.name == SECOND:  # one share too many may draw all starts to a wrong place
+            n = len(cause.grid) // len(SHARES)
+            starts = n * np.arange(len(SHARES)) + np.reshape(cost, (len(SHARES), n)).argmin(axis=1)
+        trials = [self.fit((*fit.effects, cause), {**fit.values, **cause.grid[k]}) for k in starts]
+        return max(trials, key=self.log_of)
 
-    def slopes(self) -> tuple[Floats, dict[str, Floats]]:
-        """Derivatives of all averages over their noise at the declared figures: by what is always free, (n, k), and by
-        each suspect and each figure that is known within bounds, (n,)."""
-        at, base = self.bare.values, self.weighted(self.bare.values)
-        sizes = {one.parameter: one.size for one in self.suspects}
-        sizes |= {name: size for name, (size, *_) in (self.nuisances | self.tolerances).items()}
+    def planned(self) -> tuple[Whitened, dict[Suspect, Floats]]:
+        """For a plan: noise and nuisances at the declared figures, and derivatives of all averages over their noise by
+        each suspect, (2 n,)."""
+        at, base, found = self.bare.values, self.weighted(self.bare.values), {}
+        for one in self.library:
+            size = one.shapes[one.parameter][0]
+            if one.name != SECOND:
+                change = base - self.weighted({**at, one.parameter: at.get(one.parameter, 0.0) + SLOPE * size})
+                found[one] = np.concatenate([change.real, change.imag]) / (SLOPE * size)
+        sizes = np.array([self.prior.get(name, OPEN * self.nuisances[name][0]) for name in self.bare.free])
+        bounds = np.full((2, sizes.size), np.inf) * np.array([[-1.0], [1.0]])
+        return Whitened(self.white.noise, -self.bare.slopes * sizes, bounds, self._curves(), self.names), found
 
-        def slope(name: str) -> Floats:
-            moved = {**at, name: at.get(name, 0.0) + SLOPE * sizes[name]}
-            change = (self.weighted(moved) - base) / (SLOPE * sizes[name])
-            return np.concatenate([change.real, change.imag])
-
-        free = [name for name in self.nuisances if name not in self.prior]
-        return np.stack([slope(name) for name in free], axis=1), {k: slope(k) for k in sizes if k not in free}
-
-    # Selection.
+    # Moves.
 
     def _rms(self, weighted: Complex) -> float:
         """Error in rad RMS for inputs of the usual amplitude."""
         return self.floor_rad * float(np.sqrt(0.5 * np.mean(np.abs(weighted) ** 2)))
 
-    def held_rms(self, fit: ResponseFit) -> float:
-        """Error of the averages held back."""
-        return self._rms(fit.weighted[self.test])
+    def rms(self, fit: ResponseFit) -> float:
+        """Error of all averages."""
+        return self._rms(fit.weighted)
 
-    def beyond_chance(self, less: ResponseFit, more: ResponseFit, cause: Suspect) -> bool:
-        """Whether the other averages support a suspect, by an F test and by its size."""
-        freedom = 2 * int((~self.test).sum()) - more.width
-        scatter = max(more.square / freedom, 1.0) * self.together
-        chance = float(f_distribution.sf((less.square - more.square) / scatter, 1, freedom))
-        size = abs(more.values[cause.parameter] - self.declared.get(cause.parameter, 0.0))
-        return size > more.half(cause.parameter) and chance < CHANCE / len(self.suspects)
+    def log_of(self, fit: ResponseFit) -> float:
+        """Logarithm of the evidence: linear about the fit."""
+        if fit not in self._known:
+            slopes, weighted = -fit.slopes, np.concatenate([fit.weighted.real, fit.weighted.imag])
+            whole = self._rms(self.before.weighted) / self.floor_rad
+            shapes = {name: shape for one in fit.effects for name, shape in one.shapes.items()}
+            at = np.array([fit.values[name] for name in fit.free])
+            rms = np.sqrt(np.mean(slopes**2, axis=0))
+            sd, bounds = [], []
+            for k, name in enumerate(fit.free):
+                size, low, high = shapes.get(name) or self.nuisances[name]
+                sd.append(self.prior.get(name, OPEN * size))
+                if name in shapes:
+                    sd[-1] = whole / max(float(rms[k]), 1e-300)
+                if name.startswith(tuple(_SECOND)):
+                    sd[-1] = (high - low) / np.sqrt(12.0)
+                bounds.append((low, high))
+            columns = np.column_stack([slopes, weighted + slopes @ at])
+            self._known[fit] = self.white.evidence_of(columns, np.array(sd), np.array(bounds).T).log
+        return self._known[fit]
 
-    def log_odds(self, worse: ResponseFit, better: ResponseFit) -> float:
-        """Logarithm of the odds of one fit against another of the same averages, by Bayes' criterion."""
-        n = 2 * self.measured.size
-        variance = max(better.square / max(n - better.width, 1), 1.0) * self.together
-        return 0.5 * float((worse.square - better.square) / variance + (worse.width - better.width) * np.log(n))
-
-    def without(self, fit: ResponseFit, cause: Suspect, whole: bool = False) -> ResponseFit:
+    def without(self, fit: ResponseFit, cause: Suspect) -> ResponseFit:
         """The fit without one of its suspects."""
-        start = {**fit.values, cause.parameter: self.declared.get(cause.parameter, 0.0)}
-        return self.fit([one for one in fit.effects if one is not cause], start, self.every if whole else None)
+        start = {**fit.values, **{name: self.declared.get(name, 0.0) for name in cause.shapes}}
+        rest = [one for one in fit.effects if one is not cause]
+        return self.fit(rest, start) if rest else self.bare
 
-    def offered(self, fit: ResponseFit) -> list[Suspect]:
-        """Suspects that may join a fit: others, and one of the two forms of a delay."""
-        late = any(one.name == "delay" for one in fit.effects)
-        return [one for one in self.suspects if one not in fit.effects and not (late and one.name == "delay")]
+    def trials(self, now: ResponseFit) -> list[ResponseFit]:
+        """Fits with one suspect more: others, and one of the forms of a delay and of a second mode."""
+        taken = {one.name for one in now.effects if one.name in ("delay", SECOND)}
+        if self.d is None and not any(one.name == MODE for one in now.effects):
+            taken.add(SECOND)  # without its first mode the drive is rigid, and the second would take its place
+        offered = [one for one in self.library if one not in now.effects and one.name not in taken]
+        return [fit for one in offered if self._possible(fit := self.best(now, one), one)]
 
-    def _allowed(self, fit: ResponseFit) -> tuple[ResponseFit, str]:
-        """``fit``, or one without suspects of the drive where its figures may be wrong by as much; words for that."""
-        bench = [one for one in fit.effects if one.parameter in BENCH]
-        if len(bench) == len(fit.effects) or not self.tolerances:
-            return fit, ""
-        allowed = self.fit(bench, {one.parameter: fit.values[one.parameter] for one in bench}, None, self.tolerances)
-        if self.log_odds(allowed, fit) >= LOG_ODDS:
-            return fit, ""
-        units = {"structure": "compliance_rad_Nm", "inertia": "share"}
-        words = [f"{readable(units[k], [allowed.values[k]])[1][0]} of the {k}" for k in self.tolerances]
-        return allowed, f"an error of {' and '.join(words)}, within what is known of them"
+    def _possible(self, fit: ResponseFit, cause: Suspect) -> bool:
+        """Whether a figure is more than its interval; and whether a second mode lies within the band."""
+        name = cause.parameter
+        at, half = fit.values[name], fit.half(name)
+        if cause.name != SECOND:
+            return abs(at - self.declared.get(name, 0.0)) > half
+        (_, low, high), what = cause.shapes[name], name.removesuffix("_Hz")
+        within = low < at < high and low < self._peak_Hz(what, fit.values) < high and half < at
+        # In front of the drum a share of 0 is no absence.
+        return within and (what == "front" or fit.values["arm_share"] > fit.half("arm_share"))
 
     # Result.
 
     def result(self) -> LoopResult:
         """Select, compare with alternatives, judge."""
-        fit, steps, small = self.selected(self.begun or self.bare)
+        whole, places, steps, small = self.found()
         if self.d is None:
-            self._weigh(fit.values)
-            fit, steps, small = self.selected(self.begun or self.bare)
-        second = self._second(fit)
-        if second is not None:
-            less = fit
-            fit, steps, small = self.selected(self.begun or self.bare)
-        fit, within = self._allowed(fit)
-        whole = self.fit(fit.effects, fit.values, self.every, self.tolerances if within else None)
-        named, sets = list[Named](), list[tuple[Named, ...]]()
-        for one in whole.effects:
-            forms, others = self._alike(whole, one)
-            first = replace(self._named(one, whole, self.fall(self.without(fit, one), fit)), equivalent=forms)
-            if others:
-                sets.append((first, *others))
-            else:
-                named.append(first)
-        if second is not None:
-            named.append(self._second_named(second, whole, self.fall(less, fit)))
+            self._weigh(whole.values)
+            whole, places, steps, small = self.found()
+        named, sets = self.told(whole, places)
+        fit = self.fit(whole.effects, whole.values, ~self.test)
         found = self._errors(fit)
         left = None if found.near_floor else self._left(whole)
         modes = [self._mode(k, whole) for k in range(len(self.runs))]
@@ -469,78 +512,25 @@ class ResponseLoop(Selection[ResponseFit]):
             tuple(sets),
             left,
             found,
-            () if within else tuple(steps),
-            () if within else tuple(small),
+            tuple(steps),
+            tuple(small),
             self._not_testable(),
             next_steps(named, sets, None),
             {},
             noise=self.noise,
-            within_class=within,
+            within_class=self._within_class(whole),
             pictures=self._pictures(whole),
             modes=tuple(mode for mode in modes if mode is not None),
         )
 
-    def _second(self, fit: ResponseFit) -> str | None:
-        """What swings on its own in the band, "arm" or "front", where that does better than what was found; it is then
-        fitted beside every cause, so that none of the drive stands for it."""
-        if not (fit.effects or self.held_rms(fit) > NEAR_FLOOR * self.floor_rad) or (
-            self.d is None and not fit.effects
-        ):
-            return None
-        plain = (
-            self.bare if self.d is not None else self.best(self.bare, next(s for s in self.suspects if s.name == MODE))
-        )
-        first = first_mode(self.held[0], plain.values, 0.0)[0]
-        low, high = min(float(one.frequency_Hz[0]) for one in self.seen) * INSIDE, self.highest_Hz / INSIDE
-        grid = [at for at in np.geomspace(low, high, PLACES).tolist() if abs(np.log(at / first)) > np.log(APART)]
-        trials = []
-        for base in {id(one): one for one in (plain, fit)}.values():
-            for what in SECOND:
-                names = [f"{what}_{figure}" for figure in ("Hz", "share", "damping")]
-                starts = [
-                    {**base.values, **dict(zip(names, (at, share, 0.02), strict=True))}
-                    for share in SHARES
-                    for at in grid
-                ]
-                cost = np.array([float(np.sum(self._residual(start, ~self.test) ** 2)) for start in starts])
-                # The best of all, and of each share: one share too many may draw all starts to a wrong place.
-                each = np.arange(len(SHARES)) * len(grid) + cost.reshape(len(SHARES), -1).argmin(axis=1)
-                for k in {*np.argsort(cost)[:TRIED].tolist(), *each.tolist()}:
-                    shapes = ((0.01 * starts[k][names[0]], low, high), (0.02, 0.0, 0.95), (0.01, 0.0, 0.5))
-                    more = dict(zip(names, shapes, strict=True))
-                    trials.append((what, more, self.fit(base.effects, starts[k], None, more)))
-        if not trials:
-            return None
-        least = min((trial[2] for trial in trials), key=lambda one: one.square)
-        # Of fits that are alike the one with the fewest causes.
-        what, more, best = min(trials, key=lambda trial: self.log_odds(trial[2], least))
-        # What a few averages alone speak for is no mode: they are wrong.
-        gained = np.abs(fit.weighted) ** 2 - np.abs(best.weighted) ** 2
-        few = np.argsort(gained)[-FEW:]
-        rest = self.test.copy()
-        rest[few] = False
-        floor = self.floor_rad**2
-        held, left = (self._rms(one.weighted[rest]) ** 2 for one in (fit, best))
-        clear = held - left >= LEAST_FALL**2 * floor and left - floor <= MOST_LEFT * max(held - floor, floor)
-        plainer = replace(fit, square=fit.square - float(gained[few[~self.test[few]]].sum()))
-        at, half = best.values[f"{what}_Hz"], best.half(f"{what}_Hz")
-        bounded = low < at < high and low < self._peak_Hz(what, best.values) < high and half < at
-        if not clear or not bounded or self.log_odds(plainer, best) < LOG_ODDS:
-            return None
-        if what == "arm" and best.values["arm_share"] <= best.half("arm_share"):  # in front a share of 0 is no absence
-            return None
-        self.second = {name: best.values[name] for name in more}
-        self.nuisances |= more
-        known = {name: best.values[name] for name in self.nuisances}
-        if self.d is None:  # without its first mode the drive is rigid, and the second would take its place
-            known["mode"] = best.values.get("mode", 0.0)
-            self.begun = self.fit([one for one in self.suspects if one.name == MODE], known)
-            return what
-        for _ in range(REFITS):  # its fit goes slowly, and from where the causes were it may go astray
-            self.bare = min((self.fit((), at) for at in (known, self.second)), key=lambda one: one.square)
-            known = {name: self.bare.values[name] for name in self.nuisances}
-        self.second = {name: known[name] for name in more}
-        return what
+    def _within_class(self, fit: ResponseFit) -> str:
+        """By what structure and declared inertia are wrong within their figures, where that is told from nothing."""
+        units = {"structure": "compliance_rad_Nm", "inertia": "share"}
+        own = {name for one in fit.effects for name in one.shapes}
+        told = [name for name in units if name in self.prior and name not in own]
+        told = [name for name in told if abs(fit.values[name]) > self.prior[name]]
+        words = [f"{readable(units[name], [fit.values[name]])[1][0]} of the {name}" for name in told]
+        return f"an error of {' and '.join(words)}, within what is known of them" if words else ""
 
     def _peak_Hz(self, what: str, v: Values) -> float:
         """Where a second mode raises the response the most."""
@@ -550,15 +540,16 @@ class ResponseLoop(Selection[ResponseFit]):
         beside, without = (predicted(self.held[0], {**v, **more}, fine)[0] for more in ({}, {f"{what}_Hz": 0.0}))
         return float(near[np.argmax(np.abs(beside / without))])
 
-    def _second_named(self, what: str, whole: ResponseFit, fall_rad: float) -> Named:
+    def _second_named(self, one: Suspect, fit: ResponseFit, fall_rad: float) -> Named:
         """A second mode: its frequency, where the peak of the fitted response is, and what it may be."""
-        own, half = whole.values[f"{what}_Hz"], whole.half(f"{what}_Hz")
-        peak = self._peak_Hz(what, whole.values)
+        what = one.parameter.removesuffix("_Hz")
+        own, half = fit.values[one.parameter], fit.half(one.parameter)
+        peak = self._peak_Hz(what, fit.values)
         figures = {"natural_frequency_Hz": Value(peak, *(peak * (1.0 + sign * half / own) for sign in (-1.0, 1.0)))}
         if what == "arm":
-            share, spread = whole.values["arm_share"], whole.half("arm_share")
+            share, spread = fit.values["arm_share"], fit.half("arm_share")
             figures["share"] = Value(share, share - spread, share + spread)
-        form, physics, look, plain = _SECOND[what]
+        physics, look, separate, plain = one.words
         physics = physics.format(own=f"{own:.4g} Hz")
         if self.drive is not None:
             modes = own_modes_Hz(self.held[0], self.drive)
@@ -569,16 +560,11 @@ class ResponseLoop(Selection[ResponseFit]):
                 if same
                 else f"; the design has no mode near it, but {shown} Hz"
             )
-        words = look, "repeat without the payload, and with the frame clamped", physics
-        return Named("second_mode", form, None, (), figures, {}, (), *words, fall_rad, {}, plain=plain)
+        return Named(SECOND, one.form, None, (), figures, {}, (), look, separate, physics, fall_rad, {}, plain=plain)
 
-    def _alike(self, whole: ResponseFit, one: Suspect) -> tuple[tuple[str, ...], list[Named]]:
-        """Other forms of a suspect, and other suspects in its place, that fit nearly as well."""
-        fits = [(fit.effects[-1], fit) for fit in self.alike(whole, one)]
-        forms = tuple(other.form for other, _ in fits if other.name == one.name)
-        return forms, [self._named(other, fit, 0.0) for other, fit in fits if other.name != one.name]
-
-    def _named(self, one: Suspect, fit: ResponseFit, fall_rad: float) -> Named:
+    def named(self, one: Suspect, fit: ResponseFit, fall_rad: float) -> Named:
+        if one.name == SECOND:
+            return self._second_named(one, fit, fall_rad)
         value, half = fit.values[one.parameter], fit.half(one.parameter)
         ends = np.array([value, value - half, value + half])
         if one.name == MODE:
@@ -649,18 +635,18 @@ class ResponseLoop(Selection[ResponseFit]):
         alone.seen, alone.held, alone.prior = [replace(seen, twist=None)], [held.at(amplitude)], {}
         alone.nuisances = {"load_gain": (0.01, -0.9, 9.0)} if seen.over_torque else {}
         alone.nuisances["loss"] = self.nuisances["loss"]
+        alone.every = np.ones(seen.frequency_Hz.size, dtype=bool)
         alone.sigma = _sigmas(seen, held, whole.values)[0]
         size = "mode" if self.d is None else "inertia"
-        free = [one for one in self.suspects if one.parameter in ("delay", "gain", size)]
+        free = [one for one in self.library if one.parameter in ("delay", "gain", size)]
 
         def linear(response: Complex, values: Values) -> tuple[Value, Value]:
             """Frequency and damping ratio of a response as that of a linear drive."""
             alone.measured = response
-            every = np.ones(response.size, dtype=bool)
-            fit = alone.fit(free, {**values, "loss": 0.1, "softening": 0.0}, every)
+            fit = alone.fit(free, {**values, "loss": 0.1, "softening": 0.0})
             found, damping = first_mode(alone.held[0], fit.values, amplitude)
             half = 0.5 * fit.half(size) / (fit.values[size] + (0.0 if self.d is None else 1.0)) * found
-            spread = 0.5 * INTERVAL * float(np.sqrt(fit.covariance[-1, -1]))
+            spread = 0.5 * fit.half("loss")
             return (
                 Value(found, found - half, found + half),
                 Value(damping, max(damping - spread, 0.0), damping + spread),
@@ -670,7 +656,7 @@ class ResponseLoop(Selection[ResponseFit]):
         if self.d is None:
             return mode
         # The design has no damping but that of its wraps, and no second mode.
-        no_more = {"viscous_s": 0.0} | {f"{what}_Hz": 0.0 for what in SECOND}
+        no_more = {"viscous_s": 0.0} | {f"{what}_Hz": 0.0 for what in _SECOND}
         declared, damping = linear(predicted(held, self.declared, seen)[0], {**whole.values, **no_more})
         torque = amplitude if seen.levelled else None
         return replace(mode, torque_Nm=torque, declared_Hz=declared.value, declared_damping=damping.value)
@@ -685,8 +671,3 @@ class ResponseLoop(Selection[ResponseFit]):
             rows = output.value, output.coherence, before, after
             found.append(BodePicture(run.source, seen.frequency_Hz, *rows, seen.over_torque))
         return tuple(found)
-
-
-def _within_two(sigmas: Mapping[str, float]) -> dict[str, tuple[float, float, float]]:
-    """Size and bounds of figures that are off by two standard deviations at most."""
-    return {name: (sigma, -2.0 * sigma, 2.0 * sigma) for name, sigma in sigmas.items() if sigma > 0.0}

@@ -1,121 +1,175 @@
-"""The selection of causes from few readings: tables by hand, and frequency responses with averages as readings.
+"""The moves of the search by evidence where every candidate is refitted: tables by hand, and frequency responses.
 
-A cause joins if the readings held back and the others support it; once no other does, those go that later ones have
-made needless. What fits all readings nearly as well in the place of one is not told from it.
+A cause joins if the odds for it are high enough, counted over all names; then those go that it has made needless, and
+another is put in the place of one where that is likelier. What may stand in the place of one cause, each with its share
+of the posterior, makes its credible set.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
+from scipy.special import logsumexp
 
-from mbcdm_cad.loop.result import Evidence
-from mbcdm_cad.loop.search.evidence import LOG_ODDS
-from mbcdm_cad.loop.search.select import LEAST_FALL
+from mbcdm_cad.loop.result import Evidence, Named
+from mbcdm_cad.loop.search.by_evidence import credible, in_place_of
+from mbcdm_cad.loop.search.evidence import LEAST_FALL, LOG_ODDS
 
-# Candidates that are listed as too small, best first.
-LISTED = 5
+# Candidates that are listed as too small, best first; those that are tried with fewer others.
+LISTED, EXCHANGED = 5, 3
 
 
 class SomeFit(Protocol):
-    """A fit of causes; ``square``: what it leaves of the readings that are not held back."""
+    """A fit of causes."""
 
     @property
     def effects(self) -> tuple[Any, ...]: ...
-    @property
-    def square(self) -> float: ...
 
 
 AnyFit = TypeVar("AnyFit", bound=SomeFit)
 
 
-class Selection(ABC, Generic[AnyFit]):
-    """The selection of causes; a problem says how they are fitted, and what its readings tell by chance."""
+@dataclass(frozen=True, eq=False)
+class Alternatives(Generic[AnyFit]):
+    """One cause of the final fit and what may stand in its place: the fewest names that hold 95 % of the posterior.
 
-    # Causes of a fit; candidates of a round that are tested, best first; those beside which each other one is tried,
-    # where none is supported alone.
-    most_effects, most_tested, most_paired = 3, 4, 3
-    floor_rad: float
+    ``alike``: fits that have another cause last in its place, most likely first. ``forms``: other forms of ``cause``
+    that the readings do not tell from it.
+    """
+
+    cause: Any
+    probability: float
+    alike: tuple[AnyFit, ...]
+    forms: tuple[str, ...]
+
+
+class Moves(ABC, Generic[AnyFit]):
+    """The search; a problem says how causes are fitted, and how likely a fit is."""
+
+    # Causes of a fit; candidates beside which each other one is tried, where none is likely alone.
+    most_effects, paired = 4, 3
+    # A form is taken in place of a later one of the library unless the logarithm of the odds against it is higher.
+    same_form = float(np.log(10.0))
+    names: int
+    library: Sequence[Any]
+    bare: AnyFit
+
+    @property
+    @abstractmethod
+    def floor_rad(self) -> float:
+        """The noise floor, rad RMS."""
 
     @abstractmethod
-    def offered(self, fit: AnyFit) -> Sequence[Any]:
-        """Causes that may join a fit."""
+    def trials(self, now: AnyFit) -> Sequence[AnyFit]:
+        """Fits of ``now`` with one cause more."""
 
     @abstractmethod
-    def best(self, fit: AnyFit, cause: Any, whole: bool = False) -> AnyFit | None:
-        """The best fit with one cause more; None if there is none. ``whole``: of all readings, else of those that are
-        not held back."""
-
-    @abstractmethod
-    def without(self, fit: AnyFit, cause: Any, whole: bool = False) -> AnyFit:
+    def without(self, fit: AnyFit, cause: Any) -> AnyFit:
         """The fit without one of its causes."""
 
-    def criterion(self, fit: AnyFit) -> float:
-        """What ranks fits: the smaller, the better."""
-        return fit.square
+    @abstractmethod
+    def log_of(self, fit: AnyFit) -> float:
+        """Logarithm of the evidence of a fit."""
 
     @abstractmethod
-    def held_rms(self, fit: AnyFit) -> float:
-        """RMS error of the readings held back, rad; 0 where none are."""
+    def rms(self, fit: AnyFit) -> float:
+        """Error that a fit leaves, rad RMS."""
 
     @abstractmethod
-    def beyond_chance(self, less: AnyFit, more: AnyFit, cause: Any) -> bool:
-        """Whether the readings that are not held back support a cause that ``more`` has beside ``less``."""
+    def named(self, cause: Any, fit: AnyFit, fall: float) -> Named:
+        """A cause of a fit with its figures."""
 
-    @abstractmethod
-    def log_odds(self, worse: AnyFit, better: AnyFit) -> float:
-        """Logarithm of the odds of one fit of all readings against another, by Bayes' criterion."""
+    def told(self, fit: AnyFit, places: Sequence[Alternatives[AnyFit]]) -> tuple[list[Named], list[tuple[Named, ...]]]:
+        """Causes of a fit with one name, and sets of names."""
+        outright, sets = list[Named](), list[tuple[Named, ...]]()
+        for place in places:
+            first = self.named(place.cause, fit, self.fall(fit, place.cause))
+            first = replace(first, equivalent=place.forms)
+            if place.alike:
+                sets.append((first, *(self.named(one.effects[-1], one, 0.0) for one in place.alike)))
+            else:
+                outright.append(first)
+        return outright, sets
 
-    def fall(self, less: AnyFit, more: AnyFit) -> float:
-        """How much the error of the readings held back falls, rad in quadrature."""
-        return float(np.sqrt(max(0.0, self.held_rms(less) ** 2 - self.held_rms(more) ** 2)))
+    def score(self, fit: AnyFit) -> float:
+        """Logarithm of the evidence, times the prior of its names, each as likely as each other."""
+        return self.log_of(fit) - len(fit.effects) * float(np.log(self.names))
 
-    def supported(self, less: AnyFit, more: AnyFit, cause: Any) -> bool:
-        """Whether both the readings held back and the others support a cause that ``more`` has beside ``less``."""
-        return self.fall(less, more) >= LEAST_FALL * self.floor_rad and self.beyond_chance(less, more, cause)
+    def additions(self, now: AnyFit) -> list[AnyFit]:
+        """Fits of ``now`` with one cause more, most likely first."""
+        known: dict[AnyFit, list[AnyFit]] = self.__dict__.setdefault("_additions", {})
+        if now not in known:
+            known[now] = sorted(self.trials(now), key=self.score, reverse=True)
+        return known[now]
 
-    def selected(self, now: AnyFit) -> tuple[AnyFit, list[Evidence], list[Evidence]]:
-        """The fit with the causes that the readings support; what was accepted, and what was too small."""
-        steps, small = list[Evidence](), list[Evidence]()
+    def fall(self, fit: AnyFit, cause: Any) -> float:
+        """How much a cause of a fit lowers the error, rad in quadrature."""
+        return float(np.sqrt(max(0.0, self.rms(self.without(fit, cause)) ** 2 - self.rms(fit) ** 2)))
 
-        def evidence(trial: AnyFit, words: str) -> Evidence:
-            new = " with ".join(one.label for one in trial.effects[len(now.effects) :])
-            return Evidence(new, self.held_rms(trial), self.fall(now, trial), words)
-
-        while len(now.effects) < self.most_effects:
-            trials = self._ranked(self.best(now, one) for one in self.offered(now))
-            tested = (t for t in trials[: self.most_tested] if self.supported(now, t, t.effects[-1]))
-            following = next(tested, None) or self._pair(trials)
-            small = [evidence(t, "too small to name") for t in trials[:LISTED] if t.square < now.square]
-            if following is None:
+    def found(self) -> tuple[AnyFit, list[Alternatives[AnyFit]], list[Evidence], list[Evidence]]:
+        """The likeliest fit without causes that are too small to name, what may stand in the place of each, what was
+        accepted, and what is too small."""
+        now = self.bare
+        while len(now.effects) < self.most_effects and (better := self._better(now)) is not None:
+            now = self._exchanged(self._pruned(better))
+        for cause in now.effects:
+            now = self._in_first_form(now, cause)
+        while now.effects:
+            falls = {cause: self.fall(now, cause) for cause in now.effects}
+            least = min(falls, key=falls.__getitem__)
+            if falls[least] >= LEAST_FALL * self.floor_rad:
                 break
-            steps.append(evidence(following, "accepted"))
-            now = following
-        while len(now.effects) > 1:
-            less = {one: self.without(now, one) for one in now.effects}
-            needless = [fit for one, fit in less.items() if not self.supported(fit, now, one)]
-            if not needless:
-                break
-            now = min(needless, key=lambda one: one.square)
-        return now, steps, small
+            now = self.without(now, least)
+        steps = [Evidence(one.label, self.rms(now), self.fall(now, one), "accepted") for one in now.effects]
+        left = self.rms(now) ** 2
+        small = [
+            Evidence(
+                one.effects[-1].label, self.rms(one), float(np.sqrt(left - self.rms(one) ** 2)), "too small to name"
+            )
+            for one in self.additions(now)[:LISTED]
+            if self.rms(one) ** 2 < left
+        ]
+        return now, [self._place(now, cause) for cause in now.effects], steps, small
 
-    def _ranked(self, trials: Iterable[AnyFit | None]) -> list[AnyFit]:
-        return sorted((one for one in trials if one is not None), key=self.criterion)
+    def _better(self, now: AnyFit) -> AnyFit | None:
+        """``now`` with one cause more, or with others, that is likely enough; else with two of which each needs the
+        other, such as a creep and a warming against it."""
+        more = self.additions(now)
+        # One more cause is certain if any one is; which one, its credible set says.
+        if more and logsumexp([self.score(one) for one in more]) - self.score(now) >= LOG_ODDS:
+            return more[0]
+        fewer = max((self._pruned(one) for one in more[:EXCHANGED]), key=self.score, default=now)
+        if len(fewer.effects) <= len(now.effects) and self.score(fewer) > self.score(now) + 1.0:
+            return fewer
+        pair = max((two for one in more[: self.paired] for two in self.additions(one)[:1]), key=self.score, default=now)
+        return pair if self.score(pair) - self.score(now) >= LOG_ODDS else None
 
-    def _pair(self, trials: Sequence[AnyFit]) -> AnyFit | None:
-        """Two causes of which each needs the other, such as a creep and a warming against it: the best that is
-        supported; None if there is none."""
-        pairs = self._ranked(self.best(t, one) for t in trials[: self.most_paired] for one in self.offered(t))
-        for pair in pairs[: self.most_tested]:
-            if all(self.supported(self.without(pair, one), pair, one) for one in pair.effects[-2:]):
-                return pair
-        return None
+    def _pruned(self, now: AnyFit) -> AnyFit:
+        """``now`` without causes that the others explain as well."""
+        less = max((self.without(now, one) for one in now.effects[:-1]), key=self.score, default=now)
+        return self._pruned(less) if self.score(less) > self.score(now) else now
 
-    def alike(self, whole: AnyFit, cause: Any) -> list[AnyFit]:
-        """Fits of all readings with another cause, or another form of it, last in its place that are nearly as good."""
-        rest = self.without(whole, cause, True)
-        trials = (self.best(rest, other, True) for other in self.offered(rest) if other is not cause)
-        return [one for one in trials if one is not None and self.log_odds(one, whole) < LOG_ODDS]
+    def _exchanged(self, now: AnyFit) -> AnyFit:
+        """``now`` with another cause, or form, in the place of one, while that is likelier."""
+        for cause in now.effects:
+            others = self.additions(self.without(now, cause))
+            if others and self.score(others[0]) > self.score(now) + 1.0:
+                return self._exchanged(self._pruned(others[0]))
+        return now
+
+    def _in_first_form(self, now: AnyFit, cause: Any) -> AnyFit:
+        """``now`` with a cause in the first form of the library that is about as likely as any."""
+        fits = [one for one in self.additions(self.without(now, cause)) if one.effects[-1].key == cause.key]
+        near = [one for one in (now, *fits) if self.score(one) >= self.score(now) - self.same_form]
+        form = {id(one): cause if one is now else one.effects[-1] for one in near}
+        return min(near, key=lambda one: self.library.index(form[id(one)]))
+
+    def _place(self, now: AnyFit, cause: Any) -> Alternatives[AnyFit]:
+        less = self.without(now, cause)
+        fits, forms = in_place_of(cause, now, self.additions(less), self.score)
+        share, kept = credible(list(map(self.score, (less, *fits))))
+        return Alternatives(cause, float(share[0]), tuple(fits[k] for k in kept if k > 0), forms)

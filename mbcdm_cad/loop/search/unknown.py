@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from mbcdm_cad.loop.prepare.lines import order_spectrum
 from mbcdm_cad.loop.prepare.prepared import Prepared
 from mbcdm_cad.loop.readable import INTERVAL, Value, readable
-from mbcdm_cad.loop.search.select import LEAST_FALL
+from mbcdm_cad.loop.search.evidence import LEAST_FALL
 from mbcdm_cad.routes import Floats
 
 # Shapes within this of the best one's share are listed too.

@@ -122,15 +122,3 @@ def test_a_step_that_meets_a_bound_is_the_best_within_it() -> None:
         assert step == pytest.approx(best.x, abs=1e-5), (step, best.x)
         stopped += bool(best.active_mask[0])
     assert stopped > 20, f"only {stopped} steps met the bound"
-
-
-def test_columns_go_with_their_effects() -> None:
-    f = fitter()
-    effects = [effect(f, "once_per_rev guide (eccentric pulley)"), effect(f, MODULUS), effect(f, SCALE)]
-    fit = f.fit(effects, [[1e-6, 2e-6], [0.1], [2e-4]], iterations=0)
-    moved = fit.with_last(effects[0])
-    assert [e.label for e in moved.effects] == [effects[1].label, effects[2].label, effects[0].label]
-    for one in effects:
-        assert np.array_equal(moved.values_of(one), fit.values_of(one))
-        assert np.array_equal(moved.jacobian[:, moved.columns_of(one)], fit.jacobian[:, fit.columns_of(one)])
-    assert np.array_equal(moved.jacobian[:, -1], fit.jacobian[:, -1]), "the offset's column stays last"

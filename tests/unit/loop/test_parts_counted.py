@@ -125,7 +125,12 @@ def test_what_the_design_computes_is_named_by_nobody(effects: list[dict[str, Any
         return
     assert any("stiffness_error" in group for group in names(found)), found.sentence
     assert all("stiffness_error" in group for group in names(found)), found.sentence
-    first = next(one for one in (*found.effects, *(m for g in found.one_of for m in g)) if one.form.startswith(form))
+    members = (*found.effects, *(member for group in found.one_of for member in group))
+    first = next(one for one in members if one.name == "stiffness_error")
+    if not first.form.startswith(form):
+        # Within the uncertainty of the structure a soft rope is not told from more give.
+        assert any(other.startswith(form) for other in first.equivalent), found.sentence
+        return
     value = next(iter(first.parameters.values())).value
     wanted = 80e-6 if form == "compliance in series" else WEAK["share"]
     assert value == pytest.approx(wanted, rel=0.1), found.sentence

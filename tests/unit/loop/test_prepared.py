@@ -14,7 +14,7 @@ from mbcdm_cad.loop.prepare.lines import MOST_ORDER, order_spectrum
 from mbcdm_cad.loop.search.fit import Fitter
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.model.hysteresis import simulate
-from mbcdm_cad.planning.detectable import planned_fitter
+from mbcdm_cad.planning.plan import planned_fitter
 from mbcdm_cad.routes import Floats
 
 DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive

@@ -74,7 +74,7 @@ def test_play_and_stiffness_come_out_of_a_table_with_missing_rows(tmp_path: Path
 
 
 def test_intervals_hold_the_truth_and_nothing_else_is_named(tmp_path: Path) -> None:
-    inside, named, tables = 0, 0, 12
+    inside, named, tables = 0, 0, 30
     for seed in range(tables):
         report = judged(locked(tmp_path, 100 + seed, COMPLIANCE, PLAY))
         assert set(names(report)) <= {"lash", "stiffness_error"}, report.result.sentence

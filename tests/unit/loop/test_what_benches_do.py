@@ -168,11 +168,12 @@ def test_trials_in_several_files_repeat_each_other(tmp_path: Path) -> None:
         out = followed(begin, 0.02)[t.size :] + 0.004 * np.cos(angle - 0.7) + 1e-4 * rng.standard_normal(t.size)
         files.append(measured(tmp_path, t, 3.0 * angle, out, name=f"trial{k}", ratio=3.0))
     report = judged(tmp_path, *files)
-    assert sorted(names(report)) == ["lash", "once_per_rev"], report.result.sentence
-    assert report.verdict == "explained", report.result.sentence
+    # Beside a play of four times the wave another curve of the angle is nearly as good within this travel: a set.
+    assert names(report) == ["lash"] and report.verdict == "explained", report.result.sentence
     assert "nothing repeats" not in report.text(), report.text()
-    (lash,) = (one for one in report.result.effects if one.name == "lash")
-    (wave,) = (one for one in report.result.effects if one.name == "once_per_rev")
+    (lash,), (waves,) = report.result.effects, report.result.one_of
+    wave = waves[0]
+    assert wave.name == "once_per_rev", report.result.sentence
     assert lash.parameters["play_rad"].value == pytest.approx(0.02, rel=0.01)
     assert wave.parameters["amplitude_rad"].value == pytest.approx(0.004, rel=0.1)
     numbers = [int(word) for word in re.findall(r"half sweep (\d)", report.result.errors.held_out)]

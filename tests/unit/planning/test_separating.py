@@ -48,7 +48,7 @@ TENSE = named("preload_error", None, {"share": -0.05})
 def test_a_long_travel_tells_the_ratio_from_the_drum(members: tuple[Named, Named]) -> None:
     short, long = (wrong_choice(DRIVE, planned(amplitude), members, NOISE, STEP_S) for amplitude in (0.05, 0.6))
     print(f"wrong over 100 mrad with {short:.2g}, over 1.2 rad with {long:.2g}")
-    assert short == 0.5 and long < 1e-6
+    assert short == pytest.approx(0.5, abs=0.01) and long < 1e-5
 
 
 def test_more_noise_tells_less_and_more_samples_more() -> None:
