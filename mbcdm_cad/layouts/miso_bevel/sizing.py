@@ -605,7 +605,7 @@ def _first_guesses(given: BevelKnown) -> dict[str, Any]:
         **{field: value for field, value in MIDDLE_SIZE.items() if field != "support.encoder_shelf_mm"},
         RADII: given.radii_mm(4.0),
         **({"transmission.ratios": ratios} if _needs_ratios(given) else {}),
-        DISTANCE: first,
+        DISTANCE: max(first, given.get(SETBACK, 0.0) / MOST_SETBACK),
         SETBACK: 0.0,
         "rope.helix_lead_mm": 1.0,
         "clearances.land_edge_mm": 0.15,
