@@ -462,7 +462,7 @@ def test_mass_with_grooves_setback_and_four_screws(drive: Drive) -> None:
 
 
 @pytest.fixture(scope="module")
-def drive() -> Drive:
+def spur() -> Drive:
     return mc.load("params/siso_spur.yaml").drive
 
 
@@ -482,23 +482,23 @@ def _at_one_price(bill: Any) -> Any:
     return replace(bill, items=items, parts=parts)
 
 
-def test_material_at_one_price_costs_the_made_mass(drive: Drive) -> None:
-    bill = layout_of(drive).bill()
+def test_material_at_one_price_costs_the_made_mass(spur: Drive) -> None:
+    bill = layout_of(spur).bill()
     made_g = estimated_mass_g(bill) - sum(item.mass_g or 0.0 for item in bill.items)
     assert material_cost_EUR(_at_one_price(bill)) == pytest.approx(made_g * 1e-3)
 
 
-def test_bought_parts_cost_their_number_and_the_rope_its_length(drive: Drive) -> None:
-    bill = _at_one_price(layout_of(drive).bill())
-    rope = replace(drive.cable, price_EUR=3.0)
-    length_m = sum(path.length_mm for path in layout_of(drive).cable_paths(0.0)) * 1e-3
+def test_bought_parts_cost_their_number_and_the_rope_its_length(spur: Drive) -> None:
+    bill = _at_one_price(layout_of(spur).bill())
+    rope = replace(spur.cable, price_EUR=3.0)
+    length_m = sum(path.length_mm for path in layout_of(spur).cable_paths(0.0)) * 1e-3
     with_entry = [item for item in bill.items if _of_catalogue(bill.parts[item.part].part)]
     assert not [item for item in with_entry if item.name.startswith(CABLE)]
     assert bought_cost_EUR(bill, rope) == pytest.approx(2.0 * len(with_entry) + 3.0 * length_m)
 
 
-def test_entries_without_a_price_are_named(drive: Drive) -> None:
+def test_entries_without_a_price_are_named(spur: Drive) -> None:
     with pytest.raises(NoPriceError) as refused:
-        bought_cost_EUR(layout_of(drive).bill(), drive.cable)
-    assert drive.motor.name in str(refused.value)
-    assert drive.cable.name in str(refused.value)
+        bought_cost_EUR(layout_of(spur).bill(), spur.cable)
+    assert spur.motor.name in str(refused.value)
+    assert spur.cable.name in str(refused.value)
