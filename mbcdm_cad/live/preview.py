@@ -109,11 +109,8 @@ class Previewer:
             self._remove(cable.spec.name)
         missing = [name for name in missing if not name.startswith(CABLE)]
 
-        def write_step(name: str, step: bytes) -> None:
-            write_whole({self._stem(name).with_suffix(".step"): step}, durable=False)
-
         def draw(name: str) -> PartFiles:
-            return drawn_part(bill.parts[name], materials[name], drive.export.mesh_tolerance_mm, write_step)
+            return drawn_part(bill.parts[name], materials[name], drive.export.mesh_tolerance_mm, self.write_step)
 
         with forked(draw, missing, os.cpu_count() or 1) as results:
             # Computing the figures at the same time would slow the pulleys down by a third.
@@ -164,6 +161,10 @@ class Previewer:
         The length of its last STEP file shows how long a part takes.
         """
         return sorted(names, key=lambda name: (name not in pulleys, -self._lengths.get(name, 0)))
+
+    def write_step(self, name: str, step: bytes) -> None:
+        """Write the STEP file of a part, whole."""
+        write_whole({self._stem(name).with_suffix(".step"): step}, durable=False)
 
     def _stem(self, name: str) -> Path:
         return self._folder / "parts" / name
@@ -222,9 +223,6 @@ class _SupersededError(Exception):
 def work(connection: Connection, folder: Path, use_cache: bool) -> None:
     """Draw the jobs that arrive through ``connection`` until None arrives or the other end is closed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the process that watches; it closes the connection
-    # Imported here, so that the process that starts this one needs no kernel; this process loads it before the first
-    # job.
-
     allow_processes()
 
     def look() -> None:

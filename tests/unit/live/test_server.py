@@ -132,7 +132,7 @@ def test_pulleys_come_first_and_then_the_most_work(tmp_path: Path) -> None:
 def test_step_is_there_before_the_mesh_and_no_stl_of_an_older_state_stays(tmp_path: Path) -> None:
     previewer, metal = Previewer(tmp_path, Cache(None), lambda: None), load_design(REFERENCE).drive.guide_material
     solid = cq.Solid.makeBox(1, 2, 3)
-    meshed = make_part_files("rope", solid, metal, 0.01, on_step=previewer._write_step)
+    meshed = make_part_files("rope", solid, metal, 0.01, on_step=previewer.write_step)
     assert [path.name for path in (tmp_path / "parts").iterdir()] == ["rope.step"]
     previewer._write({"rope": StoredPart("key", meshed)})
     assert sorted(path.name for path in (tmp_path / "parts").iterdir()) == ["rope.step", "rope.stl"]
