@@ -306,12 +306,10 @@ class Fitter:
             jacobian = self.jacobian(effects, now)
         return Fit(tuple(effects), tuple(now.values), now.offsets, now.residual, jacobian, now.square)
 
-    def tried(
-        self, effects: Sequence[Effect], values: Sequence[Floats | list[float]], offsets: Floats, fresh: bool = True
-    ) -> Fit | None:
+    def tried(self, effects: Sequence[Effect], values: Sequence[Floats], offsets: Floats) -> Fit | None:
         """A fit of a candidate that may make the drive impossible; None if it cannot be simulated at its start."""
         try:
-            return self.fit(effects, values, offsets, fresh=fresh)
+            return self.fit(effects, values, offsets)
         except ModelError:
             return None
 

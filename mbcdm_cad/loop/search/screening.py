@@ -1,7 +1,4 @@
-"""Candidates: ranked by the fall of the sum of squares by one linear step from each start, the best refitted.
-
-An effect is fitted beside others as one more, in the place of another, and each fit is made without it.
-"""
+"""Candidates for an addition to a fit, each with the fall of the sum of squares by one linear step from its start."""
 
 from __future__ import annotations
 
