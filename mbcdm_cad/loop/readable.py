@@ -70,6 +70,11 @@ def readable(name: str, values: Sequence[float]) -> tuple[str, list[str]]:
     return word.replace("_", " ").strip(), ["any size" if math.isinf(v) else f"{v / factor:.4g} {unit}" for v in values]
 
 
+def probability_text(share: float) -> str:
+    """A probability in per cent; none is certain."""
+    return "over 99%" if share > 0.99 else "under 1%" if share < 0.01 else f"{share:.0%}"
+
+
 def share_text(share: float) -> str:
     """A share in per cent; a share slightly below 1 is not called 100 %."""
     return "over 99%" if 0.99 < share < 0.9999 else f"{share:.0%}"

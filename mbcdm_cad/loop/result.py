@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from mbcdm_cad.loop.own import Differing
-from mbcdm_cad.loop.readable import Value, readable, share_text, size_of
+from mbcdm_cad.loop.readable import Value, probability_text, readable, share_text, size_of
 from mbcdm_cad.routes import Complex, Floats
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 NEAR_FLOOR = 1.25
 # What is not testable without a design, for which no next run is planned either.
 ONLY_RATIO = "only the ratio is known: pulleys, preload and ropes"
-# Odds below which an effect is not said to lower the error of unseen half sweeps.
+# Odds below which they are not stated.
 LEAST_ODDS = 20.0
 
 # Fields of the result file's first form; the file lists the others as new.
@@ -101,9 +101,10 @@ def ways_apart(members: Iterable[Named]) -> str:
 
 @dataclass(frozen=True)
 class Helpful:
-    """An effect that lowers the error but is not named, because the unexplained part is too large compared with it.
+    """An effect that lowers the error but is not named: the unexplained part is too large compared with it, or a
+    quantity that was not measured would do the same.
 
-    ``odds``: the odds that it lowers the error of half sweeps that were not fitted.
+    ``odds``: of the fit with it against that without it.
     """
 
     named: Named
@@ -332,9 +333,6 @@ class LoopResult:
             return (
                 f"The model lacks something that none of the known effects explains: {self.unknown.sentence()}{helps}."
             )
-        if not words:
-            assert self.unknown is not None
-            return f"{self._helps()}; {sizes}; something unknown is left: {self.unknown.sentence()}."
         tail = f"; with {self.within_class}" if self.within_class else ""
         tail += f"; something unknown is left: {self.unknown.sentence()}" if self.unknown else ""
         return f"The model lacks {' and '.join(words)}; {sizes}{tail}."
@@ -361,6 +359,7 @@ def result_text(result: LoopResult, doubts: Sequence[str] = ()) -> str:
     e = result.errors
     size, unit = size_of("_rad", [e.before.value])
     lines = [result.sentence, *doubts, *(f"doubt: {words}" for words in result.doubts)]
+    lines += [f"probability: {words}" for words in _probabilities(result)]
     lines += [*(f"next: {words}" for words in result.next_steps), ""]
     lines += [
         f"{'error on held-out data':<24}{'RMS':>10}{'95 % from':>12}{'to':>10}{'peak':>10}  {unit}",
@@ -375,7 +374,7 @@ def result_text(result: LoopResult, doubts: Sequence[str] = ()) -> str:
     for named in result.effects:
         lines += ["", *named_lines(named)]
     for one in result.helpful:
-        words = f"helps on unseen half sweeps, {one.words}, and may only resemble the cause:"
+        words = f"lowers the error, {one.words}, and may only resemble the cause:"
         lines += ["", words, *("  " + line for line in named_lines(one.named))]
     for group in result.one_of:
         lines += ["", "one of these; the data cannot show which:"]
@@ -388,11 +387,18 @@ def result_text(result: LoopResult, doubts: Sequence[str] = ()) -> str:
         # A candidate that was left out has no error on the data held back.
         held = [f"{c.held_out_rad / size:.3g}" for c in result.evidence] + [""] * len(result.small)
         lines += [
-            f"{c.label:<{width}}{rms:>12}{c.fall_rad / size:>12.3g}  {c.outcome}"
+            f"{c.label:<{width}}{rms:>12}{f'{c.fall_rad / size:.3g}' if c.fall_rad else '':>12}  {c.outcome}"
             for c, rms in zip(candidates, held, strict=True)
         ]
     lines += [f"smoothing of run {k + 1}: {windows_words(one)}" for k, one in enumerate(result.windows)]
     return "\n".join([*lines, *(f"not testable: {words}" for words in result.not_testable)])
+
+
+def _probabilities(result: LoopResult) -> list[str]:
+    """Of each effect, and of the members of each set, that it is this one, where the search states it."""
+    groups = [*((one,) for one in result.effects), *result.one_of]
+    each = [[(one.words, one.probability) for one in group if one.probability is not None] for group in groups]
+    return [", ".join(f"{name} {probability_text(share)}" for name, share in shares) for shares in each if shares]
 
 
 def _explained(e: Errors) -> str:

@@ -221,9 +221,7 @@ class PlannedMotion:
             rms = [np.sqrt(np.mean(one.columns**2, axis=0)) for *_, one in self.shown]
             sizes = [problem.prior_rad / np.maximum(row, 1e-300) for row in rms]
             known = [(one.columns, sd) for (*_, one), sd in zip(self.shown, sizes, strict=True)]
-            model = problem.noise_of(self.bare, nuisances, known)
-            source = "white noise and AR(1) of most likelihood in what no cause does"
-            noise = Noise(model.floor_rad, model.white_rad, model.coloured_rad, model.memory_s, p.floor_rad, source)
+            noise = problem.noise_of(self.bare, nuisances, known).stated(p.floor_rad)
         self.noise = noise
         model = NoiseModel(noise.white_rad, noise.coloured_rad, noise.memory_s, problem.step_s, problem.starts)
         posterior.weigh(model, nuisances)

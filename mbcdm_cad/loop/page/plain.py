@@ -6,21 +6,18 @@ Figures are rounded to the digits that their intervals support.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
-from mbcdm_cad.loop.readable import Value, size_of
+from mbcdm_cad.loop.readable import Value, probability_text, size_of
 from mbcdm_cad.loop.result import LEAST_ODDS, ONLY_RATIO, LoopResult, Named, ways_apart
 
 
 def finding(result: LoopResult) -> str:
     """What is wrong with the drive, in one sentence."""
     after, floor = _angle(result.errors.after.value), _angle(result.errors.floor_rad)
-    if result.verdict == "none" and result.within_class:
-        return (
-            f"Nothing is missing of the drive: with {result.within_class} the design file predicts the output within "
-            f"{after}; the noise is {floor}."
-        )
     if result.verdict == "none":
-        return f"Nothing is missing: the design file predicts the output within {after}, which is the noise ({floor})."
+        beside = f" of the drive: with {result.within_class}" if result.within_class else ":"
+        return f"Nothing is missing{beside} the design file predicts the output within {after}; the noise is {floor}."
     if result.verdict == "not_testable" and result.helpful:
         return "A load that was not measured explains the error as well as a fault of the drive: log the torque."
     if result.verdict == "not_testable":
@@ -48,13 +45,24 @@ def certainty(result: LoopResult) -> str:
         return f"The error is {_angle(e.before.value)} RMS and {floor}: none of the known causes explains it.{sure}"
     words = [f"{fell}; {floor}."]
     if result.effects:
-        words.append(
-            "The other known causes that come nearest were fitted in its place and do worse, wrong in 1 % at most."
-        )
+        words += _likely([one.probability for one in result.effects])
         words += [interval for named in result.effects if (interval := _interval(named))]
     if result.one_of:
         words.append("These runs cannot show which of the causes named with 'or' is present.")
+        shares = [probability_text(one.probability) for group in result.one_of for one in group if one.probability]
+        words += [f"In the order of their names they have probabilities of {', '.join(shares)}."] if shares else []
     return " ".join(words)
+
+
+def _likely(shares: Sequence[float | None]) -> list[str]:
+    """How likely effects that were named are beside the other known causes, where the search states it."""
+    known = [share for share in shares if share is not None]
+    if not known:
+        return []
+    which, least = ("It is this cause", "") if len(known) == 1 else ("Each is this cause", " at least")
+    return [
+        f"{which}, and no other known one in its place, with a probability of {probability_text(min(known))}{least}."
+    ]
 
 
 def steps(result: LoopResult) -> list[str]:

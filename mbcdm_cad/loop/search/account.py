@@ -11,8 +11,8 @@ from mbcdm_cad.loop.effect import Effect, Figure
 from mbcdm_cad.loop.prepare.lines import order_spectrum
 from mbcdm_cad.loop.prepare.prepared import Prepared, held_out
 from mbcdm_cad.loop.readable import INTERVAL, Value, readable
-from mbcdm_cad.loop.result import ONLY_RATIO, Errors, Named, Traces, ways_apart
-from mbcdm_cad.loop.search.evidence import NoiseModel
+from mbcdm_cad.loop.result import ONLY_RATIO, Errors, Evidence, Named, Traces, ways_apart
+from mbcdm_cad.loop.search.evidence import LEAST_FALL, NoiseModel
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.loop.search.unknown import Unknown, rms_value
 from mbcdm_cad.measurement.run import TorqueClass
@@ -178,6 +178,13 @@ def traces(fitter: Fitter, bare: Fit, fit: Fit) -> tuple[Traces, ...]:
             )
         )
     return tuple(found)
+
+
+def left_out(label: str, rms_rad: float, fall_rad2: float, floor_rad: float) -> Evidence:
+    """A candidate that was not taken: it lowers the mean square too little, or something else does as much."""
+    fall_rad = float(np.sqrt(max(0.0, fall_rad2)))
+    why = "too small to name" if fall_rad < LEAST_FALL * floor_rad else "not likely enough"
+    return Evidence(label, rms_rad, fall_rad, why)
 
 
 # Figures of the design, of the errors within a class.

@@ -14,7 +14,7 @@ import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, TypeVar
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,16 +52,16 @@ LOG_SHAPE = float(np.log(20.0))
 
 
 @dataclass(frozen=True, eq=False)
-class CredibleSet:
+class CredibleSet(Generic[SomeFit]):
     """One effect of the final fit and what may stand in its place: the fewest names that hold 95 % of the posterior.
 
     ``probability`` is that of ``effect``. ``alike``: fits that have another effect last in its place, each with its
     probability. ``forms``: other forms of ``effect`` that the data do not tell from it.
     """
 
-    effect: Effect
+    effect: Any
     probability: float
-    alike: tuple[tuple[Fit, float], ...]
+    alike: tuple[tuple[SomeFit, float], ...]
     forms: tuple[str, ...]
 
 
@@ -448,14 +448,14 @@ class Search(Posterior):
                 return self.swapped(self.pruned(best))
         return now
 
-    def found(self) -> tuple[Fit, tuple[CredibleSet, ...]]:
+    def found(self) -> tuple[Fit, tuple[CredibleSet[Fit], ...]]:
         """The fit of most evidence and the credible set of each of its effects."""
         now = self.grown(self.bare)
         if now.effects:
             now = self.fitted(self.of(now).unknown, now.effects, now.values, now.offsets)
         return now, tuple(self._set_of(now, effect) for effect in now.effects)
 
-    def _set_of(self, now: Fit, effect: Effect) -> CredibleSet:
+    def _set_of(self, now: Fit, effect: Effect) -> CredibleSet[Fit]:
         less = self.without(now, effect)
         fits, forms = in_place_of(effect, now, self.additions(less), self.score)
         share, kept = credible(list(map(self.score, (less, *fits))))

@@ -155,7 +155,7 @@ class _Loop:
         else:
             blind = all(p.few for p in self.prepared) or unmeasured
             verdict = "explained" if groups else "not_testable" if blind else "none"
-        noise = self._noise()
+        noise = self.search.white.noise.stated(float(np.sqrt(np.mean([p.floor_rad**2 for p in self.prepared]))))
         return LoopResult(
             verdict,
             tuple(named),
@@ -227,12 +227,6 @@ class _Loop:
         pairs = zip(self.whole.parts, self.whole.runs, strict=True)
         each = (describe_unknown(p, fit.residual[part], self.search.floor_rad) for part, p in pairs)
         return max(each, key=lambda one: one.rms_rad)
-
-    def _noise(self) -> Noise:
-        """The noise of most likelihood, as the result has it."""
-        one, declared = self.search.white.noise, float(np.sqrt(np.mean([p.floor_rad**2 for p in self.prepared])))
-        source = "white noise and AR(1) of most likelihood in what no cause does"
-        return Noise(one.floor_rad, one.white_rad, one.coloured_rad, one.memory_s, declared, source)
 
     def _helpful(self, effect: Effect, fit: Fit) -> Helpful:
         """An effect that was withdrawn beside an unknown part, with the odds of its fit."""
@@ -350,19 +344,18 @@ class _Loop:
             )
         return (*found, *self.search.doubts.values())
 
-    def _alternatives(self, sets: Sequence[CredibleSet]) -> Iterator[Evidence]:
+    def _alternatives(self, sets: Sequence[CredibleSet[Fit]]) -> Iterator[Evidence]:
         """Named effects and what may stand in their place, each with its share of the posterior."""
         for one in sets:
             for fit, share in one.alike:
-                words = f"in place of {one.effect.label}: {share:.2g} to be it, {one.probability:.2g} the other"
+                words = f"in place of {one.effect.label}: probability {share:.2g}, of that {one.probability:.2g}"
                 yield Evidence(fit.effects[-1].label, self.search.held_rms(fit), 0.0, words)
 
     def _small(self, fit: Fit, most: int = 5) -> tuple[Evidence, ...]:
-        """Candidates that are too small to name, with the fall of the error that each would still cause."""
-        rms = self.search.held_rms(fit)
+        """Candidates that were left out, with the fall of the error that each would still cause."""
+        rms, floor_rad = self.search.held_rms(fit), self.search.floor_rad
         return tuple(
-            Evidence(s.effect.label, rms, float(np.sqrt(max(0.0, s.fall))), "too small to name")
-            for s in self.search.screening.screen(fit)[:most]
+            account.left_out(s.effect.label, rms, s.fall, floor_rad) for s in self.search.screening.screen(fit)[:most]
         )
 
 

@@ -25,6 +25,7 @@ import numpy as np
 from scipy.signal import lfilter
 from scipy.special import logsumexp
 
+from mbcdm_cad.loop.prepare.noise import Noise
 from mbcdm_cad.routes import Floats
 
 # Logarithm of the odds from which something counts as certain.
@@ -76,6 +77,11 @@ class NoiseModel:
     def floor_rad(self) -> float:
         """Its RMS, as far as the run is long."""
         return min(float(np.hypot(self.white_rad, self.coloured_rad)), max(self.rest_rad, self.white_rad))
+
+    def stated(self, declared_rad: float) -> Noise:
+        """As a result has it."""
+        source = "white noise and AR(1) of most likelihood in what no cause does"
+        return Noise(self.floor_rad, self.white_rad, self.coloured_rad, self.memory_s, declared_rad, source)
 
     @cached_property
     def _steady(self) -> tuple[float, float, float]:

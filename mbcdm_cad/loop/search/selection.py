@@ -9,14 +9,15 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
 from scipy.special import logsumexp
 
 from mbcdm_cad.loop.result import Evidence, Named
-from mbcdm_cad.loop.search.by_evidence import credible, in_place_of
+from mbcdm_cad.loop.search.account import left_out
+from mbcdm_cad.loop.search.by_evidence import CredibleSet, credible, in_place_of
 from mbcdm_cad.loop.search.evidence import LEAST_FALL, LOG_ODDS
 
 # Candidates that are listed as too small, best first; those that are tried with fewer others.
@@ -31,20 +32,6 @@ class SomeFit(Protocol):
 
 
 AnyFit = TypeVar("AnyFit", bound=SomeFit)
-
-
-@dataclass(frozen=True, eq=False)
-class Alternatives(Generic[AnyFit]):
-    """One cause of the final fit and what may stand in its place: the fewest names that hold 95 % of the posterior.
-
-    ``alike``: fits that have another cause last in its place, most likely first. ``forms``: other forms of ``cause``
-    that the readings do not tell from it.
-    """
-
-    cause: Any
-    probability: float
-    alike: tuple[AnyFit, ...]
-    forms: tuple[str, ...]
 
 
 class Moves(ABC, Generic[AnyFit]):
@@ -83,14 +70,15 @@ class Moves(ABC, Generic[AnyFit]):
     def named(self, cause: Any, fit: AnyFit, fall: float) -> Named:
         """A cause of a fit with its figures."""
 
-    def told(self, fit: AnyFit, places: Sequence[Alternatives[AnyFit]]) -> tuple[list[Named], list[tuple[Named, ...]]]:
+    def told(self, fit: AnyFit, places: Sequence[CredibleSet[AnyFit]]) -> tuple[list[Named], list[tuple[Named, ...]]]:
         """Causes of a fit with one name, and sets of names."""
         outright, sets = list[Named](), list[tuple[Named, ...]]()
         for place in places:
-            first = self.named(place.cause, fit, self.fall(fit, place.cause))
-            first = replace(first, equivalent=place.forms)
-            if place.alike:
-                sets.append((first, *(self.named(one.effects[-1], one, 0.0) for one in place.alike)))
+            first = self.named(place.effect, fit, self.fall(fit, place.effect))
+            first = replace(first, equivalent=place.forms, probability=place.probability)
+            others = [replace(self.named(one.effects[-1], one, 0.0), probability=share) for one, share in place.alike]
+            if others:
+                sets.append((first, *others))
             else:
                 outright.append(first)
         return outright, sets
@@ -110,7 +98,7 @@ class Moves(ABC, Generic[AnyFit]):
         """How much a cause of a fit lowers the error, rad in quadrature."""
         return float(np.sqrt(max(0.0, self.rms(self.without(fit, cause)) ** 2 - self.rms(fit) ** 2)))
 
-    def found(self) -> tuple[AnyFit, list[Alternatives[AnyFit]], list[Evidence], list[Evidence]]:
+    def found(self) -> tuple[AnyFit, list[CredibleSet[AnyFit]], list[Evidence], list[Evidence]]:
         """The likeliest fit without causes that are too small to name, what may stand in the place of each, what was
         accepted, and what is too small."""
         now = self.bare
@@ -127,9 +115,7 @@ class Moves(ABC, Generic[AnyFit]):
         steps = [Evidence(one.label, self.rms(now), self.fall(now, one), "accepted") for one in now.effects]
         left = self.rms(now) ** 2
         small = [
-            Evidence(
-                one.effects[-1].label, self.rms(one), float(np.sqrt(left - self.rms(one) ** 2)), "too small to name"
-            )
+            left_out(one.effects[-1].label, self.rms(one), left - self.rms(one) ** 2, self.floor_rad)
             for one in self.additions(now)[:LISTED]
             if self.rms(one) ** 2 < left
         ]
@@ -168,8 +154,8 @@ class Moves(ABC, Generic[AnyFit]):
         form = {id(one): cause if one is now else one.effects[-1] for one in near}
         return min(near, key=lambda one: self.library.index(form[id(one)]))
 
-    def _place(self, now: AnyFit, cause: Any) -> Alternatives[AnyFit]:
+    def _place(self, now: AnyFit, cause: Any) -> CredibleSet[AnyFit]:
         less = self.without(now, cause)
         fits, forms = in_place_of(cause, now, self.additions(less), self.score)
         share, kept = credible(list(map(self.score, (less, *fits))))
-        return Alternatives(cause, float(share[0]), tuple(fits[k] for k in kept if k > 0), forms)
+        return CredibleSet(cause, float(share[0]), tuple((fits[k], float(share[k])) for k in kept if k > 0), forms)
