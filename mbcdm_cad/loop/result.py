@@ -329,18 +329,14 @@ class LoopResult:
             return "This run cannot be used: " + "; ".join(self.not_testable) + "."
         if self.verdict == "unknown":
             assert self.unknown is not None
-            helps = f"; {self._helps()}" if self.helpful else ""
+            parts = " and ".join(f"{one.named.words} ({one.words})" for one in self.helpful)
+            helps = f"; the error falls with {parts}, which may only resemble the cause" if parts else ""
             return (
                 f"The model lacks something that none of the known effects explains: {self.unknown.sentence()}{helps}."
             )
         tail = f"; with {self.within_class}" if self.within_class else ""
         tail += f"; something unknown is left: {self.unknown.sentence()}" if self.unknown else ""
         return f"The model lacks {' and '.join(words)}; {sizes}{tail}."
-
-    def _helps(self) -> str:
-        """A clause on what lowers the error and is not named."""
-        parts = [f"{one.named.words} ({one.words})" for one in self.helpful]
-        return f"The error falls with {' and '.join(parts)}, which may only resemble the cause"
 
     def _described(self, named: Named) -> str:
         figures = []
@@ -359,7 +355,9 @@ def result_text(result: LoopResult, doubts: Sequence[str] = ()) -> str:
     e = result.errors
     size, unit = size_of("_rad", [e.before.value])
     lines = [result.sentence, *doubts, *(f"doubt: {words}" for words in result.doubts)]
-    lines += [f"probability: {words}" for words in _probabilities(result)]
+    for group in (*((one,) for one in result.effects), *result.one_of):
+        odds = [f"{one.words} {probability_text(one.probability)}" for one in group if one.probability is not None]
+        lines += [f"probability: {', '.join(odds)}"] if odds else []
     lines += [*(f"next: {words}" for words in result.next_steps), ""]
     lines += [
         f"{'error on held-out data':<24}{'RMS':>10}{'95 % from':>12}{'to':>10}{'peak':>10}  {unit}",
@@ -392,13 +390,6 @@ def result_text(result: LoopResult, doubts: Sequence[str] = ()) -> str:
         ]
     lines += [f"smoothing of run {k + 1}: {windows_words(one)}" for k, one in enumerate(result.windows)]
     return "\n".join([*lines, *(f"not testable: {words}" for words in result.not_testable)])
-
-
-def _probabilities(result: LoopResult) -> list[str]:
-    """Of each effect, and of the members of each set, that it is this one, where the search states it."""
-    groups = [*((one,) for one in result.effects), *result.one_of]
-    each = [[(one.words, one.probability) for one in group if one.probability is not None] for group in groups]
-    return [", ".join(f"{name} {probability_text(share)}" for name, share in shares) for shares in each if shares]
 
 
 def _explained(e: Errors) -> str:

@@ -6,7 +6,6 @@ Figures are rounded to the digits that their intervals support.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 from mbcdm_cad.loop.readable import Value, probability_text, size_of
 from mbcdm_cad.loop.result import LEAST_ODDS, ONLY_RATIO, LoopResult, Named, ways_apart
@@ -45,24 +44,19 @@ def certainty(result: LoopResult) -> str:
         return f"The error is {_angle(e.before.value)} RMS and {floor}: none of the known causes explains it.{sure}"
     words = [f"{fell}; {floor}."]
     if result.effects:
-        words += _likely([one.probability for one in result.effects])
+        known = [probability_text(one.probability) for one in result.effects if one.probability is not None]
+        words += (
+            [f"That no other known cause is in its place has a probability of {' and of '.join(known)}."]
+            if known
+            else []
+        )
         words += [interval for named in result.effects if (interval := _interval(named))]
     if result.one_of:
         words.append("These runs cannot show which of the causes named with 'or' is present.")
-        shares = [probability_text(one.probability) for group in result.one_of for one in group if one.probability]
-        words += [f"In the order of their names they have probabilities of {', '.join(shares)}."] if shares else []
+        members = [one for group in result.one_of for one in group]
+        known = [probability_text(one.probability) for one in members if one.probability is not None]
+        words += [f"In the order of their names they have probabilities of {', '.join(known)}."] if known else []
     return " ".join(words)
-
-
-def _likely(shares: Sequence[float | None]) -> list[str]:
-    """How likely effects that were named are beside the other known causes, where the search states it."""
-    known = [share for share in shares if share is not None]
-    if not known:
-        return []
-    which, least = ("It is this cause", "") if len(known) == 1 else ("Each is this cause", " at least")
-    return [
-        f"{which}, and no other known one in its place, with a probability of {probability_text(min(known))}{least}."
-    ]
 
 
 def steps(result: LoopResult) -> list[str]:

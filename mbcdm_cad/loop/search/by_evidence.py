@@ -17,7 +17,6 @@ from functools import partial
 from typing import Any, Generic, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import logsumexp
 
 from mbcdm_cad.loop.effect import Effect, Parameter
@@ -65,19 +64,16 @@ class CredibleSet(Generic[SomeFit]):
     forms: tuple[str, ...]
 
 
-def credible(scores: Sequence[float]) -> tuple[Floats, NDArray[np.int64]]:
-    """Posterior probability of each of several names (k,), and the fewest that hold 95 %, likeliest first; the first of
-    the ``scores`` (k + 1) is that of none."""
-    share = np.exp(np.array(scores) - logsumexp(scores))[1:]
-    order = np.argsort(-share)
-    return share, order[: 1 + int(np.searchsorted(np.cumsum(share[order]), CREDIBLE))]
-
-
-def in_place_of(
-    effect: Any, now: SomeFit, others: Sequence[SomeFit], score: Callable[[SomeFit], float]
-) -> tuple[list[SomeFit], tuple[str, ...]]:
-    """Fits by the name of their last effect: ``now`` with ``effect``, and the likeliest of each of ``others``, most
-    likely first, in its place; other forms of it that the data do not tell from its own."""
+def credible_set(
+    effect: Any,
+    less: SomeFit,
+    now: SomeFit,
+    others: Sequence[SomeFit],
+    score: Callable[[SomeFit], float],
+    untold: Callable[[SomeFit], bool] = lambda fit: False,
+) -> CredibleSet[SomeFit]:
+    """The set of an effect of ``now``, without which the fit is ``less``; ``others`` have another one last in its
+    place, likeliest first. A fit that is ``untold`` from ``now`` is in the set, however likely it is."""
     fits, forms = {effect.key: now}, list[str]()
     for one in others:
         last = one.effects[-1]
@@ -85,7 +81,14 @@ def in_place_of(
             fits.setdefault(last.key, one)
         elif last.form != effect.form and score(one) > score(now) - LOG_ODDS:
             forms.append(last.form)
-    return list(fits.values()), tuple(dict.fromkeys(forms))
+    each = list(fits.values())
+    scores = [score(less), *map(score, each)]
+    share = np.exp(np.array(scores) - logsumexp(scores))[1:]
+    order = np.argsort(-share)
+    kept = order[: 1 + int(np.searchsorted(np.cumsum(share[order]), CREDIBLE))].tolist()
+    kept += [k for k, one in enumerate(each) if untold(one)]
+    alike = tuple((each[k], float(share[k])) for k in dict.fromkeys(kept) if k > 0)
+    return CredibleSet(effect, float(share[0]), alike, tuple(dict.fromkeys(forms)))
 
 
 def bounds_of(effects: Sequence[Effect]) -> Floats:
@@ -456,13 +459,11 @@ class Search(Posterior):
         return now, tuple(self._set_of(now, effect) for effect in now.effects)
 
     def _set_of(self, now: Fit, effect: Effect) -> CredibleSet[Fit]:
-        less = self.without(now, effect)
-        fits, forms = in_place_of(effect, now, self.additions(less), self.score)
-        share, kept = credible(list(map(self.score, (less, *fits))))
         # What was not measured is in the set if what tells it from the effect is too small to name.
         least, here = (LEAST_FALL * self.floor_rad) ** 2, self.held_rms(now) ** 2
-        beside = [
-            k for k, one in enumerate(fits) if one.effects[-1].unmeasured and self.held_rms(one) ** 2 - here < least
-        ]
-        alike = tuple((fits[k], float(share[k])) for k in dict.fromkeys((*kept, *beside)) if k > 0)
-        return CredibleSet(effect, float(share[0]), alike, forms)
+
+        def untold(one: Fit) -> bool:
+            return one.effects[-1].unmeasured and self.held_rms(one) ** 2 - here < least
+
+        less = self.without(now, effect)
+        return credible_set(effect, less, now, self.additions(less), self.score, untold)

@@ -25,6 +25,7 @@ from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.loop.search.own import begun, differing, in_best_forms, own_effects
 from mbcdm_cad.loop.search.response import ResponseLoop
 from mbcdm_cad.loop.search.screening import located
+from mbcdm_cad.loop.search.selection import LISTED
 from mbcdm_cad.loop.search.unknown import Unknown, describe_unknown, hangs_on
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.measurement.schema import FREQUENCY_RESPONSE, MOTION
@@ -155,6 +156,7 @@ class _Loop:
         else:
             blind = all(p.few for p in self.prepared) or unmeasured
             verdict = "explained" if groups else "not_testable" if blind else "none"
+        rms, screened = self.search.held_rms(kept), self.search.screening.screen(kept)
         noise = self.search.white.noise.stated(float(np.sqrt(np.mean([p.floor_rad**2 for p in self.prepared]))))
         return LoopResult(
             verdict,
@@ -163,7 +165,7 @@ class _Loop:
             unknown,
             found,
             tuple(self._alternatives(sets)),
-            self._small(kept),
+            tuple(account.left_out(s.effect.label, rms, s.fall, floor_rad) for s in screened[:LISTED]),
             account.not_testable(self.d, self.prepared),
             account.next_steps(named, one_of, unknown),
             account.chain_orders(self.d, self.ratio),
@@ -350,13 +352,6 @@ class _Loop:
             for fit, share in one.alike:
                 words = f"in place of {one.effect.label}: probability {share:.2g}, of that {one.probability:.2g}"
                 yield Evidence(fit.effects[-1].label, self.search.held_rms(fit), 0.0, words)
-
-    def _small(self, fit: Fit, most: int = 5) -> tuple[Evidence, ...]:
-        """Candidates that were left out, with the fall of the error that each would still cause."""
-        rms, floor_rad = self.search.held_rms(fit), self.search.floor_rad
-        return tuple(
-            account.left_out(s.effect.label, rms, s.fall, floor_rad) for s in self.search.screening.screen(fit)[:most]
-        )
 
 
 def _scaled(effect: Effect, values: Floats, share: float) -> Floats:

@@ -10,31 +10,21 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Any, Generic
 
 import numpy as np
 from scipy.special import logsumexp
 
 from mbcdm_cad.loop.result import Evidence, Named
 from mbcdm_cad.loop.search.account import left_out
-from mbcdm_cad.loop.search.by_evidence import CredibleSet, credible, in_place_of
+from mbcdm_cad.loop.search.by_evidence import CredibleSet, SomeFit, credible_set
 from mbcdm_cad.loop.search.evidence import LEAST_FALL, LOG_ODDS
 
 # Candidates that are listed as too small, best first; those that are tried with fewer others.
 LISTED, EXCHANGED = 5, 3
 
 
-class SomeFit(Protocol):
-    """A fit of causes."""
-
-    @property
-    def effects(self) -> tuple[Any, ...]: ...
-
-
-AnyFit = TypeVar("AnyFit", bound=SomeFit)
-
-
-class Moves(ABC, Generic[AnyFit]):
+class Moves(ABC, Generic[SomeFit]):
     """The search; a problem says how causes are fitted, and how likely a fit is."""
 
     # Causes of a fit; candidates beside which each other one is tried, where none is likely alone.
@@ -43,7 +33,7 @@ class Moves(ABC, Generic[AnyFit]):
     same_form = float(np.log(10.0))
     names: int
     library: Sequence[Any]
-    bare: AnyFit
+    bare: SomeFit
 
     @property
     @abstractmethod
@@ -51,26 +41,26 @@ class Moves(ABC, Generic[AnyFit]):
         """The noise floor, rad RMS."""
 
     @abstractmethod
-    def trials(self, now: AnyFit) -> Sequence[AnyFit]:
+    def trials(self, now: SomeFit) -> Sequence[SomeFit]:
         """Fits of ``now`` with one cause more."""
 
     @abstractmethod
-    def without(self, fit: AnyFit, cause: Any) -> AnyFit:
+    def without(self, fit: SomeFit, cause: Any) -> SomeFit:
         """The fit without one of its causes."""
 
     @abstractmethod
-    def log_of(self, fit: AnyFit) -> float:
+    def log_of(self, fit: SomeFit) -> float:
         """Logarithm of the evidence of a fit."""
 
     @abstractmethod
-    def rms(self, fit: AnyFit) -> float:
+    def rms(self, fit: SomeFit) -> float:
         """Error that a fit leaves, rad RMS."""
 
     @abstractmethod
-    def named(self, cause: Any, fit: AnyFit, fall: float) -> Named:
+    def named(self, cause: Any, fit: SomeFit, fall: float) -> Named:
         """A cause of a fit with its figures."""
 
-    def told(self, fit: AnyFit, places: Sequence[CredibleSet[AnyFit]]) -> tuple[list[Named], list[tuple[Named, ...]]]:
+    def told(self, fit: SomeFit, places: Sequence[CredibleSet[SomeFit]]) -> tuple[list[Named], list[tuple[Named, ...]]]:
         """Causes of a fit with one name, and sets of names."""
         outright, sets = list[Named](), list[tuple[Named, ...]]()
         for place in places:
@@ -83,22 +73,22 @@ class Moves(ABC, Generic[AnyFit]):
                 outright.append(first)
         return outright, sets
 
-    def score(self, fit: AnyFit) -> float:
+    def score(self, fit: SomeFit) -> float:
         """Logarithm of the evidence, times the prior of its names, each as likely as each other."""
         return self.log_of(fit) - len(fit.effects) * float(np.log(self.names))
 
-    def additions(self, now: AnyFit) -> list[AnyFit]:
+    def additions(self, now: SomeFit) -> list[SomeFit]:
         """Fits of ``now`` with one cause more, most likely first."""
-        known: dict[AnyFit, list[AnyFit]] = self.__dict__.setdefault("_additions", {})
+        known: dict[SomeFit, list[SomeFit]] = self.__dict__.setdefault("_additions", {})
         if now not in known:
             known[now] = sorted(self.trials(now), key=self.score, reverse=True)
         return known[now]
 
-    def fall(self, fit: AnyFit, cause: Any) -> float:
+    def fall(self, fit: SomeFit, cause: Any) -> float:
         """How much a cause of a fit lowers the error, rad in quadrature."""
         return float(np.sqrt(max(0.0, self.rms(self.without(fit, cause)) ** 2 - self.rms(fit) ** 2)))
 
-    def found(self) -> tuple[AnyFit, list[CredibleSet[AnyFit]], list[Evidence], list[Evidence]]:
+    def found(self) -> tuple[SomeFit, list[CredibleSet[SomeFit]], list[Evidence], list[Evidence]]:
         """The likeliest fit without causes that are too small to name, what may stand in the place of each, what was
         accepted, and what is too small."""
         now = self.bare
@@ -119,9 +109,13 @@ class Moves(ABC, Generic[AnyFit]):
             for one in self.additions(now)[:LISTED]
             if self.rms(one) ** 2 < left
         ]
-        return now, [self._place(now, cause) for cause in now.effects], steps, small
+        places = []
+        for cause in now.effects:
+            less = self.without(now, cause)
+            places.append(credible_set(cause, less, now, self.additions(less), self.score))
+        return now, places, steps, small
 
-    def _better(self, now: AnyFit) -> AnyFit | None:
+    def _better(self, now: SomeFit) -> SomeFit | None:
         """``now`` with one cause more, or with others, that is likely enough; else with two of which each needs the
         other, such as a creep and a warming against it."""
         more = self.additions(now)
@@ -134,12 +128,12 @@ class Moves(ABC, Generic[AnyFit]):
         pair = max((two for one in more[: self.paired] for two in self.additions(one)[:1]), key=self.score, default=now)
         return pair if self.score(pair) - self.score(now) >= LOG_ODDS else None
 
-    def _pruned(self, now: AnyFit) -> AnyFit:
+    def _pruned(self, now: SomeFit) -> SomeFit:
         """``now`` without causes that the others explain as well."""
         less = max((self.without(now, one) for one in now.effects[:-1]), key=self.score, default=now)
         return self._pruned(less) if self.score(less) > self.score(now) else now
 
-    def _exchanged(self, now: AnyFit) -> AnyFit:
+    def _exchanged(self, now: SomeFit) -> SomeFit:
         """``now`` with another cause, or form, in the place of one, while that is likelier."""
         for cause in now.effects:
             others = self.additions(self.without(now, cause))
@@ -147,15 +141,9 @@ class Moves(ABC, Generic[AnyFit]):
                 return self._exchanged(self._pruned(others[0]))
         return now
 
-    def _in_first_form(self, now: AnyFit, cause: Any) -> AnyFit:
+    def _in_first_form(self, now: SomeFit, cause: Any) -> SomeFit:
         """``now`` with a cause in the first form of the library that is about as likely as any."""
         fits = [one for one in self.additions(self.without(now, cause)) if one.effects[-1].key == cause.key]
         near = [one for one in (now, *fits) if self.score(one) >= self.score(now) - self.same_form]
         form = {id(one): cause if one is now else one.effects[-1] for one in near}
         return min(near, key=lambda one: self.library.index(form[id(one)]))
-
-    def _place(self, now: AnyFit, cause: Any) -> CredibleSet[AnyFit]:
-        less = self.without(now, cause)
-        fits, forms = in_place_of(cause, now, self.additions(less), self.score)
-        share, kept = credible(list(map(self.score, (less, *fits))))
-        return CredibleSet(cause, float(share[0]), tuple((fits[k], float(share[k])) for k in kept if k > 0), forms)
