@@ -47,10 +47,9 @@ def prepare_readings(run: Run, ratio: float) -> Prepared:
     return _prepared(run, ratio, signals, sweep, used, np.isin(sweep, held), words)
 
 
-def prepare_creep(run: Run, ratio: float, later: bool = True) -> Prepared:
+def prepare_creep(run: Run, ratio: float) -> Prepared:
     """Readings at rest, of a logger's the means over equal parts of the logarithm of time. A sample without a load is
-    set before them. Held back is the last third of each course, in the logarithm of time; if not ``later``, every third
-    reading."""
+    set before them. Held back is the last third of each course, in the logarithm of time."""
     times = np.array([at for at, _ in loadings(run)])
     since, course = since_loading(run), np.searchsorted(times, run.time_s, side="left")
     early = float(since[since > 0.0].min())
@@ -77,8 +76,6 @@ def prepare_creep(run: Run, ratio: float, later: bool = True) -> Prepared:
     words = (
         f"the last third of the logarithm of time, from {float(time[1:][held].min()) if held.any() else 0.0:.3g} s on"
     )
-    if not later:
-        held, words = used & (np.arange(at.size) % 3 == 1), "every third reading, as what comes late is not foretold"
     load = None if run.load_Nm is None else led(mean(run.load_Nm), 0.0)
     warm = None if run.temperature_C is None else led(mean(run.temperature_C), float(run.temperature_C[0]))
     angle = np.stack([led(mean(row), float(row[0])) for row in run.input_rad])

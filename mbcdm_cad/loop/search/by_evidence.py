@@ -297,12 +297,12 @@ class Search(Posterior):
             at += m + 1
         return sorted(found, key=lambda pair: -pair[0])
 
-    def additions(self, now: Fit, most: int = REFITS) -> list[Fit]:
+    def additions(self, now: Fit) -> list[Fit]:
         """Refits of ``now`` with one effect more, most evidence first."""
         if now in self._moves:
             return self._moves[now]
         ranked = self._promises(now)
-        chosen = [c for log, c in ranked[:most] if log > ranked[0][0] - HOPELESS]
+        chosen = [c for log, c in ranked[:REFITS] if log > ranked[0][0] - HOPELESS]
         # A linear step may promise little evidence where it explains most of the error.
         chosen += [c for _, c in sorted(ranked, key=lambda pair: -pair[1].fall)[:BY_FALL] if c not in chosen]
         names = {c.effect.name for c in chosen[:1]}
