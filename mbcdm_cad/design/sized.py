@@ -104,9 +104,9 @@ class Sizing:
 
     ``ends``: how the searches of the rules ended, where they search, and ``refused`` what a drive of them did not bear,
     ``held`` what went up and down; the sizing of a similar design begins there.
-    ``raised``: factors on the values of rules with which the design is as stiff, or turns as easily, as its file asks;
-    None where it asks for neither. ``ratio``: what the lightest of several drives had, where file and rules of single
-    fields leave the ratio open.
+    ``raised``: factors on the values of rules with which the design is as stiff, or turns as easily, as its file asks,
+    or mass times compliance is least; None before they are sought. ``ratio``: what the lightest of several drives had,
+    where file and rules of single fields leave the ratio open.
     """
 
     data: dict[str, Any]

@@ -1,4 +1,4 @@
-"""The first rules for drives with a motor head: limits, materials, motor and gearhead, the rope's limits."""
+"""The first rules of all layouts: limits, materials, motor and gearhead, the rope's limits."""
 
 from __future__ import annotations
 

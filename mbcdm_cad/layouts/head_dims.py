@@ -1,4 +1,4 @@
-"""Sizing rules that drives with a motor head share: shelves of the head, and the drum without its width."""
+"""Sizing rules that layouts share: shelves of the inputs, and the drum without its width."""
 
 from __future__ import annotations
 
@@ -36,8 +36,9 @@ WHOLE_NM = 5.0
 UNUSED, LEAST_SHELF_MM, COUPLING_MM = NOT_USED + "the motor's shaft carries the pulley", 3.0, 5.0
 # Engaged thread of a face's screws, in diameters.
 ENGAGED = 1.25
-# Angle of the sector beyond the travel, before the limits of the wraps are known.
-SECTOR_SPARE_DEG = 15.0
+# Angle of the sector beyond the travel, before the limits of the wraps are known, and the widest that is tried first
+# (estimate).
+SECTOR_SPARE_DEG, WIDEST_DEG = 15.0, 174.0
 
 
 def either(given: TrialKnown, part: str, values: tuple[float, float]) -> float:
@@ -224,7 +225,7 @@ def sector(given: TrialKnown) -> Found:
     """Half angle of the drum's sector."""
     if given["travel.half_angle_deg"] > given.most_sector_travel_deg:
         return Found(WHOLE_DEG, "wrap_under_turn", "a whole drum")
-    start = min(given["travel.half_angle_deg"] + SECTOR_SPARE_DEG, 174.0)
+    start = min(given["travel.half_angle_deg"] + SECTOR_SPARE_DEG, WIDEST_DEG)
     checks = ("wrap_left", "terminal_clears_input", "stop_slot", "terminal_angles")
     return given.moved("drum.sector_half_angle_deg", start, 1.0, checks)
 

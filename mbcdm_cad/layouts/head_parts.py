@@ -1,4 +1,4 @@
-"""Rules that choose the bought parts of drives with a motor head: the lightest with which the checks pass."""
+"""Rules by which all layouts choose bought parts: the lightest with which the checks pass."""
 
 from __future__ import annotations
 

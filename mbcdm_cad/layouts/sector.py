@@ -32,6 +32,11 @@ if TYPE_CHECKING:
     from mbcdm_cad.model.structure.causes import Cause
 
 
+# Gap between an input pulley's end face and a shelf, bridged by the inner ring's shoulder; the pulley's axial play
+# between its two bearings (estimates).
+SHELF_GAP_MM, END_PLAY_MM = 0.6, 0.1
+
+
 @dataclass(frozen=True, kw_only=True)
 class InputLevels:
     """Levels in mm: ``_z`` along an input's axis, from motor to encoder, ``_y`` along the drum's.
@@ -54,6 +59,11 @@ class InputLevels:
     drum_outer_y: float
     hub_face_y: float
     boss_front_y: float
+
+    @property
+    def upper_neck_top_z(self) -> float:
+        """Top of the pulley's upper neck, which its play keeps from the bearing."""
+        return self.top_plate_bottom_z - END_PLAY_MM
 
 
 class SectorLayout(Layout):
@@ -284,6 +294,11 @@ class HeadLayout(SectorLayout):
     @abstractmethod
     def head(self) -> HeadDims:
         """Motor head."""
+
+    @property
+    def before_drum(self) -> str:
+        """See the base class."""
+        return "input pulley"
 
     @property
     def encoder_plate_mm(self) -> float:

@@ -143,15 +143,16 @@ def _has_encoder(given: KnownFields, now: Mapping[str, Any], entry: Mapping[str,
 
 
 _part = partial(Stiffener, grows=2.0, order="diameter_mm")
-_bearing = partial(Stiffener, most=3.0, grows=2.0, kind="bearings", order="outer_diameter_mm", fits=_no_thinner)
+# Of a bearing; a part that only one layout has may have one too.
+bearing = partial(Stiffener, most=3.0, grows=2.0, kind="bearings", order="outer_diameter_mm", fits=_no_thinner)
 SHARED: tuple[Stiffener, ...] = (
     _part("rope.type", (CABLES,), 4.0, kind="ropes", fits=_same_construction, stated=True),
     Stiffener(PRELOAD, (CABLES,), 2.0, 1.0, stated=True),
     Stiffener("drum.hub_diameter_mm", (DRUM,), 4.0, 0.5, grows=2.0),
     Stiffener("drum.web_thickness_mm", ("drum: web",), 6.0),
-    _bearing("drum.bearing", ("drum's ",), fits=_has_encoder),
-    _bearing("input_pulleys.upper_bearing", ("input pulleys' bearings", "input pulleys, bending"), fits=_has_encoder),
-    _bearing("input_pulleys.lower_bearing", ("input pulleys",)),
+    bearing("drum.bearing", ("drum's ",), fits=_has_encoder),
+    bearing("input_pulleys.upper_bearing", ("input pulleys' bearings", "input pulleys, bending"), fits=_has_encoder),
+    bearing("input_pulleys.lower_bearing", ("input pulleys",)),
     _part("drive.gearhead", ("gearheads",), 3.0, kind="gearheads"),
 )
 
@@ -173,18 +174,13 @@ def walls(*fields: str) -> tuple[Stiffener, ...]:
     )
 
 
-def bearing(field: str, *causes: str) -> Stiffener:
-    """A bearing of a part that only one layout has."""
-    return _bearing(field, causes)
-
-
 @dataclass(frozen=True)
 class _End:
     """How far a drive is stiffened.
 
     ``field``: what the file asks for, or the check of the frame's windup, which ``holds`` for a counted turn and the
-    cables' turn; none where mass and compliance are weighed, the mass at most ``most_g``, and no further where it is
-    ``enough_g`` already. ``share``: the cables' turn does not count; ``of``: only causes whose names begin so do.
+    cables' turn; none where mass and compliance are weighed, the mass at most ``most_g``. ``share``: the cables' turn
+    does not count; ``of``: only causes whose names begin so do.
     """
 
     field: str = ""
@@ -192,7 +188,6 @@ class _End:
     share: bool = False
     of: str = ""
     most_g: float = inf
-    enough_g: float = inf
 
 
 def _ends(data: Mapping[str, Any]) -> Iterator[_End]:
@@ -231,9 +226,7 @@ class _Weighed:
 
     def left(self, end: _End) -> bool:
         """Whether the end asks for more, or cannot tell."""
-        if not end.field:
-            return not end.enough_g <= self.mass_g <= end.most_g
-        return not end.holds(sum(self.counted(end).values()), self.turns[CABLES])
+        return not (end.field and end.holds(sum(self.counted(end).values()), self.turns[CABLES]))
 
     def better(self, end: _End, before: _Weighed) -> bool:
         """Whether it is nearer to the end than another; to a figure that the file asks for every step counts."""

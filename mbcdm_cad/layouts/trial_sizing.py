@@ -1,4 +1,4 @@
-"""Sizing of drives with a motor head: fields, catalogue, and checks on a trial drive.
+"""What the sizing of all layouts reads: fields, catalogue, and checks on a trial drive.
 
 Rules find the value at which checks pass by running them on a trial drive. It is made of the fields known so far and,
 for open fields, of their values from the previous pass. Passes are repeated until no field changes.

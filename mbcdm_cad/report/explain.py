@@ -138,8 +138,9 @@ def explain_field(loaded: LoadedDesign, field: str) -> Explained:
         ]
         raise MbcdmError(f"{loaded.path}: {field}: no such field; {did_you_mean(field, known)}")
     data = loaded.given
-    given = field.partition(".")[0] not in _WITHOUT_RULES and value_at(data, field) is not None
-    return Explained(field, value, True, _without(loaded, data, field) if given else None)
+    given = value_at(data, field) is not None
+    ruled = given and field.partition(".")[0] not in _WITHOUT_RULES
+    return Explained(field, value, given, _without(loaded, data, field) if ruled else None)
 
 
 def table_lines(loaded: LoadedDesign, width: int | None = None) -> Iterator[str]:
@@ -186,10 +187,9 @@ def chain_lines(loaded: LoadedDesign, field: str, width: int | None = None) -> I
 def _chain(loaded: LoadedDesign, field: str) -> Iterator[str]:
     entry = explain_field(loaded, field)
     yield f"{field} = {_short(entry.value)}"
-    if entry.given:
-        yield "  given in the file"
-        if entry.record is None:
-            return
+    if entry.given or entry.record is None:
+        yield "  given in the file" if entry.given else "  left out; its default"
+    if entry.given and entry.record is not None:
         yield f"  its rule gives {_short(entry.record.value)} ({entry.record.reason})"
     sized = {value.field: value for value in loaded.sized}
     if entry.record is not None:

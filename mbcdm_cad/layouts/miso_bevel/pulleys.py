@@ -16,7 +16,7 @@ from math import hypot, pi, radians, tau
 
 from mbcdm_cad.layouts.miso_bevel.cable_path import stop_of, winding
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
-from mbcdm_cad.layouts.miso_bevel.stack import END_PLAY_MM, Band, Stack, band, outward_of
+from mbcdm_cad.layouts.miso_bevel.stack import Band, Stack, band, outward_of
 from mbcdm_cad.parts.coupling import collar_width_mm
 from mbcdm_cad.parts.drum_sector import sizes
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
@@ -91,7 +91,7 @@ def input_pulley(drive: BevelDrive, in_assembly: Stack, name: str) -> dims.Input
         upper_surface_radius=high.cable.input_radius_mm - flank,
         land_top_z=land_top,
         upper_neck_radius=dims.neck_radius_mm(bearings.input_upper.inner_shoulder_mm, high.stop),
-        upper_neck_top_z=levels.top_plate_bottom_z - END_PLAY_MM,
+        upper_neck_top_z=levels.upper_neck_top_z,
         upper_journal_radius=bearings.input_upper.bore_mm / 2,
         journal_top_z=levels.top_plate_top_z + dims.ENCODER_INSERTION_MM,
         bore_radius=gear.shaft_diameter_mm / 2,

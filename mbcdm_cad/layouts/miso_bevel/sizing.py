@@ -48,28 +48,26 @@ DISTANCE, SETBACK = "transmission.centre_distance_mm", "transmission.input_setba
 STEP, GUIDE = "transmission.step_mm", "transmission.guide_radius_mm"
 # Least guide that a file may have, over the input and over the drum.
 LEAST_OVER_INPUT, LEAST_OVER_DRUM = 0.2, 0.02
-# Mean radius of the drum over that of step 1, before the steps are known.
+# Mean radius of the drum over that of step 1, before the steps are known (estimate).
 MEAN_OVER_FIRST = 1.1
-# Largest share of an input in the peak torque over half of it: the cables of inner steps are shorter, hence stiffer.
+# Largest share of an input in the peak torque over half of it: the cables of inner steps are shorter, hence stiffer
+# (estimate; the checks measure it).
 UNEVEN = 1.07
-# The same of a cable, before its step is known; and strength of a swaged end over the rope's.
+# The same of a cable, before its step is known; and strength of a swaged end over the rope's (estimates).
 MOST_UNEVEN, SWAGED_SHARE = 1.25, 0.9
-# Gap between a cable and the flank of the land above it, beyond the land's edge, for tolerances.
+# Gap between a cable and the flank of the land above it, beyond the land's edge, for tolerances (estimate).
 FLANK_GAP_MM = 0.045
-# Preloads that are tried over the usual one, which is twice what keeps the cables taut.
+# Preloads that are tried over the usual one, which is twice what keeps the cables taut (a choice).
 PRELOAD_SHARES = (0.9, 0.8, 0.7, 0.6, 0.5)
 # Numbers of the payload's screws over the usual one that are tried.
 MORE_SCREWS = (5, 8)
-# Walls of a milled part and of a printed one, mm.
-BACK_MM, RIB_MM, SIDE_MM = (4.0, 7.0), (4.0, 8.0), (4.0, 6.0)
-# Least height of a shelf, mm.
-SHELF_MM = 3.0
+# Walls of a milled part and of a printed one, mm (estimate).
+BACK_MM, RIB_MM = (4.0, 7.0), (4.0, 8.0)
 # Free span over that at which the walk makes the limit of the fleet angle, so that rounding does not shorten it; and
 # what a lead that just clears the turn before it is raised by, as a share of the rope's diameter (tolerances).
 SPAN_SPARE, LEAD_SPARE = 1.01, 0.008
-# Angle of the sector beyond the travel, before the limits of the wraps are known, and the widest sector.
-SECTOR_SPARE_DEG, WIDEST_DEG = 15.0, 170.0
-TURN_STEP_DEG = 15.0
+# The widest sector that is tried first; steps of a gearhead's turn (choices).
+WIDEST_DEG, TURN_STEP_DEG = 170.0, 15.0
 
 
 class BevelKnown(TrialKnown):
@@ -348,11 +346,12 @@ def guide_bearing(given: BevelKnown) -> Found:
     return given.first("guide.bearing", by_mass(given, "bearings"), ("guide_bearings", "axle_stress", "guide_wall"))
 
 
-def _height(field: str, text: str, driver: str, least_mm: float, *checks: str) -> Rule:
-    """A height of the frame, the least for its checks."""
+def _height(field: str, text: str, driver: str, *checks: str) -> Rule:
+    """A height of the frame, the least for its checks, of which the first is its driver."""
 
     def value(given: BevelKnown) -> Found:
-        return given.moved(f"support.{field}", max(least_mm, given.wall_mm("support")), 0.1, checks)
+        start = max(head_dims.LEAST_SHELF_MM, given.wall_mm("support"))
+        return given.moved(f"support.{field}", start, 0.1, (driver, *checks))
 
     return Rule(f"support.{field}", text, driver, value)
 
@@ -372,7 +371,7 @@ def motor_shelf(given: BevelKnown) -> Found:
 
 @rule("support.side_wall_mm", "walls beside the sunk heads of the top plate's screws", "side_wall")
 def side_wall(given: BevelKnown) -> Found:
-    return given.moved("support.side_wall_mm", _usual(given, SIDE_MM), 0.1, ("side_wall", "wall_holes"))
+    return given.moved("support.side_wall_mm", _usual(given, head_dims.SIDE_MM), 0.1, ("side_wall", "wall_holes"))
 
 
 @rule("support.back_plate_mm", "usual thickness for its material", "walls")
@@ -401,7 +400,7 @@ def sector(given: BevelKnown) -> Found:
     if box is not None and box[0] < 2 * outer:
         # A wider sector would exceed the box: it takes precedence, and the checks show the effect.
         return Found(round(degrees(asin(box[0] / 2 / outer)), 1), "targets.envelope_mm", "to 0.1")
-    start = min(given["travel.half_angle_deg"] + SECTOR_SPARE_DEG, WIDEST_DEG)
+    start = min(given["travel.half_angle_deg"] + head_dims.SECTOR_SPARE_DEG, WIDEST_DEG)
     checks = ("wrap_left", "terminal_clears_guide", "stop_slot", "terminal_angles", "terminals_apart")
     return given.moved("drum.sector_half_angle_deg", start, 0.5, checks)
 
@@ -520,15 +519,11 @@ OWN = (
     constant("guide.axle_material", "steel", "made from ground bar", "process"),
 )
 RADII_RULES = (land_edge, common_rules.transfer_gap, guide_to_drum, drum_radii, input_to_guide, surface, lead)
+_SHELF = ("bearing_shelf", "walls", "hole_webs")
+_PLATE = ("top_plate", "walls", "hole_webs", "engagement")
 HEIGHTS = (
-    _height(
-        *("bearing_shelf_mm", "bearing and shoulder, and the axle's set screw", "bearing_shelf", SHELF_MM),
-        *("bearing_shelf", "walls", "hole_webs"),
-    ),
-    _height(
-        *("top_plate_mm", "bearing and shoulder, and the heads of screws", "top_plate", SHELF_MM),
-        *("top_plate", "walls", "hole_webs", "engagement"),
-    ),
+    _height("bearing_shelf_mm", "bearing and shoulder, and the axle's set screw", *_SHELF),
+    _height("top_plate_mm", "bearing and shoulder, and the heads of screws", *_PLATE),
 )
 FRAME = (motor_shelf, *HEIGHTS, head_dims.coupling_space, side_wall, rib, back_plate)
 DRUM = (
@@ -556,7 +551,7 @@ DERIVED = tuple(
 _BOSS = ("frame: column", "frame: boss", "drum's ")
 STIFFENERS = (
     *(replace(one, causes=_BOSS) if one.field == "drum.bearing" else one for one in SHARED),
-    bearing("guide.bearing", "guide's "),
+    bearing("guide.bearing", ("guide's ",)),
     *walls("back_plate", "rib", "side_wall"),
 )
 # A setback is changed by adding, since it is often zero: a factor of 2 means this many mm more.

@@ -22,17 +22,12 @@ from math import radians, sqrt
 from mbcdm_cad.layouts.miso_bevel.cable_path import axial_walk_mm, guide_landing_walk_mm
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.layouts.miso_bevel.plate_screws import Edges, beside_box_mm
-from mbcdm_cad.layouts.sector import InputLevels
+from mbcdm_cad.layouts.sector import END_PLAY_MM, SHELF_GAP_MM, InputLevels
 from mbcdm_cad.parts.coupling import collar_sweep_mm
 from mbcdm_cad.parts.drum_sector.sizes import terminal_half_mm
 from mbcdm_cad.parts.input_pulley.dims import helix_stop_land_mm
+from mbcdm_cad.parts.motor_head.dims import TOOL_SLENDERNESS
 
-# Gap between a pulley's end face and a shelf or plate; the inner ring's shoulder bridges it.
-SHOULDER_MM = 0.6
-# Axial play of an input pulley between its two bearings.
-END_PLAY_MM = 0.1
-# Longest sensible reach of an end mill, in diameters.
-TOOL_SLENDERNESS = 4.0
 # Land of the guide beyond the flank of the outermost cable at its widest walk.
 GUIDE_MARGIN_MM = 0.8
 
@@ -157,9 +152,9 @@ def stack(drive: BevelDrive) -> Stack:
     pulleys_high = max(b.high_mm for b in bands.values()) + beyond
 
     s = drive.support
-    bearing_top = min(pulleys_low, guide_bottom) - SHOULDER_MM
+    bearing_top = min(pulleys_low, guide_bottom) - SHELF_GAP_MM
     bearing_bottom = bearing_top - s.bearing_shelf_mm
-    plate_bottom = max(pulleys_high, guide_top) + SHOULDER_MM + END_PLAY_MM
+    plate_bottom = max(pulleys_high, guide_top) + SHELF_GAP_MM + END_PLAY_MM
     plate_top = plate_bottom + s.top_plate_mm
 
     low_nut = min(c.guide_radius_mm for c in drive.cables) - terminal_half_mm(drive)

@@ -104,11 +104,6 @@ class DirectLayout(HeadLayout):
         return head(self.drive, self.levels, flange(self.levels))
 
     @property
-    def before_drum(self) -> str:
-        """See the base class."""
-        return "input pulley"
-
-    @property
     def steps_before_drum(self) -> tuple[tuple[float, float], ...]:
         """See the base class."""
         pulley = self.inputs[0]

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from mbcdm_cad.layouts.siso_bevel.cable_path import TRANSFER_RAD, input_wrap_rad, stop_bend
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive, DirectRun
-from mbcdm_cad.layouts.siso_bevel.stack import END_PLAY_MM, DirectStack
+from mbcdm_cad.layouts.siso_bevel.stack import DirectStack
 from mbcdm_cad.parts.coupling import collar_width_mm
 from mbcdm_cad.parts.input_pulley import dims
 
@@ -53,7 +53,7 @@ def input_pulley(drive: DirectDrive, levels: DirectStack) -> dims.InputPulleyDim
         upper_surface_radius=small.input_radius_mm - flank,
         land_top_z=levels.land_top_z,
         upper_neck_radius=bearings.input_upper.inner_shoulder_mm / 2,
-        upper_neck_top_z=levels.top_plate_bottom_z - END_PLAY_MM,
+        upper_neck_top_z=levels.upper_neck_top_z,
         upper_journal_radius=bearings.input_upper.bore_mm / 2,
         journal_top_z=levels.top_plate_top_z + dims.ENCODER_INSERTION_MM,
         bore_radius=gear.shaft_diameter_mm / 2,

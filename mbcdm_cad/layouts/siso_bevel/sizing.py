@@ -197,11 +197,7 @@ RULES: tuple[Rule, ...] = (
     *DRUM,
     back,
 )
-DERIVED = tuple(
-    rule.field
-    for rule in (*TRANSFER, *FRAME, *DRUM, back)
-    if not rule.field.startswith("limits.") and rule.field != "drum.windows"
-)
+DERIVED = tuple(rule.field for rule in (*TRANSFER, *FRAME, *DRUM, back) if rule.field != "drum.windows")
 
 
 STIFFENERS = (*SHARED, *walls("back_plate", "rib", "side_wall"))

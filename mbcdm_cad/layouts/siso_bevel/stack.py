@@ -14,7 +14,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import sqrt
 
-from mbcdm_cad.layouts.sector import InputLevels
+from mbcdm_cad.layouts.sector import END_PLAY_MM, SHELF_GAP_MM, InputLevels
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
 from mbcdm_cad.parts.drum_sector.sizes import terminal_half_mm
 from mbcdm_cad.parts.input_pulley.dims import stop_land_mm
@@ -25,10 +25,6 @@ HEAD_ROOM_MM = 0.1
 
 # Corners of a printed frame's pockets (estimate).
 PRINTED_CORNER_MM = 2.0
-# Gap between the pulley's end face and a shelf; the inner ring's shoulder bridges it.
-SHOULDER_MM = 0.6
-# Axial play of the pulley between its two bearings.
-END_PLAY_MM = 0.1
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,11 +57,11 @@ def direct_stack(drive: DirectDrive) -> DirectStack:
     land_bottom = -steps[-1] - flank - beyond
     land_top = -steps[0] + flank + beyond
     s = drive.support
-    bearing_top = land_bottom - SHOULDER_MM
+    bearing_top = land_bottom - SHELF_GAP_MM
     bearing_bottom = bearing_top - s.bearing_shelf_mm
     motor_top = bearing_bottom - s.coupling_space_mm
     motor_bottom = motor_top - s.motor_shelf_mm
-    shelf_bottom = land_top + SHOULDER_MM + END_PLAY_MM
+    shelf_bottom = land_top + SHELF_GAP_MM + END_PLAY_MM
     shelf_top = shelf_bottom + s.encoder_shelf_mm
 
     smallest, largest = (f(c.input_radius_mm for c in drive.cables) for f in (min, max))

@@ -322,11 +322,6 @@ class SpurLayout(HeadLayout):
         return -1
 
     @property
-    def before_drum(self) -> str:
-        """See the base class."""
-        return "input pulley"
-
-    @property
     def steps_before_drum(self) -> tuple[tuple[float, float], ...]:
         """See the base class."""
         pulley = self.inputs[0]

@@ -16,7 +16,7 @@ from mbcdm_cad.design.bought import Bearing
 from mbcdm_cad.layouts.siso_spur.cable_path import stop_of
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, contact_rad, groove_depth_mm, groove_run_out_rad
 from mbcdm_cad.layouts.siso_spur.overhung import overhung_pulley
-from mbcdm_cad.layouts.siso_spur.stack import END_PLAY_MM, SpurStack
+from mbcdm_cad.layouts.siso_spur.stack import SpurStack
 from mbcdm_cad.parts.coupling import collar_over_shelf_mm, collar_width_mm
 from mbcdm_cad.parts.input_pulley import dims
 
@@ -96,7 +96,7 @@ def input_pulley(drive: SpurDrive, levels: SpurStack) -> dims.InputPulleyDims:
         upper_surface_radius=surface,
         land_top_z=levels.land_top_z,
         upper_neck_radius=neck(bearings.input_upper),
-        upper_neck_top_z=levels.top_plate_bottom_z - END_PLAY_MM,
+        upper_neck_top_z=levels.upper_neck_top_z,
         upper_journal_radius=bearings.input_upper.bore_mm / 2,
         journal_top_z=(
             levels.top_plate_bottom_z + bearings.input_upper.width_mm

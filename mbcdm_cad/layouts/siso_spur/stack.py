@@ -13,7 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf
 
-from mbcdm_cad.layouts.sector import InputLevels
+from mbcdm_cad.layouts.sector import END_PLAY_MM, SHELF_GAP_MM, InputLevels
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, boss_front_y_mm, drum_inner_y_mm, run_out_mm
 from mbcdm_cad.layouts.siso_spur.overhung import hub_length_mm
 from mbcdm_cad.parts.drum_sector.sizes import terminal_half_mm
@@ -21,10 +21,6 @@ from mbcdm_cad.parts.input_pulley.dims import helix_stop_land_mm
 
 # Land beyond the cable at each end of its walk.
 BAND_MARGIN_MM = 0.5
-# Gap between the pulley's end face and a shelf; the inner ring's shoulder bridges it.
-SHOULDER_MM = 0.6
-# Axial play of the pulley between its two bearings.
-END_PLAY_MM = 0.1
 # Thickness of an idler's flanges, and least length of the collar between plate and idler.
 FLANGE_MM, COLLAR_MM = 1.0, 1.0
 
@@ -76,7 +72,7 @@ def spur_stack(drive: SpurDrive) -> SpurStack:
         bearing_bottom = plate_back - s.bearing_shelf_mm
         motor_top = bearing_bottom - s.coupling_space_mm
         motor_bottom = motor_top - s.motor_shelf_mm
-        shelf_bottom = last + SHOULDER_MM + END_PLAY_MM
+        shelf_bottom = last + SHELF_GAP_MM + END_PLAY_MM
         shelf_top = shelf_bottom + s.encoder_shelf_mm
     # The motor of a first stage is not behind it.
     motor = drive.motor.length_mm if drive.cable_stage is None else 0.0

@@ -15,8 +15,8 @@ configuration: CONFIGURATION
 travel:
   half_angle_deg: 35.0      # deg: travel from the centre to each side
 transmission:
-  input_to_drum: 5.0        # drum radius over input radius: the smaller, the longer the rope lasts; left out: what the
-                            # motor needs
+  input_to_drum: 5.0        # drum radius over input radius: the smaller, the longer the rope lasts; left out: what a
+                            # stated motor needs, else that of the lightest drive
   drum_radius_mm: 60.0      # mm: drum pitch radius; left out: as small as the rope allows
   # cables: two_anchored    # two cables with a stop each in the input; left out: one, held there by friction
 loads:

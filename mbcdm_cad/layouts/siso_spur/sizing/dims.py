@@ -148,7 +148,7 @@ def places(given: SpurKnown) -> Found:
     "idler_bearings",
     _has_idlers,
 )
-def _bearing(given: SpurKnown) -> Found:
+def idler_bearing(given: SpurKnown) -> Found:
     return given.first("idlers.bearing", by_mass(given, "bearings"), ("idler_bearings", "idler_axles"))
 
 
@@ -181,4 +181,4 @@ FRAME = (
 MOUNT = head_dims.mount_screw(MOUNT_BOLTS)
 DRUM = head_dims.drum_rules("least width for cable and terminals", _outer_face)
 IDLERS = (radius, places)
-WIDTH = (_bearing, width)
+WIDTH = (idler_bearing, width)

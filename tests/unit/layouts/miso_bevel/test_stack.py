@@ -9,7 +9,8 @@ import pytest
 from mbcdm_cad.layouts.miso_bevel.cable_path import guide_landing_walk_mm
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-from mbcdm_cad.layouts.miso_bevel.stack import END_PLAY_MM, SHOULDER_MM, band, outward_of, stack
+from mbcdm_cad.layouts.miso_bevel.stack import band, outward_of, stack
+from mbcdm_cad.layouts.sector import END_PLAY_MM, SHELF_GAP_MM
 from mbcdm_cad.parts.input_pulley.dims import helix_stop_land_mm
 
 
@@ -26,9 +27,8 @@ def test_height_is_the_sum_of_what_stands_on_each_other(drive: BevelDrive, dims:
         + s.motor_shelf_mm
         + s.coupling_space_mm
         + s.bearing_shelf_mm
-        + SHOULDER_MM
         + (high - low)
-        + SHOULDER_MM
+        + 2 * SHELF_GAP_MM
         + END_PLAY_MM
         + s.top_plate_mm
         + drive.encoder.length_mm
