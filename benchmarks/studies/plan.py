@@ -22,7 +22,7 @@ import numpy as np
 
 from benchmarks.study import ROOT, Row, Study, parser
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.loop.prepare.noise import Noise
+from mbcdm_cad.loop.result import Noise
 from mbcdm_cad.loop.search.engine import close_loop
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.planning.plan import RunPlan, noise_from, plan_of

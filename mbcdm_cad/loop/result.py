@@ -13,12 +13,13 @@ from mbcdm_cad.routes import Complex, Floats
 
 if TYPE_CHECKING:
     from mbcdm_cad.loop.correction import Correction
-    from mbcdm_cad.loop.prepare.noise import Noise
-    from mbcdm_cad.loop.prepare.prepared import Windows
+    from mbcdm_cad.loop.prepare.prepared import Prepared, Windows
     from mbcdm_cad.loop.search.unknown import Unknown
 
 # A run is explained if its held-out error is at most this many times the noise floor.
 NEAR_FLOOR = 1.25
+# If the floor is so many times the declared one, the sensor or its data sheet is doubtful.
+FAR_ABOVE = 1.5
 # What is not testable without a design, for which no next run is planned either.
 ONLY_RATIO = "only the ratio is known: pulleys, preload and ropes"
 # Odds below which they are not stated.
@@ -28,6 +29,48 @@ LEAST_ODDS = 20.0
 FIRST_FIELDS = ("verdict", "effects", "one_of", "unknown", "error")
 
 VERDICTS = ("none", "explained", "partly_explained", "unknown", "not_testable")
+
+
+@dataclass(frozen=True)
+class Noise:
+    """The part of the residual that does not repeat, rad RMS.
+
+    ``total_rad`` is the floor in use; ``white_rad`` and ``coloured_rad`` its parts (quadratic sum), ``memory_s`` the
+    correlation time of the coloured part, ``declared_rad`` the noise from the sensors' declared steps alone, 0 where
+    they are not given. ``source`` says how it was found.
+    """
+
+    total_rad: float
+    white_rad: float
+    coloured_rad: float
+    memory_s: float
+    declared_rad: float
+    source: str
+
+    @property
+    def far_above(self) -> bool:
+        """Whether it is far above the noise that the sensors are declared to have."""
+        return 0.0 < self.declared_rad * FAR_ABOVE < self.total_rad
+
+    def to_json(self) -> dict[str, float | str]:
+        """For the result file."""
+        return {"floor_rad" if name == "total_rad" else name: value for name, value in asdict(self).items()}
+
+
+def doubt_of(noise: Noise, names: str) -> str:
+    """A sentence where the noise is far above what the file declares; ``names`` are the runs."""
+    return (
+        f"{names}: the sensors are noisier than declared: {1e6 * noise.total_rad:.3g} urad RMS do not repeat, where "
+        f"the declared steps make {1e6 * noise.declared_rad:.3g} urad (white {1e6 * noise.white_rad:.3g}, coloured "
+        f"{1e6 * noise.coloured_rad:.3g} urad"
+        + (f" with a memory of {noise.memory_s:.2g} s" if noise.memory_s else "")
+        + "); check mounts, cables and supply of the encoders, or declare their angle noise"
+    )
+
+
+def runs_of(prepared: Sequence[Prepared]) -> str:
+    """Names of the runs, for a message."""
+    return ", ".join(dict.fromkeys(p.run.source or "run" for p in prepared))
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ import yaml
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError
-from mbcdm_cad.loop.prepare.noise import Noise
+from mbcdm_cad.loop.result import Noise
 from mbcdm_cad.measurement.loads import weighed
 from mbcdm_cad.measurement.run import Run, Sensors, TorqueClass
 from mbcdm_cad.measurement.schema import FREQUENCY_RESPONSE, MOTION, NO_PLATE, CountedParts, InertiaPlate

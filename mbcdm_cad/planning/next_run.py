@@ -18,8 +18,7 @@ import numpy as np
 
 from mbcdm_cad.design.blocks import TORQUE_MAX_NM, TRAVEL_MAX_DEG
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.loop.prepare.noise import Noise
-from mbcdm_cad.loop.result import LoopResult, Named, ways_apart
+from mbcdm_cad.loop.result import LoopResult, Named, Noise, ways_apart
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.planning.best_run import LEAST_DURATION_S, TRAVEL_SHARE, candidates, experiment_text, run_of

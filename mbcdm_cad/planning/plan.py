@@ -19,10 +19,10 @@ from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.loop.effect import Effect
 from mbcdm_cad.loop.effects import library
 from mbcdm_cad.loop.effects.load_sensor import UNPLANNED
-from mbcdm_cad.loop.prepare.noise import Noise
 from mbcdm_cad.loop.prepare.prepared import prepare
 from mbcdm_cad.loop.readable import readable
-from mbcdm_cad.loop.result import Named
+from mbcdm_cad.loop.result import Named, Noise
+from mbcdm_cad.loop.search.account import stated
 from mbcdm_cad.loop.search.by_evidence import LOG_SHAPE, Posterior, spread_of
 from mbcdm_cad.loop.search.evidence import FREEDOM, NoiseModel
 from mbcdm_cad.loop.search.few import PLAY, FewReadings, prepared_by_hand
@@ -221,7 +221,7 @@ class PlannedMotion:
             rms = [np.sqrt(np.mean(one.columns**2, axis=0)) for *_, one in self.shown]
             sizes = [problem.prior_rad / np.maximum(row, 1e-300) for row in rms]
             known = [(one.columns, sd) for (*_, one), sd in zip(self.shown, sizes, strict=True)]
-            noise = problem.noise_of(self.bare, nuisances, known).stated(p.floor_rad)
+            noise = stated(problem.noise_of(self.bare, nuisances, known), p.floor_rad)
         self.noise = noise
         model = NoiseModel(noise.white_rad, noise.coloured_rad, noise.memory_s, problem.step_s, problem.starts)
         posterior.weigh(model, nuisances)

@@ -11,7 +11,7 @@ from mbcdm_cad.loop.effect import Effect, Figure
 from mbcdm_cad.loop.prepare.lines import order_spectrum
 from mbcdm_cad.loop.prepare.prepared import Prepared, held_out
 from mbcdm_cad.loop.readable import INTERVAL, Value, readable
-from mbcdm_cad.loop.result import ONLY_RATIO, Errors, Evidence, Named, Traces, ways_apart
+from mbcdm_cad.loop.result import ONLY_RATIO, Errors, Evidence, Named, Noise, Traces, ways_apart
 from mbcdm_cad.loop.search.evidence import LEAST_FALL, NoiseModel
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.loop.search.unknown import Unknown, rms_value
@@ -224,3 +224,9 @@ def size_name(effect: Effect) -> str:
     """Name of its figure, with the unit."""
     name = effect.parameters[0].name
     return f"{effect.name}_{name}" if effect.name in PARTS else f"{effect.name[5:]}_{name.rsplit('_', 1)[-1]}"
+
+
+def stated(noise: NoiseModel, declared_rad: float) -> Noise:
+    """The noise of a search as a result has it."""
+    source = "white noise and AR(1) of most likelihood in what no cause does"
+    return Noise(noise.floor_rad, noise.white_rad, noise.coloured_rad, noise.memory_s, declared_rad, source)

@@ -21,7 +21,16 @@ from scipy.special import logsumexp
 
 from mbcdm_cad.loop.effect import Effect, Parameter
 from mbcdm_cad.loop.search.account import WithinClass, size_name
-from mbcdm_cad.loop.search.evidence import ALIKE_SHARE, LEAST_FALL, LOG_ODDS, NoiseModel, Weighed, Whitened
+from mbcdm_cad.loop.search.evidence import (
+    ALIKE_SHARE,
+    LEAST_FALL,
+    LOG_ODDS,
+    ROUNDED,
+    SCALES,
+    NoiseModel,
+    Weighed,
+    Whitened,
+)
 from mbcdm_cad.loop.search.fit import Fit, FitRows, Fitter
 from mbcdm_cad.loop.search.problem import LogProblem, Nuisance
 from mbcdm_cad.loop.search.screening import Screened, Screening
@@ -112,6 +121,9 @@ class Posterior:
 
     problem_of: type[LogProblem] = LogProblem
 
+    # Scales of the curves of an unknown cause.
+    scales = SCALES
+
     def __init__(self, fitter: Fitter, bare: Fit, names: int) -> None:
         self.fitter, self.bare, self.names, self.used = fitter, bare, names, fitter.used
         self.problem = self.problem_of(fitter, bare)
@@ -119,7 +131,7 @@ class Posterior:
     def weigh(self, noise: NoiseModel, nuisances: Sequence[Nuisance]) -> None:
         """Take a noise and nuisances, and forget what was found under others."""
         self.nuisances = tuple(nuisances)
-        self.white: Whitened = self.problem.whitened(noise, nuisances, self.names)
+        self.white: Whitened = self.problem.whitened(noise, nuisances, self.names, self.scales)
         self._known: dict[Fit, Weighed] = {}
         self._metrics: dict[int, Callable[[Floats], Floats]] = {}
 
@@ -132,7 +144,8 @@ class Posterior:
         """Standard deviation of each value before the run was seen, (k,): as large as the whole error; of a place
         within its bounds, of one above zero, such as a time constant, as likely in each decade."""
         rms = np.sqrt(np.mean((jacobian - jacobian.mean(axis=0)) ** 2, axis=0))
-        sd = np.where(rms > 0.0, self.problem.prior_rad / np.where(rms > 0.0, rms, 1.0), 0.0)
+        shown = rms > ROUNDED * np.abs(jacobian).max(axis=0, initial=0.0)  # what only shifts the zero shows nothing
+        sd = np.where(shown, self.problem.prior_rad / np.where(shown, rms, 1.0), 0.0)
         own = [p for effect in effects for p in effect.parameters]
         for i, (p, value) in enumerate(zip(own, itertools.chain(*values), strict=True)):
             if p.role != "size":
@@ -246,6 +259,10 @@ class Search(Posterior):
         if fit is not self.bare and noise.floor_rad > SAME_NOISE * self.floor_rad:
             return
         self.weigh(noise, nuisances)
+
+    def weigh(self, noise: NoiseModel, nuisances: Sequence[Nuisance]) -> None:
+        """Take a noise and nuisances, and forget what was found under others."""
+        super().weigh(noise, nuisances)
         # Fits by what they hold, as they were best beside each other.
         self._without: dict[frozenset[int], Fit] = {}
         self._moves: dict[Fit, list[Fit]] = {}
@@ -431,7 +448,8 @@ class Search(Posterior):
                     continue
             self._retuned(better)
             self._without.setdefault(frozenset(map(id, now.effects)), now)
-            now = self.swapped(self.pruned(better))
+            now = self.pruned(better)
+            now = self.swapped(now) if self.scales is SCALES else now
         return now
 
     def pruned(self, now: Fit) -> Fit:
@@ -454,6 +472,13 @@ class Search(Posterior):
     def found(self) -> tuple[Fit, tuple[CredibleSet[Fit], ...]]:
         """The fit of most evidence and the credible set of each of its effects."""
         now = self.grown(self.bare)
+        if self.of(now).unknown_odds > LOG_ODDS:
+            # Of several causes none may pay beside an unknown that stands for all: also begun without any.
+            names = self.bare
+            for self.scales in (SCALES[:1], SCALES):
+                self.weigh(self.white.noise, self.nuisances)
+                names = self.grown(self.pruned(names))
+            now = names if self.score(names) >= self.score(now) + LOG_ODDS else now
         if now.effects:
             now = self.fitted(self.of(now).unknown, now.effects, now.values, now.offsets)
         return now, tuple(self._set_of(now, effect) for effect in now.effects)

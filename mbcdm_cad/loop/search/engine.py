@@ -14,9 +14,8 @@ from mbcdm_cad.layouts.registry import layout_of
 from mbcdm_cad.loop.correction import correction_of
 from mbcdm_cad.loop.effect import Effect
 from mbcdm_cad.loop.effects import friction, library
-from mbcdm_cad.loop.prepare.noise import Noise, doubt_of, runs_of
 from mbcdm_cad.loop.prepare.prepared import Prepared, prepare_all
-from mbcdm_cad.loop.result import Evidence, Helpful, LoopResult, Named
+from mbcdm_cad.loop.result import Evidence, Helpful, LoopResult, Named, Noise, doubt_of, runs_of
 from mbcdm_cad.loop.search import account
 from mbcdm_cad.loop.search.by_evidence import CredibleSet, Posterior, Search
 from mbcdm_cad.loop.search.evidence import LEAST_FALL, LOG_ODDS
@@ -149,15 +148,18 @@ class _Loop:
         found = account.errors(self.whole, self.bare_whole, after, floor_rad)
         certain = self.search.of(kept).unknown_odds > LOG_ODDS
         left = certain and self.search.unknown_rad(kept) > LEAST_FALL * floor_rad
-        unknown = self._largest(after) if left or not found.near_floor else None
         groups = named or one_of
+        # An error above the floor that certainly does not repeat is none beside what was found.
+        rest = not found.near_floor and not (groups and self.search.of(kept).unknown_odds < -LOG_ODDS)
+        unknown = self._largest(after) if left or rest else None
         if unknown is not None:
             verdict = "partly_explained" if groups else "unknown"
         else:
             blind = all(p.few for p in self.prepared) or unmeasured
             verdict = "explained" if groups else "not_testable" if blind else "none"
         rms, screened = self.search.held_rms(kept), self.search.screening.screen(kept)
-        noise = self.search.white.noise.stated(float(np.sqrt(np.mean([p.floor_rad**2 for p in self.prepared]))))
+        declared = float(np.sqrt(np.mean([p.floor_rad**2 for p in self.prepared])))
+        noise = account.stated(self.search.white.noise, declared)
         return LoopResult(
             verdict,
             tuple(named),

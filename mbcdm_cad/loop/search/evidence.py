@@ -25,7 +25,6 @@ import numpy as np
 from scipy.signal import lfilter
 from scipy.special import logsumexp
 
-from mbcdm_cad.loop.prepare.noise import Noise
 from mbcdm_cad.routes import Floats
 
 # Logarithm of the odds from which something counts as certain.
@@ -77,11 +76,6 @@ class NoiseModel:
     def floor_rad(self) -> float:
         """Its RMS, as far as the run is long."""
         return min(float(np.hypot(self.white_rad, self.coloured_rad)), max(self.rest_rad, self.white_rad))
-
-    def stated(self, declared_rad: float) -> Noise:
-        """As a result has it."""
-        source = "white noise and AR(1) of most likelihood in what no cause does"
-        return Noise(self.floor_rad, self.white_rad, self.coloured_rad, self.memory_s, declared_rad, source)
 
     @cached_property
     def _steady(self) -> tuple[float, float, float]:
@@ -166,15 +160,17 @@ class Whitened:
         names: int,
         whole_rad: float = 0.0,
         against: Sequence[float] = (),
+        scales: Floats = SCALES,
     ) -> None:
         """``bounds`` (2, q) of the nuisances, in standard deviations. An unknown cause is as likely beforehand as one
         of so many ``names``, whatever its family and scale; the least scale is what is in every run. ``whole_rad``: RMS
-        of the whole error. ``against``: logarithms of the odds beforehand against each of the ``curves``."""
+        of the whole error. ``against``: logarithms of the odds beforehand against each of the ``curves``; ``scales``
+        over the floor."""
         self.noise, self.bounds = noise, bounds
         self.coarse = noise.coarsened(nuisances.shape[0], whole_rad)
         self.every = max(1, nuisances.shape[0] // MOST_ROWS)
         self.nuisances = self.whitened(nuisances)
-        self.scales = SCALES * noise.floor_rad
+        self.scales = scales * noise.floor_rad
         squares = self.scales[:, None] ** 2
         self.axes, kept, self.weights, logs = [], [], [], []
         for family, less in zip(curves, against or [0.0] * len(curves), strict=True):
@@ -187,7 +183,7 @@ class Whitened:
             self.weights.append(squares / (1.0 + squares * values[some]))
             logs.append(0.5 * np.log1p(squares * values[some]).sum(axis=1))
             # The least scale is certain, the others share the prior of one name.
-            prior = np.full(SCALES.size, -np.log(names * len(curves) * (SCALES.size - 1)) - less)
+            prior = np.full(scales.size, -np.log(names * len(curves) * max(scales.size - 1, 1)) - less)
             prior[0] = -np.log(len(curves))
             logs[-1] -= prior
         self.curves, self.log_curves = np.hstack(kept), np.concatenate(logs)
@@ -269,7 +265,7 @@ class Whitened:
         axes, weights = self.hypothesis(best)
         curves = weights * (on_z[axes, -1] - on_z[axes, :-1] @ mean)
         least = np.arange(logs.size) % self.scales.size == 0
-        odds = float(logsumexp(logs[~least]) - logsumexp(logs[least]))
+        odds = float(logsumexp(logs[~least]) - logsumexp(logs[least])) if not least.all() else -np.inf
         return Weighed(log, whole[own:], covariance, whole[:own], best, odds, curves)
 
     def unknown(self, evidence: Weighed, curves: Sequence[Floats]) -> Floats:

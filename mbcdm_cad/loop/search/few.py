@@ -17,10 +17,9 @@ import numpy as np
 from mbcdm_cad.design.blocks import AsBuilt
 from mbcdm_cad.loop.effect import Effect
 from mbcdm_cad.loop.effects import library
-from mbcdm_cad.loop.prepare.noise import doubt_of, runs_of
 from mbcdm_cad.loop.prepare.prepared import Prepared
 from mbcdm_cad.loop.prepare.readings import prepare_creep, prepare_readings
-from mbcdm_cad.loop.result import LoopResult, Named
+from mbcdm_cad.loop.result import NEAR_FLOOR, LoopResult, Named, doubt_of, runs_of
 from mbcdm_cad.loop.search.account import as_named, chain_orders, errors, next_steps
 from mbcdm_cad.loop.search.by_evidence import NO_UNKNOWN, Posterior, spread_of
 from mbcdm_cad.loop.search.evidence import LOG_ODDS, NoiseModel, NoiseOfUnknownSize, Whitened
@@ -44,8 +43,8 @@ from mbcdm_cad.measurement.schema import CREEP
 from mbcdm_cad.model.si import DriveSI, ModelError
 from mbcdm_cad.routes import Floats
 
-# Fits of a candidate, each from where the last one ended, until the square falls no more.
-REFITS, SETTLED, ITERATIONS = 5, 0.99, 30
+# Fits of a candidate, each from where the last one ended, and iterations of each.
+REFITS, ITERATIONS = 3, 30
 # Knots of the unknown curves over load, angle, order and time.
 KNOTS = (3, 5)
 # A parameter that changes no reading by this share of the floor, by its typical size, is not known.
@@ -78,7 +77,7 @@ class RowsProblem(LogProblem):
             families = [over([p.load_Nm for p in runs], True), over([p.mean_rad for p in runs], True), order]
         return tuple(one for family in families if (one := self._unit(family)).size)
 
-    def whitened(self, noise: NoiseModel, nuisances: Sequence[Nuisance], names: int) -> Whitened:
+    def whitened(self, noise: NoiseModel, nuisances: Sequence[Nuisance], names: int, scales: Floats) -> Whitened:
         """Nuisances and curves under white noise of about this size."""
         most = np.array([one.most for one in nuisances])
         own = self.columns_of(nuisances), np.stack([-most, most])
@@ -184,16 +183,13 @@ class FewReadings(Posterior, Moves[Fit]):
                 continue
             ended = []
             for start in self.fitter.guesses(effect, now.residual):
-                one, square = None, np.inf
-                values = (*now.values, np.array(start, dtype=float))
+                one, values = None, (*now.values, np.array(start, dtype=float))
                 for _ in range(REFITS):  # a place has no slope at size zero, where a fit begins
                     try:
                         one = self._fitted((*now.effects, effect), values)
                     except ModelError:
                         break
-                    if one.square > SETTLED * square:
-                        break
-                    values, square = one.values, one.square
+                    values = one.values
                 if one is not None:
                     ended.append(one)
             best = max(ended, key=self.log_of, default=None)
@@ -244,13 +240,12 @@ class FewReadings(Posterior, Moves[Fit]):
         return replace(named, parameters=figures)
 
     def _left(self, whole: Fit) -> LeftOver | None:
-        """What is left of all readings; None if no unknown cause is certain."""
-        if self.of(whole).unknown_odds < LOG_ODDS:
-            return None
-        f = self.fitter
-        r = f.centred_on(self.used, self.beside_nuisances(whole).residual)
+        """What is left of all readings; None if no unknown cause is certain, or it is no more than the noise."""
+        r = self.fitter.centred_on(self.used, self.beside_nuisances(whole).residual)
         rms, peak = float(np.sqrt(np.mean(r**2))), float(np.abs(r).max())
-        return LeftOver(rms, peak, self.floor_rad, (), (), 0.0, (), hangs_on=hangs_on(f, r, self.at_rest))
+        if self.of(whole).unknown_odds < LOG_ODDS or rms < NEAR_FLOOR * self.floor_rad:
+            return None
+        return LeftOver(rms, peak, self.floor_rad, (), (), 0.0, (), hangs_on=hangs_on(self.fitter, r, self.at_rest))
 
 
 def prepared_by_hand(run: Run, ratio: float) -> Prepared:

@@ -10,10 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import t as t_distribution
 
-from mbcdm_cad.loop.prepare.noise import Noise
 from mbcdm_cad.loop.prepare.prepared import Prepared
 from mbcdm_cad.loop.readable import readable
-from mbcdm_cad.loop.result import ReadingsPicture
+from mbcdm_cad.loop.result import Noise, ReadingsPicture
 from mbcdm_cad.loop.search.fit import Fit, FitRows, Fitter
 from mbcdm_cad.loop.search.unknown import Unknown
 from mbcdm_cad.measurement.by_hand import inputs_move, loadings

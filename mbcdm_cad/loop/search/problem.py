@@ -57,7 +57,9 @@ class LogProblem:
         # Width of the prior of every size: what it does may be as large as the whole error.
         self.prior_rad = max(float(np.std(bare.residual[self.used])), 1e-9)
         self.step_s = min(p.step_s for p in fitter.runs)
-        self.least_rad = max(p.floor_rad for p in fitter.runs)
+        # Where no steps are declared, less than a bit of any encoder.
+        least = float(np.sqrt(np.finfo(float).eps) * np.ptp(fitter.output))
+        self.least_rad = max(p.floor_rad for p in fitter.runs) or least
 
     @cached_property
     def starts(self) -> tuple[int, ...]:
@@ -214,12 +216,12 @@ class LogProblem:
     def _likeliest(self, rest: Floats) -> tuple[float, NoiseModel]:
         return noise_model(rest, self.step_s, self.starts, self.least_rad)
 
-    def whitened(self, noise: NoiseModel, nuisances: Sequence[Nuisance], names: int) -> Whitened:
-        """Nuisances and curves under a noise; an unknown cause is as likely as one of so many names."""
+    def whitened(self, noise: NoiseModel, nuisances: Sequence[Nuisance], names: int, scales: Floats) -> Whitened:
+        """Nuisances and curves of these scales under a noise; an unknown cause is as likely as one of so many names."""
         most = np.array([one.most for one in nuisances])
         against = [odds for _, odds in self._families]
         bounds = np.stack([-most, most])
-        return Whitened(noise, self.columns_of(nuisances), bounds, self.curves, names, self.prior_rad, against)
+        return Whitened(noise, self.columns_of(nuisances), bounds, self.curves, names, self.prior_rad, against, scales)
 
 
 def _orthonormal(columns: Floats) -> Floats:

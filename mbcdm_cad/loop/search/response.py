@@ -27,9 +27,8 @@ from mbcdm_cad.loop.prepare.behind_inputs import (
     own_modes_Hz,
     predicted,
 )
-from mbcdm_cad.loop.prepare.noise import Noise
 from mbcdm_cad.loop.readable import INTERVAL, Value, readable
-from mbcdm_cad.loop.result import BodePicture, Errors, LoopResult, Named, TorsionalMode
+from mbcdm_cad.loop.result import BodePicture, Errors, LoopResult, Named, Noise, TorsionalMode
 from mbcdm_cad.loop.search.account import errors_of, next_steps
 from mbcdm_cad.loop.search.evidence import NoiseModel, NoiseOfUnknownSize, Whitened
 from mbcdm_cad.loop.search.few_readings import LeftOver, verdict_of

@@ -8,7 +8,7 @@ import pytest
 
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.loop.as_built import as_built_text
-from mbcdm_cad.loop.prepare.events import time_of_change
+from mbcdm_cad.loop.effects.change import time_of_change
 from mbcdm_cad.loop.prepare.prepared import played
 from mbcdm_cad.loop.result import LoopResult
 from mbcdm_cad.loop.search.engine import close_loop

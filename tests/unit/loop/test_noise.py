@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from scipy.signal import butter, lfilter
 
 from mbcdm_cad.loop.effects import library
-from mbcdm_cad.loop.prepare.noise import Noise, doubt_of
 from mbcdm_cad.loop.prepare.prepared import Prepared, prepare
 from mbcdm_cad.loop.prepare.quiet import locally_fitted, quiet_load, slow_difference, told_from_noise
+from mbcdm_cad.loop.result import Noise, doubt_of
 from mbcdm_cad.loop.search.by_evidence import Search
 from mbcdm_cad.loop.search.evidence import NoiseModel
 from mbcdm_cad.loop.search.fit import Fitter

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mbcdm_cad.design.blocks import TORQUE_MAX_NM
-from mbcdm_cad.loop.prepare.noise import Noise
+from mbcdm_cad.loop.result import Noise
 from mbcdm_cad.planning.best_run import BLIND, alone_from, candidates, rated
 from mbcdm_cad.planning.plan import Foreseen, Rival, RunPlan
 from mbcdm_cad.rig.bench import BenchLimits, MotorCurrent

@@ -11,7 +11,7 @@ import pytest
 from scipy.signal import lfilter
 
 from mbcdm_cad.layouts.loader import layout_of, load_design
-from mbcdm_cad.loop.prepare.noise import Noise
+from mbcdm_cad.loop.result import Noise
 from mbcdm_cad.loop.search.engine import close_loop
 from mbcdm_cad.loop.search.evidence import LOG_ODDS
 from mbcdm_cad.measurement.run import Run, Sensors, TorqueClass

@@ -10,9 +10,8 @@ import pytest
 
 from mbcdm_cad.layouts.loader import layout_of, load_design
 from mbcdm_cad.loop.effects import library
-from mbcdm_cad.loop.prepare.noise import Noise
 from mbcdm_cad.loop.prepare.prepared import prepare
-from mbcdm_cad.loop.result import Named
+from mbcdm_cad.loop.result import Named, Noise
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.planning.next_run import next_run, wrong_choice
