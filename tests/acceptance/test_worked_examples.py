@@ -62,7 +62,7 @@ def test_winding_history_is_found_whole(folder: Path, name: str) -> None:
     errors = result.errors
     found = [1e6 * errors.before.value, 1e6 * errors.after.value, 1e6 * errors.floor_rad, strength.value]
     assert found == pytest.approx(row("worked-example-winding.md", name)[:4], rel=CLOSE), found
-    assert strength.value == pytest.approx(1.0, abs=0.03) and strength.high - strength.low < 0.06, strength
+    assert strength.value == pytest.approx(1.0, abs=0.03) and strength.high - strength.low < 0.08, strength
 
 
 def test_the_drive_as_built_leaves_nothing_in_either_run(folder: Path) -> None:

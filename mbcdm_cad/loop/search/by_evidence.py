@@ -355,12 +355,12 @@ class Search(Posterior):
 
         # Other forms of the likeliest, while one of them is likelier.
         def other(one: Fit, form: Effect, fitter: Fitter) -> Fit:
-            effect = one.effects[-1]
-            known = dict(zip([p.name for p in effect.parameters], one.values[-1], strict=True))
-            start = zip(form.parameters, fitter.guesses(form, one.residual)[0], strict=True)
-            values = np.array([known.get(p.name, value) for p, value in start])
-            same = values.size == one.values[-1].size
-            slopes = one.jacobian if same else None
+            known = dict(zip([p.name for p in one.effects[-1].parameters], one.values[-1], strict=True))
+            guesses = fitter.guesses(form, one.residual)
+            if not guesses:  # nothing in the data tells of this form
+                return one
+            values = np.array([known.get(p.name, v) for p, v in zip(form.parameters, guesses[0], strict=True)])
+            slopes = one.jacobian if values.size == one.values[-1].size else None
             return begin(self.of(one).unknown, form, (*one.values[:-1], values), fitter, slopes)
 
         walked: Fit | None = None
