@@ -123,8 +123,7 @@ def test_what_the_design_computes_is_named_by_nobody(effects: list[dict[str, Any
     if not effects:
         assert found.verdict == "none" and names(found) == [], found.sentence
         return
-    assert any("stiffness_error" in group for group in names(found)), found.sentence
-    assert all("stiffness_error" in group for group in names(found)), found.sentence
+    assert names(found) and all("stiffness_error" in group for group in names(found)), found.sentence
     members = (*found.effects, *(member for group in found.one_of for member in group))
     first = next(one for one in members if one.name == "stiffness_error")
     if not first.form.startswith(form):
@@ -132,8 +131,9 @@ def test_what_the_design_computes_is_named_by_nobody(effects: list[dict[str, Any
         assert any(other.startswith(form) for other in first.equivalent), found.sentence
         return
     value = next(iter(first.parameters.values())).value
-    wanted = 80e-6 if form == "compliance in series" else WEAK["share"]
-    assert value == pytest.approx(wanted, rel=0.1), found.sentence
+    # The structure's compliance, within its uncertainty, takes or gives a part of a soft modulus.
+    wanted, rel = (80e-6, 0.1) if form == "compliance in series" else (WEAK["share"], 0.25)
+    assert value == pytest.approx(wanted, rel=rel), found.sentence
 
 
 @pytest.mark.slow
