@@ -356,7 +356,7 @@ class PlannedReadings:
         ratio = float(np.mean(d.total_ratio))
         self.few = FewReadings(d, ratio, [prepared_by_hand(arranged(run, drive), ratio)], drive.as_built)
         self.noise = noise or self.few.noise
-        self.few.weigh(NoiseModel(self.noise.total_rad, 0.0, 0.0, 1.0, (0,)), self.few.nuisances)
+        self.few.weigh(NoiseModel(self.noise.total_rad), self.few.nuisances)
 
     def foreseen(self, power: float) -> Iterator[Foreseen]:
         """What the readings can find."""

@@ -68,8 +68,8 @@ def step_lines(setup: Setup) -> Floats:
     return np.asarray(total)
 
 
-def strongest_orders(setup: Setup, residual: Floats, most: int = 2) -> list[float]:
-    """The orders with the highest peaks, more than two cycles a travel apart, without those of the encoders' steps."""
+def strongest_orders(setup: Setup, residual: Floats) -> list[float]:
+    """The two orders with the highest peaks, more than two cycles a travel apart, without those of the encoders' steps."""
     used = setup.p.used
     angle, values = setup.drum_rad[used], residual[used]
     orders, amplitude = order_spectrum(angle, values - values.mean())
@@ -82,6 +82,6 @@ def strongest_orders(setup: Setup, residual: Floats, most: int = 2) -> list[floa
     for k in np.argsort(amplitude)[::-1][:200]:
         if amplitude[k] > 0.0 and all(abs(orders[k] - other) > near for other in found):
             found.append(float(orders[k]))
-        if len(found) == most:
+        if len(found) == 2:
             break
     return found

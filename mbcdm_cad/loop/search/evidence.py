@@ -60,10 +60,10 @@ class NoiseModel:
     """
 
     white_rad: float
-    coloured_rad: float
-    memory_s: float
-    step_s: float
-    starts: tuple[int, ...]
+    coloured_rad: float = 0.0
+    memory_s: float = 0.0
+    step_s: float = 1.0
+    starts: tuple[int, ...] = (0,)
     rest_rad: float = np.inf
 
     def coarsened(self, samples: int, whole_rad: float) -> NoiseModel:
@@ -222,11 +222,11 @@ class Whitened:
         return independent
 
     def evidence_of(self, columns: Floats, prior_sd: Floats, bounds: Floats) -> Weighed:
-        """Weighed of effects whose Jacobian, and after it the data, are ``columns`` (n, k + 1)."""
+        """The evidence of effects whose Jacobian, and after it the data, are ``columns`` (n, k + 1)."""
         return self.evidence(self.parts(columns), prior_sd, bounds, columns.shape[0])
 
     def evidence(self, parts: tuple[Floats, Floats], prior_sd: Floats, bounds: Floats, rows: int) -> Weighed:
-        """Weighed of effects with prior standard deviations (k,); ``parts``: those of their Jacobian and the data.
+        """The evidence of effects with prior standard deviations (k,); ``parts``: those of their Jacobian and the data.
 
         Every value and nuisance whose posterior mean lies beyond its bounds (2, k) is held there: it has no column,
         since the data cannot move it.

@@ -104,7 +104,7 @@ class FewReadings(Posterior, Moves[Fit]):
         self.library = [*self.slopes]
         self.names = max(1, len({e.key for e in self.library}))
         self.noise = noise_of(fitter, self.bare.residual, self.at_rest)
-        self.weigh(NoiseModel(self.noise.total_rad, 0.0, 0.0, 1.0, (0,)), self.problem.nuisances_of(self.bare))
+        self.weigh(NoiseModel(self.noise.total_rad), self.problem.nuisances_of(self.bare))
         self.doubts: list[str] = []
 
     def result(self) -> LoopResult:

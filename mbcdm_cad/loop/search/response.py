@@ -340,7 +340,7 @@ class ResponseLoop(Moves[ResponseFit]):
         self.bare, self.before = self.fit(()), self.fit((), known=TOLERANCES)
         self.__dict__.pop("_additions", None)
         self._known: dict[ResponseFit, float] = {}
-        noise = NoiseModel(float(np.sqrt(self.together)), 0.0, 0.0, 1.0, (0,))
+        noise = NoiseModel(float(np.sqrt(self.together)))
         none = np.zeros((2 * self.measured.size, 0)), np.zeros((2, 0))
         self.white = NoiseOfUnknownSize(noise, *none, self._curves(), self.names, noise.white_rad)
 
