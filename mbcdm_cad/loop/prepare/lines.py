@@ -69,7 +69,7 @@ def step_lines(setup: Setup) -> Floats:
 
 
 def strongest_orders(setup: Setup, residual: Floats) -> list[float]:
-    """The two orders with the highest peaks, more than two cycles a travel apart, without those of the encoders' steps."""
+    """The two orders with the highest peaks, more than two cycles a travel apart; steps of encoders do not count."""
     used = setup.p.used
     angle, values = setup.drum_rad[used], residual[used]
     orders, amplitude = order_spectrum(angle, values - values.mean())
